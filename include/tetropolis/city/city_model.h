@@ -1,0 +1,67 @@
+// The LoD1.2 city model: one prism per building, and an account of every input feature.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "tetropolis/geometry/types.h"
+
+namespace tetropolis {
+
+/// What a building's numbers rest on when the data had gaps; bits of Building::flags.
+enum BuildingFlag : std::uint32_t {
+  kGroundFromDtm = 1U << 0,        ///< No ground points near it: h_ground is the DTM's.
+  kRoofFromUnclassified = 1U << 1, ///< No class 6 in the cloud: roof points by exclusion.
+  kRoofFromAttribute = 1U << 2,    ///< No roof points: height taken from the named attribute.
+  kNoRoofPoints = 1U << 3,         ///< No roof points and no attribute: the minimum height.
+  kMinimumHeight = 1U << 4,        ///< Raised to the minimum building height.
+  kMerged = 1U << 5,               ///< More than one input feature.
+  kConvexHull = 1U << 6,           ///< Simplification had to fall back to a hull.
+  kRepaired = 1U << 7,             ///< The footprint's rings were invalid and have been repaired.
+  kClipped = 1U << 8,              ///< Cut at the domain boundary.
+};
+
+/// The flags' names in files and reports, in bit order ("ground_from_dtm", ...).
+std::vector<std::string> flag_names(std::uint32_t flags);
+/// Inverse of flag_names; unknown names are ignored.
+std::uint32_t flags_from_names(const std::vector<std::string>& names);
+
+/// A polygonal prism footprint x [h_ground, h_roof].
+struct Building {
+  std::string id;                       ///< "b" and a number, unique in the model (tetropolis_id).
+  std::vector<std::string> source_ids;  ///< The input features it is made of; never empty.
+  Polygon footprint;                    ///< Local frame, metres.
+  double h_ground = 0;                  ///< Elevation, metres.
+  double h_roof = 0;                    ///< Elevation, metres.
+  std::int64_t n_ground_points = 0;     ///< Points h_ground was computed from (after outliers).
+  std::int64_t n_roof_points = 0;       ///< Points h_roof was computed from (after outliers).
+  std::uint32_t flags = 0;              ///< BuildingFlag bits.
+  double attribute_height = 0;          ///< Height above ground from the input attribute; NaN or
+                                        ///< <= 0 where there is none.
+};
+
+/// An input feature that ended in no building, and why (one short clause, lower case).
+struct Dropped {
+  std::string source_id;
+  std::string reason;
+};
+
+/// Guarantee 1: every input feature is in the source_ids of exactly one building or in `dropped`.
+struct CityModel {
+  std::vector<Building> buildings;
+  std::vector<Dropped> dropped;
+  Point2 origin;   ///< Local frame's origin in the CRS; whole metres.
+  Bounds2 domain;  ///< The meshed rectangle, local frame.
+  std::string crs; ///< "EPSG:28992", or WKT where there is no code, or empty if unknown.
+};
+
+/// Horizontal coordinates of footprints and of the domain are whole multiples of this step
+/// (metres), so that writing a city model to CityJSON and reading it back changes nothing.
+inline constexpr double kCoordinateStep = 1e-4;
+
+/// The multiple of kCoordinateStep nearest to `value`: always the same double for the same multiple.
+double snap_coordinate(double value);
+inline Point2 snap_coordinate(Point2 p) { return {snap_coordinate(p.x), snap_coordinate(p.y)}; }
+
+}  // namespace tetropolis

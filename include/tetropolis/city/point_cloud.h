@@ -1,0 +1,34 @@
+// A point cloud in flat arrays.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+namespace tetropolis {
+
+/// Four arrays of one length. x and y are metres in the local frame, z is metres of elevation.
+struct PointCloud {
+  std::vector<double> x;
+  std::vector<double> y;
+  std::vector<double> z;
+  std::vector<std::uint8_t> classification;  ///< ASPRS class code, see PointClass.
+
+  std::size_t size() const { return x.size(); }
+};
+
+/// The ASPRS standard classes that the pipeline looks at (LAS 1.4 R15, table 17).
+enum PointClass : std::uint8_t {
+  kNeverClassified = 0,
+  kUnclassified = 1,
+  kGround = 2,
+  kLowVegetation = 3,
+  kMediumVegetation = 4,
+  kHighVegetation = 5,
+  kBuildingClass = 6,
+  kLowNoise = 7,
+  kWater = 9,
+  kHighNoise = 18,
+};
+
+}  // namespace tetropolis

@@ -1,0 +1,57 @@
+// The plain 2D types that every stage exchanges. Coordinates are metres in the local frame: the
+// coordinates of the reference system minus the origin of the run (see city_model.h).
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <vector>
+
+namespace tetropolis {
+
+/// Indices by role. 32 bits suffice for everything two-dimensional; counts of 3D vertices and cells
+/// are 64 bits.
+using VertexIndex = std::int32_t;
+using TriangleIndex = std::int32_t;
+using BuildingIndex = std::int32_t;
+
+inline constexpr BuildingIndex kNoBuilding = -1;
+
+struct Point2 {
+  double x = 0;
+  double y = 0;
+  friend bool operator==(const Point2&, const Point2&) = default;
+};
+
+/// Closed box [xmin, xmax] x [ymin, ymax]. A box with xmin > xmax is empty.
+struct Bounds2 {
+  double xmin = 0;
+  double ymin = 0;
+  double xmax = 0;
+  double ymax = 0;
+
+  double width() const { return xmax - xmin; }
+  double height() const { return ymax - ymin; }
+  bool empty() const { return !(xmin <= xmax && ymin <= ymax); }
+  bool contains(Point2 p) const {
+    return p.x >= xmin && p.x <= xmax && p.y >= ymin && p.y <= ymax;
+  }
+  bool intersects(const Bounds2& other) const {
+    return xmin <= other.xmax && other.xmin <= xmax && ymin <= other.ymax && other.ymin <= ymax;
+  }
+  Bounds2 grown(double margin) const {
+    return {xmin - margin, ymin - margin, xmax + margin, ymax + margin};
+  }
+  friend bool operator==(const Bounds2&, const Bounds2&) = default;
+};
+
+/// A closed ring: the last vertex is joined to the first and not repeated.
+using Ring = std::vector<Point2>;
+
+/// A polygon with holes. Once cleaned: the outer ring is counter-clockwise, holes are clockwise.
+struct Polygon {
+  Ring outer;
+  std::vector<Ring> holes;
+  friend bool operator==(const Polygon&, const Polygon&) = default;
+};
+
+}  // namespace tetropolis

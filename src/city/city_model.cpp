@@ -1,0 +1,39 @@
+#include "tetropolis/city/city_model.h"
+
+#include <array>
+#include <cmath>
+
+namespace tetropolis {
+
+namespace {
+
+constexpr std::array kFlagNames = {
+    "ground_from_dtm", "roof_from_unclassified", "roof_from_attribute",
+    "no_roof_points",  "minimum_height",         "merged",
+    "convex_hull",     "repaired",               "clipped"};
+
+}  // namespace
+
+std::vector<std::string> flag_names(std::uint32_t flags) {
+  std::vector<std::string> names;
+  for (std::size_t bit = 0; bit < kFlagNames.size(); ++bit)
+    if ((flags >> bit & 1U) != 0) names.emplace_back(kFlagNames[bit]);
+  return names;
+}
+
+std::uint32_t flags_from_names(const std::vector<std::string>& names) {
+  std::uint32_t flags = 0;
+  for (const std::string& name : names)
+    for (std::size_t bit = 0; bit < kFlagNames.size(); ++bit)
+      if (name == kFlagNames[bit]) flags |= 1U << bit;
+  return flags;
+}
+
+double snap_coordinate(double value) {
+  // Division by an integer rounds once, so that n steps read from a file as n / 10000 give the same
+  // double as here; n * 1e-4 would not.
+  static_assert(kCoordinateStep == 1.0 / 10000.0);
+  return std::nearbyint(value * 10000.0) / 10000.0;
+}
+
+}  // namespace tetropolis

@@ -1,0 +1,37 @@
+// Where the tests find real data, and a scratch folder of their own.
+#pragma once
+
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <string>
+
+namespace tetropolis::testing {
+
+/// The folder named by TETROPOLIS_DATA joined with `relative`; empty if the variable is unset or the
+/// file is not there.
+std::filesystem::path data_path(const std::string& relative);
+
+/// A new empty folder, removed when the object goes.
+class TemporaryFolder {
+ public:
+  TemporaryFolder();
+  ~TemporaryFolder();
+  TemporaryFolder(const TemporaryFolder&) = delete;
+  TemporaryFolder& operator=(const TemporaryFolder&) = delete;
+  const std::filesystem::path& path() const { return path_; }
+  std::filesystem::path operator/(const std::string& name) const { return path_ / name; }
+
+ private:
+  std::filesystem::path path_;
+};
+
+/// The seed of this run's random tests: TETROPOLIS_TEST_SEED, or 1. Print it in failure messages.
+unsigned test_seed();
+
+}  // namespace tetropolis::testing
+
+/// Sets `variable` to the data file, or skips the test where the data is absent.
+#define TETROPOLIS_REQUIRE_DATA(variable, relative)                                    \
+  const std::filesystem::path variable = ::tetropolis::testing::data_path(relative);   \
+  if (variable.empty()) GTEST_SKIP() << "needs TETROPOLIS_DATA with " << (relative)
