@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <utility>
+#include <vector>
 
 namespace tetropolis {
 
@@ -38,32 +40,92 @@ Bounds2 bounds(const Polygon& polygon) { return bounds(polygon.outer); }
 
 bool contains(const Polygon& polygon, Point2 p) {
   bool inside = false;
-  for_each_edge(polygon, [&](Point2 a, Point2 b) {
-    if ((a.y > p.y) == (b.y > p.y)) return;
-    // Evaluated from the lower to the upper end, whichever way the ring runs: two polygons that
-    // share an edge take the same decision.
-    if (a.y > b.y) std::swap(a, b);
-    const double side = (b.x - a.x) * (p.y - a.y) - (p.x - a.x) * (b.y - a.y);
-    if (side > 0) inside = !inside;
-  });
+  for_each_edge(polygon, [&](Point2 a, Point2 b) { inside ^= crosses_ray(a, b, p); });
   return inside;
 }
 
-double distance_to_segment(Point2 p, Point2 a, Point2 b) {
+double squared_distance_to_segment(Point2 p, Point2 a, Point2 b) {
   const double dx = b.x - a.x;
   const double dy = b.y - a.y;
   const double length2 = dx * dx + dy * dy;
   double t = 0;
   if (length2 > 0) t = std::clamp(((p.x - a.x) * dx + (p.y - a.y) * dy) / length2, 0.0, 1.0);
-  return std::hypot(p.x - (a.x + t * dx), p.y - (a.y + t * dy));
+  const double ex = p.x - (a.x + t * dx);
+  const double ey = p.y - (a.y + t * dy);
+  return ex * ex + ey * ey;
+}
+
+double distance_to_segment(Point2 p, Point2 a, Point2 b) {
+  return std::sqrt(squared_distance_to_segment(p, a, b));
 }
 
 double distance_to_boundary(const Polygon& polygon, Point2 p) {
-  double distance = std::numeric_limits<double>::infinity();
+  double squared = std::numeric_limits<double>::infinity();
   for_each_edge(polygon, [&](Point2 a, Point2 b) {
-    distance = std::min(distance, distance_to_segment(p, a, b));
+    squared = std::min(squared, squared_distance_to_segment(p, a, b));
   });
-  return distance;
+  return std::sqrt(squared);
+}
+
+namespace {
+
+/// A stretch of a horizontal line inside a polygon.
+struct Run {
+  Point2 middle;
+  double width = -1;
+};
+
+/// The widest run of the line at ordinate y; width -1 if the line misses the polygon.
+Run widest_run(const Polygon& polygon, double y, std::vector<double>& crossings) {
+  crossings.clear();
+  for_each_edge(polygon, [&](Point2 a, Point2 b) {
+    if ((a.y > y) == (b.y > y)) return;
+    if (a.y > b.y) std::swap(a, b);
+    crossings.push_back(a.x + (y - a.y) / (b.y - a.y) * (b.x - a.x));
+  });
+  std::sort(crossings.begin(), crossings.end());
+  Run best;
+  for (std::size_t i = 0; i + 1 < crossings.size(); i += 2) {
+    const double width = crossings[i + 1] - crossings[i];
+    if (width > best.width) best = {{crossings[i] + width / 2, y}, width};
+  }
+  return best;
+}
+
+bool strictly_inside(const Polygon& polygon, const Run& run) {
+  return run.width > 0 && contains(polygon, run.middle) &&
+         distance_to_boundary(polygon, run.middle) > 0;
+}
+
+/// The ordinates of all vertices, ascending, each once.
+std::vector<double> ordinates(const Polygon& polygon) {
+  std::vector<double> ys;
+  for_each_edge(polygon, [&](Point2, Point2 b) { ys.push_back(b.y); });
+  std::sort(ys.begin(), ys.end());
+  ys.erase(std::unique(ys.begin(), ys.end()), ys.end());
+  return ys;
+}
+
+}  // namespace
+
+Point2 interior_point(const Polygon& polygon) {
+  const Bounds2 box = bounds(polygon);
+  const Point2 centre{box.xmin + box.width() / 2, box.ymin + box.height() / 2};
+  const std::vector<double> ys = ordinates(polygon);
+  if (ys.size() < 2) return centre;
+  const auto middle_of_slab = [&](std::size_t k) { return ys[k] + (ys[k + 1] - ys[k]) / 2; };
+  // The slab that holds the centre; the centre is below the last ordinate unless rounding says so.
+  const auto above = std::upper_bound(ys.begin() + 1, ys.end() - 1, centre.y);
+  std::vector<double> crossings;
+  const Run usual =
+      widest_run(polygon, middle_of_slab(static_cast<std::size_t>(above - ys.begin()) - 1), crossings);
+  if (strictly_inside(polygon, usual)) return usual.middle;
+  Run best;
+  for (std::size_t k = 0; k + 1 < ys.size(); ++k) {
+    const Run run = widest_run(polygon, middle_of_slab(k), crossings);
+    if (run.width > best.width && strictly_inside(polygon, run)) best = run;
+  }
+  return best.width > 0 ? best.middle : centre;
 }
 
 }  // namespace tetropolis

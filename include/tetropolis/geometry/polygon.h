@@ -1,7 +1,8 @@
 // Elementary facts about rings and polygons.
 #pragma once
 
-#include <span>
+#include <cstddef>
+#include <utility>
 
 #include "tetropolis/geometry/types.h"
 
@@ -17,15 +18,37 @@ double area(const Polygon& polygon);
 Bounds2 bounds(const Ring& ring);
 Bounds2 bounds(const Polygon& polygon);
 
-/// Even-odd rule over all rings. Points exactly on an edge may go either way, but consistently: of
-/// two polygons that share an edge exactly one contains such a point.
+/// Whether the ray from `p` towards +x crosses the edge a-b. The end points count as if they lay a
+/// little lower, and `p` exactly on the edge does not cross. The same answer for b-a.
+inline bool crosses_ray(Point2 a, Point2 b, Point2 p) {
+  if ((a.y > p.y) == (b.y > p.y)) return false;
+  // Evaluated from the lower to the upper end, whichever way the ring runs: two polygons that share
+  // an edge take the same decision.
+  if (a.y > b.y) std::swap(a, b);
+  return (b.x - a.x) * (p.y - a.y) - (p.x - a.x) * (b.y - a.y) > 0;
+}
+
+/// Even-odd rule over all rings: an odd number of crosses_ray. Points exactly on an edge may go
+/// either way, but consistently: of two polygons that share an edge exactly one contains such a
+/// point.
 bool contains(const Polygon& polygon, Point2 p);
+
+/// Square of the distance from `p` to the segment a-b (which may be a single point). Square metres.
+/// Only additions, multiplications and a division: the same bits on every platform.
+double squared_distance_to_segment(Point2 p, Point2 a, Point2 b);
 
 /// Distance from `p` to the segment a-b (which may be a single point). Metres.
 double distance_to_segment(Point2 p, Point2 a, Point2 b);
 
 /// Distance from `p` to the nearest edge of any ring. Infinity for a polygon without vertices.
 double distance_to_boundary(const Polygon& polygon, Point2 p);
+
+/// A point strictly inside: the middle of the widest interior run of a horizontal line that passes
+/// between two neighbouring vertex ordinates next to the middle of the bounding box, so through no
+/// vertex. Where that run is too thin for doubles the other ordinates are tried, widest run first.
+/// A polygon without interior gives the middle of its bounding box. Any orientation of the rings.
+/// Precondition: at least one vertex; rings do not cross.
+Point2 interior_point(const Polygon& polygon);
 
 /// Calls visit(a, b) for every edge of every ring, outer first.
 template <typename Visit>

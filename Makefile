@@ -1,0 +1,32 @@
+# The two commands a newcomer needs are `make demo` and `make test`.
+.PHONY: demo test build deps bench format check-format clean
+
+demo: build
+	@echo "demo: a synthetic city of 500 m x 500 m, its LiDAR points, and a mesh of both, in out/demo"
+	@rm -rf out/demo out/demo-input
+	@build/tetropolis synth --kind blocks --size 500 --seed 7 --out out/demo-input --quiet
+	@build/tetropolis build --footprints out/demo-input/footprints.shp --points out/demo-input \
+	  --id-attribute id --mesh-size 10 --out out/demo
+	@build/tetropolis check out/demo
+	@echo "demo: open out/demo/boundary.vtp or out/demo/volume.vtu in ParaView, out/demo/surface.stl anywhere"
+
+test: build
+	@scripts/run-tests build
+
+build: deps
+	@scripts/build release
+
+deps:
+	@scripts/install-deps
+
+bench: build
+	@build/bench/tetropolis_bench
+
+format:
+	@scripts/format
+
+check-format:
+	@scripts/format --check
+
+clean:
+	rm -rf build build-* out

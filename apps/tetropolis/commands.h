@@ -1,0 +1,19 @@
+// The commands that only look at files.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "console.h"
+
+namespace tetropolis::app {
+
+/// Prints on stdout what each file holds. Throws Error.
+void info(const std::vector<std::string>& files);
+
+/// Checks a city model, a volume, a boundary or a folder of results and prints what it found on stdout.
+/// Returns whether every guarantee holds. `min_distance`: clearance to ask of a city model; negative:
+/// that of the report beside it, or 1 m. Throws Error for files that cannot be read.
+bool check(const std::string& path, double min_distance, Console& console);
+
+}  // namespace tetropolis::app

@@ -1,0 +1,86 @@
+#include "console.h"
+
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <csignal>
+#include <cstring>
+
+#include "tetropolis/core/error.h"
+
+namespace tetropolis::app {
+
+namespace {
+
+volatile std::sig_atomic_t interrupt_seen = 0;
+
+void on_interrupt(int signal) {
+  interrupt_seen = 1;
+  std::signal(signal, SIG_DFL);
+}
+
+}  // namespace
+
+bool interrupted() { return interrupt_seen != 0; }
+
+void catch_interrupts() {
+  std::signal(SIGINT, on_interrupt);
+  std::signal(SIGTERM, on_interrupt);
+}
+
+Console::Console(bool quiet, const std::string& log)
+    : quiet_(quiet), terminal_(isatty(STDERR_FILENO) == 1) {
+  if (log.empty()) return;
+  log_ = std::fopen(log.c_str(), "w");
+  if (log_ == nullptr)
+    throw Error(ErrorKind::kUsage, fmt::format("--log: {} cannot be written: {}", log, std::strerror(errno)));
+}
+
+Console::~Console() {
+  clear_bar();
+  if (log_ != nullptr) std::fclose(log_);
+}
+
+void Console::clear_bar() {
+  if (bar_) std::fputs("\r\033[K", stderr);
+  bar_ = false;
+}
+
+void Console::line(const std::string& text) {
+  if (log_ != nullptr) fmt::print(log_, "{}\n", text);
+  if (quiet_) return;
+  clear_bar();
+  fmt::print(stderr, "{}\n", text);
+}
+
+void Console::error(const std::string& text) {
+  clear_bar();
+  if (log_ != nullptr) fmt::print(log_, "{}\n", text);
+  fmt::print(stderr, "{}\n", text);
+}
+
+RunHooks Console::hooks() {
+  RunHooks hooks;
+  hooks.cancelled = interrupted;
+  hooks.step_begins = [this](const StepReport& step) {
+    step_ = fmt::format("{}  {}", step.id, step.name);
+    last_percent_ = -1;
+  };
+  hooks.step_progress = [this](double fraction) {
+    const int percent = static_cast<int>(fraction * 100);
+    if (quiet_ || !terminal_ || percent == last_percent_) return;
+    last_percent_ = percent;
+    constexpr int width = 30;
+    const int filled = percent * width / 100;
+    fmt::print(stderr, "\r\033[K{:<32} [{:=<{}}{:{}}] {:3d} %", step_, "", filled, "", width - filled, percent);
+    std::fflush(stderr);
+    bar_ = true;
+  };
+  hooks.step_ends = [this](const StepReport& step) {
+    line(fmt::format("{:<32} {:8.2f} s", step_, step.seconds));
+  };
+  return hooks;
+}
+
+}  // namespace tetropolis::app

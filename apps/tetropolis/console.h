@@ -1,0 +1,38 @@
+// What the user sees on stderr: a progress bar on a terminal, plain lines otherwise.
+#pragma once
+
+#include <cstdio>
+#include <string>
+
+#include "tetropolis/pipeline/run.h"
+
+namespace tetropolis::app {
+
+class Console {
+ public:
+  /// Throws Error(kUsage) if the log cannot be opened. Empty `log`: none.
+  Console(bool quiet, const std::string& log);
+  ~Console();
+  Console(const Console&) = delete;
+  Console& operator=(const Console&) = delete;
+
+  void line(const std::string& text);   ///< Unless quiet.
+  void error(const std::string& text);  ///< Always.
+  RunHooks hooks();
+
+ private:
+  void clear_bar();
+
+  bool quiet_;
+  bool terminal_;
+  bool bar_ = false;
+  int last_percent_ = -1;
+  std::string step_;
+  std::FILE* log_ = nullptr;
+};
+
+/// Set by Ctrl-C and SIGTERM; a second signal ends the process at once.
+bool interrupted();
+void catch_interrupts();
+
+}  // namespace tetropolis::app

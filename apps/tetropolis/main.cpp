@@ -1,0 +1,183 @@
+// The command line: options in, library calls, progress out.
+#include <CLI/CLI.hpp>
+#include <fmt/format.h>
+
+#include <cstdio>
+#include <exception>
+#include <functional>
+#include <memory>
+#include <new>
+
+#include "commands.h"
+#include "console.h"
+#include "options.h"
+#include "tetropolis/core/error.h"
+#include "tetropolis/core/version.h"
+#include "tetropolis/io/atomic_file.h"
+#include "tetropolis/pipeline/run.h"
+
+namespace {
+
+using namespace tetropolis;
+using namespace tetropolis::app;
+
+constexpr int kInterruptedExit = 130;
+
+/// The lines after a run: what came out, in one screen.
+void print_summary(const Report& report, Console& console) {
+  if (report.input && report.command != "synth")
+    console.line(fmt::format("points     {} read, {} kept", report.input->points_read, report.input->points_kept));
+  if (report.command == "synth")
+    console.line(fmt::format("city       {} footprints, {} points", report.input->footprints_read, report.input->points_kept));
+  if (report.city)
+    console.line(fmt::format("buildings  {} cleaned, {} after merging, {} features dropped; clearance {:.3f} m",
+                             report.city->raw_buildings, report.city->buildings, report.city->dropped.size(),
+                             report.city->min_clearance));
+  if (report.ground_mesh)
+    console.line(fmt::format("ground     {} triangles, least angle {:.1f} degrees", report.ground_mesh->triangles,
+                             report.ground_mesh->min_angle_deg));
+  if (report.volume_mesh) {
+    const VolumeMeshReport& mesh = *report.volume_mesh;
+    console.line(fmt::format("volume     {} tets in {} layers, {} inverted; dihedral angles {:.1f} .. {:.1f} degrees, median of least {:.1f}",
+                             mesh.cells, mesh.layers, mesh.inverted, mesh.dihedral_min, mesh.dihedral_max,
+                             mesh.dihedral_median));
+  }
+  if (report.surface_mesh)
+    console.line(fmt::format("surface    {} triangles, {}, {}", report.surface_mesh->triangles,
+                             report.surface_mesh->closed ? "closed" : "open",
+                             report.surface_mesh->manifold ? "manifold" : "not manifold"));
+  for (const Warning& warning : report.warnings)
+    console.line(fmt::format("note       {}: {} ({})", warning.code, warning.message, warning.count));
+  double seconds = 0;
+  for (const StepReport& step : report.steps) seconds += step.seconds;
+  console.line(fmt::format("done       {:.1f} s, {:.0f} MB at most; results in {}", seconds,
+                           static_cast<double>(report.peak_rss_bytes) / 1e6, report.config.out));
+}
+
+using RunFunction = Report (*)(const Config&, const RunHooks&);
+
+int run(const ConfigOptions& options, RunFunction function) {
+  const Config config = options.config();
+  Console console(config.quiet, config.log);
+  print_summary(function(config, console.hooks()), console);
+  return 0;
+}
+
+void init(const std::string& path) {
+  const std::string text = config_template(kBuild | kCity | kMesh);
+  if (path == "-") {
+    fmt::print("{}", text);
+    return;
+  }
+  if (std::filesystem::exists(path))
+    throw Error(ErrorKind::kUsage, fmt::format("{}: exists already; choose another name", path));
+  AtomicFile file(path);
+  file.write(text);
+  file.commit();
+}
+
+/// One line for what CLI11 could not parse, with the nearest option.
+std::string usage_message(const CLI::App& app, const CLI::ParseError& error) {
+  const CLI::App* command = &app;
+  for (const CLI::App* sub : app.get_subcommands()) command = sub;
+  const auto* extras = dynamic_cast<const CLI::ExtrasError*>(&error);
+  if (extras == nullptr) return error.what();
+  std::string unknown;
+  for (const std::string& word : command->remaining(true))
+    if (unknown.empty()) unknown = word;
+  std::vector<std::string> known;
+  for (const CLI::Option* option : command->get_options()) known.push_back(option->get_name());
+  for (const CLI::App* sub : command->get_subcommands({})) known.push_back(sub->get_name());
+  const std::string nearest = nearest_name(unknown, known);
+  return fmt::format("unknown argument '{}'{}", unknown,
+                     nearest.empty() ? fmt::format("; see 'tetropolis {}--help'", command == &app ? "" : command->get_name() + " ")
+                                     : fmt::format("; did you mean '{}'?", nearest));
+}
+
+/// Declares the commands; `action` is set to what the chosen one does, returning the exit code.
+void declare(CLI::App& app, std::vector<std::unique_ptr<ConfigOptions>>& options,
+             std::function<int()>& action) {
+  app.set_version_flag("--version", std::string("tetropolis ") + kVersion);
+  app.require_subcommand(1);
+  struct RunCommand {
+    const char* name;
+    const char* help;
+    Command command;
+    RunFunction function;
+  };
+  static constexpr RunCommand kRuns[] = {
+      {"build", "Footprints and points to a city model, a volume mesh and a surface", kBuild, run_build},
+      {"city", "Footprints and points to a city model and a terrain (steps 1 and 2)", kCity, run_city},
+      {"mesh", "A city model and a terrain to meshes (step 3)", kMesh, run_mesh},
+      {"synth", "Invent a city: footprints.shp and points.laz", kSynth, run_synth},
+  };
+  for (const RunCommand& command : kRuns) {
+    CLI::App* sub = app.add_subcommand(command.name, command.help);
+    options.push_back(std::make_unique<ConfigOptions>(*sub, command.command));
+    sub->callback([&action, chosen = options.back().get(), function = command.function] {
+      action = [chosen, function] { return run(*chosen, function); };
+    });
+  }
+
+  static std::vector<std::string> files;
+  CLI::App* info_command = app.add_subcommand("info", "What is in a point cloud, vector file, city model, raster or mesh");
+  info_command->add_option("files", files, "Files")->required()->type_name("FILE...");
+  info_command->callback([&action] { action = [] { info(files); return 0; }; });
+
+  static std::string checked;
+  static double min_distance = -1;
+  CLI::App* check_command = app.add_subcommand("check", "Validate a city model, a mesh or a folder of results; exit 1 if a guarantee is broken");
+  check_command->add_option("path", checked, "File or folder")->required()->type_name("PATH");
+  check_command->add_option("--min-building-distance", min_distance, "Clearance to ask of a city model [m] (default: as in report.json, else 1.0)")->type_name("NUMBER");
+  check_command->callback([&action] {
+    action = [] {
+      Console console(false, "");
+      return check(checked, min_distance, console) ? 0 : static_cast<int>(ErrorKind::kGuarantee);
+    };
+  });
+
+  static std::string settings = "tetropolis.toml";
+  CLI::App* init_command = app.add_subcommand("init", "Write a commented configuration file");
+  init_command->add_option("file", settings, "File to write, '-' for standard output (default tetropolis.toml)")->type_name("FILE");
+  init_command->callback([&action] { action = [] { init(settings); return 0; }; });
+
+  CLI::App* help_command = app.add_subcommand("settings", "All settings as Markdown tables, for the documentation");
+  help_command->callback([&action] { action = [] { fmt::print("{}", config_markdown()); return 0; }; });
+}
+
+int guarded(const std::function<int()>& action) {
+  const auto fail = [](const std::string& message, int code) {
+    fmt::print(stderr, "tetropolis: {}\n", message);
+    return code;
+  };
+  try {
+    return action();
+  } catch (const Error& error) {
+    return fail(error.what(), static_cast<int>(error.kind()));
+  } catch (const Cancelled&) {
+    return fail("interrupted; nothing was written", kInterruptedExit);
+  } catch (const std::bad_alloc&) {
+    return fail("out of memory; use a smaller domain or a larger --mesh-size", 1);
+  } catch (const std::exception& error) {
+    return fail(fmt::format("internal error: {}; please report it", error.what()), 1);
+  }
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  catch_interrupts();
+  CLI::App app{"Tetropolis: from building footprints and LiDAR to simulation-ready city meshes", "tetropolis"};
+  std::vector<std::unique_ptr<ConfigOptions>> options;
+  std::function<int()> action;
+  declare(app, options, action);
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::Success& success) {
+    return app.exit(success);
+  } catch (const CLI::ParseError& error) {
+    fmt::print(stderr, "tetropolis: {}\n", usage_message(app, error));
+    return static_cast<int>(ErrorKind::kUsage);
+  }
+  return guarded(action);
+}

@@ -1,0 +1,69 @@
+#include "options.h"
+
+#include <fmt/format.h>
+
+namespace tetropolis::app {
+
+namespace {
+
+bool is_switch(const ConfigField& field) {
+  return std::holds_alternative<bool Config::*>(field.member);
+}
+
+bool is_text_list(const ConfigField& field) {
+  return std::holds_alternative<std::vector<std::string> Config::*>(field.member);
+}
+
+/// "TEXT", "{a,b}", "M" ... shown behind the option's name.
+std::string type_name(const ConfigField& field) {
+  if (!field.choices.empty()) return fmt::format("{{{}}}", fmt::join(field.choices, ","));
+  if (field.name == "bounds") return "XMIN,YMIN,XMAX,YMAX";
+  if (is_text_list(field)) return "PATH...";
+  if (std::holds_alternative<int Config::*>(field.member)) return "INT";
+  if (std::holds_alternative<double Config::*>(field.member)) return "NUMBER";
+  return "TEXT";
+}
+
+std::string description(const ConfigField& field) {
+  static const Config defaults;
+  std::string text(field.help);
+  if (!field.unit.empty() && field.name != "bounds") text += fmt::format(" [{}]", field.unit);
+  const std::string value = value_text(field, defaults);
+  if (!is_switch(field) && value != "\"\"" && value != "[]") text += fmt::format(" (default {})", value);
+  return text;
+}
+
+}  // namespace
+
+ConfigOptions::ConfigOptions(CLI::App& app, Command command) {
+  app.add_option("--config", file_, "TOML file with settings; 'tetropolis init' writes one")
+      ->type_name("FILE")
+      ->group("Input");
+  for (const ConfigField& field : config_fields()) {
+    if ((field.commands & command) == 0) continue;
+    const std::string group(field.group);
+    if (is_switch(field)) {
+      app.add_flag(option_name(field), switches_[&field], description(field))->group(group);
+      continue;
+    }
+    CLI::Option* option =
+        app.add_option(option_name(field), values_[&field], description(field))->group(group);
+    option->type_name(type_name(field));
+    if (is_text_list(field) && field.choices.empty())
+      option->expected(1, -1);
+    else
+      option->expected(1)->multi_option_policy(CLI::MultiOptionPolicy::TakeLast);
+  }
+}
+
+Config ConfigOptions::config() const {
+  Config config;
+  if (!file_.empty()) load_config(config, file_);
+  for (const auto& [field, values] : values_)
+    if (!values.empty()) set_field(config, *field, values, option_name(*field));
+  for (const auto& [field, on] : switches_)
+    if (on) set_field(config, *field, std::vector<std::string>{"true"}, option_name(*field));
+  return config;
+}
+
+}  // namespace tetropolis::app

@@ -1,0 +1,30 @@
+// Options of the command line, made from the list of settings.
+#pragma once
+
+#include <CLI/CLI.hpp>
+#include <map>
+#include <string>
+#include <vector>
+
+#include "tetropolis/pipeline/config.h"
+
+namespace tetropolis::app {
+
+/// The settings one command takes from its options and from --config.
+class ConfigOptions {
+ public:
+  /// Adds --config and an option for every setting of `command` to `app`.
+  ConfigOptions(CLI::App& app, Command command);
+  ConfigOptions(const ConfigOptions&) = delete;
+  ConfigOptions& operator=(const ConfigOptions&) = delete;
+
+  /// Defaults, then the file, then the options. Throws Error(kUsage).
+  Config config() const;
+
+ private:
+  std::string file_;
+  std::map<const ConfigField*, std::vector<std::string>> values_;
+  std::map<const ConfigField*, bool> switches_;
+};
+
+}  // namespace tetropolis::app

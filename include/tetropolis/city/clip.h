@@ -1,0 +1,21 @@
+// Footprints at the edge of the domain.
+#pragma once
+
+#include "tetropolis/geometry/types.h"
+
+namespace tetropolis {
+
+enum class DomainPosition {
+  kInside,    ///< The footprint's box lies within the domain.
+  kCrossing,  ///< It lies partly within it.
+  kOutside,   ///< It does not meet it.
+};
+
+/// Decided by the box of the polygon's finite vertices; a polygon without any counts as inside.
+DomainPosition position_in_domain(const Polygon& polygon, const Bounds2& domain);
+
+/// The largest part of a clean polygon within `box`, on the grid of kCoordinateStep; empty if nothing
+/// is left. `box` must lie on the grid.
+Polygon clip_to_box(const Polygon& polygon, const Bounds2& box);
+
+}  // namespace tetropolis

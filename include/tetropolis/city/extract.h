@@ -1,0 +1,76 @@
+// Step 1.5: the points that tell a building's roof and ground heights.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "tetropolis/city/city_model.h"
+#include "tetropolis/city/point_cloud.h"
+#include "tetropolis/core/progress.h"
+#include "tetropolis/geometry/types.h"
+
+namespace tetropolis {
+
+/// Index into a PointCloud. 32 bits: the arrays of 2^32 points would fill 100 GB.
+using PointIndex = std::uint32_t;
+
+/// One list of points per building, in compressed rows: those of building b are
+/// indices[offsets[b]] to indices[offsets[b + 1] - 1], ascending, each point once per building.
+struct PointLists {
+  std::vector<std::int64_t> offsets{0};  ///< One more than there are buildings.
+  std::vector<PointIndex> indices;
+
+  std::size_t size() const { return offsets.size() - 1; }
+  std::span<const PointIndex> operator[](std::size_t building) const {
+    return std::span(indices).subspan(
+        static_cast<std::size_t>(offsets[building]),
+        static_cast<std::size_t>(offsets[building + 1] - offsets[building]));
+  }
+  friend bool operator==(const PointLists&, const PointLists&) = default;
+};
+
+struct BuildingPoints {
+  PointLists roof;
+  PointLists ground;
+  bool roof_from_unclassified = false;  ///< The cloud has no class 6, see extract_building_points.
+  friend bool operator==(const BuildingPoints&, const BuildingPoints&) = default;
+};
+
+struct ExtractOptions {
+  double margin = 1.0;  ///< Metres around a footprint in which ground points are taken, >= 0.
+  double sigma = 2.0;   ///< Points further from the mean height than this many standard deviations
+                        ///< of their list are dropped; infinity keeps all.
+};
+
+/// Roof points lie inside the footprint (contains()) and have class 6; ground points lie outside it,
+/// at most `margin` from its boundary (squared_distance_to_segment), and have class 2 or 9. Points in
+/// a hole are outside. If the whole cloud has no point of class 6, roof points are the points inside
+/// that are neither ground (2), water (9), vegetation (3, 4, 5) nor noise (7, 18), and
+/// roof_from_unclassified says so. Each list then loses its outliers (drop_outliers).
+/// One point may belong to several buildings: footprints may overlap, margins do.
+/// Guarantees: lists in the order of the footprints; the same for any number of threads. Memory
+/// beyond the result and a grid over the footprints is 8 bytes per point found.
+/// Throws Error(kInput) for clouds of 2^32 points or more.
+/// Source: Naserentin & Logg 2022 (arXiv 2210.05250), step 1.5; a uniform grid replaces the trees.
+BuildingPoints extract_building_points(std::span<const Polygon> footprints, const PointCloud& cloud,
+                                       const ExtractOptions& options = {},
+                                       const Progress& progress = {});
+
+/// The same for the footprints of buildings.
+BuildingPoints extract_building_points(std::span<const Building> buildings, const PointCloud& cloud,
+                                       const ExtractOptions& options = {},
+                                       const Progress& progress = {});
+
+/// From every list, removes the points whose height is further than `sigma` population standard
+/// deviations from the list's mean height. One pass: the mean is not taken again.
+void drop_outliers(PointLists& lists, const PointCloud& cloud, double sigma);
+
+/// The points of merged buildings (step 2.3): building m of the result has the union of the lists of
+/// the buildings members[m] of `points`, each point once, ascending. Outliers are not dropped again.
+/// Precondition: members are indices of buildings of `points`.
+BuildingPoints merge_building_points(const BuildingPoints& points,
+                                     std::span<const std::vector<BuildingIndex>> members);
+
+}  // namespace tetropolis

@@ -1,0 +1,93 @@
+// Step 2.1 and 2.2: footprints that are closer than a threshold are merged, and every footprint is
+// repaired until all its features are that far apart (guarantees 1 and 2).
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "tetropolis/core/progress.h"
+#include "tetropolis/geometry/types.h"
+
+namespace tetropolis {
+
+struct SimplifyOptions {
+  double min_distance = 1.0;        ///< Epsilon, metres; 0.01 to 1000.
+  int growths = 3;                  ///< How often a patch that joins two polygons may grow; >= 1.
+  double min_area = 15;             ///< Square metres; smaller results are dropped.
+  double parallel_tolerance = 0.01; ///< Radians; edges closer in direction count as parallel (2.2).
+};
+
+/// An input footprint that is in no output, and why (one short clause).
+struct DroppedFootprint {
+  BuildingIndex index;
+  std::string reason;
+};
+
+struct SimplifyStats {
+  double area_before = 0;  ///< Of the union of all input footprints, square metres.
+  double area_after = 0;   ///< Of all output footprints.
+  double area_changed = 0; ///< Symmetric difference between the two, dropped ones included.
+  double area_dropped = 0; ///< Part of area_changed: of input that is in no output.
+
+  std::int64_t groups = 0;           ///< Groups closer than epsilon in the input, single ones too.
+  std::int64_t merged_by_union = 0;  ///< Groups of several, by the resort that joined them.
+  std::vector<std::int64_t> merged_by_patch;  ///< Index k: with a patch after k growths.
+  std::int64_t merged_by_hulls = 0;  ///< By the union of the parts' convex hulls.
+  std::int64_t merged_by_hull = 0;   ///< By the convex hull of all.
+  std::int64_t merged_late = 0;      ///< Pairs that only repairs had brought close.
+
+  std::int64_t vertices_dropped = 0;
+  std::int64_t edges_merged = 0;     ///< Short edges replaced by one vertex.
+  std::int64_t edges_slid = 0;       ///< Short edges lengthened along the adjoining walls.
+  std::int64_t vertices_moved = 0;
+  std::int64_t parallel_removed = 0; ///< Vertices between parallel edges.
+  std::int64_t holes_filled = 0;
+  std::int64_t gaps_filled = 0;      ///< Patches put into gaps, notches and slots.
+  std::int64_t arms_cut = 0;         ///< Patches taken out of necks and thin arms.
+  std::int64_t necks_widened = 0;
+  std::int64_t local_hulls = 0;      ///< Places covered by the hull of their surroundings.
+  std::int64_t hull_repairs = 0;     ///< Outputs replaced by their convex hull.
+  std::int64_t clipped = 0;          ///< Footprints cut back from the domain's boundary.
+  int rounds = 0;                    ///< Rounds of repair until nothing was too close.
+  double min_clearance = 0;          ///< joint_clearance of the outputs and the domain, metres.
+};
+
+struct Simplification {
+  std::vector<Polygon> footprints;
+  std::vector<std::vector<BuildingIndex>> members;  ///< Per footprint: the inputs it is made of.
+  std::vector<std::uint32_t> flags;  ///< Per footprint: kMerged, kConvexHull, kRepaired, kClipped.
+  std::vector<DroppedFootprint> dropped;  ///< By index.
+  SimplifyStats stats;
+};
+
+/// Merges and repairs footprints.
+/// Preconditions: every polygon of `cleaned` is a result of clean_footprint (or of this function).
+/// Coordinates and `domain` are metres, on the grid of kCoordinateStep.
+/// Guarantees:
+/// - every input index is in exactly one of `members` (each sorted) or in `dropped`;
+/// - footprints are sorted by their first member; they pass footprint_defects, and
+///   joint_clearance of all of them and `domain` is at least min_distance;
+/// - every footprint is at least min_area large;
+/// - the result does not depend on the number of threads; a second call on the result returns it
+///   unchanged;
+/// - near-linear time, apart from the unions of large clusters.
+/// kRepaired marks footprints whose outline was changed other than by merging.
+/// Input that comes closer than min_distance to the domain's boundary is cut back from it (or
+/// dropped, where less than half of it would be left).
+///
+/// The method goes beyond Naserentin and Logg (2022), Algorithms 1 to 3, by taking two concerns
+/// apart: polygons closer than min_distance are joined by union and patches (merge_polygons.h);
+/// then features too close within one outline are repaired where they are (repair.h), and what that
+/// leaves is filled, cut or widened by patches. It ends because rounds are bounded: in the first
+/// rounds patches reach twice as far each time; then places are covered by the hull of everything
+/// within a distance that doubles; at last every group that still has too close features becomes
+/// its convex hull, whose short edges drop away until it is clear or vanishes, and hulls that come
+/// close to others unite with them to one hull, which lowers the number of groups each time.
+/// Throws Error(kUsage) for options out of range, Cancelled through `progress`.
+Simplification simplify_footprints(std::span<const Polygon> cleaned, const Bounds2& domain,
+                                   const SimplifyOptions& options, const Progress& progress = {});
+
+}  // namespace tetropolis

@@ -1,0 +1,32 @@
+// Step 3.1: the 2D mesh of the domain that respects every footprint.
+#pragma once
+
+#include <span>
+
+#include "tetropolis/core/progress.h"
+#include "tetropolis/geometry/types.h"
+#include "tetropolis/ground/ground_mesh.h"
+
+namespace tetropolis {
+
+struct GroundMeshOptions {
+  double mesh_size = 10;      ///< Longest edge, metres, > 0.
+  double min_angle_deg = 25;  ///< Degrees, 0 to 33.
+};
+
+/// Meshes the rectangle `domain`, inside and outside of the footprints. `region` holds the index in
+/// `footprints`, and kNoBuilding outside of them and in their courtyards.
+///
+/// Precondition: rings are simple; footprints do not overlap, best with some clearance (the gap
+/// sets the edge length in it), and lie strictly inside of the domain. Orientation is free.
+/// Guarantees: footprint vertices and domain corners keep their coordinates bit for bit; vertices
+/// on the domain's sides lie exactly on them; every footprint edge is a union of mesh edges; every
+/// vertex belongs to a triangle; the edge lengths and angles of refine(); vertices and triangles are
+/// numbered along a Hilbert curve. The same input gives the same bytes.
+///
+/// Throws Error(kInput) for an empty domain, options out of range, a footprint that leaves the
+/// domain or has coordinates that are not finite (named by index); Error(kGuarantee) as refine().
+GroundMesh mesh_ground(std::span<const Polygon> footprints, const Bounds2& domain,
+                       const GroundMeshOptions& options = {}, const Progress& progress = {});
+
+}  // namespace tetropolis

@@ -1,0 +1,55 @@
+// City models as CityJSON (paper steps 1.7 and 2.4): version 2.0 out, 1.0, 1.1 and 2.0 in.
+//
+// Source: Ledoux, Ohori, Kumar, Dukai, Labetski, Vitalis: CityJSON: a compact and easy-to-use
+// encoding of the CityGML data model, Open Geospatial Data, Software and Standards 4(4), 2019; the
+// specification 2.0 of OGC, 2023.
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "tetropolis/city/city_model.h"
+#include "tetropolis/io/warning.h"
+
+namespace tetropolis {
+
+/// Writes one CityObject of type Building per building, in the model's order, keyed by its id, with
+/// one Solid of LoD 1.2: outward faces with semantics, holes as inner rings and inner walls.
+///
+/// Attributes: tetropolis_id, source_ids, h_ground, h_roof, n_ground_points, n_roof_points, flags
+/// (names), and attribute_height where it is positive. Numbers read back as the same doubles.
+/// Vertices are integers in steps of 0.1 mm from the model's origin and not repeated.
+/// metadata.referenceSystem is set if the system has an EPSG code. The model's domain (CRS
+/// coordinates), origin, crs and dropped features go into the root member "tetropolis": the schema
+/// lets other root members pass and validators mention them, while one with a leading "+" would be
+/// an error without a published extension.
+///
+/// Precondition: unique ids; coordinates of footprints and domain are multiples of kCoordinateStep,
+/// origin in whole metres; h_ground < h_roof; rings of >= 3 vertices.
+/// Guarantees: the same model gives the same bytes; the file appears complete or not at all.
+/// Errors: kInput if it cannot be written.
+void write_city(const std::filesystem::path& path, const CityModel& model,
+                const std::string& title = "");
+
+/// Reads a city model.
+///
+/// Files of write_city come back as they were: same order, same bits in coordinates and heights
+/// (outer rings counter-clockwise, holes clockwise, first vertex kept; crs as normalise_crs has it).
+///
+/// Of other files every Building and BuildingPart with a surface or solid becomes a building of its
+/// own, in the order of the file: id "b1", "b2", ..., its key as source id, footprint = union of the
+/// GroundSurfaces of its most detailed geometry (without semantics: of the faces that look down;
+/// without any: of all that are not vertical), h_ground and h_roof = lowest and highest vertex.
+/// A footprint in k pieces becomes k buildings with the source ids KEY, KEY#2, ... Objects without
+/// usable geometry go to `dropped`; Buildings that only hold parts and other types of object are no
+/// input features. Origin: `translate` if that is whole metres, else the south-west corner of the
+/// vertices, rounded down. Domain: as stored, or empty (xmin > xmax) if there is none.
+/// `warnings`, if given, gets "city_objects_dropped".
+///
+/// Errors, kInput with the path and the place in it ("/CityObjects/a/geometry/0/boundaries"):
+/// missing, not JSON (with the byte), not CityJSON, unknown version, wrong types, indices out of
+/// range, two objects with the same key, coordinates that are not finite.
+CityModel read_city(const std::filesystem::path& path, std::vector<Warning>* warnings = nullptr);
+
+}  // namespace tetropolis

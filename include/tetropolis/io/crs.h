@@ -1,0 +1,42 @@
+// Coordinate reference systems as strings. Only the horizontal part counts: of a compound system
+// (EPSG:7415) its horizontal one (EPSG:28992) is meant everywhere.
+//
+// The empty string stands for "unknown". All coordinates are x = east or longitude, y = north or
+// latitude, whatever axis order the authority prescribes.
+#pragma once
+
+#include <span>
+#include <string>
+#include <vector>
+
+#include "tetropolis/geometry/types.h"
+
+namespace tetropolis {
+
+/// The canonical name of a reference system: "EPSG:n" where the definition carries that code or is
+/// equivalent to exactly what the code stands for, else one line of WKT 2 (ISO 19162).
+///
+/// `text`: "EPSG:28992", "28992", "urn:ogc:def:crs:EPSG::7415",
+/// "https://www.opengis.net/def/crs/EPSG/0/7415", WKT of any kind, a PROJ string or PROJJSON. Empty
+/// in, empty out. normalise_crs(normalise_crs(t)) == normalise_crs(t). Files and the network are
+/// never consulted.
+/// Errors: kUsage with the text, if it is not a reference system of this planet's surface.
+std::string normalise_crs(const std::string& text);
+
+/// True for longitude and latitude in degrees. False for the unknown system.
+bool is_geographic(const std::string& crs);
+
+/// Metres per unit of x and y: 1, 0.3048 (international foot), 0.30480060960121924 (US survey
+/// foot)... 1 for the unknown system, 0 for geographic ones, which have no linear unit.
+double linear_unit_metres(const std::string& crs);
+
+/// Whether coordinates of `a` can be used as coordinates of `b` unchanged, heights aside. False if
+/// either is unknown.
+bool same_horizontal_crs(const std::string& a, const std::string& b);
+
+/// The points in `to`, in their order; points that cannot be transformed become NaN, NaN.
+/// Precondition: both systems are known. Errors: kUsage if there is no way from one to the other.
+std::vector<Point2> reproject(std::span<const Point2> points, const std::string& from,
+                              const std::string& to);
+
+}  // namespace tetropolis

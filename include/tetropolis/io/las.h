@@ -1,0 +1,108 @@
+// Point clouds in LAS and LAZ files (paper step 1.1). LAS 1.0 to 1.4, point formats 0 to 10, LAZ by
+// any LASzip so far; COPC files are read as the LAZ files they are.
+//
+// Source of the layout: ASPRS, LAS Specification 1.4 R15, 2019.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <filesystem>
+#include <map>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "tetropolis/city/point_cloud.h"
+#include "tetropolis/core/progress.h"
+#include "tetropolis/geometry/types.h"
+#include "tetropolis/io/warning.h"
+
+namespace tetropolis {
+
+/// What the header of one file says; nothing of it has been compared with the points.
+struct LasInfo {
+  int version_major = 0;
+  int version_minor = 0;
+  int point_format = 0;          ///< 0 to 10, without the compression bits.
+  int record_length = 0;         ///< Bytes per uncompressed record, extra bytes included.
+  bool compressed = false;       ///< LAZ.
+  bool copc = false;             ///< Cloud optimised: has the COPC info record.
+  std::int64_t point_count = 0;  ///< Both counts 0 in an uncompressed file that has data: what
+                                 ///< fits, with the warning "las_count_missing".
+  std::array<double, 3> min{};   ///< x, y, z of the header's box, in CRS coordinates.
+  std::array<double, 3> max{};
+  std::array<double, 3> scale{};
+  std::array<double, 3> offset{};
+  std::string crs;               ///< Canonical (crs.h); "" if none is stated or understood.
+  std::string generating_software;
+  int vlr_count = 0;             ///< Variable length records found before the points.
+  std::vector<Warning> warnings; ///< "las_vlrs_broken", "las_crs_unknown", "las_count_missing".
+};
+
+/// Reads the header and the variable length records, not the points.
+/// Errors, kInput with the path and byte: missing, unreadable, empty, no LAS file, cut within the
+/// header, senseless sizes or offsets, scale 0 or not finite, unknown version or point format,
+/// record shorter than its format, LAZ without or with an unsupported LASzip record.
+LasInfo inspect_las(const std::filesystem::path& path);
+
+/// The files that `arguments` name: files as they are (whatever their extension), folders as the
+/// *.las and *.laz directly inside (any case), and shell patterns (*, ?, [...]).
+/// Sorted by absolute path; a file named twice, by whatever spelling or link, occurs once. The order
+/// of the arguments does not matter.
+/// Errors, kInput with the argument: no such file, pattern without a match, folder without any.
+std::vector<std::filesystem::path> expand_point_paths(std::span<const std::string> arguments);
+
+/// 7 and 18: low and high noise.
+std::vector<std::uint8_t> noise_classes();
+
+struct ReadPointsOptions {
+  std::optional<Bounds2> crop;  ///< Keep points inside or on it; CRS coordinates. None: all.
+  Point2 origin;                ///< Subtracted from x and y.
+  std::vector<std::uint8_t> skipped_classes = noise_classes();
+  bool keep_withheld = false;   ///< Keep points with the withheld bit.
+  std::string crs;              ///< What the files are in, whatever they say; empty: what they say.
+};
+
+struct PointsInput {
+  PointCloud points;             ///< Order: files as given, points as stored.
+  std::int64_t points_read = 0;  ///< Points looked at (files passed over do not count).
+  std::int64_t points_kept = 0;  ///< points.size().
+  std::map<int, std::int64_t> points_by_class;  ///< Of the points kept.
+  Bounds2 extent{1, 1, 0, 0};    ///< Of the points kept, local frame; empty if there are none.
+  std::int64_t files_skipped = 0;  ///< Passed over because their header's box misses `crop`.
+  std::string crs;               ///< Of the coordinates; "" if unknown.
+  std::vector<Warning> warnings; ///< Those of LasInfo, and "las_box_untrusted".
+};
+
+/// Reads the points of several files. x, y: CRS coordinate (record * scale + offset) minus origin; z
+/// as it is, in the file's unit. Class: 5 bits in formats 0 to 5, 8 bits from format 6 on. Overlap
+/// points (class 12, or the overlap bit) are points like others.
+///
+/// A file whose header box misses `crop` is not decoded, provided that the box is sound and holds
+/// the first points and some more of the file; otherwise the file is decoded.
+/// Parallel over blocks of a million points; the result does not depend on the number of threads.
+/// Memory follows the points kept, never the counts that headers claim.
+///
+/// Errors: those of inspect_las; kInput with the path and point number for a file that ends early or
+/// cannot be decoded; kInput naming two files that state different reference systems, unless
+/// options.crs is given; kUsage if options.crs is none. The first broken file in order is reported.
+PointsInput read_points(std::span<const std::filesystem::path> paths,
+                        const ReadPointsOptions& options = {}, const Progress& progress = {});
+
+struct WritePointsOptions {
+  int point_format = 1;   ///< 1 (LAS 1.2) or 6 (LAS 1.4).
+  double scale = 0.001;   ///< Of x, y and z; metres per unit of the stored integers, > 0.
+  std::string crs;        ///< Stored if it is an EPSG code (GeoTIFF keys; WKT too in LAS 1.4).
+};
+
+/// Writes points as single returns, rounded to `scale`. LAZ if the extension is .laz, else LAS.
+/// cloud: local frame; `origin` is added to x and y.
+/// Guarantees: the header's box and counts are those of the stored points; the same input gives the
+/// same bytes; the file appears complete or not at all.
+/// Errors: kInput if it cannot be written; kUsage for another point format, a scale too fine for
+/// the extent, classes above 31 in format 1, a bad crs.
+void write_points(const std::filesystem::path& path, const PointCloud& cloud, Point2 origin,
+                  const WritePointsOptions& options = {});
+
+}  // namespace tetropolis

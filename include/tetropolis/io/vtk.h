@@ -1,0 +1,41 @@
+// VTK XML files: volume.vtu and boundary.vtp, raw appended data, little endian, 64-bit headers.
+// Format: VTK File Formats (Kitware), "XML File Formats".
+#pragma once
+
+#include <array>
+#include <filesystem>
+
+#include "tetropolis/core/progress.h"
+#include "tetropolis/volume/boundary.h"
+#include "tetropolis/volume/column_mesh.h"
+#include "tetropolis/volume/tet_mesh.h"
+
+namespace tetropolis {
+
+/// Where files put a mesh: the coordinates written are local coordinates plus `shift`; the position
+/// of their zero in the reference system, `origin`, is stored beside them as field data.
+struct Placement {
+  std::array<double, 3> shift{0, 0, 0};
+  std::array<double, 3> origin{0, 0, 0};
+};
+
+/// Writes the tets of `mesh`: points in double precision in the order of node_offsets, cells triangle
+/// by triangle and upwards, and the cell data `region` (Int32: the building whose footprint the cell
+/// stands over, by position in the city model, or -1). Streams: needs little memory beside the mesh.
+/// The file appears complete or not at all. Throws Error(kInput) if it cannot be written, Cancelled.
+void write_vtu(const std::filesystem::path& path, const ColumnMesh& mesh,
+               const Placement& placement, const Progress& progress = {});
+
+/// Writes a surface with the cell data `patch` (Int32, 1 to 8, see Patch) and `building` (Int32).
+void write_vtp(const std::filesystem::path& path, const SurfaceMesh& surface,
+               const Placement& placement);
+
+/// Reads the tets of a VTU file with raw appended, uncompressed arrays (as write_vtu, and ParaView
+/// with these settings, write them). Connectivity of 32 or 64 bits, points of 32 or 64 bits.
+/// Throws Error(kInput) naming the file and what is wrong or not supported.
+TetMesh read_vtu(const std::filesystem::path& path);
+
+/// Likewise the triangles of a VTP file with the cell data `patch` and `building`.
+SurfaceMesh read_vtp(const std::filesystem::path& path);
+
+}  // namespace tetropolis

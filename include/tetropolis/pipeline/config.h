@@ -1,0 +1,126 @@
+// The settings of a run and the one list that describes them: options of the command line, keys of
+// the TOML file, defaults, validation, help and the table in the documentation all come from it.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <limits>
+#include <span>
+#include <string>
+#include <string_view>
+#include <variant>
+#include <vector>
+
+namespace tetropolis {
+
+/// Lengths in metres, angles in degrees. Empty strings and lists mean "not given".
+struct Config {
+  // Input.
+  std::string footprints;
+  std::vector<std::string> points;
+  std::string city;
+  std::string dtm;
+  std::vector<double> bounds;
+  std::string points_crs;
+  std::string footprints_crs;
+  std::string layer;
+  std::string id_attribute;
+  std::string height_attribute;
+  bool terrain_only = false;
+
+  // Output.
+  std::string out;
+  std::vector<std::string> formats{"vtu"};
+  std::string coordinates = "local";
+
+  // City model.
+  double domain_margin = 40;
+  double dtm_step = 1;
+  double parallel_tolerance = 0.01;
+  double ground_margin = 1;
+  double outlier_sigma = 2;
+  double ground_percentile = 10;
+  double roof_percentile = 90;
+  double min_building_height = 2.5;
+  double min_building_distance = 1;
+  int merge_growths = 3;
+  double min_building_area = 15;
+  std::string boundary_buildings = "drop";
+
+  // Mesh.
+  double mesh_size = 10;
+  double min_angle = 25;
+  double domain_height = 100;
+  double layer_height = 0;
+  std::string top = "flat";
+  double min_wall_height = 1;
+  double min_gap_share = 0.25;
+  double solver_tolerance = 1e-3;
+  int solver_iterations = 1000;
+
+  // Synthetic city.
+  std::string kind = "random";
+  int buildings = 0;
+  double size = 0;
+  int seed = 1;
+  double point_density = 2;
+  double relief = -1;
+
+  // Run.
+  int threads = 0;
+  bool quiet = false;
+  std::string log;
+};
+
+/// The commands that take settings, as bits.
+enum Command : unsigned {
+  kBuild = 1U << 0,
+  kCity = 1U << 1,
+  kMesh = 1U << 2,
+  kSynth = 1U << 3,
+};
+
+/// One setting.
+struct ConfigField {
+  using Member = std::variant<bool Config::*, int Config::*, double Config::*, std::string Config::*,
+                              std::vector<std::string> Config::*, std::vector<double> Config::*>;
+
+  std::string_view name;   ///< Key in TOML; the option is "--" with '-' for '_'.
+  std::string_view group;  ///< Heading in help and documentation.
+  Member member;
+  unsigned commands;       ///< Command bits that take it.
+  std::string_view help;   ///< One line without a full stop.
+  std::string_view unit = "";
+  double least = -std::numeric_limits<double>::infinity();  ///< Of numbers, inclusive.
+  double most = std::numeric_limits<double>::infinity();
+  std::vector<std::string_view> choices = {};  ///< Of texts; empty: anything.
+};
+
+/// All settings, in the order in which they are documented.
+std::span<const ConfigField> config_fields();
+
+/// The option's spelling: "--mesh-size".
+std::string option_name(const ConfigField& field);
+
+/// The value as TOML text: 10.0, "flat", ["vtu"].
+std::string value_text(const ConfigField& field, const Config& config);
+
+/// Sets one field from texts (one per list element). `origin` names where they come from in errors
+/// ("--mesh-size", "city.toml:7"). Throws Error(kUsage): not a number, out of range, not a choice.
+void set_field(Config& config, const ConfigField& field, std::span<const std::string> values,
+               const std::string& origin);
+
+/// Sets every field that the TOML file has. Throws Error(kUsage) naming file and line: not TOML, an
+/// unknown key (with the nearest known one), a wrong type or value.
+void load_config(Config& config, const std::filesystem::path& path);
+
+/// A TOML file with every setting of `commands`, its default and meaning, commented out.
+std::string config_template(unsigned commands);
+
+/// The settings of `commands` as a Markdown table a group.
+std::string config_markdown();
+
+/// The name among `known` closest to `name` by edit distance, or an empty string if none is close.
+std::string nearest_name(std::string_view name, std::span<const std::string> known);
+
+}  // namespace tetropolis

@@ -1,0 +1,32 @@
+// The commands: steps strung together, from files to a folder of results.
+#pragma once
+
+#include <functional>
+
+#include "tetropolis/pipeline/config.h"
+#include "tetropolis/pipeline/report.h"
+
+namespace tetropolis {
+
+/// How a run tells its caller what it does. All may be empty.
+struct RunHooks {
+  std::function<void(const StepReport& step)> step_begins;  ///< id and name are set.
+  std::function<void(double fraction)> step_progress;       ///< Of the current step, in [0, 1].
+  std::function<void(const StepReport& step)> step_ends;
+  std::function<bool()> cancelled;  ///< Polled; true ends the run with Cancelled.
+};
+
+/// Each writes the files of DESIGN section 5 into config.out and returns what report.json says. The
+/// folder appears complete or, after an exception, is as it was before.
+/// Throw Error (see error.h for the kinds) and Cancelled.
+
+/// Steps 1.1 to 3.6.
+Report run_build(const Config& config, const RunHooks& hooks = {});
+/// Steps 1.1 to 2.4.
+Report run_city(const Config& config, const RunHooks& hooks = {});
+/// Steps 3.1 to 3.6 on a written city model and terrain: the same mesh as run_build's.
+Report run_mesh(const Config& config, const RunHooks& hooks = {});
+/// Writes footprints.shp and points.laz of a synthetic city. The same bytes for the same settings.
+Report run_synth(const Config& config, const RunHooks& hooks = {});
+
+}  // namespace tetropolis

@@ -1,0 +1,50 @@
+// Step 1.3: the digital terrain model from the ground points of a cloud.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "tetropolis/city/point_cloud.h"
+#include "tetropolis/core/progress.h"
+#include "tetropolis/geometry/types.h"
+#include "tetropolis/terrain/raster.h"
+
+namespace tetropolis {
+
+struct DtmOptions {
+  double step = 1.0;                       ///< Metres between nodes, > 0.
+  std::vector<std::uint8_t> classes{2, 9}; ///< Classes that count as ground (ground and water).
+};
+
+/// What the heights of a DTM rest on.
+struct DtmReport {
+  std::int64_t ground_points = 0;  ///< Points averaged into nodes.
+  std::int64_t nodes = 0;          ///< nx * ny.
+  double empty_share = 0;          ///< Share of nodes without a point before filling, in [0, 1).
+};
+
+/// The grid of a DTM without heights (`values` has nx * ny zeros): node (0, 0) at (domain.xmin,
+/// domain.ymin) and just enough nodes to cover the domain, up to 1e-9 steps of rounding.
+/// Throws Error(kUsage) if the domain is empty or not finite, the step not positive, or the grid
+/// has 2^31 nodes or more.
+Raster dtm_grid(const Bounds2& domain, double step);
+
+/// Heights on dtm_grid(domain, options.step). Each point of the given classes counts towards its
+/// nearest node (points whose nearest node is not on the grid, or whose height is not finite, are
+/// ignored), and a node gets the mean height of its points. Then fill_empty_nodes.
+/// Guarantees: every value is finite and lies between the lowest and the highest ground point, up to
+/// rounding; the same bytes for any number of threads. Time is linear in points and nodes; memory beyond the
+/// raster is 4 bytes per node.
+/// Throws Error(kInput) if no ground point lies on the grid.
+/// Source: Naserentin & Logg 2022 (arXiv 2210.05250), step 1.3.
+Raster build_dtm(const PointCloud& cloud, const Bounds2& domain, const DtmOptions& options = {},
+                 const Progress& progress = {}, DtmReport* report = nullptr);
+
+/// Gives every node whose value is NaN a height, front by front from the rims of the voids: the
+/// nodes that have a filled one among their 8 neighbours get the mean of those, all at once; then the
+/// next front. The result does not depend on the order in which nodes are visited: mirroring or
+/// transposing the raster mirrors or transposes the result, bit for bit.
+/// Precondition: at least one value is not NaN. Linear time.
+void fill_empty_nodes(Raster& raster, const Progress& progress = {});
+
+}  // namespace tetropolis

@@ -1,0 +1,220 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <map>
+#include <utility>
+
+#include "tetropolis/check/check_mesh.h"
+#include "violations.h"
+
+namespace tetropolis {
+
+namespace {
+
+using Vector3 = std::array<double, 3>;
+
+constexpr double kHeightTolerance = 1e-9;
+
+Vector3 area_vector(const Vector3& a, const Vector3& b, const Vector3& c) {
+  const Vector3 u{b[0] - a[0], b[1] - a[1], b[2] - a[2]}, v{c[0] - a[0], c[1] - a[1], c[2] - a[2]};
+  return {(u[1] * v[2] - u[2] * v[1]) / 2, (u[2] * v[0] - u[0] * v[2]) / 2,
+          (u[0] * v[1] - u[1] * v[0]) / 2};
+}
+
+struct Box {
+  Vector3 low, high;
+};
+
+Box bounding_box(const SurfaceMesh& surface) {
+  constexpr double inf = std::numeric_limits<double>::infinity();
+  Box box{{inf, inf, inf}, {-inf, -inf, -inf}};
+  for (const auto& p : surface.points)
+    for (std::size_t d = 0; d < 3; ++d) {
+      box.low[d] = std::min(box.low[d], p[d]);
+      box.high[d] = std::max(box.high[d], p[d]);
+    }
+  return box;
+}
+
+/// What is wrong with one face's tags, or nullptr.
+const char* tag_violation(const std::array<Vector3, 3>& p, const Vector3& normal, Patch patch,
+                          BuildingIndex building, const Box& box) {
+  const auto all_at = [&](std::size_t axis, double value) {
+    return p[0][axis] == value && p[1][axis] == value && p[2][axis] == value;
+  };
+  const double steepness = std::hypot(normal[0], normal[1]);
+  const bool has_building = patch == Patch::kRoof || patch == Patch::kWall;
+  if (has_building != (building >= 0))
+    return has_building ? "roof or wall faces without building" : "faces with a building that are neither roof nor wall";
+  switch (patch) {
+    case Patch::kGround:
+      return normal[2] < 0 ? nullptr : "ground faces that do not face down";
+    case Patch::kRoof:
+      if (!(normal[2] < 0)) return "roof faces that do not face down";
+      return p[0][2] == p[1][2] && p[0][2] == p[2][2] ? nullptr : "roof faces that are not level";
+    case Patch::kWall:
+      return std::abs(normal[2]) <= 1e-9 * steepness ? nullptr : "wall faces that are not vertical";
+    case Patch::kTop:
+      return normal[2] > 0 ? nullptr : "top faces that do not face up";
+    case Patch::kXMin:
+      return all_at(0, box.low[0]) && normal[0] < 0 ? nullptr : "faces of xmin off that side";
+    case Patch::kXMax:
+      return all_at(0, box.high[0]) && normal[0] > 0 ? nullptr : "faces of xmax off that side";
+    case Patch::kYMin:
+      return all_at(1, box.low[1]) && normal[1] < 0 ? nullptr : "faces of ymin off that side";
+    case Patch::kYMax:
+      return all_at(1, box.high[1]) && normal[1] > 0 ? nullptr : "faces of ymax off that side";
+  }
+  return "faces without a patch";
+}
+
+void check_edges(const SurfaceMesh& surface, SurfaceCheck& check) {
+  std::vector<std::pair<std::int32_t, std::int32_t>> directed;
+  for (const auto& t : surface.triangles)
+    for (std::size_t i = 0; i < 3; ++i) directed.emplace_back(t[i], t[(i + 1) % 3]);
+  std::sort(directed.begin(), directed.end());
+  check.closed = check.manifold = true;
+  for (std::size_t i = 0; i < directed.size(); ++i) {
+    const auto [a, b] = directed[i];
+    const auto place = [&, a = a, b = b] { return fmt::format("edge between vertices {} and {}", a, b); };
+    if (i > 0 && directed[i] == directed[i - 1]) {
+      check.manifold = false;
+      note_violation(check.violations, "edges used twice in one direction", place);
+    }
+    if (!std::binary_search(directed.begin(), directed.end(), std::pair{b, a})) {
+      check.closed = false;
+      note_violation(check.violations, "open edges", place);
+    }
+  }
+}
+
+std::array<Vector3, 3> corners(const SurfaceMesh& surface, std::size_t f) {
+  const auto& t = surface.triangles[f];
+  return {surface.points[static_cast<std::size_t>(t[0])],
+          surface.points[static_cast<std::size_t>(t[1])],
+          surface.points[static_cast<std::size_t>(t[2])]};
+}
+
+/// Bilinear interpolation, written out anew.
+double height_of_terrain(const Raster& dtm, double x, double y) {
+  const double gx = std::min(std::max((x - dtm.x0) / dtm.step, 0.0), dtm.nx - 1.0);
+  const double gy = std::min(std::max((y - dtm.y0) / dtm.step, 0.0), dtm.ny - 1.0);
+  const double i = std::min(std::floor(gx), std::max(dtm.nx - 2.0, 0.0));
+  const double j = std::min(std::floor(gy), std::max(dtm.ny - 2.0, 0.0));
+  const double s = gx - i, t = gy - j;
+  const auto node = [&](double column, double row) {
+    const auto c = static_cast<std::int32_t>(std::min(column, dtm.nx - 1.0));
+    const auto r = static_cast<std::int32_t>(std::min(row, dtm.ny - 1.0));
+    return dtm.at(c, r);
+  };
+  return (1 - s) * (1 - t) * node(i, j) + s * (1 - t) * node(i + 1, j) +
+         (1 - s) * t * node(i, j + 1) + s * t * node(i + 1, j + 1);
+}
+
+}  // namespace
+
+SurfaceCheck check_surface(const SurfaceMesh& surface) {
+  SurfaceCheck check;
+  check.vertices = static_cast<std::int64_t>(surface.points.size());
+  check.triangles = static_cast<std::int64_t>(surface.triangles.size());
+  if (surface.triangles.empty()) note_violation(check.violations, "no faces", [] { return "the file"; });
+  const Box box = bounding_box(surface);
+  std::map<BuildingIndex, double> roof;
+  for (std::size_t f = 0; f < surface.triangles.size(); ++f) {
+    const auto p = corners(surface, f);
+    const Vector3 normal = area_vector(p[0], p[1], p[2]);
+    const auto place = [&] {
+      return fmt::format("face {} at ({:.3f}, {:.3f}, {:.3f})", f, p[0][0], p[0][1], p[0][2]);
+    };
+    const double size = std::sqrt(normal[0] * normal[0] + normal[1] * normal[1] + normal[2] * normal[2]);
+    check.area += size;
+    if (!(size > 0)) note_violation(check.violations, "faces without area", place);
+    for (std::size_t d = 0; d < 3; ++d)
+      check.enclosed_volume += normal[d] * (p[0][d] - box.low[d]) / 3;
+    const Patch patch = surface.patch[f];
+    ++check.faces_by_patch[static_cast<std::size_t>(patch) - 1];
+    if (const char* what = tag_violation(p, normal, patch, surface.building[f], box))
+      note_violation(check.violations, what, place);
+    if (patch == Patch::kRoof && roof.try_emplace(surface.building[f], p[0][2]).first->second != p[0][2])
+      note_violation(check.violations, "roofs of one building at different heights", place);
+  }
+  check_edges(surface, check);
+  return check;
+}
+
+std::vector<Violation> check_same_boundary(const TetMesh& mesh, const VolumeCheck& volume,
+                                           const SurfaceMesh& surface) {
+  // Each side's faces as sorted corner coordinates; both files write the same doubles.
+  using FaceKey = std::array<Vector3, 3>;
+  std::vector<FaceKey> from_volume, from_surface;
+  for (const auto& face : volume.boundary) {
+    FaceKey key;
+    for (std::size_t i = 0; i < 3; ++i) key[i] = mesh.points[static_cast<std::size_t>(face[i])];
+    std::sort(key.begin(), key.end());
+    from_volume.push_back(key);
+  }
+  for (std::size_t f = 0; f < surface.triangles.size(); ++f) {
+    FaceKey key = corners(surface, f);
+    std::sort(key.begin(), key.end());
+    from_surface.push_back(key);
+  }
+  std::sort(from_volume.begin(), from_volume.end());
+  std::sort(from_surface.begin(), from_surface.end());
+  std::vector<FaceKey> odd;
+  std::set_symmetric_difference(from_volume.begin(), from_volume.end(), from_surface.begin(),
+                                from_surface.end(), std::back_inserter(odd));
+  std::vector<Violation> violations;
+  for (const FaceKey& key : odd)
+    note_violation(violations, "boundary faces in only one of volume and surface", [&] {
+      return fmt::format("at ({:.3f}, {:.3f}, {:.3f})", key[0][0], key[0][1], key[0][2]);
+    });
+  return violations;
+}
+
+HeightsCheck check_heights(const SurfaceMesh& surface, std::array<double, 3> shift,
+                           const Raster& dtm, const CityModel& city) {
+  HeightsCheck check;
+  std::vector<bool> on_wall(surface.points.size(), false);
+  std::vector<bool> on_ground(surface.points.size(), false);
+  std::map<std::int32_t, BuildingIndex> roof_building;
+  for (std::size_t f = 0; f < surface.triangles.size(); ++f)
+    for (const std::int32_t v : surface.triangles[f]) {
+      if (surface.patch[f] == Patch::kWall) on_wall[static_cast<std::size_t>(v)] = true;
+      if (surface.patch[f] == Patch::kGround) on_ground[static_cast<std::size_t>(v)] = true;
+      if (surface.patch[f] == Patch::kRoof) roof_building[v] = surface.building[f];
+    }
+  const auto place = [&](std::size_t v, double wanted) {
+    const auto& p = surface.points[v];
+    return fmt::format("vertex {} at ({:.3f}, {:.3f}): z = {:.9f}, {:.9f} expected", v, p[0], p[1],
+                       p[2] + shift[2], wanted);
+  };
+  for (std::size_t v = 0; v < surface.points.size(); ++v) {
+    if (!on_ground[v]) continue;
+    ++check.ground_vertices;
+    const auto& p = surface.points[v];
+    const double wanted = height_of_terrain(dtm, p[0] + shift[0], p[1] + shift[1]);
+    const double error = p[2] + shift[2] - wanted;
+    if (std::abs(error) <= kHeightTolerance) continue;
+    if (error < 0 && on_wall[v])
+      ++check.lowered;
+    else
+      note_violation(check.violations, "ground vertices off the terrain", [&] { return place(v, wanted); });
+  }
+  for (const auto& [vertex, building] : roof_building) {
+    ++check.roof_vertices;
+    const auto v = static_cast<std::size_t>(vertex);
+    if (building < 0 || building >= static_cast<BuildingIndex>(city.buildings.size())) {
+      note_violation(check.violations, "roofs of buildings that the city model lacks",
+                     [&] { return fmt::format("building {}", building); });
+      continue;
+    }
+    const double wanted = city.buildings[static_cast<std::size_t>(building)].h_roof;
+    if (!(std::abs(surface.points[v][2] + shift[2] - wanted) <= kHeightTolerance))
+      note_violation(check.violations, "roof vertices off the roof height", [&] { return place(v, wanted); });
+  }
+  return check;
+}
+
+}  // namespace tetropolis

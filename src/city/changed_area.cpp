@@ -1,0 +1,142 @@
+#include "city/changed_area.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <limits>
+#include <utility>
+#include <vector>
+
+#include "tetropolis/geometry/polygon.h"
+
+#include "city/edge_grid.h"
+#include "city/forest.h"
+#include "city/grid_geometry.h"
+
+namespace tetropolis {
+
+namespace {
+
+/// From the lower (then left) end to the upper one.
+struct Segment {
+  Point2 a;
+  Point2 b;
+};
+
+bool below(Point2 p, Point2 q) { return p.y < q.y || (p.y == q.y && p.x < q.x); }
+
+bool before_in_order(const Segment& s, const Segment& t) {
+  return below(s.a, t.a) || (s.a == t.a && below(s.b, t.b));
+}
+
+/// The edges that occur an odd number of times in both lists together.
+std::vector<Segment> unshared(std::span<const Polygon> before, std::span<const Polygon> after) {
+  std::vector<Segment> all;
+  for (const auto polygons : {before, after})
+    for (const Polygon& polygon : polygons)
+      for_each_edge(polygon, [&](Point2 a, Point2 b) {
+        all.push_back(below(a, b) ? Segment{a, b} : Segment{b, a});
+      });
+  std::sort(all.begin(), all.end(), before_in_order);
+  std::vector<Segment> odd;
+  for (std::size_t i = 0; i < all.size();) {
+    std::size_t j = i;
+    while (j < all.size() && all[j].a == all[i].a && all[j].b == all[i].b) ++j;
+    if ((j - i) % 2 == 1) odd.push_back(all[i]);
+    i = j;
+  }
+  return odd;
+}
+
+double x_at(const Segment& s, double y) {
+  return s.a.x + (y - s.a.y) / (s.b.y - s.a.y) * (s.b.x - s.a.x);
+}
+
+/// Heights between which no segments of the piece (sorted) start, end or cross.
+std::vector<double> slab_heights(const std::vector<Segment>& piece) {
+  std::vector<double> heights;
+  std::vector<std::size_t> active;
+  for (std::size_t i = 0; i < piece.size(); ++i) {
+    const Segment& s = piece[i];
+    heights.push_back(s.a.y);
+    heights.push_back(s.b.y);
+    std::erase_if(active, [&](std::size_t k) { return piece[k].b.y < s.a.y; });
+    for (const std::size_t k : active) {
+      const Segment& t = piece[k];
+      if (!grid::segments_touch(s.a, s.b, t.a, t.b)) continue;
+      const double ux = s.b.x - s.a.x, uy = s.b.y - s.a.y;
+      const double vx = t.b.x - t.a.x, vy = t.b.y - t.a.y;
+      const double det = ux * vy - uy * vx;
+      if (det == 0) continue;
+      heights.push_back(s.a.y + ((t.a.x - s.a.x) * vy - (t.a.y - s.a.y) * vx) / det * uy);
+    }
+    active.push_back(i);
+  }
+  std::sort(heights.begin(), heights.end());
+  heights.erase(std::unique(heights.begin(), heights.end()), heights.end());
+  return heights;
+}
+
+/// Area bounded by a piece (sorted), even-odd.
+double piece_area(const std::vector<Segment>& piece) {
+  const std::vector<double> heights = slab_heights(piece);
+  double sum = 0;
+  std::vector<std::size_t> active;
+  std::vector<double> across;  // where the active segments pass the middle of the slab
+  std::size_t next = 0;
+  for (std::size_t h = 0; h + 1 < heights.size(); ++h) {
+    const double low = heights[h], high = heights[h + 1], middle = (low + high) / 2;
+    while (next < piece.size() && piece[next].a.y <= low) active.push_back(next++);
+    std::erase_if(active, [&](std::size_t k) { return piece[k].b.y <= low; });
+    across.clear();
+    for (const std::size_t k : active) across.push_back(x_at(piece[k], middle));
+    std::sort(across.begin(), across.end());
+    // Straight sides: the width in the middle is the mean width.
+    for (std::size_t k = 0; k + 1 < across.size(); k += 2)
+      sum += (across[k + 1] - across[k]) * (high - low);
+  }
+  return sum;
+}
+
+}  // namespace
+
+double changed_area(std::span<const Polygon> before, std::span<const Polygon> after) {
+  const std::vector<Segment> segments = unshared(before, after);
+  if (segments.empty()) return 0;
+  constexpr double inf = std::numeric_limits<double>::infinity();
+  Bounds2 box{inf, inf, -inf, -inf};
+  double length = 0;
+  for (const Segment& s : segments) {
+    grid::extend(box, s.a);
+    grid::extend(box, s.b);
+    length += grid::distance(s.a, s.b);
+  }
+  EdgeGrid index(box, length / static_cast<double>(segments.size()) + 1, segments.size());
+  Forest forest(segments.size());
+  for (std::size_t i = 0; i < segments.size(); ++i) {
+    const Segment& s = segments[i];
+    const auto id = static_cast<std::int32_t>(i);
+    index.visit(grid::box_of(s.a, s.b), [&](std::int32_t k) {
+      const Segment& t = segments[static_cast<std::size_t>(k)];
+      if (!forest.joined(id, k) && grid::segments_touch(s.a, s.b, t.a, t.b)) forest.join(id, k);
+    });
+    index.insert(id, s.a, s.b);
+  }
+  std::vector<std::pair<std::int32_t, std::int32_t>> order;
+  for (std::size_t i = 0; i < segments.size(); ++i)
+    order.emplace_back(forest.root(static_cast<std::int32_t>(i)), static_cast<std::int32_t>(i));
+  std::sort(order.begin(), order.end());
+  double sum = 0;
+  std::vector<Segment> piece;
+  for (std::size_t i = 0; i < order.size();) {
+    piece.clear();
+    const std::int32_t root = order[i].first;
+    for (; i < order.size() && order[i].first == root; ++i)
+      piece.push_back(segments[static_cast<std::size_t>(order[i].second)]);
+    sum += piece_area(piece);
+  }
+  return sum;
+}
+
+}  // namespace tetropolis

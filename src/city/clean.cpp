@@ -1,0 +1,146 @@
+#include "tetropolis/city/clean.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <queue>
+#include <tuple>
+#include <utility>
+#include <vector>
+
+#include "tetropolis/city/clearance.h"
+#include "tetropolis/core/error.h"
+#include "tetropolis/geometry/polygon.h"
+
+#include "city/clean_ring.h"
+#include "city/grid_geometry.h"
+#include "city/merge_polygons.h"
+#include "city/outline.h"
+#include "city/repair.h"
+#include "geometry/geos.h"
+
+namespace tetropolis {
+
+namespace {
+
+/// Half the side of the squares that join parts which touch: 3 cm.
+constexpr double kBridge = 0.03 * grid::kSteps;
+
+const char* unusable_coordinate(const Polygon& polygon) {
+  const char* reason = nullptr;
+  const auto check = [&](const Ring& ring) {
+    for (const Point2 p : ring) {
+      if (!std::isfinite(p.x) || !std::isfinite(p.y))
+        reason = "non-finite coordinate";
+      else if (reason == nullptr && !(std::abs(p.x) <= grid::kMaxCoordinate &&
+                                      std::abs(p.y) <= grid::kMaxCoordinate))
+        reason = "coordinate beyond 1e9 m";
+    }
+  };
+  check(polygon.outer);
+  for (const Ring& hole : polygon.holes) check(hole);
+  return reason;
+}
+
+void orient(Ring& ring, bool counter_clockwise) {
+  // The first vertex stays first.
+  if ((signed_area(ring) > 0) != counter_clockwise && !ring.empty())
+    std::reverse(ring.begin() + 1, ring.end());
+}
+
+/// Without duplicates and spikes, oriented; holes that vanish are left out.
+Polygon without_duplicates(const Polygon& polygon) {
+  Polygon result{without_duplicates(polygon.outer), {}};
+  orient(result.outer, true);
+  for (const Ring& hole : polygon.holes) {
+    Ring ring = without_duplicates(hole);
+    if (ring.size() < 3) continue;
+    orient(ring, false);
+    result.holes.push_back(std::move(ring));
+  }
+  return result;
+}
+
+Polygon without_parallels(const Polygon& polygon, double tolerance) {
+  Polygon result{without_parallels(polygon.outer, tolerance), {}};
+  for (const Ring& hole : polygon.holes)
+    result.holes.push_back(without_parallels(hole, tolerance));
+  return result;
+}
+
+bool valid(const Polygon& steps) {
+  const std::vector<Polygon> one{grid::to_metres(steps)};
+  return steps.outer.size() >= 3 && footprint_defects(one, 1).empty();
+}
+
+/// Squares over the places where rings touch.
+std::vector<Polygon> bridges(const std::vector<Polygon>& parts) {
+  std::vector<const Polygon*> pointers;
+  for (const Polygon& part : parts) pointers.push_back(&part);
+  const Outline outline = make_outline(pointers, 4 * kBridge);
+  std::vector<Polygon> squares;
+  for (const NearPair& pair : near_pairs(outline, 2)) {
+    const Point2 p = outline.at(pair.vertex);
+    squares.push_back({{{p.x - kBridge, p.y - kBridge},
+                        {p.x + kBridge, p.y - kBridge},
+                        {p.x + kBridge, p.y + kBridge},
+                        {p.x - kBridge, p.y + kBridge}},
+                       {}});
+  }
+  return squares;
+}
+
+const Polygon& largest(const std::vector<Polygon>& parts) {
+  return *std::max_element(parts.begin(), parts.end(), [](const Polygon& a, const Polygon& b) {
+    return area(a) < area(b);
+  });
+}
+
+/// A valid polygon from invalid rings (steps), or nothing.
+std::optional<Polygon> repaired(const Polygon& polygon) {
+  const geos::Result made = geos::make_valid(polygon);
+  if (!made || made->empty()) return std::nullopt;
+  std::vector<Polygon> parts = unite_on_grid(*made);
+  for (int attempt = 0; attempt < 5 && !parts.empty(); ++attempt) {
+    if (attempt == 4) parts = {largest(parts)};
+    const std::vector<Polygon> squares = bridges(parts);
+    if (squares.empty()) {
+      Polygon result = without_duplicates(largest(parts));
+      if (valid(result)) return result;
+    }
+    parts.insert(parts.end(), squares.begin(), squares.end());
+    parts = unite_on_grid(parts);
+  }
+  return std::nullopt;
+}
+
+CleanedFootprint unusable(const char* reason) { return {{}, false, reason}; }
+
+}  // namespace
+
+CleanedFootprint clean_footprint(const Polygon& raw, const CleanOptions& options) {
+  if (const char* reason = unusable_coordinate(raw)) return unusable(reason);
+  CleanedFootprint result;
+  Polygon steps = without_duplicates(grid::to_steps(raw));
+  if (steps.outer.size() < 3)
+    return unusable(distinct_vertices(raw.outer) < 3 ? "fewer than 3 distinct vertices"
+                                                     : "zero area");
+  if (!valid(steps)) {
+    std::optional<Polygon> better;
+    try {
+      better = repaired(steps);
+    } catch (const Error&) {  // GEOS could not unite the parts
+    }
+    if (!better) return unusable("outline cannot be repaired: zero area or too tangled");
+    steps = std::move(*better);
+    result.repaired = true;
+  }
+  Polygon simple = without_duplicates(without_parallels(steps, options.parallel_tolerance));
+  if (simple.holes.size() != steps.holes.size() || !valid(simple)) simple = std::move(steps);
+  result.polygon = grid::to_metres(simple);
+  return result;
+}
+
+}  // namespace tetropolis

@@ -1,0 +1,71 @@
+// A uniform grid of segments that come and go.
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+#include "tetropolis/geometry/types.h"
+
+namespace tetropolis {
+
+/// Segments by number. A segment is listed in every cell it passes through; segments outside the
+/// box are listed in the cells at its rim, so none is ever lost.
+class EdgeGrid {
+ public:
+  EdgeGrid() = default;
+
+  /// Cells of about `cell` (made larger if there would be more than 4 per expected segment).
+  EdgeGrid(const Bounds2& box, double cell, std::size_t expected_segments);
+
+  void insert(std::int32_t id, Point2 a, Point2 b);
+
+  /// Precondition: `id` was inserted with the same a and b.
+  void remove(std::int32_t id, Point2 a, Point2 b);
+
+  /// Calls visit(id) for every segment whose cells overlap `box`: a superset of those that meet it.
+  /// The same id may come several times. The order depends on the history of calls only.
+  template <typename Visit>
+  void visit(const Bounds2& box, const Visit& visit_id) const {
+    if (head_.empty()) return;
+    const std::int32_t x0 = column(box.xmin), x1 = column(box.xmax);
+    const std::int32_t y0 = row(box.ymin), y1 = row(box.ymax);
+    for (std::int32_t y = y0; y <= y1; ++y)
+      for (std::int32_t x = x0; x <= x1; ++x)
+        for (std::int32_t e = head_[index(x, y)]; e >= 0; e = pool_[static_cast<std::size_t>(e)].next)
+          visit_id(pool_[static_cast<std::size_t>(e)].id);
+  }
+
+ private:
+  struct Entry {
+    std::int32_t id;
+    std::int32_t next;
+  };
+
+  std::size_t index(std::int32_t x, std::int32_t y) const {
+    return static_cast<std::size_t>(y) * static_cast<std::size_t>(columns_) +
+           static_cast<std::size_t>(x);
+  }
+  std::int32_t column(double x) const {
+    return static_cast<std::int32_t>(
+        std::clamp(std::floor((x - box_.xmin) / cell_), 0.0, static_cast<double>(columns_ - 1)));
+  }
+  std::int32_t row(double y) const {
+    return static_cast<std::int32_t>(
+        std::clamp(std::floor((y - box_.ymin) / cell_), 0.0, static_cast<double>(rows_ - 1)));
+  }
+  template <typename Visit>
+  void for_each_cell(Point2 a, Point2 b, const Visit& visit_cell) const;
+
+  Bounds2 box_;
+  double cell_ = 1;
+  std::int32_t columns_ = 1;
+  std::int32_t rows_ = 1;
+  std::vector<std::int32_t> head_;  ///< First entry of each cell, row by row; -1 if empty.
+  std::vector<Entry> pool_;
+  std::int32_t free_ = -1;
+};
+
+}  // namespace tetropolis

@@ -1,0 +1,222 @@
+#include "tetropolis/city/extract.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+
+#include <fmt/format.h>
+
+#include "tetropolis/core/error.h"
+#include "tetropolis/core/parallel.h"
+
+#include "city/footprint_index.h"
+
+namespace tetropolis {
+
+namespace {
+
+constexpr std::size_t kPointGrain = std::size_t{1} << 15;
+constexpr std::size_t kPointBatch = std::size_t{1} << 22;  // Between two reports of progress.
+constexpr std::size_t kBuildingGrain = 64;
+
+using ClassTable = std::array<bool, 256>;
+
+struct Classes {
+  ClassTable roof{};
+  ClassTable ground{};
+  bool roof_from_unclassified = false;
+};
+
+Classes choose_classes(const PointCloud& cloud) {
+  const bool has_buildings = parallel_reduce_ordered(
+      cloud.size(), kPointGrain, false,
+      [&](std::size_t begin, std::size_t end) {
+        const auto* codes = cloud.classification.data();
+        return std::find(codes + begin, codes + end, kBuildingClass) != codes + end;
+      },
+      [](bool a, bool b) { return a || b; });
+  Classes classes;
+  classes.ground[kGround] = classes.ground[kWater] = true;
+  classes.roof_from_unclassified = !has_buildings;
+  if (has_buildings) {
+    classes.roof[kBuildingClass] = true;
+  } else {
+    classes.roof.fill(true);
+    for (const std::uint8_t code : {kGround, kWater, kLowVegetation, kMediumVegetation,
+                                    kHighVegetation, kLowNoise, kHighNoise})
+      classes.roof[code] = false;
+  }
+  return classes;
+}
+
+/// A point found at a building.
+struct Hit {
+  BuildingIndex building;
+  PointIndex point;
+};
+
+/// Hits in the order of the points.
+struct Hits {
+  std::vector<Hit> roof;
+  std::vector<Hit> ground;
+
+  void append(const Hits& more) {
+    roof.insert(roof.end(), more.roof.begin(), more.roof.end());
+    ground.insert(ground.end(), more.ground.begin(), more.ground.end());
+  }
+};
+
+Hits find_hits(const FootprintIndex& index, const PointCloud& cloud, const Classes& classes,
+               std::size_t begin, std::size_t end) {
+  Hits hits;
+  for (std::size_t p = begin; p < end; ++p) {
+    const std::uint8_t code = cloud.classification[p];
+    const bool roof = classes.roof[code];
+    const bool ground = classes.ground[code];
+    if (!roof && !ground) continue;
+    index.at({cloud.x[p], cloud.y[p]}, [&](BuildingIndex building, bool inside) {
+      const Hit hit{building, static_cast<PointIndex>(p)};
+      if (inside && roof) hits.roof.push_back(hit);
+      if (!inside && ground) hits.ground.push_back(hit);
+    });
+  }
+  return hits;
+}
+
+/// All hits. Batches of points one after another, the chunks of a batch in parallel.
+Hits find_all_hits(const FootprintIndex& index, const PointCloud& cloud, const Classes& classes,
+                   const Progress& progress) {
+  Hits hits;
+  for (std::size_t start = 0; start < cloud.size(); start += kPointBatch) {
+    progress.update(static_cast<double>(start) / static_cast<double>(cloud.size()));
+    const std::size_t size = std::min(kPointBatch, cloud.size() - start);
+    std::vector<Hits> chunks((size + kPointGrain - 1) / kPointGrain);
+    parallel_chunks(size, kPointGrain, [&](std::size_t begin, std::size_t end) {
+      chunks[begin / kPointGrain] = find_hits(index, cloud, classes, start + begin, start + end);
+    });
+    for (const Hits& chunk : chunks) hits.append(chunk);
+  }
+  return hits;
+}
+
+/// Counting sort by building; stable, so that points stay ascending.
+PointLists to_lists(const std::vector<Hit>& hits, std::size_t buildings) {
+  PointLists lists;
+  lists.offsets.assign(buildings + 1, 0);
+  for (const Hit& hit : hits) ++lists.offsets[static_cast<std::size_t>(hit.building) + 1];
+  for (std::size_t b = 0; b < buildings; ++b) lists.offsets[b + 1] += lists.offsets[b];
+  std::vector<std::int64_t> next(lists.offsets.begin(), lists.offsets.end() - 1);
+  lists.indices.resize(hits.size());
+  for (const Hit& hit : hits)
+    lists.indices[static_cast<std::size_t>(next[static_cast<std::size_t>(hit.building)]++)] =
+        hit.point;
+  return lists;
+}
+
+/// Moves the points to keep to the front of a list, in order, and returns how many they are.
+std::size_t keep_inliers(std::span<PointIndex> list, const PointCloud& cloud, double sigma) {
+  if (list.empty()) return 0;
+  const auto n = static_cast<double>(list.size());
+  double sum = 0;
+  for (const PointIndex p : list) sum += cloud.z[p];
+  const double mean = sum / n;
+  double squares = 0;
+  for (const PointIndex p : list) squares += (cloud.z[p] - mean) * (cloud.z[p] - mean);
+  const double limit = sigma * std::sqrt(squares / n);
+  const auto end = std::remove_if(list.begin(), list.end(), [&](PointIndex p) {
+    return std::abs(cloud.z[p] - mean) > limit;
+  });
+  return static_cast<std::size_t>(end - list.begin());
+}
+
+BuildingPoints extract(std::span<const Polygon* const> footprints, const PointCloud& cloud,
+                       const ExtractOptions& options, const Progress& progress) {
+  if (cloud.size() > std::numeric_limits<PointIndex>::max())
+    throw Error(ErrorKind::kInput,
+                fmt::format("the point cloud has {} points, more than 2^32 - 1: choose a smaller "
+                            "domain",
+                            cloud.size()));
+  const FootprintIndex index(footprints, options.margin);
+  const Classes classes = choose_classes(cloud);
+  Hits hits = find_all_hits(index, cloud, classes, progress);
+  BuildingPoints points;
+  points.roof_from_unclassified = classes.roof_from_unclassified;
+  points.roof = to_lists(hits.roof, footprints.size());
+  hits.roof = {};
+  points.ground = to_lists(hits.ground, footprints.size());
+  hits.ground = {};
+  drop_outliers(points.roof, cloud, options.sigma);
+  drop_outliers(points.ground, cloud, options.sigma);
+  progress.update(1);
+  return points;
+}
+
+PointLists merge_lists(const PointLists& lists,
+                       std::span<const std::vector<BuildingIndex>> members) {
+  std::vector<std::vector<PointIndex>> merged(members.size());
+  parallel_chunks(members.size(), kBuildingGrain, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t m = begin; m < end; ++m) {
+      std::vector<PointIndex>& list = merged[m];
+      for (const BuildingIndex member : members[m]) {
+        const std::span<const PointIndex> more = lists[static_cast<std::size_t>(member)];
+        list.insert(list.end(), more.begin(), more.end());
+      }
+      std::sort(list.begin(), list.end());
+      list.erase(std::unique(list.begin(), list.end()), list.end());
+    }
+  });
+  PointLists result;
+  for (const std::vector<PointIndex>& list : merged) {
+    result.indices.insert(result.indices.end(), list.begin(), list.end());
+    result.offsets.push_back(static_cast<std::int64_t>(result.indices.size()));
+  }
+  return result;
+}
+
+}  // namespace
+
+BuildingPoints extract_building_points(std::span<const Polygon> footprints, const PointCloud& cloud,
+                                       const ExtractOptions& options, const Progress& progress) {
+  std::vector<const Polygon*> pointers;
+  pointers.reserve(footprints.size());
+  for (const Polygon& footprint : footprints) pointers.push_back(&footprint);
+  return extract(pointers, cloud, options, progress);
+}
+
+BuildingPoints extract_building_points(std::span<const Building> buildings, const PointCloud& cloud,
+                                       const ExtractOptions& options, const Progress& progress) {
+  std::vector<const Polygon*> pointers;
+  pointers.reserve(buildings.size());
+  for (const Building& building : buildings) pointers.push_back(&building.footprint);
+  return extract(pointers, cloud, options, progress);
+}
+
+void drop_outliers(PointLists& lists, const PointCloud& cloud, double sigma) {
+  const std::size_t buildings = lists.size();
+  std::vector<std::size_t> kept(buildings);
+  parallel_chunks(buildings, kBuildingGrain, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t b = begin; b < end; ++b) {
+      const auto first = static_cast<std::size_t>(lists.offsets[b]);
+      const auto last = static_cast<std::size_t>(lists.offsets[b + 1]);
+      kept[b] = keep_inliers(std::span(lists.indices).subspan(first, last - first), cloud, sigma);
+    }
+  });
+  std::int64_t end = 0;
+  for (std::size_t b = 0; b < buildings; ++b) {
+    const auto first = lists.indices.begin() + lists.offsets[b];
+    lists.offsets[b] = end;
+    std::copy(first, first + static_cast<std::ptrdiff_t>(kept[b]), lists.indices.begin() + end);
+    end += static_cast<std::int64_t>(kept[b]);
+  }
+  lists.offsets.back() = end;
+  lists.indices.resize(static_cast<std::size_t>(end));
+}
+
+BuildingPoints merge_building_points(const BuildingPoints& points,
+                                     std::span<const std::vector<BuildingIndex>> members) {
+  return {merge_lists(points.roof, members), merge_lists(points.ground, members),
+          points.roof_from_unclassified};
+}
+
+}  // namespace tetropolis

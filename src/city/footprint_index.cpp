@@ -1,0 +1,100 @@
+#include "city/footprint_index.h"
+
+#include <limits>
+
+namespace tetropolis {
+
+namespace {
+
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+constexpr std::size_t kEdgesPerBand = 8;
+constexpr std::size_t kMaxBands = 64;     // An edge may be in every band: bounds the memory.
+constexpr double kSmallestCell = 4;       // Metres; smaller cells would only hold the same houses.
+constexpr double kEntriesPerFootprint = 32;
+constexpr double kFreeEntries = 1 << 22;  // Cells and entries allowed whatever the footprints are.
+
+}  // namespace
+
+FootprintIndex::FootprintIndex(std::span<const Polygon* const> footprints, double margin)
+    : margin_(margin), box_{kInfinity, kInfinity, -kInfinity, -kInfinity} {
+  outlines_.reserve(footprints.size());
+  for (const Polygon* footprint : footprints) add_outline(*footprint);
+  if (!box_.empty()) build_cells();
+}
+
+void FootprintIndex::add_outline(const Polygon& footprint) {
+  std::vector<Edge> edges;
+  for_each_edge(footprint, [&](Point2 a, Point2 b) { edges.push_back({a, b}); });
+  Outline outline;
+  // A hair wider than the margin, because positions exactly at the margin count.
+  outline.box = bounds(footprint).grown(margin_ + 1e-6);
+  outline.bands =
+      static_cast<std::int32_t>(std::clamp<std::size_t>(edges.size() / kEdgesPerBand, 1, kMaxBands));
+  outline.first_band = band_offsets_.size() - 1;
+  std::vector<std::vector<Edge>> bands(static_cast<std::size_t>(outline.bands));
+  for (const Edge& edge : edges) {
+    // Rounding in band_of is monotone in y, so a position in a band outside [first, last] is above
+    // or below the edge by more than the margin.
+    const double reach = margin_ + 1e-6;
+    const std::int32_t first = band_of(outline, std::min(edge.a.y, edge.b.y) - reach);
+    const std::int32_t last = band_of(outline, std::max(edge.a.y, edge.b.y) + reach);
+    for (std::int32_t band = first; band <= last; ++band)
+      bands[static_cast<std::size_t>(band)].push_back(edge);
+  }
+  for (const std::vector<Edge>& band : bands) {
+    edges_.insert(edges_.end(), band.begin(), band.end());
+    band_offsets_.push_back(edges_.size());
+  }
+  if (!edges.empty()) {
+    box_ = {std::min(box_.xmin, outline.box.xmin), std::min(box_.ymin, outline.box.ymin),
+            std::max(box_.xmax, outline.box.xmax), std::max(box_.ymax, outline.box.ymax)};
+  }
+  outlines_.push_back(outline);
+}
+
+/// Cells plus (an upper bound of) entries of a grid with this cell size.
+double FootprintIndex::entries_with(double cell) const {
+  double entries = (box_.width() / cell + 1) * (box_.height() / cell + 1);
+  for (const Outline& outline : outlines_)
+    if (!outline.box.empty())
+      entries += (outline.box.width() / cell + 2) * (outline.box.height() / cell + 2);
+  return entries;
+}
+
+void FootprintIndex::build_cells() {
+  const double most =
+      kFreeEntries + kEntriesPerFootprint * static_cast<double>(outlines_.size());
+  cell_ = kSmallestCell;
+  while (entries_with(cell_) > most) cell_ *= 2;
+  columns_ = static_cast<std::int32_t>(box_.width() / cell_) + 1;
+  rows_ = static_cast<std::int32_t>(box_.height() / cell_) + 1;
+  cell_offsets_.assign(static_cast<std::size_t>(columns_) * static_cast<std::size_t>(rows_) + 1, 0);
+  const auto for_each_cell = [&](const Bounds2& box, const auto& visit) {
+    if (box.empty()) return;
+    for (std::int32_t j = row(box.ymin); j <= row(box.ymax); ++j)
+      for (std::int32_t i = column(box.xmin); i <= column(box.xmax); ++i)
+        visit(static_cast<std::size_t>(j) * static_cast<std::size_t>(columns_) +
+              static_cast<std::size_t>(i));
+  };
+  for (const Outline& outline : outlines_)
+    for_each_cell(outline.box, [&](std::size_t cell) { ++cell_offsets_[cell + 1]; });
+  for (std::size_t cell = 1; cell < cell_offsets_.size(); ++cell)
+    cell_offsets_[cell] += cell_offsets_[cell - 1];
+  cell_footprints_.resize(static_cast<std::size_t>(cell_offsets_.back()));
+  std::vector<std::int64_t> next(cell_offsets_.begin(), cell_offsets_.end() - 1);
+  for (std::size_t f = 0; f < outlines_.size(); ++f)
+    for_each_cell(outlines_[f].box, [&](std::size_t cell) {
+      cell_footprints_[static_cast<std::size_t>(next[cell]++)] = static_cast<std::int32_t>(f);
+    });
+}
+
+double FootprintIndex::squared_distance(std::int32_t footprint, Point2 p) const {
+  const Outline& outline = outlines_[static_cast<std::size_t>(footprint)];
+  double result = kInfinity;
+  if (!outline.box.contains(p)) return result;
+  for (const Edge& edge : band_at(outline, p.y))
+    result = std::min(result, squared_distance_to_segment(p, edge.a, edge.b));
+  return result;
+}
+
+}  // namespace tetropolis

@@ -1,0 +1,137 @@
+// Exact decisions on grid points: coordinates are whole numbers of kCoordinateStep held in doubles
+// ("steps"). Everything that cleans and simplifies footprints works in steps inside and converts at
+// its borders, so that no decision about crossing or side depends on rounding.
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+
+#include "tetropolis/city/city_model.h"
+#include "tetropolis/geometry/types.h"
+
+namespace tetropolis::grid {
+
+/// Steps per metre.
+inline constexpr double kSteps = 10000.0;
+
+/// Largest magnitude of a coordinate in metres for which the predicates below are exact.
+inline constexpr double kMaxCoordinate = 1e9;
+
+inline Point2 to_steps(Point2 p) { return {std::nearbyint(p.x * kSteps), std::nearbyint(p.y * kSteps)}; }
+/// The same bits as snap_coordinate() of the point in metres.
+inline Point2 to_metres(Point2 p) { return {p.x / kSteps, p.y / kSteps}; }
+inline Point2 rounded(Point2 p) { return {std::nearbyint(p.x), std::nearbyint(p.y)}; }
+
+Polygon to_steps(const Polygon& polygon);
+Polygon to_metres(const Polygon& polygon);
+
+/// Sign of the area of the triangle a, b, c: 1 where c lies left of a to b, 0 on the line. Exact for
+/// grid points within kMaxCoordinate: differences are exact in double; products, where the rounding
+/// bound of their difference does not decide, are recomputed in 128 bits.
+inline int orientation(Point2 a, Point2 b, Point2 c) {
+  __extension__ using Wide = __int128;
+  const double ux = b.x - a.x, uy = b.y - a.y, vx = c.x - a.x, vy = c.y - a.y;
+  const double left = ux * vy, right = uy * vx;
+  const double det = left - right;
+  const double bound = 4.5e-16 * (std::abs(left) + std::abs(right));
+  if (det > bound) return 1;
+  if (det < -bound) return -1;
+  const Wide exact = static_cast<Wide>(static_cast<long long>(ux)) * static_cast<long long>(vy) -
+                     static_cast<Wide>(static_cast<long long>(uy)) * static_cast<long long>(vx);
+  return exact > 0 ? 1 : (exact < 0 ? -1 : 0);
+}
+
+inline double dot(Point2 o, Point2 a, Point2 b) {
+  return (a.x - o.x) * (b.x - o.x) + (a.y - o.y) * (b.y - o.y);
+}
+
+inline double squared_distance(Point2 a, Point2 b) {
+  const double dx = a.x - b.x, dy = a.y - b.y;
+  return dx * dx + dy * dy;
+}
+
+inline double distance(Point2 a, Point2 b) { return std::sqrt(squared_distance(a, b)); }
+
+/// Twice the unsigned area of a triangle.
+inline double twice_area(Point2 a, Point2 b, Point2 c) {
+  return std::abs((b.x - a.x) * (c.y - a.y) - (b.y - a.y) * (c.x - a.x));
+}
+
+/// The point of segment a-b nearest to p (not rounded).
+inline Point2 nearest_on_segment(Point2 p, Point2 a, Point2 b) {
+  const double dx = b.x - a.x, dy = b.y - a.y;
+  const double length2 = dx * dx + dy * dy;
+  if (!(length2 > 0)) return a;
+  const double t = ((p.x - a.x) * dx + (p.y - a.y) * dy) / length2;
+  if (t <= 0) return a;
+  if (t >= 1) return b;
+  return {a.x + t * dx, a.y + t * dy};
+}
+
+inline double squared_distance_to_segment(Point2 p, Point2 a, Point2 b) {
+  return squared_distance(p, nearest_on_segment(p, a, b));
+}
+
+inline double point_segment_distance(Point2 p, Point2 a, Point2 b) {
+  return distance(p, nearest_on_segment(p, a, b));
+}
+
+/// Whether c, known to be on the line a-b, is within the segment.
+inline bool within_box(Point2 c, Point2 a, Point2 b) {
+  return c.x >= std::min(a.x, b.x) && c.x <= std::max(a.x, b.x) && c.y >= std::min(a.y, b.y) &&
+         c.y <= std::max(a.y, b.y);
+}
+
+/// Whether the closed segments a-b and c-d have a point in common. Exact.
+inline bool segments_touch(Point2 a, Point2 b, Point2 c, Point2 d) {
+  if (std::max(a.x, b.x) < std::min(c.x, d.x) || std::max(c.x, d.x) < std::min(a.x, b.x) ||
+      std::max(a.y, b.y) < std::min(c.y, d.y) || std::max(c.y, d.y) < std::min(a.y, b.y))
+    return false;
+  const int o1 = orientation(a, b, c), o2 = orientation(a, b, d);
+  if (o1 * o2 > 0) return false;
+  const int o3 = orientation(c, d, a), o4 = orientation(c, d, b);
+  if (o3 * o4 > 0) return false;
+  if (o1 != 0 || o2 != 0 || o3 != 0 || o4 != 0) {
+    if (o1 * o2 < 0 && o3 * o4 < 0) return true;
+    return (o1 == 0 && within_box(c, a, b)) || (o2 == 0 && within_box(d, a, b)) ||
+           (o3 == 0 && within_box(a, c, d)) || (o4 == 0 && within_box(b, c, d));
+  }
+  return within_box(c, a, b) || within_box(d, a, b) || within_box(a, c, d);
+}
+
+/// Whether the segments o-a and o-b overlap beyond their common end o. Exact.
+inline bool folds_back(Point2 o, Point2 a, Point2 b) {
+  if (orientation(o, a, b) != 0) return false;
+  // On one line: the same direction shows in the larger component, whose sign is exact.
+  const double ax = a.x - o.x, ay = a.y - o.y, bx = b.x - o.x, by = b.y - o.y;
+  return ax * bx > 0 || ay * by > 0;
+}
+
+inline double segment_distance(Point2 a, Point2 b, Point2 c, Point2 d) {
+  if (segments_touch(a, b, c, d)) return 0;
+  return std::min(std::min(point_segment_distance(a, c, d), point_segment_distance(b, c, d)),
+                  std::min(point_segment_distance(c, a, b), point_segment_distance(d, a, b)));
+}
+
+inline Bounds2 box_of(Point2 a, Point2 b) {
+  return {std::min(a.x, b.x), std::min(a.y, b.y), std::max(a.x, b.x), std::max(a.y, b.y)};
+}
+
+inline void extend(Bounds2& box, Point2 p) {
+  box.xmin = std::min(box.xmin, p.x);
+  box.ymin = std::min(box.ymin, p.y);
+  box.xmax = std::max(box.xmax, p.x);
+  box.ymax = std::max(box.ymax, p.y);
+}
+
+inline double box_distance(const Bounds2& a, const Bounds2& b) {
+  const double dx = std::max({0.0, a.xmin - b.xmax, b.xmin - a.xmax});
+  const double dy = std::max({0.0, a.ymin - b.ymax, b.ymin - a.ymax});
+  return std::hypot(dx, dy);
+}
+
+/// Convex hull, counter-clockwise, without collinear vertices. Fewer than three points where the
+/// input is on one line. Andrew's monotone chain (Information Processing Letters 9, 1979).
+Ring convex_hull(Ring points);
+
+}  // namespace tetropolis::grid

@@ -1,0 +1,248 @@
+#include "city/merge_polygons.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <limits>
+#include <utility>
+
+#include "tetropolis/core/error.h"
+#include "tetropolis/geometry/polygon.h"
+
+#include "city/clean_ring.h"
+#include "city/edge_grid.h"
+#include "city/forest.h"
+#include "city/grid_geometry.h"
+#include "city/outline.h"
+#include "geometry/geos.h"
+
+namespace tetropolis {
+
+namespace {
+
+
+/// Rounds to the grid. Slivers narrower than a step, which walls that meet up to rounding leave, go
+/// flat and away. False if what is left is not valid.
+bool round_to_grid(std::vector<Polygon>& polygons) {
+  bool exact = true;
+  const auto round = [&](Ring& ring) {
+    for (Point2& p : ring) {
+      const Point2 q = grid::rounded(p);
+      exact = exact && p == q;
+      p = q;
+    }
+    const std::size_t before = ring.size();
+    ring = without_duplicates(ring);
+    exact = exact && ring.size() == before;
+  };
+  for (Polygon& polygon : polygons) {
+    round(polygon.outer);
+    for (Ring& hole : polygon.holes) round(hole);
+    std::erase_if(polygon.holes, [](const Ring& hole) { return hole.empty(); });
+  }
+  std::erase_if(polygons, [](const Polygon& polygon) { return polygon.outer.empty(); });
+  return exact || geos::is_valid(polygons);
+}
+
+template <typename Operation>
+std::vector<Polygon> on_grid(const Operation& operation) {
+  geos::Result result = operation(0.0);
+  if (result && round_to_grid(*result)) return std::move(*result);
+  result = operation(1.0);
+  if (!result) throw Error(ErrorKind::kGuarantee, "footprints: GEOS cannot unite a cluster; report it");
+  return std::move(*result);
+}
+
+std::vector<const Polygon*> pointers(std::span<const Polygon> polygons) {
+  std::vector<const Polygon*> result;
+  result.reserve(polygons.size());
+  for (const Polygon& polygon : polygons) result.push_back(&polygon);
+  return result;
+}
+
+double cell_for(std::span<const Polygon> polygons, double distance) {
+  double length = 0;
+  std::size_t count = 0;
+  for (const Polygon& polygon : polygons)
+    for_each_edge(polygon, [&](Point2 a, Point2 b) {
+      length += grid::distance(a, b);
+      ++count;
+    });
+  return std::max(2 * distance, count > 0 ? length / static_cast<double>(count) : 0.0);
+}
+
+void join_near_edges(const Outline& o, double distance, Forest& forest) {
+  for (std::int32_t e = 0; e < o.vertex_count(); ++e) {
+    const Point2 a = o.at(e), b = o.at(o.after(e));
+    const std::int32_t i = o.group_of(e);
+    o.grid.visit(grid::box_of(a, b).grown(distance), [&](std::int32_t f) {
+      if (f <= e || forest.joined(i, o.group_of(f))) return;
+      if (grid::segment_distance(a, b, o.at(f), o.at(o.after(f))) < distance)
+        forest.join(i, o.group_of(f));
+    });
+  }
+}
+
+/// Joins polygons to those that contain them: even-odd count, per other polygon, of the edges left
+/// of a vertex. Boundaries of polygons not yet joined are apart, so any vertex will do.
+void join_contained(const Outline& o, std::span<const Polygon> polygons, Forest& forest) {
+  double widest = 0;
+  std::vector<Bounds2> boxes;
+  boxes.reserve(polygons.size());
+  for (const Polygon& polygon : polygons) {
+    boxes.push_back(bounds(polygon));
+    widest = std::max(widest, boxes.back().width());
+  }
+  std::vector<std::int32_t> seen(o.point.size(), -1);
+  std::vector<std::int32_t> crossed;
+  for (std::int32_t r = 0; r < static_cast<std::int32_t>(o.first.size()); ++r) {
+    const auto ring = static_cast<std::size_t>(r);
+    if (o.is_hole[ring] != 0) continue;
+    const Point2 p = o.at(o.first[ring]);
+    crossed.clear();
+    o.grid.visit({p.x - widest, p.y, p.x, p.y}, [&](std::int32_t e) {
+      if (seen[static_cast<std::size_t>(e)] == r) return;
+      seen[static_cast<std::size_t>(e)] = r;
+      // Of polygons around p the search sees all edges left of p; of others perhaps not.
+      if (!boxes[static_cast<std::size_t>(o.group_of(e))].contains(p)) return;
+      Point2 a = o.at(e), b = o.at(o.after(e));
+      if ((a.y > p.y) == (b.y > p.y)) return;
+      if (a.y > b.y) std::swap(a, b);
+      if (grid::orientation(a, b, p) < 0) crossed.push_back(o.group_of(e));
+    });
+    std::sort(crossed.begin(), crossed.end());
+    for (std::size_t i = 0; i < crossed.size();) {
+      std::size_t j = i;
+      while (j < crossed.size() && crossed[j] == crossed[i]) ++j;
+      if ((j - i) % 2 == 1) forest.join(o.group[ring], crossed[i]);
+      i = j;
+    }
+  }
+}
+
+/// The share [t0, t1] of a-b within `reach` of c-d; empty (t0 > t1) if none is. The distance to a
+/// segment is a convex function along a-b, so both ends are found by bisection from its minimum.
+std::pair<double, double> part_within(Point2 a, Point2 b, Point2 c, Point2 d, double reach) {
+  const auto at = [&](double t) { return Point2{a.x + t * (b.x - a.x), a.y + t * (b.y - a.y)}; };
+  const auto f = [&](double t) { return grid::point_segment_distance(at(t), c, d); };
+  double low = 0, high = 1;
+  for (int i = 0; i < 60; ++i) {
+    const double t1 = low + (high - low) / 3, t2 = high - (high - low) / 3;
+    if (f(t1) <= f(t2)) high = t2;
+    else low = t1;
+  }
+  double best = (low + high) / 2;
+  if (f(0) <= f(best)) best = 0;
+  if (f(1) < f(best)) best = 1;
+  if (f(best) > reach) return {1, 0};
+  const auto end = [&](double outside) {
+    if (f(outside) <= reach) return outside;
+    double inside = best;
+    for (int i = 0; i < 50; ++i) {
+      const double middle = (inside + outside) / 2;
+      (f(middle) <= reach ? inside : outside) = middle;
+    }
+    return inside;
+  };
+  return {end(0), end(1)};
+}
+
+std::vector<Polygon> patches_between(std::span<const Polygon> parts, double distance,
+                                     double reach) {
+  const Outline o = make_outline(pointers(parts), cell_for(parts, distance));
+  std::vector<std::pair<std::int32_t, std::int32_t>> pairs;
+  for (std::int32_t e = 0; e < o.vertex_count(); ++e) {
+    const Point2 a = o.at(e), b = o.at(o.after(e));
+    o.grid.visit(grid::box_of(a, b).grown(distance), [&](std::int32_t f) {
+      if (f <= e || o.group_of(e) == o.group_of(f)) return;
+      if (grid::segment_distance(a, b, o.at(f), o.at(o.after(f))) < distance)
+        pairs.emplace_back(e, f);
+    });
+  }
+  std::sort(pairs.begin(), pairs.end());
+  pairs.erase(std::unique(pairs.begin(), pairs.end()), pairs.end());
+  std::vector<Polygon> patches;
+  for (const auto& [e, f] : pairs) {
+    Ring patch = gap_patch(o.at(e), o.at(o.after(e)), o.at(f), o.at(o.after(f)), reach);
+    if (!patch.empty()) patches.push_back({std::move(patch), {}});
+  }
+  return patches;
+}
+
+Polygon hull_of(std::span<const Polygon> polygons) {
+  Ring points;
+  for (const Polygon& polygon : polygons)
+    points.insert(points.end(), polygon.outer.begin(), polygon.outer.end());
+  return {grid::convex_hull(std::move(points)), {}};
+}
+
+}  // namespace
+
+std::vector<Polygon> unite_on_grid(std::span<const Polygon> polygons) {
+  return on_grid([&](double grid) { return geos::unite(polygons, grid); });
+}
+
+std::vector<Polygon> subtract_on_grid(std::span<const Polygon> a, std::span<const Polygon> b) {
+  return on_grid([&](double grid) { return geos::subtract(a, b, grid); });
+}
+
+std::vector<Polygon> intersect_on_grid(std::span<const Polygon> a, std::span<const Polygon> b) {
+  return on_grid([&](double grid) { return geos::intersect(a, b, grid); });
+}
+
+std::vector<std::int32_t> cluster_polygons(std::span<const Polygon> polygons, double distance) {
+  const Outline o = make_outline(pointers(polygons), cell_for(polygons, distance));
+  Forest forest(polygons.size());
+  join_near_edges(o, distance, forest);
+  join_contained(o, polygons, forest);
+  std::vector<std::int32_t> cluster(polygons.size());
+  std::int32_t count = 0;
+  for (std::size_t i = 0; i < polygons.size(); ++i) {
+    const auto root = static_cast<std::size_t>(forest.root(static_cast<std::int32_t>(i)));
+    cluster[i] = root == i ? count++ : cluster[root];
+  }
+  return cluster;
+}
+
+Ring gap_patch(Point2 a, Point2 b, Point2 c, Point2 d, double reach) {
+  const auto [s0, s1] = part_within(a, b, c, d, reach);
+  const auto [t0, t1] = part_within(c, d, a, b, reach);
+  if (s0 > s1 || t0 > t1) return {};
+  const auto on = [](Point2 p, Point2 q, double t) {
+    if (t == 0) return p;
+    if (t == 1) return q;
+    return grid::rounded({p.x + t * (q.x - p.x), p.y + t * (q.y - p.y)});
+  };
+  Ring hull = grid::convex_hull({on(a, b, s0), on(a, b, s1), on(c, d, t0), on(c, d, t1)});
+  // Less than a square centimetre comes of rounding along one line.
+  if (hull.size() < 3 || signed_area(hull) < 1e4) return {};
+  return hull;
+}
+
+MergedPolygon merge_polygons(std::span<const Polygon> cluster, double distance, int growths) {
+  MergedPolygon result;
+  result.input.assign(cluster.begin(), cluster.end());
+  if (cluster.size() > 1) result.input = unite_on_grid(cluster);
+  std::vector<Polygon> parts = result.input;
+  double reach = distance * (1 + 1e-3);
+  for (int k = 1; k <= std::max(growths, 1) && parts.size() > 1; ++k, reach *= 2) {
+    const std::vector<Polygon> patches = patches_between(parts, distance, reach);
+    parts.insert(parts.end(), patches.begin(), patches.end());
+    parts = unite_on_grid(parts);
+    result.resort = MergeResort::kPatch;
+    result.growths = k;
+  }
+  if (parts.size() > 1) {
+    for (const Polygon& part : std::vector<Polygon>(parts)) parts.push_back(hull_of({&part, 1}));
+    parts = unite_on_grid(parts);
+    result.resort = MergeResort::kUnionOfHulls;
+  }
+  if (parts.size() > 1) {
+    parts = {hull_of(parts)};
+    result.resort = MergeResort::kHull;
+  }
+  result.polygon = std::move(parts[0]);
+  return result;
+}
+
+}  // namespace tetropolis

@@ -1,0 +1,53 @@
+// Clusters of polygons closer than a distance, and their joining to one polygon (the paper's
+// Algorithms 1 to 3). Coordinates are steps throughout (grid_geometry.h).
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "tetropolis/geometry/types.h"
+
+namespace tetropolis {
+
+/// Union of valid polygons, on the grid: valid polygons with disjoint interiors that touch at most
+/// in points. Noded in floating point and rounded where the result stays valid, otherwise noded on
+/// the grid. Throws Error(kGuarantee) where GEOS gives up on both.
+std::vector<Polygon> unite_on_grid(std::span<const Polygon> polygons);
+
+/// `a` without `b`, on the grid, as above.
+std::vector<Polygon> subtract_on_grid(std::span<const Polygon> a, std::span<const Polygon> b);
+
+/// What `a` and `b` have in common, on the grid, as above.
+std::vector<Polygon> intersect_on_grid(std::span<const Polygon> a, std::span<const Polygon> b);
+
+/// The number of each polygon's cluster: polygons that overlap or are closer than `distance`,
+/// directly or through others. Clusters are numbered by their first polygon. The pairs come from a
+/// grid over all edges, in near-linear time (in place of Algorithm 1's bins over whole polygons).
+std::vector<std::int32_t> cluster_polygons(std::span<const Polygon> polygons, double distance);
+
+/// What fills the gap between segments a-b and c-d: the convex hull of the parts of each that are
+/// within `reach` of the other. Empty if that has no area. It generalises the hull of
+/// VertexProjections (Algorithm 3), whose points are the ends of these parts, from the nearest
+/// points of single vertices to the places where the gap becomes wider than `reach`; so the hull's
+/// free sides are as long as `reach` and leave no short edges.
+Ring gap_patch(Point2 a, Point2 b, Point2 c, Point2 d, double reach);
+
+/// How a cluster became one polygon.
+enum class MergeResort : std::uint8_t { kUnion, kPatch, kUnionOfHulls, kHull };
+
+struct MergedPolygon {
+  Polygon polygon;
+  std::vector<Polygon> input;  ///< The plain union.
+  MergeResort resort = MergeResort::kUnion;
+  int growths = 0;  ///< For kPatch: the growth that joined them, from 1.
+};
+
+/// One polygon from a cluster (Algorithm 2): the union; if that has several parts, with patches in
+/// the gaps narrower than `distance`, whose reach doubles `growths` times; then with the parts'
+/// hulls; then the hull of all. Whether features inside the result are far enough apart is not
+/// looked at here (repair.h does), which keeps hulls rare where the paper's test of the whole
+/// polygon, applied to input that itself has short edges, makes them common.
+MergedPolygon merge_polygons(std::span<const Polygon> cluster, double distance, int growths);
+
+}  // namespace tetropolis

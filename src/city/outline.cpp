@@ -1,0 +1,74 @@
+#include "city/outline.h"
+
+#include <algorithm>
+#include <cstddef>
+#include <limits>
+
+#include "city/grid_geometry.h"
+
+namespace tetropolis {
+
+namespace {
+
+void add_ring(Outline& o, const Ring& ring, std::int32_t group, bool is_hole) {
+  const auto base = static_cast<std::int32_t>(o.point.size());
+  const auto n = static_cast<std::int32_t>(ring.size());
+  const auto id = static_cast<std::int32_t>(o.first.size());
+  o.first.push_back(base);
+  o.size.push_back(n);
+  o.group.push_back(group);
+  o.is_hole.push_back(is_hole ? 1 : 0);
+  for (std::int32_t i = 0; i < n; ++i) {
+    o.point.push_back(ring[static_cast<std::size_t>(i)]);
+    o.next.push_back(base + (i + 1) % n);
+    o.prev.push_back(base + (i + n - 1) % n);
+    o.ring.push_back(id);
+  }
+}
+
+}  // namespace
+
+Outline make_outline(const std::vector<const Polygon*>& polygons, double cell) {
+  Outline o;
+  std::size_t vertices = 0;
+  for (const Polygon* polygon : polygons) {
+    vertices += polygon->outer.size();
+    for (const Ring& hole : polygon->holes) vertices += hole.size();
+  }
+  for (auto* array : {&o.next, &o.prev, &o.ring}) array->reserve(vertices);
+  o.point.reserve(vertices);
+  for (std::size_t k = 0; k < polygons.size(); ++k) {
+    const auto group = static_cast<std::int32_t>(k);
+    add_ring(o, polygons[k]->outer, group, false);
+    for (const Ring& hole : polygons[k]->holes) add_ring(o, hole, group, true);
+  }
+  o.changed.assign(polygons.size(), 0);
+  constexpr double inf = std::numeric_limits<double>::infinity();
+  Bounds2 box{inf, inf, -inf, -inf};
+  for (const Point2 p : o.point) grid::extend(box, p);
+  o.grid = EdgeGrid(box, cell, vertices);
+  for (std::int32_t v = 0; v < o.vertex_count(); ++v) o.grid.insert(v, o.at(v), o.at(o.after(v)));
+  return o;
+}
+
+Polygon extract_polygon(const Outline& o, std::int32_t first_ring, std::int32_t ring_count) {
+  Polygon polygon;
+  for (std::int32_t r = first_ring; r < first_ring + ring_count; ++r) {
+    const std::int32_t start = o.first[static_cast<std::size_t>(r)];
+    if (start < 0) continue;
+    Ring ring;
+    std::int32_t v = start;
+    do {
+      ring.push_back(o.at(v));
+      v = o.after(v);
+    } while (v != start);
+    if (r == first_ring) {
+      polygon.outer = std::move(ring);
+    } else {
+      polygon.holes.push_back(std::move(ring));
+    }
+  }
+  return polygon;
+}
+
+}  // namespace tetropolis

@@ -1,0 +1,139 @@
+#include "city/patches.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <limits>
+#include <utility>
+
+#include "tetropolis/geometry/polygon.h"
+
+#include "city/grid_geometry.h"
+#include "city/merge_polygons.h"
+
+namespace tetropolis {
+
+namespace {
+
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+
+/// Whether leaving vertex v towards q one is inside the polygon.
+bool leads_inside(const Outline& o, std::int32_t v, Point2 q) {
+  const Point2 p = o.at(v), u = o.at(o.before(v)), w = o.at(o.after(v));
+  const auto side = [](Point2 a, Point2 b, Point2 c) {
+    return (b.x - a.x) * (c.y - a.y) - (b.y - a.y) * (c.x - a.x);
+  };
+  const bool left_of_in = side(u, p, q) > 0, left_of_out = side(p, w, q) > 0;
+  return grid::orientation(u, p, w) > 0 ? left_of_in && left_of_out : left_of_in || left_of_out;
+}
+
+/// Area of the smaller of the two parts into which the segment from v to a point of edge e would
+/// cut a ring; infinity if the ring is long (it is then not worth the walk), 0 if v and e belong to
+/// different rings.
+double smaller_part(const Outline& o, std::int32_t v, std::int32_t e) {
+  if (o.ring_of(v) != o.ring_of(e)) return 0;
+  const auto walk = [&](std::int32_t from, std::int32_t to) {
+    const Point2 origin = o.at(v);
+    double twice = 0;
+    int steps = 0;
+    for (std::int32_t i = from; i != to; i = o.after(i)) {
+      const Point2 a = o.at(i), b = o.at(o.after(i));
+      twice += (a.x - origin.x) * (b.y - origin.y) - (b.x - origin.x) * (a.y - origin.y);
+      if (++steps > 2000) return kInfinity;
+    }
+    return std::abs(twice) / 2;
+  };
+  return std::min(walk(v, e), walk(o.after(e), v));
+}
+
+/// A box along the thin place that is a little wider than epsilon.
+Polygon widening(const Ring& thin, Point2 p, Point2 q, double epsilon) {
+  double nx = q.x - p.x, ny = q.y - p.y;
+  const double length = std::hypot(nx, ny);
+  if (!(length > 0)) return {};
+  nx /= length;
+  ny /= length;
+  const Point2 m{(p.x + q.x) / 2, (p.y + q.y) / 2};
+  double low = -epsilon / 2, high = epsilon / 2;
+  for (const Point2 c : thin) {
+    const double t = (c.x - m.x) * -ny + (c.y - m.y) * nx;
+    low = std::min(low, t);
+    high = std::max(high, t);
+  }
+  const double half = 0.55 * epsilon;
+  const auto corner = [&](double t, double n) {
+    return grid::rounded({m.x - t * ny + n * nx, m.y + t * nx + n * ny});
+  };
+  return {{corner(low, -half), corner(low, half), corner(high, half), corner(high, -half)}, {}};
+}
+
+void add_patch(const Outline& o, const NearPair& pair, std::int32_t f, double epsilon, double reach,
+               Patches& patches) {
+  const std::int32_t e = pair.edge;
+  if (f == e) return;
+  const Point2 a = o.at(e), b = o.at(o.after(e));
+  Ring hull = gap_patch(o.at(f), o.at(o.after(f)), a, b, reach);
+  if (hull.empty()) return;
+  const Point2 p = o.at(pair.vertex), q = grid::nearest_on_segment(p, a, b);
+  if (p == q || !leads_inside(o, pair.vertex, q)) {
+    patches.fill.push_back({std::move(hull), {}});
+    return;
+  }
+  Polygon wider = widening(hull, p, q, epsilon);
+  if (!wider.outer.empty() && signed_area(wider.outer) < 0)
+    std::reverse(wider.outer.begin(), wider.outer.end());
+  const double thin = signed_area(hull);
+  const double length = thin / std::max(pair.distance, 0.1 * epsilon);
+  const double cost_of_cutting = thin + smaller_part(o, pair.vertex, e);
+  const double cost_of_widening = std::max(length, epsilon) * (epsilon - pair.distance);
+  if (wider.outer.empty() || cost_of_cutting <= cost_of_widening) {
+    patches.cut.push_back({std::move(hull), {}});
+    if (!wider.outer.empty()) patches.widen.push_back(std::move(wider));
+  } else {
+    patches.fill.push_back(std::move(wider));
+    ++patches.widened;
+  }
+}
+
+}  // namespace
+
+std::vector<Patches> patches_for(const Outline& o, const std::vector<NearPair>& pairs,
+                                 double epsilon, double reach) {
+  std::vector<Patches> result(o.changed.size());
+  for (const NearPair& pair : pairs) {
+    const std::int32_t v = pair.vertex, e = pair.edge;
+    if (o.group_of(v) != o.group_of(e)) continue;
+    const Point2 q = grid::nearest_on_segment(o.at(v), o.at(e), o.at(o.after(e)));
+    if (q != o.at(v) && (q == o.at(o.before(v)) || q == o.at(o.after(v)))) continue;
+    Patches& patches = result[static_cast<std::size_t>(o.group_of(v))];
+    add_patch(o, pair, o.before(v), epsilon, reach, patches);
+    add_patch(o, pair, v, epsilon, reach, patches);
+  }
+  return result;
+}
+
+std::vector<Patches> hulls_around(const Outline& o, const std::vector<NearPair>& pairs,
+                                  double radius) {
+  std::vector<Patches> result(o.changed.size());
+  for (const NearPair& pair : pairs) {
+    const Point2 p = o.at(pair.vertex);
+    Ring points{p, o.at(o.before(pair.vertex)), o.at(o.after(pair.vertex))};
+    // Long walls are covered as far as the radius only.
+    for (std::size_t i = 1; i < 3; ++i) {
+      const double d = grid::distance(points[i], p);
+      if (d > radius)
+        points[i] = grid::rounded({p.x + (points[i].x - p.x) * radius / d,
+                                   p.y + (points[i].y - p.y) * radius / d});
+    }
+    o.grid.visit(Bounds2{p.x, p.y, p.x, p.y}.grown(radius), [&](std::int32_t w) {
+      if (o.group_of(w) == o.group_of(pair.vertex) && grid::distance(o.at(w), p) <= radius)
+        points.push_back(o.at(w));
+    });
+    Ring hull = grid::convex_hull(std::move(points));
+    if (hull.size() >= 3)
+      result[static_cast<std::size_t>(o.group_of(pair.vertex))].fill.push_back({std::move(hull), {}});
+  }
+  return result;
+}
+
+}  // namespace tetropolis

@@ -1,0 +1,508 @@
+#include "tetropolis/city/simplify.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <limits>
+#include <optional>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "tetropolis/city/city_model.h"
+#include "tetropolis/city/clearance.h"
+#include "tetropolis/core/error.h"
+#include "tetropolis/core/parallel.h"
+#include "tetropolis/geometry/polygon.h"
+
+#include "city/changed_area.h"
+#include "city/forest.h"
+#include "city/grid_geometry.h"
+#include "city/merge_polygons.h"
+#include "city/outline.h"
+#include "city/patches.h"
+#include "city/repair.h"
+
+namespace tetropolis {
+
+namespace {
+
+constexpr int kGentleRounds = 5;      ///< Patches whose reach doubles.
+constexpr int kLocalHullRounds = 6;   ///< Hulls of surroundings whose radius doubles.
+constexpr double kMaxShift = 0.02 * grid::kSteps;
+constexpr double kSquareMetre = grid::kSteps * grid::kSteps;
+constexpr const char* kTooThin = "too small or narrow for the merge distance";
+constexpr const char* kAtBoundary = "closer than the merge distance to the domain boundary";
+
+/// One building to be: coordinates in steps.
+struct Group {
+  Polygon polygon;
+  std::vector<Polygon> input;  ///< Union of its members before anything was changed.
+  std::vector<BuildingIndex> members;
+  std::uint32_t flags = 0;
+};
+
+bool fits(const Polygon& polygon, const Bounds2& box) {
+  const Bounds2 b = bounds(polygon);
+  return b.xmin >= box.xmin && b.ymin >= box.ymin && b.xmax <= box.xmax && b.ymax <= box.ymax;
+}
+
+Polygon box_polygon(const Bounds2& b) {
+  return {{{b.xmin, b.ymin}, {b.xmax, b.ymin}, {b.xmax, b.ymax}, {b.xmin, b.ymax}}, {}};
+}
+
+double total_area(const std::vector<Polygon>& polygons) {
+  double sum = 0;
+  for (const Polygon& polygon : polygons) sum += area(polygon);
+  return sum;
+}
+
+/// The largest polygon (the first of equals), or none.
+std::optional<Polygon> largest(std::vector<Polygon> polygons) {
+  if (polygons.empty()) return std::nullopt;
+  std::size_t best = 0;
+  for (std::size_t i = 1; i < polygons.size(); ++i)
+    if (area(polygons[i]) > area(polygons[best])) best = i;
+  return std::move(polygons[best]);
+}
+
+class Simplifier {
+ public:
+  Simplifier(std::span<const Polygon> cleaned, const Bounds2& domain,
+             const SimplifyOptions& options, const Progress& progress);
+  Simplification run();
+
+ private:
+  void clip_to_domain();
+  void merge_clusters();
+  Outline repaired_outline(int round);
+  void take_back(const Outline& outline);
+  void apply_patches(std::vector<Patches> patches);
+  bool apply(const Patches& patches, Group& group) const;
+  void merge_groups(const Outline& outline, const std::vector<NearPair>& pairs, bool hulls);
+  void repair_in_rounds();
+  void repair_with_hulls();
+  bool make_hull(Group& group);
+  void drop_vanished();
+  void drop_small();
+  void drop(const Group& group, const std::string& reason);
+  void measure();
+  void finish();
+
+  std::span<const Polygon> cleaned_;
+  Bounds2 domain_;
+  SimplifyOptions options_;
+  const Progress& progress_;
+  double epsilon_;       ///< Steps; a little more than asked, so that rounding cannot break it.
+  Bounds2 keep_inside_;  ///< Steps.
+  std::vector<Group> groups_;
+  RepairCounts counts_;
+  Simplification result_;
+};
+
+Simplifier::Simplifier(std::span<const Polygon> cleaned, const Bounds2& domain,
+                       const SimplifyOptions& options, const Progress& progress)
+    : cleaned_(cleaned), domain_(domain), options_(options), progress_(progress) {
+  if (!(options.min_distance >= 0.01 && options.min_distance <= 1000))
+    throw Error(ErrorKind::kUsage,
+                fmt::format("merge distance {} m: must be from 0.01 to 1000", options.min_distance));
+  if (options.growths < 1)
+    throw Error(ErrorKind::kUsage, fmt::format("growths {}: must be at least 1", options.growths));
+  if (!(options.min_area >= 0))
+    throw Error(ErrorKind::kUsage,
+                fmt::format("minimum footprint area {}: must not be negative", options.min_area));
+  if (!(options.parallel_tolerance >= 0 && options.parallel_tolerance < 0.5))
+    throw Error(ErrorKind::kUsage, fmt::format("parallel tolerance {}: must be from 0 to 0.5 rad",
+                                               options.parallel_tolerance));
+  epsilon_ = std::ceil(options.min_distance * grid::kSteps) + 3;
+  keep_inside_ = domain.grown(0);
+  const Point2 low = grid::to_steps(Point2{domain.xmin, domain.ymin});
+  const Point2 high = grid::to_steps(Point2{domain.xmax, domain.ymax});
+  keep_inside_ = Bounds2{low.x, low.y, high.x, high.y}.grown(-epsilon_);
+}
+
+void Simplifier::clip_to_domain() {
+  groups_.resize(cleaned_.size());
+  std::vector<std::uint8_t> clipped(cleaned_.size(), 0);
+  const std::vector<Polygon> box{box_polygon(keep_inside_)};
+  parallel_chunks(cleaned_.size(), 256, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i) {
+      Group& group = groups_[i];
+      group.members = {static_cast<BuildingIndex>(i)};
+      group.polygon = grid::to_steps(cleaned_[i]);
+      if (group.polygon.outer.size() < 3) group.polygon = {};
+      group.input = {group.polygon};
+      if (group.polygon.outer.empty() || fits(group.polygon, keep_inside_)) continue;
+      const double whole = area(group.polygon);
+      std::optional<Polygon> part;
+      if (!keep_inside_.empty()) part = largest(intersect_on_grid(group.input, box));
+      clipped[i] = 1;
+      if (part && fits(*part, keep_inside_) && area(*part) >= 0.5 * whole)
+        group.polygon = std::move(*part);
+      else
+        group.polygon = {};
+    }
+  });
+  std::vector<Group> kept;
+  for (std::size_t i = 0; i < groups_.size(); ++i) {
+    if (groups_[i].polygon.outer.empty()) {
+      drop(groups_[i], clipped[i] != 0 ? kAtBoundary : "fewer than 3 distinct vertices");
+      continue;
+    }
+    if (clipped[i] != 0) {
+      groups_[i].flags |= kClipped;
+      ++result_.stats.clipped;
+    }
+    kept.push_back(std::move(groups_[i]));
+  }
+  groups_ = std::move(kept);
+}
+
+void Simplifier::merge_clusters() {
+  std::vector<Polygon> polygons;
+  polygons.reserve(groups_.size());
+  for (const Group& group : groups_) polygons.push_back(group.polygon);
+  const std::vector<std::int32_t> cluster = cluster_polygons(polygons, epsilon_);
+  const auto count = static_cast<std::size_t>(
+      cluster.empty() ? 0 : *std::max_element(cluster.begin(), cluster.end()) + 1);
+  std::vector<std::vector<std::size_t>> parts(count);
+  for (std::size_t i = 0; i < cluster.size(); ++i)
+    parts[static_cast<std::size_t>(cluster[i])].push_back(i);
+
+  SimplifyStats& stats = result_.stats;
+  stats.groups = static_cast<std::int64_t>(count);
+  stats.merged_by_patch.assign(static_cast<std::size_t>(options_.growths) + 1, 0);
+  std::vector<Group> merged(count);
+  std::vector<MergedPolygon> how(count);
+  parallel_chunks(count, 1, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t c = begin; c < end; ++c) {
+      if (parts[c].size() == 1) continue;
+      std::vector<Polygon> members;
+      for (const std::size_t i : parts[c]) members.push_back(polygons[i]);
+      how[c] = merge_polygons(members, epsilon_, options_.growths);
+    }
+  });
+  for (std::size_t c = 0; c < count; ++c) {
+    if (parts[c].size() == 1) {
+      merged[c] = std::move(groups_[parts[c][0]]);
+      continue;
+    }
+    Group& group = merged[c];
+    group.flags = kMerged;
+    for (const std::size_t i : parts[c]) {
+      group.members.push_back(groups_[i].members[0]);
+      group.flags |= groups_[i].flags;
+    }
+    group.polygon = std::move(how[c].polygon);
+    group.input = std::move(how[c].input);
+    switch (how[c].resort) {
+      case MergeResort::kUnion: ++stats.merged_by_union; break;
+      case MergeResort::kPatch:
+        ++stats.merged_by_patch[static_cast<std::size_t>(how[c].growths)];
+        break;
+      case MergeResort::kUnionOfHulls: ++stats.merged_by_hulls; group.flags |= kConvexHull; break;
+      case MergeResort::kHull: ++stats.merged_by_hull; group.flags |= kConvexHull; break;
+    }
+  }
+  groups_ = std::move(merged);
+}
+
+Outline Simplifier::repaired_outline(int round) {
+  std::vector<const Polygon*> polygons;
+  polygons.reserve(groups_.size());
+  double length = 0;
+  std::size_t edges = 0;
+  for (const Group& group : groups_) {
+    polygons.push_back(&group.polygon);
+    for_each_edge(group.polygon, [&](Point2 a, Point2 b) {
+      length += grid::distance(a, b);
+      ++edges;
+    });
+  }
+  const double cell = std::max(2 * epsilon_, length / static_cast<double>(std::max<std::size_t>(edges, 1)));
+  Outline outline = make_outline(polygons, cell);
+  // Gentle changes first, so that patches come before changes that cost more than they.
+  constexpr std::array<double, 4> kCosts{0.5, 2, 8, std::numeric_limits<double>::infinity()};
+  RepairOptions options;
+  options.epsilon = epsilon_;
+  options.max_cost = kCosts[static_cast<std::size_t>(std::min(round, 3))] * epsilon_ * epsilon_;
+  options.keep_inside = keep_inside_;
+  options.parallel_tolerance = options_.parallel_tolerance;
+  options.max_shift = kMaxShift;
+  tidy_vertices(outline, options, counts_);
+  if (round == 0) {
+    // Outlines with far more vertices than epsilon allows are thinned at a finer scale first, where
+    // each vertex has few others near it.
+    RepairOptions fine = options;
+    fine.epsilon = std::ceil(epsilon_ / 4);
+    fine.max_cost /= 16;
+    repair_vertices(outline, fine, counts_);
+  }
+  repair_vertices(outline, options, counts_);
+  tidy_vertices(outline, options, counts_);
+  return outline;
+}
+
+void Simplifier::take_back(const Outline& outline) {
+  std::int32_t ring = 0;
+  for (std::size_t k = 0; k < groups_.size(); ++k) {
+    const auto rings = static_cast<std::int32_t>(1 + groups_[k].polygon.holes.size());
+    if (outline.changed[k] != 0) {
+      groups_[k].polygon = extract_polygon(outline, ring, rings);
+      groups_[k].flags |= kRepaired;
+    }
+    ring += rings;
+  }
+}
+
+/// False if nothing is left of the group.
+bool Simplifier::apply(const Patches& patches, Group& group) const {
+  std::vector<Polygon> parts{group.polygon};
+  parts.insert(parts.end(), patches.fill.begin(), patches.fill.end());
+  if (parts.size() > 1) parts = unite_on_grid(parts);
+  std::optional<Polygon> next = largest(std::move(parts));
+  if (!next) return false;
+  if (!patches.cut.empty()) {
+    const double before = area(*next);
+    double taken = 0;
+    for (const Polygon& cut : patches.cut) taken += area(cut);
+    const std::vector<Polygon> whole{*next};
+    std::optional<Polygon> left = largest(subtract_on_grid(whole, patches.cut));
+    const double lost = before - (left ? area(*left) : 0.0) - taken;
+    // Cutting may part what was not expected to part: then widen instead.
+    if (lost > std::max(0.02 * before, 4 * epsilon_ * epsilon_) && !patches.widen.empty()) {
+      parts = whole;
+      parts.insert(parts.end(), patches.widen.begin(), patches.widen.end());
+      left = largest(unite_on_grid(parts));
+    }
+    next = std::move(left);
+  }
+  if (next && !fits(*next, keep_inside_)) {
+    const std::vector<Polygon> whole{*next};
+    const std::vector<Polygon> box{box_polygon(keep_inside_)};
+    next = largest(intersect_on_grid(whole, box));
+  }
+  if (!next) return false;
+  group.polygon = std::move(*next);
+  group.flags |= kRepaired;
+  return true;
+}
+
+void Simplifier::apply_patches(std::vector<Patches> patches) {
+  std::vector<std::size_t> work;
+  for (std::size_t k = 0; k < patches.size(); ++k)
+    if (!patches[k].fill.empty() || !patches[k].cut.empty()) work.push_back(k);
+  parallel_chunks(work.size(), 1, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i)
+      if (!apply(patches[work[i]], groups_[work[i]])) groups_[work[i]].polygon = {};
+  });
+  for (const std::size_t k : work) {
+    result_.stats.gaps_filled +=
+        static_cast<std::int64_t>(patches[k].fill.size()) - patches[k].widened;
+    result_.stats.necks_widened += patches[k].widened;
+    result_.stats.arms_cut += static_cast<std::int64_t>(patches[k].cut.size());
+  }
+}
+
+/// Unites the groups that pairs connect; with their convex hull if `hulls`.
+void Simplifier::merge_groups(const Outline& outline, const std::vector<NearPair>& pairs,
+                              bool hulls) {
+  Forest forest(groups_.size());
+  bool any = false;
+  for (const NearPair& pair : pairs) {
+    const std::int32_t a = outline.group_of(pair.vertex), b = outline.group_of(pair.edge);
+    if (forest.joined(a, b)) continue;
+    forest.join(a, b);
+    ++result_.stats.merged_late;
+    any = true;
+  }
+  if (!any) return;
+  std::vector<std::vector<std::size_t>> parts(groups_.size());
+  for (std::size_t k = 0; k < groups_.size(); ++k) parts[static_cast<std::size_t>(forest.root(static_cast<std::int32_t>(k)))].push_back(k);
+  for (std::size_t k = 0; k < groups_.size(); ++k) {
+    if (parts[k].size() < 2) continue;
+    Group merged;
+    merged.flags = kMerged;
+    std::vector<Polygon> polygons;
+    for (const std::size_t i : parts[k]) {
+      Group& group = groups_[i];
+      merged.flags |= group.flags;
+      merged.members.insert(merged.members.end(), group.members.begin(), group.members.end());
+      merged.input.insert(merged.input.end(), group.input.begin(), group.input.end());
+      if (!group.polygon.outer.empty()) polygons.push_back(std::move(group.polygon));
+      group = {};
+    }
+    std::sort(merged.members.begin(), merged.members.end());
+    if (hulls) {
+      Ring points;
+      for (const Polygon& polygon : polygons)
+        points.insert(points.end(), polygon.outer.begin(), polygon.outer.end());
+      merged.polygon.outer = grid::convex_hull(std::move(points));
+    } else if (!polygons.empty()) {
+      merged.polygon = merge_polygons(polygons, epsilon_, options_.growths).polygon;
+    }
+    groups_[k] = std::move(merged);
+  }
+  std::erase_if(groups_, [](const Group& group) { return group.members.empty(); });
+}
+
+void Simplifier::drop_vanished() {
+  for (const Group& group : groups_)
+    if (group.polygon.outer.size() < 3) drop(group, kTooThin);
+  std::erase_if(groups_, [](const Group& group) { return group.polygon.outer.size() < 3; });
+}
+
+void Simplifier::repair_in_rounds() {
+  double reach = epsilon_ * (1 + 1e-3);
+  double radius = 2 * epsilon_;
+  for (int round = 0; round < kGentleRounds + kLocalHullRounds; ++round) {
+    progress_.update(0.4 + 0.4 * round / (kGentleRounds + kLocalHullRounds));
+    const Outline outline = repaired_outline(round);
+    take_back(outline);
+    const std::vector<NearPair> pairs = near_pairs(outline, epsilon_);
+    result_.stats.rounds = round + 1;
+    if (pairs.empty()) return;
+    if (round < kGentleRounds) {
+      apply_patches(patches_for(outline, pairs, epsilon_, reach));
+      if (round > 0) reach *= 2;
+    } else {
+      result_.stats.local_hulls += static_cast<std::int64_t>(pairs.size());
+      apply_patches(hulls_around(outline, pairs, radius));
+      radius *= 2;
+    }
+    merge_groups(outline, pairs, false);
+    drop_vanished();
+  }
+}
+
+/// Replaces the polygon by its hull and lets short edges drop away; false if it vanishes.
+bool Simplifier::make_hull(Group& group) {
+  group.polygon = {grid::convex_hull(group.polygon.outer), {}};
+  group.flags |= kConvexHull | kRepaired;
+  ++result_.stats.hull_repairs;
+  if (group.polygon.outer.size() < 3) return false;
+  Outline alone = make_outline({&group.polygon}, 4 * epsilon_);
+  RepairOptions options;
+  options.epsilon = epsilon_;
+  options.max_cost = std::numeric_limits<double>::infinity();
+  options.keep_inside = keep_inside_;
+  repair_vertices(alone, options, counts_);
+  group.polygon = extract_polygon(alone, 0, 1);
+  return near_pairs(alone, epsilon_).empty();
+}
+
+void Simplifier::repair_with_hulls() {
+  for (;;) {
+    std::vector<const Polygon*> polygons;
+    for (const Group& group : groups_) polygons.push_back(&group.polygon);
+    const Outline outline = make_outline(polygons, 4 * epsilon_);
+    const std::vector<NearPair> pairs = near_pairs(outline, epsilon_);
+    if (pairs.empty()) return;
+    std::vector<std::uint8_t> bad(groups_.size(), 0);
+    for (const NearPair& pair : pairs)
+      bad[static_cast<std::size_t>(outline.group_of(pair.vertex))] = 1;
+    for (std::size_t k = 0; k < groups_.size(); ++k)
+      if (bad[k] != 0 && !make_hull(groups_[k])) groups_[k].polygon = {};
+    merge_groups(outline, pairs, true);
+    drop_vanished();
+  }
+}
+
+void Simplifier::drop(const Group& group, const std::string& reason) {
+  for (const BuildingIndex member : group.members) result_.dropped.push_back({member, reason});
+  result_.stats.area_before += total_area(group.input) / kSquareMetre;
+  result_.stats.area_dropped += total_area(group.input) / kSquareMetre;
+}
+
+void Simplifier::drop_small() {
+  for (;;) {
+    bool any = false;
+    for (Group& group : groups_) {
+      const double size = area(group.polygon) / kSquareMetre;
+      if (size >= options_.min_area) continue;
+      drop(group, fmt::format("area {:.1f} m2 below the minimum of {:g} m2", size, options_.min_area));
+      group.members.clear();
+      any = true;
+    }
+    if (!any) return;
+    std::erase_if(groups_, [](const Group& group) { return group.members.empty(); });
+    // What is gone may have kept parallel edges apart: tidying again keeps a second run idle.
+    const Outline outline = repaired_outline(0);
+    take_back(outline);
+  }
+}
+
+void Simplifier::measure() {
+  std::vector<std::array<double, 3>> areas(groups_.size());
+  parallel_chunks(groups_.size(), 16, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t k = begin; k < end; ++k) {
+      const Group& group = groups_[k];
+      const std::vector<Polygon> output{group.polygon};
+      const double before = total_area(group.input), after = area(group.polygon);
+      double changed = 0;
+      if (output != group.input) {
+        changed = changed_area(group.input, output);
+      }
+      areas[k] = {before, after, changed};
+    }
+  });
+  SimplifyStats& stats = result_.stats;
+  stats.area_changed = stats.area_dropped;
+  for (const auto& [before, after, changed] : areas) {
+    stats.area_before += before / kSquareMetre;
+    stats.area_after += after / kSquareMetre;
+    stats.area_changed += changed / kSquareMetre;
+  }
+  stats.vertices_dropped = counts_.dropped;
+  stats.edges_merged = counts_.merged;
+  stats.edges_slid = counts_.slid;
+  stats.vertices_moved = counts_.moved;
+  stats.holes_filled = counts_.filled;
+  stats.parallel_removed = counts_.tidied;
+}
+
+void Simplifier::finish() {
+  std::sort(groups_.begin(), groups_.end(),
+            [](const Group& a, const Group& b) { return a.members[0] < b.members[0]; });
+  for (Group& group : groups_) {
+    result_.footprints.push_back(grid::to_metres(group.polygon));
+    result_.members.push_back(std::move(group.members));
+    result_.flags.push_back(group.flags);
+  }
+  std::sort(result_.dropped.begin(), result_.dropped.end(),
+            [](const DroppedFootprint& a, const DroppedFootprint& b) { return a.index < b.index; });
+  const Clearance clearance = joint_clearance(result_.footprints, domain_);
+  result_.stats.min_clearance = clearance.distance;
+  if (clearance.distance < options_.min_distance)
+    throw Error(ErrorKind::kGuarantee,
+                fmt::format("footprints: clearance {:.6f} m at ({:.4f}, {:.4f}) is below {} m after "
+                            "simplification; report it",
+                            clearance.distance, clearance.at.x, clearance.at.y,
+                            options_.min_distance));
+}
+
+Simplification Simplifier::run() {
+  progress_.update(0);
+  clip_to_domain();
+  progress_.update(0.05);
+  merge_clusters();
+  progress_.update(0.4);
+  repair_in_rounds();
+  repair_with_hulls();
+  drop_small();
+  progress_.update(0.85);
+  measure();
+  finish();
+  progress_.update(1);
+  return std::move(result_);
+}
+
+}  // namespace
+
+Simplification simplify_footprints(std::span<const Polygon> cleaned, const Bounds2& domain,
+                                   const SimplifyOptions& options, const Progress& progress) {
+  return Simplifier(cleaned, domain, options, progress).run();
+}
+
+}  // namespace tetropolis

@@ -1,0 +1,35 @@
+// The few GEOS operations the library uses, on plain polygons. Each call has a context of its own,
+// so calls may run at the same time. Private to the library: no public header includes it.
+#pragma once
+
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "tetropolis/geometry/types.h"
+
+namespace tetropolis::geos {
+
+/// All results are lists of polygons with disjoint interiors, each with its outer ring
+/// counter-clockwise and its holes clockwise, ordered by the lowest then leftmost vertex of the
+/// outer ring; points and lines are left out. `grid` > 0: the result is noded on multiples of
+/// `grid` (slower, survives anything); 0: full double precision. nullopt where GEOS gave up.
+using Result = std::optional<std::vector<Polygon>>;
+
+/// Union of valid polygons (which may overlap).
+Result unite(std::span<const Polygon> polygons, double grid);
+
+/// a without b; both are lists of valid polygons, `a` with disjoint interiors.
+Result subtract(std::span<const Polygon> a, std::span<const Polygon> b, double grid);
+
+/// a and b; both are lists of valid polygons with disjoint interiors.
+Result intersect(std::span<const Polygon> a, std::span<const Polygon> b, double grid);
+
+/// Valid in the OGC sense: rings may touch in points.
+bool is_valid(std::span<const Polygon> polygons);
+
+/// A valid version of any polygon with finite coordinates: what its outer ring encloses less what
+/// its holes enclose.
+Result make_valid(const Polygon& polygon);
+
+}  // namespace tetropolis::geos

@@ -1,0 +1,120 @@
+#include "ground/construct.h"
+
+namespace tetropolis {
+
+namespace {
+
+// Neither outside nor marked yet.
+constexpr std::int32_t kUnvisited = kUnmarkedSide;
+
+// Gives `region` to every unvisited triangle that `seed` reaches without crossing a segment.
+void flood(TriMesh& mesh, std::int32_t seed, std::int32_t region,
+           std::vector<std::int32_t>& stack) {
+  if (mesh.tri(seed).region != kUnvisited) return;
+  mesh.tri(seed).region = region;
+  stack.assign(1, seed);
+  while (!stack.empty()) {
+    const std::int32_t t = stack.back();
+    stack.pop_back();
+    for (const std::int32_t n : mesh.tri(t).n) {
+      if (n < 0 || mesh.tri(n >> 2).region != kUnvisited) continue;
+      mesh.tri(n >> 2).region = region;
+      stack.push_back(n >> 2);
+    }
+  }
+}
+
+// Hull edges become subsegments, so that the outside is the ghosts alone.
+void close_hull(TriMesh& mesh) {
+  const auto count = static_cast<std::int32_t>(mesh.triangles.size());
+  for (std::int32_t t = 0; t < count; ++t) {
+    if (!mesh.ghost(t)) continue;
+    const TriMesh::Triangle& x = mesh.tri(t);
+    const int g = x.v[0] < 0 ? 0 : x.v[1] < 0 ? 1 : 2;
+    mesh.constrain(mesh.across(4 * t + g), kHullSegment);
+  }
+}
+
+}  // namespace
+
+void classify(const PlanarGraph& graph, bool convex_hull, Construction& result) {
+  TriMesh& mesh = result.mesh;
+  if (mesh.triangles.empty()) return;
+  std::vector<std::int32_t> stack;
+  for (TriMesh::Triangle& t : mesh.triangles) t.region = kUnvisited;
+  if (convex_hull || mesh.subsegments.empty()) close_hull(mesh);
+  const auto count = static_cast<std::int32_t>(mesh.triangles.size());
+  for (std::int32_t t = 0; t < count; ++t)
+    if (mesh.ghost(t)) flood(mesh, t, kOutside, stack);
+  std::int32_t hint = 0;
+  const auto locate = [&](Point2 p) {
+    const std::int32_t t = mesh.locate(p, hint).triangle;
+    hint = t;
+    return t;
+  };
+  for (const Point2& hole : graph.holes) flood(mesh, locate(hole), kOutside, stack);
+  if (!graph.segment_sides.empty()) {
+    for (const TriMesh::Subsegment& s : mesh.subsegments) {
+      if (s.v[0] == TriMesh::kDead || s.piece < 0) continue;
+      const auto& sides = graph.segment_sides[static_cast<std::size_t>(s.piece)];
+      for (std::size_t k = 0; k < 2; ++k)
+        if (sides[k] != kUnmarkedSide) flood(mesh, s.side[k] >> 2, sides[k], stack);
+    }
+  }
+  for (const RegionSeed& region : graph.regions)
+    flood(mesh, locate(region.seed), region.marker, stack);
+  for (TriMesh::Triangle& t : mesh.triangles)
+    if (t.region == kUnvisited) t.region = kNoRegion;
+}
+
+void carve_outside(TriMesh& mesh) {
+  std::vector<char> keep(mesh.triangles.size());
+  for (std::size_t t = 0; t < keep.size(); ++t)
+    keep[t] = mesh.triangles[t].v[0] != TriMesh::kDead && mesh.triangles[t].region != kOutside;
+  if (!keep.empty()) mesh.carve(keep);
+}
+
+Construction construct(const PlanarGraph& graph, bool convex_hull) {
+  check_graph(graph);
+  Construction result;
+  insert_points(graph, result);
+  insert_segments(graph, result);
+  classify(graph, convex_hull, result);
+  return result;
+}
+
+Triangulation export_triangulation(const PlanarGraph& graph, const Construction& construction,
+                                   const std::vector<std::int32_t>& piece_input) {
+  const TriMesh& mesh = construction.mesh;
+  Triangulation out;
+  out.points = mesh.points;
+  out.input_vertex = construction.input_vertex;
+  out.crossings = construction.crossings;
+  out.triangles.reserve(mesh.triangles.size());
+  out.triangle_regions.reserve(mesh.triangles.size());
+  for (const TriMesh::Triangle& t : mesh.triangles) {
+    if (t.v[0] == TriMesh::kDead) continue;
+    out.triangles.push_back({t.v[0], t.v[1], t.v[2]});
+    out.triangle_regions.push_back(t.region);
+  }
+  for (const TriMesh::Subsegment& s : mesh.subsegments) {
+    if (s.v[0] == TriMesh::kDead) continue;
+    const std::int32_t input =
+        piece_input.empty() ? s.piece : piece_input[static_cast<std::size_t>(s.piece)];
+    out.segments.push_back({s.v[0], s.v[1]});
+    out.segment_inputs.push_back(input);
+    out.segment_markers.push_back(input < 0 ? kHullSegment
+                                  : graph.segment_markers.empty()
+                                      ? 0
+                                      : graph.segment_markers[static_cast<std::size_t>(input)]);
+  }
+  return out;
+}
+
+Triangulation constrained_delaunay(const PlanarGraph& graph, const TriangulationOptions& options) {
+  Construction construction = construct(graph, options.convex_hull);
+  carve_outside(construction.mesh);
+  return export_triangulation(graph, construction, {});
+}
+
+}  // namespace tetropolis

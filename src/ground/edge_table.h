@@ -1,0 +1,100 @@
+// Edges of triangle lists by sorting: for checks, not for meshing.
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cstdint>
+#include <span>
+#include <utility>
+#include <vector>
+
+#include "tetropolis/geometry/types.h"
+
+namespace tetropolis {
+
+/// Groups the edges of triangles by their two vertices.
+class EdgeTable {
+ public:
+  /// Edge `edge` (opposite to vertex `edge`) of `triangle`; forward: it runs from low to high.
+  struct Use {
+    VertexIndex low;
+    VertexIndex high;
+    std::int32_t triangle;
+    std::int32_t edge;
+    bool forward;
+  };
+
+  explicit EdgeTable(std::span<const std::array<VertexIndex, 3>> triangles) {
+    uses_.reserve(3 * triangles.size());
+    for (std::size_t t = 0; t < triangles.size(); ++t) {
+      for (std::size_t e = 0; e < 3; ++e) {
+        const VertexIndex a = triangles[t][(e + 1) % 3], b = triangles[t][(e + 2) % 3];
+        uses_.push_back({std::min(a, b), std::max(a, b), static_cast<std::int32_t>(t),
+                         static_cast<std::int32_t>(e), a < b});
+      }
+    }
+    std::sort(uses_.begin(), uses_.end(), [](const Use& x, const Use& y) {
+      if (x.low != y.low) return x.low < y.low;
+      return x.high != y.high ? x.high < y.high : x.triangle < y.triangle;
+    });
+  }
+
+  /// Calls visit(uses of one edge) for every edge, by ascending vertices.
+  template <typename Visit>
+  void for_each(const Visit& visit) const {
+    for (std::size_t i = 0, j = 0; i < uses_.size(); i = j) {
+      while (j < uses_.size() && uses_[j].low == uses_[i].low && uses_[j].high == uses_[i].high)
+        ++j;
+      visit(std::span<const Use>(uses_).subspan(i, j - i));
+    }
+  }
+
+ private:
+  std::vector<Use> uses_;
+};
+
+/// A set of undirected edges.
+class EdgeSet {
+ public:
+  explicit EdgeSet(std::span<const std::array<VertexIndex, 2>> edges) {
+    for (const auto& e : edges) edges_.push_back(ordered(e[0], e[1]));
+    std::sort(edges_.begin(), edges_.end());
+    edges_.erase(std::unique(edges_.begin(), edges_.end()), edges_.end());
+  }
+  bool contains(VertexIndex a, VertexIndex b) const {
+    return std::binary_search(edges_.begin(), edges_.end(), ordered(a, b));
+  }
+  std::size_t size() const { return edges_.size(); }
+
+ private:
+  static std::pair<VertexIndex, VertexIndex> ordered(VertexIndex a, VertexIndex b) {
+    return {std::min(a, b), std::max(a, b)};
+  }
+  std::vector<std::pair<VertexIndex, VertexIndex>> edges_;
+};
+
+/// The vertices joined to each vertex by edges of a list.
+class Neighbours {
+ public:
+  Neighbours(std::size_t vertices, std::span<const std::array<VertexIndex, 2>> edges)
+      : starts_(vertices + 1, 0), others_(2 * edges.size()) {
+    for (const auto& e : edges)
+      for (const VertexIndex v : e) ++starts_[static_cast<std::size_t>(v) + 1];
+    for (std::size_t v = 0; v < vertices; ++v) starts_[v + 1] += starts_[v];
+    std::vector<std::size_t> next(starts_.begin(), starts_.end() - 1);
+    for (const auto& e : edges) {
+      others_[next[static_cast<std::size_t>(e[0])]++] = e[1];
+      others_[next[static_cast<std::size_t>(e[1])]++] = e[0];
+    }
+  }
+  std::span<const VertexIndex> of(VertexIndex v) const {
+    const auto i = static_cast<std::size_t>(v);
+    return std::span<const VertexIndex>(others_).subspan(starts_[i], starts_[i + 1] - starts_[i]);
+  }
+
+ private:
+  std::vector<std::size_t> starts_;
+  std::vector<VertexIndex> others_;
+};
+
+}  // namespace tetropolis

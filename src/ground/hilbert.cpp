@@ -1,0 +1,79 @@
+#include "ground/hilbert.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+
+namespace tetropolis {
+
+std::uint32_t hilbert_index(std::uint32_t x, std::uint32_t y) {
+  // From the coarsest of 16 levels to the finest; (x, y) is turned into the frame of its quadrant.
+  std::uint32_t index = 0;
+  for (std::uint32_t level = 15; level < 16; --level) {
+    const std::uint32_t right = (x >> level) & 1U;
+    const std::uint32_t upper = (y >> level) & 1U;
+    index = (index << 2) | ((3U * right) ^ upper);
+    const std::uint32_t turn = upper - 1U;           // all ones in the lower quadrants
+    const std::uint32_t mirror = turn & (0U - right);  // all ones in the lower right one
+    x ^= mirror;
+    y ^= mirror;
+    const std::uint32_t swap = (x ^ y) & turn;
+    x ^= swap;
+    y ^= swap;
+  }
+  return index;
+}
+
+HilbertCurve::HilbertCurve(const Bounds2& box) : box_(box) {
+  const double extent = std::max(box.width(), box.height());
+  if (extent > 0 && std::isfinite(extent)) scale_ = 65535.0 / extent;
+}
+
+std::uint32_t HilbertCurve::operator()(Point2 p) const {
+  const double x = std::clamp((p.x - box_.xmin) * scale_, 0.0, 65535.0);
+  const double y = std::clamp((p.y - box_.ymin) * scale_, 0.0, 65535.0);
+  return hilbert_index(static_cast<std::uint32_t>(x), static_cast<std::uint32_t>(y));
+}
+
+std::vector<std::int32_t> sorted_order(std::span<const std::uint64_t> keys, int bits) {
+  struct Entry {
+    std::uint64_t key;
+    std::int32_t index;
+  };
+  std::vector<Entry> entries(keys.size());
+  for (std::size_t i = 0; i < keys.size(); ++i)
+    entries[i] = {keys[i], static_cast<std::int32_t>(i)};
+  std::vector<Entry> other(keys.size());
+  constexpr int kDigit = 11;
+  for (int shift = 0; shift < bits; shift += kDigit) {
+    std::array<std::size_t, 1U << kDigit> starts{};
+    const auto digit = [&](const Entry& e) { return (e.key >> shift) & ((1U << kDigit) - 1U); };
+    for (const Entry& e : entries) ++starts[digit(e)];
+    std::size_t sum = 0;
+    for (std::size_t& start : starts) {
+      const std::size_t count = start;
+      start = sum;
+      sum += count;
+    }
+    for (const Entry& e : entries) other[starts[digit(e)]++] = e;
+    entries.swap(other);
+  }
+  std::vector<std::int32_t> order(keys.size());
+  for (std::size_t i = 0; i < keys.size(); ++i) order[i] = entries[i].index;
+  return order;
+}
+
+Bounds2 bounds_of(std::span<const Point2> points) {
+  constexpr double kInfinity = std::numeric_limits<double>::infinity();
+  Bounds2 box{kInfinity, kInfinity, -kInfinity, -kInfinity};
+  for (const Point2& p : points) {
+    box.xmin = std::min(box.xmin, p.x);
+    box.ymin = std::min(box.ymin, p.y);
+    box.xmax = std::max(box.xmax, p.x);
+    box.ymax = std::max(box.ymax, p.y);
+  }
+  return box;
+}
+
+}  // namespace tetropolis

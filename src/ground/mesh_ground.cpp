@@ -1,0 +1,116 @@
+#include "tetropolis/ground/mesh_ground.h"
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <vector>
+
+#include "ground/hilbert.h"
+#include "tetropolis/core/error.h"
+#include "tetropolis/geometry/polygon.h"
+#include "tetropolis/ground/refine.h"
+
+namespace tetropolis {
+
+namespace {
+
+// Adds a ring, directed so that the building lies on the left of its segments.
+void add_ring(const Ring& ring, bool is_hole, std::int32_t building, const Bounds2& domain,
+              PlanarGraph& graph) {
+  const auto first = static_cast<VertexIndex>(graph.points.size());
+  const auto n = static_cast<VertexIndex>(ring.size());
+  const bool turn = (signed_area(ring) > 0) == is_hole;
+  for (VertexIndex i = 0; i < n; ++i) {
+    const Point2 p = ring[static_cast<std::size_t>(i)];
+    // Written so that NaN fails as well.
+    if (!(p.x > domain.xmin && p.x < domain.xmax && p.y > domain.ymin && p.y < domain.ymax))
+      throw Error(ErrorKind::kInput,
+                  fmt::format("footprint {}: vertex ({}, {}) is not inside the domain; drop or clip "
+                              "the footprint",
+                              building, p.x, p.y));
+    graph.points.push_back(p);
+    const VertexIndex a = first + i, b = first + (i + 1 == n ? 0 : i + 1);
+    graph.segments.push_back(turn ? std::array{b, a} : std::array{a, b});
+    graph.segment_markers.push_back(building);
+    graph.segment_sides.push_back({building, kNoBuilding});
+  }
+}
+
+PlanarGraph make_graph(std::span<const Polygon> footprints, const Bounds2& domain) {
+  PlanarGraph graph;
+  graph.points = {{domain.xmin, domain.ymin},
+                  {domain.xmax, domain.ymin},
+                  {domain.xmax, domain.ymax},
+                  {domain.xmin, domain.ymax}};
+  for (VertexIndex i = 0; i < 4; ++i) {
+    graph.segments.push_back({i, (i + 1) % 4});
+    graph.segment_markers.push_back(kNoBuilding);
+    graph.segment_sides.push_back({kNoBuilding, kUnmarkedSide});
+  }
+  for (std::size_t f = 0; f < footprints.size(); ++f) {
+    const auto building = static_cast<std::int32_t>(f);
+    add_ring(footprints[f].outer, false, building, domain, graph);
+    for (const Ring& hole : footprints[f].holes) add_ring(hole, true, building, domain, graph);
+  }
+  return graph;
+}
+
+// Vertices along the curve, those of no triangle left out; triangles by their lowest new vertex.
+GroundMesh renumber(const Triangulation& source, const Bounds2& domain) {
+  const HilbertCurve curve(domain);
+  std::vector<char> used(source.points.size(), 0);
+  for (const auto& t : source.triangles)
+    for (const VertexIndex v : t) used[static_cast<std::size_t>(v)] = 1;
+  std::vector<std::uint64_t> keys(source.points.size());
+  for (std::size_t v = 0; v < keys.size(); ++v) keys[v] = curve(source.points[v]);
+
+  GroundMesh mesh;
+  mesh.vertices.reserve(source.points.size());
+  std::vector<VertexIndex> number(source.points.size(), -1);
+  for (const std::int32_t v : sorted_order(keys, 32)) {
+    const auto i = static_cast<std::size_t>(v);
+    if (used[i] == 0) continue;
+    number[i] = static_cast<VertexIndex>(mesh.vertices.size());
+    mesh.vertices.push_back(source.points[i]);
+  }
+  // By the sum of a triangle's vertex numbers, to be near all three.
+  int bits = 2;
+  while ((std::uint64_t{1} << bits) < 3 * mesh.vertices.size() + 3) ++bits;
+  keys.resize(source.triangles.size());
+  for (std::size_t t = 0; t < keys.size(); ++t) {
+    keys[t] = 0;
+    for (const VertexIndex v : source.triangles[t])
+      keys[t] += static_cast<std::uint64_t>(number[static_cast<std::size_t>(v)]);
+  }
+  mesh.triangles.reserve(keys.size());
+  mesh.region.reserve(keys.size());
+  for (const std::int32_t t : sorted_order(keys, bits)) {
+    const auto& old = source.triangles[static_cast<std::size_t>(t)];
+    mesh.triangles.push_back({number[static_cast<std::size_t>(old[0])],
+                              number[static_cast<std::size_t>(old[1])],
+                              number[static_cast<std::size_t>(old[2])]});
+    mesh.region.push_back(source.triangle_regions[static_cast<std::size_t>(t)]);
+  }
+  mesh.small_input_angles = source.small_input_angles;
+  return mesh;
+}
+
+}  // namespace
+
+GroundMesh mesh_ground(std::span<const Polygon> footprints, const Bounds2& domain,
+                       const GroundMeshOptions& options, const Progress& progress) {
+  const bool finite = std::isfinite(domain.xmin) && std::isfinite(domain.ymin) &&
+                      std::isfinite(domain.xmax) && std::isfinite(domain.ymax);
+  if (!finite || !(domain.xmin < domain.xmax && domain.ymin < domain.ymax))
+    throw Error(ErrorKind::kInput, fmt::format("domain ({}, {}, {}, {}) is empty; give other bounds",
+                                               domain.xmin, domain.ymin, domain.xmax, domain.ymax));
+  if (!(options.mesh_size > 0 && std::isfinite(options.mesh_size)))
+    throw Error(ErrorKind::kInput,
+                fmt::format("mesh size {}: must be positive", options.mesh_size));
+  RefineOptions refinement;
+  refinement.min_angle_deg = options.min_angle_deg;
+  refinement.max_edge = options.mesh_size;
+  return renumber(refine(make_graph(footprints, domain), refinement, progress), domain);
+}
+
+}  // namespace tetropolis

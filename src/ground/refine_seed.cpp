@@ -1,0 +1,227 @@
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "ground/hilbert.h"
+#include "ground/refiner.h"
+#include "tetropolis/geometry/polygon.h"
+
+namespace tetropolis {
+
+namespace {
+
+// Tuned on random rectangles and on the Stockholm tile by the number and the angles of triangles:
+// spacing of the lattice and its distance from segments, in units of the longest edge allowed.
+constexpr double kLatticeSpacing = 0.87;
+constexpr double kLatticeClearance = 0.45;
+
+double distance(Point2 p, Point2 q) { return std::hypot(p.x - q.x, p.y - q.y); }
+
+Point2 between(Point2 a, Point2 b, double t) {
+  return {a.x + t * (b.x - a.x), a.y + t * (b.y - a.y)};
+}
+
+}  // namespace
+
+SizeBound::SizeBound(const PlanarGraph& graph, const RefineOptions& options) : options_(&options) {
+  if (options.max_edge > 0) base_ = options.max_edge;
+  base_squared_ = base_ * base_;
+  for (const RegionSeed& region : graph.regions)
+    if (region.max_edge > 0) regions_.emplace_back(region.marker, region.max_edge);
+  std::sort(regions_.begin(), regions_.end());
+  by_region_ = !regions_.empty();
+}
+
+double SizeBound::in_region(std::int32_t region) const {
+  double bound = base_;
+  const auto first = std::lower_bound(regions_.begin(), regions_.end(), std::pair{region, 0.0});
+  if (first != regions_.end() && first->first == region) bound = std::min(bound, first->second);
+  return bound;
+}
+
+double SizeBound::local_squared(std::int32_t region, Point2 p, Point2 q) const {
+  double bound = by_region_ ? in_region(region) : base_;
+  if (options_->size_field) {
+    const Point2 middle{0.5 * (p.x + q.x), 0.5 * (p.y + q.y)};
+    bound = std::min(bound, options_->size_field(middle));
+  }
+  return bound * bound;
+}
+
+void Refiner::seed() {
+  find_pieces();
+  if (mesh_.triangles.empty()) return;
+  mesh_.tracking = false;
+  mesh_.some_triangle.clear();
+  find_corners();
+  if (max_vertices_ <= 0) {
+    const Bounds2 box = bounds_of(mesh_.points);
+    const double h = size_.base();
+    const double lattice = std::isfinite(h) ? 8 * box.width() * box.height() / (h * h) : 0;
+    max_vertices_ = std::int64_t{2'000'000} + 200 * static_cast<std::int64_t>(mesh_.points.size()) +
+                    static_cast<std::int64_t>(std::min(lattice, 1e9));
+  }
+  max_vertices_ = std::min<std::int64_t>(max_vertices_, 250'000'000);
+  cut_pieces();
+  if (options_.lattice && std::isfinite(size_.base()) && !options_.size_field) insert_lattice();
+  mesh_.touched.clear();
+}
+
+void Refiner::find_pieces() {
+  kinds_.assign(mesh_.points.size(), kHardVertex);
+  pieces_.clear();
+  for (TriMesh::Subsegment& s : mesh_.subsegments) {
+    const auto index = static_cast<std::int32_t>(pieces_.size());
+    pieces_.push_back({{s.v[0], s.v[1]}, s.piece, {false, false}});
+    s.piece = index;
+  }
+}
+
+// Measures the angles between neighbouring pieces at their ends, where the area between them is
+// meshed.
+void Refiner::find_corners() {
+  constexpr double kDegree = std::numbers::pi / 180;
+  const double small = options_.min_angle_deg * kDegree;
+  const auto count = static_cast<std::int32_t>(mesh_.subsegments.size());
+  for (std::int32_t s = 0; s < count; ++s) {
+    if (mesh_.sub(s).v[0] == TriMesh::kDead) continue;
+    for (int end = 0; end < 2; ++end) {
+      std::int32_t he = mesh_.sub(s).side[end];
+      if (mesh_.tri(he >> 2).region == kOutside) continue;
+      const std::int32_t corner = mesh_.origin(he);
+      const Point2 c = mesh_.point(corner), from = mesh_.point(mesh_.target(he));
+      while (mesh_.link(TriMesh::prev(he)) >= 0) he = mesh_.link(TriMesh::prev(he));
+      const std::int32_t other = ~mesh_.link(TriMesh::prev(he));
+      if (other == s) continue;
+      const Point2 to = mesh_.point(mesh_.apex(he));
+      const double ux = from.x - c.x, uy = from.y - c.y, vx = to.x - c.x, vy = to.y - c.y;
+      const double angle = std::atan2(ux * vy - uy * vx, ux * vx + uy * vy);
+      if (!(angle >= 0 && angle < 60 * kDegree)) continue;
+      if (angle < small) ++small_input_angles_;
+      pieces_[static_cast<std::size_t>(mesh_.sub(s).piece)].acute[end] = true;
+      Piece& p = pieces_[static_cast<std::size_t>(mesh_.sub(other).piece)];
+      p.acute[p.v[0] == corner ? 0 : 1] = true;
+    }
+  }
+}
+
+void Refiner::cut_pieces() {
+  if (options_.size_field) return;  // the main loop halves what is too long
+  const auto count = static_cast<std::int32_t>(mesh_.subsegments.size());
+  for (std::int32_t s = 0; s < count; ++s) {
+    if (mesh_.sub(s).v[0] == TriMesh::kDead) continue;
+    double size = std::numeric_limits<double>::infinity();
+    for (const std::int32_t he : mesh_.sub(s).side) {
+      const std::int32_t region = mesh_.tri(he >> 2).region;
+      if (region != kOutside) size = std::min(size, size_.in_region(region));
+    }
+    if (std::isfinite(size)) cut_piece(s, size);
+  }
+}
+
+// Even cuts; but at a sharp corner at multiples of one power of two, so that the cuts of its two
+// sides face each other.
+void Refiner::cut_piece(std::int32_t s, double size) {
+  const Piece whole = piece(mesh_.sub(s).piece);
+  const Point2 a = mesh_.point(whole.v[0]), b = mesh_.point(whole.v[1]);
+  const double length = distance(a, b);
+  if (length <= size) return;
+  std::vector<double> cuts;
+  if (!whole.acute[0] && !whole.acute[1]) {
+    const double n = std::ceil(length / size);
+    for (double i = 1; i < n; ++i) cuts.push_back(i / n);
+  } else {
+    const double step = std::exp2(std::floor(std::log2(size)));
+    const bool both = whole.acute[0] && whole.acute[1];
+    const double reach = both ? 0.5 * length : length;
+    for (double d = step; d + 0.5 * step < reach; d += step) cuts.push_back(d / length);
+    if (!whole.acute[0])
+      for (double& t : cuts) t = 1 - t;
+    if (both) {
+      const std::size_t n = cuts.size();
+      cuts.push_back(0.5);
+      for (std::size_t i = 0; i < n; ++i) cuts.push_back(1 - cuts[i]);
+    }
+    std::sort(cuts.begin(), cuts.end());
+  }
+  std::int32_t rest = s;
+  for (const double t : cuts) {
+    const std::int32_t v = add_vertex(between(a, b, t), mesh_.sub(s).piece);
+    mesh_.touched.clear();
+    const std::int32_t next = mesh_.split_subsegment(rest, v);
+    if (next == TriMesh::kNothing) {
+      unused_vertices_.push_back(v);
+      return;
+    }
+    rest = next;
+  }
+}
+
+void Refiner::insert_lattice() {
+  const Bounds2 box = bounds_of(mesh_.points);
+  const double h = size_.base();
+  const double columns = std::ceil(box.width() / (kLatticeSpacing * h));
+  const double rows = std::ceil(box.height() / (kLatticeSpacing * h * 0.5 * std::numbers::sqrt3));
+  if (!(columns >= 2 && rows >= 2) || columns * rows > 2e9) return;
+  const double dx = box.width() / columns;
+  const double dy = box.height() / rows;
+  const auto nx = static_cast<std::int64_t>(columns) + 1;
+  const auto ny = static_cast<std::int64_t>(rows) + 1;
+  // Odd rows are shifted by half a step.
+  const auto node = [&](std::int64_t i, std::int64_t j) {
+    return Point2{box.xmin + (static_cast<double>(i) + (j % 2 == 0 ? 0.0 : 0.5)) * dx,
+                  box.ymin + static_cast<double>(j) * dy};
+  };
+  std::vector<char> taken(static_cast<std::size_t>(nx * ny), 0);
+  const double clearance = kLatticeClearance * h;
+  for (const Piece& p : pieces_) {
+    if (p.v[0] < 0) continue;
+    const Point2 a = mesh_.point(p.v[0]), b = mesh_.point(p.v[1]);
+    const double low = std::min(a.y, b.y) - clearance, high = std::max(a.y, b.y) + clearance;
+    const auto j0 = std::max<std::int64_t>(0, std::llround(std::ceil((low - box.ymin) / dy)));
+    const auto j1 = std::min<std::int64_t>(ny - 1, std::llround(std::floor((high - box.ymin) / dy)));
+    for (std::int64_t j = j0; j <= j1; ++j) {
+      // The part of the segment whose height is within the clearance of the row.
+      const double y = box.ymin + static_cast<double>(j) * dy;
+      double t0 = 0, t1 = 1;
+      if (a.y != b.y) {
+        const double u = (y - clearance - a.y) / (b.y - a.y);
+        const double v = (y + clearance - a.y) / (b.y - a.y);
+        t0 = std::clamp(std::min(u, v), 0.0, 1.0);
+        t1 = std::clamp(std::max(u, v), 0.0, 1.0);
+      }
+      const double x0 = a.x + t0 * (b.x - a.x), x1 = a.x + t1 * (b.x - a.x);
+      const double left = std::min(x0, x1) - clearance, right = std::max(x0, x1) + clearance;
+      const auto i0 = std::max<std::int64_t>(0, std::llround(std::floor((left - box.xmin) / dx)) - 1);
+      const auto i1 =
+          std::min<std::int64_t>(nx - 1, std::llround(std::ceil((right - box.xmin) / dx)));
+      for (std::int64_t i = i0; i <= i1; ++i) {
+        char& cell = taken[static_cast<std::size_t>(j * nx + i)];
+        if (cell == 0 && distance_to_segment(node(i, j), a, b) < clearance) cell = 1;
+      }
+    }
+  }
+  std::vector<Point2> nodes;
+  for (std::int64_t j = 0; j < ny; ++j)
+    for (std::int64_t i = 0; i < nx; ++i)
+      if (taken[static_cast<std::size_t>(j * nx + i)] == 0 && box.contains(node(i, j)))
+        nodes.push_back(node(i, j));
+  const HilbertCurve curve(box);
+  std::vector<std::uint64_t> keys(nodes.size());
+  for (std::size_t k = 0; k < nodes.size(); ++k) keys[k] = curve(nodes[k]);
+  std::int32_t hint = 0;
+  for (const std::int32_t k : sorted_order(keys, 32)) {
+    const Point2 p = nodes[static_cast<std::size_t>(k)];
+    const TriMesh::Location where = mesh_.locate(p, hint);
+    hint = where.triangle;
+    const std::int32_t region = mesh_.tri(where.triangle).region;
+    if (region == kOutside || size_.in_region(region) < h || where.vertex >= 0) continue;
+    if (where.edge >= 0 && mesh_.link(4 * where.triangle + where.edge) < 0) continue;
+    mesh_.find_cavity(p, where.triangle);
+    mesh_.touched.clear();
+    mesh_.fill_cavity(add_vertex(p, kFreeVertex));
+    hint = mesh_.touched.back();
+  }
+}
+
+}  // namespace tetropolis

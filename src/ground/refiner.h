@@ -1,0 +1,141 @@
+// The state of a refinement: pieces of segments, kinds of vertices, size bounds and queues.
+#pragma once
+
+#include <array>
+#include <bit>
+#include <cstdint>
+#include <limits>
+#include <vector>
+
+#include "ground/construct.h"
+#include "ground/tri_mesh.h"
+#include "tetropolis/core/progress.h"
+#include "tetropolis/ground/refine.h"
+
+namespace tetropolis {
+
+/// A stretch of an input segment between two hard vertices (input points and crossings).
+struct Piece {
+  std::int32_t v[2];
+  std::int32_t input;
+  bool acute[2];  ///< It bounds a corner sharper than 60 degrees at that end.
+};
+
+/// What a vertex is: a hard one, one on a piece (the index of which is >= 0), or free.
+inline constexpr std::int32_t kFreeVertex = -1;
+inline constexpr std::int32_t kHardVertex = -2;
+
+/// The longest edge allowed at a place.
+class SizeBound {
+ public:
+  SizeBound(const PlanarGraph& graph, const RefineOptions& options);
+
+  bool constant() const { return !by_region_ && !options_->size_field; }
+  double base() const { return base_; }
+  double in_region(std::int32_t region) const;
+  /// Squared bound for the edge between p and q in `region`.
+  double squared(std::int32_t region, Point2 p, Point2 q) const {
+    return constant() ? base_squared_ : local_squared(region, p, q);
+  }
+
+ private:
+  double local_squared(std::int32_t region, Point2 p, Point2 q) const;
+
+  const RefineOptions* options_;
+  double base_ = std::numeric_limits<double>::infinity();
+  double base_squared_ = std::numeric_limits<double>::infinity();
+  bool by_region_ = false;
+  std::vector<std::pair<std::int32_t, double>> regions_;  // sorted by marker
+};
+
+class Refiner {
+ public:
+  Refiner(const PlanarGraph& graph, const RefineOptions& options, Construction& construction);
+
+  /// Even cuts of the pieces, and the lattice. Before the outside is carved.
+  void seed();
+  /// After it is carved.
+  void run(const Progress& progress);
+
+  std::int64_t small_input_angles() const { return small_input_angles_; }
+  std::int64_t count_below_min_angle() const;
+  std::vector<std::int32_t> piece_inputs() const;
+
+ private:
+  struct BadTriangle {
+    std::int32_t t;
+    std::int32_t v[3];
+  };
+  struct LongSubsegment {
+    std::int32_t s;
+    std::int32_t v[2];
+  };
+  // Squared edge lengths by opposite vertex, twice the area, and which edge is the shortest.
+  struct Shape {
+    std::array<double, 3> squared;
+    double twice_area;
+    int shortest;
+    int longest;
+  };
+  // Buckets of skinny triangles by shortest edge, two to an octave; the last one is for triangles
+  // that are only too large.
+  static constexpr int kBuckets = 64;
+
+  void find_pieces();
+  void find_corners();
+  void cut_pieces();
+  void cut_piece(std::int32_t s, double size);
+  void insert_lattice();
+
+  Shape shape(const TriMesh::Triangle& x) const;
+  bool skinny(const Shape& s) const {
+    const double l = s.squared[static_cast<std::size_t>(s.longest)];
+    const double m = s.squared[static_cast<std::size_t>(3 - s.shortest - s.longest)];
+    return s.twice_area * s.twice_area < sine_squared_ * l * m;
+  }
+  int oversized_edge(const TriMesh::Triangle& x, const Shape& s) const;
+  bool excused(const TriMesh::Triangle& x, const Shape& s) const;
+  bool across_sharp_corner(std::int32_t x, std::int32_t y) const;
+
+  void consider(std::int32_t t);
+  void consider_touched();
+  bool pop(BadTriangle& bad);
+  void improve(const BadTriangle& bad);
+  Point2 split_position(const TriMesh::Triangle& x, const Shape& s, bool is_skinny) const;
+  std::int32_t walk(std::int32_t t, Point2 target, std::int32_t& blocking) const;
+  bool in_lens(Point2 p, Point2 a, Point2 b) const {
+    const double ax = a.x - p.x, ay = a.y - p.y, bx = b.x - p.x, by = b.y - p.y;
+    const double dot = ax * bx + ay * by;
+    return dot < 0 && dot * dot > lens_cosine_squared_ * (ax * ax + ay * ay) * (bx * bx + by * by);
+  }
+  bool encroached(std::int32_t s) const;
+  bool split(std::int32_t s);
+  Point2 cut_position(const TriMesh::Subsegment& s) const;
+  bool piece_end_is_acute(const Piece& piece, std::int32_t vertex) const {
+    return (piece.v[0] == vertex && piece.acute[0]) || (piece.v[1] == vertex && piece.acute[1]);
+  }
+  std::int32_t add_vertex(Point2 p, std::int32_t kind);
+  std::int32_t kind(std::int32_t v) const { return kinds_[static_cast<std::size_t>(v)]; }
+  const Piece& piece(std::int32_t p) const { return pieces_[static_cast<std::size_t>(p)]; }
+
+  const RefineOptions& options_;
+  Construction& construction_;
+  TriMesh& mesh_;
+  SizeBound size_;
+  std::vector<Piece> pieces_;
+  std::vector<std::int32_t> kinds_;
+  std::vector<std::int32_t> unused_vertices_;
+  std::array<std::vector<BadTriangle>, kBuckets> buckets_;
+  std::uint64_t filled_ = 0;  // bit b: bucket b is not empty
+  std::int64_t queued_ = 0;
+  std::vector<LongSubsegment> encroached_;
+  std::vector<std::int32_t> hit_;
+  double sine_squared_ = 0;
+  double cosine_ = 0;
+  double off_centre_height_ = 0;  // over a shortest edge of length 1
+  double lens_cosine_squared_ = 0;
+  std::int64_t max_vertices_ = 0;
+  std::int64_t small_input_angles_ = 0;
+};
+
+}  // namespace tetropolis

@@ -1,0 +1,299 @@
+#include "tetropolis/ground/validate.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "ground/edge_table.h"
+#include "tetropolis/geometry/polygon.h"
+#include "tetropolis/geometry/predicates.h"
+
+namespace tetropolis {
+
+namespace {
+
+constexpr double kDegree = std::numbers::pi / 180;
+
+bool full(const Violations& violations) { return violations.size() >= kMaxViolations; }
+
+void append(Violations& to, Violations from) {
+  to.insert(to.end(), std::make_move_iterator(from.begin()), std::make_move_iterator(from.end()));
+}
+
+Point2 at(std::span<const Point2> points, VertexIndex v) {
+  return points[static_cast<std::size_t>(v)];
+}
+
+std::array<Point2, 3> corners(std::span<const Point2> points, const std::array<VertexIndex, 3>& t) {
+  return {at(points, t[0]), at(points, t[1]), at(points, t[2])};
+}
+
+double angle_between(Point2 apex, Point2 p, Point2 q) {
+  const double ux = p.x - apex.x, uy = p.y - apex.y, vx = q.x - apex.x, vy = q.y - apex.y;
+  return std::abs(std::atan2(ux * vy - uy * vx, ux * vx + uy * vy));
+}
+
+double distance(Point2 p, Point2 q) { return std::hypot(p.x - q.x, p.y - q.y); }
+
+double largest_coordinate(std::span<const Point2> points) {
+  double largest = 0;
+  for (const Point2& p : points) largest = std::max({largest, std::abs(p.x), std::abs(p.y)});
+  return largest;
+}
+
+// A corner of the segments sharper than some angle: apex and one further point on each side.
+struct SharpCorner {
+  Point2 apex;
+  Point2 right;
+  Point2 left;
+};
+
+std::vector<SharpCorner> sharp_corners(std::span<const Point2> points, SegmentSpan segments,
+                                       double limit) {
+  const Neighbours neighbours(points.size(), segments);
+  std::vector<SharpCorner> found;
+  std::vector<std::pair<double, VertexIndex>> around;
+  for (std::size_t v = 0; v < points.size(); ++v) {
+    around.clear();
+    for (const VertexIndex w : neighbours.of(static_cast<VertexIndex>(v)))
+      around.emplace_back(std::atan2(at(points, w).y - points[v].y, at(points, w).x - points[v].x),
+                          w);
+    if (around.size() < 2) continue;
+    std::sort(around.begin(), around.end());
+    for (std::size_t i = 0; i < around.size(); ++i) {
+      const Point2 p = at(points, around[i].second);
+      const Point2 q = at(points, around[(i + 1) % around.size()].second);
+      if (orient2d(points[v], p, q) > 0 && angle_between(points[v], p, q) < limit)
+        found.push_back({points[v], p, q});
+    }
+  }
+  return found;
+}
+
+bool on_ray(Point2 p, Point2 from, Point2 towards) {
+  return angle_between(from, p, towards) < 1e-6;
+}
+
+// x and y on the two sides of a sharp corner, at the same distance.
+bool across(const std::vector<SharpCorner>& sharp, Point2 x, Point2 y) {
+  return std::any_of(sharp.begin(), sharp.end(), [&](const SharpCorner& c) {
+    const double dx = distance(c.apex, x), dy = distance(c.apex, y);
+    if (std::abs(dx - dy) > 0.002 * std::max(dx, dy)) return false;
+    return (on_ray(x, c.apex, c.right) && on_ray(y, c.apex, c.left)) ||
+           (on_ray(y, c.apex, c.right) && on_ray(x, c.apex, c.left));
+  });
+}
+
+}  // namespace
+
+Violations check_topology(std::span<const Point2> points, TriangleSpan triangles) {
+  Violations found;
+  const auto n = static_cast<VertexIndex>(points.size());
+  for (std::size_t t = 0; t < triangles.size() && !full(found); ++t) {
+    const auto& v = triangles[t];
+    if (std::any_of(v.begin(), v.end(), [&](VertexIndex i) { return i < 0 || i >= n; })) {
+      found.push_back(fmt::format("triangle {}: vertex out of range", t));
+      return found;
+    }
+    const auto [a, b, c] = corners(points, v);
+    if (orient2d(a, b, c) <= 0)
+      found.push_back(fmt::format("triangle {}: not counter-clockwise", t));
+  }
+  const EdgeTable edges(triangles);
+  std::vector<std::int32_t> balance(points.size(), 0);
+  edges.for_each([&](std::span<const EdgeTable::Use> uses) {
+    if (full(found)) return;
+    if (uses.size() > 2 || (uses.size() == 2 && uses[0].forward == uses[1].forward))
+      found.push_back(fmt::format("edge {}-{}: used {} times, or twice in one direction",
+                                  uses[0].low, uses[0].high, uses.size()));
+    if (uses.size() == 1) {
+      balance[static_cast<std::size_t>(uses[0].low)] += uses[0].forward ? 1 : -1;
+      balance[static_cast<std::size_t>(uses[0].high)] += uses[0].forward ? -1 : 1;
+    }
+  });
+  for (std::size_t v = 0; v < balance.size() && !full(found); ++v)
+    if (balance[v] != 0) found.push_back(fmt::format("vertex {}: the boundary ends there", v));
+  return found;
+}
+
+Violations check_constrained_delaunay(std::span<const Point2> points, TriangleSpan triangles,
+                                      SegmentSpan segments) {
+  Violations found;
+  const EdgeSet constrained(segments);
+  std::size_t seen = 0;
+  EdgeTable(triangles).for_each([&](std::span<const EdgeTable::Use> uses) {
+    if (constrained.contains(uses[0].low, uses[0].high)) {
+      ++seen;
+      return;
+    }
+    if (full(found)) return;
+    if (uses.size() != 2) {
+      found.push_back(fmt::format("edge {}-{}: on the boundary, but not a segment", uses[0].low,
+                                  uses[0].high));
+      return;
+    }
+    const auto& t = triangles[static_cast<std::size_t>(uses[0].triangle)];
+    const auto& u = triangles[static_cast<std::size_t>(uses[1].triangle)];
+    const VertexIndex apex = u[static_cast<std::size_t>(uses[1].edge)];
+    const auto [a, b, c] = corners(points, t);
+    if (incircle(a, b, c, at(points, apex)) > 0)
+      found.push_back(
+          fmt::format("edge {}-{}: not locally Delaunay", uses[0].low, uses[0].high));
+  });
+  if (seen != constrained.size())
+    found.push_back(fmt::format("{} segments, but {} edges of triangles are segments",
+                                constrained.size(), seen));
+  return found;
+}
+
+Violations check_regions(TriangleSpan triangles, std::span<const std::int32_t> regions,
+                         SegmentSpan segments) {
+  Violations found;
+  if (regions.size() != triangles.size()) {
+    found.push_back(fmt::format("{} regions for {} triangles", regions.size(), triangles.size()));
+    return found;
+  }
+  const EdgeSet constrained(segments);
+  EdgeTable(triangles).for_each([&](std::span<const EdgeTable::Use> uses) {
+    if (uses.size() != 2 || full(found) || constrained.contains(uses[0].low, uses[0].high)) return;
+    const std::int32_t r = regions[static_cast<std::size_t>(uses[0].triangle)];
+    const std::int32_t s = regions[static_cast<std::size_t>(uses[1].triangle)];
+    if (r != s)
+      found.push_back(fmt::format("triangles {} and {}: regions {} and {} without a segment between",
+                                  uses[0].triangle, uses[1].triangle, r, s));
+  });
+  return found;
+}
+
+Violations check_angles(std::span<const Point2> points, TriangleSpan triangles,
+                        SegmentSpan segments, double min_angle_deg) {
+  Violations found;
+  const double limit = (min_angle_deg - 1e-6) * kDegree;
+  const EdgeSet constrained(segments);
+  const auto sharp = sharp_corners(points, segments, min_angle_deg * kDegree);
+  for (std::size_t t = 0; t < triangles.size() && !full(found); ++t) {
+    const auto& v = triangles[t];
+    const auto p = corners(points, v);
+    for (std::size_t i = 0; i < 3; ++i) {
+      const std::size_t j = (i + 1) % 3, k = (i + 2) % 3;
+      const double angle = angle_between(p[i], p[j], p[k]);
+      if (angle >= limit) continue;
+      if (constrained.contains(v[i], v[j]) && constrained.contains(v[i], v[k])) continue;
+      if (across(sharp, p[j], p[k])) continue;
+      found.push_back(fmt::format("triangle {}: angle of {:.6f} degrees at ({}, {})", t,
+                                  angle / kDegree, p[i].x, p[i].y));
+    }
+  }
+  return found;
+}
+
+Violations check_edge_lengths(std::span<const Point2> points, TriangleSpan triangles,
+                              double max_edge) {
+  Violations found;
+  for (std::size_t t = 0; t < triangles.size() && !full(found); ++t) {
+    const auto p = corners(points, triangles[t]);
+    for (std::size_t i = 0; i < 3; ++i) {
+      const double length = distance(p[i], p[(i + 1) % 3]);
+      if (length > max_edge * (1 + 1e-9))
+        found.push_back(fmt::format("triangle {}: edge of length {} at ({}, {})", t, length, p[i].x,
+                                    p[i].y));
+    }
+  }
+  return found;
+}
+
+namespace {
+
+// Follows segments from `a` to `b`, always along the line and forwards.
+bool follows(std::span<const Point2> points, const Neighbours& neighbours, VertexIndex a,
+             VertexIndex b, double tolerance) {
+  const Point2 to = at(points, b);
+  const Point2 from = at(points, a);
+  VertexIndex v = a;
+  while (v != b) {
+    VertexIndex best = -1;
+    for (const VertexIndex w : neighbours.of(v)) {
+      const Point2 p = at(points, w);
+      if (distance_to_segment(p, from, to) > tolerance) continue;
+      if (distance(p, to) >= distance(at(points, v), to)) continue;
+      // The nearest step: overlapping segments of different length do not exist, edges do.
+      if (best < 0 || distance(p, at(points, v)) < distance(at(points, best), at(points, v)))
+        best = w;
+    }
+    if (best < 0) return false;
+    v = best;
+  }
+  return true;
+}
+
+}  // namespace
+
+Violations check_input(const PlanarGraph& graph, const Triangulation& triangulation) {
+  Violations found;
+  const std::span<const Point2> points = triangulation.points;
+  if (triangulation.input_vertex.size() != graph.points.size())
+    return {"input_vertex does not have one entry per input point"};
+  for (std::size_t i = 0; i < graph.points.size() && !full(found); ++i)
+    if (!(at(points, triangulation.input_vertex[i]) == graph.points[i]))
+      found.push_back(fmt::format("point {}: has moved", i));
+  std::vector<char> used(points.size(), triangulation.triangles.empty() ? 1 : 0);
+  for (const auto& t : triangulation.triangles)
+    for (const VertexIndex v : t) used[static_cast<std::size_t>(v)] = 1;
+  const Neighbours neighbours(points.size(), triangulation.segments);
+  const double tolerance = kOnSegmentTolerance * largest_coordinate(points);
+  for (std::size_t s = 0; s < graph.segments.size() && !full(found); ++s) {
+    const VertexIndex a =
+        triangulation.input_vertex[static_cast<std::size_t>(graph.segments[s][0])];
+    const VertexIndex b =
+        triangulation.input_vertex[static_cast<std::size_t>(graph.segments[s][1])];
+    if (used[static_cast<std::size_t>(a)] == 0 || used[static_cast<std::size_t>(b)] == 0) continue;
+    if (!follows(points, neighbours, a, b, tolerance))
+      found.push_back(fmt::format("segment {}: not a chain of edges", s));
+  }
+  return found;
+}
+
+Violations validate(const PlanarGraph& graph, const Triangulation& triangulation) {
+  const auto& t = triangulation;
+  Violations found = check_topology(t.points, t.triangles);
+  if (!found.empty()) return found;
+  if (!t.triangles.empty())
+    append(found, check_constrained_delaunay(t.points, t.triangles, t.segments));
+  append(found, check_regions(t.triangles, t.triangle_regions, t.segments));
+  append(found, check_input(graph, t));
+  return found;
+}
+
+Violations validate(const PlanarGraph& graph, const RefineOptions& options,
+                    const Triangulation& triangulation) {
+  const auto& t = triangulation;
+  Violations found = validate(graph, t);
+  if (!found.empty()) return found;
+  append(found, check_angles(t.points, t.triangles, t.segments, options.min_angle_deg));
+  if (options.max_edge > 0) append(found, check_edge_lengths(t.points, t.triangles, options.max_edge));
+  return found;
+}
+
+AngleStatistics angle_statistics(std::span<const Point2> points, TriangleSpan triangles) {
+  AngleStatistics result;
+  if (triangles.empty()) return result;
+  result.min_deg = 180;
+  for (const auto& v : triangles) {
+    const auto p = corners(points, v);
+    double smallest = 180;
+    for (std::size_t i = 0; i < 3; ++i) {
+      const double angle = angle_between(p[i], p[(i + 1) % 3], p[(i + 2) % 3]) / kDegree;
+      smallest = std::min(smallest, angle);
+      result.max_deg = std::max(result.max_deg, angle);
+    }
+    result.min_deg = std::min(result.min_deg, smallest);
+    result.mean_min_deg += smallest;
+    ++result.smallest[std::min<std::size_t>(11, static_cast<std::size_t>(smallest / 5))];
+  }
+  result.mean_min_deg /= static_cast<double>(triangles.size());
+  return result;
+}
+
+}  // namespace tetropolis

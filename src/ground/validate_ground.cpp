@@ -1,0 +1,150 @@
+// The checks of a GroundMesh: it has no list of segments, they are where regions change.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+
+#include "ground/edge_table.h"
+#include "tetropolis/geometry/polygon.h"
+#include "tetropolis/ground/validate.h"
+
+namespace tetropolis {
+
+namespace {
+
+using Segments = std::vector<std::array<VertexIndex, 2>>;
+
+Point2 at(const GroundMesh& mesh, VertexIndex v) {
+  return mesh.vertices[static_cast<std::size_t>(v)];
+}
+
+// Edges of the boundary and edges between two regions.
+Segments region_boundaries(const GroundMesh& mesh) {
+  Segments segments;
+  EdgeTable(mesh.triangles).for_each([&](std::span<const EdgeTable::Use> uses) {
+    const auto region = [&](std::size_t i) {
+      return mesh.region[static_cast<std::size_t>(uses[i].triangle)];
+    };
+    if (uses.size() == 1 || region(0) != region(1))
+      segments.push_back({uses[0].low, uses[0].high});
+  });
+  return segments;
+}
+
+void check_domain(const GroundMesh& mesh, const Bounds2& domain, Violations& found) {
+  double length = 0;
+  EdgeTable(mesh.triangles).for_each([&](std::span<const EdgeTable::Use> uses) {
+    if (uses.size() != 1 || found.size() >= kMaxViolations) return;
+    const Point2 a = at(mesh, uses[0].low), b = at(mesh, uses[0].high);
+    const bool on_side =
+        (a.x == b.x && (a.x == domain.xmin || a.x == domain.xmax)) ||
+        (a.y == b.y && (a.y == domain.ymin || a.y == domain.ymax));
+    if (!on_side || !domain.contains(a) || !domain.contains(b))
+      found.push_back(fmt::format("boundary edge {}-{}: not on a side of the domain", uses[0].low,
+                                  uses[0].high));
+    length += std::hypot(a.x - b.x, a.y - b.y);
+  });
+  const double perimeter = 2 * (domain.width() + domain.height());
+  if (std::abs(length - perimeter) > 1e-9 * perimeter)
+    found.push_back(fmt::format("boundary of length {} for a perimeter of {}", length, perimeter));
+  double total = 0;
+  std::vector<char> used(mesh.vertices.size(), 0);
+  for (const auto& t : mesh.triangles) {
+    const Point2 a = at(mesh, t[0]), b = at(mesh, t[1]), c = at(mesh, t[2]);
+    total += 0.5 * ((b.x - a.x) * (c.y - a.y) - (b.y - a.y) * (c.x - a.x));
+    for (const VertexIndex v : t) used[static_cast<std::size_t>(v)] = 1;
+  }
+  const double expected = domain.width() * domain.height();
+  if (std::abs(total - expected) > 1e-9 * expected)
+    found.push_back(fmt::format("triangles cover {} of {} square metres", total, expected));
+  const auto unused = std::count(used.begin(), used.end(), 0);
+  if (unused > 0) found.push_back(fmt::format("{} vertices belong to no triangle", unused));
+}
+
+// The triangles of each building add up to its footprint's area.
+void check_areas(const GroundMesh& mesh, std::span<const Polygon> footprints, Violations& found) {
+  std::vector<double> covered(footprints.size(), 0);
+  for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
+    const BuildingIndex b = mesh.region[t];
+    if (b == kNoBuilding) continue;
+    if (b < 0 || b >= static_cast<BuildingIndex>(footprints.size())) {
+      found.push_back(fmt::format("triangle {}: there is no building {}", t, b));
+      return;
+    }
+    const auto& v = mesh.triangles[t];
+    covered[static_cast<std::size_t>(b)] +=
+        signed_area({at(mesh, v[0]), at(mesh, v[1]), at(mesh, v[2])});
+  }
+  for (std::size_t b = 0; b < footprints.size() && found.size() < kMaxViolations; ++b) {
+    const double expected = area(footprints[b]);
+    if (std::abs(covered[b] - expected) > 1e-6 * (1 + expected))
+      found.push_back(fmt::format("building {}: triangles cover {} of {} square metres", b,
+                                  covered[b], expected));
+  }
+}
+
+struct PointLess {
+  bool operator()(Point2 p, Point2 q) const { return p.x != q.x ? p.x < q.x : p.y < q.y; }
+};
+
+void check_footprints(const GroundMesh& mesh, std::span<const Polygon> footprints,
+                      const Segments& segments, Violations& found) {
+  std::map<Point2, VertexIndex, PointLess> vertices;
+  double largest = 0;
+  for (std::size_t v = 0; v < mesh.vertices.size(); ++v) {
+    const Point2 p = mesh.vertices[v];
+    vertices[p] = static_cast<VertexIndex>(v);
+    largest = std::max({largest, std::abs(p.x), std::abs(p.y)});
+  }
+  const double tolerance = kOnSegmentTolerance * largest;
+  const Neighbours neighbours(mesh.vertices.size(), segments);
+  for (std::size_t b = 0; b < footprints.size(); ++b) {
+    for_each_edge(footprints[b], [&](Point2 p, Point2 q) {
+      if (found.size() >= kMaxViolations) return;
+      const auto from = vertices.find(p), to = vertices.find(q);
+      if (from == vertices.end() || to == vertices.end()) {
+        found.push_back(fmt::format("building {}: a corner is no vertex", b));
+        return;
+      }
+      VertexIndex v = from->second;
+      while (v != to->second) {
+        VertexIndex step = -1;
+        double left = std::hypot(at(mesh, v).x - q.x, at(mesh, v).y - q.y);
+        for (const VertexIndex w : neighbours.of(v)) {
+          const double rest = std::hypot(at(mesh, w).x - q.x, at(mesh, w).y - q.y);
+          if (rest >= left || distance_to_segment(at(mesh, w), p, q) > tolerance) continue;
+          left = rest;
+          step = w;
+        }
+        if (step < 0) {
+          found.push_back(fmt::format("building {}: edge from ({}, {}) is not in the mesh", b, p.x,
+                                      p.y));
+          return;
+        }
+        v = step;
+      }
+    });
+  }
+}
+
+}  // namespace
+
+Violations validate(const GroundMesh& mesh, std::span<const Polygon> footprints,
+                    const Bounds2& domain, const GroundMeshOptions& options) {
+  Violations found = check_topology(mesh.vertices, mesh.triangles);
+  if (mesh.region.size() != mesh.triangles.size()) found.push_back("not one region per triangle");
+  if (!found.empty()) return found;
+  const Segments segments = region_boundaries(mesh);
+  check_domain(mesh, domain, found);
+  check_areas(mesh, footprints, found);
+  check_footprints(mesh, footprints, segments, found);
+  for (const Violations& more :
+       {check_constrained_delaunay(mesh.vertices, mesh.triangles, segments),
+        check_angles(mesh.vertices, mesh.triangles, segments, options.min_angle_deg),
+        check_edge_lengths(mesh.vertices, mesh.triangles, options.mesh_size)})
+    found.insert(found.end(), more.begin(), more.end());
+  return found;
+}
+
+}  // namespace tetropolis

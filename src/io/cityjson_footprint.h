@@ -1,0 +1,32 @@
+// From the faces of a foreign building to a footprint. Private to src/io.
+#pragma once
+
+#include <array>
+#include <string>
+#include <vector>
+
+#include "tetropolis/geometry/types.h"
+
+namespace tetropolis {
+
+using Point3 = std::array<double, 3>;
+
+/// A planar face: outer ring and inner rings, local frame.
+struct Face {
+  std::vector<std::vector<Point3>> rings;
+  bool is_ground = false;  ///< Semantics say GroundSurface.
+};
+
+struct FootprintResult {
+  std::vector<Polygon> polygons;  ///< Outer counter-clockwise, holes clockwise, snapped.
+  std::string reason;             ///< Why there are none.
+};
+
+/// Union of the ground faces in the plan, as described at read_city.
+FootprintResult footprint_of(const std::vector<Face>& faces);
+
+/// Turns rings so that the outer one is counter-clockwise and holes are clockwise; the first vertex
+/// of each stays the first.
+void orient(Polygon& polygon);
+
+}  // namespace tetropolis

@@ -1,0 +1,463 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdint>
+#include <cstdlib>
+#include <fstream>
+#include <nlohmann/json.hpp>
+#include <string_view>
+#include <system_error>
+#include <unordered_map>
+#include <unordered_set>
+#include <utility>
+
+#include "cityjson_footprint.h"
+#include "tetropolis/core/error.h"
+#include "tetropolis/io/cityjson.h"
+#include "tetropolis/io/crs.h"
+
+namespace tetropolis {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+using Json = nlohmann::json;
+
+/// A value in the document with the way to it, for messages.
+class Place {
+ public:
+  Place(const fs::path& file, const Json& value) : file_(&file), value_(&value) {}
+
+  const Json& value() const { return *value_; }
+
+  [[noreturn]] void fail(std::string_view what) const {
+    throw Error(ErrorKind::kInput, fmt::format("{}: {} {}", file_->string(),
+                                               where_.empty() ? "the document" : where_, what));
+  }
+
+  bool has(const char* key) const { return value_->is_object() && value_->contains(key); }
+
+  Place at(const std::string& key) const {
+    if (!value_->is_object()) fail("is not an object");
+    const auto found = value_->find(key);
+    if (found == value_->end()) fail(fmt::format("has no member '{}'", key));
+    return Place(*file_, *found, where_ + "/" + key);
+  }
+
+  Place at(std::size_t i) const {
+    if (i >= size()) fail(fmt::format("has no item {}", i));
+    return Place(*file_, (*value_)[i], where_ + "/" + std::to_string(i));
+  }
+
+  std::size_t size() const {
+    if (!value_->is_array()) fail("is not an array");
+    return value_->size();
+  }
+
+  double number() const {
+    if (!value_->is_number()) fail("is not a number");
+    const double result = value_->get<double>();
+    if (!std::isfinite(result)) fail("is not a finite number");
+    return result;
+  }
+
+  const std::string& text() const {
+    if (!value_->is_string()) fail("is not a string");
+    return value_->get_ref<const std::string&>();
+  }
+
+ private:
+  Place(const fs::path& file, const Json& value, std::string where)
+      : file_(&file), value_(&value), where_(std::move(where)) {}
+
+  const fs::path* file_;
+  const Json* value_;
+  std::string where_;
+};
+
+/// The document, and the keys of its CityObjects in the order of the file.
+struct Document {
+  Json root;
+  std::vector<std::string> keys;
+};
+
+Document parse(const fs::path& path) {
+  std::error_code error;
+  if (!fs::exists(path, error))
+    throw Error(ErrorKind::kInput, path.string() + ": no such file; check the path");
+  std::ifstream stream(path, std::ios::binary);
+  if (fs::is_directory(path, error) || !stream)
+    throw Error(ErrorKind::kInput, path.string() + ": cannot be opened; give a CityJSON file");
+  Document document;
+  std::string member;
+  std::unordered_set<std::string> seen;
+  std::string twice;
+  const auto note_keys = [&](int depth, Json::parse_event_t event, Json& value) {
+    if (event != Json::parse_event_t::key || depth > 2) return true;
+    if (depth == 1) member = value.get<std::string>();
+    if (depth == 2 && member == "CityObjects") {
+      document.keys.push_back(value.get<std::string>());
+      if (!seen.insert(document.keys.back()).second) twice = document.keys.back();
+    }
+    return true;
+  };
+  try {
+    document.root = Json::parse(stream, note_keys);
+  } catch (const Json::parse_error& e) {
+    throw Error(ErrorKind::kInput, fmt::format("{}: is no JSON from byte {} on; the file is cut or "
+                                               "no CityJSON",
+                                               path.string(), e.byte));
+  } catch (const Json::exception&) {
+    throw Error(ErrorKind::kInput, path.string() + ": holds numbers out of range; the file is broken");
+  }
+  if (!twice.empty())
+    throw Error(ErrorKind::kInput,
+                fmt::format("{}: /CityObjects has two members '{}'", path.string(), twice));
+  return document;
+}
+
+/// Vertices of the file in the local frame.
+struct Frame {
+  std::vector<Point3> vertices;
+  Point2 origin;
+};
+
+Point3 read_triple(const Place& place) {
+  if (place.size() != 3) place.fail("is not an array of three numbers");
+  return {place.at(0).number(), place.at(1).number(), place.at(2).number()};
+}
+
+bool is_whole(double value) { return std::floor(value) == value && std::abs(value) < 1e15; }
+
+Frame read_vertices(const Place& root) {
+  Point3 scale{1, 1, 1};
+  Point3 translate{0, 0, 0};
+  const bool transformed = root.has("transform");
+  if (transformed) {
+    scale = read_triple(root.at("transform").at("scale"));
+    translate = read_triple(root.at("transform").at("translate"));
+  }
+  Frame frame;
+  const Place list = root.at("vertices");
+  const std::size_t size = list.size();
+  frame.vertices.reserve(size);
+  for (std::size_t i = 0; i < size; ++i) {
+    // The long list of the document: the way to an item is spelt out only where it is wrong.
+    const Json& v = list.value()[i];
+    const bool good = v.is_array() && v.size() == 3 && v[0].is_number() && v[1].is_number() &&
+                      v[2].is_number();
+    if (!good) list.at(i).fail("is not an array of three numbers");
+    frame.vertices.push_back({v[0].get<double>(), v[1].get<double>(), v[2].get<double>()});
+  }
+  if (transformed && is_whole(translate[0]) && is_whole(translate[1])) {
+    frame.origin = {translate[0], translate[1]};
+  } else if (size > 0) {
+    Point2 low{translate[0] + frame.vertices[0][0] * scale[0],
+               translate[1] + frame.vertices[0][1] * scale[1]};
+    for (const Point3& v : frame.vertices) {
+      low.x = std::min(low.x, translate[0] + v[0] * scale[0]);
+      low.y = std::min(low.y, translate[1] + v[1] * scale[1]);
+    }
+    frame.origin = {std::floor(low.x), std::floor(low.y)};
+  }
+  const Point3 shift = {translate[0] - frame.origin.x, translate[1] - frame.origin.y, translate[2]};
+  for (std::size_t i = 0; i < size; ++i)
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      double& v = frame.vertices[i][axis];
+      v = snap_coordinate(v * scale[axis] + shift[axis]);
+      if (!std::isfinite(v) || std::abs(v) > 1e12) list.at(i).fail("lies out of this world");
+    }
+  return frame;
+}
+
+/// Reads boundaries of any depth into faces.
+class FaceReader {
+ public:
+  FaceReader(const Frame& frame, const Place& geometry) : frame_(frame) {
+    if (!geometry.has("semantics")) return;
+    const Place semantics = geometry.at("semantics");
+    if (!semantics.has("surfaces") || !semantics.has("values")) return;
+    const Place surfaces = semantics.at("surfaces");
+    for (std::size_t i = 0; i < surfaces.size(); ++i)
+      is_ground_.push_back(surfaces.at(i).at("type").text() == "GroundSurface");
+    values_ = &semantics.at("values").value();
+  }
+
+  /// `depth`: levels of arrays above a surface's own (0: `boundaries` is a list of surfaces).
+  std::vector<Face> read(const Place& boundaries, int depth) {
+    std::vector<Face> faces;
+    collect(boundaries, depth, values_, faces);
+    return faces;
+  }
+
+ private:
+  /// The part of the semantics that belongs to item i; null where semantics are shorter or null.
+  static const Json* item(const Json* values, std::size_t i) {
+    return values != nullptr && values->is_array() && i < values->size() ? &(*values)[i] : nullptr;
+  }
+
+  void collect(const Place& list, int depth, const Json* values, std::vector<Face>& faces) {
+    for (std::size_t i = 0; i < list.size(); ++i) {
+      if (depth > 0)
+        collect(list.at(i), depth - 1, item(values, i), faces);
+      else
+        faces.push_back(read_face(list.at(i), item(values, i)));
+    }
+  }
+
+  Face read_face(const Place& surface, const Json* value) {
+    Face face;
+    for (std::size_t r = 0; r < surface.size(); ++r) {
+      const Place ring = surface.at(r);
+      std::vector<Point3> points;
+      for (std::size_t i = 0; i < ring.size(); ++i) points.push_back(vertex(ring, i));
+      face.rings.push_back(std::move(points));
+    }
+    if (value != nullptr && value->is_number_unsigned()) {
+      const auto index = value->get<std::uint64_t>();
+      if (index >= is_ground_.size())
+        surface.fail(fmt::format("has semantics {} of {}", index, is_ground_.size()));
+      face.is_ground = is_ground_[static_cast<std::size_t>(index)];
+    }
+    return face;
+  }
+
+  const Point3& vertex(const Place& ring, std::size_t i) const {
+    const Json& value = ring.value()[i];
+    if (!value.is_number_unsigned()) ring.at(i).fail("is not a vertex number");
+    const auto index = value.get<std::uint64_t>();
+    if (index >= frame_.vertices.size())
+      ring.at(i).fail(fmt::format("is vertex {} of {}", index, frame_.vertices.size()));
+    return frame_.vertices[static_cast<std::size_t>(index)];
+  }
+
+  const Frame& frame_;
+  std::vector<bool> is_ground_;
+  const Json* values_ = nullptr;
+};
+
+/// Array levels above the surfaces, or -1 for geometry without surfaces.
+int surface_depth(const std::string& type) {
+  if (type == "MultiSurface" || type == "CompositeSurface") return 0;
+  if (type == "Solid") return 1;
+  if (type == "MultiSolid" || type == "CompositeSolid") return 2;
+  return -1;
+}
+
+double level_of_detail(const Place& geometry) {
+  if (!geometry.has("lod")) return 0;
+  const Json& lod = geometry.at("lod").value();
+  if (lod.is_number()) return lod.get<double>();
+  if (!lod.is_string()) return 0;
+  return std::strtod(lod.get_ref<const std::string&>().c_str(), nullptr);
+}
+
+/// Why an object has no faces, or its faces.
+struct ObjectFaces {
+  std::vector<Face> faces;
+  std::string reason;
+};
+
+ObjectFaces read_faces(const Place& object, const Frame& frame) {
+  ObjectFaces result;
+  if (!object.has("geometry") || object.at("geometry").size() == 0) {
+    result.reason = "no geometry";
+    return result;
+  }
+  const Place list = object.at("geometry");
+  result.reason = "no surface or solid in its geometry";
+  double best = 0;  // LoD 0 is a footprint without height.
+  for (std::size_t i = 0; i < list.size(); ++i) {
+    const Place geometry = list.at(i);
+    const int depth = surface_depth(geometry.at("type").text());
+    const double lod = level_of_detail(geometry);
+    if (depth < 0) continue;
+    std::vector<Face> faces = FaceReader(frame, geometry).read(geometry.at("boundaries"), depth);
+    if (lod < 1) result.reason = "only geometry of LoD 0, which has no height";
+    if (lod < 1 || lod <= best) continue;
+    best = lod;
+    result.faces = std::move(faces);
+  }
+  if (!result.faces.empty()) result.reason.clear();
+  return result;
+}
+
+/// Attributes of our own files; members that are missing keep their defaults.
+void read_attributes(const Place& attributes, Building& building) {
+  const auto integer = [&](const char* key) -> std::int64_t {
+    return attributes.has(key) ? std::llround(std::clamp(attributes.at(key).number(), 0.0, 9e15))
+                               : 0;
+  };
+  building.id = attributes.at("tetropolis_id").text();
+  building.source_ids.clear();
+  const Place ids = attributes.at("source_ids");
+  for (std::size_t i = 0; i < ids.size(); ++i) building.source_ids.push_back(ids.at(i).text());
+  if (ids.size() == 0) ids.fail("is empty");
+  building.h_ground = attributes.at("h_ground").number();
+  building.h_roof = attributes.at("h_roof").number();
+  building.n_ground_points = integer("n_ground_points");
+  building.n_roof_points = integer("n_roof_points");
+  if (attributes.has("attribute_height"))
+    building.attribute_height = attributes.at("attribute_height").number();
+  if (!attributes.has("flags")) return;
+  std::vector<std::string> names;
+  const Place flags = attributes.at("flags");
+  for (std::size_t i = 0; i < flags.size(); ++i) names.push_back(flags.at(i).text());
+  building.flags = flags_from_names(names);
+}
+
+bool is_ours(const Place& object, const std::string& key) {
+  if (!object.has("attributes")) return false;
+  const Json& attributes = object.at("attributes").value();
+  if (!attributes.is_object()) return false;
+  const auto id = attributes.find("tetropolis_id");
+  return id != attributes.end() && id->is_string() && *id == key;
+}
+
+class CityReader {
+ public:
+  CityReader(const Frame& frame, CityModel& model) : frame_(frame), model_(model) {}
+
+  void add(const Place& object, const std::string& key) {
+    const std::string& type = object.at("type").text();
+    if (type != "Building" && type != "BuildingPart") return;
+    ObjectFaces geometry = read_faces(object, frame_);
+    if (geometry.faces.empty()) {
+      const bool holds_parts = object.has("children") && object.at("children").size() > 0;
+      if (!holds_parts) model_.dropped.push_back({key, geometry.reason});
+      return;
+    }
+    FootprintResult footprint = footprint_of(geometry.faces);
+    if (footprint.polygons.empty()) {
+      model_.dropped.push_back({key, footprint.reason});
+      return;
+    }
+    if (is_ours(object, key))
+      add_ours(object, std::move(footprint));
+    else
+      add_foreign(key, geometry.faces, std::move(footprint));
+  }
+
+  /// Foreign buildings get their numbers last, apart from the ids that files of ours brought.
+  void finish() {
+    std::unordered_set<std::string> taken;
+    for (const Building& building : model_.buildings)
+      if (!building.id.empty()) taken.insert(building.id);
+    std::size_t number = 1;
+    for (Building& building : model_.buildings) {
+      while (building.id.empty()) {
+        std::string id = "b" + std::to_string(number++);
+        if (taken.insert(id).second) building.id = std::move(id);
+      }
+    }
+  }
+
+ private:
+  void add_ours(const Place& object, FootprintResult footprint) {
+    const Place attributes = object.at("attributes");
+    Building building;
+    read_attributes(attributes, building);
+    if (footprint.polygons.size() != 1) object.at("geometry").fail("has several ground faces");
+    if (!(building.h_ground < building.h_roof)) attributes.fail("has h_roof below h_ground");
+    building.footprint = std::move(footprint.polygons[0]);
+    model_.buildings.push_back(std::move(building));
+  }
+
+  void add_foreign(const std::string& key, const std::vector<Face>& faces,
+                   FootprintResult footprint) {
+    double low = faces[0].rings.empty() || faces[0].rings[0].empty() ? 0 : faces[0].rings[0][0][2];
+    double high = low;
+    for (const Face& face : faces)
+      for (const std::vector<Point3>& ring : face.rings)
+        for (const Point3& p : ring) {
+          low = std::min(low, p[2]);
+          high = std::max(high, p[2]);
+        }
+    if (!(low < high)) {
+      model_.dropped.push_back({key, "a geometry without height"});
+      return;
+    }
+    for (std::size_t k = 0; k < footprint.polygons.size(); ++k) {
+      Building building;
+      building.source_ids = {k == 0 ? key : fmt::format("{}#{}", key, k + 1)};
+      building.footprint = std::move(footprint.polygons[k]);
+      building.h_ground = low;
+      building.h_roof = high;
+      model_.buildings.push_back(std::move(building));
+    }
+  }
+
+  const Frame& frame_;
+  CityModel& model_;
+};
+
+void check_type(const Place& root) {
+  if (root.at("type").text() != "CityJSON") root.at("type").fail("is not \"CityJSON\"");
+  const std::string& version = root.at("version").text();
+  for (const std::string_view known : {"1.0", "1.1", "2.0"})
+    if (version.starts_with(known)) return;
+  root.at("version").fail(fmt::format("is \"{}\"; only 1.0, 1.1 and 2.0 can be read", version));
+}
+
+/// What write_city puts beside the objects.
+void read_account(const Place& root, CityModel& model) {
+  model.domain = {1, 1, 0, 0};
+  if (!root.has("tetropolis")) return;
+  const Place account = root.at("tetropolis");
+  if (account.has("crs") && model.crs.empty()) model.crs = account.at("crs").text();
+  if (account.has("domain")) {
+    const Place box = account.at("domain");
+    if (box.size() != 4) box.fail("is not an array of four numbers");
+    const auto side = [&](std::size_t i) {
+      return snap_coordinate(box.at(i).number() - (i % 2 == 0 ? model.origin.x : model.origin.y));
+    };
+    model.domain = {side(0), side(1), side(2), side(3)};
+  }
+  if (!account.has("dropped")) return;
+  const Place dropped = account.at("dropped");
+  for (std::size_t i = 0; i < dropped.size(); ++i)
+    model.dropped.push_back(
+        {dropped.at(i).at("source_id").text(), dropped.at(i).at("reason").text()});
+}
+
+std::string read_crs(const Place& root) {
+  if (!root.has("metadata")) return "";
+  const Place metadata = root.at("metadata");
+  if (!metadata.has("referenceSystem")) return "";
+  const Place system = metadata.at("referenceSystem");
+  try {
+    return normalise_crs(system.text());
+  } catch (const Error& error) {
+    system.fail(error.what());
+  }
+}
+
+}  // namespace
+
+CityModel read_city(const fs::path& path, std::vector<Warning>* warnings) {
+  const Document document = parse(path);
+  const Place root(path, document.root);
+  check_type(root);
+  const Frame frame = read_vertices(root);
+  CityModel model;
+  model.origin = frame.origin;
+  model.crs = read_crs(root);
+  read_account(root, model);
+  const std::size_t dropped_before = model.dropped.size();
+  const Place objects = root.at("CityObjects");
+  if (!objects.value().is_object()) objects.fail("is not an object");
+  CityReader reader(frame, model);
+  for (const std::string& key : document.keys) reader.add(objects.at(key), key);
+  reader.finish();
+  const std::size_t dropped = model.dropped.size() - dropped_before;
+  if (warnings != nullptr && dropped > 0)
+    warnings->push_back({"city_objects_dropped", static_cast<std::int64_t>(dropped),
+                         fmt::format("{}: {} buildings or parts have no usable geometry",
+                                     path.string(), dropped)});
+  return model;
+}
+
+}  // namespace tetropolis

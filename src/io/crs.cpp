@@ -1,0 +1,197 @@
+#include "tetropolis/io/crs.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstring>
+#include <limits>
+#include <string_view>
+
+#include "gdal_support.h"
+#include "tetropolis/core/error.h"
+
+namespace tetropolis {
+
+namespace gdal {
+
+namespace {
+
+/// Turns the shorthands that GDAL does not know into ones it does.
+std::string expand_shorthand(const std::string& text) {
+  const std::size_t first = text.find_first_not_of(" \t\r\n");
+  if (first == std::string::npos) return "";
+  const std::size_t last = text.find_last_not_of(" \t\r\n");
+  const std::string trimmed = text.substr(first, last - first + 1);
+  const auto digits = [](std::string_view s) {
+    return !s.empty() && s.size() < 10 &&
+           std::all_of(s.begin(), s.end(), [](char c) { return c >= '0' && c <= '9'; });
+  };
+  if (digits(trimmed)) return "EPSG:" + trimmed;
+  constexpr std::string_view kUrl = "opengis.net/def/crs/EPSG/0/";
+  if (const std::size_t at = trimmed.find(kUrl); at != std::string::npos) {
+    const std::string code = trimmed.substr(at + kUrl.size());
+    if (digits(code)) return "EPSG:" + code;
+  }
+  return trimmed;
+}
+
+/// GDAL would also take file names and addresses, and read them; a definition has a mark of its own.
+bool is_definition(std::string_view text) {
+  constexpr std::array<std::string_view, 4> kNames = {"WGS84", "WGS72", "NAD83", "NAD27"};
+  if (text.empty() || text[0] == '/' || text[0] == '.') return false;
+  if (text.find("://") < text.find_first_of("[{")) return false;
+  return text.find_first_of(":[{=") != std::string_view::npos ||
+         std::find(kNames.begin(), kNames.end(), text) != kNames.end();
+}
+
+/// Removes what has no bearing on x and y: a vertical system, a third axis.
+bool reduce_to_horizontal(OGRSpatialReferenceH srs) {
+  OSRStripVertical(srs);
+  if (OSRGetAxesCount(srs) == 3) OSRDemoteTo2D(srs, nullptr);
+  OSRSetAxisMappingStrategy(srs, OAMS_TRADITIONAL_GIS_ORDER);
+  return OSRIsProjected(srs) != 0 || OSRIsGeographic(srs) != 0;
+}
+
+std::string epsg_of(OGRSpatialReferenceH srs) {
+  const char* authority = OSRGetAuthorityName(srs, nullptr);
+  const char* code = OSRGetAuthorityCode(srs, nullptr);
+  if (authority == nullptr || code == nullptr || std::strcmp(authority, "EPSG") != 0) return "";
+  return std::string("EPSG:") + code;
+}
+
+/// The same with axes east, north: systems that differ in the order of their axes only (EPSG:3042 and
+/// EPSG:25830) have the same coordinates here, where x is always the easting.
+Srs with_usual_axes(OGRSpatialReferenceH srs) {
+  Srs result(OSRClone(srs));
+  if (OSRIsProjected(srs) != 0)
+    OSRSetAxes(result.get(), "PROJCS", "Easting", OAO_East, "Northing", OAO_North);
+  return result;
+}
+
+bool equivalent(OGRSpatialReferenceH first, OGRSpatialReferenceH second) {
+  const Srs a = with_usual_axes(first);
+  const Srs b = with_usual_axes(second);
+  constexpr std::array<const char*, 3> kOptions = {"IGNORE_DATA_AXIS_TO_SRS_AXIS_MAPPING=YES",
+                                                   "CRITERION=EQUIVALENT_EXCEPT_AXIS_ORDER_GEOGCRS",
+                                                   nullptr};
+  return OSRIsSameEx(a.get(), b.get(), kOptions.data()) != 0;
+}
+
+/// The code of the database entry that says the same, if there is one.
+std::string find_epsg(OGRSpatialReferenceH srs) {
+  int count = 0;
+  int* confidence = nullptr;
+  OGRSpatialReferenceH* matches = OSRFindMatches(srs, nullptr, &count, &confidence);
+  std::string found;
+  for (int i = 0; i < count && found.empty(); ++i) {
+    // 90 and more: same definition, at most another spelling of the name. Below, only numbers that
+    // agree in full convince; the name of a hand-made definition says nothing.
+    if (confidence[i] >= 90 || equivalent(srs, matches[i])) found = epsg_of(matches[i]);
+  }
+  OSRFreeSRSArray(matches);
+  CPLFree(confidence);
+  return found;
+}
+
+}  // namespace
+
+Srs parse_srs(const std::string& text) {
+  initialise();
+  Srs srs(OSRNewSpatialReference(nullptr));
+  const std::string expanded = expand_shorthand(text);
+  if (!is_definition(expanded) || OSRSetFromUserInput(srs.get(), expanded.c_str()) != OGRERR_NONE)
+    return nullptr;
+  if (!reduce_to_horizontal(srs.get())) return nullptr;
+  return srs;
+}
+
+std::string canonical_name(OGRSpatialReferenceH given) {
+  if (given == nullptr) return "";
+  Srs srs(OSRClone(given));
+  if (!reduce_to_horizontal(srs.get())) return "";
+  if (std::string code = epsg_of(srs.get()); !code.empty()) return code;
+  if (std::string code = find_epsg(srs.get()); !code.empty()) return code;
+  constexpr std::array<const char*, 3> kOptions = {"FORMAT=WKT2_2019", "MULTILINE=NO", nullptr};
+  char* wkt = nullptr;
+  std::string result;
+  if (OSRExportToWktEx(srs.get(), &wkt, kOptions.data()) == OGRERR_NONE && wkt != nullptr)
+    result = wkt;
+  CPLFree(wkt);
+  return result;
+}
+
+}  // namespace gdal
+
+namespace {
+
+gdal::Srs require_srs(const std::string& text) {
+  const gdal::QuietErrors errors;
+  gdal::Srs srs = gdal::parse_srs(text);
+  if (srs == nullptr)
+    throw Error(ErrorKind::kUsage, "'" + text.substr(0, 200) +
+                                       "' is not a horizontal coordinate reference system" +
+                                       errors.reason() + "; give it as EPSG:code, for example");
+  return srs;
+}
+
+}  // namespace
+
+std::string normalise_crs(const std::string& text) {
+  if (text.find_first_not_of(" \t\r\n") == std::string::npos) return "";
+  const gdal::Srs srs = require_srs(text);
+  const gdal::QuietErrors errors;
+  return gdal::canonical_name(srs.get());
+}
+
+bool is_geographic(const std::string& crs) {
+  return !crs.empty() && OSRIsGeographic(require_srs(crs).get()) != 0;
+}
+
+double linear_unit_metres(const std::string& crs) {
+  if (crs.empty()) return 1;
+  const gdal::Srs srs = require_srs(crs);
+  return OSRIsGeographic(srs.get()) != 0 ? 0 : OSRGetLinearUnits(srs.get(), nullptr);
+}
+
+bool same_horizontal_crs(const std::string& a, const std::string& b) {
+  if (a.empty() || b.empty()) return false;
+  if (a == b) return true;
+  const gdal::Srs first = require_srs(a);
+  const gdal::Srs second = require_srs(b);
+  const gdal::QuietErrors errors;
+  if (gdal::equivalent(first.get(), second.get())) return true;
+  return gdal::canonical_name(first.get()) == gdal::canonical_name(second.get());
+}
+
+std::vector<Point2> reproject(std::span<const Point2> points, const std::string& from,
+                              const std::string& to) {
+  const gdal::Srs source = require_srs(from);
+  const gdal::Srs target = require_srs(to);
+  const gdal::QuietErrors errors;
+  const gdal::Transform transform(OCTNewCoordinateTransformation(source.get(), target.get()));
+  if (transform == nullptr)
+    throw Error(ErrorKind::kUsage, "no transformation from " + from.substr(0, 80) + " to " +
+                                       to.substr(0, 80) + errors.reason());
+  std::vector<Point2> result(points.begin(), points.end());
+  constexpr std::size_t kBlock = 4096;
+  std::vector<double> x(kBlock);
+  std::vector<double> y(kBlock);
+  std::vector<int> good(kBlock);
+  constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+  for (std::size_t begin = 0; begin < result.size(); begin += kBlock) {
+    const std::size_t count = std::min(kBlock, result.size() - begin);
+    for (std::size_t i = 0; i < count; ++i) {
+      x[i] = result[begin + i].x;
+      y[i] = result[begin + i].y;
+    }
+    OCTTransformEx(transform.get(), static_cast<int>(count), x.data(), y.data(), nullptr,
+                   good.data());
+    for (std::size_t i = 0; i < count; ++i) {
+      const bool ok = good[i] != 0 && std::isfinite(x[i]) && std::isfinite(y[i]);
+      result[begin + i] = ok ? Point2{x[i], y[i]} : Point2{kNaN, kNaN};
+    }
+  }
+  return result;
+}
+
+}  // namespace tetropolis

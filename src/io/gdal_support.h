@@ -1,0 +1,99 @@
+// Thin ownership around the GDAL C API: registration, quiet errors, handles. Private to src/io.
+#pragma once
+
+#include <cpl_conv.h>
+#include <cpl_error.h>
+#include <cpl_string.h>
+#include <gdal.h>
+#include <ogr_api.h>
+#include <ogr_srs_api.h>
+
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <type_traits>
+
+namespace tetropolis::gdal {
+
+/// Registers GDAL's drivers once per process. Call before any other GDAL function.
+void initialise();
+
+/// While it lives, GDAL's messages on this thread are collected here and printed nowhere.
+class QuietErrors {
+ public:
+  QuietErrors();
+  ~QuietErrors();
+  QuietErrors(const QuietErrors&) = delete;
+  QuietErrors& operator=(const QuietErrors&) = delete;
+
+  /// Failures so far, and the first and last of them on one line ("" if none).
+  std::int64_t failures() const { return failures_; }
+  const std::string& first() const { return first_; }
+  const std::string& last() const { return last_; }
+  /// ": " and the last failure, or nothing: to end an error message with.
+  std::string reason() const;
+  void reset();
+
+ private:
+  static void CPL_STDCALL collect(CPLErr kind, CPLErrorNum number, const char* message);
+
+  std::int64_t failures_ = 0;
+  std::string first_;
+  std::string last_;
+};
+
+/// Sets a configuration option of this thread while it lives.
+class ThreadOption {
+ public:
+  ThreadOption(const char* key, const char* value);
+  ~ThreadOption();
+  ThreadOption(const ThreadOption&) = delete;
+  ThreadOption& operator=(const ThreadOption&) = delete;
+
+ private:
+  std::string key_;
+  std::string previous_;
+  bool had_previous_ = false;
+};
+
+struct SrsDeleter {
+  void operator()(OGRSpatialReferenceH srs) const { OSRDestroySpatialReference(srs); }
+};
+using Srs = std::unique_ptr<std::remove_pointer_t<OGRSpatialReferenceH>, SrsDeleter>;
+
+struct TransformDeleter {
+  void operator()(OGRCoordinateTransformationH t) const { OCTDestroyCoordinateTransformation(t); }
+};
+using Transform =
+    std::unique_ptr<std::remove_pointer_t<OGRCoordinateTransformationH>, TransformDeleter>;
+
+struct DatasetDeleter {
+  void operator()(GDALDatasetH dataset) const { GDALClose(dataset); }
+};
+using Dataset = std::unique_ptr<std::remove_pointer_t<GDALDatasetH>, DatasetDeleter>;
+
+/// A list of "KEY=value" strings.
+class StringList {
+ public:
+  StringList& set(const char* key, const char* value) {
+    list_ = CSLSetNameValue(list_, key, value);
+    return *this;
+  }
+  StringList() = default;
+  ~StringList() { CSLDestroy(list_); }
+  StringList(const StringList&) = delete;
+  StringList& operator=(const StringList&) = delete;
+  char** get() const { return list_; }
+
+ private:
+  char** list_ = nullptr;
+};
+
+/// Parses what normalise_crs accepts into its horizontal part, x first. Null if it is not a
+/// reference system; the error handler in force then knows why.
+Srs parse_srs(const std::string& text);
+
+/// See normalise_crs. Never throws; "" for engineering systems and the like.
+std::string canonical_name(OGRSpatialReferenceH srs);
+
+}  // namespace tetropolis::gdal

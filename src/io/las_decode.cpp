@@ -1,0 +1,160 @@
+#include "las_decode.h"
+
+#include <fmt/format.h>
+#include <laszip/laszip_api.h>
+
+#include <algorithm>
+#include <cstring>
+#include <string>
+#include <vector>
+
+namespace tetropolis {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+constexpr std::size_t kBlock = 8192;
+
+/// One record as it lies in an uncompressed file.
+LasRecord parse_record(const unsigned char* bytes, bool extended) {
+  LasRecord record;
+  std::memcpy(&record.x, bytes, 4);
+  std::memcpy(&record.y, bytes + 4, 4);
+  std::memcpy(&record.z, bytes + 8, 4);
+  if (extended) {
+    record.withheld = (bytes[15] & 0x04) != 0;
+    record.classification = bytes[16];
+  } else {
+    record.withheld = (bytes[15] & 0x80) != 0;
+    record.classification = bytes[15] & 0x1F;
+  }
+  return record;
+}
+
+void decode_plain(const fs::path& path, const LasLayout& layout, std::int64_t first,
+                  std::int64_t count, const LasVisitor& visit) {
+  const PositionedFile file(path);
+  const auto length = static_cast<std::size_t>(layout.info.record_length);
+  const bool extended = layout.info.point_format >= 6;
+  std::vector<unsigned char> bytes(std::min(kBlock, static_cast<std::size_t>(count)) * length);
+  std::vector<LasRecord> records(kBlock);
+  for (std::int64_t done = 0; done < count;) {
+    const auto n = static_cast<std::size_t>(
+        std::min<std::int64_t>(static_cast<std::int64_t>(kBlock), count - done));
+    const std::int64_t at =
+        layout.first_point + (first + done) * static_cast<std::int64_t>(length);
+    const std::size_t got = file.read(at, bytes.data(), n * length) / length;
+    if (got < n)
+      fail_las(path, fmt::format("ends at point {} of {}: the file is cut; get it again",
+                                 first + done + static_cast<std::int64_t>(got),
+                                 layout.info.point_count));
+    for (std::size_t i = 0; i < n; ++i)
+      records[i] = parse_record(bytes.data() + i * length, extended);
+    visit(records.data(), n);
+    done += static_cast<std::int64_t>(n);
+  }
+}
+
+/// Owns a LASzip reader.
+class LazReader {
+ public:
+  LazReader(const fs::path& path, const LasLayout& layout) : path_(path), layout_(layout) {
+    if (laszip_create(&reader_) != 0) fail_las(path, "the LASzip library cannot be used");
+    // Of the layered formats only these layers are unpacked; the others have no layers.
+    laszip_decompress_selective(
+        reader_, laszip_DECOMPRESS_SELECTIVE_CHANNEL_RETURNS_XY | laszip_DECOMPRESS_SELECTIVE_Z |
+                     laszip_DECOMPRESS_SELECTIVE_CLASSIFICATION | laszip_DECOMPRESS_SELECTIVE_FLAGS);
+    laszip_BOOL compressed = 0;
+    if (laszip_open_reader(reader_, path.c_str(), &compressed) != 0 ||
+        laszip_get_point_pointer(reader_, &point_) != 0) {
+      const std::string reason = error();
+      laszip_destroy(reader_);
+      fail_las(path, "cannot be opened by LASzip: " + reason + "; get it again or convert it to LAS");
+    }
+  }
+  ~LazReader() {
+    laszip_close_reader(reader_);
+    laszip_destroy(reader_);
+  }
+  LazReader(const LazReader&) = delete;
+  LazReader& operator=(const LazReader&) = delete;
+
+  void seek(std::int64_t point) {
+    if (point != 0 && laszip_seek_point(reader_, point) != 0) fail_at(point);
+  }
+
+  LasRecord read(std::int64_t number, bool extended) {
+    if (laszip_read_point(reader_) != 0) fail_at(number);
+    LasRecord record;
+    record.x = point_->X;
+    record.y = point_->Y;
+    record.z = point_->Z;
+    record.classification = extended ? point_->extended_classification : point_->classification;
+    record.withheld = extended ? (point_->extended_classification_flags & 0x04) != 0
+                               : point_->withheld_flag != 0;
+    return record;
+  }
+
+ private:
+  std::string error() const {
+    laszip_CHAR* text = nullptr;
+    if (laszip_get_error(reader_, &text) != 0 || text == nullptr) return "unknown reason";
+    std::string line = text;
+    for (char& c : line)
+      if (c < ' ' || c > '~') c = ' ';
+    return line;
+  }
+
+  [[noreturn]] void fail_at(std::int64_t number) const {
+    const std::int64_t total = layout_.info.point_count;
+    if (layout_.chunk_table_missing)
+      fail_las(path_, fmt::format("ends at point {} of {}: the file is cut; get it again", number,
+                                  total));
+    fail_las(path_, fmt::format("cannot be unpacked at point {} of {} (LASzip: {}): the file is "
+                                "broken; get it again",
+                                number, total, error()));
+  }
+
+  const fs::path& path_;
+  const LasLayout& layout_;
+  laszip_POINTER reader_ = nullptr;
+  laszip_point_struct* point_ = nullptr;
+};
+
+void decode_laz(const fs::path& path, const LasLayout& layout, std::int64_t first,
+                std::int64_t count, const LasVisitor& visit) {
+  LazReader reader(path, layout);
+  reader.seek(first);
+  const bool extended = layout.info.point_format >= 6;
+  std::vector<LasRecord> records(kBlock);
+  for (std::int64_t done = 0; done < count;) {
+    const auto n = static_cast<std::size_t>(
+        std::min<std::int64_t>(static_cast<std::int64_t>(kBlock), count - done));
+    for (std::size_t i = 0; i < n; ++i)
+      records[i] = reader.read(first + done + static_cast<std::int64_t>(i), extended);
+    visit(records.data(), n);
+    done += static_cast<std::int64_t>(n);
+  }
+}
+
+}  // namespace
+
+void decode_points(const fs::path& path, const LasLayout& layout, std::int64_t first,
+                   std::int64_t count, const LasVisitor& visit) {
+  if (count <= 0) return;
+  if (layout.info.compressed)
+    decode_laz(path, layout, first, count, visit);
+  else
+    decode_plain(path, layout, first, count, visit);
+}
+
+void check_las_length(const fs::path& path, const LasLayout& layout) {
+  if (layout.info.compressed) return;
+  const std::int64_t fit = (layout.file_size - layout.first_point) / layout.info.record_length;
+  if (layout.info.point_count > fit)
+    fail_las(path, fmt::format("ends at point {} of {}: the file is cut; get it again", fit,
+                               layout.info.point_count));
+}
+
+}  // namespace tetropolis

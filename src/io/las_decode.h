@@ -1,0 +1,34 @@
+// Decoding runs of point records, compressed or not. Private to src/io.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <filesystem>
+#include <functional>
+
+#include "las_header.h"
+
+namespace tetropolis {
+
+/// What the pipeline needs of one record.
+struct LasRecord {
+  std::int32_t x = 0;
+  std::int32_t y = 0;
+  std::int32_t z = 0;
+  std::uint8_t classification = 0;
+  bool withheld = false;
+};
+
+/// Receives consecutive blocks of records.
+using LasVisitor = std::function<void(const LasRecord* records, std::size_t count)>;
+
+/// Decodes `count` records from number `first` on and hands them over in blocks of a few thousand.
+/// Precondition: first + count <= point count; for LAZ, first is a multiple of layout.chunk_size or
+/// 0. Throws Error(kInput) with the point number if the file ends before or cannot be decoded.
+void decode_points(const std::filesystem::path& path, const LasLayout& layout, std::int64_t first,
+                   std::int64_t count, const LasVisitor& visit);
+
+/// Throws if an uncompressed file is too short for its count.
+void check_las_length(const std::filesystem::path& path, const LasLayout& layout);
+
+}  // namespace tetropolis

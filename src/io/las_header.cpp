@@ -1,0 +1,339 @@
+#include "las_header.h"
+
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <bit>
+#include <cerrno>
+#include <cmath>
+#include <cstring>
+#include <system_error>
+
+#include "tetropolis/core/error.h"
+
+namespace tetropolis {
+
+namespace fs = std::filesystem;
+
+static_assert(std::endian::native == std::endian::little, "LAS is read as it lies in memory");
+
+namespace {
+
+constexpr std::array<int, 11> kRecordLengths = {20, 28, 26, 34, 57, 63, 30, 36, 38, 59, 67};
+constexpr std::size_t kVlrHeader = 54;
+constexpr std::int64_t kEvlrHeader = 60;
+
+/// The number stored at byte `at`. Precondition: it lies inside.
+template <typename Number>
+Number number_at(std::string_view bytes, std::size_t at) {
+  Number value;
+  std::memcpy(&value, bytes.data() + at, sizeof(Number));
+  return value;
+}
+
+/// Text of a fixed field, up to its first zero, without bytes that would upset a terminal.
+std::string text_at(std::string_view bytes, std::size_t at, std::size_t size) {
+  std::string text(bytes.substr(at, size));
+  text.resize(std::min(text.size(), text.find('\0')));
+  for (char& c : text)
+    if (c < ' ' || c > '~') c = '?';
+  while (!text.empty() && text.back() == ' ') text.pop_back();
+  return text;
+}
+
+std::string read_front(const fs::path& path, const PositionedFile& file) {
+  std::string bytes(static_cast<std::size_t>(std::min<std::int64_t>(file.size(), 375)), '\0');
+  bytes.resize(file.read(0, bytes.data(), bytes.size()));
+  if (bytes.empty()) fail_las(path, "the file is empty; get it again");
+  if (bytes.substr(0, 4) != "LASF")
+    fail_las(path, "is no LAS or LAZ file (does not start with LASF); give a point cloud");
+  if (bytes.size() < 227)
+    fail_las(path, fmt::format("ends at byte {} within its header; the file is cut, get it again",
+                               bytes.size()));
+  return bytes;
+}
+
+void parse_fixed(const fs::path& path, std::string_view h, LasLayout& layout) {
+  LasInfo& info = layout.info;
+  info.version_major = number_at<std::uint8_t>(h, 24);
+  info.version_minor = number_at<std::uint8_t>(h, 25);
+  if (info.version_major != 1 || info.version_minor > 4)
+    fail_las(path, fmt::format("byte 24 says LAS {}.{}; only 1.0 to 1.4 exist", info.version_major,
+                               info.version_minor));
+  const int header_size = number_at<std::uint16_t>(h, 94);
+  const int smallest = info.version_minor == 4 ? 375 : info.version_minor == 3 ? 235 : 227;
+  if (header_size < smallest)
+    fail_las(path, fmt::format("byte 94 says a header of {} bytes where LAS 1.{} needs {}; the file "
+                               "is broken",
+                               header_size, info.version_minor, smallest));
+  if (h.size() < static_cast<std::size_t>(smallest))
+    fail_las(path, fmt::format("ends at byte {} within its header; the file is cut, get it again",
+                               h.size()));
+  layout.first_point = number_at<std::uint32_t>(h, 96);
+  if (layout.first_point < header_size)
+    fail_las(path, fmt::format("byte 96 says that points start at byte {}, inside the header of {} "
+                               "bytes; the file is broken",
+                               layout.first_point, header_size));
+  if (layout.first_point > layout.file_size)
+    fail_las(path, fmt::format("ends at byte {}, before its points start at byte {}; the file is "
+                               "cut, get it again",
+                               layout.file_size, layout.first_point));
+  const int format = number_at<std::uint8_t>(h, 104);
+  info.compressed = (format & 0x80) != 0;
+  info.point_format = format & 0x3F;
+  if (info.point_format > 10 || (format & 0x40) != 0)
+    fail_las(path, fmt::format("byte 104 says point format {}; only 0 to 10 are known", format));
+  info.record_length = number_at<std::uint16_t>(h, 105);
+  const int needed = kRecordLengths[static_cast<std::size_t>(info.point_format)];
+  if (info.record_length < needed)
+    fail_las(path, fmt::format("byte 105 says records of {} bytes where point format {} needs {}; "
+                               "the file is broken",
+                               info.record_length, info.point_format, needed));
+  info.generating_software = text_at(h, 58, 32);
+}
+
+void parse_numbers(const fs::path& path, std::string_view h, LasInfo& info) {
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    info.scale[axis] = number_at<double>(h, 131 + 8 * axis);
+    info.offset[axis] = number_at<double>(h, 155 + 8 * axis);
+    info.max[axis] = number_at<double>(h, 179 + 16 * axis);
+    info.min[axis] = number_at<double>(h, 187 + 16 * axis);
+    // Both ends of the range of stored integers must be numbers that can be reckoned with.
+    const double reach = std::abs(info.scale[axis]) * 2147483648.0 + std::abs(info.offset[axis]);
+    if (info.scale[axis] == 0 || !std::isfinite(reach))
+      fail_las(path, fmt::format("byte {} says scale {} and offset {} for {}; the file is broken",
+                                 131 + 8 * axis, info.scale[axis], info.offset[axis],
+                                 "xyz"[axis]));
+  }
+  const auto legacy = number_at<std::uint32_t>(h, 107);
+  const std::uint64_t extended = info.version_minor == 4 ? number_at<std::uint64_t>(h, 247) : 0;
+  const std::uint64_t count = extended != 0 ? extended : legacy;
+  if (count > (std::uint64_t{1} << 62))
+    fail_las(path, fmt::format("byte 247 says {} points; the file is broken", count));
+  info.point_count = static_cast<std::int64_t>(count);
+}
+
+/// The records between header and points. Stops with a warning where they make no sense.
+std::vector<Vlr> read_vlrs(const fs::path& path, const PositionedFile& file, std::string_view h,
+                           LasLayout& layout) {
+  const auto claimed = number_at<std::uint32_t>(h, 100);
+  const std::size_t header_size = number_at<std::uint16_t>(h, 94);
+  const auto end = static_cast<std::size_t>(layout.first_point);
+  std::vector<Vlr> vlrs;
+  std::size_t at = header_size;
+  std::string head(kVlrHeader, '\0');
+  for (std::uint32_t i = 0; i < claimed; ++i) {
+    if (end - at < kVlrHeader || file.read(static_cast<std::int64_t>(at), head.data(),
+                                           head.size()) < head.size())
+      break;
+    const std::size_t length = number_at<std::uint16_t>(head, 20);
+    if (end - at - kVlrHeader < length) break;
+    Vlr vlr{text_at(head, 2, 16), number_at<std::uint16_t>(head, 18), std::string(length, '\0')};
+    at += kVlrHeader;
+    if (file.read(static_cast<std::int64_t>(at), vlr.data.data(), length) < length) break;
+    at += length;
+    vlrs.push_back(std::move(vlr));
+  }
+  layout.info.vlr_count = static_cast<int>(vlrs.size());
+  if (vlrs.size() < claimed) {
+    const std::string what = fmt::format(
+        "byte 100 says {} variable length records but only {} fit before the points at byte {}",
+        claimed, vlrs.size(), end);
+    if (layout.info.compressed) fail_las(path, what + "; the file is broken, get it again");
+    layout.info.warnings.push_back({"las_vlrs_broken", 1, path.string() + ": " + what});
+  }
+  return vlrs;
+}
+
+/// The records behind the points, as far as they may tell the reference system.
+void read_evlrs(const PositionedFile& file, std::string_view h, const LasLayout& layout,
+                std::vector<Vlr>& vlrs) {
+  if (layout.info.version_minor < 4) return;
+  const auto start = number_at<std::uint64_t>(h, 235);
+  const auto count = number_at<std::uint32_t>(h, 243);
+  if (count == 0 || start > static_cast<std::uint64_t>(layout.file_size)) return;
+  auto at = static_cast<std::int64_t>(start);
+  std::string head(static_cast<std::size_t>(kEvlrHeader), '\0');
+  constexpr std::uint32_t kMost = 1000;
+  for (std::uint32_t i = 0; i < std::min(count, kMost); ++i) {
+    if (file.read(at, head.data(), head.size()) < head.size()) return;
+    const auto length = number_at<std::uint64_t>(head, 20);
+    if (length > static_cast<std::uint64_t>(layout.file_size - at - kEvlrHeader)) return;
+    Vlr vlr{text_at(head, 2, 16), number_at<std::uint16_t>(head, 18), ""};
+    constexpr std::uint64_t kLongestWkt = 1U << 20;
+    if (vlr.user_id == "LASF_Projection" && length <= kLongestWkt) {
+      vlr.data.resize(static_cast<std::size_t>(length));
+      if (file.read(at + kEvlrHeader, vlr.data.data(), vlr.data.size()) < vlr.data.size()) return;
+      vlrs.push_back(std::move(vlr));
+    }
+    at += kEvlrHeader + static_cast<std::int64_t>(length);
+  }
+}
+
+/// Uncompressed files: where the records may end, and the count if the header has none.
+void settle_records(const fs::path& path, std::string_view h, LasLayout& layout) {
+  LasInfo& info = layout.info;
+  layout.points_end = layout.file_size;
+  if (info.version_minor == 4 && number_at<std::uint32_t>(h, 243) > 0) {
+    const auto start = number_at<std::uint64_t>(h, 235);
+    if (start >= static_cast<std::uint64_t>(layout.first_point) &&
+        start < static_cast<std::uint64_t>(layout.file_size))
+      layout.points_end = static_cast<std::int64_t>(start);
+  }
+  if (info.compressed || info.point_count != 0) return;
+  const std::int64_t fit = (layout.points_end - layout.first_point) / info.record_length;
+  if (fit == 0) return;
+  info.point_count = fit;
+  info.warnings.push_back(
+      {"las_count_missing", 1,
+       fmt::format("{}: the header counts 0 points but there is room for {}; they are read",
+                   path.string(), fit)});
+}
+
+/// LAZ: checks what the decoder takes for granted.
+void settle_compression(const fs::path& path, const PositionedFile& file,
+                        const std::vector<Vlr>& vlrs, LasLayout& layout) {
+  LaszipRecord record;
+  int found = 0;
+  for (const Vlr& vlr : vlrs) {
+    if (vlr.user_id != "laszip encoded" || vlr.record_id != 22204) continue;
+    ++found;
+    const std::string problem = check_laszip_record(vlr.data, layout.info.record_length, record);
+    if (!problem.empty()) fail_las(path, problem + "; get the file again or convert it to LAS");
+  }
+  if (found != 1)
+    fail_las(path, fmt::format("is compressed but has {} LASzip records; the file is broken", found));
+  if (record.compressor == 1 || layout.info.point_count == 0) return;
+  const std::int64_t size = layout.file_size;
+  std::int64_t table = -1;
+  if (file.read(layout.first_point, &table, sizeof table) < sizeof table)
+    fail_las(path, fmt::format("ends at point 0 of {}: the file is cut; get it again",
+                               layout.info.point_count));
+  if (table == -1) file.read(size - 8, &table, sizeof table);
+  std::array<std::uint32_t, 2> head{};  // Version and number of chunks.
+  const bool variable = record.chunk_size == UINT32_MAX;
+  if (table < layout.first_point + 8 || table > size - 8 ||
+      file.read(table, head.data(), sizeof head) < sizeof head) {
+    // Chunks of equal size can be decoded one after the other until the file ends.
+    if (variable)
+      fail_las(path, fmt::format("ends at byte {} without its table of chunks: the file is cut; get "
+                                 "it again",
+                                 size));
+    layout.chunk_table_missing = true;
+    return;
+  }
+  const std::int64_t chunks = head[1];
+  const std::int64_t expected =
+      variable ? chunks : (layout.info.point_count - 1) / record.chunk_size + 1;
+  // A chunk takes bytes; the decoder reserves memory for as many as are claimed.
+  if (head[0] != 0 || chunks > size - layout.first_point)
+    fail_las(path, fmt::format("the chunk table at byte {} says {} chunks; the file is broken, get "
+                               "it again",
+                               table, chunks));
+  if (!variable && chunks == expected) layout.chunk_size = record.chunk_size;
+}
+
+}  // namespace
+
+void fail_las(const fs::path& path, const std::string& what) {
+  throw Error(ErrorKind::kInput, path.string() + ": " + what);
+}
+
+PositionedFile::PositionedFile(const fs::path& path) : path_(path) {
+  file_ = ::open(path.c_str(), O_RDONLY | O_CLOEXEC);
+  if (file_ < 0)
+    fail_las(path, errno == ENOENT ? std::string("no such file; check the path")
+                                   : "cannot be opened: " + std::generic_category().message(errno));
+  struct stat status {};
+  if (::fstat(file_, &status) != 0 || !S_ISREG(status.st_mode)) {
+    ::close(file_);
+    fail_las(path, "is not an ordinary file; give a LAS or LAZ file");
+  }
+  size_ = status.st_size;
+}
+
+PositionedFile::~PositionedFile() { ::close(file_); }
+
+std::size_t PositionedFile::read(std::int64_t position, void* data, std::size_t size) const {
+  std::size_t done = 0;
+  while (done < size) {
+    const ssize_t n = ::pread(file_, static_cast<char*>(data) + done, size - done,
+                              position + static_cast<std::int64_t>(done));
+    if (n == 0) break;
+    if (n < 0 && errno == EINTR) continue;
+    if (n < 0)
+      fail_las(path_, fmt::format("cannot be read at byte {}: {}",
+                                  position + static_cast<std::int64_t>(done),
+                                  std::generic_category().message(errno)));
+    done += static_cast<std::size_t>(n);
+  }
+  return done;
+}
+
+std::string check_laszip_record(std::string_view data, int record_length, LaszipRecord& record) {
+  // LASzip record: compressor, coder, version, options, chunk size, two 64-bit numbers, number of
+  // items, then type, size and version of each (Isenburg, LASzip: lossless compression of LiDAR
+  // data, PE&RS 79(2), 2013, and the record's description in its distribution).
+  if (data.size() < 34) return "the LASzip record is too short; the file is broken";
+  record.compressor = number_at<std::uint16_t>(data, 0);
+  const int coder = number_at<std::uint16_t>(data, 2);
+  record.chunk_size = number_at<std::uint32_t>(data, 12);
+  const std::size_t items = number_at<std::uint16_t>(data, 32);
+  if (record.compressor < 1 || record.compressor > 3)
+    return fmt::format("LASzip compressor {} is not supported", record.compressor);
+  if (coder != 0) return fmt::format("LASzip coder {} is not supported", coder);
+  if (record.compressor != 1 && record.chunk_size == 0)
+    return "the LASzip record says chunks of 0 points; the file is broken";
+  if (items == 0 || data.size() < 34 + 6 * items)
+    return "the LASzip record's items are cut; the file is broken";
+  // Sizes by item type: BYTE (any), POINT10, GPSTIME11, RGB12, WAVEPACKET13, POINT14, RGB14,
+  // RGBNIR14, WAVEPACKET14, BYTE14 (any); the numbers between are not in use.
+  constexpr std::array<int, 15> kSizes = {0, -1, -1, -1, -1, -1, 20, 8, 6, 29, 30, 6, 8, 29, 0};
+  int total = 0;
+  for (std::size_t i = 0; i < items; ++i) {
+    const std::size_t type = number_at<std::uint16_t>(data, 34 + 6 * i);
+    const int size = number_at<std::uint16_t>(data, 36 + 6 * i);
+    const int version = number_at<std::uint16_t>(data, 38 + 6 * i);
+    if (type >= kSizes.size() || kSizes[type] < 0 || (kSizes[type] > 0 && size != kSizes[type]))
+      return fmt::format("LASzip item type {} of {} bytes is not supported", type, size);
+    if (version > 4) return fmt::format("LASzip item version {} is not supported", version);
+    total += size;
+  }
+  if (total != record_length)
+    return fmt::format("LASzip items of {} bytes do not make records of {}; the file is broken",
+                       total, record_length);
+  return "";
+}
+
+LasLayout read_las_layout(const fs::path& path) {
+  const PositionedFile file(path);
+  LasLayout layout;
+  layout.file_size = file.size();
+  const std::string front = read_front(path, file);
+  parse_fixed(path, front, layout);
+  parse_numbers(path, front, layout.info);
+  std::vector<Vlr> vlrs = read_vlrs(path, file, front, layout);
+  settle_records(path, front, layout);
+  if (layout.info.compressed) settle_compression(path, file, vlrs, layout);
+  read_evlrs(file, front, layout, vlrs);
+  bool stated = false;
+  for (const Vlr& vlr : vlrs) {
+    layout.info.copc = layout.info.copc || (vlr.user_id == "copc" && vlr.record_id == 1);
+    stated = stated || (vlr.user_id == "LASF_Projection" &&
+                        (vlr.record_id == 34735 || vlr.record_id == 2112));
+  }
+  const bool wkt = layout.info.point_format >= 6 || (number_at<std::uint16_t>(front, 6) & 0x10) != 0;
+  layout.info.crs = crs_of_vlrs(vlrs, wkt);
+  if (stated && layout.info.crs.empty())
+    layout.info.warnings.push_back({"las_crs_unknown", 1,
+                                    path.string() + ": its coordinate reference system is not "
+                                                    "understood and taken as unknown"});
+  return layout;
+}
+
+LasInfo inspect_las(const fs::path& path) { return read_las_layout(path).info; }
+
+}  // namespace tetropolis

@@ -1,0 +1,71 @@
+// The public header block and the variable length records of LAS files. Private to src/io.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "tetropolis/io/las.h"
+
+namespace tetropolis {
+
+/// Throws Error(kInput, "PATH: WHAT").
+[[noreturn]] void fail_las(const std::filesystem::path& path, const std::string& what);
+
+/// A file opened for reading at positions, from several threads at once.
+class PositionedFile {
+ public:
+  explicit PositionedFile(const std::filesystem::path& path);
+  ~PositionedFile();
+  PositionedFile(const PositionedFile&) = delete;
+  PositionedFile& operator=(const PositionedFile&) = delete;
+
+  std::int64_t size() const { return size_; }
+  /// Reads up to `size` bytes at `position`; returns how many there were before the end.
+  std::size_t read(std::int64_t position, void* data, std::size_t size) const;
+
+ private:
+  std::filesystem::path path_;
+  int file_ = -1;
+  std::int64_t size_ = 0;
+};
+
+/// Where points are, as far as it was checked.
+struct LasLayout {
+  LasInfo info;
+  std::int64_t file_size = 0;
+  std::int64_t first_point = 0;  ///< Byte of the first record, or of the LAZ chunk table's pointer.
+  std::int64_t points_end = 0;   ///< Byte behind the last record that could be one.
+  /// LAZ: points per chunk if all chunks have the same number and the chunk table is in its place,
+  /// so that decoding may start at multiples of it. Otherwise 0.
+  std::int64_t chunk_size = 0;
+  /// LAZ: whether the table at the end of the file is missing, as it is in a cut file.
+  bool chunk_table_missing = false;
+};
+
+LasLayout read_las_layout(const std::filesystem::path& path);
+
+/// One variable length record.
+struct Vlr {
+  std::string user_id;
+  int record_id = 0;
+  std::string data;
+};
+
+/// The canonical reference system that the records state, "" if none or not understood.
+/// `prefer_wkt`: the header says that WKT holds (LAS 1.4 R15, global encoding bit 4).
+std::string crs_of_vlrs(const std::vector<Vlr>& vlrs, bool prefer_wkt);
+
+/// Record of the LASzip compressor: how the points are packed.
+struct LaszipRecord {
+  int compressor = 0;  ///< 1 point-wise, 2 chunked, 3 chunked in layers.
+  std::uint32_t chunk_size = 0;
+};
+
+/// Parses and checks it as strictly as the decoder needs: items that do not add up to the record
+/// length would make it write outside its buffers. Returns what is wrong, "" if nothing is.
+std::string check_laszip_record(std::string_view data, int record_length, LaszipRecord& record);
+
+}  // namespace tetropolis

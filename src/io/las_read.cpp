@@ -1,0 +1,268 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <atomic>
+#include <cmath>
+#include <exception>
+#include <limits>
+#include <mutex>
+#include <utility>
+
+#include "las_decode.h"
+#include "tetropolis/core/error.h"
+#include "tetropolis/core/parallel.h"
+#include "tetropolis/io/crs.h"
+
+namespace tetropolis {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+constexpr std::int64_t kPointsPerTask = 1'000'000;
+
+/// Which records become points, and where.
+class Filter {
+ public:
+  Filter(const ReadPointsOptions& options)
+      : crop_(options.crop), origin_(options.origin), keep_withheld_(options.keep_withheld) {
+    for (const std::uint8_t code : options.skipped_classes) skipped_[code] = true;
+  }
+
+  void append(const LasRecord& record, const LasInfo& info, PointCloud& cloud) const {
+    if (skipped_[record.classification] || (record.withheld && !keep_withheld_)) return;
+    const double x = record.x * info.scale[0] + info.offset[0];
+    const double y = record.y * info.scale[1] + info.offset[1];
+    if (crop_ && !crop_->contains({x, y})) return;
+    cloud.x.push_back(x - origin_.x);
+    cloud.y.push_back(y - origin_.y);
+    cloud.z.push_back(record.z * info.scale[2] + info.offset[2]);
+    cloud.classification.push_back(record.classification);
+  }
+
+ private:
+  std::optional<Bounds2> crop_;
+  Point2 origin_;
+  bool keep_withheld_;
+  std::array<bool, 256> skipped_{};
+};
+
+/// Runs fallible jobs over [0, size) in parallel; afterwards throws what the first failing one of
+/// them threw. Jobs behind a failed one may not run at all.
+template <typename Job>
+void run_in_order_of_errors(std::size_t size, const Job& job) {
+  std::vector<std::exception_ptr> errors(size);
+  std::atomic<std::size_t> first_failed{size};
+  parallel_chunks(size, 1, [&](std::size_t begin, std::size_t) {
+    if (begin > first_failed.load()) return;
+    try {
+      job(begin);
+    } catch (...) {
+      errors[begin] = std::current_exception();
+      std::size_t seen = first_failed.load();
+      while (begin < seen && !first_failed.compare_exchange_weak(seen, begin)) {
+      }
+    }
+  });
+  if (first_failed < size) std::rethrow_exception(errors[first_failed]);
+}
+
+/// Adds up points of all threads and reports their share.
+class Meter {
+ public:
+  Meter(const Progress& progress, std::int64_t total) : progress_(progress), total_(total) {}
+  void add(std::int64_t points) {
+    const std::lock_guard lock(mutex_);
+    done_ += points;
+    progress_.update(total_ > 0 ? static_cast<double>(done_) / static_cast<double>(total_) : 1.0);
+  }
+
+ private:
+  const Progress& progress_;
+  std::int64_t total_;
+  std::mutex mutex_;
+  std::int64_t done_ = 0;
+};
+
+// --- is it safe to pass a file over? ---
+
+/// The header's box, grown by what rounding may have cut off.
+Bounds2 header_box(const LasInfo& info) {
+  const double margin_x = 2 * std::abs(info.scale[0]);
+  const double margin_y = 2 * std::abs(info.scale[1]);
+  return {info.min[0] - margin_x, info.min[1] - margin_y, info.max[0] + margin_x,
+          info.max[1] + margin_y};
+}
+
+bool is_sound(const LasInfo& info) {
+  const auto finite = [](double v) { return std::isfinite(v); };
+  return std::all_of(info.min.begin(), info.min.end(), finite) &&
+         std::all_of(info.max.begin(), info.max.end(), finite) && info.min[0] <= info.max[0] &&
+         info.min[1] <= info.max[1];
+}
+
+/// Whether a handful of points from all over the file lie in the box.
+bool box_holds_samples(const fs::path& path, const LasLayout& layout) {
+  const LasInfo& info = layout.info;
+  const Bounds2 box = header_box(info);
+  bool inside = true;
+  const auto probe = [&](std::int64_t first, std::int64_t count) {
+    decode_points(path, layout, first, std::min(count, info.point_count - first),
+                  [&](const LasRecord* records, std::size_t n) {
+                    for (std::size_t i = 0; i < n; ++i)
+                      inside = inside && box.contains({records[i].x * info.scale[0] + info.offset[0],
+                                                       records[i].y * info.scale[1] + info.offset[1]});
+                  });
+  };
+  probe(0, 4);
+  // LAZ can be entered at the start of a chunk only.
+  const std::int64_t step = info.compressed ? layout.chunk_size : 1;
+  if (step > 0)
+    for (const std::int64_t share : {1, 2, 3, 4})
+      probe((info.point_count - 1) / step * share / 4 * step, 4);
+  return inside;
+}
+
+struct FilePlan {
+  LasLayout layout;
+  bool skip = false;
+  std::vector<Warning> warnings;
+};
+
+FilePlan plan_file(const fs::path& path, const ReadPointsOptions& options) {
+  FilePlan plan;
+  plan.layout = read_las_layout(path);
+  plan.warnings = plan.layout.info.warnings;
+  if (!options.crs.empty())
+    std::erase_if(plan.warnings, [](const Warning& w) { return w.code == "las_crs_unknown"; });
+  check_las_length(path, plan.layout);
+  const LasInfo& info = plan.layout.info;
+  if (!options.crop || info.point_count == 0) return plan;
+  const bool sound = is_sound(info);
+  if (sound && header_box(info).intersects(*options.crop)) return plan;
+  if (sound && box_holds_samples(path, plan.layout)) {
+    plan.skip = true;
+    return plan;
+  }
+  plan.warnings.push_back({"las_box_untrusted", 1,
+                           path.string() + ": points lie outside the box that its header states; "
+                                           "the whole file is read"});
+  return plan;
+}
+
+// --- reading ---
+
+struct Task {
+  std::size_t file = 0;
+  std::int64_t first = 0;
+  std::int64_t count = 0;
+};
+
+std::vector<Task> make_tasks(const std::vector<FilePlan>& plans) {
+  std::vector<Task> tasks;
+  for (std::size_t f = 0; f < plans.size(); ++f) {
+    if (plans[f].skip) continue;
+    const LasLayout& layout = plans[f].layout;
+    const std::int64_t total = layout.info.point_count;
+    std::int64_t step = kPointsPerTask;
+    if (layout.info.compressed) {
+      const std::int64_t chunk = layout.chunk_size;
+      step = chunk == 0 ? total : (std::max<std::int64_t>(kPointsPerTask / chunk, 1)) * chunk;
+    }
+    for (std::int64_t first = 0; first < total; first += step)
+      tasks.push_back({f, first, std::min(step, total - first)});
+  }
+  return tasks;
+}
+
+/// One array of all clouds after another; the parts are freed on the way.
+template <typename Value>
+std::vector<Value> concatenate(std::vector<PointCloud>& parts, std::vector<Value> PointCloud::*array) {
+  std::size_t size = 0;
+  for (const PointCloud& part : parts) size += (part.*array).size();
+  std::vector<Value> all;
+  all.reserve(size);
+  for (PointCloud& part : parts) {
+    all.insert(all.end(), (part.*array).begin(), (part.*array).end());
+    std::vector<Value>().swap(part.*array);
+  }
+  return all;
+}
+
+/// The reference system that the files agree on.
+std::string common_crs(std::span<const fs::path> paths, const std::vector<FilePlan>& plans,
+                       const ReadPointsOptions& options) {
+  if (!options.crs.empty()) return normalise_crs(options.crs);
+  std::size_t known = plans.size();
+  for (std::size_t f = 0; f < plans.size(); ++f) {
+    const std::string& crs = plans[f].layout.info.crs;
+    if (crs.empty()) continue;
+    if (known == plans.size())
+      known = f;
+    else if (!same_horizontal_crs(plans[known].layout.info.crs, crs))
+      throw Error(ErrorKind::kInput,
+                  fmt::format("{} is in {} but {} is in {}; convert one of them or state the system "
+                              "of all",
+                              paths[known].string(), plans[known].layout.info.crs.substr(0, 80),
+                              paths[f].string(), crs.substr(0, 80)));
+  }
+  return known == plans.size() ? "" : plans[known].layout.info.crs;
+}
+
+void summarise(PointsInput& result) {
+  const PointCloud& points = result.points;
+  result.points_kept = static_cast<std::int64_t>(points.size());
+  std::array<std::int64_t, 256> counts{};
+  for (const std::uint8_t code : points.classification) ++counts[code];
+  for (std::size_t code = 0; code < counts.size(); ++code)
+    if (counts[code] > 0) result.points_by_class[static_cast<int>(code)] = counts[code];
+  if (points.size() == 0) return;
+  const auto [xmin, xmax] = std::minmax_element(points.x.begin(), points.x.end());
+  const auto [ymin, ymax] = std::minmax_element(points.y.begin(), points.y.end());
+  result.extent = {*xmin, *ymin, *xmax, *ymax};
+}
+
+}  // namespace
+
+std::vector<std::uint8_t> noise_classes() {
+  std::vector<std::uint8_t> classes;
+  for (const PointClass code : {kLowNoise, kHighNoise}) classes.push_back(code);
+  return classes;
+}
+
+PointsInput read_points(std::span<const fs::path> paths, const ReadPointsOptions& options,
+                        const Progress& progress) {
+  std::vector<FilePlan> plans(paths.size());
+  run_in_order_of_errors(paths.size(),
+                         [&](std::size_t f) { plans[f] = plan_file(paths[f], options); });
+  PointsInput result;
+  result.crs = common_crs(paths, plans, options);
+  const std::vector<Task> tasks = make_tasks(plans);
+  for (const Task& task : tasks) result.points_read += task.count;
+  for (const FilePlan& plan : plans) {
+    result.files_skipped += plan.skip ? 1 : 0;
+    result.warnings.insert(result.warnings.end(), plan.warnings.begin(), plan.warnings.end());
+  }
+  const Filter filter(options);
+  Meter meter(progress, result.points_read);
+  std::vector<PointCloud> parts(tasks.size());
+  run_in_order_of_errors(tasks.size(), [&](std::size_t t) {
+    const LasLayout& layout = plans[tasks[t].file].layout;
+    PointCloud part;
+    decode_points(paths[tasks[t].file], layout, tasks[t].first, tasks[t].count,
+                  [&](const LasRecord* records, std::size_t n) {
+                    for (std::size_t i = 0; i < n; ++i)
+                      filter.append(records[i], layout.info, part);
+                    meter.add(static_cast<std::int64_t>(n));
+                  });
+    parts[t] = std::move(part);
+  });
+  result.points.x = concatenate(parts, &PointCloud::x);
+  result.points.y = concatenate(parts, &PointCloud::y);
+  result.points.z = concatenate(parts, &PointCloud::z);
+  result.points.classification = concatenate(parts, &PointCloud::classification);
+  summarise(result);
+  return result;
+}
+
+}  // namespace tetropolis

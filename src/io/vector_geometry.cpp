@@ -1,0 +1,131 @@
+#include "vector_geometry.h"
+
+#include <ogr_core.h>
+
+#include <cmath>
+#include <memory>
+#include <type_traits>
+#include <utility>
+
+namespace tetropolis {
+
+namespace {
+
+// Collections inside collections inside ...: nobody draws footprints this deep.
+constexpr int kDeepest = 32;
+
+struct GeometryDeleter {
+  void operator()(OGRGeometryH geometry) const { OGR_G_DestroyGeometry(geometry); }
+};
+using Geometry = std::unique_ptr<std::remove_pointer_t<OGRGeometryH>, GeometryDeleter>;
+
+bool read_ring(OGRGeometryH ring, Ring& result) {
+  const int count = OGR_G_GetPointCount(ring);
+  result.reserve(static_cast<std::size_t>(count));
+  for (int i = 0; i < count; ++i) {
+    const Point2 p{OGR_G_GetX(ring, i), OGR_G_GetY(ring, i)};
+    if (!std::isfinite(p.x) || !std::isfinite(p.y)) return false;
+    result.push_back(p);
+  }
+  while (result.size() > 1 && result.back() == result.front()) result.pop_back();
+  return true;
+}
+
+PolygonPart read_polygon(OGRGeometryH polygon) {
+  PolygonPart part;
+  const int rings = OGR_G_GetGeometryCount(polygon);
+  if (rings == 0 || OGR_G_IsEmpty(polygon) != 0) {
+    part.reason = "an empty polygon";
+    return part;
+  }
+  for (int r = 0; r < rings; ++r) {
+    Ring ring;
+    if (!read_ring(OGR_G_GetGeometryRef(polygon, r), ring)) {
+      part.reason = "coordinates that are not finite";
+      return part;
+    }
+    if (r == 0)
+      part.polygon.outer = std::move(ring);
+    else if (ring.size() >= 3)
+      part.polygon.holes.push_back(std::move(ring));
+  }
+  if (part.polygon.outer.size() < 3) part.reason = "a polygon of fewer than three vertices";
+  return part;
+}
+
+void collect(OGRGeometryH geometry, int depth, FlatGeometry& result) {
+  switch (wkbFlatten(OGR_G_GetGeometryType(geometry))) {
+    case wkbPolygon:
+    case wkbTriangle:
+      result.parts.push_back(read_polygon(geometry));
+      return;
+    case wkbMultiPolygon:
+    case wkbGeometryCollection:
+      if (depth >= kDeepest) return;
+      for (int i = 0; i < OGR_G_GetGeometryCount(geometry); ++i)
+        collect(OGR_G_GetGeometryRef(geometry, i), depth + 1, result);
+      return;
+    default:
+      ++result.other_parts;
+  }
+}
+
+std::string reason_without_polygons(OGRwkbGeometryType type) {
+  switch (wkbFlatten(type)) {
+    case wkbPoint:
+    case wkbMultiPoint:
+      return "a point, not a polygon";
+    case wkbLineString:
+    case wkbMultiLineString:
+      return "a line, not a polygon";
+    case wkbPolyhedralSurface:
+    case wkbTIN:
+      return "a surface in space, not a footprint";
+    default:
+      return "no polygon in the geometry";
+  }
+}
+
+}  // namespace
+
+FlatGeometry flatten(OGRGeometryH geometry) {
+  FlatGeometry result;
+  if (geometry == nullptr) {
+    result.reason = "no geometry";
+    return result;
+  }
+  if (OGR_G_IsEmpty(geometry) != 0) {
+    result.reason = "an empty geometry";
+    return result;
+  }
+  Geometry linear;
+  if (OGR_G_HasCurveGeometry(geometry, FALSE) != 0) {
+    linear.reset(OGR_G_GetLinearGeometry(geometry, 0, nullptr));
+    geometry = linear.get();
+    if (geometry == nullptr) {
+      result.reason = "a curve that cannot be straightened";
+      return result;
+    }
+  }
+  collect(geometry, 0, result);
+  if (result.parts.empty()) result.reason = reason_without_polygons(OGR_G_GetGeometryType(geometry));
+  return result;
+}
+
+bool may_hold_polygons(OGRwkbGeometryType type) {
+  switch (wkbFlatten(type)) {
+    case wkbUnknown:
+    case wkbPolygon:
+    case wkbMultiPolygon:
+    case wkbCurvePolygon:
+    case wkbMultiSurface:
+    case wkbSurface:
+    case wkbTriangle:
+    case wkbGeometryCollection:
+      return true;
+    default:
+      return false;
+  }
+}
+
+}  // namespace tetropolis

@@ -1,0 +1,402 @@
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <cstdlib>
+#include <cstring>
+#include <memory>
+#include <string_view>
+#include <system_error>
+#include <type_traits>
+#include <unordered_map>
+#include <unordered_set>
+#include <utility>
+
+#include <cpl_vsi.h>
+
+#include "gdal_support.h"
+#include "tetropolis/core/error.h"
+#include "tetropolis/io/crs.h"
+#include "tetropolis/io/vector.h"
+#include "vector_geometry.h"
+
+namespace tetropolis {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+[[noreturn]] void fail(const fs::path& path, const std::string& what) {
+  throw Error(ErrorKind::kInput, path.string() + ": " + what);
+}
+
+std::string lower(std::string text) {
+  for (char& c : text)
+    if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
+  return text;
+}
+
+std::string utf8(const char* text) {
+  if (CPLIsUTF8(text, -1) != 0) return text;
+  char* recoded = CPLRecode(text, CPL_ENC_ISO8859_1, CPL_ENC_UTF8);
+  std::string result = recoded;
+  CPLFree(recoded);
+  return result;
+}
+
+/// Copies of a shapefile's members in memory, so that GDAL can make the missing index there.
+class MemoryCopy {
+ public:
+  explicit MemoryCopy(const fs::path& shp)
+      : folder_(fmt::format("/vsimem/tetropolis-{}", static_cast<const void*>(this))) {
+    const fs::path stem = fs::path(shp).replace_extension();
+    for (const char* extension : {".dbf", ".prj", ".cpg", ".DBF", ".PRJ", ".CPG"}) {
+      const fs::path member = stem.string() + extension;
+      std::error_code error;
+      if (fs::exists(member, error))
+        CPLCopyFile((folder_ + "/footprints" + lower(extension)).c_str(), member.c_str());
+    }
+    complete_ = CPLCopyFile(path().c_str(), shp.c_str()) == 0;
+  }
+  ~MemoryCopy() { VSIRmdirRecursive(folder_.c_str()); }
+  MemoryCopy(const MemoryCopy&) = delete;
+  MemoryCopy& operator=(const MemoryCopy&) = delete;
+  std::string path() const { return folder_ + "/footprints.shp"; }
+  bool complete() const { return complete_; }
+
+ private:
+  std::string folder_;
+  bool complete_ = false;
+};
+
+bool lacks_index(const fs::path& path) {
+  if (lower(path.extension().string()) != ".shp") return false;
+  std::error_code error;
+  return !fs::exists(fs::path(path).replace_extension(".shx"), error) &&
+         !fs::exists(fs::path(path).replace_extension(".SHX"), error);
+}
+
+/// An open vector file and what must outlive it.
+struct VectorFile {
+  std::unique_ptr<MemoryCopy> copy;
+  gdal::Dataset dataset;
+};
+
+VectorFile open_vector(const fs::path& path, const gdal::QuietErrors& errors) {
+  std::error_code error;
+  if (!fs::exists(path, error)) fail(path, "no such file; check the path");
+  if (!fs::is_directory(path, error) && fs::file_size(path, error) == 0)
+    fail(path, "the file is empty; get it again");
+  VectorFile file;
+  std::string name = path.string();
+  if (lacks_index(path)) {
+    file.copy = std::make_unique<MemoryCopy>(path);
+    if (!file.copy->complete()) fail(path, "cannot be read" + errors.reason());
+    name = file.copy->path();
+  }
+  const gdal::ThreadOption restore("SHAPE_RESTORE_SHX", file.copy ? "YES" : "NO");
+  gdal::StringList options;
+  options.set("WRITE_GFS", "NO");
+  file.dataset.reset(GDALOpenEx(name.c_str(), GDAL_OF_VECTOR | GDAL_OF_VERBOSE_ERROR, nullptr,
+                                options.get(), nullptr));
+  if (file.dataset == nullptr)
+    fail(path, "not a vector file that can be read" + errors.reason() +
+                   "; give a shapefile, GeoPackage, GeoJSON or other OGR format");
+  return file;
+}
+
+OGRLayerH find_layer(const fs::path& path, GDALDatasetH dataset, const std::string& wanted) {
+  std::vector<std::string> all;
+  std::vector<std::string> names;
+  OGRLayerH found = nullptr;
+  for (int i = 0; i < GDALDatasetGetLayerCount(dataset); ++i) {
+    OGRLayerH layer = GDALDatasetGetLayer(dataset, i);
+    if (layer == nullptr) continue;
+    all.emplace_back(OGR_L_GetName(layer));
+    if (!wanted.empty() && all.back() == wanted) return layer;
+    if (!may_hold_polygons(OGR_L_GetGeomType(layer))) continue;
+    names.push_back(all.back());
+    found = layer;
+  }
+  if (!wanted.empty())
+    fail(path, fmt::format("has no layer '{}'; it has: {}", wanted, fmt::join(all, ", ")));
+  if (names.size() > 1)
+    fail(path, fmt::format("has several layers that may hold polygons; name one of: {}",
+                           fmt::join(names, ", ")));
+  if (found != nullptr) return found;
+  // A lone layer of points or lines is read all the same: its features go into the account.
+  if (all.size() == 1 && OGR_L_GetGeomType(GDALDatasetGetLayer(dataset, 0)) != wkbNone)
+    return GDALDatasetGetLayer(dataset, 0);
+  fail(path, all.empty() ? std::string("has no layers; give a file with building polygons")
+                         : fmt::format("has no layer of polygons, only: {}; give a file with "
+                                       "building polygons",
+                                       fmt::join(all, ", ")));
+}
+
+constexpr int kNoField = -1;
+constexpr int kFidField = -2;
+
+int find_attribute(const fs::path& path, OGRLayerH layer, const std::string& wanted) {
+  if (wanted.empty()) return kNoField;
+  OGRFeatureDefnH definition = OGR_L_GetLayerDefn(layer);
+  if (const int field = OGR_FD_GetFieldIndex(definition, wanted.c_str()); field >= 0) return field;
+  if (const char* fid = OGR_L_GetFIDColumn(layer); fid != nullptr && wanted == fid)
+    return kFidField;
+  std::vector<std::string> names;
+  for (int i = 0; i < OGR_FD_GetFieldCount(definition); ++i)
+    names.push_back(utf8(OGR_Fld_GetNameRef(OGR_FD_GetFieldDefn(definition, i))));
+  fail(path, fmt::format("has no attribute '{}'; it has: {}", wanted,
+                         names.empty() ? std::string("none") : fmt::format("{}", fmt::join(names, ", "))));
+}
+
+double read_height(OGRFeatureH feature, int field) {
+  constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+  if (field == kNoField || field == kFidField || OGR_F_IsFieldSetAndNotNull(feature, field) == 0)
+    return kNaN;
+  const OGRFieldType type = OGR_Fld_GetType(OGR_F_GetFieldDefnRef(feature, field));
+  if (type == OFTInteger || type == OFTInteger64 || type == OFTReal)
+    return OGR_F_GetFieldAsDouble(feature, field);
+  if (type != OFTString) return kNaN;
+  std::string_view text = OGR_F_GetFieldAsString(feature, field);
+  while (!text.empty() && text.front() == ' ') text.remove_prefix(1);
+  while (!text.empty() && text.back() == ' ') text.remove_suffix(1);
+  double value = kNaN;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+  return error == std::errc{} && end == text.data() + text.size() ? value : kNaN;
+}
+
+/// Hands out ids that were not handed out before.
+class UniqueIds {
+ public:
+  std::string unique(const std::string& wanted) {
+    if (used_.insert(wanted).second) return wanted;
+    ++duplicates_;
+    int& number = next_[wanted];
+    if (number == 0) number = 2;
+    for (;; ++number) {
+      std::string id = fmt::format("{}~{}", wanted, number);
+      if (used_.insert(id).second) return id;
+    }
+  }
+  std::int64_t duplicates() const { return duplicates_; }
+
+ private:
+  std::unordered_set<std::string> used_;
+  std::unordered_map<std::string, int> next_;
+  std::int64_t duplicates_ = 0;
+};
+
+/// Whether the layer's first coordinate is the northing or latitude.
+bool is_north_first(OGRSpatialReferenceH srs) {
+  if (srs == nullptr) return false;
+  int count = 0;
+  const int* mapping = OSRGetDataAxisToSRSAxisMapping(srs, &count);
+  if (mapping == nullptr || count < 2) return false;
+  const int first = mapping[0];
+  const gdal::Srs usual(OSRClone(srs));
+  OSRSetAxisMappingStrategy(usual.get(), OAMS_TRADITIONAL_GIS_ORDER);
+  mapping = OSRGetDataAxisToSRSAxisMapping(usual.get(), &count);
+  return mapping != nullptr && count >= 2 && mapping[0] != first;
+}
+
+template <typename Visit>
+void for_each_vertex(Polygon& polygon, const Visit& visit) {
+  for (Point2& p : polygon.outer) visit(p);
+  for (Ring& hole : polygon.holes)
+    for (Point2& p : hole) visit(p);
+}
+
+/// Reads all features of one layer.
+class LayerReader {
+ public:
+  LayerReader(const fs::path& path, OGRLayerH layer, const ReadFootprintsOptions& options,
+              FootprintsInput& result)
+      : path_(path),
+        layer_(layer),
+        id_field_(find_attribute(path, layer, options.id_attribute)),
+        height_field_(find_attribute(path, layer, options.height_attribute)),
+        id_name_(options.id_attribute),
+        north_first_(is_north_first(OGR_L_GetSpatialRef(layer))),
+        result_(result) {}
+
+  void read(gdal::QuietErrors& errors) {
+    const std::int64_t expected = OGR_L_GetFeatureCount(layer_, FALSE);
+    errors.reset();
+    OGR_L_ResetReading(layer_);
+    while (OGRFeatureH feature = OGR_L_GetNextFeature(layer_)) {
+      ++result_.features_read;
+      add(feature);
+      OGR_F_Destroy(feature);
+    }
+    if (errors.failures() > 0 && (expected < 0 || result_.features_read < expected))
+      fail(path_, fmt::format("reading ends after {} features{}{}; the file is cut or broken, get "
+                              "it again",
+                              result_.features_read,
+                              expected < 0 ? "" : fmt::format(" of {}", expected),
+                              errors.reason()));
+    if (errors.failures() > 0)
+      warn("footprints_read_errors", errors.failures(),
+           fmt::format("{} errors while reading, the first: {}", errors.failures(), errors.first()));
+    report();
+  }
+
+ private:
+  void add(OGRFeatureH feature) {
+    const std::string id = feature_id(feature);
+    FlatGeometry flat = flatten(OGR_F_GetGeometryRef(feature));
+    if (flat.parts.empty()) {
+      result_.dropped.push_back({ids_.unique(id), std::move(flat.reason)});
+      return;
+    }
+    if (flat.other_parts > 0) ++mixed_;
+    const double height = read_height(feature, height_field_);
+    for (std::size_t k = 0; k < flat.parts.size(); ++k) {
+      PolygonPart& part = flat.parts[k];
+      std::string part_id = ids_.unique(k == 0 ? id : fmt::format("{}#{}", id, k + 1));
+      if (!part.reason.empty()) {
+        result_.dropped.push_back({std::move(part_id), std::move(part.reason)});
+        continue;
+      }
+      if (north_first_) for_each_vertex(part.polygon, [](Point2& p) { std::swap(p.x, p.y); });
+      result_.features.push_back({std::move(part_id), std::move(part.polygon), height});
+    }
+  }
+
+  std::string feature_id(OGRFeatureH feature) {
+    if (id_field_ >= 0) {
+      if (OGR_F_IsFieldSetAndNotNull(feature, id_field_) != 0) {
+        std::string id = utf8(OGR_F_GetFieldAsString(feature, id_field_));
+        if (!id.empty()) return id;
+      }
+      ++without_id_;
+    }
+    return std::to_string(OGR_F_GetFID(feature));
+  }
+
+  void report() {
+    if (ids_.duplicates() > 0)
+      warn("duplicate_ids", ids_.duplicates(),
+           fmt::format("{} features or parts have an id that was used before{}; it is told apart by "
+                       "'~2', '~3', ...",
+                       ids_.duplicates(),
+                       id_name_.empty() ? "" : " (attribute '" + id_name_ + "')"));
+    if (without_id_ > 0)
+      warn("missing_ids", without_id_,
+           fmt::format("{} features have no value in '{}' and take their feature number as id",
+                       without_id_, id_name_));
+    if (mixed_ > 0)
+      warn("mixed_geometry", mixed_,
+           fmt::format("{} features hold points or lines beside polygons; those are ignored",
+                       mixed_));
+  }
+
+  void warn(const char* code, std::int64_t count, const std::string& message) {
+    result_.warnings.push_back({code, count, path_.string() + ": " + message});
+  }
+
+  const fs::path& path_;
+  OGRLayerH layer_;
+  int id_field_;
+  int height_field_;
+  std::string id_name_;
+  bool north_first_;
+  FootprintsInput& result_;
+  UniqueIds ids_;
+  std::int64_t without_id_ = 0;
+  std::int64_t mixed_ = 0;
+};
+
+Bounds2 bounds_of(std::vector<Footprint>& features) {
+  constexpr double kInfinity = std::numeric_limits<double>::infinity();
+  Bounds2 box{kInfinity, kInfinity, -kInfinity, -kInfinity};
+  for (Footprint& feature : features)
+    for_each_vertex(feature.polygon, [&](const Point2& p) {
+      box.xmin = std::min(box.xmin, p.x);
+      box.ymin = std::min(box.ymin, p.y);
+      box.xmax = std::max(box.xmax, p.x);
+      box.ymax = std::max(box.ymax, p.y);
+    });
+  return features.empty() ? Bounds2{1, 1, 0, 0} : box;
+}
+
+/// Whether a file that says degrees holds numbers that are none.
+bool implausible_degrees(const std::string& crs, const Bounds2& box, bool geojson) {
+  if (crs.empty() || box.empty() || !is_geographic(crs)) return false;
+  // RFC 7946 allows -180 to 180; elsewhere 0 to 360 is in use too.
+  const double limit = geojson ? 180.0 : 360.0;
+  return box.xmin < -limit || box.xmax > limit || box.ymin < -90 || box.ymax > 90;
+}
+
+void settle_crs(const fs::path& path, const ReadFootprintsOptions& options, bool geojson,
+                FootprintsInput& result) {
+  if (!options.source_crs.empty()) {
+    result.crs = normalise_crs(options.source_crs);
+  } else if (implausible_degrees(result.crs, result.bounds, geojson)) {
+    result.warnings.push_back(
+        {"footprints_crs_implausible", 1,
+         fmt::format("{}: says {} but x {} .. {}, y {} .. {} are not degrees; its reference system "
+                     "is taken as unknown",
+                     path.string(), result.crs.substr(0, 80), result.bounds.xmin, result.bounds.xmax,
+                     result.bounds.ymin, result.bounds.ymax)});
+    result.crs.clear();
+  }
+  if (result.crs.empty())
+    result.warnings.push_back({"footprints_crs_unknown", 1,
+                               path.string() + ": does not say its coordinate reference system"});
+}
+
+void reproject_features(const std::string& target, FootprintsInput& result) {
+  std::vector<Point2> points;
+  for (Footprint& feature : result.features)
+    for_each_vertex(feature.polygon, [&](const Point2& p) { points.push_back(p); });
+  points = reproject(points, result.crs, target);
+  std::size_t next = 0;
+  std::vector<Footprint> kept;
+  kept.reserve(result.features.size());
+  for (Footprint& feature : result.features) {
+    bool good = true;
+    for_each_vertex(feature.polygon, [&](Point2& p) {
+      p = points[next++];
+      good = good && std::isfinite(p.x);
+    });
+    if (good)
+      kept.push_back(std::move(feature));
+    else
+      result.dropped.push_back({std::move(feature.source_id), "coordinates that cannot be reprojected"});
+  }
+  result.features = std::move(kept);
+  result.crs = target;
+  result.bounds = bounds_of(result.features);
+}
+
+bool is_geojson(GDALDatasetH dataset) {
+  const char* name = GDALGetDriverShortName(GDALGetDatasetDriver(dataset));
+  return name != nullptr && std::strncmp(name, "GeoJSON", 7) == 0;
+}
+
+}  // namespace
+
+FootprintsInput read_footprints(const fs::path& path, const ReadFootprintsOptions& options) {
+  gdal::initialise();
+  const std::string target = normalise_crs(options.target_crs);
+  gdal::QuietErrors errors;
+  const VectorFile file = open_vector(path, errors);
+  OGRLayerH layer = find_layer(path, file.dataset.get(), options.layer);
+  FootprintsInput result;
+  result.layer = utf8(OGR_L_GetName(layer));
+  LayerReader(path, layer, options, result).read(errors);
+  result.bounds = bounds_of(result.features);
+  result.crs = gdal::canonical_name(OGR_L_GetSpatialRef(layer));
+  settle_crs(path, options, is_geojson(file.dataset.get()), result);
+  if (!target.empty() && !result.crs.empty()) {
+    if (same_horizontal_crs(result.crs, target))
+      result.crs = target;
+    else
+      reproject_features(target, result);
+  }
+  return result;
+}
+
+}  // namespace tetropolis

@@ -1,0 +1,154 @@
+#include "tetropolis/pipeline/check_results.h"
+
+#include <fmt/format.h>
+
+#include <fstream>
+#include <nlohmann/json.hpp>
+
+#include "tetropolis/core/error.h"
+#include "tetropolis/io/cityjson.h"
+#include "tetropolis/io/geotiff.h"
+#include "tetropolis/io/vtk.h"
+
+namespace tetropolis {
+
+namespace {
+
+namespace fs = std::filesystem;
+using Json = nlohmann::json;
+
+constexpr double kDefaultDistance = 1;
+
+/// report.json of the folder, or null.
+Json read_report(const fs::path& folder) {
+  std::ifstream file(folder / "report.json");
+  if (!file) return nullptr;
+  Json json = Json::parse(file, nullptr, false);
+  if (json.is_discarded())
+    throw Error(ErrorKind::kInput, (folder / "report.json").string() + ": not valid JSON");
+  return json;
+}
+
+double asked_distance(const Json& report) {
+  if (!report.is_object() || !report.contains("config")) return kDefaultDistance;
+  return report["config"].value("min_building_distance", kDefaultDistance);
+}
+
+CheckedFile describe(const std::string& name, const VolumeCheck& check) {
+  CheckedFile file{name, {}, check.violations};
+  const Distribution& angle = check.min_dihedral_deg;
+  file.facts = {
+      fmt::format("{} vertices, {} tets, {} inverted", check.vertices, check.cells, check.inverted),
+      fmt::format("volume {:.3f} m3, {} boundary faces", check.volume, check.boundary_faces),
+      fmt::format("dihedral angles: least {:.2f}, 0.01 % {:.2f}, 0.1 % {:.2f}, 1 % {:.2f}, median of least {:.2f}, "
+                  "greatest {:.2f} degrees",
+                  angle.min, angle.p0_01, angle.p0_1, angle.p1, angle.median, check.max_dihedral_deg),
+      fmt::format("aspect ratio: median {:.2f}, 99 % {:.2f}, greatest {:.2f}", check.aspect_ratio.median,
+                  check.aspect_ratio.p99, check.aspect_ratio.max)};
+  return file;
+}
+
+CheckedFile describe(const std::string& name, const SurfaceCheck& check) {
+  CheckedFile file{name, {}, check.violations};
+  std::string patches;
+  for (int i = 0; i < kPatchCount; ++i)
+    patches += fmt::format("{}{} {}", i == 0 ? "" : ", ", patch_name(static_cast<Patch>(i + 1)),
+                           check.faces_by_patch[static_cast<std::size_t>(i)]);
+  file.facts = {fmt::format("{} triangles, {}, {}", check.triangles, check.closed ? "closed" : "open",
+                            check.manifold ? "manifold" : "not manifold"),
+                fmt::format("encloses {:.3f} m3", check.enclosed_volume), "faces: " + patches};
+  return file;
+}
+
+CheckedFile check_city_file(const fs::path& path, std::optional<double> min_distance,
+                            const Json& report) {
+  const CityModel city = read_city(path);
+  const bool raw = path.filename() == "city_raw.city.json";
+  if (!min_distance && !raw) min_distance = asked_distance(report);
+  const CityCheck check = check_city(city, min_distance);
+  CheckedFile file{path.filename().string(), {}, check.violations};
+  file.facts = {fmt::format("{} buildings, {} dropped features, {:.1f} m2", check.buildings, check.dropped, check.area)};
+  if (min_distance) file.facts.push_back(fmt::format("clearance {:.6f} m, {} m asked", check.min_clearance, *min_distance));
+  return file;
+}
+
+/// Facts of the report that the files must bear out.
+void compare_with_report(const Json& report, const VolumeCheck& volume, const SurfaceCheck& surface,
+                         CheckedFile& file) {
+  if (!report.is_object() || !report.contains("volume_mesh")) return;
+  const auto compare = [&](const char* what, double reported, double found, double tolerance) {
+    if (std::abs(reported - found) <= tolerance) return;
+    file.violations.push_back({fmt::format("{} differs from report.json", what), 1,
+                               fmt::format("{} reported, {} found", reported, found)});
+  };
+  const Json& mesh = report["volume_mesh"];
+  compare("number of cells", mesh.value("cells", -1.0), static_cast<double>(volume.cells), 0);
+  compare("number of vertices", mesh.value("vertices", -1.0), static_cast<double>(volume.vertices), 0);
+  compare("inverted cells", mesh.value("inverted", -1.0), static_cast<double>(volume.inverted), 0);
+  compare("volume", mesh.value("volume", -1.0), volume.volume, 1e-9 * volume.volume);
+  compare("enclosed volume", volume.volume, surface.enclosed_volume, 1e-7 * volume.volume);
+  compare("boundary triangles", report["surface_mesh"].value("triangles", -1.0),
+          static_cast<double>(surface.triangles), 0);
+}
+
+CheckedFile check_heights_of_folder(const fs::path& folder, const SurfaceMesh& surface,
+                                    const Json& report) {
+  const CityModel city = read_city(folder / "city.city.json");
+  const RasterInput terrain = read_raster(folder / "dtm.tif", city.origin);
+  std::array<double, 3> shift{0, 0, 0};
+  if (report.is_object() && report["config"].value("coordinates", "local") == "absolute")
+    shift = {-city.origin.x, -city.origin.y, 0};
+  const HeightsCheck check = check_heights(surface, shift, terrain.raster, city);
+  CheckedFile file{"heights", {}, check.violations};
+  file.facts = {fmt::format("{} ground vertices on the terrain ({} lowered at walls), {} roof vertices at their roof's height",
+                            check.ground_vertices, check.lowered, check.roof_vertices)};
+  if (report.is_object() && report.contains("volume_mesh")) {
+    const auto reported = report["volume_mesh"].value("ground_lowered", std::int64_t{-1});
+    if (check.lowered > reported)
+      file.violations.push_back({"more ground vertices lowered than report.json says", 1,
+                                 fmt::format("{} reported, {} found", reported, check.lowered)});
+  }
+  return file;
+}
+
+std::vector<CheckedFile> check_folder(const fs::path& folder, std::optional<double> min_distance,
+                                      const Progress& progress) {
+  const Json report = read_report(folder);
+  std::vector<CheckedFile> files;
+  for (const char* name : {"city_raw.city.json", "city.city.json"})
+    if (fs::exists(folder / name))
+      files.push_back(check_city_file(folder / name, std::string_view(name) == "city.city.json" ? min_distance : std::nullopt, report));
+  if (fs::exists(folder / "volume.vtu") && fs::exists(folder / "boundary.vtp")) {
+    const SurfaceMesh surface = read_vtp(folder / "boundary.vtp");
+    const SurfaceCheck surface_check = check_surface(surface);
+    const TetMesh mesh = read_vtu(folder / "volume.vtu");
+    const VolumeCheck volume_check = check_volume(mesh, progress);
+    files.push_back(describe("volume.vtu", volume_check));
+    files.push_back(describe("boundary.vtp", surface_check));
+    CheckedFile both{"volume.vtu and boundary.vtp", {}, check_same_boundary(mesh, volume_check, surface)};
+    both.facts = {"faces of one compared with faces of the other"};
+    compare_with_report(report, volume_check, surface_check, both);
+    files.push_back(both);
+    if (fs::exists(folder / "city.city.json") && fs::exists(folder / "dtm.tif"))
+      files.push_back(check_heights_of_folder(folder, surface, report));
+  }
+  if (files.empty())
+    throw Error(ErrorKind::kInput, folder.string() + ": holds no result of tetropolis (no city.city.json, no volume.vtu)");
+  return files;
+}
+
+}  // namespace
+
+std::vector<CheckedFile> check_path(const fs::path& path, std::optional<double> min_distance,
+                                    const Progress& progress) {
+  if (!fs::exists(path)) throw Error(ErrorKind::kInput, path.string() + ": no such file or folder");
+  if (fs::is_directory(path)) return check_folder(path, min_distance, progress);
+  const std::string name = path.filename().string();
+  if (path.extension() == ".vtu") return {describe(name, check_volume(read_vtu(path), progress))};
+  if (path.extension() == ".vtp") return {describe(name, check_surface(read_vtp(path)))};
+  if (path.extension() == ".json")
+    return {check_city_file(path, min_distance, read_report(path.parent_path()))};
+  throw Error(ErrorKind::kInput, path.string() + ": can be checked: .vtu, .vtp, .city.json, or a folder of results");
+}
+
+}  // namespace tetropolis

@@ -1,0 +1,75 @@
+// TOML in; kept apart because toml++ is slow to compile.
+#include <fmt/format.h>
+#include <toml++/toml.h>
+
+#include "tetropolis/core/error.h"
+#include "tetropolis/pipeline/config.h"
+
+namespace tetropolis {
+
+namespace {
+
+/// The texts set_field expects for a TOML value.
+std::vector<std::string> texts_of(const toml::node& node, const std::string& origin) {
+  std::vector<std::string> texts;
+  const auto scalar = [&](const toml::node& value) {
+    if (const auto* text = value.as_string())
+      texts.push_back(**text);
+    else if (const auto* flag = value.as_boolean())
+      texts.emplace_back(**flag ? "true" : "false");
+    else if (const auto* whole = value.as_integer())
+      texts.push_back(fmt::format("{}", **whole));
+    else if (const auto* real = value.as_floating_point())
+      texts.push_back(fmt::format("{}", **real));
+    else
+      throw Error(ErrorKind::kUsage, origin + ": a number, text, true, false or a list of them expected");
+  };
+  if (const auto* array = node.as_array())
+    for (const toml::node& element : *array) scalar(element);
+  else
+    scalar(node);
+  return texts;
+}
+
+bool takes_text(const ConfigField& field) {
+  return std::holds_alternative<std::string Config::*>(field.member) ||
+         std::holds_alternative<std::vector<std::string> Config::*>(field.member);
+}
+
+void set_key(Config& config, std::string_view key, const toml::node& value,
+             const std::string& origin) {
+  std::vector<std::string> names;
+  for (const ConfigField& field : config_fields()) {
+    names.emplace_back(field.name);
+    if (field.name != key) continue;
+    const toml::node* first = &value;
+    if (const auto* array = value.as_array(); array != nullptr && !array->empty()) first = array->get(0);
+    if (first->is_string() != takes_text(field) && !first->is_array())
+      throw Error(ErrorKind::kUsage, fmt::format("{}: {} takes {}", origin, key, takes_text(field) ? "text in quotes" : "no text"));
+    set_field(config, field, texts_of(value, origin), fmt::format("{}: {}", origin, key));
+    return;
+  }
+  const std::string nearest = nearest_name(key, names);
+  throw Error(ErrorKind::kUsage,
+              fmt::format("{}: unknown key '{}'{}", origin, key,
+                          nearest.empty() ? "; see 'tetropolis init'" : fmt::format("; did you mean '{}'?", nearest)));
+}
+
+}  // namespace
+
+void load_config(Config& config, const std::filesystem::path& path) {
+  if (!std::filesystem::exists(path))
+    throw Error(ErrorKind::kUsage, path.string() + ": no such configuration file");
+  toml::table table;
+  try {
+    table = toml::parse_file(path.string());
+  } catch (const toml::parse_error& error) {
+    throw Error(ErrorKind::kUsage, fmt::format("{}:{}: not valid TOML: {}", path.string(),
+                                               error.source().begin.line, error.description()));
+  }
+  for (const auto& [key, value] : table)
+    set_key(config, key.str(), value,
+            fmt::format("{}:{}", path.string(), value.source().begin.line));
+}
+
+}  // namespace tetropolis

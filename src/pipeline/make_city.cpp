@@ -1,0 +1,233 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+
+#include "read_input.h"
+#include "stages.h"
+#include "tetropolis/city/clean.h"
+#include "tetropolis/city/clip.h"
+#include "tetropolis/city/extract.h"
+#include "tetropolis/city/heights.h"
+#include "tetropolis/city/simplify.h"
+#include "tetropolis/geometry/polygon.h"
+#include "tetropolis/io/cityjson.h"
+#include "tetropolis/io/geotiff.h"
+#include "tetropolis/terrain/dtm.h"
+
+namespace tetropolis {
+
+namespace {
+
+/// Step 1.4. Fills model.buildings and model.dropped; every feature ends in one of them.
+void clean_features(const Config& config, const FootprintsInput& input, CityModel& model) {
+  model.dropped = input.dropped;
+  for (const Footprint& feature : input.features) {
+    const auto drop = [&](const std::string& reason) {
+      model.dropped.push_back({feature.source_id, reason});
+    };
+    const DomainPosition position = position_in_domain(feature.polygon, model.domain);
+    if (position == DomainPosition::kOutside) {
+      drop("outside the domain");
+      continue;
+    }
+    CleanedFootprint cleaned = clean_footprint(feature.polygon, {config.parallel_tolerance});
+    if (!cleaned.usable()) {
+      drop(cleaned.reason);
+      continue;
+    }
+    Building building;
+    if (cleaned.repaired) building.flags |= kRepaired;
+    if (position == DomainPosition::kCrossing) {
+      if (config.boundary_buildings == "drop") {
+        drop("crosses the domain boundary");
+        continue;
+      }
+      // Cut back by the merge distance, so that the strip left is wide enough to mesh.
+      cleaned.polygon = clip_to_box(
+          cleaned.polygon, model.domain.grown(-config.min_building_distance - kCoordinateStep * 4));
+      if (cleaned.polygon.outer.empty()) {
+        drop("crosses the domain boundary, with nothing left inside");
+        continue;
+      }
+      building.flags |= kClipped;
+    }
+    building.id = fmt::format("b{}", model.buildings.size());
+    building.source_ids = {feature.source_id};
+    building.footprint = std::move(cleaned.polygon);
+    building.attribute_height = feature.height;
+    model.buildings.push_back(std::move(building));
+  }
+}
+
+/// Mean of the members' attribute heights, weighted by area; NaN where none has one.
+double merged_attribute_height(const CityModel& raw, const std::vector<BuildingIndex>& members) {
+  double weight = 0, sum = 0;
+  for (const BuildingIndex m : members) {
+    const Building& member = raw.buildings[static_cast<std::size_t>(m)];
+    if (!(member.attribute_height > 0)) continue;
+    const double share = area(member.footprint);
+    weight += share;
+    sum += share * member.attribute_height;
+  }
+  return weight > 0 ? sum / weight : std::numeric_limits<double>::quiet_NaN();
+}
+
+/// The simplified model without heights.
+CityModel merged_model(const CityModel& raw, const Simplification& simple) {
+  constexpr std::uint32_t inherited = kRepaired | kClipped;
+  CityModel model;
+  model.origin = raw.origin;
+  model.domain = raw.domain;
+  model.crs = raw.crs;
+  model.dropped = raw.dropped;
+  for (std::size_t i = 0; i < simple.footprints.size(); ++i) {
+    Building building;
+    building.id = fmt::format("b{}", i);
+    building.footprint = simple.footprints[i];
+    building.flags = simple.flags[i];
+    for (const BuildingIndex m : simple.members[i]) {
+      const Building& member = raw.buildings[static_cast<std::size_t>(m)];
+      building.source_ids.insert(building.source_ids.end(), member.source_ids.begin(),
+                                 member.source_ids.end());
+      building.flags |= member.flags & inherited;
+    }
+    building.attribute_height = merged_attribute_height(raw, simple.members[i]);
+    model.buildings.push_back(std::move(building));
+  }
+  for (const DroppedFootprint& dropped : simple.dropped)
+    for (const std::string& id : raw.buildings[static_cast<std::size_t>(dropped.index)].source_ids)
+      model.dropped.push_back({id, dropped.reason});
+  return model;
+}
+
+/// Guarantee 1, counted: every polygon of the input is in one building or in `dropped`.
+void check_account(const FootprintsInput& input, const CityModel& model) {
+  std::size_t accounted = model.dropped.size();
+  for (const Building& building : model.buildings) accounted += building.source_ids.size();
+  if (accounted != input.features.size() + input.dropped.size())
+    throw Error(ErrorKind::kGuarantee,
+                fmt::format("{} input features, but {} accounted for",
+                            input.features.size() + input.dropped.size(), accounted));
+}
+
+std::vector<Polygon> footprints_of(const CityModel& model) {
+  std::vector<Polygon> footprints;
+  for (const Building& building : model.buildings) footprints.push_back(building.footprint);
+  return footprints;
+}
+
+Simplification simplify(const Config& config, const CityModel& raw, const Progress& progress) {
+  SimplifyOptions options;
+  options.min_distance = config.min_building_distance;
+  options.growths = config.merge_growths;
+  options.min_area = config.min_building_area;
+  options.parallel_tolerance = config.parallel_tolerance;
+  Simplification simple =
+      simplify_footprints(footprints_of(raw), raw.domain, options, progress);
+  if (simple.stats.min_clearance < config.min_building_distance)
+    throw Error(ErrorKind::kGuarantee,
+                fmt::format("footprints come as close as {:.6f} m after merging, {} m asked",
+                            simple.stats.min_clearance, config.min_building_distance));
+  return simple;
+}
+
+std::map<std::string, std::int64_t> resorts_by_name(const SimplifyStats& stats) {
+  std::map<std::string, std::int64_t> resorts{
+      {"merged_by_union", stats.merged_by_union},   {"merged_by_hulls", stats.merged_by_hulls},
+      {"merged_by_hull", stats.merged_by_hull},     {"merged_late", stats.merged_late},
+      {"vertices_dropped", stats.vertices_dropped}, {"edges_merged", stats.edges_merged},
+      {"edges_slid", stats.edges_slid},             {"vertices_moved", stats.vertices_moved},
+      {"holes_filled", stats.holes_filled},         {"gaps_filled", stats.gaps_filled},
+      {"arms_cut", stats.arms_cut},                 {"necks_widened", stats.necks_widened},
+      {"local_hulls", stats.local_hulls},           {"hull_repairs", stats.hull_repairs},
+      {"clipped", stats.clipped}};
+  for (std::size_t k = 0; k < stats.merged_by_patch.size(); ++k)
+    resorts[fmt::format("merged_by_patch_{}", k)] = stats.merged_by_patch[k];
+  return resorts;
+}
+
+void fill_city_report(const CityModel& raw, const CityModel& city, const Simplification& simple,
+                      Report& report) {
+  CityReport& out = *report.city;
+  out.raw_buildings = static_cast<std::int64_t>(raw.buildings.size());
+  out.buildings = static_cast<std::int64_t>(city.buildings.size());
+  out.min_clearance = std::isfinite(simple.stats.min_clearance) ? simple.stats.min_clearance : 0;
+  out.area_before = simple.stats.area_before;
+  out.area_after = simple.stats.area_after;
+  out.area_moved = simple.stats.area_changed;
+  out.resorts = resorts_by_name(simple.stats);
+  out.dropped = city.dropped;
+  for (const Building& building : city.buildings) {
+    if (building.source_ids.size() > 1) ++out.merged_groups;
+    for (const std::string& name : flag_names(building.flags)) ++out.flags[name];
+  }
+}
+
+}  // namespace
+
+CityAndTerrain make_city(const Config& config, const OutputFolder& out, StepClock& clock,
+                         Report& report) {
+  InputData input = read_input(config, clock, report);
+  const PointCloud& cloud = input.points;
+  CityModel raw;
+  raw.origin = input.origin;
+  raw.domain = input.domain;
+  raw.crs = input.crs;
+  CityReport& city_report = report.city.emplace();
+
+  DtmReport dtm_report;
+  Raster dtm = clock.run("1.3", "terrain", [&](const Progress& progress) {
+    DtmOptions options;
+    options.step = config.dtm_step;
+    return build_dtm(cloud, raw.domain, options, progress, &dtm_report);
+  });
+  city_report.dtm_empty_share = dtm_report.empty_share;
+
+  clock.run("1.4", "clean footprints",
+            [&](const Progress&) { clean_features(config, input.footprints, raw); });
+  if (raw.buildings.empty() && !config.terrain_only)
+    throw Error(ErrorKind::kInput,
+                fmt::format("{}: no usable footprint lies in the domain ({}, {}) - ({}, {}); check --bounds and the "
+                            "CRS, or add --terrain-only",
+                            config.footprints, report.domain.xmin, report.domain.ymin, report.domain.xmax,
+                            report.domain.ymax));
+
+  const HeightOptions heights{config.ground_percentile, config.roof_percentile,
+                              config.min_building_height};
+  const BuildingPoints points = clock.run("1.5", "extract points", [&](const Progress& progress) {
+    return extract_building_points(raw.buildings, cloud,
+                                   {config.ground_margin, config.outlier_sigma}, progress);
+  });
+  clock.run("1.6", "building heights",
+            [&](const Progress&) { compute_heights(raw.buildings, points, cloud, dtm, heights); });
+  clock.run("1.7", "write city model", [&](const Progress&) {
+    write_raster(out / "dtm.tif", dtm, raw.origin, raw.crs, raw.domain);
+    write_city(out / "city_raw.city.json", raw, "City model before simplification");
+  });
+
+  const Simplification simple = clock.run("2.1", "merge footprints", [&](const Progress& progress) {
+    return simplify(config, raw, progress);
+  });
+  CityModel city = clock.run("2.2", "clean merged footprints", [&](const Progress&) {
+    CityModel model = merged_model(raw, simple);
+    check_account(input.footprints, model);
+    return model;
+  });
+  clock.run("2.3", "heights of merged buildings", [&](const Progress&) {
+    compute_heights(city.buildings, merge_building_points(points, simple.members), cloud, dtm,
+                    heights);
+  });
+  if (points.roof_from_unclassified)
+    report.warnings.push_back({"no_building_class", report.input->points_kept,
+                               "the cloud has no class 6 (building); roof points are those inside footprints "
+                               "that are neither ground, water, vegetation nor noise"});
+  clock.run("2.4", "write merged city model", [&](const Progress&) {
+    write_city(out / "city.city.json", city, "City model after simplification");
+  });
+  fill_city_report(raw, city, simple, report);
+  return {std::move(city), std::move(dtm)};
+}
+
+}  // namespace tetropolis

@@ -1,0 +1,145 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "stages.h"
+#include "tetropolis/ground/mesh_ground.h"
+#include "tetropolis/ground/validate.h"
+#include "tetropolis/io/stl.h"
+#include "tetropolis/io/vtk.h"
+#include "tetropolis/volume/boundary.h"
+#include "tetropolis/volume/ground_heights.h"
+#include "tetropolis/volume/quality.h"
+#include "tetropolis/volume/smooth.h"
+
+namespace tetropolis {
+
+namespace {
+
+GroundMesh make_ground(const Config& config, const CityModel& city, StepClock& clock,
+                       Report& report) {
+  std::vector<Polygon> footprints;
+  for (const Building& building : city.buildings) footprints.push_back(building.footprint);
+  GroundMesh ground = clock.run("3.1", "ground mesh", [&](const Progress& progress) {
+    return mesh_ground(footprints, city.domain, {config.mesh_size, config.min_angle}, progress);
+  });
+  report.ground_mesh = GroundMeshReport{static_cast<std::int64_t>(ground.vertices.size()),
+                                        static_cast<std::int64_t>(ground.triangles.size()),
+                                        angle_statistics(ground.vertices, ground.triangles).min_deg,
+                                        ground.small_input_angles};
+  return ground;
+}
+
+void keep_solver(const std::string& step, const SmoothReport& smooth, Report& report) {
+  const SolverReport& solver = smooth.solver;
+  report.solver.push_back(
+      {step, solver.unknowns, solver.iterations, solver.relative_residual, solver.converged});
+  report.volume_mesh->moved_by_guard += smooth.guard.moved;
+  report.volume_mesh->min_vertical_gap = smooth.guard.min_gap;
+  if (!solver.converged)
+    report.warnings.push_back(
+        {"solver_not_converged", 1,
+         fmt::format("step {}: relative residual {:.2g} after {} iterations; cells are valid all the same",
+                     step, solver.relative_residual, solver.iterations)});
+}
+
+/// Steps 3.2 to 3.5.
+ColumnMesh make_columns_of_city(const Config& config, const CityModel& city, const Raster& dtm,
+                                GroundMesh ground, StepClock& clock, Report& report) {
+  std::vector<double> roofs;
+  for (const Building& building : city.buildings) roofs.push_back(building.h_roof);
+  std::vector<BuildingIndex> owner;
+  GroundHeights heights;
+  VolumeMeshReport& volume = report.volume_mesh.emplace();
+  ColumnMesh mesh = clock.run("3.2", "layers", [&](const Progress&) {
+    owner = vertex_buildings(ground);
+    heights = ground_heights(ground, owner, roofs, dtm, config.min_wall_height);
+    const double highest = *std::max_element(dtm.values.begin(), dtm.values.end());
+    const LayerPlan plan =
+        plan_layers(heights.z, roofs, highest, config.domain_height,
+                    config.layer_height > 0 ? config.layer_height : config.mesh_size);
+    if (plan.raised)
+      report.warnings.push_back({"domain_raised", 1,
+                                 fmt::format("the top was raised to {:.1f} m to clear the highest roof",
+                                             plan.top)});
+    volume.layers = plan.layers;
+    volume.top = plan.top;
+    volume.ground_lowered = heights.lowered;
+    return make_columns(std::move(ground), plan.layers, plan.bottom, plan.top);
+  });
+  if (heights.lowered > 0)
+    report.warnings.push_back({"ground_lowered", heights.lowered,
+                               "ground vertices at walls were lowered to stay below their roof"});
+
+  SmoothOptions options;
+  options.laplace.tolerance = config.solver_tolerance;
+  options.laplace.max_iterations = config.solver_iterations;
+  options.laplace.fixed_top = config.top == "flat";
+  options.gap_share = config.min_gap_share;
+  const SmoothReport to_ground = clock.run("3.3", "smooth to ground", [&](const Progress& progress) {
+    return smooth_to_ground(mesh, heights.z, options, progress);
+  });
+  keep_solver("3.3", to_ground, report);
+  clock.run("3.4", "trim buildings", [&](const Progress&) { trim(mesh, owner, roofs); });
+  const SmoothReport to_roofs = clock.run("3.5", "smooth to roofs", [&](const Progress& progress) {
+    return smooth_to_roofs(mesh, owner, roofs, options, progress);
+  });
+  keep_solver("3.5", to_roofs, report);
+  return mesh;
+}
+
+void measure(const ColumnMesh& mesh, VolumeMeshReport& volume) {
+  const QualityHistogram quality = measure_quality(mesh);
+  volume.vertices = node_offsets(mesh).back();
+  volume.cells = cell_count(mesh);
+  volume.volume = quality.volume();
+  volume.inverted = quality.inverted();
+  volume.dihedral_min = quality.min_dihedral_deg();
+  volume.dihedral_p0_01 = quality.dihedral_quantile_deg(1e-4);
+  volume.dihedral_p0_1 = quality.dihedral_quantile_deg(1e-3);
+  volume.dihedral_p1 = quality.dihedral_quantile_deg(1e-2);
+  volume.dihedral_median = quality.dihedral_quantile_deg(0.5);
+  volume.dihedral_max = quality.max_dihedral_deg();
+  volume.aspect_median = quality.aspect_quantile(0.5);
+  volume.aspect_p99 = quality.aspect_quantile(0.99);
+  volume.aspect_max = quality.max_aspect_ratio();
+  if (volume.inverted > 0)
+    throw Error(ErrorKind::kGuarantee,
+                fmt::format("{} cells are inverted; nothing was written", volume.inverted));
+}
+
+SurfaceMesh bound(const ColumnMesh& mesh, const CityModel& city, Report& report) {
+  SurfaceMesh surface = extract_boundary(mesh, city.domain);
+  const SurfaceTopology topology = check_topology(surface);
+  report.surface_mesh = SurfaceMeshReport{static_cast<std::int64_t>(surface.triangles.size()),
+                                          topology.closed(), topology.manifold(),
+                                          count_by_patch(surface)};
+  if (!topology.closed() || !topology.manifold())
+    throw Error(ErrorKind::kGuarantee,
+                fmt::format("the boundary is not a closed manifold: {} open, {} non-manifold, {} "
+                            "misoriented edges; nothing was written",
+                            topology.open_edges, topology.non_manifold_edges,
+                            topology.misoriented_edges));
+  return surface;
+}
+
+}  // namespace
+
+void make_mesh(const Config& config, const CityModel& city, const Raster& dtm,
+               const OutputFolder& out, StepClock& clock, Report& report) {
+  GroundMesh ground = make_ground(config, city, clock, report);
+  const ColumnMesh mesh =
+      make_columns_of_city(config, city, dtm, std::move(ground), clock, report);
+  clock.run("3.6", "check and write meshes", [&](const Progress& progress) {
+    measure(mesh, *report.volume_mesh);
+    const SurfaceMesh surface = bound(mesh, city, report);
+    Placement placement{{0, 0, 0}, {city.origin.x, city.origin.y, 0}};
+    if (config.coordinates == "absolute") placement = {{city.origin.x, city.origin.y, 0}, {0, 0, 0}};
+    write_vtu(out / "volume.vtu", mesh, placement, progress);
+    write_vtp(out / "boundary.vtp", surface, placement);
+    const std::array land{Patch::kGround, Patch::kRoof, Patch::kWall};
+    write_stl(out / "surface.stl", select_patches(surface, land), placement);
+  });
+}
+
+}  // namespace tetropolis

@@ -1,0 +1,219 @@
+#include "read_input.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+
+#include "tetropolis/city/city_model.h"
+#include "tetropolis/geometry/polygon.h"
+#include "tetropolis/io/crs.h"
+#include "tetropolis/io/las.h"
+
+namespace tetropolis {
+
+namespace {
+
+std::string box_text(const Bounds2& box) {
+  return fmt::format("x {:.1f} .. {:.1f}, y {:.1f} .. {:.1f}", box.xmin, box.xmax, box.ymin, box.ymax);
+}
+
+Bounds2 intersection(const Bounds2& a, const Bounds2& b) {
+  return {std::max(a.xmin, b.xmin), std::max(a.ymin, b.ymin), std::min(a.xmax, b.xmax),
+          std::min(a.ymax, b.ymax)};
+}
+
+/// What the headers of all clouds say together.
+struct CloudHeaders {
+  std::string crs;
+  std::string crs_file;
+  Bounds2 box{1, 1, 0, 0};
+};
+
+CloudHeaders read_headers(std::span<const std::filesystem::path> paths) {
+  CloudHeaders headers;
+  for (const auto& path : paths) {
+    const LasInfo info = inspect_las(path);
+    const Bounds2 box{info.min[0], info.min[1], info.max[0], info.max[1]};
+    if (info.point_count > 0 && !box.empty())
+      headers.box = headers.box.empty()
+                        ? box
+                        : Bounds2{std::min(headers.box.xmin, box.xmin), std::min(headers.box.ymin, box.ymin),
+                                  std::max(headers.box.xmax, box.xmax), std::max(headers.box.ymax, box.ymax)};
+    if (!info.crs.empty() && headers.crs.empty()) {
+      headers.crs = info.crs;
+      headers.crs_file = path.string();
+    }
+  }
+  return headers;
+}
+
+void require_metres(const std::string& crs, const std::string& file, const char* option) {
+  if (crs.empty()) return;
+  if (is_geographic(crs))
+    throw Error(ErrorKind::kInput,
+                fmt::format("{}: coordinates are degrees ({}); reproject to a metric CRS, or name the true one with {}",
+                            file, crs, option));
+  const double unit = linear_unit_metres(crs);
+  if (std::abs(unit - 1) > 1e-9)
+    throw Error(ErrorKind::kInput,
+                fmt::format("{}: coordinates are in units of {} m ({}); reproject to a CRS in metres", file, unit, crs));
+}
+
+/// Without any statement about the system, coordinates that all fit on the globe and span less than a
+/// few degrees are taken for what they almost certainly are.
+void refuse_unmarked_degrees(const Bounds2& box, const std::string& file, const char* option) {
+  const Bounds2 globe{-180, -90, 180, 90};
+  const bool on_globe = globe.contains({box.xmin, box.ymin}) && globe.contains({box.xmax, box.ymax});
+  if (box.empty() || !on_globe || std::max(box.width(), box.height()) > 2) return;
+  throw Error(ErrorKind::kInput,
+              fmt::format("{}: coordinates look like degrees ({:.5f}, {:.5f}) - ({:.5f}, {:.5f}); name their CRS with {}",
+                          file, box.xmin, box.ymin, box.xmax, box.ymax, option));
+}
+
+/// The points' reference system after the footprints have been read: see DESIGN section 5.
+std::string common_crs(const Config& config, const std::string& points_crs,
+                       const FootprintsInput& footprints) {
+  if (!points_crs.empty()) return points_crs;
+  if (footprints.crs.empty()) return {};
+  if (is_geographic(footprints.crs))
+    throw Error(ErrorKind::kInput,
+                fmt::format("{}: footprints are in degrees ({}) and the point cloud does not say its CRS; name it "
+                            "with --points-crs",
+                            config.footprints, footprints.crs));
+  require_metres(footprints.crs, config.footprints, "--footprints-crs");
+  return footprints.crs;
+}
+
+FootprintsInput read_all_footprints(const Config& config, const std::string& points_crs,
+                                    StepClock& clock) {
+  if (config.footprints.empty()) return {};
+  ReadFootprintsOptions options;
+  options.layer = config.layer;
+  options.id_attribute = config.id_attribute;
+  options.height_attribute = config.height_attribute;
+  options.source_crs = config.footprints_crs;
+  options.target_crs = points_crs;
+  return clock.run("1.2", "read footprints", [&](const Progress&) {
+    return read_footprints(config.footprints, options);
+  });
+}
+
+/// The box in which points can matter, CRS coordinates.
+Bounds2 reading_box(const Config& config, const FootprintsInput& footprints,
+                    const CloudHeaders& headers) {
+  if (!config.bounds.empty())
+    return {config.bounds[0], config.bounds[1], config.bounds[2], config.bounds[3]};
+  if (!footprints.bounds.empty()) return footprints.bounds.grown(config.domain_margin);
+  if (config.terrain_only && !headers.box.empty()) return headers.box;
+  throw Error(ErrorKind::kInput,
+              fmt::format("{}: no footprint in it; add --terrain-only for a mesh of the terrain alone",
+                          config.footprints));
+}
+
+void shift(FootprintsInput& footprints, Point2 origin) {
+  const auto shift_ring = [&](Ring& ring) {
+    for (Point2& p : ring) p = {p.x - origin.x, p.y - origin.y};
+  };
+  for (Footprint& feature : footprints.features) {
+    shift_ring(feature.polygon.outer);
+    for (Ring& hole : feature.polygon.holes) shift_ring(hole);
+  }
+}
+
+/// Whole steps of the coordinate grid, rounded inwards.
+Bounds2 snapped_inwards(const Bounds2& box) {
+  const auto up = [](double x) {
+    const double s = snap_coordinate(x);
+    return s < x - kCoordinateStep / 1000 ? snap_coordinate(s + kCoordinateStep) : s;
+  };
+  const auto down = [](double x) {
+    const double s = snap_coordinate(x);
+    return s > x + kCoordinateStep / 1000 ? snap_coordinate(s - kCoordinateStep) : s;
+  };
+  return {up(box.xmin), up(box.ymin), down(box.xmax), down(box.ymax)};
+}
+
+/// The meshed rectangle, local frame.
+Bounds2 find_domain(const Config& config, const FootprintsInput& footprints,
+                    const PointsInput& points, Point2 origin) {
+  Bounds2 domain;
+  if (!config.bounds.empty()) {
+    domain = {config.bounds[0] - origin.x, config.bounds[1] - origin.y,
+              config.bounds[2] - origin.x, config.bounds[3] - origin.y};
+  } else {
+    domain = points.extent;
+    if (!footprints.bounds.empty()) {
+      const Bounds2 box{footprints.bounds.xmin - origin.x, footprints.bounds.ymin - origin.y,
+                        footprints.bounds.xmax - origin.x, footprints.bounds.ymax - origin.y};
+      domain = intersection(intersection(box, points.extent).grown(config.domain_margin),
+                            points.extent);
+    }
+  }
+  domain = snapped_inwards(domain);
+  const double least = 2 * config.min_building_distance;
+  if (domain.empty() || domain.width() < least || domain.height() < least)
+    throw Error(ErrorKind::kInput,
+                fmt::format("the domain is {:.3f} m x {:.3f} m: too small to mesh; give a larger one with --bounds",
+                            domain.width(), domain.height()));
+  return domain;
+}
+
+}  // namespace
+
+InputData read_input(const Config& config, StepClock& clock, Report& report) {
+  const auto paths = expand_point_paths(config.points);
+  const CloudHeaders headers = read_headers(paths);
+  const std::string points_crs =
+      normalise_crs(config.points_crs.empty() ? headers.crs : config.points_crs);
+  const std::string cloud_name = headers.crs_file.empty() ? paths.front().string() : headers.crs_file;
+  require_metres(points_crs, cloud_name, "--points-crs");
+
+  InputData input;
+  input.footprints = read_all_footprints(config, points_crs, clock);
+  input.crs = common_crs(config, points_crs, input.footprints);
+  if (input.crs.empty() || input.footprints.crs.empty())
+    refuse_unmarked_degrees(input.footprints.bounds, config.footprints, "--footprints-crs");
+  if (input.crs.empty()) refuse_unmarked_degrees(headers.box, paths.front().string(), "--points-crs");
+
+  const Bounds2 box = reading_box(config, input.footprints, headers);
+  // Near the points even if a stray footprint lies on another continent: local numbers stay small.
+  const Bounds2 common = headers.box.empty() ? box : intersection(box, headers.box);
+  const Bounds2& near = common.empty() ? box : common;
+  input.origin = {std::floor(near.xmin), std::floor(near.ymin)};
+  ReadPointsOptions options;
+  options.crop = box;
+  options.origin = input.origin;
+  options.crs = input.crs;
+  PointsInput points = clock.run("1.1", "read points", [&](const Progress& progress) {
+    return read_points(paths, options, progress);
+  });
+  const auto add_warnings = [&](const std::vector<Warning>& warnings) {
+    report.warnings.insert(report.warnings.end(), warnings.begin(), warnings.end());
+  };
+  add_warnings(input.footprints.warnings);
+  add_warnings(points.warnings);
+  InputReport& out = report.input.emplace();
+  out.point_files = static_cast<std::int64_t>(paths.size());
+  out.point_files_skipped = points.files_skipped;
+  out.points_read = points.points_read;
+  out.points_kept = points.points_kept;
+  out.points_by_class = points.points_by_class;
+  out.footprints_read = input.footprints.features_read;
+  if (points.points_kept == 0) {
+    if (headers.box.empty())
+      throw Error(ErrorKind::kInput, fmt::format("{}: the point cloud has no points", config.points.front()));
+    throw Error(ErrorKind::kInput,
+                fmt::format("points and domain do not overlap: the domain is {}, the points are {}; check the CRS of both",
+                            box_text(box), box_text(headers.box)));
+  }
+  input.domain = find_domain(config, input.footprints, points, input.origin);
+  report.domain = {input.domain.xmin + input.origin.x, input.domain.ymin + input.origin.y,
+                   input.domain.xmax + input.origin.x, input.domain.ymax + input.origin.y};
+  shift(input.footprints, input.origin);
+  input.points = std::move(points.points);
+  return input;
+}
+
+}  // namespace tetropolis

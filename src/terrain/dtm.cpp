@@ -1,0 +1,197 @@
+#include "tetropolis/terrain/dtm.h"
+
+#include <algorithm>
+#include <array>
+#include <cassert>
+#include <cmath>
+#include <cstddef>
+#include <limits>
+#include <string>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include "tetropolis/core/error.h"
+
+namespace tetropolis {
+
+namespace {
+
+constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+constexpr double kMaxNodes = 2147483647.0;
+
+std::array<bool, 256> class_table(const std::vector<std::uint8_t>& classes) {
+  std::array<bool, 256> table{};
+  for (const std::uint8_t code : classes) table[code] = true;
+  return table;
+}
+
+/// "class 1 (200 points), class 6 (10 points)", or "no points".
+std::string describe_classes(const PointCloud& cloud) {
+  std::array<std::int64_t, 256> counts{};
+  for (const std::uint8_t code : cloud.classification) ++counts[code];
+  std::vector<std::string> parts;
+  for (std::size_t code = 0; code < counts.size(); ++code)
+    if (counts[code] > 0) parts.push_back(fmt::format("class {} ({} points)", code, counts[code]));
+  return parts.empty() ? "no points" : fmt::format("{}", fmt::join(parts, ", "));
+}
+
+/// Index of the node nearest to a coordinate given in steps from node 0; ties go up. -1 if there is
+/// no such node.
+std::int64_t nearest_node(double position, std::int32_t nodes) {
+  const double node = std::floor(position + 0.5);
+  return node >= 0 && node < nodes ? static_cast<std::int64_t>(node) : -1;
+}
+
+/// Adds heights and counts of the ground points to the nodes and returns how many there were. One
+/// thread: the sums then have one order, and this takes a fraction of the time of reading the points.
+std::int64_t bin_points(const PointCloud& cloud, const std::array<bool, 256>& is_ground,
+                        Raster& sums, std::vector<std::uint32_t>& counts) {
+  std::int64_t binned = 0;
+  for (std::size_t p = 0; p < cloud.size(); ++p) {
+    if (!is_ground[cloud.classification[p]] || !std::isfinite(cloud.z[p])) continue;
+    const std::int64_t i = nearest_node((cloud.x[p] - sums.x0) / sums.step, sums.nx);
+    const std::int64_t j = nearest_node((cloud.y[p] - sums.y0) / sums.step, sums.ny);
+    if (i < 0 || j < 0) continue;
+    const auto node = static_cast<std::size_t>(j * sums.nx + i);
+    sums.values[node] += cloud.z[p];
+    ++counts[node];
+    ++binned;
+  }
+  return binned;
+}
+
+/// Sum and number of the filled ones among the 8 neighbours of a node.
+struct Neighbours {
+  double sum;
+  int count;
+};
+
+/// Opposite neighbours are added first, so that mirroring the raster changes no bit of the sum.
+Neighbours filled_neighbours(const Raster& raster, std::int32_t i, std::int32_t j) {
+  int count = 0;
+  const auto value = [&](std::int32_t di, std::int32_t dj) {
+    const std::int32_t ni = i + di;
+    const std::int32_t nj = j + dj;
+    if (ni < 0 || nj < 0 || ni >= raster.nx || nj >= raster.ny) return 0.0;
+    const double z = raster.at(ni, nj);
+    if (std::isnan(z)) return 0.0;
+    ++count;
+    return z;
+  };
+  const double horizontal = value(-1, 0) + value(1, 0);
+  const double vertical = value(0, -1) + value(0, 1);
+  const double rising = value(-1, -1) + value(1, 1);
+  const double falling = value(-1, 1) + value(1, -1);
+  return {(horizontal + vertical) + (rising + falling), count};
+}
+
+/// The empty nodes next to filled ones.
+std::vector<std::int32_t> first_front(const Raster& raster, std::int64_t& empty) {
+  std::vector<std::int32_t> front;
+  for (std::int32_t j = 0; j < raster.ny; ++j) {
+    for (std::int32_t i = 0; i < raster.nx; ++i) {
+      if (!std::isnan(raster.at(i, j))) continue;
+      ++empty;
+      if (filled_neighbours(raster, i, j).count > 0) front.push_back(j * raster.nx + i);
+    }
+  }
+  return front;
+}
+
+/// The empty nodes next to the front just filled, each once.
+std::vector<std::int32_t> next_front(const Raster& raster, const std::vector<std::int32_t>& front,
+                                     std::vector<bool>& queued) {
+  std::vector<std::int32_t> next;
+  for (const std::int32_t node : front) {
+    const std::int32_t i = node % raster.nx;
+    const std::int32_t j = node / raster.nx;
+    for (std::int32_t nj = std::max(j - 1, 0); nj <= std::min(j + 1, raster.ny - 1); ++nj) {
+      for (std::int32_t ni = std::max(i - 1, 0); ni <= std::min(i + 1, raster.nx - 1); ++ni) {
+        const std::int32_t neighbour = nj * raster.nx + ni;
+        if (queued[static_cast<std::size_t>(neighbour)] || !std::isnan(raster.at(ni, nj))) continue;
+        queued[static_cast<std::size_t>(neighbour)] = true;
+        next.push_back(neighbour);
+      }
+    }
+  }
+  return next;
+}
+
+}  // namespace
+
+Raster dtm_grid(const Bounds2& domain, double step) {
+  const double columns = std::ceil(domain.width() / step - 1e-9) + 1;
+  const double rows = std::ceil(domain.height() / step - 1e-9) + 1;
+  if (!(step > 0) || domain.empty() || !std::isfinite(columns * rows))
+    throw Error(ErrorKind::kUsage,
+                fmt::format("no DTM of the domain {},{},{},{} with step {}: choose bounds with "
+                            "xmin <= xmax and ymin <= ymax and a positive step",
+                            domain.xmin, domain.ymin, domain.xmax, domain.ymax, step));
+  if (columns * rows > kMaxNodes)
+    throw Error(ErrorKind::kUsage,
+                fmt::format("a DTM of {} x {} nodes is too large: choose a step above {} m or a "
+                            "smaller domain",
+                            columns, rows, step));
+  Raster raster;
+  raster.nx = static_cast<std::int32_t>(std::max(columns, 1.0));
+  raster.ny = static_cast<std::int32_t>(std::max(rows, 1.0));
+  raster.x0 = domain.xmin;
+  raster.y0 = domain.ymin;
+  raster.step = step;
+  raster.values.assign(static_cast<std::size_t>(raster.nx) * static_cast<std::size_t>(raster.ny), 0);
+  return raster;
+}
+
+Raster build_dtm(const PointCloud& cloud, const Bounds2& domain, const DtmOptions& options,
+                 const Progress& progress, DtmReport* report) {
+  Raster raster = dtm_grid(domain, options.step);
+  const std::size_t nodes = raster.values.size();
+  progress.update(0);
+  std::int64_t ground_points = 0;
+  std::int64_t empty = 0;
+  {
+    std::vector<std::uint32_t> counts(nodes, 0);
+    ground_points = bin_points(cloud, class_table(options.classes), raster, counts);
+    if (ground_points == 0)
+      throw Error(ErrorKind::kInput,
+                  fmt::format("the point cloud has no ground points (class {}) in the domain, only {}: "
+                              "name the classes that are ground, or classify the cloud first",
+                              fmt::join(options.classes, ", "), describe_classes(cloud)));
+    for (std::size_t node = 0; node < nodes; ++node) {
+      if (counts[node] == 0) ++empty;
+      raster.values[node] = counts[node] == 0 ? kNan : raster.values[node] / counts[node];
+    }
+  }
+  progress.update(0.5);
+  const Progress second_half{[&](double fraction) { progress.update(0.5 + fraction / 2); }, {}};
+  fill_empty_nodes(raster, second_half);
+  if (report != nullptr)
+    *report = {ground_points, static_cast<std::int64_t>(nodes),
+               static_cast<double>(empty) / static_cast<double>(nodes)};
+  return raster;
+}
+
+void fill_empty_nodes(Raster& raster, const Progress& progress) {
+  std::int64_t empty = 0;
+  std::vector<std::int32_t> front = first_front(raster, empty);
+  std::vector<bool> queued(raster.values.size(), false);
+  std::vector<double> heights;
+  std::int64_t filled = 0;
+  while (!front.empty()) {
+    progress.update(static_cast<double>(filled) / static_cast<double>(empty));
+    heights.clear();
+    for (const std::int32_t node : front) {
+      const Neighbours around = filled_neighbours(raster, node % raster.nx, node / raster.nx);
+      heights.push_back(around.sum / around.count);
+    }
+    for (std::size_t k = 0; k < front.size(); ++k)
+      raster.values[static_cast<std::size_t>(front[k])] = heights[k];
+    filled += static_cast<std::int64_t>(front.size());
+    front = next_front(raster, front, queued);
+  }
+  assert(filled == empty && "a raster without any height cannot be filled");
+  progress.update(1);
+}
+
+}  // namespace tetropolis

@@ -1,0 +1,57 @@
+#include "tetropolis/volume/ground_heights.h"
+
+#include <string>
+
+#include "tetropolis/core/error.h"
+#include "tetropolis/core/parallel.h"
+
+namespace tetropolis {
+
+std::vector<BuildingIndex> vertex_buildings(const GroundMesh& mesh) {
+  std::vector<BuildingIndex> building(mesh.vertices.size(), kNoBuilding);
+  for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
+    if (mesh.region[t] == kNoBuilding) continue;
+    for (const VertexIndex v : mesh.triangles[t]) {
+      BuildingIndex& owner = building[static_cast<std::size_t>(v)];
+      if (owner != kNoBuilding && owner != mesh.region[t])
+        throw Error(ErrorKind::kGuarantee, "ground mesh: vertex " + std::to_string(v) +
+                                               " belongs to buildings " + std::to_string(owner) +
+                                               " and " + std::to_string(mesh.region[t]));
+      owner = mesh.region[t];
+    }
+  }
+  return building;
+}
+
+namespace {
+
+std::vector<bool> touches_outside(const GroundMesh& mesh) {
+  std::vector<bool> outside(mesh.vertices.size(), false);
+  for (std::size_t t = 0; t < mesh.triangles.size(); ++t)
+    if (mesh.region[t] == kNoBuilding)
+      for (const VertexIndex v : mesh.triangles[t]) outside[static_cast<std::size_t>(v)] = true;
+  return outside;
+}
+
+}  // namespace
+
+GroundHeights ground_heights(const GroundMesh& mesh, std::span<const BuildingIndex> building,
+                             std::span<const double> roofs, const Raster& dtm,
+                             double minimum_wall) {
+  GroundHeights result;
+  result.z.resize(mesh.vertices.size());
+  parallel_chunks(mesh.vertices.size(), 4096, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t v = begin; v < end; ++v) result.z[v] = sample(dtm, mesh.vertices[v]);
+  });
+  const std::vector<bool> outside = touches_outside(mesh);
+  for (std::size_t v = 0; v < mesh.vertices.size(); ++v) {
+    if (building[v] == kNoBuilding) continue;
+    const double highest = roofs[static_cast<std::size_t>(building[v])] - minimum_wall;
+    if (result.z[v] <= highest) continue;
+    result.z[v] = highest;
+    if (outside[v]) ++result.lowered;
+  }
+  return result;
+}
+
+}  // namespace tetropolis

@@ -1,0 +1,278 @@
+#include "tetropolis/city/extract.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <random>
+#include <set>
+#include <string>
+
+#include "support/test_data.h"
+#include "tetropolis/core/parallel.h"
+#include "tetropolis/geometry/polygon.h"
+
+namespace tetropolis {
+namespace {
+
+using testing::test_seed;
+
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+
+struct Scene {
+  std::vector<Polygon> footprints;
+  PointCloud cloud;
+};
+
+Ring star(std::mt19937& random, Point2 centre, int vertices, double smallest, double largest) {
+  std::uniform_real_distribution<double> radius(smallest, largest);
+  Ring ring;
+  for (int k = 0; k < vertices; ++k) {
+    const double angle = 2 * M_PI * k / vertices;
+    const double r = radius(random);
+    ring.push_back({centre.x + r * std::cos(angle), centre.y + r * std::sin(angle)});
+  }
+  return ring;
+}
+
+void add(PointCloud& cloud, double x, double y, double z, std::uint8_t code) {
+  cloud.x.push_back(x);
+  cloud.y.push_back(y);
+  cloud.z.push_back(z);
+  cloud.classification.push_back(code);
+}
+
+/// Overlapping stars of all sizes, some with courtyards, in a cloud of the given classes that is
+/// wider than the footprints.
+Scene random_scene(int footprints, int points, const std::vector<std::uint8_t>& classes) {
+  std::mt19937 random(test_seed());
+  std::uniform_real_distribution<double> coordinate(-100, 100);
+  Scene scene;
+  for (int k = 0; k < footprints; ++k) {
+    const Point2 centre{coordinate(random), coordinate(random)};
+    const double size = k % 10 == 0 ? 60 : 6;
+    Polygon footprint{star(random, centre, k % 7 == 0 ? 300 : 4 + k % 9, 0.6 * size, size), {}};
+    if (k % 3 == 0) footprint.holes.push_back(star(random, centre, 5, 0.2 * size, 0.5 * size));
+    scene.footprints.push_back(footprint);
+  }
+  std::uniform_real_distribution<double> wide(-180, 180);
+  for (int k = 0; k < points; ++k)
+    add(scene.cloud, wide(random), wide(random), wide(random), classes[random() % classes.size()]);
+  return scene;
+}
+
+std::vector<PointIndex> to_vector(std::span<const PointIndex> list) {
+  return {list.begin(), list.end()};
+}
+
+/// The definition, point by point.
+std::vector<PointIndex> brute_force(const Scene& scene, std::size_t footprint, bool roof,
+                                    double margin, const std::set<int>& classes) {
+  std::vector<PointIndex> list;
+  const Polygon& polygon = scene.footprints[footprint];
+  for (std::size_t p = 0; p < scene.cloud.size(); ++p) {
+    const Point2 at{scene.cloud.x[p], scene.cloud.y[p]};
+    if (classes.count(scene.cloud.classification[p]) == 0) continue;
+    const bool inside = contains(polygon, at);
+    if (roof ? inside : !inside && distance_to_boundary(polygon, at) <= margin)
+      list.push_back(static_cast<PointIndex>(p));
+  }
+  return list;
+}
+
+TEST(Extract, AgreesWithBruteForce) {
+  const Scene scene = random_scene(120, 20000, {1, 2, 5, 6, 6, 9, 26});
+  for (const double margin : {0.0, 1.0, 7.5}) {
+    const BuildingPoints points = extract_building_points(
+        scene.footprints, scene.cloud, {margin, kInfinity});
+    EXPECT_FALSE(points.roof_from_unclassified);
+    ASSERT_EQ(points.roof.size(), scene.footprints.size());
+    ASSERT_EQ(points.ground.size(), scene.footprints.size());
+    std::size_t roof_points = 0;
+    for (std::size_t f = 0; f < scene.footprints.size(); ++f) {
+      EXPECT_EQ(to_vector(points.roof[f]), brute_force(scene, f, true, margin, {6}))
+          << "footprint " << f << " seed " << test_seed();
+      EXPECT_EQ(to_vector(points.ground[f]), brute_force(scene, f, false, margin, {2, 9}))
+          << "footprint " << f << " margin " << margin << " seed " << test_seed();
+      roof_points += points.roof[f].size();
+    }
+    EXPECT_GT(roof_points, 2500U);
+  }
+}
+
+TEST(Extract, WithoutClassSixTakesWhatIsNotGroundWaterVegetationOrNoise) {
+  const Scene scene = random_scene(40, 20000, {0, 1, 2, 3, 4, 5, 7, 9, 17, 18, 26});
+  const BuildingPoints points =
+      extract_building_points(scene.footprints, scene.cloud, {1, kInfinity});
+  EXPECT_TRUE(points.roof_from_unclassified);
+  for (std::size_t f = 0; f < scene.footprints.size(); ++f)
+    EXPECT_EQ(to_vector(points.roof[f]), brute_force(scene, f, true, 1, {0, 1, 17, 26}))
+        << "footprint " << f << " seed " << test_seed();
+}
+
+TEST(Extract, OneClassSixPointAnywhereSettlesIt) {
+  Scene scene{{{{{0, 0}, {10, 0}, {10, 10}, {0, 10}}, {}}}, {}};
+  add(scene.cloud, 5, 5, 20, 1);
+  EXPECT_EQ(extract_building_points(scene.footprints, scene.cloud).roof[0].size(), 1U);
+  add(scene.cloud, 500, 500, 20, 6);
+  const BuildingPoints points = extract_building_points(scene.footprints, scene.cloud);
+  EXPECT_FALSE(points.roof_from_unclassified);
+  EXPECT_TRUE(points.roof[0].empty());
+}
+
+TEST(Extract, CourtyardIsOutside) {
+  Scene scene{{{{{0, 0}, {20, 0}, {20, 20}, {0, 20}}, {{{5, 5}, {5, 15}, {15, 15}, {15, 5}}}}}, {}};
+  add(scene.cloud, 10, 10, 20, 6);   // 0: a pavilion in the yard.
+  add(scene.cloud, 2, 2, 20, 6);     // 1: the roof.
+  add(scene.cloud, 5.5, 10, 1, 2);   // 2: in the yard, at the wall.
+  add(scene.cloud, 10, 10, 1, 2);    // 3: in the middle of the yard.
+  add(scene.cloud, -1, 10, 1, 2);    // 4: outside, exactly at the margin.
+  add(scene.cloud, -1.001, 10, 1, 2);
+  add(scene.cloud, 2, 2, 1, 2);      // Ground inside the footprint is neither.
+  const BuildingPoints points = extract_building_points(scene.footprints, scene.cloud);
+  EXPECT_EQ(to_vector(points.roof[0]), (std::vector<PointIndex>{1}));
+  EXPECT_EQ(to_vector(points.ground[0]), (std::vector<PointIndex>{2, 4}));
+}
+
+TEST(Extract, AdjoiningBuildingsShareNoRoofPoint) {
+  Scene scene;
+  for (int k = 0; k < 10; ++k) {
+    const double x = k * 7.3;
+    scene.footprints.push_back({{{x, 0}, {x + 7.3, 3}, {x + 7.3, 15}, {x, 12}}, {}});
+  }
+  for (int k = 0; k < 10000; ++k)
+    add(scene.cloud, 73.0 * k / 10000, 4 + (k % 80) * 0.1, 10, 6);
+  const BuildingPoints points = extract_building_points(scene.footprints, scene.cloud);
+  EXPECT_EQ(std::set<PointIndex>(points.roof.indices.begin(), points.roof.indices.end()).size(),
+            points.roof.indices.size());
+}
+
+TEST(Extract, SameForAnyNumberOfThreads) {
+  const Scene scene = random_scene(60, 150000, {1, 2, 6});
+  BuildingPoints one;
+  {
+    const ThreadLimit limit(1);
+    one = extract_building_points(scene.footprints, scene.cloud);
+  }
+  const ThreadLimit limit(4);
+  EXPECT_EQ(extract_building_points(scene.footprints, scene.cloud), one);
+}
+
+TEST(Extract, BuildingsGiveWhatTheirFootprintsGive) {
+  const Scene scene = random_scene(20, 5000, {2, 6});
+  std::vector<Building> buildings(scene.footprints.size());
+  for (std::size_t b = 0; b < buildings.size(); ++b) buildings[b].footprint = scene.footprints[b];
+  EXPECT_EQ(extract_building_points(std::span<const Building>(buildings), scene.cloud),
+            extract_building_points(scene.footprints, scene.cloud));
+}
+
+TEST(Extract, NothingFromNothing) {
+  const Scene scene = random_scene(3, 100, {2, 6});
+  EXPECT_EQ(extract_building_points(std::vector<Polygon>{}, scene.cloud).roof.size(), 0U);
+  const BuildingPoints points = extract_building_points(scene.footprints, PointCloud{});
+  EXPECT_EQ(points.roof.size(), 3U);
+  EXPECT_TRUE(points.roof.indices.empty());
+  EXPECT_TRUE(points.roof_from_unclassified);
+  const std::vector<Polygon> empty(2);
+  EXPECT_TRUE(extract_building_points(empty, scene.cloud).ground.indices.empty());
+}
+
+TEST(Extract, ManyHugeFootprintsKeepTheGridSmall) {
+  // Thousands of footprints that all cover one large square would fill any fine grid many times.
+  Scene scene = random_scene(0, 100, {6});
+  for (int k = 0; k < 3000; ++k) {
+    const double half = 20000 + k;
+    scene.footprints.push_back({{{-half, -half}, {half, -half}, {half, half}, {-half, half}}, {}});
+  }
+  const BuildingPoints points =
+      extract_building_points(scene.footprints, scene.cloud, {1, kInfinity});
+  EXPECT_EQ(points.roof.indices.size(), 300000U);
+}
+
+TEST(Extract, CanBeStopped) {
+  const Scene scene = random_scene(3, 100, {2, 6});
+  EXPECT_THROW(
+      extract_building_points(scene.footprints, scene.cloud, {}, {{}, [] { return true; }}),
+      Cancelled);
+}
+
+TEST(DropOutliers, AgreesWithTheDefinition) {
+  std::mt19937 random(test_seed());
+  std::normal_distribution<double> height(50, 3);
+  PointCloud cloud;
+  PointLists lists;
+  for (int b = 0; b < 200; ++b) {
+    for (int k = 0; k < b % 37; ++k) {
+      lists.indices.push_back(static_cast<PointIndex>(cloud.size()));
+      add(cloud, 0, 0, k % 11 == 0 ? 500 * height(random) : height(random), 6);
+    }
+    lists.offsets.push_back(static_cast<std::int64_t>(lists.indices.size()));
+  }
+  for (const double sigma : {0.5, 2.0, kInfinity}) {
+    PointLists filtered = lists;
+    drop_outliers(filtered, cloud, sigma);
+    ASSERT_EQ(filtered.size(), lists.size());
+    for (std::size_t b = 0; b < lists.size(); ++b) {
+      // E[z^2] - E[z]^2 in extended precision: another formula for the variance.
+      long double sum = 0;
+      long double squares = 0;
+      for (const PointIndex p : lists[b]) {
+        sum += static_cast<long double>(cloud.z[p]);
+        squares += static_cast<long double>(cloud.z[p]) * static_cast<long double>(cloud.z[p]);
+      }
+      const auto n = static_cast<long double>(lists[b].size());
+      const long double mean = n > 0 ? sum / n : 0;
+      const long double deviation = n > 0 ? std::sqrt(std::max(squares / n - mean * mean, 0.0L)) : 0;
+      std::vector<PointIndex> expected;
+      for (const PointIndex p : lists[b])
+        if (lists[b].size() == 1 || std::isinf(sigma) ||
+            std::abs(static_cast<long double>(cloud.z[p]) - mean) <=
+                static_cast<long double>(sigma) * deviation)
+          expected.push_back(p);
+      EXPECT_EQ(to_vector(filtered[b]), expected) << "list " << b << " seed " << test_seed();
+    }
+  }
+}
+
+TEST(DropOutliers, KeepsEqualHeights) {
+  for (const double z : {0.1, 12.3, 1e5 / 3}) {
+    PointCloud cloud;
+    PointLists lists;
+    for (int k = 0; k < 7; ++k) {
+      add(cloud, 0, 0, z, 6);
+      lists.indices.push_back(static_cast<PointIndex>(k));
+    }
+    lists.offsets.push_back(7);
+    drop_outliers(lists, cloud, 2);
+    EXPECT_EQ(lists.indices.size(), 7U) << z;
+  }
+}
+
+TEST(MergeBuildingPoints, IsTheUnionOfTheMembers) {
+  const Scene scene = random_scene(50, 20000, {2, 6});
+  const BuildingPoints points = extract_building_points(scene.footprints, scene.cloud);
+  const std::vector<std::vector<BuildingIndex>> members{{3}, {10, 0, 20}, {}, {5, 6, 7, 8, 9}, {3}};
+  const BuildingPoints merged = merge_building_points(points, members);
+  ASSERT_EQ(merged.roof.size(), members.size());
+  ASSERT_EQ(merged.ground.size(), members.size());
+  bool overlapped = false;
+  for (std::size_t m = 0; m < members.size(); ++m) {
+    std::set<PointIndex> roof;
+    std::set<PointIndex> ground;
+    std::size_t roof_total = 0;
+    for (const BuildingIndex b : members[m]) {
+      const auto building = static_cast<std::size_t>(b);
+      roof.insert(points.roof[building].begin(), points.roof[building].end());
+      ground.insert(points.ground[building].begin(), points.ground[building].end());
+      roof_total += points.roof[building].size();
+    }
+    overlapped |= roof.size() < roof_total;
+    EXPECT_EQ(to_vector(merged.roof[m]), std::vector<PointIndex>(roof.begin(), roof.end()));
+    EXPECT_EQ(to_vector(merged.ground[m]), std::vector<PointIndex>(ground.begin(), ground.end()));
+  }
+  EXPECT_TRUE(overlapped) << "the case should have a point in two members";
+}
+
+}  // namespace
+}  // namespace tetropolis

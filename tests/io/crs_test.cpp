@@ -1,0 +1,119 @@
+#include "tetropolis/io/crs.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <fstream>
+#include <iterator>
+
+#include "support/test_data.h"
+#include "tetropolis/core/error.h"
+
+namespace tetropolis {
+namespace {
+
+TEST(Crs, EverySpellingHasOneName) {
+  for (const char* text :
+       {"EPSG:28992", "epsg:28992", " 28992\n", "EPSG:7415", "urn:ogc:def:crs:EPSG::7415",
+        "urn:ogc:def:crs:EPSG::28992", "https://www.opengis.net/def/crs/EPSG/0/7415",
+        "http://www.opengis.net/def/crs/EPSG/0/28992"})
+    EXPECT_EQ(normalise_crs(text), "EPSG:28992") << text;
+  EXPECT_EQ(normalise_crs(""), "");
+  EXPECT_EQ(normalise_crs(" \n"), "");
+  EXPECT_EQ(normalise_crs("WGS84"), "EPSG:4326");
+  EXPECT_EQ(normalise_crs("EPSG:4979"), "EPSG:4326");
+  EXPECT_EQ(normalise_crs("+proj=utm +zone=33 +datum=WGS84"), "EPSG:32633");
+}
+
+TEST(Crs, ProjectionFilesOfRealDataAreRecognised) {
+  TETROPOLIS_REQUIRE_DATA(root, ".");
+  for (const auto& [file, code] : std::vector<std::pair<const char*, const char*>>{
+           {"delft_3dfier/footprints.prj", "EPSG:28992"},
+           {"boulder_wgs84/boulder_buildings.prj", "EPSG:4326"},
+           {"dtcc_small/goteborg_by_14.prj", "EPSG:3006"},
+           {"dtcc_small/MinimalCase_PropertyMap.prj", "EPSG:3857"},
+           {"alexandria_dsm_dtm/footprints.prj", "EPSG:26918"},
+           {"bielefeld_lod1_east/footprints.prj", "EPSG:25832"}}) {
+    std::ifstream stream(root / file);
+    const std::string wkt{std::istreambuf_iterator<char>(stream), {}};
+    EXPECT_EQ(normalise_crs(wkt), code) << file;
+  }
+}
+
+TEST(Crs, SystemsWithoutACodeBecomeWkt) {
+  const std::string name = normalise_crs("+proj=tmerc +lat_0=52 +lon_0=5.1 +ellps=GRS80 +units=m");
+  EXPECT_EQ(name.substr(0, 8), "PROJCRS[");
+  EXPECT_EQ(name.find('\n'), std::string::npos);
+  EXPECT_EQ(normalise_crs(name), name);
+  EXPECT_FALSE(is_geographic(name));
+}
+
+TEST(Crs, NonsenseIsRefusedWithItsText) {
+  for (const char* text :
+       {"nowhere", "EPSG:999999", "EPSG:4978", "PROJCS[", "+proj=nothing", "/etc/hostname",
+        "http://example.com/crs", "crs.txt", "LOCAL_CS[\"site\",UNIT[\"metre\",1]]"}) {
+    try {
+      normalise_crs(text);
+      ADD_FAILURE() << text;
+    } catch (const Error& error) {
+      EXPECT_EQ(error.kind(), ErrorKind::kUsage);
+      EXPECT_NE(std::string(error.what()).find(text), std::string::npos) << error.what();
+    }
+  }
+}
+
+TEST(Crs, KnowsDegreesAndFeet) {
+  EXPECT_TRUE(is_geographic("EPSG:4326"));
+  EXPECT_FALSE(is_geographic("EPSG:28992"));
+  EXPECT_FALSE(is_geographic(""));
+  EXPECT_EQ(linear_unit_metres("EPSG:28992"), 1);
+  EXPECT_EQ(linear_unit_metres(""), 1);
+  EXPECT_EQ(linear_unit_metres("EPSG:4326"), 0);
+  EXPECT_DOUBLE_EQ(linear_unit_metres("EPSG:2994"), 0.3048);
+  EXPECT_DOUBLE_EQ(linear_unit_metres("EPSG:2225"), 1200.0 / 3937.0);
+}
+
+TEST(Crs, ComparesHorizontalParts) {
+  EXPECT_TRUE(same_horizontal_crs("EPSG:7415", "EPSG:28992"));
+  EXPECT_TRUE(same_horizontal_crs("EPSG:4979", "EPSG:4326"));
+  EXPECT_TRUE(same_horizontal_crs("EPSG:3042", "EPSG:25830"));  // Axis order apart.
+  EXPECT_FALSE(same_horizontal_crs("EPSG:25830", "EPSG:25831"));
+  EXPECT_FALSE(same_horizontal_crs("EPSG:2994", "EPSG:2991"));  // Feet and metres.
+  EXPECT_FALSE(same_horizontal_crs("", ""));
+  EXPECT_FALSE(same_horizontal_crs("EPSG:28992", ""));
+}
+
+TEST(Crs, ReprojectsEastFirst) {
+  // Central meridian of UTM 33: easting 500 000; northing by the series of the meridian arc on
+  // WGS 84 (Snyder 1987, eq. 3-21) times 0.9996.
+  const double a = 6378137;
+  const double e2 = (2 - 1 / 298.257223563) / 298.257223563;
+  const double p = 59 * std::acos(-1.0) / 180;
+  const double arc =
+      a * ((1 - e2 / 4 - 3 * e2 * e2 / 64 - 5 * e2 * e2 * e2 / 256) * p -
+           (3 * e2 / 8 + 3 * e2 * e2 / 32 + 45 * e2 * e2 * e2 / 1024) * std::sin(2 * p) +
+           (15 * e2 * e2 / 256 + 45 * e2 * e2 * e2 / 1024) * std::sin(4 * p) -
+           35 * e2 * e2 * e2 / 3072 * std::sin(6 * p));
+  const std::vector<Point2> degrees = {{15, 59}, {15, 0}};
+  for (const char* system : {"EPSG:32633", "EPSG:3006"}) {
+    const std::vector<Point2> metres = reproject(degrees, "EPSG:4326", system);
+    EXPECT_NEAR(metres[0].x, 500000, 1e-6) << system;
+    EXPECT_NEAR(metres[0].y, 0.9996 * arc, 1e-3) << system;
+    const std::vector<Point2> back = reproject(metres, system, "EPSG:4326");
+    EXPECT_NEAR(back[0].x, 15, 1e-9);
+    EXPECT_NEAR(back[0].y, 59, 1e-9);
+  }
+}
+
+TEST(Crs, PointsBeyondAProjectionBecomeNaN) {
+  const std::vector<Point2> points = {{15, 59}, {15, 95}, {std::nan(""), 59}, {16, 60}};
+  const std::vector<Point2> result = reproject(points, "EPSG:4326", "EPSG:32633");
+  ASSERT_EQ(result.size(), points.size());
+  EXPECT_TRUE(std::isfinite(result[0].x));
+  EXPECT_TRUE(std::isnan(result[1].x) && std::isnan(result[1].y));
+  EXPECT_TRUE(std::isnan(result[2].x));
+  EXPECT_TRUE(std::isfinite(result[3].x));
+}
+
+}  // namespace
+}  // namespace tetropolis

@@ -1,0 +1,688 @@
+#include "tetropolis/io/las.h"
+
+#include <gtest/gtest.h>
+#include <laszip/laszip_api.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <fstream>
+#include <iterator>
+#include <limits>
+#include <random>
+#include <string>
+
+#include "support/test_data.h"
+#include "tetropolis/core/error.h"
+#include "tetropolis/core/parallel.h"
+#include "tetropolis/io/crs.h"
+
+namespace tetropolis {
+namespace {
+
+namespace fs = std::filesystem;
+using testing::TemporaryFolder;
+
+std::string read_bytes(const fs::path& path) {
+  std::ifstream file(path, std::ios::binary);
+  return {std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
+}
+
+void write_bytes(const fs::path& path, const std::string& bytes) {
+  std::ofstream(path, std::ios::binary) << bytes;
+}
+
+template <typename Number>
+std::string patched(std::string bytes, std::size_t at, Number value) {
+  std::memcpy(bytes.data() + at, &value, sizeof value);
+  return bytes;
+}
+
+PointsInput read_one(const fs::path& path, const ReadPointsOptions& options = {}) {
+  const std::vector<fs::path> paths = {path};
+  return read_points(paths, options);
+}
+
+/// Everything: no class left out.
+ReadPointsOptions all_points() {
+  ReadPointsOptions options;
+  options.skipped_classes.clear();
+  options.keep_withheld = true;
+  return options;
+}
+
+/// The message of the Error(kInput) that `action` throws; checks that it is one line with the path.
+template <typename Action>
+std::string input_error(const fs::path& path, const Action& action) {
+  try {
+    action();
+  } catch (const Error& error) {
+    const std::string message = error.what();
+    EXPECT_EQ(error.kind(), ErrorKind::kInput) << message;
+    EXPECT_NE(message.find(path.string()), std::string::npos) << message;
+    EXPECT_EQ(message.find('\n'), std::string::npos) << message;
+    return message;
+  }
+  ADD_FAILURE() << path << ": no error";
+  return "";
+}
+
+std::string read_error(const fs::path& path) {
+  return input_error(path, [&] { read_one(path); });
+}
+
+bool same(const PointCloud& a, const PointCloud& b) {
+  const auto bits = [](const std::vector<double>& u, const std::vector<double>& v) {
+    return u.size() == v.size() &&
+           (u.empty() || std::memcmp(u.data(), v.data(), u.size() * sizeof(double)) == 0);
+  };
+  return bits(a.x, b.x) && bits(a.y, b.y) && bits(a.z, b.z) && a.classification == b.classification;
+}
+
+struct Sample {
+  const char* path;
+  int version_minor;
+  int format;
+  bool compressed;
+  std::map<int, std::int64_t> classes;
+};
+
+// Counts from the data's README, which were made with other software.
+const std::vector<Sample> kSamples = {
+    {"laspy/1_4_w_evlr.las", 4, 6, false, {{2, 1000}}},
+    {"laspy/1_4_w_evlr.laz", 4, 6, true, {{2, 1000}}},
+    {"laspy/extra.laz", 4, 3, true, {{1, 789}, {2, 276}}},
+    {"laspy/simple.copc.laz", 4, 7, true, {{1, 789}, {2, 276}}},
+    {"laspy/simple.las", 2, 3, false, {{1, 789}, {2, 276}}},
+    {"laspy/simple.laz", 2, 3, true, {{1, 789}, {2, 276}}},
+    {"laspy/simple1_1.las", 1, 1, false, {{1, 789}, {2, 276}}},
+    {"laspy/simple1_3.las", 3, 4, false, {{1, 999}}},
+    {"laspy/simple1_4.las", 4, 7, false, {{0, 22600}}},
+    {"lazperf/no-points-1.3.las", 3, 0, false, {}},
+    {"lazperf/no-points-1.3.laz", 3, 0, true, {}},
+    {"lazperf/point-color-time.las", 2, 3, false, {{1, 789}, {2, 276}}},
+    {"lazperf/point-color-time.las.laz", 2, 3, true, {{1, 789}, {2, 276}}},
+    {"lazperf/point-color.las", 2, 2, false, {{1, 789}, {2, 276}}},
+    {"lazperf/point-color.las.laz", 2, 2, true, {{1, 789}, {2, 276}}},
+    {"lazperf/point-time-1.4.las.laz", 4, 1, true, {{1, 789}, {2, 276}}},
+    {"lazperf/point-time.las", 2, 1, false, {{1, 789}, {2, 276}}},
+    {"lazperf/point-time.las.laz", 2, 1, true, {{1, 789}, {2, 276}}},
+    {"lazperf/point10-1.0.las", 0, 0, false, {{5, 1}}},
+    {"lazperf/point10-1.0.laz", 0, 0, true, {{5, 1}}},
+    {"lazperf/point10-1.1.las", 1, 0, false, {{5, 1}}},
+    {"lazperf/point10-1.1.laz", 1, 0, true, {{5, 1}}},
+    {"lazperf/point10.las", 2, 0, false, {{1, 789}, {2, 276}}},
+    {"lazperf/point10.las.laz", 2, 0, true, {{1, 789}, {2, 276}}},
+    {"pdal/autzen__autzen-bmx-2023.las", 4, 7, false, {{2, 687}}},
+    {"pdal/copc__1.2-with-color.copc.laz", 4, 7, true, {{1, 789}, {2, 276}}},
+    {"pdal/las__1.2-with-color.las", 2, 3, false, {{1, 789}, {2, 276}}},
+    {"pdal/las__autzen_class.las", 2, 3, false, {{1, 3499}, {2, 3147}, {5, 36768}, {6, 66586}}},
+    {"pdal/las__extrabytes.las", 4, 3, false, {{1, 789}, {2, 276}}},
+    {"pdal/las__interesting.las", 2, 3, false, {{1, 789}, {2, 276}}},
+    {"pdal/las__lots_of_vlr.las", 1, 1, false, {{1, 1}}},
+    {"pdal/las__mvk-thin.las",
+     2,
+     1,
+     false,
+     {{1, 129}, {2, 1693}, {4, 141}, {5, 578}, {9, 37}, {12, 3702}}},
+    {"pdal/las__no-points.las", 2, 3, false, {}},
+    {"pdal/las__permutations__1.0_0.las", 0, 0, false, {{2, 1}}},
+    {"pdal/las__permutations__1.0_1.las", 0, 1, false, {{2, 1}}},
+    {"pdal/las__permutations__1.1_0.las", 1, 0, false, {{2, 1}}},
+    {"pdal/las__permutations__1.1_1.las", 1, 1, false, {{2, 1}}},
+    {"pdal/las__permutations__1.2_0.las", 2, 0, false, {{2, 1}}},
+    {"pdal/las__permutations__1.2_1.las", 2, 1, false, {{2, 1}}},
+    {"pdal/las__permutations__1.2_2.las", 2, 2, false, {{2, 1}}},
+    {"pdal/las__permutations__1.2_3.las", 2, 3, false, {{2, 1}}},
+    {"pdal/las__test1_4.las", 4, 6, false, {{2, 1000}}},
+    {"pdal/las__warsaw_small.las", 2, 3, false, {{0, 433}, {2, 1381}, {3, 257}, {4, 27}, {5, 902}}},
+    {"pdal/laz__autzen_trim.laz", 2, 3, true, {{1, 83893}, {2, 26107}}},
+    {"pdal/laz__simple-laszip-compressor-version-1.2r0.laz", 2, 3, true, {{1, 789}, {2, 276}}},
+    {"pdal/laz__simple.laz", 2, 3, true, {{1, 789}, {2, 276}}},
+};
+
+TEST(Las, ReadsEverySampleWithItsClassCounts) {
+  TETROPOLIS_REQUIRE_DATA(folder, "las_samples");
+  for (const Sample& sample : kSamples) {
+    SCOPED_TRACE(sample.path);
+    const LasInfo info = inspect_las(folder / sample.path);
+    EXPECT_EQ(info.version_major, 1);
+    EXPECT_EQ(info.version_minor, sample.version_minor);
+    EXPECT_EQ(info.point_format, sample.format);
+    EXPECT_EQ(info.compressed, sample.compressed);
+    EXPECT_EQ(info.copc, std::string(sample.path).find("copc") != std::string::npos);
+    const PointsInput input = read_one(folder / sample.path, all_points());
+    EXPECT_EQ(input.points_by_class, sample.classes);
+    EXPECT_EQ(input.points_read, info.point_count);
+    EXPECT_EQ(input.points_kept, static_cast<std::int64_t>(input.points.size()));
+    EXPECT_EQ(input.points.z.size(), input.points.size());
+    // Header boxes are right to a few units of the scale, but for a piece of a larger file and one
+    // whose box is off by a factor of a thousand.
+    const std::string name = sample.path;
+    if (input.points_kept > 1 && name.find("bmx") == name.npos && name.find("1_3") == name.npos) {
+      EXPECT_NEAR(input.extent.xmin, info.min[0], 0.02);
+      EXPECT_NEAR(input.extent.ymax, info.max[1], 0.02);
+      const auto [zmin, zmax] =
+          std::minmax_element(input.points.z.begin(), input.points.z.end());
+      EXPECT_NEAR(*zmin, info.min[2], 0.02);
+      EXPECT_NEAR(*zmax, info.max[2], 0.02);
+    }
+  }
+}
+
+TEST(Las, CompressedAndPlainTwinsAgree) {
+  TETROPOLIS_REQUIRE_DATA(folder, "las_samples");
+  for (const auto& [plain, packed] : std::vector<std::pair<const char*, const char*>>{
+           {"laspy/simple.las", "laspy/simple.laz"},
+           {"laspy/1_4_w_evlr.las", "laspy/1_4_w_evlr.laz"},
+           {"lazperf/point-color-time.las", "lazperf/point-color-time.las.laz"},
+           {"lazperf/point-color.las", "lazperf/point-color.las.laz"},
+           {"lazperf/point-time.las", "lazperf/point-time.las.laz"},
+           {"lazperf/point10.las", "lazperf/point10.las.laz"},
+           {"pdal/las__extrabytes.las", "laspy/extra.laz"}}) {
+    SCOPED_TRACE(plain);
+    EXPECT_TRUE(same(read_one(folder / plain, all_points()).points,
+                     read_one(folder / packed, all_points()).points));
+  }
+}
+
+TEST(Las, StatesTheReferenceSystem) {
+  TETROPOLIS_REQUIRE_DATA(folder, "las_samples");
+  const auto crs = [&](const char* name) { return inspect_las(folder / name).crs; };
+  EXPECT_EQ(crs("laspy/simple.las"), "");
+  EXPECT_EQ(crs("pdal/las__permutations__1.2_1.las"), "EPSG:26915");  // GeoTIFF keys.
+  EXPECT_EQ(crs("lazperf/point10.las.laz"), "EPSG:26910");
+  EXPECT_EQ(crs("pdal/las__autzen_class.las"), "EPSG:2994");  // WKT and keys.
+  EXPECT_EQ(crs("laspy/simple.copc.laz"), "EPSG:2991");       // WKT in LAS 1.4.
+  EXPECT_EQ(crs("laspy/simple1_4.las"), "EPSG:4326");
+  EXPECT_EQ(crs("laspy/1_4_w_evlr.las"), "EPSG:2903");
+  // User-defined in GeoTIFF keys: no code, but a system in feet.
+  const std::string defined = crs("pdal/las__interesting.las");
+  EXPECT_EQ(defined.substr(0, 8), "PROJCRS[");
+  EXPECT_DOUBLE_EQ(linear_unit_metres(defined), 0.3048);
+  // A unit code in the place of a projection's, and a WKT of two quotes.
+  for (const char* name : {"laspy/simple1_3.las", "pdal/las__warsaw_small.las"}) {
+    const LasInfo info = inspect_las(folder / name);
+    EXPECT_EQ(info.crs, "");
+    ASSERT_EQ(info.warnings.size(), 1U);
+    EXPECT_EQ(info.warnings[0].code, "las_crs_unknown");
+  }
+  TETROPOLIS_REQUIRE_DATA(seville, "las_only/sevilla_plaza_nueva.laz");
+  EXPECT_TRUE(same_horizontal_crs(inspect_las(seville).crs, "EPSG:25830"));
+}
+
+TEST(Las, BrokenSamplesFailInOneLine) {
+  TETROPOLIS_REQUIRE_DATA(folder, "las_samples");
+  EXPECT_NE(read_error(folder / "laszip/data__broken_coder.laz").find("coder 15"),
+            std::string::npos);
+  read_error(folder / "laszip/data__broken_size.laz");
+  EXPECT_NE(read_error(folder / "pdal/las__permutations__1.2-no-points.las")
+                .find("ends at point 0 of 1065"),
+            std::string::npos);
+}
+
+TEST(Las, ReadsTheCityClouds) {
+  TETROPOLIS_REQUIRE_DATA(delft, "delft_3dfier");
+  const PointsInput input = read_points(
+      expand_point_paths(std::vector<std::string>{(delft / "*.laz").string()}), all_points());
+  EXPECT_EQ(input.points_kept, 848942);
+  EXPECT_EQ(input.points_by_class,
+            (std::map<int, std::int64_t>{
+                {1, 282445}, {2, 283118}, {6, 280065}, {9, 835}, {26, 2479}}));
+  EXPECT_EQ(input.crs, "");
+  TETROPOLIS_REQUIRE_DATA(amsterdam, "amsterdam_south");
+  for (const auto& [name, files, classes] :
+       std::vector<std::tuple<const char*, std::size_t, std::map<int, std::int64_t>>>{
+           {"ahn3", 8, {{1, 122640}, {2, 259138}, {6, 407719}, {9, 359}, {26, 9102}}},
+           {"ahn2", 8, {{1, 586993}, {2, 286663}}}}) {
+    const auto paths = expand_point_paths(std::vector<std::string>{(amsterdam / name).string()});
+    EXPECT_EQ(paths.size(), files);
+    EXPECT_EQ(read_points(paths).points_by_class, classes);
+  }
+  for (const fs::directory_entry& sparse : fs::directory_iterator(amsterdam / "ahn3_sparse"))
+    EXPECT_EQ(read_one(sparse.path()).points_by_class,
+              (std::map<int, std::int64_t>{{2, 64726}, {6, 101860}}));
+  TETROPOLIS_REQUIRE_DATA(alexandria, "alexandria_dsm_dtm/pseudo_points_from_dsm_dtm.las");
+  EXPECT_EQ(read_one(alexandria).points_by_class,
+            (std::map<int, std::int64_t>{{1, 39917}, {2, 33104}}));
+}
+
+TEST(Las, LeavesNoiseOutButNotOverlap) {
+  TETROPOLIS_REQUIRE_DATA(seville, "las_only/sevilla_plaza_nueva.laz");
+  const PointsInput input = read_one(seville);
+  EXPECT_EQ(input.points_read, 102565);
+  EXPECT_EQ(input.points_kept, 102565 - 72);
+  EXPECT_EQ(input.points_by_class.at(12), 51017);
+  EXPECT_EQ(input.points_by_class.count(7), 0U);
+  EXPECT_EQ(read_one(seville, all_points()).points_by_class.at(7), 72);
+  TETROPOLIS_REQUIRE_DATA(lyon, "las_only/lyon_dense_vegetation.las");
+  EXPECT_EQ(read_one(lyon).points_by_class,
+            (std::map<int, std::int64_t>{{1, 877}, {2, 4040}, {5, 5268}}));
+}
+
+// What the decoder gives, one point at a time, is the reference.
+PointCloud decode_alone(const fs::path& path) {
+  laszip_POINTER reader = nullptr;
+  laszip_BOOL compressed = 0;
+  laszip_header_struct* header = nullptr;
+  laszip_point_struct* point = nullptr;
+  laszip_create(&reader);
+  EXPECT_EQ(laszip_open_reader(reader, path.c_str(), &compressed), 0);
+  laszip_get_header_pointer(reader, &header);
+  laszip_get_point_pointer(reader, &point);
+  PointCloud cloud;
+  for (laszip_U32 i = 0; i < header->number_of_point_records; ++i) {
+    double xyz[3];
+    laszip_read_point(reader);
+    laszip_get_coordinates(reader, xyz);
+    cloud.x.push_back(xyz[0]);
+    cloud.y.push_back(xyz[1]);
+    cloud.z.push_back(xyz[2]);
+    cloud.classification.push_back(point->classification);
+  }
+  laszip_close_reader(reader);
+  laszip_destroy(reader);
+  return cloud;
+}
+
+TEST(Las, AgreesWithTheDecoderForAnyNumberOfThreads) {
+  TETROPOLIS_REQUIRE_DATA(tile, "delft_3dfier/ahn3_cropped_1.laz");
+  const PointCloud expected = decode_alone(tile);
+  for (const int threads : {1, 2, 5}) {
+    const ThreadLimit limit(threads);
+    EXPECT_TRUE(same(read_one(tile, all_points()).points, expected)) << threads;
+  }
+}
+
+TEST(Las, CropKeepsExactlyThePointsInTheBox) {
+  TETROPOLIS_REQUIRE_DATA(delft, "delft_3dfier");
+  const auto paths = expand_point_paths(std::vector<std::string>{(delft / "*.laz").string()});
+  const PointsInput all = read_points(paths);
+  ReadPointsOptions options;
+  options.crop = Bounds2{84900, 447500, 84950.25, 447530};
+  options.origin = {84900, 447500};
+  const PointsInput part = read_points(paths, options);
+  PointCloud expected;
+  for (std::size_t i = 0; i < all.points.size(); ++i) {
+    if (!options.crop->contains({all.points.x[i], all.points.y[i]})) continue;
+    expected.x.push_back(all.points.x[i] - 84900);
+    expected.y.push_back(all.points.y[i] - 447500);
+    expected.z.push_back(all.points.z[i]);
+    expected.classification.push_back(all.points.classification[i]);
+  }
+  ASSERT_GT(expected.size(), 1000U);
+  EXPECT_TRUE(same(part.points, expected));
+  // The second tile begins at x = 85000: its box misses the crop.
+  EXPECT_EQ(part.files_skipped, 1);
+  EXPECT_EQ(part.points_read, 640510);
+  EXPECT_TRUE(part.warnings.empty());
+}
+
+PointCloud random_cloud(std::size_t size, int largest_class) {
+  std::mt19937 random(testing::test_seed());
+  std::uniform_real_distribution<double> xy(0, 500);
+  std::uniform_real_distribution<double> z(-5, 60);
+  std::uniform_int_distribution<int> code(0, largest_class);
+  PointCloud cloud;
+  for (std::size_t i = 0; i < size; ++i) {
+    cloud.x.push_back(xy(random));
+    cloud.y.push_back(xy(random));
+    cloud.z.push_back(z(random));
+    cloud.classification.push_back(static_cast<std::uint8_t>(code(random)));
+  }
+  return cloud;
+}
+
+TEST(Las, WritesWhatItReads) {
+  SCOPED_TRACE(testing::test_seed());
+  const TemporaryFolder folder;
+  const Point2 origin{121000, 486000};
+  for (const int format : {1, 6}) {
+    const PointCloud cloud = random_cloud(120'000, format == 1 ? 31 : 255);
+    WritePointsOptions options;
+    options.point_format = format;
+    options.crs = "EPSG:28992";
+    PointCloud first;
+    for (const char* name : {"a.las", "a.laz"}) {
+      SCOPED_TRACE(name);
+      write_points(folder / name, cloud, origin, options);
+      const LasInfo info = inspect_las(folder / name);
+      EXPECT_EQ(info.point_format, format);
+      EXPECT_EQ(info.version_minor, format == 6 ? 4 : 2);
+      EXPECT_EQ(info.crs, "EPSG:28992");
+      EXPECT_EQ(info.compressed, std::string(name) == "a.laz");
+      EXPECT_TRUE(info.warnings.empty());
+      ReadPointsOptions reading = all_points();
+      reading.origin = origin;
+      const PointsInput back = read_one(folder / name, reading);
+      ASSERT_EQ(back.points.size(), cloud.size());
+      EXPECT_EQ(back.points.classification, cloud.classification);
+      double worst = 0;
+      for (std::size_t i = 0; i < cloud.size(); ++i)
+        worst = std::max({worst, std::abs(back.points.x[i] - cloud.x[i]),
+                          std::abs(back.points.y[i] - cloud.y[i]),
+                          std::abs(back.points.z[i] - cloud.z[i])});
+      EXPECT_LE(worst, 0.0005 + 1e-9);
+      // The header's box is that of the stored points, to the bit.
+      const PointsInput absolute = read_one(folder / name, all_points());
+      EXPECT_EQ(absolute.extent, (Bounds2{info.min[0], info.min[1], info.max[0], info.max[1]}));
+      // The same bytes again, and the same points in both packings.
+      const std::string bytes = read_bytes(folder / name);
+      write_points(folder / name, cloud, origin, options);
+      EXPECT_TRUE(read_bytes(folder / name) == bytes);
+      if (first.size() == 0) first = back.points;
+      EXPECT_TRUE(same(first, back.points));
+    }
+  }
+  EXPECT_EQ(std::distance(fs::directory_iterator(folder.path()), fs::directory_iterator()), 2);
+}
+
+TEST(Las, WritesCountsByReturn) {
+  const TemporaryFolder folder;
+  write_points(folder / "a.las", random_cloud(77, 20), {}, {});
+  std::string bytes = read_bytes(folder / "a.las");
+  std::uint32_t counts[6];
+  std::memcpy(counts, bytes.data() + 107, sizeof counts);
+  EXPECT_EQ(counts[0], 77U);
+  EXPECT_EQ(counts[1], 77U);
+  EXPECT_EQ(counts[2], 0U);
+  EXPECT_EQ(bytes.size(), 227U + 77U * 28U);
+  WritePointsOptions options;
+  options.point_format = 6;
+  write_points(folder / "b.las", random_cloud(77, 20), {}, options);
+  bytes = read_bytes(folder / "b.las");
+  std::uint32_t legacy;
+  std::uint64_t extended;
+  std::memcpy(&legacy, bytes.data() + 107, sizeof legacy);
+  std::memcpy(&extended, bytes.data() + 247, sizeof extended);
+  EXPECT_EQ(legacy, 0U);
+  EXPECT_EQ(extended, 77U);
+}
+
+TEST(Las, WritesCloudsWithoutPoints) {
+  const TemporaryFolder folder;
+  for (const char* name : {"a.las", "a.laz"}) {
+    write_points(folder / name, {}, {}, {});
+    EXPECT_EQ(read_one(folder / name).points_read, 0);
+    EXPECT_TRUE(read_one(folder / name).extent.empty());
+  }
+}
+
+TEST(Las, RefusesToWriteNonsense) {
+  const TemporaryFolder folder;
+  const auto usage = [&](const PointCloud& cloud, WritePointsOptions options) {
+    try {
+      write_points(folder / "a.las", cloud, {}, options);
+      ADD_FAILURE() << "no error";
+    } catch (const Error& error) {
+      EXPECT_EQ(error.kind(), ErrorKind::kUsage) << error.what();
+    }
+  };
+  usage({{0}, {0}, {0}, {40}}, {});
+  usage({{0, 5e6}, {0, 0}, {0, 0}, {1, 1}}, {1, 1e-5, ""});
+  usage({}, {3, 0.001, ""});
+  usage({}, {1, 0.0, ""});
+  usage({}, {1, 0.001, "nowhere"});
+  EXPECT_TRUE(fs::is_empty(folder.path()));
+  input_error(folder / "none/a.las", [&] { write_points(folder / "none/a.las", {}, {}, {}); });
+}
+
+// --- files that lie ---
+
+TEST(Las, HeadersThatLieFailAndNameTheByte) {
+  const TemporaryFolder folder;
+  const fs::path path = folder / "a.las";
+  write_points(path, random_cloud(1000, 6), {1000, 2000}, {});
+  const std::string good = read_bytes(path);
+  const auto error_of = [&](const std::string& bytes) {
+    write_bytes(path, bytes);
+    return read_error(path);
+  };
+  const auto mentions = [&](const std::string& bytes, const char* words) {
+    const std::string message = error_of(bytes);
+    EXPECT_NE(message.find(words), std::string::npos) << message;
+  };
+  mentions("", "empty");
+  mentions("x,y,z\n1,2,3\n", "LASF");
+  mentions(good.substr(0, 100), "cut");
+  mentions(good.substr(0, 226), "cut");
+  mentions(good.substr(0, good.size() - 1), "ends at point 999 of 1000");
+  mentions(good.substr(0, 227 + 28 * 10), "ends at point 10 of 1000");
+  mentions(patched(good, 25, std::uint8_t{9}), "LAS 1.9");
+  mentions(patched(good, 25, std::uint8_t{4}), "header of 227 bytes");
+  mentions(patched(good, 94, std::uint16_t{10}), "byte 94");
+  mentions(patched(good, 96, std::uint32_t{100}), "byte 96");
+  mentions(patched(good, 96, std::uint32_t{4000000000U}), "before its points start");
+  mentions(patched(good, 104, std::uint8_t{11}), "point format");
+  mentions(patched(good, 104, std::uint8_t{0x81}), "LASzip records");
+  mentions(patched(good, 105, std::uint16_t{27}), "byte 105");
+  mentions(patched(good, 105, std::uint16_t{0}), "byte 105");
+  mentions(patched(good, 107, std::uint32_t{4000000000U}), "ends at point 1000 of 4000000000");
+  mentions(patched(good, 131, 0.0), "scale");
+  mentions(patched(good, 139, std::numeric_limits<double>::quiet_NaN()), "scale");
+  mentions(patched(good, 171, std::numeric_limits<double>::infinity()), "offset");
+  write_bytes(path, good);
+  EXPECT_EQ(read_one(path).points_read, 1000);
+  EXPECT_NE(read_error(folder / "missing.las").find("no such file"), std::string::npos);
+  EXPECT_NE(read_error(folder.path()).find("ordinary file"), std::string::npos);
+}
+
+TEST(Las, MissingCountsAreTakenFromTheFileSize) {
+  const TemporaryFolder folder;
+  const fs::path path = folder / "a.las";
+  write_points(path, random_cloud(1000, 6), {}, {});
+  write_bytes(path, patched(read_bytes(path), 107, std::uint32_t{0}));
+  const PointsInput input = read_one(path);
+  EXPECT_EQ(input.points_read, 1000);
+  ASSERT_EQ(input.warnings.size(), 1U);
+  EXPECT_EQ(input.warnings[0].code, "las_count_missing");
+}
+
+TEST(Las, BrokenVlrCountIsSurvivedInPlainFiles) {
+  const TemporaryFolder folder;
+  const fs::path path = folder / "a.las";
+  write_points(path, random_cloud(10, 6), {}, {});
+  write_bytes(path, patched(read_bytes(path), 100, std::uint32_t{4000000000U}));
+  const PointsInput input = read_one(path);
+  EXPECT_EQ(input.points_read, 10);
+  ASSERT_EQ(input.warnings.size(), 1U);
+  EXPECT_EQ(input.warnings[0].code, "las_vlrs_broken");
+}
+
+TEST(Las, WithheldBitAndFlagsAboveTheClass) {
+  const TemporaryFolder folder;
+  for (const int format : {1, 6}) {
+    const fs::path path = folder / "a.las";
+    PointCloud cloud{{0, 1, 2}, {0, 1, 2}, {0, 0, 0}, {2, 2, 2}};
+    WritePointsOptions options;
+    options.point_format = format;
+    write_points(path, cloud, {}, options);
+    std::string bytes = read_bytes(path);
+    // Format 1: synthetic and key-point bits on the first, withheld on the second record.
+    const std::size_t flags = bytes.size() - 3 * (format == 1 ? 28 : 30) + 15;
+    const std::size_t next = format == 1 ? 28 : 30;
+    if (format == 1) {
+      bytes[flags] = static_cast<char>(0x60 | 2);
+      bytes[flags + next] = static_cast<char>(0x80 | 2);
+    } else {
+      bytes[flags] = 0x0B;  // Synthetic, key point, overlap.
+      bytes[flags + next] = 0x04;
+    }
+    write_bytes(path, bytes);
+    const PointsInput input = read_one(path);
+    EXPECT_EQ(input.points_read, 3);
+    EXPECT_EQ(input.points.x, (std::vector<double>{0, 2}));
+    EXPECT_EQ(input.points_by_class, (std::map<int, std::int64_t>{{2, 2}}));
+    ReadPointsOptions keep;
+    keep.keep_withheld = true;
+    EXPECT_EQ(read_one(path, keep).points_kept, 3);
+  }
+}
+
+TEST(Las, BoxesThatLieAreNotTrusted) {
+  const TemporaryFolder folder;
+  const PointCloud cloud = random_cloud(1000, 6);
+  ReadPointsOptions options;
+  options.crop = Bounds2{0, 0, 500, 500};
+  for (const char* name : {"a.las", "a.laz"}) {
+    const fs::path path = folder / name;
+    write_points(path, cloud, {}, {});
+    const std::string good = read_bytes(path);
+    const std::int64_t kept = read_one(path, options).points_kept;
+    EXPECT_GT(kept, 800);
+    const double nan = std::numeric_limits<double>::quiet_NaN();
+    // xmax, xmin, ymax, ymin at bytes 179, 187, 195, 203.
+    const std::vector<std::string> lies = {
+        patched(good, 187, nan), patched(patched(good, 187, 2e6), 179, 1e6),
+        patched(patched(good, 187, 1e6), 179, 2e6), patched(patched(good, 203, -9e5), 195, -8e5)};
+    for (const std::string& lie : lies) {
+      write_bytes(path, lie);
+      const PointsInput input = read_one(path, options);
+      EXPECT_EQ(input.points_kept, kept);
+      EXPECT_EQ(input.files_skipped, 0);
+      ASSERT_EQ(input.warnings.size(), 1U);
+      EXPECT_EQ(input.warnings[0].code, "las_box_untrusted");
+    }
+    // A sound box elsewhere spares the decoding.
+    write_bytes(path, good);
+    ReadPointsOptions elsewhere;
+    elsewhere.crop = Bounds2{600, 0, 700, 500};
+    const PointsInput input = read_one(path, elsewhere);
+    EXPECT_EQ(input.files_skipped, 1);
+    EXPECT_EQ(input.points_read, 0);
+    EXPECT_TRUE(input.warnings.empty());
+  }
+}
+
+TEST(Las, TruncatedLazFailsWhereverItIsCut) {
+  TETROPOLIS_REQUIRE_DATA(folder, "las_samples");
+  const TemporaryFolder scratch;
+  const fs::path path = scratch / "cut.laz";
+  for (const char* name : {"laspy/simple.laz", "laspy/simple.copc.laz", "laspy/extra.laz",
+                           "laspy/1_4_w_evlr.laz", "lazperf/point10.las.laz"}) {
+    const std::string bytes = read_bytes(folder / name);
+    for (std::size_t size = 1; size < bytes.size(); size += 1 + bytes.size() / 97) {
+      SCOPED_TRACE(std::string(name) + " cut at " + std::to_string(size));
+      write_bytes(path, bytes.substr(0, size));
+      try {
+        // Records behind the last point may be missing without harm.
+        EXPECT_EQ(read_one(path, all_points()).points_read,
+                  inspect_las(folder / name).point_count);
+      } catch (const Error& error) {
+        EXPECT_EQ(error.kind(), ErrorKind::kInput);
+        EXPECT_NE(std::string(error.what()).find(path.string()), std::string::npos);
+      }
+    }
+  }
+  TETROPOLIS_REQUIRE_DATA(tile, "delft_3dfier/ahn3_cropped_2.laz");
+  const std::string bytes = read_bytes(tile);
+  write_bytes(path, bytes.substr(0, bytes.size() / 2));
+  const std::string message = read_error(path);
+  EXPECT_NE(message.find("ends at point "), std::string::npos) << message;
+  EXPECT_NE(message.find(" of 208432: the file is cut"), std::string::npos) << message;
+}
+
+TEST(Las, FlippedBytesNeverCrash) {
+  TETROPOLIS_REQUIRE_DATA(folder, "las_samples");
+  const unsigned seed = testing::test_seed();
+  SCOPED_TRACE(seed);
+  std::mt19937 random(seed);
+  const TemporaryFolder scratch;
+  for (const char* name : {"laspy/simple.laz", "laspy/simple.copc.laz", "laspy/1_4_w_evlr.laz",
+                           "laspy/simple.las", "laspy/1_4_w_evlr.las"}) {
+    const std::string good = read_bytes(folder / name);
+    const fs::path path = scratch / fs::path(name).filename();
+    for (int round = 0; round < 150; ++round) {
+      std::string bytes = good;
+      // Half of the changes hit header and records, where every byte matters.
+      const std::size_t reach = round % 2 == 0 ? std::min<std::size_t>(bytes.size(), 1200) : bytes.size();
+      for (int k = 0; k < 3; ++k) bytes[4 + random() % (reach - 4)] = static_cast<char>(random());
+      write_bytes(path, bytes);
+      try {
+        read_one(path, all_points());
+      } catch (const Error& error) {
+        EXPECT_EQ(error.kind(), ErrorKind::kInput) << error.what();
+      }
+    }
+  }
+}
+
+// --- several files ---
+
+TEST(Las, ExpandsFoldersPatternsAndDuplicates) {
+  const TemporaryFolder folder;
+  fs::create_directory(folder / "tiles");
+  fs::create_directory(folder / "empty");
+  for (const char* name : {"tiles/b.LAZ", "tiles/a.las", "tiles/c.txt", "d.las"})
+    write_bytes(folder / name, "LASF");
+  const auto expand = [](std::vector<std::string> arguments) {
+    return expand_point_paths(arguments);
+  };
+  const std::string root = folder.path().string();
+  const std::vector<fs::path> tiles = {folder / "tiles/a.las", folder / "tiles/b.LAZ"};
+  EXPECT_EQ(expand({root + "/tiles"}), tiles);
+  EXPECT_EQ(expand({root + "/tiles/[ab].*"}), tiles);
+  EXPECT_EQ(expand({root + "/tiles/b.LAZ", root + "/tiles/a.las"}), tiles);
+  EXPECT_EQ(expand({root + "/tiles", root + "/tiles/a.las"}).size(), 2U);
+  EXPECT_EQ(expand({root + "/tiles/../tiles/a.las", root + "/tiles/a.las"}).size(), 1U);
+  EXPECT_EQ(expand({root + "/d.las", root + "/tiles"}).size(), 3U);
+  EXPECT_EQ(expand({root + "/d.las", root + "/tiles"}), expand({root + "/tiles", root + "/d.las"}));
+  EXPECT_EQ(expand({root + "/tiles/c.txt"}).size(), 1U);
+  EXPECT_TRUE(expand({}).empty());
+  EXPECT_NE(input_error(root + "/no.las", [&] { expand({root + "/no.las"}); }).find("no such file"),
+            std::string::npos);
+  EXPECT_NE(input_error(root + "/empty", [&] { expand({root + "/empty"}); })
+                .find("holds no .las or .laz files"),
+            std::string::npos);
+  EXPECT_NE(input_error(root + "/*.laz", [&] { expand({root + "/*.laz"}); }).find("matches no file"),
+            std::string::npos);
+}
+
+TEST(Las, FilesInDifferentSystemsAreNotMixed) {
+  const TemporaryFolder folder;
+  WritePointsOptions options;
+  options.crs = "EPSG:28992";
+  write_points(folder / "a.las", random_cloud(10, 6), {}, options);
+  options.crs = "EPSG:3006";
+  write_points(folder / "b.las", random_cloud(10, 6), {}, options);
+  write_points(folder / "c.las", random_cloud(10, 6), {}, {});
+  const std::vector<fs::path> paths = {folder / "a.las", folder / "b.las", folder / "c.las"};
+  const std::string message = input_error(folder / "a.las", [&] { read_points(paths); });
+  EXPECT_NE(message.find((folder / "b.las").string()), std::string::npos);
+  ReadPointsOptions reading;
+  reading.crs = "28992";
+  EXPECT_EQ(read_points(paths, reading).crs, "EPSG:28992");
+  EXPECT_EQ(read_points(std::vector<fs::path>{paths[2], paths[1]}).crs, "EPSG:3006");
+  EXPECT_EQ(read_points(std::vector<fs::path>{paths[2]}).crs, "");
+}
+
+TEST(Las, TheFirstBrokenFileIsReportedByAnyNumberOfThreads) {
+  const TemporaryFolder folder;
+  std::vector<fs::path> paths;
+  for (int i = 0; i < 12; ++i) {
+    paths.push_back(folder / ("f" + std::to_string(10 + i) + ".las"));
+    write_points(paths.back(), random_cloud(100, 6), {}, {});
+    if (i >= 4) fs::resize_file(paths.back(), 227 + 28 * 50);
+  }
+  for (const int threads : {1, 2, 4}) {
+    const ThreadLimit limit(threads);
+    input_error(paths[4], [&] { read_points(paths); });
+  }
+}
+
+TEST(Las, ReportsProgressAndStops) {
+  TETROPOLIS_REQUIRE_DATA(tile, "delft_3dfier/ahn3_cropped_2.laz");
+  const std::vector<fs::path> paths = {tile};
+  std::vector<double> shares;
+  Progress progress;
+  progress.report = [&](double share) { shares.push_back(share); };
+  read_points(paths, {}, progress);
+  ASSERT_FALSE(shares.empty());
+  EXPECT_TRUE(std::is_sorted(shares.begin(), shares.end()));
+  EXPECT_EQ(shares.back(), 1.0);
+  progress.cancelled = [&] { return true; };
+  EXPECT_THROW(read_points(paths, {}, progress), Cancelled);
+}
+
+}  // namespace
+}  // namespace tetropolis
