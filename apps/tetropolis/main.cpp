@@ -80,11 +80,10 @@ void init(const std::string& path) {
 std::string usage_message(const CLI::App& app, const CLI::ParseError& error) {
   const CLI::App* command = &app;
   for (const CLI::App* sub : app.get_subcommands()) command = sub;
-  const auto* extras = dynamic_cast<const CLI::ExtrasError*>(&error);
-  if (extras == nullptr) return error.what();
-  std::string unknown;
-  for (const std::string& word : command->remaining(true))
-    if (unknown.empty()) unknown = word;
+  // What was not understood explains the error better than what is missing because of it.
+  const std::vector<std::string> leftover = command->remaining(true);
+  if (leftover.empty()) return error.what();
+  const std::string& unknown = leftover.front();
   std::vector<std::string> known;
   for (const CLI::Option* option : command->get_options()) known.push_back(option->get_name());
   for (const CLI::App* sub : command->get_subcommands({})) known.push_back(sub->get_name());

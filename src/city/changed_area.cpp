@@ -127,6 +127,7 @@ double changed_area(std::span<const Polygon> before, std::span<const Polygon> af
   for (std::size_t i = 0; i < segments.size(); ++i)
     order.emplace_back(forest.root(static_cast<std::int32_t>(i)), static_cast<std::int32_t>(i));
   std::sort(order.begin(), order.end());
+  std::vector<std::int32_t> seen(segments.size(), -1);
   double sum = 0;
   std::vector<Segment> piece;
   for (std::size_t i = 0; i < order.size();) {
@@ -134,7 +135,19 @@ double changed_area(std::span<const Polygon> before, std::span<const Polygon> af
     const std::int32_t root = order[i].first;
     for (; i < order.size() && order[i].first == root; ++i)
       piece.push_back(segments[static_cast<std::size_t>(order[i].second)]);
-    sum += piece_area(piece);
+    // Other pieces do not touch this one, so all of it lies inside the same of them.
+    Point2 p = piece[0].a;
+    for (const Segment& s : piece)
+      for (const Point2 q : {s.a, s.b})
+        if (q.x < p.x) p = q;
+    bool inside = false;
+    index.visit({box.xmin, p.y, p.x, p.y}, [&](std::int32_t k) {
+      const Segment& s = segments[static_cast<std::size_t>(k)];
+      if (seen[static_cast<std::size_t>(k)] == root || forest.root(k) == root) return;
+      seen[static_cast<std::size_t>(k)] = root;
+      if (s.a.y <= p.y && s.b.y > p.y && grid::orientation(s.a, s.b, p) < 0) inside = !inside;
+    });
+    sum += inside ? -piece_area(piece) : piece_area(piece);
   }
   return sum;
 }

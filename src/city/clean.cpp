@@ -2,11 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstddef>
-#include <cstdint>
 #include <optional>
-#include <queue>
-#include <tuple>
 #include <utility>
 #include <vector>
 
@@ -34,8 +30,8 @@ const char* unusable_coordinate(const Polygon& polygon) {
     for (const Point2 p : ring) {
       if (!std::isfinite(p.x) || !std::isfinite(p.y))
         reason = "non-finite coordinate";
-      else if (reason == nullptr && !(std::abs(p.x) <= grid::kMaxCoordinate &&
-                                      std::abs(p.y) <= grid::kMaxCoordinate))
+      else if (reason == nullptr &&
+               !(std::abs(p.x) <= grid::kMaxCoordinate && std::abs(p.y) <= grid::kMaxCoordinate))
         reason = "coordinate beyond 1e9 m";
     }
   };
@@ -65,8 +61,7 @@ Polygon without_duplicates(const Polygon& polygon) {
 
 Polygon without_parallels(const Polygon& polygon, double tolerance) {
   Polygon result{without_parallels(polygon.outer, tolerance), {}};
-  for (const Ring& hole : polygon.holes)
-    result.holes.push_back(without_parallels(hole, tolerance));
+  for (const Ring& hole : polygon.holes) result.holes.push_back(without_parallels(hole, tolerance));
   return result;
 }
 
@@ -93,9 +88,8 @@ std::vector<Polygon> bridges(const std::vector<Polygon>& parts) {
 }
 
 const Polygon& largest(const std::vector<Polygon>& parts) {
-  return *std::max_element(parts.begin(), parts.end(), [](const Polygon& a, const Polygon& b) {
-    return area(a) < area(b);
-  });
+  return *std::max_element(parts.begin(), parts.end(),
+                           [](const Polygon& a, const Polygon& b) { return area(a) < area(b); });
 }
 
 /// A valid polygon from invalid rings (steps), or nothing.

@@ -18,6 +18,7 @@ namespace {
 
 constexpr double kSame = kNearDuplicate * grid::kSteps;
 constexpr double kMaxHeight = 0.02 * grid::kSteps;
+constexpr double kRounding = 5;
 constexpr double kMaxDrift = kMaxOutlineShift * grid::kSteps;
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
@@ -99,7 +100,9 @@ Ring without_parallels(const Ring& ring, double tolerance) {
     const Point2 u = ring[prev[i]], p = ring[i], w = ring[next[i]];
     const double twice = grid::twice_area(u, p, w), base = grid::distance(u, w);
     const double along = (p.x - u.x) * (w.x - p.x) + (p.y - u.y) * (w.y - p.y);
-    if (along <= 0 || twice > slope * along || twice > kMaxHeight * base) return kInfinity;
+    if (along <= 0 || twice > kMaxHeight * base) return kInfinity;
+    // Below a millimetre the angle says more about rounding than about the outline.
+    if (twice > slope * along && twice > kRounding * base) return kInfinity;
     const double h = twice / base;
     return h + std::max(drift[prev[i]], drift[i]) <= kMaxDrift ? h : kInfinity;
   };

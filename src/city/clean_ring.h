@@ -7,8 +7,8 @@
 
 namespace tetropolis {
 
-/// The ring without the repeated last vertex, without vertices closer than kNearDuplicate to the one
-/// before, and without spikes: vertices where the outline turns back upon itself within that
+/// The ring without the repeated last vertex, without vertices closer than kNearDuplicate to the
+/// one before, and without spikes: vertices where the outline turns back upon itself within that
 /// distance. Empty if fewer than three vertices are left.
 Ring without_duplicates(const Ring& ring);
 

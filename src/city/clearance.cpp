@@ -74,8 +74,8 @@ void clear_of_domain(const Edges& edges, const Bounds2& domain, Clearance& best)
     for (std::size_t side = 0; side < sides.size(); ++side) {
       const double d = std::max(0.0, sides[side]);
       if (d >= best.distance) continue;
-      best = {d, edges.feature[Edges::at(v)],
-              RingFeature{-1, 0, static_cast<std::int32_t>(side)}, false, p};
+      best = {d, edges.feature[Edges::at(v)], RingFeature{-1, 0, static_cast<std::int32_t>(side)},
+              false, p};
     }
   }
 }
@@ -99,8 +99,7 @@ Clearance joint_clearance(std::span<const Polygon> polygons, const std::optional
     std::int32_t best_edge = -1;
     index.visit(Bounds2{p.x, p.y, p.x, p.y}.grown(reach), [&](std::int32_t e) {
       if (e == v || edges.next[Edges::at(e)] == v) return;
-      const double d =
-          distance_to_segment(p, edges.start[Edges::at(e)], edges.end[Edges::at(e)]);
+      const double d = distance_to_segment(p, edges.start[Edges::at(e)], edges.end[Edges::at(e)]);
       const bool same_vertex = best.vertex == edges.feature[Edges::at(v)] && best_edge >= 0;
       if (d < best.distance || (d == best.distance && same_vertex && e < best_edge)) {
         best = {d, edges.feature[Edges::at(v)], edges.feature[Edges::at(e)], false, p};
@@ -184,7 +183,8 @@ void DefectFinder::check_rings() {
     const auto polygon = static_cast<std::int32_t>(k);
     bool usable = check_ring(polygons_[k].outer, polygon, 0);
     for (std::size_t h = 0; h < polygons_[k].holes.size(); ++h)
-      usable = check_ring(polygons_[k].holes[h], polygon, static_cast<std::int32_t>(h + 1)) && usable;
+      usable =
+          check_ring(polygons_[k].holes[h], polygon, static_cast<std::int32_t>(h + 1)) && usable;
     if (usable) steps_.push_back(grid::to_steps(polygons_[k]));
   }
 }
@@ -262,8 +262,7 @@ void DefectFinder::check_nesting() {
     begin = end;
     const std::int32_t e = edge_left_of(leftmost);
     // The interior is on the left of an edge: it is on our side of edges that run down.
-    const bool enclosed =
-        e >= 0 && edges_.start[Edges::at(e)].y > edges_.end[Edges::at(e)].y;
+    const bool enclosed = e >= 0 && edges_.start[Edges::at(e)].y > edges_.end[Edges::at(e)].y;
     const RingFeature first = edges_.feature[Edges::at(leftmost)];
     const RingFeature around = e >= 0 ? edges_.feature[Edges::at(e)] : RingFeature{};
     const Point2 at = grid::to_metres(edges_.start[Edges::at(leftmost)]);

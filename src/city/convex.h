@@ -48,10 +48,12 @@ inline Ring inset(const Ring& ring, double distance) {
 }
 
 /// How far `p` is inside a convex ring: the least distance to the lines of its edges, negative
-/// outside.
-inline double depth_inside(const Ring& ring, Point2 p) {
+/// outside. Edge number `skipped` (from vertex `skipped` to the next) does not count.
+inline double depth_inside(const Ring& ring, Point2 p,
+                           std::size_t skipped = std::numeric_limits<std::size_t>::max()) {
   double depth = std::numeric_limits<double>::infinity();
   for (std::size_t i = 0; i < ring.size(); ++i) {
+    if (i == skipped) continue;
     const Point2 inward = left_of(unit(ring[(i + 1) % ring.size()] - ring[i]));
     depth = std::min(depth, dot(inward, p - ring[i]));
   }

@@ -34,7 +34,8 @@ class EdgeGrid {
     const std::int32_t y0 = row(box.ymin), y1 = row(box.ymax);
     for (std::int32_t y = y0; y <= y1; ++y)
       for (std::int32_t x = x0; x <= x1; ++x)
-        for (std::int32_t e = head_[index(x, y)]; e >= 0; e = pool_[static_cast<std::size_t>(e)].next)
+        for (std::int32_t e = head_[index(x, y)]; e >= 0;
+             e = pool_[static_cast<std::size_t>(e)].next)
           visit_id(pool_[static_cast<std::size_t>(e)].id);
   }
 

@@ -124,9 +124,8 @@ std::size_t keep_inliers(std::span<PointIndex> list, const PointCloud& cloud, do
   double squares = 0;
   for (const PointIndex p : list) squares += (cloud.z[p] - mean) * (cloud.z[p] - mean);
   const double limit = sigma * std::sqrt(squares / n);
-  const auto end = std::remove_if(list.begin(), list.end(), [&](PointIndex p) {
-    return std::abs(cloud.z[p] - mean) > limit;
-  });
+  const auto end = std::remove_if(
+      list.begin(), list.end(), [&](PointIndex p) { return std::abs(cloud.z[p] - mean) > limit; });
   return static_cast<std::size_t>(end - list.begin());
 }
 

@@ -8,8 +8,8 @@ namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr std::size_t kEdgesPerBand = 8;
-constexpr std::size_t kMaxBands = 64;     // An edge may be in every band: bounds the memory.
-constexpr double kSmallestCell = 4;       // Metres; smaller cells would only hold the same houses.
+constexpr std::size_t kMaxBands = 64;  // An edge may be in every band: bounds the memory.
+constexpr double kSmallestCell = 4;    // Metres; smaller cells would only hold the same houses.
 constexpr double kEntriesPerFootprint = 32;
 constexpr double kFreeEntries = 1 << 22;  // Cells and entries allowed whatever the footprints are.
 
@@ -28,8 +28,8 @@ void FootprintIndex::add_outline(const Polygon& footprint) {
   Outline outline;
   // A hair wider than the margin, because positions exactly at the margin count.
   outline.box = bounds(footprint).grown(margin_ + 1e-6);
-  outline.bands =
-      static_cast<std::int32_t>(std::clamp<std::size_t>(edges.size() / kEdgesPerBand, 1, kMaxBands));
+  outline.bands = static_cast<std::int32_t>(
+      std::clamp<std::size_t>(edges.size() / kEdgesPerBand, 1, kMaxBands));
   outline.first_band = band_offsets_.size() - 1;
   std::vector<std::vector<Edge>> bands(static_cast<std::size_t>(outline.bands));
   for (const Edge& edge : edges) {
@@ -62,8 +62,7 @@ double FootprintIndex::entries_with(double cell) const {
 }
 
 void FootprintIndex::build_cells() {
-  const double most =
-      kFreeEntries + kEntriesPerFootprint * static_cast<double>(outlines_.size());
+  const double most = kFreeEntries + kEntriesPerFootprint * static_cast<double>(outlines_.size());
   cell_ = kSmallestCell;
   while (entries_with(cell_) > most) cell_ *= 2;
   columns_ = static_cast<std::int32_t>(box_.width() / cell_) + 1;

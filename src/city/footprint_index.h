@@ -13,15 +13,17 @@
 
 namespace tetropolis {
 
-/// A uniform grid whose cells list the footprints with a bounding box (grown by the margin) in them,
-/// and for each footprint its edges by horizontal bands, so that large outlines stay cheap to test.
+/// A uniform grid whose cells list the footprints with a bounding box (grown by the margin) in
+/// them, and for each footprint its edges by horizontal bands, so that large outlines stay cheap to
+/// test.
 class FootprintIndex {
  public:
   /// Copies the edges; the footprints need not outlive the index. Margin >= 0, metres.
   FootprintIndex(std::span<const Polygon* const> footprints, double margin);
 
-  /// Calls visit(footprint, inside) for every footprint that contains `p` (inside = true, exactly as
-  /// contains() decides) or whose boundary is at most the margin away (inside = false), ascending.
+  /// Calls visit(footprint, inside) for every footprint that contains `p` (inside = true, exactly
+  /// as contains() decides) or whose boundary is at most the margin away (inside = false),
+  /// ascending.
   template <typename Visit>
   void at(Point2 p, const Visit& visit) const {
     if (!box_.contains(p)) return;

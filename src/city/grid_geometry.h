@@ -17,7 +17,9 @@ inline constexpr double kSteps = 10000.0;
 /// Largest magnitude of a coordinate in metres for which the predicates below are exact.
 inline constexpr double kMaxCoordinate = 1e9;
 
-inline Point2 to_steps(Point2 p) { return {std::nearbyint(p.x * kSteps), std::nearbyint(p.y * kSteps)}; }
+inline Point2 to_steps(Point2 p) {
+  return {std::nearbyint(p.x * kSteps), std::nearbyint(p.y * kSteps)};
+}
 /// The same bits as snap_coordinate() of the point in metres.
 inline Point2 to_metres(Point2 p) { return {p.x / kSteps, p.y / kSteps}; }
 inline Point2 rounded(Point2 p) { return {std::nearbyint(p.x), std::nearbyint(p.y)}; }
@@ -25,9 +27,9 @@ inline Point2 rounded(Point2 p) { return {std::nearbyint(p.x), std::nearbyint(p.
 Polygon to_steps(const Polygon& polygon);
 Polygon to_metres(const Polygon& polygon);
 
-/// Sign of the area of the triangle a, b, c: 1 where c lies left of a to b, 0 on the line. Exact for
-/// grid points within kMaxCoordinate: differences are exact in double; products, where the rounding
-/// bound of their difference does not decide, are recomputed in 128 bits.
+/// Sign of the area of the triangle a, b, c: 1 where c lies left of a to b, 0 on the line. Exact
+/// for grid points within kMaxCoordinate: differences are exact in double; products, where the
+/// rounding bound of their difference does not decide, are recomputed in 128 bits.
 inline int orientation(Point2 a, Point2 b, Point2 c) {
   __extension__ using Wide = __int128;
   const double ux = b.x - a.x, uy = b.y - a.y, vx = c.x - a.x, vy = c.y - a.y;

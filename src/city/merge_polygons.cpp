@@ -20,7 +20,6 @@ namespace tetropolis {
 
 namespace {
 
-
 /// Rounds to the grid. Slivers narrower than a step, which walls that meet up to rounding leave, go
 /// flat and away. False if what is left is not valid.
 bool round_to_grid(std::vector<Polygon>& polygons) {
@@ -49,7 +48,8 @@ std::vector<Polygon> on_grid(const Operation& operation) {
   geos::Result result = operation(0.0);
   if (result && round_to_grid(*result)) return std::move(*result);
   result = operation(1.0);
-  if (!result) throw Error(ErrorKind::kGuarantee, "footprints: GEOS cannot unite a cluster; report it");
+  if (!result)
+    throw Error(ErrorKind::kGuarantee, "footprints: GEOS cannot unite a cluster; report it");
   return std::move(*result);
 }
 
@@ -128,8 +128,10 @@ std::pair<double, double> part_within(Point2 a, Point2 b, Point2 c, Point2 d, do
   double low = 0, high = 1;
   for (int i = 0; i < 60; ++i) {
     const double t1 = low + (high - low) / 3, t2 = high - (high - low) / 3;
-    if (f(t1) <= f(t2)) high = t2;
-    else low = t1;
+    if (f(t1) <= f(t2))
+      high = t2;
+    else
+      low = t1;
   }
   double best = (low + high) / 2;
   if (f(0) <= f(best)) best = 0;
@@ -147,10 +149,26 @@ std::pair<double, double> part_within(Point2 a, Point2 b, Point2 c, Point2 d, do
   return {end(0), end(1)};
 }
 
+using EdgePair = std::pair<std::int32_t, std::int32_t>;
+
+/// Whether e is near f only with one end, from which another edge faces f: the patch between that
+/// one and f closes the gap, and one between e and f would round off the corner only.
+bool passed_over(const Outline& o, const std::vector<EdgePair>& pairs, std::int32_t e,
+                 std::int32_t f, double distance) {
+  const Point2 a = o.at(e), b = o.at(o.after(e)), c = o.at(f), d = o.at(o.after(f));
+  if (edges_face(a, b, c, d, distance)) return false;
+  const bool at_start =
+      grid::point_segment_distance(a, c, d) <= grid::point_segment_distance(b, c, d);
+  const std::int32_t other = at_start ? o.before(e) : o.after(e);
+  return std::binary_search(pairs.begin(), pairs.end(),
+                            EdgePair{std::min(other, f), std::max(other, f)}) &&
+         edges_face(o.at(other), o.at(o.after(other)), c, d, distance);
+}
+
 std::vector<Polygon> patches_between(std::span<const Polygon> parts, double distance,
                                      double reach) {
   const Outline o = make_outline(pointers(parts), cell_for(parts, distance));
-  std::vector<std::pair<std::int32_t, std::int32_t>> pairs;
+  std::vector<EdgePair> pairs;
   for (std::int32_t e = 0; e < o.vertex_count(); ++e) {
     const Point2 a = o.at(e), b = o.at(o.after(e));
     o.grid.visit(grid::box_of(a, b).grown(distance), [&](std::int32_t f) {
@@ -163,6 +181,7 @@ std::vector<Polygon> patches_between(std::span<const Polygon> parts, double dist
   pairs.erase(std::unique(pairs.begin(), pairs.end()), pairs.end());
   std::vector<Polygon> patches;
   for (const auto& [e, f] : pairs) {
+    if (passed_over(o, pairs, e, f, distance) || passed_over(o, pairs, f, e, distance)) continue;
     Ring patch = gap_patch(o.at(e), o.at(o.after(e)), o.at(f), o.at(o.after(f)), reach);
     if (!patch.empty()) patches.push_back({std::move(patch), {}});
   }
@@ -217,6 +236,17 @@ Ring gap_patch(Point2 a, Point2 b, Point2 c, Point2 d, double reach) {
   // Less than a square centimetre comes of rounding along one line.
   if (hull.size() < 3 || signed_area(hull) < 1e4) return {};
   return hull;
+}
+
+bool edges_face(Point2 a, Point2 b, Point2 c, Point2 d, double distance) {
+  const double ux = b.x - a.x, uy = b.y - a.y, vx = d.x - c.x, vy = d.y - c.y;
+  const double lu = std::hypot(ux, uy), lv = std::hypot(vx, vy);
+  if (!(lu > 0 && lv > 0) || std::abs(ux * vx + uy * vy) < 0.9 * lu * lv) return false;
+  const auto along = [&](Point2 p) { return ((p.x - c.x) * vx + (p.y - c.y) * vy) / lv; };
+  const auto off = [&](Point2 p) { return std::abs((p.x - c.x) * vy - (p.y - c.y) * vx) / lv; };
+  const double shared =
+      std::min(lv, std::max(along(a), along(b))) - std::max(0.0, std::min(along(a), along(b)));
+  return shared > distance / 4 && std::max(off(a), off(b)) > 1;
 }
 
 MergedPolygon merge_polygons(std::span<const Polygon> cluster, double distance, int growths) {

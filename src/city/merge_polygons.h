@@ -33,6 +33,10 @@ std::vector<std::int32_t> cluster_polygons(std::span<const Polygon> polygons, do
 /// free sides are as long as `reach` and leave no short edges.
 Ring gap_patch(Point2 a, Point2 b, Point2 c, Point2 d, double reach);
 
+/// Whether two walls face each other: nearly parallel, apart, and opposite for a quarter of
+/// `distance` or more.
+bool edges_face(Point2 a, Point2 b, Point2 c, Point2 d, double distance);
+
 /// How a cluster became one polygon.
 enum class MergeResort : std::uint8_t { kUnion, kPatch, kUnionOfHulls, kHull };
 

@@ -15,14 +15,14 @@ namespace tetropolis {
 /// The interior is on the left of every edge.
 struct Outline {
   std::vector<Point2> point;
-  std::vector<std::int32_t> next;    ///< -1 for vertices that are gone.
+  std::vector<std::int32_t> next;  ///< -1 for vertices that are gone.
   std::vector<std::int32_t> prev;
-  std::vector<std::int32_t> ring;    ///< Ring of each vertex.
-  std::vector<std::int32_t> first;   ///< Per ring: one of its vertices; -1 for rings that are gone.
-  std::vector<std::int32_t> size;    ///< Per ring: number of vertices.
-  std::vector<std::int32_t> group;   ///< Per ring: which polygon it belongs to.
-  std::vector<std::uint8_t> is_hole; ///< Per ring.
-  std::vector<std::uint8_t> changed; ///< Per polygon: whether a vertex of it came, went or moved.
+  std::vector<std::int32_t> ring;   ///< Ring of each vertex.
+  std::vector<std::int32_t> first;  ///< Per ring: one of its vertices; -1 for rings that are gone.
+  std::vector<std::int32_t> size;   ///< Per ring: number of vertices.
+  std::vector<std::int32_t> group;  ///< Per ring: which polygon it belongs to.
+  std::vector<std::uint8_t> is_hole;  ///< Per ring.
+  std::vector<std::uint8_t> changed;  ///< Per polygon: whether a vertex of it came, went or moved.
   EdgeGrid grid;
 
   bool alive(std::int32_t v) const { return next[static_cast<std::size_t>(v)] >= 0; }

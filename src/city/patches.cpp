@@ -67,6 +67,10 @@ Polygon widening(const Ring& thin, Point2 p, Point2 q, double epsilon) {
   return {{corner(low, -half), corner(low, half), corner(high, half), corner(high, -half)}, {}};
 }
 
+bool face(const Outline& o, std::int32_t e, std::int32_t f, double epsilon) {
+  return edges_face(o.at(e), o.at(o.after(e)), o.at(f), o.at(o.after(f)), epsilon);
+}
+
 void add_patch(const Outline& o, const NearPair& pair, std::int32_t f, double epsilon, double reach,
                Patches& patches) {
   const std::int32_t e = pair.edge;
@@ -83,9 +87,8 @@ void add_patch(const Outline& o, const NearPair& pair, std::int32_t f, double ep
   if (!wider.outer.empty() && signed_area(wider.outer) < 0)
     std::reverse(wider.outer.begin(), wider.outer.end());
   const double thin = signed_area(hull);
-  const double length = thin / std::max(pair.distance, 0.1 * epsilon);
-  const double cost_of_cutting = thin + smaller_part(o, pair.vertex, e);
-  const double cost_of_widening = std::max(length, epsilon) * (epsilon - pair.distance);
+  const double cost_of_cutting = std::max(thin, smaller_part(o, pair.vertex, e));
+  const double cost_of_widening = signed_area(wider.outer) - thin;
   if (wider.outer.empty() || cost_of_cutting <= cost_of_widening) {
     patches.cut.push_back({std::move(hull), {}});
     if (!wider.outer.empty()) patches.widen.push_back(std::move(wider));
@@ -106,8 +109,11 @@ std::vector<Patches> patches_for(const Outline& o, const std::vector<NearPair>& 
     const Point2 q = grid::nearest_on_segment(o.at(v), o.at(e), o.at(o.after(e)));
     if (q != o.at(v) && (q == o.at(o.before(v)) || q == o.at(o.after(v)))) continue;
     Patches& patches = result[static_cast<std::size_t>(o.group_of(v))];
-    add_patch(o, pair, o.before(v), epsilon, reach, patches);
-    add_patch(o, pair, v, epsilon, reach, patches);
+    // Where one of the two walls at the vertex faces the edge, the other's patch would round off
+    // its corner only.
+    const bool before = face(o, o.before(v), e, epsilon), after = face(o, v, e, epsilon);
+    if (before || !after) add_patch(o, pair, o.before(v), epsilon, reach, patches);
+    if (after || !before) add_patch(o, pair, v, epsilon, reach, patches);
   }
   return result;
 }
@@ -122,8 +128,8 @@ std::vector<Patches> hulls_around(const Outline& o, const std::vector<NearPair>&
     for (std::size_t i = 1; i < 3; ++i) {
       const double d = grid::distance(points[i], p);
       if (d > radius)
-        points[i] = grid::rounded({p.x + (points[i].x - p.x) * radius / d,
-                                   p.y + (points[i].y - p.y) * radius / d});
+        points[i] = grid::rounded(
+            {p.x + (points[i].x - p.x) * radius / d, p.y + (points[i].y - p.y) * radius / d});
     }
     o.grid.visit(Bounds2{p.x, p.y, p.x, p.y}.grown(radius), [&](std::int32_t w) {
       if (o.group_of(w) == o.group_of(pair.vertex) && grid::distance(o.at(w), p) <= radius)
@@ -131,7 +137,8 @@ std::vector<Patches> hulls_around(const Outline& o, const std::vector<NearPair>&
     });
     Ring hull = grid::convex_hull(std::move(points));
     if (hull.size() >= 3)
-      result[static_cast<std::size_t>(o.group_of(pair.vertex))].fill.push_back({std::move(hull), {}});
+      result[static_cast<std::size_t>(o.group_of(pair.vertex))].fill.push_back(
+          {std::move(hull), {}});
   }
   return result;
 }

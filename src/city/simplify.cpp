@@ -17,7 +17,6 @@
 #include "tetropolis/geometry/polygon.h"
 
 #include "city/changed_area.h"
-#include "city/forest.h"
 #include "city/grid_geometry.h"
 #include "city/merge_polygons.h"
 #include "city/outline.h"
@@ -28,8 +27,8 @@ namespace tetropolis {
 
 namespace {
 
-constexpr int kGentleRounds = 5;      ///< Patches whose reach doubles.
-constexpr int kLocalHullRounds = 6;   ///< Hulls of surroundings whose radius doubles.
+constexpr int kGentleRounds = 5;     ///< Patches whose reach doubles.
+constexpr int kLocalHullRounds = 6;  ///< Hulls of surroundings whose radius doubles.
 constexpr double kMaxShift = 0.02 * grid::kSteps;
 constexpr double kSquareMetre = grid::kSteps * grid::kSteps;
 constexpr const char* kTooThin = "too small or narrow for the merge distance";
@@ -80,7 +79,8 @@ class Simplifier {
   void take_back(const Outline& outline);
   void apply_patches(std::vector<Patches> patches);
   bool apply(const Patches& patches, Group& group) const;
-  void merge_groups(const Outline& outline, const std::vector<NearPair>& pairs, bool hulls);
+  bool unite_close_groups(bool hulls);
+  Group united(const std::vector<std::size_t>& parts, bool hulls);
   void repair_in_rounds();
   void repair_with_hulls();
   bool make_hull(Group& group);
@@ -105,8 +105,8 @@ Simplifier::Simplifier(std::span<const Polygon> cleaned, const Bounds2& domain,
                        const SimplifyOptions& options, const Progress& progress)
     : cleaned_(cleaned), domain_(domain), options_(options), progress_(progress) {
   if (!(options.min_distance >= 0.01 && options.min_distance <= 1000))
-    throw Error(ErrorKind::kUsage,
-                fmt::format("merge distance {} m: must be from 0.01 to 1000", options.min_distance));
+    throw Error(ErrorKind::kUsage, fmt::format("merge distance {} m: must be from 0.01 to 1000",
+                                               options.min_distance));
   if (options.growths < 1)
     throw Error(ErrorKind::kUsage, fmt::format("growths {}: must be at least 1", options.growths));
   if (!(options.min_area >= 0))
@@ -197,15 +197,24 @@ void Simplifier::merge_clusters() {
     group.polygon = std::move(how[c].polygon);
     group.input = std::move(how[c].input);
     switch (how[c].resort) {
-      case MergeResort::kUnion: ++stats.merged_by_union; break;
+      case MergeResort::kUnion:
+        ++stats.merged_by_union;
+        break;
       case MergeResort::kPatch:
         ++stats.merged_by_patch[static_cast<std::size_t>(how[c].growths)];
         break;
-      case MergeResort::kUnionOfHulls: ++stats.merged_by_hulls; group.flags |= kConvexHull; break;
-      case MergeResort::kHull: ++stats.merged_by_hull; group.flags |= kConvexHull; break;
+      case MergeResort::kUnionOfHulls:
+        ++stats.merged_by_hulls;
+        group.flags |= kConvexHull;
+        break;
+      case MergeResort::kHull:
+        ++stats.merged_by_hull;
+        group.flags |= kConvexHull;
+        break;
     }
   }
   groups_ = std::move(merged);
+  unite_close_groups(false);
 }
 
 Outline Simplifier::repaired_outline(int round) {
@@ -220,7 +229,8 @@ Outline Simplifier::repaired_outline(int round) {
       ++edges;
     });
   }
-  const double cell = std::max(2 * epsilon_, length / static_cast<double>(std::max<std::size_t>(edges, 1)));
+  const double cell =
+      std::max(2 * epsilon_, length / static_cast<double>(std::max<std::size_t>(edges, 1)));
   Outline outline = make_outline(polygons, cell);
   // Gentle changes first, so that patches come before changes that cost more than they.
   constexpr std::array<double, 4> kCosts{0.5, 2, 8, std::numeric_limits<double>::infinity()};
@@ -305,46 +315,53 @@ void Simplifier::apply_patches(std::vector<Patches> patches) {
   }
 }
 
-/// Unites the groups that pairs connect; with their convex hull if `hulls`.
-void Simplifier::merge_groups(const Outline& outline, const std::vector<NearPair>& pairs,
-                              bool hulls) {
-  Forest forest(groups_.size());
-  bool any = false;
-  for (const NearPair& pair : pairs) {
-    const std::int32_t a = outline.group_of(pair.vertex), b = outline.group_of(pair.edge);
-    if (forest.joined(a, b)) continue;
-    forest.join(a, b);
-    ++result_.stats.merged_late;
-    any = true;
-  }
-  if (!any) return;
-  std::vector<std::vector<std::size_t>> parts(groups_.size());
-  for (std::size_t k = 0; k < groups_.size(); ++k) parts[static_cast<std::size_t>(forest.root(static_cast<std::int32_t>(k)))].push_back(k);
-  for (std::size_t k = 0; k < groups_.size(); ++k) {
-    if (parts[k].size() < 2) continue;
-    Group merged;
-    merged.flags = kMerged;
+/// Unites groups that overlap or are closer than epsilon, with their convex hull if `hulls`, until
+/// none are; each pass leaves fewer groups. Patches and hulls may reach across other groups, which
+/// pairs of near vertices and edges would not show.
+bool Simplifier::unite_close_groups(bool hulls) {
+  for (bool any = false;; any = true) {
     std::vector<Polygon> polygons;
-    for (const std::size_t i : parts[k]) {
-      Group& group = groups_[i];
-      merged.flags |= group.flags;
-      merged.members.insert(merged.members.end(), group.members.begin(), group.members.end());
-      merged.input.insert(merged.input.end(), group.input.begin(), group.input.end());
-      if (!group.polygon.outer.empty()) polygons.push_back(std::move(group.polygon));
-      group = {};
+    polygons.reserve(groups_.size());
+    for (const Group& group : groups_) polygons.push_back(group.polygon);
+    const std::vector<std::int32_t> cluster = cluster_polygons(polygons, epsilon_);
+    std::vector<std::vector<std::size_t>> parts;
+    for (std::size_t k = 0; k < cluster.size(); ++k) {
+      const auto c = static_cast<std::size_t>(cluster[k]);
+      if (c == parts.size()) parts.emplace_back();
+      parts[c].push_back(k);
     }
-    std::sort(merged.members.begin(), merged.members.end());
-    if (hulls) {
-      Ring points;
-      for (const Polygon& polygon : polygons)
-        points.insert(points.end(), polygon.outer.begin(), polygon.outer.end());
-      merged.polygon.outer = grid::convex_hull(std::move(points));
-    } else if (!polygons.empty()) {
-      merged.polygon = merge_polygons(polygons, epsilon_, options_.growths).polygon;
-    }
-    groups_[k] = std::move(merged);
+    if (parts.size() == groups_.size()) return any;
+    result_.stats.merged_late += static_cast<std::int64_t>(groups_.size() - parts.size());
+    std::vector<Group> next;
+    next.reserve(parts.size());
+    for (const std::vector<std::size_t>& part : parts) next.push_back(united(part, hulls));
+    groups_ = std::move(next);
+    if (hulls) drop_vanished();
   }
-  std::erase_if(groups_, [](const Group& group) { return group.members.empty(); });
+}
+
+Group Simplifier::united(const std::vector<std::size_t>& parts, bool hulls) {
+  if (parts.size() == 1) return std::move(groups_[parts[0]]);
+  Group merged;
+  merged.flags = kMerged;
+  std::vector<Polygon> polygons;
+  for (const std::size_t k : parts) {
+    Group& group = groups_[k];
+    merged.flags |= group.flags;
+    merged.members.insert(merged.members.end(), group.members.begin(), group.members.end());
+    merged.input.insert(merged.input.end(), group.input.begin(), group.input.end());
+    polygons.push_back(std::move(group.polygon));
+  }
+  std::sort(merged.members.begin(), merged.members.end());
+  if (!hulls) {
+    merged.polygon = merge_polygons(polygons, epsilon_, options_.growths).polygon;
+    return merged;
+  }
+  for (const Polygon& polygon : polygons)
+    merged.polygon.outer.insert(merged.polygon.outer.end(), polygon.outer.begin(),
+                                polygon.outer.end());
+  if (!make_hull(merged)) merged.polygon = {};
+  return merged;
 }
 
 void Simplifier::drop_vanished() {
@@ -371,8 +388,8 @@ void Simplifier::repair_in_rounds() {
       apply_patches(hulls_around(outline, pairs, radius));
       radius *= 2;
     }
-    merge_groups(outline, pairs, false);
     drop_vanished();
+    unite_close_groups(false);
   }
 }
 
@@ -398,14 +415,13 @@ void Simplifier::repair_with_hulls() {
     for (const Group& group : groups_) polygons.push_back(&group.polygon);
     const Outline outline = make_outline(polygons, 4 * epsilon_);
     const std::vector<NearPair> pairs = near_pairs(outline, epsilon_);
-    if (pairs.empty()) return;
     std::vector<std::uint8_t> bad(groups_.size(), 0);
     for (const NearPair& pair : pairs)
       bad[static_cast<std::size_t>(outline.group_of(pair.vertex))] = 1;
     for (std::size_t k = 0; k < groups_.size(); ++k)
       if (bad[k] != 0 && !make_hull(groups_[k])) groups_[k].polygon = {};
-    merge_groups(outline, pairs, true);
     drop_vanished();
+    if (!unite_close_groups(true)) return;
   }
 }
 
@@ -421,7 +437,8 @@ void Simplifier::drop_small() {
     for (Group& group : groups_) {
       const double size = area(group.polygon) / kSquareMetre;
       if (size >= options_.min_area) continue;
-      drop(group, fmt::format("area {:.1f} m2 below the minimum of {:g} m2", size, options_.min_area));
+      drop(group,
+           fmt::format("area {:.1f} m2 below the minimum of {:g} m2", size, options_.min_area));
       group.members.clear();
       any = true;
     }
@@ -475,11 +492,11 @@ void Simplifier::finish() {
   const Clearance clearance = joint_clearance(result_.footprints, domain_);
   result_.stats.min_clearance = clearance.distance;
   if (clearance.distance < options_.min_distance)
-    throw Error(ErrorKind::kGuarantee,
-                fmt::format("footprints: clearance {:.6f} m at ({:.4f}, {:.4f}) is below {} m after "
-                            "simplification; report it",
-                            clearance.distance, clearance.at.x, clearance.at.y,
-                            options_.min_distance));
+    throw Error(
+        ErrorKind::kGuarantee,
+        fmt::format("footprints: clearance {:.6f} m at ({:.4f}, {:.4f}) is below {} m after "
+                    "simplification; report it",
+                    clearance.distance, clearance.at.x, clearance.at.y, options_.min_distance));
 }
 
 Simplification Simplifier::run() {

@@ -15,11 +15,11 @@ namespace {
 
 using namespace convex;
 
-constexpr double kDepth = 11;          // Of perimeter buildings, metres.
-constexpr double kDepthStep = 1.5;     // Rear walls jump by this or not at all.
+constexpr double kDepth = 11;       // Of perimeter buildings, metres.
+constexpr double kDepthStep = 1.5;  // Rear walls jump by this or not at all.
 constexpr double kGreatestDepth = kDepth + 2 * kDepthStep;
-constexpr double kShortestEdge = 9;    // Of a perimeter block, metres.
-constexpr double kFrontage = 12;       // Usual width of a row house, metres.
+constexpr double kShortestEdge = 9;  // Of a perimeter block, metres.
+constexpr double kFrontage = 12;     // Usual width of a row house, metres.
 
 Point2 on_mm(Point2 p) { return {round_to_mm(p.x), round_to_mm(p.y)}; }
 
@@ -51,8 +51,9 @@ Ring without_sharp_corners(Ring ring) {
 
 /// One side of a perimeter block. Positions along it are metres from its start.
 struct Side {
+  std::size_t edge = 0;  ///< Of the block's ring.
   Point2 start;
-  Point2 along;   ///< Unit vector; the block is to its left.
+  Point2 along;  ///< Unit vector; the block is to its left.
   double length = 0;
   double corner_start = 0;  ///< Where the plot of the start corner ends.
   double corner_end = 0;    ///< Where the plot of the end corner begins.
@@ -73,7 +74,7 @@ std::vector<Side> perimeter_sides(const Ring& ring, SeededRandom& random) {
   std::vector<Side> sides(ring.size());
   for (std::size_t i = 0; i < ring.size(); ++i) {
     const Point2 edge = ring[(i + 1) % ring.size()] - ring[i];
-    sides[i] = {ring[i], unit(edge), length(edge)};
+    sides[i] = {i, ring[i], unit(edge), length(edge)};
     sides[i].corner_end = sides[i].length;
   }
   for (std::size_t i = 0; i < sides.size(); ++i) {
@@ -104,7 +105,19 @@ struct Plots {
   std::vector<double> depths;  ///< One less than walls; empty if the corner plots meet.
 };
 
-Plots divide(const Side& side, double scale, SeededRandom& random) {
+/// The depth of a plot between two walls, less where the block is narrow: the rear corners keep as
+/// far from the other sides as these may build.
+double plot_depth(const Side& side, double from, double to, const Ring& block,
+                  SeededRandom& random) {
+  double depth = kDepth + kDepthStep * std::floor(random.uniform(-2, 3));
+  const auto narrow = [&](double position) {
+    return depth_inside(block, side.at(position, depth), side.edge) < kGreatestDepth + 1;
+  };
+  while (depth > kDepth - 2 * kDepthStep && (narrow(from) || narrow(to))) depth -= kDepthStep;
+  return depth;
+}
+
+Plots divide(const Side& side, const Ring& block, double scale, SeededRandom& random) {
   const double room = side.corner_end - side.corner_start;
   if (room <= 0) return {{side.corner_start}, {}};
   const double n = std::max(1.0, std::nearbyint(room / (kFrontage * scale)));
@@ -116,11 +129,11 @@ Plots divide(const Side& side, double scale, SeededRandom& random) {
   }
   Plots plots;
   plots.walls.push_back(side.corner_start);
-  for (const double weight : weights) {
+  for (const double weight : weights)
     plots.walls.push_back(plots.walls.back() + room * weight / total);
-    plots.depths.push_back(kDepth + kDepthStep * std::floor(random.uniform(-2, 3)));
-  }
   plots.walls.back() = side.corner_end;
+  for (std::size_t k = 0; k + 1 < plots.walls.size(); ++k)
+    plots.depths.push_back(plot_depth(side, plots.walls[k], plots.walls[k + 1], block, random));
   return plots;
 }
 
@@ -134,10 +147,10 @@ void add_wing(Ring& ring, const Side& side, const Plots& plots, std::size_t k, c
   const double left = from + 1.5;
   const double right = from + 1.5 + std::max(0.45 * width, 4.5);
   if (!wanted || width < 9) return;
-  // Deeper than the wings of the other sides; its own side is `reach` away, up to rounding.
-  const double clearance = std::min(kGreatestDepth + 11, reach - 1e-3);
-  if (depth_inside(block, side.at(left, reach)) < clearance ||
-      depth_inside(block, side.at(right, reach)) < clearance)
+  // Beyond the wings of the other sides.
+  const double clearance = kGreatestDepth + 11;
+  if (depth_inside(block, side.at(left, reach), side.edge) < clearance ||
+      depth_inside(block, side.at(right, reach), side.edge) < clearance)
     return;
   push(ring, side.at(right, plots.depths[k]));
   push(ring, side.at(right, reach));
@@ -145,8 +158,8 @@ void add_wing(Ring& ring, const Side& side, const Plots& plots, std::size_t k, c
   push(ring, side.at(left, plots.depths[k]));
 }
 
-/// The building on plot k of a side. Where a neighbour is shallower its rear corner becomes a vertex
-/// of the party wall, so that the wall is shared vertex by vertex.
+/// The building on plot k of a side. Where a neighbour is shallower its rear corner becomes a
+/// vertex of the party wall, so that the wall is shared vertex by vertex.
 Ring row_house(const Side& side, const Plots& plots, std::size_t k, const Ring& block,
                SeededRandom& random) {
   const double depth = plots.depths[k];
@@ -203,7 +216,7 @@ bool build_perimeter(const Ring& ring, Point2 axis, double scale, SeededRandom& 
   const std::vector<Side> sides = perimeter_sides(ring, random);
   if (sides.empty()) return false;
   std::vector<Plots> plots;
-  for (const Side& side : sides) plots.push_back(divide(side, scale, random));
+  for (const Side& side : sides) plots.push_back(divide(side, ring, scale, random));
   const double floors = std::floor(random.uniform(4, 6));
   for (std::size_t i = 0; i < sides.size(); ++i) {
     const std::size_t before = (i + sides.size() - 1) % sides.size();
@@ -238,6 +251,21 @@ Point2 extent(const Ring& ring, Point2 direction) {
   return range;
 }
 
+/// Where to cut a ring across `direction`: near a share of the way along its range, but not so near
+/// to a vertex that a sliver of wall would be left, if that can be had.
+double party_wall(const Ring& ring, Point2 direction, Point2 range, double share, double jitter,
+                  SeededRandom& random) {
+  double at = 0;
+  constexpr int kTries = 8;
+  for (int tries = 0; tries < kTries; ++tries) {
+    at = range.x + (range.y - range.x) * (share + random.uniform(-jitter, jitter));
+    if (std::all_of(ring.begin(), ring.end(),
+                    [&](Point2 p) { return std::abs(dot(direction, p) - at) > 0.8; }))
+      break;
+  }
+  return at;
+}
+
 /// A ring cut across into a row of buildings that share whole walls.
 void build_row(const Ring& ring, Point2 direction, double scale, SeededRandom& random,
                std::vector<SyntheticBuilding>& buildings) {
@@ -247,8 +275,8 @@ void build_row(const Ring& ring, Point2 direction, double scale, SeededRandom& r
   const double floors = std::floor(random.uniform(3, 6));
   Ring rest = ring;
   for (double k = 1; k <= n; ++k) {
-    const double share = k < n ? (k + random.uniform(-0.25, 0.25)) / n : 1;
-    const Point2 through = (range.x + (range.y - range.x) * share) * direction;
+    const double at = k < n ? party_wall(rest, direction, range, k / n, 0.25 / n, random) : range.y;
+    const Point2 through = at * direction;
     const Ring slice = k < n ? clip(rest, through, -1.0 * direction) : rest;
     if (k < n) rest = clip(rest, through, direction);
     const double height = storeys(floors + std::floor(random.uniform(-1, 2)), random);
@@ -390,8 +418,8 @@ void build_villa(const Block& block, const Plot& plot, SeededRandom& random,
     if (bent) {
       const Point2 ridge = corner + 0.55 * width * block.axis;
       const Point2 rise = 0.55 * (box[2] - box[1]);
-      house = {box[0],       box[1], on_mm(box[1] + rise), on_mm(ridge + rise),
-               on_mm(ridge + depth * up), box[3]};
+      house = {box[0], box[1], on_mm(box[1] + rise), on_mm(ridge + rise), on_mm(ridge + depth * up),
+               box[3]};
     }
     add(buildings, house, height, SyntheticKind::kHouse);
     const Ring hut = rectangle(corner + (depth + gap) * up, block.axis, small_width, small_depth);

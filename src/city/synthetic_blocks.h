@@ -10,8 +10,8 @@
 namespace tetropolis {
 
 struct PlotOptions {
-  double scale = 1;              ///< Of the plots' frontages: wider plots give fewer buildings.
-  bool around_a_yard = false;    ///< One building with a hole instead of a perimeter block.
+  double scale = 1;            ///< Of the plots' frontages: wider plots give fewer buildings.
+  bool around_a_yard = false;  ///< One building with a hole instead of a perimeter block.
 };
 
 /// Appends the buildings of one block. Vertices are whole millimetres; adjoining buildings share

@@ -136,8 +136,7 @@ SyntheticCity synthetic_block_city(const BlockCityOptions& options, const Progre
   SeededRandom green(options.seed, kGreenStream);
   plant_and_park(plan, green, scene);
   SyntheticCity city = city_of_scene(scene);
-  city.points =
-      scan_scene(scene, options.points_per_m2, mix64(options.seed ^ kScanSeed), progress);
+  city.points = scan_scene(scene, options.points_per_m2, mix64(options.seed ^ kScanSeed), progress);
   if (options.untidy) {
     SeededRandom random(options.seed, kUntidyStream);
     make_untidy(city, random);

@@ -21,8 +21,7 @@ constexpr double kAvenueReach = 17;  // Metres from a quarter within which an av
 
 std::vector<const Polygon*> footprints_of(const SyntheticScene& scene) {
   std::vector<const Polygon*> pointers;
-  for (const SyntheticBuilding& building : scene.buildings)
-    pointers.push_back(&building.footprint);
+  for (const SyntheticBuilding& building : scene.buildings) pointers.push_back(&building.footprint);
   return pointers;
 }
 
@@ -146,10 +145,18 @@ void plant_and_park(const StreetPlan& plan, SeededRandom& random, SyntheticScene
   }
   for (const Block& block : plan.blocks) {
     switch (block.kind) {
-      case QuarterKind::kPark: gardener.plant_area(inset(block.ring, 6), 7, 0.5); break;
-      case QuarterKind::kVillas: gardener.plant_area(block.ring, 6, 0.35); break;
-      case QuarterKind::kModern: gardener.plant_area(block.ring, 8, 0.35); break;
-      case QuarterKind::kPerimeter: gardener.plant_area(inset(block.ring, 14), 7, 0.45); break;
+      case QuarterKind::kPark:
+        gardener.plant_area(inset(block.ring, 6), 7, 0.5);
+        break;
+      case QuarterKind::kVillas:
+        gardener.plant_area(block.ring, 6, 0.35);
+        break;
+      case QuarterKind::kModern:
+        gardener.plant_area(block.ring, 8, 0.35);
+        break;
+      case QuarterKind::kPerimeter:
+        gardener.plant_area(inset(block.ring, 14), 7, 0.45);
+        break;
     }
     if (block.kind == QuarterKind::kPark) continue;
     gardener.park_along(block.ring, 2.6, 0.3);

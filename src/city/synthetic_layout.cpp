@@ -18,7 +18,7 @@ using namespace convex;
 
 constexpr std::uint64_t kPlanStream = 3;
 constexpr double kHalfAvenue = 9;
-constexpr double kQuay = 9;  // Metres of open bank along the river.
+constexpr double kQuay = 9;                // Metres of open bank along the river.
 constexpr double kSmallestQuarter = 1500;  // Square metres.
 
 /// Cosine and sine of 0, 9, 13, 16, 23, 28 and 37 degrees, roughly: Pythagorean triples, exact
@@ -32,13 +32,14 @@ constexpr std::array<Point2, 7> kAxes = {{{1, 0},
                                           {4.0 / 5, 3.0 / 5}}};
 
 struct Grid {
-  std::int64_t n;   ///< Seeds of quarters per side.
+  std::int64_t n;  ///< Seeds of quarters per side.
   double spacing;
 };
 
 Grid seed_grid(double size) {
   const double wanted = std::clamp(size / 3, 150.0, 260.0);
-  const auto n = std::max<std::int64_t>(2, static_cast<std::int64_t>(std::nearbyint(size / wanted)));
+  const auto n =
+      std::max<std::int64_t>(2, static_cast<std::int64_t>(std::nearbyint(size / wanted)));
   return {n, size / static_cast<double>(n)};
 }
 
@@ -139,10 +140,13 @@ struct BlockSize {
 
 BlockSize block_size(QuarterKind kind) {
   switch (kind) {
-    case QuarterKind::kModern: return {105, 95, 12, 16};
-    case QuarterKind::kVillas: return {120, 48, 7, 9};
+    case QuarterKind::kModern:
+      return {105, 95, 12, 16};
+    case QuarterKind::kVillas:
+      return {120, 48, 7, 9};
     case QuarterKind::kPark:
-    case QuarterKind::kPerimeter: break;
+    case QuarterKind::kPerimeter:
+      break;
   }
   return {88, 70, 9, 15};
 }
@@ -208,8 +212,9 @@ StreetPlan plan_streets(const BlockCityOptions& options) {
     const Point2 d = interior_point({quarter.ring, {}}) - centre;
     return dot(d, d);
   };
-  std::stable_sort(plan.quarters.begin(), plan.quarters.end(),
-                   [&](const Quarter& a, const Quarter& b) { return remoteness(a) < remoteness(b); });
+  std::stable_sort(
+      plan.quarters.begin(), plan.quarters.end(),
+      [&](const Quarter& a, const Quarter& b) { return remoteness(a) < remoteness(b); });
   for (std::size_t q = 0; q < plan.quarters.size(); ++q) {
     Quarter& quarter = plan.quarters[q];
     quarter.kind = quarter_kind(q, plan.quarters.size(), random);
@@ -219,7 +224,7 @@ StreetPlan plan_streets(const BlockCityOptions& options) {
       split(quarter.ring, quarter, random, plan.blocks);
     }
   }
-  for (std::int64_t i = 1; i < grid.n; i += grid.n > 4 ? 2 : 1)
+  for (std::int64_t i = 1; i<grid.n; i += grid.n> 4 ? 2 : 1)
     plan.crossings.push_back(static_cast<double>(i) * grid.spacing);
   return plan;
 }

@@ -18,8 +18,8 @@ enum class QuarterKind {
 
 /// A convex piece of land between avenues, the river and the margin.
 struct Quarter {
-  Ring ring;      ///< Counter-clockwise.
-  Point2 axis;    ///< Unit vector along its streets.
+  Ring ring;    ///< Counter-clockwise.
+  Point2 axis;  ///< Unit vector along its streets.
   QuarterKind kind = QuarterKind::kPerimeter;
 };
 

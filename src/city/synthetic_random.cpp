@@ -46,8 +46,10 @@ class Centres {
   bool free(Point2 p) const {
     const std::int64_t i = slot(p.x);
     const std::int64_t j = slot(p.y);
-    for (std::int64_t nj = std::max<std::int64_t>(j - 1, 0); nj <= std::min(j + 1, columns_ - 1); ++nj)
-      for (std::int64_t ni = std::max<std::int64_t>(i - 1, 0); ni <= std::min(i + 1, columns_ - 1); ++ni)
+    for (std::int64_t nj = std::max<std::int64_t>(j - 1, 0); nj <= std::min(j + 1, columns_ - 1);
+         ++nj)
+      for (std::int64_t ni = std::max<std::int64_t>(i - 1, 0); ni <= std::min(i + 1, columns_ - 1);
+           ++ni)
         for (const Point2 q : cells_[static_cast<std::size_t>(nj * columns_ + ni)]) {
           const double dx = p.x - q.x;
           const double dy = p.y - q.y;
@@ -111,8 +113,7 @@ SyntheticCity synthetic_random_city(const RandomCityOptions& options, const Prog
   for (std::int64_t b = 0; b < options.buildings; ++b)
     scene.buildings.push_back(random_building(options, centres, random));
   SyntheticCity city = city_of_scene(scene);
-  city.points =
-      scan_scene(scene, options.points_per_m2, mix64(options.seed ^ kScanSeed), progress);
+  city.points = scan_scene(scene, options.points_per_m2, mix64(options.seed ^ kScanSeed), progress);
   return city;
 }
 

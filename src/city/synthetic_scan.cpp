@@ -28,8 +28,10 @@ class DiscIndex {
       : cells_(static_cast<std::int32_t>(size / kCell) + 1),
         offsets_(static_cast<std::size_t>(cells_) * static_cast<std::size_t>(cells_) + 1, 0) {
     const auto for_each_cell = [&](const auto& thing, const auto& visit) {
-      for (std::int32_t j = slot(thing.at.y - radius(thing)); j <= slot(thing.at.y + radius(thing)); ++j)
-        for (std::int32_t i = slot(thing.at.x - radius(thing)); i <= slot(thing.at.x + radius(thing)); ++i)
+      for (std::int32_t j = slot(thing.at.y - radius(thing)); j <= slot(thing.at.y + radius(thing));
+           ++j)
+        for (std::int32_t i = slot(thing.at.x - radius(thing));
+             i <= slot(thing.at.x + radius(thing)); ++i)
           visit(index(i, j));
     };
     for (const auto& thing : things)
@@ -247,12 +249,24 @@ SyntheticCity city_of_scene(SyntheticScene& scene) {
     city.heights.push_back(building.height);
     scene.roofs.push_back(ground + building.height);
     switch (building.kind) {
-      case SyntheticKind::kScattered: ++city.counts.scattered; break;
-      case SyntheticKind::kRowHouse: ++city.counts.row_houses; break;
-      case SyntheticKind::kCourtyard: ++city.counts.courtyards; break;
-      case SyntheticKind::kTower: ++city.counts.towers; break;
-      case SyntheticKind::kHouse: ++city.counts.houses; break;
-      case SyntheticKind::kShed: ++city.counts.sheds; break;
+      case SyntheticKind::kScattered:
+        ++city.counts.scattered;
+        break;
+      case SyntheticKind::kRowHouse:
+        ++city.counts.row_houses;
+        break;
+      case SyntheticKind::kCourtyard:
+        ++city.counts.courtyards;
+        break;
+      case SyntheticKind::kTower:
+        ++city.counts.towers;
+        break;
+      case SyntheticKind::kHouse:
+        ++city.counts.houses;
+        break;
+      case SyntheticKind::kShed:
+        ++city.counts.sheds;
+        break;
     }
   }
   city.counts.buildings = static_cast<std::int64_t>(scene.buildings.size());

@@ -50,8 +50,7 @@ double synthetic_river_distance(const SyntheticTerrain& terrain, double x, doubl
 
 double synthetic_ground(const SyntheticTerrain& terrain, double x, double y) {
   if (!terrain.river) return terrain.base + terrain.relief * hills(terrain, x, y);
-  const double ashore =
-      synthetic_river_distance(terrain, x, y) - terrain.river_half_width;
+  const double ashore = synthetic_river_distance(terrain, x, y) - terrain.river_half_width;
   if (ashore <= 0) return terrain.water_level;
   const double bank = std::min(ashore / kBankWidth, 1.0);
   return terrain.water_level + (terrain.base - terrain.water_level) * bank +

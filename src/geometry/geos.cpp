@@ -142,9 +142,8 @@ Result unite(std::span<const Polygon> polygons, double grid) {
   const Context context;
   const Geometry input = make_collection(context, polygons, GEOS_GEOMETRYCOLLECTION);
   if (input.get() == nullptr) return std::nullopt;
-  return read(context, {context, grid > 0
-                                     ? GEOSUnaryUnionPrec_r(context.get(), input.get(), grid)
-                                     : GEOSUnaryUnion_r(context.get(), input.get())});
+  return read(context, {context, grid > 0 ? GEOSUnaryUnionPrec_r(context.get(), input.get(), grid)
+                                          : GEOSUnaryUnion_r(context.get(), input.get())});
 }
 
 Result subtract(std::span<const Polygon> a, std::span<const Polygon> b, double grid) {

@@ -117,8 +117,8 @@ Point2 interior_point(const Polygon& polygon) {
   // The slab that holds the centre; the centre is below the last ordinate unless rounding says so.
   const auto above = std::upper_bound(ys.begin() + 1, ys.end() - 1, centre.y);
   std::vector<double> crossings;
-  const Run usual =
-      widest_run(polygon, middle_of_slab(static_cast<std::size_t>(above - ys.begin()) - 1), crossings);
+  const Run usual = widest_run(
+      polygon, middle_of_slab(static_cast<std::size_t>(above - ys.begin()) - 1), crossings);
   if (strictly_inside(polygon, usual)) return usual.middle;
   Run best;
   for (std::size_t k = 0; k + 1 < ys.size(); ++k) {

@@ -36,31 +36,29 @@ std::uint32_t HilbertCurve::operator()(Point2 p) const {
   return hilbert_index(static_cast<std::uint32_t>(x), static_cast<std::uint32_t>(y));
 }
 
-std::vector<std::int32_t> sorted_order(std::span<const std::uint64_t> keys, int bits) {
-  struct Entry {
-    std::uint64_t key;
-    std::int32_t index;
-  };
-  std::vector<Entry> entries(keys.size());
+std::vector<std::int32_t> sorted_order(std::span<const std::uint32_t> keys) {
+  // Key and index in one word, by the digits of the key from the lowest up.
+  std::vector<std::uint64_t> entries(keys.size());
   for (std::size_t i = 0; i < keys.size(); ++i)
-    entries[i] = {keys[i], static_cast<std::int32_t>(i)};
-  std::vector<Entry> other(keys.size());
+    entries[i] = (static_cast<std::uint64_t>(keys[i]) << 32) | i;
+  std::vector<std::uint64_t> other(keys.size());
   constexpr int kDigit = 11;
-  for (int shift = 0; shift < bits; shift += kDigit) {
+  for (int shift = 32; shift < 64; shift += kDigit) {
     std::array<std::size_t, 1U << kDigit> starts{};
-    const auto digit = [&](const Entry& e) { return (e.key >> shift) & ((1U << kDigit) - 1U); };
-    for (const Entry& e : entries) ++starts[digit(e)];
+    const auto digit = [&](std::uint64_t e) { return (e >> shift) & ((1U << kDigit) - 1U); };
+    for (const std::uint64_t e : entries) ++starts[digit(e)];
     std::size_t sum = 0;
     for (std::size_t& start : starts) {
       const std::size_t count = start;
       start = sum;
       sum += count;
     }
-    for (const Entry& e : entries) other[starts[digit(e)]++] = e;
+    for (const std::uint64_t e : entries) other[starts[digit(e)]++] = e;
     entries.swap(other);
   }
   std::vector<std::int32_t> order(keys.size());
-  for (std::size_t i = 0; i < keys.size(); ++i) order[i] = entries[i].index;
+  for (std::size_t i = 0; i < keys.size(); ++i)
+    order[i] = static_cast<std::int32_t>(entries[i] & 0xffffffffU);
   return order;
 }
 

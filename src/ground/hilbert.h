@@ -23,8 +23,8 @@ class HilbertCurve {
   double scale_ = 0;
 };
 
-/// The indices of `keys` by ascending key, ties by index. Keys use at most `bits` bits.
-std::vector<std::int32_t> sorted_order(std::span<const std::uint64_t> keys, int bits);
+/// The indices of `keys` by ascending key, ties by index.
+std::vector<std::int32_t> sorted_order(std::span<const std::uint32_t> keys);
 
 /// The bounding box of finite points; empty (xmin > xmax) for none.
 Bounds2 bounds_of(std::span<const Point2> points);

@@ -34,15 +34,15 @@ std::uint64_t scramble(std::uint64_t x) {
 std::vector<std::int32_t> insertion_order(const std::vector<Point2>& points) {
   constexpr int kRounds = 15;
   const HilbertCurve curve(bounds_of(points));
-  std::vector<std::uint64_t> keys(points.size());
+  std::vector<std::uint32_t> keys(points.size());
   for (std::size_t i = 0; i < points.size(); ++i) {
     const std::uint64_t coins = scramble(i);
     int round = kRounds;
     // A point moves to the round before with probability 1/8.
     while (round > 0 && ((coins >> (3 * (kRounds - round))) & 7U) == 0) --round;
-    keys[i] = (static_cast<std::uint64_t>(round) << 32) | curve(points[i]);
+    keys[i] = (static_cast<std::uint32_t>(round) << 28) | (curve(points[i]) >> 4);
   }
-  return sorted_order(keys, 36);
+  return sorted_order(keys);
 }
 
 }  // namespace

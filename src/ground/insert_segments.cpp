@@ -18,6 +18,35 @@ struct Task {
   std::int32_t input;
 };
 
+// How far a vertex may be from a segment that it is taken to lie on: see triangulation.h.
+double tolerance(Point2 a, Point2 b) {
+  return 0x1p-46 * std::max({std::abs(a.x), std::abs(a.y), std::abs(b.x), std::abs(b.y)});
+}
+
+// What is close enough to the inside of a segment to be on it.
+class Corridor {
+ public:
+  Corridor(Point2 a, Point2 b)
+      : a_(a),
+        dx_(b.x - a.x),
+        dy_(b.y - a.y),
+        squared_length_(dx_ * dx_ + dy_ * dy_),
+        width_(tolerance(a, b) * std::sqrt(squared_length_)) {}
+
+  bool contains(Point2 p) const {
+    const double along = (p.x - a_.x) * dx_ + (p.y - a_.y) * dy_;
+    const double aside = (p.x - a_.x) * dy_ - (p.y - a_.y) * dx_;
+    return along > 0 && along < squared_length_ && std::abs(aside) <= width_;
+  }
+
+ private:
+  Point2 a_;
+  double dx_;
+  double dy_;
+  double squared_length_;
+  double width_;
+};
+
 class SegmentInserter {
  public:
   SegmentInserter(TriMesh& mesh, std::int64_t& crossings) : mesh_(mesh), crossings_(crossings) {}
@@ -36,22 +65,21 @@ class SegmentInserter {
   void advance(const Task& task) {
     const Point2 a = mesh_.point(task.a);
     const Point2 b = mesh_.point(task.b);
+    const Corridor corridor(a, b);
     std::int32_t direct = TriMesh::kNothing;   // an edge that starts along the segment
     std::int32_t crossed = TriMesh::kNothing;  // an edge opposite to a that the segment crosses
     mesh_.around(mesh_.opposite(mesh_.some_triangle[static_cast<std::size_t>(task.a)], task.a),
                  [&](std::int32_t he) {
                    const std::int32_t u = mesh_.origin(he);
                    if (u < 0) return false;
-                   const int u_side = u == task.b ? 0 : orient2d(a, mesh_.point(u), b);
-                   if (u_side == 0 && (u == task.b || ahead(a, b, mesh_.point(u)))) {
+                   if (u == task.b || corridor.contains(mesh_.point(u))) {
                      direct = TriMesh::prev(he);
                      return true;
                    }
                    const std::int32_t w = mesh_.target(he);
-                   if (w >= 0 && u_side > 0 && orient2d(a, mesh_.point(w), b) < 0) {
+                   if (w >= 0 && orient2d(a, mesh_.point(u), b) > 0 &&
+                       orient2d(a, mesh_.point(w), b) < 0)
                      crossed = he;
-                     return true;
-                   }
                    return false;
                  });
     if (direct >= 0) {
@@ -64,17 +92,14 @@ class SegmentInserter {
     cross(task, crossed);
   }
 
-  static bool ahead(Point2 a, Point2 b, Point2 u) {
-    return (u.x - a.x) * (b.x - a.x) + (u.y - a.y) * (b.y - a.y) > 0;
-  }
-
   // Walks from a across edges until a vertex on the segment, and flips the edges away.
   void cross(const Task& task, std::int32_t he) {
     const Point2 a = mesh_.point(task.a);
     const Point2 b = mesh_.point(task.b);
+    const Corridor corridor(a, b);
     crossing_.clear();
     std::int32_t end = TriMesh::kNothing;
-    while (end < 0) {
+    for (;;) {
       const std::int32_t n = mesh_.link(he);
       if (n < 0) {
         intersect(task, ~n);
@@ -82,8 +107,11 @@ class SegmentInserter {
       }
       crossing_.emplace_back(mesh_.origin(he), mesh_.target(he));
       const std::int32_t x = mesh_.apex(n);
-      const int side = x == task.b ? 0 : orient2d(a, b, mesh_.point(x));
-      if (side == 0) end = x;
+      if (x == task.b || corridor.contains(mesh_.point(x))) {
+        end = x;
+        break;
+      }
+      const int side = orient2d(a, b, mesh_.point(x));
       // he's origin was right of the segment; n runs the other way.
       he = side > 0 ? TriMesh::next(n) : TriMesh::prev(n);
     }
@@ -132,14 +160,10 @@ class SegmentInserter {
     const TriMesh::Subsegment other = mesh_.sub(s);
     const std::int32_t ends[4] = {task.a, task.b, other.v[0], other.v[1]};
     const Point2 p = crossing_point(ends);
-    double largest = 0;
-    for (const std::int32_t e : ends) {
-      const Point2 q = mesh_.point(e);
-      largest = std::max({largest, std::abs(q.x), std::abs(q.y)});
-    }
-    const double tolerance = 0x1p-46 * largest;
-    std::int32_t v = nearest(p, ends, tolerance);
-    if (v < 0) v = insert_crossing(p, mesh_.triangle_of(other.side[0]), s, tolerance);
+    const double near = std::max(tolerance(mesh_.point(ends[0]), mesh_.point(ends[1])),
+                                 tolerance(mesh_.point(ends[2]), mesh_.point(ends[3])));
+    std::int32_t v = nearest(p, ends, near);
+    if (v < 0) v = insert_crossing(p, mesh_.triangle_of(other.side[0]), s, near);
     if (v != other.v[0] && v != other.v[1] && alive(s, other)) {
       // The vertex is off the subsegment by rounding: replace the subsegment by two.
       const std::int32_t freed = mesh_.sub(s).side[0];
@@ -153,15 +177,15 @@ class SegmentInserter {
     tasks_.push_back({task.a, v, task.input});
   }
 
-  // The nearest of `vertices` to p, if it is within the tolerance in either coordinate.
-  std::int32_t nearest(Point2 p, std::span<const std::int32_t> vertices, double tolerance) const {
+  // The nearest of `vertices` to p, if both coordinates are within `near`.
+  std::int32_t nearest(Point2 p, std::span<const std::int32_t> vertices, double near) const {
     std::int32_t found = TriMesh::kNothing;
     for (const std::int32_t v : vertices) {
       if (v < 0) continue;
       const Point2 q = mesh_.point(v);
       const double distance = std::max(std::abs(p.x - q.x), std::abs(p.y - q.y));
-      if (distance > tolerance) continue;
-      tolerance = distance;
+      if (distance > near) continue;
+      near = distance;
       found = v;
     }
     return found;
@@ -189,9 +213,9 @@ class SegmentInserter {
     return {x, y};
   }
 
-  std::int32_t insert_crossing(Point2 p, std::int32_t hint, std::int32_t s, double tolerance) {
+  std::int32_t insert_crossing(Point2 p, std::int32_t hint, std::int32_t s, double near) {
     const TriMesh::Location where = mesh_.locate(p, hint);
-    const std::int32_t close = nearest(p, mesh_.tri(where.triangle).v, tolerance);
+    const std::int32_t close = nearest(p, mesh_.tri(where.triangle).v, near);
     if (close >= 0) return close;
     const std::int32_t v = mesh_.add_point(p);
     ++crossings_;
@@ -238,7 +262,7 @@ void insert_collinear(const PlanarGraph& graph, Construction& result) {
       covered[i] = 1;
       const std::int32_t a = sorted[forward ? i : i + 1], b = sorted[forward ? i + 1 : i];
       mesh.subsegments.push_back(
-          {{a, b}, {TriMesh::kNothing, TriMesh::kNothing}, static_cast<std::int32_t>(s)});
+          {{a, b}, {TriMesh::kNothing, TriMesh::kNothing}, static_cast<std::int32_t>(s), false});
     }
   }
 }

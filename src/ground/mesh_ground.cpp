@@ -61,30 +61,29 @@ GroundMesh renumber(const Triangulation& source, const Bounds2& domain) {
   std::vector<char> used(source.points.size(), 0);
   for (const auto& t : source.triangles)
     for (const VertexIndex v : t) used[static_cast<std::size_t>(v)] = 1;
-  std::vector<std::uint64_t> keys(source.points.size());
+  std::vector<std::uint32_t> keys(source.points.size());
   for (std::size_t v = 0; v < keys.size(); ++v) keys[v] = curve(source.points[v]);
 
   GroundMesh mesh;
   mesh.vertices.reserve(source.points.size());
   std::vector<VertexIndex> number(source.points.size(), -1);
-  for (const std::int32_t v : sorted_order(keys, 32)) {
+  for (const std::int32_t v : sorted_order(keys)) {
     const auto i = static_cast<std::size_t>(v);
     if (used[i] == 0) continue;
     number[i] = static_cast<VertexIndex>(mesh.vertices.size());
     mesh.vertices.push_back(source.points[i]);
   }
-  // By the sum of a triangle's vertex numbers, to be near all three.
-  int bits = 2;
-  while ((std::uint64_t{1} << bits) < 3 * mesh.vertices.size() + 3) ++bits;
+  // By the sum of a triangle's vertex numbers, to be near all three; a quarter of it fits the key.
   keys.resize(source.triangles.size());
   for (std::size_t t = 0; t < keys.size(); ++t) {
-    keys[t] = 0;
+    std::uint64_t sum = 0;
     for (const VertexIndex v : source.triangles[t])
-      keys[t] += static_cast<std::uint64_t>(number[static_cast<std::size_t>(v)]);
+      sum += static_cast<std::uint64_t>(number[static_cast<std::size_t>(v)]);
+    keys[t] = static_cast<std::uint32_t>(sum / 4);
   }
   mesh.triangles.reserve(keys.size());
   mesh.region.reserve(keys.size());
-  for (const std::int32_t t : sorted_order(keys, bits)) {
+  for (const std::int32_t t : sorted_order(keys)) {
     const auto& old = source.triangles[static_cast<std::size_t>(t)];
     mesh.triangles.push_back({number[static_cast<std::size_t>(old[0])],
                               number[static_cast<std::size_t>(old[1])],

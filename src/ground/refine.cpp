@@ -108,6 +108,22 @@ bool Refiner::across_sharp_corner(std::int32_t x, std::int32_t y) const {
   return false;
 }
 
+int Refiner::skinny_bucket(const Shape& s) const {
+  const int exponent = std::ilogb(s.squared[static_cast<std::size_t>(s.shortest)]);
+  return std::clamp(kSkinnyBuckets - 1 + exponent - largest_edge_exponent_, 0, kSkinnyBuckets - 1);
+}
+
+int Refiner::oversized_bucket(const TriMesh::Triangle& x, const Shape& s, int edge) const {
+  // The circumradius in units of the size allowed: from a half up, finely where most of them are.
+  const double bound =
+      size_.squared(x.region, mesh_.point(x.v[(edge + 1) % 3]), mesh_.point(x.v[(edge + 2) % 3]));
+  const double squared_radius = s.squared[0] * s.squared[1] * s.squared[2] /
+                                (4 * s.twice_area * s.twice_area * bound);
+  const double rank = 24 * (std::sqrt(squared_radius) - 0.5);
+  return kBuckets - 1 -
+         static_cast<int>(std::clamp(rank, 0.0, static_cast<double>(kBuckets - kSkinnyBuckets - 1)));
+}
+
 void Refiner::consider(std::int32_t t) {
   TriMesh::Triangle& x = mesh_.tri(t);
   if (x.v[0] == TriMesh::kDead || x.spare != 0) return;
@@ -119,12 +135,12 @@ void Refiner::consider(std::int32_t t) {
       encroached_.push_back({~x.n[i], {s.v[0], s.v[1]}});
   }
   const Shape s = shape(x);
-  int bucket = kBuckets - 1;
+  int bucket = 0;
   if (skinny(s) && !excused(x, s)) {
-    // Twice the binary logarithm of the shortest edge, one unit to an octave of its square.
-    const double e2 = s.squared[static_cast<std::size_t>(s.shortest)];
-    bucket = std::clamp(std::ilogb(e2) + 40, 0, kBuckets - 2);
-  } else if (oversized_edge(x, s) < 0) {
+    bucket = skinny_bucket(s);
+  } else if (const int edge = oversized_edge(x, s); edge >= 0) {
+    bucket = oversized_bucket(x, s, edge);
+  } else {
     return;
   }
   buckets_[static_cast<std::size_t>(bucket)].push_back({t, {x.v[0], x.v[1], x.v[2]}});
@@ -157,14 +173,12 @@ Point2 Refiner::split_position(const TriMesh::Triangle& x, const Shape& s, bool 
   const int i = s.shortest;
   const Point2 p = mesh_.point(x.v[(i + 1) % 3]), q = mesh_.point(x.v[(i + 2) % 3]);
   const double dx = q.x - p.x, dy = q.y - p.y;
-  const double length = std::sqrt(s.squared[static_cast<std::size_t>(i)]);
   // Height of the circumcentre over the edge: half its length times the cotangent at the apex.
   const double l2 = s.squared[static_cast<std::size_t>((i + 1) % 3)];
   const double m2 = s.squared[static_cast<std::size_t>((i + 2) % 3)];
   const double e2 = s.squared[static_cast<std::size_t>(i)];
   double height = 0.25 * (l2 + m2 - e2) / s.twice_area;  // in units of the edge's length
   if (is_skinny && !(height <= off_centre_height_)) height = off_centre_height_;
-  (void)length;
   return {p.x + 0.5 * dx - height * dy, p.y + 0.5 * dy + height * dx};
 }
 
@@ -257,7 +271,7 @@ bool Refiner::split(std::int32_t s) {
   const Point2 a = mesh_.point(mesh_.sub(s).v[0]), b = mesh_.point(mesh_.sub(s).v[1]);
   const Point2 p = cut_position(mesh_.sub(s));
   const double scale = std::max({std::abs(a.x), std::abs(a.y), std::abs(b.x), std::abs(b.y)});
-  if (squared_distance(a, b) < scale * scale * 0x1p-88) return false;
+  if (mesh_.sub(s).frozen || squared_distance(a, b) < scale * scale * 0x1p-88) return false;
   // Free vertices in the diametral circle would be left with short edges (Chew 1993).
   for (int k = 0; k < 2; ++k) {
     for (;;) {
@@ -273,7 +287,10 @@ bool Refiner::split(std::int32_t s) {
   }
   const std::int32_t v = add_vertex(p, mesh_.sub(s).piece);
   const bool done = mesh_.split_subsegment(s, v) != TriMesh::kNothing;
-  if (!done) unused_vertices_.push_back(v);
+  if (!done) {
+    unused_vertices_.push_back(v);
+    mesh_.sub(s).frozen = true;
+  }
   consider_touched();
   return done;
 }
@@ -374,6 +391,7 @@ Triangulation refine(const PlanarGraph& graph, const RefineOptions& options,
   carve_outside(construction.mesh);
   progress.update(0.3);
   refiner.run(progress);
+  if (options.optimize) refiner.optimize(2);
   Triangulation result = export_triangulation(graph, construction, refiner.piece_inputs());
   result.small_input_angles = refiner.small_input_angles();
   result.triangles_below_min_angle = refiner.count_below_min_angle();

@@ -12,7 +12,7 @@ namespace {
 
 // Tuned on random rectangles and on the Stockholm tile by the number and the angles of triangles:
 // spacing of the lattice and its distance from segments, in units of the longest edge allowed.
-constexpr double kLatticeSpacing = 0.87;
+constexpr double kLatticeSpacing = 0.88;
 constexpr double kLatticeClearance = 0.45;
 
 double distance(Point2 p, Point2 q) { return std::hypot(p.x - q.x, p.y - q.y); }
@@ -54,14 +54,16 @@ void Refiner::seed() {
   mesh_.tracking = false;
   mesh_.some_triangle.clear();
   find_corners();
+  const Bounds2 box = bounds_of(mesh_.points);
   if (max_vertices_ <= 0) {
-    const Bounds2 box = bounds_of(mesh_.points);
     const double h = size_.base();
     const double lattice = std::isfinite(h) ? 8 * box.width() * box.height() / (h * h) : 0;
     max_vertices_ = std::int64_t{2'000'000} + 200 * static_cast<std::int64_t>(mesh_.points.size()) +
                     static_cast<std::int64_t>(std::min(lattice, 1e9));
   }
   max_vertices_ = std::min<std::int64_t>(max_vertices_, 250'000'000);
+  const double longest = std::min(size_.base(), std::max(box.width(), box.height()));
+  largest_edge_exponent_ = 2 * std::ilogb(longest) + 1;
   cut_pieces();
   if (options_.lattice && std::isfinite(size_.base()) && !options_.size_field) insert_lattice();
   mesh_.touched.clear();
@@ -207,10 +209,10 @@ void Refiner::insert_lattice() {
       if (taken[static_cast<std::size_t>(j * nx + i)] == 0 && box.contains(node(i, j)))
         nodes.push_back(node(i, j));
   const HilbertCurve curve(box);
-  std::vector<std::uint64_t> keys(nodes.size());
+  std::vector<std::uint32_t> keys(nodes.size());
   for (std::size_t k = 0; k < nodes.size(); ++k) keys[k] = curve(nodes[k]);
   std::int32_t hint = 0;
-  for (const std::int32_t k : sorted_order(keys, 32)) {
+  for (const std::int32_t k : sorted_order(keys)) {
     const Point2 p = nodes[static_cast<std::size_t>(k)];
     const TriMesh::Location where = mesh_.locate(p, hint);
     hint = where.triangle;

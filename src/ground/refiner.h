@@ -56,6 +56,8 @@ class Refiner {
   void seed();
   /// After it is carved.
   void run(const Progress& progress);
+  /// Moves free vertices where that widens the smallest angle around them and breaks no guarantee.
+  void optimize(int sweeps);
 
   std::int64_t small_input_angles() const { return small_input_angles_; }
   std::int64_t count_below_min_angle() const;
@@ -77,8 +79,9 @@ class Refiner {
     int shortest;
     int longest;
   };
-  // Buckets of skinny triangles by shortest edge, two to an octave; the last one is for triangles
-  // that are only too large.
+  // Worst first: buckets of skinny triangles by shortest edge, doubling its square from one to the
+  // next, then triangles that are only too large by falling circumradius.
+  static constexpr int kSkinnyBuckets = 44;
   static constexpr int kBuckets = 64;
 
   void find_pieces();
@@ -97,6 +100,8 @@ class Refiner {
   bool excused(const TriMesh::Triangle& x, const Shape& s) const;
   bool across_sharp_corner(std::int32_t x, std::int32_t y) const;
 
+  int skinny_bucket(const Shape& s) const;
+  int oversized_bucket(const TriMesh::Triangle& x, const Shape& s, int edge) const;
   void consider(std::int32_t t);
   void consider_touched();
   bool pop(BadTriangle& bad);
@@ -114,6 +119,8 @@ class Refiner {
   bool piece_end_is_acute(const Piece& piece, std::int32_t vertex) const {
     return (piece.v[0] == vertex && piece.acute[0]) || (piece.v[1] == vertex && piece.acute[1]);
   }
+  bool move_vertex(std::int32_t v, std::int32_t he, double content);
+  bool edges_fit(const std::int32_t* rim, std::size_t count, Point2 p) const;
   std::int32_t add_vertex(Point2 p, std::int32_t kind);
   std::int32_t kind(std::int32_t v) const { return kinds_[static_cast<std::size_t>(v)]; }
   const Piece& piece(std::int32_t p) const { return pieces_[static_cast<std::size_t>(p)]; }
@@ -130,6 +137,7 @@ class Refiner {
   std::int64_t queued_ = 0;
   std::vector<LongSubsegment> encroached_;
   std::vector<std::int32_t> hit_;
+  int largest_edge_exponent_ = 0;  // of the square of the longest edge to be expected
   double sine_squared_ = 0;
   double cosine_ = 0;
   double off_centre_height_ = 0;  // over a shortest edge of length 1

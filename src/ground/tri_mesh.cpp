@@ -182,7 +182,7 @@ std::int32_t TriMesh::split_subsegment(std::int32_t s, std::int32_t vertex) {
   }
   const Subsegment old = sub(s);
   const std::int32_t s2 = static_cast<std::int32_t>(subsegments.size());
-  subsegments.push_back({{vertex, old.v[1]}, {kNothing, kNothing}, old.piece});
+  subsegments.push_back({{vertex, old.v[1]}, {kNothing, kNothing}, old.piece, false});
   sub(s).v[1] = vertex;
   std::int32_t halves[2][2] = {{kNothing, kNothing}, {kNothing, kNothing}};
   for (int k = 0; k < 2; ++k) {
@@ -214,6 +214,8 @@ std::int32_t TriMesh::split_subsegment(std::int32_t s, std::int32_t vertex) {
     touched.push_back(u);
     pending_.push_back(4 * t);
     pending_.push_back(4 * u);
+    // Only in doubt if the vertex is off the line: rounding may bend the subsegment.
+    pending_.push_back(4 * t + 2);
   }
   sub(s).side[0] = halves[0][0];
   sub(s2).side[0] = halves[0][1];
@@ -283,7 +285,7 @@ std::int32_t TriMesh::constrain(std::int32_t he, std::int32_t piece) {
   const std::int32_t n = link(he);
   if (n < 0) return ~n;
   const std::int32_t s = static_cast<std::int32_t>(subsegments.size());
-  subsegments.push_back({{origin(he), target(he)}, {he, n}, piece});
+  subsegments.push_back({{origin(he), target(he)}, {he, n}, piece, false});
   tri(he >> 2).n[he & 3] = ~s;
   tri(n >> 2).n[n & 3] = ~s;
   return s;

@@ -34,6 +34,7 @@ class TriMesh {
     std::int32_t v[2];
     std::int32_t side[2];
     std::int32_t piece;
+    bool frozen = false;  ///< Too short, or too close to a vertex, to be split again.
   };
 
   /// Where a point is: in `triangle` (perhaps a ghost), on its edge `edge` if >= 0, at `vertex` if

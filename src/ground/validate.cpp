@@ -206,26 +206,27 @@ Violations check_edge_lengths(std::span<const Point2> points, TriangleSpan trian
 
 namespace {
 
-// Follows segments from `a` to `b`, always along the line and forwards.
+// Whether segments lead from `a` to `b`, always along the line and forwards. All branches are tried:
+// near a crossing several vertices may be within the tolerance.
 bool follows(std::span<const Point2> points, const Neighbours& neighbours, VertexIndex a,
              VertexIndex b, double tolerance) {
-  const Point2 to = at(points, b);
-  const Point2 from = at(points, a);
-  VertexIndex v = a;
-  while (v != b) {
-    VertexIndex best = -1;
+  const Point2 from = at(points, a), to = at(points, b);
+  const auto along = [&](Point2 p) {
+    return (p.x - from.x) * (to.x - from.x) + (p.y - from.y) * (to.y - from.y);
+  };
+  std::vector<VertexIndex> open{a};
+  while (!open.empty()) {
+    const VertexIndex v = open.back();
+    open.pop_back();
+    if (v == b) return true;
     for (const VertexIndex w : neighbours.of(v)) {
       const Point2 p = at(points, w);
-      if (distance_to_segment(p, from, to) > tolerance) continue;
-      if (distance(p, to) >= distance(at(points, v), to)) continue;
-      // The nearest step: overlapping segments of different length do not exist, edges do.
-      if (best < 0 || distance(p, at(points, v)) < distance(at(points, best), at(points, v)))
-        best = w;
+      if (along(p) > along(at(points, v)) &&
+          distance_to_segment(p, from, to) <= tolerance)
+        open.push_back(w);
     }
-    if (best < 0) return false;
-    v = best;
   }
-  return true;
+  return false;
 }
 
 }  // namespace
@@ -238,9 +239,11 @@ Violations check_input(const PlanarGraph& graph, const Triangulation& triangulat
   for (std::size_t i = 0; i < graph.points.size() && !full(found); ++i)
     if (!(at(points, triangulation.input_vertex[i]) == graph.points[i]))
       found.push_back(fmt::format("point {}: has moved", i));
-  std::vector<char> used(points.size(), triangulation.triangles.empty() ? 1 : 0);
+  std::vector<char> used(points.size(), 0);
   for (const auto& t : triangulation.triangles)
     for (const VertexIndex v : t) used[static_cast<std::size_t>(v)] = 1;
+  for (const auto& s : triangulation.segments)
+    for (const VertexIndex v : s) used[static_cast<std::size_t>(v)] = 1;
   const Neighbours neighbours(points.size(), triangulation.segments);
   const double tolerance = kOnSegmentTolerance * largest_coordinate(points);
   for (std::size_t s = 0; s < graph.segments.size() && !full(found); ++s) {

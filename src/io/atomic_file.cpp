@@ -1,13 +1,13 @@
 #include "tetropolis/io/atomic_file.h"
 
-#include <fcntl.h>
-#include <unistd.h>
-
 #include <cassert>
 #include <cerrno>
 #include <string>
 #include <system_error>
 #include <utility>
+
+#include <fcntl.h>
+#include <unistd.h>
 
 #include "tetropolis/core/error.h"
 

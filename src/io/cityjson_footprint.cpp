@@ -1,11 +1,11 @@
 #include "cityjson_footprint.h"
 
-#include <geos_c.h>
-
 #include <algorithm>
 #include <cmath>
 #include <memory>
 #include <utility>
+
+#include <geos_c.h>
 
 #include "tetropolis/city/city_model.h"
 #include "tetropolis/geometry/polygon.h"
@@ -97,7 +97,7 @@ std::vector<const Face*> select(const std::vector<Face>& faces, double low, doub
 
 /// The faces whose shadow is the footprint.
 std::vector<Polygon> ground_polygons(const std::vector<Face>& faces) {
-  constexpr double kFlat = 0.5;    // Steeper than 60 degrees is no floor.
+  constexpr double kFlat = 0.5;  // Steeper than 60 degrees is no floor.
   constexpr double kNotWall = 0.01;
   std::vector<Polygon> polygons = project_faces(select(faces, -1, 1, true));
   if (polygons.empty()) polygons = project_faces(select(faces, -1, -kFlat, false));
@@ -164,10 +164,9 @@ std::vector<Polygon> unite(const std::vector<Polygon>& polygons) {
   for (const Polygon& polygon : polygons)
     if (Geometry part = make_polygon(geos, polygon)) parts.push_back(part.release());
   if (parts.empty()) return result;
-  const Geometry all(
-      GEOSGeom_createCollection_r(geos.get(), GEOS_GEOMETRYCOLLECTION, parts.data(),
-                                  static_cast<unsigned>(parts.size())),
-      {geos.get()});
+  const Geometry all(GEOSGeom_createCollection_r(geos.get(), GEOS_GEOMETRYCOLLECTION, parts.data(),
+                                                 static_cast<unsigned>(parts.size())),
+                     {geos.get()});
   if (all == nullptr) return result;
   const Geometry whole(GEOSUnaryUnion_r(geos.get(), all.get()), {geos.get()});
   if (whole != nullptr) read_polygons(geos, whole.get(), result);

@@ -1,22 +1,23 @@
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstdint>
 #include <cstdlib>
 #include <fstream>
-#include <nlohmann/json.hpp>
 #include <string_view>
 #include <system_error>
 #include <unordered_map>
 #include <unordered_set>
 #include <utility>
 
-#include "cityjson_footprint.h"
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
 #include "tetropolis/core/error.h"
 #include "tetropolis/io/cityjson.h"
 #include "tetropolis/io/crs.h"
+
+#include "cityjson_footprint.h"
 
 namespace tetropolis {
 
@@ -111,7 +112,8 @@ Document parse(const fs::path& path) {
                                                "no CityJSON",
                                                path.string(), e.byte));
   } catch (const Json::exception&) {
-    throw Error(ErrorKind::kInput, path.string() + ": holds numbers out of range; the file is broken");
+    throw Error(ErrorKind::kInput,
+                path.string() + ": holds numbers out of range; the file is broken");
   }
   if (!twice.empty())
     throw Error(ErrorKind::kInput,
@@ -147,8 +149,8 @@ Frame read_vertices(const Place& root) {
   for (std::size_t i = 0; i < size; ++i) {
     // The long list of the document: the way to an item is spelt out only where it is wrong.
     const Json& v = list.value()[i];
-    const bool good = v.is_array() && v.size() == 3 && v[0].is_number() && v[1].is_number() &&
-                      v[2].is_number();
+    const bool good =
+        v.is_array() && v.size() == 3 && v[0].is_number() && v[1].is_number() && v[2].is_number();
     if (!good) list.at(i).fail("is not an array of three numbers");
     frame.vertices.push_back({v[0].get<double>(), v[1].get<double>(), v[2].get<double>()});
   }
@@ -454,9 +456,9 @@ CityModel read_city(const fs::path& path, std::vector<Warning>* warnings) {
   reader.finish();
   const std::size_t dropped = model.dropped.size() - dropped_before;
   if (warnings != nullptr && dropped > 0)
-    warnings->push_back({"city_objects_dropped", static_cast<std::int64_t>(dropped),
-                         fmt::format("{}: {} buildings or parts have no usable geometry",
-                                     path.string(), dropped)});
+    warnings->push_back(
+        {"city_objects_dropped", static_cast<std::int64_t>(dropped),
+         fmt::format("{}: {} buildings or parts have no usable geometry", path.string(), dropped)});
   return model;
 }
 

@@ -1,5 +1,3 @@
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <array>
 #include <cassert>
@@ -10,6 +8,8 @@
 #include <limits>
 #include <string_view>
 #include <unordered_map>
+
+#include <fmt/format.h>
 
 #include "tetropolis/geometry/polygon.h"
 #include "tetropolis/io/atomic_file.h"
@@ -159,8 +159,8 @@ void put_geometry(Buffer& out, const Building& building, VertexTable& vertices) 
   for (const RingIndices& ring : rings)
     for (std::size_t i = 0; i < ring.ground.size(); ++i, ++walls) {
       const std::size_t next = (i + 1) % ring.ground.size();
-      fmt::format_to(std::back_inserter(out), ",[[{},{},{},{}]]", ring.ground[i],
-                     ring.ground[next], ring.roof[next], ring.roof[i]);
+      fmt::format_to(std::back_inserter(out), ",[[{},{},{},{}]]", ring.ground[i], ring.ground[next],
+                     ring.roof[next], ring.roof[i]);
     }
   put(out,
       "]],\"semantics\":{\"surfaces\":[{\"type\":\"GroundSurface\"},{\"type\":\"RoofSurface\"},"

@@ -7,8 +7,9 @@
 #include <limits>
 #include <string_view>
 
-#include "gdal_support.h"
 #include "tetropolis/core/error.h"
+
+#include "gdal_support.h"
 
 namespace tetropolis {
 
@@ -35,7 +36,8 @@ std::string expand_shorthand(const std::string& text) {
   return trimmed;
 }
 
-/// GDAL would also take file names and addresses, and read them; a definition has a mark of its own.
+/// GDAL would also take file names and addresses, and read them; a definition has a mark of its
+/// own.
 bool is_definition(std::string_view text) {
   constexpr std::array<std::string_view, 4> kNames = {"WGS84", "WGS72", "NAD83", "NAD27"};
   if (text.empty() || text[0] == '/' || text[0] == '.') return false;
@@ -59,8 +61,8 @@ std::string epsg_of(OGRSpatialReferenceH srs) {
   return std::string("EPSG:") + code;
 }
 
-/// The same with axes east, north: systems that differ in the order of their axes only (EPSG:3042 and
-/// EPSG:25830) have the same coordinates here, where x is always the easting.
+/// The same with axes east, north: systems that differ in the order of their axes only (EPSG:3042
+/// and EPSG:25830) have the same coordinates here, where x is always the easting.
 Srs with_usual_axes(OGRSpatialReferenceH srs) {
   Srs result(OSRClone(srs));
   if (OSRIsProjected(srs) != 0)

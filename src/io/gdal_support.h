@@ -1,17 +1,17 @@
 // Thin ownership around the GDAL C API: registration, quiet errors, handles. Private to src/io.
 #pragma once
 
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <type_traits>
+
 #include <cpl_conv.h>
 #include <cpl_error.h>
 #include <cpl_string.h>
 #include <gdal.h>
 #include <ogr_api.h>
 #include <ogr_srs_api.h>
-
-#include <cstdint>
-#include <memory>
-#include <string>
-#include <type_traits>
 
 namespace tetropolis::gdal {
 

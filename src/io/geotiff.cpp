@@ -1,7 +1,5 @@
 #include "tetropolis/io/geotiff.h"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <array>
 #include <cassert>
@@ -14,11 +12,14 @@
 #include <system_error>
 #include <utility>
 
-#include "gdal_support.h"
+#include <fmt/format.h>
+
 #include "tetropolis/city/city_model.h"
 #include "tetropolis/core/error.h"
 #include "tetropolis/io/atomic_file.h"
 #include "tetropolis/io/crs.h"
+
+#include "gdal_support.h"
 
 namespace tetropolis {
 
@@ -45,9 +46,12 @@ double restore(double value) {
 void describe(GDALDatasetH dataset, const Raster& raster, Point2 origin, const std::string& crs,
               const std::optional<Bounds2>& domain) {
   const double half = raster.step / 2;
-  std::array<double, 6> transform = {
-      origin.x + raster.x0 - half, raster.step, 0,
-      origin.y + raster.y0 + (raster.ny - 1) * raster.step + half, 0, -raster.step};
+  std::array<double, 6> transform = {origin.x + raster.x0 - half,
+                                     raster.step,
+                                     0,
+                                     origin.y + raster.y0 + (raster.ny - 1) * raster.step + half,
+                                     0,
+                                     -raster.step};
   GDALSetGeoTransform(dataset, transform.data());
   if (!crs.empty()) GDALSetSpatialRef(dataset, gdal::parse_srs(crs).get());
   GDALSetRasterNoDataValue(GDALGetRasterBand(dataset, 1), kRasterNodata);
@@ -88,8 +92,8 @@ gdal::Dataset open_raster(const fs::path& path, const gdal::QuietErrors& errors)
   std::error_code error;
   if (!fs::exists(path, error)) fail(path, "no such file; check the path");
   if (fs::is_directory(path, error)) fail(path, "is a folder; name a raster file");
-  gdal::Dataset dataset(GDALOpenEx(path.c_str(), GDAL_OF_RASTER | GDAL_OF_VERBOSE_ERROR, nullptr,
-                                   nullptr, nullptr));
+  gdal::Dataset dataset(
+      GDALOpenEx(path.c_str(), GDAL_OF_RASTER | GDAL_OF_VERBOSE_ERROR, nullptr, nullptr, nullptr));
   if (dataset == nullptr)
     fail(path, "not a readable raster" + errors.reason() + "; give a GeoTIFF");
   return dataset;
@@ -112,7 +116,8 @@ Grid check_grid(const fs::path& path, GDALDatasetH dataset) {
   if (t[2] != 0 || t[4] != 0 || t[5] >= 0)
     fail(path, "is rotated or south up; make it north up with gdalwarp");
   if (std::abs(t[1] + t[5]) > 1e-6 * t[1])
-    fail(path, fmt::format("has pixels of {} x {}; make them square with gdalwarp -tr", t[1], -t[5]));
+    fail(path,
+         fmt::format("has pixels of {} x {}; make them square with gdalwarp -tr", t[1], -t[5]));
   return grid;
 }
 

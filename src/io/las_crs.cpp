@@ -1,6 +1,4 @@
 // The reference system of a LAS file from its GeoTIFF keys or its WKT.
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <cstdint>
 #include <cstring>
@@ -10,6 +8,7 @@
 #include <vector>
 
 #include <cpl_vsi.h>
+#include <fmt/format.h>
 
 #include "gdal_support.h"
 #include "las_header.h"
@@ -83,8 +82,8 @@ const Vlr* find(const std::vector<Vlr>& vlrs, int record_id) {
   return nullptr;
 }
 
-/// The directory without the keys that have no bearing on x and y or name no known unit: PROJ, asked
-/// for one by way of GDAL, complains on the error stream.
+/// The directory without the keys that have no bearing on x and y or name no known unit: PROJ,
+/// asked for one by way of GDAL, complains on the error stream.
 std::string sift_keys(std::string_view directory) {
   const auto number = [&](std::size_t entry, std::size_t field) {
     std::uint16_t value;
@@ -133,7 +132,8 @@ std::string crs_of_keys(const std::vector<Vlr>& vlrs) {
   if (const Vlr* ascii = find(vlrs, kGeoAscii); ascii != nullptr && !ascii->data.empty())
     tiff.add(kGeoAscii, 2, ascii->data.size(), ascii->data);
   std::string bytes = tiff.finish();
-  const std::string name = fmt::format("/vsimem/tetropolis-{}.tif", static_cast<const void*>(&tiff));
+  const std::string name =
+      fmt::format("/vsimem/tetropolis-{}.tif", static_cast<const void*>(&tiff));
   VSIFCloseL(VSIFileFromMemBuffer(name.c_str(), reinterpret_cast<GByte*>(bytes.data()),
                                   bytes.size(), FALSE));
   std::string crs;

@@ -1,12 +1,12 @@
 #include "las_decode.h"
 
-#include <fmt/format.h>
-#include <laszip/laszip_api.h>
-
 #include <algorithm>
 #include <cstring>
 #include <string>
 #include <vector>
+
+#include <fmt/format.h>
+#include <laszip/laszip_api.h>
 
 namespace tetropolis {
 
@@ -42,13 +42,12 @@ void decode_plain(const fs::path& path, const LasLayout& layout, std::int64_t fi
   for (std::int64_t done = 0; done < count;) {
     const auto n = static_cast<std::size_t>(
         std::min<std::int64_t>(static_cast<std::int64_t>(kBlock), count - done));
-    const std::int64_t at =
-        layout.first_point + (first + done) * static_cast<std::int64_t>(length);
+    const std::int64_t at = layout.first_point + (first + done) * static_cast<std::int64_t>(length);
     const std::size_t got = file.read(at, bytes.data(), n * length) / length;
     if (got < n)
-      fail_las(path, fmt::format("ends at point {} of {}: the file is cut; get it again",
-                                 first + done + static_cast<std::int64_t>(got),
-                                 layout.info.point_count));
+      fail_las(path,
+               fmt::format("ends at point {} of {}: the file is cut; get it again",
+                           first + done + static_cast<std::int64_t>(got), layout.info.point_count));
     for (std::size_t i = 0; i < n; ++i)
       records[i] = parse_record(bytes.data() + i * length, extended);
     visit(records.data(), n);
@@ -62,15 +61,17 @@ class LazReader {
   LazReader(const fs::path& path, const LasLayout& layout) : path_(path), layout_(layout) {
     if (laszip_create(&reader_) != 0) fail_las(path, "the LASzip library cannot be used");
     // Of the layered formats only these layers are unpacked; the others have no layers.
-    laszip_decompress_selective(
-        reader_, laszip_DECOMPRESS_SELECTIVE_CHANNEL_RETURNS_XY | laszip_DECOMPRESS_SELECTIVE_Z |
-                     laszip_DECOMPRESS_SELECTIVE_CLASSIFICATION | laszip_DECOMPRESS_SELECTIVE_FLAGS);
+    laszip_decompress_selective(reader_, laszip_DECOMPRESS_SELECTIVE_CHANNEL_RETURNS_XY |
+                                             laszip_DECOMPRESS_SELECTIVE_Z |
+                                             laszip_DECOMPRESS_SELECTIVE_CLASSIFICATION |
+                                             laszip_DECOMPRESS_SELECTIVE_FLAGS);
     laszip_BOOL compressed = 0;
     if (laszip_open_reader(reader_, path.c_str(), &compressed) != 0 ||
         laszip_get_point_pointer(reader_, &point_) != 0) {
       const std::string reason = error();
       laszip_destroy(reader_);
-      fail_las(path, "cannot be opened by LASzip: " + reason + "; get it again or convert it to LAS");
+      fail_las(path,
+               "cannot be opened by LASzip: " + reason + "; get it again or convert it to LAS");
     }
   }
   ~LazReader() {
@@ -91,8 +92,8 @@ class LazReader {
     record.y = point_->Y;
     record.z = point_->Z;
     record.classification = extended ? point_->extended_classification : point_->classification;
-    record.withheld = extended ? (point_->extended_classification_flags & 0x04) != 0
-                               : point_->withheld_flag != 0;
+    record.withheld =
+        extended ? (point_->extended_classification_flags & 0x04) != 0 : point_->withheld_flag != 0;
     return record;
   }
 
@@ -109,8 +110,8 @@ class LazReader {
   [[noreturn]] void fail_at(std::int64_t number) const {
     const std::int64_t total = layout_.info.point_count;
     if (layout_.chunk_table_missing)
-      fail_las(path_, fmt::format("ends at point {} of {}: the file is cut; get it again", number,
-                                  total));
+      fail_las(path_,
+               fmt::format("ends at point {} of {}: the file is cut; get it again", number, total));
     fail_las(path_, fmt::format("cannot be unpacked at point {} of {} (LASzip: {}): the file is "
                                 "broken; get it again",
                                 number, total, error()));

@@ -1,16 +1,16 @@
 #include "las_header.h"
 
-#include <fcntl.h>
-#include <fmt/format.h>
-#include <sys/stat.h>
-#include <unistd.h>
-
 #include <algorithm>
 #include <bit>
 #include <cerrno>
 #include <cmath>
 #include <cstring>
 #include <system_error>
+
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <sys/stat.h>
+#include <unistd.h>
 
 #include "tetropolis/core/error.h"
 
@@ -66,9 +66,10 @@ void parse_fixed(const fs::path& path, std::string_view h, LasLayout& layout) {
   const int header_size = number_at<std::uint16_t>(h, 94);
   const int smallest = info.version_minor == 4 ? 375 : info.version_minor == 3 ? 235 : 227;
   if (header_size < smallest)
-    fail_las(path, fmt::format("byte 94 says a header of {} bytes where LAS 1.{} needs {}; the file "
-                               "is broken",
-                               header_size, info.version_minor, smallest));
+    fail_las(path,
+             fmt::format("byte 94 says a header of {} bytes where LAS 1.{} needs {}; the file "
+                         "is broken",
+                         header_size, info.version_minor, smallest));
   if (h.size() < static_cast<std::size_t>(smallest))
     fail_las(path, fmt::format("ends at byte {} within its header; the file is cut, get it again",
                                h.size()));
@@ -105,8 +106,7 @@ void parse_numbers(const fs::path& path, std::string_view h, LasInfo& info) {
     const double reach = std::abs(info.scale[axis]) * 2147483648.0 + std::abs(info.offset[axis]);
     if (info.scale[axis] == 0 || !std::isfinite(reach))
       fail_las(path, fmt::format("byte {} says scale {} and offset {} for {}; the file is broken",
-                                 131 + 8 * axis, info.scale[axis], info.offset[axis],
-                                 "xyz"[axis]));
+                                 131 + 8 * axis, info.scale[axis], info.offset[axis], "xyz"[axis]));
   }
   const auto legacy = number_at<std::uint32_t>(h, 107);
   const std::uint64_t extended = info.version_minor == 4 ? number_at<std::uint64_t>(h, 247) : 0;
@@ -126,8 +126,8 @@ std::vector<Vlr> read_vlrs(const fs::path& path, const PositionedFile& file, std
   std::size_t at = header_size;
   std::string head(kVlrHeader, '\0');
   for (std::uint32_t i = 0; i < claimed; ++i) {
-    if (end - at < kVlrHeader || file.read(static_cast<std::int64_t>(at), head.data(),
-                                           head.size()) < head.size())
+    if (end - at < kVlrHeader ||
+        file.read(static_cast<std::int64_t>(at), head.data(), head.size()) < head.size())
       break;
     const std::size_t length = number_at<std::uint16_t>(head, 20);
     if (end - at - kVlrHeader < length) break;
@@ -205,7 +205,8 @@ void settle_compression(const fs::path& path, const PositionedFile& file,
     if (!problem.empty()) fail_las(path, problem + "; get the file again or convert it to LAS");
   }
   if (found != 1)
-    fail_las(path, fmt::format("is compressed but has {} LASzip records; the file is broken", found));
+    fail_las(path,
+             fmt::format("is compressed but has {} LASzip records; the file is broken", found));
   if (record.compressor == 1 || layout.info.point_count == 0) return;
   const std::int64_t size = layout.file_size;
   std::int64_t table = -1;
@@ -219,9 +220,10 @@ void settle_compression(const fs::path& path, const PositionedFile& file,
       file.read(table, head.data(), sizeof head) < sizeof head) {
     // Chunks of equal size can be decoded one after the other until the file ends.
     if (variable)
-      fail_las(path, fmt::format("ends at byte {} without its table of chunks: the file is cut; get "
-                                 "it again",
-                                 size));
+      fail_las(path,
+               fmt::format("ends at byte {} without its table of chunks: the file is cut; get "
+                           "it again",
+                           size));
     layout.chunk_table_missing = true;
     return;
   }
@@ -325,7 +327,8 @@ LasLayout read_las_layout(const fs::path& path) {
     stated = stated || (vlr.user_id == "LASF_Projection" &&
                         (vlr.record_id == 34735 || vlr.record_id == 2112));
   }
-  const bool wkt = layout.info.point_format >= 6 || (number_at<std::uint16_t>(front, 6) & 0x10) != 0;
+  const bool wkt =
+      layout.info.point_format >= 6 || (number_at<std::uint16_t>(front, 6) & 0x10) != 0;
   layout.info.crs = crs_of_vlrs(vlrs, wkt);
   if (stated && layout.info.crs.empty())
     layout.info.warnings.push_back({"las_crs_unknown", 1,

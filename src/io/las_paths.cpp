@@ -1,11 +1,12 @@
-#include <glob.h>
-
 #include <algorithm>
 #include <system_error>
 #include <utility>
 
-#include "las_header.h"
+#include <glob.h>
+
 #include "tetropolis/core/error.h"
+
+#include "las_header.h"
 
 namespace tetropolis {
 
@@ -76,7 +77,8 @@ std::vector<fs::path> expand_point_paths(std::span<const std::string> arguments)
   std::sort(keyed.begin(), keyed.end());
   std::vector<fs::path> result;
   for (std::size_t i = 0; i < keyed.size(); ++i)
-    if (i == 0 || keyed[i].first != keyed[i - 1].first) result.push_back(std::move(keyed[i].second));
+    if (i == 0 || keyed[i].first != keyed[i - 1].first)
+      result.push_back(std::move(keyed[i].second));
   return result;
 }
 

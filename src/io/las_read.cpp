@@ -1,5 +1,3 @@
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <atomic>
 #include <cmath>
@@ -8,10 +6,13 @@
 #include <mutex>
 #include <utility>
 
-#include "las_decode.h"
+#include <fmt/format.h>
+
 #include "tetropolis/core/error.h"
 #include "tetropolis/core/parallel.h"
 #include "tetropolis/io/crs.h"
+
+#include "las_decode.h"
 
 namespace tetropolis {
 
@@ -110,8 +111,9 @@ bool box_holds_samples(const fs::path& path, const LasLayout& layout) {
     decode_points(path, layout, first, std::min(count, info.point_count - first),
                   [&](const LasRecord* records, std::size_t n) {
                     for (std::size_t i = 0; i < n; ++i)
-                      inside = inside && box.contains({records[i].x * info.scale[0] + info.offset[0],
-                                                       records[i].y * info.scale[1] + info.offset[1]});
+                      inside =
+                          inside && box.contains({records[i].x * info.scale[0] + info.offset[0],
+                                                  records[i].y * info.scale[1] + info.offset[1]});
                   });
   };
   probe(0, 4);
@@ -177,7 +179,8 @@ std::vector<Task> make_tasks(const std::vector<FilePlan>& plans) {
 
 /// One array of all clouds after another; the parts are freed on the way.
 template <typename Value>
-std::vector<Value> concatenate(std::vector<PointCloud>& parts, std::vector<Value> PointCloud::*array) {
+std::vector<Value> concatenate(std::vector<PointCloud>& parts,
+                               std::vector<Value> PointCloud::*array) {
   std::size_t size = 0;
   for (const PointCloud& part : parts) size += (part.*array).size();
   std::vector<Value> all;
@@ -200,11 +203,12 @@ std::string common_crs(std::span<const fs::path> paths, const std::vector<FilePl
     if (known == plans.size())
       known = f;
     else if (!same_horizontal_crs(plans[known].layout.info.crs, crs))
-      throw Error(ErrorKind::kInput,
-                  fmt::format("{} is in {} but {} is in {}; convert one of them or state the system "
-                              "of all",
-                              paths[known].string(), plans[known].layout.info.crs.substr(0, 80),
-                              paths[f].string(), crs.substr(0, 80)));
+      throw Error(
+          ErrorKind::kInput,
+          fmt::format("{} is in {} but {} is in {}; convert one of them or state the system "
+                      "of all",
+                      paths[known].string(), plans[known].layout.info.crs.substr(0, 80),
+                      paths[f].string(), crs.substr(0, 80)));
   }
   return known == plans.size() ? "" : plans[known].layout.info.crs;
 }

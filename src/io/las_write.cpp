@@ -1,6 +1,3 @@
-#include <fmt/format.h>
-#include <laszip/laszip_api.h>
-
 #include <algorithm>
 #include <cassert>
 #include <charconv>
@@ -10,11 +7,15 @@
 #include <tuple>
 #include <utility>
 
-#include "gdal_support.h"
+#include <fmt/format.h>
+#include <laszip/laszip_api.h>
+
 #include "tetropolis/core/error.h"
 #include "tetropolis/io/atomic_file.h"
 #include "tetropolis/io/crs.h"
 #include "tetropolis/io/las.h"
+
+#include "gdal_support.h"
 
 namespace tetropolis {
 
@@ -37,7 +38,8 @@ void quantise_axis(const fs::path& path, const std::vector<double>& local, doubl
   // A round number near the middle leaves most room for fine scales.
   const double middle = shift + *low / 2 + *high / 2;
   const double offset = std::round(middle / 1000) * 1000;
-  const double largest = std::max(std::abs(shift + *low - offset), std::abs(shift + *high - offset));
+  const double largest =
+      std::max(std::abs(shift + *low - offset), std::abs(shift + *high - offset));
   if (!(largest / scale < 2147483647.0))
     throw Error(ErrorKind::kUsage,
                 fmt::format("{}: a scale of {} is too fine for {} = {} .. {}; choose a coarser one",

@@ -1,11 +1,11 @@
 #include "vector_geometry.h"
 
-#include <ogr_core.h>
-
 #include <cmath>
 #include <memory>
 #include <type_traits>
 #include <utility>
+
+#include <ogr_core.h>
 
 namespace tetropolis {
 
@@ -108,7 +108,8 @@ FlatGeometry flatten(OGRGeometryH geometry) {
     }
   }
   collect(geometry, 0, result);
-  if (result.parts.empty()) result.reason = reason_without_polygons(OGR_G_GetGeometryType(geometry));
+  if (result.parts.empty())
+    result.reason = reason_without_polygons(OGR_G_GetGeometryType(geometry));
   return result;
 }
 

@@ -1,10 +1,10 @@
 // From OGR geometries to plain polygons. Private to src/io.
 #pragma once
 
-#include <ogr_api.h>
-
 #include <string>
 #include <vector>
+
+#include <ogr_api.h>
 
 #include "tetropolis/geometry/types.h"
 

@@ -1,6 +1,3 @@
-#include <fmt/format.h>
-#include <fmt/ranges.h>
-
 #include <algorithm>
 #include <charconv>
 #include <cmath>
@@ -15,11 +12,14 @@
 #include <utility>
 
 #include <cpl_vsi.h>
+#include <fmt/format.h>
+#include <fmt/ranges.h>
 
-#include "gdal_support.h"
 #include "tetropolis/core/error.h"
 #include "tetropolis/io/crs.h"
 #include "tetropolis/io/vector.h"
+
+#include "gdal_support.h"
 #include "vector_geometry.h"
 
 namespace tetropolis {
@@ -50,24 +50,26 @@ std::string utf8(const char* text) {
 class MemoryCopy {
  public:
   explicit MemoryCopy(const fs::path& shp)
-      : folder_(fmt::format("/vsimem/tetropolis-{}", static_cast<const void*>(this))) {
+      : folder_(fmt::format("/vsimem/tetropolis-{}", static_cast<const void*>(this))),
+        stem_(folder_ + "/" + shp.stem().string()) {
     const fs::path stem = fs::path(shp).replace_extension();
     for (const char* extension : {".dbf", ".prj", ".cpg", ".DBF", ".PRJ", ".CPG"}) {
       const fs::path member = stem.string() + extension;
       std::error_code error;
       if (fs::exists(member, error))
-        CPLCopyFile((folder_ + "/footprints" + lower(extension)).c_str(), member.c_str());
+        CPLCopyFile((stem_ + lower(extension)).c_str(), member.c_str());
     }
     complete_ = CPLCopyFile(path().c_str(), shp.c_str()) == 0;
   }
   ~MemoryCopy() { VSIRmdirRecursive(folder_.c_str()); }
   MemoryCopy(const MemoryCopy&) = delete;
   MemoryCopy& operator=(const MemoryCopy&) = delete;
-  std::string path() const { return folder_ + "/footprints.shp"; }
+  std::string path() const { return stem_ + ".shp"; }
   bool complete() const { return complete_; }
 
  private:
   std::string folder_;
+  std::string stem_;
   bool complete_ = false;
 };
 
@@ -101,10 +103,30 @@ VectorFile open_vector(const fs::path& path, const gdal::QuietErrors& errors) {
   options.set("WRITE_GFS", "NO");
   file.dataset.reset(GDALOpenEx(name.c_str(), GDAL_OF_VECTOR | GDAL_OF_VERBOSE_ERROR, nullptr,
                                 options.get(), nullptr));
+  const bool unknown = errors.last().find("not recognized as") != std::string::npos;
   if (file.dataset == nullptr)
-    fail(path, "not a vector file that can be read" + errors.reason() +
+    fail(path, "not a vector file that can be read" + (unknown ? "" : errors.reason()) +
                    "; give a shapefile, GeoPackage, GeoJSON or other OGR format");
   return file;
+}
+
+/// Whether a layer holds polygons, as far as its declared type or else its first features tell.
+bool holds_polygons(OGRLayerH layer) {
+  if (OGR_FD_GetGeomFieldCount(OGR_L_GetLayerDefn(layer)) == 0) return false;
+  const OGRwkbGeometryType type = OGR_L_GetGeomType(layer);
+  if (!may_hold_polygons(type)) return false;
+  if (wkbFlatten(type) != wkbUnknown && wkbFlatten(type) != wkbGeometryCollection) return true;
+  constexpr int kProbed = 1000;
+  bool found = false;
+  OGR_L_ResetReading(layer);
+  for (int i = 0; i < kProbed && !found; ++i) {
+    OGRFeatureH feature = OGR_L_GetNextFeature(layer);
+    if (feature == nullptr) break;
+    found = !flatten(OGR_F_GetGeometryRef(feature)).parts.empty();
+    OGR_F_Destroy(feature);
+  }
+  OGR_L_ResetReading(layer);
+  return found;
 }
 
 OGRLayerH find_layer(const fs::path& path, GDALDatasetH dataset, const std::string& wanted) {
@@ -116,18 +138,19 @@ OGRLayerH find_layer(const fs::path& path, GDALDatasetH dataset, const std::stri
     if (layer == nullptr) continue;
     all.emplace_back(OGR_L_GetName(layer));
     if (!wanted.empty() && all.back() == wanted) return layer;
-    if (!may_hold_polygons(OGR_L_GetGeomType(layer))) continue;
+    if (!holds_polygons(layer)) continue;
     names.push_back(all.back());
     found = layer;
   }
   if (!wanted.empty())
     fail(path, fmt::format("has no layer '{}'; it has: {}", wanted, fmt::join(all, ", ")));
   if (names.size() > 1)
-    fail(path, fmt::format("has several layers that may hold polygons; name one of: {}",
-                           fmt::join(names, ", ")));
+    fail(path,
+         fmt::format("has several layers of polygons; name one of: {}", fmt::join(names, ", ")));
   if (found != nullptr) return found;
   // A lone layer of points or lines is read all the same: its features go into the account.
-  if (all.size() == 1 && OGR_L_GetGeomType(GDALDatasetGetLayer(dataset, 0)) != wkbNone)
+  if (all.size() == 1 &&
+      OGR_FD_GetGeomFieldCount(OGR_L_GetLayerDefn(GDALDatasetGetLayer(dataset, 0))) > 0)
     return GDALDatasetGetLayer(dataset, 0);
   fail(path, all.empty() ? std::string("has no layers; give a file with building polygons")
                          : fmt::format("has no layer of polygons, only: {}; give a file with "
@@ -147,8 +170,9 @@ int find_attribute(const fs::path& path, OGRLayerH layer, const std::string& wan
   std::vector<std::string> names;
   for (int i = 0; i < OGR_FD_GetFieldCount(definition); ++i)
     names.push_back(utf8(OGR_Fld_GetNameRef(OGR_FD_GetFieldDefn(definition, i))));
-  fail(path, fmt::format("has no attribute '{}'; it has: {}", wanted,
-                         names.empty() ? std::string("none") : fmt::format("{}", fmt::join(names, ", "))));
+  fail(path, fmt::format(
+                 "has no attribute '{}'; it has: {}", wanted,
+                 names.empty() ? std::string("none") : fmt::format("{}", fmt::join(names, ", "))));
 }
 
 double read_height(OGRFeatureH feature, int field) {
@@ -231,14 +255,15 @@ class LayerReader {
       OGR_F_Destroy(feature);
     }
     if (errors.failures() > 0 && (expected < 0 || result_.features_read < expected))
-      fail(path_, fmt::format("reading ends after {} features{}{}; the file is cut or broken, get "
-                              "it again",
-                              result_.features_read,
-                              expected < 0 ? "" : fmt::format(" of {}", expected),
-                              errors.reason()));
+      fail(path_,
+           fmt::format("reading ends after {} features{}{}; the file is cut or broken, get "
+                       "it again",
+                       result_.features_read, expected < 0 ? "" : fmt::format(" of {}", expected),
+                       errors.reason()));
     if (errors.failures() > 0)
-      warn("footprints_read_errors", errors.failures(),
-           fmt::format("{} errors while reading, the first: {}", errors.failures(), errors.first()));
+      warn(
+          "footprints_read_errors", errors.failures(),
+          fmt::format("{} errors while reading, the first: {}", errors.failures(), errors.first()));
     report();
   }
 
@@ -278,10 +303,10 @@ class LayerReader {
   void report() {
     if (ids_.duplicates() > 0)
       warn("duplicate_ids", ids_.duplicates(),
-           fmt::format("{} features or parts have an id that was used before{}; it is told apart by "
-                       "'~2', '~3', ...",
-                       ids_.duplicates(),
-                       id_name_.empty() ? "" : " (attribute '" + id_name_ + "')"));
+           fmt::format(
+               "{} features or parts have an id that was used before{}; it is told apart by "
+               "'~2', '~3', ...",
+               ids_.duplicates(), id_name_.empty() ? "" : " (attribute '" + id_name_ + "')"));
     if (without_id_ > 0)
       warn("missing_ids", without_id_,
            fmt::format("{} features have no value in '{}' and take their feature number as id",
@@ -338,9 +363,10 @@ void settle_crs(const fs::path& path, const ReadFootprintsOptions& options, bool
         {"footprints_crs_implausible", 1,
          fmt::format("{}: says {} but x {} .. {}, y {} .. {} are not degrees; its reference system "
                      "is taken as unknown",
-                     path.string(), result.crs.substr(0, 80), result.bounds.xmin, result.bounds.xmax,
-                     result.bounds.ymin, result.bounds.ymax)});
+                     path.string(), result.crs.substr(0, 80), result.bounds.xmin,
+                     result.bounds.xmax, result.bounds.ymin, result.bounds.ymax)});
     result.crs.clear();
+    return;
   }
   if (result.crs.empty())
     result.warnings.push_back({"footprints_crs_unknown", 1,
@@ -364,7 +390,8 @@ void reproject_features(const std::string& target, FootprintsInput& result) {
     if (good)
       kept.push_back(std::move(feature));
     else
-      result.dropped.push_back({std::move(feature.source_id), "coordinates that cannot be reprojected"});
+      result.dropped.push_back(
+          {std::move(feature.source_id), "coordinates that cannot be reprojected"});
   }
   result.features = std::move(kept);
   result.crs = target;

@@ -1,6 +1,3 @@
-#include <fmt/format.h>
-#include <unistd.h>
-
 #include <algorithm>
 #include <cassert>
 #include <cmath>
@@ -11,11 +8,15 @@
 #include <utility>
 #include <vector>
 
-#include "gdal_support.h"
+#include <fmt/format.h>
+#include <unistd.h>
+
 #include "tetropolis/core/error.h"
 #include "tetropolis/io/atomic_file.h"
 #include "tetropolis/io/crs.h"
 #include "tetropolis/io/vector.h"
+
+#include "gdal_support.h"
 
 namespace tetropolis {
 
@@ -35,8 +36,8 @@ class Workshop {
   explicit Workshop(const fs::path& target) {
     const fs::path parent = target.parent_path();
     for (int attempt = 0;; ++attempt) {
-      path_ = parent /
-              fmt::format(".{}.part-{}-{}", target.filename().string(), ::getpid(), attempt);
+      path_ =
+          parent / fmt::format(".{}.part-{}-{}", target.filename().string(), ::getpid(), attempt);
       std::error_code error;
       if (fs::create_directory(path_, error)) return;
       if (error) throw_cannot_write(target, error.message());
@@ -59,8 +60,9 @@ const char* driver_of(const fs::path& path) {
   if (extension == ".shp") return "ESRI Shapefile";
   if (extension == ".gpkg") return "GPKG";
   if (extension == ".geojson" || extension == ".json") return "GeoJSON";
-  throw Error(ErrorKind::kUsage, path.string() + ": footprints are written as .shp, .gpkg or "
-                                                 ".geojson; choose one of these");
+  throw Error(ErrorKind::kUsage, path.string() +
+                                     ": footprints are written as .shp, .gpkg or "
+                                     ".geojson; choose one of these");
 }
 
 void add_ring(OGRGeometryH polygon, const Ring& ring, Point2 origin) {
@@ -112,12 +114,13 @@ bool write_layer(GDALDatasetH dataset, const fs::path& path, const Content& cont
     options.set("DBF_DATE_LAST_UPDATE", "1970-01-01").set("ENCODING", "UTF-8");
   if (driver == "GeoJSON") options.set("COORDINATE_PRECISION", "10");
   const gdal::Srs srs = crs.empty() ? nullptr : gdal::parse_srs(crs);
-  OGRLayerH layer = GDALDatasetCreateLayer(dataset, path.stem().c_str(), srs.get(), wkbPolygon,
-                                           options.get());
+  OGRLayerH layer =
+      GDALDatasetCreateLayer(dataset, path.stem().c_str(), srs.get(), wkbPolygon, options.get());
   if (layer == nullptr) return false;
   std::size_t longest = 1;
   for (const std::string& id : content.ids) longest = std::max(longest, id.size());
-  const int width = driver == "ESRI Shapefile" ? static_cast<int>(std::min<std::size_t>(longest, 254)) : 0;
+  const int width =
+      driver == "ESRI Shapefile" ? static_cast<int>(std::min<std::size_t>(longest, 254)) : 0;
   if (!add_field(layer, "id", OFTString, width, 0)) return false;
   const bool shapefile = driver == "ESRI Shapefile";
   if (!content.heights.empty() &&
@@ -161,7 +164,8 @@ void write_footprints(const fs::path& path, std::span<const Polygon> polygons,
                                    (workshop.path() / path.filename()).c_str(), 0, 0, 0,
                                    GDT_Unknown, nullptr));
   if (dataset == nullptr) throw_cannot_write(path, errors.last());
-  const bool written = write_layer(dataset.get(), path, {polygons, ids, heights, origin}, canonical);
+  const bool written =
+      write_layer(dataset.get(), path, {polygons, ids, heights, origin}, canonical);
   dataset.reset();  // Closing writes what is left, and may fail.
   if (!written || errors.failures() > 0) throw_cannot_write(path, errors.last());
   publish(workshop.path(), path);

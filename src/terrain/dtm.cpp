@@ -39,12 +39,14 @@ std::string describe_classes(const PointCloud& cloud) {
 /// Index of the node nearest to a coordinate given in steps from node 0; ties go up. -1 if there is
 /// no such node.
 std::int64_t nearest_node(double position, std::int32_t nodes) {
-  const double node = std::floor(position + 0.5);
-  return node >= 0 && node < nodes ? static_cast<std::int64_t>(node) : -1;
+  if (!(position >= -0.5 && position < nodes - 0.5)) return -1;
+  // The sum may round up to the next integer; the cast is floor() for what is not negative.
+  return std::min<std::int64_t>(static_cast<std::int64_t>(position + 0.5), nodes - 1);
 }
 
 /// Adds heights and counts of the ground points to the nodes and returns how many there were. One
-/// thread: the sums then have one order, and this takes a fraction of the time of reading the points.
+/// thread: the sums then have one order, and this takes a fraction of the time of reading the
+/// points.
 std::int64_t bin_points(const PointCloud& cloud, const std::array<bool, 256>& is_ground,
                         Raster& sums, std::vector<std::uint32_t>& counts) {
   std::int64_t binned = 0;
@@ -69,20 +71,22 @@ struct Neighbours {
 
 /// Opposite neighbours are added first, so that mirroring the raster changes no bit of the sum.
 Neighbours filled_neighbours(const Raster& raster, std::int32_t i, std::int32_t j) {
+  const bool west = i > 0;
+  const bool east = i + 1 < raster.nx;
+  const bool south = j > 0;
+  const bool north = j + 1 < raster.ny;
+  const std::ptrdiff_t row = raster.nx;
+  const double* node = raster.values.data() + (j * row + i);
   int count = 0;
-  const auto value = [&](std::int32_t di, std::int32_t dj) {
-    const std::int32_t ni = i + di;
-    const std::int32_t nj = j + dj;
-    if (ni < 0 || nj < 0 || ni >= raster.nx || nj >= raster.ny) return 0.0;
-    const double z = raster.at(ni, nj);
-    if (std::isnan(z)) return 0.0;
+  const auto value = [&](bool exists, std::ptrdiff_t offset) {
+    if (!exists || std::isnan(node[offset])) return 0.0;
     ++count;
-    return z;
+    return node[offset];
   };
-  const double horizontal = value(-1, 0) + value(1, 0);
-  const double vertical = value(0, -1) + value(0, 1);
-  const double rising = value(-1, -1) + value(1, 1);
-  const double falling = value(-1, 1) + value(1, -1);
+  const double horizontal = value(west, -1) + value(east, 1);
+  const double vertical = value(south, -row) + value(north, row);
+  const double rising = value(south && west, -row - 1) + value(north && east, row + 1);
+  const double falling = value(north && west, row - 1) + value(south && east, -row + 1);
   return {(horizontal + vertical) + (rising + falling), count};
 }
 
@@ -139,7 +143,8 @@ Raster dtm_grid(const Bounds2& domain, double step) {
   raster.x0 = domain.xmin;
   raster.y0 = domain.ymin;
   raster.step = step;
-  raster.values.assign(static_cast<std::size_t>(raster.nx) * static_cast<std::size_t>(raster.ny), 0);
+  raster.values.assign(static_cast<std::size_t>(raster.nx) * static_cast<std::size_t>(raster.ny),
+                       0);
   return raster;
 }
 
@@ -154,10 +159,11 @@ Raster build_dtm(const PointCloud& cloud, const Bounds2& domain, const DtmOption
     std::vector<std::uint32_t> counts(nodes, 0);
     ground_points = bin_points(cloud, class_table(options.classes), raster, counts);
     if (ground_points == 0)
-      throw Error(ErrorKind::kInput,
-                  fmt::format("the point cloud has no ground points (class {}) in the domain, only {}: "
-                              "name the classes that are ground, or classify the cloud first",
-                              fmt::join(options.classes, ", "), describe_classes(cloud)));
+      throw Error(
+          ErrorKind::kInput,
+          fmt::format("the point cloud has no ground points (class {}) in the domain, only {}: "
+                      "name the classes that are ground, or classify the cloud first",
+                      fmt::join(options.classes, ", "), describe_classes(cloud)));
     for (std::size_t node = 0; node < nodes; ++node) {
       if (counts[node] == 0) ++empty;
       raster.values[node] = counts[node] == 0 ? kNan : raster.values[node] / counts[node];

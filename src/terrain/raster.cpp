@@ -7,7 +7,8 @@ namespace tetropolis {
 
 namespace {
 
-/// Splits a coordinate in grid units into the cell's lower node and the share of the way to the next.
+/// Splits a coordinate in grid units into the cell's lower node and the share of the way to the
+/// next.
 struct Cell {
   std::int32_t index;
   double share;
@@ -27,7 +28,8 @@ double sample(const Raster& raster, Point2 p) {
   const Cell cy = locate((p.y - raster.y0) / raster.step, raster.ny);
   const std::int32_t i1 = std::min(cx.index + 1, raster.nx - 1);
   const std::int32_t j1 = std::min(cy.index + 1, raster.ny - 1);
-  const double south = raster.at(cx.index, cy.index) * (1 - cx.share) + raster.at(i1, cy.index) * cx.share;
+  const double south =
+      raster.at(cx.index, cy.index) * (1 - cx.share) + raster.at(i1, cy.index) * cx.share;
   const double north = raster.at(cx.index, j1) * (1 - cx.share) + raster.at(i1, j1) * cx.share;
   return south * (1 - cy.share) + north * cy.share;
 }

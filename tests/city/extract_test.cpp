@@ -1,7 +1,5 @@
 #include "tetropolis/city/extract.h"
 
-#include <gtest/gtest.h>
-
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -9,9 +7,12 @@
 #include <set>
 #include <string>
 
-#include "support/test_data.h"
+#include <gtest/gtest.h>
+
 #include "tetropolis/core/parallel.h"
 #include "tetropolis/geometry/polygon.h"
+
+#include "support/test_data.h"
 
 namespace tetropolis {
 namespace {
@@ -84,8 +85,8 @@ std::vector<PointIndex> brute_force(const Scene& scene, std::size_t footprint, b
 TEST(Extract, AgreesWithBruteForce) {
   const Scene scene = random_scene(120, 20000, {1, 2, 5, 6, 6, 9, 26});
   for (const double margin : {0.0, 1.0, 7.5}) {
-    const BuildingPoints points = extract_building_points(
-        scene.footprints, scene.cloud, {margin, kInfinity});
+    const BuildingPoints points =
+        extract_building_points(scene.footprints, scene.cloud, {margin, kInfinity});
     EXPECT_FALSE(points.roof_from_unclassified);
     ASSERT_EQ(points.roof.size(), scene.footprints.size());
     ASSERT_EQ(points.ground.size(), scene.footprints.size());
@@ -123,13 +124,13 @@ TEST(Extract, OneClassSixPointAnywhereSettlesIt) {
 
 TEST(Extract, CourtyardIsOutside) {
   Scene scene{{{{{0, 0}, {20, 0}, {20, 20}, {0, 20}}, {{{5, 5}, {5, 15}, {15, 15}, {15, 5}}}}}, {}};
-  add(scene.cloud, 10, 10, 20, 6);   // 0: a pavilion in the yard.
-  add(scene.cloud, 2, 2, 20, 6);     // 1: the roof.
-  add(scene.cloud, 5.5, 10, 1, 2);   // 2: in the yard, at the wall.
-  add(scene.cloud, 10, 10, 1, 2);    // 3: in the middle of the yard.
-  add(scene.cloud, -1, 10, 1, 2);    // 4: outside, exactly at the margin.
+  add(scene.cloud, 10, 10, 20, 6);  // 0: a pavilion in the yard.
+  add(scene.cloud, 2, 2, 20, 6);    // 1: the roof.
+  add(scene.cloud, 5.5, 10, 1, 2);  // 2: in the yard, at the wall.
+  add(scene.cloud, 10, 10, 1, 2);   // 3: in the middle of the yard.
+  add(scene.cloud, -1, 10, 1, 2);   // 4: outside, exactly at the margin.
   add(scene.cloud, -1.001, 10, 1, 2);
-  add(scene.cloud, 2, 2, 1, 2);      // Ground inside the footprint is neither.
+  add(scene.cloud, 2, 2, 1, 2);  // Ground inside the footprint is neither.
   const BuildingPoints points = extract_building_points(scene.footprints, scene.cloud);
   EXPECT_EQ(to_vector(points.roof[0]), (std::vector<PointIndex>{1}));
   EXPECT_EQ(to_vector(points.ground[0]), (std::vector<PointIndex>{2, 4}));
@@ -141,8 +142,7 @@ TEST(Extract, AdjoiningBuildingsShareNoRoofPoint) {
     const double x = k * 7.3;
     scene.footprints.push_back({{{x, 0}, {x + 7.3, 3}, {x + 7.3, 15}, {x, 12}}, {}});
   }
-  for (int k = 0; k < 10000; ++k)
-    add(scene.cloud, 73.0 * k / 10000, 4 + (k % 80) * 0.1, 10, 6);
+  for (int k = 0; k < 10000; ++k) add(scene.cloud, 73.0 * k / 10000, 4 + (k % 80) * 0.1, 10, 6);
   const BuildingPoints points = extract_building_points(scene.footprints, scene.cloud);
   EXPECT_EQ(std::set<PointIndex>(points.roof.indices.begin(), points.roof.indices.end()).size(),
             points.roof.indices.size());
@@ -223,7 +223,8 @@ TEST(DropOutliers, AgreesWithTheDefinition) {
       }
       const auto n = static_cast<long double>(lists[b].size());
       const long double mean = n > 0 ? sum / n : 0;
-      const long double deviation = n > 0 ? std::sqrt(std::max(squares / n - mean * mean, 0.0L)) : 0;
+      const long double deviation =
+          n > 0 ? std::sqrt(std::max(squares / n - mean * mean, 0.0L)) : 0;
       std::vector<PointIndex> expected;
       for (const PointIndex p : lists[b])
         if (lists[b].size() == 1 || std::isinf(sigma) ||

@@ -1,9 +1,5 @@
 #include "tetropolis/city/heights.h"
 
-#include <gtest/gtest.h>
-
-#include <nlohmann/json.hpp>
-
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
@@ -14,12 +10,16 @@
 #include <string>
 #include <vector>
 
-#include "support/test_data.h"
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
 #include "tetropolis/core/parallel.h"
 #include "tetropolis/geometry/polygon.h"
 #include "tetropolis/io/las.h"
 #include "tetropolis/io/vector.h"
 #include "tetropolis/terrain/dtm.h"
+
+#include "support/test_data.h"
 
 namespace tetropolis {
 namespace {
@@ -80,7 +80,8 @@ TEST(Percentile, AgreesWithTheSortedDefinition) {
   std::uniform_real_distribution<double> value(-50, 50);
   for (int n = 1; n < 120; ++n) {
     std::vector<double> values;
-    for (int k = 0; k < n; ++k) values.push_back(n % 3 == 0 ? std::round(value(random)) : value(random));
+    for (int k = 0; k < n; ++k)
+      values.push_back(n % 3 == 0 ? std::round(value(random)) : value(random));
     std::vector<double> sorted = values;
     std::sort(sorted.begin(), sorted.end());
     for (const double p : {0.0, 1.0, 10.0, 37.5, 50.0, 90.0, 99.0, 100.0}) {
@@ -90,7 +91,8 @@ TEST(Percentile, AgreesWithTheSortedDefinition) {
         const double from = 100.0 * k / (n - 1);
         const double to = 100.0 * (k + 1) / (n - 1);
         if (p >= from)
-          expected = sorted[k] + (sorted[k + 1] - sorted[k]) * std::min(1.0, (p - from) / (to - from));
+          expected =
+              sorted[k] + (sorted[k + 1] - sorted[k]) * std::min(1.0, (p - from) / (to - from));
       }
       std::vector<double> copy = values;
       const double result = percentile(copy, p);
@@ -119,8 +121,8 @@ TEST(Heights, WithoutGroundPointsComeFromTheDtmInsideTheFootprint) {
   Case scene({20}, {});
   // A DTM that rises to the north-east, and a U whose box has its centre outside.
   scene.dtm = {2, 2, 0, 0, 10, {0, 10, 20, 30}};
-  scene.buildings[0].footprint = {
-      {{0, 0}, {9, 0}, {9, 8}, {7, 8}, {7, 1}, {1, 1}, {1, 8}, {0, 8}}, {}};
+  scene.buildings[0].footprint = {{{0, 0}, {9, 0}, {9, 8}, {7, 8}, {7, 1}, {1, 1}, {1, 8}, {0, 8}},
+                                  {}};
   const Building building = scene.compute();
   EXPECT_DOUBLE_EQ(building.h_ground, 8 + 2 * 4.5);
   EXPECT_EQ(building.flags, static_cast<std::uint32_t>(kGroundFromDtm));
@@ -231,8 +233,8 @@ Place read_place(const std::filesystem::path& footprints, const std::string& id_
   return place;
 }
 
-/// Steps 1.5 and 1.6 once more, with the angle sum for "inside", another variance formula and a full
-/// sort.
+/// Steps 1.5 and 1.6 once more, with the angle sum for "inside", another variance formula and a
+/// full sort.
 class ByHand {
  public:
   ByHand(const Place& place, const Polygon& footprint) {
@@ -289,9 +291,8 @@ class ByHand {
     const auto n = static_cast<long double>(heights.size());
     const long double mean = sum / n;
     const long double limit = 2 * std::sqrt(std::max(squares / n - mean * mean, 0.0L)) + 1e-9L;
-    std::erase_if(heights, [&](double z) {
-      return std::abs(static_cast<long double>(z) - mean) > limit;
-    });
+    std::erase_if(heights,
+                  [&](double z) { return std::abs(static_cast<long double>(z) - mean) > limit; });
   }
 };
 
@@ -318,8 +319,9 @@ TEST(HeightsOfDelft, AgreeWithWorkByHandAndWith3dfier) {
   }
 
   std::ifstream file(folder / "reference/3dfier_output_cityjson.json");
+  const nlohmann::json city = nlohmann::json::parse(file);
   std::map<std::string, double> reference;
-  for (const auto& object : nlohmann::json::parse(file)["CityObjects"])
+  for (const auto& object : city["CityObjects"])
     if (object["type"] == "Building")
       reference[object["attributes"]["lokaalid"]] = object["attributes"]["measuredHeight"];
   std::vector<double> differences;

@@ -1,11 +1,11 @@
 #include "tetropolis/geometry/polygon.h"
 
-#include <gtest/gtest.h>
-
 #include <cmath>
 #include <limits>
 #include <random>
 #include <vector>
+
+#include <gtest/gtest.h>
 
 #include "support/test_data.h"
 
@@ -33,7 +33,8 @@ Ring random_star(std::mt19937& random, Point2 centre, int vertices, double small
   return ring;
 }
 
-/// Sum of the angles under which the edges are seen, in turns: an independent point-in-polygon test.
+/// Sum of the angles under which the edges are seen, in turns: an independent point-in-polygon
+/// test.
 double winding_number(const Ring& ring, Point2 p) {
   double turns = 0;
   for (std::size_t i = 0; i < ring.size(); ++i) {

@@ -1,13 +1,14 @@
 #include "tetropolis/io/crs.h"
 
-#include <gtest/gtest.h>
-
 #include <cmath>
 #include <fstream>
 #include <iterator>
 
-#include "support/test_data.h"
+#include <gtest/gtest.h>
+
 #include "tetropolis/core/error.h"
+
+#include "support/test_data.h"
 
 namespace tetropolis {
 namespace {

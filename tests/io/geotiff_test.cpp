@@ -1,7 +1,5 @@
 #include "tetropolis/io/geotiff.h"
 
-#include <gtest/gtest.h>
-
 #include <array>
 #include <cmath>
 #include <cstdio>
@@ -10,12 +8,15 @@
 #include <iterator>
 #include <limits>
 #include <memory>
-#include <nlohmann/json.hpp>
 #include <random>
 
-#include "support/test_data.h"
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
 #include "tetropolis/city/city_model.h"
 #include "tetropolis/core/error.h"
+
+#include "support/test_data.h"
 
 namespace tetropolis {
 namespace {
@@ -70,7 +71,8 @@ TEST(GeoTiff, RoundTripKeepsEveryBit) {
   const TemporaryFolder folder;
   const fs::path path = folder / "dtm.tif";
   for (const double step : {1.0, 0.5, 2.0, 0.3, 1.0 / 3.0}) {
-    for (const Point2 origin : {Point2{84800, 447400}, Point2{6'400'123, -3'000'017}, Point2{0, 0}}) {
+    for (const Point2 origin :
+         {Point2{84800, 447400}, Point2{6'400'123, -3'000'017}, Point2{0, 0}}) {
       const Raster raster = random_raster(37, 53, -12.3456, 7.0001, step);
       const Bounds2 domain{-12.3456, 0.0001, 100.2, 99.9999};
       write_raster(path, raster, origin, "EPSG:28992", domain);
@@ -109,8 +111,10 @@ TEST(GeoTiff, OtherSoftwareSeesTheSame) {
   EXPECT_EQ(info["metadata"]["IMAGE_STRUCTURE"]["COMPRESSION"], "DEFLATE");
   EXPECT_NE(info["coordinateSystem"]["wkt"].get<std::string>().find("SWEREF99 TM"),
             std::string::npos);
-  EXPECT_EQ(output_of("gdallocationinfo -valonly -geoloc '" + path.string() + "' 1012 5022"), "5\n");
-  EXPECT_EQ(output_of("gdallocationinfo -valonly -geoloc '" + path.string() + "' 1010 5020"), "1\n");
+  EXPECT_EQ(output_of("gdallocationinfo -valonly -geoloc '" + path.string() + "' 1012 5022"),
+            "5\n");
+  EXPECT_EQ(output_of("gdallocationinfo -valonly -geoloc '" + path.string() + "' 1010 5020"),
+            "1\n");
 }
 
 TEST(GeoTiff, TheSameBytesAgainAndNothingBeside) {
@@ -203,8 +207,8 @@ TEST(GeoTiff, UnusableRastersFailInOneLine) {
   input_error(path);
   write_raster(path, random_raster(300, 300, 0, 0, 1), {}, "");
   const std::string bytes = read_bytes(path);
-  for (const std::size_t size : {std::size_t{0}, std::size_t{4}, std::size_t{100},
-                                 bytes.size() / 2, bytes.size() - 1000}) {
+  for (const std::size_t size :
+       {std::size_t{0}, std::size_t{4}, std::size_t{100}, bytes.size() / 2, bytes.size() - 1000}) {
     std::ofstream(path, std::ios::binary | std::ios::trunc) << bytes.substr(0, size);
     input_error(path);
   }
@@ -219,8 +223,8 @@ TEST(GeoTiff, UnusableRastersFailInOneLine) {
                 .find("square"),
             std::string::npos);
   const Raster ascii =
-      read_raster(
-          from_grid("ncols 2\nnrows 2\nxllcorner 10\nyllcorner 20\ncellsize 1\n1 2\n3 4\n"), {10, 20})
+      read_raster(from_grid("ncols 2\nnrows 2\nxllcorner 10\nyllcorner 20\ncellsize 1\n1 2\n3 4\n"),
+                  {10, 20})
           .raster;
   EXPECT_EQ(ascii.values, (std::vector<double>{3, 4, 1, 2}));
   EXPECT_EQ(ascii.x0, 0.5);

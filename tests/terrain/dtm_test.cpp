@@ -1,15 +1,16 @@
 #include "tetropolis/terrain/dtm.h"
 
-#include <gtest/gtest.h>
-
 #include <algorithm>
 #include <cmath>
 #include <limits>
 #include <random>
 #include <string>
 
-#include "support/test_data.h"
+#include <gtest/gtest.h>
+
 #include "tetropolis/core/error.h"
+
+#include "support/test_data.h"
 
 namespace tetropolis {
 namespace {
@@ -142,7 +143,7 @@ TEST(BuildDtm, OneGroundPointFillsTheDomain) {
 TEST(BuildDtm, PointsOutsideTheGridAreIgnored) {
   PointCloud cloud;
   add(cloud, 5, 5, 1, kGround);
-  add(cloud, -0.5, 0, 2, kGround);   // Half a step outside still rounds to node 0.
+  add(cloud, -0.5, 0, 2, kGround);  // Half a step outside still rounds to node 0.
   add(cloud, -0.51, 0, 1000, kGround);
   add(cloud, 10.5, 0, 1000, kGround);  // Rounds up, to a node beyond the last.
   add(cloud, 0, 1e300, 1000, kGround);
@@ -176,10 +177,12 @@ TEST(BuildDtm, ReportsProgressAndStops) {
   PointCloud cloud;
   add(cloud, 5, 5, 1, kGround);
   double last = -1;
-  build_dtm(cloud, {0, 0, 50, 50}, {}, {[&](double fraction) {
-              EXPECT_GE(fraction, last);
-              last = fraction;
-            }, {}});
+  build_dtm(cloud, {0, 0, 50, 50}, {},
+            {[&](double fraction) {
+               EXPECT_GE(fraction, last);
+               last = fraction;
+             },
+             {}});
   EXPECT_EQ(last, 1);
   EXPECT_THROW(build_dtm(cloud, {0, 0, 50, 50}, {}, {{}, [] { return true; }}), Cancelled);
 }

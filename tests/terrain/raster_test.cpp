@@ -1,8 +1,8 @@
 #include "tetropolis/terrain/raster.h"
 
-#include <gtest/gtest.h>
-
 #include <random>
+
+#include <gtest/gtest.h>
 
 #include "support/test_data.h"
 

@@ -18,9 +18,9 @@ inline constexpr double kNearDuplicate = 0.001;
 inline constexpr double kMaxOutlineShift = 0.05;
 
 struct CleanedFootprint {
-  Polygon polygon;       ///< Empty where `reason` is not.
-  bool repaired = false; ///< The rings were invalid and have been repaired.
-  std::string reason;    ///< Why the footprint is unusable (a short clause), or empty.
+  Polygon polygon;        ///< Empty where `reason` is not.
+  bool repaired = false;  ///< The rings were invalid and have been repaired.
+  std::string reason;     ///< Why the footprint is unusable (a short clause), or empty.
   bool usable() const { return reason.empty(); }
 };
 

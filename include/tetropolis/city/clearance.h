@@ -2,6 +2,7 @@
 // ring what it should be?
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <limits>
 #include <optional>
@@ -42,13 +43,13 @@ Clearance joint_clearance(std::span<const Polygon> polygons,
                           const std::optional<Bounds2>& domain = std::nullopt);
 
 enum class DefectKind : std::uint8_t {
-  kTooFewVertices,    ///< A ring of fewer than three vertices.
-  kNotFinite,         ///< A coordinate that is not finite or beyond 1e9 m.
-  kOffGrid,           ///< A coordinate that is not a multiple of kCoordinateStep.
-  kOrientation,       ///< An outer ring not counter-clockwise or a hole not clockwise.
-  kRingsTouch,        ///< Two edges cross or touch (or the rings of one, or a ring itself).
-  kHoleOutside,       ///< A hole outside its outer ring or inside another hole.
-  kPolygonsOverlap,   ///< A polygon inside another one.
+  kTooFewVertices,   ///< A ring of fewer than three vertices.
+  kNotFinite,        ///< A coordinate that is not finite or beyond 1e9 m.
+  kOffGrid,          ///< A coordinate that is not a multiple of kCoordinateStep.
+  kOrientation,      ///< An outer ring not counter-clockwise or a hole not clockwise.
+  kRingsTouch,       ///< Two edges cross or touch (or the rings of one, or a ring itself).
+  kHoleOutside,      ///< A hole outside its outer ring or inside another hole.
+  kPolygonsOverlap,  ///< A polygon inside another one.
 };
 
 struct Defect {
@@ -60,8 +61,9 @@ struct Defect {
 };
 
 /// Everything that is wrong with polygons that should be simple, correctly oriented, with their
-/// holes inside and disjoint, without touching anywhere. Decided exactly for coordinates on the grid
-/// of kCoordinateStep. Nesting is looked at only if nothing else is wrong. At most `limit` defects.
+/// holes inside and disjoint, without touching anywhere. Decided exactly for coordinates on the
+/// grid of kCoordinateStep. Nesting is looked at only if nothing else is wrong. At most `limit`
+/// defects.
 std::vector<Defect> footprint_defects(std::span<const Polygon> polygons, std::size_t limit = 100);
 
 }  // namespace tetropolis

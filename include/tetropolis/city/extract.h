@@ -44,16 +44,16 @@ struct ExtractOptions {
                         ///< of their list are dropped; infinity keeps all.
 };
 
-/// Roof points lie inside the footprint (contains()) and have class 6; ground points lie outside it,
-/// at most `margin` from its boundary (squared_distance_to_segment), and have class 2 or 9. Points in
-/// a hole are outside. If the whole cloud has no point of class 6, roof points are the points inside
-/// that are neither ground (2), water (9), vegetation (3, 4, 5) nor noise (7, 18), and
-/// roof_from_unclassified says so. Each list then loses its outliers (drop_outliers).
-/// One point may belong to several buildings: footprints may overlap, margins do.
-/// Guarantees: lists in the order of the footprints; the same for any number of threads. Memory
-/// beyond the result and a grid over the footprints is 8 bytes per point found.
-/// Throws Error(kInput) for clouds of 2^32 points or more.
-/// Source: Naserentin & Logg 2022 (arXiv 2210.05250), step 1.5; a uniform grid replaces the trees.
+/// Roof points lie inside the footprint (contains()) and have class 6; ground points lie outside
+/// it, at most `margin` from its boundary (squared_distance_to_segment), and have class 2 or 9.
+/// Points in a hole are outside. If the whole cloud has no point of class 6, roof points are the
+/// points inside that are neither ground (2), water (9), vegetation (3, 4, 5) nor noise (7, 18),
+/// and roof_from_unclassified says so. Each list then loses its outliers (drop_outliers). One point
+/// may belong to several buildings: footprints may overlap, margins do. Guarantees: lists in the
+/// order of the footprints; the same for any number of threads. Memory beyond the result and a grid
+/// over the footprints is 8 bytes per point found. Throws Error(kInput) for clouds of 2^32 points
+/// or more. Source: Naserentin & Logg 2022 (arXiv 2210.05250), step 1.5; a uniform grid replaces
+/// the trees.
 BuildingPoints extract_building_points(std::span<const Polygon> footprints, const PointCloud& cloud,
                                        const ExtractOptions& options = {},
                                        const Progress& progress = {});
@@ -67,9 +67,9 @@ BuildingPoints extract_building_points(std::span<const Building> buildings, cons
 /// deviations from the list's mean height. One pass: the mean is not taken again.
 void drop_outliers(PointLists& lists, const PointCloud& cloud, double sigma);
 
-/// The points of merged buildings (step 2.3): building m of the result has the union of the lists of
-/// the buildings members[m] of `points`, each point once, ascending. Outliers are not dropped again.
-/// Precondition: members are indices of buildings of `points`.
+/// The points of merged buildings (step 2.3): building m of the result has the union of the lists
+/// of the buildings members[m] of `points`, each point once, ascending. Outliers are not dropped
+/// again. Precondition: members are indices of buildings of `points`.
 BuildingPoints merge_building_points(const BuildingPoints& points,
                                      std::span<const std::vector<BuildingIndex>> members);
 

@@ -23,8 +23,8 @@ struct HeightOptions {
 double percentile(std::span<double> values, double p);
 
 /// Sets h_ground, h_roof, n_ground_points, n_roof_points and the flags kGroundFromDtm,
-/// kRoofFromUnclassified, kRoofFromAttribute, kNoRoofPoints, kMinimumHeight of every building (other
-/// flags stay):
+/// kRoofFromUnclassified, kRoofFromAttribute, kNoRoofPoints, kMinimumHeight of every building
+/// (other flags stay):
 /// - h_ground: the percentile of the building's ground points; without any, the DTM at the
 ///   footprint's interior_point (kGroundFromDtm).
 /// - h_roof: the percentile of its roof points (kRoofFromUnclassified if these are by exclusion);

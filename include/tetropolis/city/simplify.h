@@ -14,10 +14,11 @@
 namespace tetropolis {
 
 struct SimplifyOptions {
-  double min_distance = 1.0;        ///< Epsilon, metres; 0.01 to 1000.
-  int growths = 3;                  ///< How often a patch that joins two polygons may grow; >= 1.
-  double min_area = 15;             ///< Square metres; smaller results are dropped.
-  double parallel_tolerance = 0.01; ///< Radians; edges closer in direction count as parallel (2.2).
+  double min_distance = 1.0;  ///< Epsilon, metres; 0.01 to 1000.
+  int growths = 3;            ///< How often a patch that joins two polygons may grow; >= 1.
+  double min_area = 15;       ///< Square metres; smaller results are dropped.
+  double parallel_tolerance =
+      0.01;  ///< Radians; edges closer in direction count as parallel (2.2).
 };
 
 /// An input footprint that is in no output, and why (one short clause).
@@ -27,32 +28,32 @@ struct DroppedFootprint {
 };
 
 struct SimplifyStats {
-  double area_before = 0;  ///< Of the union of all input footprints, square metres.
-  double area_after = 0;   ///< Of all output footprints.
-  double area_changed = 0; ///< Symmetric difference between the two, dropped ones included.
-  double area_dropped = 0; ///< Part of area_changed: of input that is in no output.
+  double area_before = 0;   ///< Of the union of all input footprints, square metres.
+  double area_after = 0;    ///< Of all output footprints.
+  double area_changed = 0;  ///< Symmetric difference between the two, dropped ones included.
+  double area_dropped = 0;  ///< Part of area_changed: of input that is in no output.
 
   std::int64_t groups = 0;           ///< Groups closer than epsilon in the input, single ones too.
   std::int64_t merged_by_union = 0;  ///< Groups of several, by the resort that joined them.
   std::vector<std::int64_t> merged_by_patch;  ///< Index k: with a patch after k growths.
-  std::int64_t merged_by_hulls = 0;  ///< By the union of the parts' convex hulls.
-  std::int64_t merged_by_hull = 0;   ///< By the convex hull of all.
-  std::int64_t merged_late = 0;      ///< Pairs that only repairs had brought close.
+  std::int64_t merged_by_hulls = 0;           ///< By the union of the parts' convex hulls.
+  std::int64_t merged_by_hull = 0;            ///< By the convex hull of all.
+  std::int64_t merged_late = 0;               ///< Pairs that only repairs had brought close.
 
   std::int64_t vertices_dropped = 0;
-  std::int64_t edges_merged = 0;     ///< Short edges replaced by one vertex.
-  std::int64_t edges_slid = 0;       ///< Short edges lengthened along the adjoining walls.
+  std::int64_t edges_merged = 0;  ///< Short edges replaced by one vertex.
+  std::int64_t edges_slid = 0;    ///< Short edges lengthened along the adjoining walls.
   std::int64_t vertices_moved = 0;
-  std::int64_t parallel_removed = 0; ///< Vertices between parallel edges.
+  std::int64_t parallel_removed = 0;  ///< Vertices between parallel edges.
   std::int64_t holes_filled = 0;
-  std::int64_t gaps_filled = 0;      ///< Patches put into gaps, notches and slots.
-  std::int64_t arms_cut = 0;         ///< Patches taken out of necks and thin arms.
+  std::int64_t gaps_filled = 0;  ///< Patches put into gaps, notches and slots.
+  std::int64_t arms_cut = 0;     ///< Patches taken out of necks and thin arms.
   std::int64_t necks_widened = 0;
-  std::int64_t local_hulls = 0;      ///< Places covered by the hull of their surroundings.
-  std::int64_t hull_repairs = 0;     ///< Outputs replaced by their convex hull.
-  std::int64_t clipped = 0;          ///< Footprints cut back from the domain's boundary.
-  int rounds = 0;                    ///< Rounds of repair until nothing was too close.
-  double min_clearance = 0;          ///< joint_clearance of the outputs and the domain, metres.
+  std::int64_t local_hulls = 0;   ///< Places covered by the hull of their surroundings.
+  std::int64_t hull_repairs = 0;  ///< Outputs replaced by their convex hull.
+  std::int64_t clipped = 0;       ///< Footprints cut back from the domain's boundary.
+  int rounds = 0;                 ///< Rounds of repair until nothing was too close.
+  double min_clearance = 0;       ///< joint_clearance of the outputs and the domain, metres.
 };
 
 struct Simplification {

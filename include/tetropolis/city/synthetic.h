@@ -19,21 +19,21 @@ namespace tetropolis {
 
 /// Hills, and possibly a river in its valley. Made by the functions below; see synthetic_ground.
 struct SyntheticTerrain {
-  double base = 20;                  ///< Lowest elevation off the river, metres.
-  double relief = 0;                 ///< Highest elevation above `base`, metres; 0 is flat.
-  std::array<double, 4> phases{};    ///< Of the waves the hills are made of, in [0, 1).
-  bool river = false;                ///< From west to east around y = river_y.
+  double base = 20;                ///< Lowest elevation off the river, metres.
+  double relief = 0;               ///< Highest elevation above `base`, metres; 0 is flat.
+  std::array<double, 4> phases{};  ///< Of the waves the hills are made of, in [0, 1).
+  bool river = false;              ///< From west to east around y = river_y.
   double river_y = 0;
-  double river_amplitude = 0;        ///< Metres it winds to either side.
-  double river_wavelength = 1;       ///< Metres.
-  double river_phase = 0;            ///< In [0, 1).
-  double river_half_width = 0;       ///< Metres.
-  double water_level = 0;            ///< Elevation, below `base`.
-  double valley = 1;                 ///< Metres from the banks over which the hills rise.
+  double river_amplitude = 0;   ///< Metres it winds to either side.
+  double river_wavelength = 1;  ///< Metres.
+  double river_phase = 0;       ///< In [0, 1).
+  double river_half_width = 0;  ///< Metres.
+  double water_level = 0;       ///< Elevation, below `base`.
+  double valley = 1;            ///< Metres from the banks over which the hills rise.
 };
 
-/// Elevation of the terrain without buildings and trees as a laser sees it, so the water level in the
-/// river. Metres. Continuous; steep only at the banks.
+/// Elevation of the terrain without buildings and trees as a laser sees it, so the water level in
+/// the river. Metres. Continuous; steep only at the banks.
 double synthetic_ground(const SyntheticTerrain& terrain, double x, double y);
 
 /// Distance from the river's centre line, approximately (exactly where the river runs straight); at
@@ -42,26 +42,27 @@ double synthetic_river_distance(const SyntheticTerrain& terrain, double x, doubl
 
 /// What a city consists of.
 struct SyntheticCounts {
-  std::int64_t buildings = 0;    ///< All footprints; the sum of the next six.
-  std::int64_t scattered = 0;    ///< Rectangles of the random city.
-  std::int64_t row_houses = 0;   ///< In perimeter blocks, with party walls.
-  std::int64_t courtyards = 0;   ///< With a hole.
-  std::int64_t towers = 0;       ///< Free-standing towers and slabs.
-  std::int64_t houses = 0;       ///< Free-standing small houses.
+  std::int64_t buildings = 0;   ///< All footprints; the sum of the next six.
+  std::int64_t scattered = 0;   ///< Rectangles of the random city.
+  std::int64_t row_houses = 0;  ///< In perimeter blocks, with party walls.
+  std::int64_t courtyards = 0;  ///< With a hole.
+  std::int64_t towers = 0;      ///< Free-standing towers and slabs.
+  std::int64_t houses = 0;      ///< Free-standing small houses.
   std::int64_t sheds = 0;
   std::int64_t trees = 0;
-  std::int64_t shifted = 0;      ///< Footprints moved by centimetres (untidy).
+  std::int64_t shifted = 0;         ///< Footprints moved by centimetres (untidy).
   std::int64_t extra_vertices = 0;  ///< Footprints with a duplicate or superfluous vertex (untidy).
 };
 
 struct SyntheticCity {
-  std::vector<Polygon> footprints;   ///< Local frame; outer rings counter-clockwise, holes clockwise.
-  std::vector<std::string> ids;      ///< One per footprint, unique.
-  std::vector<double> ground;        ///< Per footprint: terrain at its interior point, elevation.
-  std::vector<double> heights;       ///< Per footprint: roof above `ground`, metres.
-  PointCloud points;                 ///< Local frame, in rows from south to north.
-  Bounds2 domain;                    ///< {0, 0, size, size}.
-  Point2 origin{319000, 6396000};    ///< Suggested origin of the local frame in `crs`.
+  std::vector<Polygon>
+      footprints;                  ///< Local frame; outer rings counter-clockwise, holes clockwise.
+  std::vector<std::string> ids;    ///< One per footprint, unique.
+  std::vector<double> ground;      ///< Per footprint: terrain at its interior point, elevation.
+  std::vector<double> heights;     ///< Per footprint: roof above `ground`, metres.
+  PointCloud points;               ///< Local frame, in rows from south to north.
+  Bounds2 domain;                  ///< {0, 0, size, size}.
+  Point2 origin{319000, 6396000};  ///< Suggested origin of the local frame in `crs`.
   std::string crs = "EPSG:3006";
   SyntheticTerrain terrain;
   SyntheticCounts counts;
@@ -72,25 +73,26 @@ struct SyntheticCity {
 /// `margin` from the border of the square and every centre `min_distance` from the others.
 struct RandomCityOptions {
   std::int64_t buildings = 1000;
-  double size = 2500;          ///< Side of the square domain, metres.
+  double size = 2500;  ///< Side of the square domain, metres.
   std::uint64_t seed = 1;
-  double points_per_m2 = 1;    ///< 0 gives no points.
-  double relief = 15;          ///< Of the rolling terrain, metres; 0 is flat.
-  double margin = 40;          ///< Metres, >= 0.
-  double min_distance = 2;     ///< Metres, >= 0.
+  double points_per_m2 = 1;  ///< 0 gives no points.
+  double relief = 15;        ///< Of the rolling terrain, metres; 0 is flat.
+  double margin = 40;        ///< Metres, >= 0.
+  double min_distance = 2;   ///< Metres, >= 0.
 };
 
 /// Points have class 6 on the highest roof and class 2 elsewhere; none lie under roofs.
 /// Throws Error(kUsage) if that many buildings do not fit, or an option is out of range.
 /// Source: Naserentin & Logg 2022 (arXiv 2210.05250), benchmark study (b).
-SyntheticCity synthetic_random_city(const RandomCityOptions& options, const Progress& progress = {});
+SyntheticCity synthetic_random_city(const RandomCityOptions& options,
+                                    const Progress& progress = {});
 
 /// A city of streets and blocks: quarters with street grids turned this way and that, perimeter
 /// blocks whose adjoining buildings differ in height and share their party walls vertex by vertex,
-/// courtyards, some buildings around a yard (with a hole), towers, houses with sheds, a park without
-/// buildings, trees, and hills on both sides of a river with bridges.
+/// courtyards, some buildings around a yard (with a hole), towers, houses with sheds, a park
+/// without buildings, trees, and hills on both sides of a river with bridges.
 struct BlockCityOptions {
-  double size = 500;           ///< Side of the square domain, metres, >= 300.
+  double size = 500;  ///< Side of the square domain, metres, >= 300.
   std::uint64_t seed = 1;
   double points_per_m2 = 3;    ///< 0 gives no points.
   double relief = 15;          ///< Metres; 0 is flat, but the river keeps its banks.

@@ -13,10 +13,12 @@ struct RefineOptions {
   double min_angle_deg = 25;  ///< Degrees, 0 to 33. Always met up to 30 in our experience.
   double max_edge = 0;        ///< No edge is longer. 0: no bound.
   /// No edge is longer than the value at its midpoint, which must be positive. Empty: no bound.
-  std::function<double(Point2)> size_field;
+  std::function<double(Point2)> size_field = {};
   /// Fill open areas with a lattice of nearly equilateral triangles before refining. Acts only where
   /// the size is the constant `max_edge`.
   bool lattice = true;
+  /// Move the added vertices that are on no segment where that widens the smallest angle around.
+  bool optimize = true;
   bool convex_hull = false;        ///< As in TriangulationOptions.
   std::int64_t max_vertices = 0;   ///< Give up beyond. 0: a bound from area, size and input.
 };

@@ -83,9 +83,10 @@ struct TriangulationOptions {
 /// is visible. The same input gives the same bytes.
 ///
 /// Crossing segments get a vertex where they cross. Its coordinates are rounded, so the pieces of
-/// either segment may leave it by about one unit in the last place of the coordinates. A crossing
-/// within 2^-46 times the largest coordinate (of the two segments) of an end of one of them, or of a
-/// corner of the triangle it falls into, is moved there.
+/// either segment may leave it by about one unit in the last place of the coordinates. Tolerance:
+/// with e = 2^-46 times the largest coordinate of the segment, a segment that passes a vertex at a
+/// distance of at most e is led through that vertex, and no crossing is added that near to a vertex
+/// around it.
 ///
 /// Throws Error(kInput) naming the point or the segment: a coordinate is not finite or larger than
 /// 1e100 in magnitude; an index is out of range; an array has the wrong length.

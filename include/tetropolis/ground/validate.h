@@ -52,7 +52,7 @@ Violations check_edge_lengths(std::span<const Point2> points, TriangleSpan trian
                               double max_edge);
 
 /// Input points are where input_vertex says, bit for bit; every input segment between vertices of
-/// triangles is a chain of segments of the triangulation that keeps to it (kOnSegmentTolerance).
+/// triangles or segments is a chain of segments of the triangulation that keeps to it (kOnSegmentTolerance).
 /// Does not know about segments that a hole removes between two kept vertices.
 Violations check_input(const PlanarGraph& graph, const Triangulation& triangulation);
 

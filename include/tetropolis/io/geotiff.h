@@ -30,17 +30,17 @@ void write_raster(const std::filesystem::path& path, const Raster& raster, Point
 
 /// A raster file in the local frame of a run.
 struct RasterInput {
-  Raster raster;                 ///< Local frame; every value is finite.
-  std::string crs;               ///< Canonical (crs.h); "" if the file states none.
-  std::optional<Bounds2> domain; ///< TETROPOLIS_DOMAIN in the local frame, snapped; if there.
-  std::int64_t filled = 0;       ///< Nodes that had no value and took their nearest node's.
-  std::vector<Warning> warnings; ///< "raster_filled".
+  Raster raster;                  ///< Local frame; every value is finite.
+  std::string crs;                ///< Canonical (crs.h); "" if the file states none.
+  std::optional<Bounds2> domain;  ///< TETROPOLIS_DOMAIN in the local frame, snapped; if there.
+  std::int64_t filled = 0;        ///< Nodes that had no value and took their nearest node's.
+  std::vector<Warning> warnings;  ///< "raster_filled".
 };
 
 /// Reads a single-band raster of square, north-up pixels in any GDAL format; node = pixel centre.
 /// A scale and offset of the band are applied. Nodes without a value (nodata, NaN) take the value
-/// of the nearest node that has one, distance counted in steps of the 8-neighbourhood, ties going to
-/// the node that comes first row by row from the south-west.
+/// of the nearest node that has one, distance counted in steps of the 8-neighbourhood, ties going
+/// to the node that comes first row by row from the south-west.
 ///
 /// Guarantee: read_raster(write_raster(r, origin), origin) gives the same bits for values, step, x0
 /// and y0, provided that x0 and y0 are multiples of kCoordinateStep and the origin is whole metres.

@@ -34,10 +34,10 @@ struct LasInfo {
   std::array<double, 3> max{};
   std::array<double, 3> scale{};
   std::array<double, 3> offset{};
-  std::string crs;               ///< Canonical (crs.h); "" if none is stated or understood.
+  std::string crs;  ///< Canonical (crs.h); "" if none is stated or understood.
   std::string generating_software;
-  int vlr_count = 0;             ///< Variable length records found before the points.
-  std::vector<Warning> warnings; ///< "las_vlrs_broken", "las_crs_unknown", "las_count_missing".
+  int vlr_count = 0;              ///< Variable length records found before the points.
+  std::vector<Warning> warnings;  ///< "las_vlrs_broken", "las_crs_unknown", "las_count_missing".
 };
 
 /// Reads the header and the variable length records, not the points.
@@ -48,9 +48,9 @@ LasInfo inspect_las(const std::filesystem::path& path);
 
 /// The files that `arguments` name: files as they are (whatever their extension), folders as the
 /// *.las and *.laz directly inside (any case), and shell patterns (*, ?, [...]).
-/// Sorted by absolute path; a file named twice, by whatever spelling or link, occurs once. The order
-/// of the arguments does not matter.
-/// Errors, kInput with the argument: no such file, pattern without a match, folder without any.
+/// Sorted by absolute path; a file named twice, by whatever spelling or link, occurs once. The
+/// order of the arguments does not matter. Errors, kInput with the argument: no such file, pattern
+/// without a match, folder without any.
 std::vector<std::filesystem::path> expand_point_paths(std::span<const std::string> arguments);
 
 /// 7 and 18: low and high noise.
@@ -60,8 +60,8 @@ struct ReadPointsOptions {
   std::optional<Bounds2> crop;  ///< Keep points inside or on it; CRS coordinates. None: all.
   Point2 origin;                ///< Subtracted from x and y.
   std::vector<std::uint8_t> skipped_classes = noise_classes();
-  bool keep_withheld = false;   ///< Keep points with the withheld bit.
-  std::string crs;              ///< What the files are in, whatever they say; empty: what they say.
+  bool keep_withheld = false;  ///< Keep points with the withheld bit.
+  std::string crs;             ///< What the files are in, whatever they say; empty: what they say.
 };
 
 struct PointsInput {
@@ -69,31 +69,31 @@ struct PointsInput {
   std::int64_t points_read = 0;  ///< Points looked at (files passed over do not count).
   std::int64_t points_kept = 0;  ///< points.size().
   std::map<int, std::int64_t> points_by_class;  ///< Of the points kept.
-  Bounds2 extent{1, 1, 0, 0};    ///< Of the points kept, local frame; empty if there are none.
+  Bounds2 extent{1, 1, 0, 0};      ///< Of the points kept, local frame; empty if there are none.
   std::int64_t files_skipped = 0;  ///< Passed over because their header's box misses `crop`.
-  std::string crs;               ///< Of the coordinates; "" if unknown.
-  std::vector<Warning> warnings; ///< Those of LasInfo, and "las_box_untrusted".
+  std::string crs;                 ///< Of the coordinates; "" if unknown.
+  std::vector<Warning> warnings;   ///< Those of LasInfo, and "las_box_untrusted".
 };
 
-/// Reads the points of several files. x, y: CRS coordinate (record * scale + offset) minus origin; z
-/// as it is, in the file's unit. Class: 5 bits in formats 0 to 5, 8 bits from format 6 on. Overlap
-/// points (class 12, or the overlap bit) are points like others.
+/// Reads the points of several files. x, y: CRS coordinate (record * scale + offset) minus origin;
+/// z as it is, in the file's unit. Class: 5 bits in formats 0 to 5, 8 bits from format 6 on.
+/// Overlap points (class 12, or the overlap bit) are points like others.
 ///
 /// A file whose header box misses `crop` is not decoded, provided that the box is sound and holds
 /// the first points and some more of the file; otherwise the file is decoded.
 /// Parallel over blocks of a million points; the result does not depend on the number of threads.
 /// Memory follows the points kept, never the counts that headers claim.
 ///
-/// Errors: those of inspect_las; kInput with the path and point number for a file that ends early or
-/// cannot be decoded; kInput naming two files that state different reference systems, unless
+/// Errors: those of inspect_las; kInput with the path and point number for a file that ends early
+/// or cannot be decoded; kInput naming two files that state different reference systems, unless
 /// options.crs is given; kUsage if options.crs is none. The first broken file in order is reported.
 PointsInput read_points(std::span<const std::filesystem::path> paths,
                         const ReadPointsOptions& options = {}, const Progress& progress = {});
 
 struct WritePointsOptions {
-  int point_format = 1;   ///< 1 (LAS 1.2) or 6 (LAS 1.4).
-  double scale = 0.001;   ///< Of x, y and z; metres per unit of the stored integers, > 0.
-  std::string crs;        ///< Stored if it is an EPSG code (GeoTIFF keys; WKT too in LAS 1.4).
+  int point_format = 1;  ///< 1 (LAS 1.2) or 6 (LAS 1.4).
+  double scale = 0.001;  ///< Of x, y and z; metres per unit of the stored integers, > 0.
+  std::string crs;       ///< Stored if it is an EPSG code (GeoTIFF keys; WKT too in LAS 1.4).
 };
 
 /// Writes points as single returns, rounded to `scale`. LAZ if the extension is .laz, else LAS.

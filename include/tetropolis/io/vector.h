@@ -47,10 +47,10 @@ struct FootprintsInput {
 /// source_id is the value of the id attribute as text, or the feature number: GDAL's FID, which
 /// starts at 0 in shapefiles and usually at 1 in GeoPackages. Features without a value in the id
 /// attribute fall back on their number. The polygons of a multipolygon or collection are numbered
-/// from 1 in their order; part k > 1 has "#k" added (part 1 keeps the plain id). An id that was used
-/// before gets "~2", "~3", ... added, with the warning "duplicate_ids".
-/// Guarantee: every feature is in `features` or in `dropped`, each of its polygons in exactly one of
-/// them, and no two entries of both lists together have the same id.
+/// from 1 in their order; part k > 1 has "#k" added (part 1 keeps the plain id). An id that was
+/// used before gets "~2", "~3", ... added, with the warning "duplicate_ids". Guarantee: every
+/// feature is in `features` or in `dropped`, each of its polygons in exactly one of them, and no
+/// two entries of both lists together have the same id.
 ///
 /// Z and M are ignored, curves become chords of 4 degrees. Null, empty and other geometries are
 /// dropped. Reprojection happens if the file's system and target_crs are both known and differ.

@@ -12,8 +12,8 @@
 namespace tetropolis {
 
 struct DtmOptions {
-  double step = 1.0;                       ///< Metres between nodes, > 0.
-  std::vector<std::uint8_t> classes{2, 9}; ///< Classes that count as ground (ground and water).
+  double step = 1.0;                        ///< Metres between nodes, > 0.
+  std::vector<std::uint8_t> classes{2, 9};  ///< Classes that count as ground (ground and water).
 };
 
 /// What the heights of a DTM rest on.
@@ -32,17 +32,16 @@ Raster dtm_grid(const Bounds2& domain, double step);
 /// Heights on dtm_grid(domain, options.step). Each point of the given classes counts towards its
 /// nearest node (points whose nearest node is not on the grid, or whose height is not finite, are
 /// ignored), and a node gets the mean height of its points. Then fill_empty_nodes.
-/// Guarantees: every value is finite and lies between the lowest and the highest ground point, up to
-/// rounding; the same bytes for any number of threads. Time is linear in points and nodes; memory beyond the
-/// raster is 4 bytes per node.
-/// Throws Error(kInput) if no ground point lies on the grid.
-/// Source: Naserentin & Logg 2022 (arXiv 2210.05250), step 1.3.
+/// Guarantees: every value is finite and lies between the lowest and the highest ground point, up
+/// to rounding; the same bytes for any number of threads. Time is linear in points and nodes;
+/// memory beyond the raster is 4 bytes per node. Throws Error(kInput) if no ground point lies on
+/// the grid. Source: Naserentin & Logg 2022 (arXiv 2210.05250), step 1.3.
 Raster build_dtm(const PointCloud& cloud, const Bounds2& domain, const DtmOptions& options = {},
                  const Progress& progress = {}, DtmReport* report = nullptr);
 
 /// Gives every node whose value is NaN a height, front by front from the rims of the voids: the
-/// nodes that have a filled one among their 8 neighbours get the mean of those, all at once; then the
-/// next front. The result does not depend on the order in which nodes are visited: mirroring or
+/// nodes that have a filled one among their 8 neighbours get the mean of those, all at once; then
+/// the next front. The result does not depend on the order in which nodes are visited: mirroring or
 /// transposing the raster mirrors or transposes the result, bit for bit.
 /// Precondition: at least one value is not NaN. Linear time.
 void fill_empty_nodes(Raster& raster, const Progress& progress = {});

@@ -1,0 +1,58 @@
+#!/usr/bin/env python3
+"""Renders a result folder to a PNG, from the written boundary.vtp (needs pyvista from PyPI).
+
+    render.py RESULT_FOLDER PICTURE.png [--close] [--edges] [--section]
+
+--edges draws the triangles, --close looks at the middle of the city from near by, --section cuts the
+volume (volume.vtu) along its middle and colours it by the least dihedral angle.
+"""
+import argparse
+import pathlib
+
+import numpy as np
+import pyvista as pv
+
+GROUND, ROOF, WALL = 1, 2, 3
+COLOURS = {GROUND: "#c9c7b5", ROOF: "#c8553d", WALL: "#f2e8cf"}
+
+
+def look(plotter, box, zoom):
+    """Looks at the box from the south-west, from above."""
+    centre = np.array([(box[0] + box[1]) / 2, (box[2] + box[3]) / 2, box[4]])
+    size = max(box[1] - box[0], box[3] - box[2]) / zoom
+    plotter.camera.focal_point = centre
+    plotter.camera.position = centre + size * np.array([-0.55, -0.95, 0.85])
+    plotter.camera.up = (0, 0, 1)
+    plotter.camera.view_angle = 42
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("folder", type=pathlib.Path)
+    parser.add_argument("picture")
+    parser.add_argument("--edges", action="store_true")
+    parser.add_argument("--close", action="store_true")
+    parser.add_argument("--section", action="store_true")
+    args = parser.parse_args()
+    boundary = pv.read(args.folder / "boundary.vtp")
+    patch = boundary.cell_data["patch"]
+    plotter = pv.Plotter(off_screen=True, window_size=(1600, 1000))
+    plotter.set_background("#eef3f7")
+    for number, colour in COLOURS.items():
+        faces = boundary.extract_cells(patch == number)
+        if faces.n_cells:
+            plotter.add_mesh(faces, color=colour, show_edges=args.edges, edge_color="#555555",
+                             line_width=0.6, ambient=0.35, diffuse=0.7)
+    if args.section:
+        volume = pv.read(args.folder / "volume.vtu")
+        middle = (boundary.bounds[2] + boundary.bounds[3]) / 2
+        half = volume.extract_cells(volume.cell_centers().points[:, 1] > middle)
+        plotter.add_mesh(half, color="#9fc5e8", show_edges=True, edge_color="#445566", line_width=0.5)
+    land = boundary.extract_cells(patch <= WALL)
+    look(plotter, land.bounds, 3.0 if args.close else 1.05)
+    plotter.enable_anti_aliasing("ssaa")
+    plotter.screenshot(args.picture)
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,167 @@
+#include "city/outline_change.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <utility>
+
+#include "city/grid_geometry.h"
+
+namespace tetropolis {
+
+using grid::point_segment_distance;
+
+namespace {
+
+/// How much worse a pair of two polygons is than one of the same.
+constexpr double kOtherPolygon = 10;
+
+}  // namespace
+
+ShortPath old_path(const Outline& o, const OutlineChange& c) {
+  ShortPath path;
+  path.add(o.at(c.first));
+  for (int i = 0; i < c.old_count; ++i) path.add(o.at(c.old[static_cast<std::size_t>(i)]));
+  path.add(o.at(c.last));
+  return path;
+}
+
+ShortPath new_path(const Outline& o, const OutlineChange& c) {
+  ShortPath path;
+  path.add(o.at(c.first));
+  for (int i = 0; i < c.fresh_count; ++i) path.add(c.fresh[static_cast<std::size_t>(i)]);
+  path.add(o.at(c.last));
+  return path;
+}
+
+// Every point of the region swept over is within the largest displacement of the old path.
+void ChangeJudge::gather(const ShortPath& before, const ShortPath& after, const OutlineChange& c) {
+  near_.clear();
+  ++gathering_;
+  const auto mark = [&](std::int32_t e) { seen_[static_cast<std::size_t>(e)] = gathering_; };
+  mark(c.first);
+  for (int i = 0; i < c.old_count; ++i) mark(c.old[static_cast<std::size_t>(i)]);
+  double displacement = 0;
+  for (int i = 1; i + 1 < before.count; ++i) {
+    double nearest = ShortPath::kNowhere;
+    for (int j = 0; j < after.edges; ++j)
+      nearest =
+          std::min(nearest, point_segment_distance(before.at(i), after.at(j), after.at(j + 1)));
+    displacement = std::max(displacement, nearest);
+  }
+  for (int i = 1; i + 1 < after.count; ++i) {
+    double nearest = ShortPath::kNowhere;
+    for (int j = 0; j < before.edges; ++j)
+      nearest =
+          std::min(nearest, point_segment_distance(after.at(i), before.at(j), before.at(j + 1)));
+    displacement = std::max(displacement, nearest);
+  }
+  gather_along(before, std::max(epsilon_, displacement));
+  gather_along(after, epsilon_);
+}
+
+void ChangeJudge::gather_along(const ShortPath& path, double reach) {
+  for (int j = 0; j < path.edges; ++j) {
+    const Point2 a = path.at(j), b = path.at(j + 1);
+    // The box of a long slanted edge holds much that is nowhere near it.
+    const double slant = std::min(std::abs(b.x - a.x), std::abs(b.y - a.y));
+    const int pieces = 1 + static_cast<int>(std::min(slant / (4 * reach), 1000.0));
+    Point2 from = a;
+    for (int k = 1; k <= pieces; ++k) {
+      const double t = static_cast<double>(k) / pieces;
+      const Point2 to{a.x + t * (b.x - a.x), a.y + t * (b.y - a.y)};
+      const Bounds2 box = grid::box_of(from, to).grown(reach);
+      o_.grid.visit(box, [&](std::int32_t e) {
+        if (seen_[static_cast<std::size_t>(e)] == gathering_) return;
+        if (!grid::box_of(o_.at(e), o_.at(o_.after(e))).intersects(box)) return;
+        seen_[static_cast<std::size_t>(e)] = gathering_;
+        near_.push_back(e);
+      });
+      from = to;
+    }
+  }
+}
+
+double ChangeJudge::potential(const ShortPath& path, const OutlineChange& c) const {
+  double sum = 0;
+  for (int j = 0; j < path.edges; ++j) {
+    sum += weight(grid::squared_distance(path.at(j), path.at(j + 1)));
+    for (int i = 0; i < path.count; ++i)
+      if (i != j && i != j + 1) sum += weight(path.at(i), path.at(j), path.at(j + 1));
+  }
+  const std::int32_t group = o_.group_of(c.first);
+  std::array<Bounds2, 3> boxes;
+  for (int j = 0; j < path.edges; ++j)
+    boxes[static_cast<std::size_t>(j)] = grid::box_of(path.at(j), path.at(j + 1)).grown(epsilon_);
+  for (const std::int32_t e : near_) {
+    const Point2 a = o_.at(e), b = o_.at(o_.after(e));
+    double pair = 0;
+    if (e != c.last)
+      for (int j = 0; j < path.edges; ++j)
+        if (boxes[static_cast<std::size_t>(j)].contains(a))
+          pair += weight(a, path.at(j), path.at(j + 1));
+    const Bounds2 edge_box = grid::box_of(a, b).grown(epsilon_);
+    for (int i = 1; i + 1 < path.count; ++i)
+      if (edge_box.contains(path.at(i))) pair += weight(path.at(i), a, b);
+    sum += o_.group_of(e) == group ? pair : kOtherPolygon * pair;
+  }
+  return sum;
+}
+
+bool ChangeJudge::crosses(const ShortPath& path, const OutlineChange& c) const {
+  for (int j = 0; j < path.edges; ++j) {
+    const Point2 a = path.at(j), b = path.at(j + 1);
+    if (a == b) return true;
+    if (j + 2 <= path.edges && grid::folds_back(b, a, path.at(j + 2))) return true;
+    if (j + 3 <= path.edges && grid::segments_touch(a, b, path.at(j + 2), path.at(j + 3)))
+      return true;
+  }
+  for (const std::int32_t e : near_) {
+    const std::int32_t f = o_.after(e);
+    const Point2 p = o_.at(e), q = o_.at(f);
+    for (int j = 0; j < path.edges; ++j) {
+      const bool at_first = j == 0 && f == c.first;
+      const bool at_last = j + 1 == path.edges && e == c.last;
+      if (at_first && grid::folds_back(q, p, path.at(1))) return true;
+      if (at_last && grid::folds_back(p, q, path.at(j))) return true;
+      if (!at_first && !at_last && grid::segments_touch(path.at(j), path.at(j + 1), p, q))
+        return true;
+    }
+  }
+  return false;
+}
+
+bool ChangeJudge::sweeps_a_vertex(const ShortPath& before, const ShortPath& after,
+                                  const OutlineChange& c) const {
+  Ring loop;
+  for (int i = 0; i < before.count; ++i) loop.push_back(before.at(i));
+  for (int i = after.count - 2; i > 0; --i) loop.push_back(after.at(i));
+  const auto inside = [&](Point2 p) {
+    bool odd = false;
+    for (std::size_t i = 0, j = loop.size() - 1; i < loop.size(); j = i++) {
+      Point2 a = loop[j], b = loop[i];
+      if ((a.y > p.y) == (b.y > p.y)) continue;
+      if (a.y > b.y) std::swap(a, b);
+      if (grid::orientation(a, b, p) > 0) odd = !odd;
+    }
+    return odd;
+  };
+  return std::any_of(near_.begin(), near_.end(), [&](std::int32_t e) {
+    return e != c.last && e != c.first && inside(o_.at(e));
+  });
+}
+
+std::optional<double> ChangeJudge::gain(const OutlineChange& c) {
+  const auto ring = static_cast<std::size_t>(o_.ring_of(c.first));
+  if (o_.size[ring] < c.old_count + 2 || o_.size[ring] - c.old_count + c.fresh_count < 3)
+    return std::nullopt;
+  for (int i = 0; i < c.fresh_count; ++i)
+    if (!keep_inside_.contains(c.fresh[static_cast<std::size_t>(i)])) return std::nullopt;
+  const ShortPath before = old_path(o_, c), after = new_path(o_, c);
+  gather(before, after, c);
+  const double result = potential(before, c) - potential(after, c);
+  if (result < -1e-9 || crosses(after, c) || sweeps_a_vertex(before, after, c)) return std::nullopt;
+  return result;
+}
+
+}  // namespace tetropolis

@@ -1,0 +1,101 @@
+// Small changes of an outline: what they gain, and whether they keep it valid.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <limits>
+#include <optional>
+#include <vector>
+
+#include "tetropolis/geometry/types.h"
+
+#include "city/grid_geometry.h"
+#include "city/outline.h"
+
+namespace tetropolis {
+
+enum class ChangeKind : std::uint8_t {
+  kDrop,   ///< Vertices go.
+  kMerge,  ///< Two vertices become one.
+  kSlide,  ///< The ends of a short edge move along their other edges.
+  kMove,   ///< A vertex moves.
+  kFill,   ///< The hole that `first` belongs to goes; nothing else of the change is set.
+};
+
+/// The vertices between `first` and `last` (both stay) are replaced by `fresh`.
+struct OutlineChange {
+  ChangeKind kind = ChangeKind::kDrop;
+  std::int32_t first = -1;
+  std::int32_t last = -1;
+  std::array<std::int32_t, 2> old{-1, -1};
+  int old_count = 0;
+  std::array<Point2, 2> fresh{};
+  int fresh_count = 0;
+  double cost = 0;                   ///< Area added and removed, square steps.
+  std::array<Point2, 4> made_for{};  ///< The points from first to last when it was considered.
+};
+
+/// At most four points: fixed, up to two free, fixed.
+struct ShortPath {
+  static constexpr double kNowhere = std::numeric_limits<double>::infinity();
+  std::array<Point2, 4> p{};
+  int edges = 0;
+  Bounds2 box{kNowhere, kNowhere, -kNowhere, -kNowhere};
+  void add(Point2 q) {
+    p[static_cast<std::size_t>(count++)] = q;
+    edges = count - 1;
+    grid::extend(box, q);
+  }
+  Point2 at(int i) const { return p[static_cast<std::size_t>(i)]; }
+  int count = 0;
+};
+
+/// The points of a change's vertices now, and what they would become.
+ShortPath old_path(const Outline& outline, const OutlineChange& change);
+ShortPath new_path(const Outline& outline, const OutlineChange& change);
+
+/// Judges changes of one outline (not fills); it has room for one neighbourhood at a time.
+class ChangeJudge {
+ public:
+  /// Coordinates are steps. New vertices have to be within `keep_inside`.
+  ChangeJudge(const Outline& outline, double epsilon, const Bounds2& keep_inside)
+      : o_(outline),
+        epsilon_(epsilon),
+        epsilon2_(epsilon * epsilon),
+        keep_inside_(keep_inside),
+        seen_(outline.point.size(), 0) {}
+
+  /// By how much the change decreases the potential Phi (see repair_vertices), or nothing if it
+  /// increases it, makes edges touch, sweeps over a vertex, leaves `keep_inside` or leaves fewer
+  /// than three vertices in the ring. Exact apart from the rounding of Phi.
+  std::optional<double> gain(const OutlineChange& change);
+
+  /// Collects, as near(), the edges within epsilon of either path or inside the region the change
+  /// sweeps over, without the edges it removes.
+  void gather(const ShortPath& before, const ShortPath& after, const OutlineChange& change);
+  const std::vector<std::int32_t>& near() const { return near_; }
+
+ private:
+  double weight(double squared) const {
+    return squared < epsilon2_ ? 1.1 - std::sqrt(squared) / epsilon_ : 0;
+  }
+  double weight(Point2 p, Point2 a, Point2 b) const {
+    return weight(grid::squared_distance_to_segment(p, a, b));
+  }
+  void gather_along(const ShortPath& path, double reach);
+  double potential(const ShortPath& path, const OutlineChange& c) const;
+  bool crosses(const ShortPath& path, const OutlineChange& c) const;
+  bool sweeps_a_vertex(const ShortPath& before, const ShortPath& after,
+                       const OutlineChange& c) const;
+
+  const Outline& o_;
+  double epsilon_;
+  double epsilon2_;
+  Bounds2 keep_inside_;
+  std::vector<std::uint32_t> seen_;  ///< Per edge: the gathering it was last met in.
+  std::uint32_t gathering_ = 0;
+  std::vector<std::int32_t> near_;
+};
+
+}  // namespace tetropolis

@@ -1,0 +1,149 @@
+// Every check is seen to fail on a mesh broken in just that way.
+#include "tetropolis/check/check_mesh.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "support/small_city.h"
+#include "support/test_data.h"
+#include "tetropolis/io/vtk.h"
+#include "tetropolis/volume/quality.h"
+
+namespace tetropolis {
+namespace {
+
+bool has(const std::vector<Violation>& violations, const std::string& what) {
+  return std::any_of(violations.begin(), violations.end(), [&](const Violation& v) { return v.what == what; });
+}
+
+std::string names(const std::vector<Violation>& violations) {
+  std::string text;
+  for (const Violation& v : violations) text += v.what + " (" + v.first + "); ";
+  return text;
+}
+
+class CheckMesh : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    testing::TemporaryFolder folder;
+    city = testing::meshed(testing::small_city(testing::hills), 12);
+    write_vtu(folder / "v.vtu", city.mesh, {});
+    mesh = read_vtu(folder / "v.vtu");
+    surface = extract_boundary(city.mesh, city.city.domain);
+    model.domain = city.city.domain;
+    for (std::size_t b = 0; b < city.city.footprints.size(); ++b) {
+      Building building;
+      building.id = "b" + std::to_string(b);
+      building.source_ids = {building.id};
+      building.footprint = city.city.footprints[b];
+      building.h_ground = city.city.roofs[b] - 2.5;
+      building.h_roof = city.city.roofs[b];
+      model.buildings.push_back(building);
+    }
+  }
+
+  testing::MeshedCity city;
+  TetMesh mesh;
+  SurfaceMesh surface;
+  CityModel model;
+};
+
+TEST_F(CheckMesh, PassesAGoodMeshAndAgreesWithTheGeneratorsMeasures) {
+  const VolumeCheck check = check_volume(mesh);
+  EXPECT_TRUE(check.violations.empty()) << names(check.violations);
+  const QualityHistogram quality = measure_quality(city.mesh);
+  EXPECT_NEAR(check.volume, quality.volume(), 1e-9 * quality.volume());
+  EXPECT_NEAR(check.min_dihedral_deg.min, quality.min_dihedral_deg(), 1e-4);
+  EXPECT_NEAR(check.max_dihedral_deg, quality.max_dihedral_deg(), 1e-4);
+  EXPECT_NEAR(check.min_dihedral_deg.median, quality.dihedral_quantile_deg(0.5), 0.05);
+  EXPECT_NEAR(check.aspect_ratio.max / quality.max_aspect_ratio(), 1, 1e-5);
+  EXPECT_TRUE(check_surface(surface).violations.empty()) << names(check_surface(surface).violations);
+  EXPECT_TRUE(check_same_boundary(mesh, check, surface).empty());
+  const HeightsCheck heights = check_heights(surface, {0, 0, 0}, city.city.dtm, model);
+  EXPECT_TRUE(heights.violations.empty()) << names(heights.violations);
+  EXPECT_LE(heights.lowered, city.heights.lowered);
+}
+
+TEST_F(CheckMesh, SeesInvertedCells) {
+  std::swap(mesh.cells[5][0], mesh.cells[5][1]);
+  const VolumeCheck check = check_volume(mesh);
+  EXPECT_EQ(check.inverted, 1);
+  EXPECT_TRUE(has(check.violations, "inverted cells"));
+  EXPECT_TRUE(has(check.violations, "neighbouring cells that overlap"));
+}
+
+TEST_F(CheckMesh, SeesCellsTwiceAndCracks) {
+  TetMesh doubled = mesh;
+  doubled.cells.push_back(doubled.cells[100]);
+  EXPECT_TRUE(has(check_volume(doubled).violations, "faces of more than two cells") ||
+              has(check_volume(doubled).violations, "neighbouring cells that overlap"));
+  TetMesh cracked = mesh;
+  cracked.points.push_back(cracked.points[static_cast<std::size_t>(cracked.cells[100][0])]);
+  cracked.cells[100][0] = static_cast<std::int64_t>(cracked.points.size()) - 1;
+  EXPECT_TRUE(has(check_volume(cracked).violations, "coincident vertices"));
+  EXPECT_GT(check_volume(cracked).boundary_faces, check_volume(mesh).boundary_faces);
+}
+
+TEST_F(CheckMesh, SeesUnusedAndNonFiniteVertices) {
+  mesh.points.push_back({1e9, 0, 0});
+  EXPECT_TRUE(has(check_volume(mesh).violations, "vertices without cells"));
+  mesh.points.back()[2] = std::nan("");
+  EXPECT_TRUE(has(check_volume(mesh).violations, "coordinates that are not finite"));
+  EXPECT_TRUE(has(check_volume(TetMesh{}).violations, "no cells"));
+}
+
+TEST_F(CheckMesh, SeesSurfacesThatAreNotTheVolumesBoundary) {
+  const VolumeCheck check = check_volume(mesh);
+  surface.points[7][2] += 1e-6;
+  EXPECT_FALSE(check_same_boundary(mesh, check, surface).empty());
+}
+
+TEST_F(CheckMesh, SeesOpenSurfacesAndFacesTurnedOver) {
+  SurfaceMesh open = surface;
+  open.triangles.pop_back();
+  EXPECT_FALSE(check_surface(open).closed);
+  EXPECT_TRUE(has(check_surface(open).violations, "open edges"));
+  SurfaceMesh turned = surface;
+  std::swap(turned.triangles[0][0], turned.triangles[0][1]);
+  EXPECT_FALSE(check_surface(turned).manifold);
+  EXPECT_TRUE(has(check_surface(turned).violations, "ground faces that do not face down"));
+}
+
+TEST_F(CheckMesh, SeesWrongTags) {
+  const auto first = [&](Patch patch) {
+    return static_cast<std::size_t>(std::find(surface.patch.begin(), surface.patch.end(), patch) - surface.patch.begin());
+  };
+  const auto violated = [&](std::size_t face, Patch patch, BuildingIndex building) {
+    SurfaceMesh wrong = surface;
+    wrong.patch[face] = patch;
+    wrong.building[face] = building;
+    return names(check_surface(wrong).violations);
+  };
+  EXPECT_NE(violated(first(Patch::kWall), Patch::kGround, -1), "");
+  EXPECT_NE(violated(first(Patch::kGround), Patch::kWall, 0), "");
+  EXPECT_NE(violated(first(Patch::kWall), Patch::kWall, -1), "");
+  EXPECT_NE(violated(first(Patch::kGround), Patch::kGround, 2), "");
+  EXPECT_NE(violated(first(Patch::kTop), Patch::kGround, -1), "");
+  EXPECT_NE(violated(first(Patch::kXMin), Patch::kXMax, -1), "");
+  EXPECT_NE(violated(first(Patch::kYMin), Patch::kYMax, -1), "");
+  const BuildingIndex other = surface.building[first(Patch::kRoof)] == 0 ? 1 : 0;
+  EXPECT_NE(violated(first(Patch::kRoof), Patch::kRoof, other), "");
+}
+
+TEST_F(CheckMesh, SeesHeightsOffByAMillimetre) {
+  SurfaceMesh moved = surface;
+  for (auto& p : moved.points)
+    if (p[2] == city.city.roofs[2]) p[2] += 0.001;
+  EXPECT_TRUE(has(check_heights(moved, {0, 0, 0}, city.city.dtm, model).violations, "roof vertices off the roof height"));
+  Raster higher = city.city.dtm;
+  for (double& z : higher.values) z -= 0.001;
+  EXPECT_TRUE(has(check_heights(surface, {0, 0, 0}, higher, model).violations, "ground vertices off the terrain"));
+  model.buildings.pop_back();
+  EXPECT_TRUE(has(check_heights(surface, {0, 0, 0}, city.city.dtm, model).violations,
+                  "roofs of buildings that the city model lacks"));
+}
+
+}  // namespace
+}  // namespace tetropolis

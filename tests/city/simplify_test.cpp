@@ -1,0 +1,425 @@
+#include "tetropolis/city/simplify.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <filesystem>
+#include <numbers>
+#include <random>
+#include <string>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "tetropolis/core/error.h"
+#include "tetropolis/core/parallel.h"
+#include "tetropolis/io/vector.h"
+
+#include "city/footprint_checks.h"
+#include "support/test_data.h"
+
+namespace tetropolis {
+namespace {
+
+using testing::box;
+using testing::circle;
+using testing::cleaned;
+using testing::clockwise_box;
+using testing::domain_around;
+using testing::expect_sound;
+using testing::random_star;
+using testing::simplified;
+using testing::turned;
+
+double kept_change(const Simplification& s) { return s.stats.area_changed - s.stats.area_dropped; }
+
+// --- pairs -----------------------------------------------------------------------------------
+
+TEST(Simplify, LeavesFootprintsThatAreFine) {
+  const std::vector<Polygon> input = cleaned({box(0, 0, 10, 10), box(11.001, 0, 10, 10)});
+  const Simplification result = simplified(input);
+  EXPECT_EQ(result.footprints, input);
+  EXPECT_EQ(result.flags, (std::vector<std::uint32_t>{0, 0}));
+  EXPECT_EQ(result.stats.area_changed, 0);
+}
+
+TEST(Simplify, FillsTheGapBetweenTwoWalls) {
+  for (const double angle : {0.0, 0.3, 1.0}) {
+    const Simplification result =
+        simplified({turned(box(0, 0, 10, 10), angle), turned(box(10.5, 0, 10, 10), angle)});
+    ASSERT_EQ(result.footprints.size(), 1U);
+    EXPECT_EQ(result.flags[0] & (kMerged | kConvexHull), kMerged);
+    EXPECT_NEAR(area(result.footprints[0]), 205, 0.05);
+    EXPECT_EQ(result.footprints[0].outer.size(), 4U);
+  }
+}
+
+TEST(Simplify, FillsOnlyTheFacingPartOfTheGap) {
+  // The second is shifted by half: 5 m face each other.
+  const Simplification result = simplified({box(0, 0, 10, 10), box(10.5, 5, 10, 10)});
+  ASSERT_EQ(result.footprints.size(), 1U);
+  // 5 m by 0.5 m, and two slanted ends that are 1 m long.
+  EXPECT_NEAR(area(result.footprints[0]), 200 + 2.5 + 0.5 * std::sqrt(0.75), 0.01);
+}
+
+TEST(Simplify, BridgesCorners) {
+  for (const double gap : {0.0, 0.3, -0.2}) {
+    const Simplification result = simplified({box(0, 0, 10, 10), box(10 + gap, 10 + gap, 10, 10)});
+    ASSERT_EQ(result.footprints.size(), 1U) << gap;
+    EXPECT_NEAR(area(result.footprints[0]), 200, 2.5) << gap;
+    EXPECT_EQ(result.flags[0] & kConvexHull, 0U);
+  }
+}
+
+TEST(Simplify, UnitesOverlappingContainedAndIdenticalOnes) {
+  const Simplification overlapping = simplified({box(0, 0, 10, 10), box(5, 5, 10, 10)});
+  ASSERT_EQ(overlapping.footprints.size(), 1U);
+  EXPECT_NEAR(area(overlapping.footprints[0]), 175, 1e-9);
+  const Simplification contained = simplified({box(0, 0, 20, 20), box(5, 5, 5, 5)});
+  ASSERT_EQ(contained.footprints.size(), 1U);
+  EXPECT_NEAR(area(contained.footprints[0]), 400, 1e-9);
+  const Simplification twice = simplified({box(0, 0, 20, 20), box(0, 0, 20, 20)});
+  ASSERT_EQ(twice.footprints.size(), 1U);
+  EXPECT_NEAR(area(twice.footprints[0]), 400, 1e-9);
+  EXPECT_EQ(twice.members[0], (std::vector<BuildingIndex>{0, 1}));
+}
+
+TEST(Simplify, JoinsLShapes) {
+  const Polygon l{{{0, 0}, {20, 0}, {20, 5}, {5, 5}, {5, 20}, {0, 20}}, {}};
+  // A box nested in the L, 0.4 m from both of its arms: both gaps are filled.
+  const Simplification result = simplified({l, box(5.4, 5.4, 10, 10)});
+  ASSERT_EQ(result.footprints.size(), 1U);
+  EXPECT_NEAR(area(result.footprints[0]), 175 + 100 + 10.4 * 10.4 - 100, 1.0);
+}
+
+TEST(Simplify, ClosesCracksAndJunctionsOffByAMicrometre) {
+  const double tiny = 1e-6;
+  const Simplification junction =
+      simplified({box(0, 0, 10, 10), box(10 + tiny, 0, 10, 5), box(10 - tiny, 5 + tiny, 10, 5)});
+  ASSERT_EQ(junction.footprints.size(), 1U);
+  EXPECT_NEAR(area(junction.footprints[0]), 200, 1e-3);
+  EXPECT_EQ(junction.footprints[0].outer.size(), 4U);
+  const Simplification crack =
+      simplified({turned(box(0, 0, 10, 10), 0.7), turned(box(10.01, 0, 10, 10), 0.7)});
+  ASSERT_EQ(crack.footprints.size(), 1U);
+  EXPECT_NEAR(area(crack.footprints[0]), 200.1, 0.01);
+  // Walls that touch at one end and are 2 cm apart at the other.
+  const Simplification wedge =
+      simplified({box(0, 0, 10, 10), turned(box(10, 0, 10, 10), -0.002, {10, 0})});
+  ASSERT_EQ(wedge.footprints.size(), 1U);
+  EXPECT_NEAR(area(wedge.footprints[0]), 200.1, 0.1);
+}
+
+TEST(Simplify, CheckerboardsHoldTogether) {
+  std::vector<Polygon> input;
+  for (int x = 0; x < 6; ++x)
+    for (int y = 0; y < 6; ++y)
+      if ((x + y) % 2 == 0) input.push_back(box(8.0 * x, 8.0 * y, 8, 8));
+  const Simplification result = simplified(input);
+  ASSERT_EQ(result.footprints.size(), 1U);
+  EXPECT_EQ(result.flags[0] & kConvexHull, 0U);
+  EXPECT_LT(kept_change(result), 0.05 * result.stats.area_before);
+}
+
+// --- features of one footprint ------------------------------------------------------------------
+
+TEST(Simplify, RepairsStepsGently) {
+  // A facade of 60 m with a step of 0.3 m: slanting the step changes 0.07 m2, moving a wall 9 m2.
+  const Simplification result =
+      simplified({{{{0, 0}, {60, 0}, {60, 10}, {30, 10}, {30, 10.3}, {0, 10.3}}, {}}});
+  ASSERT_EQ(result.footprints.size(), 1U);
+  EXPECT_LT(kept_change(result), 0.1);
+  EXPECT_NEAR(area(result.footprints[0]), 609, 0.01);
+  EXPECT_EQ(result.stats.edges_slid, 1);
+}
+
+TEST(Simplify, FillsNotchesAndCutsThinArms) {
+  const Polygon notch{
+      {{0, 0}, {20, 0}, {20, 20}, {10.5, 20}, {10.5, 12}, {10, 12}, {10, 20}, {0, 20}}, {}};
+  const Simplification filled = simplified({notch});
+  ASSERT_EQ(filled.footprints.size(), 1U);
+  EXPECT_NEAR(area(filled.footprints[0]), 400, 1e-6);
+  // A garden wall of 5 cm and 15 m.
+  const Polygon wall{{{0, 0}, {10, 0}, {10, 9.95}, {25, 9.95}, {25, 10}, {0, 10}}, {}};
+  const Simplification cut = simplified({wall});
+  ASSERT_EQ(cut.footprints.size(), 1U);
+  EXPECT_NEAR(area(cut.footprints[0]), 100, 0.2);
+}
+
+TEST(Simplify, KeepsBothHallsOfADumbbell) {
+  // Two halls joined by a corridor of 0.6 m: cutting it would lose a hall.
+  const Polygon dumbbell{{{0, 0},
+                          {20, 0},
+                          {20, 9.7},
+                          {30, 9.7},
+                          {30, 0},
+                          {50, 0},
+                          {50, 20},
+                          {30, 20},
+                          {30, 10.3},
+                          {20, 10.3},
+                          {20, 20},
+                          {0, 20}},
+                         {}};
+  const Simplification result = simplified({dumbbell});
+  ASSERT_EQ(result.footprints.size(), 1U);
+  EXPECT_EQ(result.flags[0] & kConvexHull, 0U);
+  EXPECT_NEAR(area(result.footprints[0]), 810, 12);
+}
+
+TEST(Simplify, NeedlesLoseTheirTip) {
+  // An angle of 0.5 degrees, 100 m long.
+  const double w = 100 * std::tan(0.5 / 180 * std::numbers::pi);
+  const Polygon needle{{{0, 0}, {100, 10 - w}, {0, 10}}, {}};
+  const Simplification house = simplified({needle});
+  ASSERT_EQ(house.footprints.size(), 1U);
+  const Polygon slot{{{0, 0}, {110, 0}, {110, 10}, {105, 10}, {5, 10 - w}, {0, 10}}, {}};
+  simplified({slot});
+  const Polygon spike{{{0, 0}, {20, 0}, {20, 10}, {120, 10 + w / 2}, {20, 10 + w}, {0, 20}}, {}};
+  const Simplification result = simplified({spike});
+  ASSERT_EQ(result.footprints.size(), 1U);
+  EXPECT_NEAR(area(result.footprints[0]), 309, 3);
+}
+
+TEST(Simplify, CourtyardsSurviveWhereTheyMay) {
+  Polygon large = box(0, 0, 40, 40);
+  large.holes.push_back(clockwise_box(10, 10, 20, 20));
+  const Simplification kept = simplified({large, box(15, 15, 10, 10)});
+  ASSERT_EQ(kept.footprints.size(), 2U);
+  EXPECT_EQ(kept.footprints[0], large);
+  Polygon narrow = box(0, 0, 40, 40);
+  narrow.holes.push_back(clockwise_box(10, 10, 0.5, 20));
+  const Simplification closed = simplified({narrow});
+  ASSERT_EQ(closed.footprints.size(), 1U);
+  EXPECT_TRUE(closed.footprints[0].holes.empty());
+  EXPECT_NEAR(area(closed.footprints[0]), 1600, 1e-6);
+  // A house 0.4 m from all walls of its courtyard fills it.
+  Polygon tight = box(0, 0, 40, 40);
+  tight.holes.push_back(clockwise_box(10, 10, 20, 20));
+  const Simplification one = simplified({tight, box(10.4, 10.4, 19.2, 19.2)});
+  ASSERT_EQ(one.footprints.size(), 1U);
+  EXPECT_NEAR(area(one.footprints[0]), 1600, 1.0);
+  // A courtyard 0.3 m from the street.
+  Polygon thin = box(0, 0, 40, 40);
+  thin.holes.push_back(clockwise_box(0.3, 10, 20, 20));
+  simplified({thin});
+}
+
+TEST(Simplify, CirclesBecomePolygonsOfMetreEdges) {
+  const Simplification result =
+      simplified({circle({0, 0}, 50, 4000), circle({101, 0}, 50.2, 4000)});
+  ASSERT_EQ(result.footprints.size(), 1U);
+  EXPECT_LT(kept_change(result) / result.stats.area_before, 2e-3);
+}
+
+TEST(Simplify, DropsSmallAndNarrowOnesWithTheReason) {
+  const Simplification small = simplified({box(0, 0, 3, 3), box(50, 0, 0.02, 0.02)});
+  EXPECT_TRUE(small.footprints.empty());
+  ASSERT_EQ(small.dropped.size(), 2U);
+  EXPECT_EQ(small.dropped[0].reason, "area 9.0 m2 below the minimum of 15 m2");
+  // Small ones that touch a larger one count with it.
+  EXPECT_EQ(simplified({box(0, 0, 3, 3), box(3, 0, 10, 10)}).dropped.size(), 0U);
+  // A wall of 40 m and 0.1 m.
+  SimplifyOptions options;
+  options.min_area = 1;
+  const Simplification wall = simplified({box(0, 0, 40, 0.1)}, options);
+  EXPECT_EQ(wall.footprints.size() + wall.dropped.size(), 1U);
+}
+
+// --- the domain -------------------------------------------------------------------------------
+
+TEST(Simplify, KeepsAwayFromTheDomainBoundary) {
+  const Bounds2 domain{0, 0, 100, 100};
+  const std::vector<Polygon> input = cleaned(
+      {box(0.2, 50, 10, 10), box(95, 95, 5.3, 5.3), box(99.5, 10, 10, 10), box(-40, 0, 10, 10)});
+  const Simplification result = simplify_footprints(input, domain, {});
+  expect_sound(result, input.size(), domain, {});
+  ASSERT_EQ(result.footprints.size(), 2U);
+  EXPECT_NE(result.flags[0] & kClipped, 0U);
+  EXPECT_NEAR(area(result.footprints[0]), 92, 0.01);
+  EXPECT_NEAR(area(result.footprints[1]), 16, 0.01);
+  ASSERT_EQ(result.dropped.size(), 2U);
+  EXPECT_EQ(result.dropped[0].index, 2);
+  EXPECT_EQ(result.dropped[0].reason, "closer than the merge distance to the domain boundary");
+  EXPECT_EQ(result.stats.clipped, 2);
+  // A domain without any room.
+  EXPECT_EQ(simplify_footprints(input, {0, 0, 1, 1}, {}).dropped.size(), input.size());
+}
+
+TEST(Simplify, RejectsOptionsOutOfRange) {
+  for (const double bad : {0.0, -1.0, 1e4, std::nan("")}) {
+    SimplifyOptions options;
+    options.min_distance = bad;
+    EXPECT_THROW(simplify_footprints({}, {0, 0, 1, 1}, options), Error);
+  }
+  SimplifyOptions options;
+  options.growths = 0;
+  EXPECT_THROW(simplify_footprints({}, {0, 0, 1, 1}, options), Error);
+}
+
+TEST(Simplify, StopsWhenAsked) {
+  Progress progress;
+  progress.cancelled = [] { return true; };
+  EXPECT_THROW(simplify_footprints({}, {0, 0, 1, 1}, {}, progress), Cancelled);
+  double last = 0;
+  Progress watch;
+  watch.report = [&](double fraction) {
+    EXPECT_GE(fraction, last);
+    last = fraction;
+  };
+  const std::vector<Polygon> input{box(5, 5, 10, 10)};
+  simplify_footprints(input, {0, 0, 30, 30}, {}, watch);
+  EXPECT_EQ(last, 1);
+}
+
+// --- random and real cities -------------------------------------------------------------------
+
+std::vector<Polygon> random_boxes(std::mt19937& random, int count, double size, bool turn) {
+  std::uniform_real_distribution<double> side(1, 20), place(0, size), angle(0, 3);
+  std::vector<Polygon> result;
+  for (int i = 0; i < count; ++i) {
+    const double x = place(random), y = place(random), w = side(random), h = side(random);
+    result.push_back(turn ? turned(box(x, y, w, h), angle(random), {x, y}) : box(x, y, w, h));
+  }
+  return result;
+}
+
+TEST(Simplify, RandomBoxes) {
+  const unsigned seed = testing::test_seed();
+  SCOPED_TRACE(::testing::Message() << "TETROPOLIS_TEST_SEED=" << seed);
+  std::mt19937 random(seed);
+  for (int trial = 0; trial < 30; ++trial) {
+    SCOPED_TRACE(trial);
+    const Simplification result =
+        simplified(random_boxes(random, 200, 150.0 + 30 * (trial % 12), trial % 2 == 0));
+    EXPECT_LT(kept_change(result), 0.03 * result.stats.area_before);
+  }
+}
+
+TEST(Simplify, RandomStarsAtSeveralDistances) {
+  const unsigned seed = testing::test_seed();
+  SCOPED_TRACE(::testing::Message() << "TETROPOLIS_TEST_SEED=" << seed);
+  std::mt19937 random(seed);
+  std::uniform_real_distribution<double> place(0, 200), size(2, 25);
+  for (int trial = 0; trial < 30; ++trial) {
+    SCOPED_TRACE(trial);
+    std::vector<Polygon> input;
+    for (int i = 0; i < 40; ++i)
+      input.push_back(random_star(random, {place(random), place(random)}, size(random),
+                                  3 + static_cast<int>(random() % 30)));
+    SimplifyOptions options;
+    options.min_distance =
+        std::vector{0.05, 0.5, 1.0, 3.0, 10.0}[static_cast<std::size_t>(trial % 5)];
+    simplified(input, options);
+  }
+}
+
+TEST(Simplify, TangledRings) {
+  const unsigned seed = testing::test_seed();
+  SCOPED_TRACE(::testing::Message() << "TETROPOLIS_TEST_SEED=" << seed);
+  std::mt19937 random(seed);
+  std::uniform_real_distribution<double> place(0, 60);
+  for (int trial = 0; trial < 40; ++trial) {
+    SCOPED_TRACE(trial);
+    Polygon tangle;
+    for (int i = 0; i < 4 + trial; ++i) tangle.outer.push_back({place(random), place(random)});
+    simplified({tangle, box(place(random), place(random), 10, 10)});
+  }
+}
+
+/// The area by counting samples: independent of all geometry above.
+double sampled_change(const std::vector<Polygon>& before, const std::vector<Polygon>& after,
+                      const Bounds2& domain, double step) {
+  std::int64_t differ = 0;
+  for (double y = domain.ymin + step / 3; y < domain.ymax; y += step)
+    for (double x = domain.xmin + step / 3; x < domain.xmax; x += step) {
+      const auto inside = [&](const std::vector<Polygon>& polygons) {
+        return std::any_of(polygons.begin(), polygons.end(),
+                           [&](const Polygon& polygon) { return contains(polygon, {x, y}); });
+      };
+      if (inside(before) != inside(after)) ++differ;
+    }
+  return static_cast<double>(differ) * step * step;
+}
+
+TEST(Simplify, StatesHowMuchItChanged) {
+  const unsigned seed = testing::test_seed();
+  SCOPED_TRACE(::testing::Message() << "TETROPOLIS_TEST_SEED=" << seed);
+  std::mt19937 random(seed);
+  const std::vector<Polygon> input = cleaned(random_boxes(random, 60, 80, true));
+  SimplifyOptions options;
+  options.min_distance = 3;  // large, so that there is something to measure
+  const Bounds2 domain = domain_around(input);
+  const Simplification result = simplify_footprints(input, domain, options);
+  const double sampled = sampled_change(input, result.footprints, domain, 0.1);
+  EXPECT_GT(sampled, 50);
+  EXPECT_NEAR(result.stats.area_changed, sampled, 0.03 * sampled);
+  double after = 0;
+  for (const Polygon& polygon : result.footprints) after += area(polygon);
+  EXPECT_NEAR(result.stats.area_after, after, 1e-6 * after);
+}
+
+struct RealCase {
+  const char* path;
+  const char* crs;
+  std::int64_t groups;    ///< Blocks closer than 1 m, from the description of the data; 0 unknown.
+  double largest_change;  ///< Of the area, without what is dropped.
+};
+
+std::vector<Polygon> read_local(const std::filesystem::path& path, const char* crs) {
+  ReadFootprintsOptions options;
+  options.target_crs = crs;
+  const FootprintsInput input = read_footprints(path, options);
+  const Point2 origin{std::floor(input.bounds.xmin), std::floor(input.bounds.ymin)};
+  std::vector<Polygon> raw;
+  for (const Footprint& feature : input.features) {
+    Polygon polygon = feature.polygon;
+    for (Point2& p : polygon.outer) p = {p.x - origin.x, p.y - origin.y};
+    for (Ring& hole : polygon.holes)
+      for (Point2& p : hole) p = {p.x - origin.x, p.y - origin.y};
+    raw.push_back(std::move(polygon));
+  }
+  return raw;
+}
+
+class RealFootprints : public ::testing::TestWithParam<RealCase> {};
+
+TEST_P(RealFootprints, KeepTheirShape) {
+  TETROPOLIS_REQUIRE_DATA(path, GetParam().path);
+  const Simplification result = simplified(read_local(path, GetParam().crs));
+  if (GetParam().groups > 0) {
+    EXPECT_EQ(result.stats.groups, GetParam().groups);
+  }
+  EXPECT_LT(kept_change(result), GetParam().largest_change * result.stats.area_before);
+  const auto hulls = std::count_if(result.flags.begin(), result.flags.end(),
+                                   [](std::uint32_t f) { return (f & kConvexHull) != 0; });
+  EXPECT_LE(static_cast<double>(hulls), 0.005 * static_cast<double>(result.flags.size()));
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    Simplify, RealFootprints,
+    ::testing::Values(RealCase{"delft_3dfier/footprints.shp", "", 28, 0.01},
+                      RealCase{"amsterdam_south/footprints.shp", "", 62, 0.005},
+                      RealCase{"dtcc_small/goteborg_by_14.shp", "", 0, 0.005},
+                      RealCase{"tudelft_campus_bag/footprints.shp", "", 0, 0.005},
+                      RealCase{"bielefeld_lod1_east/footprints.shp", "", 0, 0.005},
+                      RealCase{"alexandria_dsm_dtm/footprints.shp", "", 0, 0.005},
+                      RealCase{"boulder_wgs84/boulder_buildings.shp", "EPSG:32613", 0, 0.005}));
+
+TEST(Simplify, DoesNotDependOnThreads) {
+  std::mt19937 random(testing::test_seed());
+  const std::vector<Polygon> input = cleaned(random_boxes(random, 1500, 600, true));
+  const Bounds2 domain = domain_around(input);
+  const auto run = [&](int threads) {
+    const ThreadLimit limit(threads);
+    return simplify_footprints(input, domain, {});
+  };
+  const Simplification one = run(1), four = run(4);
+  EXPECT_EQ(one.footprints, four.footprints);
+  EXPECT_EQ(one.members, four.members);
+  EXPECT_EQ(one.flags, four.flags);
+  EXPECT_EQ(one.stats.area_changed, four.stats.area_changed);
+}
+
+}  // namespace
+}  // namespace tetropolis

@@ -1,0 +1,78 @@
+#include "tetropolis/core/parallel.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <atomic>
+#include <random>
+#include <stdexcept>
+
+#include "support/test_data.h"
+
+namespace tetropolis {
+namespace {
+
+TEST(Parallel, ChunksCoverTheRangeOnceInFixedPieces) {
+  for (const std::size_t size : {0UL, 1UL, 7UL, 64UL, 1000UL})
+    for (const std::size_t grain : {1UL, 7UL, 64UL, 5000UL}) {
+      std::vector<int> visits(size, 0);
+      std::atomic<bool> aligned = true;
+      parallel_chunks(size, grain, [&](std::size_t begin, std::size_t end) {
+        if (begin % grain != 0 || end > size || (end - begin != grain && end != size)) aligned = false;
+        for (std::size_t i = begin; i < end; ++i) ++visits[i];
+      });
+      EXPECT_TRUE(aligned);
+      EXPECT_EQ(visits, std::vector<int>(size, 1));
+    }
+}
+
+TEST(Parallel, OrderedReductionHasTheSameBitsForAnyNumberOfThreads) {
+  std::mt19937_64 random(testing::test_seed());
+  std::vector<float> values(100000);
+  for (float& value : values) value = static_cast<float>(static_cast<double>(random()) / 1e16 - 500);
+  const auto sum = [&] {
+    return parallel_reduce_ordered(
+        values.size(), 77, 0.0F,
+        [&](std::size_t begin, std::size_t end) {
+          float part = 0;
+          for (std::size_t i = begin; i < end; ++i) part += values[i];
+          return part;
+        },
+        [](float a, float b) { return a + b; });
+  };
+  const float serial = [&] {
+    const ThreadLimit limit(1);
+    return sum();
+  }();
+  for (const int threads : {2, 3, 8}) {
+    const ThreadLimit limit(threads);
+    EXPECT_EQ(sum(), serial);
+  }
+}
+
+TEST(Parallel, ThreadLimitHoldsWhileItLives) {
+  const int before = thread_count();
+  {
+    const ThreadLimit limit(1);
+    EXPECT_EQ(thread_count(), 1);
+  }
+  EXPECT_EQ(thread_count(), before);
+}
+
+TEST(Parallel, ErrorsLeaveTheLoop) {
+  EXPECT_THROW(parallel_chunks(1000, 10, [](std::size_t begin, std::size_t) { if (begin == 500) throw std::runtime_error("x"); }),
+               std::runtime_error);
+}
+
+TEST(Parallel, Sorts) {
+  std::mt19937 random(testing::test_seed());
+  std::vector<unsigned> values(50000);
+  for (unsigned& value : values) value = static_cast<unsigned>(random());
+  auto expected = values;
+  std::sort(expected.begin(), expected.end());
+  parallel_sort(values.begin(), values.end(), [](unsigned a, unsigned b) { return a < b; });
+  EXPECT_EQ(values, expected);
+}
+
+}  // namespace
+}  // namespace tetropolis

@@ -1,0 +1,163 @@
+#include "tetropolis/ground/mesh_ground.h"
+
+#include <cmath>
+#include <limits>
+
+#include "ground_cases.h"
+#include "tetropolis/core/error.h"
+#include "tetropolis/core/parallel.h"
+#include "tetropolis/geometry/polygon.h"
+
+namespace tetropolis {
+namespace {
+
+using testing::lines;
+using testing::Random;
+
+GroundMesh expect_valid(const std::vector<Polygon>& footprints, const Bounds2& domain,
+                        const GroundMeshOptions& options = {}) {
+  GroundMesh mesh = mesh_ground(footprints, domain, options);
+  EXPECT_EQ(lines(validate(mesh, footprints, domain, options)), "")
+      << "seed " << testing::test_seed();
+  return mesh;
+}
+
+TEST(MeshGround, RandomRectangles) {
+  Random random(21);
+  for (const int count : {0, 1, 5, 50, 400}) {
+    for (const double clearance : {5.0, 1.0, 0.2}) {
+      for (const double size : {10.0, 4.0}) {
+        const double side = 60 + 30 * std::sqrt(count);
+        const auto city = testing::random_rectangles(count, side, clearance, random);
+        const double angle = size == 4 ? 30 : 25;
+        const GroundMesh mesh = expect_valid(city, {0, 0, side, side}, {size, angle});
+        EXPECT_EQ(mesh.small_input_angles, 0);
+      }
+    }
+  }
+}
+
+TEST(MeshGround, CourtyardsAndAnyOrientation) {
+  Polygon block;
+  block.outer = {{20, 20}, {20, 60}, {60, 60}, {60, 20}};             // clockwise
+  block.holes = {{{30, 30}, {50, 30}, {50, 50}, {30, 50}}};           // counter-clockwise
+  const Polygon inner{{{35, 35}, {45, 35}, {45, 45}, {35, 45}}, {}};  // a building in the courtyard
+  const std::vector<Polygon> city = {block, inner};
+  const GroundMesh mesh = expect_valid(city, {0, 0, 80, 80});
+  for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
+    Point2 c;
+    for (const VertexIndex v : mesh.triangles[t]) {
+      c.x += mesh.vertices[static_cast<std::size_t>(v)].x / 3;
+      c.y += mesh.vertices[static_cast<std::size_t>(v)].y / 3;
+    }
+    const BuildingIndex expected = contains(inner, c) ? 1 : contains(block, c) ? 0 : kNoBuilding;
+    EXPECT_EQ(mesh.region[t], expected);
+  }
+}
+
+TEST(MeshGround, FarCoordinatesAndSidesThatAreNoRoundNumbers) {
+  Random random(22);
+  auto city = testing::random_rectangles(30, 200, 1, random);
+  const Point2 shift{674999.123456, 6400000.98765};
+  for (Polygon& p : city)
+    for (Point2& q : p.outer) q = {q.x + shift.x, q.y + shift.y};
+  const Bounds2 domain{shift.x - 0.1, shift.y - 1.0 / 3, shift.x + 200.7, shift.y + 200 + 1.0 / 7};
+  expect_valid(city, domain, {7.3, 28});
+}
+
+TEST(MeshGround, BuildingsCloseToTheDomainBoundaryAndToEachOther) {
+  const std::vector<Polygon> city = {{{{1, 1}, {30, 1}, {30, 20}, {1, 20}}, {}},
+                                     {{{31, 1}, {60, 1}, {60, 20}, {31, 20}}, {}},
+                                     {{{1, 21}, {60, 21.5}, {60, 50}, {1, 50}}, {}},
+                                     {{{70, 5}, {99.9, 5}, {99.9, 5.5}, {70, 6}}, {}}};
+  expect_valid(city, {0, 0, 100, 60}, {10, 25});
+  expect_valid(city, {0, 0, 100, 60}, {10, 30});
+}
+
+TEST(MeshGround, SharpCornersOfFootprintsAreCounted) {
+  const std::vector<Polygon> city = {{{{10, 10}, {60, 10}, {60, 14}}, {}},
+                                     {{{10, 40}, {50, 40}, {12, 60}}, {}}};
+  const GroundMesh mesh = expect_valid(city, {0, 0, 70, 70}, {10, 25});
+  EXPECT_EQ(mesh.small_input_angles, 1);
+}
+
+TEST(MeshGround, LongThinDomainsAndDomainsSmallerThanTheMeshSize) {
+  expect_valid({}, {0, 0, 1000, 3}, {10, 25});
+  expect_valid({}, {0, 0, 1, 1}, {10, 25});
+  expect_valid({}, {-5, -5, 5.5, 4}, {10, 25});
+  expect_valid({{{{0.2, 0.2}, {0.8, 0.2}, {0.8, 0.8}, {0.2, 0.8}}, {}}}, {0, 0, 1, 1}, {10, 25});
+}
+
+TEST(MeshGround, NumbersNeighboursNearEachOther) {
+  Random random(23);
+  const auto city = testing::random_rectangles(200, 700, 2, random);
+  const GroundMesh mesh = mesh_ground(city, {0, 0, 700, 700});
+  double total = 0;
+  for (const auto& t : mesh.triangles)
+    total += std::abs(t[0] - t[1]) + std::abs(t[1] - t[2]) + std::abs(t[2] - t[0]);
+  const double mean = total / (3.0 * static_cast<double>(mesh.triangles.size()));
+  // Row by row the mean would be about the square root of the number of vertices, unordered a third.
+  EXPECT_LT(mean, 0.05 * static_cast<double>(mesh.vertices.size()));
+}
+
+TEST(MeshGround, GivesTheSameBytesWithOneAndWithTwoThreads) {
+  Random random(24);
+  const auto city = testing::random_rectangles(150, 600, 1, random);
+  const auto make = [&](int threads) {
+    const ThreadLimit limit(threads);
+    return mesh_ground(city, {0, 0, 600, 600}, {6, 25});
+  };
+  const GroundMesh one = make(1), two = make(2);
+  EXPECT_EQ(one.vertices, two.vertices);
+  EXPECT_EQ(one.triangles, two.triangles);
+  EXPECT_EQ(one.region, two.region);
+}
+
+TEST(MeshGround, NamesTheFootprintThatIsOutside) {
+  const Bounds2 domain{0, 0, 100, 100};
+  const Polygon good{{{10, 10}, {20, 10}, {20, 20}}, {}};
+  for (const Point2 bad : {Point2{100, 50}, Point2{-1, 50}, Point2{50, std::nan("")}}) {
+    Polygon broken = good;
+    broken.outer[1] = bad;
+    const std::vector<Polygon> city = {good, broken};
+    try {
+      mesh_ground(city, domain);
+      FAIL();
+    } catch (const Error& e) {
+      EXPECT_EQ(e.kind(), ErrorKind::kInput);
+      EXPECT_NE(std::string(e.what()).find("footprint 1"), std::string::npos);
+    }
+  }
+  EXPECT_THROW(mesh_ground({}, {0, 0, 0, 5}), Error);
+  EXPECT_THROW(mesh_ground({}, {0, 0, std::nan(""), 5}), Error);
+  EXPECT_THROW(mesh_ground({}, domain, {0, 25}), Error);
+  EXPECT_THROW(mesh_ground({}, domain, {10, 50}), Error);
+}
+
+TEST(MeshGround, ChecksNoticeDamage) {
+  const std::vector<Polygon> city = {{{{20, 20}, {50, 20}, {50, 45}, {20, 45}}, {}}};
+  const Bounds2 domain{0, 0, 80, 80};
+  const GroundMesh good = mesh_ground(city, domain);
+  const auto damaged = [&](auto&& change) {
+    GroundMesh bad = good;
+    change(bad);
+    return !validate(bad, city, domain, {}).empty();
+  };
+  EXPECT_TRUE(damaged([](GroundMesh& m) { m.region[0] = 0; }));
+  EXPECT_TRUE(damaged([](GroundMesh& m) { m.triangles.pop_back(), m.region.pop_back(); }));
+  EXPECT_TRUE(damaged([](GroundMesh& m) { m.vertices.push_back({1, 1}); }));
+  EXPECT_TRUE(damaged([](GroundMesh& m) {
+    for (Point2& p : m.vertices)
+      if (p == Point2{20, 20}) p.x += 1e-9;
+  }));
+  EXPECT_TRUE(damaged([](GroundMesh& m) {
+    for (Point2& p : m.vertices)
+      if (p == Point2{80, 80}) p.x += 1e-9;
+  }));
+  EXPECT_FALSE(damaged([](GroundMesh&) {}));
+  EXPECT_FALSE(validate(good, city, domain, {5, 25}).empty());
+  EXPECT_FALSE(validate(good, city, domain, {10, 55}).empty());
+}
+
+}  // namespace
+}  // namespace tetropolis

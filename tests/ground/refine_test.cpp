@@ -1,0 +1,246 @@
+#include "tetropolis/ground/refine.h"
+
+#include <cmath>
+#include <map>
+#include <numbers>
+
+#include "ground_cases.h"
+#include "tetropolis/core/error.h"
+
+namespace tetropolis {
+namespace {
+
+using testing::add_ring;
+using testing::lines;
+using testing::Random;
+using testing::rectangle;
+
+void expect_refined(const PlanarGraph& graph, const RefineOptions& options, const std::string& name) {
+  const Triangulation t = refine(graph, options);
+  ASSERT_EQ(lines(validate(graph, options, t)), "") << name << ", seed " << testing::test_seed();
+  if (t.small_input_angles == 0) {
+    EXPECT_EQ(t.triangles_below_min_angle, 0) << name << ", seed " << testing::test_seed();
+  }
+}
+
+TEST(Refine, SquareBecomesAsFineAndAsRegularAsAsked) {
+  PlanarGraph graph;
+  add_ring(graph, rectangle(0, 0, 100, 100));
+  for (const double angle : {0.0, 20.0, 25.0, 30.0})
+    for (const double size : {0.0, 200.0, 30.0, 10.0, 1.5})
+      for (const bool lattice : {false, true})
+        expect_refined(graph, {.min_angle_deg = angle, .max_edge = size, .lattice = lattice},
+                       std::to_string(angle) + " " + std::to_string(size));
+}
+
+TEST(Refine, RandomPointsAndSegmentsThatDoNotMeetSharply) {
+  Random random(11);
+  for (int i = 0; i < 200; ++i) {
+    PlanarGraph graph;
+    add_ring(graph, rectangle(0, 0, 20, 20));
+    const int n = random.integer(1, 30);
+    for (int k = 0; k < n; ++k) graph.points.push_back({random.real(1, 19), random.real(1, 19)});
+    const Polygon tilted = testing::random_rectangles(1, 40, 1, random)[0];
+    std::vector<Point2> ring;
+    for (const Point2 p : tilted.outer) ring.push_back({2 + 0.4 * p.x, 2 + 0.4 * p.y});
+    if (i % 2 == 0) add_ring(graph, ring);
+    const double angle = i % 3 == 0 ? 20 : i % 3 == 1 ? 25 : 30;
+    const double size = i % 4 == 0 ? 1.5 : 0;
+    expect_refined(graph, {.min_angle_deg = angle, .max_edge = size}, "case " + std::to_string(i));
+  }
+}
+
+// Anything goes: crossings at any angle, tiny gaps. The exceptions must be at sharp corners.
+TEST(Refine, RandomSegmentsThatCrossAtAnyAngle) {
+  Random random(12);
+  for (int i = 0; i < 300; ++i) {
+    PlanarGraph graph;
+    add_ring(graph, rectangle(-1, -1, 11, 11));
+    const int n = random.integer(1, 6);
+    for (int k = 0; k < n; ++k) {
+      const auto first = static_cast<VertexIndex>(graph.points.size());
+      graph.points.push_back(i % 2 == 0 ? random.grid_point(10) : random.point(10));
+      graph.points.push_back(i % 2 == 0 ? random.grid_point(10) : random.point(10));
+      graph.segments.push_back({first, first + 1});
+    }
+    const double angle = i % 3 == 0 ? 20 : i % 3 == 1 ? 25 : 30;
+    expect_refined(graph, {.min_angle_deg = angle, .max_edge = i % 5 == 0 ? 1.0 : 0},
+                   "case " + std::to_string(i));
+  }
+}
+
+TEST(Refine, CornersSharperThanTheBoundAreCountedAndRefinementEnds) {
+  for (const double corner : {0.01, 0.1, 0.5, 1.0, 2.0, 5.0, 10.0, 19.0, 24.0, 26.0, 35.0, 45.0, 59.0}) {
+    for (const double angle : {20.0, 25.0, 30.0}) {
+      for (const double size : {0.0, 1.0}) {
+        PlanarGraph graph;
+        const double a = corner * std::numbers::pi / 180;
+        graph.points = {{0, 0}, {10, 0}, {7 * std::cos(a), 7 * std::sin(a)}, {-10, -10}, {20, -10},
+                        {20, 20}, {-10, 20}};
+        graph.segments = {{0, 1}, {0, 2}, {3, 4}, {4, 5}, {5, 6}, {6, 3}};
+        const RefineOptions options{.min_angle_deg = angle, .max_edge = size};
+        expect_refined(graph, options, std::to_string(corner) + " " + std::to_string(angle));
+        const Triangulation t = refine(graph, options);
+        EXPECT_EQ(t.small_input_angles, corner < angle ? 1 : 0);
+        EXPECT_EQ(t.triangles_below_min_angle > 0, corner < angle);
+      }
+    }
+  }
+}
+
+TEST(Refine, FansOfSharpCorners) {
+  for (const int blades : {3, 12, 60, 360}) {
+    PlanarGraph graph;
+    add_ring(graph, rectangle(-10, -10, 10, 10));
+    graph.points.push_back({0.5, 0.25});
+    const auto hub = static_cast<VertexIndex>(graph.points.size()) - 1;
+    for (int k = 0; k < blades; ++k) {
+      const double a = 2 * std::numbers::pi * k / blades, r = 3 + 4.0 * ((k * 7) % 5) / 5;
+      graph.points.push_back({0.5 + r * std::cos(a), 0.25 + r * std::sin(a)});
+      graph.segments.push_back({hub, hub + 1 + k});
+    }
+    for (const double size : {0.0, 2.0})
+      expect_refined(graph, {.min_angle_deg = 25, .max_edge = size}, std::to_string(blades));
+  }
+}
+
+TEST(Refine, NarrowGapsAndAlmostParallelSegments) {
+  for (const double gap : {1.0, 0.1, 0.01, 0.003}) {
+    for (const double offset : {0.0, 6.4e6}) {
+      PlanarGraph graph;
+      add_ring(graph, rectangle(offset, offset, offset + 10, offset + 10));
+      add_ring(graph, rectangle(offset + 2, offset + 2, offset + 8, offset + 4));
+      std::vector<Point2> tilted = rectangle(offset + 2, offset + 4 + gap, offset + 8, offset + 7);
+      tilted[1].y += 0.3 * gap;
+      add_ring(graph, tilted);
+      expect_refined(graph, {.min_angle_deg = 25, .max_edge = 2}, std::to_string(gap));
+    }
+  }
+}
+
+TEST(Refine, SegmentsInNoRelationToTheDomain) {
+  PlanarGraph graph;
+  add_ring(graph, rectangle(0, 0, 10, 10));
+  graph.points.insert(graph.points.end(),
+                      {{3, 3}, {7, 3}, {5, 5}, {5, 9}, {2, 0}, {2, 4}, {8, 8}, {8, 8}});
+  graph.segments.insert(graph.segments.end(), {{4, 5}, {6, 7}, {8, 9}, {10, 11}, {6, 6}});
+  expect_refined(graph, {.min_angle_deg = 30, .max_edge = 1}, "dangling");
+}
+
+TEST(Refine, SizeOfRegionsAndSizeField) {
+  PlanarGraph graph;
+  add_ring(graph, rectangle(0, 0, 40, 40));
+  add_ring(graph, rectangle(10, 10, 20, 20));
+  graph.regions = {{{15, 15}, 3, 1.0}};
+  RefineOptions options{.min_angle_deg = 25, .max_edge = 6};
+  expect_refined(graph, options, "region");
+  const auto check = [&](const Triangulation& t, const auto& bound) {
+    for (std::size_t i = 0; i < t.triangles.size(); ++i) {
+      for (std::size_t k = 0; k < 3; ++k) {
+        const Point2 p = t.points[static_cast<std::size_t>(t.triangles[i][k])];
+        const Point2 q = t.points[static_cast<std::size_t>(t.triangles[i][(k + 1) % 3])];
+        EXPECT_LE(std::hypot(p.x - q.x, p.y - q.y),
+                  bound(t.triangle_regions[i], {0.5 * (p.x + q.x), 0.5 * (p.y + q.y)}) + 1e-12);
+      }
+    }
+  };
+  const Triangulation fine = refine(graph, options);
+  check(fine, [](std::int32_t region, Point2) { return region == 3 ? 1.0 : 6.0; });
+  EXPECT_GT(std::count(fine.triangle_regions.begin(), fine.triangle_regions.end(), 3), 200);
+  options.size_field = [](Point2 p) { return 0.5 + 0.1 * std::hypot(p.x - 15, p.y - 15); };
+  expect_refined(graph, options, "field");
+  check(refine(graph, options), [&](std::int32_t region, Point2 p) {
+    return std::min(region == 3 ? 1.0 : 6.0, options.size_field(p));
+  });
+}
+
+TEST(Refine, HolesStayEmptyAndTheirSidesAreKept) {
+  PlanarGraph graph;
+  add_ring(graph, rectangle(0, 0, 30, 30));
+  add_ring(graph, {{10, 10}, {20, 12}, {12, 20}});
+  graph.holes = {{13, 13}};
+  const RefineOptions options{.min_angle_deg = 30, .max_edge = 3};
+  expect_refined(graph, options, "hole");
+  double covered = 0;
+  const Triangulation t = refine(graph, options);
+  for (const auto& v : t.triangles) {
+    const auto at = [&](std::size_t i) { return t.points[static_cast<std::size_t>(v[i])]; };
+    covered += 0.5 * ((at(1).x - at(0).x) * (at(2).y - at(0).y) -
+                      (at(1).y - at(0).y) * (at(2).x - at(0).x));
+  }
+  EXPECT_NEAR(covered, 900 - 48, 1e-9);
+}
+
+TEST(Refine, LatticeNeedsFewerAndBetterTriangles) {
+  PlanarGraph graph;
+  add_ring(graph, rectangle(0, 0, 500, 500));
+  const Triangulation with = refine(graph, {.max_edge = 10});
+  const Triangulation without = refine(graph, {.max_edge = 10, .lattice = false});
+  EXPECT_LT(1.3 * static_cast<double>(with.triangles.size()),
+            static_cast<double>(without.triangles.size()));
+  EXPECT_GT(angle_statistics(with.points, with.triangles).mean_min_deg,
+            angle_statistics(without.points, without.triangles).mean_min_deg + 5);
+}
+
+TEST(Refine, RealGraphs) {
+  TETROPOLIS_REQUIRE_DATA(folder, "stockholm_case55_pslg");
+  std::map<std::string, PlanarGraph> graphs;
+  for (const auto& entry : std::filesystem::recursive_directory_iterator(folder))
+    if (entry.path().extension() == ".pslg")
+      graphs[entry.path().filename().string()] = testing::read_pslg(entry.path());
+  EXPECT_GE(graphs.size(), 89U);
+  for (const auto& [name, graph] : graphs) {
+    const bool city = name.rfind("ground", 0) == 0 || name.rfind("building", 0) == 0;
+    for (const double angle : {20.0, 25.0, 30.0})
+      expect_refined(graph, {.min_angle_deg = angle, .max_edge = city ? 10.0 : 0}, name);
+  }
+}
+
+TEST(Refine, GivesTheSameBytesTwice) {
+  Random random(13);
+  PlanarGraph graph;
+  add_ring(graph, rectangle(0, 0, 300, 300));
+  for (const Polygon& p : testing::random_rectangles(40, 300, 1, random)) add_ring(graph, p.outer);
+  const RefineOptions options{.min_angle_deg = 25, .max_edge = 7};
+  const Triangulation first = refine(graph, options);
+  const Triangulation second = refine(graph, options);
+  EXPECT_EQ(first.points, second.points);
+  EXPECT_EQ(first.triangles, second.triangles);
+  EXPECT_EQ(first.segments, second.segments);
+}
+
+TEST(Refine, GivesUpWithAPositionInsteadOfRunningOn) {
+  PlanarGraph graph;
+  add_ring(graph, rectangle(0, 0, 100, 100));
+  try {
+    refine(graph, {.max_edge = 1, .max_vertices = 500});
+    FAIL();
+  } catch (const Error& e) {
+    EXPECT_EQ(e.kind(), ErrorKind::kGuarantee);
+    EXPECT_NE(std::string(e.what()).find("500 vertices"), std::string::npos);
+  }
+  for (const RefineOptions& bad : {RefineOptions{.min_angle_deg = 40}, RefineOptions{.max_edge = -1},
+                                   RefineOptions{.max_edge = std::nan("")}})
+    EXPECT_THROW(refine(graph, bad), Error);
+}
+
+TEST(Refine, ReportsProgressAndStopsWhenAsked) {
+  PlanarGraph graph;
+  add_ring(graph, rectangle(0, 0, 100, 100));
+  Progress progress;
+  double last = 0;
+  progress.report = [&](double fraction) {
+    EXPECT_GE(fraction, last);
+    EXPECT_LE(fraction, 1);
+    last = fraction;
+  };
+  refine(graph, {.max_edge = 1, .lattice = false}, progress);
+  EXPECT_EQ(last, 1);
+  int calls = 0;
+  progress.report = nullptr;
+  progress.cancelled = [&] { return ++calls > 3; };
+  EXPECT_THROW(refine(graph, {.max_edge = 0.5, .lattice = false}, progress), Cancelled);
+}
+
+}  // namespace
+}  // namespace tetropolis

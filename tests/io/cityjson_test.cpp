@@ -1,0 +1,443 @@
+#include "tetropolis/io/cityjson.h"
+
+#include <array>
+#include <cmath>
+#include <cstring>
+#include <fstream>
+#include <iterator>
+#include <map>
+#include <random>
+#include <set>
+
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include "tetropolis/core/error.h"
+#include "tetropolis/geometry/polygon.h"
+#include "tetropolis/io/vector.h"
+
+#include "support/test_data.h"
+
+namespace tetropolis {
+namespace {
+
+namespace fs = std::filesystem;
+using Json = nlohmann::json;
+using testing::TemporaryFolder;
+
+std::string read_bytes(const fs::path& path) {
+  std::ifstream file(path, std::ios::binary);
+  return {std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
+}
+
+fs::path write_text(const fs::path& path, const std::string& text) {
+  std::ofstream(path, std::ios::binary | std::ios::trunc) << text;
+  return path;
+}
+
+std::string input_error(const fs::path& path) {
+  try {
+    read_city(path);
+  } catch (const Error& error) {
+    const std::string message = error.what();
+    EXPECT_EQ(error.kind(), ErrorKind::kInput) << message;
+    EXPECT_NE(message.find(path.string()), std::string::npos) << message;
+    EXPECT_EQ(message.find('\n'), std::string::npos) << message;
+    return message;
+  }
+  ADD_FAILURE() << path << ": no error";
+  return "";
+}
+
+/// A model with every feature: holes, odd names, negative and long numbers.
+CityModel random_city(std::size_t size) {
+  std::mt19937 random(testing::test_seed());
+  std::uniform_real_distribution<double> unit(0, 1);
+  CityModel model;
+  model.origin = {84800, 447400};
+  model.crs = "EPSG:28992";
+  model.domain = {snap_coordinate(-10.1234), snap_coordinate(-20), snap_coordinate(2000.5),
+                  snap_coordinate(1000.0001)};
+  for (std::size_t i = 0; i < size; ++i) {
+    Building b;
+    b.id = "b" + std::to_string(7 * i + 3);
+    b.source_ids = {"G0503.\u00e9\"\\\n" + std::to_string(i)};
+    if (i % 4 == 0) b.source_ids.push_back("x#" + std::to_string(i));
+    const double x = 20.0 * static_cast<double>(i % 50) - 30;
+    const double y = 20.0 * static_cast<double>(i / 50) - 30;
+    const auto at = [&](double u, double v) {
+      return snap_coordinate(Point2{x + u + unit(random), y + v + unit(random)});
+    };
+    b.footprint.outer = {at(0, 0), at(12, 0), at(13, 7), at(6, 9), at(0, 8)};
+    if (i % 3 == 0) b.footprint.holes.push_back({at(2, 2), at(3, 4), at(5, 3)});
+    if (i % 6 == 0) b.footprint.holes.push_back({at(7, 2), at(7, 5), at(9, 4)});
+    b.h_ground = -5 + 10 * unit(random);
+    b.h_roof = b.h_ground + 2.5 + 100 * unit(random);
+    b.n_ground_points = static_cast<std::int64_t>(random() % 100000);
+    b.n_roof_points = static_cast<std::int64_t>(random() % 100000);
+    b.flags = random() % 512;
+    if (i % 2 == 0) b.attribute_height = 30 * unit(random);
+    model.buildings.push_back(std::move(b));
+  }
+  model.dropped = {{"17#2", "smaller than 15 m\u00b2"}, {"", "crosses the domain boundary"}};
+  return model;
+}
+
+bool same_bits(double a, double b) { return std::memcmp(&a, &b, sizeof a) == 0; }
+
+bool same_bits(const Ring& a, const Ring& b) {
+  if (a.size() != b.size()) return false;
+  for (std::size_t i = 0; i < a.size(); ++i)
+    if (!same_bits(a[i].x, b[i].x) || !same_bits(a[i].y, b[i].y)) return false;
+  return true;
+}
+
+void expect_same(const CityModel& a, const CityModel& b) {
+  EXPECT_EQ(a.origin, b.origin);
+  EXPECT_EQ(a.domain, b.domain);
+  EXPECT_EQ(a.crs, b.crs);
+  ASSERT_EQ(a.buildings.size(), b.buildings.size());
+  for (std::size_t i = 0; i < a.buildings.size(); ++i) {
+    const Building& p = a.buildings[i];
+    const Building& q = b.buildings[i];
+    SCOPED_TRACE(p.id);
+    EXPECT_EQ(p.id, q.id);
+    EXPECT_EQ(p.source_ids, q.source_ids);
+    EXPECT_TRUE(same_bits(p.footprint.outer, q.footprint.outer));
+    ASSERT_EQ(p.footprint.holes.size(), q.footprint.holes.size());
+    for (std::size_t h = 0; h < p.footprint.holes.size(); ++h)
+      EXPECT_TRUE(same_bits(p.footprint.holes[h], q.footprint.holes[h]));
+    EXPECT_TRUE(same_bits(p.h_ground, q.h_ground));
+    EXPECT_TRUE(same_bits(p.h_roof, q.h_roof));
+    EXPECT_TRUE(same_bits(p.attribute_height, q.attribute_height));
+    EXPECT_EQ(p.n_ground_points, q.n_ground_points);
+    EXPECT_EQ(p.n_roof_points, q.n_roof_points);
+    EXPECT_EQ(p.flags, q.flags);
+  }
+  ASSERT_EQ(a.dropped.size(), b.dropped.size());
+  for (std::size_t i = 0; i < a.dropped.size(); ++i) {
+    EXPECT_EQ(a.dropped[i].source_id, b.dropped[i].source_id);
+    EXPECT_EQ(a.dropped[i].reason, b.dropped[i].reason);
+  }
+}
+
+TEST(CityJson, RoundTripKeepsEveryBit) {
+  SCOPED_TRACE(testing::test_seed());
+  const TemporaryFolder folder;
+  CityModel model = random_city(300);
+  write_city(folder / "a.city.json", model, "Delft");
+  const CityModel back = read_city(folder / "a.city.json");
+  expect_same(model, back);
+  write_city(folder / "b.city.json", back, "Delft");
+  EXPECT_TRUE(read_bytes(folder / "a.city.json") == read_bytes(folder / "b.city.json"));
+  // Far from the origin, and without a known system.
+  model.origin = {-6'400'000, 9'000'001};
+  model.crs = "";
+  write_city(folder / "a.city.json", model);
+  expect_same(model, read_city(folder / "a.city.json"));
+  // A system without a code.
+  model.crs = read_city(folder / "a.city.json").crs;
+  CityModel empty;
+  empty.domain = {0, 0, 100, 100};
+  write_city(folder / "c.city.json", empty);
+  expect_same(empty, read_city(folder / "c.city.json"));
+}
+
+TEST(CityJson, ClockwiseInputIsTurned) {
+  const TemporaryFolder folder;
+  CityModel model = random_city(1);
+  const Ring outer = model.buildings[0].footprint.outer;
+  Ring& turned = model.buildings[0].footprint.outer;
+  std::reverse(turned.begin() + 1, turned.end());
+  write_city(folder / "a.json", model);
+  EXPECT_TRUE(same_bits(read_city(folder / "a.json").buildings[0].footprint.outer, outer));
+}
+
+using Vertex = std::array<double, 3>;
+
+/// Six times the volume under an oriented polygon fan; the sum over a closed surface that looks
+/// outwards is six times its volume.
+double volume_term(const std::vector<Vertex>& ring) {
+  double sum = 0;
+  for (std::size_t i = 1; i + 1 < ring.size(); ++i) {
+    const Vertex& a = ring[0];
+    const Vertex& b = ring[i];
+    const Vertex& c = ring[i + 1];
+    sum += a[0] * (b[1] * c[2] - b[2] * c[1]) - a[1] * (b[0] * c[2] - b[2] * c[0]) +
+           a[2] * (b[0] * c[1] - b[1] * c[0]);
+  }
+  return sum;
+}
+
+TEST(CityJson, SolidsAreClosedAndLookOutwards) {
+  SCOPED_TRACE(testing::test_seed());
+  const TemporaryFolder folder;
+  const CityModel model = random_city(60);
+  write_city(folder / "a.json", model);
+  const Json file = Json::parse(read_bytes(folder / "a.json"));
+  std::vector<Vertex> vertices;
+  std::set<std::vector<std::int64_t>> unique;
+  for (const Json& v : file["vertices"]) {
+    ASSERT_TRUE(v[0].is_number_integer() && v[1].is_number_integer() && v[2].is_number_integer());
+    vertices.push_back(
+        {v[0].get<double>() / 1e4, v[1].get<double>() / 1e4, v[2].get<double>() / 1e4});
+    EXPECT_TRUE(unique.insert(v.get<std::vector<std::int64_t>>()).second) << "repeated vertex";
+  }
+  std::set<std::size_t> used;
+  for (const Building& building : model.buildings) {
+    SCOPED_TRACE(building.id);
+    const Json& geometry = file["CityObjects"][building.id]["geometry"][0];
+    EXPECT_EQ(geometry["type"], "Solid");
+    EXPECT_EQ(geometry["lod"], "1.2");
+    const Json& shell = geometry["boundaries"][0];
+    const Json& values = geometry["semantics"]["values"][0];
+    ASSERT_EQ(shell.size(), values.size());
+    std::map<std::pair<std::size_t, std::size_t>, int> edges;
+    double volume = 0;
+    for (std::size_t f = 0; f < shell.size(); ++f) {
+      const std::string type =
+          geometry["semantics"]["surfaces"][values[f].get<std::size_t>()]["type"];
+      for (const Json& ring : shell[f]) {
+        std::vector<Vertex> points;
+        for (std::size_t i = 0; i < ring.size(); ++i) {
+          const auto a = ring[i].get<std::size_t>();
+          const auto b = ring[(i + 1) % ring.size()].get<std::size_t>();
+          ++edges[{a, b}];
+          used.insert(a);
+          points.push_back(vertices.at(a));
+          if (type == "GroundSurface") {
+            EXPECT_NEAR(vertices[a][2], building.h_ground, 5.1e-5);
+          }
+          if (type == "RoofSurface") {
+            EXPECT_NEAR(vertices[a][2], building.h_roof, 5.1e-5);
+          }
+        }
+        volume += volume_term(points) / 6;
+        if (type == "WallSurface") {
+          EXPECT_EQ(ring.size(), 4U);
+        }
+      }
+      EXPECT_EQ(shell[f].size(), type == "WallSurface" ? 1 : 1 + building.footprint.holes.size());
+    }
+    for (const auto& [edge, count] : edges) {
+      EXPECT_EQ(count, 1);
+      EXPECT_EQ(edges.count({edge.second, edge.first}), 1U) << "open edge";
+    }
+    const double height = building.h_roof - building.h_ground;
+    EXPECT_NEAR(volume, area(building.footprint) * height, 2e-4 * area(building.footprint));
+  }
+  EXPECT_EQ(used.size(), vertices.size());
+}
+
+TEST(CityJson, DocumentFollowsTheSpecification) {
+  const TemporaryFolder folder;
+  const CityModel model = random_city(5);
+  write_city(folder / "a.json", model, "A \"title\"");
+  const Json file = Json::parse(read_bytes(folder / "a.json"));
+  EXPECT_EQ(file["type"], "CityJSON");
+  EXPECT_EQ(file["version"], "2.0");
+  EXPECT_EQ(file["transform"]["scale"], (std::vector<double>{1e-4, 1e-4, 1e-4}));
+  EXPECT_EQ(file["transform"]["translate"], (std::vector<double>{84800, 447400, 0}));
+  EXPECT_EQ(file["metadata"]["title"], "A \"title\"");
+  EXPECT_EQ(file["metadata"]["referenceSystem"], "https://www.opengis.net/def/crs/EPSG/0/28992");
+  const auto extent = file["metadata"]["geographicalExtent"].get<std::vector<double>>();
+  ASSERT_EQ(extent.size(), 6U);
+  Bounds2 box{1e9, 1e9, -1e9, -1e9};
+  double top = -1e9;
+  for (const Building& building : model.buildings) {
+    const Bounds2 own = bounds(building.footprint);
+    box = {std::min(box.xmin, own.xmin), std::min(box.ymin, own.ymin), std::max(box.xmax, own.xmax),
+           std::max(box.ymax, own.ymax)};
+    top = std::max(top, building.h_roof);
+    const Json& object = file["CityObjects"][building.id];
+    EXPECT_EQ(object["type"], "Building");
+    const Json& attributes = object["attributes"];
+    EXPECT_EQ(attributes["tetropolis_id"], building.id);
+    EXPECT_EQ(attributes["source_ids"], building.source_ids);
+    EXPECT_EQ(attributes["h_ground"].get<double>(), building.h_ground);
+    EXPECT_EQ(attributes["flags"], flag_names(building.flags));
+  }
+  EXPECT_NEAR(extent[0], box.xmin + 84800, 1e-9);
+  EXPECT_NEAR(extent[4], box.ymax + 447400, 1e-9);
+  EXPECT_NEAR(extent[5], top, 5.1e-5);
+  for (const auto& [key, value] : file.items())
+    EXPECT_NE(key.front(), '+') << "undeclared extension";
+  EXPECT_EQ(file["tetropolis"]["domain"][0].get<double>(), 84800 - 10.1234);
+  EXPECT_EQ(file["tetropolis"]["dropped"][0]["source_id"], "17#2");
+}
+
+TEST(CityJson, TextThatIsNoUtf8StaysReadable) {
+  const TemporaryFolder folder;
+  CityModel model = random_city(1);
+  model.buildings[0].source_ids = {"caf\xE9", "\xF0\x9F\x8F\xA0", "\xED\xA0\x80", "a\x01z"};
+  write_city(folder / "a.json", model);
+  EXPECT_EQ(read_city(folder / "a.json").buildings[0].source_ids,
+            (std::vector<std::string>{"caf\xEF\xBF\xBD", "\xF0\x9F\x8F\xA0",
+                                      "\xEF\xBF\xBD\xEF\xBF\xBD\xEF\xBF\xBD", "a\x01z"}));
+}
+
+// --- files of others ---
+
+TEST(CityJson, ReadsTheHague) {
+  TETROPOLIS_REQUIRE_DATA(path, "cityjson/DenHaag_01.city.json");
+  std::vector<Warning> warnings;
+  const CityModel model = read_city(path, &warnings);
+  EXPECT_EQ(model.crs, "EPSG:28992");
+  EXPECT_TRUE(model.domain.empty());
+  const Json file = Json::parse(read_bytes(path));
+  // Every part and every building with geometry of its own.
+  std::set<std::string> expected;
+  for (const auto& [key, object] : file["CityObjects"].items())
+    if (object["type"] != "TINRelief" && object.contains("geometry") && !object["geometry"].empty())
+      expected.insert(key);
+  EXPECT_EQ(expected.size(), 1653U + 337U);
+  std::set<std::string> seen;
+  for (const Building& building : model.buildings) {
+    const std::string key = building.source_ids.at(0).substr(0, building.source_ids[0].find('#'));
+    seen.insert(key);
+    ASSERT_EQ(expected.count(key), 1U) << key;
+    const Json& object = file["CityObjects"][key];
+    EXPECT_GT(signed_area(building.footprint.outer), 0);
+    EXPECT_LT(building.h_ground, building.h_roof);
+    EXPECT_GE(building.h_ground, 2.4);
+    EXPECT_LE(building.h_roof, 37.5);
+    // The ridge is an attribute that was measured apart from the geometry.
+    if (object.contains("attributes") && object["attributes"].contains("AbsoluteRidgeHeight")) {
+      EXPECT_NEAR(building.h_roof, object["attributes"]["AbsoluteRidgeHeight"].get<double>(), 0.01)
+          << key;
+    }
+  }
+  for (const Dropped& dropped : model.dropped) seen.insert(dropped.source_id);
+  EXPECT_EQ(seen, expected);
+  EXPECT_LT(model.dropped.size(), 20U);
+  EXPECT_EQ(model.dropped.empty(), warnings.empty());
+}
+
+TEST(CityJson, ReadsThe3dfierReference) {
+  TETROPOLIS_REQUIRE_DATA(folder, "delft_3dfier");
+  const fs::path path = folder / "reference/3dfier_output_cityjson.json";
+  const CityModel model = read_city(path);
+  EXPECT_EQ(model.crs, "EPSG:28992");
+  const Json file = Json::parse(read_bytes(path));
+  ReadFootprintsOptions options;
+  const FootprintsInput footprints = read_footprints(folder / "footprints.shp", options);
+  double expected_area = 0;
+  for (const Footprint& footprint : footprints.features) expected_area += area(footprint.polygon);
+  double total = 0;
+  std::set<std::string> keys;
+  for (const Building& building : model.buildings) {
+    total += area(building.footprint);
+    const std::string key = building.source_ids.at(0).substr(0, building.source_ids[0].find('#'));
+    keys.insert(key);
+    const Json& attributes = file["CityObjects"][key]["attributes"];
+    // Another percentile than that of the geometry's roof.
+    EXPECT_NEAR(building.h_roof, attributes["measuredHeight"].get<double>(), 1.0) << key;
+  }
+  EXPECT_EQ(keys.size(), 160U);
+  EXPECT_TRUE(model.dropped.empty());
+  EXPECT_NEAR(total, expected_area, 0.01 * expected_area);
+}
+
+const char* const kTwoParts = R"({"type":"CityJSON","version":"1.1",
+"metadata":{"referenceSystem":"https://www.opengis.net/def/crs/EPSG/0/7415"},
+"transform":{"scale":[0.001,0.001,0.001],"translate":[100.5,200.25,0]},
+"CityObjects":{
+"z":{"type":"Building","children":["y"]},
+"y":{"type":"BuildingPart","parents":["z"],"geometry":[
+ {"type":"MultiSurface","lod":"0","boundaries":[[[0,1,2,3]]]},
+ {"type":"Solid","lod":"2.2","boundaries":[[[[0,3,2,1]],[[4,5,6,7]],[[0,1,5,4]],[[1,2,6,5]],[[2,3,7,6]],[[3,0,4,7]]]]}]},
+"road":{"type":"Road","geometry":[]},
+"flat":{"type":"Building","geometry":[{"type":"MultiSurface","lod":"0","boundaries":[[[0,1,2,3]]]}]},
+"none":{"type":"Building"},
+"a":{"type":"Building","geometry":[{"type":"MultiSurface","lod":1,"boundaries":[[[4,5,6,7]],[[0,1,5,4]]],
+ "semantics":{"surfaces":[{"type":"RoofSurface"}],"values":[0,null]}}]}},
+"vertices":[[0,0,1000],[10000,0,1000],[10000,5000,1000],[0,5000,1000],
+            [0,0,9000],[10000,0,9000],[10000,5000,9000],[0,5000,9000]]})";
+
+TEST(CityJson, ForeignObjectsKeepTheirOrder) {
+  const TemporaryFolder folder;
+  std::vector<Warning> warnings;
+  const CityModel model = read_city(write_text(folder / "a.json", kTwoParts), &warnings);
+  EXPECT_EQ(model.crs, "EPSG:28992");
+  EXPECT_EQ(model.origin, (Point2{100, 200}));
+  ASSERT_EQ(model.buildings.size(), 2U);
+  EXPECT_EQ(model.buildings[0].id, "b1");
+  EXPECT_EQ(model.buildings[0].source_ids, (std::vector<std::string>{"y"}));
+  const Ring expected = {{0.5, 0.25}, {10.5, 0.25}, {10.5, 5.25}, {0.5, 5.25}};
+  EXPECT_EQ(model.buildings[0].footprint.outer, expected);
+  EXPECT_EQ(model.buildings[0].h_ground, 1);
+  EXPECT_EQ(model.buildings[0].h_roof, 9);
+  EXPECT_EQ(model.buildings[1].id, "b2");
+  EXPECT_EQ(model.buildings[1].source_ids, (std::vector<std::string>{"a"}));
+  EXPECT_EQ(model.buildings[1].footprint.outer, expected);  // No floor: the roof's shadow.
+  ASSERT_EQ(model.dropped.size(), 2U);
+  EXPECT_EQ(model.dropped[0].source_id, "flat");
+  EXPECT_EQ(model.dropped[1].source_id, "none");
+  ASSERT_EQ(warnings.size(), 1U);
+  EXPECT_EQ(warnings[0].count, 2);
+}
+
+TEST(CityJson, BrokenDocumentsNameThePlace) {
+  const TemporaryFolder folder;
+  const fs::path path = folder / "a.json";
+  const auto mentions = [&](const std::string& text, const char* words) {
+    write_text(path, text);
+    const std::string message = input_error(path);
+    EXPECT_NE(message.find(words), std::string::npos) << message;
+  };
+  const auto changed = [&](const std::string& from, const std::string& to) {
+    std::string text = kTwoParts;
+    const std::size_t at = text.find(from);
+    EXPECT_NE(at, std::string::npos) << from;
+    return text.replace(at, from.size(), to);
+  };
+  EXPECT_NE(input_error(folder / "none.json").find("no such file"), std::string::npos);
+  input_error(folder.path());
+  mentions("", "byte");
+  mentions("{", "byte 2");
+  mentions("[]", "not an object");
+  mentions("{\"type\":\"FeatureCollection\"}", "/type");
+  mentions(changed("\"1.1\"", "\"3.7\""), "/version is \"3.7\"");
+  mentions(changed("\"vertices\"", "\"points\""), "vertices");
+  mentions(changed("\"CityObjects\"", "\"Objects\""), "CityObjects");
+  mentions(changed("[10000,0,1000]", "[10000,0]"), "/vertices/1");
+  mentions(changed("[10000,0,1000]", "[10000,0,\"x\"]"), "/vertices/1");
+  mentions(changed("[10000,0,1000]", "[1e300,0,0]"), "/vertices/1");
+  mentions(changed("[10000,0,1000]", "[1e999,0,0]"), "out of range");
+  mentions(changed("[0,3,2,1]", "[0,3,2,8]"), "/CityObjects/y/geometry/1/boundaries/0/0/0/3");
+  mentions(changed("[0,3,2,1]", "[0,3,2,-1]"), "is not a vertex number");
+  mentions(changed("[0,3,2,1]", "[0,3,2,1.5]"), "is not a vertex number");
+  mentions(changed("[[0,3,2,1]]", "0"), "/CityObjects/y/geometry/1/boundaries/0/0 is not an array");
+  mentions(changed("[0,null]", "[3,null]"), "has semantics 3 of 1");
+  mentions(changed("\"scale\":[0.001,", "\"scale\":["), "/transform/scale");
+  mentions(changed("\"type\":\"Solid\",", ""), "has no member 'type'");
+  mentions(changed("\"none\"", "\"flat\""), "two members 'flat'");
+  mentions(changed("EPSG/0/7415", "EPSG/0/1"), "/metadata/referenceSystem");
+  mentions(std::string(100000, '['), "byte");
+}
+
+TEST(CityJson, ChangedBytesNeverCrash) {
+  const unsigned seed = testing::test_seed();
+  SCOPED_TRACE(seed);
+  std::mt19937 random(seed);
+  const TemporaryFolder folder;
+  write_city(folder / "good.json", random_city(4));
+  const fs::path path = folder / "a.json";
+  for (const std::string& good : {std::string(kTwoParts), read_bytes(folder / "good.json")}) {
+    const std::string alphabet = "0123456789-.e[]{},:\"nulabx";
+    for (int round = 0; round < 1500; ++round) {
+      std::string text = good;
+      for (int k = 0; k < 2; ++k)
+        text[random() % text.size()] = alphabet[random() % alphabet.size()];
+      write_text(path, text);
+      try {
+        read_city(path);
+      } catch (const Error& error) {
+        EXPECT_EQ(error.kind(), ErrorKind::kInput) << error.what();
+      }
+    }
+  }
+}
+
+}  // namespace
+}  // namespace tetropolis

@@ -1,0 +1,210 @@
+// LAS files that lie, are cut or broken.
+#include <algorithm>
+#include <limits>
+#include <random>
+#include <string>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "tetropolis/core/error.h"
+#include "tetropolis/io/las.h"
+
+#include "io/las_support.h"
+
+namespace tetropolis {
+namespace {
+
+namespace fs = std::filesystem;
+using testing::all_points;
+using testing::input_error;
+using testing::patched;
+using testing::random_cloud;
+using testing::read_bytes;
+using testing::read_error;
+using testing::read_one;
+using testing::same;
+using testing::TemporaryFolder;
+using testing::write_bytes;
+
+TEST(BrokenLas, HeadersThatLieFailAndNameTheByte) {
+  const TemporaryFolder folder;
+  const fs::path path = folder / "a.las";
+  write_points(path, random_cloud(1000, 6), {1000, 2000}, {});
+  const std::string good = read_bytes(path);
+  const auto error_of = [&](const std::string& bytes) {
+    write_bytes(path, bytes);
+    return read_error(path);
+  };
+  const auto mentions = [&](const std::string& bytes, const char* words) {
+    const std::string message = error_of(bytes);
+    EXPECT_NE(message.find(words), std::string::npos) << message;
+  };
+  mentions("", "empty");
+  mentions("x,y,z\n1,2,3\n", "LASF");
+  mentions(good.substr(0, 100), "cut");
+  mentions(good.substr(0, 226), "cut");
+  mentions(good.substr(0, good.size() - 1), "ends at point 999 of 1000");
+  mentions(good.substr(0, 227 + 28 * 10), "ends at point 10 of 1000");
+  mentions(patched(good, 25, std::uint8_t{9}), "LAS 1.9");
+  mentions(patched(good, 25, std::uint8_t{4}), "header of 227 bytes");
+  mentions(patched(good, 94, std::uint16_t{10}), "byte 94");
+  mentions(patched(good, 96, std::uint32_t{100}), "byte 96");
+  mentions(patched(good, 96, std::uint32_t{4000000000U}), "before its points start");
+  mentions(patched(good, 104, std::uint8_t{11}), "point format");
+  mentions(patched(good, 104, std::uint8_t{0x81}), "LASzip records");
+  mentions(patched(good, 105, std::uint16_t{27}), "byte 105");
+  mentions(patched(good, 105, std::uint16_t{0}), "byte 105");
+  mentions(patched(good, 107, std::uint32_t{4000000000U}), "ends at point 1000 of 4000000000");
+  mentions(patched(good, 131, 0.0), "scale");
+  mentions(patched(good, 139, std::numeric_limits<double>::quiet_NaN()), "scale");
+  mentions(patched(good, 171, std::numeric_limits<double>::infinity()), "offset");
+  write_bytes(path, good);
+  EXPECT_EQ(read_one(path).points_read, 1000);
+  EXPECT_NE(read_error(folder / "missing.las").find("no such file"), std::string::npos);
+  EXPECT_NE(read_error(folder.path()).find("ordinary file"), std::string::npos);
+}
+
+TEST(BrokenLas, MissingCountsAreTakenFromTheFileSize) {
+  const TemporaryFolder folder;
+  const fs::path path = folder / "a.las";
+  write_points(path, random_cloud(1000, 6), {}, {});
+  write_bytes(path, patched(read_bytes(path), 107, std::uint32_t{0}));
+  const PointsInput input = read_one(path);
+  EXPECT_EQ(input.points_read, 1000);
+  ASSERT_EQ(input.warnings.size(), 1U);
+  EXPECT_EQ(input.warnings[0].code, "las_count_missing");
+}
+
+TEST(BrokenLas, BrokenVlrCountIsSurvivedInPlainFiles) {
+  const TemporaryFolder folder;
+  const fs::path path = folder / "a.las";
+  write_points(path, random_cloud(10, 6), {}, {});
+  write_bytes(path, patched(read_bytes(path), 100, std::uint32_t{4000000000U}));
+  const PointsInput input = read_one(path);
+  EXPECT_EQ(input.points_read, 10);
+  ASSERT_EQ(input.warnings.size(), 1U);
+  EXPECT_EQ(input.warnings[0].code, "las_vlrs_broken");
+}
+
+TEST(BrokenLas, WithheldBitAndFlagsAboveTheClass) {
+  const TemporaryFolder folder;
+  for (const int format : {1, 6}) {
+    const fs::path path = folder / "a.las";
+    PointCloud cloud{{0, 1, 2}, {0, 1, 2}, {0, 0, 0}, {2, 2, 2}};
+    WritePointsOptions options;
+    options.point_format = format;
+    write_points(path, cloud, {}, options);
+    std::string bytes = read_bytes(path);
+    // Format 1: synthetic and key-point bits on the first, withheld on the second record.
+    const std::size_t flags = bytes.size() - 3 * (format == 1 ? 28 : 30) + 15;
+    const std::size_t next = format == 1 ? 28 : 30;
+    if (format == 1) {
+      bytes[flags] = static_cast<char>(0x60 | 2);
+      bytes[flags + next] = static_cast<char>(0x80 | 2);
+    } else {
+      bytes[flags] = 0x0B;  // Synthetic, key point, overlap.
+      bytes[flags + next] = 0x04;
+    }
+    write_bytes(path, bytes);
+    const PointsInput input = read_one(path);
+    EXPECT_EQ(input.points_read, 3);
+    EXPECT_EQ(input.points.x, (std::vector<double>{0, 2}));
+    EXPECT_EQ(input.points_by_class, (std::map<int, std::int64_t>{{2, 2}}));
+    ReadPointsOptions keep;
+    keep.keep_withheld = true;
+    EXPECT_EQ(read_one(path, keep).points_kept, 3);
+  }
+}
+
+TEST(BrokenLas, BoxesThatLieAreNotTrusted) {
+  const TemporaryFolder folder;
+  const PointCloud cloud = random_cloud(1000, 6);
+  ReadPointsOptions options;
+  options.crop = Bounds2{0, 0, 500, 500};
+  for (const char* name : {"a.las", "a.laz"}) {
+    const fs::path path = folder / name;
+    write_points(path, cloud, {}, {});
+    const std::string good = read_bytes(path);
+    const std::int64_t kept = read_one(path, options).points_kept;
+    EXPECT_GT(kept, 800);
+    const double nan = std::numeric_limits<double>::quiet_NaN();
+    // xmax, xmin, ymax, ymin at bytes 179, 187, 195, 203.
+    const std::vector<std::string> lies = {
+        patched(good, 187, nan), patched(patched(good, 187, 2e6), 179, 1e6),
+        patched(patched(good, 187, 1e6), 179, 2e6), patched(patched(good, 203, -9e5), 195, -8e5)};
+    for (const std::string& lie : lies) {
+      write_bytes(path, lie);
+      const PointsInput input = read_one(path, options);
+      EXPECT_EQ(input.points_kept, kept);
+      EXPECT_EQ(input.files_skipped, 0);
+      ASSERT_EQ(input.warnings.size(), 1U);
+      EXPECT_EQ(input.warnings[0].code, "las_box_untrusted");
+    }
+    // A sound box elsewhere spares the decoding.
+    write_bytes(path, good);
+    ReadPointsOptions elsewhere;
+    elsewhere.crop = Bounds2{600, 0, 700, 500};
+    const PointsInput input = read_one(path, elsewhere);
+    EXPECT_EQ(input.files_skipped, 1);
+    EXPECT_EQ(input.points_read, 0);
+    EXPECT_TRUE(input.warnings.empty());
+  }
+}
+
+TEST(BrokenLas, TruncatedLazFailsWhereverItIsCut) {
+  TETROPOLIS_REQUIRE_DATA(folder, "las_samples");
+  const TemporaryFolder scratch;
+  const fs::path path = scratch / "cut.laz";
+  for (const char* name : {"laspy/simple.laz", "laspy/simple.copc.laz", "laspy/extra.laz",
+                           "laspy/1_4_w_evlr.laz", "lazperf/point10.las.laz"}) {
+    const std::string bytes = read_bytes(folder / name);
+    const PointCloud whole = read_one(folder / name, all_points()).points;
+    for (std::size_t size = 1; size < bytes.size(); size += 1 + bytes.size() / 97) {
+      SCOPED_TRACE(std::string(name) + " cut at " + std::to_string(size));
+      write_bytes(path, bytes.substr(0, size));
+      try {
+        // Records behind the last point may be missing without harm.
+        EXPECT_TRUE(same(read_one(path, all_points()).points, whole));
+      } catch (const Error& error) {
+        EXPECT_EQ(error.kind(), ErrorKind::kInput);
+        EXPECT_NE(std::string(error.what()).find(path.string()), std::string::npos);
+      }
+    }
+  }
+  TETROPOLIS_REQUIRE_DATA(tile, "delft_3dfier/ahn3_cropped_2.laz");
+  const std::string bytes = read_bytes(tile);
+  write_bytes(path, bytes.substr(0, bytes.size() / 2));
+  const std::string message = read_error(path);
+  EXPECT_NE(message.find("ends at point "), std::string::npos) << message;
+  EXPECT_NE(message.find(" of 208432: the file is cut"), std::string::npos) << message;
+}
+
+TEST(BrokenLas, FlippedBytesNeverCrash) {
+  TETROPOLIS_REQUIRE_DATA(folder, "las_samples");
+  const unsigned seed = testing::test_seed();
+  SCOPED_TRACE(seed);
+  std::mt19937 random(seed);
+  const TemporaryFolder scratch;
+  for (const char* name : {"laspy/simple.laz", "laspy/simple.copc.laz", "laspy/1_4_w_evlr.laz",
+                           "laspy/simple.las", "laspy/1_4_w_evlr.las"}) {
+    const std::string good = read_bytes(folder / name);
+    const fs::path path = scratch / fs::path(name).filename();
+    for (int round = 0; round < 150; ++round) {
+      std::string bytes = good;
+      // Half of the changes hit header and records, where every byte matters.
+      const std::size_t reach =
+          round % 2 == 0 ? std::min<std::size_t>(bytes.size(), 1200) : bytes.size();
+      for (int k = 0; k < 3; ++k) bytes[4 + random() % (reach - 4)] = static_cast<char>(random());
+      write_bytes(path, bytes);
+      try {
+        read_one(path, all_points());
+      } catch (const Error& error) {
+        EXPECT_EQ(error.kind(), ErrorKind::kInput) << error.what();
+      }
+    }
+  }
+}
+
+}  // namespace
+}  // namespace tetropolis

@@ -1,0 +1,95 @@
+// What the tests of the LAS reader share.
+#pragma once
+
+#include <cstdint>
+#include <cstring>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <random>
+#include <string>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "tetropolis/core/error.h"
+#include "tetropolis/io/las.h"
+
+#include "support/test_data.h"
+
+namespace tetropolis::testing {
+
+namespace fs = std::filesystem;
+
+inline std::string read_bytes(const fs::path& path) {
+  std::ifstream file(path, std::ios::binary);
+  return {std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
+}
+
+inline void write_bytes(const fs::path& path, const std::string& bytes) {
+  std::ofstream(path, std::ios::binary) << bytes;
+}
+
+template <typename Number>
+std::string patched(std::string bytes, std::size_t at, Number value) {
+  std::memcpy(bytes.data() + at, &value, sizeof value);
+  return bytes;
+}
+
+inline PointsInput read_one(const fs::path& path, const ReadPointsOptions& options = {}) {
+  const std::vector<fs::path> paths = {path};
+  return read_points(paths, options);
+}
+
+/// Everything: no class left out.
+inline ReadPointsOptions all_points() {
+  ReadPointsOptions options;
+  options.skipped_classes.clear();
+  options.keep_withheld = true;
+  return options;
+}
+
+/// The message of the Error(kInput) that `action` throws; checks that it is one line with the path.
+template <typename Action>
+std::string input_error(const fs::path& path, const Action& action) {
+  try {
+    action();
+  } catch (const Error& error) {
+    const std::string message = error.what();
+    EXPECT_EQ(error.kind(), ErrorKind::kInput) << message;
+    EXPECT_NE(message.find(path.string()), std::string::npos) << message;
+    EXPECT_EQ(message.find('\n'), std::string::npos) << message;
+    return message;
+  }
+  ADD_FAILURE() << path << ": no error";
+  return "";
+}
+
+inline std::string read_error(const fs::path& path) {
+  return input_error(path, [&] { read_one(path); });
+}
+
+inline bool same(const PointCloud& a, const PointCloud& b) {
+  const auto bits = [](const std::vector<double>& u, const std::vector<double>& v) {
+    return u.size() == v.size() &&
+           (u.empty() || std::memcmp(u.data(), v.data(), u.size() * sizeof(double)) == 0);
+  };
+  return bits(a.x, b.x) && bits(a.y, b.y) && bits(a.z, b.z) && a.classification == b.classification;
+}
+
+inline PointCloud random_cloud(std::size_t size, int largest_class) {
+  std::mt19937 random(test_seed());
+  std::uniform_real_distribution<double> xy(0, 500);
+  std::uniform_real_distribution<double> z(-5, 60);
+  std::uniform_int_distribution<int> code(0, largest_class);
+  PointCloud cloud;
+  for (std::size_t i = 0; i < size; ++i) {
+    cloud.x.push_back(xy(random));
+    cloud.y.push_back(xy(random));
+    cloud.z.push_back(z(random));
+    cloud.classification.push_back(static_cast<std::uint8_t>(code(random)));
+  }
+  return cloud;
+}
+
+}  // namespace tetropolis::testing

@@ -1,0 +1,526 @@
+#include "tetropolis/io/vector.h"
+
+#include <array>
+#include <cmath>
+#include <cstdint>
+#include <cstdio>
+#include <cstring>
+#include <fstream>
+#include <iterator>
+#include <memory>
+#include <random>
+#include <set>
+
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include "tetropolis/core/error.h"
+#include "tetropolis/geometry/polygon.h"
+#include "tetropolis/io/crs.h"
+
+#include "support/test_data.h"
+
+namespace tetropolis {
+namespace {
+
+namespace fs = std::filesystem;
+using testing::TemporaryFolder;
+
+std::string read_bytes(const fs::path& path) {
+  std::ifstream file(path, std::ios::binary);
+  return {std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
+}
+
+fs::path write_text(const fs::path& path, const std::string& text) {
+  std::ofstream(path, std::ios::binary | std::ios::trunc) << text;
+  return path;
+}
+
+std::set<std::string> listing(const fs::path& folder) {
+  std::set<std::string> names;
+  for (const fs::directory_entry& entry : fs::directory_iterator(folder))
+    names.insert(entry.path().filename().string());
+  return names;
+}
+
+std::string input_error(const fs::path& path, const ReadFootprintsOptions& options = {}) {
+  try {
+    read_footprints(path, options);
+  } catch (const Error& error) {
+    const std::string message = error.what();
+    EXPECT_EQ(error.kind(), ErrorKind::kInput) << message;
+    EXPECT_NE(message.find(path.string()), std::string::npos) << message;
+    EXPECT_EQ(message.find('\n'), std::string::npos) << message;
+    return message;
+  }
+  ADD_FAILURE() << path << ": no error";
+  return "";
+}
+
+bool has_warning(const FootprintsInput& input, const std::string& code) {
+  for (const Warning& warning : input.warnings)
+    if (warning.code == code) return true;
+  return false;
+}
+
+/// What holds for every input.
+void check_account(const FootprintsInput& input) {
+  std::set<std::string> ids;
+  for (const Footprint& feature : input.features) {
+    EXPECT_TRUE(ids.insert(feature.source_id).second) << feature.source_id;
+    ASSERT_GE(feature.polygon.outer.size(), 3U);
+    EXPECT_FALSE(feature.polygon.outer.front() == feature.polygon.outer.back());
+    for (const Point2& p : feature.polygon.outer) {
+      EXPECT_TRUE(std::isfinite(p.x) && std::isfinite(p.y));
+      EXPECT_TRUE(input.bounds.contains(p));
+    }
+  }
+  for (const Dropped& dropped : input.dropped) {
+    EXPECT_TRUE(ids.insert(dropped.source_id).second) << dropped.source_id;
+    EXPECT_FALSE(dropped.reason.empty());
+  }
+  EXPECT_GE(static_cast<std::int64_t>(ids.size()), input.features_read);
+  EXPECT_EQ(input.bounds.empty(), input.features.empty());
+}
+
+double total_area(const FootprintsInput& input) {
+  double sum = 0;
+  for (const Footprint& feature : input.features) sum += area(feature.polygon);
+  return sum;
+}
+
+TEST(Vector, ReadsTheRealFootprints) {
+  TETROPOLIS_REQUIRE_DATA(root, ".");
+  struct Case {
+    const char* path;
+    std::int64_t features;
+    std::size_t polygons;
+    const char* crs;
+    double area;  // From the README; 0: not stated.
+  };
+  for (const Case& c : std::vector<Case>{
+           {"delft_3dfier/footprints.shp", 160, 160, "EPSG:28992", 8654},
+           {"delft_3dfier/footprints.gpkg", 160, 160, "EPSG:28992", 8654},
+           {"delft_3dfier/bgt_pand.sqlite", 160, 160, "EPSG:28992", 8654},
+           {"amsterdam_south/footprints.shp", 800, 800, "EPSG:28992", 123721},
+           {"amsterdam_south/footprints.gpkg", 800, 800, "EPSG:28992", 123721},
+           {"amsterdam_south/footprints_bag2017.geojson", 798, 798, "EPSG:28992", 0},
+           {"tudelft_campus_bag/footprints.shp", 2833, 2833, "EPSG:28992", 757879},
+           {"tudelft_campus_bag/tudcampus_bag2017.geojson", 2833, 2833, "EPSG:28992", 757879},
+           {"alexandria_dsm_dtm/footprints.shp", 84, 84, "EPSG:26918", 0},
+           {"alexandria_dsm_dtm/buildings_wgs84.geojson", 84, 84, "EPSG:4326", 0},
+           {"bielefeld_lod1_east/footprints.shp", 3166, 3166, "EPSG:25832", 0},
+           {"boulder_wgs84/boulder_buildings.shp", 13491, 13638, "EPSG:4326", 0},
+           {"dtcc_small/goteborg_by_14.shp", 169, 172, "EPSG:3006", 0},
+           {"dtcc_small/MinimalCase_PropertyMap.shp", 3, 5, "EPSG:3857", 0},
+           {"dtcc_small/gpk1.gpkg", 3, 3, "EPSG:3857", 0},
+           {"dtcc_small/gpk2.gpkg", 2, 2, "EPSG:3857", 0}}) {
+    SCOPED_TRACE(c.path);
+    const FootprintsInput input = read_footprints(root / c.path);
+    EXPECT_EQ(input.features_read, c.features);
+    EXPECT_EQ(input.features.size(), c.polygons);
+    EXPECT_TRUE(input.dropped.empty());
+    EXPECT_EQ(input.crs, c.crs);
+    if (c.area > 0) {
+      EXPECT_NEAR(total_area(input), c.area, 1);
+    }
+    EXPECT_TRUE(input.warnings.empty());
+    check_account(input);
+  }
+}
+
+TEST(Vector, SamplesLoadOrFailCleanly) {
+  TETROPOLIS_REQUIRE_DATA(folder, "vector_samples");
+  struct Case {
+    const char* path;
+    std::int64_t features;
+    std::size_t polygons;
+    std::size_t dropped;
+  };
+  for (const Case& c :
+       std::vector<Case>{{"shapefile/shplib/polygon.shp", 474, 474, 0},
+                         {"shapefile/shplib/anno.shp", 201, 201, 0},
+                         {"shapefile/shplib/csah.shp", 124, 0, 124},
+                         {"shapefile/shplib/pline.shp", 460, 0, 460},
+                         {"shapefile/shplib/brklinz.shp", 122, 0, 122},
+                         {"shapefile/shplib/masspntz.shp", 815, 0, 815},
+                         {"shapefile/shplib/multipnt.shp", 1, 0, 1},
+                         {"shapefile/shplib/3dpoints.shp", 8, 0, 8},
+                         {"shapefile/three_points.shp", 3, 0, 3},
+                         {"shapefile/polygons.shp", 3, 4, 0},
+                         {"shapefile/polygons.json", 3, 4, 0},
+                         {"shapefile/ignore-properties.shp", 3, 0, 3},
+                         {"shapefile/ignore-properties.json", 3, 0, 3},
+                         {"issues/518_519_shp_reading/data_corruption_error.shp", 8, 0, 8},
+                         {"issues/518_519_shp_reading/max_callstack_error.shp", 138, 0, 138},
+                         {"issues/538_missing_holes/multipolygon.json", 1, 2, 0},
+                         {"issues/384_invalid_json/ex2.json", 2, 2, 0},
+                         {"issues/384_invalid_json/sample1.json", 2, 2, 0},
+                         {"features/explode/ex1_invalid_rings.json", 1, 1, 0},
+                         {"features/explode/ex2_nesting.json", 1, 2, 0},
+                         {"geojson/six_counties_three_null.json", 6, 5, 3},
+                         {"geopackage/Oregon.gpkg", 1, 9, 0}}) {
+    SCOPED_TRACE(c.path);
+    const std::set<std::string> before = listing((folder / c.path).parent_path());
+    const FootprintsInput input = read_footprints(folder / c.path);
+    EXPECT_EQ(input.features_read, c.features);
+    EXPECT_EQ(input.features.size(), c.polygons);
+    EXPECT_EQ(input.dropped.size(), c.dropped);
+    EXPECT_EQ(input.layer, c.polygons == 9 ? "land" : fs::path(c.path).stem().string());
+    EXPECT_EQ(listing((folder / c.path).parent_path()), before);
+    check_account(input);
+  }
+  input_error(folder / "issues/384_invalid_json/sample.json");
+  EXPECT_NE(input_error(folder / "geopackage/data_only_tables.gpkg").find("no layer of polygons"),
+            std::string::npos);
+  TETROPOLIS_REQUIRE_DATA(cloud, "las_only/lyon_dense_vegetation.las");
+  EXPECT_NE(input_error(cloud).find("not a vector file"), std::string::npos);
+}
+
+TEST(Vector, MetresInGeoJsonWithoutCrsAreNoDegrees) {
+  TETROPOLIS_REQUIRE_DATA(folder, "vector_samples/issues/384_invalid_json");
+  const FootprintsInput input = read_footprints(folder / "ex2.json");
+  EXPECT_EQ(input.crs, "");
+  EXPECT_TRUE(has_warning(input, "footprints_crs_implausible"));
+  ReadFootprintsOptions options;
+  options.source_crs = "EPSG:3857";
+  options.target_crs = "EPSG:4326";
+  const FootprintsInput stated = read_footprints(folder / "ex2.json", options);
+  EXPECT_EQ(stated.crs, "EPSG:4326");
+  EXPECT_FALSE(has_warning(stated, "footprints_crs_implausible"));
+  EXPECT_NEAR(stated.bounds.xmin, -20.194, 1e-3);
+}
+
+TEST(Vector, ReprojectsToTheCloudsSystem) {
+  TETROPOLIS_REQUIRE_DATA(folder, "alexandria_dsm_dtm");
+  ReadFootprintsOptions options;
+  options.target_crs = "EPSG:26918";
+  const FootprintsInput moved = read_footprints(folder / "buildings_wgs84.geojson", options);
+  const FootprintsInput reference = read_footprints(folder / "footprints.shp", options);
+  ASSERT_EQ(moved.features.size(), reference.features.size());
+  EXPECT_EQ(moved.crs, "EPSG:26918");
+  check_account(moved);
+  for (std::size_t i = 0; i < moved.features.size(); ++i)
+    EXPECT_NEAR(area(moved.features[i].polygon), area(reference.features[i].polygon), 0.01);
+  EXPECT_NEAR(moved.bounds.xmin, reference.bounds.xmin, 0.01);
+  EXPECT_NEAR(moved.bounds.ymax, reference.bounds.ymax, 0.01);
+  // A compound target is its horizontal part; equal systems leave the numbers alone.
+  TETROPOLIS_REQUIRE_DATA(delft, "delft_3dfier/footprints.shp");
+  options.target_crs = "EPSG:7415";
+  const FootprintsInput same = read_footprints(delft, options);
+  EXPECT_EQ(same.crs, "EPSG:28992");
+  EXPECT_EQ(same.bounds, read_footprints(delft).bounds);
+}
+
+TEST(Vector, IdsAndHeightsComeFromAttributes) {
+  TETROPOLIS_REQUIRE_DATA(bielefeld, "bielefeld_lod1_east/footprints.shp");
+  ReadFootprintsOptions options;
+  options.id_attribute = "gml_id";
+  options.height_attribute = "height";
+  const FootprintsInput input = read_footprints(bielefeld, options);
+  double low = 1e9;
+  double high = 0;
+  for (const Footprint& feature : input.features) {
+    low = std::min(low, feature.height);
+    high = std::max(high, feature.height);
+  }
+  EXPECT_NEAR(low, 1.0, 0.01);
+  EXPECT_NEAR(high, 35, 0.5);
+  check_account(input);
+  options.id_attribute = "no_such";
+  const std::string message = input_error(bielefeld, options);
+  EXPECT_NE(message.find("'no_such'"), std::string::npos);
+  EXPECT_NE(message.find("gml_id, parent"), std::string::npos) << message;
+  options = {};
+  options.height_attribute = "hight";
+  EXPECT_NE(input_error(bielefeld, options).find("z_roof"), std::string::npos);
+  options = {};
+  options.layer = "houses";
+  EXPECT_NE(input_error(bielefeld, options).find("it has: footprints"), std::string::npos);
+}
+
+TEST(Vector, DuplicateIdsAreToldApart) {
+  TETROPOLIS_REQUIRE_DATA(goteborg, "dtcc_small/goteborg_by_14.shp");
+  ReadFootprintsOptions options;
+  options.id_attribute = "OBJEKT_ID";
+  const FootprintsInput input = read_footprints(goteborg, options);
+  check_account(input);
+  std::set<std::string> plain;
+  std::size_t parts = 0;
+  std::size_t repeated = 0;
+  for (const Footprint& feature : input.features) {
+    const std::string& id = feature.source_id;
+    parts += id.find('#') != std::string::npos ? 1 : 0;
+    repeated += id.find('~') != std::string::npos ? 1 : 0;
+    plain.insert(id.substr(0, id.find_first_of("#~")));
+  }
+  EXPECT_EQ(plain.size(), 153U);
+  EXPECT_EQ(parts, 3U);
+  EXPECT_EQ(repeated, 16U);
+  EXPECT_TRUE(has_warning(input, "duplicate_ids"));
+}
+
+const std::string kMixed = R"({"type":"FeatureCollection","features":[
+ {"type":"Feature","properties":{"name":"a","h":"12.5"},"geometry":{"type":"MultiPolygon","coordinates":
+   [[[[0,0,7],[4,0,7],[4,4,7],[0,4,7],[0,0,7]],[[1,1],[1,2],[2,2],[1,1]]],
+    [[[9,9],[9,9]]],
+    [[[6,0],[8,0],[8,2],[6,0]]]]}},
+ {"type":"Feature","properties":{"name":"a#2","h":null},"geometry":{"type":"Polygon","coordinates":
+   [[[0,6],[1,6],[1,7],[0,6]]]}},
+ {"type":"Feature","properties":{"name":null,"h":"tall"},"geometry":{"type":"Polygon","coordinates":
+   [[[0,8],[1,8],[1,9],[0,8]]]}},
+ {"type":"Feature","properties":{"name":"c"},"geometry":null},
+ {"type":"Feature","properties":{"name":"d"},"geometry":{"type":"Polygon","coordinates":[]}},
+ {"type":"Feature","properties":{"name":"a"},"geometry":{"type":"GeometryCollection","geometries":[
+   {"type":"Point","coordinates":[1,1]},
+   {"type":"Polygon","coordinates":[[[3,8],[4,8],[4,9],[3,8]]]}]}}]})";
+
+TEST(Vector, SplitsFlattensAndAccounts) {
+  const TemporaryFolder folder;
+  ReadFootprintsOptions options;
+  options.id_attribute = "name";
+  options.height_attribute = "h";
+  const FootprintsInput input =
+      read_footprints(write_text(folder / "mixed.geojson", kMixed), options);
+  check_account(input);
+  EXPECT_EQ(input.features_read, 6);
+  std::vector<std::string> ids;
+  for (const Footprint& feature : input.features) ids.push_back(feature.source_id);
+  EXPECT_EQ(ids, (std::vector<std::string>{"a", "a#3", "a#2~2", "2", "a~2"}));
+  ASSERT_EQ(input.dropped.size(), 3U);
+  EXPECT_EQ(input.dropped[0].source_id, "a#2");
+  EXPECT_EQ(input.dropped[0].reason, "a polygon of fewer than three vertices");
+  EXPECT_EQ(input.dropped[1].source_id, "c");
+  EXPECT_EQ(input.dropped[1].reason, "no geometry");
+  EXPECT_EQ(input.dropped[2].source_id, "d");
+  EXPECT_EQ(input.features[0].polygon.outer, (Ring{{0, 0}, {4, 0}, {4, 4}, {0, 4}}));
+  ASSERT_EQ(input.features[0].polygon.holes.size(), 1U);
+  EXPECT_EQ(input.features[0].polygon.holes[0], (Ring{{1, 1}, {1, 2}, {2, 2}}));
+  EXPECT_EQ(input.features[0].height, 12.5);
+  EXPECT_EQ(input.features[1].height, 12.5);
+  EXPECT_TRUE(std::isnan(input.features[2].height));
+  EXPECT_TRUE(std::isnan(input.features[3].height));
+  EXPECT_TRUE(has_warning(input, "duplicate_ids"));
+  EXPECT_TRUE(has_warning(input, "missing_ids"));
+  EXPECT_TRUE(has_warning(input, "mixed_geometry"));
+  EXPECT_EQ(input.crs, "EPSG:4326");
+}
+
+TEST(Vector, CurvesBecomeChords) {
+  const TemporaryFolder folder;
+  const FootprintsInput input = read_footprints(
+      write_text(folder / "curve.csv",
+                 "id,WKT\n1,\"CURVEPOLYGON(CIRCULARSTRING(0 0,2 0,4 0,2 -3,0 0))\"\n"
+                 "2,\"CURVEPOLYGON(CIRCULARSTRING(10 0,12 2,14 0,12 -2,10 0))\"\n"));
+  ASSERT_EQ(input.features.size(), 2U);
+  // A circle of radius 2 in chords of 4 degrees.
+  EXPECT_EQ(input.features[1].polygon.outer.size(), 90U);
+  EXPECT_NEAR(area(input.features[1].polygon), 90 * 2 * std::sin(4 * std::acos(-1.0) / 180), 1e-9);
+}
+
+TEST(Vector, SeveralPolygonLayersMustBeNamed) {
+  const TemporaryFolder folder;
+  fs::create_directory(folder / "set");
+  const std::vector<Polygon> polygons = {{{{0, 0}, {1, 0}, {1, 1}}, {}}};
+  const std::vector<std::string> ids = {"x"};
+  write_footprints(folder / "set/houses.shp", polygons, ids, {}, {}, "");
+  write_footprints(folder / "set/sheds.shp", polygons, ids, {}, {}, "");
+  const std::string message = input_error(folder / "set");
+  EXPECT_NE(message.find("houses"), std::string::npos) << message;
+  EXPECT_NE(message.find("sheds"), std::string::npos) << message;
+  ReadFootprintsOptions options;
+  options.layer = "sheds";
+  EXPECT_EQ(read_footprints(folder / "set", options).features.size(), 1U);
+}
+
+TEST(Vector, ShapefilesWithoutTheirMembersAreReadInPlace) {
+  TETROPOLIS_REQUIRE_DATA(delft, "delft_3dfier");
+  const TemporaryFolder folder;
+  const FootprintsInput whole = read_footprints(delft / "footprints.shp");
+  fs::copy_file(delft / "footprints.shp", folder / "Houses.SHP");
+  const auto check = [&](const fs::path& path, std::size_t files, const char* crs) {
+    const FootprintsInput input = read_footprints(path);
+    EXPECT_EQ(input.features.size(), 160U);
+    EXPECT_EQ(input.bounds, whole.bounds);
+    EXPECT_EQ(input.crs, crs);
+    EXPECT_EQ(has_warning(input, "footprints_crs_unknown"), input.crs.empty());
+    EXPECT_EQ(listing(folder.path()).size(), files);
+  };
+  check(folder / "Houses.SHP", 1, "");
+  fs::rename(folder / "Houses.SHP", folder / "a.shp");
+  check(folder / "a.shp", 1, "");
+  fs::copy_file(delft / "footprints.prj", folder / "a.prj");
+  check(folder / "a.shp", 2, "EPSG:28992");
+  fs::copy_file(delft / "footprints.shx", folder / "a.shx");
+  check(folder / "a.shp", 3, "EPSG:28992");
+  fs::copy_file(delft / "footprints.dbf", folder / "a.dbf");
+  check(folder / "a.shp", 4, "EPSG:28992");
+}
+
+TEST(Vector, CutAndBrokenFilesNeverCrash) {
+  TETROPOLIS_REQUIRE_DATA(root, ".");
+  const TemporaryFolder folder;
+  const unsigned seed = testing::test_seed();
+  SCOPED_TRACE(seed);
+  std::mt19937 random(seed);
+  for (const char* name :
+       {"delft_3dfier/footprints.shp", "delft_3dfier/footprints.gpkg",
+        "alexandria_dsm_dtm/buildings_wgs84.geojson", "vector_samples/shapefile/polygons.json"}) {
+    const std::string good = read_bytes(root / name);
+    const fs::path path = folder / ("a" + fs::path(name).extension().string());
+    const bool shapefile = path.extension() == ".shp";
+    if (shapefile)
+      for (const char* member : {".shx", ".dbf"})
+        fs::copy_file(fs::path(root / name).replace_extension(member),
+                      fs::path(path).replace_extension(member));
+    const std::int64_t all = read_footprints(root / name).features_read;
+    int failures = 0;
+    for (int round = 0; round < 60; ++round) {
+      std::string bytes = good;
+      if (round < 30)
+        bytes.resize(good.size() * static_cast<std::size_t>(round) / 30);
+      else
+        for (int k = 0; k < 4; ++k)
+          bytes[random() % std::min<std::size_t>(bytes.size(), 4000)] = static_cast<char>(random());
+      write_text(path, bytes);
+      try {
+        const FootprintsInput input = read_footprints(path);
+        check_account(input);
+        // A cut file either fails or tells of every feature.
+        if (round < 30 && shapefile) {
+          EXPECT_EQ(input.features_read, all);
+        }
+      } catch (const Error& error) {
+        ++failures;
+        EXPECT_EQ(error.kind(), ErrorKind::kInput) << error.what();
+        EXPECT_NE(std::string(error.what()).find(path.string()), std::string::npos);
+      }
+    }
+    EXPECT_GT(failures, 0) << name;
+  }
+  EXPECT_NE(input_error(folder / "none.shp").find("no such file"), std::string::npos);
+  EXPECT_NE(input_error(write_text(folder / "empty.gpkg", "")).find("empty"), std::string::npos);
+}
+
+// --- writing ---
+
+struct City {
+  std::vector<Polygon> polygons;
+  std::vector<std::string> ids;
+  std::vector<double> heights;
+};
+
+City random_city(std::size_t size) {
+  std::mt19937 random(testing::test_seed());
+  std::uniform_real_distribution<double> unit(0, 1);
+  City city;
+  for (std::size_t i = 0; i < size; ++i) {
+    const double x = 20.0 * static_cast<double>(i);
+    Polygon polygon{{{x, 0}, {x, 9 + unit(random)}, {x + 10, 10}, {x + 10 + unit(random), 0}}, {}};
+    if (i % 3 == 0) polygon.holes.push_back({{x + 2, 2}, {x + 4, 2}, {x + 3, 4}});
+    city.polygons.push_back(polygon);
+    city.ids.push_back("house \u00e5 " + std::to_string(i));
+    city.heights.push_back(i % 5 == 0 ? std::nan("") : 3 + 50 * unit(random));
+  }
+  return city;
+}
+
+TEST(Vector, WritesWhatItReads) {
+  SCOPED_TRACE(testing::test_seed());
+  const TemporaryFolder folder;
+  const City city = random_city(31);
+  const Point2 origin{1024, 2048};  // Small enough for x + origin - origin to be exact below.
+  for (const char* name : {"a.shp", "a.gpkg", "a.geojson"}) {
+    SCOPED_TRACE(name);
+    write_footprints(folder / name, city.polygons, city.ids, city.heights, origin, "EPSG:28992");
+    ReadFootprintsOptions options;
+    options.id_attribute = "id";
+    options.height_attribute = "height";
+    const FootprintsInput back = read_footprints(folder / name, options);
+    EXPECT_EQ(back.crs, "EPSG:28992");
+    EXPECT_TRUE(back.warnings.empty());
+    ASSERT_EQ(back.features.size(), city.polygons.size());
+    check_account(back);
+    for (std::size_t i = 0; i < city.ids.size(); ++i) {
+      EXPECT_EQ(back.features[i].source_id, city.ids[i]);
+      EXPECT_EQ(std::isnan(back.features[i].height), std::isnan(city.heights[i]));
+      if (!std::isnan(city.heights[i])) {
+        EXPECT_NEAR(back.features[i].height, city.heights[i], 1e-12);
+      }
+      EXPECT_NEAR(area(back.features[i].polygon), area(city.polygons[i]), 1e-6);
+      EXPECT_EQ(back.features[i].polygon.holes.size(), city.polygons[i].holes.size());
+      const Bounds2 box = bounds(city.polygons[i]);
+      EXPECT_NEAR(bounds(back.features[i].polygon).xmax, box.xmax + origin.x, 1e-9);
+      EXPECT_NEAR(bounds(back.features[i].polygon).ymax, box.ymax + origin.y, 1e-9);
+    }
+  }
+}
+
+TEST(Vector, WritesTheSameBytesAgain) {
+  const TemporaryFolder folder;
+  const City city = random_city(20);
+  for (const char* run : {"first", "second"}) {
+    fs::create_directory(folder / run);
+    for (const char* name : {"a.shp", "a.gpkg", "a.geojson"})
+      write_footprints(folder / run / name, city.polygons, city.ids, city.heights, {84000, 447000},
+                       "EPSG:28992");
+    EXPECT_EQ(listing(folder / run), (std::set<std::string>{"a.cpg", "a.dbf", "a.geojson", "a.gpkg",
+                                                            "a.prj", "a.shp", "a.shx"}));
+  }
+  for (const std::string& name : listing(folder / "first"))
+    EXPECT_TRUE(read_bytes(folder / "first" / name) == read_bytes(folder / "second" / name))
+        << name;
+  // dBASE: bytes 1 to 3 are the date of the last change, years since 1900.
+  EXPECT_EQ(read_bytes(folder / "first/a.dbf").substr(1, 3), std::string("\x46\x01\x01"));
+}
+
+TEST(Vector, OtherSoftwareSeesTheSame) {
+  const auto run = [](const std::string& command) {
+    const std::unique_ptr<FILE, int (*)(FILE*)> pipe(
+        ::popen((command + " 2>/dev/null").c_str(), "r"), ::pclose);
+    std::string text;
+    std::array<char, 4096> buffer{};
+    while (const std::size_t n = std::fread(buffer.data(), 1, buffer.size(), pipe.get()))
+      text.append(buffer.data(), n);
+    return text;
+  };
+  if (run("ogrinfo --version").empty()) GTEST_SKIP() << "needs ogrinfo";
+  const TemporaryFolder folder;
+  const std::vector<Polygon> polygons = {
+      {{{0, 0}, {4, 0}, {4, 4}, {0, 4}}, {{{1, 1}, {1, 2}, {2, 2}}}}};
+  const std::vector<std::string> ids = {"x"};
+  const std::vector<double> heights = {7.25};
+  for (const char* name : {"a.shp", "a.gpkg", "a.geojson"}) {
+    write_footprints(folder / name, polygons, ids, heights, {1000, 2000}, "EPSG:3006");
+    const std::string text = run("ogrinfo -al '" + (folder / name).string() + "'");
+    EXPECT_NE(text.find("SWEREF99 TM"), std::string::npos) << name;
+    EXPECT_NE(text.find("Extent: (1000.000000, 2000.000000) - (1004.000000, 2004.000000)"),
+              std::string::npos)
+        << text;
+    EXPECT_NE(text.find("id (String"), std::string::npos) << text;
+    EXPECT_NE(text.find("7.25"), std::string::npos) << text;
+  }
+}
+
+TEST(Vector, WritingFailsCleanly) {
+  const TemporaryFolder folder;
+  const std::vector<Polygon> polygons = {{{{0, 0}, {1, 0}, {1, 1}}, {}}};
+  const std::vector<std::string> ids = {"x"};
+  const auto kind_of = [&](const fs::path& path, const char* crs) {
+    try {
+      write_footprints(path, polygons, ids, {}, {}, crs);
+    } catch (const Error& error) {
+      return static_cast<int>(error.kind());
+    }
+    return 0;
+  };
+  EXPECT_EQ(kind_of(folder / "a.kml", ""), 2);
+  EXPECT_EQ(kind_of(folder / "a.shp", "nowhere"), 2);
+  EXPECT_EQ(kind_of(folder / "none/a.shp", ""), 3);
+  EXPECT_TRUE(listing(folder.path()).empty());
+  EXPECT_EQ(kind_of(folder / "a.shp", ""), 0);
+  EXPECT_EQ(read_footprints(folder / "a.shp").crs, "");
+}
+
+}  // namespace
+}  // namespace tetropolis

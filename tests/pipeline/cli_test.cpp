@@ -1,0 +1,223 @@
+// The program from outside: exit codes, one clear line per error, nothing left behind.
+#include <gtest/gtest.h>
+#include <sys/wait.h>
+
+#include <algorithm>
+#include <cstdlib>
+#include <fstream>
+#include <iterator>
+#include <set>
+
+#include "support/test_data.h"
+
+namespace tetropolis {
+namespace {
+
+namespace fs = std::filesystem;
+
+struct Outcome {
+  int code = -1;
+  std::string out;
+  std::string err;
+};
+
+std::string text_of(const fs::path& path) {
+  std::ifstream file(path, std::ios::binary);
+  return {std::istreambuf_iterator<char>(file), {}};
+}
+
+class Cli : public ::testing::Test {
+ protected:
+  /// Runs the program in the scratch folder. `arguments` are for the shell.
+  Outcome run(const std::string& arguments) { return shell("'" TETROPOLIS_PROGRAM "' " + arguments); }
+
+  Outcome shell(const std::string& script) {
+    const fs::path streams = logs.path();
+    const std::string command = "( cd '" + scratch.path().string() + "' && " + script + " ) >'" +
+                                (streams / "out").string() + "' 2>'" + (streams / "err").string() + "'";
+    const int status = std::system(command.c_str());
+    return {WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status), text_of(streams / "out"), text_of(streams / "err")};
+  }
+
+  /// A small city in input/.
+  void synth(const std::string& options = "--kind blocks --size 300") {
+    ASSERT_EQ(run("synth --quiet --out input " + options).code, 0);
+  }
+
+  std::set<std::string> left() {
+    std::set<std::string> names;
+    for (const auto& entry : fs::directory_iterator(scratch.path())) names.insert(entry.path().filename().string());
+    return names;
+  }
+
+  /// With --quiet, an error is exactly one line that begins with the program's name and contains `part`;
+  /// no file or folder is new.
+  void expect_error(const std::string& arguments, int code, const std::string& part) {
+    SCOPED_TRACE(arguments);
+    const auto before = left();
+    const Outcome outcome = run(arguments + " --quiet");
+    EXPECT_EQ(outcome.code, code);
+    EXPECT_EQ(std::count(outcome.err.begin(), outcome.err.end(), '\n'), 1) << outcome.err;
+    EXPECT_TRUE(outcome.err.starts_with("tetropolis: ")) << outcome.err;
+    EXPECT_NE(outcome.err.find(part), std::string::npos) << outcome.err;
+    EXPECT_EQ(left(), before);
+  }
+
+  testing::TemporaryFolder scratch;
+  testing::TemporaryFolder logs;
+};
+
+TEST_F(Cli, BuildsChecksAndTells) {
+  synth();
+  const Outcome built = run("build --footprints input/footprints.shp --points input --out result");
+  EXPECT_EQ(built.code, 0) << built.err;
+  EXPECT_EQ(built.out, "");
+  EXPECT_NE(built.err.find("3.5  smooth to roofs"), std::string::npos);
+  EXPECT_NE(built.err.find("0 inverted"), std::string::npos);
+  EXPECT_EQ(built.err.find('\r'), std::string::npos);  // no progress bar off a terminal
+  const Outcome checked = run("check result");
+  EXPECT_EQ(checked.code, 0) << checked.err;
+  EXPECT_NE(checked.out.find("every guarantee holds"), std::string::npos);
+  for (const char* file : {"volume.vtu", "boundary.vtp", "city.city.json", "city_raw.city.json"})
+    EXPECT_EQ(run(std::string("check result/") + file).code, 0) << file;
+  const Outcome info = run("info input/points.laz input/footprints.shp result/city.city.json result/dtm.tif result/volume.vtu result/boundary.vtp");
+  EXPECT_EQ(info.code, 0) << info.err;
+  for (const char* part : {"class 6:", "features:", "EPSG:3006", "buildings:", "nodes", "tets:", "wall:"})
+    EXPECT_NE(info.out.find(part), std::string::npos) << part;
+}
+
+TEST_F(Cli, CheckFailsOnABrokenMesh) {
+  synth("--buildings 20 --size 250");
+  ASSERT_EQ(run("build --quiet --footprints input/footprints.shp --points input --out result").code, 0);
+  // Overwrite one coordinate in the middle of the points.
+  std::string bytes = text_of(scratch / "result/volume.vtu");
+  const std::size_t data = bytes.find('_', bytes.find("<AppendedData")) + 1;
+  const double far = -1000;
+  bytes.replace(data + 8 + 24 * 500 + 16, 8, reinterpret_cast<const char*>(&far), 8);
+  std::ofstream(scratch / "result/volume.vtu", std::ios::binary) << bytes;
+  for (const char* path : {"result", "result/volume.vtu"}) {
+    const Outcome outcome = run(std::string("check ") + path);
+    EXPECT_EQ(outcome.code, 1);
+    EXPECT_NE(outcome.out.find("VIOLATED: inverted cells"), std::string::npos);
+    EXPECT_EQ(outcome.out.find("every guarantee holds"), std::string::npos);
+  }
+  const Outcome clearance = run("check result/city.city.json --min-building-distance 50");
+  EXPECT_EQ(clearance.code, 1);
+  EXPECT_NE(clearance.out.find("VIOLATED: clearance below the threshold"), std::string::npos);
+}
+
+TEST_F(Cli, WrongOptionsExitWithTwo) {
+  synth("--buildings 20 --size 250");
+  const std::string input = "build --footprints input/footprints.shp --points input/points.laz --out result ";
+  expect_error("build --points input/points.laz --out result", 2, "--footprints is missing");
+  expect_error("build --footprints input/footprints.shp --out result", 2, "--points is missing");
+  expect_error("build --footprints input/footprints.shp --points input/points.laz", 2, "--out is missing");
+  expect_error(input + "--mesh-sise 5", 2, "did you mean '--mesh-size'?");
+  expect_error(input + "--mesh-size five", 2, "--mesh-size: 'five' is not a number");
+  expect_error(input + "--mesh-size -3", 2, "less than 0.05");
+  expect_error(input + "--top open", 2, "none of flat, free");
+  expect_error(input + "--bounds 1,2,3", 2, "four numbers");
+  expect_error(input + "--points-crs EPSG:999999", 2, "EPSG:999999");
+  expect_error(input + "--config missing.toml", 2, "missing.toml: no such configuration file");
+  std::ofstream(scratch / "c.toml") << "# settings\nmesh_sise = 5\n";
+  expect_error(input + "--config c.toml", 2, "c.toml:2: unknown key 'mesh_sise'; did you mean 'mesh_size'?");
+  expect_error("mesh --city input/x.city.json --out result", 2, "--dtm is missing");
+  std::ofstream(scratch / "file") << "x";
+  expect_error("build --footprints input/footprints.shp --points input/points.laz --out file", 2, "file: cannot be written");
+  expect_error("build --footprints input/footprints.shp --points input/points.laz --out file/inside", 2, "cannot be written");
+  EXPECT_EQ(run("biuld").code, 2);
+  EXPECT_NE(run("biuld").err.find("did you mean 'build'?"), std::string::npos);
+  EXPECT_EQ(run("").code, 2);
+}
+
+TEST_F(Cli, UnusableInputExitsWithThree) {
+  synth("--buildings 40 --size 250");
+  const auto build = [](const std::string& footprints, const std::string& points, const std::string& more = "") {
+    return "build --footprints " + footprints + " --points " + points + " --out result " + more;
+  };
+  const std::string shp = "input/footprints.shp", laz = "input/points.laz";
+  expect_error(build("nowhere.shp", laz), 3, "nowhere.shp");
+  expect_error(build(shp, "nowhere.laz"), 3, "nowhere.laz: no such file");
+  fs::create_directory(scratch / "empty");
+  expect_error(build(shp, "empty"), 3, "empty");
+  std::ofstream(scratch / "text.laz") << "these are no points\n";
+  expect_error(build(shp, "text.laz"), 3, "text.laz");
+  std::ofstream(scratch / "zero.laz") << "";
+  expect_error(build(shp, "zero.laz"), 3, "zero.laz");
+  const std::string whole = text_of(scratch / "input/points.laz");
+  for (const double share : {0.01, 0.3, 0.7, 0.999}) {
+    std::ofstream(scratch / "cut.laz", std::ios::binary) << whole.substr(0, static_cast<std::size_t>(share * static_cast<double>(whole.size())));
+    expect_error(build(shp, "cut.laz"), 3, "cut.laz");
+  }
+  std::ofstream(scratch / "text.shp") << "no shapes here";
+  expect_error(build("text.shp", laz), 3, "text.shp");
+  expect_error(build(shp, laz, "--bounds 0,0,100,100"), 3, "do not overlap");
+  expect_error(build(shp, laz, "--bounds 319000,6396000,319010,6396010"), 3, "no usable footprint");
+  expect_error(build(shp, laz, "--id-attribute nme"), 3, "nme");
+  expect_error(build(shp, laz, "--layer roads"), 3, "roads");
+  std::ofstream(scratch / "degrees.geojson")
+      << R"({"type":"FeatureCollection","features":[{"type":"Feature","properties":{},"geometry":{"type":"Polygon","coordinates":[[[11.9,57.7],[11.901,57.7],[11.901,57.701],[11.9,57.7]]]}}]})";
+  expect_error(build("degrees.geojson", laz), 3, "overlap");
+  expect_error(build(shp, laz, "--points-crs EPSG:4326"), 3, "degrees");
+  std::ofstream(scratch / "none.geojson") << R"({"type":"FeatureCollection","features":[]})";
+  expect_error(build("none.geojson", laz), 3, "none.geojson");
+  std::ofstream(scratch / "bad.city.json") << "{";
+  expect_error("mesh --city bad.city.json --dtm x.tif --out result", 3, "bad.city.json");
+  EXPECT_EQ(run("check nowhere").code, 3);
+  EXPECT_EQ(run("check text.shp").code, 3);
+  EXPECT_EQ(run("info nowhere.las").code, 3);
+}
+
+TEST_F(Cli, ShapefileWithoutPrjTakesThePointsSystem) {
+  synth("--buildings 40 --size 250");
+  fs::remove(scratch / "input/footprints.prj");
+  const Outcome outcome = run("build --footprints input/footprints.shp --points input/points.laz --out result");
+  EXPECT_EQ(outcome.code, 0) << outcome.err;
+  EXPECT_NE(outcome.err.find("footprints_crs_unknown"), std::string::npos) << outcome.err;
+  EXPECT_NE(text_of(scratch / "result/report.json").find("\"crs\": \"EPSG:3006\""), std::string::npos);
+}
+
+TEST_F(Cli, AFailedRunLeavesAnEarlierResultWhole) {
+  synth("--buildings 20 --size 250");
+  ASSERT_EQ(run("build --quiet --footprints input/footprints.shp --points input --out result").code, 0);
+  const std::string report = text_of(scratch / "result/report.json"), mesh = text_of(scratch / "result/volume.vtu");
+  expect_error("build --footprints input/footprints.shp --points nowhere.laz --out result", 3, "nowhere.laz");
+  EXPECT_TRUE(text_of(scratch / "result/report.json") == report);
+  EXPECT_TRUE(text_of(scratch / "result/volume.vtu") == mesh);
+}
+
+TEST_F(Cli, InterruptEndsTheRunAndLeavesNothing) {
+  synth("--buildings 3000 --size 2500 --point-density 0.5");
+  for (const double seconds : {0.05, 0.4, 1.0}) {
+    const Outcome outcome =
+        shell("{ '" TETROPOLIS_PROGRAM "' build --quiet --mesh-size 3 --footprints input/footprints.shp --points input "
+              "--out result & pid=$!; sleep " + std::to_string(seconds) + "; kill -INT $pid; wait $pid; }");
+    EXPECT_EQ(outcome.code, 130) << seconds;
+    EXPECT_EQ(outcome.err, "tetropolis: interrupted; nothing was written\n");
+    EXPECT_EQ(left(), (std::set<std::string>{"input"})) << seconds;
+  }
+}
+
+TEST_F(Cli, ConfigurationFileAndOptionsMeet) {
+  synth("--buildings 20 --size 250");
+  ASSERT_EQ(run("init my.toml").code, 0);
+  EXPECT_EQ(run("init my.toml").code, 2);  // never overwrites
+  std::ofstream(scratch / "my.toml", std::ios::app) << "footprints = \"input/footprints.shp\"\npoints = [\"input\"]\nmesh_size = 20\nout = \"result\"\n";
+  ASSERT_EQ(run("build --quiet --config my.toml").code, 0);
+  EXPECT_NE(text_of(scratch / "result/report.json").find("\"mesh_size\": 20.0"), std::string::npos);
+  ASSERT_EQ(run("build --quiet --config my.toml --mesh-size 15 --log run.log").code, 0);
+  EXPECT_NE(text_of(scratch / "result/report.json").find("\"mesh_size\": 15.0"), std::string::npos);
+  EXPECT_NE(text_of(scratch / "run.log").find("3.1  ground mesh"), std::string::npos);
+}
+
+TEST_F(Cli, HelpNamesEveryOption) {
+  const Outcome help = run("build --help");
+  EXPECT_EQ(help.code, 0);
+  for (const char* option : {"--footprints", "--points", "--out", "--bounds", "--config", "--mesh-size", "--domain-height",
+                             "--threads", "--quiet", "--log", "--points-crs", "--footprints-crs", "--id-attribute"})
+    EXPECT_NE(help.out.find(option), std::string::npos) << option;
+  EXPECT_EQ(run("--version").out.substr(0, 11), "tetropolis ");
+}
+
+}  // namespace
+}  // namespace tetropolis

@@ -1,0 +1,123 @@
+#include "tetropolis/pipeline/config.h"
+
+#include <gtest/gtest.h>
+
+#include <fstream>
+#include <set>
+
+#include "support/test_data.h"
+#include "tetropolis/core/error.h"
+
+namespace tetropolis {
+namespace {
+
+std::string write(const testing::TemporaryFolder& folder, const std::string& text) {
+  std::ofstream(folder / "c.toml") << text;
+  return (folder / "c.toml").string();
+}
+
+/// The message of the usage error that loading `text` ends with.
+std::string error_of(const std::string& text) {
+  const testing::TemporaryFolder folder;
+  Config config;
+  try {
+    load_config(config, write(folder, text));
+  } catch (const Error& error) {
+    EXPECT_EQ(error.kind(), ErrorKind::kUsage);
+    return error.what();
+  }
+  return "no error";
+}
+
+void expect_part(const std::string& text, const std::string& part) {
+  EXPECT_NE(text.find(part), std::string::npos) << text;
+}
+
+TEST(Config, TomlSetsEveryKindOfValue) {
+  const testing::TemporaryFolder folder;
+  Config config;
+  load_config(config, write(folder, R"(
+footprints = "a b.shp"
+points = ["x.laz", "dir,with,commas"]
+bounds = [1, 2.5, 3e2, 400]
+terrain_only = true
+mesh_size = 5
+merge_growths = 2
+top = "free"
+formats = ["vtu", "obj"]
+)"));
+  EXPECT_EQ(config.footprints, "a b.shp");
+  EXPECT_EQ(config.points, (std::vector<std::string>{"x.laz", "dir,with,commas"}));
+  EXPECT_EQ(config.bounds, (std::vector<double>{1, 2.5, 300, 400}));
+  EXPECT_TRUE(config.terrain_only);
+  EXPECT_EQ(config.mesh_size, 5);
+  EXPECT_EQ(config.merge_growths, 2);
+  EXPECT_EQ(config.top, "free");
+  EXPECT_EQ(config.formats, (std::vector<std::string>{"vtu", "obj"}));
+}
+
+TEST(Config, ErrorsNameFileLineAndWhatToDo) {
+  expect_part(error_of("\nmesh_sise = 5\n"), "c.toml:2: unknown key 'mesh_sise'; did you mean 'mesh_size'?");
+  expect_part(error_of("colour_of_money = 5\n"), "unknown key 'colour_of_money'; see 'tetropolis init'");
+  expect_part(error_of("mesh_size = -1\n"), "c.toml:1: mesh_size: -1 is less than 0.05");
+  expect_part(error_of("mesh_size = \"5\"\n"), "takes no text");
+  expect_part(error_of("top = 5\n"), "takes text in quotes");
+  expect_part(error_of("top = \"open\"\n"), "'open' is none of flat, free");
+  expect_part(error_of("mesh_size = nan\n"), "not finite");
+  expect_part(error_of("merge_growths = 2.5\n"), "'2.5' is not a whole number");
+  expect_part(error_of("bounds = [1, 2, 3]\n"), "four numbers expected");
+  expect_part(error_of("bounds = [5, 2, 3, 4]\n"), "XMIN < XMAX");
+  expect_part(error_of("terrain_only = 1\n"), "true or false expected");
+  expect_part(error_of("mesh_size = {a = 1}\n"), "expected");
+  expect_part(error_of("mesh_size = \n"), "c.toml:1: not valid TOML");
+  expect_part(error_of("formats = [\"vtu\", \"dwg\"]\n"), "'dwg' is none of");
+  Config config;
+  EXPECT_THROW(load_config(config, "/nowhere/c.toml"), Error);
+}
+
+TEST(Config, TemplateListsEveryKeyAndLoadsWhenUncommented) {
+  const testing::TemporaryFolder folder;
+  std::string text = config_template(kBuild | kCity | kMesh | kSynth), active;
+  std::set<std::string> keys;
+  std::size_t begin = 0;
+  for (std::size_t end; (end = text.find('\n', begin)) != std::string::npos; begin = end + 1) {
+    const std::string line = text.substr(begin, end - begin);
+    for (const ConfigField& field : config_fields())
+      if (line.starts_with("# " + std::string(field.name) + " = ")) {
+        keys.insert(std::string(field.name));
+        // Empty texts and lists stand for "not given".
+        if (!line.ends_with("\"\"") && !line.ends_with("[]")) active += line.substr(2) + "\n";
+      }
+  }
+  EXPECT_EQ(keys.size(), config_fields().size());
+  Config config;
+  load_config(config, write(folder, active));
+  const Config defaults;
+  for (const ConfigField& field : config_fields()) EXPECT_EQ(value_text(field, config), value_text(field, defaults)) << field.name;
+  for (const ConfigField& field : config_fields())
+    EXPECT_NE(config_markdown().find("| `" + std::string(field.name) + "` | `" + option_name(field)), std::string::npos);
+}
+
+TEST(Config, DefaultsAreWithinTheirRanges) {
+  const Config defaults;
+  for (const ConfigField& field : config_fields())
+    std::visit(
+        [&](auto member) {
+          using Value = std::decay_t<decltype(defaults.*member)>;
+          if constexpr (std::is_same_v<Value, int> || std::is_same_v<Value, double>) {
+            EXPECT_GE(static_cast<double>(defaults.*member), field.least) << field.name;
+            EXPECT_LE(static_cast<double>(defaults.*member), field.most) << field.name;
+          }
+        },
+        field.member);
+}
+
+TEST(Config, FindsTheNearestName) {
+  const std::vector<std::string> known{"mesh_size", "min_angle", "bounds"};
+  EXPECT_EQ(nearest_name("mesh-size", known), "mesh_size");
+  EXPECT_EQ(nearest_name("minangle", known), "min_angle");
+  EXPECT_EQ(nearest_name("xyz", known), "");
+}
+
+}  // namespace
+}  // namespace tetropolis

@@ -1,0 +1,16 @@
+# Installs into a scratch prefix, builds examples/consumer against it with find_package, and runs it.
+set(prefix ${BINARY_DIR}/consume/prefix)
+set(build ${BINARY_DIR}/consume/build)
+file(REMOVE_RECURSE ${BINARY_DIR}/consume)
+function(run)
+  execute_process(COMMAND ${ARGN} RESULT_VARIABLE code OUTPUT_VARIABLE text ERROR_VARIABLE text)
+  if(NOT code EQUAL 0)
+    message(FATAL_ERROR "${ARGN} failed:\n${text}")
+  endif()
+endfunction()
+run(${CMAKE_COMMAND} --install ${BINARY_DIR} --prefix ${prefix})
+run(${CMAKE_COMMAND} -S ${SOURCE_DIR}/examples/consumer -B ${build} -G ${GENERATOR}
+  -DCMAKE_PREFIX_PATH=${prefix} -DCMAKE_BUILD_TYPE=Release)
+run(${CMAKE_COMMAND} --build ${build})
+run(${build}/consumer)
+run(${prefix}/bin/tetropolis --version)

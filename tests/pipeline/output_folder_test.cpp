@@ -1,0 +1,79 @@
+#include "tetropolis/pipeline/output_folder.h"
+
+#include <gtest/gtest.h>
+
+#include <fstream>
+#include <iterator>
+#include <set>
+
+#include "support/test_data.h"
+#include "tetropolis/core/error.h"
+
+namespace tetropolis {
+namespace {
+
+namespace fs = std::filesystem;
+
+std::set<std::string> everything(const fs::path& folder) {
+  std::set<std::string> names;
+  for (const auto& entry : fs::recursive_directory_iterator(folder)) names.insert(fs::relative(entry.path(), folder).string());
+  return names;
+}
+
+std::string content(const fs::path& path) {
+  std::ifstream file(path);
+  return {std::istreambuf_iterator<char>(file), {}};
+}
+
+TEST(OutputFolder, AppearsWhenCommittedAndNotBefore) {
+  const testing::TemporaryFolder scratch;
+  {
+    OutputFolder out(scratch / "a/b/result");
+    std::ofstream(out / "x.txt") << "x";
+    EXPECT_FALSE(fs::exists(scratch / "a/b/result"));
+    out.commit();
+  }
+  EXPECT_EQ(everything(scratch.path()), (std::set<std::string>{"a", "a/b", "a/b/result", "a/b/result/x.txt"}));
+}
+
+TEST(OutputFolder, LeavesNothingWithoutCommit) {
+  const testing::TemporaryFolder scratch;
+  {
+    OutputFolder out(scratch / "a/b/result");
+    std::ofstream(out / "x.txt") << "x";
+  }
+  EXPECT_TRUE(everything(scratch.path()).empty());
+}
+
+TEST(OutputFolder, KeepsAnEarlierResultUntilCommit) {
+  const testing::TemporaryFolder scratch;
+  fs::create_directory(scratch / "result");
+  std::ofstream(scratch / "result/x.txt") << "old";
+  std::ofstream(scratch / "result/notes.txt") << "mine";
+  {
+    OutputFolder out(scratch / "result");
+    std::ofstream(out / "x.txt") << "half";
+  }
+  EXPECT_EQ(content(scratch / "result/x.txt"), "old");
+  {
+    OutputFolder out(scratch / "result/");
+    std::ofstream(out / "x.txt") << "new";
+    std::ofstream(out / "report.json") << "{}";
+    out.commit();
+  }
+  EXPECT_EQ(content(scratch / "result/x.txt"), "new");
+  EXPECT_EQ(content(scratch / "result/notes.txt"), "mine");
+  EXPECT_EQ(everything(scratch.path()), (std::set<std::string>{"result", "result/x.txt", "result/notes.txt", "result/report.json"}));
+}
+
+TEST(OutputFolder, RefusesWhatCannotBeAFolder) {
+  const testing::TemporaryFolder scratch;
+  std::ofstream(scratch / "file") << "x";
+  EXPECT_THROW(OutputFolder(scratch / "file"), Error);
+  EXPECT_THROW(OutputFolder(scratch / "file/inside"), Error);
+  EXPECT_THROW(OutputFolder(""), Error);
+  EXPECT_EQ(everything(scratch.path()), (std::set<std::string>{"file"}));
+}
+
+}  // namespace
+}  // namespace tetropolis

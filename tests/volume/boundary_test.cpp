@@ -1,0 +1,121 @@
+#include "tetropolis/volume/boundary.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <array>
+
+#include "support/small_city.h"
+#include "tetropolis/check/check_mesh.h"
+#include "tetropolis/core/error.h"
+
+namespace tetropolis {
+namespace {
+
+/// The explicit list, made cell by cell.
+TetMesh explicit_mesh(const ColumnMesh& mesh) {
+  TetMesh result;
+  const auto offsets = node_offsets(mesh);
+  for (std::size_t v = 0; v < mesh.vertex_count(); ++v)
+    for (std::int32_t k = mesh.first_node[v]; k <= mesh.layers; ++k)
+      result.points.push_back({mesh.ground.vertices[v].x, mesh.ground.vertices[v].y, mesh.column(v)[k]});
+  for (std::size_t t = 0; t < mesh.triangle_count(); ++t)
+    for (std::int32_t k = mesh.first_layer[t]; k < mesh.layers; ++k)
+      for (const auto& tet : prism_tets(mesh, static_cast<TriangleIndex>(t), k)) {
+        std::array<std::int64_t, 4> cell;
+        for (std::size_t i = 0; i < 4; ++i) {
+          const auto v = static_cast<std::size_t>(tet[i].vertex);
+          cell[i] = offsets[v] + tet[i].layer - mesh.first_node[v];
+        }
+        result.cells.push_back(cell);
+      }
+  return result;
+}
+
+TEST(Boundary, IsExactlyTheFacesOfOneCellAndPassesEveryCheck) {
+  const auto result = testing::meshed(testing::small_city(testing::hills));
+  const SurfaceMesh surface = extract_boundary(result.mesh, result.city.domain);
+  const SurfaceTopology topology = check_topology(surface);
+  EXPECT_TRUE(topology.closed());
+  EXPECT_TRUE(topology.manifold());
+
+  const TetMesh mesh = explicit_mesh(result.mesh);
+  const VolumeCheck volume = check_volume(mesh);
+  EXPECT_TRUE(volume.violations.empty()) << volume.violations[0].what;
+  const auto differences = check_same_boundary(mesh, volume, surface);
+  EXPECT_TRUE(differences.empty()) << differences[0].first;
+  const SurfaceCheck check = check_surface(surface);
+  EXPECT_TRUE(check.violations.empty()) << check.violations[0].what << check.violations[0].first;
+  EXPECT_NEAR(check.enclosed_volume, volume.volume, 1e-9 * volume.volume);
+  for (const std::int64_t count : check.faces_by_patch) EXPECT_GT(count, 0);
+  EXPECT_EQ(count_by_patch(surface), check.faces_by_patch);
+  EXPECT_TRUE(std::is_sorted(surface.patch.begin(), surface.patch.end()));
+}
+
+TEST(Boundary, EveryBuildingHasRoofAndWallsOfItsOwn) {
+  const auto result = testing::meshed(testing::small_city(testing::hills));
+  const SurfaceMesh surface = extract_boundary(result.mesh, result.city.domain);
+  for (std::size_t b = 0; b < result.city.footprints.size(); ++b) {
+    double roof = 0;
+    std::int64_t walls = 0;
+    for (std::size_t f = 0; f < surface.triangles.size(); ++f) {
+      if (surface.building[f] != static_cast<BuildingIndex>(b)) continue;
+      if (surface.patch[f] == Patch::kWall) ++walls;
+      if (surface.patch[f] != Patch::kRoof) continue;
+      const auto& t = surface.triangles[f];
+      const auto &p = surface.points[static_cast<std::size_t>(t[0])], &q = surface.points[static_cast<std::size_t>(t[1])],
+                 &r = surface.points[static_cast<std::size_t>(t[2])];
+      EXPECT_EQ(p[2], result.city.roofs[b]);
+      roof -= ((q[0] - p[0]) * (r[1] - p[1]) - (r[0] - p[0]) * (q[1] - p[1])) / 2;  // faces down
+    }
+    EXPECT_GT(walls, 0);
+    double footprint = 0;
+    for (const Ring* ring : [&] {
+           std::vector<const Ring*> rings{&result.city.footprints[b].outer};
+           for (const Ring& hole : result.city.footprints[b].holes) rings.push_back(&hole);
+           return rings;
+         }())
+      for (std::size_t i = 0; i < ring->size(); ++i) {
+        const Point2 u = (*ring)[i], v = (*ring)[(i + 1) % ring->size()];
+        footprint += (u.x * v.y - v.x * u.y) / 2;
+      }
+    EXPECT_NEAR(roof, footprint, 1e-6);
+  }
+}
+
+TEST(Boundary, SelectsPatches) {
+  const auto result = testing::meshed(testing::small_city(testing::hills));
+  const SurfaceMesh surface = extract_boundary(result.mesh, result.city.domain);
+  const std::array wanted{Patch::kRoof, Patch::kWall};
+  const SurfaceMesh part = select_patches(surface, wanted);
+  const auto all = count_by_patch(surface), some = count_by_patch(part);
+  EXPECT_EQ(some[1], all[1]);
+  EXPECT_EQ(some[2], all[2]);
+  EXPECT_EQ(part.triangles.size(), static_cast<std::size_t>(all[1] + all[2]));
+  for (const auto& t : part.triangles)
+    for (const std::int32_t v : t) EXPECT_LT(static_cast<std::size_t>(v), part.points.size());
+}
+
+TEST(Boundary, RefusesARimOffTheDomain) {
+  const auto result = testing::meshed(testing::small_city(testing::hills));
+  EXPECT_THROW(extract_boundary(result.mesh, {0, 0, 121, 90}), Error);
+}
+
+TEST(Boundary, CountsBrokenEdges) {
+  SurfaceMesh surface;
+  surface.points = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
+  surface.triangles = {{0, 2, 1}, {0, 1, 3}, {1, 2, 3}, {0, 3, 2}};
+  EXPECT_TRUE(check_topology(surface).closed() && check_topology(surface).manifold());
+  auto turned = surface;
+  std::swap(turned.triangles[0][0], turned.triangles[0][1]);
+  EXPECT_EQ(check_topology(turned).misoriented_edges, 3);
+  auto open = surface;
+  open.triangles.pop_back();
+  EXPECT_EQ(check_topology(open).open_edges, 3);
+  auto doubled = surface;
+  doubled.triangles.push_back({0, 2, 1});
+  EXPECT_EQ(check_topology(doubled).non_manifold_edges, 3);
+}
+
+}  // namespace
+}  // namespace tetropolis

@@ -1,0 +1,58 @@
+#include "tetropolis/volume/ground_heights.h"
+
+#include <gtest/gtest.h>
+
+#include "support/small_city.h"
+#include "tetropolis/core/error.h"
+
+namespace tetropolis {
+namespace {
+
+TEST(GroundHeights, FollowTheTerrainExceptUnderLowRoofs) {
+  // A slope of 45 degrees: the first building's roof is below the ground at its uphill wall.
+  auto city = testing::small_city([](double x, double) { return x; });
+  city.roofs = {30, 1000, 1000, 1000, 1000};
+  const GroundMesh mesh = mesh_ground(city.footprints, city.domain, {8, 25});
+  const auto owner = vertex_buildings(mesh);
+  const GroundHeights heights = ground_heights(mesh, owner, city.roofs, city.dtm, 1.5);
+  std::int64_t lowered = 0;
+  for (std::size_t v = 0; v < mesh.vertices.size(); ++v) {
+    const Point2 p = mesh.vertices[v];
+    const double terrain = p.x;  // bilinear interpolation of a plane is the plane
+    if (owner[v] == 0 && terrain > 28.5) {
+      EXPECT_EQ(heights.z[v], 28.5);
+      const bool on_wall = p.x == 20 || p.x == 38 || p.y == 15 || p.y == 27;
+      lowered += on_wall;
+    } else {
+      EXPECT_NEAR(heights.z[v], terrain, 1e-9);
+    }
+  }
+  EXPECT_GT(lowered, 0);
+  EXPECT_EQ(heights.lowered, lowered);
+}
+
+TEST(GroundHeights, VerticesKnowTheirBuilding) {
+  const auto city = testing::small_city(testing::hills);
+  const GroundMesh mesh = mesh_ground(city.footprints, city.domain, {8, 25});
+  const auto owner = vertex_buildings(mesh);
+  for (std::size_t v = 0; v < mesh.vertices.size(); ++v) {
+    const Point2 p = mesh.vertices[v];
+    const bool in_first = p.x >= 20 && p.x <= 38 && p.y >= 15 && p.y <= 27;
+    EXPECT_EQ(owner[v] == 0, in_first);
+    const bool in_yard = p.x > 80 && p.x < 95 && p.y > 30 && p.y < 50;
+    if (in_yard) {
+      EXPECT_EQ(owner[v], kNoBuilding);
+    }
+  }
+}
+
+TEST(GroundHeights, RefuseBuildingsThatTouch) {
+  GroundMesh mesh;
+  mesh.vertices = {{0, 0}, {1, 0}, {0, 1}, {1, 1}};
+  mesh.triangles = {{0, 1, 2}, {1, 3, 2}};
+  mesh.region = {0, 1};
+  EXPECT_THROW(vertex_buildings(mesh), Error);
+}
+
+}  // namespace
+}  // namespace tetropolis
