@@ -4,9 +4,11 @@
 #include <cmath>
 #include <limits>
 #include <numbers>
+#include <span>
 #include <tuple>
 
 #include "tetropolis/check/check_mesh.h"
+#include "tetropolis/core/parallel.h"
 #include "violations.h"
 
 namespace tetropolis {
@@ -53,13 +55,14 @@ CellShape cell_shape(const std::array<Vector3, 4>& p) {
                           length(outer(difference(p[2], p[1]), difference(p[3], p[1])))) /
                          2;
   const double inradius = 3 * std::abs(shape.volume) / surface;
-  shape.aspect = longest / (std::sqrt(24.0) * inradius);
+  shape.aspect = inradius > 0 ? longest / (std::sqrt(24.0) * inradius)
+                              : std::numeric_limits<double>::infinity();
   return shape;
 }
 
 Distribution distribution(std::vector<float>& values) {
   if (values.empty()) return {};
-  std::sort(values.begin(), values.end());
+  parallel_sort(values.begin(), values.end(), [](float a, float b) { return a < b; });
   const auto at = [&](double share) {
     const auto rank = static_cast<std::size_t>(share * static_cast<double>(values.size() - 1));
     return static_cast<double>(values[rank]);
@@ -76,23 +79,26 @@ std::string place_of(const TetMesh& mesh, std::size_t c) {
 
 void measure_cells(const TetMesh& mesh, VolumeCheck& check, const Progress& progress) {
   constexpr double degrees = 180 / std::numbers::pi;
-  std::vector<float> angles, aspects;
-  angles.reserve(mesh.cells.size());
-  aspects.reserve(mesh.cells.size());
-  for (std::size_t c = 0; c < mesh.cells.size(); ++c) {
-    if (c % 100000 == 0)
-      progress.update(0.5 * static_cast<double>(c) / static_cast<double>(mesh.cells.size()));
-    std::array<Vector3, 4> p;
-    for (std::size_t i = 0; i < 4; ++i) p[i] = mesh.points[static_cast<std::size_t>(mesh.cells[c][i])];
-    const CellShape shape = cell_shape(p);
-    check.volume += shape.volume;
-    if (!(shape.volume > 0)) {
-      ++check.inverted;
-      note_violation(check.violations, "inverted cells", [&] { return place_of(mesh, c); });
+  std::vector<float> angles(mesh.cells.size()), greatest(mesh.cells.size()), aspects(mesh.cells.size());
+  std::vector<double> volumes(mesh.cells.size());
+  progress.update(0);
+  parallel_chunks(mesh.cells.size(), 16384, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t c = begin; c < end; ++c) {
+      std::array<Vector3, 4> p;
+      for (std::size_t i = 0; i < 4; ++i) p[i] = mesh.points[static_cast<std::size_t>(mesh.cells[c][i])];
+      const CellShape shape = cell_shape(p);
+      volumes[c] = shape.volume;
+      angles[c] = static_cast<float>(shape.min_angle * degrees);
+      greatest[c] = static_cast<float>(shape.max_angle * degrees);
+      aspects[c] = static_cast<float>(shape.aspect);
     }
-    angles.push_back(static_cast<float>(shape.min_angle * degrees));
-    aspects.push_back(static_cast<float>(shape.aspect));
-    check.max_dihedral_deg = std::max(check.max_dihedral_deg, shape.max_angle * degrees);
+  });
+  for (std::size_t c = 0; c < mesh.cells.size(); ++c) {
+    check.volume += volumes[c];
+    check.max_dihedral_deg = std::max(check.max_dihedral_deg, static_cast<double>(greatest[c]));
+    if (volumes[c] > 0) continue;
+    ++check.inverted;
+    note_violation(check.violations, "inverted cells", [&] { return place_of(mesh, c); });
   }
   check.min_dihedral_deg = distribution(angles);
   check.aspect_ratio = distribution(aspects);
@@ -103,19 +109,18 @@ void check_vertices(const TetMesh& mesh, VolumeCheck& check) {
   std::vector<bool> used(mesh.points.size(), false);
   for (const auto& cell : mesh.cells)
     for (const std::int64_t v : cell) used[static_cast<std::size_t>(v)] = true;
-  std::vector<std::size_t> order(mesh.points.size());
-  for (std::size_t v = 0; v < order.size(); ++v) {
-    order[v] = v;
-    if (!used[v])
-      note_violation(check.violations, "vertices without cells",
-                     [&] { return fmt::format("vertex {}", v); });
-    for (const double x : mesh.points[v])
-      if (!std::isfinite(x))
-        note_violation(check.violations, "coordinates that are not finite",
-                       [&] { return fmt::format("vertex {}", v); });
+  std::vector<std::size_t> order;  // of the finite ones: others cannot be sorted
+  order.reserve(mesh.points.size());
+  for (std::size_t v = 0; v < mesh.points.size(); ++v) {
+    const auto place = [&] { return fmt::format("vertex {}", v); };
+    if (!used[v]) note_violation(check.violations, "vertices without cells", place);
+    if (std::all_of(mesh.points[v].begin(), mesh.points[v].end(), [](double x) { return std::isfinite(x); }))
+      order.push_back(v);
+    else
+      note_violation(check.violations, "coordinates that are not finite", place);
   }
-  std::sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
-    return mesh.points[a] < mesh.points[b];
+  parallel_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
+    return std::tie(mesh.points[a], a) < std::tie(mesh.points[b], b);
   });
   for (std::size_t i = 1; i < order.size(); ++i)
     if (mesh.points[order[i]] == mesh.points[order[i - 1]])
@@ -134,24 +139,52 @@ struct FaceUse {
 constexpr std::array<std::array<std::size_t, 3>, 4> kFaces = {
     {{{1, 2, 3}}, {{0, 3, 2}}, {{0, 1, 3}}, {{0, 2, 1}}}};
 
-/// Matches the faces whose lowest vertex is in [begin, end).
-void match_faces(const TetMesh& mesh, std::int64_t begin, std::int64_t end, VolumeCheck& check) {
-  std::vector<std::vector<FaceUse>> uses(static_cast<std::size_t>(end - begin));
-  for (std::size_t c = 0; c < mesh.cells.size(); ++c) {
+/// The faces whose lowest vertex is in [begin, end), filed under it in a compressed row layout.
+struct FaceTable {
+  std::vector<std::size_t> offsets;
+  std::vector<FaceUse> uses;
+};
+
+/// Calls use(lowest vertex, the face) for the faces of all cells with a lowest vertex in [begin, end).
+template <typename Use>
+void for_each_face(const TetMesh& mesh, std::int64_t begin, std::int64_t end, const Use& use) {
+  for (std::size_t c = 0; c < mesh.cells.size(); ++c)
     for (const auto& corners : kFaces) {
       std::array<std::int64_t, 3> v{mesh.cells[c][corners[0]], mesh.cells[c][corners[1]],
                                     mesh.cells[c][corners[2]]};
       std::rotate(v.begin(), std::min_element(v.begin(), v.end()), v.end());
-      if (v[0] < begin || v[0] >= end) continue;
-      uses[static_cast<std::size_t>(v[0] - begin)].push_back(
-          {std::min(v[1], v[2]), std::max(v[1], v[2]), c, v[1] < v[2]});
+      if (v[0] >= begin && v[0] < end)
+        use(static_cast<std::size_t>(v[0] - begin),
+            FaceUse{std::min(v[1], v[2]), std::max(v[1], v[2]), c, v[1] < v[2]});
     }
-  }
+}
+
+FaceTable file_faces(const TetMesh& mesh, std::int64_t begin, std::int64_t end) {
+  FaceTable table;
+  table.offsets.assign(static_cast<std::size_t>(end - begin) + 1, 0);
+  for_each_face(mesh, begin, end, [&](std::size_t low, const FaceUse&) { ++table.offsets[low + 1]; });
+  for (std::size_t i = 1; i < table.offsets.size(); ++i) table.offsets[i] += table.offsets[i - 1];
+  table.uses.resize(table.offsets.back());
+  std::vector<std::size_t> next(table.offsets.begin(), table.offsets.end() - 1);
+  for_each_face(mesh, begin, end,
+                [&](std::size_t low, const FaceUse& face) { table.uses[next[low]++] = face; });
+  return table;
+}
+
+/// Matches the faces whose lowest vertex is in [begin, end).
+void match_faces(const TetMesh& mesh, std::int64_t begin, std::int64_t end, VolumeCheck& check) {
+  FaceTable table = file_faces(mesh, begin, end);
+  const auto row = [&](std::size_t low) {
+    return std::span(table.uses).subspan(table.offsets[low], table.offsets[low + 1] - table.offsets[low]);
+  };
+  parallel_chunks(table.offsets.size() - 1, 4096, [&](std::size_t first, std::size_t last) {
+    for (std::size_t low = first; low < last; ++low)
+      std::sort(row(low).begin(), row(low).end(), [](const FaceUse& a, const FaceUse& b) {
+        return std::tie(a.mid, a.high, a.cell) < std::tie(b.mid, b.high, b.cell);
+      });
+  });
   for (std::int64_t low = begin; low < end; ++low) {
-    auto& faces = uses[static_cast<std::size_t>(low - begin)];
-    std::sort(faces.begin(), faces.end(), [](const FaceUse& a, const FaceUse& b) {
-      return std::tie(a.mid, a.high, a.cell) < std::tie(b.mid, b.high, b.cell);
-    });
+    const auto faces = row(static_cast<std::size_t>(low - begin));
     for (std::size_t i = 0, j = 0; i < faces.size(); i = j) {
       while (j < faces.size() && faces[j].mid == faces[i].mid && faces[j].high == faces[i].high) ++j;
       if (j - i == 1)
@@ -179,7 +212,7 @@ void check_boundary(VolumeCheck& check) {
       const std::int64_t a = face[i], b = face[(i + 1) % 3];
       halves.push_back({std::min(a, b), std::max(a, b), a < b});
     }
-  std::sort(halves.begin(), halves.end(), [](const Half& a, const Half& b) {
+  parallel_sort(halves.begin(), halves.end(), [](const Half& a, const Half& b) {
     return std::tie(a.low, a.high, a.forward) < std::tie(b.low, b.high, b.forward);
   });
   for (std::size_t i = 0, j = 0; i < halves.size(); i = j) {

@@ -155,7 +155,8 @@ void scale_into_range(std::array<Point2*, 4> points) {
   if (largest < 0x1p200 && smallest > 0x1p-140) return;
   int exponent = 0;
   std::frexp(largest, &exponent);
-  for (Point2* p : points) *p = {std::ldexp(p->x, 200 - exponent), std::ldexp(p->y, 200 - exponent)};
+  for (Point2* p : points)
+    *p = {std::ldexp(p->x, 200 - exponent), std::ldexp(p->y, 200 - exponent)};
 }
 
 }  // namespace

@@ -4,8 +4,9 @@
 #include <cstdint>
 #include <vector>
 
-#include "ground/tri_mesh.h"
 #include "tetropolis/ground/triangulation.h"
+
+#include "ground/tri_mesh.h"
 
 namespace tetropolis {
 
@@ -29,8 +30,9 @@ void insert_points(const PlanarGraph& graph, Construction& result);
 /// Makes every input segment a chain of subsegments.
 void insert_segments(const PlanarGraph& graph, Construction& result);
 
-/// Sets the triangles' regions, kOutside for those to be left out and for ghosts. With `convex_hull`
-/// (or no segments) hull edges become subsegments. The region is written as the marker.
+/// Sets the triangles' regions, kOutside for those to be left out and for ghosts. With
+/// `convex_hull` (or no segments) hull edges become subsegments. The region is written as the
+/// marker.
 void classify(const PlanarGraph& graph, bool convex_hull, Construction& result);
 
 /// All of the above, ghosts included.
@@ -39,8 +41,8 @@ Construction construct(const PlanarGraph& graph, bool convex_hull);
 /// Removes ghosts and what lies outside.
 void carve_outside(TriMesh& mesh);
 
-/// Copies the mesh into the public arrays. Subsegments' pieces are looked up in `piece_input` if that
-/// is not empty.
+/// Copies the mesh into the public arrays. Subsegments' pieces are looked up in `piece_input` if
+/// that is not empty.
 Triangulation export_triangulation(const PlanarGraph& graph, const Construction& construction,
                                    const std::vector<std::int32_t>& piece_input);
 

@@ -14,7 +14,7 @@ std::uint32_t hilbert_index(std::uint32_t x, std::uint32_t y) {
     const std::uint32_t right = (x >> level) & 1U;
     const std::uint32_t upper = (y >> level) & 1U;
     index = (index << 2) | ((3U * right) ^ upper);
-    const std::uint32_t turn = upper - 1U;           // all ones in the lower quadrants
+    const std::uint32_t turn = upper - 1U;             // all ones in the lower quadrants
     const std::uint32_t mirror = turn & (0U - right);  // all ones in the lower right one
     x ^= mirror;
     y ^= mirror;

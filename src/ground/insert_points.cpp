@@ -1,11 +1,12 @@
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <cmath>
 
+#include <fmt/format.h>
+
+#include "tetropolis/core/error.h"
+
 #include "ground/construct.h"
 #include "ground/hilbert.h"
-#include "tetropolis/core/error.h"
 
 namespace tetropolis {
 
@@ -16,8 +17,8 @@ bool usable(double value) { return std::isfinite(value) && std::abs(value) <= 1e
 void check_point(Point2 p, const char* role, std::size_t index) {
   if (usable(p.x) && usable(p.y)) return;
   throw Error(ErrorKind::kInput,
-              fmt::format("{} {}: coordinates ({}, {}) are not finite or too large; remove it", role,
-                          index, p.x, p.y));
+              fmt::format("{} {}: coordinates ({}, {}) are not finite or too large; remove it",
+                          role, index, p.x, p.y));
 }
 
 // Scrambles an index; deterministic stand-in for a coin toss (finaliser of splitmix64, Steele, Lea
@@ -29,8 +30,8 @@ std::uint64_t scramble(std::uint64_t x) {
   return x ^ (x >> 31);
 }
 
-// Rounds of growing size, each along the Hilbert curve: the coin tosses keep the expected work small
-// for any input, the curve keeps walks short.
+// Rounds of growing size, each along the Hilbert curve: the coin tosses keep the expected work
+// small for any input, the curve keeps walks short.
 std::vector<std::int32_t> insertion_order(const std::vector<Point2>& points) {
   constexpr int kRounds = 15;
   const HilbertCurve curve(bounds_of(points));
@@ -56,9 +57,10 @@ void check_graph(const PlanarGraph& graph) {
   for (std::size_t i = 0; i < graph.segments.size(); ++i) {
     for (const VertexIndex v : graph.segments[i]) {
       if (v >= 0 && v < n) continue;
-      throw Error(ErrorKind::kInput, fmt::format("segment {}: there is no point {} (of {}); correct "
-                                                 "the index",
-                                                 i, v, n));
+      throw Error(ErrorKind::kInput,
+                  fmt::format("segment {}: there is no point {} (of {}); correct "
+                              "the index",
+                              i, v, n));
     }
   }
   const auto check_size = [&](std::size_t size, const char* name) {

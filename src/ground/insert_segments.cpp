@@ -5,6 +5,10 @@
 #include <span>
 #include <utility>
 
+#include <fmt/format.h>
+
+#include "tetropolis/core/error.h"
+
 #include "ground/construct.h"
 
 namespace tetropolis {
@@ -23,24 +27,30 @@ double tolerance(Point2 a, Point2 b) {
   return 0x1p-46 * std::max({std::abs(a.x), std::abs(a.y), std::abs(b.x), std::abs(b.y)});
 }
 
-// What is close enough to the inside of a segment to be on it.
+// What is close enough to the inside of a segment to be on it. Going from vertex to vertex this way
+// ends at b: a step either brings the distance to b as computed down, or, exactly on the line,
+// leaves it at least as small and brings the true distance down.
 class Corridor {
  public:
   Corridor(Point2 a, Point2 b)
       : a_(a),
+        b_(b),
         dx_(b.x - a.x),
         dy_(b.y - a.y),
         squared_length_(dx_ * dx_ + dy_ * dy_),
         width_(tolerance(a, b) * std::sqrt(squared_length_)) {}
 
   bool contains(Point2 p) const {
-    const double along = (p.x - a_.x) * dx_ + (p.y - a_.y) * dy_;
-    const double aside = (p.x - a_.x) * dy_ - (p.y - a_.y) * dx_;
-    return along > 0 && along < squared_length_ && std::abs(aside) <= width_;
+    const double ax = p.x - a_.x, ay = p.y - a_.y, bx = b_.x - p.x, by = b_.y - p.y;
+    // The width is far more than the rounding error, so points exactly on the line pass.
+    if (std::abs(ax * dy_ - ay * dx_) > width_) return false;
+    if (!(ax * dx_ + ay * dy_ > 0 && bx * dx_ + by * dy_ > 0)) return false;
+    return bx * bx + by * by < squared_length_ || orient2d(a_, b_, p) == 0;
   }
 
  private:
   Point2 a_;
+  Point2 b_;
   double dx_;
   double dy_;
   double squared_length_;
@@ -49,7 +59,8 @@ class Corridor {
 
 class SegmentInserter {
  public:
-  SegmentInserter(TriMesh& mesh, std::int64_t& crossings) : mesh_(mesh), crossings_(crossings) {}
+  SegmentInserter(TriMesh& mesh, std::int64_t& crossings, std::int64_t segments)
+      : mesh_(mesh), crossings_(crossings), limit_(1'000'000 + 4 * segments * segments) {}
 
   void insert(std::int32_t a, std::int32_t b, std::int32_t input) {
     tasks_.push_back({a, b, input});
@@ -68,20 +79,20 @@ class SegmentInserter {
     const Corridor corridor(a, b);
     std::int32_t direct = TriMesh::kNothing;   // an edge that starts along the segment
     std::int32_t crossed = TriMesh::kNothing;  // an edge opposite to a that the segment crosses
-    mesh_.around(mesh_.opposite(mesh_.some_triangle[static_cast<std::size_t>(task.a)], task.a),
-                 [&](std::int32_t he) {
-                   const std::int32_t u = mesh_.origin(he);
-                   if (u < 0) return false;
-                   if (u == task.b || corridor.contains(mesh_.point(u))) {
-                     direct = TriMesh::prev(he);
-                     return true;
-                   }
-                   const std::int32_t w = mesh_.target(he);
-                   if (w >= 0 && orient2d(a, mesh_.point(u), b) > 0 &&
-                       orient2d(a, mesh_.point(w), b) < 0)
-                     crossed = he;
-                   return false;
-                 });
+    mesh_.around(
+        mesh_.opposite(mesh_.some_triangle[static_cast<std::size_t>(task.a)], task.a),
+        [&](std::int32_t he) {
+          const std::int32_t u = mesh_.origin(he);
+          if (u < 0) return false;
+          if (u == task.b || corridor.contains(mesh_.point(u))) {
+            direct = TriMesh::prev(he);
+            return true;
+          }
+          const std::int32_t w = mesh_.target(he);
+          if (w >= 0 && orient2d(a, mesh_.point(u), b) > 0 && orient2d(a, mesh_.point(w), b) < 0)
+            crossed = he;
+          return false;
+        });
     if (direct >= 0) {
       const std::int32_t u = mesh_.target(direct);
       mesh_.constrain(direct, task.input);
@@ -158,6 +169,11 @@ class SegmentInserter {
 
   void intersect(const Task& task, std::int32_t s) {
     const TriMesh::Subsegment other = mesh_.sub(s);
+    if (++intersections_ > limit_)
+      throw Error(ErrorKind::kInput,
+                  fmt::format("segments {} and {}: cross one another again and again within the "
+                              "precision of their coordinates; remove one",
+                              other.piece, task.input));
     const std::int32_t ends[4] = {task.a, task.b, other.v[0], other.v[1]};
     const Point2 p = crossing_point(ends);
     const double near = std::max(tolerance(mesh_.point(ends[0]), mesh_.point(ends[1])),
@@ -233,6 +249,8 @@ class SegmentInserter {
 
   TriMesh& mesh_;
   std::int64_t& crossings_;
+  std::int64_t limit_;  // generous: n segments cross at most n (n - 1) / 2 times
+  std::int64_t intersections_ = 0;
   std::vector<Task> tasks_;
   std::deque<std::pair<std::int32_t, std::int32_t>> crossing_;
   std::vector<std::pair<std::int32_t, std::int32_t>> created_;
@@ -275,7 +293,8 @@ void insert_segments(const PlanarGraph& graph, Construction& result) {
     return;
   }
   result.mesh.subsegments.reserve(graph.segments.size() + 16);
-  SegmentInserter inserter(result.mesh, result.crossings);
+  SegmentInserter inserter(result.mesh, result.crossings,
+                           static_cast<std::int64_t>(graph.segments.size()));
   for (std::size_t s = 0; s < graph.segments.size(); ++s) {
     const auto vertex = [&](std::size_t k) {
       return result.input_vertex[static_cast<std::size_t>(graph.segments[s][k])];

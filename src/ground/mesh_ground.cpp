@@ -1,14 +1,15 @@
 #include "tetropolis/ground/mesh_ground.h"
 
-#include <fmt/format.h>
-
 #include <cmath>
 #include <vector>
 
-#include "ground/hilbert.h"
+#include <fmt/format.h>
+
 #include "tetropolis/core/error.h"
 #include "tetropolis/geometry/polygon.h"
 #include "tetropolis/ground/refine.h"
+
+#include "ground/hilbert.h"
 
 namespace tetropolis {
 
@@ -24,10 +25,11 @@ void add_ring(const Ring& ring, bool is_hole, std::int32_t building, const Bound
     const Point2 p = ring[static_cast<std::size_t>(i)];
     // Written so that NaN fails as well.
     if (!(p.x > domain.xmin && p.x < domain.xmax && p.y > domain.ymin && p.y < domain.ymax))
-      throw Error(ErrorKind::kInput,
-                  fmt::format("footprint {}: vertex ({}, {}) is not inside the domain; drop or clip "
-                              "the footprint",
-                              building, p.x, p.y));
+      throw Error(
+          ErrorKind::kInput,
+          fmt::format("footprint {}: vertex ({}, {}) is not inside the domain; drop or clip "
+                      "the footprint",
+                      building, p.x, p.y));
     graph.points.push_back(p);
     const VertexIndex a = first + i, b = first + (i + 1 == n ? 0 : i + 1);
     graph.segments.push_back(turn ? std::array{b, a} : std::array{a, b});
@@ -47,10 +49,15 @@ PlanarGraph make_graph(std::span<const Polygon> footprints, const Bounds2& domai
     graph.segment_markers.push_back(kNoBuilding);
     graph.segment_sides.push_back({kNoBuilding, kUnmarkedSide});
   }
-  for (std::size_t f = 0; f < footprints.size(); ++f) {
-    const auto building = static_cast<std::int32_t>(f);
-    add_ring(footprints[f].outer, false, building, domain, graph);
-    for (const Ring& hole : footprints[f].holes) add_ring(hole, true, building, domain, graph);
+  // Along the curve, whatever the order of the input: what is near is meshed soon after.
+  const HilbertCurve curve(domain);
+  std::vector<std::uint32_t> keys(footprints.size(), 0);
+  for (std::size_t f = 0; f < footprints.size(); ++f)
+    if (!footprints[f].outer.empty()) keys[f] = curve(footprints[f].outer[0]);
+  for (const std::int32_t building : sorted_order(keys)) {
+    const Polygon& footprint = footprints[static_cast<std::size_t>(building)];
+    add_ring(footprint.outer, false, building, domain, graph);
+    for (const Ring& hole : footprint.holes) add_ring(hole, true, building, domain, graph);
   }
   return graph;
 }
@@ -101,8 +108,9 @@ GroundMesh mesh_ground(std::span<const Polygon> footprints, const Bounds2& domai
   const bool finite = std::isfinite(domain.xmin) && std::isfinite(domain.ymin) &&
                       std::isfinite(domain.xmax) && std::isfinite(domain.ymax);
   if (!finite || !(domain.xmin < domain.xmax && domain.ymin < domain.ymax))
-    throw Error(ErrorKind::kInput, fmt::format("domain ({}, {}, {}, {}) is empty; give other bounds",
-                                               domain.xmin, domain.ymin, domain.xmax, domain.ymax));
+    throw Error(ErrorKind::kInput,
+                fmt::format("domain ({}, {}, {}, {}) is empty; give other bounds", domain.xmin,
+                            domain.ymin, domain.xmax, domain.ymax));
   if (!(options.mesh_size > 0 && std::isfinite(options.mesh_size)))
     throw Error(ErrorKind::kInput,
                 fmt::format("mesh size {}: must be positive", options.mesh_size));

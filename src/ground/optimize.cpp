@@ -12,7 +12,7 @@ namespace {
 
 // Only where an angle is below this is it worth trying, in degrees: measured on cities, more gains
 // little and costs as much again.
-constexpr double kContentAngle = 40;
+constexpr double kContentAngle = 36;
 // A move has to widen the smallest angle by a hundredth, or it is not worth another round.
 constexpr double kGain = 1.02;
 constexpr std::size_t kMaxDegree = 16;
@@ -97,35 +97,42 @@ bool stays_delaunay(const TriMesh& mesh, const Star& star, Point2 p) {
 
 void Refiner::optimize(int sweeps) {
   const double content = std::sin(kContentAngle * std::numbers::pi / 180);
-  const std::size_t vertices = mesh_.points.size();
-  // For each vertex to visit the half-edge of a triangle opposite to it; moves flip nothing, so it
-  // stays valid.
-  std::vector<std::int32_t> opposite(vertices, TriMesh::kNothing);
-  std::vector<char> visit(vertices, 0);
+  // For each vertex the half-edge of a triangle opposite to it; moves flip nothing, so it stays
+  // valid.
+  std::vector<std::int32_t> opposite(mesh_.points.size(), TriMesh::kNothing);
+  std::vector<char> waiting(mesh_.points.size(), 0);
+  std::vector<std::int32_t> round;
+  const auto enqueue = [&](std::int32_t v, std::vector<std::int32_t>& queue) {
+    char& flag = waiting[static_cast<std::size_t>(v)];
+    if (flag != 0 || kind(v) != kFreeVertex) return;
+    flag = 1;
+    queue.push_back(v);
+  };
+  // In the order of the triangles: those that are near in the plane are mostly near in memory.
   for (std::size_t t = 0; t < mesh_.triangles.size(); ++t) {
     const TriMesh::Triangle& x = mesh_.triangles[t];
     if (x.v[0] == TriMesh::kDead) continue;
-    const bool poor = squared_sine(mesh_.point(x.v[0]), mesh_.point(x.v[1]),
-                                   mesh_.point(x.v[2])) < content * content;
-    for (std::int32_t i = 0; i < 3; ++i) {
-      const auto v = static_cast<std::size_t>(x.v[i]);
-      opposite[v] = 4 * static_cast<std::int32_t>(t) + i;
-      if (poor && kinds_[v] == kFreeVertex) visit[v] = 1;
-    }
+    for (std::int32_t i = 0; i < 3; ++i)
+      opposite[static_cast<std::size_t>(x.v[i])] = 4 * static_cast<std::int32_t>(t) + i;
+    if (squared_sine(mesh_.point(x.v[0]), mesh_.point(x.v[1]), mesh_.point(x.v[2])) <
+        content * content)
+      for (const std::int32_t v : x.v) enqueue(v, round);
   }
-  for (int sweep = 0; sweep < sweeps; ++sweep)
-    for (std::size_t v = 0; v < vertices; ++v)
-      if (visit[v] != 0) {
-        visit[v] = 0;
-        if (!move_vertex(static_cast<std::int32_t>(v), opposite[v], content * content)) continue;
-        const std::int32_t start = opposite[v];
-        mesh_.around(start, [&](std::int32_t he) {
-          const auto w = static_cast<std::size_t>(mesh_.origin(he));
-          if (kinds_[w] == kFreeVertex) visit[w] = 1;
-          return false;
-        });
-        visit[v] = 1;
-      }
+  std::vector<std::int32_t> next_round;
+  for (int sweep = 0; sweep < sweeps; ++sweep) {
+    next_round.clear();
+    for (const std::int32_t v : round) {
+      waiting[static_cast<std::size_t>(v)] = 0;
+      const std::int32_t he = opposite[static_cast<std::size_t>(v)];
+      if (!move_vertex(v, he, content * content)) continue;
+      enqueue(v, next_round);
+      mesh_.around(he, [&](std::int32_t rim) {
+        enqueue(mesh_.origin(rim), next_round);
+        return false;
+      });
+    }
+    round.swap(next_round);
+  }
 }
 
 bool Refiner::move_vertex(std::int32_t v, std::int32_t he, double content) {
@@ -137,7 +144,10 @@ bool Refiner::move_vertex(std::int32_t v, std::int32_t he, double content) {
   if (quality >= content || quality < sine_squared_) return false;
   bool moved = false;
   quality *= kGain;
-  for (const Point2 q : candidates(star, p)) {
+  const std::array<Point2, 4> places = candidates(star, p);
+  for (std::size_t k = 0; k < places.size(); ++k) {
+    if (k == 2 && moved) break;  // half the way is for when all of it is too far
+    const Point2 q = places[k];
     const double better = star.worst(q, quality);
     if (better <= quality || !edges_fit(star.rim.data(), star.size, q)) continue;
     if (!stays_delaunay(mesh_, star, q)) continue;

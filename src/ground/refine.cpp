@@ -1,10 +1,10 @@
 #include "tetropolis/ground/refine.h"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+
+#include <fmt/format.h>
 
 #include "ground/refiner.h"
 
@@ -16,6 +16,9 @@ double squared_distance(Point2 p, Point2 q) {
   const double dx = p.x - q.x, dy = p.y - q.y;
   return dx * dx + dy * dy;
 }
+
+// Drops the last digits, in which the mathematical functions of different systems may differ.
+double portable(double value) { return std::round(value * 0x1p40) * 0x1p-40; }
 
 void check_options(const RefineOptions& options) {
   if (!(options.min_angle_deg >= 0 && options.min_angle_deg <= 33))
@@ -35,16 +38,16 @@ Refiner::Refiner(const PlanarGraph& graph, const RefineOptions& options, Constru
       size_(graph, options) {
   const double angle = options.min_angle_deg * std::numbers::pi / 180;
   // A hair more than asked, so that no rounding on the way to a measured angle falls below it.
-  const double sine = std::sin(angle) * (1 + 1e-9);
+  const double sine = portable(std::sin(angle) * (1 + 1e-9));
   sine_squared_ = sine * sine;
-  cosine_ = std::cos(angle);
+  cosine_ = portable(std::cos(angle));
   // The off-centre sees the shortest edge under the minimum angle: a little nearer, so that its
   // triangle is not at the limit (Ungor 2004).
-  off_centre_height_ = 0.95 * 0.5 / std::tan(0.5 * std::max(angle, 0.05));
+  off_centre_height_ = portable(0.95 * 0.5 / std::tan(0.5 * std::max(angle, 0.05)));
   // A lens of angle 180 - 2 * angle, so that a triangle of a segment and an apex outside of it can
   // be good (Shewchuk 2002); never thinner than for 20 degrees nor fatter than for 30.
   const double lens = std::clamp(options.min_angle_deg, 20.0, 30.0) * std::numbers::pi / 90;
-  lens_cosine_squared_ = std::cos(lens) * std::cos(lens);
+  lens_cosine_squared_ = portable(std::cos(lens) * std::cos(lens));
   max_vertices_ = options.max_vertices;
 }
 
@@ -81,8 +84,8 @@ int Refiner::oversized_edge(const TriMesh::Triangle& x, const Shape& s) const {
   return found;
 }
 
-// A skinny triangle that cannot be helped: it lies in, or across from, a corner of the input that is
-// sharper than the minimum angle.
+// A skinny triangle that cannot be helped: it lies in, or across from, a corner of the input that
+// is sharper than the minimum angle.
 bool Refiner::excused(const TriMesh::Triangle& x, const Shape& s) const {
   const int i = s.shortest;
   if (x.n[(i + 1) % 3] < 0 && x.n[(i + 2) % 3] < 0) return true;
@@ -96,7 +99,8 @@ bool Refiner::across_sharp_corner(std::int32_t x, std::int32_t y) const {
   // The shell of x and y about a corner `w` they share a piece with. A hard vertex may be an end.
   const auto ends_on = [&](std::int32_t w) {
     const Point2 c = mesh_.point(w);
-    const double dx2 = squared_distance(mesh_.point(x), c), dy2 = squared_distance(mesh_.point(y), c);
+    const double dx2 = squared_distance(mesh_.point(x), c),
+                 dy2 = squared_distance(mesh_.point(y), c);
     if (dx2 < 0.998 * dy2 || dy2 < 0.998 * dx2) return false;
     const Point2 p = mesh_.point(x), q = mesh_.point(y);
     const double dot = (p.x - c.x) * (q.x - c.x) + (p.y - c.y) * (q.y - c.y);
@@ -117,11 +121,12 @@ int Refiner::oversized_bucket(const TriMesh::Triangle& x, const Shape& s, int ed
   // The circumradius in units of the size allowed: from a half up, finely where most of them are.
   const double bound =
       size_.squared(x.region, mesh_.point(x.v[(edge + 1) % 3]), mesh_.point(x.v[(edge + 2) % 3]));
-  const double squared_radius = s.squared[0] * s.squared[1] * s.squared[2] /
-                                (4 * s.twice_area * s.twice_area * bound);
+  const double squared_radius =
+      s.squared[0] * s.squared[1] * s.squared[2] / (4 * s.twice_area * s.twice_area * bound);
   const double rank = 24 * (std::sqrt(squared_radius) - 0.5);
   return kBuckets - 1 -
-         static_cast<int>(std::clamp(rank, 0.0, static_cast<double>(kBuckets - kSkinnyBuckets - 1)));
+         static_cast<int>(
+             std::clamp(rank, 0.0, static_cast<double>(kBuckets - kSkinnyBuckets - 1)));
 }
 
 void Refiner::consider(std::int32_t t) {
@@ -167,8 +172,8 @@ bool Refiner::pop(BadTriangle& bad) {
   return false;
 }
 
-// Where a vertex would improve the triangle: the circumcentre, or on the way to it from the shortest
-// edge the point where that edge is seen under the minimum angle.
+// Where a vertex would improve the triangle: the circumcentre, or on the way to it from the
+// shortest edge the point where that edge is seen under the minimum angle.
 Point2 Refiner::split_position(const TriMesh::Triangle& x, const Shape& s, bool is_skinny) const {
   const int i = s.shortest;
   const Point2 p = mesh_.point(x.v[(i + 1) % 3]), q = mesh_.point(x.v[(i + 2) % 3]);
@@ -244,10 +249,11 @@ std::int32_t Refiner::add_vertex(Point2 p, std::int32_t kind) {
     return v;
   }
   if (static_cast<std::int64_t>(mesh_.points.size()) >= max_vertices_)
-    throw Error(ErrorKind::kGuarantee,
-                fmt::format("ground mesh: more than {} vertices, the last at ({:.6f}, {:.6f}); remove "
-                            "the tiny gap or corner there, or allow more",
-                            max_vertices_, p.x, p.y));
+    throw Error(
+        ErrorKind::kGuarantee,
+        fmt::format("ground mesh: more than {} vertices, the last at ({:.6f}, {:.6f}); remove "
+                    "the tiny gap or corner there, or allow more",
+                    max_vertices_, p.x, p.y));
   kinds_.push_back(kind);
   return mesh_.add_point(p);
 }
@@ -261,7 +267,7 @@ Point2 Refiner::cut_position(const TriMesh::Subsegment& s) const {
   if (from_a != from_b) {
     // On the shell around the sharp corner, at a power of two between a third and two thirds.
     const double length = std::sqrt(squared_distance(a, b));
-    const double shell = std::exp2(std::floor(std::log2(length * (2.0 / 3.0))));
+    const double shell = power_of_two_below(length * (2.0 / 3.0));
     t = from_a ? shell / length : 1 - shell / length;
   }
   return {a.x + t * (b.x - a.x), a.y + t * (b.y - a.y)};
@@ -391,7 +397,7 @@ Triangulation refine(const PlanarGraph& graph, const RefineOptions& options,
   carve_outside(construction.mesh);
   progress.update(0.3);
   refiner.run(progress);
-  if (options.optimize) refiner.optimize(2);
+  if (options.optimize) refiner.optimize(1);
   Triangulation result = export_triangulation(graph, construction, refiner.piece_inputs());
   result.small_input_angles = refiner.small_input_angles();
   result.triangles_below_min_angle = refiner.count_below_min_angle();

@@ -2,9 +2,10 @@
 #include <cmath>
 #include <numbers>
 
+#include "tetropolis/geometry/polygon.h"
+
 #include "ground/hilbert.h"
 #include "ground/refiner.h"
-#include "tetropolis/geometry/polygon.h"
 
 namespace tetropolis {
 
@@ -15,7 +16,9 @@ namespace {
 constexpr double kLatticeSpacing = 0.88;
 constexpr double kLatticeClearance = 0.45;
 
-double distance(Point2 p, Point2 q) { return std::hypot(p.x - q.x, p.y - q.y); }
+double distance(Point2 p, Point2 q) {
+  return std::sqrt((p.x - q.x) * (p.x - q.x) + (p.y - q.y) * (p.y - q.y));
+}
 
 Point2 between(Point2 a, Point2 b, double t) {
   return {a.x + t * (b.x - a.x), a.y + t * (b.y - a.y)};
@@ -82,8 +85,7 @@ void Refiner::find_pieces() {
 // Measures the angles between neighbouring pieces at their ends, where the area between them is
 // meshed.
 void Refiner::find_corners() {
-  constexpr double kDegree = std::numbers::pi / 180;
-  const double small = options_.min_angle_deg * kDegree;
+  const double small_tangent = std::tan(options_.min_angle_deg * std::numbers::pi / 180);
   const auto count = static_cast<std::int32_t>(mesh_.subsegments.size());
   for (std::int32_t s = 0; s < count; ++s) {
     if (mesh_.sub(s).v[0] == TriMesh::kDead) continue;
@@ -97,9 +99,9 @@ void Refiner::find_corners() {
       if (other == s) continue;
       const Point2 to = mesh_.point(mesh_.apex(he));
       const double ux = from.x - c.x, uy = from.y - c.y, vx = to.x - c.x, vy = to.y - c.y;
-      const double angle = std::atan2(ux * vy - uy * vx, ux * vx + uy * vy);
-      if (!(angle >= 0 && angle < 60 * kDegree)) continue;
-      if (angle < small) ++small_input_angles_;
+      const double cross = ux * vy - uy * vx, dot = ux * vx + uy * vy;
+      if (!(cross >= 0 && dot > 0 && cross < std::numbers::sqrt3 * dot)) continue;
+      if (cross < small_tangent * dot) ++small_input_angles_;
       pieces_[static_cast<std::size_t>(mesh_.sub(s).piece)].acute[end] = true;
       Piece& p = pieces_[static_cast<std::size_t>(mesh_.sub(other).piece)];
       p.acute[p.v[0] == corner ? 0 : 1] = true;
@@ -133,7 +135,7 @@ void Refiner::cut_piece(std::int32_t s, double size) {
     const double n = std::ceil(length / size);
     for (double i = 1; i < n; ++i) cuts.push_back(i / n);
   } else {
-    const double step = std::exp2(std::floor(std::log2(size)));
+    const double step = power_of_two_below(size);
     const bool both = whole.acute[0] && whole.acute[1];
     const double reach = both ? 0.5 * length : length;
     for (double d = step; d + 0.5 * step < reach; d += step) cuts.push_back(d / length);
@@ -181,7 +183,8 @@ void Refiner::insert_lattice() {
     const Point2 a = mesh_.point(p.v[0]), b = mesh_.point(p.v[1]);
     const double low = std::min(a.y, b.y) - clearance, high = std::max(a.y, b.y) + clearance;
     const auto j0 = std::max<std::int64_t>(0, std::llround(std::ceil((low - box.ymin) / dy)));
-    const auto j1 = std::min<std::int64_t>(ny - 1, std::llround(std::floor((high - box.ymin) / dy)));
+    const auto j1 =
+        std::min<std::int64_t>(ny - 1, std::llround(std::floor((high - box.ymin) / dy)));
     for (std::int64_t j = j0; j <= j1; ++j) {
       // The part of the segment whose height is within the clearance of the row.
       const double y = box.ymin + static_cast<double>(j) * dy;
@@ -194,12 +197,14 @@ void Refiner::insert_lattice() {
       }
       const double x0 = a.x + t0 * (b.x - a.x), x1 = a.x + t1 * (b.x - a.x);
       const double left = std::min(x0, x1) - clearance, right = std::max(x0, x1) + clearance;
-      const auto i0 = std::max<std::int64_t>(0, std::llround(std::floor((left - box.xmin) / dx)) - 1);
+      const auto i0 =
+          std::max<std::int64_t>(0, std::llround(std::floor((left - box.xmin) / dx)) - 1);
       const auto i1 =
           std::min<std::int64_t>(nx - 1, std::llround(std::ceil((right - box.xmin) / dx)));
       for (std::int64_t i = i0; i <= i1; ++i) {
         char& cell = taken[static_cast<std::size_t>(j * nx + i)];
-        if (cell == 0 && distance_to_segment(node(i, j), a, b) < clearance) cell = 1;
+        if (cell == 0 && squared_distance_to_segment(node(i, j), a, b) < clearance * clearance)
+          cell = 1;
       }
     }
   }

@@ -3,14 +3,16 @@
 
 #include <array>
 #include <bit>
+#include <cmath>
 #include <cstdint>
 #include <limits>
 #include <vector>
 
-#include "ground/construct.h"
-#include "ground/tri_mesh.h"
 #include "tetropolis/core/progress.h"
 #include "tetropolis/ground/refine.h"
+
+#include "ground/construct.h"
+#include "ground/tri_mesh.h"
 
 namespace tetropolis {
 
@@ -24,6 +26,9 @@ struct Piece {
 /// What a vertex is: a hard one, one on a piece (the index of which is >= 0), or free.
 inline constexpr std::int32_t kFreeVertex = -1;
 inline constexpr std::int32_t kHardVertex = -2;
+
+/// The largest power of two that is not larger than `value` > 0.
+inline double power_of_two_below(double value) { return std::ldexp(1.0, std::ilogb(value)); }
 
 /// The longest edge allowed at a place.
 class SizeBound {

@@ -15,9 +15,10 @@ void TriMesh::start(std::int32_t a, std::int32_t b, std::int32_t c) {
     // Ghost 1 + i lies behind edge i, which runs from v[i+1] to v[i+2].
     const std::int32_t from = v[(i + 2) % 3];
     const std::int32_t to = v[(i + 1) % 3];
-    // The ghost's edge opposite `from` joins `to` and the ghost vertex: shared with the ghost behind
-    // the edge that starts at... the other edge at `to`, which is edge i + 2.
-    tri(1 + i) = {{kGhost, from, to}, {i, 4 * (1 + (i + 2) % 3) + 2, 4 * (1 + (i + 1) % 3) + 1}, 0, 0};
+    // The ghost's edge opposite `from` joins `to` and the ghost vertex: shared with the ghost
+    // behind the edge that starts at... the other edge at `to`, which is edge i + 2.
+    tri(1 + i) = {
+        {kGhost, from, to}, {i, 4 * (1 + (i + 2) % 3) + 2, 4 * (1 + (i + 1) % 3) + 1}, 0, 0};
   }
   if (tracking) {
     some_triangle.assign(points.size(), kNothing);
@@ -45,8 +46,8 @@ TriMesh::Location TriMesh::locate(Point2 p, std::int32_t from) const {
     t = across(4 * t + g) >> 2;
   }
   std::int32_t entry = kNothing;
-  // Which of two possible ways to take is alternated pseudo-randomly: in a triangulation that is not
-  // Delaunay a fixed choice can go in circles.
+  // Which of two possible ways to take is alternated pseudo-randomly: in a triangulation that is
+  // not Delaunay a fixed choice can go in circles.
   std::uint32_t dice = 0x9e3779b9U;
   for (;;) {
     const Triangle& x = tri(t);
@@ -230,8 +231,8 @@ bool TriMesh::remove_vertex(std::int32_t start_he) {
   std::int32_t he = start_he;
   int degree = 0;
   around(he, [&](std::int32_t) { return ++degree, false; });
-  // Turn spokes away while there are more than three. A spoke whose quadrilateral is strictly convex
-  // exists unless v lies on a diagonal of it; the Delaunay property is restored afterwards.
+  // Turn spokes away while there are more than three. A spoke whose quadrilateral is strictly
+  // convex exists unless v lies on a diagonal of it; the Delaunay property is restored afterwards.
   int idle = 0;
   while (degree > 3) {
     // The spoke from v to the first vertex of the rim edge he.
@@ -259,7 +260,8 @@ bool TriMesh::remove_vertex(std::int32_t start_he) {
     restore_delaunay();
     return false;
   }
-  const std::int32_t h[3] = {he, next(across(next(he))), next(across(next(next(across(next(he))))))};
+  const std::int32_t h[3] = {he, next(across(next(he))),
+                             next(across(next(next(across(next(he))))))};
   const std::int32_t t = he >> 2;
   const std::int32_t corner[3] = {origin(h[0]), origin(h[1]), origin(h[2])};
   const std::int32_t out[3] = {link(h[0]), link(h[1]), link(h[2])};

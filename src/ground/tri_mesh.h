@@ -53,8 +53,8 @@ class TriMesh {
   };
 
   std::vector<Point2> points;
-  std::vector<Triangle> triangles;  ///< Dead ones have v[0] == kDead.
-  std::vector<Subsegment> subsegments;  ///< Dead ones have v[0] == kDead.
+  std::vector<Triangle> triangles;          ///< Dead ones have v[0] == kDead.
+  std::vector<Subsegment> subsegments;      ///< Dead ones have v[0] == kDead.
   std::vector<std::int32_t> some_triangle;  ///< Of each vertex; kept up only while `tracking`.
   bool tracking = false;
 
@@ -113,13 +113,13 @@ class TriMesh {
   void fill_cavity(std::int32_t vertex);
 
   /// Splits subsegment `s` at `vertex` into s (first half) and a new one (returned), and restores
-  /// the Delaunay property. Returns kNothing, with the mesh unchanged, if the vertex lies too far off
-  /// the line for the neighbouring triangles. Appends to touched.
+  /// the Delaunay property. Returns kNothing, with the mesh unchanged, if the vertex lies too far
+  /// off the line for the neighbouring triangles. Appends to touched.
   std::int32_t split_subsegment(std::int32_t s, std::int32_t vertex);
 
   /// Turns the edge of the two triangles at `he`; not a subsegment, quadrilateral strictly convex.
-  /// Afterwards triangle_of(he) and its former neighbour meet at the former apexes, first of all the
-  /// apex of he, which is vertex 0 of both. Appends both to touched.
+  /// Afterwards triangle_of(he) and its former neighbour meet at the former apexes, first of all
+  /// the apex of he, which is vertex 0 of both. Appends both to touched.
   void flip(std::int32_t he);
 
   /// Flips until the edges on `pending_` and all they affect are locally Delaunay.
@@ -137,8 +137,9 @@ class TriMesh {
   /// The half-edge from a to b, or kNothing. Needs tracking.
   std::int32_t find_edge(std::int32_t a, std::int32_t b) const;
 
-  /// Calls visit(he) for the half-edges whose apex is `vertex`, counter-clockwise from the one given,
-  /// until it returns true or the circle closes. Crosses subsegments. Needs ghosts around the hull.
+  /// Calls visit(he) for the half-edges whose apex is `vertex`, counter-clockwise from the one
+  /// given, until it returns true or the circle closes. Crosses subsegments. Needs ghosts around
+  /// the hull.
   template <typename Visit>
   void around(std::int32_t start_he, const Visit& visit) const {
     std::int32_t he = start_he;

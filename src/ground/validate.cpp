@@ -1,14 +1,16 @@
 #include "tetropolis/ground/validate.h"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <set>
 
-#include "ground/edge_table.h"
+#include <fmt/format.h>
+
 #include "tetropolis/geometry/polygon.h"
 #include "tetropolis/geometry/predicates.h"
+
+#include "ground/edge_table.h"
 
 namespace tetropolis {
 
@@ -130,8 +132,8 @@ Violations check_constrained_delaunay(std::span<const Point2> points, TriangleSp
     }
     if (full(found)) return;
     if (uses.size() != 2) {
-      found.push_back(fmt::format("edge {}-{}: on the boundary, but not a segment", uses[0].low,
-                                  uses[0].high));
+      found.push_back(
+          fmt::format("edge {}-{}: on the boundary, but not a segment", uses[0].low, uses[0].high));
       return;
     }
     const auto& t = triangles[static_cast<std::size_t>(uses[0].triangle)];
@@ -139,8 +141,7 @@ Violations check_constrained_delaunay(std::span<const Point2> points, TriangleSp
     const VertexIndex apex = u[static_cast<std::size_t>(uses[1].edge)];
     const auto [a, b, c] = corners(points, t);
     if (incircle(a, b, c, at(points, apex)) > 0)
-      found.push_back(
-          fmt::format("edge {}-{}: not locally Delaunay", uses[0].low, uses[0].high));
+      found.push_back(fmt::format("edge {}-{}: not locally Delaunay", uses[0].low, uses[0].high));
   });
   if (seen != constrained.size())
     found.push_back(fmt::format("{} segments, but {} edges of triangles are segments",
@@ -161,8 +162,9 @@ Violations check_regions(TriangleSpan triangles, std::span<const std::int32_t> r
     const std::int32_t r = regions[static_cast<std::size_t>(uses[0].triangle)];
     const std::int32_t s = regions[static_cast<std::size_t>(uses[1].triangle)];
     if (r != s)
-      found.push_back(fmt::format("triangles {} and {}: regions {} and {} without a segment between",
-                                  uses[0].triangle, uses[1].triangle, r, s));
+      found.push_back(
+          fmt::format("triangles {} and {}: regions {} and {} without a segment between",
+                      uses[0].triangle, uses[1].triangle, r, s));
   });
   return found;
 }
@@ -197,8 +199,8 @@ Violations check_edge_lengths(std::span<const Point2> points, TriangleSpan trian
     for (std::size_t i = 0; i < 3; ++i) {
       const double length = distance(p[i], p[(i + 1) % 3]);
       if (length > max_edge * (1 + 1e-9))
-        found.push_back(fmt::format("triangle {}: edge of length {} at ({}, {})", t, length, p[i].x,
-                                    p[i].y));
+        found.push_back(
+            fmt::format("triangle {}: edge of length {} at ({}, {})", t, length, p[i].x, p[i].y));
     }
   }
   return found;
@@ -206,23 +208,25 @@ Violations check_edge_lengths(std::span<const Point2> points, TriangleSpan trian
 
 namespace {
 
-// Whether segments lead from `a` to `b`, always along the line and forwards. All branches are tried:
-// near a crossing several vertices may be within the tolerance.
+// Whether segments lead from `a` to `b` along the line, never back by more than the tolerance. All
+// branches are tried: near a crossing several vertices may be within the tolerance.
 bool follows(std::span<const Point2> points, const Neighbours& neighbours, VertexIndex a,
              VertexIndex b, double tolerance) {
   const Point2 from = at(points, a), to = at(points, b);
+  const double length = distance(from, to);
   const auto along = [&](Point2 p) {
-    return (p.x - from.x) * (to.x - from.x) + (p.y - from.y) * (to.y - from.y);
+    return ((p.x - from.x) * (to.x - from.x) + (p.y - from.y) * (to.y - from.y)) / length;
   };
   std::vector<VertexIndex> open{a};
+  std::set<VertexIndex> seen{a};
   while (!open.empty()) {
     const VertexIndex v = open.back();
     open.pop_back();
     if (v == b) return true;
     for (const VertexIndex w : neighbours.of(v)) {
       const Point2 p = at(points, w);
-      if (along(p) > along(at(points, v)) &&
-          distance_to_segment(p, from, to) <= tolerance)
+      if (along(p) >= along(at(points, v)) - tolerance &&
+          distance_to_segment(p, from, to) <= tolerance && seen.insert(w).second)
         open.push_back(w);
     }
   }
@@ -275,7 +279,8 @@ Violations validate(const PlanarGraph& graph, const RefineOptions& options,
   Violations found = validate(graph, t);
   if (!found.empty()) return found;
   append(found, check_angles(t.points, t.triangles, t.segments, options.min_angle_deg));
-  if (options.max_edge > 0) append(found, check_edge_lengths(t.points, t.triangles, options.max_edge));
+  if (options.max_edge > 0)
+    append(found, check_edge_lengths(t.points, t.triangles, options.max_edge));
   return found;
 }
 

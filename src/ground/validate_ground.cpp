@@ -1,13 +1,14 @@
 // The checks of a GroundMesh: it has no list of segments, they are where regions change.
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <cmath>
 #include <map>
 
-#include "ground/edge_table.h"
+#include <fmt/format.h>
+
 #include "tetropolis/geometry/polygon.h"
 #include "tetropolis/ground/validate.h"
+
+#include "ground/edge_table.h"
 
 namespace tetropolis {
 
@@ -26,8 +27,7 @@ Segments region_boundaries(const GroundMesh& mesh) {
     const auto region = [&](std::size_t i) {
       return mesh.region[static_cast<std::size_t>(uses[i].triangle)];
     };
-    if (uses.size() == 1 || region(0) != region(1))
-      segments.push_back({uses[0].low, uses[0].high});
+    if (uses.size() == 1 || region(0) != region(1)) segments.push_back({uses[0].low, uses[0].high});
   });
   return segments;
 }
@@ -37,9 +37,8 @@ void check_domain(const GroundMesh& mesh, const Bounds2& domain, Violations& fou
   EdgeTable(mesh.triangles).for_each([&](std::span<const EdgeTable::Use> uses) {
     if (uses.size() != 1 || found.size() >= kMaxViolations) return;
     const Point2 a = at(mesh, uses[0].low), b = at(mesh, uses[0].high);
-    const bool on_side =
-        (a.x == b.x && (a.x == domain.xmin || a.x == domain.xmax)) ||
-        (a.y == b.y && (a.y == domain.ymin || a.y == domain.ymax));
+    const bool on_side = (a.x == b.x && (a.x == domain.xmin || a.x == domain.xmax)) ||
+                         (a.y == b.y && (a.y == domain.ymin || a.y == domain.ymax));
     if (!on_side || !domain.contains(a) || !domain.contains(b))
       found.push_back(fmt::format("boundary edge {}-{}: not on a side of the domain", uses[0].low,
                                   uses[0].high));
@@ -118,8 +117,8 @@ void check_footprints(const GroundMesh& mesh, std::span<const Polygon> footprint
           step = w;
         }
         if (step < 0) {
-          found.push_back(fmt::format("building {}: edge from ({}, {}) is not in the mesh", b, p.x,
-                                      p.y));
+          found.push_back(
+              fmt::format("building {}: edge from ({}, {}) is not in the mesh", b, p.x, p.y));
           return;
         }
         v = step;

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <cstdlib>
 #include <fstream>
+#include <iterator>
 #include <string_view>
 #include <system_error>
 #include <unordered_map>
@@ -79,46 +80,85 @@ class Place {
   std::string where_;
 };
 
+/// Notes the keys of CityObjects in the order of the file, which the parsed document forgets, and
+/// where the text stops to be JSON. (The parser's own call-backs take time quadratic in the length
+/// of an array.)
+class KeyScan : public nlohmann::json_sax<Json> {
+ public:
+  std::vector<std::string> keys;
+  std::size_t error_byte = 0;
+  bool out_of_range = false;
+
+  bool null() override { return true; }
+  bool boolean(bool) override { return true; }
+  bool number_integer(number_integer_t) override { return true; }
+  bool number_unsigned(number_unsigned_t) override { return true; }
+  bool number_float(number_float_t, const string_t&) override { return true; }
+  bool string(string_t&) override { return true; }
+  bool binary(binary_t&) override { return true; }
+  bool start_object(std::size_t) override { return enter(); }
+  bool end_object() override { return leave(); }
+  bool start_array(std::size_t) override { return enter(); }
+  bool end_array() override { return leave(); }
+  bool key(string_t& name) override {
+    if (depth_ == 1) in_objects_ = name == "CityObjects";
+    if (depth_ == 2 && in_objects_) keys.push_back(name);
+    return true;
+  }
+  bool parse_error(std::size_t byte, const std::string&,
+                   const nlohmann::detail::exception& error) override {
+    error_byte = byte;
+    out_of_range = dynamic_cast<const Json::out_of_range*>(&error) != nullptr;
+    return false;
+  }
+
+ private:
+  bool enter() {
+    ++depth_;
+    return true;
+  }
+  bool leave() {
+    --depth_;
+    return true;
+  }
+  int depth_ = 0;
+  bool in_objects_ = false;
+};
+
 /// The document, and the keys of its CityObjects in the order of the file.
 struct Document {
   Json root;
   std::vector<std::string> keys;
 };
 
-Document parse(const fs::path& path) {
+std::string read_text(const fs::path& path) {
   std::error_code error;
   if (!fs::exists(path, error))
     throw Error(ErrorKind::kInput, path.string() + ": no such file; check the path");
   std::ifstream stream(path, std::ios::binary);
   if (fs::is_directory(path, error) || !stream)
     throw Error(ErrorKind::kInput, path.string() + ": cannot be opened; give a CityJSON file");
-  Document document;
-  std::string member;
+  return {std::istreambuf_iterator<char>(stream), std::istreambuf_iterator<char>()};
+}
+
+Document parse(const fs::path& path) {
+  const std::string text = read_text(path);
+  KeyScan scan;
+  if (!Json::sax_parse(text, &scan))
+    throw Error(
+        ErrorKind::kInput,
+        path.string() +
+            (scan.out_of_range
+                 ? fmt::format(": holds a number out of range at byte {}; the file is broken",
+                               scan.error_byte)
+                 : fmt::format(": is no JSON from byte {} on; the file is cut or no CityJSON",
+                               scan.error_byte)));
   std::unordered_set<std::string> seen;
-  std::string twice;
-  const auto note_keys = [&](int depth, Json::parse_event_t event, Json& value) {
-    if (event != Json::parse_event_t::key || depth > 2) return true;
-    if (depth == 1) member = value.get<std::string>();
-    if (depth == 2 && member == "CityObjects") {
-      document.keys.push_back(value.get<std::string>());
-      if (!seen.insert(document.keys.back()).second) twice = document.keys.back();
-    }
-    return true;
-  };
-  try {
-    document.root = Json::parse(stream, note_keys);
-  } catch (const Json::parse_error& e) {
-    throw Error(ErrorKind::kInput, fmt::format("{}: is no JSON from byte {} on; the file is cut or "
-                                               "no CityJSON",
-                                               path.string(), e.byte));
-  } catch (const Json::exception&) {
-    throw Error(ErrorKind::kInput,
-                path.string() + ": holds numbers out of range; the file is broken");
-  }
-  if (!twice.empty())
-    throw Error(ErrorKind::kInput,
-                fmt::format("{}: /CityObjects has two members '{}'", path.string(), twice));
-  return document;
+  for (const std::string& key : scan.keys)
+    if (!seen.insert(key).second)
+      throw Error(ErrorKind::kInput,
+                  fmt::format("{}: /CityObjects has two members '{}'", path.string(), key));
+  return {Json::parse(text), std::move(scan.keys)};
 }
 
 /// Vertices of the file in the local frame.

@@ -25,7 +25,7 @@ constexpr std::int64_t kPointsPerTask = 1'000'000;
 /// Which records become points, and where.
 class Filter {
  public:
-  Filter(const ReadPointsOptions& options)
+  explicit Filter(const ReadPointsOptions& options)
       : crop_(options.crop), origin_(options.origin), keep_withheld_(options.keep_withheld) {
     for (const std::uint8_t code : options.skipped_classes) skipped_[code] = true;
   }

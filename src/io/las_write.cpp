@@ -65,7 +65,7 @@ int epsg_number(const std::string& crs) {
 /// Owns a LASzip writer.
 class LazWriter {
  public:
-  LazWriter(const fs::path& target) : target_(target) {
+  explicit LazWriter(const fs::path& target) : target_(target) {
     if (laszip_create(&writer_) != 0)
       throw_cannot_write(target, "the LASzip library cannot be used");
   }

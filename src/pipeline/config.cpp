@@ -36,7 +36,7 @@ std::vector<ConfigField> make_fields() {
       {"terrain_only", "Input", &C::terrain_only, kBuild | kCity | kMesh, "Accept a domain without any building"},
 
       {"out", "Output", &C::out, kAll, "Folder for the results"},
-      {"formats", "Output", &C::formats, kMeshing, "Formats of the meshes, comma separated", "", -kInf, kInf, {"vtu", "msh", "obj", "ply"}},
+      {"formats", "Output", &C::formats, kMeshing, "Formats of the meshes, comma separated", "", -kInf, kInf, {"vtu", "xdmf", "msh", "openfoam", "obj", "ply", "glb"}},
       {"coordinates", "Output", &C::coordinates, kMeshing, "Coordinates of meshes: relative to the origin in report.json, or those of the CRS", "", -kInf, kInf, {"local", "absolute"}},
 
       {"domain_margin", "City model", &C::domain_margin, kData, "Margin around the footprints when no bounds are given", "m", 0},
@@ -55,7 +55,8 @@ std::vector<ConfigField> make_fields() {
       {"mesh_size", "Mesh", &C::mesh_size, kMeshing, "Longest edge in the ground mesh", "m", 0.05},
       {"min_angle", "Mesh", &C::min_angle, kMeshing, "Least angle of the ground mesh, where footprints allow", "degrees", 0, 30},
       {"domain_height", "Mesh", &C::domain_height, kMeshing, "Height of the domain above the highest ground", "m", 0.1},
-      {"layer_height", "Mesh", &C::layer_height, kMeshing, "Mean height of the layers; 0: the mesh size", "m", 0},
+      {"layering", "Mesh", &C::layering, kMeshing, "Height of the layers: the mesh size, or what gives the best cells next to fine details (three to four times as many)", "", -kInf, kInf, {"mesh_size", "quality"}},
+      {"layer_height", "Mesh", &C::layer_height, kMeshing, "Mean height of the layers, whatever the layering; 0: by the layering", "m", 0},
       {"top", "Mesh", &C::top, kMeshing, "Top of the domain: kept flat, or free to follow the terrain", "", -kInf, kInf, {"flat", "free"}},
       {"min_wall_height", "Mesh", &C::min_wall_height, kMeshing, "Where terrain rises above a roof less this, the ground at the wall is lowered", "m", 0.01},
       {"min_gap_share", "Mesh", &C::min_gap_share, kMeshing, "Least height of a cell's vertical edge, as a share of the even spacing there", "", 0.001, 0.9},

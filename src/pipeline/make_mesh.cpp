@@ -1,12 +1,24 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
+#include <functional>
+#include <string_view>
+#include <utility>
+#include <vector>
 
+#include "io/column_numbers.h"
 #include "stages.h"
 #include "tetropolis/ground/mesh_ground.h"
 #include "tetropolis/ground/validate.h"
+#include "tetropolis/io/gltf.h"
+#include "tetropolis/io/msh.h"
+#include "tetropolis/io/obj.h"
+#include "tetropolis/io/openfoam.h"
+#include "tetropolis/io/ply.h"
 #include "tetropolis/io/stl.h"
 #include "tetropolis/io/vtk.h"
+#include "tetropolis/io/xdmf.h"
 #include "tetropolis/volume/boundary.h"
 #include "tetropolis/volume/ground_heights.h"
 #include "tetropolis/volume/quality.h"
@@ -43,6 +55,12 @@ void keep_solver(const std::string& step, const SmoothReport& smooth, Report& re
                      step, solver.relative_residual, solver.iterations)});
 }
 
+double layer_height(const Config& config, const GroundMesh& ground) {
+  if (config.layer_height > 0) return config.layer_height;
+  return config.layering == "quality" ? suggest_layer_height(ground, config.mesh_size)
+                                      : config.mesh_size;
+}
+
 /// Steps 3.2 to 3.5.
 ColumnMesh make_columns_of_city(const Config& config, const CityModel& city, const Raster& dtm,
                                 GroundMesh ground, StepClock& clock, Report& report) {
@@ -57,7 +75,7 @@ ColumnMesh make_columns_of_city(const Config& config, const CityModel& city, con
     const double highest = *std::max_element(dtm.values.begin(), dtm.values.end());
     const LayerPlan plan =
         plan_layers(heights.z, roofs, highest, config.domain_height,
-                    config.layer_height > 0 ? config.layer_height : config.mesh_size);
+                    layer_height(config, ground));
     if (plan.raised)
       report.warnings.push_back({"domain_raised", 1,
                                  fmt::format("the top was raised to {:.1f} m to clear the highest roof",
@@ -123,6 +141,46 @@ SurfaceMesh bound(const ColumnMesh& mesh, const CityModel& city, Report& report)
   return surface;
 }
 
+bool is_wanted(const Config& config, std::string_view format) {
+  return std::find(config.formats.begin(), config.formats.end(), format) != config.formats.end();
+}
+
+/// The volume in each format asked for.
+void write_volume(const Config& config, const ColumnMesh& mesh, const SurfaceMesh& boundary,
+                  const Placement& placement, const OutputFolder& out, const Progress& progress) {
+  using Write = std::function<void(const Progress&)>;
+  const std::array<std::pair<std::string_view, Write>, 4> writers{{
+      {"vtu", [&](const Progress& p) { write_vtu(out / "volume.vtu", mesh, placement, p); }},
+      {"xdmf",
+       [&](const Progress& p) { write_xdmf(out / "volume.xdmf", mesh, boundary, placement, p); }},
+      {"msh",
+       [&](const Progress& p) { write_msh(out / "volume.msh", mesh, boundary, placement, p); }},
+      {"openfoam",
+       [&](const Progress& p) {
+         write_openfoam(out / "constant/polyMesh", mesh, boundary, placement, p);
+       }},
+  }};
+  std::vector<const Write*> wanted;
+  for (const auto& [format, write] : writers)
+    if (is_wanted(config, format)) wanted.push_back(&write);
+  const double share = 1.0 / static_cast<double>(std::max<std::size_t>(wanted.size(), 1));
+  for (std::size_t i = 0; i < wanted.size(); ++i) {
+    const double begin = static_cast<double>(i) * share;
+    (*wanted[i])(portion(progress, begin, begin + share));
+  }
+}
+
+/// Ground, roofs and walls as STL and in each format asked for.
+void write_surface(const Config& config, const SurfaceMesh& boundary, const Placement& placement,
+                   const OutputFolder& out) {
+  const std::array land{Patch::kGround, Patch::kRoof, Patch::kWall};
+  const SurfaceMesh surface = select_patches(boundary, land);
+  write_stl(out / "surface.stl", surface, placement);
+  if (is_wanted(config, "obj")) write_obj(out / "surface.obj", surface, placement);
+  if (is_wanted(config, "ply")) write_ply(out / "surface.ply", surface, placement);
+  if (is_wanted(config, "glb")) write_glb(out / "surface.glb", surface, placement);
+}
+
 }  // namespace
 
 void make_mesh(const Config& config, const CityModel& city, const Raster& dtm,
@@ -132,13 +190,12 @@ void make_mesh(const Config& config, const CityModel& city, const Raster& dtm,
       make_columns_of_city(config, city, dtm, std::move(ground), clock, report);
   clock.run("3.6", "check and write meshes", [&](const Progress& progress) {
     measure(mesh, *report.volume_mesh);
-    const SurfaceMesh surface = bound(mesh, city, report);
+    const SurfaceMesh boundary = bound(mesh, city, report);
     Placement placement{{0, 0, 0}, {city.origin.x, city.origin.y, 0}};
     if (config.coordinates == "absolute") placement = {{city.origin.x, city.origin.y, 0}, {0, 0, 0}};
-    write_vtu(out / "volume.vtu", mesh, placement, progress);
-    write_vtp(out / "boundary.vtp", surface, placement);
-    const std::array land{Patch::kGround, Patch::kRoof, Patch::kWall};
-    write_stl(out / "surface.stl", select_patches(surface, land), placement);
+    write_volume(config, mesh, boundary, placement, out, progress);
+    write_vtp(out / "boundary.vtp", boundary, placement);
+    write_surface(config, boundary, placement, out);
   });
 }
 

@@ -185,7 +185,7 @@ InputData read_input(const Config& config, StepClock& clock, Report& report) {
   ReadPointsOptions options;
   options.crop = box;
   options.origin = input.origin;
-  options.crs = input.crs;
+  options.crs = config.points_crs;
   PointsInput points = clock.run("1.1", "read points", [&](const Progress& progress) {
     return read_points(paths, options, progress);
   });

@@ -43,7 +43,29 @@ double mean_layer_height(const ColumnMesh& mesh) {
          (mesh.layers - mesh.first_node[0]);
 }
 
+/// Twice the area over the longest edge.
+double least_altitude(Point2 a, Point2 b, Point2 c) {
+  const double twice_area = (b.x - a.x) * (c.y - a.y) - (c.x - a.x) * (b.y - a.y);
+  const double longest =
+      std::max({std::hypot(b.x - a.x, b.y - a.y), std::hypot(c.x - b.x, c.y - b.y),
+                std::hypot(a.x - c.x, a.y - c.y)});
+  return std::abs(twice_area) / longest;
+}
+
 }  // namespace
+
+double suggest_layer_height(const GroundMesh& ground, double mesh_size) {
+  std::vector<double> altitudes;
+  altitudes.reserve(ground.triangles.size());
+  for (const auto& t : ground.triangles)
+    altitudes.push_back(least_altitude(ground.vertices[static_cast<std::size_t>(t[0])],
+                                       ground.vertices[static_cast<std::size_t>(t[1])],
+                                       ground.vertices[static_cast<std::size_t>(t[2])]));
+  const auto rank = altitudes.begin() + static_cast<std::ptrdiff_t>(altitudes.size() / 10000);
+  std::nth_element(altitudes.begin(), rank, altitudes.end());
+  const double balanced = 1.25 * std::sqrt(*rank * mesh_size * std::sqrt(3.0) / 2);
+  return std::clamp(balanced, mesh_size / 8, mesh_size);
+}
 
 LayerPlan plan_layers(std::span<const double> ground, std::span<const double> roofs,
                       double highest_ground, double domain_height, double layer_height) {

@@ -72,7 +72,8 @@ int exact_orient(Cell a, Cell b, Cell c) {
 
 int exact_incircle(Cell a, Cell b, Cell c, Cell d) {
   const auto lift = [](Big x, Big y) { return x * x + y * y; };
-  const Big ax(a.x - d.x), ay(a.y - d.y), bx(b.x - d.x), by(b.y - d.y), cx(c.x - d.x), cy(c.y - d.y);
+  const Big ax(a.x - d.x), ay(a.y - d.y), bx(b.x - d.x), by(b.y - d.y), cx(c.x - d.x),
+      cy(c.y - d.y);
   return (lift(ax, ay) * (bx * cy - by * cx) + lift(bx, by) * (cx * ay - cy * ax) +
           lift(cx, cy) * (ax * by - ay * bx))
       .sign();
@@ -88,7 +89,9 @@ class Random {
   std::int64_t between(std::int64_t low, std::int64_t high) {
     return std::uniform_int_distribution<std::int64_t>(low, high)(engine_);
   }
-  Cell cell(std::int64_t low, std::int64_t high) { return {between(low, high), between(low, high)}; }
+  Cell cell(std::int64_t low, std::int64_t high) {
+    return {between(low, high), between(low, high)};
+  }
 
  private:
   std::mt19937_64 engine_{testing::test_seed()};
@@ -120,16 +123,61 @@ TEST(Predicates, DecidePointsThatAreCollinearButForTheLastBit) {
     const Cell step = random.cell(-(1 << 12), 1 << 12);
     const std::int64_t k = random.between(1, 1 << 10), l = random.between(1, 1 << 10);
     const Cell b{a.x + k * step.x, a.y + k * step.y};
-    const Cell c{a.x - l * step.x + random.between(-1, 1), a.y - l * step.y + random.between(-1, 1)};
+    const Cell c{a.x - l * step.x + random.between(-1, 1),
+                 a.y - l * step.y + random.between(-1, 1)};
     expect_exact(a, b, c, {c.x + random.between(-1, 1), c.y + random.between(-1, 1)}, 0);
+  }
+}
+
+// c with cross(b, c) = gcd(b.x, b.y), by Euclid's algorithm: the smallest determinant there is
+// between vectors of that length, far below the rounding error of its two products.
+Cell smallest_turn(Cell b) {
+  std::int64_t r0 = b.x, r1 = b.y, s0 = 1, s1 = 0, t0 = 0, t1 = 1;
+  while (r1 != 0) {
+    const std::int64_t q = r0 / r1;
+    std::int64_t next = r0 - q * r1;
+    r0 = r1, r1 = next;
+    next = s0 - q * s1;
+    s0 = s1, s1 = next;
+    next = t0 - q * t1;
+    t0 = t1, t1 = next;
+  }
+  return {-t0, s0};  // b.x * s0 + b.y * t0 = r0
+}
+
+TEST(Predicates, DecideTurnsFarBelowTheRoundingError) {
+  Random random;
+  for (int i = 0; i < 20000; ++i) {
+    const Cell b = random.cell(1LL << 38, 1LL << 45);
+    const Cell c = smallest_turn(b);
+    const Cell shift = random.cell(-(1LL << 45), 1LL << 45);
+    const auto shifted = [&](Cell p) { return Cell{p.x + shift.x, p.y + shift.y}; };
+    const Cell origin{0, 0}, minus{-c.x, -c.y};
+    ASSERT_NE(exact_orient(origin, b, c), 0);
+    expect_exact(shifted(origin), shifted(b), shifted(c), shifted(minus), -30);
+    expect_exact(shifted(b), shifted(minus), shifted(origin), shifted(c), -30);
+  }
+}
+
+// Differences that do not fit a double, the case that needs the bound of the filter: one point near
+// the origin with all its bits, the others far away on a line through the origin.
+TEST(Predicates, DecideWhereDifferencesAreRounded) {
+  Random random;
+  for (int i = 0; i < 20000; ++i) {
+    const Cell u = random.cell(1, 1 << 26);
+    const auto far = [&] {
+      const std::int64_t k = random.between(1, 1 << 24) * (1 << 8);
+      return Cell{k * u.x, k * u.y};
+    };
+    expect_exact(random.cell(-3, 3), far(), far(), random.cell(-3, 3), -30);
   }
 }
 
 // Points on one circle: (3, 4, 5) and other Pythagorean directions about a centre, then nudged.
 TEST(Predicates, DecidePointsThatAreCocircularButForTheLastBit) {
-  const std::vector<Cell> directions = {{65, 0},   {63, 16}, {60, 25}, {56, 33}, {52, 39}, {39, 52},
-                                        {33, 56},  {25, 60}, {16, 63}, {0, 65},  {-16, 63}, {-39, 52},
-                                        {-60, 25}, {-65, 0}, {-33, -56}, {0, -65}, {52, -39}};
+  const std::vector<Cell> directions = {
+      {65, 0}, {63, 16},  {60, 25},  {56, 33},  {52, 39}, {39, 52},   {33, 56}, {25, 60}, {16, 63},
+      {0, 65}, {-16, 63}, {-39, 52}, {-60, 25}, {-65, 0}, {-33, -56}, {0, -65}, {52, -39}};
   Random random;
   for (int i = 0; i < 20000; ++i) {
     const Cell centre = random.cell(-(1LL << 44), 1LL << 44);

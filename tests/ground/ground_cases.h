@@ -11,10 +11,11 @@
 #include <string>
 #include <vector>
 
-#include "support/test_data.h"
 #include "tetropolis/geometry/types.h"
 #include "tetropolis/ground/triangulation.h"
 #include "tetropolis/ground/validate.h"
+
+#include "support/test_data.h"
 
 namespace tetropolis::testing {
 

@@ -3,10 +3,11 @@
 #include <cmath>
 #include <limits>
 
-#include "ground_cases.h"
 #include "tetropolis/core/error.h"
 #include "tetropolis/core/parallel.h"
 #include "tetropolis/geometry/polygon.h"
+
+#include "ground_cases.h"
 
 namespace tetropolis {
 namespace {
@@ -96,7 +97,8 @@ TEST(MeshGround, NumbersNeighboursNearEachOther) {
   for (const auto& t : mesh.triangles)
     total += std::abs(t[0] - t[1]) + std::abs(t[1] - t[2]) + std::abs(t[2] - t[0]);
   const double mean = total / (3.0 * static_cast<double>(mesh.triangles.size()));
-  // Row by row the mean would be about the square root of the number of vertices, unordered a third.
+  // Row by row the mean would be about the square root of the number of vertices, unordered a
+  // third.
   EXPECT_LT(mean, 0.05 * static_cast<double>(mesh.vertices.size()));
 }
 

@@ -4,8 +4,9 @@
 #include <map>
 #include <numbers>
 
-#include "ground_cases.h"
 #include "tetropolis/core/error.h"
+
+#include "ground_cases.h"
 
 namespace tetropolis {
 namespace {
@@ -15,7 +16,8 @@ using testing::lines;
 using testing::Random;
 using testing::rectangle;
 
-void expect_refined(const PlanarGraph& graph, const RefineOptions& options, const std::string& name) {
+void expect_refined(const PlanarGraph& graph, const RefineOptions& options,
+                    const std::string& name) {
   const Triangulation t = refine(graph, options);
   ASSERT_EQ(lines(validate(graph, options, t)), "") << name << ", seed " << testing::test_seed();
   if (t.small_input_angles == 0) {
@@ -70,13 +72,15 @@ TEST(Refine, RandomSegmentsThatCrossAtAnyAngle) {
 }
 
 TEST(Refine, CornersSharperThanTheBoundAreCountedAndRefinementEnds) {
-  for (const double corner : {0.01, 0.1, 0.5, 1.0, 2.0, 5.0, 10.0, 19.0, 24.0, 26.0, 35.0, 45.0, 59.0}) {
+  for (const double corner :
+       {0.01, 0.1, 0.5, 1.0, 2.0, 5.0, 10.0, 19.0, 24.0, 26.0, 35.0, 45.0, 59.0}) {
     for (const double angle : {20.0, 25.0, 30.0}) {
       for (const double size : {0.0, 1.0}) {
         PlanarGraph graph;
         const double a = corner * std::numbers::pi / 180;
-        graph.points = {{0, 0}, {10, 0}, {7 * std::cos(a), 7 * std::sin(a)}, {-10, -10}, {20, -10},
-                        {20, 20}, {-10, 20}};
+        graph.points = {{0, 0},     {10, 0},   {7 * std::cos(a), 7 * std::sin(a)},
+                        {-10, -10}, {20, -10}, {20, 20},
+                        {-10, 20}};
         graph.segments = {{0, 1}, {0, 2}, {3, 4}, {4, 5}, {5, 6}, {6, 3}};
         const RefineOptions options{.min_angle_deg = angle, .max_edge = size};
         expect_refined(graph, options, std::to_string(corner) + " " + std::to_string(angle));
@@ -219,8 +223,9 @@ TEST(Refine, GivesUpWithAPositionInsteadOfRunningOn) {
     EXPECT_EQ(e.kind(), ErrorKind::kGuarantee);
     EXPECT_NE(std::string(e.what()).find("500 vertices"), std::string::npos);
   }
-  for (const RefineOptions& bad : {RefineOptions{.min_angle_deg = 40}, RefineOptions{.max_edge = -1},
-                                   RefineOptions{.max_edge = std::nan("")}})
+  for (const RefineOptions& bad :
+       {RefineOptions{.min_angle_deg = 40}, RefineOptions{.max_edge = -1},
+        RefineOptions{.max_edge = std::nan("")}})
     EXPECT_THROW(refine(graph, bad), Error);
 }
 

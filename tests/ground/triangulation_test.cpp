@@ -5,9 +5,10 @@
 #include <numbers>
 #include <set>
 
-#include "ground_cases.h"
 #include "tetropolis/core/error.h"
 #include "tetropolis/geometry/predicates.h"
+
+#include "ground_cases.h"
 
 namespace tetropolis {
 namespace {
@@ -199,7 +200,8 @@ TEST(Triangulation, SegmentsThatCrossOverlapAndTouch) {
 TEST(Triangulation, ManySegmentsThroughOneAnother) {
   Random random(6);
   PlanarGraph graph = random_segments(random, 400, 200, false, 0);
-  for (VertexIndex s = 0; s < 200; ++s) graph.segments[static_cast<std::size_t>(s)] = {2 * s, 2 * s + 1};
+  for (VertexIndex s = 0; s < 200; ++s)
+    graph.segments[static_cast<std::size_t>(s)] = {2 * s, 2 * s + 1};
   const Triangulation t = constrained_delaunay(graph, {.convex_hull = true});
   EXPECT_EQ(lines(validate(graph, t)), "");
   std::int64_t pairs = 0;
@@ -231,6 +233,17 @@ TEST(Triangulation, SegmentsAlmostThroughOnePointAndAlmostParallel) {
   }
 }
 
+TEST(Triangulation, VerticesOnASegmentAtTheLastBitOfItsEnds) {
+  const double end = std::nextafter(1e6, 0.0);
+  PlanarGraph graph;
+  graph.points = {{0, 0},      {1e6, 0},   {end, 0}, {std::nextafter(end, 0.0), 0},
+                  {1e-300, 0}, {1e-12, 0}, {5, 7},   {5, -9},
+                  {1e6, 1e-7}, {0, -1e-9}};
+  graph.segments = {{0, 1}, {9, 8}, {1, 0}, {3, 5}};
+  const Triangulation t = constrained_delaunay(graph, {.convex_hull = true});
+  EXPECT_EQ(lines(validate(graph, t)), "");
+}
+
 TEST(Triangulation, BruteForceWithSegmentsThatDoNotCross) {
   Random random(8);
   for (int i = 0; i < 150; ++i) {
@@ -239,9 +252,9 @@ TEST(Triangulation, BruteForceWithSegmentsThatDoNotCross) {
     for (int k = 0; k < 60; ++k) {
       const VertexIndex a = random.integer(0, 29), b = random.integer(0, 29);
       const auto at = [&](VertexIndex v) { return graph.points[static_cast<std::size_t>(v)]; };
-      const bool free = std::none_of(
-          graph.segments.begin(), graph.segments.end(),
-          [&](const auto& s) { return crosses(at(a), at(b), at(s[0]), at(s[1])); });
+      const bool free =
+          std::none_of(graph.segments.begin(), graph.segments.end(),
+                       [&](const auto& s) { return crosses(at(a), at(b), at(s[0]), at(s[1])); });
       if (a != b && free) graph.segments.push_back({a, b});
     }
     const Triangulation t = constrained_delaunay(graph, {.convex_hull = true});

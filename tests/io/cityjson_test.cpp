@@ -1,5 +1,6 @@
 #include "tetropolis/io/cityjson.h"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstring>
@@ -172,7 +173,13 @@ double volume_term(const std::vector<Vertex>& ring) {
 TEST(CityJson, SolidsAreClosedAndLookOutwards) {
   SCOPED_TRACE(testing::test_seed());
   const TemporaryFolder folder;
-  const CityModel model = random_city(60);
+  CityModel model = random_city(60);
+  for (std::size_t i = 0; i < model.buildings.size(); i += 5) {
+    // Rings the wrong way round must not turn the solid inside out.
+    Polygon& footprint = model.buildings[i].footprint;
+    std::reverse(footprint.outer.begin(), footprint.outer.end());
+    for (Ring& hole : footprint.holes) std::reverse(hole.begin(), hole.end());
+  }
   write_city(folder / "a.json", model);
   const Json file = Json::parse(read_bytes(folder / "a.json"));
   std::vector<Vertex> vertices;
@@ -425,7 +432,7 @@ TEST(CityJson, ChangedBytesNeverCrash) {
   const fs::path path = folder / "a.json";
   for (const std::string& good : {std::string(kTwoParts), read_bytes(folder / "good.json")}) {
     const std::string alphabet = "0123456789-.e[]{},:\"nulabx";
-    for (int round = 0; round < 1500; ++round) {
+    for (int round = 0; round < 400; ++round) {
       std::string text = good;
       for (int k = 0; k < 2; ++k)
         text[random() % text.size()] = alphabet[random() % alphabet.size()];

@@ -219,5 +219,12 @@ TEST_F(Cli, HelpNamesEveryOption) {
   EXPECT_EQ(run("--version").out.substr(0, 11), "tetropolis ");
 }
 
+TEST_F(Cli, SettingsPageOfTheDocumentationIsThisPrograms) {
+  const std::string page = text_of(fs::path(TETROPOLIS_SOURCE) / "docs/settings.md");
+  const std::size_t tables = page.find("### Input");
+  ASSERT_NE(tables, std::string::npos);
+  EXPECT_EQ(page.substr(tables), run("settings").out) << "regenerate it: make docs";
+}
+
 }  // namespace
 }  // namespace tetropolis

@@ -1,6 +1,7 @@
 // A few buildings on hills, meshed: what the volume tests work on.
 #pragma once
 
+#include <algorithm>
 #include <functional>
 #include <vector>
 
@@ -64,7 +65,8 @@ struct MeshedCity {
 };
 
 /// Steps 3.1 to 3.5.
-inline MeshedCity meshed(const SmallCity& city, double mesh_size = 8, bool fixed_top = true) {
+inline MeshedCity meshed(const SmallCity& city, double mesh_size = 8, bool fixed_top = true,
+                         double layer_height = 0) {
   MeshedCity result;
   result.city = city;
   GroundMesh ground = mesh_ground(city.footprints, city.domain, {mesh_size, 25});
@@ -72,7 +74,8 @@ inline MeshedCity meshed(const SmallCity& city, double mesh_size = 8, bool fixed
   result.heights = ground_heights(ground, result.owner, city.roofs, city.dtm, 1.0);
   double highest = city.dtm.values[0];
   for (const double z : city.dtm.values) highest = std::max(highest, z);
-  const LayerPlan plan = plan_layers(result.heights.z, city.roofs, highest, 80, mesh_size);
+  const LayerPlan plan = plan_layers(
+      result.heights.z, city.roofs, highest, 80, layer_height > 0 ? layer_height : mesh_size);
   result.mesh = make_columns(std::move(ground), plan.layers, plan.bottom, plan.top);
   SmoothOptions options;
   options.laplace.fixed_top = fixed_top;

@@ -75,6 +75,32 @@ TEST(Smooth, PlansLayersForTheDomainAndItsRoofs) {
   EXPECT_TRUE(tower.raised);
 }
 
+TEST(Smooth, SuggestsThinnerLayersForFinerTriangles) {
+  const Bounds2 domain{0, 0, 120, 90};
+  const GroundMesh open = mesh_ground({}, domain, {10, 25});
+  EXPECT_EQ(suggest_layer_height(open, 10), 10);  // nearly equilateral everywhere
+  double last = 10;
+  for (const double detail : {4.0, 1.0, 0.25}) {
+    const std::vector<Polygon> footprints{testing::rectangle(20, 20, 50, 50),
+                                          testing::rectangle(50 + detail, 20, 90, 50)};
+    const double height = suggest_layer_height(mesh_ground(footprints, domain, {10, 25}), 10);
+    EXPECT_LT(height, last);
+    last = height;
+  }
+  EXPECT_GE(last, 10.0 / 8);
+}
+
+TEST(Smooth, SuggestedLayersMakeBetterCellsNextToFineDetails) {
+  auto city = testing::small_city([](double x, double) { return 0.1 * x; });
+  const auto quality_with = [&](double layer_height) {
+    return measure_quality(testing::meshed(city, 10, true, layer_height).mesh).min_dihedral_deg();
+  };
+  const GroundMesh ground = mesh_ground(city.footprints, city.domain, {10, 25});
+  const double suggested = quality_with(suggest_layer_height(ground, 10));
+  EXPECT_GT(suggested, 8);
+  EXPECT_GT(suggested, quality_with(10));
+}
+
 TEST(Smooth, CutsEachBuildingAtTheLayerNearestItsRoof) {
   auto city = testing::small_city([](double, double) { return 0.0; });
   city.roofs = {3, 9, 13, 20.5, 75};  // layers of 91 m / 11

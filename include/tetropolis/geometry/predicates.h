@@ -46,8 +46,8 @@ inline int orient2d(Point2 a, Point2 b, Point2 c) {
   const double left = (a.x - c.x) * (b.y - c.y);
   const double right = (a.y - c.y) * (b.x - c.x);
   const double det = left - right;
-  const double bound = predicates::kOrientBound * (std::abs(left) + std::abs(right)) +
-                       predicates::kUnderflowGuard;
+  const double bound =
+      predicates::kOrientBound * (std::abs(left) + std::abs(right)) + predicates::kUnderflowGuard;
   if (det > bound) return 1;
   if (det < -bound) return -1;
   // A rounded difference is zero only if the operands are equal: no need to go on for points on

@@ -21,8 +21,8 @@ struct GroundMeshOptions {
 /// sets the edge length in it), and lie strictly inside of the domain. Orientation is free.
 /// Guarantees: footprint vertices and domain corners keep their coordinates bit for bit; vertices
 /// on the domain's sides lie exactly on them; every footprint edge is a union of mesh edges; every
-/// vertex belongs to a triangle; the edge lengths and angles of refine(); vertices and triangles are
-/// numbered along a Hilbert curve. The same input gives the same bytes.
+/// vertex belongs to a triangle; the edge lengths and angles of refine(); vertices and triangles
+/// are numbered along a Hilbert curve. The same input gives the same bytes.
 ///
 /// Throws Error(kInput) for an empty domain, options out of range, a footprint that leaves the
 /// domain or has coordinates that are not finite (named by index); Error(kGuarantee) as refine().

@@ -14,13 +14,13 @@ struct RefineOptions {
   double max_edge = 0;        ///< No edge is longer. 0: no bound.
   /// No edge is longer than the value at its midpoint, which must be positive. Empty: no bound.
   std::function<double(Point2)> size_field = {};
-  /// Fill open areas with a lattice of nearly equilateral triangles before refining. Acts only where
-  /// the size is the constant `max_edge`.
+  /// Fill open areas with a lattice of nearly equilateral triangles before refining. Acts only
+  /// where the size is the constant `max_edge`.
   bool lattice = true;
   /// Move the added vertices that are on no segment where that widens the smallest angle around.
   bool optimize = true;
-  bool convex_hull = false;        ///< As in TriangulationOptions.
-  std::int64_t max_vertices = 0;   ///< Give up beyond. 0: a bound from area, size and input.
+  bool convex_hull = false;       ///< As in TriangulationOptions.
+  std::int64_t max_vertices = 0;  ///< Give up beyond. 0: a bound from area, size and input.
 };
 
 /// A constrained Delaunay triangulation of `graph` with vertices added so that
@@ -40,7 +40,8 @@ struct RefineOptions {
 /// vertices in the diametral circle of a subsegment are removed before it is split. Subsegments at
 /// corners sharper than 60 degrees are cut at radii that are equal on both sides (concentric
 /// shells), and triangles behind the edges between equal radii of a corner that is sharper than the
-/// minimum angle are left alone (Miller, Pav, Walkington 2003): the two together end the refinement.
+/// minimum angle are left alone (Miller, Pav, Walkington 2003): the two together end the
+/// refinement.
 ///
 /// Throws Error(kInput) as constrained_delaunay() does and for options out of range, and
 /// Error(kGuarantee), naming a position, when `max_vertices` is exceeded. Throws Cancelled.

@@ -60,12 +60,12 @@ struct Triangulation {
   /// The edges that input segments consist of, each once, directed as its segment. Where segments
   /// overlap, the first one is named. The boundary of the triangulated area always belongs to them.
   std::vector<std::array<VertexIndex, 2>> segments;
-  std::vector<std::int32_t> segment_markers;  ///< Per subsegment: marker, or kHullSegment.
-  std::vector<std::int32_t> segment_inputs;   ///< Per subsegment: input index, or kHullSegment.
-  std::vector<VertexIndex> input_vertex;      ///< Per input point. Duplicates share a vertex.
-  std::int64_t crossings = 0;                 ///< Points added where segments cross.
-  std::int64_t small_input_angles = 0;        ///< Set by refinement: see refine.h.
-  std::int64_t triangles_below_min_angle = 0; ///< Set by refinement: see refine.h.
+  std::vector<std::int32_t> segment_markers;   ///< Per subsegment: marker, or kHullSegment.
+  std::vector<std::int32_t> segment_inputs;    ///< Per subsegment: input index, or kHullSegment.
+  std::vector<VertexIndex> input_vertex;       ///< Per input point. Duplicates share a vertex.
+  std::int64_t crossings = 0;                  ///< Points added where segments cross.
+  std::int64_t small_input_angles = 0;         ///< Set by refinement: see refine.h.
+  std::int64_t triangles_below_min_angle = 0;  ///< Set by refinement: see refine.h.
 };
 
 struct TriangulationOptions {
@@ -89,7 +89,8 @@ struct TriangulationOptions {
 /// around it.
 ///
 /// Throws Error(kInput) naming the point or the segment: a coordinate is not finite or larger than
-/// 1e100 in magnitude; an index is out of range; an array has the wrong length.
+/// 1e100 in magnitude; an index is out of range; an array has the wrong length; two segments keep
+/// crossing one another within rounding (not known to happen).
 Triangulation constrained_delaunay(const PlanarGraph& graph,
                                    const TriangulationOptions& options = {});
 

@@ -42,8 +42,8 @@ Violations check_regions(TriangleSpan triangles, std::span<const std::int32_t> r
                          SegmentSpan segments);
 
 /// No angle is below `min_angle_deg` (less 1e-6), except in a triangle that lies in a corner of
-/// `segments` sharper than that, or whose shortest edge joins points at the same distance (to 0.2 %)
-/// from such a corner on its two sides.
+/// `segments` sharper than that, or whose shortest edge joins points at the same distance (to 0.2
+/// %) from such a corner on its two sides.
 Violations check_angles(std::span<const Point2> points, TriangleSpan triangles,
                         SegmentSpan segments, double min_angle_deg);
 
@@ -52,8 +52,9 @@ Violations check_edge_lengths(std::span<const Point2> points, TriangleSpan trian
                               double max_edge);
 
 /// Input points are where input_vertex says, bit for bit; every input segment between vertices of
-/// triangles or segments is a chain of segments of the triangulation that keeps to it (kOnSegmentTolerance).
-/// Does not know about segments that a hole removes between two kept vertices.
+/// triangles or segments is a chain of segments of the triangulation that keeps to it
+/// (kOnSegmentTolerance). Does not know about segments that a hole removes between two kept
+/// vertices.
 Violations check_input(const PlanarGraph& graph, const Triangulation& triangulation);
 
 /// Everything constrained_delaunay() guarantees.

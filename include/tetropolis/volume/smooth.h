@@ -19,6 +19,13 @@ struct LayerPlan {
   bool raised = false;  ///< The top had to be raised to clear a roof.
 };
 
+/// The layer height that keeps split prisms furthest from flat: the least dihedral angle of a prism's
+/// tets is about atan(a / H) where its triangle's altitude a is small, and atan(H / h) where the
+/// triangle is large. This is 1.25 sqrt(a h sqrt(3) / 2), at most h and at least h / 8, with the altitude a that
+/// all but one in ten thousand triangles exceed. The factor favours the second angle, which slopes
+/// and roofs between layers make smaller. `mesh_size` is h, metres, > 0; `ground` has triangles.
+double suggest_layer_height(const GroundMesh& ground, double mesh_size);
+
 /// The top is `domain_height` above `highest_ground`, or two layers above the highest roof where
 /// that is higher; the layers are as many as make their mean height closest to `layer_height`, at
 /// least two. Metres; domain_height, layer_height > 0; `ground` not empty.

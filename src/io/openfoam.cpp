@@ -1,0 +1,208 @@
+#include "tetropolis/io/openfoam.h"
+
+#include <bit>
+#include <limits>
+#include <string>
+#include <string_view>
+#include <system_error>
+#include <vector>
+
+#include <fmt/format.h>
+
+#include "tetropolis/core/error.h"
+#include "tetropolis/io/atomic_file.h"
+
+#include "chunked_output.h"
+#include "column_numbers.h"
+
+namespace tetropolis {
+
+namespace {
+
+static_assert(std::endian::native == std::endian::little,
+              "OpenFOAM output writes native byte order");
+
+// Columns and rows formatted at a time by a thread: some hundred kilobytes of output.
+constexpr std::size_t kColumns = 128;
+constexpr std::size_t kRows = 32768;
+
+using Label = std::int32_t;
+
+struct Sizes {
+  std::size_t internal;
+  std::size_t boundary;
+  std::size_t faces() const { return internal + boundary; }
+};
+
+std::string header(std::string_view format, std::string_view type, std::string_view object,
+                   const std::string& note) {
+  std::string text =
+      fmt::format("FoamFile\n{{\n    version     2.0;\n    format      {};\n", format);
+  if (format == "binary") text += "    arch        \"LSB;label=32;scalar=64\";\n";
+  text += fmt::format("    class       {};\n", type);
+  if (!note.empty()) text += fmt::format("    note        \"{}\";\n", note);
+  return text +
+         fmt::format("    location    \"constant/polyMesh\";\n    object      {};\n}}\n\n", object);
+}
+
+/// A binary list is its length, "(", the raw values and ")".
+void begin_list(AtomicFile& file, std::size_t size) { file.write(fmt::format("{}\n(", size)); }
+void end_list(AtomicFile& file) { file.write(")\n"); }
+
+void write_points(AtomicFile& file, const ColumnNumbers& numbers, const Placement& placement) {
+  const std::string note =
+      fmt::format("origin {} {} {}", placement.origin[0], placement.origin[1], placement.origin[2]);
+  file.write(header("binary", "vectorField", "points", note));
+  begin_list(file, static_cast<std::size_t>(numbers.node_count()));
+  write_chunked(file, numbers.mesh.vertex_count(), kColumns,
+                [&](std::size_t begin, std::size_t end, std::string& buffer) {
+                  append_points(numbers.mesh, placement, begin, end, buffer);
+                });
+  end_list(file);
+}
+
+/// Appends what append(face, buffer) does for the internal faces in their order.
+template <typename Append>
+void write_internal(AtomicFile& file, const ColumnNumbers& numbers, const Append& append,
+                    const Progress& progress) {
+  write_chunked(
+      file, numbers.mesh.triangle_count(), kColumns,
+      [&](std::size_t begin, std::size_t end, std::string& buffer) {
+        for_each_internal_face(numbers, begin, end,
+                               [&](const InternalFace& face) { append(face, buffer); });
+      },
+      progress);
+}
+
+/// Likewise for the boundary faces; append(nodes, buffer) gets the corners.
+template <typename Append>
+void write_outer(AtomicFile& file, const SurfaceMesh& surface, const std::vector<Node>& nodes,
+                 const Append& append) {
+  write_chunked(file, surface.triangles.size(), kRows,
+                [&](std::size_t begin, std::size_t end, std::string& buffer) {
+                  for (std::size_t f = begin; f < end; ++f) {
+                    const auto& t = surface.triangles[f];
+                    append(std::array{nodes[static_cast<std::size_t>(t[0])],
+                                      nodes[static_cast<std::size_t>(t[1])],
+                                      nodes[static_cast<std::size_t>(t[2])]},
+                           buffer);
+                  }
+                });
+}
+
+/// A "compact" list of faces: offsets into the list of corners that follows, and that list.
+void write_faces(AtomicFile& file, const ColumnNumbers& numbers, const SurfaceMesh& surface,
+                 const std::vector<Node>& nodes, const Sizes& sizes, const Progress& progress) {
+  file.write(header("binary", "faceCompactList", "faces", ""));
+  begin_list(file, sizes.faces() + 1);
+  write_chunked(file, sizes.faces() + 1, kRows,
+                [&](std::size_t begin, std::size_t end, std::string& buffer) {
+                  for (std::size_t f = begin; f < end; ++f)
+                    append_raw(buffer, static_cast<Label>(3 * f));
+                });
+  end_list(file);
+  begin_list(file, 3 * sizes.faces());
+  write_internal(
+      file, numbers,
+      [](const InternalFace& face, std::string& buffer) {
+        for (const NodeIndex node : face.nodes) append_raw(buffer, static_cast<Label>(node));
+      },
+      progress);
+  write_outer(file, surface, nodes, [&](const std::array<Node, 3>& face, std::string& buffer) {
+    for (const Node& node : face) append_raw(buffer, static_cast<Label>(numbers.node(node)));
+  });
+  end_list(file);
+}
+
+std::string size_note(const ColumnNumbers& numbers, const Sizes& sizes) {
+  return fmt::format("nPoints:{}  nCells:{}  nFaces:{}  nInternalFaces:{}", numbers.node_count(),
+                     numbers.cell_count(), sizes.faces(), sizes.internal);
+}
+
+void write_owner(AtomicFile& file, const ColumnNumbers& numbers, const SurfaceMesh& surface,
+                 const std::vector<Node>& nodes, const Sizes& sizes, const Progress& progress) {
+  file.write(header("binary", "labelList", "owner", size_note(numbers, sizes)));
+  begin_list(file, sizes.faces());
+  write_internal(
+      file, numbers,
+      [](const InternalFace& face, std::string& buffer) {
+        append_raw(buffer, static_cast<Label>(face.owner));
+      },
+      progress);
+  write_outer(file, surface, nodes, [&](const std::array<Node, 3>& face, std::string& buffer) {
+    append_raw(buffer, static_cast<Label>(cell_behind(numbers, face)));
+  });
+  end_list(file);
+}
+
+void write_neighbour(AtomicFile& file, const ColumnNumbers& numbers, const Sizes& sizes,
+                     const Progress& progress) {
+  file.write(header("binary", "labelList", "neighbour", size_note(numbers, sizes)));
+  begin_list(file, sizes.internal);
+  write_internal(
+      file, numbers,
+      [](const InternalFace& face, std::string& buffer) {
+        append_raw(buffer, static_cast<Label>(face.neighbour));
+      },
+      progress);
+  end_list(file);
+}
+
+void write_patches(AtomicFile& file, const SurfaceMesh& surface, const Sizes& sizes) {
+  file.write(header("ascii", "polyBoundaryMesh", "boundary", ""));
+  const auto counts = count_by_patch(surface);
+  std::string text = fmt::format("{}\n(\n", kPatchCount);
+  std::size_t start = sizes.internal;
+  for (int i = 0; i < kPatchCount; ++i) {
+    const auto patch = static_cast<Patch>(i + 1);
+    const auto count = static_cast<std::size_t>(counts[static_cast<std::size_t>(i)]);
+    const bool solid = patch == Patch::kGround || patch == Patch::kRoof || patch == Patch::kWall;
+    text += fmt::format(
+        "    {}\n    {{\n        type            {};\n{}        nFaces          {};\n"
+        "        startFace       {};\n    }}\n",
+        patch_name(patch), solid ? "wall" : "patch",
+        solid ? "        inGroups        1(wall);\n" : "", count, start);
+    start += count;
+  }
+  file.write(text + ")\n");
+}
+
+Sizes count_faces(const std::filesystem::path& folder, const ColumnNumbers& numbers,
+                  const SurfaceMesh& surface) {
+  const std::size_t boundary = surface.triangles.size();
+  const std::size_t sides = 4 * static_cast<std::size_t>(numbers.cell_count());
+  const Sizes sizes{(sides - boundary) / 2, boundary};
+  if (3 * sizes.faces() > static_cast<std::size_t>(std::numeric_limits<Label>::max()))
+    throw Error(ErrorKind::kInput,
+                fmt::format("{}: {} cells are too many for OpenFOAM's 32-bit labels; use a larger "
+                            "mesh size or another format",
+                            folder.string(), numbers.cell_count()));
+  return sizes;
+}
+
+}  // namespace
+
+void write_openfoam(const std::filesystem::path& folder, const ColumnMesh& mesh,
+                    const SurfaceMesh& surface, const Placement& placement,
+                    const Progress& progress) {
+  const ColumnNumbers numbers = number_columns(mesh);
+  const Sizes sizes = count_faces(folder, numbers, surface);
+  const std::vector<Node> nodes = boundary_nodes(mesh, surface);
+  std::error_code error;
+  std::filesystem::create_directories(folder, error);
+  if (error) throw_cannot_write(folder, error.message());
+
+  AtomicFile points(folder / "points");
+  AtomicFile faces(folder / "faces");
+  AtomicFile owner(folder / "owner");
+  AtomicFile neighbour(folder / "neighbour");
+  AtomicFile boundary(folder / "boundary");
+  write_points(points, numbers, placement);
+  write_faces(faces, numbers, surface, nodes, sizes, portion(progress, 0.1, 0.5));
+  write_owner(owner, numbers, surface, nodes, sizes, portion(progress, 0.5, 0.75));
+  write_neighbour(neighbour, numbers, sizes, portion(progress, 0.75, 1));
+  write_patches(boundary, surface, sizes);
+  for (AtomicFile* file : {&points, &faces, &owner, &neighbour, &boundary}) file->commit();
+}
+
+}  // namespace tetropolis

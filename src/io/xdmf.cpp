@@ -1,0 +1,143 @@
+#include "tetropolis/io/xdmf.h"
+
+#include <bit>
+#include <string>
+#include <string_view>
+
+#include <fmt/format.h>
+
+#include "tetropolis/core/error.h"
+#include "tetropolis/io/atomic_file.h"
+
+#include "chunked_output.h"
+#include "column_numbers.h"
+#include "hdf5_output.h"
+
+namespace tetropolis {
+
+namespace {
+
+static_assert(std::endian::native == std::endian::little, "XDMF output writes native byte order");
+
+// Columns and rows formatted at a time by a thread: some hundred kilobytes of output.
+constexpr std::size_t kColumns = 128;
+constexpr std::size_t kRows = 32768;
+
+constexpr std::string_view kGeometry = "/Mesh/mesh/geometry";
+constexpr std::string_view kTopology = "/Mesh/mesh/topology";
+constexpr std::string_view kRegion = "/Mesh/mesh/region";
+constexpr std::string_view kFaces = "/MeshTags/boundary/topology";
+constexpr std::string_view kPatch = "/MeshTags/boundary/patch";
+constexpr std::string_view kBuilding = "/MeshTags/boundary/building";
+
+void write_volume(Hdf5Output& file, const ColumnNumbers& numbers, const Placement& placement,
+                  const Progress& progress) {
+  const ColumnMesh& mesh = numbers.mesh;
+  const auto nodes = static_cast<std::uint64_t>(numbers.node_count());
+  const auto cells = static_cast<std::uint64_t>(numbers.cell_count());
+  file.write(
+      {kGeometry, Hdf5Type::kFloat64, nodes, 3}, mesh.vertex_count(), kColumns,
+      [&](std::size_t begin, std::size_t end, std::string& buffer) {
+        append_points(mesh, placement, begin, end, buffer);
+      },
+      portion(progress, 0, 0.2));
+  file.write(
+      {kTopology, Hdf5Type::kInt64, cells, 4}, mesh.triangle_count(), kColumns,
+      [&](std::size_t begin, std::size_t end, std::string& buffer) {
+        for_each_tet(numbers, begin, end, [&](NodeIndex, const std::array<NodeIndex, 4>& tet) {
+          for (const NodeIndex node : tet) append_raw(buffer, node);
+        });
+      },
+      portion(progress, 0.2, 0.9));
+  file.write({kRegion, Hdf5Type::kInt32, cells, 0}, mesh.triangle_count(), kColumns,
+             [&](std::size_t begin, std::size_t end, std::string& buffer) {
+               for (std::size_t t = begin; t < end; ++t)
+                 for (NodeIndex c = numbers.cells[t]; c < numbers.cells[t + 1]; ++c)
+                   append_raw(buffer, mesh.ground.region[t]);
+             });
+}
+
+void write_boundary(Hdf5Output& file, const ColumnNumbers& numbers, const SurfaceMesh& surface) {
+  const std::vector<Node> nodes = boundary_nodes(numbers.mesh, surface);
+  const std::uint64_t faces = surface.triangles.size();
+  const auto write_rows = [&](const Hdf5Output::Dataset& dataset, const auto& append) {
+    file.write(dataset, faces, kRows, [&](std::size_t begin, std::size_t end, std::string& buffer) {
+      for (std::size_t f = begin; f < end; ++f) append(f, buffer);
+    });
+  };
+  write_rows({kFaces, Hdf5Type::kInt64, faces, 3}, [&](std::size_t f, std::string& buffer) {
+    for (const std::int32_t p : surface.triangles[f])
+      append_raw(buffer, numbers.node(nodes[static_cast<std::size_t>(p)]));
+  });
+  write_rows({kPatch, Hdf5Type::kInt32, faces, 0}, [&](std::size_t f, std::string& buffer) {
+    append_raw(buffer, static_cast<std::int32_t>(surface.patch[f]));
+  });
+  write_rows({kBuilding, Hdf5Type::kInt32, faces, 0},
+             [&](std::size_t f, std::string& buffer) { append_raw(buffer, surface.building[f]); });
+}
+
+std::string data_item(std::string_view number, int precision, const std::string& dimensions,
+                      const std::string& file, std::string_view path) {
+  return fmt::format(
+      "<DataItem NumberType=\"{}\" Precision=\"{}\" Dimensions=\"{}\" "
+      "Format=\"HDF\">{}:{}</DataItem>",
+      number, precision, dimensions, file, path);
+}
+
+std::string topology(std::string_view type, NodeIndex elements, int nodes, const std::string& file,
+                     std::string_view path) {
+  return fmt::format(
+      "<Topology TopologyType=\"{}\" NumberOfElements=\"{}\" NodesPerElement=\"{}\">\n{}\n"
+      "</Topology>\n",
+      type, elements, nodes,
+      data_item("Int", 8, fmt::format("{} {}", elements, nodes), file, path));
+}
+
+std::string attribute(std::string_view name, NodeIndex elements, const std::string& file,
+                      std::string_view path) {
+  return fmt::format(
+      "<Attribute Name=\"{}\" AttributeType=\"Scalar\" Center=\"Cell\">\n{}\n</Attribute>\n", name,
+      data_item("Int", 4, std::to_string(elements), file, path));
+}
+
+/// DOLFINx finds grids by name and takes a grid's first attribute unless told its name.
+std::string description(const ColumnNumbers& numbers, NodeIndex faces, const Placement& placement,
+                        const std::string& file) {
+  const std::string points = fmt::format("{} 3", numbers.node_count());
+  const std::string geometry = fmt::format("<Geometry GeometryType=\"XYZ\">\n{}\n</Geometry>\n",
+                                           data_item("Float", 8, points, file, kGeometry));
+  std::string text =
+      "<?xml version=\"1.0\"?>\n<!DOCTYPE Xdmf SYSTEM \"Xdmf.dtd\" []>\n"
+      "<Xdmf Version=\"3.0\">\n<Domain>\n";
+  text += fmt::format("<Information Name=\"origin\" Value=\"{} {} {}\"/>\n", placement.origin[0],
+                      placement.origin[1], placement.origin[2]);
+  text += "<Grid Name=\"mesh\" GridType=\"Uniform\">\n";
+  text += topology("Tetrahedron", numbers.cell_count(), 4, file, kTopology) + geometry;
+  text += attribute("region", numbers.cell_count(), file, kRegion) + "</Grid>\n";
+  text += "<Grid Name=\"boundary\" GridType=\"Uniform\">\n";
+  text += topology("Triangle", faces, 3, file, kFaces) + geometry;
+  text += attribute("patch", faces, file, kPatch);
+  text += attribute("building", faces, file, kBuilding) + "</Grid>\n";
+  return text + "</Domain>\n</Xdmf>\n";
+}
+
+}  // namespace
+
+void write_xdmf(const std::filesystem::path& path, const ColumnMesh& mesh,
+                const SurfaceMesh& surface, const Placement& placement, const Progress& progress) {
+  // DOLFINx derives the name of the data file from that of the description in the same way.
+  const std::filesystem::path data_path = std::filesystem::path(path).replace_extension(".h5");
+  if (data_path == path)
+    throw_cannot_write(path, "its data need the name with .h5, so it must end in .xdmf");
+  const ColumnNumbers numbers = number_columns(mesh);
+  Hdf5Output data(data_path);
+  write_volume(data, numbers, placement, progress);
+  write_boundary(data, numbers, surface);
+  AtomicFile file(path);
+  file.write(description(numbers, static_cast<NodeIndex>(surface.triangles.size()), placement,
+                         data_path.filename().string()));
+  data.commit();
+  file.commit();
+}
+
+}  // namespace tetropolis

@@ -1,0 +1,158 @@
+#include "tetropolis/io/xdmf.h"
+
+#include <chrono>
+#include <regex>
+#include <thread>
+
+#include <gtest/gtest.h>
+#include <hdf5.h>
+
+#include "mesh_bytes.h"
+#include "support/test_data.h"
+
+namespace tetropolis {
+namespace {
+
+using testing::bytes_of;
+
+/// An HDF5 dataset as it lies in the file.
+template <typename Number>
+struct Dataset {
+  std::vector<hsize_t> shape;
+  std::vector<Number> values;
+};
+
+template <typename Number>
+Dataset<Number> read_dataset(const std::filesystem::path& path, const std::string& name,
+                             hid_t type) {
+  Dataset<Number> result;
+  const hid_t file = H5Fopen(path.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT);
+  const hid_t set = H5Dopen2(file, name.c_str(), H5P_DEFAULT);
+  EXPECT_GE(set, 0) << name;
+  if (set < 0) return result;
+  const hid_t space = H5Dget_space(set);
+  const hid_t stored = H5Dget_type(set);
+  EXPECT_GT(H5Tequal(stored, type), 0) << name;
+  result.shape.resize(static_cast<std::size_t>(H5Sget_simple_extent_ndims(space)));
+  H5Sget_simple_extent_dims(space, result.shape.data(), nullptr);
+  result.values.resize(static_cast<std::size_t>(H5Sget_simple_extent_npoints(space)));
+  EXPECT_GE(H5Dread(set, type, H5S_ALL, H5S_ALL, H5P_DEFAULT, result.values.data()), 0);
+  H5Tclose(stored);
+  H5Sclose(space);
+  H5Dclose(set);
+  H5Fclose(file);
+  return result;
+}
+
+class Xdmf : public ::testing::Test {
+ protected:
+  testing::TemporaryFolder folder;
+  const testing::FormatsCity& city = testing::formats_city();
+
+  void SetUp() override {
+    write_xdmf(folder / "volume.xdmf", city.city.mesh, city.boundary, city.placement);
+  }
+  Dataset<double> doubles(const std::string& name) {
+    return read_dataset<double>(folder / "volume.h5", name, H5T_IEEE_F64LE);
+  }
+  Dataset<std::int64_t> longs(const std::string& name) {
+    return read_dataset<std::int64_t>(folder / "volume.h5", name, H5T_STD_I64LE);
+  }
+  Dataset<std::int32_t> ints(const std::string& name) {
+    return read_dataset<std::int32_t>(folder / "volume.h5", name, H5T_STD_I32LE);
+  }
+};
+
+TEST_F(Xdmf, VolumeComesBackThroughHdf5) {
+  const auto reference = testing::explicit_mesh(city.city.mesh, city.placement.shift);
+  const auto points = doubles("/Mesh/mesh/geometry");
+  EXPECT_EQ(points.shape, (std::vector<hsize_t>{reference.points.size(), 3}));
+  std::vector<double> expected_points;
+  for (const auto& p : reference.points)
+    expected_points.insert(expected_points.end(), p.begin(), p.end());
+  EXPECT_EQ(points.values, expected_points);
+  const auto cells = longs("/Mesh/mesh/topology");
+  EXPECT_EQ(cells.shape, (std::vector<hsize_t>{reference.cells.size(), 4}));
+  std::vector<std::int64_t> expected_cells;
+  for (const auto& c : reference.cells)
+    expected_cells.insert(expected_cells.end(), c.begin(), c.end());
+  EXPECT_EQ(cells.values, expected_cells);
+  const auto region = ints("/Mesh/mesh/region");
+  EXPECT_EQ(region.shape, (std::vector<hsize_t>{reference.cells.size()}));
+  EXPECT_EQ(region.values, reference.region);
+}
+
+TEST_F(Xdmf, BoundaryIsOverTheNodesOfTheVolume) {
+  const auto points = doubles("/Mesh/mesh/geometry").values;
+  const auto faces = longs("/MeshTags/boundary/topology");
+  const auto patch = ints("/MeshTags/boundary/patch").values;
+  const auto building = ints("/MeshTags/boundary/building").values;
+  const auto corners = testing::corners_of(city.boundary, city.placement.shift);
+  ASSERT_EQ(faces.shape, (std::vector<hsize_t>{corners.size(), 3}));
+  ASSERT_EQ(patch.size(), corners.size());
+  ASSERT_EQ(building, city.boundary.building);
+  for (std::size_t f = 0; f < corners.size(); ++f) {
+    ASSERT_EQ(patch[f], static_cast<std::int32_t>(city.boundary.patch[f]));
+    for (std::size_t i = 0; i < 3; ++i)
+      for (std::size_t c = 0; c < 3; ++c)
+        ASSERT_EQ(points.at(static_cast<std::size_t>(faces.values[3 * f + i]) * 3 + c),
+                  corners[f][i][c]);
+  }
+}
+
+TEST_F(Xdmf, DescriptionFitsTheData) {
+  const std::string text = bytes_of(folder / "volume.xdmf");
+  EXPECT_NE(text.find("<Information Name=\"origin\" Value=\"319000 6396000 0\"/>"),
+            std::string::npos);
+  // DOLFINx looks for the grid "mesh" and takes the first attribute of the grid it reads tags from.
+  const std::size_t mesh = text.find("<Grid Name=\"mesh\" GridType=\"Uniform\">");
+  const std::size_t boundary = text.find("<Grid Name=\"boundary\" GridType=\"Uniform\">");
+  ASSERT_NE(mesh, std::string::npos);
+  ASSERT_NE(boundary, std::string::npos);
+  EXPECT_LT(mesh, boundary);
+  EXPECT_LT(text.find("Name=\"patch\"", boundary), text.find("Name=\"building\"", boundary));
+
+  const std::regex item(
+      "<DataItem NumberType=\"(\\w+)\" Precision=\"(\\d)\" Dimensions=\"([\\d ]+)\" "
+      "Format=\"HDF\">volume.h5:([\\w/]+)</DataItem>");
+  int items = 0;
+  for (std::sregex_iterator it(text.begin(), text.end(), item), end; it != end; ++it, ++items) {
+    const std::string name = (*it)[4];
+    std::vector<hsize_t> shape;
+    if ((*it)[1] == "Float")
+      shape = doubles(name).shape;
+    else
+      shape = (*it)[2] == "8" ? longs(name).shape : ints(name).shape;
+    std::string dimensions;
+    for (const hsize_t n : shape) dimensions += (dimensions.empty() ? "" : " ") + std::to_string(n);
+    EXPECT_EQ((*it)[3], dimensions) << name;
+  }
+  EXPECT_EQ(items, 7);  // the points serve both grids
+}
+
+TEST_F(Xdmf, SameBytesAtAnotherTime) {
+  const std::string before = bytes_of(folder / "volume.h5");
+  std::this_thread::sleep_for(std::chrono::milliseconds(1100));  // HDF5 would store seconds
+  SetUp();
+  EXPECT_TRUE(bytes_of(folder / "volume.h5") == before);
+}
+
+TEST_F(Xdmf, NameThatLeavesNoneForTheDataIsRefused) {
+  try {
+    write_xdmf(folder / "mesh.h5", city.city.mesh, city.boundary, {});
+    FAIL() << "no error";
+  } catch (const Error& error) {
+    EXPECT_EQ(error.kind(), ErrorKind::kInput);
+    EXPECT_NE(std::string(error.what()).find("mesh.h5: its data need the name"), std::string::npos);
+  }
+}
+
+TEST_F(Xdmf, EmptyBoundaryIsNoTrouble) {
+  write_xdmf(folder / "open.xdmf", city.city.mesh, {}, {});
+  const auto faces =
+      read_dataset<std::int64_t>(folder / "open.h5", "/MeshTags/boundary/topology", H5T_STD_I64LE);
+  EXPECT_EQ(faces.shape, (std::vector<hsize_t>{0, 3}));
+}
+
+}  // namespace
+}  // namespace tetropolis
