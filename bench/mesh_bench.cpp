@@ -1,9 +1,9 @@
 // Steps 3.1 to 3.5 on the paper's random city: tets per second, and bytes per tet.
-#include <benchmark/benchmark.h>
-#include <sys/resource.h>
-
 #include <algorithm>
 #include <map>
+
+#include <benchmark/benchmark.h>
+#include <sys/resource.h>
 
 #include "tetropolis/city/city_model.h"
 #include "tetropolis/city/clean.h"
@@ -37,10 +37,11 @@ Input make_input(std::int64_t buildings) {
   input.dtm = dtm_grid(city.domain, 1);
   for (std::int32_t j = 0; j < input.dtm.ny; ++j)
     for (std::int32_t i = 0; i < input.dtm.nx; ++i)
-      input.dtm.values[static_cast<std::size_t>(j) * static_cast<std::size_t>(input.dtm.nx) + static_cast<std::size_t>(i)] =
-          synthetic_ground(city.terrain, i, j);
+      input.dtm.values[static_cast<std::size_t>(j) * static_cast<std::size_t>(input.dtm.nx) +
+                       static_cast<std::size_t>(i)] = synthetic_ground(city.terrain, i, j);
   std::vector<Polygon> cleaned;
-  for (const Polygon& footprint : city.footprints) cleaned.push_back(clean_footprint(footprint).polygon);
+  for (const Polygon& footprint : city.footprints)
+    cleaned.push_back(clean_footprint(footprint).polygon);
   const Simplification simple = simplify_footprints(cleaned, city.domain, {});
   input.footprints = simple.footprints;
   for (const auto& members : simple.members) {
@@ -53,7 +54,8 @@ Input make_input(std::int64_t buildings) {
 const Input& cached_input(std::int64_t buildings) {
   static std::map<std::int64_t, Input> inputs;
   const auto found = inputs.find(buildings);
-  return found != inputs.end() ? found->second : inputs.emplace(buildings, make_input(buildings)).first->second;
+  return found != inputs.end() ? found->second
+                               : inputs.emplace(buildings, make_input(buildings)).first->second;
 }
 
 double peak_bytes() {
@@ -83,7 +85,8 @@ void steps_3_1_to_3_5(benchmark::State& state) {
   }
   state.counters["tets"] = cells;
   state.counters["solver_iterations"] = iterations;
-  state.counters["tets/s"] = benchmark::Counter(cells, benchmark::Counter::kIsIterationInvariantRate);
+  state.counters["tets/s"] =
+      benchmark::Counter(cells, benchmark::Counter::kIsIterationInvariantRate);
   state.counters["peak_bytes_per_tet"] = peak_bytes() / cells;
 }
 BENCHMARK(steps_3_1_to_3_5)

@@ -1,11 +1,11 @@
 #include "console.h"
 
-#include <fmt/format.h>
-#include <unistd.h>
-
 #include <cerrno>
 #include <csignal>
 #include <cstring>
+
+#include <fmt/format.h>
+#include <unistd.h>
 
 #include "tetropolis/core/error.h"
 
@@ -25,16 +25,21 @@ void on_interrupt(int signal) {
 bool interrupted() { return interrupt_seen != 0; }
 
 void catch_interrupts() {
-  std::signal(SIGINT, on_interrupt);
-  std::signal(SIGTERM, on_interrupt);
+  for (const int signal : {SIGINT, SIGTERM, SIGHUP}) std::signal(signal, on_interrupt);
+  // A reader that went away or a file that may not grow shows as a failed write, not as a sudden
+  // end.
+  for (const int signal : {SIGPIPE, SIGXFSZ}) std::signal(signal, SIG_IGN);
 }
+
+void put(std::FILE* stream, const std::string& text) { std::fputs(text.c_str(), stream); }
 
 Console::Console(bool quiet, const std::string& log)
     : quiet_(quiet), terminal_(isatty(STDERR_FILENO) == 1) {
   if (log.empty()) return;
   log_ = std::fopen(log.c_str(), "w");
   if (log_ == nullptr)
-    throw Error(ErrorKind::kUsage, fmt::format("--log: {} cannot be written: {}", log, std::strerror(errno)));
+    throw Error(ErrorKind::kUsage,
+                fmt::format("--log: {} cannot be written: {}", log, std::strerror(errno)));
 }
 
 Console::~Console() {
@@ -43,21 +48,21 @@ Console::~Console() {
 }
 
 void Console::clear_bar() {
-  if (bar_) std::fputs("\r\033[K", stderr);
+  if (bar_) put(stderr, "\r\033[K");
   bar_ = false;
 }
 
 void Console::line(const std::string& text) {
-  if (log_ != nullptr) fmt::print(log_, "{}\n", text);
+  if (log_ != nullptr) put(log_, text + "\n");
   if (quiet_) return;
   clear_bar();
-  fmt::print(stderr, "{}\n", text);
+  put(stderr, text + "\n");
 }
 
 void Console::error(const std::string& text) {
   clear_bar();
-  if (log_ != nullptr) fmt::print(log_, "{}\n", text);
-  fmt::print(stderr, "{}\n", text);
+  if (log_ != nullptr) put(log_, text + "\n");
+  put(stderr, text + "\n");
 }
 
 RunHooks Console::hooks() {
@@ -73,7 +78,8 @@ RunHooks Console::hooks() {
     last_percent_ = percent;
     constexpr int width = 30;
     const int filled = percent * width / 100;
-    fmt::print(stderr, "\r\033[K{:<32} [{:=<{}}{:{}}] {:3d} %", step_, "", filled, "", width - filled, percent);
+    put(stderr, fmt::format("\r\033[K{:<32} [{:=<{}}{:{}}] {:3d} %", step_, "", filled, "",
+                            width - filled, percent));
     std::fflush(stderr);
     bar_ = true;
   };

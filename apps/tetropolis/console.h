@@ -31,7 +31,10 @@ class Console {
   std::FILE* log_ = nullptr;
 };
 
-/// Set by Ctrl-C and SIGTERM; a second signal ends the process at once.
+/// Writes `text`; a stream that takes nothing (closed, full) is no reason to fail.
+void put(std::FILE* stream, const std::string& text);
+
+/// Set by Ctrl-C, SIGTERM and SIGHUP; a second signal ends the process at once.
 bool interrupted();
 void catch_interrupts();
 

@@ -1,11 +1,10 @@
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <cctype>
 #include <filesystem>
 #include <map>
 
-#include "commands.h"
+#include <fmt/format.h>
+
 #include "tetropolis/core/error.h"
 #include "tetropolis/geometry/polygon.h"
 #include "tetropolis/io/cityjson.h"
@@ -14,6 +13,8 @@
 #include "tetropolis/io/vector.h"
 #include "tetropolis/io/vtk.h"
 
+#include "commands.h"
+
 namespace tetropolis::app {
 
 namespace {
@@ -21,27 +22,30 @@ namespace {
 std::string crs_text(const std::string& crs) { return crs.empty() ? "not stated" : crs; }
 
 void print_warnings(const std::vector<Warning>& warnings) {
-  for (const Warning& warning : warnings) fmt::print("  note: {}\n", warning.message);
+  for (const Warning& warning : warnings) put(stdout, fmt::format("  note: {}\n", warning.message));
 }
 
 void info_points(const std::string& path) {
   const LasInfo info = inspect_las(path);
-  fmt::print("{}: {} {}.{}, point format {} ({} bytes){}\n", path, info.compressed ? "LAZ" : "LAS",
-             info.version_major, info.version_minor, info.point_format, info.record_length,
-             info.copc ? ", COPC" : "");
-  fmt::print("  points: {}\n  CRS: {}\n", info.point_count, crs_text(info.crs));
-  fmt::print("  header box: x {:.3f} .. {:.3f}, y {:.3f} .. {:.3f}, z {:.3f} .. {:.3f}\n", info.min[0],
-             info.max[0], info.min[1], info.max[1], info.min[2], info.max[2]);
+  put(stdout, fmt::format("{}: {} {}.{}, point format {} ({} bytes){}\n", path,
+                          info.compressed ? "LAZ" : "LAS", info.version_major, info.version_minor,
+                          info.point_format, info.record_length, info.copc ? ", COPC" : ""));
+  put(stdout, fmt::format("  points: {}\n  CRS: {}\n", info.point_count, crs_text(info.crs)));
+  put(stdout,
+      fmt::format("  header box: x {:.3f} .. {:.3f}, y {:.3f} .. {:.3f}, z {:.3f} .. {:.3f}\n",
+                  info.min[0], info.max[0], info.min[1], info.max[1], info.min[2], info.max[2]));
   const std::vector<std::filesystem::path> files{path};
   ReadPointsOptions options;
   options.skipped_classes = {};
   options.keep_withheld = true;
   options.crs = info.crs;
   const PointsInput input = read_points(files, options);
-  for (const auto& [code, count] : input.points_by_class) fmt::print("  class {}: {}\n", code, count);
+  for (const auto& [code, count] : input.points_by_class)
+    put(stdout, fmt::format("  class {}: {}\n", code, count));
   if (!input.extent.empty() && input.extent.width() * input.extent.height() > 0)
-    fmt::print("  density: {:.2f} points/m2 of the points' box\n",
-               static_cast<double>(input.points_kept) / (input.extent.width() * input.extent.height()));
+    put(stdout, fmt::format("  density: {:.2f} points/m2 of the points' box\n",
+                            static_cast<double>(input.points_kept) /
+                                (input.extent.width() * input.extent.height())));
   print_warnings(input.warnings);
 }
 
@@ -55,9 +59,12 @@ void info_city(const std::string& path) {
     lowest = &building == &city.buildings.front() ? height : std::min(lowest, height);
     highest = std::max(highest, height);
   }
-  fmt::print("{}: CityJSON city model\n  buildings: {}, {:.1f} m2, heights {:.1f} .. {:.1f} m\n", path,
-             city.buildings.size(), total, lowest, highest);
-  fmt::print("  dropped features: {}\n  CRS: {}\n", city.dropped.size(), crs_text(city.crs));
+  put(stdout,
+      fmt::format(
+          "{}: CityJSON city model\n  buildings: {}, {:.1f} m2, heights {:.1f} .. {:.1f} m\n", path,
+          city.buildings.size(), total, lowest, highest));
+  put(stdout,
+      fmt::format("  dropped features: {}\n  CRS: {}\n", city.dropped.size(), crs_text(city.crs)));
   print_warnings(warnings);
 }
 
@@ -69,23 +76,30 @@ void info_vector(const std::string& path) {
     total += area(feature.polygon);
     holes += static_cast<std::int64_t>(feature.polygon.holes.size());
   }
-  fmt::print("{}: vector file, layer {}\n  features: {}, polygons: {}, holes: {}\n  CRS: {}\n", path, input.layer,
-             input.features_read, input.features.size(), holes, crs_text(input.crs));
+  put(stdout,
+      fmt::format("{}: vector file, layer {}\n  features: {}, polygons: {}, holes: {}\n  CRS: {}\n",
+                  path, input.layer, input.features_read, input.features.size(), holes,
+                  crs_text(input.crs)));
   if (!input.bounds.empty())
-    fmt::print("  box: x {:.3f} .. {:.3f}, y {:.3f} .. {:.3f}; sum of areas {:.1f} square units\n", input.bounds.xmin,
-               input.bounds.xmax, input.bounds.ymin, input.bounds.ymax, total);
-  for (const Dropped& dropped : input.dropped) fmt::print("  dropped: {}: {}\n", dropped.source_id, dropped.reason);
+    put(stdout,
+        fmt::format(
+            "  box: x {:.3f} .. {:.3f}, y {:.3f} .. {:.3f}; sum of areas {:.1f} square units\n",
+            input.bounds.xmin, input.bounds.xmax, input.bounds.ymin, input.bounds.ymax, total));
+  for (const Dropped& dropped : input.dropped)
+    put(stdout, fmt::format("  dropped: {}: {}\n", dropped.source_id, dropped.reason));
   print_warnings(input.warnings);
 }
 
 void info_raster(const std::string& path) {
   const RasterInput input = read_raster(path, {0, 0});
   const Bounds2 box = input.raster.bounds();
-  const auto [low, high] = std::minmax_element(input.raster.values.begin(), input.raster.values.end());
-  fmt::print("{}: raster, {} x {} nodes, step {}\n  CRS: {}\n", path, input.raster.nx, input.raster.ny,
-             input.raster.step, crs_text(input.crs));
-  fmt::print("  box: x {:.3f} .. {:.3f}, y {:.3f} .. {:.3f}; heights {:.3f} .. {:.3f}\n", box.xmin, box.xmax,
-             box.ymin, box.ymax, *low, *high);
+  const auto [low, high] =
+      std::minmax_element(input.raster.values.begin(), input.raster.values.end());
+  put(stdout, fmt::format("{}: raster, {} x {} nodes, step {}\n  CRS: {}\n", path, input.raster.nx,
+                          input.raster.ny, input.raster.step, crs_text(input.crs)));
+  put(stdout,
+      fmt::format("  box: x {:.3f} .. {:.3f}, y {:.3f} .. {:.3f}; heights {:.3f} .. {:.3f}\n",
+                  box.xmin, box.xmax, box.ymin, box.ymax, *low, *high));
   print_warnings(input.warnings);
 }
 
@@ -93,17 +107,21 @@ void info_volume(const std::string& path) {
   const TetMesh mesh = read_vtu(path);
   std::map<std::int32_t, std::int64_t> over;
   for (const std::int32_t region : mesh.region) ++over[region];
-  fmt::print("{}: volume mesh\n  vertices: {}, tets: {}\n  cells over {} buildings: {}\n", path, mesh.points.size(),
-             mesh.cells.size(), over.size() - over.count(-1),
-             static_cast<std::int64_t>(mesh.cells.size()) - (over.contains(-1) ? over[-1] : 0));
+  put(stdout,
+      fmt::format(
+          "{}: volume mesh\n  vertices: {}, tets: {}\n  cells over {} buildings: {}\n", path,
+          mesh.points.size(), mesh.cells.size(), over.size() - over.count(-1),
+          static_cast<std::int64_t>(mesh.cells.size()) - (over.contains(-1) ? over[-1] : 0)));
 }
 
 void info_surface(const std::string& path) {
   const SurfaceMesh surface = read_vtp(path);
-  fmt::print("{}: boundary\n  vertices: {}, triangles: {}\n", path, surface.points.size(), surface.triangles.size());
+  put(stdout, fmt::format("{}: boundary\n  vertices: {}, triangles: {}\n", path,
+                          surface.points.size(), surface.triangles.size()));
   const auto counts = count_by_patch(surface);
   for (int i = 0; i < kPatchCount; ++i)
-    fmt::print("  {}: {}\n", patch_name(static_cast<Patch>(i + 1)), counts[static_cast<std::size_t>(i)]);
+    put(stdout, fmt::format("  {}: {}\n", patch_name(static_cast<Patch>(i + 1)),
+                            counts[static_cast<std::size_t>(i)]));
 }
 
 std::string lower_case(std::string text) {

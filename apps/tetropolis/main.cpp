@@ -1,20 +1,21 @@
 // The command line: options in, library calls, progress out.
-#include <CLI/CLI.hpp>
-#include <fmt/format.h>
-
 #include <cstdio>
 #include <exception>
 #include <functional>
 #include <memory>
 #include <new>
 
-#include "commands.h"
-#include "console.h"
-#include "options.h"
+#include <CLI/CLI.hpp>
+#include <fmt/format.h>
+
 #include "tetropolis/core/error.h"
 #include "tetropolis/core/version.h"
 #include "tetropolis/io/atomic_file.h"
 #include "tetropolis/pipeline/run.h"
+
+#include "commands.h"
+#include "console.h"
+#include "options.h"
 
 namespace {
 
@@ -26,28 +27,34 @@ constexpr int kInterruptedExit = 130;
 /// The lines after a run: what came out, in one screen.
 void print_summary(const Report& report, Console& console) {
   if (report.input && report.command != "synth")
-    console.line(fmt::format("points     {} read, {} kept", report.input->points_read, report.input->points_kept));
+    console.line(fmt::format("points     {} read, {} kept", report.input->points_read,
+                             report.input->points_kept));
   if (report.command == "synth")
-    console.line(fmt::format("city       {} footprints, {} points", report.input->footprints_read, report.input->points_kept));
+    console.line(fmt::format("city       {} footprints, {} points", report.input->footprints_read,
+                             report.input->points_kept));
   if (report.city)
-    console.line(fmt::format("buildings  {} cleaned, {} after merging, {} features dropped; clearance {:.3f} m",
-                             report.city->raw_buildings, report.city->buildings, report.city->dropped.size(),
-                             report.city->min_clearance));
+    console.line(fmt::format(
+        "buildings  {} cleaned, {} after merging, {} features dropped; clearance {:.3f} m",
+        report.city->raw_buildings, report.city->buildings, report.city->dropped.size(),
+        report.city->min_clearance));
   if (report.ground_mesh)
-    console.line(fmt::format("ground     {} triangles, least angle {:.1f} degrees", report.ground_mesh->triangles,
-                             report.ground_mesh->min_angle_deg));
+    console.line(fmt::format("ground     {} triangles, least angle {:.1f} degrees",
+                             report.ground_mesh->triangles, report.ground_mesh->min_angle_deg));
   if (report.volume_mesh) {
     const VolumeMeshReport& mesh = *report.volume_mesh;
-    console.line(fmt::format("volume     {} tets in {} layers, {} inverted; dihedral angles {:.1f} .. {:.1f} degrees, median of least {:.1f}",
-                             mesh.cells, mesh.layers, mesh.inverted, mesh.dihedral_min, mesh.dihedral_max,
-                             mesh.dihedral_median));
+    console.line(
+        fmt::format("volume     {} tets in {} layers, {} inverted; dihedral angles {:.1f} .. "
+                    "{:.1f} degrees, median of least {:.1f}",
+                    mesh.cells, mesh.layers, mesh.inverted, mesh.dihedral_min, mesh.dihedral_max,
+                    mesh.dihedral_median));
   }
   if (report.surface_mesh)
     console.line(fmt::format("surface    {} triangles, {}, {}", report.surface_mesh->triangles,
                              report.surface_mesh->closed ? "closed" : "open",
                              report.surface_mesh->manifold ? "manifold" : "not manifold"));
   for (const Warning& warning : report.warnings)
-    console.line(fmt::format("note       {}: {} ({})", warning.code, warning.message, warning.count));
+    console.line(
+        fmt::format("note       {}: {} ({})", warning.code, warning.message, warning.count));
   double seconds = 0;
   for (const StepReport& step : report.steps) seconds += step.seconds;
   console.line(fmt::format("done       {:.1f} s, {:.0f} MB at most; results in {}", seconds,
@@ -66,7 +73,7 @@ int run(const ConfigOptions& options, RunFunction function) {
 void init(const std::string& path) {
   const std::string text = config_template(kBuild | kCity | kMesh);
   if (path == "-") {
-    fmt::print("{}", text);
+    put(stdout, text);
     return;
   }
   if (std::filesystem::exists(path))
@@ -89,7 +96,8 @@ std::string usage_message(const CLI::App& app, const CLI::ParseError& error) {
   for (const CLI::App* sub : command->get_subcommands({})) known.push_back(sub->get_name());
   const std::string nearest = nearest_name(unknown, known);
   return fmt::format("unknown argument '{}'{}", unknown,
-                     nearest.empty() ? fmt::format("; see 'tetropolis {}--help'", command == &app ? "" : command->get_name() + " ")
+                     nearest.empty() ? fmt::format("; see 'tetropolis {}--help'",
+                                                   command == &app ? "" : command->get_name() + " ")
                                      : fmt::format("; did you mean '{}'?", nearest));
 }
 
@@ -105,8 +113,10 @@ void declare(CLI::App& app, std::vector<std::unique_ptr<ConfigOptions>>& options
     RunFunction function;
   };
   static constexpr RunCommand kRuns[] = {
-      {"build", "Footprints and points to a city model, a volume mesh and a surface", kBuild, run_build},
-      {"city", "Footprints and points to a city model and a terrain (steps 1 and 2)", kCity, run_city},
+      {"build", "Footprints and points to a city model, a volume mesh and a surface", kBuild,
+       run_build},
+      {"city", "Footprints and points to a city model and a terrain (steps 1 and 2)", kCity,
+       run_city},
       {"mesh", "A city model and a terrain to meshes (step 3)", kMesh, run_mesh},
       {"synth", "Invent a city: footprints.shp and points.laz", kSynth, run_synth},
   };
@@ -119,15 +129,26 @@ void declare(CLI::App& app, std::vector<std::unique_ptr<ConfigOptions>>& options
   }
 
   static std::vector<std::string> files;
-  CLI::App* info_command = app.add_subcommand("info", "What is in a point cloud, vector file, city model, raster or mesh");
+  CLI::App* info_command = app.add_subcommand(
+      "info", "What is in a point cloud, vector file, city model, raster or mesh");
   info_command->add_option("files", files, "Files")->required()->type_name("FILE...");
-  info_command->callback([&action] { action = [] { info(files); return 0; }; });
+  info_command->callback([&action] {
+    action = [] {
+      info(files);
+      return 0;
+    };
+  });
 
   static std::string checked;
   static double min_distance = -1;
-  CLI::App* check_command = app.add_subcommand("check", "Validate a city model, a mesh or a folder of results; exit 1 if a guarantee is broken");
+  CLI::App* check_command = app.add_subcommand(
+      "check",
+      "Validate a city model, a mesh or a folder of results; exit 1 if a guarantee is broken");
   check_command->add_option("path", checked, "File or folder")->required()->type_name("PATH");
-  check_command->add_option("--min-building-distance", min_distance, "Clearance to ask of a city model [m] (default: as in report.json, else 1.0)")->type_name("NUMBER");
+  check_command
+      ->add_option("--min-building-distance", min_distance,
+                   "Clearance to ask of a city model [m] (default: as in report.json, else 1.0)")
+      ->type_name("NUMBER");
   check_command->callback([&action] {
     action = [] {
       Console console(false, "");
@@ -137,16 +158,30 @@ void declare(CLI::App& app, std::vector<std::unique_ptr<ConfigOptions>>& options
 
   static std::string settings = "tetropolis.toml";
   CLI::App* init_command = app.add_subcommand("init", "Write a commented configuration file");
-  init_command->add_option("file", settings, "File to write, '-' for standard output (default tetropolis.toml)")->type_name("FILE");
-  init_command->callback([&action] { action = [] { init(settings); return 0; }; });
+  init_command
+      ->add_option("file", settings,
+                   "File to write, '-' for standard output (default tetropolis.toml)")
+      ->type_name("FILE");
+  init_command->callback([&action] {
+    action = [] {
+      init(settings);
+      return 0;
+    };
+  });
 
-  CLI::App* help_command = app.add_subcommand("settings", "All settings as Markdown tables, for the documentation");
-  help_command->callback([&action] { action = [] { fmt::print("{}", config_markdown()); return 0; }; });
+  CLI::App* help_command =
+      app.add_subcommand("settings", "All settings as Markdown tables, for the documentation");
+  help_command->callback([&action] {
+    action = [] {
+      put(stdout, config_markdown());
+      return 0;
+    };
+  });
 }
 
 int guarded(const std::function<int()>& action) {
   const auto fail = [](const std::string& message, int code) {
-    fmt::print(stderr, "tetropolis: {}\n", message);
+    put(stderr, fmt::format("tetropolis: {}\n", message));
     return code;
   };
   try {
@@ -166,7 +201,8 @@ int guarded(const std::function<int()>& action) {
 
 int main(int argc, char** argv) {
   catch_interrupts();
-  CLI::App app{"Tetropolis: from building footprints and LiDAR to simulation-ready city meshes", "tetropolis"};
+  CLI::App app{"Tetropolis: from building footprints and LiDAR to simulation-ready city meshes",
+               "tetropolis"};
   std::vector<std::unique_ptr<ConfigOptions>> options;
   std::function<int()> action;
   declare(app, options, action);
@@ -175,7 +211,7 @@ int main(int argc, char** argv) {
   } catch (const CLI::Success& success) {
     return app.exit(success);
   } catch (const CLI::ParseError& error) {
-    fmt::print(stderr, "tetropolis: {}\n", usage_message(app, error));
+    put(stderr, fmt::format("tetropolis: {}\n", usage_message(app, error)));
     return static_cast<int>(ErrorKind::kUsage);
   }
   return guarded(action);

@@ -29,7 +29,8 @@ std::string description(const ConfigField& field) {
   std::string text(field.help);
   if (!field.unit.empty() && field.name != "bounds") text += fmt::format(" [{}]", field.unit);
   const std::string value = value_text(field, defaults);
-  if (!is_switch(field) && value != "\"\"" && value != "[]") text += fmt::format(" (default {})", value);
+  if (!is_switch(field) && value != "\"\"" && value != "[]")
+    text += fmt::format(" (default {})", value);
   return text;
 }
 

@@ -1,10 +1,11 @@
 // Options of the command line, made from the list of settings.
 #pragma once
 
-#include <CLI/CLI.hpp>
 #include <map>
 #include <string>
 #include <vector>
+
+#include <CLI/CLI.hpp>
 
 #include "tetropolis/pipeline/config.h"
 

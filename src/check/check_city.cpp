@@ -1,12 +1,13 @@
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <cmath>
 #include <limits>
 #include <map>
 #include <tuple>
 
+#include <fmt/format.h>
+
 #include "tetropolis/check/check_mesh.h"
+
 #include "violations.h"
 
 namespace tetropolis {
@@ -74,14 +75,17 @@ void check_rings(const CityModel& city, CityCheck& check) {
   for (const Building& building : city.buildings) {
     const auto place = [&] { return "building " + building.id; };
     const Polygon& polygon = building.footprint;
-    if (polygon.outer.size() < 3) note_violation(check.violations, "footprints with fewer than 3 vertices", place);
-    if (!(twice_area(polygon.outer) > 0)) note_violation(check.violations, "outer rings not counter-clockwise", place);
+    if (polygon.outer.size() < 3)
+      note_violation(check.violations, "footprints with fewer than 3 vertices", place);
+    if (!(twice_area(polygon.outer) > 0))
+      note_violation(check.violations, "outer rings not counter-clockwise", place);
     check.area += twice_area(polygon.outer) / 2;
     for (const Ring& hole : polygon.holes) {
       if (!(twice_area(hole) < 0)) note_violation(check.violations, "holes not clockwise", place);
       check.area += twice_area(hole) / 2;
     }
-    if (!(building.h_roof > building.h_ground)) note_violation(check.violations, "roofs not above the ground", place);
+    if (!(building.h_roof > building.h_ground))
+      note_violation(check.violations, "roofs not above the ground", place);
   }
 }
 
@@ -89,13 +93,15 @@ void check_account(const CityModel& city, CityCheck& check) {
   std::map<std::string, int> seen;
   for (const Building& building : city.buildings) {
     if (building.source_ids.empty())
-      note_violation(check.violations, "buildings without source", [&] { return "building " + building.id; });
+      note_violation(check.violations, "buildings without source",
+                     [&] { return "building " + building.id; });
     for (const std::string& id : building.source_ids) ++seen[id];
   }
   for (const Dropped& dropped : city.dropped) ++seen[dropped.source_id];
   for (const auto& [id, count] : seen)
     if (count > 1)
-      note_violation(check.violations, "input features accounted for more than once", [&, id = id] { return "feature " + id; });
+      note_violation(check.violations, "input features accounted for more than once",
+                     [&, id = id] { return "feature " + id; });
 }
 
 /// Sweeps over the edges by their left ends; only edges within `reach` of each other in x meet.
@@ -112,15 +118,17 @@ void check_pairs(const CityModel& city, double reach, bool may_touch, CityCheck&
         continue;
       const bool same_building = e.building == f->building;
       const auto place = [&] {
-        return fmt::format("buildings {} and {} near ({:.4f}, {:.4f})", city.buildings[e.building].id,
-                           city.buildings[f->building].id, e.a.x + city.origin.x, e.a.y + city.origin.y);
+        return fmt::format("buildings {} and {} near ({:.4f}, {:.4f})",
+                           city.buildings[e.building].id, city.buildings[f->building].id,
+                           e.a.x + city.origin.x, e.a.y + city.origin.y);
       };
       if ((same_building || !may_touch) && cross_properly(e, *f))
         note_violation(check.violations, "rings that cross", place);
       if (may_touch && !same_building) continue;
       for (const auto& [p, s] : {std::pair{e.a, f}, {e.b, f}, {f->a, &e}, {f->b, &e}}) {
         if (p == s->a || p == s->b) {
-          // Neighbouring edges of a ring share a vertex; anything else that coincides is a violation.
+          // Neighbouring edges of a ring share a vertex; anything else that coincides is a
+          // violation.
           if (!adjacent(e, *f)) check.min_clearance = 0;
           continue;
         }
@@ -154,7 +162,8 @@ CityCheck check_city(const CityModel& city, std::optional<double> min_distance) 
   if (min_distance) {
     if (check.min_clearance < *min_distance)
       note_violation(check.violations, "clearance below the threshold", [&] {
-        return fmt::format("least clearance {:.6f} m, {} m asked", check.min_clearance, *min_distance);
+        return fmt::format("least clearance {:.6f} m, {} m asked", check.min_clearance,
+                           *min_distance);
       });
     if (!city.domain.empty()) check_domain_distance(city, *min_distance, check);
   }

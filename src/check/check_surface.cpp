@@ -1,12 +1,14 @@
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <cmath>
 #include <limits>
 #include <map>
+#include <tuple>
 #include <utility>
 
+#include <fmt/format.h>
+
 #include "tetropolis/check/check_mesh.h"
+
 #include "violations.h"
 
 namespace tetropolis {
@@ -47,7 +49,8 @@ const char* tag_violation(const std::array<Vector3, 3>& p, const Vector3& normal
   const double steepness = std::hypot(normal[0], normal[1]);
   const bool has_building = patch == Patch::kRoof || patch == Patch::kWall;
   if (has_building != (building >= 0))
-    return has_building ? "roof or wall faces without building" : "faces with a building that are neither roof nor wall";
+    return has_building ? "roof or wall faces without building"
+                        : "faces with a building that are neither roof nor wall";
   switch (patch) {
     case Patch::kGround:
       return normal[2] < 0 ? nullptr : "ground faces that do not face down";
@@ -70,6 +73,27 @@ const char* tag_violation(const std::array<Vector3, 3>& p, const Vector3& normal
   return "faces without a patch";
 }
 
+/// Buildings stand apart, so faces of two of them share no edge.
+void check_neighbouring_buildings(const SurfaceMesh& surface, SurfaceCheck& check) {
+  std::vector<std::tuple<std::int32_t, std::int32_t, BuildingIndex>> edges;
+  for (std::size_t f = 0; f < surface.triangles.size(); ++f) {
+    if (surface.patch[f] != Patch::kRoof && surface.patch[f] != Patch::kWall) continue;
+    const auto& t = surface.triangles[f];
+    for (std::size_t i = 0; i < 3; ++i)
+      edges.emplace_back(std::min(t[i], t[(i + 1) % 3]), std::max(t[i], t[(i + 1) % 3]),
+                         surface.building[f]);
+  }
+  std::sort(edges.begin(), edges.end());
+  for (std::size_t i = 1; i < edges.size(); ++i) {
+    const auto [a, b, building] = edges[i];
+    const auto [c, d, other] = edges[i - 1];
+    if (a == c && b == d && building != other)
+      note_violation(
+          check.violations, "neighbouring roof and wall faces of different buildings",
+          [&, x = building, y = other] { return fmt::format("buildings {} and {}", y, x); });
+  }
+}
+
 void check_edges(const SurfaceMesh& surface, SurfaceCheck& check) {
   std::vector<std::pair<std::int32_t, std::int32_t>> directed;
   for (const auto& t : surface.triangles)
@@ -78,7 +102,9 @@ void check_edges(const SurfaceMesh& surface, SurfaceCheck& check) {
   check.closed = check.manifold = true;
   for (std::size_t i = 0; i < directed.size(); ++i) {
     const auto [a, b] = directed[i];
-    const auto place = [&, a = a, b = b] { return fmt::format("edge between vertices {} and {}", a, b); };
+    const auto place = [&, a = a, b = b] {
+      return fmt::format("edge between vertices {} and {}", a, b);
+    };
     if (i > 0 && directed[i] == directed[i - 1]) {
       check.manifold = false;
       note_violation(check.violations, "edges used twice in one direction", place);
@@ -119,7 +145,8 @@ SurfaceCheck check_surface(const SurfaceMesh& surface) {
   SurfaceCheck check;
   check.vertices = static_cast<std::int64_t>(surface.points.size());
   check.triangles = static_cast<std::int64_t>(surface.triangles.size());
-  if (surface.triangles.empty()) note_violation(check.violations, "no faces", [] { return "the file"; });
+  if (surface.triangles.empty())
+    note_violation(check.violations, "no faces", [] { return "the file"; });
   const Box box = bounding_box(surface);
   std::map<BuildingIndex, double> roof;
   for (std::size_t f = 0; f < surface.triangles.size(); ++f) {
@@ -128,7 +155,8 @@ SurfaceCheck check_surface(const SurfaceMesh& surface) {
     const auto place = [&] {
       return fmt::format("face {} at ({:.3f}, {:.3f}, {:.3f})", f, p[0][0], p[0][1], p[0][2]);
     };
-    const double size = std::sqrt(normal[0] * normal[0] + normal[1] * normal[1] + normal[2] * normal[2]);
+    const double size =
+        std::sqrt(normal[0] * normal[0] + normal[1] * normal[1] + normal[2] * normal[2]);
     check.area += size;
     if (!(size > 0)) note_violation(check.violations, "faces without area", place);
     for (std::size_t d = 0; d < 3; ++d)
@@ -137,10 +165,12 @@ SurfaceCheck check_surface(const SurfaceMesh& surface) {
     ++check.faces_by_patch[static_cast<std::size_t>(patch) - 1];
     if (const char* what = tag_violation(p, normal, patch, surface.building[f], box))
       note_violation(check.violations, what, place);
-    if (patch == Patch::kRoof && roof.try_emplace(surface.building[f], p[0][2]).first->second != p[0][2])
+    if (patch == Patch::kRoof &&
+        roof.try_emplace(surface.building[f], p[0][2]).first->second != p[0][2])
       note_violation(check.violations, "roofs of one building at different heights", place);
   }
   check_edges(surface, check);
+  check_neighbouring_buildings(surface, check);
   return check;
 }
 
@@ -200,7 +230,8 @@ HeightsCheck check_heights(const SurfaceMesh& surface, std::array<double, 3> shi
     if (error < 0 && on_wall[v])
       ++check.lowered;
     else
-      note_violation(check.violations, "ground vertices off the terrain", [&] { return place(v, wanted); });
+      note_violation(check.violations, "ground vertices off the terrain",
+                     [&] { return place(v, wanted); });
   }
   for (const auto& [vertex, building] : roof_building) {
     ++check.roof_vertices;
@@ -212,7 +243,8 @@ HeightsCheck check_heights(const SurfaceMesh& surface, std::array<double, 3> shi
     }
     const double wanted = city.buildings[static_cast<std::size_t>(building)].h_roof;
     if (!(std::abs(surface.points[v][2] + shift[2] - wanted) <= kHeightTolerance))
-      note_violation(check.violations, "roof vertices off the roof height", [&] { return place(v, wanted); });
+      note_violation(check.violations, "roof vertices off the roof height",
+                     [&] { return place(v, wanted); });
   }
   return check;
 }

@@ -1,5 +1,3 @@
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -7,8 +5,11 @@
 #include <span>
 #include <tuple>
 
+#include <fmt/format.h>
+
 #include "tetropolis/check/check_mesh.h"
 #include "tetropolis/core/parallel.h"
+
 #include "violations.h"
 
 namespace tetropolis {
@@ -73,19 +74,22 @@ Distribution distribution(std::vector<float>& values) {
 std::string place_of(const TetMesh& mesh, std::size_t c) {
   Vector3 centre{0, 0, 0};
   for (const std::int64_t v : mesh.cells[c])
-    for (std::size_t d = 0; d < 3; ++d) centre[d] += mesh.points[static_cast<std::size_t>(v)][d] / 4;
+    for (std::size_t d = 0; d < 3; ++d)
+      centre[d] += mesh.points[static_cast<std::size_t>(v)][d] / 4;
   return fmt::format("cell {} at ({:.3f}, {:.3f}, {:.3f})", c, centre[0], centre[1], centre[2]);
 }
 
 void measure_cells(const TetMesh& mesh, VolumeCheck& check, const Progress& progress) {
   constexpr double degrees = 180 / std::numbers::pi;
-  std::vector<float> angles(mesh.cells.size()), greatest(mesh.cells.size()), aspects(mesh.cells.size());
+  std::vector<float> angles(mesh.cells.size()), greatest(mesh.cells.size()),
+      aspects(mesh.cells.size());
   std::vector<double> volumes(mesh.cells.size());
   progress.update(0);
   parallel_chunks(mesh.cells.size(), 16384, [&](std::size_t begin, std::size_t end) {
     for (std::size_t c = begin; c < end; ++c) {
       std::array<Vector3, 4> p;
-      for (std::size_t i = 0; i < 4; ++i) p[i] = mesh.points[static_cast<std::size_t>(mesh.cells[c][i])];
+      for (std::size_t i = 0; i < 4; ++i)
+        p[i] = mesh.points[static_cast<std::size_t>(mesh.cells[c][i])];
       const CellShape shape = cell_shape(p);
       volumes[c] = shape.volume;
       angles[c] = static_cast<float>(shape.min_angle * degrees);
@@ -114,7 +118,8 @@ void check_vertices(const TetMesh& mesh, VolumeCheck& check) {
   for (std::size_t v = 0; v < mesh.points.size(); ++v) {
     const auto place = [&] { return fmt::format("vertex {}", v); };
     if (!used[v]) note_violation(check.violations, "vertices without cells", place);
-    if (std::all_of(mesh.points[v].begin(), mesh.points[v].end(), [](double x) { return std::isfinite(x); }))
+    if (std::all_of(mesh.points[v].begin(), mesh.points[v].end(),
+                    [](double x) { return std::isfinite(x); }))
       order.push_back(v);
     else
       note_violation(check.violations, "coordinates that are not finite", place);
@@ -124,9 +129,8 @@ void check_vertices(const TetMesh& mesh, VolumeCheck& check) {
   });
   for (std::size_t i = 1; i < order.size(); ++i)
     if (mesh.points[order[i]] == mesh.points[order[i - 1]])
-      note_violation(check.violations, "coincident vertices", [&] {
-        return fmt::format("vertices {} and {}", order[i - 1], order[i]);
-      });
+      note_violation(check.violations, "coincident vertices",
+                     [&] { return fmt::format("vertices {} and {}", order[i - 1], order[i]); });
 }
 
 struct FaceUse {
@@ -145,7 +149,8 @@ struct FaceTable {
   std::vector<FaceUse> uses;
 };
 
-/// Calls use(lowest vertex, the face) for the faces of all cells with a lowest vertex in [begin, end).
+/// Calls use(lowest vertex, the face) for the faces of all cells with a lowest vertex in [begin,
+/// end).
 template <typename Use>
 void for_each_face(const TetMesh& mesh, std::int64_t begin, std::int64_t end, const Use& use) {
   for (std::size_t c = 0; c < mesh.cells.size(); ++c)
@@ -162,7 +167,8 @@ void for_each_face(const TetMesh& mesh, std::int64_t begin, std::int64_t end, co
 FaceTable file_faces(const TetMesh& mesh, std::int64_t begin, std::int64_t end) {
   FaceTable table;
   table.offsets.assign(static_cast<std::size_t>(end - begin) + 1, 0);
-  for_each_face(mesh, begin, end, [&](std::size_t low, const FaceUse&) { ++table.offsets[low + 1]; });
+  for_each_face(mesh, begin, end,
+                [&](std::size_t low, const FaceUse&) { ++table.offsets[low + 1]; });
   for (std::size_t i = 1; i < table.offsets.size(); ++i) table.offsets[i] += table.offsets[i - 1];
   table.uses.resize(table.offsets.back());
   std::vector<std::size_t> next(table.offsets.begin(), table.offsets.end() - 1);
@@ -175,7 +181,8 @@ FaceTable file_faces(const TetMesh& mesh, std::int64_t begin, std::int64_t end) 
 void match_faces(const TetMesh& mesh, std::int64_t begin, std::int64_t end, VolumeCheck& check) {
   FaceTable table = file_faces(mesh, begin, end);
   const auto row = [&](std::size_t low) {
-    return std::span(table.uses).subspan(table.offsets[low], table.offsets[low + 1] - table.offsets[low]);
+    return std::span(table.uses)
+        .subspan(table.offsets[low], table.offsets[low + 1] - table.offsets[low]);
   };
   parallel_chunks(table.offsets.size() - 1, 4096, [&](std::size_t first, std::size_t last) {
     for (std::size_t low = first; low < last; ++low)
@@ -186,11 +193,12 @@ void match_faces(const TetMesh& mesh, std::int64_t begin, std::int64_t end, Volu
   for (std::int64_t low = begin; low < end; ++low) {
     const auto faces = row(static_cast<std::size_t>(low - begin));
     for (std::size_t i = 0, j = 0; i < faces.size(); i = j) {
-      while (j < faces.size() && faces[j].mid == faces[i].mid && faces[j].high == faces[i].high) ++j;
+      while (j < faces.size() && faces[j].mid == faces[i].mid && faces[j].high == faces[i].high)
+        ++j;
       if (j - i == 1)
-        check.boundary.push_back(faces[i].even
-                                     ? std::array<std::int64_t, 3>{low, faces[i].mid, faces[i].high}
-                                     : std::array<std::int64_t, 3>{low, faces[i].high, faces[i].mid});
+        check.boundary.push_back(
+            faces[i].even ? std::array<std::int64_t, 3>{low, faces[i].mid, faces[i].high}
+                          : std::array<std::int64_t, 3>{low, faces[i].high, faces[i].mid});
       else if (j - i > 2)
         note_violation(check.violations, "faces of more than two cells",
                        [&] { return place_of(mesh, faces[i].cell); });
@@ -219,11 +227,10 @@ void check_boundary(VolumeCheck& check) {
     while (j < halves.size() && halves[j].low == halves[i].low && halves[j].high == halves[i].high)
       ++j;
     if (j - i == 2 && halves[i].forward != halves[i + 1].forward) continue;
-    note_violation(check.violations,
-                   j - i < 2 ? "open boundary edges" : "non-manifold boundary edges", [&] {
-                     return fmt::format("edge between vertices {} and {}", halves[i].low,
-                                        halves[i].high);
-                   });
+    note_violation(
+        check.violations, j - i < 2 ? "open boundary edges" : "non-manifold boundary edges", [&] {
+          return fmt::format("edge between vertices {} and {}", halves[i].low, halves[i].high);
+        });
   }
 }
 

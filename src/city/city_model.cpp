@@ -7,10 +7,15 @@ namespace tetropolis {
 
 namespace {
 
-constexpr std::array kFlagNames = {
-    "ground_from_dtm", "roof_from_unclassified", "roof_from_attribute",
-    "no_roof_points",  "minimum_height",         "merged",
-    "convex_hull",     "repaired",               "clipped"};
+constexpr std::array kFlagNames = {"ground_from_dtm",
+                                   "roof_from_unclassified",
+                                   "roof_from_attribute",
+                                   "no_roof_points",
+                                   "minimum_height",
+                                   "merged",
+                                   "convex_hull",
+                                   "repaired",
+                                   "clipped"};
 
 }  // namespace
 

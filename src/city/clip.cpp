@@ -3,9 +3,10 @@
 #include <algorithm>
 #include <array>
 
-#include "geometry/geos.h"
 #include "tetropolis/city/city_model.h"
 #include "tetropolis/geometry/polygon.h"
+
+#include "geometry/geos.h"
 
 namespace tetropolis {
 
@@ -13,7 +14,8 @@ DomainPosition position_in_domain(const Polygon& polygon, const Bounds2& domain)
   const Bounds2 box = bounds(polygon);
   if (box.empty()) return DomainPosition::kInside;
   if (!box.intersects(domain)) return DomainPosition::kOutside;
-  const bool inside = domain.contains({box.xmin, box.ymin}) && domain.contains({box.xmax, box.ymax});
+  const bool inside =
+      domain.contains({box.xmin, box.ymin}) && domain.contains({box.xmax, box.ymax});
   return inside ? DomainPosition::kInside : DomainPosition::kCrossing;
 }
 
@@ -22,9 +24,9 @@ Polygon clip_to_box(const Polygon& polygon, const Bounds2& box) {
       {{box.xmin, box.ymin}, {box.xmax, box.ymin}, {box.xmax, box.ymax}, {box.xmin, box.ymax}}, {}};
   const auto parts = geos::intersect(std::array{polygon}, std::array{rectangle}, kCoordinateStep);
   if (!parts || parts->empty()) return {};
-  Polygon largest = *std::max_element(
-      parts->begin(), parts->end(),
-      [](const Polygon& a, const Polygon& b) { return area(a) < area(b); });
+  Polygon largest =
+      *std::max_element(parts->begin(), parts->end(),
+                        [](const Polygon& a, const Polygon& b) { return area(a) < area(b); });
   for (Point2& p : largest.outer) p = snap_coordinate(p);
   for (Ring& hole : largest.holes)
     for (Point2& p : hole) p = snap_coordinate(p);

@@ -12,9 +12,9 @@
 
 namespace tetropolis {
 
-/// Cuts [0, size) into chunks of `grain`, lets format(begin, end, buffer) append each chunk's bytes to
-/// its own buffer, a batch of chunks at a time in parallel, and writes the buffers in order. Memory is
-/// that of one batch.
+/// Cuts [0, size) into chunks of `grain`, lets format(begin, end, buffer) append each chunk's bytes
+/// to its own buffer, a batch of chunks at a time in parallel, and writes the buffers in order.
+/// Memory is that of one batch.
 template <typename Format>
 void write_chunked(AtomicFile& file, std::size_t size, std::size_t grain, const Format& format,
                    const Progress& progress = {}) {

@@ -1,9 +1,9 @@
 #include "tetropolis/io/stl.h"
 
-#include <fmt/format.h>
-
 #include <cmath>
 #include <iterator>
+
+#include <fmt/format.h>
 
 #include "chunked_output.h"
 

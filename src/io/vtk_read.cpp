@@ -66,13 +66,16 @@ VtkFile open_vtk(const std::filesystem::path& path, const std::string& type,
   file.stream.seekg(0, std::ios::end);
   file.size = static_cast<std::uint64_t>(file.stream.tellg());
 
-  if (head.find("<VTKFile") == std::string::npos || head.find("type=\"" + type + "\"") == std::string::npos)
+  if (head.find("<VTKFile") == std::string::npos ||
+      head.find("type=\"" + type + "\"") == std::string::npos)
     file.fail("is not a VTK XML file of type " + type);
   const std::size_t appended = head.find("<AppendedData");
   if (appended == std::string::npos || head.find("encoding=\"raw\"", appended) == std::string::npos)
     file.fail("has no raw appended data; write it again with that data mode");
-  if (head.find("header_type=\"UInt64\"") == std::string::npos || head.find("compressor=") < appended)
-    file.fail("is compressed or has 32-bit headers; write it again uncompressed, with 64-bit headers");
+  if (head.find("header_type=\"UInt64\"") == std::string::npos ||
+      head.find("compressor=") < appended)
+    file.fail(
+        "is compressed or has 32-bit headers; write it again uncompressed, with 64-bit headers");
   const std::size_t underscore = head.find('_', head.find('>', appended));
   if (underscore == std::string::npos) file.fail("has no appended data");
   file.data_start = underscore + 1;
@@ -113,7 +116,7 @@ std::vector<Value> read_array(VtkFile& file, const std::string& name, std::uint6
   const auto found = file.arrays.find(name);
   if (found == file.arrays.end()) file.fail("has no appended array " + name);
   const std::string& type = found->second.type;
-  const std::uint64_t width = type == "Float64" || type == "Int64"                      ? 8
+  const std::uint64_t width = type == "Float64" || type == "Int64"                       ? 8
                               : type == "Float32" || type == "Int32" || type == "UInt32" ? 4
                               : type == "UInt8"                                          ? 1
                                                                                          : 0;
@@ -172,7 +175,9 @@ TetMesh read_vtu(const std::filesystem::path& path) {
   VtkFile file = open_vtk(path, "UnstructuredGrid", "NumberOfCells");
   constexpr std::uint8_t kVtkTetra = 10;
   for (const std::uint8_t type : read_array<std::uint8_t>(file, "types", file.cells))
-    if (type != kVtkTetra) file.fail("has a cell of VTK type " + std::to_string(type) + "; only tets (10) are supported");
+    if (type != kVtkTetra)
+      file.fail("has a cell of VTK type " + std::to_string(type) +
+                "; only tets (10) are supported");
   TetMesh mesh;
   mesh.points = read_points(file);
   mesh.cells = read_cells<4, std::int64_t>(file);

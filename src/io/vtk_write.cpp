@@ -1,14 +1,15 @@
-#include <fmt/format.h>
-
 #include <bit>
 #include <cstdint>
 #include <limits>
 #include <string>
 #include <string_view>
 
-#include "chunked_output.h"
+#include <fmt/format.h>
+
 #include "tetropolis/io/atomic_file.h"
 #include "tetropolis/io/vtk.h"
+
+#include "chunked_output.h"
 
 namespace tetropolis {
 
@@ -135,7 +136,8 @@ void write_vtu(const std::filesystem::path& path, const ColumnMesh& mesh,
   head += array_tag({integer, "connectivity", 0, cells * 4 * width}, offset);
   head += array_tag({integer, "offsets", 0, cells * width}, offset);
   head += array_tag({"UInt8", "types", 0, cells}, offset);
-  head += "</Cells>\n<CellData Scalars=\"region\">\n" + array_tag(regions, offset) + "</CellData>\n";
+  head +=
+      "</Cells>\n<CellData Scalars=\"region\">\n" + array_tag(regions, offset) + "</CellData>\n";
   head += file_middle("UnstructuredGrid");
   file.write(head);
   write_points(file, mesh, placement, points.bytes);
@@ -176,7 +178,8 @@ void write_vtp(const std::filesystem::path& path, const SurfaceMesh& surface,
                   });
   };
   write_array(points * 24, points, [&](std::size_t i, std::string& buffer) {
-    for (std::size_t c = 0; c < 3; ++c) append_raw(buffer, surface.points[i][c] + placement.shift[c]);
+    for (std::size_t c = 0; c < 3; ++c)
+      append_raw(buffer, surface.points[i][c] + placement.shift[c]);
   });
   write_array(faces * 12, faces, [&](std::size_t i, std::string& buffer) {
     for (const std::int32_t v : surface.triangles[i]) append_raw(buffer, v);

@@ -1,8 +1,8 @@
 #include "tetropolis/pipeline/check_results.h"
 
-#include <fmt/format.h>
-
 #include <fstream>
+
+#include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
 #include "tetropolis/core/error.h"
@@ -40,11 +40,13 @@ CheckedFile describe(const std::string& name, const VolumeCheck& check) {
   file.facts = {
       fmt::format("{} vertices, {} tets, {} inverted", check.vertices, check.cells, check.inverted),
       fmt::format("volume {:.3f} m3, {} boundary faces", check.volume, check.boundary_faces),
-      fmt::format("dihedral angles: least {:.2f}, 0.01 % {:.2f}, 0.1 % {:.2f}, 1 % {:.2f}, median of least {:.2f}, "
+      fmt::format("dihedral angles: least {:.2f}, 0.01 % {:.2f}, 0.1 % {:.2f}, 1 % {:.2f}, median "
+                  "of least {:.2f}, "
                   "greatest {:.2f} degrees",
-                  angle.min, angle.p0_01, angle.p0_1, angle.p1, angle.median, check.max_dihedral_deg),
-      fmt::format("aspect ratio: median {:.2f}, 99 % {:.2f}, greatest {:.2f}", check.aspect_ratio.median,
-                  check.aspect_ratio.p99, check.aspect_ratio.max)};
+                  angle.min, angle.p0_01, angle.p0_1, angle.p1, angle.median,
+                  check.max_dihedral_deg),
+      fmt::format("aspect ratio: median {:.2f}, 99 % {:.2f}, greatest {:.2f}",
+                  check.aspect_ratio.median, check.aspect_ratio.p99, check.aspect_ratio.max)};
   return file;
 }
 
@@ -54,9 +56,10 @@ CheckedFile describe(const std::string& name, const SurfaceCheck& check) {
   for (int i = 0; i < kPatchCount; ++i)
     patches += fmt::format("{}{} {}", i == 0 ? "" : ", ", patch_name(static_cast<Patch>(i + 1)),
                            check.faces_by_patch[static_cast<std::size_t>(i)]);
-  file.facts = {fmt::format("{} triangles, {}, {}", check.triangles, check.closed ? "closed" : "open",
-                            check.manifold ? "manifold" : "not manifold"),
-                fmt::format("encloses {:.3f} m3", check.enclosed_volume), "faces: " + patches};
+  file.facts = {
+      fmt::format("{} triangles, {}, {}", check.triangles, check.closed ? "closed" : "open",
+                  check.manifold ? "manifold" : "not manifold"),
+      fmt::format("encloses {:.3f} m3", check.enclosed_volume), "faces: " + patches};
   return file;
 }
 
@@ -67,8 +70,11 @@ CheckedFile check_city_file(const fs::path& path, std::optional<double> min_dist
   if (!min_distance && !raw) min_distance = asked_distance(report);
   const CityCheck check = check_city(city, min_distance);
   CheckedFile file{path.filename().string(), {}, check.violations};
-  file.facts = {fmt::format("{} buildings, {} dropped features, {:.1f} m2", check.buildings, check.dropped, check.area)};
-  if (min_distance) file.facts.push_back(fmt::format("clearance {:.6f} m, {} m asked", check.min_clearance, *min_distance));
+  file.facts = {fmt::format("{} buildings, {} dropped features, {:.1f} m2", check.buildings,
+                            check.dropped, check.area)};
+  if (min_distance)
+    file.facts.push_back(
+        fmt::format("clearance {:.6f} m, {} m asked", check.min_clearance, *min_distance));
   return file;
 }
 
@@ -83,7 +89,8 @@ void compare_with_report(const Json& report, const VolumeCheck& volume, const Su
   };
   const Json& mesh = report["volume_mesh"];
   compare("number of cells", mesh.value("cells", -1.0), static_cast<double>(volume.cells), 0);
-  compare("number of vertices", mesh.value("vertices", -1.0), static_cast<double>(volume.vertices), 0);
+  compare("number of vertices", mesh.value("vertices", -1.0), static_cast<double>(volume.vertices),
+          0);
   compare("inverted cells", mesh.value("inverted", -1.0), static_cast<double>(volume.inverted), 0);
   compare("volume", mesh.value("volume", -1.0), volume.volume, 1e-9 * volume.volume);
   compare("enclosed volume", volume.volume, surface.enclosed_volume, 1e-7 * volume.volume);
@@ -91,17 +98,21 @@ void compare_with_report(const Json& report, const VolumeCheck& volume, const Su
           static_cast<double>(surface.triangles), 0);
 }
 
-CheckedFile check_heights_of_folder(const fs::path& folder, const SurfaceMesh& surface,
-                                    const Json& report) {
-  const CityModel city = read_city(folder / "city.city.json");
+CheckedFile check_against_city(const fs::path& folder, const TetMesh& mesh,
+                               const SurfaceMesh& surface, const CityModel& city,
+                               const Json& report) {
   const RasterInput terrain = read_raster(folder / "dtm.tif", city.origin);
   std::array<double, 3> shift{0, 0, 0};
   if (report.is_object() && report["config"].value("coordinates", "local") == "absolute")
     shift = {-city.origin.x, -city.origin.y, 0};
   const HeightsCheck check = check_heights(surface, shift, terrain.raster, city);
-  CheckedFile file{"heights", {}, check.violations};
-  file.facts = {fmt::format("{} ground vertices on the terrain ({} lowered at walls), {} roof vertices at their roof's height",
-                            check.ground_vertices, check.lowered, check.roof_vertices)};
+  CheckedFile file{"meshes, city model and terrain", {}, check.violations};
+  const auto regions = check_regions_of_cells(mesh, shift, city);
+  file.violations.insert(file.violations.end(), regions.begin(), regions.end());
+  file.facts = {fmt::format("{} ground vertices on the terrain ({} lowered at walls), {} roof "
+                            "vertices at their roof's height",
+                            check.ground_vertices, check.lowered, check.roof_vertices),
+                "regions of cells compared with the footprints"};
   if (report.is_object() && report.contains("volume_mesh")) {
     const auto reported = report["volume_mesh"].value("ground_lowered", std::int64_t{-1});
     if (check.lowered > reported)
@@ -111,29 +122,63 @@ CheckedFile check_heights_of_folder(const fs::path& folder, const SurfaceMesh& s
   return file;
 }
 
+/// Guarantee 1 needs the number of input features, which only the report knows.
+void compare_account(const CityModel& city, const Json& report, CheckedFile& file) {
+  if (!report.is_object() || !report.contains("input")) {
+    file.facts.emplace_back(
+        "not checked: that every input feature is accounted for (no report.json of the run)");
+    return;
+  }
+  std::size_t accounted = city.dropped.size();
+  for (const Building& building : city.buildings) accounted += building.source_ids.size();
+  const auto parts = report["input"].value("footprint_parts", std::size_t{0});
+  if (parts != accounted)
+    file.violations.push_back(
+        {"input features not accounted for", 1,
+         fmt::format("{} in the input, {} in buildings or dropped", parts, accounted)});
+  else
+    file.facts.push_back(fmt::format("all {} input features accounted for", parts));
+}
+
 std::vector<CheckedFile> check_folder(const fs::path& folder, std::optional<double> min_distance,
                                       const Progress& progress) {
   const Json report = read_report(folder);
+  const auto there = [&](const char* name) { return fs::exists(folder / name); };
   std::vector<CheckedFile> files;
-  for (const char* name : {"city_raw.city.json", "city.city.json"})
-    if (fs::exists(folder / name))
-      files.push_back(check_city_file(folder / name, std::string_view(name) == "city.city.json" ? min_distance : std::nullopt, report));
-  if (fs::exists(folder / "volume.vtu") && fs::exists(folder / "boundary.vtp")) {
+  for (const char* name : {"city_raw.city.json", "city.city.json"}) {
+    if (!there(name)) continue;
+    const bool raw = std::string_view(name) == "city_raw.city.json";
+    files.push_back(check_city_file(folder / name, raw ? std::nullopt : min_distance, report));
+    compare_account(read_city(folder / name), report, files.back());
+  }
+  const bool meshed = report.is_object() && report.contains("volume_mesh");
+  if (there("volume.vtu") && there("boundary.vtp")) {
     const SurfaceMesh surface = read_vtp(folder / "boundary.vtp");
     const SurfaceCheck surface_check = check_surface(surface);
     const TetMesh mesh = read_vtu(folder / "volume.vtu");
     const VolumeCheck volume_check = check_volume(mesh, progress);
     files.push_back(describe("volume.vtu", volume_check));
     files.push_back(describe("boundary.vtp", surface_check));
-    CheckedFile both{"volume.vtu and boundary.vtp", {}, check_same_boundary(mesh, volume_check, surface)};
+    CheckedFile both{
+        "volume.vtu and boundary.vtp", {}, check_same_boundary(mesh, volume_check, surface)};
     both.facts = {"faces of one compared with faces of the other"};
     compare_with_report(report, volume_check, surface_check, both);
     files.push_back(both);
-    if (fs::exists(folder / "city.city.json") && fs::exists(folder / "dtm.tif"))
-      files.push_back(check_heights_of_folder(folder, surface, report));
+    if (there("city.city.json") && there("dtm.tif"))
+      files.push_back(
+          check_against_city(folder, mesh, surface, read_city(folder / "city.city.json"), report));
+    else
+      files.back().facts.emplace_back(
+          "not checked: heights and regions (they need city.city.json and dtm.tif beside the "
+          "meshes)");
+  } else if (meshed) {
+    files.push_back(
+        {"meshes", {"not checked: volume.vtu and boundary.vtp are not both there"}, {}});
   }
   if (files.empty())
-    throw Error(ErrorKind::kInput, folder.string() + ": holds no result of tetropolis (no city.city.json, no volume.vtu)");
+    throw Error(
+        ErrorKind::kInput,
+        folder.string() + ": holds no result of tetropolis (no city.city.json, no volume.vtu)");
   return files;
 }
 
@@ -148,7 +193,8 @@ std::vector<CheckedFile> check_path(const fs::path& path, std::optional<double> 
   if (path.extension() == ".vtp") return {describe(name, check_surface(read_vtp(path)))};
   if (path.extension() == ".json")
     return {check_city_file(path, min_distance, read_report(path.parent_path()))};
-  throw Error(ErrorKind::kInput, path.string() + ": can be checked: .vtu, .vtp, .city.json, or a folder of results");
+  throw Error(ErrorKind::kInput,
+              path.string() + ": can be checked: .vtu, .vtp, .city.json, or a folder of results");
 }
 
 }  // namespace tetropolis

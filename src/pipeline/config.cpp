@@ -1,11 +1,11 @@
 #include "tetropolis/pipeline/config.h"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <charconv>
 #include <cmath>
 #include <type_traits>
+
+#include <fmt/format.h>
 
 #include "tetropolis/core/error.h"
 
@@ -22,55 +22,134 @@ constexpr double kTiny = 1e-6;  // stands for "greater than zero"
 std::vector<ConfigField> make_fields() {
   using C = Config;
   return {
-      {"footprints", "Input", &C::footprints, kData, "Building footprints, any vector format of GDAL"},
+      {"footprints", "Input", &C::footprints, kData,
+       "Building footprints, any vector format of GDAL"},
       {"points", "Input", &C::points, kData, "Point clouds: LAS or LAZ files, folders, patterns"},
       {"city", "Input", &C::city, kMesh, "City model in CityJSON, as `city` and `build` write it"},
       {"dtm", "Input", &C::dtm, kMesh, "Terrain raster, as `city` and `build` write it"},
       {"bounds", "Input", &C::bounds, kBuild | kCity | kMesh,
-       "Domain XMIN,YMIN,XMAX,YMAX in the points' CRS; default: footprints and points and a margin", "m"},
+       "Domain XMIN,YMIN,XMAX,YMAX in the points' CRS; default: footprints and points and a margin",
+       "m", -1e9, 1e9},
       {"points_crs", "Input", &C::points_crs, kData, "CRS of the points, overriding the files"},
-      {"footprints_crs", "Input", &C::footprints_crs, kData, "CRS of the footprints, overriding the file"},
+      {"footprints_crs", "Input", &C::footprints_crs, kData,
+       "CRS of the footprints, overriding the file"},
       {"layer", "Input", &C::layer, kData, "Layer of the footprint file"},
-      {"id_attribute", "Input", &C::id_attribute, kData, "Attribute with the buildings' ids; default: the feature number"},
-      {"height_attribute", "Input", &C::height_attribute, kData, "Attribute with heights above ground, used where there are no roof points"},
-      {"terrain_only", "Input", &C::terrain_only, kBuild | kCity | kMesh, "Accept a domain without any building"},
+      {"id_attribute", "Input", &C::id_attribute, kData,
+       "Attribute with the buildings' ids; default: the feature number"},
+      {"height_attribute", "Input", &C::height_attribute, kData,
+       "Attribute with heights above ground, used where there are no roof points"},
+      {"terrain_only", "Input", &C::terrain_only, kBuild | kCity | kMesh,
+       "Accept a domain without any building"},
 
       {"out", "Output", &C::out, kAll, "Folder for the results"},
-      {"formats", "Output", &C::formats, kMeshing, "Formats of the meshes, comma separated", "", -kInf, kInf, {"vtu", "xdmf", "msh", "openfoam", "obj", "ply", "glb"}},
-      {"coordinates", "Output", &C::coordinates, kMeshing, "Coordinates of meshes: relative to the origin in report.json, or those of the CRS", "", -kInf, kInf, {"local", "absolute"}},
+      {"formats",
+       "Output",
+       &C::formats,
+       kMeshing,
+       "Formats of the meshes, comma separated",
+       "",
+       -kInf,
+       kInf,
+       {"vtu", "xdmf", "msh", "openfoam", "obj", "ply", "glb"}},
+      {"coordinates",
+       "Output",
+       &C::coordinates,
+       kMeshing,
+       "Coordinates of meshes: relative to the origin in report.json, or those of the CRS",
+       "",
+       -kInf,
+       kInf,
+       {"local", "absolute"}},
 
-      {"domain_margin", "City model", &C::domain_margin, kData, "Margin around the footprints when no bounds are given", "m", 0},
-      {"dtm_step", "City model", &C::dtm_step, kData, "Distance between the terrain's nodes", "m", 0.01},
-      {"parallel_tolerance", "City model", &C::parallel_tolerance, kData, "Consecutive edges that differ less in direction are one", "rad", 0, 0.5},
-      {"ground_margin", "City model", &C::ground_margin, kData, "Width of the ring around a footprint that tells its ground height", "m", 0},
-      {"outlier_sigma", "City model", &C::outlier_sigma, kData, "Points further from the mean height are outliers", "standard deviations", kTiny},
-      {"ground_percentile", "City model", &C::ground_percentile, kData, "Ground height: percentile of the ground points", "%", 0, 100},
-      {"roof_percentile", "City model", &C::roof_percentile, kData, "Roof height: percentile of the roof points", "%", 0, 100},
-      {"min_building_height", "City model", &C::min_building_height, kData, "Lower buildings are raised to it", "m", 0.1},
-      {"min_building_distance", "City model", &C::min_building_distance, kData, "Footprints closer than this are merged; no detail is smaller", "m", 0.05},
-      {"merge_growths", "City model", &C::merge_growths, kData, "How often the patch between merged footprints may grow", "", 0, 10},
-      {"min_building_area", "City model", &C::min_building_area, kData, "Smaller footprints are dropped after merging", "m2", 0},
-      {"boundary_buildings", "City model", &C::boundary_buildings, kData, "Buildings that cross the domain's boundary", "", -kInf, kInf, {"drop", "clip"}},
+      {"domain_margin", "City model", &C::domain_margin, kData,
+       "Margin around the footprints when no bounds are given", "m", 0},
+      {"dtm_step", "City model", &C::dtm_step, kData, "Distance between the terrain's nodes", "m",
+       0.01},
+      {"parallel_tolerance", "City model", &C::parallel_tolerance, kData,
+       "Consecutive edges that differ less in direction are one", "rad", 0, 0.5},
+      {"ground_margin", "City model", &C::ground_margin, kData,
+       "Width of the ring around a footprint that tells its ground height", "m", 0},
+      {"outlier_sigma", "City model", &C::outlier_sigma, kData,
+       "Points further from the mean height are outliers", "standard deviations", kTiny},
+      {"ground_percentile", "City model", &C::ground_percentile, kData,
+       "Ground height: percentile of the ground points", "%", 0, 100},
+      {"roof_percentile", "City model", &C::roof_percentile, kData,
+       "Roof height: percentile of the roof points", "%", 0, 100},
+      {"min_building_height", "City model", &C::min_building_height, kData,
+       "Lower buildings are raised to it", "m", 0.1},
+      {"min_building_distance", "City model", &C::min_building_distance, kData | kMesh,
+       "Footprints closer than this are merged; no detail is smaller", "m", 0.05},
+      {"merge_growths", "City model", &C::merge_growths, kData,
+       "How often the patch between merged footprints may grow", "", 1, 10},
+      {"min_building_area", "City model", &C::min_building_area, kData,
+       "Smaller footprints are dropped after merging", "m2", 0},
+      {"boundary_buildings",
+       "City model",
+       &C::boundary_buildings,
+       kData,
+       "Buildings that cross the domain's boundary",
+       "",
+       -kInf,
+       kInf,
+       {"drop", "clip"}},
 
       {"mesh_size", "Mesh", &C::mesh_size, kMeshing, "Longest edge in the ground mesh", "m", 0.05},
-      {"min_angle", "Mesh", &C::min_angle, kMeshing, "Least angle of the ground mesh, where footprints allow", "degrees", 0, 30},
-      {"domain_height", "Mesh", &C::domain_height, kMeshing, "Height of the domain above the highest ground", "m", 0.1},
-      {"layering", "Mesh", &C::layering, kMeshing, "Height of the layers: the mesh size, or what gives the best cells next to fine details (three to four times as many)", "", -kInf, kInf, {"mesh_size", "quality"}},
-      {"layer_height", "Mesh", &C::layer_height, kMeshing, "Mean height of the layers, whatever the layering; 0: by the layering", "m", 0},
-      {"top", "Mesh", &C::top, kMeshing, "Top of the domain: kept flat, or free to follow the terrain", "", -kInf, kInf, {"flat", "free"}},
-      {"min_wall_height", "Mesh", &C::min_wall_height, kMeshing, "Where terrain rises above a roof less this, the ground at the wall is lowered", "m", 0.01},
-      {"min_gap_share", "Mesh", &C::min_gap_share, kMeshing, "Least height of a cell's vertical edge, as a share of the even spacing there", "", 0.001, 0.9},
-      {"solver_tolerance", "Mesh", &C::solver_tolerance, kMeshing, "Relative residual at which the smoothing stops", "", 1e-6, 0.5},
-      {"solver_iterations", "Mesh", &C::solver_iterations, kMeshing, "Most iterations of one smoothing", "", 1, 100000},
+      {"min_angle", "Mesh", &C::min_angle, kMeshing,
+       "Least angle of the ground mesh, where footprints allow", "degrees", 0, 30},
+      {"domain_height", "Mesh", &C::domain_height, kMeshing,
+       "Height of the domain above the highest ground", "m", 0.1},
+      {"layering",
+       "Mesh",
+       &C::layering,
+       kMeshing,
+       "Height of the layers: the mesh size, or what gives the best cells next to fine details "
+       "(three to four times as many)",
+       "",
+       -kInf,
+       kInf,
+       {"mesh_size", "quality"}},
+      {"layer_height", "Mesh", &C::layer_height, kMeshing,
+       "Mean height of the layers, whatever the layering; 0: by the layering", "m", 0},
+      {"top",
+       "Mesh",
+       &C::top,
+       kMeshing,
+       "Top of the domain: kept flat, or free to follow the terrain",
+       "",
+       -kInf,
+       kInf,
+       {"flat", "free"}},
+      {"min_wall_height", "Mesh", &C::min_wall_height, kMeshing,
+       "Where terrain rises above a roof less this, the ground at the wall is lowered", "m", 0.01},
+      {"min_gap_share", "Mesh", &C::min_gap_share, kMeshing,
+       "Least height of a cell's vertical edge, as a share of the even spacing there", "", 0.001,
+       0.9},
+      {"solver_tolerance", "Mesh", &C::solver_tolerance, kMeshing,
+       "Relative residual at which the smoothing stops", "", 1e-6, 0.5},
+      {"solver_iterations", "Mesh", &C::solver_iterations, kMeshing,
+       "Most iterations of one smoothing", "", 1, 100000},
 
-      {"kind", "Synthetic city", &C::kind, kSynth, "The paper's random rectangles, or a street grid with blocks, park and river", "", -kInf, kInf, {"random", "blocks"}},
-      {"buildings", "Synthetic city", &C::buildings, kSynth, "Number of buildings; 0: 3096 (random) or as many as fit (blocks)", "", 0, 1e7},
-      {"size", "Synthetic city", &C::size, kSynth, "Side of the square; 0: 2500 m (random) or 500 m (blocks)", "m", 0, 1e6},
+      {"kind",
+       "Synthetic city",
+       &C::kind,
+       kSynth,
+       "The paper's random rectangles, or a street grid with blocks, park and river",
+       "",
+       -kInf,
+       kInf,
+       {"random", "blocks"}},
+      {"buildings", "Synthetic city", &C::buildings, kSynth,
+       "Number of buildings; 0: 3096 (random) or as many as fit (blocks)", "", 0, 1e7},
+      {"size", "Synthetic city", &C::size, kSynth,
+       "Side of the square; 0: 2500 m (random) or 500 m (blocks)", "m", 0, 1e6},
       {"seed", "Synthetic city", &C::seed, kSynth, "Seed of the random numbers", "", 0},
-      {"point_density", "Synthetic city", &C::point_density, kSynth, "Points per square metre", "1/m2", 0.01, 1000},
-      {"relief", "Synthetic city", &C::relief, kSynth, "Height of the hills; 0: flat; negative: the kind's own", "m", -1, 2000},
+      {"point_density", "Synthetic city", &C::point_density, kSynth, "Points per square metre",
+       "1/m2", 0.01, 1000},
+      {"relief", "Synthetic city", &C::relief, kSynth,
+       "Height of the hills; 0: flat; negative: the kind's own", "m", -1, 2000},
 
-      {"threads", "Run", &C::threads, kAll, "Threads; 0: one per core. Results do not depend on it", "", 0, 4096},
+      {"threads", "Run", &C::threads, kAll, "Threads; 0: one per core. Results do not depend on it",
+       "", 0, 4096},
       {"quiet", "Run", &C::quiet, kAll, "Print errors only"},
       {"log", "Run", &C::log, kAll, "Also write what is printed to this file"},
   };
@@ -93,10 +172,12 @@ Number parse_number(const ConfigField& field, const std::string& text, const std
   const auto [stop, code] = std::from_chars(begin, end, value);
   const char* kind = std::is_integral_v<Number> ? "a whole number" : "a number";
   if (code != std::errc() || stop != end) fail(origin, fmt::format("'{}' is not {}", text, kind));
-  if (!std::isfinite(static_cast<double>(value))) fail(origin, fmt::format("'{}' is not finite", text));
+  if (!std::isfinite(static_cast<double>(value)))
+    fail(origin, fmt::format("'{}' is not finite", text));
   const auto as_double = static_cast<double>(value);
   if (as_double < field.least) {
-    if (field.least == kTiny) fail(origin, fmt::format("{} is not greater than 0", text));
+    if (field.least == kTiny && as_double <= 0)
+      fail(origin, fmt::format("{} is not greater than 0", text));
     fail(origin, fmt::format("{} is less than {}", text, field.least));
   }
   if (as_double > field.most) fail(origin, fmt::format("{} is greater than {}", text, field.most));
@@ -131,7 +212,8 @@ void set_numbers(std::vector<double>& target, const ConfigField& field,
     target.push_back(parse_number<double>(field, part, origin));
   if (field.name != "bounds") return;
   if (target.size() != 4) fail(origin, "four numbers expected: XMIN,YMIN,XMAX,YMAX");
-  if (!(target[0] < target[2] && target[1] < target[3])) fail(origin, "XMIN < XMAX and YMIN < YMAX expected");
+  if (!(target[0] < target[2] && target[1] < target[3]))
+    fail(origin, "XMIN < XMAX and YMIN < YMAX expected");
 }
 
 void set_texts(std::vector<std::string>& target, const ConfigField& field,
@@ -160,15 +242,21 @@ std::string value_text(const ConfigField& field, const Config& config) {
       [&](auto member) -> std::string {
         const auto& value = config.*member;
         using Value = std::decay_t<decltype(value)>;
-        if constexpr (std::is_same_v<Value, bool>) return value ? "true" : "false";
-        else if constexpr (std::is_same_v<Value, int>) return fmt::format("{}", value);
-        else if constexpr (std::is_same_v<Value, double>) return number_text(value);
-        else if constexpr (std::is_same_v<Value, std::string>) return fmt::format("\"{}\"", value);
+        if constexpr (std::is_same_v<Value, bool>)
+          return value ? "true" : "false";
+        else if constexpr (std::is_same_v<Value, int>)
+          return fmt::format("{}", value);
+        else if constexpr (std::is_same_v<Value, double>)
+          return number_text(value);
+        else if constexpr (std::is_same_v<Value, std::string>)
+          return fmt::format("\"{}\"", value);
         else {
           std::vector<std::string> parts;
           for (const auto& part : value) {
-            if constexpr (std::is_same_v<std::decay_t<decltype(part)>, double>) parts.push_back(number_text(part));
-            else parts.push_back(fmt::format("\"{}\"", part));
+            if constexpr (std::is_same_v<std::decay_t<decltype(part)>, double>)
+              parts.push_back(number_text(part));
+            else
+              parts.push_back(fmt::format("\"{}\"", part));
           }
           return fmt::format("[{}]", fmt::join(parts, ", "));
         }
@@ -205,15 +293,17 @@ void set_field(Config& config, const ConfigField& field, std::span<const std::st
 
 std::string config_template(unsigned commands) {
   const Config defaults;
-  std::string text = "# Settings of Tetropolis. Remove the '#' before a key to set it; options of the\n"
-                     "# command line win over this file.\n";
+  std::string text =
+      "# Settings of Tetropolis. Remove the '#' before a key to set it; options of the\n"
+      "# command line win over this file.\n";
   std::string_view group;
   for (const ConfigField& field : config_fields()) {
     if ((field.commands & commands) == 0) continue;
     if (field.group != group) text += fmt::format("\n# --- {} ---\n", field.group);
     group = field.group;
-    text += fmt::format("\n# {}{}{}\n", field.help, field.unit.empty() ? "" : fmt::format(" [{}]", field.unit),
-                        field.choices.empty() ? "" : fmt::format(" ({})", fmt::join(field.choices, ", ")));
+    text += fmt::format(
+        "\n# {}{}{}\n", field.help, field.unit.empty() ? "" : fmt::format(" [{}]", field.unit),
+        field.choices.empty() ? "" : fmt::format(" ({})", fmt::join(field.choices, ", ")));
     text += fmt::format("# {} = {}\n", field.name, value_text(field, defaults));
   }
   return text;
@@ -225,8 +315,9 @@ std::string config_markdown() {
   std::string_view group;
   for (const ConfigField& field : config_fields()) {
     if (field.group != group)
-      text += fmt::format("{}### {}\n\n| key | option | default | unit | meaning |\n|---|---|---|---|---|\n",
-                          group.empty() ? "" : "\n", field.group);
+      text += fmt::format(
+          "{}### {}\n\n| key | option | default | unit | meaning |\n|---|---|---|---|---|\n",
+          group.empty() ? "" : "\n", field.group);
     group = field.group;
     std::string help(field.help);
     if (!field.choices.empty()) help += fmt::format(" ({})", fmt::join(field.choices, ", "));

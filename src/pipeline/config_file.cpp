@@ -22,7 +22,8 @@ std::vector<std::string> texts_of(const toml::node& node, const std::string& ori
     else if (const auto* real = value.as_floating_point())
       texts.push_back(fmt::format("{}", **real));
     else
-      throw Error(ErrorKind::kUsage, origin + ": a number, text, true, false or a list of them expected");
+      throw Error(ErrorKind::kUsage,
+                  origin + ": a number, text, true, false or a list of them expected");
   };
   if (const auto* array = node.as_array())
     for (const toml::node& element : *array) scalar(element);
@@ -43,22 +44,25 @@ void set_key(Config& config, std::string_view key, const toml::node& value,
     names.emplace_back(field.name);
     if (field.name != key) continue;
     const toml::node* first = &value;
-    if (const auto* array = value.as_array(); array != nullptr && !array->empty()) first = array->get(0);
+    if (const auto* array = value.as_array(); array != nullptr && !array->empty())
+      first = array->get(0);
     if (first->is_string() != takes_text(field) && !first->is_array())
-      throw Error(ErrorKind::kUsage, fmt::format("{}: {} takes {}", origin, key, takes_text(field) ? "text in quotes" : "no text"));
+      throw Error(ErrorKind::kUsage, fmt::format("{}: {} takes {}", origin, key,
+                                                 takes_text(field) ? "text in quotes" : "no text"));
     set_field(config, field, texts_of(value, origin), fmt::format("{}: {}", origin, key));
     return;
   }
   const std::string nearest = nearest_name(key, names);
   throw Error(ErrorKind::kUsage,
               fmt::format("{}: unknown key '{}'{}", origin, key,
-                          nearest.empty() ? "; see 'tetropolis init'" : fmt::format("; did you mean '{}'?", nearest)));
+                          nearest.empty() ? "; see 'tetropolis init'"
+                                          : fmt::format("; did you mean '{}'?", nearest)));
 }
 
 }  // namespace
 
 void load_config(Config& config, const std::filesystem::path& path) {
-  if (!std::filesystem::exists(path))
+  if (!std::filesystem::is_regular_file(path))
     throw Error(ErrorKind::kUsage, path.string() + ": no such configuration file");
   toml::table table;
   try {

@@ -1,11 +1,9 @@
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <cmath>
 #include <map>
 
-#include "read_input.h"
-#include "stages.h"
+#include <fmt/format.h>
+
 #include "tetropolis/city/clean.h"
 #include "tetropolis/city/clip.h"
 #include "tetropolis/city/extract.h"
@@ -16,9 +14,15 @@
 #include "tetropolis/io/geotiff.h"
 #include "tetropolis/terrain/dtm.h"
 
+#include "read_input.h"
+#include "stages.h"
+
 namespace tetropolis {
 
 namespace {
+
+/// Share of empty nodes above which a terrain is more guess than data.
+constexpr double kMostlyEmpty = 0.75;
 
 /// Step 1.4. Fills model.buildings and model.dropped; every feature ends in one of them.
 void clean_features(const Config& config, const FootprintsInput& input, CityModel& model) {
@@ -124,8 +128,7 @@ Simplification simplify(const Config& config, const CityModel& raw, const Progre
   options.growths = config.merge_growths;
   options.min_area = config.min_building_area;
   options.parallel_tolerance = config.parallel_tolerance;
-  Simplification simple =
-      simplify_footprints(footprints_of(raw), raw.domain, options, progress);
+  Simplification simple = simplify_footprints(footprints_of(raw), raw.domain, options, progress);
   if (simple.stats.min_clearance < config.min_building_distance)
     throw Error(ErrorKind::kGuarantee,
                 fmt::format("footprints come as close as {:.6f} m after merging, {} m asked",
@@ -134,15 +137,21 @@ Simplification simplify(const Config& config, const CityModel& raw, const Progre
 }
 
 std::map<std::string, std::int64_t> resorts_by_name(const SimplifyStats& stats) {
-  std::map<std::string, std::int64_t> resorts{
-      {"merged_by_union", stats.merged_by_union},   {"merged_by_hulls", stats.merged_by_hulls},
-      {"merged_by_hull", stats.merged_by_hull},     {"merged_late", stats.merged_late},
-      {"vertices_dropped", stats.vertices_dropped}, {"edges_merged", stats.edges_merged},
-      {"edges_slid", stats.edges_slid},             {"vertices_moved", stats.vertices_moved},
-      {"holes_filled", stats.holes_filled},         {"gaps_filled", stats.gaps_filled},
-      {"arms_cut", stats.arms_cut},                 {"necks_widened", stats.necks_widened},
-      {"local_hulls", stats.local_hulls},           {"hull_repairs", stats.hull_repairs},
-      {"clipped", stats.clipped}};
+  std::map<std::string, std::int64_t> resorts{{"merged_by_union", stats.merged_by_union},
+                                              {"merged_by_hulls", stats.merged_by_hulls},
+                                              {"merged_by_hull", stats.merged_by_hull},
+                                              {"merged_late", stats.merged_late},
+                                              {"vertices_dropped", stats.vertices_dropped},
+                                              {"edges_merged", stats.edges_merged},
+                                              {"edges_slid", stats.edges_slid},
+                                              {"vertices_moved", stats.vertices_moved},
+                                              {"holes_filled", stats.holes_filled},
+                                              {"gaps_filled", stats.gaps_filled},
+                                              {"arms_cut", stats.arms_cut},
+                                              {"necks_widened", stats.necks_widened},
+                                              {"local_hulls", stats.local_hulls},
+                                              {"hull_repairs", stats.hull_repairs},
+                                              {"clipped", stats.clipped}};
   for (std::size_t k = 0; k < stats.merged_by_patch.size(); ++k)
     resorts[fmt::format("merged_by_patch_{}", k)] = stats.merged_by_patch[k];
   return resorts;
@@ -184,15 +193,24 @@ CityAndTerrain make_city(const Config& config, const OutputFolder& out, StepCloc
     return build_dtm(cloud, raw.domain, options, progress, &dtm_report);
   });
   city_report.dtm_empty_share = dtm_report.empty_share;
+  if (dtm_report.empty_share > kMostlyEmpty)
+    report.warnings.push_back(
+        {"terrain_mostly_filled",
+         static_cast<std::int64_t>(dtm_report.empty_share * static_cast<double>(dtm_report.nodes)),
+         fmt::format(
+             "{:.0f} % of the terrain's nodes have no ground point near and were filled from "
+             "their neighbours; check --bounds, or raise --dtm-step",
+             100 * dtm_report.empty_share)});
 
   clock.run("1.4", "clean footprints",
             [&](const Progress&) { clean_features(config, input.footprints, raw); });
   if (raw.buildings.empty() && !config.terrain_only)
     throw Error(ErrorKind::kInput,
-                fmt::format("{}: no usable footprint lies in the domain ({}, {}) - ({}, {}); check --bounds and the "
+                fmt::format("{}: no usable footprint lies in the domain ({}, {}) - ({}, {}); check "
+                            "--bounds and the "
                             "CRS, or add --terrain-only",
-                            config.footprints, report.domain.xmin, report.domain.ymin, report.domain.xmax,
-                            report.domain.ymax));
+                            config.footprints, report.domain.xmin, report.domain.ymin,
+                            report.domain.xmax, report.domain.ymax));
 
   const HeightOptions heights{config.ground_percentile, config.roof_percentile,
                               config.min_building_height};
@@ -215,14 +233,21 @@ CityAndTerrain make_city(const Config& config, const OutputFolder& out, StepCloc
     check_account(input.footprints, model);
     return model;
   });
+  if (city.buildings.empty() && !config.terrain_only)
+    throw Error(ErrorKind::kInput,
+                fmt::format("{}: all {} buildings were dropped ({}: {}); lower "
+                            "--min-building-area, or add --terrain-only",
+                            config.footprints, raw.buildings.size(), city.dropped.back().source_id,
+                            city.dropped.back().reason));
   clock.run("2.3", "heights of merged buildings", [&](const Progress&) {
     compute_heights(city.buildings, merge_building_points(points, simple.members), cloud, dtm,
                     heights);
   });
   if (points.roof_from_unclassified)
-    report.warnings.push_back({"no_building_class", report.input->points_kept,
-                               "the cloud has no class 6 (building); roof points are those inside footprints "
-                               "that are neither ground, water, vegetation nor noise"});
+    report.warnings.push_back(
+        {"no_building_class", report.input->points_kept,
+         "the cloud has no class 6 (building); roof points are those inside footprints "
+         "that are neither ground, water, vegetation nor noise"});
   clock.run("2.4", "write merged city model", [&](const Progress&) {
     write_city(out / "city.city.json", city, "City model after simplification");
   });

@@ -1,5 +1,3 @@
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <array>
 #include <functional>
@@ -7,8 +5,9 @@
 #include <utility>
 #include <vector>
 
-#include "io/column_numbers.h"
-#include "stages.h"
+#include <fmt/format.h>
+#include <unistd.h>
+
 #include "tetropolis/ground/mesh_ground.h"
 #include "tetropolis/ground/validate.h"
 #include "tetropolis/io/gltf.h"
@@ -24,14 +23,57 @@
 #include "tetropolis/volume/quality.h"
 #include "tetropolis/volume/smooth.h"
 
+#include "io/column_numbers.h"
+#include "stages.h"
+
 namespace tetropolis {
 
 namespace {
+
+/// More layers than this come from a stray point or a slip of the keyboard.
+constexpr std::int32_t kMostLayers = 5000;
+
+double physical_memory() {
+  return static_cast<double>(sysconf(_SC_PHYS_PAGES)) * static_cast<double>(sysconf(_SC_PAGESIZE));
+}
+
+/// Refuses before the work what cannot end well. `bytes` is an estimate.
+void require_memory(double bytes, double cells) {
+  if (bytes <= 0.9 * physical_memory()) return;
+  throw Error(ErrorKind::kUsage, fmt::format("the mesh would have about {:.2g} cells and need "
+                                             "{:.0f} GB of {:.0f} GB; raise --mesh-size or "
+                                             "--layer-height, or lower --domain-height or --bounds",
+                                             cells, bytes / 1e9, physical_memory() / 1e9));
+}
+
+/// Triangles of a mesh without buildings, and what each takes while it is made.
+void require_ground_fits(const Config& config, const Bounds2& domain) {
+  const double triangles =
+      domain.width() * domain.height() / (0.4 * config.mesh_size * config.mesh_size);
+  constexpr double bytes_per_triangle = 150;
+  require_memory(triangles * bytes_per_triangle, triangles);
+}
+
+/// `highest`: of the terrain. Heights and solver take a double and 13 floats a node.
+void require_columns_fit(const GroundMesh& ground, const LayerPlan& plan, double highest) {
+  if (plan.layers > kMostLayers)
+    throw Error(
+        ErrorKind::kUsage,
+        fmt::format(
+            "the mesh would have {} layers between the mean ground at {:.1f} m and the top at "
+            "{:.1f} m (highest "
+            "ground {:.1f} m, a stray point?); raise --layer-height or lower --domain-height",
+            plan.layers, plan.bottom, plan.top, highest));
+  const double layers = plan.layers;
+  require_memory(static_cast<double>(ground.vertices.size()) * (layers + 1) * (8 + 13 * 4),
+                 static_cast<double>(ground.triangles.size()) * layers * 3);
+}
 
 GroundMesh make_ground(const Config& config, const CityModel& city, StepClock& clock,
                        Report& report) {
   std::vector<Polygon> footprints;
   for (const Building& building : city.buildings) footprints.push_back(building.footprint);
+  require_ground_fits(config, city.domain);
   GroundMesh ground = clock.run("3.1", "ground mesh", [&](const Progress& progress) {
     return mesh_ground(footprints, city.domain, {config.mesh_size, config.min_angle}, progress);
   });
@@ -51,8 +93,9 @@ void keep_solver(const std::string& step, const SmoothReport& smooth, Report& re
   if (!solver.converged)
     report.warnings.push_back(
         {"solver_not_converged", 1,
-         fmt::format("step {}: relative residual {:.2g} after {} iterations; cells are valid all the same",
-                     step, solver.relative_residual, solver.iterations)});
+         fmt::format(
+             "step {}: relative residual {:.2g} after {} iterations; cells are valid all the same",
+             step, solver.relative_residual, solver.iterations)});
 }
 
 double layer_height(const Config& config, const GroundMesh& ground) {
@@ -74,12 +117,12 @@ ColumnMesh make_columns_of_city(const Config& config, const CityModel& city, con
     heights = ground_heights(ground, owner, roofs, dtm, config.min_wall_height);
     const double highest = *std::max_element(dtm.values.begin(), dtm.values.end());
     const LayerPlan plan =
-        plan_layers(heights.z, roofs, highest, config.domain_height,
-                    layer_height(config, ground));
+        plan_layers(heights.z, roofs, highest, config.domain_height, layer_height(config, ground));
+    require_columns_fit(ground, plan, highest);
     if (plan.raised)
-      report.warnings.push_back({"domain_raised", 1,
-                                 fmt::format("the top was raised to {:.1f} m to clear the highest roof",
-                                             plan.top)});
+      report.warnings.push_back(
+          {"domain_raised", 1,
+           fmt::format("the top was raised to {:.1f} m to clear the highest roof", plan.top)});
     volume.layers = plan.layers;
     volume.top = plan.top;
     volume.ground_lowered = heights.lowered;
@@ -94,9 +137,10 @@ ColumnMesh make_columns_of_city(const Config& config, const CityModel& city, con
   options.laplace.max_iterations = config.solver_iterations;
   options.laplace.fixed_top = config.top == "flat";
   options.gap_share = config.min_gap_share;
-  const SmoothReport to_ground = clock.run("3.3", "smooth to ground", [&](const Progress& progress) {
-    return smooth_to_ground(mesh, heights.z, options, progress);
-  });
+  const SmoothReport to_ground =
+      clock.run("3.3", "smooth to ground", [&](const Progress& progress) {
+        return smooth_to_ground(mesh, heights.z, options, progress);
+      });
   keep_solver("3.3", to_ground, report);
   clock.run("3.4", "trim buildings", [&](const Progress&) { trim(mesh, owner, roofs); });
   const SmoothReport to_roofs = clock.run("3.5", "smooth to roofs", [&](const Progress& progress) {
@@ -129,15 +173,15 @@ void measure(const ColumnMesh& mesh, VolumeMeshReport& volume) {
 SurfaceMesh bound(const ColumnMesh& mesh, const CityModel& city, Report& report) {
   SurfaceMesh surface = extract_boundary(mesh, city.domain);
   const SurfaceTopology topology = check_topology(surface);
-  report.surface_mesh = SurfaceMeshReport{static_cast<std::int64_t>(surface.triangles.size()),
-                                          topology.closed(), topology.manifold(),
-                                          count_by_patch(surface)};
+  report.surface_mesh =
+      SurfaceMeshReport{static_cast<std::int64_t>(surface.triangles.size()), topology.closed(),
+                        topology.manifold(), count_by_patch(surface)};
   if (!topology.closed() || !topology.manifold())
-    throw Error(ErrorKind::kGuarantee,
-                fmt::format("the boundary is not a closed manifold: {} open, {} non-manifold, {} "
-                            "misoriented edges; nothing was written",
-                            topology.open_edges, topology.non_manifold_edges,
-                            topology.misoriented_edges));
+    throw Error(
+        ErrorKind::kGuarantee,
+        fmt::format("the boundary is not a closed manifold: {} open, {} non-manifold, {} "
+                    "misoriented edges; nothing was written",
+                    topology.open_edges, topology.non_manifold_edges, topology.misoriented_edges));
   return surface;
 }
 
@@ -186,13 +230,13 @@ void write_surface(const Config& config, const SurfaceMesh& boundary, const Plac
 void make_mesh(const Config& config, const CityModel& city, const Raster& dtm,
                const OutputFolder& out, StepClock& clock, Report& report) {
   GroundMesh ground = make_ground(config, city, clock, report);
-  const ColumnMesh mesh =
-      make_columns_of_city(config, city, dtm, std::move(ground), clock, report);
+  const ColumnMesh mesh = make_columns_of_city(config, city, dtm, std::move(ground), clock, report);
   clock.run("3.6", "check and write meshes", [&](const Progress& progress) {
     measure(mesh, *report.volume_mesh);
     const SurfaceMesh boundary = bound(mesh, city, report);
     Placement placement{{0, 0, 0}, {city.origin.x, city.origin.y, 0}};
-    if (config.coordinates == "absolute") placement = {{city.origin.x, city.origin.y, 0}, {0, 0, 0}};
+    if (config.coordinates == "absolute")
+      placement = {{city.origin.x, city.origin.y, 0}, {0, 0, 0}};
     write_volume(config, mesh, boundary, placement, out, progress);
     write_vtp(out / "boundary.vtp", boundary, placement);
     write_surface(config, boundary, placement, out);

@@ -1,13 +1,14 @@
 #include "tetropolis/pipeline/output_folder.h"
 
-#include <stdlib.h>  // mkdtemp
-#include <sys/stat.h>
-
 #include <algorithm>
+#include <array>
 #include <cerrno>
 #include <cstring>
 #include <system_error>
 #include <vector>
+
+#include <stdlib.h>  // mkdtemp
+#include <sys/stat.h>
 
 #include "tetropolis/core/error.h"
 
@@ -16,6 +17,12 @@ namespace tetropolis {
 namespace fs = std::filesystem;
 
 namespace {
+
+/// Every name a command may give to a result.
+constexpr std::array kResultNames = {
+    "city_raw.city.json", "city.city.json", "dtm.tif",     "volume.vtu",   "volume.xdmf",
+    "volume.h5",          "volume.msh",     "constant",    "boundary.vtp", "surface.stl",
+    "surface.obj",        "surface.ply",    "surface.glb", "report.json"};
 
 [[noreturn]] void fail(const fs::path& target, const std::string& reason) {
   throw Error(ErrorKind::kUsage, target.string() + ": cannot be written: " + reason +
@@ -74,18 +81,25 @@ OutputFolder::~OutputFolder() {
 void OutputFolder::commit() {
   std::error_code error;
   const auto check = [&](const fs::path& path) {
-    if (error) throw Error(ErrorKind::kInput, path.string() + ": cannot be written: " + error.message());
+    if (error)
+      throw Error(ErrorKind::kInput, path.string() + ": cannot be written: " + error.message());
   };
   if (!fs::exists(target_)) {
     fs::rename(staging_, target_, error);
     check(target_);
   } else {
     std::vector<fs::path> names;
-    for (const auto& entry : fs::directory_iterator(staging_)) names.push_back(entry.path().filename());
+    for (const auto& entry : fs::directory_iterator(staging_))
+      names.push_back(entry.path().filename());
     // The report vouches for the others, so it comes last.
     std::sort(names.begin(), names.end(), [](const fs::path& a, const fs::path& b) {
       return std::pair(a == "report.json", a) < std::pair(b == "report.json", b);
     });
+    for (const char* name : kResultNames) {
+      if (std::find(names.begin(), names.end(), name) != names.end()) continue;
+      fs::remove_all(target_ / name, error);
+      check(target_ / name);
+    }
     for (const fs::path& name : names) {
       if (fs::is_directory(target_ / name)) fs::remove_all(target_ / name, error);
       fs::rename(staging_ / name, target_ / name, error);

@@ -1,10 +1,10 @@
 #include "read_input.h"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
+
+#include <fmt/format.h>
 
 #include "tetropolis/city/city_model.h"
 #include "tetropolis/geometry/polygon.h"
@@ -16,7 +16,8 @@ namespace tetropolis {
 namespace {
 
 std::string box_text(const Bounds2& box) {
-  return fmt::format("x {:.1f} .. {:.1f}, y {:.1f} .. {:.1f}", box.xmin, box.xmax, box.ymin, box.ymax);
+  return fmt::format("x {:.1f} .. {:.1f}, y {:.1f} .. {:.1f}", box.xmin, box.xmax, box.ymin,
+                     box.ymax);
 }
 
 Bounds2 intersection(const Bounds2& a, const Bounds2& b) {
@@ -37,10 +38,11 @@ CloudHeaders read_headers(std::span<const std::filesystem::path> paths) {
     const LasInfo info = inspect_las(path);
     const Bounds2 box{info.min[0], info.min[1], info.max[0], info.max[1]};
     if (info.point_count > 0 && !box.empty())
-      headers.box = headers.box.empty()
-                        ? box
-                        : Bounds2{std::min(headers.box.xmin, box.xmin), std::min(headers.box.ymin, box.ymin),
-                                  std::max(headers.box.xmax, box.xmax), std::max(headers.box.ymax, box.ymax)};
+      headers.box =
+          headers.box.empty()
+              ? box
+              : Bounds2{std::min(headers.box.xmin, box.xmin), std::min(headers.box.ymin, box.ymin),
+                        std::max(headers.box.xmax, box.xmax), std::max(headers.box.ymax, box.ymax)};
     if (!info.crs.empty() && headers.crs.empty()) {
       headers.crs = info.crs;
       headers.crs_file = path.string();
@@ -52,24 +54,27 @@ CloudHeaders read_headers(std::span<const std::filesystem::path> paths) {
 void require_metres(const std::string& crs, const std::string& file, const char* option) {
   if (crs.empty()) return;
   if (is_geographic(crs))
-    throw Error(ErrorKind::kInput,
-                fmt::format("{}: coordinates are degrees ({}); reproject to a metric CRS, or name the true one with {}",
-                            file, crs, option));
+    throw Error(ErrorKind::kInput, fmt::format("{}: coordinates are degrees ({}); reproject to a "
+                                               "metric CRS, or name the true one with {}",
+                                               file, crs, option));
   const double unit = linear_unit_metres(crs);
   if (std::abs(unit - 1) > 1e-9)
-    throw Error(ErrorKind::kInput,
-                fmt::format("{}: coordinates are in units of {} m ({}); reproject to a CRS in metres", file, unit, crs));
+    throw Error(
+        ErrorKind::kInput,
+        fmt::format("{}: coordinates are in units of {} m ({}); reproject to a CRS in metres", file,
+                    unit, crs));
 }
 
-/// Without any statement about the system, coordinates that all fit on the globe and span less than a
-/// few degrees are taken for what they almost certainly are.
+/// Without any statement about the system, coordinates that all fit on the globe and span less than
+/// a few degrees are taken for what they almost certainly are.
 void refuse_unmarked_degrees(const Bounds2& box, const std::string& file, const char* option) {
   const Bounds2 globe{-180, -90, 180, 90};
-  const bool on_globe = globe.contains({box.xmin, box.ymin}) && globe.contains({box.xmax, box.ymax});
+  const bool on_globe =
+      globe.contains({box.xmin, box.ymin}) && globe.contains({box.xmax, box.ymax});
   if (box.empty() || !on_globe || std::max(box.width(), box.height()) > 2) return;
-  throw Error(ErrorKind::kInput,
-              fmt::format("{}: coordinates look like degrees ({:.5f}, {:.5f}) - ({:.5f}, {:.5f}); name their CRS with {}",
-                          file, box.xmin, box.ymin, box.xmax, box.ymax, option));
+  throw Error(ErrorKind::kInput, fmt::format("{}: coordinates look like degrees ({:.5f}, {:.5f}) - "
+                                             "({:.5f}, {:.5f}); name their CRS with {}",
+                                             file, box.xmin, box.ymin, box.xmax, box.ymax, option));
 }
 
 /// The points' reference system after the footprints have been read: see DESIGN section 5.
@@ -78,10 +83,12 @@ std::string common_crs(const Config& config, const std::string& points_crs,
   if (!points_crs.empty()) return points_crs;
   if (footprints.crs.empty()) return {};
   if (is_geographic(footprints.crs))
-    throw Error(ErrorKind::kInput,
-                fmt::format("{}: footprints are in degrees ({}) and the point cloud does not say its CRS; name it "
-                            "with --points-crs",
-                            config.footprints, footprints.crs));
+    throw Error(
+        ErrorKind::kInput,
+        fmt::format(
+            "{}: footprints are in degrees ({}) and the point cloud does not say its CRS; name it "
+            "with --points-crs",
+            config.footprints, footprints.crs));
   require_metres(footprints.crs, config.footprints, "--footprints-crs");
   return footprints.crs;
 }
@@ -95,9 +102,8 @@ FootprintsInput read_all_footprints(const Config& config, const std::string& poi
   options.height_attribute = config.height_attribute;
   options.source_crs = config.footprints_crs;
   options.target_crs = points_crs;
-  return clock.run("1.2", "read footprints", [&](const Progress&) {
-    return read_footprints(config.footprints, options);
-  });
+  return clock.run("1.2", "read footprints",
+                   [&](const Progress&) { return read_footprints(config.footprints, options); });
 }
 
 /// The box in which points can matter, CRS coordinates.
@@ -107,9 +113,14 @@ Bounds2 reading_box(const Config& config, const FootprintsInput& footprints,
     return {config.bounds[0], config.bounds[1], config.bounds[2], config.bounds[3]};
   if (!footprints.bounds.empty()) return footprints.bounds.grown(config.domain_margin);
   if (config.terrain_only && !headers.box.empty()) return headers.box;
-  throw Error(ErrorKind::kInput,
-              fmt::format("{}: no footprint in it; add --terrain-only for a mesh of the terrain alone",
-                          config.footprints));
+  const std::string why = footprints.dropped.empty()
+                              ? "it is empty"
+                              : fmt::format("feature {}: {}", footprints.dropped.front().source_id,
+                                            footprints.dropped.front().reason);
+  throw Error(
+      ErrorKind::kInput,
+      fmt::format("{}: no footprint in it ({}); add --terrain-only for a mesh of the terrain alone",
+                  config.footprints, why));
 }
 
 void shift(FootprintsInput& footprints, Point2 origin) {
@@ -140,23 +151,25 @@ Bounds2 find_domain(const Config& config, const FootprintsInput& footprints,
                     const PointsInput& points, Point2 origin) {
   Bounds2 domain;
   if (!config.bounds.empty()) {
-    domain = {config.bounds[0] - origin.x, config.bounds[1] - origin.y,
-              config.bounds[2] - origin.x, config.bounds[3] - origin.y};
+    domain = {config.bounds[0] - origin.x, config.bounds[1] - origin.y, config.bounds[2] - origin.x,
+              config.bounds[3] - origin.y};
   } else {
     domain = points.extent;
     if (!footprints.bounds.empty()) {
       const Bounds2 box{footprints.bounds.xmin - origin.x, footprints.bounds.ymin - origin.y,
                         footprints.bounds.xmax - origin.x, footprints.bounds.ymax - origin.y};
-      domain = intersection(intersection(box, points.extent).grown(config.domain_margin),
-                            points.extent);
+      domain =
+          intersection(intersection(box, points.extent).grown(config.domain_margin), points.extent);
     }
   }
   domain = snapped_inwards(domain);
   const double least = 2 * config.min_building_distance;
   if (domain.empty() || domain.width() < least || domain.height() < least)
     throw Error(ErrorKind::kInput,
-                fmt::format("the domain is {:.3f} m x {:.3f} m: too small to mesh; give a larger one with --bounds",
-                            domain.width(), domain.height()));
+                fmt::format("the domain is {:.3f} m x {:.3f} m: too small for footprints {} m "
+                            "apart; give a larger one with "
+                            "--bounds or lower --min-building-distance",
+                            domain.width(), domain.height(), config.min_building_distance));
   return domain;
 }
 
@@ -167,7 +180,8 @@ InputData read_input(const Config& config, StepClock& clock, Report& report) {
   const CloudHeaders headers = read_headers(paths);
   const std::string points_crs =
       normalise_crs(config.points_crs.empty() ? headers.crs : config.points_crs);
-  const std::string cloud_name = headers.crs_file.empty() ? paths.front().string() : headers.crs_file;
+  const std::string cloud_name =
+      headers.crs_file.empty() ? paths.front().string() : headers.crs_file;
   require_metres(points_crs, cloud_name, "--points-crs");
 
   InputData input;
@@ -175,7 +189,8 @@ InputData read_input(const Config& config, StepClock& clock, Report& report) {
   input.crs = common_crs(config, points_crs, input.footprints);
   if (input.crs.empty() || input.footprints.crs.empty())
     refuse_unmarked_degrees(input.footprints.bounds, config.footprints, "--footprints-crs");
-  if (input.crs.empty()) refuse_unmarked_degrees(headers.box, paths.front().string(), "--points-crs");
+  if (input.crs.empty())
+    refuse_unmarked_degrees(headers.box, paths.front().string(), "--points-crs");
 
   const Bounds2 box = reading_box(config, input.footprints, headers);
   // Near the points even if a stray footprint lies on another continent: local numbers stay small.
@@ -194,6 +209,13 @@ InputData read_input(const Config& config, StepClock& clock, Report& report) {
   };
   add_warnings(input.footprints.warnings);
   add_warnings(points.warnings);
+  const auto has_height = [](const Footprint& feature) { return std::isfinite(feature.height); };
+  if (!config.height_attribute.empty() &&
+      std::none_of(input.footprints.features.begin(), input.footprints.features.end(), has_height))
+    report.warnings.push_back({"height_attribute_empty",
+                               static_cast<std::int64_t>(input.footprints.features.size()),
+                               fmt::format("{}: attribute {} holds no number", config.footprints,
+                                           config.height_attribute)});
   InputReport& out = report.input.emplace();
   out.point_files = static_cast<std::int64_t>(paths.size());
   out.point_files_skipped = points.files_skipped;
@@ -201,12 +223,21 @@ InputData read_input(const Config& config, StepClock& clock, Report& report) {
   out.points_kept = points.points_kept;
   out.points_by_class = points.points_by_class;
   out.footprints_read = input.footprints.features_read;
+  out.footprint_parts =
+      static_cast<std::int64_t>(input.footprints.features.size() + input.footprints.dropped.size());
   if (points.points_kept == 0) {
     if (headers.box.empty())
-      throw Error(ErrorKind::kInput, fmt::format("{}: the point cloud has no points", config.points.front()));
-    throw Error(ErrorKind::kInput,
-                fmt::format("points and domain do not overlap: the domain is {}, the points are {}; check the CRS of both",
-                            box_text(box), box_text(headers.box)));
+      throw Error(ErrorKind::kInput,
+                  fmt::format("{}: the point cloud has no points", config.points.front()));
+    if (points.points_read > 0 && headers.box.intersects(box))
+      throw Error(ErrorKind::kInput,
+                  fmt::format("{}: none of {} points is usable in the domain: all are noise "
+                              "(classes 7, 18), withheld, or "
+                              "outside of it ({})",
+                              config.points.front(), points.points_read, box_text(box)));
+    throw Error(ErrorKind::kInput, fmt::format("points and domain do not overlap: the domain is "
+                                               "{}, the points are {}; check the CRS of both",
+                                               box_text(box), box_text(headers.box)));
   }
   input.domain = find_domain(config, input.footprints, points, input.origin);
   report.domain = {input.domain.xmin + input.origin.x, input.domain.ymin + input.origin.y,

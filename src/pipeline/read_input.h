@@ -1,9 +1,10 @@
 // Steps 1.1 and 1.2, and with them the frame and the domain of a run.
 #pragma once
 
-#include "step_clock.h"
 #include "tetropolis/city/point_cloud.h"
 #include "tetropolis/io/vector.h"
+
+#include "step_clock.h"
 
 namespace tetropolis {
 
@@ -11,14 +12,14 @@ struct InputData {
   PointCloud points;           ///< Local frame, inside the domain only.
   FootprintsInput footprints;  ///< Local frame.
   Point2 origin;
-  Bounds2 domain;              ///< Local frame.
-  std::string crs;             ///< Of points and footprints; empty if nobody says.
+  Bounds2 domain;   ///< Local frame.
+  std::string crs;  ///< Of points and footprints; empty if nobody says.
 };
 
 /// Reads both, brings the footprints into the points' reference system and finds the domain: the
-/// bounds given, or the box of the footprints within that of the points, grown by the margin as far as
-/// there are points. Fills report.input, report.domain and warnings.
-/// Throws Error(kInput): unusable files, degrees, units other than metres, no overlap.
+/// bounds given, or the box of the footprints within that of the points, grown by the margin as far
+/// as there are points. Fills report.input, report.domain and warnings. Throws Error(kInput):
+/// unusable files, degrees, units other than metres, no overlap.
 InputData read_input(const Config& config, StepClock& clock, Report& report);
 
 }  // namespace tetropolis

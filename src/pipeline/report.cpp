@@ -25,7 +25,8 @@ Json input_json(const InputReport& input) {
           {"points_read", input.points_read},
           {"points_kept", input.points_kept},
           {"points_by_class", by_class},
-          {"footprints_read", input.footprints_read}};
+          {"footprints_read", input.footprints_read},
+          {"footprint_parts", input.footprint_parts}};
 }
 
 Json city_json(const CityReport& city) {

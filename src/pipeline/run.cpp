@@ -1,18 +1,23 @@
 #include "tetropolis/pipeline/run.h"
 
+#include <algorithm>
+#include <cmath>
+#include <optional>
+
 #include <fmt/format.h>
 #include <sys/resource.h>
 
-#include <optional>
-
-#include "stages.h"
+#include "tetropolis/city/clearance.h"
 #include "tetropolis/city/synthetic.h"
 #include "tetropolis/core/parallel.h"
 #include "tetropolis/io/atomic_file.h"
 #include "tetropolis/io/cityjson.h"
+#include "tetropolis/io/crs.h"
 #include "tetropolis/io/geotiff.h"
 #include "tetropolis/io/las.h"
 #include "tetropolis/io/vector.h"
+
+#include "stages.h"
 
 namespace tetropolis {
 
@@ -86,6 +91,64 @@ Report run_city(const Config& config, const RunHooks& hooks) {
   return report;
 }
 
+namespace {
+
+/// The domain of a written city model and terrain, local frame: as given, as the terrain's file
+/// says, as the model says, or all of the terrain.
+Bounds2 domain_of(const Config& config, const CityModel& city, const RasterInput& terrain) {
+  if (!config.bounds.empty())
+    return {snap_coordinate(config.bounds[0] - city.origin.x),
+            snap_coordinate(config.bounds[1] - city.origin.y),
+            snap_coordinate(config.bounds[2] - city.origin.x),
+            snap_coordinate(config.bounds[3] - city.origin.y)};
+  if (terrain.domain) return *terrain.domain;
+  if (!city.domain.empty() && city.domain.width() > 0) return city.domain;
+  return terrain.raster.bounds();
+}
+
+/// Whether the terrain is the city's: same reference system, and under all of the domain but for a
+/// fringe of one step.
+void require_terrain_under(const Config& config, const CityModel& city,
+                           const RasterInput& terrain) {
+  if (!city.crs.empty() && !terrain.crs.empty() && !same_horizontal_crs(city.crs, terrain.crs))
+    throw Error(ErrorKind::kInput, fmt::format("{}: the terrain is in {}, the city {} in {}",
+                                               config.dtm, terrain.crs, config.city, city.crs));
+  const Bounds2 covered = terrain.raster.bounds().grown(terrain.raster.step);
+  if (!covered.contains({city.domain.xmin, city.domain.ymin}) ||
+      !covered.contains({city.domain.xmax, city.domain.ymax}))
+    throw Error(
+        ErrorKind::kInput,
+        fmt::format("{}: the terrain does not cover the domain, which is x {:.1f} .. {:.1f}, y "
+                    "{:.1f} .. {:.1f}; "
+                    "give smaller --bounds or another terrain",
+                    config.dtm, city.domain.xmin + city.origin.x, city.domain.xmax + city.origin.x,
+                    city.domain.ymin + city.origin.y, city.domain.ymax + city.origin.y));
+}
+
+/// A city model may come from anywhere; a mesh needs footprints that are valid and apart. Returns
+/// their clearance.
+double require_meshable(const Config& config, const CityModel& city) {
+  std::vector<Polygon> footprints;
+  for (const Building& building : city.buildings) footprints.push_back(building.footprint);
+  const auto fail = [&](const std::string& what) {
+    throw Error(
+        ErrorKind::kInput,
+        fmt::format("{}: {}; make it with 'tetropolis city', or lower --min-building-distance",
+                    config.city, what));
+  };
+  const auto defects = footprint_defects(footprints, 1);
+  if (!defects.empty()) fail(defects.front().message);
+  const Clearance clearance = joint_clearance(footprints, city.domain);
+  if (clearance.distance < config.min_building_distance)
+    fail(fmt::format(
+        "footprints come as close as {:.4f} m, {} m asked, at building {}", clearance.distance,
+        config.min_building_distance,
+        city.buildings[static_cast<std::size_t>(std::max(clearance.vertex.polygon, 0))].id));
+  return clearance.distance;
+}
+
+}  // namespace
+
 Report run_mesh(const Config& config, const RunHooks& hooks) {
   require(!config.city.empty(), "--city", "name a city model (.city.json)");
   require(!config.dtm.empty(), "--dtm", "name a terrain raster (.tif)");
@@ -94,18 +157,22 @@ Report run_mesh(const Config& config, const RunHooks& hooks) {
   Report report = begin_report("mesh", config);
   StepClock clock(hooks, report);
   OutputFolder out(config.out);
-  CityModel city = read_city(config.city);
-  RasterInput terrain = read_raster(config.dtm, city.origin);
+  CityModel city = read_city(config.city, &report.warnings);
+  const RasterInput terrain = read_raster(config.dtm, city.origin);
   report.warnings.insert(report.warnings.end(), terrain.warnings.begin(), terrain.warnings.end());
-  if (!config.bounds.empty())
-    city.domain = {snap_coordinate(config.bounds[0] - city.origin.x),
-                   snap_coordinate(config.bounds[1] - city.origin.y),
-                   snap_coordinate(config.bounds[2] - city.origin.x),
-                   snap_coordinate(config.bounds[3] - city.origin.y)};
-  else if (terrain.domain)
-    city.domain = *terrain.domain;
-  else if (city.domain.empty() || city.domain.width() == 0)
-    city.domain = terrain.raster.bounds();
+  city.domain = domain_of(config, city, terrain);
+  require_terrain_under(config, city, terrain);
+  if (city.buildings.empty() && !config.terrain_only)
+    throw Error(ErrorKind::kInput,
+                config.city + ": holds no building; add --terrain-only for a mesh of the terrain");
+  CityReport& city_report = report.city.emplace();
+  const double clearance = require_meshable(config, city);
+  city_report.min_clearance = std::isfinite(clearance) ? clearance : 0;
+  city_report.raw_buildings = city_report.buildings =
+      static_cast<std::int64_t>(city.buildings.size());
+  for (const Building& building : city.buildings)
+    city_report.merged_groups += building.source_ids.size() > 1 ? 1 : 0;
+  city_report.dropped = city.dropped;
   keep_domain(city, report);
   make_mesh(config, city, terrain.raster, out, clock, report);
   finish(report, out);

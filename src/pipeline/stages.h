@@ -1,10 +1,11 @@
 // The two halves of the pipeline that `build`, `city` and `mesh` share.
 #pragma once
 
-#include "step_clock.h"
 #include "tetropolis/city/city_model.h"
 #include "tetropolis/pipeline/output_folder.h"
 #include "tetropolis/terrain/raster.h"
+
+#include "step_clock.h"
 
 namespace tetropolis {
 
@@ -17,8 +18,8 @@ struct CityAndTerrain {
 CityAndTerrain make_city(const Config& config, const OutputFolder& out, StepClock& clock,
                          Report& report);
 
-/// Steps 3.1 to 3.6: writes volume, boundary and surface. `city.domain` and `city.origin` are those of
-/// the run.
+/// Steps 3.1 to 3.6: writes volume, boundary and surface. `city.domain` and `city.origin` are those
+/// of the run.
 void make_mesh(const Config& config, const CityModel& city, const Raster& dtm,
                const OutputFolder& out, StepClock& clock, Report& report);
 

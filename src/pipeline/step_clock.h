@@ -1,12 +1,12 @@
 // Runs the steps of a pipeline, timing them and passing progress on.
 #pragma once
 
-#include <sys/resource.h>
-
 #include <chrono>
 #include <string>
 #include <type_traits>
 #include <utility>
+
+#include <sys/resource.h>
 
 #include "tetropolis/core/progress.h"
 #include "tetropolis/pipeline/run.h"
@@ -27,8 +27,8 @@ class StepClock {
  public:
   StepClock(const RunHooks& hooks, Report& report) : hooks_(hooks), report_(report) {}
 
-  /// Calls body(progress) as the step `id` and adds its time to the report (to the step's earlier time
-  /// if it has run before).
+  /// Calls body(progress) as the step `id` and adds its time to the report (to the step's earlier
+  /// time if it has run before).
   template <typename Body>
   auto run(const std::string& id, const std::string& name, const Body& body) {
     StepReport step{id, name, 0, 0};

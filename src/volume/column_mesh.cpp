@@ -50,7 +50,8 @@ std::array<std::array<Node, 4>, 3> prism_tets(const ColumnMesh& mesh, TriangleIn
   const bool ccw = (v[0] == triangle[0] && v[1] == triangle[1]) ||
                    (v[0] == triangle[1] && v[1] == triangle[2]) ||
                    (v[0] == triangle[2] && v[1] == triangle[0]);
-  // The first three nodes project onto the triangle; the fourth is the upper end of the vertical edge.
+  // The first three nodes project onto the triangle; the fourth is the upper end of the vertical
+  // edge.
   if (ccw) return {{{u1, u2, u3, w3}, {u1, u2, w3, w2}, {u1, w2, w3, w1}}};
   return {{{u1, u3, u2, w3}, {u1, w3, u2, w2}, {u1, w3, w2, w1}}};
 }

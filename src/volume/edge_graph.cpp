@@ -44,7 +44,8 @@ std::pair<std::vector<std::int32_t>, std::vector<Side>> sides_by_lower_vertex(
 
 void file_ends(EdgeGraph& graph, std::size_t vertex_count) {
   graph.end_offsets.assign(vertex_count + 1, 0);
-  for (const auto& edge : graph.vertices) ++graph.end_offsets[static_cast<std::size_t>(edge[1]) + 1];
+  for (const auto& edge : graph.vertices)
+    ++graph.end_offsets[static_cast<std::size_t>(edge[1]) + 1];
   for (std::size_t i = 1; i <= vertex_count; ++i) graph.end_offsets[i] += graph.end_offsets[i - 1];
   graph.ends.resize(graph.size());
   std::vector<std::int32_t> next(graph.end_offsets.begin(), graph.end_offsets.end() - 1);
@@ -85,10 +86,12 @@ EdgeGraph build_edge_graph(const GroundMesh& mesh) {
       } else if (graph.triangles.back()[1] == kNoTriangle) {
         graph.triangles.back()[1] = side->triangle;
       } else {
-        throw Error(ErrorKind::kGuarantee, "ground mesh: more than two triangles at the edge between vertices " +
-                                               std::to_string(v) + " and " + std::to_string(side->upper));
+        throw Error(ErrorKind::kGuarantee,
+                    "ground mesh: more than two triangles at the edge between vertices " +
+                        std::to_string(v) + " and " + std::to_string(side->upper));
       }
-      graph.of_triangle[static_cast<std::size_t>(side->triangle)][static_cast<std::size_t>(side->slot)] =
+      graph.of_triangle[static_cast<std::size_t>(side->triangle)]
+                       [static_cast<std::size_t>(side->slot)] =
           static_cast<EdgeIndex>(graph.vertices.size() - 1);
     }
     graph.starts[v + 1] = static_cast<EdgeIndex>(graph.vertices.size());

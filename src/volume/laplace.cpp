@@ -5,8 +5,9 @@
 #include <cmath>
 #include <span>
 
-#include "laplace_bands.h"
 #include "tetropolis/core/parallel.h"
+
+#include "laplace_bands.h"
 
 // The hot loops run over contiguous bands and are compiled for wider vectors as well; products are
 // never fused with sums, so every version rounds the same way. Sanitizers do not support resolving
@@ -116,8 +117,8 @@ bool is_fixed(const ColumnMesh& mesh, std::size_t v, std::int32_t k, bool fixed_
   return k <= mesh.first_node[v] || k == mesh.roof_layer[v] || (fixed_top && k == mesh.layers);
 }
 
-/// Removes all couplings of fixed nodes; their rows become those of the identity. Returns the number
-/// of nodes left unknown.
+/// Removes all couplings of fixed nodes; their rows become those of the identity. Returns the
+/// number of nodes left unknown.
 std::int64_t eliminate_fixed(const ColumnMesh& mesh, bool fixed_top, StiffnessBands& bands) {
   const std::size_t n = mesh.stride();
   const auto count_or_clear = [&](std::size_t begin, std::size_t end) {
@@ -134,7 +135,8 @@ std::int64_t eliminate_fixed(const ColumnMesh& mesh, bool fixed_top, StiffnessBa
         if (k > 0) vertical[k - 1] = 0;
       }
       for (EdgeIndex e = mesh.edges.starts[v]; e < mesh.edges.starts[v + 1]; ++e) {
-        const auto b = static_cast<std::size_t>(mesh.edges.vertices[static_cast<std::size_t>(e)][1]);
+        const auto b =
+            static_cast<std::size_t>(mesh.edges.vertices[static_cast<std::size_t>(e)][1]);
         float* level = bands.edge.data() + static_cast<std::size_t>(e) * 2 * n;
         float* rising = level + n;
         for (std::size_t k = 0; k < n; ++k) {
@@ -147,9 +149,9 @@ std::int64_t eliminate_fixed(const ColumnMesh& mesh, bool fixed_top, StiffnessBa
     }
     return unknowns;
   };
-  return parallel_reduce_ordered(
-      mesh.vertex_count(), kColumnsPerChunk, std::int64_t{0}, count_or_clear,
-      [](std::int64_t a, std::int64_t b) { return a + b; });
+  return parallel_reduce_ordered(mesh.vertex_count(), kColumnsPerChunk, std::int64_t{0},
+                                 count_or_clear,
+                                 [](std::int64_t a, std::int64_t b) { return a + b; });
 }
 
 std::vector<float> inverse_pivots(const ColumnMesh& mesh, const StiffnessBands& bands) {
@@ -238,7 +240,10 @@ SolverReport solve_laplace(const ColumnMesh& mesh, std::vector<float>& u,
   report.converged = !(rz > target) || rz == 0;
   double beta = 0;
   while (!report.converged && report.iterations < options.max_iterations) {
-    progress.update(report.iterations == 0 ? 0.0 : std::clamp(std::log(rz / first_rz) / std::log(target / first_rz), 0.0, 1.0));
+    progress.update(
+        report.iterations == 0
+            ? 0.0
+            : std::clamp(std::log(rz / first_rz) / std::log(target / first_rz), 0.0, 1.0));
     new_direction(static_cast<float>(beta));
     const double pq = over_columns(mesh, [&](ColumnRange range, double* lanes) {
       return multiply(a, p.data(), q.data(), range, lanes);

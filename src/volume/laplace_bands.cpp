@@ -16,7 +16,8 @@ constexpr std::size_t kTrianglesPerBlock = 256;
 /// Blocks of consecutive triangles, grouped so that no two blocks of a group share a vertex: the
 /// blocks of a group may be assembled at the same time, and every sum is made in a fixed order.
 std::vector<std::vector<std::size_t>> independent_blocks(const GroundMesh& ground) {
-  const std::size_t blocks = (ground.triangles.size() + kTrianglesPerBlock - 1) / kTrianglesPerBlock;
+  const std::size_t blocks =
+      (ground.triangles.size() + kTrianglesPerBlock - 1) / kTrianglesPerBlock;
   std::vector<std::uint64_t> used(ground.vertices.size(), 0);
   std::vector<std::vector<std::size_t>> groups;
   for (std::size_t block = 0; block < blocks; ++block) {
@@ -104,7 +105,10 @@ void add_triangle(const ColumnMesh& mesh, std::size_t t, StiffnessBands& bands) 
                                           static_cast<std::size_t>(v[1]),
                                           static_cast<std::size_t>(v[2])};
   const auto& edge = mesh.edges.of_triangle[t];
-  const auto band = [&](int side) { return bands.edge.data() + static_cast<std::size_t>(edge[static_cast<std::size_t>(side)]) * 2 * n; };
+  const auto band = [&](int side) {
+    return bands.edge.data() +
+           static_cast<std::size_t>(edge[static_cast<std::size_t>(side)]) * 2 * n;
+  };
   const PrismBands out{band(0),
                        band(0) + n,
                        band(1),
@@ -114,9 +118,9 @@ void add_triangle(const ColumnMesh& mesh, std::size_t t, StiffnessBands& bands) 
                        bands.vertical.data() + column[0] * n,
                        bands.vertical.data() + column[1] * n,
                        bands.vertical.data() + column[2] * n};
-  const FlatTriangle flat = flat_triangle(mesh.ground.vertices[column[0]],
-                                          mesh.ground.vertices[column[1]],
-                                          mesh.ground.vertices[column[2]]);
+  const FlatTriangle flat =
+      flat_triangle(mesh.ground.vertices[column[0]], mesh.ground.vertices[column[1]],
+                    mesh.ground.vertices[column[2]]);
   add_prisms(flat, mesh.column(column[0]), mesh.column(column[1]), mesh.column(column[2]),
              mesh.first_layer[t], mesh.layers, out);
 }

@@ -21,7 +21,8 @@ void displace(ColumnMesh& mesh, const std::vector<float>& u) {
   parallel_chunks(mesh.vertex_count(), kColumnsPerChunk, [&](std::size_t begin, std::size_t end) {
     for (std::size_t v = begin; v < end; ++v)
       for (std::int32_t k = mesh.first_node[v]; k <= mesh.layers; ++k)
-        mesh.column(v)[k] += static_cast<double>(u[v * mesh.stride() + static_cast<std::size_t>(k)]);
+        mesh.column(v)[k] +=
+            static_cast<double>(u[v * mesh.stride() + static_cast<std::size_t>(k)]);
   });
 }
 
@@ -79,8 +80,9 @@ LayerPlan plan_layers(std::span<const double> ground, std::span<const double> ro
     plan.top = roof + 2 * layer_height;
     plan.raised = true;
   }
-  plan.layers = std::max(2, static_cast<std::int32_t>(
-                                std::lround((plan.top - plan.bottom) / layer_height)));
+  // Clamped so that absurd layer heights stay absurd numbers instead of overflowing.
+  plan.layers = static_cast<std::int32_t>(
+      std::clamp(std::round((plan.top - plan.bottom) / layer_height), 2.0, 1e9));
   return plan;
 }
 
@@ -121,7 +123,8 @@ void trim(ColumnMesh& mesh, std::span<const BuildingIndex> building,
   std::vector<std::int32_t> roof_layer(roofs.size(), kNoRoof);
   for (std::size_t b = 0; b < roofs.size(); ++b)
     if (least[b] < inf)
-      roof_layer[b] = std::clamp(nearest_in_ratio(std::sqrt(least[b] * most[b])), 1, mesh.layers - 1);
+      roof_layer[b] =
+          std::clamp(nearest_in_ratio(std::sqrt(least[b] * most[b])), 1, mesh.layers - 1);
 
   std::fill(mesh.first_node.begin(), mesh.first_node.end(), mesh.layers);
   for (std::size_t t = 0; t < mesh.triangle_count(); ++t) {

@@ -1,21 +1,23 @@
 // Every check is seen to fail on a mesh broken in just that way.
 #include "tetropolis/check/check_mesh.h"
 
-#include <gtest/gtest.h>
-
 #include <algorithm>
 #include <cmath>
 
-#include "support/small_city.h"
-#include "support/test_data.h"
+#include <gtest/gtest.h>
+
 #include "tetropolis/io/vtk.h"
 #include "tetropolis/volume/quality.h"
+
+#include "support/small_city.h"
+#include "support/test_data.h"
 
 namespace tetropolis {
 namespace {
 
 bool has(const std::vector<Violation>& violations, const std::string& what) {
-  return std::any_of(violations.begin(), violations.end(), [&](const Violation& v) { return v.what == what; });
+  return std::any_of(violations.begin(), violations.end(),
+                     [&](const Violation& v) { return v.what == what; });
 }
 
 std::string names(const std::vector<Violation>& violations) {
@@ -59,7 +61,8 @@ TEST_F(CheckMesh, PassesAGoodMeshAndAgreesWithTheGeneratorsMeasures) {
   EXPECT_NEAR(check.max_dihedral_deg, quality.max_dihedral_deg(), 1e-4);
   EXPECT_NEAR(check.min_dihedral_deg.median, quality.dihedral_quantile_deg(0.5), 0.05);
   EXPECT_NEAR(check.aspect_ratio.max / quality.max_aspect_ratio(), 1, 1e-5);
-  EXPECT_TRUE(check_surface(surface).violations.empty()) << names(check_surface(surface).violations);
+  EXPECT_TRUE(check_surface(surface).violations.empty())
+      << names(check_surface(surface).violations);
   EXPECT_TRUE(check_same_boundary(mesh, check, surface).empty());
   const HeightsCheck heights = check_heights(surface, {0, 0, 0}, city.city.dtm, model);
   EXPECT_TRUE(heights.violations.empty()) << names(heights.violations);
@@ -113,7 +116,8 @@ TEST_F(CheckMesh, SeesOpenSurfacesAndFacesTurnedOver) {
 
 TEST_F(CheckMesh, SeesWrongTags) {
   const auto first = [&](Patch patch) {
-    return static_cast<std::size_t>(std::find(surface.patch.begin(), surface.patch.end(), patch) - surface.patch.begin());
+    return static_cast<std::size_t>(std::find(surface.patch.begin(), surface.patch.end(), patch) -
+                                    surface.patch.begin());
   };
   const auto violated = [&](std::size_t face, Patch patch, BuildingIndex building) {
     SurfaceMesh wrong = surface;
@@ -132,14 +136,31 @@ TEST_F(CheckMesh, SeesWrongTags) {
   EXPECT_NE(violated(first(Patch::kRoof), Patch::kRoof, other), "");
 }
 
+TEST_F(CheckMesh, SeesWrongRegionsAndWallsOfAnotherBuilding) {
+  EXPECT_TRUE(check_regions_of_cells(mesh, {0, 0, 0}, model).empty());
+  for (const std::size_t c : {std::size_t{0}, mesh.region.size() - 1}) {
+    TetMesh wrong = mesh;
+    ++wrong.region[c];
+    EXPECT_EQ(check_regions_of_cells(wrong, {0, 0, 0}, model).size(), 1U);
+  }
+  SurfaceMesh other = surface;
+  const auto wall = static_cast<std::size_t>(
+      std::find(surface.patch.begin(), surface.patch.end(), Patch::kWall) - surface.patch.begin());
+  other.building[wall] = other.building[wall] == 0 ? 1 : 0;
+  EXPECT_TRUE(has(check_surface(other).violations,
+                  "neighbouring roof and wall faces of different buildings"));
+}
+
 TEST_F(CheckMesh, SeesHeightsOffByAMillimetre) {
   SurfaceMesh moved = surface;
   for (auto& p : moved.points)
     if (p[2] == city.city.roofs[2]) p[2] += 0.001;
-  EXPECT_TRUE(has(check_heights(moved, {0, 0, 0}, city.city.dtm, model).violations, "roof vertices off the roof height"));
+  EXPECT_TRUE(has(check_heights(moved, {0, 0, 0}, city.city.dtm, model).violations,
+                  "roof vertices off the roof height"));
   Raster higher = city.city.dtm;
   for (double& z : higher.values) z -= 0.001;
-  EXPECT_TRUE(has(check_heights(surface, {0, 0, 0}, higher, model).violations, "ground vertices off the terrain"));
+  EXPECT_TRUE(has(check_heights(surface, {0, 0, 0}, higher, model).violations,
+                  "ground vertices off the terrain"));
   model.buildings.pop_back();
   EXPECT_TRUE(has(check_heights(surface, {0, 0, 0}, city.city.dtm, model).violations,
                   "roofs of buildings that the city model lacks"));

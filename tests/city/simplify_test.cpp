@@ -334,8 +334,9 @@ double sampled_change(const std::vector<Polygon>& before, const std::vector<Poly
   for (double y = domain.ymin + step / 3; y < domain.ymax; y += step)
     for (double x = domain.xmin + step / 3; x < domain.xmax; x += step) {
       const auto inside = [&](const std::vector<Polygon>& polygons) {
-        return std::any_of(polygons.begin(), polygons.end(),
-                           [&](const Polygon& polygon) { return contains(polygon, {x, y}); });
+        return std::any_of(polygons.begin(), polygons.end(), [&](const Polygon& polygon) {
+          return contains(polygon, {x, y});
+        });
       };
       if (inside(before) != inside(after)) ++differ;
     }

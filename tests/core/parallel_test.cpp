@@ -1,11 +1,11 @@
 #include "tetropolis/core/parallel.h"
 
-#include <gtest/gtest.h>
-
 #include <algorithm>
 #include <atomic>
 #include <random>
 #include <stdexcept>
+
+#include <gtest/gtest.h>
 
 #include "support/test_data.h"
 
@@ -18,7 +18,8 @@ TEST(Parallel, ChunksCoverTheRangeOnceInFixedPieces) {
       std::vector<int> visits(size, 0);
       std::atomic<bool> aligned = true;
       parallel_chunks(size, grain, [&](std::size_t begin, std::size_t end) {
-        if (begin % grain != 0 || end > size || (end - begin != grain && end != size)) aligned = false;
+        if (begin % grain != 0 || end > size || (end - begin != grain && end != size))
+          aligned = false;
         for (std::size_t i = begin; i < end; ++i) ++visits[i];
       });
       EXPECT_TRUE(aligned);
@@ -29,7 +30,8 @@ TEST(Parallel, ChunksCoverTheRangeOnceInFixedPieces) {
 TEST(Parallel, OrderedReductionHasTheSameBitsForAnyNumberOfThreads) {
   std::mt19937_64 random(testing::test_seed());
   std::vector<float> values(100000);
-  for (float& value : values) value = static_cast<float>(static_cast<double>(random()) / 1e16 - 500);
+  for (float& value : values)
+    value = static_cast<float>(static_cast<double>(random()) / 1e16 - 500);
   const auto sum = [&] {
     return parallel_reduce_ordered(
         values.size(), 77, 0.0F,
@@ -60,7 +62,10 @@ TEST(Parallel, ThreadLimitHoldsWhileItLives) {
 }
 
 TEST(Parallel, ErrorsLeaveTheLoop) {
-  EXPECT_THROW(parallel_chunks(1000, 10, [](std::size_t begin, std::size_t) { if (begin == 500) throw std::runtime_error("x"); }),
+  EXPECT_THROW(parallel_chunks(1000, 10,
+                               [](std::size_t begin, std::size_t) {
+                                 if (begin == 500) throw std::runtime_error("x");
+                               }),
                std::runtime_error);
 }
 

@@ -1,18 +1,19 @@
 #include "tetropolis/io/vtk.h"
 
-#include <gtest/gtest.h>
-
-#include <fstream>
 #include <cstring>
+#include <fstream>
 #include <iterator>
 #include <map>
 #include <set>
 #include <sstream>
 
-#include "support/small_city.h"
-#include "support/test_data.h"
+#include <gtest/gtest.h>
+
 #include "tetropolis/core/error.h"
 #include "tetropolis/io/stl.h"
+
+#include "support/small_city.h"
+#include "support/test_data.h"
 
 namespace tetropolis {
 namespace {
@@ -53,7 +54,8 @@ TEST_F(Vtk, VolumeComesBackAsItWas) {
   ASSERT_EQ(mesh.cells.size(), static_cast<std::size_t>(cell_count(city.mesh)));
   for (std::size_t v = 0; v < city.mesh.vertex_count(); ++v)
     for (std::int32_t k = city.mesh.first_node[v]; k <= city.mesh.layers; ++k) {
-      const auto& p = mesh.points[static_cast<std::size_t>(offsets[v] + k - city.mesh.first_node[v])];
+      const auto& p =
+          mesh.points[static_cast<std::size_t>(offsets[v] + k - city.mesh.first_node[v])];
       EXPECT_EQ(p[0], city.mesh.ground.vertices[v].x + 1000);
       EXPECT_EQ(p[1], city.mesh.ground.vertices[v].y + 2000);
       EXPECT_EQ(p[2], city.mesh.column(v)[k]);
@@ -84,7 +86,8 @@ TEST_F(Vtk, SurfaceComesBackAsItWas) {
 TEST_F(Vtk, HeaderIsTheFormatsXmlAndOffsetsFitTheData) {
   write_vtu(folder / "volume.vtu", city.mesh, {{0, 0, 0}, {319000, 6396000, 0}});
   const std::string bytes = bytes_of(folder / "volume.vtu");
-  EXPECT_NE(bytes.find("NumberOfTuples=\"1\" format=\"ascii\">319000 6396000 0</DataArray>"), std::string::npos);
+  EXPECT_NE(bytes.find("NumberOfTuples=\"1\" format=\"ascii\">319000 6396000 0</DataArray>"),
+            std::string::npos);
   EXPECT_EQ(bytes.substr(bytes.size() - 28), "\n</AppendedData>\n</VTKFile>\n");
   // Following each array's byte count leads to the next offset and finally to the closing tag.
   const std::size_t data = bytes.find('_', bytes.find("<AppendedData")) + 1;
@@ -125,7 +128,8 @@ TEST_F(Vtk, BrokenFilesAreRefusedWithTheirName) {
   const std::int32_t wrong = 0x7fffffff;
   std::memcpy(outside.data() + data + offset + 8, &wrong, sizeof wrong);
   EXPECT_NE(message(outside).find("cell 0 has the vertex 2147483647"), std::string::npos);
-  EXPECT_NE(error_of([&] { read_vtu(folder / "missing.vtu"); }).find("missing.vtu"), std::string::npos);
+  EXPECT_NE(error_of([&] { read_vtu(folder / "missing.vtu"); }).find("missing.vtu"),
+            std::string::npos);
 }
 
 TEST_F(Vtk, StlHasOneClosedTaggedSolidPerPatch) {
@@ -153,7 +157,8 @@ TEST_F(Vtk, StlHasOneClosedTaggedSolidPerPatch) {
     }
   }
   EXPECT_EQ(facets, surface.triangles.size());
-  EXPECT_EQ(solids, (std::vector<std::string>{"ground", "roof", "wall", "top", "xmin", "xmax", "ymin", "ymax"}));
+  EXPECT_EQ(solids, (std::vector<std::string>{"ground", "roof", "wall", "top", "xmin", "xmax",
+                                              "ymin", "ymax"}));
   // Watertight in the printed coordinates: every directed edge once, and its reverse too.
   for (const auto& [edge, count] : directed) {
     EXPECT_EQ(count, 1);

@@ -109,7 +109,8 @@ TEST_F(Xdmf, DescriptionFitsTheData) {
   const std::size_t boundary = text.find("<Grid Name=\"boundary\" GridType=\"Uniform\">");
   ASSERT_NE(mesh, std::string::npos);
   ASSERT_NE(boundary, std::string::npos);
-  EXPECT_LT(mesh, boundary);
+  EXPECT_LT(mesh, text.find("Name=\"region\"", mesh));
+  EXPECT_LT(text.find("Name=\"region\"", mesh), boundary);
   EXPECT_LT(text.find("Name=\"patch\"", boundary), text.find("Name=\"building\"", boundary));
 
   const std::regex item(

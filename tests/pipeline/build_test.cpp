@@ -1,16 +1,17 @@
-// The whole pipeline on invented cities: results hold together, do not depend on threads, and are the
-// same in one go or in two.
-#include <gtest/gtest.h>
-
+// The whole pipeline on invented cities: results hold together, do not depend on threads, and are
+// the same in one go or in two.
 #include <fstream>
 #include <iterator>
-#include <nlohmann/json.hpp>
 #include <set>
 
-#include "support/test_data.h"
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
 #include "tetropolis/core/error.h"
 #include "tetropolis/pipeline/check_results.h"
 #include "tetropolis/pipeline/run.h"
+
+#include "support/test_data.h"
 
 namespace tetropolis {
 namespace {
@@ -26,7 +27,8 @@ std::string bytes_of(const fs::path& path) {
 void expect_guarantees(const fs::path& folder) {
   for (const CheckedFile& file : check_path(folder, std::nullopt))
     for (const Violation& violation : file.violations)
-      ADD_FAILURE() << file.name << ": " << violation.what << " (" << violation.count << "), first " << violation.first;
+      ADD_FAILURE() << file.name << ": " << violation.what << " (" << violation.count << "), first "
+                    << violation.first;
 }
 
 class Build : public ::testing::Test {
@@ -55,24 +57,29 @@ TEST_F(Build, BlocksPassEveryCheckAndTheReportTellsTheTruth) {
   Config config = city("blocks", 0, 320, 3);
   const Report report = run_build(config);
   expect_guarantees(config.out);
-  const std::set<std::string> expected{"city_raw.city.json", "city.city.json", "dtm.tif", "volume.vtu",
-                                       "boundary.vtp", "surface.stl", "report.json"};
+  const std::set<std::string> expected{"city_raw.city.json", "city.city.json", "dtm.tif",
+                                       "volume.vtu",         "boundary.vtp",   "surface.stl",
+                                       "report.json"};
   std::set<std::string> found;
-  for (const auto& entry : fs::directory_iterator(config.out)) found.insert(entry.path().filename().string());
+  for (const auto& entry : fs::directory_iterator(config.out))
+    found.insert(entry.path().filename().string());
   EXPECT_EQ(found, expected);
 
   const Json json = Json::parse(bytes_of(scratch / "out/report.json"));
-  for (const char* key : {"version", "command", "config", "origin", "crs", "steps", "peak_rss_bytes", "threads", "input",
-                          "city", "ground_mesh", "volume_mesh", "surface_mesh", "solver", "warnings"})
+  for (const char* key :
+       {"version", "command", "config", "origin", "crs", "steps", "peak_rss_bytes", "threads",
+        "input", "city", "ground_mesh", "volume_mesh", "surface_mesh", "solver", "warnings"})
     EXPECT_TRUE(json.contains(key)) << key;
   EXPECT_EQ(json["crs"], "EPSG:3006");
   EXPECT_EQ(json["config"]["mesh_size"], 10);
   std::set<std::string> steps;
   for (const Json& step : json["steps"]) steps.insert(step["id"].get<std::string>());
-  EXPECT_EQ(steps, (std::set<std::string>{"1.1", "1.2", "1.3", "1.4", "1.5", "1.6", "1.7", "2.1", "2.2", "2.3", "2.4",
-                                          "3.1", "3.2", "3.3", "3.4", "3.5", "3.6"}));
+  EXPECT_EQ(steps,
+            (std::set<std::string>{"1.1", "1.2", "1.3", "1.4", "1.5", "1.6", "1.7", "2.1", "2.2",
+                                   "2.3", "2.4", "3.1", "3.2", "3.3", "3.4", "3.5", "3.6"}));
   EXPECT_EQ(json["volume_mesh"]["inverted"], 0);
-  EXPECT_TRUE(json["surface_mesh"]["closed"].get<bool>() && json["surface_mesh"]["manifold"].get<bool>());
+  EXPECT_TRUE(json["surface_mesh"]["closed"].get<bool>() &&
+              json["surface_mesh"]["manifold"].get<bool>());
   EXPECT_GE(json["city"]["min_clearance"].get<double>(), 1.0);
   EXPECT_GE(json["ground_mesh"]["min_angle_deg"].get<double>(), 25 - 1e-6);
   for (const Json& solve : json["solver"]) EXPECT_TRUE(solve["converged"].get<bool>());
@@ -82,8 +89,10 @@ TEST_F(Build, BlocksPassEveryCheckAndTheReportTellsTheTruth) {
   const Json model = Json::parse(bytes_of(scratch / "out/city.city.json"));
   std::multiset<std::string> accounted;
   for (const auto& [id, object] : model["CityObjects"].items())
-    for (const Json& source : object["attributes"]["source_ids"]) accounted.insert(source.get<std::string>());
-  for (const Json& dropped : json["city"]["dropped"]) accounted.insert(dropped["source_id"].get<std::string>());
+    for (const Json& source : object["attributes"]["source_ids"])
+      accounted.insert(source.get<std::string>());
+  for (const Json& dropped : json["city"]["dropped"])
+    accounted.insert(dropped["source_id"].get<std::string>());
   EXPECT_EQ(static_cast<std::int64_t>(accounted.size()), report.input->footprints_read);
   EXPECT_EQ(std::set<std::string>(accounted.begin(), accounted.end()).size(), accounted.size());
 }
@@ -96,7 +105,8 @@ TEST_F(Build, SameBytesForAnyNumberOfThreads) {
   again.threads = 2;
   again.out = (scratch / "again").string();
   run_build(again);
-  for (const char* name : {"city_raw.city.json", "city.city.json", "dtm.tif", "volume.vtu", "boundary.vtp", "surface.stl"})
+  for (const char* name : {"city_raw.city.json", "city.city.json", "dtm.tif", "volume.vtu",
+                           "boundary.vtp", "surface.stl"})
     EXPECT_TRUE(bytes_of(scratch / "out" / name) == bytes_of(scratch / "again" / name)) << name;
 }
 
@@ -116,6 +126,64 @@ TEST_F(Build, CityAndMeshInTwoStepsGiveTheSameMesh) {
   for (const char* name : {"volume.vtu", "boundary.vtp", "surface.stl"})
     EXPECT_TRUE(bytes_of(scratch / "out" / name) == bytes_of(scratch / "mesh" / name)) << name;
   EXPECT_FALSE(fs::exists(scratch / "city/volume.vtu"));
+}
+
+TEST_F(Build, MeshRefusesCitiesAndTerrainsThatDoNotFit) {
+  Config config = city("blocks", 0, 320, 4);
+  run_city(config);
+  const auto refused = [&](const std::string& city, const std::string& dtm,
+                           std::vector<double> bounds = {}) {
+    Config mesh;
+    mesh.city = city;
+    mesh.dtm = dtm;
+    mesh.bounds = std::move(bounds);
+    mesh.out = (scratch / "mesh").string();
+    try {
+      run_mesh(mesh);
+    } catch (const Error& error) {
+      EXPECT_EQ(error.kind(), ErrorKind::kInput);
+      EXPECT_FALSE(fs::exists(scratch / "mesh"));
+      return std::string(error.what());
+    }
+    return std::string("no error");
+  };
+  const std::string out = config.out;
+  EXPECT_NE(
+      refused(out + "/city_raw.city.json", out + "/dtm.tif").find("make it with 'tetropolis city'"),
+      std::string::npos);
+  EXPECT_NE(refused(out + "/city.city.json", out + "/dtm.tif", {319000, 6396000, 321000, 6398000})
+                .find("does not cover the domain"),
+            std::string::npos);
+  TETROPOLIS_REQUIRE_DATA(elsewhere, "alexandria_dsm_dtm/dtm.tif");
+  EXPECT_NE(refused(out + "/city.city.json", elsewhere.string()).find("EPSG:26918"),
+            std::string::npos);
+}
+
+TEST_F(Build, ResultsOfAnEarlierRunAreNotMixedWithNewOnes) {
+  Config config = city("random", 30, 250, 6);
+  run_build(config);
+  std::ofstream(scratch / "out/notes.txt") << "mine";
+  run_city(config);
+  EXPECT_FALSE(fs::exists(scratch / "out/volume.vtu"));
+  EXPECT_FALSE(fs::exists(scratch / "out/surface.stl"));
+  EXPECT_TRUE(fs::exists(scratch / "out/city.city.json"));
+  EXPECT_TRUE(fs::exists(scratch / "out/notes.txt"));
+}
+
+TEST_F(Build, AbsurdSizesAreRefusedBeforeTheWork) {
+  Config config = city("random", 30, 250, 6);
+  config.layer_height = 1e-9;
+  EXPECT_THROW(run_build(config), Error);
+  config.layer_height = 0;
+  config.domain_height = 1e7;
+  EXPECT_THROW(run_build(config), Error);
+  config.domain_height = 100;
+  config.mesh_size = 0.05;
+  config.layer_height = 0.05;
+  EXPECT_THROW(run_build(config), Error);
+  config = city("random", 30, 250, 6);
+  config.min_building_area = 1e6;
+  EXPECT_THROW(run_build(config), Error);
 }
 
 TEST_F(Build, AbsoluteCoordinatesAreThoseOfTheReferenceSystem) {
@@ -172,7 +240,8 @@ TEST_F(Build, StopsWhenAskedAndLeavesNothing) {
     hooks.cancelled = [&] { return stop; };
     EXPECT_THROW(run_build(config, hooks), Cancelled) << last;
     std::set<std::string> left;
-    for (const auto& entry : fs::directory_iterator(scratch.path())) left.insert(entry.path().filename().string());
+    for (const auto& entry : fs::directory_iterator(scratch.path()))
+      left.insert(entry.path().filename().string());
     EXPECT_EQ(left, (std::set<std::string>{"input"})) << last;
   }
 }
@@ -191,9 +260,11 @@ TEST_F(Build, SynthWritesTheSameBytesForTheSameSeed) {
       run_synth(config);
     }
     for (const char* file : {"footprints.shp", "footprints.dbf", "points.laz"}) {
-      EXPECT_TRUE(bytes_of(scratch / "one" / file) == bytes_of(scratch / "two" / file)) << kind << " " << file;
+      EXPECT_TRUE(bytes_of(scratch / "one" / file) == bytes_of(scratch / "two" / file))
+          << kind << " " << file;
       if (std::string(file) == "footprints.dbf") continue;  // ids and heights may agree
-      EXPECT_FALSE(bytes_of(scratch / "one" / file) == bytes_of(scratch / "other" / file)) << kind << " " << file;
+      EXPECT_FALSE(bytes_of(scratch / "one" / file) == bytes_of(scratch / "other" / file))
+          << kind << " " << file;
     }
   }
 }

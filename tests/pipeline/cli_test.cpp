@@ -1,12 +1,12 @@
 // The program from outside: exit codes, one clear line per error, nothing left behind.
-#include <gtest/gtest.h>
-#include <sys/wait.h>
-
 #include <algorithm>
 #include <cstdlib>
 #include <fstream>
 #include <iterator>
 #include <set>
+
+#include <gtest/gtest.h>
+#include <sys/wait.h>
 
 #include "support/test_data.h"
 
@@ -29,14 +29,18 @@ std::string text_of(const fs::path& path) {
 class Cli : public ::testing::Test {
  protected:
   /// Runs the program in the scratch folder. `arguments` are for the shell.
-  Outcome run(const std::string& arguments) { return shell("'" TETROPOLIS_PROGRAM "' " + arguments); }
+  Outcome run(const std::string& arguments) {
+    return shell("'" TETROPOLIS_PROGRAM "' " + arguments);
+  }
 
   Outcome shell(const std::string& script) {
     const fs::path streams = logs.path();
     const std::string command = "( cd '" + scratch.path().string() + "' && " + script + " ) >'" +
-                                (streams / "out").string() + "' 2>'" + (streams / "err").string() + "'";
+                                (streams / "out").string() + "' 2>'" + (streams / "err").string() +
+                                "'";
     const int status = std::system(command.c_str());
-    return {WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status), text_of(streams / "out"), text_of(streams / "err")};
+    return {WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status),
+            text_of(streams / "out"), text_of(streams / "err")};
   }
 
   /// A small city in input/.
@@ -46,12 +50,13 @@ class Cli : public ::testing::Test {
 
   std::set<std::string> left() {
     std::set<std::string> names;
-    for (const auto& entry : fs::directory_iterator(scratch.path())) names.insert(entry.path().filename().string());
+    for (const auto& entry : fs::directory_iterator(scratch.path()))
+      names.insert(entry.path().filename().string());
     return names;
   }
 
-  /// With --quiet, an error is exactly one line that begins with the program's name and contains `part`;
-  /// no file or folder is new.
+  /// With --quiet, an error is exactly one line that begins with the program's name and contains
+  /// `part`; no file or folder is new.
   void expect_error(const std::string& arguments, int code, const std::string& part) {
     SCOPED_TRACE(arguments);
     const auto before = left();
@@ -80,15 +85,19 @@ TEST_F(Cli, BuildsChecksAndTells) {
   EXPECT_NE(checked.out.find("every guarantee holds"), std::string::npos);
   for (const char* file : {"volume.vtu", "boundary.vtp", "city.city.json", "city_raw.city.json"})
     EXPECT_EQ(run(std::string("check result/") + file).code, 0) << file;
-  const Outcome info = run("info input/points.laz input/footprints.shp result/city.city.json result/dtm.tif result/volume.vtu result/boundary.vtp");
+  const Outcome info =
+      run("info input/points.laz input/footprints.shp result/city.city.json result/dtm.tif "
+          "result/volume.vtu result/boundary.vtp");
   EXPECT_EQ(info.code, 0) << info.err;
-  for (const char* part : {"class 6:", "features:", "EPSG:3006", "buildings:", "nodes", "tets:", "wall:"})
+  for (const char* part :
+       {"class 6:", "features:", "EPSG:3006", "buildings:", "nodes", "tets:", "wall:"})
     EXPECT_NE(info.out.find(part), std::string::npos) << part;
 }
 
 TEST_F(Cli, CheckFailsOnABrokenMesh) {
   synth("--buildings 20 --size 250");
-  ASSERT_EQ(run("build --quiet --footprints input/footprints.shp --points input --out result").code, 0);
+  ASSERT_EQ(run("build --quiet --footprints input/footprints.shp --points input --out result").code,
+            0);
   // Overwrite one coordinate in the middle of the points.
   std::string bytes = text_of(scratch / "result/volume.vtu");
   const std::size_t data = bytes.find('_', bytes.find("<AppendedData")) + 1;
@@ -108,10 +117,12 @@ TEST_F(Cli, CheckFailsOnABrokenMesh) {
 
 TEST_F(Cli, WrongOptionsExitWithTwo) {
   synth("--buildings 20 --size 250");
-  const std::string input = "build --footprints input/footprints.shp --points input/points.laz --out result ";
+  const std::string input =
+      "build --footprints input/footprints.shp --points input/points.laz --out result ";
   expect_error("build --points input/points.laz --out result", 2, "--footprints is missing");
   expect_error("build --footprints input/footprints.shp --out result", 2, "--points is missing");
-  expect_error("build --footprints input/footprints.shp --points input/points.laz", 2, "--out is missing");
+  expect_error("build --footprints input/footprints.shp --points input/points.laz", 2,
+               "--out is missing");
   expect_error(input + "--mesh-sise 5", 2, "did you mean '--mesh-size'?");
   expect_error(input + "--mesh-size five", 2, "--mesh-size: 'five' is not a number");
   expect_error(input + "--mesh-size -3", 2, "less than 0.05");
@@ -120,11 +131,15 @@ TEST_F(Cli, WrongOptionsExitWithTwo) {
   expect_error(input + "--points-crs EPSG:999999", 2, "EPSG:999999");
   expect_error(input + "--config missing.toml", 2, "missing.toml: no such configuration file");
   std::ofstream(scratch / "c.toml") << "# settings\nmesh_sise = 5\n";
-  expect_error(input + "--config c.toml", 2, "c.toml:2: unknown key 'mesh_sise'; did you mean 'mesh_size'?");
+  expect_error(input + "--config c.toml", 2,
+               "c.toml:2: unknown key 'mesh_sise'; did you mean 'mesh_size'?");
   expect_error("mesh --city input/x.city.json --out result", 2, "--dtm is missing");
   std::ofstream(scratch / "file") << "x";
-  expect_error("build --footprints input/footprints.shp --points input/points.laz --out file", 2, "file: cannot be written");
-  expect_error("build --footprints input/footprints.shp --points input/points.laz --out file/inside", 2, "cannot be written");
+  expect_error("build --footprints input/footprints.shp --points input/points.laz --out file", 2,
+               "file: cannot be written");
+  expect_error(
+      "build --footprints input/footprints.shp --points input/points.laz --out file/inside", 2,
+      "cannot be written");
   EXPECT_EQ(run("biuld").code, 2);
   EXPECT_NE(run("biuld").err.find("did you mean 'build'?"), std::string::npos);
   EXPECT_EQ(run("").code, 2);
@@ -132,7 +147,8 @@ TEST_F(Cli, WrongOptionsExitWithTwo) {
 
 TEST_F(Cli, UnusableInputExitsWithThree) {
   synth("--buildings 40 --size 250");
-  const auto build = [](const std::string& footprints, const std::string& points, const std::string& more = "") {
+  const auto build = [](const std::string& footprints, const std::string& points,
+                        const std::string& more = "") {
     return "build --footprints " + footprints + " --points " + points + " --out result " + more;
   };
   const std::string shp = "input/footprints.shp", laz = "input/points.laz";
@@ -146,7 +162,8 @@ TEST_F(Cli, UnusableInputExitsWithThree) {
   expect_error(build(shp, "zero.laz"), 3, "zero.laz");
   const std::string whole = text_of(scratch / "input/points.laz");
   for (const double share : {0.01, 0.3, 0.7, 0.999}) {
-    std::ofstream(scratch / "cut.laz", std::ios::binary) << whole.substr(0, static_cast<std::size_t>(share * static_cast<double>(whole.size())));
+    std::ofstream(scratch / "cut.laz", std::ios::binary)
+        << whole.substr(0, static_cast<std::size_t>(share * static_cast<double>(whole.size())));
     expect_error(build(shp, "cut.laz"), 3, "cut.laz");
   }
   std::ofstream(scratch / "text.shp") << "no shapes here";
@@ -171,17 +188,22 @@ TEST_F(Cli, UnusableInputExitsWithThree) {
 TEST_F(Cli, ShapefileWithoutPrjTakesThePointsSystem) {
   synth("--buildings 40 --size 250");
   fs::remove(scratch / "input/footprints.prj");
-  const Outcome outcome = run("build --footprints input/footprints.shp --points input/points.laz --out result");
+  const Outcome outcome =
+      run("build --footprints input/footprints.shp --points input/points.laz --out result");
   EXPECT_EQ(outcome.code, 0) << outcome.err;
   EXPECT_NE(outcome.err.find("footprints_crs_unknown"), std::string::npos) << outcome.err;
-  EXPECT_NE(text_of(scratch / "result/report.json").find("\"crs\": \"EPSG:3006\""), std::string::npos);
+  EXPECT_NE(text_of(scratch / "result/report.json").find("\"crs\": \"EPSG:3006\""),
+            std::string::npos);
 }
 
 TEST_F(Cli, AFailedRunLeavesAnEarlierResultWhole) {
   synth("--buildings 20 --size 250");
-  ASSERT_EQ(run("build --quiet --footprints input/footprints.shp --points input --out result").code, 0);
-  const std::string report = text_of(scratch / "result/report.json"), mesh = text_of(scratch / "result/volume.vtu");
-  expect_error("build --footprints input/footprints.shp --points nowhere.laz --out result", 3, "nowhere.laz");
+  ASSERT_EQ(run("build --quiet --footprints input/footprints.shp --points input --out result").code,
+            0);
+  const std::string report = text_of(scratch / "result/report.json"),
+                    mesh = text_of(scratch / "result/volume.vtu");
+  expect_error("build --footprints input/footprints.shp --points nowhere.laz --out result", 3,
+               "nowhere.laz");
   EXPECT_TRUE(text_of(scratch / "result/report.json") == report);
   EXPECT_TRUE(text_of(scratch / "result/volume.vtu") == mesh);
 }
@@ -190,19 +212,38 @@ TEST_F(Cli, InterruptEndsTheRunAndLeavesNothing) {
   synth("--buildings 3000 --size 2500 --point-density 0.5");
   for (const double seconds : {0.05, 0.4, 1.0}) {
     const Outcome outcome =
-        shell("{ '" TETROPOLIS_PROGRAM "' build --quiet --mesh-size 3 --footprints input/footprints.shp --points input "
-              "--out result & pid=$!; sleep " + std::to_string(seconds) + "; kill -INT $pid; wait $pid; }");
+        shell("{ '" TETROPOLIS_PROGRAM
+              "' build --quiet --mesh-size 3 --footprints input/footprints.shp --points input "
+              "--out result & pid=$!; sleep " +
+              std::to_string(seconds) + "; kill -INT $pid; wait $pid; }");
     EXPECT_EQ(outcome.code, 130) << seconds;
     EXPECT_EQ(outcome.err, "tetropolis: interrupted; nothing was written\n");
     EXPECT_EQ(left(), (std::set<std::string>{"input"})) << seconds;
   }
 }
 
+TEST_F(Cli, ClosedAndFullStreamsAreNoReasonToFail) {
+  synth("--buildings 20 --size 250");
+  const std::string build =
+      "'" TETROPOLIS_PROGRAM
+      "' build --footprints input/footprints.shp --points input --out result ";
+  EXPECT_EQ(shell(build + "2>&-").code, 0);
+  if (fs::exists("/dev/full")) {
+    EXPECT_EQ(shell(build + "2>/dev/full").code, 0);
+  }
+  EXPECT_EQ(shell("{ " + build + "2>&1; echo $? >code; } | true; cat code").out, "0\n");
+  EXPECT_EQ(shell("'" TETROPOLIS_PROGRAM "' nothing 2>&-").code, 2);
+  fs::remove(scratch / "code");
+  EXPECT_EQ(left(), (std::set<std::string>{"input", "result"}));
+}
+
 TEST_F(Cli, ConfigurationFileAndOptionsMeet) {
   synth("--buildings 20 --size 250");
   ASSERT_EQ(run("init my.toml").code, 0);
   EXPECT_EQ(run("init my.toml").code, 2);  // never overwrites
-  std::ofstream(scratch / "my.toml", std::ios::app) << "footprints = \"input/footprints.shp\"\npoints = [\"input\"]\nmesh_size = 20\nout = \"result\"\n";
+  std::ofstream(scratch / "my.toml", std::ios::app)
+      << "footprints = \"input/footprints.shp\"\npoints = [\"input\"]\nmesh_size = 20\nout = "
+         "\"result\"\n";
   ASSERT_EQ(run("build --quiet --config my.toml").code, 0);
   EXPECT_NE(text_of(scratch / "result/report.json").find("\"mesh_size\": 20.0"), std::string::npos);
   ASSERT_EQ(run("build --quiet --config my.toml --mesh-size 15 --log run.log").code, 0);
@@ -213,8 +254,9 @@ TEST_F(Cli, ConfigurationFileAndOptionsMeet) {
 TEST_F(Cli, HelpNamesEveryOption) {
   const Outcome help = run("build --help");
   EXPECT_EQ(help.code, 0);
-  for (const char* option : {"--footprints", "--points", "--out", "--bounds", "--config", "--mesh-size", "--domain-height",
-                             "--threads", "--quiet", "--log", "--points-crs", "--footprints-crs", "--id-attribute"})
+  for (const char* option : {"--footprints", "--points", "--out", "--bounds", "--config",
+                             "--mesh-size", "--domain-height", "--threads", "--quiet", "--log",
+                             "--points-crs", "--footprints-crs", "--id-attribute"})
     EXPECT_NE(help.out.find(option), std::string::npos) << option;
   EXPECT_EQ(run("--version").out.substr(0, 11), "tetropolis ");
 }

@@ -1,12 +1,13 @@
 #include "tetropolis/pipeline/config.h"
 
-#include <gtest/gtest.h>
-
 #include <fstream>
 #include <set>
 
-#include "support/test_data.h"
+#include <gtest/gtest.h>
+
 #include "tetropolis/core/error.h"
+
+#include "support/test_data.h"
 
 namespace tetropolis {
 namespace {
@@ -57,8 +58,10 @@ formats = ["vtu", "obj"]
 }
 
 TEST(Config, ErrorsNameFileLineAndWhatToDo) {
-  expect_part(error_of("\nmesh_sise = 5\n"), "c.toml:2: unknown key 'mesh_sise'; did you mean 'mesh_size'?");
-  expect_part(error_of("colour_of_money = 5\n"), "unknown key 'colour_of_money'; see 'tetropolis init'");
+  expect_part(error_of("\nmesh_sise = 5\n"),
+              "c.toml:2: unknown key 'mesh_sise'; did you mean 'mesh_size'?");
+  expect_part(error_of("colour_of_money = 5\n"),
+              "unknown key 'colour_of_money'; see 'tetropolis init'");
   expect_part(error_of("mesh_size = -1\n"), "c.toml:1: mesh_size: -1 is less than 0.05");
   expect_part(error_of("mesh_size = \"5\"\n"), "takes no text");
   expect_part(error_of("top = 5\n"), "takes text in quotes");
@@ -93,9 +96,12 @@ TEST(Config, TemplateListsEveryKeyAndLoadsWhenUncommented) {
   Config config;
   load_config(config, write(folder, active));
   const Config defaults;
-  for (const ConfigField& field : config_fields()) EXPECT_EQ(value_text(field, config), value_text(field, defaults)) << field.name;
   for (const ConfigField& field : config_fields())
-    EXPECT_NE(config_markdown().find("| `" + std::string(field.name) + "` | `" + option_name(field)), std::string::npos);
+    EXPECT_EQ(value_text(field, config), value_text(field, defaults)) << field.name;
+  for (const ConfigField& field : config_fields())
+    EXPECT_NE(
+        config_markdown().find("| `" + std::string(field.name) + "` | `" + option_name(field)),
+        std::string::npos);
 }
 
 TEST(Config, DefaultsAreWithinTheirRanges) {

@@ -1,13 +1,14 @@
 #include "tetropolis/pipeline/output_folder.h"
 
-#include <gtest/gtest.h>
-
 #include <fstream>
 #include <iterator>
 #include <set>
 
-#include "support/test_data.h"
+#include <gtest/gtest.h>
+
 #include "tetropolis/core/error.h"
+
+#include "support/test_data.h"
 
 namespace tetropolis {
 namespace {
@@ -16,7 +17,8 @@ namespace fs = std::filesystem;
 
 std::set<std::string> everything(const fs::path& folder) {
   std::set<std::string> names;
-  for (const auto& entry : fs::recursive_directory_iterator(folder)) names.insert(fs::relative(entry.path(), folder).string());
+  for (const auto& entry : fs::recursive_directory_iterator(folder))
+    names.insert(fs::relative(entry.path(), folder).string());
   return names;
 }
 
@@ -33,7 +35,8 @@ TEST(OutputFolder, AppearsWhenCommittedAndNotBefore) {
     EXPECT_FALSE(fs::exists(scratch / "a/b/result"));
     out.commit();
   }
-  EXPECT_EQ(everything(scratch.path()), (std::set<std::string>{"a", "a/b", "a/b/result", "a/b/result/x.txt"}));
+  EXPECT_EQ(everything(scratch.path()),
+            (std::set<std::string>{"a", "a/b", "a/b/result", "a/b/result/x.txt"}));
 }
 
 TEST(OutputFolder, LeavesNothingWithoutCommit) {
@@ -63,7 +66,9 @@ TEST(OutputFolder, KeepsAnEarlierResultUntilCommit) {
   }
   EXPECT_EQ(content(scratch / "result/x.txt"), "new");
   EXPECT_EQ(content(scratch / "result/notes.txt"), "mine");
-  EXPECT_EQ(everything(scratch.path()), (std::set<std::string>{"result", "result/x.txt", "result/notes.txt", "result/report.json"}));
+  EXPECT_EQ(
+      everything(scratch.path()),
+      (std::set<std::string>{"result", "result/x.txt", "result/notes.txt", "result/report.json"}));
 }
 
 TEST(OutputFolder, RefusesWhatCannotBeAFolder) {

@@ -1,12 +1,13 @@
 // The pipeline on the real cities, with the figures that are known of them.
-#include <gtest/gtest.h>
-
 #include <string>
 #include <vector>
 
-#include "support/test_data.h"
+#include <gtest/gtest.h>
+
 #include "tetropolis/pipeline/check_results.h"
 #include "tetropolis/pipeline/run.h"
+
+#include "support/test_data.h"
 
 namespace tetropolis {
 namespace {
@@ -23,12 +24,54 @@ struct RealCase {
 };
 
 const RealCase kCases[] = {
-    {"Delft", "delft_3dfier/footprints.shp", {"delft_3dfier/ahn3_cropped_1.laz", "delft_3dfier/ahn3_cropped_2.laz"}, "", 848942, 160, true, 0.03},
-    {"AmsterdamAhn3", "amsterdam_south/footprints.shp", {"amsterdam_south/ahn3"}, "", 798958, 800, true, 0.03},
-    {"AmsterdamAhn2", "amsterdam_south/footprints.gpkg", {"amsterdam_south/ahn2"}, "", 873656, 800, false, 0.03},
-    {"AmsterdamSparse", "amsterdam_south/footprints.gpkg", {"amsterdam_south/ahn3_sparse/c_25gn1_b.laz"}, "", 166586, 800, true, 0.03},
-    {"Alexandria", "alexandria_dsm_dtm/buildings_wgs84.shp", {"alexandria_dsm_dtm/pseudo_points_from_dsm_dtm.las"}, "EPSG:26918", 73021, 84, false, 0.03},
-    {"DtccMinimal", "dtcc_small/MinimalCase_PropertyMap.shp", {"dtcc_small/MinimalCase_pointcloud.las"}, "", 8148, 3, false, 0.05},
+    {"Delft",
+     "delft_3dfier/footprints.shp",
+     {"delft_3dfier/ahn3_cropped_1.laz", "delft_3dfier/ahn3_cropped_2.laz"},
+     "",
+     848942,
+     160,
+     true,
+     0.03},
+    {"AmsterdamAhn3",
+     "amsterdam_south/footprints.shp",
+     {"amsterdam_south/ahn3"},
+     "",
+     798958,
+     800,
+     true,
+     0.03},
+    {"AmsterdamAhn2",
+     "amsterdam_south/footprints.gpkg",
+     {"amsterdam_south/ahn2"},
+     "",
+     873656,
+     800,
+     false,
+     0.03},
+    {"AmsterdamSparse",
+     "amsterdam_south/footprints.gpkg",
+     {"amsterdam_south/ahn3_sparse/c_25gn1_b.laz"},
+     "",
+     166586,
+     800,
+     true,
+     0.03},
+    {"Alexandria",
+     "alexandria_dsm_dtm/buildings_wgs84.shp",
+     {"alexandria_dsm_dtm/pseudo_points_from_dsm_dtm.las"},
+     "EPSG:26918",
+     73021,
+     84,
+     false,
+     0.03},
+    {"DtccMinimal",
+     "dtcc_small/MinimalCase_PropertyMap.shp",
+     {"dtcc_small/MinimalCase_pointcloud.las"},
+     "",
+     8148,
+     3,
+     false,
+     0.05},
 };
 
 class RealData : public ::testing::TestWithParam<RealCase> {};
@@ -39,17 +82,20 @@ TEST_P(RealData, BuildsAMeshThatHoldsEveryGuarantee) {
   const testing::TemporaryFolder scratch;
   Config config;
   config.footprints = footprints.string();
-  for (const char* points : real.points) config.points.push_back(testing::data_path(points).string());
+  for (const char* points : real.points)
+    config.points.push_back(testing::data_path(points).string());
   config.points_crs = real.points_crs;
   config.out = (scratch / "out").string();
   const Report report = run_build(config);
   for (const CheckedFile& file : check_path(config.out, std::nullopt))
     for (const Violation& violation : file.violations)
-      ADD_FAILURE() << file.name << ": " << violation.what << " (" << violation.count << "), first " << violation.first;
+      ADD_FAILURE() << file.name << ": " << violation.what << " (" << violation.count << "), first "
+                    << violation.first;
   EXPECT_EQ(report.input->points_read, real.points_read);
   EXPECT_EQ(report.input->footprints_read, real.footprints_read);
   bool by_exclusion = false;
-  for (const Warning& warning : report.warnings) by_exclusion |= warning.code == "no_building_class";
+  for (const Warning& warning : report.warnings)
+    by_exclusion |= warning.code == "no_building_class";
   EXPECT_EQ(by_exclusion, !real.has_building_class);
   std::int64_t accounted = static_cast<std::int64_t>(report.city->dropped.size());
   EXPECT_GE(accounted + report.city->raw_buildings, real.footprints_read);

@@ -24,7 +24,8 @@ inline Polygon rectangle(double x0, double y0, double x1, double y1) {
   return {{{x0, y0}, {x1, y0}, {x1, y1}, {x0, y1}}, {}};
 }
 
-inline Raster raster_of(const Bounds2& domain, const std::function<double(double, double)>& height) {
+inline Raster raster_of(const Bounds2& domain,
+                        const std::function<double(double, double)>& height) {
   Raster raster{static_cast<std::int32_t>(domain.width()) + 1,
                 static_cast<std::int32_t>(domain.height()) + 1,
                 domain.xmin,
@@ -47,7 +48,8 @@ inline SmallCity small_city(const std::function<double(double, double)>& height)
   city.dtm = raster_of(city.domain, height);
   const std::vector<double> above{12, 31, 18, 3, 64};
   for (std::size_t i = 0; i < city.footprints.size(); ++i)
-    city.roofs.push_back(height(city.footprints[i].outer[0].x, city.footprints[i].outer[0].y) + above[i]);
+    city.roofs.push_back(height(city.footprints[i].outer[0].x, city.footprints[i].outer[0].y) +
+                         above[i]);
   return city;
 }
 
@@ -74,8 +76,8 @@ inline MeshedCity meshed(const SmallCity& city, double mesh_size = 8, bool fixed
   result.heights = ground_heights(ground, result.owner, city.roofs, city.dtm, 1.0);
   double highest = city.dtm.values[0];
   for (const double z : city.dtm.values) highest = std::max(highest, z);
-  const LayerPlan plan = plan_layers(
-      result.heights.z, city.roofs, highest, 80, layer_height > 0 ? layer_height : mesh_size);
+  const LayerPlan plan = plan_layers(result.heights.z, city.roofs, highest, 80,
+                                     layer_height > 0 ? layer_height : mesh_size);
   result.mesh = make_columns(std::move(ground), plan.layers, plan.bottom, plan.top);
   SmoothOptions options;
   options.laplace.fixed_top = fixed_top;

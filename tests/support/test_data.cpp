@@ -1,8 +1,8 @@
 #include "support/test_data.h"
 
-#include <unistd.h>
-
 #include <cstdlib>
+
+#include <unistd.h>
 
 namespace tetropolis::testing {
 

@@ -1,15 +1,15 @@
 // Where the tests find real data, and a scratch folder of their own.
 #pragma once
 
-#include <gtest/gtest.h>
-
 #include <filesystem>
 #include <string>
 
+#include <gtest/gtest.h>
+
 namespace tetropolis::testing {
 
-/// The folder named by TETROPOLIS_DATA joined with `relative`; empty if the variable is unset or the
-/// file is not there.
+/// The folder named by TETROPOLIS_DATA joined with `relative`; empty if the variable is unset or
+/// the file is not there.
 std::filesystem::path data_path(const std::string& relative);
 
 /// A new empty folder, removed when the object goes.
@@ -32,6 +32,6 @@ unsigned test_seed();
 }  // namespace tetropolis::testing
 
 /// Sets `variable` to the data file, or skips the test where the data is absent.
-#define TETROPOLIS_REQUIRE_DATA(variable, relative)                                    \
-  const std::filesystem::path variable = ::tetropolis::testing::data_path(relative);   \
+#define TETROPOLIS_REQUIRE_DATA(variable, relative)                                  \
+  const std::filesystem::path variable = ::tetropolis::testing::data_path(relative); \
   if (variable.empty()) GTEST_SKIP() << "needs TETROPOLIS_DATA with " << (relative)

@@ -1,13 +1,14 @@
 #include "tetropolis/volume/boundary.h"
 
-#include <gtest/gtest.h>
-
 #include <algorithm>
 #include <array>
 
-#include "support/small_city.h"
+#include <gtest/gtest.h>
+
 #include "tetropolis/check/check_mesh.h"
 #include "tetropolis/core/error.h"
+
+#include "support/small_city.h"
 
 namespace tetropolis {
 namespace {
@@ -18,7 +19,8 @@ TetMesh explicit_mesh(const ColumnMesh& mesh) {
   const auto offsets = node_offsets(mesh);
   for (std::size_t v = 0; v < mesh.vertex_count(); ++v)
     for (std::int32_t k = mesh.first_node[v]; k <= mesh.layers; ++k)
-      result.points.push_back({mesh.ground.vertices[v].x, mesh.ground.vertices[v].y, mesh.column(v)[k]});
+      result.points.push_back(
+          {mesh.ground.vertices[v].x, mesh.ground.vertices[v].y, mesh.column(v)[k]});
   for (std::size_t t = 0; t < mesh.triangle_count(); ++t)
     for (std::int32_t k = mesh.first_layer[t]; k < mesh.layers; ++k)
       for (const auto& tet : prism_tets(mesh, static_cast<TriangleIndex>(t), k)) {
@@ -63,7 +65,8 @@ TEST(Boundary, EveryBuildingHasRoofAndWallsOfItsOwn) {
       if (surface.patch[f] == Patch::kWall) ++walls;
       if (surface.patch[f] != Patch::kRoof) continue;
       const auto& t = surface.triangles[f];
-      const auto &p = surface.points[static_cast<std::size_t>(t[0])], &q = surface.points[static_cast<std::size_t>(t[1])],
+      const auto &p = surface.points[static_cast<std::size_t>(t[0])],
+                 &q = surface.points[static_cast<std::size_t>(t[1])],
                  &r = surface.points[static_cast<std::size_t>(t[2])];
       EXPECT_EQ(p[2], result.city.roofs[b]);
       roof -= ((q[0] - p[0]) * (r[1] - p[1]) - (r[0] - p[0]) * (q[1] - p[1])) / 2;  // faces down

@@ -1,14 +1,15 @@
 #include "tetropolis/volume/column_mesh.h"
 
-#include <gtest/gtest.h>
-
 #include <algorithm>
 #include <map>
 #include <random>
 
+#include <gtest/gtest.h>
+
+#include "tetropolis/core/error.h"
+
 #include "support/small_city.h"
 #include "support/test_data.h"
-#include "tetropolis/core/error.h"
 
 namespace tetropolis {
 namespace {
@@ -23,9 +24,13 @@ double volume(const ColumnMesh& mesh, const std::array<Node, 4>& tet) {
   for (std::size_t i = 0; i < 4; ++i) p[i] = at(mesh, tet[i]);
   double m[3][3];
   for (int r = 0; r < 3; ++r)
-    for (int c = 0; c < 3; ++c) m[r][c] = p[static_cast<std::size_t>(r) + 1][static_cast<std::size_t>(c)] - p[0][static_cast<std::size_t>(c)];
-  return (m[0][0] * (m[1][1] * m[2][2] - m[1][2] * m[2][1]) - m[0][1] * (m[1][0] * m[2][2] - m[1][2] * m[2][0]) +
-          m[0][2] * (m[1][0] * m[2][1] - m[1][1] * m[2][0])) / 6;
+    for (int c = 0; c < 3; ++c)
+      m[r][c] = p[static_cast<std::size_t>(r) + 1][static_cast<std::size_t>(c)] -
+                p[0][static_cast<std::size_t>(c)];
+  return (m[0][0] * (m[1][1] * m[2][2] - m[1][2] * m[2][1]) -
+          m[0][1] * (m[1][0] * m[2][2] - m[1][2] * m[2][0]) +
+          m[0][2] * (m[1][0] * m[2][1] - m[1][1] * m[2][0])) /
+         6;
 }
 
 /// Columns whose layers are spaced at random but rise.
@@ -43,7 +48,8 @@ ColumnMesh random_columns(unsigned seed) {
 
 double triangle_area(const ColumnMesh& mesh, std::size_t t) {
   const auto& v = mesh.ground.triangles[t];
-  const Point2 a = mesh.ground.vertices[static_cast<std::size_t>(v[0])], b = mesh.ground.vertices[static_cast<std::size_t>(v[1])],
+  const Point2 a = mesh.ground.vertices[static_cast<std::size_t>(v[0])],
+               b = mesh.ground.vertices[static_cast<std::size_t>(v[1])],
                c = mesh.ground.vertices[static_cast<std::size_t>(v[2])];
   return ((b.x - a.x) * (c.y - a.y) - (c.x - a.x) * (b.y - a.y)) / 2;
 }

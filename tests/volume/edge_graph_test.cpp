@@ -1,12 +1,13 @@
 #include "tetropolis/volume/edge_graph.h"
 
-#include <gtest/gtest.h>
-
 #include <map>
 #include <set>
 
-#include "support/small_city.h"
+#include <gtest/gtest.h>
+
 #include "tetropolis/core/error.h"
+
+#include "support/small_city.h"
 
 namespace tetropolis {
 namespace {
@@ -44,8 +45,9 @@ TEST(EdgeGraph, HoldsEveryEdgeOnceWithItsTriangles) {
     for (EdgeIndex i = graph.starts[v]; i < graph.starts[v + 1]; ++i, ++filed)
       EXPECT_EQ(graph.vertices[static_cast<std::size_t>(i)][0], static_cast<VertexIndex>(v));
     for (std::int32_t i = graph.end_offsets[v]; i < graph.end_offsets[v + 1]; ++i, ++filed)
-      EXPECT_EQ(graph.vertices[static_cast<std::size_t>(graph.ends[static_cast<std::size_t>(i)])][1],
-                static_cast<VertexIndex>(v));
+      EXPECT_EQ(
+          graph.vertices[static_cast<std::size_t>(graph.ends[static_cast<std::size_t>(i)])][1],
+          static_cast<VertexIndex>(v));
   }
   EXPECT_EQ(filed, 2 * graph.size());
 }

@@ -2,8 +2,9 @@
 
 #include <gtest/gtest.h>
 
-#include "support/small_city.h"
 #include "tetropolis/core/error.h"
+
+#include "support/small_city.h"
 
 namespace tetropolis {
 namespace {

@@ -1,15 +1,16 @@
 #include "tetropolis/volume/laplace.h"
 
-#include <gtest/gtest.h>
-
 #include <array>
 #include <cmath>
 #include <random>
 
+#include <gtest/gtest.h>
+
+#include "tetropolis/core/parallel.h"
+
 #include "laplace_bands.h"
 #include "support/small_city.h"
 #include "support/test_data.h"
-#include "tetropolis/core/parallel.h"
 
 namespace tetropolis {
 namespace {
@@ -17,7 +18,8 @@ namespace {
 using Matrix = std::vector<std::vector<double>>;
 
 std::size_t index_of(const ColumnMesh& mesh, const Node& node) {
-  return static_cast<std::size_t>(node.vertex) * mesh.stride() + static_cast<std::size_t>(node.layer);
+  return static_cast<std::size_t>(node.vertex) * mesh.stride() +
+         static_cast<std::size_t>(node.layer);
 }
 
 /// Linear finite elements the textbook way: gradients from the inverse of each tet's edge matrix.
@@ -29,13 +31,15 @@ Matrix dense_stiffness(const ColumnMesh& mesh) {
         std::array<std::array<double, 3>, 4> p;
         for (std::size_t i = 0; i < 4; ++i) {
           const auto v = static_cast<std::size_t>(tet[i].vertex);
-          p[i] = {mesh.ground.vertices[v].x, mesh.ground.vertices[v].y, mesh.column(v)[tet[i].layer]};
+          p[i] = {mesh.ground.vertices[v].x, mesh.ground.vertices[v].y,
+                  mesh.column(v)[tet[i].layer]};
         }
         std::array<std::array<double, 3>, 3> e;
         for (std::size_t i = 0; i < 3; ++i)
           for (std::size_t d = 0; d < 3; ++d) e[i][d] = p[i + 1][d] - p[0][d];
         const auto cross = [](const std::array<double, 3>& x, const std::array<double, 3>& y) {
-          return std::array<double, 3>{x[1] * y[2] - x[2] * y[1], x[2] * y[0] - x[0] * y[2], x[0] * y[1] - x[1] * y[0]};
+          return std::array<double, 3>{x[1] * y[2] - x[2] * y[1], x[2] * y[0] - x[0] * y[2],
+                                       x[0] * y[1] - x[1] * y[0]};
         };
         std::array<std::array<double, 3>, 4> g;
         g[1] = cross(e[1], e[2]);
@@ -73,7 +77,8 @@ TEST(Laplace, BandsAreTheFiniteElementMatrixOfTheRealTets) {
     banded[j][i] += static_cast<double>(value);
   };
   for (std::size_t e = 0; e < mesh.edges.size(); ++e) {
-    const auto a = static_cast<std::size_t>(mesh.edges.vertices[e][0]), b = static_cast<std::size_t>(mesh.edges.vertices[e][1]);
+    const auto a = static_cast<std::size_t>(mesh.edges.vertices[e][0]),
+               b = static_cast<std::size_t>(mesh.edges.vertices[e][1]);
     for (std::size_t k = 0; k < n; ++k) {
       couple(a * n + k, b * n + k, bands.edge[2 * e * n + k]);
       if (k + 1 < n) {
@@ -87,7 +92,8 @@ TEST(Laplace, BandsAreTheFiniteElementMatrixOfTheRealTets) {
     for (std::size_t k = 0; k < n; ++k) {
       if (k + 1 < n) couple(v * n + k, v * n + k + 1, bands.vertical[v * n + k]);
       const bool without_cells = k < static_cast<std::size_t>(mesh.first_node[v]);
-      banded[v * n + k][v * n + k] += without_cells ? 0.0 : static_cast<double>(bands.diagonal[v * n + k]);
+      banded[v * n + k][v * n + k] +=
+          without_cells ? 0.0 : static_cast<double>(bands.diagonal[v * n + k]);
     }
   double largest = 0;
   for (std::size_t i = 0; i < dense.size(); ++i) largest = std::max(largest, dense[i][i]);
@@ -97,14 +103,16 @@ TEST(Laplace, BandsAreTheFiniteElementMatrixOfTheRealTets) {
 }
 
 /// Gaussian elimination on the unknowns.
-std::vector<double> dense_solve(const ColumnMesh& mesh, const std::vector<float>& guess, bool fixed_top) {
+std::vector<double> dense_solve(const ColumnMesh& mesh, const std::vector<float>& guess,
+                                bool fixed_top) {
   Matrix a = dense_stiffness(mesh);
   std::vector<double> b(a.size(), 0.0);
   const std::size_t n = mesh.stride();
   for (std::size_t i = 0; i < a.size(); ++i) {
     const auto v = i / n;
     const auto k = static_cast<std::int32_t>(i % n);
-    const bool fixed = k <= mesh.first_node[v] || k == mesh.roof_layer[v] || (fixed_top && k == mesh.layers);
+    const bool fixed =
+        k <= mesh.first_node[v] || k == mesh.roof_layer[v] || (fixed_top && k == mesh.layers);
     if (!fixed) continue;
     a[i].assign(a.size(), 0.0);
     a[i][i] = 1;
@@ -134,7 +142,8 @@ TEST(Laplace, SolvesTheDirichletProblemWithFixedAndFreeTop) {
   const ColumnMesh mesh = small_mesh();
   std::mt19937 random(testing::test_seed());
   std::vector<float> guess(mesh.z.size());
-  for (float& value : guess) value = static_cast<float>(static_cast<double>(random() % 2000) / 100.0 - 10.0);
+  for (float& value : guess)
+    value = static_cast<float>(static_cast<double>(random() % 2000) / 100.0 - 10.0);
   for (const bool fixed_top : {true, false}) {
     LaplaceOptions options;
     options.tolerance = 1e-6;
@@ -149,7 +158,8 @@ TEST(Laplace, SolvesTheDirichletProblemWithFixedAndFreeTop) {
       ASSERT_NEAR(u[i], expected[i], 2e-4) << i;
       const auto k = static_cast<std::int32_t>(i % mesh.stride());
       const std::size_t v = i / mesh.stride();
-      const bool fixed = k <= mesh.first_node[v] || k == mesh.roof_layer[v] || (fixed_top && k == mesh.layers);
+      const bool fixed =
+          k <= mesh.first_node[v] || k == mesh.roof_layer[v] || (fixed_top && k == mesh.layers);
       unknowns += fixed ? 0 : 1;
       if (fixed) {
         ASSERT_EQ(u[i], guess[i]);

@@ -1,12 +1,13 @@
 #include "tetropolis/volume/monotone.h"
 
+#include <random>
+
 #include <gtest/gtest.h>
 
-#include <random>
+#include "tetropolis/core/error.h"
 
 #include "support/small_city.h"
 #include "support/test_data.h"
-#include "tetropolis/core/error.h"
 
 namespace tetropolis {
 namespace {

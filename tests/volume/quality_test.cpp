@@ -1,15 +1,16 @@
 #include "tetropolis/volume/quality.h"
 
-#include <gtest/gtest.h>
-
 #include <algorithm>
 #include <cmath>
 #include <numbers>
 #include <random>
 
+#include <gtest/gtest.h>
+
+#include "tetropolis/core/parallel.h"
+
 #include "support/small_city.h"
 #include "support/test_data.h"
-#include "tetropolis/core/parallel.h"
 
 namespace tetropolis {
 namespace {
@@ -42,7 +43,9 @@ TEST(Quality, QuantilesAreThoseOfTheSortedValues) {
   QualityHistogram histogram;
   std::vector<double> angles, aspects;
   for (int i = 0; i < 20000; ++i) {
-    const auto p = [&] { return Point3{coordinate(random), coordinate(random), coordinate(random)}; };
+    const auto p = [&] {
+      return Point3{coordinate(random), coordinate(random), coordinate(random)};
+    };
     const TetShape shape = tet_shape(p(), p(), p(), p());
     histogram.add(shape);
     angles.push_back(shape.min_dihedral_deg);

@@ -18,9 +18,9 @@ namespace tetropolis {
 
 /// A guarantee that does not hold: how often, and the first place.
 struct Violation {
-  std::string what;        ///< Short clause, such as "inverted cells".
+  std::string what;  ///< Short clause, such as "inverted cells".
   std::int64_t count = 0;
-  std::string first;       ///< Where it was seen first ("cell 17 at (1.0, 2.0, 3.0)").
+  std::string first;  ///< Where it was seen first ("cell 17 at (1.0, 2.0, 3.0)").
 };
 
 /// Least, 0.01 %, 0.1 %, 1 % quantile, median and greatest of a distribution.
@@ -36,13 +36,13 @@ struct VolumeCheck {
   std::int64_t boundary_faces = 0;  ///< Faces of one cell only.
   Distribution min_dihedral_deg;    ///< Of the least dihedral angle of each cell.
   double max_dihedral_deg = 0;
-  Distribution aspect_ratio;        ///< Longest edge over 2 sqrt(6) inradii.
+  Distribution aspect_ratio;                          ///< Longest edge over 2 sqrt(6) inradii.
   std::vector<std::array<std::int64_t, 3>> boundary;  ///< The boundary faces, outward.
   std::vector<Violation> violations;
 };
 
-/// Orientation of every cell, conformity by matching faces (one or two cells each, two with opposite
-/// orientation), coincident and unused vertices, closed edge-manifold boundary.
+/// Orientation of every cell, conformity by matching faces (one or two cells each, two with
+/// opposite orientation), coincident and unused vertices, closed edge-manifold boundary.
 VolumeCheck check_volume(const TetMesh& mesh, const Progress& progress = {});
 
 struct SurfaceCheck {
@@ -57,13 +57,19 @@ struct SurfaceCheck {
 };
 
 /// Closed, oriented and edge-manifold; sides lie on the sides of the bounding box, walls are
-/// vertical, ground and roofs face down, the roof of each building is flat, buildings are named where
-/// they must be and nowhere else.
+/// vertical, ground and roofs face down, the roof of each building is flat, buildings are named
+/// where they must be and nowhere else, and roof and wall faces that share an edge name the same
+/// one.
 SurfaceCheck check_surface(const SurfaceMesh& surface);
 
 /// Whether the faces of `surface` are exactly the boundary faces of the volume, by coordinates.
 std::vector<Violation> check_same_boundary(const TetMesh& mesh, const VolumeCheck& volume,
                                            const SurfaceMesh& surface);
+
+/// Whether `region` names, for every cell, the building in whose footprint the cell's centre lies,
+/// or -1. `shift` is added to the mesh's coordinates to get to the local frame of `city`.
+std::vector<Violation> check_regions_of_cells(const TetMesh& mesh, std::array<double, 3> shift,
+                                              const CityModel& city);
 
 struct HeightsCheck {
   std::int64_t ground_vertices = 0;

@@ -11,15 +11,15 @@ namespace tetropolis {
 
 /// What a building's numbers rest on when the data had gaps; bits of Building::flags.
 enum BuildingFlag : std::uint32_t {
-  kGroundFromDtm = 1U << 0,        ///< No ground points near it: h_ground is the DTM's.
-  kRoofFromUnclassified = 1U << 1, ///< No class 6 in the cloud: roof points by exclusion.
-  kRoofFromAttribute = 1U << 2,    ///< No roof points: height taken from the named attribute.
-  kNoRoofPoints = 1U << 3,         ///< No roof points and no attribute: the minimum height.
-  kMinimumHeight = 1U << 4,        ///< Raised to the minimum building height.
-  kMerged = 1U << 5,               ///< More than one input feature.
-  kConvexHull = 1U << 6,           ///< Simplification had to fall back to a hull.
-  kRepaired = 1U << 7,             ///< The footprint's rings were invalid and have been repaired.
-  kClipped = 1U << 8,              ///< Cut at the domain boundary.
+  kGroundFromDtm = 1U << 0,         ///< No ground points near it: h_ground is the DTM's.
+  kRoofFromUnclassified = 1U << 1,  ///< No class 6 in the cloud: roof points by exclusion.
+  kRoofFromAttribute = 1U << 2,     ///< No roof points: height taken from the named attribute.
+  kNoRoofPoints = 1U << 3,          ///< No roof points and no attribute: the minimum height.
+  kMinimumHeight = 1U << 4,         ///< Raised to the minimum building height.
+  kMerged = 1U << 5,                ///< More than one input feature.
+  kConvexHull = 1U << 6,            ///< Simplification had to fall back to a hull.
+  kRepaired = 1U << 7,              ///< The footprint's rings were invalid and have been repaired.
+  kClipped = 1U << 8,               ///< Cut at the domain boundary.
 };
 
 /// The flags' names in files and reports, in bit order ("ground_from_dtm", ...).
@@ -51,16 +51,17 @@ struct Dropped {
 struct CityModel {
   std::vector<Building> buildings;
   std::vector<Dropped> dropped;
-  Point2 origin;   ///< Local frame's origin in the CRS; whole metres.
-  Bounds2 domain;  ///< The meshed rectangle, local frame.
-  std::string crs; ///< "EPSG:28992", or WKT where there is no code, or empty if unknown.
+  Point2 origin;    ///< Local frame's origin in the CRS; whole metres.
+  Bounds2 domain;   ///< The meshed rectangle, local frame.
+  std::string crs;  ///< "EPSG:28992", or WKT where there is no code, or empty if unknown.
 };
 
 /// Horizontal coordinates of footprints and of the domain are whole multiples of this step
 /// (metres), so that writing a city model to CityJSON and reading it back changes nothing.
 inline constexpr double kCoordinateStep = 1e-4;
 
-/// The multiple of kCoordinateStep nearest to `value`: always the same double for the same multiple.
+/// The multiple of kCoordinateStep nearest to `value`: always the same double for the same
+/// multiple.
 double snap_coordinate(double value);
 inline Point2 snap_coordinate(Point2 p) { return {snap_coordinate(p.x), snap_coordinate(p.y)}; }
 

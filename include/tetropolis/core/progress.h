@@ -7,7 +7,8 @@
 
 namespace tetropolis {
 
-/// Both callbacks may be empty and may be called from any thread, not concurrently by one operation.
+/// Both callbacks may be empty and may be called from any thread, not concurrently by one
+/// operation.
 struct Progress {
   std::function<void(double fraction)> report;  ///< Called with a share in [0, 1], non-decreasing.
   std::function<bool()> cancelled;              ///< Polled; true makes the operation stop.

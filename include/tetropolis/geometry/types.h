@@ -32,9 +32,7 @@ struct Bounds2 {
   double width() const { return xmax - xmin; }
   double height() const { return ymax - ymin; }
   bool empty() const { return !(xmin <= xmax && ymin <= ymax); }
-  bool contains(Point2 p) const {
-    return p.x >= xmin && p.x <= xmax && p.y >= ymin && p.y <= ymax;
-  }
+  bool contains(Point2 p) const { return p.x >= xmin && p.x <= xmax && p.y >= ymin && p.y <= ymax; }
   bool intersects(const Bounds2& other) const {
     return xmin <= other.xmax && other.xmin <= xmax && ymin <= other.ymax && other.ymin <= ymax;
   }

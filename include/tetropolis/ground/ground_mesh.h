@@ -11,10 +11,10 @@ namespace tetropolis {
 
 /// Vertices and triangles are numbered so that neighbours in the plane are near in memory.
 struct GroundMesh {
-  std::vector<Point2> vertices;                        ///< Local frame, metres.
-  std::vector<std::array<VertexIndex, 3>> triangles;   ///< Counter-clockwise.
-  std::vector<BuildingIndex> region;                   ///< Per triangle: the building whose
-                                                       ///< footprint it lies in, or kNoBuilding.
+  std::vector<Point2> vertices;                       ///< Local frame, metres.
+  std::vector<std::array<VertexIndex, 3>> triangles;  ///< Counter-clockwise.
+  std::vector<BuildingIndex> region;                  ///< Per triangle: the building whose
+                                                      ///< footprint it lies in, or kNoBuilding.
   std::int64_t small_input_angles = 0;  ///< Corners of the input sharper than the minimum angle.
 };
 

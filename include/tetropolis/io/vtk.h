@@ -19,10 +19,11 @@ struct Placement {
   std::array<double, 3> origin{0, 0, 0};
 };
 
-/// Writes the tets of `mesh`: points in double precision in the order of node_offsets, cells triangle
-/// by triangle and upwards, and the cell data `region` (Int32: the building whose footprint the cell
-/// stands over, by position in the city model, or -1). Streams: needs little memory beside the mesh.
-/// The file appears complete or not at all. Throws Error(kInput) if it cannot be written, Cancelled.
+/// Writes the tets of `mesh`: points in double precision in the order of node_offsets, cells
+/// triangle by triangle and upwards, and the cell data `region` (Int32: the building whose
+/// footprint the cell stands over, by position in the city model, or -1). Streams: needs little
+/// memory beside the mesh. The file appears complete or not at all. Throws Error(kInput) if it
+/// cannot be written, Cancelled.
 void write_vtu(const std::filesystem::path& path, const ColumnMesh& mesh,
                const Placement& placement, const Progress& progress = {});
 

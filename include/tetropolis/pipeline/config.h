@@ -83,14 +83,15 @@ enum Command : unsigned {
 
 /// One setting.
 struct ConfigField {
-  using Member = std::variant<bool Config::*, int Config::*, double Config::*, std::string Config::*,
-                              std::vector<std::string> Config::*, std::vector<double> Config::*>;
+  using Member =
+      std::variant<bool Config::*, int Config::*, double Config::*, std::string Config::*,
+                   std::vector<std::string> Config::*, std::vector<double> Config::*>;
 
   std::string_view name;   ///< Key in TOML; the option is "--" with '-' for '_'.
   std::string_view group;  ///< Heading in help and documentation.
   Member member;
-  unsigned commands;       ///< Command bits that take it.
-  std::string_view help;   ///< One line without a full stop.
+  unsigned commands;      ///< Command bits that take it.
+  std::string_view help;  ///< One line without a full stop.
   std::string_view unit = "";
   double least = -std::numeric_limits<double>::infinity();  ///< Of numbers, inclusive.
   double most = std::numeric_limits<double>::infinity();

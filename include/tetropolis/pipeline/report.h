@@ -18,7 +18,7 @@
 namespace tetropolis {
 
 struct StepReport {
-  std::string id;    ///< The paper's number: "1.1" to "3.6".
+  std::string id;  ///< The paper's number: "1.1" to "3.6".
   std::string name;
   double seconds = 0;
   double cpu_seconds = 0;  ///< Of all threads together.
@@ -30,20 +30,21 @@ struct InputReport {
   std::int64_t points_read = 0;
   std::int64_t points_kept = 0;
   std::map<int, std::int64_t> points_by_class;
-  std::int64_t footprints_read = 0;
+  std::int64_t footprints_read = 0;  ///< Features of the file.
+  std::int64_t footprint_parts = 0;  ///< The same with multipolygons split: what is accounted for.
 };
 
 struct CityReport {
   std::int64_t raw_buildings = 0;
   std::int64_t buildings = 0;
-  std::int64_t merged_groups = 0;   ///< Buildings made of more than one input feature.
-  double min_clearance = 0;         ///< Metres; between all rings.
-  double area_before = 0;           ///< Of the union of the footprints, square metres.
+  std::int64_t merged_groups = 0;  ///< Buildings made of more than one input feature.
+  double min_clearance = 0;        ///< Metres; between all rings.
+  double area_before = 0;          ///< Of the union of the footprints, square metres.
   double area_after = 0;
-  double area_moved = 0;            ///< Of the symmetric difference of both unions.
+  double area_moved = 0;                        ///< Of the symmetric difference of both unions.
   std::map<std::string, std::int64_t> resorts;  ///< Simplification: how often each was needed.
   std::map<std::string, std::int64_t> flags;    ///< Buildings with each flag.
-  double dtm_empty_share = 0;       ///< Share of the terrain's nodes without a point of their own.
+  double dtm_empty_share = 0;  ///< Share of the terrain's nodes without a point of their own.
   std::vector<Dropped> dropped;
 };
 

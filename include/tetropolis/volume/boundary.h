@@ -39,8 +39,8 @@ struct SurfaceMesh {
 };
 
 /// The boundary of `mesh` in the rectangle `domain`. Every face that belongs to one cell only is
-/// there once. Throws Error(kGuarantee) naming the edge if a rim edge of the ground mesh does not lie
-/// on a side of the domain.
+/// there once. Throws Error(kGuarantee) naming the edge if a rim edge of the ground mesh does not
+/// lie on a side of the domain.
 SurfaceMesh extract_boundary(const ColumnMesh& mesh, const Bounds2& domain);
 
 /// The faces of some patches only, renumbered.

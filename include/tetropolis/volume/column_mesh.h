@@ -64,8 +64,8 @@ struct Node {
   std::int32_t layer;
 };
 
-/// The three tets of the prism over triangle t between layers k and k + 1, each with positive volume
-/// when the vertical edges are positive: (p1 - p0) x (p2 - p0) . (p3 - p0) > 0.
+/// The three tets of the prism over triangle t between layers k and k + 1, each with positive
+/// volume when the vertical edges are positive: (p1 - p0) x (p2 - p0) . (p3 - p0) > 0.
 std::array<std::array<Node, 4>, 3> prism_tets(const ColumnMesh& mesh, TriangleIndex t,
                                               std::int32_t k);
 

@@ -14,17 +14,17 @@ using EdgeIndex = std::int32_t;
 inline constexpr TriangleIndex kNoTriangle = -1;
 
 /// Edges are numbered in lexicographic order of (lower vertex, upper vertex), so the edges that
-/// start at a lower vertex are consecutive. A row of any vertex-to-vertex operator is the edges that
-/// start at the vertex and the edges that end there.
+/// start at a lower vertex are consecutive. A row of any vertex-to-vertex operator is the edges
+/// that start at the vertex and the edges that end there.
 struct EdgeGraph {
-  std::vector<std::array<VertexIndex, 2>> vertices;       ///< Per edge: lower, upper vertex.
-  std::vector<std::array<TriangleIndex, 2>> triangles;    ///< Per edge: its triangles in ascending
-                                                          ///< order; kNoTriangle second on the rim.
-  std::vector<std::array<EdgeIndex, 3>> of_triangle;      ///< Per triangle with sorted vertices
-                                                          ///< v1 < v2 < v3: edges v1v2, v1v3, v2v3.
-  std::vector<EdgeIndex> starts;       ///< V + 1 offsets: edges with lower vertex v.
+  std::vector<std::array<VertexIndex, 2>> vertices;     ///< Per edge: lower, upper vertex.
+  std::vector<std::array<TriangleIndex, 2>> triangles;  ///< Per edge: its triangles in ascending
+                                                        ///< order; kNoTriangle second on the rim.
+  std::vector<std::array<EdgeIndex, 3>> of_triangle;    ///< Per triangle with sorted vertices
+                                                        ///< v1 < v2 < v3: edges v1v2, v1v3, v2v3.
+  std::vector<EdgeIndex> starts;          ///< V + 1 offsets: edges with lower vertex v.
   std::vector<std::int32_t> end_offsets;  ///< V + 1 offsets into `ends`.
-  std::vector<EdgeIndex> ends;         ///< Edges with upper vertex v, ascending.
+  std::vector<EdgeIndex> ends;            ///< Edges with upper vertex v, ascending.
 
   std::size_t size() const { return vertices.size(); }
 };

@@ -25,7 +25,6 @@ struct GroundHeights {
 /// positive height (guarantee 4).
 /// `building` as from vertex_buildings; `roofs`: elevation per building; minimum_wall > 0, metres.
 GroundHeights ground_heights(const GroundMesh& mesh, std::span<const BuildingIndex> building,
-                             std::span<const double> roofs, const Raster& dtm,
-                             double minimum_wall);
+                             std::span<const double> roofs, const Raster& dtm, double minimum_wall);
 
 }  // namespace tetropolis

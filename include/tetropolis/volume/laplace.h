@@ -15,9 +15,9 @@
 namespace tetropolis {
 
 struct LaplaceOptions {
-  double tolerance = 1e-3;     ///< Stop when the preconditioned residual norm has fallen by this.
-  int max_iterations = 1000;   ///< > 0.
-  bool fixed_top = true;       ///< Dirichlet top; otherwise homogeneous Neumann.
+  double tolerance = 1e-3;    ///< Stop when the preconditioned residual norm has fallen by this.
+  int max_iterations = 1000;  ///< > 0.
+  bool fixed_top = true;      ///< Dirichlet top; otherwise homogeneous Neumann.
 };
 
 /// What a solve did. `relative_residual` is sqrt(r.Mr) over its value at the initial guess, M being

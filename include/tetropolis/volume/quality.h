@@ -12,11 +12,11 @@ namespace tetropolis {
 using Point3 = std::array<double, 3>;
 
 struct TetShape {
-  double volume = 0;             ///< Signed, cubic metres.
-  double min_dihedral_deg = 0;   ///< Least of the six dihedral angles.
-  double max_dihedral_deg = 0;   ///< Greatest of the six.
-  double aspect_ratio = 0;       ///< Longest edge over 2 sqrt(6) times the inradius: 1 for the
-                                 ///< regular tet (Stimpson et al., The Verdict Library, 2007).
+  double volume = 0;            ///< Signed, cubic metres.
+  double min_dihedral_deg = 0;  ///< Least of the six dihedral angles.
+  double max_dihedral_deg = 0;  ///< Greatest of the six.
+  double aspect_ratio = 0;      ///< Longest edge over 2 sqrt(6) times the inradius: 1 for the
+                                ///< regular tet (Stimpson et al., The Verdict Library, 2007).
 };
 
 /// Of a tet of zero or negative volume, the angles and the ratio are those of the flat or mirrored

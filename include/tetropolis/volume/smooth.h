@@ -19,11 +19,12 @@ struct LayerPlan {
   bool raised = false;  ///< The top had to be raised to clear a roof.
 };
 
-/// The layer height that keeps split prisms furthest from flat: the least dihedral angle of a prism's
-/// tets is about atan(a / H) where its triangle's altitude a is small, and atan(H / h) where the
-/// triangle is large. This is 1.25 sqrt(a h sqrt(3) / 2), at most h and at least h / 8, with the altitude a that
-/// all but one in ten thousand triangles exceed. The factor favours the second angle, which slopes
-/// and roofs between layers make smaller. `mesh_size` is h, metres, > 0; `ground` has triangles.
+/// The layer height that keeps split prisms furthest from flat: the least dihedral angle of a
+/// prism's tets is about atan(a / H) where its triangle's altitude a is small, and atan(H / h)
+/// where the triangle is large. This is 1.25 sqrt(a h sqrt(3) / 2), at most h and at least h / 8,
+/// with the altitude a that all but one in ten thousand triangles exceed. The factor favours the
+/// second angle, which slopes and roofs between layers make smaller. `mesh_size` is h, metres, > 0;
+/// `ground` has triangles.
 double suggest_layer_height(const GroundMesh& ground, double mesh_size);
 
 /// The top is `domain_height` above `highest_ground`, or two layers above the highest roof where
@@ -54,8 +55,8 @@ SmoothReport smooth_to_ground(ColumnMesh& mesh, std::span<const double> ground,
 /// Precondition: roofs are above the ground layer at all their vertices.
 void trim(ColumnMesh& mesh, std::span<const BuildingIndex> building, std::span<const double> roofs);
 
-/// Step 3.5. Moves the trimmed mesh so that every roof is at its exact elevation, ground and top stay
-/// where they are, and the displacement is harmonic; afterwards every column is monotone.
+/// Step 3.5. Moves the trimmed mesh so that every roof is at its exact elevation, ground and top
+/// stay where they are, and the displacement is harmonic; afterwards every column is monotone.
 SmoothReport smooth_to_roofs(ColumnMesh& mesh, std::span<const BuildingIndex> building,
                              std::span<const double> roofs, const SmoothOptions& options,
                              const Progress& progress = {});
