@@ -123,10 +123,13 @@ std::array<Vector3, 3> corners(const SurfaceMesh& surface, std::size_t f) {
           surface.points[static_cast<std::size_t>(t[2])]};
 }
 
-/// Bilinear interpolation, written out anew.
-double height_of_terrain(const Raster& dtm, double x, double y) {
-  const double gx = std::min(std::max((x - dtm.x0) / dtm.step, 0.0), dtm.nx - 1.0);
-  const double gy = std::min(std::max((y - dtm.y0) / dtm.step, 0.0), dtm.ny - 1.0);
+/// Bilinear interpolation, written out anew, in the coordinates of the reference system: those are
+/// what the files share.
+double height_of_terrain(const Raster& dtm, Point2 origin, double local_x, double local_y) {
+  const double x = local_x + origin.x - (dtm.x0 + origin.x);
+  const double y = local_y + origin.y - (dtm.y0 + origin.y);
+  const double gx = std::min(std::max(x / dtm.step, 0.0), dtm.nx - 1.0);
+  const double gy = std::min(std::max(y / dtm.step, 0.0), dtm.ny - 1.0);
   const double i = std::min(std::floor(gx), std::max(dtm.nx - 2.0, 0.0));
   const double j = std::min(std::floor(gy), std::max(dtm.ny - 2.0, 0.0));
   const double s = gx - i, t = gy - j;
@@ -224,7 +227,7 @@ HeightsCheck check_heights(const SurfaceMesh& surface, std::array<double, 3> shi
     if (!on_ground[v]) continue;
     ++check.ground_vertices;
     const auto& p = surface.points[v];
-    const double wanted = height_of_terrain(dtm, p[0] + shift[0], p[1] + shift[1]);
+    const double wanted = height_of_terrain(dtm, city.origin, p[0] + shift[0], p[1] + shift[1]);
     const double error = p[2] + shift[2] - wanted;
     if (std::abs(error) <= kHeightTolerance) continue;
     if (error < 0 && on_wall[v])

@@ -170,8 +170,8 @@ void measure(const ColumnMesh& mesh, VolumeMeshReport& volume) {
                 fmt::format("{} cells are inverted; nothing was written", volume.inverted));
 }
 
-SurfaceMesh bound(const ColumnMesh& mesh, const CityModel& city, Report& report) {
-  SurfaceMesh surface = extract_boundary(mesh, city.domain);
+SurfaceMesh bound(const ColumnMesh& mesh, const Bounds2& domain, Report& report) {
+  SurfaceMesh surface = extract_boundary(mesh, domain);
   const SurfaceTopology topology = check_topology(surface);
   report.surface_mesh =
       SurfaceMeshReport{static_cast<std::int64_t>(surface.triangles.size()), topology.closed(),
@@ -183,6 +183,16 @@ SurfaceMesh bound(const ColumnMesh& mesh, const CityModel& city, Report& report)
                     "misoriented edges; nothing was written",
                     topology.open_edges, topology.non_manifold_edges, topology.misoriented_edges));
   return surface;
+}
+
+/// The local coordinate nearest to `local` that adding the origin and taking it away again leaves
+/// as it is: less than a nanometre away. With all vertices and the terrain's nodes on such
+/// coordinates, heights are the same whether they are looked up in local coordinates or in those of
+/// the CRS.
+double in_crs(double local, double origin) { return (local + origin) - origin; }
+
+void move_into_crs(GroundMesh& ground, Point2 origin) {
+  for (Point2& p : ground.vertices) p = {in_crs(p.x, origin.x), in_crs(p.y, origin.y)};
 }
 
 bool is_wanted(const Config& config, std::string_view format) {
@@ -227,13 +237,19 @@ void write_surface(const Config& config, const SurfaceMesh& boundary, const Plac
 
 }  // namespace
 
-void make_mesh(const Config& config, const CityModel& city, const Raster& dtm,
-               const OutputFolder& out, StepClock& clock, Report& report) {
+void make_mesh(const Config& config, const CityModel& city, Raster dtm, const OutputFolder& out,
+               StepClock& clock, Report& report) {
+  const Point2 origin = city.origin;
   GroundMesh ground = make_ground(config, city, clock, report);
+  move_into_crs(ground, origin);
+  dtm.x0 = in_crs(dtm.x0, origin.x);
+  dtm.y0 = in_crs(dtm.y0, origin.y);
+  const Bounds2 domain{in_crs(city.domain.xmin, origin.x), in_crs(city.domain.ymin, origin.y),
+                       in_crs(city.domain.xmax, origin.x), in_crs(city.domain.ymax, origin.y)};
   const ColumnMesh mesh = make_columns_of_city(config, city, dtm, std::move(ground), clock, report);
   clock.run("3.6", "check and write meshes", [&](const Progress& progress) {
     measure(mesh, *report.volume_mesh);
-    const SurfaceMesh boundary = bound(mesh, city, report);
+    const SurfaceMesh boundary = bound(mesh, domain, report);
     Placement placement{{0, 0, 0}, {city.origin.x, city.origin.y, 0}};
     if (config.coordinates == "absolute")
       placement = {{city.origin.x, city.origin.y, 0}, {0, 0, 0}};

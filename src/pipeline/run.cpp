@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <optional>
+#include <utility>
 
 #include <fmt/format.h>
 #include <sys/resource.h>
@@ -72,9 +73,9 @@ Report run_build(const Config& config, const RunHooks& hooks) {
   Report report = begin_report("build", config);
   StepClock clock(hooks, report);
   OutputFolder out(config.out);
-  const CityAndTerrain stage = make_city(config, out, clock, report);
+  CityAndTerrain stage = make_city(config, out, clock, report);
   keep_domain(stage.city, report);
-  make_mesh(config, stage.city, stage.dtm, out, clock, report);
+  make_mesh(config, stage.city, std::move(stage.dtm), out, clock, report);
   finish(report, out);
   return report;
 }
@@ -158,7 +159,7 @@ Report run_mesh(const Config& config, const RunHooks& hooks) {
   StepClock clock(hooks, report);
   OutputFolder out(config.out);
   CityModel city = read_city(config.city, &report.warnings);
-  const RasterInput terrain = read_raster(config.dtm, city.origin);
+  RasterInput terrain = read_raster(config.dtm, city.origin);
   report.warnings.insert(report.warnings.end(), terrain.warnings.begin(), terrain.warnings.end());
   city.domain = domain_of(config, city, terrain);
   require_terrain_under(config, city, terrain);
@@ -174,7 +175,7 @@ Report run_mesh(const Config& config, const RunHooks& hooks) {
     city_report.merged_groups += building.source_ids.size() > 1 ? 1 : 0;
   city_report.dropped = city.dropped;
   keep_domain(city, report);
-  make_mesh(config, city, terrain.raster, out, clock, report);
+  make_mesh(config, city, std::move(terrain.raster), out, clock, report);
   finish(report, out);
   return report;
 }

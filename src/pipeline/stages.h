@@ -20,7 +20,7 @@ CityAndTerrain make_city(const Config& config, const OutputFolder& out, StepCloc
 
 /// Steps 3.1 to 3.6: writes volume, boundary and surface. `city.domain` and `city.origin` are those
 /// of the run.
-void make_mesh(const Config& config, const CityModel& city, const Raster& dtm,
-               const OutputFolder& out, StepClock& clock, Report& report);
+void make_mesh(const Config& config, const CityModel& city, Raster dtm, const OutputFolder& out,
+               StepClock& clock, Report& report);
 
 }  // namespace tetropolis
