@@ -4,19 +4,19 @@
 #include <array>
 #include <cassert>
 #include <cerrno>
+#include <fstream>
 #include <system_error>
-#include <type_traits>
-#include <vector>
 
 #include <hdf5.h>
-
-#include "tetropolis/core/parallel.h"
 
 namespace tetropolis {
 
 namespace {
 
-static_assert(std::is_same_v<hid_t, std::int64_t>, "HDF5 1.10 or newer is needed");
+namespace fs = std::filesystem;
+
+/// Far more than HDF5 needs for groups and datasets as few as ours.
+constexpr std::uint64_t kRoomForHdf5 = 1 << 20;
 
 /// HDF5 prints failures to stderr unless told otherwise; what was set comes back.
 class QuietHdf5 {
@@ -57,96 +57,115 @@ class Handle {
   herr_t (*close_)(hid_t);
 };
 
+[[noreturn]] void fail(const fs::path& target) {
+  throw_cannot_write(
+      target, errno == 0 ? "HDF5 gave no reason" : std::generic_category().message(errno));
+}
+
 hid_t file_type(Hdf5Type type) {
   if (type == Hdf5Type::kFloat64) return H5T_IEEE_F64LE;
   return type == Hdf5Type::kInt64 ? H5T_STD_I64LE : H5T_STD_I32LE;
 }
 
-std::size_t type_size(Hdf5Type type) { return type == Hdf5Type::kInt32 ? 4 : 8; }
+std::uint64_t byte_count(const Hdf5Dataset& dataset) {
+  const std::uint64_t width = dataset.type == Hdf5Type::kInt32 ? 4 : 8;
+  return dataset.rows * std::max<std::uint64_t>(dataset.columns, 1) * width;
+}
 
-hid_t make_dataset(hid_t file, const Hdf5Output::Dataset& dataset, hid_t space) {
+/// Throws unless a file of this size is allowed here and there is room for HDF5's part of it.
+void require_room(const fs::path& path, const fs::path& target, std::uint64_t bytes) {
+  errno = 0;
+  std::ofstream file(path, std::ios::binary | std::ios::trunc);
+  file << std::string(kRoomForHdf5, '\0');
+  file.close();
+  if (!file) fail(target);
+  std::error_code error;
+  fs::resize_file(path, bytes + kRoomForHdf5, error);
+  if (error) throw_cannot_write(target, error.message());
+}
+
+/// Makes a dataset without data and returns where in the file they belong; HADDR_UNDEF on failure and
+/// for a dataset without rows.
+haddr_t make_dataset(hid_t file, const Hdf5Dataset& dataset, bool& good) {
+  const std::array<hsize_t, 2> shape{dataset.rows, dataset.columns};
+  const Handle space(H5Screate_simple(dataset.columns == 0 ? 1 : 2, shape.data(), nullptr),
+                     H5Sclose);
   const Handle links(H5Pcreate(H5P_LINK_CREATE), H5Pclose);
   const Handle creation(H5Pcreate(H5P_DATASET_CREATE), H5Pclose);
   H5Pset_create_intermediate_group(links.id(), 1);
   H5Pset_obj_track_times(creation.id(), false);
-  // Every byte is written below.
+  H5Pset_layout(creation.id(), H5D_CONTIGUOUS);
+  H5Pset_alloc_time(creation.id(), H5D_ALLOC_TIME_EARLY);
   H5Pset_fill_time(creation.id(), H5D_FILL_TIME_NEVER);
-  return H5Dcreate2(file, std::string(dataset.path).c_str(), file_type(dataset.type), space,
-                    links.id(), creation.id(), H5P_DEFAULT);
+  Handle set(H5Dcreate2(file, dataset.path.c_str(), file_type(dataset.type), space.id(), links.id(),
+                        creation.id(), H5P_DEFAULT),
+             H5Dclose);
+  const haddr_t offset = set.good() ? H5Dget_offset(set.id()) : HADDR_UNDEF;
+  good = good && set.good() && set.close() && (offset != HADDR_UNDEF || dataset.rows == 0);
+  return offset;
 }
 
-/// Writes `bytes` as the rows from `row` on; whether it worked.
-bool write_rows(hid_t target, hid_t space, const Hdf5Output::Dataset& dataset, std::uint64_t row,
-                std::uint64_t rows, const std::string& bytes) {
-  const int rank = dataset.columns == 0 ? 1 : 2;
-  const std::array<hsize_t, 2> start{row, 0};
-  const std::array<hsize_t, 2> count{rows, dataset.columns};
-  const Handle memory(H5Screate_simple(rank, count.data(), nullptr), H5Sclose);
-  const hid_t type = file_type(dataset.type);
-  return memory.good() &&
-         H5Sselect_hyperslab(space, H5S_SELECT_SET, start.data(), nullptr, count.data(), nullptr) >=
-             0 &&
-         H5Dwrite(target, type, memory.id(), space, H5P_DEFAULT, bytes.data()) >= 0;
+/// Lets HDF5 make the file and returns where the data of each dataset begin; those without rows get
+/// the end of the one before.
+std::vector<std::uint64_t> lay_out(const fs::path& path, const fs::path& target,
+                                   std::span<const Hdf5Dataset> datasets) {
+  const QuietHdf5 quiet;
+  errno = 0;
+  Handle file(H5Fcreate(path.c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, H5P_DEFAULT), H5Fclose);
+  bool good = file.good();
+  std::vector<std::uint64_t> offsets;
+  std::uint64_t end = 0;
+  for (const Hdf5Dataset& dataset : datasets) {
+    if (!good) break;
+    const haddr_t offset = make_dataset(file.id(), dataset, good);
+    offsets.push_back(offset == HADDR_UNDEF ? end : offset);
+    end = offsets.back() + byte_count(dataset);
+  }
+  if (!good || !file.close()) fail(target);
+  return offsets;
 }
 
 }  // namespace
 
-Hdf5Output::Hdf5Output(const std::filesystem::path& target) : target_(target), file_(target) {
-  const QuietHdf5 quiet;
-  errno = 0;
-  handle_ = H5Fcreate(file_.path().c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, H5P_DEFAULT);
-  if (handle_ < 0) fail();
+Hdf5Output::Hdf5Output(const fs::path& target, std::span<const Hdf5Dataset> datasets)
+    : file_(target) {
+  std::uint64_t bytes = 0;
+  for (const Hdf5Dataset& dataset : datasets) bytes += byte_count(dataset);
+  require_room(file_.path(), target, bytes);
+  read_layout(lay_out(file_.path(), target, datasets), datasets);
 }
 
-Hdf5Output::~Hdf5Output() {
-  const QuietHdf5 quiet;
-  if (handle_ >= 0) H5Fclose(handle_);
-}
-
-void Hdf5Output::fail() const {
-  throw_cannot_write(target_,
-                     errno == 0 ? "HDF5 gave no reason" : std::generic_category().message(errno));
-}
-
-void Hdf5Output::write(const Dataset& dataset, std::size_t items, std::size_t grain,
-                       const std::function<void(std::size_t, std::size_t, std::string&)>& format,
-                       const Progress& progress) {
-  const QuietHdf5 quiet;
-  errno = 0;
-  const std::array<hsize_t, 2> shape{dataset.rows, dataset.columns};
-  Handle space(H5Screate_simple(dataset.columns == 0 ? 1 : 2, shape.data(), nullptr), H5Sclose);
-  Handle target(make_dataset(handle_, dataset, space.id()), H5Dclose);
-  if (!space.good() || !target.good()) fail();
-
-  constexpr std::size_t kBatch = 16;
-  const std::size_t row_bytes = type_size(dataset.type) * std::max<std::size_t>(dataset.columns, 1);
-  std::vector<std::string> buffers(kBatch);
-  std::uint64_t row = 0;
-  for (std::size_t start = 0; start < items; start += grain * kBatch) {
-    progress.update(static_cast<double>(start) / static_cast<double>(items));
-    const std::size_t stop = std::min(start + grain * kBatch, items);
-    for (std::string& buffer : buffers) buffer.clear();
-    parallel_chunks(stop - start, grain, [&](std::size_t begin, std::size_t end) {
-      format(start + begin, start + end, buffers[begin / grain]);
-    });
-    errno = 0;
-    for (const std::string& buffer : buffers) {
-      if (buffer.empty()) continue;
-      const std::uint64_t rows = buffer.size() / row_bytes;
-      if (!write_rows(target.id(), space.id(), dataset, row, rows, buffer)) fail();
-      row += rows;
-    }
+void Hdf5Output::read_layout(std::span<const std::uint64_t> offsets,
+                             std::span<const Hdf5Dataset> datasets) {
+  std::ifstream file(file_.path(), std::ios::binary);
+  std::uint64_t at = 0;
+  const auto add_own = [&](std::uint64_t end) {
+    assert(at <= end);
+    Stretch own{at, end, std::string(end - at, '\0')};
+    file.seekg(static_cast<std::streamoff>(at));
+    file.read(own.bytes.data(), static_cast<std::streamsize>(end - at));
+    if (!file) throw_cannot_write(file_.path(), "it cannot be read back");
+    stretches_.push_back(std::move(own));
+  };
+  for (std::size_t i = 0; i < datasets.size(); ++i) {
+    add_own(offsets[i]);
+    at = offsets[i] + byte_count(datasets[i]);
+    stretches_.push_back({offsets[i], at, {}});
   }
-  assert(row == dataset.rows);
-  if (!target.close()) fail();
+  add_own(std::max<std::uint64_t>(fs::file_size(file_.path()), at));
+}
+
+void Hdf5Output::begin_next() {
+  assert(next_ + 1 < stretches_.size());
+  assert(static_cast<std::uint64_t>(file_.stream().tellp()) == stretches_[next_].begin);
+  file_.write(stretches_[next_].bytes);
+  next_ += 2;
 }
 
 void Hdf5Output::commit() {
-  const QuietHdf5 quiet;
-  errno = 0;
-  const hid_t handle = handle_;
-  handle_ = -1;
-  if (H5Fclose(handle) < 0) fail();
+  assert(next_ + 1 == stretches_.size());
+  assert(static_cast<std::uint64_t>(file_.stream().tellp()) == stretches_[next_].begin);
+  file_.write(stretches_[next_].bytes);
   file_.commit();
 }
 

@@ -1,13 +1,14 @@
-// A new HDF5 file, written dataset by dataset in one go.
+// A new HDF5 file with given datasets, written as a stream.
 #pragma once
 
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
-#include <functional>
+#include <span>
 #include <string>
-#include <string_view>
+#include <vector>
 
+#include "chunked_output.h"
 #include "tetropolis/core/progress.h"
 #include "tetropolis/io/atomic_file.h"
 
@@ -15,38 +16,50 @@ namespace tetropolis {
 
 enum class Hdf5Type { kFloat64, kInt64, kInt32 };
 
-/// The same calls give the same bytes: no times are stored. Used from one thread at a time.
+struct Hdf5Dataset {
+  std::string path;  ///< "/group/.../name"; missing groups are made.
+  Hdf5Type type;     ///< Little endian.
+  std::uint64_t rows;
+  std::uint64_t columns;  ///< 0: the dataset has one dimension.
+};
+
+/// HDF5 only lays the file out, empty; what it wrote of its own is kept and the data are streamed in
+/// between. The library does not get over a disk that fills up while it writes: even after the
+/// failure was dealt with it crashes the program at exit. Here it writes a few kilobytes, for which
+/// there is room.
+///
+/// The same calls give the same bytes: no times are stored. Used from one thread at a time. Throws
+/// Error(kInput) naming the file if it cannot be written.
 class Hdf5Output {
  public:
-  /// Throws Error(kInput) naming the file, here and below, if it cannot be written.
-  explicit Hdf5Output(const std::filesystem::path& target);
-  ~Hdf5Output();
-  Hdf5Output(const Hdf5Output&) = delete;
-  Hdf5Output& operator=(const Hdf5Output&) = delete;
+  Hdf5Output(const std::filesystem::path& target, std::span<const Hdf5Dataset> datasets);
 
-  struct Dataset {
-    std::string_view path;  ///< "/group/.../name"; missing groups are made.
-    Hdf5Type type;
-    std::uint64_t rows;
-    std::uint64_t columns;  ///< 0: the dataset has one dimension.
-  };
+  /// Writes the next dataset, in the order given. Its rows are what format(begin, end, buffer) appends
+  /// as raw bytes for consecutive pieces of [0, items), `grain` items each, formatted in parallel;
+  /// together they have exactly the bytes of the dataset.
+  template <typename Format>
+  void write_next(std::size_t items, std::size_t grain, const Format& format,
+                  const Progress& progress = {}) {
+    begin_next();
+    write_chunked(file_, items, grain, format, progress);
+  }
 
-  /// Writes a dataset whose rows, in order, are what format(begin, end, buffer) appends as raw
-  /// bytes for consecutive pieces of [0, items); pieces of `grain` items are formatted in parallel.
-  /// The pieces together have exactly the bytes of the dataset.
-  void write(const Dataset& dataset, std::size_t items, std::size_t grain,
-             const std::function<void(std::size_t, std::size_t, std::string&)>& format,
-             const Progress& progress = {});
-
-  /// Closes the file and makes it appear.
+  /// Call after all datasets: the file appears.
   void commit();
 
  private:
-  [[noreturn]] void fail() const;
+  /// A stretch of bytes that HDF5 wrote, or that of a dataset.
+  struct Stretch {
+    std::uint64_t begin;
+    std::uint64_t end;
+    std::string bytes;  ///< Empty for a dataset.
+  };
+  void begin_next();
+  void read_layout(std::span<const std::uint64_t> offsets, std::span<const Hdf5Dataset> datasets);
 
-  std::filesystem::path target_;
   AtomicFile file_;
-  std::int64_t handle_ = -1;
+  std::vector<Stretch> stretches_;  ///< The whole file in order: HDF5's own and datasets in turn.
+  std::size_t next_ = 0;
 };
 
 }  // namespace tetropolis
