@@ -58,8 +58,8 @@ class Handle {
 };
 
 [[noreturn]] void fail(const fs::path& target) {
-  throw_cannot_write(
-      target, errno == 0 ? "HDF5 gave no reason" : std::generic_category().message(errno));
+  throw_cannot_write(target,
+                     errno == 0 ? "HDF5 gave no reason" : std::generic_category().message(errno));
 }
 
 hid_t file_type(Hdf5Type type) {
@@ -84,8 +84,8 @@ void require_room(const fs::path& path, const fs::path& target, std::uint64_t by
   if (error) throw_cannot_write(target, error.message());
 }
 
-/// Makes a dataset without data and returns where in the file they belong; HADDR_UNDEF on failure and
-/// for a dataset without rows.
+/// Makes a dataset without data and returns where in the file they belong; HADDR_UNDEF on failure
+/// and for a dataset without rows.
 haddr_t make_dataset(hid_t file, const Hdf5Dataset& dataset, bool& good) {
   const std::array<hsize_t, 2> shape{dataset.rows, dataset.columns};
   const Handle space(H5Screate_simple(dataset.columns == 0 ? 1 : 2, shape.data(), nullptr),
@@ -111,7 +111,10 @@ std::vector<std::uint64_t> lay_out(const fs::path& path, const fs::path& target,
                                    std::span<const Hdf5Dataset> datasets) {
   const QuietHdf5 quiet;
   errno = 0;
-  Handle file(H5Fcreate(path.c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, H5P_DEFAULT), H5Fclose);
+  const Handle access(H5Pcreate(H5P_FILE_ACCESS), H5Pclose);
+  // Else small datasets share a block and lie before larger ones made earlier.
+  H5Pset_small_data_block_size(access.id(), 0);
+  Handle file(H5Fcreate(path.c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, access.id()), H5Fclose);
   bool good = file.good();
   std::vector<std::uint64_t> offsets;
   std::uint64_t end = 0;
@@ -140,7 +143,7 @@ void Hdf5Output::read_layout(std::span<const std::uint64_t> offsets,
   std::ifstream file(file_.path(), std::ios::binary);
   std::uint64_t at = 0;
   const auto add_own = [&](std::uint64_t end) {
-    assert(at <= end);
+    if (end < at) throw_cannot_write(file_.path(), "this HDF5 orders datasets in another way");
     Stretch own{at, end, std::string(end - at, '\0')};
     file.seekg(static_cast<std::streamoff>(at));
     file.read(own.bytes.data(), static_cast<std::streamsize>(end - at));

@@ -8,9 +8,10 @@
 #include <string>
 #include <vector>
 
-#include "chunked_output.h"
 #include "tetropolis/core/progress.h"
 #include "tetropolis/io/atomic_file.h"
+
+#include "chunked_output.h"
 
 namespace tetropolis {
 
@@ -23,8 +24,8 @@ struct Hdf5Dataset {
   std::uint64_t columns;  ///< 0: the dataset has one dimension.
 };
 
-/// HDF5 only lays the file out, empty; what it wrote of its own is kept and the data are streamed in
-/// between. The library does not get over a disk that fills up while it writes: even after the
+/// HDF5 only lays the file out, empty; what it wrote of its own is kept and the data are streamed
+/// in between. The library does not get over a disk that fills up while it writes: even after the
 /// failure was dealt with it crashes the program at exit. Here it writes a few kilobytes, for which
 /// there is room.
 ///
@@ -34,9 +35,9 @@ class Hdf5Output {
  public:
   Hdf5Output(const std::filesystem::path& target, std::span<const Hdf5Dataset> datasets);
 
-  /// Writes the next dataset, in the order given. Its rows are what format(begin, end, buffer) appends
-  /// as raw bytes for consecutive pieces of [0, items), `grain` items each, formatted in parallel;
-  /// together they have exactly the bytes of the dataset.
+  /// Writes the next dataset, in the order given. Its rows are what format(begin, end, buffer)
+  /// appends as raw bytes for consecutive pieces of [0, items), `grain` items each, formatted in
+  /// parallel; together they have exactly the bytes of the dataset.
   template <typename Format>
   void write_next(std::size_t items, std::size_t grain, const Format& format,
                   const Progress& progress = {}) {

@@ -1,8 +1,11 @@
 #include "tetropolis/io/xdmf.h"
 
+#include <array>
 #include <bit>
+#include <cstdint>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include <fmt/format.h>
 
@@ -23,57 +26,68 @@ static_assert(std::endian::native == std::endian::little, "XDMF output writes na
 constexpr std::size_t kColumns = 128;
 constexpr std::size_t kRows = 32768;
 
-constexpr std::string_view kGeometry = "/Mesh/mesh/geometry";
-constexpr std::string_view kTopology = "/Mesh/mesh/topology";
-constexpr std::string_view kRegion = "/Mesh/mesh/region";
-constexpr std::string_view kFaces = "/MeshTags/boundary/topology";
-constexpr std::string_view kPatch = "/MeshTags/boundary/patch";
-constexpr std::string_view kBuilding = "/MeshTags/boundary/building";
+constexpr const char* kGeometry = "/Mesh/mesh/geometry";
+constexpr const char* kTopology = "/Mesh/mesh/topology";
+constexpr const char* kRegion = "/Mesh/mesh/region";
+constexpr const char* kFaces = "/MeshTags/boundary/topology";
+constexpr const char* kPatch = "/MeshTags/boundary/patch";
+constexpr const char* kBuilding = "/MeshTags/boundary/building";
 
+std::array<Hdf5Dataset, 6> datasets_of(const ColumnNumbers& numbers, const SurfaceMesh& surface) {
+  const auto nodes = static_cast<std::uint64_t>(numbers.node_count());
+  const auto cells = static_cast<std::uint64_t>(numbers.cell_count());
+  const std::uint64_t faces = surface.triangles.size();
+  return {{{kGeometry, Hdf5Type::kFloat64, nodes, 3},
+           {kTopology, Hdf5Type::kInt64, cells, 4},
+           {kRegion, Hdf5Type::kInt32, cells, 0},
+           {kFaces, Hdf5Type::kInt64, faces, 3},
+           {kPatch, Hdf5Type::kInt32, faces, 0},
+           {kBuilding, Hdf5Type::kInt32, faces, 0}}};
+}
+
+/// The first three datasets.
 void write_volume(Hdf5Output& file, const ColumnNumbers& numbers, const Placement& placement,
                   const Progress& progress) {
   const ColumnMesh& mesh = numbers.mesh;
-  const auto nodes = static_cast<std::uint64_t>(numbers.node_count());
-  const auto cells = static_cast<std::uint64_t>(numbers.cell_count());
-  file.write(
-      {kGeometry, Hdf5Type::kFloat64, nodes, 3}, mesh.vertex_count(), kColumns,
+  file.write_next(
+      mesh.vertex_count(), kColumns,
       [&](std::size_t begin, std::size_t end, std::string& buffer) {
         append_points(mesh, placement, begin, end, buffer);
       },
       portion(progress, 0, 0.2));
-  file.write(
-      {kTopology, Hdf5Type::kInt64, cells, 4}, mesh.triangle_count(), kColumns,
+  file.write_next(
+      mesh.triangle_count(), kColumns,
       [&](std::size_t begin, std::size_t end, std::string& buffer) {
         for_each_tet(numbers, begin, end, [&](NodeIndex, const std::array<NodeIndex, 4>& tet) {
           for (const NodeIndex node : tet) append_raw(buffer, node);
         });
       },
       portion(progress, 0.2, 0.9));
-  file.write({kRegion, Hdf5Type::kInt32, cells, 0}, mesh.triangle_count(), kColumns,
-             [&](std::size_t begin, std::size_t end, std::string& buffer) {
-               for (std::size_t t = begin; t < end; ++t)
-                 for (NodeIndex c = numbers.cells[t]; c < numbers.cells[t + 1]; ++c)
-                   append_raw(buffer, mesh.ground.region[t]);
-             });
+  file.write_next(mesh.triangle_count(), kColumns,
+                  [&](std::size_t begin, std::size_t end, std::string& buffer) {
+                    for (std::size_t t = begin; t < end; ++t)
+                      for (NodeIndex c = numbers.cells[t]; c < numbers.cells[t + 1]; ++c)
+                        append_raw(buffer, mesh.ground.region[t]);
+                  });
 }
 
+/// The last three.
 void write_boundary(Hdf5Output& file, const ColumnNumbers& numbers, const SurfaceMesh& surface) {
   const std::vector<Node> nodes = boundary_nodes(numbers.mesh, surface);
-  const std::uint64_t faces = surface.triangles.size();
-  const auto write_rows = [&](const Hdf5Output::Dataset& dataset, const auto& append) {
-    file.write(dataset, faces, kRows, [&](std::size_t begin, std::size_t end, std::string& buffer) {
-      for (std::size_t f = begin; f < end; ++f) append(f, buffer);
-    });
+  const auto write_rows = [&](const auto& append) {
+    file.write_next(surface.triangles.size(), kRows,
+                    [&](std::size_t begin, std::size_t end, std::string& buffer) {
+                      for (std::size_t f = begin; f < end; ++f) append(f, buffer);
+                    });
   };
-  write_rows({kFaces, Hdf5Type::kInt64, faces, 3}, [&](std::size_t f, std::string& buffer) {
+  write_rows([&](std::size_t f, std::string& buffer) {
     for (const std::int32_t p : surface.triangles[f])
       append_raw(buffer, numbers.node(nodes[static_cast<std::size_t>(p)]));
   });
-  write_rows({kPatch, Hdf5Type::kInt32, faces, 0}, [&](std::size_t f, std::string& buffer) {
+  write_rows([&](std::size_t f, std::string& buffer) {
     append_raw(buffer, static_cast<std::int32_t>(surface.patch[f]));
   });
-  write_rows({kBuilding, Hdf5Type::kInt32, faces, 0},
-             [&](std::size_t f, std::string& buffer) { append_raw(buffer, surface.building[f]); });
+  write_rows([&](std::size_t f, std::string& buffer) { append_raw(buffer, surface.building[f]); });
 }
 
 std::string data_item(std::string_view number, int precision, const std::string& dimensions,
@@ -130,7 +144,7 @@ void write_xdmf(const std::filesystem::path& path, const ColumnMesh& mesh,
   if (data_path == path)
     throw_cannot_write(path, "its data need the name with .h5, so it must end in .xdmf");
   const ColumnNumbers numbers = number_columns(mesh);
-  Hdf5Output data(data_path);
+  Hdf5Output data(data_path, datasets_of(numbers, surface));
   write_volume(data, numbers, placement, progress);
   write_boundary(data, numbers, surface);
   AtomicFile file(path);

@@ -171,19 +171,33 @@ TEST_F(Build, ResultsOfAnEarlierRunAreNotMixedWithNewOnes) {
 }
 
 TEST_F(Build, AbsurdSizesAreRefusedBeforeTheWork) {
-  Config config = city("random", 30, 250, 6);
+  Config config = city("random", 30, 1000, 6);
+  const auto refused = [&](const char* part) {
+    std::string message = "no error";
+    RunHooks hooks;
+    std::string last;
+    hooks.step_begins = [&](const StepReport& step) { last = step.id; };
+    try {
+      run_build(config, hooks);
+    } catch (const Error& error) {
+      message = error.what();
+    }
+    EXPECT_NE(message.find(part), std::string::npos) << message;
+    EXPECT_FALSE(fs::exists(config.out));
+    return last;
+  };
+  const Config good = config;
   config.layer_height = 1e-9;
-  EXPECT_THROW(run_build(config), Error);
-  config.layer_height = 0;
+  EXPECT_EQ(refused("layers between the mean ground"), "3.2");
+  config = good;
   config.domain_height = 1e7;
-  EXPECT_THROW(run_build(config), Error);
-  config.domain_height = 100;
-  config.mesh_size = 0.05;
-  config.layer_height = 0.05;
-  EXPECT_THROW(run_build(config), Error);
-  config = city("random", 30, 250, 6);
+  EXPECT_EQ(refused("layers between the mean ground"), "3.2");
+  config = good;
+  config.mesh_size = 0.05;  // a thousand million triangles
+  EXPECT_EQ(refused("GB of"), "2.4");
+  config = good;
   config.min_building_area = 1e6;
-  EXPECT_THROW(run_build(config), Error);
+  EXPECT_EQ(refused("all 30 buildings were dropped"), "2.2");
 }
 
 TEST_F(Build, AbsoluteCoordinatesAreThoseOfTheReferenceSystem) {
