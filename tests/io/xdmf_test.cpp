@@ -1,11 +1,14 @@
 #include "tetropolis/io/xdmf.h"
 
 #include <chrono>
+#include <csignal>
+#include <cstdlib>
 #include <regex>
 #include <thread>
 
 #include <gtest/gtest.h>
 #include <hdf5.h>
+#include <sys/resource.h>
 
 #include "mesh_bytes.h"
 #include "support/test_data.h"
@@ -146,6 +149,45 @@ TEST_F(Xdmf, NameThatLeavesNoneForTheDataIsRefused) {
     EXPECT_EQ(error.kind(), ErrorKind::kInput);
     EXPECT_NE(std::string(error.what()).find("mesh.h5: its data need the name"), std::string::npos);
   }
+}
+
+TEST_F(Xdmf, SmallMeshesComeBackToo) {
+  for (const double size : {15.0, 25.0, 40.0, 80.0}) {
+    testing::SmallCity terrain = testing::small_city(testing::hills);
+    terrain.footprints.clear();
+    terrain.roofs.clear();
+    const ColumnMesh mesh = testing::meshed(terrain, size).mesh;
+    write_xdmf(folder / "volume.xdmf", mesh, extract_boundary(mesh, terrain.domain), {});
+    const auto reference = testing::explicit_mesh(mesh, {});
+    EXPECT_EQ(doubles("/Mesh/mesh/geometry").values.size(), 3 * reference.points.size());
+    EXPECT_EQ(ints("/Mesh/mesh/region").values, reference.region);
+    const auto patch = ints("/MeshTags/boundary/patch").values;
+    EXPECT_EQ(patch.front(), static_cast<std::int32_t>(Patch::kGround));
+    EXPECT_EQ(patch.back(), static_cast<std::int32_t>(Patch::kYMax));
+  }
+}
+
+/// Writes where no file may be larger than `bytes`; leaves with 3 if that was told as it should be.
+[[noreturn]] void write_limited(const std::filesystem::path& path, rlim_t bytes) {
+  std::signal(SIGXFSZ, SIG_IGN);
+  const rlimit limit{bytes, bytes};
+  setrlimit(RLIMIT_FSIZE, &limit);
+  const testing::FormatsCity& city = testing::formats_city();
+  try {
+    write_xdmf(path, city.city.mesh, city.boundary, {});
+  } catch (const Error& error) {
+    const bool named =
+        std::string(error.what()).find("full.h5: File too large") != std::string::npos;
+    std::exit(named && !std::filesystem::exists(path) ? 3 : 1);
+  }
+  std::exit(0);
+}
+
+TEST_F(Xdmf, NoRoomForTheDataIsAnErrorAndNoCrashAtExit) {
+  ::testing::GTEST_FLAG(death_test_style) = "threadsafe";
+  const auto needed = std::filesystem::file_size(folder / "volume.h5");
+  for (const rlim_t bytes : {rlim_t{100}, rlim_t{1} << 19, rlim_t{needed} / 2})
+    EXPECT_EXIT(write_limited(folder / "full.xdmf", bytes), ::testing::ExitedWithCode(3), "");
 }
 
 TEST_F(Xdmf, EmptyBoundaryIsNoTrouble) {
