@@ -20,9 +20,27 @@ namespace {
 
 /// Every name a command may give to a result.
 constexpr std::array kResultNames = {
-    "city_raw.city.json", "city.city.json", "dtm.tif",     "volume.vtu",   "volume.xdmf",
-    "volume.h5",          "volume.msh",     "constant",    "boundary.vtp", "surface.stl",
-    "surface.obj",        "surface.ply",    "surface.glb", "report.json"};
+    "city_raw.city.json", "city.city.json", "dtm.tif",           "volume.vtu",   "volume.xdmf",
+    "volume.h5",          "volume.msh",     "constant/polyMesh", "boundary.vtp", "surface.stl",
+    "surface.obj",        "surface.ply",    "surface.glb",       "report.json"};
+
+/// What was written, relative to the folder: its files, and of its folders (constant) the entries
+/// (polyMesh), since a folder of that name in the target may hold files of the user. The report
+/// vouches for the others, so it comes last.
+std::vector<fs::path> results_below(const fs::path& staging) {
+  std::vector<fs::path> names;
+  for (const auto& entry : fs::directory_iterator(staging)) {
+    const fs::path name = entry.path().filename();
+    if (!entry.is_directory()) names.push_back(name);
+    if (entry.is_directory())
+      for (const auto& inner : fs::directory_iterator(entry))
+        names.push_back(name / inner.path().filename());
+  }
+  std::sort(names.begin(), names.end(), [](const fs::path& a, const fs::path& b) {
+    return std::pair(a == "report.json", a) < std::pair(b == "report.json", b);
+  });
+  return names;
+}
 
 [[noreturn]] void fail(const fs::path& target, const std::string& reason) {
   throw Error(ErrorKind::kUsage, target.string() + ": cannot be written: " + reason +
@@ -88,19 +106,15 @@ void OutputFolder::commit() {
     fs::rename(staging_, target_, error);
     check(target_);
   } else {
-    std::vector<fs::path> names;
-    for (const auto& entry : fs::directory_iterator(staging_))
-      names.push_back(entry.path().filename());
-    // The report vouches for the others, so it comes last.
-    std::sort(names.begin(), names.end(), [](const fs::path& a, const fs::path& b) {
-      return std::pair(a == "report.json", a) < std::pair(b == "report.json", b);
-    });
+    const std::vector<fs::path> names = results_below(staging_);
     for (const char* name : kResultNames) {
       if (std::find(names.begin(), names.end(), name) != names.end()) continue;
       fs::remove_all(target_ / name, error);
       check(target_ / name);
     }
     for (const fs::path& name : names) {
+      fs::create_directories((target_ / name).parent_path(), error);
+      check(target_ / name);
       if (fs::is_directory(target_ / name)) fs::remove_all(target_ / name, error);
       fs::rename(staging_ / name, target_ / name, error);
       check(target_ / name);
