@@ -10,6 +10,7 @@
 #include "tetropolis/io/vtk.h"
 
 #include "chunked_output.h"
+#include "column_numbers.h"
 
 namespace tetropolis {
 
@@ -65,12 +66,7 @@ void write_points(AtomicFile& file, const ColumnMesh& mesh, const Placement& pla
   begin_array(file, bytes);
   write_chunked(file, mesh.vertex_count(), kGrain,
                 [&](std::size_t begin, std::size_t end, std::string& buffer) {
-                  for (std::size_t v = begin; v < end; ++v)
-                    for (std::int32_t k = mesh.first_node[v]; k <= mesh.layers; ++k) {
-                      append_raw(buffer, mesh.ground.vertices[v].x + placement.shift[0]);
-                      append_raw(buffer, mesh.ground.vertices[v].y + placement.shift[1]);
-                      append_raw(buffer, mesh.column(v)[k] + placement.shift[2]);
-                    }
+                  append_points(mesh, placement, begin, end, buffer);
                 });
 }
 
