@@ -12,7 +12,7 @@
 #include "tetropolis/io/atomic_file.h"
 
 #include "chunked_output.h"
-#include "column_numbers.h"
+#include "column_output.h"
 
 namespace tetropolis {
 
@@ -100,9 +100,9 @@ std::string head(const std::vector<PatchRange>& patches, const SurfaceMesh& surf
 }
 
 /// All nodes belong to the volume, which is one block.
-void write_nodes(AtomicFile& file, const ColumnNumbers& numbers, const Placement& placement,
+void write_nodes(AtomicFile& file, const ColumnMesh& mesh, const Placement& placement,
                  const Progress& progress) {
-  const auto nodes = static_cast<std::size_t>(numbers.node_count());
+  const auto nodes = static_cast<std::size_t>(mesh.node_count());
   std::string begin_block = "$Nodes\n";
   for (const std::size_t count : {std::size_t{1}, nodes, std::size_t{1}, nodes})
     append_size(begin_block, count);
@@ -113,9 +113,9 @@ void write_nodes(AtomicFile& file, const ColumnNumbers& numbers, const Placement
     for (std::size_t n = begin; n < end; ++n) append_size(buffer, n + 1);
   });
   write_chunked(
-      file, numbers.mesh.vertex_count(), kColumns,
+      file, mesh.vertex_count(), kColumns,
       [&](std::size_t begin, std::size_t end, std::string& buffer) {
-        append_points(numbers.mesh, placement, begin, end, buffer);
+        append_points(mesh, placement, begin, end, buffer);
       },
       progress);
   file.write("\n$EndNodes\n");
@@ -130,8 +130,7 @@ std::string begin_elements(std::int32_t dimension, std::int32_t entity, std::int
 }
 
 void write_triangles(AtomicFile& file, const std::vector<PatchRange>& patches,
-                     const ColumnNumbers& numbers, const SurfaceMesh& surface) {
-  const std::vector<Node> nodes = boundary_nodes(numbers.mesh, surface);
+                     const SurfaceMesh& surface) {
   for (const PatchRange& range : patches) {
     file.write(begin_elements(2, static_cast<std::int32_t>(range.patch), kTriangleType,
                               range.end - range.begin));
@@ -140,23 +139,26 @@ void write_triangles(AtomicFile& file, const std::vector<PatchRange>& patches,
                     for (std::size_t f = range.begin + begin; f < range.begin + end; ++f) {
                       append_size(buffer, f + 1);
                       for (const std::int32_t p : surface.triangles[f])
-                        append_raw(buffer, numbers.node(nodes[static_cast<std::size_t>(p)]) + 1);
+                        append_raw(buffer, surface.node[static_cast<std::size_t>(p)] + 1);
                     }
                   });
   }
 }
 
-void write_tets(AtomicFile& file, const ColumnNumbers& numbers, std::size_t triangles,
-                const Progress& progress) {
-  file.write(begin_elements(3, kAirPhysicalGroup, kTetType,
-                            static_cast<std::size_t>(numbers.cell_count())));
+void write_tets(AtomicFile& file, const ColumnMesh& mesh, const std::vector<NodeIndex>& cells,
+                std::size_t triangles, const Progress& progress) {
+  file.write(
+      begin_elements(3, kAirPhysicalGroup, kTetType, static_cast<std::size_t>(cells.back())));
   write_chunked(
-      file, numbers.mesh.triangle_count(), kColumns,
+      file, mesh.triangle_count(), kColumns,
       [&](std::size_t begin, std::size_t end, std::string& buffer) {
-        for_each_tet(numbers, begin, end, [&](NodeIndex c, const std::array<NodeIndex, 4>& tet) {
-          append_size(buffer, triangles + static_cast<std::size_t>(c) + 1);
-          for (const NodeIndex node : tet) append_raw(buffer, node + 1);
-        });
+        for (std::size_t t = begin; t < end; ++t) {
+          std::size_t element = triangles + static_cast<std::size_t>(cells[t]);
+          for_each_tet_over(mesh, t, [&](const std::array<NodeIndex, 4>& tet) {
+            append_size(buffer, ++element);
+            for (const NodeIndex node : tet) append_raw(buffer, node + 1);
+          });
+        }
       },
       progress);
 }
@@ -165,19 +167,19 @@ void write_tets(AtomicFile& file, const ColumnNumbers& numbers, std::size_t tria
 
 void write_msh(const std::filesystem::path& path, const ColumnMesh& mesh,
                const SurfaceMesh& surface, const Placement& placement, const Progress& progress) {
-  const ColumnNumbers numbers = number_columns(mesh);
+  require_boundary_of(mesh, surface);
+  const std::vector<NodeIndex> cells = cell_offsets(mesh);
   const std::vector<PatchRange> patches = patch_ranges(surface);
-  const std::size_t elements =
-      surface.triangles.size() + static_cast<std::size_t>(numbers.cell_count());
+  const std::size_t elements = surface.triangles.size() + static_cast<std::size_t>(cells.back());
   AtomicFile file(path);
   file.write(head(patches, surface, placement));
-  write_nodes(file, numbers, placement, portion(progress, 0, 0.2));
+  write_nodes(file, mesh, placement, portion(progress, 0, 0.2));
   std::string begin = "$Elements\n";
   for (const std::size_t count : {patches.size() + 1, elements, std::size_t{1}, elements})
     append_size(begin, count);
   file.write(begin);
-  write_triangles(file, patches, numbers, surface);
-  write_tets(file, numbers, surface.triangles.size(), portion(progress, 0.2, 1));
+  write_triangles(file, patches, surface);
+  write_tets(file, mesh, cells, surface.triangles.size(), portion(progress, 0.2, 1));
   file.write("\n$EndElements\n");
   file.commit();
 }

@@ -13,7 +13,8 @@
 #include "tetropolis/io/atomic_file.h"
 
 #include "chunked_output.h"
-#include "column_numbers.h"
+#include "column_output.h"
+#include "internal_faces.h"
 
 namespace tetropolis {
 
@@ -49,50 +50,44 @@ std::string header(std::string_view format, std::string_view type, std::string_v
 void begin_list(AtomicFile& file, std::size_t size) { file.write(fmt::format("{}\n(", size)); }
 void end_list(AtomicFile& file) { file.write(")\n"); }
 
-void write_points(AtomicFile& file, const ColumnNumbers& numbers, const Placement& placement) {
+void write_points(AtomicFile& file, const ColumnMesh& mesh, const Placement& placement) {
   const std::string note =
       fmt::format("origin {} {} {}", placement.origin[0], placement.origin[1], placement.origin[2]);
   file.write(header("binary", "vectorField", "points", note));
-  begin_list(file, static_cast<std::size_t>(numbers.node_count()));
-  write_chunked(file, numbers.mesh.vertex_count(), kColumns,
+  begin_list(file, static_cast<std::size_t>(mesh.node_count()));
+  write_chunked(file, mesh.vertex_count(), kColumns,
                 [&](std::size_t begin, std::size_t end, std::string& buffer) {
-                  append_points(numbers.mesh, placement, begin, end, buffer);
+                  append_points(mesh, placement, begin, end, buffer);
                 });
   end_list(file);
 }
 
 /// Appends what append(face, buffer) does for the internal faces in their order.
 template <typename Append>
-void write_internal(AtomicFile& file, const ColumnNumbers& numbers, const Append& append,
-                    const Progress& progress) {
+void write_internal(AtomicFile& file, const ColumnMesh& mesh, const std::vector<NodeIndex>& cells,
+                    const Append& append, const Progress& progress) {
   write_chunked(
-      file, numbers.mesh.triangle_count(), kColumns,
+      file, mesh.triangle_count(), kColumns,
       [&](std::size_t begin, std::size_t end, std::string& buffer) {
-        for_each_internal_face(numbers, begin, end,
-                               [&](const InternalFace& face) { append(face, buffer); });
+        InternalFaces faces(mesh, cells);
+        for (std::size_t t = begin; t < end; ++t)
+          for (const InternalFace& face : faces.owned_over(t)) append(face, buffer);
       },
       progress);
 }
 
-/// Likewise for the boundary faces; append(nodes, buffer) gets the corners.
+/// Likewise for the boundary faces; append(f, buffer) gets their number.
 template <typename Append>
-void write_outer(AtomicFile& file, const SurfaceMesh& surface, const std::vector<Node>& nodes,
-                 const Append& append) {
+void write_outer(AtomicFile& file, const SurfaceMesh& surface, const Append& append) {
   write_chunked(file, surface.triangles.size(), kRows,
                 [&](std::size_t begin, std::size_t end, std::string& buffer) {
-                  for (std::size_t f = begin; f < end; ++f) {
-                    const auto& t = surface.triangles[f];
-                    append(std::array{nodes[static_cast<std::size_t>(t[0])],
-                                      nodes[static_cast<std::size_t>(t[1])],
-                                      nodes[static_cast<std::size_t>(t[2])]},
-                           buffer);
-                  }
+                  for (std::size_t f = begin; f < end; ++f) append(f, buffer);
                 });
 }
 
 /// A "compact" list of faces: offsets into the list of corners that follows, and that list.
-void write_faces(AtomicFile& file, const ColumnNumbers& numbers, const SurfaceMesh& surface,
-                 const std::vector<Node>& nodes, const Sizes& sizes, const Progress& progress) {
+void write_faces(AtomicFile& file, const ColumnMesh& mesh, const std::vector<NodeIndex>& cells,
+                 const SurfaceMesh& surface, const Sizes& sizes, const Progress& progress) {
   file.write(header("binary", "faceCompactList", "faces", ""));
   begin_list(file, sizes.faces() + 1);
   write_chunked(file, sizes.faces() + 1, kRows,
@@ -103,44 +98,46 @@ void write_faces(AtomicFile& file, const ColumnNumbers& numbers, const SurfaceMe
   end_list(file);
   begin_list(file, 3 * sizes.faces());
   write_internal(
-      file, numbers,
+      file, mesh, cells,
       [](const InternalFace& face, std::string& buffer) {
         for (const NodeIndex node : face.nodes) append_raw(buffer, static_cast<Label>(node));
       },
       progress);
-  write_outer(file, surface, nodes, [&](const std::array<Node, 3>& face, std::string& buffer) {
-    for (const Node& node : face) append_raw(buffer, static_cast<Label>(numbers.node(node)));
+  write_outer(file, surface, [&](std::size_t f, std::string& buffer) {
+    for (const std::int32_t p : surface.triangles[f])
+      append_raw(buffer, static_cast<Label>(surface.node[static_cast<std::size_t>(p)]));
   });
   end_list(file);
 }
 
-std::string size_note(const ColumnNumbers& numbers, const Sizes& sizes) {
-  return fmt::format("nPoints:{}  nCells:{}  nFaces:{}  nInternalFaces:{}", numbers.node_count(),
-                     numbers.cell_count(), sizes.faces(), sizes.internal);
+std::string size_note(const ColumnMesh& mesh, const std::vector<NodeIndex>& cells,
+                      const Sizes& sizes) {
+  return fmt::format("nPoints:{}  nCells:{}  nFaces:{}  nInternalFaces:{}", mesh.node_count(),
+                     cells.back(), sizes.faces(), sizes.internal);
 }
 
-void write_owner(AtomicFile& file, const ColumnNumbers& numbers, const SurfaceMesh& surface,
-                 const std::vector<Node>& nodes, const Sizes& sizes, const Progress& progress) {
-  file.write(header("binary", "labelList", "owner", size_note(numbers, sizes)));
+void write_owner(AtomicFile& file, const ColumnMesh& mesh, const std::vector<NodeIndex>& cells,
+                 const SurfaceMesh& surface, const Sizes& sizes, const Progress& progress) {
+  file.write(header("binary", "labelList", "owner", size_note(mesh, cells, sizes)));
   begin_list(file, sizes.faces());
   write_internal(
-      file, numbers,
+      file, mesh, cells,
       [](const InternalFace& face, std::string& buffer) {
         append_raw(buffer, static_cast<Label>(face.owner));
       },
       progress);
-  write_outer(file, surface, nodes, [&](const std::array<Node, 3>& face, std::string& buffer) {
-    append_raw(buffer, static_cast<Label>(cell_behind(numbers, face)));
+  write_outer(file, surface, [&](std::size_t f, std::string& buffer) {
+    append_raw(buffer, static_cast<Label>(surface.cell[f]));
   });
   end_list(file);
 }
 
-void write_neighbour(AtomicFile& file, const ColumnNumbers& numbers, const Sizes& sizes,
-                     const Progress& progress) {
-  file.write(header("binary", "labelList", "neighbour", size_note(numbers, sizes)));
+void write_neighbour(AtomicFile& file, const ColumnMesh& mesh, const std::vector<NodeIndex>& cells,
+                     const Sizes& sizes, const Progress& progress) {
+  file.write(header("binary", "labelList", "neighbour", size_note(mesh, cells, sizes)));
   begin_list(file, sizes.internal);
   write_internal(
-      file, numbers,
+      file, mesh, cells,
       [](const InternalFace& face, std::string& buffer) {
         append_raw(buffer, static_cast<Label>(face.neighbour));
       },
@@ -167,16 +164,16 @@ void write_patches(AtomicFile& file, const SurfaceMesh& surface, const Sizes& si
   file.write(text + ")\n");
 }
 
-Sizes count_faces(const std::filesystem::path& folder, const ColumnNumbers& numbers,
+Sizes count_faces(const std::filesystem::path& folder, NodeIndex cells,
                   const SurfaceMesh& surface) {
   const std::size_t boundary = surface.triangles.size();
-  const std::size_t sides = 4 * static_cast<std::size_t>(numbers.cell_count());
+  const std::size_t sides = 4 * static_cast<std::size_t>(cells);
   const Sizes sizes{(sides - boundary) / 2, boundary};
   if (3 * sizes.faces() > static_cast<std::size_t>(std::numeric_limits<Label>::max()))
     throw Error(ErrorKind::kInput,
                 fmt::format("{}: {} cells are too many for OpenFOAM's 32-bit labels; use a larger "
                             "mesh size or another format",
-                            folder.string(), numbers.cell_count()));
+                            folder.string(), cells));
   return sizes;
 }
 
@@ -185,9 +182,9 @@ Sizes count_faces(const std::filesystem::path& folder, const ColumnNumbers& numb
 void write_openfoam(const std::filesystem::path& folder, const ColumnMesh& mesh,
                     const SurfaceMesh& surface, const Placement& placement,
                     const Progress& progress) {
-  const ColumnNumbers numbers = number_columns(mesh);
-  const Sizes sizes = count_faces(folder, numbers, surface);
-  const std::vector<Node> nodes = boundary_nodes(mesh, surface);
+  require_boundary_of(mesh, surface);
+  const std::vector<NodeIndex> cells = cell_offsets(mesh);
+  const Sizes sizes = count_faces(folder, cells.back(), surface);
   std::error_code error;
   std::filesystem::create_directories(folder, error);
   if (error) throw_cannot_write(folder, error.message());
@@ -197,10 +194,10 @@ void write_openfoam(const std::filesystem::path& folder, const ColumnMesh& mesh,
   AtomicFile owner(folder / "owner");
   AtomicFile neighbour(folder / "neighbour");
   AtomicFile boundary(folder / "boundary");
-  write_points(points, numbers, placement);
-  write_faces(faces, numbers, surface, nodes, sizes, portion(progress, 0.1, 0.5));
-  write_owner(owner, numbers, surface, nodes, sizes, portion(progress, 0.5, 0.75));
-  write_neighbour(neighbour, numbers, sizes, portion(progress, 0.75, 1));
+  write_points(points, mesh, placement);
+  write_faces(faces, mesh, cells, surface, sizes, portion(progress, 0.1, 0.5));
+  write_owner(owner, mesh, cells, surface, sizes, portion(progress, 0.5, 0.75));
+  write_neighbour(neighbour, mesh, cells, sizes, portion(progress, 0.75, 1));
   write_patches(boundary, surface, sizes);
   for (AtomicFile* file : {&points, &faces, &owner, &neighbour, &boundary}) file->commit();
 }

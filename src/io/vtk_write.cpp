@@ -10,7 +10,7 @@
 #include "tetropolis/io/vtk.h"
 
 #include "chunked_output.h"
-#include "column_numbers.h"
+#include "column_output.h"
 
 namespace tetropolis {
 
@@ -71,21 +71,18 @@ void write_points(AtomicFile& file, const ColumnMesh& mesh, const Placement& pla
 }
 
 template <typename Integer>
-void write_cells(AtomicFile& file, const ColumnMesh& mesh, const std::vector<NodeIndex>& offsets,
+void write_cells(AtomicFile& file, const ColumnMesh& mesh, std::uint64_t cells,
                  const Progress& progress) {
-  const auto cells = static_cast<std::uint64_t>(cell_count(mesh));
-  const auto number = [&](const Node& node) {
-    const auto v = static_cast<std::size_t>(node.vertex);
-    return static_cast<Integer>(offsets[v] + node.layer - mesh.first_node[v]);
-  };
   begin_array(file, cells * 4 * sizeof(Integer));
   write_chunked(
       file, mesh.triangle_count(), kGrain,
       [&](std::size_t begin, std::size_t end, std::string& buffer) {
         for (std::size_t t = begin; t < end; ++t)
-          for (std::int32_t k = mesh.first_layer[t]; k < mesh.layers; ++k)
-            for (const auto& tet : prism_tets(mesh, static_cast<TriangleIndex>(t), k))
-              for (const Node& node : tet) append_raw(buffer, number(node));
+          for_each_tet_over(mesh, t, [&](const std::array<NodeIndex, 4>& tet) {
+            std::array<Integer, 4> row{};
+            for (std::size_t i = 0; i < 4; ++i) row[i] = static_cast<Integer>(tet[i]);
+            append_raw(buffer, row);
+          });
       },
       progress);
   begin_array(file, cells * sizeof(Integer));
@@ -101,12 +98,12 @@ void write_cells(AtomicFile& file, const ColumnMesh& mesh, const std::vector<Nod
                 });
 }
 
-void write_regions(AtomicFile& file, const ColumnMesh& mesh, std::uint64_t bytes) {
-  begin_array(file, bytes);
+void write_regions(AtomicFile& file, const ColumnMesh& mesh, const std::vector<NodeIndex>& cells) {
+  begin_array(file, static_cast<std::uint64_t>(cells.back()) * sizeof(std::int32_t));
   write_chunked(file, mesh.triangle_count(), kGrain,
                 [&](std::size_t begin, std::size_t end, std::string& buffer) {
                   for (std::size_t t = begin; t < end; ++t)
-                    for (std::int32_t c = 0; c < 3 * (mesh.layers - mesh.first_layer[t]); ++c)
+                    for (NodeIndex c = cells[t]; c < cells[t + 1]; ++c)
                       append_raw(buffer, static_cast<std::int32_t>(mesh.ground.region[t]));
                 });
 }
@@ -115,9 +112,9 @@ void write_regions(AtomicFile& file, const ColumnMesh& mesh, std::uint64_t bytes
 
 void write_vtu(const std::filesystem::path& path, const ColumnMesh& mesh,
                const Placement& placement, const Progress& progress) {
-  const std::vector<NodeIndex> offsets = node_offsets(mesh);
-  const auto nodes = static_cast<std::uint64_t>(offsets.back());
-  const auto cells = static_cast<std::uint64_t>(cell_count(mesh));
+  const std::vector<NodeIndex> offsets = cell_offsets(mesh);
+  const auto nodes = static_cast<std::uint64_t>(mesh.node_count());
+  const auto cells = static_cast<std::uint64_t>(offsets.back());
   const bool small = cells * 4 < std::numeric_limits<std::int32_t>::max();
   const std::string_view integer = small ? "Int32" : "Int64";
   const std::uint64_t width = small ? 4 : 8;
@@ -138,10 +135,10 @@ void write_vtu(const std::filesystem::path& path, const ColumnMesh& mesh,
   file.write(head);
   write_points(file, mesh, placement, points.bytes);
   if (small)
-    write_cells<std::int32_t>(file, mesh, offsets, progress);
+    write_cells<std::int32_t>(file, mesh, cells, progress);
   else
-    write_cells<std::int64_t>(file, mesh, offsets, progress);
-  write_regions(file, mesh, regions.bytes);
+    write_cells<std::int64_t>(file, mesh, cells, progress);
+  write_regions(file, mesh, offsets);
   file.write(kFileTail);
   file.commit();
 }

@@ -13,7 +13,7 @@
 #include "tetropolis/io/atomic_file.h"
 
 #include "chunked_output.h"
-#include "column_numbers.h"
+#include "column_output.h"
 #include "hdf5_output.h"
 
 namespace tetropolis {
@@ -33,9 +33,10 @@ constexpr const char* kFaces = "/MeshTags/boundary/topology";
 constexpr const char* kPatch = "/MeshTags/boundary/patch";
 constexpr const char* kBuilding = "/MeshTags/boundary/building";
 
-std::array<Hdf5Dataset, 6> datasets_of(const ColumnNumbers& numbers, const SurfaceMesh& surface) {
-  const auto nodes = static_cast<std::uint64_t>(numbers.node_count());
-  const auto cells = static_cast<std::uint64_t>(numbers.cell_count());
+std::array<Hdf5Dataset, 6> datasets_of(const ColumnMesh& mesh, NodeIndex cell_count,
+                                       const SurfaceMesh& surface) {
+  const auto nodes = static_cast<std::uint64_t>(mesh.node_count());
+  const auto cells = static_cast<std::uint64_t>(cell_count);
   const std::uint64_t faces = surface.triangles.size();
   return {{{kGeometry, Hdf5Type::kFloat64, nodes, 3},
            {kTopology, Hdf5Type::kInt64, cells, 4},
@@ -46,9 +47,8 @@ std::array<Hdf5Dataset, 6> datasets_of(const ColumnNumbers& numbers, const Surfa
 }
 
 /// The first three datasets.
-void write_volume(Hdf5Output& file, const ColumnNumbers& numbers, const Placement& placement,
-                  const Progress& progress) {
-  const ColumnMesh& mesh = numbers.mesh;
+void write_volume(Hdf5Output& file, const ColumnMesh& mesh, const std::vector<NodeIndex>& cells,
+                  const Placement& placement, const Progress& progress) {
   file.write_next(
       mesh.vertex_count(), kColumns,
       [&](std::size_t begin, std::size_t end, std::string& buffer) {
@@ -58,22 +58,21 @@ void write_volume(Hdf5Output& file, const ColumnNumbers& numbers, const Placemen
   file.write_next(
       mesh.triangle_count(), kColumns,
       [&](std::size_t begin, std::size_t end, std::string& buffer) {
-        for_each_tet(numbers, begin, end, [&](NodeIndex, const std::array<NodeIndex, 4>& tet) {
-          for (const NodeIndex node : tet) append_raw(buffer, node);
-        });
+        for (std::size_t t = begin; t < end; ++t)
+          for_each_tet_over(mesh, t,
+                            [&](const std::array<NodeIndex, 4>& tet) { append_raw(buffer, tet); });
       },
       portion(progress, 0.2, 0.9));
   file.write_next(mesh.triangle_count(), kColumns,
                   [&](std::size_t begin, std::size_t end, std::string& buffer) {
                     for (std::size_t t = begin; t < end; ++t)
-                      for (NodeIndex c = numbers.cells[t]; c < numbers.cells[t + 1]; ++c)
+                      for (NodeIndex c = cells[t]; c < cells[t + 1]; ++c)
                         append_raw(buffer, mesh.ground.region[t]);
                   });
 }
 
 /// The last three.
-void write_boundary(Hdf5Output& file, const ColumnNumbers& numbers, const SurfaceMesh& surface) {
-  const std::vector<Node> nodes = boundary_nodes(numbers.mesh, surface);
+void write_boundary(Hdf5Output& file, const SurfaceMesh& surface) {
   const auto write_rows = [&](const auto& append) {
     file.write_next(surface.triangles.size(), kRows,
                     [&](std::size_t begin, std::size_t end, std::string& buffer) {
@@ -82,7 +81,7 @@ void write_boundary(Hdf5Output& file, const ColumnNumbers& numbers, const Surfac
   };
   write_rows([&](std::size_t f, std::string& buffer) {
     for (const std::int32_t p : surface.triangles[f])
-      append_raw(buffer, numbers.node(nodes[static_cast<std::size_t>(p)]));
+      append_raw(buffer, surface.node[static_cast<std::size_t>(p)]);
   });
   write_rows([&](std::size_t f, std::string& buffer) {
     append_raw(buffer, static_cast<std::int32_t>(surface.patch[f]));
@@ -115,9 +114,9 @@ std::string attribute(std::string_view name, NodeIndex elements, const std::stri
 }
 
 /// DOLFINx finds grids by name and takes a grid's first attribute unless told its name.
-std::string description(const ColumnNumbers& numbers, NodeIndex faces, const Placement& placement,
-                        const std::string& file) {
-  const std::string points = fmt::format("{} 3", numbers.node_count());
+std::string description(NodeIndex nodes, NodeIndex cells, NodeIndex faces,
+                        const Placement& placement, const std::string& file) {
+  const std::string points = fmt::format("{} 3", nodes);
   const std::string geometry = fmt::format("<Geometry GeometryType=\"XYZ\">\n{}\n</Geometry>\n",
                                            data_item("Float", 8, points, file, kGeometry));
   std::string text =
@@ -126,8 +125,8 @@ std::string description(const ColumnNumbers& numbers, NodeIndex faces, const Pla
   text += fmt::format("<Information Name=\"origin\" Value=\"{} {} {}\"/>\n", placement.origin[0],
                       placement.origin[1], placement.origin[2]);
   text += "<Grid Name=\"mesh\" GridType=\"Uniform\">\n";
-  text += topology("Tetrahedron", numbers.cell_count(), 4, file, kTopology) + geometry;
-  text += attribute("region", numbers.cell_count(), file, kRegion) + "</Grid>\n";
+  text += topology("Tetrahedron", cells, 4, file, kTopology) + geometry;
+  text += attribute("region", cells, file, kRegion) + "</Grid>\n";
   text += "<Grid Name=\"boundary\" GridType=\"Uniform\">\n";
   text += topology("Triangle", faces, 3, file, kFaces) + geometry;
   text += attribute("patch", faces, file, kPatch);
@@ -143,12 +142,14 @@ void write_xdmf(const std::filesystem::path& path, const ColumnMesh& mesh,
   const std::filesystem::path data_path = std::filesystem::path(path).replace_extension(".h5");
   if (data_path == path)
     throw_cannot_write(path, "its data need the name with .h5, so it must end in .xdmf");
-  const ColumnNumbers numbers = number_columns(mesh);
-  Hdf5Output data(data_path, datasets_of(numbers, surface));
-  write_volume(data, numbers, placement, progress);
-  write_boundary(data, numbers, surface);
+  require_boundary_of(mesh, surface);
+  const std::vector<NodeIndex> cells = cell_offsets(mesh);
+  Hdf5Output data(data_path, datasets_of(mesh, cells.back(), surface));
+  write_volume(data, mesh, cells, placement, progress);
+  write_boundary(data, surface);
   AtomicFile file(path);
-  file.write(description(numbers, static_cast<NodeIndex>(surface.triangles.size()), placement,
+  file.write(description(mesh.node_count(), cells.back(),
+                         static_cast<NodeIndex>(surface.triangles.size()), placement,
                          data_path.filename().string()));
   data.commit();
   file.commit();

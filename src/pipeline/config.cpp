@@ -102,14 +102,17 @@ std::vector<ConfigField> make_fields() {
        "Mesh",
        &C::layering,
        kMeshing,
-       "Height of the layers: the mesh size, or what gives the best cells next to fine details "
-       "(three to four times as many)",
+       "Nodes of a column as far apart as the triangles around it are wide, or in layers of the "
+       "same "
+       "height everywhere, moved by two Laplace problems",
        "",
        -kInf,
        kInf,
-       {"mesh_size", "quality"}},
+       {"graded", "uniform"}},
       {"layer_height", "Mesh", &C::layer_height, kMeshing,
-       "Mean height of the layers, whatever the layering; 0: by the layering", "m", 0},
+       "Mean height of uniform layers, 0: the mesh size; greatest spacing in graded columns, 0: "
+       "free",
+       "m", 0},
       {"top",
        "Mesh",
        &C::top,
@@ -122,12 +125,12 @@ std::vector<ConfigField> make_fields() {
       {"min_wall_height", "Mesh", &C::min_wall_height, kMeshing,
        "Where terrain rises above a roof less this, the ground at the wall is lowered", "m", 0.01},
       {"min_gap_share", "Mesh", &C::min_gap_share, kMeshing,
-       "Least height of a cell's vertical edge, as a share of the even spacing there", "", 0.001,
-       0.9},
+       "Uniform layering: least height of a cell's vertical edge, as a share of the even spacing",
+       "", 0.001, 0.9},
       {"solver_tolerance", "Mesh", &C::solver_tolerance, kMeshing,
-       "Relative residual at which the smoothing stops", "", 1e-6, 0.5},
+       "Uniform layering, free top: relative residual at which the smoothing stops", "", 1e-6, 0.5},
       {"solver_iterations", "Mesh", &C::solver_iterations, kMeshing,
-       "Most iterations of one smoothing", "", 1, 100000},
+       "Uniform layering, free top: most iterations of one smoothing", "", 1, 100000},
 
       {"kind",
        "Synthetic city",

@@ -19,11 +19,12 @@
 #include "tetropolis/io/vtk.h"
 #include "tetropolis/io/xdmf.h"
 #include "tetropolis/volume/boundary.h"
+#include "tetropolis/volume/fill_columns.h"
 #include "tetropolis/volume/ground_heights.h"
 #include "tetropolis/volume/quality.h"
 #include "tetropolis/volume/smooth.h"
 
-#include "io/column_numbers.h"
+#include "io/column_output.h"
 #include "stages.h"
 
 namespace tetropolis {
@@ -89,7 +90,6 @@ void keep_solver(const std::string& step, const SmoothReport& smooth, Report& re
   report.solver.push_back(
       {step, solver.unknowns, solver.iterations, solver.relative_residual, solver.converged});
   report.volume_mesh->moved_by_guard += smooth.guard.moved;
-  report.volume_mesh->min_vertical_gap = smooth.guard.min_gap;
   if (!solver.converged)
     report.warnings.push_back(
         {"solver_not_converged", 1,
@@ -98,40 +98,43 @@ void keep_solver(const std::string& step, const SmoothReport& smooth, Report& re
              step, solver.relative_residual, solver.iterations)});
 }
 
-double layer_height(const Config& config, const GroundMesh& ground) {
-  if (config.layer_height > 0) return config.layer_height;
-  return config.layering == "quality" ? suggest_layer_height(ground, config.mesh_size)
-                                      : config.mesh_size;
-}
-
-/// Steps 3.2 to 3.5.
-ColumnMesh make_columns_of_city(const Config& config, const CityModel& city, const Raster& dtm,
-                                GroundMesh ground, StepClock& clock, Report& report) {
+/// What steps 3.2 to 3.5 work from.
+struct ColumnInput {
   std::vector<double> roofs;
-  for (const Building& building : city.buildings) roofs.push_back(building.h_roof);
   std::vector<BuildingIndex> owner;
   GroundHeights heights;
-  VolumeMeshReport& volume = report.volume_mesh.emplace();
-  ColumnMesh mesh = clock.run("3.2", "layers", [&](const Progress&) {
-    owner = vertex_buildings(ground);
-    heights = ground_heights(ground, owner, roofs, dtm, config.min_wall_height);
-    const double highest = *std::max_element(dtm.values.begin(), dtm.values.end());
-    const LayerPlan plan =
-        plan_layers(heights.z, roofs, highest, config.domain_height, layer_height(config, ground));
-    require_columns_fit(ground, plan, highest);
-    if (plan.raised)
-      report.warnings.push_back(
-          {"domain_raised", 1,
-           fmt::format("the top was raised to {:.1f} m to clear the highest roof", plan.top)});
-    volume.layers = plan.layers;
-    volume.top = plan.top;
-    volume.ground_lowered = heights.lowered;
-    return make_columns(std::move(ground), plan.layers, plan.bottom, plan.top);
-  });
-  if (heights.lowered > 0)
-    report.warnings.push_back({"ground_lowered", heights.lowered,
-                               "ground vertices at walls were lowered to stay below their roof"});
+  LayerPlan plan;
+};
 
+void plan_height(const Config& config, const GroundMesh& ground, const Raster& dtm,
+                 ColumnInput& input, Report& report) {
+  input.owner = vertex_buildings(ground);
+  input.heights = ground_heights(ground, input.owner, input.roofs, dtm, config.min_wall_height);
+  const double highest = *std::max_element(dtm.values.begin(), dtm.values.end());
+  const bool uniform = config.layering == "uniform" && config.layer_height > 0;
+  input.plan = plan_layers(input.heights.z, input.roofs, highest, config.domain_height,
+                           uniform ? config.layer_height : config.mesh_size);
+  require_columns_fit(ground, input.plan, highest);
+  VolumeMeshReport& volume = *report.volume_mesh;
+  volume.layers = input.plan.layers;
+  volume.top = input.plan.top;
+  volume.ground_lowered = input.heights.lowered;
+  if (input.plan.raised)
+    report.warnings.push_back(
+        {"domain_raised", 1,
+         fmt::format("the top was raised to {:.1f} m to clear the highest roof", input.plan.top)});
+  if (input.heights.lowered > 0)
+    report.warnings.push_back({"ground_lowered", input.heights.lowered,
+                               "ground vertices at walls were lowered to stay below their roof"});
+}
+
+/// Steps 3.2 to 3.5 as in the paper.
+LayeredMesh make_layers_of_city(const Config& config, const Raster& dtm, GroundMesh ground,
+                                ColumnInput& input, StepClock& clock, Report& report) {
+  LayeredMesh mesh = clock.run("3.2", "layers", [&](const Progress&) {
+    plan_height(config, ground, dtm, input, report);
+    return make_layers(std::move(ground), input.plan.layers, input.plan.bottom, input.plan.top);
+  });
   SmoothOptions options;
   options.laplace.tolerance = config.solver_tolerance;
   options.laplace.max_iterations = config.solver_iterations;
@@ -139,21 +142,86 @@ ColumnMesh make_columns_of_city(const Config& config, const CityModel& city, con
   options.gap_share = config.min_gap_share;
   const SmoothReport to_ground =
       clock.run("3.3", "smooth to ground", [&](const Progress& progress) {
-        return smooth_to_ground(mesh, heights.z, options, progress);
+        return smooth_to_ground(mesh, input.heights.z, options, progress);
       });
   keep_solver("3.3", to_ground, report);
-  clock.run("3.4", "trim buildings", [&](const Progress&) { trim(mesh, owner, roofs); });
+  clock.run("3.4", "trim buildings",
+            [&](const Progress&) { trim(mesh, input.owner, input.roofs); });
   const SmoothReport to_roofs = clock.run("3.5", "smooth to roofs", [&](const Progress& progress) {
-    return smooth_to_roofs(mesh, owner, roofs, options, progress);
+    return smooth_to_roofs(mesh, input.owner, input.roofs, options, progress);
   });
   keep_solver("3.5", to_roofs, report);
   return mesh;
 }
 
+/// Columns spaced by the triangles around them. Their heights follow from ground, roofs and top
+/// directly, so steps 3.3 and 3.5 have nothing to solve.
+ColumnMesh grade_columns(const Config& config, const Raster& dtm, GroundMesh ground,
+                         ColumnInput& input, StepClock& clock, Report& report) {
+  const std::vector<double> spacing = clock.run("3.2", "spacing of columns", [&](const Progress&) {
+    std::vector<double> result = column_spacing(ground);
+    if (config.layer_height > 0)
+      for (double& s : result) s = std::min(s, config.layer_height);
+    return result;
+  });
+  std::vector<double> top;
+  clock.run("3.3", "ground and top", [&](const Progress&) {
+    plan_height(config, ground, dtm, input, report);
+    top.assign(ground.vertices.size(), input.plan.top);
+  });
+  const ColumnEnds ends{input.heights.z, input.owner, input.roofs, top};
+  ColumnMesh mesh = clock.run("3.4", "divide columns, trim buildings", [&](const Progress&) {
+    EdgeGraph edges = build_edge_graph(ground);
+    return divide_columns(std::move(ground), std::move(edges), ends, spacing);
+  });
+  clock.run("3.5", "place nodes", [&](const Progress&) { place_nodes(mesh, ends); });
+  for (const char* step : {"3.3", "3.5"}) report.solver.push_back({step, 0, 0, 0.0, true});
+  return mesh;
+}
+
+/// As grade_columns, up to the top that the Laplace problems of the uniform layers give.
+ColumnMesh grade_below_free_top(LayeredMesh&& layered, const Config& config,
+                                const ColumnInput& input) {
+  std::vector<double> spacing = column_spacing(layered.ground);
+  if (config.layer_height > 0)
+    for (double& s : spacing) s = std::min(s, config.layer_height);
+  std::vector<double> top(layered.vertex_count());
+  for (std::size_t v = 0; v < top.size(); ++v) top[v] = layered.column(v)[layered.layers];
+  const ColumnEnds ends{input.heights.z, input.owner, input.roofs, top};
+  ColumnMesh mesh =
+      divide_columns(std::move(layered.ground), std::move(layered.edges), ends, spacing);
+  place_nodes(mesh, ends);
+  return mesh;
+}
+
+/// Steps 3.2 to 3.5.
+ColumnMesh make_columns_of_city(const Config& config, const CityModel& city, const Raster& dtm,
+                                GroundMesh ground, StepClock& clock, Report& report) {
+  ColumnInput input;
+  for (const Building& building : city.buildings) input.roofs.push_back(building.h_roof);
+  report.volume_mesh.emplace();
+  ColumnMesh mesh;
+  if (config.layering == "graded" && config.top == "flat") {
+    mesh = grade_columns(config, dtm, std::move(ground), input, clock, report);
+  } else {
+    LayeredMesh layered = make_layers_of_city(config, dtm, std::move(ground), input, clock, report);
+    mesh = config.layering == "graded" ? grade_below_free_top(std::move(layered), config, input)
+                                       : columns_of_layers(std::move(layered));
+  }
+  report.volume_mesh->min_vertical_gap = require_valid(mesh);
+  return mesh;
+}
+
+/// Cells the report lists.
+constexpr std::size_t kWorstCells = 10;
+
 void measure(const ColumnMesh& mesh, VolumeMeshReport& volume) {
-  const QualityHistogram quality = measure_quality(mesh);
-  volume.vertices = node_offsets(mesh).back();
-  volume.cells = cell_count(mesh);
+  CellQuality cells = measure_quality(mesh, kWorstCells);
+  const QualityHistogram& quality = cells.histogram;
+  volume.worst = std::move(cells.worst);
+  volume.faces = measure_faces(mesh);
+  volume.vertices = mesh.node_count();
+  volume.cells = quality.cells();
   volume.volume = quality.volume();
   volume.inverted = quality.inverted();
   volume.dihedral_min = quality.min_dihedral_deg();

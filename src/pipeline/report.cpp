@@ -46,7 +46,19 @@ Json city_json(const CityReport& city) {
           {"dropped", dropped}};
 }
 
-Json volume_json(const VolumeMeshReport& mesh) {
+/// Places are in the coordinates of the CRS, to look up in a map.
+Json worst_json(const std::vector<WorstCell>& worst, Point2 origin) {
+  Json cells = Json::array();
+  for (const WorstCell& cell : worst)
+    cells.push_back(
+        {{"position", {cell.centre[0] + origin.x, cell.centre[1] + origin.y, cell.centre[2]}},
+         {"min_dihedral_deg", cell.min_dihedral_deg},
+         {"max_dihedral_deg", cell.max_dihedral_deg},
+         {"cause", cell.cause}});
+  return cells;
+}
+
+Json volume_json(const VolumeMeshReport& mesh, Point2 origin) {
   return {{"vertices", mesh.vertices},
           {"cells", mesh.cells},
           {"layers", mesh.layers},
@@ -64,7 +76,11 @@ Json volume_json(const VolumeMeshReport& mesh) {
             {"median", mesh.dihedral_median},
             {"max", mesh.dihedral_max}}},
           {"aspect_ratio",
-           {{"median", mesh.aspect_median}, {"p99", mesh.aspect_p99}, {"max", mesh.aspect_max}}}};
+           {{"median", mesh.aspect_median}, {"p99", mesh.aspect_p99}, {"max", mesh.aspect_max}}},
+          {"non_orthogonality_deg", {{"max", mesh.faces.worst.non_orthogonality_deg}}},
+          {"faces_above_70_deg", mesh.faces.above_70},
+          {"skewness", {{"max", mesh.faces.worst.skewness}}},
+          {"worst_cells", worst_json(mesh.worst, origin)}};
 }
 
 Json surface_json(const SurfaceMeshReport& surface) {
@@ -103,7 +119,7 @@ std::string to_json(const Report& report) {
                            {"triangles", report.ground_mesh->triangles},
                            {"min_angle_deg", report.ground_mesh->min_angle_deg},
                            {"small_input_angles", report.ground_mesh->small_input_angles}};
-  if (report.volume_mesh) json["volume_mesh"] = volume_json(*report.volume_mesh);
+  if (report.volume_mesh) json["volume_mesh"] = volume_json(*report.volume_mesh, report.origin);
   if (report.surface_mesh) json["surface_mesh"] = surface_json(*report.surface_mesh);
   json["solver"] = Json::array();
   for (const SolverStepReport& solve : report.solver)

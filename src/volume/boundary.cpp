@@ -14,27 +14,29 @@ constexpr std::array<std::string_view, kPatchCount> kNames = {"ground", "roof", 
                                                               "xmin",   "xmax", "ymin", "ymax"};
 
 struct Face {
-  std::array<Node, 3> nodes;
+  std::array<NodeIndex, 3> nodes;
+  NodeIndex cell;
   BuildingIndex building;
 };
 
 /// Collects faces, one list a patch.
 struct FaceLists {
   std::array<std::vector<Face>, kPatchCount> lists;
-  void add(Patch patch, const std::array<Node, 3>& nodes, BuildingIndex building) {
-    lists[static_cast<std::size_t>(patch) - 1].push_back({nodes, building});
+  void add(Patch patch, const Face& face) {
+    lists[static_cast<std::size_t>(patch) - 1].push_back(face);
   }
 };
 
-void add_floor_and_top(const ColumnMesh& mesh, FaceLists& faces) {
+void add_floor_and_top(const ColumnMesh& mesh, const std::vector<NodeIndex>& cells,
+                       FaceLists& faces) {
   for (std::size_t t = 0; t < mesh.triangle_count(); ++t) {
     const auto& v = mesh.ground.triangles[t];
-    const std::int32_t first = mesh.first_layer[t];
     const BuildingIndex building = mesh.ground.region[t];
-    faces.add(building == kNoBuilding ? Patch::kGround : Patch::kRoof,
-              {Node{v[0], first}, Node{v[2], first}, Node{v[1], first}}, building);
-    const std::int32_t top = mesh.layers;
-    faces.add(Patch::kTop, {Node{v[0], top}, Node{v[1], top}, Node{v[2], top}}, kNoBuilding);
+    faces.add(
+        building == kNoBuilding ? Patch::kGround : Patch::kRoof,
+        {{mesh.floor(t, v[0]), mesh.floor(t, v[2]), mesh.floor(t, v[1])}, cells[t], building});
+    faces.add(Patch::kTop,
+              {{mesh.top(v[0]), mesh.top(v[1]), mesh.top(v[2])}, cells[t + 1] - 1, kNoBuilding});
   }
 }
 
@@ -51,79 +53,87 @@ Patch side_of_domain(const ColumnMesh& mesh, const Bounds2& domain, std::size_t 
                                          " is not on a side of the domain");
 }
 
-/// Whether the triangle runs along a-b from a to b, that is, lies to the left of it.
-bool runs_along(const std::array<VertexIndex, 3>& triangle, VertexIndex a, VertexIndex b) {
-  for (std::size_t i = 0; i < 3; ++i)
-    if (triangle[i] == a) return triangle[(i + 1) % 3] == b;
-  return false;
-}
+/// What the faces over an edge are tagged with.
+struct Side {
+  Patch patch;
+  BuildingIndex building;
+};
 
-/// Faces of the cells over `triangle` on the vertical sides over edge e, in layers [first, last).
-void add_side(const ColumnMesh& mesh, std::size_t e, TriangleIndex triangle, std::int32_t first,
-              std::int32_t last, Patch patch, BuildingIndex building, FaceLists& faces) {
+/// Faces of the cells over triangle t on the vertical side over edge e: up to the roof if there is
+/// a building on the other side, else up to the top.
+void add_side(const ColumnMesh& mesh, NodeIndex first_cell, std::size_t t, std::size_t e,
+              const Side& side, FaceLists& faces) {
+  const auto& corners = mesh.ground.triangles[t];
   const auto [a, b] = mesh.edges.vertices[e];
-  const bool left = runs_along(mesh.ground.triangles[static_cast<std::size_t>(triangle)], a, b);
-  for (std::int32_t k = first; k < last; ++k) {
-    // The side's diagonal rises from the lower to the higher vertex.
-    const Node a0{a, k}, b0{b, k}, a1{a, k + 1}, b1{b, k + 1};
-    if (left) {
-      faces.add(patch, {a0, b0, b1}, building);
-      faces.add(patch, {a0, b1, a1}, building);
-    } else {
-      faces.add(patch, {a0, b1, b0}, building);
-      faces.add(patch, {a0, a1, b1}, building);
-    }
+  // The edge from corner i to the next one, in the direction that has the triangle on its left.
+  std::size_t i = 0;
+  while (std::min(corners[i], corners[(i + 1) % 3]) != a ||
+         std::max(corners[i], corners[(i + 1) % 3]) != b)
+    ++i;
+  const std::size_t j = (i + 1) % 3;
+  const auto end_of = [&](VertexIndex v) {
+    const auto at = static_cast<std::size_t>(v);
+    return side.building == kNoBuilding ? mesh.top(v) : mesh.first[at] + mesh.roof[at];
+  };
+  const NodeIndex end_i = end_of(corners[i]), end_j = end_of(corners[j]);
+  NodeIndex cell = first_cell;
+  Climb<3> front = climb_triangle(mesh, t);
+  while (front.at(i) < end_i || front.at(j) < end_j) {
+    const std::size_t c = front.next();
+    if (c == i || c == j)
+      faces.add(side.patch, {{front.at(i), front.at(j), front.at(c) + 1}, cell, side.building});
+    front.advance(c);
+    ++cell;
   }
 }
 
-void add_sides(const ColumnMesh& mesh, const Bounds2& domain, FaceLists& faces) {
+void add_sides(const ColumnMesh& mesh, const std::vector<NodeIndex>& cells, const Bounds2& domain,
+               FaceLists& faces) {
   for (std::size_t e = 0; e < mesh.edges.size(); ++e) {
-    const auto [t0, t1] = mesh.edges.triangles[e];
-    const std::int32_t first0 = mesh.first_layer[static_cast<std::size_t>(t0)];
-    if (t1 == kNoTriangle) {
-      add_side(mesh, e, t0, first0, mesh.layers, side_of_domain(mesh, domain, e), kNoBuilding,
-               faces);
+    const auto [first, second] = mesh.edges.triangles[e];
+    const auto t0 = static_cast<std::size_t>(first), t1 = static_cast<std::size_t>(second);
+    if (second == kNoTriangle) {
+      add_side(mesh, cells[t0], t0, e, {side_of_domain(mesh, domain, e), kNoBuilding}, faces);
       continue;
     }
-    const std::int32_t first1 = mesh.first_layer[static_cast<std::size_t>(t1)];
-    if (first0 == first1) continue;
-    const TriangleIndex air = first0 < first1 ? t0 : t1;
-    const TriangleIndex inside = first0 < first1 ? t1 : t0;
-    add_side(mesh, e, air, std::min(first0, first1), std::max(first0, first1), Patch::kWall,
-             mesh.ground.region[static_cast<std::size_t>(inside)], faces);
+    if (mesh.inside_building(t0) == mesh.inside_building(t1)) continue;
+    const std::size_t air = mesh.inside_building(t0) ? t1 : t0;
+    const std::size_t inside = mesh.inside_building(t0) ? t0 : t1;
+    add_side(mesh, cells[air], air, e, {Patch::kWall, mesh.ground.region[inside]}, faces);
   }
 }
 
 /// Numbers the boundary's nodes in column order.
 SurfaceMesh number_faces(const ColumnMesh& mesh, const FaceLists& faces) {
-  const std::size_t n = mesh.stride();
   constexpr std::int32_t unused = -1;
-  std::vector<std::int32_t> number(mesh.vertex_count() * n, unused);
-  const auto slot = [&](const Node& node) {
-    return static_cast<std::size_t>(node.vertex) * n + static_cast<std::size_t>(node.layer);
-  };
+  std::vector<std::int32_t> number(static_cast<std::size_t>(mesh.node_count()), unused);
   std::size_t count = 0;
   for (const auto& list : faces.lists) {
     count += list.size();
     for (const Face& face : list)
-      for (const Node& node : face.nodes) number[slot(node)] = 0;
+      for (const NodeIndex node : face.nodes) number[static_cast<std::size_t>(node)] = 0;
   }
   SurfaceMesh surface;
-  for (std::size_t i = 0; i < number.size(); ++i) {
-    if (number[i] == unused) continue;
-    number[i] = static_cast<std::int32_t>(surface.points.size());
-    const Point2 p = mesh.ground.vertices[i / n];
-    surface.points.push_back({p.x, p.y, mesh.z[i]});
-  }
+  for (std::size_t v = 0; v < mesh.vertex_count(); ++v)
+    for (NodeIndex node = mesh.first[v]; node < mesh.first[v + 1]; ++node) {
+      auto& own = number[static_cast<std::size_t>(node)];
+      if (own == unused) continue;
+      own = static_cast<std::int32_t>(surface.points.size());
+      surface.points.push_back(position(mesh, static_cast<VertexIndex>(v), node));
+      surface.node.push_back(node);
+    }
   surface.triangles.reserve(count);
   surface.patch.reserve(count);
   surface.building.reserve(count);
+  surface.cell.reserve(count);
+  const auto numbered = [&](NodeIndex node) { return number[static_cast<std::size_t>(node)]; };
   for (std::size_t i = 0; i < faces.lists.size(); ++i) {
     for (const Face& face : faces.lists[i]) {
       surface.triangles.push_back(
-          {number[slot(face.nodes[0])], number[slot(face.nodes[1])], number[slot(face.nodes[2])]});
+          {numbered(face.nodes[0]), numbered(face.nodes[1]), numbered(face.nodes[2])});
       surface.patch.push_back(static_cast<Patch>(i + 1));
       surface.building.push_back(face.building);
+      surface.cell.push_back(face.cell);
     }
   }
   return surface;
@@ -134,9 +144,10 @@ SurfaceMesh number_faces(const ColumnMesh& mesh, const FaceLists& faces) {
 std::string_view patch_name(Patch patch) { return kNames[static_cast<std::size_t>(patch) - 1]; }
 
 SurfaceMesh extract_boundary(const ColumnMesh& mesh, const Bounds2& domain) {
+  const std::vector<NodeIndex> cells = cell_offsets(mesh);
   FaceLists faces;
-  add_floor_and_top(mesh, faces);
-  add_sides(mesh, domain, faces);
+  add_floor_and_top(mesh, cells, faces);
+  add_sides(mesh, cells, domain, faces);
   return number_faces(mesh, faces);
 }
 
@@ -152,12 +163,14 @@ SurfaceMesh select_patches(const SurfaceMesh& surface, std::span<const Patch> pa
       if (renumbered == unused) {
         renumbered = static_cast<std::int32_t>(result.points.size());
         result.points.push_back(surface.points[static_cast<std::size_t>(v)]);
+        if (!surface.node.empty()) result.node.push_back(surface.node[static_cast<std::size_t>(v)]);
       }
       v = renumbered;
     }
     result.triangles.push_back(triangle);
     result.patch.push_back(surface.patch[f]);
     result.building.push_back(surface.building[f]);
+    if (!surface.cell.empty()) result.cell.push_back(surface.cell[f]);
   }
   return result;
 }

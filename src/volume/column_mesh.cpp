@@ -1,59 +1,69 @@
 #include "tetropolis/volume/column_mesh.h"
 
-#include <utility>
+#include <algorithm>
+#include <limits>
+#include <string>
 
 #include "tetropolis/core/error.h"
 #include "tetropolis/core/parallel.h"
 
 namespace tetropolis {
 
-ColumnMesh make_columns(GroundMesh ground, std::int32_t layers, double bottom, double top) {
-  if (layers < 1 || !(bottom < top))
-    throw Error(ErrorKind::kGuarantee,
-                "the domain has no height: raise the domain height or lower the layer height");
-  ColumnMesh mesh;
-  mesh.edges = build_edge_graph(ground);
-  mesh.ground = std::move(ground);
-  mesh.layers = layers;
-  mesh.first_layer.assign(mesh.triangle_count(), 0);
-  mesh.first_node.assign(mesh.vertex_count(), 0);
-  mesh.roof_layer.assign(mesh.vertex_count(), kNoRoof);
-  mesh.z.resize(mesh.vertex_count() * mesh.stride());
-  parallel_chunks(mesh.vertex_count(), 1024, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t v = begin; v < end; ++v)
-      for (std::int32_t k = 0; k <= layers; ++k)
-        mesh.column(v)[k] = k == layers ? top : bottom + (top - bottom) * k / layers;
-  });
-  return mesh;
+namespace {
+
+[[noreturn]] void throw_invalid(std::size_t v, const char* what) {
+  throw Error(ErrorKind::kGuarantee,
+              "column mesh: at ground vertex " + std::to_string(v) + " " + what);
 }
 
-std::vector<NodeIndex> node_offsets(const ColumnMesh& mesh) {
-  std::vector<NodeIndex> offsets(mesh.vertex_count() + 1, 0);
-  for (std::size_t v = 0; v < mesh.vertex_count(); ++v)
-    offsets[v + 1] = offsets[v] + mesh.layers + 1 - mesh.first_node[v];
+double shortest_edge(const ColumnMesh& mesh, std::size_t v) {
+  const auto first = static_cast<std::size_t>(mesh.first[v]);
+  const auto end = static_cast<std::size_t>(mesh.first[v + 1]);
+  if (end < first + 2) throw_invalid(v, "the column has no height");
+  double shortest = std::numeric_limits<double>::infinity();
+  for (std::size_t n = first; n + 1 < end; ++n)
+    shortest = std::min(shortest, mesh.z[n + 1] - mesh.z[n]);
+  if (!(shortest > 0)) throw_invalid(v, "the column does not increase");
+  return shortest;
+}
+
+void require_flat_roofs(const ColumnMesh& mesh) {
+  std::vector<double> roofs;
+  for (std::size_t t = 0; t < mesh.triangle_count(); ++t) {
+    if (!mesh.inside_building(t)) continue;
+    const auto b = static_cast<std::size_t>(mesh.ground.region[t]);
+    if (b >= roofs.size()) roofs.resize(b + 1, std::numeric_limits<double>::quiet_NaN());
+    for (const VertexIndex v : mesh.ground.triangles[t]) {
+      const double z = mesh.z[static_cast<std::size_t>(mesh.floor(t, v))];
+      if (roofs[b] != roofs[b]) roofs[b] = z;
+      if (z != roofs[b]) throw_invalid(static_cast<std::size_t>(v), "the roof is not horizontal");
+    }
+  }
+}
+
+}  // namespace
+
+std::vector<NodeIndex> cell_offsets(const ColumnMesh& mesh) {
+  std::vector<NodeIndex> offsets(mesh.triangle_count() + 1, 0);
+  for (std::size_t t = 0; t < mesh.triangle_count(); ++t) {
+    offsets[t + 1] = offsets[t];
+    for (const VertexIndex v : mesh.ground.triangles[t])
+      offsets[t + 1] += mesh.top(v) - mesh.floor(t, v);
+  }
   return offsets;
 }
 
-NodeIndex cell_count(const ColumnMesh& mesh) {
-  NodeIndex prisms = 0;
-  for (const std::int32_t first : mesh.first_layer) prisms += mesh.layers - first;
-  return 3 * prisms;
-}
-
-std::array<std::array<Node, 4>, 3> prism_tets(const ColumnMesh& mesh, TriangleIndex t,
-                                              std::int32_t k) {
-  const auto& triangle = mesh.ground.triangles[static_cast<std::size_t>(t)];
-  const auto v = sorted_vertices(triangle);
-  const Node u1{v[0], k}, u2{v[1], k}, u3{v[2], k};
-  const Node w1{v[0], k + 1}, w2{v[1], k + 1}, w3{v[2], k + 1};
-  // Sorting keeps the triangle counter-clockwise when it is a rotation of its stored order.
-  const bool ccw = (v[0] == triangle[0] && v[1] == triangle[1]) ||
-                   (v[0] == triangle[1] && v[1] == triangle[2]) ||
-                   (v[0] == triangle[2] && v[1] == triangle[0]);
-  // The first three nodes project onto the triangle; the fourth is the upper end of the vertical
-  // edge.
-  if (ccw) return {{{u1, u2, u3, w3}, {u1, u2, w3, w2}, {u1, w2, w3, w1}}};
-  return {{{u1, u3, u2, w3}, {u1, w3, u2, w2}, {u1, w3, w2, w1}}};
+double require_valid(const ColumnMesh& mesh) {
+  require_flat_roofs(mesh);
+  return parallel_reduce_ordered(
+      mesh.vertex_count(), 4096, std::numeric_limits<double>::infinity(),
+      [&](std::size_t begin, std::size_t end) {
+        double shortest = std::numeric_limits<double>::infinity();
+        for (std::size_t v = begin; v < end; ++v)
+          shortest = std::min(shortest, shortest_edge(mesh, v));
+        return shortest;
+      },
+      [](double a, double b) { return std::min(a, b); });
 }
 
 }  // namespace tetropolis

@@ -113,13 +113,13 @@ TETROPOLIS_WIDE double step_and_precondition(const Operator& a, const float* piv
 }
 
 /// Layers of a column whose value is given.
-bool is_fixed(const ColumnMesh& mesh, std::size_t v, std::int32_t k, bool fixed_top) {
+bool is_fixed(const LayeredMesh& mesh, std::size_t v, std::int32_t k, bool fixed_top) {
   return k <= mesh.first_node[v] || k == mesh.roof_layer[v] || (fixed_top && k == mesh.layers);
 }
 
 /// Removes all couplings of fixed nodes; their rows become those of the identity. Returns the
 /// number of nodes left unknown.
-std::int64_t eliminate_fixed(const ColumnMesh& mesh, bool fixed_top, StiffnessBands& bands) {
+std::int64_t eliminate_fixed(const LayeredMesh& mesh, bool fixed_top, StiffnessBands& bands) {
   const std::size_t n = mesh.stride();
   const auto count_or_clear = [&](std::size_t begin, std::size_t end) {
     std::int64_t unknowns = 0;
@@ -154,7 +154,7 @@ std::int64_t eliminate_fixed(const ColumnMesh& mesh, bool fixed_top, StiffnessBa
                                  [](std::int64_t a, std::int64_t b) { return a + b; });
 }
 
-std::vector<float> inverse_pivots(const ColumnMesh& mesh, const StiffnessBands& bands) {
+std::vector<float> inverse_pivots(const LayeredMesh& mesh, const StiffnessBands& bands) {
   const std::size_t n = mesh.stride();
   std::vector<float> pivots(bands.diagonal.size());
   parallel_chunks(mesh.vertex_count(), kColumnsPerChunk, [&](std::size_t begin, std::size_t end) {
@@ -171,7 +171,7 @@ std::vector<float> inverse_pivots(const ColumnMesh& mesh, const StiffnessBands& 
 
 /// Calls kernel(range, lanes) for all columns and adds up what it returns, in order.
 template <typename Kernel>
-double over_columns(const ColumnMesh& mesh, const Kernel& kernel) {
+double over_columns(const LayeredMesh& mesh, const Kernel& kernel) {
   return parallel_reduce_ordered(
       mesh.vertex_count(), kColumnsPerChunk, 0.0,
       [&](std::size_t begin, std::size_t end) {
@@ -181,7 +181,7 @@ double over_columns(const ColumnMesh& mesh, const Kernel& kernel) {
       [](double a, double b) { return a + b; });
 }
 
-Operator view(const ColumnMesh& mesh, const StiffnessBands& bands) {
+Operator view(const LayeredMesh& mesh, const StiffnessBands& bands) {
   return {mesh.stride(),
           bands.edge.data(),
           bands.vertical.data(),
@@ -193,7 +193,7 @@ Operator view(const ColumnMesh& mesh, const StiffnessBands& bands) {
 }
 
 /// r = -A u where u is unknown, 0 where it is fixed; A is the matrix before elimination.
-std::vector<float> initial_residual(const ColumnMesh& mesh, const StiffnessBands& bands,
+std::vector<float> initial_residual(const LayeredMesh& mesh, const StiffnessBands& bands,
                                     const std::vector<float>& u, bool fixed_top) {
   std::vector<float> r(u.size());
   const Operator a = view(mesh, bands);
@@ -211,7 +211,7 @@ std::vector<float> initial_residual(const ColumnMesh& mesh, const StiffnessBands
 
 }  // namespace
 
-SolverReport solve_laplace(const ColumnMesh& mesh, std::vector<float>& u,
+SolverReport solve_laplace(const LayeredMesh& mesh, std::vector<float>& u,
                            const LaplaceOptions& options, const Progress& progress) {
   StiffnessBands bands = assemble_stiffness(mesh);
   std::vector<float> r = initial_residual(mesh, bands, u, options.fixed_top);

@@ -98,7 +98,7 @@ void add_prisms(const FlatTriangle& f, const double* z1, const double* z2, const
   }
 }
 
-void add_triangle(const ColumnMesh& mesh, std::size_t t, StiffnessBands& bands) {
+void add_triangle(const LayeredMesh& mesh, std::size_t t, StiffnessBands& bands) {
   const std::size_t n = mesh.stride();
   const auto v = sorted_vertices(mesh.ground.triangles[t]);
   const std::array<std::size_t, 3> column{static_cast<std::size_t>(v[0]),
@@ -126,7 +126,7 @@ void add_triangle(const ColumnMesh& mesh, std::size_t t, StiffnessBands& bands) 
 }
 
 /// Constants are in the kernel of the Laplacian, so a row sums to zero.
-void fill_diagonal(const ColumnMesh& mesh, std::size_t v, StiffnessBands& bands) {
+void fill_diagonal(const LayeredMesh& mesh, std::size_t v, StiffnessBands& bands) {
   const std::size_t n = mesh.stride();
   float* diagonal = bands.diagonal.data() + v * n;
   const float* vertical = bands.vertical.data() + v * n;
@@ -147,7 +147,7 @@ void fill_diagonal(const ColumnMesh& mesh, std::size_t v, StiffnessBands& bands)
 
 }  // namespace
 
-StiffnessBands assemble_stiffness(const ColumnMesh& mesh) {
+StiffnessBands assemble_stiffness(const LayeredMesh& mesh) {
   const std::size_t n = mesh.stride();
   StiffnessBands bands;
   bands.edge.assign(mesh.edges.size() * 2 * n, 0.0F);

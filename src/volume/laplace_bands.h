@@ -4,7 +4,7 @@
 #include <cstddef>
 #include <vector>
 
-#include "tetropolis/volume/column_mesh.h"
+#include "tetropolis/volume/layered_mesh.h"
 
 namespace tetropolis {
 
@@ -21,6 +21,6 @@ struct StiffnessBands {
 
 /// Assembles the linear finite element stiffness matrix of the cells of `mesh`. The same bits for
 /// any number of threads. Precondition: all vertical edges of cells are positive.
-StiffnessBands assemble_stiffness(const ColumnMesh& mesh);
+StiffnessBands assemble_stiffness(const LayeredMesh& mesh);
 
 }  // namespace tetropolis

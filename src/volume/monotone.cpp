@@ -29,7 +29,7 @@ std::int64_t spread_piece(double* z, std::int32_t first, std::int32_t last, bool
   return moved;
 }
 
-MonotoneReport guard_column(ColumnMesh& mesh, std::size_t v, const MonotoneOptions& options) {
+MonotoneReport guard_column(LayeredMesh& mesh, std::size_t v, const MonotoneOptions& options) {
   double* z = mesh.column(v);
   MonotoneReport report;
   std::int32_t first = mesh.first_node[v];
@@ -59,7 +59,7 @@ MonotoneReport combined(const MonotoneReport& a, const MonotoneReport& b) {
 
 }  // namespace
 
-MonotoneReport make_monotone(ColumnMesh& mesh, const MonotoneOptions& options) {
+MonotoneReport make_monotone(LayeredMesh& mesh, const MonotoneOptions& options) {
   const MonotoneReport none{0, std::numeric_limits<double>::infinity()};
   const MonotoneReport report = parallel_reduce_ordered(
       mesh.vertex_count(), 512, none,

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 #include <numbers>
+#include <tuple>
 
 #include "tetropolis/core/parallel.h"
 
@@ -114,25 +115,206 @@ double QualityHistogram::aspect_quantile(double fraction) const {
   return std::min(max_aspect_, std::pow(kAspectBase, bin + 0.5));
 }
 
-QualityHistogram measure_quality(const ColumnMesh& mesh) {
-  const auto point = [&](const Node& node) {
-    const Point2 p = mesh.ground.vertices[static_cast<std::size_t>(node.vertex)];
-    return Point3{p.x, p.y, mesh.column(static_cast<std::size_t>(node.vertex))[node.layer]};
-  };
-  // Few large chunks: each carries histograms of its own.
-  const std::size_t chunks = 64;
-  const std::size_t grain = std::max<std::size_t>(1, (mesh.triangle_count() + chunks - 1) / chunks);
-  std::vector<QualityHistogram> partial((mesh.triangle_count() + grain - 1) / grain);
-  parallel_chunks(mesh.triangle_count(), grain, [&](std::size_t begin, std::size_t end) {
-    QualityHistogram& histogram = partial[begin / grain];
-    for (std::size_t t = begin; t < end; ++t)
-      for (std::int32_t k = mesh.first_layer[t]; k < mesh.layers; ++k)
-        for (const auto& tet : prism_tets(mesh, static_cast<TriangleIndex>(t), k))
-          histogram.add(tet_shape(point(tet[0]), point(tet[1]), point(tet[2]), point(tet[3])));
+namespace {
+
+/// Few large chunks: each carries histograms of its own.
+constexpr std::size_t kChunks = 64;
+
+std::size_t grain_of(std::size_t size) {
+  return std::max<std::size_t>(1, (size + kChunks - 1) / kChunks);
+}
+
+Point3 centre_of(const std::array<Point3, 4>& p) {
+  Point3 centre{};
+  for (std::size_t c = 0; c < 3; ++c) centre[c] = (p[0][c] + p[1][c] + p[2][c] + p[3][c]) / 4;
+  return centre;
+}
+
+FaceShape worse(const FaceShape& a, const FaceShape& b) {
+  return {std::max(a.non_orthogonality_deg, b.non_orthogonality_deg),
+          std::max(a.skewness, b.skewness)};
+}
+
+FaceQuality combined(const FaceQuality& a, const FaceQuality& b) {
+  return {a.faces + b.faces, a.above_70 + b.above_70, worse(a.worst, b.worst)};
+}
+
+void add(FaceQuality& quality, const FaceShape& shape) {
+  ++quality.faces;
+  if (shape.non_orthogonality_deg > 70) ++quality.above_70;
+  quality.worst = worse(quality.worst, shape);
+}
+
+/// Faces between the cells over triangle t.
+void add_faces_over(const ColumnMesh& mesh, std::size_t t, FaceQuality& quality) {
+  const auto& v = mesh.ground.triangles[t];
+  Climb<3> front = climb_triangle(mesh, t);
+  std::array<Point3, 3> face;
+  for (std::size_t i = 0; i < 3; ++i) face[i] = position(mesh, v[i], front.at(i));
+  Point3 below{};
+  for (bool first = true; true; first = false) {
+    const std::size_t c = front.next();
+    if (c == 3) return;
+    const Point3 apex = position(mesh, v[c], front.at(c) + 1);
+    const Point3 centre = centre_of({face[0], face[1], face[2], apex});
+    if (!first) add(quality, face_shape(face, below, centre));
+    below = centre;
+    face[c] = apex;
+    front.advance(c);
+  }
+}
+
+/// Faces over edge e between the cells on its two sides.
+void add_faces_beside(const ColumnMesh& mesh, std::size_t e, FaceQuality& quality) {
+  const auto [t0, t1] = mesh.edges.triangles[e];
+  if (t1 == kNoTriangle) return;
+  const auto [a, b] = mesh.edges.vertices[e];
+  const std::array<std::size_t, 2> sides{static_cast<std::size_t>(t0),
+                                         static_cast<std::size_t>(t1)};
+  std::array<VertexIndex, 4> v{a, b, 0, 0};
+  std::array<NodeIndex, 4> from{};
+  for (std::size_t s = 0; s < 2; ++s)
+    for (const VertexIndex corner : mesh.ground.triangles[sides[s]])
+      if (corner != a && corner != b) {
+        v[2 + s] = corner;
+        from[2 + s] = mesh.floor(sides[s], corner);
+      }
+  // Under a roof there are cells on one side only: that side's front is taken up to the roof.
+  for (std::size_t i = 0; i < 2; ++i)
+    from[i] = std::max(mesh.floor(sides[0], v[i]), mesh.floor(sides[1], v[i]));
+  if (mesh.inside_building(sides[0]) != mesh.inside_building(sides[1])) {
+    const std::size_t air = mesh.inside_building(sides[0]) ? 1 : 0;
+    const double roof = mesh.z[static_cast<std::size_t>(from[0])];
+    NodeIndex& free = from[2 + air];
+    for (const NodeIndex top = mesh.top(v[2 + air]); free < top; ++free) {
+      const auto n = static_cast<std::size_t>(free);
+      if (!(mesh.z[n] + mesh.z[n + 1] < 2 * roof)) break;
+    }
+  }
+  Climb<4> front(mesh, v, from);
+  std::array<Point3, 4> p;
+  for (std::size_t i = 0; i < 4; ++i) p[i] = position(mesh, v[i], front.at(i));
+  for (std::size_t c; (c = front.next()) < 4; front.advance(c)) {
+    const Point3 apex = position(mesh, v[c], front.at(c) + 1);
+    if (c < 2)
+      add(quality, face_shape({p[0], p[1], apex}, centre_of({p[0], p[1], apex, p[2]}),
+                              centre_of({p[0], p[1], apex, p[3]})));
+    p[c] = apex;
+  }
+}
+
+/// Keeps the `count` worst, worst first; ties by place, so that the order of adding is irrelevant.
+void keep_worst(std::vector<WorstCell>& cells, std::size_t count) {
+  std::sort(cells.begin(), cells.end(), [](const WorstCell& a, const WorstCell& b) {
+    return std::tie(a.badness, a.triangle, a.centre) < std::tie(b.badness, b.triangle, b.centre);
   });
-  QualityHistogram result;
-  for (const QualityHistogram& histogram : partial) result.merge(histogram);
+  if (cells.size() > count) cells.resize(count);
+}
+
+double altitude(const Point3& a, const Point3& b, const Point3& c) {
+  const Point3 e0 = minus(b, a), e1 = minus(c, a), e2 = minus(c, b);
+  const double longest =
+      std::sqrt(std::max({e0[0] * e0[0] + e0[1] * e0[1], e1[0] * e1[0] + e1[1] * e1[1],
+                          e2[0] * e2[0] + e2[1] * e2[1]}));
+  return std::abs(e0[0] * e1[1] - e0[1] * e1[0]) / longest;
+}
+
+/// What makes a bad cell, from its nodes: p[3] is above one of the others.
+std::string_view cause_of(const ColumnMesh& mesh, std::size_t t,
+                          const std::array<NodeIndex, 4>& nodes, const std::array<Point3, 4>& p) {
+  const auto& v = mesh.ground.triangles[t];
+  const double least = altitude(p[0], p[1], p[2]);
+  double low = p[0][2], high = p[0][2];
+  bool at_floor = true, at_roof_or_wall = false;
+  for (std::size_t i = 0; i < 3; ++i) {
+    low = std::min(low, p[i][2]);
+    high = std::max(high, p[i][2]);
+    at_floor = at_floor && nodes[i] <= mesh.floor(t, v[i]) + 1;
+    at_roof_or_wall = at_roof_or_wall || mesh.roof[static_cast<std::size_t>(v[i])] != kNoRoof;
+  }
+  const double edge = p[3][2] - std::min({p[0][2], p[1][2], p[2][2]});
+  if (at_floor && high - low > least) return "steep ground";
+  if (at_floor && at_roof_or_wall && edge < least) return "low wall";
+  if (edge > 2 * least) return "small detail";
+  return "change of size";
+}
+
+}  // namespace
+
+FaceShape face_shape(const std::array<Point3, 3>& face, const Point3& c0, const Point3& c1) {
+  const Point3 n = cross(minus(face[1], face[0]), minus(face[2], face[0]));
+  const Point3 d = minus(c1, c0);
+  const double n_d = dot(n, d), length = std::sqrt(dot(d, d));
+  FaceShape shape;
+  shape.non_orthogonality_deg =
+      std::acos(std::clamp(std::abs(n_d) / (std::sqrt(dot(n, n)) * length), 0.0, 1.0)) * kDegrees;
+  Point3 centre{}, skew{};
+  for (std::size_t c = 0; c < 3; ++c) centre[c] = (face[0][c] + face[1][c] + face[2][c]) / 3;
+  const Point3 to_centre = minus(centre, c0);
+  const double share = dot(n, to_centre) / n_d;
+  for (std::size_t c = 0; c < 3; ++c) skew[c] = to_centre[c] - share * d[c];
+  const double distance = std::sqrt(dot(skew, skew));
+  double extent = 0.2 * length;
+  if (distance > 0)
+    for (const Point3& corner : face)
+      extent = std::max(extent, std::abs(dot(skew, minus(corner, centre))) / distance);
+  shape.skewness = distance / extent;
+  return shape;
+}
+
+CellQuality measure_quality(const ColumnMesh& mesh, std::size_t worst) {
+  const std::size_t grain = grain_of(mesh.triangle_count());
+  std::vector<CellQuality> partial((mesh.triangle_count() + grain - 1) / grain);
+  parallel_chunks(mesh.triangle_count(), grain, [&](std::size_t begin, std::size_t end) {
+    CellQuality& quality = partial[begin / grain];
+    double limit = std::numeric_limits<double>::infinity();
+    for (std::size_t t = begin; t < end; ++t) {
+      const auto& v = mesh.ground.triangles[t];
+      const Climb<3> start = climb_triangle(mesh, t);
+      std::array<Point3, 4> p;
+      for (std::size_t i = 0; i < 3; ++i) p[i] = position(mesh, v[i], start.at(i));
+      for_each_tet_over(mesh, t, [&](const std::array<NodeIndex, 4>& nodes) {
+        for (std::size_t i = 0; i < 3; ++i) p[i][2] = mesh.z[static_cast<std::size_t>(nodes[i])];
+        const auto below = static_cast<std::size_t>(
+            std::find(nodes.begin(), nodes.end(), nodes[3] - 1) - nodes.begin());
+        p[3] = {p[below][0], p[below][1], mesh.z[static_cast<std::size_t>(nodes[3])]};
+        const TetShape shape = tet_shape(p[0], p[1], p[2], p[3]);
+        quality.histogram.add(shape);
+        const double badness = std::min(shape.min_dihedral_deg, 180 - shape.max_dihedral_deg);
+        if (worst == 0 || !(badness < limit)) return;
+        quality.worst.push_back({badness, shape.min_dihedral_deg, shape.max_dihedral_deg,
+                                 centre_of(p), static_cast<TriangleIndex>(t),
+                                 cause_of(mesh, t, nodes, p)});
+        if (quality.worst.size() < 2 * worst) return;
+        keep_worst(quality.worst, worst);
+        limit = quality.worst.back().badness;
+      });
+    }
+  });
+  CellQuality result;
+  for (CellQuality& part : partial) {
+    result.histogram.merge(part.histogram);
+    result.worst.insert(result.worst.end(), part.worst.begin(), part.worst.end());
+  }
+  keep_worst(result.worst, worst);
   return result;
+}
+
+FaceQuality measure_faces(const ColumnMesh& mesh) {
+  const auto over = [&](std::size_t begin, std::size_t end) {
+    FaceQuality quality;
+    for (std::size_t t = begin; t < end; ++t) add_faces_over(mesh, t, quality);
+    return quality;
+  };
+  const auto beside = [&](std::size_t begin, std::size_t end) {
+    FaceQuality quality;
+    for (std::size_t e = begin; e < end; ++e) add_faces_beside(mesh, e, quality);
+    return quality;
+  };
+  const std::size_t triangles = mesh.triangle_count(), edges = mesh.edges.size();
+  return combined(
+      parallel_reduce_ordered(triangles, grain_of(triangles), FaceQuality{}, over, combined),
+      parallel_reduce_ordered(edges, grain_of(edges), FaceQuality{}, beside, combined));
 }
 
 }  // namespace tetropolis

@@ -12,12 +12,12 @@ namespace {
 
 constexpr std::size_t kColumnsPerChunk = 512;
 
-MonotoneReport guard(ColumnMesh& mesh, const SmoothOptions& options, double layer_height) {
+MonotoneReport guard(LayeredMesh& mesh, const SmoothOptions& options, double layer_height) {
   return make_monotone(mesh, {options.gap_share, options.laplace.fixed_top, layer_height});
 }
 
 /// Adds the displacement to every node that has cells.
-void displace(ColumnMesh& mesh, const std::vector<float>& u) {
+void displace(LayeredMesh& mesh, const std::vector<float>& u) {
   parallel_chunks(mesh.vertex_count(), kColumnsPerChunk, [&](std::size_t begin, std::size_t end) {
     for (std::size_t v = begin; v < end; ++v)
       for (std::int32_t k = mesh.first_node[v]; k <= mesh.layers; ++k)
@@ -39,34 +39,12 @@ std::int32_t nearest_in_ratio(double p) {
   return static_cast<std::int32_t>(p * p > below * (below + 1) ? below + 1 : below);
 }
 
-double mean_layer_height(const ColumnMesh& mesh) {
+double mean_layer_height(const LayeredMesh& mesh) {
   return (mesh.column(0)[mesh.layers] - mesh.column(0)[mesh.first_node[0]]) /
          (mesh.layers - mesh.first_node[0]);
 }
 
-/// Twice the area over the longest edge.
-double least_altitude(Point2 a, Point2 b, Point2 c) {
-  const double twice_area = (b.x - a.x) * (c.y - a.y) - (c.x - a.x) * (b.y - a.y);
-  const double longest =
-      std::max({std::hypot(b.x - a.x, b.y - a.y), std::hypot(c.x - b.x, c.y - b.y),
-                std::hypot(a.x - c.x, a.y - c.y)});
-  return std::abs(twice_area) / longest;
-}
-
 }  // namespace
-
-double suggest_layer_height(const GroundMesh& ground, double mesh_size) {
-  std::vector<double> altitudes;
-  altitudes.reserve(ground.triangles.size());
-  for (const auto& t : ground.triangles)
-    altitudes.push_back(least_altitude(ground.vertices[static_cast<std::size_t>(t[0])],
-                                       ground.vertices[static_cast<std::size_t>(t[1])],
-                                       ground.vertices[static_cast<std::size_t>(t[2])]));
-  const auto rank = altitudes.begin() + static_cast<std::ptrdiff_t>(altitudes.size() / 10000);
-  std::nth_element(altitudes.begin(), rank, altitudes.end());
-  const double balanced = 1.25 * std::sqrt(*rank * mesh_size * std::sqrt(3.0) / 2);
-  return std::clamp(balanced, mesh_size / 8, mesh_size);
-}
 
 LayerPlan plan_layers(std::span<const double> ground, std::span<const double> roofs,
                       double highest_ground, double domain_height, double layer_height) {
@@ -86,7 +64,7 @@ LayerPlan plan_layers(std::span<const double> ground, std::span<const double> ro
   return plan;
 }
 
-SmoothReport smooth_to_ground(ColumnMesh& mesh, std::span<const double> ground,
+SmoothReport smooth_to_ground(LayeredMesh& mesh, std::span<const double> ground,
                               const SmoothOptions& options, const Progress& progress) {
   const double layer_height = mean_layer_height(mesh);
   const std::size_t n = mesh.stride();
@@ -108,7 +86,7 @@ SmoothReport smooth_to_ground(ColumnMesh& mesh, std::span<const double> ground,
   return report;
 }
 
-void trim(ColumnMesh& mesh, std::span<const BuildingIndex> building,
+void trim(LayeredMesh& mesh, std::span<const BuildingIndex> building,
           std::span<const double> roofs) {
   constexpr double inf = std::numeric_limits<double>::infinity();
   std::vector<double> least(roofs.size(), inf);
@@ -140,7 +118,7 @@ void trim(ColumnMesh& mesh, std::span<const BuildingIndex> building,
         building[v] == kNoBuilding ? kNoRoof : roof_layer[static_cast<std::size_t>(building[v])];
 }
 
-SmoothReport smooth_to_roofs(ColumnMesh& mesh, std::span<const BuildingIndex> building,
+SmoothReport smooth_to_roofs(LayeredMesh& mesh, std::span<const BuildingIndex> building,
                              std::span<const double> roofs, const SmoothOptions& options,
                              const Progress& progress) {
   const double layer_height = mean_layer_height(mesh);

@@ -19,6 +19,7 @@
 #include "tetropolis/io/vtk.h"
 #include "tetropolis/volume/boundary.h"
 
+#include "support/explicit_mesh.h"
 #include "support/small_city.h"
 
 namespace tetropolis::testing {
@@ -81,34 +82,6 @@ class Cursor {
 };
 
 using Point3 = std::array<double, 3>;
-
-/// The mesh as explicit lists, from node_offsets and prism_tets alone.
-struct ExplicitMesh {
-  std::vector<Point3> points;
-  std::vector<std::array<std::int64_t, 4>> cells;
-  std::vector<std::int32_t> region;
-};
-
-inline ExplicitMesh explicit_mesh(const ColumnMesh& mesh, const Point3& shift) {
-  ExplicitMesh result;
-  const auto offsets = node_offsets(mesh);
-  for (std::size_t v = 0; v < mesh.vertex_count(); ++v)
-    for (std::int32_t k = mesh.first_node[v]; k <= mesh.layers; ++k)
-      result.points.push_back({mesh.ground.vertices[v].x + shift[0],
-                               mesh.ground.vertices[v].y + shift[1], mesh.column(v)[k] + shift[2]});
-  for (std::size_t t = 0; t < mesh.triangle_count(); ++t)
-    for (std::int32_t k = mesh.first_layer[t]; k < mesh.layers; ++k)
-      for (const auto& tet : prism_tets(mesh, static_cast<TriangleIndex>(t), k)) {
-        std::array<std::int64_t, 4> cell{};
-        for (std::size_t i = 0; i < 4; ++i) {
-          const auto v = static_cast<std::size_t>(tet[i].vertex);
-          cell[i] = offsets[v] + tet[i].layer - mesh.first_node[v];
-        }
-        result.cells.push_back(cell);
-        result.region.push_back(mesh.ground.region[t]);
-      }
-  return result;
-}
 
 /// The corners of each boundary face as points.
 inline std::vector<std::array<Point3, 3>> corners_of(const SurfaceMesh& surface,

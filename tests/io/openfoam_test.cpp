@@ -255,7 +255,7 @@ TEST_F(OpenFoam, ForeignBoundaryIsRefused) {
     FAIL() << "no error";
   } catch (const Error& error) {
     EXPECT_EQ(error.kind(), ErrorKind::kGuarantee);
-    EXPECT_STREQ(error.what(), "point 17 of the boundary is not a node of the volume mesh");
+    EXPECT_STREQ(error.what(), "the surface is not the boundary of the volume mesh");
   }
   EXPECT_FALSE(std::filesystem::exists(folder / "mesh/points"));
 }

@@ -12,6 +12,7 @@
 #include "tetropolis/core/error.h"
 #include "tetropolis/io/stl.h"
 
+#include "support/explicit_mesh.h"
 #include "support/small_city.h"
 #include "support/test_data.h"
 
@@ -49,28 +50,10 @@ TEST_F(Vtk, VolumeComesBackAsItWas) {
   const Placement placement{{1000, 2000, 0}, {0, 0, 0}};
   write_vtu(folder / "volume.vtu", city.mesh, placement);
   const TetMesh mesh = read_vtu(folder / "volume.vtu");
-  const auto offsets = node_offsets(city.mesh);
-  ASSERT_EQ(mesh.points.size(), static_cast<std::size_t>(offsets.back()));
-  ASSERT_EQ(mesh.cells.size(), static_cast<std::size_t>(cell_count(city.mesh)));
-  for (std::size_t v = 0; v < city.mesh.vertex_count(); ++v)
-    for (std::int32_t k = city.mesh.first_node[v]; k <= city.mesh.layers; ++k) {
-      const auto& p =
-          mesh.points[static_cast<std::size_t>(offsets[v] + k - city.mesh.first_node[v])];
-      EXPECT_EQ(p[0], city.mesh.ground.vertices[v].x + 1000);
-      EXPECT_EQ(p[1], city.mesh.ground.vertices[v].y + 2000);
-      EXPECT_EQ(p[2], city.mesh.column(v)[k]);
-    }
-  std::size_t cell = 0;
-  for (std::size_t t = 0; t < city.mesh.triangle_count(); ++t)
-    for (std::int32_t k = city.mesh.first_layer[t]; k < city.mesh.layers; ++k)
-      for (const auto& tet : prism_tets(city.mesh, static_cast<TriangleIndex>(t), k)) {
-        for (std::size_t i = 0; i < 4; ++i) {
-          const auto v = static_cast<std::size_t>(tet[i].vertex);
-          ASSERT_EQ(mesh.cells[cell][i], offsets[v] + tet[i].layer - city.mesh.first_node[v]);
-        }
-        ASSERT_EQ(mesh.region[cell], city.mesh.ground.region[t]);
-        ++cell;
-      }
+  const auto expected = testing::explicit_mesh(city.mesh, {1000, 2000, 0});
+  EXPECT_EQ(mesh.points, expected.points);
+  EXPECT_EQ(mesh.cells, expected.cells);
+  EXPECT_EQ(mesh.region, expected.region);
 }
 
 TEST_F(Vtk, SurfaceComesBackAsItWas) {

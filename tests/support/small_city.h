@@ -2,12 +2,15 @@
 #pragma once
 
 #include <algorithm>
+#include <array>
 #include <functional>
+#include <utility>
 #include <vector>
 
 #include "tetropolis/ground/mesh_ground.h"
 #include "tetropolis/terrain/raster.h"
 #include "tetropolis/volume/column_mesh.h"
+#include "tetropolis/volume/fill_columns.h"
 #include "tetropolis/volume/ground_heights.h"
 #include "tetropolis/volume/smooth.h"
 
@@ -59,31 +62,64 @@ inline double hills(double x, double y) {
   return 100 + 20 / (1 + dx * dx + dy * dy);
 }
 
-struct MeshedCity {
+/// Steps 3.1 to 3.5 with uniform layers.
+struct LayeredCity {
   SmallCity city;
-  ColumnMesh mesh;
+  LayeredMesh mesh;
   std::vector<BuildingIndex> owner;
   GroundHeights heights;
 };
 
-/// Steps 3.1 to 3.5.
-inline MeshedCity meshed(const SmallCity& city, double mesh_size = 8, bool fixed_top = true,
-                         double layer_height = 0) {
-  MeshedCity result;
+inline LayeredCity layered(const SmallCity& city, double mesh_size = 8, bool fixed_top = true) {
+  LayeredCity result;
   result.city = city;
   GroundMesh ground = mesh_ground(city.footprints, city.domain, {mesh_size, 25});
   result.owner = vertex_buildings(ground);
   result.heights = ground_heights(ground, result.owner, city.roofs, city.dtm, 1.0);
-  double highest = city.dtm.values[0];
-  for (const double z : city.dtm.values) highest = std::max(highest, z);
-  const LayerPlan plan = plan_layers(result.heights.z, city.roofs, highest, 80,
-                                     layer_height > 0 ? layer_height : mesh_size);
-  result.mesh = make_columns(std::move(ground), plan.layers, plan.bottom, plan.top);
+  const double highest = *std::max_element(city.dtm.values.begin(), city.dtm.values.end());
+  const LayerPlan plan = plan_layers(result.heights.z, city.roofs, highest, 80, mesh_size);
+  result.mesh = make_layers(std::move(ground), plan.layers, plan.bottom, plan.top);
   SmoothOptions options;
   options.laplace.fixed_top = fixed_top;
   smooth_to_ground(result.mesh, result.heights.z, options);
   trim(result.mesh, result.owner, city.roofs);
   smooth_to_roofs(result.mesh, result.owner, city.roofs, options);
+  return result;
+}
+
+/// The tets of the prism of triangle t between layers k and k + 1, as (vertex, layer), in the split
+/// drawn in layered_mesh.h; orientation as it comes.
+inline std::array<std::array<std::pair<VertexIndex, std::int32_t>, 4>, 3> prism_tets(
+    const LayeredMesh& mesh, std::size_t t, std::int32_t k) {
+  const auto v = sorted_vertices(mesh.ground.triangles[t]);
+  const auto u = [&](std::size_t i) { return std::pair(v[i], k); };
+  const auto w = [&](std::size_t i) { return std::pair(v[i], k + 1); };
+  return {{{u(0), u(1), u(2), w(2)}, {u(0), u(1), w(2), w(1)}, {u(0), w(1), w(2), w(0)}}};
+}
+
+/// Steps 3.1 to 3.5 with graded columns.
+struct MeshedCity {
+  SmallCity city;
+  ColumnMesh mesh;
+  std::vector<BuildingIndex> owner;
+  GroundHeights heights;
+  double top = 0;
+};
+
+inline MeshedCity meshed(const SmallCity& city, double mesh_size = 8) {
+  MeshedCity result;
+  result.city = city;
+  GroundMesh ground = mesh_ground(city.footprints, city.domain, {mesh_size, 25});
+  result.owner = vertex_buildings(ground);
+  result.heights = ground_heights(ground, result.owner, city.roofs, city.dtm, 1.0);
+  const double highest = *std::max_element(city.dtm.values.begin(), city.dtm.values.end());
+  result.top = plan_layers(result.heights.z, city.roofs, highest, 80, mesh_size).top;
+  const std::vector<double> top(ground.vertices.size(), result.top);
+  const std::vector<double> spacing = column_spacing(ground);
+  EdgeGraph edges = build_edge_graph(ground);
+  const ColumnEnds ends{result.heights.z, result.owner, result.city.roofs, top};
+  result.mesh = divide_columns(std::move(ground), std::move(edges), ends, spacing);
+  place_nodes(result.mesh, ends);
   return result;
 }
 

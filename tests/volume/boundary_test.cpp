@@ -8,31 +8,11 @@
 #include "tetropolis/check/check_mesh.h"
 #include "tetropolis/core/error.h"
 
+#include "support/explicit_mesh.h"
 #include "support/small_city.h"
 
 namespace tetropolis {
 namespace {
-
-/// The explicit list, made cell by cell.
-TetMesh explicit_mesh(const ColumnMesh& mesh) {
-  TetMesh result;
-  const auto offsets = node_offsets(mesh);
-  for (std::size_t v = 0; v < mesh.vertex_count(); ++v)
-    for (std::int32_t k = mesh.first_node[v]; k <= mesh.layers; ++k)
-      result.points.push_back(
-          {mesh.ground.vertices[v].x, mesh.ground.vertices[v].y, mesh.column(v)[k]});
-  for (std::size_t t = 0; t < mesh.triangle_count(); ++t)
-    for (std::int32_t k = mesh.first_layer[t]; k < mesh.layers; ++k)
-      for (const auto& tet : prism_tets(mesh, static_cast<TriangleIndex>(t), k)) {
-        std::array<std::int64_t, 4> cell;
-        for (std::size_t i = 0; i < 4; ++i) {
-          const auto v = static_cast<std::size_t>(tet[i].vertex);
-          cell[i] = offsets[v] + tet[i].layer - mesh.first_node[v];
-        }
-        result.cells.push_back(cell);
-      }
-  return result;
-}
 
 TEST(Boundary, IsExactlyTheFacesOfOneCellAndPassesEveryCheck) {
   const auto result = testing::meshed(testing::small_city(testing::hills));
@@ -41,7 +21,8 @@ TEST(Boundary, IsExactlyTheFacesOfOneCellAndPassesEveryCheck) {
   EXPECT_TRUE(topology.closed());
   EXPECT_TRUE(topology.manifold());
 
-  const TetMesh mesh = explicit_mesh(result.mesh);
+  auto lists = testing::explicit_mesh(result.mesh);
+  const TetMesh mesh{std::move(lists.points), std::move(lists.cells), {}};
   const VolumeCheck volume = check_volume(mesh);
   EXPECT_TRUE(volume.violations.empty()) << volume.violations[0].what;
   const auto differences = check_same_boundary(mesh, volume, surface);
@@ -52,6 +33,21 @@ TEST(Boundary, IsExactlyTheFacesOfOneCellAndPassesEveryCheck) {
   for (const std::int64_t count : check.faces_by_patch) EXPECT_GT(count, 0);
   EXPECT_EQ(count_by_patch(surface), check.faces_by_patch);
   EXPECT_TRUE(std::is_sorted(surface.patch.begin(), surface.patch.end()));
+}
+
+TEST(Boundary, KnowsItsNodesAndTheCellsBehind) {
+  const auto result = testing::meshed(testing::small_city(testing::hills));
+  const auto lists = testing::explicit_mesh(result.mesh);
+  const SurfaceMesh surface = extract_boundary(result.mesh, result.city.domain);
+  ASSERT_EQ(surface.node.size(), surface.points.size());
+  for (std::size_t i = 0; i < surface.points.size(); ++i)
+    ASSERT_EQ(lists.points[static_cast<std::size_t>(surface.node[i])], surface.points[i]);
+  ASSERT_EQ(surface.cell.size(), surface.triangles.size());
+  for (std::size_t f = 0; f < surface.triangles.size(); ++f) {
+    const auto& cell = lists.cells[static_cast<std::size_t>(surface.cell[f])];
+    for (const std::int32_t p : surface.triangles[f])
+      ASSERT_EQ(std::count(cell.begin(), cell.end(), surface.node[static_cast<std::size_t>(p)]), 1);
+  }
 }
 
 TEST(Boundary, EveryBuildingHasRoofAndWallsOfItsOwn) {

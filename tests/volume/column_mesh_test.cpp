@@ -1,47 +1,38 @@
 #include "tetropolis/volume/column_mesh.h"
 
 #include <algorithm>
+#include <cmath>
 #include <map>
 #include <random>
 
 #include <gtest/gtest.h>
 
 #include "tetropolis/core/error.h"
+#include "tetropolis/volume/quality.h"
 
+#include "support/explicit_mesh.h"
 #include "support/small_city.h"
 #include "support/test_data.h"
 
 namespace tetropolis {
 namespace {
 
-std::array<double, 3> at(const ColumnMesh& mesh, const Node& node) {
-  const Point2 p = mesh.ground.vertices[static_cast<std::size_t>(node.vertex)];
-  return {p.x, p.y, mesh.column(static_cast<std::size_t>(node.vertex))[node.layer]};
-}
-
-double volume(const ColumnMesh& mesh, const std::array<Node, 4>& tet) {
-  std::array<std::array<double, 3>, 4> p;
-  for (std::size_t i = 0; i < 4; ++i) p[i] = at(mesh, tet[i]);
-  double m[3][3];
-  for (int r = 0; r < 3; ++r)
-    for (int c = 0; c < 3; ++c)
-      m[r][c] = p[static_cast<std::size_t>(r) + 1][static_cast<std::size_t>(c)] -
-                p[0][static_cast<std::size_t>(c)];
-  return (m[0][0] * (m[1][1] * m[2][2] - m[1][2] * m[2][1]) -
-          m[0][1] * (m[1][0] * m[2][2] - m[1][2] * m[2][0]) +
-          m[0][2] * (m[1][0] * m[2][1] - m[1][1] * m[2][0])) /
-         6;
-}
-
-/// Columns whose layers are spaced at random but rise.
-ColumnMesh random_columns(unsigned seed) {
+/// Columns without buildings, of random numbers of randomly spaced nodes.
+ColumnMesh random_columns(unsigned seed, bool equal_spacing = false) {
   const auto city = testing::small_city(testing::hills);
-  ColumnMesh mesh = make_columns(mesh_ground(city.footprints, city.domain, {12, 25}), 5, 0, 50);
+  ColumnMesh mesh;
+  mesh.ground = mesh_ground({}, city.domain, {20, 25});
+  mesh.edges = build_edge_graph(mesh.ground);
+  mesh.roof.assign(mesh.vertex_count(), kNoRoof);
+  mesh.first = {0};
   std::mt19937 random(seed);
   std::uniform_real_distribution<double> step(0.01, 20);
+  std::uniform_int_distribution<int> count(2, 12);
   for (std::size_t v = 0; v < mesh.vertex_count(); ++v) {
-    double z = step(random);
-    for (std::size_t k = 0; k < mesh.stride(); ++k) mesh.column(v)[k] = z += step(random);
+    double z = equal_spacing ? 0 : step(random);
+    const int nodes = equal_spacing ? 6 : count(random);
+    for (int i = 0; i < nodes; ++i) mesh.z.push_back(z += equal_spacing ? 10 : step(random));
+    mesh.first.push_back(static_cast<NodeIndex>(mesh.z.size()));
   }
   return mesh;
 }
@@ -54,79 +45,117 @@ double triangle_area(const ColumnMesh& mesh, std::size_t t) {
   return ((b.x - a.x) * (c.y - a.y) - (c.x - a.x) * (b.y - a.y)) / 2;
 }
 
+/// How many cells each face has.
+std::map<std::array<NodeIndex, 3>, int> count_faces(const ColumnMesh& mesh) {
+  std::map<std::array<NodeIndex, 3>, int> faces;
+  for (std::size_t t = 0; t < mesh.triangle_count(); ++t)
+    for_each_tet_over(mesh, t, [&](const std::array<NodeIndex, 4>& tet) {
+      for (std::size_t skip = 0; skip < 4; ++skip) {
+        std::array<NodeIndex, 3> face{};
+        for (std::size_t i = 0, n = 0; i < 4; ++i)
+          if (i != skip) face[n++] = tet[i];
+        std::sort(face.begin(), face.end());
+        ++faces[face];
+      }
+    });
+  return faces;
+}
+
 TEST(ColumnMesh, VolumeOfATetIsAThirdOfBaseTimesVerticalEdge) {
   const unsigned seed = testing::test_seed();
   SCOPED_TRACE(seed);
   const ColumnMesh mesh = random_columns(seed);
-  for (std::size_t t = 0; t < mesh.triangle_count(); ++t) {
-    const double area = triangle_area(mesh, t);
-    for (std::int32_t k = 0; k < mesh.layers; ++k)
-      for (const auto& tet : prism_tets(mesh, static_cast<TriangleIndex>(t), k)) {
-        double edge = 0;
-        int vertical_edges = 0;
-        for (std::size_t i = 0; i < 4; ++i)
-          for (std::size_t j = i + 1; j < 4; ++j)
-            if (tet[i].vertex == tet[j].vertex) {
-              ++vertical_edges;
-              edge = std::abs(at(mesh, tet[i])[2] - at(mesh, tet[j])[2]);
-            }
-        ASSERT_EQ(vertical_edges, 1);
-        ASSERT_NEAR(volume(mesh, tet), area * edge / 3, 1e-9 * area * edge);
-      }
-  }
-}
-
-TEST(ColumnMesh, CellsShareWholeFacesAndFillTheirPrisms) {
-  const unsigned seed = testing::test_seed() + 1;
-  SCOPED_TRACE(seed);
-  const ColumnMesh mesh = random_columns(seed);
-  using Key = std::array<std::pair<VertexIndex, std::int32_t>, 3>;
-  std::map<Key, int> faces;
+  const auto points = testing::explicit_mesh(mesh).points;
+  const auto at = [&](NodeIndex n) { return points[static_cast<std::size_t>(n)]; };
   for (std::size_t t = 0; t < mesh.triangle_count(); ++t)
-    for (std::int32_t k = 0; k < mesh.layers; ++k)
-      for (const auto& tet : prism_tets(mesh, static_cast<TriangleIndex>(t), k))
-        for (std::size_t skip = 0; skip < 4; ++skip) {
-          Key key;
-          std::size_t n = 0;
-          for (std::size_t i = 0; i < 4; ++i)
-            if (i != skip) key[n++] = {tet[i].vertex, tet[i].layer};
-          std::sort(key.begin(), key.end());
-          ++faces[key];
-        }
-  std::size_t single = 0;
-  for (const auto& [key, count] : faces) {
-    ASSERT_LE(count, 2);
-    single += count == 1;
-  }
-  std::size_t rim = 0;
-  for (const auto& triangles : mesh.edges.triangles) rim += triangles[1] == kNoTriangle;
-  EXPECT_EQ(single, 2 * mesh.triangle_count() + 2 * rim * static_cast<std::size_t>(mesh.layers));
+    for_each_tet_over(mesh, t, [&](const std::array<NodeIndex, 4>& tet) {
+      const double edge = at(tet[3])[2] - at(tet[3] - 1)[2];
+      ASSERT_EQ(std::count(tet.begin(), tet.end(), tet[3] - 1), 1);
+      const TetShape shape = tet_shape(at(tet[0]), at(tet[1]), at(tet[2]), at(tet[3]));
+      const double expected = triangle_area(mesh, t) * edge / 3;
+      ASSERT_NEAR(shape.volume, expected, 1e-9 * expected);
+    });
 }
 
-TEST(ColumnMesh, NumbersOnlyNodesWithCells) {
+TEST(ColumnMesh, RandomColumnsConformAndFillTheirSpace) {
+  for (unsigned i = 0; i < 20; ++i) {
+    const unsigned seed = testing::test_seed() + i;
+    SCOPED_TRACE(seed);
+    const ColumnMesh mesh = random_columns(seed);
+    std::size_t single = 0;
+    for (const auto& [face, count] : count_faces(mesh)) {
+      ASSERT_LE(count, 2);
+      single += count == 1;
+    }
+    // The boundary: floor and top of every triangle, and the strips over the rim.
+    std::size_t expected = 2 * mesh.triangle_count();
+    for (std::size_t e = 0; e < mesh.edges.size(); ++e)
+      if (mesh.edges.triangles[e][1] == kNoTriangle)
+        for (const VertexIndex v : mesh.edges.vertices[e])
+          expected +=
+              static_cast<std::size_t>(mesh.top(v) - mesh.first[static_cast<std::size_t>(v)]);
+    EXPECT_EQ(single, expected);
+    EXPECT_GT(require_valid(mesh), 0);
+  }
+}
+
+TEST(ColumnMesh, ClimbsAsTheSortedSegmentsSay) {
   const auto city = testing::meshed(testing::small_city(testing::hills));
-  const ColumnMesh& mesh = city.mesh;
-  const auto offsets = node_offsets(mesh);
-  std::vector<int> used(static_cast<std::size_t>(offsets.back()), 0);
-  NodeIndex cells = 0;
-  for (std::size_t t = 0; t < mesh.triangle_count(); ++t)
-    for (std::int32_t k = mesh.first_layer[t]; k < mesh.layers; ++k)
-      for (const auto& tet : prism_tets(mesh, static_cast<TriangleIndex>(t), k)) {
-        ++cells;
-        for (const Node& node : tet) {
-          const auto v = static_cast<std::size_t>(node.vertex);
-          ASSERT_GE(node.layer, mesh.first_node[v]);
-          used[static_cast<std::size_t>(offsets[v] + node.layer - mesh.first_node[v])] = 1;
-        }
-      }
-  EXPECT_EQ(cells, cell_count(mesh));
-  EXPECT_EQ(std::count(used.begin(), used.end(), 0), 0);
+  for (const ColumnMesh& mesh : {random_columns(testing::test_seed()), city.mesh}) {
+    const auto reference = testing::explicit_mesh(mesh);
+    std::vector<std::array<NodeIndex, 4>> cells;
+    const std::vector<NodeIndex> offsets = cell_offsets(mesh);
+    for (std::size_t t = 0; t < mesh.triangle_count(); ++t) {
+      ASSERT_EQ(offsets[t], static_cast<NodeIndex>(cells.size()));
+      for_each_tet_over(mesh, t,
+                        [&](const std::array<NodeIndex, 4>& tet) { cells.push_back(tet); });
+    }
+    EXPECT_EQ(offsets.back(), static_cast<NodeIndex>(cells.size()));
+    EXPECT_EQ(cells, reference.cells);
+    std::vector<int> used(mesh.z.size(), 0);
+    for (const auto& cell : cells)
+      for (const NodeIndex n : cell) used[static_cast<std::size_t>(n)] = 1;
+    EXPECT_EQ(std::count(used.begin(), used.end(), 0), 0);
+  }
 }
 
-TEST(ColumnMesh, RefusesADomainWithoutHeight) {
-  const GroundMesh ground = mesh_ground({}, {0, 0, 10, 10}, {5, 25});
-  EXPECT_THROW(make_columns(ground, 0, 0, 10), Error);
-  EXPECT_THROW(make_columns(ground, 3, 10, 10), Error);
+TEST(ColumnMesh, EqualLayersAreThePapersPrisms) {
+  const ColumnMesh mesh = random_columns(1, true);
+  for (std::size_t t = 0; t < mesh.triangle_count(); ++t) {
+    const auto v = sorted_vertices(mesh.ground.triangles[t]);
+    std::vector<std::array<NodeIndex, 4>> cells;
+    for_each_tet_over(mesh, t, [&](std::array<NodeIndex, 4> tet) {
+      std::sort(tet.begin(), tet.end());
+      cells.push_back(tet);
+    });
+    ASSERT_EQ(cells.size(), 15U);
+    for (NodeIndex k = 0; k < 5; ++k) {
+      const auto u = [&](std::size_t i) { return mesh.first[static_cast<std::size_t>(v[i])] + k; };
+      const auto w = [&](std::size_t i) { return u(i) + 1; };
+      const std::array<std::array<NodeIndex, 4>, 3> paper{
+          {{u(0), u(1), u(2), w(2)}, {u(0), u(1), w(1), w(2)}, {u(0), w(0), w(1), w(2)}}};
+      for (std::size_t i = 0; i < 3; ++i) {
+        auto expected = paper[i];
+        std::sort(expected.begin(), expected.end());
+        ASSERT_EQ(cells[static_cast<std::size_t>(k) * 3 + i], expected);
+      }
+    }
+  }
+}
+
+TEST(ColumnMesh, RefusesColumnsThatDoNotIncreaseAndRoofsThatAreNotFlat) {
+  const auto city = testing::meshed(testing::small_city(testing::hills));
+  EXPECT_NO_THROW(require_valid(city.mesh));
+  ColumnMesh folded = city.mesh;
+  folded.z[5] = folded.z[4];
+  EXPECT_THROW(require_valid(folded), Error);
+  ColumnMesh tilted = city.mesh;
+  for (std::size_t v = 0; v < tilted.vertex_count(); ++v)
+    if (tilted.roof[v] != kNoRoof) {
+      tilted.z[static_cast<std::size_t>(tilted.first[v] + tilted.roof[v])] += 1e-3;
+      break;
+    }
+  EXPECT_THROW(require_valid(tilted), Error);
 }
 
 }  // namespace

@@ -17,22 +17,22 @@ namespace {
 
 using Matrix = std::vector<std::vector<double>>;
 
-std::size_t index_of(const ColumnMesh& mesh, const Node& node) {
-  return static_cast<std::size_t>(node.vertex) * mesh.stride() +
-         static_cast<std::size_t>(node.layer);
+std::size_t index_of(const LayeredMesh& mesh, const std::pair<VertexIndex, std::int32_t>& node) {
+  return static_cast<std::size_t>(node.first) * mesh.stride() +
+         static_cast<std::size_t>(node.second);
 }
 
 /// Linear finite elements the textbook way: gradients from the inverse of each tet's edge matrix.
-Matrix dense_stiffness(const ColumnMesh& mesh) {
+Matrix dense_stiffness(const LayeredMesh& mesh) {
   Matrix a(mesh.z.size(), std::vector<double>(mesh.z.size(), 0.0));
   for (std::size_t t = 0; t < mesh.triangle_count(); ++t)
     for (std::int32_t k = mesh.first_layer[t]; k < mesh.layers; ++k)
-      for (const auto& tet : prism_tets(mesh, static_cast<TriangleIndex>(t), k)) {
+      for (const auto& tet : testing::prism_tets(mesh, t, k)) {
         std::array<std::array<double, 3>, 4> p;
         for (std::size_t i = 0; i < 4; ++i) {
-          const auto v = static_cast<std::size_t>(tet[i].vertex);
+          const auto v = static_cast<std::size_t>(tet[i].first);
           p[i] = {mesh.ground.vertices[v].x, mesh.ground.vertices[v].y,
-                  mesh.column(v)[tet[i].layer]};
+                  mesh.column(v)[tet[i].second]};
         }
         std::array<std::array<double, 3>, 3> e;
         for (std::size_t i = 0; i < 3; ++i)
@@ -53,20 +53,20 @@ Matrix dense_stiffness(const ColumnMesh& mesh) {
         for (std::size_t i = 0; i < 4; ++i)
           for (std::size_t j = 0; j < 4; ++j)
             a[index_of(mesh, tet[i])][index_of(mesh, tet[j])] +=
-                det / 6 * (g[i][0] * g[j][0] + g[i][1] * g[j][1] + g[i][2] * g[j][2]);
+                std::abs(det) / 6 * (g[i][0] * g[j][0] + g[i][1] * g[j][1] + g[i][2] * g[j][2]);
       }
   return a;
 }
 
-ColumnMesh small_mesh() {
+LayeredMesh small_mesh() {
   testing::SmallCity city = testing::small_city(testing::hills);
   city.footprints.resize(2);
   city.roofs.resize(2);
-  return testing::meshed(city, 30).mesh;
+  return testing::layered(city, 30).mesh;
 }
 
 TEST(Laplace, BandsAreTheFiniteElementMatrixOfTheRealTets) {
-  const ColumnMesh mesh = small_mesh();
+  const LayeredMesh mesh = small_mesh();
   const Matrix dense = dense_stiffness(mesh);
   const StiffnessBands bands = assemble_stiffness(mesh);
   const std::size_t n = mesh.stride();
@@ -103,7 +103,7 @@ TEST(Laplace, BandsAreTheFiniteElementMatrixOfTheRealTets) {
 }
 
 /// Gaussian elimination on the unknowns.
-std::vector<double> dense_solve(const ColumnMesh& mesh, const std::vector<float>& guess,
+std::vector<double> dense_solve(const LayeredMesh& mesh, const std::vector<float>& guess,
                                 bool fixed_top) {
   Matrix a = dense_stiffness(mesh);
   std::vector<double> b(a.size(), 0.0);
@@ -139,7 +139,7 @@ std::vector<double> dense_solve(const ColumnMesh& mesh, const std::vector<float>
 }
 
 TEST(Laplace, SolvesTheDirichletProblemWithFixedAndFreeTop) {
-  const ColumnMesh mesh = small_mesh();
+  const LayeredMesh mesh = small_mesh();
   std::mt19937 random(testing::test_seed());
   std::vector<float> guess(mesh.z.size());
   for (float& value : guess)
@@ -170,7 +170,7 @@ TEST(Laplace, SolvesTheDirichletProblemWithFixedAndFreeTop) {
 }
 
 TEST(Laplace, SameBitsForAnyNumberOfThreads) {
-  const ColumnMesh mesh = testing::meshed(testing::small_city(testing::hills), 3).mesh;
+  const LayeredMesh mesh = testing::layered(testing::small_city(testing::hills), 3).mesh;
   std::vector<std::vector<float>> results;
   for (const int threads : {1, 2, 3}) {
     const ThreadLimit limit(threads);
@@ -184,7 +184,7 @@ TEST(Laplace, SameBitsForAnyNumberOfThreads) {
 }
 
 TEST(Laplace, ReportsWhatItCouldNotSolve) {
-  const ColumnMesh mesh = testing::meshed(testing::small_city(testing::hills), 4).mesh;
+  const LayeredMesh mesh = testing::layered(testing::small_city(testing::hills), 4).mesh;
   std::vector<float> u(mesh.z.size());
   for (std::size_t i = 0; i < u.size(); ++i) u[i] = static_cast<float>(i % 97);
   LaplaceOptions options;
@@ -195,7 +195,7 @@ TEST(Laplace, ReportsWhatItCouldNotSolve) {
 }
 
 TEST(Laplace, StopsWhenAsked) {
-  const ColumnMesh mesh = testing::meshed(testing::small_city(testing::hills), 8).mesh;
+  const LayeredMesh mesh = testing::layered(testing::small_city(testing::hills), 8).mesh;
   std::vector<float> u(mesh.z.size());
   for (std::size_t i = 0; i < u.size(); ++i) u[i] = static_cast<float>(i % 97);
   Progress progress;

@@ -13,8 +13,8 @@ namespace tetropolis {
 namespace {
 
 /// Random heights between fixed ones that rise; some columns have a roof, some begin at one.
-ColumnMesh tangled_columns(std::mt19937& random) {
-  ColumnMesh mesh = make_columns(mesh_ground({}, {0, 0, 60, 60}, {10, 25}), 7, 0, 70);
+LayeredMesh tangled_columns(std::mt19937& random) {
+  LayeredMesh mesh = make_layers(mesh_ground({}, {0, 0, 60, 60}, {10, 25}), 7, 0, 70);
   std::uniform_real_distribution<double> height(-200, 200), rise(0.5, 40);
   for (std::size_t v = 0; v < mesh.vertex_count(); ++v) {
     for (std::size_t k = 0; k < mesh.stride(); ++k) mesh.column(v)[k] = height(random);
@@ -34,8 +34,8 @@ TEST(Monotone, LiftsEveryColumnAndKeepsFixedHeightsExactly) {
   SCOPED_TRACE(seed);
   std::mt19937 random(seed);
   for (int trial = 0; trial < 200; ++trial) {
-    ColumnMesh mesh = tangled_columns(random);
-    const ColumnMesh before = mesh;
+    LayeredMesh mesh = tangled_columns(random);
+    const LayeredMesh before = mesh;
     const double share = 0.05 + 0.8 * static_cast<double>(random() % 100) / 100;
     const MonotoneReport report = make_monotone(mesh, {share, true, 10});
     double least = 1e300;
@@ -62,7 +62,7 @@ TEST(Monotone, LiftsEveryColumnAndKeepsFixedHeightsExactly) {
 }
 
 TEST(Monotone, LeavesGoodColumnsAlone) {
-  ColumnMesh mesh = make_columns(mesh_ground({}, {0, 0, 60, 60}, {10, 25}), 7, 0, 70);
+  LayeredMesh mesh = make_layers(mesh_ground({}, {0, 0, 60, 60}, {10, 25}), 7, 0, 70);
   const auto before = mesh.z;
   const MonotoneReport report = make_monotone(mesh, {0.25, true, 10});
   EXPECT_EQ(report.moved, 0);
@@ -71,7 +71,7 @@ TEST(Monotone, LeavesGoodColumnsAlone) {
 }
 
 TEST(Monotone, FreeTopMayMove) {
-  ColumnMesh mesh = make_columns(mesh_ground({}, {0, 0, 60, 60}, {10, 25}), 4, 0, 40);
+  LayeredMesh mesh = make_layers(mesh_ground({}, {0, 0, 60, 60}, {10, 25}), 4, 0, 40);
   for (std::size_t v = 0; v < mesh.vertex_count(); ++v) mesh.column(v)[4] = -5;
   const MonotoneReport report = make_monotone(mesh, {0.25, false, 10});
   EXPECT_EQ(report.min_gap, 2.5);
@@ -79,7 +79,7 @@ TEST(Monotone, FreeTopMayMove) {
 }
 
 TEST(Monotone, RefusesRoofsBelowTheGround) {
-  ColumnMesh mesh = make_columns(mesh_ground({}, {0, 0, 60, 60}, {10, 25}), 7, 0, 70);
+  LayeredMesh mesh = make_layers(mesh_ground({}, {0, 0, 60, 60}, {10, 25}), 7, 0, 70);
   mesh.roof_layer[3] = 2;
   mesh.column(3)[2] = -1;
   EXPECT_THROW(make_monotone(mesh, {0.25, true, 10}), Error);

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <numbers>
 #include <random>
 
@@ -9,6 +10,7 @@
 
 #include "tetropolis/core/parallel.h"
 
+#include "support/explicit_mesh.h"
 #include "support/small_city.h"
 #include "support/test_data.h"
 
@@ -67,13 +69,13 @@ TEST(Quality, SumsOverAMeshDoNotDependOnThreads) {
   std::vector<double> volumes;
   for (const int threads : {1, 2}) {
     const ThreadLimit limit(threads);
-    const QualityHistogram quality = measure_quality(result.mesh);
-    EXPECT_EQ(quality.cells(), cell_count(result.mesh));
+    const QualityHistogram quality = measure_quality(result.mesh).histogram;
+    EXPECT_EQ(quality.cells(), cell_offsets(result.mesh).back());
     volumes.push_back(quality.volume());
   }
   EXPECT_EQ(volumes[0], volumes[1]);
   // The domain's box less the buildings' prisms.
-  double expected = 120 * 90 * result.mesh.column(0)[result.mesh.layers];
+  double expected = 120 * 90 * result.top;
   const std::vector<double> areas{18 * 12, 15.5 * 25, 35 * 40 - 15 * 20, 42, 0};
   for (std::size_t b = 0; b < 4; ++b) expected -= areas[b] * result.city.roofs[b];
   double last = 0;
@@ -84,6 +86,77 @@ TEST(Quality, SumsOverAMeshDoNotDependOnThreads) {
   }
   expected -= last * result.city.roofs[4];
   EXPECT_NEAR(volumes[0] / expected, 1, 1e-12);
+}
+
+/// Centre of a cell of the explicit lists.
+Point3 centre(const testing::ExplicitMesh& mesh, std::size_t cell) {
+  Point3 sum{};
+  for (const std::int64_t n : mesh.cells[cell])
+    for (std::size_t c = 0; c < 3; ++c) sum[c] += mesh.points[static_cast<std::size_t>(n)][c] / 4;
+  return sum;
+}
+
+TEST(Quality, FacesAreThoseSharedByTwoCells) {
+  const auto result = testing::meshed(testing::small_city(testing::hills));
+  const auto lists = testing::explicit_mesh(result.mesh);
+  std::map<std::array<std::int64_t, 3>, std::vector<std::size_t>> faces;
+  for (std::size_t cell = 0; cell < lists.cells.size(); ++cell)
+    for (std::size_t skip = 0; skip < 4; ++skip) {
+      std::array<std::int64_t, 3> face{};
+      for (std::size_t i = 0, n = 0; i < 4; ++i)
+        if (i != skip) face[n++] = lists.cells[cell][i];
+      std::sort(face.begin(), face.end());
+      faces[face].push_back(cell);
+    }
+  FaceQuality expected;
+  for (const auto& [nodes, cells] : faces) {
+    if (cells.size() != 2) continue;
+    std::array<Point3, 3> face;
+    for (std::size_t i = 0; i < 3; ++i) face[i] = lists.points[static_cast<std::size_t>(nodes[i])];
+    const FaceShape shape = face_shape(face, centre(lists, cells[0]), centre(lists, cells[1]));
+    ++expected.faces;
+    if (shape.non_orthogonality_deg > 70) ++expected.above_70;
+    expected.worst = {std::max(expected.worst.non_orthogonality_deg, shape.non_orthogonality_deg),
+                      std::max(expected.worst.skewness, shape.skewness)};
+  }
+  const FaceQuality measured = measure_faces(result.mesh);
+  EXPECT_EQ(measured.faces, expected.faces);
+  EXPECT_EQ(measured.above_70, expected.above_70);
+  EXPECT_NEAR(measured.worst.non_orthogonality_deg, expected.worst.non_orthogonality_deg, 1e-6);
+  EXPECT_NEAR(measured.worst.skewness, expected.worst.skewness, 1e-9);
+}
+
+TEST(Quality, KnownFace) {
+  const std::array<Point3, 3> face{{{0, 0, 0}, {3, 0, 0}, {0, 3, 0}}};
+  const FaceShape straight = face_shape(face, {1, 1, -2}, {1, 1, 4});
+  EXPECT_NEAR(straight.non_orthogonality_deg, 0, 1e-6);
+  EXPECT_NEAR(straight.skewness, 0, 1e-12);
+  // The line leans 45 degrees and meets the plane in (0, 1), 1 m from the centre; the face reaches
+  // 2 m from its centre in that direction.
+  const FaceShape leaning = face_shape(face, {-1, 1, -1}, {1, 1, 1});
+  EXPECT_NEAR(leaning.non_orthogonality_deg, 45, 1e-9);
+  EXPECT_NEAR(leaning.skewness, 0.5, 1e-12);
+}
+
+TEST(Quality, ListsTheWorstCellsWithTheirPlace) {
+  const auto result = testing::meshed(testing::small_city(testing::hills));
+  const auto lists = testing::explicit_mesh(result.mesh);
+  std::vector<double> badness;
+  for (const auto& cell : lists.cells) {
+    const auto p = [&](std::size_t i) { return lists.points[static_cast<std::size_t>(cell[i])]; };
+    const TetShape shape = tet_shape(p(0), p(1), p(2), p(3));
+    badness.push_back(std::min(shape.min_dihedral_deg, 180 - shape.max_dihedral_deg));
+  }
+  std::sort(badness.begin(), badness.end());
+  for (const int threads : {1, 2}) {
+    const ThreadLimit limit(threads);
+    const CellQuality quality = measure_quality(result.mesh, 10);
+    ASSERT_EQ(quality.worst.size(), 10U);
+    for (std::size_t i = 0; i < 10; ++i) {
+      EXPECT_EQ(quality.worst[i].badness, badness[i]);
+      EXPECT_FALSE(quality.worst[i].cause.empty());
+    }
+  }
 }
 
 }  // namespace

@@ -5,7 +5,6 @@
 #include <gtest/gtest.h>
 
 #include "tetropolis/core/parallel.h"
-#include "tetropolis/volume/quality.h"
 
 #include "support/small_city.h"
 
@@ -30,11 +29,8 @@ TEST(Smooth, MeshIsValidAndHeightsAreExactOnAnyTerrain) {
         SCOPED_TRACE(std::string(name) + " " + std::to_string(size) +
                      (fixed_top ? " flat top" : " free top"));
         auto city = testing::small_city(terrain);
-        const auto result = testing::meshed(city, size, fixed_top);
-        const ColumnMesh& mesh = result.mesh;
-        const QualityHistogram quality = measure_quality(mesh);
-        EXPECT_EQ(quality.inverted(), 0);
-        EXPECT_EQ(quality.cells(), cell_count(mesh));
+        const auto result = testing::layered(city, size, fixed_top);
+        const LayeredMesh& mesh = result.mesh;
         for (std::size_t v = 0; v < mesh.vertex_count(); ++v) {
           for (std::int32_t k = mesh.first_node[v]; k < mesh.layers; ++k)
             ASSERT_GT(mesh.column(v)[k + 1], mesh.column(v)[k]);
@@ -50,7 +46,7 @@ TEST(Smooth, MeshIsValidAndHeightsAreExactOnAnyTerrain) {
 }
 
 TEST(Smooth, TopStaysFlatWhenFixed) {
-  const auto result = testing::meshed(testing::small_city(testing::hills));
+  const auto result = testing::layered(testing::small_city(testing::hills));
   double top = 0;
   for (const double z : result.city.dtm.values) top = std::max(top, z + 80);
   for (const double roof : result.city.roofs) top = std::max(top, roof + 2 * 8);
@@ -61,7 +57,7 @@ TEST(Smooth, TopStaysFlatWhenFixed) {
 TEST(Smooth, FlatTerrainWithRoofsOnLayersNeedsNoChange) {
   auto city = testing::small_city([](double, double) { return 0.0; });
   city.roofs = {16, 32, 16, 8, 64};
-  const auto result = testing::meshed(city, 8);
+  const auto result = testing::layered(city, 8);
   for (std::size_t v = 0; v < result.mesh.vertex_count(); ++v)
     for (std::int32_t k = result.mesh.first_node[v]; k <= result.mesh.layers; ++k)
       EXPECT_NEAR(result.mesh.column(v)[k], 8.0 * k, 1e-4);
@@ -79,36 +75,10 @@ TEST(Smooth, PlansLayersForTheDomainAndItsRoofs) {
   EXPECT_TRUE(tower.raised);
 }
 
-TEST(Smooth, SuggestsThinnerLayersForFinerTriangles) {
-  const Bounds2 domain{0, 0, 120, 90};
-  const GroundMesh open = mesh_ground({}, domain, {10, 25});
-  EXPECT_GT(suggest_layer_height(open, 10), 6);  // nearly equilateral everywhere
-  double last = 10;
-  for (const double detail : {4.0, 1.0, 0.25}) {
-    const std::vector<Polygon> footprints{testing::rectangle(20, 20, 50, 50),
-                                          testing::rectangle(50 + detail, 20, 90, 50)};
-    const double height = suggest_layer_height(mesh_ground(footprints, domain, {10, 25}), 10);
-    EXPECT_LT(height, last);
-    last = height;
-  }
-  EXPECT_GE(last, 10.0 / 8);
-}
-
-TEST(Smooth, SuggestedLayersMakeBetterCellsNextToFineDetails) {
-  auto city = testing::small_city([](double x, double) { return 0.1 * x; });
-  const auto quality_with = [&](double layer_height) {
-    return measure_quality(testing::meshed(city, 10, true, layer_height).mesh).min_dihedral_deg();
-  };
-  const GroundMesh ground = mesh_ground(city.footprints, city.domain, {10, 25});
-  const double suggested = quality_with(suggest_layer_height(ground, 10));
-  EXPECT_GT(suggested, 8);
-  EXPECT_GT(suggested, quality_with(10));
-}
-
 TEST(Smooth, CutsEachBuildingAtTheLayerNearestItsRoof) {
   auto city = testing::small_city([](double, double) { return 0.0; });
   city.roofs = {3, 9, 13, 20.5, 75};  // layers of 91 m / 11
-  const auto result = testing::meshed(city, 8);
+  const auto result = testing::layered(city, 8);
   const std::vector<std::int32_t> nearest{1, 1, 2, 3,
                                           9};  // 20.5 m: 2.48 layers, in ratio closer to 3
   for (std::size_t t = 0; t < result.mesh.triangle_count(); ++t) {
@@ -122,7 +92,7 @@ TEST(Smooth, SameBitsForAnyNumberOfThreads) {
   std::vector<std::vector<double>> results;
   for (const int threads : {1, 2, 5}) {
     const ThreadLimit limit(threads);
-    results.push_back(testing::meshed(testing::small_city(testing::hills), 3).mesh.z);
+    results.push_back(testing::layered(testing::small_city(testing::hills), 3).mesh.z);
   }
   EXPECT_EQ(results[0], results[1]);
   EXPECT_EQ(results[0], results[2]);

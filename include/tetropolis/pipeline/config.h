@@ -51,7 +51,7 @@ struct Config {
   double mesh_size = 10;
   double min_angle = 25;
   double domain_height = 100;
-  std::string layering = "mesh_size";
+  std::string layering = "graded";
   double layer_height = 0;
   std::string top = "flat";
   double min_wall_height = 1;

@@ -14,6 +14,7 @@
 #include "tetropolis/io/warning.h"
 #include "tetropolis/pipeline/config.h"
 #include "tetropolis/volume/boundary.h"
+#include "tetropolis/volume/quality.h"
 
 namespace tetropolis {
 
@@ -58,7 +59,7 @@ struct GroundMeshReport {
 struct VolumeMeshReport {
   std::int64_t vertices = 0;
   std::int64_t cells = 0;
-  std::int32_t layers = 0;
+  std::int32_t layers = 0;  ///< Of uniform layering; else what it would have.
   double volume = 0;
   std::int64_t inverted = 0;
   double min_vertical_gap = 0;
@@ -68,6 +69,8 @@ struct VolumeMeshReport {
   double dihedral_min = 0, dihedral_p0_01 = 0, dihedral_p0_1 = 0, dihedral_p1 = 0,
          dihedral_median = 0, dihedral_max = 0;  ///< Degrees; quantiles of the least in each cell.
   double aspect_median = 0, aspect_p99 = 0, aspect_max = 0;
+  FaceQuality faces;
+  std::vector<WorstCell> worst;  ///< Centres in the local frame.
 };
 
 struct SurfaceMeshReport {

@@ -36,6 +36,9 @@ struct SurfaceMesh {
   std::vector<Patch> patch;             ///< Per triangle; ascending, so patches are consecutive.
   std::vector<BuildingIndex> building;  ///< Per triangle: for roofs and walls the building, else
                                         ///< kNoBuilding.
+  std::vector<NodeIndex> node;          ///< Per point: its number in the volume mesh; empty if the
+                                        ///< surface was read from a file.
+  std::vector<NodeIndex> cell;          ///< Per triangle: the cell behind it; likewise.
 };
 
 /// The boundary of `mesh` in the rectangle `domain`. Every face that belongs to one cell only is

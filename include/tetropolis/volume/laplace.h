@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "tetropolis/core/progress.h"
-#include "tetropolis/volume/column_mesh.h"
+#include "tetropolis/volume/layered_mesh.h"
 
 namespace tetropolis {
 
@@ -39,7 +39,7 @@ struct SolverReport {
 /// The result has the same bits for any number of threads.
 /// Preconditions: all vertical edges of cells are positive; u has the mesh's node layout.
 /// Throws Cancelled.
-SolverReport solve_laplace(const ColumnMesh& mesh, std::vector<float>& u,
+SolverReport solve_laplace(const LayeredMesh& mesh, std::vector<float>& u,
                            const LaplaceOptions& options, const Progress& progress = {});
 
 }  // namespace tetropolis

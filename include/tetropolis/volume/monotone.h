@@ -3,7 +3,7 @@
 
 #include <cstdint>
 
-#include "tetropolis/volume/column_mesh.h"
+#include "tetropolis/volume/layered_mesh.h"
 
 namespace tetropolis {
 
@@ -21,7 +21,7 @@ struct MonotoneReport {
 
 /// Moves free nodes up or down until every vertical edge of every cell is at least gap_share times
 /// the even spacing between the fixed nodes around it. Fixed nodes (lowest node, roof, top if
-/// fixed) keep their exact height. By the identity in column_mesh.h all cells are then positive.
+/// fixed) keep their exact height. By the identity in layered_mesh.h all cells are then positive.
 ///
 /// In a piece of m layers between fixed heights a < b, g = gap_share * (b - a) / m. A sweep up
 /// makes z[k] >= z[k-1] + g, a sweep down from b makes z[k] <= z[k+1] - g; after the first, z[k] >=
@@ -29,6 +29,6 @@ struct MonotoneReport {
 ///
 /// Precondition: in every column the fixed heights increase. Throws Error(kGuarantee) naming the
 /// vertex otherwise.
-MonotoneReport make_monotone(ColumnMesh& mesh, const MonotoneOptions& options);
+MonotoneReport make_monotone(LayeredMesh& mesh, const MonotoneOptions& options);
 
 }  // namespace tetropolis

@@ -2,7 +2,9 @@
 #pragma once
 
 #include <array>
+#include <cstddef>
 #include <cstdint>
+#include <string_view>
 #include <vector>
 
 #include "tetropolis/volume/column_mesh.h"
@@ -53,7 +55,46 @@ class QualityHistogram {
   double max_aspect_;
 };
 
-/// Over all cells of the mesh. The same bits for any number of threads.
-QualityHistogram measure_quality(const ColumnMesh& mesh);
+/// A cell that is far from regular, and why.
+struct WorstCell {
+  double badness = 0;  ///< The lesser of min_dihedral_deg and 180 - max_dihedral_deg.
+  double min_dihedral_deg = 0;
+  double max_dihedral_deg = 0;
+  Point3 centre{};             ///< Local frame, metres.
+  TriangleIndex triangle = 0;  ///< That it stands over.
+  std::string_view cause;      ///< "steep ground": the floor rises by more than the triangle's
+                           ///< altitude; "low wall": a wall lower than the triangle's altitude
+                           ///< beside it; "small detail": the triangle's altitude is less than half
+                           ///< the cell's height; "change of size": none of these.
+};
+
+struct CellQuality {
+  QualityHistogram histogram;
+  std::vector<WorstCell> worst;  ///< Worst first.
+};
+
+/// Over all cells of the mesh; lists the `worst` worst ones. The same bits for any number of
+/// threads.
+CellQuality measure_quality(const ColumnMesh& mesh, std::size_t worst = 0);
+
+/// Shape of a face between two cells as OpenFOAM's checkMesh measures it.
+struct FaceShape {
+  double non_orthogonality_deg = 0;  ///< Between the face's normal and the line of cell centres.
+  double skewness = 0;  ///< Distance of the face's centre from where that line meets its plane,
+                        ///< over the face's extent in this direction (at least a fifth of the
+                        ///< distance of the cell centres).
+};
+
+/// `c0`, `c1`: centres of the cells on both sides, not in the face's plane.
+FaceShape face_shape(const std::array<Point3, 3>& face, const Point3& c0, const Point3& c1);
+
+struct FaceQuality {
+  std::int64_t faces = 0;     ///< Internal ones.
+  std::int64_t above_70 = 0;  ///< Of them more than 70 degrees non-orthogonal.
+  FaceShape worst;            ///< Greatest non-orthogonality and greatest skewness of any face.
+};
+
+/// Over all internal faces of the mesh. The same bits for any number of threads.
+FaceQuality measure_faces(const ColumnMesh& mesh);
 
 }  // namespace tetropolis

@@ -6,8 +6,8 @@
 #include <vector>
 
 #include "tetropolis/core/progress.h"
-#include "tetropolis/volume/column_mesh.h"
 #include "tetropolis/volume/laplace.h"
+#include "tetropolis/volume/layered_mesh.h"
 #include "tetropolis/volume/monotone.h"
 
 namespace tetropolis {
@@ -18,14 +18,6 @@ struct LayerPlan {
   double top = 0;       ///< Elevation of the flat top.
   bool raised = false;  ///< The top had to be raised to clear a roof.
 };
-
-/// The layer height that keeps split prisms furthest from flat: the least dihedral angle of a
-/// prism's tets is about atan(a / H) where its triangle's altitude a is small, and atan(H / h)
-/// where the triangle is large. This is 1.25 sqrt(a h sqrt(3) / 2), at most h and at least h / 8,
-/// with the altitude a that all but one in ten thousand triangles exceed. The factor favours the
-/// second angle, which slopes and roofs between layers make smaller. `mesh_size` is h, metres, > 0;
-/// `ground` has triangles.
-double suggest_layer_height(const GroundMesh& ground, double mesh_size);
 
 /// The top is `domain_height` above `highest_ground`, or two layers above the highest roof where
 /// that is higher; the layers are as many as make their mean height closest to `layer_height`, at
@@ -45,7 +37,7 @@ struct SmoothReport {
 
 /// Step 3.3. Moves the evenly layered, untrimmed `mesh` so that layer 0 is at `ground` (per vertex)
 /// and the displacement in between is harmonic; afterwards every column is monotone.
-SmoothReport smooth_to_ground(ColumnMesh& mesh, std::span<const double> ground,
+SmoothReport smooth_to_ground(LayeredMesh& mesh, std::span<const double> ground,
                               const SmoothOptions& options, const Progress& progress = {});
 
 /// Step 3.4. Gives every building the layer its roof is cut at, and with it first_layer, first_node
@@ -53,11 +45,12 @@ SmoothReport smooth_to_ground(ColumnMesh& mesh, std::span<const double> ground,
 /// greatest wall height both come closest to whole layers (in ratio); at least 1, at most K - 1.
 /// `building` as from vertex_buildings; `roofs`: elevation per building.
 /// Precondition: roofs are above the ground layer at all their vertices.
-void trim(ColumnMesh& mesh, std::span<const BuildingIndex> building, std::span<const double> roofs);
+void trim(LayeredMesh& mesh, std::span<const BuildingIndex> building,
+          std::span<const double> roofs);
 
 /// Step 3.5. Moves the trimmed mesh so that every roof is at its exact elevation, ground and top
 /// stay where they are, and the displacement is harmonic; afterwards every column is monotone.
-SmoothReport smooth_to_roofs(ColumnMesh& mesh, std::span<const BuildingIndex> building,
+SmoothReport smooth_to_roofs(LayeredMesh& mesh, std::span<const BuildingIndex> building,
                              std::span<const double> roofs, const SmoothOptions& options,
                              const Progress& progress = {});
 

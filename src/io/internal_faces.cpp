@@ -1,0 +1,72 @@
+#include "internal_faces.h"
+
+#include <algorithm>
+
+namespace tetropolis {
+
+namespace {
+
+/// The triangle that shares the vertices a and b with triangle t, or kNoTriangle.
+TriangleIndex triangle_across(const ColumnMesh& mesh, std::size_t t, VertexIndex a, VertexIndex b) {
+  const std::array<VertexIndex, 2> ends{std::min(a, b), std::max(a, b)};
+  for (const EdgeIndex e : mesh.edges.of_triangle[t]) {
+    const auto i = static_cast<std::size_t>(e);
+    if (mesh.edges.vertices[i] != ends) continue;
+    const auto& pair = mesh.edges.triangles[i];
+    return pair[0] == static_cast<TriangleIndex>(t) ? pair[1] : pair[0];
+  }
+  return kNoTriangle;
+}
+
+}  // namespace
+
+void InternalFaces::look_beyond(std::size_t t, std::size_t i) {
+  const auto& own = mesh_.ground.triangles[t];
+  const std::array<VertexIndex, 2> ends{own[i], own[(i + 1) % 3]};
+  Beyond& beyond = beyond_[i];
+  const TriangleIndex other = triangle_across(mesh_, t, ends[0], ends[1]);
+  beyond.exists = other > static_cast<TriangleIndex>(t);
+  if (!beyond.exists) return;
+  const auto o = static_cast<std::size_t>(other);
+  const auto& corners = mesh_.ground.triangles[o];
+  std::array<std::size_t, 3> end_of_corner{2, 2, 2};  // 2: the corner off the edge
+  for (std::size_t e = 0; e < 2; ++e) {
+    beyond.from[e] = mesh_.floor(o, ends[e]);
+    beyond.behind[e].clear();
+    end_of_corner[static_cast<std::size_t>(std::find(corners.begin(), corners.end(), ends[e]) -
+                                           corners.begin())] = e;
+  }
+  NodeIndex cell = cells_[o];
+  Climb<3> front = climb_triangle(mesh_, o);
+  for (std::size_t c; (c = front.next()) < 3; front.advance(c), ++cell)
+    if (end_of_corner[c] < 2) beyond.behind[end_of_corner[c]].push_back(cell);
+}
+
+const std::vector<InternalFace>& InternalFaces::owned_over(std::size_t t) {
+  for (std::size_t i = 0; i < 3; ++i) look_beyond(t, i);
+  faces_.clear();
+  NodeIndex cell = cells_[t];
+  Climb<3> front = climb_triangle(mesh_, t);
+  for (std::size_t c; (c = front.next()) < 3; ++cell) {
+    const NodeIndex low = front.at(c), high = low + 1;
+    const std::size_t next = (c + 1) % 3, previous = (c + 2) % 3;
+    const NodeIndex at_next = front.at(next), at_previous = front.at(previous);
+    front.advance(c);
+    if (cell + 1 < cells_[t + 1]) faces_.push_back({cell, cell + 1, front.at()});
+    const auto begin = faces_.size();
+    // The corners run counter-clockwise, so the stack is to the left of c -> next.
+    const auto add = [&](const Beyond& beyond, std::size_t end,
+                         const std::array<NodeIndex, 3>& nodes) {
+      if (beyond.exists && low >= beyond.from[end])
+        faces_.push_back(
+            {cell, beyond.behind[end][static_cast<std::size_t>(low - beyond.from[end])], nodes});
+    };
+    add(beyond_[c], 0, {low, at_next, high});
+    add(beyond_[previous], 1, {low, high, at_previous});
+    if (faces_.size() == begin + 2 && faces_[begin].neighbour > faces_[begin + 1].neighbour)
+      std::swap(faces_[begin], faces_[begin + 1]);
+  }
+  return faces_;
+}
+
+}  // namespace tetropolis

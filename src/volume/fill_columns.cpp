@@ -1,0 +1,159 @@
+#include "tetropolis/volume/fill_columns.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <limits>
+#include <string>
+#include <utility>
+
+#include "tetropolis/core/error.h"
+#include "tetropolis/core/parallel.h"
+
+namespace tetropolis {
+
+namespace {
+
+constexpr std::size_t kColumnsPerChunk = 4096;
+constexpr double kSpacingFactor = 1.2;
+
+/// How one column is divided.
+struct Division {
+  std::int32_t below_roof = 0;  ///< Segments from the ground to the roof.
+  std::int32_t above = 0;       ///< Segments from there (or from the ground) to the top.
+};
+
+std::int32_t segments(double height, double spacing) {
+  return static_cast<std::int32_t>(std::max(1.0, std::round(height / spacing)));
+}
+
+/// Vertices with a triangle outside buildings.
+std::vector<std::uint8_t> outside_vertices(const GroundMesh& mesh) {
+  std::vector<std::uint8_t> outside(mesh.vertices.size(), 0);
+  for (std::size_t t = 0; t < mesh.triangles.size(); ++t)
+    if (mesh.region[t] == kNoBuilding)
+      for (const VertexIndex v : mesh.triangles[t]) outside[static_cast<std::size_t>(v)] = 1;
+  return outside;
+}
+
+void require_rise(double low, double high, std::size_t v, const char* what) {
+  if (low < high) return;
+  throw Error(ErrorKind::kGuarantee, "column mesh: at ground vertex " + std::to_string(v) + " " +
+                                         what + " (" + std::to_string(low) + " m to " +
+                                         std::to_string(high) + " m)");
+}
+
+Division divide(const ColumnEnds& ends, std::size_t v, bool outside, double spacing) {
+  Division division;
+  double low = ends.ground[v];
+  if (ends.building[v] != kNoBuilding) {
+    const double roof = ends.roofs[static_cast<std::size_t>(ends.building[v])];
+    if (outside) {
+      require_rise(low, roof, v, "the roof is not above the ground");
+      division.below_roof = segments(roof - low, spacing);
+    }
+    low = roof;
+  }
+  require_rise(low, ends.top[v], v, "the top is not above the ground or roof");
+  division.above = segments(ends.top[v] - low, spacing);
+  return division;
+}
+
+/// Writes count nodes from `low` towards, but without, `high`; returns the place after them.
+double* spread(double* z, double low, double high, std::int32_t count) {
+  for (std::int32_t i = 0; i < count; ++i) *z++ = low + (high - low) * i / count;
+  return z;
+}
+
+}  // namespace
+
+std::vector<double> column_spacing(const GroundMesh& ground) {
+  std::vector<double> longest(ground.vertices.size(), 0.0);  // squared
+  std::vector<double> altitude(ground.vertices.size(), std::numeric_limits<double>::infinity());
+  for (const auto& triangle : ground.triangles) {
+    std::array<Point2, 3> p;
+    for (std::size_t i = 0; i < 3; ++i)
+      p[i] = ground.vertices[static_cast<std::size_t>(triangle[i])];
+    std::array<double, 3> length2{};  // of the edge opposite to corner i
+    for (std::size_t i = 0; i < 3; ++i) {
+      const Point2 a = p[(i + 1) % 3], b = p[(i + 2) % 3];
+      length2[i] = (b.x - a.x) * (b.x - a.x) + (b.y - a.y) * (b.y - a.y);
+    }
+    const double twice_area =
+        (p[1].x - p[0].x) * (p[2].y - p[0].y) - (p[1].y - p[0].y) * (p[2].x - p[0].x);
+    const double least = twice_area / std::sqrt(std::max({length2[0], length2[1], length2[2]}));
+    for (std::size_t i = 0; i < 3; ++i) {
+      const auto v = static_cast<std::size_t>(triangle[i]);
+      altitude[v] = std::min(altitude[v], least);
+      longest[v] = std::max({longest[v], length2[(i + 1) % 3], length2[(i + 2) % 3]});
+    }
+  }
+  std::vector<double> spacing(ground.vertices.size());
+  for (std::size_t v = 0; v < spacing.size(); ++v)
+    spacing[v] =
+        kSpacingFactor * std::sqrt(2 / std::sqrt(3.0) * altitude[v] * std::sqrt(longest[v]));
+  return spacing;
+}
+
+ColumnMesh divide_columns(GroundMesh ground, EdgeGraph edges, const ColumnEnds& ends,
+                          std::span<const double> spacing) {
+  ColumnMesh mesh;
+  mesh.ground = std::move(ground);
+  mesh.edges = std::move(edges);
+  const std::size_t vertices = mesh.vertex_count();
+  const std::vector<std::uint8_t> outside = outside_vertices(mesh.ground);
+  mesh.roof.assign(vertices, kNoRoof);
+  mesh.first.assign(vertices + 1, 0);
+  parallel_chunks(vertices, kColumnsPerChunk, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t v = begin; v < end; ++v) {
+      const Division division = divide(ends, v, outside[v] != 0, spacing[v]);
+      if (ends.building[v] != kNoBuilding) mesh.roof[v] = division.below_roof;
+      mesh.first[v + 1] = division.below_roof + division.above + 1;
+    }
+  });
+  for (std::size_t v = 0; v < vertices; ++v) mesh.first[v + 1] += mesh.first[v];
+  mesh.z.resize(static_cast<std::size_t>(mesh.node_count()));
+  return mesh;
+}
+
+void place_nodes(ColumnMesh& mesh, const ColumnEnds& ends) {
+  parallel_chunks(mesh.vertex_count(), kColumnsPerChunk, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t v = begin; v < end; ++v) {
+      double* z = mesh.z.data() + mesh.first[v];
+      const auto last =
+          static_cast<std::int32_t>(mesh.top(static_cast<VertexIndex>(v)) - mesh.first[v]);
+      const std::int32_t roof = std::max(mesh.roof[v], 0);
+      double low = ends.ground[v];
+      if (ends.building[v] != kNoBuilding) {
+        low = ends.roofs[static_cast<std::size_t>(ends.building[v])];
+        z = spread(z, ends.ground[v], low, roof);
+      }
+      z = spread(z, low, ends.top[v], last - roof);
+      *z = ends.top[v];
+    }
+  });
+}
+
+ColumnMesh columns_of_layers(LayeredMesh&& layered) {
+  ColumnMesh mesh;
+  const std::size_t vertices = layered.vertex_count();
+  mesh.first.assign(vertices + 1, 0);
+  mesh.roof.assign(vertices, kNoRoof);
+  for (std::size_t v = 0; v < vertices; ++v) {
+    mesh.first[v + 1] = mesh.first[v] + layered.layers + 1 - layered.first_node[v];
+    if (layered.roof_layer[v] != kNoRoof)
+      mesh.roof[v] = layered.roof_layer[v] - layered.first_node[v];
+  }
+  mesh.z.resize(static_cast<std::size_t>(mesh.node_count()));
+  parallel_chunks(vertices, kColumnsPerChunk, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t v = begin; v < end; ++v)
+      std::copy(layered.column(v) + layered.first_node[v], layered.column(v) + layered.layers + 1,
+                mesh.z.begin() + mesh.first[v]);
+  });
+  mesh.ground = std::move(layered.ground);
+  mesh.edges = std::move(layered.edges);
+  layered = {};
+  return mesh;
+}
+
+}  // namespace tetropolis

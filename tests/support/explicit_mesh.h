@@ -1,0 +1,62 @@
+// A column mesh as explicit lists, made the plain way: what the streaming code is compared with.
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cstdint>
+#include <tuple>
+#include <vector>
+
+#include "tetropolis/volume/column_mesh.h"
+
+namespace tetropolis::testing {
+
+struct ExplicitMesh {
+  std::vector<std::array<double, 3>> points;
+  std::vector<std::array<std::int64_t, 4>> cells;
+  std::vector<std::int32_t> region;
+};
+
+/// Each triangle's segments are sorted by midpoint (ties: higher vertex first); each makes one tet
+/// with the highest nodes so far of the other two columns.
+inline ExplicitMesh explicit_mesh(const ColumnMesh& mesh,
+                                  const std::array<double, 3>& shift = {0, 0, 0}) {
+  ExplicitMesh result;
+  for (std::size_t v = 0; v < mesh.vertex_count(); ++v)
+    for (auto n = mesh.first[v]; n < mesh.first[v + 1]; ++n)
+      result.points.push_back({mesh.ground.vertices[v].x + shift[0],
+                               mesh.ground.vertices[v].y + shift[1],
+                               mesh.z[static_cast<std::size_t>(n)] + shift[2]});
+  for (std::size_t t = 0; t < mesh.triangle_count(); ++t) {
+    struct Segment {
+      double midpoint;
+      VertexIndex vertex;
+      std::size_t corner;
+      std::int64_t node;
+    };
+    std::vector<Segment> segments;
+    std::array<std::int64_t, 4> cell{};
+    for (std::size_t i = 0; i < 3; ++i) {
+      const VertexIndex v = mesh.ground.triangles[t][i];
+      const auto at = static_cast<std::size_t>(v);
+      const bool inside = mesh.ground.region[t] != kNoBuilding;
+      cell[i] = mesh.first[at] + (inside ? mesh.roof[at] : 0);
+      for (auto n = cell[i]; n + 1 < mesh.first[at + 1]; ++n)
+        segments.push_back(
+            {(mesh.z[static_cast<std::size_t>(n)] + mesh.z[static_cast<std::size_t>(n) + 1]) / 2, v,
+             i, n});
+    }
+    std::sort(segments.begin(), segments.end(), [](const Segment& a, const Segment& b) {
+      return std::tuple(a.midpoint, -a.vertex, a.node) < std::tuple(b.midpoint, -b.vertex, b.node);
+    });
+    for (const Segment& segment : segments) {
+      cell[3] = segment.node + 1;
+      result.cells.push_back(cell);
+      result.region.push_back(mesh.ground.region[t]);
+      cell[segment.corner] = segment.node + 1;
+    }
+  }
+  return result;
+}
+
+}  // namespace tetropolis::testing

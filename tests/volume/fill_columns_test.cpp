@@ -1,0 +1,152 @@
+#include "tetropolis/volume/fill_columns.h"
+
+#include <algorithm>
+#include <cmath>
+#include <string>
+
+#include <gtest/gtest.h>
+
+#include "tetropolis/core/error.h"
+#include "tetropolis/core/parallel.h"
+#include "tetropolis/volume/quality.h"
+
+#include "support/small_city.h"
+
+namespace tetropolis {
+namespace {
+
+using Terrain = double (*)(double, double);
+
+const std::vector<std::pair<const char*, Terrain>> kTerrains = {
+    {"flat", [](double, double) { return -5.0; }},
+    {"hills", testing::hills},
+    {"45 degrees", [](double x, double) { return x; }},
+    {"quarry", [](double x, double) { return x < 45 ? 0.0 : 20.0; }},
+    {"mountains",
+     [](double x, double y) { return 2500 + 25 * std::sin(x / 7) * std::sin(y / 9); }}};
+
+TEST(FillColumns, HeightsAreExactAndCellsValidOnAnyTerrain) {
+  for (const auto& [name, terrain] : kTerrains)
+    for (const double size : {12.0, 5.0}) {
+      SCOPED_TRACE(std::string(name) + " " + std::to_string(size));
+      const auto result = testing::meshed(testing::small_city(terrain), size);
+      const ColumnMesh& mesh = result.mesh;
+      EXPECT_EQ(measure_quality(mesh).histogram.inverted(), 0);
+      EXPECT_GT(require_valid(mesh), 0);
+      std::vector<bool> outside(mesh.vertex_count(), false);
+      for (std::size_t t = 0; t < mesh.triangle_count(); ++t)
+        if (!mesh.inside_building(t))
+          for (const VertexIndex v : mesh.ground.triangles[t])
+            outside[static_cast<std::size_t>(v)] = true;
+      for (std::size_t v = 0; v < mesh.vertex_count(); ++v) {
+        const double* z = mesh.z.data() + mesh.first[v];
+        EXPECT_EQ(mesh.z[static_cast<std::size_t>(mesh.top(static_cast<VertexIndex>(v)))],
+                  result.top);
+        if (outside[v]) {
+          ASSERT_EQ(z[0], result.heights.z[v]);
+        }
+        if (result.owner[v] == kNoBuilding) {
+          ASSERT_EQ(mesh.roof[v], kNoRoof);
+        } else {
+          ASSERT_EQ(mesh.roof[v] > 0, outside[v]);
+          ASSERT_EQ(z[mesh.roof[v]], result.city.roofs[static_cast<std::size_t>(result.owner[v])]);
+        }
+      }
+    }
+}
+
+TEST(FillColumns, SpacingComesClosestToWhatWasAskedFor) {
+  const auto result = testing::meshed(testing::small_city(testing::hills));
+  const std::vector<double> spacing = column_spacing(result.mesh.ground);
+  for (std::size_t v = 0; v < result.mesh.vertex_count(); ++v) {
+    const double* z = result.mesh.z.data() + result.mesh.first[v];
+    const auto last = static_cast<std::int32_t>(result.mesh.top(static_cast<VertexIndex>(v)) -
+                                                result.mesh.first[v]);
+    const std::int32_t roof = std::max(result.mesh.roof[v], 0);
+    for (const auto& [begin, end] : {std::pair(0, roof), std::pair(roof, last)}) {
+      if (begin == end) continue;
+      const double height = z[end] - z[begin];
+      const auto misfit = [&](int n) { return std::abs(height / spacing[v] - n); };
+      const int n = end - begin;
+      EXPECT_LE(misfit(n), misfit(n + 1));
+      if (n > 1) {
+        EXPECT_LE(misfit(n), misfit(n - 1));
+      }
+      for (int i = begin; i < end; ++i) EXPECT_NEAR(z[i + 1] - z[i], height / n, 1e-9 * height);
+    }
+  }
+}
+
+TEST(FillColumns, SpacingScalesWithTheTriangles) {
+  const Bounds2 domain{0, 0, 120, 90};
+  const GroundMesh open = mesh_ground({}, domain, {10, 25});
+  const std::vector<double> spacing = column_spacing(open);
+  EXPECT_GT(*std::min_element(spacing.begin(), spacing.end()), 4);
+  EXPECT_LT(*std::max_element(spacing.begin(), spacing.end()), 12.5);
+  GroundMesh half = open;
+  for (Point2& p : half.vertices) p = {p.x / 2, p.y / 2};
+  const std::vector<double> halved = column_spacing(half);
+  for (std::size_t v = 0; v < spacing.size(); ++v) EXPECT_EQ(halved[v], spacing[v] / 2);
+}
+
+TEST(FillColumns, CellsAreGoodNextToFineDetailsAndOnSlopes) {
+  // Gaps of 1 m between houses, at a tenth of the mesh size: uniform layers fall to about 3
+  // degrees.
+  testing::SmallCity city =
+      testing::small_city([](double x, double y) { return 0.3 * x + 0.1 * y; });
+  city.footprints[1] = testing::rectangle(39, 15, 55, 40);
+  city.roofs[3] += 3;  // the low house would be a metre high on its upper side
+  const auto result = testing::meshed(city, 10);
+  const CellQuality quality = measure_quality(result.mesh, 5);
+  EXPECT_GT(quality.histogram.min_dihedral_deg(), 12);
+  EXPECT_LT(quality.histogram.max_dihedral_deg(), 155);
+  const FaceQuality faces = measure_faces(result.mesh);
+  EXPECT_LT(faces.worst.non_orthogonality_deg, 70);
+  EXPECT_LT(faces.worst.skewness, 2);
+}
+
+TEST(FillColumns, RefusesHeightsThatDoNotIncrease) {
+  auto city = testing::meshed(testing::small_city(testing::hills));
+  std::vector<double> top(city.mesh.vertex_count(), city.top);
+  top[7] = city.heights.z[7];
+  const std::vector<double> spacing = column_spacing(city.mesh.ground);
+  try {
+    divide_columns(city.mesh.ground, city.mesh.edges,
+                   {city.heights.z, city.owner, city.city.roofs, top}, spacing);
+    FAIL() << "no error";
+  } catch (const Error& error) {
+    EXPECT_EQ(error.kind(), ErrorKind::kGuarantee);
+    EXPECT_NE(std::string(error.what()).find("ground vertex 7"), std::string::npos) << error.what();
+  }
+}
+
+TEST(FillColumns, LayersKeepTheirHeights) {
+  const auto layered = testing::layered(testing::small_city(testing::hills));
+  const LayeredMesh& from = layered.mesh;
+  const ColumnMesh mesh = columns_of_layers(LayeredMesh(from));
+  EXPECT_GT(require_valid(mesh), 0);
+  for (std::size_t v = 0; v < from.vertex_count(); ++v) {
+    ASSERT_EQ(mesh.first[v + 1] - mesh.first[v], from.layers + 1 - from.first_node[v]);
+    for (std::int32_t k = from.first_node[v]; k <= from.layers; ++k)
+      ASSERT_EQ(mesh.z[static_cast<std::size_t>(mesh.first[v] + k - from.first_node[v])],
+                from.column(v)[k]);
+    if (from.roof_layer[v] != kNoRoof) {
+      ASSERT_EQ(mesh.roof[v], from.roof_layer[v] - from.first_node[v]);
+    }
+  }
+  EXPECT_EQ(measure_quality(mesh).histogram.inverted(), 0);
+}
+
+TEST(FillColumns, SameBitsForAnyNumberOfThreads) {
+  std::vector<ColumnMesh> results;
+  for (const int threads : {1, 2, 5}) {
+    const ThreadLimit limit(threads);
+    results.push_back(testing::meshed(testing::small_city(testing::hills), 1.5).mesh);
+  }
+  EXPECT_EQ(results[0].z, results[1].z);
+  EXPECT_EQ(results[0].z, results[2].z);
+  EXPECT_EQ(results[0].first, results[2].first);
+}
+
+}  // namespace
+}  // namespace tetropolis
