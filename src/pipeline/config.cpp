@@ -151,6 +151,8 @@ std::vector<ConfigField> make_fields() {
       {"relief", "Synthetic city", &C::relief, kSynth,
        "Height of the hills; 0: flat; negative: the kind's own", "m", -1, 2000},
 
+      {"max_memory", "Run", &C::max_memory, kMeshing,
+       "Meshes that would need more, as 8G or 500M, are refused; default: 90 % of the machine's"},
       {"threads", "Run", &C::threads, kAll, "Threads; 0: one per core. Results do not depend on it",
        "", 0, 4096},
       {"quiet", "Run", &C::quiet, kAll, "Print errors only"},

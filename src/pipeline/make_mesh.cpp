@@ -6,7 +6,6 @@
 #include <vector>
 
 #include <fmt/format.h>
-#include <unistd.h>
 
 #include "tetropolis/ground/mesh_ground.h"
 #include "tetropolis/ground/validate.h"
@@ -25,6 +24,7 @@
 #include "tetropolis/volume/smooth.h"
 
 #include "io/column_output.h"
+#include "memory.h"
 #include "stages.h"
 
 namespace tetropolis {
@@ -34,47 +34,28 @@ namespace {
 /// More layers than this come from a stray point or a slip of the keyboard.
 constexpr std::int32_t kMostLayers = 5000;
 
-double physical_memory() {
-  return static_cast<double>(sysconf(_SC_PHYS_PAGES)) * static_cast<double>(sysconf(_SC_PAGESIZE));
+/// `highest`: of the terrain.
+void require_plausible(const LayerPlan& plan, double highest) {
+  if (plan.layers <= kMostLayers) return;
+  throw Error(ErrorKind::kUsage,
+              fmt::format("the mesh would have {} layers between the mean ground at {:.1f} m and "
+                          "the top at {:.1f} m (highest ground {:.1f} m, a stray point?); raise "
+                          "--mesh-size or --layer-height, or lower --domain-height",
+                          plan.layers, plan.bottom, plan.top, highest));
 }
 
-/// Refuses before the work what cannot end well. `bytes` is an estimate.
-void require_memory(double bytes, double cells) {
-  if (bytes <= 0.9 * physical_memory()) return;
-  throw Error(ErrorKind::kUsage, fmt::format("the mesh would have about {:.2g} cells and need "
-                                             "{:.0f} GB of {:.0f} GB; raise --mesh-size or "
-                                             "--layer-height, or lower --domain-height or --bounds",
-                                             cells, bytes / 1e9, physical_memory() / 1e9));
-}
-
-/// Triangles of a mesh without buildings, and what each takes while it is made.
-void require_ground_fits(const Config& config, const Bounds2& domain) {
-  const double triangles =
-      domain.width() * domain.height() / (0.4 * config.mesh_size * config.mesh_size);
-  constexpr double bytes_per_triangle = 150;
-  require_memory(triangles * bytes_per_triangle, triangles);
-}
-
-/// `highest`: of the terrain. Heights and solver take a double and 13 floats a node.
-void require_columns_fit(const GroundMesh& ground, const LayerPlan& plan, double highest) {
-  if (plan.layers > kMostLayers)
-    throw Error(
-        ErrorKind::kUsage,
-        fmt::format(
-            "the mesh would have {} layers between the mean ground at {:.1f} m and the top at "
-            "{:.1f} m (highest "
-            "ground {:.1f} m, a stray point?); raise --layer-height or lower --domain-height",
-            plan.layers, plan.bottom, plan.top, highest));
-  const double layers = plan.layers;
-  require_memory(static_cast<double>(ground.vertices.size()) * (layers + 1) * (8 + 13 * 4),
-                 static_cast<double>(ground.triangles.size()) * layers * 3);
+/// Nodes that columns of this spacing will have, before they are made.
+double count_nodes(const ColumnEnds& ends, const std::vector<double>& spacing) {
+  double nodes = 0;
+  for (std::size_t v = 0; v < spacing.size(); ++v)
+    nodes += 1 + (ends.top[v] - ends.ground[v]) / spacing[v];
+  return nodes;
 }
 
 GroundMesh make_ground(const Config& config, const CityModel& city, StepClock& clock,
                        Report& report) {
   std::vector<Polygon> footprints;
   for (const Building& building : city.buildings) footprints.push_back(building.footprint);
-  require_ground_fits(config, city.domain);
   GroundMesh ground = clock.run("3.1", "ground mesh", [&](const Progress& progress) {
     return mesh_ground(footprints, city.domain, {config.mesh_size, config.min_angle}, progress);
   });
@@ -114,7 +95,7 @@ void plan_height(const Config& config, const GroundMesh& ground, const Raster& d
   const bool uniform = config.layering == "uniform" && config.layer_height > 0;
   input.plan = plan_layers(input.heights.z, input.roofs, highest, config.domain_height,
                            uniform ? config.layer_height : config.mesh_size);
-  require_columns_fit(ground, input.plan, highest);
+  require_plausible(input.plan, highest);
   VolumeMeshReport& volume = *report.volume_mesh;
   volume.layers = input.plan.layers;
   volume.top = input.plan.top;
@@ -133,6 +114,8 @@ LayeredMesh make_layers_of_city(const Config& config, const Raster& dtm, GroundM
                                 ColumnInput& input, StepClock& clock, Report& report) {
   LayeredMesh mesh = clock.run("3.2", "layers", [&](const Progress&) {
     plan_height(config, ground, dtm, input, report);
+    const auto triangles = static_cast<double>(ground.triangles.size());
+    require_cells_fit(config, triangles, 3 * triangles * input.plan.layers);
     return make_layers(std::move(ground), input.plan.layers, input.plan.bottom, input.plan.top);
   });
   SmoothOptions options;
@@ -171,6 +154,9 @@ ColumnMesh grade_columns(const Config& config, const Raster& dtm, GroundMesh gro
   });
   const ColumnEnds ends{input.heights.z, input.owner, input.roofs, top};
   ColumnMesh mesh = clock.run("3.4", "divide columns, trim buildings", [&](const Progress&) {
+    // Every segment makes a tet in each of the about six triangles around it.
+    require_cells_fit(config, static_cast<double>(ground.triangles.size()),
+                      6 * count_nodes(ends, spacing));
     EdgeGraph edges = build_edge_graph(ground);
     return divide_columns(std::move(ground), std::move(edges), ends, spacing);
   });
@@ -263,6 +249,19 @@ void move_into_crs(GroundMesh& ground, Point2 origin) {
   for (Point2& p : ground.vertices) p = {in_crs(p.x, origin.x), in_crs(p.y, origin.y)};
 }
 
+CitySize size_of(const Config& config, const CityModel& city, const Raster& dtm) {
+  CitySize size;
+  size.area = city.domain.width() * city.domain.height();
+  for (const Building& building : city.buildings) {
+    size.footprint_vertices += static_cast<double>(building.footprint.outer.size());
+    for (const Ring& hole : building.footprint.holes)
+      size.footprint_vertices += static_cast<double>(hole.size());
+  }
+  size.height = config.domain_height;
+  size.terrain_nodes = static_cast<double>(dtm.values.size());
+  return size;
+}
+
 bool is_wanted(const Config& config, std::string_view format) {
   return std::find(config.formats.begin(), config.formats.end(), format) != config.formats.end();
 }
@@ -308,6 +307,7 @@ void write_surface(const Config& config, const SurfaceMesh& boundary, const Plac
 void make_mesh(const Config& config, const CityModel& city, Raster dtm, const OutputFolder& out,
                StepClock& clock, Report& report) {
   const Point2 origin = city.origin;
+  require_mesh_fits(config, size_of(config, city, dtm));
   GroundMesh ground = make_ground(config, city, clock, report);
   move_into_crs(ground, origin);
   dtm.x0 = in_crs(dtm.x0, origin.x);

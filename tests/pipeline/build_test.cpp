@@ -187,14 +187,23 @@ TEST_F(Build, AbsurdSizesAreRefusedBeforeTheWork) {
     return last;
   };
   const Config good = config;
-  config.layer_height = 1e-9;
+  config.layering = "uniform";
+  config.layer_height = 1e-2;
+  config.max_memory = "1T";
   EXPECT_EQ(refused("layers between the mean ground"), "3.2");
   config = good;
   config.domain_height = 1e7;
-  EXPECT_EQ(refused("layers between the mean ground"), "3.2");
+  config.max_memory = "1T";
+  EXPECT_EQ(refused("layers between the mean ground"), "3.3");
+  config = good;
+  config.layer_height = 1e-9;
+  EXPECT_EQ(refused("no mesh size fits"), "2.4");
   config = good;
   config.mesh_size = 0.05;  // a thousand million triangles
-  EXPECT_EQ(refused("GB of"), "2.4");
+  EXPECT_EQ(refused("cells fit, with --mesh-size"), "2.4");
+  config = good;
+  config.max_memory = "eight";
+  EXPECT_EQ(refused("--max-memory: 'eight' is no size"), "2.4");
   config = good;
   config.min_building_area = 1e6;
   EXPECT_EQ(refused("all 30 buildings were dropped"), "2.2");

@@ -77,7 +77,7 @@ TEST_F(Cli, BuildsChecksAndTells) {
   const Outcome built = run("build --footprints input/footprints.shp --points input --out result");
   EXPECT_EQ(built.code, 0) << built.err;
   EXPECT_EQ(built.out, "");
-  EXPECT_NE(built.err.find("3.5  smooth to roofs"), std::string::npos);
+  EXPECT_NE(built.err.find("3.5  place nodes"), std::string::npos);
   EXPECT_NE(built.err.find("0 inverted"), std::string::npos);
   EXPECT_EQ(built.err.find('\r'), std::string::npos);  // no progress bar off a terminal
   const Outcome checked = run("check result");

@@ -68,6 +68,7 @@ struct Config {
   double relief = -1;
 
   // Run.
+  std::string max_memory;  ///< As "8G"; empty: nine tenths of the machine's.
   int threads = 0;
   bool quiet = false;
   std::string log;

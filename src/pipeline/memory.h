@@ -1,0 +1,39 @@
+// How much memory a mesh will need, told before the work.
+#pragma once
+
+#include "tetropolis/geometry/types.h"
+#include "tetropolis/pipeline/config.h"
+
+namespace tetropolis {
+
+/// Bytes the process may take: `max_memory`, or nine tenths of the machine's memory. Throws
+/// Error(kUsage) if the setting is no size.
+double memory_limit(const Config& config);
+
+/// What is known of a city before it is meshed.
+struct CitySize {
+  double area = 0;                ///< Of the domain, square metres.
+  double footprint_vertices = 0;  ///< Of all rings.
+  double height = 0;              ///< Of the domain over its mean ground, metres.
+  double terrain_nodes = 0;
+};
+
+struct MeshEstimate {
+  double triangles = 0;
+  double cells = 0;
+  double bytes = 0;  ///< Peak of steps 3.1 to 3.6.
+};
+
+/// Triangles, cells and peak memory to about a third. A triangle takes about 0.4 h^2 away from
+/// buildings, and each corner of a footprint brings seven more (measured on the cities of
+/// bench/); columns are divided about every 0.7 h.
+MeshEstimate estimate_mesh(const Config& config, const CitySize& city);
+
+/// Throws Error(kUsage) that tells cells, memory, and the mesh size that would fit, unless
+/// estimate_mesh is below the limit.
+void require_mesh_fits(const Config& config, const CitySize& city);
+
+/// Likewise for counts that are known by now.
+void require_cells_fit(const Config& config, double triangles, double cells);
+
+}  // namespace tetropolis
