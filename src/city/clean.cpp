@@ -127,6 +127,12 @@ CleanedFootprint clean_footprint(const Polygon& raw, const CleanOptions& options
       better = repaired(steps);
     } catch (const Error&) {  // GEOS could not unite the parts
     }
+    // Holes that leave nothing of their shell are a mistake of the file, not a building of air.
+    if (!better && !raw.holes.empty()) {
+      CleanedFootprint shell = clean_footprint({raw.outer, {}}, options);
+      shell.repaired = shell.usable();
+      return shell;
+    }
     if (!better) return unusable("outline cannot be repaired: zero area or too tangled");
     steps = std::move(*better);
     result.repaired = true;
