@@ -21,6 +21,7 @@
 #include "tetropolis/io/vector.h"
 
 #include "gdal_support.h"
+#include "shapefile_members.h"
 #include "vector_geometry.h"
 
 namespace tetropolis {
@@ -92,6 +93,7 @@ VectorFile open_vector(const fs::path& path, const gdal::QuietErrors& errors) {
   if (!fs::exists(path, error)) fail(path, "no such file; check the path");
   if (!fs::is_directory(path, error) && fs::file_size(path, error) == 0)
     fail(path, "the file is empty; get it again");
+  require_whole_shapefile(path);
   VectorFile file;
   std::string name = path.string();
   if (lacks_index(path)) {
