@@ -1,4 +1,5 @@
 // Footprints on which a random search has seen the library fail; one test each.
+#include <algorithm>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -62,7 +63,8 @@ TEST(FoundBySearch, ACombWithSlotsOfACentimetre) {
   EXPECT_NEAR(area(simple.footprints[0]), 11 * 1.175 * 8.72, 4);
 }
 
-// Their union has nothing that is as wide as the grid, and merging took the first of no parts.
+// Slivers: their union has nothing that is as wide as the grid, and merging took the first of no
+// parts.
 TEST(FoundBySearch, ACloseGroupOfSliversOnly) {
   const std::vector<Polygon> slivers{
       {{{18.0842, 19.6762}, {25.2418, 19.6762}, {25.2418, 19.6768}}, {}},
@@ -72,7 +74,28 @@ TEST(FoundBySearch, ACloseGroupOfSliversOnly) {
   EXPECT_EQ(simple.dropped.size(), 2U);
 }
 
-// Where they came from: needles of which the domain's boundary leaves the tip.
+// Two houses that hang together by a garden wall of 20 cm: cutting it left one, and nothing of the
+// other but its name in the list of members.
+TEST(FoundBySearch, NoBuildingVanishesWithTheWallThatJoinsItToAnother) {
+  const Polygon wall{box(15, 15, 63, 50).outer, {box(15.2, 15.2, 62.8, 49.8).outer}};
+  const std::vector<Polygon> houses{box(10, 10, 20, 20), box(60, 12, 66, 22)};
+  const std::vector<Polygon> input{houses[0], houses[1], clean(wall)};
+  const Simplification simple = simplify_footprints(input, Bounds2{0, 0, 100, 100}, {});
+  for (std::size_t i = 0; i < houses.size(); ++i) {
+    const Point2 middle = interior_point(houses[i]);
+    for (std::size_t k = 0; k < simple.footprints.size(); ++k) {
+      const auto& members = simple.members[k];
+      const bool member =
+          std::find(members.begin(), members.end(), static_cast<BuildingIndex>(i)) != members.end();
+      EXPECT_EQ(contains(simple.footprints[k], middle), member) << "house " << i;
+    }
+  }
+  EXPECT_GE(joint_clearance(simple.footprints).distance, 1);
+  const Simplification again = simplify_footprints(simple.footprints, Bounds2{0, 0, 100, 100}, {});
+  EXPECT_EQ(again.stats.area_changed, 0);
+}
+
+// Where the slivers came from: needles of which the domain's boundary leaves the tip.
 TEST(FoundBySearch, ATipCutOffByTheDomainIsClean) {
   const Polygon needle{{{18, 10}, {48, 10}, {48, 10.0025}}, {}};
   const Polygon tip = clip_to_box(needle, Bounds2{1, 1, 25.2, 25.2});
