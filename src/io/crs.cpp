@@ -152,8 +152,8 @@ std::string crs_name(const std::string& crs) {
   const gdal::QuietErrors errors;
   const gdal::Srs srs = gdal::parse_srs(crs);
   const char* name = srs == nullptr ? nullptr : OSRGetName(srs.get());
-  if (name == nullptr || *name == '\0') return "unnamed";
-  std::string text = name;
+  std::string text = name == nullptr ? "" : name;
+  if (text.empty() || text == "unknown") return "unnamed";  // as PROJ strings are
   for (char& c : text)
     if (c == '\n' || c == '\r') c = ' ';
   return text.size() <= kLongest ? text : text.substr(0, kLongest) + "...";

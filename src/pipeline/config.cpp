@@ -223,7 +223,7 @@ void set_texts(std::vector<std::string>& target, const ConfigField& field,
   target = field.choices.empty() ? std::vector<std::string>(values.begin(), values.end())
                                  : split_lists(values);
   for (const std::string& text : target) {
-    if (text.empty())
+    if (text.empty() && field.choices.empty())
       fail(origin, "an empty text among the values; leave it out or name something");
     check_choice(field, text, origin);
   }
