@@ -22,23 +22,73 @@ constexpr double kAny = std::numeric_limits<double>::infinity();
 constexpr double kStep = 2 * kCoordinateStep;
 
 const Polygon kPatient = box(60, 50, 84, 66);
-const Polygon kNorth = defect_city().houses[2].footprint;
 
+/// One defect and what becomes of it: without further words, the patient as if nothing were wrong.
 struct Row {
   std::string name;
-  std::string patient;             ///< WKT.
-  std::vector<Feature> more = {};  ///< Further features.
+  std::string patient;  ///< WKT.
+  std::vector<Feature> more = {};
 
-  Polygon outline = kPatient;             ///< The patient's building has this outline,
-  double within = kStep;                  ///< so far off at most (kAny: not asked),
-  double area = 0;                        ///< this area (0: that of `outline`; NaN: not asked),
-  double area_within = 0.5;               ///< so much off at most, square metres,
-  std::set<std::string> flags = {};       ///< these flags,
-  std::vector<std::string> members = {};  ///< and these members beside the patient.
-  std::string dropped = "";               ///< Or it is dropped for a reason that says this.
+  Polygon outline = kPatient;  ///< Of the patient's building,
+  double within = kStep;       ///< so far off at most,
+  double area = 0;             ///< of this area (0: that of `outline`),
+  double area_within = 0.5;    ///< so much off at most, square metres.
+  std::set<std::string> flags = {};
+  std::vector<std::string> members = {};  ///< Beside the patient.
+  std::string dropped = "";  ///< Or the patient is dropped for a reason that says this.
   std::map<std::string, std::string> drops = {};  ///< Others dropped, and why.
   std::string warning = "";                       ///< Code of a warning of the report.
+
+  /// Flagged as repaired; the outline is so far off at most.
+  Row& repaired(double off = kStep) {
+    flags.insert("repaired");
+    within = off;
+    return *this;
+  }
+  Row& is(const Polygon& polygon, double off = kStep) {
+    outline = polygon;
+    within = off;
+    return *this;
+  }
+  /// Any outline of this area, or that of `outline`.
+  Row& covers(double square_metres, double off) {
+    within = square_metres == 0 ? within : kAny;
+    area = square_metres;
+    area_within = off;
+    return *this;
+  }
+  Row& flag(const std::string& name_of_flag) {
+    flags.insert(name_of_flag);
+    return *this;
+  }
+  /// There are these features too, and they stay by themselves.
+  Row& beside(const std::vector<Feature>& features) {
+    more = features;
+    return *this;
+  }
+  /// There are these features too, and all become one building.
+  Row& with(const std::vector<Feature>& features) {
+    more = features;
+    for (const Feature& feature : features) members.push_back(feature.id);
+    return flag("merged");
+  }
+  Row& without(const std::string& id, const std::string& reason) {
+    drops[id] = reason;
+    return *this;
+  }
+  Row& warns(const std::string& code) {
+    warning = code;
+    return *this;
+  }
 };
+
+Row row(const std::string& name, const std::string& patient) { return {name, patient}; }
+
+Row drop(const std::string& name, const std::string& patient, const std::string& reason) {
+  Row result{name, patient};
+  result.dropped = reason;
+  return result;
+}
 
 void PrintTo(const Row& row, std::ostream* out) { *out << row.name; }
 
@@ -92,436 +142,183 @@ std::vector<std::string> ids_of(const std::vector<Feature>& features) {
 std::vector<Row> rings() {
   Polygon clockwise = kPatient;
   std::reverse(clockwise.outer.begin(), clockwise.outer.end());
+  const Polygon court{kPatient.outer, {{{68, 54}, {68, 62}, {76, 62}, {76, 54}}}};
   return {
-      {"Sound", wkt(kPatient)},
-      {"Unclosed", open_wkt(kPatient)},
-      {"Clockwise", wkt(clockwise)},
-      {"ClockwiseAndUnclosed", open_wkt(clockwise)},
-      {"ClosedThrice", "POLYGON((60 50,84 50,84 66,60 66,60 50,60 50,60 50))"},
-      {"DuplicateVertices", "POLYGON((60 50,60 50,84 50,84 50,84 50,84 66,60 66,60 66,60 50))"},
-      {"NearDuplicateVertices",
-       "POLYGON((60 50,60.0004 50,84 50,84.0002 50.0003,84 66,60 66,59.9999 65.9999,60 50))",
-       {},
-       kPatient,
-       0.001},
-      {"VerticesOnWalls", "POLYGON((60 50,70 50,71 50,84 50,84 58,84 66,72 66,60 66,60 50))"},
-      {"TheSameRingTwiceInOne",
-       "POLYGON((60 50,84 50,84 66,60 66,60 50,84 50,84 66,60 66,60 50))",
-       {},
-       kPatient,
-       kStep,
-       0,
-       0.5,
-       {"repaired"}},
-      {"SpikeOfZeroWidthOutwards", "POLYGON((60 50,84 50,84 58,91 58,84 58,84 66,60 66,60 50))"},
-      {"SpikeOfZeroWidthInwards", "POLYGON((60 50,84 50,84 58,70 58,84 58,84 66,60 66,60 50))"},
-      {"SpikeAtTheSeam", "POLYGON((55 50,60 50,84 50,84 66,60 66,60 50,55 50))"},
-      {"SpikeOfACentimetre",
-       "POLYGON((60 50,84 50,84 58,91 58,84 58.01,84 66,60 66,60 50))",
-       {},
-       kPatient,
-       0.02,
-       0,
-       0.5,
-       {"repaired"}},
-      {"CutOfACentimetre",
-       "POLYGON((60 50,84 50,84 58,70 58,84 58.01,84 66,60 66,60 50))",
-       {},
-       kPatient,
-       0.02,
-       0,
-       0.5,
-       {"repaired"}},
-      {"SawOfTwoCentimetres", saw(0.02, 0.3), {}, kPatient, 0.1, 0, 2, {"repaired"}},
-      {"SawOfHalfAMetre", saw(0.5, 0.5), {}, kPatient, 0.75, 384, 16, {"repaired"}},
-      {"NeedleOfHalfADegree",
-       "POLYGON((60 50,84 50,84 57.9,107 58,84 58.1,84 66,60 66,60 50))",
-       {},
-       kPatient,
-       1,
-       0,
-       2,
-       {"repaired"}},
-      {"NothingButANeedleOfHalfADegree",
-       "POLYGON((60 58,100 58,100 58.35,60 58))",
-       {},
-       kPatient,
-       0,
-       0,
-       0,
-       {},
-       {},
-       "narrow"},
-      {"BowTieOfTwoTriangles",
-       "POLYGON((60 50,84 66,84 50,60 66,60 50))",
-       {},
-       kPatient,
-       kAny,
-       192,
-       4,
-       {"repaired"}},
-      {"BowTieOfTwoNeighbouringVertices",
-       "POLYGON((60 50,84 50,84 66,61 66,61.3 66.2,60 66,60 50))",
-       {},
-       kPatient,
-       0.5,
-       0,
-       1,
-       {"repaired"}},
-      {"LoopAtACorner",
-       "POLYGON((60 50,84 50,84 66,86 66,86 68,83.9 65.9,60 66,60 50))",
-       {},
-       kPatient,
-       kAny,
-       386,
-       3,
-       {"repaired"}},
-      {"KeyholeInsteadOfAHole",
-       "POLYGON((60 50,84 50,84 66,60 66,60 58,68 58,68 62,76 62,76 54,68 54,68 58,60 58,60 50))",
-       {},
-       {kPatient.outer, {{{68, 54}, {68, 62}, {76, 62}, {76, 54}}}},
-       kStep,
-       0,
-       0.5,
-       {"repaired"}},
-      {"CircleOf4000Vertices", circle({72, 58}, 8, 4000), {}, kPatient, kAny, 201, 6, {"repaired"}},
+      row("Sound", wkt(kPatient)),
+      row("Unclosed", open_wkt(kPatient)),
+      row("Clockwise", wkt(clockwise)),
+      row("ClockwiseAndUnclosed", open_wkt(clockwise)),
+      row("ClosedThrice", "POLYGON((60 50,84 50,84 66,60 66,60 50,60 50,60 50))"),
+      row("DuplicateVertices", "POLYGON((60 50,60 50,84 50,84 50,84 50,84 66,60 66,60 66,60 50))"),
+      row("NearDuplicateVertices",
+          "POLYGON((60 50,60.0004 50,84 50,84.0002 50.0003,84 66,60 66,59.9999 65.9999,60 50))")
+          .is(kPatient, 0.001),
+      row("VerticesOnWalls", "POLYGON((60 50,70 50,71 50,84 50,84 58,84 66,72 66,60 66,60 50))"),
+      row("TheSameRingTwiceInOne",
+          "POLYGON((60 50,84 50,84 66,60 66,60 50,84 50,84 66,60 66,60 50))")
+          .repaired(),
+      row("SpikeOfZeroWidthOutwards", "POLYGON((60 50,84 50,84 58,91 58,84 58,84 66,60 66,60 50))"),
+      row("SpikeOfZeroWidthInwards", "POLYGON((60 50,84 50,84 58,70 58,84 58,84 66,60 66,60 50))"),
+      row("SpikeAtTheSeam", "POLYGON((55 50,60 50,84 50,84 66,60 66,60 50,55 50))"),
+      row("SpikeOfACentimetre", "POLYGON((60 50,84 50,84 58,91 58,84 58.01,84 66,60 66,60 50))")
+          .repaired(0.02),
+      row("CutOfACentimetre", "POLYGON((60 50,84 50,84 58,70 58,84 58.01,84 66,60 66,60 50))")
+          .repaired(0.02),
+      row("SawOfTwoCentimetres", saw(0.02, 0.3)).repaired(0.1).covers(0, 2),
+      row("SawOfHalfAMetre", saw(0.5, 0.5)).repaired(0.75).covers(0, 16),
+      row("NeedleOfHalfADegree", "POLYGON((60 50,84 50,84 57.9,107 58,84 58.1,84 66,60 66,60 50))")
+          .repaired(1)
+          .covers(0, 2),
+      drop("NothingButANeedleOfHalfADegree", "POLYGON((60 58,100 58,100 58.35,60 58))", "narrow"),
+      row("BowTieOfTwoTriangles", "POLYGON((60 50,84 66,84 50,60 66,60 50))")
+          .repaired()
+          .covers(192, 4),
+      row("BowTieOfTwoNeighbouringVertices",
+          "POLYGON((60 50,84 50,84 66,61 66,61.3 66.2,60 66,60 50))")
+          .repaired(0.5)
+          .covers(0, 1),
+      row("LoopAtACorner", "POLYGON((60 50,84 50,84 66,86 66,86 68,83.9 65.9,60 66,60 50))")
+          .repaired()
+          .covers(386, 3),
+      row("KeyholeInsteadOfAHole",
+          "POLYGON((60 50,84 50,84 66,60 66,60 58,68 58,68 62,76 62,76 54,68 54,68 58,60 58,60 "
+          "50))")
+          .repaired()
+          .is(court),
+      row("CircleOf4000Vertices", circle({72, 58}, 8, 4000)).repaired().covers(201, 6),
   };
 }
 
 std::vector<Row> holes() {
   const Polygon court{kPatient.outer, {{{68, 54}, {68, 62}, {76, 62}, {76, 54}}}};
+  const auto notched = [](double x) {
+    return Polygon{{{60, 50}, {84, 50}, {84, 54}, {x, 54}, {x, 62}, {84, 62}, {84, 66}, {60, 66}},
+                   {}};
+  };
   return {
-      {"HoleCounterClockwise", with_hole({{68, 54}, {76, 54}, {76, 62}, {68, 62}}), {}, court},
-      {"HoleOutside",
-       with_hole({{90, 54}, {90, 62}, {96, 62}, {96, 54}}),
-       {},
-       kPatient,
-       kStep,
-       0,
-       0.5,
-       {"repaired"}},
-      {"HoleFarOutside",
-       with_hole({{-5000, 54}, {-5000, 62}, {-4990, 62}, {-4990, 54}}),
-       {},
-       kPatient,
-       kStep,
-       0,
-       0.5,
-       {"repaired"}},
-      {"HoleOutsideTouching",
-       with_hole({{84, 54}, {84, 62}, {92, 62}, {92, 54}}),
-       {},
-       kPatient,
-       kStep,
-       0,
-       0.5,
-       {"repaired"}},
-      {"HoleEqualToTheShell", with_hole(kPatient.outer), {}, kPatient, kStep, 0, 0.5, {"repaired"}},
-      {"HoleAroundTheShell",
-       with_hole(box(58, 48, 86, 68).outer),
-       {},
-       kPatient,
-       kStep,
-       0,
-       0.5,
-       {"repaired"}},
-      {"HoleTwice",
-       wkt({kPatient.outer, {court.holes[0], court.holes[0]}}),
-       {},
-       court,
-       kStep,
-       0,
-       0.5,
-       {"repaired"}},
-      {"HoleInAHole",
-       wkt({kPatient.outer, {court.holes[0], box(70, 56, 74, 60).outer}}),
-       {},
-       court,
-       kStep,
-       0,
-       0.5,
-       {"repaired"}},
-      {"OverlappingHoles",
-       wkt({kPatient.outer, {box(66, 54, 72, 62).outer, box(70, 54, 78, 62).outer}}),
-       {},
-       {kPatient.outer, {box(66, 54, 78, 62).outer}},
-       kStep,
-       0,
-       0.5,
-       {"repaired"}},
-      {"HoleAcrossTheShell",
-       with_hole(box(78, 54, 90, 62).outer),
-       {},
-       {{{60, 50}, {84, 50}, {84, 54}, {78, 54}, {78, 62}, {84, 62}, {84, 66}, {60, 66}}, {}},
-       kStep,
-       0,
-       0.5,
-       {"repaired"}},
-      {"HoleSharingAnEdge",
-       with_hole(box(76, 54, 84, 62).outer),
-       {},
-       {{{60, 50}, {84, 50}, {84, 54}, {76, 54}, {76, 62}, {84, 62}, {84, 66}, {60, 66}}, {}},
-       kStep,
-       0,
-       0.5,
-       {"repaired"}},
-      {"HoleTouchingAtAVertex",
-       with_hole({{84, 58}, {76, 54}, {70, 58}, {76, 62}}),
-       {},
-       kPatient,
-       kAny,
-       384 - 56,
-       3,
-       {"repaired"}},
-      {"HoleOfTwoVertices", "POLYGON((60 50,84 50,84 66,60 66,60 50),(70 55,72 57,70 55))"},
-      {"HoleOfZeroArea", "POLYGON((60 50,84 50,84 66,60 66,60 50),(70 55,72 57,71 56,70 55))"},
-      {"WallOfFiveCentimetres",
-       with_hole(box(61, 51, 83, 65.95).outer),
-       {},
-       kPatient,
-       kAny,
-       384 - 22 * 14.95,
-       26,
-       {"repaired"}},
-      {"BuildingInACourtyard",
-       wkt(court),
-       {{"inner", wkt(box(70, 56, 74, 60))}},
-       court,
-       kStep,
-       0,
-       0.5,
-       {}},
-      {"BuildingThatFillsTheCourtyard",
-       wkt(court),
-       {{"inner", wkt(box(68, 54, 76, 62))}},
-       kPatient,
-       kStep,
-       0,
-       0.5,
-       {"merged"},
-       {"inner"}},
-      {"BuildingThatFillsTheCourtyardButForACentimetre",
-       wkt(court),
-       {{"inner", wkt(box(68.01, 54.01, 75.99, 61.99))}},
-       kPatient,
-       kStep,
-       0,
-       0.5,
-       {"merged"},
-       {"inner"}},
-      {"CourtyardsWithinCourtyards",
-       wkt({box(56, 46, 88, 72).outer, {box(59, 49, 85, 69).outer}}),
-       {{"second", wkt({box(62, 52, 82, 66).outer, {box(65, 55, 79, 63).outer}})},
-        {"third", wkt(box(68, 57, 76, 61))}},
-       {box(56, 46, 88, 72).outer, {box(59, 49, 85, 69).outer}},
-       kStep,
-       0,
-       0.5,
-       {"no_roof_points"}},  // the scan is of a building without courtyard
+      row("HoleCounterClockwise", with_hole({{68, 54}, {76, 54}, {76, 62}, {68, 62}})).is(court),
+      row("HoleOutside", with_hole(box(90, 54, 96, 62).outer)).repaired(),
+      row("HoleFarOutside", with_hole(box(-5000, 54, -4990, 62).outer)).repaired(),
+      row("HoleOutsideTouching", with_hole(box(84, 54, 92, 62).outer)).repaired(),
+      row("HoleEqualToTheShell", with_hole(kPatient.outer)).repaired(),
+      row("HoleAroundTheShell", with_hole(box(58, 48, 86, 68).outer)).repaired(),
+      row("HoleTwice", wkt({kPatient.outer, {court.holes[0], court.holes[0]}}))
+          .repaired()
+          .is(court),
+      row("HoleInAHole", wkt({kPatient.outer, {court.holes[0], box(70, 56, 74, 60).outer}}))
+          .repaired()
+          .is(court),
+      row("OverlappingHoles",
+          wkt({kPatient.outer, {box(66, 54, 72, 62).outer, box(70, 54, 78, 62).outer}}))
+          .repaired()
+          .is({kPatient.outer, {box(66, 54, 78, 62).outer}}),
+      row("HoleAcrossTheShell", with_hole(box(78, 54, 90, 62).outer)).repaired().is(notched(78)),
+      row("HoleSharingAnEdge", with_hole(box(76, 54, 84, 62).outer)).repaired().is(notched(76)),
+      row("HoleTouchingAtAVertex", with_hole({{84, 58}, {76, 54}, {70, 58}, {76, 62}}))
+          .repaired()
+          .covers(384 - 56, 3),
+      row("HoleOfTwoVertices", "POLYGON((60 50,84 50,84 66,60 66,60 50),(70 55,72 57,70 55))"),
+      row("HoleOfZeroArea", "POLYGON((60 50,84 50,84 66,60 66,60 50),(70 55,72 57,71 56,70 55))"),
+      // Three walls of one metre and one of 5 cm, which cannot stay.
+      row("WallOfFiveCentimetres", with_hole(box(61, 51, 83, 65.95).outer))
+          .repaired()
+          .covers(384 - 22 * 14.95, 26),
+      row("BuildingInACourtyard", wkt(court))
+          .beside({{"inner", wkt(box(70, 56, 74, 60))}})
+          .is(court),
+      row("BuildingThatFillsTheCourtyard", wkt(court)).with({{"inner", wkt(box(68, 54, 76, 62))}}),
+      row("BuildingThatFillsTheCourtyardButForACentimetre", wkt(court))
+          .with({{"inner", wkt(box(68.01, 54.01, 75.99, 61.99))}}),
+      // Without roof points: the scan knows no courtyard there.
+      row("CourtyardsWithinCourtyards",
+          wkt({box(56, 46, 88, 72).outer, {box(59, 49, 85, 69).outer}}))
+          .beside({{"second", wkt({box(62, 52, 82, 66).outer, {box(65, 55, 79, 63).outer}})},
+                   {"third", wkt(box(68, 57, 76, 61))}})
+          .is({box(56, 46, 88, 72).outer, {box(59, 49, 85, 69).outer}})
+          .flag("no_roof_points"),
   };
 }
 
 std::vector<Row> neighbours() {
+  const auto patient = [](const char* name) { return row(name, wkt(kPatient)); };
   const DefectCity city = defect_city();
   std::vector<Feature> twice;
-  for (const House& house : city.houses) twice.push_back({house.id + "2", wkt(house.footprint)});
+  for (const House& house : city.houses)
+    if (house.id != "patient") twice.push_back({house.id + "2", wkt(house.footprint)});
   const Polygon both = box(60, 50, 94, 66);
-  std::vector<Row> rows{
-      {"WallOffByAMicrometre",
-       wkt(kPatient),
-       {{"next", "POLYGON((84.000001 50,94 50,94 66,84.000001 66,84.000001 50))"}},
-       both,
-       kStep,
-       0,
-       0.5,
-       {"merged"},
-       {"next"}},
-      {"WallOverlappingByAMicrometre",
-       wkt(kPatient),
-       {{"next", "POLYGON((83.999999 50,94 50,94 66,83.999999 66,83.999999 50))"}},
-       both,
-       kStep,
-       0,
-       0.5,
-       {"merged"},
-       {"next"}},
-      {"TJunctionOffByAMicrometre",
-       wkt(kPatient),
-       {{"next", "POLYGON((84.000001 54,94 54,94 58,84 58,84.000001 54))"},
-        {"nextnext", "POLYGON((84 58.000001,94 58,94 62,83.999999 62,84 58.000001))"}},
-       {{{60, 50}, {84, 50}, {84, 54}, {94, 54}, {94, 62}, {84, 62}, {84, 66}, {60, 66}}, {}},
-       kStep,
-       0,
-       0.5,
-       {"merged"},
-       {"next", "nextnext"}},
-      {"CrackOfACentimetre",
-       wkt(kPatient),
-       {{"next", wkt(box(84.01, 50, 94, 66))}},
-       both,
-       kStep,
-       0,
-       0.5,
-       {"merged"},
-       {"next"}},
-      {"CrackThatNarrowsToNothing",
-       wkt(kPatient),
-       {{"next", "POLYGON((84.02 50,94 50,94 66,84 66,84.02 50))"}},
-       both,
-       0.02,
-       0,
-       0.5,
-       {"merged"},
-       {"next"}},
-      {"GapOfHalfAMetre",
-       wkt(kPatient),
-       {{"next", wkt(box(84.5, 50, 94, 66))}},
-       both,
-       kStep,
-       0,
-       0.5,
-       {"merged"},
-       {"next"}},
-      {"CornersThatTouch",
-       wkt(kPatient),
-       {{"next", wkt(box(84, 66, 94, 72))}},
-       kPatient,
-       kAny,
-       384 + 60,
-       3,
-       {"merged"},
-       {"next"}},
-      {"ShedOfTwoCentimetresAtTheWall",
-       wkt(kPatient),
-       {{"speck", wkt(box(84, 57, 84.02, 57.02))}},
-       kPatient,
-       0.03,
-       0,
-       0.5,
-       {"merged"},
-       {"speck"}},
-      {"ShedOfTwoCentimetres",
-       wkt(kPatient),
-       {{"speck", wkt(box(95, 57, 95.02, 57.02))}},
-       kPatient,
-       kStep,
-       0,
-       0.5,
-       {},
-       {},
-       "",
-       {{"speck", "small"}}},
-      {"FreeWallOfFiveCentimetres",
-       wkt(kPatient),
-       {{"fence", wkt(box(90, 45, 90.05, 72))}},
-       kPatient,
-       kStep,
-       0,
-       0.5,
-       {},
-       {},
-       "",
-       {{"fence", "small"}}},
-      {"WallOfFiveCentimetresBetweenBuildings",
-       wkt(kPatient),
-       {{"wall", wkt(box(84, 57.5, 94, 57.55))}, {"next", wkt(box(94, 50, 104, 66))}},
-       kPatient,
-       kAny,
-       384 + 160 + 11,
-       2,
-       {"merged"},
-       {"next", "wall"}},
-      {"LargerThanTheDomain",
-       wkt(kPatient),
-       {{"all", wkt(box(-100, -100, 300, 300))}},
-       kPatient,
-       kStep,
-       0,
-       0.5,
-       {},
-       {},
-       "",
-       {{"all", "crosses the domain boundary"}}},
-      {"EveryBuildingTwice",
-       wkt(kPatient),
-       twice,
-       kPatient,
-       kStep,
-       0,
-       0.5,
-       {"merged"},
-       {"patient2"}},
-      {"MassiveOverlaps",
-       wkt(kPatient),
-       shifted_copies(30, 0.1),
-       kPatient,
-       kAny,
-       384 + 40 * 3,
-       6,
-       {"merged"},
-       ids_of(shifted_copies(30, 0.1))},
-      {"BuildingOnTheRoofOfAnother",
-       wkt(kPatient),
-       {{"penthouse", wkt(box(66, 54, 70, 60))}},
-       kPatient,
-       kStep,
-       0,
-       0.5,
-       {"merged"},
-       {"penthouse"}},
-      {"Checkerboard",
-       wkt(box(60, 50, 64, 54)),
-       checkerboard(),
-       kPatient,
-       kAny,
-       160,
-       25,
-       {"merged"},
-       ids_of(checkerboard())},
+  Row every = patient("EveryBuildingTwice").with({{"patient2", wkt(kPatient)}});
+  every.more.insert(every.more.end(), twice.begin(), twice.end());
+  return {
+      every,
+      patient("WallOffByAMicrometre")
+          .with({{"next", "POLYGON((84.000001 50,94 50,94 66,84.000001 66,84.000001 50))"}})
+          .is(both),
+      patient("WallOverlappingByAMicrometre")
+          .with({{"next", "POLYGON((83.999999 50,94 50,94 66,83.999999 66,83.999999 50))"}})
+          .is(both),
+      patient("TJunctionOffByAMicrometre")
+          .with({{"next", "POLYGON((84.000001 54,94 54,94 58,84 58,84.000001 54))"},
+                 {"nextnext", "POLYGON((84 58.000001,94 58,94 62,83.999999 62,84 58.000001))"}})
+          .is({{{60, 50}, {84, 50}, {84, 54}, {94, 54}, {94, 62}, {84, 62}, {84, 66}, {60, 66}},
+               {}}),
+      patient("CrackOfACentimetre").with({{"next", wkt(box(84.01, 50, 94, 66))}}).is(both),
+      patient("CrackThatNarrowsToNothing")
+          .with({{"next", "POLYGON((84.02 50,94 50,94 66,84 66,84.02 50))"}})
+          .is(both, 0.02),
+      patient("GapOfHalfAMetre").with({{"next", wkt(box(84.5, 50, 94, 66))}}).is(both),
+      patient("CornersThatTouch").with({{"next", wkt(box(84, 66, 94, 72))}}).covers(384 + 60, 3),
+      patient("ShedOfTwoCentimetresAtTheWall")
+          .with({{"speck", wkt(box(84, 57, 84.02, 57.02))}})
+          .is(kPatient, 0.03),
+      patient("ShedOfTwoCentimetres")
+          .beside({{"speck", wkt(box(95, 57, 95.02, 57.02))}})
+          .without("speck", "small"),
+      patient("FreeWallOfFiveCentimetres")
+          .beside({{"fence", wkt(box(90, 45, 90.05, 72))}})
+          .without("fence", "small"),
+      patient("WallOfFiveCentimetresBetweenBuildings")
+          .with({{"wall", wkt(box(84, 57.5, 94, 57.55))}, {"next", wkt(box(94, 50, 104, 66))}})
+          .covers(384 + 160 + 11, 2),  // the wall has become 1.1 m wide
+      patient("LargerThanTheDomain")
+          .beside({{"all", wkt(box(-100, -100, 300, 300))}})
+          .without("all", "crosses the domain boundary"),
+      patient("MassiveOverlaps").with(shifted_copies(30, 0.1)).covers(384 + 40 * 3, 6),
+      patient("BuildingOnTheRoofOfAnother").with({{"penthouse", wkt(box(66, 54, 70, 60))}}),
+      row("Checkerboard", wkt(box(60, 50, 64, 54))).with(checkerboard()).covers(160, 25),
   };
-  return rows;
 }
 
 std::vector<Row> geometries() {
-  const auto drops = [](const char* name, const char* text, const char* reason) {
-    Row row{name, text};
-    row.dropped = reason;
-    return row;
-  };
-  Row collection{"CollectionWithPointsAndLines",
-                 "GEOMETRYCOLLECTION(POINT(72 58),POLYGON((60 50,84 50,84 66,60 66,60 50)),"
-                 "LINESTRING(60 50,84 66))"};
-  collection.warning = "mixed_geometry";
-  Row curve{"CurvePolygon",
-            "CURVEPOLYGON(COMPOUNDCURVE((60 50,84 50),CIRCULARSTRING(84 50,92 58,84 66),(84 66,60 "
-            "66,60 50)))"};
-  curve.within = kAny;
-  curve.area = 384 + 32 * std::numbers::pi;
-  curve.area_within = 1.5;
-  curve.flags = {"repaired"};
-  Row tin = drops("TriangulatedSurface",
-                  "TIN Z(((60 50 0,84 50 0,84 66 0,60 50 0)),((60 50 0,84 66 0,60 66 0,60 50 0)))",
-                  "a surface in space");
   return {
-      drops("NullShape", "", "no geometry"),
-      drops("EmptyPolygon", "POLYGON EMPTY", "an empty geometry"),
-      drops("EmptyCollection", "GEOMETRYCOLLECTION EMPTY", "empty"),
-      drops("Point", "POINT(72 58)", "a point, not a polygon"),
-      drops("Line", "LINESTRING(60 50,84 50,84 66,60 66,60 50)", "a line, not a polygon"),
-      tin,
-      drops("TwoVertices", "POLYGON((60 50,84 66,60 50))", "fewer than three vertices"),
-      drops("OneVertexManyTimes", "POLYGON((60 50,60 50,60 50,60 50))", "three vertices"),
-      drops("AllOnALine", "POLYGON((60 50,70 50,84 50,60 50))", "zero area"),
-      drops("ThereAndBack", "POLYGON((60 50,84 50,84 66,84 50,60 50))", "zero area"),
-      drops("Coordinate1e300", "POLYGON((60 50,84 50,1e300 66,60 66,60 50))", "beyond 1e9 m"),
-      drops("Coordinate1e12", "POLYGON((60 50,84 50,84 -1e12,60 66,60 50))", "beyond 1e9 m"),
-      {"PolygonZM", "POLYGON ZM((60 50 3 1,84 50 4 2,84 66 5 3,60 66 -1e99 4,60 50 3 1))"},
-      {"PolygonZ", "POLYGON Z((60 50 3,84 50 1e300,84 66 -1,60 66 0,60 50 3))"},
-      {"MultiSurface", "MULTISURFACE(CURVEPOLYGON((60 50,84 50,84 66,60 66,60 50)))"},
-      {"CollectionInCollection",
-       "GEOMETRYCOLLECTION(GEOMETRYCOLLECTION(MULTIPOLYGON(((60 50,84 50,84 66,60 66,60 50)))))"},
-      collection,
-      curve,
+      drop("NullShape", "", "no geometry"),
+      drop("EmptyPolygon", "POLYGON EMPTY", "an empty geometry"),
+      drop("EmptyCollection", "GEOMETRYCOLLECTION EMPTY", "empty"),
+      drop("Point", "POINT(72 58)", "a point, not a polygon"),
+      drop("Line", "LINESTRING(60 50,84 50,84 66,60 66,60 50)", "a line, not a polygon"),
+      drop("TriangulatedSurface",
+           "TIN Z(((60 50 0,84 50 0,84 66 0,60 50 0)),((60 50 0,84 66 0,60 66 0,60 50 0)))",
+           "a surface in space"),
+      drop("TwoVertices", "POLYGON((60 50,84 66,60 50))", "fewer than three vertices"),
+      drop("OneVertexManyTimes", "POLYGON((60 50,60 50,60 50,60 50))", "three vertices"),
+      drop("AllOnALine", "POLYGON((60 50,70 50,84 50,60 50))", "zero area"),
+      drop("ThereAndBack", "POLYGON((60 50,84 50,84 66,84 50,60 50))", "zero area"),
+      drop("Coordinate1e300", "POLYGON((60 50,84 50,1e300 66,60 66,60 50))", "beyond 1e9 m"),
+      drop("Coordinate1e12", "POLYGON((60 50,84 50,84 -1e12,60 66,60 50))", "beyond 1e9 m"),
+      row("PolygonZM", "POLYGON ZM((60 50 3 1,84 50 4 2,84 66 5 3,60 66 -1e99 4,60 50 3 1))"),
+      row("PolygonZ", "POLYGON Z((60 50 3,84 50 1e300,84 66 -1,60 66 0,60 50 3))"),
+      row("MultiSurface", "MULTISURFACE(CURVEPOLYGON((60 50,84 50,84 66,60 66,60 50)))"),
+      row("CollectionInCollection",
+          "GEOMETRYCOLLECTION(GEOMETRYCOLLECTION(MULTIPOLYGON(((60 50,84 50,84 66,60 66,60 "
+          "50)))))"),
+      row("CollectionWithPointsAndLines",
+          "GEOMETRYCOLLECTION(POINT(72 58),POLYGON((60 50,84 50,84 66,60 66,60 50)),"
+          "LINESTRING(60 50,84 66))")
+          .warns("mixed_geometry"),
+      row("CurvePolygon",
+          "CURVEPOLYGON(COMPOUNDCURVE((60 50,84 50),CIRCULARSTRING(84 50,92 58,84 66),(84 66,60 "
+          "66,60 50)))")
+          .repaired()
+          .covers(384 + 32 * std::numbers::pi, 1.5),
   };
 }
 
@@ -616,8 +413,15 @@ TEST_P(FootprintDefect, EndsAsTheTableSays) {
     EXPECT_TRUE(outcome.has_warning(row.warning));
   }
   for (const House& house : the_city().houses) {
-    if (house.id == "patient" || row.name == "EveryBuildingTwice") continue;
+    if (house.id == "patient") continue;
     SCOPED_TRACE(house.id);
+    if (row.name == "EveryBuildingTwice") {
+      const Building* both = outcome.building_of(house.id);
+      EXPECT_EQ(both, outcome.building_of(house.id + "2"));
+      EXPECT_LE(outline_distance(both->footprint, house.footprint), kStep);
+      EXPECT_EQ(both->h_roof, sound.building_of(house.id)->h_roof);
+      continue;
+    }
     expect_same_building(outcome.building_of(house.id), sound.building_of(house.id));
   }
 }

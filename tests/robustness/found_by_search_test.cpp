@@ -44,23 +44,27 @@ TEST(FoundBySearch, ARingDrawnTwiceWithSlightlyDifferentVertices) {
   EXPECT_NEAR(area(clean(raw)), 14, 0.5);
 }
 
-// Eleven teeth with slots of a centimetre between them, and a spike down one of the slots.
-TEST(FoundBySearch, ACombWithSlotsOfACentimetre) {
-  Polygon comb{{{0, 0}, {11 * 1.175, 0}}, {}};
-  for (int i = 10; i >= 0; --i) {
-    const double x = 1.175 * i;
-    comb.outer.push_back({x + 1.165, 2});
-    comb.outer.push_back({x + 1.165, 8.72});
-    comb.outer.push_back({x, 8.72});
-    if (i == 7) comb.outer.insert(comb.outer.end(), {{x - 0.01, 8.72}, {x, 9.72}, {x - 0.01, 2}});
-    if (i > 0) comb.outer.push_back({x, 2});
+// Ten teeth with slots of a centimetre between them; two vertices of one slot are interchanged and
+// there is a spike between them, so that the outline crosses itself all along the slot.
+TEST(FoundBySearch, ACombWithSlotsOfACentimetreOneOfThemTangled) {
+  constexpr double kStep = 1.17516, kTooth = 1.16516;
+  Polygon comb{{{97.43125, -0.5033}, {97.43125 + 10 * kStep, -0.5033}}, {}};
+  for (int i = 9; i >= 0; --i) {
+    const double x = 97.43125 + kStep * i;
+    if (i == 6)
+      comb.outer.insert(comb.outer.end(),
+                        {{x + kTooth, 8.2183}, {x + kTooth + 0.01, 9.2183}, {x + kTooth, 1.4967}});
+    else
+      comb.outer.insert(comb.outer.end(), {{x + kTooth, 1.4967}, {x + kTooth, 8.2183}});
+    comb.outer.push_back({x, 8.2183});
+    if (i > 0) comb.outer.push_back({x, 1.4967});
   }
   const Polygon cleaned = clean(comb);
-  EXPECT_NEAR(area(cleaned), 11 * 1.17 * 8.72, 3);
+  EXPECT_NEAR(area(cleaned), 98, 1);
   const Simplification simple =
-      simplify_footprints(std::vector{cleaned}, Bounds2{-20, -20, 40, 40}, {});
+      simplify_footprints(std::vector{cleaned}, Bounds2{80, -20, 130, 30}, {});
   ASSERT_EQ(simple.footprints.size(), 1U);
-  EXPECT_NEAR(area(simple.footprints[0]), 11 * 1.175 * 8.72, 4);
+  EXPECT_NEAR(area(simple.footprints[0]), 10 * 1.175 * 8.72, 4);
 }
 
 // Slivers: their union has nothing that is as wide as the grid, and merging took the first of no
