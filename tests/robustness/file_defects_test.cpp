@@ -7,6 +7,7 @@
 #include <limits>
 #include <map>
 
+#include <gdal.h>
 #include <gtest/gtest.h>
 
 #include "tetropolis/geometry/polygon.h"
@@ -177,6 +178,36 @@ TEST_F(FileDefects, SeveralLayersMustBeNamed) {
   expect_all_buildings(run(folder / "set"));
   layer = "castles";
   expect_input_error(run(folder / "set"), folder / "set", "it has: ");
+}
+
+/// Adds the layer of `source` to the GeoPackage `target` under another name.
+void copy_layer(const fs::path& source, const fs::path& target, const std::string& name) {
+  GDALAllRegister();
+  GDALDatasetH in = GDALOpenEx(source.c_str(), GDAL_OF_VECTOR, nullptr, nullptr, nullptr);
+  GDALDatasetH out =
+      GDALOpenEx(target.c_str(), GDAL_OF_VECTOR | GDAL_OF_UPDATE, nullptr, nullptr, nullptr);
+  ASSERT_NE(in, nullptr);
+  ASSERT_NE(out, nullptr);
+  EXPECT_NE(GDALDatasetCopyLayer(out, GDALDatasetGetLayer(in, 0), name.c_str(), nullptr), nullptr);
+  GDALClose(out);
+  GDALClose(in);
+}
+
+TEST_F(FileDefects, GeoPackageWithSeveralLayers) {
+  const fs::path path = write("town.gpkg");
+  write("old.gpkg");
+  write_features(folder / "lamps.csv", {{"l", "POINT(1 2)"}}, city.origin);
+  copy_layer(folder / "lamps.csv", path, "lamps");
+  expect_all_buildings(run(path));  // one layer of polygons only
+  copy_layer(folder / "old.gpkg", path, "town_1990");
+  expect_input_error(run(path), path,
+                     "has several layers of polygons; name one of: town, town_1990");
+  layer = "town_1990";
+  expect_all_buildings(run(path));
+  layer = "lamps";
+  expect_input_error(run(path, {"l"}), path, "a point, not a polygon");
+  layer = "Town";
+  expect_input_error(run(path), path, "it has: town, lamps, town_1990");
 }
 
 TEST_F(FileDefects, GeoJsonInMetresWithoutCrs) {
