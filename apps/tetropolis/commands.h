@@ -8,8 +8,9 @@
 
 namespace tetropolis::app {
 
-/// Prints on stdout what each file holds. Throws Error.
-void info(const std::vector<std::string>& files);
+/// Prints on stdout what each file holds, and on stderr one line for each that cannot be read.
+/// Returns whether all could.
+bool info(const std::vector<std::string>& files);
 
 /// Checks a city model, a volume, a boundary or a folder of results and prints what it found on
 /// stdout. Returns whether every guarantee holds. `min_distance`: clearance to ask of a city model;

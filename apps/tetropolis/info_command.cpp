@@ -1,9 +1,11 @@
 #include <algorithm>
 #include <cctype>
 #include <filesystem>
+#include <fstream>
 #include <map>
 
 #include <fmt/format.h>
+#include <nlohmann/json.hpp>
 
 #include "tetropolis/core/error.h"
 #include "tetropolis/geometry/polygon.h"
@@ -124,30 +126,124 @@ void info_surface(const std::string& path) {
                             counts[static_cast<std::size_t>(i)]));
 }
 
+using Json = nlohmann::json;
+
+/// "id: reason" of what was left out, a few of many.
+void print_dropped(const Json& dropped) {
+  constexpr std::size_t kShown = 10;
+  for (std::size_t i = 0; i < dropped.size() && i < kShown; ++i)
+    put(stdout, fmt::format("  dropped: {}: {}\n", dropped[i].value("source_id", ""),
+                            dropped[i].value("reason", "")));
+  if (dropped.size() > kShown)
+    put(stdout, fmt::format("  dropped: {} more, see the file\n", dropped.size() - kShown));
+}
+
+void print_report(const std::string& path, const Json& report) {
+  const auto count = [](const Json& part, const char* key) {
+    return part.value(key, std::int64_t{0});
+  };
+  double seconds = 0;
+  for (const Json& step : report.value("steps", Json::array()))
+    seconds += step.value("seconds", 0.0);
+  put(stdout, fmt::format("{}: report of 'tetropolis {}', version {}, {:.1f} s, {:.0f} MB\n", path,
+                          report.value("command", ""), report.value("version", ""), seconds,
+                          report.value("peak_rss_bytes", 0.0) / 1e6));
+  put(stdout, fmt::format("  CRS: {}\n", crs_text(report.value("crs", ""))));
+  if (report.contains("input"))
+    put(stdout,
+        fmt::format("  input: {} points kept of {}, {} footprints\n",
+                    count(report["input"], "points_kept"), count(report["input"], "points_read"),
+                    count(report["input"], "footprints_read")));
+  if (report.contains("city")) {
+    const Json& city = report["city"];
+    put(stdout, fmt::format("  city: {} buildings, {} after merging\n",
+                            count(city, "raw_buildings"), count(city, "buildings")));
+    print_dropped(city.value("dropped", Json::array()));
+  }
+  if (report.contains("volume_mesh"))
+    put(stdout,
+        fmt::format("  volume: {} tets in {} layers, {} inverted\n",
+                    count(report["volume_mesh"], "cells"), count(report["volume_mesh"], "layers"),
+                    count(report["volume_mesh"], "inverted")));
+  for (const Json& warning : report.value("warnings", Json::array()))
+    put(stdout, fmt::format("  note: {}: {} ({})\n", warning.value("code", ""),
+                            warning.value("message", ""), count(warning, "count")));
+}
+
+void info_report(const std::string& path) {
+  std::ifstream file(path);
+  const Json report = Json::parse(file, nullptr, false);
+  try {
+    if (report.is_object()) return print_report(path, report);
+  } catch (const Json::exception&) {  // members of other types than a report's
+  }
+  throw Error(ErrorKind::kInput, path + ": not a report of tetropolis, or cut; run it again");
+}
+
+/// The beginning of a text file.
+std::string head_of(const std::string& path) {
+  std::string head(400, '\0');
+  std::ifstream file(path, std::ios::binary);
+  file.read(head.data(), static_cast<std::streamsize>(head.size()));
+  head.resize(static_cast<std::size_t>(file.gcount()));
+  return head;
+}
+
+/// JSON may be a city model, a report or GeoJSON, whatever its name.
+void info_json(const std::string& path) {
+  const std::string head = head_of(path);
+  const auto says = [&](const char* text) { return head.find(text) != std::string::npos; };
+  if (says("\"CityJSON\""))
+    info_city(path);
+  else if (says("\"command\"") && says("\"version\""))
+    info_report(path);
+  else
+    info_vector(path);
+}
+
 std::string lower_case(std::string text) {
   for (char& c : text) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
   return text;
 }
 
+void info_file(const std::string& path) {
+  std::error_code error;
+  if (!std::filesystem::exists(path, error))
+    throw Error(ErrorKind::kInput, path + ": no such file");
+  const std::string name = lower_case(path);
+  if (name.ends_with(".las") || name.ends_with(".laz"))
+    info_points(path);
+  else if (name.ends_with(".city.json"))
+    info_city(path);
+  else if (name.ends_with(".json"))
+    info_json(path);
+  else if (name.ends_with(".tif") || name.ends_with(".tiff"))
+    info_raster(path);
+  else if (name.ends_with(".vtu"))
+    info_volume(path);
+  else if (name.ends_with(".vtp"))
+    info_surface(path);
+  else if (const auto report = std::filesystem::path(path) / "report.json";
+           std::filesystem::exists(report, error))
+    info_report(report.string());
+  else
+    info_vector(path);
+}
+
 }  // namespace
 
-void info(const std::vector<std::string>& files) {
+bool info(const std::vector<std::string>& files) {
+  bool good = true;
   for (const std::string& path : files) {
-    if (!std::filesystem::exists(path)) throw Error(ErrorKind::kInput, path + ": no such file");
-    const std::string name = lower_case(path);
-    if (name.ends_with(".las") || name.ends_with(".laz"))
-      info_points(path);
-    else if (name.ends_with(".city.json") || name.ends_with("cityjson.json"))
-      info_city(path);
-    else if (name.ends_with(".tif") || name.ends_with(".tiff"))
-      info_raster(path);
-    else if (name.ends_with(".vtu"))
-      info_volume(path);
-    else if (name.ends_with(".vtp"))
-      info_surface(path);
-    else
-      info_vector(path);
+    try {
+      info_file(path);
+    } catch (const Error& error) {
+      std::fflush(stdout);  // in the order of the files, where both go to one place
+      put(stderr, fmt::format("tetropolis: {}\n", one_line(error.what())));
+      good = false;
+    }
   }
+  return good;
 }
 
 }  // namespace tetropolis::app

@@ -131,12 +131,8 @@ void declare(CLI::App& app, std::vector<std::unique_ptr<ConfigOptions>>& options
   CLI::App* info_command = app.add_subcommand(
       "info", "What is in a point cloud, vector file, city model, raster or mesh");
   info_command->add_option("files", files, "Files")->required()->type_name("FILE...");
-  info_command->callback([&action] {
-    action = [] {
-      info(files);
-      return 0;
-    };
-  });
+  info_command->callback(
+      [&action] { action = [] { return info(files) ? 0 : static_cast<int>(ErrorKind::kInput); }; });
 
   static std::string checked;
   static double min_distance = -1;
@@ -178,9 +174,22 @@ void declare(CLI::App& app, std::vector<std::unique_ptr<ConfigOptions>>& options
   });
 }
 
+/// For whoever types nothing but the program's name: what to type next.
+std::string guidance(const CLI::App& app) {
+  std::string text = fmt::format("{}\n\nCommands:\n", app.get_description());
+  for (const CLI::App* sub : app.get_subcommands({}))
+    text += fmt::format("  {:<10} {}\n", sub->get_name(), sub->get_description());
+  return text +
+         "\nFirst steps:\n"
+         "  tetropolis synth --out input                 # an invented city to try things on\n"
+         "  tetropolis build --footprints input/footprints.shp --points input --out city\n"
+         "  tetropolis check city\n"
+         "\n'tetropolis COMMAND --help' lists the options of a command.\n";
+}
+
 int guarded(const std::function<int()>& action) {
   const auto fail = [](const std::string& message, int code) {
-    put(stderr, fmt::format("tetropolis: {}\n", message));
+    put(stderr, fmt::format("tetropolis: {}\n", one_line(message)));
     return code;
   };
   try {
@@ -205,12 +214,16 @@ int main(int argc, char** argv) {
   std::vector<std::unique_ptr<ConfigOptions>> options;
   std::function<int()> action;
   declare(app, options, action);
+  if (argc <= 1) {
+    put(stderr, guidance(app));
+    return static_cast<int>(ErrorKind::kUsage);
+  }
   try {
     app.parse(argc, argv);
   } catch (const CLI::Success& success) {
     return app.exit(success);
   } catch (const CLI::ParseError& error) {
-    put(stderr, fmt::format("tetropolis: {}\n", usage_message(app, error)));
+    put(stderr, fmt::format("tetropolis: {}\n", one_line(usage_message(app, error))));
     return static_cast<int>(ErrorKind::kUsage);
   }
   return guarded(action);

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <optional>
 #include <utility>
 #include <vector>
@@ -92,12 +93,33 @@ const Polygon& largest(const std::vector<Polygon>& parts) {
                            [](const Polygon& a, const Polygon& b) { return area(a) < area(b); });
 }
 
+/// Without the holes that touch a ring: what is left between walls drawn twice are holes of no
+/// width that a bridge cannot close, it only moves their end.
+void fill_touching_holes(std::vector<Polygon>& parts) {
+  std::vector<const Polygon*> pointers;
+  for (const Polygon& part : parts) pointers.push_back(&part);
+  const Outline outline = make_outline(pointers, 4 * kBridge);
+  std::vector<std::uint8_t> touching(outline.first.size(), 0);
+  for (const NearPair& pair : near_pairs(outline, 2))
+    for (const std::int32_t at : {pair.vertex, pair.edge})
+      touching[static_cast<std::size_t>(outline.ring_of(at))] = 1;
+  std::size_t ring = 0;
+  for (Polygon& part : parts) {
+    ++ring;  // the outer one
+    std::vector<Ring> kept;
+    for (Ring& hole : part.holes)
+      if (touching[ring++] == 0) kept.push_back(std::move(hole));
+    part.holes = std::move(kept);
+  }
+}
+
 /// A valid polygon from invalid rings (steps), or nothing.
 std::optional<Polygon> repaired(const Polygon& polygon) {
   const geos::Result made = geos::make_valid(polygon);
   if (!made || made->empty()) return std::nullopt;
   std::vector<Polygon> parts = unite_on_grid(*made);
   for (int attempt = 0; attempt < 5 && !parts.empty(); ++attempt) {
+    if (attempt >= 2) fill_touching_holes(parts);
     if (attempt == 4) parts = {largest(parts)};
     const std::vector<Polygon> squares = bridges(parts);
     if (squares.empty()) {
@@ -107,7 +129,9 @@ std::optional<Polygon> repaired(const Polygon& polygon) {
     parts.insert(parts.end(), squares.begin(), squares.end());
     parts = unite_on_grid(parts);
   }
-  return std::nullopt;
+  if (parts.empty()) return std::nullopt;
+  Polygon shell = without_duplicates(Polygon{largest(parts).outer, {}});
+  return valid(shell) ? std::optional(std::move(shell)) : std::nullopt;
 }
 
 CleanedFootprint unusable(const char* reason) { return {{}, false, reason}; }
@@ -126,6 +150,12 @@ CleanedFootprint clean_footprint(const Polygon& raw, const CleanOptions& options
     try {
       better = repaired(steps);
     } catch (const Error&) {  // GEOS could not unite the parts
+    }
+    // Holes that leave nothing of their shell are a mistake of the file, not a building of air.
+    if (!better && !raw.holes.empty()) {
+      CleanedFootprint shell = clean_footprint({raw.outer, {}}, options);
+      shell.repaired = shell.usable();
+      return shell;
     }
     if (!better) return unusable("outline cannot be repaired: zero area or too tangled");
     steps = std::move(*better);

@@ -4,6 +4,7 @@
 #include <array>
 
 #include "tetropolis/city/city_model.h"
+#include "tetropolis/city/clean.h"
 #include "tetropolis/geometry/polygon.h"
 
 #include "geometry/geos.h"
@@ -30,7 +31,8 @@ Polygon clip_to_box(const Polygon& polygon, const Bounds2& box) {
   for (Point2& p : largest.outer) p = snap_coordinate(p);
   for (Ring& hole : largest.holes)
     for (Point2& p : hole) p = snap_coordinate(p);
-  return largest;
+  // The box may have cut off all but a sliver, or left vertices a hair apart.
+  return clean_footprint(largest, {.parallel_tolerance = 0}).polygon;
 }
 
 }  // namespace tetropolis

@@ -254,6 +254,10 @@ MergedPolygon merge_polygons(std::span<const Polygon> cluster, double distance, 
   result.input.assign(cluster.begin(), cluster.end());
   if (cluster.size() > 1) result.input = unite_on_grid(cluster);
   std::vector<Polygon> parts = result.input;
+  if (parts.empty() && !cluster.empty()) {  // slivers that went flat: the widest stands for all
+    parts = {*std::max_element(cluster.begin(), cluster.end(),
+                               [](const auto& a, const auto& b) { return area(a) < area(b); })};
+  }
   double reach = distance * (1 + 1e-3);
   for (int k = 1; k <= std::max(growths, 1) && parts.size() > 1; ++k, reach *= 2) {
     const std::vector<Polygon> patches = patches_between(parts, distance, reach);

@@ -19,6 +19,7 @@
 #include "city/changed_area.h"
 #include "city/grid_geometry.h"
 #include "city/merge_polygons.h"
+#include "city/offcuts.h"
 #include "city/outline.h"
 #include "city/patches.h"
 #include "city/repair.h"
@@ -78,7 +79,10 @@ class Simplifier {
   Outline repaired_outline(int round);
   void take_back(const Outline& outline);
   void apply_patches(std::vector<Patches> patches);
-  bool apply(const Patches& patches, Group& group) const;
+  bool apply(const Patches& patches, Group& group, std::vector<Group>& offcuts) const;
+  std::vector<Group> split(const std::vector<Polygon>& parts, Group& group) const;
+  std::vector<Polygon> clipped(const Polygon& polygon) const;
+  std::vector<Polygon> input_of(const std::vector<BuildingIndex>& members) const;
   bool unite_close_groups(bool hulls);
   Group united(const std::vector<std::size_t>& parts, bool hulls);
   void repair_in_rounds();
@@ -266,8 +270,44 @@ void Simplifier::take_back(const Outline& outline) {
   }
 }
 
-/// False if nothing is left of the group.
-bool Simplifier::apply(const Patches& patches, Group& group) const {
+std::vector<Polygon> Simplifier::clipped(const Polygon& polygon) const {
+  return intersect_on_grid(std::vector{polygon}, std::vector{box_polygon(keep_inside_)});
+}
+
+std::vector<Polygon> Simplifier::input_of(const std::vector<BuildingIndex>& members) const {
+  std::vector<Polygon> input;
+  for (const BuildingIndex m : members)
+    input.push_back(grid::to_steps(cleaned_[static_cast<std::size_t>(m)]));
+  return input.size() > 1 ? unite_on_grid(input) : input;
+}
+
+/// Groups of their own from the parts that a cut has left beside the largest, which stays `group`.
+std::vector<Group> Simplifier::split(const std::vector<Polygon>& parts, Group& group) const {
+  if (parts.size() < 2 || group.members.size() < 2) return {};
+  std::size_t kept = 0;
+  for (std::size_t i = 1; i < parts.size(); ++i)
+    if (area(parts[i]) > area(parts[kept])) kept = i;
+  const double least = options_.min_area * kSquareMetre;
+  std::vector<Group> groups;
+  std::vector<Polygon> gone;
+  for (Offcut& offcut : share_out(parts, kept, least, cleaned_, group.members)) {
+    Group& part = groups.emplace_back();
+    part.flags = group.flags | kRepaired;
+    if (offcut.members.size() == 1) part.flags &= ~static_cast<std::uint32_t>(kMerged);
+    part.input = input_of(offcut.members);
+    gone.insert(gone.end(), part.input.begin(), part.input.end());
+    part.polygon = std::move(offcut.polygon);
+    if (!fits(part.polygon, keep_inside_))
+      part.polygon = largest(clipped(part.polygon)).value_or(Polygon{});
+    part.members = std::move(offcut.members);
+  }
+  if (!groups.empty()) group.input = subtract_on_grid(group.input, gone);
+  if (group.members.size() == 1) group.flags &= ~static_cast<std::uint32_t>(kMerged);
+  return groups;
+}
+
+/// False if nothing is left of the group. Parts that a cut has made independent go to `offcuts`.
+bool Simplifier::apply(const Patches& patches, Group& group, std::vector<Group>& offcuts) const {
   std::vector<Polygon> parts{group.polygon};
   parts.insert(parts.end(), patches.fill.begin(), patches.fill.end());
   if (parts.size() > 1) parts = unite_on_grid(parts);
@@ -278,20 +318,23 @@ bool Simplifier::apply(const Patches& patches, Group& group) const {
     double taken = 0;
     for (const Polygon& cut : patches.cut) taken += area(cut);
     const std::vector<Polygon> whole{*next};
-    std::optional<Polygon> left = largest(subtract_on_grid(whole, patches.cut));
+    std::vector<Polygon> cut = subtract_on_grid(whole, patches.cut);
+    std::optional<Polygon> left = largest(cut);
     const double lost = before - (left ? area(*left) : 0.0) - taken;
     // Cutting may part what was not expected to part: then widen instead.
     if (lost > std::max(0.02 * before, 4 * epsilon_ * epsilon_) && !patches.widen.empty()) {
       parts = whole;
       parts.insert(parts.end(), patches.widen.begin(), patches.widen.end());
       left = largest(unite_on_grid(parts));
+      cut.clear();
     }
+    if (cut.size() > 1) offcuts = split(cut, group);
     next = std::move(left);
   }
   if (next && !fits(*next, keep_inside_)) {
-    const std::vector<Polygon> whole{*next};
-    const std::vector<Polygon> box{box_polygon(keep_inside_)};
-    next = largest(intersect_on_grid(whole, box));
+    const std::vector<Polygon> inside = clipped(*next);
+    for (Group& part : split(inside, group)) offcuts.push_back(std::move(part));
+    next = largest(inside);
   }
   if (!next) return false;
   group.polygon = std::move(*next);
@@ -303,10 +346,13 @@ void Simplifier::apply_patches(std::vector<Patches> patches) {
   std::vector<std::size_t> work;
   for (std::size_t k = 0; k < patches.size(); ++k)
     if (!patches[k].fill.empty() || !patches[k].cut.empty()) work.push_back(k);
+  std::vector<std::vector<Group>> offcuts(work.size());
   parallel_chunks(work.size(), 1, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i)
-      if (!apply(patches[work[i]], groups_[work[i]])) groups_[work[i]].polygon = {};
+      if (!apply(patches[work[i]], groups_[work[i]], offcuts[i])) groups_[work[i]].polygon = {};
   });
+  for (std::vector<Group>& parts : offcuts)
+    for (Group& part : parts) groups_.push_back(std::move(part));
   for (const std::size_t k : work) {
     result_.stats.gaps_filled +=
         static_cast<std::int64_t>(patches[k].fill.size()) - patches[k].widened;

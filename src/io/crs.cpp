@@ -145,6 +145,20 @@ std::string normalise_crs(const std::string& text) {
   return gdal::canonical_name(srs.get());
 }
 
+std::string crs_name(const std::string& crs) {
+  if (crs.empty()) return "unknown";
+  constexpr std::size_t kLongest = 60;
+  if (crs.starts_with("EPSG:")) return crs.substr(0, kLongest);
+  const gdal::QuietErrors errors;
+  const gdal::Srs srs = gdal::parse_srs(crs);
+  const char* name = srs == nullptr ? nullptr : OSRGetName(srs.get());
+  std::string text = name == nullptr ? "" : name;
+  if (text.empty() || text == "unknown") return "unnamed";  // as PROJ strings are
+  for (char& c : text)
+    if (c == '\n' || c == '\r') c = ' ';
+  return text.size() <= kLongest ? text : text.substr(0, kLongest) + "...";
+}
+
 bool is_geographic(const std::string& crs) {
   return !crs.empty() && OSRIsGeographic(require_srs(crs).get()) != 0;
 }
@@ -172,8 +186,8 @@ std::vector<Point2> reproject(std::span<const Point2> points, const std::string&
   const gdal::QuietErrors errors;
   const gdal::Transform transform(OCTNewCoordinateTransformation(source.get(), target.get()));
   if (transform == nullptr)
-    throw Error(ErrorKind::kUsage, "no transformation from " + from.substr(0, 80) + " to " +
-                                       to.substr(0, 80) + errors.reason());
+    throw Error(ErrorKind::kUsage, "no transformation from " + crs_name(from) + " to " +
+                                       crs_name(to) + errors.reason());
   std::vector<Point2> result(points.begin(), points.end());
   constexpr std::size_t kBlock = 4096;
   std::vector<double> x(kBlock);

@@ -4,6 +4,7 @@
 #include <cstdlib>
 #include <cstring>
 #include <memory>
+#include <optional>
 #include <string_view>
 #include <system_error>
 #include <type_traits>
@@ -20,6 +21,7 @@
 #include "tetropolis/io/vector.h"
 
 #include "gdal_support.h"
+#include "shapefile_members.h"
 #include "vector_geometry.h"
 
 namespace tetropolis {
@@ -91,6 +93,7 @@ VectorFile open_vector(const fs::path& path, const gdal::QuietErrors& errors) {
   if (!fs::exists(path, error)) fail(path, "no such file; check the path");
   if (!fs::is_directory(path, error) && fs::file_size(path, error) == 0)
     fail(path, "the file is empty; get it again");
+  require_whole_shapefile(path);
   VectorFile file;
   std::string name = path.string();
   if (lacks_index(path)) {
@@ -175,21 +178,77 @@ int find_attribute(const fs::path& path, OGRLayerH layer, const std::string& wan
                  names.empty() ? std::string("none") : fmt::format("{}", fmt::join(names, ", "))));
 }
 
-double read_height(OGRFeatureH feature, int field) {
+/// Text as a number of metres: "12.5", also with a unit as OpenStreetMap writes it ("12.5 m").
+double metres_of(std::string_view text) {
   constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
-  if (field == kNoField || field == kFidField || OGR_F_IsFieldSetAndNotNull(feature, field) == 0)
-    return kNaN;
-  const OGRFieldType type = OGR_Fld_GetType(OGR_F_GetFieldDefnRef(feature, field));
-  if (type == OFTInteger || type == OFTInteger64 || type == OFTReal)
-    return OGR_F_GetFieldAsDouble(feature, field);
-  if (type != OFTString) return kNaN;
-  std::string_view text = OGR_F_GetFieldAsString(feature, field);
-  while (!text.empty() && text.front() == ' ') text.remove_prefix(1);
-  while (!text.empty() && text.back() == ' ') text.remove_suffix(1);
+  const auto trim = [&] {
+    while (!text.empty() && text.front() == ' ') text.remove_prefix(1);
+    while (!text.empty() && text.back() == ' ') text.remove_suffix(1);
+  };
+  trim();
+  if (text.ends_with('m')) text.remove_suffix(1);
+  trim();
   double value = kNaN;
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-  return error == std::errc{} && end == text.data() + text.size() ? value : kNaN;
+  const bool whole = error == std::errc{} && end == text.data() + text.size();
+  return whole && std::isfinite(value) ? value : kNaN;
 }
+
+/// The heights of a layer's features, and what kept others from being one.
+class HeightReader {
+ public:
+  HeightReader(const fs::path& path, OGRLayerH layer, std::string attribute)
+      : path_(path),
+        attribute_(std::move(attribute)),
+        field_(find_attribute(path, layer, attribute_)) {
+    if (field_ == kNoField) return;
+    // The feature number is no height, and neither is a date or a list.
+    OGRFieldDefnH field =
+        field_ == kFidField ? nullptr : OGR_FD_GetFieldDefn(OGR_L_GetLayerDefn(layer), field_);
+    type_ = field == nullptr ? OFTBinary : OGR_Fld_GetType(field);
+    if (type_ != OFTInteger && type_ != OFTInteger64 && type_ != OFTReal && type_ != OFTString)
+      fail(path_,
+           fmt::format("attribute '{}' is {}, no height; name one that holds numbers", attribute_,
+                       field == nullptr ? "the feature number" : OGR_GetFieldTypeName(type_)));
+  }
+
+  double read(OGRFeatureH feature, const std::string& id) {
+    constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+    if (field_ == kNoField || OGR_F_IsFieldSetAndNotNull(feature, field_) == 0) return kNaN;
+    double value = kNaN;
+    if (type_ == OFTString) {
+      const std::string text = utf8(OGR_F_GetFieldAsString(feature, field_));
+      if (text.find_first_not_of(' ') == std::string::npos) return kNaN;  // as good as null
+      value = metres_of(text);
+      if (std::isnan(value) && others_++ == 0)
+        first_ = fmt::format("feature {}: '{}'", id, text.substr(0, 40));
+    } else {
+      value = OGR_F_GetFieldAsDouble(feature, field_);
+    }
+    if (!std::isnan(value)) ++numbers_;
+    return value;
+  }
+
+  /// After all features: a warning where some have text that is no number. Throws where all have.
+  std::optional<Warning> warning() const {
+    if (others_ == 0) return std::nullopt;
+    if (numbers_ == 0)
+      fail(path_, fmt::format("attribute '{}' holds no numbers ({}); name one that holds heights",
+                              attribute_, first_));
+    return Warning{"height_not_a_number", others_,
+                   fmt::format("{}: {} features have text in '{}' that is no number, the first {}",
+                               path_.string(), others_, attribute_, first_)};
+  }
+
+ private:
+  const fs::path& path_;
+  std::string attribute_;
+  int field_;
+  OGRFieldType type_ = OFTReal;
+  std::int64_t numbers_ = 0;
+  std::int64_t others_ = 0;
+  std::string first_;
+};
 
 /// Hands out ids that were not handed out before.
 class UniqueIds {
@@ -240,7 +299,7 @@ class LayerReader {
       : path_(path),
         layer_(layer),
         id_field_(find_attribute(path, layer, options.id_attribute)),
-        height_field_(find_attribute(path, layer, options.height_attribute)),
+        heights_(path, layer, options.height_attribute),
         id_name_(options.id_attribute),
         north_first_(is_north_first(OGR_L_GetSpatialRef(layer))),
         result_(result) {}
@@ -276,7 +335,7 @@ class LayerReader {
       return;
     }
     if (flat.other_parts > 0) ++mixed_;
-    const double height = read_height(feature, height_field_);
+    const double height = heights_.read(feature, id);
     for (std::size_t k = 0; k < flat.parts.size(); ++k) {
       PolygonPart& part = flat.parts[k];
       std::string part_id = ids_.unique(k == 0 ? id : fmt::format("{}#{}", id, k + 1));
@@ -315,6 +374,7 @@ class LayerReader {
       warn("mixed_geometry", mixed_,
            fmt::format("{} features hold points or lines beside polygons; those are ignored",
                        mixed_));
+    if (const auto warning = heights_.warning()) result_.warnings.push_back(*warning);
   }
 
   void warn(const char* code, std::int64_t count, const std::string& message) {
@@ -324,7 +384,7 @@ class LayerReader {
   const fs::path& path_;
   OGRLayerH layer_;
   int id_field_;
-  int height_field_;
+  HeightReader heights_;
   std::string id_name_;
   bool north_first_;
   FootprintsInput& result_;
@@ -363,8 +423,8 @@ void settle_crs(const fs::path& path, const ReadFootprintsOptions& options, bool
         {"footprints_crs_implausible", 1,
          fmt::format("{}: says {} but x {} .. {}, y {} .. {} are not degrees; its reference system "
                      "is taken as unknown",
-                     path.string(), result.crs.substr(0, 80), result.bounds.xmin,
-                     result.bounds.xmax, result.bounds.ymin, result.bounds.ymax)});
+                     path.string(), crs_name(result.crs), result.bounds.xmin, result.bounds.xmax,
+                     result.bounds.ymin, result.bounds.ymax)});
     result.crs.clear();
     return;
   }

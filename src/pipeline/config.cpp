@@ -142,7 +142,8 @@ std::vector<ConfigField> make_fields() {
        kInf,
        {"random", "blocks"}},
       {"buildings", "Synthetic city", &C::buildings, kSynth,
-       "Number of buildings; 0: 3096 (random) or as many as fit (blocks)", "", 0, 1e7},
+       "Number of buildings; 0: as dense as 3096 on 2500 m (random) or as many as fit (blocks)", "",
+       0, 1e7},
       {"size", "Synthetic city", &C::size, kSynth,
        "Side of the square; 0: 2500 m (random) or 500 m (blocks)", "m", 0, 1e6},
       {"seed", "Synthetic city", &C::seed, kSynth, "Seed of the random numbers", "", 0},
@@ -226,7 +227,11 @@ void set_texts(std::vector<std::string>& target, const ConfigField& field,
   // Paths may hold commas; only lists of choices are split.
   target = field.choices.empty() ? std::vector<std::string>(values.begin(), values.end())
                                  : split_lists(values);
-  for (const std::string& text : target) check_choice(field, text, origin);
+  for (const std::string& text : target) {
+    if (text.empty() && field.choices.empty())
+      fail(origin, "an empty text among the values; leave it out or name something");
+    check_choice(field, text, origin);
+  }
 }
 
 }  // namespace

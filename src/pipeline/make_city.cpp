@@ -65,6 +65,36 @@ void clean_features(const Config& config, const FootprintsInput& input, CityMode
   }
 }
 
+[[noreturn]] void throw_no_footprint(const Config& config, const CityModel& raw,
+                                     const Report& report) {
+  const std::string why =
+      raw.dropped.empty() ? "the file has none"
+                          : fmt::format("the first of {}: feature {}: {}", raw.dropped.size(),
+                                        raw.dropped.front().source_id, raw.dropped.front().reason);
+  throw Error(ErrorKind::kInput,
+              fmt::format("{}: no usable footprint lies in the domain ({}, {}) - ({}, {}) ({}); "
+                          "check --bounds and the CRS, or add --terrain-only",
+                          config.footprints, report.domain.xmin, report.domain.ymin,
+                          report.domain.xmax, report.domain.ymax, why));
+}
+
+/// A polygon that covers most of the domain is hardly a building, and swallows those in it.
+void warn_of_giants(const CityModel& raw, Report& report) {
+  constexpr double kMost = 0.5;
+  const double domain = raw.domain.width() * raw.domain.height();
+  Warning warning{"building_covers_domain", 0, {}};
+  for (const Building& building : raw.buildings) {
+    const double share = area(building.footprint) / domain;
+    if (share <= kMost) continue;
+    if (warning.count++ == 0)
+      warning.message = fmt::format(
+          "feature {} covers {:.0f} % of the domain and takes in every building there; leave it "
+          "out if it is none",
+          building.source_ids.front(), 100 * share);
+  }
+  if (warning.count > 0) report.warnings.push_back(warning);
+}
+
 /// Mean of the members' attribute heights, weighted by area; NaN where none has one.
 double merged_attribute_height(const CityModel& raw, const std::vector<BuildingIndex>& members) {
   double weight = 0, sum = 0;
@@ -204,13 +234,8 @@ CityAndTerrain make_city(const Config& config, const OutputFolder& out, StepCloc
 
   clock.run("1.4", "clean footprints",
             [&](const Progress&) { clean_features(config, input.footprints, raw); });
-  if (raw.buildings.empty() && !config.terrain_only)
-    throw Error(ErrorKind::kInput,
-                fmt::format("{}: no usable footprint lies in the domain ({}, {}) - ({}, {}); check "
-                            "--bounds and the "
-                            "CRS, or add --terrain-only",
-                            config.footprints, report.domain.xmin, report.domain.ymin,
-                            report.domain.xmax, report.domain.ymax));
+  if (raw.buildings.empty() && !config.terrain_only) throw_no_footprint(config, raw, report);
+  warn_of_giants(raw, report);
 
   const HeightOptions heights{config.ground_percentile, config.roof_percentile,
                               config.min_building_height};

@@ -56,13 +56,13 @@ void require_metres(const std::string& crs, const std::string& file, const char*
   if (is_geographic(crs))
     throw Error(ErrorKind::kInput, fmt::format("{}: coordinates are degrees ({}); reproject to a "
                                                "metric CRS, or name the true one with {}",
-                                               file, crs, option));
+                                               file, crs_name(crs), option));
   const double unit = linear_unit_metres(crs);
   if (std::abs(unit - 1) > 1e-9)
     throw Error(
         ErrorKind::kInput,
         fmt::format("{}: coordinates are in units of {} m ({}); reproject to a CRS in metres", file,
-                    unit, crs));
+                    unit, crs_name(crs)));
 }
 
 /// Without any statement about the system, coordinates that all fit on the globe and span less than
@@ -88,7 +88,7 @@ std::string common_crs(const Config& config, const std::string& points_crs,
         fmt::format(
             "{}: footprints are in degrees ({}) and the point cloud does not say its CRS; name it "
             "with --points-crs",
-            config.footprints, footprints.crs));
+            config.footprints, crs_name(footprints.crs)));
   require_metres(footprints.crs, config.footprints, "--footprints-crs");
   return footprints.crs;
 }

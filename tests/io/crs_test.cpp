@@ -116,5 +116,18 @@ TEST(Crs, PointsBeyondAProjectionBecomeNaN) {
   EXPECT_TRUE(std::isfinite(result[3].x));
 }
 
+TEST(Crs, HasAShortName) {
+  EXPECT_EQ(crs_name(""), "unknown");
+  EXPECT_EQ(crs_name("EPSG:3006"), "EPSG:3006");
+  const std::string local = normalise_crs("+proj=tmerc +lat_0=57 +lon_0=12 +units=us-ft");
+  EXPECT_GT(local.size(), 100U);
+  EXPECT_EQ(crs_name(local), "unnamed");
+  EXPECT_EQ(crs_name(R"(LOCAL_CS["nowhere"])"), "unnamed");
+  EXPECT_EQ(crs_name("no system at all"), "unnamed");
+  std::string named = local;
+  named.replace(named.find('"') + 1, 7, "Site\n" + std::string(100, 'x'));
+  EXPECT_EQ(crs_name(named), "Site " + std::string(55, 'x') + "...");
+}
+
 }  // namespace
 }  // namespace tetropolis

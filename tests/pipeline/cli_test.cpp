@@ -142,7 +142,74 @@ TEST_F(Cli, WrongOptionsExitWithTwo) {
       "cannot be written");
   EXPECT_EQ(run("biuld").code, 2);
   EXPECT_NE(run("biuld").err.find("did you mean 'build'?"), std::string::npos);
-  EXPECT_EQ(run("").code, 2);
+}
+
+TEST_F(Cli, WithoutArgumentsTellsWhatToTypeNext) {
+  const Outcome bare = run("");
+  EXPECT_EQ(bare.code, 2);
+  EXPECT_EQ(bare.out, "");
+  for (const char* part : {"build ", "synth ", "check ", "info ", "First steps:", "--help"})
+    EXPECT_NE(bare.err.find(part), std::string::npos) << part << " in " << bare.err;
+  EXPECT_EQ(bare.err.find("subcommand"), std::string::npos) << bare.err;
+}
+
+TEST_F(Cli, EmptyAndTooSmallValuesAreNamed) {
+  synth("--buildings 20 --size 250");
+  expect_error("build --footprints input/footprints.shp --points '' --out result", 2,
+               "--points: an empty text");
+  expect_error("build --footprints '' --points input --out result", 2, "--footprints is missing");
+  std::ofstream(scratch / "c.toml") << "points = [\"\"]\n";
+  expect_error("build --footprints input/footprints.shp --config c.toml --out result", 2,
+               "c.toml:1: points: an empty text");
+  expect_error("synth --size 40 --out small", 2, "--size: 40 m is too small");
+  expect_error("synth --size 100 --kind blocks --out small", 2, "give 300 or more");
+  expect_error("synth --size 100 --buildings 100000 --out small", 2, "do not fit");
+  EXPECT_EQ(run("synth --quiet --size 100 --out small").code, 0);
+  const Outcome crowded = run("synth --kind blocks --size 300 --buildings 5000 --out crowded");
+  EXPECT_EQ(crowded.code, 0);
+  EXPECT_NE(crowded.err.find("of 5000 buildings fit"), std::string::npos) << crowded.err;
+}
+
+TEST_F(Cli, UnitsAndSystemsAreNamedShortly) {
+  synth("--buildings 20 --size 250");
+  const std::string build =
+      "build --footprints input/footprints.shp --points input/points.laz --out result ";
+  const std::string feet =
+      R"x('PROJCS["Town grid (ft)",GEOGCS["WGS 84",DATUM["WGS_1984",SPHEROID["WGS 84",6378137,)x"
+      R"x(298.257223563]],PRIMEM["Greenwich",0],UNIT["degree",0.0174532925199433]],)x"
+      R"x(PROJECTION["Transverse_Mercator"],PARAMETER["latitude_of_origin",0],)x"
+      R"x(PARAMETER["central_meridian",15],PARAMETER["scale_factor",1],)x"
+      R"x(PARAMETER["false_easting",0],PARAMETER["false_northing",0],UNIT["foot",0.3048]]')x";
+  expect_error(build + "--points-crs " + feet, 3, "units of 0.3048 m (Town grid (ft)); reproject");
+  expect_error(build + "--points-crs EPSG:4326", 3, "(EPSG:4326)");
+}
+
+TEST_F(Cli, InfoGoesOnAfterABadFile) {
+  synth("--buildings 20 --size 250");
+  ASSERT_EQ(run("city --quiet --footprints input/footprints.shp --points input --out result").code,
+            0);
+  std::ofstream(scratch / "notes.txt") << "no data\n";
+  const Outcome info =
+      run("info nowhere.laz input/footprints.shp notes.txt result/report.json result");
+  EXPECT_EQ(info.code, 3);
+  EXPECT_EQ(std::count(info.err.begin(), info.err.end(), '\n'), 2) << info.err;
+  EXPECT_NE(info.err.find("nowhere.laz: no such file"), std::string::npos) << info.err;
+  EXPECT_NE(info.err.find("notes.txt: not a vector file"), std::string::npos) << info.err;
+  EXPECT_NE(info.out.find("features: 20"), std::string::npos) << info.out;
+  EXPECT_NE(info.out.find("result/report.json: report of 'tetropolis city'"), std::string::npos)
+      << info.out;
+  EXPECT_NE(info.out.find("20 footprints"), std::string::npos) << info.out;
+  std::ofstream(scratch / "cut.json") << R"({"version": "0.1.0", "command": "bui)";
+  EXPECT_EQ(run("info cut.json").code, 3);
+  std::ofstream(scratch / "odd.json") << R"({"version": 1, "command": {}, "steps": 3})";
+  EXPECT_EQ(run("info odd.json").code, 3);
+}
+
+TEST_F(Cli, ErrorsStayOneLineWhateverTheNames) {
+  expect_error("build --footprints x.shp --points 'two\nlines.laz' --out result", 3,
+               "two lines.laz");
+  expect_error("build --mesh-size '1\n2'", 2, "is not a number");
+  expect_error("'bu\nild'", 2, "unknown argument");
 }
 
 TEST_F(Cli, UnusableInputExitsWithThree) {

@@ -33,6 +33,7 @@ struct CleanedFootprint {
 /// whose directions differ by less than parallel_tolerance.
 /// Invalid rings become what they enclose; of several parts that touch, the touching corners are
 /// joined by a bridge of some centimetres, of parts that do not, the largest is kept.
+/// Holes that leave nothing of the shell are ignored.
 /// Cleaning a result again changes nothing.
 CleanedFootprint clean_footprint(const Polygon& raw, const CleanOptions& options = {});
 

@@ -72,6 +72,8 @@ struct Simplification {
 /// - footprints are sorted by their first member; they pass footprint_defects, and
 ///   joint_clearance of all of them and `domain` is at least min_distance;
 /// - every footprint is at least min_area large;
+/// - buildings that a repair parts from each other (they hung together by something thin) go on as
+///   footprints of their own, each with the members that it holds most of;
 /// - the result does not depend on the number of threads; a second call on the result returns it
 ///   unchanged;
 /// - near-linear time, apart from the unions of large clusters.

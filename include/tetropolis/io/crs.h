@@ -23,6 +23,10 @@ namespace tetropolis {
 /// Errors: kUsage with the text, if it is not a reference system of this planet's surface.
 std::string normalise_crs(const std::string& text);
 
+/// What to call the system in a message: its code, or the name that its definition carries, or
+/// "unnamed"; "unknown" for the unknown one. One short line whatever the text, never an error.
+std::string crs_name(const std::string& crs);
+
 /// True for longitude and latitude in degrees. False for the unknown system.
 bool is_geographic(const std::string& crs);
 

@@ -52,6 +52,9 @@ struct FootprintsInput {
 /// feature is in `features` or in `dropped`, each of its polygons in exactly one of them, and no
 /// two entries of both lists together have the same id.
 ///
+/// Heights may be numbers or text that says one ("12.5", "12.5 m"); other text is NaN and counted
+/// by the warning "height_not_a_number".
+///
 /// Z and M are ignored, curves become chords of 4 degrees. Null, empty and other geometries are
 /// dropped. Reprojection happens if the file's system and target_crs are both known and differ.
 /// An unknown system is left alone: crs is then "" whatever the target, with the warning
@@ -60,7 +63,9 @@ struct FootprintsInput {
 /// files hold metres). Nothing is written anywhere, not even beside a .shp without its .shx.
 ///
 /// Errors, kInput with the path: missing, not a vector file, no polygon layer, several and none
-/// named, unknown layer or attribute (the message lists what there is), cut or broken so that
+/// named, unknown layer or attribute (the message lists what there is), a height attribute without
+/// any number but with something else, a shapefile whose members are cut or do not belong together,
+/// cut or broken so that
 /// features are lost without an account. kUsage: source_crs or target_crs is none.
 FootprintsInput read_footprints(const std::filesystem::path& path,
                                 const ReadFootprintsOptions& options = {});

@@ -1,0 +1,93 @@
+#include "shapefile_members.h"
+
+#include <algorithm>
+#include <array>
+#include <cstdint>
+#include <fstream>
+#include <optional>
+#include <string>
+#include <system_error>
+
+#include <fmt/format.h>
+
+#include "tetropolis/core/error.h"
+
+namespace tetropolis {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+constexpr std::int64_t kShapeHeader = 100;  // bytes, of .shp and .shx
+constexpr std::int64_t kIndexRecord = 8;
+
+/// A member of the shapefile as far as it is looked at.
+struct Member {
+  fs::path path;
+  std::int64_t size = 0;
+  std::array<unsigned char, 32> head{};  ///< Zeros beyond the end.
+};
+
+/// The member with this extension in small or capital letters; none if there is no such file.
+std::optional<Member> find_member(const fs::path& shp, const char* small, const char* capital) {
+  for (const char* extension : {small, capital}) {
+    Member member{fs::path(shp).replace_extension(extension)};
+    std::error_code error;
+    const auto size = fs::file_size(member.path, error);
+    if (error) continue;
+    member.size = static_cast<std::int64_t>(size);
+    std::ifstream file(member.path, std::ios::binary);
+    file.read(reinterpret_cast<char*>(member.head.data()),
+              static_cast<std::streamsize>(member.head.size()));
+    return member;
+  }
+  return std::nullopt;
+}
+
+std::int64_t big_endian(const Member& member, std::size_t at) {
+  std::int64_t value = 0;
+  for (std::size_t i = 0; i < 4; ++i) value = value * 256 + member.head[at + i];
+  return value;
+}
+
+std::int64_t little_endian(const Member& member, std::size_t at, std::size_t bytes) {
+  std::int64_t value = 0;
+  for (std::size_t i = bytes; i-- > 0;) value = value * 256 + member.head[at + i];
+  return value;
+}
+
+void require_size(const Member& member, std::int64_t stated) {
+  if (member.size >= stated) return;
+  throw Error(ErrorKind::kInput,
+              fmt::format("{}: the file is cut: {} bytes of the {} its header states; get it again",
+                          member.path.string(), member.size, stated));
+}
+
+}  // namespace
+
+void require_whole_shapefile(const fs::path& path) {
+  const std::string extension = path.extension().string();
+  if (extension != ".shp" && extension != ".SHP") return;
+  const auto shapes = find_member(path, ".shp", ".SHP");
+  const auto index = find_member(path, ".shx", ".SHX");
+  const auto table = find_member(path, ".dbf", ".DBF");
+  constexpr std::int64_t kMagic = 9994;
+  if (!shapes || big_endian(*shapes, 0) != kMagic) return;  // GDAL says what it is not
+  // Lengths count words of 16 bits.
+  require_size(*shapes, 2 * big_endian(*shapes, 24));
+  if (index) require_size(*index, std::max(kShapeHeader, 2 * big_endian(*index, 24)));
+  if (table)
+    require_size(*table, little_endian(*table, 8, 2) +
+                             little_endian(*table, 4, 4) * little_endian(*table, 10, 2));
+  if (!index || !table) return;
+  const std::int64_t shape_count = (index->size - kShapeHeader) / kIndexRecord;
+  const std::int64_t record_count = little_endian(*table, 4, 4);
+  if (shape_count != record_count)
+    throw Error(
+        ErrorKind::kInput,
+        fmt::format("{}: {} shapes by its index, but {} attribute records in {}; the files "
+                    "do not belong together, export them again",
+                    path.string(), shape_count, record_count, table->path.filename().string()));
+}
+
+}  // namespace tetropolis

@@ -1,0 +1,15 @@
+// Whether the files of a shapefile fit together. Private to src/io.
+#pragma once
+
+#include <filesystem>
+
+namespace tetropolis {
+
+/// Throws Error(kInput) naming the file, if a member of the shapefile is shorter than its header
+/// says (it was cut on the way), or if the numbers of shapes and of attribute records differ: GDAL
+/// reads what is there of the first and silently only as many shapes as there are records of the
+/// second. Members that are missing are no defect here. Does nothing for other files.
+/// Source: ESRI Shapefile Technical Description (1998); dBASE III+ table header.
+void require_whole_shapefile(const std::filesystem::path& path);
+
+}  // namespace tetropolis
