@@ -36,6 +36,8 @@ struct Config {
   // City model.
   double domain_margin = 40;
   double dtm_step = 1;
+  std::string ground_filter = "auto";
+  double ground_filter_window = 0;
   double parallel_tolerance = 0.01;
   double ground_margin = 1;
   double outlier_sigma = 2;

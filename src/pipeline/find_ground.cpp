@@ -1,0 +1,68 @@
+#include "find_ground.h"
+
+#include <algorithm>
+#include <vector>
+
+#include <fmt/format.h>
+
+#include "tetropolis/terrain/ground_filter.h"
+
+namespace tetropolis {
+
+namespace {
+
+/// Metres: the least half width of a window, and what a window is wider than the widest building,
+/// for what stands around it without being in any footprint.
+constexpr double kLeastWindow = 20;
+constexpr double kWindowMargin = 5;
+
+double filter_window(const Config& config, const InputData& input) {
+  if (config.ground_filter_window > 0) return config.ground_filter_window;
+  std::vector<Polygon> footprints;
+  for (const Footprint& feature : input.footprints.features) footprints.push_back(feature.polygon);
+  return std::max(kLeastWindow, widest_inscribed_radius(footprints, input.domain) + kWindowMargin);
+}
+
+bool is_wanted(const Config& config, const std::map<int, std::int64_t>& by_class) {
+  if (config.ground_filter != "auto") return config.ground_filter == "always";
+  const GroundFilterOptions defaults;
+  return !by_class.contains(kGround) &&
+         std::any_of(defaults.classes.begin(), defaults.classes.end(),
+                     [&](std::uint8_t code) { return by_class.contains(code); });
+}
+
+void run_filter(const Config& config, InputData& input, StepClock& clock, Report& report) {
+  GroundFilterOptions options;
+  options.window = filter_window(config, input);
+  options.classes.push_back(kGround);
+  std::vector<std::uint8_t>& classes = input.points.classification;
+  std::int64_t before = 0;
+  GroundFilterReport counts;
+  clock.run("1.3", "find ground points", [&](const Progress& progress) {
+    const std::vector<std::uint8_t> ground =
+        filter_ground(input.points, options, progress, &counts);
+    for (std::size_t p = 0; p < classes.size(); ++p) {
+      before += classes[p] == kGround ? 1 : 0;
+      if (ground[p] != 0)
+        classes[p] = kGround;
+      else if (classes[p] == kGround)
+        classes[p] = kUnclassified;
+    }
+  });
+  report.input->ground_filtered = counts.ground_points;
+  report.warnings.push_back(
+      {"ground_filtered", counts.ground_points,
+       fmt::format("{}; a filter found {} of {} unclassified points on the ground (windows of up "
+                   "to {:.0f} m)",
+                   before == 0 ? "the cloud has no class 2 (ground)"
+                               : fmt::format("{} points of class 2 were not relied on", before),
+                   counts.ground_points, counts.candidates, 2 * options.window)});
+}
+
+}  // namespace
+
+void find_ground(const Config& config, InputData& input, StepClock& clock, Report& report) {
+  if (is_wanted(config, report.input->points_by_class)) run_filter(config, input, clock, report);
+}
+
+}  // namespace tetropolis

@@ -1,0 +1,290 @@
+#include "tetropolis/terrain/ground_filter.h"
+
+#include <algorithm>
+#include <array>
+#include <cassert>
+#include <cmath>
+#include <cstddef>
+#include <limits>
+
+#include "tetropolis/core/parallel.h"
+#include "tetropolis/terrain/dtm.h"
+#include "tetropolis/terrain/raster.h"
+
+#include "opening.h"
+
+namespace tetropolis {
+
+namespace {
+
+constexpr double kMostCells = 134217728.0;  // 2^27
+constexpr float kNanF = std::numeric_limits<float>::quiet_NaN();
+constexpr std::size_t kPointGrain = std::size_t{1} << 15;
+constexpr std::size_t kRowGrain = 32;
+
+/// A lowest point is believed if this many cells, itself among them, hold one at most kPitRise
+/// higher within kPitReach.
+constexpr int kPitSupport = 4;
+constexpr double kPitRise = 1.0;
+constexpr double kPitReach = 10.0;
+
+constexpr double kStorey = 2.5;
+
+/// Cells over the candidates and a margin around them.
+struct Frame {
+  double x0 = 0;
+  double y0 = 0;
+  double cell = 1;
+  std::int32_t nx = 0;
+  std::int32_t ny = 0;
+
+  std::size_t at(double x, double y) const {
+    const auto i = static_cast<std::int32_t>(std::clamp((x - x0) / cell, 0.0, nx - 1.0));
+    const auto j = static_cast<std::int32_t>(std::clamp((y - y0) / cell, 0.0, ny - 1.0));
+    return static_cast<std::size_t>(j) * static_cast<std::size_t>(nx) + static_cast<std::size_t>(i);
+  }
+};
+
+using Candidates = std::vector<std::uint8_t>;
+
+Candidates find_candidates(const PointCloud& cloud, const GroundFilterOptions& options) {
+  std::array<bool, 256> wanted{};
+  for (const std::uint8_t code : options.classes) wanted[code] = true;
+  Candidates mask(cloud.size(), 0);
+  parallel_chunks(cloud.size(), kPointGrain, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t p = begin; p < end; ++p)
+      mask[p] = wanted[cloud.classification[p]] && std::isfinite(cloud.z[p]) ? 1 : 0;
+  });
+  return mask;
+}
+
+Bounds2 united(const Bounds2& a, const Bounds2& b) {
+  return {std::min(a.xmin, b.xmin), std::min(a.ymin, b.ymin), std::max(a.xmax, b.xmax),
+          std::max(a.ymax, b.ymax)};
+}
+
+Bounds2 extent_of(const PointCloud& cloud, const Candidates& mask) {
+  constexpr double inf = std::numeric_limits<double>::infinity();
+  return parallel_reduce_ordered(
+      cloud.size(), kPointGrain, Bounds2{inf, inf, -inf, -inf},
+      [&](std::size_t begin, std::size_t end) {
+        Bounds2 box{inf, inf, -inf, -inf};
+        for (std::size_t p = begin; p < end; ++p)
+          if (mask[p] != 0) box = united(box, {cloud.x[p], cloud.y[p], cloud.x[p], cloud.y[p]});
+        return box;
+      },
+      united);
+}
+
+Frame make_frame(const Bounds2& box, const GroundFilterOptions& options) {
+  const Bounds2 grown = box.grown(options.window + options.cell);
+  Frame frame;
+  frame.cell = std::max(options.cell, std::sqrt(grown.width() * grown.height() / kMostCells));
+  frame.x0 = grown.xmin;
+  frame.y0 = grown.ymin;
+  frame.nx = static_cast<std::int32_t>(grown.width() / frame.cell) + 1;
+  frame.ny = static_cast<std::int32_t>(grown.height() / frame.cell) + 1;
+  return frame;
+}
+
+/// The lowest candidate of each cell, NaN without any.
+HeightGrid lowest_points(const PointCloud& cloud, const Candidates& mask, const Frame& frame) {
+  HeightGrid grid{frame.nx, frame.ny, {}};
+  grid.values.assign(static_cast<std::size_t>(frame.nx) * static_cast<std::size_t>(frame.ny),
+                     kNanF);
+  for (std::size_t p = 0; p < cloud.size(); ++p) {
+    if (mask[p] == 0) continue;
+    float& lowest = grid.values[frame.at(cloud.x[p], cloud.y[p])];
+    const auto z = static_cast<float>(cloud.z[p]);
+    if (!(lowest <= z)) lowest = z;
+  }
+  return grid;
+}
+
+/// Whether enough cells around (i, j) hold points at most kPitRise higher. Rings from the inside
+/// out: almost always the first one settles it.
+bool is_supported(const HeightGrid& grid, std::int32_t i, std::int32_t j, std::int32_t reach) {
+  const float most = grid.values[grid.index(i, j)] + static_cast<float>(kPitRise);
+  int support = 1;
+  const auto look = [&](std::int32_t ni, std::int32_t nj) {
+    if (ni < 0 || nj < 0 || ni >= grid.nx || nj >= grid.ny) return;
+    if (grid.values[grid.index(ni, nj)] <= most) ++support;
+  };
+  for (std::int32_t ring = 1; ring <= reach && support < kPitSupport; ++ring) {
+    for (std::int32_t k = -ring; k <= ring; ++k) {
+      look(i + k, j - ring);
+      look(i + k, j + ring);
+    }
+    for (std::int32_t k = -ring + 1; k < ring; ++k) {
+      look(i - ring, j + k);
+      look(i + ring, j + k);
+    }
+  }
+  return support >= kPitSupport;
+}
+
+/// Empties the cells whose lowest point is a pit; returns how many.
+std::int64_t remove_pits(HeightGrid& grid, double cell) {
+  const auto reach = static_cast<std::int32_t>(std::max(std::ceil(kPitReach / cell), 2.0));
+  std::vector<std::uint8_t> pit(grid.values.size(), 0);
+  parallel_chunks(
+      static_cast<std::size_t>(grid.ny), kRowGrain, [&](std::size_t begin, std::size_t end) {
+        for (auto j = static_cast<std::int32_t>(begin); j < static_cast<std::int32_t>(end); ++j)
+          for (std::int32_t i = 0; i < grid.nx; ++i) {
+            const std::size_t c = grid.index(i, j);
+            if (!std::isnan(grid.values[c]) && !is_supported(grid, i, j, reach)) pit[c] = 1;
+          }
+      });
+  std::int64_t pits = 0;
+  for (std::size_t c = 0; c < pit.size(); ++c) {
+    if (pit[c] == 0) continue;
+    grid.values[c] = kNanF;
+    ++pits;
+  }
+  return pits;
+}
+
+/// Gives each empty cell the least of z + slope * distance over the filled ones (distances along
+/// the eight directions): the lowest surroundings win, at most `slope` steep. Two passes suffice
+/// because nothing is in the way (Borgefors, "Distance transformations in digital images", 1986).
+void fill_low(HeightGrid& grid, double rise) {
+  constexpr float inf = std::numeric_limits<float>::infinity();
+  const auto straight = static_cast<float>(rise);
+  const auto diagonal = static_cast<float>(rise * std::sqrt(2.0));
+  std::vector<float> low(grid.values.size());
+  for (std::size_t c = 0; c < low.size(); ++c)
+    low[c] = std::isnan(grid.values[c]) ? inf : grid.values[c];
+  const auto pass = [&](std::int32_t way) {
+    for (std::int32_t n = 0; n < grid.ny; ++n) {
+      const std::int32_t j = way > 0 ? n : grid.ny - 1 - n;
+      const std::int32_t before = j - way;
+      float* row = low.data() + grid.index(0, j);
+      if (before >= 0 && before < grid.ny) {
+        const float* other = low.data() + grid.index(0, before);
+        for (std::int32_t i = 0; i < grid.nx; ++i) {
+          float least = std::min(row[i], other[i] + straight);
+          if (i > 0) least = std::min(least, other[i - 1] + diagonal);
+          if (i + 1 < grid.nx) least = std::min(least, other[i + 1] + diagonal);
+          row[i] = least;
+        }
+      }
+      for (std::int32_t i = 1; i < grid.nx; ++i) row[i] = std::min(row[i], row[i - 1] + straight);
+      for (std::int32_t i = grid.nx - 2; i >= 0; --i)
+        row[i] = std::min(row[i], row[i + 1] + straight);
+    }
+  };
+  pass(1);
+  pass(-1);
+  for (std::size_t c = 0; c < low.size(); ++c)
+    if (std::isnan(grid.values[c])) grid.values[c] = low[c];
+}
+
+/// Radii in cells: each, as long as they are small, then growing by a tenth.
+std::vector<std::int32_t> window_radii(double window, double cell) {
+  const auto last = static_cast<std::int32_t>(std::max(std::ceil(window / cell), 1.0));
+  std::vector<std::int32_t> radii;
+  for (std::int32_t r = 1; r < last; r += std::max(1, r / 10)) radii.push_back(r);
+  radii.push_back(last);
+  return radii;
+}
+
+/// By how much the opening with radius `now`, after one with `last`, may lower terrain: the paper's
+/// slope * window, at most a storey so that large flat halls are still seen, and what the slope
+/// makes of a window that grows by several cells (as in Zhang et al.).
+double allowed_drop(const GroundFilterOptions& options, double cell, std::int32_t now,
+                    std::int32_t last) {
+  return std::min(options.slope * now * cell, kStorey) + options.slope * (now - last - 1) * cell;
+}
+
+/// 1 for the cells that an opening lowers by more than terrain of the given slope would be.
+std::vector<std::uint8_t> find_objects(HeightGrid surface, const Frame& frame,
+                                       const GroundFilterOptions& options,
+                                       const Progress& progress) {
+  std::vector<std::uint8_t> object(surface.values.size(), 0);
+  const std::vector<std::int32_t> radii = window_radii(options.window, frame.cell);
+  for (std::size_t k = 0; k < radii.size(); ++k) {
+    progress.update(0.2 + 0.6 * static_cast<double>(k) / static_cast<double>(radii.size()));
+    const std::vector<float> before = surface.values;
+    open_with_octagon(surface, radii[k]);
+    const auto most =
+        static_cast<float>(allowed_drop(options, frame.cell, radii[k], k == 0 ? 0 : radii[k - 1]));
+    for (std::size_t c = 0; c < object.size(); ++c)
+      if (before[c] - surface.values[c] > most) object[c] = 1;
+  }
+  return object;
+}
+
+/// The terrain through the cells that have points and are no objects.
+Raster terrain_between(const HeightGrid& lowest, const std::vector<std::uint8_t>& object,
+                       const Frame& frame, const Progress& progress) {
+  Raster terrain{frame.nx,   frame.ny, frame.x0 + frame.cell / 2, frame.y0 + frame.cell / 2,
+                 frame.cell, {}};
+  terrain.values.resize(lowest.values.size());
+  for (std::size_t c = 0; c < terrain.values.size(); ++c)
+    terrain.values[c] = object[c] != 0 ? std::numeric_limits<double>::quiet_NaN()
+                                       : static_cast<double>(lowest.values[c]);
+  fill_empty_nodes(terrain, {[&](double fraction) { progress.update(0.8 + 0.1 * fraction); }, {}});
+  return terrain;
+}
+
+/// Steepness at a position, from central differences one cell long.
+double slope_at(const Raster& terrain, Point2 p) {
+  const double half = terrain.step / 2;
+  const double dx = sample(terrain, {p.x + half, p.y}) - sample(terrain, {p.x - half, p.y});
+  const double dy = sample(terrain, {p.x, p.y + half}) - sample(terrain, {p.x, p.y - half});
+  return std::hypot(dx, dy) / terrain.step;
+}
+
+/// Keeps in `mask` the points that lie on the terrain; returns how many.
+std::int64_t keep_near(const PointCloud& cloud, const Raster& terrain,
+                       const GroundFilterOptions& options, Candidates& mask) {
+  return parallel_reduce_ordered(
+      cloud.size(), kPointGrain, std::int64_t{0},
+      [&](std::size_t begin, std::size_t end) {
+        std::int64_t kept = 0;
+        for (std::size_t p = begin; p < end; ++p) {
+          if (mask[p] == 0) continue;
+          const Point2 position{cloud.x[p], cloud.y[p]};
+          const double off = std::abs(cloud.z[p] - sample(terrain, position));
+          const bool near =
+              off <= options.tolerance ||
+              off <= options.tolerance + options.tolerance_per_slope * slope_at(terrain, position);
+          mask[p] = near ? 1 : 0;
+          kept += near ? 1 : 0;
+        }
+        return kept;
+      },
+      [](std::int64_t a, std::int64_t b) { return a + b; });
+}
+
+}  // namespace
+
+std::vector<std::uint8_t> filter_ground(const PointCloud& cloud, const GroundFilterOptions& options,
+                                        const Progress& progress, GroundFilterReport* report) {
+  assert(options.cell > 0 && options.window > 0 && options.slope > 0);
+  GroundFilterReport counts;
+  progress.update(0);
+  Candidates mask = find_candidates(cloud, options);
+  counts.candidates = std::count(mask.begin(), mask.end(), std::uint8_t{1});
+  if (counts.candidates > 0) {
+    const Frame frame = make_frame(extent_of(cloud, mask), options);
+    HeightGrid lowest = lowest_points(cloud, mask, frame);
+    counts.cells = static_cast<std::int64_t>(lowest.values.size());
+    progress.update(0.1);
+    HeightGrid believed = lowest;
+    counts.pit_cells = remove_pits(believed, frame.cell);
+    const bool any = std::any_of(believed.values.begin(), believed.values.end(),
+                                 [](float z) { return !std::isnan(z); });
+    if (any) lowest = std::move(believed);  // A handful of points cannot support each other.
+    HeightGrid surface = lowest;
+    fill_low(surface, options.slope * frame.cell);
+    const auto object = find_objects(std::move(surface), frame, options, progress);
+    const Raster terrain = terrain_between(lowest, object, frame, progress);
+    counts.ground_points = keep_near(cloud, terrain, options, mask);
+  }
+  progress.update(1);
+  if (report != nullptr) *report = counts;
+  return mask;
+}
+
+}  // namespace tetropolis
