@@ -76,9 +76,8 @@ std::vector<ConfigField> make_fields() {
        kInf,
        {"auto", "never", "always"}},
       {"ground_filter_window", "City model", &C::ground_filter_window, kData,
-       "Half the width of the widest building for that filter; 0: from the footprints, at least "
-       "20 m",
-       "m", 0, 1000},
+       "For that filter: half the width of the widest building that is not among the footprints",
+       "m", 1, 1000},
       {"parallel_tolerance", "City model", &C::parallel_tolerance, kData,
        "Consecutive edges that differ less in direction are one", "rad", 0, 0.5},
       {"ground_margin", "City model", &C::ground_margin, kData,

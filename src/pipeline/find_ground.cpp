@@ -11,18 +11,6 @@ namespace tetropolis {
 
 namespace {
 
-/// Metres: the least half width of a window, and what a window is wider than the widest building,
-/// for what stands around it without being in any footprint.
-constexpr double kLeastWindow = 20;
-constexpr double kWindowMargin = 5;
-
-double filter_window(const Config& config, const InputData& input) {
-  if (config.ground_filter_window > 0) return config.ground_filter_window;
-  std::vector<Polygon> footprints;
-  for (const Footprint& feature : input.footprints.features) footprints.push_back(feature.polygon);
-  return std::max(kLeastWindow, widest_inscribed_radius(footprints, input.domain) + kWindowMargin);
-}
-
 bool is_wanted(const Config& config, const std::map<int, std::int64_t>& by_class) {
   if (config.ground_filter != "auto") return config.ground_filter == "always";
   const GroundFilterOptions defaults;
@@ -33,14 +21,17 @@ bool is_wanted(const Config& config, const std::map<int, std::int64_t>& by_class
 
 void run_filter(const Config& config, InputData& input, StepClock& clock, Report& report) {
   GroundFilterOptions options;
-  options.window = filter_window(config, input);
+  options.window = config.ground_filter_window;
   options.classes.push_back(kGround);
   std::vector<std::uint8_t>& classes = input.points.classification;
   std::int64_t before = 0;
   GroundFilterReport counts;
   clock.run("1.3", "find ground points", [&](const Progress& progress) {
+    std::vector<Polygon> footprints;
+    for (const Footprint& feature : input.footprints.features)
+      footprints.push_back(feature.polygon);
     const std::vector<std::uint8_t> ground =
-        filter_ground(input.points, options, progress, &counts);
+        filter_ground(input.points, footprints, options, progress, &counts);
     for (std::size_t p = 0; p < classes.size(); ++p) {
       before += classes[p] == kGround ? 1 : 0;
       if (ground[p] != 0)
@@ -52,11 +43,10 @@ void run_filter(const Config& config, InputData& input, StepClock& clock, Report
   report.input->ground_filtered = counts.ground_points;
   report.warnings.push_back(
       {"ground_filtered", counts.ground_points,
-       fmt::format("{}; a filter found {} of {} unclassified points on the ground (windows of up "
-                   "to {:.0f} m)",
+       fmt::format("{}; a filter found {} of {} unclassified points on the ground",
                    before == 0 ? "the cloud has no class 2 (ground)"
                                : fmt::format("{} points of class 2 were not relied on", before),
-                   counts.ground_points, counts.candidates, 2 * options.window)});
+                   counts.ground_points, counts.candidates)});
 }
 
 }  // namespace

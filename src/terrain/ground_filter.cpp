@@ -8,6 +8,7 @@
 #include <limits>
 
 #include "tetropolis/core/parallel.h"
+#include "tetropolis/geometry/polygon.h"
 #include "tetropolis/terrain/dtm.h"
 #include "tetropolis/terrain/raster.h"
 
@@ -101,6 +102,31 @@ HeightGrid lowest_points(const PointCloud& cloud, const Candidates& mask, const 
   return grid;
 }
 
+/// Empties the cells whose centres lie in a footprint, by the even-odd rule along each row; broken
+/// rings do no harm.
+void empty_inside(const Polygon& footprint, const Frame& frame, HeightGrid& grid) {
+  const auto first_centre = [&](double position, double start, std::int32_t cells) {
+    return static_cast<std::int32_t>(std::clamp(std::ceil((position - start) / frame.cell - 0.5),
+                                                0.0, static_cast<double>(cells)));
+  };
+  const Bounds2 box = bounds(footprint);
+  const std::int32_t end = first_centre(box.ymax, frame.y0, grid.ny);
+  std::vector<double> crossings;
+  for (std::int32_t j = first_centre(box.ymin, frame.y0, grid.ny); j < end; ++j) {
+    const double y = frame.y0 + (j + 0.5) * frame.cell;
+    crossings.clear();
+    for_each_edge(footprint, [&](Point2 a, Point2 b) {
+      if ((a.y <= y) != (b.y <= y))
+        crossings.push_back(a.x + (y - a.y) / (b.y - a.y) * (b.x - a.x));
+    });
+    std::sort(crossings.begin(), crossings.end());
+    float* row = grid.values.data() + grid.index(0, j);
+    for (std::size_t k = 0; k + 1 < crossings.size(); k += 2)
+      std::fill(row + first_centre(crossings[k], frame.x0, grid.nx),
+                row + first_centre(crossings[k + 1], frame.x0, grid.nx), kNanF);
+  }
+}
+
 /// Whether enough cells around (i, j) hold points at most kPitRise higher. Rings from the inside
 /// out: almost always the first one settles it.
 bool is_supported(const HeightGrid& grid, std::int32_t i, std::int32_t j, std::int32_t reach) {
@@ -142,6 +168,10 @@ std::int64_t remove_pits(HeightGrid& grid, double cell) {
     ++pits;
   }
   return pits;
+}
+
+bool is_empty(const HeightGrid& grid) {
+  return std::all_of(grid.values.begin(), grid.values.end(), [](float z) { return std::isnan(z); });
 }
 
 /// Gives each empty cell the least of z + slope * distance over the filled ones (distances along
@@ -259,7 +289,9 @@ std::int64_t keep_near(const PointCloud& cloud, const Raster& terrain,
 
 }  // namespace
 
-std::vector<std::uint8_t> filter_ground(const PointCloud& cloud, const GroundFilterOptions& options,
+std::vector<std::uint8_t> filter_ground(const PointCloud& cloud,
+                                        std::span<const Polygon> footprints,
+                                        const GroundFilterOptions& options,
                                         const Progress& progress, GroundFilterReport* report) {
   assert(options.cell > 0 && options.window > 0 && options.slope > 0);
   GroundFilterReport counts;
@@ -268,14 +300,15 @@ std::vector<std::uint8_t> filter_ground(const PointCloud& cloud, const GroundFil
   counts.candidates = std::count(mask.begin(), mask.end(), std::uint8_t{1});
   if (counts.candidates > 0) {
     const Frame frame = make_frame(extent_of(cloud, mask), options);
-    HeightGrid lowest = lowest_points(cloud, mask, frame);
-    counts.cells = static_cast<std::int64_t>(lowest.values.size());
+    const HeightGrid all = lowest_points(cloud, mask, frame);
+    counts.cells = static_cast<std::int64_t>(all.values.size());
     progress.update(0.1);
+    HeightGrid lowest = all;
+    for (const Polygon& footprint : footprints) empty_inside(footprint, frame, lowest);
+    if (is_empty(lowest)) lowest = all;
     HeightGrid believed = lowest;
     counts.pit_cells = remove_pits(believed, frame.cell);
-    const bool any = std::any_of(believed.values.begin(), believed.values.end(),
-                                 [](float z) { return !std::isnan(z); });
-    if (any) lowest = std::move(believed);  // A handful of points cannot support each other.
+    if (!is_empty(believed)) lowest = std::move(believed);
     HeightGrid surface = lowest;
     fill_low(surface, options.slope * frame.cell);
     const auto object = find_objects(std::move(surface), frame, options, progress);

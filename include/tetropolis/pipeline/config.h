@@ -37,7 +37,7 @@ struct Config {
   double domain_margin = 40;
   double dtm_step = 1;
   std::string ground_filter = "auto";
-  double ground_filter_window = 0;
+  double ground_filter_window = 20;
   double parallel_tolerance = 0.01;
   double ground_margin = 1;
   double outlier_sigma = 2;

@@ -16,7 +16,7 @@ struct GroundFilterOptions {
                                                 ///< unclassified, overlap.
   double cell = 1.0;       ///< Metres, > 0. Coarser where there would be more than 2^27 cells.
   double window = 20.0;    ///< Metres, > 0: what is narrower than twice that, and rises from its
-                           ///< surroundings, is an object, however high.
+                           ///< surroundings, is an object, if it is in no footprint.
   double slope = 0.15;     ///< Rise over run that is still terrain, > 0.
   double tolerance = 0.5;  ///< Metres between a ground point and the surface, where that is level.
   double tolerance_per_slope = 1.25;  ///< And more by this where it slopes, metres.
@@ -40,21 +40,17 @@ struct GroundFilterReport {
 /// the other cells is the terrain, and points within a tolerance of it are ground. Differences:
 /// windows are octagons; a lowest point with fewer than three others at most 1 m higher within
 /// 10 m is a pit and left out (the paper opens the surface upside down, which takes alleys for
-/// pits); cells without points are, for the opening only, filled from the lowest surroundings at
-/// the given slope, also around the cloud, so that buildings at the water or cut by the rim of the
-/// cloud do not lean on a void.
+/// pits); cells inside footprints say nothing about the terrain, so no known building is too large,
+/// but points in them that lie on the terrain around are ground; cells without points are, for the
+/// opening only, filled from the lowest surroundings at the given slope, also around the cloud, so
+/// that buildings at the water or cut by the rim of the cloud do not lean on a void.
 ///
 /// Guarantees: the same for any number of threads. Linear in points and cells (logarithmic in the
 /// window); about 30 bytes per cell. Precondition: options as stated there.
 std::vector<std::uint8_t> filter_ground(const PointCloud& cloud,
+                                        std::span<const Polygon> footprints,
                                         const GroundFilterOptions& options = {},
                                         const Progress& progress = {},
                                         GroundFilterReport* report = nullptr);
-
-/// The radius of the largest circle that fits into the union of the footprints within `extent`, up
-/// to one and a half cells (never less by more): a window above it removes every building.
-/// Memory is five bytes per cell; cells become coarser where there would be more than 2^27.
-double widest_inscribed_radius(std::span<const Polygon> footprints, const Bounds2& extent,
-                               double cell = 1.0);
 
 }  // namespace tetropolis
