@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 
 #include "tetropolis/terrain/ground_filter.h"
+#include "tetropolis/terrain/outliers.h"
 
 namespace tetropolis {
 
@@ -49,10 +50,30 @@ void run_filter(const Config& config, InputData& input, StepClock& clock, Report
                    counts.ground_points, counts.candidates)});
 }
 
+/// Ground points that cannot be ground become noise.
+void drop_ground_outliers(InputData& input, StepClock& clock, Report& report) {
+  PointCloud& cloud = input.points;
+  const std::vector<std::uint32_t> outliers = clock.run(
+      "1.3", "ground outliers",
+      [&](const Progress& progress) { return find_ground_outliers(cloud, {}, progress); });
+  if (outliers.empty()) return;
+  // Any of the two serves: nothing looks at noise. High noise says less about the depth.
+  for (const std::uint32_t p : outliers) cloud.classification[p] = kHighNoise;
+  report.input->ground_outliers = static_cast<std::int64_t>(outliers.size());
+  const std::uint32_t first = outliers.front();
+  report.warnings.push_back(
+      {"ground_outliers", report.input->ground_outliers,
+       fmt::format("ground points far above or below all others around them were left out, the "
+                   "first at ({:.2f}, {:.2f}) with elevation {:.2f}",
+                   cloud.x[first] + input.origin.x, cloud.y[first] + input.origin.y,
+                   cloud.z[first])});
+}
+
 }  // namespace
 
 void find_ground(const Config& config, InputData& input, StepClock& clock, Report& report) {
   if (is_wanted(config, report.input->points_by_class)) run_filter(config, input, clock, report);
+  drop_ground_outliers(input, clock, report);
 }
 
 }  // namespace tetropolis

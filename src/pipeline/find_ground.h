@@ -9,7 +9,8 @@
 namespace tetropolis {
 
 /// Where no point is ground (or always, as `ground_filter` says) a filter finds the ground points,
-/// which then have class 2. Fills report.input and adds warnings.
+/// which then have class 2. Ground points far off all others around become noise. Fills
+/// report.input and adds warnings.
 void find_ground(const Config& config, InputData& input, StepClock& clock, Report& report);
 
 }  // namespace tetropolis
