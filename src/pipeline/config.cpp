@@ -78,6 +78,8 @@ std::vector<ConfigField> make_fields() {
       {"ground_filter_window", "City model", &C::ground_filter_window, kData,
        "For that filter: half the width of the widest building that is not among the footprints",
        "m", 1, 1000},
+      {"ground_filter_slope", "City model", &C::ground_filter_slope, kData,
+       "For that filter: rise over run of the steepest terrain", "", 0.01, 2},
       {"parallel_tolerance", "City model", &C::parallel_tolerance, kData,
        "Consecutive edges that differ less in direction are one", "rad", 0, 0.5},
       {"ground_margin", "City model", &C::ground_margin, kData,

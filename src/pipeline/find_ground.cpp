@@ -4,6 +4,7 @@
 #include <vector>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include "tetropolis/terrain/ground_filter.h"
 #include "tetropolis/terrain/outliers.h"
@@ -23,6 +24,7 @@ bool is_wanted(const Config& config, const std::map<int, std::int64_t>& by_class
 void run_filter(const Config& config, InputData& input, StepClock& clock, Report& report) {
   GroundFilterOptions options;
   options.window = config.ground_filter_window;
+  options.slope = config.ground_filter_slope;
   options.classes.push_back(kGround);
   std::vector<std::uint8_t>& classes = input.points.classification;
   std::int64_t before = 0;
@@ -69,11 +71,26 @@ void drop_ground_outliers(InputData& input, StepClock& clock, Report& report) {
                    cloud.z[first])});
 }
 
+/// Names the file, which the terrain does not know.
+void require_ground(const Config& config, const PointCloud& cloud, const Report& report) {
+  const auto is_ground = [](std::uint8_t code) { return code == kGround || code == kWater; };
+  const auto& codes = cloud.classification;
+  if (std::any_of(codes.begin(), codes.end(), is_ground)) return;
+  std::vector<std::string> parts;
+  for (const auto& [code, count] : report.input->points_by_class)
+    parts.push_back(fmt::format("class {} ({} points)", code, count));
+  throw Error(ErrorKind::kInput,
+              fmt::format("{}: no ground among the points, only {}; classify the ground (class 2), "
+                          "or give unclassified points (0 or 1) to --ground-filter auto",
+                          config.points.front(), fmt::join(parts, ", ")));
+}
+
 }  // namespace
 
 void find_ground(const Config& config, InputData& input, StepClock& clock, Report& report) {
   if (is_wanted(config, report.input->points_by_class)) run_filter(config, input, clock, report);
   drop_ground_outliers(input, clock, report);
+  require_ground(config, input.points, report);
 }
 
 }  // namespace tetropolis

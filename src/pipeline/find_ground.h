@@ -10,7 +10,7 @@ namespace tetropolis {
 
 /// Where no point is ground (or always, as `ground_filter` says) a filter finds the ground points,
 /// which then have class 2. Ground points far off all others around become noise. Fills
-/// report.input and adds warnings.
+/// report.input and adds warnings. Throws Error(kInput) naming the cloud if no ground is left.
 void find_ground(const Config& config, InputData& input, StepClock& clock, Report& report);
 
 }  // namespace tetropolis

@@ -174,39 +174,51 @@ bool is_empty(const HeightGrid& grid) {
   return std::all_of(grid.values.begin(), grid.values.end(), [](float z) { return std::isnan(z); });
 }
 
-/// Gives each empty cell the least of z + slope * distance over the filled ones (distances along
-/// the eight directions): the lowest surroundings win, at most `slope` steep. Two passes suffice
-/// because nothing is in the way (Borgefors, "Distance transformations in digital images", 1986).
+/// Gives each empty cell the least of z + rise * distance over the cells around its void, distances
+/// within the void along the eight directions: the lowest surroundings win, as far as they reach.
+/// Chamfer distances (Borgefors, "Distance transformations in digital images", 1986); passes are
+/// repeated until nothing changes, because a void may wind.
 void fill_low(HeightGrid& grid, double rise) {
   constexpr float inf = std::numeric_limits<float>::infinity();
   const auto straight = static_cast<float>(rise);
   const auto diagonal = static_cast<float>(rise * std::sqrt(2.0));
-  std::vector<float> low(grid.values.size());
-  for (std::size_t c = 0; c < low.size(); ++c)
-    low[c] = std::isnan(grid.values[c]) ? inf : grid.values[c];
+  std::vector<std::uint8_t> is_void(grid.values.size(), 0);
+  for (std::size_t c = 0; c < is_void.size(); ++c) {
+    if (!std::isnan(grid.values[c])) continue;
+    is_void[c] = 1;
+    grid.values[c] = inf;
+  }
+  bool changed = true;
+  const auto lower = [&](std::size_t c, float z) {
+    if (is_void[c] == 0 || !(z < grid.values[c])) return;
+    grid.values[c] = z;
+    changed = true;
+  };
   const auto pass = [&](std::int32_t way) {
     for (std::int32_t n = 0; n < grid.ny; ++n) {
       const std::int32_t j = way > 0 ? n : grid.ny - 1 - n;
       const std::int32_t before = j - way;
-      float* row = low.data() + grid.index(0, j);
+      const std::size_t row = grid.index(0, j);
+      const auto at = [&](std::int32_t i) { return row + static_cast<std::size_t>(i); };
       if (before >= 0 && before < grid.ny) {
-        const float* other = low.data() + grid.index(0, before);
+        const float* other = grid.values.data() + grid.index(0, before);
         for (std::int32_t i = 0; i < grid.nx; ++i) {
-          float least = std::min(row[i], other[i] + straight);
-          if (i > 0) least = std::min(least, other[i - 1] + diagonal);
-          if (i + 1 < grid.nx) least = std::min(least, other[i + 1] + diagonal);
-          row[i] = least;
+          if (is_void[at(i)] == 0) continue;
+          lower(at(i), other[i] + straight);
+          if (i > 0) lower(at(i), other[i - 1] + diagonal);
+          if (i + 1 < grid.nx) lower(at(i), other[i + 1] + diagonal);
         }
       }
-      for (std::int32_t i = 1; i < grid.nx; ++i) row[i] = std::min(row[i], row[i - 1] + straight);
+      for (std::int32_t i = 1; i < grid.nx; ++i) lower(at(i), grid.values[at(i - 1)] + straight);
       for (std::int32_t i = grid.nx - 2; i >= 0; --i)
-        row[i] = std::min(row[i], row[i + 1] + straight);
+        lower(at(i), grid.values[at(i + 1)] + straight);
     }
   };
-  pass(1);
-  pass(-1);
-  for (std::size_t c = 0; c < low.size(); ++c)
-    if (std::isnan(grid.values[c])) grid.values[c] = low[c];
+  while (changed) {
+    changed = false;
+    pass(1);
+    pass(-1);
+  }
 }
 
 /// Radii in cells: each, as long as they are small, then growing by a tenth.
