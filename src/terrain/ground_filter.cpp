@@ -29,7 +29,7 @@ constexpr int kPitSupport = 4;
 constexpr double kPitRise = 1.0;
 constexpr double kPitReach = 10.0;
 
-constexpr double kStorey = 2.5;
+constexpr double kStorey = 3.0;
 
 /// Cells over the candidates and a margin around them.
 struct Frame {
@@ -221,37 +221,31 @@ void fill_low(HeightGrid& grid, double rise) {
   }
 }
 
-/// Radii in cells: each, as long as they are small, then growing by a tenth.
+/// Radii in cells: each, as long as they are small, then growing by a fifth.
 std::vector<std::int32_t> window_radii(double window, double cell) {
   const auto last = static_cast<std::int32_t>(std::max(std::ceil(window / cell), 1.0));
   std::vector<std::int32_t> radii;
-  for (std::int32_t r = 1; r < last; r += std::max(1, r / 10)) radii.push_back(r);
+  for (std::int32_t r = 1; r < last; r += std::max(1, r / 5)) radii.push_back(r);
   radii.push_back(last);
   return radii;
 }
 
-/// By how much the opening with radius `now`, after one with `last`, may lower terrain: the paper's
-/// slope * window, at most a storey so that large flat halls are still seen, and what the slope
-/// makes of a window that grows by several cells (as in Zhang et al.).
-double allowed_drop(const GroundFilterOptions& options, double cell, std::int32_t now,
-                    std::int32_t last) {
-  return std::min(options.slope * now * cell, kStorey) + options.slope * (now - last - 1) * cell;
-}
-
-/// 1 for the cells that an opening lowers by more than terrain of the given slope would be.
+/// 1 for the cells that an opening lowers by more than terrain of the given slope would be: that
+/// slope times the window, at most a storey. The drop is that from the surface itself, not from the
+/// opening before as in the paper: buildings that wear away step by step (at ragged rims, on
+/// slopes) would never drop far at once.
 std::vector<std::uint8_t> find_objects(HeightGrid surface, const Frame& frame,
                                        const GroundFilterOptions& options,
                                        const Progress& progress) {
   std::vector<std::uint8_t> object(surface.values.size(), 0);
+  const std::vector<float> original = surface.values;
   const std::vector<std::int32_t> radii = window_radii(options.window, frame.cell);
   for (std::size_t k = 0; k < radii.size(); ++k) {
     progress.update(0.2 + 0.6 * static_cast<double>(k) / static_cast<double>(radii.size()));
-    const std::vector<float> before = surface.values;
     open_with_octagon(surface, radii[k]);
-    const auto most =
-        static_cast<float>(allowed_drop(options, frame.cell, radii[k], k == 0 ? 0 : radii[k - 1]));
+    const auto most = static_cast<float>(std::min(options.slope * radii[k] * frame.cell, kStorey));
     for (std::size_t c = 0; c < object.size(); ++c)
-      if (before[c] - surface.values[c] > most) object[c] = 1;
+      if (original[c] - surface.values[c] > most) object[c] = 1;
   }
   return object;
 }
