@@ -17,11 +17,14 @@ namespace tetropolis {
 namespace {
 
 constexpr std::size_t kBuildingGrain = 4;
-constexpr double kEnoughPoints = 30;   // in a disk
-constexpr double kMostCells = 1e6;     // of one building
-constexpr int kLeastNeighbours = 5;    // that make a plane credible
-constexpr double kTreeHeight = 3;      // metres above a building's lowest point
-constexpr double kSurfaceShare = 0.5;  // of neighbours on surfaces, at most, in crowns
+constexpr double kEnoughPoints = 30;    // in a disk
+constexpr double kMostCells = 1e6;      // of one building
+constexpr int kLeastNeighbours = 5;     // that make a plane credible
+constexpr double kTreeHeight = 3;       // metres above a building's lowest point
+constexpr double kSurfaceShare = 0.5;   // of neighbours on surfaces, at most, in crowns
+constexpr double kRemainder = 0.15;     // of a list that is too little to be a roof
+constexpr double kOpenRemainder = 0.5;  // the same where much ground is seen inside
+constexpr double kOpenGround = 0.2;     // share of points that is much
 
 /// Mean and products of differences, of points relative to one of them.
 struct Moments {
@@ -184,6 +187,11 @@ std::vector<PointIndex> without_crowns(std::span<const PointIndex> roof,
     if (disks.z(k) - highest <= options.height || on_surfaces > kSurfaceShare * near)
       kept.push_back(roof[k]);
   }
+  // Chance makes surfaces in crowns too; where nearly all goes, so does the rest.
+  const auto n = static_cast<double>(roof.size());
+  const auto ground = static_cast<double>(below.size());
+  const bool is_open = ground > kOpenGround * (ground + n);
+  if (static_cast<double>(kept.size()) < (is_open ? kOpenRemainder : kRemainder) * n) return {};
   return kept;
 }
 

@@ -180,7 +180,7 @@ BuildingPoints extract(std::span<const Polygon* const> footprints, const PointCl
   hits.roof = {};
   points.ground = to_lists(hits.ground, footprints.size());
   hits.ground = {};
-  if (points.roof_from_unclassified)
+  if (points.roof_from_unclassified && options.drop_crowns)
     drop_crowns(points.roof,
                 {to_lists(hits.ground_inside, footprints.size()),
                  to_lists(find_around(footprints, cloud, classes), footprints.size())},
