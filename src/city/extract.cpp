@@ -7,6 +7,7 @@
 
 #include <fmt/format.h>
 
+#include "tetropolis/city/crowns.h"
 #include "tetropolis/core/error.h"
 #include "tetropolis/core/parallel.h"
 
@@ -19,6 +20,10 @@ namespace {
 constexpr std::size_t kPointGrain = std::size_t{1} << 15;
 constexpr std::size_t kPointBatch = std::size_t{1} << 22;  // Between two reports of progress.
 constexpr std::size_t kBuildingGrain = 64;
+
+/// Metres from a building in which trees are looked for, and from a wall to what is no part of it.
+constexpr double kAround = 3.0;
+constexpr double kWall = 0.7;
 
 using ClassTable = std::array<bool, 256>;
 
@@ -60,10 +65,12 @@ struct Hit {
 struct Hits {
   std::vector<Hit> roof;
   std::vector<Hit> ground;
+  std::vector<Hit> ground_inside;  ///< Of clouds without class 6 only.
 
   void append(const Hits& more) {
     roof.insert(roof.end(), more.roof.begin(), more.roof.end());
     ground.insert(ground.end(), more.ground.begin(), more.ground.end());
+    ground_inside.insert(ground_inside.end(), more.ground_inside.begin(), more.ground_inside.end());
   }
 };
 
@@ -79,6 +86,7 @@ Hits find_hits(const FootprintIndex& index, const PointCloud& cloud, const Class
       const Hit hit{building, static_cast<PointIndex>(p)};
       if (inside && roof) hits.roof.push_back(hit);
       if (!inside && ground) hits.ground.push_back(hit);
+      if (inside && ground && classes.roof_from_unclassified) hits.ground_inside.push_back(hit);
     });
   }
   return hits;
@@ -129,6 +137,33 @@ std::size_t keep_inliers(std::span<PointIndex> list, const PointCloud& cloud, do
   return static_cast<std::size_t>(end - list.begin());
 }
 
+/// Points that may be roof by their class but lie in no footprint, at each building they are near.
+std::vector<Hit> find_around(std::span<const Polygon* const> footprints, const PointCloud& cloud,
+                             const Classes& classes) {
+  const FootprintIndex index(footprints, kAround);
+  std::vector<std::vector<Hit>> chunks((cloud.size() + kPointGrain - 1) / kPointGrain);
+  parallel_chunks(cloud.size(), kPointGrain, [&](std::size_t begin, std::size_t end) {
+    std::vector<Hit>& found = chunks[begin / kPointGrain];
+    std::vector<BuildingIndex> near;
+    for (std::size_t p = begin; p < end; ++p) {
+      if (!classes.roof[cloud.classification[p]]) continue;
+      near.clear();
+      bool open = true;
+      const Point2 position{cloud.x[p], cloud.y[p]};
+      index.at(position, [&](BuildingIndex building, bool inside) {
+        open = open && !inside && index.squared_distance(building, position) > kWall * kWall;
+        near.push_back(building);
+      });
+      if (!open) continue;
+      for (const BuildingIndex building : near)
+        found.push_back({building, static_cast<PointIndex>(p)});
+    }
+  });
+  std::vector<Hit> all;
+  for (const std::vector<Hit>& chunk : chunks) all.insert(all.end(), chunk.begin(), chunk.end());
+  return all;
+}
+
 BuildingPoints extract(std::span<const Polygon* const> footprints, const PointCloud& cloud,
                        const ExtractOptions& options, const Progress& progress) {
   if (cloud.size() > std::numeric_limits<PointIndex>::max())
@@ -145,6 +180,11 @@ BuildingPoints extract(std::span<const Polygon* const> footprints, const PointCl
   hits.roof = {};
   points.ground = to_lists(hits.ground, footprints.size());
   hits.ground = {};
+  if (points.roof_from_unclassified && options.drop_crowns)
+    drop_crowns(points.roof,
+                {to_lists(hits.ground_inside, footprints.size()),
+                 to_lists(find_around(footprints, cloud, classes), footprints.size())},
+                cloud);
   drop_outliers(points.roof, cloud, options.sigma);
   drop_outliers(points.ground, cloud, options.sigma);
   progress.update(1);

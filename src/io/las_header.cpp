@@ -183,9 +183,17 @@ void settle_records(const fs::path& path, std::string_view h, LasLayout& layout)
         start < static_cast<std::uint64_t>(layout.file_size))
       layout.points_end = static_cast<std::int64_t>(start);
   }
-  if (info.compressed || info.point_count != 0) return;
+  if (info.compressed) return;
   const std::int64_t fit = (layout.points_end - layout.first_point) / info.record_length;
-  if (fit == 0) return;
+  const bool has_waveforms = info.point_format == 4 || info.point_format == 5 ||
+                             info.point_format == 9 || info.point_format == 10;
+  if (info.point_count != 0 && fit > info.point_count && !has_waveforms)
+    info.warnings.push_back(
+        {"las_count_small", fit - info.point_count,
+         fmt::format("{}: the header counts {} points but there is room for {} more behind them; "
+                     "these are not read",
+                     path.string(), info.point_count, fit - info.point_count)});
+  if (fit == 0 || info.point_count != 0) return;
   info.point_count = fit;
   info.warnings.push_back(
       {"las_count_missing", 1,

@@ -4,6 +4,7 @@
 #include <exception>
 #include <limits>
 #include <mutex>
+#include <tuple>
 #include <utility>
 
 #include <fmt/format.h>
@@ -21,6 +22,7 @@ namespace fs = std::filesystem;
 namespace {
 
 constexpr std::int64_t kPointsPerTask = 1'000'000;
+constexpr std::int64_t kLeastTwin = 100;  // points of which two equal boxes are no coincidence
 
 /// Which records become points, and where.
 class Filter {
@@ -67,6 +69,30 @@ void run_in_order_of_errors(std::size_t size, const Job& job) {
   });
   if (first_failed < size) std::rethrow_exception(errors[first_failed]);
 }
+
+/// Counts the points outside of a header's box. In a file whose bytes have rotted, wrong numbers
+/// are all that can be seen: LAS and LAZ have no checksums.
+class BoxCheck {
+ public:
+  explicit BoxCheck(const LasInfo& info) {
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      // Two steps for what rounding may have cut off. Negative scales turn the order round.
+      const double margin = 2 * std::abs(info.scale[axis]);
+      const double a = (info.min[axis] - margin - info.offset[axis]) / info.scale[axis];
+      const double b = (info.max[axis] + margin - info.offset[axis]) / info.scale[axis];
+      low_[axis] = std::min(a, b);
+      high_[axis] = std::max(a, b);
+    }
+  }
+  bool is_outside(const LasRecord& record) const {
+    return record.x < low_[0] || record.x > high_[0] || record.y < low_[1] || record.y > high_[1] ||
+           record.z < low_[2] || record.z > high_[2];
+  }
+
+ private:
+  std::array<double, 3> low_{};
+  std::array<double, 3> high_{};
+};
 
 /// Adds up points of all threads and reports their share.
 class Meter {
@@ -127,7 +153,9 @@ bool box_holds_samples(const fs::path& path, const LasLayout& layout) {
 
 struct FilePlan {
   LasLayout layout;
-  bool skip = false;
+  bool skip = false;       ///< Its box misses the crop.
+  bool is_twin = false;    ///< The same points as in a file before.
+  bool check_box = false;  ///< Points outside of its box are to be counted.
   std::vector<Warning> warnings;
 };
 
@@ -139,17 +167,37 @@ FilePlan plan_file(const fs::path& path, const ReadPointsOptions& options) {
     std::erase_if(plan.warnings, [](const Warning& w) { return w.code == "las_crs_unknown"; });
   check_las_length(path, plan.layout);
   const LasInfo& info = plan.layout.info;
-  if (!options.crop || info.point_count == 0) return plan;
   const bool sound = is_sound(info);
+  plan.check_box = sound;
+  if (!options.crop || info.point_count == 0) return plan;
   if (sound && header_box(info).intersects(*options.crop)) return plan;
   if (sound && box_holds_samples(path, plan.layout)) {
     plan.skip = true;
     return plan;
   }
+  plan.check_box = false;
   plan.warnings.push_back({"las_box_untrusted", 1,
                            path.string() + ": points lie outside the box that its header states; "
                                            "the whole file is read"});
   return plan;
+}
+
+/// Marks files that state the same count and box as one before: a cloud that lies there twice, as
+/// .las and as .laz.
+void find_twins(std::span<const fs::path> paths, std::vector<FilePlan>& plans) {
+  using Key = std::tuple<std::int64_t, std::array<double, 3>, std::array<double, 3>>;
+  std::map<Key, std::size_t> first;
+  for (std::size_t f = 0; f < plans.size(); ++f) {
+    const LasInfo& info = plans[f].layout.info;
+    if (info.point_count < kLeastTwin || !is_sound(info)) continue;
+    const auto [entry, is_new] = first.try_emplace({info.point_count, info.min, info.max}, f);
+    if (is_new) continue;
+    plans[f].is_twin = true;
+    plans[f].warnings = {{"las_twin", info.point_count,
+                          fmt::format("{}: states as many points in the same box as {} and is "
+                                      "taken for a copy of it, not read",
+                                      paths[f].string(), paths[entry->second].string())}};
+  }
 }
 
 // --- reading ---
@@ -163,7 +211,7 @@ struct Task {
 std::vector<Task> make_tasks(const std::vector<FilePlan>& plans) {
   std::vector<Task> tasks;
   for (std::size_t f = 0; f < plans.size(); ++f) {
-    if (plans[f].skip) continue;
+    if (plans[f].skip || plans[f].is_twin) continue;
     const LasLayout& layout = plans[f].layout;
     const std::int64_t total = layout.info.point_count;
     std::int64_t step = kPointsPerTask;
@@ -175,6 +223,21 @@ std::vector<Task> make_tasks(const std::vector<FilePlan>& plans) {
       tasks.push_back({f, first, std::min(step, total - first)});
   }
   return tasks;
+}
+
+void warn_of_points_outside(std::span<const fs::path> paths, const std::vector<FilePlan>& plans,
+                            const std::vector<Task>& tasks,
+                            const std::vector<std::int64_t>& outside,
+                            std::vector<Warning>& warnings) {
+  std::vector<std::int64_t> counts(plans.size(), 0);
+  for (std::size_t t = 0; t < tasks.size(); ++t) counts[tasks[t].file] += outside[t];
+  for (std::size_t f = 0; f < plans.size(); ++f)
+    if (plans[f].check_box && counts[f] > 0)
+      warnings.push_back(
+          {"las_points_outside_box", counts[f],
+           fmt::format("{}: {} of {} points lie outside the box that its header "
+                       "states; the header is wrong or the file damaged",
+                       paths[f].string(), counts[f], plans[f].layout.info.point_count)});
 }
 
 /// One array of all clouds after another; the parts are freed on the way.
@@ -239,6 +302,7 @@ PointsInput read_points(std::span<const fs::path> paths, const ReadPointsOptions
   std::vector<FilePlan> plans(paths.size());
   run_in_order_of_errors(paths.size(),
                          [&](std::size_t f) { plans[f] = plan_file(paths[f], options); });
+  find_twins(paths, plans);
   PointsInput result;
   result.crs = common_crs(paths, plans, options);
   const std::vector<Task> tasks = make_tasks(plans);
@@ -250,17 +314,22 @@ PointsInput read_points(std::span<const fs::path> paths, const ReadPointsOptions
   const Filter filter(options);
   Meter meter(progress, result.points_read);
   std::vector<PointCloud> parts(tasks.size());
+  std::vector<std::int64_t> outside(tasks.size(), 0);
   run_in_order_of_errors(tasks.size(), [&](std::size_t t) {
     const LasLayout& layout = plans[tasks[t].file].layout;
+    const BoxCheck box(layout.info);
     PointCloud part;
     decode_points(paths[tasks[t].file], layout, tasks[t].first, tasks[t].count,
                   [&](const LasRecord* records, std::size_t n) {
-                    for (std::size_t i = 0; i < n; ++i)
+                    for (std::size_t i = 0; i < n; ++i) {
                       filter.append(records[i], layout.info, part);
+                      outside[t] += box.is_outside(records[i]) ? 1 : 0;
+                    }
                     meter.add(static_cast<std::int64_t>(n));
                   });
     parts[t] = std::move(part);
   });
+  warn_of_points_outside(paths, plans, tasks, outside, result.warnings);
   result.points.x = concatenate(parts, &PointCloud::x);
   result.points.y = concatenate(parts, &PointCloud::y);
   result.points.z = concatenate(parts, &PointCloud::z);

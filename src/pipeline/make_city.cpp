@@ -14,6 +14,7 @@
 #include "tetropolis/io/geotiff.h"
 #include "tetropolis/terrain/dtm.h"
 
+#include "find_ground.h"
 #include "read_input.h"
 #include "stages.h"
 
@@ -209,6 +210,7 @@ void fill_city_report(const CityModel& raw, const CityModel& city, const Simplif
 CityAndTerrain make_city(const Config& config, const OutputFolder& out, StepClock& clock,
                          Report& report) {
   InputData input = read_input(config, clock, report);
+  find_ground(config, input, clock, report);
   const PointCloud& cloud = input.points;
   CityModel raw;
   raw.origin = input.origin;

@@ -165,11 +165,13 @@ Bounds2 find_domain(const Config& config, const FootprintsInput& footprints,
   domain = snapped_inwards(domain);
   const double least = 2 * config.min_building_distance;
   if (domain.empty() || domain.width() < least || domain.height() < least)
-    throw Error(ErrorKind::kInput,
-                fmt::format("the domain is {:.3f} m x {:.3f} m: too small for footprints {} m "
-                            "apart; give a larger one with "
-                            "--bounds or lower --min-building-distance",
-                            domain.width(), domain.height(), config.min_building_distance));
+    throw Error(
+        ErrorKind::kInput,
+        fmt::format("{}: {} points leave a domain of {:.3f} m x {:.3f} m: too small for "
+                    "footprints {} m apart; give more points, larger --bounds or lower "
+                    "--min-building-distance",
+                    config.points.front(), points.points_kept, std::max(domain.width(), 0.0),
+                    std::max(domain.height(), 0.0), config.min_building_distance));
   return domain;
 }
 

@@ -25,6 +25,8 @@ Json input_json(const InputReport& input) {
           {"points_read", input.points_read},
           {"points_kept", input.points_kept},
           {"points_by_class", by_class},
+          {"ground_filtered", input.ground_filtered},
+          {"ground_outliers", input.ground_outliers},
           {"footprints_read", input.footprints_read},
           {"footprint_parts", input.footprint_parts}};
 }

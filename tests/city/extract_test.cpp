@@ -105,7 +105,7 @@ TEST(Extract, AgreesWithBruteForce) {
 TEST(Extract, WithoutClassSixTakesWhatIsNotGroundWaterVegetationOrNoise) {
   const Scene scene = random_scene(40, 20000, {0, 1, 2, 3, 4, 5, 7, 9, 17, 18, 26});
   const BuildingPoints points =
-      extract_building_points(scene.footprints, scene.cloud, {1, kInfinity});
+      extract_building_points(scene.footprints, scene.cloud, {1, kInfinity, false});
   EXPECT_TRUE(points.roof_from_unclassified);
   for (std::size_t f = 0; f < scene.footprints.size(); ++f)
     EXPECT_EQ(to_vector(points.roof[f]), brute_force(scene, f, true, 1, {0, 1, 17, 26}))

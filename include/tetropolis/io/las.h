@@ -37,7 +37,8 @@ struct LasInfo {
   std::string crs;  ///< Canonical (crs.h); "" if none is stated or understood.
   std::string generating_software;
   int vlr_count = 0;              ///< Variable length records found before the points.
-  std::vector<Warning> warnings;  ///< "las_vlrs_broken", "las_crs_unknown", "las_count_missing".
+  std::vector<Warning> warnings;  ///< "las_vlrs_broken", "las_crs_unknown", "las_count_missing",
+                                  ///< "las_count_small" (more room than the count says).
 };
 
 /// Reads the header and the variable length records, not the points.
@@ -72,7 +73,8 @@ struct PointsInput {
   Bounds2 extent{1, 1, 0, 0};      ///< Of the points kept, local frame; empty if there are none.
   std::int64_t files_skipped = 0;  ///< Passed over because their header's box misses `crop`.
   std::string crs;                 ///< Of the coordinates; "" if unknown.
-  std::vector<Warning> warnings;   ///< Those of LasInfo, and "las_box_untrusted".
+  std::vector<Warning> warnings;   ///< Those of LasInfo, and "las_box_untrusted", "las_twin",
+                                   ///< "las_points_outside_box".
 };
 
 /// Reads the points of several files. x, y: CRS coordinate (record * scale + offset) minus origin;
@@ -81,6 +83,9 @@ struct PointsInput {
 ///
 /// A file whose header box misses `crop` is not decoded, provided that the box is sound and holds
 /// the first points and some more of the file; otherwise the file is decoded.
+/// A file with the count and the box of one before it is taken for its copy and not read
+/// ("las_twin"). Points outside the box of their header are kept but counted
+/// ("las_points_outside_box"): damage inside a file shows only there.
 /// Parallel over blocks of a million points; the result does not depend on the number of threads.
 /// Memory follows the points kept, never the counts that headers claim.
 ///

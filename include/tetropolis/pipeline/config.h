@@ -36,6 +36,9 @@ struct Config {
   // City model.
   double domain_margin = 40;
   double dtm_step = 1;
+  std::string ground_filter = "auto";
+  double ground_filter_window = 20;
+  double ground_filter_slope = 0.15;
   double parallel_tolerance = 0.01;
   double ground_margin = 1;
   double outlier_sigma = 2;

@@ -31,6 +31,8 @@ struct InputReport {
   std::int64_t points_read = 0;
   std::int64_t points_kept = 0;
   std::map<int, std::int64_t> points_by_class;
+  std::int64_t ground_filtered = 0;  ///< Points that the ground filter found to be ground.
+  std::int64_t ground_outliers = 0;  ///< Ground points left out as birds or pits.
   std::int64_t footprints_read = 0;  ///< Features of the file.
   std::int64_t footprint_parts = 0;  ///< The same with multipolygons split: what is accounted for.
 };

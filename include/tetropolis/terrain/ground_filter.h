@@ -1,0 +1,61 @@
+// Ground points of clouds that nobody has classified.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "tetropolis/city/point_cloud.h"
+#include "tetropolis/core/progress.h"
+#include "tetropolis/geometry/types.h"
+
+namespace tetropolis {
+
+struct GroundFilterOptions {
+  std::vector<std::uint8_t> classes{0, 1, 12};  ///< Classes that may be ground: never classified,
+                                                ///< unclassified, overlap.
+  double cell = 1.0;       ///< Metres, > 0. Coarser where there would be more than 2^27 cells.
+  double window = 20.0;    ///< Metres, > 0: what is narrower than twice that, and rises from its
+                           ///< surroundings, is an object, if it is in no footprint.
+  double slope = 0.15;     ///< Rise over run that is still terrain, > 0.
+  double tolerance = 0.5;  ///< Metres between a ground point and the surface, where that is level.
+  double tolerance_per_slope = 1.25;  ///< And more by this where it slopes, metres.
+};
+
+struct GroundFilterReport {
+  std::int64_t candidates = 0;     ///< Points of the classes given with a finite height.
+  std::int64_t ground_points = 0;  ///< Of these, on the ground.
+  std::int64_t cells = 0;
+  std::int64_t pit_cells = 0;  ///< Cells whose lowest point was too lonely to be believed.
+};
+
+/// Tells the ground points of a cloud: result[p] is 1 where point p lies on the ground, otherwise
+/// 0. Points of other classes are not looked at.
+///
+/// The simple morphological filter of Pingel, Clarke & McBride, "An improved simple morphological
+/// filter for the terrain classification of airborne LIDAR data" (ISPRS J. 77, 2013), after Zhang
+/// et al., "A progressive morphological filter for removing nonground measurements from airborne
+/// LIDAR data" (IEEE TGRS 41, 2003): a grid of lowest points is opened with ever larger windows; a
+/// cell is an object where one opening lowers it by more than slope * window; the surface through
+/// the other cells is the terrain, and points within a tolerance of it are ground. Differences:
+/// windows are octagons; the drop is measured from the grid itself; one of a storey (3 m) is never
+/// terrain, so that wide flat halls are seen; a lowest point with fewer than three others at most 1
+/// m higher within 10 m is a pit and left out (the paper opens the surface upside down, which takes
+/// alleys for pits); cells inside footprints say nothing about the terrain, so no known building is
+/// too wide, but points in them that lie on the terrain around are ground; cells without points
+/// are, for the opening only, filled from the lowest surroundings of their void at the given slope,
+/// also around the cloud, so that buildings at the water or cut by the rim of the cloud do not lean
+/// on a void.
+///
+/// Known weakness: on slopes much steeper than `slope`, parts of wide buildings that are in no
+/// footprint may pass for terrain, and hilltops for objects.
+///
+/// Guarantees: the same for any number of threads. Linear in points and cells (logarithmic in the
+/// window); about 30 bytes per cell. Precondition: options as stated there.
+std::vector<std::uint8_t> filter_ground(const PointCloud& cloud,
+                                        std::span<const Polygon> footprints,
+                                        const GroundFilterOptions& options = {},
+                                        const Progress& progress = {},
+                                        GroundFilterReport* report = nullptr);
+
+}  // namespace tetropolis

@@ -1,0 +1,40 @@
+// Ground points that cannot be ground: birds, pits, echoes that came twice.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+#include "tetropolis/city/point_cloud.h"
+#include "tetropolis/core/progress.h"
+
+namespace tetropolis {
+
+struct GroundOutlierOptions {
+  std::vector<std::uint8_t> classes{2, 9};  ///< Classes that count as ground.
+  double height = 3.0;   ///< Metres above or below the surroundings from which on, > 0.
+  double spreads = 6.0;  ///< And how many times the median deviation there, >= 0.
+};
+
+/// Indices of single ground points far above or below their neighbourhood, ascending.
+///
+/// The neighbourhood of a point are the ground points in its cell of 4 m and the 8 around it; if
+/// these hold fewer than 9, cells of 16, 64, 256, 1024 m. A point is an outlier if all hold:
+/// - it is further than `height` and than `spreads` median absolute deviations from the median
+///   height there (Hampel, "The influence curve and its role in robust estimation", 1974);
+/// - it is alone: points at most 1 m higher or lower, itself among them, occupy at most 3 of the
+/// 144
+///   squares, a quarter of the cell wide, that the neighbourhood consists of; only one, if points
+///   are fewer than squares;
+/// - no point that is not alone lies even further from the median on the same side.
+/// So quays, cliffs and quarry walls stay, however high: what is below them, and above, is not
+/// alone, and what is alone lies between. Points that a cloud holds twice are judged as if they
+/// were there once. A point without 8 others within 1 km of it is never an outlier.
+///
+/// The same for any number of threads. Linear in points where the ground is dense; each coarser
+/// size of cells that is needed is one more pass. Memory: 8 bytes per ground point.
+std::vector<std::uint32_t> find_ground_outliers(const PointCloud& cloud,
+                                                const GroundOutlierOptions& options = {},
+                                                const Progress& progress = {});
+
+}  // namespace tetropolis

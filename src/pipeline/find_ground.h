@@ -1,0 +1,16 @@
+// What makes the ground points of a cloud fit for use, before step 1.3.
+#pragma once
+
+#include "tetropolis/pipeline/run.h"
+
+#include "read_input.h"
+#include "step_clock.h"
+
+namespace tetropolis {
+
+/// Where no point is ground (or always, as `ground_filter` says) a filter finds the ground points,
+/// which then have class 2. Ground points far off all others around become noise. Fills
+/// report.input and adds warnings. Throws Error(kInput) naming the cloud if no ground is left.
+void find_ground(const Config& config, InputData& input, StepClock& clock, Report& report);
+
+}  // namespace tetropolis

@@ -1,0 +1,329 @@
+#include "tetropolis/terrain/ground_filter.h"
+
+#include <algorithm>
+#include <array>
+#include <cassert>
+#include <cmath>
+#include <cstddef>
+#include <limits>
+
+#include "tetropolis/core/parallel.h"
+#include "tetropolis/geometry/polygon.h"
+#include "tetropolis/terrain/dtm.h"
+#include "tetropolis/terrain/raster.h"
+
+#include "opening.h"
+
+namespace tetropolis {
+
+namespace {
+
+constexpr double kMostCells = 134217728.0;  // 2^27
+constexpr float kNanF = std::numeric_limits<float>::quiet_NaN();
+constexpr std::size_t kPointGrain = std::size_t{1} << 15;
+constexpr std::size_t kRowGrain = 32;
+
+/// A lowest point is believed if this many cells, itself among them, hold one at most kPitRise
+/// higher within kPitReach.
+constexpr int kPitSupport = 4;
+constexpr double kPitRise = 1.0;
+constexpr double kPitReach = 10.0;
+
+constexpr double kStorey = 3.0;
+
+/// Cells over the candidates and a margin around them.
+struct Frame {
+  double x0 = 0;
+  double y0 = 0;
+  double cell = 1;
+  std::int32_t nx = 0;
+  std::int32_t ny = 0;
+
+  std::size_t at(double x, double y) const {
+    const auto i = static_cast<std::int32_t>(std::clamp((x - x0) / cell, 0.0, nx - 1.0));
+    const auto j = static_cast<std::int32_t>(std::clamp((y - y0) / cell, 0.0, ny - 1.0));
+    return static_cast<std::size_t>(j) * static_cast<std::size_t>(nx) + static_cast<std::size_t>(i);
+  }
+};
+
+using Candidates = std::vector<std::uint8_t>;
+
+Candidates find_candidates(const PointCloud& cloud, const GroundFilterOptions& options) {
+  std::array<bool, 256> wanted{};
+  for (const std::uint8_t code : options.classes) wanted[code] = true;
+  Candidates mask(cloud.size(), 0);
+  parallel_chunks(cloud.size(), kPointGrain, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t p = begin; p < end; ++p)
+      mask[p] = wanted[cloud.classification[p]] && std::isfinite(cloud.z[p]) ? 1 : 0;
+  });
+  return mask;
+}
+
+Bounds2 united(const Bounds2& a, const Bounds2& b) {
+  return {std::min(a.xmin, b.xmin), std::min(a.ymin, b.ymin), std::max(a.xmax, b.xmax),
+          std::max(a.ymax, b.ymax)};
+}
+
+Bounds2 extent_of(const PointCloud& cloud, const Candidates& mask) {
+  constexpr double inf = std::numeric_limits<double>::infinity();
+  return parallel_reduce_ordered(
+      cloud.size(), kPointGrain, Bounds2{inf, inf, -inf, -inf},
+      [&](std::size_t begin, std::size_t end) {
+        Bounds2 box{inf, inf, -inf, -inf};
+        for (std::size_t p = begin; p < end; ++p)
+          if (mask[p] != 0) box = united(box, {cloud.x[p], cloud.y[p], cloud.x[p], cloud.y[p]});
+        return box;
+      },
+      united);
+}
+
+Frame make_frame(const Bounds2& box, const GroundFilterOptions& options) {
+  const Bounds2 grown = box.grown(options.window + options.cell);
+  Frame frame;
+  frame.cell = std::max(options.cell, std::sqrt(grown.width() * grown.height() / kMostCells));
+  frame.x0 = grown.xmin;
+  frame.y0 = grown.ymin;
+  frame.nx = static_cast<std::int32_t>(grown.width() / frame.cell) + 1;
+  frame.ny = static_cast<std::int32_t>(grown.height() / frame.cell) + 1;
+  return frame;
+}
+
+/// The lowest candidate of each cell, NaN without any.
+HeightGrid lowest_points(const PointCloud& cloud, const Candidates& mask, const Frame& frame) {
+  HeightGrid grid{frame.nx, frame.ny, {}};
+  grid.values.assign(static_cast<std::size_t>(frame.nx) * static_cast<std::size_t>(frame.ny),
+                     kNanF);
+  for (std::size_t p = 0; p < cloud.size(); ++p) {
+    if (mask[p] == 0) continue;
+    float& lowest = grid.values[frame.at(cloud.x[p], cloud.y[p])];
+    const auto z = static_cast<float>(cloud.z[p]);
+    if (!(lowest <= z)) lowest = z;
+  }
+  return grid;
+}
+
+/// Empties the cells whose centres lie in a footprint, by the even-odd rule along each row; broken
+/// rings do no harm.
+void empty_inside(const Polygon& footprint, const Frame& frame, HeightGrid& grid) {
+  const auto first_centre = [&](double position, double start, std::int32_t cells) {
+    return static_cast<std::int32_t>(std::clamp(std::ceil((position - start) / frame.cell - 0.5),
+                                                0.0, static_cast<double>(cells)));
+  };
+  const Bounds2 box = bounds(footprint);
+  const std::int32_t end = first_centre(box.ymax, frame.y0, grid.ny);
+  std::vector<double> crossings;
+  for (std::int32_t j = first_centre(box.ymin, frame.y0, grid.ny); j < end; ++j) {
+    const double y = frame.y0 + (j + 0.5) * frame.cell;
+    crossings.clear();
+    for_each_edge(footprint, [&](Point2 a, Point2 b) {
+      if ((a.y <= y) != (b.y <= y))
+        crossings.push_back(a.x + (y - a.y) / (b.y - a.y) * (b.x - a.x));
+    });
+    std::sort(crossings.begin(), crossings.end());
+    float* row = grid.values.data() + grid.index(0, j);
+    for (std::size_t k = 0; k + 1 < crossings.size(); k += 2)
+      std::fill(row + first_centre(crossings[k], frame.x0, grid.nx),
+                row + first_centre(crossings[k + 1], frame.x0, grid.nx), kNanF);
+  }
+}
+
+/// Whether enough cells around (i, j) hold points at most kPitRise higher. Rings from the inside
+/// out: almost always the first one settles it.
+bool is_supported(const HeightGrid& grid, std::int32_t i, std::int32_t j, std::int32_t reach) {
+  const float most = grid.values[grid.index(i, j)] + static_cast<float>(kPitRise);
+  int support = 1;
+  const auto look = [&](std::int32_t ni, std::int32_t nj) {
+    if (ni < 0 || nj < 0 || ni >= grid.nx || nj >= grid.ny) return;
+    if (grid.values[grid.index(ni, nj)] <= most) ++support;
+  };
+  for (std::int32_t ring = 1; ring <= reach && support < kPitSupport; ++ring) {
+    for (std::int32_t k = -ring; k <= ring; ++k) {
+      look(i + k, j - ring);
+      look(i + k, j + ring);
+    }
+    for (std::int32_t k = -ring + 1; k < ring; ++k) {
+      look(i - ring, j + k);
+      look(i + ring, j + k);
+    }
+  }
+  return support >= kPitSupport;
+}
+
+/// Empties the cells whose lowest point is a pit; returns how many.
+std::int64_t remove_pits(HeightGrid& grid, double cell) {
+  const auto reach = static_cast<std::int32_t>(std::max(std::ceil(kPitReach / cell), 2.0));
+  std::vector<std::uint8_t> pit(grid.values.size(), 0);
+  parallel_chunks(
+      static_cast<std::size_t>(grid.ny), kRowGrain, [&](std::size_t begin, std::size_t end) {
+        for (auto j = static_cast<std::int32_t>(begin); j < static_cast<std::int32_t>(end); ++j)
+          for (std::int32_t i = 0; i < grid.nx; ++i) {
+            const std::size_t c = grid.index(i, j);
+            if (!std::isnan(grid.values[c]) && !is_supported(grid, i, j, reach)) pit[c] = 1;
+          }
+      });
+  std::int64_t pits = 0;
+  for (std::size_t c = 0; c < pit.size(); ++c) {
+    if (pit[c] == 0) continue;
+    grid.values[c] = kNanF;
+    ++pits;
+  }
+  return pits;
+}
+
+bool is_empty(const HeightGrid& grid) {
+  return std::all_of(grid.values.begin(), grid.values.end(), [](float z) { return std::isnan(z); });
+}
+
+/// Gives each empty cell the least of z + rise * distance over the cells around its void, distances
+/// within the void along the eight directions: the lowest surroundings win, as far as they reach.
+/// Chamfer distances (Borgefors, "Distance transformations in digital images", 1986); passes are
+/// repeated until nothing changes, because a void may wind.
+void fill_low(HeightGrid& grid, double rise) {
+  constexpr float inf = std::numeric_limits<float>::infinity();
+  const auto straight = static_cast<float>(rise);
+  const auto diagonal = static_cast<float>(rise * std::sqrt(2.0));
+  std::vector<std::uint8_t> is_void(grid.values.size(), 0);
+  for (std::size_t c = 0; c < is_void.size(); ++c) {
+    if (!std::isnan(grid.values[c])) continue;
+    is_void[c] = 1;
+    grid.values[c] = inf;
+  }
+  bool changed = true;
+  const auto lower = [&](std::size_t c, float z) {
+    if (is_void[c] == 0 || !(z < grid.values[c])) return;
+    grid.values[c] = z;
+    changed = true;
+  };
+  const auto pass = [&](std::int32_t way) {
+    for (std::int32_t n = 0; n < grid.ny; ++n) {
+      const std::int32_t j = way > 0 ? n : grid.ny - 1 - n;
+      const std::int32_t before = j - way;
+      const std::size_t row = grid.index(0, j);
+      const auto at = [&](std::int32_t i) { return row + static_cast<std::size_t>(i); };
+      if (before >= 0 && before < grid.ny) {
+        const float* other = grid.values.data() + grid.index(0, before);
+        for (std::int32_t i = 0; i < grid.nx; ++i) {
+          if (is_void[at(i)] == 0) continue;
+          lower(at(i), other[i] + straight);
+          if (i > 0) lower(at(i), other[i - 1] + diagonal);
+          if (i + 1 < grid.nx) lower(at(i), other[i + 1] + diagonal);
+        }
+      }
+      for (std::int32_t i = 1; i < grid.nx; ++i) lower(at(i), grid.values[at(i - 1)] + straight);
+      for (std::int32_t i = grid.nx - 2; i >= 0; --i)
+        lower(at(i), grid.values[at(i + 1)] + straight);
+    }
+  };
+  while (changed) {
+    changed = false;
+    pass(1);
+    pass(-1);
+  }
+}
+
+/// Radii in cells: each, as long as they are small, then growing by a fifth.
+std::vector<std::int32_t> window_radii(double window, double cell) {
+  const auto last = static_cast<std::int32_t>(std::max(std::ceil(window / cell), 1.0));
+  std::vector<std::int32_t> radii;
+  for (std::int32_t r = 1; r < last; r += std::max(1, r / 5)) radii.push_back(r);
+  radii.push_back(last);
+  return radii;
+}
+
+/// 1 for the cells that an opening lowers by more than terrain of the given slope would be: that
+/// slope times the window, at most a storey. The drop is that from the surface itself, not from the
+/// opening before as in the paper: buildings that wear away step by step (at ragged rims, on
+/// slopes) would never drop far at once.
+std::vector<std::uint8_t> find_objects(HeightGrid surface, const Frame& frame,
+                                       const GroundFilterOptions& options,
+                                       const Progress& progress) {
+  std::vector<std::uint8_t> object(surface.values.size(), 0);
+  const std::vector<float> original = surface.values;
+  const std::vector<std::int32_t> radii = window_radii(options.window, frame.cell);
+  for (std::size_t k = 0; k < radii.size(); ++k) {
+    progress.update(0.2 + 0.6 * static_cast<double>(k) / static_cast<double>(radii.size()));
+    open_with_octagon(surface, radii[k]);
+    const auto most = static_cast<float>(std::min(options.slope * radii[k] * frame.cell, kStorey));
+    for (std::size_t c = 0; c < object.size(); ++c)
+      if (original[c] - surface.values[c] > most) object[c] = 1;
+  }
+  return object;
+}
+
+/// The terrain through the cells that have points and are no objects.
+Raster terrain_between(const HeightGrid& lowest, const std::vector<std::uint8_t>& object,
+                       const Frame& frame, const Progress& progress) {
+  Raster terrain{frame.nx,   frame.ny, frame.x0 + frame.cell / 2, frame.y0 + frame.cell / 2,
+                 frame.cell, {}};
+  terrain.values.resize(lowest.values.size());
+  for (std::size_t c = 0; c < terrain.values.size(); ++c)
+    terrain.values[c] = object[c] != 0 ? std::numeric_limits<double>::quiet_NaN()
+                                       : static_cast<double>(lowest.values[c]);
+  fill_empty_nodes(terrain, {[&](double fraction) { progress.update(0.8 + 0.1 * fraction); }, {}});
+  return terrain;
+}
+
+/// Steepness at a position, from central differences one cell long.
+double slope_at(const Raster& terrain, Point2 p) {
+  const double half = terrain.step / 2;
+  const double dx = sample(terrain, {p.x + half, p.y}) - sample(terrain, {p.x - half, p.y});
+  const double dy = sample(terrain, {p.x, p.y + half}) - sample(terrain, {p.x, p.y - half});
+  return std::hypot(dx, dy) / terrain.step;
+}
+
+/// Keeps in `mask` the points that lie on the terrain; returns how many.
+std::int64_t keep_near(const PointCloud& cloud, const Raster& terrain,
+                       const GroundFilterOptions& options, Candidates& mask) {
+  return parallel_reduce_ordered(
+      cloud.size(), kPointGrain, std::int64_t{0},
+      [&](std::size_t begin, std::size_t end) {
+        std::int64_t kept = 0;
+        for (std::size_t p = begin; p < end; ++p) {
+          if (mask[p] == 0) continue;
+          const Point2 position{cloud.x[p], cloud.y[p]};
+          const double off = std::abs(cloud.z[p] - sample(terrain, position));
+          const bool near =
+              off <= options.tolerance ||
+              off <= options.tolerance + options.tolerance_per_slope * slope_at(terrain, position);
+          mask[p] = near ? 1 : 0;
+          kept += near ? 1 : 0;
+        }
+        return kept;
+      },
+      [](std::int64_t a, std::int64_t b) { return a + b; });
+}
+
+}  // namespace
+
+std::vector<std::uint8_t> filter_ground(const PointCloud& cloud,
+                                        std::span<const Polygon> footprints,
+                                        const GroundFilterOptions& options,
+                                        const Progress& progress, GroundFilterReport* report) {
+  assert(options.cell > 0 && options.window > 0 && options.slope > 0);
+  GroundFilterReport counts;
+  progress.update(0);
+  Candidates mask = find_candidates(cloud, options);
+  counts.candidates = std::count(mask.begin(), mask.end(), std::uint8_t{1});
+  if (counts.candidates > 0) {
+    const Frame frame = make_frame(extent_of(cloud, mask), options);
+    const HeightGrid all = lowest_points(cloud, mask, frame);
+    counts.cells = static_cast<std::int64_t>(all.values.size());
+    progress.update(0.1);
+    HeightGrid lowest = all;
+    for (const Polygon& footprint : footprints) empty_inside(footprint, frame, lowest);
+    if (is_empty(lowest)) lowest = all;
+    HeightGrid believed = lowest;
+    counts.pit_cells = remove_pits(believed, frame.cell);
+    if (!is_empty(believed)) lowest = std::move(believed);
+    HeightGrid surface = lowest;
+    fill_low(surface, options.slope * frame.cell);
+    const auto object = find_objects(std::move(surface), frame, options, progress);
+    const Raster terrain = terrain_between(lowest, object, frame, progress);
+    counts.ground_points = keep_near(cloud, terrain, options, mask);
+  }
+  progress.update(1);
+  if (report != nullptr) *report = counts;
+  return mask;
+}
+
+}  // namespace tetropolis

@@ -1,0 +1,218 @@
+#include "tetropolis/terrain/outliers.h"
+
+#include <algorithm>
+#include <array>
+#include <bitset>
+#include <cmath>
+#include <limits>
+#include <span>
+
+#include "tetropolis/core/parallel.h"
+
+namespace tetropolis {
+
+namespace {
+
+using PointNumber = std::uint32_t;
+
+constexpr std::array<double, 5> kCells{4, 16, 64, 256, 1024};  // metres
+constexpr std::size_t kEnough = 9;         // points in a neighbourhood that can be judged
+constexpr double kLevel = 1.0;             // metres between points that support each other
+constexpr std::size_t kLonely = 3;         // squares with support, at most, where points are dense
+constexpr double kMostCells = 67108864.0;  // 2^26
+constexpr std::size_t kRowGrain = 8;
+constexpr int kSquares = 4;  // along one side of a cell
+constexpr std::size_t kAllSquares = std::size_t{9} * kSquares * kSquares;
+
+std::vector<PointNumber> ground_points(const PointCloud& cloud,
+                                       const std::vector<std::uint8_t>& classes) {
+  std::array<bool, 256> wanted{};
+  for (const std::uint8_t code : classes) wanted[code] = true;
+  std::vector<PointNumber> points;
+  for (std::size_t p = 0; p < cloud.size(); ++p)
+    if (wanted[cloud.classification[p]] && std::isfinite(cloud.z[p]))
+      points.push_back(static_cast<PointNumber>(p));
+  return points;
+}
+
+/// Ground points sorted into square cells.
+class Cells {
+ public:
+  Cells(const PointCloud& cloud, std::span<const PointNumber> points, double cell)
+      : cloud_(cloud), cell_(cell) {
+    double x1 = x0_ = cloud.x[points[0]], y1 = y0_ = cloud.y[points[0]];
+    for (const PointNumber p : points) {
+      x0_ = std::min(x0_, cloud.x[p]);
+      x1 = std::max(x1, cloud.x[p]);
+      y0_ = std::min(y0_, cloud.y[p]);
+      y1 = std::max(y1, cloud.y[p]);
+    }
+    cell_ = std::max(cell_, std::sqrt((x1 - x0_) * (y1 - y0_) / kMostCells));
+    cell_ = std::max(cell_, std::max(x1 - x0_, y1 - y0_) / kMostCells);
+    columns_ = static_cast<std::int64_t>((x1 - x0_) / cell_) + 1;
+    rows_ = static_cast<std::int64_t>((y1 - y0_) / cell_) + 1;
+    offsets_.assign(static_cast<std::size_t>(columns_ * rows_) + 1, 0);
+    for (const PointNumber p : points) ++offsets_[cell_of(p) + 1];
+    for (std::size_t c = 1; c < offsets_.size(); ++c) offsets_[c] += offsets_[c - 1];
+    std::vector<std::uint32_t> next(offsets_.begin(), offsets_.end() - 1);
+    points_.resize(points.size());
+    for (const PointNumber p : points) points_[next[cell_of(p)]++] = p;
+  }
+
+  std::int64_t rows() const { return rows_; }
+  std::int64_t columns() const { return columns_; }
+
+  std::span<const PointNumber> at(std::int64_t i, std::int64_t j) const {
+    const auto c = static_cast<std::size_t>(j * columns_ + i);
+    return std::span(points_).subspan(offsets_[c], offsets_[c + 1] - offsets_[c]);
+  }
+
+  /// Calls visit(points) for the cell and the 8 around it.
+  template <typename Visit>
+  void around(std::int64_t i, std::int64_t j, const Visit& visit) const {
+    for (std::int64_t nj = std::max<std::int64_t>(j - 1, 0); nj <= std::min(j + 1, rows_ - 1); ++nj)
+      for (std::int64_t ni = std::max<std::int64_t>(i - 1, 0); ni <= std::min(i + 1, columns_ - 1);
+           ++ni)
+        visit(at(ni, nj));
+  }
+
+  /// The square of point `p` among the 12 x 12 around cell (i, j).
+  std::size_t square(PointNumber p, std::int64_t i, std::int64_t j) const {
+    const auto along = [&](double offset, std::int64_t cell) {
+      const auto square = static_cast<std::int64_t>(
+          std::floor((offset / cell_ - static_cast<double>(cell - 1)) * kSquares));
+      return std::clamp<std::int64_t>(square, 0, 3 * kSquares - 1);
+    };
+    return static_cast<std::size_t>(along(cloud_.y[p] - y0_, j) * 3 * kSquares +
+                                    along(cloud_.x[p] - x0_, i));
+  }
+
+ private:
+  std::size_t cell_of(PointNumber p) const {
+    const auto i = static_cast<std::int64_t>((cloud_.x[p] - x0_) / cell_);
+    const auto j = static_cast<std::int64_t>((cloud_.y[p] - y0_) / cell_);
+    return static_cast<std::size_t>(std::min(j, rows_ - 1) * columns_ + std::min(i, columns_ - 1));
+  }
+
+  const PointCloud& cloud_;
+  double cell_;
+  double x0_ = 0;
+  double y0_ = 0;
+  std::int64_t columns_ = 0;
+  std::int64_t rows_ = 0;
+  std::vector<std::uint32_t> offsets_;
+  std::vector<PointNumber> points_;
+};
+
+double median(std::vector<double>& values) {
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return *middle;
+}
+
+/// What one chunk of rows found.
+struct Findings {
+  std::vector<PointNumber> outliers;
+  std::vector<PointNumber> open;  ///< Too few neighbours to say.
+};
+
+/// Judges cells of one size.
+class Judge {
+ public:
+  Judge(const PointCloud& cloud, const Cells& cells, const GroundOutlierOptions& options,
+        const std::vector<std::uint8_t>& is_open)
+      : cloud_(cloud), cells_(cells), options_(options), is_open_(is_open) {}
+
+  void cell(std::int64_t i, std::int64_t j, Findings& findings) {
+    const std::span<const PointNumber> own = cells_.at(i, j);
+    if (own.empty()) return;
+    double low = std::numeric_limits<double>::infinity(), high = -low;
+    std::size_t count = 0;
+    cells_.around(i, j, [&](std::span<const PointNumber> points) {
+      count += points.size();
+      for (const PointNumber p : points) {
+        low = std::min(low, cloud_.z[p]);
+        high = std::max(high, cloud_.z[p]);
+      }
+    });
+    if (count < kEnough) {
+      for (const PointNumber p : own)
+        if (is_open_[p] != 0) findings.open.push_back(p);
+      return;
+    }
+    if (high - low <= options_.height) return;
+    heights_.clear();
+    cells_.around(i, j, [&](std::span<const PointNumber> points) {
+      for (const PointNumber p : points) heights_.push_back(cloud_.z[p]);
+    });
+    const double middle = median(heights_);
+    for (double& z : heights_) z = std::abs(z - middle);
+    const double most = std::max(options_.height, options_.spreads * median(heights_));
+    for (const PointNumber p : own)
+      if (is_open_[p] != 0 && std::abs(cloud_.z[p] - middle) > most && is_alone(p, i, j) &&
+          !is_surpassed(p, middle, i, j))
+        findings.outliers.push_back(p);
+  }
+
+ private:
+  bool is_alone(PointNumber p, std::int64_t i, std::int64_t j) const {
+    std::bitset<kAllSquares> squares;
+    cells_.around(i, j, [&](std::span<const PointNumber> points) {
+      for (const PointNumber q : points)
+        if (std::abs(cloud_.z[q] - cloud_.z[p]) <= kLevel) squares.set(cells_.square(q, i, j));
+    });
+    return squares.count() <= (heights_.size() >= kAllSquares ? kLonely : 1);
+  }
+
+  /// Whether a point that is not alone lies even further from the middle, on the same side.
+  bool is_surpassed(PointNumber p, double middle, std::int64_t i, std::int64_t j) const {
+    const double side = cloud_.z[p] > middle ? 1 : -1;
+    bool surpassed = false;
+    cells_.around(i, j, [&](std::span<const PointNumber> points) {
+      for (const PointNumber q : points)
+        surpassed = surpassed || (side * (cloud_.z[q] - cloud_.z[p]) > 0 && !is_alone(q, i, j));
+    });
+    return surpassed;
+  }
+
+  const PointCloud& cloud_;
+  const Cells& cells_;
+  const GroundOutlierOptions& options_;
+  const std::vector<std::uint8_t>& is_open_;
+  std::vector<double> heights_;
+};
+
+}  // namespace
+
+std::vector<std::uint32_t> find_ground_outliers(const PointCloud& cloud,
+                                                const GroundOutlierOptions& options,
+                                                const Progress& progress) {
+  const std::vector<PointNumber> points = ground_points(cloud, options.classes);
+  std::vector<PointNumber> outliers;
+  std::vector<PointNumber> open = points;
+  std::vector<std::uint8_t> is_open(cloud.size(), 0);
+  for (std::size_t level = 0; level < kCells.size() && !open.empty(); ++level) {
+    progress.update(static_cast<double>(level) / kCells.size());
+    for (const PointNumber p : open) is_open[p] = 1;
+    const Cells cells(cloud, points, kCells[level]);
+    const auto rows = static_cast<std::size_t>(cells.rows());
+    std::vector<Findings> chunks((rows + kRowGrain - 1) / kRowGrain);
+    parallel_chunks(rows, kRowGrain, [&](std::size_t begin, std::size_t end) {
+      Judge judge(cloud, cells, options, is_open);
+      for (std::size_t j = begin; j < end; ++j)
+        for (std::int64_t i = 0; i < cells.columns(); ++i)
+          judge.cell(i, static_cast<std::int64_t>(j), chunks[begin / kRowGrain]);
+    });
+    for (const PointNumber p : open) is_open[p] = 0;
+    open.clear();
+    for (const Findings& found : chunks) {
+      outliers.insert(outliers.end(), found.outliers.begin(), found.outliers.end());
+      open.insert(open.end(), found.open.begin(), found.open.end());
+    }
+  }
+  std::sort(outliers.begin(), outliers.end());
+  progress.update(1);
+  return outliers;
+}
+
+}  // namespace tetropolis

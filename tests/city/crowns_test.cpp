@@ -1,0 +1,120 @@
+#include "tetropolis/city/crowns.h"
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <random>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "tetropolis/core/parallel.h"
+
+#include "support/test_data.h"
+
+namespace tetropolis {
+namespace {
+
+using testing::test_seed;
+
+/// One building, 10 m x 8 m on ground at 0, and what stands around it.
+struct Scene {
+  PointCloud cloud;
+  PointLists roof, below, around;
+
+  void add(PointLists& list, double x, double y, double z) {
+    list.indices.push_back(static_cast<PointIndex>(cloud.size()));
+    cloud.x.push_back(x);
+    cloud.y.push_back(y);
+    cloud.z.push_back(z);
+    cloud.classification.push_back(kUnclassified);
+  }
+  void close() {
+    for (PointLists* list : {&roof, &below, &around})
+      list->offsets = {0, static_cast<std::int64_t>(list->indices.size())};
+  }
+};
+
+class Crowns : public ::testing::Test {
+ protected:
+  double share() { return std::uniform_real_distribution<double>(0, 1)(random_); }
+  double noise() { return std::normal_distribution<double>(0, 0.03)(random_); }
+
+  void scan_roof(const std::function<double(double, double)>& height, int points) {
+    for (int k = 0; k < points; ++k) {
+      const double x = 10 * share(), y = 8 * share();
+      scene_.add(scene_.roof, x, y, height(x, y) + noise());
+    }
+  }
+  /// A crown over part of the building, and beyond.
+  void scan_tree(int points) {
+    for (int k = 0; k < points; ++k)
+      scene_.add(scene_.roof, 6 * share(), 8 * share(), 5 + 7 * share());
+    for (int k = 0; k < points; ++k)
+      scene_.add(scene_.around, -3 + 2 * share(), 8 * share(), 5 + 7 * share());
+  }
+  std::vector<PointIndex> kept() {
+    scene_.close();
+    PointLists roof = scene_.roof;
+    drop_crowns(roof, {scene_.below, scene_.around}, scene_.cloud);
+    EXPECT_TRUE(std::is_sorted(roof.indices.begin(), roof.indices.end()));
+    return roof.indices;
+  }
+  /// How many of the points numbered [first, last) were kept.
+  static std::ptrdiff_t among(const std::vector<PointIndex>& kept, PointIndex first,
+                              PointIndex last) {
+    return std::count_if(kept.begin(), kept.end(),
+                         [&](PointIndex p) { return p >= first && p < last; });
+  }
+
+  Scene scene_;
+  std::mt19937 random_{test_seed()};
+};
+
+TEST_F(Crowns, ATreeOverAShedGoesAndTheShedStays) {
+  SCOPED_TRACE(test_seed());
+  scan_roof([](double, double) { return 2.8; }, 500);
+  scan_tree(300);
+  const auto points = kept();
+  EXPECT_EQ(among(points, 0, 500), 500);
+  EXPECT_LT(among(points, 500, 800), 30);
+}
+
+TEST_F(Crowns, TreesOverOpenGroundLeaveNoRoof) {
+  for (int k = 0; k < 300; ++k) scene_.add(scene_.below, 10 * share(), 8 * share(), noise());
+  scan_tree(300);
+  EXPECT_TRUE(kept().empty());
+}
+
+TEST_F(Crowns, RoofsBesideTreesStay) {
+  SCOPED_TRACE(test_seed());
+  const std::vector<std::function<double(double, double)>> roofs = {
+      [](double, double y) { return 9 + 1.2 * (4 - std::abs(y - 4)); },         // gable, 50 degrees
+      [](double x, double) { return x < 5 ? 4.0 : 12.0; },                      // a step
+      [](double x, double y) { return x > 3 && x < 6 && y < 3 ? 20.0 : 7.0; },  // a tower
+  };
+  for (const auto& roof : roofs) {
+    scene_ = {};
+    scan_roof(roof, 600);
+    for (int k = 0; k < 300; ++k)
+      scene_.add(scene_.around, -3 + 2 * share(), 8 * share(), 5 + 15 * share());
+    EXPECT_GT(kept().size(), 590U);
+  }
+}
+
+TEST_F(Crowns, WithoutTreesAroundNothingIsTouched) {
+  scan_roof([&](double, double) { return 3 + 10 * share(); }, 400);  // as ragged as a tree
+  EXPECT_EQ(kept().size(), 400U);
+}
+
+TEST_F(Crowns, EmptyListsAndPointsAtOnePlace) {
+  EXPECT_TRUE(kept().empty());
+  for (int k = 0; k < 30; ++k) {
+    scene_.add(scene_.roof, 1, 1, 5);
+    scene_.add(scene_.around, -2, 1, 15);
+  }
+  EXPECT_EQ(kept().size(), 30U);
+}
+
+}  // namespace
+}  // namespace tetropolis

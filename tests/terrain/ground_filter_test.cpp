@@ -1,0 +1,207 @@
+#include "tetropolis/terrain/ground_filter.h"
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <limits>
+#include <random>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "tetropolis/city/synthetic.h"
+#include "tetropolis/core/error.h"
+#include "tetropolis/core/parallel.h"
+#include "tetropolis/geometry/polygon.h"
+
+#include "support/test_data.h"
+
+namespace tetropolis {
+namespace {
+
+using testing::test_seed;
+
+Polygon box(double x0, double y0, double x1, double y1) {
+  return {{{x0, y0}, {x1, y0}, {x1, y1}, {x0, y1}}, {}};
+}
+
+void add(PointCloud& cloud, double x, double y, double z, std::uint8_t code = kUnclassified) {
+  cloud.x.push_back(x);
+  cloud.y.push_back(y);
+  cloud.z.push_back(z);
+  cloud.classification.push_back(code);
+}
+
+/// Unclassified points on ground(x, y), or `height` above it inside the buildings.
+PointCloud scan(double size, double per_m2, const std::vector<Polygon>& buildings, double height,
+                const std::function<double(double, double)>& ground) {
+  std::mt19937 random(test_seed());
+  std::uniform_real_distribution<double> along(0, size);
+  std::normal_distribution<double> noise(0, 0.03);
+  PointCloud cloud;
+  for (int k = 0; k < static_cast<int>(size * size * per_m2); ++k) {
+    const double x = along(random), y = along(random);
+    const bool inside = std::any_of(buildings.begin(), buildings.end(), [&](const Polygon& b) {
+      return contains(b, {x, y});
+    });
+    add(cloud, x, y, ground(x, y) + noise(random) + (inside ? height : 0));
+  }
+  return cloud;
+}
+
+/// Share of points wrongly left out, and wrongly taken, of all that are and are not ground.
+struct Mistakes {
+  double missed = 0;
+  double taken = 0;
+};
+
+Mistakes mistakes(const PointCloud& cloud, const std::vector<std::uint8_t>& found,
+                  const std::function<bool(std::size_t)>& is_ground) {
+  double ground = 0, other = 0, missed = 0, taken = 0;
+  for (std::size_t p = 0; p < cloud.size(); ++p) {
+    (is_ground(p) ? ground : other) += 1;
+    if (is_ground(p) && found[p] == 0) missed += 1;
+    if (!is_ground(p) && found[p] != 0) taken += 1;
+  }
+  return {missed / std::max(ground, 1.0), taken / std::max(other, 1.0)};
+}
+
+TEST(GroundFilter, FindsTheGroundOfACityOfBlocks) {
+  for (const double density : {1.0, 4.0}) {
+    BlockCityOptions options;
+    options.seed = test_seed();
+    options.points_per_m2 = density;
+    SyntheticCity city = synthetic_block_city(options);
+    const std::vector<std::uint8_t> truth = city.points.classification;
+    std::fill(city.points.classification.begin(), city.points.classification.end(),
+              kNeverClassified);
+    GroundFilterReport report;
+    const auto found = filter_ground(city.points, city.footprints, {}, {}, &report);
+    const Mistakes wrong = mistakes(city.points, found, [&](std::size_t p) {
+      return truth[p] == kGround || truth[p] == kWater;
+    });
+    EXPECT_LT(wrong.missed, 0.05) << density;
+    EXPECT_LT(wrong.taken, 0.06) << density;
+    EXPECT_EQ(report.candidates, static_cast<std::int64_t>(city.points.size()));
+    EXPECT_EQ(report.ground_points, std::count(found.begin(), found.end(), 1));
+  }
+}
+
+TEST(GroundFilter, HillsStayAndBuildingsGoOnSlopes) {
+  const auto hills = [](double x, double y) {
+    return 80 + 6 * std::sin(x / 30) + 5 * std::cos(y / 26);  // up to 15 degrees
+  };
+  const std::vector<Polygon> buildings = {box(20, 20, 40, 50), box(60, 30, 90, 55),
+                                          box(100, 90, 112, 130)};
+  const PointCloud cloud = scan(160, 3, buildings, 8, hills);
+  const auto found = filter_ground(cloud, {});
+  const Mistakes wrong = mistakes(
+      cloud, found, [&](std::size_t p) { return cloud.z[p] < hills(cloud.x[p], cloud.y[p]) + 4; });
+  EXPECT_LT(wrong.missed, 0.02);
+  EXPECT_LT(wrong.taken, 0.001);
+}
+
+TEST(GroundFilter, WindowOrFootprintsDecideAboutWideHalls) {
+  const std::vector<Polygon> hall = {box(60, 60, 150, 150)};
+  const auto flat = [](double x, double) { return 0.01 * x; };
+  const PointCloud cloud = scan(210, 1, hall, 9, flat);
+  const auto taken = [&](const std::vector<std::uint8_t>& found) {
+    return mistakes(cloud, found, [&](std::size_t p) { return cloud.z[p] < 5; }).taken;
+  };
+  GroundFilterOptions wide;
+  wide.window = 60;
+  EXPECT_GT(taken(filter_ground(cloud, {})), 0.5) << "no filter knows a mesa from a hall";
+  EXPECT_EQ(taken(filter_ground(cloud, {}, wide)), 0);
+  EXPECT_EQ(taken(filter_ground(cloud, hall)), 0);
+}
+
+TEST(GroundFilter, AnUndergroundStationIsGround) {
+  const std::vector<Polygon> station = {box(40, 20, 60, 110)};
+  const PointCloud cloud = scan(130, 2, {}, 0, [](double x, double) { return 2 + 0.02 * x; });
+  const auto found = filter_ground(cloud, station);
+  EXPECT_EQ(std::count(found.begin(), found.end(), 1), static_cast<std::ptrdiff_t>(cloud.size()));
+}
+
+TEST(GroundFilter, FootprintsOverEverythingAreNotBelieved) {
+  const std::vector<Polygon> all = {box(-100, -100, 300, 300)};
+  const PointCloud cloud = scan(50, 2, {}, 0, [](double, double) { return 2; });
+  const auto found = filter_ground(cloud, all);
+  EXPECT_EQ(std::count(found.begin(), found.end(), 1), static_cast<std::ptrdiff_t>(cloud.size()));
+}
+
+TEST(GroundFilter, BuildingsAtTheWaterAndAtTheRimDoNotLeanOnVoids) {
+  // A canal without returns along x = 60..80, houses right at it and at the rim of the cloud.
+  const std::vector<Polygon> houses = {box(42, 20, 60, 100), box(80, 30, 95, 90), box(0, 0, 25, 18),
+                                       box(125, 50, 140, 80)};
+  PointCloud all = scan(140, 3, houses, 10, [](double, double) { return 1; });
+  PointCloud cloud;
+  for (std::size_t p = 0; p < all.size(); ++p)
+    if (all.x[p] < 60 || all.x[p] > 80) add(cloud, all.x[p], all.y[p], all.z[p]);
+  const auto found = filter_ground(cloud, {});
+  const Mistakes wrong = mistakes(cloud, found, [&](std::size_t p) { return cloud.z[p] < 5; });
+  EXPECT_EQ(wrong.taken, 0);
+  EXPECT_LT(wrong.missed, 0.001);
+}
+
+TEST(GroundFilter, PitsAndBirdsPullNothing) {
+  PointCloud cloud =
+      scan(100, 2, {box(30, 30, 50, 60)}, 7, [](double x, double) { return x / 50; });
+  const auto good = filter_ground(cloud, {});
+  const std::size_t before = cloud.size();
+  add(cloud, 20, 20, -60);
+  add(cloud, 40, 45, -5);  // within the building
+  add(cloud, 70.2, 70.2, -3);
+  add(cloud, 70.9, 70.8, -3.4);
+  add(cloud, 80, 20, 1e5);
+  auto found = filter_ground(cloud, {});
+  for (std::size_t p = before; p < cloud.size(); ++p) EXPECT_EQ(found[p], 0) << p;
+  found.resize(before);
+  EXPECT_EQ(found, good);
+}
+
+TEST(GroundFilter, LooksAtTheClassesGivenOnly) {
+  PointCloud cloud;
+  const std::uint8_t codes[] = {0, 1, 2, 5, 6, 12, 17, 64};
+  for (int k = 0; k < 800; ++k) add(cloud, k % 40, k / 40, 1, codes[k % 8]);
+  const auto found = filter_ground(cloud, {});
+  for (std::size_t p = 0; p < cloud.size(); ++p) {
+    const int code = cloud.classification[p];
+    EXPECT_EQ(found[p], code == 0 || code == 1 || code == 12 ? 1 : 0) << code;
+  }
+}
+
+TEST(GroundFilter, AHandfulOfPointsIsNoReasonToFail) {
+  PointCloud cloud;
+  EXPECT_TRUE(filter_ground(cloud, {}).empty());
+  add(cloud, 5, 5, std::numeric_limits<double>::quiet_NaN());
+  EXPECT_EQ(filter_ground(cloud, {}), std::vector<std::uint8_t>{0});
+  add(cloud, 5, 5, 3);
+  EXPECT_EQ(filter_ground(cloud, {}), (std::vector<std::uint8_t>{0, 1}));
+  add(cloud, 500, 900, 3);
+  EXPECT_EQ(filter_ground(cloud, {}), (std::vector<std::uint8_t>{0, 1, 1}));
+}
+
+TEST(GroundFilter, TheSameForAnyNumberOfThreadsAndStopsWhenAsked) {
+  const PointCloud cloud = scan(150, 2, {box(30, 30, 50, 60)}, 7, [](double x, double y) {
+    return std::sin(x / 20) * std::sin(y / 20);
+  });
+  std::vector<std::uint8_t> one;
+  {
+    const ThreadLimit limit(1);
+    one = filter_ground(cloud, {});
+  }
+  const ThreadLimit limit(4);
+  double last = -1;
+  EXPECT_EQ(filter_ground(cloud, {}, {},
+                          {[&](double fraction) {
+                             EXPECT_GE(fraction, last);
+                             last = fraction;
+                           },
+                           {}}),
+            one);
+  EXPECT_EQ(last, 1);
+  EXPECT_THROW(filter_ground(cloud, {}, {}, {{}, [] { return true; }}), Cancelled);
+}
+
+}  // namespace
+}  // namespace tetropolis
