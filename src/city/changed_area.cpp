@@ -18,11 +18,7 @@ namespace tetropolis {
 
 namespace {
 
-/// From the lower (then left) end to the upper one.
-struct Segment {
-  Point2 a;
-  Point2 b;
-};
+using Segment = DifferenceEdge;
 
 bool below(Point2 p, Point2 q) { return p.y < q.y || (p.y == q.y && p.x < q.x); }
 
@@ -33,11 +29,14 @@ bool before_in_order(const Segment& s, const Segment& t) {
 /// The edges that occur an odd number of times in both lists together.
 std::vector<Segment> unshared(std::span<const Polygon> before, std::span<const Polygon> after) {
   std::vector<Segment> all;
-  for (const auto polygons : {before, after})
+  const auto add = [&](std::span<const Polygon> polygons, bool of_after) {
     for (const Polygon& polygon : polygons)
       for_each_edge(polygon, [&](Point2 a, Point2 b) {
-        all.push_back(below(a, b) ? Segment{a, b} : Segment{b, a});
+        all.push_back(below(a, b) ? Segment{a, b, of_after} : Segment{b, a, of_after});
       });
+  };
+  add(before, false);
+  add(after, true);
   std::sort(all.begin(), all.end(), before_in_order);
   std::vector<Segment> odd;
   for (std::size_t i = 0; i < all.size();) {
@@ -101,9 +100,11 @@ double piece_area(const std::vector<Segment>& piece) {
 
 }  // namespace
 
-double changed_area(std::span<const Polygon> before, std::span<const Polygon> after) {
+std::vector<DifferencePiece> difference_pieces(std::span<const Polygon> before,
+                                               std::span<const Polygon> after) {
   const std::vector<Segment> segments = unshared(before, after);
-  if (segments.empty()) return 0;
+  std::vector<DifferencePiece> pieces;
+  if (segments.empty()) return pieces;
   constexpr double inf = std::numeric_limits<double>::infinity();
   Bounds2 box{inf, inf, -inf, -inf};
   double length = 0;
@@ -128,10 +129,8 @@ double changed_area(std::span<const Polygon> before, std::span<const Polygon> af
     order.emplace_back(forest.root(static_cast<std::int32_t>(i)), static_cast<std::int32_t>(i));
   std::sort(order.begin(), order.end());
   std::vector<std::int32_t> seen(segments.size(), -1);
-  double sum = 0;
-  std::vector<Segment> piece;
   for (std::size_t i = 0; i < order.size();) {
-    piece.clear();
+    std::vector<Segment>& piece = pieces.emplace_back().edges;
     const std::int32_t root = order[i].first;
     for (; i < order.size() && order[i].first == root; ++i)
       piece.push_back(segments[static_cast<std::size_t>(order[i].second)]);
@@ -147,8 +146,15 @@ double changed_area(std::span<const Polygon> before, std::span<const Polygon> af
       seen[static_cast<std::size_t>(k)] = root;
       if (s.a.y <= p.y && s.b.y > p.y && grid::orientation(s.a, s.b, p) < 0) inside = !inside;
     });
-    sum += inside ? -piece_area(piece) : piece_area(piece);
+    pieces.back().area = piece_area(piece);
+    pieces.back().inside = inside;
   }
+  return pieces;
+}
+
+double changed_area(std::span<const DifferencePiece> pieces) {
+  double sum = 0;
+  for (const DifferencePiece& piece : pieces) sum += piece.inside ? -piece.area : piece.area;
   return sum;
 }
 

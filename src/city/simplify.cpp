@@ -18,6 +18,7 @@
 
 #include "city/changed_area.h"
 #include "city/grid_geometry.h"
+#include "city/largest_distance.h"
 #include "city/merge_polygons.h"
 #include "city/outline.h"
 #include "city/patches.h"
@@ -30,6 +31,7 @@ namespace {
 constexpr int kGentleRounds = 5;     ///< Patches whose reach doubles.
 constexpr int kLocalHullRounds = 6;  ///< Hulls of surroundings whose radius doubles.
 constexpr double kMaxShift = 0.02 * grid::kSteps;
+constexpr double kDistanceTolerance = 0.01 * grid::kSteps;
 constexpr double kSquareMetre = grid::kSteps * grid::kSteps;
 constexpr const char* kTooThin = "too small or narrow for the merge distance";
 constexpr const char* kAtBoundary = "closer than the merge distance to the domain boundary";
@@ -451,26 +453,36 @@ void Simplifier::drop_small() {
 }
 
 void Simplifier::measure() {
-  std::vector<std::array<double, 3>> areas(groups_.size());
+  std::sort(groups_.begin(), groups_.end(),
+            [](const Group& a, const Group& b) { return a.members[0] < b.members[0]; });
+  std::vector<std::array<double, 2>> areas(groups_.size());
+  result_.changes.assign(groups_.size(), {});
   parallel_chunks(groups_.size(), 16, [&](std::size_t begin, std::size_t end) {
     for (std::size_t k = begin; k < end; ++k) {
       const Group& group = groups_[k];
       const std::vector<Polygon> output{group.polygon};
       const double before = total_area(group.input), after = area(group.polygon);
-      double changed = 0;
-      if (output != group.input) {
-        changed = changed_area(group.input, output);
-      }
-      areas[k] = {before, after, changed};
+      areas[k] = {before, after};
+      if (output == group.input) continue;
+      const std::vector<DifferencePiece> pieces = difference_pieces(group.input, output);
+      const FarPoint far =
+          largest_distance(group.input, output, pieces, kDistanceTolerance, epsilon_ / 4);
+      result_.changes[k] = {changed_area(pieces) / kSquareMetre, far.distance / grid::kSteps,
+                            grid::to_metres(far.at)};
     }
   });
   SimplifyStats& stats = result_.stats;
   stats.area_changed = stats.area_dropped;
-  for (const auto& [before, after, changed] : areas) {
+  for (const auto& [before, after] : areas) {
     stats.area_before += before / kSquareMetre;
     stats.area_after += after / kSquareMetre;
-    stats.area_changed += changed / kSquareMetre;
   }
+  for (const FootprintChange& change : result_.changes) {
+    stats.area_changed += change.area;
+    stats.max_distance = std::max(stats.max_distance, change.distance);
+  }
+  for (const Group& group : groups_)
+    if ((group.flags & kConvexHull) != 0) ++stats.hulls;
   stats.vertices_dropped = counts_.dropped;
   stats.edges_merged = counts_.merged;
   stats.edges_slid = counts_.slid;
@@ -480,8 +492,6 @@ void Simplifier::measure() {
 }
 
 void Simplifier::finish() {
-  std::sort(groups_.begin(), groups_.end(),
-            [](const Group& a, const Group& b) { return a.members[0] < b.members[0]; });
   for (Group& group : groups_) {
     result_.footprints.push_back(grid::to_metres(group.polygon));
     result_.members.push_back(std::move(group.members));

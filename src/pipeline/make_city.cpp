@@ -166,6 +166,9 @@ void fill_city_report(const CityModel& raw, const CityModel& city, const Simplif
   out.area_before = simple.stats.area_before;
   out.area_after = simple.stats.area_after;
   out.area_moved = simple.stats.area_changed;
+  if (out.area_before > 0) out.area_changed_share = out.area_moved / out.area_before;
+  out.max_distance = simple.stats.max_distance;
+  out.hulls = simple.stats.hulls;
   out.resorts = resorts_by_name(simple.stats);
   out.dropped = city.dropped;
   for (const Building& building : city.buildings) {
