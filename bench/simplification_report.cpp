@@ -1,5 +1,5 @@
-// Simplifies footprints and writes how far the result is from the input, with outlines of the places
-// worth looking at, as JSON for scripts/simplification-report.
+// Simplifies footprints and writes how far the result is from the input, with outlines of the
+// places worth looking at, as JSON for scripts/simplification-report.
 #include <algorithm>
 #include <chrono>
 #include <cmath>
@@ -71,11 +71,10 @@ Input read_input(const std::string& source, const std::string& crs) {
     CleanedFootprint cleaned = clean_footprint(polygon);
     if (!cleaned.usable()) continue;
     const Bounds2 box = bounds(cleaned.polygon);
-    input.domain = any ? Bounds2{std::min(input.domain.xmin, box.xmin),
-                                 std::min(input.domain.ymin, box.ymin),
-                                 std::max(input.domain.xmax, box.xmax),
-                                 std::max(input.domain.ymax, box.ymax)}
-                       : box;
+    input.domain =
+        any ? Bounds2{std::min(input.domain.xmin, box.xmin), std::min(input.domain.ymin, box.ymin),
+                      std::max(input.domain.xmax, box.xmax), std::max(input.domain.ymax, box.ymax)}
+            : box;
     any = true;
     input.footprints.push_back(std::move(cleaned.polygon));
   }

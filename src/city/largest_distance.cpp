@@ -67,8 +67,8 @@ class Region {
       Edge edge = edges_[static_cast<std::size_t>(e)];
       if ((edge.a.y > p.y) == (edge.b.y > p.y)) return;
       if (edge.a.y > edge.b.y) std::swap(edge.a, edge.b);
-      const double side = (edge.b.x - edge.a.x) * (p.y - edge.a.y) -
-                          (edge.b.y - edge.a.y) * (p.x - edge.a.x);
+      const double side =
+          (edge.b.x - edge.a.x) * (p.y - edge.a.y) - (edge.b.y - edge.a.y) * (p.x - edge.a.x);
       if (side < 0) crossed_.push_back(e);
     });
     std::sort(crossed_.begin(), crossed_.end());
@@ -168,8 +168,8 @@ void Search::inside(const DifferencePiece& piece, double on_edges) {
     grid::extend(box, edge.b);
   }
   // No point of the piece is farther from its edges than this.
-  const double largest_disc = std::min({std::sqrt(piece.area / std::numbers::pi), box.width() / 2,
-                                        box.height() / 2});
+  const double largest_disc =
+      std::min({std::sqrt(piece.area / std::numbers::pi), box.width() / 2, box.height() / 2});
   const auto enough = [&] { return std::max(best.distance, floor_) + tolerance_; };
   if (on_edges + largest_disc <= enough()) return;
   std::priority_queue<Square> queue;
@@ -197,8 +197,7 @@ void Search::inside(const DifferencePiece& piece, double on_edges) {
 }  // namespace
 
 FarPoint largest_distance(std::span<const Polygon> before, std::span<const Polygon> after,
-                          std::span<const DifferencePiece> pieces, double tolerance,
-                          double floor) {
+                          std::span<const DifferencePiece> pieces, double tolerance, double floor) {
   if (pieces.empty()) return {};
   Search search(before, after, tolerance, floor);
   std::vector<double> on_edges(pieces.size(), 0);

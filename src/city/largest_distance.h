@@ -16,14 +16,13 @@ struct FarPoint {
 };
 
 /// The Hausdorff distance of the regions: the largest distance from a point of either to the other,
-/// in steps, too low by at most `tolerance` (by more only where the largest distance is inside a piece
-/// and below `floor`, which saves the search of many small ones). The regions and their `pieces` are as in
-/// changed_area.h; both regions must have edges where there are pieces. Branch and bound: along
-/// the edges of the pieces, where the largest distance to one straight edge is at an end of any
-/// segment (it is a convex function); inside pieces, which matters for filled courtyards, by
-/// quartering squares.
+/// in steps, too low by at most `tolerance` (by more only where the largest distance is inside a
+/// piece and below `floor`, which saves the search of many small ones). The regions and their
+/// `pieces` are as in changed_area.h; both regions must have edges where there are pieces. Branch
+/// and bound: along the edges of the pieces, where the largest distance to one straight edge is at
+/// an end of any segment (it is a convex function); inside pieces, which matters for filled
+/// courtyards, by quartering squares.
 FarPoint largest_distance(std::span<const Polygon> before, std::span<const Polygon> after,
-                          std::span<const DifferencePiece> pieces, double tolerance,
-                          double floor);
+                          std::span<const DifferencePiece> pieces, double tolerance, double floor);
 
 }  // namespace tetropolis

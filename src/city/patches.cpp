@@ -1,6 +1,7 @@
 #include "city/patches.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstddef>
 #include <limits>
@@ -46,25 +47,41 @@ double smaller_part(const Outline& o, std::int32_t v, std::int32_t e) {
   return std::min(walk(v, e), walk(o.after(e), v));
 }
 
-/// A box along the thin place that is a little wider than epsilon.
-Polygon widening(const Ring& thin, Point2 p, Point2 q, double epsilon) {
-  double nx = q.x - p.x, ny = q.y - p.y;
-  const double length = std::hypot(nx, ny);
+/// The box around `thin` in the direction from `from` to `to`, made a little wider than epsilon.
+Polygon box_along(const Ring& thin, Point2 from, Point2 to, double epsilon) {
+  const double length = grid::distance(from, to);
   if (!(length > 0)) return {};
-  nx /= length;
-  ny /= length;
-  const Point2 m{(p.x + q.x) / 2, (p.y + q.y) / 2};
-  double low = -epsilon / 2, high = epsilon / 2;
-  for (const Point2 c : thin) {
-    const double t = (c.x - m.x) * -ny + (c.y - m.y) * nx;
-    low = std::min(low, t);
-    high = std::max(high, t);
-  }
-  const double half = 0.55 * epsilon;
+  const double ux = (to.x - from.x) / length, uy = (to.y - from.y) / length;
+  Bounds2 box{kInfinity, kInfinity, -kInfinity, -kInfinity};
+  for (const Point2 c : thin)
+    grid::extend(box, {(c.x - from.x) * ux + (c.y - from.y) * uy,
+                       (c.y - from.y) * ux - (c.x - from.x) * uy});
+  const double least = 1.1 * epsilon;
+  const double along = std::max(0.0, least - box.width()) / 2;
+  const double across = std::max(0.0, least - box.height()) / 2;
   const auto corner = [&](double t, double n) {
-    return grid::rounded({m.x - t * ny + n * nx, m.y + t * nx + n * ny});
+    return grid::rounded({from.x + t * ux - n * uy, from.y + t * uy + n * ux});
   };
-  return {{corner(low, -half), corner(low, half), corner(high, half), corner(high, -half)}, {}};
+  return {
+      {corner(box.xmin - along, box.ymin - across), corner(box.xmax + along, box.ymin - across),
+       corner(box.xmax + along, box.ymax + across), corner(box.xmin - along, box.ymax + across)},
+      {}};
+}
+
+/// The smallest box around the thin place between walls e and f that is a little wider than
+/// epsilon: along either wall, or across the shortest way p-q between them.
+Polygon widening(const Outline& o, const Ring& thin, std::int32_t e, std::int32_t f, Point2 p,
+                 Point2 q, double epsilon) {
+  Polygon best;
+  const std::array<std::pair<Point2, Point2>, 3> directions{
+      {{o.at(e), o.at(o.after(e))}, {o.at(f), o.at(o.after(f))}, {p, q}}};
+  for (const auto& [from, to] : directions) {
+    Polygon box = box_along(thin, from, to, epsilon);
+    if (box.outer.empty()) continue;
+    if (best.outer.empty() || signed_area(box.outer) < signed_area(best.outer))
+      best = std::move(box);
+  }
+  return best;
 }
 
 bool face(const Outline& o, std::int32_t e, std::int32_t f, double epsilon) {
@@ -83,9 +100,7 @@ void add_patch(const Outline& o, const NearPair& pair, std::int32_t f, double ep
     patches.fill.push_back({std::move(hull), {}});
     return;
   }
-  Polygon wider = widening(hull, p, q, epsilon);
-  if (!wider.outer.empty() && signed_area(wider.outer) < 0)
-    std::reverse(wider.outer.begin(), wider.outer.end());
+  Polygon wider = widening(o, hull, e, f, p, q, epsilon);
   const double thin = signed_area(hull);
   const double cost_of_cutting = std::max(thin, smaller_part(o, pair.vertex, e));
   const double cost_of_widening = signed_area(wider.outer) - thin;
