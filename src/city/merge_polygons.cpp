@@ -1,9 +1,11 @@
 #include "city/merge_polygons.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstddef>
 #include <limits>
+#include <tuple>
 #include <utility>
 
 #include "tetropolis/core/error.h"
@@ -165,9 +167,7 @@ bool passed_over(const Outline& o, const std::vector<EdgePair>& pairs, std::int3
          edges_face(o.at(other), o.at(o.after(other)), c, d, distance);
 }
 
-std::vector<Polygon> patches_between(std::span<const Polygon> parts, double distance,
-                                     double reach) {
-  const Outline o = make_outline(pointers(parts), cell_for(parts, distance));
+std::vector<EdgePair> pairs_between(const Outline& o, double distance) {
   std::vector<EdgePair> pairs;
   for (std::int32_t e = 0; e < o.vertex_count(); ++e) {
     const Point2 a = o.at(e), b = o.at(o.after(e));
@@ -179,6 +179,13 @@ std::vector<Polygon> patches_between(std::span<const Polygon> parts, double dist
   }
   std::sort(pairs.begin(), pairs.end());
   pairs.erase(std::unique(pairs.begin(), pairs.end()), pairs.end());
+  return pairs;
+}
+
+std::vector<Polygon> patches_between(std::span<const Polygon> parts, double distance,
+                                     double reach) {
+  const Outline o = make_outline(pointers(parts), cell_for(parts, distance));
+  const std::vector<EdgePair> pairs = pairs_between(o, distance);
   std::vector<Polygon> patches;
   for (const auto& [e, f] : pairs) {
     if (passed_over(o, pairs, e, f, distance) || passed_over(o, pairs, f, e, distance)) continue;
@@ -186,6 +193,52 @@ std::vector<Polygon> patches_between(std::span<const Polygon> parts, double dist
     if (!patch.empty()) patches.push_back({std::move(patch), {}});
   }
   return patches;
+}
+
+/// The shortest way between two segments.
+std::pair<Point2, Point2> shortest_way(Point2 a, Point2 b, Point2 c, Point2 d) {
+  std::pair<Point2, Point2> best{a, grid::nearest_on_segment(a, c, d)};
+  const auto consider = [&](Point2 p, Point2 q) {
+    if (grid::squared_distance(p, q) < grid::squared_distance(best.first, best.second))
+      best = {p, q};
+  };
+  consider(b, grid::nearest_on_segment(b, c, d));
+  consider(grid::nearest_on_segment(c, a, b), c);
+  consider(grid::nearest_on_segment(d, a, b), d);
+  return best;
+}
+
+/// Boxes a little wider than `distance` across the narrowest place between every two near parts.
+std::vector<Polygon> bridges_between(std::span<const Polygon> parts, double distance) {
+  const Outline o = make_outline(pointers(parts), cell_for(parts, distance));
+  struct Bridge {
+    std::int32_t i, j;  ///< Parts.
+    double length;
+    std::int32_t e, f;
+  };
+  std::vector<Bridge> bridges;
+  for (const auto& [e, f] : pairs_between(o, distance)) {
+    const auto [i, j] = std::minmax(o.group_of(e), o.group_of(f));
+    bridges.push_back(
+        {i, j, grid::segment_distance(o.at(e), o.at(o.after(e)), o.at(f), o.at(o.after(f))), e, f});
+  }
+  std::stable_sort(bridges.begin(), bridges.end(), [](const Bridge& a, const Bridge& b) {
+    return std::tie(a.i, a.j, a.length) < std::tie(b.i, b.j, b.length);
+  });
+  std::vector<Polygon> boxes;
+  for (std::size_t k = 0; k < bridges.size(); ++k) {
+    const Bridge& bridge = bridges[k];
+    if (k > 0 && bridges[k - 1].i == bridge.i && bridges[k - 1].j == bridge.j) continue;
+    Point2 a = o.at(bridge.e), b = o.at(o.after(bridge.e));
+    Point2 c = o.at(bridge.f), d = o.at(o.after(bridge.f));
+    const auto [p, q] = shortest_way(a, b, c, d);
+    if (grid::squared_distance(c, d) > grid::squared_distance(a, b)) {
+      a = c;
+      b = d;
+    }
+    boxes.push_back(box_along(std::array{p, q}, a, b, distance));
+  }
+  return boxes;
 }
 
 Polygon hull_of(std::span<const Polygon> polygons) {
@@ -221,6 +274,27 @@ std::vector<std::int32_t> cluster_polygons(std::span<const Polygon> polygons, do
     cluster[i] = root == i ? count++ : cluster[root];
   }
   return cluster;
+}
+
+Polygon box_along(std::span<const Point2> points, Point2 from, Point2 to, double distance) {
+  const double length = grid::distance(from, to);
+  if (!(length > 0)) return {};
+  const double ux = (to.x - from.x) / length, uy = (to.y - from.y) / length;
+  constexpr double inf = std::numeric_limits<double>::infinity();
+  Bounds2 box{inf, inf, -inf, -inf};
+  for (const Point2 c : points)
+    grid::extend(box, {(c.x - from.x) * ux + (c.y - from.y) * uy,
+                       (c.y - from.y) * ux - (c.x - from.x) * uy});
+  const double least = 1.1 * distance;
+  const double along = std::max(0.0, least - box.width()) / 2;
+  const double across = std::max(0.0, least - box.height()) / 2;
+  const auto corner = [&](double t, double n) {
+    return grid::rounded({from.x + t * ux - n * uy, from.y + t * uy + n * ux});
+  };
+  return {
+      {corner(box.xmin - along, box.ymin - across), corner(box.xmax + along, box.ymin - across),
+       corner(box.xmax + along, box.ymax + across), corner(box.xmin - along, box.ymax + across)},
+      {}};
 }
 
 Ring gap_patch(Point2 a, Point2 b, Point2 c, Point2 d, double reach) {
@@ -261,6 +335,12 @@ MergedPolygon merge_polygons(std::span<const Polygon> cluster, double distance, 
     parts = unite_on_grid(parts);
     result.resort = MergeResort::kPatch;
     result.growths = k;
+  }
+  if (parts.size() > 1) {
+    const std::vector<Polygon> bridges = bridges_between(parts, distance);
+    parts.insert(parts.end(), bridges.begin(), bridges.end());
+    parts = unite_on_grid(parts);
+    result.resort = MergeResort::kBridge;
   }
   if (parts.size() > 1) {
     for (const Polygon& part : std::vector<Polygon>(parts)) parts.push_back(hull_of({&part, 1}));

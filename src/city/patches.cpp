@@ -47,27 +47,6 @@ double smaller_part(const Outline& o, std::int32_t v, std::int32_t e) {
   return std::min(walk(v, e), walk(o.after(e), v));
 }
 
-/// The box around `thin` in the direction from `from` to `to`, made a little wider than epsilon.
-Polygon box_along(const Ring& thin, Point2 from, Point2 to, double epsilon) {
-  const double length = grid::distance(from, to);
-  if (!(length > 0)) return {};
-  const double ux = (to.x - from.x) / length, uy = (to.y - from.y) / length;
-  Bounds2 box{kInfinity, kInfinity, -kInfinity, -kInfinity};
-  for (const Point2 c : thin)
-    grid::extend(box, {(c.x - from.x) * ux + (c.y - from.y) * uy,
-                       (c.y - from.y) * ux - (c.x - from.x) * uy});
-  const double least = 1.1 * epsilon;
-  const double along = std::max(0.0, least - box.width()) / 2;
-  const double across = std::max(0.0, least - box.height()) / 2;
-  const auto corner = [&](double t, double n) {
-    return grid::rounded({from.x + t * ux - n * uy, from.y + t * uy + n * ux});
-  };
-  return {
-      {corner(box.xmin - along, box.ymin - across), corner(box.xmax + along, box.ymin - across),
-       corner(box.xmax + along, box.ymax + across), corner(box.xmin - along, box.ymax + across)},
-      {}};
-}
-
 /// The smallest box around the thin place between walls e and f that is a little wider than
 /// epsilon: along either wall, or across the shortest way p-q between them.
 Polygon widening(const Outline& o, const Ring& thin, std::int32_t e, std::int32_t f, Point2 p,

@@ -205,6 +205,9 @@ void Simplifier::merge_clusters() {
       case MergeResort::kPatch:
         ++stats.merged_by_patch[static_cast<std::size_t>(how[c].growths)];
         break;
+      case MergeResort::kBridge:
+        ++stats.merged_by_bridge;
+        break;
       case MergeResort::kUnionOfHulls:
         ++stats.merged_by_hulls;
         group.flags |= kConvexHull;
@@ -283,10 +286,11 @@ bool Simplifier::apply(const Patches& patches, Group& group) const {
     std::optional<Polygon> left = largest(subtract_on_grid(whole, patches.cut));
     const double lost = before - (left ? area(*left) : 0.0) - taken;
     // Cutting may part what was not expected to part: then widen instead.
-    if (lost > std::max(0.02 * before, 4 * epsilon_ * epsilon_) && !patches.widen.empty()) {
+    if (lost > epsilon_ * epsilon_ && !patches.widen.empty()) {
       parts = whole;
       parts.insert(parts.end(), patches.widen.begin(), patches.widen.end());
-      left = largest(unite_on_grid(parts));
+      std::optional<Polygon> wider = largest(unite_on_grid(parts));
+      if (wider && area(*wider) - before < lost + taken) left = std::move(wider);
     }
     next = std::move(left);
   }

@@ -45,6 +45,7 @@ struct SimplifyStats {
   std::int64_t groups = 0;           ///< Groups closer than epsilon in the input, single ones too.
   std::int64_t merged_by_union = 0;  ///< Groups of several, by the resort that joined them.
   std::vector<std::int64_t> merged_by_patch;  ///< Index k: with a patch after k growths.
+  std::int64_t merged_by_bridge = 0;          ///< By boxes across the narrowest places.
   std::int64_t merged_by_hulls = 0;           ///< By the union of the parts' convex hulls.
   std::int64_t merged_by_hull = 0;            ///< By the convex hull of all.
   std::int64_t merged_late = 0;               ///< Pairs that only repairs had brought close.
