@@ -32,7 +32,7 @@ std::vector<Segment> unshared(std::span<const Polygon> before, std::span<const P
   const auto add = [&](std::span<const Polygon> polygons, bool of_after) {
     for (const Polygon& polygon : polygons)
       for_each_edge(polygon, [&](Point2 a, Point2 b) {
-        all.push_back(below(a, b) ? Segment{a, b, of_after} : Segment{b, a, of_after});
+        all.push_back(below(a, b) ? Segment{a, b, of_after, true} : Segment{b, a, of_after, false});
       });
   };
   add(before, false);
@@ -46,10 +46,6 @@ std::vector<Segment> unshared(std::span<const Polygon> before, std::span<const P
     i = j;
   }
   return odd;
-}
-
-double x_at(const Segment& s, double y) {
-  return s.a.x + (y - s.a.y) / (s.b.y - s.a.y) * (s.b.x - s.a.x);
 }
 
 /// Heights between which no segments of the piece (sorted) start, end or cross.
@@ -78,33 +74,37 @@ std::vector<double> slab_heights(const std::vector<Segment>& piece) {
 }
 
 /// Area bounded by a piece (sorted), even-odd.
-double piece_area(const std::vector<Segment>& piece) {
+double piece_area(const std::vector<Segment>& piece, std::vector<DifferenceStrip>* strips) {
   const std::vector<double> heights = slab_heights(piece);
   double sum = 0;
   std::vector<std::size_t> active;
-  std::vector<double> across;  // where the active segments pass the middle of the slab
+  // Where the active segments pass the middle of the slab.
+  std::vector<std::pair<double, std::size_t>> across;
   std::size_t next = 0;
   for (std::size_t h = 0; h + 1 < heights.size(); ++h) {
     const double low = heights[h], high = heights[h + 1], middle = (low + high) / 2;
     while (next < piece.size() && piece[next].a.y <= low) active.push_back(next++);
     std::erase_if(active, [&](std::size_t k) { return piece[k].b.y <= low; });
     across.clear();
-    for (const std::size_t k : active) across.push_back(x_at(piece[k], middle));
+    for (const std::size_t k : active) across.emplace_back(piece[k].x_at(middle), k);
     std::sort(across.begin(), across.end());
-    // Straight sides: the width in the middle is the mean width.
-    for (std::size_t k = 0; k + 1 < across.size(); k += 2)
-      sum += (across[k + 1] - across[k]) * (high - low);
+    for (std::size_t k = 0; k + 1 < across.size(); k += 2) {
+      // Straight sides: the width in the middle is the mean width.
+      const double width = across[k + 1].first - across[k].first;
+      sum += width * (high - low);
+      if (strips != nullptr && width > 0)
+        strips->push_back({low, high, piece[across[k].second], piece[across[k + 1].second]});
+    }
   }
   return sum;
 }
 
 }  // namespace
 
-std::vector<DifferencePiece> difference_pieces(std::span<const Polygon> before,
-                                               std::span<const Polygon> after) {
+double changed_area(std::span<const Polygon> before, std::span<const Polygon> after,
+                    std::vector<DifferenceStrip>* strips) {
   const std::vector<Segment> segments = unshared(before, after);
-  std::vector<DifferencePiece> pieces;
-  if (segments.empty()) return pieces;
+  if (segments.empty()) return 0;
   constexpr double inf = std::numeric_limits<double>::infinity();
   Bounds2 box{inf, inf, -inf, -inf};
   double length = 0;
@@ -129,8 +129,10 @@ std::vector<DifferencePiece> difference_pieces(std::span<const Polygon> before,
     order.emplace_back(forest.root(static_cast<std::int32_t>(i)), static_cast<std::int32_t>(i));
   std::sort(order.begin(), order.end());
   std::vector<std::int32_t> seen(segments.size(), -1);
+  double sum = 0;
+  std::vector<Segment> piece;
   for (std::size_t i = 0; i < order.size();) {
-    std::vector<Segment>& piece = pieces.emplace_back().edges;
+    piece.clear();
     const std::int32_t root = order[i].first;
     for (; i < order.size() && order[i].first == root; ++i)
       piece.push_back(segments[static_cast<std::size_t>(order[i].second)]);
@@ -146,15 +148,9 @@ std::vector<DifferencePiece> difference_pieces(std::span<const Polygon> before,
       seen[static_cast<std::size_t>(k)] = root;
       if (s.a.y <= p.y && s.b.y > p.y && grid::orientation(s.a, s.b, p) < 0) inside = !inside;
     });
-    pieces.back().area = piece_area(piece);
-    pieces.back().inside = inside;
+    const double size = piece_area(piece, strips);
+    sum += inside ? -size : size;
   }
-  return pieces;
-}
-
-double changed_area(std::span<const DifferencePiece> pieces) {
-  double sum = 0;
-  for (const DifferencePiece& piece : pieces) sum += piece.inside ? -piece.area : piece.area;
   return sum;
 }
 

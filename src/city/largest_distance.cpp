@@ -1,15 +1,13 @@
 #include "city/largest_distance.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <limits>
-#include <numbers>
-#include <queue>
+#include <utility>
 #include <vector>
-
-#include "tetropolis/geometry/polygon.h"
 
 #include "city/edge_grid.h"
 #include "city/grid_geometry.h"
@@ -20,192 +18,189 @@ namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
+struct Wall {
+  Point2 a;
+  Point2 b;
+  double distance_to(Point2 p) const { return grid::point_segment_distance(p, a, b); }
+};
+
 /// A region that can be asked for its nearest edge and whether it contains a point.
 class Region {
  public:
   explicit Region(std::span<const Polygon> polygons) {
+    for (const Polygon& polygon : polygons) {
+      add(polygon.outer);
+      for (const Ring& hole : polygon.holes) add(hole);
+    }
     double length = 0;
-    for (const Polygon& polygon : polygons)
-      for_each_edge(polygon, [&](Point2 a, Point2 b) {
-        edges_.push_back({a, b});
-        grid::extend(box_, a);
-        length += grid::distance(a, b);
-      });
-    cell_ = length / static_cast<double>(std::max<std::size_t>(edges_.size(), 1)) + 1;
-    index_ = EdgeGrid(box_, cell_, edges_.size());
-    for (std::size_t i = 0; i < edges_.size(); ++i)
-      index_.insert(static_cast<std::int32_t>(i), edges_[i].a, edges_[i].b);
+    for (const Wall& wall : walls_) length += grid::distance(wall.a, wall.b);
+    cell_ = length / static_cast<double>(std::max<std::size_t>(walls_.size(), 1)) + 1;
+    index_ = EdgeGrid(box_, cell_, walls_.size());
+    for (std::size_t i = 0; i < walls_.size(); ++i)
+      index_.insert(static_cast<std::int32_t>(i), walls_[i].a, walls_[i].b);
   }
 
-  struct Edge {
-    Point2 a;
-    Point2 b;
-    double distance_to(Point2 p) const { return grid::point_segment_distance(p, a, b); }
-  };
-
   /// Precondition: there are edges.
-  const Edge& nearest(Point2 p) const {
+  std::size_t nearest(Point2 p) const {
     std::int32_t best = -1;
     double least = kInfinity;
-    for (double reach = cell_ / 2; best < 0 || least > reach; reach *= 2) {
+    for (double reach = cell_ / 2; !(least <= reach); reach *= 2)
       index_.visit(Bounds2{p.x, p.y, p.x, p.y}.grown(reach), [&](std::int32_t e) {
-        const double d = edges_[static_cast<std::size_t>(e)].distance_to(p);
+        const double d = walls_[static_cast<std::size_t>(e)].distance_to(p);
         if (d < least || (d == least && e < best)) {
           least = d;
           best = e;
         }
       });
-      if (reach > 4 * (box_.width() + box_.height()) && best >= 0) break;
-    }
-    return edges_[static_cast<std::size_t>(best)];
+    return static_cast<std::size_t>(best);
   }
+  const Wall& wall(std::size_t e) const { return walls_[e]; }
 
-  bool contains(Point2 p) const {
-    if (!box_.contains(p)) return false;
-    crossed_.clear();
-    index_.visit({box_.xmin, p.y, p.x, p.y}, [&](std::int32_t e) {
-      Edge edge = edges_[static_cast<std::size_t>(e)];
-      if ((edge.a.y > p.y) == (edge.b.y > p.y)) return;
-      if (edge.a.y > edge.b.y) std::swap(edge.a, edge.b);
-      const double side =
-          (edge.b.x - edge.a.x) * (p.y - edge.a.y) - (edge.b.y - edge.a.y) * (p.x - edge.a.x);
-      if (side < 0) crossed_.push_back(e);
-    });
-    std::sort(crossed_.begin(), crossed_.end());
-    return std::distance(crossed_.begin(), std::unique(crossed_.begin(), crossed_.end())) % 2 == 1;
+  /// Whether a point is inside, whose nearest edge is e. (Where rings touch in a point and that is
+  /// the nearest one, the answer is for the ring of e.)
+  bool contains(Point2 p, std::size_t e) const {
+    const Wall& wall = walls_[e];
+    const Point2 q = grid::nearest_on_segment(p, wall.a, wall.b);
+    if (q == wall.a) return in_corner(p, walls_[before_[e]].a, wall.a, wall.b);
+    if (q == wall.b) return in_corner(p, wall.a, wall.b, walls_[after_[e]].b);
+    return left_of(p, wall.a, wall.b);
   }
-
-  double distance_to(Point2 p) const { return contains(p) ? 0 : nearest(p).distance_to(p); }
 
  private:
-  std::vector<Edge> edges_;
+  void add(const Ring& ring) {
+    const std::size_t base = walls_.size(), n = ring.size();
+    for (std::size_t i = 0; i < n; ++i) {
+      walls_.push_back({ring[i], ring[(i + 1) % n]});
+      before_.push_back(base + (i + n - 1) % n);
+      after_.push_back(base + (i + 1) % n);
+      grid::extend(box_, ring[i]);
+    }
+  }
+  static bool left_of(Point2 p, Point2 a, Point2 b) {
+    return (b.x - a.x) * (p.y - a.y) - (b.y - a.y) * (p.x - a.x) > 0;
+  }
+  static bool in_corner(Point2 p, Point2 u, Point2 v, Point2 w) {
+    const bool first = left_of(p, u, v), second = left_of(p, v, w);
+    return grid::orientation(u, v, w) > 0 ? first && second : first || second;
+  }
+
+  std::vector<Wall> walls_;
+  std::vector<std::size_t> before_, after_;  ///< Neighbours in the ring.
   Bounds2 box_{kInfinity, kInfinity, -kInfinity, -kInfinity};
   double cell_ = 1;
   EdgeGrid index_;
-  mutable std::vector<std::int32_t> crossed_;
 };
 
 Point2 middle(Point2 p, Point2 q) { return {(p.x + q.x) / 2, (p.y + q.y) / 2}; }
 
-class Search {
- public:
-  Search(std::span<const Polygon> before, std::span<const Polygon> after, double tolerance,
-         double floor)
-      : before_(before), after_(after), tolerance_(tolerance), floor_(floor) {}
+/// Corners in order around.
+using Quad = std::array<Point2, 4>;
 
-  /// Returns an upper bound of the distances along the edge.
-  double along(const DifferenceEdge& edge);
-  /// `on_edges`: an upper bound of the distances on the piece's edges.
-  void inside(const DifferencePiece& piece, double on_edges);
-  FarPoint best;
-
- private:
-  struct Part {
-    Point2 a;
-    Point2 b;
-  };
-  struct Square {
-    Point2 centre;
-    double half;
-    double bound;
-    bool operator<(const Square& other) const { return bound < other.bound; }
-  };
-  void consider(Point2 p, double distance) {
-    if (distance > best.distance) best = {distance, p};
-  }
-
-  Region before_, after_;
-  double tolerance_;
-  double floor_;
-  std::vector<Part> parts_;
-};
-
-/// The points of an edge of one region that are outside the other one.
-double Search::along(const DifferenceEdge& edge) {
-  const Region& other = edge.of_after ? before_ : after_;
-  double upper = 0;
-  parts_.assign(1, {edge.a, edge.b});
-  while (!parts_.empty()) {
-    const Part part = parts_.back();
-    parts_.pop_back();
-    const double enough = best.distance + tolerance_;
-    double bound = kInfinity, at_a = 0, at_b = 0;
-    for (const Point2 p : {part.a, part.b}) {
-      const Region::Edge& wall = other.nearest(p);
-      const double da = wall.distance_to(part.a), db = wall.distance_to(part.b);
-      bound = std::min(bound, std::max(da, db));
-      (p == part.a ? at_a : at_b) = p == part.a ? da : db;
-      if (bound <= enough) break;
-    }
-    if (bound <= enough) {
-      upper = std::max(upper, bound);
-      continue;
-    }
-    const double length = grid::distance(part.a, part.b);
-    const Point2 m = middle(part.a, part.b);
-    if (at_a > enough && !other.contains(part.a)) consider(part.a, at_a);
-    if (at_b > enough && !other.contains(part.b)) consider(part.b, at_b);
-    const double at_m = other.nearest(m).distance_to(m);
-    if (at_m > best.distance || at_m >= length / 2) {
-      const bool in = other.contains(m);
-      if (!in) consider(m, at_m);
-      if (in && at_m >= length / 2) continue;
-    }
-    if (length < tolerance_) {
-      upper = std::max(upper, bound);
-      continue;
-    }
-    parts_.push_back({part.a, m});
-    parts_.push_back({m, part.b});
-  }
-  return upper;
+double farthest_corner(const Quad& quad, const Wall& wall) {
+  double farthest = 0;
+  for (const Point2 p : quad) farthest = std::max(farthest, wall.distance_to(p));
+  return farthest;
 }
 
-void Search::inside(const DifferencePiece& piece, double on_edges) {
-  Bounds2 box{kInfinity, kInfinity, -kInfinity, -kInfinity};
-  for (const DifferenceEdge& edge : piece.edges) {
-    grid::extend(box, edge.a);
-    grid::extend(box, edge.b);
+/// The halves on either side of the line between the middles of sides 0-1 and 2-3, or 1-2 and 3-0.
+std::pair<Quad, Quad> halves(const Quad& q, bool first_sides) {
+  if (first_sides) {
+    const Point2 m = middle(q[0], q[1]), n = middle(q[2], q[3]);
+    return {{q[0], m, n, q[3]}, {m, q[1], q[2], n}};
   }
-  // No point of the piece is farther from its edges than this.
-  const double largest_disc =
-      std::min({std::sqrt(piece.area / std::numbers::pi), box.width() / 2, box.height() / 2});
-  const auto enough = [&] { return std::max(best.distance, floor_) + tolerance_; };
-  if (on_edges + largest_disc <= enough()) return;
-  std::priority_queue<Square> queue;
-  const auto push = [&](Point2 centre, double half) {
-    const double to_before = before_.distance_to(centre), to_after = after_.distance_to(centre);
-    const double radius = half * std::numbers::sqrt2;
-    const double far = std::max(to_before, to_after);
-    if ((to_before > 0) != (to_after > 0)) consider(centre, far);
-    if (to_before > radius && to_after > radius) return;  // outside both
-    if (far + radius > enough()) queue.push({centre, half, far + radius});
-  };
-  push({(box.xmin + box.xmax) / 2, (box.ymin + box.ymax) / 2},
-       std::max(box.width(), box.height()) / 2);
-  while (!queue.empty()) {
-    const Square top = queue.top();
-    queue.pop();
-    if (top.bound <= enough()) return;
-    const double quarter = top.half / 2;
-    for (const double dy : {-quarter, quarter})
-      for (const double dx : {-quarter, quarter})
-        push({top.centre.x + dx, top.centre.y + dy}, quarter);
+  const Point2 m = middle(q[1], q[2]), n = middle(q[3], q[0]);
+  return {{q[0], q[1], m, n}, {n, m, q[2], q[3]}};
+}
+
+Quad corners(const DifferenceStrip& s) {
+  return {Point2{s.left.x_at(s.low), s.low}, Point2{s.right.x_at(s.low), s.low},
+          Point2{s.right.x_at(s.high), s.high}, Point2{s.left.x_at(s.high), s.high}};
+}
+
+/// What a strip's distances cannot exceed by its own sides, where these belong to the other region.
+double bound_by_sides(const DifferenceStrip& s) {
+  double bound = kInfinity;
+  for (const DifferenceEdge* side : {&s.left, &s.right})
+    if (side->of_after != s.in_after())
+      bound = std::min(bound, farthest_corner(corners(s), {side->a, side->b}));
+  return bound;
+}
+
+class Search {
+ public:
+  Search(const Region& other, double tolerance, FarPoint& best)
+      : other_(other), tolerance_(tolerance), best_(best) {}
+
+  void strip(const DifferenceStrip& s) {
+    stack_.assign(1, corners(s));
+    while (!stack_.empty()) {
+      const Quad quad = stack_.back();
+      stack_.pop_back();
+      quarter(quad);
+    }
   }
+
+ private:
+  /// The nearest wall, after trying the point.
+  const Wall& look_at(Point2 p) {
+    const std::size_t e = other_.nearest(p);
+    const double d = other_.wall(e).distance_to(p);
+    if (d > best_.distance && !other_.contains(p, e)) best_ = {d, p};
+    return other_.wall(e);
+  }
+  void quarter(const Quad& quad);
+
+  const Region& other_;
+  double tolerance_;
+  FarPoint& best_;
+  std::vector<Quad> stack_;
+};
+
+void Search::quarter(const Quad& quad) {
+  const Point2 centre = middle(middle(quad[0], quad[1]), middle(quad[2], quad[3]));
+  double radius = 0;
+  for (const Point2 p : quad) radius = std::max(radius, grid::distance(p, centre));
+  std::array<const Wall*, 5> walls{&look_at(centre)};
+  double bound = std::min(walls[0]->distance_to(centre) + radius, farthest_corner(quad, *walls[0]));
+  if (bound <= best_.distance + tolerance_) return;
+  for (std::size_t i = 0; i < 4; ++i) {
+    walls[i + 1] = &look_at(quad[i]);
+    bound = std::min(bound, farthest_corner(quad, *walls[i + 1]));
+  }
+  if (bound <= best_.distance + tolerance_ || radius < tolerance_) return;
+  // Halved the way that promises more.
+  std::array<std::pair<Quad, Quad>, 2> ways{halves(quad, true), halves(quad, false)};
+  std::array<double, 2> promise{};
+  for (std::size_t w = 0; w < 2; ++w)
+    for (const Quad* half : {&ways[w].first, &ways[w].second}) {
+      double least = kInfinity;
+      for (const Wall* wall : walls) least = std::min(least, farthest_corner(*half, *wall));
+      promise[w] = std::max(promise[w], least);
+    }
+  const double side01 = grid::squared_distance(quad[0], quad[1]),
+               side12 = grid::squared_distance(quad[1], quad[2]);
+  const bool first = promise[0] < promise[1] || (promise[0] == promise[1] && side01 >= side12);
+  const auto& [p, q] = ways[first ? 0 : 1];
+  stack_.push_back(p);
+  stack_.push_back(q);
 }
 
 }  // namespace
 
 FarPoint largest_distance(std::span<const Polygon> before, std::span<const Polygon> after,
-                          std::span<const DifferencePiece> pieces, double tolerance, double floor) {
-  if (pieces.empty()) return {};
-  Search search(before, after, tolerance, floor);
-  std::vector<double> on_edges(pieces.size(), 0);
-  for (std::size_t i = 0; i < pieces.size(); ++i)
-    for (const DifferenceEdge& edge : pieces[i].edges)
-      on_edges[i] = std::max(on_edges[i], search.along(edge));
-  for (std::size_t i = 0; i < pieces.size(); ++i) search.inside(pieces[i], on_edges[i]);
-  return search.best;
+                          std::span<const DifferenceStrip> strips, double tolerance) {
+  FarPoint best;
+  if (strips.empty()) return best;
+  std::vector<std::pair<double, std::size_t>> order;
+  for (std::size_t i = 0; i < strips.size(); ++i) order.emplace_back(-bound_by_sides(strips[i]), i);
+  std::sort(order.begin(), order.end());
+  const Region from(before), to(after);
+  Search in_before(to, tolerance, best), in_after(from, tolerance, best);
+  for (const auto& [bound, i] : order) {
+    if (-bound <= best.distance + tolerance) continue;
+    (strips[i].in_after() ? in_after : in_before).strip(strips[i]);
+  }
+  return best;
 }
 
 }  // namespace tetropolis

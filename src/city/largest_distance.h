@@ -16,13 +16,11 @@ struct FarPoint {
 };
 
 /// The Hausdorff distance of the regions: the largest distance from a point of either to the other,
-/// in steps, too low by at most `tolerance` (by more only where the largest distance is inside a
-/// piece and below `floor`, which saves the search of many small ones). The regions and their
-/// `pieces` are as in changed_area.h; both regions must have edges where there are pieces. Branch
-/// and bound: along the edges of the pieces, where the largest distance to one straight edge is at
-/// an end of any segment (it is a convex function); inside pieces, which matters for filled
-/// courtyards, by quartering squares.
+/// in steps, too low by at most `tolerance`. The regions and `strips`, which cover what differs
+/// between them, are as in changed_area.h; regions must not be empty where there are strips.
+/// Branch and bound over quarters of strips: the distance to one straight edge is convex, so it is
+/// largest at a corner, and the distance to the whole region is no larger.
 FarPoint largest_distance(std::span<const Polygon> before, std::span<const Polygon> after,
-                          std::span<const DifferencePiece> pieces, double tolerance, double floor);
+                          std::span<const DifferenceStrip> strips, double tolerance);
 
 }  // namespace tetropolis

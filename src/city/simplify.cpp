@@ -468,10 +468,10 @@ void Simplifier::measure() {
       const double before = total_area(group.input), after = area(group.polygon);
       areas[k] = {before, after};
       if (output == group.input) continue;
-      const std::vector<DifferencePiece> pieces = difference_pieces(group.input, output);
-      const FarPoint far =
-          largest_distance(group.input, output, pieces, kDistanceTolerance, epsilon_ / 4);
-      result_.changes[k] = {changed_area(pieces) / kSquareMetre, far.distance / grid::kSteps,
+      std::vector<DifferenceStrip> strips;
+      const double changed = changed_area(group.input, output, &strips);
+      const FarPoint far = largest_distance(group.input, output, strips, kDistanceTolerance);
+      result_.changes[k] = {changed / kSquareMetre, far.distance / grid::kSteps,
                             grid::to_metres(far.at)};
     }
   });
