@@ -113,7 +113,7 @@ double changed_area(std::span<const Polygon> before, std::span<const Polygon> af
     grid::extend(box, s.b);
     length += grid::distance(s.a, s.b);
   }
-  EdgeGrid index(box, length / static_cast<double>(segments.size()) + 1, segments.size());
+  EdgeGrid index(box, cell_size(box, length, segments.size()) + 1, segments.size());
   Forest forest(segments.size());
   for (std::size_t i = 0; i < segments.size(); ++i) {
     const Segment& s = segments[i];

@@ -34,7 +34,7 @@ class Region {
     }
     double length = 0;
     for (const Wall& wall : walls_) length += grid::distance(wall.a, wall.b);
-    cell_ = length / static_cast<double>(std::max<std::size_t>(walls_.size(), 1)) + 1;
+    cell_ = cell_size(box_, length, walls_.size()) + 1;
     index_ = EdgeGrid(box_, cell_, walls_.size());
     for (std::size_t i = 0; i < walls_.size(); ++i)
       index_.insert(static_cast<std::int32_t>(i), walls_[i].a, walls_[i].b);

@@ -63,14 +63,17 @@ std::vector<const Polygon*> pointers(std::span<const Polygon> polygons) {
 }
 
 double cell_for(std::span<const Polygon> polygons, double distance) {
+  constexpr double inf = std::numeric_limits<double>::infinity();
+  Bounds2 box{inf, inf, -inf, -inf};
   double length = 0;
   std::size_t count = 0;
   for (const Polygon& polygon : polygons)
     for_each_edge(polygon, [&](Point2 a, Point2 b) {
+      grid::extend(box, a);
       length += grid::distance(a, b);
       ++count;
     });
-  return std::max(2 * distance, count > 0 ? length / static_cast<double>(count) : 0.0);
+  return std::max(2 * distance, cell_size(box, length, count));
 }
 
 void join_near_edges(const Outline& o, double distance, Forest& forest) {

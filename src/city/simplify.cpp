@@ -223,19 +223,21 @@ void Simplifier::merge_clusters() {
 }
 
 Outline Simplifier::repaired_outline(int round) {
+  constexpr double inf = std::numeric_limits<double>::infinity();
   std::vector<const Polygon*> polygons;
   polygons.reserve(groups_.size());
+  Bounds2 box{inf, inf, -inf, -inf};
   double length = 0;
   std::size_t edges = 0;
   for (const Group& group : groups_) {
     polygons.push_back(&group.polygon);
     for_each_edge(group.polygon, [&](Point2 a, Point2 b) {
+      grid::extend(box, a);
       length += grid::distance(a, b);
       ++edges;
     });
   }
-  const double cell =
-      std::max(2 * epsilon_, length / static_cast<double>(std::max<std::size_t>(edges, 1)));
+  const double cell = std::max(2 * epsilon_, cell_size(box, length, edges));
   Outline outline = make_outline(polygons, cell);
   // Gentle changes first, so that patches come before changes that cost more than they.
   constexpr std::array<double, 4> kCosts{0.5, 2, 8, std::numeric_limits<double>::infinity()};
