@@ -4,11 +4,13 @@
 #include <array>
 #include <cmath>
 #include <cstddef>
+#include <iterator>
 #include <limits>
 #include <tuple>
 #include <utility>
 
 #include "tetropolis/core/error.h"
+#include "tetropolis/core/parallel.h"
 #include "tetropolis/geometry/polygon.h"
 
 #include "city/clean_ring.h"
@@ -45,14 +47,89 @@ bool round_to_grid(std::vector<Polygon>& polygons) {
   return exact || geos::is_valid(polygons);
 }
 
+[[noreturn]] void give_up() {
+  throw Error(ErrorKind::kGuarantee, "footprints: GEOS cannot unite a cluster; report it");
+}
+
+/// What operation(0) gives, rounded; or noded on the grid where that is not valid.
 template <typename Operation>
 std::vector<Polygon> on_grid(const Operation& operation) {
   geos::Result result = operation(0.0);
-  if (result && round_to_grid(*result)) return std::move(*result);
-  result = operation(1.0);
-  if (!result)
-    throw Error(ErrorKind::kGuarantee, "footprints: GEOS cannot unite a cluster; report it");
+  if (result) {
+    std::vector<Polygon> rounded = *result;
+    if (round_to_grid(rounded)) return rounded;
+    // Of what is left after the operation, which is much less than what went in.
+    result = geos::unite(*result, 1.0);
+  }
+  if (!result) result = operation(1.0);
+  if (!result) give_up();
   return std::move(*result);
+}
+
+constexpr std::size_t kFewPolygons = 256;
+
+Bounds2 box_around(std::span<const Polygon> polygons) {
+  constexpr double inf = std::numeric_limits<double>::infinity();
+  Bounds2 box{inf, inf, -inf, -inf};
+  for (const Polygon& polygon : polygons)
+    for (const Point2 p : polygon.outer) grid::extend(box, p);
+  return box;
+}
+
+/// Both lists are unions; what is clear of the other list is passed by.
+geos::Result joined(std::vector<Polygon> a, std::vector<Polygon> b) {
+  const Bounds2 box_a = box_around(a), box_b = box_around(b);
+  const auto near = [](std::vector<Polygon>& list, const Bounds2& box) {
+    return std::stable_partition(list.begin(), list.end(), [&](const Polygon& polygon) {
+      return bounds(polygon).intersects(box);
+    });
+  };
+  const auto rest_a = near(a, box_b), rest_b = near(b, box_a);
+  std::vector<Polygon> clear(std::make_move_iterator(rest_a), std::make_move_iterator(a.end()));
+  clear.insert(clear.end(), std::make_move_iterator(rest_b), std::make_move_iterator(b.end()));
+  a.erase(rest_a, a.end());
+  b.erase(rest_b, b.end());
+  geos::Result result = geos::join(a, b, 0);
+  if (result)
+    result->insert(result->end(), std::make_move_iterator(clear.begin()),
+                   std::make_move_iterator(clear.end()));
+  return result;
+}
+
+/// Union in floating point: of many polygons by halves of the plane, at the same time.
+geos::Result unite_halves(std::vector<Polygon> polygons, const Bounds2& box) {
+  if (polygons.size() <= kFewPolygons) return geos::unite(polygons, 0);
+  const bool wide = box.width() > box.height();
+  const auto key = [&](const Polygon& polygon) {
+    const Bounds2 b = bounds(polygon);
+    return wide ? b.xmin + b.xmax : b.ymin + b.ymax;
+  };
+  std::vector<std::pair<double, std::size_t>> order;
+  for (std::size_t i = 0; i < polygons.size(); ++i) order.emplace_back(key(polygons[i]), i);
+  const auto half = order.begin() + static_cast<std::ptrdiff_t>(order.size() / 2);
+  std::nth_element(order.begin(), half, order.end());
+  const double cut = half->first / 2;
+  std::array<std::vector<Polygon>, 2> halves;
+  for (auto it = order.begin(); it != order.end(); ++it)
+    halves[it < half ? 0 : 1].push_back(std::move(polygons[it->second]));
+  std::array<Bounds2, 2> boxes{box, box};
+  (wide ? boxes[0].xmax : boxes[0].ymax) = cut;
+  (wide ? boxes[1].xmin : boxes[1].ymin) = cut;
+  std::array<geos::Result, 2> united;
+  parallel_chunks(2, 1, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t h = begin; h < end; ++h)
+      united[h] = unite_halves(std::move(halves[h]), boxes[h]);
+  });
+  if (!united[0] || !united[1]) return std::nullopt;
+  return joined(std::move(*united[0]), std::move(*united[1]));
+}
+
+/// By lowest, then leftmost vertex, as GEOS' own results come.
+void sort_polygons(std::vector<Polygon>& polygons) {
+  std::sort(polygons.begin(), polygons.end(), [](const Polygon& a, const Polygon& b) {
+    const Point2 p = a.outer[0], q = b.outer[0];
+    return p.y < q.y || (p.y == q.y && p.x < q.x);
+  });
 }
 
 std::vector<const Polygon*> pointers(std::span<const Polygon> polygons) {
@@ -254,7 +331,17 @@ Polygon hull_of(std::span<const Polygon> polygons) {
 }  // namespace
 
 std::vector<Polygon> unite_on_grid(std::span<const Polygon> polygons) {
-  return on_grid([&](double grid) { return geos::unite(polygons, grid); });
+  return on_grid([&](double grid) {
+    if (grid > 0) return geos::unite(polygons, grid);
+    geos::Result result = unite_halves({polygons.begin(), polygons.end()}, box_around(polygons));
+    if (result) sort_polygons(*result);
+    return result;
+  });
+}
+
+std::vector<Polygon> add_on_grid(std::span<const Polygon> a, std::span<const Polygon> b) {
+  const std::vector<Polygon> united = unite_on_grid(b);
+  return on_grid([&](double grid) { return geos::join(a, united, grid); });
 }
 
 std::vector<Polygon> subtract_on_grid(std::span<const Polygon> a, std::span<const Polygon> b) {
@@ -334,15 +421,13 @@ MergedPolygon merge_polygons(std::span<const Polygon> cluster, double distance, 
   double reach = distance * (1 + 1e-3);
   for (int k = 1; k <= std::max(growths, 1) && parts.size() > 1; ++k, reach *= 2) {
     const std::vector<Polygon> patches = patches_between(parts, distance, reach);
-    parts.insert(parts.end(), patches.begin(), patches.end());
-    parts = unite_on_grid(parts);
+    if (!patches.empty()) parts = add_on_grid(parts, patches);
     result.resort = MergeResort::kPatch;
     result.growths = k;
   }
   if (parts.size() > 1) {
     const std::vector<Polygon> bridges = bridges_between(parts, distance);
-    parts.insert(parts.end(), bridges.begin(), bridges.end());
-    parts = unite_on_grid(parts);
+    if (!bridges.empty()) parts = add_on_grid(parts, bridges);
     result.resort = MergeResort::kBridge;
   }
   if (parts.size() > 1) {

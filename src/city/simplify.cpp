@@ -276,8 +276,7 @@ void Simplifier::take_back(const Outline& outline) {
 /// False if nothing is left of the group.
 bool Simplifier::apply(const Patches& patches, Group& group) const {
   std::vector<Polygon> parts{group.polygon};
-  parts.insert(parts.end(), patches.fill.begin(), patches.fill.end());
-  if (parts.size() > 1) parts = unite_on_grid(parts);
+  if (!patches.fill.empty()) parts = add_on_grid(parts, patches.fill);
   std::optional<Polygon> next = largest(std::move(parts));
   if (!next) return false;
   if (!patches.cut.empty()) {
@@ -289,9 +288,7 @@ bool Simplifier::apply(const Patches& patches, Group& group) const {
     const double lost = before - (left ? area(*left) : 0.0) - taken;
     // Cutting may part what was not expected to part: then widen instead.
     if (lost > epsilon_ * epsilon_ && !patches.widen.empty()) {
-      parts = whole;
-      parts.insert(parts.end(), patches.widen.begin(), patches.widen.end());
-      std::optional<Polygon> wider = largest(unite_on_grid(parts));
+      std::optional<Polygon> wider = largest(add_on_grid(whole, patches.widen));
       if (wider && area(*wider) - before < lost + taken) left = std::move(wider);
     }
     next = std::move(left);
