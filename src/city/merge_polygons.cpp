@@ -154,13 +154,20 @@ double cell_for(std::span<const Polygon> polygons, double distance) {
 }
 
 void join_near_edges(const Outline& o, double distance, Forest& forest) {
+  // Where many overlap, nearly all pairs are joined already: that has to be seen at once.
+  std::vector<std::int32_t> group(o.point.size());
+  for (std::int32_t e = 0; e < o.vertex_count(); ++e)
+    group[static_cast<std::size_t>(e)] = o.group_of(e);
   for (std::int32_t e = 0; e < o.vertex_count(); ++e) {
     const Point2 a = o.at(e), b = o.at(o.after(e));
-    const std::int32_t i = o.group_of(e);
+    std::int32_t root = forest.root(group[static_cast<std::size_t>(e)]);
     o.grid.visit(grid::box_of(a, b).grown(distance), [&](std::int32_t f) {
-      if (f <= e || forest.joined(i, o.group_of(f))) return;
-      if (grid::segment_distance(a, b, o.at(f), o.at(o.after(f))) < distance)
-        forest.join(i, o.group_of(f));
+      if (f <= e) return;
+      const std::int32_t other = group[static_cast<std::size_t>(f)];
+      if (forest.root(other) == root) return;
+      if (!(grid::segment_distance(a, b, o.at(f), o.at(o.after(f))) < distance)) return;
+      forest.join(root, other);
+      root = forest.root(root);
     });
   }
 }
