@@ -9,6 +9,7 @@
 
 #include "tetropolis/geometry/polygon.h"
 
+#include "city/edge_grid.h"
 #include "city/grid_geometry.h"
 #include "city/merge_polygons.h"
 
@@ -84,12 +85,46 @@ void add_patch(const Outline& o, const NearPair& pair, std::int32_t f, double ep
   const double cost_of_cutting = std::max(thin, smaller_part(o, pair.vertex, e));
   const double cost_of_widening = signed_area(wider.outer) - thin;
   if (wider.outer.empty() || cost_of_cutting <= cost_of_widening) {
+    patches.widen.push_back(wider.outer.empty() ? Polygon{hull, {}} : std::move(wider));
     patches.cut.push_back({std::move(hull), {}});
-    if (!wider.outer.empty()) patches.widen.push_back(std::move(wider));
   } else {
     patches.fill.push_back(std::move(wider));
     ++patches.widened;
   }
+}
+
+/// Puts off cuts that touch a filling: what is thin may be so no longer then, and where teeth and
+/// gaps alternate they would only change places.
+void put_off_cuts(Patches& patches, double epsilon) {
+  if (patches.fill.empty() || patches.cut.empty()) return;
+  Bounds2 box{kInfinity, kInfinity, -kInfinity, -kInfinity};
+  std::vector<std::pair<Point2, Point2>> edges;
+  for (const Polygon& fill : patches.fill)
+    for_each_edge(fill, [&](Point2 a, Point2 b) {
+      edges.emplace_back(a, b);
+      grid::extend(box, a);
+    });
+  EdgeGrid index(box, 4 * epsilon, edges.size());
+  for (std::size_t i = 0; i < edges.size(); ++i)
+    index.insert(static_cast<std::int32_t>(i), edges[i].first, edges[i].second);
+  std::size_t kept = 0;
+  for (std::size_t i = 0; i < patches.cut.size(); ++i) {
+    bool touches = false;
+    for_each_edge(patches.cut[i], [&](Point2 a, Point2 b) {
+      index.visit(grid::box_of(a, b), [&](std::int32_t e) {
+        const auto& [c, d] = edges[static_cast<std::size_t>(e)];
+        touches = touches || grid::segments_touch(a, b, c, d);
+      });
+    });
+    if (touches) continue;
+    if (kept != i) {
+      patches.cut[kept] = std::move(patches.cut[i]);
+      patches.widen[kept] = std::move(patches.widen[i]);
+    }
+    ++kept;
+  }
+  patches.cut.resize(kept);
+  patches.widen.resize(kept);
 }
 
 }  // namespace
@@ -109,6 +144,7 @@ std::vector<Patches> patches_for(const Outline& o, const std::vector<NearPair>& 
     if (before || !after) add_patch(o, pair, o.before(v), epsilon, reach, patches);
     if (after || !before) add_patch(o, pair, v, epsilon, reach, patches);
   }
+  for (Patches& patches : result) put_off_cuts(patches, epsilon);
   return result;
 }
 
