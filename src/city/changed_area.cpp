@@ -18,11 +18,7 @@ namespace tetropolis {
 
 namespace {
 
-/// From the lower (then left) end to the upper one.
-struct Segment {
-  Point2 a;
-  Point2 b;
-};
+using Segment = DifferenceEdge;
 
 bool below(Point2 p, Point2 q) { return p.y < q.y || (p.y == q.y && p.x < q.x); }
 
@@ -33,11 +29,14 @@ bool before_in_order(const Segment& s, const Segment& t) {
 /// The edges that occur an odd number of times in both lists together.
 std::vector<Segment> unshared(std::span<const Polygon> before, std::span<const Polygon> after) {
   std::vector<Segment> all;
-  for (const auto polygons : {before, after})
+  const auto add = [&](std::span<const Polygon> polygons, bool of_after) {
     for (const Polygon& polygon : polygons)
       for_each_edge(polygon, [&](Point2 a, Point2 b) {
-        all.push_back(below(a, b) ? Segment{a, b} : Segment{b, a});
+        all.push_back(below(a, b) ? Segment{a, b, of_after, true} : Segment{b, a, of_after, false});
       });
+  };
+  add(before, false);
+  add(after, true);
   std::sort(all.begin(), all.end(), before_in_order);
   std::vector<Segment> odd;
   for (std::size_t i = 0; i < all.size();) {
@@ -47,10 +46,6 @@ std::vector<Segment> unshared(std::span<const Polygon> before, std::span<const P
     i = j;
   }
   return odd;
-}
-
-double x_at(const Segment& s, double y) {
-  return s.a.x + (y - s.a.y) / (s.b.y - s.a.y) * (s.b.x - s.a.x);
 }
 
 /// Heights between which no segments of the piece (sorted) start, end or cross.
@@ -79,29 +74,35 @@ std::vector<double> slab_heights(const std::vector<Segment>& piece) {
 }
 
 /// Area bounded by a piece (sorted), even-odd.
-double piece_area(const std::vector<Segment>& piece) {
+double piece_area(const std::vector<Segment>& piece, std::vector<DifferenceStrip>* strips) {
   const std::vector<double> heights = slab_heights(piece);
   double sum = 0;
   std::vector<std::size_t> active;
-  std::vector<double> across;  // where the active segments pass the middle of the slab
+  // Where the active segments pass the middle of the slab.
+  std::vector<std::pair<double, std::size_t>> across;
   std::size_t next = 0;
   for (std::size_t h = 0; h + 1 < heights.size(); ++h) {
     const double low = heights[h], high = heights[h + 1], middle = (low + high) / 2;
     while (next < piece.size() && piece[next].a.y <= low) active.push_back(next++);
     std::erase_if(active, [&](std::size_t k) { return piece[k].b.y <= low; });
     across.clear();
-    for (const std::size_t k : active) across.push_back(x_at(piece[k], middle));
+    for (const std::size_t k : active) across.emplace_back(piece[k].x_at(middle), k);
     std::sort(across.begin(), across.end());
-    // Straight sides: the width in the middle is the mean width.
-    for (std::size_t k = 0; k + 1 < across.size(); k += 2)
-      sum += (across[k + 1] - across[k]) * (high - low);
+    for (std::size_t k = 0; k + 1 < across.size(); k += 2) {
+      // Straight sides: the width in the middle is the mean width.
+      const double width = across[k + 1].first - across[k].first;
+      sum += width * (high - low);
+      if (strips != nullptr && width > 0)
+        strips->push_back({low, high, piece[across[k].second], piece[across[k + 1].second]});
+    }
   }
   return sum;
 }
 
 }  // namespace
 
-double changed_area(std::span<const Polygon> before, std::span<const Polygon> after) {
+double changed_area(std::span<const Polygon> before, std::span<const Polygon> after,
+                    std::vector<DifferenceStrip>* strips) {
   const std::vector<Segment> segments = unshared(before, after);
   if (segments.empty()) return 0;
   constexpr double inf = std::numeric_limits<double>::infinity();
@@ -112,7 +113,7 @@ double changed_area(std::span<const Polygon> before, std::span<const Polygon> af
     grid::extend(box, s.b);
     length += grid::distance(s.a, s.b);
   }
-  EdgeGrid index(box, length / static_cast<double>(segments.size()) + 1, segments.size());
+  EdgeGrid index(box, cell_size(box, length, segments.size()) + 1, segments.size());
   Forest forest(segments.size());
   for (std::size_t i = 0; i < segments.size(); ++i) {
     const Segment& s = segments[i];
@@ -147,7 +148,8 @@ double changed_area(std::span<const Polygon> before, std::span<const Polygon> af
       seen[static_cast<std::size_t>(k)] = root;
       if (s.a.y <= p.y && s.b.y > p.y && grid::orientation(s.a, s.b, p) < 0) inside = !inside;
     });
-    sum += inside ? -piece_area(piece) : piece_area(piece);
+    const double size = piece_area(piece, strips);
+    sum += inside ? -size : size;
   }
   return sum;
 }

@@ -1,18 +1,43 @@
-// Area of the symmetric difference of two nearly equal regions, from what differs between their
-// outlines.
+// What differs between two nearly equal regions, from the edges that their outlines do not share.
 #pragma once
 
 #include <span>
+#include <vector>
 
 #include "tetropolis/geometry/types.h"
 
 namespace tetropolis {
 
+/// An edge of one of two regions, from its lower (then left) end to the upper one.
+struct DifferenceEdge {
+  Point2 a;
+  Point2 b;
+  bool of_after = false;       ///< Which of the two regions it bounds.
+  bool interior_left = false;  ///< That region is on the left of a to b.
+
+  /// Where it passes the height y.
+  double x_at(double y) const { return a.x + (y - a.y) / (b.y - a.y) * (b.x - a.x); }
+};
+
+/// A part of the symmetric difference: what is between two edges and two heights.
+struct DifferenceStrip {
+  double low;
+  double high;
+  DifferenceEdge left;
+  DifferenceEdge right;
+
+  /// Whether it is in the region `after` (and then not in `before`), or the other way round.
+  bool in_after() const { return left.of_after == !left.interior_left; }
+};
+
 /// Area of what is in exactly one of the regions `before` and `after`, in square steps; each is a
-/// list of valid polygons with disjoint interiors, in steps. Edges that both share cancel; the rest
-/// fall into connected pieces, each of which bounds, by the even-odd rule, a part of the
-/// difference. (A piece that lies inside what another one bounds is added rather than subtracted.)
-/// The time is near-linear in the number of edges where the regions differ in many small places.
-double changed_area(std::span<const Polygon> before, std::span<const Polygon> after);
+/// list of valid polygons with disjoint interiors, in steps, outer rings counter-clockwise and
+/// holes clockwise. Edges that both share cancel; the rest fall into connected pieces, each of
+/// which bounds, by the even-odd rule, a part of the difference. (A piece that lies inside what
+/// another one bounds is taken off.) The time is near-linear in the number of edges where the
+/// regions differ in many small places. If asked for, `strips` gets the parts the area is made of;
+/// they cover the difference, and also what lies inside nested pieces.
+double changed_area(std::span<const Polygon> before, std::span<const Polygon> after,
+                    std::vector<DifferenceStrip>* strips = nullptr);
 
 }  // namespace tetropolis

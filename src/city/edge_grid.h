@@ -11,6 +11,16 @@
 
 namespace tetropolis {
 
+/// A good size of cells for `count` segments of `length` in all: their mean length, or less where
+/// segments are long and close to each other, but so that each is in a few dozen cells at most.
+inline double cell_size(const Bounds2& box, double length, std::size_t count) {
+  if (count == 0 || box.empty()) return 1;
+  const double n = static_cast<double>(count), mean = length / n;
+  const double spacing = std::sqrt(box.width() * box.height() / n);
+  return std::max(std::min(mean, std::max(spacing, mean / 16)),
+                  1e-9 * (box.width() + box.height()));
+}
+
 /// Segments by number. A segment is listed in every cell it passes through; segments outside the
 /// box are listed in the cells at its rim, so none is ever lost.
 class EdgeGrid {

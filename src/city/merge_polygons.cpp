@@ -1,12 +1,16 @@
 #include "city/merge_polygons.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstddef>
+#include <iterator>
 #include <limits>
+#include <tuple>
 #include <utility>
 
 #include "tetropolis/core/error.h"
+#include "tetropolis/core/parallel.h"
 #include "tetropolis/geometry/polygon.h"
 
 #include "city/clean_ring.h"
@@ -43,14 +47,89 @@ bool round_to_grid(std::vector<Polygon>& polygons) {
   return exact || geos::is_valid(polygons);
 }
 
+[[noreturn]] void give_up() {
+  throw Error(ErrorKind::kGuarantee, "footprints: GEOS cannot unite a cluster; report it");
+}
+
+/// What operation(0) gives, rounded; or noded on the grid where that is not valid.
 template <typename Operation>
 std::vector<Polygon> on_grid(const Operation& operation) {
   geos::Result result = operation(0.0);
-  if (result && round_to_grid(*result)) return std::move(*result);
-  result = operation(1.0);
-  if (!result)
-    throw Error(ErrorKind::kGuarantee, "footprints: GEOS cannot unite a cluster; report it");
+  if (result) {
+    std::vector<Polygon> rounded = *result;
+    if (round_to_grid(rounded)) return rounded;
+    // Of what is left after the operation, which is much less than what went in.
+    result = geos::unite(*result, 1.0);
+  }
+  if (!result) result = operation(1.0);
+  if (!result) give_up();
   return std::move(*result);
+}
+
+constexpr std::size_t kFewPolygons = 256;
+
+Bounds2 box_around(std::span<const Polygon> polygons) {
+  constexpr double inf = std::numeric_limits<double>::infinity();
+  Bounds2 box{inf, inf, -inf, -inf};
+  for (const Polygon& polygon : polygons)
+    for (const Point2 p : polygon.outer) grid::extend(box, p);
+  return box;
+}
+
+/// Both lists are unions; what is clear of the other list is passed by.
+geos::Result joined(std::vector<Polygon> a, std::vector<Polygon> b) {
+  const Bounds2 box_a = box_around(a), box_b = box_around(b);
+  const auto near = [](std::vector<Polygon>& list, const Bounds2& box) {
+    return std::stable_partition(list.begin(), list.end(), [&](const Polygon& polygon) {
+      return bounds(polygon).intersects(box);
+    });
+  };
+  const auto rest_a = near(a, box_b), rest_b = near(b, box_a);
+  std::vector<Polygon> clear(std::make_move_iterator(rest_a), std::make_move_iterator(a.end()));
+  clear.insert(clear.end(), std::make_move_iterator(rest_b), std::make_move_iterator(b.end()));
+  a.erase(rest_a, a.end());
+  b.erase(rest_b, b.end());
+  geos::Result result = geos::join(a, b, 0);
+  if (result)
+    result->insert(result->end(), std::make_move_iterator(clear.begin()),
+                   std::make_move_iterator(clear.end()));
+  return result;
+}
+
+/// Union in floating point: of many polygons by halves of the plane, at the same time.
+geos::Result unite_halves(std::vector<Polygon> polygons, const Bounds2& box) {
+  if (polygons.size() <= kFewPolygons) return geos::unite(polygons, 0);
+  const bool wide = box.width() > box.height();
+  const auto key = [&](const Polygon& polygon) {
+    const Bounds2 b = bounds(polygon);
+    return wide ? b.xmin + b.xmax : b.ymin + b.ymax;
+  };
+  std::vector<std::pair<double, std::size_t>> order;
+  for (std::size_t i = 0; i < polygons.size(); ++i) order.emplace_back(key(polygons[i]), i);
+  const auto half = order.begin() + static_cast<std::ptrdiff_t>(order.size() / 2);
+  std::nth_element(order.begin(), half, order.end());
+  const double cut = half->first / 2;
+  std::array<std::vector<Polygon>, 2> halves;
+  for (auto it = order.begin(); it != order.end(); ++it)
+    halves[it < half ? 0 : 1].push_back(std::move(polygons[it->second]));
+  std::array<Bounds2, 2> boxes{box, box};
+  (wide ? boxes[0].xmax : boxes[0].ymax) = cut;
+  (wide ? boxes[1].xmin : boxes[1].ymin) = cut;
+  std::array<geos::Result, 2> united;
+  parallel_chunks(2, 1, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t h = begin; h < end; ++h)
+      united[h] = unite_halves(std::move(halves[h]), boxes[h]);
+  });
+  if (!united[0] || !united[1]) return std::nullopt;
+  return joined(std::move(*united[0]), std::move(*united[1]));
+}
+
+/// By lowest, then leftmost vertex, as GEOS' own results come.
+void sort_polygons(std::vector<Polygon>& polygons) {
+  std::sort(polygons.begin(), polygons.end(), [](const Polygon& a, const Polygon& b) {
+    const Point2 p = a.outer[0], q = b.outer[0];
+    return p.y < q.y || (p.y == q.y && p.x < q.x);
+  });
 }
 
 std::vector<const Polygon*> pointers(std::span<const Polygon> polygons) {
@@ -61,24 +140,34 @@ std::vector<const Polygon*> pointers(std::span<const Polygon> polygons) {
 }
 
 double cell_for(std::span<const Polygon> polygons, double distance) {
+  constexpr double inf = std::numeric_limits<double>::infinity();
+  Bounds2 box{inf, inf, -inf, -inf};
   double length = 0;
   std::size_t count = 0;
   for (const Polygon& polygon : polygons)
     for_each_edge(polygon, [&](Point2 a, Point2 b) {
+      grid::extend(box, a);
       length += grid::distance(a, b);
       ++count;
     });
-  return std::max(2 * distance, count > 0 ? length / static_cast<double>(count) : 0.0);
+  return std::max(2 * distance, cell_size(box, length, count));
 }
 
 void join_near_edges(const Outline& o, double distance, Forest& forest) {
+  // Where many overlap, nearly all pairs are joined already: that has to be seen at once.
+  std::vector<std::int32_t> group(o.point.size());
+  for (std::int32_t e = 0; e < o.vertex_count(); ++e)
+    group[static_cast<std::size_t>(e)] = o.group_of(e);
   for (std::int32_t e = 0; e < o.vertex_count(); ++e) {
     const Point2 a = o.at(e), b = o.at(o.after(e));
-    const std::int32_t i = o.group_of(e);
+    std::int32_t root = forest.root(group[static_cast<std::size_t>(e)]);
     o.grid.visit(grid::box_of(a, b).grown(distance), [&](std::int32_t f) {
-      if (f <= e || forest.joined(i, o.group_of(f))) return;
-      if (grid::segment_distance(a, b, o.at(f), o.at(o.after(f))) < distance)
-        forest.join(i, o.group_of(f));
+      if (f <= e) return;
+      const std::int32_t other = group[static_cast<std::size_t>(f)];
+      if (forest.root(other) == root) return;
+      if (!(grid::segment_distance(a, b, o.at(f), o.at(o.after(f))) < distance)) return;
+      forest.join(root, other);
+      root = forest.root(root);
     });
   }
 }
@@ -165,9 +254,7 @@ bool passed_over(const Outline& o, const std::vector<EdgePair>& pairs, std::int3
          edges_face(o.at(other), o.at(o.after(other)), c, d, distance);
 }
 
-std::vector<Polygon> patches_between(std::span<const Polygon> parts, double distance,
-                                     double reach) {
-  const Outline o = make_outline(pointers(parts), cell_for(parts, distance));
+std::vector<EdgePair> pairs_between(const Outline& o, double distance) {
   std::vector<EdgePair> pairs;
   for (std::int32_t e = 0; e < o.vertex_count(); ++e) {
     const Point2 a = o.at(e), b = o.at(o.after(e));
@@ -179,6 +266,13 @@ std::vector<Polygon> patches_between(std::span<const Polygon> parts, double dist
   }
   std::sort(pairs.begin(), pairs.end());
   pairs.erase(std::unique(pairs.begin(), pairs.end()), pairs.end());
+  return pairs;
+}
+
+std::vector<Polygon> patches_between(std::span<const Polygon> parts, double distance,
+                                     double reach) {
+  const Outline o = make_outline(pointers(parts), cell_for(parts, distance));
+  const std::vector<EdgePair> pairs = pairs_between(o, distance);
   std::vector<Polygon> patches;
   for (const auto& [e, f] : pairs) {
     if (passed_over(o, pairs, e, f, distance) || passed_over(o, pairs, f, e, distance)) continue;
@@ -186,6 +280,52 @@ std::vector<Polygon> patches_between(std::span<const Polygon> parts, double dist
     if (!patch.empty()) patches.push_back({std::move(patch), {}});
   }
   return patches;
+}
+
+/// The shortest way between two segments.
+std::pair<Point2, Point2> shortest_way(Point2 a, Point2 b, Point2 c, Point2 d) {
+  std::pair<Point2, Point2> best{a, grid::nearest_on_segment(a, c, d)};
+  const auto consider = [&](Point2 p, Point2 q) {
+    if (grid::squared_distance(p, q) < grid::squared_distance(best.first, best.second))
+      best = {p, q};
+  };
+  consider(b, grid::nearest_on_segment(b, c, d));
+  consider(grid::nearest_on_segment(c, a, b), c);
+  consider(grid::nearest_on_segment(d, a, b), d);
+  return best;
+}
+
+/// Boxes a little wider than `distance` across the narrowest place between every two near parts.
+std::vector<Polygon> bridges_between(std::span<const Polygon> parts, double distance) {
+  const Outline o = make_outline(pointers(parts), cell_for(parts, distance));
+  struct Bridge {
+    std::int32_t i, j;  ///< Parts.
+    double length;
+    std::int32_t e, f;
+  };
+  std::vector<Bridge> bridges;
+  for (const auto& [e, f] : pairs_between(o, distance)) {
+    const auto [i, j] = std::minmax(o.group_of(e), o.group_of(f));
+    bridges.push_back(
+        {i, j, grid::segment_distance(o.at(e), o.at(o.after(e)), o.at(f), o.at(o.after(f))), e, f});
+  }
+  std::stable_sort(bridges.begin(), bridges.end(), [](const Bridge& a, const Bridge& b) {
+    return std::tie(a.i, a.j, a.length) < std::tie(b.i, b.j, b.length);
+  });
+  std::vector<Polygon> boxes;
+  for (std::size_t k = 0; k < bridges.size(); ++k) {
+    const Bridge& bridge = bridges[k];
+    if (k > 0 && bridges[k - 1].i == bridge.i && bridges[k - 1].j == bridge.j) continue;
+    Point2 a = o.at(bridge.e), b = o.at(o.after(bridge.e));
+    Point2 c = o.at(bridge.f), d = o.at(o.after(bridge.f));
+    const auto [p, q] = shortest_way(a, b, c, d);
+    if (grid::squared_distance(c, d) > grid::squared_distance(a, b)) {
+      a = c;
+      b = d;
+    }
+    boxes.push_back(box_along(std::array{p, q}, a, b, distance));
+  }
+  return boxes;
 }
 
 Polygon hull_of(std::span<const Polygon> polygons) {
@@ -198,7 +338,17 @@ Polygon hull_of(std::span<const Polygon> polygons) {
 }  // namespace
 
 std::vector<Polygon> unite_on_grid(std::span<const Polygon> polygons) {
-  return on_grid([&](double grid) { return geos::unite(polygons, grid); });
+  return on_grid([&](double grid) {
+    if (grid > 0) return geos::unite(polygons, grid);
+    geos::Result result = unite_halves({polygons.begin(), polygons.end()}, box_around(polygons));
+    if (result) sort_polygons(*result);
+    return result;
+  });
+}
+
+std::vector<Polygon> add_on_grid(std::span<const Polygon> a, std::span<const Polygon> b) {
+  const std::vector<Polygon> united = unite_on_grid(b);
+  return on_grid([&](double grid) { return geos::join(a, united, grid); });
 }
 
 std::vector<Polygon> subtract_on_grid(std::span<const Polygon> a, std::span<const Polygon> b) {
@@ -221,6 +371,27 @@ std::vector<std::int32_t> cluster_polygons(std::span<const Polygon> polygons, do
     cluster[i] = root == i ? count++ : cluster[root];
   }
   return cluster;
+}
+
+Polygon box_along(std::span<const Point2> points, Point2 from, Point2 to, double distance) {
+  const double length = grid::distance(from, to);
+  if (!(length > 0)) return {};
+  const double ux = (to.x - from.x) / length, uy = (to.y - from.y) / length;
+  constexpr double inf = std::numeric_limits<double>::infinity();
+  Bounds2 box{inf, inf, -inf, -inf};
+  for (const Point2 c : points)
+    grid::extend(box, {(c.x - from.x) * ux + (c.y - from.y) * uy,
+                       (c.y - from.y) * ux - (c.x - from.x) * uy});
+  const double least = 1.1 * distance;
+  const double along = std::max(0.0, least - box.width()) / 2;
+  const double across = std::max(0.0, least - box.height()) / 2;
+  const auto corner = [&](double t, double n) {
+    return grid::rounded({from.x + t * ux - n * uy, from.y + t * uy + n * ux});
+  };
+  return {
+      {corner(box.xmin - along, box.ymin - across), corner(box.xmax + along, box.ymin - across),
+       corner(box.xmax + along, box.ymax + across), corner(box.xmin - along, box.ymax + across)},
+      {}};
 }
 
 Ring gap_patch(Point2 a, Point2 b, Point2 c, Point2 d, double reach) {
@@ -261,10 +432,14 @@ MergedPolygon merge_polygons(std::span<const Polygon> cluster, double distance, 
   double reach = distance * (1 + 1e-3);
   for (int k = 1; k <= std::max(growths, 1) && parts.size() > 1; ++k, reach *= 2) {
     const std::vector<Polygon> patches = patches_between(parts, distance, reach);
-    parts.insert(parts.end(), patches.begin(), patches.end());
-    parts = unite_on_grid(parts);
+    if (!patches.empty()) parts = add_on_grid(parts, patches);
     result.resort = MergeResort::kPatch;
     result.growths = k;
+  }
+  if (parts.size() > 1) {
+    const std::vector<Polygon> bridges = bridges_between(parts, distance);
+    if (!bridges.empty()) parts = add_on_grid(parts, bridges);
+    result.resort = MergeResort::kBridge;
   }
   if (parts.size() > 1) {
     for (const Polygon& part : std::vector<Polygon>(parts)) parts.push_back(hull_of({&part, 1}));

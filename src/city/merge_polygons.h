@@ -15,6 +15,10 @@ namespace tetropolis {
 /// the grid. Throws Error(kGuarantee) where GEOS gives up on both.
 std::vector<Polygon> unite_on_grid(std::span<const Polygon> polygons);
 
+/// `a`, which is such a result, and `b`, on the grid, as above: faster than uniting all where `b`
+/// are many small patches.
+std::vector<Polygon> add_on_grid(std::span<const Polygon> a, std::span<const Polygon> b);
+
 /// `a` without `b`, on the grid, as above.
 std::vector<Polygon> subtract_on_grid(std::span<const Polygon> a, std::span<const Polygon> b);
 
@@ -33,12 +37,16 @@ std::vector<std::int32_t> cluster_polygons(std::span<const Polygon> polygons, do
 /// free sides are as long as `reach` and leave no short edges.
 Ring gap_patch(Point2 a, Point2 b, Point2 c, Point2 d, double reach);
 
+/// The smallest box in the direction from `from` to `to` that holds the points and is a little
+/// wider than `distance`. Empty if the direction is none.
+Polygon box_along(std::span<const Point2> points, Point2 from, Point2 to, double distance);
+
 /// Whether two walls face each other: nearly parallel, apart, and opposite for a quarter of
 /// `distance` or more.
 bool edges_face(Point2 a, Point2 b, Point2 c, Point2 d, double distance);
 
 /// How a cluster became one polygon.
-enum class MergeResort : std::uint8_t { kUnion, kPatch, kUnionOfHulls, kHull };
+enum class MergeResort : std::uint8_t { kUnion, kPatch, kBridge, kUnionOfHulls, kHull };
 
 struct MergedPolygon {
   Polygon polygon;
@@ -48,9 +56,10 @@ struct MergedPolygon {
 };
 
 /// One polygon from a cluster (Algorithm 2): the union; if that has several parts, with patches in
-/// the gaps narrower than `distance`, whose reach doubles `growths` times; then with the parts'
-/// hulls; then the hull of all. Whether features inside the result are far enough apart is not
-/// looked at here (repair.h does), which keeps hulls rare where the paper's test of the whole
+/// the gaps narrower than `distance`, whose reach doubles `growths` times; then with a box across
+/// the narrowest place between every two parts, which joins what touches in a point; then with the
+/// parts' hulls; then the hull of all. Whether features inside the result are far enough apart is
+/// not looked at here (repair.h does), which keeps hulls rare where the paper's test of the whole
 /// polygon, applied to input that itself has short edges, makes them common.
 MergedPolygon merge_polygons(std::span<const Polygon> cluster, double distance, int growths);
 

@@ -1,6 +1,7 @@
 #include "city/patches.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstddef>
 #include <limits>
@@ -8,6 +9,7 @@
 
 #include "tetropolis/geometry/polygon.h"
 
+#include "city/edge_grid.h"
 #include "city/grid_geometry.h"
 #include "city/merge_polygons.h"
 
@@ -46,25 +48,20 @@ double smaller_part(const Outline& o, std::int32_t v, std::int32_t e) {
   return std::min(walk(v, e), walk(o.after(e), v));
 }
 
-/// A box along the thin place that is a little wider than epsilon.
-Polygon widening(const Ring& thin, Point2 p, Point2 q, double epsilon) {
-  double nx = q.x - p.x, ny = q.y - p.y;
-  const double length = std::hypot(nx, ny);
-  if (!(length > 0)) return {};
-  nx /= length;
-  ny /= length;
-  const Point2 m{(p.x + q.x) / 2, (p.y + q.y) / 2};
-  double low = -epsilon / 2, high = epsilon / 2;
-  for (const Point2 c : thin) {
-    const double t = (c.x - m.x) * -ny + (c.y - m.y) * nx;
-    low = std::min(low, t);
-    high = std::max(high, t);
+/// The smallest box around the thin place between walls e and f that is a little wider than
+/// epsilon: along either wall, or across the shortest way p-q between them.
+Polygon widening(const Outline& o, const Ring& thin, std::int32_t e, std::int32_t f, Point2 p,
+                 Point2 q, double epsilon) {
+  Polygon best;
+  const std::array<std::pair<Point2, Point2>, 3> directions{
+      {{o.at(e), o.at(o.after(e))}, {o.at(f), o.at(o.after(f))}, {p, q}}};
+  for (const auto& [from, to] : directions) {
+    Polygon box = box_along(thin, from, to, epsilon);
+    if (box.outer.empty()) continue;
+    if (best.outer.empty() || signed_area(box.outer) < signed_area(best.outer))
+      best = std::move(box);
   }
-  const double half = 0.55 * epsilon;
-  const auto corner = [&](double t, double n) {
-    return grid::rounded({m.x - t * ny + n * nx, m.y + t * nx + n * ny});
-  };
-  return {{corner(low, -half), corner(low, half), corner(high, half), corner(high, -half)}, {}};
+  return best;
 }
 
 bool face(const Outline& o, std::int32_t e, std::int32_t f, double epsilon) {
@@ -83,19 +80,51 @@ void add_patch(const Outline& o, const NearPair& pair, std::int32_t f, double ep
     patches.fill.push_back({std::move(hull), {}});
     return;
   }
-  Polygon wider = widening(hull, p, q, epsilon);
-  if (!wider.outer.empty() && signed_area(wider.outer) < 0)
-    std::reverse(wider.outer.begin(), wider.outer.end());
+  Polygon wider = widening(o, hull, e, f, p, q, epsilon);
   const double thin = signed_area(hull);
   const double cost_of_cutting = std::max(thin, smaller_part(o, pair.vertex, e));
   const double cost_of_widening = signed_area(wider.outer) - thin;
   if (wider.outer.empty() || cost_of_cutting <= cost_of_widening) {
+    patches.widen.push_back(wider.outer.empty() ? Polygon{hull, {}} : std::move(wider));
     patches.cut.push_back({std::move(hull), {}});
-    if (!wider.outer.empty()) patches.widen.push_back(std::move(wider));
   } else {
     patches.fill.push_back(std::move(wider));
     ++patches.widened;
   }
+}
+
+/// Puts off cuts that touch a filling: what is thin may be so no longer then, and where teeth and
+/// gaps alternate they would only change places.
+void put_off_cuts(Patches& patches, double epsilon) {
+  if (patches.fill.empty() || patches.cut.empty()) return;
+  Bounds2 box{kInfinity, kInfinity, -kInfinity, -kInfinity};
+  std::vector<std::pair<Point2, Point2>> edges;
+  for (const Polygon& fill : patches.fill)
+    for_each_edge(fill, [&](Point2 a, Point2 b) {
+      edges.emplace_back(a, b);
+      grid::extend(box, a);
+    });
+  EdgeGrid index(box, 4 * epsilon, edges.size());
+  for (std::size_t i = 0; i < edges.size(); ++i)
+    index.insert(static_cast<std::int32_t>(i), edges[i].first, edges[i].second);
+  std::size_t kept = 0;
+  for (std::size_t i = 0; i < patches.cut.size(); ++i) {
+    bool touches = false;
+    for_each_edge(patches.cut[i], [&](Point2 a, Point2 b) {
+      index.visit(grid::box_of(a, b), [&](std::int32_t e) {
+        const auto& [c, d] = edges[static_cast<std::size_t>(e)];
+        touches = touches || grid::segments_touch(a, b, c, d);
+      });
+    });
+    if (touches) continue;
+    if (kept != i) {
+      patches.cut[kept] = std::move(patches.cut[i]);
+      patches.widen[kept] = std::move(patches.widen[i]);
+    }
+    ++kept;
+  }
+  patches.cut.resize(kept);
+  patches.widen.resize(kept);
 }
 
 }  // namespace
@@ -115,6 +144,7 @@ std::vector<Patches> patches_for(const Outline& o, const std::vector<NearPair>& 
     if (before || !after) add_patch(o, pair, o.before(v), epsilon, reach, patches);
     if (after || !before) add_patch(o, pair, v, epsilon, reach, patches);
   }
+  for (Patches& patches : result) put_off_cuts(patches, epsilon);
   return result;
 }
 

@@ -18,6 +18,7 @@
 
 #include "city/changed_area.h"
 #include "city/grid_geometry.h"
+#include "city/largest_distance.h"
 #include "city/merge_polygons.h"
 #include "city/offcuts.h"
 #include "city/outline.h"
@@ -31,6 +32,7 @@ namespace {
 constexpr int kGentleRounds = 5;     ///< Patches whose reach doubles.
 constexpr int kLocalHullRounds = 6;  ///< Hulls of surroundings whose radius doubles.
 constexpr double kMaxShift = 0.02 * grid::kSteps;
+constexpr double kDistanceTolerance = 0.01 * grid::kSteps;
 constexpr double kSquareMetre = grid::kSteps * grid::kSteps;
 constexpr const char* kTooThin = "too small or narrow for the merge distance";
 constexpr const char* kAtBoundary = "closer than the merge distance to the domain boundary";
@@ -207,6 +209,9 @@ void Simplifier::merge_clusters() {
       case MergeResort::kPatch:
         ++stats.merged_by_patch[static_cast<std::size_t>(how[c].growths)];
         break;
+      case MergeResort::kBridge:
+        ++stats.merged_by_bridge;
+        break;
       case MergeResort::kUnionOfHulls:
         ++stats.merged_by_hulls;
         group.flags |= kConvexHull;
@@ -222,19 +227,21 @@ void Simplifier::merge_clusters() {
 }
 
 Outline Simplifier::repaired_outline(int round) {
+  constexpr double inf = std::numeric_limits<double>::infinity();
   std::vector<const Polygon*> polygons;
   polygons.reserve(groups_.size());
+  Bounds2 box{inf, inf, -inf, -inf};
   double length = 0;
   std::size_t edges = 0;
   for (const Group& group : groups_) {
     polygons.push_back(&group.polygon);
     for_each_edge(group.polygon, [&](Point2 a, Point2 b) {
+      grid::extend(box, a);
       length += grid::distance(a, b);
       ++edges;
     });
   }
-  const double cell =
-      std::max(2 * epsilon_, length / static_cast<double>(std::max<std::size_t>(edges, 1)));
+  const double cell = std::max(2 * epsilon_, cell_size(box, length, edges));
   Outline outline = make_outline(polygons, cell);
   // Gentle changes first, so that patches come before changes that cost more than they.
   constexpr std::array<double, 4> kCosts{0.5, 2, 8, std::numeric_limits<double>::infinity()};
@@ -309,8 +316,7 @@ std::vector<Group> Simplifier::split(const std::vector<Polygon>& parts, Group& g
 /// False if nothing is left of the group. Parts that a cut has made independent go to `offcuts`.
 bool Simplifier::apply(const Patches& patches, Group& group, std::vector<Group>& offcuts) const {
   std::vector<Polygon> parts{group.polygon};
-  parts.insert(parts.end(), patches.fill.begin(), patches.fill.end());
-  if (parts.size() > 1) parts = unite_on_grid(parts);
+  if (!patches.fill.empty()) parts = add_on_grid(parts, patches.fill);
   std::optional<Polygon> next = largest(std::move(parts));
   if (!next) return false;
   if (!patches.cut.empty()) {
@@ -322,11 +328,12 @@ bool Simplifier::apply(const Patches& patches, Group& group, std::vector<Group>&
     std::optional<Polygon> left = largest(cut);
     const double lost = before - (left ? area(*left) : 0.0) - taken;
     // Cutting may part what was not expected to part: then widen instead.
-    if (lost > std::max(0.02 * before, 4 * epsilon_ * epsilon_) && !patches.widen.empty()) {
-      parts = whole;
-      parts.insert(parts.end(), patches.widen.begin(), patches.widen.end());
-      left = largest(unite_on_grid(parts));
-      cut.clear();
+    if (lost > epsilon_ * epsilon_ && !patches.widen.empty()) {
+      std::optional<Polygon> wider = largest(add_on_grid(whole, patches.widen));
+      if (wider && area(*wider) - before < lost + taken) {
+        left = std::move(wider);
+        cut.clear();
+      }
     }
     if (cut.size() > 1) offcuts = split(cut, group);
     next = std::move(left);
@@ -497,26 +504,36 @@ void Simplifier::drop_small() {
 }
 
 void Simplifier::measure() {
-  std::vector<std::array<double, 3>> areas(groups_.size());
+  std::sort(groups_.begin(), groups_.end(),
+            [](const Group& a, const Group& b) { return a.members[0] < b.members[0]; });
+  std::vector<std::array<double, 2>> areas(groups_.size());
+  result_.changes.assign(groups_.size(), {});
   parallel_chunks(groups_.size(), 16, [&](std::size_t begin, std::size_t end) {
     for (std::size_t k = begin; k < end; ++k) {
       const Group& group = groups_[k];
       const std::vector<Polygon> output{group.polygon};
       const double before = total_area(group.input), after = area(group.polygon);
-      double changed = 0;
-      if (output != group.input) {
-        changed = changed_area(group.input, output);
-      }
-      areas[k] = {before, after, changed};
+      areas[k] = {before, after};
+      if (output == group.input) continue;
+      std::vector<DifferenceStrip> strips;
+      const double changed = changed_area(group.input, output, &strips);
+      const FarPoint far = largest_distance(group.input, output, strips, kDistanceTolerance);
+      result_.changes[k] = {changed / kSquareMetre, far.distance / grid::kSteps,
+                            grid::to_metres(far.at)};
     }
   });
   SimplifyStats& stats = result_.stats;
   stats.area_changed = stats.area_dropped;
-  for (const auto& [before, after, changed] : areas) {
+  for (const auto& [before, after] : areas) {
     stats.area_before += before / kSquareMetre;
     stats.area_after += after / kSquareMetre;
-    stats.area_changed += changed / kSquareMetre;
   }
+  for (const FootprintChange& change : result_.changes) {
+    stats.area_changed += change.area;
+    stats.max_distance = std::max(stats.max_distance, change.distance);
+  }
+  for (const Group& group : groups_)
+    if ((group.flags & kConvexHull) != 0) ++stats.hulls;
   stats.vertices_dropped = counts_.dropped;
   stats.edges_merged = counts_.merged;
   stats.edges_slid = counts_.slid;
@@ -526,8 +543,6 @@ void Simplifier::measure() {
 }
 
 void Simplifier::finish() {
-  std::sort(groups_.begin(), groups_.end(),
-            [](const Group& a, const Group& b) { return a.members[0] < b.members[0]; });
   for (Group& group : groups_) {
     result_.footprints.push_back(grid::to_metres(group.polygon));
     result_.members.push_back(std::move(group.members));

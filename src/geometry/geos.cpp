@@ -146,6 +146,15 @@ Result unite(std::span<const Polygon> polygons, double grid) {
                                           : GEOSUnaryUnion_r(context.get(), input.get())});
 }
 
+Result join(std::span<const Polygon> a, std::span<const Polygon> b, double grid) {
+  const Context context;
+  const Geometry left = make_collection(context, a, GEOS_MULTIPOLYGON);
+  const Geometry right = make_collection(context, b, GEOS_MULTIPOLYGON);
+  if (left.get() == nullptr || right.get() == nullptr) return std::nullopt;
+  return read(context, {context, GEOSUnionPrec_r(context.get(), left.get(), right.get(),
+                                                 grid > 0 ? grid : -1.0)});
+}
+
 Result subtract(std::span<const Polygon> a, std::span<const Polygon> b, double grid) {
   const Context context;
   const Geometry left = make_collection(context, a, GEOS_MULTIPOLYGON);

@@ -19,6 +19,9 @@ using Result = std::optional<std::vector<Polygon>>;
 /// Union of valid polygons (which may overlap).
 Result unite(std::span<const Polygon> polygons, double grid);
 
+/// a and b together; both are lists of valid polygons with disjoint interiors.
+Result join(std::span<const Polygon> a, std::span<const Polygon> b, double grid);
+
 /// a without b; both are lists of valid polygons, `a` with disjoint interiors.
 Result subtract(std::span<const Polygon> a, std::span<const Polygon> b, double grid);
 

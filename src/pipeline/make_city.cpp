@@ -168,21 +168,15 @@ Simplification simplify(const Config& config, const CityModel& raw, const Progre
 }
 
 std::map<std::string, std::int64_t> resorts_by_name(const SimplifyStats& stats) {
-  std::map<std::string, std::int64_t> resorts{{"merged_by_union", stats.merged_by_union},
-                                              {"merged_by_hulls", stats.merged_by_hulls},
-                                              {"merged_by_hull", stats.merged_by_hull},
-                                              {"merged_late", stats.merged_late},
-                                              {"vertices_dropped", stats.vertices_dropped},
-                                              {"edges_merged", stats.edges_merged},
-                                              {"edges_slid", stats.edges_slid},
-                                              {"vertices_moved", stats.vertices_moved},
-                                              {"holes_filled", stats.holes_filled},
-                                              {"gaps_filled", stats.gaps_filled},
-                                              {"arms_cut", stats.arms_cut},
-                                              {"necks_widened", stats.necks_widened},
-                                              {"local_hulls", stats.local_hulls},
-                                              {"hull_repairs", stats.hull_repairs},
-                                              {"clipped", stats.clipped}};
+  std::map<std::string, std::int64_t> resorts{
+      {"merged_by_union", stats.merged_by_union}, {"merged_by_bridge", stats.merged_by_bridge},
+      {"merged_by_hulls", stats.merged_by_hulls}, {"merged_by_hull", stats.merged_by_hull},
+      {"merged_late", stats.merged_late},         {"vertices_dropped", stats.vertices_dropped},
+      {"edges_merged", stats.edges_merged},       {"edges_slid", stats.edges_slid},
+      {"vertices_moved", stats.vertices_moved},   {"holes_filled", stats.holes_filled},
+      {"gaps_filled", stats.gaps_filled},         {"arms_cut", stats.arms_cut},
+      {"necks_widened", stats.necks_widened},     {"local_hulls", stats.local_hulls},
+      {"hull_repairs", stats.hull_repairs},       {"clipped", stats.clipped}};
   for (std::size_t k = 0; k < stats.merged_by_patch.size(); ++k)
     resorts[fmt::format("merged_by_patch_{}", k)] = stats.merged_by_patch[k];
   return resorts;
@@ -197,6 +191,9 @@ void fill_city_report(const CityModel& raw, const CityModel& city, const Simplif
   out.area_before = simple.stats.area_before;
   out.area_after = simple.stats.area_after;
   out.area_moved = simple.stats.area_changed;
+  if (out.area_before > 0) out.area_changed_share = out.area_moved / out.area_before;
+  out.max_distance = simple.stats.max_distance;
+  out.hulls = simple.stats.hulls;
   out.resorts = resorts_by_name(simple.stats);
   out.dropped = city.dropped;
   for (const Building& building : city.buildings) {

@@ -146,6 +146,63 @@ TEST(Simplify, FillsNotchesAndCutsThinArms) {
   EXPECT_NEAR(area(cut.footprints[0]), 100, 0.2);
 }
 
+TEST(Simplify, FillsCombsInsteadOfTradingTeethForGaps) {
+  Polygon comb{{{0, 0}, {40, 0}}, {}};
+  for (int i = 40; i-- > 0;)
+    for (const Point2 p : {Point2{i + 0.5, 30}, {i + 0.5, 20}, {i + 0.0, 20}, {i + 0.0, 30}})
+      comb.outer.push_back(p);
+  comb.outer.insert(comb.outer.begin() + 2, {40, 30});
+  const Simplification result = simplified({comb});
+  ASSERT_EQ(result.footprints.size(), 1U);
+  EXPECT_NEAR(area(result.footprints[0]), 40 * 30, 10);
+  EXPECT_LE(result.stats.rounds, 3);
+}
+
+TEST(Simplify, JoinsWhatTouchesInAPointWithoutHulls) {
+  // From Amsterdam: two blocks along a line, a few millimetres apart at one end, at 0.5 m.
+  SimplifyOptions options;
+  options.min_distance = 0.5;
+  const Simplification result =
+      simplified({{{{52.714, 175.585}, {47.694, 173.414}, {52.46, 162.876}, {57.482, 165.025}}, {}},
+                  {{{55.301, 184.558}, {50.053, 182.26}, {52.934, 175.68}, {58.201, 177.934}}, {}},
+                  {{{58.201, 177.934},
+                    {52.714, 175.585},
+                    {57.54, 164.897},
+                    {58.059, 165.112},
+                    {58.005, 165.241},
+                    {61.388, 166.647},
+                    {61.442, 166.518},
+                    {62.948, 167.143}},
+                   {}}},
+                 options);
+  ASSERT_EQ(result.footprints.size(), 1U);
+  EXPECT_EQ(result.stats.hulls, 0);
+  EXPECT_LT(result.changes[0].distance, 0.5);
+}
+
+TEST(Simplify, WidensCorridorsAlongTheirWalls) {
+  // Two halls and a slanted corridor of 0.6 m between them.
+  for (const double slope : {0.0, 0.3, 0.8}) {
+    const Simplification result = simplified({{{{0, 0},
+                                                {20, 0},
+                                                {20, 8},
+                                                {30, 8 + 10 * slope},
+                                                {30, 0},
+                                                {50, 0},
+                                                {50, 30},
+                                                {30, 30},
+                                                {30, 8.6 + 10 * slope + 0.2 * slope},
+                                                {20, 8.6 + 0.2 * slope},
+                                                {20, 30},
+                                                {0, 30}},
+                                               {}}});
+    ASSERT_EQ(result.footprints.size(), 1U) << slope;
+    EXPECT_GT(area(result.footprints[0]), 1200) << slope;
+    EXPECT_LT(result.stats.max_distance, 1.0) << slope;
+    EXPECT_LT(kept_change(result), 12) << slope;
+  }
+}
+
 TEST(Simplify, KeepsBothHallsOfADumbbell) {
   // Two halls joined by a corridor of 0.6 m: cutting it would lose a hall.
   const Polygon dumbbell{{{0, 0},
@@ -272,6 +329,53 @@ TEST(Simplify, StopsWhenAsked) {
   EXPECT_EQ(last, 1);
 }
 
+// --- how far the result is from the input ------------------------------------------------------
+
+TEST(Simplify, StatesHowFarItWent) {
+  // A slot of 0.8 m: its middle line is 0.4 m from the walls.
+  const Simplification slot =
+      simplified({{box(0, 0, 20, 20).outer, {clockwise_box(5, 5, 10, 0.8)}}});
+  ASSERT_EQ(slot.changes.size(), 1U);
+  EXPECT_NEAR(slot.changes[0].distance, 0.4, 0.011);
+  EXPECT_NEAR(slot.changes[0].at.y, 5.4, 0.02);
+  EXPECT_NEAR(slot.changes[0].area, 8, 1e-9);
+  // A garden wall of 5 cm and 15 m is cut off.
+  const Simplification cut =
+      simplified({{{{0, 0}, {10, 0}, {10, 9.95}, {25, 9.95}, {25, 10}, {0, 10}}, {}}});
+  ASSERT_EQ(cut.changes.size(), 1U);
+  EXPECT_NEAR(cut.stats.max_distance, 15, 0.02);
+  EXPECT_NEAR(cut.changes[0].at.x, 25, 0.02);
+  const Simplification nothing = simplified({box(0, 0, 20, 20)});
+  ASSERT_EQ(nothing.changes.size(), 1U);
+  EXPECT_EQ(nothing.stats.max_distance, 0);
+}
+
+/// The largest distance between points of one list of polygons and the other list, over samples.
+double sampled_distance(const std::vector<Polygon>& before, const std::vector<Polygon>& after,
+                        double step) {
+  const auto inside = [](const std::vector<Polygon>& polygons, Point2 p) {
+    return std::any_of(polygons.begin(), polygons.end(),
+                       [&](const Polygon& polygon) { return contains(polygon, p); });
+  };
+  const auto distance = [](const std::vector<Polygon>& polygons, Point2 p) {
+    double least = 1e9;
+    for (const Polygon& polygon : polygons)
+      for_each_edge(polygon, [&](Point2 a, Point2 b) {
+        least = std::min(least, distance_to_segment(p, a, b));
+      });
+    return least;
+  };
+  const Bounds2 box = domain_around(before);
+  double largest = 0;
+  for (double y = box.ymin; y < box.ymax; y += step)
+    for (double x = box.xmin; x < box.xmax; x += step) {
+      const bool in_before = inside(before, {x, y}), in_after = inside(after, {x, y});
+      if (in_before != in_after)
+        largest = std::max(largest, distance(in_before ? after : before, {x, y}));
+    }
+  return largest;
+}
+
 // --- random and real cities -------------------------------------------------------------------
 
 std::vector<Polygon> random_boxes(std::mt19937& random, int count, double size, bool turn) {
@@ -360,6 +464,50 @@ TEST(Simplify, StatesHowMuchItChanged) {
   EXPECT_NEAR(result.stats.area_after, after, 1e-6 * after);
 }
 
+TEST(Simplify, StatesTheLargestDistance) {
+  const unsigned seed = testing::test_seed();
+  SCOPED_TRACE(::testing::Message() << "TETROPOLIS_TEST_SEED=" << seed);
+  std::mt19937 random(seed);
+  SimplifyOptions options;
+  options.min_distance = 3;  // large, so that there is something to measure
+  const std::vector<Polygon> input = cleaned(random_boxes(random, 60, 90, true));
+  const Simplification result = simplify_footprints(input, domain_around(input), options);
+  ASSERT_EQ(result.changes.size(), result.footprints.size());
+  double largest = 0;
+  for (std::size_t k = 0; k < result.footprints.size(); ++k) {
+    std::vector<Polygon> before;
+    for (const BuildingIndex m : result.members[k])
+      before.push_back(input[static_cast<std::size_t>(m)]);
+    const double sampled = sampled_distance(before, {result.footprints[k]}, 0.1);
+    // Samples miss the tips; edges of members inside their union make the sampled distance of what
+    // is filled too low, never too high.
+    EXPECT_LE(sampled, result.changes[k].distance + 0.02) << k;
+    EXPECT_GE(sampled, result.changes[k].distance - 0.4) << k;
+    largest = std::max(largest, result.changes[k].distance);
+  }
+  EXPECT_EQ(result.stats.max_distance, largest);
+  EXPECT_GT(largest, 0.5);
+}
+
+TEST(Simplify, UnitesHugeClustersExactly) {
+  const unsigned seed = testing::test_seed();
+  SCOPED_TRACE(::testing::Message() << "TETROPOLIS_TEST_SEED=" << seed);
+  std::mt19937 random(seed);
+  constexpr int size = 200;
+  std::vector<std::uint8_t> covered(size * size, 0);
+  std::vector<Polygon> input;
+  const auto side = [&] { return 4 + static_cast<int>(random() % 9); };
+  for (int i = 0; i < 3000; ++i) {
+    const int w = side(), h = side(), x = static_cast<int>(random() % (size - 13)),
+              y = static_cast<int>(random() % (size - 13));
+    for (int v = y; v < y + h; ++v)
+      for (int u = x; u < x + w; ++u) covered[static_cast<std::size_t>(v * size + u)] = 1;
+    input.push_back(box(x, y, w, h));
+  }
+  const auto area = static_cast<double>(std::count(covered.begin(), covered.end(), 1));
+  EXPECT_NEAR(simplified(input).stats.area_before, area, 1e-6);
+}
+
 struct RealCase {
   const char* path;
   const char* crs;
@@ -399,13 +547,25 @@ TEST_P(RealFootprints, KeepTheirShape) {
 
 INSTANTIATE_TEST_SUITE_P(
     Simplify, RealFootprints,
-    ::testing::Values(RealCase{"delft_3dfier/footprints.shp", "", 28, 0.01},
+    ::testing::Values(RealCase{"delft_3dfier/footprints.shp", "", 28, 0.006},
                       RealCase{"amsterdam_south/footprints.shp", "", 62, 0.005},
                       RealCase{"dtcc_small/goteborg_by_14.shp", "", 0, 0.005},
                       RealCase{"tudelft_campus_bag/footprints.shp", "", 0, 0.005},
                       RealCase{"bielefeld_lod1_east/footprints.shp", "", 0, 0.005},
                       RealCase{"alexandria_dsm_dtm/footprints.shp", "", 0, 0.005},
                       RealCase{"boulder_wgs84/boulder_buildings.shp", "EPSG:32613", 0, 0.005}));
+
+TEST(Simplify, NeedsNoHullsForAmsterdamAtAnyDistance) {
+  TETROPOLIS_REQUIRE_DATA(path, "amsterdam_south/footprints.shp");
+  const std::vector<Polygon> input = read_local(path, "");
+  for (const double distance : {0.5, 2.0, 3.0}) {
+    SimplifyOptions options;
+    options.min_distance = distance;
+    const Simplification result = simplified(input, options);
+    EXPECT_EQ(result.stats.hulls, 0) << distance;
+    EXPECT_EQ(result.stats.local_hulls, 0) << distance;
+  }
+}
 
 TEST(Simplify, DoesNotDependOnThreads) {
   std::mt19937 random(testing::test_seed());

@@ -21,6 +21,13 @@ struct SimplifyOptions {
       0.01;  ///< Radians; edges closer in direction count as parallel (2.2).
 };
 
+/// How far an output is from the union of its members.
+struct FootprintChange {
+  double area = 0;      ///< Of the symmetric difference, square metres.
+  double distance = 0;  ///< Hausdorff distance of the two regions, metres, to a centimetre.
+  Point2 at;            ///< Where that is: a point of one, farthest from the other.
+};
+
 /// An input footprint that is in no output, and why (one short clause).
 struct DroppedFootprint {
   BuildingIndex index;
@@ -32,10 +39,13 @@ struct SimplifyStats {
   double area_after = 0;    ///< Of all output footprints.
   double area_changed = 0;  ///< Symmetric difference between the two, dropped ones included.
   double area_dropped = 0;  ///< Part of area_changed: of input that is in no output.
+  double max_distance = 0;  ///< Largest FootprintChange::distance.
+  std::int64_t hulls = 0;   ///< Outputs with the flag kConvexHull.
 
   std::int64_t groups = 0;           ///< Groups closer than epsilon in the input, single ones too.
   std::int64_t merged_by_union = 0;  ///< Groups of several, by the resort that joined them.
   std::vector<std::int64_t> merged_by_patch;  ///< Index k: with a patch after k growths.
+  std::int64_t merged_by_bridge = 0;          ///< By boxes across the narrowest places.
   std::int64_t merged_by_hulls = 0;           ///< By the union of the parts' convex hulls.
   std::int64_t merged_by_hull = 0;            ///< By the convex hull of all.
   std::int64_t merged_late = 0;               ///< Pairs that only repairs had brought close.
@@ -60,6 +70,7 @@ struct Simplification {
   std::vector<Polygon> footprints;
   std::vector<std::vector<BuildingIndex>> members;  ///< Per footprint: the inputs it is made of.
   std::vector<std::uint32_t> flags;  ///< Per footprint: kMerged, kConvexHull, kRepaired, kClipped.
+  std::vector<FootprintChange> changes;   ///< Per footprint.
   std::vector<DroppedFootprint> dropped;  ///< By index.
   SimplifyStats stats;
 };

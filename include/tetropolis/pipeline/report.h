@@ -44,7 +44,10 @@ struct CityReport {
   double min_clearance = 0;        ///< Metres; between all rings.
   double area_before = 0;          ///< Of the union of the footprints, square metres.
   double area_after = 0;
-  double area_moved = 0;                        ///< Of the symmetric difference of both unions.
+  double area_moved = 0;          ///< Of the symmetric difference of both unions.
+  double area_changed_share = 0;  ///< area_moved / area_before.
+  double max_distance = 0;        ///< Between the input and output of one building, metres.
+  std::int64_t hulls = 0;         ///< Buildings that are convex hulls.
   std::map<std::string, std::int64_t> resorts;  ///< Simplification: how often each was needed.
   std::map<std::string, std::int64_t> flags;    ///< Buildings with each flag.
   double dtm_empty_share = 0;  ///< Share of the terrain's nodes without a point of their own.

@@ -1,0 +1,206 @@
+#include "city/largest_distance.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <limits>
+#include <utility>
+#include <vector>
+
+#include "city/edge_grid.h"
+#include "city/grid_geometry.h"
+
+namespace tetropolis {
+
+namespace {
+
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+
+struct Wall {
+  Point2 a;
+  Point2 b;
+  double distance_to(Point2 p) const { return grid::point_segment_distance(p, a, b); }
+};
+
+/// A region that can be asked for its nearest edge and whether it contains a point.
+class Region {
+ public:
+  explicit Region(std::span<const Polygon> polygons) {
+    for (const Polygon& polygon : polygons) {
+      add(polygon.outer);
+      for (const Ring& hole : polygon.holes) add(hole);
+    }
+    double length = 0;
+    for (const Wall& wall : walls_) length += grid::distance(wall.a, wall.b);
+    cell_ = cell_size(box_, length, walls_.size()) + 1;
+    index_ = EdgeGrid(box_, cell_, walls_.size());
+    for (std::size_t i = 0; i < walls_.size(); ++i)
+      index_.insert(static_cast<std::int32_t>(i), walls_[i].a, walls_[i].b);
+  }
+
+  /// Precondition: there are edges.
+  std::size_t nearest(Point2 p) const {
+    std::int32_t best = -1;
+    double least = kInfinity;
+    for (double reach = cell_ / 2; !(least <= reach); reach *= 2)
+      index_.visit(Bounds2{p.x, p.y, p.x, p.y}.grown(reach), [&](std::int32_t e) {
+        const double d = walls_[static_cast<std::size_t>(e)].distance_to(p);
+        if (d < least || (d == least && e < best)) {
+          least = d;
+          best = e;
+        }
+      });
+    return static_cast<std::size_t>(best);
+  }
+  const Wall& wall(std::size_t e) const { return walls_[e]; }
+
+  /// Whether a point is inside, whose nearest edge is e. (Where rings touch in a point and that is
+  /// the nearest one, the answer is for the ring of e.)
+  bool contains(Point2 p, std::size_t e) const {
+    const Wall& wall = walls_[e];
+    const Point2 q = grid::nearest_on_segment(p, wall.a, wall.b);
+    if (q == wall.a) return in_corner(p, walls_[before_[e]].a, wall.a, wall.b);
+    if (q == wall.b) return in_corner(p, wall.a, wall.b, walls_[after_[e]].b);
+    return left_of(p, wall.a, wall.b);
+  }
+
+ private:
+  void add(const Ring& ring) {
+    const std::size_t base = walls_.size(), n = ring.size();
+    for (std::size_t i = 0; i < n; ++i) {
+      walls_.push_back({ring[i], ring[(i + 1) % n]});
+      before_.push_back(base + (i + n - 1) % n);
+      after_.push_back(base + (i + 1) % n);
+      grid::extend(box_, ring[i]);
+    }
+  }
+  static bool left_of(Point2 p, Point2 a, Point2 b) {
+    return (b.x - a.x) * (p.y - a.y) - (b.y - a.y) * (p.x - a.x) > 0;
+  }
+  static bool in_corner(Point2 p, Point2 u, Point2 v, Point2 w) {
+    const bool first = left_of(p, u, v), second = left_of(p, v, w);
+    return grid::orientation(u, v, w) > 0 ? first && second : first || second;
+  }
+
+  std::vector<Wall> walls_;
+  std::vector<std::size_t> before_, after_;  ///< Neighbours in the ring.
+  Bounds2 box_{kInfinity, kInfinity, -kInfinity, -kInfinity};
+  double cell_ = 1;
+  EdgeGrid index_;
+};
+
+Point2 middle(Point2 p, Point2 q) { return {(p.x + q.x) / 2, (p.y + q.y) / 2}; }
+
+/// Corners in order around.
+using Quad = std::array<Point2, 4>;
+
+double farthest_corner(const Quad& quad, const Wall& wall) {
+  double farthest = 0;
+  for (const Point2 p : quad) farthest = std::max(farthest, wall.distance_to(p));
+  return farthest;
+}
+
+/// The halves on either side of the line between the middles of sides 0-1 and 2-3, or 1-2 and 3-0.
+std::pair<Quad, Quad> halves(const Quad& q, bool first_sides) {
+  if (first_sides) {
+    const Point2 m = middle(q[0], q[1]), n = middle(q[2], q[3]);
+    return {{q[0], m, n, q[3]}, {m, q[1], q[2], n}};
+  }
+  const Point2 m = middle(q[1], q[2]), n = middle(q[3], q[0]);
+  return {{q[0], q[1], m, n}, {n, m, q[2], q[3]}};
+}
+
+Quad corners(const DifferenceStrip& s) {
+  return {Point2{s.left.x_at(s.low), s.low}, Point2{s.right.x_at(s.low), s.low},
+          Point2{s.right.x_at(s.high), s.high}, Point2{s.left.x_at(s.high), s.high}};
+}
+
+/// What a strip's distances cannot exceed by its own sides, where these belong to the other region.
+double bound_by_sides(const DifferenceStrip& s) {
+  double bound = kInfinity;
+  for (const DifferenceEdge* side : {&s.left, &s.right})
+    if (side->of_after != s.in_after())
+      bound = std::min(bound, farthest_corner(corners(s), {side->a, side->b}));
+  return bound;
+}
+
+class Search {
+ public:
+  Search(const Region& other, double tolerance, FarPoint& best)
+      : other_(other), tolerance_(tolerance), best_(best) {}
+
+  void strip(const DifferenceStrip& s) {
+    stack_.assign(1, corners(s));
+    while (!stack_.empty()) {
+      const Quad quad = stack_.back();
+      stack_.pop_back();
+      quarter(quad);
+    }
+  }
+
+ private:
+  /// The nearest wall, after trying the point.
+  const Wall& look_at(Point2 p) {
+    const std::size_t e = other_.nearest(p);
+    const double d = other_.wall(e).distance_to(p);
+    if (d > best_.distance && !other_.contains(p, e)) best_ = {d, p};
+    return other_.wall(e);
+  }
+  void quarter(const Quad& quad);
+
+  const Region& other_;
+  double tolerance_;
+  FarPoint& best_;
+  std::vector<Quad> stack_;
+};
+
+void Search::quarter(const Quad& quad) {
+  const Point2 centre = middle(middle(quad[0], quad[1]), middle(quad[2], quad[3]));
+  double radius = 0;
+  for (const Point2 p : quad) radius = std::max(radius, grid::distance(p, centre));
+  std::array<const Wall*, 5> walls{&look_at(centre)};
+  double bound = std::min(walls[0]->distance_to(centre) + radius, farthest_corner(quad, *walls[0]));
+  if (bound <= best_.distance + tolerance_) return;
+  for (std::size_t i = 0; i < 4; ++i) {
+    walls[i + 1] = &look_at(quad[i]);
+    bound = std::min(bound, farthest_corner(quad, *walls[i + 1]));
+  }
+  if (bound <= best_.distance + tolerance_ || radius < tolerance_) return;
+  // Halved the way that promises more.
+  std::array<std::pair<Quad, Quad>, 2> ways{halves(quad, true), halves(quad, false)};
+  std::array<double, 2> promise{};
+  for (std::size_t w = 0; w < 2; ++w)
+    for (const Quad* half : {&ways[w].first, &ways[w].second}) {
+      double least = kInfinity;
+      for (const Wall* wall : walls) least = std::min(least, farthest_corner(*half, *wall));
+      promise[w] = std::max(promise[w], least);
+    }
+  const double side01 = grid::squared_distance(quad[0], quad[1]),
+               side12 = grid::squared_distance(quad[1], quad[2]);
+  const bool first = promise[0] < promise[1] || (promise[0] == promise[1] && side01 >= side12);
+  const auto& [p, q] = ways[first ? 0 : 1];
+  stack_.push_back(p);
+  stack_.push_back(q);
+}
+
+}  // namespace
+
+FarPoint largest_distance(std::span<const Polygon> before, std::span<const Polygon> after,
+                          std::span<const DifferenceStrip> strips, double tolerance) {
+  FarPoint best;
+  if (strips.empty()) return best;
+  std::vector<std::pair<double, std::size_t>> order;
+  for (std::size_t i = 0; i < strips.size(); ++i) order.emplace_back(-bound_by_sides(strips[i]), i);
+  std::sort(order.begin(), order.end());
+  const Region from(before), to(after);
+  Search in_before(to, tolerance, best), in_after(from, tolerance, best);
+  for (const auto& [bound, i] : order) {
+    if (-bound <= best.distance + tolerance) continue;
+    (strips[i].in_after() ? in_after : in_before).strip(strips[i]);
+  }
+  return best;
+}
+
+}  // namespace tetropolis
