@@ -66,6 +66,7 @@ struct Config {
   int seed = 1;
   double point_density = 2;
   double relief = -1;
+  std::vector<std::string> defects;
 
   // Run.
   int threads = 0;
