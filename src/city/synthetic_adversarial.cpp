@@ -45,12 +45,12 @@ constexpr DefectKind kKinds[] = {
     {"tower_300", "domain", "a tower of up to 300 m among sheds", false},
     {"building_twice", "building", "buildings given twice", false},
     {"domain_sized", "domain", "a building as large as the domain", false},
-    {"larger_than_domain", "domain", "a building larger than the domain", false},
     {"on_boundary", "domain", "buildings across, on or near the domain's boundary", false},
     {"on_corner", "domain", "a building on the domain's corner", false},
     {"offset_centimetres", "scale", "an origin some centimetres off whole metres", false},
     {"far_north", "scale", "northings of 7.6 million", false},
     {"small_numbers", "scale", "coordinates near zero", false},
+    {"larger_than_domain", "domain", "an outline larger than the domain", false},
     {"multipolygon", "outline", "buildings far apart as one feature", false},
     {"zero_width_spike", "outline", "spikes without width", false},
     {"bow_tie", "outline", "outlines that cross themselves", false},
@@ -126,7 +126,7 @@ double odds(std::string_view name) {
   return 1;
 }
 
-/// One to ten, fewer more often.
+/// One to fourteen, fewer more often.
 std::vector<std::string_view> choose(const AdversarialCityOptions& options) {
   std::vector<std::string_view> chosen;
   if (!options.defects.empty()) {
@@ -135,7 +135,7 @@ std::vector<std::string_view> choose(const AdversarialCityOptions& options) {
   }
   SeededRandom random(options.seed, kChoiceStream);
   const double few = random.unit();
-  const auto wanted = static_cast<std::size_t>(1 + 10 * few * few);
+  const auto wanted = static_cast<std::size_t>(1 + 14 * few * few);
   for (int tries = 0; tries < 1000 && chosen.size() < wanted; ++tries) {
     const std::string_view name = kKinds[random.bits() % kKindCount].name;
     if (!random.chance(odds(name)) || excluded(name, chosen) ||
@@ -186,18 +186,20 @@ bool change_scale(std::string_view name, AdversarialCity& city, SeededRandom& ra
   return true;
 }
 
-RawRing raw(const Ring& ring) {
+RawRing raw(const Ring& ring, bool reversed) {
   RawRing result;
   for (const Point2 p : ring) result.push_back({p.x, p.y, 0});
   if (!result.empty()) result.push_back(result.front());
+  if (reversed) std::reverse(result.begin(), result.end());
   return result;
 }
 
-std::vector<RawFeature> raw_features(const SyntheticCity& city) {
+/// Rings in the format's own orientation: in shapefiles outer rings are clockwise.
+std::vector<RawFeature> raw_features(const SyntheticCity& city, bool clockwise) {
   std::vector<RawFeature> features;
   for (std::size_t b = 0; b < city.footprints.size(); ++b) {
-    RawPolygon polygon{raw(city.footprints[b].outer)};
-    for (const Ring& hole : city.footprints[b].holes) polygon.push_back(raw(hole));
+    RawPolygon polygon{raw(city.footprints[b].outer, clockwise)};
+    for (const Ring& hole : city.footprints[b].holes) polygon.push_back(raw(hole, clockwise));
     features.push_back({city.ids[b], city.heights[b], {std::move(polygon)}});
   }
   return features;
@@ -221,8 +223,7 @@ SyntheticScene build_scene(const AdversarialCityOptions& options,
     SeededRandom random(options.seed, kDefectStream + k);
     const bool done = change_terrain(kind.name, options.size, scene.terrain, random) ||
                       change_scale(kind.name, city, random);
-    const std::int64_t count =
-        done ? 1 : build_defect(kind.name, options.size, plots, random);
+    const std::int64_t count = done ? 1 : build_defect(kind.name, options.size, plots, random);
     if (count > 0) city.defects.push_back({kind.name, count});
   }
   for (VillagePlot& plot : plots)
@@ -247,7 +248,9 @@ AdversarialCity synthetic_adversarial_city(const AdversarialCityOptions& options
   SyntheticScene scene = build_scene(options, chosen, city);
   const SyntheticCity sound = city_of_scene(scene);
   city.terrain = scene.terrain;
-  city.features = raw_features(sound);
+  SeededRandom file_random(options.seed, kFileStream);
+  city.as_geojson = file_random.chance(0.5);
+  city.features = raw_features(sound, !city.as_geojson);
   city.tiles.push_back(
       {scan_scene(scene, options.points_per_m2, mix64(options.seed ^ kScanSeed), progress), {}});
   for (std::size_t k = 0; k < kKindCount; ++k) {
@@ -256,12 +259,10 @@ AdversarialCity synthetic_adversarial_city(const AdversarialCityOptions& options
     city.refusable |= kind.refusable;
     city.needs_bounds |= std::string_view(kind.group) == "domain";
     SeededRandom random(options.seed, kDefectStream + k + kKindCount);
-    const std::int64_t count = damage_outlines(kind.name, city, random) +
-                               damage_cloud(kind.name, city, random);
+    const std::int64_t count =
+        damage_outlines(kind.name, city, random) + damage_cloud(kind.name, city, random);
     if (count > 0) city.defects.push_back({kind.name, count});
   }
-  SeededRandom file_random(options.seed, kFileStream);
-  city.as_geojson = file_random.chance(0.5);
   return city;
 }
 

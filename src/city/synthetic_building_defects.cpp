@@ -59,8 +59,8 @@ std::int64_t crack_1cm(VillagePlot& plot, SeededRandom& random) {
   const double end = random.chance(0.4) ? 0 : crack;
   add(plot, {plot.on_mm(-h, -h), plot.on_mm(at, -h), plot.on_mm(at, h), plot.on_mm(-h, h)},
       random.uniform(5, 20));
-  add(plot, {plot.on_mm(at + crack, -h), plot.on_mm(h, -h), plot.on_mm(h, h),
-             plot.on_mm(at + end, h)},
+  add(plot,
+      {plot.on_mm(at + crack, -h), plot.on_mm(h, -h), plot.on_mm(h, h), plot.on_mm(at + end, h)},
       random.uniform(5, 20));
   return 1;
 }
@@ -134,8 +134,8 @@ std::int64_t checkerboard(VillagePlot& plot, SeededRandom& random) {
   for (int j = 0; j < cells; ++j)
     for (int i = j % 2; i < cells; i += 2, ++count)
       add(plot,
-          plot.rectangle(-plot.half + i * step, -plot.half + j * step,
-                         -plot.half + (i + 1) * step, -plot.half + (j + 1) * step),
+          plot.rectangle(-plot.half + i * step, -plot.half + j * step, -plot.half + (i + 1) * step,
+                         -plot.half + (j + 1) * step),
           random.uniform(4, 12));
   return count;
 }
@@ -191,9 +191,10 @@ std::int64_t tower_300(VillagePlot& plot, SeededRandom& random) {
 /// A plot whose frame is that of the square, its lower left corner at the origin.
 VillagePlot straight_plot() { return {{0, 0}, {1, 0}, 0, {}}; }
 
-std::int64_t large_building(Plots& plots, double low, double high, SeededRandom& random) {
+std::int64_t domain_sized(Plots& plots, double size, SeededRandom& random) {
   VillagePlot plot = straight_plot();
-  add(plot, plot.rectangle(low, low, high, high), random.uniform(3, 12));
+  const double edge = random.chance(0.5) ? 0.5 : random.uniform(1, 10);
+  add(plot, plot.rectangle(edge, edge, size - edge, size - edge), random.uniform(3, 12));
   plots.push_back(std::move(plot));
   return 1;
 }
@@ -241,13 +242,17 @@ struct PlotDefect {
   std::string_view name;
   std::int64_t (*build)(VillagePlot&, SeededRandom&);
 };
-constexpr PlotDefect kPlotDefects[] = {
-    {"nested_courtyard", nested_courtyard}, {"tjunction_micrometre", tjunction_micrometre},
-    {"crack_1cm", crack_1cm},               {"wall_5cm", wall_5cm},
-    {"shed_2cm", shed_2cm},                 {"massive_overlaps", massive_overlaps},
-    {"checkerboard", checkerboard},         {"circle_4000", circle_4000},
-    {"needle_half_degree", needle},         {"roof_below_terrain", sunken_roof},
-    {"tower_300", tower_300}};
+constexpr PlotDefect kPlotDefects[] = {{"nested_courtyard", nested_courtyard},
+                                       {"tjunction_micrometre", tjunction_micrometre},
+                                       {"crack_1cm", crack_1cm},
+                                       {"wall_5cm", wall_5cm},
+                                       {"shed_2cm", shed_2cm},
+                                       {"massive_overlaps", massive_overlaps},
+                                       {"checkerboard", checkerboard},
+                                       {"circle_4000", circle_4000},
+                                       {"needle_half_degree", needle},
+                                       {"roof_below_terrain", sunken_roof},
+                                       {"tower_300", tower_300}};
 
 }  // namespace
 
@@ -255,18 +260,19 @@ std::int64_t build_defect(std::string_view name, double size, std::vector<Villag
                           SeededRandom& random) {
   for (const PlotDefect& defect : kPlotDefects) {
     if (defect.name != name || plots.empty()) continue;
-    VillagePlot& plot = plots[random.bits() % plots.size()];
-    if (plot.half <= 0) return 0;
-    // Now and then among what stands there already.
-    if (random.chance(0.8)) plot.buildings.clear();
-    return defect.build(plot, random);
+    std::int64_t count = 0;
+    const int places = 1 + static_cast<int>(3 * random.unit() * random.unit());
+    for (int k = 0; k < places; ++k) {
+      VillagePlot& plot = plots[random.bits() % plots.size()];
+      if (plot.half <= 0) continue;
+      // Now and then among what stands there already.
+      if (random.chance(0.8)) plot.buildings.clear();
+      count += defect.build(plot, random);
+    }
+    return count;
   }
   if (name == "building_twice") return building_twice(plots, random);
-  if (name == "domain_sized") {
-    const double edge = random.chance(0.5) ? 0.5 : random.uniform(1, 10);
-    return large_building(plots, edge, size - edge, random);
-  }
-  if (name == "larger_than_domain") return large_building(plots, -20, size + 20, random);
+  if (name == "domain_sized") return domain_sized(plots, size, random);
   if (name == "on_boundary") return on_boundary(plots, size, random);
   if (name == "on_corner") return on_corner(plots, size, random);
   return 0;

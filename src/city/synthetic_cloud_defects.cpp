@@ -114,8 +114,7 @@ std::int64_t cut_tiles(AdversarialCity& city, double band, SeededRandom& random)
 }
 
 /// Sets a flag at some points; what is withheld is also wrong.
-std::int64_t set_flags(AdversarialCity& city, std::uint8_t flag, bool spoil,
-                       SeededRandom& random) {
+std::int64_t set_flags(AdversarialCity& city, std::uint8_t flag, bool spoil, SeededRandom& random) {
   std::int64_t count = 0;
   const double share = random.uniform(0.02, 0.3);
   for (PointTile& tile : city.tiles) {

@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <cstddef>
 #include <limits>
+#include <utility>
 
 #include <fmt/format.h>
 
@@ -121,8 +122,8 @@ void hole_sharing_edge(RawPolygon& polygon, SeededRandom& random) {
   const bool whole = random.chance(0.3);
   const RawVertex a = between(ring[i], ring[i + 1], whole ? 0 : 0.25);
   const RawVertex b = between(ring[i], ring[i + 1], whole ? 1 : 0.75);
-  polygon.push_back({a, beside(ring[i], ring[i + 1], 0.3, 0.3),
-                     beside(ring[i], ring[i + 1], 0.7, 0.3), b, a});
+  polygon.push_back(
+      {a, beside(ring[i], ring[i + 1], 0.3, 0.3), beside(ring[i], ring[i + 1], 0.7, 0.3), b, a});
 }
 
 void huge_coordinate(RawPolygon& polygon, SeededRandom& random) {
@@ -193,6 +194,18 @@ std::int64_t add_heights(AdversarialCity& city, SeededRandom& random) {
   return count;
 }
 
+/// A parcel around everything, which the laser knows nothing of.
+std::int64_t add_parcel(AdversarialCity& city, SeededRandom& random) {
+  const double low = -random.uniform(0.5, 60);
+  const double high = city.domain.xmax + random.uniform(0.5, 60);
+  RawFeature parcel;
+  parcel.id = "parcel";
+  parcel.polygons = {
+      {{{low, low, 0}, {high, low, 0}, {high, high, 0}, {low, high, 0}, {low, low, 0}}}};
+  city.features.push_back(std::move(parcel));
+  return 1;
+}
+
 /// Buildings far apart under one number.
 std::int64_t join_features(AdversarialCity& city, SeededRandom& random) {
   std::int64_t count = 0;
@@ -213,12 +226,15 @@ std::int64_t damage_outlines(std::string_view name, AdversarialCity& city, Seede
   if (city.features.empty()) return 0;
   if (name == "null_shape" || name == "two_vertices") return add_odd_features(name, city, random);
   if (name == "z_values") return add_heights(city, random);
+  if (name == "larger_than_domain") return add_parcel(city, random);
   if (name == "multipolygon") return join_features(city, random);
   for (const OutlineDefect& defect : kOutlineDefects) {
     if (defect.name != name) continue;
     std::int64_t count = 0;
-    const auto wanted = static_cast<std::int64_t>(1 + random.bits() % 4);
-    for (int tries = 0; tries < 40 && count < wanted; ++tries) {
+    // A few, or a good part of all.
+    const std::size_t most = random.chance(0.3) ? city.features.size() / 2 + 1 : 4;
+    const auto wanted = static_cast<std::int64_t>(1 + random.bits() % most);
+    for (int tries = 0; tries < 200 && count < wanted; ++tries) {
       RawFeature& feature = city.features[random.bits() % city.features.size()];
       if (!whole(feature)) continue;
       defect.damage(feature.polygons[0], random);

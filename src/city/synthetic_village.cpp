@@ -29,8 +29,9 @@ void build_house(VillagePlot& plot, SeededRandom& random) {
 void build_ell(VillagePlot& plot, SeededRandom& random) {
   const double h = plot.half;
   const double deep = random.uniform(0.5, 0.9) * h;
-  Ring ring{plot.on_mm(-h, -h),       plot.on_mm(h, -h),           plot.on_mm(h, -h + deep),
-            plot.on_mm(-h + deep, -h + deep), plot.on_mm(-h + deep, h), plot.on_mm(-h, h)};
+  Ring ring{plot.on_mm(-h, -h),       plot.on_mm(h, -h),
+            plot.on_mm(h, -h + deep), plot.on_mm(-h + deep, -h + deep),
+            plot.on_mm(-h + deep, h), plot.on_mm(-h, h)};
   add(plot, std::move(ring), random.uniform(6, 14), SyntheticKind::kRowHouse);
 }
 
@@ -65,8 +66,8 @@ void build_row(VillagePlot& plot, SeededRandom& random) {
 void build_tower(VillagePlot& plot, SeededRandom& random) {
   const double r = random.uniform(5, plot.half);
   const double c = r * 0.4142;
-  Ring ring{plot.on_mm(r, -c),  plot.on_mm(r, c),   plot.on_mm(c, r),   plot.on_mm(-c, r),
-            plot.on_mm(-r, c),  plot.on_mm(-r, -c), plot.on_mm(-c, -r), plot.on_mm(c, -r)};
+  Ring ring{plot.on_mm(r, -c), plot.on_mm(r, c),   plot.on_mm(c, r),   plot.on_mm(-c, r),
+            plot.on_mm(-r, c), plot.on_mm(-r, -c), plot.on_mm(-c, -r), plot.on_mm(c, -r)};
   add(plot, std::move(ring), random.uniform(20, 45), SyntheticKind::kTower);
 }
 
@@ -83,7 +84,7 @@ Point2 direction(double t) {
 
 std::vector<VillagePlot> village(double size, double margin, SeededRandom& random) {
   const Point2 axis = direction(random.chance(0.3) ? 0 : random.uniform(-0.4, 0.4));
-  const double pitch = random.uniform(26, 36);
+  const double pitch = std::min(random.uniform(26, 36), size / 5);
   const double half = (pitch - random.uniform(5, 9)) / 2;
   std::vector<VillagePlot> plots;
   const int reach = static_cast<int>(size / pitch) + 1;
@@ -96,11 +97,16 @@ std::vector<VillagePlot> village(double size, double margin, SeededRandom& rando
           std::max(plot.centre.x, plot.centre.y) > size - room)
         continue;
       const double what = random.unit();
-      if (what < 0.34) build_house(plot, random);
-      else if (what < 0.5) build_ell(plot, random);
-      else if (what < 0.62) build_courtyard(plot, random);
-      else if (what < 0.82) build_row(plot, random);
-      else if (what < 0.9) build_tower(plot, random);
+      if (what < 0.34 || plots.size() < 2)
+        build_house(plot, random);
+      else if (what < 0.5)
+        build_ell(plot, random);
+      else if (what < 0.62)
+        build_courtyard(plot, random);
+      else if (what < 0.82)
+        build_row(plot, random);
+      else if (what < 0.9)
+        build_tower(plot, random);
       plots.push_back(std::move(plot));
     }
   return plots;

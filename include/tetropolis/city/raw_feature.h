@@ -24,7 +24,7 @@ using RawPolygon = std::vector<RawRing>;
 struct RawFeature {
   std::string id;
   double height = std::numeric_limits<double>::quiet_NaN();  ///< Above ground; NaN: unknown.
-  std::vector<RawPolygon> polygons;  ///< None: a feature without geometry.
+  std::vector<RawPolygon> polygons;                          ///< None: a feature without geometry.
 };
 
 }  // namespace tetropolis

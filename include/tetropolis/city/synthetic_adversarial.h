@@ -39,12 +39,12 @@ struct PointTile {
 };
 
 struct AdversarialCity {
-  std::vector<RawFeature> features;  ///< Local frame.
+  std::vector<RawFeature> features;  ///< Local frame; undamaged rings turn as the format wants it.
   bool with_z = false;               ///< Whether the vertices' z counts.
   bool as_geojson = false;           ///< Which of the formats to write: GeoJSON, else a shapefile.
   std::vector<PointTile> tiles;      ///< Local frame; at least one.
   Bounds2 domain;                    ///< {0, 0, size, size}, what the points cover.
-  bool needs_bounds = false;         ///< Whether the domain has to be given for the defects to show.
+  bool needs_bounds = false;  ///< Whether the domain has to be given for the defects to show.
   Point2 origin;
   std::string crs = "EPSG:3006";
   SyntheticTerrain terrain;
