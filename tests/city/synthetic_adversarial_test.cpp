@@ -150,9 +150,7 @@ const Sign kSigns[] = {
               }) == 1;
      }},
     {"offset_centimetres",
-     [](City c, City s) {
-       return c.origin.x - s.origin.x > 0 && c.origin.x - s.origin.x < 0.1;
-     }},
+     [](City c, City s) { return c.origin.x - s.origin.x > 0 && c.origin.x - s.origin.x < 0.1; }},
     {"far_north", [](City c, City) { return c.origin.y > 7e6; }},
     {"small_numbers", [](City c, City) { return c.origin.x < 0 && c.origin.x > -1000; }},
     {"multipolygon",
@@ -186,7 +184,8 @@ const Sign kSigns[] = {
      }},
     {"huge_coordinate",
      [](City c, City) {
-       return has_vertex(c, [](RawVertex p) { return std::max(std::abs(p.x), std::abs(p.y)) >= 1e9; });
+       return has_vertex(c,
+                         [](RawVertex p) { return std::max(std::abs(p.x), std::abs(p.y)) >= 1e9; });
      }},
     {"nan_coordinate",
      [](City c, City) {
@@ -204,16 +203,13 @@ const Sign kSigns[] = {
                           [](const RawFeature& f) { return f.polygons.empty(); });
      }},
     {"z_values", [](City c, City s) { return c.with_z && !s.with_z; }},
-    {"points_twice",
-     [](City c, City s) { return count_all_points(c) == 2 * count_all_points(s); }},
+    {"points_twice", [](City c, City s) { return count_all_points(c) == 2 * count_all_points(s); }},
     {"birds_classed",
      [](City c, City s) { return count_code(c, kHighNoise) > count_code(s, kHighNoise); }},
     {"pits_classed",
      [](City c, City s) { return count_code(c, kLowNoise) > count_code(s, kLowNoise); }},
-    {"birds_unclassed",
-     [](City c, City s) { return count_all_points(c) > count_all_points(s); }},
-    {"pits_unclassed",
-     [](City c, City s) { return count_all_points(c) > count_all_points(s); }},
+    {"birds_unclassed", [](City c, City s) { return count_all_points(c) > count_all_points(s); }},
+    {"pits_unclassed", [](City c, City s) { return count_all_points(c) > count_all_points(s); }},
     {"void_25m", [](City c, City s) { return count_all_points(c) < count_all_points(s) - 20; }},
     {"half_without_ground",
      [](City c, City s) { return 3 * count_code(c, kGround) < 2 * count_code(s, kGround); }},
@@ -284,8 +280,7 @@ TEST(SyntheticAdversarial, MixesReachEveryDefectAndEveryCityHasBuildings) {
   int as_geojson = 0;
   constexpr int kSeeds = 500;
   for (int seed = 1; seed <= kSeeds; ++seed) {
-    const AdversarialCity city =
-        city_with({}, static_cast<std::uint64_t>(seed), 0.02);
+    const AdversarialCity city = city_with({}, static_cast<std::uint64_t>(seed), 0.02);
     EXPECT_GE(city.defects.size(), 1U);
     for (const Defect& defect : city.defects) ++seen[defect.name];
     as_geojson += city.as_geojson ? 1 : 0;

@@ -13,6 +13,7 @@
 #include <nlohmann/json.hpp>
 
 #include "tetropolis/core/error.h"
+#include "tetropolis/geometry/polygon.h"
 #include "tetropolis/io/las.h"
 #include "tetropolis/io/vector.h"
 
@@ -95,7 +96,8 @@ TEST_P(RawVector, TheReaderFindsWhatIsSoundAndDropsTheRestByName) {
     EXPECT_EQ(found["open"]->polygon.outer.size(), 4U);
     EXPECT_TRUE(dropped.contains("nothing") && dropped.contains("line"));
     // Vertices that are not finite, or far away, are there for the next step to see.
-    for (const char* name : {"nan", "far"}) EXPECT_TRUE(found.contains(name) || dropped.contains(name));
+    for (const char* name : {"nan", "far"})
+      EXPECT_TRUE(found.contains(name) || dropped.contains(name));
     EXPECT_EQ(found.size() + dropped.size(), 9U);
   }
 }
@@ -153,6 +155,47 @@ TEST(RawVectorBytes, GeoJsonKeepsOpenRings) {
 TEST(RawVectorBytes, AnotherExtensionIsRefused) {
   const TemporaryFolder folder;
   EXPECT_THROW(write_raw_features(folder / "a.gpkg", sample(), kOrigin, "EPSG:3006"), Error);
+}
+
+// Found by the survey: with every ring turned the wrong way, GDAL's first ring is the yard.
+TEST(RawVectorBytes, ShapefilesTurnedTheWrongWayKeepTheirCourtyards) {
+  const TemporaryFolder folder;
+  for (const bool wrong : {false, true}) {
+    const fs::path path = folder / (wrong ? "wrong.shp" : "right.shp");
+    std::vector<RawFeature> features{
+        {"yard", 1, {{square(0, 0, 30, !wrong), square(3, 3, 5, wrong)}}},
+        {"yards",
+         1,
+         {{square(40, 0, 30, !wrong), square(43, 3, 5, wrong), square(60, 20, 6, wrong)}}}};
+    write_raw_features(path, features, kOrigin, "EPSG:3006");
+    const FootprintsInput input = read_footprints(path);
+    std::map<std::string, double> areas;
+    for (const Footprint& feature : input.features)
+      areas[feature.source_id] = area(feature.polygon);
+    EXPECT_EQ(areas, (std::map<std::string, double>{{"0", 900 - 25}, {"1", 900 - 25 - 36}}))
+        << wrong;
+  }
+}
+
+// The same in a multipolygon: a hut in the yard stays a building, and so does what merely overlaps.
+TEST(RawVectorBytes, PartsTurnedAgainstThePartAroundThemAreItsYards) {
+  const TemporaryFolder folder;
+  const std::vector<RawFeature> features{
+      {"hut", 1, {{square(10, 10, 4, false)}, {square(3, 3, 20)}, {square(0, 0, 30, false)}}},
+      {"over each other", 1, {{square(40, 0, 30, false)}, {square(43, 3, 5, false)}}},
+      {"apart", 1, {{square(80, 0, 30, false)}, {square(120, 3, 5)}}}};
+  write_raw_features(folder / "a.geojson", features, kOrigin, "EPSG:3006");
+  std::map<std::string, double> areas;
+  ReadFootprintsOptions options;
+  options.id_attribute = "id";
+  for (const Footprint& feature : read_footprints(folder / "a.geojson", options).features)
+    areas[feature.source_id] = area(feature.polygon);
+  EXPECT_EQ(areas, (std::map<std::string, double>{{"hut", 16},
+                                                  {"hut#2", 500},
+                                                  {"over each other", 900},
+                                                  {"over each other#2", 25},
+                                                  {"apart", 900},
+                                                  {"apart#2", 25}}));
 }
 
 TEST(PointFlags, GoIntoTheFileAndWithheldPointsAreLeftOut) {
