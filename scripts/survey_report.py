@@ -1,4 +1,5 @@
 """Table, summary and plots of a survey; the standard library only."""
+import collections
 import csv
 import math
 
@@ -70,6 +71,9 @@ def summary(rows, jobs, seconds):
         lines += ["", "seconds in all: " + ", ".join(
             f"{key[1:]} {sum(row[key] for row in meshed):.1f}" for key in meshed[0]
             if key[0] == "s" and key[1:2].isdigit())]
+        lines += ["", f"{sum(row['features'] for row in meshed)} features became "
+                  f"{sum(row['buildings'] for row in meshed)} buildings; dropped parts of features:"]
+        lines += [f"  {count:6} {reason}" for reason, count in drop_reasons(meshed).most_common()] + [""]
         worst = sorted(meshed, key=lambda row: row["dihedral_min"])[:5]
         slow = sorted(meshed, key=lambda row: -row["run_s"])[:5]
         lines += ["worst least angles: " + ", ".join(
@@ -90,6 +94,16 @@ def summary(rows, jobs, seconds):
             lines += ["", title]
             lines += [f"  seed {row['seed']}: {row['message']}" for row in group[:60]]
     return "\n".join(lines) + "\n"
+
+
+def drop_reasons(rows):
+    """rows have "2 reason; 1 other reason"."""
+    total = collections.Counter()
+    for row in rows:
+        for part in filter(None, row["drops"].split("; ")):
+            count, reason = part.split(" ", 1)
+            total[reason] += int(count)
+    return total
 
 
 def quantiles(rows, key, title, digits):

@@ -52,8 +52,8 @@ struct FootprintsInput {
 /// feature is in `features` or in `dropped`, each of its polygons in exactly one of them, and no
 /// two entries of both lists together have the same id.
 ///
-/// Of one polygon's rings the one around all others is the outer one; a part within a part and turned
-/// against it is a hole of it (both are what becomes of a shapefile turned the wrong way).
+/// Of one polygon's rings the one around all others is the outer one; a part within a part and
+/// turned against it is a hole of it (both are what becomes of a shapefile turned the wrong way).
 /// Z and M are ignored, curves become chords of 4 degrees. Null, empty and other geometries are
 /// dropped. Reprojection happens if the file's system and target_crs are both known and differ.
 /// An unknown system is left alone: crs is then "" whatever the target, with the warning
