@@ -43,7 +43,7 @@ def write(folder, rows, jobs, seconds):
              GREATEST_DIHEDRAL)):
         (folder / f"{key}.svg").write_text(histogram(meshed, key, title, bins, mark), encoding="utf-8")
     (folder / "time.svg").write_text(
-        scatter(meshed, "cells", "run_s", "tetrahedra", "seconds, files to files, one thread"),
+        scatter(meshed, "cells", "cpu_s", "tetrahedra", "processor seconds, files to files"),
         encoding="utf-8")
     (folder / "memory.svg").write_text(
         scatter(meshed, "cells", "peak_mb", "tetrahedra", "peak memory, MB"), encoding="utf-8")
@@ -66,19 +66,19 @@ def summary(rows, jobs, seconds):
         lines += [quantiles(meshed, *what) for what in (
             ("cells", "cells", 0), ("dihedral_min", "least dihedral", 2),
             ("dihedral_p0_01", "0.01 % dihedral", 2), ("dihedral_max", "greatest dihedral", 2),
-            ("aspect_max", "greatest aspect ratio", 1), ("run_s", "seconds, one thread", 3),
+            ("aspect_max", "greatest aspect ratio", 1), ("cpu_s", "processor seconds", 3),
             ("peak_mb", "peak memory, MB", 0))]
-        lines += ["", "seconds in all: " + ", ".join(
+        lines += ["", "processor seconds in all: " + ", ".join(
             f"{key[1:]} {sum(row[key] for row in meshed):.1f}" for key in meshed[0]
             if key[0] == "s" and key[1:2].isdigit())]
         lines += ["", f"{sum(row['features'] for row in meshed)} features became "
                   f"{sum(row['buildings'] for row in meshed)} buildings; dropped parts of features:"]
         lines += [f"  {count:6} {reason}" for reason, count in drop_reasons(meshed).most_common()] + [""]
         worst = sorted(meshed, key=lambda row: row["dihedral_min"])[:5]
-        slow = sorted(meshed, key=lambda row: -row["run_s"])[:5]
+        slow = sorted(meshed, key=lambda row: -row["cpu_s"])[:5]
         lines += ["worst least angles: " + ", ".join(
                       f"{row['dihedral_min']} (seed {row['seed']})" for row in worst),
-                  "slowest: " + ", ".join(f"{row['run_s']:.2f} s (seed {row['seed']})" for row in slow)]
+                  "slowest: " + ", ".join(f"{row['cpu_s']:.2f} s (seed {row['seed']})" for row in slow)]
         stalled = sum(not row["solver_converged"] for row in meshed)
         if stalled:
             lines.append(f"solver stopped before its tolerance in {stalled} cities")
