@@ -117,7 +117,7 @@ void declare(CLI::App& app, std::vector<std::unique_ptr<ConfigOptions>>& options
       {"city", "Footprints and points to a city model and a terrain (steps 1 and 2)", kCity,
        run_city},
       {"mesh", "A city model and a terrain to meshes (step 3)", kMesh, run_mesh},
-      {"synth", "Invent a city: footprints.shp and points.laz", kSynth, run_synth},
+      {"synth", "Invent a city: footprints and points", kSynth, run_synth},
   };
   for (const RunCommand& command : kRuns) {
     CLI::App* sub = app.add_subcommand(command.name, command.help);

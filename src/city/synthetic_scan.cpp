@@ -92,7 +92,7 @@ class Scanner {
     if (roof >= 0) return {roof_height(p, roof, random), kBuildingClass};
     const double ground = synthetic_ground(scene_.terrain, p.x, p.y);
     if (const Return seen = bridge(p, random); seen.code != kNothing) return seen;
-    if (synthetic_river_distance(scene_.terrain, p.x, p.y) <= scene_.terrain.river_half_width) {
+    if (synthetic_water(scene_.terrain, p.x, p.y)) {
       const double noise = 0.015 * random.bell();
       // Water swallows most pulses.
       return {ground + noise, random.chance(0.3) ? std::uint8_t{kWater} : kNothing};

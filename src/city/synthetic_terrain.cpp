@@ -38,6 +38,24 @@ double hills(const SyntheticTerrain& terrain, double x, double y) {
   return 0.5 + 0.5 * (0.45 * broad + 0.35 * across + 0.2 * small);
 }
 
+bool in_canal(const SyntheticTerrain& terrain, double x, double y) {
+  if (!(terrain.canal_spacing > 0)) return false;
+  const auto beside = [&](double t) {
+    const double k = std::floor(t / terrain.canal_spacing);
+    return std::abs(t - terrain.canal_spacing * (k + 0.5)) <= terrain.canal_half_width;
+  };
+  return beside(x) || beside(y);
+}
+
+/// What slope, rock and canals add to the hills.
+double relief_added(const SyntheticTerrain& terrain, double x, double y) {
+  double z = terrain.slope.x * x + terrain.slope.y * y;
+  if (terrain.step_normal.x * x + terrain.step_normal.y * y > terrain.step_offset)
+    z += terrain.step_height;
+  if (in_canal(terrain, x, y)) z -= terrain.canal_depth;
+  return z;
+}
+
 }  // namespace
 
 double synthetic_river_distance(const SyntheticTerrain& terrain, double x, double y) {
@@ -48,14 +66,21 @@ double synthetic_river_distance(const SyntheticTerrain& terrain, double x, doubl
   return std::abs(y - centre) / std::sqrt(1 + slope * slope);
 }
 
+bool synthetic_water(const SyntheticTerrain& terrain, double x, double y) {
+  return synthetic_river_distance(terrain, x, y) <= terrain.river_half_width ||
+         in_canal(terrain, x, y);
+}
+
 double synthetic_ground(const SyntheticTerrain& terrain, double x, double y) {
-  if (!terrain.river) return terrain.base + terrain.relief * hills(terrain, x, y);
+  const double added = relief_added(terrain, x, y);
+  if (!terrain.river) return terrain.base + terrain.relief * hills(terrain, x, y) + added;
   const double ashore = synthetic_river_distance(terrain, x, y) - terrain.river_half_width;
-  if (ashore <= 0) return terrain.water_level;
+  if (ashore <= 0) return terrain.water_level + added;
   const double bank = std::min(ashore / kBankWidth, 1.0);
   return terrain.water_level + (terrain.base - terrain.water_level) * bank +
          terrain.relief * hills(terrain, x, y) *
-             smooth_step((ashore - 4 * kBankWidth) / terrain.valley);
+             smooth_step((ashore - 4 * kBankWidth) / terrain.valley) +
+         added;
 }
 
 }  // namespace tetropolis

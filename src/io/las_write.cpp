@@ -138,7 +138,8 @@ void add_crs(const LazWriter& writer, laszip_header_struct& header, const std::s
 }
 
 void write_records(const LazWriter& writer, const Quantised& points,
-                   const std::vector<std::uint8_t>& classes, bool extended) {
+                   const std::vector<std::uint8_t>& classes, std::span<const std::uint8_t> flags,
+                   bool extended) {
   laszip_point_struct* point = nullptr;
   writer.check(laszip_get_point_pointer(writer.get(), &point));
   point->return_number = 1;
@@ -152,6 +153,12 @@ void write_records(const LazWriter& writer, const Quantised& points,
     point->Z = points.values[2][i];
     point->classification = classes[i] < 32 ? classes[i] & 0x1F : 0;
     point->extended_classification = classes[i];
+    if (!flags.empty()) {
+      point->synthetic_flag = (flags[i] & kSyntheticPoint) != 0 ? 1 : 0;
+      point->keypoint_flag = (flags[i] & kKeyPoint) != 0 ? 1 : 0;
+      point->withheld_flag = (flags[i] & kWithheldPoint) != 0 ? 1 : 0;
+      point->extended_classification_flags = flags[i] & 0x0F;
+    }
     writer.check(laszip_write_point(writer.get()));
   }
 }
@@ -184,6 +191,7 @@ void write_points(const fs::path& path, const PointCloud& cloud, Point2 origin,
                   const WritePointsOptions& options) {
   assert(cloud.y.size() == cloud.size() && cloud.z.size() == cloud.size());
   assert(cloud.classification.size() == cloud.size());
+  assert(options.flags.empty() || options.flags.size() == cloud.size());
   check_request(path, cloud, options);
   const std::string crs = normalise_crs(options.crs);
   Quantised points;
@@ -201,7 +209,7 @@ void write_points(const fs::path& path, const PointCloud& cloud, Point2 origin,
     writer.check(laszip_request_native_extension(writer.get(), 1));
     writer.check(
         laszip_open_writer_stream(writer.get(), file.stream(), wants_compression(path), 0));
-    write_records(writer, points, cloud.classification, options.point_format == 6);
+    write_records(writer, points, cloud.classification, options.flags, options.point_format == 6);
     writer.check(laszip_close_writer(writer.get()));
   }
   file.commit();

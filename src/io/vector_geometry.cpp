@@ -1,11 +1,17 @@
 #include "vector_geometry.h"
 
+#include <algorithm>
 #include <cmath>
+#include <cstddef>
+#include <limits>
 #include <memory>
 #include <type_traits>
 #include <utility>
+#include <vector>
 
 #include <ogr_core.h>
+
+#include "tetropolis/geometry/polygon.h"
 
 namespace tetropolis {
 
@@ -31,6 +37,50 @@ bool read_ring(OGRGeometryH ring, Ring& result) {
   return true;
 }
 
+/// Whether all of `inner` lies within `outer`, which is larger.
+bool encloses(const Ring& outer, const Ring& inner) {
+  if (!(std::abs(signed_area(outer)) > std::abs(signed_area(inner)))) return false;
+  const Bounds2 box = bounds(outer);
+  const Polygon around{outer, {}};
+  return box.contains(inner.front()) &&
+         std::all_of(inner.begin(), inner.end(), [&](Point2 p) { return contains(around, p); });
+}
+
+/// GDAL tells the rings of a shapefile apart by their turn. Where a writer turned all of them the
+/// wrong way, it takes the yard for the building and the building for a hole in it.
+void put_widest_ring_first(Polygon& polygon) {
+  for (Ring& hole : polygon.holes)
+    if (encloses(hole, polygon.outer)) std::swap(hole, polygon.outer);
+}
+
+/// Several yards are polygons of their own for GDAL then: parts within a part, turned against it.
+/// They become holes again; parts that turn alike stay parts, whatever they overlap.
+void take_yards_for_holes(std::vector<PolygonPart>& parts) {
+  const auto turn = [](const PolygonPart& part) { return signed_area(part.polygon.outer) > 0; };
+  const auto alike = [&](const PolygonPart& part) { return turn(part) == turn(parts.front()); };
+  if (parts.size() < 2 || std::all_of(parts.begin(), parts.end(), alike)) return;
+  std::vector<bool> is_hole(parts.size(), false);
+  std::vector<std::size_t> around(parts.size(), 0);  // The smallest part that encloses each.
+  for (std::size_t j = 0; j < parts.size(); ++j) {
+    if (!parts[j].reason.empty()) continue;
+    std::size_t depth = 0;
+    double least = std::numeric_limits<double>::infinity();
+    for (std::size_t i = 0; i < parts.size(); ++i) {
+      if (!parts[i].reason.empty() || !encloses(parts[i].polygon.outer, parts[j].polygon.outer))
+        continue;
+      ++depth;
+      const double size = std::abs(signed_area(parts[i].polygon.outer));
+      if (size < least) around[j] = i;
+      least = std::min(least, size);
+    }
+    is_hole[j] = depth % 2 == 1 && turn(parts[around[j]]) != turn(parts[j]);
+  }
+  for (std::size_t j = 0; j < parts.size(); ++j)
+    if (is_hole[j]) parts[around[j]].polygon.holes.push_back(parts[j].polygon.outer);
+  std::size_t j = 0;
+  std::erase_if(parts, [&](const PolygonPart&) { return is_hole[j++]; });
+}
+
 PolygonPart read_polygon(OGRGeometryH polygon) {
   PolygonPart part;
   const int rings = OGR_G_GetGeometryCount(polygon);
@@ -49,6 +99,7 @@ PolygonPart read_polygon(OGRGeometryH polygon) {
     else if (ring.size() >= 3)
       part.polygon.holes.push_back(std::move(ring));
   }
+  put_widest_ring_first(part.polygon);
   if (part.polygon.outer.size() < 3) part.reason = "a polygon of fewer than three vertices";
   return part;
 }
@@ -108,6 +159,7 @@ FlatGeometry flatten(OGRGeometryH geometry) {
     }
   }
   collect(geometry, 0, result);
+  take_yards_for_holes(result.parts);
   if (result.parts.empty())
     result.reason = reason_without_polygons(OGR_G_GetGeometryType(geometry));
   return result;

@@ -19,6 +19,7 @@
 #include "tetropolis/io/vector.h"
 
 #include "stages.h"
+#include "synth_adversarial.h"
 
 namespace tetropolis {
 
@@ -209,6 +210,13 @@ Report run_synth(const Config& config, const RunHooks& hooks) {
   Report report = begin_report("synth", config);
   StepClock clock(hooks, report);
   OutputFolder out(config.out);
+  if (config.kind == "adversarial") {
+    const auto outdated = synth_adversarial(config, out, clock, report);
+    finish(report, out);
+    std::error_code ignored;
+    for (const std::filesystem::path& file : outdated) std::filesystem::remove(file, ignored);
+    return report;
+  }
   const bool blocks = config.kind == "blocks";
   const SyntheticCity city = clock.run("0.1", "invent the city", [&](const Progress& progress) {
     const auto seed = static_cast<std::uint64_t>(config.seed);

@@ -31,4 +31,12 @@ enum PointClass : std::uint8_t {
   kHighNoise = 18,
 };
 
+/// The flags of a LAS point (LAS 1.4 R15, table 16; in the order of its bits).
+enum PointFlag : std::uint8_t {
+  kSyntheticPoint = 1,
+  kKeyPoint = 2,
+  kWithheldPoint = 4,
+  kOverlapPoint = 8,  ///< Point formats 6 and above only.
+};
+
 }  // namespace tetropolis

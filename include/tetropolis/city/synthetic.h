@@ -30,11 +30,24 @@ struct SyntheticTerrain {
   double river_half_width = 0;  ///< Metres.
   double water_level = 0;       ///< Elevation, below `base`.
   double valley = 1;            ///< Metres from the banks over which the hills rise.
+  Point2 slope;                 ///< Rise per metre to the east and to the north.
+  double step_height = 0;       ///< A wall of rock: so many metres higher where the position times
+                                ///< step_normal exceeds step_offset.
+  Point2 step_normal{1, 0};
+  double step_offset = 0;
+  double canal_spacing = 0;     ///< Canals along the lines x and y = spacing * (k + 1/2), metres;
+                                ///< 0: none. What lies between them are islands.
+  double canal_half_width = 0;  ///< Metres.
+  double canal_depth = 0;       ///< Of the water's surface below the banks, metres.
 };
 
 /// Elevation of the terrain without buildings and trees as a laser sees it, so the water level in
-/// the river. Metres. Continuous; steep only at the banks.
+/// the river and the canals. Metres. Continuous, and steep only at the banks of the river, unless
+/// there are walls of rock or canals.
 double synthetic_ground(const SyntheticTerrain& terrain, double x, double y);
+
+/// Whether the position is in the river or in a canal.
+bool synthetic_water(const SyntheticTerrain& terrain, double x, double y);
 
 /// Distance from the river's centre line, approximately (exactly where the river runs straight); at
 /// most river_half_width means water. Infinity without a river. Metres.

@@ -99,6 +99,7 @@ struct WritePointsOptions {
   int point_format = 1;  ///< 1 (LAS 1.2) or 6 (LAS 1.4).
   double scale = 0.001;  ///< Of x, y and z; metres per unit of the stored integers, > 0.
   std::string crs;       ///< Stored if it is an EPSG code (GeoTIFF keys; WKT too in LAS 1.4).
+  std::span<const std::uint8_t> flags{};  ///< Per point, of PointFlag; empty: none is set.
 };
 
 /// Writes points as single returns, rounded to `scale`. LAZ if the extension is .laz, else LAS.

@@ -69,6 +69,7 @@ struct Config {
   int seed = 1;
   double point_density = 2;
   double relief = -1;
+  std::vector<std::string> defects;
 
   // Run.
   std::string max_memory;  ///< As "8G"; empty: nine tenths of the machine's.

@@ -1,0 +1,145 @@
+#include "synth_adversarial.h"
+
+#include <algorithm>
+#include <filesystem>
+#include <fstream>
+#include <string>
+#include <vector>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "tetropolis/city/synthetic_adversarial.h"
+#include "tetropolis/io/atomic_file.h"
+#include "tetropolis/io/las.h"
+#include "tetropolis/io/raw_vector.h"
+
+namespace tetropolis {
+
+namespace {
+
+namespace fs = std::filesystem;
+using Json = nlohmann::ordered_json;
+
+constexpr const char* kManifest = "manifest.json";
+
+/// "--defects a,b --defects c" -> a b c
+std::vector<std::string> split(const std::vector<std::string>& lists) {
+  std::vector<std::string> names;
+  for (const std::string& list : lists)
+    for (std::size_t begin = 0; begin <= list.size();) {
+      const std::size_t comma = std::min(list.find(',', begin), list.size());
+      if (comma > begin) names.push_back(list.substr(begin, comma - begin));
+      begin = comma + 1;
+    }
+  return names;
+}
+
+/// What the manifest of an earlier city in the folder lists, other than `files`. Only plain names
+/// are believed.
+std::vector<fs::path> left_by_earlier(const fs::path& folder,
+                                      const std::vector<std::string>& files) {
+  std::ifstream file(folder / kManifest);
+  if (!file) return {};
+  const Json manifest = Json::parse(file, nullptr, false);
+  if (!manifest.is_object() || manifest.value("kind", Json()) != "adversarial" ||
+      !manifest.contains("files"))
+    return {};
+  std::vector<fs::path> left;
+  for (const Json& name : manifest["files"]) {
+    if (!name.is_string()) continue;
+    const fs::path path = name.get<std::string>();
+    const bool again = std::find(files.begin(), files.end(), path) != files.end();
+    if (path == path.filename() && !again) left.push_back(folder / path);
+  }
+  return left;
+}
+
+std::vector<std::string> write_files(const AdversarialCity& city, const OutputFolder& out) {
+  std::vector<std::string> files;
+  if (city.as_geojson) {
+    files = {"footprints.geojson"};
+  } else {
+    files = {"footprints.shp", "footprints.shx", "footprints.dbf", "footprints.prj",
+             "footprints.cpg"};
+  }
+  write_raw_features(out / files.front(), city.features, city.origin, city.crs, city.with_z);
+  for (std::size_t k = 0; k < city.tiles.size(); ++k) {
+    const PointTile& tile = city.tiles[k];
+    WritePointsOptions options;
+    options.crs = city.crs;
+    options.flags = tile.flags;
+    // Formats 0 to 5 have room for neither the overlap flag nor classes above 31.
+    bool extended = k % 2 == 1;
+    for (const std::uint8_t code : tile.points.classification) extended |= code > 31;
+    for (const std::uint8_t flags : tile.flags) extended |= (flags & kOverlapPoint) != 0;
+    options.point_format = extended ? 6 : 1;
+    files.push_back(city.tiles.size() == 1 ? "points.laz" : fmt::format("points_{}.laz", k + 1));
+    write_points(out / files.back(), tile.points, city.origin, options);
+  }
+  return files;
+}
+
+Json manifest_of(const AdversarialCity& city, const std::vector<std::string>& files,
+                 const Report& report) {
+  Json ids = Json::array();
+  for (const RawFeature& feature : city.features) ids.push_back(feature.id);
+  Json defects = Json::array();
+  for (const Defect& defect : city.defects)
+    defects.push_back({{"name", defect.name}, {"count", defect.count}});
+  const Bounds2& box = report.domain;
+  return {{"kind", "adversarial"},
+          {"seed", report.config.seed},
+          {"size", city.domain.xmax},
+          {"domain", {box.xmin, box.ymin, box.xmax, box.ymax}},
+          {"needs_bounds", city.needs_bounds},
+          {"refusable", city.refusable},
+          {"defects", defects},
+          {"footprints", files.front()},
+          {"files", files},
+          {"ids", ids}};
+}
+
+std::string describe(const std::string& name) {
+  for (const DefectKind& kind : defect_kinds())
+    if (kind.name == name) return kind.what;
+  return name;
+}
+
+}  // namespace
+
+std::vector<fs::path> synth_adversarial(const Config& config, const OutputFolder& out,
+                                        StepClock& clock, Report& report) {
+  const AdversarialCity city = clock.run("0.1", "invent the city", [&](const Progress& progress) {
+    AdversarialCityOptions options;
+    options.size = config.size > 0 ? config.size : options.size;
+    options.seed = static_cast<std::uint64_t>(config.seed);
+    options.points_per_m2 = config.point_density;
+    options.relief = config.relief < 0 ? options.relief : config.relief;
+    options.defects = split(config.defects);
+    return synthetic_adversarial_city(options, progress);
+  });
+  report.origin = city.origin;
+  report.crs = city.crs;
+  report.domain = {city.domain.xmin + city.origin.x, city.domain.ymin + city.origin.y,
+                   city.domain.xmax + city.origin.x, city.domain.ymax + city.origin.y};
+  InputReport& input = report.input.emplace();
+  for (const PointTile& tile : city.tiles) {
+    input.points_kept += static_cast<std::int64_t>(tile.points.size());
+    for (const std::uint8_t code : tile.points.classification) ++input.points_by_class[code];
+  }
+  input.points_read = input.points_kept;
+  input.footprints_read = static_cast<std::int64_t>(city.features.size());
+  for (const Defect& defect : city.defects)
+    report.warnings.push_back({defect.name, defect.count, describe(defect.name)});
+  const auto files = clock.run("0.2", "write footprints and points", [&](const Progress&) {
+    std::vector<std::string> written = write_files(city, out);
+    AtomicFile file(out / kManifest);
+    file.write(manifest_of(city, written, report).dump(1) + "\n");
+    file.commit();
+    return written;
+  });
+  return left_by_earlier(config.out, files);
+}
+
+}  // namespace tetropolis
