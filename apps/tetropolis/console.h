@@ -34,8 +34,4 @@ class Console {
 /// Writes `text`; a stream that takes nothing (closed, full) is no reason to fail.
 void put(std::FILE* stream, const std::string& text);
 
-/// Set by Ctrl-C, SIGTERM and SIGHUP; a second signal ends the process at once.
-bool interrupted();
-void catch_interrupts();
-
 }  // namespace tetropolis::app

@@ -72,7 +72,7 @@ Report run_build(const Config& config, const RunHooks& hooks) {
   const ThreadLimit limit(config.threads);
   Report report = begin_report("build", config);
   StepClock clock(hooks, report);
-  OutputFolder out(config.out);
+  OutputFolder out(config.out, hooks.output);
   CityAndTerrain stage = make_city(config, out, clock, report);
   keep_domain(stage.city, report);
   make_mesh(config, stage.city, std::move(stage.dtm), out, clock, report);
@@ -85,7 +85,7 @@ Report run_city(const Config& config, const RunHooks& hooks) {
   const ThreadLimit limit(config.threads);
   Report report = begin_report("city", config);
   StepClock clock(hooks, report);
-  OutputFolder out(config.out);
+  OutputFolder out(config.out, hooks.output);
   const CityAndTerrain stage = make_city(config, out, clock, report);
   keep_domain(stage.city, report);
   finish(report, out);
@@ -157,7 +157,7 @@ Report run_mesh(const Config& config, const RunHooks& hooks) {
   const ThreadLimit limit(config.threads);
   Report report = begin_report("mesh", config);
   StepClock clock(hooks, report);
-  OutputFolder out(config.out);
+  OutputFolder out(config.out, hooks.output);
   CityModel city = read_city(config.city, &report.warnings);
   RasterInput terrain = read_raster(config.dtm, city.origin);
   report.warnings.insert(report.warnings.end(), terrain.warnings.begin(), terrain.warnings.end());
@@ -185,7 +185,7 @@ Report run_synth(const Config& config, const RunHooks& hooks) {
   const ThreadLimit limit(config.threads);
   Report report = begin_report("synth", config);
   StepClock clock(hooks, report);
-  OutputFolder out(config.out);
+  OutputFolder out(config.out, hooks.output);
   const bool blocks = config.kind == "blocks";
   const SyntheticCity city = clock.run("0.1", "invent the city", [&](const Progress& progress) {
     const auto seed = static_cast<std::uint64_t>(config.seed);

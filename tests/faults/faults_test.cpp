@@ -1,0 +1,365 @@
+// The real program when things go wrong around it: no room, no folder, no memory, signals, inputs
+// that change. Nothing that looks like a result is left, one line says what happened, and an
+// earlier result in the same folder is whole.
+#include <algorithm>
+#include <chrono>
+#include <csignal>
+#include <fstream>
+#include <random>
+#include <set>
+#include <thread>
+
+#include <gtest/gtest.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include "program.h"
+#include "support/test_data.h"
+
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+#define TETROPOLIS_SANITIZED 1
+#else
+#define TETROPOLIS_SANITIZED 0
+#endif
+
+namespace tetropolis {
+namespace {
+
+namespace fs = std::filesystem;
+using testing::Ending;
+using testing::Process;
+using testing::ProcessLimits;
+using testing::snapshot;
+using testing::staging_folders;
+using testing::wait_for_staging;
+using Contents = std::map<std::string, std::string>;
+using Clock = std::chrono::steady_clock;
+
+class Faults : public ::testing::Test {
+ protected:
+  /// A small city in input/, open to everybody.
+  void SetUp() override {
+    fs::permissions(scratch.path(), fs::perms(0755));
+    fs::create_directory(work);
+    fs::permissions(work, fs::perms(0777));
+    const Ending made = run({"synth", "--quiet", "--kind", "blocks", "--size", "250", "--out",
+                             (scratch / "input").string()});
+    ASSERT_EQ(made.code, 0) << made.err;
+  }
+
+  void TearDown() override {
+    std::error_code ignored;
+    fs::permissions(work, fs::perms(0777), ignored);
+    fs::permissions(work / "result", fs::perms(0777), ignored);
+  }
+
+  static std::vector<std::string> command(std::vector<std::string> arguments) {
+    arguments.insert(arguments.begin(), TETROPOLIS_PROGRAM);
+    return arguments;
+  }
+
+  Ending run(const std::vector<std::string>& arguments, const ProcessLimits& limits = {}) {
+    return Process(work, command(arguments), limits).wait();
+  }
+
+  /// build into work/result, or `out`.
+  std::vector<std::string> build(const std::vector<std::string>& more = {},
+                                 const std::string& out = "result") {
+    std::vector<std::string> arguments{"build",        "--quiet",
+                                       "--footprints", (scratch / "input/footprints.shp").string(),
+                                       "--points",     (scratch / "input/points.laz").string(),
+                                       "--out",        out};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    return arguments;
+  }
+
+  /// An earlier result of other settings, and a file of the user beside it.
+  Contents make_earlier(const ProcessLimits& limits = {}) {
+    const Ending made = run(build({"--mesh-size", "20", "--formats", "vtu,openfoam"}), limits);
+    EXPECT_EQ(made.code, 0) << made.err;
+    std::ofstream(work / "result/notes.txt") << "mine";
+    return snapshot(work);
+  }
+
+  static void expect_one_line(const Ending& ending) {
+    EXPECT_EQ(std::count(ending.err.begin(), ending.err.end(), '\n'), 1) << ending.err;
+    EXPECT_TRUE(ending.err.starts_with("tetropolis: ")) << ending.err;
+    EXPECT_EQ(ending.err.find("internal error"), std::string::npos) << ending.err;
+    EXPECT_EQ(ending.err.find("std::"), std::string::npos) << ending.err;
+  }
+
+  /// A run that failed with `code`: one line, no trace, everything in work/ as it was.
+  void expect_nothing_new(const Ending& ending, int code, const Contents& before) {
+    EXPECT_EQ(ending.code, code) << ending.err;
+    expect_one_line(ending);
+    EXPECT_TRUE(snapshot(work) == before);
+    EXPECT_TRUE(staging_folders(work).empty());
+  }
+
+  /// How long a whole build takes here, for moments within one.
+  Clock::duration duration_of(const std::vector<std::string>& arguments) {
+    const auto start = Clock::now();
+    EXPECT_EQ(run(arguments).code, 0);
+    return Clock::now() - start;
+  }
+
+  testing::TemporaryFolder scratch;
+  fs::path work = scratch / "work";
+};
+
+const std::vector<std::string> kAllFormats{"--formats", "vtu,xdmf,msh,openfoam,obj,ply,glb"};
+
+/// The sizes of everything a run writes, each one less a byte: one file after the other fails.
+TEST_F(Faults, FilesThatMayNotGrowFailOneAfterTheOther) {
+  ASSERT_EQ(run(build(kAllFormats, "whole")).code, 0);
+  std::set<std::uintmax_t> sizes{1, 4096};
+  for (const auto& entry : fs::recursive_directory_iterator(work / "whole"))
+    if (entry.is_regular_file()) sizes.insert(entry.file_size());
+  fs::remove_all(work / "whole");
+  const Contents before = make_earlier();
+  for (const std::uintmax_t size : sizes) {
+    SCOPED_TRACE("files of at most " + std::to_string(size - 1) + " bytes");
+    ProcessLimits limits;
+    limits.file_size = size - 1;
+    const Ending ending = run(build(kAllFormats), limits);
+    expect_nothing_new(ending, 3, before);
+    EXPECT_NE(ending.err.find("result"), std::string::npos) << ending.err;
+  }
+}
+
+TEST_F(Faults, FullDiskLeavesNothingAndSaysSo) {
+  // A small disk in a name space of its own; its content is listed from inside.
+  const std::string script =
+      "mount -t tmpfs -o size=SIZE tmpfs . || exit 77; "
+      "if [ SIZE = 1m ]; then mkdir result; echo old >result/report.json; fi; "
+      "\"$@\"; code=$?; find . -mindepth 1 | sort >&2; cat result/report.json >&2 2>/dev/null; "
+      "exit $code";
+  int tried = 0;
+  for (const std::string size : {"64k", "1m", "3m"}) {
+    SCOPED_TRACE(size);
+    std::string sized = script;
+    for (std::size_t at; (at = sized.find("SIZE")) != std::string::npos;)
+      sized.replace(at, 4, size);
+    std::vector<std::string> words{
+        "/usr/bin/unshare", geteuid() == 0 ? "-m" : "-Urm", "/bin/sh", "-c", sized, "sh",
+        TETROPOLIS_PROGRAM};
+    for (const std::string& word :
+         build({"--mesh-size", "4", "--formats", "vtu,xdmf,msh,openfoam,obj,ply,glb"}))
+      words.push_back(word);
+    const Ending ending = Process(work, words).wait();
+    if (ending.code == 77 || ending.code == 126 || ending.code == 1)
+      GTEST_SKIP() << "no mount of our own here: " << ending.err;
+    ++tried;
+    EXPECT_EQ(ending.code, 3) << ending.err;
+    const std::size_t line = ending.err.find('\n');
+    EXPECT_NE(ending.err.substr(0, line).find("No space left"), std::string::npos) << ending.err;
+    EXPECT_EQ(ending.err.substr(line + 1),
+              size == "1m" ? "./result\n./result/report.json\nold\n" : "");
+  }
+  EXPECT_EQ(tried, 3);
+}
+
+TEST_F(Faults, FolderRemovedDuringTheRun) {
+  for (const int delay : {0, 30, 100}) {
+    SCOPED_TRACE(delay);
+    fs::create_directory(work / "deep");
+    Process process(work, command(build({"--mesh-size", "2"}, "deep/result")));
+    ASSERT_TRUE(wait_for_staging(work / "deep", process));
+    std::this_thread::sleep_for(std::chrono::milliseconds(delay));
+    std::error_code ignored;
+    while (fs::exists(work / "deep") && !process.ended()) fs::remove_all(work / "deep", ignored);
+    const Ending ending = process.wait();
+    expect_nothing_new(ending, 3, {});
+    EXPECT_NE(ending.err.find("deep"), std::string::npos) << ending.err;
+  }
+}
+
+TEST_F(Faults, FolderMadeReadOnlyDuringTheRun) {
+  ProcessLimits limits;
+  limits.unprivileged = true;
+  fs::permissions(scratch / "input", fs::perms(0755));
+  if (run({"--version"}, limits).code != 0) GTEST_SKIP() << "the program cannot be run by others";
+  const Contents before = make_earlier(limits);
+  {
+    // The folder of the earlier result: it stays as it is.
+    Process process(work, command(build({"--mesh-size", "4"})), limits);
+    ASSERT_TRUE(wait_for_staging(work, process));
+    fs::permissions(work / "result", fs::perms(0555));
+    const Ending ending = process.wait();
+    fs::permissions(work / "result", fs::perms(0777));
+    expect_nothing_new(ending, 3, before);
+    EXPECT_NE(ending.err.find("Permission denied"), std::string::npos) << ending.err;
+  }
+  {
+    // The folder around: even the hidden folder cannot be removed, but it is emptied.
+    Process process(work, command(build({"--mesh-size", "4"}, "other")), limits);
+    ASSERT_TRUE(wait_for_staging(work, process));
+    fs::permissions(work, fs::perms(0555));
+    const Ending ending = process.wait();
+    fs::permissions(work, fs::perms(0777));
+    EXPECT_EQ(ending.code, 3) << ending.err;
+    expect_one_line(ending);
+    EXPECT_TRUE(snapshot(work) == before);
+    for (const fs::path& folder : staging_folders(work)) EXPECT_TRUE(fs::is_empty(folder));
+  }
+}
+
+TEST_F(Faults, InterruptsAtRandomMomentsLeaveTheEarlierResult) {
+  const Contents before = make_earlier();
+  const auto whole = duration_of(build({"--mesh-size", "3"}, "again"));
+  fs::remove_all(work / "again");
+  const unsigned seed = testing::test_seed();
+  SCOPED_TRACE(seed);
+  std::mt19937 random(seed);
+  std::uniform_real_distribution<double> share(0, 0.9);
+  int interrupted = 0;
+  for (int round = 0; round < 12; ++round) {
+    const int number = round % 3 == 0 ? SIGTERM : round % 3 == 1 ? SIGINT : SIGHUP;
+    SCOPED_TRACE("round " + std::to_string(round));
+    Process process(work, command(build({"--mesh-size", "3"}, round % 2 ? "result" : "fresh")));
+    ASSERT_TRUE(wait_for_staging(work, process));
+    std::this_thread::sleep_for(whole * share(random));
+    process.signal(number);
+    const Ending ending = process.wait();
+    if (ending.code == 0) {
+      // The end was nearer than the signal: then it is a whole result.
+      EXPECT_EQ(run({"check", round % 2 ? "result" : "fresh"}).code, 0);
+      fs::remove_all(work / "fresh");
+      if (round % 2) break;
+      continue;
+    }
+    ++interrupted;
+    expect_nothing_new(ending, 130, before);
+    EXPECT_EQ(ending.err, "tetropolis: interrupted; nothing was written\n");
+  }
+  EXPECT_GT(interrupted, 0);
+}
+
+TEST_F(Faults, KillsAtRandomMomentsLeaveTheEarlierResultAndTheNextRunTidiesUp) {
+  const Contents before = make_earlier();
+  const auto whole = duration_of(build({"--mesh-size", "4"}, "again"));
+  fs::remove_all(work / "again");
+  const unsigned seed = testing::test_seed();
+  SCOPED_TRACE(seed);
+  std::mt19937 random(seed + 1);
+  std::uniform_real_distribution<double> share(0, 0.9);
+  for (int round = 0; round < 16; ++round) {
+    SCOPED_TRACE("round " + std::to_string(round));
+    Process process(work, command(build({"--mesh-size", "4"}, round % 2 ? "result" : "fresh")));
+    ASSERT_TRUE(wait_for_staging(work, process));
+    std::this_thread::sleep_for(whole * share(random));
+    process.signal(SIGKILL);
+    if (process.wait().code == 0) {
+      fs::remove_all(work / "fresh");
+      if (round % 2) break;
+      continue;
+    }
+    // Hidden folders may be there; nothing else is.
+    EXPECT_TRUE(snapshot(work) == before);
+    EXPECT_LE(staging_folders(work).size(), 2U) << "one per target: the next run removes them";
+  }
+  ASSERT_EQ(run(build({"--mesh-size", "10"})).code, 0);
+  ASSERT_EQ(run(build({"--mesh-size", "10"}, "fresh")).code, 0);
+  EXPECT_TRUE(staging_folders(work).empty());
+  EXPECT_EQ(run({"check", "result"}).code, 0);
+}
+
+TEST_F(Faults, RunsIntoOneFolderLeaveEachOtherAlone) {
+  Process slow(work, command(build({"--mesh-size", "3"})));
+  ASSERT_TRUE(wait_for_staging(work, slow));
+  const Ending quick = run(build({"--mesh-size", "20"}));
+  EXPECT_EQ(quick.code, 0) << quick.err;
+  const Ending ending = slow.wait();
+  EXPECT_EQ(ending.code, 0) << ending.err;
+  EXPECT_TRUE(staging_folders(work).empty());
+  EXPECT_EQ(run({"check", "result"}).code, 0);
+}
+
+TEST_F(Faults, TooLittleMemoryIsSaidInOneLine) {
+  if (TETROPOLIS_SANITIZED) GTEST_SKIP() << "sanitizers reserve address space of their own";
+  const Contents before = make_earlier();
+  int failed = 0;
+  for (const int megabytes : {200, 250, 300, 350, 400, 500, 600, 800}) {
+    SCOPED_TRACE(std::to_string(megabytes) + " MB of address space");
+    ProcessLimits limits;
+    limits.address_space = static_cast<rlim_t>(megabytes) << 20;
+    const Ending ending = run(build({"--mesh-size", "1", "--threads", "2"}), limits);
+    if (ending.code == 0) break;
+    ++failed;
+    expect_nothing_new(ending, 1, before);
+    EXPECT_NE(ending.err.find("memory"), std::string::npos) << ending.err;
+  }
+  EXPECT_GT(failed, 0);
+}
+
+TEST_F(Faults, PointFileThatShrinksWhileItIsRead) {
+  // Enough points for the file to be cut while they are read.
+  ASSERT_EQ(run({"synth", "--quiet", "--buildings", "40", "--size", "700", "--point-density", "4",
+                 "--out", (scratch / "input").string()})
+                .code,
+            0);
+  const fs::path points = scratch / "input/points.laz";
+  const fs::path copy = scratch / "copy.laz";
+  fs::copy_file(points, copy);
+  const std::uintmax_t size = fs::file_size(points);
+  const unsigned seed = testing::test_seed();
+  SCOPED_TRACE(seed);
+  std::mt19937 random(seed + 2);
+  int failed = 0;
+  for (int round = 0; round < 12; ++round) {
+    fs::copy_file(copy, points, fs::copy_options::overwrite_existing);
+    Process process(work, command(build({"--mesh-size", "20", "--threads", "1"}, "fresh")));
+    ASSERT_TRUE(wait_for_staging(work, process));
+    std::this_thread::sleep_for(std::chrono::milliseconds(random() % 120));
+    fs::resize_file(points, size * (random() % 90) / 100);
+    const Ending ending = process.wait();
+    if (ending.code == 0) {
+      EXPECT_EQ(run({"check", "fresh"}).code, 0);
+      fs::remove_all(work / "fresh");
+      continue;
+    }
+    ++failed;
+    expect_nothing_new(ending, 3, {});
+    EXPECT_NE(ending.err.find("points.laz"), std::string::npos) << ending.err;
+  }
+  EXPECT_GT(failed, 0);
+}
+
+TEST_F(Faults, OneUnreadableFileAmongFiveHundredIsNamed) {
+  const fs::path tiles = scratch / "tiles";
+  fs::create_directory(tiles);
+  fs::copy_file(scratch / "input/points.laz", tiles / "tile_000.laz");
+  for (int i = 1; i < 500; ++i) {
+    char name[32];
+    std::snprintf(name, sizeof name, "tile_%03d.laz", i);
+    fs::create_hard_link(tiles / "tile_000.laz", tiles / name);
+  }
+  const fs::path bad = tiles / "tile_317.laz";
+  std::vector<std::string> arguments = build();
+  *(std::find(arguments.begin(), arguments.end(), "--points") + 1) = tiles.string();
+  const auto expect_named = [&](const ProcessLimits& limits, const char* reason) {
+    const Ending ending = run(arguments, limits);
+    expect_nothing_new(ending, 3, {});
+    EXPECT_NE(ending.err.find("tile_317.laz"), std::string::npos) << ending.err;
+    EXPECT_NE(ending.err.find(reason), std::string::npos) << ending.err;
+  };
+  fs::remove(bad);
+  std::ofstream(bad) << "LASF but no more";
+  expect_named({}, "cut");
+  fs::remove(bad);
+  fs::create_symlink("nowhere", bad);
+  expect_named({}, "tile_317");
+  fs::remove(bad);
+  fs::create_directory(bad);
+  std::ofstream(bad / "file") << "x";
+  expect_named({}, "ordinary file");
+  fs::remove_all(bad);
+  fs::copy_file(tiles / "tile_000.laz", bad);
+  fs::permissions(bad, fs::perms(0));
+  ProcessLimits limits;
+  limits.unprivileged = true;
+  if (run({"--version"}, limits).code == 0) expect_named(limits, "Permission denied");
+}
+
+}  // namespace
+}  // namespace tetropolis
