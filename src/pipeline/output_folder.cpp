@@ -203,17 +203,12 @@ OutputFolder::OutputFolder(const fs::path& target, OutputWatcher watcher)
   }
   create_staging(target);
   // An existing target must be writable itself: find out before the work, not after it.
-  if (fs::exists(target_, error)) {
-    std::string probe = (target_ / ".probe-XXXXXX").string();
-    const int file = mkstemp(probe.data());
-    if (file < 0) {
-      const std::string reason = std::strerror(errno);
-      fs::remove_all(staging_, error);
-      if (lock_ >= 0) ::close(lock_);
-      fail(target, reason);
-    }
-    ::close(file);
-    fs::remove(probe, error);
+  if (fs::exists(target_, error) &&
+      ::faccessat(AT_FDCWD, target_.c_str(), W_OK | X_OK, AT_EACCESS) != 0) {
+    const std::string reason = std::strerror(errno);
+    fs::remove_all(staging_, error);
+    if (lock_ >= 0) ::close(lock_);
+    fail(target, reason);
   }
   // mkdtemp makes private folders; results get the usual permissions.
   const mode_t mask = umask(0);
