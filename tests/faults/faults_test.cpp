@@ -260,6 +260,21 @@ TEST_F(Faults, InterruptsInEveryStepLeaveTheEarlierResult) {
   EXPECT_GT(interrupted, kSteps / 2);
 }
 
+TEST_F(Faults, InterruptEndsAStepThatWaitsForEver) {
+  const Contents before = make_earlier();
+  const fs::path never = scratch / "never.city.json";
+  ASSERT_EQ(mkfifo(never.c_str(), 0666), 0);
+  for (const int signals : {1, 2}) {
+    Process process(work, command({"mesh", "--quiet", "--city", never.string(), "--dtm", "dtm.tif",
+                                   "--out", "result"}));
+    ASSERT_TRUE(wait_for_staging(work, process));
+    // The folder is there a moment before the program says what to remove.
+    std::this_thread::sleep_for(std::chrono::milliseconds(200));
+    for (int i = 0; i < signals; ++i) process.signal(SIGINT);
+    expect_nothing_new(process.wait(), 130, before);
+  }
+}
+
 TEST_F(Faults, KillsInEveryStepLeaveTheEarlierResultAndTheNextRunTidiesUp) {
   Contents before = make_earlier();
   const unsigned seed = testing::test_seed();
