@@ -5,6 +5,7 @@
 #include "tetropolis/pipeline/check_results.h"
 
 #include "commands.h"
+#include "interrupts.h"
 
 namespace tetropolis::app {
 

@@ -1,7 +1,6 @@
 #include "console.h"
 
 #include <cerrno>
-#include <csignal>
 #include <cstring>
 
 #include <fmt/format.h>
@@ -9,27 +8,9 @@
 
 #include "tetropolis/core/error.h"
 
+#include "interrupts.h"
+
 namespace tetropolis::app {
-
-namespace {
-
-volatile std::sig_atomic_t interrupt_seen = 0;
-
-void on_interrupt(int signal) {
-  interrupt_seen = 1;
-  std::signal(signal, SIG_DFL);
-}
-
-}  // namespace
-
-bool interrupted() { return interrupt_seen != 0; }
-
-void catch_interrupts() {
-  for (const int signal : {SIGINT, SIGTERM, SIGHUP}) std::signal(signal, on_interrupt);
-  // A reader that went away or a file that may not grow shows as a failed write, not as a sudden
-  // end.
-  for (const int signal : {SIGPIPE, SIGXFSZ}) std::signal(signal, SIG_IGN);
-}
 
 void put(std::FILE* stream, const std::string& text) { std::fputs(text.c_str(), stream); }
 
@@ -46,6 +27,8 @@ Console::Console(bool quiet, const std::string& log)
   if (log_ == nullptr)
     throw Error(ErrorKind::kUsage,
                 fmt::format("--log: {} cannot be written: {}", log, std::strerror(errno)));
+  // Whatever ends the run, the log has its last line.
+  std::setvbuf(log_, nullptr, _IOLBF, BUFSIZ);
 }
 
 Console::~Console() {
@@ -74,6 +57,7 @@ void Console::error(const std::string& text) {
 RunHooks Console::hooks() {
   RunHooks hooks;
   hooks.cancelled = interrupted;
+  hooks.output = watch_output();
   hooks.step_begins = [this](const StepReport& step) {
     step_ = fmt::format("{}  {}", step.id, step.name);
     last_percent_ = -1;

@@ -38,8 +38,4 @@ void put(std::FILE* stream, const std::string& text);
 /// libraries may hold some, and an error is one line.
 std::string one_line(std::string text);
 
-/// Set by Ctrl-C, SIGTERM and SIGHUP; a second signal ends the process at once.
-bool interrupted();
-void catch_interrupts();
-
 }  // namespace tetropolis::app

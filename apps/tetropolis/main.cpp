@@ -15,14 +15,13 @@
 
 #include "commands.h"
 #include "console.h"
+#include "interrupts.h"
 #include "options.h"
 
 namespace {
 
 using namespace tetropolis;
 using namespace tetropolis::app;
-
-constexpr int kInterruptedExit = 130;
 
 /// The lines after a run: what came out, in one screen.
 void print_summary(const Report& report, Console& console) {
@@ -197,7 +196,7 @@ int guarded(const std::function<int()>& action) {
   } catch (const Error& error) {
     return fail(error.what(), static_cast<int>(error.kind()));
   } catch (const Cancelled&) {
-    return fail("interrupted; nothing was written", kInterruptedExit);
+    return say_interrupted();
   } catch (const std::bad_alloc&) {
     return fail("out of memory; use a smaller domain or a larger --mesh-size", 1);
   } catch (const std::exception& error) {

@@ -241,7 +241,7 @@ HeightsCheck check_heights(const SurfaceMesh& surface, std::array<double, 3> shi
     const auto v = static_cast<std::size_t>(vertex);
     if (building < 0 || building >= static_cast<BuildingIndex>(city.buildings.size())) {
       note_violation(check.violations, "roofs of buildings that the city model lacks",
-                     [&] { return fmt::format("building {}", building); });
+                     [&, building = building] { return fmt::format("building {}", building); });
       continue;
     }
     const double wanted = city.buildings[static_cast<std::size_t>(building)].h_roof;

@@ -27,7 +27,9 @@ std::uint32_t hilbert_index(std::uint32_t x, std::uint32_t y) {
 
 HilbertCurve::HilbertCurve(const Bounds2& box) : box_(box) {
   const double extent = std::max(box.width(), box.height());
-  if (extent > 0 && std::isfinite(extent)) scale_ = 65535.0 / extent;
+  // The scale of an extent near the smallest doubles would not be finite either.
+  const double scale = 65535.0 / extent;
+  if (extent > 0 && std::isfinite(extent) && std::isfinite(scale)) scale_ = scale;
 }
 
 std::uint32_t HilbertCurve::operator()(Point2 p) const {

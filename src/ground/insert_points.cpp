@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include <fmt/format.h>
 
@@ -19,6 +20,26 @@ void check_point(Point2 p, const char* role, std::size_t index) {
   throw Error(ErrorKind::kInput,
               fmt::format("{} {}: coordinates ({}, {}) are not finite or too large; remove it",
                           role, index, p.x, p.y));
+}
+
+// The exact predicates lose digits to underflow beyond this (predicates.h).
+void check_spread(const PlanarGraph& graph) {
+  constexpr double kLeast = 1e-100, kMostSpread = 1e100;
+  double least = std::numeric_limits<double>::infinity(), most = 0;
+  const auto measure = [&](Point2 p) {
+    for (const double value : {std::abs(p.x), std::abs(p.y)}) {
+      if (value > 0) least = std::min(least, value);
+      most = std::max(most, value);
+    }
+  };
+  for (const Point2 p : graph.points) measure(p);
+  for (const Point2 p : graph.holes) measure(p);
+  for (const RegionSeed& region : graph.regions) measure(region.seed);
+  if (most == 0 || (least >= kLeast && most / least <= kMostSpread)) return;
+  throw Error(ErrorKind::kInput,
+              fmt::format("a coordinate of magnitude {} beside one of {} is too small to be told "
+                          "from zero; make it 0",
+                          least, most));
 }
 
 // Scrambles an index; deterministic stand-in for a coin toss (finaliser of splitmix64, Steele, Lea
@@ -53,6 +74,7 @@ void check_graph(const PlanarGraph& graph) {
   for (std::size_t i = 0; i < graph.holes.size(); ++i) check_point(graph.holes[i], "hole", i);
   for (std::size_t i = 0; i < graph.regions.size(); ++i)
     check_point(graph.regions[i].seed, "region", i);
+  check_spread(graph);
   const auto n = static_cast<std::int64_t>(graph.points.size());
   for (std::size_t i = 0; i < graph.segments.size(); ++i) {
     for (const VertexIndex v : graph.segments[i]) {

@@ -60,7 +60,7 @@ class Corridor {
 class SegmentInserter {
  public:
   SegmentInserter(TriMesh& mesh, std::int64_t& crossings, std::int64_t segments)
-      : mesh_(mesh), crossings_(crossings), limit_(1'000'000 + 4 * segments * segments) {}
+      : mesh_(mesh), crossings_(crossings), limit_(10'000 + 4 * segments * segments) {}
 
   void insert(std::int32_t a, std::int32_t b, std::int32_t input) {
     tasks_.push_back({a, b, input});
@@ -126,7 +126,7 @@ class SegmentInserter {
       // he's origin was right of the segment; n runs the other way.
       he = side > 0 ? TriMesh::next(n) : TriMesh::prev(n);
     }
-    flip_away(task.a, end);
+    flip_away(task, end);
     mesh_.constrain(mesh_.find_edge(task.a, end), task.input);
     for (const auto& [p, q] : created_) {
       const std::int32_t edge = mesh_.find_edge(p, q);
@@ -138,11 +138,21 @@ class SegmentInserter {
 
   // Sloan 1993: turn the crossing edges one after the other; one whose quadrilateral is not convex,
   // or which still crosses after its turn, goes to the back of the queue.
-  void flip_away(std::int32_t from, std::int32_t to) {
+  // Among points nearer to one another than the corridor is wide, edges that cross the way to b
+  // need not cross the way to the vertex found on it: turning them would never end.
+  void flip_away(const Task& task, std::int32_t to) {
+    const std::int32_t from = task.a;
+    auto turns = static_cast<std::int64_t>(crossing_.size());
+    turns = 1000 + 16 * turns * turns;
     const Point2 a = mesh_.point(from);
     const Point2 b = mesh_.point(to);
     created_.clear();
     while (!crossing_.empty()) {
+      if (--turns < 0)
+        throw Error(ErrorKind::kInput,
+                    fmt::format("segment {}: at ({}, {}) it passes points that are nearer to one "
+                                "another than the precision of their coordinates; remove one",
+                                task.input, b.x, b.y));
       const auto edge = crossing_.front();
       crossing_.pop_front();
       const std::int32_t he = mesh_.find_edge(edge.first, edge.second);

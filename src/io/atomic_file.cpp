@@ -1,5 +1,6 @@
 #include "tetropolis/io/atomic_file.h"
 
+#include <algorithm>
 #include <cassert>
 #include <cerrno>
 #include <string>
@@ -21,6 +22,22 @@ std::string system_reason(int error) {
   return error == 0 ? "unknown reason" : std::generic_category().message(error);
 }
 
+/// Where a file will be: results in the making lie in a hidden folder ".NAME.part-XXXXXX" until
+/// they are moved to NAME, which is the name that says something to the user.
+fs::path final_path(const fs::path& path) {
+  static constexpr std::string_view kPart = ".part-";
+  static constexpr std::size_t kRandom = 6;
+  fs::path result;
+  for (const fs::path& component : path) {
+    const std::string name = component.string();
+    const std::size_t end = name.size() - std::min(name.size(), kPart.size() + kRandom);
+    const bool hidden = component != path.filename() && end > 1 && name.front() == '.' &&
+                        name.compare(end, kPart.size(), kPart) == 0;
+    result /= hidden ? fs::path(name.substr(1, end - 1)) : component;
+  }
+  return result;
+}
+
 /// Creates an empty file that nobody else has and returns its name.
 fs::path create_beside(const fs::path& target) {
   const std::string stem =
@@ -39,7 +56,10 @@ fs::path create_beside(const fs::path& target) {
 }  // namespace
 
 void throw_cannot_write(const fs::path& path, std::string_view reason) {
-  throw Error(ErrorKind::kInput, "cannot write " + path.string() + ": " + std::string(reason) +
+  std::string line(reason.empty() ? "unknown reason" : reason);
+  for (char& c : line)
+    if (c == '\n' || c == '\r') c = ' ';
+  throw Error(ErrorKind::kInput, "cannot write " + final_path(path).string() + ": " + line +
                                      "; choose another output or make room");
 }
 

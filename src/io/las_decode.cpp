@@ -112,9 +112,13 @@ class LazReader {
     if (layout_.chunk_table_missing)
       fail_las(path_,
                fmt::format("ends at point {} of {}: the file is cut; get it again", number, total));
-    fail_las(path_, fmt::format("cannot be unpacked at point {} of {} (LASzip: {}): the file is "
-                                "broken; get it again",
-                                number, total, error()));
+    // LASzip says of every exception, also of one for want of memory, that it is an internal error.
+    const std::string reason = error();
+    const bool unclear = reason.find("internal error") != std::string::npos;
+    fail_las(path_,
+             fmt::format("cannot be unpacked at point {} of {} (LASzip: {}): {}; get it again",
+                         number, total, reason,
+                         unclear ? "the file is broken, or memory ran out" : "the file is broken"));
   }
 
   const fs::path& path_;

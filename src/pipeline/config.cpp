@@ -236,7 +236,8 @@ void set_numbers(std::vector<double>& target, const ConfigField& field,
   target.clear();
   for (const std::string& part : split_lists(values))
     target.push_back(parse_number<double>(field, part, origin));
-  if (field.name != "bounds") return;
+  // An empty list means "not given", as in the template.
+  if (field.name != "bounds" || target.empty()) return;
   if (target.size() != 4) fail(origin, "four numbers expected: XMIN,YMIN,XMAX,YMAX");
   if (!(target[0] < target[2] && target[1] < target[3]))
     fail(origin, "XMIN < XMAX and YMIN < YMAX expected");
@@ -252,6 +253,21 @@ void set_texts(std::vector<std::string>& target, const ConfigField& field,
       fail(origin, "an empty text among the values; leave it out or name something");
     check_choice(field, text, origin);
   }
+}
+
+/// A basic string of TOML 1.0.
+std::string quoted(const std::string& text) {
+  std::string result = "\"";
+  for (const char c : text) {
+    const auto code = static_cast<unsigned char>(c);
+    if (c == '"' || c == '\\')
+      result += {'\\', c};
+    else if (code < 0x20 || code == 0x7F)
+      result += fmt::format("\\u{:04x}", code);
+    else
+      result += c;
+  }
+  return result + '"';
 }
 
 }  // namespace
@@ -279,14 +295,14 @@ std::string value_text(const ConfigField& field, const Config& config) {
         else if constexpr (std::is_same_v<Value, double>)
           return number_text(value);
         else if constexpr (std::is_same_v<Value, std::string>)
-          return fmt::format("\"{}\"", value);
+          return quoted(value);
         else {
           std::vector<std::string> parts;
           for (const auto& part : value) {
             if constexpr (std::is_same_v<std::decay_t<decltype(part)>, double>)
               parts.push_back(number_text(part));
             else
-              parts.push_back(fmt::format("\"{}\"", part));
+              parts.push_back(quoted(part));
           }
           return fmt::format("[{}]", fmt::join(parts, ", "));
         }

@@ -5,10 +5,14 @@
 #include <cerrno>
 #include <cstring>
 #include <system_error>
+#include <utility>
 #include <vector>
 
+#include <fcntl.h>
 #include <stdlib.h>  // mkdtemp
+#include <sys/file.h>
 #include <sys/stat.h>
+#include <unistd.h>
 
 #include "tetropolis/core/error.h"
 
@@ -18,19 +22,25 @@ namespace fs = std::filesystem;
 
 namespace {
 
-/// Every name a command may give to a result.
+/// Every name a command may give to a result; the report, which vouches for the others, first.
 constexpr std::array kResultNames = {
-    "city_raw.city.json", "city.city.json", "dtm.tif",           "volume.vtu",   "volume.xdmf",
-    "volume.h5",          "volume.msh",     "constant/polyMesh", "boundary.vtp", "surface.stl",
-    "surface.obj",        "surface.ply",    "surface.glb",       "report.json"};
+    "report.json", "city_raw.city.json", "city.city.json", "dtm.tif",           "volume.vtu",
+    "volume.xdmf", "volume.h5",          "volume.msh",     "constant/polyMesh", "boundary.vtp",
+    "surface.stl", "surface.obj",        "surface.ply",    "surface.glb"};
+
+/// Inside the hidden folder: results of an earlier run while they are being moved aside (or back),
+/// and once all of them are. The name is the journal from which a killed commit is undone.
+constexpr const char* kBeingMoved = ".earlier-moving";
+constexpr const char* kMovedAside = ".earlier";
 
 /// What was written, relative to the folder: its files, and of its folders (constant) the entries
 /// (polyMesh), since a folder of that name in the target may hold files of the user. The report
-/// vouches for the others, so it comes last.
-std::vector<fs::path> results_below(const fs::path& staging) {
+/// comes last.
+std::vector<fs::path> results_below(const fs::path& folder) {
   std::vector<fs::path> names;
-  for (const auto& entry : fs::directory_iterator(staging)) {
+  for (const auto& entry : fs::directory_iterator(folder)) {
     const fs::path name = entry.path().filename();
+    if (name.string().front() == '.') continue;
     if (!entry.is_directory()) names.push_back(name);
     if (entry.is_directory())
       for (const auto& inner : fs::directory_iterator(entry))
@@ -47,9 +57,134 @@ std::vector<fs::path> results_below(const fs::path& staging) {
                                      "; choose another folder with --out");
 }
 
+/// Links count for themselves. What cannot be looked at is not there: moving it would fail too.
+bool is_there(const fs::path& path) {
+  std::error_code error;
+  return fs::exists(fs::symlink_status(path, error));
+}
+
+/// Renames that can be taken back.
+class Moves {
+ public:
+  /// Throws Error(kInput) naming `shown` after undoing what was moved so far.
+  void move(const fs::path& from, const fs::path& to, const fs::path& shown) {
+    std::error_code error;
+    fs::create_directories(to.parent_path(), error);
+    if (!error) fs::rename(from, to, error);
+    if (!error) {
+      done_.emplace_back(from, to);
+      return;
+    }
+    undo();
+    throw Error(ErrorKind::kInput, shown.string() + ": cannot be replaced: " + error.message() +
+                                       "; the earlier result is as it was");
+  }
+
+  /// Backwards, so that the earlier report comes last. What cannot be moved back ends it: then
+  /// restore_earlier() finds no report and the rest where it was moved to.
+  void undo() {
+    std::error_code error;
+    for (; !done_.empty(); done_.pop_back()) {
+      fs::rename(done_.back().second, done_.back().first, error);
+      if (error) return;
+    }
+  }
+
+ private:
+  std::vector<std::pair<fs::path, fs::path>> done_;
+};
+
+/// Opens a folder and locks it against other processes. -1 if it is locked or cannot be.
+int lock_folder(const fs::path& folder, bool wait = false) {
+  const int file = ::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC | O_NOFOLLOW);
+  if (file < 0) return -1;
+  if (::flock(file, LOCK_EX | (wait ? 0 : LOCK_NB)) == 0) return file;
+  const int reason = errno;
+  ::close(file);
+  errno = reason;
+  return -1;
+}
+
+/// Puts back what a killed commit had moved aside; false if something is in the way. May itself be
+/// killed and run again.
+bool restore_earlier(const fs::path& stale, const fs::path& target) {
+  std::error_code error;
+  const fs::path moved = stale / kMovedAside, moving = stale / kBeingMoved;
+  // A report says that the commit was over. No folder: somebody removed it, and meant it.
+  if (!fs::is_directory(target, error) || fs::exists(target / "report.json", error)) return true;
+  if (fs::exists(moved, error)) {
+    for (const char* name : kResultNames) fs::remove_all(target / name, error);
+    fs::rename(moved, moving, error);
+    if (error) return false;
+  }
+  if (!fs::exists(moving, error)) return true;
+  for (const fs::path& name : results_below(moving)) {
+    fs::create_directories((target / name).parent_path(), error);
+    fs::rename(moving / name, target / name, error);
+    if (error) return false;
+  }
+  return true;
+}
+
+bool is_staging_of(const fs::path& folder, const std::string& prefix) {
+  const std::string name = folder.filename().string();
+  if (name.size() != prefix.size() + 6 || !name.starts_with(prefix)) return false;
+  struct stat status {};
+  return ::lstat(folder.c_str(), &status) == 0 && S_ISDIR(status.st_mode) &&
+         status.st_uid == ::geteuid();
+}
+
+/// Removes the folders made for a run, from the innermost up to `created`, while they are empty.
+void remove_created(const fs::path& innermost, const fs::path& created) {
+  if (created.empty()) return;
+  std::error_code ignored;
+  for (fs::path p = innermost; fs::remove(p, ignored) && p != created;) p = p.parent_path();
+}
+
+/// Removes the results in the making while a run may still be writing them.
+void discard(const fs::path& staging, const fs::path& parent, const fs::path& created) {
+  std::error_code error;
+  constexpr int attempts = 20;
+  for (int i = 0; i < attempts && is_there(staging); ++i) fs::remove_all(staging, error);
+  remove_created(parent, created);
+}
+
+/// Removes hidden folders whose process is gone.
+void remove_stale(const fs::path& target, const std::string& prefix) {
+  std::error_code error;
+  std::vector<fs::path> found;
+  for (const auto& entry : fs::directory_iterator(target.parent_path(), error))
+    if (is_staging_of(entry.path(), prefix)) found.push_back(entry.path());
+  std::sort(found.begin(), found.end());
+  for (const fs::path& stale : found) {
+    const int lock = lock_folder(stale);
+    if (lock < 0) continue;
+    if (restore_earlier(stale, target)) fs::remove_all(stale, error);
+    ::close(lock);
+  }
+}
+
 }  // namespace
 
-OutputFolder::OutputFolder(const fs::path& target) {
+/// mkdtemp, locked. Another process may take the new folder for a stale one in the moment before it
+/// is locked: then there will be another.
+void OutputFolder::create_staging(const fs::path& named) {
+  const std::string prefix = "." + target_.filename().string() + ".part-";
+  remove_stale(target_, prefix);
+  for (;;) {
+    std::string pattern = (target_.parent_path() / (prefix + "XXXXXX")).string();
+    if (mkdtemp(pattern.data()) == nullptr) fail(named, std::strerror(errno));
+    staging_ = pattern;
+    lock_ = lock_folder(staging_);
+    const bool taken = lock_ < 0 && (errno == EWOULDBLOCK || errno == ENOENT);
+    struct stat status {};
+    if (!taken && ::stat(staging_.c_str(), &status) == 0) return;
+    if (lock_ >= 0) ::close(std::exchange(lock_, -1));
+  }
+}
+
+OutputFolder::OutputFolder(const fs::path& target, OutputWatcher watcher)
+    : watcher_(std::move(watcher)) {
   if (target.empty()) fail("--out", "no folder given");
   target_ = fs::absolute(target).lexically_normal();
   if (!target_.has_filename()) target_ = target_.parent_path();
@@ -66,59 +201,71 @@ OutputFolder::OutputFolder(const fs::path& target) {
     }
     fail(target, error.message());
   }
-  std::string pattern = (parent / ("." + target_.filename().string() + ".part-XXXXXX")).string();
-  if (mkdtemp(pattern.data()) == nullptr) fail(target, std::strerror(errno));
-  staging_ = pattern;
+  create_staging(target);
   // An existing target must be writable itself: find out before the work, not after it.
-  if (fs::exists(target_, error)) {
-    std::string probe = (target_ / ".probe-XXXXXX").string();
-    const int file = mkstemp(probe.data());
-    if (file < 0) {
-      const std::string reason = std::strerror(errno);
-      fs::remove_all(staging_, error);
-      fail(target, reason);
-    }
-    fs::remove(probe, error);
+  if (fs::exists(target_, error) &&
+      ::faccessat(AT_FDCWD, target_.c_str(), W_OK | X_OK, AT_EACCESS) != 0) {
+    const std::string reason = std::strerror(errno);
+    fs::remove_all(staging_, error);
+    if (lock_ >= 0) ::close(lock_);
+    fail(target, reason);
   }
   // mkdtemp makes private folders; results get the usual permissions.
   const mode_t mask = umask(0);
   umask(mask);
   chmod(staging_.c_str(), 0777 & ~mask);
+  if (watcher_.begins)
+    watcher_.begins([staging = staging_, parent = target_.parent_path(),
+                     created = created_parent_] { discard(staging, parent, created); });
 }
 
 OutputFolder::~OutputFolder() {
   std::error_code ignored;
-  fs::remove_all(staging_, ignored);
-  if (!committed_ && !created_parent_.empty()) {
-    // Only folders made for this run, and only while they are empty.
-    for (fs::path p = target_.parent_path(); fs::remove(p, ignored) && p != created_parent_;)
-      p = p.parent_path();
+  // Earlier results that could not be put back stay in the hidden folder for the next run to try.
+  if (committed_ || restore_earlier(staging_, target_)) fs::remove_all(staging_, ignored);
+  if (lock_ >= 0) ::close(lock_);
+  if (!committed_) remove_created(target_.parent_path(), created_parent_);
+}
+
+void OutputFolder::replace_results() {
+  std::vector<fs::path> names;
+  try {
+    names = results_below(staging_);
+  } catch (const fs::filesystem_error& error) {
+    throw Error(ErrorKind::kInput, target_.string() + ": the results in the making are gone: " +
+                                       error.code().message() + "; was " + staging_.string() +
+                                       " removed during the run?");
   }
+  const fs::path moving = staging_ / kBeingMoved, moved = staging_ / kMovedAside;
+  Moves moves;
+  for (const char* name : kResultNames)
+    if (is_there(target_ / name)) moves.move(target_ / name, moving / name, target_ / name);
+  // A result of a name that no earlier version knew may replace a file too.
+  for (const fs::path& name : names)
+    if (is_there(target_ / name)) moves.move(target_ / name, moving / name, target_ / name);
+  if (is_there(moving)) moves.move(moving, moved, target_);
+  for (const fs::path& name : names) moves.move(staging_ / name, target_ / name, target_ / name);
 }
 
 void OutputFolder::commit() {
+  if (watcher_.moves) watcher_.moves();
   std::error_code error;
-  const auto check = [&](const fs::path& path) {
-    if (error)
-      throw Error(ErrorKind::kInput, path.string() + ": cannot be written: " + error.message());
-  };
-  if (!fs::exists(target_)) {
+  if (!is_there(target_)) {
     fs::rename(staging_, target_, error);
-    check(target_);
+    if (error)
+      throw Error(ErrorKind::kInput,
+                  target_.string() + ": cannot be written: " + error.message() +
+                      "; was the folder around it moved or locked during the run?");
   } else {
-    const std::vector<fs::path> names = results_below(staging_);
-    for (const char* name : kResultNames) {
-      if (std::find(names.begin(), names.end(), name) != names.end()) continue;
-      fs::remove_all(target_ / name, error);
-      check(target_ / name);
+    // Two runs that end together replace the results one after the other.
+    const int lock = lock_folder(target_, true);
+    try {
+      replace_results();
+    } catch (...) {
+      if (lock >= 0) ::close(lock);
+      throw;
     }
-    for (const fs::path& name : names) {
-      fs::create_directories((target_ / name).parent_path(), error);
-      check(target_ / name);
-      if (fs::is_directory(target_ / name)) fs::remove_all(target_ / name, error);
-      fs::rename(staging_ / name, target_ / name, error);
-      check(target_ / name);
-    }
+    if (lock >= 0) ::close(lock);
   }
   committed_ = true;
 }

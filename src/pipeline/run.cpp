@@ -73,7 +73,7 @@ Report run_build(const Config& config, const RunHooks& hooks) {
   const ThreadLimit limit(config.threads);
   Report report = begin_report("build", config);
   StepClock clock(hooks, report);
-  OutputFolder out(config.out);
+  OutputFolder out(config.out, hooks.output);
   CityAndTerrain stage = make_city(config, out, clock, report);
   keep_domain(stage.city, report);
   make_mesh(config, stage.city, std::move(stage.dtm), out, clock, report);
@@ -86,7 +86,7 @@ Report run_city(const Config& config, const RunHooks& hooks) {
   const ThreadLimit limit(config.threads);
   Report report = begin_report("city", config);
   StepClock clock(hooks, report);
-  OutputFolder out(config.out);
+  OutputFolder out(config.out, hooks.output);
   const CityAndTerrain stage = make_city(config, out, clock, report);
   keep_domain(stage.city, report);
   finish(report, out);
@@ -159,7 +159,7 @@ Report run_mesh(const Config& config, const RunHooks& hooks) {
   const ThreadLimit limit(config.threads);
   Report report = begin_report("mesh", config);
   StepClock clock(hooks, report);
-  OutputFolder out(config.out);
+  OutputFolder out(config.out, hooks.output);
   CityModel city = read_city(config.city, &report.warnings);
   RasterInput terrain = read_raster(config.dtm, city.origin);
   report.warnings.insert(report.warnings.end(), terrain.warnings.begin(), terrain.warnings.end());
@@ -209,7 +209,7 @@ Report run_synth(const Config& config, const RunHooks& hooks) {
   const ThreadLimit limit(config.threads);
   Report report = begin_report("synth", config);
   StepClock clock(hooks, report);
-  OutputFolder out(config.out);
+  OutputFolder out(config.out, hooks.output);
   if (config.kind == "adversarial") {
     const auto outdated = synth_adversarial(config, out, clock, report);
     finish(report, out);

@@ -237,7 +237,7 @@ TEST(Triangulation, VerticesOnASegmentAtTheLastBitOfItsEnds) {
   const double end = std::nextafter(1e6, 0.0);
   PlanarGraph graph;
   graph.points = {{0, 0},      {1e6, 0},   {end, 0}, {std::nextafter(end, 0.0), 0},
-                  {1e-300, 0}, {1e-12, 0}, {5, 7},   {5, -9},
+                  {1e-90, 0},  {1e-12, 0}, {5, 7},   {5, -9},
                   {1e6, 1e-7}, {0, -1e-9}};
   graph.segments = {{0, 1}, {9, 8}, {1, 0}, {3, 5}};
   const Triangulation t = constrained_delaunay(graph, {.convex_hull = true});

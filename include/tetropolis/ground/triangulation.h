@@ -89,8 +89,9 @@ struct TriangulationOptions {
 /// around it.
 ///
 /// Throws Error(kInput) naming the point or the segment: a coordinate is not finite or larger than
-/// 1e100 in magnitude; an index is out of range; an array has the wrong length; two segments keep
-/// crossing one another within rounding (not known to happen).
+/// 1e100 in magnitude, or, other than zero, smaller than 1e-100 or than 1e-100 times the largest;
+/// an index is out of range; an array has the wrong length; segments among points that are nearer
+/// to one another than e find no way between them (only seen there).
 Triangulation constrained_delaunay(const PlanarGraph& graph,
                                    const TriangulationOptions& options = {});
 

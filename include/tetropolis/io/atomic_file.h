@@ -42,7 +42,8 @@ class AtomicFile {
   bool committed_ = false;
 };
 
-/// The error for an output that cannot be written: "cannot write PATH: REASON".
+/// The error for an output that cannot be written: "cannot write PATH: REASON". A path inside the
+/// hidden folder of an OutputFolder is shown as it will be.
 [[noreturn]] void throw_cannot_write(const std::filesystem::path& path, std::string_view reason);
 
 }  // namespace tetropolis

@@ -2,20 +2,35 @@
 #pragma once
 
 #include <filesystem>
+#include <functional>
 #include <string>
 
 namespace tetropolis {
 
-/// Results are written to a hidden folder beside the target; commit() moves them in. A target that
-/// did not exist appears by one rename; in one that did, each file replaces its predecessor by a
-/// rename, report.json last, results of an earlier run that this one did not make are removed (they
-/// would be taken for its own), and all other files stay. Without commit() the destructor removes
-/// everything, the target is as it was.
+/// How the owner of a process keeps sight of an output. Either may be empty.
+struct OutputWatcher {
+  /// The hidden folder is there. `discard` removes it again, and what was made for it; it may be
+  /// called from any thread until `moves` has returned, by one who then ends the process.
+  std::function<void(std::function<void()> discard)> begins;
+  std::function<void()> moves;  ///< Results move to their place from here on.
+};
+
+/// Results are written to a hidden folder beside the target (".NAME.part-..."); commit() moves them
+/// in. A target that did not exist appears by one rename. In one that did, the results of the
+/// earlier run are moved aside, the report first, then the new ones in, the report last: no moment
+/// shows a report beside files that it does not describe. Files of other names stay. If a move
+/// fails, all of them are undone. Without commit() the destructor removes everything, the target is
+/// as it was.
+///
+/// A process that is killed leaves its hidden folder behind. The next OutputFolder for the same
+/// target removes it, and puts the earlier results back if the kill fell between the moves. Folders
+/// of processes that still run are left alone: each holds a lock (flock) on its own, so on file
+/// systems without such locks nothing is removed.
 class OutputFolder {
  public:
   /// Creates the hidden folder. Throws Error(kUsage) if the target is a file or nothing can be
   /// created beside it.
-  explicit OutputFolder(const std::filesystem::path& target);
+  explicit OutputFolder(const std::filesystem::path& target, OutputWatcher watcher = {});
   ~OutputFolder();
   OutputFolder(const OutputFolder&) = delete;
   OutputFolder& operator=(const OutputFolder&) = delete;
@@ -23,13 +38,18 @@ class OutputFolder {
   /// Where to write a result of this name.
   std::filesystem::path operator/(const std::string& name) const { return staging_ / name; }
 
-  /// Throws Error(kInput) naming the file that could not be moved or removed.
+  /// Throws Error(kInput) naming the file that could not be moved; the target is as it was.
   void commit();
 
  private:
+  void create_staging(const std::filesystem::path& named);
+  void replace_results();
+
+  OutputWatcher watcher_;
   std::filesystem::path target_;
   std::filesystem::path staging_;
   std::filesystem::path created_parent_;  // topmost folder made for the target, empty if none
+  int lock_ = -1;                         // on staging_, for as long as this object lives
   bool committed_ = false;
 };
 

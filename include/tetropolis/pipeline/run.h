@@ -4,6 +4,7 @@
 #include <functional>
 
 #include "tetropolis/pipeline/config.h"
+#include "tetropolis/pipeline/output_folder.h"
 #include "tetropolis/pipeline/report.h"
 
 namespace tetropolis {
@@ -14,6 +15,7 @@ struct RunHooks {
   std::function<void(double fraction)> step_progress;       ///< Of the current step, in [0, 1].
   std::function<void(const StepReport& step)> step_ends;
   std::function<bool()> cancelled;  ///< Polled; true ends the run with Cancelled.
+  OutputWatcher output;             ///< For callers that may have to end the process.
 };
 
 /// Each writes the files of DESIGN section 5 into config.out and returns what report.json says. The

@@ -1,0 +1,94 @@
+// Bytes as a LAS or LAZ file: header, variable length records, points.
+#include <cmath>
+#include <cstdint>
+#include <vector>
+
+#include "tetropolis/core/parallel.h"
+#include "tetropolis/io/las.h"
+
+#include "fuzz_input.h"
+
+namespace {
+
+using namespace tetropolis;
+using namespace tetropolis::fuzz;
+
+/// What the header says must not contradict itself.
+void claim_info(const LasInfo& info) {
+  claim(info.version_major == 1 && info.version_minor >= 0 && info.version_minor <= 4, "version");
+  claim(info.point_format >= 0 && info.point_format <= 10, "point format");
+  claim(info.record_length >= 20, "record length");
+  claim(info.point_count >= 0, "point count");
+  for (std::size_t axis = 0; axis < 3; ++axis)
+    claim(std::isfinite(info.scale[axis]) && info.scale[axis] != 0 &&
+              std::isfinite(info.offset[axis]),
+          "scale and offset");
+}
+
+void claim_points(const PointsInput& input, const LasInfo& info) {
+  const PointCloud& points = input.points;
+  claim(input.points_read == info.point_count, "every point is read");
+  claim(input.points_kept == static_cast<std::int64_t>(points.x.size()), "points are counted");
+  claim(points.y.size() == points.x.size() && points.z.size() == points.x.size() &&
+            points.classification.size() == points.x.size(),
+        "arrays have one length");
+  std::int64_t by_class = 0;
+  for (const auto& [code, count] : input.points_by_class) {
+    claim(code >= 0 && code < 256 && count > 0, "classes");
+    by_class += count;
+  }
+  claim(by_class == input.points_kept, "every point has a class");
+  for (std::size_t i = 0; i < points.x.size(); ++i)
+    claim(std::isfinite(points.x[i]) && std::isfinite(points.y[i]) && std::isfinite(points.z[i]) &&
+              input.extent.contains({points.x[i], points.y[i]}),
+          "points are numbers within the extent");
+}
+
+/// What was read survives a file of our own, but for rounding.
+void claim_round_trip(const PointCloud& points) {
+  if (points.x.empty()) return;
+  for (std::size_t i = 0; i < points.x.size(); ++i)
+    if (std::abs(points.x[i]) > 1e5 || std::abs(points.y[i]) > 1e5 || std::abs(points.z[i]) > 1e5)
+      return;
+  WritePointsOptions options;
+  options.point_format = 6;
+  const std::vector<std::filesystem::path> copy{scratch_folder() / "copy.laz"};
+  write_points(copy[0], points, {}, options);
+  ReadPointsOptions all;
+  all.skipped_classes.clear();
+  const PointCloud again = read_points(copy, all).points;
+  claim(again.classification == points.classification, "classes come back");
+  for (std::size_t i = 0; i < points.x.size(); ++i)
+    claim(std::abs(again.x[i] - points.x[i]) < 0.00051 &&
+              std::abs(again.y[i] - points.y[i]) < 0.00051 &&
+              std::abs(again.z[i] - points.z[i]) < 0.00051,
+          "coordinates come back");
+}
+
+}  // namespace
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  static const ThreadLimit one_thread(1);
+  const std::vector<std::filesystem::path> paths{write_scratch("input.laz", data, size)};
+  try {
+    const LasInfo info = inspect_las(paths[0]);
+    claim_info(info);
+    ReadPointsOptions all;
+    all.skipped_classes.clear();
+    all.keep_withheld = true;
+    const PointsInput input = read_points(paths, all);
+    claim_points(input, info);
+    claim_round_trip(input.points);
+    // A crop keeps what lies in it, whether or not the file could be passed over.
+    ReadPointsOptions cropped = all;
+    cropped.crop = Bounds2{0, 0, 500, 500};
+    std::int64_t inside = 0;
+    for (std::size_t i = 0; i < input.points.x.size(); ++i)
+      inside += cropped.crop->contains({input.points.x[i], input.points.y[i]}) ? 1 : 0;
+    const PointsInput part = read_points(paths, cropped);
+    claim(part.points_kept == inside || part.files_skipped == 1, "a crop keeps what lies in it");
+  } catch (const Error& error) {
+    claim_error(error, ErrorKind::kInput, paths[0].string());
+  }
+  return 0;
+}

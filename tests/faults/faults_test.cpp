@@ -1,0 +1,402 @@
+// The real program when things go wrong around it: no room, no folder, no memory, signals, inputs
+// that change. Nothing that looks like a result is left, one line says what happened, and an
+// earlier result in the same folder is whole.
+#include <algorithm>
+#include <array>
+#include <chrono>
+#include <csignal>
+#include <fstream>
+#include <iterator>
+#include <memory>
+#include <random>
+#include <set>
+#include <thread>
+
+#include <gtest/gtest.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include "program.h"
+#include "support/test_data.h"
+
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+#define TETROPOLIS_SANITIZED 1
+#else
+#define TETROPOLIS_SANITIZED 0
+#endif
+
+namespace tetropolis {
+namespace {
+
+namespace fs = std::filesystem;
+using testing::Ending;
+using testing::Process;
+using testing::ProcessLimits;
+using testing::snapshot;
+using testing::staging_folders;
+using testing::wait_for_staging;
+using Contents = std::map<std::string, std::string>;
+
+class Faults : public ::testing::Test {
+ protected:
+  /// A small city, made once, open to everybody.
+  static void SetUpTestSuite() {
+    shared = std::make_unique<testing::TemporaryFolder>();
+    fs::permissions(shared->path(), fs::perms(0755));
+    const Ending made = Process(shared->path(), command({"synth", "--quiet", "--kind", "blocks",
+                                                         "--size", "300", "--out", "input"}))
+                            .wait();
+    ASSERT_EQ(made.code, 0) << made.err;
+  }
+  static void TearDownTestSuite() { shared.reset(); }
+
+  void SetUp() override {
+    fs::permissions(scratch.path(), fs::perms(0755));
+    fs::create_directory(work);
+    fs::permissions(work, fs::perms(0777));
+    fs::create_directory(scratch / "input");
+    for (const auto& entry : fs::directory_iterator(shared->path() / "input"))
+      fs::copy_file(entry.path(), scratch / "input" / entry.path().filename());
+  }
+
+  void TearDown() override {
+    std::error_code ignored;
+    fs::permissions(work, fs::perms(0777), ignored);
+    fs::permissions(work / "result", fs::perms(0777), ignored);
+  }
+
+  static std::vector<std::string> command(std::vector<std::string> arguments) {
+    arguments.insert(arguments.begin(), TETROPOLIS_PROGRAM);
+    return arguments;
+  }
+
+  Ending run(const std::vector<std::string>& arguments, const ProcessLimits& limits = {}) {
+    return Process(work, command(arguments), limits).wait();
+  }
+
+  /// build into work/result, or `out`.
+  std::vector<std::string> build(const std::vector<std::string>& more = {},
+                                 const std::string& out = "result") {
+    std::vector<std::string> arguments{"build",        "--quiet",
+                                       "--footprints", (scratch / "input/footprints.shp").string(),
+                                       "--points",     (scratch / "input/points.laz").string(),
+                                       "--out",        out};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    return arguments;
+  }
+
+  /// An earlier result of other settings, and a file of the user beside it.
+  Contents make_earlier(const ProcessLimits& limits = {}) {
+    const Ending made = run(build({"--mesh-size", "20", "--formats", "vtu,openfoam"}), limits);
+    EXPECT_EQ(made.code, 0) << made.err;
+    std::ofstream(work / "result/notes.txt") << "mine";
+    return snapshot(work);
+  }
+
+  static void expect_one_line(const Ending& ending) {
+    EXPECT_EQ(std::count(ending.err.begin(), ending.err.end(), '\n'), 1) << ending.err;
+    EXPECT_TRUE(ending.err.starts_with("tetropolis: ")) << ending.err;
+    EXPECT_EQ(ending.err.find("please report"), std::string::npos) << ending.err;
+    EXPECT_EQ(ending.err.find("std::"), std::string::npos) << ending.err;
+  }
+
+  /// A run that failed with `code`: one line, no trace, everything in work/ as it was.
+  void expect_nothing_new(const Ending& ending, int code, const Contents& before) {
+    EXPECT_EQ(ending.code, code) << ending.err;
+    expect_one_line(ending);
+    EXPECT_TRUE(snapshot(work) == before);
+    EXPECT_TRUE(staging_folders(work).empty());
+  }
+
+  /// A build that gets the signal once it has ended so many steps, or a moment later.
+  Ending signalled(int steps, int number, std::mt19937& random, const std::string& out) {
+    const fs::path log = scratch / "log";
+    fs::remove(log);
+    Process process(work, command(build({"--mesh-size", "5", "--log", log.string()}, out)));
+    while (!process.ended() && lines_of(log) < steps)
+      std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    // The first moments are for the hidden folder.
+    if (steps == 0) wait_for_staging(work, process);
+    std::this_thread::sleep_for(std::chrono::microseconds(random() % 20000));
+    process.signal(number);
+    return process.wait();
+  }
+
+  static int lines_of(const fs::path& path) {
+    std::ifstream file(path);
+    return static_cast<int>(std::count(std::istreambuf_iterator<char>(file), {}, '\n'));
+  }
+
+  /// The signal came after the end: then there is a whole result, now the earlier one.
+  Contents accept_whole(bool fresh) {
+    EXPECT_EQ(run({"check", fresh ? "fresh" : "result"}).code, 0);
+    if (fresh) fs::remove_all(work / "fresh");
+    return snapshot(work);
+  }
+
+  static constexpr int kSteps = 17;  // lines of the log before the last step ends
+  static inline std::unique_ptr<testing::TemporaryFolder> shared;
+  testing::TemporaryFolder scratch;
+  fs::path work = scratch / "work";
+};
+
+const std::vector<std::string> kAllFormats{"--mesh-size", "20", "--formats",
+                                           "vtu,xdmf,msh,openfoam,obj,ply,glb"};
+
+/// The sizes of everything a run writes, each one less a byte: one file after the other fails.
+TEST_F(Faults, FilesThatMayNotGrowFailOneAfterTheOther) {
+  ASSERT_EQ(run(build(kAllFormats, "whole")).code, 0);
+  std::set<std::uintmax_t> sizes{1, 4096};
+  for (const auto& entry : fs::recursive_directory_iterator(work / "whole"))
+    if (entry.is_regular_file()) sizes.insert(entry.file_size());
+  fs::remove_all(work / "whole");
+  const Contents before = make_earlier();
+  for (const std::uintmax_t size : sizes) {
+    SCOPED_TRACE("files of at most " + std::to_string(size - 1) + " bytes");
+    ProcessLimits limits;
+    limits.file_size = size - 1;
+    const Ending ending = run(build(kAllFormats), limits);
+    expect_nothing_new(ending, 3, before);
+    EXPECT_NE(ending.err.find("result"), std::string::npos) << ending.err;
+  }
+}
+
+TEST_F(Faults, FullDiskLeavesNothingAndSaysSo) {
+  // A small disk in a name space of its own; its content is listed from inside.
+  const std::string script =
+      "mount -t tmpfs -o size=SIZE tmpfs . && cd \"$PWD\" || exit 77; "
+      "if [ SIZE = 1m ]; then mkdir result; echo old >result/report.json; fi; "
+      "\"$@\"; code=$?; find . -mindepth 1 | sort >&2; cat result/report.json >&2 2>/dev/null; "
+      "exit $code";
+  int tried = 0;
+  for (const std::string size : {"64k", "1m", "3m"}) {
+    SCOPED_TRACE(size);
+    std::string sized = script;
+    for (std::size_t at; (at = sized.find("SIZE")) != std::string::npos;)
+      sized.replace(at, 4, size);
+    std::vector<std::string> words{
+        "/usr/bin/unshare", geteuid() == 0 ? "-m" : "-Urm", "/bin/sh", "-c", sized, "sh",
+        TETROPOLIS_PROGRAM};
+    for (const std::string& word :
+         build({"--mesh-size", "4", "--formats", "vtu,xdmf,msh,openfoam,obj,ply,glb"}))
+      words.push_back(word);
+    const Ending ending = Process(work, words).wait();
+    if (ending.code == 77 || ending.code == 126 || ending.code == 1)
+      GTEST_SKIP() << "no mount of our own here: " << ending.err;
+    ++tried;
+    EXPECT_EQ(ending.code, 3) << ending.err;
+    const std::size_t line = ending.err.find('\n');
+    EXPECT_NE(ending.err.substr(0, line).find("No space left"), std::string::npos) << ending.err;
+    EXPECT_EQ(ending.err.substr(line + 1),
+              size == "1m" ? "./result\n./result/report.json\nold\n" : "");
+  }
+  EXPECT_EQ(tried, 3);
+}
+
+TEST_F(Faults, FolderRemovedDuringTheRun) {
+  for (const int delay : {0, 30, 100}) {
+    SCOPED_TRACE(delay);
+    fs::create_directory(work / "deep");
+    Process process(work, command(build({"--mesh-size", "2"}, "deep/result")));
+    ASSERT_TRUE(wait_for_staging(work / "deep", process));
+    std::this_thread::sleep_for(std::chrono::milliseconds(delay));
+    std::error_code ignored;
+    while (fs::exists(work / "deep") && !process.ended()) fs::remove_all(work / "deep", ignored);
+    const Ending ending = process.wait();
+    expect_nothing_new(ending, 3, {});
+    EXPECT_NE(ending.err.find("deep"), std::string::npos) << ending.err;
+  }
+}
+
+TEST_F(Faults, FolderMadeReadOnlyDuringTheRun) {
+  ProcessLimits limits;
+  limits.unprivileged = true;
+  fs::permissions(scratch / "input", fs::perms(0755));
+  if (run({"--version"}, limits).code != 0) GTEST_SKIP() << "the program cannot be run by others";
+  const Contents before = make_earlier(limits);
+  {
+    // The folder of the earlier result: it stays as it is.
+    Process process(work, command(build({"--mesh-size", "4"})), limits);
+    ASSERT_TRUE(wait_for_staging(work, process));
+    fs::permissions(work / "result", fs::perms(0555));
+    const Ending ending = process.wait();
+    fs::permissions(work / "result", fs::perms(0777));
+    expect_nothing_new(ending, 3, before);
+    EXPECT_NE(ending.err.find("Permission denied"), std::string::npos) << ending.err;
+  }
+  {
+    // The folder around: even the hidden folder cannot be removed, but it is emptied.
+    Process process(work, command(build({"--mesh-size", "4"}, "other")), limits);
+    ASSERT_TRUE(wait_for_staging(work, process));
+    fs::permissions(work, fs::perms(0555));
+    const Ending ending = process.wait();
+    fs::permissions(work, fs::perms(0777));
+    EXPECT_EQ(ending.code, 3) << ending.err;
+    expect_one_line(ending);
+    EXPECT_TRUE(snapshot(work) == before);
+    for (const fs::path& folder : staging_folders(work)) EXPECT_TRUE(fs::is_empty(folder));
+  }
+}
+
+TEST_F(Faults, InterruptsInEveryStepLeaveTheEarlierResult) {
+  Contents before = make_earlier();
+  const unsigned seed = testing::test_seed();
+  SCOPED_TRACE(seed);
+  std::mt19937 random(seed);
+  int interrupted = 0;
+  for (int step = 0; step < kSteps; ++step) {
+    SCOPED_TRACE("after " + std::to_string(step) + " steps");
+    const int number = std::array{SIGTERM, SIGINT, SIGHUP}[static_cast<std::size_t>(step % 3)];
+    const bool fresh = step % 2 == 0;
+    const Ending ending = signalled(step, number, random, fresh ? "fresh" : "result");
+    if (ending.code == 0) {
+      before = accept_whole(fresh);
+      continue;
+    }
+    ++interrupted;
+    expect_nothing_new(ending, 130, before);
+    EXPECT_EQ(ending.err, "tetropolis: interrupted; nothing was written\n");
+  }
+  EXPECT_GT(interrupted, kSteps / 2);
+}
+
+TEST_F(Faults, InterruptEndsAStepThatWaitsForEver) {
+  const Contents before = make_earlier();
+  const fs::path never = scratch / "never.city.json";
+  ASSERT_EQ(mkfifo(never.c_str(), 0666), 0);
+  for (const int signals : {1, 2}) {
+    Process process(work, command({"mesh", "--quiet", "--city", never.string(), "--dtm", "dtm.tif",
+                                   "--out", "result"}));
+    ASSERT_TRUE(wait_for_staging(work, process));
+    // The folder is there a moment before the program says what to remove.
+    std::this_thread::sleep_for(std::chrono::milliseconds(200));
+    for (int i = 0; i < signals; ++i) process.signal(SIGINT);
+    expect_nothing_new(process.wait(), 130, before);
+  }
+}
+
+TEST_F(Faults, KillsInEveryStepLeaveTheEarlierResultAndTheNextRunTidiesUp) {
+  Contents before = make_earlier();
+  const unsigned seed = testing::test_seed();
+  SCOPED_TRACE(seed);
+  std::mt19937 random(seed + 1);
+  int killed = 0;
+  for (int step = 0; step < kSteps; ++step) {
+    SCOPED_TRACE("after " + std::to_string(step) + " steps");
+    const bool fresh = step % 2 == 1;
+    const Ending ending = signalled(step, SIGKILL, random, fresh ? "fresh" : "result");
+    if (ending.code == 0) {
+      before = accept_whole(fresh);
+      continue;
+    }
+    ++killed;
+    // Hidden folders may be there, one a target; nothing else is.
+    EXPECT_EQ(ending.code, 128 + SIGKILL);
+    EXPECT_TRUE(snapshot(work) == before);
+    EXPECT_LE(staging_folders(work).size(), 2U);
+  }
+  EXPECT_GT(killed, kSteps / 2);
+  ASSERT_EQ(run(build()).code, 0);
+  ASSERT_EQ(run(build({}, "fresh")).code, 0);
+  EXPECT_TRUE(staging_folders(work).empty());
+  EXPECT_EQ(run({"check", "result"}).code, 0);
+}
+
+TEST_F(Faults, RunsIntoOneFolderLeaveEachOtherAlone) {
+  Process slow(work, command(build({"--mesh-size", "3"})));
+  ASSERT_TRUE(wait_for_staging(work, slow));
+  const Ending quick = run(build({"--mesh-size", "20"}));
+  EXPECT_EQ(quick.code, 0) << quick.err;
+  const Ending ending = slow.wait();
+  EXPECT_EQ(ending.code, 0) << ending.err;
+  EXPECT_TRUE(staging_folders(work).empty());
+  EXPECT_EQ(run({"check", "result"}).code, 0);
+}
+
+TEST_F(Faults, TooLittleMemoryIsSaidInOneLine) {
+  if (TETROPOLIS_SANITIZED) GTEST_SKIP() << "sanitizers reserve address space of their own";
+  const Contents before = make_earlier();
+  int failed = 0;
+  for (const int megabytes : {180, 220, 260, 300, 350, 400, 500}) {
+    SCOPED_TRACE(std::to_string(megabytes) + " MB of address space");
+    ProcessLimits limits;
+    limits.address_space = static_cast<rlim_t>(megabytes) << 20;
+    const Ending ending = run(build({"--mesh-size", "1.5", "--threads", "2"}), limits);
+    if (ending.code == 0) break;
+    ++failed;
+    // Inside the decoder of points it cannot be told from a broken file: 3.
+    expect_nothing_new(ending, ending.code == 3 ? 3 : 1, before);
+    EXPECT_NE(ending.err.find("memory"), std::string::npos) << ending.err;
+  }
+  EXPECT_GT(failed, 0);
+}
+
+TEST_F(Faults, PointFileThatShrinksWhileItIsRead) {
+  // Enough points for the file to be cut while they are read.
+  ASSERT_EQ(run({"synth", "--quiet", "--buildings", "20", "--size", "300", "--point-density", "10",
+                 "--out", (scratch / "input").string()})
+                .code,
+            0);
+  const fs::path points = scratch / "input/points.laz";
+  const fs::path copy = scratch / "copy.laz";
+  fs::copy_file(points, copy);
+  const std::uintmax_t size = fs::file_size(points);
+  const unsigned seed = testing::test_seed();
+  SCOPED_TRACE(seed);
+  std::mt19937 random(seed + 2);
+  int failed = 0;
+  for (int round = 0; round < 8; ++round) {
+    fs::copy_file(copy, points, fs::copy_options::overwrite_existing);
+    std::vector<std::string> city = build({"--threads", "1"}, "fresh");
+    city[0] = "city";
+    Process process(work, command(city));
+    ASSERT_TRUE(wait_for_staging(work, process));
+    std::this_thread::sleep_for(std::chrono::milliseconds(random() % 60));
+    fs::resize_file(points, size * (random() % 90) / 100);
+    const Ending ending = process.wait();
+    if (ending.code == 0) {
+      EXPECT_EQ(run({"check", "fresh"}).code, 0);
+      fs::remove_all(work / "fresh");
+      continue;
+    }
+    ++failed;
+    expect_nothing_new(ending, 3, {});
+    EXPECT_NE(ending.err.find("points.laz"), std::string::npos) << ending.err;
+  }
+  EXPECT_GT(failed, 0);
+}
+
+TEST_F(Faults, OneUnreadableFileAmongFiveHundredIsNamed) {
+  const fs::path tiles = scratch / "tiles";
+  fs::create_directory(tiles);
+  fs::copy_file(scratch / "input/points.laz", tiles / "tile_000.laz");
+  for (int i = 1; i < 500; ++i) {
+    char name[32];
+    std::snprintf(name, sizeof name, "tile_%03d.laz", i);
+    fs::create_hard_link(tiles / "tile_000.laz", tiles / name);
+  }
+  const fs::path bad = tiles / "tile_317.laz";
+  std::vector<std::string> arguments = build();
+  *(std::find(arguments.begin(), arguments.end(), "--points") + 1) = tiles.string();
+  const auto expect_named = [&](const ProcessLimits& limits, const char* reason) {
+    const Ending ending = run(arguments, limits);
+    expect_nothing_new(ending, 3, {});
+    EXPECT_NE(ending.err.find("tile_317.laz"), std::string::npos) << ending.err;
+    EXPECT_NE(ending.err.find(reason), std::string::npos) << ending.err;
+  };
+  fs::remove(bad);
+  std::ofstream(bad) << "LASF but no more";
+  expect_named({}, "cut");
+  fs::remove(bad);
+  fs::create_symlink("nowhere", bad);
+  expect_named({}, "tile_317");
+  fs::remove(bad);
+  fs::copy_file(tiles / "tile_000.laz", bad);
+  fs::permissions(bad, fs::perms(0));
+  ProcessLimits limits;
+  limits.unprivileged = true;
+  if (run({"--version"}, limits).code == 0) expect_named(limits, "Permission denied");
+}
+
+}  // namespace
+}  // namespace tetropolis

@@ -1,0 +1,55 @@
+// Runs the program under limits and signals, and says what it left behind.
+#pragma once
+
+#include <chrono>
+#include <filesystem>
+#include <map>
+#include <string>
+#include <vector>
+
+#include <sys/resource.h>
+#include <sys/types.h>
+
+namespace tetropolis::testing {
+
+struct ProcessLimits {
+  rlim_t file_size = RLIM_INFINITY;      ///< Bytes; what goes beyond fails with EFBIG.
+  rlim_t address_space = RLIM_INFINITY;  ///< Bytes; what goes beyond finds no memory.
+  bool unprivileged = false;             ///< Give root away, so that permissions count.
+};
+
+/// How a process ended: the exit code, or 128 + the signal that killed it.
+struct Ending {
+  int code = -1;
+  std::string err;  ///< All of stderr.
+};
+
+/// A running program; stderr goes into a pipe, so that limits of files do not touch it.
+class Process {
+ public:
+  Process(const std::filesystem::path& folder, const std::vector<std::string>& command,
+          const ProcessLimits& limits = {});
+  ~Process();
+  Process(const Process&) = delete;
+  Process& operator=(const Process&) = delete;
+
+  void signal(int number) const;
+  bool ended() const;  ///< Without waiting.
+  Ending wait();
+
+ private:
+  pid_t pid_ = -1;
+  int err_ = -1;
+};
+
+/// The contents of every file below, by relative path; folders with a slash at the end. Hidden
+/// folders of runs (".NAME.part-...") are left out.
+std::map<std::string, std::string> snapshot(const std::filesystem::path& folder);
+
+/// Hidden folders of runs in `folder`.
+std::vector<std::filesystem::path> staging_folders(const std::filesystem::path& folder);
+
+/// Waits until a run has made its hidden folder, or has ended; false if it ended first.
+bool wait_for_staging(const std::filesystem::path& folder, const Process& process);
+
+}  // namespace tetropolis::testing
