@@ -34,6 +34,10 @@ double asked_distance(const Json& report) {
   return report["config"].value("min_building_distance", kDefaultDistance);
 }
 
+double percent(std::int64_t part, std::int64_t whole) {
+  return whole == 0 ? 0 : 100 * static_cast<double>(part) / static_cast<double>(whole);
+}
+
 CheckedFile describe(const std::string& name, const VolumeCheck& check) {
   CheckedFile file{name, {}, check.violations};
   const Distribution& angle = check.min_dihedral_deg;
@@ -45,6 +49,13 @@ CheckedFile describe(const std::string& name, const VolumeCheck& check) {
                   "greatest {:.2f} degrees",
                   angle.min, angle.p0_01, angle.p0_1, angle.p1, angle.median,
                   check.max_dihedral_deg),
+      fmt::format("cells below {} degrees: {} ({:.4f} %)", kSliverDegrees, check.slivers,
+                  percent(check.slivers, check.cells)),
+      fmt::format("{} faces between cells: non-orthogonality mean {:.2f}, greatest {:.2f} degrees, "
+                  "{} above 70; skewness at most {:.2f}",
+                  check.faces.internal, check.faces.mean_non_orthogonality_deg,
+                  check.faces.max_non_orthogonality_deg, check.faces.above_70,
+                  check.faces.max_skewness),
       fmt::format("aspect ratio: median {:.2f}, 99 % {:.2f}, greatest {:.2f}",
                   check.aspect_ratio.median, check.aspect_ratio.p99, check.aspect_ratio.max)};
   return file;

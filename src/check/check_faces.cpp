@@ -1,0 +1,208 @@
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <tuple>
+#include <utility>
+
+#include "tetropolis/core/parallel.h"
+
+#include "rows.h"
+#include "vector3.h"
+#include "violations.h"
+#include "volume_parts.h"
+
+namespace tetropolis {
+
+namespace {
+
+constexpr double kDegrees = 180 / std::numbers::pi;
+
+/// A cell's vertices in ascending order, and whether an even permutation brings them there.
+struct SortedCell {
+  std::array<std::int64_t, 4> v;
+  bool even = true;
+
+  explicit SortedCell(const std::array<std::int64_t, 4>& cell) : v(cell) {
+    order(0, 1);
+    order(2, 3);
+    order(0, 2);
+    order(1, 3);
+    order(1, 2);
+  }
+
+ private:
+  void order(std::size_t i, std::size_t j) {
+    const bool wrong = v[j] < v[i];
+    const std::int64_t low = wrong ? v[j] : v[i], high = wrong ? v[i] : v[j];
+    v[i] = low;
+    v[j] = high;
+    even = even != wrong;
+  }
+};
+
+/// A face of a cell, seen from its lowest vertex.
+struct FaceUse {
+  std::int64_t mid, high;  ///< Its other vertices, ascending.
+  std::int32_t cell;       ///< Position in the row of cells.
+  bool ascending;          ///< Whether (lowest, mid, high) is the outward orientation.
+};
+
+/// What is added up over the faces between two cells.
+struct FaceSums {
+  std::int64_t faces = 0, above_70 = 0;
+  double cosines = 0;
+  double least_cosine = 1;
+  double skewness = 0;
+};
+
+/// Non-orthogonality and skewness as in OpenFOAM's primitiveMeshTools: `a`, `b` are the centres of
+/// the cells, the face (p, q, r) is outward of the first.
+void measure_face(const Vector3& p, const Vector3& q, const Vector3& r, const Vector3& a,
+                  const Vector3& b, FaceSums& sums) {
+  static const double cosine_of_70 = std::cos(70 / kDegrees);
+  const Vector3 normal = outer(difference(q, p), difference(r, p));
+  const Vector3 line = difference(b, a);
+  const double along = inner(normal, line), line2 = inner(line, line);
+  const double cosine = along / std::sqrt(inner(normal, normal) * line2);
+  ++sums.faces;
+  sums.cosines += cosine;
+  sums.least_cosine = std::min(sums.least_cosine, cosine);
+  if (!(cosine >= cosine_of_70)) ++sums.above_70;
+  const Vector3 centre{(p[0] + q[0] + r[0]) / 3, (p[1] + q[1] + r[1]) / 3,
+                       (p[2] + q[2] + r[2]) / 3};
+  const Vector3 to_centre = difference(centre, a);
+  const double share = inner(normal, to_centre) / along;
+  const Vector3 skew{to_centre[0] - share * line[0], to_centre[1] - share * line[1],
+                     to_centre[2] - share * line[2]};
+  // The face's extent from its centre along the skewness vector, times that vector's length.
+  const double offset = inner(skew, centre), skew2 = inner(skew, skew);
+  const double extent =
+      std::max({0.2 * std::sqrt(line2 * skew2), std::abs(inner(skew, p) - offset),
+                std::abs(inner(skew, q) - offset), std::abs(inner(skew, r) - offset)});
+  if (skew2 > sums.skewness * extent) sums.skewness = skew2 / extent;
+}
+
+/// What a range of lowest vertices brings.
+struct Matched {
+  std::vector<std::array<std::int64_t, 3>> boundary;
+  std::vector<Violation> violations;
+  FaceSums sums;
+};
+
+/// Matches the faces of one lowest vertex after another; keeps its buffers.
+class FaceMatcher {
+ public:
+  FaceMatcher(const TetMesh& mesh, const Rows& rows) : mesh_(mesh), rows_(rows) {}
+
+  void match(std::int64_t low, Matched& matched) {
+    collect(low);
+    std::sort(faces_.begin(), faces_.end(), [](const FaceUse& a, const FaceUse& b) {
+      return std::tie(a.mid, a.high, a.cell) < std::tie(b.mid, b.high, b.cell);
+    });
+    const auto cells = rows_[static_cast<std::size_t>(low)];
+    for (std::size_t i = 0, j = 0; i < faces_.size(); i = j) {
+      const FaceUse& face = faces_[i];
+      while (j < faces_.size() && faces_[j].mid == face.mid && faces_[j].high == face.high) ++j;
+      const auto place = [&] {
+        return place_of(mesh_,
+                        static_cast<std::size_t>(cells[static_cast<std::size_t>(face.cell)]));
+      };
+      if (j - i == 1)
+        matched.boundary.push_back(
+            face.ascending ? std::array<std::int64_t, 3>{low, face.mid, face.high}
+                           : std::array<std::int64_t, 3>{low, face.high, face.mid});
+      else if (j - i > 2)
+        note_violation(matched.violations, "faces of more than two cells", place);
+      else if (face.ascending == faces_[i + 1].ascending)
+        note_violation(matched.violations, "neighbouring cells that overlap", place);
+      else
+        measure(low, face.ascending ? face : faces_[i + 1], face.ascending ? faces_[i + 1] : face,
+                matched.sums);
+    }
+  }
+
+ private:
+  /// The faces whose lowest vertex is `low`. Its row has the cells of which it is the lowest vertex
+  /// (three such faces) or the second lowest (one).
+  void collect(std::int64_t low) {
+    faces_.clear();
+    centres_.clear();
+    for (const std::int64_t c : rows_[static_cast<std::size_t>(low)]) {
+      const SortedCell cell(mesh_.cells[static_cast<std::size_t>(c)]);
+      const auto own = static_cast<std::int32_t>(centres_.size());
+      const auto& v = cell.v;
+      if (v[0] == low) {
+        faces_.push_back({v[1], v[2], own, !cell.even});
+        faces_.push_back({v[1], v[3], own, cell.even});
+        faces_.push_back({v[2], v[3], own, !cell.even});
+      } else {
+        faces_.push_back({v[2], v[3], own, cell.even});
+      }
+      const Vector3 &p = point(v[0]), &q = point(v[1]), &r = point(v[2]), &s = point(v[3]);
+      centres_.push_back({(p[0] + q[0] + r[0] + s[0]) / 4, (p[1] + q[1] + r[1] + s[1]) / 4,
+                          (p[2] + q[2] + r[2] + s[2]) / 4});
+    }
+  }
+
+  void measure(std::int64_t low, const FaceUse& from, const FaceUse& to, FaceSums& sums) const {
+    measure_face(point(low), point(from.mid), point(from.high),
+                 centres_[static_cast<std::size_t>(from.cell)],
+                 centres_[static_cast<std::size_t>(to.cell)], sums);
+  }
+
+  const Vector3& point(std::int64_t v) const { return mesh_.points[static_cast<std::size_t>(v)]; }
+
+  const TetMesh& mesh_;
+  const Rows& rows_;
+  std::vector<FaceUse> faces_;
+  std::vector<Vector3> centres_;
+};
+
+void add(FaceSums& a, const FaceSums& b) {
+  a.faces += b.faces;
+  a.above_70 += b.above_70;
+  a.cosines += b.cosines;
+  a.least_cosine = std::min(a.least_cosine, b.least_cosine);
+  a.skewness = std::max(a.skewness, b.skewness);
+}
+
+double degrees_of(double cosine) { return std::acos(std::clamp(cosine, -1.0, 1.0)) * kDegrees; }
+
+}  // namespace
+
+void match_faces(const TetMesh& mesh, VolumeCheck& check, const Progress& progress) {
+  // A cell is filed under its two lowest vertices: one of them is the lowest of each of its faces.
+  const Rows rows =
+      file_under_rows(mesh.cells.size(), mesh.points.size(), [&](std::size_t c, const auto& use) {
+        const SortedCell cell(mesh.cells[c]);
+        use(static_cast<std::size_t>(cell.v[0]));
+        if (cell.v[1] != cell.v[0]) use(static_cast<std::size_t>(cell.v[1]));
+      });
+  constexpr std::size_t kGrain = 1024, kBatch = 64 * kGrain;
+  FaceSums sums;
+  for (std::size_t start = 0; start < rows.size(); start += kBatch) {
+    progress.update(0.5 + 0.5 * static_cast<double>(start) / static_cast<double>(rows.size()));
+    const std::size_t size = std::min(kBatch, rows.size() - start);
+    std::vector<Matched> parts((size + kGrain - 1) / kGrain);
+    parallel_chunks(size, kGrain, [&](std::size_t begin, std::size_t end) {
+      FaceMatcher matcher(mesh, rows);
+      for (std::size_t low = start + begin; low < start + end; ++low)
+        matcher.match(static_cast<std::int64_t>(low), parts[begin / kGrain]);
+    });
+    for (const Matched& part : parts) {
+      check.boundary.insert(check.boundary.end(), part.boundary.begin(), part.boundary.end());
+      add_violations(check.violations, part.violations);
+      add(sums, part.sums);
+    }
+  }
+  check.boundary_faces = static_cast<std::int64_t>(check.boundary.size());
+  check.faces.internal = sums.faces;
+  if (sums.faces == 0) return;
+  check.faces.above_70 = sums.above_70;
+  check.faces.max_non_orthogonality_deg = degrees_of(sums.least_cosine);
+  check.faces.mean_non_orthogonality_deg =
+      degrees_of(sums.cosines / static_cast<double>(sums.faces));
+  check.faces.max_skewness = sums.skewness;
+}
+
+}  // namespace tetropolis

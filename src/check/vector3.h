@@ -1,0 +1,22 @@
+// Vectors, for the checks only: they share no code with what they check.
+#pragma once
+
+#include <array>
+#include <cmath>
+
+namespace tetropolis {
+
+using Vector3 = std::array<double, 3>;
+
+inline Vector3 difference(const Vector3& a, const Vector3& b) {
+  return {a[0] - b[0], a[1] - b[1], a[2] - b[2]};
+}
+inline double inner(const Vector3& a, const Vector3& b) {
+  return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+}
+inline Vector3 outer(const Vector3& a, const Vector3& b) {
+  return {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
+}
+inline double length(const Vector3& a) { return std::sqrt(inner(a, a)); }
+
+}  // namespace tetropolis

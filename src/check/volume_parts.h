@@ -1,0 +1,31 @@
+// The parts of check_volume.
+#pragma once
+
+#include <cstddef>
+#include <string>
+#include <vector>
+
+#include "tetropolis/check/check_mesh.h"
+
+namespace tetropolis {
+
+/// Unused vertices, coordinates that are not finite, vertices at the same place (they would hide
+/// cracks).
+void check_vertices(const TetMesh& mesh, VolumeCheck& check);
+
+/// Volume and shape of every cell.
+void measure_cells(const TetMesh& mesh, VolumeCheck& check);
+
+/// Matches faces: one or two cells each, two on different sides; shape of those with two cells.
+void match_faces(const TetMesh& mesh, VolumeCheck& check, const Progress& progress);
+
+/// Every edge of check.boundary has two faces, which run along it in opposite directions.
+void check_boundary(VolumeCheck& check);
+
+/// "cell 17 at (1.0, 2.0, 3.0)".
+std::string place_of(const TetMesh& mesh, std::size_t cell);
+
+/// The values at these shares of [0, 1] of the sorted sequence; `values` are not negative.
+std::vector<double> values_at(const std::vector<float>& values, const std::vector<double>& shares);
+
+}  // namespace tetropolis
