@@ -52,8 +52,7 @@ const CityInput& random_city_input(std::int64_t buildings, double size) {
                                : inputs.emplace(key, make_input(buildings, size)).first->second;
 }
 
-ColumnMesh mesh_of(const CityInput& input, double mesh_size) {
-  GroundMesh ground = mesh_ground(input.footprints, input.domain, {mesh_size, 25});
+ColumnMesh columns_over(const CityInput& input, GroundMesh ground, double mesh_size) {
   const auto owner = vertex_buildings(ground);
   const std::vector<double> spacing = column_spacing(ground);
   const GroundHeights heights = ground_heights(ground, owner, input.roofs, input.dtm, 1);
@@ -65,6 +64,11 @@ ColumnMesh mesh_of(const CityInput& input, double mesh_size) {
   ColumnMesh mesh = divide_columns(std::move(ground), std::move(edges), ends, spacing);
   place_nodes(mesh, ends);
   return mesh;
+}
+
+ColumnMesh mesh_of(const CityInput& input, double mesh_size) {
+  return columns_over(input, mesh_ground(input.footprints, input.domain, {mesh_size, 25}),
+                      mesh_size);
 }
 
 }  // namespace tetropolis

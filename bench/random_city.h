@@ -23,7 +23,10 @@ struct CityInput {
 /// terrain with a node a metre. Kept: later calls with the same arguments return the same object.
 const CityInput& random_city_input(std::int64_t buildings, double size = 2500);
 
-/// Steps 3.1 to 3.5 with default settings but this mesh size.
+/// Steps 3.2 to 3.5 with default settings but this mesh size.
+ColumnMesh columns_over(const CityInput& input, GroundMesh ground, double mesh_size);
+
+/// Steps 3.1 to 3.5.
 ColumnMesh mesh_of(const CityInput& input, double mesh_size);
 
 }  // namespace tetropolis
