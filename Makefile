@@ -1,5 +1,5 @@
 # The two commands a newcomer needs are `make demo` and `make test`.
-.PHONY: demo test build deps bench survey docs format check-format clean
+.PHONY: demo test build deps bench microbench survey docs format check-format clean
 
 demo: build
 	@echo "demo: a synthetic city of 500 m x 500 m, its LiDAR points, and a mesh of both, in out/demo"
@@ -20,6 +20,9 @@ deps:
 	@scripts/install-deps
 
 bench: build
+	@scripts/bench
+
+microbench: build
 	@build/bench/tetropolis_bench
 
 # make survey N=200 SEED=1

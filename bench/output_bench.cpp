@@ -1,0 +1,110 @@
+// What step 3.6 consists of: measuring the cells and the faces, extracting and checking the
+// boundary, and the files. On the random city of 3,096 buildings with a mesh size of 10 m.
+//
+// Files go to TMPDIR (default /tmp), once a repetition, and are removed.
+#include <array>
+#include <filesystem>
+#include <functional>
+#include <string>
+
+#include <benchmark/benchmark.h>
+#include <unistd.h>
+
+#include "tetropolis/core/parallel.h"
+#include "tetropolis/io/stl.h"
+#include "tetropolis/io/vtk.h"
+#include "tetropolis/volume/boundary.h"
+#include "tetropolis/volume/quality.h"
+
+#include "random_city.h"
+
+namespace {
+
+using namespace tetropolis;
+namespace fs = std::filesystem;
+
+constexpr std::int64_t kBuildings = 3096;
+constexpr double kMeshSize = 10;
+
+/// Made at first use.
+const ColumnMesh& city_mesh() {
+  static const ColumnMesh mesh = mesh_of(random_city_input(kBuildings), kMeshSize);
+  return mesh;
+}
+
+const SurfaceMesh& city_boundary() {
+  static const SurfaceMesh boundary =
+      extract_boundary(city_mesh(), random_city_input(kBuildings).domain);
+  return boundary;
+}
+
+/// Runs `body` with as many threads as the benchmark's argument says; counts cells per second.
+template <typename Body>
+void run(benchmark::State& state, const Body& body) {
+  const auto cells = static_cast<double>(cell_offsets(city_mesh()).back());
+  city_boundary();
+  const ThreadLimit limit(static_cast<int>(state.range(0)));
+  for (auto _ : state) body();
+  state.counters["cells"] = cells;
+  state.counters["cells/s"] =
+      benchmark::Counter(cells, benchmark::Counter::kIsIterationInvariantRate);
+}
+
+/// The same with a file to write, whose size is counted too.
+template <typename Write>
+void run_writer(benchmark::State& state, const std::string& extension, const Write& write) {
+  const fs::path path =
+      fs::temp_directory_path() / ("tetropolis_bench_" + std::to_string(::getpid()) + extension);
+  run(state, [&] { write(path); });
+  const auto bytes = static_cast<double>(fs::file_size(path));
+  fs::remove(path);
+  state.counters["bytes"] = bytes;
+  state.counters["bytes/s"] =
+      benchmark::Counter(bytes, benchmark::Counter::kIsIterationInvariantRate);
+}
+
+void step_3_6_measure_quality(benchmark::State& state) {
+  run(state, [] { benchmark::DoNotOptimize(measure_quality(city_mesh(), 10)); });
+}
+
+void step_3_6_measure_faces(benchmark::State& state) {
+  run(state, [] { benchmark::DoNotOptimize(measure_faces(city_mesh())); });
+}
+
+void step_3_6_extract_boundary(benchmark::State& state) {
+  const Bounds2 domain = random_city_input(kBuildings).domain;
+  run(state, [&] { benchmark::DoNotOptimize(extract_boundary(city_mesh(), domain)); });
+}
+
+void step_3_6_check_topology(benchmark::State& state) {
+  run(state, [] { benchmark::DoNotOptimize(check_topology(city_boundary())); });
+}
+
+void step_3_6_write_vtu(benchmark::State& state) {
+  run_writer(state, ".vtu", [](const fs::path& path) { write_vtu(path, city_mesh(), {}); });
+}
+
+void step_3_6_write_vtp(benchmark::State& state) {
+  run_writer(state, ".vtp", [](const fs::path& path) { write_vtp(path, city_boundary(), {}); });
+}
+
+void step_3_6_write_stl(benchmark::State& state) {
+  run_writer(state, ".stl", [](const fs::path& path) {
+    const std::array land{Patch::kGround, Patch::kRoof, Patch::kWall};
+    write_stl(path, select_patches(city_boundary(), land), {});
+  });
+}
+
+/// One thread, then two.
+void threads(benchmark::internal::Benchmark* bench) {
+  bench->ArgName("threads")->Arg(1)->Arg(2)->Unit(benchmark::kMillisecond)->UseRealTime();
+}
+BENCHMARK(step_3_6_measure_quality)->Apply(threads);
+BENCHMARK(step_3_6_measure_faces)->Apply(threads);
+BENCHMARK(step_3_6_extract_boundary)->Apply(threads);
+BENCHMARK(step_3_6_check_topology)->Apply(threads);
+BENCHMARK(step_3_6_write_vtu)->Apply(threads);
+BENCHMARK(step_3_6_write_vtp)->Apply(threads);
+BENCHMARK(step_3_6_write_stl)->Apply(threads);
+
+}  // namespace

@@ -1,0 +1,152 @@
+"""Runs of the program, what they report, and medians over them."""
+import json
+import os
+import pathlib
+import shutil
+import statistics
+import subprocess
+import time
+
+# A case is run again until its runs have taken this long in all, seconds.
+CASE_BUDGET = 40
+
+
+class BenchError(Exception):
+    """Something that ends the benchmark with one line."""
+
+
+class Bench:
+    """The programs, a scratch folder, and every run made so far."""
+
+    def __init__(self, build, scratch, repeat, say):
+        self.build = pathlib.Path(build)
+        self.program = self.build / "tetropolis"
+        if not self.program.exists():
+            raise BenchError(f"{self.program} is missing; run make build, or name a build folder with --build")
+        self.scratch = pathlib.Path(scratch)
+        self.repeat = repeat
+        self.say = say
+        self.seen = {}
+        shutil.rmtree(self.scratch, ignore_errors=True)
+        self.scratch.mkdir(parents=True)
+
+    def close(self):
+        shutil.rmtree(self.scratch, ignore_errors=True)
+
+    def run_once(self, arguments):
+        """Runs the program and returns its report, with the process's wall time added."""
+        out = self.scratch / "result"
+        command = [str(self.program), *map(str, arguments), "--out", str(out), "--quiet"]
+        begin = time.monotonic()
+        process = subprocess.run(command, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True)
+        wall = time.monotonic() - begin
+        if process.returncode != 0:
+            raise BenchError(f"{' '.join(command)} failed: {process.stderr.strip()}")
+        report = json.loads((out / "report.json").read_text())
+        report["wall"] = wall
+        report["bytes_written"] = sum(f.stat().st_size for f in out.iterdir() if f.is_file())
+        return report
+
+    def case(self, arguments, repeat=None):
+        """The median run of a case: the same as an earlier one if it was asked for before."""
+        key = tuple(map(str, arguments))
+        if key not in self.seen:
+            self.say(" ".join(key).replace(str(self.scratch) + os.sep, ""))
+            runs = []
+            begin = time.monotonic()
+            while len(runs) < (repeat or self.repeat):
+                runs.append(self.run_once(arguments))
+                if time.monotonic() - begin > CASE_BUDGET:
+                    break
+            self.seen[key] = median_of(runs)
+        return self.seen[key]
+
+    def city(self, buildings, size=2500, density=1, options=()):
+        """City model and terrain of a random city; the folder they are in, and the report."""
+        folder = self.scratch / f"city-{buildings}-{size}"
+        case = ["city", *self.inputs(self.synth(buildings, size, density)), *options]
+        if not folder.exists():
+            self.seen.pop(tuple(map(str, case)), None)  # whatever ran last left its result there
+        row = self.case(case)
+        if not folder.exists():
+            (self.scratch / "result").rename(folder)
+        return folder, row
+
+    def synth(self, buildings, size=2500, density=1):
+        """Footprints and points of a random city; the folder they are in."""
+        folder = self.scratch / f"input-{buildings}-{size}"
+        if not folder.exists():
+            self.run_once(["synth", "--buildings", buildings, "--size", size, "--point-density", density])
+            (self.scratch / "result").rename(folder)
+        return folder
+
+    @staticmethod
+    def inputs(source):
+        return ["--footprints", source / "footprints.shp", "--points", source / "points.laz"]
+
+    def mesh(self, folder, mesh_size, layering="graded", threads=0, repeat=None):
+        """Step 3 on a folder made by city()."""
+        return self.case(["mesh", "--city", folder / "city.city.json", "--dtm", folder / "dtm.tif",
+                          "--mesh-size", mesh_size, "--layering", layering, "--threads", threads], repeat)
+
+    def microbenchmarks(self, pattern):
+        """Google benchmarks whose names match: name -> its JSON."""
+        program = self.build / "bench" / "tetropolis_bench"
+        if not program.exists():
+            raise BenchError(f"{program} is missing; configure with -DTETROPOLIS_BENCH=ON")
+        self.say(f"microbenchmarks {pattern}")
+        process = subprocess.run(
+            [str(program), f"--benchmark_filter={pattern}", "--benchmark_format=json",
+             f"--benchmark_repetitions={self.repeat}"],
+            stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True,
+            env={**os.environ, "TMPDIR": str(self.scratch)})
+        if process.returncode != 0:
+            raise BenchError(f"{program} failed")
+        return {b["run_name"]: b for b in json.loads(process.stdout)["benchmarks"]
+                if b.get("aggregate_name", "median") == "median"}
+
+    def plain_laszip(self, path):
+        """Processor seconds that decoding every point of a file with LASzip alone takes."""
+        program = self.build / "bench" / "laszip_read"
+        times = []
+        for _ in range(max(3, self.repeat)):
+            done = subprocess.run([str(program), str(path)], stdout=subprocess.PIPE, text=True, check=True)
+            times.append(float(done.stdout.split()[1]))
+        return statistics.median(times)
+
+    def disk_speed(self, size, sync):
+        """Bytes per second of dd writing a file of `size` bytes, waiting for the disk if `sync`."""
+        target = self.scratch / "dd"
+        speeds = []
+        for _ in range(max(3, self.repeat)):
+            begin = time.monotonic()
+            subprocess.run(["dd", "if=/dev/zero", f"of={target}", "bs=1M", f"count={max(1, size >> 20)}",
+                            *(["conv=fsync"] if sync else [])], check=True, stderr=subprocess.DEVNULL)
+            speeds.append(size / (time.monotonic() - begin))
+            target.unlink()
+        return statistics.median(speeds)
+
+
+def median_of(runs):
+    """One flat row for several reports of the same case: medians of times, the rest from the last."""
+    last = runs[-1]
+
+    def median(value):
+        return statistics.median(value(r) for r in runs)
+
+    row = {"runs": len(runs), "threads": last["threads"], "wall_s": median(lambda r: r["wall"]),
+           "peak_bytes": max(r["peak_rss_bytes"] for r in runs), "bytes_written": last["bytes_written"]}
+    for i, step in enumerate(last["steps"]):
+        row[f"s_{step['id']}"] = median(lambda r: r["steps"][i]["seconds"])
+        row[f"cpu_{step['id']}"] = median(lambda r: r["steps"][i]["cpu_seconds"])
+    if "volume_mesh" in last:
+        row["triangles"] = last["ground_mesh"]["triangles"]
+        row["cells"] = last["volume_mesh"]["cells"]
+        row["s_3.1_to_3.5"] = median(lambda r: sum(s["seconds"] for s in r["steps"] if s["id"][0] == "3")
+                                     - next(s["seconds"] for s in r["steps"] if s["id"] == "3.6"))
+        for solve in last["solver"]:
+            row[f"iterations_{solve['step']}"] = solve["iterations"]
+    if "city" in last and last["city"]:
+        row["raw_buildings"] = last["city"].get("raw_buildings")
+        row["buildings_after"] = last["city"].get("buildings")
+    return row

@@ -1,0 +1,92 @@
+#include "stages.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <filesystem>
+#include <stdexcept>
+#include <utility>
+
+#include "tetropolis/city/clean.h"
+#include "tetropolis/city/synthetic.h"
+#include "tetropolis/ground/mesh_ground.h"
+#include "tetropolis/io/stl.h"
+#include "tetropolis/io/vtk.h"
+#include "tetropolis/volume/fill_columns.h"
+#include "tetropolis/volume/ground_heights.h"
+#include "tetropolis/volume/quality.h"
+
+namespace tetropolis::testing {
+
+namespace {
+
+double highest_of(const WorkCity& city) {
+  return *std::max_element(city.input->dtm.values.begin(), city.input->dtm.values.end());
+}
+
+}  // namespace
+
+WorkCity work_city(std::int64_t buildings) {
+  // Whole metres, so that the terrain's nodes fit.
+  const double size = std::round(2500 * std::sqrt(static_cast<double>(buildings) / 3096));
+  RandomCityOptions options;
+  options.buildings = buildings;
+  options.size = size;
+  options.points_per_m2 = 0;
+  return {buildings, synthetic_random_city(options).footprints,
+          &random_city_input(buildings, size)};
+}
+
+[[gnu::noinline]] Simplification work_simplify(const WorkCity& city) {
+  std::vector<Polygon> cleaned;
+  for (const Polygon& footprint : city.raw) cleaned.push_back(clean_footprint(footprint).polygon);
+  return simplify_footprints(cleaned, city.input->domain, {});
+}
+
+[[gnu::noinline]] GroundMesh work_ground(const WorkCity& city) {
+  return mesh_ground(city.input->footprints, city.input->domain, {kMeshSize, 25});
+}
+
+[[gnu::noinline]] ColumnMesh work_columns(const WorkCity& city, const GroundMesh& ground) {
+  return columns_over(*city.input, GroundMesh(ground), kMeshSize);
+}
+
+[[gnu::noinline]] UniformResult work_uniform(const WorkCity& city, const GroundMesh& ground) {
+  const auto owner = vertex_buildings(ground);
+  const auto& roofs = city.input->roofs;
+  const std::vector<double> wall(ground.vertices.size(), 1.0);
+  const GroundHeights heights = ground_heights(ground, owner, roofs, city.input->dtm, 1, wall);
+  const LayerPlan plan = plan_layers(heights.z, roofs, highest_of(city), 100, kMeshSize);
+  LayeredMesh mesh = make_layers(GroundMesh(ground), plan.layers, plan.bottom, plan.top);
+  UniformResult result;
+  result.nodes = mesh.z.size();
+  result.ground = smooth_to_ground(mesh, heights.z, {}).solver;
+  trim(mesh, owner, roofs);
+  result.roofs = smooth_to_roofs(mesh, owner, roofs, {}).solver;
+  return result;
+}
+
+[[gnu::noinline]] std::int64_t work_quality(const ColumnMesh& mesh) {
+  if (measure_quality(mesh, 10).histogram.inverted() != 0) throw std::logic_error("inverted cells");
+  return measure_faces(mesh).faces;
+}
+
+[[gnu::noinline]] SurfaceMesh work_boundary(const WorkCity& city, const ColumnMesh& mesh) {
+  SurfaceMesh boundary = extract_boundary(mesh, city.input->domain);
+  if (!check_topology(boundary).closed()) throw std::logic_error("open boundary");
+  return boundary;
+}
+
+[[gnu::noinline]] std::int64_t work_write(const ColumnMesh& mesh, const SurfaceMesh& boundary,
+                                          const std::string& folder) {
+  const std::filesystem::path path(folder);
+  write_vtu(path / "volume.vtu", mesh, {});
+  write_vtp(path / "boundary.vtp", boundary, {});
+  const std::array land{Patch::kGround, Patch::kRoof, Patch::kWall};
+  write_stl(path / "surface.stl", select_patches(boundary, land), {});
+  std::uintmax_t bytes = 0;
+  for (const auto& file : std::filesystem::directory_iterator(path)) bytes += file.file_size();
+  return static_cast<std::int64_t>(bytes);
+}
+
+}  // namespace tetropolis::testing
