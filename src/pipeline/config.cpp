@@ -125,7 +125,7 @@ std::vector<ConfigField> make_fields() {
        "Least height of a cell's vertical edge, as a share of the even spacing there", "", 0.001,
        0.9},
       {"solver_tolerance", "Mesh", &C::solver_tolerance, kMeshing,
-       "Relative residual at which the smoothing stops", "", 1e-6, 0.5},
+       "Error, relative to the first guess, at which the smoothing stops", "", 1e-6, 0.5},
       {"solver_iterations", "Mesh", &C::solver_iterations, kMeshing,
        "Most iterations of one smoothing", "", 1, 100000},
 
