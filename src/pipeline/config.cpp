@@ -143,7 +143,8 @@ std::vector<ConfigField> make_fields() {
        "Uniform layering: least height of a cell's vertical edge, as a share of the even spacing",
        "", 0.001, 0.9},
       {"solver_tolerance", "Mesh", &C::solver_tolerance, kMeshing,
-       "Uniform layering, free top: relative residual at which the smoothing stops", "", 1e-6, 0.5},
+       "Uniform layering, free top: error, relative to the first guess, at which smoothing stops",
+       "", 1e-6, 0.5},
       {"solver_iterations", "Mesh", &C::solver_iterations, kMeshing,
        "Uniform layering, free top: most iterations of one smoothing", "", 1, 100000},
 

@@ -1,23 +1,14 @@
 #include "tetropolis/volume/laplace.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
-#include <span>
+#include <utility>
 
 #include "tetropolis/core/parallel.h"
 
 #include "laplace_bands.h"
-
-// The hot loops run over contiguous bands and are compiled for wider vectors as well; products are
-// never fused with sums, so every version rounds the same way. Sanitizers do not support resolving
-// such functions at load time.
-#if defined(__x86_64__) && defined(__GNUC__) && !defined(__clang__) && \
-    !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
-#define TETROPOLIS_WIDE __attribute__((target_clones("avx2", "default")))
-#else
-#define TETROPOLIS_WIDE
-#endif
+#include "laplace_galerkin.h"
+#include "laplace_multigrid.h"
 
 namespace tetropolis {
 
@@ -25,237 +16,159 @@ namespace {
 
 constexpr std::size_t kColumnsPerChunk = 256;
 
-/// Everything the kernels read, by plain pointers.
-struct Operator {
-  std::size_t n;  // nodes per column
-  const float* edge;
-  const float* vertical;
-  const float* diagonal;
-  const std::array<VertexIndex, 2>* edge_vertices;
-  const EdgeIndex* starts;
-  const std::int32_t* end_offsets;
-  const EdgeIndex* ends;
-};
+/// A solve that takes this many iterations has a bad smoother.
+constexpr int kPatience = 40;
 
-struct ColumnRange {
-  std::size_t begin, end;
-};
-
-/// y = A x for the columns of `range`; returns x.y over them. `lanes` holds n zeros on entry.
-TETROPOLIS_WIDE double multiply(const Operator& a, const float* x, float* y, ColumnRange range,
-                                double* lanes) {
-  const std::size_t n = a.n;
-  for (std::size_t v = range.begin; v < range.end; ++v) {
-    float* __restrict yv = y + v * n;
-    const float* xv = x + v * n;
-    const float* diagonal = a.diagonal + v * n;
-    const float* vertical = a.vertical + v * n;
-    for (std::size_t k = 0; k < n; ++k) yv[k] = diagonal[k] * xv[k];
-    for (std::size_t k = 0; k + 1 < n; ++k) yv[k] += vertical[k] * xv[k + 1];
-    for (std::size_t k = 0; k + 1 < n; ++k) yv[k + 1] += vertical[k] * xv[k];
-    for (EdgeIndex e = a.starts[v]; e < a.starts[v + 1]; ++e) {
-      const float* level = a.edge + static_cast<std::size_t>(e) * 2 * n;
-      const float* rising = level + n;
-      const float* xb = x + static_cast<std::size_t>(a.edge_vertices[e][1]) * n;
-      for (std::size_t k = 0; k < n; ++k) yv[k] += level[k] * xb[k];
-      for (std::size_t k = 0; k + 1 < n; ++k) yv[k] += rising[k] * xb[k + 1];
-    }
-    for (std::int32_t i = a.end_offsets[v]; i < a.end_offsets[v + 1]; ++i) {
-      const EdgeIndex e = a.ends[i];
-      const float* level = a.edge + static_cast<std::size_t>(e) * 2 * n;
-      const float* rising = level + n;
-      const float* xa = x + static_cast<std::size_t>(a.edge_vertices[e][0]) * n;
-      for (std::size_t k = 0; k < n; ++k) yv[k] += level[k] * xa[k];
-      for (std::size_t k = 0; k + 1 < n; ++k) yv[k + 1] += rising[k] * xa[k];
-    }
-    for (std::size_t k = 0; k < n; ++k)
-      lanes[k] += static_cast<double>(xv[k]) * static_cast<double>(yv[k]);
-  }
-  double sum = 0;
-  for (std::size_t k = 0; k < n; ++k) sum += lanes[k];
-  return sum;
+/// Clears the row of node (v, k) in the bands of v's column.
+void clear_own(LevelMatrix& matrix, std::size_t v, std::size_t k) {
+  matrix.diagonal[v * matrix.stride + k] = 0;
+  matrix.vertical[v * matrix.stride + k] = 0;
+  if (k > 0) matrix.vertical[v * matrix.stride + k - 1] = 0;
 }
 
-/// u += alpha p, r -= alpha q, z = M^-1 r (z may be q); returns r.z over the columns of `range`.
-/// `pivots` are the inverse pivots of the columns' tridiagonal matrices.
-TETROPOLIS_WIDE double step_and_precondition(const Operator& a, const float* pivots, float alpha,
-                                             const float* p, float* u, float* r, float* q,
-                                             ColumnRange range, double* lanes) {
-  const std::size_t n = a.n;
-  for (std::size_t v = range.begin; v < range.end; ++v) {
-    const float* pv = p + v * n;
-    float* uv = u + v * n;
-    float* __restrict rv = r + v * n;
-    float* __restrict qv = q + v * n;
-    const float* vertical = a.vertical + v * n;
-    const float* pivot = pivots + v * n;
-    for (std::size_t k = 0; k < n; ++k) uv[k] += alpha * pv[k];
-    for (std::size_t k = 0; k < n; ++k) rv[k] -= alpha * qv[k];
-    // Thomas algorithm; the factor of row k is vertical[k - 1] * pivot[k - 1].
-    float previous = rv[0];
-    qv[0] = previous;
-    for (std::size_t k = 1; k < n; ++k) {
-      previous = rv[k] - vertical[k - 1] * pivot[k - 1] * previous;
-      qv[k] = previous;
-    }
-    previous = qv[n - 1] * pivot[n - 1];
-    qv[n - 1] = previous;
-    for (std::size_t k = n - 1; k-- > 0;) {
-      previous = (qv[k] - vertical[k] * previous) * pivot[k];
-      qv[k] = previous;
-    }
-    for (std::size_t k = 0; k < n; ++k)
-      lanes[k] += static_cast<double>(rv[k]) * static_cast<double>(qv[k]);
-  }
-  double sum = 0;
-  for (std::size_t k = 0; k < n; ++k) sum += lanes[k];
-  return sum;
-}
-
-/// Layers of a column whose value is given.
-bool is_fixed(const LayeredMesh& mesh, std::size_t v, std::int32_t k, bool fixed_top) {
-  return k <= mesh.first_node[v] || k == mesh.roof_layer[v] || (fixed_top && k == mesh.layers);
-}
-
-/// Removes all couplings of fixed nodes; their rows become those of the identity. Returns the
-/// number of nodes left unknown.
-std::int64_t eliminate_fixed(const LayeredMesh& mesh, bool fixed_top, StiffnessBands& bands) {
-  const std::size_t n = mesh.stride();
-  const auto count_or_clear = [&](std::size_t begin, std::size_t end) {
+/// Takes out the couplings of given nodes between bottom and top; makes the residual zero at all
+/// given nodes. Returns the number of nodes left unknown.
+std::int64_t impose_given(const LayeredMesh& mesh, bool fixed_top, LevelMatrix& matrix,
+                          PaddedFloats& r) {
+  const std::size_t stride = matrix.stride;
+  const auto layers = static_cast<std::size_t>(mesh.layers);
+  // Given layers of a column other than 0 and a fixed top.
+  const auto for_inner = [&](std::size_t v, const auto& body) {
+    for (std::int32_t k = 1; k <= mesh.first_node[v]; ++k) body(static_cast<std::size_t>(k));
+    if (mesh.roof_layer[v] > mesh.first_node[v]) body(static_cast<std::size_t>(mesh.roof_layer[v]));
+  };
+  const auto impose = [&](std::size_t begin, std::size_t end) {
     std::int64_t unknowns = 0;
     for (std::size_t v = begin; v < end; ++v) {
-      float* vertical = bands.vertical.data() + v * n;
-      for (std::size_t k = 0; k < n; ++k) {
-        if (!is_fixed(mesh, v, static_cast<std::int32_t>(k), fixed_top)) {
-          ++unknowns;
-          continue;
-        }
-        bands.diagonal[v * n + k] = 1;
-        vertical[k] = 0;
-        if (k > 0) vertical[k - 1] = 0;
-      }
+      std::size_t given = fixed_top ? 2 : 1;
+      r[v * stride] = 0;
+      if (fixed_top) r[v * stride + layers] = 0;
+      for_inner(v, [&](std::size_t k) {
+        r[v * stride + k] = 0;
+        if (!fixed_top || k < layers) ++given;
+        clear_own(matrix, v, k);
+      });
+      unknowns += static_cast<std::int64_t>(layers + 1 - given);
       for (EdgeIndex e = mesh.edges.starts[v]; e < mesh.edges.starts[v + 1]; ++e) {
-        const auto b =
-            static_cast<std::size_t>(mesh.edges.vertices[static_cast<std::size_t>(e)][1]);
-        float* level = bands.edge.data() + static_cast<std::size_t>(e) * 2 * n;
-        float* rising = level + n;
-        for (std::size_t k = 0; k < n; ++k) {
-          const auto layer = static_cast<std::int32_t>(k);
-          const bool fixed_a = is_fixed(mesh, v, layer, fixed_top);
-          if (fixed_a || is_fixed(mesh, b, layer, fixed_top)) level[k] = 0;
-          if (fixed_a || k + 1 == n || is_fixed(mesh, b, layer + 1, fixed_top)) rising[k] = 0;
-        }
+        const auto i = static_cast<std::size_t>(e);
+        const auto b = static_cast<std::size_t>(mesh.edges.vertices[i][1]);
+        float* level = matrix.edge.data() + 2 * i * stride;
+        float* rising = level + stride;
+        for_inner(v, [&](std::size_t k) { level[k] = rising[k] = 0; });
+        for_inner(b, [&](std::size_t k) { level[k] = rising[k - 1] = 0; });
       }
     }
     return unknowns;
   };
-  return parallel_reduce_ordered(mesh.vertex_count(), kColumnsPerChunk, std::int64_t{0},
-                                 count_or_clear,
+  return parallel_reduce_ordered(mesh.vertex_count(), kColumnsPerChunk, std::int64_t{0}, impose,
                                  [](std::int64_t a, std::int64_t b) { return a + b; });
 }
 
-std::vector<float> inverse_pivots(const LayeredMesh& mesh, const StiffnessBands& bands) {
-  const std::size_t n = mesh.stride();
-  std::vector<float> pivots(bands.diagonal.size());
-  parallel_chunks(mesh.vertex_count(), kColumnsPerChunk, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t v = begin; v < end; ++v) {
-      const float* vertical = bands.vertical.data() + v * n;
-      pivots[v * n] = 1 / bands.diagonal[v * n];
-      for (std::size_t k = 1; k < n; ++k)
-        pivots[v * n + k] = 1 / (bands.diagonal[v * n + k] -
-                                 vertical[k - 1] * vertical[k - 1] * pivots[v * n + k - 1]);
-    }
-  });
-  return pivots;
+double mean_height(const LayeredMesh& mesh) {
+  double sum = 0;
+  for (std::size_t v = 0; v < mesh.vertex_count(); ++v)
+    sum += mesh.column(v)[mesh.layers] - mesh.column(v)[0];
+  return sum / static_cast<double>(mesh.vertex_count());
 }
 
-/// Calls kernel(range, lanes) for all columns and adds up what it returns, in order.
-template <typename Kernel>
-double over_columns(const LayeredMesh& mesh, const Kernel& kernel) {
-  return parallel_reduce_ordered(
-      mesh.vertex_count(), kColumnsPerChunk, 0.0,
-      [&](std::size_t begin, std::size_t end) {
-        std::vector<double> lanes(mesh.stride(), 0.0);
-        return kernel(ColumnRange{begin, end}, lanes.data());
-      },
-      [](double a, double b) { return a + b; });
-}
-
-Operator view(const LayeredMesh& mesh, const StiffnessBands& bands) {
-  return {mesh.stride(),
-          bands.edge.data(),
-          bands.vertical.data(),
-          bands.diagonal.data(),
-          mesh.edges.vertices.data(),
-          mesh.edges.starts.data(),
-          mesh.edges.end_offsets.data(),
-          mesh.edges.ends.data()};
-}
-
-/// r = -A u where u is unknown, 0 where it is fixed; A is the matrix before elimination.
-std::vector<float> initial_residual(const LayeredMesh& mesh, const StiffnessBands& bands,
-                                    const std::vector<float>& u, bool fixed_top) {
-  std::vector<float> r(u.size());
-  const Operator a = view(mesh, bands);
-  over_columns(mesh, [&](ColumnRange range, double* lanes) {
-    const double energy = multiply(a, u.data(), r.data(), range, lanes);
-    for (std::size_t v = range.begin; v < range.end; ++v)
-      for (std::size_t k = 0; k < a.n; ++k) {
-        float& value = r[v * a.n + k];
-        value = is_fixed(mesh, v, static_cast<std::int32_t>(k), fixed_top) ? 0.0F : -value;
-      }
-    return energy;
-  });
-  return r;
+double plan_area(const GroundMesh& ground) {
+  double sum = 0;
+  for (const auto& t : ground.triangles) {
+    const Point2 a = ground.vertices[static_cast<std::size_t>(t[0])];
+    const Point2 b = ground.vertices[static_cast<std::size_t>(t[1])];
+    const Point2 c = ground.vertices[static_cast<std::size_t>(t[2])];
+    sum += std::abs((b.x - a.x) * (c.y - a.y) - (c.x - a.x) * (b.y - a.y)) / 2;
+  }
+  return sum;
 }
 
 }  // namespace
 
 SolverReport solve_laplace(const LayeredMesh& mesh, std::vector<float>& u,
                            const LaplaceOptions& options, const Progress& progress) {
-  StiffnessBands bands = assemble_stiffness(mesh);
-  std::vector<float> r = initial_residual(mesh, bands, u, options.fixed_top);
+  const bool uniform = options.fixed_top && mesh.layers > 1 && is_uniform(mesh);
+  auto [matrix, weights] = assemble_stiffness(mesh, uniform);
+  matrix.given_top = options.fixed_top;
+  PaddedFloats r = complete_diagonal(mesh, u, matrix);
   SolverReport report;
-  report.unknowns = eliminate_fixed(mesh, options.fixed_top, bands);
-  const std::vector<float> pivots = inverse_pivots(mesh, bands);
-  const Operator a = view(mesh, bands);
-  std::vector<float> p(u.size(), 0.0F);
-  std::vector<float> q(u.size(), 0.0F);
+  report.unknowns = impose_given(mesh, options.fixed_top, matrix, r);
+  invert_pivots(matrix, mesh.vertex_count());
+  const LevelGraph graph{mesh.vertex_count(), mesh.edges.vertices.data(), mesh.edges.starts.data(),
+                         mesh.edges.end_offsets.data(), mesh.edges.ends.data()};
+  Multigrid preconditioner(matrix, graph, std::move(weights), mean_height(mesh),
+                           plan_area(mesh.ground));
+  const std::size_t n = mesh.stride(), stride = matrix.stride;
+  PaddedFloats p(r.size()), q(r.size()), z(r.size());
 
-  const auto precondition = [&](float alpha) {
-    return over_columns(mesh, [&](ColumnRange range, double* lanes) {
-      return step_and_precondition(a, pivots.data(), alpha, p.data(), u.data(), r.data(), q.data(),
-                                   range, lanes);
+  const auto over_columns = [&](const auto& kernel) {
+    parallel_chunks(mesh.vertex_count(), kColumnsPerChunk, [&](std::size_t begin, std::size_t end) {
+      kernel(ColumnRange{begin, end});
     });
   };
-  const auto new_direction = [&](float beta) {  // p = q + beta p, q holding M^-1 r
-    parallel_chunks(u.size(), kColumnsPerChunk * a.n, [&](std::size_t begin, std::size_t end) {
-      for (std::size_t i = begin; i < end; ++i) p[i] = q[i] + beta * p[i];
+  // q = M^-1 r. The first half sweep of M needs nothing but the column's own residual, so it is
+  // made where that is known.
+  const auto smooth = [&](ColumnRange range) {
+    solve_columns(matrix, preconditioner.damping(), r.data(), z.data(), range);
+  };
+  const auto precondition = [&] {
+    return preconditioner.apply_to_smoothed(r.data(), z.data(), q.data());
+  };
+  const auto new_direction = [&](float beta) {  // p = q + beta p
+    over_columns([&](ColumnRange range) {
+      for (std::size_t i = range.begin * stride; i < range.end * stride; ++i)
+        p[i] = q[i] + beta * p[i];
+    });
+  };
+  const auto multiplied_direction = [&] {  // q = A p
+    return parallel_reduce_ordered(
+        mesh.vertex_count(), kColumnsPerChunk, 0.0,
+        [&](std::size_t begin, std::size_t end) {
+          return multiply(matrix, graph, p.data(), q.data(), {begin, end});
+        },
+        [](double a, double b) { return a + b; });
+  };
+  const auto step = [&](float alpha) {  // u += alpha p, r -= alpha q
+    over_columns([&](ColumnRange range) {
+      for (std::size_t v = range.begin; v < range.end; ++v)
+        for (std::size_t k = 0; k < n; ++k) u[v * n + k] += alpha * p[v * stride + k];
+      for (std::size_t i = range.begin * stride; i < range.end * stride; ++i) r[i] -= alpha * q[i];
+      smooth(range);
     });
   };
 
-  double rz = precondition(0);
-  const double target = options.tolerance * options.tolerance * rz;
-  const double first_rz = rz;
-  report.converged = !(rz > target) || rz == 0;
-  double beta = 0;
-  while (!report.converged && report.iterations < options.max_iterations) {
+  over_columns(smooth);
+  double rz = precondition();
+  // A sum of squares, unless the smoother does not converge on this mesh.
+  const auto restart_safely = [&] {
+    if (!preconditioner.make_safe()) return false;
+    over_columns(smooth);
+    rz = precondition();
+    return rz > 0;
+  };
+  if (rz < 0) restart_safely();
+  const double first_rz = rz, target = options.tolerance * options.tolerance * rz;
+  report.converged = rz == 0;
+  float beta = 0;
+  while (rz > 0 && !report.converged && report.iterations < options.max_iterations) {
     progress.update(
         report.iterations == 0
             ? 0.0
             : std::clamp(std::log(rz / first_rz) / std::log(target / first_rz), 0.0, 1.0));
-    new_direction(static_cast<float>(beta));
-    const double pq = over_columns(mesh, [&](ColumnRange range, double* lanes) {
-      return multiply(a, p.data(), q.data(), range, lanes);
-    });
+    new_direction(beta);
+    const double pq = multiplied_direction();
     if (!(pq > 0)) break;  // rounding level reached: no direction reduces the energy any more
-    const double next = precondition(static_cast<float>(rz / pq));
-    beta = next / rz;
-    rz = next;
+    step(static_cast<float>(rz / pq));
     ++report.iterations;
+    const double next = precondition();
+    beta = static_cast<float>(next / rz);
+    rz = next;
+    if (rz < 0 || report.iterations == kPatience) {
+      if (!restart_safely() && rz < 0) break;
+      beta = 0;
+    }
     report.converged = rz <= target;
   }
-  report.relative_residual = first_rz > 0 ? std::sqrt(std::max(rz, 0.0) / first_rz) : 0;
+  report.relative_residual = first_rz > 0 ? std::sqrt(std::abs(rz) / first_rz) : 0;
   return report;
 }
 

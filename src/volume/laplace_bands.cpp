@@ -3,9 +3,12 @@
 #include <array>
 #include <bit>
 #include <cassert>
+#include <cmath>
 #include <cstdint>
 
 #include "tetropolis/core/parallel.h"
+
+#include "laplace_wide.h"
 
 namespace tetropolis {
 
@@ -38,134 +41,304 @@ std::vector<std::vector<std::size_t>> independent_blocks(const GroundMesh& groun
   return groups;
 }
 
-struct Vector2 {
-  double x, y;
-};
-double dot(Vector2 a, Vector2 b) { return a.x * b.x + a.y * b.y; }
-
-/// A triangle with sorted vertices: its area over three and the gradients of its three linear basis
-/// functions.
+/// Of a triangle with sorted vertices: its area over three times 1 and times the products of the
+/// gradients of its three linear basis functions.
 struct FlatTriangle {
-  double third_of_area;
-  Vector2 g1, g2, g3;
+  double c;
+  double g12, g13, g23;
+  double g22() const { return -g12 - g23; }
+  double g33() const { return -g13 - g23; }
+  std::array<VertexIndex, 3> vertices;  ///< Sorted.
 };
 
-FlatTriangle flat_triangle(Point2 p1, Point2 p2, Point2 p3) {
-  const double twice_area = (p2.x - p1.x) * (p3.y - p1.y) - (p3.x - p1.x) * (p2.y - p1.y);
-  const Vector2 g2{(p3.y - p1.y) / twice_area, (p1.x - p3.x) / twice_area};
-  const Vector2 g3{(p1.y - p2.y) / twice_area, (p2.x - p1.x) / twice_area};
-  return {std::abs(twice_area) / 6, {-g2.x - g3.x, -g2.y - g3.y}, g2, g3};
+FlatTriangle flat_triangle(const GroundMesh& ground, const std::array<VertexIndex, 3>& sorted) {
+  const Point2 p1 = ground.vertices[static_cast<std::size_t>(sorted[0])];
+  const Point2 p2 = ground.vertices[static_cast<std::size_t>(sorted[1])];
+  const Point2 p3 = ground.vertices[static_cast<std::size_t>(sorted[2])];
+  const double x12 = p2.x - p1.x, y12 = p2.y - p1.y, x13 = p3.x - p1.x, y13 = p3.y - p1.y;
+  const double twice_area = x12 * y13 - x13 * y12;
+  // gradients (y13, -x13), (-y12, x12) over twice the area; area / 3 is left once.
+  const double scale = 1 / (6 * std::abs(twice_area));
+  const double g22 = scale * (x13 * x13 + y13 * y13);
+  const double g33 = scale * (x12 * x12 + y12 * y12);
+  const double g23 = -scale * (x12 * x13 + y12 * y13);
+  return {std::abs(twice_area) / 6, -g22 - g23, -g33 - g23, g23, sorted};
 }
 
-/// Where the prisms of one triangle add to: bands of its three edges and three columns.
-struct PrismBands {
-  float *h12, *d12, *h13, *d13, *h23, *d23;
-  float *v1, *v2, *v3;
+// A tet with the vertical edge u_m w_m over base nodes at heights z_1, z_2, z_3 has the basis
+// gradients (g_i, 0) for i != m and, with s = sum_i g_i z_i and d the vertical edge's length,
+// (-s, 1) / d at w_m and (g_m + s / d, -1 / d) at u_m. Its volume is area * d / 3. With T1, T2, T3
+// as in layered_mesh.h and t_ij = g_i . s of T_j's base, all of it times area / 3:
+//
+//   (u1, u2) g12 (d3 + d2) + t12    (w1, w2) -t23    (u1, w2) -t12 + g12 d1 + t23
+//   (u1, u3) g13 d3 + t11           (w1, w3) -t33    (u1, w3) -t11 + g13 (d2 + d1) + t33
+//   (u2, u3) g23 d3 + t21           (w2, w3) -t32 + g23 d1   (u2, w3) -t21 + g23 d2 + t32
+//   (u1, w1) -t13 - (s3.s3 + 1) / d1   (u2, w2) -t22 - (s2.s2 + 1) / d2
+//   (u3, w3) -t31 - (s1.s1 + 1) / d3
+
+/// Heights of the three columns of a triangle with sorted vertices, and the layers it has.
+struct PrismColumn {
+  const double *z1, *z2, *z3;
+  std::int32_t first, last;
 };
 
-/// Adds the stiffness of the prisms over one triangle in layers [first, last).
-///
-/// A tet with the vertical edge u_m w_m over base nodes at heights z_1, z_2, z_3 has the basis
-/// gradients (g_i, 0) for i != m and, with s = sum_i g_i z_i and d the vertical edge's length,
-/// (-s, 1) / d at w_m and (g_m + s / d, -1 / d) at u_m. Its volume is area * d / 3.
-void add_prisms(const FlatTriangle& f, const double* z1, const double* z2, const double* z3,
-                std::int32_t first, std::int32_t last, const PrismBands& out) {
-  const double c = f.third_of_area;
-  const double g12 = dot(f.g1, f.g2), g13 = dot(f.g1, f.g3), g23 = dot(f.g2, f.g3);
-  for (std::int32_t k = first; k < last; ++k) {
-    const double d1 = z1[k + 1] - z1[k], d2 = z2[k + 1] - z2[k], d3 = z3[k + 1] - z3[k];
-    const auto slope = [&](double a, double b) {
-      return Vector2{f.g2.x * a + f.g3.x * b, f.g2.y * a + f.g3.y * b};
-    };
-    const Vector2 s1 = slope(z2[k] - z1[k], z3[k] - z1[k]);          // T1: base u1 u2 u3
-    const Vector2 s2 = slope(z2[k] - z1[k], z3[k + 1] - z1[k]);      // T2: base u1 u2 w3
-    const Vector2 s3 = slope(z2[k + 1] - z1[k], z3[k + 1] - z1[k]);  // T3: base u1 w2 w3
-    const double t11 = dot(f.g1, s1), t12 = dot(f.g2, s1), t13 = dot(f.g3, s1);
-    const double t21 = dot(f.g1, s2), t22 = dot(f.g2, s2), t23 = dot(f.g3, s2);
-    const double t31 = dot(f.g1, s3), t32 = dot(f.g2, s3), t33 = dot(f.g3, s3);
-    out.h12[k] += static_cast<float>(c * (g12 * d3 + g12 * d2 + t21));
-    out.h13[k] += static_cast<float>(c * (g13 * d3 + t11));
-    out.h23[k] += static_cast<float>(c * (g23 * d3 + t12));
-    out.d12[k] += static_cast<float>(c * (-t21 + g12 * d1 + t32));
-    out.d13[k] += static_cast<float>(c * (-t11 + g13 * d2 + g13 * d1 + t33));
-    out.d23[k] += static_cast<float>(c * (-t12 + g23 * d2 + t23));
-    out.h12[k + 1] += static_cast<float>(c * -t32);
-    out.h13[k + 1] += static_cast<float>(c * -t33);
-    out.h23[k + 1] += static_cast<float>(c * (-t23 + g23 * d1));
-    out.v1[k] -= static_cast<float>(c * (t31 + (dot(s3, s3) + 1) / d1));
-    out.v2[k] -= static_cast<float>(c * (t22 + (dot(s2, s2) + 1) / d2));
-    out.v3[k] -= static_cast<float>(c * (t13 + (dot(s1, s1) + 1) / d3));
+/// Adds the couplings along the side `slot` (v1v2, v1v3, v2v3) of the prisms over one triangle.
+TETROPOLIS_WIDE void add_side(const FlatTriangle& f, const PrismColumn& p, int slot,
+                              float* __restrict level, float* __restrict rising) {
+  const double *z1 = p.z1, *z2 = p.z2, *z3 = p.z3;
+  const double g12 = f.g12, g13 = f.g13, g23 = f.g23, g22 = f.g22(), g33 = f.g33();
+  if (slot == 0) {
+    for (std::int32_t k = p.first; k < p.last; ++k) {
+      const double t12 = g12 * (z2[k] - z1[k]) + g13 * (z3[k + 1] - z1[k]);
+      const double t23 = g22 * (z2[k + 1] - z1[k]) + g23 * (z3[k + 1] - z1[k]);
+      level[k] += static_cast<float>(g12 * (z3[k + 1] - z3[k] + z2[k + 1] - z2[k]) + t12);
+      rising[k] += static_cast<float>(-t12 + g12 * (z1[k + 1] - z1[k]) + t23);
+    }
+    for (std::int32_t k = p.first; k < p.last; ++k)
+      level[k + 1] -= static_cast<float>(g22 * (z2[k + 1] - z1[k]) + g23 * (z3[k + 1] - z1[k]));
+  } else if (slot == 1) {
+    for (std::int32_t k = p.first; k < p.last; ++k) {
+      const double t11 = g12 * (z2[k] - z1[k]) + g13 * (z3[k] - z1[k]);
+      const double t33 = g23 * (z2[k + 1] - z1[k]) + g33 * (z3[k + 1] - z1[k]);
+      level[k] += static_cast<float>(g13 * (z3[k + 1] - z3[k]) + t11);
+      rising[k] += static_cast<float>(-t11 + g13 * (z2[k + 1] - z2[k] + z1[k + 1] - z1[k]) + t33);
+    }
+    for (std::int32_t k = p.first; k < p.last; ++k)
+      level[k + 1] -= static_cast<float>(g23 * (z2[k + 1] - z1[k]) + g33 * (z3[k + 1] - z1[k]));
+  } else {
+    for (std::int32_t k = p.first; k < p.last; ++k) {
+      const double t21 = g22 * (z2[k] - z1[k]) + g23 * (z3[k] - z1[k]);
+      const double t32 = g23 * (z2[k] - z1[k]) + g33 * (z3[k + 1] - z1[k]);
+      level[k] += static_cast<float>(g23 * (z3[k + 1] - z3[k]) + t21);
+      rising[k] += static_cast<float>(-t21 + g23 * (z2[k + 1] - z2[k]) + t32);
+    }
+    for (std::int32_t k = p.first; k < p.last; ++k)
+      level[k + 1] += static_cast<float>(g23 * (z1[k + 1] - z1[k] - (z2[k] - z1[k])) -
+                                         g33 * (z3[k + 1] - z1[k]));
   }
 }
 
-void add_triangle(const LayeredMesh& mesh, std::size_t t, StiffnessBands& bands) {
-  const std::size_t n = mesh.stride();
-  const auto v = sorted_vertices(mesh.ground.triangles[t]);
-  const std::array<std::size_t, 3> column{static_cast<std::size_t>(v[0]),
-                                          static_cast<std::size_t>(v[1]),
-                                          static_cast<std::size_t>(v[2])};
-  const auto& edge = mesh.edges.of_triangle[t];
-  const auto band = [&](int side) {
-    return bands.edge.data() +
-           static_cast<std::size_t>(edge[static_cast<std::size_t>(side)]) * 2 * n;
-  };
-  const PrismBands out{band(0),
-                       band(0) + n,
-                       band(1),
-                       band(1) + n,
-                       band(2),
-                       band(2) + n,
-                       bands.vertical.data() + column[0] * n,
-                       bands.vertical.data() + column[1] * n,
-                       bands.vertical.data() + column[2] * n};
-  const FlatTriangle flat =
-      flat_triangle(mesh.ground.vertices[column[0]], mesh.ground.vertices[column[1]],
-                    mesh.ground.vertices[column[2]]);
-  add_prisms(flat, mesh.column(column[0]), mesh.column(column[1]), mesh.column(column[2]),
-             mesh.first_layer[t], mesh.layers, out);
+/// Adds the couplings up the three columns of the prisms over one triangle.
+TETROPOLIS_WIDE void add_verticals(const FlatTriangle& f, const PrismColumn& p,
+                                   float* __restrict v1, float* __restrict v2,
+                                   float* __restrict v3) {
+  const double *z1 = p.z1, *z2 = p.z2, *z3 = p.z3;
+  const double g12 = f.g12, g13 = f.g13, g23 = f.g23, g22 = f.g22(), g33 = f.g33();
+  for (std::int32_t k = p.first; k < p.last; ++k) {
+    const double a = z2[k] - z1[k], b = z3[k] - z1[k];                // base of T1
+    const double up_a = z2[k + 1] - z1[k], up_b = z3[k + 1] - z1[k];  // T3; T2: a and up_b
+    const double ss3 = g22 * up_a * up_a + 2 * g23 * up_a * up_b + g33 * up_b * up_b;
+    const double ss2 = g22 * a * a + 2 * g23 * a * up_b + g33 * up_b * up_b;
+    const double ss1 = g22 * a * a + 2 * g23 * a * b + g33 * b * b;
+    const double d1 = z1[k + 1] - z1[k], d2 = up_a - a, d3 = up_b - b;
+    v1[k] -= static_cast<float>(g12 * up_a + g13 * up_b + (ss3 + f.c) / d1);
+    v2[k] -= static_cast<float>(g22 * a + g23 * up_b + (ss2 + f.c) / d2);
+    v3[k] -= static_cast<float>(g23 * a + g33 * b + (ss1 + f.c) / d3);
+  }
 }
 
-/// Constants are in the kernel of the Laplacian, so a row sums to zero.
-void fill_diagonal(const LayeredMesh& mesh, std::size_t v, StiffnessBands& bands) {
-  const std::size_t n = mesh.stride();
-  float* diagonal = bands.diagonal.data() + v * n;
-  const float* vertical = bands.vertical.data() + v * n;
-  for (std::size_t k = 0; k < n; ++k) diagonal[k] = -vertical[k];
-  for (std::size_t k = 1; k < n; ++k) diagonal[k] -= vertical[k - 1];
-  for (EdgeIndex e = mesh.edges.starts[v]; e < mesh.edges.starts[v + 1]; ++e) {
-    const float* level = bands.edge.data() + static_cast<std::size_t>(e) * 2 * n;
-    for (std::size_t k = 0; k < n; ++k) diagonal[k] -= level[k] + level[n + k];
+std::vector<FlatTriangle> flat_triangles(const GroundMesh& ground) {
+  std::vector<FlatTriangle> flat(ground.triangles.size());
+  parallel_chunks(flat.size(), 4096, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t t = begin; t < end; ++t)
+      flat[t] = flat_triangle(ground, sorted_vertices(ground.triangles[t]));
+  });
+  return flat;
+}
+
+PrismColumn prism_column(const LayeredMesh& mesh, std::size_t t, const FlatTriangle& flat) {
+  return {mesh.column(static_cast<std::size_t>(flat.vertices[0])),
+          mesh.column(static_cast<std::size_t>(flat.vertices[1])),
+          mesh.column(static_cast<std::size_t>(flat.vertices[2])), mesh.first_layer[t],
+          mesh.layers};
+}
+
+/// Calls body(first, last) for runs of triangles, those of one call never sharing a vertex with
+/// those of another at the same time.
+template <typename Body>
+void over_independent_triangles(const GroundMesh& ground, const Body& body) {
+  for (const auto& group : independent_blocks(ground)) {
+    parallel_chunks(group.size(), 1, [&](std::size_t begin, std::size_t end) {
+      for (std::size_t i = begin; i < end; ++i) {
+        const std::size_t first = group[i] * kTrianglesPerBlock;
+        body(first, std::min(first + kTrianglesPerBlock, ground.triangles.size()));
+      }
+    });
   }
-  for (std::int32_t i = mesh.edges.end_offsets[v]; i < mesh.edges.end_offsets[v + 1]; ++i) {
-    const auto e = static_cast<std::size_t>(mesh.edges.ends[static_cast<std::size_t>(i)]);
-    const float* level = bands.edge.data() + e * 2 * n;
-    diagonal[0] -= level[0];
-    for (std::size_t k = 1; k < n; ++k) diagonal[k] -= level[k] + level[n + k - 1];
+}
+
+/// Position of the edge in its triangle's of_triangle.
+int slot_of(const EdgeGraph& edges, TriangleIndex t, std::size_t e) {
+  const auto& of = edges.of_triangle[static_cast<std::size_t>(t)];
+  return of[0] == static_cast<EdgeIndex>(e) ? 0 : of[1] == static_cast<EdgeIndex>(e) ? 1 : 2;
+}
+
+void assemble_edge(const LayeredMesh& mesh, const std::vector<FlatTriangle>& flat, std::size_t e,
+                   LevelMatrix& matrix) {
+  float* level = matrix.edge.data() + e * 2 * matrix.stride;
+  for (const TriangleIndex t : mesh.edges.triangles[e]) {
+    if (t == kNoTriangle) continue;
+    const auto i = static_cast<std::size_t>(t);
+    add_side(flat[i], prism_column(mesh, i, flat[i]), slot_of(mesh.edges, t, e), level,
+             level + matrix.stride);
   }
-  for (std::int32_t k = 0; k < mesh.first_node[v]; ++k) diagonal[k] = 1;
+}
+
+/// The middle one of three layers of height `d`.
+struct UniformPrism {
+  std::array<double, 3> z;
+  explicit UniformPrism(double d) : z{0, d, 2 * d} {}
+  PrismColumn columns() const { return {z.data(), z.data(), z.data(), 0, 2}; }
+};
+
+void assemble_uniform_edge(const EdgeGraph& edges, const std::vector<FlatTriangle>& flat,
+                           const UniformPrism& prism, std::size_t e, LevelMatrix& matrix) {
+  std::array<float, 3> level{}, rising{};
+  for (const TriangleIndex t : edges.triangles[e])
+    if (t != kNoTriangle)
+      add_side(flat[static_cast<std::size_t>(t)], prism.columns(), slot_of(edges, t, e),
+               level.data(), rising.data());
+  matrix.edge[2 * e] = level[1];
+  matrix.edge[2 * e + 1] = rising[1];
+}
+
+/// The edge's cotangent weight in the plan, less the share of the height that is trimmed.
+float plan_weight(const LayeredMesh& mesh, const std::vector<FlatTriangle>& flat, std::size_t e) {
+  double sum = 0;
+  for (const TriangleIndex t : mesh.edges.triangles[e]) {
+    if (t == kNoTriangle) continue;
+    const auto i = static_cast<std::size_t>(t);
+    const int slot = slot_of(mesh.edges, t, e);
+    const double share = 1 - static_cast<double>(mesh.first_layer[i]) / mesh.layers;
+    sum -= share * (slot == 0 ? flat[i].g12 : slot == 1 ? flat[i].g13 : flat[i].g23);
+  }
+  return static_cast<float>(std::max(sum, 0.0));
+}
+
+/// Rows of one column for complete_diagonal: the sums of couplings, and A u by differences.
+struct RowSums {
+  float* __restrict couplings;
+  float* __restrict product;
+};
+
+TETROPOLIS_WIDE void add_band(const RowSums& sums, const float* band, bool uniform,
+                              const float* own, const float* other, std::size_t rows) {
+  if (uniform) {
+    for (std::size_t k = 0; k < rows; ++k) {
+      sums.couplings[k] += *band;
+      sums.product[k] += *band * (other[k] - own[k]);
+    }
+  } else {
+    for (std::size_t k = 0; k < rows; ++k) {
+      sums.couplings[k] += band[k];
+      sums.product[k] += band[k] * (other[k] - own[k]);
+    }
+  }
 }
 
 }  // namespace
 
-StiffnessBands assemble_stiffness(const LayeredMesh& mesh) {
-  const std::size_t n = mesh.stride();
-  StiffnessBands bands;
-  bands.edge.assign(mesh.edges.size() * 2 * n, 0.0F);
-  bands.vertical.assign(mesh.vertex_count() * n, 0.0F);
-  bands.diagonal.resize(mesh.vertex_count() * n);
-  for (const auto& group : independent_blocks(mesh.ground)) {
-    parallel_chunks(group.size(), 1, [&](std::size_t begin, std::size_t end) {
-      for (std::size_t i = begin; i < end; ++i) {
-        const std::size_t first = group[i] * kTrianglesPerBlock;
-        const std::size_t last = std::min(first + kTrianglesPerBlock, mesh.triangle_count());
-        for (std::size_t t = first; t < last; ++t) add_triangle(mesh, t, bands);
+bool is_uniform(const LayeredMesh& mesh) {
+  constexpr double kEven = 1e-9;
+  const double* first = mesh.column(0);
+  const double spacing = (first[mesh.layers] - first[0]) / mesh.layers;
+  for (std::int32_t k = 0; k < mesh.layers; ++k)
+    if (std::abs(first[k + 1] - first[k] - spacing) > kEven * spacing) return false;
+  return parallel_reduce_ordered(
+      mesh.vertex_count(), 4096, true,
+      [&](std::size_t begin, std::size_t end) {
+        for (std::size_t v = begin; v < end; ++v)
+          if (mesh.first_node[v] != 0 || mesh.roof_layer[v] != kNoRoof ||
+              !std::equal(first, first + mesh.stride(), mesh.column(v)))
+            return false;
+        return true;
+      },
+      [](bool a, bool b) { return a && b; });
+}
+
+Stiffness assemble_stiffness(const LayeredMesh& mesh, bool uniform) {
+  Stiffness result;
+  LevelMatrix& matrix = result.matrix;
+  matrix.rows = mesh.stride();
+  matrix.stride = padded_rows(mesh.stride());
+  matrix.uniform = uniform;
+  matrix.bands = 2;
+  const std::size_t m = uniform ? 1 : matrix.stride;
+  matrix.edge = PaddedFloats(mesh.edges.size() * 2 * m);
+  matrix.vertical = PaddedFloats(mesh.vertex_count() * m);
+  result.weights.resize(mesh.edges.size());
+  const std::vector<FlatTriangle> flat = flat_triangles(mesh.ground);
+  const UniformPrism prism((mesh.column(0)[mesh.layers] - mesh.column(0)[0]) / mesh.layers);
+  parallel_chunks(mesh.edges.size(), 1024, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t e = begin; e < end; ++e) {
+      if (uniform) {
+        assemble_uniform_edge(mesh.edges, flat, prism, e, matrix);
+      } else {
+        assemble_edge(mesh, flat, e, matrix);
       }
-    });
-  }
-  parallel_chunks(mesh.vertex_count(), 512, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t v = begin; v < end; ++v) fill_diagonal(mesh, v, bands);
+      result.weights[e] = plan_weight(mesh, flat, e);
+    }
   });
-  return bands;
+  over_independent_triangles(mesh.ground, [&](std::size_t first, std::size_t last) {
+    for (std::size_t t = first; t < last; ++t) {
+      std::array<float*, 3> up;
+      for (std::size_t i = 0; i < 3; ++i)
+        up[i] = matrix.vertical.data() + static_cast<std::size_t>(flat[t].vertices[i]) * m;
+      if (!uniform) {
+        add_verticals(flat[t], prism_column(mesh, t, flat[t]), up[0], up[1], up[2]);
+        continue;
+      }
+      std::array<std::array<float, 2>, 3> layers{};
+      add_verticals(flat[t], prism.columns(), layers[0].data(), layers[1].data(), layers[2].data());
+      for (std::size_t i = 0; i < 3; ++i) *up[i] += layers[i][1];
+    }
+  });
+  return result;
+}
+
+PaddedFloats complete_diagonal(const LayeredMesh& mesh, const std::vector<float>& u,
+                               LevelMatrix& matrix) {
+  const std::size_t n = mesh.stride(), stride = matrix.stride;
+  const std::size_t m = matrix.uniform ? 1 : stride;
+  matrix.diagonal = PaddedFloats(mesh.vertex_count() * m);
+  PaddedFloats r(mesh.vertex_count() * stride);
+  parallel_chunks(mesh.vertex_count(), 256, [&](std::size_t begin, std::size_t end) {
+    std::vector<float> couplings(n), product(n);
+    for (std::size_t v = begin; v < end; ++v) {
+      std::fill(couplings.begin(), couplings.end(), 0.0F);
+      std::fill(product.begin(), product.end(), 0.0F);
+      const float* own = u.data() + v * n;
+      // Rows k with rows k + shift of the other column, by band[k] or, downwards, band[k - 1].
+      const auto add = [&](const float* band, const float* other, int shift) {
+        const std::size_t from = shift < 0 ? 1 : 0;
+        add_band({couplings.data() + from, product.data() + from}, band, matrix.uniform, own + from,
+                 shift > 0 ? other + 1 : other, shift == 0 ? n : n - 1);
+      };
+      const float* vertical = matrix.vertical.data() + v * m;
+      add(vertical, own, 1);
+      add(vertical, own, -1);
+      for (EdgeIndex e = mesh.edges.starts[v]; e < mesh.edges.starts[v + 1]; ++e) {
+        const auto i = static_cast<std::size_t>(e);
+        const float* other = u.data() + static_cast<std::size_t>(mesh.edges.vertices[i][1]) * n;
+        add(matrix.edge.data() + 2 * i * m, other, 0);
+        add(matrix.edge.data() + (2 * i + 1) * m, other, 1);
+      }
+      for (std::int32_t j = mesh.edges.end_offsets[v]; j < mesh.edges.end_offsets[v + 1]; ++j) {
+        const auto i = static_cast<std::size_t>(mesh.edges.ends[static_cast<std::size_t>(j)]);
+        const float* other = u.data() + static_cast<std::size_t>(mesh.edges.vertices[i][0]) * n;
+        add(matrix.edge.data() + 2 * i * m, other, 0);
+        add(matrix.edge.data() + (2 * i + 1) * m, other, -1);
+      }
+      float* diagonal = matrix.diagonal.data() + v * m;
+      if (matrix.uniform) {
+        *diagonal = -couplings[1];
+      } else {
+        for (std::size_t k = 0; k < n; ++k) diagonal[k] = -couplings[k];
+      }
+      for (std::size_t k = 0; k < n; ++k) r[v * stride + k] = -product[k];
+    }
+  });
+  return r;
 }
 
 }  // namespace tetropolis

@@ -1,26 +1,33 @@
 // The stiffness matrix of the column mesh as bands; used by laplace.cpp and its tests only.
 #pragma once
 
-#include <cstddef>
 #include <vector>
 
 #include "tetropolis/volume/layered_mesh.h"
 
+#include "laplace_level.h"
+
 namespace tetropolis {
 
-/// With n = K + 1:
-///   edge[(2 * e) * n + k]       couples (a, k) with (b, k),      e = edge a < b
-///   edge[(2 * e + 1) * n + k]   couples (a, k) with (b, k + 1),  0 for k = K
-///   vertical[v * n + k]         couples (v, k) with (v, k + 1),  0 for k = K
-///   diagonal[v * n + k]         minus the sum of the row; 1 for nodes without cells
-struct StiffnessBands {
-  std::vector<float> edge;
-  std::vector<float> vertical;
-  std::vector<float> diagonal;
+/// Whether all layers of `mesh` are alike: nothing trimmed, and every column the same with even
+/// spacing.
+bool is_uniform(const LayeredMesh& mesh);
+
+struct Stiffness {
+  LevelMatrix matrix;   ///< Without diagonal and pivots.
+  EdgeWeights weights;  ///< Cotangent weights of the ground mesh's edges, less the share of the
+                        ///< height that is trimmed.
 };
 
-/// Assembles the linear finite element stiffness matrix of the cells of `mesh`. The same bits for
-/// any number of threads. Precondition: all vertical edges of cells are positive.
-StiffnessBands assemble_stiffness(const LayeredMesh& mesh);
+/// Assembles `edge` and `vertical` of the linear finite element stiffness matrix of the cells of
+/// `mesh`, for all rows and before anything is known of given values. `uniform` asks for one number
+/// a band, that of the layers between bottom and top; precondition: is_uniform(mesh).
+/// The same bits for any number of threads. Precondition: all vertical edges of cells are positive.
+Stiffness assemble_stiffness(const LayeredMesh& mesh, bool uniform);
+
+/// What solve_laplace starts from: fills `diagonal`, minus the sum of the row for every node, and
+/// returns minus A u, u in the mesh's layout. Constants are in the kernel of the matrix.
+PaddedFloats complete_diagonal(const LayeredMesh& mesh, const std::vector<float>& u,
+                               LevelMatrix& matrix);
 
 }  // namespace tetropolis

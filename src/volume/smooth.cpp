@@ -125,8 +125,8 @@ SmoothReport smooth_to_roofs(LayeredMesh& mesh, std::span<const BuildingIndex> b
   const std::size_t n = mesh.stride();
   // First guess: the roof's displacement, fading linearly towards the top and down the wall.
   std::vector<float> u(mesh.z.size(), 0.0F);
-  for (std::size_t v = 0; v < mesh.vertex_count(); ++v) {
-    if (building[v] == kNoBuilding) continue;
+  const auto guess_column = [&](std::size_t v) {
+    if (building[v] == kNoBuilding) return;
     const std::int32_t roof = mesh.roof_layer[v];
     const double shift = roofs[static_cast<std::size_t>(building[v])] - mesh.column(v)[roof];
     for (std::int32_t k = mesh.first_node[v] == roof ? roof : 0; k <= mesh.layers; ++k) {
@@ -136,7 +136,10 @@ SmoothReport smooth_to_roofs(LayeredMesh& mesh, std::span<const BuildingIndex> b
                                : 1.0;
       u[v * n + static_cast<std::size_t>(k)] = static_cast<float>(shift * share);
     }
-  }
+  };
+  parallel_chunks(mesh.vertex_count(), kColumnsPerChunk, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t v = begin; v < end; ++v) guess_column(v);
+  });
   SmoothReport report;
   report.solver = solve_laplace(mesh, u, options.laplace, progress);
   displace(mesh, u);

@@ -1,0 +1,221 @@
+#include "laplace_galerkin.h"
+
+#include <algorithm>
+#include <cstring>
+#include <vector>
+
+#include "tetropolis/core/parallel.h"
+
+#include "laplace_wide.h"
+
+namespace tetropolis {
+
+namespace {
+
+constexpr EdgeIndex kNone = -1;
+
+/// Rows of consecutive coarse columns, edges by lower column in the order they were met.
+struct Rows {
+  struct Edge {
+    std::int32_t upper;
+    EdgeIndex met;  ///< Position of its bands.
+  };
+  std::size_t begin = 0;
+  std::vector<std::int32_t> counts;  ///< Edges of each row.
+  std::vector<Edge> edges;           ///< Ascending within a row.
+  std::vector<float> bands;          ///< Three of m numbers an edge.
+};
+
+/// Makes the rows of the coarse columns [begin, end).
+class RowBuilder {
+ public:
+  RowBuilder(const LevelMatrix& fine, const LevelGraph& graph, const Interpolation& p,
+             LevelMatrix& coarse, Rows& rows)
+      : fine_(fine),
+        graph_(graph),
+        p_(p),
+        coarse_(coarse),
+        rows_(rows),
+        m_(fine.uniform ? 1 : fine.stride),
+        met_(p.fine_starts.size() - 1, kNone) {}
+
+  void build(std::size_t row) {
+    const std::size_t first = rows_.edges.size();
+    for (std::int32_t i = p_.fine_starts[row]; i < p_.fine_starts[row + 1]; ++i) {
+      const auto& entry = p_.fine[static_cast<std::size_t>(i)];
+      add_column(*this, row, static_cast<std::size_t>(entry.column), entry.weight);
+    }
+    const auto begin = rows_.edges.begin() + static_cast<std::ptrdiff_t>(first);
+    for (auto edge = begin; edge != rows_.edges.end(); ++edge)
+      met_[static_cast<std::size_t>(edge->upper)] = kNone;
+    std::sort(begin, rows_.edges.end(),
+              [](const Rows::Edge& a, const Rows::Edge& b) { return a.upper < b.upper; });
+    rows_.counts.push_back(static_cast<std::int32_t>(rows_.edges.size() - first));
+  }
+
+ private:
+  /// The first coupling of the row with coarse column c.
+  __attribute__((noinline)) void meet(std::size_t c) {
+    met_[c] = static_cast<EdgeIndex>(rows_.edges.size());
+    rows_.edges.push_back({static_cast<std::int32_t>(c), met_[c]});
+    rows_.bands.resize(rows_.edges.size() * 3 * m_, 0.0F);
+  }
+
+  /// to += weight * from, for the bands of an edge or a column.
+  TETROPOLIS_INLINE static void add_scaled(float* __restrict to, const float* from, float weight,
+                                           std::size_t m) {
+    if (m == 1) {
+      *to += weight * *from;
+    } else {
+      for (std::size_t k = 0; k < m; ++k) to[k] += weight * from[k];
+    }
+  }
+
+  /// Couples the row with fine column x by the bands of an edge: (row, k) with (x, k), with
+  /// (x, k + 1), and (row, k + 1) with (x, k); the last two may be null.
+  TETROPOLIS_INLINE static void add(RowBuilder& b, std::size_t row, std::size_t x,
+                                    const float* level, const float* rising, const float* falling,
+                                    float weight) {
+    const std::size_t m = b.m_;
+    // Lower columns have the coupling in their row.
+    for (std::int32_t i = b.p_.coarse_starts[x + 1]; i-- > b.p_.coarse_starts[x];) {
+      const auto& entry = b.p_.coarse[static_cast<std::size_t>(i)];
+      const auto c = static_cast<std::size_t>(entry.column);
+      if (c < row) break;
+      const float w = weight * entry.weight;
+      if (c == row) {
+        add_scaled(b.coarse_.diagonal.data() + row * m, level, w, m);
+        if (rising != nullptr) add_scaled(b.coarse_.vertical.data() + row * m, rising, w, m);
+      } else {
+        if (b.met_[c] == kNone) b.meet(c);
+        float* bands = b.rows_.bands.data() + static_cast<std::size_t>(b.met_[c]) * 3 * m;
+        add_scaled(bands, level, w, m);
+        if (rising != nullptr) add_scaled(bands + m, rising, w, m);
+        if (falling != nullptr) add_scaled(bands + 2 * m, falling, w, m);
+      }
+    }
+  }
+
+  /// Adds what fine column v, a share `weight` of which is in the row, is coupled with.
+  TETROPOLIS_WIDE static void add_column(RowBuilder& b, std::size_t row, std::size_t v,
+                                         float weight) {
+    const std::size_t m = b.m_;
+    const LevelGraph& graph = b.graph_;
+    const auto count = static_cast<std::size_t>(b.fine_.bands);
+    for (EdgeIndex e = graph.starts[v]; e < graph.starts[v + 1]; ++e) {
+      const float* bands = b.fine_.edge.data() + static_cast<std::size_t>(e) * count * m;
+      add(b, row, static_cast<std::size_t>(graph.edges[e][1]), bands, bands + m,
+          count == 3 ? bands + 2 * m : nullptr, weight);
+    }
+    for (std::int32_t i = graph.end_offsets[v]; i < graph.end_offsets[v + 1]; ++i) {
+      const EdgeIndex e = graph.ends[i];
+      const float* bands = b.fine_.edge.data() + static_cast<std::size_t>(e) * count * m;
+      add(b, row, static_cast<std::size_t>(graph.edges[e][0]), bands,
+          count == 3 ? bands + 2 * m : nullptr, bands + m, weight);
+    }
+    const float* vertical = b.fine_.vertical.data() + v * m;
+    add(b, row, v, b.fine_.diagonal.data() + v * m, vertical, vertical, weight);
+  }
+
+  const LevelMatrix& fine_;
+  const LevelGraph& graph_;
+  const Interpolation& p_;
+  LevelMatrix& coarse_;
+  Rows& rows_;
+  std::size_t m_;
+  std::vector<EdgeIndex> met_;  ///< Position in rows_.edges of this row's, by upper column.
+};
+
+void file_ends(CoarseGraph& graph) {
+  const std::size_t columns = graph.starts.size() - 1;
+  graph.end_offsets.assign(columns + 1, 0);
+  for (const auto& edge : graph.edges) ++graph.end_offsets[static_cast<std::size_t>(edge[1]) + 1];
+  for (std::size_t c = 0; c < columns; ++c) graph.end_offsets[c + 1] += graph.end_offsets[c];
+  graph.ends.resize(graph.edges.size());
+  std::vector<std::int32_t> next(graph.end_offsets.begin(), graph.end_offsets.end() - 1);
+  for (std::size_t e = 0; e < graph.edges.size(); ++e)
+    graph.ends[static_cast<std::size_t>(next[static_cast<std::size_t>(graph.edges[e][1])]++)] =
+        static_cast<EdgeIndex>(e);
+}
+
+/// Puts the rows one after the other.
+void join(const std::vector<Rows>& parts, std::size_t m, CoarseLevel& level) {
+  CoarseGraph& graph = level.graph;
+  graph.starts.assign(1, 0);
+  for (const Rows& rows : parts)
+    for (const std::int32_t count : rows.counts)
+      graph.starts.push_back(graph.starts.back() + count);
+  const auto edges = static_cast<std::size_t>(graph.starts.back());
+  graph.edges.resize(edges);
+  level.weights.resize(edges);
+  level.matrix.edge = PaddedFloats(edges * 3 * m);
+  parallel_chunks(parts.size(), 1, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i) {
+      const Rows& rows = parts[i];
+      auto e = static_cast<std::size_t>(graph.starts[rows.begin]);
+      std::size_t row = 0, left = 0;
+      for (const Rows::Edge& edge : rows.edges) {
+        for (; left == 0; ++row) left = static_cast<std::size_t>(rows.counts[row]);
+        --left;
+        const float* from = rows.bands.data() + static_cast<std::size_t>(edge.met) * 3 * m;
+        std::memcpy(level.matrix.edge.data() + e * 3 * m, from, 3 * m * sizeof(float));
+        float sum = 0;
+        for (std::size_t k = 0; k < 3 * m; ++k) sum -= from[k];
+        level.weights[e] = std::max(sum, 0.0F);
+        graph.edges[e++] = {static_cast<VertexIndex>(rows.begin + row - 1), edge.upper};
+      }
+    }
+  });
+  file_ends(graph);
+}
+
+}  // namespace
+
+void invert_pivots(LevelMatrix& matrix, std::size_t columns) {
+  const std::size_t stride = matrix.stride, rows = matrix.rows;
+  matrix.inverse_pivots = PaddedFloats(columns * stride);
+  const std::size_t m = matrix.uniform ? 1 : stride;
+  parallel_chunks(columns, 512, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t v = begin; v < end; ++v) {
+      const float* vertical = matrix.vertical.data() + v * m;
+      const float* diagonal = matrix.diagonal.data() + v * m;
+      float* pivots = matrix.inverse_pivots.data() + v * stride;
+      float previous = 0;  // what elimination takes from the next row's diagonal
+      for (std::size_t k = 1; k < (matrix.given_top ? rows - 1 : rows); ++k) {
+        const std::size_t i = matrix.uniform ? 0 : k;
+        const float pivot = diagonal[i] - previous;
+        pivots[k] = pivot > 0 ? 1 / pivot : 0.0F;
+        previous = vertical[i] * vertical[i] * pivots[k];
+      }
+    }
+  });
+}
+
+CoarseLevel coarse_level(const LevelMatrix& fine, const LevelGraph& graph, const Interpolation& p) {
+  const std::size_t columns = p.fine_starts.size() - 1;
+  const std::size_t m = fine.uniform ? 1 : fine.stride;
+  CoarseLevel level;
+  level.matrix.rows = fine.rows;
+  level.matrix.stride = fine.stride;
+  level.matrix.uniform = fine.uniform;
+  level.matrix.given_top = fine.given_top;
+  level.matrix.bands = 3;
+  level.matrix.vertical = PaddedFloats(columns * m);
+  level.matrix.diagonal = PaddedFloats(columns * m);
+  // Few large chunks, as each has a table of all coarse columns.
+  const std::size_t grain = std::max<std::size_t>(64, columns / 64 + 1);
+  std::vector<Rows> parts((columns + grain - 1) / grain);
+  parallel_chunks(columns, grain, [&](std::size_t begin, std::size_t end) {
+    Rows& rows = parts[begin / grain];
+    rows.begin = begin;
+    rows.edges.reserve((end - begin) * 6);
+    rows.bands.reserve((end - begin) * 6 * 3 * m);
+    RowBuilder builder(fine, graph, p, level.matrix, rows);
+    for (std::size_t c = begin; c < end; ++c) builder.build(c);
+  });
+  join(parts, m, level);
+  invert_pivots(level.matrix, columns);
+  return level;
+}
+
+}  // namespace tetropolis
