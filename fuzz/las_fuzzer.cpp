@@ -79,6 +79,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     const PointsInput input = read_points(paths, all);
     claim_points(input, info);
     claim_round_trip(input.points);
+    if (input.points.x.empty()) return 0;
     // A crop keeps what lies in it, whether or not the file could be passed over.
     ReadPointsOptions cropped = all;
     cropped.crop = Bounds2{0, 0, 500, 500};

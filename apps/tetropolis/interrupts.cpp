@@ -17,8 +17,9 @@ namespace tetropolis::app {
 
 namespace {
 
-/// How long a run may take to notice; with removing its files that is a second.
-constexpr int kGraceMilliseconds = 700;
+/// How long a run may take to notice: a second, less what removing its files and a busy machine
+/// take.
+constexpr int kGraceMilliseconds = 500;
 
 volatile std::sig_atomic_t signals_seen = 0;
 int wake_up[2] = {-1, -1};

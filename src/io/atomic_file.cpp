@@ -33,7 +33,11 @@ fs::path final_path(const fs::path& path) {
     const std::size_t end = name.size() - std::min(name.size(), kPart.size() + kRandom);
     const bool hidden = component != path.filename() && end > 1 && name.front() == '.' &&
                         name.compare(end, kPart.size(), kPart) == 0;
-    result /= hidden ? fs::path(name.substr(1, end - 1)) : component;
+    // Inside of NAME itself it is only passed through.
+    if (!hidden)
+      result /= component;
+    else if (const std::string shown = name.substr(1, end - 1); result.filename() != shown)
+      result /= shown;
   }
   return result;
 }

@@ -149,11 +149,28 @@ void discard(const fs::path& staging, const fs::path& parent, const fs::path& cr
   remove_created(parent, created);
 }
 
+/// Whether files can be renamed from one of two folders to the other, as far as the system tells.
+bool same_mount(const fs::path& a, const fs::path& b) {
+  struct statx first {
+  }, second{};
+  if (::statx(AT_FDCWD, a.c_str(), 0, STATX_BASIC_STATS | STATX_MNT_ID, &first) != 0 ||
+      ::statx(AT_FDCWD, b.c_str(), 0, STATX_BASIC_STATS | STATX_MNT_ID, &second) != 0)
+    return true;
+  if (first.stx_dev_major != second.stx_dev_major || first.stx_dev_minor != second.stx_dev_minor)
+    return false;
+  return (first.stx_mask & second.stx_mask & STATX_MNT_ID) == 0 ||
+         first.stx_mnt_id == second.stx_mnt_id;
+}
+
+bool can_make_files_in(const fs::path& folder) {
+  return ::faccessat(AT_FDCWD, folder.c_str(), W_OK | X_OK, AT_EACCESS) == 0;
+}
+
 /// Removes hidden folders whose process is gone.
-void remove_stale(const fs::path& target, const std::string& prefix) {
+void remove_stale(const fs::path& home, const fs::path& target, const std::string& prefix) {
   std::error_code error;
   std::vector<fs::path> found;
-  for (const auto& entry : fs::directory_iterator(target.parent_path(), error))
+  for (const auto& entry : fs::directory_iterator(home, error))
     if (is_staging_of(entry.path(), prefix)) found.push_back(entry.path());
   std::sort(found.begin(), found.end());
   for (const fs::path& stale : found) {
@@ -170,9 +187,9 @@ void remove_stale(const fs::path& target, const std::string& prefix) {
 /// is locked: then there will be another.
 void OutputFolder::create_staging(const fs::path& named) {
   const std::string prefix = "." + target_.filename().string() + ".part-";
-  remove_stale(target_, prefix);
+  remove_stale(home_, target_, prefix);
   for (;;) {
-    std::string pattern = (target_.parent_path() / (prefix + "XXXXXX")).string();
+    std::string pattern = (home_ / (prefix + "XXXXXX")).string();
     if (mkdtemp(pattern.data()) == nullptr) fail(named, std::strerror(errno));
     staging_ = pattern;
     lock_ = lock_folder(staging_);
@@ -190,6 +207,11 @@ OutputFolder::OutputFolder(const fs::path& target, OutputWatcher watcher)
   if (!target_.has_filename()) target_ = target_.parent_path();
   std::error_code error;
   if (fs::exists(target_, error) && !fs::is_directory(target_, error)) fail(target, "it is a file");
+  // Of a link, the folder it leads to.
+  if (fs::is_directory(target_, error)) {
+    fs::path real = fs::canonical(target_, error);
+    if (!error) target_ = std::move(real);
+  }
   const fs::path parent = target_.parent_path();
   for (fs::path p = parent; !fs::exists(p, error) && p.has_relative_path(); p = p.parent_path())
     created_parent_ = p;
@@ -201,10 +223,12 @@ OutputFolder::OutputFolder(const fs::path& target, OutputWatcher watcher)
     }
     fail(target, error.message());
   }
+  const bool inside = fs::is_directory(target_, error) &&
+                      (!same_mount(parent, target_) || !can_make_files_in(parent));
+  home_ = inside ? target_ : parent;
   create_staging(target);
   // An existing target must be writable itself: find out before the work, not after it.
-  if (fs::exists(target_, error) &&
-      ::faccessat(AT_FDCWD, target_.c_str(), W_OK | X_OK, AT_EACCESS) != 0) {
+  if (fs::exists(target_, error) && !can_make_files_in(target_)) {
     const std::string reason = std::strerror(errno);
     fs::remove_all(staging_, error);
     if (lock_ >= 0) ::close(lock_);

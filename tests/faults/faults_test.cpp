@@ -19,9 +19,14 @@
 #include "program.h"
 #include "support/test_data.h"
 
-#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+#if defined(__has_feature)  // Clang
+#if __has_feature(address_sanitizer) || __has_feature(thread_sanitizer)
 #define TETROPOLIS_SANITIZED 1
-#else
+#endif
+#elif defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+#define TETROPOLIS_SANITIZED 1
+#endif
+#ifndef TETROPOLIS_SANITIZED
 #define TETROPOLIS_SANITIZED 0
 #endif
 
@@ -258,6 +263,39 @@ TEST_F(Faults, InterruptsInEveryStepLeaveTheEarlierResult) {
     EXPECT_EQ(ending.err, "tetropolis: interrupted; nothing was written\n");
   }
   EXPECT_GT(interrupted, kSteps / 2);
+}
+
+TEST_F(Faults, ResultFolderInAFolderThatTakesNothing) {
+  ProcessLimits limits;
+  limits.unprivileged = true;
+  if (run({"--version"}, limits).code != 0) GTEST_SKIP() << "the program cannot be run by others";
+  make_earlier(limits);
+  fs::permissions(work, fs::perms(0555));
+  const Ending ending = run(build(), limits);
+  const Ending failed = run(build({"--points", "nowhere.laz"}), limits);
+  fs::permissions(work, fs::perms(0777));
+  EXPECT_EQ(ending.code, 0) << ending.err;
+  EXPECT_EQ(run({"check", "result"}).code, 0);
+  EXPECT_EQ(failed.code, 3);
+  EXPECT_TRUE(staging_folders(work).empty());
+  EXPECT_TRUE(staging_folders(work / "result").empty());
+}
+
+TEST_F(Faults, ResultFolderThatIsAMount) {
+  const std::string script =
+      "mkdir result && mount -t tmpfs -o size=60m tmpfs result || exit 77; \"$@\" || exit; ls -A "
+      "result | tr '\\n' ' ' >&2";
+  std::vector<std::string> words{
+      "/usr/bin/unshare", geteuid() == 0 ? "-m" : "-Urm", "/bin/sh", "-c", script, "sh",
+      TETROPOLIS_PROGRAM};
+  for (const std::string& word : build({"--mesh-size", "20"})) words.push_back(word);
+  const Ending ending = Process(work, words).wait();
+  if (ending.code == 77 || ending.code == 126 || ending.code == 1)
+    GTEST_SKIP() << "no mount of our own here: " << ending.err;
+  EXPECT_EQ(ending.code, 0) << ending.err;
+  EXPECT_EQ(ending.err,
+            "boundary.vtp city.city.json city_raw.city.json dtm.tif report.json "
+            "surface.stl volume.vtu ");
 }
 
 TEST_F(Faults, InterruptEndsAStepThatWaitsForEver) {

@@ -15,12 +15,12 @@ struct OutputWatcher {
   std::function<void()> moves;  ///< Results move to their place from here on.
 };
 
-/// Results are written to a hidden folder beside the target (".NAME.part-..."); commit() moves them
-/// in. A target that did not exist appears by one rename. In one that did, the results of the
-/// earlier run are moved aside, the report first, then the new ones in, the report last: no moment
-/// shows a report beside files that it does not describe. Files of other names stay. If a move
-/// fails, all of them are undone. Without commit() the destructor removes everything, the target is
-/// as it was.
+/// Results are written to a hidden folder beside the target (".NAME.part-..."), or inside of it
+/// where it is a mount of its own or nothing can be made beside it; commit() moves them in. A
+/// target that did not exist appears by one rename. In one that did, the results of the earlier run
+/// are moved aside, the report first, then the new ones in, the report last: no moment shows a
+/// report beside files that it does not describe. Files of other names stay. If a move fails, all
+/// of them are undone. Without commit() the destructor removes everything, the target is as it was.
 ///
 /// A process that is killed leaves its hidden folder behind. The next OutputFolder for the same
 /// target removes it, and puts the earlier results back if the kill fell between the moves. Folders
@@ -47,6 +47,7 @@ class OutputFolder {
 
   OutputWatcher watcher_;
   std::filesystem::path target_;
+  std::filesystem::path home_;  // of staging_: beside the target, or the target itself
   std::filesystem::path staging_;
   std::filesystem::path created_parent_;  // topmost folder made for the target, empty if none
   int lock_ = -1;                         // on staging_, for as long as this object lives
