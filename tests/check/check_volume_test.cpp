@@ -227,12 +227,17 @@ TEST_F(CheckVolume, CoincidentVerticesAreCountedWhereverTheyAre) {
 TEST_F(CheckVolume, FacesMissingFromOneSideOnlyAreCounted) {
   const VolumeCheck check = check_volume(mesh);
   SurfaceMesh surface = extract_boundary(city.mesh, city.city.domain);
-  EXPECT_TRUE(check_same_boundary(mesh, check, surface).empty());
+  const auto odd = [&](const SurfaceMesh& other) {
+    std::int64_t sum = 0;
+    for (const Violation& v : check_same_boundary(mesh, check, other)) sum += v.count;
+    return sum;
+  };
+  EXPECT_EQ(odd(surface), 0);
   surface.triangles.push_back(surface.triangles[5]);
-  EXPECT_EQ(check_same_boundary(mesh, check, surface).front().count, 1);
+  EXPECT_EQ(odd(surface), 1);
   surface.triangles.erase(surface.triangles.begin() + 9, surface.triangles.begin() + 12);
-  EXPECT_EQ(check_same_boundary(mesh, check, surface).front().count, 4);
-  EXPECT_EQ(check_same_boundary(mesh, check, {}).front().count, check.boundary_faces);
+  EXPECT_EQ(odd(surface), 4);
+  EXPECT_EQ(odd({}), check.boundary_faces);
 }
 
 }  // namespace
