@@ -54,8 +54,7 @@ CellShape cell_shape(const std::array<Vector3, 4>& p) {
   };
   const double surface = length(area[0]) + length(area[1]) + length(area[2]) + length(area[3]);
   CellShape shape{six_volumes / 6, root(greatest), root(least), inf};
-  if (six_volumes != 0)
-    shape.aspect = std::sqrt(longest / 24) * surface / std::abs(six_volumes);
+  if (six_volumes != 0) shape.aspect = std::sqrt(longest / 24) * surface / std::abs(six_volumes);
   return shape;
 }
 

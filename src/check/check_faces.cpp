@@ -1,7 +1,6 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
-#include <tuple>
 #include <utility>
 
 #include "tetropolis/core/parallel.h"
@@ -42,9 +41,12 @@ struct SortedCell {
 
 /// A face of a cell, seen from its lowest vertex.
 struct FaceUse {
-  std::int64_t mid, high;  ///< Its other vertices, ascending.
-  std::int32_t cell;       ///< Position in the row of cells.
-  bool ascending;          ///< Whether (lowest, mid, high) is the outward orientation.
+  std::uint64_t others;  ///< Its other vertices, the lower in the upper half.
+  std::uint32_t cell;    ///< Position in the row of cells.
+  bool ascending;        ///< Whether (lowest, mid, high) is the outward orientation.
+
+  std::int64_t mid() const { return static_cast<std::int64_t>(others >> 32); }
+  std::int64_t high() const { return static_cast<std::int64_t>(others & 0xffffffffU); }
 };
 
 /// What is added up over the faces between two cells.
@@ -68,8 +70,9 @@ void measure_face(const Vector3& p, const Vector3& q, const Vector3& r, const Ve
   sums.cosines += cosine;
   sums.least_cosine = std::min(sums.least_cosine, cosine);
   if (!(cosine >= cosine_of_70)) ++sums.above_70;
-  const Vector3 centre{(p[0] + q[0] + r[0]) / 3, (p[1] + q[1] + r[1]) / 3,
-                       (p[2] + q[2] + r[2]) / 3};
+  constexpr double third = 1.0 / 3;
+  const Vector3 centre{(p[0] + q[0] + r[0]) * third, (p[1] + q[1] + r[1]) * third,
+                       (p[2] + q[2] + r[2]) * third};
   const Vector3 to_centre = difference(centre, a);
   const double share = inner(normal, to_centre) / along;
   const Vector3 skew{to_centre[0] - share * line[0], to_centre[1] - share * line[1],
@@ -97,20 +100,19 @@ class FaceMatcher {
   void match(std::int64_t low, Matched& matched) {
     collect(low);
     std::sort(faces_.begin(), faces_.end(), [](const FaceUse& a, const FaceUse& b) {
-      return std::tie(a.mid, a.high, a.cell) < std::tie(b.mid, b.high, b.cell);
+      return a.others != b.others ? a.others < b.others : a.cell < b.cell;
     });
     const auto cells = rows_[static_cast<std::size_t>(low)];
     for (std::size_t i = 0, j = 0; i < faces_.size(); i = j) {
       const FaceUse& face = faces_[i];
-      while (j < faces_.size() && faces_[j].mid == face.mid && faces_[j].high == face.high) ++j;
+      while (j < faces_.size() && faces_[j].others == face.others) ++j;
       const auto place = [&] {
-        return place_of(mesh_,
-                        static_cast<std::size_t>(cells[static_cast<std::size_t>(face.cell)]));
+        return place_of(mesh_, static_cast<std::size_t>(cells[face.cell]));
       };
       if (j - i == 1)
-        matched.boundary.push_back(
-            face.ascending ? std::array<std::int64_t, 3>{low, face.mid, face.high}
-                           : std::array<std::int64_t, 3>{low, face.high, face.mid});
+        matched.boundary.push_back(face.ascending
+                                       ? std::array<std::int64_t, 3>{low, face.mid(), face.high()}
+                                       : std::array<std::int64_t, 3>{low, face.high(), face.mid()});
       else if (j - i > 2)
         note_violation(matched.violations, "faces of more than two cells", place);
       else if (face.ascending == faces_[i + 1].ascending)
@@ -129,14 +131,14 @@ class FaceMatcher {
     centres_.clear();
     for (const std::int64_t c : rows_[static_cast<std::size_t>(low)]) {
       const SortedCell cell(mesh_.cells[static_cast<std::size_t>(c)]);
-      const auto own = static_cast<std::int32_t>(centres_.size());
+      const auto own = static_cast<std::uint32_t>(centres_.size());
       const auto& v = cell.v;
       if (v[0] == low) {
-        faces_.push_back({v[1], v[2], own, !cell.even});
-        faces_.push_back({v[1], v[3], own, cell.even});
-        faces_.push_back({v[2], v[3], own, !cell.even});
+        faces_.push_back({pair_of(v[1], v[2]), own, !cell.even});
+        faces_.push_back({pair_of(v[1], v[3]), own, cell.even});
+        faces_.push_back({pair_of(v[2], v[3]), own, !cell.even});
       } else {
-        faces_.push_back({v[2], v[3], own, cell.even});
+        faces_.push_back({pair_of(v[2], v[3]), own, cell.even});
       }
       const Vector3 &p = point(v[0]), &q = point(v[1]), &r = point(v[2]), &s = point(v[3]);
       centres_.push_back({(p[0] + q[0] + r[0] + s[0]) / 4, (p[1] + q[1] + r[1] + s[1]) / 4,
@@ -144,10 +146,13 @@ class FaceMatcher {
     }
   }
 
+  static std::uint64_t pair_of(std::int64_t mid, std::int64_t high) {
+    return static_cast<std::uint64_t>(mid) << 32 | static_cast<std::uint64_t>(high);
+  }
+
   void measure(std::int64_t low, const FaceUse& from, const FaceUse& to, FaceSums& sums) const {
-    measure_face(point(low), point(from.mid), point(from.high),
-                 centres_[static_cast<std::size_t>(from.cell)],
-                 centres_[static_cast<std::size_t>(to.cell)], sums);
+    measure_face(point(low), point(from.mid()), point(from.high()), centres_[from.cell],
+                 centres_[to.cell], sums);
   }
 
   const Vector3& point(std::int64_t v) const { return mesh_.points[static_cast<std::size_t>(v)]; }

@@ -70,21 +70,22 @@ class FootprintGrid {
 
 std::vector<Violation> check_regions_of_cells(const TetMesh& mesh, std::array<double, 3> shift,
                                               const CityModel& city) {
-  std::vector<Violation> violations;
   const FootprintGrid footprints(city);
-  for (std::size_t c = 0; c < mesh.region.size(); ++c) {
-    double x = shift[0], y = shift[1];
-    for (const std::int64_t v : mesh.cells[c]) {
-      x += mesh.points[static_cast<std::size_t>(v)][0] / 4;
-      y += mesh.points[static_cast<std::size_t>(v)][1] / 4;
+  const auto look = [&](std::size_t begin, std::size_t end, std::vector<Violation>& violations) {
+    for (std::size_t c = begin; c < end; ++c) {
+      double x = shift[0], y = shift[1];
+      for (const std::int64_t v : mesh.cells[c]) {
+        x += mesh.points[static_cast<std::size_t>(v)][0] / 4;
+        y += mesh.points[static_cast<std::size_t>(v)][1] / 4;
+      }
+      const BuildingIndex expected = footprints.at(x, y);
+      if (mesh.region[c] != expected)
+        note_violation(violations, "cells with the wrong region", [&] {
+          return fmt::format("cell {} says {}, it stands over {}", c, mesh.region[c], expected);
+        });
     }
-    const BuildingIndex expected = footprints.at(x, y);
-    if (mesh.region[c] != expected)
-      note_violation(violations, "cells with the wrong region", [&] {
-        return fmt::format("cell {} says {}, it stands over {}", c, mesh.region[c], expected);
-      });
-  }
-  return violations;
+  };
+  return sum_of_violations(mesh.region.size(), look);
 }
 
 }  // namespace tetropolis

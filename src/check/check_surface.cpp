@@ -1,23 +1,29 @@
 #include <algorithm>
 #include <cmath>
+#include <cstdlib>
 #include <limits>
 #include <map>
-#include <tuple>
+#include <span>
+#include <string_view>
 #include <utility>
 
 #include <fmt/format.h>
 
 #include "tetropolis/check/check_mesh.h"
 
+#include "edges.h"
+#include "rows.h"
+#include "squares.h"
+#include "vector3.h"
 #include "violations.h"
 
 namespace tetropolis {
 
 namespace {
 
-using Vector3 = std::array<double, 3>;
-
 constexpr double kHeightTolerance = 1e-9;
+constexpr const char* kUsedTwice = "edges used twice in one direction";
+constexpr const char* kOpen = "open edges";
 
 Vector3 area_vector(const Vector3& a, const Vector3& b, const Vector3& c) {
   const Vector3 u{b[0] - a[0], b[1] - a[1], b[2] - a[2]}, v{c[0] - a[0], c[1] - a[1], c[2] - a[2]};
@@ -73,47 +79,37 @@ const char* tag_violation(const std::array<Vector3, 3>& p, const Vector3& normal
   return "faces without a patch";
 }
 
-/// Buildings stand apart, so faces of two of them share no edge.
-void check_neighbouring_buildings(const SurfaceMesh& surface, SurfaceCheck& check) {
-  std::vector<std::tuple<std::int32_t, std::int32_t, BuildingIndex>> edges;
-  for (std::size_t f = 0; f < surface.triangles.size(); ++f) {
-    if (surface.patch[f] != Patch::kRoof && surface.patch[f] != Patch::kWall) continue;
-    const auto& t = surface.triangles[f];
-    for (std::size_t i = 0; i < 3; ++i)
-      edges.emplace_back(std::min(t[i], t[(i + 1) % 3]), std::max(t[i], t[(i + 1) % 3]),
-                         surface.building[f]);
-  }
-  std::sort(edges.begin(), edges.end());
-  for (std::size_t i = 1; i < edges.size(); ++i) {
-    const auto [a, b, building] = edges[i];
-    const auto [c, d, other] = edges[i - 1];
-    if (a == c && b == d && building != other)
-      note_violation(
-          check.violations, "neighbouring roof and wall faces of different buildings",
-          [&, x = building, y = other] { return fmt::format("buildings {} and {}", y, x); });
-  }
-}
-
+/// Two faces along every edge, in opposite directions; and buildings stand apart, so faces of two
+/// of them share no edge.
 void check_edges(const SurfaceMesh& surface, SurfaceCheck& check) {
-  std::vector<std::pair<std::int32_t, std::int32_t>> directed;
-  for (const auto& t : surface.triangles)
-    for (std::size_t i = 0; i < 3; ++i) directed.emplace_back(t[i], t[(i + 1) % 3]);
-  std::sort(directed.begin(), directed.end());
-  check.closed = check.manifold = true;
-  for (std::size_t i = 0; i < directed.size(); ++i) {
-    const auto [a, b] = directed[i];
-    const auto place = [&, a = a, b = b] {
-      return fmt::format("edge between vertices {} and {}", a, b);
+  const auto of_building = [&](const EdgeUse& use) {
+    return surface.patch[use.face] == Patch::kRoof || surface.patch[use.face] == Patch::kWall;
+  };
+  const auto look = [&](std::int64_t low, std::span<const EdgeUse> uses,
+                        std::vector<Violation>& violations) {
+    const auto place = [&] {
+      return fmt::format("edge between vertices {} and {}", low, uses[0].high);
     };
-    if (i > 0 && directed[i] == directed[i - 1]) {
-      check.manifold = false;
-      note_violation(check.violations, "edges used twice in one direction", place);
+    for (std::size_t i = 1; i < uses.size(); ++i) {
+      if (uses[i].forward == uses[i - 1].forward) note_violation(violations, kUsedTwice, place);
+      const BuildingIndex a = surface.building[uses[i - 1].face],
+                          b = surface.building[uses[i].face];
+      if (a != b && of_building(uses[i - 1]) && of_building(uses[i]))
+        note_violation(violations, "neighbouring roof and wall faces of different buildings",
+                       [&] { return fmt::format("buildings {} and {}", a, b); });
     }
-    if (!std::binary_search(directed.begin(), directed.end(), std::pair{b, a})) {
-      check.closed = false;
-      note_violation(check.violations, "open edges", place);
-    }
-  }
+    // Forward uses come first.
+    if (uses.front().forward == uses.back().forward)
+      for (std::size_t i = 0; i < uses.size(); ++i) note_violation(violations, kOpen, place);
+  };
+  const auto found = look_at_edges(surface.triangles, surface.points.size(), look);
+  const auto none = [&](std::string_view what) {
+    return std::none_of(found.begin(), found.end(),
+                        [&](const Violation& violation) { return violation.what == what; });
+  };
+  check.manifold = none(kUsedTwice);
+  check.closed = none(kOpen);
+  add_violations(check.violations, found);
 }
 
 std::array<Vector3, 3> corners(const SurfaceMesh& surface, std::size_t f) {
@@ -173,37 +169,57 @@ SurfaceCheck check_surface(const SurfaceMesh& surface) {
       note_violation(check.violations, "roofs of one building at different heights", place);
   }
   check_edges(surface, check);
-  check_neighbouring_buildings(surface, check);
   return check;
 }
 
 std::vector<Violation> check_same_boundary(const TetMesh& mesh, const VolumeCheck& volume,
                                            const SurfaceMesh& surface) {
-  // Each side's faces as sorted corner coordinates; both files write the same doubles.
+  // Faces by their corners' coordinates, in ascending order; both files write the same doubles.
   using FaceKey = std::array<Vector3, 3>;
-  std::vector<FaceKey> from_volume, from_surface;
-  for (const auto& face : volume.boundary) {
+  const std::size_t of_volume = volume.boundary.size();
+  const std::size_t faces = of_volume + surface.triangles.size();
+  const auto key_of = [&](std::size_t f) {
     FaceKey key;
-    for (std::size_t i = 0; i < 3; ++i) key[i] = mesh.points[static_cast<std::size_t>(face[i])];
+    for (std::size_t i = 0; i < 3; ++i)
+      key[i] = f < of_volume
+                   ? mesh.points[static_cast<std::size_t>(volume.boundary[f][i])]
+                   : surface.points[static_cast<std::size_t>(surface.triangles[f - of_volume][i])];
     std::sort(key.begin(), key.end());
-    from_volume.push_back(key);
-  }
-  for (std::size_t f = 0; f < surface.triangles.size(); ++f) {
-    FaceKey key = corners(surface, f);
-    std::sort(key.begin(), key.end());
-    from_surface.push_back(key);
-  }
-  std::sort(from_volume.begin(), from_volume.end());
-  std::sort(from_surface.begin(), from_surface.end());
-  std::vector<FaceKey> odd;
-  std::set_symmetric_difference(from_volume.begin(), from_volume.end(), from_surface.begin(),
-                                from_surface.end(), std::back_inserter(odd));
-  std::vector<Violation> violations;
-  for (const FaceKey& key : odd)
-    note_violation(violations, "boundary faces in only one of volume and surface", [&] {
-      return fmt::format("at ({:.3f}, {:.3f}, {:.3f})", key[0][0], key[0][1], key[0][2]);
-    });
-  return violations;
+    return key;
+  };
+  const Squares squares(surface.points, faces / 8);
+  const Rows filed = file_under_rows(faces, squares.size(), [&](std::size_t f, const auto& use) {
+    use(squares.at(key_of(f)[0]));
+  });
+  const auto look = [&](std::size_t begin, std::size_t end, std::vector<Violation>& violations) {
+    struct Face {
+      double sum;  // of elevations: tells most faces apart
+      FaceKey key;
+      int side;  // +1: of the volume, -1: of the surface
+    };
+    std::vector<Face> row;
+    for (std::size_t r = begin; r < end; ++r) {
+      row.clear();
+      for (const std::int64_t item : filed[r]) {
+        const auto f = static_cast<std::size_t>(item);
+        const FaceKey key = key_of(f);
+        row.push_back({key[0][2] + key[1][2] + key[2][2], key, f < of_volume ? 1 : -1});
+      }
+      std::sort(row.begin(), row.end(), [](const Face& a, const Face& b) {
+        return a.sum != b.sum ? a.sum < b.sum : a.key < b.key;
+      });
+      for (std::size_t i = 0, j = 0; i < row.size(); i = j) {
+        int surplus = 0;
+        for (; j < row.size() && row[j].key == row[i].key; ++j) surplus += row[j].side;
+        const Vector3& at = row[i].key[0];
+        for (int n = 0; n < std::abs(surplus); ++n)
+          note_violation(violations, "boundary faces in only one of volume and surface", [&] {
+            return fmt::format("at ({:.3f}, {:.3f}, {:.3f})", at[0], at[1], at[2]);
+          });
+      }
+    }
+  };
+  return sum_of_violations(filed.size(), look);
 }
 
 HeightsCheck check_heights(const SurfaceMesh& surface, std::array<double, 3> shift,

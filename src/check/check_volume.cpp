@@ -1,16 +1,19 @@
 #include <algorithm>
 #include <atomic>
-#include <bit>
 #include <cmath>
-#include <tuple>
+#include <limits>
+#include <span>
+#include <utility>
 
 #include <fmt/format.h>
 
 #include "tetropolis/check/check_mesh.h"
+#include "tetropolis/core/error.h"
 #include "tetropolis/core/parallel.h"
 
-#include "hash.h"
+#include "edges.h"
 #include "rows.h"
+#include "squares.h"
 #include "violations.h"
 #include "volume_parts.h"
 
@@ -36,25 +39,27 @@ std::vector<std::uint8_t> used_vertices(const TetMesh& mesh) {
 
 /// Pairs of vertices at the same place, the second of each ascending.
 std::vector<std::pair<std::int64_t, std::int64_t>> coincident_vertices(const TetMesh& mesh) {
-  const std::size_t rows = std::bit_ceil(mesh.points.size());
-  const Rows filed = file_under_rows(mesh.points.size(), rows, [&](std::size_t v, const auto& use) {
-    if (is_finite(mesh.points[v])) use(hash_of(mesh.points[v]) & (rows - 1));
-  });
+  const Squares squares(mesh.points, mesh.points.size() / 8);
+  const Rows filed =
+      file_under_rows(mesh.points.size(), squares.size(), [&](std::size_t v, const auto& use) {
+        if (is_finite(mesh.points[v])) use(squares.at(mesh.points[v]));
+      });
   using Pairs = std::vector<std::pair<std::int64_t, std::int64_t>>;
   Pairs pairs = parallel_reduce_ordered(
-      rows, kGrain, Pairs{},
+      filed.size(), kGrain / 8, Pairs{},
       [&](std::size_t begin, std::size_t end) {
         Pairs part;
-        std::vector<std::int64_t> row;
+        std::vector<std::pair<std::array<double, 3>, std::int64_t>> row;
         for (std::size_t r = begin; r < end; ++r) {
-          if (filed[r].size() < 2) continue;
-          row.assign(filed[r].begin(), filed[r].end());
-          const auto at = [&](std::int64_t v) { return mesh.points[static_cast<std::size_t>(v)]; };
-          std::sort(row.begin(), row.end(), [&](std::int64_t a, std::int64_t b) {
-            return std::pair(at(a), a) < std::pair(at(b), b);
-          });
+          row.clear();
+          for (const std::int64_t v : filed[r]) {
+            const auto& p = mesh.points[static_cast<std::size_t>(v)];
+            row.push_back({{p[2], p[0], p[1]}, v});  // elevations tell most of them apart
+          }
+          std::sort(row.begin(), row.end());
           for (std::size_t i = 1; i < row.size(); ++i)
-            if (at(row[i]) == at(row[i - 1])) part.emplace_back(row[i - 1], row[i]);
+            if (row[i].first == row[i - 1].first)
+              part.emplace_back(row[i - 1].second, row[i].second);
         }
         return part;
       },
@@ -83,46 +88,25 @@ void check_vertices(const TetMesh& mesh, VolumeCheck& check) {
 }
 
 void check_boundary(VolumeCheck& check) {
-  struct Half {
-    std::int64_t high;
-    bool forward;
-  };
-  // Half edge 3 f + i goes from corner i of face f to the next one.
-  const auto ends_of = [&](std::size_t half) {
-    const auto& face = check.boundary[half / 3];
-    return std::pair(face[half % 3], face[(half + 1) % 3]);
-  };
-  const Rows rows =
-      file_under_rows(3 * check.boundary.size(), static_cast<std::size_t>(check.vertices),
-                      [&](std::size_t half, const auto& use) {
-                        const auto [a, b] = ends_of(half);
-                        use(static_cast<std::size_t>(std::min(a, b)));
-                      });
-  std::vector<Half> halves;
-  for (std::size_t low = 0; low < rows.size(); ++low) {
-    if (rows[low].empty()) continue;
-    halves.clear();
-    for (const std::int64_t half : rows[low]) {
-      const auto [a, b] = ends_of(static_cast<std::size_t>(half));
-      halves.push_back({std::max(a, b), a < b});
-    }
-    std::sort(halves.begin(), halves.end(), [](const Half& a, const Half& b) {
-      return std::tie(a.high, a.forward) < std::tie(b.high, b.forward);
-    });
-    for (std::size_t i = 0, j = 0; i < halves.size(); i = j) {
-      while (j < halves.size() && halves[j].high == halves[i].high) ++j;
-      if (j - i == 2 && halves[i].forward != halves[i + 1].forward) continue;
-      note_violation(
-          check.violations, j - i < 2 ? "open boundary edges" : "non-manifold boundary edges",
-          [&] { return fmt::format("edge between vertices {} and {}", low, halves[i].high); });
-    }
-  }
+  add_violations(
+      check.violations,
+      look_at_edges(
+          check.boundary, static_cast<std::size_t>(check.vertices),
+          [](std::int64_t low, std::span<const EdgeUse> uses, std::vector<Violation>& violations) {
+            if (uses.size() == 2 && uses[0].forward != uses[1].forward) return;
+            note_violation(
+                violations, uses.size() < 2 ? "open boundary edges" : "non-manifold boundary edges",
+                [&] { return fmt::format("edge between vertices {} and {}", low, uses[0].high); });
+          }));
 }
 
 VolumeCheck check_volume(const TetMesh& mesh, const Progress& progress) {
   VolumeCheck check;
   check.vertices = static_cast<std::int64_t>(mesh.points.size());
   check.cells = static_cast<std::int64_t>(mesh.cells.size());
+  if (mesh.points.size() > std::numeric_limits<std::uint32_t>::max())
+    throw Error(ErrorKind::kInput,
+                "a mesh of more than 2^32 vertices can only be checked in parts");
   if (mesh.cells.empty()) note_violation(check.violations, "no cells", [] { return "the file"; });
   progress.update(0);
   check_vertices(mesh, check);

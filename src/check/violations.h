@@ -1,10 +1,13 @@
 // Counting violations, keeping the first place of each kind.
 #pragma once
 
+#include <cstddef>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "tetropolis/check/check_mesh.h"
+#include "tetropolis/core/parallel.h"
 
 namespace tetropolis {
 
@@ -29,6 +32,23 @@ inline void add_violations(std::vector<Violation>& violations, const std::vector
     else
       violations.push_back(added);
   }
+}
+
+/// Calls look(begin, end, violations) for chunks of [0, size) in parallel and adds up what they
+/// note in order.
+template <typename Look>
+std::vector<Violation> sum_of_violations(std::size_t size, const Look& look) {
+  return parallel_reduce_ordered(
+      size, 16384, std::vector<Violation>{},
+      [&](std::size_t begin, std::size_t end) {
+        std::vector<Violation> violations;
+        look(begin, end, violations);
+        return violations;
+      },
+      [](std::vector<Violation> sum, const std::vector<Violation>& part) {
+        add_violations(sum, part);
+        return sum;
+      });
 }
 
 }  // namespace tetropolis

@@ -1,6 +1,7 @@
 #include "tetropolis/pipeline/check_results.h"
 
 #include <fstream>
+#include <string>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
@@ -18,6 +19,8 @@ namespace fs = std::filesystem;
 using Json = nlohmann::json;
 
 constexpr double kDefaultDistance = 1;
+constexpr const char* kRawCity = "city_raw.city.json";
+constexpr const char* kCity = "city.city.json";
 
 /// report.json of the folder, or null.
 Json read_report(const fs::path& folder) {
@@ -74,13 +77,11 @@ CheckedFile describe(const std::string& name, const SurfaceCheck& check) {
   return file;
 }
 
-CheckedFile check_city_file(const fs::path& path, std::optional<double> min_distance,
-                            const Json& report) {
-  const CityModel city = read_city(path);
-  const bool raw = path.filename() == "city_raw.city.json";
-  if (!min_distance && !raw) min_distance = asked_distance(report);
+CheckedFile check_city_model(const std::string& name, const CityModel& city,
+                             std::optional<double> min_distance, const Json& report) {
+  if (!min_distance && name != kRawCity) min_distance = asked_distance(report);
   const CityCheck check = check_city(city, min_distance);
-  CheckedFile file{path.filename().string(), {}, check.violations};
+  CheckedFile file{name, {}, check.violations};
   file.facts = {fmt::format("{} buildings, {} dropped features, {:.1f} m2", check.buildings,
                             check.dropped, check.area)};
   if (min_distance)
@@ -156,11 +157,13 @@ std::vector<CheckedFile> check_folder(const fs::path& folder, std::optional<doub
   const Json report = read_report(folder);
   const auto there = [&](const char* name) { return fs::exists(folder / name); };
   std::vector<CheckedFile> files;
-  for (const char* name : {"city_raw.city.json", "city.city.json"}) {
+  CityModel city;
+  for (const char* name : {kRawCity, kCity}) {
     if (!there(name)) continue;
-    const bool raw = std::string_view(name) == "city_raw.city.json";
-    files.push_back(check_city_file(folder / name, raw ? std::nullopt : min_distance, report));
-    compare_account(read_city(folder / name), report, files.back());
+    city = read_city(folder / name);
+    files.push_back(check_city_model(
+        name, city, std::string_view(name) == kRawCity ? std::nullopt : min_distance, report));
+    compare_account(city, report, files.back());
   }
   const bool meshed = report.is_object() && report.contains("volume_mesh");
   if (there("volume.vtu") && there("boundary.vtp")) {
@@ -175,9 +178,8 @@ std::vector<CheckedFile> check_folder(const fs::path& folder, std::optional<doub
     both.facts = {"faces of one compared with faces of the other"};
     compare_with_report(report, volume_check, surface_check, both);
     files.push_back(both);
-    if (there("city.city.json") && there("dtm.tif"))
-      files.push_back(
-          check_against_city(folder, mesh, surface, read_city(folder / "city.city.json"), report));
+    if (there(kCity) && there("dtm.tif"))
+      files.push_back(check_against_city(folder, mesh, surface, city, report));
     else
       files.back().facts.emplace_back(
           "not checked: heights and regions (they need city.city.json and dtm.tif beside the "
@@ -203,7 +205,7 @@ std::vector<CheckedFile> check_path(const fs::path& path, std::optional<double> 
   if (path.extension() == ".vtu") return {describe(name, check_volume(read_vtu(path), progress))};
   if (path.extension() == ".vtp") return {describe(name, check_surface(read_vtp(path)))};
   if (path.extension() == ".json")
-    return {check_city_file(path, min_distance, read_report(path.parent_path()))};
+    return {check_city_model(name, read_city(path), min_distance, read_report(path.parent_path()))};
   throw Error(ErrorKind::kInput,
               path.string() + ": can be checked: .vtu, .vtp, .city.json, or a folder of results");
 }

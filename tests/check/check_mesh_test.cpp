@@ -112,6 +112,12 @@ TEST_F(CheckMesh, SeesOpenSurfacesAndFacesTurnedOver) {
   std::swap(turned.triangles[0][0], turned.triangles[0][1]);
   EXPECT_FALSE(check_surface(turned).manifold);
   EXPECT_TRUE(has(check_surface(turned).violations, "ground faces that do not face down"));
+  SurfaceMesh twice = surface;
+  twice.triangles.push_back(twice.triangles[0]);
+  twice.patch.push_back(twice.patch[0]);
+  twice.building.push_back(twice.building[0]);
+  EXPECT_TRUE(check_surface(twice).closed);
+  EXPECT_FALSE(check_surface(twice).manifold);
 }
 
 TEST_F(CheckMesh, SeesWrongTags) {

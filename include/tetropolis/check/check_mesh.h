@@ -61,7 +61,7 @@ struct VolumeCheck {
 /// Orientation of every cell, conformity by matching faces (one or two cells each, two with
 /// opposite orientation), coincident and unused vertices, closed edge-manifold boundary. Vertex
 /// numbers of cells must be in range. Takes some 20 bytes a cell beside the mesh. The same result
-/// for any number of threads.
+/// for any number of threads. Throws Error(kInput) for more than 2^32 vertices.
 VolumeCheck check_volume(const TetMesh& mesh, const Progress& progress = {});
 
 struct SurfaceCheck {
