@@ -1,5 +1,5 @@
 # The two commands a newcomer needs are `make demo` and `make test`.
-.PHONY: demo test build deps bench docs format check-format clean
+.PHONY: demo test build deps bench simplification-report docs format check-format clean
 
 demo: build
 	@echo "demo: a synthetic city of 500 m x 500 m, its LiDAR points, and a mesh of both, in out/demo"
@@ -21,6 +21,10 @@ deps:
 
 bench: build
 	@build/bench/tetropolis_bench
+
+# Needs TETROPOLIS_DATA, the folder of real data.
+simplification-report: build
+	@scripts/simplification-report --update
 
 docs: build
 	@scripts/write-settings-page
