@@ -1,5 +1,5 @@
 # The two commands a newcomer needs are `make demo` and `make test`.
-.PHONY: demo test build deps bench microbench survey docs format check-format clean
+.PHONY: demo test build deps bench microbench survey simplification-report docs format check-format clean
 
 demo: build
 	@echo "demo: a synthetic city of 500 m x 500 m, its LiDAR points, and a mesh of both, in out/demo"
@@ -28,6 +28,10 @@ microbench: build
 # make survey N=200 SEED=1
 survey: build
 	@scripts/survey $(or $(N),2000) --first $(or $(SEED),1)
+
+# Needs TETROPOLIS_DATA, the folder of real data.
+simplification-report: build
+	@scripts/simplification-report --update
 
 docs: build
 	@scripts/write-settings-page

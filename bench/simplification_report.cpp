@@ -179,6 +179,7 @@ Json stats_json(const Input& input, const Simplification& result) {
           {"local_hulls", s.local_hulls},
           {"hull_repairs", s.hull_repairs},
           {"merged_by_hull", s.merged_by_hull + s.merged_by_hulls},
+          {"merged_by_bridge", s.merged_by_bridge},
           {"rounds", s.rounds},
           {"min_clearance", s.min_clearance}};
 }

@@ -158,7 +158,7 @@ TEST(Simplify, FillsCombsInsteadOfTradingTeethForGaps) {
   EXPECT_LE(result.stats.rounds, 3);
 }
 
-TEST(Simplify, JoinsWhatTouchesInAPointWithoutHulls) {
+TEST(Simplify, JoinsBlocksMillimetresApartWithoutHulls) {
   // From Amsterdam: two blocks along a line, a few millimetres apart at one end, at 0.5 m.
   SimplifyOptions options;
   options.min_distance = 0.5;
