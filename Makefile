@@ -6,7 +6,7 @@ demo: build
 	@rm -rf out/demo out/demo-input
 	@build/tetropolis synth --kind blocks --size 500 --seed 7 --out out/demo-input --quiet
 	@build/tetropolis build --footprints out/demo-input/footprints.shp --points out/demo-input \
-	  --id-attribute id --mesh-size 10 --layering quality --out out/demo
+	  --id-attribute id --mesh-size 10 --out out/demo
 	@build/tetropolis check out/demo
 	@echo "demo: open out/demo/boundary.vtp or out/demo/volume.vtu in ParaView, out/demo/surface.stl anywhere"
 

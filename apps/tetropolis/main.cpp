@@ -42,11 +42,10 @@ void print_summary(const Report& report, Console& console) {
                              report.ground_mesh->triangles, report.ground_mesh->min_angle_deg));
   if (report.volume_mesh) {
     const VolumeMeshReport& mesh = *report.volume_mesh;
-    console.line(
-        fmt::format("volume     {} tets in {} layers, {} inverted; dihedral angles {:.1f} .. "
-                    "{:.1f} degrees, median of least {:.1f}",
-                    mesh.cells, mesh.layers, mesh.inverted, mesh.dihedral_min, mesh.dihedral_max,
-                    mesh.dihedral_median));
+    console.line(fmt::format(
+        "volume     {} tets, {} inverted; dihedral angles {:.1f} .. "
+        "{:.1f} degrees, median of least {:.1f}",
+        mesh.cells, mesh.inverted, mesh.dihedral_min, mesh.dihedral_max, mesh.dihedral_median));
   }
   if (report.surface_mesh)
     console.line(fmt::format("surface    {} triangles, {}, {}", report.surface_mesh->triangles,

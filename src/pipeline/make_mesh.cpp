@@ -44,11 +44,11 @@ void require_plausible(const LayerPlan& plan, double highest) {
                           plan.layers, plan.bottom, plan.top, highest));
 }
 
-/// Nodes that columns of this spacing will have, before they are made.
-double count_nodes(const ColumnEnds& ends, const std::vector<double>& spacing) {
+/// About the nodes that columns will have, before they are made.
+double count_nodes(const ColumnEnds& ends) {
   double nodes = 0;
-  for (std::size_t v = 0; v < spacing.size(); ++v)
-    nodes += 1 + (ends.top[v] - ends.ground[v]) / spacing[v];
+  for (std::size_t v = 0; v < ends.top.size(); ++v)
+    nodes += 1 + (ends.top[v] - ends.ground[v]) / ends.spacing[v];
   return nodes;
 }
 
@@ -87,10 +87,12 @@ struct ColumnInput {
   LayerPlan plan;
 };
 
+/// `wall`: see ground_heights.
 void plan_height(const Config& config, const GroundMesh& ground, const Raster& dtm,
-                 ColumnInput& input, Report& report) {
+                 const std::vector<double>& wall, ColumnInput& input, Report& report) {
   input.owner = vertex_buildings(ground);
-  input.heights = ground_heights(ground, input.owner, input.roofs, dtm, config.min_wall_height);
+  input.heights =
+      ground_heights(ground, input.owner, input.roofs, dtm, config.min_wall_height, wall);
   const double highest = *std::max_element(dtm.values.begin(), dtm.values.end());
   const bool uniform = config.layering == "uniform" && config.layer_height > 0;
   input.plan = plan_layers(input.heights.z, input.roofs, highest, config.domain_height,
@@ -113,7 +115,8 @@ void plan_height(const Config& config, const GroundMesh& ground, const Raster& d
 LayeredMesh make_layers_of_city(const Config& config, const Raster& dtm, GroundMesh ground,
                                 ColumnInput& input, StepClock& clock, Report& report) {
   LayeredMesh mesh = clock.run("3.2", "layers", [&](const Progress&) {
-    plan_height(config, ground, dtm, input, report);
+    const std::vector<double> wall(ground.vertices.size(), config.min_wall_height);
+    plan_height(config, ground, dtm, wall, input, report);
     const auto triangles = static_cast<double>(ground.triangles.size());
     require_cells_fit(config, triangles, 3 * triangles * input.plan.layers);
     return make_layers(std::move(ground), input.plan.layers, input.plan.bottom, input.plan.top);
@@ -137,28 +140,36 @@ LayeredMesh make_layers_of_city(const Config& config, const Raster& dtm, GroundM
   return mesh;
 }
 
+/// Share of the spacing that a wall is high where the ground was lowered for it.
+constexpr double kLoweredWallShare = 0.6;
+
+std::vector<double> spacing_of(const Config& config, const GroundMesh& ground) {
+  std::vector<double> spacing = column_spacing(ground);
+  if (config.layer_height > 0)
+    for (double& s : spacing) s = std::min(s, config.layer_height);
+  return spacing;
+}
+
 /// Columns spaced by the triangles around them. Their heights follow from ground, roofs and top
 /// directly, so steps 3.3 and 3.5 have nothing to solve.
 ColumnMesh grade_columns(const Config& config, const Raster& dtm, GroundMesh ground,
                          ColumnInput& input, StepClock& clock, Report& report) {
-  const std::vector<double> spacing = clock.run("3.2", "spacing of columns", [&](const Progress&) {
-    std::vector<double> result = column_spacing(ground);
-    if (config.layer_height > 0)
-      for (double& s : result) s = std::min(s, config.layer_height);
-    return result;
-  });
-  std::vector<double> top;
+  std::vector<double> spacing, rise, top;
+  clock.run("3.2", "spacing of columns",
+            [&](const Progress&) { spacing = spacing_of(config, ground); });
   clock.run("3.3", "ground and top", [&](const Progress&) {
-    plan_height(config, ground, dtm, input, report);
+    std::vector<double> wall(spacing);
+    for (double& w : wall) w = std::max(kLoweredWallShare * w, config.min_wall_height);
+    plan_height(config, ground, dtm, wall, input, report);
+    rise = ground_rise(ground, input.heights.z);
     top.assign(ground.vertices.size(), input.plan.top);
   });
-  const ColumnEnds ends{input.heights.z, input.owner, input.roofs, top};
+  const ColumnEnds ends{input.heights.z, input.owner, input.roofs, top, spacing, rise};
   ColumnMesh mesh = clock.run("3.4", "divide columns, trim buildings", [&](const Progress&) {
     // Every segment makes a tet in each of the about six triangles around it.
-    require_cells_fit(config, static_cast<double>(ground.triangles.size()),
-                      6 * count_nodes(ends, spacing));
+    require_cells_fit(config, static_cast<double>(ground.triangles.size()), 6 * count_nodes(ends));
     EdgeGraph edges = build_edge_graph(ground);
-    return divide_columns(std::move(ground), std::move(edges), ends, spacing);
+    return divide_columns(std::move(ground), std::move(edges), ends);
   });
   clock.run("3.5", "place nodes", [&](const Progress&) { place_nodes(mesh, ends); });
   for (const char* step : {"3.3", "3.5"}) report.solver.push_back({step, 0, 0, 0.0, true});
@@ -168,14 +179,12 @@ ColumnMesh grade_columns(const Config& config, const Raster& dtm, GroundMesh gro
 /// As grade_columns, up to the top that the Laplace problems of the uniform layers give.
 ColumnMesh grade_below_free_top(LayeredMesh&& layered, const Config& config,
                                 const ColumnInput& input) {
-  std::vector<double> spacing = column_spacing(layered.ground);
-  if (config.layer_height > 0)
-    for (double& s : spacing) s = std::min(s, config.layer_height);
+  const std::vector<double> spacing = spacing_of(config, layered.ground);
+  const std::vector<double> rise = ground_rise(layered.ground, input.heights.z);
   std::vector<double> top(layered.vertex_count());
   for (std::size_t v = 0; v < top.size(); ++v) top[v] = layered.column(v)[layered.layers];
-  const ColumnEnds ends{input.heights.z, input.owner, input.roofs, top};
-  ColumnMesh mesh =
-      divide_columns(std::move(layered.ground), std::move(layered.edges), ends, spacing);
+  const ColumnEnds ends{input.heights.z, input.owner, input.roofs, top, spacing, rise};
+  ColumnMesh mesh = divide_columns(std::move(layered.ground), std::move(layered.edges), ends);
   place_nodes(mesh, ends);
   return mesh;
 }

@@ -17,15 +17,14 @@ namespace {
 constexpr std::size_t kColumnsPerChunk = 4096;
 constexpr double kSpacingFactor = 1.2;
 
+/// Share of a cliff's height that the first segment at its foot takes.
+constexpr double kFootShare = 0.6;
+
 /// How one column is divided.
 struct Division {
   std::int32_t below_roof = 0;  ///< Segments from the ground to the roof.
   std::int32_t above = 0;       ///< Segments from there (or from the ground) to the top.
 };
-
-std::int32_t segments(double height, double spacing) {
-  return static_cast<std::int32_t>(std::max(1.0, std::round(height / spacing)));
-}
 
 /// Vertices with a triangle outside buildings.
 std::vector<std::uint8_t> outside_vertices(const GroundMesh& mesh) {
@@ -43,19 +42,37 @@ void require_rise(double low, double high, std::size_t v, const char* what) {
                                          std::to_string(high) + " m)");
 }
 
-Division divide(const ColumnEnds& ends, std::size_t v, bool outside, double spacing) {
+/// Whether the piece of the column that begins at the ground and is `height` high begins with the
+/// two segments of a cliff's foot.
+bool is_foot(const ColumnEnds& ends, std::size_t v, double height) {
+  return kFootShare * ends.rise[v] > ends.spacing[v] && ends.rise[v] + ends.spacing[v] / 2 < height;
+}
+
+std::int32_t even_segments(const ColumnEnds& ends, std::size_t v, double height) {
+  return static_cast<std::int32_t>(std::max(1.0, std::round(height / ends.spacing[v])));
+}
+
+/// Segments of a piece that begins at the ground.
+std::int32_t ground_segments(const ColumnEnds& ends, std::size_t v, double height) {
+  if (!is_foot(ends, v, height)) return even_segments(ends, v, height);
+  return 2 + even_segments(ends, v, height - ends.rise[v]);
+}
+
+Division divide(const ColumnEnds& ends, std::size_t v, bool outside) {
   Division division;
-  double low = ends.ground[v];
-  if (ends.building[v] != kNoBuilding) {
-    const double roof = ends.roofs[static_cast<std::size_t>(ends.building[v])];
-    if (outside) {
-      require_rise(low, roof, v, "the roof is not above the ground");
-      division.below_roof = segments(roof - low, spacing);
-    }
-    low = roof;
+  const double ground = ends.ground[v], top = ends.top[v];
+  if (ends.building[v] == kNoBuilding) {
+    require_rise(ground, top, v, "the top is not above the ground");
+    division.above = ground_segments(ends, v, top - ground);
+    return division;
   }
-  require_rise(low, ends.top[v], v, "the top is not above the ground or roof");
-  division.above = segments(ends.top[v] - low, spacing);
+  const double roof = ends.roofs[static_cast<std::size_t>(ends.building[v])];
+  if (outside) {
+    require_rise(ground, roof, v, "the roof is not above the ground");
+    division.below_roof = ground_segments(ends, v, roof - ground);
+  }
+  require_rise(roof, top, v, "the top is not above the roof");
+  division.above = even_segments(ends, v, top - roof);
   return division;
 }
 
@@ -65,7 +82,32 @@ double* spread(double* z, double low, double high, std::int32_t count) {
   return z;
 }
 
+/// Likewise for a piece that begins at the ground.
+double* spread_from_ground(double* z, const ColumnEnds& ends, std::size_t v, double high,
+                           std::int32_t count) {
+  const double ground = ends.ground[v];
+  if (!is_foot(ends, v, high - ground)) return spread(z, ground, high, count);
+  *z++ = ground;
+  *z++ = ground + kFootShare * ends.rise[v];
+  return spread(z, ground + ends.rise[v], high, count - 2);
+}
+
 }  // namespace
+
+std::vector<double> ground_rise(const GroundMesh& mesh, std::span<const double> ground) {
+  std::vector<double> rise(mesh.vertices.size(), 0.0);
+  for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
+    if (mesh.region[t] != kNoBuilding) continue;
+    double highest = -std::numeric_limits<double>::infinity();
+    for (const VertexIndex v : mesh.triangles[t])
+      highest = std::max(highest, ground[static_cast<std::size_t>(v)]);
+    for (const VertexIndex v : mesh.triangles[t]) {
+      const auto i = static_cast<std::size_t>(v);
+      rise[i] = std::max(rise[i], highest - ground[i]);
+    }
+  }
+  return rise;
+}
 
 std::vector<double> column_spacing(const GroundMesh& ground) {
   std::vector<double> longest(ground.vertices.size(), 0.0);  // squared
@@ -95,8 +137,7 @@ std::vector<double> column_spacing(const GroundMesh& ground) {
   return spacing;
 }
 
-ColumnMesh divide_columns(GroundMesh ground, EdgeGraph edges, const ColumnEnds& ends,
-                          std::span<const double> spacing) {
+ColumnMesh divide_columns(GroundMesh ground, EdgeGraph edges, const ColumnEnds& ends) {
   ColumnMesh mesh;
   mesh.ground = std::move(ground);
   mesh.edges = std::move(edges);
@@ -106,7 +147,7 @@ ColumnMesh divide_columns(GroundMesh ground, EdgeGraph edges, const ColumnEnds& 
   mesh.first.assign(vertices + 1, 0);
   parallel_chunks(vertices, kColumnsPerChunk, [&](std::size_t begin, std::size_t end) {
     for (std::size_t v = begin; v < end; ++v) {
-      const Division division = divide(ends, v, outside[v] != 0, spacing[v]);
+      const Division division = divide(ends, v, outside[v] != 0);
       if (ends.building[v] != kNoBuilding) mesh.roof[v] = division.below_roof;
       mesh.first[v + 1] = division.below_roof + division.above + 1;
     }
@@ -120,15 +161,16 @@ void place_nodes(ColumnMesh& mesh, const ColumnEnds& ends) {
   parallel_chunks(mesh.vertex_count(), kColumnsPerChunk, [&](std::size_t begin, std::size_t end) {
     for (std::size_t v = begin; v < end; ++v) {
       double* z = mesh.z.data() + mesh.first[v];
-      const auto last =
+      const auto segments =
           static_cast<std::int32_t>(mesh.top(static_cast<VertexIndex>(v)) - mesh.first[v]);
       const std::int32_t roof = std::max(mesh.roof[v], 0);
-      double low = ends.ground[v];
-      if (ends.building[v] != kNoBuilding) {
-        low = ends.roofs[static_cast<std::size_t>(ends.building[v])];
-        z = spread(z, ends.ground[v], low, roof);
+      if (ends.building[v] == kNoBuilding) {
+        z = spread_from_ground(z, ends, v, ends.top[v], segments);
+      } else {
+        const double height = ends.roofs[static_cast<std::size_t>(ends.building[v])];
+        if (roof > 0) z = spread_from_ground(z, ends, v, height, roof);
+        z = spread(z, height, ends.top[v], segments - roof);
       }
-      z = spread(z, low, ends.top[v], last - roof);
       *z = ends.top[v];
     }
   });

@@ -1,5 +1,6 @@
 #include "tetropolis/volume/ground_heights.h"
 
+#include <algorithm>
 #include <string>
 
 #include "tetropolis/core/error.h"
@@ -36,8 +37,8 @@ std::vector<bool> touches_outside(const GroundMesh& mesh) {
 }  // namespace
 
 GroundHeights ground_heights(const GroundMesh& mesh, std::span<const BuildingIndex> building,
-                             std::span<const double> roofs, const Raster& dtm,
-                             double minimum_wall) {
+                             std::span<const double> roofs, const Raster& dtm, double minimum_wall,
+                             std::span<const double> wall) {
   GroundHeights result;
   result.z.resize(mesh.vertices.size());
   parallel_chunks(mesh.vertices.size(), 4096, [&](std::size_t begin, std::size_t end) {
@@ -46,9 +47,9 @@ GroundHeights ground_heights(const GroundMesh& mesh, std::span<const BuildingInd
   const std::vector<bool> outside = touches_outside(mesh);
   for (std::size_t v = 0; v < mesh.vertices.size(); ++v) {
     if (building[v] == kNoBuilding) continue;
-    const double highest = roofs[static_cast<std::size_t>(building[v])] - minimum_wall;
-    if (result.z[v] <= highest) continue;
-    result.z[v] = highest;
+    const double roof = roofs[static_cast<std::size_t>(building[v])];
+    if (result.z[v] <= roof - minimum_wall) continue;
+    result.z[v] = std::min(result.z[v], roof - wall[v]);
     if (outside[v]) ++result.lowered;
   }
   return result;

@@ -75,7 +75,8 @@ inline LayeredCity layered(const SmallCity& city, double mesh_size = 8, bool fix
   result.city = city;
   GroundMesh ground = mesh_ground(city.footprints, city.domain, {mesh_size, 25});
   result.owner = vertex_buildings(ground);
-  result.heights = ground_heights(ground, result.owner, city.roofs, city.dtm, 1.0);
+  const std::vector<double> wall(ground.vertices.size(), 1.0);
+  result.heights = ground_heights(ground, result.owner, city.roofs, city.dtm, 1.0, wall);
   const double highest = *std::max_element(city.dtm.values.begin(), city.dtm.values.end());
   const LayerPlan plan = plan_layers(result.heights.z, city.roofs, highest, 80, mesh_size);
   result.mesh = make_layers(std::move(ground), plan.layers, plan.bottom, plan.top);
@@ -111,14 +112,17 @@ inline MeshedCity meshed(const SmallCity& city, double mesh_size = 8) {
   result.city = city;
   GroundMesh ground = mesh_ground(city.footprints, city.domain, {mesh_size, 25});
   result.owner = vertex_buildings(ground);
-  result.heights = ground_heights(ground, result.owner, city.roofs, city.dtm, 1.0);
+  const std::vector<double> spacing = column_spacing(ground);
+  std::vector<double> wall(spacing);
+  for (double& w : wall) w = std::max(0.6 * w, 1.0);
+  result.heights = ground_heights(ground, result.owner, city.roofs, city.dtm, 1.0, wall);
+  const std::vector<double> rise = ground_rise(ground, result.heights.z);
   const double highest = *std::max_element(city.dtm.values.begin(), city.dtm.values.end());
   result.top = plan_layers(result.heights.z, city.roofs, highest, 80, mesh_size).top;
   const std::vector<double> top(ground.vertices.size(), result.top);
-  const std::vector<double> spacing = column_spacing(ground);
   EdgeGraph edges = build_edge_graph(ground);
-  const ColumnEnds ends{result.heights.z, result.owner, result.city.roofs, top};
-  result.mesh = divide_columns(std::move(ground), std::move(edges), ends, spacing);
+  const ColumnEnds ends{result.heights.z, result.owner, result.city.roofs, top, spacing, rise};
+  result.mesh = divide_columns(std::move(ground), std::move(edges), ends);
   place_nodes(result.mesh, ends);
   return result;
 }

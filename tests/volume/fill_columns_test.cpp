@@ -58,7 +58,9 @@ TEST(FillColumns, HeightsAreExactAndCellsValidOnAnyTerrain) {
 TEST(FillColumns, SpacingComesClosestToWhatWasAskedFor) {
   const auto result = testing::meshed(testing::small_city(testing::hills));
   const std::vector<double> spacing = column_spacing(result.mesh.ground);
+  const std::vector<double> rise = ground_rise(result.mesh.ground, result.heights.z);
   for (std::size_t v = 0; v < result.mesh.vertex_count(); ++v) {
+    if (0.6 * rise[v] > spacing[v]) continue;  // the foot of a cliff
     const double* z = result.mesh.z.data() + result.mesh.first[v];
     const auto last = static_cast<std::int32_t>(result.mesh.top(static_cast<VertexIndex>(v)) -
                                                 result.mesh.first[v]);
@@ -75,6 +77,41 @@ TEST(FillColumns, SpacingComesClosestToWhatWasAskedFor) {
       for (int i = begin; i < end; ++i) EXPECT_NEAR(z[i + 1] - z[i], height / n, 1e-9 * height);
     }
   }
+}
+
+TEST(FillColumns, FirstSegmentsAtTheFootOfACliffReachItsEdge) {
+  testing::SmallCity city =
+      testing::small_city([](double x, double) { return x < 60 ? 0.0 : 20.0; });
+  city.footprints.clear();
+  city.roofs.clear();
+  const auto result = testing::meshed(city, 4);
+  const std::vector<double> rise = ground_rise(result.mesh.ground, result.heights.z);
+  int feet = 0;
+  for (std::size_t v = 0; v < result.mesh.vertex_count(); ++v) {
+    double highest = 0;  // of the neighbours, by brute force
+    for (const auto& t : result.mesh.ground.triangles)
+      if (std::find(t.begin(), t.end(), static_cast<VertexIndex>(v)) != t.end())
+        for (const VertexIndex u : t)
+          highest = std::max(highest, result.heights.z[static_cast<std::size_t>(u)]);
+    EXPECT_EQ(rise[v], highest - result.heights.z[v]);
+    if (rise[v] < 20) continue;
+    ++feet;
+    const double* z = result.mesh.z.data() + result.mesh.first[v];
+    EXPECT_EQ(z[0], 0);
+    EXPECT_DOUBLE_EQ(z[1], 12);
+    EXPECT_DOUBLE_EQ(z[2], 20);
+  }
+  EXPECT_GT(feet, 10);
+  // Without these segments the cells at the cliff are slivers.
+  const std::vector<double> spacing = column_spacing(result.mesh.ground);
+  const std::vector<double> top(result.mesh.vertex_count(), result.top);
+  const std::vector<double> flat(result.mesh.vertex_count(), 0.0);
+  const ColumnEnds ends{result.heights.z, result.owner, {}, top, spacing, flat};
+  ColumnMesh plain = divide_columns(result.mesh.ground, result.mesh.edges, ends);
+  place_nodes(plain, ends);
+  const double least = measure_quality(result.mesh).histogram.min_dihedral_deg();
+  EXPECT_GT(least, 6);
+  EXPECT_GT(least, 2 * measure_quality(plain).histogram.min_dihedral_deg());
 }
 
 TEST(FillColumns, SpacingScalesWithTheTriangles) {
@@ -112,7 +149,7 @@ TEST(FillColumns, RefusesHeightsThatDoNotIncrease) {
   const std::vector<double> spacing = column_spacing(city.mesh.ground);
   try {
     divide_columns(city.mesh.ground, city.mesh.edges,
-                   {city.heights.z, city.owner, city.city.roofs, top}, spacing);
+                   {city.heights.z, city.owner, city.city.roofs, top, spacing, spacing});
     FAIL() << "no error";
   } catch (const Error& error) {
     EXPECT_EQ(error.kind(), ErrorKind::kGuarantee);

@@ -54,7 +54,8 @@ WorkCity work_city(std::int64_t buildings) {
 [[gnu::noinline]] UniformResult work_uniform(const WorkCity& city, const GroundMesh& ground) {
   const auto owner = vertex_buildings(ground);
   const auto& roofs = city.input->roofs;
-  const GroundHeights heights = ground_heights(ground, owner, roofs, city.input->dtm, 1);
+  const std::vector<double> wall(ground.vertices.size(), 1.0);
+  const GroundHeights heights = ground_heights(ground, owner, roofs, city.input->dtm, 1, wall);
   const LayerPlan plan = plan_layers(heights.z, roofs, highest_of(city), 100, kMeshSize);
   LayeredMesh mesh = make_layers(GroundMesh(ground), plan.layers, plan.bottom, plan.top);
   UniformResult result;

@@ -21,10 +21,12 @@ struct GroundHeights {
 };
 
 /// z = DTM, except at vertices of a building whose roof is less than `minimum_wall` above the DTM
-/// there (a building set into a slope): these get roof - minimum_wall, so that every wall has a
-/// positive height (guarantee 4).
-/// `building` as from vertex_buildings; `roofs`: elevation per building; minimum_wall > 0, metres.
+/// there (a building set into a slope): these get roof - wall[v], so that every wall has a positive
+/// height (guarantee 4) and, where the ground has to be lowered anyway, one that cells fit.
+/// `building` as from vertex_buildings; `roofs`: elevation per building; minimum_wall > 0, metres;
+/// `wall`: per vertex, >= minimum_wall.
 GroundHeights ground_heights(const GroundMesh& mesh, std::span<const BuildingIndex> building,
-                             std::span<const double> roofs, const Raster& dtm, double minimum_wall);
+                             std::span<const double> roofs, const Raster& dtm, double minimum_wall,
+                             std::span<const double> wall);
 
 }  // namespace tetropolis

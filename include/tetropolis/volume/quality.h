@@ -64,8 +64,8 @@ struct WorstCell {
   TriangleIndex triangle = 0;  ///< That it stands over.
   std::string_view cause;      ///< "steep ground": the floor rises by more than the triangle's
                                ///< altitude; "low wall": a wall lower than the triangle's altitude
-                           ///< beside it; "small detail": the triangle's altitude is less than half
-                           ///< the cell's height; "change of size": none of these.
+  ///< beside it; "small detail": the triangle's altitude is less than half
+  ///< the cell's height; "change of size": none of these.
 };
 
 struct CellQuality {

@@ -1,0 +1,137 @@
+// The quality every mesh of an ordinary city has: least dihedral angle at least 8 degrees, below 12
+// degrees for at most one cell in ten thousand, greatest at most 160; non-orthogonality below 70
+// degrees and skewness below 4 (what OpenFOAM's checkMesh asks for).
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <string>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "tetropolis/pipeline/run.h"
+
+#include "support/test_data.h"
+
+namespace tetropolis {
+namespace {
+
+namespace fs = std::filesystem;
+
+void expect_above_the_floor(const Report& report) {
+  const VolumeMeshReport& mesh = *report.volume_mesh;
+  EXPECT_EQ(mesh.inverted, 0);
+  EXPECT_GE(mesh.dihedral_min, 8);
+  EXPECT_GE(mesh.dihedral_p0_01, 12);
+  EXPECT_LE(mesh.dihedral_max, 160);
+  EXPECT_LT(mesh.faces.worst.non_orthogonality_deg, 70);
+  EXPECT_EQ(mesh.faces.above_70, 0);
+  EXPECT_LT(mesh.faces.worst.skewness, 4);
+  ASSERT_EQ(mesh.worst.size(), 10U);
+  EXPECT_GE(mesh.worst.front().badness, 8);
+  EXPECT_LE(mesh.worst.front().badness, mesh.worst.back().badness);
+}
+
+/// Meshes the city in `folder` at each size.
+void expect_good_meshes(const fs::path& folder, const std::vector<double>& sizes) {
+  for (const double size : sizes) {
+    SCOPED_TRACE(size);
+    Config config;
+    config.city = folder / "city.city.json";
+    config.dtm = folder / "dtm.tif";
+    config.out = folder / "mesh";
+    config.mesh_size = size;
+    expect_above_the_floor(run_mesh(config));
+  }
+}
+
+void make_city(const fs::path& footprints, const std::vector<fs::path>& points,
+               const fs::path& out) {
+  Config config;
+  config.footprints = footprints;
+  for (const fs::path& path : points) config.points.push_back(path);
+  config.out = out;
+  run_city(config);
+}
+
+TEST(QualityFloor, Delft) {
+  TETROPOLIS_REQUIRE_DATA(data, "delft_3dfier");
+  const testing::TemporaryFolder folder;
+  make_city(data / "footprints.shp", {data / "ahn3_cropped_1.laz", data / "ahn3_cropped_2.laz"},
+            folder / "city");
+  expect_good_meshes(folder / "city", {10, 5, 2.5});
+}
+
+TEST(QualityFloor, AmsterdamSouth) {
+  TETROPOLIS_REQUIRE_DATA(data, "amsterdam_south");
+  const testing::TemporaryFolder folder;
+  make_city(data / "footprints.gpkg", {data / "ahn3"}, folder / "city");
+  expect_good_meshes(folder / "city", {10, 5});
+}
+
+/// `kind`: "random" with the paper's density of buildings, or "blocks" as the demonstration.
+void expect_good_synthetic(const char* kind, double size, std::int64_t buildings) {
+  const testing::TemporaryFolder folder;
+  Config config;
+  config.kind = kind;
+  config.size = size;
+  config.buildings = buildings;
+  config.point_density = 1;
+  config.out = folder / "input";
+  run_synth(config);
+  make_city(folder / "input/footprints.shp", {folder / "input/points.laz"}, folder / "city");
+  expect_good_meshes(folder / "city", {10, 5});
+}
+
+TEST(QualityFloor, RandomCity) { expect_good_synthetic("random", 900, 400); }
+
+TEST(QualityFloor, Blocks) { expect_good_synthetic("blocks", 600, 0); }
+
+/// OpenFOAM's own judgement, where it is installed: `apt-get install openfoam`.
+TEST(QualityFloor, CheckMeshOfOpenFoamAgrees) {
+  if (std::system("command -v checkMesh >/dev/null 2>&1") != 0)
+    GTEST_SKIP() << "checkMesh (package openfoam) is not installed";
+  const testing::TemporaryFolder folder;
+  Config config;
+  config.kind = "blocks";
+  config.size = 300;
+  config.out = folder / "input";
+  run_synth(config);
+  Config build;
+  build.footprints = folder / "input/footprints.shp";
+  build.points.push_back(folder / "input/points.laz");
+  build.formats = {"openfoam"};
+  build.out = folder / "case";
+  const Report report = run_build(build);
+  fs::create_directories(folder / "case/system");
+  const auto write = [&](const char* name, const std::string& text) {
+    std::ofstream(folder / "case/system" / name)
+        << "FoamFile { version 2.0; format ascii; class dictionary; object " << name << "; }\n"
+        << text << "\n";
+  };
+  write("controlDict",
+        "application checkMesh; startFrom startTime; startTime 0; stopAt endTime; endTime 1; "
+        "deltaT 1; writeControl timeStep; writeInterval 1;");
+  write("fvSchemes",
+        "ddtSchemes { default steadyState; } gradSchemes { default Gauss linear; } divSchemes { "
+        "default none; } laplacianSchemes { default none; } interpolationSchemes { default linear; "
+        "} snGradSchemes { default corrected; }");
+  write("fvSolution", "");
+  // Debian's package finds its etc folder only when told where it is.
+  const std::string log = folder / "log";
+  const std::string run = "WM_PROJECT_DIR=${WM_PROJECT_DIR:-/usr/share/openfoam} checkMesh -case " +
+                          (folder / "case").string() + " >" + log + " 2>&1";
+  EXPECT_EQ(std::system(run.c_str()), 0);
+  std::ifstream stream(log);
+  const std::string text{std::istreambuf_iterator<char>(stream), {}};
+  EXPECT_NE(text.find("Mesh OK."), std::string::npos) << text;
+  const std::string mark = "Mesh non-orthogonality Max: ";
+  const std::size_t at = text.find(mark);
+  ASSERT_NE(at, std::string::npos) << text;
+  EXPECT_NEAR(std::stod(text.substr(at + mark.size())),
+              report.volume_mesh->faces.worst.non_orthogonality_deg, 1e-3);
+  expect_above_the_floor(report);
+}
+
+}  // namespace
+}  // namespace tetropolis
