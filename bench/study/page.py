@@ -59,10 +59,6 @@ def table(header, rows):
     return "\n".join(lines + ["| " + " | ".join(str(c) for c in row) + " |" for row in rows]) + "\n"
 
 
-def count(number):
-    return f"{number / 1e6:.1f} M" if number >= 1e6 else f"{number:,}"
-
-
 def seconds(value):
     return f"{value:.3f}" if value < 0.1 else f"{value:.2f}" if value < 10 else f"{value:.1f}"
 
@@ -70,7 +66,7 @@ def seconds(value):
 def step_table(rows, first, label, steps):
     """One line a row: its label, the seconds of each step, all of the run, memory."""
     return table([first, "tets", *(f"{s} (s)" for s in steps), "whole run (s)", "peak memory", "runs"],
-                 [[label(r), count(r["cells"]), *(seconds(r[f"s_{s}"]) for s in steps), seconds(r["wall_s"]),
+                 [[label(r), targets.count(r["cells"]), *(seconds(r[f"s_{s}"]) for s in steps), seconds(r["wall_s"]),
                    f"{r['peak_bytes'] / 1e6:.0f} MB", r["runs"]] for r in rows])
 
 
@@ -122,7 +118,8 @@ def conditions(results):
         text += " with `--quick`, so on the smaller sizes" if kinds == {True} else ", some studies with `--quick`"
     if max(loads) > 1.5:
         text += (f". **The machine was busy with other work (load up to {max(loads):.0f}): times, and rates even "
-                 "more, are worse than on an idle one; processor seconds suffer less, memory not at all**")
+                 "more, are worse than on an idle one, and targets in seconds may be missed for that alone; processor "
+                 "seconds suffer less, memory and counts not at all**")
     return text + ".\n"
 
 
@@ -143,7 +140,7 @@ def output_section(rows):
         lines.append([part, seconds(one["s"]), seconds(two["s"]),
                       f"{one['bytes'] / 1e6:.0f} MB" if one["bytes"] else ""])
     cells = next(r["cells"] for r in rows if "cells" in r)
-    return OUTPUT.format(cells=count(cells)) + "\n" + table(["part", "1 thread (s)", "2 threads (s)", "file"], lines)
+    return OUTPUT.format(cells=targets.count(cells)) + "\n" + table(["part", "1 thread (s)", "2 threads (s)", "file"], lines)
 
 
 INTRODUCTION = """\
