@@ -80,7 +80,7 @@ constexpr DefectKind kKinds[] = {
     {"withheld_points", "cloud", "wrong points with the withheld flag", false},
     {"synthetic_points", "cloud", "points with the synthetic flag", false},
     {"overlap_points", "cloud", "points with the overlap flag", false},
-    {"no_classes", "cloud", "no point is classified", true},
+    {"no_classes", "cloud", "no point is classified", false},
     {"only_ground", "cloud", "ground points only", false},
     {"only_buildings", "cloud", "points on buildings only", true},
 };

@@ -363,7 +363,7 @@ TEST(Laplace, AgreesWithPlainConjugateGradientsOnSeveralLevels) {
 TEST(Laplace, IterationsDoNotGrowWithTheMesh) {
   std::vector<int> iterations;
   for (const double size : {10.0, 5.0, 2.5}) {
-    testing::MeshedCity city = testing::layered(testing::small_city(testing::hills), size);
+    testing::LayeredCity city = testing::layered(testing::small_city(testing::hills), size);
     std::vector<float> u(city.mesh.z.size(), 0.0F);
     for (std::size_t v = 0; v < city.mesh.vertex_count(); ++v)
       if (city.mesh.roof_layer[v] != kNoRoof)
