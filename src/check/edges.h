@@ -37,26 +37,26 @@ std::vector<Violation> look_at_edges(const std::vector<Triangle>& triangles, std
         const auto [a, b] = ends_of(side);
         use(static_cast<std::size_t>(std::min(a, b)));
       });
-  return sum_of_violations(vertices, [&](std::size_t begin, std::size_t end,
-                                         std::vector<Violation>& violations) {
-    std::vector<EdgeUse> uses;
-    for (std::size_t low = begin; low < end; ++low) {
-      uses.clear();
-      for (const std::int64_t item : rows[low]) {
-        const auto side = static_cast<std::size_t>(item);
-        const auto [a, b] = ends_of(side);
-        uses.push_back({std::max(a, b), a < b, side / 3});
-      }
-      std::sort(uses.begin(), uses.end(), [](const EdgeUse& a, const EdgeUse& b) {
-        return std::tuple(a.high, !a.forward, a.face) < std::tuple(b.high, !b.forward, b.face);
+  return sum_of_violations(
+      vertices, [&](std::size_t begin, std::size_t end, std::vector<Violation>& violations) {
+        std::vector<EdgeUse> uses;
+        for (std::size_t low = begin; low < end; ++low) {
+          uses.clear();
+          for (const std::int64_t item : rows[low]) {
+            const auto side = static_cast<std::size_t>(item);
+            const auto [a, b] = ends_of(side);
+            uses.push_back({std::max(a, b), a < b, side / 3});
+          }
+          std::sort(uses.begin(), uses.end(), [](const EdgeUse& a, const EdgeUse& b) {
+            return std::tuple(a.high, !a.forward, a.face) < std::tuple(b.high, !b.forward, b.face);
+          });
+          for (std::size_t i = 0, j = 0; i < uses.size(); i = j) {
+            while (j < uses.size() && uses[j].high == uses[i].high) ++j;
+            look(static_cast<std::int64_t>(low), std::span<const EdgeUse>(uses).subspan(i, j - i),
+                 violations);
+          }
+        }
       });
-      for (std::size_t i = 0, j = 0; i < uses.size(); i = j) {
-        while (j < uses.size() && uses[j].high == uses[i].high) ++j;
-        look(static_cast<std::int64_t>(low), std::span<const EdgeUse>(uses).subspan(i, j - i),
-             violations);
-      }
-    }
-  });
 }
 
 }  // namespace tetropolis

@@ -93,6 +93,13 @@ void AtomicFile::write(std::string_view bytes) {
     throw_cannot_write(target_, system_reason(errno));
 }
 
+void AtomicFile::overwrite(std::uint64_t position, std::string_view bytes) {
+  stream().seekp(static_cast<std::streamoff>(position));
+  write(bytes);
+  errno = 0;
+  if (!stream().seekp(0, std::ios::end)) throw_cannot_write(target_, system_reason(errno));
+}
+
 void AtomicFile::commit() {
   assert(!committed_);
   if (stream_.is_open()) {

@@ -8,15 +8,14 @@
 
 #include "tetropolis/core/parallel.h"
 #include "tetropolis/core/progress.h"
-#include "tetropolis/io/atomic_file.h"
 
 namespace tetropolis {
 
 /// Cuts [0, size) into chunks of `grain`, lets format(begin, end, buffer) append each chunk's bytes
-/// to its own buffer, a batch of chunks at a time in parallel, and writes the buffers in order.
-/// Memory is that of one batch.
-template <typename Format>
-void write_chunked(AtomicFile& file, std::size_t size, std::size_t grain, const Format& format,
+/// to its own buffer, a batch of chunks at a time in parallel, and writes the buffers in order to
+/// `file`, an AtomicFile or something with the same write(). Memory is that of one batch.
+template <typename File, typename Format>
+void write_chunked(File& file, std::size_t size, std::size_t grain, const Format& format,
                    const Progress& progress = {}) {
   constexpr std::size_t kBatch = 16;
   std::vector<std::string> buffers(kBatch);

@@ -9,6 +9,8 @@
 
 #include <hdf5.h>
 
+#include "hdf5_handle.h"
+
 namespace tetropolis {
 
 namespace {
@@ -18,58 +20,9 @@ namespace fs = std::filesystem;
 /// Far more than HDF5 needs for groups and datasets as few as ours.
 constexpr std::uint64_t kRoomForHdf5 = 1 << 20;
 
-/// HDF5 prints failures to stderr unless told otherwise; what was set comes back.
-class QuietHdf5 {
- public:
-  QuietHdf5() {
-    H5Eget_auto2(H5E_DEFAULT, &function_, &data_);
-    H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);
-  }
-  ~QuietHdf5() { H5Eset_auto2(H5E_DEFAULT, function_, data_); }
-  QuietHdf5(const QuietHdf5&) = delete;
-  QuietHdf5& operator=(const QuietHdf5&) = delete;
-
- private:
-  H5E_auto2_t function_ = nullptr;
-  void* data_ = nullptr;
-};
-
-/// Closes an identifier when it goes.
-class Handle {
- public:
-  Handle(hid_t id, herr_t (*closer)(hid_t)) : id_(id), close_(closer) {}
-  ~Handle() {
-    if (id_ >= 0) close_(id_);
-  }
-  Handle(const Handle&) = delete;
-  Handle& operator=(const Handle&) = delete;
-  hid_t id() const { return id_; }
-  bool good() const { return id_ >= 0; }
-  /// Whether closing it went well, too.
-  bool close() {
-    const hid_t id = id_;
-    id_ = -1;
-    return close_(id) >= 0;
-  }
-
- private:
-  hid_t id_;
-  herr_t (*close_)(hid_t);
-};
-
 [[noreturn]] void fail(const fs::path& target) {
   throw_cannot_write(target,
                      errno == 0 ? "HDF5 gave no reason" : std::generic_category().message(errno));
-}
-
-hid_t file_type(Hdf5Type type) {
-  if (type == Hdf5Type::kFloat64) return H5T_IEEE_F64LE;
-  return type == Hdf5Type::kInt64 ? H5T_STD_I64LE : H5T_STD_I32LE;
-}
-
-std::uint64_t byte_count(const Hdf5Dataset& dataset) {
-  const std::uint64_t width = dataset.type == Hdf5Type::kInt32 ? 4 : 8;
-  return dataset.rows * std::max<std::uint64_t>(dataset.columns, 1) * width;
 }
 
 /// Throws unless a file of this size is allowed here and there is room for HDF5's part of it.
@@ -88,18 +41,18 @@ void require_room(const fs::path& path, const fs::path& target, std::uint64_t by
 /// and for a dataset without rows.
 haddr_t make_dataset(hid_t file, const Hdf5Dataset& dataset, bool& good) {
   const std::array<hsize_t, 2> shape{dataset.rows, dataset.columns};
-  const Handle space(H5Screate_simple(dataset.columns == 0 ? 1 : 2, shape.data(), nullptr),
-                     H5Sclose);
-  const Handle links(H5Pcreate(H5P_LINK_CREATE), H5Pclose);
-  const Handle creation(H5Pcreate(H5P_DATASET_CREATE), H5Pclose);
+  const Hdf5Handle space(H5Screate_simple(dataset.columns == 0 ? 1 : 2, shape.data(), nullptr),
+                         H5Sclose);
+  const Hdf5Handle links(H5Pcreate(H5P_LINK_CREATE), H5Pclose);
+  const Hdf5Handle creation(H5Pcreate(H5P_DATASET_CREATE), H5Pclose);
   H5Pset_create_intermediate_group(links.id(), 1);
   H5Pset_obj_track_times(creation.id(), false);
   H5Pset_layout(creation.id(), H5D_CONTIGUOUS);
   H5Pset_alloc_time(creation.id(), H5D_ALLOC_TIME_EARLY);
   H5Pset_fill_time(creation.id(), H5D_FILL_TIME_NEVER);
-  Handle set(H5Dcreate2(file, dataset.path.c_str(), file_type(dataset.type), space.id(), links.id(),
-                        creation.id(), H5P_DEFAULT),
-             H5Dclose);
+  Hdf5Handle set(H5Dcreate2(file, dataset.path.c_str(), file_type(dataset.type), space.id(),
+                            links.id(), creation.id(), H5P_DEFAULT),
+                 H5Dclose);
   const haddr_t offset = set.good() ? H5Dget_offset(set.id()) : HADDR_UNDEF;
   good = good && set.good() && set.close() && (offset != HADDR_UNDEF || dataset.rows == 0);
   return offset;
@@ -111,10 +64,10 @@ std::vector<std::uint64_t> lay_out(const fs::path& path, const fs::path& target,
                                    std::span<const Hdf5Dataset> datasets) {
   const QuietHdf5 quiet;
   errno = 0;
-  const Handle access(H5Pcreate(H5P_FILE_ACCESS), H5Pclose);
+  const Hdf5Handle access(H5Pcreate(H5P_FILE_ACCESS), H5Pclose);
   // Else small datasets share a block and lie before larger ones made earlier.
   H5Pset_small_data_block_size(access.id(), 0);
-  Handle file(H5Fcreate(path.c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, access.id()), H5Fclose);
+  Hdf5Handle file(H5Fcreate(path.c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, access.id()), H5Fclose);
   bool good = file.good();
   std::vector<std::uint64_t> offsets;
   std::uint64_t end = 0;
@@ -129,6 +82,17 @@ std::vector<std::uint64_t> lay_out(const fs::path& path, const fs::path& target,
 }
 
 }  // namespace
+
+std::int64_t file_type(Hdf5Type type) {
+  if (type == Hdf5Type::kFloat64) return H5T_IEEE_F64LE;
+  return type == Hdf5Type::kInt64 ? H5T_STD_I64LE : H5T_STD_I32LE;
+}
+
+std::uint64_t width_of(Hdf5Type type) { return type == Hdf5Type::kInt32 ? 4 : 8; }
+
+std::uint64_t byte_count(const Hdf5Dataset& dataset) {
+  return dataset.rows * std::max<std::uint64_t>(dataset.columns, 1) * width_of(dataset.type);
+}
 
 Hdf5Output::Hdf5Output(const fs::path& target, std::span<const Hdf5Dataset> datasets)
     : file_(target) {

@@ -24,6 +24,13 @@ struct Hdf5Dataset {
   std::uint64_t columns;  ///< 0: the dataset has one dimension.
 };
 
+/// Bytes of a number.
+std::uint64_t width_of(Hdf5Type type);
+/// Bytes of the numbers of a dataset.
+std::uint64_t byte_count(const Hdf5Dataset& dataset);
+/// The type's number in HDF5.
+std::int64_t file_type(Hdf5Type type);
+
 /// HDF5 only lays the file out, empty; what it wrote of its own is kept and the data are streamed
 /// in between. The library does not get over a disk that fills up while it writes: even after the
 /// failure was dealt with it crashes the program at exit. Here it writes a few kilobytes, for which

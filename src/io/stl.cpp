@@ -1,11 +1,14 @@
 #include "tetropolis/io/stl.h"
 
 #include <cmath>
-#include <iterator>
+#include <string>
 
 #include <fmt/format.h>
 
+#include "tetropolis/io/atomic_file.h"
+
 #include "chunked_output.h"
+#include "decimal_text.h"
 
 namespace tetropolis {
 
@@ -26,12 +29,30 @@ std::array<double, 3> unit_normal(const SurfaceMesh& surface,
   return n;
 }
 
+void append_facet(const SurfaceMesh& surface, std::size_t f, const Placement& placement,
+                  std::string& buffer) {
+  buffer += "facet normal";
+  for (const double x : unit_normal(surface, surface.triangles[f])) {
+    buffer += ' ';
+    append_general(buffer, x);
+  }
+  buffer += "\nouter loop\n";
+  for (const std::int32_t v : surface.triangles[f]) {
+    buffer += "vertex";
+    for (std::size_t c = 0; c < 3; ++c) {
+      buffer += ' ';
+      append_fixed(buffer, surface.points[static_cast<std::size_t>(v)][c] + placement.shift[c]);
+    }
+    buffer += '\n';
+  }
+  buffer += "endloop\nendfacet\n";
+}
+
 }  // namespace
 
 void write_stl(const std::filesystem::path& path, const SurfaceMesh& surface,
                const Placement& placement) {
   AtomicFile file(path);
-  const auto& shift = placement.shift;
   for (std::size_t begin = 0; begin < surface.patch.size();) {
     std::size_t end = begin;
     while (end < surface.patch.size() && surface.patch[end] == surface.patch[begin]) ++end;
@@ -39,18 +60,8 @@ void write_stl(const std::filesystem::path& path, const SurfaceMesh& surface,
     file.write(fmt::format("solid {}\n", name));
     write_chunked(file, end - begin, 8192,
                   [&](std::size_t first, std::size_t last, std::string& buffer) {
-                    auto out = std::back_inserter(buffer);
-                    for (std::size_t f = begin + first; f < begin + last; ++f) {
-                      const auto n = unit_normal(surface, surface.triangles[f]);
-                      fmt::format_to(out, "facet normal {:.6g} {:.6g} {:.6g}\nouter loop\n", n[0],
-                                     n[1], n[2]);
-                      for (const std::int32_t v : surface.triangles[f]) {
-                        const auto& p = surface.points[static_cast<std::size_t>(v)];
-                        fmt::format_to(out, "vertex {:.6f} {:.6f} {:.6f}\n", p[0] + shift[0],
-                                       p[1] + shift[1], p[2] + shift[2]);
-                      }
-                      buffer += "endloop\nendfacet\n";
-                    }
+                    for (std::size_t f = begin + first; f < begin + last; ++f)
+                      append_facet(surface, f, placement, buffer);
                   });
     file.write(fmt::format("endsolid {}\n", name));
     begin = end;

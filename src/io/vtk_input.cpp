@@ -72,8 +72,8 @@ std::uint64_t VtkInput::number(const std::string& text, const std::string& what)
 
 void VtkInput::read_bytes(std::uint64_t offset, std::span<char> bytes) const {
   for (std::size_t done = 0; done < bytes.size();) {
-    const ssize_t got = ::pread(file_, bytes.data() + done, bytes.size() - done,
-                                static_cast<off_t>(offset + done));
+    const ssize_t got =
+        ::pread(file_, bytes.data() + done, bytes.size() - done, static_cast<off_t>(offset + done));
     if (got < 0 && errno == EINTR) continue;
     if (got < 0) fail("cannot be read: " + std::string(std::strerror(errno)));
     if (got == 0) fail("ends inside an array: the file is cut");

@@ -59,12 +59,24 @@ class VtkInput {
         read_piece(array.pieces[p], bytes);
         const std::uint64_t first = array.pieces[p].first;
         switch (array.type) {
-          case VtkType::kFloat64: use(first, values_of<double>(bytes)); break;
-          case VtkType::kFloat32: use(first, values_of<float>(bytes)); break;
-          case VtkType::kInt64: use(first, values_of<std::int64_t>(bytes)); break;
-          case VtkType::kInt32: use(first, values_of<std::int32_t>(bytes)); break;
-          case VtkType::kUInt32: use(first, values_of<std::uint32_t>(bytes)); break;
-          case VtkType::kUInt8: use(first, values_of<std::uint8_t>(bytes)); break;
+          case VtkType::kFloat64:
+            use(first, values_of<double>(bytes));
+            break;
+          case VtkType::kFloat32:
+            use(first, values_of<float>(bytes));
+            break;
+          case VtkType::kInt64:
+            use(first, values_of<std::int64_t>(bytes));
+            break;
+          case VtkType::kInt32:
+            use(first, values_of<std::int32_t>(bytes));
+            break;
+          case VtkType::kUInt32:
+            use(first, values_of<std::uint32_t>(bytes));
+            break;
+          case VtkType::kUInt8:
+            use(first, values_of<std::uint8_t>(bytes));
+            break;
         }
       }
     });

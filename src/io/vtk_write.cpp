@@ -6,11 +6,11 @@
 
 #include <fmt/format.h>
 
-#include "tetropolis/io/atomic_file.h"
 #include "tetropolis/io/vtk.h"
 
 #include "chunked_output.h"
 #include "column_output.h"
+#include "vtk_output.h"
 
 namespace tetropolis {
 
@@ -21,38 +21,14 @@ static_assert(std::endian::native == std::endian::little, "VTK output writes nat
 constexpr std::uint8_t kVtkTetra = 10;
 constexpr std::size_t kGrain = 2048;
 
-/// One array of the appended section. `components` 0: left out of the tag.
-struct ArraySpec {
-  std::string_view type;
-  std::string_view name;
-  int components;
-  std::uint64_t bytes;
-};
-
-/// The tag of an appended array, moving `offset` on behind it.
-std::string array_tag(const ArraySpec& array, std::uint64_t& offset) {
-  const std::string components =
-      array.components > 0 ? fmt::format(" NumberOfComponents=\"{}\"", array.components) : "";
-  std::string tag =
-      fmt::format("<DataArray type=\"{}\" Name=\"{}\"{} format=\"appended\" offset=\"{}\"/>\n",
-                  array.type, array.name, components, offset);
-  offset += sizeof(std::uint64_t) + array.bytes;
-  return tag;
-}
-
-void begin_array(AtomicFile& file, std::uint64_t bytes) {
-  std::string header;
-  append_raw(header, bytes);
-  file.write(header);
-}
-
-std::string file_head(std::string_view type, const Placement& placement) {
+std::string file_head(std::string_view type, std::string_view attributes,
+                      const Placement& placement) {
   return fmt::format(
       "<?xml version=\"1.0\"?>\n"
-      "<VTKFile type=\"{0}\" version=\"1.0\" byte_order=\"LittleEndian\" header_type=\"UInt64\">\n"
+      "<VTKFile type=\"{0}\" {4}>\n"
       "<{0}>\n<FieldData>\n<DataArray type=\"Float64\" Name=\"origin\" NumberOfComponents=\"3\" "
       "NumberOfTuples=\"1\" format=\"ascii\">{1} {2} {3}</DataArray>\n</FieldData>\n",
-      type, placement.origin[0], placement.origin[1], placement.origin[2]);
+      type, placement.origin[0], placement.origin[1], placement.origin[2], attributes);
 }
 
 std::string file_middle(std::string_view type) {
@@ -61,21 +37,11 @@ std::string file_middle(std::string_view type) {
 
 constexpr std::string_view kFileTail = "\n</AppendedData>\n</VTKFile>\n";
 
-void write_points(AtomicFile& file, const ColumnMesh& mesh, const Placement& placement,
-                  std::uint64_t bytes) {
-  begin_array(file, bytes);
-  write_chunked(file, mesh.vertex_count(), kGrain,
-                [&](std::size_t begin, std::size_t end, std::string& buffer) {
-                  append_points(mesh, placement, begin, end, buffer);
-                });
-}
-
 template <typename Integer>
-void write_cells(AtomicFile& file, const ColumnMesh& mesh, std::uint64_t cells,
+void write_cells(VtkOutput& file, const ColumnMesh& mesh, std::uint64_t cells,
                  const Progress& progress) {
-  begin_array(file, cells * 4 * sizeof(Integer));
-  write_chunked(
-      file, mesh.triangle_count(), kGrain,
+  file.write_next(
+      mesh.triangle_count(), kGrain,
       [&](std::size_t begin, std::size_t end, std::string& buffer) {
         for (std::size_t t = begin; t < end; ++t)
           for_each_tet_over(mesh, t, [&](const std::array<NodeIndex, 4>& tet) {
@@ -85,33 +51,19 @@ void write_cells(AtomicFile& file, const ColumnMesh& mesh, std::uint64_t cells,
           });
       },
       progress);
-  begin_array(file, cells * sizeof(Integer));
-  write_chunked(file, cells, kGrain * 64,
-                [&](std::size_t begin, std::size_t end, std::string& buffer) {
-                  for (std::size_t c = begin; c < end; ++c)
-                    append_raw(buffer, static_cast<Integer>(4 * (c + 1)));
-                });
-  begin_array(file, cells);
-  write_chunked(file, cells, kGrain * 256,
-                [&](std::size_t begin, std::size_t end, std::string& buffer) {
-                  buffer.append(end - begin, static_cast<char>(kVtkTetra));
-                });
-}
-
-void write_regions(AtomicFile& file, const ColumnMesh& mesh, const std::vector<NodeIndex>& cells) {
-  begin_array(file, static_cast<std::uint64_t>(cells.back()) * sizeof(std::int32_t));
-  write_chunked(file, mesh.triangle_count(), kGrain,
-                [&](std::size_t begin, std::size_t end, std::string& buffer) {
-                  for (std::size_t t = begin; t < end; ++t)
-                    for (NodeIndex c = cells[t]; c < cells[t + 1]; ++c)
-                      append_raw(buffer, static_cast<std::int32_t>(mesh.ground.region[t]));
-                });
+  file.write_next(cells, kGrain * 64, [&](std::size_t begin, std::size_t end, std::string& buffer) {
+    for (std::size_t c = begin; c < end; ++c) append_raw(buffer, static_cast<Integer>(4 * (c + 1)));
+  });
+  file.write_next(cells, kGrain * 256,
+                  [&](std::size_t begin, std::size_t end, std::string& buffer) {
+                    buffer.append(end - begin, static_cast<char>(kVtkTetra));
+                  });
 }
 
 }  // namespace
 
 void write_vtu(const std::filesystem::path& path, const ColumnMesh& mesh,
-               const Placement& placement, const Progress& progress) {
+               const Placement& placement, const Progress& progress, Compression compression) {
   const std::vector<NodeIndex> offsets = cell_offsets(mesh);
   const auto nodes = static_cast<std::uint64_t>(mesh.node_count());
   const auto cells = static_cast<std::uint64_t>(offsets.back());
@@ -119,75 +71,74 @@ void write_vtu(const std::filesystem::path& path, const ColumnMesh& mesh,
   const std::string_view integer = small ? "Int32" : "Int64";
   const std::uint64_t width = small ? 4 : 8;
 
-  AtomicFile file(path);
-  std::uint64_t offset = 0;
-  const ArraySpec points{"Float64", "Points", 3, nodes * 24};
-  const ArraySpec regions{"Int32", "region", 0, cells * 4};
-  std::string head = file_head("UnstructuredGrid", placement);
+  VtkOutput file(path, compression);
+  std::string head = file_head("UnstructuredGrid", file.file_attributes(), placement);
   head += fmt::format("<Piece NumberOfPoints=\"{}\" NumberOfCells=\"{}\">\n", nodes, cells);
-  head += "<Points>\n" + array_tag(points, offset) + "</Points>\n<Cells>\n";
-  head += array_tag({integer, "connectivity", 0, cells * 4 * width}, offset);
-  head += array_tag({integer, "offsets", 0, cells * width}, offset);
-  head += array_tag({"UInt8", "types", 0, cells}, offset);
-  head +=
-      "</Cells>\n<CellData Scalars=\"region\">\n" + array_tag(regions, offset) + "</CellData>\n";
-  head += file_middle("UnstructuredGrid");
-  file.write(head);
-  write_points(file, mesh, placement, points.bytes);
+  head += "<Points>\n" + file.tag({"Float64", "Points", 3, nodes * 24}) + "</Points>\n<Cells>\n";
+  head += file.tag({integer, "connectivity", 0, cells * 4 * width});
+  head += file.tag({integer, "offsets", 0, cells * width});
+  head += file.tag({"UInt8", "types", 0, cells});
+  head += "</Cells>\n<CellData Scalars=\"region\">\n";
+  head += file.tag({"Int32", "region", 0, cells * 4}) + "</CellData>\n";
+  file.write_head(head + file_middle("UnstructuredGrid"));
+  file.write_next(mesh.vertex_count(), kGrain,
+                  [&](std::size_t begin, std::size_t end, std::string& buffer) {
+                    append_points(mesh, placement, begin, end, buffer);
+                  });
   if (small)
     write_cells<std::int32_t>(file, mesh, cells, progress);
   else
     write_cells<std::int64_t>(file, mesh, cells, progress);
-  write_regions(file, mesh, offsets);
-  file.write(kFileTail);
-  file.commit();
+  file.write_next(mesh.triangle_count(), kGrain,
+                  [&](std::size_t begin, std::size_t end, std::string& buffer) {
+                    for (std::size_t t = begin; t < end; ++t)
+                      for (NodeIndex c = offsets[t]; c < offsets[t + 1]; ++c)
+                        append_raw(buffer, static_cast<std::int32_t>(mesh.ground.region[t]));
+                  });
+  file.commit(kFileTail);
 }
 
 void write_vtp(const std::filesystem::path& path, const SurfaceMesh& surface,
-               const Placement& placement) {
+               const Placement& placement, Compression compression) {
   const std::uint64_t points = surface.points.size();
   const std::uint64_t faces = surface.triangles.size();
-  AtomicFile file(path);
-  std::uint64_t offset = 0;
-  std::string head = file_head("PolyData", placement);
+  VtkOutput file(path, compression);
+  std::string head = file_head("PolyData", file.file_attributes(), placement);
   head += fmt::format(
       "<Piece NumberOfPoints=\"{}\" NumberOfVerts=\"0\" NumberOfLines=\"0\" NumberOfStrips=\"0\" "
       "NumberOfPolys=\"{}\">\n",
       points, faces);
-  head += "<Points>\n" + array_tag({"Float64", "Points", 3, points * 24}, offset);
-  head += "</Points>\n<Polys>\n" + array_tag({"Int32", "connectivity", 0, faces * 12}, offset);
-  head += array_tag({"Int32", "offsets", 0, faces * 4}, offset);
+  head += "<Points>\n" + file.tag({"Float64", "Points", 3, points * 24}) + "</Points>\n<Polys>\n";
+  head += file.tag({"Int32", "connectivity", 0, faces * 12});
+  head += file.tag({"Int32", "offsets", 0, faces * 4});
   head += "</Polys>\n<CellData Scalars=\"patch\">\n";
-  head += array_tag({"Int32", "patch", 0, faces * 4}, offset);
-  head += array_tag({"Int32", "building", 0, faces * 4}, offset);
-  head += "</CellData>\n" + file_middle("PolyData");
-  file.write(head);
+  head += file.tag({"Int32", "patch", 0, faces * 4});
+  head += file.tag({"Int32", "building", 0, faces * 4}) + "</CellData>\n";
+  file.write_head(head + file_middle("PolyData"));
 
-  const auto write_array = [&](std::uint64_t bytes, std::size_t size, const auto& append) {
-    begin_array(file, bytes);
-    write_chunked(file, size, kGrain * 16,
-                  [&](std::size_t begin, std::size_t end, std::string& buffer) {
-                    for (std::size_t i = begin; i < end; ++i) append(i, buffer);
-                  });
+  const auto write_array = [&](std::size_t size, const auto& append) {
+    file.write_next(size, kGrain * 16,
+                    [&](std::size_t begin, std::size_t end, std::string& buffer) {
+                      for (std::size_t i = begin; i < end; ++i) append(i, buffer);
+                    });
   };
-  write_array(points * 24, points, [&](std::size_t i, std::string& buffer) {
+  write_array(points, [&](std::size_t i, std::string& buffer) {
     for (std::size_t c = 0; c < 3; ++c)
       append_raw(buffer, surface.points[i][c] + placement.shift[c]);
   });
-  write_array(faces * 12, faces, [&](std::size_t i, std::string& buffer) {
+  write_array(faces, [&](std::size_t i, std::string& buffer) {
     for (const std::int32_t v : surface.triangles[i]) append_raw(buffer, v);
   });
-  write_array(faces * 4, faces, [&](std::size_t i, std::string& buffer) {
+  write_array(faces, [&](std::size_t i, std::string& buffer) {
     append_raw(buffer, static_cast<std::int32_t>(3 * (i + 1)));
   });
-  write_array(faces * 4, faces, [&](std::size_t i, std::string& buffer) {
+  write_array(faces, [&](std::size_t i, std::string& buffer) {
     append_raw(buffer, static_cast<std::int32_t>(surface.patch[i]));
   });
-  write_array(faces * 4, faces, [&](std::size_t i, std::string& buffer) {
+  write_array(faces, [&](std::size_t i, std::string& buffer) {
     append_raw(buffer, static_cast<std::int32_t>(surface.building[i]));
   });
-  file.write(kFileTail);
-  file.commit();
+  file.commit(kFileTail);
 }
 
 }  // namespace tetropolis

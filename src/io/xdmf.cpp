@@ -14,6 +14,7 @@
 
 #include "chunked_output.h"
 #include "column_output.h"
+#include "hdf5_compressed.h"
 #include "hdf5_output.h"
 
 namespace tetropolis {
@@ -47,7 +48,8 @@ std::array<Hdf5Dataset, 6> datasets_of(const ColumnMesh& mesh, NodeIndex cell_co
 }
 
 /// The first three datasets.
-void write_volume(Hdf5Output& file, const ColumnMesh& mesh, const std::vector<NodeIndex>& cells,
+template <typename Output>
+void write_volume(Output& file, const ColumnMesh& mesh, const std::vector<NodeIndex>& cells,
                   const Placement& placement, const Progress& progress) {
   file.write_next(
       mesh.vertex_count(), kColumns,
@@ -72,7 +74,8 @@ void write_volume(Hdf5Output& file, const ColumnMesh& mesh, const std::vector<No
 }
 
 /// The last three.
-void write_boundary(Hdf5Output& file, const SurfaceMesh& surface) {
+template <typename Output>
+void write_boundary(Output& file, const SurfaceMesh& surface) {
   const auto write_rows = [&](const auto& append) {
     file.write_next(surface.triangles.size(), kRows,
                     [&](std::size_t begin, std::size_t end, std::string& buffer) {
@@ -134,17 +137,13 @@ std::string description(NodeIndex nodes, NodeIndex cells, NodeIndex faces,
   return text + "</Domain>\n</Xdmf>\n";
 }
 
-}  // namespace
-
-void write_xdmf(const std::filesystem::path& path, const ColumnMesh& mesh,
-                const SurfaceMesh& surface, const Placement& placement, const Progress& progress) {
-  // DOLFINx derives the name of the data file from that of the description in the same way.
-  const std::filesystem::path data_path = std::filesystem::path(path).replace_extension(".h5");
-  if (data_path == path)
-    throw_cannot_write(path, "its data need the name with .h5, so it must end in .xdmf");
-  require_boundary_of(mesh, surface);
+/// The description appears after the data it refers to.
+template <typename Output>
+void write_both(const std::filesystem::path& path, const std::filesystem::path& data_path,
+                const ColumnMesh& mesh, const SurfaceMesh& surface, const Placement& placement,
+                const Progress& progress) {
   const std::vector<NodeIndex> cells = cell_offsets(mesh);
-  Hdf5Output data(data_path, datasets_of(mesh, cells.back(), surface));
+  Output data(data_path, datasets_of(mesh, cells.back(), surface));
   write_volume(data, mesh, cells, placement, progress);
   write_boundary(data, surface);
   AtomicFile file(path);
@@ -153,6 +152,22 @@ void write_xdmf(const std::filesystem::path& path, const ColumnMesh& mesh,
                          data_path.filename().string()));
   data.commit();
   file.commit();
+}
+
+}  // namespace
+
+void write_xdmf(const std::filesystem::path& path, const ColumnMesh& mesh,
+                const SurfaceMesh& surface, const Placement& placement, const Progress& progress,
+                Compression compression) {
+  // DOLFINx derives the name of the data file from that of the description in the same way.
+  const std::filesystem::path data_path = std::filesystem::path(path).replace_extension(".h5");
+  if (data_path == path)
+    throw_cannot_write(path, "its data need the name with .h5, so it must end in .xdmf");
+  require_boundary_of(mesh, surface);
+  if (compression == Compression::kNone)
+    write_both<Hdf5Output>(path, data_path, mesh, surface, placement, progress);
+  else
+    write_both<Hdf5CompressedOutput>(path, data_path, mesh, surface, placement, progress);
 }
 
 }  // namespace tetropolis

@@ -275,14 +275,23 @@ bool is_wanted(const Config& config, std::string_view format) {
   return std::find(config.formats.begin(), config.formats.end(), format) != config.formats.end();
 }
 
+Compression compression_of(const Config& config) {
+  return config.compression == "zlib" ? Compression::kZlib : Compression::kNone;
+}
+
 /// The volume in each format asked for.
 void write_volume(const Config& config, const ColumnMesh& mesh, const SurfaceMesh& boundary,
                   const Placement& placement, const OutputFolder& out, const Progress& progress) {
   using Write = std::function<void(const Progress&)>;
   const std::array<std::pair<std::string_view, Write>, 4> writers{{
-      {"vtu", [&](const Progress& p) { write_vtu(out / "volume.vtu", mesh, placement, p); }},
+      {"vtu",
+       [&](const Progress& p) {
+         write_vtu(out / "volume.vtu", mesh, placement, p, compression_of(config));
+       }},
       {"xdmf",
-       [&](const Progress& p) { write_xdmf(out / "volume.xdmf", mesh, boundary, placement, p); }},
+       [&](const Progress& p) {
+         write_xdmf(out / "volume.xdmf", mesh, boundary, placement, p, compression_of(config));
+       }},
       {"msh",
        [&](const Progress& p) { write_msh(out / "volume.msh", mesh, boundary, placement, p); }},
       {"openfoam",
@@ -331,7 +340,7 @@ void make_mesh(const Config& config, const CityModel& city, Raster dtm, const Ou
     if (config.coordinates == "absolute")
       placement = {{city.origin.x, city.origin.y, 0}, {0, 0, 0}};
     write_volume(config, mesh, boundary, placement, out, progress);
-    write_vtp(out / "boundary.vtp", boundary, placement);
+    write_vtp(out / "boundary.vtp", boundary, placement, compression_of(config));
     write_surface(config, boundary, placement, out);
   });
 }

@@ -57,8 +57,7 @@ TetMesh shuffled(const TetMesh& mesh, std::mt19937& random) {
   for (std::size_t v = 0; v < number.size(); ++v) result.points[number[v]] = mesh.points[v];
   std::shuffle(result.cells.begin(), result.cells.end(), random);
   for (auto& cell : result.cells) {
-    for (auto& v : cell)
-      v = static_cast<std::int64_t>(number[static_cast<std::size_t>(v)]);
+    for (auto& v : cell) v = static_cast<std::int64_t>(number[static_cast<std::size_t>(v)]);
     std::array<std::size_t, 4> order{0, 1, 2, 3};
     std::shuffle(order.begin(), order.end(), random);
     int swaps = 0;
@@ -143,7 +142,8 @@ TEST_F(CheckVolume, TheOrderOfVerticesAndCellsDoesNotMatter) {
 }
 
 /// Faces of cells by their sorted vertices, each with how often it occurs in either orientation.
-std::map<std::array<std::int64_t, 3>, std::array<std::int64_t, 2>> count_faces(const TetMesh& mesh) {
+std::map<std::array<std::int64_t, 3>, std::array<std::int64_t, 2>> count_faces(
+    const TetMesh& mesh) {
   constexpr std::array<std::array<std::size_t, 3>, 4> outward{
       {{{1, 2, 3}}, {{0, 3, 2}}, {{0, 1, 3}}, {{0, 2, 1}}}};
   std::map<std::array<std::int64_t, 3>, std::array<std::int64_t, 2>> faces;
@@ -161,7 +161,7 @@ std::map<std::array<std::int64_t, 3>, std::array<std::int64_t, 2>> count_faces(c
 TEST_F(CheckVolume, FacesOfBrokenMeshesAreMatchedAsAMapMatchesThem) {
   mesh = shuffled(mesh, random);
   for (int i = 0; i < 20; ++i) {
-    mesh.cells.push_back(mesh.cells[any_cell()]);               // twice
+    mesh.cells.push_back(mesh.cells[any_cell()]);                // twice
     std::swap(mesh.cells[any_cell()][1], mesh.cells.back()[2]);  // torn
     auto& turned = mesh.cells[any_cell()];
     std::swap(turned[0], turned[3]);

@@ -1,6 +1,7 @@
 // Files that appear complete or not at all (guarantee 8).
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
 #include <fstream>
 #include <ostream>
@@ -31,6 +32,9 @@ class AtomicFile {
 
   /// Appends bytes to stream() and checks that they arrived.
   void write(std::string_view bytes);
+
+  /// Replaces bytes written before, from byte `position` of the file; write() goes on at its end.
+  void overwrite(std::uint64_t position, std::string_view bytes);
 
   /// Flushes, closes and renames. Call once, last.
   void commit();

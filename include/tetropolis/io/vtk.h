@@ -6,6 +6,7 @@
 #include <filesystem>
 
 #include "tetropolis/core/progress.h"
+#include "tetropolis/io/compression.h"
 #include "tetropolis/volume/boundary.h"
 #include "tetropolis/volume/column_mesh.h"
 #include "tetropolis/volume/tet_mesh.h"
@@ -22,17 +23,19 @@ struct Placement {
 /// Writes the tets of `mesh`: points in double precision in the order of node_offsets, cells
 /// triangle by triangle and upwards, and the cell data `region` (Int32: the building whose
 /// footprint the cell stands over, by position in the city model, or -1). Streams: needs little
-/// memory beside the mesh. The file appears complete or not at all. Throws Error(kInput) if it
-/// cannot be written, Cancelled.
+/// memory beside the mesh, compressed or not. The file appears complete or not at all. Throws
+/// Error(kInput) if it cannot be written, Cancelled.
 void write_vtu(const std::filesystem::path& path, const ColumnMesh& mesh,
-               const Placement& placement, const Progress& progress = {});
+               const Placement& placement, const Progress& progress = {},
+               Compression compression = Compression::kNone);
 
 /// Writes a surface with the cell data `patch` (Int32, 1 to 8, see Patch) and `building` (Int32).
 void write_vtp(const std::filesystem::path& path, const SurfaceMesh& surface,
-               const Placement& placement);
+               const Placement& placement, Compression compression = Compression::kNone);
 
-/// Reads the tets of a VTU file with raw appended, uncompressed arrays (as write_vtu, and ParaView
-/// with these settings, write them). Connectivity of 32 or 64 bits, points of 32 or 64 bits.
+/// Reads the tets of a VTU file with raw appended arrays, uncompressed or compressed by
+/// vtkZLibDataCompressor (as write_vtu, and ParaView with these settings, write them). Headers,
+/// connectivity and points of 32 or 64 bits.
 /// Throws Error(kInput) naming the file and what is wrong or not supported.
 TetMesh read_vtu(const std::filesystem::path& path);
 

@@ -13,6 +13,7 @@
 #include <filesystem>
 
 #include "tetropolis/core/progress.h"
+#include "tetropolis/io/compression.h"
 #include "tetropolis/io/vtk.h"
 #include "tetropolis/volume/boundary.h"
 #include "tetropolis/volume/column_mesh.h"
@@ -28,12 +29,15 @@ namespace tetropolis {
 /// leaving the air), /patch (f, int32, 1 to 8, see Patch) and /building (f, int32, -1 where none).
 /// Placement::origin is the Information element "origin" of the Domain.
 ///
+/// Compressed, the datasets have chunks with the filters deflate and, for whole numbers, shuffle;
+/// every program that reads HDF5 unpacks them.
+///
 /// Precondition: `surface` is extract_boundary of `mesh`, else Error(kGuarantee). Streams: memory
 /// beside mesh and surface is a few numbers per ground vertex, triangle and boundary point. The two
 /// files appear complete, the one with the data first. Throws Error(kInput) if they cannot be
 /// written or `path` ends in .h5, Cancelled.
 void write_xdmf(const std::filesystem::path& path, const ColumnMesh& mesh,
                 const SurfaceMesh& surface, const Placement& placement,
-                const Progress& progress = {});
+                const Progress& progress = {}, Compression compression = Compression::kNone);
 
 }  // namespace tetropolis

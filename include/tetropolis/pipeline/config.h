@@ -32,6 +32,7 @@ struct Config {
   std::string out;
   std::vector<std::string> formats{"vtu"};
   std::string coordinates = "local";
+  std::string compression = "none";
 
   // City model.
   double domain_margin = 40;
