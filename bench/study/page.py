@@ -119,7 +119,7 @@ def conditions(results):
     if max(loads) > 1.5:
         text += (f". **The machine was busy with other work (load up to {max(loads):.0f}): times, and rates even "
                  "more, are worse than on an idle one, and targets in seconds may be missed for that alone; processor "
-                 "seconds suffer less, memory and counts not at all**")
+                 "seconds suffer less, memory not at all**")
     return text + ".\n"
 
 
@@ -154,12 +154,12 @@ rectangles at random places on 2.5 km x 2.5 km, here with rolling hills. This pa
 {command}
 ```
 
-which takes about ten minutes on an idle machine with two cores (`scripts/bench --quick`: two), needs 15 GB of disk
+which takes about eleven minutes on an idle machine with two cores (`scripts/bench --quick`: two), needs 15 GB of disk
 for the finest mesh (left out where there is less), and writes `out/bench/`: a CSV file for each study, the charts,
 and this page as `summary.md`. `scripts/bench --only cells,threads` repeats single studies, `--help` lists the rest.
 
 Every figure is from runs of the program and the `report.json` they write (times per step, peak resident memory):
-the median of three runs, or of fewer where they would take more than 40 s in all. Charts show processor seconds
+the median of three runs, or of fewer where they would take more than 25 s in all. Charts show processor seconds
 (all threads together, as the paper does), tables seconds on the clock with all cores. Lines are power laws fitted
 to the points.
 """
