@@ -1,5 +1,4 @@
 #include <algorithm>
-#include <cassert>
 #include <cmath>
 #include <deque>
 #include <span>
@@ -99,8 +98,18 @@ class SegmentInserter {
       tasks_.push_back({u, task.b, task.input});
       return;
     }
-    assert(crossed >= 0);
+    if (crossed < 0) give_up(task);
     cross(task, crossed);
+  }
+
+  // Among points nearer to one another than the corridor is wide, the way need not be where the
+  // predicates say: it may start nowhere, leave the hull, or come back.
+  [[noreturn]] void give_up(const Task& task) const {
+    const Point2 a = mesh_.point(task.a);
+    throw Error(ErrorKind::kInput,
+                fmt::format("segment {}: from ({}, {}) on it passes points that are nearer to one "
+                            "another than the precision of their coordinates; remove one",
+                            task.input, a.x, a.y));
   }
 
   // Walks from a across edges until a vertex on the segment, and flips the edges away.
@@ -118,6 +127,7 @@ class SegmentInserter {
       }
       crossing_.emplace_back(mesh_.origin(he), mesh_.target(he));
       const std::int32_t x = mesh_.apex(n);
+      if (x < 0) give_up(task);
       if (x == task.b || corridor.contains(mesh_.point(x))) {
         end = x;
         break;
@@ -127,7 +137,9 @@ class SegmentInserter {
       he = side > 0 ? TriMesh::next(n) : TriMesh::prev(n);
     }
     flip_away(task, end);
-    mesh_.constrain(mesh_.find_edge(task.a, end), task.input);
+    const std::int32_t edge_to_end = mesh_.find_edge(task.a, end);
+    if (edge_to_end < 0) give_up(task);
+    mesh_.constrain(edge_to_end, task.input);
     for (const auto& [p, q] : created_) {
       const std::int32_t edge = mesh_.find_edge(p, q);
       if (edge >= 0) mesh_.push_pending(edge);
@@ -148,17 +160,14 @@ class SegmentInserter {
     const Point2 b = mesh_.point(to);
     created_.clear();
     while (!crossing_.empty()) {
-      if (--turns < 0)
-        throw Error(ErrorKind::kInput,
-                    fmt::format("segment {}: at ({}, {}) it passes points that are nearer to one "
-                                "another than the precision of their coordinates; remove one",
-                                task.input, b.x, b.y));
+      if (--turns < 0) give_up(task);
       const auto edge = crossing_.front();
       crossing_.pop_front();
       const std::int32_t he = mesh_.find_edge(edge.first, edge.second);
-      assert(he >= 0);
+      if (he < 0) give_up(task);
       const std::int32_t p = mesh_.apex(he);
       const std::int32_t q = mesh_.apex(mesh_.link(he));
+      if (p < 0 || q < 0) give_up(task);
       const Point2 pp = mesh_.point(p);
       const Point2 pq = mesh_.point(q);
       if (orient2d(pp, pq, mesh_.point(edge.first)) >= 0 ||

@@ -78,9 +78,9 @@ struct TriangulationOptions {
 /// Hilbert order (Amenta, Choi, Rote 2003; Bowyer, Watson 1981 for the cavity), segments by flips
 /// (Sloan 1993), with exact predicates throughout.
 ///
-/// Guarantees: input points keep their coordinates bit for bit; every input segment (outside of
-/// holes) is a union of edges; no vertex lies inside the circumcircle of a triangle from which it
-/// is visible. The same input gives the same bytes.
+/// Guarantees: input points keep their coordinates bit for bit; every input segment is a union of
+/// edges (less the stretches with a hole or the outside on both sides); no vertex lies inside the
+/// circumcircle of a triangle from which it is visible. The same input gives the same bytes.
 ///
 /// Crossing segments get a vertex where they cross. Its coordinates are rounded, so the pieces of
 /// either segment may leave it by about one unit in the last place of the coordinates. Tolerance:

@@ -53,8 +53,8 @@ Violations check_edge_lengths(std::span<const Point2> points, TriangleSpan trian
 
 /// Input points are where input_vertex says, bit for bit; every input segment between vertices of
 /// triangles or segments is a chain of segments of the triangulation that keeps to it
-/// (kOnSegmentTolerance). Does not know about segments that a hole removes between two kept
-/// vertices.
+/// (kOnSegmentTolerance). Does not know about segments that go with a hole or with the
+/// outside between two kept vertices.
 Violations check_input(const PlanarGraph& graph, const Triangulation& triangulation);
 
 /// Everything constrained_delaunay() guarantees.
