@@ -27,8 +27,8 @@ constexpr std::uint64_t kRoomForHdf5 = 1 << 20, kRoomForChunk = 1024;
 constexpr std::uint64_t kStep = 16 << 20;
 
 [[noreturn]] void fail(const fs::path& target, int error) {
-  throw_cannot_write(
-      target, error == 0 ? "HDF5 gave no reason" : std::generic_category().message(error));
+  throw_cannot_write(target,
+                     error == 0 ? "HDF5 gave no reason" : std::generic_category().message(error));
 }
 
 std::uint64_t chunk_rows(const Hdf5Dataset& dataset) { return std::min(kChunkRows, dataset.rows); }
@@ -115,7 +115,8 @@ CompressedBlocks::Options Hdf5CompressedOutput::begin_next() {
   if (!state_->dataset->good()) fail(target_, errno);
   row_ = 0;
   CompressedBlocks::Options options;
-  options.block_size = chunk_rows(dataset) * byte_count(dataset) / std::max<std::uint64_t>(dataset.rows, 1);
+  options.block_size =
+      chunk_rows(dataset) * byte_count(dataset) / std::max<std::uint64_t>(dataset.rows, 1);
   options.shuffled_width = is_shuffled(dataset) ? width_of(dataset.type) : 0;
   options.fill_last = true;
   return options;

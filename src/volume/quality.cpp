@@ -5,6 +5,7 @@
 #include <limits>
 #include <numbers>
 #include <tuple>
+#include <utility>
 
 #include "tetropolis/core/parallel.h"
 
@@ -38,60 +39,140 @@ std::size_t quantile_bin(const std::vector<std::int64_t>& bins, std::int64_t tot
 
 }  // namespace
 
-TetShape tet_shape(const Point3& p0, const Point3& p1, const Point3& p2, const Point3& p3) {
+namespace {
+
+/// A tet's shape before the angles are taken.
+struct TetCosines {
+  double volume;
+  double greatest;  // cosine of the least dihedral angle
+  double least;     // and of the greatest
+  double aspect_ratio;
+};
+
+inline TetCosines tet_cosines(const Point3& p0, const Point3& p1, const Point3& p2,
+                              const Point3& p3) {
   const Point3 e01 = minus(p1, p0), e02 = minus(p2, p0), e03 = minus(p3, p0);
   const Point3 e12 = minus(p2, p1), e13 = minus(p3, p1), e23 = minus(p3, p2);
   // Normals of the faces opposite to p0 .. p3, all pointing outwards (or all inwards), length twice
   // the face's area.
-  std::array<Point3, 4> normal = {cross(e12, e13), cross(e03, e02), cross(e01, e03),
-                                  cross(e02, e01)};
-  double area_sum = 0;
-  for (Point3& n : normal) {
-    const double length = std::sqrt(dot(n, n));
-    area_sum += length / 2;
-    if (length > 0)
-      for (double& c : n) c /= length;
+  const std::array<Point3, 4> normal = {cross(e12, e13), cross(e03, e02), cross(e01, e03),
+                                        cross(e02, e01)};
+  std::array<double, 4> per_length{};
+  double twice_area = 0;
+  for (std::size_t i = 0; i < 4; ++i) {
+    const double length = std::sqrt(dot(normal[i], normal[i]));
+    twice_area += length;
+    per_length[i] = length > 0 ? 1 / length : 0;
   }
-  double least_cosine = 1, greatest_cosine = -1;
+  TetCosines shape{};
+  shape.least = 1;
+  shape.greatest = -1;
   for (std::size_t i = 0; i < 4; ++i)
     for (std::size_t j = i + 1; j < 4; ++j) {
-      const double cosine = -dot(normal[i], normal[j]);
-      least_cosine = std::min(least_cosine, cosine);
-      greatest_cosine = std::max(greatest_cosine, cosine);
+      const double cosine = -dot(normal[i], normal[j]) * (per_length[i] * per_length[j]);
+      shape.least = std::min(shape.least, cosine);
+      shape.greatest = std::max(shape.greatest, cosine);
     }
   double longest2 = 0;
   for (const Point3* e : {&e01, &e02, &e03, &e12, &e13, &e23})
     longest2 = std::max(longest2, dot(*e, *e));
-  TetShape shape;
-  shape.volume = dot(cross(e01, e02), e03) / 6;
-  shape.min_dihedral_deg = std::acos(std::clamp(greatest_cosine, -1.0, 1.0)) * kDegrees;
-  shape.max_dihedral_deg = std::acos(std::clamp(least_cosine, -1.0, 1.0)) * kDegrees;
-  const double inradius = 3 * std::abs(shape.volume) / area_sum;
-  shape.aspect_ratio = inradius > 0 ? std::sqrt(longest2) / (2 * std::sqrt(6.0) * inradius)
-                                    : std::numeric_limits<double>::infinity();
+  const double six_volumes = -dot(normal[3], e03);
+  shape.volume = six_volumes / 6;
+  // The inradius is three volumes over the area.
+  shape.aspect_ratio = six_volumes != 0
+                           ? std::sqrt(longest2 / 24) * twice_area / std::abs(six_volumes)
+                           : std::numeric_limits<double>::infinity();
   return shape;
 }
 
-QualityHistogram::QualityHistogram()
-    : dihedral_bins_(kDihedralBins, 0),
-      aspect_bins_(kAspectBins, 0),
-      min_dihedral_(std::numeric_limits<double>::infinity()),
-      max_dihedral_(0),
-      max_aspect_(0) {}
+double angle_deg(double cosine) { return std::acos(std::clamp(cosine, -1.0, 1.0)) * kDegrees; }
 
-void QualityHistogram::add(const TetShape& shape) {
+/// Finds the bin of a value: a guide table leads near it (Chen & Asau, On generating random
+/// variates from an empirical distribution, 1974), comparing with the bounds does the rest.
+class BinFinder {
+ public:
+  /// Bin i is [bounds[i], bounds[i + 1]), ascending; the last one has no end. The guide covers
+  /// values up to `guided` in steps of 1 / `per_unit`.
+  BinFinder(std::vector<double> bounds, double guided, double per_unit)
+      : bounds_(std::move(bounds)), per_unit_(per_unit) {
+    const auto steps = static_cast<std::size_t>((guided - bounds_.front()) * per_unit);
+    guide_.resize(steps);
+    std::size_t bin = 0;
+    for (std::size_t i = 0; i < steps; ++i) {
+      const double value = bounds_.front() + (static_cast<double>(i) - 0.01) / per_unit;
+      while (bin + 1 < bounds_.size() && bounds_[bin + 1] <= value) ++bin;
+      guide_[i] = static_cast<std::uint16_t>(bin);
+    }
+  }
+  std::size_t operator()(double value) const {
+    const double step = (value - bounds_.front()) * per_unit_;
+    if (!(step > 0)) return 0;
+    if (!(step < static_cast<double>(guide_.size())))
+      return static_cast<std::size_t>(std::upper_bound(bounds_.begin(), bounds_.end(), value) -
+                                      bounds_.begin()) -
+             1;
+    std::size_t bin = guide_[static_cast<std::size_t>(step)];
+    while (bin + 1 < bounds_.size() && bounds_[bin + 1] <= value) ++bin;
+    return bin;
+  }
+
+ private:
+  std::vector<double> bounds_;
+  double per_unit_;
+  std::vector<std::uint16_t> guide_;
+};
+
+/// Bins of dihedral angles by 1 - cosine, which grows with the angle.
+const BinFinder& dihedral_bins() {
+  static const BinFinder finder = [] {
+    std::vector<double> bounds;
+    for (std::size_t i = 0; i < kDihedralBins; ++i) {
+      const double sine = std::sin(static_cast<double>(i) / kBinsPerDegree / kDegrees / 2);
+      bounds.push_back(2 * sine * sine);
+    }
+    return BinFinder(std::move(bounds), 0.7, 65536);
+  }();
+  return finder;
+}
+
+const BinFinder& aspect_bins() {
+  static const BinFinder finder = [] {
+    std::vector<double> bounds;
+    for (std::size_t i = 0; i < kAspectBins; ++i)
+      bounds.push_back(std::pow(kAspectBase, static_cast<double>(i)));
+    return BinFinder(std::move(bounds), 9, 2048);
+  }();
+  return finder;
+}
+
+}  // namespace
+
+TetShape tet_shape(const Point3& p0, const Point3& p1, const Point3& p2, const Point3& p3) {
+  const TetCosines shape = tet_cosines(p0, p1, p2, p3);
+  return {shape.volume, angle_deg(shape.greatest), angle_deg(shape.least), shape.aspect_ratio};
+}
+
+QualityHistogram::QualityHistogram()
+    : dihedral_bins_(kDihedralBins, 0), aspect_bins_(kAspectBins, 0) {}
+
+void QualityHistogram::add(double volume, double greatest_cosine, double least_cosine,
+                           double aspect_ratio) {
   ++cells_;
-  if (!(shape.volume > 0)) ++inverted_;
-  volume_ += shape.volume;
-  min_dihedral_ = std::min(min_dihedral_, shape.min_dihedral_deg);
-  max_dihedral_ = std::max(max_dihedral_, shape.max_dihedral_deg);
-  max_aspect_ = std::max(max_aspect_, shape.aspect_ratio);
-  const auto angle_bin = static_cast<std::size_t>(shape.min_dihedral_deg * kBinsPerDegree);
-  ++dihedral_bins_[std::min(angle_bin, kDihedralBins - 1)];
-  static const double log_base = std::log(kAspectBase);
-  const double aspect_bin = std::log(std::max(shape.aspect_ratio, 1.0)) / log_base;
-  ++aspect_bins_[aspect_bin < kAspectBins - 1 ? static_cast<std::size_t>(aspect_bin)
-                                              : kAspectBins - 1];
+  if (!(volume > 0)) ++inverted_;
+  volume_ += volume;
+  greatest_cosine_ = std::max(greatest_cosine_, greatest_cosine);
+  least_cosine_ = std::min(least_cosine_, least_cosine);
+  max_aspect_ = std::max(max_aspect_, aspect_ratio);
+  ++dihedral_bins_[dihedral_bins()(1 - greatest_cosine)];
+  ++aspect_bins_[aspect_bins()(aspect_ratio)];
+}
+
+double QualityHistogram::min_dihedral_deg() const {
+  return cells_ == 0 ? std::numeric_limits<double>::infinity() : angle_deg(greatest_cosine_);
+}
+
+double QualityHistogram::max_dihedral_deg() const {
+  return cells_ == 0 ? 0 : angle_deg(least_cosine_);
 }
 
 void QualityHistogram::merge(const QualityHistogram& other) {
@@ -100,14 +181,14 @@ void QualityHistogram::merge(const QualityHistogram& other) {
   cells_ += other.cells_;
   inverted_ += other.inverted_;
   volume_ += other.volume_;
-  min_dihedral_ = std::min(min_dihedral_, other.min_dihedral_);
-  max_dihedral_ = std::max(max_dihedral_, other.max_dihedral_);
+  greatest_cosine_ = std::max(greatest_cosine_, other.greatest_cosine_);
+  least_cosine_ = std::min(least_cosine_, other.least_cosine_);
   max_aspect_ = std::max(max_aspect_, other.max_aspect_);
 }
 
 double QualityHistogram::dihedral_quantile_deg(double fraction) const {
   const auto bin = static_cast<double>(quantile_bin(dihedral_bins_, cells_, fraction));
-  return std::max(min_dihedral_, (bin + 0.5) / kBinsPerDegree);
+  return std::max(min_dihedral_deg(), (bin + 0.5) / kBinsPerDegree);
 }
 
 double QualityHistogram::aspect_quantile(double fraction) const {
@@ -139,14 +220,48 @@ FaceQuality combined(const FaceQuality& a, const FaceQuality& b) {
   return {a.faces + b.faces, a.above_70 + b.above_70, worse(a.worst, b.worst)};
 }
 
-void add(FaceQuality& quality, const FaceShape& shape) {
-  ++quality.faces;
-  if (shape.non_orthogonality_deg > 70) ++quality.above_70;
-  quality.worst = worse(quality.worst, shape);
-}
+/// Collects faces. The full measures are taken of those only that may be among the worst or above
+/// 70 degrees; the others are told from them without roots.
+class FaceCollector {
+ public:
+  void add(const std::array<Point3, 3>& face, const Point3& c0, const Point3& c1) {
+    const Point3 n = cross(minus(face[1], face[0]), minus(face[2], face[0]));
+    const Point3 d = minus(c1, c0);
+    const double n_d = dot(n, d), d2 = dot(d, d);
+    constexpr double third = 1.0 / 3;
+    Point3 centre{}, skew{};
+    for (std::size_t c = 0; c < 3; ++c) centre[c] = (face[0][c] + face[1][c] + face[2][c]) * third;
+    const Point3 to_centre = minus(centre, c0);
+    const double share = dot(n, to_centre) / n_d;
+    for (std::size_t c = 0; c < 3; ++c) skew[c] = to_centre[c] - share * d[c];
+    double extent = 0;  // times the skewness vector's length
+    for (const Point3& corner : face)
+      extent = std::max(extent, std::abs(dot(skew, minus(corner, centre))));
+    const double skew2 = dot(skew, skew);
+    const bool ordinary = n_d * n_d > least_cosine2_ * (dot(n, n) * d2) &&
+                          (skew2 < skewness_ * extent || skew2 < skewness_ * skewness_ * 0.04 * d2);
+    ++quality_.faces;
+    if (!ordinary) add_in_full(face_shape(face, c0, c1));
+  }
+  const FaceQuality& quality() const { return quality_; }
+
+ private:
+  void add_in_full(const FaceShape& shape) {
+    if (shape.non_orthogonality_deg > 70) ++quality_.above_70;
+    quality_.worst = worse(quality_.worst, shape);
+    const double cosine = std::cos(std::min(quality_.worst.non_orthogonality_deg, 70.0) / kDegrees);
+    least_cosine2_ = cosine * cosine * (1 + kMargin);
+    skewness_ = quality_.worst.skewness * (1 - kMargin);
+  }
+
+  static constexpr double kMargin = 1e-9;  // far beyond rounding
+  FaceQuality quality_;
+  double least_cosine2_ = 2;
+  double skewness_ = 0;
+};
 
 /// Faces between the cells over triangle t.
-void add_faces_over(const ColumnMesh& mesh, std::size_t t, FaceQuality& quality) {
+void add_faces_over(const ColumnMesh& mesh, std::size_t t, FaceCollector& faces) {
   const auto& v = mesh.ground.triangles[t];
   Climb<3> front = climb_triangle(mesh, t);
   std::array<Point3, 3> face;
@@ -157,7 +272,7 @@ void add_faces_over(const ColumnMesh& mesh, std::size_t t, FaceQuality& quality)
     if (c == 3) return;
     const Point3 apex = position(mesh, v[c], front.at(c) + 1);
     const Point3 centre = centre_of({face[0], face[1], face[2], apex});
-    if (!first) add(quality, face_shape(face, below, centre));
+    if (!first) faces.add(face, below, centre);
     below = centre;
     face[c] = apex;
     front.advance(c);
@@ -165,7 +280,7 @@ void add_faces_over(const ColumnMesh& mesh, std::size_t t, FaceQuality& quality)
 }
 
 /// Faces over edge e between the cells on its two sides.
-void add_faces_beside(const ColumnMesh& mesh, std::size_t e, FaceQuality& quality) {
+void add_faces_beside(const ColumnMesh& mesh, std::size_t e, FaceCollector& faces) {
   const auto [t0, t1] = mesh.edges.triangles[e];
   if (t1 == kNoTriangle) return;
   const auto [a, b] = mesh.edges.vertices[e];
@@ -197,8 +312,8 @@ void add_faces_beside(const ColumnMesh& mesh, std::size_t e, FaceQuality& qualit
   for (std::size_t c; (c = front.next()) < 4; front.advance(c)) {
     const Point3 apex = position(mesh, v[c], front.at(c) + 1);
     if (c < 2)
-      add(quality, face_shape({p[0], p[1], apex}, centre_of({p[0], p[1], apex, p[2]}),
-                              centre_of({p[0], p[1], apex, p[3]})));
+      faces.add({p[0], p[1], apex}, centre_of({p[0], p[1], apex, p[2]}),
+                centre_of({p[0], p[1], apex, p[3]}));
     p[c] = apex;
   }
 }
@@ -267,7 +382,8 @@ CellQuality measure_quality(const ColumnMesh& mesh, std::size_t worst) {
   std::vector<CellQuality> partial((mesh.triangle_count() + grain - 1) / grain);
   parallel_chunks(mesh.triangle_count(), grain, [&](std::size_t begin, std::size_t end) {
     CellQuality& quality = partial[begin / grain];
-    double limit = std::numeric_limits<double>::infinity();
+    // Cells whose cosines stay within this are not among the worst.
+    double limit = -2;
     for (std::size_t t = begin; t < end; ++t) {
       const auto& v = mesh.ground.triangles[t];
       const Climb<3> start = climb_triangle(mesh, t);
@@ -278,16 +394,15 @@ CellQuality measure_quality(const ColumnMesh& mesh, std::size_t worst) {
         const auto below = static_cast<std::size_t>(
             std::find(nodes.begin(), nodes.end(), nodes[3] - 1) - nodes.begin());
         p[3] = {p[below][0], p[below][1], mesh.z[static_cast<std::size_t>(nodes[3])]};
-        const TetShape shape = tet_shape(p[0], p[1], p[2], p[3]);
-        quality.histogram.add(shape);
-        const double badness = std::min(shape.min_dihedral_deg, 180 - shape.max_dihedral_deg);
-        if (worst == 0 || !(badness < limit)) return;
-        quality.worst.push_back({badness, shape.min_dihedral_deg, shape.max_dihedral_deg,
-                                 centre_of(p), static_cast<TriangleIndex>(t),
-                                 cause_of(mesh, t, nodes, p)});
+        const TetCosines shape = tet_cosines(p[0], p[1], p[2], p[3]);
+        quality.histogram.add(shape.volume, shape.greatest, shape.least, shape.aspect_ratio);
+        if (worst == 0 || std::max(shape.greatest, -shape.least) < limit) return;
+        const double least = angle_deg(shape.greatest), greatest = angle_deg(shape.least);
+        quality.worst.push_back({std::min(least, 180 - greatest), least, greatest, centre_of(p),
+                                 static_cast<TriangleIndex>(t), cause_of(mesh, t, nodes, p)});
         if (quality.worst.size() < 2 * worst) return;
         keep_worst(quality.worst, worst);
-        limit = quality.worst.back().badness;
+        limit = std::cos(quality.worst.back().badness / kDegrees) - 1e-12;
       });
     }
   });
@@ -302,14 +417,14 @@ CellQuality measure_quality(const ColumnMesh& mesh, std::size_t worst) {
 
 FaceQuality measure_faces(const ColumnMesh& mesh) {
   const auto over = [&](std::size_t begin, std::size_t end) {
-    FaceQuality quality;
-    for (std::size_t t = begin; t < end; ++t) add_faces_over(mesh, t, quality);
-    return quality;
+    FaceCollector faces;
+    for (std::size_t t = begin; t < end; ++t) add_faces_over(mesh, t, faces);
+    return faces.quality();
   };
   const auto beside = [&](std::size_t begin, std::size_t end) {
-    FaceQuality quality;
-    for (std::size_t e = begin; e < end; ++e) add_faces_beside(mesh, e, quality);
-    return quality;
+    FaceCollector faces;
+    for (std::size_t e = begin; e < end; ++e) add_faces_beside(mesh, e, faces);
+    return faces.quality();
   };
   const std::size_t triangles = mesh.triangle_count(), edges = mesh.edges.size();
   return combined(

@@ -1,15 +1,20 @@
 #include "tetropolis/io/vtk.h"
 
+#include <cmath>
+#include <cstdio>
 #include <cstring>
 #include <fstream>
 #include <iterator>
 #include <map>
+#include <random>
 #include <set>
 #include <sstream>
 
 #include <gtest/gtest.h>
+#include <zlib.h>
 
 #include "tetropolis/core/error.h"
+#include "tetropolis/core/parallel.h"
 #include "tetropolis/io/stl.h"
 
 #include "support/explicit_mesh.h"
@@ -66,6 +71,101 @@ TEST_F(Vtk, SurfaceComesBackAsItWas) {
   EXPECT_EQ(read.building, surface.building);
 }
 
+TEST_F(Vtk, CompressedFilesComeBackAsTheyWereAndDoNotDependOnThreads) {
+  const Placement placement{{1000, 2000, 0}, {0, 0, 0}};
+  const SurfaceMesh surface = extract_boundary(city.mesh, city.city.domain);
+  std::string volume, boundary;
+  for (const int threads : {1, 2}) {
+    const ThreadLimit limit(threads);
+    write_vtu(folder / "z.vtu", city.mesh, placement, {}, Compression::kZlib);
+    write_vtp(folder / "z.vtp", surface, placement, Compression::kZlib);
+    if (threads == 1) {
+      volume = bytes_of(folder / "z.vtu");
+      boundary = bytes_of(folder / "z.vtp");
+    }
+  }
+  EXPECT_TRUE(bytes_of(folder / "z.vtu") == volume);
+  EXPECT_TRUE(bytes_of(folder / "z.vtp") == boundary);
+  EXPECT_NE(volume.find("compressor=\"vtkZLibDataCompressor\""), std::string::npos);
+  write_vtu(folder / "plain.vtu", city.mesh, placement);
+  EXPECT_LT(2 * volume.size(), std::filesystem::file_size(folder / "plain.vtu"));
+  const TetMesh mesh = read_vtu(folder / "z.vtu");
+  const auto expected = testing::explicit_mesh(city.mesh, placement.shift);
+  EXPECT_EQ(mesh.points, expected.points);
+  EXPECT_EQ(mesh.cells, expected.cells);
+  EXPECT_EQ(mesh.region, expected.region);
+  const SurfaceMesh read = read_vtp(folder / "z.vtp");
+  EXPECT_EQ(read.triangles, surface.triangles);
+  EXPECT_EQ(read.patch, surface.patch);
+  EXPECT_EQ(read.building, surface.building);
+}
+
+/// The first array of a file written here with compression: where its header begins.
+std::size_t first_array(const std::string& bytes) {
+  return bytes.find('_', bytes.find("<AppendedData")) + 1;
+}
+
+TEST_F(Vtk, BlocksOfCompressedArraysUnpackToTheirBytes) {
+  // Several blocks and a shorter last one, by the format's description and zlib alone.
+  const SurfaceMesh surface =
+      extract_boundary(testing::meshed(city.city, 1.5).mesh, city.city.domain);
+  write_vtp(folder / "z.vtp", surface, {}, Compression::kZlib);
+  const std::string bytes = bytes_of(folder / "z.vtp");
+  std::size_t at = first_array(bytes);
+  const auto word = [&] {
+    std::uint64_t value = 0;
+    std::memcpy(&value, bytes.data() + at, sizeof value);
+    at += sizeof value;
+    return value;
+  };
+  const std::uint64_t blocks = word(), size = word(), last = word();
+  ASSERT_GE(blocks, 2U);
+  ASSERT_GT(last, 0U);
+  ASSERT_EQ((blocks - 1) * size + last, surface.points.size() * 24);
+  std::vector<std::uint64_t> stored;
+  for (std::uint64_t b = 0; b < blocks; ++b) stored.push_back(word());
+  std::vector<char> unpacked;
+  for (std::uint64_t b = 0; b < blocks; ++b) {
+    std::vector<char> block(size);
+    uLongf length = size;
+    ASSERT_EQ(uncompress(reinterpret_cast<Bytef*>(block.data()), &length,
+                         reinterpret_cast<const Bytef*>(bytes.data()) + at, stored[b]),
+              Z_OK);
+    ASSERT_EQ(length, b + 1 == blocks ? last : size);
+    unpacked.insert(unpacked.end(), block.begin(), block.begin() + static_cast<long>(length));
+    at += stored[b];
+  }
+  EXPECT_EQ(std::memcmp(unpacked.data(), surface.points.data(), unpacked.size()), 0);
+  // The offset in the second tag leads to the array behind it.
+  const std::size_t tag = bytes.find("Name=\"connectivity\"");
+  const auto offset = std::stoull(bytes.substr(bytes.find("offset=\"", tag) + 8));
+  EXPECT_EQ(first_array(bytes) + offset, at);
+}
+
+TEST_F(Vtk, BrokenCompressedFilesAreRefused) {
+  write_vtu(folder / "z.vtu", city.mesh, {}, {}, Compression::kZlib);
+  const std::string good = bytes_of(folder / "z.vtu");
+  const auto message = [&](const std::string& bytes) {
+    write_bytes(folder / "bad.vtu", bytes);
+    return error_of([&] { read_vtu(folder / "bad.vtu"); });
+  };
+  for (std::size_t cut = 100; cut < good.size(); cut += good.size() / 23)
+    EXPECT_NE(message(good.substr(0, cut)).find("bad.vtu"), std::string::npos) << cut;
+  std::string lying = good;
+  const std::uint64_t much = std::uint64_t{1} << 60;
+  for (const std::size_t word : {0, 2, 3}) {  // number, size of the last, stored size of the first
+    lying = good;
+    std::memcpy(lying.data() + first_array(good) + 8 * word, &much, sizeof much);
+    EXPECT_NE(message(lying).find("array Points"), std::string::npos) << word << message(lying);
+  }
+  std::string damaged = good;
+  for (std::size_t i = 0; i < 50; ++i) damaged[first_array(good) + 1000 + i] ^= 0x55;
+  EXPECT_NE(message(damaged).find("cannot be unpacked: the file is damaged"), std::string::npos);
+  std::string other = good;
+  other.replace(other.find("vtkZLib"), 7, "vtkLZMA");
+  EXPECT_NE(message(other).find("vtkLZMADataCompressor"), std::string::npos);
+}
+
 TEST_F(Vtk, HeaderIsTheFormatsXmlAndOffsetsFitTheData) {
   write_vtu(folder / "volume.vtu", city.mesh, {{0, 0, 0}, {319000, 6396000, 0}});
   const std::string bytes = bytes_of(folder / "volume.vtu");
@@ -113,6 +213,44 @@ TEST_F(Vtk, BrokenFilesAreRefusedWithTheirName) {
   EXPECT_NE(message(outside).find("cell 0 has the vertex 2147483647"), std::string::npos);
   EXPECT_NE(error_of([&] { read_vtu(folder / "missing.vtu"); }).find("missing.vtu"),
             std::string::npos);
+}
+
+TEST_F(Vtk, StlHasTheTextOfPrintf) {
+  std::mt19937_64 random(testing::test_seed());
+  SurfaceMesh surface;
+  std::uniform_real_distribution<double> size(-8, 8), sign(-1, 1);
+  for (std::int32_t i = 0; i < 30000; ++i) {
+    std::array<double, 3> p{};
+    for (double& x : p) x = std::copysign(std::pow(10, size(random)), sign(random));
+    if (i % 3 == 0) p[2] = std::round(p[2] * 4) / 4 + 0.5e-6;  // near ties
+    if (i % 5 == 0) p[1] = -0.0;
+    surface.points.push_back(p);
+    if (i % 3 != 2) continue;
+    surface.triangles.push_back({i - 2, i - 1, i});
+    surface.patch.push_back(Patch::kGround);
+    surface.building.push_back(-1);
+  }
+  write_stl(folder / "surface.stl", surface, {});
+  std::ifstream file(folder / "surface.stl");
+  std::string line;
+  std::getline(file, line);
+  std::array<char, 1000> text{};
+  for (const auto& triangle : surface.triangles) {
+    std::getline(file, line);
+    double x = 0, y = 0, z = 0;
+    ASSERT_EQ(std::sscanf(line.c_str(), "facet normal %lf %lf %lf", &x, &y, &z), 3);
+    std::snprintf(text.data(), text.size(), "facet normal %.6g %.6g %.6g", x, y, z);
+    ASSERT_EQ(line, text.data());
+    std::getline(file, line);
+    for (const std::int32_t v : triangle) {
+      const auto& p = surface.points[static_cast<std::size_t>(v)];
+      std::snprintf(text.data(), text.size(), "vertex %.6f %.6f %.6f", p[0], p[1] + 0.0, p[2]);
+      std::getline(file, line);
+      ASSERT_EQ(line, text.data()) << testing::test_seed();
+    }
+    std::getline(file, line);
+    std::getline(file, line);
+  }
 }
 
 TEST_F(Vtk, StlHasOneClosedTaggedSolidPerPatch) {

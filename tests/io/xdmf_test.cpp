@@ -10,6 +10,8 @@
 #include <hdf5.h>
 #include <sys/resource.h>
 
+#include "tetropolis/core/parallel.h"
+
 #include "mesh_bytes.h"
 #include "support/test_data.h"
 
@@ -136,6 +138,35 @@ TEST_F(Xdmf, DescriptionFitsTheData) {
   EXPECT_EQ(items, 7);  // the points serve both grids
 }
 
+TEST_F(Xdmf, CompressedDataAreTheSame) {
+  // Fine enough for several chunks.
+  const auto fine = testing::meshed(testing::small_city(testing::hills), 3);
+  const SurfaceMesh boundary = extract_boundary(fine.mesh, fine.city.domain);
+  ASSERT_GT(cell_offsets(fine.mesh).back(), 100000);
+  write_xdmf(folder / "plain.xdmf", fine.mesh, boundary, city.placement);
+  std::string bytes;
+  for (const int threads : {1, 2}) {
+    const ThreadLimit limit(threads);
+    write_xdmf(folder / "z.xdmf", fine.mesh, boundary, city.placement, {}, Compression::kZlib);
+    if (threads == 1) bytes = bytes_of(folder / "z.h5");
+  }
+  EXPECT_TRUE(bytes_of(folder / "z.h5") == bytes);
+  EXPECT_LT(3 * bytes.size(), std::filesystem::file_size(folder / "plain.h5"));
+  const auto same = [&](auto number, const char* name, hid_t type) {
+    using Number = decltype(number);
+    const auto a = read_dataset<Number>(folder / "plain.h5", name, type);
+    const auto b = read_dataset<Number>(folder / "z.h5", name, type);
+    EXPECT_EQ(a.shape, b.shape) << name;
+    EXPECT_TRUE(a.values == b.values) << name;
+  };
+  same(0.0, "/Mesh/mesh/geometry", H5T_IEEE_F64LE);
+  same(std::int64_t{0}, "/Mesh/mesh/topology", H5T_STD_I64LE);
+  same(std::int32_t{0}, "/Mesh/mesh/region", H5T_STD_I32LE);
+  same(std::int64_t{0}, "/MeshTags/boundary/topology", H5T_STD_I64LE);
+  same(std::int32_t{0}, "/MeshTags/boundary/patch", H5T_STD_I32LE);
+  same(std::int32_t{0}, "/MeshTags/boundary/building", H5T_STD_I32LE);
+}
+
 TEST_F(Xdmf, SameBytesAtAnotherTime) {
   const std::string before = bytes_of(folder / "volume.h5");
   std::this_thread::sleep_for(std::chrono::milliseconds(1100));  // HDF5 would store seconds
@@ -170,13 +201,14 @@ TEST_F(Xdmf, SmallMeshesComeBackToo) {
 }
 
 /// Writes where no file may be larger than `bytes`; leaves with 3 if that was told as it should be.
-[[noreturn]] void write_limited(const std::filesystem::path& path, rlim_t bytes) {
+[[noreturn]] void write_limited(const std::filesystem::path& path, rlim_t bytes,
+                                Compression compression) {
   std::signal(SIGXFSZ, SIG_IGN);
   const rlimit limit{bytes, bytes};
   setrlimit(RLIMIT_FSIZE, &limit);
   const testing::FormatsCity& city = testing::formats_city();
   try {
-    write_xdmf(path, city.city.mesh, city.boundary, {});
+    write_xdmf(path, city.city.mesh, city.boundary, {}, {}, compression);
   } catch (const Error& error) {
     const bool named =
         std::string(error.what()).find("full.h5: File too large") != std::string::npos;
@@ -189,14 +221,21 @@ TEST_F(Xdmf, NoRoomForTheDataIsAnErrorAndNoCrashAtExit) {
   ::testing::GTEST_FLAG(death_test_style) = "threadsafe";
   const auto needed = std::filesystem::file_size(folder / "volume.h5");
   for (const rlim_t bytes : {rlim_t{100}, rlim_t{1} << 19, rlim_t{needed} / 2})
-    EXPECT_EXIT(write_limited(folder / "full.xdmf", bytes), ::testing::ExitedWithCode(3), "");
+    EXPECT_EXIT(write_limited(folder / "full.xdmf", bytes, Compression::kNone),
+                ::testing::ExitedWithCode(3), "");
+  // Compressed, room is reserved for HDF5's own part and chunk by chunk.
+  for (const rlim_t bytes : {rlim_t{100}, rlim_t{1} << 19, (rlim_t{1} << 20) + 40000})
+    EXPECT_EXIT(write_limited(folder / "full.xdmf", bytes, Compression::kZlib),
+                ::testing::ExitedWithCode(3), "");
 }
 
 TEST_F(Xdmf, EmptyBoundaryIsNoTrouble) {
-  write_xdmf(folder / "open.xdmf", city.city.mesh, {}, {});
-  const auto faces =
-      read_dataset<std::int64_t>(folder / "open.h5", "/MeshTags/boundary/topology", H5T_STD_I64LE);
-  EXPECT_EQ(faces.shape, (std::vector<hsize_t>{0, 3}));
+  for (const Compression compression : {Compression::kNone, Compression::kZlib}) {
+    write_xdmf(folder / "open.xdmf", city.city.mesh, {}, {}, {}, compression);
+    const auto faces = read_dataset<std::int64_t>(folder / "open.h5", "/MeshTags/boundary/topology",
+                                                  H5T_STD_I64LE);
+    EXPECT_EQ(faces.shape, (std::vector<hsize_t>{0, 3}));
+  }
 }
 
 }  // namespace

@@ -49,7 +49,8 @@ TEST(Quality, QuantilesAreThoseOfTheSortedValues) {
       return Point3{coordinate(random), coordinate(random), coordinate(random)};
     };
     const TetShape shape = tet_shape(p(), p(), p(), p());
-    histogram.add(shape);
+    histogram.add(shape.volume, std::cos(shape.min_dihedral_deg / kDegrees),
+                  std::cos(shape.max_dihedral_deg / kDegrees), shape.aspect_ratio);
     angles.push_back(shape.min_dihedral_deg);
     aspects.push_back(shape.aspect_ratio);
   }
@@ -60,7 +61,7 @@ TEST(Quality, QuantilesAreThoseOfTheSortedValues) {
     EXPECT_NEAR(histogram.dihedral_quantile_deg(share), angles[rank], 0.0051);
     EXPECT_NEAR(histogram.aspect_quantile(share) / aspects[rank], 1, 0.002);
   }
-  EXPECT_EQ(histogram.min_dihedral_deg(), angles.front());
+  EXPECT_NEAR(histogram.min_dihedral_deg(), angles.front(), 1e-9);
   EXPECT_EQ(histogram.max_aspect_ratio(), aspects.back());
 }
 
@@ -96,8 +97,11 @@ Point3 centre(const testing::ExplicitMesh& mesh, std::size_t cell) {
   return sum;
 }
 
-TEST(Quality, FacesAreThoseSharedByTwoCells) {
-  const auto result = testing::meshed(testing::small_city(testing::hills));
+class FacesOf : public ::testing::TestWithParam<double> {};
+
+TEST_P(FacesOf, CellsAreThoseSharedByTwo) {
+  auto result = testing::meshed(testing::small_city(testing::hills));
+  for (double& z : result.mesh.z) z *= GetParam();
   const auto lists = testing::explicit_mesh(result.mesh);
   std::map<std::array<std::int64_t, 3>, std::vector<std::size_t>> faces;
   for (std::size_t cell = 0; cell < lists.cells.size(); ++cell)
@@ -119,11 +123,47 @@ TEST(Quality, FacesAreThoseSharedByTwoCells) {
     expected.worst = {std::max(expected.worst.non_orthogonality_deg, shape.non_orthogonality_deg),
                       std::max(expected.worst.skewness, shape.skewness)};
   }
+  EXPECT_GT(expected.worst.non_orthogonality_deg, 0);
   const FaceQuality measured = measure_faces(result.mesh);
   EXPECT_EQ(measured.faces, expected.faces);
   EXPECT_EQ(measured.above_70, expected.above_70);
   EXPECT_NEAR(measured.worst.non_orthogonality_deg, expected.worst.non_orthogonality_deg, 1e-6);
   EXPECT_NEAR(measured.worst.skewness, expected.worst.skewness, 1e-9);
+}
+
+// Stretched or squeezed ones have faces above 70 degrees.
+INSTANTIATE_TEST_SUITE_P(Quality, FacesOf, ::testing::Values(1.0, 0.1, 10.0));
+
+TEST(Quality, ShapesOfCellsAreThoseOfTetShape) {
+  // Squeezed and stretched, for angles and ratios far from the usual ones, too.
+  for (const double stretch : {1.0, 0.05, 20.0}) {
+    auto result = testing::meshed(testing::small_city(testing::hills));
+    for (double& z : result.mesh.z) z *= stretch;
+    const auto lists = testing::explicit_mesh(result.mesh);
+    std::vector<double> angles, aspects;
+    double volume = 0, greatest = 0;
+    for (const auto& cell : lists.cells) {
+      const auto p = [&](std::size_t i) { return lists.points[static_cast<std::size_t>(cell[i])]; };
+      const TetShape shape = tet_shape(p(0), p(1), p(2), p(3));
+      angles.push_back(shape.min_dihedral_deg);
+      aspects.push_back(shape.aspect_ratio);
+      greatest = std::max(greatest, shape.max_dihedral_deg);
+      volume += shape.volume;
+    }
+    std::sort(angles.begin(), angles.end());
+    std::sort(aspects.begin(), aspects.end());
+    const QualityHistogram quality = measure_quality(result.mesh).histogram;
+    EXPECT_NEAR(quality.min_dihedral_deg(), angles.front(), 1e-9);
+    EXPECT_NEAR(quality.max_dihedral_deg(), greatest, 1e-9);
+    EXPECT_NEAR(quality.max_aspect_ratio() / aspects.back(), 1, 1e-12);
+    EXPECT_NEAR(quality.volume() / volume, 1, 1e-12);
+    for (const double share : {0.001, 0.01, 0.1, 0.3, 0.5, 0.7, 0.9, 0.99}) {
+      const auto rank =
+          static_cast<std::size_t>(std::ceil(share * static_cast<double>(angles.size()))) - 1;
+      EXPECT_NEAR(quality.dihedral_quantile_deg(share), angles[rank], 0.0051) << stretch;
+      EXPECT_NEAR(quality.aspect_quantile(share) / aspects[rank], 1, 0.0006) << stretch;
+    }
+  }
 }
 
 TEST(Quality, KnownFace) {

@@ -29,14 +29,16 @@ TetShape tet_shape(const Point3& p0, const Point3& p1, const Point3& p2, const P
 class QualityHistogram {
  public:
   QualityHistogram();
-  void add(const TetShape& shape);
+  /// Adds a tet by its volume, the cosines of its least and greatest dihedral angle and its aspect
+  /// ratio.
+  void add(double volume, double greatest_cosine, double least_cosine, double aspect_ratio);
   void merge(const QualityHistogram& other);
 
   std::int64_t cells() const { return cells_; }
   std::int64_t inverted() const { return inverted_; }  ///< Cells with volume <= 0.
   double volume() const { return volume_; }
-  double min_dihedral_deg() const { return min_dihedral_; }
-  double max_dihedral_deg() const { return max_dihedral_; }
+  double min_dihedral_deg() const;
+  double max_dihedral_deg() const;
   double max_aspect_ratio() const { return max_aspect_; }
   /// The angle that a share `fraction` in [0, 1] of the cells has as least dihedral angle or less;
   /// exact to 0.01 degrees.
@@ -50,9 +52,9 @@ class QualityHistogram {
   std::int64_t cells_ = 0;
   std::int64_t inverted_ = 0;
   double volume_ = 0;
-  double min_dihedral_;
-  double max_dihedral_;
-  double max_aspect_;
+  double greatest_cosine_ = -1;
+  double least_cosine_ = 1;
+  double max_aspect_ = 0;
 };
 
 /// A cell that is far from regular, and why.
