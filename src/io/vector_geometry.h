@@ -25,6 +25,11 @@ struct FlatGeometry {
 /// Splits collections, straightens curves, drops Z and M. `geometry` may be null.
 FlatGeometry flatten(OGRGeometryH geometry);
 
+/// For shapefiles, which tell shells from holes by their turn: undoes what GDAL makes of rings that
+/// all turn the wrong way. The widest ring of a part becomes its shell, and a part within a part
+/// and turned against it a hole of that.
+void untangle_turned_rings(FlatGeometry& geometry);
+
 /// Whether a layer of this geometry type may hold polygons.
 bool may_hold_polygons(OGRwkbGeometryType type);
 

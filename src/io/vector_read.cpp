@@ -294,14 +294,16 @@ void for_each_vertex(Polygon& polygon, const Visit& visit) {
 /// Reads all features of one layer.
 class LayerReader {
  public:
+  /// `shells_by_turn`: the format tells shells from holes by their turn.
   LayerReader(const fs::path& path, OGRLayerH layer, const ReadFootprintsOptions& options,
-              FootprintsInput& result)
+              FootprintsInput& result, bool shells_by_turn)
       : path_(path),
         layer_(layer),
         id_field_(find_attribute(path, layer, options.id_attribute)),
         heights_(path, layer, options.height_attribute),
         id_name_(options.id_attribute),
         north_first_(is_north_first(OGR_L_GetSpatialRef(layer))),
+        shells_by_turn_(shells_by_turn),
         result_(result) {}
 
   void read(gdal::QuietErrors& errors) {
@@ -330,6 +332,7 @@ class LayerReader {
   void add(OGRFeatureH feature) {
     const std::string id = feature_id(feature);
     FlatGeometry flat = flatten(OGR_F_GetGeometryRef(feature));
+    if (shells_by_turn_) untangle_turned_rings(flat);
     if (flat.parts.empty()) {
       result_.dropped.push_back({ids_.unique(id), std::move(flat.reason)});
       return;
@@ -387,6 +390,7 @@ class LayerReader {
   HeightReader heights_;
   std::string id_name_;
   bool north_first_;
+  bool shells_by_turn_;
   FootprintsInput& result_;
   UniqueIds ids_;
   std::int64_t without_id_ = 0;
@@ -458,9 +462,9 @@ void reproject_features(const std::string& target, FootprintsInput& result) {
   result.bounds = bounds_of(result.features);
 }
 
-bool is_geojson(GDALDatasetH dataset) {
+bool is_of_format(GDALDatasetH dataset, std::string_view begin) {
   const char* name = GDALGetDriverShortName(GDALGetDatasetDriver(dataset));
-  return name != nullptr && std::strncmp(name, "GeoJSON", 7) == 0;
+  return name != nullptr && std::string_view(name).starts_with(begin);
 }
 
 }  // namespace
@@ -473,10 +477,11 @@ FootprintsInput read_footprints(const fs::path& path, const ReadFootprintsOption
   OGRLayerH layer = find_layer(path, file.dataset.get(), options.layer);
   FootprintsInput result;
   result.layer = utf8(OGR_L_GetName(layer));
-  LayerReader(path, layer, options, result).read(errors);
+  LayerReader(path, layer, options, result, is_of_format(file.dataset.get(), "ESRI Shapefile"))
+      .read(errors);
   result.bounds = bounds_of(result.features);
   result.crs = gdal::canonical_name(OGR_L_GetSpatialRef(layer));
-  settle_crs(path, options, is_geojson(file.dataset.get()), result);
+  settle_crs(path, options, is_of_format(file.dataset.get(), "GeoJSON"), result);
   if (!target.empty() && !result.crs.empty()) {
     if (same_horizontal_crs(result.crs, target))
       result.crs = target;

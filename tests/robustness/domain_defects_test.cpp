@@ -102,11 +102,11 @@ TEST_F(DomainDefects, ABuildingAroundTheDomain) {
   Outcome outcome = run();
   EXPECT_EQ(outcome.exit_code, 3);
   // No ground point anywhere: the terrain cannot be known.
-  EXPECT_NE(outcome.error.find("no ground points"), std::string::npos) << outcome.error;
+  EXPECT_NE(outcome.error.find("no ground among the points"), std::string::npos) << outcome.error;
   settings = [](Config& config) { config.boundary_buildings = "clip"; };
   outcome = run();
   EXPECT_EQ(outcome.exit_code, 3);
-  EXPECT_NE(outcome.error.find("no ground points"), std::string::npos) << outcome.error;
+  EXPECT_NE(outcome.error.find("no ground among the points"), std::string::npos) << outcome.error;
 }
 
 TEST_F(DomainDefects, TerrainOnly) {

@@ -167,8 +167,8 @@ std::vector<Row> rings() {
       row("SawOfTwoCentimetres", saw(0.02, 0.3)).repaired(0.1).covers(0, 2),
       row("SawOfHalfAMetre", saw(0.5, 0.5)).repaired(0.75).covers(0, 16),
       row("NeedleOfHalfADegree", "POLYGON((60 50,84 50,84 57.9,107 58,84 58.1,84 66,60 66,60 50))")
-          .repaired(1)
-          .covers(0, 2),
+          .repaired(2.1)  // the root of the needle stays as a stub a metre wide
+          .covers(0, 3),
       drop("NothingButANeedleOfHalfADegree", "POLYGON((60 58,100 58,100 58.35,60 58))", "narrow"),
       row("BowTieOfTwoTriangles", "POLYGON((60 50,84 66,84 50,60 66,60 50))")
           .repaired()
@@ -278,7 +278,7 @@ std::vector<Row> neighbours() {
           .without("fence", "small"),
       patient("WallOfFiveCentimetresBetweenBuildings")
           .with({{"wall", wkt(box(84, 57.5, 94, 57.55))}, {"next", wkt(box(94, 50, 104, 66))}})
-          .covers(384 + 160 + 11, 2),  // the wall has become 1.1 m wide
+          .covers(384 + 160 + 11, 4),  // the wall has become 1.1 m wide
       patient("LargerThanTheDomain")
           .beside({{"all", wkt(box(-100, -100, 300, 300))}})
           .without("all", "crosses the domain boundary"),
