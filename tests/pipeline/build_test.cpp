@@ -217,6 +217,18 @@ TEST_F(Build, AbsoluteCoordinatesAreThoseOfTheReferenceSystem) {
   EXPECT_GT(report.origin.y, 6e6);
 }
 
+TEST_F(Build, CompressedMeshesHoldTheGuaranteesToo) {
+  Config config = city("random", 30, 250, 6);
+  run_build(config);
+  const auto plain = fs::file_size(scratch / "out/volume.vtu");
+  config.compression = "zlib";
+  config.formats = {"vtu", "xdmf"};
+  run_build(config);
+  expect_guarantees(config.out);
+  EXPECT_LT(2 * fs::file_size(scratch / "out/volume.vtu"), plain);
+  EXPECT_LT(2 * fs::file_size(scratch / "out/volume.h5"), plain);
+}
+
 TEST_F(Build, FreeTopAndOtherSizesHoldTheGuaranteesToo) {
   Config config = city("blocks", 0, 300, 8);
   config.top = "free";
