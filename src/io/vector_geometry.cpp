@@ -158,15 +158,15 @@ FlatGeometry flatten(OGRGeometryH geometry) {
     }
   }
   collect(geometry, 0, result);
+  take_yards_for_holes(result.parts);
   if (result.parts.empty())
     result.reason = reason_without_polygons(OGR_G_GetGeometryType(geometry));
   return result;
 }
 
-void untangle_turned_rings(FlatGeometry& geometry) {
+void put_widest_rings_first(FlatGeometry& geometry) {
   for (PolygonPart& part : geometry.parts)
     if (part.reason.empty()) put_widest_ring_first(part.polygon);
-  take_yards_for_holes(geometry.parts);
 }
 
 bool may_hold_polygons(OGRwkbGeometryType type) {

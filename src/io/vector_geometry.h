@@ -22,13 +22,13 @@ struct FlatGeometry {
   std::string reason;              ///< Why there are no parts, if there are none.
 };
 
-/// Splits collections, straightens curves, drops Z and M. `geometry` may be null.
+/// Splits collections, straightens curves, drops Z and M. A part within a part and turned against
+/// it becomes a hole of that. `geometry` may be null.
 FlatGeometry flatten(OGRGeometryH geometry);
 
-/// For shapefiles, which tell shells from holes by their turn: undoes what GDAL makes of rings that
-/// all turn the wrong way. The widest ring of a part becomes its shell, and a part within a part
-/// and turned against it a hole of that.
-void untangle_turned_rings(FlatGeometry& geometry);
+/// For shapefiles, which tell shells from holes by their turn: where all rings turn the wrong way,
+/// GDAL takes the yard for the shell. The widest ring of each part becomes its shell again.
+void put_widest_rings_first(FlatGeometry& geometry);
 
 /// Whether a layer of this geometry type may hold polygons.
 bool may_hold_polygons(OGRwkbGeometryType type);

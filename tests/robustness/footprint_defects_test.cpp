@@ -168,7 +168,7 @@ std::vector<Row> rings() {
       row("SawOfHalfAMetre", saw(0.5, 0.5)).repaired(0.75).covers(0, 16),
       row("NeedleOfHalfADegree", "POLYGON((60 50,84 50,84 57.9,107 58,84 58.1,84 66,60 66,60 50))")
           .repaired(2.1)  // the root of the needle stays as a stub a metre wide
-          .covers(0, 3),
+          .covers(0, 4),
       drop("NothingButANeedleOfHalfADegree", "POLYGON((60 58,100 58,100 58.35,60 58))", "narrow"),
       row("BowTieOfTwoTriangles", "POLYGON((60 50,84 66,84 50,60 66,60 50))")
           .repaired()

@@ -55,8 +55,8 @@ struct FootprintsInput {
 /// Heights may be numbers or text that says one ("12.5", "12.5 m"); other text is NaN and counted
 /// by the warning "height_not_a_number".
 ///
-/// In shapefiles the ring around all others is the outer one, and a part within a part and
-/// turned against it is a hole of it (both are what becomes of a shapefile turned the wrong way).
+/// In shapefiles the ring around all others is the outer one; in all formats a part within a part
+/// and turned against it is a hole of it (what becomes of a shapefile turned the wrong way).
 ///
 /// Z and M are ignored, curves become chords of 4 degrees. Null, empty and other geometries are
 /// dropped. Reprojection happens if the file's system and target_crs are both known and differ.
