@@ -135,7 +135,8 @@ std::vector<double> values_at(const std::vector<float>& values, const std::vecto
   return result;
 }
 
-void measure_cells(const TetMesh& mesh, VolumeCheck& check) {
+std::vector<std::uint8_t> measure_cells(const TetMesh& mesh, VolumeCheck& check) {
+  std::vector<std::uint8_t> used(mesh.points.size(), 0);
   std::vector<float> tangents(mesh.cells.size()), aspects(mesh.cells.size());
   const double sliver = 1 / std::tan(kSliverDegrees / kDegrees);
   const Sums sums = parallel_reduce_ordered(
@@ -144,8 +145,11 @@ void measure_cells(const TetMesh& mesh, VolumeCheck& check) {
         Sums part;
         for (std::size_t c = begin; c < end; ++c) {
           std::array<Vector3, 4> p;
-          for (std::size_t i = 0; i < 4; ++i)
-            p[i] = mesh.points[static_cast<std::size_t>(mesh.cells[c][i])];
+          for (std::size_t i = 0; i < 4; ++i) {
+            const auto v = static_cast<std::size_t>(mesh.cells[c][i]);
+            p[i] = mesh.points[v];
+            std::atomic_ref(used[v]).store(1, std::memory_order_relaxed);
+          }
           const CellShape shape = cell_shape(p);
           part.volume += shape.volume;
           part.least_cotangent = std::min(part.least_cotangent, shape.least_cotangent);
@@ -170,6 +174,7 @@ void measure_cells(const TetMesh& mesh, VolumeCheck& check) {
   check.min_dihedral_deg =
       distribution(tangents, [](double tangent) { return std::atan(tangent) * kDegrees; });
   check.aspect_ratio = distribution(aspects, [](double aspect) { return aspect; });
+  return used;
 }
 
 }  // namespace tetropolis

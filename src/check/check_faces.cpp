@@ -106,9 +106,7 @@ class FaceMatcher {
     for (std::size_t i = 0, j = 0; i < faces_.size(); i = j) {
       const FaceUse& face = faces_[i];
       while (j < faces_.size() && faces_[j].others == face.others) ++j;
-      const auto place = [&] {
-        return place_of(mesh_, static_cast<std::size_t>(cells[face.cell]));
-      };
+      const auto place = [&] { return place_of(mesh_, cells[face.cell]); };
       if (j - i == 1)
         matched.boundary.push_back(face.ascending
                                        ? std::array<std::int64_t, 3>{low, face.mid(), face.high()}
@@ -129,8 +127,8 @@ class FaceMatcher {
   void collect(std::int64_t low) {
     faces_.clear();
     centres_.clear();
-    for (const std::int64_t c : rows_[static_cast<std::size_t>(low)]) {
-      const SortedCell cell(mesh_.cells[static_cast<std::size_t>(c)]);
+    for (const std::uint32_t c : rows_[static_cast<std::size_t>(low)]) {
+      const SortedCell cell(mesh_.cells[c]);
       const auto own = static_cast<std::uint32_t>(centres_.size());
       const auto& v = cell.v;
       if (v[0] == low) {

@@ -200,8 +200,8 @@ std::vector<Violation> check_same_boundary(const TetMesh& mesh, const VolumeChec
     std::vector<Face> row;
     for (std::size_t r = begin; r < end; ++r) {
       row.clear();
-      for (const std::int64_t item : filed[r]) {
-        const auto f = static_cast<std::size_t>(item);
+      for (const std::uint32_t item : filed[r]) {
+        const std::size_t f = item;
         const FaceKey key = key_of(f);
         row.push_back({key[0][2] + key[1][2] + key[2][2], key, f < of_volume ? 1 : -1});
       }

@@ -1,5 +1,4 @@
 #include <algorithm>
-#include <atomic>
 #include <cmath>
 #include <limits>
 #include <span>
@@ -27,16 +26,6 @@ bool is_finite(const std::array<double, 3>& p) {
   return std::isfinite(p[0]) && std::isfinite(p[1]) && std::isfinite(p[2]);
 }
 
-std::vector<std::uint8_t> used_vertices(const TetMesh& mesh) {
-  std::vector<std::uint8_t> used(mesh.points.size(), 0);
-  parallel_chunks(mesh.cells.size(), kGrain, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t c = begin; c < end; ++c)
-      for (const std::int64_t v : mesh.cells[c])
-        std::atomic_ref(used[static_cast<std::size_t>(v)]).store(1, std::memory_order_relaxed);
-  });
-  return used;
-}
-
 /// Pairs of vertices at the same place, the second of each ascending.
 std::vector<std::pair<std::int64_t, std::int64_t>> coincident_vertices(const TetMesh& mesh) {
   const Squares squares(mesh.points, mesh.points.size() / 8);
@@ -52,8 +41,8 @@ std::vector<std::pair<std::int64_t, std::int64_t>> coincident_vertices(const Tet
         std::vector<std::pair<std::array<double, 3>, std::int64_t>> row;
         for (std::size_t r = begin; r < end; ++r) {
           row.clear();
-          for (const std::int64_t v : filed[r]) {
-            const auto& p = mesh.points[static_cast<std::size_t>(v)];
+          for (const std::uint32_t v : filed[r]) {
+            const auto& p = mesh.points[v];
             row.push_back({{p[2], p[0], p[1]}, v});  // elevations tell most of them apart
           }
           std::sort(row.begin(), row.end());
@@ -74,8 +63,8 @@ std::vector<std::pair<std::int64_t, std::int64_t>> coincident_vertices(const Tet
 
 }  // namespace
 
-void check_vertices(const TetMesh& mesh, VolumeCheck& check) {
-  const std::vector<std::uint8_t> used = used_vertices(mesh);
+void check_vertices(const TetMesh& mesh, const std::vector<std::uint8_t>& used,
+                    VolumeCheck& check) {
   for (std::size_t v = 0; v < mesh.points.size(); ++v) {
     const auto place = [&] { return fmt::format("vertex {}", v); };
     if (used[v] == 0) note_violation(check.violations, "vertices without cells", place);
@@ -109,10 +98,10 @@ VolumeCheck check_volume(const TetMesh& mesh, const Progress& progress) {
                 "a mesh of more than 2^32 vertices can only be checked in parts");
   if (mesh.cells.empty()) note_violation(check.violations, "no cells", [] { return "the file"; });
   progress.update(0);
-  check_vertices(mesh, check);
-  progress.update(0.1);
-  measure_cells(mesh, check);
+  const std::vector<std::uint8_t> used = measure_cells(mesh, check);
   progress.update(0.3);
+  check_vertices(mesh, used, check);
+  progress.update(0.4);
   match_faces(mesh, check, progress);
   check_boundary(check);
   return check;

@@ -42,8 +42,8 @@ std::vector<Violation> look_at_edges(const std::vector<Triangle>& triangles, std
         std::vector<EdgeUse> uses;
         for (std::size_t low = begin; low < end; ++low) {
           uses.clear();
-          for (const std::int64_t item : rows[low]) {
-            const auto side = static_cast<std::size_t>(item);
+          for (const std::uint32_t item : rows[low]) {
+            const std::size_t side = item;
             const auto [a, b] = ends_of(side);
             uses.push_back({std::max(a, b), a < b, side / 3});
           }

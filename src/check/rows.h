@@ -5,9 +5,11 @@
 #include <atomic>
 #include <cstddef>
 #include <cstdint>
+#include <limits>
 #include <span>
 #include <vector>
 
+#include "tetropolis/core/error.h"
 #include "tetropolis/core/parallel.h"
 
 namespace tetropolis {
@@ -15,10 +17,10 @@ namespace tetropolis {
 /// Row r holds numbers of items, ascending.
 struct Rows {
   std::vector<std::int64_t> ends;  ///< Row r ends at ends[r] and begins where row r - 1 ends.
-  std::vector<std::int64_t> items;
+  std::vector<std::uint32_t> items;
 
   std::size_t size() const { return ends.size(); }
-  std::span<const std::int64_t> operator[](std::size_t r) const {
+  std::span<const std::uint32_t> operator[](std::size_t r) const {
     const std::int64_t begin = r == 0 ? 0 : ends[r - 1];
     return std::span(items).subspan(static_cast<std::size_t>(begin),
                                     static_cast<std::size_t>(ends[r] - begin));
@@ -26,9 +28,11 @@ struct Rows {
 };
 
 /// Files each item i of [0, items) under every row r < rows for which rows_of(i, use) calls use(r).
-/// Takes 8 bytes a row and 8 for each use.
+/// Takes 8 bytes a row and 4 for each use. Throws Error(kInput) if there are 2^32 items.
 template <typename RowsOf>
 Rows file_under_rows(std::size_t items, std::size_t rows, const RowsOf& rows_of) {
+  if (items > std::numeric_limits<std::uint32_t>::max())
+    throw Error(ErrorKind::kInput, "a mesh of more than 2^32 cells can only be checked in parts");
   constexpr std::size_t kGrain = 16384;
   Rows filed;
   filed.ends.assign(rows, 0);
@@ -48,7 +52,7 @@ Rows file_under_rows(std::size_t items, std::size_t rows, const RowsOf& rows_of)
     for (std::size_t i = begin; i < end; ++i)
       rows_of(i, [&](std::size_t r) {
         const std::int64_t at = end_of(r).fetch_sub(1, std::memory_order_relaxed) - 1;
-        filed.items[static_cast<std::size_t>(at)] = static_cast<std::int64_t>(i);
+        filed.items[static_cast<std::size_t>(at)] = static_cast<std::uint32_t>(i);
       });
   });
   if (rows == 0) return filed;

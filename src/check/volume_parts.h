@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <string>
 #include <vector>
 
@@ -9,12 +10,12 @@
 
 namespace tetropolis {
 
-/// Unused vertices, coordinates that are not finite, vertices at the same place (they would hide
-/// cracks).
-void check_vertices(const TetMesh& mesh, VolumeCheck& check);
+/// Volume and shape of every cell. Returns for each vertex whether a cell has it.
+std::vector<std::uint8_t> measure_cells(const TetMesh& mesh, VolumeCheck& check);
 
-/// Volume and shape of every cell.
-void measure_cells(const TetMesh& mesh, VolumeCheck& check);
+/// Vertices without cells, coordinates that are not finite, vertices at the same place (they would
+/// hide cracks).
+void check_vertices(const TetMesh& mesh, const std::vector<std::uint8_t>& used, VolumeCheck& check);
 
 /// Matches faces: one or two cells each, two on different sides; shape of those with two cells.
 void match_faces(const TetMesh& mesh, VolumeCheck& check, const Progress& progress);

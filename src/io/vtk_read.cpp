@@ -104,11 +104,17 @@ std::vector<std::array<Index, Corners>> read_cells(const VtkInput& file) {
   if (wrong.any())
     file.fail("cell " + std::to_string(wrong.value()) + " does not have " +
               std::to_string(Corners) + " vertices");
-  auto cells = read_rows<Corners, Index>(file, array, file.cells());
-  parallel_chunks(cells.size(), 1 << 16, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t c = begin; c < end; ++c)
-      for (const Index v : cells[c])
-        if (v < 0 || static_cast<std::uint64_t>(v) >= file.points()) wrong.note(c);
+  std::vector<std::array<Index, Corners>> cells(file.cells());
+  const auto points = static_cast<std::int64_t>(file.points());
+  file.read(array, [&](std::uint64_t first, auto values) {
+    std::uint64_t cell = first / Corners, corner = first % Corners;
+    for (const auto value : values) {
+      cells[cell][corner] = to<Index>(file, array, value);
+      if (cells[cell][corner] < 0 || cells[cell][corner] >= points) wrong.note(cell);
+      if (++corner < Corners) continue;
+      corner = 0;
+      ++cell;
+    }
   });
   if (!wrong.any()) return cells;
   for (const Index v : cells[wrong.value()])
