@@ -87,7 +87,9 @@ double plan_area(const GroundMesh& ground) {
 SolverReport solve_laplace(const LayeredMesh& mesh, std::vector<float>& u,
                            const LaplaceOptions& options, const Progress& progress) {
   const bool uniform = options.fixed_top && mesh.layers > 1 && is_uniform(mesh);
-  auto [matrix, weights] = assemble_stiffness(mesh, uniform);
+  Stiffness stiffness = assemble_stiffness(mesh, uniform);
+  auto& matrix = stiffness.matrix;
+  auto& weights = stiffness.weights;
   matrix.given_top = options.fixed_top;
   PaddedFloats r = complete_diagonal(mesh, u, matrix);
   SolverReport report;
