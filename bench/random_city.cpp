@@ -10,7 +10,6 @@
 #include "tetropolis/ground/mesh_ground.h"
 #include "tetropolis/terrain/dtm.h"
 #include "tetropolis/volume/fill_columns.h"
-#include "tetropolis/volume/ground_heights.h"
 #include "tetropolis/volume/smooth.h"
 
 namespace tetropolis {
@@ -53,18 +52,13 @@ const CityInput& random_city_input(std::int64_t buildings, double size) {
 }
 
 ColumnMesh columns_over(const CityInput& input, GroundMesh ground, double mesh_size) {
-  const auto owner = vertex_buildings(ground);
-  const std::vector<double> spacing = column_spacing(ground);
-  const std::vector<double> wall(ground.vertices.size(), 1.0);
-  const GroundHeights heights = ground_heights(ground, owner, input.roofs, input.dtm, 1, wall);
-  const std::vector<double> rise = ground_rise(ground, heights.z);
-  const double highest = *std::max_element(input.dtm.values.begin(), input.dtm.values.end());
-  const LayerPlan plan = plan_layers(heights.z, input.roofs, highest, 100, mesh_size);
-  const std::vector<double> top(ground.vertices.size(), plan.top);
-  const ColumnEnds ends{heights.z, owner, input.roofs, top, spacing, rise};
+  ColumnPlanOptions options;
+  options.layer_height = mesh_size;
+  const ColumnPlan plan =
+      plan_columns(ground, input.dtm, input.roofs, column_spacing(ground), options);
   EdgeGraph edges = build_edge_graph(ground);
-  ColumnMesh mesh = divide_columns(std::move(ground), std::move(edges), ends);
-  place_nodes(mesh, ends);
+  ColumnMesh mesh = divide_columns(std::move(ground), std::move(edges), plan);
+  place_nodes(mesh, plan);
   return mesh;
 }
 

@@ -122,7 +122,7 @@ class DefectFinder {
   DefectFinder(std::span<const Polygon> polygons, std::size_t limit)
       : polygons_(polygons), limit_(limit) {}
 
-  std::vector<Defect> run() {
+  std::vector<FootprintDefect> run() {
     check_rings();
     if (!defects_.empty()) return std::move(defects_);
     edges_ = edges_of(steps_);
@@ -133,7 +133,7 @@ class DefectFinder {
   }
 
  private:
-  void report(DefectKind kind, RingFeature first, RingFeature second, Point2 at,
+  void report(FootprintDefectKind kind, RingFeature first, RingFeature second, Point2 at,
               std::string_view what) {
     if (defects_.size() >= limit_) return;
     defects_.push_back({kind, first, second, at,
@@ -153,27 +153,28 @@ class DefectFinder {
   std::vector<Polygon> steps_;
   Edges edges_;
   EdgeGrid index_;
-  std::vector<Defect> defects_;
+  std::vector<FootprintDefect> defects_;
 };
 
 bool DefectFinder::check_ring(const Ring& ring, std::int32_t polygon, std::int32_t number) {
   if (ring.size() < 3) {
-    report(DefectKind::kTooFewVertices, {polygon, number, 0}, {}, ring.empty() ? Point2{} : ring[0],
-           "fewer than three vertices");
+    report(FootprintDefectKind::kTooFewVertices, {polygon, number, 0}, {},
+           ring.empty() ? Point2{} : ring[0], "fewer than three vertices");
     return false;
   }
   for (std::size_t i = 0; i < ring.size(); ++i) {
     const RingFeature feature{polygon, number, static_cast<std::int32_t>(i)};
     const Point2 p = ring[i];
     if (!(std::abs(p.x) <= grid::kMaxCoordinate && std::abs(p.y) <= grid::kMaxCoordinate)) {
-      report(DefectKind::kNotFinite, feature, {}, p, "coordinate not finite or beyond 1e9 m");
+      report(FootprintDefectKind::kNotFinite, feature, {}, p,
+             "coordinate not finite or beyond 1e9 m");
       return false;
     }
     if (snap_coordinate(p) != p)
-      report(DefectKind::kOffGrid, feature, {}, p, "not on the coordinate grid");
+      report(FootprintDefectKind::kOffGrid, feature, {}, p, "not on the coordinate grid");
   }
   if ((signed_area(ring) > 0) != (number == 0))
-    report(DefectKind::kOrientation, {polygon, number, 0}, {}, ring[0],
+    report(FootprintDefectKind::kOrientation, {polygon, number, 0}, {}, ring[0],
            number == 0 ? "outer ring not counter-clockwise" : "hole not clockwise");
   return true;
 }
@@ -201,8 +202,8 @@ void DefectFinder::check_pair(std::int32_t e, std::int32_t f) {
     bad = grid::segments_touch(a, b, c, d);
   }
   if (bad)
-    report(DefectKind::kRingsTouch, edges_.feature[Edges::at(e)], edges_.feature[Edges::at(f)],
-           grid::to_metres(a),
+    report(FootprintDefectKind::kRingsTouch, edges_.feature[Edges::at(e)],
+           edges_.feature[Edges::at(f)], grid::to_metres(a),
            fmt::format("its edge crosses or touches the edge of polygon {}, ring {}, vertex {}",
                        edges_.feature[Edges::at(f)].polygon, edges_.feature[Edges::at(f)].ring,
                        edges_.feature[Edges::at(f)].index));
@@ -267,16 +268,17 @@ void DefectFinder::check_nesting() {
     const RingFeature around = e >= 0 ? edges_.feature[Edges::at(e)] : RingFeature{};
     const Point2 at = grid::to_metres(edges_.start[Edges::at(leftmost)]);
     if (ring.ring == 0 && enclosed)
-      report(DefectKind::kPolygonsOverlap, first, around, at,
+      report(FootprintDefectKind::kPolygonsOverlap, first, around, at,
              fmt::format("inside polygon {}", around.polygon));
     if (ring.ring != 0 && !(enclosed && around.polygon == ring.polygon))
-      report(DefectKind::kHoleOutside, first, around, at, "hole not inside its polygon");
+      report(FootprintDefectKind::kHoleOutside, first, around, at, "hole not inside its polygon");
   }
 }
 
 }  // namespace
 
-std::vector<Defect> footprint_defects(std::span<const Polygon> polygons, std::size_t limit) {
+std::vector<FootprintDefect> footprint_defects(std::span<const Polygon> polygons,
+                                               std::size_t limit) {
   return DefectFinder(polygons, limit).run();
 }
 

@@ -19,7 +19,6 @@
 #include "tetropolis/io/xdmf.h"
 #include "tetropolis/volume/boundary.h"
 #include "tetropolis/volume/fill_columns.h"
-#include "tetropolis/volume/ground_heights.h"
 #include "tetropolis/volume/quality.h"
 #include "tetropolis/volume/smooth.h"
 
@@ -34,22 +33,22 @@ namespace {
 /// More layers than this come from a stray point or a slip of the keyboard.
 constexpr std::int32_t kMostLayers = 5000;
 
-/// `highest`: of the terrain.
-void require_plausible(const LayerPlan& plan, double highest) {
+void require_plausible(const LayerPlan& plan, double domain_height) {
   if (plan.layers <= kMostLayers) return;
   throw Error(ErrorKind::kUsage,
               fmt::format("the mesh would have {} layers between the mean ground at {:.1f} m and "
                           "the top at {:.1f} m (highest ground {:.1f} m, a stray point?); raise "
                           "--mesh-size or --layer-height, or lower --domain-height",
-                          plan.layers, plan.bottom, plan.top, highest));
+                          plan.layers, plan.bottom, plan.top, plan.top - domain_height));
 }
 
-/// About the nodes that columns will have, before they are made.
-double count_nodes(const ColumnEnds& ends) {
-  double nodes = 0;
-  for (std::size_t v = 0; v < ends.top.size(); ++v)
-    nodes += 1 + (ends.top[v] - ends.ground[v]) / ends.spacing[v];
-  return nodes;
+/// About the cells that columns will have, before they are made: every segment makes a tet in each
+/// of the about six triangles around it.
+double estimate_cells(const ColumnPlan& plan) {
+  double cells = 0;
+  for (std::size_t v = 0; v < plan.top.size(); ++v)
+    cells += 6 * (1 + (plan.top[v] - plan.ground[v]) / plan.spacing[v]);
+  return cells;
 }
 
 GroundMesh make_ground(const Config& config, const CityModel& city, StepClock& clock,
@@ -79,47 +78,50 @@ void keep_solver(const std::string& step, const SmoothReport& smooth, Report& re
              step, solver.relative_residual, solver.iterations)});
 }
 
-/// What steps 3.2 to 3.5 work from.
-struct ColumnInput {
-  std::vector<double> roofs;
-  std::vector<BuildingIndex> owner;
-  GroundHeights heights;
-  LayerPlan plan;
-};
-
-/// `wall`: see ground_heights.
-void plan_height(const Config& config, const GroundMesh& ground, const Raster& dtm,
-                 const std::vector<double>& wall, ColumnInput& input, Report& report) {
-  input.owner = vertex_buildings(ground);
-  input.heights =
-      ground_heights(ground, input.owner, input.roofs, dtm, config.min_wall_height, wall);
-  const double highest = *std::max_element(dtm.values.begin(), dtm.values.end());
-  const bool uniform = config.layering == "uniform" && config.layer_height > 0;
-  input.plan = plan_layers(input.heights.z, input.roofs, highest, config.domain_height,
-                           uniform ? config.layer_height : config.mesh_size);
-  require_plausible(input.plan, highest);
-  VolumeMeshReport& volume = *report.volume_mesh;
-  volume.layers = input.plan.layers;
-  volume.top = input.plan.top;
-  volume.ground_lowered = input.heights.lowered;
-  if (input.plan.raised)
-    report.warnings.push_back(
-        {"domain_raised", 1,
-         fmt::format("the top was raised to {:.1f} m to clear the highest roof", input.plan.top)});
-  if (input.heights.lowered > 0)
-    report.warnings.push_back({"ground_lowered", input.heights.lowered,
-                               "ground vertices at walls were lowered to stay below their roof"});
+std::vector<double> spacing_of(const Config& config, const GroundMesh& ground) {
+  std::vector<double> spacing = column_spacing(ground);
+  if (config.layer_height > 0)
+    for (double& s : spacing) s = std::min(s, config.layer_height);
+  return spacing;
 }
 
-/// Steps 3.2 to 3.5 as in the paper.
-LayeredMesh make_layers_of_city(const Config& config, const Raster& dtm, GroundMesh ground,
-                                ColumnInput& input, StepClock& clock, Report& report) {
-  LayeredMesh mesh = clock.run("3.2", "layers", [&](const Progress&) {
-    const std::vector<double> wall(ground.vertices.size(), config.min_wall_height);
-    plan_height(config, ground, dtm, wall, input, report);
+/// Heights of ground, roofs and top; tells the report of them.
+ColumnPlan plan_of(const Config& config, const CityModel& city, const Raster& dtm,
+                   const GroundMesh& ground, std::vector<double> spacing, Report& report) {
+  std::vector<double> roofs;
+  for (const Building& building : city.buildings) roofs.push_back(building.h_roof);
+  const bool uniform = config.layering == "uniform";
+  ColumnPlanOptions options;
+  options.domain_height = config.domain_height;
+  options.layer_height =
+      uniform && config.layer_height > 0 ? config.layer_height : config.mesh_size;
+  options.minimum_wall = config.min_wall_height;
+  if (uniform) options.lowered_wall_share = 0;
+  ColumnPlan plan = plan_columns(ground, dtm, std::move(roofs), std::move(spacing), options);
+  require_plausible(plan.layers, config.domain_height);
+  VolumeMeshReport& volume = report.volume_mesh.emplace();
+  volume.layers = plan.layers.layers;
+  volume.top = plan.layers.top;
+  volume.ground_lowered = plan.lowered;
+  if (plan.layers.raised)
+    report.warnings.push_back(
+        {"domain_raised", 1,
+         fmt::format("the top was raised to {:.1f} m to clear the highest roof", plan.layers.top)});
+  if (plan.lowered > 0)
+    report.warnings.push_back({"ground_lowered", plan.lowered,
+                               "ground vertices at walls were lowered to stay below their roof"});
+  return plan;
+}
+
+/// Steps 3.2 to 3.5 as in the paper; with graded columns as far as the top they give.
+ColumnMesh smooth_columns(const Config& config, const CityModel& city, const Raster& dtm,
+                          GroundMesh ground, StepClock& clock, Report& report) {
+  ColumnPlan plan;
+  LayeredMesh layered = clock.run("3.2", "layers", [&](const Progress&) {
+    plan = plan_of(config, city, dtm, ground, spacing_of(config, ground), report);
     const auto triangles = static_cast<double>(ground.triangles.size());
-    require_cells_fit(config, triangles, 3 * triangles * input.plan.layers);
-    return make_layers(std::move(ground), input.plan.layers, input.plan.bottom, input.plan.top);
+    require_cells_fit(config, triangles, 3 * triangles * plan.layers.layers);
+    return make_layers(std::move(ground), plan.layers.layers, plan.layers.bottom, plan.layers.top);
   });
   SmoothOptions options;
   options.laplace.tolerance = config.solver_tolerance;
@@ -128,81 +130,47 @@ LayeredMesh make_layers_of_city(const Config& config, const Raster& dtm, GroundM
   options.gap_share = config.min_gap_share;
   const SmoothReport to_ground =
       clock.run("3.3", "smooth to ground", [&](const Progress& progress) {
-        return smooth_to_ground(mesh, input.heights.z, options, progress);
+        return smooth_to_ground(layered, plan.ground, options, progress);
       });
   keep_solver("3.3", to_ground, report);
   clock.run("3.4", "trim buildings",
-            [&](const Progress&) { trim(mesh, input.owner, input.roofs); });
+            [&](const Progress&) { trim(layered, plan.building, plan.roofs); });
   const SmoothReport to_roofs = clock.run("3.5", "smooth to roofs", [&](const Progress& progress) {
-    return smooth_to_roofs(mesh, input.owner, input.roofs, options, progress);
+    return smooth_to_roofs(layered, plan.building, plan.roofs, options, progress);
   });
   keep_solver("3.5", to_roofs, report);
+  if (config.layering == "uniform") return columns_of_layers(std::move(layered));
+  for (std::size_t v = 0; v < plan.top.size(); ++v) plan.top[v] = layered.column(v)[layered.layers];
+  ColumnMesh mesh = divide_columns(std::move(layered.ground), std::move(layered.edges), plan);
+  place_nodes(mesh, plan);
   return mesh;
 }
 
-/// Share of the spacing that a wall is high where the ground was lowered for it.
-constexpr double kLoweredWallShare = 0.6;
-
-std::vector<double> spacing_of(const Config& config, const GroundMesh& ground) {
-  std::vector<double> spacing = column_spacing(ground);
-  if (config.layer_height > 0)
-    for (double& s : spacing) s = std::min(s, config.layer_height);
-  return spacing;
-}
-
-/// Columns spaced by the triangles around them. Their heights follow from ground, roofs and top
-/// directly, so steps 3.3 and 3.5 have nothing to solve.
-ColumnMesh grade_columns(const Config& config, const Raster& dtm, GroundMesh ground,
-                         ColumnInput& input, StepClock& clock, Report& report) {
-  std::vector<double> spacing, rise, top;
-  clock.run("3.2", "spacing of columns",
-            [&](const Progress&) { spacing = spacing_of(config, ground); });
-  clock.run("3.3", "ground and top", [&](const Progress&) {
-    std::vector<double> wall(spacing);
-    for (double& w : wall) w = std::max(kLoweredWallShare * w, config.min_wall_height);
-    plan_height(config, ground, dtm, wall, input, report);
-    rise = ground_rise(ground, input.heights.z);
-    top.assign(ground.vertices.size(), input.plan.top);
+/// Steps 3.2 to 3.5 with columns spaced by the triangles around them. Their heights follow from
+/// ground, roofs and top directly, so 3.3 and 3.5 have nothing to solve.
+ColumnMesh grade_columns(const Config& config, const CityModel& city, const Raster& dtm,
+                         GroundMesh ground, StepClock& clock, Report& report) {
+  std::vector<double> spacing = clock.run(
+      "3.2", "spacing of columns", [&](const Progress&) { return spacing_of(config, ground); });
+  const ColumnPlan plan = clock.run("3.3", "ground and top", [&](const Progress&) {
+    return plan_of(config, city, dtm, ground, std::move(spacing), report);
   });
-  const ColumnEnds ends{input.heights.z, input.owner, input.roofs, top, spacing, rise};
   ColumnMesh mesh = clock.run("3.4", "divide columns, trim buildings", [&](const Progress&) {
-    // Every segment makes a tet in each of the about six triangles around it.
-    require_cells_fit(config, static_cast<double>(ground.triangles.size()), 6 * count_nodes(ends));
+    require_cells_fit(config, static_cast<double>(ground.triangles.size()), estimate_cells(plan));
     EdgeGraph edges = build_edge_graph(ground);
-    return divide_columns(std::move(ground), std::move(edges), ends);
+    return divide_columns(std::move(ground), std::move(edges), plan);
   });
-  clock.run("3.5", "place nodes", [&](const Progress&) { place_nodes(mesh, ends); });
+  clock.run("3.5", "place nodes", [&](const Progress&) { place_nodes(mesh, plan); });
   for (const char* step : {"3.3", "3.5"}) report.solver.push_back({step, 0, 0, 0.0, true});
-  return mesh;
-}
-
-/// As grade_columns, up to the top that the Laplace problems of the uniform layers give.
-ColumnMesh grade_below_free_top(LayeredMesh&& layered, const Config& config,
-                                const ColumnInput& input) {
-  const std::vector<double> spacing = spacing_of(config, layered.ground);
-  const std::vector<double> rise = ground_rise(layered.ground, input.heights.z);
-  std::vector<double> top(layered.vertex_count());
-  for (std::size_t v = 0; v < top.size(); ++v) top[v] = layered.column(v)[layered.layers];
-  const ColumnEnds ends{input.heights.z, input.owner, input.roofs, top, spacing, rise};
-  ColumnMesh mesh = divide_columns(std::move(layered.ground), std::move(layered.edges), ends);
-  place_nodes(mesh, ends);
   return mesh;
 }
 
 /// Steps 3.2 to 3.5.
 ColumnMesh make_columns_of_city(const Config& config, const CityModel& city, const Raster& dtm,
                                 GroundMesh ground, StepClock& clock, Report& report) {
-  ColumnInput input;
-  for (const Building& building : city.buildings) input.roofs.push_back(building.h_roof);
-  report.volume_mesh.emplace();
-  ColumnMesh mesh;
-  if (config.layering == "graded" && config.top == "flat") {
-    mesh = grade_columns(config, dtm, std::move(ground), input, clock, report);
-  } else {
-    LayeredMesh layered = make_layers_of_city(config, dtm, std::move(ground), input, clock, report);
-    mesh = config.layering == "graded" ? grade_below_free_top(std::move(layered), config, input)
-                                       : columns_of_layers(std::move(layered));
-  }
+  const bool solves = config.layering == "uniform" || config.top == "free";
+  const auto make = solves ? smooth_columns : grade_columns;
+  ColumnMesh mesh = make(config, city, dtm, std::move(ground), clock, report);
   report.volume_mesh->min_vertical_gap = require_valid(mesh);
   return mesh;
 }

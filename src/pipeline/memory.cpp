@@ -18,8 +18,8 @@ namespace {
 constexpr double kProgram = 65e6;
 constexpr double kPerTriangle = 600;
 constexpr double kPerCell = 2;
-/// Of the solver, with uniform layers: heights as doubles and thirteen floats a node.
-constexpr double kPerSolverNode = 8 + 13 * 4;
+/// Of the solver, with uniform layers: heights as doubles and eighteen floats a node.
+constexpr double kPerSolverNode = 8 + 18 * 4;
 
 double bytes_of(const Config& config, double triangles, double cells, double terrain_nodes) {
   double bytes = kProgram + 8 * terrain_nodes + kPerTriangle * triangles + kPerCell * cells;

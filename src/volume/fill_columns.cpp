@@ -9,6 +9,7 @@
 
 #include "tetropolis/core/error.h"
 #include "tetropolis/core/parallel.h"
+#include "tetropolis/volume/ground_heights.h"
 
 namespace tetropolis {
 
@@ -44,35 +45,35 @@ void require_rise(double low, double high, std::size_t v, const char* what) {
 
 /// Whether the piece of the column that begins at the ground and is `height` high begins with the
 /// two segments of a cliff's foot.
-bool is_foot(const ColumnEnds& ends, std::size_t v, double height) {
-  return kFootShare * ends.rise[v] > ends.spacing[v] && ends.rise[v] + ends.spacing[v] / 2 < height;
+bool is_foot(const ColumnPlan& plan, std::size_t v, double height) {
+  return kFootShare * plan.rise[v] > plan.spacing[v] && plan.rise[v] + plan.spacing[v] / 2 < height;
 }
 
-std::int32_t even_segments(const ColumnEnds& ends, std::size_t v, double height) {
-  return static_cast<std::int32_t>(std::max(1.0, std::round(height / ends.spacing[v])));
+std::int32_t even_segments(const ColumnPlan& plan, std::size_t v, double height) {
+  return static_cast<std::int32_t>(std::max(1.0, std::round(height / plan.spacing[v])));
 }
 
 /// Segments of a piece that begins at the ground.
-std::int32_t ground_segments(const ColumnEnds& ends, std::size_t v, double height) {
-  if (!is_foot(ends, v, height)) return even_segments(ends, v, height);
-  return 2 + even_segments(ends, v, height - ends.rise[v]);
+std::int32_t ground_segments(const ColumnPlan& plan, std::size_t v, double height) {
+  if (!is_foot(plan, v, height)) return even_segments(plan, v, height);
+  return 2 + even_segments(plan, v, height - plan.rise[v]);
 }
 
-Division divide(const ColumnEnds& ends, std::size_t v, bool outside) {
+Division divide(const ColumnPlan& plan, std::size_t v, bool outside) {
   Division division;
-  const double ground = ends.ground[v], top = ends.top[v];
-  if (ends.building[v] == kNoBuilding) {
+  const double ground = plan.ground[v], top = plan.top[v];
+  if (plan.building[v] == kNoBuilding) {
     require_rise(ground, top, v, "the top is not above the ground");
-    division.above = ground_segments(ends, v, top - ground);
+    division.above = ground_segments(plan, v, top - ground);
     return division;
   }
-  const double roof = ends.roofs[static_cast<std::size_t>(ends.building[v])];
+  const double roof = plan.roofs[static_cast<std::size_t>(plan.building[v])];
   if (outside) {
     require_rise(ground, roof, v, "the roof is not above the ground");
-    division.below_roof = ground_segments(ends, v, roof - ground);
+    division.below_roof = ground_segments(plan, v, roof - ground);
   }
   require_rise(roof, top, v, "the top is not above the roof");
-  division.above = even_segments(ends, v, top - roof);
+  division.above = even_segments(plan, v, top - roof);
   return division;
 }
 
@@ -83,13 +84,13 @@ double* spread(double* z, double low, double high, std::int32_t count) {
 }
 
 /// Likewise for a piece that begins at the ground.
-double* spread_from_ground(double* z, const ColumnEnds& ends, std::size_t v, double high,
+double* spread_from_ground(double* z, const ColumnPlan& plan, std::size_t v, double high,
                            std::int32_t count) {
-  const double ground = ends.ground[v];
-  if (!is_foot(ends, v, high - ground)) return spread(z, ground, high, count);
+  const double ground = plan.ground[v];
+  if (!is_foot(plan, v, high - ground)) return spread(z, ground, high, count);
   *z++ = ground;
-  *z++ = ground + kFootShare * ends.rise[v];
-  return spread(z, ground + ends.rise[v], high, count - 2);
+  *z++ = ground + kFootShare * plan.rise[v];
+  return spread(z, ground + plan.rise[v], high, count - 2);
 }
 
 }  // namespace
@@ -137,7 +138,27 @@ std::vector<double> column_spacing(const GroundMesh& ground) {
   return spacing;
 }
 
-ColumnMesh divide_columns(GroundMesh ground, EdgeGraph edges, const ColumnEnds& ends) {
+ColumnPlan plan_columns(const GroundMesh& mesh, const Raster& dtm, std::vector<double> roofs,
+                        std::vector<double> spacing, const ColumnPlanOptions& options) {
+  ColumnPlan plan;
+  plan.roofs = std::move(roofs);
+  plan.spacing = std::move(spacing);
+  plan.building = vertex_buildings(mesh);
+  std::vector<double> wall(plan.spacing);
+  for (double& w : wall) w = std::max(options.lowered_wall_share * w, options.minimum_wall);
+  GroundHeights heights =
+      ground_heights(mesh, plan.building, plan.roofs, dtm, options.minimum_wall, wall);
+  plan.ground = std::move(heights.z);
+  plan.lowered = heights.lowered;
+  plan.rise = ground_rise(mesh, plan.ground);
+  const double highest = *std::max_element(dtm.values.begin(), dtm.values.end());
+  plan.layers =
+      plan_layers(plan.ground, plan.roofs, highest, options.domain_height, options.layer_height);
+  plan.top.assign(mesh.vertices.size(), plan.layers.top);
+  return plan;
+}
+
+ColumnMesh divide_columns(GroundMesh ground, EdgeGraph edges, const ColumnPlan& plan) {
   ColumnMesh mesh;
   mesh.ground = std::move(ground);
   mesh.edges = std::move(edges);
@@ -147,8 +168,8 @@ ColumnMesh divide_columns(GroundMesh ground, EdgeGraph edges, const ColumnEnds& 
   mesh.first.assign(vertices + 1, 0);
   parallel_chunks(vertices, kColumnsPerChunk, [&](std::size_t begin, std::size_t end) {
     for (std::size_t v = begin; v < end; ++v) {
-      const Division division = divide(ends, v, outside[v] != 0);
-      if (ends.building[v] != kNoBuilding) mesh.roof[v] = division.below_roof;
+      const Division division = divide(plan, v, outside[v] != 0);
+      if (plan.building[v] != kNoBuilding) mesh.roof[v] = division.below_roof;
       mesh.first[v + 1] = division.below_roof + division.above + 1;
     }
   });
@@ -157,21 +178,21 @@ ColumnMesh divide_columns(GroundMesh ground, EdgeGraph edges, const ColumnEnds& 
   return mesh;
 }
 
-void place_nodes(ColumnMesh& mesh, const ColumnEnds& ends) {
+void place_nodes(ColumnMesh& mesh, const ColumnPlan& plan) {
   parallel_chunks(mesh.vertex_count(), kColumnsPerChunk, [&](std::size_t begin, std::size_t end) {
     for (std::size_t v = begin; v < end; ++v) {
       double* z = mesh.z.data() + mesh.first[v];
       const auto segments =
           static_cast<std::int32_t>(mesh.top(static_cast<VertexIndex>(v)) - mesh.first[v]);
       const std::int32_t roof = std::max(mesh.roof[v], 0);
-      if (ends.building[v] == kNoBuilding) {
-        z = spread_from_ground(z, ends, v, ends.top[v], segments);
+      if (plan.building[v] == kNoBuilding) {
+        z = spread_from_ground(z, plan, v, plan.top[v], segments);
       } else {
-        const double height = ends.roofs[static_cast<std::size_t>(ends.building[v])];
-        if (roof > 0) z = spread_from_ground(z, ends, v, height, roof);
-        z = spread(z, height, ends.top[v], segments - roof);
+        const double height = plan.roofs[static_cast<std::size_t>(plan.building[v])];
+        if (roof > 0) z = spread_from_ground(z, plan, v, height, roof);
+        z = spread(z, height, plan.top[v], segments - roof);
       }
-      *z = ends.top[v];
+      *z = plan.top[v];
     }
   });
 }

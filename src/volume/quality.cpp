@@ -37,10 +37,6 @@ std::size_t quantile_bin(const std::vector<std::int64_t>& bins, std::int64_t tot
   return bins.size() - 1;
 }
 
-}  // namespace
-
-namespace {
-
 /// A tet's shape before the angles are taken.
 struct TetCosines {
   double volume;
@@ -334,22 +330,25 @@ double altitude(const Point3& a, const Point3& b, const Point3& c) {
   return std::abs(e0[0] * e1[1] - e0[1] * e1[0]) / longest;
 }
 
-/// What makes a bad cell, from its nodes: p[3] is above one of the others.
+/// What makes a bad cell over triangle t, from its nodes: p[3] is above one of the others.
 std::string_view cause_of(const ColumnMesh& mesh, std::size_t t,
                           const std::array<NodeIndex, 4>& nodes, const std::array<Point3, 4>& p) {
   const auto& v = mesh.ground.triangles[t];
   const double least = altitude(p[0], p[1], p[2]);
-  double low = p[0][2], high = p[0][2];
-  bool at_floor = true, at_roof_or_wall = false;
+  double low = std::numeric_limits<double>::infinity(), high = -low;
+  bool at_floor = true, at_building = false;
   for (std::size_t i = 0; i < 3; ++i) {
-    low = std::min(low, p[i][2]);
-    high = std::max(high, p[i][2]);
-    at_floor = at_floor && nodes[i] <= mesh.floor(t, v[i]) + 1;
-    at_roof_or_wall = at_roof_or_wall || mesh.roof[static_cast<std::size_t>(v[i])] != kNoRoof;
+    const NodeIndex floor = mesh.floor(t, v[i]);
+    low = std::min(low, mesh.z[static_cast<std::size_t>(floor)]);
+    high = std::max(high, mesh.z[static_cast<std::size_t>(floor)]);
+    at_floor = at_floor && nodes[i] <= floor + 1;
+    at_building = at_building || mesh.roof[static_cast<std::size_t>(v[i])] != kNoRoof;
   }
-  const double edge = p[3][2] - std::min({p[0][2], p[1][2], p[2][2]});
+  const auto below =
+      static_cast<std::size_t>(std::find(nodes.begin(), nodes.end(), nodes[3] - 1) - nodes.begin());
+  const double edge = p[3][2] - p[below][2];
   if (at_floor && high - low > least) return "steep ground";
-  if (at_floor && at_roof_or_wall && edge < least) return "low wall";
+  if (at_floor && at_building && edge < least) return "low wall";
   if (edge > 2 * least) return "small detail";
   return "change of size";
 }

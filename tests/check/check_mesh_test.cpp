@@ -66,7 +66,7 @@ TEST_F(CheckMesh, PassesAGoodMeshAndAgreesWithTheGeneratorsMeasures) {
   EXPECT_TRUE(check_same_boundary(mesh, check, surface).empty());
   const HeightsCheck heights = check_heights(surface, {0, 0, 0}, city.city.dtm, model);
   EXPECT_TRUE(heights.violations.empty()) << names(heights.violations);
-  EXPECT_LE(heights.lowered, city.heights.lowered);
+  EXPECT_LE(heights.lowered, city.plan.lowered);
 }
 
 TEST_F(CheckMesh, SeesInvertedCells) {

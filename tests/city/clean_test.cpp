@@ -26,7 +26,7 @@ Polygon clean(const Polygon& raw, bool repaired = false) {
   const CleanedFootprint result = clean_footprint(raw);
   EXPECT_EQ(result.reason, "");
   EXPECT_EQ(result.repaired, repaired);
-  for (const Defect& defect : footprint_defects(std::vector{result.polygon}))
+  for (const FootprintDefect& defect : footprint_defects(std::vector{result.polygon}))
     ADD_FAILURE() << defect.message;
   EXPECT_EQ(clean_footprint(result.polygon).polygon, result.polygon);
   return result.polygon;

@@ -92,9 +92,9 @@ TEST(JointClearance, EqualsBruteForce) {
   }
 }
 
-std::vector<DefectKind> kinds(const std::vector<Polygon>& polygons) {
-  std::vector<DefectKind> result;
-  for (const Defect& defect : footprint_defects(polygons)) result.push_back(defect.kind);
+std::vector<FootprintDefectKind> kinds(const std::vector<Polygon>& polygons) {
+  std::vector<FootprintDefectKind> result;
+  for (const FootprintDefect& defect : footprint_defects(polygons)) result.push_back(defect.kind);
   return result;
 }
 
@@ -106,30 +106,34 @@ TEST(FootprintDefects, NoneInValidFootprints) {
 }
 
 TEST(FootprintDefects, FindsEachKind) {
-  EXPECT_EQ(kinds({{{{0, 0}, {1, 0}}, {}}}), std::vector{DefectKind::kTooFewVertices});
-  EXPECT_EQ(kinds({{{{0, 0}, {1, 0}, {0, NAN}}, {}}}), std::vector{DefectKind::kNotFinite});
-  EXPECT_EQ(kinds({{{{0, 0}, {1, 0}, {0, 1.00001}}, {}}}), std::vector{DefectKind::kOffGrid});
-  EXPECT_EQ(kinds({{{{0, 0}, {0, 1}, {1, 0}}, {}}}), std::vector{DefectKind::kOrientation});
+  EXPECT_EQ(kinds({{{{0, 0}, {1, 0}}, {}}}), std::vector{FootprintDefectKind::kTooFewVertices});
+  EXPECT_EQ(kinds({{{{0, 0}, {1, 0}, {0, NAN}}, {}}}),
+            std::vector{FootprintDefectKind::kNotFinite});
+  EXPECT_EQ(kinds({{{{0, 0}, {1, 0}, {0, 1.00001}}, {}}}),
+            std::vector{FootprintDefectKind::kOffGrid});
+  EXPECT_EQ(kinds({{{{0, 0}, {0, 1}, {1, 0}}, {}}}),
+            std::vector{FootprintDefectKind::kOrientation});
   Polygon hole_turned = box(0, 0, 9, 9);
   hole_turned.holes.push_back(box(2, 2, 3, 3).outer);
-  EXPECT_EQ(kinds({hole_turned}), std::vector{DefectKind::kOrientation});
+  EXPECT_EQ(kinds({hole_turned}), std::vector{FootprintDefectKind::kOrientation});
   // Crosses itself, though its area is positive.
   EXPECT_EQ(kinds({{{{0, 0}, {10, 0}, {10, 10}, {4, -2}}, {}}}),
-            std::vector{DefectKind::kRingsTouch});
+            std::vector{FootprintDefectKind::kRingsTouch});
   // Turns back upon itself.
   EXPECT_FALSE(footprint_defects(
                    std::vector<Polygon>{{{{0, 0}, {10, 0}, {10, 5}, {10, 9}, {10, 5}, {0, 5}}, {}}})
                    .empty());
   // Two that share a corner only.
   EXPECT_FALSE(footprint_defects(std::vector{box(0, 0, 5, 5), box(5, 5, 5, 5)}).empty());
-  EXPECT_EQ(kinds({box(0, 0, 20, 20), box(5, 5, 4, 4)}), std::vector{DefectKind::kPolygonsOverlap});
+  EXPECT_EQ(kinds({box(0, 0, 20, 20), box(5, 5, 4, 4)}),
+            std::vector{FootprintDefectKind::kPolygonsOverlap});
   Polygon hole_outside = box(0, 0, 9, 9);
   hole_outside.holes.push_back(clockwise_box(20, 2, 3, 3));
-  EXPECT_EQ(kinds({hole_outside}), std::vector{DefectKind::kHoleOutside});
+  EXPECT_EQ(kinds({hole_outside}), std::vector{FootprintDefectKind::kHoleOutside});
   Polygon hole_in_hole = box(0, 0, 20, 20);
   hole_in_hole.holes.push_back(clockwise_box(2, 2, 10, 10));
   hole_in_hole.holes.push_back(clockwise_box(4, 4, 3, 3));
-  EXPECT_EQ(kinds({hole_in_hole}), std::vector{DefectKind::kHoleOutside});
+  EXPECT_EQ(kinds({hole_in_hole}), std::vector{FootprintDefectKind::kHoleOutside});
 }
 
 TEST(FootprintDefects, NestingWhereEdgesMeetAtTheRay) {

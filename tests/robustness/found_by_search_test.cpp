@@ -18,7 +18,7 @@ namespace {
 Polygon clean(const Polygon& raw) {
   const CleanedFootprint result = clean_footprint(raw);
   EXPECT_EQ(result.reason, "");
-  for (const Defect& defect : footprint_defects(std::vector{result.polygon}))
+  for (const FootprintDefect& defect : footprint_defects(std::vector{result.polygon}))
     ADD_FAILURE() << defect.message;
   EXPECT_EQ(clean_footprint(result.polygon).polygon.outer, result.polygon.outer);
   EXPECT_EQ(clean_footprint(result.polygon).polygon.holes, result.polygon.holes);

@@ -1,8 +1,8 @@
 // A few buildings on hills, meshed: what the volume tests work on.
 #pragma once
 
-#include <algorithm>
 #include <array>
+#include <cmath>
 #include <functional>
 #include <utility>
 #include <vector>
@@ -11,7 +11,6 @@
 #include "tetropolis/terrain/raster.h"
 #include "tetropolis/volume/column_mesh.h"
 #include "tetropolis/volume/fill_columns.h"
-#include "tetropolis/volume/ground_heights.h"
 #include "tetropolis/volume/smooth.h"
 
 namespace tetropolis::testing {
@@ -62,29 +61,41 @@ inline double hills(double x, double y) {
   return 100 + 20 / (1 + dx * dx + dy * dy);
 }
 
+/// Terrains that leave inverted cells with plain smoothing.
+inline const std::vector<std::pair<const char*, double (*)(double, double)>> kHardTerrains = {
+    {"flat", [](double, double) { return -5.0; }},
+    {"hills", hills},
+    {"45 degrees", [](double x, double) { return x; }},
+    {"quarry", [](double x, double) { return x < 45 ? 0.0 : 20.0; }},
+    {"mountains",
+     [](double x, double y) { return 2500 + 25 * std::sin(x / 7) * std::sin(y / 9); }}};
+
+inline ColumnPlan plan_of(const SmallCity& city, const GroundMesh& ground, double mesh_size) {
+  ColumnPlanOptions options;
+  options.domain_height = 80;
+  options.layer_height = mesh_size;
+  return plan_columns(ground, city.dtm, city.roofs, column_spacing(ground), options);
+}
+
 /// Steps 3.1 to 3.5 with uniform layers.
 struct LayeredCity {
   SmallCity city;
   LayeredMesh mesh;
-  std::vector<BuildingIndex> owner;
-  GroundHeights heights;
+  ColumnPlan plan;
 };
 
 inline LayeredCity layered(const SmallCity& city, double mesh_size = 8, bool fixed_top = true) {
   LayeredCity result;
   result.city = city;
   GroundMesh ground = mesh_ground(city.footprints, city.domain, {mesh_size, 25});
-  result.owner = vertex_buildings(ground);
-  const std::vector<double> wall(ground.vertices.size(), 1.0);
-  result.heights = ground_heights(ground, result.owner, city.roofs, city.dtm, 1.0, wall);
-  const double highest = *std::max_element(city.dtm.values.begin(), city.dtm.values.end());
-  const LayerPlan plan = plan_layers(result.heights.z, city.roofs, highest, 80, mesh_size);
-  result.mesh = make_layers(std::move(ground), plan.layers, plan.bottom, plan.top);
+  result.plan = plan_of(city, ground, mesh_size);
+  const LayerPlan& layers = result.plan.layers;
+  result.mesh = make_layers(std::move(ground), layers.layers, layers.bottom, layers.top);
   SmoothOptions options;
   options.laplace.fixed_top = fixed_top;
-  smooth_to_ground(result.mesh, result.heights.z, options);
-  trim(result.mesh, result.owner, city.roofs);
-  smooth_to_roofs(result.mesh, result.owner, city.roofs, options);
+  smooth_to_ground(result.mesh, result.plan.ground, options);
+  trim(result.mesh, result.plan.building, city.roofs);
+  smooth_to_roofs(result.mesh, result.plan.building, city.roofs, options);
   return result;
 }
 
@@ -102,28 +113,17 @@ inline std::array<std::array<std::pair<VertexIndex, std::int32_t>, 4>, 3> prism_
 struct MeshedCity {
   SmallCity city;
   ColumnMesh mesh;
-  std::vector<BuildingIndex> owner;
-  GroundHeights heights;
-  double top = 0;
+  ColumnPlan plan;
 };
 
 inline MeshedCity meshed(const SmallCity& city, double mesh_size = 8) {
   MeshedCity result;
   result.city = city;
   GroundMesh ground = mesh_ground(city.footprints, city.domain, {mesh_size, 25});
-  result.owner = vertex_buildings(ground);
-  const std::vector<double> spacing = column_spacing(ground);
-  std::vector<double> wall(spacing);
-  for (double& w : wall) w = std::max(0.6 * w, 1.0);
-  result.heights = ground_heights(ground, result.owner, city.roofs, city.dtm, 1.0, wall);
-  const std::vector<double> rise = ground_rise(ground, result.heights.z);
-  const double highest = *std::max_element(city.dtm.values.begin(), city.dtm.values.end());
-  result.top = plan_layers(result.heights.z, city.roofs, highest, 80, mesh_size).top;
-  const std::vector<double> top(ground.vertices.size(), result.top);
+  result.plan = plan_of(city, ground, mesh_size);
   EdgeGraph edges = build_edge_graph(ground);
-  const ColumnEnds ends{result.heights.z, result.owner, result.city.roofs, top, spacing, rise};
-  result.mesh = divide_columns(std::move(ground), std::move(edges), ends);
-  place_nodes(result.mesh, ends);
+  result.mesh = divide_columns(std::move(ground), std::move(edges), result.plan);
+  place_nodes(result.mesh, result.plan);
   return result;
 }
 

@@ -15,18 +15,8 @@
 namespace tetropolis {
 namespace {
 
-using Terrain = double (*)(double, double);
-
-const std::vector<std::pair<const char*, Terrain>> kTerrains = {
-    {"flat", [](double, double) { return -5.0; }},
-    {"hills", testing::hills},
-    {"45 degrees", [](double x, double) { return x; }},
-    {"quarry", [](double x, double) { return x < 45 ? 0.0 : 20.0; }},
-    {"mountains",
-     [](double x, double y) { return 2500 + 25 * std::sin(x / 7) * std::sin(y / 9); }}};
-
 TEST(FillColumns, HeightsAreExactAndCellsValidOnAnyTerrain) {
-  for (const auto& [name, terrain] : kTerrains)
+  for (const auto& [name, terrain] : testing::kHardTerrains)
     for (const double size : {12.0, 5.0}) {
       SCOPED_TRACE(std::string(name) + " " + std::to_string(size));
       const auto result = testing::meshed(testing::small_city(terrain), size);
@@ -41,15 +31,16 @@ TEST(FillColumns, HeightsAreExactAndCellsValidOnAnyTerrain) {
       for (std::size_t v = 0; v < mesh.vertex_count(); ++v) {
         const double* z = mesh.z.data() + mesh.first[v];
         EXPECT_EQ(mesh.z[static_cast<std::size_t>(mesh.top(static_cast<VertexIndex>(v)))],
-                  result.top);
+                  result.plan.layers.top);
         if (outside[v]) {
-          ASSERT_EQ(z[0], result.heights.z[v]);
+          ASSERT_EQ(z[0], result.plan.ground[v]);
         }
-        if (result.owner[v] == kNoBuilding) {
+        if (result.plan.building[v] == kNoBuilding) {
           ASSERT_EQ(mesh.roof[v], kNoRoof);
         } else {
           ASSERT_EQ(mesh.roof[v] > 0, outside[v]);
-          ASSERT_EQ(z[mesh.roof[v]], result.city.roofs[static_cast<std::size_t>(result.owner[v])]);
+          ASSERT_EQ(z[mesh.roof[v]],
+                    result.city.roofs[static_cast<std::size_t>(result.plan.building[v])]);
         }
       }
     }
@@ -57,8 +48,8 @@ TEST(FillColumns, HeightsAreExactAndCellsValidOnAnyTerrain) {
 
 TEST(FillColumns, SpacingComesClosestToWhatWasAskedFor) {
   const auto result = testing::meshed(testing::small_city(testing::hills));
-  const std::vector<double> spacing = column_spacing(result.mesh.ground);
-  const std::vector<double> rise = ground_rise(result.mesh.ground, result.heights.z);
+  const std::vector<double>& spacing = result.plan.spacing;
+  const std::vector<double>& rise = result.plan.rise;
   for (std::size_t v = 0; v < result.mesh.vertex_count(); ++v) {
     if (0.6 * rise[v] > spacing[v]) continue;  // the foot of a cliff
     const double* z = result.mesh.z.data() + result.mesh.first[v];
@@ -85,15 +76,15 @@ TEST(FillColumns, FirstSegmentsAtTheFootOfACliffReachItsEdge) {
   city.footprints.clear();
   city.roofs.clear();
   const auto result = testing::meshed(city, 4);
-  const std::vector<double> rise = ground_rise(result.mesh.ground, result.heights.z);
+  const std::vector<double>& rise = result.plan.rise;
   int feet = 0;
   for (std::size_t v = 0; v < result.mesh.vertex_count(); ++v) {
     double highest = 0;  // of the neighbours, by brute force
     for (const auto& t : result.mesh.ground.triangles)
       if (std::find(t.begin(), t.end(), static_cast<VertexIndex>(v)) != t.end())
         for (const VertexIndex u : t)
-          highest = std::max(highest, result.heights.z[static_cast<std::size_t>(u)]);
-    EXPECT_EQ(rise[v], highest - result.heights.z[v]);
+          highest = std::max(highest, result.plan.ground[static_cast<std::size_t>(u)]);
+    EXPECT_EQ(rise[v], highest - result.plan.ground[v]);
     if (rise[v] < 20) continue;
     ++feet;
     const double* z = result.mesh.z.data() + result.mesh.first[v];
@@ -103,12 +94,10 @@ TEST(FillColumns, FirstSegmentsAtTheFootOfACliffReachItsEdge) {
   }
   EXPECT_GT(feet, 10);
   // Without these segments the cells at the cliff are slivers.
-  const std::vector<double> spacing = column_spacing(result.mesh.ground);
-  const std::vector<double> top(result.mesh.vertex_count(), result.top);
-  const std::vector<double> flat(result.mesh.vertex_count(), 0.0);
-  const ColumnEnds ends{result.heights.z, result.owner, {}, top, spacing, flat};
-  ColumnMesh plain = divide_columns(result.mesh.ground, result.mesh.edges, ends);
-  place_nodes(plain, ends);
+  ColumnPlan without = result.plan;
+  without.rise.assign(without.rise.size(), 0);
+  ColumnMesh plain = divide_columns(result.mesh.ground, result.mesh.edges, without);
+  place_nodes(plain, without);
   const double least = measure_quality(result.mesh).histogram.min_dihedral_deg();
   EXPECT_GT(least, 6);
   EXPECT_GT(least, 2 * measure_quality(plain).histogram.min_dihedral_deg());
@@ -144,12 +133,9 @@ TEST(FillColumns, CellsAreGoodNextToFineDetailsAndOnSlopes) {
 
 TEST(FillColumns, RefusesHeightsThatDoNotIncrease) {
   auto city = testing::meshed(testing::small_city(testing::hills));
-  std::vector<double> top(city.mesh.vertex_count(), city.top);
-  top[7] = city.heights.z[7];
-  const std::vector<double> spacing = column_spacing(city.mesh.ground);
+  city.plan.top[7] = city.plan.ground[7];
   try {
-    divide_columns(city.mesh.ground, city.mesh.edges,
-                   {city.heights.z, city.owner, city.city.roofs, top, spacing, spacing});
+    divide_columns(city.mesh.ground, city.mesh.edges, city.plan);
     FAIL() << "no error";
   } catch (const Error& error) {
     EXPECT_EQ(error.kind(), ErrorKind::kGuarantee);

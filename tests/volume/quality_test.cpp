@@ -76,7 +76,7 @@ TEST(Quality, SumsOverAMeshDoNotDependOnThreads) {
   }
   EXPECT_EQ(volumes[0], volumes[1]);
   // The domain's box less the buildings' prisms.
-  double expected = 120 * 90 * result.top;
+  double expected = 120 * 90 * result.plan.layers.top;
   const std::vector<double> areas{18 * 12, 15.5 * 25, 35 * 40 - 15 * 20, 42, 0};
   for (std::size_t b = 0; b < 4; ++b) expected -= areas[b] * result.city.roofs[b];
   double last = 0;

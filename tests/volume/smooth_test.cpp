@@ -11,19 +11,8 @@
 namespace tetropolis {
 namespace {
 
-using Terrain = double (*)(double, double);
-
-/// Terrains that leave inverted cells with plain smoothing.
-const std::vector<std::pair<const char*, Terrain>> kTerrains = {
-    {"flat", [](double, double) { return -5.0; }},
-    {"hills", testing::hills},
-    {"45 degrees", [](double x, double) { return x; }},
-    {"quarry", [](double x, double) { return x < 45 ? 0.0 : 20.0; }},
-    {"mountains",
-     [](double x, double y) { return 2500 + 25 * std::sin(x / 7) * std::sin(y / 9); }}};
-
 TEST(Smooth, MeshIsValidAndHeightsAreExactOnAnyTerrain) {
-  for (const auto& [name, terrain] : kTerrains)
+  for (const auto& [name, terrain] : testing::kHardTerrains)
     for (const double size : {12.0, 5.0})
       for (const bool fixed_top : {true, false}) {
         SCOPED_TRACE(std::string(name) + " " + std::to_string(size) +
@@ -35,11 +24,11 @@ TEST(Smooth, MeshIsValidAndHeightsAreExactOnAnyTerrain) {
           for (std::int32_t k = mesh.first_node[v]; k < mesh.layers; ++k)
             ASSERT_GT(mesh.column(v)[k + 1], mesh.column(v)[k]);
           if (mesh.first_node[v] == 0) {
-            ASSERT_EQ(mesh.column(v)[0], result.heights.z[v]);
+            ASSERT_EQ(mesh.column(v)[0], result.plan.ground[v]);
           }
-          if (result.owner[v] != kNoBuilding) {
+          if (result.plan.building[v] != kNoBuilding) {
             ASSERT_EQ(mesh.column(v)[mesh.roof_layer[v]],
-                      city.roofs[static_cast<std::size_t>(result.owner[v])]);
+                      city.roofs[static_cast<std::size_t>(result.plan.building[v])]);
           }
         }
       }

@@ -13,18 +13,9 @@
 #include "tetropolis/io/stl.h"
 #include "tetropolis/io/vtk.h"
 #include "tetropolis/volume/fill_columns.h"
-#include "tetropolis/volume/ground_heights.h"
 #include "tetropolis/volume/quality.h"
 
 namespace tetropolis::testing {
-
-namespace {
-
-double highest_of(const WorkCity& city) {
-  return *std::max_element(city.input->dtm.values.begin(), city.input->dtm.values.end());
-}
-
-}  // namespace
 
 WorkCity work_city(std::int64_t buildings) {
   // Whole metres, so that the terrain's nodes fit.
@@ -52,17 +43,17 @@ WorkCity work_city(std::int64_t buildings) {
 }
 
 [[gnu::noinline]] UniformResult work_uniform(const WorkCity& city, const GroundMesh& ground) {
-  const auto owner = vertex_buildings(ground);
-  const auto& roofs = city.input->roofs;
-  const std::vector<double> wall(ground.vertices.size(), 1.0);
-  const GroundHeights heights = ground_heights(ground, owner, roofs, city.input->dtm, 1, wall);
-  const LayerPlan plan = plan_layers(heights.z, roofs, highest_of(city), 100, kMeshSize);
-  LayeredMesh mesh = make_layers(GroundMesh(ground), plan.layers, plan.bottom, plan.top);
+  ColumnPlanOptions options;
+  options.layer_height = kMeshSize;
+  const ColumnPlan plan =
+      plan_columns(ground, city.input->dtm, city.input->roofs, column_spacing(ground), options);
+  LayeredMesh mesh =
+      make_layers(GroundMesh(ground), plan.layers.layers, plan.layers.bottom, plan.layers.top);
   UniformResult result;
   result.nodes = mesh.z.size();
-  result.ground = smooth_to_ground(mesh, heights.z, {}).solver;
-  trim(mesh, owner, roofs);
-  result.roofs = smooth_to_roofs(mesh, owner, roofs, {}).solver;
+  result.ground = smooth_to_ground(mesh, plan.ground, {}).solver;
+  trim(mesh, plan.building, plan.roofs);
+  result.roofs = smooth_to_roofs(mesh, plan.building, plan.roofs, {}).solver;
   return result;
 }
 

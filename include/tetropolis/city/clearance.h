@@ -42,7 +42,7 @@ struct Clearance {
 Clearance joint_clearance(std::span<const Polygon> polygons,
                           const std::optional<Bounds2>& domain = std::nullopt);
 
-enum class DefectKind : std::uint8_t {
+enum class FootprintDefectKind : std::uint8_t {
   kTooFewVertices,   ///< A ring of fewer than three vertices.
   kNotFinite,        ///< A coordinate that is not finite or beyond 1e9 m.
   kOffGrid,          ///< A coordinate that is not a multiple of kCoordinateStep.
@@ -52,8 +52,8 @@ enum class DefectKind : std::uint8_t {
   kPolygonsOverlap,  ///< A polygon inside another one.
 };
 
-struct Defect {
-  DefectKind kind;
+struct FootprintDefect {
+  FootprintDefectKind kind;
   RingFeature first;
   RingFeature second;  ///< The other edge of kRingsTouch; the polygon around of kPolygonsOverlap.
   Point2 at;
@@ -64,6 +64,7 @@ struct Defect {
 /// holes inside and disjoint, without touching anywhere. Decided exactly for coordinates on the
 /// grid of kCoordinateStep. Nesting is looked at only if nothing else is wrong. At most `limit`
 /// defects.
-std::vector<Defect> footprint_defects(std::span<const Polygon> polygons, std::size_t limit = 100);
+std::vector<FootprintDefect> footprint_defects(std::span<const Polygon> polygons,
+                                               std::size_t limit = 100);
 
 }  // namespace tetropolis

@@ -1,12 +1,15 @@
 // From the ground mesh to the column mesh: how far apart nodes are, and where they go.
 #pragma once
 
+#include <cstdint>
 #include <span>
 #include <vector>
 
 #include "tetropolis/ground/ground_mesh.h"
+#include "tetropolis/terrain/raster.h"
 #include "tetropolis/volume/column_mesh.h"
 #include "tetropolis/volume/layered_mesh.h"
+#include "tetropolis/volume/smooth.h"
 
 namespace tetropolis {
 
@@ -23,15 +26,30 @@ std::vector<double> column_spacing(const GroundMesh& ground);
 /// lies above its own at most, in metres, >= 0. `ground`: elevation per vertex.
 std::vector<double> ground_rise(const GroundMesh& mesh, std::span<const double> ground);
 
-/// What the columns are made from, per vertex of the ground mesh and in metres.
-struct ColumnEnds {
-  std::span<const double> ground;
-  std::span<const BuildingIndex> building;  ///< As from vertex_buildings.
-  std::span<const double> roofs;            ///< Elevations, per building.
-  std::span<const double> top;
-  std::span<const double> spacing;  ///< Distance between nodes asked for, > 0.
-  std::span<const double> rise;     ///< As from ground_rise.
+/// What the columns are made from: per vertex of the ground mesh, in metres.
+struct ColumnPlan {
+  std::vector<double> ground;           ///< Elevation of the ground, as from ground_heights.
+  std::vector<BuildingIndex> building;  ///< As from vertex_buildings.
+  std::vector<double> roofs;            ///< Elevation of the roof, per building.
+  std::vector<double> top;              ///< Elevation of the top.
+  std::vector<double> spacing;          ///< Distance between nodes asked for, > 0.
+  std::vector<double> rise;             ///< As from ground_rise.
+  LayerPlan layers;                     ///< Height of the domain, and layers of uniform columns.
+  std::int64_t lowered = 0;  ///< Vertices on walls where the ground is below the terrain.
 };
+
+struct ColumnPlanOptions {
+  double domain_height = 100;       ///< Of the top above the highest terrain, metres, > 0.
+  double layer_height = 10;         ///< Of uniform layers, metres, > 0.
+  double minimum_wall = 1;          ///< See ground_heights.
+  double lowered_wall_share = 0.6;  ///< Where the ground is lowered, walls get this share of the
+                                    ///< spacing, if that is more than the minimum.
+};
+
+/// `roofs`: elevation per building of `mesh`; `spacing`: per vertex, > 0. Throws as
+/// vertex_buildings.
+ColumnPlan plan_columns(const GroundMesh& mesh, const Raster& dtm, std::vector<double> roofs,
+                        std::vector<double> spacing, const ColumnPlanOptions& options);
 
 /// How many nodes each column gets, and which of them is at the roof; z has its size and no values.
 /// Columns go from the ground (inside buildings: from the roof) to the top, with a node at the roof
@@ -41,10 +59,10 @@ struct ColumnEnds {
 /// tets between the foot's column and the edge of the cliff would be slivers else, as atan(r) -
 /// atan(r - s / d) with r = rise / d at distance d falls with r squared for a fixed spacing s.
 /// Throws Error(kGuarantee) naming the vertex if the elevations do not increase.
-ColumnMesh divide_columns(GroundMesh ground, EdgeGraph edges, const ColumnEnds& ends);
+ColumnMesh divide_columns(GroundMesh ground, EdgeGraph edges, const ColumnPlan& plan);
 
-/// Sets z: exact at ground, roof and top. `mesh` as made by divide_columns with the same ends.
-void place_nodes(ColumnMesh& mesh, const ColumnEnds& ends);
+/// Sets z: exact at ground, roof and top. `mesh` as made by divide_columns with the same plan.
+void place_nodes(ColumnMesh& mesh, const ColumnPlan& plan);
 
 /// The nodes of a trimmed layered mesh that belong to cells, where they are.
 ColumnMesh columns_of_layers(LayeredMesh&& layered);

@@ -64,10 +64,10 @@ struct WorstCell {
   double max_dihedral_deg = 0;
   Point3 centre{};             ///< Local frame, metres.
   TriangleIndex triangle = 0;  ///< That it stands over.
-  std::string_view cause;      ///< "steep ground": the floor rises by more than the triangle's
-                               ///< altitude; "low wall": a wall lower than the triangle's altitude
-  ///< beside it; "small detail": the triangle's altitude is less than half
-  ///< the cell's height; "change of size": none of these.
+  /// "steep ground": the floor of its stack rises by more than the triangle's altitude; "low wall":
+  /// beside a building, a wall or roof segment shorter than that altitude; "small detail": the
+  /// altitude is less than half the cell's vertical edge; "change of size": none of these.
+  std::string_view cause;
 };
 
 struct CellQuality {
