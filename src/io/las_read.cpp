@@ -24,28 +24,22 @@ namespace {
 constexpr std::int64_t kPointsPerTask = 1'000'000;
 constexpr std::int64_t kLeastTwin = 100;  // points of which two equal boxes are no coincidence
 
-/// Which records become points, and where.
+/// Which records become points.
 class Filter {
  public:
   explicit Filter(const ReadPointsOptions& options)
-      : crop_(options.crop), origin_(options.origin), keep_withheld_(options.keep_withheld) {
+      : crop_(options.crop), keep_withheld_(options.keep_withheld) {
     for (const std::uint8_t code : options.skipped_classes) skipped_[code] = true;
   }
 
-  void append(const LasRecord& record, const LasInfo& info, PointCloud& cloud) const {
-    if (skipped_[record.classification] || (record.withheld && !keep_withheld_)) return;
-    const double x = record.x * info.scale[0] + info.offset[0];
-    const double y = record.y * info.scale[1] + info.offset[1];
-    if (crop_ && !crop_->contains({x, y})) return;
-    cloud.x.push_back(x - origin_.x);
-    cloud.y.push_back(y - origin_.y);
-    cloud.z.push_back(record.z * info.scale[2] + info.offset[2]);
-    cloud.classification.push_back(record.classification);
+  bool keeps(const LasRecord& record, const LasInfo& info) const {
+    if (skipped_[record.classification] || (record.withheld && !keep_withheld_)) return false;
+    return !crop_ || crop_->contains({record.x * info.scale[0] + info.offset[0],
+                                      record.y * info.scale[1] + info.offset[1]});
   }
 
  private:
   std::optional<Bounds2> crop_;
-  Point2 origin_;
   bool keep_withheld_;
   std::array<bool, 256> skipped_{};
 };
@@ -240,19 +234,29 @@ void warn_of_points_outside(std::span<const fs::path> paths, const std::vector<F
                        paths[f].string(), counts[f], plans[f].layout.info.point_count)});
 }
 
-/// One array of all clouds after another; the parts are freed on the way.
-template <typename Value>
-std::vector<Value> concatenate(std::vector<PointCloud>& parts,
-                               std::vector<Value> PointCloud::*array) {
+/// Turns the records that tasks kept into points, one task after another: reserved memory takes up
+/// none before it is written, and each task's is given back as soon as its points are made, so that
+/// at no time there is much more than the points.
+PointCloud to_points(const std::vector<Task>& tasks, const std::vector<FilePlan>& plans,
+                     Point2 origin, std::vector<std::vector<LasRecord>>& kept) {
   std::size_t size = 0;
-  for (const PointCloud& part : parts) size += (part.*array).size();
-  std::vector<Value> all;
-  all.reserve(size);
-  for (PointCloud& part : parts) {
-    all.insert(all.end(), (part.*array).begin(), (part.*array).end());
-    std::vector<Value>().swap(part.*array);
+  for (const auto& records : kept) size += records.size();
+  PointCloud points;
+  points.x.reserve(size);
+  points.y.reserve(size);
+  points.z.reserve(size);
+  points.classification.reserve(size);
+  for (std::size_t t = 0; t < tasks.size(); ++t) {
+    const LasInfo& info = plans[tasks[t].file].layout.info;
+    for (const LasRecord& r : kept[t]) {
+      points.x.push_back(r.x * info.scale[0] + info.offset[0] - origin.x);
+      points.y.push_back(r.y * info.scale[1] + info.offset[1] - origin.y);
+      points.z.push_back(r.z * info.scale[2] + info.offset[2]);
+      points.classification.push_back(r.classification);
+    }
+    std::vector<LasRecord>().swap(kept[t]);
   }
-  return all;
+  return points;
 }
 
 /// The reference system that the files agree on.
@@ -313,27 +317,30 @@ PointsInput read_points(std::span<const fs::path> paths, const ReadPointsOptions
   }
   const Filter filter(options);
   Meter meter(progress, result.points_read);
-  std::vector<PointCloud> parts(tasks.size());
+  std::vector<std::vector<LasRecord>> kept(tasks.size());
   std::vector<std::int64_t> outside(tasks.size(), 0);
   run_in_order_of_errors(tasks.size(), [&](std::size_t t) {
-    const LasLayout& layout = plans[tasks[t].file].layout;
+    const Task& task = tasks[t];
+    const LasLayout& layout = plans[task.file].layout;
     const BoxCheck box(layout.info);
-    PointCloud part;
-    decode_points(paths[tasks[t].file], layout, tasks[t].first, tasks[t].count,
-                  [&](const LasRecord* records, std::size_t n) {
+    std::vector<LasRecord> records;
+    // Reserved memory takes up none before it is written; a count may lie.
+    records.reserve(static_cast<std::size_t>(std::min(task.count, 2 * kPointsPerTask)));
+    std::int64_t strays = 0;
+    decode_points(paths[task.file], layout, task.first, task.count,
+                  [&](const LasRecord* block, std::size_t n) {
                     for (std::size_t i = 0; i < n; ++i) {
-                      filter.append(records[i], layout.info, part);
-                      outside[t] += box.is_outside(records[i]) ? 1 : 0;
+                      if (filter.keeps(block[i], layout.info)) records.push_back(block[i]);
+                      strays += box.is_outside(block[i]) ? 1 : 0;
                     }
                     meter.add(static_cast<std::int64_t>(n));
                   });
-    parts[t] = std::move(part);
+    if (records.size() < records.capacity() / 2) records.shrink_to_fit();
+    kept[t] = std::move(records);
+    outside[t] = strays;
   });
   warn_of_points_outside(paths, plans, tasks, outside, result.warnings);
-  result.points.x = concatenate(parts, &PointCloud::x);
-  result.points.y = concatenate(parts, &PointCloud::y);
-  result.points.z = concatenate(parts, &PointCloud::z);
-  result.points.classification = concatenate(parts, &PointCloud::classification);
+  result.points = to_points(tasks, plans, options.origin, kept);
   summarise(result);
   return result;
 }
