@@ -62,7 +62,8 @@ PlanarGraph make_graph(std::span<const Polygon> footprints, const Bounds2& domai
   return graph;
 }
 
-// Vertices along the curve, those of no triangle left out; triangles by their lowest new vertex.
+// Vertices along the curve, those of no triangle left out; triangles by the sum of their vertices'
+// new numbers.
 GroundMesh renumber(const Triangulation& source, const Bounds2& domain) {
   const HilbertCurve curve(domain);
   std::vector<char> used(source.points.size(), 0);

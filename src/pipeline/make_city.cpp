@@ -204,9 +204,9 @@ void fill_city_report(const CityModel& raw, const CityModel& city, const Simplif
 
 }  // namespace
 
-CityAndTerrain make_city(const Config& config, const OutputFolder& out, StepClock& clock,
+CityAndTerrain make_city(const Config& config, Next next, const OutputFolder& out, StepClock& clock,
                          Report& report) {
-  InputData input = read_input(config, clock, report);
+  InputData input = read_input(config, next, clock, report);
   find_ground(config, input, clock, report);
   const PointCloud& cloud = input.points;
   CityModel raw;

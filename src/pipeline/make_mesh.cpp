@@ -33,21 +33,25 @@ namespace {
 /// More layers than this come from a stray point or a slip of the keyboard.
 constexpr std::int32_t kMostLayers = 5000;
 
-void require_plausible(const LayerPlan& plan, double domain_height) {
+void require_plausible(const LayerPlan& plan) {
   if (plan.layers <= kMostLayers) return;
   throw Error(ErrorKind::kUsage,
               fmt::format("the mesh would have {} layers between the mean ground at {:.1f} m and "
-                          "the top at {:.1f} m (highest ground {:.1f} m, a stray point?); raise "
-                          "--mesh-size or --layer-height, or lower --domain-height",
-                          plan.layers, plan.bottom, plan.top, plan.top - domain_height));
+                          "the top at {:.1f} m (highest ground {:.1f} m{}); raise --mesh-size or "
+                          "--layer-height, or lower --domain-height",
+                          plan.layers, plan.bottom, plan.top, plan.highest_ground,
+                          plan.raised ? "; the top clears a roof above it, is that one real?"
+                                      : ", a stray point?"));
 }
+
+double nodes_of(const Raster& dtm) { return static_cast<double>(dtm.values.size()); }
 
 /// About the cells that columns will have, before they are made: every segment makes a tet in each
 /// of the about six triangles around it.
 double estimate_cells(const ColumnPlan& plan) {
   double cells = 0;
   for (std::size_t v = 0; v < plan.top.size(); ++v)
-    cells += 6 * (1 + (plan.top[v] - plan.ground[v]) / plan.spacing[v]);
+    cells += 6 * std::max(1.0, (plan.top[v] - plan.ground[v]) / plan.spacing[v]);
   return cells;
 }
 
@@ -98,7 +102,7 @@ ColumnPlan plan_of(const Config& config, const CityModel& city, const Raster& dt
   options.minimum_wall = config.min_wall_height;
   if (uniform) options.lowered_wall_share = 0;
   ColumnPlan plan = plan_columns(ground, dtm, std::move(roofs), std::move(spacing), options);
-  require_plausible(plan.layers, config.domain_height);
+  require_plausible(plan.layers);
   VolumeMeshReport& volume = report.volume_mesh.emplace();
   volume.layers = plan.layers.layers;
   volume.top = plan.layers.top;
@@ -120,7 +124,7 @@ ColumnMesh smooth_columns(const Config& config, const CityModel& city, const Ras
   LayeredMesh layered = clock.run("3.2", "layers", [&](const Progress&) {
     plan = plan_of(config, city, dtm, ground, spacing_of(config, ground), report);
     const auto triangles = static_cast<double>(ground.triangles.size());
-    require_cells_fit(config, triangles, 3 * triangles * plan.layers.layers);
+    require_cells_fit(config, triangles, 3 * triangles * plan.layers.layers, nodes_of(dtm));
     return make_layers(std::move(ground), plan.layers.layers, plan.layers.bottom, plan.layers.top);
   });
   SmoothOptions options;
@@ -156,7 +160,8 @@ ColumnMesh grade_columns(const Config& config, const CityModel& city, const Rast
     return plan_of(config, city, dtm, ground, std::move(spacing), report);
   });
   ColumnMesh mesh = clock.run("3.4", "divide columns, trim buildings", [&](const Progress&) {
-    require_cells_fit(config, static_cast<double>(ground.triangles.size()), estimate_cells(plan));
+    require_cells_fit(config, static_cast<double>(ground.triangles.size()), estimate_cells(plan),
+                      nodes_of(dtm));
     EdgeGraph edges = build_edge_graph(ground);
     return divide_columns(std::move(ground), std::move(edges), plan);
   });
@@ -229,13 +234,12 @@ void move_into_crs(GroundMesh& ground, Point2 origin) {
 CitySize size_of(const Config& config, const CityModel& city, const Raster& dtm) {
   CitySize size;
   size.area = city.domain.width() * city.domain.height();
-  for (const Building& building : city.buildings) {
-    size.footprint_vertices += static_cast<double>(building.footprint.outer.size());
-    for (const Ring& hole : building.footprint.holes)
-      size.footprint_vertices += static_cast<double>(hole.size());
-  }
-  size.height = config.domain_height;
-  size.terrain_nodes = static_cast<double>(dtm.values.size());
+  for (const Building& building : city.buildings) size.add(building.footprint);
+  double sum = 0;
+  for (const double z : dtm.values) sum += z;
+  size.height = highest_under(dtm, city.domain) + config.domain_height -
+                sum / static_cast<double>(dtm.values.size());
+  size.terrain_nodes = nodes_of(dtm);
   return size;
 }
 

@@ -1,5 +1,6 @@
 #include "memory.h"
 
+#include <algorithm>
 #include <charconv>
 #include <cmath>
 #include <string>
@@ -18,8 +19,10 @@ namespace {
 constexpr double kProgram = 65e6;
 constexpr double kPerTriangle = 600;
 constexpr double kPerCell = 2;
-/// Of the solver, with uniform layers: heights as doubles and eighteen floats a node.
-constexpr double kPerSolverNode = 8 + 18 * 4;
+/// Points while they are sorted into the terrain; measured on 3 to 12 million points.
+constexpr double kPerPoint = 50;
+/// Of the solver, with uniform layers (uniform.peak_bytes_per_node in tests/work/limits.txt).
+constexpr double kPerSolverNode = 100;
 
 double bytes_of(const Config& config, double triangles, double cells, double terrain_nodes) {
   double bytes = kProgram + 8 * terrain_nodes + kPerTriangle * triangles + kPerCell * cells;
@@ -57,6 +60,11 @@ double memory_limit(const Config& config) {
          static_cast<double>(sysconf(_SC_PAGESIZE));
 }
 
+void CitySize::add(const Polygon& footprint) {
+  footprint_vertices += static_cast<double>(footprint.outer.size());
+  for (const Ring& hole : footprint.holes) footprint_vertices += static_cast<double>(hole.size());
+}
+
 MeshEstimate estimate_mesh(const Config& config, const CitySize& city) {
   MeshEstimate estimate;
   const double h = config.mesh_size;
@@ -91,14 +99,26 @@ void require_mesh_fits(const Config& config, const CitySize& city) {
                                      "or lower --bounds or --domain-height");
 }
 
-void require_cells_fit(const Config& config, double triangles, double cells) {
+void require_cells_fit(const Config& config, double triangles, double cells, double terrain_nodes) {
   const double limit = memory_limit(config);
-  const double bytes = bytes_of(config, triangles, cells, 0);
+  const double bytes = bytes_of(config, triangles, cells, terrain_nodes);
   if (bytes <= limit) return;
   throw Error(ErrorKind::kUsage,
               fmt::format("the mesh would have {:.3g} cells and need {} of {}; raise --mesh-size, "
                           "--layer-height or --max-memory, or lower --domain-height or --bounds",
                           cells, in_words(bytes), in_words(limit)));
+}
+
+void require_points_fit(const Config& config, double points) {
+  const double limit = memory_limit(config);
+  const double bytes = kProgram + kPerPoint * points;
+  if (bytes <= limit) return;
+  throw Error(ErrorKind::kUsage,
+              fmt::format("the domain has about {:.2g} points, which need {} of {}; about {:.2g} "
+                          "points fit: give smaller --bounds, a thinner cloud, or a higher "
+                          "--max-memory",
+                          points, in_words(bytes), in_words(limit),
+                          std::max(0.0, (limit - kProgram) / kPerPoint)));
 }
 
 }  // namespace tetropolis

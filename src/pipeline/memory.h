@@ -16,6 +16,8 @@ struct CitySize {
   double footprint_vertices = 0;  ///< Of all rings.
   double height = 0;              ///< Of the domain over its mean ground, metres.
   double terrain_nodes = 0;
+
+  void add(const Polygon& footprint);
 };
 
 struct MeshEstimate {
@@ -34,6 +36,9 @@ MeshEstimate estimate_mesh(const Config& config, const CitySize& city);
 void require_mesh_fits(const Config& config, const CitySize& city);
 
 /// Likewise for counts that are known by now.
-void require_cells_fit(const Config& config, double triangles, double cells);
+void require_cells_fit(const Config& config, double triangles, double cells, double terrain_nodes);
+
+/// Likewise for the points of the domain, before they are read.
+void require_points_fit(const Config& config, double points);
 
 }  // namespace tetropolis

@@ -11,6 +11,8 @@
 #include "tetropolis/io/crs.h"
 #include "tetropolis/io/las.h"
 
+#include "memory.h"
+
 namespace tetropolis {
 
 namespace {
@@ -30,6 +32,7 @@ struct CloudHeaders {
   std::string crs;
   std::string crs_file;
   Bounds2 box{1, 1, 0, 0};
+  std::vector<std::pair<Bounds2, std::int64_t>> points;  ///< Per file: where, and how many.
 };
 
 CloudHeaders read_headers(std::span<const std::filesystem::path> paths) {
@@ -43,6 +46,7 @@ CloudHeaders read_headers(std::span<const std::filesystem::path> paths) {
               ? box
               : Bounds2{std::min(headers.box.xmin, box.xmin), std::min(headers.box.ymin, box.ymin),
                         std::max(headers.box.xmax, box.xmax), std::max(headers.box.ymax, box.ymax)};
+    headers.points.emplace_back(box, info.point_count);
     if (!info.crs.empty() && headers.crs.empty()) {
       headers.crs = info.crs;
       headers.crs_file = path.string();
@@ -123,6 +127,32 @@ Bounds2 reading_box(const Config& config, const FootprintsInput& footprints,
                   config.footprints, why));
 }
 
+/// Refuses what cannot fit into memory, as far as headers and footprints tell. `box`: CRS
+/// coordinates.
+void require_fits(const Config& config, const FootprintsInput& footprints,
+                  const CloudHeaders& headers, const Bounds2& box, Next next) {
+  if (box.empty()) return;
+  const double area = box.width() * box.height();
+  double points = 0;
+  for (const auto& [file, count] : headers.points) {
+    const Bounds2 common = intersection(file, box);
+    const double whole = file.width() * file.height();
+    if (!common.empty() && whole > 0)
+      points += static_cast<double>(count) * common.width() * common.height() / whole;
+  }
+  require_points_fit(config, points);
+  if (next != Next::kMesh) return;
+  CitySize size;
+  size.area = area;
+  size.height = config.domain_height;
+  size.terrain_nodes = area / (config.dtm_step * config.dtm_step);
+  for (const Footprint& feature : footprints.features) {
+    const Ring& outer = feature.polygon.outer;
+    if (!outer.empty() && box.contains(outer.front())) size.add(feature.polygon);
+  }
+  require_mesh_fits(config, size);
+}
+
 void shift(FootprintsInput& footprints, Point2 origin) {
   const auto shift_ring = [&](Ring& ring) {
     for (Point2& p : ring) p = {p.x - origin.x, p.y - origin.y};
@@ -177,7 +207,7 @@ Bounds2 find_domain(const Config& config, const FootprintsInput& footprints,
 
 }  // namespace
 
-InputData read_input(const Config& config, StepClock& clock, Report& report) {
+InputData read_input(const Config& config, Next next, StepClock& clock, Report& report) {
   const auto paths = expand_point_paths(config.points);
   const CloudHeaders headers = read_headers(paths);
   const std::string points_crs =
@@ -198,6 +228,7 @@ InputData read_input(const Config& config, StepClock& clock, Report& report) {
   // Near the points even if a stray footprint lies on another continent: local numbers stay small.
   const Bounds2 common = headers.box.empty() ? box : intersection(box, headers.box);
   const Bounds2& near = common.empty() ? box : common;
+  require_fits(config, input.footprints, headers, common, next);
   input.origin = {std::floor(near.xmin), std::floor(near.ymin)};
   ReadPointsOptions options;
   options.crop = box;

@@ -4,7 +4,7 @@
 #include "tetropolis/city/point_cloud.h"
 #include "tetropolis/io/vector.h"
 
-#include "step_clock.h"
+#include "stages.h"
 
 namespace tetropolis {
 
@@ -19,7 +19,8 @@ struct InputData {
 /// Reads both, brings the footprints into the points' reference system and finds the domain: the
 /// bounds given, or the box of the footprints within that of the points, grown by the margin as far
 /// as there are points. Fills report.input, report.domain and warnings. Throws Error(kInput):
-/// unusable files, degrees, units other than metres, no overlap.
-InputData read_input(const Config& config, StepClock& clock, Report& report);
+/// unusable files, degrees, units other than metres, no overlap. Throws Error(kUsage) before it
+/// reads points if by the headers they, or the mesh that is to follow, will not fit into memory.
+InputData read_input(const Config& config, Next next, StepClock& clock, Report& report);
 
 }  // namespace tetropolis

@@ -18,6 +18,7 @@
 #include "tetropolis/io/las.h"
 #include "tetropolis/io/vector.h"
 
+#include "memory.h"
 #include "stages.h"
 #include "synth_adversarial.h"
 
@@ -70,11 +71,12 @@ void keep_domain(const CityModel& city, Report& report) {
 
 Report run_build(const Config& config, const RunHooks& hooks) {
   require_input(config);
+  memory_limit(config);  // so that a slip in it is told before the work
   const ThreadLimit limit(config.threads);
   Report report = begin_report("build", config);
   StepClock clock(hooks, report);
   OutputFolder out(config.out, hooks.output);
-  CityAndTerrain stage = make_city(config, out, clock, report);
+  CityAndTerrain stage = make_city(config, Next::kMesh, out, clock, report);
   keep_domain(stage.city, report);
   make_mesh(config, stage.city, std::move(stage.dtm), out, clock, report);
   finish(report, out);
@@ -83,11 +85,12 @@ Report run_build(const Config& config, const RunHooks& hooks) {
 
 Report run_city(const Config& config, const RunHooks& hooks) {
   require_input(config);
+  memory_limit(config);
   const ThreadLimit limit(config.threads);
   Report report = begin_report("city", config);
   StepClock clock(hooks, report);
   OutputFolder out(config.out, hooks.output);
-  const CityAndTerrain stage = make_city(config, out, clock, report);
+  const CityAndTerrain stage = make_city(config, Next::kNothing, out, clock, report);
   keep_domain(stage.city, report);
   finish(report, out);
   return report;
@@ -156,6 +159,7 @@ Report run_mesh(const Config& config, const RunHooks& hooks) {
   require(!config.city.empty(), "--city", "name a city model (.city.json)");
   require(!config.dtm.empty(), "--dtm", "name a terrain raster (.tif)");
   require(!config.out.empty(), "--out", "name a folder for the results");
+  memory_limit(config);
   const ThreadLimit limit(config.threads);
   Report report = begin_report("mesh", config);
   StepClock clock(hooks, report);

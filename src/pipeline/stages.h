@@ -14,8 +14,11 @@ struct CityAndTerrain {
   Raster dtm;
 };
 
+/// What is to be made of a city.
+enum class Next { kNothing, kMesh };
+
 /// Steps 1.1 to 2.4: reads the input, writes city_raw.city.json, city.city.json and dtm.tif.
-CityAndTerrain make_city(const Config& config, const OutputFolder& out, StepClock& clock,
+CityAndTerrain make_city(const Config& config, Next next, const OutputFolder& out, StepClock& clock,
                          Report& report);
 
 /// Steps 3.1 to 3.6: writes volume, boundary and surface. `city.domain` and `city.origin` are those

@@ -34,4 +34,21 @@ double sample(const Raster& raster, Point2 p) {
   return south * (1 - cy.share) + north * cy.share;
 }
 
+double highest_under(const Raster& raster, const Bounds2& box) {
+  const auto node = [&](double position, double origin, std::int32_t nodes, auto round) {
+    return static_cast<std::int32_t>(
+        std::clamp(round((position - origin) / raster.step), 0.0, static_cast<double>(nodes - 1)));
+  };
+  const auto down = [](double x) { return std::floor(x); };
+  const auto up = [](double x) { return std::ceil(x); };
+  const std::int32_t west = node(box.xmin, raster.x0, raster.nx, down);
+  const std::int32_t east = node(box.xmax, raster.x0, raster.nx, up);
+  const std::int32_t south = node(box.ymin, raster.y0, raster.ny, down);
+  const std::int32_t north = node(box.ymax, raster.y0, raster.ny, up);
+  double highest = raster.at(west, south);
+  for (std::int32_t j = south; j <= north; ++j)
+    for (std::int32_t i = west; i <= east; ++i) highest = std::max(highest, raster.at(i, j));
+  return highest;
+}
+
 }  // namespace tetropolis

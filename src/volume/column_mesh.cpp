@@ -21,9 +21,13 @@ double shortest_edge(const ColumnMesh& mesh, std::size_t v) {
   const auto end = static_cast<std::size_t>(mesh.first[v + 1]);
   if (end < first + 2) throw_invalid(v, "the column has no height");
   double shortest = std::numeric_limits<double>::infinity();
-  for (std::size_t n = first; n + 1 < end; ++n)
-    shortest = std::min(shortest, mesh.z[n + 1] - mesh.z[n]);
-  if (!(shortest > 0)) throw_invalid(v, "the column does not increase");
+  for (std::size_t n = first; n + 1 < end; ++n) {
+    const double length = mesh.z[n + 1] - mesh.z[n];
+    // Written so that NaN and infinity fail as well.
+    if (!(length > 0 && length < std::numeric_limits<double>::infinity()))
+      throw_invalid(v, "the column does not increase");
+    shortest = std::min(shortest, length);
+  }
   return shortest;
 }
 

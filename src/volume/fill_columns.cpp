@@ -9,6 +9,7 @@
 
 #include "tetropolis/core/error.h"
 #include "tetropolis/core/parallel.h"
+#include "tetropolis/geometry/polygon.h"
 #include "tetropolis/volume/ground_heights.h"
 
 namespace tetropolis {
@@ -151,9 +152,8 @@ ColumnPlan plan_columns(const GroundMesh& mesh, const Raster& dtm, std::vector<d
   plan.ground = std::move(heights.z);
   plan.lowered = heights.lowered;
   plan.rise = ground_rise(mesh, plan.ground);
-  const double highest = *std::max_element(dtm.values.begin(), dtm.values.end());
-  plan.layers =
-      plan_layers(plan.ground, plan.roofs, highest, options.domain_height, options.layer_height);
+  plan.layers = plan_layers(plan.ground, plan.roofs, highest_under(dtm, bounds(mesh.vertices)),
+                            options.domain_height, options.layer_height);
   plan.top.assign(mesh.vertices.size(), plan.layers.top);
   return plan;
 }

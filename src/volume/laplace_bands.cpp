@@ -2,7 +2,6 @@
 
 #include <array>
 #include <bit>
-#include <cassert>
 #include <cmath>
 #include <cstdint>
 
@@ -18,26 +17,31 @@ constexpr std::size_t kTrianglesPerBlock = 256;
 
 /// Blocks of consecutive triangles, grouped so that no two blocks of a group share a vertex: the
 /// blocks of a group may be assembled at the same time, and every sum is made in a fixed order.
+/// Planar meshes numbered along a curve need a handful of groups. Whatever finds no place in 64 of
+/// them gets groups of its own.
 std::vector<std::vector<std::size_t>> independent_blocks(const GroundMesh& ground) {
   const std::size_t blocks =
       (ground.triangles.size() + kTrianglesPerBlock - 1) / kTrianglesPerBlock;
   std::vector<std::uint64_t> used(ground.vertices.size(), 0);
-  std::vector<std::vector<std::size_t>> groups;
+  std::vector<std::vector<std::size_t>> groups, alone;
   for (std::size_t block = 0; block < blocks; ++block) {
     const std::size_t begin = block * kTrianglesPerBlock;
     const std::size_t end = std::min(begin + kTrianglesPerBlock, ground.triangles.size());
     std::uint64_t taken = 0;
     for (std::size_t t = begin; t < end; ++t)
       for (const VertexIndex v : ground.triangles[t]) taken |= used[static_cast<std::size_t>(v)];
-    // 64 groups are far more than a planar mesh needs; the last one would then be run serially.
     const auto group = static_cast<std::size_t>(std::countr_one(taken));
-    assert(group < 64);
+    if (group == 64) {
+      alone.push_back({block});
+      continue;
+    }
     for (std::size_t t = begin; t < end; ++t)
       for (const VertexIndex v : ground.triangles[t])
         used[static_cast<std::size_t>(v)] |= std::uint64_t{1} << group;
     if (groups.size() <= group) groups.resize(group + 1);
     groups[group].push_back(block);
   }
+  groups.insert(groups.end(), alone.begin(), alone.end());
   return groups;
 }
 

@@ -48,8 +48,12 @@ MonotoneReport guard_column(LayeredMesh& mesh, std::size_t v, const MonotoneOpti
     first = last;
   }
   report.min_gap = std::numeric_limits<double>::infinity();
-  for (std::int32_t k = mesh.first_node[v]; k < mesh.layers; ++k)
+  for (std::int32_t k = mesh.first_node[v]; k < mesh.layers; ++k) {
+    if (!(z[k + 1] > z[k]))  // so that NaN fails as well
+      throw Error(ErrorKind::kGuarantee, "column mesh: the column at ground vertex " +
+                                             std::to_string(v) + " could not be made monotone");
     report.min_gap = std::min(report.min_gap, z[k + 1] - z[k]);
+  }
   return report;
 }
 
@@ -61,7 +65,7 @@ MonotoneReport combined(const MonotoneReport& a, const MonotoneReport& b) {
 
 MonotoneReport make_monotone(LayeredMesh& mesh, const MonotoneOptions& options) {
   const MonotoneReport none{0, std::numeric_limits<double>::infinity()};
-  const MonotoneReport report = parallel_reduce_ordered(
+  return parallel_reduce_ordered(
       mesh.vertex_count(), 512, none,
       [&](std::size_t begin, std::size_t end) {
         MonotoneReport chunk = none;
@@ -70,9 +74,6 @@ MonotoneReport make_monotone(LayeredMesh& mesh, const MonotoneOptions& options) 
         return chunk;
       },
       combined);
-  if (!(report.min_gap > 0))
-    throw Error(ErrorKind::kGuarantee, "column mesh: a column could not be made monotone");
-  return report;
 }
 
 }  // namespace tetropolis

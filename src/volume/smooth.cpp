@@ -52,6 +52,7 @@ LayerPlan plan_layers(std::span<const double> ground, std::span<const double> ro
   double sum = 0;
   for (const double z : ground) sum += z;
   plan.bottom = sum / static_cast<double>(ground.size());
+  plan.highest_ground = highest_ground;
   plan.top = highest_ground + domain_height;
   for (const double roof : roofs) {
     if (roof + 2 * layer_height <= plan.top) continue;

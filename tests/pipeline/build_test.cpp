@@ -197,13 +197,15 @@ TEST_F(Build, AbsurdSizesAreRefusedBeforeTheWork) {
   EXPECT_EQ(refused("layers between the mean ground"), "3.3");
   config = good;
   config.layer_height = 1e-9;
-  EXPECT_EQ(refused("no mesh size fits"), "2.4");
+  EXPECT_EQ(refused("no mesh size fits"), "1.2");
   config = good;
   config.mesh_size = 0.05;  // a thousand million triangles
-  EXPECT_EQ(refused("cells fit, with --mesh-size"), "2.4");
+  EXPECT_EQ(refused("cells fit, with --mesh-size"), "1.2");
   config = good;
   config.max_memory = "eight";
-  EXPECT_EQ(refused("--max-memory: 'eight' is no size"), "2.4");
+  EXPECT_EQ(refused("--max-memory: 'eight' is no size"), "");
+  config.max_memory = "66M";
+  EXPECT_EQ(refused("points fit: give smaller --bounds"), "1.2");
   config = good;
   config.min_building_area = 1e6;
   EXPECT_EQ(refused("all 30 buildings were dropped"), "2.2");

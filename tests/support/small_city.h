@@ -70,8 +70,10 @@ inline const std::vector<std::pair<const char*, double (*)(double, double)>> kHa
     {"mountains",
      [](double x, double y) { return 2500 + 25 * std::sin(x / 7) * std::sin(y / 9); }}};
 
-inline ColumnPlan plan_of(const SmallCity& city, const GroundMesh& ground, double mesh_size) {
+inline ColumnPlan plan_of(const SmallCity& city, const GroundMesh& ground, double mesh_size,
+                          bool uniform) {
   ColumnPlanOptions options;
+  if (uniform) options.lowered_wall_share = 0;
   options.domain_height = 80;
   options.layer_height = mesh_size;
   return plan_columns(ground, city.dtm, city.roofs, column_spacing(ground), options);
@@ -88,7 +90,7 @@ inline LayeredCity layered(const SmallCity& city, double mesh_size = 8, bool fix
   LayeredCity result;
   result.city = city;
   GroundMesh ground = mesh_ground(city.footprints, city.domain, {mesh_size, 25});
-  result.plan = plan_of(city, ground, mesh_size);
+  result.plan = plan_of(city, ground, mesh_size, true);
   const LayerPlan& layers = result.plan.layers;
   result.mesh = make_layers(std::move(ground), layers.layers, layers.bottom, layers.top);
   SmoothOptions options;
@@ -120,7 +122,7 @@ inline MeshedCity meshed(const SmallCity& city, double mesh_size = 8) {
   MeshedCity result;
   result.city = city;
   GroundMesh ground = mesh_ground(city.footprints, city.domain, {mesh_size, 25});
-  result.plan = plan_of(city, ground, mesh_size);
+  result.plan = plan_of(city, ground, mesh_size, false);
   EdgeGraph edges = build_edge_graph(ground);
   result.mesh = divide_columns(std::move(ground), std::move(edges), result.plan);
   place_nodes(result.mesh, result.plan);

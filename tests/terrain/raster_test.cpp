@@ -1,5 +1,6 @@
 #include "tetropolis/terrain/raster.h"
 
+#include <algorithm>
 #include <random>
 
 #include <gtest/gtest.h>
@@ -63,6 +64,33 @@ TEST(Raster, SampleOfSingleNodeRowOrColumn) {
   Raster column = make_raster(1, 3, 2);
   column.values = {1, 3, 5};
   EXPECT_EQ(sample(column, {99, column.y0 + 3}), 4);
+}
+
+TEST(Raster, HighestUnderABoxIsThatOfItsCells) {
+  Raster raster = make_raster(40, 30, 2.5);
+  std::mt19937 random(test_seed());
+  std::uniform_real_distribution<double> height(-50, 50), share(-0.3, 1.3);
+  for (double& z : raster.values) z = height(random);
+  const Bounds2 all = raster.bounds();
+  for (int k = 0; k < 200; ++k) {
+    const auto x = [&] { return all.xmin + share(random) * all.width(); };
+    const auto y = [&] { return all.ymin + share(random) * all.height(); };
+    const double x0 = x(), x1 = x(), y0 = y(), y1 = y();
+    const Bounds2 box{std::min(x0, x1), std::min(y0, y1), std::max(x0, x1), std::max(y0, y1)};
+    if (!box.intersects(all)) continue;
+    // A cell meets the box if it comes nearer to it than not at all.
+    double highest = -1e9;
+    for (std::int32_t j = 0; j + 1 < raster.ny; ++j)
+      for (std::int32_t i = 0; i + 1 < raster.nx; ++i) {
+        const Bounds2 cell{raster.x0 + i * 2.5, raster.y0 + j * 2.5, raster.x0 + (i + 1) * 2.5,
+                           raster.y0 + (j + 1) * 2.5};
+        if (!cell.intersects(box)) continue;
+        for (const std::int32_t n : {0, 1})
+          for (const std::int32_t m : {0, 1}) highest = std::max(highest, raster.at(i + n, j + m));
+      }
+    EXPECT_EQ(highest_under(raster, box), highest) << "seed " << test_seed() << ", box " << k;
+  }
+  EXPECT_EQ(highest_under(raster, {1e6, 1e6, 2e6, 2e6}), raster.at(39, 29));
 }
 
 }  // namespace

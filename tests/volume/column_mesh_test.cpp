@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <map>
 #include <random>
 
@@ -156,6 +157,18 @@ TEST(ColumnMesh, RefusesColumnsThatDoNotIncreaseAndRoofsThatAreNotFlat) {
       break;
     }
   EXPECT_THROW(require_valid(tilted), Error);
+}
+
+TEST(ColumnMesh, HeightsThatAreNoNumbersAreNoValidMesh) {
+  const ColumnMesh mesh = random_columns(3);
+  require_valid(mesh);
+  for (const double bad : {std::nan(""), std::numeric_limits<double>::infinity(),
+                           -std::numeric_limits<double>::infinity()})
+    for (const std::size_t node : {std::size_t{0}, mesh.z.size() / 2, mesh.z.size() - 1}) {
+      ColumnMesh broken = mesh;
+      broken.z[node] = bad;
+      EXPECT_THROW(require_valid(broken), Error) << bad << " at node " << node;
+    }
 }
 
 }  // namespace

@@ -171,5 +171,54 @@ TEST(FillColumns, SameBitsForAnyNumberOfThreads) {
   EXPECT_EQ(results[0].first, results[2].first);
 }
 
+TEST(FillColumns, ThePlanTellsGroundRoofsAndTop) {
+  // A terrace: the house stands in front of a step of 6 m and reaches 0.5 m above its edge. The
+  // terrain goes on beyond the mesh, where it has a mountain.
+  testing::SmallCity city;
+  city.domain = {0, 0, 60, 40};
+  city.footprints = {testing::rectangle(20, 10, 40, 30)};
+  city.roofs = {6.5};
+  const auto terrain = [](double x, double) { return x < 30 ? 0.0 : x > 80 ? 500.0 : 6.0; };
+  city.dtm = testing::raster_of({-10, -10, 100, 50}, terrain);
+  const GroundMesh ground = mesh_ground(city.footprints, city.domain, {8, 25});
+  for (const double share : {0.0, 0.6}) {
+    SCOPED_TRACE(share);
+    ColumnPlanOptions options;
+    options.domain_height = 50;
+    options.layer_height = 8;
+    options.minimum_wall = 1;
+    options.lowered_wall_share = share;
+    const std::vector<double> spacing(ground.vertices.size(), 5.0);
+    const ColumnPlan plan = plan_columns(ground, city.dtm, city.roofs, spacing, options);
+    EXPECT_EQ(plan.layers.highest_ground, 6);
+    EXPECT_EQ(plan.layers.top, 56);
+    EXPECT_FALSE(plan.layers.raised);
+    EXPECT_EQ(plan.spacing, spacing);
+    std::int64_t lowered = 0;
+    for (std::size_t v = 0; v < ground.vertices.size(); ++v) {
+      const Point2 p = ground.vertices[v];
+      const bool at_house = p.x >= 20 && p.x <= 40 && p.y >= 10 && p.y <= 30;
+      EXPECT_EQ(plan.building[v], at_house ? 0 : kNoBuilding);
+      EXPECT_EQ(plan.top[v], 56);
+      // Inside the raster's cell of the step the ground is in between.
+      if (p.x > 29 && p.x < 30) continue;
+      const bool above = at_house && p.x >= 30;  // the roof is less than a metre above the ground
+      const bool on_wall = p.x == 20 || p.x == 40 || p.y == 10 || p.y == 30;
+      lowered += above && on_wall ? 1 : 0;
+      EXPECT_EQ(plan.ground[v], above ? 6.5 - std::max(1.0, share * 5) : terrain(p.x, p.y));
+    }
+    EXPECT_GT(lowered, 3);
+    EXPECT_EQ(plan.lowered, lowered);
+  }
+  ColumnPlanOptions high;
+  high.domain_height = 2;
+  high.layer_height = 8;
+  const ColumnPlan raised =
+      plan_columns(ground, city.dtm, {30.0}, std::vector<double>(ground.vertices.size(), 5), high);
+  EXPECT_TRUE(raised.layers.raised);
+  EXPECT_EQ(raised.layers.top, 46);
+  EXPECT_EQ(raised.layers.highest_ground, 6);
+}
+
 }  // namespace
 }  // namespace tetropolis

@@ -1,5 +1,6 @@
 #include "tetropolis/volume/monotone.h"
 
+#include <limits>
 #include <random>
 
 #include <gtest/gtest.h>
@@ -83,6 +84,15 @@ TEST(Monotone, RefusesRoofsBelowTheGround) {
   mesh.roof_layer[3] = 2;
   mesh.column(3)[2] = -1;
   EXPECT_THROW(make_monotone(mesh, {0.25, true, 10}), Error);
+}
+
+TEST(Monotone, HeightsThatAreNoNumbersAreRefused) {
+  for (const bool fixed_top : {true, false}) {
+    LayeredMesh mesh = make_layers(mesh_ground({}, {0, 0, 60, 60}, {10, 25}), 7, 0, 70);
+    for (std::int32_t k = 0; k <= mesh.layers; ++k)
+      mesh.column(3)[k] = std::numeric_limits<double>::quiet_NaN();
+    EXPECT_THROW(make_monotone(mesh, {0.25, fixed_top, 10}), Error);
+  }
 }
 
 }  // namespace

@@ -199,5 +199,25 @@ TEST(Quality, ListsTheWorstCellsWithTheirPlace) {
   }
 }
 
+TEST(Quality, TheCauseOfTheWorstCellIsTheOneThatIsThere) {
+  const auto flat = [](double, double) { return 0.0; };
+  testing::SmallCity city;
+  const auto cause = [](const ColumnMesh& mesh) { return measure_quality(mesh, 1).worst[0].cause; };
+  city.dtm = testing::raster_of(city.domain, [](double x, double) { return x < 60 ? 0.0 : 20.0; });
+  EXPECT_EQ(cause(testing::meshed(city).mesh), "steep ground");
+  city.dtm = testing::raster_of(city.domain, flat);
+  auto empty = testing::meshed(city);
+  empty.plan.spacing.assign(empty.plan.spacing.size(), 1);
+  ColumnMesh thin = divide_columns(empty.mesh.ground, empty.mesh.edges, empty.plan);
+  place_nodes(thin, empty.plan);
+  EXPECT_EQ(cause(thin), "change of size");
+  city.footprints = {testing::rectangle(40, 30, 80, 60)};
+  city.roofs = {1};
+  EXPECT_EQ(cause(testing::meshed(city).mesh), "low wall");
+  city.footprints = {testing::rectangle(20, 30, 50, 60), testing::rectangle(50.5, 30, 80, 60)};
+  city.roofs = {20, 20};
+  EXPECT_EQ(cause(columns_of_layers(testing::layered(city).mesh)), "small detail");
+}
+
 }  // namespace
 }  // namespace tetropolis

@@ -10,29 +10,37 @@
 
 #include "tetropolis/geometry/predicates.h"
 
+// The linker leads calls of NAME to __wrap_NAME, and calls of __real_NAME to NAME.
+extern "C" void* __real_calloc(std::size_t count, std::size_t size);
+extern "C" void __real_free(void* memory);
+
 namespace {
 
 std::atomic<std::int64_t> allocations, allocated_bytes, live_bytes, peak_bytes, start_bytes;
 std::atomic<std::int64_t> exact_orientations, exact_circles, geos_operations;
 
-void* allocate(std::size_t size, std::size_t alignment) {
-  void* memory = alignment == 0 ? std::malloc(size == 0 ? 1 : size)
-                                : std::aligned_alloc(
-                                      alignment, (size + alignment - 1) / alignment * alignment);
-  if (memory == nullptr) throw std::bad_alloc();
+void count(void* memory, std::size_t size) {
   ++allocations;
   allocated_bytes += static_cast<std::int64_t>(size);
   const std::int64_t live = live_bytes += static_cast<std::int64_t>(malloc_usable_size(memory));
   std::int64_t peak = peak_bytes;
   while (live > peak && !peak_bytes.compare_exchange_weak(peak, live)) {
   }
+}
+
+void* allocate(std::size_t size, std::size_t alignment) {
+  void* memory = alignment == 0 ? std::malloc(size == 0 ? 1 : size)
+                                : std::aligned_alloc(
+                                      alignment, (size + alignment - 1) / alignment * alignment);
+  if (memory == nullptr) throw std::bad_alloc();
+  count(memory, size);
   return memory;
 }
 
 void release(void* memory) noexcept {
   if (memory == nullptr) return;
   live_bytes -= static_cast<std::int64_t>(malloc_usable_size(memory));
-  std::free(memory);
+  __real_free(memory);
 }
 
 }  // namespace
@@ -53,8 +61,6 @@ void operator delete(void* memory, std::align_val_t) noexcept { release(memory);
 void operator delete[](void* memory, std::align_val_t) noexcept { release(memory); }
 void operator delete(void* memory, std::size_t, std::align_val_t) noexcept { release(memory); }
 void operator delete[](void* memory, std::size_t, std::align_val_t) noexcept { release(memory); }
-
-// The linker leads calls of NAME to __wrap_NAME, and calls of __real_NAME to NAME.
 
 namespace tetropolis {
 
@@ -79,6 +85,17 @@ int counted_incircle(Point2 a, Point2 b, Point2 c, Point2 d) {
 }  // namespace tetropolis
 
 extern "C" {
+
+void* __wrap_calloc(std::size_t count_of, std::size_t size);
+void* __wrap_calloc(std::size_t count_of, std::size_t size) {
+  void* memory = __real_calloc(count_of, size);
+  if (memory != nullptr) count(memory, count_of * size);
+  return memory;
+}
+
+// Of the library's own code, only what calloc gave is freed this way.
+void __wrap_free(void* memory);
+void __wrap_free(void* memory) { release(memory); }
 
 #define TETROPOLIS_COUNT_GEOS(result, name, parameters, arguments) \
   result __real_##name parameters;                                 \

@@ -30,4 +30,8 @@ struct Raster {
 /// value of the nearest position on its rim. Precondition: nx, ny >= 1 and no value is NaN.
 double sample(const Raster& raster, Point2 p);
 
+/// The greatest value that sample() may give inside `box`: of the nodes of all grid cells that meet
+/// it. Precondition: as sample; `box` is not empty.
+double highest_under(const Raster& raster, const Bounds2& box);
+
 }  // namespace tetropolis

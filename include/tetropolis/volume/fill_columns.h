@@ -39,11 +39,13 @@ struct ColumnPlan {
 };
 
 struct ColumnPlanOptions {
-  double domain_height = 100;       ///< Of the top above the highest terrain, metres, > 0.
+  double domain_height = 100;       ///< Of the top above the highest terrain under the mesh,
+                                    ///< metres, > 0.
   double layer_height = 10;         ///< Of uniform layers, metres, > 0.
   double minimum_wall = 1;          ///< See ground_heights.
   double lowered_wall_share = 0.6;  ///< Where the ground is lowered, walls get this share of the
-                                    ///< spacing, if that is more than the minimum.
+                                    ///< spacing, if that is more than the minimum. 0 for uniform
+                                    ///< layers, whose spacing is another.
 };
 
 /// `roofs`: elevation per building of `mesh`; `spacing`: per vertex, > 0. Throws as

@@ -14,8 +14,9 @@ namespace tetropolis {
 
 struct LayerPlan {
   std::int32_t layers = 0;
-  double bottom = 0;    ///< Mean ground elevation: where the untransformed ground layer lies.
-  double top = 0;       ///< Elevation of the flat top.
+  double bottom = 0;  ///< Mean ground elevation: where the untransformed ground layer lies.
+  double top = 0;     ///< Elevation of the flat top.
+  double highest_ground = 0;
   bool raised = false;  ///< The top had to be raised to clear a roof.
 };
 
