@@ -1,15 +1,21 @@
 #include "interrupts.h"
 
+#include <atomic>
 #include <cerrno>
 #include <csignal>
 #include <functional>
+#include <iterator>
 #include <mutex>
 #include <thread>
 #include <utility>
 
 #include <fcntl.h>
+#include <fmt/format.h>
 #include <poll.h>
 #include <unistd.h>
+
+#include "tetropolis/core/error.h"
+#include "tetropolis/core/foreign_code.h"
 
 #include "console.h"
 
@@ -22,7 +28,13 @@ namespace {
 constexpr int kGraceMilliseconds = 500;
 
 volatile std::sig_atomic_t signals_seen = 0;
+volatile std::sig_atomic_t watching = 0;
 int wake_up[2] = {-1, -1};
+
+/// Input that crashed a library, and what the system would have done about the crash.
+std::atomic<const char*> crashed_on{nullptr};
+constexpr int kFaults[] = {SIGSEGV, SIGBUS, SIGILL, SIGFPE, SIGABRT};
+struct sigaction before_fault[std::size(kFaults)];
 
 /// What there is to remove. Left to the system at exit: the thread may outlive main().
 struct Output {
@@ -44,6 +56,28 @@ void on_interrupt(int signal) {
   errno = error;
 }
 
+/// Of a crash on broken input remains one line: the thread that waits for signals says it and ends
+/// the process, as this one is in no state to. Any other crash stays what it is.
+void on_fault(int signal, siginfo_t*, void*) {
+  const char* input = foreign_input();
+  if (input != nullptr && watching != 0) {
+    crashed_on = input;
+    [[maybe_unused]] const ssize_t written = ::write(wake_up[1], "!", 1);
+    for (;;) ::pause();
+  }
+  for (std::size_t i = 0; i < std::size(kFaults); ++i)
+    if (kFaults[i] == signal) ::sigaction(signal, &before_fault[i], nullptr);
+  if (signal == SIGABRT) ::raise(signal);  // the others happen again
+}
+
+void catch_faults() {
+  struct sigaction action {};
+  action.sa_sigaction = on_fault;
+  action.sa_flags = SA_SIGINFO | SA_ONSTACK;
+  for (std::size_t i = 0; i < std::size(kFaults); ++i)
+    ::sigaction(kFaults[i], &action, &before_fault[i]);
+}
+
 /// Waits for a signal, or for so long. Negative: for ever.
 bool signal_comes(int milliseconds) {
   pollfd ready{wake_up[0], POLLIN, 0};
@@ -54,10 +88,17 @@ bool signal_comes(int milliseconds) {
 void end_overdue_runs() {
   while (!signal_comes(-1)) {
   }
-  signal_comes(kGraceMilliseconds);
+  const char* broken = crashed_on;
+  if (broken == nullptr) signal_comes(kGraceMilliseconds);
   const std::unique_lock lock(output().mutex);
   if (output().moving) return;
   if (output().discard) output().discard();
+  if (broken != nullptr) {
+    put(stderr, fmt::format("tetropolis: {}: a library crashed on it: the file is broken; get it "
+                            "again, or leave it out\n",
+                            broken));
+    ::_exit(static_cast<int>(ErrorKind::kInput));
+  }
   if (!std::exchange(output().said, true))
     put(stderr, "tetropolis: interrupted; nothing was written\n");
   ::_exit(kInterruptedExit);
@@ -74,6 +115,8 @@ void catch_interrupts() {
   if (::pipe2(wake_up, O_CLOEXEC | O_NONBLOCK) != 0) return;
   try {
     std::thread(end_overdue_runs).detach();
+    watching = 1;
+    catch_faults();
   } catch (const std::exception&) {
     // No thread to be had: then the run's own looking has to do.
   }

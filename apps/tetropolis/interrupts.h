@@ -1,4 +1,5 @@
-// Ctrl-C, SIGTERM and SIGHUP: a run is asked to stop, and ended within a second if it does not.
+// Ctrl-C, SIGTERM and SIGHUP: a run is asked to stop, and ended within a second if it does not. And
+// crashes of a library on broken input, which end it in good order too.
 #pragma once
 
 #include "tetropolis/pipeline/output_folder.h"
@@ -10,7 +11,8 @@ inline constexpr int kInterruptedExit = 130;
 /// Call once, first. A first signal sets interrupted(); a run that does not look soon enough (it is
 /// inside a library, or a file system hangs) loses its hidden folder, and the process ends with
 /// kInterruptedExit. A second signal does that at once, a third ends the process as it is. Results
-/// that have begun to move to their place are waited for.
+/// that have begun to move to their place are waited for. A crash inside ForeignCode ends the
+/// process with one line that names the input, and as other errors of input do.
 void catch_interrupts();
 
 bool interrupted();

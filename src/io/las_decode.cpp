@@ -10,6 +10,8 @@
 #include <fmt/format.h>
 #include <laszip/laszip_api.h>
 
+#include "tetropolis/core/foreign_code.h"
+
 namespace tetropolis {
 
 namespace fs = std::filesystem;
@@ -111,9 +113,14 @@ class LazReader {
                                              laszip_DECOMPRESS_SELECTIVE_Z |
                                              laszip_DECOMPRESS_SELECTIVE_CLASSIFICATION |
                                              laszip_DECOMPRESS_SELECTIVE_FLAGS);
+    // A stream that has failed gives LASzip garbage for bytes, unless it throws.
+    stream_.exceptions(std::ios::failbit | std::ios::badbit);
     laszip_BOOL compressed = 0;
-    if (laszip_open_reader_stream(reader_, stream_, &compressed) != 0 ||
-        laszip_get_point_pointer(reader_, &point_) != 0) {
+    // What is left of a cut file LASzip finds only in files that it opens itself.
+    const bool opened = (layout.chunk_table_missing
+                             ? laszip_open_reader(reader_, path.c_str(), &compressed)
+                             : laszip_open_reader_stream(reader_, stream_, &compressed)) == 0;
+    if (!opened || laszip_get_point_pointer(reader_, &point_) != 0) {
       const std::string reason = error();
       laszip_destroy(reader_);
       fail_las(path,
@@ -177,6 +184,8 @@ class LazReader {
 
 void decode_laz(const fs::path& path, const LasLayout& layout, std::int64_t first,
                 std::int64_t count, const LasVisitor& visit) {
+  // LASzip recurses without an end on some broken files, and Debian's stops at failed assertions.
+  const ForeignCode laszip(path.c_str());
   LazReader reader(path, layout);
   reader.seek(first);
   const bool extended = layout.info.point_format >= 6;

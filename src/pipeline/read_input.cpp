@@ -35,6 +35,14 @@ struct CloudHeaders {
   std::vector<std::pair<Bounds2, std::int64_t>> points;  ///< Per file: where, and how many.
 };
 
+/// Counts lie; reading will say so. Until then no more points than bytes are believed.
+std::int64_t believable_count(const std::filesystem::path& path, const LasInfo& info) {
+  std::error_code error;
+  const auto bytes = static_cast<std::int64_t>(std::filesystem::file_size(path, error));
+  if (error) return 0;
+  return std::min(info.point_count, bytes / (info.compressed ? 1 : info.record_length));
+}
+
 CloudHeaders read_headers(std::span<const std::filesystem::path> paths) {
   CloudHeaders headers;
   for (const auto& path : paths) {
@@ -46,7 +54,7 @@ CloudHeaders read_headers(std::span<const std::filesystem::path> paths) {
               ? box
               : Bounds2{std::min(headers.box.xmin, box.xmin), std::min(headers.box.ymin, box.ymin),
                         std::max(headers.box.xmax, box.xmax), std::max(headers.box.ymax, box.ymax)};
-    headers.points.emplace_back(box, info.point_count);
+    headers.points.emplace_back(box, believable_count(path, info));
     if (!info.crs.empty() && headers.crs.empty()) {
       headers.crs = info.crs;
       headers.crs_file = path.string();

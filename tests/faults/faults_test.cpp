@@ -438,5 +438,17 @@ TEST_F(Faults, OneUnreadableFileAmongFiveHundredIsNamed) {
   if (run({"--version"}, limits).code == 0) expect_named(limits, "Permission denied");
 }
 
+TEST_F(Faults, ACloudThatCrashesTheDecoderIsABrokenFile) {
+  const Contents before = make_earlier();
+  const fs::path cloud = scratch / "input/points.laz";
+  fs::copy_file(fs::path(TETROPOLIS_FUZZ_FOLDER) / "known/laszip_recursion_ends_the_stack.laz",
+                cloud, fs::copy_options::overwrite_existing);
+  const Ending ending = run({"city", "--terrain-only", "--quiet", "--points", cloud.string(),
+                             "--out", "result", "--points-crs", "EPSG:3006"});
+  expect_nothing_new(ending, 3, before);
+  EXPECT_NE(ending.err.find(cloud.string() + ": a library crashed on it"), std::string::npos)
+      << ending.err;
+}
+
 }  // namespace
 }  // namespace tetropolis

@@ -1,0 +1,30 @@
+// Calls into libraries that broken input may crash: who they were made for, and a stack to say so.
+#pragma once
+
+#include <memory>
+
+#include <signal.h>
+
+namespace tetropolis {
+
+/// As long as it lives, foreign_input() in this thread is `input`, and the thread has a second
+/// stack for signal handlers, so that one can run when the first is full. The library installs no
+/// handler; a program may (apps/tetropolis/interrupts.h).
+class ForeignCode {
+ public:
+  /// `input`: what the library is reading; must outlive this. Throws std::bad_alloc.
+  explicit ForeignCode(const char* input);
+  ~ForeignCode();
+  ForeignCode(const ForeignCode&) = delete;
+  ForeignCode& operator=(const ForeignCode&) = delete;
+
+ private:
+  std::unique_ptr<char[]> stack_;
+  stack_t stack_before_{};
+  const char* input_before_;
+};
+
+/// What foreign code is reading in this thread, or nullptr. May be called from signal handlers.
+const char* foreign_input();
+
+}  // namespace tetropolis
