@@ -1,4 +1,7 @@
 // TOML in; kept apart because toml++ is slow to compile.
+#include <algorithm>
+#include <string>
+
 #include <fmt/format.h>
 #include <toml++/toml.h>
 
@@ -68,8 +71,12 @@ void load_config(Config& config, const std::filesystem::path& path) {
   try {
     table = toml::parse_file(path.string());
   } catch (const toml::parse_error& error) {
+    // It quotes the file, line ends and all.
+    std::string reason(error.description());
+    std::replace_if(
+        reason.begin(), reason.end(), [](unsigned char c) { return c < ' '; }, ' ');
     throw Error(ErrorKind::kUsage, fmt::format("{}:{}: not valid TOML: {}", path.string(),
-                                               error.source().begin.line, error.description()));
+                                               error.source().begin.line, reason));
   }
   for (const auto& [key, value] : table)
     set_key(config, key.str(), value,
