@@ -100,7 +100,7 @@ ColumnPlan plan_of(const Config& config, const CityModel& city, const Raster& dt
   options.layer_height =
       uniform && config.layer_height > 0 ? config.layer_height : config.mesh_size;
   options.minimum_wall = config.min_wall_height;
-  if (uniform) options.lowered_wall_share = 0;
+  options.fit_lowered_walls = !uniform;
   ColumnPlan plan = plan_columns(ground, dtm, std::move(roofs), std::move(spacing), options);
   require_plausible(plan.layers);
   VolumeMeshReport& volume = report.volume_mesh.emplace();

@@ -22,6 +22,15 @@ constexpr double kSpacingFactor = 1.2;
 /// Share of a cliff's height that the first segment at its foot takes.
 constexpr double kFootShare = 0.6;
 
+/// A piece that ends below the edge of the cliff, but above this share of its height, takes two.
+constexpr double kWholeShare = 0.8;
+
+/// Share of the spacing that a wall is high where the ground was lowered for it.
+constexpr double kLoweredWallShare = 0.6;
+
+/// Tangent of 10 degrees: what a lowered wall is seen under from the terrain beside it.
+constexpr double kWallTangent = 0.17632698070846498;
+
 /// How one column is divided.
 struct Division {
   std::int32_t below_roof = 0;  ///< Segments from the ground to the roof.
@@ -44,20 +53,38 @@ void require_rise(double low, double high, std::size_t v, const char* what) {
                                          std::to_string(high) + " m)");
 }
 
-/// Whether the piece of the column that begins at the ground and is `height` high begins with the
-/// two segments of a cliff's foot.
-bool is_foot(const ColumnPlan& plan, std::size_t v, double height) {
-  return kFootShare * plan.rise[v] > plan.spacing[v] && plan.rise[v] + plan.spacing[v] / 2 < height;
+/// A piece of a column between two given elevations: below the edge of a cliff first in few long
+/// segments, then in even ones.
+struct Piece {
+  std::array<double, 2> steep{};  ///< Elevations within the piece where the long segments end.
+  std::int32_t steep_count = 0;
+  std::int32_t even_count = 0;
+};
+
+Piece divide_piece(const ColumnPlan& plan, std::size_t v, double low, double high) {
+  const double spacing = plan.spacing[v];
+  const double edge = plan.ground[v] + plan.rise[v], rise = edge - low;
+  Piece piece;
+  const auto even = [&](double height) {
+    return static_cast<std::int32_t>(std::max(1.0, std::round(height / spacing)));
+  };
+  if (!(kFootShare * rise > spacing)) {
+    piece.even_count = even(high - low);
+  } else if (edge + spacing / 2 < high) {
+    piece.steep = {low + kFootShare * rise, edge};
+    piece.steep_count = 2;
+    piece.even_count = even(high - edge);
+  } else {
+    // The cliff is as high as the piece or higher.
+    if (high - low > kWholeShare * rise) piece.steep[piece.steep_count++] = low + kFootShare * rise;
+    piece.even_count = 1;
+  }
+  return piece;
 }
 
-std::int32_t even_segments(const ColumnPlan& plan, std::size_t v, double height) {
-  return static_cast<std::int32_t>(std::max(1.0, std::round(height / plan.spacing[v])));
-}
-
-/// Segments of a piece that begins at the ground.
-std::int32_t ground_segments(const ColumnPlan& plan, std::size_t v, double height) {
-  if (!is_foot(plan, v, height)) return even_segments(plan, v, height);
-  return 2 + even_segments(plan, v, height - plan.rise[v]);
+std::int32_t segments(const ColumnPlan& plan, std::size_t v, double low, double high) {
+  const Piece piece = divide_piece(plan, v, low, high);
+  return piece.steep_count + piece.even_count;
 }
 
 Division divide(const ColumnPlan& plan, std::size_t v, bool outside) {
@@ -65,33 +92,41 @@ Division divide(const ColumnPlan& plan, std::size_t v, bool outside) {
   const double ground = plan.ground[v], top = plan.top[v];
   if (plan.building[v] == kNoBuilding) {
     require_rise(ground, top, v, "the top is not above the ground");
-    division.above = ground_segments(plan, v, top - ground);
+    division.above = segments(plan, v, ground, top);
     return division;
   }
   const double roof = plan.roofs[static_cast<std::size_t>(plan.building[v])];
   if (outside) {
     require_rise(ground, roof, v, "the roof is not above the ground");
-    division.below_roof = ground_segments(plan, v, roof - ground);
+    division.below_roof = segments(plan, v, ground, roof);
   }
   require_rise(roof, top, v, "the top is not above the roof");
-  division.above = even_segments(plan, v, top - roof);
+  division.above = segments(plan, v, roof, top);
   return division;
 }
 
-/// Writes count nodes from `low` towards, but without, `high`; returns the place after them.
-double* spread(double* z, double low, double high, std::int32_t count) {
+/// Writes the nodes from `low` towards, but without, `high`; returns the place after them.
+double* spread(double* z, const ColumnPlan& plan, std::size_t v, double low, double high) {
+  const Piece piece = divide_piece(plan, v, low, high);
+  for (std::int32_t i = 0; i < piece.steep_count; ++i) {
+    *z++ = low;
+    low = piece.steep[static_cast<std::size_t>(i)];
+  }
+  const std::int32_t count = piece.even_count;
   for (std::int32_t i = 0; i < count; ++i) *z++ = low + (high - low) * i / count;
   return z;
 }
 
-/// Likewise for a piece that begins at the ground.
-double* spread_from_ground(double* z, const ColumnPlan& plan, std::size_t v, double high,
-                           std::int32_t count) {
-  const double ground = plan.ground[v];
-  if (!is_foot(plan, v, high - ground)) return spread(z, ground, high, count);
-  *z++ = ground;
-  *z++ = ground + kFootShare * plan.rise[v];
-  return spread(z, ground + plan.rise[v], high, count - 2);
+/// Height of a wall whose roof lies `buried` below the terrain at `distance`, so that it is seen
+/// from there under 10 degrees; or, where that would leave less between the ground below the wall
+/// and the vertical, under half of what the roof leaves.
+double wall_below(double buried, double distance) {
+  if (!(buried > 0)) return 0;
+  const double roof = buried / distance;  // tangents of the angles below the horizontal
+  double foot = roof + std::sqrt(1 + roof * roof);
+  if (roof * kWallTangent < 1)
+    foot = std::min(foot, (roof + kWallTangent) / (1 - roof * kWallTangent));
+  return distance * (foot - roof);
 }
 
 }  // namespace
@@ -145,12 +180,18 @@ ColumnPlan plan_columns(const GroundMesh& mesh, const Raster& dtm, std::vector<d
   plan.roofs = std::move(roofs);
   plan.spacing = std::move(spacing);
   plan.building = vertex_buildings(mesh);
-  std::vector<double> wall(plan.spacing);
-  for (double& w : wall) w = std::max(options.lowered_wall_share * w, options.minimum_wall);
-  GroundHeights heights =
-      ground_heights(mesh, plan.building, plan.roofs, dtm, options.minimum_wall, wall);
-  plan.ground = std::move(heights.z);
-  plan.lowered = heights.lowered;
+  plan.ground = terrain_under(mesh, dtm);
+  plan.rise = ground_rise(mesh, plan.ground);
+  std::vector<double> wall(plan.spacing.size(), options.minimum_wall);
+  for (std::size_t v = 0; v < wall.size(); ++v) {
+    if (plan.building[v] == kNoBuilding || !options.fit_lowered_walls) continue;
+    const double buried =
+        plan.ground[v] + plan.rise[v] - plan.roofs[static_cast<std::size_t>(plan.building[v])];
+    wall[v] = std::max(
+        {wall[v], kLoweredWallShare * plan.spacing[v], wall_below(buried, plan.spacing[v])});
+  }
+  plan.lowered =
+      lower_at_walls(mesh, plan.building, plan.roofs, options.minimum_wall, wall, plan.ground);
   plan.rise = ground_rise(mesh, plan.ground);
   plan.layers = plan_layers(plan.ground, plan.roofs, highest_under(dtm, bounds(mesh.vertices)),
                             options.domain_height, options.layer_height);
@@ -182,16 +223,13 @@ void place_nodes(ColumnMesh& mesh, const ColumnPlan& plan) {
   parallel_chunks(mesh.vertex_count(), kColumnsPerChunk, [&](std::size_t begin, std::size_t end) {
     for (std::size_t v = begin; v < end; ++v) {
       double* z = mesh.z.data() + mesh.first[v];
-      const auto segments =
-          static_cast<std::int32_t>(mesh.top(static_cast<VertexIndex>(v)) - mesh.first[v]);
-      const std::int32_t roof = std::max(mesh.roof[v], 0);
-      if (plan.building[v] == kNoBuilding) {
-        z = spread_from_ground(z, plan, v, plan.top[v], segments);
-      } else {
-        const double height = plan.roofs[static_cast<std::size_t>(plan.building[v])];
-        if (roof > 0) z = spread_from_ground(z, plan, v, height, roof);
-        z = spread(z, height, plan.top[v], segments - roof);
+      double low = plan.ground[v];
+      if (plan.building[v] != kNoBuilding) {
+        const double roof = plan.roofs[static_cast<std::size_t>(plan.building[v])];
+        if (mesh.roof[v] > 0) z = spread(z, plan, v, low, roof);
+        low = roof;
       }
+      z = spread(z, plan, v, low, plan.top[v]);
       *z = plan.top[v];
     }
   });

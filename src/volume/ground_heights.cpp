@@ -36,23 +36,27 @@ std::vector<bool> touches_outside(const GroundMesh& mesh) {
 
 }  // namespace
 
-GroundHeights ground_heights(const GroundMesh& mesh, std::span<const BuildingIndex> building,
-                             std::span<const double> roofs, const Raster& dtm, double minimum_wall,
-                             std::span<const double> wall) {
-  GroundHeights result;
-  result.z.resize(mesh.vertices.size());
+std::vector<double> terrain_under(const GroundMesh& mesh, const Raster& dtm) {
+  std::vector<double> terrain(mesh.vertices.size());
   parallel_chunks(mesh.vertices.size(), 4096, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t v = begin; v < end; ++v) result.z[v] = sample(dtm, mesh.vertices[v]);
+    for (std::size_t v = begin; v < end; ++v) terrain[v] = sample(dtm, mesh.vertices[v]);
   });
+  return terrain;
+}
+
+std::int64_t lower_at_walls(const GroundMesh& mesh, std::span<const BuildingIndex> building,
+                            std::span<const double> roofs, double minimum_wall,
+                            std::span<const double> wall, std::vector<double>& ground) {
+  std::int64_t lowered = 0;
   const std::vector<bool> outside = touches_outside(mesh);
   for (std::size_t v = 0; v < mesh.vertices.size(); ++v) {
     if (building[v] == kNoBuilding) continue;
     const double roof = roofs[static_cast<std::size_t>(building[v])];
-    if (result.z[v] <= roof - minimum_wall) continue;
-    result.z[v] = std::min(result.z[v], roof - wall[v]);
-    if (outside[v]) ++result.lowered;
+    if (ground[v] <= roof - minimum_wall) continue;
+    ground[v] = std::min(ground[v], roof - wall[v]);
+    if (outside[v]) ++lowered;
   }
-  return result;
+  return lowered;
 }
 
 }  // namespace tetropolis

@@ -73,7 +73,7 @@ inline const std::vector<std::pair<const char*, double (*)(double, double)>> kHa
 inline ColumnPlan plan_of(const SmallCity& city, const GroundMesh& ground, double mesh_size,
                           bool uniform) {
   ColumnPlanOptions options;
-  if (uniform) options.lowered_wall_share = 0;
+  options.fit_lowered_walls = !uniform;
   options.domain_height = 80;
   options.layer_height = mesh_size;
   return plan_columns(ground, city.dtm, city.roofs, column_spacing(ground), options);

@@ -181,13 +181,13 @@ TEST(FillColumns, ThePlanTellsGroundRoofsAndTop) {
   const auto terrain = [](double x, double) { return x < 30 ? 0.0 : x > 80 ? 500.0 : 6.0; };
   city.dtm = testing::raster_of({-10, -10, 100, 50}, terrain);
   const GroundMesh ground = mesh_ground(city.footprints, city.domain, {8, 25});
-  for (const double share : {0.0, 0.6}) {
-    SCOPED_TRACE(share);
+  for (const bool fit : {false, true}) {
+    SCOPED_TRACE(fit);
     ColumnPlanOptions options;
     options.domain_height = 50;
     options.layer_height = 8;
     options.minimum_wall = 1;
-    options.lowered_wall_share = share;
+    options.fit_lowered_walls = fit;
     const std::vector<double> spacing(ground.vertices.size(), 5.0);
     const ColumnPlan plan = plan_columns(ground, city.dtm, city.roofs, spacing, options);
     EXPECT_EQ(plan.layers.highest_ground, 6);
@@ -205,7 +205,7 @@ TEST(FillColumns, ThePlanTellsGroundRoofsAndTop) {
       const bool above = at_house && p.x >= 30;  // the roof is less than a metre above the ground
       const bool on_wall = p.x == 20 || p.x == 40 || p.y == 10 || p.y == 30;
       lowered += above && on_wall ? 1 : 0;
-      EXPECT_EQ(plan.ground[v], above ? 6.5 - std::max(1.0, share * 5) : terrain(p.x, p.y));
+      EXPECT_EQ(plan.ground[v], above ? 6.5 - (fit ? 3.0 : 1.0) : terrain(p.x, p.y));
     }
     EXPECT_GT(lowered, 3);
     EXPECT_EQ(plan.lowered, lowered);
@@ -218,6 +218,28 @@ TEST(FillColumns, ThePlanTellsGroundRoofsAndTop) {
   EXPECT_TRUE(raised.layers.raised);
   EXPECT_EQ(raised.layers.top, 46);
   EXPECT_EQ(raised.layers.highest_ground, 6);
+}
+
+TEST(FillColumns, CellsAtBuriedRoofsAreNoSlivers) {
+  // A house of 16 m in a slope of 45 degrees: its roof is 10 m below the terrain behind it.
+  testing::SmallCity city;
+  city.footprints = {testing::rectangle(40, 30, 56, 50)};
+  city.roofs = {46};
+  city.dtm = testing::raster_of(city.domain, [](double x, double) { return x; });
+  const auto result = testing::meshed(city);
+  require_valid(result.mesh);
+  EXPECT_GT(result.plan.lowered, 4);
+  // What is left are side walls a little more than the minimum high, whose ground stays as it is.
+  EXPECT_GT(measure_quality(result.mesh).histogram.min_dihedral_deg(), 6);
+  // With walls of a metre they are.
+  ColumnPlanOptions options;
+  options.domain_height = 80;
+  options.fit_lowered_walls = false;
+  const ColumnPlan low = plan_columns(result.mesh.ground, city.dtm, city.roofs,
+                                      column_spacing(result.mesh.ground), options);
+  ColumnMesh thin = divide_columns(result.mesh.ground, result.mesh.edges, low);
+  place_nodes(thin, low);
+  EXPECT_LT(measure_quality(thin).histogram.min_dihedral_deg(), 5);
 }
 
 }  // namespace

@@ -45,7 +45,7 @@ WorkCity work_city(std::int64_t buildings) {
 [[gnu::noinline]] UniformResult work_uniform(const WorkCity& city, const GroundMesh& ground) {
   ColumnPlanOptions options;
   options.layer_height = kMeshSize;
-  options.lowered_wall_share = 0;
+  options.fit_lowered_walls = false;
   const ColumnPlan plan =
       plan_columns(ground, city.input->dtm, city.input->roofs, column_spacing(ground), options);
   LayeredMesh mesh =

@@ -28,7 +28,7 @@ std::vector<double> ground_rise(const GroundMesh& mesh, std::span<const double> 
 
 /// What the columns are made from: per vertex of the ground mesh, in metres.
 struct ColumnPlan {
-  std::vector<double> ground;           ///< Elevation of the ground, as from ground_heights.
+  std::vector<double> ground;           ///< Elevation: the terrain, lowered at buried walls.
   std::vector<BuildingIndex> building;  ///< As from vertex_buildings.
   std::vector<double> roofs;            ///< Elevation of the roof, per building.
   std::vector<double> top;              ///< Elevation of the top.
@@ -39,13 +39,15 @@ struct ColumnPlan {
 };
 
 struct ColumnPlanOptions {
-  double domain_height = 100;       ///< Of the top above the highest terrain under the mesh,
-                                    ///< metres, > 0.
-  double layer_height = 10;         ///< Of uniform layers, metres, > 0.
-  double minimum_wall = 1;          ///< See ground_heights.
-  double lowered_wall_share = 0.6;  ///< Where the ground is lowered, walls get this share of the
-                                    ///< spacing, if that is more than the minimum. 0 for uniform
-                                    ///< layers, whose spacing is another.
+  double domain_height = 100;     ///< Of the top above the highest terrain under the mesh,
+                                  ///< metres, > 0.
+  double layer_height = 10;       ///< Of uniform layers, metres, > 0.
+  double minimum_wall = 1;        ///< See lower_at_walls.
+  bool fit_lowered_walls = true;  ///< Where the ground is lowered, walls become so high that
+                                  ///< cells of the spacing fit: 0.6 of it, and where the terrain
+                                  ///< beside is above the roof so high that they are seen from
+                                  ///< there under 10 degrees (or half of what is left to the
+                                  ///< vertical). Otherwise they have the minimum.
 };
 
 /// `roofs`: elevation per building of `mesh`; `spacing`: per vertex, > 0. Throws as
@@ -56,11 +58,12 @@ ColumnPlan plan_columns(const GroundMesh& mesh, const Raster& dtm, std::vector<d
 /// How many nodes each column gets, and which of them is at the roof; z has its size and no values.
 /// Columns go from the ground (inside buildings: from the roof) to the top, with a node at the roof
 /// where a wall stands. Each piece between two of these elevations is divided into the number of
-/// segments that comes closest to the spacing, at least one. At the foot of a cliff (the spacing
-/// is less than 0.6 of the rise) the first two segments are 0.6 and 0.4 of the rise instead: the
-/// tets between the foot's column and the edge of the cliff would be slivers else, as atan(r) -
-/// atan(r - s / d) with r = rise / d at distance d falls with r squared for a fixed spacing s.
-/// Throws Error(kGuarantee) naming the vertex if the elevations do not increase.
+/// segments that comes closest to the spacing, at least one. A piece that begins at the foot of a
+/// cliff (the spacing is less than 0.6 of what the highest ground beside rises above it) has two
+/// segments of 0.6 and 0.4 of that rise first, as far as it reaches: the tets between its column
+/// and the edge of the cliff would be slivers else, as atan(r) - atan(r - s / d) with r = rise / d
+/// at distance d falls with r squared for a fixed spacing s. Throws Error(kGuarantee) naming the
+/// vertex if the elevations do not increase.
 ColumnMesh divide_columns(GroundMesh ground, EdgeGraph edges, const ColumnPlan& plan);
 
 /// Sets z: exact at ground, roof and top. `mesh` as made by divide_columns with the same plan.

@@ -15,18 +15,16 @@ namespace tetropolis {
 /// footprints apart.
 std::vector<BuildingIndex> vertex_buildings(const GroundMesh& mesh);
 
-struct GroundHeights {
-  std::vector<double> z;     ///< Per vertex, metres.
-  std::int64_t lowered = 0;  ///< Vertices on walls where z is below the DTM.
-};
+/// The DTM at each vertex.
+std::vector<double> terrain_under(const GroundMesh& mesh, const Raster& dtm);
 
-/// z = DTM, except at vertices of a building whose roof is less than `minimum_wall` above the DTM
-/// there (a building set into a slope): these get roof - wall[v], so that every wall has a positive
-/// height (guarantee 4) and, where the ground has to be lowered anyway, one that cells fit.
-/// `building` as from vertex_buildings; `roofs`: elevation per building; minimum_wall > 0, metres;
-/// `wall`: per vertex, >= minimum_wall.
-GroundHeights ground_heights(const GroundMesh& mesh, std::span<const BuildingIndex> building,
-                             std::span<const double> roofs, const Raster& dtm, double minimum_wall,
-                             std::span<const double> wall);
+/// Lowers `ground` at vertices of buildings whose roof is less than `minimum_wall` above it (a
+/// building set into a slope) to roof - wall[v], so that every wall has a positive height
+/// (guarantee 4) and, where the ground has to be lowered anyway, one that cells fit. Returns how
+/// many vertices on walls were lowered. `building` as from vertex_buildings; `roofs`: elevation per
+/// building; minimum_wall > 0, metres; `wall`: per vertex, >= minimum_wall.
+std::int64_t lower_at_walls(const GroundMesh& mesh, std::span<const BuildingIndex> building,
+                            std::span<const double> roofs, double minimum_wall,
+                            std::span<const double> wall, std::vector<double>& ground);
 
 }  // namespace tetropolis
