@@ -4,6 +4,7 @@
 #include <csignal>
 #include <functional>
 #include <mutex>
+#include <string>
 #include <thread>
 #include <utility>
 
@@ -20,6 +21,8 @@ namespace {
 /// How long a run may take to notice: a second, less what removing its files and a busy machine
 /// take.
 constexpr int kGraceMilliseconds = 500;
+
+constexpr const char* kLastLine = "tetropolis: interrupted; nothing was written";
 
 volatile std::sig_atomic_t signals_seen = 0;
 int wake_up[2] = {-1, -1};
@@ -58,8 +61,7 @@ void end_overdue_runs() {
   const std::unique_lock lock(output().mutex);
   if (output().moving) return;
   if (output().discard) output().discard();
-  if (!std::exchange(output().said, true))
-    put(stderr, "tetropolis: interrupted; nothing was written\n");
+  if (!std::exchange(output().said, true)) put(stderr, std::string(kLastLine) + "\n");
   ::_exit(kInterruptedExit);
 }
 
@@ -77,7 +79,11 @@ void catch_interrupts() {
   } catch (const std::exception&) {
     // No thread to be had: then the run's own looking has to do.
   }
-  for (const int signal : {SIGINT, SIGTERM, SIGHUP}) std::signal(signal, on_interrupt);
+  for (const int signal : {SIGINT, SIGTERM}) std::signal(signal, on_interrupt);
+  // Ignored from the start (nohup): the run is meant to outlive the terminal.
+  struct sigaction hangup {};
+  if (::sigaction(SIGHUP, nullptr, &hangup) != 0 || hangup.sa_handler != SIG_IGN)
+    std::signal(SIGHUP, on_interrupt);
 }
 
 OutputWatcher watch_output() {
@@ -93,10 +99,9 @@ OutputWatcher watch_output() {
   return watcher;
 }
 
-int say_interrupted() {
+int say_interrupted(const std::function<void(const std::string&)>& say) {
   const std::lock_guard lock(output().mutex);
-  if (!std::exchange(output().said, true))
-    put(stderr, "tetropolis: interrupted; nothing was written\n");
+  if (!std::exchange(output().said, true)) say(kLastLine);
   return kInterruptedExit;
 }
 
