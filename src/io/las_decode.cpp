@@ -10,6 +10,8 @@
 #include <fmt/format.h>
 #include <laszip/laszip_api.h>
 
+#include "positioned_file.h"
+
 namespace tetropolis {
 
 namespace fs = std::filesystem;
