@@ -191,8 +191,7 @@ TEST_F(CheckMesh, SeesWrongRegionsAndWallsOfAnotherBuilding) {
   }
   TetMesh untold = mesh;
   untold.region.clear();
-  EXPECT_TRUE(
-      has(check_regions_of_cells(untold, {0, 0, 0}, model), "no region for every cell"));
+  EXPECT_TRUE(has(check_regions_of_cells(untold, {0, 0, 0}, model), "no region for every cell"));
   SurfaceMesh other = surface;
   const auto wall = static_cast<std::size_t>(
       std::find(surface.patch.begin(), surface.patch.end(), Patch::kWall) - surface.patch.begin());

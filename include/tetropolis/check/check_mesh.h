@@ -75,8 +75,8 @@ struct SurfaceCheck {
   std::vector<Violation> violations;
 };
 
-/// Finite, closed, oriented and edge-manifold; sides lie on the sides of the bounding box, walls are
-/// vertical, ground and roofs face down, the roof of each building is flat, buildings are named
+/// Finite, closed, oriented and edge-manifold; sides lie on the sides of the bounding box, walls
+/// are vertical, ground and roofs face down, the roof of each building is flat, buildings are named
 /// where they must be and nowhere else, and roof and wall faces that share an edge name the same
 /// one.
 SurfaceCheck check_surface(const SurfaceMesh& surface);
