@@ -17,20 +17,23 @@ bool check(const std::string& path, double min_distance, Console& console) {
   std::int64_t violations = 0;
   bool everything = true;
   for (const CheckedFile& file : files) {
-    put(stdout, fmt::format("{}\n", file.name));
+    if (file.violations.empty())
+      console.result(file.name);
+    else
+      console.important_result(file.name);
     for (const std::string& fact : file.facts) {
-      put(stdout, fmt::format("  {}\n", fact));
+      console.result("  " + fact);
       if (fact.starts_with("not checked")) everything = false;
     }
     for (const Violation& violation : file.violations) {
-      put(stdout, fmt::format("  VIOLATED: {} ({}); first: {}\n", violation.what, violation.count,
-                              violation.first));
+      console.important_result(fmt::format("  VIOLATED: {} ({}); first: {}", violation.what,
+                                           violation.count, violation.first));
       ++violations;
     }
   }
   if (violations == 0)
-    put(stdout, everything ? "every guarantee holds\n"
-                           : "what was checked holds; see 'not checked' above\n");
+    console.result(everything ? "every guarantee holds"
+                              : "what was checked holds; see 'not checked' above");
   else
     console.error(fmt::format("tetropolis: {}: {} guarantee{} broken", path, violations,
                               violations == 1 ? "" : "s"));

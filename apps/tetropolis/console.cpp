@@ -54,6 +54,16 @@ void Console::error(const std::string& text) {
   put(stderr, text + "\n");
 }
 
+void Console::result(const std::string& text) {
+  if (log_ != nullptr) put(log_, text + "\n");
+  if (!quiet_) put(stdout, text + "\n");
+}
+
+void Console::important_result(const std::string& text) {
+  if (log_ != nullptr) put(log_, text + "\n");
+  put(stdout, text + "\n");
+}
+
 RunHooks Console::hooks() {
   RunHooks hooks;
   hooks.cancelled = interrupted;

@@ -18,6 +18,10 @@ class Console {
 
   void line(const std::string& text);   ///< Unless quiet.
   void error(const std::string& text);  ///< Always.
+  /// What was asked for: on stdout unless quiet, and in the log.
+  void result(const std::string& text);
+  /// The same, quiet or not.
+  void important_result(const std::string& text);
   RunHooks hooks();
 
  private:

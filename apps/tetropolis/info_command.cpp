@@ -160,11 +160,15 @@ void print_report(const std::string& path, const Json& report) {
                             count(city, "raw_buildings"), count(city, "buildings")));
     print_dropped(city.value("dropped", Json::array()));
   }
-  if (report.contains("volume_mesh"))
-    put(stdout,
-        fmt::format("  volume: {} tets in {} layers, {} inverted\n",
-                    count(report["volume_mesh"], "cells"), count(report["volume_mesh"], "layers"),
-                    count(report["volume_mesh"], "inverted")));
+  if (report.contains("volume_mesh")) {
+    const Json& mesh = report["volume_mesh"];
+    // Graded columns have no layers; their "layers" is what uniform ones would have been.
+    const bool layered =
+        report.value("config", Json::object()).value("layering", "") == std::string("uniform");
+    put(stdout, fmt::format("  volume: {} tets{}, {} inverted\n", count(mesh, "cells"),
+                            layered ? fmt::format(" in {} layers", count(mesh, "layers")) : "",
+                            count(mesh, "inverted")));
+  }
   for (const Json& warning : report.value("warnings", Json::array()))
     put(stdout, fmt::format("  note: {}: {} ({})\n", warning.value("code", ""),
                             warning.value("message", ""), count(warning, "count")));

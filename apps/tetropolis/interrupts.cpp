@@ -6,6 +6,7 @@
 #include <functional>
 #include <iterator>
 #include <mutex>
+#include <string>
 #include <thread>
 #include <utility>
 
@@ -26,6 +27,8 @@ namespace {
 /// How long a run may take to notice: a second, less what removing its files and a busy machine
 /// take.
 constexpr int kGraceMilliseconds = 500;
+
+constexpr const char* kLastLine = "tetropolis: interrupted; nothing was written";
 
 volatile std::sig_atomic_t signals_seen = 0;
 volatile std::sig_atomic_t watching = 0;
@@ -99,8 +102,7 @@ void end_overdue_runs() {
                             broken));
     ::_exit(static_cast<int>(ErrorKind::kInput));
   }
-  if (!std::exchange(output().said, true))
-    put(stderr, "tetropolis: interrupted; nothing was written\n");
+  if (!std::exchange(output().said, true)) put(stderr, std::string(kLastLine) + "\n");
   ::_exit(kInterruptedExit);
 }
 
@@ -120,7 +122,11 @@ void catch_interrupts() {
   } catch (const std::exception&) {
     // No thread to be had: then the run's own looking has to do.
   }
-  for (const int signal : {SIGINT, SIGTERM, SIGHUP}) std::signal(signal, on_interrupt);
+  for (const int signal : {SIGINT, SIGTERM}) std::signal(signal, on_interrupt);
+  // Ignored from the start (nohup): the run is meant to outlive the terminal.
+  struct sigaction hangup {};
+  if (::sigaction(SIGHUP, nullptr, &hangup) != 0 || hangup.sa_handler != SIG_IGN)
+    std::signal(SIGHUP, on_interrupt);
 }
 
 OutputWatcher watch_output() {
@@ -136,10 +142,9 @@ OutputWatcher watch_output() {
   return watcher;
 }
 
-int say_interrupted() {
+int say_interrupted(const std::function<void(const std::string&)>& say) {
   const std::lock_guard lock(output().mutex);
-  if (!std::exchange(output().said, true))
-    put(stderr, "tetropolis: interrupted; nothing was written\n");
+  if (!std::exchange(output().said, true)) say(kLastLine);
   return kInterruptedExit;
 }
 

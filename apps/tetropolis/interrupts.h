@@ -2,17 +2,21 @@
 // crashes of a library on broken input, which end it in good order too.
 #pragma once
 
+#include <functional>
+#include <string>
+
 #include "tetropolis/pipeline/output_folder.h"
 
 namespace tetropolis::app {
 
 inline constexpr int kInterruptedExit = 130;
 
-/// Call once, first. A first signal sets interrupted(); a run that does not look soon enough (it is
-/// inside a library, or a file system hangs) loses its hidden folder, and the process ends with
-/// kInterruptedExit. A second signal does that at once, a third ends the process as it is. Results
-/// that have begun to move to their place are waited for. A crash inside ForeignCode ends the
-/// process with one line that names the input, and as other errors of input do.
+/// Call once, first. A SIGHUP that is ignored (nohup) stays ignored. A first signal sets
+/// interrupted(); a run that does not look soon enough (it is inside a library, or a file system
+/// hangs) loses its hidden folder, and the process ends with kInterruptedExit. A second signal does
+/// that at once, a third ends the process as it is. Results that have begun to move to their place
+/// are waited for. A crash inside ForeignCode ends the process with one line that names the input,
+/// and as other errors of input do.
 void catch_interrupts();
 
 bool interrupted();
@@ -20,7 +24,8 @@ bool interrupted();
 /// Tells what to remove where a run has to be ended.
 OutputWatcher watch_output();
 
-/// The last line of an interrupted run, said once. Returns kInterruptedExit.
-int say_interrupted();
+/// Calls `say` with the last line of an interrupted run, unless it has been said. Returns
+/// kInterruptedExit.
+int say_interrupted(const std::function<void(const std::string&)>& say);
 
 }  // namespace tetropolis::app

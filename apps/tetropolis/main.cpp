@@ -1,6 +1,7 @@
 // The command line: options in, library calls, progress out.
 #include <cstdio>
 #include <exception>
+#include <filesystem>
 #include <functional>
 #include <memory>
 #include <new>
@@ -9,6 +10,7 @@
 #include <fmt/format.h>
 
 #include "tetropolis/core/error.h"
+#include "tetropolis/core/parallel.h"
 #include "tetropolis/core/version.h"
 #include "tetropolis/io/atomic_file.h"
 #include "tetropolis/pipeline/run.h"
@@ -59,13 +61,55 @@ void print_summary(const Report& report, Console& console) {
                            static_cast<double>(report.peak_rss_bytes) / 1e6, report.config.out));
 }
 
+using Say = std::function<void(const std::string&)>;
+
+/// The exit code of `action`; an error becomes one line.
+int guarded(const std::function<int()>& action, const Say& say) {
+  const auto fail = [&](const std::string& message, int code) {
+    say(fmt::format("tetropolis: {}", one_line(message)));
+    return code;
+  };
+  try {
+    return action();
+  } catch (const Error& error) {
+    return fail(error.what(), static_cast<int>(error.kind()));
+  } catch (const Cancelled&) {
+    return say_interrupted(say);
+  } catch (const std::bad_alloc&) {
+    return fail("out of memory; use a smaller domain or a larger --mesh-size", 1);
+  } catch (const std::filesystem::filesystem_error& error) {
+    return fail(fmt::format("{}: {}", error.path1().string(), error.code().message()),
+                static_cast<int>(ErrorKind::kInput));
+  } catch (const std::exception& error) {
+    return fail(fmt::format("internal error: {}; please report it", error.what()), 1);
+  }
+}
+
+void say_on_stderr(const std::string& line) { put(stderr, line + "\n"); }
+
+/// Errors of `action` are in the log, too.
+int with_console(const Config& config, const std::function<int(Console&)>& action) {
+  Console console(config.quiet, config.log);
+  return guarded([&] { return action(console); },
+                 [&](const std::string& line) { console.error(line); });
+}
+
 using RunFunction = Report (*)(const Config&, const RunHooks&);
 
 int run(const ConfigOptions& options, RunFunction function) {
   const Config config = options.config();
-  Console console(config.quiet, config.log);
-  print_summary(function(config, console.hooks()), console);
-  return 0;
+  return with_console(config, [&](Console& console) {
+    print_summary(function(config, console.hooks()), console);
+    return 0;
+  });
+}
+
+int run_check(const ConfigOptions& options, const std::string& path, double min_distance) {
+  const Config config = options.config();
+  const ThreadLimit limit(config.threads);
+  return with_console(config, [&](Console& console) {
+    return check(path, min_distance, console) ? 0 : static_cast<int>(ErrorKind::kGuarantee);
+  });
 }
 
 void init(const std::string& path) {
@@ -74,7 +118,8 @@ void init(const std::string& path) {
     put(stdout, text);
     return;
   }
-  if (std::filesystem::exists(path))
+  std::error_code ignored;  // AtomicFile says what is wrong with the path
+  if (std::filesystem::exists(path, ignored))
     throw Error(ErrorKind::kUsage, fmt::format("{}: exists already; choose another name", path));
   AtomicFile file(path);
   file.write(text);
@@ -143,11 +188,9 @@ void declare(CLI::App& app, std::vector<std::unique_ptr<ConfigOptions>>& options
       ->add_option("--min-building-distance", min_distance,
                    "Clearance to ask of a city model [m] (default: as in report.json, else 1.0)")
       ->type_name("NUMBER");
-  check_command->callback([&action] {
-    action = [] {
-      Console console(false, "");
-      return check(checked, min_distance, console) ? 0 : static_cast<int>(ErrorKind::kGuarantee);
-    };
+  options.push_back(std::make_unique<ConfigOptions>(*check_command, kCheck));
+  check_command->callback([&action, chosen = options.back().get()] {
+    action = [chosen] { return run_check(*chosen, checked, min_distance); };
   });
 
   static std::string settings = "tetropolis.toml";
@@ -186,24 +229,6 @@ std::string guidance(const CLI::App& app) {
          "\n'tetropolis COMMAND --help' lists the options of a command.\n";
 }
 
-int guarded(const std::function<int()>& action) {
-  const auto fail = [](const std::string& message, int code) {
-    put(stderr, fmt::format("tetropolis: {}\n", one_line(message)));
-    return code;
-  };
-  try {
-    return action();
-  } catch (const Error& error) {
-    return fail(error.what(), static_cast<int>(error.kind()));
-  } catch (const Cancelled&) {
-    return say_interrupted();
-  } catch (const std::bad_alloc&) {
-    return fail("out of memory; use a smaller domain or a larger --mesh-size", 1);
-  } catch (const std::exception& error) {
-    return fail(fmt::format("internal error: {}; please report it", error.what()), 1);
-  }
-}
-
 }  // namespace
 
 int main(int argc, char** argv) {
@@ -225,5 +250,5 @@ int main(int argc, char** argv) {
     put(stderr, fmt::format("tetropolis: {}\n", one_line(usage_message(app, error))));
     return static_cast<int>(ErrorKind::kUsage);
   }
-  return guarded(action);
+  return guarded(action, say_on_stderr);
 }

@@ -18,6 +18,7 @@ bool is_text_list(const ConfigField& field) {
 std::string type_name(const ConfigField& field) {
   if (!field.choices.empty()) return fmt::format("{{{}}}", fmt::join(field.choices, ","));
   if (field.name == "bounds") return "XMIN,YMIN,XMAX,YMAX";
+  if (field.name == "defects") return "NAME,...";
   if (is_text_list(field)) return "PATH...";
   if (std::holds_alternative<int Config::*>(field.member)) return "INT";
   if (std::holds_alternative<double Config::*>(field.member)) return "NUMBER";
@@ -37,9 +38,11 @@ std::string description(const ConfigField& field) {
 }  // namespace
 
 ConfigOptions::ConfigOptions(CLI::App& app, Command command) {
-  app.add_option("--config", file_, "TOML file with settings; 'tetropolis init' writes one")
-      ->type_name("FILE")
-      ->group("Input");
+  // What was made tells `check` its settings.
+  if (command != kCheck)
+    app.add_option("--config", file_, "TOML file with settings; 'tetropolis init' writes one")
+        ->type_name("FILE")
+        ->group("Input");
   for (const ConfigField& field : config_fields()) {
     if ((field.commands & command) == 0) continue;
     const std::string group(field.group);

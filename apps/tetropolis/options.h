@@ -14,7 +14,7 @@ namespace tetropolis::app {
 /// The settings one command takes from its options and from --config.
 class ConfigOptions {
  public:
-  /// Adds --config and an option for every setting of `command` to `app`.
+  /// Adds --config (not to `check`) and an option for every setting of `command` to `app`.
   ConfigOptions(CLI::App& app, Command command);
   ConfigOptions(const ConfigOptions&) = delete;
   ConfigOptions& operator=(const ConfigOptions&) = delete;

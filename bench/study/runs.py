@@ -136,9 +136,13 @@ def median_of(runs):
 
     row = {"runs": len(runs), "threads": last["threads"], "wall_s": median(lambda r: r["wall"]),
            "peak_bytes": max(r["peak_rss_bytes"] for r in runs), "bytes_written": last["bytes_written"]}
-    for i, step in enumerate(last["steps"]):
-        row[f"s_{step['id']}"] = median(lambda r: r["steps"][i]["seconds"])
-        row[f"cpu_{step['id']}"] = median(lambda r: r["steps"][i]["cpu_seconds"])
+    # The parts of a step have entries of their own with its id.
+    for step_id in {step["id"]: None for step in last["steps"]}:
+        def spent(report, key):
+            return sum(s[key] for s in report["steps"] if s["id"] == step_id)
+
+        row[f"s_{step_id}"] = median(lambda r: spent(r, "seconds"))
+        row[f"cpu_{step_id}"] = median(lambda r: spent(r, "cpu_seconds"))
     if "volume_mesh" in last:
         row["triangles"] = last["ground_mesh"]["triangles"]
         row["cells"] = last["volume_mesh"]["cells"]

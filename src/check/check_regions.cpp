@@ -57,7 +57,9 @@ class FootprintGrid {
   std::size_t column(double x) const { return index(x - city_.domain.xmin, columns_); }
   std::size_t row(double y) const { return index(y - city_.domain.ymin, rows_); }
   static std::size_t index(double offset, std::size_t count) {
-    return std::min(static_cast<std::size_t>(std::max(offset / kSquare, 0.0)), count - 1);
+    const double i = offset / kSquare;
+    if (!(i > 0)) return 0;
+    return i < static_cast<double>(count) ? static_cast<std::size_t>(i) : count - 1;
   }
 
   const CityModel& city_;
@@ -70,6 +72,9 @@ class FootprintGrid {
 
 std::vector<Violation> check_regions_of_cells(const TetMesh& mesh, std::array<double, 3> shift,
                                               const CityModel& city) {
+  if (mesh.region.size() != mesh.cells.size())
+    return {{"no region for every cell", 1,
+             fmt::format("{} regions, {} cells", mesh.region.size(), mesh.cells.size())}};
   const FootprintGrid footprints(city);
   const auto look = [&](std::size_t begin, std::size_t end, std::vector<Violation>& violations) {
     for (std::size_t c = begin; c < end; ++c) {
@@ -77,6 +82,11 @@ std::vector<Violation> check_regions_of_cells(const TetMesh& mesh, std::array<do
       for (const std::int64_t v : mesh.cells[c]) {
         x += mesh.points[static_cast<std::size_t>(v)][0] / 4;
         y += mesh.points[static_cast<std::size_t>(v)][1] / 4;
+      }
+      if (!std::isfinite(x) || !std::isfinite(y)) {
+        note_violation(violations, "cells whose coordinates are not finite",
+                       [&] { return fmt::format("cell {}", c); });
+        continue;
       }
       const BuildingIndex expected = footprints.at(x, y);
       if (mesh.region[c] != expected)

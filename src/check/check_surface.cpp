@@ -1,5 +1,7 @@
 #include <algorithm>
+#include <bit>
 #include <cmath>
+#include <cstdint>
 #include <cstdlib>
 #include <limits>
 #include <map>
@@ -24,6 +26,7 @@ namespace {
 constexpr double kHeightTolerance = 1e-9;
 constexpr const char* kUsedTwice = "edges used twice in one direction";
 constexpr const char* kOpen = "open edges";
+constexpr const char* kNotFinite = "coordinates that are not finite";
 
 Vector3 area_vector(const Vector3& a, const Vector3& b, const Vector3& c) {
   const Vector3 u{b[0] - a[0], b[1] - a[1], b[2] - a[2]}, v{c[0] - a[0], c[1] - a[1], c[2] - a[2]};
@@ -146,6 +149,9 @@ SurfaceCheck check_surface(const SurfaceMesh& surface) {
   check.triangles = static_cast<std::int64_t>(surface.triangles.size());
   if (surface.triangles.empty())
     note_violation(check.violations, "no faces", [] { return "the file"; });
+  for (std::size_t v = 0; v < surface.points.size(); ++v)
+    if (!is_finite(surface.points[v]))
+      note_violation(check.violations, kNotFinite, [&] { return fmt::format("vertex {}", v); });
   const Box box = bounding_box(surface);
   std::map<BuildingIndex, double> roof;
   for (std::size_t f = 0; f < surface.triangles.size(); ++f) {
@@ -174,26 +180,36 @@ SurfaceCheck check_surface(const SurfaceMesh& surface) {
 
 std::vector<Violation> check_same_boundary(const TetMesh& mesh, const VolumeCheck& volume,
                                            const SurfaceMesh& surface) {
-  // Faces by their corners' coordinates, in ascending order; both files write the same doubles.
-  using FaceKey = std::array<Vector3, 3>;
+  // Faces by the bits of their corners' coordinates, in some order: both files write the same
+  // doubles, and unlike these their bits are equal to themselves and ordered whatever they say.
+  using Bits = std::array<std::uint64_t, 3>;
+  using FaceKey = std::array<Bits, 3>;
   const std::size_t of_volume = volume.boundary.size();
   const std::size_t faces = of_volume + surface.triangles.size();
   const auto key_of = [&](std::size_t f) {
     FaceKey key;
-    for (std::size_t i = 0; i < 3; ++i)
-      key[i] = f < of_volume
-                   ? mesh.points[static_cast<std::size_t>(volume.boundary[f][i])]
-                   : surface.points[static_cast<std::size_t>(surface.triangles[f - of_volume][i])];
+    for (std::size_t i = 0; i < 3; ++i) {
+      const Vector3& p =
+          f < of_volume
+              ? mesh.points[static_cast<std::size_t>(volume.boundary[f][i])]
+              : surface.points[static_cast<std::size_t>(surface.triangles[f - of_volume][i])];
+      // No sum is -0.
+      for (std::size_t d = 0; d < 3; ++d) key[i][d] = std::bit_cast<std::uint64_t>(p[d] + 0.0);
+    }
     std::sort(key.begin(), key.end());
     return key;
   };
+  const auto first_corner = [](const FaceKey& key) {
+    return Vector3{std::bit_cast<double>(key[0][0]), std::bit_cast<double>(key[0][1]),
+                   std::bit_cast<double>(key[0][2])};
+  };
   const Squares squares(surface.points, faces / 8);
   const Rows filed = file_under_rows(faces, squares.size(), [&](std::size_t f, const auto& use) {
-    use(squares.at(key_of(f)[0]));
+    use(squares.at(first_corner(key_of(f))));
   });
   const auto look = [&](std::size_t begin, std::size_t end, std::vector<Violation>& violations) {
     struct Face {
-      double sum;  // of elevations: tells most faces apart
+      std::uint64_t sum;  // of elevations' bits: tells most faces apart
       FaceKey key;
       int side;  // +1: of the volume, -1: of the surface
     };
@@ -211,7 +227,7 @@ std::vector<Violation> check_same_boundary(const TetMesh& mesh, const VolumeChec
       for (std::size_t i = 0, j = 0; i < row.size(); i = j) {
         int surplus = 0;
         for (; j < row.size() && row[j].key == row[i].key; ++j) surplus += row[j].side;
-        const Vector3& at = row[i].key[0];
+        const Vector3 at = first_corner(row[i].key);
         for (int n = 0; n < std::abs(surplus); ++n)
           note_violation(violations, "boundary faces in only one of volume and surface", [&] {
             return fmt::format("at ({:.3f}, {:.3f}, {:.3f})", at[0], at[1], at[2]);
@@ -243,6 +259,10 @@ HeightsCheck check_heights(const SurfaceMesh& surface, std::array<double, 3> shi
     if (!on_ground[v]) continue;
     ++check.ground_vertices;
     const auto& p = surface.points[v];
+    if (!is_finite(p)) {
+      note_violation(check.violations, kNotFinite, [&] { return fmt::format("vertex {}", v); });
+      continue;
+    }
     const double wanted = height_of_terrain(dtm, city.origin, p[0] + shift[0], p[1] + shift[1]);
     const double error = p[2] + shift[2] - wanted;
     if (std::abs(error) <= kHeightTolerance) continue;

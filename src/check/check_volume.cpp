@@ -1,5 +1,4 @@
 #include <algorithm>
-#include <cmath>
 #include <limits>
 #include <span>
 #include <utility>
@@ -13,6 +12,7 @@
 #include "edges.h"
 #include "rows.h"
 #include "squares.h"
+#include "vector3.h"
 #include "violations.h"
 #include "volume_parts.h"
 
@@ -21,10 +21,6 @@ namespace tetropolis {
 namespace {
 
 constexpr std::size_t kGrain = 16384;
-
-bool is_finite(const std::array<double, 3>& p) {
-  return std::isfinite(p[0]) && std::isfinite(p[1]) && std::isfinite(p[2]);
-}
 
 /// Pairs of vertices at the same place, the second of each ascending.
 std::vector<std::pair<std::int64_t, std::int64_t>> coincident_vertices(const TetMesh& mesh) {

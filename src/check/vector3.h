@@ -17,6 +17,9 @@ inline double inner(const Vector3& a, const Vector3& b) {
 inline Vector3 outer(const Vector3& a, const Vector3& b) {
   return {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
 }
+inline bool is_finite(const Vector3& a) {
+  return std::isfinite(a[0]) && std::isfinite(a[1]) && std::isfinite(a[2]);
+}
 inline double length(const Vector3& a) { return std::sqrt(inner(a, a)); }
 
 }  // namespace tetropolis

@@ -22,8 +22,23 @@ std::string system_reason(int error) {
   return error == 0 ? "unknown reason" : std::generic_category().message(error);
 }
 
-/// Where a file will be: results in the making lie in a hidden folder ".NAME.part-XXXXXX" until
-/// they are moved to NAME, which is the name that says something to the user.
+/// Creates an empty file that nobody else has and returns its name.
+fs::path create_beside(const fs::path& target) {
+  const std::string stem =
+      "." + target.filename().string() + ".part-" + std::to_string(::getpid()) + "-";
+  for (int attempt = 0;; ++attempt) {
+    fs::path name = target.parent_path() / (stem + std::to_string(attempt));
+    const int file = ::open(name.c_str(), O_CREAT | O_EXCL | O_WRONLY | O_CLOEXEC, 0666);
+    if (file >= 0) {
+      ::close(file);
+      return name;
+    }
+    if (errno != EEXIST) throw_cannot_write(target, system_reason(errno));
+  }
+}
+
+}  // namespace
+
 fs::path final_path(const fs::path& path) {
   static constexpr std::string_view kPart = ".part-";
   static constexpr std::size_t kRandom = 6;
@@ -41,23 +56,6 @@ fs::path final_path(const fs::path& path) {
   }
   return result;
 }
-
-/// Creates an empty file that nobody else has and returns its name.
-fs::path create_beside(const fs::path& target) {
-  const std::string stem =
-      "." + target.filename().string() + ".part-" + std::to_string(::getpid()) + "-";
-  for (int attempt = 0;; ++attempt) {
-    fs::path name = target.parent_path() / (stem + std::to_string(attempt));
-    const int file = ::open(name.c_str(), O_CREAT | O_EXCL | O_WRONLY | O_CLOEXEC, 0666);
-    if (file >= 0) {
-      ::close(file);
-      return name;
-    }
-    if (errno != EEXIST) throw_cannot_write(target, system_reason(errno));
-  }
-}
-
-}  // namespace
 
 void throw_cannot_write(const fs::path& path, std::string_view reason) {
   std::string line(reason.empty() ? "unknown reason" : reason);

@@ -95,7 +95,9 @@ void Hdf5CompressedOutput::reserve(std::uint64_t bytes) {
   int error = 0;
   for (const std::uint64_t more : {kStep, std::uint64_t{0}}) {
     do {
-      error = ::posix_fallocate(file, 0, static_cast<off_t>(bytes + more));
+      // What is reserved is left alone: where the file system cannot reserve, all of it is read.
+      error = ::posix_fallocate(file, static_cast<off_t>(reserved_),
+                                static_cast<off_t>(bytes + more - reserved_));
     } while (error == EINTR);
     if (error == 0) {
       reserved_ = bytes + more;

@@ -12,6 +12,8 @@
 
 #include "tetropolis/core/foreign_code.h"
 
+#include "positioned_file.h"
+
 namespace tetropolis {
 
 namespace fs = std::filesystem;

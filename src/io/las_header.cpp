@@ -2,17 +2,14 @@
 
 #include <algorithm>
 #include <bit>
-#include <cerrno>
 #include <cmath>
 #include <cstring>
-#include <system_error>
 
-#include <fcntl.h>
 #include <fmt/format.h>
-#include <sys/stat.h>
-#include <unistd.h>
 
 #include "tetropolis/core/error.h"
+
+#include "positioned_file.h"
 
 namespace tetropolis {
 
@@ -250,37 +247,6 @@ void settle_compression(const fs::path& path, const PositionedFile& file,
 
 void fail_las(const fs::path& path, const std::string& what) {
   throw Error(ErrorKind::kInput, path.string() + ": " + what);
-}
-
-PositionedFile::PositionedFile(const fs::path& path) : path_(path) {
-  file_ = ::open(path.c_str(), O_RDONLY | O_CLOEXEC);
-  if (file_ < 0)
-    fail_las(path, errno == ENOENT ? std::string("no such file; check the path")
-                                   : "cannot be opened: " + std::generic_category().message(errno));
-  struct stat status {};
-  if (::fstat(file_, &status) != 0 || !S_ISREG(status.st_mode)) {
-    ::close(file_);
-    fail_las(path, "is not an ordinary file; give a LAS or LAZ file");
-  }
-  size_ = status.st_size;
-}
-
-PositionedFile::~PositionedFile() { ::close(file_); }
-
-std::size_t PositionedFile::read(std::int64_t position, void* data, std::size_t size) const {
-  std::size_t done = 0;
-  while (done < size) {
-    const ssize_t n = ::pread(file_, static_cast<char*>(data) + done, size - done,
-                              position + static_cast<std::int64_t>(done));
-    if (n == 0) break;
-    if (n < 0 && errno == EINTR) continue;
-    if (n < 0)
-      fail_las(path_, fmt::format("cannot be read at byte {}: {}",
-                                  position + static_cast<std::int64_t>(done),
-                                  std::generic_category().message(errno)));
-    done += static_cast<std::size_t>(n);
-  }
-  return done;
 }
 
 std::string check_laszip_record(std::string_view data, int record_length, LaszipRecord& record) {

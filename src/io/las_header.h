@@ -14,24 +14,6 @@ namespace tetropolis {
 /// Throws Error(kInput, "PATH: WHAT").
 [[noreturn]] void fail_las(const std::filesystem::path& path, const std::string& what);
 
-/// A file opened for reading at positions, from several threads at once.
-class PositionedFile {
- public:
-  explicit PositionedFile(const std::filesystem::path& path);
-  ~PositionedFile();
-  PositionedFile(const PositionedFile&) = delete;
-  PositionedFile& operator=(const PositionedFile&) = delete;
-
-  std::int64_t size() const { return size_; }
-  /// Reads up to `size` bytes at `position`; returns how many there were before the end.
-  std::size_t read(std::int64_t position, void* data, std::size_t size) const;
-
- private:
-  std::filesystem::path path_;
-  int file_ = -1;
-  std::int64_t size_ = 0;
-};
-
 /// Where points are, as far as it was checked.
 struct LasLayout {
   LasInfo info;

@@ -173,7 +173,7 @@ Sizes count_faces(const std::filesystem::path& folder, NodeIndex cells,
     throw Error(ErrorKind::kInput,
                 fmt::format("{}: {} cells are too many for OpenFOAM's 32-bit labels; use a larger "
                             "mesh size or another format",
-                            folder.string(), cells));
+                            final_path(folder).string(), cells));
   return sizes;
 }
 

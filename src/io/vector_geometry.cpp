@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <iterator>
 #include <limits>
 #include <memory>
 #include <type_traits>
@@ -75,10 +76,15 @@ void take_yards_for_holes(std::vector<PolygonPart>& parts) {
     }
     is_hole[j] = depth % 2 == 1 && turn(parts[around[j]]) != turn(parts[j]);
   }
-  for (std::size_t j = 0; j < parts.size(); ++j)
-    if (is_hole[j]) parts[around[j]].polygon.holes.push_back(parts[j].polygon.outer);
+  std::vector<PolygonPart> in_yards;  // What stands in a yard was a hole in it.
+  for (std::size_t j = 0; j < parts.size(); ++j) {
+    if (!is_hole[j]) continue;
+    parts[around[j]].polygon.holes.push_back(parts[j].polygon.outer);
+    for (Ring& ring : parts[j].polygon.holes) in_yards.push_back({{std::move(ring), {}}, {}});
+  }
   std::size_t j = 0;
   std::erase_if(parts, [&](const PolygonPart&) { return is_hole[j++]; });
+  std::move(in_yards.begin(), in_yards.end(), std::back_inserter(parts));
 }
 
 PolygonPart read_polygon(OGRGeometryH polygon) {

@@ -23,7 +23,7 @@ struct FlatGeometry {
 };
 
 /// Splits collections, straightens curves, drops Z and M. A part within a part and turned against
-/// it becomes a hole of that. `geometry` may be null.
+/// it becomes a hole of that, and its own holes parts. `geometry` may be null.
 FlatGeometry flatten(OGRGeometryH geometry);
 
 /// For shapefiles, which tell shells from holes by their turn: where all rings turn the wrong way,

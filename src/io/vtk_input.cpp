@@ -1,14 +1,11 @@
 #include "vtk_input.h"
 
 #include <algorithm>
-#include <cerrno>
 #include <cstring>
 #include <optional>
 #include <string_view>
 #include <utility>
 
-#include <fcntl.h>
-#include <unistd.h>
 #include <zlib.h>
 
 #include "tetropolis/core/error.h"
@@ -51,18 +48,9 @@ void VtkInput::fail(const std::string& what) const {
 
 VtkInput::VtkInput(std::filesystem::path path, const std::string& type,
                    const std::string& cell_count)
-    : path_(std::move(path)) {
-  file_ = ::open(path_.c_str(), O_RDONLY | O_CLOEXEC);
-  if (file_ < 0) fail("cannot be opened: " + std::string(std::strerror(errno)));
-  try {
-    read_head(type, cell_count);
-  } catch (...) {
-    ::close(file_);
-    throw;
-  }
+    : path_(std::move(path)), file_(path_), size_(static_cast<std::uint64_t>(file_.size())) {
+  read_head(type, cell_count);
 }
-
-VtkInput::~VtkInput() { ::close(file_); }
 
 std::uint64_t VtkInput::number(const std::string& text, const std::string& what) const {
   if (text.empty() || text.find_first_not_of("0123456789") != std::string::npos || text.size() > 18)
@@ -71,20 +59,12 @@ std::uint64_t VtkInput::number(const std::string& text, const std::string& what)
 }
 
 void VtkInput::read_bytes(std::uint64_t offset, std::span<char> bytes) const {
-  for (std::size_t done = 0; done < bytes.size();) {
-    const ssize_t got =
-        ::pread(file_, bytes.data() + done, bytes.size() - done, static_cast<off_t>(offset + done));
-    if (got < 0 && errno == EINTR) continue;
-    if (got < 0) fail("cannot be read: " + std::string(std::strerror(errno)));
-    if (got == 0) fail("ends inside an array: the file is cut");
-    done += static_cast<std::size_t>(got);
-  }
+  const auto position = static_cast<std::int64_t>(offset);
+  if (file_.read(position, bytes.data(), bytes.size()) < bytes.size())
+    fail("ends inside an array: the file is cut");
 }
 
 void VtkInput::read_head(const std::string& type, const std::string& cell_count) {
-  const off_t end = ::lseek(file_, 0, SEEK_END);
-  if (end < 0) fail("cannot be read: " + std::string(std::strerror(errno)));
-  size_ = static_cast<std::uint64_t>(end);
   std::string head(std::min<std::uint64_t>(kLongestHead, size_), '\0');
   read_bytes(0, head);
   if (head.find("<VTKFile") == std::string::npos ||

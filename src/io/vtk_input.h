@@ -11,6 +11,8 @@
 
 #include "tetropolis/core/parallel.h"
 
+#include "positioned_file.h"
+
 namespace tetropolis {
 
 enum class VtkType { kFloat64, kFloat32, kInt64, kInt32, kUInt32, kUInt8 };
@@ -36,9 +38,6 @@ class VtkInput {
   /// Reads the head. `type`: of the data set, as "PolyData"; `cell_count`: the attribute that
   /// counts its cells.
   VtkInput(std::filesystem::path path, const std::string& type, const std::string& cell_count);
-  ~VtkInput();
-  VtkInput(const VtkInput&) = delete;
-  VtkInput& operator=(const VtkInput&) = delete;
 
   std::uint64_t points() const { return points_; }
   std::uint64_t cells() const { return cells_; }
@@ -108,7 +107,7 @@ class VtkInput {
   void read_piece(const VtkPiece& piece, std::vector<char>& bytes) const;
 
   std::filesystem::path path_;
-  int file_ = -1;
+  PositionedFile file_;
   std::uint64_t size_ = 0;
   std::uint64_t data_ = 0;  // byte after the underscore
   std::uint64_t word_ = 8;  // bytes of a number in the arrays' headers

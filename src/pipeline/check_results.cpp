@@ -1,6 +1,8 @@
 #include "tetropolis/pipeline/check_results.h"
 
+#include <cmath>
 #include <fstream>
+#include <optional>
 #include <string>
 
 #include <fmt/format.h>
@@ -22,19 +24,57 @@ constexpr double kDefaultDistance = 1;
 constexpr const char* kRawCity = "city_raw.city.json";
 constexpr const char* kCity = "city.city.json";
 
-/// report.json of the folder, or null.
-Json read_report(const fs::path& folder) {
-  std::ifstream file(folder / "report.json");
-  if (!file) return nullptr;
-  Json json = Json::parse(file, nullptr, false);
-  if (json.is_discarded())
-    throw Error(ErrorKind::kInput, (folder / "report.json").string() + ": not valid JSON");
-  return json;
+/// What report.json says that the files must bear out.
+struct ReportedMesh {
+  double cells, vertices, inverted, volume, triangles;
+  std::int64_t ground_lowered;
+};
+
+struct ReportedFacts {
+  double min_distance = kDefaultDistance;
+  bool absolute = false;
+  std::optional<std::size_t> footprint_parts;
+  std::optional<ReportedMesh> mesh;
+};
+
+/// What is not in the report differs from every file.
+ReportedFacts facts_of(const Json& report) {
+  const Json config = report.value("config", Json::object());
+  ReportedFacts facts;
+  facts.min_distance = config.value("min_building_distance", kDefaultDistance);
+  facts.absolute = config.value("coordinates", std::string("local")) == "absolute";
+  if (report.contains("input"))
+    facts.footprint_parts = report["input"].value("footprint_parts", std::size_t{0});
+  if (!report.contains("volume_mesh")) return facts;
+  const Json& volume = report["volume_mesh"];
+  const Json surface = report.value("surface_mesh", Json::object());
+  facts.mesh = {volume.value("cells", -1.0),      volume.value("vertices", -1.0),
+                volume.value("inverted", -1.0),   volume.value("volume", -1.0),
+                surface.value("triangles", -1.0), volume.value("ground_lowered", std::int64_t{-1})};
+  return facts;
 }
 
-double asked_distance(const Json& report) {
-  if (!report.is_object() || !report.contains("config")) return kDefaultDistance;
-  return report["config"].value("min_building_distance", kDefaultDistance);
+/// Of report.json in the folder, if there is one.
+std::optional<ReportedFacts> read_report(const fs::path& folder) {
+  const fs::path path = folder / "report.json";
+  std::ifstream file(path);
+  if (!file) return std::nullopt;
+  try {
+    const Json json = Json::parse(file);
+    if (json.is_object()) return facts_of(json);
+  } catch (const Json::exception&) {         // no JSON, or members of other types than a report's
+  } catch (const std::ios_base::failure&) {  // not even a file
+  }
+  throw Error(ErrorKind::kInput, path.string() + ": not a report of tetropolis");
+}
+
+/// Whether something is there. Throws Error(kInput) if that cannot be found out.
+bool is_there(const fs::path& path) {
+  std::error_code error;
+  const fs::file_status status = fs::status(path, error);
+  if (status.type() == fs::file_type::none)
+    throw Error(ErrorKind::kInput, path.string() + ": cannot be read: " + error.message());
+  return fs::exists(status);
 }
 
 double percent(std::int64_t part, std::int64_t whole) {
@@ -78,8 +118,10 @@ CheckedFile describe(const std::string& name, const SurfaceCheck& check) {
 }
 
 CheckedFile check_city_model(const std::string& name, const CityModel& city,
-                             std::optional<double> min_distance, const Json& report) {
-  if (!min_distance && name != kRawCity) min_distance = asked_distance(report);
+                             std::optional<double> min_distance,
+                             const std::optional<ReportedFacts>& report) {
+  if (!min_distance && name != kRawCity)
+    min_distance = report ? report->min_distance : kDefaultDistance;
   const CityCheck check = check_city(city, min_distance);
   CheckedFile file{name, {}, check.violations};
   file.facts = {fmt::format("{} buildings, {} dropped features, {:.1f} m2", check.buildings,
@@ -91,32 +133,27 @@ CheckedFile check_city_model(const std::string& name, const CityModel& city,
 }
 
 /// Facts of the report that the files must bear out.
-void compare_with_report(const Json& report, const VolumeCheck& volume, const SurfaceCheck& surface,
-                         CheckedFile& file) {
-  if (!report.is_object() || !report.contains("volume_mesh")) return;
+void compare_with_report(const ReportedMesh& mesh, const VolumeCheck& volume,
+                         const SurfaceCheck& surface, CheckedFile& file) {
   const auto compare = [&](const char* what, double reported, double found, double tolerance) {
     if (std::abs(reported - found) <= tolerance) return;
     file.violations.push_back({fmt::format("{} differs from report.json", what), 1,
                                fmt::format("{} reported, {} found", reported, found)});
   };
-  const Json& mesh = report["volume_mesh"];
-  compare("number of cells", mesh.value("cells", -1.0), static_cast<double>(volume.cells), 0);
-  compare("number of vertices", mesh.value("vertices", -1.0), static_cast<double>(volume.vertices),
-          0);
-  compare("inverted cells", mesh.value("inverted", -1.0), static_cast<double>(volume.inverted), 0);
-  compare("volume", mesh.value("volume", -1.0), volume.volume, 1e-9 * volume.volume);
+  compare("number of cells", mesh.cells, static_cast<double>(volume.cells), 0);
+  compare("number of vertices", mesh.vertices, static_cast<double>(volume.vertices), 0);
+  compare("inverted cells", mesh.inverted, static_cast<double>(volume.inverted), 0);
+  compare("volume", mesh.volume, volume.volume, 1e-9 * volume.volume);
   compare("enclosed volume", volume.volume, surface.enclosed_volume, 1e-7 * volume.volume);
-  compare("boundary triangles", report["surface_mesh"].value("triangles", -1.0),
-          static_cast<double>(surface.triangles), 0);
+  compare("boundary triangles", mesh.triangles, static_cast<double>(surface.triangles), 0);
 }
 
 CheckedFile check_against_city(const fs::path& folder, const TetMesh& mesh,
                                const SurfaceMesh& surface, const CityModel& city,
-                               const Json& report) {
+                               const std::optional<ReportedFacts>& report) {
   const RasterInput terrain = read_raster(folder / "dtm.tif", city.origin);
   std::array<double, 3> shift{0, 0, 0};
-  if (report.is_object() && report["config"].value("coordinates", "local") == "absolute")
-    shift = {-city.origin.x, -city.origin.y, 0};
+  if (report && report->absolute) shift = {-city.origin.x, -city.origin.y, 0};
   const HeightsCheck check = check_heights(surface, shift, terrain.raster, city);
   CheckedFile file{"meshes, city model and terrain", {}, check.violations};
   const auto regions = check_regions_of_cells(mesh, shift, city);
@@ -125,25 +162,24 @@ CheckedFile check_against_city(const fs::path& folder, const TetMesh& mesh,
                             "vertices at their roof's height",
                             check.ground_vertices, check.lowered, check.roof_vertices),
                 "regions of cells compared with the footprints"};
-  if (report.is_object() && report.contains("volume_mesh")) {
-    const auto reported = report["volume_mesh"].value("ground_lowered", std::int64_t{-1});
-    if (check.lowered > reported)
-      file.violations.push_back({"more ground vertices lowered than report.json says", 1,
-                                 fmt::format("{} reported, {} found", reported, check.lowered)});
-  }
+  if (report && report->mesh && check.lowered > report->mesh->ground_lowered)
+    file.violations.push_back(
+        {"more ground vertices lowered than report.json says", 1,
+         fmt::format("{} reported, {} found", report->mesh->ground_lowered, check.lowered)});
   return file;
 }
 
 /// Guarantee 1 needs the number of input features, which only the report knows.
-void compare_account(const CityModel& city, const Json& report, CheckedFile& file) {
-  if (!report.is_object() || !report.contains("input")) {
+void compare_account(const CityModel& city, const std::optional<ReportedFacts>& report,
+                     CheckedFile& file) {
+  if (!report || !report->footprint_parts) {
     file.facts.emplace_back(
         "not checked: that every input feature is accounted for (no report.json of the run)");
     return;
   }
   std::size_t accounted = city.dropped.size();
   for (const Building& building : city.buildings) accounted += building.source_ids.size();
-  const auto parts = report["input"].value("footprint_parts", std::size_t{0});
+  const std::size_t parts = *report->footprint_parts;
   if (parts != accounted)
     file.violations.push_back(
         {"input features not accounted for", 1,
@@ -154,8 +190,8 @@ void compare_account(const CityModel& city, const Json& report, CheckedFile& fil
 
 std::vector<CheckedFile> check_folder(const fs::path& folder, std::optional<double> min_distance,
                                       const Progress& progress) {
-  const Json report = read_report(folder);
-  const auto there = [&](const char* name) { return fs::exists(folder / name); };
+  const std::optional<ReportedFacts> report = read_report(folder);
+  const auto there = [&](const char* name) { return is_there(folder / name); };
   std::vector<CheckedFile> files;
   CityModel city;
   for (const char* name : {kRawCity, kCity}) {
@@ -165,7 +201,7 @@ std::vector<CheckedFile> check_folder(const fs::path& folder, std::optional<doub
         name, city, std::string_view(name) == kRawCity ? std::nullopt : min_distance, report));
     compare_account(city, report, files.back());
   }
-  const bool meshed = report.is_object() && report.contains("volume_mesh");
+  const bool meshed = report && report->mesh;
   if (there("volume.vtu") && there("boundary.vtp")) {
     const SurfaceMesh surface = read_vtp(folder / "boundary.vtp");
     const SurfaceCheck surface_check = check_surface(surface);
@@ -176,7 +212,7 @@ std::vector<CheckedFile> check_folder(const fs::path& folder, std::optional<doub
     CheckedFile both{
         "volume.vtu and boundary.vtp", {}, check_same_boundary(mesh, volume_check, surface)};
     both.facts = {"faces of one compared with faces of the other"};
-    compare_with_report(report, volume_check, surface_check, both);
+    if (meshed) compare_with_report(*report->mesh, volume_check, surface_check, both);
     files.push_back(both);
     if (there(kCity) && there("dtm.tif"))
       files.push_back(check_against_city(folder, mesh, surface, city, report));
@@ -199,8 +235,9 @@ std::vector<CheckedFile> check_folder(const fs::path& folder, std::optional<doub
 
 std::vector<CheckedFile> check_path(const fs::path& path, std::optional<double> min_distance,
                                     const Progress& progress) {
-  if (!fs::exists(path)) throw Error(ErrorKind::kInput, path.string() + ": no such file or folder");
-  if (fs::is_directory(path)) return check_folder(path, min_distance, progress);
+  if (!is_there(path)) throw Error(ErrorKind::kInput, path.string() + ": no such file or folder");
+  std::error_code ignored;
+  if (fs::is_directory(path, ignored)) return check_folder(path, min_distance, progress);
   const std::string name = path.filename().string();
   if (path.extension() == ".vtu") return {describe(name, check_volume(read_vtu(path), progress))};
   if (path.extension() == ".vtp") return {describe(name, check_surface(read_vtp(path)))};

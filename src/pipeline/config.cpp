@@ -64,7 +64,7 @@ std::vector<ConfigField> make_fields() {
        "Output",
        &C::compression,
        kMeshing,
-       "Of volume.vtu, boundary.vtp and volume.h5: a third of the size, slower to write",
+       "Of volume.vtu, boundary.vtp and volume.h5: a quarter of the size or less, slower to write",
        "",
        -kInf,
        kInf,
@@ -184,10 +184,10 @@ std::vector<ConfigField> make_fields() {
 
       {"max_memory", "Run", &C::max_memory, kMeshing,
        "Meshes that would need more, as 8G or 500M, are refused; default: 90 % of the machine's"},
-      {"threads", "Run", &C::threads, kAll, "Threads; 0: one per core. Results do not depend on it",
-       "", 0, 4096},
-      {"quiet", "Run", &C::quiet, kAll, "Print errors only"},
-      {"log", "Run", &C::log, kAll, "Also write what is printed to this file"},
+      {"threads", "Run", &C::threads, kAll | kCheck,
+       "Threads; 0: one per core. Results do not depend on it", "", 0, 4096},
+      {"quiet", "Run", &C::quiet, kAll | kCheck, "Print errors only"},
+      {"log", "Run", &C::log, kAll | kCheck, "Also write what is printed to this file"},
   };
 }
 
@@ -255,9 +255,9 @@ void set_numbers(std::vector<double>& target, const ConfigField& field,
 
 void set_texts(std::vector<std::string>& target, const ConfigField& field,
                std::span<const std::string> values, const std::string& origin) {
-  // Paths may hold commas; only lists of choices are split.
-  target = field.choices.empty() ? std::vector<std::string>(values.begin(), values.end())
-                                 : split_lists(values);
+  // Paths may hold commas; names are split.
+  target = field.name == "points" ? std::vector<std::string>(values.begin(), values.end())
+                                  : split_lists(values);
   for (const std::string& text : target) {
     if (text.empty() && field.choices.empty())
       fail(origin, "an empty text among the values; leave it out or name something");

@@ -65,18 +65,22 @@ void set_key(Config& config, std::string_view key, const toml::node& value,
 }  // namespace
 
 void load_config(Config& config, const std::filesystem::path& path) {
-  if (!std::filesystem::is_regular_file(path))
-    throw Error(ErrorKind::kUsage, path.string() + ": no such configuration file");
+  std::error_code error;
+  if (!std::filesystem::is_regular_file(path, error)) {
+    const bool absent = !error || error == std::errc::no_such_file_or_directory;
+    throw Error(ErrorKind::kUsage, path.string() + ": no such configuration file" +
+                                       (absent ? "" : " (" + error.message() + ")"));
+  }
   toml::table table;
   try {
     table = toml::parse_file(path.string());
-  } catch (const toml::parse_error& error) {
+  } catch (const toml::parse_error& wrong) {
     // It quotes the file, line ends and all.
-    std::string reason(error.description());
+    std::string reason(wrong.description());
     std::replace_if(
         reason.begin(), reason.end(), [](unsigned char c) { return c < ' '; }, ' ');
     throw Error(ErrorKind::kUsage, fmt::format("{}:{}: not valid TOML: {}", path.string(),
-                                               error.source().begin.line, reason));
+                                               wrong.source().begin.line, reason));
   }
   for (const auto& [key, value] : table)
     set_key(config, key.str(), value,

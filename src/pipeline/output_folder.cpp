@@ -15,6 +15,9 @@
 #include <unistd.h>
 
 #include "tetropolis/core/error.h"
+#include "tetropolis/io/atomic_file.h"
+
+#include "core/descriptor.h"
 
 namespace tetropolis {
 
@@ -94,26 +97,35 @@ class Moves {
   std::vector<std::pair<fs::path, fs::path>> done_;
 };
 
-/// Opens a folder and locks it against other processes. -1 if it is locked or cannot be.
-int lock_folder(const fs::path& folder, bool wait = false) {
-  const int file = ::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC | O_NOFOLLOW);
-  if (file < 0) return -1;
-  if (::flock(file, LOCK_EX | (wait ? 0 : LOCK_NB)) == 0) return file;
+/// Opens a folder and locks it against other processes. Not good if it is locked or cannot be.
+Descriptor lock_folder(const fs::path& folder, bool wait = false) {
+  Descriptor file(::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC | O_NOFOLLOW));
+  if (!file.good() || ::flock(file.get(), LOCK_EX | (wait ? 0 : LOCK_NB)) == 0) return file;
   const int reason = errno;
-  ::close(file);
+  file = Descriptor();
   errno = reason;
-  return -1;
+  return file;
+}
+
+/// Removes the results in `target`, and the folder around some of them if it holds nothing else.
+void remove_results(const fs::path& target) {
+  std::error_code error;
+  for (const fs::path name : kResultNames) {
+    fs::remove_all(target / name, error);
+    if (name.has_parent_path()) fs::remove(target / name.parent_path(), error);
+  }
 }
 
 /// Puts back what a killed commit had moved aside; false if something is in the way. May itself be
 /// killed and run again.
 bool restore_earlier(const fs::path& stale, const fs::path& target) {
   std::error_code error;
+  const Descriptor lock = lock_folder(target, true);  // another run may be moving its results there
   const fs::path moved = stale / kMovedAside, moving = stale / kBeingMoved;
   // A report says that the commit was over. No folder: somebody removed it, and meant it.
   if (!fs::is_directory(target, error) || fs::exists(target / "report.json", error)) return true;
   if (fs::exists(moved, error)) {
-    for (const char* name : kResultNames) fs::remove_all(target / name, error);
+    remove_results(target);
     fs::rename(moved, moving, error);
     if (error) return false;
   }
@@ -174,10 +186,8 @@ void remove_stale(const fs::path& home, const fs::path& target, const std::strin
     if (is_staging_of(entry.path(), prefix)) found.push_back(entry.path());
   std::sort(found.begin(), found.end());
   for (const fs::path& stale : found) {
-    const int lock = lock_folder(stale);
-    if (lock < 0) continue;
-    if (restore_earlier(stale, target)) fs::remove_all(stale, error);
-    ::close(lock);
+    const Descriptor lock = lock_folder(stale);
+    if (lock.good() && restore_earlier(stale, target)) fs::remove_all(stale, error);
   }
 }
 
@@ -192,7 +202,7 @@ void OutputFolder::create_staging(const fs::path& named) {
     std::string pattern = (home_ / (prefix + "XXXXXX")).string();
     if (mkdtemp(pattern.data()) == nullptr) fail(named, std::strerror(errno));
     staging_ = pattern;
-    lock_ = lock_folder(staging_);
+    lock_ = lock_folder(staging_).release();
     const bool taken = lock_ < 0 && (errno == EWOULDBLOCK || errno == ENOENT);
     struct stat status {};
     if (!taken && ::stat(staging_.c_str(), &status) == 0) return;
@@ -261,13 +271,17 @@ void OutputFolder::replace_results() {
                                        " removed during the run?");
   }
   const fs::path moving = staging_ / kBeingMoved, moved = staging_ / kMovedAside;
+  // There whether or not anything is moved aside: it tells that new results have begun to come.
+  std::error_code error;
+  fs::create_directory(moving, error);
+  if (error) throw_cannot_write(target_, error.message());
   Moves moves;
   for (const char* name : kResultNames)
     if (is_there(target_ / name)) moves.move(target_ / name, moving / name, target_ / name);
   // A result of a name that no earlier version knew may replace a file too.
   for (const fs::path& name : names)
     if (is_there(target_ / name)) moves.move(target_ / name, moving / name, target_ / name);
-  if (is_there(moving)) moves.move(moving, moved, target_);
+  moves.move(moving, moved, target_);
   for (const fs::path& name : names) moves.move(staging_ / name, target_ / name, target_ / name);
 }
 
@@ -282,14 +296,8 @@ void OutputFolder::commit() {
                       "; was the folder around it moved or locked during the run?");
   } else {
     // Two runs that end together replace the results one after the other.
-    const int lock = lock_folder(target_, true);
-    try {
-      replace_results();
-    } catch (...) {
-      if (lock >= 0) ::close(lock);
-      throw;
-    }
-    if (lock >= 0) ::close(lock);
+    const Descriptor lock = lock_folder(target_, true);
+    replace_results();
   }
   committed_ = true;
 }

@@ -12,6 +12,7 @@
 #include "tetropolis/io/las.h"
 
 #include "memory.h"
+#include "require_metres.h"
 
 namespace tetropolis {
 
@@ -61,20 +62,6 @@ CloudHeaders read_headers(std::span<const std::filesystem::path> paths) {
     }
   }
   return headers;
-}
-
-void require_metres(const std::string& crs, const std::string& file, const char* option) {
-  if (crs.empty()) return;
-  if (is_geographic(crs))
-    throw Error(ErrorKind::kInput, fmt::format("{}: coordinates are degrees ({}); reproject to a "
-                                               "metric CRS, or name the true one with {}",
-                                               file, crs_name(crs), option));
-  const double unit = linear_unit_metres(crs);
-  if (std::abs(unit - 1) > 1e-9)
-    throw Error(
-        ErrorKind::kInput,
-        fmt::format("{}: coordinates are in units of {} m ({}); reproject to a CRS in metres", file,
-                    unit, crs_name(crs)));
 }
 
 /// Without any statement about the system, coordinates that all fit on the globe and span less than

@@ -19,8 +19,10 @@
 #include "tetropolis/io/vector.h"
 
 #include "memory.h"
+#include "require_metres.h"
 #include "stages.h"
 #include "synth_adversarial.h"
+#include "synth_leftovers.h"
 
 namespace tetropolis {
 
@@ -165,8 +167,10 @@ Report run_mesh(const Config& config, const RunHooks& hooks) {
   StepClock clock(hooks, report);
   OutputFolder out(config.out, hooks.output);
   CityModel city = read_city(config.city, &report.warnings);
+  require_metres(city.crs, config.city);
   RasterInput terrain = read_raster(config.dtm, city.origin);
   report.warnings.insert(report.warnings.end(), terrain.warnings.begin(), terrain.warnings.end());
+  require_metres(terrain.crs, config.dtm);
   city.domain = domain_of(config, city, terrain);
   require_terrain_under(config, city, terrain);
   if (city.buildings.empty() && !config.terrain_only)
@@ -205,6 +209,14 @@ void require_room(const Config& config) {
                             config.size, config.kind, least));
 }
 
+/// finish() for a city that may replace one of another kind, with files of other names.
+void finish_city(Report& report, OutputFolder& out) {
+  const auto outdated = left_by_earlier_city(report.config.out, out / "");
+  finish(report, out);
+  std::error_code ignored;
+  for (const std::filesystem::path& file : outdated) std::filesystem::remove(file, ignored);
+}
+
 }  // namespace
 
 Report run_synth(const Config& config, const RunHooks& hooks) {
@@ -215,10 +227,8 @@ Report run_synth(const Config& config, const RunHooks& hooks) {
   StepClock clock(hooks, report);
   OutputFolder out(config.out, hooks.output);
   if (config.kind == "adversarial") {
-    const auto outdated = synth_adversarial(config, out, clock, report);
-    finish(report, out);
-    std::error_code ignored;
-    for (const std::filesystem::path& file : outdated) std::filesystem::remove(file, ignored);
+    synth_adversarial(config, out, clock, report);
+    finish_city(report, out);
     return report;
   }
   const bool blocks = config.kind == "blocks";
@@ -264,7 +274,7 @@ Report run_synth(const Config& config, const RunHooks& hooks) {
     report.warnings.push_back({"fewer_buildings", config.buildings - report.input->footprints_read,
                                fmt::format("only {} of {} buildings fit; give a larger --size",
                                            report.input->footprints_read, config.buildings)});
-  finish(report, out);
+  finish_city(report, out);
   return report;
 }
 

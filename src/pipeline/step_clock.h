@@ -27,8 +27,9 @@ class StepClock {
  public:
   StepClock(const RunHooks& hooks, Report& report) : hooks_(hooks), report_(report) {}
 
-  /// Calls body(progress) as the step `id` and adds its time to the report (to the step's earlier
-  /// time if it has run before).
+  /// Calls body(progress) as the step `id` and adds its time to the report: to the entry of the
+  /// same id and name if there is one. Parts of a step that have names of their own have entries of
+  /// their own, with the step's id.
   template <typename Body>
   auto run(const std::string& id, const std::string& name, const Body& body) {
     StepReport step{id, name, 0, 0};
@@ -39,7 +40,7 @@ class StepClock {
     const auto finish = [&] {
       step.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - wall).count();
       step.cpu_seconds = cpu_seconds() - cpu;
-      report_.steps.push_back(step);
+      add(step);
       if (hooks_.step_ends) hooks_.step_ends(step);
     };
     const Progress progress{hooks_.step_progress, hooks_.cancelled};
@@ -54,6 +55,16 @@ class StepClock {
   }
 
  private:
+  void add(const StepReport& step) {
+    for (StepReport& earlier : report_.steps)
+      if (earlier.id == step.id && earlier.name == step.name) {
+        earlier.seconds += step.seconds;
+        earlier.cpu_seconds += step.cpu_seconds;
+        return;
+      }
+    report_.steps.push_back(step);
+  }
+
   const RunHooks& hooks_;
   Report& report_;
 };

@@ -1,8 +1,5 @@
 #include "synth_adversarial.h"
 
-#include <algorithm>
-#include <filesystem>
-#include <fstream>
 #include <string>
 #include <vector>
 
@@ -18,42 +15,9 @@ namespace tetropolis {
 
 namespace {
 
-namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
 
 constexpr const char* kManifest = "manifest.json";
-
-/// "--defects a,b --defects c" -> a b c
-std::vector<std::string> split(const std::vector<std::string>& lists) {
-  std::vector<std::string> names;
-  for (const std::string& list : lists)
-    for (std::size_t begin = 0; begin <= list.size();) {
-      const std::size_t comma = std::min(list.find(',', begin), list.size());
-      if (comma > begin) names.push_back(list.substr(begin, comma - begin));
-      begin = comma + 1;
-    }
-  return names;
-}
-
-/// What the manifest of an earlier city in the folder lists, other than `files`. Only plain names
-/// are believed.
-std::vector<fs::path> left_by_earlier(const fs::path& folder,
-                                      const std::vector<std::string>& files) {
-  std::ifstream file(folder / kManifest);
-  if (!file) return {};
-  const Json manifest = Json::parse(file, nullptr, false);
-  if (!manifest.is_object() || manifest.value("kind", Json()) != "adversarial" ||
-      !manifest.contains("files"))
-    return {};
-  std::vector<fs::path> left;
-  for (const Json& name : manifest["files"]) {
-    if (!name.is_string()) continue;
-    const fs::path path = name.get<std::string>();
-    const bool again = std::find(files.begin(), files.end(), path) != files.end();
-    if (path == path.filename() && !again) left.push_back(folder / path);
-  }
-  return left;
-}
 
 std::vector<std::string> write_files(const AdversarialCity& city, const OutputFolder& out) {
   std::vector<std::string> files;
@@ -108,15 +72,15 @@ std::string describe(const std::string& name) {
 
 }  // namespace
 
-std::vector<fs::path> synth_adversarial(const Config& config, const OutputFolder& out,
-                                        StepClock& clock, Report& report) {
+void synth_adversarial(const Config& config, const OutputFolder& out, StepClock& clock,
+                       Report& report) {
   const AdversarialCity city = clock.run("0.1", "invent the city", [&](const Progress& progress) {
     AdversarialCityOptions options;
     options.size = config.size > 0 ? config.size : options.size;
     options.seed = static_cast<std::uint64_t>(config.seed);
     options.points_per_m2 = config.point_density;
     options.relief = config.relief < 0 ? options.relief : config.relief;
-    options.defects = split(config.defects);
+    options.defects = config.defects;
     return synthetic_adversarial_city(options, progress);
   });
   report.origin = city.origin;
@@ -132,14 +96,12 @@ std::vector<fs::path> synth_adversarial(const Config& config, const OutputFolder
   input.footprints_read = static_cast<std::int64_t>(city.features.size());
   for (const Defect& defect : city.defects)
     report.warnings.push_back({defect.name, defect.count, describe(defect.name)});
-  const auto files = clock.run("0.2", "write footprints and points", [&](const Progress&) {
-    std::vector<std::string> written = write_files(city, out);
+  clock.run("0.2", "write footprints and points", [&](const Progress&) {
+    const std::vector<std::string> written = write_files(city, out);
     AtomicFile file(out / kManifest);
     file.write(manifest_of(city, written, report).dump(1) + "\n");
     file.commit();
-    return written;
   });
-  return left_by_earlier(config.out, files);
 }
 
 }  // namespace tetropolis

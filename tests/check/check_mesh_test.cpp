@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include <gtest/gtest.h>
 
@@ -97,6 +98,45 @@ TEST_F(CheckMesh, SeesUnusedAndNonFiniteVertices) {
   EXPECT_TRUE(has(check_volume(TetMesh{}).violations, "no cells"));
 }
 
+TEST_F(CheckMesh, EndsOnNonFiniteVerticesWhereverTheyAre) {
+  const double inf = std::numeric_limits<double>::infinity();
+  const auto ground = static_cast<std::size_t>(
+      std::find(surface.patch.begin(), surface.patch.end(), Patch::kGround) -
+      surface.patch.begin());
+  for (const double value : {std::nan(""), -std::nan(""), inf, -inf})
+    for (std::size_t d = 0; d < 3; ++d) {
+      SCOPED_TRACE(std::to_string(value) + " in coordinate " + std::to_string(d));
+      SurfaceMesh odd = surface;
+      odd.points[static_cast<std::size_t>(odd.triangles[ground][0])][d] = value;
+      EXPECT_TRUE(has(check_surface(odd).violations, "coordinates that are not finite"));
+      EXPECT_TRUE(has(check_heights(odd, {0, 0, 0}, city.city.dtm, model).violations,
+                      "coordinates that are not finite"));
+      const VolumeCheck check = check_volume(mesh);
+      EXPECT_FALSE(check_same_boundary(mesh, check, odd).empty());
+      TetMesh volume = mesh;
+      volume.points[static_cast<std::size_t>(check.boundary[0][0])][d] = value;
+      const VolumeCheck check_of_odd = check_volume(volume);
+      EXPECT_TRUE(has(check_of_odd.violations, "coordinates that are not finite"));
+      EXPECT_FALSE(check_same_boundary(volume, check_of_odd, surface).empty());
+      EXPECT_EQ(has(check_regions_of_cells(volume, {0, 0, 0}, model),
+                    "cells whose coordinates are not finite"),
+                d < 2);
+    }
+}
+
+TEST_F(CheckMesh, ZeroIsTheSameWhateverItsSign) {
+  const VolumeCheck check = check_volume(mesh);
+  int changed = 0;
+  for (auto& p : surface.points)
+    for (double& x : p)
+      if (x == 0) {
+        x = -0.0;
+        ++changed;
+      }
+  EXPECT_GT(changed, 0);
+  EXPECT_TRUE(check_same_boundary(mesh, check, surface).empty());
+}
+
 TEST_F(CheckMesh, SeesSurfacesThatAreNotTheVolumesBoundary) {
   const VolumeCheck check = check_volume(mesh);
   surface.points[7][2] += 1e-6;
@@ -149,6 +189,9 @@ TEST_F(CheckMesh, SeesWrongRegionsAndWallsOfAnotherBuilding) {
     ++wrong.region[c];
     EXPECT_EQ(check_regions_of_cells(wrong, {0, 0, 0}, model).size(), 1U);
   }
+  TetMesh untold = mesh;
+  untold.region.clear();
+  EXPECT_TRUE(has(check_regions_of_cells(untold, {0, 0, 0}, model), "no region for every cell"));
   SurfaceMesh other = surface;
   const auto wall = static_cast<std::size_t>(
       std::find(surface.patch.begin(), surface.patch.end(), Patch::kWall) - surface.patch.begin());

@@ -3,14 +3,14 @@
 #include <cerrno>
 #include <csignal>
 #include <cstdlib>
-#include <fstream>
-#include <iterator>
 #include <stdexcept>
 #include <thread>
 
 #include <fcntl.h>
 #include <sys/wait.h>
 #include <unistd.h>
+
+#include "support/bytes.h"
 
 namespace tetropolis::testing {
 
@@ -110,8 +110,7 @@ std::map<std::string, std::string> snapshot(const fs::path& folder) {
       contents[name + "/"];
       continue;
     }
-    std::ifstream file(at->path(), std::ios::binary);
-    contents[name] = {std::istreambuf_iterator<char>(file), {}};
+    contents[name] = bytes_of(at->path());
   }
   return contents;
 }

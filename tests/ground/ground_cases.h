@@ -51,7 +51,7 @@ inline void add_ring(PlanarGraph& graph, const std::vector<Point2>& ring) {
   for (VertexIndex i = 0; i < n; ++i) graph.segments.push_back({first + i, first + (i + 1) % n});
 }
 
-inline std::vector<Point2> rectangle(double x0, double y0, double x1, double y1) {
+inline std::vector<Point2> rectangle_ring(double x0, double y0, double x1, double y1) {
   return {{x0, y0}, {x1, y0}, {x1, y1}, {x0, y1}};
 }
 

@@ -14,7 +14,7 @@ namespace {
 using testing::add_ring;
 using testing::lines;
 using testing::Random;
-using testing::rectangle;
+using testing::rectangle_ring;
 
 void expect_refined(const PlanarGraph& graph, const RefineOptions& options,
                     const std::string& name) {
@@ -27,7 +27,7 @@ void expect_refined(const PlanarGraph& graph, const RefineOptions& options,
 
 TEST(Refine, SquareBecomesAsFineAndAsRegularAsAsked) {
   PlanarGraph graph;
-  add_ring(graph, rectangle(0, 0, 100, 100));
+  add_ring(graph, rectangle_ring(0, 0, 100, 100));
   for (const double angle : {0.0, 20.0, 25.0, 30.0})
     for (const double size : {0.0, 200.0, 30.0, 10.0, 1.5})
       for (const bool lattice : {false, true})
@@ -39,7 +39,7 @@ TEST(Refine, RandomPointsAndSegmentsThatDoNotMeetSharply) {
   Random random(11);
   for (int i = 0; i < 200; ++i) {
     PlanarGraph graph;
-    add_ring(graph, rectangle(0, 0, 20, 20));
+    add_ring(graph, rectangle_ring(0, 0, 20, 20));
     const int n = random.integer(1, 30);
     for (int k = 0; k < n; ++k) graph.points.push_back({random.real(1, 19), random.real(1, 19)});
     const Polygon tilted = testing::random_rectangles(1, 40, 1, random)[0];
@@ -57,7 +57,7 @@ TEST(Refine, RandomSegmentsThatCrossAtAnyAngle) {
   Random random(12);
   for (int i = 0; i < 300; ++i) {
     PlanarGraph graph;
-    add_ring(graph, rectangle(-1, -1, 11, 11));
+    add_ring(graph, rectangle_ring(-1, -1, 11, 11));
     const int n = random.integer(1, 6);
     for (int k = 0; k < n; ++k) {
       const auto first = static_cast<VertexIndex>(graph.points.size());
@@ -95,7 +95,7 @@ TEST(Refine, CornersSharperThanTheBoundAreCountedAndRefinementEnds) {
 TEST(Refine, FansOfSharpCorners) {
   for (const int blades : {3, 12, 60, 360}) {
     PlanarGraph graph;
-    add_ring(graph, rectangle(-10, -10, 10, 10));
+    add_ring(graph, rectangle_ring(-10, -10, 10, 10));
     graph.points.push_back({0.5, 0.25});
     const auto hub = static_cast<VertexIndex>(graph.points.size()) - 1;
     for (int k = 0; k < blades; ++k) {
@@ -112,9 +112,10 @@ TEST(Refine, NarrowGapsAndAlmostParallelSegments) {
   for (const double gap : {1.0, 0.1, 0.01, 0.003}) {
     for (const double offset : {0.0, 6.4e6}) {
       PlanarGraph graph;
-      add_ring(graph, rectangle(offset, offset, offset + 10, offset + 10));
-      add_ring(graph, rectangle(offset + 2, offset + 2, offset + 8, offset + 4));
-      std::vector<Point2> tilted = rectangle(offset + 2, offset + 4 + gap, offset + 8, offset + 7);
+      add_ring(graph, rectangle_ring(offset, offset, offset + 10, offset + 10));
+      add_ring(graph, rectangle_ring(offset + 2, offset + 2, offset + 8, offset + 4));
+      std::vector<Point2> tilted =
+          rectangle_ring(offset + 2, offset + 4 + gap, offset + 8, offset + 7);
       tilted[1].y += 0.3 * gap;
       add_ring(graph, tilted);
       expect_refined(graph, {.min_angle_deg = 25, .max_edge = 2}, std::to_string(gap));
@@ -124,7 +125,7 @@ TEST(Refine, NarrowGapsAndAlmostParallelSegments) {
 
 TEST(Refine, SegmentsInNoRelationToTheDomain) {
   PlanarGraph graph;
-  add_ring(graph, rectangle(0, 0, 10, 10));
+  add_ring(graph, rectangle_ring(0, 0, 10, 10));
   graph.points.insert(graph.points.end(),
                       {{3, 3}, {7, 3}, {5, 5}, {5, 9}, {2, 0}, {2, 4}, {8, 8}, {8, 8}});
   graph.segments.insert(graph.segments.end(), {{4, 5}, {6, 7}, {8, 9}, {10, 11}, {6, 6}});
@@ -133,8 +134,8 @@ TEST(Refine, SegmentsInNoRelationToTheDomain) {
 
 TEST(Refine, SizeOfRegionsAndSizeField) {
   PlanarGraph graph;
-  add_ring(graph, rectangle(0, 0, 40, 40));
-  add_ring(graph, rectangle(10, 10, 20, 20));
+  add_ring(graph, rectangle_ring(0, 0, 40, 40));
+  add_ring(graph, rectangle_ring(10, 10, 20, 20));
   graph.regions = {{{15, 15}, 3, 1.0}};
   RefineOptions options{.min_angle_deg = 25, .max_edge = 6};
   expect_refined(graph, options, "region");
@@ -160,7 +161,7 @@ TEST(Refine, SizeOfRegionsAndSizeField) {
 
 TEST(Refine, HolesStayEmptyAndTheirSidesAreKept) {
   PlanarGraph graph;
-  add_ring(graph, rectangle(0, 0, 30, 30));
+  add_ring(graph, rectangle_ring(0, 0, 30, 30));
   add_ring(graph, {{10, 10}, {20, 12}, {12, 20}});
   graph.holes = {{13, 13}};
   const RefineOptions options{.min_angle_deg = 30, .max_edge = 3};
@@ -177,7 +178,7 @@ TEST(Refine, HolesStayEmptyAndTheirSidesAreKept) {
 
 TEST(Refine, LatticeNeedsFewerAndBetterTriangles) {
   PlanarGraph graph;
-  add_ring(graph, rectangle(0, 0, 500, 500));
+  add_ring(graph, rectangle_ring(0, 0, 500, 500));
   const Triangulation with = refine(graph, {.max_edge = 10});
   const Triangulation without = refine(graph, {.max_edge = 10, .lattice = false});
   EXPECT_LT(1.3 * static_cast<double>(with.triangles.size()),
@@ -203,7 +204,7 @@ TEST(Refine, RealGraphs) {
 TEST(Refine, GivesTheSameBytesTwice) {
   Random random(13);
   PlanarGraph graph;
-  add_ring(graph, rectangle(0, 0, 300, 300));
+  add_ring(graph, rectangle_ring(0, 0, 300, 300));
   for (const Polygon& p : testing::random_rectangles(40, 300, 1, random)) add_ring(graph, p.outer);
   const RefineOptions options{.min_angle_deg = 25, .max_edge = 7};
   const Triangulation first = refine(graph, options);
@@ -215,7 +216,7 @@ TEST(Refine, GivesTheSameBytesTwice) {
 
 TEST(Refine, GivesUpWithAPositionInsteadOfRunningOn) {
   PlanarGraph graph;
-  add_ring(graph, rectangle(0, 0, 100, 100));
+  add_ring(graph, rectangle_ring(0, 0, 100, 100));
   try {
     refine(graph, {.max_edge = 1, .max_vertices = 500});
     FAIL();
@@ -231,7 +232,7 @@ TEST(Refine, GivesUpWithAPositionInsteadOfRunningOn) {
 
 TEST(Refine, ReportsProgressAndStopsWhenAsked) {
   PlanarGraph graph;
-  add_ring(graph, rectangle(0, 0, 100, 100));
+  add_ring(graph, rectangle_ring(0, 0, 100, 100));
   Progress progress;
   double last = 0;
   progress.report = [&](double fraction) {

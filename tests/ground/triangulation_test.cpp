@@ -16,7 +16,7 @@ namespace {
 using testing::add_ring;
 using testing::lines;
 using testing::Random;
-using testing::rectangle;
+using testing::rectangle_ring;
 
 double total_area(const Triangulation& t) {
   double sum = 0;
@@ -265,9 +265,9 @@ TEST(Triangulation, BruteForceWithSegmentsThatDoNotCross) {
 
 TEST(Triangulation, CarvesOutsideHolesAndFloodsRegions) {
   PlanarGraph graph;
-  add_ring(graph, rectangle(0, 0, 10, 10));
-  add_ring(graph, rectangle(2, 2, 4, 4));
-  add_ring(graph, rectangle(6, 6, 8, 8));
+  add_ring(graph, rectangle_ring(0, 0, 10, 10));
+  add_ring(graph, rectangle_ring(2, 2, 4, 4));
+  add_ring(graph, rectangle_ring(6, 6, 8, 8));
   graph.holes = {{3, 3}, {100, 100}};
   graph.regions = {{{7, 7}, 5, 0}, {{1, 1}, 6, 0}};
   graph.points.push_back({12, 5});  // a lone point outside
@@ -359,7 +359,7 @@ TEST(Triangulation, RealGraphs) {
 
 TEST(Triangulation, ChecksNoticeDamage) {
   PlanarGraph graph;
-  add_ring(graph, rectangle(0, 0, 4, 1));
+  add_ring(graph, rectangle_ring(0, 0, 4, 1));
   graph.points.push_back({2.2, 0.4});
   const Triangulation good = constrained_delaunay(graph);
   ASSERT_EQ(lines(validate(graph, good)), "");

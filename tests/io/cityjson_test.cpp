@@ -5,7 +5,6 @@
 #include <cmath>
 #include <cstring>
 #include <fstream>
-#include <iterator>
 #include <map>
 #include <random>
 #include <set>
@@ -17,6 +16,7 @@
 #include "tetropolis/geometry/polygon.h"
 #include "tetropolis/io/vector.h"
 
+#include "support/bytes.h"
 #include "support/test_data.h"
 
 namespace tetropolis {
@@ -24,12 +24,8 @@ namespace {
 
 namespace fs = std::filesystem;
 using Json = nlohmann::json;
+using testing::bytes_of;
 using testing::TemporaryFolder;
-
-std::string read_bytes(const fs::path& path) {
-  std::ifstream file(path, std::ios::binary);
-  return {std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
-}
 
 fs::path write_text(const fs::path& path, const std::string& text) {
   std::ofstream(path, std::ios::binary | std::ios::trunc) << text;
@@ -130,7 +126,7 @@ TEST(CityJson, RoundTripKeepsEveryBit) {
   const CityModel back = read_city(folder / "a.city.json");
   expect_same(model, back);
   write_city(folder / "b.city.json", back, "Delft");
-  EXPECT_TRUE(read_bytes(folder / "a.city.json") == read_bytes(folder / "b.city.json"));
+  EXPECT_TRUE(bytes_of(folder / "a.city.json") == bytes_of(folder / "b.city.json"));
   // Far from the origin, and without a known system.
   model.origin = {-6'400'000, 9'000'001};
   model.crs = "";
@@ -181,7 +177,7 @@ TEST(CityJson, SolidsAreClosedAndLookOutwards) {
     for (Ring& hole : footprint.holes) std::reverse(hole.begin(), hole.end());
   }
   write_city(folder / "a.json", model);
-  const Json file = Json::parse(read_bytes(folder / "a.json"));
+  const Json file = Json::parse(bytes_of(folder / "a.json"));
   std::vector<Vertex> vertices;
   std::set<std::vector<std::int64_t>> unique;
   for (const Json& v : file["vertices"]) {
@@ -240,7 +236,7 @@ TEST(CityJson, DocumentFollowsTheSpecification) {
   const TemporaryFolder folder;
   const CityModel model = random_city(5);
   write_city(folder / "a.json", model, "A \"title\"");
-  const Json file = Json::parse(read_bytes(folder / "a.json"));
+  const Json file = Json::parse(bytes_of(folder / "a.json"));
   EXPECT_EQ(file["type"], "CityJSON");
   EXPECT_EQ(file["version"], "2.0");
   EXPECT_EQ(file["transform"]["scale"], (std::vector<double>{1e-4, 1e-4, 1e-4}));
@@ -291,7 +287,7 @@ TEST(CityJson, ReadsTheHague) {
   const CityModel model = read_city(path, &warnings);
   EXPECT_EQ(model.crs, "EPSG:28992");
   EXPECT_TRUE(model.domain.empty());
-  const Json file = Json::parse(read_bytes(path));
+  const Json file = Json::parse(bytes_of(path));
   // Every part and every building with geometry of its own.
   std::set<std::string> expected;
   for (const auto& [key, object] : file["CityObjects"].items())
@@ -325,7 +321,7 @@ TEST(CityJson, ReadsThe3dfierReference) {
   const fs::path path = folder / "reference/3dfier_output_cityjson.json";
   const CityModel model = read_city(path);
   EXPECT_EQ(model.crs, "EPSG:28992");
-  const Json file = Json::parse(read_bytes(path));
+  const Json file = Json::parse(bytes_of(path));
   ReadFootprintsOptions options;
   const FootprintsInput footprints = read_footprints(folder / "footprints.shp", options);
   double expected_area = 0;
@@ -430,7 +426,7 @@ TEST(CityJson, ChangedBytesNeverCrash) {
   const TemporaryFolder folder;
   write_city(folder / "good.json", random_city(4));
   const fs::path path = folder / "a.json";
-  for (const std::string& good : {std::string(kTwoParts), read_bytes(folder / "good.json")}) {
+  for (const std::string& good : {std::string(kTwoParts), bytes_of(folder / "good.json")}) {
     const std::string alphabet = "0123456789-.e[]{},:\"nulabx";
     for (int round = 0; round < 400; ++round) {
       std::string text = good;

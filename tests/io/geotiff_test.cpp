@@ -16,18 +16,15 @@
 #include "tetropolis/city/city_model.h"
 #include "tetropolis/core/error.h"
 
+#include "support/bytes.h"
 #include "support/test_data.h"
 
 namespace tetropolis {
 namespace {
 
 namespace fs = std::filesystem;
+using testing::bytes_of;
 using testing::TemporaryFolder;
-
-std::string read_bytes(const fs::path& path) {
-  std::ifstream file(path, std::ios::binary);
-  return {std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
-}
 
 /// What a command prints, "" if it cannot be run.
 std::string output_of(const std::string& command) {
@@ -122,7 +119,7 @@ TEST(GeoTiff, TheSameBytesAgainAndNothingBeside) {
   const Raster raster = random_raster(200, 150, 0, 0, 1);
   write_raster(folder / "a.tif", raster, {84800, 447400}, "28992");
   write_raster(folder / "b.tif", raster, {84800, 447400}, "EPSG:7415");
-  EXPECT_TRUE(read_bytes(folder / "a.tif") == read_bytes(folder / "b.tif"));
+  EXPECT_TRUE(bytes_of(folder / "a.tif") == bytes_of(folder / "b.tif"));
   read_raster(folder / "a.tif", {});
   EXPECT_EQ(std::distance(fs::directory_iterator(folder.path()), fs::directory_iterator()), 2);
 }
@@ -206,7 +203,7 @@ TEST(GeoTiff, UnusableRastersFailInOneLine) {
   std::ofstream(path) << "not a raster";
   input_error(path);
   write_raster(path, random_raster(300, 300, 0, 0, 1), {}, "");
-  const std::string bytes = read_bytes(path);
+  const std::string bytes = bytes_of(path);
   for (const std::size_t size :
        {std::size_t{0}, std::size_t{4}, std::size_t{100}, bytes.size() / 2, bytes.size() - 1000}) {
     std::ofstream(path, std::ios::binary | std::ios::trunc) << bytes.substr(0, size);

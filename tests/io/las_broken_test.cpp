@@ -11,16 +11,17 @@
 #include "tetropolis/io/las.h"
 
 #include "io/las_support.h"
+#include "support/bytes.h"
 
 namespace tetropolis {
 namespace {
 
 namespace fs = std::filesystem;
 using testing::all_points;
+using testing::bytes_of;
 using testing::input_error;
 using testing::patched;
 using testing::random_cloud;
-using testing::read_bytes;
 using testing::read_error;
 using testing::read_one;
 using testing::same;
@@ -31,7 +32,7 @@ TEST(BrokenLas, HeadersThatLieFailAndNameTheByte) {
   const TemporaryFolder folder;
   const fs::path path = folder / "a.las";
   write_points(path, random_cloud(1000, 6), {1000, 2000}, {});
-  const std::string good = read_bytes(path);
+  const std::string good = bytes_of(path);
   const auto error_of = [&](const std::string& bytes) {
     write_bytes(path, bytes);
     return read_error(path);
@@ -69,7 +70,7 @@ TEST(BrokenLas, MissingCountsAreTakenFromTheFileSize) {
   const TemporaryFolder folder;
   const fs::path path = folder / "a.las";
   write_points(path, random_cloud(1000, 6), {}, {});
-  write_bytes(path, patched(read_bytes(path), 107, std::uint32_t{0}));
+  write_bytes(path, patched(bytes_of(path), 107, std::uint32_t{0}));
   const PointsInput input = read_one(path);
   EXPECT_EQ(input.points_read, 1000);
   ASSERT_EQ(input.warnings.size(), 1U);
@@ -80,7 +81,7 @@ TEST(BrokenLas, BrokenVlrCountIsSurvivedInPlainFiles) {
   const TemporaryFolder folder;
   const fs::path path = folder / "a.las";
   write_points(path, random_cloud(10, 6), {}, {});
-  write_bytes(path, patched(read_bytes(path), 100, std::uint32_t{4000000000U}));
+  write_bytes(path, patched(bytes_of(path), 100, std::uint32_t{4000000000U}));
   const PointsInput input = read_one(path);
   EXPECT_EQ(input.points_read, 10);
   ASSERT_EQ(input.warnings.size(), 1U);
@@ -95,7 +96,7 @@ TEST(BrokenLas, WithheldBitAndFlagsAboveTheClass) {
     WritePointsOptions options;
     options.point_format = format;
     write_points(path, cloud, {}, options);
-    std::string bytes = read_bytes(path);
+    std::string bytes = bytes_of(path);
     // Format 1: synthetic and key-point bits on the first, withheld on the second record.
     const std::size_t flags = bytes.size() - 3 * (format == 1 ? 28 : 30) + 15;
     const std::size_t next = format == 1 ? 28 : 30;
@@ -125,7 +126,7 @@ TEST(BrokenLas, BoxesThatLieAreNotTrusted) {
   for (const char* name : {"a.las", "a.laz"}) {
     const fs::path path = folder / name;
     write_points(path, cloud, {}, {});
-    const std::string good = read_bytes(path);
+    const std::string good = bytes_of(path);
     const std::int64_t kept = read_one(path, options).points_kept;
     EXPECT_GT(kept, 800);
     const double nan = std::numeric_limits<double>::quiet_NaN();
@@ -158,7 +159,7 @@ TEST(BrokenLas, TruncatedLazFailsWhereverItIsCut) {
   const fs::path path = scratch / "cut.laz";
   for (const char* name : {"laspy/simple.laz", "laspy/simple.copc.laz", "laspy/extra.laz",
                            "laspy/1_4_w_evlr.laz", "lazperf/point10.las.laz"}) {
-    const std::string bytes = read_bytes(folder / name);
+    const std::string bytes = bytes_of(folder / name);
     const PointCloud whole = read_one(folder / name, all_points()).points;
     for (std::size_t size = 1; size < bytes.size(); size += 1 + bytes.size() / 97) {
       SCOPED_TRACE(std::string(name) + " cut at " + std::to_string(size));
@@ -173,7 +174,7 @@ TEST(BrokenLas, TruncatedLazFailsWhereverItIsCut) {
     }
   }
   TETROPOLIS_REQUIRE_DATA(tile, "delft_3dfier/ahn3_cropped_2.laz");
-  const std::string bytes = read_bytes(tile);
+  const std::string bytes = bytes_of(tile);
   write_bytes(path, bytes.substr(0, bytes.size() / 2));
   const std::string message = read_error(path);
   EXPECT_NE(message.find("ends at point "), std::string::npos) << message;
@@ -188,7 +189,7 @@ TEST(BrokenLas, FlippedBytesNeverCrash) {
   const TemporaryFolder scratch;
   for (const char* name : {"laspy/simple.laz", "laspy/simple.copc.laz", "laspy/1_4_w_evlr.laz",
                            "laspy/simple.las", "laspy/1_4_w_evlr.las"}) {
-    const std::string good = read_bytes(folder / name);
+    const std::string good = bytes_of(folder / name);
     const fs::path path = scratch / fs::path(name).filename();
     for (int round = 0; round < 150; ++round) {
       std::string bytes = good;

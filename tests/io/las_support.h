@@ -4,8 +4,6 @@
 #include <cstdint>
 #include <cstring>
 #include <filesystem>
-#include <fstream>
-#include <iterator>
 #include <random>
 #include <string>
 #include <vector>
@@ -15,20 +13,12 @@
 #include "tetropolis/core/error.h"
 #include "tetropolis/io/las.h"
 
+#include "support/bytes.h"
 #include "support/test_data.h"
 
 namespace tetropolis::testing {
 
 namespace fs = std::filesystem;
-
-inline std::string read_bytes(const fs::path& path) {
-  std::ifstream file(path, std::ios::binary);
-  return {std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
-}
-
-inline void write_bytes(const fs::path& path, const std::string& bytes) {
-  std::ofstream(path, std::ios::binary) << bytes;
-}
 
 template <typename Number>
 std::string patched(std::string bytes, std::size_t at, Number value) {

@@ -17,15 +17,16 @@
 #include "tetropolis/io/crs.h"
 
 #include "io/las_support.h"
+#include "support/bytes.h"
 
 namespace tetropolis {
 namespace {
 
 namespace fs = std::filesystem;
 using testing::all_points;
+using testing::bytes_of;
 using testing::input_error;
 using testing::random_cloud;
-using testing::read_bytes;
 using testing::read_error;
 using testing::read_one;
 using testing::same;
@@ -304,9 +305,9 @@ TEST(Las, WritesWhatItReads) {
       const PointsInput absolute = read_one(folder / name, all_points());
       EXPECT_EQ(absolute.extent, (Bounds2{info.min[0], info.min[1], info.max[0], info.max[1]}));
       // The same bytes again, and the same points in both packings.
-      const std::string bytes = read_bytes(folder / name);
+      const std::string bytes = bytes_of(folder / name);
       write_points(folder / name, cloud, origin, options);
-      EXPECT_TRUE(read_bytes(folder / name) == bytes);
+      EXPECT_TRUE(bytes_of(folder / name) == bytes);
       if (first.size() == 0) first = back.points;
       EXPECT_TRUE(same(first, back.points));
     }
@@ -317,7 +318,7 @@ TEST(Las, WritesWhatItReads) {
 TEST(Las, WritesCountsByReturn) {
   const TemporaryFolder folder;
   write_points(folder / "a.las", random_cloud(77, 20), {}, {});
-  std::string bytes = read_bytes(folder / "a.las");
+  std::string bytes = bytes_of(folder / "a.las");
   std::uint32_t counts[6];
   std::memcpy(counts, bytes.data() + 107, sizeof counts);
   EXPECT_EQ(counts[0], 77U);
@@ -327,7 +328,7 @@ TEST(Las, WritesCountsByReturn) {
   WritePointsOptions options;
   options.point_format = 6;
   write_points(folder / "b.las", random_cloud(77, 20), {}, options);
-  bytes = read_bytes(folder / "b.las");
+  bytes = bytes_of(folder / "b.las");
   std::uint32_t legacy;
   std::uint64_t extended;
   std::memcpy(&legacy, bytes.data() + 107, sizeof legacy);

@@ -7,8 +7,6 @@
 #include <cstdint>
 #include <cstring>
 #include <filesystem>
-#include <fstream>
-#include <iterator>
 #include <stdexcept>
 #include <string>
 #include <vector>
@@ -19,15 +17,11 @@
 #include "tetropolis/io/vtk.h"
 #include "tetropolis/volume/boundary.h"
 
+#include "support/bytes.h"
 #include "support/explicit_mesh.h"
 #include "support/small_city.h"
 
 namespace tetropolis::testing {
-
-inline std::string bytes_of(const std::filesystem::path& path) {
-  std::ifstream file(path, std::ios::binary);
-  return {std::istreambuf_iterator<char>(file), {}};
-}
 
 /// Reads bytes in order; running over the end throws.
 class Cursor {

@@ -3,8 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <cstring>
-#include <fstream>
-#include <iterator>
 #include <limits>
 #include <map>
 #include <vector>
@@ -17,21 +15,18 @@
 #include "tetropolis/io/las.h"
 #include "tetropolis/io/vector.h"
 
+#include "support/bytes.h"
 #include "support/test_data.h"
 
 namespace tetropolis {
 namespace {
 
 namespace fs = std::filesystem;
+using testing::bytes_of;
 using testing::TemporaryFolder;
 
 constexpr Point2 kOrigin{319000, 6396000};
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
-
-std::string bytes_of(const fs::path& path) {
-  std::ifstream file(path, std::ios::binary);
-  return {std::istreambuf_iterator<char>(file), {}};
-}
 
 /// A closed square, clockwise as shapefiles want outer rings.
 RawRing square(double west, double south, double side, bool clockwise = true) {
@@ -166,13 +161,18 @@ TEST(RawVectorBytes, ShapefilesTurnedTheWrongWayKeepTheirCourtyards) {
         {"yard", 1, {{square(0, 0, 30, !wrong), square(3, 3, 5, wrong)}}},
         {"yards",
          1,
-         {{square(40, 0, 30, !wrong), square(43, 3, 5, wrong), square(60, 20, 6, wrong)}}}};
+         {{square(40, 0, 30, !wrong), square(43, 3, 5, wrong), square(60, 20, 6, wrong)}}},
+        {"pavilion in one of two yards",
+         1,
+         {{square(80, 0, 30, !wrong), square(83, 3, 9, wrong), square(100, 20, 6, wrong)},
+          {square(85, 5, 4, !wrong)}}}};
     write_raw_features(path, features, kOrigin, "EPSG:3006");
     const FootprintsInput input = read_footprints(path);
     std::map<std::string, double> areas;
     for (const Footprint& feature : input.features)
       areas[feature.source_id] = area(feature.polygon);
-    EXPECT_EQ(areas, (std::map<std::string, double>{{"0", 900 - 25}, {"1", 900 - 25 - 36}}))
+    EXPECT_EQ(areas, (std::map<std::string, double>{
+                         {"0", 900 - 25}, {"1", 900 - 25 - 36}, {"2", 900 - 81 - 36}, {"2#2", 16}}))
         << wrong;
   }
 }

@@ -7,7 +7,6 @@
 #include <cstdlib>
 #include <cstring>
 #include <fstream>
-#include <iterator>
 #include <map>
 #include <memory>
 #include <random>
@@ -20,18 +19,15 @@
 #include "tetropolis/geometry/polygon.h"
 #include "tetropolis/io/crs.h"
 
+#include "support/bytes.h"
 #include "support/test_data.h"
 
 namespace tetropolis {
 namespace {
 
 namespace fs = std::filesystem;
+using testing::bytes_of;
 using testing::TemporaryFolder;
-
-std::string read_bytes(const fs::path& path) {
-  std::ifstream file(path, std::ios::binary);
-  return {std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
-}
 
 fs::path write_text(const fs::path& path, const std::string& text) {
   std::ofstream(path, std::ios::binary | std::ios::trunc) << text;
@@ -49,7 +45,7 @@ std::set<std::string> listing(const fs::path& folder) {
 std::map<std::string, std::string> contents(const fs::path& folder) {
   std::map<std::string, std::string> files;
   for (const std::string& name : listing(folder))
-    if (fs::is_regular_file(folder / name)) files[name] = read_bytes(folder / name);
+    if (fs::is_regular_file(folder / name)) files[name] = bytes_of(folder / name);
   return files;
 }
 
@@ -396,12 +392,12 @@ TEST(Vector, ShapefilesWithoutTheirMembersAreReadInPlace) {
   fs::copy_file(delft / "footprints.dbf", folder / "a.dbf");
   check(folder / "a.shp", 4, "EPSG:28992");
   // An index that differs from what would be made anew is left as it is.
-  std::string index = read_bytes(folder / "a.shx");
+  std::string index = bytes_of(folder / "a.shx");
   fs::permissions(folder / "a.shx", fs::perms::owner_write, fs::perm_options::add);
   index[40] = static_cast<char>(index[40] ^ 1);  // In the box of its header.
   write_text(folder / "a.shx", index);
   check(folder / "a.shp", 4, "EPSG:28992");
-  EXPECT_TRUE(read_bytes(folder / "a.shx") == index);
+  EXPECT_TRUE(bytes_of(folder / "a.shx") == index);
 }
 
 TEST(Vector, CutAndBrokenFilesNeverCrash) {
@@ -413,7 +409,7 @@ TEST(Vector, CutAndBrokenFilesNeverCrash) {
   for (const char* name :
        {"delft_3dfier/footprints.shp", "delft_3dfier/footprints.gpkg",
         "alexandria_dsm_dtm/buildings_wgs84.geojson", "vector_samples/shapefile/polygons.json"}) {
-    const std::string good = read_bytes(root / name);
+    const std::string good = bytes_of(root / name);
     const fs::path path = folder / ("a" + fs::path(name).extension().string());
     const bool shapefile = path.extension() == ".shp";
     if (shapefile)
@@ -515,10 +511,9 @@ TEST(Vector, WritesTheSameBytesAgain) {
                                                             "a.prj", "a.shp", "a.shx"}));
   }
   for (const std::string& name : listing(folder / "first"))
-    EXPECT_TRUE(read_bytes(folder / "first" / name) == read_bytes(folder / "second" / name))
-        << name;
+    EXPECT_TRUE(bytes_of(folder / "first" / name) == bytes_of(folder / "second" / name)) << name;
   // dBASE: bytes 1 to 3 are the date of the last change, years since 1900.
-  EXPECT_EQ(read_bytes(folder / "first/a.dbf").substr(1, 3), std::string("\x46\x01\x01"));
+  EXPECT_EQ(bytes_of(folder / "first/a.dbf").substr(1, 3), std::string("\x46\x01\x01"));
 }
 
 TEST(Vector, OtherSoftwareSeesTheSame) {

@@ -4,7 +4,6 @@
 #include <cstdio>
 #include <cstring>
 #include <fstream>
-#include <iterator>
 #include <map>
 #include <random>
 #include <set>
@@ -17,6 +16,7 @@
 #include "tetropolis/core/parallel.h"
 #include "tetropolis/io/stl.h"
 
+#include "support/bytes.h"
 #include "support/explicit_mesh.h"
 #include "support/small_city.h"
 #include "support/test_data.h"
@@ -24,14 +24,8 @@
 namespace tetropolis {
 namespace {
 
-std::string bytes_of(const std::filesystem::path& path) {
-  std::ifstream file(path, std::ios::binary);
-  return {std::istreambuf_iterator<char>(file), {}};
-}
-
-void write_bytes(const std::filesystem::path& path, const std::string& bytes) {
-  std::ofstream(path, std::ios::binary) << bytes;
-}
+using testing::bytes_of;
+using testing::write_bytes;
 
 /// The message of the Error that `call` throws.
 template <typename Call>
@@ -237,10 +231,21 @@ TEST_F(Vtk, StlHasTheTextOfPrintf) {
   std::array<char, 1000> text{};
   for (const auto& triangle : surface.triangles) {
     std::getline(file, line);
-    double x = 0, y = 0, z = 0;
-    ASSERT_EQ(std::sscanf(line.c_str(), "facet normal %lf %lf %lf", &x, &y, &z), 3);
-    std::snprintf(text.data(), text.size(), "facet normal %.6g %.6g %.6g", x, y, z);
-    ASSERT_EQ(line, text.data());
+    const auto side = [&](std::size_t corner, std::size_t axis) {
+      return surface.points[static_cast<std::size_t>(triangle[corner])][axis] -
+             surface.points[static_cast<std::size_t>(triangle[0])][axis];
+    };
+    std::array<double, 3> normal{};
+    for (std::size_t i = 0; i < 3; ++i) {
+      const std::size_t j = (i + 1) % 3, k = (i + 2) % 3;
+      normal[i] = side(1, j) * side(2, k) - side(1, k) * side(2, j);
+    }
+    const double length =
+        std::sqrt(normal[0] * normal[0] + normal[1] * normal[1] + normal[2] * normal[2]);
+    ASSERT_GT(length, 0);
+    std::snprintf(text.data(), text.size(), "facet normal %.6g %.6g %.6g", normal[0] / length,
+                  normal[1] / length, normal[2] / length);
+    ASSERT_EQ(line, text.data()) << testing::test_seed();
     std::getline(file, line);
     for (const std::int32_t v : triangle) {
       const auto& p = surface.points[static_cast<std::size_t>(v)];

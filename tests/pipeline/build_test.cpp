@@ -1,16 +1,19 @@
 // The whole pipeline on invented cities: results hold together, do not depend on threads, and are
 // the same in one go or in two.
 #include <fstream>
-#include <iterator>
+#include <regex>
 #include <set>
+#include <utility>
 
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
 #include "tetropolis/core/error.h"
+#include "tetropolis/io/geotiff.h"
 #include "tetropolis/pipeline/check_results.h"
 #include "tetropolis/pipeline/run.h"
 
+#include "support/bytes.h"
 #include "support/test_data.h"
 
 namespace tetropolis {
@@ -19,10 +22,7 @@ namespace {
 namespace fs = std::filesystem;
 using Json = nlohmann::json;
 
-std::string bytes_of(const fs::path& path) {
-  std::ifstream file(path, std::ios::binary);
-  return {std::istreambuf_iterator<char>(file), {}};
-}
+using testing::bytes_of;
 
 void expect_guarantees(const fs::path& folder) {
   for (const CheckedFile& file : check_path(folder, std::nullopt))
@@ -73,7 +73,11 @@ TEST_F(Build, BlocksPassEveryCheckAndTheReportTellsTheTruth) {
   EXPECT_EQ(json["crs"], "EPSG:3006");
   EXPECT_EQ(json["config"]["mesh_size"], 10);
   std::set<std::string> steps;
-  for (const Json& step : json["steps"]) steps.insert(step["id"].get<std::string>());
+  std::set<std::pair<std::string, std::string>> parts;
+  for (const Json& step : json["steps"]) {
+    steps.insert(step["id"].get<std::string>());
+    EXPECT_TRUE(parts.emplace(step["id"], step["name"]).second) << step;
+  }
   EXPECT_EQ(steps,
             (std::set<std::string>{"1.1", "1.2", "1.3", "1.4", "1.5", "1.6", "1.7", "2.1", "2.2",
                                    "2.3", "2.4", "3.1", "3.2", "3.3", "3.4", "3.5", "3.6"}));
@@ -157,6 +161,43 @@ TEST_F(Build, MeshRefusesCitiesAndTerrainsThatDoNotFit) {
   TETROPOLIS_REQUIRE_DATA(elsewhere, "alexandria_dsm_dtm/dtm.tif");
   EXPECT_NE(refused(out + "/city.city.json", elsewhere.string()).find("EPSG:26918"),
             std::string::npos);
+}
+
+TEST_F(Build, MeshRefusesWhatIsNotInMetres) {
+  Config config = city("random", 30, 250, 6);
+  run_city(config);
+  const std::string model = bytes_of(scratch / "out/city.city.json");
+  const RasterInput terrain = read_raster(scratch / "out/dtm.tif", {0, 0});
+  const auto refusal = [&](const std::string& city_crs, const std::string& terrain_crs) {
+    // The model says its system twice.
+    std::string text = std::regex_replace(
+        model, std::regex("\"(https://www.opengis.net/def/crs/EPSG/0/|EPSG:)3006\""),
+        "\"" + city_crs + "\"");
+    std::ofstream(scratch / "foreign.city.json") << text;
+    write_raster(scratch / "foreign.tif", terrain.raster, {0, 0}, terrain_crs, terrain.domain);
+    Config mesh;
+    mesh.city = (scratch / "foreign.city.json").string();
+    mesh.dtm = (scratch / "foreign.tif").string();
+    mesh.out = (scratch / "mesh").string();
+    try {
+      run_mesh(mesh);
+    } catch (const Error& error) {
+      EXPECT_EQ(error.kind(), ErrorKind::kInput);
+      EXPECT_FALSE(fs::exists(scratch / "mesh"));
+      return std::string(error.what());
+    }
+    return std::string();
+  };
+  const auto says = [](const std::string& message, const char* file, const char* what) {
+    return message.find(file) != std::string::npos && message.find(what) != std::string::npos;
+  };
+  std::string said = refusal("EPSG:4326", "EPSG:4326");
+  EXPECT_TRUE(says(said, "foreign.city.json", "coordinates are degrees")) << said;
+  said = refusal("EPSG:2263", "EPSG:2263");
+  EXPECT_TRUE(says(said, "foreign.city.json", "in units of 0.3048")) << said;
+  said = refusal("", "EPSG:2263");
+  EXPECT_TRUE(says(said, "foreign.tif", "in units of 0.3048")) << said;
+  EXPECT_EQ(refusal("EPSG:3006", "EPSG:3006"), "");
 }
 
 TEST_F(Build, ResultsOfAnEarlierRunAreNotMixedWithNewOnes) {

@@ -2,29 +2,27 @@
 #include <algorithm>
 #include <cstdlib>
 #include <fstream>
-#include <iterator>
+#include <limits>
 #include <set>
 
 #include <gtest/gtest.h>
 #include <sys/wait.h>
+#include <unistd.h>
 
+#include "support/bytes.h"
 #include "support/test_data.h"
 
 namespace tetropolis {
 namespace {
 
 namespace fs = std::filesystem;
+using testing::bytes_of;
 
 struct Outcome {
   int code = -1;
   std::string out;
   std::string err;
 };
-
-std::string text_of(const fs::path& path) {
-  std::ifstream file(path, std::ios::binary);
-  return {std::istreambuf_iterator<char>(file), {}};
-}
 
 class Cli : public ::testing::Test {
  protected:
@@ -40,7 +38,7 @@ class Cli : public ::testing::Test {
                                 "'";
     const int status = std::system(command.c_str());
     return {WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status),
-            text_of(streams / "out"), text_of(streams / "err")};
+            bytes_of(streams / "out"), bytes_of(streams / "err")};
   }
 
   /// A small city in input/.
@@ -99,7 +97,7 @@ TEST_F(Cli, CheckFailsOnABrokenMesh) {
   ASSERT_EQ(run("build --quiet --footprints input/footprints.shp --points input --out result").code,
             0);
   // Overwrite one coordinate in the middle of the points.
-  std::string bytes = text_of(scratch / "result/volume.vtu");
+  std::string bytes = bytes_of(scratch / "result/volume.vtu");
   const std::size_t data = bytes.find('_', bytes.find("<AppendedData")) + 1;
   const double far = -1000;
   bytes.replace(data + 8 + 24 * 500 + 16, 8, reinterpret_cast<const char*>(&far), 8);
@@ -113,6 +111,114 @@ TEST_F(Cli, CheckFailsOnABrokenMesh) {
   const Outcome clearance = run("check result/city.city.json --min-building-distance 50");
   EXPECT_EQ(clearance.code, 1);
   EXPECT_NE(clearance.out.find("VIOLATED: clearance below the threshold"), std::string::npos);
+}
+
+TEST_F(Cli, CheckEndsOnCoordinatesThatAreNotFinite) {
+  synth("--buildings 20 --size 250");
+  ASSERT_EQ(run("build --quiet --footprints input/footprints.shp --points input --out result").code,
+            0);
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  for (const char* name : {"result/volume.vtu", "result/boundary.vtp"})
+    for (const std::size_t coordinate : {0, 1, 2}) {
+      SCOPED_TRACE(std::string(name) + ", coordinate " + std::to_string(coordinate));
+      const std::string whole = bytes_of(scratch / name);
+      std::string bytes = whole;
+      const std::size_t data = bytes.find('_', bytes.find("<AppendedData")) + 1;
+      bytes.replace(data + 8 + 24 * 10 + 8 * coordinate, 8, reinterpret_cast<const char*>(&nan), 8);
+      std::ofstream(scratch / name, std::ios::binary) << bytes;
+      const Outcome outcome = run("check result");
+      EXPECT_EQ(outcome.code, 1) << outcome.err;
+      EXPECT_NE(outcome.out.find("VIOLATED: coordinates that are not finite"), std::string::npos);
+      std::ofstream(scratch / name, std::ios::binary) << whole;
+    }
+  EXPECT_EQ(run("check result").code, 0);
+}
+
+TEST_F(Cli, CheckSaysWhatIsNoReport) {
+  synth("--buildings 20 --size 250");
+  ASSERT_EQ(run("build --quiet --footprints input/footprints.shp --points input --out result").code,
+            0);
+  for (const char* text :
+       {"[1, 2]", "{\"config\": 3}", "{\"volume_mesh\": []}", "{\"volume_mesh\": {\"cells\": {}}}",
+        "{\"input\": \"none\"}", "{\"config\": {\"coordinates\": 1}}", "{", ""}) {
+    SCOPED_TRACE(text);
+    std::ofstream(scratch / "result/report.json") << text;
+    const Outcome outcome = run("check result");
+    EXPECT_EQ(outcome.code, 3);
+    EXPECT_EQ(outcome.err, "tetropolis: result/report.json: not a report of tetropolis\n");
+  }
+  // Without what it should say, it is not borne out; without meshes there is nothing to compare.
+  std::ofstream(scratch / "result/report.json") << "{\"volume_mesh\": {}}";
+  EXPECT_EQ(run("check result").code, 1);
+  std::ofstream(scratch / "result/report.json") << "{}";
+  EXPECT_EQ(run("check result").code, 0);
+}
+
+TEST_F(Cli, CheckTakesTheOptionsOfEveryRun) {
+  synth("--buildings 20 --size 250");
+  ASSERT_EQ(run("city --quiet --footprints input/footprints.shp --points input --out result").code,
+            0);
+  const std::string loud = run("check result").out;
+  const Outcome quiet = run("check result --quiet --threads 1 --log check.log");
+  EXPECT_EQ(quiet.code, 0) << quiet.err;
+  EXPECT_EQ(quiet.out + quiet.err, "");
+  EXPECT_EQ(bytes_of(scratch / "check.log"), loud);
+  const Outcome broken =
+      run("check result/city.city.json --quiet --log check.log --min-building-distance 50");
+  EXPECT_EQ(broken.code, 1);
+  EXPECT_NE(broken.out.find("VIOLATED: clearance"), std::string::npos);
+  EXPECT_TRUE(bytes_of(scratch / "check.log").ends_with(broken.err)) << broken.err;
+  EXPECT_EQ(run("check result --threads -1").code, 2);
+}
+
+TEST_F(Cli, TheLogHasTheErrorToo) {
+  synth("--buildings 20 --size 250");
+  const Outcome outcome = run(
+      "build --footprints input/footprints.shp --points nowhere.laz --out result --log run.log");
+  EXPECT_EQ(outcome.code, 3);
+  EXPECT_EQ(outcome.err, "tetropolis: nowhere.laz: no such file or folder; check the path\n");
+  EXPECT_EQ(bytes_of(scratch / "run.log"), outcome.err);
+}
+
+TEST_F(Cli, AnIgnoredHangupDoesNotEndTheRun) {
+  synth("--buildings 20 --size 250");
+  for (const bool ignored : {true, false}) {
+    const Outcome outcome =
+        shell(std::string("{ ") + (ignored ? "trap '' HUP; " : "") +
+              "'" TETROPOLIS_PROGRAM
+              "' build --quiet --mesh-size 3 --footprints input/footprints.shp --points input "
+              "--out result & pid=$!; while ! ls -d .result.part-* >/dev/null 2>&1; do sleep 0.01; "
+              "done; kill -HUP $pid; wait $pid; }");
+    EXPECT_EQ(outcome.code, ignored ? 0 : 130) << outcome.err;
+    EXPECT_EQ(fs::exists(scratch / "result"), ignored);
+    fs::remove_all(scratch / "result");
+  }
+}
+
+TEST_F(Cli, FoldersThatCannotBeEnteredAreNamed) {
+  if (geteuid() == 0 && std::system("command -v setpriv >/dev/null 2>&1") != 0)
+    GTEST_SKIP() << "permissions do not count here";
+  fs::create_directories(scratch / "closed/result");
+  fs::permissions(scratch / "closed", fs::perms(0));
+  fs::permissions(scratch.path(), fs::perms(0755));
+  const std::string others =
+      geteuid() == 0 ? "setpriv --reuid 65534 --regid 65534 --clear-groups " : "";
+  const auto run_as_other = [&](const std::string& arguments) {
+    return shell(others + "'" TETROPOLIS_PROGRAM "' " + arguments);
+  };
+  const bool runs = run_as_other("--version").code == 0;
+  if (runs) {
+    const Outcome checked = run_as_other("check closed/result");
+    EXPECT_EQ(checked.code, 3);
+    EXPECT_EQ(checked.err, "tetropolis: closed/result: cannot be read: Permission denied\n");
+    EXPECT_EQ(run_as_other("check closed").code, 3);
+    EXPECT_EQ(run_as_other("init closed/my.toml").code, 3);
+    const Outcome built = run_as_other("build --config closed/my.toml");
+    EXPECT_EQ(built.code, 2);
+    EXPECT_NE(built.err.find("Permission denied"), std::string::npos) << built.err;
+  }
+  fs::permissions(scratch / "closed", fs::perms(0755));
+  if (!runs) GTEST_SKIP() << "the program cannot be run by others";
 }
 
 TEST_F(Cli, WrongOptionsExitWithTwo) {
@@ -199,6 +305,15 @@ TEST_F(Cli, InfoGoesOnAfterABadFile) {
   EXPECT_NE(info.out.find("result/report.json: report of 'tetropolis city'"), std::string::npos)
       << info.out;
   EXPECT_NE(info.out.find("20 footprints"), std::string::npos) << info.out;
+  for (const char* layering : {"graded", "uniform"}) {
+    ASSERT_EQ(run("mesh --quiet --city result/city.city.json --dtm result/dtm.tif --mesh-size 20 "
+                  "--out mesh --layering " +
+                  std::string(layering))
+                  .code,
+              0);
+    EXPECT_EQ(run("info mesh").out.find(" layers") != std::string::npos,
+              std::string(layering) == "uniform");
+  }
   std::ofstream(scratch / "cut.json") << R"({"version": "0.1.0", "command": "bui)";
   EXPECT_EQ(run("info cut.json").code, 3);
   std::ofstream(scratch / "odd.json") << R"({"version": 1, "command": {}, "steps": 3})";
@@ -227,7 +342,7 @@ TEST_F(Cli, UnusableInputExitsWithThree) {
   expect_error(build(shp, "text.laz"), 3, "text.laz");
   std::ofstream(scratch / "zero.laz") << "";
   expect_error(build(shp, "zero.laz"), 3, "zero.laz");
-  const std::string whole = text_of(scratch / "input/points.laz");
+  const std::string whole = bytes_of(scratch / "input/points.laz");
   for (const double share : {0.01, 0.3, 0.7, 0.999}) {
     std::ofstream(scratch / "cut.laz", std::ios::binary)
         << whole.substr(0, static_cast<std::size_t>(share * static_cast<double>(whole.size())));
@@ -259,7 +374,7 @@ TEST_F(Cli, ShapefileWithoutPrjTakesThePointsSystem) {
       run("build --footprints input/footprints.shp --points input/points.laz --out result");
   EXPECT_EQ(outcome.code, 0) << outcome.err;
   EXPECT_NE(outcome.err.find("footprints_crs_unknown"), std::string::npos) << outcome.err;
-  EXPECT_NE(text_of(scratch / "result/report.json").find("\"crs\": \"EPSG:3006\""),
+  EXPECT_NE(bytes_of(scratch / "result/report.json").find("\"crs\": \"EPSG:3006\""),
             std::string::npos);
 }
 
@@ -267,12 +382,12 @@ TEST_F(Cli, AFailedRunLeavesAnEarlierResultWhole) {
   synth("--buildings 20 --size 250");
   ASSERT_EQ(run("build --quiet --footprints input/footprints.shp --points input --out result").code,
             0);
-  const std::string report = text_of(scratch / "result/report.json"),
-                    mesh = text_of(scratch / "result/volume.vtu");
+  const std::string report = bytes_of(scratch / "result/report.json"),
+                    mesh = bytes_of(scratch / "result/volume.vtu");
   expect_error("build --footprints input/footprints.shp --points nowhere.laz --out result", 3,
                "nowhere.laz");
-  EXPECT_TRUE(text_of(scratch / "result/report.json") == report);
-  EXPECT_TRUE(text_of(scratch / "result/volume.vtu") == mesh);
+  EXPECT_TRUE(bytes_of(scratch / "result/report.json") == report);
+  EXPECT_TRUE(bytes_of(scratch / "result/volume.vtu") == mesh);
 }
 
 TEST_F(Cli, InterruptEndsTheRunAndLeavesNothing) {
@@ -314,10 +429,12 @@ TEST_F(Cli, ConfigurationFileAndOptionsMeet) {
       << "footprints = \"input/footprints.shp\"\npoints = [\"input\"]\nmesh_size = 20\nout = "
          "\"result\"\n";
   ASSERT_EQ(run("build --quiet --config my.toml").code, 0);
-  EXPECT_NE(text_of(scratch / "result/report.json").find("\"mesh_size\": 20.0"), std::string::npos);
+  EXPECT_NE(bytes_of(scratch / "result/report.json").find("\"mesh_size\": 20.0"),
+            std::string::npos);
   ASSERT_EQ(run("build --quiet --config my.toml --mesh-size 15 --log run.log").code, 0);
-  EXPECT_NE(text_of(scratch / "result/report.json").find("\"mesh_size\": 15.0"), std::string::npos);
-  EXPECT_NE(text_of(scratch / "run.log").find("3.1  ground mesh"), std::string::npos);
+  EXPECT_NE(bytes_of(scratch / "result/report.json").find("\"mesh_size\": 15.0"),
+            std::string::npos);
+  EXPECT_NE(bytes_of(scratch / "run.log").find("3.1  ground mesh"), std::string::npos);
 }
 
 TEST_F(Cli, HelpNamesEveryOption) {
@@ -327,11 +444,12 @@ TEST_F(Cli, HelpNamesEveryOption) {
                              "--mesh-size", "--domain-height", "--threads", "--quiet", "--log",
                              "--points-crs", "--footprints-crs", "--id-attribute"})
     EXPECT_NE(help.out.find(option), std::string::npos) << option;
+  EXPECT_NE(run("synth --help").out.find("--defects NAME,..."), std::string::npos);
   EXPECT_EQ(run("--version").out.substr(0, 11), "tetropolis ");
 }
 
 TEST_F(Cli, SettingsPageOfTheDocumentationIsThisPrograms) {
-  const std::string page = text_of(fs::path(TETROPOLIS_SOURCE) / "docs/settings.md");
+  const std::string page = bytes_of(fs::path(TETROPOLIS_SOURCE) / "docs/settings.md");
   const std::size_t tables = page.find("### Input");
   ASSERT_NE(tables, std::string::npos);
   EXPECT_EQ(page.substr(tables), run("settings").out) << "regenerate it: make docs";

@@ -1,30 +1,26 @@
 #include "tetropolis/pipeline/output_folder.h"
 
 #include <fstream>
-#include <iterator>
 #include <set>
 
 #include <gtest/gtest.h>
 
 #include "tetropolis/core/error.h"
 
+#include "support/bytes.h"
 #include "support/test_data.h"
 
 namespace tetropolis {
 namespace {
 
 namespace fs = std::filesystem;
+using testing::bytes_of;
 
 std::set<std::string> everything(const fs::path& folder) {
   std::set<std::string> names;
   for (const auto& entry : fs::recursive_directory_iterator(folder))
     names.insert(fs::relative(entry.path(), folder).string());
   return names;
-}
-
-std::string content(const fs::path& path) {
-  std::ifstream file(path);
-  return {std::istreambuf_iterator<char>(file), {}};
 }
 
 TEST(OutputFolder, AppearsWhenCommittedAndNotBefore) {
@@ -57,15 +53,15 @@ TEST(OutputFolder, KeepsAnEarlierResultUntilCommit) {
     OutputFolder out(scratch / "result");
     std::ofstream(out / "x.txt") << "half";
   }
-  EXPECT_EQ(content(scratch / "result/x.txt"), "old");
+  EXPECT_EQ(bytes_of(scratch / "result/x.txt"), "old");
   {
     OutputFolder out(scratch / "result/");
     std::ofstream(out / "x.txt") << "new";
     std::ofstream(out / "report.json") << "{}";
     out.commit();
   }
-  EXPECT_EQ(content(scratch / "result/x.txt"), "new");
-  EXPECT_EQ(content(scratch / "result/notes.txt"), "mine");
+  EXPECT_EQ(bytes_of(scratch / "result/x.txt"), "new");
+  EXPECT_EQ(bytes_of(scratch / "result/notes.txt"), "mine");
   EXPECT_EQ(
       everything(scratch.path()),
       (std::set<std::string>{"result", "result/x.txt", "result/notes.txt", "result/report.json"}));

@@ -21,6 +21,9 @@ FAULTS = {
     "refusal without need": ('[ "$1" = build ] && { echo no >&2; exit 3; }\nexec "$real" "$@"',
                              "refused without need"),
     "failed check": ('[ "$1" = check ] && exit 1\nexec "$real" "$@"', "check:"),
+    "violated guarantee": ('[ "$1" = check ] && { echo volume.vtu; echo "  12 cells"; '
+                           'echo "  VIOLATED: inverted cells (2); first: cell 7"; exit 1; }\n'
+                           'exec "$real" "$@"', "check: VIOLATED: inverted cells (2)"),
     "sanitizer": ('[ "$1" = build ] && echo "x.cpp:1: runtime error: overflow" >&2\nexec "$real" "$@"',
                   "runtime error"),
     "lost feature": ('"$real" "$@" || exit $?\n'

@@ -1,7 +1,6 @@
 // The files of a city with defects.
 #include <algorithm>
 #include <fstream>
-#include <iterator>
 #include <map>
 #include <set>
 #include <string>
@@ -14,6 +13,7 @@
 #include "tetropolis/io/vector.h"
 #include "tetropolis/pipeline/run.h"
 
+#include "support/bytes.h"
 #include "support/test_data.h"
 
 namespace tetropolis {
@@ -36,15 +36,14 @@ Report synth(const fs::path& out, int seed, std::vector<std::string> defects) {
 std::map<std::string, std::string> contents(const fs::path& folder) {
   std::map<std::string, std::string> files;
   for (const auto& entry : fs::directory_iterator(folder)) {
-    std::ifstream file(entry.path(), std::ios::binary);
-    files[entry.path().filename().string()] = {std::istreambuf_iterator<char>(file), {}};
+    files[entry.path().filename().string()] = testing::bytes_of(entry.path());
   }
   return files;
 }
 
 TEST(SynthAdversarial, TheManifestTellsWhatIsThere) {
   const TemporaryFolder folder;
-  const Report report = synth(folder / "a", 4, {"bow_tie,null_shape", "tiles_overlap"});
+  const Report report = synth(folder / "a", 4, {"bow_tie", "null_shape", "tiles_overlap"});
   const auto files = contents(folder / "a");
   const auto manifest = nlohmann::json::parse(files.at("manifest.json"));
   std::set<std::string> listed{"manifest.json", "report.json"};
@@ -92,6 +91,43 @@ TEST(SynthAdversarial, ASecondCityInTheFolderLeavesNothingOfTheFirst) {
     for (const auto& [name, text] : only) formats.insert(fs::path(name).extension().string());
   }
   EXPECT_TRUE(formats.contains(".shp") && formats.contains(".geojson"));
+}
+
+TEST(SynthAdversarial, CitiesOfAllKindsReplaceEachOther) {
+  const TemporaryFolder folder;
+  const auto synth_kind = [&](const std::string& kind, const char* name) {
+    Config config;
+    config.kind = kind;
+    config.out = (folder / name).string();
+    config.size = kind == "blocks" ? 300 : 100;
+    config.point_density = 0.1;
+    if (kind == "adversarial") config.defects = {"tiles_gap"};
+    run_synth(config);
+    auto files = contents(folder / name);
+    files.erase("report.json");
+    return files;
+  };
+  std::map<std::string, std::map<std::string, std::string>> alone;
+  for (const char* kind : {"random", "blocks", "adversarial"}) alone[kind] = synth_kind(kind, kind);
+  EXPECT_FALSE(alone["adversarial"].contains("points.laz"));
+  fs::create_directory(folder / "mixed");
+  std::ofstream(folder / "mixed" / "mine.laz") << "mine";
+  for (const char* kind : {"random", "adversarial", "blocks", "adversarial", "random", "blocks"}) {
+    auto files = synth_kind(kind, "mixed");
+    EXPECT_EQ(files.erase("mine.laz"), 1U);
+    EXPECT_EQ(files, alone[kind]) << kind;
+  }
+}
+
+TEST(SynthAdversarial, WithoutAReportOfASyntheticCityNothingIsTaken) {
+  const TemporaryFolder folder;
+  fs::create_directory(folder / "a");
+  for (const char* name : {"points.laz", "footprints.prj"})
+    std::ofstream(folder / "a" / name) << "x";
+  std::ofstream(folder / "a" / "report.json")
+      << R"({"command": "city", "config": {"kind": "random"}})";
+  synth(folder / "a", 2, {"tiles_gap"});
+  EXPECT_EQ(contents(folder / "a").at("points.laz"), "x");
 }
 
 TEST(SynthAdversarial, FilesOfTheUserStay) {

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <fstream>
-#include <iterator>
 #include <random>
 
 #include "tetropolis/geometry/polygon.h"
@@ -11,24 +10,14 @@
 #include "tetropolis/io/las.h"
 #include "tetropolis/io/vector.h"
 
+#include "support/bytes.h"
+#include "support/shapes.h"
+
 namespace tetropolis::testing {
 
 namespace fs = std::filesystem;
 
-namespace {
-
-std::string bytes_of(const fs::path& path) {
-  std::ifstream file(path, std::ios::binary);
-  return {std::istreambuf_iterator<char>(file), {}};
-}
-
-Polygon box(double x0, double y0, double x1, double y1) {
-  return {{{x0, y0}, {x1, y0}, {x1, y1}, {x0, y1}}, {}};
-}
-
-}  // namespace
-
-bool Outcome::warned(const std::string& code) const {
+bool CloudOutcome::warned(const std::string& code) const {
   return std::any_of(report.warnings.begin(), report.warnings.end(),
                      [&](const Warning& warning) { return warning.code == code; });
 }
@@ -48,9 +37,9 @@ void append(PointCloud& cloud, double x, double y, double z, int code) {
 }
 
 CloudCity::CloudCity() {
-  footprints = {box(20, 20, 36, 32), box(50, 18, 62, 44), box(78, 25, 108, 60),
+  footprints = {rectangle(20, 20, 36, 32), rectangle(50, 18, 62, 44), rectangle(78, 25, 108, 60),
                 Polygon{{{22, 55}, {60, 55}, {60, 70}, {38, 70}, {38, 88}, {22, 88}}, {}},
-                box(84, 78, 96, 90)};
+                rectangle(84, 78, 96, 90)};
   footprints[2].holes = {{{86, 33}, {86, 52}, {100, 52}, {100, 33}}};
   roofs = {6, 15, 18, 9, 30};
   std::mt19937 random(test_seed());
@@ -90,7 +79,7 @@ void CloudCity::write_bytes(const std::string& name, const std::string& bytes) c
   std::ofstream(folder() / name, std::ios::binary) << bytes;
 }
 
-Outcome CloudCity::run(const std::function<void(Config&)>& change) const {
+CloudOutcome CloudCity::run(const std::function<void(Config&)>& change) const {
   Config config;
   config.footprints = (scratch_ / "footprints.shp").string();
   config.points = {folder().string()};
@@ -98,7 +87,7 @@ Outcome CloudCity::run(const std::function<void(Config&)>& change) const {
   config.out = (scratch_ / "out").string();
   if (change) change(config);
   fs::remove_all(config.out);
-  Outcome outcome;
+  CloudOutcome outcome;
   try {
     outcome.report = run_city(config);
   } catch (const Error& error) {

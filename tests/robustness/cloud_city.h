@@ -18,7 +18,7 @@
 namespace tetropolis::testing {
 
 /// What came of one run.
-struct Outcome {
+struct CloudOutcome {
   bool failed = false;
   ErrorKind kind{};
   std::string message;  ///< Of the error.
@@ -51,7 +51,7 @@ class CloudCity {
   std::string write(const std::string& name) const { return write(name, cloud); }
   void write_bytes(const std::string& name, const std::string& bytes) const;
   /// Steps 1.1 to 2.4 on all that is in the folder.
-  Outcome run(const std::function<void(Config&)>& change = {}) const;
+  CloudOutcome run(const std::function<void(Config&)>& change = {}) const;
 
  private:
   TemporaryFolder scratch_;

@@ -19,8 +19,8 @@ namespace {
 
 using testing::append;
 using testing::CloudCity;
+using testing::CloudOutcome;
 using testing::filtered;
-using testing::Outcome;
 
 constexpr std::size_t kHeader = 227;  // bytes before the first point in what write() writes
 constexpr std::size_t kRecord = 28;
@@ -35,7 +35,7 @@ std::string patched(std::string bytes, std::size_t at, Number value) {
 /// The city as it is, run once.
 struct Undamaged {
   CloudCity city;
-  Outcome outcome;
+  CloudOutcome outcome;
   std::string las;  ///< Bytes of the cloud.
   std::string laz;
 
@@ -308,7 +308,7 @@ std::vector<Defect> defects() {
 
 class CloudDefects : public ::testing::TestWithParam<Defect> {};
 
-void expect_error(const Defect& defect, const Outcome& outcome, const CloudCity& city) {
+void expect_error(const Defect& defect, const CloudOutcome& outcome, const CloudCity& city) {
   ASSERT_TRUE(outcome.failed);
   EXPECT_EQ(outcome.kind, ErrorKind::kInput) << outcome.message;
   EXPECT_NE(outcome.message.find(defect.words), std::string::npos) << outcome.message;
@@ -316,7 +316,7 @@ void expect_error(const Defect& defect, const Outcome& outcome, const CloudCity&
   EXPECT_EQ(outcome.message.find('\n'), std::string::npos) << outcome.message;
 }
 
-void expect_near(const Outcome& outcome, double tolerance) {
+void expect_near(const CloudOutcome& outcome, double tolerance) {
   const CityModel& expected = undamaged().outcome.raw;
   if (std::isinf(tolerance)) return;
   ASSERT_EQ(outcome.raw.buildings.size(), expected.buildings.size());
@@ -328,7 +328,7 @@ void expect_near(const Outcome& outcome, double tolerance) {
 }
 
 /// How far the terrain is from the bare ground, at worst.
-double terrain_error(const Outcome& outcome, const CloudCity& city) {
+double terrain_error(const CloudOutcome& outcome, const CloudCity& city) {
   double worst = 0;
   for (std::int32_t j = 0; j < outcome.dtm.ny; ++j)
     for (std::int32_t i = 0; i < outcome.dtm.nx; ++i) {
@@ -343,7 +343,7 @@ TEST_P(CloudDefects, HaveTheOutcomeStated) {
   const Defect& defect = GetParam();
   const CloudCity city;
   defect.damage(city);
-  const Outcome outcome = city.run();
+  const CloudOutcome outcome = city.run();
   if (defect.expected == Expected::kError) {
     expect_error(defect, outcome, city);
     return;
@@ -382,7 +382,7 @@ TEST(CloudDefect, CutLazNeverPassesForAWholeOne) {
   for (std::size_t size = 0; size < good.size(); size += good.size() / 23 + 1) {
     SCOPED_TRACE(size);
     city.write_bytes("a.laz", good.substr(0, size));
-    const Outcome outcome = city.run();
+    const CloudOutcome outcome = city.run();
     ASSERT_TRUE(outcome.failed);
     EXPECT_EQ(outcome.kind, ErrorKind::kInput);
     EXPECT_NE(outcome.message.find("a.laz: "), std::string::npos) << outcome.message;
@@ -401,7 +401,7 @@ TEST(CloudDefect, RotInsideAChunkIsAnErrorOrAWarning) {
       std::string bytes = good;
       for (std::size_t k = 0; k < 4; ++k) bytes[at + k] = static_cast<char>(bytes[at + k] ^ 0x5A);
       city.write_bytes("a.laz", bytes);
-      const Outcome outcome = city.run();
+      const CloudOutcome outcome = city.run();
       if (outcome.failed) {
         EXPECT_EQ(outcome.kind, ErrorKind::kInput);
         EXPECT_NE(outcome.message.find("a.laz: "), std::string::npos) << outcome.message;
@@ -418,8 +418,8 @@ TEST(CloudDefect, TheSameWithAnyNumberOfThreads) {
   PointCloud cloud = city.cloud;
   std::fill(cloud.classification.begin(), cloud.classification.end(), kUnclassified);
   city.write("a.laz", cloud);
-  const Outcome one = city.run([](Config& config) { config.threads = 1; });
-  const Outcome four = city.run([](Config& config) { config.threads = 4; });
+  const CloudOutcome one = city.run([](Config& config) { config.threads = 1; });
+  const CloudOutcome four = city.run([](Config& config) { config.threads = 4; });
   EXPECT_GT(one.report.input->ground_filtered, 5000);
   EXPECT_TRUE(one.bytes == four.bytes);
 }
@@ -427,13 +427,13 @@ TEST(CloudDefect, TheSameWithAnyNumberOfThreads) {
 TEST(CloudDefect, TheGroundFilterRunsWhenItIsAskedTo) {
   const CloudCity city;
   city.write("a.las");
-  const Outcome always = city.run([](Config& config) { config.ground_filter = "always"; });
+  const CloudOutcome always = city.run([](Config& config) { config.ground_filter = "always"; });
   EXPECT_TRUE(always.warned("ground_filtered"));
   EXPECT_LT(terrain_error(always, city), 0.6);
   PointCloud cloud = city.cloud;
   std::fill(cloud.classification.begin(), cloud.classification.end(), kUnclassified);
   city.write("a.las", cloud);
-  const Outcome never = city.run([](Config& config) { config.ground_filter = "never"; });
+  const CloudOutcome never = city.run([](Config& config) { config.ground_filter = "never"; });
   ASSERT_TRUE(never.failed);
   EXPECT_NE(never.message.find("only class 1 (10000 points)"), std::string::npos) << never.message;
 }

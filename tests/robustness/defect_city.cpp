@@ -22,21 +22,17 @@ namespace tetropolis::testing {
 
 namespace fs = std::filesystem;
 
-Polygon box(double x0, double y0, double x1, double y1) {
-  return {{{x0, y0}, {x1, y0}, {x1, y1}, {x0, y1}}, {}};
-}
-
 DefectCity defect_city() {
   DefectCity city;
-  Polygon north = box(20, 75, 50, 100);
+  Polygon north = rectangle(20, 75, 50, 100);
   north.holes = {{{30, 83}, {30, 92}, {40, 92}, {40, 83}}};
   city.houses = {
-      {"west", box(15, 20, 35, 40), 9},
+      {"west", rectangle(15, 20, 35, 40), 9},
       {"east", {{{110, 20}, {140, 20}, {140, 35}, {125, 35}, {125, 50}, {110, 50}}, {}}, 15},
       {"north", north, 18},
-      {"tower", box(110, 75, 125, 90), 40},
-      {"shed", box(60, 20, 66, 25), 3},
-      {"patient", box(60, 50, 84, 66), 12},
+      {"tower", rectangle(110, 75, 125, 90), 40},
+      {"shed", rectangle(60, 20, 66, 25), 3},
+      {"patient", rectangle(60, 50, 84, 66), 12},
   };
   city.ground = [](double x, double y) { return 20 + 0.02 * x + 0.01 * y; };
   return city;

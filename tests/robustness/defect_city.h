@@ -14,6 +14,8 @@
 #include "tetropolis/pipeline/config.h"
 #include "tetropolis/pipeline/report.h"
 
+#include "support/shapes.h"
+
 namespace tetropolis::testing {
 
 /// A building of the undamaged city, local coordinates.
@@ -42,8 +44,6 @@ struct Feature {
 /// "west" 20 x 20 m, "east" an L, "north" around a courtyard, "tower", "shed", and "patient", 24 x
 /// 16 m at (60, 50), 10 m and more from all others; gentle slope at 20 m.
 DefectCity defect_city();
-
-Polygon box(double x0, double y0, double x1, double y1);
 
 /// Rings as they are, without the first vertex repeated at the end: "POLYGON((0 0,1 0,1 1))".
 std::string open_wkt(const Polygon& polygon);

@@ -173,8 +173,8 @@ TEST_F(DomainDefects, DomainThinnerThanTheClearance) {
 
 TEST_F(DomainDefects, ATowerOf300MetresAmongSheds) {
   city.houses[3].height = 300;
-  city.houses.push_back({"hut", box(100, 78, 106, 83), 2.6});
-  city.houses.push_back({"hut2", box(128, 78, 134, 83), 2.6});
+  city.houses.push_back({"hut", rectangle(100, 78, 106, 83), 2.6});
+  city.houses.push_back({"hut2", rectangle(128, 78, 134, 83), 2.6});
   const Outcome outcome = run();
   ASSERT_EQ(outcome.error, "");
   EXPECT_EQ(outcome.city.buildings.size(), 8U);

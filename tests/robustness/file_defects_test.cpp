@@ -2,8 +2,6 @@
 // whole pipeline.
 #include <cmath>
 #include <cstring>
-#include <fstream>
-#include <iterator>
 #include <limits>
 #include <map>
 
@@ -14,21 +12,13 @@
 #include "tetropolis/io/vector.h"
 
 #include "defect_city.h"
+#include "support/bytes.h"
 #include "support/test_data.h"
 
 namespace tetropolis::testing {
 namespace {
 
 namespace fs = std::filesystem;
-
-std::string bytes_of(const fs::path& path) {
-  std::ifstream file(path, std::ios::binary);
-  return {std::istreambuf_iterator<char>(file), {}};
-}
-
-void write_bytes(const fs::path& path, const std::string& bytes) {
-  std::ofstream(path, std::ios::binary | std::ios::trunc) << bytes;
-}
 
 class FileDefects : public ::testing::Test {
  protected:

@@ -21,7 +21,7 @@ namespace {
 constexpr double kAny = std::numeric_limits<double>::infinity();
 constexpr double kStep = 2 * kCoordinateStep;
 
-const Polygon kPatient = box(60, 50, 84, 66);
+const Polygon kPatient = rectangle(60, 50, 84, 66);
 
 /// One defect and what becomes of it: without further words, the patient as if nothing were wrong.
 struct Row {
@@ -120,8 +120,8 @@ std::vector<Feature> checkerboard() {
   for (int i = 0; i < 5; ++i)
     for (int j = 0; j < 4; ++j)
       if ((i + j) % 2 == 0 && i + j > 0)
-        squares.push_back(
-            {fmt::format("c{}{}", i, j), wkt(box(60 + 4 * i, 50 + 4 * j, 64 + 4 * i, 54 + 4 * j))});
+        squares.push_back({fmt::format("c{}{}", i, j),
+                           wkt(rectangle(60 + 4 * i, 50 + 4 * j, 64 + 4 * i, 54 + 4 * j))});
   return squares;
 }
 
@@ -129,7 +129,7 @@ std::vector<Feature> shifted_copies(int n, double step) {
   std::vector<Feature> copies;
   for (int i = 1; i <= n; ++i)
     copies.push_back({fmt::format("copy{}", i),
-                      wkt(box(60 + step * i, 50 - step * i, 84 + step * i, 66 - step * i))});
+                      wkt(rectangle(60 + step * i, 50 - step * i, 84 + step * i, 66 - step * i))});
   return copies;
 }
 
@@ -197,44 +197,50 @@ std::vector<Row> holes() {
   };
   return {
       row("HoleCounterClockwise", with_hole({{68, 54}, {76, 54}, {76, 62}, {68, 62}})).is(court),
-      row("HoleOutside", with_hole(box(90, 54, 96, 62).outer)).repaired(),
-      row("HoleFarOutside", with_hole(box(-5000, 54, -4990, 62).outer)).repaired(),
-      row("HoleOutsideTouching", with_hole(box(84, 54, 92, 62).outer)).repaired(),
+      row("HoleOutside", with_hole(rectangle(90, 54, 96, 62).outer)).repaired(),
+      row("HoleFarOutside", with_hole(rectangle(-5000, 54, -4990, 62).outer)).repaired(),
+      row("HoleOutsideTouching", with_hole(rectangle(84, 54, 92, 62).outer)).repaired(),
       row("HoleEqualToTheShell", with_hole(kPatient.outer)).repaired(),
-      row("HoleAroundTheShell", with_hole(box(58, 48, 86, 68).outer)).repaired(),
+      row("HoleAroundTheShell", with_hole(rectangle(58, 48, 86, 68).outer)).repaired(),
       row("HoleTwice", wkt({kPatient.outer, {court.holes[0], court.holes[0]}}))
           .repaired()
           .is(court),
-      row("HoleInAHole", wkt({kPatient.outer, {court.holes[0], box(70, 56, 74, 60).outer}}))
+      row("HoleInAHole", wkt({kPatient.outer, {court.holes[0], rectangle(70, 56, 74, 60).outer}}))
           .repaired()
           .is(court),
       row("OverlappingHoles",
-          wkt({kPatient.outer, {box(66, 54, 72, 62).outer, box(70, 54, 78, 62).outer}}))
+          wkt({kPatient.outer, {rectangle(66, 54, 72, 62).outer, rectangle(70, 54, 78, 62).outer}}))
           .repaired()
-          .is({kPatient.outer, {box(66, 54, 78, 62).outer}}),
-      row("HoleAcrossTheShell", with_hole(box(78, 54, 90, 62).outer)).repaired().is(notched(78)),
-      row("HoleSharingAnEdge", with_hole(box(76, 54, 84, 62).outer)).repaired().is(notched(76)),
+          .is({kPatient.outer, {rectangle(66, 54, 78, 62).outer}}),
+      row("HoleAcrossTheShell", with_hole(rectangle(78, 54, 90, 62).outer))
+          .repaired()
+          .is(notched(78)),
+      row("HoleSharingAnEdge", with_hole(rectangle(76, 54, 84, 62).outer))
+          .repaired()
+          .is(notched(76)),
       row("HoleTouchingAtAVertex", with_hole({{84, 58}, {76, 54}, {70, 58}, {76, 62}}))
           .repaired()
           .covers(384 - 56, 3),
       row("HoleOfTwoVertices", "POLYGON((60 50,84 50,84 66,60 66,60 50),(70 55,72 57,70 55))"),
       row("HoleOfZeroArea", "POLYGON((60 50,84 50,84 66,60 66,60 50),(70 55,72 57,71 56,70 55))"),
       // Three walls of one metre and one of 5 cm, which cannot stay.
-      row("WallOfFiveCentimetres", with_hole(box(61, 51, 83, 65.95).outer))
+      row("WallOfFiveCentimetres", with_hole(rectangle(61, 51, 83, 65.95).outer))
           .repaired()
           .covers(384 - 22 * 14.95, 26),
       row("BuildingInACourtyard", wkt(court))
-          .beside({{"inner", wkt(box(70, 56, 74, 60))}})
+          .beside({{"inner", wkt(rectangle(70, 56, 74, 60))}})
           .is(court),
-      row("BuildingThatFillsTheCourtyard", wkt(court)).with({{"inner", wkt(box(68, 54, 76, 62))}}),
+      row("BuildingThatFillsTheCourtyard", wkt(court))
+          .with({{"inner", wkt(rectangle(68, 54, 76, 62))}}),
       row("BuildingThatFillsTheCourtyardButForACentimetre", wkt(court))
-          .with({{"inner", wkt(box(68.01, 54.01, 75.99, 61.99))}}),
+          .with({{"inner", wkt(rectangle(68.01, 54.01, 75.99, 61.99))}}),
       // Without roof points: the scan knows no courtyard there.
       row("CourtyardsWithinCourtyards",
-          wkt({box(56, 46, 88, 72).outer, {box(59, 49, 85, 69).outer}}))
-          .beside({{"second", wkt({box(62, 52, 82, 66).outer, {box(65, 55, 79, 63).outer}})},
-                   {"third", wkt(box(68, 57, 76, 61))}})
-          .is({box(56, 46, 88, 72).outer, {box(59, 49, 85, 69).outer}})
+          wkt({rectangle(56, 46, 88, 72).outer, {rectangle(59, 49, 85, 69).outer}}))
+          .beside({{"second",
+                    wkt({rectangle(62, 52, 82, 66).outer, {rectangle(65, 55, 79, 63).outer}})},
+                   {"third", wkt(rectangle(68, 57, 76, 61))}})
+          .is({rectangle(56, 46, 88, 72).outer, {rectangle(59, 49, 85, 69).outer}})
           .flag("no_roof_points"),
   };
 }
@@ -245,7 +251,7 @@ std::vector<Row> neighbours() {
   std::vector<Feature> twice;
   for (const House& house : city.houses)
     if (house.id != "patient") twice.push_back({house.id + "2", wkt(house.footprint)});
-  const Polygon both = box(60, 50, 94, 66);
+  const Polygon both = rectangle(60, 50, 94, 66);
   Row every = patient("EveryBuildingTwice").with({{"patient2", wkt(kPatient)}});
   every.more.insert(every.more.end(), twice.begin(), twice.end());
   return {
@@ -261,30 +267,33 @@ std::vector<Row> neighbours() {
                  {"nextnext", "POLYGON((84 58.000001,94 58,94 62,83.999999 62,84 58.000001))"}})
           .is({{{60, 50}, {84, 50}, {84, 54}, {94, 54}, {94, 62}, {84, 62}, {84, 66}, {60, 66}},
                {}}),
-      patient("CrackOfACentimetre").with({{"next", wkt(box(84.01, 50, 94, 66))}}).is(both),
+      patient("CrackOfACentimetre").with({{"next", wkt(rectangle(84.01, 50, 94, 66))}}).is(both),
       patient("CrackThatNarrowsToNothing")
           .with({{"next", "POLYGON((84.02 50,94 50,94 66,84 66,84.02 50))"}})
           .is(both, 0.02),
-      patient("GapOfHalfAMetre").with({{"next", wkt(box(84.5, 50, 94, 66))}}).is(both),
-      patient("CornersThatTouch").with({{"next", wkt(box(84, 66, 94, 72))}}).covers(384 + 60, 3),
+      patient("GapOfHalfAMetre").with({{"next", wkt(rectangle(84.5, 50, 94, 66))}}).is(both),
+      patient("CornersThatTouch")
+          .with({{"next", wkt(rectangle(84, 66, 94, 72))}})
+          .covers(384 + 60, 3),
       patient("ShedOfTwoCentimetresAtTheWall")
-          .with({{"speck", wkt(box(84, 57, 84.02, 57.02))}})
+          .with({{"speck", wkt(rectangle(84, 57, 84.02, 57.02))}})
           .is(kPatient, 0.03),
       patient("ShedOfTwoCentimetres")
-          .beside({{"speck", wkt(box(95, 57, 95.02, 57.02))}})
+          .beside({{"speck", wkt(rectangle(95, 57, 95.02, 57.02))}})
           .without("speck", "small"),
       patient("FreeWallOfFiveCentimetres")
-          .beside({{"fence", wkt(box(90, 45, 90.05, 72))}})
+          .beside({{"fence", wkt(rectangle(90, 45, 90.05, 72))}})
           .without("fence", "small"),
       patient("WallOfFiveCentimetresBetweenBuildings")
-          .with({{"wall", wkt(box(84, 57.5, 94, 57.55))}, {"next", wkt(box(94, 50, 104, 66))}})
+          .with({{"wall", wkt(rectangle(84, 57.5, 94, 57.55))},
+                 {"next", wkt(rectangle(94, 50, 104, 66))}})
           .covers(384 + 160 + 11, 4),  // the wall has become 1.1 m wide
       patient("LargerThanTheDomain")
-          .beside({{"all", wkt(box(-100, -100, 300, 300))}})
+          .beside({{"all", wkt(rectangle(-100, -100, 300, 300))}})
           .without("all", "crosses the domain boundary"),
       patient("MassiveOverlaps").with(shifted_copies(30, 0.1)).covers(384 + 40 * 3, 6),
-      patient("BuildingOnTheRoofOfAnother").with({{"penthouse", wkt(box(66, 54, 70, 60))}}),
-      row("Checkerboard", wkt(box(60, 50, 64, 54))).with(checkerboard()).covers(160, 25),
+      patient("BuildingOnTheRoofOfAnother").with({{"penthouse", wkt(rectangle(66, 54, 70, 60))}}),
+      row("Checkerboard", wkt(rectangle(60, 50, 64, 54))).with(checkerboard()).covers(160, 25),
   };
 }
 
@@ -442,7 +451,7 @@ Outcome build_in(const std::string& name, const std::vector<Feature>& features,
 
 TEST(FootprintDefects, ABuildingAsLargeAsTheDomainTakesInAllAndIsCutBack) {
   std::vector<Feature> features = sound_features(the_city());
-  features.push_back({"all", wkt(box(0, 0, 160, 120))});
+  features.push_back({"all", wkt(rectangle(0, 0, 160, 120))});
   const Outcome outcome = build_in("giant", features, ids_of(features));
   ASSERT_EQ(outcome.error, "");
   ASSERT_EQ(outcome.city.buildings.size(), 1U);
@@ -475,7 +484,7 @@ TEST(FootprintDefects, NothingUsableIsAnError) {
   const Outcome flat = build_in("flat", {{"a", "POLYGON((60 50,70 50,84 50,60 50))"}}, {"a"});
   EXPECT_EQ(flat.exit_code, 3);
   EXPECT_NE(flat.error.find("no usable footprint"), std::string::npos) << flat.error;
-  const Outcome specks = build_in("specks", {{"a", wkt(box(60, 50, 60.02, 50.02))}}, {"a"});
+  const Outcome specks = build_in("specks", {{"a", wkt(rectangle(60, 50, 60.02, 50.02))}}, {"a"});
   EXPECT_EQ(specks.exit_code, 3);
   EXPECT_NE(specks.error.find("--terrain-only"), std::string::npos) << specks.error;
 }

@@ -81,8 +81,8 @@ TEST(FoundBySearch, ACloseGroupOfSliversOnly) {
 // Two houses that hang together by a garden wall of 20 cm: cutting it left one, and nothing of the
 // other but its name in the list of members.
 TEST(FoundBySearch, NoBuildingVanishesWithTheWallThatJoinsItToAnother) {
-  const Polygon wall{box(15, 15, 63, 50).outer, {box(15.2, 15.2, 62.8, 49.8).outer}};
-  const std::vector<Polygon> houses{box(10, 10, 20, 20), box(60, 12, 66, 22)};
+  const Polygon wall{rectangle(15, 15, 63, 50).outer, {rectangle(15.2, 15.2, 62.8, 49.8).outer}};
+  const std::vector<Polygon> houses{rectangle(10, 10, 20, 20), rectangle(60, 12, 66, 22)};
   const std::vector<Polygon> input{houses[0], houses[1], clean(wall)};
   const Simplification simple = simplify_footprints(input, Bounds2{0, 0, 100, 100}, {});
   for (std::size_t i = 0; i < houses.size(); ++i) {
@@ -104,7 +104,7 @@ TEST(FoundBySearch, ATipCutOffByTheDomainIsClean) {
   const Polygon needle{{{18, 10}, {48, 10}, {48, 10.0025}}, {}};
   const Polygon tip = clip_to_box(needle, Bounds2{1, 1, 25.2, 25.2});
   EXPECT_TRUE(tip.outer.empty() || clean_footprint(tip).polygon.outer == tip.outer);
-  const Polygon kept = clip_to_box(box(10, 10, 40, 20), Bounds2{1, 1, 25.2, 25.2});
+  const Polygon kept = clip_to_box(rectangle(10, 10, 40, 20), Bounds2{1, 1, 25.2, 25.2});
   EXPECT_EQ(kept.outer.size(), 4U);
   EXPECT_NEAR(area(kept), 15.2 * 10, 1e-9);
 }

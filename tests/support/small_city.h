@@ -13,6 +13,8 @@
 #include "tetropolis/volume/fill_columns.h"
 #include "tetropolis/volume/smooth.h"
 
+#include "support/shapes.h"
+
 namespace tetropolis::testing {
 
 struct SmallCity {
@@ -21,10 +23,6 @@ struct SmallCity {
   std::vector<double> roofs;  ///< Elevations.
   Raster dtm;
 };
-
-inline Polygon rectangle(double x0, double y0, double x1, double y1) {
-  return {{{x0, y0}, {x1, y0}, {x1, y1}, {x0, y1}}, {}};
-}
 
 inline Raster raster_of(const Bounds2& domain,
                         const std::function<double(double, double)>& height) {

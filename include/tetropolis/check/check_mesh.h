@@ -75,18 +75,20 @@ struct SurfaceCheck {
   std::vector<Violation> violations;
 };
 
-/// Closed, oriented and edge-manifold; sides lie on the sides of the bounding box, walls are
-/// vertical, ground and roofs face down, the roof of each building is flat, buildings are named
+/// Finite, closed, oriented and edge-manifold; sides lie on the sides of the bounding box, walls
+/// are vertical, ground and roofs face down, the roof of each building is flat, buildings are named
 /// where they must be and nowhere else, and roof and wall faces that share an edge name the same
 /// one.
 SurfaceCheck check_surface(const SurfaceMesh& surface);
 
-/// Whether the faces of `surface` are exactly the boundary faces of the volume, by coordinates.
+/// Whether the faces of `surface` are exactly the boundary faces of the volume, by coordinates (0
+/// and -0 are the same; what is not finite is the same if its bits are).
 std::vector<Violation> check_same_boundary(const TetMesh& mesh, const VolumeCheck& volume,
                                            const SurfaceMesh& surface);
 
 /// Whether `region` names, for every cell, the building in whose footprint the cell's centre lies,
-/// or -1. `shift` is added to the mesh's coordinates to get to the local frame of `city`.
+/// or -1; a mesh without `region` is a violation. `shift` is added to the mesh's coordinates to get
+/// to the local frame of `city`.
 std::vector<Violation> check_regions_of_cells(const TetMesh& mesh, std::array<double, 3> shift,
                                               const CityModel& city);
 
@@ -99,7 +101,7 @@ struct HeightsCheck {
 
 /// Guarantee 6: |z - DTM| <= 1e-9 m at ground vertices (except below it on walls), |z - h_roof| <=
 /// 1e-9 m at roof vertices. `shift` is added to the surface's coordinates to get to the local frame
-/// of `dtm` and `city`.
+/// of `dtm` and `city`. Ground vertices that are not finite are violations.
 HeightsCheck check_heights(const SurfaceMesh& surface, std::array<double, 3> shift,
                            const Raster& dtm, const CityModel& city);
 

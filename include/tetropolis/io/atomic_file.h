@@ -46,6 +46,10 @@ class AtomicFile {
   bool committed_ = false;
 };
 
+/// Where a file will be: results in the making lie in a hidden folder ".NAME.part-XXXXXX" until
+/// they are moved to NAME, which is the name that says something to the user.
+std::filesystem::path final_path(const std::filesystem::path& path);
+
 /// The error for an output that cannot be written: "cannot write PATH: REASON". A path inside the
 /// hidden folder of an OutputFolder is shown as it will be.
 [[noreturn]] void throw_cannot_write(const std::filesystem::path& path, std::string_view reason);

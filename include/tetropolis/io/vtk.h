@@ -20,7 +20,7 @@ struct Placement {
   std::array<double, 3> origin{0, 0, 0};
 };
 
-/// Writes the tets of `mesh`: points in double precision in the order of node_offsets, cells
+/// Writes the tets of `mesh`: points in double precision column by column and upwards, cells
 /// triangle by triangle and upwards, and the cell data `region` (Int32: the building whose
 /// footprint the cell stands over, by position in the city model, or -1). Streams: needs little
 /// memory beside the mesh, compressed or not. The file appears complete or not at all. Throws

@@ -85,6 +85,7 @@ enum Command : unsigned {
   kCity = 1U << 1,
   kMesh = 1U << 2,
   kSynth = 1U << 3,
+  kCheck = 1U << 4,
 };
 
 /// One setting.

@@ -23,9 +23,9 @@ struct OutputWatcher {
 /// of them are undone. Without commit() the destructor removes everything, the target is as it was.
 ///
 /// A process that is killed leaves its hidden folder behind. The next OutputFolder for the same
-/// target removes it, and puts the earlier results back if the kill fell between the moves. Folders
-/// of processes that still run are left alone: each holds a lock (flock) on its own, so on file
-/// systems without such locks nothing is removed.
+/// target removes it, and puts the earlier results back (or makes none of half a new one) if the
+/// kill fell between the moves. Folders of processes that still run are left alone: each holds a
+/// lock (flock) on its own, so on file systems without such locks nothing is removed.
 class OutputFolder {
  public:
   /// Creates the hidden folder. Throws Error(kUsage) if the target is a file or nothing can be

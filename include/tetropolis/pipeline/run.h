@@ -28,7 +28,10 @@ Report run_build(const Config& config, const RunHooks& hooks = {});
 Report run_city(const Config& config, const RunHooks& hooks = {});
 /// Steps 3.1 to 3.6 on a written city model and terrain: the same mesh as run_build's.
 Report run_mesh(const Config& config, const RunHooks& hooks = {});
-/// Writes footprints.shp and points.laz of a synthetic city. The same bytes for the same settings.
+/// Writes footprints.shp and points.laz of a synthetic city; of the kind "adversarial"
+/// footprints.shp or footprints.geojson, points.laz or points_1.laz, points_2.laz..., and
+/// manifest.json, which lists them. The same bytes for the same settings. Files that a synthetic
+/// city of any kind has left in the folder go, so that two do not mix.
 Report run_synth(const Config& config, const RunHooks& hooks = {});
 
 }  // namespace tetropolis

@@ -1,0 +1,12 @@
+// Lengths are metres everywhere behind the readers.
+#pragma once
+
+#include <string>
+
+namespace tetropolis {
+
+/// Throws Error(kInput) naming `file` if coordinates in `crs` are degrees or not in metres; an
+/// unknown system passes. `option`, if any, is where the user could name the true system.
+void require_metres(const std::string& crs, const std::string& file, const char* option = nullptr);
+
+}  // namespace tetropolis
