@@ -28,6 +28,8 @@ namespace {
 /// take.
 constexpr int kGraceMilliseconds = 500;
 
+constexpr unsigned kLastSeconds = 5;
+
 constexpr const char* kLastLine = "tetropolis: interrupted; nothing was written";
 
 volatile std::sig_atomic_t signals_seen = 0;
@@ -65,6 +67,7 @@ void on_fault(int signal, siginfo_t*, void*) {
   const char* input = foreign_input();
   if (input != nullptr && watching != 0) {
     crashed_on = input;
+    ::alarm(kLastSeconds);  // this thread may hold a lock that the last words need
     [[maybe_unused]] const ssize_t written = ::write(wake_up[1], "!", 1);
     for (;;) ::pause();
   }
