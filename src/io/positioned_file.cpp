@@ -42,9 +42,9 @@ std::size_t PositionedFile::read(std::int64_t position, void* data, std::size_t 
     if (n == 0) break;
     if (n < 0 && errno == EINTR) continue;
     if (n < 0)
-      fail(path_, fmt::format("cannot be read at byte {}: {}",
-                              position + static_cast<std::int64_t>(done),
-                              std::generic_category().message(errno)));
+      fail(path_,
+           fmt::format("cannot be read at byte {}: {}", position + static_cast<std::int64_t>(done),
+                       std::generic_category().message(errno)));
     done += static_cast<std::size_t>(n);
   }
   return done;
