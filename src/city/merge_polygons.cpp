@@ -305,7 +305,7 @@ std::vector<Polygon> bridges_between(std::span<const Polygon> parts, double dist
   };
   std::vector<Bridge> bridges;
   for (const auto& [e, f] : pairs_between(o, distance)) {
-    const auto [i, j] = std::minmax(o.group_of(e), o.group_of(f));
+    const auto [i, j] = std::minmax({o.group_of(e), o.group_of(f)});
     bridges.push_back(
         {i, j, grid::segment_distance(o.at(e), o.at(o.after(e)), o.at(f), o.at(o.after(f))), e, f});
   }
