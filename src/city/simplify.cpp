@@ -41,7 +41,7 @@ constexpr const char* kAtBoundary = "closer than the merge distance to the domai
 struct Group {
   Polygon polygon;
   /// Union of its members, cut back from the domain's boundary, before anything else was changed.
-  /// Not empty; groups' inputs are disjoint.
+  /// Not empty; groups' inputs are disjoint, unless one had nothing of its own (share_input).
   std::vector<Polygon> input;
   std::vector<BuildingIndex> members;
   std::uint32_t flags = 0;
@@ -466,6 +466,7 @@ Group Simplifier::united(const std::vector<std::size_t>& parts, bool hulls) {
     polygons.push_back(std::move(group.polygon));
   }
   std::sort(merged.members.begin(), merged.members.end());
+  if (merged.shares_input) merged.input = unite_or_widest(merged.input);
   if (!hulls) {
     MergedPolygon how = merge_polygons(polygons, epsilon_, options_.growths);
     if (is_hull(how.resort)) merged.flags |= kConvexHull;
