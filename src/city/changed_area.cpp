@@ -73,13 +73,27 @@ std::vector<double> slab_heights(const std::vector<Segment>& piece) {
   return heights;
 }
 
-/// Area bounded by a piece (sorted), even-odd.
+/// Area bounded by a piece (sorted), even-odd. A strip goes on for as long as its sides do, so
+/// there are no more of them than ends and crossings of segments.
 double piece_area(const std::vector<Segment>& piece, std::vector<DifferenceStrip>* strips) {
   const std::vector<double> heights = slab_heights(piece);
   double sum = 0;
   std::vector<std::size_t> active;
   // Where the active segments pass the middle of the slab.
   std::vector<std::pair<double, std::size_t>> across;
+  // By left side: the last strip and its right side.
+  constexpr std::size_t kNone = std::numeric_limits<std::size_t>::max();
+  std::vector<std::pair<std::size_t, std::size_t>> last;
+  if (strips != nullptr) last.assign(piece.size(), {kNone, kNone});
+  const auto add_strip = [&](double low, double high, std::size_t left, std::size_t right) {
+    auto& [strip, side] = last[left];
+    if (side == right && (*strips)[strip].high == low) {
+      (*strips)[strip].high = high;
+      return;
+    }
+    last[left] = {strips->size(), right};
+    strips->push_back({low, high, piece[left], piece[right]});
+  };
   std::size_t next = 0;
   for (std::size_t h = 0; h + 1 < heights.size(); ++h) {
     const double low = heights[h], high = heights[h + 1], middle = (low + high) / 2;
@@ -93,7 +107,7 @@ double piece_area(const std::vector<Segment>& piece, std::vector<DifferenceStrip
       const double width = across[k + 1].first - across[k].first;
       sum += width * (high - low);
       if (strips != nullptr && width > 0)
-        strips->push_back({low, high, piece[across[k].second], piece[across[k + 1].second]});
+        add_strip(low, high, across[k].second, across[k + 1].second);
     }
   }
   return sum;

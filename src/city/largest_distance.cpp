@@ -56,36 +56,51 @@ class Region {
   }
   const Wall& wall(std::size_t e) const { return walls_[e]; }
 
-  /// Whether a point is inside, whose nearest edge is e. (Where rings touch in a point and that is
-  /// the nearest one, the answer is for the ring of e.)
+  /// Whether a point is inside, whose nearest edge is e.
   bool contains(Point2 p, std::size_t e) const {
     const Wall& wall = walls_[e];
     const Point2 q = grid::nearest_on_segment(p, wall.a, wall.b);
-    if (q == wall.a) return in_corner(p, walls_[before_[e]].a, wall.a, wall.b);
-    if (q == wall.b) return in_corner(p, wall.a, wall.b, walls_[after_[e]].b);
-    return left_of(p, wall.a, wall.b);
+    if (q == wall.a || q == wall.b) return beside_corner(p, q);
+    return cross(wall.a, wall.b, p) > 0;
+  }
+  /// Whether a point is inside, or within a step of it.
+  bool holds(Point2 p) const {
+    const std::size_t e = nearest(p);
+    return walls_[e].distance_to(p) <= 1 || contains(p, e);
   }
 
  private:
   void add(const Ring& ring) {
-    const std::size_t base = walls_.size(), n = ring.size();
-    for (std::size_t i = 0; i < n; ++i) {
-      walls_.push_back({ring[i], ring[(i + 1) % n]});
-      before_.push_back(base + (i + n - 1) % n);
-      after_.push_back(base + (i + 1) % n);
+    for (std::size_t i = 0; i < ring.size(); ++i) {
+      walls_.push_back({ring[i], ring[(i + 1) % ring.size()]});
       grid::extend(box_, ring[i]);
     }
   }
-  static bool left_of(Point2 p, Point2 a, Point2 b) {
-    return (b.x - a.x) * (p.y - a.y) - (b.y - a.y) * (p.x - a.x) > 0;
+  static double cross(Point2 o, Point2 a, Point2 b) {
+    return (a.x - o.x) * (b.y - o.y) - (a.y - o.y) * (b.x - o.x);
   }
-  static bool in_corner(Point2 p, Point2 u, Point2 v, Point2 w) {
-    const bool first = left_of(p, u, v), second = left_of(p, v, w);
-    return grid::orientation(u, v, w) > 0 ? first && second : first || second;
+  /// Whether a point is inside whose nearest point of the boundary is the vertex v. Of all walls
+  /// that meet there, of however many rings, the one next to the point by angle decides.
+  bool beside_corner(Point2 p, Point2 v) const {
+    double least = kInfinity;
+    bool inside = false;
+    const auto look_along = [&](Point2 end, bool leaves) {
+      if (end == v) return;
+      const double turn = std::atan2(cross(v, p, end), grid::dot(v, p, end));
+      if (!(std::abs(turn) < least)) return;
+      least = std::abs(turn);
+      inside = leaves == (turn <= 0);
+    };
+    index_.visit(grid::box_of(v, v), [&](std::int32_t k) {
+      const Wall& wall = walls_[static_cast<std::size_t>(k)];
+      if (grid::orientation(wall.a, wall.b, v) != 0 || !grid::within_box(v, wall.a, wall.b)) return;
+      look_along(wall.b, true);
+      look_along(wall.a, false);
+    });
+    return inside;
   }
 
   std::vector<Wall> walls_;
-  std::vector<std::size_t> before_, after_;  ///< Neighbours in the ring.
   Bounds2 box_{kInfinity, kInfinity, -kInfinity, -kInfinity};
   double cell_ = 1;
   EdgeGrid index_;
@@ -126,10 +141,11 @@ double bound_by_sides(const DifferenceStrip& s) {
   return bound;
 }
 
+/// Looks for the point of region `own` that is farthest from region `other`.
 class Search {
  public:
-  Search(const Region& other, double tolerance, FarPoint& best)
-      : other_(other), tolerance_(tolerance), best_(best) {}
+  Search(const Region& own, const Region& other, double tolerance, FarPoint& best)
+      : own_(own), other_(other), tolerance_(tolerance), best_(best) {}
 
   void strip(const DifferenceStrip& s) {
     stack_.assign(1, corners(s));
@@ -145,16 +161,27 @@ class Search {
   const Wall& look_at(Point2 p) {
     const std::size_t e = other_.nearest(p);
     const double d = other_.wall(e).distance_to(p);
-    if (d > best_.distance && !other_.contains(p, e)) best_ = {d, p};
+    if (d > best_.distance && !other_.contains(p, e) && own_.holds(p)) best_ = {d, p};
     return other_.wall(e);
   }
+  bool is_elsewhere(Point2 centre, double radius) const;
   void quarter(const Quad& quad);
 
+  const Region& own_;
   const Region& other_;
   double tolerance_;
   FarPoint& best_;
   std::vector<Quad> stack_;
 };
+
+/// Whether all that is within `radius` of a point is in the other region, or none of it in its own:
+/// strips also cover what lies inside nested pieces.
+bool Search::is_elsewhere(Point2 centre, double radius) const {
+  const std::size_t e = other_.nearest(centre);
+  if (other_.wall(e).distance_to(centre) > radius && other_.contains(centre, e)) return true;
+  const std::size_t f = own_.nearest(centre);
+  return own_.wall(f).distance_to(centre) > radius + 1 && !own_.contains(centre, f);
+}
 
 void Search::quarter(const Quad& quad) {
   const Point2 centre = middle(middle(quad[0], quad[1]), middle(quad[2], quad[3]));
@@ -162,7 +189,7 @@ void Search::quarter(const Quad& quad) {
   for (const Point2 p : quad) radius = std::max(radius, grid::distance(p, centre));
   std::array<const Wall*, 5> walls{&look_at(centre)};
   double bound = std::min(walls[0]->distance_to(centre) + radius, farthest_corner(quad, *walls[0]));
-  if (bound <= best_.distance + tolerance_) return;
+  if (bound <= best_.distance + tolerance_ || is_elsewhere(centre, radius)) return;
   for (std::size_t i = 0; i < 4; ++i) {
     walls[i + 1] = &look_at(quad[i]);
     bound = std::min(bound, farthest_corner(quad, *walls[i + 1]));
@@ -190,12 +217,12 @@ void Search::quarter(const Quad& quad) {
 FarPoint largest_distance(std::span<const Polygon> before, std::span<const Polygon> after,
                           std::span<const DifferenceStrip> strips, double tolerance) {
   FarPoint best;
-  if (strips.empty()) return best;
+  if (strips.empty() || before.empty() || after.empty()) return best;
   std::vector<std::pair<double, std::size_t>> order;
   for (std::size_t i = 0; i < strips.size(); ++i) order.emplace_back(-bound_by_sides(strips[i]), i);
   std::sort(order.begin(), order.end());
   const Region from(before), to(after);
-  Search in_before(to, tolerance, best), in_after(from, tolerance, best);
+  Search in_before(from, to, tolerance, best), in_after(to, from, tolerance, best);
   for (const auto& [bound, i] : order) {
     if (-bound <= best.distance + tolerance) continue;
     (strips[i].in_after() ? in_after : in_before).strip(strips[i]);

@@ -305,7 +305,7 @@ std::vector<Polygon> bridges_between(std::span<const Polygon> parts, double dist
   };
   std::vector<Bridge> bridges;
   for (const auto& [e, f] : pairs_between(o, distance)) {
-    const auto [i, j] = std::minmax(o.group_of(e), o.group_of(f));
+    const auto [i, j] = std::minmax({o.group_of(e), o.group_of(f)});
     bridges.push_back(
         {i, j, grid::segment_distance(o.at(e), o.at(o.after(e)), o.at(f), o.at(o.after(f))), e, f});
   }
@@ -344,6 +344,14 @@ std::vector<Polygon> unite_on_grid(std::span<const Polygon> polygons) {
     if (result) sort_polygons(*result);
     return result;
   });
+}
+
+std::vector<Polygon> unite_or_widest(std::span<const Polygon> polygons) {
+  std::vector<Polygon> united = unite_on_grid(polygons);
+  if (united.empty() && !polygons.empty())
+    united = {*std::max_element(polygons.begin(), polygons.end(),
+                                [](const auto& a, const auto& b) { return area(a) < area(b); })};
+  return united;
 }
 
 std::vector<Polygon> add_on_grid(std::span<const Polygon> a, std::span<const Polygon> b) {
@@ -423,12 +431,8 @@ bool edges_face(Point2 a, Point2 b, Point2 c, Point2 d, double distance) {
 MergedPolygon merge_polygons(std::span<const Polygon> cluster, double distance, int growths) {
   MergedPolygon result;
   result.input.assign(cluster.begin(), cluster.end());
-  if (cluster.size() > 1) result.input = unite_on_grid(cluster);
+  if (cluster.size() > 1) result.input = unite_or_widest(cluster);
   std::vector<Polygon> parts = result.input;
-  if (parts.empty() && !cluster.empty()) {  // slivers that went flat: the widest stands for all
-    parts = {*std::max_element(cluster.begin(), cluster.end(),
-                               [](const auto& a, const auto& b) { return area(a) < area(b); })};
-  }
   double reach = distance * (1 + 1e-3);
   for (int k = 1; k <= std::max(growths, 1) && parts.size() > 1; ++k, reach *= 2) {
     const std::vector<Polygon> patches = patches_between(parts, distance, reach);

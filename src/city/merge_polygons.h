@@ -15,6 +15,10 @@ namespace tetropolis {
 /// the grid. Throws Error(kGuarantee) where GEOS gives up on both.
 std::vector<Polygon> unite_on_grid(std::span<const Polygon> polygons);
 
+/// The same; but where all are slivers that go flat on the grid, the widest of them stands for all:
+/// never empty, unless `polygons` is.
+std::vector<Polygon> unite_or_widest(std::span<const Polygon> polygons);
+
 /// `a`, which is such a result, and `b`, on the grid, as above: faster than uniting all where `b`
 /// are many small patches.
 std::vector<Polygon> add_on_grid(std::span<const Polygon> a, std::span<const Polygon> b);
@@ -50,7 +54,7 @@ enum class MergeResort : std::uint8_t { kUnion, kPatch, kBridge, kUnionOfHulls, 
 
 struct MergedPolygon {
   Polygon polygon;
-  std::vector<Polygon> input;  ///< The plain union.
+  std::vector<Polygon> input;  ///< The plain union (unite_or_widest).
   MergeResort resort = MergeResort::kUnion;
   int growths = 0;  ///< For kPatch: the growth that joined them, from 1.
 };

@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <cstddef>
+#include <cstdint>
 #include <limits>
 #include <utility>
 
@@ -93,30 +94,82 @@ void add_patch(const Outline& o, const NearPair& pair, std::int32_t f, double ep
   }
 }
 
-/// Puts off cuts that touch a filling: what is thin may be so no longer then, and where teeth and
+/// The edges of fillings, to be asked what meets them.
+class Fillings {
+ public:
+  Fillings(const std::vector<Polygon>& fill, double epsilon) {
+    Bounds2 box{kInfinity, kInfinity, -kInfinity, -kInfinity};
+    for (std::size_t k = 0; k < fill.size(); ++k) {
+      widest_ = std::max(widest_, bounds(fill[k]).width());
+      for_each_edge(fill[k], [&](Point2 a, Point2 b) {
+        edges_.push_back({a, b, k});
+        grid::extend(box, a);
+      });
+    }
+    index_ = EdgeGrid(box, 4 * epsilon, edges_.size());
+    for (std::size_t i = 0; i < edges_.size(); ++i)
+      index_.insert(static_cast<std::int32_t>(i), edges_[i].a, edges_[i].b);
+  }
+
+  /// Whether one of them has a point in common with the polygon, unless it lies inside that.
+  bool meet(const Polygon& polygon) {
+    bool touches = false;
+    for_each_edge(polygon, [&](Point2 a, Point2 b) {
+      index_.visit(grid::box_of(a, b), [&](std::int32_t e) {
+        const Edge& edge = edges_[static_cast<std::size_t>(e)];
+        touches = touches || grid::segments_touch(a, b, edge.a, edge.b);
+      });
+    });
+    return touches || contain(polygon.outer[0]);
+  }
+
+ private:
+  struct Edge {
+    Point2 a;
+    Point2 b;
+    std::size_t filling;
+  };
+
+  /// Whether one of them contains the point: the edges left of it, by the even-odd rule.
+  bool contain(Point2 p) {
+    crossed_.clear();
+    index_.visit({p.x - widest_, p.y, p.x, p.y}, [&](std::int32_t e) {
+      const Edge& edge = edges_[static_cast<std::size_t>(e)];
+      Point2 a = edge.a, b = edge.b;
+      if ((a.y > p.y) == (b.y > p.y)) return;
+      if (a.y > b.y) std::swap(a, b);
+      if (grid::orientation(a, b, p) < 0) crossed_.push_back(e);
+    });
+    std::sort(crossed_.begin(), crossed_.end());
+    crossed_.erase(std::unique(crossed_.begin(), crossed_.end()), crossed_.end());
+    // The edges of one filling follow each other.
+    std::size_t count = 0;
+    for (std::size_t i = 0; i < crossed_.size(); ++i) {
+      ++count;
+      if (i + 1 < crossed_.size() && filling(i) == filling(i + 1)) continue;
+      if (count % 2 == 1) return true;
+      count = 0;
+    }
+    return false;
+  }
+  std::size_t filling(std::size_t i) const {
+    return edges_[static_cast<std::size_t>(crossed_[i])].filling;
+  }
+
+  std::vector<Edge> edges_;
+  double widest_ = 0;
+  EdgeGrid index_;
+  std::vector<std::int32_t> crossed_;
+};
+
+/// Puts off cuts that meet a filling: what is thin may be so no longer then, and where teeth and
 /// gaps alternate they would only change places.
 void put_off_cuts(Patches& patches, double epsilon) {
   if (patches.fill.empty() || patches.cut.empty()) return;
-  Bounds2 box{kInfinity, kInfinity, -kInfinity, -kInfinity};
-  std::vector<std::pair<Point2, Point2>> edges;
-  for (const Polygon& fill : patches.fill)
-    for_each_edge(fill, [&](Point2 a, Point2 b) {
-      edges.emplace_back(a, b);
-      grid::extend(box, a);
-    });
-  EdgeGrid index(box, 4 * epsilon, edges.size());
-  for (std::size_t i = 0; i < edges.size(); ++i)
-    index.insert(static_cast<std::int32_t>(i), edges[i].first, edges[i].second);
+  Fillings fillings(patches.fill, epsilon);
   std::size_t kept = 0;
   for (std::size_t i = 0; i < patches.cut.size(); ++i) {
-    bool touches = false;
-    for_each_edge(patches.cut[i], [&](Point2 a, Point2 b) {
-      index.visit(grid::box_of(a, b), [&](std::int32_t e) {
-        const auto& [c, d] = edges[static_cast<std::size_t>(e)];
-        touches = touches || grid::segments_touch(a, b, c, d);
-      });
-    });
-    if (touches) continue;
+    if (fillings.meet(patches.cut[i])) continue;
     if (kept != i) {
       patches.cut[kept] = std::move(patches.cut[i]);
       patches.widen[kept] = std::move(patches.widen[i]);

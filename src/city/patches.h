@@ -22,7 +22,7 @@ struct Patches {
 
 /// Patches for pairs of one polygon, per polygon of the outline. A pair whose connecting segment
 /// runs outside is filled; inside, it is cut or widened, whichever changes less area. Cuts that
-/// touch a filling are left for a later round. `epsilon` and
+/// touch a filling, or lie inside one, are left for a later round. `epsilon` and
 /// `reach` (>= epsilon) are steps; patches end where the gap becomes wider than `reach`. Pairs of
 /// neighbouring vertices (short edges) are left out.
 std::vector<Patches> patches_for(const Outline& outline, const std::vector<NearPair>& pairs,

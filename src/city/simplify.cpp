@@ -40,9 +40,12 @@ constexpr const char* kAtBoundary = "closer than the merge distance to the domai
 /// One building to be: coordinates in steps.
 struct Group {
   Polygon polygon;
-  std::vector<Polygon> input;  ///< Union of its members before anything was changed.
+  /// Union of its members, cut back from the domain's boundary, before anything else was changed.
+  /// Not empty; groups' inputs are disjoint, unless one had nothing of its own (share_input).
+  std::vector<Polygon> input;
   std::vector<BuildingIndex> members;
   std::uint32_t flags = 0;
+  bool shares_input = false;  ///< Other groups have some of the union of its members.
 };
 
 bool fits(const Polygon& polygon, const Bounds2& box) {
@@ -58,6 +61,18 @@ double total_area(const std::vector<Polygon>& polygons) {
   double sum = 0;
   for (const Polygon& polygon : polygons) sum += area(polygon);
   return sum;
+}
+
+Bounds2 box_around(const std::vector<Polygon>& polygons) {
+  constexpr double inf = std::numeric_limits<double>::infinity();
+  Bounds2 box{inf, inf, -inf, -inf};
+  for (const Polygon& polygon : polygons)
+    for (const Point2 p : polygon.outer) grid::extend(box, p);
+  return box;
+}
+
+bool is_hull(MergeResort resort) {
+  return resort == MergeResort::kUnionOfHulls || resort == MergeResort::kHull;
 }
 
 /// The largest polygon (the first of equals), or none.
@@ -77,6 +92,7 @@ class Simplifier {
 
  private:
   void clip_to_domain();
+  Polygon in_domain(const Polygon& polygon) const;
   void merge_clusters();
   Outline repaired_outline(int round);
   void take_back(const Outline& outline);
@@ -85,6 +101,8 @@ class Simplifier {
   std::vector<Group> split(const std::vector<Polygon>& parts, Group& group) const;
   std::vector<Polygon> clipped(const Polygon& polygon) const;
   std::vector<Polygon> input_of(const std::vector<BuildingIndex>& members) const;
+  void share_input(Group& group, std::span<Group> parts) const;
+  std::uint32_t flags_of(const std::vector<BuildingIndex>& members) const;
   bool unite_close_groups(bool hulls);
   Group united(const std::vector<std::size_t>& parts, bool hulls);
   void repair_in_rounds();
@@ -102,6 +120,7 @@ class Simplifier {
   const Progress& progress_;
   double epsilon_;       ///< Steps; a little more than asked, so that rounding cannot break it.
   Bounds2 keep_inside_;  ///< Steps.
+  std::vector<std::uint8_t> is_clipped_;  ///< Per footprint.
   std::vector<Group> groups_;
   RepairCounts counts_;
   Simplification result_;
@@ -128,10 +147,18 @@ Simplifier::Simplifier(std::span<const Polygon> cleaned, const Bounds2& domain,
   keep_inside_ = Bounds2{low.x, low.y, high.x, high.y}.grown(-epsilon_);
 }
 
+/// What is left of a footprint far enough inside the domain; empty if that is less than half of it.
+Polygon Simplifier::in_domain(const Polygon& polygon) const {
+  if (fits(polygon, keep_inside_)) return polygon;
+  std::optional<Polygon> part;
+  if (!keep_inside_.empty()) part = largest(clipped(polygon));
+  if (!part || !fits(*part, keep_inside_) || area(*part) < 0.5 * area(polygon)) return {};
+  return std::move(*part);
+}
+
 void Simplifier::clip_to_domain() {
   groups_.resize(cleaned_.size());
-  std::vector<std::uint8_t> clipped(cleaned_.size(), 0);
-  const std::vector<Polygon> box{box_polygon(keep_inside_)};
+  is_clipped_.assign(cleaned_.size(), 0);
   parallel_chunks(cleaned_.size(), 256, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i) {
       Group& group = groups_[i];
@@ -140,23 +167,18 @@ void Simplifier::clip_to_domain() {
       if (group.polygon.outer.size() < 3) group.polygon = {};
       group.input = {group.polygon};
       if (group.polygon.outer.empty() || fits(group.polygon, keep_inside_)) continue;
-      const double whole = area(group.polygon);
-      std::optional<Polygon> part;
-      if (!keep_inside_.empty()) part = largest(intersect_on_grid(group.input, box));
-      clipped[i] = 1;
-      if (part && fits(*part, keep_inside_) && area(*part) >= 0.5 * whole)
-        group.polygon = std::move(*part);
-      else
-        group.polygon = {};
+      is_clipped_[i] = 1;
+      group.polygon = in_domain(group.polygon);
+      if (!group.polygon.outer.empty()) group.input = {group.polygon};
     }
   });
   std::vector<Group> kept;
   for (std::size_t i = 0; i < groups_.size(); ++i) {
     if (groups_[i].polygon.outer.empty()) {
-      drop(groups_[i], clipped[i] != 0 ? kAtBoundary : "fewer than 3 distinct vertices");
+      drop(groups_[i], is_clipped_[i] != 0 ? kAtBoundary : "fewer than 3 distinct vertices");
       continue;
     }
-    if (clipped[i] != 0) {
+    if (is_clipped_[i] != 0) {
       groups_[i].flags |= kClipped;
       ++result_.stats.clipped;
     }
@@ -202,6 +224,7 @@ void Simplifier::merge_clusters() {
     }
     group.polygon = std::move(how[c].polygon);
     group.input = std::move(how[c].input);
+    if (is_hull(how[c].resort)) group.flags |= kConvexHull;
     switch (how[c].resort) {
       case MergeResort::kUnion:
         ++stats.merged_by_union;
@@ -214,11 +237,9 @@ void Simplifier::merge_clusters() {
         break;
       case MergeResort::kUnionOfHulls:
         ++stats.merged_by_hulls;
-        group.flags |= kConvexHull;
         break;
       case MergeResort::kHull:
         ++stats.merged_by_hull;
-        group.flags |= kConvexHull;
         break;
     }
   }
@@ -284,8 +305,49 @@ std::vector<Polygon> Simplifier::clipped(const Polygon& polygon) const {
 std::vector<Polygon> Simplifier::input_of(const std::vector<BuildingIndex>& members) const {
   std::vector<Polygon> input;
   for (const BuildingIndex m : members)
-    input.push_back(grid::to_steps(cleaned_[static_cast<std::size_t>(m)]));
-  return input.size() > 1 ? unite_on_grid(input) : input;
+    input.push_back(in_domain(grid::to_steps(cleaned_[static_cast<std::size_t>(m)])));
+  return input.size() > 1 ? unite_or_widest(input) : input;
+}
+
+/// What follows from the members alone.
+std::uint32_t Simplifier::flags_of(const std::vector<BuildingIndex>& members) const {
+  std::uint32_t flags = 0;
+  if (members.size() > 1) flags |= kMerged;
+  for (const BuildingIndex m : members)
+    if (is_clipped_[static_cast<std::size_t>(m)] != 0) flags |= kClipped;
+  return flags;
+}
+
+/// Shares the input of a group out to it and the parts that have some of its members. Where members
+/// overlap, the first part has what they have in common; but nobody goes without.
+void Simplifier::share_input(Group& group, std::span<Group> parts) const {
+  const auto take_off = [](Group& part, const std::vector<Polygon>& others) {
+    const Bounds2 box = box_around(part.input);
+    std::vector<Polygon> near;
+    for (const Polygon& other : others)
+      if (bounds(other).intersects(box)) near.push_back(other);
+    if (near.empty()) return;
+    std::vector<Polygon> rest = subtract_on_grid(part.input, near);
+    if (rest.empty()) return;
+    part.input = std::move(rest);
+    part.shares_input = true;
+  };
+  std::vector<Polygon> gone;
+  for (Group& part : parts) {
+    part.input = input_of(part.members);
+    if (group.shares_input) {
+      std::vector<Polygon> left = intersect_on_grid(group.input, part.input);
+      if (!left.empty()) part.input = std::move(left);
+    }
+    part.shares_input = group.shares_input;
+    take_off(part, gone);
+    gone.insert(gone.end(), part.input.begin(), part.input.end());
+  }
+  group.shares_input = true;
+  group.input = subtract_on_grid(group.input, gone);
+  if (!group.input.empty()) return;
+  group.input = input_of(group.members);
+  for (Group& part : parts) take_off(part, group.input);
 }
 
 /// Groups of their own from the parts that a cut has left beside the largest, which stays `group`.
@@ -296,20 +358,17 @@ std::vector<Group> Simplifier::split(const std::vector<Polygon>& parts, Group& g
     if (area(parts[i]) > area(parts[kept])) kept = i;
   const double least = options_.min_area * kSquareMetre;
   std::vector<Group> groups;
-  std::vector<Polygon> gone;
   for (Offcut& offcut : share_out(parts, kept, least, cleaned_, group.members)) {
     Group& part = groups.emplace_back();
-    part.flags = group.flags | kRepaired;
-    if (offcut.members.size() == 1) part.flags &= ~static_cast<std::uint32_t>(kMerged);
-    part.input = input_of(offcut.members);
-    gone.insert(gone.end(), part.input.begin(), part.input.end());
+    part.flags = flags_of(offcut.members) | kRepaired;
     part.polygon = std::move(offcut.polygon);
     if (!fits(part.polygon, keep_inside_))
       part.polygon = largest(clipped(part.polygon)).value_or(Polygon{});
     part.members = std::move(offcut.members);
   }
-  if (!groups.empty()) group.input = subtract_on_grid(group.input, gone);
-  if (group.members.size() == 1) group.flags &= ~static_cast<std::uint32_t>(kMerged);
+  if (groups.empty()) return groups;
+  share_input(group, groups);
+  group.flags = (group.flags & ~std::uint32_t{kMerged | kClipped}) | flags_of(group.members);
   return groups;
 }
 
@@ -401,13 +460,17 @@ Group Simplifier::united(const std::vector<std::size_t>& parts, bool hulls) {
   for (const std::size_t k : parts) {
     Group& group = groups_[k];
     merged.flags |= group.flags;
+    merged.shares_input = merged.shares_input || group.shares_input;
     merged.members.insert(merged.members.end(), group.members.begin(), group.members.end());
     merged.input.insert(merged.input.end(), group.input.begin(), group.input.end());
     polygons.push_back(std::move(group.polygon));
   }
   std::sort(merged.members.begin(), merged.members.end());
+  if (merged.shares_input) merged.input = unite_or_widest(merged.input);
   if (!hulls) {
-    merged.polygon = merge_polygons(polygons, epsilon_, options_.growths).polygon;
+    MergedPolygon how = merge_polygons(polygons, epsilon_, options_.growths);
+    if (is_hull(how.resort)) merged.flags |= kConvexHull;
+    merged.polygon = std::move(how.polygon);
     return merged;
   }
   for (const Polygon& polygon : polygons)

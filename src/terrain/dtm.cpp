@@ -46,7 +46,8 @@ std::int64_t nearest_node(double position, std::int32_t nodes) {
 
 /// Adds heights and counts of the ground points to the nodes and returns how many there were. One
 /// thread: the sums then have one order, and this takes a fraction of the time of reading the
-/// points.
+/// points. (Points first shared out to bands of rows, and those binned by two threads in the same
+/// order, took as long for 10 million in flight order, and twice as long in random order.)
 std::int64_t bin_points(const PointCloud& cloud, const std::array<bool, 256>& is_ground,
                         Raster& sums, std::vector<std::uint32_t>& counts) {
   std::int64_t binned = 0;

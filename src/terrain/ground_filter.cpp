@@ -109,21 +109,35 @@ void empty_inside(const Polygon& footprint, const Frame& frame, HeightGrid& grid
     return static_cast<std::int32_t>(std::clamp(std::ceil((position - start) / frame.cell - 0.5),
                                                 0.0, static_cast<double>(cells)));
   };
-  const Bounds2 box = bounds(footprint);
-  const std::int32_t end = first_centre(box.ymax, frame.y0, grid.ny);
-  std::vector<double> crossings;
-  for (std::int32_t j = first_centre(box.ymin, frame.y0, grid.ny); j < end; ++j) {
-    const double y = frame.y0 + (j + 0.5) * frame.cell;
-    crossings.clear();
-    for_each_edge(footprint, [&](Point2 a, Point2 b) {
+  struct Crossing {
+    std::int32_t row;
+    double x;
+  };
+  std::vector<Crossing> crossings;
+  for_each_edge(footprint, [&](Point2 a, Point2 b) {
+    if (!std::isfinite(a.x + a.y + b.x + b.y)) return;
+    // One row more to either side than the edge spans, against rounding.
+    const auto [low, high] = std::minmax({a.y, b.y});
+    const std::int32_t begin = std::max(first_centre(low, frame.y0, grid.ny) - 1, 0);
+    const std::int32_t end = std::min(first_centre(high, frame.y0, grid.ny) + 1, grid.ny);
+    for (std::int32_t j = begin; j < end; ++j) {
+      const double y = frame.y0 + (j + 0.5) * frame.cell;
       if ((a.y <= y) != (b.y <= y))
-        crossings.push_back(a.x + (y - a.y) / (b.y - a.y) * (b.x - a.x));
-    });
-    std::sort(crossings.begin(), crossings.end());
-    float* row = grid.values.data() + grid.index(0, j);
-    for (std::size_t k = 0; k + 1 < crossings.size(); k += 2)
-      std::fill(row + first_centre(crossings[k], frame.x0, grid.nx),
-                row + first_centre(crossings[k + 1], frame.x0, grid.nx), kNanF);
+        crossings.push_back({j, a.x + (y - a.y) / (b.y - a.y) * (b.x - a.x)});
+    }
+  });
+  std::sort(crossings.begin(), crossings.end(), [](const Crossing& a, const Crossing& b) {
+    return a.row < b.row || (a.row == b.row && a.x < b.x);
+  });
+  for (std::size_t k = 0; k + 1 < crossings.size();) {
+    if (crossings[k].row != crossings[k + 1].row) {  // an odd number, because of an edge left out
+      ++k;
+      continue;
+    }
+    float* row = grid.values.data() + grid.index(0, crossings[k].row);
+    std::fill(row + first_centre(crossings[k].x, frame.x0, grid.nx),
+              row + first_centre(crossings[k + 1].x, frame.x0, grid.nx), kNanF);
+    k += 2;
   }
 }
 

@@ -2,8 +2,9 @@
 
 #include <algorithm>
 #include <array>
-#include <bitset>
 #include <cmath>
+#include <cstddef>
+#include <cstdint>
 #include <limits>
 #include <span>
 
@@ -125,7 +126,8 @@ class Judge {
 
   void cell(std::int64_t i, std::int64_t j, Findings& findings) {
     const std::span<const PointNumber> own = cells_.at(i, j);
-    if (own.empty()) return;
+    if (std::none_of(own.begin(), own.end(), [&](PointNumber p) { return is_open_[p] != 0; }))
+      return;
     double low = std::numeric_limits<double>::infinity(), high = -low;
     std::size_t count = 0;
     cells_.around(i, j, [&](std::span<const PointNumber> points) {
@@ -148,31 +150,65 @@ class Judge {
     const double middle = median(heights_);
     for (double& z : heights_) z = std::abs(z - middle);
     const double most = std::max(options_.height, options_.spreads * median(heights_));
+    const auto is_far = [&](PointNumber p) {
+      return is_open_[p] != 0 && std::abs(cloud_.z[p] - middle) > most;
+    };
+    if (std::none_of(own.begin(), own.end(), is_far)) return;
+    find_alone(i, j);
     for (const PointNumber p : own)
-      if (is_open_[p] != 0 && std::abs(cloud_.z[p] - middle) > most && is_alone(p, i, j) &&
-          !is_surpassed(p, middle, i, j))
+      if (is_far(p) && is_alone(cloud_.z[p]) && !is_surpassed(cloud_.z[p], middle))
         findings.outliers.push_back(p);
   }
 
  private:
-  bool is_alone(PointNumber p, std::int64_t i, std::int64_t j) const {
-    std::bitset<kAllSquares> squares;
+  struct Neighbour {
+    double z;
+    std::size_t square;
+  };
+
+  /// For the neighbourhood of a cell: which heights are alone, and the extremes of those that are
+  /// not. A window moves over the points by height, so that as many as there may be at one place
+  /// (a mast that is classed as ground) cost no more than others.
+  void find_alone(std::int64_t i, std::int64_t j) {
+    neighbours_.clear();
     cells_.around(i, j, [&](std::span<const PointNumber> points) {
-      for (const PointNumber q : points)
-        if (std::abs(cloud_.z[q] - cloud_.z[p]) <= kLevel) squares.set(cells_.square(q, i, j));
+      for (const PointNumber p : points)
+        neighbours_.push_back({cloud_.z[p], cells_.square(p, i, j)});
     });
-    return squares.count() <= (heights_.size() >= kAllSquares ? kLonely : 1);
+    std::sort(neighbours_.begin(), neighbours_.end(),
+              [](const Neighbour& a, const Neighbour& b) { return a.z < b.z; });
+    const std::size_t most = neighbours_.size() >= kAllSquares ? kLonely : 1;
+    alone_.assign(neighbours_.size(), 0);
+    highest_crowd_ = -std::numeric_limits<double>::infinity();
+    lowest_crowd_ = std::numeric_limits<double>::infinity();
+    std::array<std::size_t, kAllSquares> in_square{};
+    std::size_t squares = 0, first = 0, last = 0;
+    for (std::size_t k = 0; k < neighbours_.size(); ++k) {
+      const double z = neighbours_[k].z;
+      for (; last < neighbours_.size() && neighbours_[last].z - z <= kLevel; ++last)
+        if (in_square[neighbours_[last].square]++ == 0) ++squares;
+      for (; z - neighbours_[first].z > kLevel; ++first)
+        if (--in_square[neighbours_[first].square] == 0) --squares;
+      if (squares <= most) {
+        alone_[k] = 1;
+        continue;
+      }
+      highest_crowd_ = std::max(highest_crowd_, z);
+      lowest_crowd_ = std::min(lowest_crowd_, z);
+    }
+  }
+
+  /// Precondition: the height is that of a point of the neighbourhood.
+  bool is_alone(double z) const {
+    const auto at =
+        std::lower_bound(neighbours_.begin(), neighbours_.end(), z,
+                         [](const Neighbour& neighbour, double y) { return neighbour.z < y; });
+    return alone_[static_cast<std::size_t>(at - neighbours_.begin())] != 0;
   }
 
   /// Whether a point that is not alone lies even further from the middle, on the same side.
-  bool is_surpassed(PointNumber p, double middle, std::int64_t i, std::int64_t j) const {
-    const double side = cloud_.z[p] > middle ? 1 : -1;
-    bool surpassed = false;
-    cells_.around(i, j, [&](std::span<const PointNumber> points) {
-      for (const PointNumber q : points)
-        surpassed = surpassed || (side * (cloud_.z[q] - cloud_.z[p]) > 0 && !is_alone(q, i, j));
-    });
-    return surpassed;
+  bool is_surpassed(double z, double middle) const {
+    return z > middle ? highest_crowd_ > z : lowest_crowd_ < z;
   }
 
   const PointCloud& cloud_;
@@ -180,6 +216,10 @@ class Judge {
   const GroundOutlierOptions& options_;
   const std::vector<std::uint8_t>& is_open_;
   std::vector<double> heights_;
+  std::vector<Neighbour> neighbours_;  ///< By height.
+  std::vector<std::uint8_t> alone_;    ///< Per neighbour.
+  double highest_crowd_ = 0;
+  double lowest_crowd_ = 0;
 };
 
 }  // namespace

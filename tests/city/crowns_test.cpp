@@ -4,6 +4,7 @@
 #include <cmath>
 #include <functional>
 #include <random>
+#include <utility>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -105,6 +106,41 @@ TEST_F(Crowns, RoofsBesideTreesStay) {
 TEST_F(Crowns, WithoutTreesAroundNothingIsTouched) {
   scan_roof([&](double, double) { return 3 + 10 * share(); }, 400);  // as ragged as a tree
   EXPECT_EQ(kept().size(), 400U);
+}
+
+TEST_F(Crowns, TheSameForAnyNumberOfThreads) {
+  SCOPED_TRACE(test_seed());
+  // Buildings with trees over them and without, more than one thread takes at a time.
+  constexpr int kBuildings = 23;
+  Scene all;
+  for (PointLists* list : {&all.roof, &all.below, &all.around}) list->offsets = {0};
+  for (int b = 0; b < kBuildings; ++b) {
+    scene_ = {};
+    scan_roof([&](double, double) { return 3 + b % 5; }, 200 + 20 * b);
+    if (b % 3 != 0) scan_tree(150);
+    const auto first = static_cast<PointIndex>(all.cloud.size());
+    all.cloud.x.insert(all.cloud.x.end(), scene_.cloud.x.begin(), scene_.cloud.x.end());
+    all.cloud.y.insert(all.cloud.y.end(), scene_.cloud.y.begin(), scene_.cloud.y.end());
+    all.cloud.z.insert(all.cloud.z.end(), scene_.cloud.z.begin(), scene_.cloud.z.end());
+    all.cloud.classification.resize(all.cloud.x.size(), kUnclassified);
+    for (const auto& [from, to] : {std::pair{&scene_.roof, &all.roof},
+                                   {&scene_.below, &all.below},
+                                   {&scene_.around, &all.around}}) {
+      for (const PointIndex p : from->indices) to->indices.push_back(first + p);
+      to->offsets.push_back(static_cast<std::int64_t>(to->indices.size()));
+    }
+  }
+  const auto kept_by = [&](int threads) {
+    const ThreadLimit limit(threads);
+    PointLists roof = all.roof;
+    drop_crowns(roof, {all.below, all.around}, all.cloud);
+    return roof;
+  };
+  const PointLists one = kept_by(1), four = kept_by(4);
+  EXPECT_EQ(one.offsets, four.offsets);
+  EXPECT_EQ(one.indices, four.indices);
+  EXPECT_LT(one.indices.size(), all.roof.indices.size() - 500);
+  EXPECT_EQ(one.offsets.size(), kBuildings + 1U);
 }
 
 TEST_F(Crowns, EmptyListsAndPointsAtOnePlace) {

@@ -376,6 +376,75 @@ double sampled_distance(const std::vector<Polygon>& before, const std::vector<Po
   return largest;
 }
 
+TEST(Simplify, WhatTheDomainCutsOffIsNoChange) {
+  const Bounds2 domain{0, 0, 100, 100};
+  const SimplifyOptions options;
+  // Half a metre from the boundary on all four sides, alone or with another inside.
+  const Polygon wide = box(0.5, 0.5, 99, 99);
+  for (const std::vector<Polygon>& raw : {std::vector{wide}, std::vector{wide, box(5, 5, 9, 9)}}) {
+    const Simplification result = simplify_footprints(cleaned(raw), domain, options);
+    expect_sound(result, raw.size(), domain, options);
+    ASSERT_EQ(result.footprints.size(), 1U);
+    EXPECT_NE(result.flags[0] & kClipped, 0U);
+    EXPECT_NEAR(area(result.footprints[0]), 98 * 98, 0.2);
+    EXPECT_NEAR(result.stats.area_before, area(result.footprints[0]), 1e-6);
+    EXPECT_EQ(result.changes[0].distance, 0);
+    EXPECT_NEAR(result.stats.area_changed, 0, 1e-6);
+  }
+}
+
+// --- members that a cut parts -----------------------------------------------------------------
+
+/// Houses of 10 m by 10 m or more from x to x0 and from x1 on, and a wall of 20 cm between them. It
+/// is too long to be widened.
+Polygon walled_houses(double x, double x0, double x1, double end) {
+  return {{{x, 0},
+           {x0, 0},
+           {x0, 5},
+           {x1, 5},
+           {x1, 0},
+           {end, 0},
+           {end, 10},
+           {x1, 10},
+           {x1, 5.2},
+           {x0, 5.2},
+           {x0, 10},
+           {x, 10}},
+          {}};
+}
+
+TEST(Simplify, AMemberInsideAnotherMayGetAllOfAHouse) {
+  // The right house is the larger one when its slot is filled; before, it is the smaller one, so
+  // all of the first belongs to the left house, and the second is left with nothing of its own.
+  Polygon first = walled_houses(0, 10, 210, 220.4);
+  first.holes.push_back(clockwise_box(212, 1.5, 0.8, 7));
+  const Simplification result = simplified({first, box(214, 2, 4, 4)});
+  ASSERT_EQ(result.members, (std::vector<std::vector<BuildingIndex>>{{0}, {1}}));
+  EXPECT_EQ(result.flags, (std::vector<std::uint32_t>{kRepaired, kRepaired}));
+  // A little of the wall's ends stays with each.
+  EXPECT_NEAR(area(result.footprints[0]), 100, 3);
+  EXPECT_NEAR(area(result.footprints[1]), 104, 3);
+  EXPECT_NEAR(result.stats.area_before, area(first), 0.01);
+  EXPECT_NEAR(result.changes[1].area, 104 - 16, 3);
+}
+
+TEST(Simplify, OverlappingMembersThatArePartedCountOnce) {
+  // The first and the second overlap by 4 m; the first is half a metre from the domain's boundary.
+  const Polygon right{
+      {{220, 5}, {420, 5}, {420, 0}, {432, 0}, {432, 10}, {420, 10}, {420, 5.2}, {220, 5.2}}, {}};
+  const std::vector<Polygon> input =
+      cleaned({walled_houses(0, 10, 210, 214), box(210, 0, 10, 10), right});
+  const Bounds2 domain{-0.5, -20, 500, 40};
+  const SimplifyOptions options;
+  const Simplification result = simplify_footprints(input, domain, options);
+  expect_sound(result, input.size(), domain, options);
+  ASSERT_EQ(result.members, (std::vector<std::vector<BuildingIndex>>{{0}, {1}, {2}}));
+  EXPECT_EQ(result.flags, (std::vector<std::uint32_t>{kRepaired | kClipped, kRepaired, kRepaired}));
+  EXPECT_NEAR(result.stats.area_before, 95 + 40 + 100 + 40 + 120, 0.02);
+  // The two walls, and what of the second house is the first one's.
+  EXPECT_NEAR(result.stats.area_changed, 40 + 40 + 2 * 40, 10);
+}
+
 // --- random and real cities -------------------------------------------------------------------
 
 std::vector<Polygon> random_boxes(std::mt19937& random, int count, double size, bool turn) {

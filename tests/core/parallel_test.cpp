@@ -52,6 +52,22 @@ TEST(Parallel, OrderedReductionHasTheSameBitsForAnyNumberOfThreads) {
   }
 }
 
+TEST(Parallel, OrderedReductionOfTruthValuesLosesNone) {
+  // One bit per chunk: were they to share bytes, threads would overwrite each other's.
+  const ThreadLimit limit(8);
+  constexpr std::size_t size = 20001;
+  for (int repeat = 0; repeat < 50; ++repeat)
+    EXPECT_TRUE(parallel_reduce_ordered(
+        size, 1, false, [](std::size_t, std::size_t) { return true; },
+        [](bool a, bool b) { return a != b; }));
+  EXPECT_TRUE(parallel_reduce_ordered(
+      size, 1, true, [](std::size_t, std::size_t) { return true; },
+      [](bool a, bool b) { return a && b; }));
+  EXPECT_FALSE(parallel_reduce_ordered(
+      size, 1, true, [](std::size_t begin, std::size_t) { return begin != size - 1; },
+      [](bool a, bool b) { return a && b; }));
+}
+
 TEST(Parallel, ThreadLimitHoldsWhileItLives) {
   const int before = thread_count();
   {

@@ -4,6 +4,7 @@
 #include <limits>
 #include <numbers>
 #include <set>
+#include <string>
 
 #include "tetropolis/core/error.h"
 #include "tetropolis/geometry/predicates.h"
@@ -340,6 +341,46 @@ TEST(Triangulation, RefusesUnusableInputByName) {
   graph.segment_markers.clear();
   graph.holes = {{nan, 0}};
   EXPECT_NE(message(graph).find("hole 0"), std::string::npos);
+  // What is too small beside the rest to be told from zero, wherever it is.
+  const std::string small = "is too small to be told from zero";
+  for (const double tiny : {1e-101, -1e-300, 5e-324}) {
+    graph.holes.clear();
+    graph.points[2] = {1, tiny};
+    EXPECT_NE(message(graph).find(small), std::string::npos) << tiny;
+    graph.points[2] = {1, 1};
+    graph.holes = {{0.5, tiny}};
+    EXPECT_NE(message(graph).find(small), std::string::npos) << tiny;
+  }
+  graph.holes.clear();
+  graph.points[2] = {1e30, 1e-80};
+  EXPECT_NE(message(graph).find("magnitude 1e-80 beside one of 1e+30 " + small), std::string::npos);
+  graph.points[2] = {1e10, 1e-80};
+  EXPECT_EQ(message(graph), "");
+}
+
+TEST(Triangulation, GivesUpWherePointsAreNearerThanTheirPrecision) {
+  // All points but one within a few units in the last place of their coordinates.
+  const double u = 0x1p-30, v = 0x1p-52;
+  PlanarGraph map, unit;
+  for (const Point2 p : {Point2{0, 2}, {1, 2}, {1, 1}, {1, 0}, {0, 3}, {902, 0}})
+    map.points.push_back({6.4e6 + p.x * u, 6.4e6 + p.y * u});
+  map.points.push_back({12800001, 0x1.24f800c3a7f8fp+23});
+  map.segments = {{3, 6}};
+  for (const Point2 p : {Point2{2, 1}, {1, 6}, {0, 2}, {2, 2}, {958, 0}})
+    unit.points.push_back({1 + p.x * v, 1 + p.y * v});
+  unit.points.push_back({3, 0x1.3e7b6d0ep+1});
+  unit.segments = {{0, 5}};
+  for (const PlanarGraph* graph : {&map, &unit}) {
+    try {
+      constrained_delaunay(*graph, {.convex_hull = true});
+      FAIL();
+    } catch (const Error& e) {
+      EXPECT_EQ(e.kind(), ErrorKind::kInput);
+      const std::string text = e.what();
+      EXPECT_EQ(text.find("segment 0: from ("), 0U) << text;
+      EXPECT_NE(text.find("nearer to one another than the precision"), std::string::npos) << text;
+    }
+  }
 }
 
 TEST(Triangulation, RealGraphs) {

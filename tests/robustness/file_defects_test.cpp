@@ -4,6 +4,7 @@
 #include <cstring>
 #include <limits>
 #include <map>
+#include <string>
 
 #include <gdal.h>
 #include <gtest/gtest.h>
@@ -231,7 +232,8 @@ TEST_F(FileDefects, GeoJsonInMetresWithoutCrs) {
 TEST_F(FileDefects, NoVectorFileAtAll) {
   write_bytes(folder / "empty.gpkg", "");
   expect_input_error(run(folder / "empty.gpkg"), folder / "empty.gpkg", "empty");
-  write_bytes(folder / "noise.gpkg", "SQLite format 3\0 but no more");
+  using std::string_literals::operator""s;  // a literal without it ends at the NUL
+  write_bytes(folder / "noise.gpkg", "SQLite format 3\0 but no more"s);
   expect_input_error(run(folder / "noise.gpkg"), folder / "noise.gpkg", "");
   write_bytes(folder / "notes.txt", "a house, a street, a tree\n");
   expect_input_error(run(folder / "notes.txt"), folder / "notes.txt", "not a vector file");

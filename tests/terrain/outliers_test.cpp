@@ -147,6 +147,23 @@ TEST(GroundOutliers, PointsOnAWallAreBetweenThoseThatAreNotAlone) {
   EXPECT_EQ(find_ground_outliers(cloud), Numbers{});
 }
 
+TEST(GroundOutliers, ManyPointsAtOnePlaceTakeNoLonger) {
+  // A mast of 100,000 points; squared, they would take hours.
+  PointCloud cloud = terrain(40, 3, [](double, double) { return 1; });
+  const auto first = static_cast<std::uint32_t>(cloud.size());
+  Numbers mast;
+  for (std::uint32_t k = 0; k < 100000; ++k) {
+    add(cloud, 20.2, 20.2, 10 + 0.0005 * k);
+    mast.push_back(first + k);
+  }
+  // Against the median, which it would be itself, the ground has to be denser around.
+  for (int k = 0; k < 250000; ++k) add(cloud, 16 + 0.00003 * k, 17 + (k % 8), 1 + 0.01 * (k % 7));
+  EXPECT_EQ(find_ground_outliers(cloud), mast);
+  // A platform around its top is not alone, and what is below that is between.
+  for (int k = 0; k < 8; ++k) add(cloud, 17 + k, 20, 61.5);
+  EXPECT_EQ(find_ground_outliers(cloud), Numbers{});
+}
+
 TEST(GroundOutliers, AFewPointsCannotBeJudged) {
   PointCloud cloud;
   EXPECT_EQ(find_ground_outliers(cloud), Numbers{});

@@ -21,7 +21,9 @@ struct SimplifyOptions {
       0.01;  ///< Radians; edges closer in direction count as parallel (2.2).
 };
 
-/// How far an output is from the union of its members.
+/// How far an output is from the union of its members, these already cut back from the domain's
+/// boundary (what lies outside is no error of the simplification). Where a repair has parted
+/// members that overlap, what they have in common counts for one of them.
 struct FootprintChange {
   double area = 0;      ///< Of the symmetric difference, square metres.
   double distance = 0;  ///< Hausdorff distance of the two regions, metres, to a centimetre.
@@ -35,7 +37,7 @@ struct DroppedFootprint {
 };
 
 struct SimplifyStats {
-  double area_before = 0;   ///< Of the union of all input footprints, square metres.
+  double area_before = 0;   ///< Of the union of all members and of what is dropped, square metres.
   double area_after = 0;    ///< Of all output footprints.
   double area_changed = 0;  ///< Symmetric difference between the two, dropped ones included.
   double area_dropped = 0;  ///< Part of area_changed: of input that is in no output.
@@ -88,9 +90,10 @@ struct Simplification {
 /// - the result does not depend on the number of threads; a second call on the result returns it
 ///   unchanged;
 /// - near-linear time, apart from the unions of large clusters.
-/// kRepaired marks footprints whose outline was changed other than by merging.
-/// Input that comes closer than min_distance to the domain's boundary is cut back from it (or
-/// dropped, where less than half of it would be left).
+/// kRepaired marks footprints whose outline was changed other than by merging; kConvexHull, those
+/// of which a hull became a part, at any stage; kMerged and kClipped follow from the members. Input
+/// that comes closer than min_distance to the domain's boundary is cut back from it (or dropped,
+/// where less than half of it would be left). What is cut off so is not counted as changed.
 ///
 /// The method goes beyond Naserentin and Logg (2022), Algorithms 1 to 3, by taking two concerns
 /// apart: polygons closer than min_distance are joined by union and patches (merge_polygons.h);

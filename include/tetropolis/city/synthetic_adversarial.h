@@ -35,7 +35,7 @@ struct Defect {
 /// Points of one file.
 struct PointTile {
   PointCloud points;
-  std::vector<std::uint8_t> flags;  ///< Per point, of PointFlag (io/las.h); empty: none set.
+  std::vector<std::uint8_t> flags;  ///< Per point, of PointFlag (point_cloud.h); empty: none set.
 };
 
 struct AdversarialCity {

@@ -52,12 +52,16 @@ template <typename Value, typename Map, typename Combine>
 Value parallel_reduce_ordered(std::size_t size, std::size_t grain, Value identity, const Map& map,
                               const Combine& combine) {
   const std::size_t chunks = (size + grain - 1) / grain;
-  std::vector<Value> partial(chunks, identity);
+  // Wrapped, because the elements of std::vector<bool> share bytes.
+  struct Partial {
+    Value value;
+  };
+  std::vector<Partial> partial(chunks, Partial{identity});
   parallel_chunks(size, grain, [&](std::size_t begin, std::size_t end) {
-    partial[begin / grain] = map(begin, end);
+    partial[begin / grain].value = map(begin, end);
   });
   Value result = identity;
-  for (const Value& value : partial) result = combine(result, value);
+  for (const Partial& part : partial) result = combine(result, part.value);
   return result;
 }
 

@@ -50,8 +50,10 @@ struct GroundFilterReport {
 /// Known weakness: on slopes much steeper than `slope`, parts of wide buildings that are in no
 /// footprint may pass for terrain, and hilltops for objects.
 ///
-/// Guarantees: the same for any number of threads. Linear in points and cells (logarithmic in the
-/// window); about 30 bytes per cell. Precondition: options as stated there.
+/// Guarantees: the same for any number of threads. Linear in points, footprints (their edges, and
+/// the rows of cells these span) and cells, logarithmic in the window; but filling voids takes one
+/// pass over the cells for each turn of the most winding void. About 30 bytes per cell.
+/// Precondition: options as stated there.
 std::vector<std::uint8_t> filter_ground(const PointCloud& cloud,
                                         std::span<const Polygon> footprints,
                                         const GroundFilterOptions& options = {},

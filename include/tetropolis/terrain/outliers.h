@@ -28,11 +28,13 @@ struct GroundOutlierOptions {
 ///   are fewer than squares;
 /// - no point that is not alone lies even further from the median on the same side.
 /// So quays, cliffs and quarry walls stay, however high: what is below them, and above, is not
-/// alone, and what is alone lies between. Points that a cloud holds twice are judged as if they
-/// were there once. A point without 8 others within 1 km of it is never an outlier.
+/// alone, and what is alone lies between. Copies of a point are as alone as the point itself; where
+/// points are counted, they count. A point without 8 others within 1 km of it is never an outlier.
 ///
-/// The same for any number of threads. Linear in points where the ground is dense; each coarser
-/// size of cells that is needed is one more pass. Memory: 8 bytes per ground point.
+/// The same for any number of threads. Linear in points where the ground is dense, but for sorting
+/// the few neighbourhoods in which something is far from the median; each coarser size of cells
+/// that is needed is one more pass. Memory: 12 bytes per ground point, 1 per point and 8 per cell
+/// (as many as the extent holds, at most 2^26: cells grow where there would be more).
 std::vector<std::uint32_t> find_ground_outliers(const PointCloud& cloud,
                                                 const GroundOutlierOptions& options = {},
                                                 const Progress& progress = {});
