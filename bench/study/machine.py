@@ -5,6 +5,7 @@ import pathlib
 import platform
 import re
 import subprocess
+import time
 
 
 def first_line(command):
@@ -39,9 +40,15 @@ def describe(build):
     }
 
 
-def load():
-    """Processes that want to run, averaged over the last minute."""
-    return os.getloadavg()[0]
+def load(seconds=2):
+    """Processors that others keep busy, while we wait. The load average would count the study before."""
+    def busy():
+        times = [int(t) for t in pathlib.Path("/proc/stat").read_text().split("\n", 1)[0].split()[1:9]]
+        return sum(times) - times[3] - times[4]  # idle, and waiting for input and output
+
+    before = busy()
+    time.sleep(seconds)
+    return (busy() - before) / os.sysconf("SC_CLK_TCK") / seconds
 
 
 def now():

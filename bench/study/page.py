@@ -116,8 +116,8 @@ def conditions(results):
     kinds = {s["quick"] for s in results["studies"].values()}
     if True in kinds:
         text += " with `--quick`, so on the smaller sizes" if kinds == {True} else ", some studies with `--quick`"
-    if max(loads) > 1.5:
-        text += (f". **The machine was busy with other work (load up to {max(loads):.0f}): times, and rates even "
+    if max(loads) > 0.3:
+        text += (f". **Other work kept up to {max(loads):.1f} processors busy: times, and rates even "
                  "more, are worse than on an idle one, and targets in seconds may be missed for that alone; processor "
                  "seconds suffer less, memory not at all**")
     return text + ".\n"

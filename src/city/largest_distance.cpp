@@ -206,7 +206,11 @@ void Search::quarter(const Quad& quad) {
     }
   const double side01 = grid::squared_distance(quad[0], quad[1]),
                side12 = grid::squared_distance(quad[1], quad[2]);
-  const bool first = promise[0] < promise[1] || (promise[0] == promise[1] && side01 >= side12);
+  bool first = promise[0] < promise[1] || (promise[0] == promise[1] && side01 >= side12);
+  // But only where there is something to halve: slivers would stay what they are for ever.
+  const double least = 0.25 * tolerance_ * tolerance_;
+  if (std::max(side01, grid::squared_distance(quad[2], quad[3])) < least) first = false;
+  if (std::max(side12, grid::squared_distance(quad[3], quad[0])) < least) first = true;
   const auto& [p, q] = ways[first ? 0 : 1];
   stack_.push_back(p);
   stack_.push_back(q);

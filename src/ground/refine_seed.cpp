@@ -59,13 +59,23 @@ void Refiner::seed() {
   find_corners();
   const Bounds2 box = bounds_of(mesh_.points);
   if (max_vertices_ <= 0) {
-    const double h = size_.base();
-    const double lattice = std::isfinite(h) ? 8 * box.width() * box.height() / (h * h) : 0;
+    const double size = size_.base();
+    const double lattice = std::isfinite(size) ? 8 * box.width() * box.height() / (size * size) : 0;
     max_vertices_ = std::int64_t{2'000'000} + 200 * static_cast<std::int64_t>(mesh_.points.size()) +
                     static_cast<std::int64_t>(std::min(lattice, 1e9));
   }
   max_vertices_ = std::min<std::int64_t>(max_vertices_, 250'000'000);
-  const double longest = std::min(size_.base(), std::max(box.width(), box.height()));
+  // About what is to come (cities bring 2.5 triangles per square of the size and seven per corner),
+  // within reason: growing would copy everything time and again.
+  const double h = size_.base();
+  const double triangles =
+      std::min(7 * static_cast<double>(mesh_.points.size()) +
+                   (std::isfinite(h) ? 2.5 * box.width() * box.height() / (h * h) : 0.0),
+               static_cast<double>(max_vertices_));
+  mesh_.triangles.reserve(static_cast<std::size_t>(triangles));
+  mesh_.points.reserve(static_cast<std::size_t>(triangles / 2));
+  kinds_.reserve(static_cast<std::size_t>(triangles / 2));
+  const double longest = std::min(h, std::max(box.width(), box.height()));
   largest_edge_exponent_ = 2 * std::ilogb(longest) + 1;
   cut_pieces();
   if (options_.lattice && std::isfinite(size_.base()) && !options_.size_field) insert_lattice();

@@ -9,8 +9,10 @@
 #include "tetropolis/city/clip.h"
 #include "tetropolis/city/simplify.h"
 #include "tetropolis/geometry/polygon.h"
+#include "tetropolis/pipeline/run.h"
 
 #include "defect_city.h"
+#include "support/test_data.h"
 
 namespace tetropolis::testing {
 namespace {
@@ -107,6 +109,27 @@ TEST(FoundBySearch, ATipCutOffByTheDomainIsClean) {
   const Polygon kept = clip_to_box(rectangle(10, 10, 40, 20), Bounds2{1, 1, 25.2, 25.2});
   EXPECT_EQ(kept.outer.size(), 4U);
   EXPECT_NEAR(area(kept), 15.2 * 10, 1e-9);
+}
+
+// A part of the difference of two outlines that is too thin to be halved across was halved across
+// for ever.
+TEST(FoundBySearch, TheLargestDistanceIsFoundInSliversToo) {
+  const TemporaryFolder folder;
+  Config synth;
+  synth.kind = "adversarial";
+  synth.seed = 61;
+  synth.size = 251;
+  synth.relief = 4.8;
+  synth.point_density = 1.85;
+  synth.out = (folder / "input").string();
+  run_synth(synth);
+  Config config;
+  config.footprints = (folder / "input/footprints.geojson").string();
+  config.points = {synth.out};
+  config.out = (folder / "out").string();
+  const Report report = run_city(config);
+  EXPECT_GT(report.city->max_distance, 0.5);
+  EXPECT_LT(report.city->max_distance, 2);
 }
 
 }  // namespace
