@@ -1,6 +1,5 @@
-// Steps 3.1 to 3.5 on the paper's random city: tets per second, and bytes per tet.
+// Steps 3.1 to 3.5 on the paper's random city: tets per second.
 #include <benchmark/benchmark.h>
-#include <sys/resource.h>
 
 #include "tetropolis/core/parallel.h"
 
@@ -9,12 +8,6 @@
 namespace {
 
 using namespace tetropolis;
-
-double peak_bytes() {
-  rusage usage{};
-  getrusage(RUSAGE_SELF, &usage);
-  return static_cast<double>(usage.ru_maxrss) * 1024;
-}
 
 /// Arguments: buildings, mesh size in metres, threads.
 void steps_3_1_to_3_5(benchmark::State& state) {
@@ -27,7 +20,6 @@ void steps_3_1_to_3_5(benchmark::State& state) {
   state.counters["tets"] = cells;
   state.counters["tets/s"] =
       benchmark::Counter(cells, benchmark::Counter::kIsIterationInvariantRate);
-  state.counters["peak_bytes_per_tet"] = peak_bytes() / cells;
 }
 BENCHMARK(steps_3_1_to_3_5)
     ->Args({3096, 10, 1})
