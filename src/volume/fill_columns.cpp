@@ -28,8 +28,10 @@ constexpr double kWholeShare = 0.8;
 /// Share of the spacing that a wall is high where the ground was lowered for it.
 constexpr double kLoweredWallShare = 0.6;
 
-/// Tangent of 10 degrees: what a lowered wall is seen under from the terrain beside it.
-constexpr double kWallTangent = 0.17632698070846498;
+/// Tangent of 13 degrees: what a buried wall is to be seen under from the terrain beside it.
+/// Distance is told from the spacing only, so this is more than the 8 degrees that cells are to
+/// have.
+constexpr double kWallTangent = 0.23086819112556312;
 
 /// How one column is divided.
 struct Division {
@@ -118,7 +120,7 @@ double* spread(double* z, const ColumnPlan& plan, std::size_t v, double low, dou
 }
 
 /// Height of a wall whose roof lies `buried` below the terrain at `distance`, so that it is seen
-/// from there under 10 degrees; or, where that would leave less between the ground below the wall
+/// from there under 13 degrees; or, where that would leave less between the ground below the wall
 /// and the vertical, under half of what the roof leaves.
 double wall_below(double buried, double distance) {
   if (!(buried > 0)) return 0;
@@ -182,16 +184,16 @@ ColumnPlan plan_columns(const GroundMesh& mesh, const Raster& dtm, std::vector<d
   plan.building = vertex_buildings(mesh);
   plan.ground = terrain_under(mesh, dtm);
   plan.rise = ground_rise(mesh, plan.ground);
-  std::vector<double> wall(plan.spacing.size(), options.minimum_wall);
+  std::vector<double> least(plan.spacing.size(), options.minimum_wall);
+  std::vector<double> wall(least);
   for (std::size_t v = 0; v < wall.size(); ++v) {
     if (plan.building[v] == kNoBuilding || !options.fit_lowered_walls) continue;
     const double buried =
         plan.ground[v] + plan.rise[v] - plan.roofs[static_cast<std::size_t>(plan.building[v])];
-    wall[v] = std::max(
-        {wall[v], kLoweredWallShare * plan.spacing[v], wall_below(buried, plan.spacing[v])});
+    least[v] = std::max(least[v], wall_below(buried, plan.spacing[v]));
+    wall[v] = std::max(least[v], kLoweredWallShare * plan.spacing[v]);
   }
-  plan.lowered =
-      lower_at_walls(mesh, plan.building, plan.roofs, options.minimum_wall, wall, plan.ground);
+  plan.lowered = lower_at_walls(mesh, plan.building, plan.roofs, least, wall, plan.ground);
   plan.rise = ground_rise(mesh, plan.ground);
   plan.layers = plan_layers(plan.ground, plan.roofs, highest_under(dtm, bounds(mesh.vertices)),
                             options.domain_height, options.layer_height);

@@ -45,14 +45,14 @@ std::vector<double> terrain_under(const GroundMesh& mesh, const Raster& dtm) {
 }
 
 std::int64_t lower_at_walls(const GroundMesh& mesh, std::span<const BuildingIndex> building,
-                            std::span<const double> roofs, double minimum_wall,
+                            std::span<const double> roofs, std::span<const double> least,
                             std::span<const double> wall, std::vector<double>& ground) {
   std::int64_t lowered = 0;
   const std::vector<bool> outside = touches_outside(mesh);
   for (std::size_t v = 0; v < mesh.vertices.size(); ++v) {
     if (building[v] == kNoBuilding) continue;
     const double roof = roofs[static_cast<std::size_t>(building[v])];
-    if (ground[v] <= roof - minimum_wall) continue;
+    if (ground[v] <= roof - least[v]) continue;
     ground[v] = std::min(ground[v], roof - wall[v]);
     if (outside[v]) ++lowered;
   }

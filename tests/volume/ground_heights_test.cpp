@@ -16,8 +16,8 @@ TEST(GroundHeights, FollowTheTerrainExceptUnderLowRoofs) {
   const GroundMesh mesh = mesh_ground(city.footprints, city.domain, {8, 25});
   const auto owner = vertex_buildings(mesh);
   std::vector<double> ground = terrain_under(mesh, city.dtm);
-  const std::int64_t count = lower_at_walls(mesh, owner, city.roofs, 1.5,
-                                            std::vector<double>(mesh.vertices.size(), 4.0), ground);
+  const std::vector<double> least(ground.size(), 1.5), wall(ground.size(), 4.0);
+  const std::int64_t count = lower_at_walls(mesh, owner, city.roofs, least, wall, ground);
   std::int64_t lowered = 0;
   for (std::size_t v = 0; v < mesh.vertices.size(); ++v) {
     const Point2 p = mesh.vertices[v];

@@ -42,12 +42,13 @@ struct ColumnPlanOptions {
   double domain_height = 100;     ///< Of the top above the highest terrain under the mesh,
                                   ///< metres, > 0.
   double layer_height = 10;       ///< Of uniform layers, metres, > 0.
-  double minimum_wall = 1;        ///< See lower_at_walls.
-  bool fit_lowered_walls = true;  ///< Where the ground is lowered, walls become so high that
-                                  ///< cells of the spacing fit: 0.6 of it, and where the terrain
-                                  ///< beside is above the roof so high that they are seen from
-                                  ///< there under 10 degrees (or half of what is left to the
-                                  ///< vertical). Otherwise they have the minimum.
+  double minimum_wall = 1;        ///< Metres, > 0: where a wall would be lower, the ground beside
+                                  ///< it is lowered (see lower_at_walls).
+  bool fit_lowered_walls = true;  ///< Where the terrain beside a wall is above its roof, walls that
+                                  ///< would be seen from there under less than 13 degrees (or half
+                                  ///< of what is left to the vertical) count as too low, too; and
+                                  ///< where the ground is lowered, they become so high, and at
+                                  ///< least 0.6 of the spacing. Otherwise they have the minimum.
 };
 
 /// `roofs`: elevation per building of `mesh`; `spacing`: per vertex, > 0. Throws as
