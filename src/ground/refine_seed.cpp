@@ -65,12 +65,12 @@ void Refiner::seed() {
                     static_cast<std::int64_t>(std::min(lattice, 1e9));
   }
   max_vertices_ = std::min<std::int64_t>(max_vertices_, 250'000'000);
-  // About what is to come (cities bring 2.5 triangles per square of the size and seven per corner),
-  // within reason: growing would copy everything time and again.
+  // About what is to come (measured on cities), within reason: growing would copy everything time
+  // and again, and what is not used takes up no memory.
   const double h = size_.base();
   const double triangles =
-      std::min(7 * static_cast<double>(mesh_.points.size()) +
-                   (std::isfinite(h) ? 2.5 * box.width() * box.height() / (h * h) : 0.0),
+      std::min(5.5 * static_cast<double>(mesh_.points.size()) +
+                   (std::isfinite(h) ? 3.3 * box.width() * box.height() / (h * h) : 0.0),
                static_cast<double>(max_vertices_));
   mesh_.triangles.reserve(static_cast<std::size_t>(triangles));
   mesh_.points.reserve(static_cast<std::size_t>(triangles / 2));

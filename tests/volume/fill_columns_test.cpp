@@ -221,9 +221,9 @@ TEST(FillColumns, ThePlanTellsGroundRoofsAndTop) {
 }
 
 TEST(FillColumns, CellsAtBuriedRoofsAreNoSlivers) {
-  // A house of 16 m in a slope of 45 degrees: its roof is 10 m below the terrain behind it.
+  // A house of 10 m in a slope of 45 degrees: its roof is 4 m below the terrain behind it.
   testing::SmallCity city;
-  city.footprints = {testing::rectangle(40, 30, 56, 50)};
+  city.footprints = {testing::rectangle(40, 30, 50, 50)};
   city.roofs = {46};
   city.dtm = testing::raster_of(city.domain, [](double x, double) { return x; });
   const auto result = testing::meshed(city);
