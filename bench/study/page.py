@@ -116,6 +116,11 @@ def conditions(results):
     kinds = {s["quick"] for s in results["studies"].values()}
     if True in kinds:
         text += " with `--quick`, so on the smaller sizes" if kinds == {True} else ", some studies with `--quick`"
+    by_version = {}
+    for name, s in results["studies"].items():
+        by_version.setdefault(s["version"], []).append(name)
+    if len(by_version) > 1:
+        text += "; " + ", ".join(f"{' and '.join(names)} with version {v}" for v, names in by_version.items())
     if max(loads) > 0.3:
         text += (f". **Other work kept up to {max(loads):.1f} processors busy: times, and rates even "
                  "more, are worse than on an idle one, and targets in seconds may be missed for that alone; processor "
