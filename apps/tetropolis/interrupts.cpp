@@ -3,6 +3,7 @@
 #include <atomic>
 #include <cerrno>
 #include <csignal>
+#include <exception>
 #include <functional>
 #include <iterator>
 #include <mutex>
@@ -29,6 +30,9 @@ namespace {
 constexpr int kGraceMilliseconds = 500;
 
 constexpr unsigned kLastSeconds = 5;
+
+constexpr char kGaveUp[] =
+    "tetropolis: a library ended the program, out of memory perhaps; nothing was written\n";
 
 constexpr const char* kLastLine = "tetropolis: interrupted; nothing was written";
 
@@ -61,19 +65,42 @@ void on_interrupt(int signal) {
   errno = error;
 }
 
-/// Of a crash on broken input remains one line: the thread that waits for signals says it and ends
-/// the process, as this one is in no state to. Any other crash stays what it is.
+/// Of a crash on broken input, and of a library that gives up (GDAL does where a small allocation
+/// fails), remains one line: the thread that waits for signals says it and ends the process, as
+/// this one is in no state to. Any other crash stays what it is.
 void on_fault(int signal, siginfo_t*, void*) {
   const char* input = foreign_input();
+  if (input == nullptr && signal == SIGABRT) input = "";  // no input's fault
   if (input != nullptr && watching != 0) {
     crashed_on = input;
     ::alarm(kLastSeconds);  // this thread may hold a lock that the last words need
     [[maybe_unused]] const ssize_t written = ::write(wake_up[1], "!", 1);
     for (;;) ::pause();
   }
+  if (signal == SIGABRT) {
+    [[maybe_unused]] const ssize_t written = ::write(STDERR_FILENO, kGaveUp, sizeof kGaveUp - 1);
+    ::_exit(1);
+  }
   for (std::size_t i = 0; i < std::size(kFaults); ++i)
-    if (kFaults[i] == signal) ::sigaction(signal, &before_fault[i], nullptr);
-  if (signal == SIGABRT) ::raise(signal);  // the others happen again
+    if (kFaults[i] == signal) ::sigaction(signal, &before_fault[i], nullptr);  // it happens again
+}
+
+/// What no thread has caught, such as an exception of a library's own thread.
+[[noreturn]] void on_terminate() {
+  std::string reason = "std::terminate";
+  try {
+    if (const auto error = std::current_exception()) std::rethrow_exception(error);
+  } catch (const std::exception& error) {
+    reason = error.what();
+  } catch (...) {
+    reason = "an exception of a library";
+  }
+  ::alarm(kLastSeconds);
+  const std::unique_lock lock(output().mutex);
+  if (!output().moving && output().discard) output().discard();
+  put(stderr, fmt::format("tetropolis: {}: out of memory or threads, or an internal error\n",
+                          one_line(reason)));
+  ::_exit(1);
 }
 
 void catch_faults() {
@@ -99,9 +126,13 @@ void end_overdue_runs() {
   const std::unique_lock lock(output().mutex);
   if (output().moving) return;
   if (output().discard) output().discard();
+  if (broken != nullptr && *broken == '\0') {
+    put(stderr, kGaveUp);
+    ::_exit(1);
+  }
   if (broken != nullptr) {
-    put(stderr, fmt::format("tetropolis: {}: a library crashed on it: the file is broken; get it "
-                            "again, or leave it out\n",
+    put(stderr, fmt::format("tetropolis: {}: a library crashed on it: the file is broken, or "
+                            "memory ran out; get it again, or leave it out\n",
                             broken));
     ::_exit(static_cast<int>(ErrorKind::kInput));
   }
@@ -117,14 +148,15 @@ void catch_interrupts() {
   // A reader that went away or a file that may not grow shows as a failed write, not as a sudden
   // end.
   for (const int signal : {SIGPIPE, SIGXFSZ}) std::signal(signal, SIG_IGN);
+  std::set_terminate(on_terminate);
   if (::pipe2(wake_up, O_CLOEXEC | O_NONBLOCK) != 0) return;
   try {
     std::thread(end_overdue_runs).detach();
     watching = 1;
-    catch_faults();
   } catch (const std::exception&) {
     // No thread to be had: then the run's own looking has to do.
   }
+  catch_faults();
   for (const int signal : {SIGINT, SIGTERM}) std::signal(signal, on_interrupt);
   // Ignored from the start (nohup): the run is meant to outlive the terminal.
   struct sigaction hangup {};

@@ -5,6 +5,7 @@
 #include <functional>
 #include <memory>
 #include <new>
+#include <system_error>
 
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
@@ -80,6 +81,9 @@ int guarded(const std::function<int()>& action, const Say& say) {
   } catch (const std::filesystem::filesystem_error& error) {
     return fail(fmt::format("{}: {}", error.path1().string(), error.code().message()),
                 static_cast<int>(ErrorKind::kInput));
+  } catch (const std::system_error& error) {  // no more threads, for example
+    return fail(fmt::format("the system refuses: {}; free memory or lower --threads", error.what()),
+                1);
   } catch (const std::exception& error) {
     return fail(fmt::format("internal error: {}; please report it", error.what()), 1);
   }

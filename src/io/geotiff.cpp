@@ -16,6 +16,7 @@
 
 #include "tetropolis/city/city_model.h"
 #include "tetropolis/core/error.h"
+#include "tetropolis/core/foreign_code.h"
 #include "tetropolis/io/atomic_file.h"
 #include "tetropolis/io/crs.h"
 
@@ -236,6 +237,7 @@ void write_raster(const fs::path& path, const Raster& raster, Point2 origin, con
 }
 
 RasterInput read_raster(const fs::path& path, Point2 origin) {
+  const ForeignCode gdal_code(path.c_str());
   gdal::initialise();
   const gdal::QuietErrors errors;
   const gdal::ThreadOption no_side_car("GDAL_PAM_ENABLED", "NO");

@@ -17,6 +17,7 @@
 #include <fmt/ranges.h>
 
 #include "tetropolis/core/error.h"
+#include "tetropolis/core/foreign_code.h"
 #include "tetropolis/io/crs.h"
 #include "tetropolis/io/vector.h"
 
@@ -470,6 +471,8 @@ bool is_of_format(GDALDatasetH dataset, std::string_view begin) {
 }  // namespace
 
 FootprintsInput read_footprints(const fs::path& path, const ReadFootprintsOptions& options) {
+  // GDAL ends the program where a small allocation of its own fails.
+  const ForeignCode gdal_code(path.c_str());
   gdal::initialise();
   const std::string target = normalise_crs(options.target_crs);
   gdal::QuietErrors errors;
