@@ -57,6 +57,15 @@ Output& output() {
   return *instance;
 }
 
+/// At the very end, when there may be no memory.
+void discard_output() {
+  try {
+    if (!output().moving && output().discard) output().discard();
+  } catch (const std::exception&) {
+    // Then the next run tidies up.
+  }
+}
+
 void on_interrupt(int signal) {
   const int error = errno;
   signals_seen = signals_seen + 1;
@@ -77,7 +86,9 @@ void on_fault(int signal, siginfo_t*, void*) {
     [[maybe_unused]] const ssize_t written = ::write(wake_up[1], "!", 1);
     for (;;) ::pause();
   }
-  if (signal == SIGABRT) {
+  if (signal == SIGABRT) {  // no thread to say so
+    ::alarm(kLastSeconds);
+    discard_output();
     [[maybe_unused]] const ssize_t written = ::write(STDERR_FILENO, kGaveUp, sizeof kGaveUp - 1);
     ::_exit(1);
   }
@@ -97,7 +108,7 @@ void on_fault(int signal, siginfo_t*, void*) {
   }
   ::alarm(kLastSeconds);
   const std::unique_lock lock(output().mutex);
-  if (!output().moving && output().discard) output().discard();
+  discard_output();
   put(stderr, fmt::format("tetropolis: {}: out of memory or threads, or an internal error\n",
                           one_line(reason)));
   ::_exit(1);

@@ -372,6 +372,31 @@ TEST_F(Faults, TooLittleMemoryIsSaidInOneLine) {
   EXPECT_GT(failed, 0);
 }
 
+// Less than the libraries need to begin: GDAL aborts the program, threads cannot be made.
+TEST_F(Faults, LibrariesWithoutMemoryDoNotCrashTheProgram) {
+  if (TETROPOLIS_SANITIZED) GTEST_SKIP() << "sanitizers reserve address space of their own";
+  const Contents before = make_earlier();
+  int refused = 0;
+  for (int megabytes = 140; megabytes < 230; megabytes += 3) {
+    SCOPED_TRACE(std::to_string(megabytes) + " MB of address space");
+    ProcessLimits limits;
+    limits.address_space = static_cast<rlim_t>(megabytes) << 20;
+    const Ending ending = run(build({"--mesh-size", "20"}), limits);
+    if (ending.code == 0) break;
+    if (ending.code == 127) continue;  // not even loaded
+    ++refused;
+    EXPECT_TRUE(ending.code >= 1 && ending.code <= 3) << ending.code;
+    // Libraries may have said something of their own before.
+    const std::size_t last = ending.err.rfind('\n', ending.err.size() - 2) + 1;
+    EXPECT_TRUE(ending.err.substr(last).starts_with("tetropolis: ")) << ending.err;
+    EXPECT_TRUE(snapshot(work) == before);
+  }
+  EXPECT_GT(refused, 0);
+  // Without memory to remove a hidden folder, it is left to the next run.
+  EXPECT_EQ(run(build({"--mesh-size", "20"})).code, 0);
+  EXPECT_TRUE(staging_folders(work).empty());
+}
+
 TEST_F(Faults, PointFileThatShrinksWhileItIsRead) {
   // Enough points for the file to be cut while they are read.
   ASSERT_EQ(run({"synth", "--quiet", "--buildings", "20", "--size", "300", "--point-density", "10",
