@@ -444,12 +444,20 @@ void check_type(const Place& root) {
   root.at("version").fail(fmt::format("is \"{}\"; only 1.0, 1.1 and 2.0 can be read", version));
 }
 
+std::string crs_at(const Place& system) {
+  try {
+    return normalise_crs(system.text());
+  } catch (const Error& error) {
+    system.fail(error.what());
+  }
+}
+
 /// What write_city puts beside the objects.
 void read_account(const Place& root, CityModel& model) {
   model.domain = {1, 1, 0, 0};
   if (!root.has("tetropolis")) return;
   const Place account = root.at("tetropolis");
-  if (account.has("crs") && model.crs.empty()) model.crs = account.at("crs").text();
+  if (account.has("crs") && model.crs.empty()) model.crs = crs_at(account.at("crs"));
   if (account.has("domain")) {
     const Place box = account.at("domain");
     if (box.size() != 4) box.fail("is not an array of four numbers");
@@ -469,12 +477,7 @@ std::string read_crs(const Place& root) {
   if (!root.has("metadata")) return "";
   const Place metadata = root.at("metadata");
   if (!metadata.has("referenceSystem")) return "";
-  const Place system = metadata.at("referenceSystem");
-  try {
-    return normalise_crs(system.text());
-  } catch (const Error& error) {
-    system.fail(error.what());
-  }
+  return crs_at(metadata.at("referenceSystem"));
 }
 
 }  // namespace
