@@ -181,6 +181,9 @@ Frame read_vertices(const Place& root) {
   if (transformed) {
     scale = read_triple(root.at("transform").at("scale"));
     translate = read_triple(root.at("transform").at("translate"));
+    // Beyond that metres are lost, and no city is there.
+    for (const double t : translate)
+      if (!(std::abs(t) <= 1e9)) root.at("transform").at("translate").fail("is beyond 1e9");
   }
   Frame frame;
   const Place list = root.at("vertices");

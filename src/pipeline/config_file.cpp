@@ -62,6 +62,13 @@ void set_key(Config& config, std::string_view key, const toml::node& value,
                                           : fmt::format("; did you mean '{}'?", nearest)));
 }
 
+/// Errors quote the file, line ends and all.
+std::string one_line(std::string text) {
+  std::replace_if(
+      text.begin(), text.end(), [](unsigned char c) { return c < ' '; }, ' ');
+  return text;
+}
+
 }  // namespace
 
 void load_config(Config& config, const std::filesystem::path& path) {
@@ -75,16 +82,17 @@ void load_config(Config& config, const std::filesystem::path& path) {
   try {
     table = toml::parse_file(path.string());
   } catch (const toml::parse_error& wrong) {
-    // It quotes the file, line ends and all.
-    std::string reason(wrong.description());
-    std::replace_if(
-        reason.begin(), reason.end(), [](unsigned char c) { return c < ' '; }, ' ');
-    throw Error(ErrorKind::kUsage, fmt::format("{}:{}: not valid TOML: {}", path.string(),
-                                               wrong.source().begin.line, reason));
+    throw Error(ErrorKind::kUsage,
+                one_line(fmt::format("{}:{}: not valid TOML: {}", path.string(),
+                                     wrong.source().begin.line, wrong.description())));
   }
-  for (const auto& [key, value] : table)
-    set_key(config, key.str(), value,
-            fmt::format("{}:{}", path.string(), value.source().begin.line));
+  try {
+    for (const auto& [key, value] : table)
+      set_key(config, key.str(), value,
+              fmt::format("{}:{}", path.string(), value.source().begin.line));
+  } catch (const Error& wrong) {
+    throw Error(wrong.kind(), one_line(wrong.what()));
+  }
 }
 
 }  // namespace tetropolis
