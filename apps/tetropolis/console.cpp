@@ -14,12 +14,6 @@ namespace tetropolis::app {
 
 void put(std::FILE* stream, const std::string& text) { std::fputs(text.c_str(), stream); }
 
-std::string one_line(std::string text) {
-  for (char& c : text)
-    if (static_cast<unsigned char>(c) < ' ' || c == '\x7f') c = ' ';
-  return text;
-}
-
 Console::Console(bool quiet, const std::string& log)
     : quiet_(quiet), terminal_(isatty(STDERR_FILENO) == 1) {
   if (log.empty()) return;

@@ -38,8 +38,4 @@ class Console {
 /// Writes `text`; a stream that takes nothing (closed, full) is no reason to fail.
 void put(std::FILE* stream, const std::string& text);
 
-/// The text with line breaks and other control characters as blanks: file names and the messages of
-/// libraries may hold some, and an error is one line.
-std::string one_line(std::string text);
-
 }  // namespace tetropolis::app

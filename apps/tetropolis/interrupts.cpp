@@ -136,7 +136,7 @@ void end_overdue_runs() {
   if (broken == nullptr) signal_comes(kGraceMilliseconds);
   const std::unique_lock lock(output().mutex);
   if (output().moving) return;
-  if (output().discard) output().discard();
+  discard_output();
   if (broken != nullptr && *broken == '\0') {
     put(stderr, kGaveUp);
     ::_exit(1);

@@ -5,6 +5,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
+#include <span>
 
 #include "tetropolis/city/city_model.h"
 #include "tetropolis/geometry/types.h"
@@ -124,6 +126,15 @@ inline void extend(Bounds2& box, Point2 p) {
   box.ymin = std::min(box.ymin, p.y);
   box.xmax = std::max(box.xmax, p.x);
   box.ymax = std::max(box.ymax, p.y);
+}
+
+/// Of the outer rings; empty without any vertex.
+inline Bounds2 box_around(std::span<const Polygon> polygons) {
+  constexpr double inf = std::numeric_limits<double>::infinity();
+  Bounds2 box{inf, inf, -inf, -inf};
+  for (const Polygon& polygon : polygons)
+    for (const Point2 p : polygon.outer) extend(box, p);
+  return box;
 }
 
 inline double box_distance(const Bounds2& a, const Bounds2& b) {

@@ -68,17 +68,9 @@ std::vector<Polygon> on_grid(const Operation& operation) {
 
 constexpr std::size_t kFewPolygons = 256;
 
-Bounds2 box_around(std::span<const Polygon> polygons) {
-  constexpr double inf = std::numeric_limits<double>::infinity();
-  Bounds2 box{inf, inf, -inf, -inf};
-  for (const Polygon& polygon : polygons)
-    for (const Point2 p : polygon.outer) grid::extend(box, p);
-  return box;
-}
-
 /// Both lists are unions; what is clear of the other list is passed by.
 geos::Result joined(std::vector<Polygon> a, std::vector<Polygon> b) {
-  const Bounds2 box_a = box_around(a), box_b = box_around(b);
+  const Bounds2 box_a = grid::box_around(a), box_b = grid::box_around(b);
   const auto near = [](std::vector<Polygon>& list, const Bounds2& box) {
     return std::stable_partition(list.begin(), list.end(), [&](const Polygon& polygon) {
       return bounds(polygon).intersects(box);
@@ -340,7 +332,8 @@ Polygon hull_of(std::span<const Polygon> polygons) {
 std::vector<Polygon> unite_on_grid(std::span<const Polygon> polygons) {
   return on_grid([&](double grid) {
     if (grid > 0) return geos::unite(polygons, grid);
-    geos::Result result = unite_halves({polygons.begin(), polygons.end()}, box_around(polygons));
+    geos::Result result =
+        unite_halves({polygons.begin(), polygons.end()}, grid::box_around(polygons));
     if (result) sort_polygons(*result);
     return result;
   });

@@ -63,14 +63,6 @@ double total_area(const std::vector<Polygon>& polygons) {
   return sum;
 }
 
-Bounds2 box_around(const std::vector<Polygon>& polygons) {
-  constexpr double inf = std::numeric_limits<double>::infinity();
-  Bounds2 box{inf, inf, -inf, -inf};
-  for (const Polygon& polygon : polygons)
-    for (const Point2 p : polygon.outer) grid::extend(box, p);
-  return box;
-}
-
 bool is_hull(MergeResort resort) {
   return resort == MergeResort::kUnionOfHulls || resort == MergeResort::kHull;
 }
@@ -322,7 +314,7 @@ std::uint32_t Simplifier::flags_of(const std::vector<BuildingIndex>& members) co
 /// overlap, the first part has what they have in common; but nobody goes without.
 void Simplifier::share_input(Group& group, std::span<Group> parts) const {
   const auto take_off = [](Group& part, const std::vector<Polygon>& others) {
-    const Bounds2 box = box_around(part.input);
+    const Bounds2 box = grid::box_around(part.input);
     std::vector<Polygon> near;
     for (const Polygon& other : others)
       if (bounds(other).intersects(box)) near.push_back(other);

@@ -58,20 +58,16 @@ void Refiner::seed() {
   mesh_.some_triangle.clear();
   find_corners();
   const Bounds2 box = bounds_of(mesh_.points);
-  if (max_vertices_ <= 0) {
-    const double size = size_.base();
-    const double lattice = std::isfinite(size) ? 8 * box.width() * box.height() / (size * size) : 0;
+  const double h = size_.base();
+  const double squares = std::isfinite(h) ? box.width() * box.height() / (h * h) : 0;
+  if (max_vertices_ <= 0)
     max_vertices_ = std::int64_t{2'000'000} + 200 * static_cast<std::int64_t>(mesh_.points.size()) +
-                    static_cast<std::int64_t>(std::min(lattice, 1e9));
-  }
+                    static_cast<std::int64_t>(std::min(8 * squares, 1e9));
   max_vertices_ = std::min<std::int64_t>(max_vertices_, 250'000'000);
   // About what is to come (measured on cities), within reason: growing would copy everything time
   // and again, and what is not used takes up no memory.
-  const double h = size_.base();
-  const double triangles =
-      std::min(5.5 * static_cast<double>(mesh_.points.size()) +
-                   (std::isfinite(h) ? 3.3 * box.width() * box.height() / (h * h) : 0.0),
-               static_cast<double>(max_vertices_));
+  const double triangles = std::min(5.5 * static_cast<double>(mesh_.points.size()) + 3.3 * squares,
+                                    static_cast<double>(max_vertices_));
   mesh_.triangles.reserve(static_cast<std::size_t>(triangles));
   mesh_.points.reserve(static_cast<std::size_t>(triangles / 2));
   kinds_.reserve(static_cast<std::size_t>(triangles / 2));

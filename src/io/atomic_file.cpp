@@ -58,10 +58,8 @@ fs::path final_path(const fs::path& path) {
 }
 
 void throw_cannot_write(const fs::path& path, std::string_view reason) {
-  std::string line(reason.empty() ? "unknown reason" : reason);
-  for (char& c : line)
-    if (c == '\n' || c == '\r') c = ' ';
-  throw Error(ErrorKind::kInput, "cannot write " + final_path(path).string() + ": " + line +
+  const std::string why(reason.empty() ? "unknown reason" : reason);
+  throw Error(ErrorKind::kInput, "cannot write " + final_path(path).string() + ": " + why +
                                      "; choose another output or make room");
 }
 

@@ -2,6 +2,8 @@
 
 #include <mutex>
 
+#include "tetropolis/core/error.h"
+
 namespace tetropolis::gdal {
 
 void initialise() {
@@ -20,9 +22,7 @@ void CPL_STDCALL QuietErrors::collect(CPLErr kind, CPLErrorNum, const char* mess
   if (kind != CE_Failure && kind != CE_Fatal) return;
   auto* self = static_cast<QuietErrors*>(CPLGetErrorHandlerUserData());
   if (self == nullptr || message == nullptr) return;
-  std::string line = message;
-  for (char& c : line)
-    if (c == '\n' || c == '\r') c = ' ';
+  std::string line = one_line(message);
   while (!line.empty() && (line.back() == ' ' || line.back() == '.')) line.pop_back();
   if (self->failures_++ == 0) self->first_ = line;
   self->last_ = std::move(line);

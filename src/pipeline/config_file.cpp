@@ -1,5 +1,4 @@
 // TOML in; kept apart because toml++ is slow to compile.
-#include <algorithm>
 #include <string>
 
 #include <fmt/format.h>
@@ -62,13 +61,6 @@ void set_key(Config& config, std::string_view key, const toml::node& value,
                                           : fmt::format("; did you mean '{}'?", nearest)));
 }
 
-/// Errors quote the file, line ends and all.
-std::string one_line(std::string text) {
-  std::replace_if(
-      text.begin(), text.end(), [](unsigned char c) { return c < ' '; }, ' ');
-  return text;
-}
-
 }  // namespace
 
 void load_config(Config& config, const std::filesystem::path& path) {
@@ -82,17 +74,12 @@ void load_config(Config& config, const std::filesystem::path& path) {
   try {
     table = toml::parse_file(path.string());
   } catch (const toml::parse_error& wrong) {
-    throw Error(ErrorKind::kUsage,
-                one_line(fmt::format("{}:{}: not valid TOML: {}", path.string(),
-                                     wrong.source().begin.line, wrong.description())));
+    throw Error(ErrorKind::kUsage, fmt::format("{}:{}: not valid TOML: {}", path.string(),
+                                               wrong.source().begin.line, wrong.description()));
   }
-  try {
-    for (const auto& [key, value] : table)
-      set_key(config, key.str(), value,
-              fmt::format("{}:{}", path.string(), value.source().begin.line));
-  } catch (const Error& wrong) {
-    throw Error(wrong.kind(), one_line(wrong.what()));
-  }
+  for (const auto& [key, value] : table)
+    set_key(config, key.str(), value,
+            fmt::format("{}:{}", path.string(), value.source().begin.line));
 }
 
 }  // namespace tetropolis

@@ -39,15 +39,6 @@ struct Division {
   std::int32_t above = 0;       ///< Segments from there (or from the ground) to the top.
 };
 
-/// Vertices with a triangle outside buildings.
-std::vector<std::uint8_t> outside_vertices(const GroundMesh& mesh) {
-  std::vector<std::uint8_t> outside(mesh.vertices.size(), 0);
-  for (std::size_t t = 0; t < mesh.triangles.size(); ++t)
-    if (mesh.region[t] == kNoBuilding)
-      for (const VertexIndex v : mesh.triangles[t]) outside[static_cast<std::size_t>(v)] = 1;
-  return outside;
-}
-
 void require_rise(double low, double high, std::size_t v, const char* what) {
   if (low < high) return;
   throw Error(ErrorKind::kGuarantee, "column mesh: at ground vertex " + std::to_string(v) + " " +

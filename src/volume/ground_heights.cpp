@@ -24,17 +24,13 @@ std::vector<BuildingIndex> vertex_buildings(const GroundMesh& mesh) {
   return building;
 }
 
-namespace {
-
-std::vector<bool> touches_outside(const GroundMesh& mesh) {
-  std::vector<bool> outside(mesh.vertices.size(), false);
+std::vector<std::uint8_t> outside_vertices(const GroundMesh& mesh) {
+  std::vector<std::uint8_t> outside(mesh.vertices.size(), 0);
   for (std::size_t t = 0; t < mesh.triangles.size(); ++t)
     if (mesh.region[t] == kNoBuilding)
-      for (const VertexIndex v : mesh.triangles[t]) outside[static_cast<std::size_t>(v)] = true;
+      for (const VertexIndex v : mesh.triangles[t]) outside[static_cast<std::size_t>(v)] = 1;
   return outside;
 }
-
-}  // namespace
 
 std::vector<double> terrain_under(const GroundMesh& mesh, const Raster& dtm) {
   std::vector<double> terrain(mesh.vertices.size());
@@ -48,13 +44,13 @@ std::int64_t lower_at_walls(const GroundMesh& mesh, std::span<const BuildingInde
                             std::span<const double> roofs, std::span<const double> least,
                             std::span<const double> wall, std::vector<double>& ground) {
   std::int64_t lowered = 0;
-  const std::vector<bool> outside = touches_outside(mesh);
+  const std::vector<std::uint8_t> outside = outside_vertices(mesh);
   for (std::size_t v = 0; v < mesh.vertices.size(); ++v) {
     if (building[v] == kNoBuilding) continue;
     const double roof = roofs[static_cast<std::size_t>(building[v])];
     if (ground[v] <= roof - least[v]) continue;
     ground[v] = std::min(ground[v], roof - wall[v]);
-    if (outside[v]) ++lowered;
+    if (outside[v] != 0) ++lowered;
   }
   return lowered;
 }

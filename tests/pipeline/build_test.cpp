@@ -132,6 +132,18 @@ TEST_F(Build, CityAndMeshInTwoStepsGiveTheSameMesh) {
   EXPECT_FALSE(fs::exists(scratch / "city/volume.vtu"));
 }
 
+/// What `mesh` says to unusable input; nothing is written.
+std::string refusal_of(const Config& mesh) {
+  try {
+    run_mesh(mesh);
+  } catch (const Error& error) {
+    EXPECT_EQ(error.kind(), ErrorKind::kInput);
+    EXPECT_FALSE(fs::exists(mesh.out));
+    return error.what();
+  }
+  return "";
+}
+
 TEST_F(Build, MeshRefusesCitiesAndTerrainsThatDoNotFit) {
   Config config = city("blocks", 0, 320, 4);
   run_city(config);
@@ -142,14 +154,7 @@ TEST_F(Build, MeshRefusesCitiesAndTerrainsThatDoNotFit) {
     mesh.dtm = dtm;
     mesh.bounds = std::move(bounds);
     mesh.out = (scratch / "mesh").string();
-    try {
-      run_mesh(mesh);
-    } catch (const Error& error) {
-      EXPECT_EQ(error.kind(), ErrorKind::kInput);
-      EXPECT_FALSE(fs::exists(scratch / "mesh"));
-      return std::string(error.what());
-    }
-    return std::string("no error");
+    return refusal_of(mesh);
   };
   const std::string out = config.out;
   EXPECT_NE(
@@ -179,14 +184,7 @@ TEST_F(Build, MeshRefusesWhatIsNotInMetres) {
     mesh.city = (scratch / "foreign.city.json").string();
     mesh.dtm = (scratch / "foreign.tif").string();
     mesh.out = (scratch / "mesh").string();
-    try {
-      run_mesh(mesh);
-    } catch (const Error& error) {
-      EXPECT_EQ(error.kind(), ErrorKind::kInput);
-      EXPECT_FALSE(fs::exists(scratch / "mesh"));
-      return std::string(error.what());
-    }
-    return std::string();
+    return refusal_of(mesh);
   };
   const auto says = [](const std::string& message, const char* file, const char* what) {
     return message.find(file) != std::string::npos && message.find(what) != std::string::npos;

@@ -14,10 +14,19 @@ enum class ErrorKind : int {
   kInput = 3,      ///< Unusable input.
 };
 
-/// One line that names the file (and feature, point or byte), says what is wrong and what to do.
+/// The text without line ends and other control characters, which become spaces.
+inline std::string one_line(std::string text) {
+  for (char& c : text)
+    if (static_cast<unsigned char>(c) < ' ' || c == '\x7f') c = ' ';
+  return text;
+}
+
+/// One line, whatever it quotes, that names the file (and feature, point or byte), says what is
+/// wrong and what to do.
 class Error : public std::runtime_error {
  public:
-  Error(ErrorKind kind, const std::string& message) : std::runtime_error(message), kind_(kind) {}
+  Error(ErrorKind kind, const std::string& message)
+      : std::runtime_error(one_line(message)), kind_(kind) {}
   ErrorKind kind() const { return kind_; }
 
  private:

@@ -15,6 +15,9 @@ namespace tetropolis {
 /// footprints apart.
 std::vector<BuildingIndex> vertex_buildings(const GroundMesh& mesh);
 
+/// Per vertex: 1 if a triangle outside buildings has it.
+std::vector<std::uint8_t> outside_vertices(const GroundMesh& mesh);
+
 /// The DTM at each vertex.
 std::vector<double> terrain_under(const GroundMesh& mesh, const Raster& dtm);
 
