@@ -93,6 +93,7 @@ void check_graph(const PlanarGraph& graph) {
   };
   check_size(graph.segment_markers.size(), "segment_markers");
   check_size(graph.segment_sides.size(), "segment_sides");
+  check_size(graph.segment_max_edge.size(), "segment_max_edge");
 }
 
 void insert_points(const PlanarGraph& graph, Construction& result) {

@@ -17,7 +17,7 @@ namespace {
 
 // Adds a ring, directed so that the building lies on the left of its segments.
 void add_ring(const Ring& ring, bool is_hole, std::int32_t building, const Bounds2& domain,
-              PlanarGraph& graph) {
+              const GroundMeshOptions& options, PlanarGraph& graph) {
   const auto first = static_cast<VertexIndex>(graph.points.size());
   const auto n = static_cast<VertexIndex>(ring.size());
   const bool turn = (signed_area(ring) > 0) == is_hole;
@@ -35,10 +35,14 @@ void add_ring(const Ring& ring, bool is_hole, std::int32_t building, const Bound
     graph.segments.push_back(turn ? std::array{b, a} : std::array{a, b});
     graph.segment_markers.push_back(building);
     graph.segment_sides.push_back({building, kNoBuilding});
+    if (options.wall_edge)
+      graph.segment_max_edge.push_back(
+          options.wall_edge(building, p, ring[static_cast<std::size_t>(i + 1 == n ? 0 : i + 1)]));
   }
 }
 
-PlanarGraph make_graph(std::span<const Polygon> footprints, const Bounds2& domain) {
+PlanarGraph make_graph(std::span<const Polygon> footprints, const Bounds2& domain,
+                       const GroundMeshOptions& options) {
   PlanarGraph graph;
   graph.points = {{domain.xmin, domain.ymin},
                   {domain.xmax, domain.ymin},
@@ -48,6 +52,7 @@ PlanarGraph make_graph(std::span<const Polygon> footprints, const Bounds2& domai
     graph.segments.push_back({i, (i + 1) % 4});
     graph.segment_markers.push_back(kNoBuilding);
     graph.segment_sides.push_back({kNoBuilding, kUnmarkedSide});
+    if (options.wall_edge) graph.segment_max_edge.push_back(options.mesh_size);
   }
   // Along the curve, whatever the order of the input: what is near is meshed soon after.
   const HilbertCurve curve(domain);
@@ -56,8 +61,8 @@ PlanarGraph make_graph(std::span<const Polygon> footprints, const Bounds2& domai
     if (!footprints[f].outer.empty()) keys[f] = curve(footprints[f].outer[0]);
   for (const std::int32_t building : sorted_order(keys)) {
     const Polygon& footprint = footprints[static_cast<std::size_t>(building)];
-    add_ring(footprint.outer, false, building, domain, graph);
-    for (const Ring& hole : footprint.holes) add_ring(hole, true, building, domain, graph);
+    add_ring(footprint.outer, false, building, domain, options, graph);
+    for (const Ring& hole : footprint.holes) add_ring(hole, true, building, domain, options, graph);
   }
   return graph;
 }
@@ -118,7 +123,7 @@ GroundMesh mesh_ground(std::span<const Polygon> footprints, const Bounds2& domai
   RefineOptions refinement;
   refinement.min_angle_deg = options.min_angle_deg;
   refinement.max_edge = options.mesh_size;
-  return renumber(refine(make_graph(footprints, domain), refinement, progress), domain);
+  return renumber(refine(make_graph(footprints, domain, options), refinement, progress), domain);
 }
 
 }  // namespace tetropolis

@@ -160,9 +160,11 @@ bool Refiner::move_vertex(std::int32_t v, std::int32_t he, double content) {
 
 bool Refiner::edges_fit(const std::int32_t* rim, std::size_t count, Point2 p) const {
   for (std::size_t i = 0; i < count; ++i) {
-    const Point2 a = mesh_.point(mesh_.origin(rim[i]));
-    const double dx = a.x - p.x, dy = a.y - p.y;
-    if (dx * dx + dy * dy > size_.squared(mesh_.tri(rim[i] >> 2).region, a, p)) return false;
+    const std::int32_t v = mesh_.origin(rim[i]);
+    const Point2 a = mesh_.point(v);
+    const double dx = a.x - p.x, dy = a.y - p.y, squared = dx * dx + dy * dy;
+    if (squared > size_.squared(mesh_.tri(rim[i] >> 2).region, a, p)) return false;
+    if (size_.by_segment() && squared > bound_at(v) * bound_at(v)) return false;
   }
   return true;
 }

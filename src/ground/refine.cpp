@@ -66,15 +66,14 @@ Refiner::Shape Refiner::shape(const TriMesh::Triangle& x) const {
 
 // The longest of the edges that are longer than allowed, or kNothing.
 int Refiner::oversized_edge(const TriMesh::Triangle& x, const Shape& s) const {
-  if (size_.constant())
+  if (size_.constant() && !size_.by_segment())
     return s.squared[static_cast<std::size_t>(s.longest)] > size_.base() * size_.base()
                ? s.longest
                : TriMesh::kNothing;
   int found = TriMesh::kNothing;
   double worst = 1;
   for (int i = 0; i < 3; ++i) {
-    const double bound =
-        size_.squared(x.region, mesh_.point(x.v[(i + 1) % 3]), mesh_.point(x.v[(i + 2) % 3]));
+    const double bound = squared_bound(x.region, x.v[(i + 1) % 3], x.v[(i + 2) % 3]);
     const double ratio = s.squared[static_cast<std::size_t>(i)] / bound;
     if (ratio > worst) {
       worst = ratio;
@@ -119,8 +118,7 @@ int Refiner::skinny_bucket(const Shape& s) const {
 
 int Refiner::oversized_bucket(const TriMesh::Triangle& x, const Shape& s, int edge) const {
   // The circumradius in units of the size allowed: from a half up, finely where most of them are.
-  const double bound =
-      size_.squared(x.region, mesh_.point(x.v[(edge + 1) % 3]), mesh_.point(x.v[(edge + 2) % 3]));
+  const double bound = squared_bound(x.region, x.v[(edge + 1) % 3], x.v[(edge + 2) % 3]);
   const double squared_radius =
       s.squared[0] * s.squared[1] * s.squared[2] / (4 * s.twice_area * s.twice_area * bound);
   const double rank = 24 * (std::sqrt(squared_radius) - 0.5);

@@ -33,6 +33,9 @@ SizeBound::SizeBound(const PlanarGraph& graph, const RefineOptions& options) : o
     if (region.max_edge > 0) regions_.emplace_back(region.marker, region.max_edge);
   std::sort(regions_.begin(), regions_.end());
   by_region_ = !regions_.empty();
+  const std::vector<double>& edges = graph.segment_max_edge;
+  if (std::any_of(edges.begin(), edges.end(), [&](double edge) { return edge < base_; }))
+    by_segment_ = &edges;
 }
 
 double SizeBound::in_region(std::int32_t region) const {
@@ -81,9 +84,16 @@ void Refiner::seed() {
 void Refiner::find_pieces() {
   kinds_.assign(mesh_.points.size(), kHardVertex);
   pieces_.clear();
+  if (size_.by_segment())
+    hard_bounds_.assign(mesh_.points.size(), std::numeric_limits<double>::infinity());
   for (TriMesh::Subsegment& s : mesh_.subsegments) {
     const auto index = static_cast<std::int32_t>(pieces_.size());
     pieces_.push_back({{s.v[0], s.v[1]}, s.piece, {false, false}});
+    if (size_.by_segment())
+      for (const std::int32_t v : s.v) {
+        double& bound = hard_bounds_[static_cast<std::size_t>(v)];
+        bound = std::min(bound, size_.at_segment(s.piece));
+      }
     s.piece = index;
   }
 }
@@ -116,14 +126,15 @@ void Refiner::find_corners() {
 }
 
 void Refiner::cut_pieces() {
-  if (options_.size_field) return;  // the main loop halves what is too long
   const auto count = static_cast<std::int32_t>(mesh_.subsegments.size());
   for (std::int32_t s = 0; s < count; ++s) {
     if (mesh_.sub(s).v[0] == TriMesh::kDead) continue;
-    double size = std::numeric_limits<double>::infinity();
+    double size = size_.at_segment(piece(mesh_.sub(s).piece).input);
     for (const std::int32_t he : mesh_.sub(s).side) {
       const std::int32_t region = mesh_.tri(he >> 2).region;
-      if (region != kOutside) size = std::min(size, size_.in_region(region));
+      // Where there is a size field, the main loop halves what is too long for it.
+      if (region != kOutside && !options_.size_field)
+        size = std::min(size, size_.in_region(region));
     }
     if (std::isfinite(size)) cut_piece(s, size);
   }

@@ -35,9 +35,17 @@ class SizeBound {
  public:
   SizeBound(const PlanarGraph& graph, const RefineOptions& options);
 
+  /// But for edges at segments with a bound of their own.
   bool constant() const { return !by_region_ && !options_->size_field; }
   double base() const { return base_; }
   double in_region(std::int32_t region) const;
+  /// Whether a segment has a bound of its own.
+  bool by_segment() const { return by_segment_ != nullptr; }
+  /// For edges at its points. `input`: index of the segment, negative on the hull.
+  double at_segment(std::int32_t input) const {
+    return input < 0 || !by_segment() ? std::numeric_limits<double>::infinity()
+                                      : (*by_segment_)[static_cast<std::size_t>(input)];
+  }
   /// Squared bound for the edge between p and q in `region`.
   double squared(std::int32_t region, Point2 p, Point2 q) const {
     return constant() ? base_squared_ : local_squared(region, p, q);
@@ -47,6 +55,7 @@ class SizeBound {
   double local_squared(std::int32_t region, Point2 p, Point2 q) const;
 
   const RefineOptions* options_;
+  const std::vector<double>* by_segment_ = nullptr;
   double base_ = std::numeric_limits<double>::infinity();
   double base_squared_ = std::numeric_limits<double>::infinity();
   bool by_region_ = false;
@@ -96,6 +105,20 @@ class Refiner {
   void insert_lattice();
 
   Shape shape(const TriMesh::Triangle& x) const;
+  /// The longest edge that a vertex allows for the segments it lies on.
+  double bound_at(std::int32_t v) const {
+    const std::int32_t k = kind(v);
+    if (k == kFreeVertex) return std::numeric_limits<double>::infinity();
+    return k == kHardVertex ? hard_bounds_[static_cast<std::size_t>(v)]
+                            : size_.at_segment(piece(k).input);
+  }
+  /// Squared bound for the edge between two vertices in `region`.
+  double squared_bound(std::int32_t region, std::int32_t u, std::int32_t v) const {
+    const double bound = size_.squared(region, mesh_.point(u), mesh_.point(v));
+    if (!size_.by_segment()) return bound;
+    const double at = std::min(bound_at(u), bound_at(v));
+    return std::min(bound, at * at);
+  }
   bool skinny(const Shape& s) const {
     const double l = s.squared[static_cast<std::size_t>(s.longest)];
     const double m = s.squared[static_cast<std::size_t>(3 - s.shortest - s.longest)];
@@ -136,6 +159,7 @@ class Refiner {
   SizeBound size_;
   std::vector<Piece> pieces_;
   std::vector<std::int32_t> kinds_;
+  std::vector<double> hard_bounds_;  ///< Per hard vertex, if segments have bounds: the least.
   std::vector<std::int32_t> unused_vertices_;
   std::array<std::vector<BadTriangle>, kBuckets> buckets_;
   std::uint64_t filled_ = 0;  // bit b: bucket b is not empty

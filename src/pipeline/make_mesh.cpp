@@ -19,6 +19,8 @@
 #include "tetropolis/io/xdmf.h"
 #include "tetropolis/volume/boundary.h"
 #include "tetropolis/volume/fill_columns.h"
+#include "tetropolis/volume/ground_heights.h"
+#include "tetropolis/volume/improve_columns.h"
 #include "tetropolis/volume/quality.h"
 #include "tetropolis/volume/smooth.h"
 
@@ -55,12 +57,18 @@ double estimate_cells(const ColumnPlan& plan) {
   return cells;
 }
 
-GroundMesh make_ground(const Config& config, const CityModel& city, StepClock& clock,
-                       Report& report) {
+GroundMesh make_ground(const Config& config, const CityModel& city, const Raster& dtm,
+                       StepClock& clock, Report& report) {
   std::vector<Polygon> footprints;
   for (const Building& building : city.buildings) footprints.push_back(building.footprint);
+  GroundMeshOptions options{config.mesh_size, config.min_angle};
+  if (config.layering != "uniform")
+    options.wall_edge = [&](BuildingIndex building, Point2 a, Point2 b) {
+      const double roof = city.buildings[static_cast<std::size_t>(building)].h_roof;
+      return longest_wall_edge(dtm, roof, a, b, config.min_wall_height);
+    };
   GroundMesh ground = clock.run("3.1", "ground mesh", [&](const Progress& progress) {
-    return mesh_ground(footprints, city.domain, {config.mesh_size, config.min_angle}, progress);
+    return mesh_ground(footprints, city.domain, options, progress);
   });
   report.ground_mesh = GroundMeshReport{static_cast<std::int64_t>(ground.vertices.size()),
                                         static_cast<std::int64_t>(ground.triangles.size()),
@@ -183,8 +191,26 @@ ColumnMesh make_columns_of_city(const Config& config, const CityModel& city, con
 /// Cells the report lists.
 constexpr std::size_t kWorstCells = 10;
 
-void measure(const ColumnMesh& mesh, VolumeMeshReport& volume) {
-  CellQuality cells = measure_quality(mesh, kWorstCells);
+/// Makes thin cells better if there are any. The columns of uniform layers are as asked for.
+CellQuality improve(const Config& config, ColumnMesh& mesh, StepClock& clock,
+                    VolumeMeshReport& volume) {
+  const auto measured = [&] {
+    return clock.run("3.6", "measure cells",
+                     [&](const Progress&) { return measure_quality(mesh, kWorstCells); });
+  };
+  CellQuality cells = measured();
+  const ImproveOptions options;
+  if (config.layering == "uniform" || (cells.histogram.min_dihedral_deg() >= options.least_deg &&
+                                       cells.histogram.max_dihedral_deg() <= options.greatest_deg))
+    return cells;
+  clock.run("3.5", "improve cells", [&](const Progress& progress) {
+    volume.columns_improved = improve_columns(mesh, options, progress);
+  });
+  volume.min_vertical_gap = require_valid(mesh);
+  return measured();
+}
+
+void measure(const ColumnMesh& mesh, CellQuality cells, VolumeMeshReport& volume) {
   const QualityHistogram& quality = cells.histogram;
   volume.worst = std::move(cells.worst);
   volume.faces = measure_faces(mesh);
@@ -298,15 +324,16 @@ void make_mesh(const Config& config, const CityModel& city, Raster dtm, const Ou
                StepClock& clock, Report& report) {
   const Point2 origin = city.origin;
   require_mesh_fits(config, size_of(config, city, dtm));
-  GroundMesh ground = make_ground(config, city, clock, report);
+  GroundMesh ground = make_ground(config, city, dtm, clock, report);
   move_into_crs(ground, origin);
   dtm.x0 = in_crs(dtm.x0, origin.x);
   dtm.y0 = in_crs(dtm.y0, origin.y);
   const Bounds2 domain{in_crs(city.domain.xmin, origin.x), in_crs(city.domain.ymin, origin.y),
                        in_crs(city.domain.xmax, origin.x), in_crs(city.domain.ymax, origin.y)};
-  const ColumnMesh mesh = make_columns_of_city(config, city, dtm, std::move(ground), clock, report);
+  ColumnMesh mesh = make_columns_of_city(config, city, dtm, std::move(ground), clock, report);
+  CellQuality cells = improve(config, mesh, clock, *report.volume_mesh);
   clock.run("3.6", "check and write meshes", [&](const Progress& progress) {
-    measure(mesh, *report.volume_mesh);
+    measure(mesh, std::move(cells), *report.volume_mesh);
     const SurfaceMesh boundary = bound(mesh, domain, report);
     Placement placement{{0, 0, 0}, {city.origin.x, city.origin.y, 0}};
     if (config.coordinates == "absolute")

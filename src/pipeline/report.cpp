@@ -72,6 +72,7 @@ Json volume_json(const VolumeMeshReport& mesh, Point2 origin) {
           {"min_vertical_gap", mesh.min_vertical_gap},
           {"ground_lowered", mesh.ground_lowered},
           {"moved_by_guard", mesh.moved_by_guard},
+          {"columns_improved", mesh.columns_improved},
           {"top", mesh.top},
           {"dihedral_deg",
            {{"min", mesh.dihedral_min},

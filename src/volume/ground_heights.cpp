@@ -1,6 +1,8 @@
 #include "tetropolis/volume/ground_heights.h"
 
 #include <algorithm>
+#include <cmath>
+#include <limits>
 #include <string>
 
 #include "tetropolis/core/error.h"
@@ -30,6 +32,19 @@ std::vector<std::uint8_t> outside_vertices(const GroundMesh& mesh) {
     if (mesh.region[t] == kNoBuilding)
       for (const VertexIndex v : mesh.triangles[t]) outside[static_cast<std::size_t>(v)] = 1;
   return outside;
+}
+
+double longest_wall_edge(const Raster& dtm, double roof, Point2 a, Point2 b, double minimum_wall) {
+  constexpr double kEdgesPerHeight = 4, kLeastHeight = 1;
+  double least = std::numeric_limits<double>::infinity();
+  const double steps = std::ceil(std::max(1.0, std::hypot(b.x - a.x, b.y - a.y) / dtm.step));
+  for (double i = 0; i <= steps; ++i) {
+    const double t = i / steps;
+    const double height = roof - sample(dtm, {a.x + t * (b.x - a.x), a.y + t * (b.y - a.y)});
+    if (height < minimum_wall) return std::numeric_limits<double>::infinity();
+    least = std::min(least, height);
+  }
+  return kEdgesPerHeight * std::max(least, kLeastHeight);
 }
 
 std::vector<double> terrain_under(const GroundMesh& mesh, const Raster& dtm) {

@@ -9,6 +9,8 @@
 
 #include "tetropolis/core/parallel.h"
 
+#include "tet_cosines.h"
+
 namespace tetropolis {
 
 namespace {
@@ -18,12 +20,6 @@ constexpr double kBinsPerDegree = 100;
 constexpr std::size_t kDihedralBins = 7200;  // the least dihedral angle is at most 70.53 degrees
 constexpr double kAspectBase = 1.001;        // bin i starts at aspect ratio 1.001^i
 constexpr std::size_t kAspectBins = 16000;   // up to 8.8e6
-
-Point3 minus(const Point3& a, const Point3& b) { return {a[0] - b[0], a[1] - b[1], a[2] - b[2]}; }
-double dot(const Point3& a, const Point3& b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
-Point3 cross(const Point3& a, const Point3& b) {
-  return {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
-}
 
 /// Bin whose cumulated count first reaches `fraction` of the total.
 std::size_t quantile_bin(const std::vector<std::int64_t>& bins, std::int64_t total,
@@ -35,50 +31,6 @@ std::size_t quantile_bin(const std::vector<std::int64_t>& bins, std::int64_t tot
     if (static_cast<double>(sum) >= wanted) return i;
   }
   return bins.size() - 1;
-}
-
-/// A tet's shape before the angles are taken.
-struct TetCosines {
-  double volume;
-  double greatest;  // cosine of the least dihedral angle
-  double least;     // and of the greatest
-  double aspect_ratio;
-};
-
-inline TetCosines tet_cosines(const Point3& p0, const Point3& p1, const Point3& p2,
-                              const Point3& p3) {
-  const Point3 e01 = minus(p1, p0), e02 = minus(p2, p0), e03 = minus(p3, p0);
-  const Point3 e12 = minus(p2, p1), e13 = minus(p3, p1), e23 = minus(p3, p2);
-  // Normals of the faces opposite to p0 .. p3, all pointing outwards (or all inwards), length twice
-  // the face's area.
-  const std::array<Point3, 4> normal = {cross(e12, e13), cross(e03, e02), cross(e01, e03),
-                                        cross(e02, e01)};
-  std::array<double, 4> per_length{};
-  double twice_area = 0;
-  for (std::size_t i = 0; i < 4; ++i) {
-    const double length = std::sqrt(dot(normal[i], normal[i]));
-    twice_area += length;
-    per_length[i] = length > 0 ? 1 / length : 0;
-  }
-  TetCosines shape{};
-  shape.least = 1;
-  shape.greatest = -1;
-  for (std::size_t i = 0; i < 4; ++i)
-    for (std::size_t j = i + 1; j < 4; ++j) {
-      const double cosine = -dot(normal[i], normal[j]) * (per_length[i] * per_length[j]);
-      shape.least = std::min(shape.least, cosine);
-      shape.greatest = std::max(shape.greatest, cosine);
-    }
-  double longest2 = 0;
-  for (const Point3* e : {&e01, &e02, &e03, &e12, &e13, &e23})
-    longest2 = std::max(longest2, dot(*e, *e));
-  const double six_volumes = -dot(normal[3], e03);
-  shape.volume = six_volumes / 6;
-  // The inradius is three volumes over the area.
-  shape.aspect_ratio = six_volumes != 0
-                           ? std::sqrt(longest2 / 24) * twice_area / std::abs(six_volumes)
-                           : std::numeric_limits<double>::infinity();
-  return shape;
 }
 
 double angle_deg(double cosine) { return std::acos(std::clamp(cosine, -1.0, 1.0)) * kDegrees; }
@@ -322,6 +274,10 @@ void keep_worst(std::vector<WorstCell>& cells, std::size_t count) {
   if (cells.size() > count) cells.resize(count);
 }
 
+/// Ground that rises above a roof by more than this times the triangle's altitude leaves the cells
+/// between them no good shape: the roof's edge has one cell on that side, however columns are cut.
+constexpr double kBuried = 2;
+
 double altitude(const Point3& a, const Point3& b, const Point3& c) {
   const Point3 e0 = minus(b, a), e1 = minus(c, a), e2 = minus(c, b);
   const double longest =
@@ -335,18 +291,23 @@ std::string_view cause_of(const ColumnMesh& mesh, std::size_t t,
                           const std::array<NodeIndex, 4>& nodes, const std::array<Point3, 4>& p) {
   const auto& v = mesh.ground.triangles[t];
   const double least = altitude(p[0], p[1], p[2]);
-  double low = std::numeric_limits<double>::infinity(), high = -low;
+  double low = std::numeric_limits<double>::infinity(), high = -low, roof = low;
   bool at_floor = true, at_building = false;
   for (std::size_t i = 0; i < 3; ++i) {
     const NodeIndex floor = mesh.floor(t, v[i]);
     low = std::min(low, mesh.z[static_cast<std::size_t>(floor)]);
     high = std::max(high, mesh.z[static_cast<std::size_t>(floor)]);
     at_floor = at_floor && nodes[i] <= floor + 1;
-    at_building = at_building || mesh.roof[static_cast<std::size_t>(v[i])] != kNoRoof;
+    const auto corner = static_cast<std::size_t>(v[i]);
+    if (mesh.roof[corner] == kNoRoof) continue;
+    at_building = true;
+    roof = std::min(roof, mesh.z[static_cast<std::size_t>(mesh.first[corner] + mesh.roof[corner])]);
   }
   const auto below =
       static_cast<std::size_t>(std::find(nodes.begin(), nodes.end(), nodes[3] - 1) - nodes.begin());
   const double edge = p[3][2] - p[below][2];
+  const double bottom = std::min({p[0][2], p[1][2], p[2][2]});
+  if (at_building && bottom < high && high - roof > kBuried * least) return "buried roof";
   if (at_floor && high - low > least) return "steep ground";
   if (at_floor && at_building && edge < least) return "low wall";
   if (edge > 2 * least) return "small detail";

@@ -1,6 +1,8 @@
 #include "tetropolis/ground/refine.h"
 
+#include <algorithm>
 #include <cmath>
+#include <limits>
 #include <map>
 #include <numbers>
 
@@ -157,6 +159,39 @@ TEST(Refine, SizeOfRegionsAndSizeField) {
   check(refine(graph, options), [&](std::int32_t region, Point2 p) {
     return std::min(region == 3 ? 1.0 : 6.0, options.size_field(p));
   });
+}
+
+TEST(Refine, EdgesAtSegmentsWithABoundOfTheirOwn) {
+  Random random(16);
+  for (int i = 0; i < 40; ++i) {
+    SCOPED_TRACE(i);
+    PlanarGraph graph;
+    add_ring(graph, rectangle_ring(0, 0, 100, 100));
+    for (const Polygon& p : testing::random_rectangles(6, 100, 1, random)) add_ring(graph, p.outer);
+    for (std::size_t s = 0; s < graph.segments.size(); ++s)
+      graph.segment_max_edge.push_back(s >= 4 && random.integer(0, 2) == 0
+                                           ? random.real(0.7, 20)
+                                           : std::numeric_limits<double>::infinity());
+    const double size = i % 3 == 0 ? 0 : i % 3 == 1 ? 12 : 30;
+    const RefineOptions options{
+        .min_angle_deg = 25, .max_edge = size, .lattice = i % 2 == 0, .optimize = i % 5 != 0};
+    expect_refined(graph, options, "bounds of segments");
+    const Triangulation t = refine(graph, options);
+    std::vector<double> bound(t.points.size(), size > 0 ? size : 1e9);
+    for (std::size_t s = 0; s < t.segments.size(); ++s)
+      for (const VertexIndex v : t.segments[s]) {
+        double& own = bound[static_cast<std::size_t>(v)];
+        own = std::min(own, graph.segment_max_edge[static_cast<std::size_t>(t.segment_inputs[s])]);
+      }
+    for (const auto& triangle : t.triangles)
+      for (std::size_t k = 0; k < 3; ++k) {
+        const auto a = static_cast<std::size_t>(triangle[k]);
+        const auto b = static_cast<std::size_t>(triangle[(k + 1) % 3]);
+        const double length =
+            std::hypot(t.points[a].x - t.points[b].x, t.points[a].y - t.points[b].y);
+        EXPECT_LE(length, std::min(bound[a], bound[b]) + 1e-9) << "seed " << testing::test_seed();
+      }
+  }
 }
 
 TEST(Refine, HolesStayEmptyAndTheirSidesAreKept) {

@@ -9,6 +9,8 @@
 
 #include <gtest/gtest.h>
 
+#include "tetropolis/io/cityjson.h"
+#include "tetropolis/io/geotiff.h"
 #include "tetropolis/pipeline/run.h"
 
 #include "support/test_data.h"
@@ -86,6 +88,28 @@ void expect_good_synthetic(const char* kind, double size, std::int64_t buildings
 TEST(QualityFloor, RandomCity) { expect_good_synthetic("random", 900, 400); }
 
 TEST(QualityFloor, Blocks) { expect_good_synthetic("blocks", 600, 0); }
+
+/// Huts of three metres in a mesh of thirty.
+TEST(QualityFloor, LowWallsInACoarseMesh) {
+  const testing::TemporaryFolder folder;
+  CityModel city;
+  city.domain = {0, 0, 200, 200};
+  city.crs = "EPSG:28992";
+  for (int i = 0; i < 9; ++i) {
+    const double x = 30 + 60 * (i % 3), y = 30 + 60.0 * (i / 3);
+    Building hut;
+    hut.id = "b" + std::to_string(i);
+    hut.source_ids = {std::to_string(i)};
+    hut.footprint.outer = {{x, y}, {x + 8, y + 2}, {x + 6, y + 10}, {x - 2, y + 8}};
+    hut.h_ground = 10;
+    hut.h_roof = 13 + 0.1 * i;
+    city.buildings.push_back(hut);
+  }
+  write_city(folder / "city.city.json", city);
+  const Raster dtm{201, 201, 0, 0, 1, std::vector<double>(std::size_t{201} * 201, 10.0)};
+  write_raster(folder / "dtm.tif", dtm, {}, "EPSG:28992");
+  expect_good_meshes(folder.path(), {30, 20});
+}
 
 /// OpenFOAM's own judgement, where it is installed: `apt-get install openfoam`.
 TEST(QualityFloor, CheckMeshOfOpenFoamAgrees) {

@@ -1,5 +1,8 @@
 #include "tetropolis/volume/ground_heights.h"
 
+#include <cmath>
+#include <limits>
+
 #include <gtest/gtest.h>
 
 #include "tetropolis/core/error.h"
@@ -32,6 +35,20 @@ TEST(GroundHeights, FollowTheTerrainExceptUnderLowRoofs) {
   }
   EXPECT_GT(lowered, 0);
   EXPECT_EQ(count, lowered);
+}
+
+TEST(GroundHeights, LowWallsAskForShortEdges) {
+  constexpr double inf = std::numeric_limits<double>::infinity();
+  const Raster flat = testing::raster_of({0, 0, 50, 50}, [](double, double) { return 7.0; });
+  EXPECT_DOUBLE_EQ(longest_wall_edge(flat, 10, {5, 5}, {30, 5}, 0.5), 12);
+  EXPECT_DOUBLE_EQ(longest_wall_edge(flat, 7.6, {5, 5}, {30, 5}, 0.5), 4);  // a metre at least
+  EXPECT_EQ(longest_wall_edge(flat, 7.4, {5, 5}, {30, 5}, 0.5), inf);
+  // A ridge across the wall between its ends is seen.
+  const Raster ridge = testing::raster_of(
+      {0, 0, 50, 50}, [](double x, double) { return std::abs(x - 20) < 1.5 ? 8.0 : 0.0; });
+  EXPECT_DOUBLE_EQ(longest_wall_edge(ridge, 10, {5, 5}, {35, 5}, 0.5), 8);
+  EXPECT_DOUBLE_EQ(longest_wall_edge(ridge, 10, {5, 5}, {12, 5}, 0.5), 40);
+  EXPECT_EQ(longest_wall_edge(ridge, 8.2, {5, 5}, {35, 5}, 0.5), inf);
 }
 
 TEST(GroundHeights, VerticesKnowTheirBuilding) {

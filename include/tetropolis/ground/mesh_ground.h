@@ -1,6 +1,7 @@
 // Step 3.1: the 2D mesh of the domain that respects every footprint.
 #pragma once
 
+#include <functional>
 #include <span>
 
 #include "tetropolis/core/progress.h"
@@ -12,6 +13,9 @@ namespace tetropolis {
 struct GroundMeshOptions {
   double mesh_size = 10;      ///< Longest edge, metres, > 0.
   double min_angle_deg = 25;  ///< Degrees, 0 to 33.
+  /// Longest edge at the wall between the neighbouring vertices a and b of a ring of `building`,
+  /// along it and away from it, metres, > 0. Empty: mesh_size for all.
+  std::function<double(BuildingIndex building, Point2 a, Point2 b)> wall_edge = {};
 };
 
 /// Meshes the rectangle `domain`, inside and outside of the footprints. `region` holds the index in

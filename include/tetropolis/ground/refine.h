@@ -24,7 +24,8 @@ struct RefineOptions {
 };
 
 /// A constrained Delaunay triangulation of `graph` with vertices added so that
-/// - no edge is longer than the smallest of `max_edge`, the region's max_edge and the size field;
+/// - no edge is longer than the smallest of `max_edge`, the region's max_edge and the size field,
+///   nor, at a point on a segment, than the segment's max_edge;
 /// - no angle is smaller than `min_angle_deg`, except in triangles that owe it to a corner of the
 ///   input sharper than that: at the corner itself, or across from it, with a shortest edge that
 ///   joins two points at the same distance from the corner, one on each of its sides. Such corners

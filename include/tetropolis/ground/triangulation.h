@@ -36,6 +36,9 @@ struct PlanarGraph {
   /// are flooded from these sides first, in segment order, and then from `regions`; so they do not
   /// depend on where a seed happens to fall.
   std::vector<std::array<std::int32_t, 2>> segment_sides;
+  /// Per segment, or empty: longest edge wanted at its points when refining, on the segment and
+  /// beside it; infinity: no own bound. Where segments overlap, that of the first one counts.
+  std::vector<double> segment_max_edge;
   std::vector<Point2> holes;  ///< The area around each, as far as segments bound it, is left out.
   std::vector<RegionSeed> regions;
 };

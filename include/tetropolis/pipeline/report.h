@@ -70,6 +70,7 @@ struct VolumeMeshReport {
   double min_vertical_gap = 0;
   std::int64_t ground_lowered = 0;
   std::int64_t moved_by_guard = 0;
+  std::int64_t columns_improved = 0;  ///< By improve_columns.
   double top = 0;
   double dihedral_min = 0, dihedral_p0_01 = 0, dihedral_p0_1 = 0, dihedral_p1 = 0,
          dihedral_median = 0, dihedral_max = 0;  ///< Degrees; quantiles of the least in each cell.

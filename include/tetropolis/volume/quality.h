@@ -64,9 +64,11 @@ struct WorstCell {
   double max_dihedral_deg = 0;
   Point3 centre{};             ///< Local frame, metres.
   TriangleIndex triangle = 0;  ///< That it stands over.
-  /// "steep ground": the floor of its stack rises by more than the triangle's altitude; "low wall":
-  /// beside a building, a wall or roof segment shorter than that altitude; "small detail": the
-  /// altitude is less than half the cell's vertical edge; "change of size": none of these.
+  /// "buried roof": beside a building, the ground rises above its roof by more than twice the
+  /// triangle's altitude; "steep ground": the floor of its stack rises by more than the triangle's
+  /// altitude; "low wall": beside a building, a wall or roof segment shorter than that altitude;
+  /// "small detail": the altitude is less than half the cell's vertical edge; "change of size":
+  /// none of these.
   std::string_view cause;
 };
 

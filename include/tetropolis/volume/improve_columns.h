@@ -1,0 +1,32 @@
+// Local search for the cells that the division of columns leaves too thin.
+#pragma once
+
+#include <cstdint>
+
+#include "tetropolis/core/progress.h"
+#include "tetropolis/volume/column_mesh.h"
+
+namespace tetropolis {
+
+struct ImproveOptions {
+  double least_deg = 12;      ///< Cells with a smaller dihedral angle are worked on,
+  double greatest_deg = 157;  ///< and those with a greater one.
+  int sweeps = 3;            ///< Over the columns of such cells, at most.
+};
+
+/// Moves, adds and removes nodes of the columns at bad cells wherever that makes the cells around
+/// better, until nothing does. As a column mesh is valid with any numbers that rise, every trial is
+/// a valid mesh. Nodes at the ground, at roofs and at the top stay, so the ground mesh, all
+/// surfaces and guarantees are untouched, and so is every column away from bad cells.
+///
+/// What is bad is told by how much: with angle t below the target T, a cell costs
+/// ((1 - cos T) / (1 - cos t))^2 - 1, about (T / t)^4 - 1, and likewise above the greatest angle; a
+/// change is made if it lowers the sum over the cells it touches. Columns that share no triangle do
+/// not touch the same cells and are worked on at the same time.
+///
+/// Returns the number of columns that changed. The same bits for any number of threads.
+/// Precondition: `mesh` is valid (require_valid). Throws Cancelled.
+std::int64_t improve_columns(ColumnMesh& mesh, const ImproveOptions& options = {},
+                             const Progress& progress = {});
+
+}  // namespace tetropolis

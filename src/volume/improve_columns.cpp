@@ -1,0 +1,427 @@
+#include "tetropolis/volume/improve_columns.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <limits>
+#include <numbers>
+#include <span>
+#include <utility>
+#include <vector>
+
+#include "tetropolis/core/parallel.h"
+
+#include "tet_cosines.h"
+
+namespace tetropolis {
+
+namespace {
+
+constexpr std::size_t kTrianglesPerChunk = 4096;
+constexpr double kForever = std::numeric_limits<double>::infinity();
+
+/// A change has to lower the cost by this share, so that rounding never makes changes go round.
+constexpr double kWorthwhile = 1e-3;
+
+/// Changes made to one column in one sweep, at most.
+constexpr int kChangesPerSweep = 8;
+
+/// Nodes below and above one of a bad cell that a trial leaves where they are: nodes between them
+/// move.
+constexpr std::array<std::array<std::int32_t, 2>, 6> kWindows{
+    {{1, 1}, {0, 1}, {1, 2}, {2, 1}, {0, 3}, {1, 6}}};
+
+/// Where two nodes are tried between two others, as shares of the distance.
+constexpr std::array<std::array<double, 2>, 5> kPairs{
+    {{1.0 / 3, 2.0 / 3}, {0.25, 0.5}, {0.5, 0.75}, {0.15, 0.5}, {0.5, 0.85}}};
+
+template <typename Index>
+void sort_once(std::vector<Index>& numbers) {
+  std::sort(numbers.begin(), numbers.end());
+  numbers.erase(std::unique(numbers.begin(), numbers.end()), numbers.end());
+}
+
+/// What a cell costs; nothing if its angles are within the bounds.
+class Cost {
+ public:
+  explicit Cost(const ImproveOptions& options)
+      : least_(1 - std::cos(options.least_deg / 180 * std::numbers::pi)),
+        greatest_(1 + std::cos(options.greatest_deg / 180 * std::numbers::pi)) {}
+
+  double of(const Point3& p0, const Point3& p1, const Point3& p2, const Point3& p3) const {
+    const TetCosines shape = tet_cosines(p0, p1, p2, p3);
+    return excess(least_, 1 - shape.greatest) + excess(greatest_, 1 + shape.least);
+  }
+
+ private:
+  static double excess(double wanted, double got) {
+    if (got >= wanted) return 0;
+    const double ratio = wanted / std::max(got, 1e-12);
+    return ratio * ratio - 1;
+  }
+
+  double least_;
+  double greatest_;
+};
+
+/// A column on trial.
+struct Column {
+  std::vector<double> z;
+  std::int32_t roof = kNoRoof;
+};
+
+struct ColumnView {
+  std::span<const double> z;
+  std::int32_t roof = kNoRoof;
+
+  ColumnView(std::span<const double> nodes, std::int32_t at) : z(nodes), roof(at) {}
+  ColumnView(const Column& column) : z(column.z), roof(column.roof) {}  // NOLINT: as a string_view
+};
+
+/// A column over one corner of a triangle, as far as that triangle's stack uses it.
+struct Corner {
+  VertexIndex vertex = 0;
+  Point2 place;
+  std::span<const double> z;
+  std::int32_t floor = 0;
+
+  std::int32_t last() const { return static_cast<std::int32_t>(z.size()) - 1; }
+  double at(std::int32_t node) const { return z[static_cast<std::size_t>(node)]; }
+  /// Order of the segment from `node` up: twice the elevation of its midpoint.
+  double key(std::int32_t node) const { return node < last() ? at(node) + at(node + 1) : kForever; }
+};
+
+class Improver {
+ public:
+  Improver(const ColumnMesh& mesh, const ImproveOptions& options)
+      : mesh_(&mesh), cost_(options), slot_(mesh.vertex_count(), -1) {}
+
+  /// Vertices of the triangles with a bad cell, ascending.
+  std::vector<VertexIndex> bad_vertices() const;
+  /// One pass over these columns; returns those that changed, ascending.
+  std::vector<VertexIndex> sweep(const std::vector<VertexIndex>& vertices,
+                                 const Progress& progress);
+  /// Of the vertices that share a triangle with one of these, those of bad cells, ascending.
+  std::vector<VertexIndex> bad_around(const std::vector<VertexIndex>& vertices) const;
+  /// The mesh's nodes with all changes; returns how many columns differ.
+  std::int64_t store(ColumnMesh& mesh) const;
+
+ private:
+  bool inside(TriangleIndex t) const { return mesh_->inside_building(static_cast<std::size_t>(t)); }
+  const std::array<VertexIndex, 3>& corners(TriangleIndex t) const {
+    return mesh_->ground.triangles[static_cast<std::size_t>(t)];
+  }
+  ColumnView column(VertexIndex v) const;
+  std::vector<TriangleIndex> around(VertexIndex v) const;
+
+  /// Goes through the cells over t that have one of v's nodes first .. last, as if v's column were
+  /// `own`. Calls visit(cost, node, rises) with the node of v's column that the cell stands on, and
+  /// whether the cell has the one above it as well. Returns false at once if visit does.
+  template <typename Visit>
+  bool visit_cells(TriangleIndex t, VertexIndex v, ColumnView own, std::int32_t first,
+                   std::int32_t last, const Visit& visit) const;
+  /// Sum over those cells of all triangles; any number beyond `limit` if it is beyond.
+  double cost(std::span<const TriangleIndex> triangles, VertexIndex v, ColumnView own,
+              std::int32_t first, std::int32_t last, double limit) const;
+  bool is_bad(TriangleIndex t) const;
+
+  Column improved(VertexIndex v) const;
+  bool improve_once(VertexIndex v, std::span<const TriangleIndex> triangles, Column& column) const;
+  bool improve_between(VertexIndex v, std::span<const TriangleIndex> triangles, std::int32_t low,
+                       std::int32_t high, Column& column) const;
+
+  const ColumnMesh* mesh_;
+  Cost cost_;
+  std::vector<std::int32_t> slot_;  ///< Per vertex: its place in changed_, or -1.
+  std::vector<Column> changed_;
+};
+
+ColumnView Improver::column(VertexIndex v) const {
+  const auto i = static_cast<std::size_t>(v);
+  if (slot_[i] >= 0) return changed_[static_cast<std::size_t>(slot_[i])];
+  const auto first = static_cast<std::size_t>(mesh_->first[i]);
+  const auto size = static_cast<std::size_t>(mesh_->first[i + 1]) - first;
+  return {std::span(mesh_->z).subspan(first, size), mesh_->roof[i]};
+}
+
+std::vector<TriangleIndex> Improver::around(VertexIndex v) const {
+  const EdgeGraph& edges = mesh_->edges;
+  const auto i = static_cast<std::size_t>(v);
+  std::vector<TriangleIndex> triangles;
+  const auto add = [&](EdgeIndex e) {
+    for (const TriangleIndex t : edges.triangles[static_cast<std::size_t>(e)])
+      if (t != kNoTriangle) triangles.push_back(t);
+  };
+  for (EdgeIndex e = edges.starts[i]; e < edges.starts[i + 1]; ++e) add(e);
+  for (std::int32_t k = edges.end_offsets[i]; k < edges.end_offsets[i + 1]; ++k)
+    add(edges.ends[static_cast<std::size_t>(k)]);
+  sort_once(triangles);
+  return triangles;
+}
+
+template <typename Visit>
+bool Improver::visit_cells(TriangleIndex t, VertexIndex v, ColumnView own_column,
+                           std::int32_t first, std::int32_t last, const Visit& visit) const {
+  std::array<Corner, 3> stack;
+  std::size_t own = 0;
+  for (std::size_t i = 0; i < 3; ++i) {
+    const VertexIndex vertex = corners(t)[i];
+    if (vertex == v) own = i;
+    const ColumnView here = vertex == v ? own_column : column(vertex);
+    stack[i] = {vertex, mesh_->ground.vertices[static_cast<std::size_t>(vertex)], here.z,
+                  inside(t) ? here.roof : 0};
+  }
+
+  // The front (see Climb) when v's column is about to reach node `first`.
+  std::array<std::int32_t, 3> at{stack[0].floor, stack[1].floor, stack[2].floor};
+  if (first > at[own]) {
+    at[own] = first - 1;
+    const double key = stack[own].key(first - 1);
+    for (std::size_t i = 0; i < 3; ++i) {
+      if (i == own) continue;
+      const Corner& c = stack[i];
+      std::int32_t below = at[i], above = c.last();
+      while (below < above) {
+        const std::int32_t middle = below + (above - below) / 2;
+        const double other = c.key(middle);
+        if (other < key || (other == key && c.vertex > v))
+          below = middle + 1;
+        else
+          above = middle;
+      }
+      at[i] = below;
+    }
+  }
+  std::array<Point3, 3> p;
+  std::array<double, 3> key{};
+  for (std::size_t i = 0; i < 3; ++i) {
+    p[i] = {stack[i].place.x, stack[i].place.y, stack[i].at(at[i])};
+    key[i] = stack[i].key(at[i]);
+  }
+  while (true) {
+    std::size_t next = 0;
+    for (std::size_t i = 1; i < 3; ++i)
+      if (key[i] < key[next] || (key[i] == key[next] && stack[i].vertex > stack[next].vertex))
+        next = i;
+    if (!(key[next] < kForever)) return true;
+    const Point3 apex{p[next][0], p[next][1], stack[next].at(at[next] + 1)};
+    if (!visit(cost_.of(p[0], p[1], p[2], apex), at[own], next == own)) return false;
+    if (next == own && at[own] >= last) return true;
+    p[next] = apex;
+    ++at[next];
+    key[next] = stack[next].key(at[next]);
+  }
+}
+
+double Improver::cost(std::span<const TriangleIndex> triangles, VertexIndex v, ColumnView own,
+                      std::int32_t first, std::int32_t last, double limit) const {
+  double sum = 0;
+  for (const TriangleIndex t : triangles) {
+    if (inside(t) && last < own.roof) continue;  // there are no cells below a roof
+    const bool within = visit_cells(t, v, own, first, last, [&](double cell, std::int32_t, bool) {
+      sum += cell;
+      return sum < limit;
+    });
+    if (!within) break;
+  }
+  return sum;
+}
+
+bool Improver::is_bad(TriangleIndex t) const {
+  const VertexIndex v = corners(t)[0];
+  const ColumnView own = column(v);
+  return !visit_cells(t, v, own, 0, static_cast<std::int32_t>(own.z.size()) - 1,
+                      [](double cell, std::int32_t, bool) { return cell <= 0; });
+}
+
+std::vector<VertexIndex> Improver::bad_vertices() const {
+  std::vector<char> bad(mesh_->triangle_count(), 0);
+  parallel_chunks(bad.size(), kTrianglesPerChunk, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t t = begin; t < end; ++t)
+      bad[t] = is_bad(static_cast<TriangleIndex>(t)) ? 1 : 0;
+  });
+  std::vector<VertexIndex> vertices;
+  for (std::size_t t = 0; t < bad.size(); ++t)
+    if (bad[t] != 0)
+      vertices.insert(vertices.end(), mesh_->ground.triangles[t].begin(),
+                      mesh_->ground.triangles[t].end());
+  sort_once(vertices);
+  return vertices;
+}
+
+std::vector<VertexIndex> Improver::bad_around(const std::vector<VertexIndex>& vertices) const {
+  std::vector<TriangleIndex> triangles;
+  for (const VertexIndex v : vertices) {
+    const std::vector<TriangleIndex> own = around(v);
+    triangles.insert(triangles.end(), own.begin(), own.end());
+  }
+  sort_once(triangles);
+  std::vector<VertexIndex> bad;
+  for (const TriangleIndex t : triangles)
+    if (is_bad(t))
+      for (const VertexIndex v : corners(t)) bad.push_back(v);
+  sort_once(bad);
+  return bad;
+}
+
+/// Tries other nodes between `low` and `high`, which stay; takes the best if it is better.
+bool Improver::improve_between(VertexIndex v, std::span<const TriangleIndex> triangles,
+                               std::int32_t low, std::int32_t high, Column& column) const {
+  const double now = cost(triangles, v, column, low, high, kForever);
+  if (!(now > 0)) return false;
+  const auto before = static_cast<std::size_t>(low) + 1, after = static_cast<std::size_t>(high);
+  const double z0 = column.z[before - 1], z1 = column.z[after];
+  Column trial, best;
+  double least = now * (1 - kWorthwhile);
+  const auto attempt = [&](std::span<const double> between) {
+    trial.z.assign(column.z.begin(), column.z.begin() + static_cast<std::ptrdiff_t>(before));
+    for (const double z : between) {
+      if (!(z > trial.z.back())) return;
+      trial.z.push_back(z);
+    }
+    if (!(z1 > trial.z.back())) return;
+    trial.z.insert(trial.z.end(), column.z.begin() + static_cast<std::ptrdiff_t>(after),
+                   column.z.end());
+    const auto change = static_cast<std::int32_t>(trial.z.size()) -
+                        static_cast<std::int32_t>(column.z.size());
+    trial.roof = column.roof + (column.roof >= high ? change : 0);
+    const double cost_then = cost(triangles, v, trial, low, high + change, least);
+    if (!(cost_then < least)) return;
+    least = cost_then;
+    std::swap(best, trial);
+  };
+  const auto at = [&](double share) { return z0 + (z1 - z0) * share; };
+  attempt({});
+  const std::int32_t inner = high - low - 1;
+  for (int i = 1; i < 8; ++i) attempt(std::array{at(i / 8.0)});
+  if (inner == 1)
+    for (const double step : {-0.04, -0.015, 0.015, 0.04})
+      attempt(std::array{column.z[before] + step * (z1 - z0)});
+  if (inner > 0) {
+    for (const auto& [a, b] : kPairs) attempt(std::array{at(a), at(b)});
+    std::array<double, 8> even{};
+    for (std::int32_t n = 3; n <= std::min(inner + 1, 8); ++n) {
+      for (std::int32_t i = 0; i < n; ++i)
+        even[static_cast<std::size_t>(i)] = at((i + 1.0) / (n + 1.0));
+      attempt(std::span(even).first(static_cast<std::size_t>(n)));
+    }
+  }
+  if (best.z.empty()) return false;
+  column = std::move(best);
+  return true;
+}
+
+bool Improver::improve_once(VertexIndex v, std::span<const TriangleIndex> triangles,
+                            Column& column) const {
+  const auto last = static_cast<std::int32_t>(column.z.size()) - 1;
+  std::vector<char> bad(column.z.size(), 0);
+  for (const TriangleIndex t : triangles)
+    visit_cells(t, v, column, 0, last, [&](double cell, std::int32_t node, bool rises) {
+      if (cell > 0) {
+        bad[static_cast<std::size_t>(node)] = 1;
+        if (rises) bad[static_cast<std::size_t>(node) + 1] = 1;
+      }
+      return true;
+    });
+  const auto fixed_between = [&](std::int32_t low, std::int32_t high) {
+    return low < 0 || high > last || (column.roof > low && column.roof < high);
+  };
+  for (std::int32_t node = 0; node <= last; ++node) {
+    if (bad[static_cast<std::size_t>(node)] == 0) continue;
+    for (const auto& [down, up] : kWindows) {
+      const std::int32_t low = node - down, high = node + up;
+      if (!fixed_between(low, high) && improve_between(v, triangles, low, high, column))
+        return true;
+    }
+  }
+  return false;
+}
+
+Column Improver::improved(VertexIndex v) const {
+  const std::vector<TriangleIndex> triangles = around(v);
+  const ColumnView now = column(v);
+  Column better{{now.z.begin(), now.z.end()}, now.roof};
+  bool changed = false;
+  for (int i = 0; i < kChangesPerSweep && improve_once(v, triangles, better); ++i) changed = true;
+  return changed ? better : Column{};
+}
+
+std::vector<VertexIndex> Improver::sweep(const std::vector<VertexIndex>& vertices,
+                                         const Progress& progress) {
+  // Colours so that no two vertices of a triangle have the same.
+  std::vector<std::int32_t> colour(vertices.size(), -1);
+  const auto place = [&](VertexIndex v) {
+    const auto found = std::lower_bound(vertices.begin(), vertices.end(), v);
+    return found != vertices.end() && *found == v
+               ? static_cast<std::ptrdiff_t>(found - vertices.begin())
+               : std::ptrdiff_t{-1};
+  };
+  std::int32_t colours = 0;
+  for (std::size_t i = 0; i < vertices.size(); ++i) {
+    std::vector<std::int32_t> taken;
+    for (const TriangleIndex t : around(vertices[i]))
+      for (const VertexIndex v : corners(t))
+        if (const std::ptrdiff_t other = place(v); other >= 0)
+          taken.push_back(colour[static_cast<std::size_t>(other)]);
+    std::int32_t free = 0;
+    while (std::find(taken.begin(), taken.end(), free) != taken.end()) ++free;
+    colour[i] = free;
+    colours = std::max(colours, free + 1);
+  }
+  std::vector<VertexIndex> changed;
+  for (std::int32_t c = 0; c < colours; ++c) {
+    std::vector<VertexIndex> members;
+    for (std::size_t i = 0; i < vertices.size(); ++i)
+      if (colour[i] == c) members.push_back(vertices[i]);
+    std::vector<Column> columns(members.size());
+    parallel_chunks(members.size(), 1, [&](std::size_t begin, std::size_t) {
+      if (progress.cancelled && progress.cancelled()) return;
+      columns[begin] = improved(members[begin]);
+    });
+    progress.update(0);
+    for (std::size_t i = 0; i < members.size(); ++i) {
+      if (columns[i].z.empty()) continue;
+      std::int32_t& slot = slot_[static_cast<std::size_t>(members[i])];
+      if (slot < 0) {
+        slot = static_cast<std::int32_t>(changed_.size());
+        changed_.emplace_back();
+      }
+      changed_[static_cast<std::size_t>(slot)] = std::move(columns[i]);
+      changed.push_back(members[i]);
+    }
+  }
+  std::sort(changed.begin(), changed.end());
+  return changed;
+}
+
+std::int64_t Improver::store(ColumnMesh& mesh) const {
+  if (changed_.empty()) return 0;
+  const std::size_t vertices = mesh.vertex_count();
+  std::vector<NodeIndex> first(vertices + 1, 0);
+  std::vector<std::int32_t> roof(vertices);
+  std::vector<double> z;
+  for (std::size_t v = 0; v < vertices; ++v) {
+    const ColumnView own = column(static_cast<VertexIndex>(v));
+    z.insert(z.end(), own.z.begin(), own.z.end());
+    first[v + 1] = static_cast<NodeIndex>(z.size());
+    roof[v] = own.roof;
+  }
+  mesh.first = std::move(first);
+  mesh.z = std::move(z);
+  mesh.roof = std::move(roof);
+  return static_cast<std::int64_t>(changed_.size());
+}
+
+}  // namespace
+
+std::int64_t improve_columns(ColumnMesh& mesh, const ImproveOptions& options,
+                             const Progress& progress) {
+  Improver improver(mesh, options);
+  std::vector<VertexIndex> vertices = improver.bad_vertices();
+  for (int i = 0; i < options.sweeps && !vertices.empty(); ++i)
+    vertices = improver.bad_around(improver.sweep(vertices, progress));
+  return improver.store(mesh);
+}
+
+}  // namespace tetropolis
