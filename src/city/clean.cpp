@@ -13,8 +13,8 @@
 
 #include "city/clean_ring.h"
 #include "city/grid_geometry.h"
-#include "city/merge_polygons.h"
 #include "city/outline.h"
+#include "city/overlay.h"
 #include "city/repair.h"
 #include "geometry/geos.h"
 

@@ -13,116 +13,15 @@
 #include "tetropolis/core/parallel.h"
 #include "tetropolis/geometry/polygon.h"
 
-#include "city/clean_ring.h"
 #include "city/edge_grid.h"
 #include "city/forest.h"
 #include "city/grid_geometry.h"
 #include "city/outline.h"
-#include "geometry/geos.h"
+#include "city/overlay.h"
 
 namespace tetropolis {
 
 namespace {
-
-/// Rounds to the grid. Slivers narrower than a step, which walls that meet up to rounding leave, go
-/// flat and away. False if what is left is not valid.
-bool round_to_grid(std::vector<Polygon>& polygons) {
-  bool exact = true;
-  const auto round = [&](Ring& ring) {
-    for (Point2& p : ring) {
-      const Point2 q = grid::rounded(p);
-      exact = exact && p == q;
-      p = q;
-    }
-    const std::size_t before = ring.size();
-    ring = without_duplicates(ring);
-    exact = exact && ring.size() == before;
-  };
-  for (Polygon& polygon : polygons) {
-    round(polygon.outer);
-    for (Ring& hole : polygon.holes) round(hole);
-    std::erase_if(polygon.holes, [](const Ring& hole) { return hole.empty(); });
-  }
-  std::erase_if(polygons, [](const Polygon& polygon) { return polygon.outer.empty(); });
-  return exact || geos::is_valid(polygons);
-}
-
-[[noreturn]] void give_up() {
-  throw Error(ErrorKind::kGuarantee, "footprints: GEOS cannot unite a cluster; report it");
-}
-
-/// What operation(0) gives, rounded; or noded on the grid where that is not valid.
-template <typename Operation>
-std::vector<Polygon> on_grid(const Operation& operation) {
-  geos::Result result = operation(0.0);
-  if (result) {
-    std::vector<Polygon> rounded = *result;
-    if (round_to_grid(rounded)) return rounded;
-    // Of what is left after the operation, which is much less than what went in.
-    result = geos::unite(*result, 1.0);
-  }
-  if (!result) result = operation(1.0);
-  if (!result) give_up();
-  return std::move(*result);
-}
-
-constexpr std::size_t kFewPolygons = 256;
-
-/// Both lists are unions; what is clear of the other list is passed by.
-geos::Result joined(std::vector<Polygon> a, std::vector<Polygon> b) {
-  const Bounds2 box_a = grid::box_around(a), box_b = grid::box_around(b);
-  const auto near = [](std::vector<Polygon>& list, const Bounds2& box) {
-    return std::stable_partition(list.begin(), list.end(), [&](const Polygon& polygon) {
-      return bounds(polygon).intersects(box);
-    });
-  };
-  const auto rest_a = near(a, box_b), rest_b = near(b, box_a);
-  std::vector<Polygon> clear(std::make_move_iterator(rest_a), std::make_move_iterator(a.end()));
-  clear.insert(clear.end(), std::make_move_iterator(rest_b), std::make_move_iterator(b.end()));
-  a.erase(rest_a, a.end());
-  b.erase(rest_b, b.end());
-  geos::Result result = geos::join(a, b, 0);
-  if (result)
-    result->insert(result->end(), std::make_move_iterator(clear.begin()),
-                   std::make_move_iterator(clear.end()));
-  return result;
-}
-
-/// Union in floating point: of many polygons by halves of the plane, at the same time.
-geos::Result unite_halves(std::vector<Polygon> polygons, const Bounds2& box) {
-  if (polygons.size() <= kFewPolygons) return geos::unite(polygons, 0);
-  const bool wide = box.width() > box.height();
-  const auto key = [&](const Polygon& polygon) {
-    const Bounds2 b = bounds(polygon);
-    return wide ? b.xmin + b.xmax : b.ymin + b.ymax;
-  };
-  std::vector<std::pair<double, std::size_t>> order;
-  for (std::size_t i = 0; i < polygons.size(); ++i) order.emplace_back(key(polygons[i]), i);
-  const auto half = order.begin() + static_cast<std::ptrdiff_t>(order.size() / 2);
-  std::nth_element(order.begin(), half, order.end());
-  const double cut = half->first / 2;
-  std::array<std::vector<Polygon>, 2> halves;
-  for (auto it = order.begin(); it != order.end(); ++it)
-    halves[it < half ? 0 : 1].push_back(std::move(polygons[it->second]));
-  std::array<Bounds2, 2> boxes{box, box};
-  (wide ? boxes[0].xmax : boxes[0].ymax) = cut;
-  (wide ? boxes[1].xmin : boxes[1].ymin) = cut;
-  std::array<geos::Result, 2> united;
-  parallel_chunks(2, 1, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t h = begin; h < end; ++h)
-      united[h] = unite_halves(std::move(halves[h]), boxes[h]);
-  });
-  if (!united[0] || !united[1]) return std::nullopt;
-  return joined(std::move(*united[0]), std::move(*united[1]));
-}
-
-/// By lowest, then leftmost vertex, as GEOS' own results come.
-void sort_polygons(std::vector<Polygon>& polygons) {
-  std::sort(polygons.begin(), polygons.end(), [](const Polygon& a, const Polygon& b) {
-    const Point2 p = a.outer[0], q = b.outer[0];
-    return p.y < q.y || (p.y == q.y && p.x < q.x);
-  });
-}
 
 std::vector<const Polygon*> pointers(std::span<const Polygon> polygons) {
   std::vector<const Polygon*> result;
@@ -328,37 +227,6 @@ Polygon hull_of(std::span<const Polygon> polygons) {
 }
 
 }  // namespace
-
-std::vector<Polygon> unite_on_grid(std::span<const Polygon> polygons) {
-  return on_grid([&](double grid) {
-    if (grid > 0) return geos::unite(polygons, grid);
-    geos::Result result =
-        unite_halves({polygons.begin(), polygons.end()}, grid::box_around(polygons));
-    if (result) sort_polygons(*result);
-    return result;
-  });
-}
-
-std::vector<Polygon> unite_or_widest(std::span<const Polygon> polygons) {
-  std::vector<Polygon> united = unite_on_grid(polygons);
-  if (united.empty() && !polygons.empty())
-    united = {*std::max_element(polygons.begin(), polygons.end(),
-                                [](const auto& a, const auto& b) { return area(a) < area(b); })};
-  return united;
-}
-
-std::vector<Polygon> add_on_grid(std::span<const Polygon> a, std::span<const Polygon> b) {
-  const std::vector<Polygon> united = unite_on_grid(b);
-  return on_grid([&](double grid) { return geos::join(a, united, grid); });
-}
-
-std::vector<Polygon> subtract_on_grid(std::span<const Polygon> a, std::span<const Polygon> b) {
-  return on_grid([&](double grid) { return geos::subtract(a, b, grid); });
-}
-
-std::vector<Polygon> intersect_on_grid(std::span<const Polygon> a, std::span<const Polygon> b) {
-  return on_grid([&](double grid) { return geos::intersect(a, b, grid); });
-}
 
 std::vector<std::int32_t> cluster_polygons(std::span<const Polygon> polygons, double distance) {
   const Outline o = make_outline(pointers(polygons), cell_for(polygons, distance));

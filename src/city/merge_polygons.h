@@ -10,25 +10,6 @@
 
 namespace tetropolis {
 
-/// Union of valid polygons, on the grid: valid polygons with disjoint interiors that touch at most
-/// in points. Noded in floating point and rounded where the result stays valid, otherwise noded on
-/// the grid. Throws Error(kGuarantee) where GEOS gives up on both.
-std::vector<Polygon> unite_on_grid(std::span<const Polygon> polygons);
-
-/// The same; but where all are slivers that go flat on the grid, the widest of them stands for all:
-/// never empty, unless `polygons` is.
-std::vector<Polygon> unite_or_widest(std::span<const Polygon> polygons);
-
-/// `a`, which is such a result, and `b`, on the grid, as above: faster than uniting all where `b`
-/// are many small patches.
-std::vector<Polygon> add_on_grid(std::span<const Polygon> a, std::span<const Polygon> b);
-
-/// `a` without `b`, on the grid, as above.
-std::vector<Polygon> subtract_on_grid(std::span<const Polygon> a, std::span<const Polygon> b);
-
-/// What `a` and `b` have in common, on the grid, as above.
-std::vector<Polygon> intersect_on_grid(std::span<const Polygon> a, std::span<const Polygon> b);
-
 /// The number of each polygon's cluster: polygons that overlap or are closer than `distance`,
 /// directly or through others. Clusters are numbered by their first polygon. The pairs come from a
 /// grid over all edges, in near-linear time (in place of Algorithm 1's bins over whole polygons).

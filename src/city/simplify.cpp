@@ -22,6 +22,7 @@
 #include "city/merge_polygons.h"
 #include "city/offcuts.h"
 #include "city/outline.h"
+#include "city/overlay.h"
 #include "city/patches.h"
 #include "city/repair.h"
 

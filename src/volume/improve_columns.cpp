@@ -170,7 +170,7 @@ bool Improver::visit_cells(TriangleIndex t, VertexIndex v, ColumnView own_column
     if (vertex == v) own = i;
     const ColumnView here = vertex == v ? own_column : column(vertex);
     stack[i] = {vertex, mesh_->ground.vertices[static_cast<std::size_t>(vertex)], here.z,
-                  inside(t) ? here.roof : 0};
+                inside(t) ? here.roof : 0};
   }
 
   // The front (see Climb) when v's column is about to reach node `first`.
@@ -283,8 +283,8 @@ bool Improver::improve_between(VertexIndex v, std::span<const TriangleIndex> tri
     if (!(z1 > trial.z.back())) return;
     trial.z.insert(trial.z.end(), column.z.begin() + static_cast<std::ptrdiff_t>(after),
                    column.z.end());
-    const auto change = static_cast<std::int32_t>(trial.z.size()) -
-                        static_cast<std::int32_t>(column.z.size());
+    const auto change =
+        static_cast<std::int32_t>(trial.z.size()) - static_cast<std::int32_t>(column.z.size());
     trial.roof = column.roof + (column.roof >= high ? change : 0);
     const double cost_then = cost(triangles, v, trial, low, high + change, least);
     if (!(cost_then < least)) return;

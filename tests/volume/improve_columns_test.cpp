@@ -186,8 +186,7 @@ TEST(ImproveColumns, ColumnsFarFromBadCellsStay) {
 }
 
 TEST(ImproveColumns, GivesTheSameBitsForAnyNumberOfThreads) {
-  const ColumnMesh before =
-      spoilt(testing::meshed(testing::small_city(testing::hills)).mesh, 0.5);
+  const ColumnMesh before = spoilt(testing::meshed(testing::small_city(testing::hills)).mesh, 0.5);
   std::vector<ColumnMesh> meshes;
   for (const int threads : {1, 2, 4}) {
     const ThreadLimit limit(threads);

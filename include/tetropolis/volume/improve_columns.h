@@ -11,7 +11,7 @@ namespace tetropolis {
 struct ImproveOptions {
   double least_deg = 12;      ///< Cells with a smaller dihedral angle are worked on,
   double greatest_deg = 157;  ///< and those with a greater one.
-  int sweeps = 3;            ///< Over the columns of such cells, at most.
+  int sweeps = 3;             ///< Over the columns of such cells, at most.
 };
 
 /// Moves, adds and removes nodes of the columns at bad cells wherever that makes the cells around

@@ -1,0 +1,320 @@
+#include "city/overlay.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <iterator>
+#include <optional>
+#include <utility>
+
+#include "tetropolis/core/error.h"
+#include "tetropolis/core/parallel.h"
+#include "tetropolis/geometry/polygon.h"
+
+#include "city/clean_ring.h"
+#include "city/grid_geometry.h"
+#include "geometry/geos.h"
+
+namespace tetropolis {
+
+namespace {
+
+/// Rounds to the grid. Slivers narrower than a step, which walls that meet up to rounding leave, go
+/// flat and away. False if what is left is not valid.
+bool round_to_grid(std::vector<Polygon>& polygons) {
+  bool exact = true;
+  const auto round = [&](Ring& ring) {
+    for (Point2& p : ring) {
+      const Point2 q = grid::rounded(p);
+      exact = exact && p == q;
+      p = q;
+    }
+    const std::size_t before = ring.size();
+    ring = without_duplicates(ring);
+    exact = exact && ring.size() == before;
+  };
+  for (Polygon& polygon : polygons) {
+    round(polygon.outer);
+    for (Ring& hole : polygon.holes) round(hole);
+    std::erase_if(polygon.holes, [](const Ring& hole) { return hole.empty(); });
+  }
+  std::erase_if(polygons, [](const Polygon& polygon) { return polygon.outer.empty(); });
+  return exact || geos::is_valid(polygons);
+}
+
+[[noreturn]] void give_up() {
+  throw Error(ErrorKind::kGuarantee, "footprints: GEOS cannot unite a cluster; report it");
+}
+
+/// What operation(0) gives, rounded; or noded on the grid where that is not valid.
+template <typename Operation>
+std::vector<Polygon> on_grid(const Operation& operation) {
+  geos::Result result = operation(0.0);
+  if (result) {
+    std::vector<Polygon> rounded = *result;
+    if (round_to_grid(rounded)) return rounded;
+    // Of what is left after the operation, which is much less than what went in.
+    result = geos::unite(*result, 1.0);
+  }
+  if (!result) result = operation(1.0);
+  if (!result) give_up();
+  return std::move(*result);
+}
+
+constexpr std::size_t kFewPolygons = 256;
+
+/// By lowest, then leftmost vertex, as GEOS' own results come.
+bool comes_before(const Ring& a, const Ring& b) {
+  return a[0].y < b[0].y || (a[0].y == b[0].y && a[0].x < b[0].x);
+}
+
+constexpr double kMargin = 2;  // steps, beyond any rounding
+
+/// Boxes in the order of their left sides, to be asked which of them meet another.
+class Boxes {
+ public:
+  explicit Boxes(std::vector<Bounds2> boxes) {
+    for (std::size_t i = 0; i < boxes.size(); ++i) boxes_.emplace_back(boxes[i].grown(kMargin), i);
+    std::sort(boxes_.begin(), boxes_.end(),
+              [](const auto& a, const auto& b) { return a.first.xmin < b.first.xmin; });
+    for (const auto& [box, i] : boxes_) widest_ = std::max(widest_, box.width());
+  }
+  /// The numbers of those that meet `box`, up to a margin, ascending.
+  std::vector<std::size_t> meeting(const Bounds2& box) const {
+    std::vector<std::size_t> found;
+    visit(box, [&](std::size_t i) {
+      found.push_back(i);
+      return true;
+    });
+    std::sort(found.begin(), found.end());
+    return found;
+  }
+  bool any_meets(const Bounds2& box) const {
+    return !visit(box, [](std::size_t) { return false; });
+  }
+
+ private:
+  template <typename Visit>
+  bool visit(const Bounds2& box, const Visit& visit) const {
+    auto it = std::lower_bound(boxes_.begin(), boxes_.end(), box.xmin - widest_,
+                               [](const auto& entry, double x) { return entry.first.xmin < x; });
+    for (; it != boxes_.end() && it->first.xmin <= box.xmax; ++it)
+      if (it->first.intersects(box) && !visit(it->second)) return false;
+    return true;
+  }
+
+  std::vector<std::pair<Bounds2, std::size_t>> boxes_;
+  double widest_ = 0;
+};
+
+Boxes boxes_of(std::span<const Polygon> polygons) {
+  std::vector<Bounds2> boxes;
+  for (const Polygon& polygon : polygons) boxes.push_back(bounds(polygon));
+  return Boxes(std::move(boxes));
+}
+
+Bounds2 box_of(const Ring& ring) { return bounds(Polygon{ring, {}}); }
+
+/// The polygon of a union that covers `p`, or none.
+Polygon* covering(std::vector<Polygon>& polygons, Point2 p) {
+  for (Polygon& polygon : polygons)
+    if (bounds(polygon).contains(p) && contains(polygon, p)) return &polygon;
+  return nullptr;
+}
+
+/// What one list of a union has where nothing of the other one is: polygons, and holes in others.
+/// The union would only carry them along, and in a dense city they are nearly all there is; so they
+/// are taken out before and given back after it.
+class Bystanders {
+ public:
+  /// Takes them out of `polygons`.
+  Bystanders(std::vector<Polygon>& polygons, const Boxes& others) {
+    const auto clear = std::stable_partition(
+        polygons.begin(), polygons.end(),
+        [&](const Polygon& polygon) { return others.any_meets(bounds(polygon)); });
+    polygons_.assign(std::make_move_iterator(clear), std::make_move_iterator(polygons.end()));
+    polygons.erase(clear, polygons.end());
+    // What stands in such a hole is a bystander itself and gone by now.
+    for (Polygon& polygon : polygons) {
+      std::vector<Ring>& holes = polygon.holes;
+      const auto rest = std::stable_partition(holes.begin(), holes.end(), [&](const Ring& hole) {
+        return others.any_meets(box_of(hole));
+      });
+      if (rest == holes.end()) continue;
+      const auto smaller = [](const Ring& a, const Ring& b) {
+        return std::abs(signed_area(a)) < std::abs(signed_area(b));
+      };
+      const Point2 inside = interior_point({*std::max_element(rest, holes.end(), smaller), {}});
+      holes_.push_back(
+          {inside, {std::make_move_iterator(rest), std::make_move_iterator(holes.end())}});
+      holes.erase(rest, holes.end());
+    }
+  }
+
+  /// False if there is nothing to give holes back to: GEOS has lost it.
+  bool give_back(std::vector<Polygon>& result) {
+    for (Holes& group : holes_) {
+      Polygon* owner = covering(result, group.inside);
+      if (owner == nullptr) return false;
+      std::vector<Ring>& holes = owner->holes;
+      holes.insert(holes.end(), std::make_move_iterator(group.rings.begin()),
+                   std::make_move_iterator(group.rings.end()));
+      std::sort(holes.begin(), holes.end(), comes_before);
+    }
+    result.insert(result.end(), std::make_move_iterator(polygons_.begin()),
+                  std::make_move_iterator(polygons_.end()));
+    return true;
+  }
+
+ private:
+  struct Holes {
+    Point2 inside;  ///< Of one of them.
+    std::vector<Ring> rings;
+  };
+  std::vector<Polygon> polygons_;
+  std::vector<Holes> holes_;
+};
+
+/// Union of two lists of polygons with disjoint interiors.
+geos::Result join(std::vector<Polygon> a, std::vector<Polygon> b) {
+  const Boxes boxes_a = boxes_of(a), boxes_b = boxes_of(b);
+  Bystanders of_a(a, boxes_b), of_b(b, boxes_a);
+  geos::Result result = geos::join(a, b, 0);
+  if (!result || !of_a.give_back(*result) || !of_b.give_back(*result)) return std::nullopt;
+  std::sort(result->begin(), result->end(),
+            [](const Polygon& p, const Polygon& q) { return comes_before(p.outer, q.outer); });
+  return result;
+}
+
+/// What `patches` leave of the holes of `whole`: hole by hole, at the same time. None where GEOS
+/// gives up, or where a patch stands free in a hole.
+std::optional<std::vector<Ring>> holes_left(const Polygon& whole,
+                                            std::span<const Polygon> patches) {
+  const Boxes boxes = boxes_of(patches);
+  std::vector<std::vector<Ring>> left(whole.holes.size());
+  std::vector<char> simple(whole.holes.size(), 1);
+  parallel_chunks(whole.holes.size(), 16, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t h = begin; h < end; ++h) {
+      const Ring& hole = whole.holes[h];
+      std::vector<Polygon> near;
+      for (const std::size_t i : boxes.meeting(box_of(hole))) near.push_back(patches[i]);
+      if (near.empty()) {
+        left[h] = {hole};
+        continue;
+      }
+      const Polygon open{{hole.rbegin(), hole.rend()}, {}};
+      const geos::Result rest = geos::subtract({&open, 1}, near, 0);
+      simple[h] = rest && std::all_of(rest->begin(), rest->end(),
+                                      [](const Polygon& part) { return part.holes.empty(); });
+      if (simple[h] == 0) continue;
+      for (const Polygon& part : *rest) {
+        // Clockwise, from the same vertex on.
+        Ring ring(part.outer.rbegin(), part.outer.rend());
+        std::rotate(ring.begin(), ring.end() - 1, ring.end());
+        left[h].push_back(std::move(ring));
+      }
+    }
+  });
+  if (std::find(simple.begin(), simple.end(), 0) != simple.end()) return std::nullopt;
+  std::vector<Ring> holes;
+  for (std::vector<Ring>& rings : left)
+    holes.insert(holes.end(), std::make_move_iterator(rings.begin()),
+                 std::make_move_iterator(rings.end()));
+  return holes;
+}
+
+/// The patches that are not wholly within the outer ring.
+std::vector<Polygon> patches_at(const Ring& outer, std::span<const Polygon> patches) {
+  std::vector<Bounds2> edges;
+  for_each_edge(Polygon{outer, {}}, [&](Point2 a, Point2 b) { edges.push_back(grid::box_of(a, b)); });
+  const Boxes boxes(std::move(edges));
+  std::vector<Polygon> at;
+  for (const Polygon& patch : patches)
+    if (boxes.any_meets(bounds(patch)) || !contains({outer, {}}, patch.outer[0]))
+      at.push_back(patch);
+  return at;
+}
+
+constexpr std::size_t kManyHoles = 32;
+
+/// Union of one polygon with many holes, and patches with disjoint interiors: the holes less the
+/// patches, and the outer ring with those patches that leave it.
+geos::Result patch_up(const Polygon& whole, std::span<const Polygon> patches) {
+  if (whole.holes.size() < kManyHoles) return std::nullopt;
+  std::optional<std::vector<Ring>> holes = holes_left(whole, patches);
+  if (!holes) return std::nullopt;
+  geos::Result result = join({{whole.outer, {}}}, patches_at(whole.outer, patches));
+  if (!result) return std::nullopt;
+  Polygon* owner = covering(*result, interior_point({whole.holes[0], {}}));
+  if (owner == nullptr) return std::nullopt;
+  owner->holes.insert(owner->holes.end(), std::make_move_iterator(holes->begin()),
+                      std::make_move_iterator(holes->end()));
+  std::sort(owner->holes.begin(), owner->holes.end(), comes_before);
+  return result;
+}
+
+/// Union in floating point: of many polygons by halves of the plane, at the same time.
+geos::Result unite_halves(std::vector<Polygon> polygons, const Bounds2& box) {
+  if (polygons.size() <= kFewPolygons) return geos::unite(polygons, 0);
+  const bool wide = box.width() > box.height();
+  const auto key = [&](const Polygon& polygon) {
+    const Bounds2 b = bounds(polygon);
+    return wide ? b.xmin + b.xmax : b.ymin + b.ymax;
+  };
+  std::vector<std::pair<double, std::size_t>> order;
+  for (std::size_t i = 0; i < polygons.size(); ++i) order.emplace_back(key(polygons[i]), i);
+  const auto half = order.begin() + static_cast<std::ptrdiff_t>(order.size() / 2);
+  std::nth_element(order.begin(), half, order.end());
+  const double cut = half->first / 2;
+  std::array<std::vector<Polygon>, 2> halves;
+  for (auto it = order.begin(); it != order.end(); ++it)
+    halves[it < half ? 0 : 1].push_back(std::move(polygons[it->second]));
+  std::array<Bounds2, 2> boxes{box, box};
+  (wide ? boxes[0].xmax : boxes[0].ymax) = cut;
+  (wide ? boxes[1].xmin : boxes[1].ymin) = cut;
+  std::array<geos::Result, 2> united;
+  parallel_chunks(2, 1, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t h = begin; h < end; ++h)
+      united[h] = unite_halves(std::move(halves[h]), boxes[h]);
+  });
+  if (!united[0] || !united[1]) return std::nullopt;
+  return join(std::move(*united[0]), std::move(*united[1]));
+}
+
+}  // namespace
+
+std::vector<Polygon> unite_on_grid(std::span<const Polygon> polygons) {
+  return on_grid([&](double grid) {
+    if (grid > 0) return geos::unite(polygons, grid);
+    return unite_halves({polygons.begin(), polygons.end()}, grid::box_around(polygons));
+  });
+}
+
+std::vector<Polygon> unite_or_widest(std::span<const Polygon> polygons) {
+  std::vector<Polygon> united = unite_on_grid(polygons);
+  if (united.empty() && !polygons.empty())
+    united = {*std::max_element(polygons.begin(), polygons.end(),
+                                [](const auto& a, const auto& b) { return area(a) < area(b); })};
+  return united;
+}
+
+std::vector<Polygon> add_on_grid(std::span<const Polygon> a, std::span<const Polygon> b) {
+  const std::vector<Polygon> united = unite_on_grid(b);
+  return on_grid([&](double grid) {
+    if (grid > 0) return geos::join(a, united, grid);
+    if (a.size() == 1)
+      if (geos::Result result = patch_up(a[0], united)) return result;
+    return join({a.begin(), a.end()}, united);
+  });
+}
+
+std::vector<Polygon> subtract_on_grid(std::span<const Polygon> a, std::span<const Polygon> b) {
+  return on_grid([&](double grid) { return geos::subtract(a, b, grid); });
+}
+
+std::vector<Polygon> intersect_on_grid(std::span<const Polygon> a, std::span<const Polygon> b) {
+  return on_grid([&](double grid) { return geos::intersect(a, b, grid); });
+}
+
+}  // namespace tetropolis

@@ -1,0 +1,182 @@
+#include "city/overlay.h"
+
+#include <cmath>
+#include <numbers>
+#include <random>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "tetropolis/core/parallel.h"
+#include "tetropolis/geometry/polygon.h"
+
+#include "geometry/geos.h"
+
+#include "support/test_data.h"
+
+namespace tetropolis {
+namespace {
+
+double total_area(const std::vector<Polygon>& polygons) {
+  double sum = 0;
+  for (const Polygon& polygon : polygons) sum += area(polygon);
+  return sum;
+}
+
+std::size_t total_holes(const std::vector<Polygon>& polygons) {
+  std::size_t sum = 0;
+  for (const Polygon& polygon : polygons) sum += polygon.holes.size();
+  return sum;
+}
+
+Ring square(double x, double y, double side) {
+  return {{x, y}, {x + side, y}, {x + side, y + side}, {x, y + side}};
+}
+
+Ring reversed(Ring ring) { return {ring.rbegin(), ring.rend()}; }
+
+/// `got` covers what GEOS, given everything at once, says: up to a few steps along the boundary.
+void expect_same_area(const std::vector<Polygon>& got, const geos::Result& expected) {
+  ASSERT_TRUE(expected);
+  EXPECT_TRUE(geos::is_valid(got));
+  EXPECT_EQ(got.size(), expected->size());
+  EXPECT_EQ(total_holes(got), total_holes(*expected));
+  double length = 0;
+  for (const Polygon& polygon : *expected)
+    for_each_edge(polygon, [&](Point2 a, Point2 b) { length += std::hypot(a.x - b.x, a.y - b.y); });
+  for (const auto& difference :
+       {geos::subtract(got, *expected, 0), geos::subtract(*expected, got, 0)}) {
+    ASSERT_TRUE(difference);
+    EXPECT_LT(total_area(*difference), 2 * length);
+  }
+}
+
+/// Turned rectangles of 10 to 200 m in steps of 0.1 mm, most of them overlapping.
+std::vector<Polygon> turned_rectangles(int count, double place, std::mt19937& random) {
+  std::uniform_real_distribution<double> at(0, place), side(1e5, 2e6), turn(0, std::numbers::pi);
+  std::vector<Polygon> result;
+  for (int i = 0; i < count; ++i) {
+    const double x = at(random), y = at(random), w = side(random) / 2, h = side(random) / 2;
+    const double c = std::cos(turn(random)), s = std::sin(turn(random));
+    const double n = std::hypot(c, s);
+    Ring ring;
+    for (const Point2 p : {Point2{-w, -h}, {w, -h}, {w, h}, {-w, h}})
+      ring.push_back(
+          {std::round(x + (p.x * c - p.y * s) / n), std::round(y + (p.x * s + p.y * c) / n)});
+    result.push_back({ring, {}});
+  }
+  return result;
+}
+
+TEST(Overlay, UnionsOfManyAreThoseOfAllAtOnce) {
+  std::mt19937 random(testing::test_seed());
+  for (const double place : {4e7, 2e7, 1e7}) {
+    SCOPED_TRACE(place);
+    const std::vector<Polygon> polygons = turned_rectangles(1500, place, random);
+    expect_same_area(unite_on_grid(polygons), geos::unite(polygons, 1.0));
+  }
+}
+
+/// Rings in the courtyards of rings, eight deep, and everything apart: nothing is to change. The
+/// halves of the plane meet within them.
+TEST(Overlay, WhatStandsInCourtyardsStays) {
+  std::vector<Polygon> polygons;
+  for (int i = 0; i < 12; ++i)
+    for (int j = 0; j < 12; ++j)
+      for (int k = 0; k < 8; ++k) {
+        const double x = i * 1e6 + k * 5e4, y = j * 1e6 + k * 5e4, side = 9e5 - k * 1e5;
+        polygons.push_back({square(x, y, side), {}});
+        if (k < 7)
+          polygons.back().holes.push_back(reversed(square(x + 2e4, y + 2e4, side - 4e4)));
+      }
+  // One building across many of them, so that there is something to join.
+  polygons.push_back({square(2.5e6, 2.95e6, 5e6), {}});
+  const std::vector<Polygon> united = unite_on_grid(polygons);
+  expect_same_area(united, geos::unite(polygons, 1.0));
+  EXPECT_GT(united.size(), 100U);
+}
+
+TEST(Overlay, AHouseInACourtyardFarFromThePatchStays) {
+  const std::vector<Polygon> houses{{square(0, 0, 1e6), {reversed(square(2e5, 2e5, 6e5))}},
+                                    {square(4e5, 4e5, 2e5), {}}};
+  const std::vector<Polygon> patch{{square(9.5e5, 4e5, 1e5), {}}};
+  const std::vector<Polygon> got = add_on_grid(houses, patch);
+  expect_same_area(got, geos::join(houses, patch, 1.0));
+  EXPECT_EQ(got.size(), 2U);
+}
+
+/// A plate of 20 x 20 holes.
+Polygon plate() {
+  Polygon plate{square(0, 0, 4.1e6), {}};
+  for (int i = 0; i < 20; ++i)
+    for (int j = 0; j < 20; ++j)
+      plate.holes.push_back(reversed(square(1e5 + i * 2e5, 1e5 + j * 2e5, 1e5)));
+  return plate;
+}
+
+TEST(Overlay, PatchesInAndAroundAPlateWithManyHoles) {
+  std::vector<Polygon> patches;
+  const auto add = [&](double x, double y, double w, double h) {
+    patches.push_back({{{x, y}, {x + w, y}, {x + w, y + h}, {x, y + h}}, {}});
+  };
+  add(1e5, 1e5, 1e5, 1e5);          // exactly a hole
+  add(2.9e5, 2.9e5, 1.2e5, 1.2e5);  // more than one
+  add(5e5, 5.4e5, 1e5, 1e4);        // across one: two are left
+  add(7.2e5, 6.9e5, 1e4, 5e4);      // into one
+  add(9.5e5, 9.5e5, 6e5, 1e4);      // across several and the plate between them
+  add(4.05e6, 1e6, 2e5, 1e5);       // over the rim
+  add(4.1e6, 2e6, 3e5, 1e5);        // a handle outside, which makes a hole
+  add(4.3e6, 2e6, 1e5, 5e5);
+  add(4.1e6, 2.4e6, 3e5, 1e5);
+  add(5e6, 5e6, 1e5, 1e5);          // apart
+  add(1.72e6, 1.02e6, 1e3, 1e3);    // wholly within the plate
+  const std::vector<Polygon> whole{plate()};
+  const std::vector<Polygon> united = *geos::unite(patches, 1.0);
+  expect_same_area(add_on_grid(whole, patches), geos::join(whole, united, 1.0));
+  // Free in a hole: it is a polygon of its own.
+  add(1.32e6, 1.32e6, 1e4, 1e4);
+  const std::vector<Polygon> more = *geos::unite(patches, 1.0);
+  const std::vector<Polygon> got = add_on_grid(whole, patches);
+  expect_same_area(got, geos::join(whole, more, 1.0));
+  EXPECT_EQ(got.size(), 3U);
+}
+
+TEST(Overlay, RandomPatchesOnAPlate) {
+  std::mt19937 random(testing::test_seed());
+  for (int round = 0; round < 20; ++round) {
+    SCOPED_TRACE(round);
+    std::vector<Polygon> patches;
+    for (Polygon& patch : turned_rectangles(60, 4.4e6, random)) {
+      for (Point2& p : patch.outer) {
+        const Point2 centre = patch.outer[0];
+        p = {std::round(centre.x + (p.x - centre.x) / 20),
+             std::round(centre.y + (p.y - centre.y) / 20)};
+      }
+      patches.push_back(patch);
+    }
+    const std::vector<Polygon> whole{plate()};
+    const geos::Result united = geos::unite(patches, 1.0);
+    ASSERT_TRUE(united);
+    expect_same_area(add_on_grid(whole, patches), geos::join(whole, *united, 1.0));
+  }
+}
+
+TEST(Overlay, TheSameForAnyNumberOfThreads) {
+  std::mt19937 random(testing::test_seed());
+  const std::vector<Polygon> polygons = turned_rectangles(2000, 2e7, random);
+  std::vector<std::vector<Polygon>> results;
+  for (const int threads : {1, 2, 4}) {
+    const ThreadLimit limit(threads);
+    results.push_back(unite_on_grid(polygons));
+  }
+  for (const auto& result : results) {
+    ASSERT_EQ(result.size(), results[0].size());
+    for (std::size_t i = 0; i < result.size(); ++i) {
+      EXPECT_EQ(result[i].outer, results[0][i].outer);
+      EXPECT_EQ(result[i].holes, results[0][i].holes);
+    }
+  }
+}
+
+}  // namespace
+}  // namespace tetropolis
