@@ -227,7 +227,8 @@ std::optional<std::vector<Ring>> holes_left(const Polygon& whole,
 /// The patches that are not wholly within the outer ring.
 std::vector<Polygon> patches_at(const Ring& outer, std::span<const Polygon> patches) {
   std::vector<Bounds2> edges;
-  for_each_edge(Polygon{outer, {}}, [&](Point2 a, Point2 b) { edges.push_back(grid::box_of(a, b)); });
+  for_each_edge(Polygon{outer, {}},
+                [&](Point2 a, Point2 b) { edges.push_back(grid::box_of(a, b)); });
   const Boxes boxes(std::move(edges));
   std::vector<Polygon> at;
   for (const Polygon& patch : patches)

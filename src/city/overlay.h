@@ -1,4 +1,5 @@
-// Unions, differences and intersections on the grid of steps (grid_geometry.h), which GEOS computes.
+// Unions, differences and intersections on the grid of steps (grid_geometry.h), which GEOS
+// computes.
 #pragma once
 
 #include <span>

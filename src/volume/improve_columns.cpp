@@ -27,6 +27,12 @@ constexpr double kWorthwhile = 1e-3;
 /// Changes made to one column in one sweep, at most.
 constexpr int kChangesPerSweep = 8;
 
+/// Stacks that one sweep works on, at most: those with the worst cells. A few seconds' work.
+constexpr std::size_t kMostStacks = 2000;
+
+/// Columns between two looks at whether to stop.
+constexpr std::size_t kColumnsPerBatch = 64;
+
 /// Nodes below and above one of a bad cell that a trial leaves where they are: nodes between them
 /// move.
 constexpr std::array<std::array<std::int32_t, 2>, 6> kWindows{
@@ -97,12 +103,12 @@ class Improver {
   Improver(const ColumnMesh& mesh, const ImproveOptions& options)
       : mesh_(&mesh), cost_(options), slot_(mesh.vertex_count(), -1) {}
 
-  /// Vertices of the triangles with a bad cell, ascending.
+  /// Vertices of the triangles with the worst bad cells, ascending.
   std::vector<VertexIndex> bad_vertices() const;
   /// One pass over these columns; returns those that changed, ascending.
   std::vector<VertexIndex> sweep(const std::vector<VertexIndex>& vertices,
                                  const Progress& progress);
-  /// Of the vertices that share a triangle with one of these, those of bad cells, ascending.
+  /// The same among the triangles around these vertices.
   std::vector<VertexIndex> bad_around(const std::vector<VertexIndex>& vertices) const;
   /// The mesh's nodes with all changes; returns how many columns differ.
   std::int64_t store(ColumnMesh& mesh) const;
@@ -124,7 +130,9 @@ class Improver {
   /// Sum over those cells of all triangles; any number beyond `limit` if it is beyond.
   double cost(std::span<const TriangleIndex> triangles, VertexIndex v, ColumnView own,
               std::int32_t first, std::int32_t last, double limit) const;
-  bool is_bad(TriangleIndex t) const;
+  double worst_cost(TriangleIndex t) const;
+  template <typename TriangleAt>
+  std::vector<VertexIndex> worst_of(std::size_t count, const TriangleAt& triangle_at) const;
 
   Column improved(VertexIndex v) const;
   bool improve_once(VertexIndex v, std::span<const TriangleIndex> triangles, Column& column) const;
@@ -228,26 +236,45 @@ double Improver::cost(std::span<const TriangleIndex> triangles, VertexIndex v, C
   return sum;
 }
 
-bool Improver::is_bad(TriangleIndex t) const {
+double Improver::worst_cost(TriangleIndex t) const {
   const VertexIndex v = corners(t)[0];
   const ColumnView own = column(v);
-  return !visit_cells(t, v, own, 0, static_cast<std::int32_t>(own.z.size()) - 1,
-                      [](double cell, std::int32_t, bool) { return cell <= 0; });
+  double worst = 0;
+  visit_cells(t, v, own, 0, static_cast<std::int32_t>(own.z.size()) - 1,
+              [&](double cell, std::int32_t, bool) {
+                worst = std::max(worst, cell);
+                return true;
+              });
+  return worst;
+}
+
+template <typename TriangleAt>
+std::vector<VertexIndex> Improver::worst_of(std::size_t count,
+                                            const TriangleAt& triangle_at) const {
+  std::vector<double> cost(count, 0.0);
+  parallel_chunks(count, kTrianglesPerChunk, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i) cost[i] = worst_cost(triangle_at(i));
+  });
+  std::vector<std::size_t> bad;
+  for (std::size_t i = 0; i < count; ++i)
+    if (cost[i] > 0) bad.push_back(i);
+  if (bad.size() > kMostStacks) {
+    const auto worse = [&](std::size_t i, std::size_t j) {
+      return cost[i] != cost[j] ? cost[i] > cost[j] : i < j;
+    };
+    std::nth_element(bad.begin(), bad.begin() + kMostStacks, bad.end(), worse);
+    bad.resize(kMostStacks);
+  }
+  std::vector<VertexIndex> vertices;
+  for (const std::size_t i : bad)
+    for (const VertexIndex v : corners(triangle_at(i))) vertices.push_back(v);
+  sort_once(vertices);
+  return vertices;
 }
 
 std::vector<VertexIndex> Improver::bad_vertices() const {
-  std::vector<char> bad(mesh_->triangle_count(), 0);
-  parallel_chunks(bad.size(), kTrianglesPerChunk, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t t = begin; t < end; ++t)
-      bad[t] = is_bad(static_cast<TriangleIndex>(t)) ? 1 : 0;
-  });
-  std::vector<VertexIndex> vertices;
-  for (std::size_t t = 0; t < bad.size(); ++t)
-    if (bad[t] != 0)
-      vertices.insert(vertices.end(), mesh_->ground.triangles[t].begin(),
-                      mesh_->ground.triangles[t].end());
-  sort_once(vertices);
-  return vertices;
+  return worst_of(mesh_->triangle_count(),
+                  [](std::size_t i) { return static_cast<TriangleIndex>(i); });
 }
 
 std::vector<VertexIndex> Improver::bad_around(const std::vector<VertexIndex>& vertices) const {
@@ -257,12 +284,7 @@ std::vector<VertexIndex> Improver::bad_around(const std::vector<VertexIndex>& ve
     triangles.insert(triangles.end(), own.begin(), own.end());
   }
   sort_once(triangles);
-  std::vector<VertexIndex> bad;
-  for (const TriangleIndex t : triangles)
-    if (is_bad(t))
-      for (const VertexIndex v : corners(t)) bad.push_back(v);
-  sort_once(bad);
-  return bad;
+  return worst_of(triangles.size(), [&](std::size_t i) { return triangles[i]; });
 }
 
 /// Tries other nodes between `low` and `high`, which stay; takes the best if it is better.
@@ -375,11 +397,13 @@ std::vector<VertexIndex> Improver::sweep(const std::vector<VertexIndex>& vertice
     for (std::size_t i = 0; i < vertices.size(); ++i)
       if (colour[i] == c) members.push_back(vertices[i]);
     std::vector<Column> columns(members.size());
-    parallel_chunks(members.size(), 1, [&](std::size_t begin, std::size_t) {
-      if (progress.cancelled && progress.cancelled()) return;
-      columns[begin] = improved(members[begin]);
-    });
-    progress.update(0);
+    for (std::size_t first = 0; first < members.size(); first += kColumnsPerBatch) {
+      progress.update(0);
+      const std::size_t count = std::min(kColumnsPerBatch, members.size() - first);
+      parallel_chunks(count, 1, [&](std::size_t i, std::size_t) {
+        columns[first + i] = improved(members[first + i]);
+      });
+    }
     for (std::size_t i = 0; i < members.size(); ++i) {
       if (columns[i].z.empty()) continue;
       std::int32_t& slot = slot_[static_cast<std::size_t>(members[i])];

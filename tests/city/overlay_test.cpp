@@ -11,7 +11,6 @@
 #include "tetropolis/geometry/polygon.h"
 
 #include "geometry/geos.h"
-
 #include "support/test_data.h"
 
 namespace tetropolis {
@@ -86,8 +85,7 @@ TEST(Overlay, WhatStandsInCourtyardsStays) {
       for (int k = 0; k < 8; ++k) {
         const double x = i * 1e6 + k * 5e4, y = j * 1e6 + k * 5e4, side = 9e5 - k * 1e5;
         polygons.push_back({square(x, y, side), {}});
-        if (k < 7)
-          polygons.back().holes.push_back(reversed(square(x + 2e4, y + 2e4, side - 4e4)));
+        if (k < 7) polygons.back().holes.push_back(reversed(square(x + 2e4, y + 2e4, side - 4e4)));
       }
   // One building across many of them, so that there is something to join.
   polygons.push_back({square(2.5e6, 2.95e6, 5e6), {}});
@@ -128,8 +126,8 @@ TEST(Overlay, PatchesInAndAroundAPlateWithManyHoles) {
   add(4.1e6, 2e6, 3e5, 1e5);        // a handle outside, which makes a hole
   add(4.3e6, 2e6, 1e5, 5e5);
   add(4.1e6, 2.4e6, 3e5, 1e5);
-  add(5e6, 5e6, 1e5, 1e5);          // apart
-  add(1.72e6, 1.02e6, 1e3, 1e3);    // wholly within the plate
+  add(5e6, 5e6, 1e5, 1e5);        // apart
+  add(1.72e6, 1.02e6, 1e3, 1e3);  // wholly within the plate
   const std::vector<Polygon> whole{plate()};
   const std::vector<Polygon> united = *geos::unite(patches, 1.0);
   expect_same_area(add_on_grid(whole, patches), geos::join(whole, united, 1.0));
