@@ -238,6 +238,75 @@ TEST(Simplify, NeedlesLoseTheirTip) {
   EXPECT_NEAR(area(result.footprints[0]), 309, 3);
 }
 
+/// Corners of less than 15 degrees that could be cut at a distance of 1 m, over all rings.
+int sharp_corners(const std::vector<Polygon>& polygons) {
+  int count = 0;
+  for (const Polygon& polygon : polygons) {
+    std::vector<Ring> rings{polygon.outer};
+    rings.insert(rings.end(), polygon.holes.begin(), polygon.holes.end());
+    for (const Ring& ring : rings)
+      for (std::size_t i = 0, n = ring.size(); i < n; ++i) {
+        const Point2 p = ring[(i + n - 1) % n], c = ring[i], q = ring[(i + 1) % n];
+        const double a = std::hypot(p.x - c.x, p.y - c.y), b = std::hypot(q.x - c.x, q.y - c.y);
+        const double cosine = ((p.x - c.x) * (q.x - c.x) + (p.y - c.y) * (q.y - c.y)) / (a * b);
+        const double angle = std::acos(std::clamp(cosine, -1.0, 1.0));
+        const double tip = 1.01 / (2 * std::sin(angle / 2));
+        if (angle < 14.99 / 180 * std::numbers::pi && std::min(a, b) > tip + 2.5) ++count;
+      }
+  }
+  return count;
+}
+
+TEST(Simplify, SharpCornersAreCutWhereTheyAreNarrow) {
+  // A triangle of 5.5 degrees, 71 m long, as a building at the domain's boundary leaves it.
+  const double angle = 5.5 / 180 * std::numbers::pi;
+  const Polygon wedge{{{0, 0}, {71, 0}, {71 * std::cos(angle), 71 * std::sin(angle)}}, {}};
+  const Simplification cut = simplified({wedge});
+  ASSERT_EQ(cut.footprints.size(), 1U);
+  EXPECT_EQ(cut.footprints[0].outer.size(), 4U);
+  EXPECT_EQ(cut.stats.corners_cut, 1);
+  EXPECT_NE(cut.flags[0] & kRepaired, 0U);
+  const double tip = 1 / (2 * std::sin(angle / 2));
+  EXPECT_NEAR(area(wedge) - area(cut.footprints[0]), tip * tip * std::sin(angle) / 2, 0.02);
+  EXPECT_NEAR(cut.stats.max_distance, tip * std::cos(angle / 2), 0.05);
+  // The same as a gap between two wings: it is filled.
+  const Polygon gap{{{-20, -20},
+                     {80, -20},
+                     {71, 0},
+                     {0, 0},
+                     {71 * std::cos(angle), 71 * std::sin(angle)},
+                     {80, 30},
+                     {-20, 30}},
+                    {}};
+  const Simplification filled = simplified({gap});
+  ASSERT_EQ(filled.footprints.size(), 1U);
+  EXPECT_EQ(filled.stats.corners_cut, 1);
+  EXPECT_NEAR(area(filled.footprints[0]) - area(gap), tip * tip * std::sin(angle) / 2, 0.02);
+}
+
+TEST(Simplify, NoSharpCornerIsLeftThatCouldBeCut) {
+  std::mt19937 random(testing::test_seed());
+  std::uniform_real_distribution<double> degrees(0.3, 14), length(20, 80), turn(0, 6.28);
+  std::int64_t cut = 0;
+  for (int round = 0; round < 30; ++round) {
+    SCOPED_TRACE(round);
+    std::vector<Polygon> wedges;
+    for (int i = 0; i < 12; ++i) {
+      const double a = turn(random), b = a + degrees(random) / 180 * std::numbers::pi;
+      const double x = 100.0 * (i % 4), y = 100.0 * (i / 4), l = length(random);
+      wedges.push_back({{{x, y},
+                         {x + l * std::cos(a), y + l * std::sin(a)},
+                         {x + l * std::cos(b), y + l * std::sin(b)}},
+                        {}});
+      if (i % 3 == 0) wedges.push_back(box(x + 5, y + 5, 15, 15));
+    }
+    const Simplification result = simplified(cleaned(wedges));
+    EXPECT_EQ(sharp_corners(result.footprints), 0) << "seed " << testing::test_seed();
+    cut += result.stats.corners_cut;
+  }
+  EXPECT_GT(cut, 30);
+}
+
 TEST(Simplify, CourtyardsSurviveWhereTheyMay) {
   Polygon large = box(0, 0, 40, 40);
   large.holes.push_back(clockwise_box(10, 10, 20, 20));
