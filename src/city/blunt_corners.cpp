@@ -35,7 +35,9 @@ std::int64_t blunt(Ring& ring, double distance) {
   std::int64_t count = 0;
   for (std::size_t i = 0; i < ring.size(); ++i) {
     const std::size_t n = ring.size();
-    const auto at = [&](std::size_t k) { return ring[(i + n + k - 2) % n]; };  // at(2) is the corner
+    const auto at = [&](std::size_t k) {
+      return ring[(i + n + k - 2) % n];
+    };  // at(2) is the corner
     const auto ends = cut(at(0), at(1), at(2), at(3), at(4), distance);
     if (!ends) continue;
     ring[i] = ends->first;
