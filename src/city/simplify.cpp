@@ -16,7 +16,6 @@
 #include "tetropolis/core/parallel.h"
 #include "tetropolis/geometry/polygon.h"
 
-#include "city/blunt_corners.h"
 #include "city/changed_area.h"
 #include "city/grid_geometry.h"
 #include "city/largest_distance.h"
@@ -103,7 +102,6 @@ class Simplifier {
   void repair_with_hulls();
   bool make_hull(Group& group);
   void drop_vanished();
-  void cut_sharp_corners();
   void drop_small();
   void drop(const Group& group, const std::string& reason);
   void measure();
@@ -542,15 +540,6 @@ void Simplifier::drop(const Group& group, const std::string& reason) {
   result_.stats.area_dropped += total_area(group.input) / kSquareMetre;
 }
 
-void Simplifier::cut_sharp_corners() {
-  for (Group& group : groups_) {
-    // Two steps more, which rounding may take.
-    const std::int64_t cut = blunt_corners(group.polygon, epsilon_ + 2);
-    result_.stats.corners_cut += cut;
-    if (cut > 0) group.flags |= kRepaired;
-  }
-}
-
 void Simplifier::drop_small() {
   for (;;) {
     bool any = false;
@@ -635,7 +624,6 @@ Simplification Simplifier::run() {
   progress_.update(0.4);
   repair_in_rounds();
   repair_with_hulls();
-  cut_sharp_corners();
   drop_small();
   progress_.update(0.85);
   measure();

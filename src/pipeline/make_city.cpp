@@ -168,23 +168,15 @@ Simplification simplify(const Config& config, const CityModel& raw, const Progre
 }
 
 std::map<std::string, std::int64_t> resorts_by_name(const SimplifyStats& stats) {
-  std::map<std::string, std::int64_t> resorts{{"merged_by_union", stats.merged_by_union},
-                                              {"merged_by_bridge", stats.merged_by_bridge},
-                                              {"merged_by_hulls", stats.merged_by_hulls},
-                                              {"merged_by_hull", stats.merged_by_hull},
-                                              {"merged_late", stats.merged_late},
-                                              {"vertices_dropped", stats.vertices_dropped},
-                                              {"edges_merged", stats.edges_merged},
-                                              {"edges_slid", stats.edges_slid},
-                                              {"vertices_moved", stats.vertices_moved},
-                                              {"holes_filled", stats.holes_filled},
-                                              {"gaps_filled", stats.gaps_filled},
-                                              {"arms_cut", stats.arms_cut},
-                                              {"corners_cut", stats.corners_cut},
-                                              {"necks_widened", stats.necks_widened},
-                                              {"local_hulls", stats.local_hulls},
-                                              {"hull_repairs", stats.hull_repairs},
-                                              {"clipped", stats.clipped}};
+  std::map<std::string, std::int64_t> resorts{
+      {"merged_by_union", stats.merged_by_union}, {"merged_by_bridge", stats.merged_by_bridge},
+      {"merged_by_hulls", stats.merged_by_hulls}, {"merged_by_hull", stats.merged_by_hull},
+      {"merged_late", stats.merged_late},         {"vertices_dropped", stats.vertices_dropped},
+      {"edges_merged", stats.edges_merged},       {"edges_slid", stats.edges_slid},
+      {"vertices_moved", stats.vertices_moved},   {"holes_filled", stats.holes_filled},
+      {"gaps_filled", stats.gaps_filled},         {"arms_cut", stats.arms_cut},
+      {"necks_widened", stats.necks_widened},     {"local_hulls", stats.local_hulls},
+      {"hull_repairs", stats.hull_repairs},       {"clipped", stats.clipped}};
   for (std::size_t k = 0; k < stats.merged_by_patch.size(); ++k)
     resorts[fmt::format("merged_by_patch_{}", k)] = stats.merged_by_patch[k];
   return resorts;

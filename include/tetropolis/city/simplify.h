@@ -60,7 +60,6 @@ struct SimplifyStats {
   std::int64_t holes_filled = 0;
   std::int64_t gaps_filled = 0;  ///< Patches put into gaps, notches and slots.
   std::int64_t arms_cut = 0;     ///< Patches taken out of necks and thin arms.
-  std::int64_t corners_cut = 0;  ///< Corners sharper than 15 degrees, cut where they are narrow.
   std::int64_t necks_widened = 0;
   std::int64_t local_hulls = 0;   ///< Places covered by the hull of their surroundings.
   std::int64_t hull_repairs = 0;  ///< Outputs replaced by their convex hull.
@@ -86,8 +85,6 @@ struct Simplification {
 /// - footprints are sorted by their first member; they pass footprint_defects, and
 ///   joint_clearance of all of them and `domain` is at least min_distance;
 /// - every footprint is at least min_area large;
-/// - corners are 15 degrees or more, inside and outside, where their sides are long enough to cut
-///   the tip off where it is as wide as min_distance (src/city/blunt_corners.h);
 /// - buildings that a repair parts from each other (they hung together by something thin) go on as
 ///   footprints of their own, each with the members that it holds most of;
 /// - the result does not depend on the number of threads; a second call on the result returns it
