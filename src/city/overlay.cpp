@@ -114,8 +114,6 @@ Boxes boxes_of(std::span<const Polygon> polygons) {
   return Boxes(std::move(boxes));
 }
 
-Bounds2 box_of(const Ring& ring) { return bounds(Polygon{ring, {}}); }
-
 /// The polygon of a union that covers `p`, or none.
 Polygon* covering(std::vector<Polygon>& polygons, Point2 p) {
   for (Polygon& polygon : polygons)
@@ -139,7 +137,7 @@ class Bystanders {
     for (Polygon& polygon : polygons) {
       std::vector<Ring>& holes = polygon.holes;
       const auto rest = std::stable_partition(holes.begin(), holes.end(), [&](const Ring& hole) {
-        return others.any_meets(box_of(hole));
+        return others.any_meets(bounds(hole));
       });
       if (rest == holes.end()) continue;
       const auto smaller = [](const Ring& a, const Ring& b) {
@@ -198,7 +196,7 @@ std::optional<std::vector<Ring>> holes_left(const Polygon& whole,
     for (std::size_t h = begin; h < end; ++h) {
       const Ring& hole = whole.holes[h];
       std::vector<Polygon> near;
-      for (const std::size_t i : boxes.meeting(box_of(hole))) near.push_back(patches[i]);
+      for (const std::size_t i : boxes.meeting(bounds(hole))) near.push_back(patches[i]);
       if (near.empty()) {
         left[h] = {hole};
         continue;
@@ -224,16 +222,14 @@ std::optional<std::vector<Ring>> holes_left(const Polygon& whole,
   return holes;
 }
 
-/// The patches that are not wholly within the outer ring.
-std::vector<Polygon> patches_at(const Ring& outer, std::span<const Polygon> patches) {
+/// The patches that are not wholly within `shell`, a polygon without holes.
+std::vector<Polygon> patches_at(const Polygon& shell, std::span<const Polygon> patches) {
   std::vector<Bounds2> edges;
-  for_each_edge(Polygon{outer, {}},
-                [&](Point2 a, Point2 b) { edges.push_back(grid::box_of(a, b)); });
+  for_each_edge(shell, [&](Point2 a, Point2 b) { edges.push_back(grid::box_of(a, b)); });
   const Boxes boxes(std::move(edges));
   std::vector<Polygon> at;
   for (const Polygon& patch : patches)
-    if (boxes.any_meets(bounds(patch)) || !contains({outer, {}}, patch.outer[0]))
-      at.push_back(patch);
+    if (boxes.any_meets(bounds(patch)) || !contains(shell, patch.outer[0])) at.push_back(patch);
   return at;
 }
 
@@ -245,7 +241,8 @@ geos::Result patch_up(const Polygon& whole, std::span<const Polygon> patches) {
   if (whole.holes.size() < kManyHoles) return std::nullopt;
   std::optional<std::vector<Ring>> holes = holes_left(whole, patches);
   if (!holes) return std::nullopt;
-  geos::Result result = join({{whole.outer, {}}}, patches_at(whole.outer, patches));
+  const Polygon shell{whole.outer, {}};
+  geos::Result result = join({shell}, patches_at(shell, patches));
   if (!result) return std::nullopt;
   Polygon* owner = covering(*result, interior_point({whole.holes[0], {}}));
   if (owner == nullptr) return std::nullopt;

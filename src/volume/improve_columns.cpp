@@ -85,19 +85,6 @@ struct ColumnView {
   ColumnView(const Column& column) : z(column.z), roof(column.roof) {}  // NOLINT: as a string_view
 };
 
-/// A column over one corner of a triangle, as far as that triangle's stack uses it.
-struct Corner {
-  VertexIndex vertex = 0;
-  Point2 place;
-  std::span<const double> z;
-  std::int32_t floor = 0;
-
-  std::int32_t last() const { return static_cast<std::int32_t>(z.size()) - 1; }
-  double at(std::int32_t node) const { return z[static_cast<std::size_t>(node)]; }
-  /// Order of the segment from `node` up: twice the elevation of its midpoint.
-  double key(std::int32_t node) const { return node < last() ? at(node) + at(node + 1) : kForever; }
-};
-
 class Improver {
  public:
   Improver(const ColumnMesh& mesh, const ImproveOptions& options)
@@ -169,57 +156,49 @@ std::vector<TriangleIndex> Improver::around(VertexIndex v) const {
 }
 
 template <typename Visit>
-bool Improver::visit_cells(TriangleIndex t, VertexIndex v, ColumnView own_column,
-                           std::int32_t first, std::int32_t last, const Visit& visit) const {
-  std::array<Corner, 3> stack;
-  std::size_t own = 0;
+bool Improver::visit_cells(TriangleIndex t, VertexIndex v, ColumnView own, std::int32_t first,
+                           std::int32_t last, const Visit& visit) const {
+  const std::array<VertexIndex, 3>& vertices = corners(t);
+  std::array<const double*, 3> z{};
+  std::array<NodeIndex, 3> at{}, top{};
+  std::size_t mine = 0;
   for (std::size_t i = 0; i < 3; ++i) {
-    const VertexIndex vertex = corners(t)[i];
-    if (vertex == v) own = i;
-    const ColumnView here = vertex == v ? own_column : column(vertex);
-    stack[i] = {vertex, mesh_->ground.vertices[static_cast<std::size_t>(vertex)], here.z,
-                inside(t) ? here.roof : 0};
+    if (vertices[i] == v) mine = i;
+    const ColumnView here = vertices[i] == v ? own : column(vertices[i]);
+    z[i] = here.z.data();
+    at[i] = inside(t) ? here.roof : 0;
+    top[i] = static_cast<NodeIndex>(here.z.size()) - 1;
   }
-
-  // The front (see Climb) when v's column is about to reach node `first`.
-  std::array<std::int32_t, 3> at{stack[0].floor, stack[1].floor, stack[2].floor};
-  if (first > at[own]) {
-    at[own] = first - 1;
-    const double key = stack[own].key(first - 1);
+  if (first > at[mine]) {
+    // The front when v's column is about to reach node `first`.
+    at[mine] = first - 1;
+    const double key = z[mine][first - 1] + z[mine][first];
     for (std::size_t i = 0; i < 3; ++i) {
-      if (i == own) continue;
-      const Corner& c = stack[i];
-      std::int32_t below = at[i], above = c.last();
-      while (below < above) {
-        const std::int32_t middle = below + (above - below) / 2;
-        const double other = c.key(middle);
-        if (other < key || (other == key && c.vertex > v))
-          below = middle + 1;
+      if (i == mine) continue;
+      NodeIndex above = top[i];
+      while (at[i] < above) {
+        const NodeIndex middle = at[i] + (above - at[i]) / 2;
+        if (climbs_first(z[i][middle] + z[i][middle + 1], vertices[i], key, v))
+          at[i] = middle + 1;
         else
           above = middle;
       }
-      at[i] = below;
     }
   }
+  Climb<3> front(z, vertices, at, top);
   std::array<Point3, 3> p;
-  std::array<double, 3> key{};
   for (std::size_t i = 0; i < 3; ++i) {
-    p[i] = {stack[i].place.x, stack[i].place.y, stack[i].at(at[i])};
-    key[i] = stack[i].key(at[i]);
+    const Point2 place = mesh_->ground.vertices[static_cast<std::size_t>(vertices[i])];
+    p[i] = {place.x, place.y, z[i][at[i]]};
   }
-  while (true) {
-    std::size_t next = 0;
-    for (std::size_t i = 1; i < 3; ++i)
-      if (key[i] < key[next] || (key[i] == key[next] && stack[i].vertex > stack[next].vertex))
-        next = i;
-    if (!(key[next] < kForever)) return true;
-    const Point3 apex{p[next][0], p[next][1], stack[next].at(at[next] + 1)};
-    if (!visit(cost_.of(p[0], p[1], p[2], apex), at[own], next == own)) return false;
-    if (next == own && at[own] >= last) return true;
+  for (std::size_t next; (next = front.next()) < 3; front.advance(next)) {
+    const Point3 apex{p[next][0], p[next][1], z[next][front.at(next) + 1]};
+    const auto node = static_cast<std::int32_t>(front.at(mine));
+    if (!visit(cost_.of(p[0], p[1], p[2], apex), node, next == mine)) return false;
+    if (next == mine && node >= last) return true;
     p[next] = apex;
-    ++at[next];
-    key[next] = stack[next].key(at[next]);
   }
+  return true;
 }
 
 double Improver::cost(std::span<const TriangleIndex> triangles, VertexIndex v, ColumnView own,

@@ -64,6 +64,12 @@ struct ColumnMesh {
 /// T + 1 offsets: the cells over triangle t are [offsets[t], offsets[t + 1]), upwards.
 std::vector<NodeIndex> cell_offsets(const ColumnMesh& mesh);
 
+/// Whether a segment over vertex v goes before one over w; `a`, `b`: twice the elevations of their
+/// midpoints.
+constexpr bool climbs_first(double a, VertexIndex v, double b, VertexIndex w) {
+  return a < b || (a == b && v > w);
+}
+
 /// A front of N columns that climbs in the order drawn above.
 template <std::size_t N>
 class Climb {
@@ -71,15 +77,22 @@ class Climb {
   /// Column i goes from node from[i] to the column's top.
   Climb(const ColumnMesh& mesh, const std::array<VertexIndex, N>& vertices,
         const std::array<NodeIndex, N>& from)
-      : z_(mesh.z.data()), vertex_(vertices), at_(from) {
+      : vertex_(vertices), at_(from) {
+    z_.fill(mesh.z.data());
     for (std::size_t i = 0; i < N; ++i) last_[i] = mesh.top(vertex_[i]);
+    for (std::size_t i = 0; i < N; ++i) set_key(i);
+  }
+  /// Columns of no mesh: the elevations of column i are z[i][0 .. last[i]].
+  Climb(const std::array<const double*, N>& z, const std::array<VertexIndex, N>& vertices,
+        const std::array<NodeIndex, N>& from, const std::array<NodeIndex, N>& last)
+      : z_(z), vertex_(vertices), at_(from), last_(last) {
     for (std::size_t i = 0; i < N; ++i) set_key(i);
   }
   /// The position (0 .. N - 1) of the column that goes next; N when all are at their last node.
   std::size_t next() const {
     std::size_t best = 0;
     for (std::size_t i = 1; i < N; ++i)
-      if (key_[i] < key_[best] || (key_[i] == key_[best] && vertex_[i] > vertex_[best])) best = i;
+      if (climbs_first(key_[i], vertex_[i], key_[best], vertex_[best])) best = i;
     return key_[best] < kDone ? best : N;
   }
   void advance(std::size_t i) {
@@ -93,9 +106,11 @@ class Climb {
  private:
   static constexpr double kDone = std::numeric_limits<double>::infinity();
   /// Twice the elevation of the next segment's midpoint.
-  void set_key(std::size_t i) { key_[i] = at_[i] < last_[i] ? z_[at_[i]] + z_[at_[i] + 1] : kDone; }
+  void set_key(std::size_t i) {
+    key_[i] = at_[i] < last_[i] ? z_[i][at_[i]] + z_[i][at_[i] + 1] : kDone;
+  }
 
-  const double* z_;
+  std::array<const double*, N> z_{};
   std::array<VertexIndex, N> vertex_;
   std::array<NodeIndex, N> at_;
   std::array<NodeIndex, N> last_{};
