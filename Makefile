@@ -41,6 +41,7 @@ format:
 
 check-format:
 	@scripts/format --check
+	@scripts/check-includes
 
 clean:
 	rm -rf build build-* out

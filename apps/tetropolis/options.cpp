@@ -1,5 +1,7 @@
 #include "options.h"
 
+#include <variant>
+
 #include <fmt/format.h>
 
 namespace tetropolis::app {

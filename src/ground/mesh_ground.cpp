@@ -1,5 +1,6 @@
 #include "tetropolis/ground/mesh_ground.h"
 
+#include <array>
 #include <cmath>
 #include <vector>
 

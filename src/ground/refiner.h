@@ -1,6 +1,7 @@
 // The state of a refinement: pieces of segments, kinds of vertices, size bounds and queues.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <bit>
 #include <cmath>

@@ -1,6 +1,7 @@
 #include "las_header.h"
 
 #include <algorithm>
+#include <array>
 #include <bit>
 #include <cmath>
 #include <cstring>

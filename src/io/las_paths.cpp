@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <span>
 #include <system_error>
 #include <utility>
 

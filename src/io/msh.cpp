@@ -1,6 +1,7 @@
 #include "tetropolis/io/msh.h"
 
 #include <algorithm>
+#include <array>
 #include <bit>
 #include <limits>
 #include <string>

@@ -1,5 +1,6 @@
 #include "tetropolis/io/stl.h"
 
+#include <array>
 #include <cmath>
 #include <string>
 

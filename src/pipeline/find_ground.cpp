@@ -1,6 +1,7 @@
 #include "find_ground.h"
 
 #include <algorithm>
+#include <map>
 #include <vector>
 
 #include <fmt/format.h>

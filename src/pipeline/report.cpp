@@ -1,5 +1,7 @@
 #include "tetropolis/pipeline/report.h"
 
+#include <variant>
+
 #include <nlohmann/json.hpp>
 
 #include "tetropolis/core/version.h"

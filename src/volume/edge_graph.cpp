@@ -1,6 +1,7 @@
 #include "tetropolis/volume/edge_graph.h"
 
 #include <algorithm>
+#include <iterator>
 #include <string>
 #include <utility>
 

@@ -1,6 +1,7 @@
 #include "tetropolis/volume/fill_columns.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdint>
 #include <limits>

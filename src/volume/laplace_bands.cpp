@@ -1,5 +1,6 @@
 #include "laplace_bands.h"
 
+#include <algorithm>
 #include <array>
 #include <bit>
 #include <cmath>

@@ -1,5 +1,6 @@
 #include "tetropolis/geometry/polygon.h"
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <random>

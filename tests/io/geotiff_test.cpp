@@ -1,5 +1,6 @@
 #include "tetropolis/io/geotiff.h"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstdio>

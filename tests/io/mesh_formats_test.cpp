@@ -1,4 +1,5 @@
 // What holds for every mesh format.
+#include <fstream>
 #include <functional>
 #include <map>
 

@@ -1,5 +1,6 @@
 #include "tetropolis/io/vector.h"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstdint>

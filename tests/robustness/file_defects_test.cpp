@@ -1,5 +1,6 @@
 // Footprint files that are cut, incomplete, ambiguous or say nothing about themselves, through the
 // whole pipeline.
+#include <algorithm>
 #include <cmath>
 #include <cstring>
 #include <limits>

@@ -1,6 +1,7 @@
 // Footprints as they come: one defect at a time in a small city, through the whole pipeline. Each
 // row says what must become of it; that the other buildings stay exactly as they are without the
 // defect, and that every guarantee holds, is asked of all.
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <numbers>

@@ -1,6 +1,7 @@
 #include "support/test_data.h"
 
 #include <cstdlib>
+#include <stdexcept>
 
 #include <unistd.h>
 

@@ -1,5 +1,6 @@
 #include "tetropolis/volume/edge_graph.h"
 
+#include <algorithm>
 #include <map>
 #include <set>
 

@@ -1,5 +1,6 @@
 #include "tetropolis/volume/laplace.h"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <random>

@@ -1,5 +1,6 @@
 #include "tetropolis/volume/monotone.h"
 
+#include <algorithm>
 #include <limits>
 #include <random>
 

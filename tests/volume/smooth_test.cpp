@@ -1,5 +1,6 @@
 #include "tetropolis/volume/smooth.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include <gtest/gtest.h>

@@ -23,8 +23,8 @@ inline constexpr double kRasterNodata = -9999;
 /// into the metadata item TETROPOLIS_DOMAIN = "xmin,ymin,xmax,ymax" in CRS coordinates.
 /// Values that are not finite are written as nodata.
 /// Precondition: nx, ny >= 1, step > 0, values.size() == nx * ny. `crs` as normalise_crs takes it.
-/// Guarantees: the same input gives the same bytes; appears complete or not at all.
-/// Errors: kInput if it cannot be written, kUsage if `crs` is none.
+/// Guarantees: the same input gives the same bytes; appears complete or not at all. The compressed
+/// file is made in memory first. Errors: kInput if it cannot be written, kUsage if `crs` is none.
 void write_raster(const std::filesystem::path& path, const Raster& raster, Point2 origin,
                   const std::string& crs, const std::optional<Bounds2>& domain = std::nullopt);
 
