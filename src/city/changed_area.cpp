@@ -119,12 +119,11 @@ double changed_area(std::span<const Polygon> before, std::span<const Polygon> af
                     std::vector<DifferenceStrip>* strips) {
   const std::vector<Segment> segments = unshared(before, after);
   if (segments.empty()) return 0;
-  constexpr double inf = std::numeric_limits<double>::infinity();
-  Bounds2 box{inf, inf, -inf, -inf};
+  Bounds2 box = Bounds2::nothing();
   double length = 0;
   for (const Segment& s : segments) {
-    grid::extend(box, s.a);
-    grid::extend(box, s.b);
+    box.extend(s.a);
+    box.extend(s.b);
     length += grid::distance(s.a, s.b);
   }
   EdgeGrid index(box, cell_size(box, length, segments.size()) + 1, segments.size());

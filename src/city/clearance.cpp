@@ -19,15 +19,13 @@ namespace tetropolis {
 
 namespace {
 
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
-
 /// All edges of all rings, in order of polygon, ring and vertex.
 struct Edges {
   std::vector<Point2> start;
   std::vector<Point2> end;
   std::vector<RingFeature> feature;
   std::vector<std::int32_t> next;  ///< The edge that starts where this one ends.
-  Bounds2 box{kInfinity, kInfinity, -kInfinity, -kInfinity};
+  Bounds2 box = Bounds2::nothing();
 
   std::int32_t size() const { return static_cast<std::int32_t>(start.size()); }
   static std::size_t at(std::int32_t e) { return static_cast<std::size_t>(e); }
@@ -39,7 +37,7 @@ struct Edges {
       end.push_back(ring[at((i + 1) % n)]);
       feature.push_back({polygon, number, i});
       next.push_back(base + (i + 1) % n);
-      grid::extend(box, start.back());
+      box.extend(start.back());
     }
   }
 };

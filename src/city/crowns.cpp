@@ -121,7 +121,7 @@ class Disks {
   }
 
  private:
-  std::pair<double, double> range(const std::vector<double>& values) const {
+  std::pair<double, double> range(std::span<const double> values) const {
     double low = values[points_[0]], high = low;
     for (const PointIndex p : points_) {
       low = std::min(low, values[p]);

@@ -16,7 +16,7 @@ constexpr double kFreeEntries = 1 << 22;  // Cells and entries allowed whatever 
 }  // namespace
 
 FootprintIndex::FootprintIndex(std::span<const Polygon* const> footprints, double margin)
-    : margin_(margin), box_{kInfinity, kInfinity, -kInfinity, -kInfinity} {
+    : margin_(margin), box_(Bounds2::nothing()) {
   outlines_.reserve(footprints.size());
   for (const Polygon* footprint : footprints) add_outline(*footprint);
   if (!box_.empty()) build_cells();
@@ -45,10 +45,7 @@ void FootprintIndex::add_outline(const Polygon& footprint) {
     edges_.insert(edges_.end(), band.begin(), band.end());
     band_offsets_.push_back(edges_.size());
   }
-  if (!edges.empty()) {
-    box_ = {std::min(box_.xmin, outline.box.xmin), std::min(box_.ymin, outline.box.ymin),
-            std::max(box_.xmax, outline.box.xmax), std::max(box_.ymax, outline.box.ymax)};
-  }
+  if (!edges.empty()) box_.extend(outline.box);
   outlines_.push_back(outline);
 }
 

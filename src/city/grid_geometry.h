@@ -5,7 +5,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <span>
 
 #include "tetropolis/city/city_model.h"
@@ -121,19 +120,11 @@ inline Bounds2 box_of(Point2 a, Point2 b) {
   return {std::min(a.x, b.x), std::min(a.y, b.y), std::max(a.x, b.x), std::max(a.y, b.y)};
 }
 
-inline void extend(Bounds2& box, Point2 p) {
-  box.xmin = std::min(box.xmin, p.x);
-  box.ymin = std::min(box.ymin, p.y);
-  box.xmax = std::max(box.xmax, p.x);
-  box.ymax = std::max(box.ymax, p.y);
-}
-
 /// Of the outer rings; empty without any vertex.
 inline Bounds2 box_around(std::span<const Polygon> polygons) {
-  constexpr double inf = std::numeric_limits<double>::infinity();
-  Bounds2 box{inf, inf, -inf, -inf};
+  Bounds2 box = Bounds2::nothing();
   for (const Polygon& polygon : polygons)
-    for (const Point2 p : polygon.outer) extend(box, p);
+    for (const Point2 p : polygon.outer) box.extend(p);
   return box;
 }
 

@@ -73,7 +73,7 @@ class Region {
   void add(const Ring& ring) {
     for (std::size_t i = 0; i < ring.size(); ++i) {
       walls_.push_back({ring[i], ring[(i + 1) % ring.size()]});
-      grid::extend(box_, ring[i]);
+      box_.extend(ring[i]);
     }
   }
   static double cross(Point2 o, Point2 a, Point2 b) {
@@ -101,7 +101,7 @@ class Region {
   }
 
   std::vector<Wall> walls_;
-  Bounds2 box_{kInfinity, kInfinity, -kInfinity, -kInfinity};
+  Bounds2 box_ = Bounds2::nothing();
   double cell_ = 1;
   EdgeGrid index_;
 };

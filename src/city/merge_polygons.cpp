@@ -5,7 +5,6 @@
 #include <cmath>
 #include <cstddef>
 #include <iterator>
-#include <limits>
 #include <tuple>
 #include <utility>
 
@@ -31,13 +30,12 @@ std::vector<const Polygon*> pointers(std::span<const Polygon> polygons) {
 }
 
 double cell_for(std::span<const Polygon> polygons, double distance) {
-  constexpr double inf = std::numeric_limits<double>::infinity();
-  Bounds2 box{inf, inf, -inf, -inf};
+  Bounds2 box = Bounds2::nothing();
   double length = 0;
   std::size_t count = 0;
   for (const Polygon& polygon : polygons)
     for_each_edge(polygon, [&](Point2 a, Point2 b) {
-      grid::extend(box, a);
+      box.extend(a);
       length += grid::distance(a, b);
       ++count;
     });
@@ -246,11 +244,10 @@ Polygon box_along(std::span<const Point2> points, Point2 from, Point2 to, double
   const double length = grid::distance(from, to);
   if (!(length > 0)) return {};
   const double ux = (to.x - from.x) / length, uy = (to.y - from.y) / length;
-  constexpr double inf = std::numeric_limits<double>::infinity();
-  Bounds2 box{inf, inf, -inf, -inf};
+  Bounds2 box = Bounds2::nothing();
   for (const Point2 c : points)
-    grid::extend(box, {(c.x - from.x) * ux + (c.y - from.y) * uy,
-                       (c.y - from.y) * ux - (c.x - from.x) * uy});
+    box.extend(Point2{(c.x - from.x) * ux + (c.y - from.y) * uy,
+                      (c.y - from.y) * ux - (c.x - from.x) * uy});
   const double least = 1.1 * distance;
   const double along = std::max(0.0, least - box.width()) / 2;
   const double across = std::max(0.0, least - box.height()) / 2;

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cstddef>
-#include <limits>
 
 #include "city/grid_geometry.h"
 
@@ -43,9 +42,8 @@ Outline make_outline(const std::vector<const Polygon*>& polygons, double cell) {
     for (const Ring& hole : polygons[k]->holes) add_ring(o, hole, group, true);
   }
   o.changed.assign(polygons.size(), 0);
-  constexpr double inf = std::numeric_limits<double>::infinity();
-  Bounds2 box{inf, inf, -inf, -inf};
-  for (const Point2 p : o.point) grid::extend(box, p);
+  Bounds2 box = Bounds2::nothing();
+  for (const Point2 p : o.point) box.extend(p);
   o.grid = EdgeGrid(box, cell, vertices);
   for (std::int32_t v = 0; v < o.vertex_count(); ++v) o.grid.insert(v, o.at(v), o.at(o.after(v)));
   return o;

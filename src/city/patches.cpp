@@ -98,12 +98,12 @@ void add_patch(const Outline& o, const NearPair& pair, std::int32_t f, double ep
 class Fillings {
  public:
   Fillings(const std::vector<Polygon>& fill, double epsilon) {
-    Bounds2 box{kInfinity, kInfinity, -kInfinity, -kInfinity};
+    Bounds2 box = Bounds2::nothing();
     for (std::size_t k = 0; k < fill.size(); ++k) {
       widest_ = std::max(widest_, bounds(fill[k]).width());
       for_each_edge(fill[k], [&](Point2 a, Point2 b) {
         edges_.push_back({a, b, k});
-        grid::extend(box, a);
+        box.extend(a);
       });
     }
     index_ = EdgeGrid(box, 4 * epsilon, edges_.size());

@@ -365,9 +365,9 @@ void Repairer::fill(const OutlineChange& c) {
     vertices.push_back(v);
     v = o_.after(v);
   } while (v != c.first);
-  Bounds2 box{kInfinity, kInfinity, -kInfinity, -kInfinity};
+  Bounds2 box = Bounds2::nothing();
   for (const std::int32_t w : vertices) {
-    grid::extend(box, o_.at(w));
+    box.extend(o_.at(w));
     o_.grid.remove(w, o_.at(w), o_.at(o_.after(w)));
   }
   for (const std::int32_t w : vertices) o_.next[static_cast<std::size_t>(w)] = -1;

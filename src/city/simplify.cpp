@@ -241,16 +241,15 @@ void Simplifier::merge_clusters() {
 }
 
 Outline Simplifier::repaired_outline(int round) {
-  constexpr double inf = std::numeric_limits<double>::infinity();
   std::vector<const Polygon*> polygons;
   polygons.reserve(groups_.size());
-  Bounds2 box{inf, inf, -inf, -inf};
+  Bounds2 box = Bounds2::nothing();
   double length = 0;
   std::size_t edges = 0;
   for (const Group& group : groups_) {
     polygons.push_back(&group.polygon);
     for_each_edge(group.polygon, [&](Point2 a, Point2 b) {
-      grid::extend(box, a);
+      box.extend(a);
       length += grid::distance(a, b);
       ++edges;
     });

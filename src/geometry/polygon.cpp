@@ -24,15 +24,9 @@ double area(const Polygon& polygon) {
   return result;
 }
 
-Bounds2 bounds(const Ring& ring) {
-  constexpr double inf = std::numeric_limits<double>::infinity();
-  Bounds2 box{inf, inf, -inf, -inf};
-  for (const Point2 p : ring) {
-    box.xmin = std::min(box.xmin, p.x);
-    box.ymin = std::min(box.ymin, p.y);
-    box.xmax = std::max(box.xmax, p.x);
-    box.ymax = std::max(box.ymax, p.y);
-  }
+Bounds2 bounds(std::span<const Point2> points) {
+  Bounds2 box = Bounds2::nothing();
+  for (const Point2 p : points) box.extend(p);
   return box;
 }
 

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <limits>
 
 namespace tetropolis {
 
@@ -62,18 +61,6 @@ std::vector<std::int32_t> sorted_order(std::span<const std::uint32_t> keys) {
   for (std::size_t i = 0; i < keys.size(); ++i)
     order[i] = static_cast<std::int32_t>(entries[i] & 0xffffffffU);
   return order;
-}
-
-Bounds2 bounds_of(std::span<const Point2> points) {
-  constexpr double kInfinity = std::numeric_limits<double>::infinity();
-  Bounds2 box{kInfinity, kInfinity, -kInfinity, -kInfinity};
-  for (const Point2& p : points) {
-    box.xmin = std::min(box.xmin, p.x);
-    box.ymin = std::min(box.ymin, p.y);
-    box.xmax = std::max(box.xmax, p.x);
-    box.ymax = std::max(box.ymax, p.y);
-  }
-  return box;
 }
 
 }  // namespace tetropolis

@@ -26,7 +26,4 @@ class HilbertCurve {
 /// The indices of `keys` by ascending key, ties by index.
 std::vector<std::int32_t> sorted_order(std::span<const std::uint32_t> keys);
 
-/// The bounding box of finite points; empty (xmin > xmax) for none.
-Bounds2 bounds_of(std::span<const Point2> points);
-
 }  // namespace tetropolis

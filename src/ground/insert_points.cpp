@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 
 #include "tetropolis/core/error.h"
+#include "tetropolis/geometry/polygon.h"
 
 #include "ground/construct.h"
 #include "ground/hilbert.h"
@@ -55,7 +56,7 @@ std::uint64_t scramble(std::uint64_t x) {
 // small for any input, the curve keeps walks short.
 std::vector<std::int32_t> insertion_order(const std::vector<Point2>& points) {
   constexpr int kRounds = 15;
-  const HilbertCurve curve(bounds_of(points));
+  const HilbertCurve curve(bounds(points));
   std::vector<std::uint32_t> keys(points.size());
   for (std::size_t i = 0; i < points.size(); ++i) {
     const std::uint64_t coins = scramble(i);

@@ -60,7 +60,7 @@ void Refiner::seed() {
   mesh_.tracking = false;
   mesh_.some_triangle.clear();
   find_corners();
-  const Bounds2 box = bounds_of(mesh_.points);
+  const Bounds2 box = bounds(mesh_.points);
   const double h = size_.base();
   const double squares = std::isfinite(h) ? box.width() * box.height() / (h * h) : 0;
   if (max_vertices_ <= 0)
@@ -179,7 +179,7 @@ void Refiner::cut_piece(std::int32_t s, double size) {
 }
 
 void Refiner::insert_lattice() {
-  const Bounds2 box = bounds_of(mesh_.points);
+  const Bounds2 box = bounds(mesh_.points);
   const double h = size_.base();
   const double columns = std::ceil(box.width() / (kLatticeSpacing * h));
   const double rows = std::ceil(box.height() / (kLatticeSpacing * h * 0.5 * std::numbers::sqrt3));

@@ -457,7 +457,7 @@ std::string crs_at(const Place& system) {
 
 /// What write_city puts beside the objects.
 void read_account(const Place& root, CityModel& model) {
-  model.domain = {1, 1, 0, 0};
+  model.domain = Bounds2::nothing();
   if (!root.has("tetropolis")) return;
   const Place account = root.at("tetropolis");
   if (account.has("crs") && model.crs.empty()) model.crs = crs_at(account.at("crs"));

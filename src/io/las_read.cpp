@@ -3,7 +3,6 @@
 #include <atomic>
 #include <cmath>
 #include <exception>
-#include <limits>
 #include <map>
 #include <mutex>
 #include <optional>
@@ -237,28 +236,56 @@ void warn_of_points_outside(std::span<const fs::path> paths, const std::vector<F
                        paths[f].string(), counts[f], plans[f].layout.info.point_count)});
 }
 
-/// Turns the records that tasks kept into points, one task after another: reserved memory takes up
-/// none before it is written, and each task's is given back as soon as its points are made, so that
-/// at no time there is much more than the points.
-PointCloud to_points(const std::vector<Task>& tasks, const std::vector<FilePlan>& plans,
-                     Point2 origin, std::vector<std::vector<LasRecord>>& kept) {
-  std::size_t size = 0;
-  for (const auto& records : kept) size += records.size();
-  PointCloud points;
-  points.x.reserve(size);
-  points.y.reserve(size);
-  points.z.reserve(size);
-  points.classification.reserve(size);
-  for (std::size_t t = 0; t < tasks.size(); ++t) {
-    const LasInfo& info = plans[tasks[t].file].layout.info;
-    for (const LasRecord& r : kept[t]) {
-      points.x.push_back(r.x * info.scale[0] + info.offset[0] - origin.x);
-      points.y.push_back(r.y * info.scale[1] + info.offset[1] - origin.y);
-      points.z.push_back(r.z * info.scale[2] + info.offset[2]);
-      points.classification.push_back(r.classification);
-    }
-    std::vector<LasRecord>().swap(kept[t]);
+/// What is told of the points kept.
+struct Summary {
+  Bounds2 extent = Bounds2::nothing();
+  std::array<std::int64_t, 256> by_class{};
+
+  void add(const Summary& more) {
+    extent.extend(more.extent);
+    for (std::size_t code = 0; code < by_class.size(); ++code)
+      by_class[code] += more.by_class[code];
   }
+};
+
+/// Writes the points of one task from number `first` on.
+Summary place_points(const std::vector<LasRecord>& records, const LasInfo& info, Point2 origin,
+                     std::size_t first, PointCloud& points) {
+  Summary summary;
+  double *x = points.x.data() + first, *y = points.y.data() + first, *z = points.z.data() + first;
+  std::uint8_t* classification = points.classification.data() + first;
+  for (const LasRecord& r : records) {
+    const Point2 p{r.x * info.scale[0] + info.offset[0] - origin.x,
+                   r.y * info.scale[1] + info.offset[1] - origin.y};
+    summary.extent.extend(p);
+    ++summary.by_class[r.classification];
+    *x++ = p.x;
+    *y++ = p.y;
+    *z++ = r.z * info.scale[2] + info.offset[2];
+    *classification++ = r.classification;
+  }
+  return summary;
+}
+
+/// Turns the records that tasks kept into points, in the order of the tasks. Points take up no
+/// memory before they are written, and each task's records are given back as soon as its points are
+/// made, so that at no time there is much more than the points.
+PointCloud to_points(const std::vector<Task>& tasks, const std::vector<FilePlan>& plans,
+                     Point2 origin, std::vector<std::vector<LasRecord>>& kept, Summary& summary) {
+  std::vector<std::size_t> first(tasks.size() + 1, 0);
+  for (std::size_t t = 0; t < tasks.size(); ++t) first[t + 1] = first[t] + kept[t].size();
+  PointCloud points;
+  points.x.resize(first.back());
+  points.y.resize(first.back());
+  points.z.resize(first.back());
+  points.classification.resize(first.back());
+  std::vector<Summary> summaries(tasks.size());
+  parallel_chunks(tasks.size(), 1, [&](std::size_t t, std::size_t) {
+    summaries[t] =
+        place_points(kept[t], plans[tasks[t].file].layout.info, origin, first[t], points);
+    std::vector<LasRecord>().swap(kept[t]);
+  });
+  for (const Summary& part : summaries) summary.add(part);
   return points;
 }
 
@@ -281,19 +308,6 @@ std::string common_crs(std::span<const fs::path> paths, const std::vector<FilePl
                       paths[f].string(), crs.substr(0, 80)));
   }
   return known == plans.size() ? "" : plans[known].layout.info.crs;
-}
-
-void summarise(PointsInput& result) {
-  const PointCloud& points = result.points;
-  result.points_kept = static_cast<std::int64_t>(points.size());
-  std::array<std::int64_t, 256> counts{};
-  for (const std::uint8_t code : points.classification) ++counts[code];
-  for (std::size_t code = 0; code < counts.size(); ++code)
-    if (counts[code] > 0) result.points_by_class[static_cast<int>(code)] = counts[code];
-  if (points.size() == 0) return;
-  const auto [xmin, xmax] = std::minmax_element(points.x.begin(), points.x.end());
-  const auto [ymin, ymax] = std::minmax_element(points.y.begin(), points.y.end());
-  result.extent = {*xmin, *ymin, *xmax, *ymax};
 }
 
 }  // namespace
@@ -343,8 +357,13 @@ PointsInput read_points(std::span<const fs::path> paths, const ReadPointsOptions
     outside[t] = strays;
   });
   warn_of_points_outside(paths, plans, tasks, outside, result.warnings);
-  result.points = to_points(tasks, plans, options.origin, kept);
-  summarise(result);
+  Summary summary;
+  result.points = to_points(tasks, plans, options.origin, kept, summary);
+  result.points_kept = static_cast<std::int64_t>(result.points.size());
+  if (result.points_kept > 0) result.extent = summary.extent;
+  for (std::size_t code = 0; code < summary.by_class.size(); ++code)
+    if (summary.by_class[code] > 0)
+      result.points_by_class[static_cast<int>(code)] = summary.by_class[code];
   return result;
 }
 

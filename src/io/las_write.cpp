@@ -31,8 +31,8 @@ struct Quantised {
   std::array<double, 3> max{};
 };
 
-void quantise_axis(const fs::path& path, const std::vector<double>& local, double shift,
-                   double scale, std::size_t axis, Quantised& result) {
+void quantise_axis(const fs::path& path, std::span<const double> local, double shift, double scale,
+                   std::size_t axis, Quantised& result) {
   if (local.empty()) return;
   const auto [low, high] = std::minmax_element(local.begin(), local.end());
   // A round number near the middle leaves most room for fine scales.
@@ -138,7 +138,7 @@ void add_crs(const LazWriter& writer, laszip_header_struct& header, const std::s
 }
 
 void write_records(const LazWriter& writer, const Quantised& points,
-                   const std::vector<std::uint8_t>& classes, std::span<const std::uint8_t> flags,
+                   std::span<const std::uint8_t> classes, std::span<const std::uint8_t> flags,
                    bool extended) {
   laszip_point_struct* point = nullptr;
   writer.check(laszip_get_point_pointer(writer.get(), &point));

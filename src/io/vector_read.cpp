@@ -399,16 +399,10 @@ class LayerReader {
 };
 
 Bounds2 bounds_of(std::vector<Footprint>& features) {
-  constexpr double kInfinity = std::numeric_limits<double>::infinity();
-  Bounds2 box{kInfinity, kInfinity, -kInfinity, -kInfinity};
+  Bounds2 box = Bounds2::nothing();
   for (Footprint& feature : features)
-    for_each_vertex(feature.polygon, [&](const Point2& p) {
-      box.xmin = std::min(box.xmin, p.x);
-      box.ymin = std::min(box.ymin, p.y);
-      box.xmax = std::max(box.xmax, p.x);
-      box.ymax = std::max(box.ymax, p.y);
-    });
-  return features.empty() ? Bounds2{1, 1, 0, 0} : box;
+    for_each_vertex(feature.polygon, [&](const Point2& p) { box.extend(p); });
+  return box;
 }
 
 /// Whether a file that says degrees holds numbers that are none.

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <map>
+#include <span>
 #include <vector>
 
 #include <fmt/format.h>
@@ -27,7 +28,7 @@ void run_filter(const Config& config, InputData& input, StepClock& clock, Report
   options.window = config.ground_filter_window;
   options.slope = config.ground_filter_slope;
   options.classes.push_back(kGround);
-  std::vector<std::uint8_t>& classes = input.points.classification;
+  std::span<std::uint8_t> classes = input.points.classification;
   std::int64_t before = 0;
   GroundFilterReport counts;
   clock.run("1.3", "find ground points", [&](const Progress& progress) {

@@ -32,7 +32,7 @@ Bounds2 intersection(const Bounds2& a, const Bounds2& b) {
 struct CloudHeaders {
   std::string crs;
   std::string crs_file;
-  Bounds2 box{1, 1, 0, 0};
+  Bounds2 box = Bounds2::nothing();
   std::vector<std::pair<Bounds2, std::int64_t>> points;  ///< Per file: where, and how many.
 };
 
@@ -49,12 +49,7 @@ CloudHeaders read_headers(std::span<const std::filesystem::path> paths) {
   for (const auto& path : paths) {
     const LasInfo info = inspect_las(path);
     const Bounds2 box{info.min[0], info.min[1], info.max[0], info.max[1]};
-    if (info.point_count > 0 && !box.empty())
-      headers.box =
-          headers.box.empty()
-              ? box
-              : Bounds2{std::min(headers.box.xmin, box.xmin), std::min(headers.box.ymin, box.ymin),
-                        std::max(headers.box.xmax, box.xmax), std::max(headers.box.ymax, box.ymax)};
+    if (info.point_count > 0 && !box.empty()) headers.box.extend(box);
     headers.points.emplace_back(box, believable_count(path, info));
     if (!info.crs.empty() && headers.crs.empty()) {
       headers.crs = info.crs;

@@ -59,22 +59,19 @@ Candidates find_candidates(const PointCloud& cloud, const GroundFilterOptions& o
   return mask;
 }
 
-Bounds2 united(const Bounds2& a, const Bounds2& b) {
-  return {std::min(a.xmin, b.xmin), std::min(a.ymin, b.ymin), std::max(a.xmax, b.xmax),
-          std::max(a.ymax, b.ymax)};
-}
-
 Bounds2 extent_of(const PointCloud& cloud, const Candidates& mask) {
-  constexpr double inf = std::numeric_limits<double>::infinity();
   return parallel_reduce_ordered(
-      cloud.size(), kPointGrain, Bounds2{inf, inf, -inf, -inf},
+      cloud.size(), kPointGrain, Bounds2::nothing(),
       [&](std::size_t begin, std::size_t end) {
-        Bounds2 box{inf, inf, -inf, -inf};
+        Bounds2 box = Bounds2::nothing();
         for (std::size_t p = begin; p < end; ++p)
-          if (mask[p] != 0) box = united(box, {cloud.x[p], cloud.y[p], cloud.x[p], cloud.y[p]});
+          if (mask[p] != 0) box.extend(Point2{cloud.x[p], cloud.y[p]});
         return box;
       },
-      united);
+      [](Bounds2 a, const Bounds2& b) {
+        a.extend(b);
+        return a;
+      });
 }
 
 Frame make_frame(const Bounds2& box, const GroundFilterOptions& options) {

@@ -5,6 +5,7 @@
 #include <cstring>
 #include <filesystem>
 #include <random>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -60,7 +61,7 @@ inline std::string read_error(const fs::path& path) {
 }
 
 inline bool same(const PointCloud& a, const PointCloud& b) {
-  const auto bits = [](const std::vector<double>& u, const std::vector<double>& v) {
+  const auto bits = [](std::span<const double> u, std::span<const double> v) {
     return u.size() == v.size() &&
            (u.empty() || std::memcmp(u.data(), v.data(), u.size() * sizeof(double)) == 0);
   };

@@ -72,7 +72,7 @@ TEST(GroundFilter, FindsTheGroundOfACityOfBlocks) {
     options.seed = test_seed();
     options.points_per_m2 = density;
     SyntheticCity city = synthetic_block_city(options);
-    const std::vector<std::uint8_t> truth = city.points.classification;
+    const auto truth = city.points.classification;
     std::fill(city.points.classification.begin(), city.points.classification.end(),
               kNeverClassified);
     GroundFilterReport report;

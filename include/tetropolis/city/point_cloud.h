@@ -3,16 +3,17 @@
 
 #include <cstddef>
 #include <cstdint>
-#include <vector>
+
+#include "tetropolis/core/buffer.h"
 
 namespace tetropolis {
 
 /// Four arrays of one length. x and y are metres in the local frame, z is metres of elevation.
 struct PointCloud {
-  std::vector<double> x;
-  std::vector<double> y;
-  std::vector<double> z;
-  std::vector<std::uint8_t> classification;  ///< ASPRS class code, see PointClass.
+  Buffer<double> x;
+  Buffer<double> y;
+  Buffer<double> z;
+  Buffer<std::uint8_t> classification;  ///< ASPRS class code, see PointClass.
 
   std::size_t size() const { return x.size(); }
 };

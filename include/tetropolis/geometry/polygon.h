@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstddef>
+#include <span>
 #include <utility>
 
 #include "tetropolis/geometry/types.h"
@@ -14,8 +15,8 @@ double signed_area(const Ring& ring);
 /// Area of the outer ring less its holes, whatever their orientation.
 double area(const Polygon& polygon);
 
-/// Bounding box of the vertices; empty for an empty ring.
-Bounds2 bounds(const Ring& ring);
+/// Bounding box of the points of a ring, or of any others; Bounds2::nothing() without any.
+Bounds2 bounds(std::span<const Point2> points);
 Bounds2 bounds(const Polygon& polygon);
 
 /// Whether the ray from `p` towards +x crosses the edge a-b. The end points count as if they lay a

@@ -2,8 +2,10 @@
 // coordinates of the reference system minus the origin of the run (see city_model.h).
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstdint>
+#include <limits>
 #include <vector>
 
 namespace tetropolis {
@@ -28,6 +30,19 @@ struct Bounds2 {
   double ymin = 0;
   double xmax = 0;
   double ymax = 0;
+
+  /// The box of no points, to be extended.
+  static constexpr Bounds2 nothing() {
+    constexpr double inf = std::numeric_limits<double>::infinity();
+    return {inf, inf, -inf, -inf};
+  }
+  void extend(const Bounds2& other) {
+    xmin = std::min(xmin, other.xmin);
+    ymin = std::min(ymin, other.ymin);
+    xmax = std::max(xmax, other.xmax);
+    ymax = std::max(ymax, other.ymax);
+  }
+  void extend(Point2 p) { extend(Bounds2{p.x, p.y, p.x, p.y}); }
 
   double width() const { return xmax - xmin; }
   double height() const { return ymax - ymin; }
