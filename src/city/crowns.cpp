@@ -208,15 +208,17 @@ bool has_trees_around(std::span<const PointIndex> roof, std::span<const PointInd
 }  // namespace
 
 void drop_crowns(PointLists& roof, const CrownEvidence& evidence, const PointCloud& cloud,
-                 const CrownOptions& options) {
+                 const CrownOptions& options, const Progress& progress) {
   assert(roof.size() == evidence.below.size() && roof.size() == evidence.around.size());
   std::vector<std::vector<PointIndex>> kept(roof.size());
+  SharedProgress shared(progress, static_cast<std::int64_t>(roof.size()));
   parallel_chunks(roof.size(), kBuildingGrain, [&](std::size_t begin, std::size_t end) {
     for (std::size_t b = begin; b < end; ++b)
       if (has_trees_around(roof[b], evidence.around[b], cloud, options.clearing))
         kept[b] = without_crowns(roof[b], evidence.below[b], cloud, options);
       else
         kept[b].assign(roof[b].begin(), roof[b].end());
+    shared.add(static_cast<std::int64_t>(end - begin));
   });
   roof.indices.clear();
   for (std::size_t b = 0; b < kept.size(); ++b) {

@@ -139,8 +139,9 @@ std::size_t keep_inliers(std::span<PointIndex> list, const PointCloud& cloud, do
 
 /// Points that may be roof by their class but lie in no footprint, at each building they are near.
 std::vector<Hit> find_around(std::span<const Polygon* const> footprints, const PointCloud& cloud,
-                             const Classes& classes) {
+                             const Classes& classes, const Progress& progress) {
   const FootprintIndex index(footprints, kAround);
+  SharedProgress shared(progress, static_cast<std::int64_t>(cloud.size()));
   std::vector<std::vector<Hit>> chunks((cloud.size() + kPointGrain - 1) / kPointGrain);
   parallel_chunks(cloud.size(), kPointGrain, [&](std::size_t begin, std::size_t end) {
     std::vector<Hit>& found = chunks[begin / kPointGrain];
@@ -158,6 +159,7 @@ std::vector<Hit> find_around(std::span<const Polygon* const> footprints, const P
       for (const BuildingIndex building : near)
         found.push_back({building, static_cast<PointIndex>(p)});
     }
+    shared.add(static_cast<std::int64_t>(end - begin));
   });
   std::vector<Hit> all;
   for (const std::vector<Hit>& chunk : chunks) all.insert(all.end(), chunk.begin(), chunk.end());
@@ -173,18 +175,22 @@ BuildingPoints extract(std::span<const Polygon* const> footprints, const PointCl
                             cloud.size()));
   const FootprintIndex index(footprints, options.margin);
   const Classes classes = choose_classes(cloud);
-  Hits hits = find_all_hits(index, cloud, classes, progress);
+  const bool find_crowns = classes.roof_from_unclassified && options.drop_crowns;
+  Hits hits = find_all_hits(index, cloud, classes, portion(progress, 0, find_crowns ? 0.4 : 0.9));
   BuildingPoints points;
   points.roof_from_unclassified = classes.roof_from_unclassified;
   points.roof = to_lists(hits.roof, footprints.size());
-  hits.roof = {};
+  std::vector<Hit>().swap(hits.roof);
   points.ground = to_lists(hits.ground, footprints.size());
-  hits.ground = {};
-  if (points.roof_from_unclassified && options.drop_crowns)
-    drop_crowns(points.roof,
-                {to_lists(hits.ground_inside, footprints.size()),
-                 to_lists(find_around(footprints, cloud, classes), footprints.size())},
-                cloud);
+  std::vector<Hit>().swap(hits.ground);
+  if (find_crowns) {
+    const std::vector<Hit> around =
+        find_around(footprints, cloud, classes, portion(progress, 0.4, 0.7));
+    drop_crowns(
+        points.roof,
+        {to_lists(hits.ground_inside, footprints.size()), to_lists(around, footprints.size())},
+        cloud, {}, portion(progress, 0.7, 0.9));
+  }
   drop_outliers(points.roof, cloud, options.sigma);
   drop_outliers(points.ground, cloud, options.sigma);
   progress.update(1);

@@ -14,6 +14,7 @@ namespace tetropolis::grid {
 
 /// Steps per metre.
 inline constexpr double kSteps = 10000.0;
+inline constexpr double kSquareMetre = kSteps * kSteps;
 
 /// Largest magnitude of a coordinate in metres for which the predicates below are exact.
 inline constexpr double kMaxCoordinate = 1e9;
@@ -126,12 +127,6 @@ inline Bounds2 box_around(std::span<const Polygon> polygons) {
   for (const Polygon& polygon : polygons)
     for (const Point2 p : polygon.outer) box.extend(p);
   return box;
-}
-
-inline double box_distance(const Bounds2& a, const Bounds2& b) {
-  const double dx = std::max({0.0, a.xmin - b.xmax, b.xmin - a.xmax});
-  const double dy = std::max({0.0, a.ymin - b.ymax, b.ymin - a.ymax});
-  return std::hypot(dx, dy);
 }
 
 /// Convex hull, counter-clockwise, without collinear vertices. Fewer than three points where the

@@ -13,6 +13,7 @@
 #include "tetropolis/geometry/polygon.h"
 
 #include "city/clean_ring.h"
+#include "city/footprint_index.h"
 #include "city/grid_geometry.h"
 #include "geometry/geos.h"
 
@@ -227,9 +228,16 @@ std::vector<Polygon> patches_at(const Polygon& shell, std::span<const Polygon> p
   std::vector<Bounds2> edges;
   for_each_edge(shell, [&](Point2 a, Point2 b) { edges.push_back(grid::box_of(a, b)); });
   const Boxes boxes(std::move(edges));
+  const Polygon* const shells[] = {&shell};
+  const FootprintIndex index(shells, 0);
+  const auto is_inside = [&](Point2 p) {
+    bool inside = false;
+    index.at(p, [&](BuildingIndex, bool found) { inside = found; });
+    return inside;
+  };
   std::vector<Polygon> at;
   for (const Polygon& patch : patches)
-    if (boxes.any_meets(bounds(patch)) || !contains(shell, patch.outer[0])) at.push_back(patch);
+    if (boxes.any_meets(bounds(patch)) || !is_inside(patch.outer[0])) at.push_back(patch);
   return at;
 }
 

@@ -16,11 +16,10 @@
 #include "tetropolis/core/parallel.h"
 #include "tetropolis/geometry/polygon.h"
 
-#include "city/changed_area.h"
 #include "city/grid_geometry.h"
-#include "city/largest_distance.h"
+#include "city/group.h"
+#include "city/measure_changes.h"
 #include "city/merge_polygons.h"
-#include "city/offcuts.h"
 #include "city/outline.h"
 #include "city/overlay.h"
 #include "city/patches.h"
@@ -33,48 +32,11 @@ namespace {
 constexpr int kGentleRounds = 5;     ///< Patches whose reach doubles.
 constexpr int kLocalHullRounds = 6;  ///< Hulls of surroundings whose radius doubles.
 constexpr double kMaxShift = 0.02 * grid::kSteps;
-constexpr double kDistanceTolerance = 0.01 * grid::kSteps;
-constexpr double kSquareMetre = grid::kSteps * grid::kSteps;
 constexpr const char* kTooThin = "too small or narrow for the merge distance";
 constexpr const char* kAtBoundary = "closer than the merge distance to the domain boundary";
 
-/// One building to be: coordinates in steps.
-struct Group {
-  Polygon polygon;
-  /// Union of its members, cut back from the domain's boundary, before anything else was changed.
-  /// Not empty; groups' inputs are disjoint, unless one had nothing of its own (share_input).
-  std::vector<Polygon> input;
-  std::vector<BuildingIndex> members;
-  std::uint32_t flags = 0;
-  bool shares_input = false;  ///< Other groups have some of the union of its members.
-};
-
-bool fits(const Polygon& polygon, const Bounds2& box) {
-  const Bounds2 b = bounds(polygon);
-  return b.xmin >= box.xmin && b.ymin >= box.ymin && b.xmax <= box.xmax && b.ymax <= box.ymax;
-}
-
-Polygon box_polygon(const Bounds2& b) {
-  return {{{b.xmin, b.ymin}, {b.xmax, b.ymin}, {b.xmax, b.ymax}, {b.xmin, b.ymax}}, {}};
-}
-
-double total_area(const std::vector<Polygon>& polygons) {
-  double sum = 0;
-  for (const Polygon& polygon : polygons) sum += area(polygon);
-  return sum;
-}
-
 bool is_hull(MergeResort resort) {
   return resort == MergeResort::kUnionOfHulls || resort == MergeResort::kHull;
-}
-
-/// The largest polygon (the first of equals), or none.
-std::optional<Polygon> largest(std::vector<Polygon> polygons) {
-  if (polygons.empty()) return std::nullopt;
-  std::size_t best = 0;
-  for (std::size_t i = 1; i < polygons.size(); ++i)
-    if (area(polygons[i]) > area(polygons[best])) best = i;
-  return std::move(polygons[best]);
 }
 
 class Simplifier {
@@ -85,17 +47,11 @@ class Simplifier {
 
  private:
   void clip_to_domain();
-  Polygon in_domain(const Polygon& polygon) const;
   void merge_clusters();
   Outline repaired_outline(int round);
   void take_back(const Outline& outline);
   void apply_patches(std::vector<Patches> patches);
   bool apply(const Patches& patches, Group& group, std::vector<Group>& offcuts) const;
-  std::vector<Group> split(const std::vector<Polygon>& parts, Group& group) const;
-  std::vector<Polygon> clipped(const Polygon& polygon) const;
-  std::vector<Polygon> input_of(const std::vector<BuildingIndex>& members) const;
-  void share_input(Group& group, std::span<Group> parts) const;
-  std::uint32_t flags_of(const std::vector<BuildingIndex>& members) const;
   bool unite_close_groups(bool hulls);
   Group united(const std::vector<std::size_t>& parts, bool hulls);
   void repair_in_rounds();
@@ -104,24 +60,22 @@ class Simplifier {
   void drop_vanished();
   void drop_small();
   void drop(const Group& group, const std::string& reason);
-  void measure();
   void finish();
 
-  std::span<const Polygon> cleaned_;
+  double least_area() const { return options_.min_area * grid::kSquareMetre; }
+
   Bounds2 domain_;
   SimplifyOptions options_;
   const Progress& progress_;
   double epsilon_;       ///< Steps; a little more than asked, so that rounding cannot break it.
   Bounds2 keep_inside_;  ///< Steps.
-  std::vector<std::uint8_t> is_clipped_;  ///< Per footprint.
+  GroupInput input_;
   std::vector<Group> groups_;
   RepairCounts counts_;
   Simplification result_;
 };
 
-Simplifier::Simplifier(std::span<const Polygon> cleaned, const Bounds2& domain,
-                       const SimplifyOptions& options, const Progress& progress)
-    : cleaned_(cleaned), domain_(domain), options_(options), progress_(progress) {
+void require_sensible(const SimplifyOptions& options) {
   if (!(options.min_distance >= 0.01 && options.min_distance <= 1000))
     throw Error(ErrorKind::kUsage, fmt::format("merge distance {} m: must be from 0.01 to 1000",
                                                options.min_distance));
@@ -133,51 +87,34 @@ Simplifier::Simplifier(std::span<const Polygon> cleaned, const Bounds2& domain,
   if (!(options.parallel_tolerance >= 0 && options.parallel_tolerance < 0.5))
     throw Error(ErrorKind::kUsage, fmt::format("parallel tolerance {}: must be from 0 to 0.5 rad",
                                                options.parallel_tolerance));
-  epsilon_ = std::ceil(options.min_distance * grid::kSteps) + 3;
-  keep_inside_ = domain.grown(0);
+}
+
+/// The domain in steps less a margin.
+Bounds2 inner_box(const Bounds2& domain, double margin) {
   const Point2 low = grid::to_steps(Point2{domain.xmin, domain.ymin});
   const Point2 high = grid::to_steps(Point2{domain.xmax, domain.ymax});
-  keep_inside_ = Bounds2{low.x, low.y, high.x, high.y}.grown(-epsilon_);
+  return Bounds2{low.x, low.y, high.x, high.y}.grown(-margin);
 }
 
-/// What is left of a footprint far enough inside the domain; empty if that is less than half of it.
-Polygon Simplifier::in_domain(const Polygon& polygon) const {
-  if (fits(polygon, keep_inside_)) return polygon;
-  std::optional<Polygon> part;
-  if (!keep_inside_.empty()) part = largest(clipped(polygon));
-  if (!part || !fits(*part, keep_inside_) || area(*part) < 0.5 * area(polygon)) return {};
-  return std::move(*part);
-}
+Simplifier::Simplifier(std::span<const Polygon> cleaned, const Bounds2& domain,
+                       const SimplifyOptions& options, const Progress& progress)
+    : domain_(domain),
+      options_(options),
+      progress_(progress),
+      epsilon_(std::ceil(options.min_distance * grid::kSteps) + 3),
+      keep_inside_(inner_box(domain, epsilon_)),
+      input_(cleaned, keep_inside_) {}
 
 void Simplifier::clip_to_domain() {
-  groups_.resize(cleaned_.size());
-  is_clipped_.assign(cleaned_.size(), 0);
-  parallel_chunks(cleaned_.size(), 256, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t i = begin; i < end; ++i) {
-      Group& group = groups_[i];
-      group.members = {static_cast<BuildingIndex>(i)};
-      group.polygon = grid::to_steps(cleaned_[i]);
-      if (group.polygon.outer.size() < 3) group.polygon = {};
-      group.input = {group.polygon};
-      if (group.polygon.outer.empty() || fits(group.polygon, keep_inside_)) continue;
-      is_clipped_[i] = 1;
-      group.polygon = in_domain(group.polygon);
-      if (!group.polygon.outer.empty()) group.input = {group.polygon};
-    }
-  });
-  std::vector<Group> kept;
-  for (std::size_t i = 0; i < groups_.size(); ++i) {
-    if (groups_[i].polygon.outer.empty()) {
-      drop(groups_[i], is_clipped_[i] != 0 ? kAtBoundary : "fewer than 3 distinct vertices");
+  for (Group& group : input_.single_groups()) {
+    const bool is_clipped = (group.flags & kClipped) != 0;
+    if (group.polygon.outer.empty()) {
+      drop(group, is_clipped ? kAtBoundary : "fewer than 3 distinct vertices");
       continue;
     }
-    if (is_clipped_[i] != 0) {
-      groups_[i].flags |= kClipped;
-      ++result_.stats.clipped;
-    }
-    kept.push_back(std::move(groups_[i]));
+    if (is_clipped) ++result_.stats.clipped;
+    groups_.push_back(std::move(group));
   }
-  groups_ = std::move(kept);
 }
 
 void Simplifier::merge_clusters() {
@@ -196,8 +133,11 @@ void Simplifier::merge_clusters() {
   stats.merged_by_patch.assign(static_cast<std::size_t>(options_.growths) + 1, 0);
   std::vector<Group> merged(count);
   std::vector<MergedPolygon> how(count);
+  const Progress merging = portion(progress_, 0.05, 0.35);
+  SharedProgress shared(merging, static_cast<std::int64_t>(count));
   parallel_chunks(count, 1, [&](std::size_t begin, std::size_t end) {
     for (std::size_t c = begin; c < end; ++c) {
+      shared.add(1);
       if (parts[c].size() == 1) continue;
       std::vector<Polygon> members;
       for (const std::size_t i : parts[c]) members.push_back(polygons[i]);
@@ -290,80 +230,6 @@ void Simplifier::take_back(const Outline& outline) {
   }
 }
 
-std::vector<Polygon> Simplifier::clipped(const Polygon& polygon) const {
-  return intersect_on_grid(std::vector{polygon}, std::vector{box_polygon(keep_inside_)});
-}
-
-std::vector<Polygon> Simplifier::input_of(const std::vector<BuildingIndex>& members) const {
-  std::vector<Polygon> input;
-  for (const BuildingIndex m : members)
-    input.push_back(in_domain(grid::to_steps(cleaned_[static_cast<std::size_t>(m)])));
-  return input.size() > 1 ? unite_or_widest(input) : input;
-}
-
-/// What follows from the members alone.
-std::uint32_t Simplifier::flags_of(const std::vector<BuildingIndex>& members) const {
-  std::uint32_t flags = 0;
-  if (members.size() > 1) flags |= kMerged;
-  for (const BuildingIndex m : members)
-    if (is_clipped_[static_cast<std::size_t>(m)] != 0) flags |= kClipped;
-  return flags;
-}
-
-/// Shares the input of a group out to it and the parts that have some of its members. Where members
-/// overlap, the first part has what they have in common; but nobody goes without.
-void Simplifier::share_input(Group& group, std::span<Group> parts) const {
-  const auto take_off = [](Group& part, const std::vector<Polygon>& others) {
-    const Bounds2 box = grid::box_around(part.input);
-    std::vector<Polygon> near;
-    for (const Polygon& other : others)
-      if (bounds(other).intersects(box)) near.push_back(other);
-    if (near.empty()) return;
-    std::vector<Polygon> rest = subtract_on_grid(part.input, near);
-    if (rest.empty()) return;
-    part.input = std::move(rest);
-    part.shares_input = true;
-  };
-  std::vector<Polygon> gone;
-  for (Group& part : parts) {
-    part.input = input_of(part.members);
-    if (group.shares_input) {
-      std::vector<Polygon> left = intersect_on_grid(group.input, part.input);
-      if (!left.empty()) part.input = std::move(left);
-    }
-    part.shares_input = group.shares_input;
-    take_off(part, gone);
-    gone.insert(gone.end(), part.input.begin(), part.input.end());
-  }
-  group.shares_input = true;
-  group.input = subtract_on_grid(group.input, gone);
-  if (!group.input.empty()) return;
-  group.input = input_of(group.members);
-  for (Group& part : parts) take_off(part, group.input);
-}
-
-/// Groups of their own from the parts that a cut has left beside the largest, which stays `group`.
-std::vector<Group> Simplifier::split(const std::vector<Polygon>& parts, Group& group) const {
-  if (parts.size() < 2 || group.members.size() < 2) return {};
-  std::size_t kept = 0;
-  for (std::size_t i = 1; i < parts.size(); ++i)
-    if (area(parts[i]) > area(parts[kept])) kept = i;
-  const double least = options_.min_area * kSquareMetre;
-  std::vector<Group> groups;
-  for (Offcut& offcut : share_out(parts, kept, least, cleaned_, group.members)) {
-    Group& part = groups.emplace_back();
-    part.flags = flags_of(offcut.members) | kRepaired;
-    part.polygon = std::move(offcut.polygon);
-    if (!fits(part.polygon, keep_inside_))
-      part.polygon = largest(clipped(part.polygon)).value_or(Polygon{});
-    part.members = std::move(offcut.members);
-  }
-  if (groups.empty()) return groups;
-  share_input(group, groups);
-  group.flags = (group.flags & ~std::uint32_t{kMerged | kClipped}) | flags_of(group.members);
-  return groups;
-}
-
 /// False if nothing is left of the group. Parts that a cut has made independent go to `offcuts`.
 bool Simplifier::apply(const Patches& patches, Group& group, std::vector<Group>& offcuts) const {
   std::vector<Polygon> parts{group.polygon};
@@ -386,12 +252,13 @@ bool Simplifier::apply(const Patches& patches, Group& group, std::vector<Group>&
         cut.clear();
       }
     }
-    if (cut.size() > 1) offcuts = split(cut, group);
+    if (cut.size() > 1) offcuts = input_.split(cut, least_area(), group);
     next = std::move(left);
   }
-  if (next && !fits(*next, keep_inside_)) {
-    const std::vector<Polygon> inside = clipped(*next);
-    for (Group& part : split(inside, group)) offcuts.push_back(std::move(part));
+  if (next && !keep_inside_.covers(bounds(*next))) {
+    const std::vector<Polygon> inside = input_.inside(*next);
+    for (Group& part : input_.split(inside, least_area(), group))
+      offcuts.push_back(std::move(part));
     next = largest(inside);
   }
   if (!next) return false;
@@ -424,6 +291,7 @@ void Simplifier::apply_patches(std::vector<Patches> patches) {
 /// pairs of near vertices and edges would not show.
 bool Simplifier::unite_close_groups(bool hulls) {
   for (bool any = false;; any = true) {
+    if (progress_.cancelled && progress_.cancelled()) throw Cancelled();
     std::vector<Polygon> polygons;
     polygons.reserve(groups_.size());
     for (const Group& group : groups_) polygons.push_back(group.polygon);
@@ -519,6 +387,7 @@ bool Simplifier::make_hull(Group& group) {
 
 void Simplifier::repair_with_hulls() {
   for (;;) {
+    progress_.update(0.8);
     std::vector<const Polygon*> polygons;
     for (const Group& group : groups_) polygons.push_back(&group.polygon);
     const Outline outline = make_outline(polygons, 4 * epsilon_);
@@ -535,15 +404,16 @@ void Simplifier::repair_with_hulls() {
 
 void Simplifier::drop(const Group& group, const std::string& reason) {
   for (const BuildingIndex member : group.members) result_.dropped.push_back({member, reason});
-  result_.stats.area_before += total_area(group.input) / kSquareMetre;
-  result_.stats.area_dropped += total_area(group.input) / kSquareMetre;
+  result_.stats.area_before += total_area(group.input) / grid::kSquareMetre;
+  result_.stats.area_dropped += total_area(group.input) / grid::kSquareMetre;
 }
 
 void Simplifier::drop_small() {
   for (;;) {
+    progress_.update(0.82);
     bool any = false;
     for (Group& group : groups_) {
-      const double size = area(group.polygon) / kSquareMetre;
+      const double size = area(group.polygon) / grid::kSquareMetre;
       if (size >= options_.min_area) continue;
       drop(group,
            fmt::format("area {:.1f} m2 below the minimum of {:g} m2", size, options_.min_area));
@@ -558,35 +428,8 @@ void Simplifier::drop_small() {
   }
 }
 
-void Simplifier::measure() {
-  std::sort(groups_.begin(), groups_.end(),
-            [](const Group& a, const Group& b) { return a.members[0] < b.members[0]; });
-  std::vector<std::array<double, 2>> areas(groups_.size());
-  result_.changes.assign(groups_.size(), {});
-  parallel_chunks(groups_.size(), 16, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t k = begin; k < end; ++k) {
-      const Group& group = groups_[k];
-      const std::vector<Polygon> output{group.polygon};
-      const double before = total_area(group.input), after = area(group.polygon);
-      areas[k] = {before, after};
-      if (output == group.input) continue;
-      std::vector<DifferenceStrip> strips;
-      const double changed = changed_area(group.input, output, &strips);
-      const FarPoint far = largest_distance(group.input, output, strips, kDistanceTolerance);
-      result_.changes[k] = {changed / kSquareMetre, far.distance / grid::kSteps,
-                            grid::to_metres(far.at)};
-    }
-  });
+void Simplifier::finish() {
   SimplifyStats& stats = result_.stats;
-  stats.area_changed = stats.area_dropped;
-  for (const auto& [before, after] : areas) {
-    stats.area_before += before / kSquareMetre;
-    stats.area_after += after / kSquareMetre;
-  }
-  for (const FootprintChange& change : result_.changes) {
-    stats.area_changed += change.area;
-    stats.max_distance = std::max(stats.max_distance, change.distance);
-  }
   for (const Group& group : groups_)
     if ((group.flags & kConvexHull) != 0) ++stats.hulls;
   stats.vertices_dropped = counts_.dropped;
@@ -595,9 +438,6 @@ void Simplifier::measure() {
   stats.vertices_moved = counts_.moved;
   stats.holes_filled = counts_.filled;
   stats.parallel_removed = counts_.tidied;
-}
-
-void Simplifier::finish() {
   for (Group& group : groups_) {
     result_.footprints.push_back(grid::to_metres(group.polygon));
     result_.members.push_back(std::move(group.members));
@@ -606,7 +446,7 @@ void Simplifier::finish() {
   std::sort(result_.dropped.begin(), result_.dropped.end(),
             [](const DroppedFootprint& a, const DroppedFootprint& b) { return a.index < b.index; });
   const Clearance clearance = joint_clearance(result_.footprints, domain_);
-  result_.stats.min_clearance = clearance.distance;
+  stats.min_clearance = clearance.distance;
   if (clearance.distance < options_.min_distance)
     throw Error(
         ErrorKind::kGuarantee,
@@ -625,7 +465,9 @@ Simplification Simplifier::run() {
   repair_with_hulls();
   drop_small();
   progress_.update(0.85);
-  measure();
+  std::sort(groups_.begin(), groups_.end(),
+            [](const Group& a, const Group& b) { return a.members[0] < b.members[0]; });
+  result_.changes = measure_changes(groups_, result_.stats, portion(progress_, 0.85, 0.95));
   finish();
   progress_.update(1);
   return std::move(result_);
@@ -635,6 +477,7 @@ Simplification Simplifier::run() {
 
 Simplification simplify_footprints(std::span<const Polygon> cleaned, const Bounds2& domain,
                                    const SimplifyOptions& options, const Progress& progress) {
+  require_sensible(options);
   return Simplifier(cleaned, domain, options, progress).run();
 }
 

@@ -58,14 +58,20 @@ GEOSGeometry* make_ring(const Context& context, const Ring& ring) {
   return sequence == nullptr ? nullptr : GEOSGeom_createLinearRing_r(context.get(), sequence);
 }
 
+/// Null where GEOS fails. Holes of fewer than three vertices are left out.
 Geometry make_polygon(const Context& context, const Polygon& polygon) {
   if (polygon.outer.size() < 3) return {context, nullptr};
   Geometry shell(context, make_ring(context, polygon.outer));
   std::vector<GEOSGeometry*> holes;
-  for (const Ring& hole : polygon.holes)
-    if (hole.size() >= 3)
-      if (GEOSGeometry* ring = make_ring(context, hole)) holes.push_back(ring);
-  if (shell.get() == nullptr) {
+  bool made = shell.get() != nullptr;
+  for (const Ring& hole : polygon.holes) {
+    if (hole.size() < 3) continue;
+    GEOSGeometry* ring = made ? make_ring(context, hole) : nullptr;
+    made = ring != nullptr;
+    if (!made) break;
+    holes.push_back(ring);
+  }
+  if (!made) {
     for (GEOSGeometry* hole : holes) GEOSGeom_destroy_r(context.get(), hole);
     return {context, nullptr};
   }
@@ -73,12 +79,18 @@ Geometry make_polygon(const Context& context, const Polygon& polygon) {
                                             static_cast<unsigned>(holes.size()))};
 }
 
+/// Null where GEOS fails. Polygons of fewer than three vertices are left out.
 Geometry make_collection(const Context& context, std::span<const Polygon> polygons, int type) {
   std::vector<GEOSGeometry*> parts;
   parts.reserve(polygons.size());
   for (const Polygon& polygon : polygons) {
+    if (polygon.outer.size() < 3) continue;
     Geometry part = make_polygon(context, polygon);
-    if (part.get() != nullptr) parts.push_back(part.release());
+    if (part.get() == nullptr) {
+      for (GEOSGeometry* made : parts) GEOSGeom_destroy_r(context.get(), made);
+      return {context, nullptr};
+    }
+    parts.push_back(part.release());
   }
   return {context, GEOSGeom_createCollection_r(context.get(), type, parts.data(),
                                                static_cast<unsigned>(parts.size()))};

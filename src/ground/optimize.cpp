@@ -3,6 +3,7 @@
 #include <array>
 #include <cmath>
 #include <numbers>
+#include <utility>
 
 #include "ground/refiner.h"
 
@@ -95,19 +96,13 @@ bool stays_delaunay(const TriMesh& mesh, const Star& star, Point2 p) {
 
 }  // namespace
 
-void Refiner::optimize(int sweeps) {
+void Refiner::optimize() {
   const double content = std::sin(kContentAngle * std::numbers::pi / 180);
   // For each vertex the half-edge of a triangle opposite to it; moves flip nothing, so it stays
   // valid.
   std::vector<std::int32_t> opposite(mesh_.points.size(), TriMesh::kNothing);
-  std::vector<char> waiting(mesh_.points.size(), 0);
-  std::vector<std::int32_t> round;
-  const auto enqueue = [&](std::int32_t v, std::vector<std::int32_t>& queue) {
-    char& flag = waiting[static_cast<std::size_t>(v)];
-    if (flag != 0 || kind(v) != kFreeVertex) return;
-    flag = 1;
-    queue.push_back(v);
-  };
+  std::vector<char> waits(mesh_.points.size(), 0);
+  std::vector<std::int32_t> vertices;
   // In the order of the triangles: those that are near in the plane are mostly near in memory.
   for (std::size_t t = 0; t < mesh_.triangles.size(); ++t) {
     const TriMesh::Triangle& x = mesh_.triangles[t];
@@ -116,23 +111,12 @@ void Refiner::optimize(int sweeps) {
       opposite[static_cast<std::size_t>(x.v[i])] = 4 * static_cast<std::int32_t>(t) + i;
     if (squared_sine(mesh_.point(x.v[0]), mesh_.point(x.v[1]), mesh_.point(x.v[2])) <
         content * content)
-      for (const std::int32_t v : x.v) enqueue(v, round);
+      for (const std::int32_t v : x.v)
+        if (kind(v) == kFreeVertex && !std::exchange(waits[static_cast<std::size_t>(v)], 1))
+          vertices.push_back(v);
   }
-  std::vector<std::int32_t> next_round;
-  for (int sweep = 0; sweep < sweeps; ++sweep) {
-    next_round.clear();
-    for (const std::int32_t v : round) {
-      waiting[static_cast<std::size_t>(v)] = 0;
-      const std::int32_t he = opposite[static_cast<std::size_t>(v)];
-      if (!move_vertex(v, he, content * content)) continue;
-      enqueue(v, next_round);
-      mesh_.around(he, [&](std::int32_t rim) {
-        enqueue(mesh_.origin(rim), next_round);
-        return false;
-      });
-    }
-    round.swap(next_round);
-  }
+  for (const std::int32_t v : vertices)
+    move_vertex(v, opposite[static_cast<std::size_t>(v)], content * content);
 }
 
 bool Refiner::move_vertex(std::int32_t v, std::int32_t he, double content) {

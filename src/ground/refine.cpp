@@ -395,7 +395,7 @@ Triangulation refine(const PlanarGraph& graph, const RefineOptions& options,
   carve_outside(construction.mesh);
   progress.update(0.3);
   refiner.run(progress);
-  if (options.optimize) refiner.optimize(1);
+  if (options.optimize) refiner.optimize();
   Triangulation result = export_triangulation(graph, construction, refiner.piece_inputs());
   result.small_input_angles = refiner.small_input_angles();
   result.triangles_below_min_angle = refiner.count_below_min_angle();

@@ -72,7 +72,7 @@ class Refiner {
   /// After it is carved.
   void run(const Progress& progress);
   /// Moves free vertices where that widens the smallest angle around them and breaks no guarantee.
-  void optimize(int sweeps);
+  void optimize();
 
   std::int64_t small_input_angles() const { return small_input_angles_; }
   std::int64_t count_below_min_angle() const;

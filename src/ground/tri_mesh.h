@@ -63,7 +63,6 @@ class TriMesh {
   std::vector<CavityEdge> cavity;
 
   static std::int32_t triangle_of(std::int32_t he) { return he >> 2; }
-  static std::int32_t edge_of(std::int32_t he) { return he & 3; }
   static std::int32_t next(std::int32_t he) { return (he & 3) == 2 ? he - 2 : he + 1; }
   static std::int32_t prev(std::int32_t he) { return (he & 3) == 0 ? he + 2 : he - 1; }
 

@@ -20,16 +20,4 @@ void append_points(const ColumnMesh& mesh, const Placement& placement, std::size
 /// of the surface is the node it names.
 void require_boundary_of(const ColumnMesh& mesh, const SurfaceMesh& surface);
 
-/// A progress that maps [0, 1] to [begin, end] of `whole`, for operations of several parts. Keeps a
-/// reference: `whole` must outlive it.
-inline Progress portion(const Progress& whole, double begin, double end) {
-  Progress part;
-  part.cancelled = whole.cancelled;
-  if (whole.report)
-    part.report = [&whole, begin, end](double fraction) {
-      whole.report(begin + (end - begin) * std::min(fraction, 1.0));
-    };
-  return part;
-}
-
 }  // namespace tetropolis

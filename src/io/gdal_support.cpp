@@ -18,14 +18,18 @@ QuietErrors::~QuietErrors() {
   CPLErrorReset();
 }
 
-void CPL_STDCALL QuietErrors::collect(CPLErr kind, CPLErrorNum, const char* message) {
+void CPL_STDCALL QuietErrors::collect(CPLErr kind, CPLErrorNum, const char* message) noexcept {
   if (kind != CE_Failure && kind != CE_Fatal) return;
   auto* self = static_cast<QuietErrors*>(CPLGetErrorHandlerUserData());
   if (self == nullptr || message == nullptr) return;
-  std::string line = one_line(message);
-  while (!line.empty() && (line.back() == ' ' || line.back() == '.')) line.pop_back();
-  if (self->failures_++ == 0) self->first_ = line;
-  self->last_ = std::move(line);
+  const bool is_first = self->failures_++ == 0;
+  try {
+    std::string line = one_line(message);
+    while (!line.empty() && (line.back() == ' ' || line.back() == '.')) line.pop_back();
+    if (is_first) self->first_ = line;
+    self->last_ = std::move(line);
+  } catch (...) {  // No memory for the text. GDAL, which calls this, is C.
+  }
 }
 
 std::string QuietErrors::reason() const { return last_.empty() ? "" : ": " + last_; }

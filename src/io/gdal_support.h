@@ -35,7 +35,7 @@ class QuietErrors {
   void reset();
 
  private:
-  static void CPL_STDCALL collect(CPLErr kind, CPLErrorNum number, const char* message);
+  static void CPL_STDCALL collect(CPLErr kind, CPLErrorNum number, const char* message) noexcept;
 
   std::int64_t failures_ = 0;
   std::string first_;

@@ -173,12 +173,9 @@ std::vector<double> read_values(const fs::path& path, GDALDatasetH dataset, cons
       fail(path, fmt::format("row {} cannot be read{}; the file is cut or broken", line,
                              errors.reason()));
     for (std::size_t i = 0; i < nx; ++i) {
-      const bool missing = !std::isfinite(row[i]) ||
-                           (has_nodata != 0 && (row[i] == nodata || row[i] == nodata_stored));
-      if (missing)
-        row[i] = kNaN;
-      else if (scale != 1 || offset != 0)
-        row[i] = row[i] * scale + offset;
+      const bool missing = has_nodata != 0 && (row[i] == nodata || row[i] == nodata_stored);
+      if (scale != 1 || offset != 0) row[i] = row[i] * scale + offset;
+      if (missing || !std::isfinite(row[i])) row[i] = kNaN;
     }
   }
   return values;

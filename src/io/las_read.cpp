@@ -4,7 +4,6 @@
 #include <cmath>
 #include <exception>
 #include <map>
-#include <mutex>
 #include <optional>
 #include <tuple>
 #include <utility>
@@ -88,23 +87,6 @@ class BoxCheck {
  private:
   std::array<double, 3> low_{};
   std::array<double, 3> high_{};
-};
-
-/// Adds up points of all threads and reports their share.
-class Meter {
- public:
-  Meter(const Progress& progress, std::int64_t total) : progress_(progress), total_(total) {}
-  void add(std::int64_t points) {
-    const std::lock_guard lock(mutex_);
-    done_ += points;
-    progress_.update(total_ > 0 ? static_cast<double>(done_) / static_cast<double>(total_) : 1.0);
-  }
-
- private:
-  const Progress& progress_;
-  std::int64_t total_;
-  std::mutex mutex_;
-  std::int64_t done_ = 0;
 };
 
 // --- is it safe to pass a file over? ---
@@ -333,7 +315,7 @@ PointsInput read_points(std::span<const fs::path> paths, const ReadPointsOptions
     result.warnings.insert(result.warnings.end(), plan.warnings.begin(), plan.warnings.end());
   }
   const Filter filter(options);
-  Meter meter(progress, result.points_read);
+  SharedProgress shared(progress, result.points_read);
   std::vector<std::vector<LasRecord>> kept(tasks.size());
   std::vector<std::int64_t> outside(tasks.size(), 0);
   run_in_order_of_errors(tasks.size(), [&](std::size_t t) {
@@ -350,7 +332,7 @@ PointsInput read_points(std::span<const fs::path> paths, const ReadPointsOptions
                       if (filter.keeps(block[i], layout.info)) records.push_back(block[i]);
                       strays += box.is_outside(block[i]) ? 1 : 0;
                     }
-                    meter.add(static_cast<std::int64_t>(n));
+                    shared.add(static_cast<std::int64_t>(n));
                   });
     if (records.size() < records.capacity() / 2) records.shrink_to_fit();
     kept[t] = std::move(records);

@@ -60,6 +60,10 @@ void take_yards_for_holes(std::vector<PolygonPart>& parts) {
   const auto turn = [](const PolygonPart& part) { return signed_area(part.polygon.outer) > 0; };
   const auto alike = [&](const PolygonPart& part) { return turn(part) == turn(parts.front()); };
   if (parts.size() < 2 || std::all_of(parts.begin(), parts.end(), alike)) return;
+  // A city may be one multipolygon: only boxes are looked at for every pair.
+  std::vector<Bounds2> boxes;
+  for (const PolygonPart& part : parts)
+    boxes.push_back(part.reason.empty() ? bounds(part.polygon.outer) : Bounds2::nothing());
   std::vector<bool> is_hole(parts.size(), false);
   std::vector<std::size_t> around(parts.size(), 0);  // The smallest part that encloses each.
   for (std::size_t j = 0; j < parts.size(); ++j) {
@@ -67,7 +71,7 @@ void take_yards_for_holes(std::vector<PolygonPart>& parts) {
     std::size_t depth = 0;
     double least = std::numeric_limits<double>::infinity();
     for (std::size_t i = 0; i < parts.size(); ++i) {
-      if (!parts[i].reason.empty() || !encloses(parts[i].polygon.outer, parts[j].polygon.outer))
+      if (!boxes[i].covers(boxes[j]) || !encloses(parts[i].polygon.outer, parts[j].polygon.outer))
         continue;
       ++depth;
       const double size = std::abs(signed_area(parts[i].polygon.outer));

@@ -104,7 +104,7 @@ std::vector<ConfigField> make_fields() {
       {"min_building_distance", "City model", &C::min_building_distance, kData | kMesh,
        "Footprints closer than this are merged; no detail is smaller", "m", 0.05},
       {"merge_growths", "City model", &C::merge_growths, kData,
-       "How often the patch between merged footprints may grow", "", 1, 10},
+       "Reaches tried for patches between footprints: the distance, twice that, ...", "", 1, 10},
       {"min_building_area", "City model", &C::min_building_area, kData,
        "Smaller footprints are dropped after merging", "m2", 0},
       {"boundary_buildings",

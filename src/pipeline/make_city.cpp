@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <cmath>
+#include <cstddef>
 #include <limits>
 #include <map>
 
@@ -10,6 +11,7 @@
 #include "tetropolis/city/extract.h"
 #include "tetropolis/city/heights.h"
 #include "tetropolis/city/simplify.h"
+#include "tetropolis/core/parallel.h"
 #include "tetropolis/geometry/polygon.h"
 #include "tetropolis/io/cityjson.h"
 #include "tetropolis/io/geotiff.h"
@@ -27,9 +29,22 @@ namespace {
 constexpr double kMostlyEmpty = 0.75;
 
 /// Step 1.4. Fills model.buildings and model.dropped; every feature ends in one of them.
-void clean_features(const Config& config, const FootprintsInput& input, CityModel& model) {
+void clean_features(const Config& config, const FootprintsInput& input, CityModel& model,
+                    const Progress& progress) {
   model.dropped = input.dropped;
-  for (const Footprint& feature : input.features) {
+  const std::size_t size = input.features.size();
+  std::vector<CleanedFootprint> clean(size);
+  SharedProgress shared(progress, static_cast<std::int64_t>(size));
+  parallel_chunks(size, 64, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i) {
+      const Polygon& polygon = input.features[i].polygon;
+      if (position_in_domain(polygon, model.domain) != DomainPosition::kOutside)
+        clean[i] = clean_footprint(polygon, {config.parallel_tolerance});
+    }
+    shared.add(static_cast<std::int64_t>(end - begin));
+  });
+  for (std::size_t i = 0; i < size; ++i) {
+    const Footprint& feature = input.features[i];
     const auto drop = [&](const std::string& reason) {
       model.dropped.push_back({feature.source_id, reason});
     };
@@ -38,7 +53,7 @@ void clean_features(const Config& config, const FootprintsInput& input, CityMode
       drop("outside the domain");
       continue;
     }
-    CleanedFootprint cleaned = clean_footprint(feature.polygon, {config.parallel_tolerance});
+    CleanedFootprint& cleaned = clean[i];
     if (!cleaned.usable()) {
       drop(cleaned.reason);
       continue;
@@ -148,6 +163,20 @@ void check_account(const FootprintsInput& input, const CityModel& model) {
                             input.features.size() + input.dropped.size(), accounted));
 }
 
+/// Guarantee 1 again: simplification has put every building into one, or dropped it.
+void require_each_once(const CityModel& raw, const Simplification& simple) {
+  std::vector<int> times(raw.buildings.size(), 0);
+  for (const std::vector<BuildingIndex>& members : simple.members)
+    for (const BuildingIndex m : members) ++times[static_cast<std::size_t>(m)];
+  for (const DroppedFootprint& dropped : simple.dropped)
+    ++times[static_cast<std::size_t>(dropped.index)];
+  for (std::size_t i = 0; i < times.size(); ++i)
+    if (times[i] != 1)
+      throw Error(ErrorKind::kGuarantee,
+                  fmt::format("feature {} is in {} buildings and reasons after merging; report it",
+                              raw.buildings[i].source_ids.front(), times[i]));
+}
+
 std::vector<Polygon> footprints_of(const CityModel& model) {
   std::vector<Polygon> footprints;
   for (const Building& building : model.buildings) footprints.push_back(building.footprint);
@@ -161,10 +190,7 @@ Simplification simplify(const Config& config, const CityModel& raw, const Progre
   options.min_area = config.min_building_area;
   options.parallel_tolerance = config.parallel_tolerance;
   Simplification simple = simplify_footprints(footprints_of(raw), raw.domain, options, progress);
-  if (simple.stats.min_clearance < config.min_building_distance)
-    throw Error(ErrorKind::kGuarantee,
-                fmt::format("footprints come as close as {:.6f} m after merging, {} m asked",
-                            simple.stats.min_clearance, config.min_building_distance));
+  require_each_once(raw, simple);
   return simple;
 }
 
@@ -178,7 +204,7 @@ std::map<std::string, std::int64_t> resorts_by_name(const SimplifyStats& stats) 
       {"gaps_filled", stats.gaps_filled},         {"arms_cut", stats.arms_cut},
       {"necks_widened", stats.necks_widened},     {"local_hulls", stats.local_hulls},
       {"hull_repairs", stats.hull_repairs},       {"clipped", stats.clipped}};
-  for (std::size_t k = 0; k < stats.merged_by_patch.size(); ++k)
+  for (std::size_t k = 1; k < stats.merged_by_patch.size(); ++k)
     resorts[fmt::format("merged_by_patch_{}", k)] = stats.merged_by_patch[k];
   return resorts;
 }
@@ -232,8 +258,9 @@ CityAndTerrain make_city(const Config& config, Next next, const OutputFolder& ou
              "their neighbours; check --bounds, or raise --dtm-step",
              100 * dtm_report.empty_share)});
 
-  clock.run("1.4", "clean footprints",
-            [&](const Progress&) { clean_features(config, input.footprints, raw); });
+  clock.run("1.4", "clean footprints", [&](const Progress& progress) {
+    clean_features(config, input.footprints, raw, progress);
+  });
   if (raw.buildings.empty() && !config.terrain_only) throw_no_footprint(config, raw, report);
   warn_of_giants(raw, report);
 

@@ -4,12 +4,13 @@
 #include <array>
 #include <cerrno>
 #include <cstring>
+#include <random>
+#include <string_view>
 #include <system_error>
 #include <utility>
 #include <vector>
 
 #include <fcntl.h>
-#include <stdlib.h>  // mkdtemp
 #include <sys/file.h>
 #include <sys/stat.h>
 #include <unistd.h>
@@ -153,6 +154,28 @@ void remove_created(const fs::path& innermost, const fs::path& created) {
   for (fs::path p = innermost; fs::remove(p, ignored) && p != created;) p = p.parent_path();
 }
 
+/// The same where only some of them may have been made.
+void remove_made(fs::path innermost, const fs::path& created) {
+  std::error_code ignored;
+  while (!created.empty() && innermost != created && !fs::exists(innermost, ignored))
+    innermost = innermost.parent_path();
+  remove_created(innermost, created);
+}
+
+/// A new folder with the permissions that folders of this process usually have: mkdtemp's are
+/// private. Its name is `prefix` and six random characters. False, and errno, where it fails.
+bool make_random_folder(const fs::path& home, const std::string& prefix, fs::path& made) {
+  constexpr std::string_view kCharacters = "abcdefghijklmnopqrstuvwxyz0123456789";
+  std::random_device random;
+  for (;;) {
+    std::string name = prefix;
+    for (int i = 0; i < 6; ++i) name += kCharacters[random() % kCharacters.size()];
+    made = home / name;
+    if (::mkdir(made.c_str(), 0777) == 0) return true;
+    if (errno != EEXIST) return false;
+  }
+}
+
 /// Removes the results in the making while a run may still be writing them.
 void discard(const fs::path& staging, const fs::path& parent, const fs::path& created) {
   std::error_code error;
@@ -193,15 +216,16 @@ void remove_stale(const fs::path& home, const fs::path& target, const std::strin
 
 }  // namespace
 
-/// mkdtemp, locked. Another process may take the new folder for a stale one in the moment before it
-/// is locked: then there will be another.
+/// A new folder, locked. Another process may take the new folder for a stale one in the moment
+/// before it is locked: then there will be another.
 void OutputFolder::create_staging(const fs::path& named) {
   const std::string prefix = "." + target_.filename().string() + ".part-";
   remove_stale(home_, target_, prefix);
   for (;;) {
-    std::string pattern = (home_ / (prefix + "XXXXXX")).string();
-    if (mkdtemp(pattern.data()) == nullptr) fail(named, std::strerror(errno));
-    staging_ = pattern;
+    if (!make_random_folder(home_, prefix, staging_)) {
+      staging_.clear();
+      fail(named, std::strerror(errno));
+    }
     lock_ = lock_folder(staging_).release();
     const bool taken = lock_ < 0 && (errno == EWOULDBLOCK || errno == ENOENT);
     struct stat status {};
@@ -225,29 +249,22 @@ OutputFolder::OutputFolder(const fs::path& target, OutputWatcher watcher)
   const fs::path parent = target_.parent_path();
   for (fs::path p = parent; !fs::exists(p, error) && p.has_relative_path(); p = p.parent_path())
     created_parent_ = p;
-  fs::create_directories(parent, error);
-  if (error) {
-    if (!created_parent_.empty()) {
-      std::error_code ignored;
-      fs::remove(created_parent_, ignored);
-    }
-    fail(target, error.message());
-  }
-  const bool inside = fs::is_directory(target_, error) &&
-                      (!same_mount(parent, target_) || !can_make_files_in(parent));
-  home_ = inside ? target_ : parent;
-  create_staging(target);
-  // An existing target must be writable itself: find out before the work, not after it.
-  if (fs::exists(target_, error) && !can_make_files_in(target_)) {
-    const std::string reason = std::strerror(errno);
-    fs::remove_all(staging_, error);
+  try {
+    fs::create_directories(parent, error);
+    if (error) fail(target, error.message());
+    const bool inside = fs::is_directory(target_, error) &&
+                        (!same_mount(parent, target_) || !can_make_files_in(parent));
+    home_ = inside ? target_ : parent;
+    create_staging(target);
+    // An existing target must be writable itself: find out before the work, not after it.
+    if (fs::exists(target_, error) && !can_make_files_in(target_))
+      fail(target, std::strerror(errno));
+  } catch (...) {
+    if (!staging_.empty()) fs::remove_all(staging_, error);
     if (lock_ >= 0) ::close(lock_);
-    fail(target, reason);
+    remove_made(parent, created_parent_);
+    throw;
   }
-  // mkdtemp makes private folders; results get the usual permissions.
-  const mode_t mask = umask(0);
-  umask(mask);
-  chmod(staging_.c_str(), 0777 & ~mask);
   if (watcher_.begins)
     watcher_.begins([staging = staging_, parent = target_.parent_path(),
                      created = created_parent_] { discard(staging, parent, created); });

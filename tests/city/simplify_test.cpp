@@ -324,9 +324,31 @@ TEST(Simplify, StopsWhenAsked) {
     EXPECT_GE(fraction, last);
     last = fraction;
   };
-  const std::vector<Polygon> input{box(5, 5, 10, 10)};
-  simplify_footprints(input, {0, 0, 30, 30}, {}, watch);
+  // A field of boxes closer than the distance in pairs, so that every step has something to do.
+  std::vector<Polygon> input;
+  for (int i = 0; i < 40; ++i)
+    for (int j = 0; j < 20; ++j) {
+      const double x = 20.0 * i + 10, y = 20.0 * j + 10;
+      input.push_back(box(x, y, 5, 8));
+      input.push_back(box(x + 5.3, y + 1, 5, 8));
+    }
+  const Bounds2 domain{0, 0, 820, 420};
+  int polls = 0;
+  watch.cancelled = [&] {
+    ++polls;
+    return false;
+  };
+  simplify_footprints(input, domain, {}, watch);
   EXPECT_EQ(last, 1);
+  // Clusters are polled one by one, changes by sixteens; whichever poll says stop, it stops.
+  EXPECT_GT(polls, 800 + 800 / 16);
+  for (const int at : {1, 2, 5, 100, 500, 803, polls - 20, polls - 1}) {
+    int count = 0;
+    Progress stop;
+    stop.cancelled = [&] { return ++count >= at; };
+    EXPECT_THROW(simplify_footprints(input, domain, {}, stop), Cancelled) << at;
+    EXPECT_LE(count, at + 64);  // threads that were at work
+  }
 }
 
 // --- how far the result is from the input ------------------------------------------------------

@@ -2,6 +2,7 @@
 
 #include <fstream>
 #include <set>
+#include <string>
 
 #include <gtest/gtest.h>
 
@@ -73,7 +74,20 @@ TEST(OutputFolder, RefusesWhatCannotBeAFolder) {
   EXPECT_THROW(OutputFolder(scratch / "file"), Error);
   EXPECT_THROW(OutputFolder(scratch / "file/inside"), Error);
   EXPECT_THROW(OutputFolder(""), Error);
+  // Folders made on the way to one that cannot be made are gone again.
+  EXPECT_THROW(OutputFolder(scratch / "a/b" / std::string(300, 'c') / "d"), Error);
+  EXPECT_THROW(OutputFolder(scratch / "a/b" / std::string(300, 'c')), Error);
   EXPECT_EQ(everything(scratch.path()), (std::set<std::string>{"file"}));
+}
+
+TEST(OutputFolder, HasTheUsualPermissions) {
+  const testing::TemporaryFolder scratch;
+  fs::create_directory(scratch / "usual");
+  OutputFolder out(scratch / "result");
+  std::ofstream(out / "report.json") << "{}";
+  out.commit();
+  EXPECT_EQ(fs::status(scratch / "result").permissions(),
+            fs::status(scratch / "usual").permissions());
 }
 
 }  // namespace

@@ -90,9 +90,26 @@ TEST(Boundary, SelectsPatches) {
   const auto all = count_by_patch(surface), some = count_by_patch(part);
   EXPECT_EQ(some[1], all[1]);
   EXPECT_EQ(some[2], all[2]);
-  EXPECT_EQ(part.triangles.size(), static_cast<std::size_t>(all[1] + all[2]));
+  ASSERT_EQ(part.triangles.size(), static_cast<std::size_t>(all[1] + all[2]));
+  // The same faces in the same order, with the same corners.
+  std::size_t next = 0;
+  for (std::size_t f = 0; f < surface.triangles.size(); ++f) {
+    if (surface.patch[f] != Patch::kRoof && surface.patch[f] != Patch::kWall) continue;
+    EXPECT_EQ(part.patch[next], surface.patch[f]);
+    EXPECT_EQ(part.building[next], surface.building[f]);
+    EXPECT_EQ(part.cell[next], surface.cell[f]);
+    for (std::size_t i = 0; i < 3; ++i) {
+      const auto v = static_cast<std::size_t>(part.triangles[next][i]);
+      const auto w = static_cast<std::size_t>(surface.triangles[f][i]);
+      EXPECT_EQ(part.points.at(v), surface.points[w]);
+      EXPECT_EQ(part.node.at(v), surface.node[w]);
+    }
+    ++next;
+  }
+  std::vector<char> used(part.points.size(), 0);
   for (const auto& t : part.triangles)
-    for (const std::int32_t v : t) EXPECT_LT(static_cast<std::size_t>(v), part.points.size());
+    for (const std::int32_t v : t) used[static_cast<std::size_t>(v)] = 1;
+  EXPECT_EQ(std::count(used.begin(), used.end(), 0), 0);
 }
 
 TEST(Boundary, RefusesARimOffTheDomain) {

@@ -14,8 +14,9 @@ enum class DomainPosition {
 /// Decided by the box of the polygon's finite vertices; a polygon without any counts as inside.
 DomainPosition position_in_domain(const Polygon& polygon, const Bounds2& domain);
 
-/// The largest part of a clean polygon within `box`, clean (clean_footprint) and on the grid of
-/// kCoordinateStep; empty if nothing is left. `box` must lie on the grid.
+/// Both in metres in the local frame. The largest part of a clean polygon within `box`, clean
+/// (clean_footprint) and on the grid of kCoordinateStep; empty if nothing is left. `box` must lie
+/// on the grid.
 Polygon clip_to_box(const Polygon& polygon, const Bounds2& box);
 
 }  // namespace tetropolis

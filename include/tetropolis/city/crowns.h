@@ -3,6 +3,7 @@
 
 #include "tetropolis/city/extract.h"
 #include "tetropolis/city/point_cloud.h"
+#include "tetropolis/core/progress.h"
 
 namespace tetropolis {
 
@@ -40,6 +41,6 @@ struct CrownEvidence {
 /// loses that too: trees where no building is. Points stay
 /// in order; the same for any number of threads.
 void drop_crowns(PointLists& roof, const CrownEvidence& evidence, const PointCloud& cloud,
-                 const CrownOptions& options = {});
+                 const CrownOptions& options = {}, const Progress& progress = {});
 
 }  // namespace tetropolis

@@ -15,7 +15,8 @@ namespace tetropolis {
 
 struct SimplifyOptions {
   double min_distance = 1.0;  ///< Epsilon, metres; 0.01 to 1000.
-  int growths = 3;            ///< How often a patch that joins two polygons may grow; >= 1.
+  int growths = 3;            ///< How many reaches are tried for patches that join polygons:
+                              ///< the distance, twice that, and so on; >= 1.
   double min_area = 15;       ///< Square metres; smaller results are dropped.
   double parallel_tolerance =
       0.01;  ///< Radians; edges closer in direction count as parallel (2.2).
@@ -46,7 +47,7 @@ struct SimplifyStats {
 
   std::int64_t groups = 0;           ///< Groups closer than epsilon in the input, single ones too.
   std::int64_t merged_by_union = 0;  ///< Groups of several, by the resort that joined them.
-  std::vector<std::int64_t> merged_by_patch;  ///< Index k: with a patch after k growths.
+  std::vector<std::int64_t> merged_by_patch;  ///< Index k: with patches of the k-th reach, from 1.
   std::int64_t merged_by_bridge = 0;          ///< By boxes across the narrowest places.
   std::int64_t merged_by_hulls = 0;           ///< By the union of the parts' convex hulls.
   std::int64_t merged_by_hull = 0;            ///< By the convex hull of all.

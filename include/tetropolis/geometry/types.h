@@ -48,6 +48,9 @@ struct Bounds2 {
   double height() const { return ymax - ymin; }
   bool empty() const { return !(xmin <= xmax && ymin <= ymax); }
   bool contains(Point2 p) const { return p.x >= xmin && p.x <= xmax && p.y >= ymin && p.y <= ymax; }
+  bool covers(const Bounds2& other) const {
+    return other.xmin >= xmin && other.ymin >= ymin && other.xmax <= xmax && other.ymax <= ymax;
+  }
   bool intersects(const Bounds2& other) const {
     return xmin <= other.xmax && other.xmin <= xmax && ymin <= other.ymax && other.ymin <= ymax;
   }

@@ -99,7 +99,7 @@ class Climb {
     ++at_[i];
     set_key(i);
   }
-  /// The nodes of the front.
+  /// The front: node numbers of the mesh, or positions in the columns if they are of none.
   const std::array<NodeIndex, N>& at() const { return at_; }
   NodeIndex at(std::size_t i) const { return at_[i]; }
 

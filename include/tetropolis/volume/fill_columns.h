@@ -70,7 +70,8 @@ ColumnMesh divide_columns(GroundMesh ground, EdgeGraph edges, const ColumnPlan& 
 /// Sets z: exact at ground, roof and top. `mesh` as made by divide_columns with the same plan.
 void place_nodes(ColumnMesh& mesh, const ColumnPlan& plan);
 
-/// The nodes of a trimmed layered mesh that belong to cells, where they are.
+/// The nodes of a layered mesh that belong to cells, where they are. Precondition: it is trimmed
+/// (trim) and its columns increase (make_monotone). Takes its ground mesh; leaves it empty.
 ColumnMesh columns_of_layers(LayeredMesh&& layered);
 
 }  // namespace tetropolis

@@ -15,9 +15,10 @@ struct ImproveOptions {
 };
 
 /// Moves, adds and removes nodes of the columns at bad cells wherever that makes the cells around
-/// better, until nothing does. As a column mesh is valid with any numbers that rise, every trial is
-/// a valid mesh. Nodes at the ground, at roofs and at the top stay, so the ground mesh, all
-/// surfaces and guarantees are untouched, and so is every column away from bad cells.
+/// better, in at most `sweeps` passes with a few changes a column. As a column mesh is valid with
+/// any numbers that rise, every trial is a valid mesh. Nodes at the ground, at roofs and at the top
+/// stay, so the ground mesh, all surfaces and guarantees are untouched, and so is every column away
+/// from bad cells.
 ///
 /// What is bad is told by how much: with angle t below the target T, a cell costs
 /// ((1 - cos T) / (1 - cos t))^2 - 1, about (T / t)^4 - 1, and likewise above the greatest angle; a
