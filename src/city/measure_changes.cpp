@@ -1,7 +1,6 @@
 #include "city/measure_changes.h"
 
 #include <algorithm>
-#include <array>
 #include <cstddef>
 
 #include "tetropolis/core/parallel.h"

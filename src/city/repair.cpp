@@ -1,7 +1,6 @@
 #include "city/repair.h"
 
 #include <algorithm>
-#include <array>
 #include <cassert>
 #include <cmath>
 #include <cstddef>

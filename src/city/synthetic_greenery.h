@@ -1,8 +1,6 @@
 // Trees and parked cars of the synthetic block city.
 #pragma once
 
-#include <vector>
-
 #include "city/seeded_random.h"
 #include "city/synthetic_layout.h"
 #include "city/synthetic_scan.h"

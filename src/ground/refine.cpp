@@ -1,6 +1,7 @@
 #include "tetropolis/ground/refine.h"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <numbers>
 

@@ -7,7 +7,6 @@
 // until carve() removes them; then the boundary consists of subsegments with one side.
 #pragma once
 
-#include <array>
 #include <cstdint>
 #include <vector>
 

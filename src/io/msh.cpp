@@ -5,7 +5,6 @@
 #include <bit>
 #include <limits>
 #include <string>
-#include <string_view>
 #include <vector>
 
 #include <fmt/format.h>

@@ -1,7 +1,6 @@
 #include "tetropolis/city/clearance.h"
 
 #include <cmath>
-#include <optional>
 #include <random>
 #include <vector>
 

@@ -3,7 +3,6 @@
 #include <csignal>
 #include <cstdint>
 #include <fstream>
-#include <optional>
 #include <utility>
 
 #include <gtest/gtest.h>

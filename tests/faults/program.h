@@ -1,7 +1,6 @@
 // Runs the program under limits and signals, and says what it left behind.
 #pragma once
 
-#include <chrono>
 #include <filesystem>
 #include <map>
 #include <string>

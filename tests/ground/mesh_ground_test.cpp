@@ -1,7 +1,6 @@
 #include "tetropolis/ground/mesh_ground.h"
 
 #include <cmath>
-#include <limits>
 
 #include "tetropolis/core/error.h"
 #include "tetropolis/core/parallel.h"

@@ -1,6 +1,5 @@
 #include "tetropolis/io/openfoam.h"
 
-#include <map>
 #include <sstream>
 #include <tuple>
 

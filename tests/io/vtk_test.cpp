@@ -6,7 +6,6 @@
 #include <fstream>
 #include <map>
 #include <random>
-#include <set>
 #include <sstream>
 
 #include <gtest/gtest.h>

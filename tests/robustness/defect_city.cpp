@@ -6,7 +6,6 @@
 #include <cmath>
 #include <fstream>
 #include <limits>
-#include <set>
 
 #include <fmt/format.h>
 #include <gtest/gtest.h>

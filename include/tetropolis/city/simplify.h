@@ -2,7 +2,6 @@
 // repaired until all its features are that far apart (guarantees 1 and 2).
 #pragma once
 
-#include <array>
 #include <cstdint>
 #include <span>
 #include <string>

@@ -9,7 +9,6 @@
 //               u2        (Naserentin & Logg, step 3.2).
 #pragma once
 
-#include <array>
 #include <cstdint>
 #include <vector>
 

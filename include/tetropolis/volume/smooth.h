@@ -3,7 +3,6 @@
 
 #include <cstdint>
 #include <span>
-#include <vector>
 
 #include "tetropolis/core/progress.h"
 #include "tetropolis/volume/laplace.h"
