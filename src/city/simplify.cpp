@@ -84,7 +84,7 @@ void require_sensible(const SimplifyOptions& options) {
   if (!(options.min_area >= 0))
     throw Error(ErrorKind::kUsage,
                 fmt::format("minimum footprint area {}: must not be negative", options.min_area));
-  if (!(options.parallel_tolerance >= 0 && options.parallel_tolerance < 0.5))
+  if (!(options.parallel_tolerance >= 0 && options.parallel_tolerance <= 0.5))
     throw Error(ErrorKind::kUsage, fmt::format("parallel tolerance {}: must be from 0 to 0.5 rad",
                                                options.parallel_tolerance));
 }

@@ -97,13 +97,18 @@ std::string find_epsg(OGRSpatialReferenceH srs) {
 
 }  // namespace
 
-Srs parse_srs(const std::string& text) {
+Srs parse_whole_srs(const std::string& text) {
   initialise();
   Srs srs(OSRNewSpatialReference(nullptr));
   const std::string expanded = expand_shorthand(text);
   if (!is_definition(expanded) || OSRSetFromUserInput(srs.get(), expanded.c_str()) != OGRERR_NONE)
     return nullptr;
-  if (!reduce_to_horizontal(srs.get())) return nullptr;
+  return srs;
+}
+
+Srs parse_srs(const std::string& text) {
+  Srs srs = parse_whole_srs(text);
+  if (srs == nullptr || !reduce_to_horizontal(srs.get())) return nullptr;
   return srs;
 }
 
@@ -167,6 +172,13 @@ double linear_unit_metres(const std::string& crs) {
   if (crs.empty()) return 1;
   const gdal::Srs srs = require_srs(crs);
   return OSRIsGeographic(srs.get()) != 0 ? 0 : OSRGetLinearUnits(srs.get(), nullptr);
+}
+
+double vertical_unit_metres(const std::string& text) {
+  if (text.empty()) return 1;
+  const gdal::QuietErrors errors;
+  const gdal::Srs srs = gdal::parse_whole_srs(text);
+  return srs == nullptr ? 1 : OSRGetTargetLinearUnits(srs.get(), "VERT_CS", nullptr);
 }
 
 bool same_horizontal_crs(const std::string& a, const std::string& b) {

@@ -89,6 +89,9 @@ class StringList {
   char** list_ = nullptr;
 };
 
+/// Parses what normalise_crs accepts, and vertical systems. Null as below.
+Srs parse_whole_srs(const std::string& text);
+
 /// Parses what normalise_crs accepts into its horizontal part, x first. Null if it is not a
 /// reference system; the error handler in force then knows why.
 Srs parse_srs(const std::string& text);

@@ -1,5 +1,6 @@
 // The reference system of a LAS file from its GeoTIFF keys or its WKT.
 #include <algorithm>
+#include <array>
 #include <cstdint>
 #include <cstring>
 #include <initializer_list>
@@ -9,6 +10,8 @@
 
 #include <cpl_vsi.h>
 #include <fmt/format.h>
+
+#include "tetropolis/io/crs.h"
 
 #include "gdal_support.h"
 #include "las_header.h"
@@ -165,6 +168,26 @@ std::string crs_of_vlrs(const std::vector<Vlr>& vlrs, bool prefer_wkt) {
   const std::string first = prefer_wkt ? crs_of_wkt(vlrs) : crs_of_keys(vlrs);
   if (!first.empty()) return first;
   return prefer_wkt ? crs_of_keys(vlrs) : crs_of_wkt(vlrs);
+}
+
+double vertical_unit_of_vlrs(const std::vector<Vlr>& vlrs, bool prefer_wkt) {
+  const Vlr* wkt = find(vlrs, kWkt);
+  const Vlr* keys = find(vlrs, kGeoKeys);
+  if (wkt != nullptr && (prefer_wkt || keys == nullptr))
+    return vertical_unit_metres(wkt->data.substr(0, wkt->data.find('\0')));
+  if (keys == nullptr) return 1;
+  // Of the keys, the unit (4099) counts more than that of the vertical system (4096).
+  double unit = 1;
+  for (std::size_t at = 8; at + 8 <= keys->data.size(); at += 8) {
+    std::array<std::uint16_t, 4> key{};
+    std::memcpy(key.data(), keys->data.data() + at, 8);
+    if (key[0] == 4096 && key[3] > 1000 && key[3] < 32767)
+      unit = vertical_unit_metres(fmt::format("EPSG:{}", key[3]));
+    if (key[0] == 4099 && key[3] == 9001) return 1;
+    if (key[0] == 4099 && key[3] == 9002) return 0.3048;
+    if (key[0] == 4099 && key[3] == 9003) return 1200.0 / 3937;
+  }
+  return unit;
 }
 
 }  // namespace tetropolis

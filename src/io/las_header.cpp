@@ -305,6 +305,7 @@ LasLayout read_las_layout(const fs::path& path) {
   const bool wkt =
       layout.info.point_format >= 6 || (number_at<std::uint16_t>(front, 6) & 0x10) != 0;
   layout.info.crs = crs_of_vlrs(vlrs, wkt);
+  layout.info.vertical_unit = vertical_unit_of_vlrs(vlrs, wkt);
   if (stated && layout.info.crs.empty())
     layout.info.warnings.push_back({"las_crs_unknown", 1,
                                     path.string() + ": its coordinate reference system is not "

@@ -40,6 +40,9 @@ struct Vlr {
 /// `prefer_wkt`: the header says that WKT holds (LAS 1.4 R15, global encoding bit 4).
 std::string crs_of_vlrs(const std::vector<Vlr>& vlrs, bool prefer_wkt);
 
+/// Metres per unit of height as the records state it, 1 if they do not.
+double vertical_unit_of_vlrs(const std::vector<Vlr>& vlrs, bool prefer_wkt);
+
 /// Record of the LASzip compressor: how the points are packed.
 struct LaszipRecord {
   int compressor = 0;  ///< 1 point-wise, 2 chunked, 3 chunked in layers.

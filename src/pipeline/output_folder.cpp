@@ -4,6 +4,7 @@
 #include <array>
 #include <cerrno>
 #include <cstring>
+#include <fstream>
 #include <random>
 #include <string_view>
 #include <system_error>
@@ -11,6 +12,7 @@
 #include <vector>
 
 #include <fcntl.h>
+#include <nlohmann/json.hpp>
 #include <sys/file.h>
 #include <sys/stat.h>
 #include <unistd.h>
@@ -27,19 +29,35 @@ namespace fs = std::filesystem;
 namespace {
 
 /// Every name a command may give to a result; the report, which vouches for the others, first.
-constexpr std::array kResultNames = {
-    "report.json", "city_raw.city.json", "city.city.json", "dtm.tif",           "volume.vtu",
-    "volume.xdmf", "volume.h5",          "volume.msh",     "constant/polyMesh", "boundary.vtp",
-    "surface.stl", "surface.obj",        "surface.ply",    "surface.glb"};
+constexpr std::array kResultNames = {"report.json",
+                                     "city_raw.city.json",
+                                     "city.city.json",
+                                     "dtm.tif",
+                                     "volume.vtu",
+                                     "volume.xdmf",
+                                     "volume.h5",
+                                     "volume.msh",
+                                     "constant/polyMesh/points",
+                                     "constant/polyMesh/faces",
+                                     "constant/polyMesh/owner",
+                                     "constant/polyMesh/neighbour",
+                                     "constant/polyMesh/boundary",
+                                     "boundary.vtp",
+                                     "surface.stl",
+                                     "surface.obj",
+                                     "surface.ply",
+                                     "surface.glb"};
 
 /// Inside the hidden folder: results of an earlier run while they are being moved aside (or back),
 /// and once all of them are. The name is the journal from which a killed commit is undone.
 constexpr const char* kBeingMoved = ".earlier-moving";
 constexpr const char* kMovedAside = ".earlier";
 
-/// What was written, relative to the folder: its files, and of its folders (constant) the entries
-/// (polyMesh), since a folder of that name in the target may hold files of the user. The report
-/// comes last.
+/// There, too: the names of the new results, one a line, before any of them is moved.
+constexpr const char* kNewNames = ".new";
+
+/// The files that were written, relative to the folder: a folder in it (constant/polyMesh) may hold
+/// files of the user in the target. The report comes last.
 std::vector<fs::path> results_below(const fs::path& folder) {
   std::vector<fs::path> names;
   for (const auto& entry : fs::directory_iterator(folder)) {
@@ -47,8 +65,8 @@ std::vector<fs::path> results_below(const fs::path& folder) {
     if (name.string().front() == '.') continue;
     if (!entry.is_directory()) names.push_back(name);
     if (entry.is_directory())
-      for (const auto& inner : fs::directory_iterator(entry))
-        names.push_back(name / inner.path().filename());
+      for (const auto& inner : fs::recursive_directory_iterator(entry))
+        if (!inner.is_directory()) names.push_back(fs::relative(inner.path(), folder));
   }
   std::sort(names.begin(), names.end(), [](const fs::path& a, const fs::path& b) {
     return std::pair(a == "report.json", a) < std::pair(b == "report.json", b);
@@ -89,6 +107,7 @@ class Moves {
   void undo() {
     std::error_code error;
     for (; !done_.empty(); done_.pop_back()) {
+      fs::create_directories(done_.back().first.parent_path(), error);
       fs::rename(done_.back().second, done_.back().first, error);
       if (error) return;
     }
@@ -108,13 +127,31 @@ Descriptor lock_folder(const fs::path& folder, bool wait = false) {
   return file;
 }
 
-/// Removes the results in `target`, and the folder around some of them if it holds nothing else.
-void remove_results(const fs::path& target) {
+/// Removes the folders in `target` around where a result was, while they are empty.
+void remove_empty_folders(const fs::path& target, const fs::path& name) {
   std::error_code error;
-  for (const fs::path name : kResultNames) {
-    fs::remove_all(target / name, error);
-    if (name.has_parent_path()) fs::remove(target / name.parent_path(), error);
+  for (fs::path p = name.parent_path(); !p.empty() && fs::remove(target / p, error);)
+    p = p.parent_path();
+}
+
+/// Removes the new results that a killed commit has moved to `target`: no other file is there of
+/// their names, it had been moved aside.
+void remove_new_results(const fs::path& stale, const fs::path& target) {
+  std::error_code error;
+  std::ifstream list(stale / kNewNames);
+  for (std::string name; std::getline(list, name);) {
+    fs::remove(target / name, error);
+    remove_empty_folders(target, name);
   }
+}
+
+/// Whether the results in a folder are of an earlier run, and not files of the user's that happen
+/// to have their names.
+bool holds_our_report(const fs::path& folder) {
+  std::ifstream file(folder / "report.json");
+  const auto report = nlohmann::json::parse(file, nullptr, false);
+  return report.is_object() && report.contains("version") && report.contains("command") &&
+         report.contains("steps");
 }
 
 /// Puts back what a killed commit had moved aside; false if something is in the way. May itself be
@@ -126,7 +163,7 @@ bool restore_earlier(const fs::path& stale, const fs::path& target) {
   // A report says that the commit was over. No folder: somebody removed it, and meant it.
   if (!fs::is_directory(target, error) || fs::exists(target / "report.json", error)) return true;
   if (fs::exists(moved, error)) {
-    remove_results(target);
+    remove_new_results(stale, target);
     fs::rename(moved, moving, error);
     if (error) return false;
   }
@@ -287,19 +324,45 @@ void OutputFolder::replace_results() {
                                        error.code().message() + "; was " + staging_.string() +
                                        " removed during the run?");
   }
+  const auto is_kept = [&](const fs::path& name) {
+    return std::find(kept_.begin(), kept_.end(), name) != kept_.end();
+  };
+  for (const fs::path& name : names)
+    if (is_kept(name))
+      throw Error(ErrorKind::kUsage, (target_ / name).string() +
+                                         ": is an input of this run, which would replace it; "
+                                         "choose another folder with --out");
   const fs::path moving = staging_ / kBeingMoved, moved = staging_ / kMovedAside;
+  {
+    std::ofstream list(staging_ / kNewNames);
+    for (const fs::path& name : names) list << name.string() << '\n';
+    if (!list.flush()) throw_cannot_write(target_, std::strerror(errno));
+  }
   // There whether or not anything is moved aside: it tells that new results have begun to come.
   std::error_code error;
   fs::create_directory(moving, error);
   if (error) throw_cannot_write(target_, error.message());
   Moves moves;
-  for (const char* name : kResultNames)
-    if (is_there(target_ / name)) moves.move(target_ / name, moving / name, target_ / name);
+  const auto move_aside = [&](const fs::path& name) {
+    if (!is_there(target_ / name) || is_kept(name)) return;
+    moves.move(target_ / name, moving / name, target_ / name);
+    remove_empty_folders(target_, name);
+  };
+  const bool all = holds_our_report(target_);
+  for (const fs::path name : kResultNames)
+    if (all || std::find(names.begin(), names.end(), name) != names.end()) move_aside(name);
   // A result of a name that no earlier version knew may replace a file too.
-  for (const fs::path& name : names)
-    if (is_there(target_ / name)) moves.move(target_ / name, moving / name, target_ / name);
+  for (const fs::path& name : names) move_aside(name);
   moves.move(moving, moved, target_);
   for (const fs::path& name : names) moves.move(staging_ / name, target_ / name, target_ / name);
+}
+
+void OutputFolder::keep(const fs::path& file) {
+  std::error_code error;
+  const fs::path real = fs::canonical(file, error);
+  if (error) return;
+  const fs::path target = fs::canonical(target_, error);
+  if (!error) kept_.push_back(real.lexically_relative(target));
 }
 
 void OutputFolder::commit() {

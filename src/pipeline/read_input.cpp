@@ -32,6 +32,8 @@ Bounds2 intersection(const Bounds2& a, const Bounds2& b) {
 struct CloudHeaders {
   std::string crs;
   std::string crs_file;
+  double vertical_unit = 1;  ///< Of the first file whose heights are not in metres.
+  std::string vertical_file;
   Bounds2 box = Bounds2::nothing();
   std::vector<std::pair<Bounds2, std::int64_t>> points;  ///< Per file: where, and how many.
 };
@@ -51,6 +53,10 @@ CloudHeaders read_headers(std::span<const std::filesystem::path> paths) {
     const Bounds2 box{info.min[0], info.min[1], info.max[0], info.max[1]};
     if (info.point_count > 0 && !box.empty()) headers.box.extend(box);
     headers.points.emplace_back(box, believable_count(path, info));
+    if (headers.vertical_unit == 1 && info.vertical_unit != 1) {
+      headers.vertical_unit = info.vertical_unit;
+      headers.vertical_file = path.string();
+    }
     if (!info.crs.empty() && headers.crs.empty()) {
       headers.crs = info.crs;
       headers.crs_file = path.string();
@@ -205,6 +211,10 @@ InputData read_input(const Config& config, Next next, StepClock& clock, Report& 
   const std::string cloud_name =
       headers.crs_file.empty() ? paths.front().string() : headers.crs_file;
   require_metres(points_crs, cloud_name, "--points-crs");
+  if (config.points_crs.empty())
+    require_heights_in_metres(headers.vertical_unit, headers.vertical_file);
+  else
+    require_heights_in_metres(vertical_unit_metres(config.points_crs), "--points-crs");
 
   InputData input;
   input.footprints = read_all_footprints(config, points_crs, clock);

@@ -25,4 +25,12 @@ void require_metres(const std::string& crs, const std::string& file, const char*
                     unit, crs_name(crs)));
 }
 
+void require_heights_in_metres(double unit, const std::string& source) {
+  if (std::abs(unit - 1) <= 1e-9) return;
+  throw Error(ErrorKind::kInput,
+              fmt::format("{}: heights are in units of {} m; convert them to metres, or name a CRS "
+                          "whose heights are metres with --points-crs if that is what they are",
+                          source, unit));
+}
+
 }  // namespace tetropolis

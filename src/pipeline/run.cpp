@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <filesystem>
 #include <utility>
 
 #include <fmt/format.h>
@@ -10,6 +11,7 @@
 #include "tetropolis/city/clearance.h"
 #include "tetropolis/city/synthetic.h"
 #include "tetropolis/core/parallel.h"
+#include "tetropolis/geometry/polygon.h"
 #include "tetropolis/io/atomic_file.h"
 #include "tetropolis/io/cityjson.h"
 #include "tetropolis/io/crs.h"
@@ -61,6 +63,13 @@ void require_input(const Config& config) {
   require(!config.out.empty(), "--out", "name a folder for the results");
 }
 
+/// Results never replace what the run reads.
+void keep_inputs(const Config& config, OutputFolder& out) {
+  for (const std::string& file : {config.footprints, config.city, config.dtm})
+    if (!file.empty()) out.keep(file);
+  for (const std::string& file : config.points) out.keep(file);
+}
+
 void keep_domain(const CityModel& city, Report& report) {
   report.origin = city.origin;
   report.crs = city.crs;
@@ -77,6 +86,7 @@ Report run_build(const Config& config, const RunHooks& hooks) {
   Report report = begin_report("build", config);
   StepClock clock(hooks, report);
   OutputFolder out(config.out, hooks.output);
+  keep_inputs(config, out);
   CityAndTerrain stage = make_city(config, Next::kMesh, out, clock, report);
   keep_domain(stage.city, report);
   make_mesh(config, stage.city, std::move(stage.dtm), out, clock, report);
@@ -91,6 +101,7 @@ Report run_city(const Config& config, const RunHooks& hooks) {
   Report report = begin_report("city", config);
   StepClock clock(hooks, report);
   OutputFolder out(config.out, hooks.output);
+  keep_inputs(config, out);
   const CityAndTerrain stage = make_city(config, Next::kNothing, out, clock, report);
   keep_domain(stage.city, report);
   finish(report, out);
@@ -143,6 +154,15 @@ double require_meshable(const Config& config, const CityModel& city) {
         fmt::format("{}: {}; make it with 'tetropolis city', or lower --min-building-distance",
                     config.city, what));
   };
+  for (const Building& building : city.buildings)
+    if (!city.domain.covers(bounds(building.footprint)))
+      throw Error(ErrorKind::kInput,
+                  fmt::format("{}: building {} is not wholly in the domain, which is x {:.1f} .. "
+                              "{:.1f}, y {:.1f} .. {:.1f}; give larger --bounds, or make the city "
+                              "with these ('tetropolis city --bounds ...')",
+                              config.city, building.id, city.domain.xmin + city.origin.x,
+                              city.domain.xmax + city.origin.x, city.domain.ymin + city.origin.y,
+                              city.domain.ymax + city.origin.y));
   const auto defects = footprint_defects(footprints, 1);
   if (!defects.empty()) fail(defects.front().message);
   const Clearance clearance = joint_clearance(footprints, city.domain);
@@ -165,6 +185,9 @@ Report run_mesh(const Config& config, const RunHooks& hooks) {
   Report report = begin_report("mesh", config);
   StepClock clock(hooks, report);
   OutputFolder out(config.out, hooks.output);
+  keep_inputs(config, out);
+  // Beside the city model that is meshed, the one it was made from is no leftover.
+  out.keep(std::filesystem::path(config.city).parent_path() / "city_raw.city.json");
   CityModel city = read_city(config.city, &report.warnings);
   require_metres(city.crs, config.city);
   RasterInput terrain = read_raster(config.dtm, city.origin);

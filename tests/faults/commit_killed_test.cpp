@@ -73,9 +73,10 @@ void put(const fs::path& path, const std::string& text) {
 }
 
 void make_earlier(const fs::path& result) {
-  for (const char* name : {"dtm.tif", "volume.vtu", "boundary.vtp", "report.json",
-                           "constant/polyMesh/points", "surface.ply"})
+  for (const char* name :
+       {"dtm.tif", "volume.vtu", "boundary.vtp", "constant/polyMesh/points", "surface.ply"})
     put(result / name, "old");
+  put(result / "report.json", R"({"version": "0", "command": "build", "steps": []})");
   put(result / "notes.txt", "mine");
   put(result / "constant/g", "mine");
 }
@@ -144,6 +145,19 @@ TEST(KilledCommit, IsAllOrNothingAtEveryMove) {
   if (moves == 0) GTEST_SKIP() << "processes cannot be traced here";
   EXPECT_GT(moves, 10);
   EXPECT_GT(torn, 5);
+}
+
+/// Files of the user's that have names of results: those that no result replaces stay.
+void make_foreign(const fs::path& result) {
+  put(result / "report.json", "of another program");
+  put(result / "volume.vtu", "old");
+  put(result / "surface.ply", "mine");
+}
+
+TEST(KilledCommit, FilesOfOthersStay) {
+  const auto [moves, torn] = kill_at_every_move(make_foreign);
+  if (moves == 0) GTEST_SKIP() << "processes cannot be traced here";
+  EXPECT_GT(torn, 3);
 }
 
 TEST(KilledCommit, IntoAFolderWithoutResultsLeavesItAsItWas) {

@@ -76,6 +76,13 @@ TEST(Crs, KnowsDegreesAndFeet) {
 
 TEST(Crs, ComparesHorizontalParts) {
   EXPECT_TRUE(same_horizontal_crs("EPSG:7415", "EPSG:28992"));
+  EXPECT_EQ(vertical_unit_metres("EPSG:7415"), 1);
+  EXPECT_EQ(vertical_unit_metres("EPSG:28992"), 1);
+  EXPECT_EQ(vertical_unit_metres(""), 1);
+  EXPECT_EQ(vertical_unit_metres("no system"), 1);
+  EXPECT_NEAR(vertical_unit_metres("EPSG:6339+6360"), 1200.0 / 3937, 1e-12);
+  EXPECT_NEAR(vertical_unit_metres("EPSG:6360"), 1200.0 / 3937, 1e-12);
+  EXPECT_NEAR(vertical_unit_metres("EPSG:8228"), 0.3048, 1e-12);  // NAVD88 height (ft)
   EXPECT_TRUE(same_horizontal_crs("EPSG:4979", "EPSG:4326"));
   EXPECT_TRUE(same_horizontal_crs("EPSG:3042", "EPSG:25830"));  // Axis order apart.
   EXPECT_FALSE(same_horizontal_crs("EPSG:25830", "EPSG:25831"));

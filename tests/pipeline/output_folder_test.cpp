@@ -80,6 +80,72 @@ TEST(OutputFolder, RefusesWhatCannotBeAFolder) {
   EXPECT_EQ(everything(scratch.path()), (std::set<std::string>{"file"}));
 }
 
+constexpr const char* kReport = R"({"version": "0", "command": "build", "steps": []})";
+
+void write(const fs::path& file, const std::string& text) {
+  fs::create_directories(file.parent_path());
+  std::ofstream(file) << text;
+}
+
+TEST(OutputFolder, OnlyAnEarlierRunLeavesLeftovers) {
+  for (const bool ours : {false, true}) {
+    SCOPED_TRACE(ours);
+    const testing::TemporaryFolder scratch;
+    write(scratch / "result/report.json", ours ? kReport : R"({"mine": 1})");
+    write(scratch / "result/volume.msh", "old");
+    write(scratch / "result/constant/polyMesh/points", "old");
+    write(scratch / "result/constant/polyMesh/notes", "mine");
+    OutputFolder out(scratch / "result");
+    write(out / "surface.stl", "new");
+    write(out / "report.json", kReport);
+    out.commit();
+    std::set<std::string> expected{"report.json", "surface.stl", "constant", "constant/polyMesh",
+                                   "constant/polyMesh/notes"};
+    if (!ours) expected.insert({"volume.msh", "constant/polyMesh/points"});
+    EXPECT_EQ(everything(scratch / "result"), expected);
+  }
+}
+
+TEST(OutputFolder, EmptyFoldersOfAnEarlierResultGo) {
+  const testing::TemporaryFolder scratch;
+  write(scratch / "result/report.json", kReport);
+  write(scratch / "result/constant/polyMesh/points", "old");
+  OutputFolder out(scratch / "result");
+  write(out / "report.json", kReport);
+  out.commit();
+  EXPECT_EQ(everything(scratch / "result"), (std::set<std::string>{"report.json"}));
+}
+
+TEST(OutputFolder, InputsOfTheRunStay) {
+  const testing::TemporaryFolder scratch;
+  const auto fill = [&] {
+    write(scratch / "result/report.json", kReport);
+    write(scratch / "result/dtm.tif", "input");
+    write(scratch / "result/constant/polyMesh/points", "old");
+  };
+  fill();
+  {
+    OutputFolder out(scratch / "result");
+    out.keep(scratch / "result/../result/dtm.tif");
+    out.keep(scratch / "elsewhere.tif");
+    write(out / "report.json", kReport);
+    out.commit();
+  }
+  EXPECT_EQ(everything(scratch / "result"), (std::set<std::string>{"report.json", "dtm.tif"}));
+  EXPECT_EQ(bytes_of(scratch / "result/dtm.tif"), "input");
+  fill();
+  const std::set<std::string> before = everything(scratch.path());
+  {
+    OutputFolder out(scratch / "result");
+    out.keep(scratch / "result/dtm.tif");
+    write(out / "dtm.tif", "result");
+    write(out / "report.json", kReport);
+    EXPECT_THROW(out.commit(), Error);
+  }
+  EXPECT_EQ(everything(scratch.path()), before);
+  EXPECT_EQ(bytes_of(scratch / "result/dtm.tif"), "input");
+}
+
 TEST(OutputFolder, HasTheUsualPermissions) {
   const testing::TemporaryFolder scratch;
   fs::create_directory(scratch / "usual");

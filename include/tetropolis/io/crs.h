@@ -34,6 +34,10 @@ bool is_geographic(const std::string& crs);
 /// foot)... 1 for the unknown system, 0 for geographic ones, which have no linear unit.
 double linear_unit_metres(const std::string& crs);
 
+/// Metres per unit of height in a compound or vertical system, 1 where `text` (as for
+/// normalise_crs) says nothing of heights or is not understood.
+double vertical_unit_metres(const std::string& text);
+
 /// Whether coordinates of `a` can be used as coordinates of `b` unchanged, heights aside. False if
 /// either is unknown.
 bool same_horizontal_crs(const std::string& a, const std::string& b);

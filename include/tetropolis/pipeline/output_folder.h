@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <functional>
 #include <string>
+#include <vector>
 
 namespace tetropolis {
 
@@ -18,8 +19,9 @@ struct OutputWatcher {
 /// Results are written to a hidden folder beside the target (".NAME.part-..."), or inside of it
 /// where it is a mount of its own or nothing can be made beside it; commit() moves them in. A
 /// target that did not exist appears by one rename. In one that did, the results of the earlier run
-/// are moved aside, the report first, then the new ones in, the report last: no moment shows a
-/// report beside files that it does not describe. Files of other names stay. If a move fails, all
+/// (all files of their names, if there is a report of ours) are moved aside, the report first, then
+/// the new ones in, the report last: no moment shows a report beside files that it does not
+/// describe. Files of other names stay, and those that were given to keep(). If a move fails, all
 /// of them are undone. Without commit() the destructor removes everything, the target is as it was.
 ///
 /// A process that is killed leaves its hidden folder behind. The next OutputFolder for the same
@@ -38,7 +40,12 @@ class OutputFolder {
   /// Where to write a result of this name.
   std::filesystem::path operator/(const std::string& name) const { return staging_ / name; }
 
-  /// Throws Error(kInput) naming the file that could not be moved; the target is as it was.
+  /// An input of this run, or what belongs to it: it stays even if it is a result of an earlier
+  /// run.
+  void keep(const std::filesystem::path& file);
+
+  /// Throws Error(kInput) naming the file that could not be moved, Error(kUsage) naming a file to
+  /// be kept that a result would replace; the target is as it was.
   void commit();
 
  private:
@@ -49,8 +56,9 @@ class OutputFolder {
   std::filesystem::path target_;
   std::filesystem::path home_;  // of staging_: beside the target, or the target itself
   std::filesystem::path staging_;
-  std::filesystem::path created_parent_;  // topmost folder made for the target, empty if none
-  int lock_ = -1;                         // on staging_, for as long as this object lives
+  std::filesystem::path created_parent_;     // topmost folder made for the target, empty if none
+  std::vector<std::filesystem::path> kept_;  // relative to the target
+  int lock_ = -1;                            // on staging_, for as long as this object lives
   bool committed_ = false;
 };
 
