@@ -1,5 +1,6 @@
 // LAS files that lie, are cut or broken.
 #include <algorithm>
+#include <array>
 #include <limits>
 #include <random>
 #include <string>
@@ -116,6 +117,33 @@ TEST(BrokenLas, WithheldBitAndFlagsAboveTheClass) {
     keep.keep_withheld = true;
     EXPECT_EQ(read_one(path, keep).points_kept, 3);
   }
+}
+
+TEST(BrokenLas, TellsTheUnitOfHeights) {
+  const TemporaryFolder folder;
+  const fs::path path = folder / "a.las";
+  WritePointsOptions options;
+  options.crs = "EPSG:28992";
+  write_points(path, random_cloud(10, 6), {}, options);
+  const std::string bytes = bytes_of(path);
+  EXPECT_EQ(inspect_las(path).vertical_unit, 1);
+  // The entry of the key directory for the kind of system (1024), with other keys in its place.
+  const auto entry = [](std::uint16_t key, std::uint16_t value) {
+    const std::array<std::uint16_t, 4> fields{key, 0, 1, value};
+    return std::string(reinterpret_cast<const char*>(fields.data()), sizeof fields);
+  };
+  const std::size_t at = bytes.find(entry(1024, 1));
+  ASSERT_NE(at, std::string::npos);
+  const auto unit_with = [&](std::uint16_t key, std::uint16_t value) {
+    write_bytes(path, std::string(bytes).replace(at, 8, entry(key, value)));
+    return inspect_las(path).vertical_unit;
+  };
+  EXPECT_EQ(unit_with(4099, 9001), 1);
+  EXPECT_NEAR(unit_with(4099, 9002), 0.3048, 1e-12);
+  EXPECT_NEAR(unit_with(4099, 9003), 1200.0 / 3937, 1e-12);
+  EXPECT_NEAR(unit_with(4096, 6360), 1200.0 / 3937, 1e-12);  // NAVD88 height (ftUS)
+  EXPECT_EQ(unit_with(4096, 5703), 1);                       // NAVD88 height
+  EXPECT_EQ(unit_with(4096, 32767), 1);
 }
 
 TEST(BrokenLas, BoxesThatLieAreNotTrusted) {
