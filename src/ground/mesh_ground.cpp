@@ -105,6 +105,7 @@ GroundMesh renumber(const Triangulation& source, const Bounds2& domain) {
     mesh.region.push_back(source.triangle_regions[static_cast<std::size_t>(t)]);
   }
   mesh.small_input_angles = source.small_input_angles;
+  mesh.triangles_below_min_angle = source.triangles_below_min_angle;
   return mesh;
 }
 

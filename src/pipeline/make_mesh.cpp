@@ -70,10 +70,11 @@ GroundMesh make_ground(const Config& config, const CityModel& city, const Raster
   GroundMesh ground = clock.run("3.1", "ground mesh", [&](const Progress& progress) {
     return mesh_ground(footprints, city.domain, options, progress);
   });
-  report.ground_mesh = GroundMeshReport{static_cast<std::int64_t>(ground.vertices.size()),
-                                        static_cast<std::int64_t>(ground.triangles.size()),
-                                        angle_statistics(ground.vertices, ground.triangles).min_deg,
-                                        ground.small_input_angles};
+  report.ground_mesh =
+      GroundMeshReport{static_cast<std::int64_t>(ground.vertices.size()),
+                       static_cast<std::int64_t>(ground.triangles.size()),
+                       angle_statistics(ground.vertices, ground.triangles).min_deg,
+                       ground.small_input_angles, ground.triangles_below_min_angle};
   return ground;
 }
 

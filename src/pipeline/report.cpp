@@ -123,10 +123,12 @@ std::string to_json(const Report& report) {
   if (report.input) json["input"] = input_json(*report.input);
   if (report.city) json["city"] = city_json(*report.city);
   if (report.ground_mesh)
-    json["ground_mesh"] = {{"vertices", report.ground_mesh->vertices},
-                           {"triangles", report.ground_mesh->triangles},
-                           {"min_angle_deg", report.ground_mesh->min_angle_deg},
-                           {"small_input_angles", report.ground_mesh->small_input_angles}};
+    json["ground_mesh"] = {
+        {"vertices", report.ground_mesh->vertices},
+        {"triangles", report.ground_mesh->triangles},
+        {"min_angle_deg", report.ground_mesh->min_angle_deg},
+        {"small_input_angles", report.ground_mesh->small_input_angles},
+        {"triangles_below_min_angle", report.ground_mesh->triangles_below_min_angle}};
   if (report.volume_mesh) json["volume_mesh"] = volume_json(*report.volume_mesh, report.origin);
   if (report.surface_mesh) json["surface_mesh"] = surface_json(*report.surface_mesh);
   json["solver"] = Json::array();

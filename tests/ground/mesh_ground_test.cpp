@@ -32,6 +32,7 @@ TEST(MeshGround, RandomRectangles) {
         const double angle = size == 4 ? 30 : 25;
         const GroundMesh mesh = expect_valid(city, {0, 0, side, side}, {size, angle});
         EXPECT_EQ(mesh.small_input_angles, 0);
+        EXPECT_EQ(mesh.triangles_below_min_angle, 0);
       }
     }
   }
@@ -79,6 +80,11 @@ TEST(MeshGround, SharpCornersOfFootprintsAreCounted) {
                                      {{{10, 40}, {50, 40}, {12, 60}}, {}}};
   const GroundMesh mesh = expect_valid(city, {0, 0, 70, 70}, {10, 25});
   EXPECT_EQ(mesh.small_input_angles, 1);
+  std::int64_t below = 0;
+  for (const auto& t : mesh.triangles)
+    if (angle_statistics(mesh.vertices, {&t, 1}).min_deg < 25) ++below;
+  EXPECT_GT(below, 0);
+  EXPECT_EQ(mesh.triangles_below_min_angle, below);
 }
 
 TEST(MeshGround, LongThinDomainsAndDomainsSmallerThanTheMeshSize) {

@@ -16,6 +16,8 @@ struct GroundMesh {
   std::vector<BuildingIndex> region;                  ///< Per triangle: the building whose
                                                       ///< footprint it lies in, or kNoBuilding.
   std::int64_t small_input_angles = 0;  ///< Corners of the input sharper than the minimum angle.
+  /// Triangles below it: at such corners, and across from them (see refine.h).
+  std::int64_t triangles_below_min_angle = 0;
 };
 
 }  // namespace tetropolis

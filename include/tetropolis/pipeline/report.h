@@ -58,6 +58,7 @@ struct GroundMeshReport {
   std::int64_t triangles = 0;
   double min_angle_deg = 0;
   std::int64_t small_input_angles = 0;
+  std::int64_t triangles_below_min_angle = 0;
 };
 
 struct VolumeMeshReport {
