@@ -1,5 +1,6 @@
 #include "tetropolis/pipeline/check_results.h"
 
+#include <algorithm>
 #include <cmath>
 #include <fstream>
 #include <optional>
@@ -27,7 +28,7 @@ constexpr const char* kCity = "city.city.json";
 
 /// What report.json says that the files must bear out.
 struct ReportedMesh {
-  double cells, vertices, inverted, volume, triangles;
+  double cells, vertices, inverted, volume, triangles, least_angle, greatest_angle;
   std::int64_t ground_lowered;
 };
 
@@ -35,6 +36,9 @@ struct ReportedFacts {
   double min_distance = kDefaultDistance;
   bool absolute = false;
   std::optional<std::size_t> footprint_parts;
+  std::int64_t buildings = -1;       ///< Of city.city.json.
+  std::vector<std::string> dropped;  ///< Ids, sorted; likewise.
+  std::optional<Point2> origin;
   std::optional<ReportedMesh> mesh;
 };
 
@@ -46,12 +50,23 @@ ReportedFacts facts_of(const Json& report) {
   facts.absolute = config.value("coordinates", std::string("local")) == "absolute";
   if (report.contains("input"))
     facts.footprint_parts = report["input"].value("footprint_parts", std::size_t{0});
+  if (report.contains("city")) {
+    facts.buildings = report["city"].value("buildings", std::int64_t{-1});
+    for (const Json& dropped : report["city"].value("dropped", Json::array()))
+      facts.dropped.push_back(dropped.value("source_id", std::string()));
+    std::sort(facts.dropped.begin(), facts.dropped.end());
+  }
+  if (report.contains("origin"))
+    facts.origin =
+        Point2{report["origin"].at(0).get<double>(), report["origin"].at(1).get<double>()};
   if (!report.contains("volume_mesh")) return facts;
   const Json& volume = report["volume_mesh"];
   const Json surface = report.value("surface_mesh", Json::object());
+  const Json angles = volume.value("dihedral_deg", Json::object());
   facts.mesh = {volume.value("cells", -1.0),      volume.value("vertices", -1.0),
                 volume.value("inverted", -1.0),   volume.value("volume", -1.0),
-                surface.value("triangles", -1.0), volume.value("ground_lowered", std::int64_t{-1})};
+                surface.value("triangles", -1.0), angles.value("min", -1.0),
+                angles.value("max", -1.0),        volume.value("ground_lowered", std::int64_t{-1})};
   return facts;
 }
 
@@ -147,6 +162,8 @@ void compare_with_report(const ReportedMesh& mesh, const VolumeCheck& volume,
   compare("volume", mesh.volume, volume.volume, 1e-9 * volume.volume);
   compare("enclosed volume", volume.volume, surface.enclosed_volume, 1e-7 * volume.volume);
   compare("boundary triangles", mesh.triangles, static_cast<double>(surface.triangles), 0);
+  compare("least dihedral angle", mesh.least_angle, volume.min_dihedral_deg.min, 0.01);
+  compare("greatest dihedral angle", mesh.greatest_angle, volume.max_dihedral_deg, 0.01);
 }
 
 CheckedFile check_against_city(const fs::path& folder, const TetMesh& mesh,
@@ -189,6 +206,26 @@ void compare_account(const CityModel& city, const std::optional<ReportedFacts>& 
     file.facts.push_back(fmt::format("all {} input features accounted for", parts));
 }
 
+/// The final model is the one that the report tells of.
+void compare_city(const CityModel& city, const ReportedFacts& report, CheckedFile& file) {
+  const auto differs = [&](const char* what, const std::string& details) {
+    file.violations.push_back({fmt::format("{} differs from report.json", what), 1, details});
+  };
+  const auto buildings = static_cast<std::int64_t>(city.buildings.size());
+  if (report.buildings >= 0 && report.buildings != buildings)
+    differs("number of buildings",
+            fmt::format("{} reported, {} found", report.buildings, buildings));
+  std::vector<std::string> dropped;
+  for (const Dropped& feature : city.dropped) dropped.push_back(feature.source_id);
+  std::sort(dropped.begin(), dropped.end());
+  if (report.buildings >= 0 && report.dropped != dropped)
+    differs("list of dropped features",
+            fmt::format("{} reported, {} found", report.dropped.size(), dropped.size()));
+  if (report.origin && *report.origin != city.origin)
+    differs("origin", fmt::format("({}, {}) reported, ({}, {}) found", report.origin->x,
+                                  report.origin->y, city.origin.x, city.origin.y));
+}
+
 std::vector<CheckedFile> check_folder(const fs::path& folder, std::optional<double> min_distance,
                                       const Progress& progress) {
   const std::optional<ReportedFacts> report = read_report(folder);
@@ -201,6 +238,7 @@ std::vector<CheckedFile> check_folder(const fs::path& folder, std::optional<doub
     files.push_back(check_city_model(
         name, city, std::string_view(name) == kRawCity ? std::nullopt : min_distance, report));
     compare_account(city, report, files.back());
+    if (report && std::string_view(name) == kCity) compare_city(city, *report, files.back());
   }
   const bool meshed = report && report->mesh;
   if (there("volume.vtu") && there("boundary.vtp")) {

@@ -283,6 +283,7 @@ OutputFolder::OutputFolder(const fs::path& target, OutputWatcher watcher)
     fs::path real = fs::canonical(target_, error);
     if (!error) target_ = std::move(real);
   }
+  if (is_there(target_) && !fs::exists(target_, error)) fail(target, "it is a link to nothing");
   const fs::path parent = target_.parent_path();
   for (fs::path p = parent; !fs::exists(p, error) && p.has_relative_path(); p = p.parent_path())
     created_parent_ = p;

@@ -53,6 +53,63 @@ class Build : public ::testing::Test {
   testing::TemporaryFolder scratch;
 };
 
+TEST_F(Build, CheckFindsAReportThatTellsSomethingElse) {
+  Config config = city("random", 10, 150, 4);
+  config.mesh_size = 20;
+  config.min_building_area = 60;
+  run_build(config);
+  expect_guarantees(config.out);
+  const fs::path file = scratch / "out/report.json";
+  const Json truth = Json::parse(bytes_of(file));
+  ASSERT_FALSE(truth["city"]["dropped"].empty());
+  const auto violations_with = [&](const char* pointer, const Json& value) {
+    Json report = truth;
+    report[Json::json_pointer(pointer)] = value;
+    std::ofstream(file) << report;
+    std::size_t count = 0;
+    for (const CheckedFile& checked : check_path(config.out, std::nullopt))
+      count += checked.violations.size();
+    return count;
+  };
+  EXPECT_EQ(violations_with("/version", "another"), 0U);
+  EXPECT_EQ(violations_with("/city/buildings", 55), 1U);
+  EXPECT_EQ(violations_with("/city/dropped/0/source_id", "nobody"), 1U);
+  EXPECT_EQ(violations_with("/origin/0", 0), 1U);
+  EXPECT_EQ(violations_with("/input/footprint_parts", 99), 2U);  // both models
+  EXPECT_EQ(violations_with("/volume_mesh/cells", 1), 1U);
+  EXPECT_EQ(violations_with("/volume_mesh/dihedral_deg/min", 50), 1U);
+  EXPECT_EQ(violations_with("/volume_mesh/dihedral_deg/max", 50), 1U);
+  EXPECT_EQ(violations_with("/surface_mesh/triangles", 1), 1U);
+}
+
+TEST_F(Build, MeshesJoinTheCityModelInItsFolder) {
+  Config config = city("random", 10, 150, 4);
+  run_city(config);
+  const std::string model = bytes_of(scratch / "out/city.city.json");
+  Config mesh;
+  mesh.city = (scratch / "out/city.city.json").string();
+  mesh.dtm = (scratch / "out/dtm.tif").string();
+  mesh.out = config.out;
+  for (const double size : {20.0, 15.0}) {
+    mesh.mesh_size = size;
+    run_mesh(mesh);
+    expect_guarantees(config.out);
+    for (const char* name : {"city_raw.city.json", "dtm.tif", "volume.vtu", "report.json"})
+      EXPECT_TRUE(fs::exists(scratch / "out" / name)) << name;
+    EXPECT_EQ(bytes_of(scratch / "out/city.city.json"), model);
+  }
+  // Into a folder with results of another city, nothing of that one stays.
+  Config other = city("random", 5, 120, 9);
+  other.out = (scratch / "other").string();
+  run_city(other);
+  mesh.out = other.out;
+  run_mesh(mesh);
+  EXPECT_FALSE(fs::exists(scratch / "other/city.city.json"));
+  // What leaves a building out says so.
+  mesh.bounds = {0, 0, 1, 1};
+  EXPECT_THROW(run_mesh(mesh), Error);
+}
+
 TEST_F(Build, BlocksPassEveryCheckAndTheReportTellsTheTruth) {
   Config config = city("blocks", 0, 320, 3);
   const Report report = run_build(config);
