@@ -60,13 +60,19 @@ constexpr const char* kNewNames = ".new";
 /// files of the user in the target. The report comes last.
 std::vector<fs::path> results_below(const fs::path& folder) {
   std::vector<fs::path> names;
+  // A link, also one to a folder, is a file here.
+  const auto is_folder = [](const fs::directory_entry& entry) {
+    return entry.is_directory() && !entry.is_symlink();
+  };
   for (const auto& entry : fs::directory_iterator(folder)) {
     const fs::path name = entry.path().filename();
     if (name.string().front() == '.') continue;
-    if (!entry.is_directory()) names.push_back(name);
-    if (entry.is_directory())
-      for (const auto& inner : fs::recursive_directory_iterator(entry))
-        if (!inner.is_directory()) names.push_back(fs::relative(inner.path(), folder));
+    if (!is_folder(entry)) {
+      names.push_back(name);
+      continue;
+    }
+    for (const auto& inner : fs::recursive_directory_iterator(entry))
+      if (!is_folder(inner)) names.push_back(inner.path().lexically_relative(folder));
   }
   std::sort(names.begin(), names.end(), [](const fs::path& a, const fs::path& b) {
     return std::pair(a == "report.json", a) < std::pair(b == "report.json", b);

@@ -151,6 +151,7 @@ TEST(KilledCommit, IsAllOrNothingAtEveryMove) {
 void make_foreign(const fs::path& result) {
   put(result / "report.json", "of another program");
   put(result / "volume.vtu", "old");
+  fs::create_symlink("notes.txt", result / "boundary.vtp");
   put(result / "surface.ply", "mine");
 }
 
