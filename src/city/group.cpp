@@ -57,7 +57,7 @@ std::vector<Group> GroupInput::single_groups() const {
     for (std::size_t i = begin; i < end; ++i) {
       Group& group = groups[i];
       group.members = {static_cast<BuildingIndex>(i)};
-      group.flags = is_clipped(i) ? kClipped : 0;
+      if (is_clipped(i)) group.flags = kClipped;
       group.polygon = grid::to_steps(cleaned_[i]);
       if (group.polygon.outer.size() < 3) group.polygon = {};
       group.input = {group.polygon};
