@@ -10,6 +10,7 @@
 
 #include "tetropolis/pipeline/run.h"
 
+#include "block_city.h"
 #include "support/test_data.h"
 
 namespace tetropolis {
@@ -26,17 +27,7 @@ TEST(Fenicsx, SolvesAProblemWithAKnownSolution) {
   const std::string python = python_with_dolfinx();
   if (python.empty()) GTEST_SKIP() << "DOLFINx (package python3-dolfinx-real) is not installed";
   const testing::TemporaryFolder folder;
-  Config config;
-  config.kind = "blocks";
-  config.size = 300;
-  config.out = folder / "input";
-  run_synth(config);
-  Config build;
-  build.footprints = folder / "input/footprints.shp";
-  build.points.push_back(folder / "input/points.laz");
-  build.formats = {"xdmf"};
-  build.out = folder / "result";
-  const Report report = run_build(build);
+  const Report report = testing::build_blocks(folder, "xdmf");
   const std::string output = folder / "output.json", errors = folder / "errors";
   const std::string run = "cd " + folder.path().string() + " && " + python +
                           " " TETROPOLIS_SOURCE

@@ -14,6 +14,7 @@
 #include "tetropolis/io/geotiff.h"
 #include "tetropolis/pipeline/run.h"
 
+#include "block_city.h"
 #include "support/test_data.h"
 
 namespace tetropolis {
@@ -117,20 +118,10 @@ TEST(QualityFloor, CheckMeshOfOpenFoamAgrees) {
   if (std::system("command -v checkMesh >/dev/null 2>&1") != 0)
     GTEST_SKIP() << "checkMesh (package openfoam) is not installed";
   const testing::TemporaryFolder folder;
-  Config config;
-  config.kind = "blocks";
-  config.size = 300;
-  config.out = folder / "input";
-  run_synth(config);
-  Config build;
-  build.footprints = folder / "input/footprints.shp";
-  build.points.push_back(folder / "input/points.laz");
-  build.formats = {"openfoam"};
-  build.out = folder / "case";
-  const Report report = run_build(build);
-  fs::create_directories(folder / "case/system");
+  const Report report = testing::build_blocks(folder, "openfoam");
+  fs::create_directories(folder / "result/system");
   const auto write = [&](const char* name, const std::string& text) {
-    std::ofstream(folder / "case/system" / name)
+    std::ofstream(folder / "result/system" / name)
         << "FoamFile { version 2.0; format ascii; class dictionary; object " << name << "; }\n"
         << text << "\n";
   };
@@ -145,7 +136,7 @@ TEST(QualityFloor, CheckMeshOfOpenFoamAgrees) {
   // Debian's package finds its etc folder only when told where it is.
   const std::string log = folder / "log";
   const std::string run = "WM_PROJECT_DIR=${WM_PROJECT_DIR:-/usr/share/openfoam} checkMesh -case " +
-                          (folder / "case").string() + " >" + log + " 2>&1";
+                          (folder / "result").string() + " >" + log + " 2>&1";
   EXPECT_EQ(std::system(run.c_str()), 0);
   std::ifstream stream(log);
   const std::string text{std::istreambuf_iterator<char>(stream), {}};
