@@ -34,20 +34,16 @@ std::optional<Polygon> largest(std::vector<Polygon> polygons) {
   return std::move(polygons[best]);
 }
 
-GroupInput::GroupInput(std::span<const Polygon> cleaned, const Bounds2& keep_inside)
-    : cleaned_(cleaned), keep_inside_(keep_inside), is_clipped_(cleaned.size(), 0) {
-  for (std::size_t i = 0; i < cleaned.size(); ++i) {
-    const Polygon polygon = grid::to_steps(cleaned[i]);
-    is_clipped_[i] = polygon.outer.size() >= 3 && !keep_inside_.covers(bounds(polygon)) ? 1 : 0;
-  }
+bool GroupInput::is_inside(const Polygon& polygon) const {
+  return keep_inside_.covers(bounds(polygon));
 }
 
 /// What is left of a footprint far enough inside the domain; empty if that is less than half of it.
 Polygon GroupInput::usable_part(const Polygon& polygon) const {
-  if (keep_inside_.covers(bounds(polygon))) return polygon;
+  if (is_inside(polygon)) return polygon;
   std::optional<Polygon> part;
   if (!keep_inside_.empty()) part = largest(inside(polygon));
-  if (!part || !keep_inside_.covers(bounds(*part)) || area(*part) < 0.5 * area(polygon)) return {};
+  if (!part || !is_inside(*part) || area(*part) < 0.5 * area(polygon)) return {};
   return std::move(*part);
 }
 
@@ -57,11 +53,11 @@ std::vector<Group> GroupInput::single_groups() const {
     for (std::size_t i = begin; i < end; ++i) {
       Group& group = groups[i];
       group.members = {static_cast<BuildingIndex>(i)};
-      if (is_clipped(i)) group.flags = kClipped;
       group.polygon = grid::to_steps(cleaned_[i]);
       if (group.polygon.outer.size() < 3) group.polygon = {};
       group.input = {group.polygon};
-      if (!is_clipped(i)) continue;
+      if (is_inside(group.polygon)) continue;
+      group.flags = kClipped;
       group.polygon = usable_part(group.polygon);
       if (!group.polygon.outer.empty()) group.input = {group.polygon};
     }
@@ -85,7 +81,7 @@ std::uint32_t GroupInput::flags_of(const std::vector<BuildingIndex>& members) co
   std::uint32_t flags = 0;
   if (members.size() > 1) flags |= kMerged;
   for (const BuildingIndex m : members)
-    if (is_clipped_[static_cast<std::size_t>(m)] != 0) flags |= kClipped;
+    if (!is_inside(grid::to_steps(cleaned_[static_cast<std::size_t>(m)]))) flags |= kClipped;
   return flags;
 }
 
@@ -131,8 +127,7 @@ std::vector<Group> GroupInput::split(const std::vector<Polygon>& parts, double l
     Group& part = groups.emplace_back();
     part.flags = flags_of(offcut.members) | kRepaired;
     part.polygon = std::move(offcut.polygon);
-    if (!keep_inside_.covers(bounds(part.polygon)))
-      part.polygon = largest(inside(part.polygon)).value_or(Polygon{});
+    if (!is_inside(part.polygon)) part.polygon = largest(inside(part.polygon)).value_or(Polygon{});
     part.members = std::move(offcut.members);
   }
   if (groups.empty()) return groups;

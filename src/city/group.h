@@ -31,13 +31,12 @@ std::optional<Polygon> largest(std::vector<Polygon> polygons);
 class GroupInput {
  public:
   /// `cleaned`: in metres; it outlives this. `keep_inside`: where groups may be, in steps.
-  GroupInput(std::span<const Polygon> cleaned, const Bounds2& keep_inside);
+  GroupInput(std::span<const Polygon> cleaned, const Bounds2& keep_inside)
+      : cleaned_(cleaned), keep_inside_(keep_inside) {}
 
   /// A group of each footprint by itself, in their order. Its polygon is empty if the footprint has
   /// fewer than three distinct vertices or if less than half of it is left inside.
   std::vector<Group> single_groups() const;
-
-  bool is_clipped(std::size_t footprint) const { return is_clipped_[footprint] != 0; }
 
   /// What of a polygon is inside.
   std::vector<Polygon> inside(const Polygon& polygon) const;
@@ -50,14 +49,14 @@ class GroupInput {
                            Group& group) const;
 
  private:
+  bool is_inside(const Polygon& polygon) const;
   Polygon usable_part(const Polygon& polygon) const;
   std::vector<Polygon> input_of(const std::vector<BuildingIndex>& members) const;
   std::uint32_t flags_of(const std::vector<BuildingIndex>& members) const;
   void share_input(Group& group, std::span<Group> parts) const;
 
   std::span<const Polygon> cleaned_;
-  Bounds2 keep_inside_;                   ///< Steps.
-  std::vector<std::uint8_t> is_clipped_;  ///< Per footprint.
+  Bounds2 keep_inside_;  ///< Steps.
 };
 
 }  // namespace tetropolis
