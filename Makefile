@@ -1,7 +1,9 @@
 # The two commands a newcomer needs are `make demo` and `make test`.
 .PHONY: demo test build deps bench microbench survey simplification-report docs format check-format clean
 
-demo: build
+# Only what it needs: the tests take most of a full build.
+demo: deps
+	@scripts/build release tetropolis_cli
 	@echo "demo: a synthetic city of 500 m x 500 m, its LiDAR points, and a mesh of both, in out/demo"
 	@rm -rf out/demo out/demo-input
 	@build/tetropolis synth --kind blocks --size 500 --seed 7 --out out/demo-input --quiet

@@ -4,9 +4,9 @@
 #include <cstdint>
 #include <vector>
 
-#include "tetropolis/city/point_cloud.h"
 #include "tetropolis/city/synthetic.h"
 #include "tetropolis/core/progress.h"
+#include "tetropolis/geometry/point_cloud.h"
 #include "tetropolis/geometry/types.h"
 
 namespace tetropolis {

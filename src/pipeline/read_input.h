@@ -1,7 +1,7 @@
 // Steps 1.1 and 1.2, and with them the frame and the domain of a run.
 #pragma once
 
-#include "tetropolis/city/point_cloud.h"
+#include "tetropolis/geometry/point_cloud.h"
 #include "tetropolis/io/vector.h"
 
 #include "stages.h"

@@ -7,8 +7,8 @@
 #include <vector>
 
 #include "tetropolis/city/city_model.h"
-#include "tetropolis/city/point_cloud.h"
 #include "tetropolis/core/error.h"
+#include "tetropolis/geometry/point_cloud.h"
 #include "tetropolis/pipeline/run.h"
 #include "tetropolis/terrain/raster.h"
 

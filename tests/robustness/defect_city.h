@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "tetropolis/city/city_model.h"
-#include "tetropolis/city/point_cloud.h"
+#include "tetropolis/geometry/point_cloud.h"
 #include "tetropolis/pipeline/config.h"
 #include "tetropolis/pipeline/report.h"
 

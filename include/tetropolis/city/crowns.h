@@ -2,8 +2,8 @@
 #pragma once
 
 #include "tetropolis/city/extract.h"
-#include "tetropolis/city/point_cloud.h"
 #include "tetropolis/core/progress.h"
+#include "tetropolis/geometry/point_cloud.h"
 
 namespace tetropolis {
 

@@ -7,8 +7,8 @@
 #include <vector>
 
 #include "tetropolis/city/city_model.h"
-#include "tetropolis/city/point_cloud.h"
 #include "tetropolis/core/progress.h"
+#include "tetropolis/geometry/point_cloud.h"
 #include "tetropolis/geometry/types.h"
 
 namespace tetropolis {

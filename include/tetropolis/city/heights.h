@@ -5,7 +5,7 @@
 
 #include "tetropolis/city/city_model.h"
 #include "tetropolis/city/extract.h"
-#include "tetropolis/city/point_cloud.h"
+#include "tetropolis/geometry/point_cloud.h"
 #include "tetropolis/terrain/raster.h"
 
 namespace tetropolis {

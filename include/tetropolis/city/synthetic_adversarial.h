@@ -9,10 +9,10 @@
 #include <string>
 #include <vector>
 
-#include "tetropolis/city/point_cloud.h"
 #include "tetropolis/city/raw_feature.h"
 #include "tetropolis/city/synthetic.h"
 #include "tetropolis/core/progress.h"
+#include "tetropolis/geometry/point_cloud.h"
 #include "tetropolis/geometry/types.h"
 
 namespace tetropolis {

@@ -13,8 +13,8 @@
 #include <string>
 #include <vector>
 
-#include "tetropolis/city/point_cloud.h"
 #include "tetropolis/core/progress.h"
+#include "tetropolis/geometry/point_cloud.h"
 #include "tetropolis/geometry/types.h"
 #include "tetropolis/io/warning.h"
 

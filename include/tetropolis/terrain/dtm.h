@@ -4,8 +4,8 @@
 #include <cstdint>
 #include <vector>
 
-#include "tetropolis/city/point_cloud.h"
 #include "tetropolis/core/progress.h"
+#include "tetropolis/geometry/point_cloud.h"
 #include "tetropolis/geometry/types.h"
 #include "tetropolis/terrain/raster.h"
 

@@ -5,8 +5,8 @@
 #include <span>
 #include <vector>
 
-#include "tetropolis/city/point_cloud.h"
 #include "tetropolis/core/progress.h"
+#include "tetropolis/geometry/point_cloud.h"
 #include "tetropolis/geometry/types.h"
 
 namespace tetropolis {

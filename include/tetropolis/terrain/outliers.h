@@ -5,8 +5,8 @@
 #include <cstdint>
 #include <vector>
 
-#include "tetropolis/city/point_cloud.h"
 #include "tetropolis/core/progress.h"
+#include "tetropolis/geometry/point_cloud.h"
 
 namespace tetropolis {
 
