@@ -14,7 +14,8 @@
 #include "tetropolis/io/stl.h"
 #include "tetropolis/io/vtk.h"
 #include "tetropolis/volume/boundary.h"
-#include "tetropolis/volume/quality.h"
+#include "tetropolis/volume/cell_quality.h"
+#include "tetropolis/volume/face_quality.h"
 
 #include "random_city.h"
 
@@ -63,8 +64,8 @@ void run_writer(benchmark::State& state, const std::string& extension, const Wri
       benchmark::Counter(bytes, benchmark::Counter::kIsIterationInvariantRate);
 }
 
-void step_3_6_measure_quality(benchmark::State& state) {
-  run(state, [] { benchmark::DoNotOptimize(measure_quality(city_mesh(), 10)); });
+void step_3_6_measure_cells(benchmark::State& state) {
+  run(state, [] { benchmark::DoNotOptimize(measure_cells(city_mesh(), 10)); });
 }
 
 void step_3_6_measure_faces(benchmark::State& state) {
@@ -99,7 +100,7 @@ void step_3_6_write_stl(benchmark::State& state) {
 void threads(benchmark::internal::Benchmark* bench) {
   bench->ArgName("threads")->Arg(1)->Arg(2)->Unit(benchmark::kMillisecond)->UseRealTime();
 }
-BENCHMARK(step_3_6_measure_quality)->Apply(threads);
+BENCHMARK(step_3_6_measure_cells)->Apply(threads);
 BENCHMARK(step_3_6_measure_faces)->Apply(threads);
 BENCHMARK(step_3_6_extract_boundary)->Apply(threads);
 BENCHMARK(step_3_6_check_topology)->Apply(threads);

@@ -78,7 +78,7 @@ RunHooks Console::hooks() {
     bar_ = true;
   };
   hooks.step_ends = [this](const StepReport& step) {
-    line(fmt::format("{:<32} {:8.2f} s", step_, step.seconds));
+    line(fmt::format("{:<34} {:6.2f} s", step_, step.seconds));
   };
   return hooks;
 }

@@ -3,11 +3,11 @@
 #include <bit>
 #include <cmath>
 #include <limits>
-#include <numbers>
 
 #include <fmt/format.h>
 
 #include "tetropolis/core/parallel.h"
+#include "tetropolis/core/units.h"
 
 #include "vector3.h"
 #include "violations.h"
@@ -17,7 +17,6 @@ namespace tetropolis {
 
 namespace {
 
-constexpr double kDegrees = 180 / std::numbers::pi;
 constexpr std::size_t kGrain = 16384;
 
 struct CellShape {
@@ -138,7 +137,7 @@ std::vector<double> values_at(const std::vector<float>& values, const std::vecto
 std::vector<std::uint8_t> measure_cells(const TetMesh& mesh, VolumeCheck& check) {
   std::vector<std::uint8_t> used(mesh.points.size(), 0);
   std::vector<float> tangents(mesh.cells.size()), aspects(mesh.cells.size());
-  const double sliver = 1 / std::tan(kSliverDegrees / kDegrees);
+  const double sliver = 1 / std::tan(to_radians(kSliverDegrees));
   const Sums sums = parallel_reduce_ordered(
       mesh.cells.size(), kGrain, Sums{},
       [&](std::size_t begin, std::size_t end) {
@@ -170,9 +169,9 @@ std::vector<std::uint8_t> measure_cells(const TetMesh& mesh, VolumeCheck& check)
   check.slivers = sums.slivers;
   add_violations(check.violations, sums.violations);
   if (!mesh.cells.empty())
-    check.max_dihedral_deg = std::atan2(1.0, sums.least_cotangent) * kDegrees;
+    check.max_dihedral_deg = to_degrees(std::atan2(1.0, sums.least_cotangent));
   check.min_dihedral_deg =
-      distribution(tangents, [](double tangent) { return std::atan(tangent) * kDegrees; });
+      distribution(tangents, [](double tangent) { return to_degrees(std::atan(tangent)); });
   check.aspect_ratio = distribution(aspects, [](double aspect) { return aspect; });
   return used;
 }

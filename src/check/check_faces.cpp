@@ -1,9 +1,9 @@
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 #include <utility>
 
 #include "tetropolis/core/parallel.h"
+#include "tetropolis/core/units.h"
 
 #include "rows.h"
 #include "vector3.h"
@@ -13,8 +13,6 @@
 namespace tetropolis {
 
 namespace {
-
-constexpr double kDegrees = 180 / std::numbers::pi;
 
 /// A cell's vertices in ascending order, and whether an even permutation brings them there.
 struct SortedCell {
@@ -61,7 +59,7 @@ struct FaceSums {
 /// the cells, the face (p, q, r) is outward of the first.
 void measure_face(const Vector3& p, const Vector3& q, const Vector3& r, const Vector3& a,
                   const Vector3& b, FaceSums& sums) {
-  static const double cosine_of_70 = std::cos(70 / kDegrees);
+  static const double cosine_of_70 = std::cos(to_radians(70));
   const Vector3 normal = outer(difference(q, p), difference(r, p));
   const Vector3 line = difference(b, a);
   const double along = inner(normal, line), line2 = inner(line, line);
@@ -169,7 +167,7 @@ void add(FaceSums& a, const FaceSums& b) {
   a.skewness = std::max(a.skewness, b.skewness);
 }
 
-double degrees_of(double cosine) { return std::acos(std::clamp(cosine, -1.0, 1.0)) * kDegrees; }
+double degrees_of(double cosine) { return to_degrees(std::acos(std::clamp(cosine, -1.0, 1.0))); }
 
 }  // namespace
 

@@ -2,8 +2,9 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <numbers>
 #include <utility>
+
+#include "tetropolis/core/units.h"
 
 #include "ground/refiner.h"
 
@@ -97,7 +98,7 @@ bool stays_delaunay(const TriMesh& mesh, const Star& star, Point2 p) {
 }  // namespace
 
 void Refiner::optimize() {
-  const double content = std::sin(kContentAngle * std::numbers::pi / 180);
+  const double content = std::sin(to_radians(kContentAngle));
   // For each vertex the half-edge of a triangle opposite to it; moves flip nothing, so it stays
   // valid.
   std::vector<std::int32_t> opposite(mesh_.points.size(), TriMesh::kNothing);

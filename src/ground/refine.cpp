@@ -3,9 +3,10 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
-#include <numbers>
 
 #include <fmt/format.h>
+
+#include "tetropolis/core/units.h"
 
 #include "ground/refiner.h"
 
@@ -37,7 +38,7 @@ Refiner::Refiner(const PlanarGraph& graph, const RefineOptions& options, Constru
       construction_(construction),
       mesh_(construction.mesh),
       size_(graph, options) {
-  const double angle = options.min_angle_deg * std::numbers::pi / 180;
+  const double angle = to_radians(options.min_angle_deg);
   // A hair more than asked, so that no rounding on the way to a measured angle falls below it.
   const double sine = portable(std::sin(angle) * (1 + 1e-9));
   sine_squared_ = sine * sine;
@@ -47,7 +48,7 @@ Refiner::Refiner(const PlanarGraph& graph, const RefineOptions& options, Constru
   off_centre_height_ = portable(0.95 * 0.5 / std::tan(0.5 * std::max(angle, 0.05)));
   // A lens of angle 180 - 2 * angle, so that a triangle of a segment and an apex outside of it can
   // be good (Shewchuk 2002); never thinner than for 20 degrees nor fatter than for 30.
-  const double lens = std::clamp(options.min_angle_deg, 20.0, 30.0) * std::numbers::pi / 90;
+  const double lens = 2 * to_radians(std::clamp(options.min_angle_deg, 20.0, 30.0));
   lens_cosine_squared_ = portable(std::cos(lens) * std::cos(lens));
   max_vertices_ = options.max_vertices;
 }

@@ -2,6 +2,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "tetropolis/core/units.h"
 #include "tetropolis/geometry/polygon.h"
 
 #include "ground/hilbert.h"
@@ -101,7 +102,7 @@ void Refiner::find_pieces() {
 // Measures the angles between neighbouring pieces at their ends, where the area between them is
 // meshed.
 void Refiner::find_corners() {
-  const double small_tangent = std::tan(options_.min_angle_deg * std::numbers::pi / 180);
+  const double small_tangent = std::tan(to_radians(options_.min_angle_deg));
   const auto count = static_cast<std::int32_t>(mesh_.subsegments.size());
   for (std::int32_t s = 0; s < count; ++s) {
     if (mesh_.sub(s).v[0] == TriMesh::kDead) continue;

@@ -3,11 +3,11 @@
 #include <algorithm>
 #include <cmath>
 #include <iterator>
-#include <numbers>
 #include <set>
 
 #include <fmt/format.h>
 
+#include "tetropolis/core/units.h"
 #include "tetropolis/geometry/polygon.h"
 #include "tetropolis/geometry/predicates.h"
 
@@ -16,8 +16,6 @@
 namespace tetropolis {
 
 namespace {
-
-constexpr double kDegree = std::numbers::pi / 180;
 
 bool full(const Violations& violations) { return violations.size() >= kMaxViolations; }
 
@@ -173,9 +171,9 @@ Violations check_regions(TriangleSpan triangles, std::span<const std::int32_t> r
 Violations check_angles(std::span<const Point2> points, TriangleSpan triangles,
                         SegmentSpan segments, double min_angle_deg) {
   Violations found;
-  const double limit = (min_angle_deg - 1e-6) * kDegree;
+  const double limit = to_radians(min_angle_deg - 1e-6);
   const EdgeSet constrained(segments);
-  const auto sharp = sharp_corners(points, segments, min_angle_deg * kDegree);
+  const auto sharp = sharp_corners(points, segments, to_radians(min_angle_deg));
   for (std::size_t t = 0; t < triangles.size() && !full(found); ++t) {
     const auto& v = triangles[t];
     const auto p = corners(points, v);
@@ -186,7 +184,7 @@ Violations check_angles(std::span<const Point2> points, TriangleSpan triangles,
       if (constrained.contains(v[i], v[j]) && constrained.contains(v[i], v[k])) continue;
       if (across(sharp, p[j], p[k])) continue;
       found.push_back(fmt::format("triangle {}: angle of {:.6f} degrees at ({}, {})", t,
-                                  angle / kDegree, p[i].x, p[i].y));
+                                  to_degrees(angle), p[i].x, p[i].y));
     }
   }
   return found;
@@ -293,7 +291,7 @@ AngleStatistics angle_statistics(std::span<const Point2> points, TriangleSpan tr
     const auto p = corners(points, v);
     double smallest = 180;
     for (std::size_t i = 0; i < 3; ++i) {
-      const double angle = angle_between(p[i], p[(i + 1) % 3], p[(i + 2) % 3]) / kDegree;
+      const double angle = to_degrees(angle_between(p[i], p[(i + 1) % 3], p[(i + 2) % 3]));
       smallest = std::min(smallest, angle);
       result.max_deg = std::max(result.max_deg, angle);
     }

@@ -1,15 +1,12 @@
 // From the faces of a foreign building to a footprint. Private to src/io.
 #pragma once
 
-#include <array>
 #include <string>
 #include <vector>
 
 #include "tetropolis/geometry/types.h"
 
 namespace tetropolis {
-
-using Point3 = std::array<double, 3>;
 
 /// A planar face: outer ring and inner rings, local frame.
 struct Face {

@@ -18,10 +18,11 @@
 #include "tetropolis/io/vtk.h"
 #include "tetropolis/io/xdmf.h"
 #include "tetropolis/volume/boundary.h"
+#include "tetropolis/volume/cell_quality.h"
+#include "tetropolis/volume/face_quality.h"
 #include "tetropolis/volume/fill_columns.h"
 #include "tetropolis/volume/ground_heights.h"
 #include "tetropolis/volume/improve_columns.h"
-#include "tetropolis/volume/quality.h"
 #include "tetropolis/volume/smooth.h"
 
 #include "io/column_output.h"
@@ -168,7 +169,7 @@ ColumnMesh grade_columns(const Config& config, const CityModel& city, const Rast
   const ColumnPlan plan = clock.run("3.3", "ground and top", [&](const Progress&) {
     return plan_of(config, city, dtm, ground, std::move(spacing), report);
   });
-  ColumnMesh mesh = clock.run("3.4", "divide columns, trim buildings", [&](const Progress&) {
+  ColumnMesh mesh = clock.run("3.4", "divide and trim columns", [&](const Progress&) {
     require_cells_fit(config, static_cast<double>(ground.triangles.size()), estimate_cells(plan),
                       nodes_of(dtm));
     EdgeGraph edges = build_edge_graph(ground);
@@ -197,7 +198,7 @@ CellQuality improve(const Config& config, ColumnMesh& mesh, StepClock& clock,
                     VolumeMeshReport& volume) {
   const auto measured = [&] {
     return clock.run("3.6", "measure cells",
-                     [&](const Progress&) { return measure_quality(mesh, kWorstCells); });
+                     [&](const Progress&) { return measure_cells(mesh, kWorstCells); });
   };
   CellQuality cells = measured();
   const ImproveOptions options;

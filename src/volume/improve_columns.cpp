@@ -5,12 +5,12 @@
 #include <cmath>
 #include <cstddef>
 #include <limits>
-#include <numbers>
 #include <span>
 #include <utility>
 #include <vector>
 
 #include "tetropolis/core/parallel.h"
+#include "tetropolis/core/units.h"
 
 #include "tet_cosines.h"
 
@@ -52,8 +52,8 @@ void sort_once(std::vector<Index>& numbers) {
 class Cost {
  public:
   explicit Cost(const ImproveOptions& options)
-      : least_(1 - std::cos(options.least_deg / 180 * std::numbers::pi)),
-        greatest_(1 + std::cos(options.greatest_deg / 180 * std::numbers::pi)) {}
+      : least_(1 - std::cos(to_radians(options.least_deg))),
+        greatest_(1 + std::cos(to_radians(options.greatest_deg))) {}
 
   double of(const Point3& p0, const Point3& p1, const Point3& p2, const Point3& p3) const {
     const TetCosines shape = tet_cosines(p0, p1, p2, p3);

@@ -7,18 +7,16 @@
 #include <cstddef>
 #include <limits>
 
-#include "tetropolis/volume/quality.h"
+#include "tetropolis/core/units.h"
+#include "tetropolis/geometry/types.h"
+
+#include "vec3.h"
 
 namespace tetropolis {
 
-inline Point3 minus(const Point3& a, const Point3& b) {
-  return {a[0] - b[0], a[1] - b[1], a[2] - b[2]};
-}
-inline double dot(const Point3& a, const Point3& b) {
-  return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
-}
-inline Point3 cross(const Point3& a, const Point3& b) {
-  return {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
+/// The angle that a cosine, rounded beyond 1 perhaps, belongs to.
+inline double angle_deg(double cosine) {
+  return to_degrees(std::acos(std::clamp(cosine, -1.0, 1.0)));
 }
 
 struct TetCosines {

@@ -8,7 +8,7 @@
 #include <gtest/gtest.h>
 
 #include "tetropolis/io/vtk.h"
-#include "tetropolis/volume/quality.h"
+#include "tetropolis/volume/cell_quality.h"
 
 #include "support/small_city.h"
 #include "support/test_data.h"
@@ -56,7 +56,7 @@ class CheckMesh : public ::testing::Test {
 TEST_F(CheckMesh, PassesAGoodMeshAndAgreesWithTheGeneratorsMeasures) {
   const VolumeCheck check = check_volume(mesh);
   EXPECT_TRUE(check.violations.empty()) << names(check.violations);
-  const QualityHistogram quality = measure_quality(city.mesh).histogram;
+  const QualityHistogram quality = measure_cells(city.mesh).histogram;
   EXPECT_NEAR(check.volume, quality.volume(), 1e-9 * quality.volume());
   EXPECT_NEAR(check.min_dihedral_deg.min, quality.min_dihedral_deg(), 1e-4);
   EXPECT_NEAR(check.max_dihedral_deg, quality.max_dihedral_deg(), 1e-4);

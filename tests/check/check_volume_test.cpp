@@ -11,7 +11,8 @@
 
 #include "tetropolis/check/check_mesh.h"
 #include "tetropolis/core/parallel.h"
-#include "tetropolis/volume/quality.h"
+#include "tetropolis/volume/face_quality.h"
+#include "tetropolis/volume/tet_shape.h"
 
 #include "support/explicit_mesh.h"
 #include "support/small_city.h"

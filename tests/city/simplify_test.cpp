@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <numbers>
+#include <ostream>
 #include <random>
 #include <string>
 #include <vector>
@@ -606,6 +607,8 @@ struct RealCase {
   double largest_change;  ///< Of the area, without what is dropped.
   double distance;        ///< That 99 % of the buildings keep, metres: measured and a sixth more.
 };
+
+void PrintTo(const RealCase& real, std::ostream* out) { *out << real.path; }
 
 std::vector<Polygon> read_local(const std::filesystem::path& path, const char* crs) {
   ReadFootprintsOptions options;

@@ -1,4 +1,5 @@
 // The pipeline on the real cities, with the figures that are known of them.
+#include <ostream>
 #include <string>
 #include <vector>
 
@@ -22,6 +23,8 @@ struct RealCase {
   bool has_building_class;
   double most_area_moved;  // by simplification, as a share; measured, rounded up
 };
+
+void PrintTo(const RealCase& city, std::ostream* out) { *out << city.name; }
 
 const RealCase kCases[] = {
     {"Delft",

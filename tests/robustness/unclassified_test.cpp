@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <ostream>
 #include <string>
 #include <vector>
 
@@ -25,6 +26,8 @@ struct Blanked {
   int most_raw;
   int most_merged;
 };
+
+void PrintTo(const Blanked& cloud, std::ostream* out) { *out << cloud.name; }
 
 class Unclassified : public ::testing::TestWithParam<Blanked> {};
 

@@ -9,7 +9,7 @@
 #include <gtest/gtest.h>
 
 #include "tetropolis/core/error.h"
-#include "tetropolis/volume/quality.h"
+#include "tetropolis/volume/tet_shape.h"
 
 #include "support/explicit_mesh.h"
 #include "support/small_city.h"

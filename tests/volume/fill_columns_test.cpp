@@ -8,7 +8,8 @@
 
 #include "tetropolis/core/error.h"
 #include "tetropolis/core/parallel.h"
-#include "tetropolis/volume/quality.h"
+#include "tetropolis/volume/cell_quality.h"
+#include "tetropolis/volume/face_quality.h"
 
 #include "support/small_city.h"
 
@@ -21,7 +22,7 @@ TEST(FillColumns, HeightsAreExactAndCellsValidOnAnyTerrain) {
       SCOPED_TRACE(std::string(name) + " " + std::to_string(size));
       const auto result = testing::meshed(testing::small_city(terrain), size);
       const ColumnMesh& mesh = result.mesh;
-      EXPECT_EQ(measure_quality(mesh).histogram.inverted(), 0);
+      EXPECT_EQ(measure_cells(mesh).histogram.inverted(), 0);
       EXPECT_GT(require_valid(mesh), 0);
       std::vector<bool> outside(mesh.vertex_count(), false);
       for (std::size_t t = 0; t < mesh.triangle_count(); ++t)
@@ -98,9 +99,9 @@ TEST(FillColumns, FirstSegmentsAtTheFootOfACliffReachItsEdge) {
   without.rise.assign(without.rise.size(), 0);
   ColumnMesh plain = divide_columns(result.mesh.ground, result.mesh.edges, without);
   place_nodes(plain, without);
-  const double least = measure_quality(result.mesh).histogram.min_dihedral_deg();
+  const double least = measure_cells(result.mesh).histogram.min_dihedral_deg();
   EXPECT_GT(least, 6);
-  EXPECT_GT(least, 2 * measure_quality(plain).histogram.min_dihedral_deg());
+  EXPECT_GT(least, 2 * measure_cells(plain).histogram.min_dihedral_deg());
 }
 
 TEST(FillColumns, SpacingScalesWithTheTriangles) {
@@ -123,7 +124,7 @@ TEST(FillColumns, CellsAreGoodNextToFineDetailsAndOnSlopes) {
   city.footprints[1] = testing::rectangle(39, 15, 55, 40);
   city.roofs[3] += 3;  // the low house would be a metre high on its upper side
   const auto result = testing::meshed(city, 10);
-  const CellQuality quality = measure_quality(result.mesh, 5);
+  const CellQuality quality = measure_cells(result.mesh, 5);
   EXPECT_GT(quality.histogram.min_dihedral_deg(), 12);
   EXPECT_LT(quality.histogram.max_dihedral_deg(), 155);
   const FaceQuality faces = measure_faces(result.mesh);
@@ -157,7 +158,7 @@ TEST(FillColumns, LayersKeepTheirHeights) {
       ASSERT_EQ(mesh.roof[v], from.roof_layer[v] - from.first_node[v]);
     }
   }
-  EXPECT_EQ(measure_quality(mesh).histogram.inverted(), 0);
+  EXPECT_EQ(measure_cells(mesh).histogram.inverted(), 0);
 }
 
 TEST(FillColumns, SameBitsForAnyNumberOfThreads) {
@@ -229,7 +230,7 @@ TEST(FillColumns, CellsAtBuriedRoofsAreNoSlivers) {
   const auto result = testing::meshed(city);
   require_valid(result.mesh);
   EXPECT_GT(result.plan.lowered, 4);
-  EXPECT_GT(measure_quality(result.mesh).histogram.min_dihedral_deg(), 8);
+  EXPECT_GT(measure_cells(result.mesh).histogram.min_dihedral_deg(), 8);
   // With walls of a metre they are.
   ColumnPlanOptions options;
   options.domain_height = 80;
@@ -238,7 +239,7 @@ TEST(FillColumns, CellsAtBuriedRoofsAreNoSlivers) {
                                       column_spacing(result.mesh.ground), options);
   ColumnMesh thin = divide_columns(result.mesh.ground, result.mesh.edges, low);
   place_nodes(thin, low);
-  EXPECT_LT(measure_quality(thin).histogram.min_dihedral_deg(), 5);
+  EXPECT_LT(measure_cells(thin).histogram.min_dihedral_deg(), 5);
 }
 
 }  // namespace

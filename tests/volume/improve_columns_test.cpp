@@ -9,7 +9,8 @@
 #include <gtest/gtest.h>
 
 #include "tetropolis/core/parallel.h"
-#include "tetropolis/volume/quality.h"
+#include "tetropolis/volume/cell_quality.h"
+#include "tetropolis/volume/tet_shape.h"
 
 #include "support/explicit_mesh.h"
 #include "support/small_city.h"
@@ -116,8 +117,8 @@ TEST(ImproveColumns, RepairsSpoiltColumnsAndKeepsSurfaces) {
       EXPECT_GT(most, least);
       EXPECT_LT(total_cost(after, options) - least, 0.1 * (most - least))
           << "seed " << testing::test_seed();
-      EXPECT_GE(measure_quality(after).histogram.min_dihedral_deg(),
-                measure_quality(before).histogram.min_dihedral_deg());
+      EXPECT_GE(measure_cells(after).histogram.min_dihedral_deg(),
+                measure_cells(before).histogram.min_dihedral_deg());
       std::int64_t differ = 0;
       for (std::size_t v = 0; v < before.vertex_count(); ++v)
         differ += column(before, v) != column(after, v);
@@ -154,8 +155,8 @@ TEST(ImproveColumns, EverySweepLowersTheTotal) {
 TEST(ImproveColumns, LeavesWhatIsGoodAlone) {
   const ColumnMesh before = testing::meshed(testing::small_city(testing::hills)).mesh;
   ImproveOptions options;
-  options.least_deg = measure_quality(before).histogram.min_dihedral_deg() - 1e-6;
-  options.greatest_deg = measure_quality(before).histogram.max_dihedral_deg() + 1e-6;
+  options.least_deg = measure_cells(before).histogram.min_dihedral_deg() - 1e-6;
+  options.greatest_deg = measure_cells(before).histogram.max_dihedral_deg() + 1e-6;
   ColumnMesh after = before;
   EXPECT_EQ(improve_columns(after, options), 0);
   EXPECT_EQ(after.z, before.z);

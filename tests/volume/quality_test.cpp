@@ -1,5 +1,3 @@
-#include "tetropolis/volume/quality.h"
-
 #include <algorithm>
 #include <cmath>
 #include <map>
@@ -9,6 +7,9 @@
 #include <gtest/gtest.h>
 
 #include "tetropolis/core/parallel.h"
+#include "tetropolis/volume/cell_quality.h"
+#include "tetropolis/volume/face_quality.h"
+#include "tetropolis/volume/tet_shape.h"
 
 #include "support/explicit_mesh.h"
 #include "support/small_city.h"
@@ -70,7 +71,7 @@ TEST(Quality, SumsOverAMeshDoNotDependOnThreads) {
   std::vector<double> volumes;
   for (const int threads : {1, 2}) {
     const ThreadLimit limit(threads);
-    const QualityHistogram quality = measure_quality(result.mesh).histogram;
+    const QualityHistogram quality = measure_cells(result.mesh).histogram;
     EXPECT_EQ(quality.cells(), cell_offsets(result.mesh).back());
     volumes.push_back(quality.volume());
   }
@@ -152,7 +153,7 @@ TEST(Quality, ShapesOfCellsAreThoseOfTetShape) {
     }
     std::sort(angles.begin(), angles.end());
     std::sort(aspects.begin(), aspects.end());
-    const QualityHistogram quality = measure_quality(result.mesh).histogram;
+    const QualityHistogram quality = measure_cells(result.mesh).histogram;
     EXPECT_NEAR(quality.min_dihedral_deg(), angles.front(), 1e-9);
     EXPECT_NEAR(quality.max_dihedral_deg(), greatest, 1e-9);
     EXPECT_NEAR(quality.max_aspect_ratio() / aspects.back(), 1, 1e-12);
@@ -190,7 +191,7 @@ TEST(Quality, ListsTheWorstCellsWithTheirPlace) {
   std::sort(badness.begin(), badness.end());
   for (const int threads : {1, 2}) {
     const ThreadLimit limit(threads);
-    const CellQuality quality = measure_quality(result.mesh, 10);
+    const CellQuality quality = measure_cells(result.mesh, 10);
     ASSERT_EQ(quality.worst.size(), 10U);
     for (std::size_t i = 0; i < 10; ++i) {
       EXPECT_EQ(quality.worst[i].badness, badness[i]);
@@ -202,7 +203,7 @@ TEST(Quality, ListsTheWorstCellsWithTheirPlace) {
 TEST(Quality, TheCauseOfTheWorstCellIsTheOneThatIsThere) {
   const auto flat = [](double, double) { return 0.0; };
   testing::SmallCity city;
-  const auto cause = [](const ColumnMesh& mesh) { return measure_quality(mesh, 1).worst[0].cause; };
+  const auto cause = [](const ColumnMesh& mesh) { return measure_cells(mesh, 1).worst[0].cause; };
   city.dtm = testing::raster_of(city.domain, [](double x, double) { return x < 60 ? 0.0 : 20.0; });
   EXPECT_EQ(cause(testing::meshed(city).mesh), "steep ground");
   city.dtm = testing::raster_of(city.domain, flat);

@@ -12,8 +12,9 @@
 #include "tetropolis/ground/mesh_ground.h"
 #include "tetropolis/io/stl.h"
 #include "tetropolis/io/vtk.h"
+#include "tetropolis/volume/cell_quality.h"
+#include "tetropolis/volume/face_quality.h"
 #include "tetropolis/volume/fill_columns.h"
-#include "tetropolis/volume/quality.h"
 
 namespace tetropolis::testing {
 
@@ -59,7 +60,7 @@ WorkCity work_city(std::int64_t buildings) {
 }
 
 [[gnu::noinline]] std::int64_t work_quality(const ColumnMesh& mesh) {
-  if (measure_quality(mesh, 10).histogram.inverted() != 0) throw std::logic_error("inverted cells");
+  if (measure_cells(mesh, 10).histogram.inverted() != 0) throw std::logic_error("inverted cells");
   return measure_faces(mesh).faces;
 }
 

@@ -25,6 +25,11 @@ class ThreadLimit {
 /// The number of threads the parallel loops may use now.
 int thread_count();
 
+/// The grain that cuts [0, size) into `chunks` at most: for chunks that carry much with them.
+inline std::size_t grain_of_chunks(std::size_t size, std::size_t chunks = 64) {
+  return size <= chunks ? 1 : (size + chunks - 1) / chunks;
+}
+
 /// Calls body(begin, end) for consecutive chunks of [0, size) of `grain` items (the last may be
 /// shorter), in no particular order and possibly at the same time. Serial when one chunk suffices.
 /// Precondition: grain > 0; chunks do not write to the same memory.

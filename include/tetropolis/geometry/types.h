@@ -1,8 +1,9 @@
-// The plain 2D types that every stage exchanges. Coordinates are metres in the local frame: the
+// The plain types that every stage exchanges. Coordinates are metres in the local frame: the
 // coordinates of the reference system minus the origin of the run (see city_model.h).
 #pragma once
 
 #include <algorithm>
+#include <array>
 #include <cstdint>
 #include <limits>
 #include <vector>
@@ -22,6 +23,9 @@ struct Point2 {
   double y = 0;
   friend bool operator==(const Point2&, const Point2&) = default;
 };
+
+/// x, y and elevation, or a vector in space.
+using Point3 = std::array<double, 3>;
 
 /// Closed box [xmin, xmax] x [ymin, ymax]. A box with xmin > xmax is empty.
 struct Bounds2 {

@@ -13,7 +13,8 @@
 #include "tetropolis/io/warning.h"
 #include "tetropolis/pipeline/config.h"
 #include "tetropolis/volume/boundary.h"
-#include "tetropolis/volume/quality.h"
+#include "tetropolis/volume/cell_quality.h"
+#include "tetropolis/volume/face_quality.h"
 
 namespace tetropolis {
 

@@ -1,0 +1,38 @@
+// Quality of the cells of a column mesh.
+#pragma once
+
+#include <cstddef>
+#include <string_view>
+#include <vector>
+
+#include "tetropolis/geometry/types.h"
+#include "tetropolis/volume/column_mesh.h"
+#include "tetropolis/volume/quality_histogram.h"
+
+namespace tetropolis {
+
+/// A cell that is far from regular, and why.
+struct WorstCell {
+  double badness = 0;  ///< The lesser of min_dihedral_deg and 180 - max_dihedral_deg.
+  double min_dihedral_deg = 0;
+  double max_dihedral_deg = 0;
+  Point3 centre{};             ///< Local frame, metres.
+  TriangleIndex triangle = 0;  ///< That it stands over.
+  /// "buried roof": beside a building, the ground rises above its roof by more than twice the
+  /// triangle's altitude; "steep ground": the floor of its stack rises by more than the triangle's
+  /// altitude; "low wall": beside a building, a wall or roof segment shorter than that altitude;
+  /// "small detail": the altitude is less than half the cell's vertical edge; "change of size":
+  /// none of these.
+  std::string_view cause;
+};
+
+struct CellQuality {
+  QualityHistogram histogram;
+  std::vector<WorstCell> worst;  ///< Worst first.
+};
+
+/// Over all cells of the mesh; lists the `worst` worst ones. The same bits for any number of
+/// threads.
+CellQuality measure_cells(const ColumnMesh& mesh, std::size_t worst = 0);
+
+}  // namespace tetropolis

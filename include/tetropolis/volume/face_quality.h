@@ -1,0 +1,32 @@
+// Quality of the faces between a column mesh's cells, as solvers of finite volumes see it.
+#pragma once
+
+#include <array>
+#include <cstdint>
+
+#include "tetropolis/geometry/types.h"
+#include "tetropolis/volume/column_mesh.h"
+
+namespace tetropolis {
+
+/// Shape of a face between two cells as OpenFOAM's checkMesh measures it.
+struct FaceShape {
+  double non_orthogonality_deg = 0;  ///< Between the face's normal and the line of cell centres.
+  double skewness = 0;  ///< Distance of the face's centre from where that line meets its plane,
+                        ///< over the face's extent in this direction (at least a fifth of the
+                        ///< distance of the cell centres).
+};
+
+/// `c0`, `c1`: centres of the cells on both sides, not in the face's plane.
+FaceShape face_shape(const std::array<Point3, 3>& face, const Point3& c0, const Point3& c1);
+
+struct FaceQuality {
+  std::int64_t faces = 0;     ///< Internal ones.
+  std::int64_t above_70 = 0;  ///< Of them more than 70 degrees non-orthogonal.
+  FaceShape worst;            ///< Greatest non-orthogonality and greatest skewness of any face.
+};
+
+/// Over all internal faces of the mesh. The same bits for any number of threads.
+FaceQuality measure_faces(const ColumnMesh& mesh);
+
+}  // namespace tetropolis

@@ -1,0 +1,41 @@
+// Distribution of the shapes of tetrahedra.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+namespace tetropolis {
+
+/// Shares of cells by their least dihedral angle and by aspect ratio; exact counts in fine bins.
+class QualityHistogram {
+ public:
+  QualityHistogram();
+  /// Adds a tet by its volume, the cosines of its least and greatest dihedral angle and its aspect
+  /// ratio.
+  void add(double volume, double greatest_cosine, double least_cosine, double aspect_ratio);
+  void merge(const QualityHistogram& other);
+
+  std::int64_t cells() const { return cells_; }
+  std::int64_t inverted() const { return inverted_; }  ///< Cells with volume <= 0.
+  double volume() const { return volume_; }
+  double min_dihedral_deg() const;
+  double max_dihedral_deg() const;
+  double max_aspect_ratio() const { return max_aspect_; }
+  /// The angle that a share `fraction` in [0, 1] of the cells has as least dihedral angle or less;
+  /// exact to 0.01 degrees.
+  double dihedral_quantile_deg(double fraction) const;
+  /// Likewise for the aspect ratio, to 0.1 %.
+  double aspect_quantile(double fraction) const;
+
+ private:
+  std::vector<std::int64_t> dihedral_bins_;
+  std::vector<std::int64_t> aspect_bins_;
+  std::int64_t cells_ = 0;
+  std::int64_t inverted_ = 0;
+  double volume_ = 0;
+  double greatest_cosine_ = -1;
+  double least_cosine_ = 1;
+  double max_aspect_ = 0;
+};
+
+}  // namespace tetropolis

@@ -1,0 +1,163 @@
+#include "tetropolis/volume/face_quality.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+
+#include "tetropolis/core/parallel.h"
+#include "tetropolis/core/units.h"
+
+#include "tet_cosines.h"
+
+namespace tetropolis {
+
+namespace {
+
+FaceShape worse(const FaceShape& a, const FaceShape& b) {
+  return {std::max(a.non_orthogonality_deg, b.non_orthogonality_deg),
+          std::max(a.skewness, b.skewness)};
+}
+
+FaceQuality combined(const FaceQuality& a, const FaceQuality& b) {
+  return {a.faces + b.faces, a.above_70 + b.above_70, worse(a.worst, b.worst)};
+}
+
+/// Collects faces. The full measures are taken of those only that may be among the worst or above
+/// 70 degrees; the others are told from them without roots.
+class FaceCollector {
+ public:
+  void add(const std::array<Point3, 3>& face, const Point3& c0, const Point3& c1) {
+    const Point3 n = cross(minus(face[1], face[0]), minus(face[2], face[0]));
+    const Point3 d = minus(c1, c0);
+    const double n_d = dot(n, d), d2 = dot(d, d);
+    constexpr double third = 1.0 / 3;
+    Point3 centre{}, skew{};
+    for (std::size_t c = 0; c < 3; ++c) centre[c] = (face[0][c] + face[1][c] + face[2][c]) * third;
+    const Point3 to_centre = minus(centre, c0);
+    const double share = dot(n, to_centre) / n_d;
+    for (std::size_t c = 0; c < 3; ++c) skew[c] = to_centre[c] - share * d[c];
+    double extent = 0;  // times the skewness vector's length
+    for (const Point3& corner : face)
+      extent = std::max(extent, std::abs(dot(skew, minus(corner, centre))));
+    const double skew2 = dot(skew, skew);
+    const bool ordinary = n_d * n_d > least_cosine2_ * (dot(n, n) * d2) &&
+                          (skew2 < skewness_ * extent || skew2 < skewness_ * skewness_ * 0.04 * d2);
+    ++quality_.faces;
+    if (!ordinary) add_in_full(face_shape(face, c0, c1));
+  }
+  const FaceQuality& quality() const { return quality_; }
+
+ private:
+  void add_in_full(const FaceShape& shape) {
+    if (shape.non_orthogonality_deg > 70) ++quality_.above_70;
+    quality_.worst = worse(quality_.worst, shape);
+    const double cosine =
+        std::cos(to_radians(std::min(quality_.worst.non_orthogonality_deg, 70.0)));
+    least_cosine2_ = cosine * cosine * (1 + kMargin);
+    skewness_ = quality_.worst.skewness * (1 - kMargin);
+  }
+
+  static constexpr double kMargin = 1e-9;  // far beyond rounding
+  FaceQuality quality_;
+  double least_cosine2_ = 2;
+  double skewness_ = 0;
+};
+
+/// Faces between the cells over triangle t.
+void add_faces_over(const ColumnMesh& mesh, std::size_t t, FaceCollector& faces) {
+  const auto& v = mesh.ground.triangles[t];
+  Climb<3> front = climb_triangle(mesh, t);
+  std::array<Point3, 3> face;
+  for (std::size_t i = 0; i < 3; ++i) face[i] = position(mesh, v[i], front.at(i));
+  Point3 below{};
+  for (bool first = true; true; first = false) {
+    const std::size_t c = front.next();
+    if (c == 3) return;
+    const Point3 apex = position(mesh, v[c], front.at(c) + 1);
+    const Point3 centre = centre_of({face[0], face[1], face[2], apex});
+    if (!first) faces.add(face, below, centre);
+    below = centre;
+    face[c] = apex;
+    front.advance(c);
+  }
+}
+
+/// Faces over edge e between the cells on its two sides.
+void add_faces_beside(const ColumnMesh& mesh, std::size_t e, FaceCollector& faces) {
+  const auto [t0, t1] = mesh.edges.triangles[e];
+  if (t1 == kNoTriangle) return;
+  const auto [a, b] = mesh.edges.vertices[e];
+  const std::array<std::size_t, 2> sides{static_cast<std::size_t>(t0),
+                                         static_cast<std::size_t>(t1)};
+  std::array<VertexIndex, 4> v{a, b, 0, 0};
+  std::array<NodeIndex, 4> from{};
+  for (std::size_t s = 0; s < 2; ++s)
+    for (const VertexIndex corner : mesh.ground.triangles[sides[s]])
+      if (corner != a && corner != b) {
+        v[2 + s] = corner;
+        from[2 + s] = mesh.floor(sides[s], corner);
+      }
+  // Under a roof there are cells on one side only: that side's front is taken up to the roof.
+  for (std::size_t i = 0; i < 2; ++i)
+    from[i] = std::max(mesh.floor(sides[0], v[i]), mesh.floor(sides[1], v[i]));
+  if (mesh.inside_building(sides[0]) != mesh.inside_building(sides[1])) {
+    const std::size_t air = mesh.inside_building(sides[0]) ? 1 : 0;
+    const double roof = mesh.z[static_cast<std::size_t>(from[0])];
+    NodeIndex& free = from[2 + air];
+    for (const NodeIndex top = mesh.top(v[2 + air]); free < top; ++free) {
+      const auto n = static_cast<std::size_t>(free);
+      if (!(mesh.z[n] + mesh.z[n + 1] < 2 * roof)) break;
+    }
+  }
+  Climb<4> front(mesh, v, from);
+  std::array<Point3, 4> p;
+  for (std::size_t i = 0; i < 4; ++i) p[i] = position(mesh, v[i], front.at(i));
+  for (std::size_t c; (c = front.next()) < 4; front.advance(c)) {
+    const Point3 apex = position(mesh, v[c], front.at(c) + 1);
+    if (c < 2)
+      faces.add({p[0], p[1], apex}, centre_of({p[0], p[1], apex, p[2]}),
+                centre_of({p[0], p[1], apex, p[3]}));
+    p[c] = apex;
+  }
+}
+
+}  // namespace
+
+FaceShape face_shape(const std::array<Point3, 3>& face, const Point3& c0, const Point3& c1) {
+  const Point3 n = cross(minus(face[1], face[0]), minus(face[2], face[0]));
+  const Point3 d = minus(c1, c0);
+  const double n_d = dot(n, d), length = std::sqrt(dot(d, d));
+  FaceShape shape;
+  shape.non_orthogonality_deg = angle_deg(std::abs(n_d) / (std::sqrt(dot(n, n)) * length));
+  Point3 centre{}, skew{};
+  for (std::size_t c = 0; c < 3; ++c) centre[c] = (face[0][c] + face[1][c] + face[2][c]) / 3;
+  const Point3 to_centre = minus(centre, c0);
+  const double share = dot(n, to_centre) / n_d;
+  for (std::size_t c = 0; c < 3; ++c) skew[c] = to_centre[c] - share * d[c];
+  const double distance = std::sqrt(dot(skew, skew));
+  double extent = 0.2 * length;
+  if (distance > 0)
+    for (const Point3& corner : face)
+      extent = std::max(extent, std::abs(dot(skew, minus(corner, centre))) / distance);
+  shape.skewness = distance / extent;
+  return shape;
+}
+
+FaceQuality measure_faces(const ColumnMesh& mesh) {
+  const auto over = [&](std::size_t begin, std::size_t end) {
+    FaceCollector faces;
+    for (std::size_t t = begin; t < end; ++t) add_faces_over(mesh, t, faces);
+    return faces.quality();
+  };
+  const auto beside = [&](std::size_t begin, std::size_t end) {
+    FaceCollector faces;
+    for (std::size_t e = begin; e < end; ++e) add_faces_beside(mesh, e, faces);
+    return faces.quality();
+  };
+  const std::size_t triangles = mesh.triangle_count(), edges = mesh.edges.size();
+  return combined(
+      parallel_reduce_ordered(triangles, grain_of_chunks(triangles), FaceQuality{}, over, combined),
+      parallel_reduce_ordered(edges, grain_of_chunks(edges), FaceQuality{}, beside, combined));
+}
+
+}  // namespace tetropolis
