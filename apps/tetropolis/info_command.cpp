@@ -220,7 +220,7 @@ void info_file(const std::string& path) {
     info_points(path);
   else if (name.ends_with(".city.json"))
     info_city(path);
-  else if (name.ends_with(".json"))
+  else if (name.ends_with("json"))  // also .cityjson and .geojson
     info_json(path);
   else if (name.ends_with(".tif") || name.ends_with(".tiff"))
     info_raster(path);

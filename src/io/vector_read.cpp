@@ -24,6 +24,7 @@
 #include "gdal_support.h"
 #include "shapefile_members.h"
 #include "vector_geometry.h"
+#include "vector_open.h"
 
 namespace tetropolis {
 
@@ -35,83 +36,12 @@ namespace {
   throw Error(ErrorKind::kInput, path.string() + ": " + what);
 }
 
-std::string lower(std::string text) {
-  for (char& c : text)
-    if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
-  return text;
-}
-
 std::string utf8(const char* text) {
   if (CPLIsUTF8(text, -1) != 0) return text;
   char* recoded = CPLRecode(text, CPL_ENC_ISO8859_1, CPL_ENC_UTF8);
   std::string result = recoded;
   CPLFree(recoded);
   return result;
-}
-
-/// Copies of a shapefile's members in memory, so that GDAL can make the missing index there.
-class MemoryCopy {
- public:
-  explicit MemoryCopy(const fs::path& shp)
-      : folder_(fmt::format("/vsimem/tetropolis-{}", static_cast<const void*>(this))),
-        stem_(folder_ + "/" + shp.stem().string()) {
-    const fs::path stem = fs::path(shp).replace_extension();
-    for (const char* extension : {".dbf", ".prj", ".cpg", ".DBF", ".PRJ", ".CPG"}) {
-      const fs::path member = stem.string() + extension;
-      std::error_code error;
-      if (fs::exists(member, error))
-        CPLCopyFile((stem_ + lower(extension)).c_str(), member.c_str());
-    }
-    complete_ = CPLCopyFile(path().c_str(), shp.c_str()) == 0;
-  }
-  ~MemoryCopy() { VSIRmdirRecursive(folder_.c_str()); }
-  MemoryCopy(const MemoryCopy&) = delete;
-  MemoryCopy& operator=(const MemoryCopy&) = delete;
-  std::string path() const { return stem_ + ".shp"; }
-  bool complete() const { return complete_; }
-
- private:
-  std::string folder_;
-  std::string stem_;
-  bool complete_ = false;
-};
-
-bool lacks_index(const fs::path& path) {
-  if (lower(path.extension().string()) != ".shp") return false;
-  std::error_code error;
-  return !fs::exists(fs::path(path).replace_extension(".shx"), error) &&
-         !fs::exists(fs::path(path).replace_extension(".SHX"), error);
-}
-
-/// An open vector file and what must outlive it.
-struct VectorFile {
-  std::unique_ptr<MemoryCopy> copy;
-  gdal::Dataset dataset;
-};
-
-VectorFile open_vector(const fs::path& path, const gdal::QuietErrors& errors) {
-  std::error_code error;
-  if (!fs::exists(path, error)) fail(path, "no such file; check the path");
-  if (!fs::is_directory(path, error) && fs::file_size(path, error) == 0)
-    fail(path, "the file is empty; get it again");
-  require_whole_shapefile(path);
-  VectorFile file;
-  std::string name = path.string();
-  if (lacks_index(path)) {
-    file.copy = std::make_unique<MemoryCopy>(path);
-    if (!file.copy->complete()) fail(path, "cannot be read" + errors.reason());
-    name = file.copy->path();
-  }
-  const gdal::ThreadOption restore("SHAPE_RESTORE_SHX", file.copy ? "YES" : "NO");
-  gdal::StringList options;
-  options.set("WRITE_GFS", "NO");
-  file.dataset.reset(GDALOpenEx(name.c_str(), GDAL_OF_VECTOR | GDAL_OF_VERBOSE_ERROR, nullptr,
-                                options.get(), nullptr));
-  const bool unknown = errors.last().find("not recognized as") != std::string::npos;
-  if (file.dataset == nullptr)
-    fail(path, "not a vector file that can be read" + (unknown ? "" : errors.reason()) +
-                   "; give a shapefile, GeoPackage, GeoJSON or other OGR format");
-  return file;
 }
 
 /// Whether a layer holds polygons, as far as its declared type or else its first features tell.

@@ -401,6 +401,37 @@ TEST(Vector, ShapefilesWithoutTheirMembersAreReadInPlace) {
   EXPECT_TRUE(bytes_of(folder / "a.shx") == index);
 }
 
+TEST(Vector, ArchivesAreReadInPlace) {
+  const TemporaryFolder folder;
+  const std::vector<Polygon> polygons = {{{{0, 0}, {9, 0}, {9, 9}}, {}}};
+  const std::vector<std::string> ids = {"x"};
+  fs::create_directories(folder / "deep/er");
+  write_footprints(folder / "deep/er/houses.shp", polygons, ids, {}, {}, "EPSG:28992");
+  const auto archive = [&](const std::string& name, const std::string& members) {
+    const std::string command = "cd '" + folder.path().string() + "' && python3 -m zipfile -c " +
+                                name + " " + members + " 2>/dev/null";
+    return std::system(command.c_str()) == 0;
+  };
+  if (!archive("one.zip", "deep")) GTEST_SKIP() << "needs python3";
+  const std::set<std::string> before = listing(folder.path());
+  const FootprintsInput direct = read_footprints(folder / "deep/er/houses.shp");
+  const FootprintsInput zipped = read_footprints(folder / "one.zip");
+  ASSERT_EQ(zipped.features.size(), 1U);
+  EXPECT_EQ(zipped.bounds, direct.bounds);
+  EXPECT_EQ(zipped.crs, "EPSG:28992");
+  EXPECT_EQ(listing(folder.path()), before);
+
+  write_footprints(folder / "sheds.shp", polygons, ids, {}, {}, "");
+  ASSERT_TRUE(archive("two.zip", "deep sheds.shp sheds.shx sheds.dbf"));
+  const std::string two = input_error(folder / "two.zip");
+  EXPECT_NE(two.find("sheds.shp"), std::string::npos) << two;
+  EXPECT_NE(two.find("deep/er/houses.shp"), std::string::npos) << two;
+  ASSERT_TRUE(archive("none.zip", "sheds.dbf"));
+  EXPECT_NE(input_error(folder / "none.zip").find("no vector file"), std::string::npos);
+  write_text(folder / "cut.zip", bytes_of(folder / "one.zip").substr(0, 200));
+  input_error(folder / "cut.zip");
+}
+
 TEST(Vector, CutAndBrokenFilesNeverCrash) {
   TETROPOLIS_REQUIRE_DATA(root, ".");
   const TemporaryFolder folder;

@@ -1,0 +1,126 @@
+#include "vector_open.h"
+
+#include <algorithm>
+#include <array>
+#include <string>
+#include <string_view>
+#include <system_error>
+#include <vector>
+
+#include <cpl_vsi.h>
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include "tetropolis/core/error.h"
+
+#include "shapefile_members.h"
+
+namespace tetropolis {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+[[noreturn]] void fail(const fs::path& path, const std::string& what) {
+  throw Error(ErrorKind::kInput, path.string() + ": " + what);
+}
+
+std::string lower(std::string text) {
+  for (char& c : text)
+    if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
+  return text;
+}
+
+}  // namespace
+
+/// Copies of a shapefile's members in memory, so that GDAL can make the missing index there.
+class ShapefileCopy {
+ public:
+  explicit ShapefileCopy(const fs::path& shp)
+      : folder_(fmt::format("/vsimem/tetropolis-{}", static_cast<const void*>(this))),
+        stem_(folder_ + "/" + shp.stem().string()) {
+    const fs::path stem = fs::path(shp).replace_extension();
+    for (const char* extension : {".dbf", ".prj", ".cpg", ".DBF", ".PRJ", ".CPG"}) {
+      const fs::path member = stem.string() + extension;
+      std::error_code error;
+      if (fs::exists(member, error))
+        CPLCopyFile((stem_ + lower(extension)).c_str(), member.c_str());
+    }
+    complete_ = CPLCopyFile(path().c_str(), shp.c_str()) == 0;
+  }
+  ~ShapefileCopy() { VSIRmdirRecursive(folder_.c_str()); }
+  ShapefileCopy(const ShapefileCopy&) = delete;
+  ShapefileCopy& operator=(const ShapefileCopy&) = delete;
+  std::string path() const { return stem_ + ".shp"; }
+  bool complete() const { return complete_; }
+
+ private:
+  std::string folder_;
+  std::string stem_;
+  bool complete_ = false;
+};
+
+namespace {
+
+bool lacks_index(const fs::path& path) {
+  if (lower(path.extension().string()) != ".shp") return false;
+  std::error_code error;
+  return !fs::exists(fs::path(path).replace_extension(".shx"), error) &&
+         !fs::exists(fs::path(path).replace_extension(".SHX"), error);
+}
+
+/// The name for GDAL of the only vector file in a ZIP archive, wherever it lies in there.
+std::string vector_in_archive(const fs::path& path, const gdal::QuietErrors& errors) {
+  constexpr std::array<std::string_view, 9> kExtensions{
+      ".shp", ".gpkg", ".geojson", ".json", ".fgb", ".gml", ".kml", ".sqlite", ".tab"};
+  const std::string archive = "/vsizip/" + path.string();
+  char** const members = VSIReadDirRecursive(archive.c_str());
+  std::vector<std::string> found;
+  for (char** member = members; member != nullptr && *member != nullptr; ++member) {
+    const std::string extension = lower(fs::path(*member).extension().string());
+    // What macOS adds to archives bears the names of real members.
+    const bool shadow = std::string_view(*member).starts_with("__MACOSX/");
+    if (!shadow &&
+        std::find(kExtensions.begin(), kExtensions.end(), extension) != kExtensions.end())
+      found.emplace_back(*member);
+  }
+  CSLDestroy(members);
+  if (members == nullptr)
+    fail(path, "cannot be read as a ZIP archive" + errors.reason() + "; get it again");
+  if (found.empty()) fail(path, "holds no vector file; give one that does, or the file itself");
+  if (found.size() > 1)
+    fail(path, fmt::format("holds several vector files ({}); unpack it and name one of them",
+                           fmt::join(found, ", ")));
+  return archive + "/" + found.front();
+}
+
+}  // namespace
+
+VectorFile open_vector(const fs::path& path, const gdal::QuietErrors& errors) {
+  std::error_code error;
+  if (!fs::exists(path, error)) fail(path, "no such file; check the path");
+  if (!fs::is_directory(path, error) && fs::file_size(path, error) == 0)
+    fail(path, "the file is empty; get it again");
+  require_whole_shapefile(path);
+  VectorFile file;
+  std::string name = path.string();
+  if (lower(path.extension().string()) == ".zip") {
+    name = vector_in_archive(path, errors);
+  } else if (lacks_index(path)) {
+    file.copy = std::make_shared<const ShapefileCopy>(path);
+    if (!file.copy->complete()) fail(path, "cannot be read" + errors.reason());
+    name = file.copy->path();
+  }
+  const gdal::ThreadOption restore("SHAPE_RESTORE_SHX", file.copy ? "YES" : "NO");
+  gdal::StringList options;
+  options.set("WRITE_GFS", "NO");
+  file.dataset.reset(GDALOpenEx(name.c_str(), GDAL_OF_VECTOR | GDAL_OF_VERBOSE_ERROR, nullptr,
+                                options.get(), nullptr));
+  const bool unknown = errors.last().find("not recognized as") != std::string::npos;
+  if (file.dataset == nullptr)
+    fail(path, "not a vector file that can be read" + (unknown ? "" : errors.reason()) +
+                   "; give a shapefile, GeoPackage, GeoJSON or other OGR format");
+  return file;
+}
+
+}  // namespace tetropolis

@@ -1,0 +1,23 @@
+// Opening vector files through GDAL, as they come from the net. Private to src/io.
+#pragma once
+
+#include <filesystem>
+#include <memory>
+
+#include "gdal_support.h"
+
+namespace tetropolis {
+
+class ShapefileCopy;
+
+/// An open vector file and what must outlive it.
+struct VectorFile {
+  std::shared_ptr<const ShapefileCopy> copy;  ///< In memory; null if the file itself is open.
+  gdal::Dataset dataset;
+};
+
+/// Opens a vector file or folder for reading; a shapefile also without its index, of a ZIP archive
+/// the one vector file that it holds. Leaves the file's folder as it is. Throws Error(kInput).
+VectorFile open_vector(const std::filesystem::path& path, const gdal::QuietErrors& errors);
+
+}  // namespace tetropolis
