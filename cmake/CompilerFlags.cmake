@@ -1,12 +1,9 @@
 # Flags as interface targets: developer warnings and sanitizers never reach a consumer.
-if(NOT CMAKE_BUILD_TYPE AND NOT CMAKE_CONFIGURATION_TYPES)
+if(PROJECT_IS_TOP_LEVEL AND NOT CMAKE_BUILD_TYPE AND NOT CMAKE_CONFIGURATION_TYPES)
   set(CMAKE_BUILD_TYPE Release CACHE STRING "Build type" FORCE)
 endif()
 
 add_library(tetropolis_developer_flags INTERFACE)
-# Fused multiply-add would make results depend on the machine; the exact predicates also rely on
-# every operation being rounded as written.
-target_compile_options(tetropolis_developer_flags INTERFACE -ffp-contract=off)
 if(TETROPOLIS_STRICT)
   target_compile_options(tetropolis_developer_flags INTERFACE
     -Wall -Wextra -Wpedantic -Wshadow -Wnon-virtual-dtor -Woverloaded-virtual -Wcast-qual

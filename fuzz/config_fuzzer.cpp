@@ -30,7 +30,7 @@ bool only_known_keys(const std::filesystem::path& path) {
 /// Ranges and choices of one field.
 void claim_valid(const ConfigField& field, const Config& config) {
   const auto in_range = [&](double value) {
-    claim(value >= field.least && value <= field.most, std::string(field.name) + " is in range");
+    claim(value >= field.min && value <= field.max, std::string(field.name) + " is in range");
   };
   const auto allowed = [&](const std::string& text) {
     claim(field.choices.empty() || text.empty() ||
@@ -39,14 +39,17 @@ void claim_valid(const ConfigField& field, const Config& config) {
   };
   std::visit(
       [&](const auto member) {
-        const auto& value = config.*member;
-        using Value = std::decay_t<decltype(value)>;
-        if constexpr (std::is_same_v<Value, int> || std::is_same_v<Value, double>) {
-          in_range(static_cast<double>(value));
-        } else if constexpr (std::is_same_v<Value, std::string>) {
-          allowed(value);
-        } else if constexpr (std::is_same_v<Value, std::vector<std::string>>) {
-          for (const std::string& text : value) allowed(text);
+        if constexpr (std::is_same_v<std::decay_t<decltype(member)>, ChoiceMember>) {
+          claim(member.get(config) < field.choices.size(),
+                std::string(field.name) + " is a choice");
+        } else {
+          const auto& value = config.*member;
+          using Value = std::decay_t<decltype(value)>;
+          if constexpr (std::is_same_v<Value, int> || std::is_same_v<Value, double>) {
+            in_range(static_cast<double>(value));
+          } else if constexpr (std::is_same_v<Value, std::vector<std::string>>) {
+            for (const std::string& text : value) allowed(text);
+          }
         }
       },
       field.member);

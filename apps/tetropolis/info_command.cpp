@@ -37,19 +37,14 @@ void info_points(const std::string& path) {
   put(stdout,
       fmt::format("  header box: x {:.3f} .. {:.3f}, y {:.3f} .. {:.3f}, z {:.3f} .. {:.3f}\n",
                   info.min[0], info.max[0], info.min[1], info.max[1], info.min[2], info.max[2]));
-  const std::vector<std::filesystem::path> files{path};
-  ReadPointsOptions options;
-  options.skipped_classes = {};
-  options.keep_withheld = true;
-  options.crs = info.crs;
-  const PointsInput input = read_points(files, options);
-  for (const auto& [code, count] : input.points_by_class)
+  const PointsSummary summary = summarise_points(path);
+  for (const auto& [code, count] : summary.points_by_class)
     put(stdout, fmt::format("  class {}: {}\n", code, count));
-  if (!input.extent.empty() && input.extent.width() * input.extent.height() > 0)
+  if (!summary.extent.empty() && summary.extent.width() * summary.extent.height() > 0)
     put(stdout, fmt::format("  density: {:.2f} points/m2 of the points' box\n",
-                            static_cast<double>(input.points_kept) /
-                                (input.extent.width() * input.extent.height())));
-  print_warnings(input.warnings);
+                            static_cast<double>(summary.points) /
+                                (summary.extent.width() * summary.extent.height())));
+  print_warnings(summary.warnings);
 }
 
 void info_city(const std::string& path) {

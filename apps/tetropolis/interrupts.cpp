@@ -32,7 +32,7 @@ constexpr int kGraceMilliseconds = 500;
 constexpr unsigned kLastSeconds = 5;
 
 constexpr char kGaveUp[] =
-    "tetropolis: a library ended the program, out of memory perhaps; nothing was written\n";
+    "tetropolis: a library ended the program, perhaps out of memory; nothing was written\n";
 
 constexpr const char* kLastLine = "tetropolis: interrupted; nothing was written";
 
@@ -104,7 +104,7 @@ void on_fault(int signal, siginfo_t*, void*) {
   } catch (const std::exception& error) {
     reason = error.what();
   } catch (...) {
-    reason = "an exception of a library";
+    reason = "an exception from a library";
   }
   ::alarm(kLastSeconds);
   const std::unique_lock lock(output().mutex);

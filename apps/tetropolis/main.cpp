@@ -1,4 +1,5 @@
 // The command line: options in, library calls, progress out.
+#include <cmath>
 #include <cstdio>
 #include <exception>
 #include <filesystem>
@@ -35,10 +36,12 @@ void print_summary(const Report& report, Console& console) {
     console.line(fmt::format("city       {} footprints, {} points", report.input->footprints_read,
                              report.input->points_kept));
   if (report.city)
-    console.line(fmt::format(
-        "buildings  {} cleaned, {} after merging, {} features dropped; clearance {:.3f} m",
-        report.city->raw_buildings, report.city->buildings, report.city->dropped.size(),
-        report.city->min_clearance));
+    console.line(fmt::format("buildings  {} cleaned, {} after merging, {} features dropped{}",
+                             report.city->raw_buildings, report.city->buildings,
+                             report.city->dropped.size(),
+                             std::isfinite(report.city->min_clearance)
+                                 ? fmt::format("; clearance {:.3f} m", report.city->min_clearance)
+                                 : ""));
   if (report.ground_mesh)
     console.line(fmt::format("ground     {} triangles, least angle {:.1f} degrees",
                              report.ground_mesh->triangles, report.ground_mesh->min_angle_deg));
@@ -82,7 +85,7 @@ int guarded(const std::function<int()>& action, const Say& say) {
     return fail(fmt::format("{}: {}", error.path1().string(), error.code().message()),
                 static_cast<int>(ErrorKind::kInput));
   } catch (const std::system_error& error) {  // no more threads, for example
-    return fail(fmt::format("the system refuses: {}; free memory or lower --threads", error.what()),
+    return fail(fmt::format("the system refused: {}; free memory or lower --threads", error.what()),
                 1);
   } catch (const std::exception& error) {
     return fail(fmt::format("internal error: {}; please report it", error.what()), 1);
@@ -227,7 +230,7 @@ std::string guidance(const CLI::App& app) {
     text += fmt::format("  {:<10} {}\n", sub->get_name(), sub->get_description());
   return text +
          "\nFirst steps:\n"
-         "  tetropolis synth --out input                 # an invented city to try things on\n"
+         "  tetropolis synth --out input                 # a synthetic city to try things on\n"
          "  tetropolis build --footprints input/footprints.shp --points input --out city\n"
          "  tetropolis check city\n"
          "\n'tetropolis COMMAND --help' lists the options of a command.\n";

@@ -10,8 +10,8 @@
 
 #include "tetropolis/geometry/polygon.h"
 
+#include "city/disjoint_sets.h"
 #include "city/edge_grid.h"
-#include "city/forest.h"
 #include "city/grid_geometry.h"
 
 namespace tetropolis {
@@ -127,19 +127,19 @@ double changed_area(std::span<const Polygon> before, std::span<const Polygon> af
     length += grid::distance(s.a, s.b);
   }
   EdgeGrid index(box, cell_size(box, length, segments.size()) + 1, segments.size());
-  Forest forest(segments.size());
+  DisjointSets sets(segments.size());
   for (std::size_t i = 0; i < segments.size(); ++i) {
     const Segment& s = segments[i];
     const auto id = static_cast<std::int32_t>(i);
     index.visit(grid::box_of(s.a, s.b), [&](std::int32_t k) {
       const Segment& t = segments[static_cast<std::size_t>(k)];
-      if (!forest.joined(id, k) && grid::segments_touch(s.a, s.b, t.a, t.b)) forest.join(id, k);
+      if (!sets.joined(id, k) && grid::segments_touch(s.a, s.b, t.a, t.b)) sets.join(id, k);
     });
     index.insert(id, s.a, s.b);
   }
   std::vector<std::pair<std::int32_t, std::int32_t>> order;
   for (std::size_t i = 0; i < segments.size(); ++i)
-    order.emplace_back(forest.root(static_cast<std::int32_t>(i)), static_cast<std::int32_t>(i));
+    order.emplace_back(sets.root(static_cast<std::int32_t>(i)), static_cast<std::int32_t>(i));
   std::sort(order.begin(), order.end());
   std::vector<std::int32_t> seen(segments.size(), -1);
   double sum = 0;
@@ -157,7 +157,7 @@ double changed_area(std::span<const Polygon> before, std::span<const Polygon> af
     bool inside = false;
     index.visit({box.xmin, p.y, p.x, p.y}, [&](std::int32_t k) {
       const Segment& s = segments[static_cast<std::size_t>(k)];
-      if (seen[static_cast<std::size_t>(k)] == root || forest.root(k) == root) return;
+      if (seen[static_cast<std::size_t>(k)] == root || sets.root(k) == root) return;
       seen[static_cast<std::size_t>(k)] = root;
       if (s.a.y <= p.y && s.b.y > p.y && grid::orientation(s.a, s.b, p) < 0) inside = !inside;
     });

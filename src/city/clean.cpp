@@ -88,11 +88,6 @@ std::vector<Polygon> bridges(const std::vector<Polygon>& parts) {
   return squares;
 }
 
-const Polygon& largest(const std::vector<Polygon>& parts) {
-  return *std::max_element(parts.begin(), parts.end(),
-                           [](const Polygon& a, const Polygon& b) { return area(a) < area(b); });
-}
-
 /// Without the holes that touch a ring: what is left between walls drawn twice are holes of no
 /// width that a bridge cannot close, it only moves their end.
 void fill_touching_holes(std::vector<Polygon>& parts) {

@@ -21,18 +21,15 @@ DomainPosition position_in_domain(const Polygon& polygon, const Bounds2& domain)
 }
 
 Polygon clip_to_box(const Polygon& polygon, const Bounds2& box) {
-  const Polygon rectangle{
-      {{box.xmin, box.ymin}, {box.xmax, box.ymin}, {box.xmax, box.ymax}, {box.xmin, box.ymax}}, {}};
-  const auto parts = geos::intersect(std::array{polygon}, std::array{rectangle}, kCoordinateStep);
+  const auto parts =
+      geos::intersect(std::array{polygon}, std::array{rectangle(box)}, kCoordinateStep);
   if (!parts || parts->empty()) return {};
-  Polygon largest =
-      *std::max_element(parts->begin(), parts->end(),
-                        [](const Polygon& a, const Polygon& b) { return area(a) < area(b); });
-  for (Point2& p : largest.outer) p = snap_coordinate(p);
-  for (Ring& hole : largest.holes)
+  Polygon part = largest(*parts);
+  for (Point2& p : part.outer) p = snap_coordinate(p);
+  for (Ring& hole : part.holes)
     for (Point2& p : hole) p = snap_coordinate(p);
   // The box may have cut off all but a sliver, or left vertices a hair apart.
-  return clean_footprint(largest, {.parallel_tolerance = 0}).polygon;
+  return clean_footprint(part, {.parallel_tolerance = 0}).polygon;
 }
 
 }  // namespace tetropolis

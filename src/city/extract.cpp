@@ -1,7 +1,6 @@
 #include "tetropolis/city/extract.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <limits>
 
@@ -24,8 +23,6 @@ constexpr std::size_t kBuildingGrain = 64;
 /// Metres from a building in which trees are looked for, and from a wall to what is no part of it.
 constexpr double kAround = 3.0;
 constexpr double kWall = 0.7;
-
-using ClassTable = std::array<bool, 256>;
 
 struct Classes {
   ClassTable roof{};

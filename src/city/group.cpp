@@ -12,26 +12,15 @@
 
 namespace tetropolis {
 
-namespace {
-
-Polygon box_polygon(const Bounds2& b) {
-  return {{{b.xmin, b.ymin}, {b.xmax, b.ymin}, {b.xmax, b.ymax}, {b.xmin, b.ymax}}, {}};
-}
-
-}  // namespace
-
 double total_area(std::span<const Polygon> polygons) {
   double sum = 0;
   for (const Polygon& polygon : polygons) sum += area(polygon);
   return sum;
 }
 
-std::optional<Polygon> largest(std::vector<Polygon> polygons) {
+std::optional<Polygon> largest_of(const std::vector<Polygon>& polygons) {
   if (polygons.empty()) return std::nullopt;
-  std::size_t best = 0;
-  for (std::size_t i = 1; i < polygons.size(); ++i)
-    if (area(polygons[i]) > area(polygons[best])) best = i;
-  return std::move(polygons[best]);
+  return largest(polygons);
 }
 
 bool GroupInput::is_inside(const Polygon& polygon) const {
@@ -42,7 +31,7 @@ bool GroupInput::is_inside(const Polygon& polygon) const {
 Polygon GroupInput::usable_part(const Polygon& polygon) const {
   if (is_inside(polygon)) return polygon;
   std::optional<Polygon> part;
-  if (!keep_inside_.empty()) part = largest(inside(polygon));
+  if (!keep_inside_.empty()) part = largest_of(inside(polygon));
   if (!part || !is_inside(*part) || area(*part) < 0.5 * area(polygon)) return {};
   return std::move(*part);
 }
@@ -66,7 +55,7 @@ std::vector<Group> GroupInput::single_groups() const {
 }
 
 std::vector<Polygon> GroupInput::inside(const Polygon& polygon) const {
-  return intersect_on_grid(std::vector{polygon}, std::vector{box_polygon(keep_inside_)});
+  return intersect_on_grid(std::vector{polygon}, std::vector{rectangle(keep_inside_)});
 }
 
 std::vector<Polygon> GroupInput::input_of(const std::vector<BuildingIndex>& members) const {
@@ -127,7 +116,8 @@ std::vector<Group> GroupInput::split(const std::vector<Polygon>& parts, double l
     Group& part = groups.emplace_back();
     part.flags = flags_of(offcut.members) | kRepaired;
     part.polygon = std::move(offcut.polygon);
-    if (!is_inside(part.polygon)) part.polygon = largest(inside(part.polygon)).value_or(Polygon{});
+    if (!is_inside(part.polygon))
+      part.polygon = largest_of(inside(part.polygon)).value_or(Polygon{});
     part.members = std::move(offcut.members);
   }
   if (groups.empty()) return groups;

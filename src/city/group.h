@@ -25,7 +25,7 @@ struct Group {
 double total_area(std::span<const Polygon> polygons);
 
 /// The largest polygon (the first of equals), or none.
-std::optional<Polygon> largest(std::vector<Polygon> polygons);
+std::optional<Polygon> largest_of(const std::vector<Polygon>& polygons);
 
 /// The footprints as far as they are inside the domain, and what groups have of them.
 class GroupInput {

@@ -12,8 +12,8 @@
 #include "tetropolis/core/parallel.h"
 #include "tetropolis/geometry/polygon.h"
 
+#include "city/disjoint_sets.h"
 #include "city/edge_grid.h"
-#include "city/forest.h"
 #include "city/grid_geometry.h"
 #include "city/outline.h"
 #include "city/overlay.h"
@@ -42,28 +42,28 @@ double cell_for(std::span<const Polygon> polygons, double distance) {
   return std::max(2 * distance, cell_size(box, length, count));
 }
 
-void join_near_edges(const Outline& o, double distance, Forest& forest) {
+void join_near_edges(const Outline& o, double distance, DisjointSets& sets) {
   // Where many overlap, nearly all pairs are joined already: that has to be seen at once.
   std::vector<std::int32_t> group(o.point.size());
   for (std::int32_t e = 0; e < o.vertex_count(); ++e)
     group[static_cast<std::size_t>(e)] = o.group_of(e);
   for (std::int32_t e = 0; e < o.vertex_count(); ++e) {
     const Point2 a = o.at(e), b = o.at(o.after(e));
-    std::int32_t root = forest.root(group[static_cast<std::size_t>(e)]);
+    std::int32_t root = sets.root(group[static_cast<std::size_t>(e)]);
     o.grid.visit(grid::box_of(a, b).grown(distance), [&](std::int32_t f) {
       if (f <= e) return;
       const std::int32_t other = group[static_cast<std::size_t>(f)];
-      if (forest.root(other) == root) return;
+      if (sets.root(other) == root) return;
       if (!(grid::segment_distance(a, b, o.at(f), o.at(o.after(f))) < distance)) return;
-      forest.join(root, other);
-      root = forest.root(root);
+      sets.join(root, other);
+      root = sets.root(root);
     });
   }
 }
 
 /// Joins polygons to those that contain them: even-odd count, per other polygon, of the edges left
 /// of a vertex. Boundaries of polygons not yet joined are apart, so any vertex will do.
-void join_contained(const Outline& o, std::span<const Polygon> polygons, Forest& forest) {
+void join_contained(const Outline& o, std::span<const Polygon> polygons, DisjointSets& sets) {
   double widest = 0;
   std::vector<Bounds2> boxes;
   boxes.reserve(polygons.size());
@@ -92,7 +92,7 @@ void join_contained(const Outline& o, std::span<const Polygon> polygons, Forest&
     for (std::size_t i = 0; i < crossed.size();) {
       std::size_t j = i;
       while (j < crossed.size() && crossed[j] == crossed[i]) ++j;
-      if ((j - i) % 2 == 1) forest.join(o.group[ring], crossed[i]);
+      if ((j - i) % 2 == 1) sets.join(o.group[ring], crossed[i]);
       i = j;
     }
   }
@@ -228,13 +228,13 @@ Polygon hull_of(std::span<const Polygon> polygons) {
 
 std::vector<std::int32_t> cluster_polygons(std::span<const Polygon> polygons, double distance) {
   const Outline o = make_outline(pointers(polygons), cell_for(polygons, distance));
-  Forest forest(polygons.size());
-  join_near_edges(o, distance, forest);
-  join_contained(o, polygons, forest);
+  DisjointSets sets(polygons.size());
+  join_near_edges(o, distance, sets);
+  join_contained(o, polygons, sets);
   std::vector<std::int32_t> cluster(polygons.size());
   std::int32_t count = 0;
   for (std::size_t i = 0; i < polygons.size(); ++i) {
-    const auto root = static_cast<std::size_t>(forest.root(static_cast<std::int32_t>(i)));
+    const auto root = static_cast<std::size_t>(sets.root(static_cast<std::int32_t>(i)));
     cluster[i] = root == i ? count++ : cluster[root];
   }
   return cluster;
@@ -295,22 +295,22 @@ MergedPolygon merge_polygons(std::span<const Polygon> cluster, double distance, 
   for (int k = 1; k <= std::max(growths, 1) && parts.size() > 1; ++k, reach *= 2) {
     const std::vector<Polygon> patches = patches_between(parts, distance, reach);
     if (!patches.empty()) parts = add_on_grid(parts, patches);
-    result.resort = MergeResort::kPatch;
+    result.method = MergeMethod::kPatch;
     result.growths = k;
   }
   if (parts.size() > 1) {
     const std::vector<Polygon> bridges = bridges_between(parts, distance);
     if (!bridges.empty()) parts = add_on_grid(parts, bridges);
-    result.resort = MergeResort::kBridge;
+    result.method = MergeMethod::kBridge;
   }
   if (parts.size() > 1) {
     for (const Polygon& part : std::vector<Polygon>(parts)) parts.push_back(hull_of({&part, 1}));
     parts = unite_on_grid(parts);
-    result.resort = MergeResort::kUnionOfHulls;
+    result.method = MergeMethod::kUnionOfHulls;
   }
   if (parts.size() > 1) {
     parts = {hull_of(parts)};
-    result.resort = MergeResort::kHull;
+    result.method = MergeMethod::kHull;
   }
   result.polygon = std::move(parts[0]);
   return result;

@@ -31,12 +31,12 @@ Polygon box_along(std::span<const Point2> points, Point2 from, Point2 to, double
 bool edges_face(Point2 a, Point2 b, Point2 c, Point2 d, double distance);
 
 /// How a cluster became one polygon.
-enum class MergeResort : std::uint8_t { kUnion, kPatch, kBridge, kUnionOfHulls, kHull };
+enum class MergeMethod : std::uint8_t { kUnion, kPatch, kBridge, kUnionOfHulls, kHull };
 
 struct MergedPolygon {
   Polygon polygon;
   std::vector<Polygon> input;  ///< The plain union (unite_or_widest).
-  MergeResort resort = MergeResort::kUnion;
+  MergeMethod method = MergeMethod::kUnion;
   int growths = 0;  ///< For kPatch: the growth that joined them, from 1.
 };
 

@@ -39,8 +39,9 @@ struct Outline {
 /// Polygon k of the outline is *polygons[k]. `cell` is the wished size of the grid's cells.
 Outline make_outline(const std::vector<const Polygon*>& polygons, double cell);
 
-/// Replaces `polygon` by polygon `group` of the outline; unchanged rings keep their first vertex.
-/// Precondition: its outer ring is alive. `first_ring` is the number of its outer ring.
+/// The polygon whose rings have the numbers from `first_ring`, its outer one, on; unchanged rings
+/// keep their first vertex, holes that are gone are left out. Precondition: the outer ring is
+/// alive.
 Polygon extract_polygon(const Outline& outline, std::int32_t first_ring, std::int32_t ring_count);
 
 }  // namespace tetropolis

@@ -8,6 +8,8 @@
 #include <optional>
 #include <utility>
 
+#include <fmt/format.h>
+
 #include "tetropolis/core/error.h"
 #include "tetropolis/core/parallel.h"
 #include "tetropolis/geometry/polygon.h"
@@ -44,13 +46,18 @@ bool round_to_grid(std::vector<Polygon>& polygons) {
   return exact || geos::is_valid(polygons);
 }
 
-[[noreturn]] void give_up() {
-  throw Error(ErrorKind::kGuarantee, "footprints: GEOS cannot unite a cluster; report it");
+[[noreturn]] void give_up(std::span<const Polygon> polygons) {
+  const Point2 corner = polygons.empty() ? Point2{} : grid::to_metres(polygons[0].outer[0]);
+  throw Error(ErrorKind::kGuarantee,
+              fmt::format("footprints: GEOS cannot overlay those at ({:.2f}, {:.2f}) from the "
+                          "origin; change --min-building-distance or leave them out, and report it",
+                          corner.x, corner.y));
 }
 
-/// What operation(0) gives, rounded; or noded on the grid where that is not valid.
+/// What operation(0) gives, rounded; or noded on the grid where that is not valid. `polygons` are
+/// some of its operands.
 template <typename Operation>
-std::vector<Polygon> on_grid(const Operation& operation) {
+std::vector<Polygon> on_grid(std::span<const Polygon> polygons, const Operation& operation) {
   geos::Result result = operation(0.0);
   if (result) {
     std::vector<Polygon> rounded = *result;
@@ -59,7 +66,7 @@ std::vector<Polygon> on_grid(const Operation& operation) {
     result = geos::unite(*result, 1.0);
   }
   if (!result) result = operation(1.0);
-  if (!result) give_up();
+  if (!result) give_up(polygons);
   return std::move(*result);
 }
 
@@ -125,10 +132,10 @@ Polygon* covering(std::vector<Polygon>& polygons, Point2 p) {
 /// What one list of a union has where nothing of the other one is: polygons, and holes in others.
 /// The union would only carry them along, and in a dense city they are nearly all there is; so they
 /// are taken out before and given back after it.
-class Bystanders {
+class Untouched {
  public:
   /// Takes them out of `polygons`.
-  Bystanders(std::vector<Polygon>& polygons, const Boxes& others) {
+  Untouched(std::vector<Polygon>& polygons, const Boxes& others) {
     const auto clear = std::stable_partition(
         polygons.begin(), polygons.end(),
         [&](const Polygon& polygon) { return others.any_meets(bounds(polygon)); });
@@ -178,7 +185,7 @@ class Bystanders {
 /// Union of two lists of polygons with disjoint interiors.
 geos::Result join(std::vector<Polygon> a, std::vector<Polygon> b) {
   const Boxes boxes_a = boxes_of(a), boxes_b = boxes_of(b);
-  Bystanders of_a(a, boxes_b), of_b(b, boxes_a);
+  Untouched of_a(a, boxes_b), of_b(b, boxes_a);
   geos::Result result = geos::join(a, b, 0);
   if (!result || !of_a.give_back(*result) || !of_b.give_back(*result)) return std::nullopt;
   std::sort(result->begin(), result->end(),
@@ -291,7 +298,7 @@ geos::Result unite_halves(std::vector<Polygon> polygons, const Bounds2& box) {
 }  // namespace
 
 std::vector<Polygon> unite_on_grid(std::span<const Polygon> polygons) {
-  return on_grid([&](double grid) {
+  return on_grid(polygons, [&](double grid) {
     if (grid > 0) return geos::unite(polygons, grid);
     return unite_halves({polygons.begin(), polygons.end()}, grid::box_around(polygons));
   });
@@ -299,15 +306,13 @@ std::vector<Polygon> unite_on_grid(std::span<const Polygon> polygons) {
 
 std::vector<Polygon> unite_or_widest(std::span<const Polygon> polygons) {
   std::vector<Polygon> united = unite_on_grid(polygons);
-  if (united.empty() && !polygons.empty())
-    united = {*std::max_element(polygons.begin(), polygons.end(),
-                                [](const auto& a, const auto& b) { return area(a) < area(b); })};
+  if (united.empty() && !polygons.empty()) united = {largest(polygons)};
   return united;
 }
 
 std::vector<Polygon> add_on_grid(std::span<const Polygon> a, std::span<const Polygon> b) {
   const std::vector<Polygon> united = unite_on_grid(b);
-  return on_grid([&](double grid) {
+  return on_grid(a, [&](double grid) {
     if (grid > 0) return geos::join(a, united, grid);
     if (a.size() == 1)
       if (geos::Result result = patch_up(a[0], united)) return result;
@@ -316,11 +321,11 @@ std::vector<Polygon> add_on_grid(std::span<const Polygon> a, std::span<const Pol
 }
 
 std::vector<Polygon> subtract_on_grid(std::span<const Polygon> a, std::span<const Polygon> b) {
-  return on_grid([&](double grid) { return geos::subtract(a, b, grid); });
+  return on_grid(a, [&](double grid) { return geos::subtract(a, b, grid); });
 }
 
 std::vector<Polygon> intersect_on_grid(std::span<const Polygon> a, std::span<const Polygon> b) {
-  return on_grid([&](double grid) { return geos::intersect(a, b, grid); });
+  return on_grid(a, [&](double grid) { return geos::intersect(a, b, grid); });
 }
 
 }  // namespace tetropolis

@@ -35,8 +35,8 @@ constexpr double kMaxShift = 0.02 * grid::kSteps;
 constexpr const char* kTooThin = "too small or narrow for the merge distance";
 constexpr const char* kAtBoundary = "closer than the merge distance to the domain boundary";
 
-bool is_hull(MergeResort resort) {
-  return resort == MergeResort::kUnionOfHulls || resort == MergeResort::kHull;
+bool is_hull(MergeMethod method) {
+  return method == MergeMethod::kUnionOfHulls || method == MergeMethod::kHull;
 }
 
 class Simplifier {
@@ -157,21 +157,21 @@ void Simplifier::merge_clusters() {
     }
     group.polygon = std::move(how[c].polygon);
     group.input = std::move(how[c].input);
-    if (is_hull(how[c].resort)) group.flags |= kConvexHull;
-    switch (how[c].resort) {
-      case MergeResort::kUnion:
+    if (is_hull(how[c].method)) group.flags |= kConvexHull;
+    switch (how[c].method) {
+      case MergeMethod::kUnion:
         ++stats.merged_by_union;
         break;
-      case MergeResort::kPatch:
+      case MergeMethod::kPatch:
         ++stats.merged_by_patch[static_cast<std::size_t>(how[c].growths)];
         break;
-      case MergeResort::kBridge:
+      case MergeMethod::kBridge:
         ++stats.merged_by_bridge;
         break;
-      case MergeResort::kUnionOfHulls:
+      case MergeMethod::kUnionOfHulls:
         ++stats.merged_by_hulls;
         break;
-      case MergeResort::kHull:
+      case MergeMethod::kHull:
         ++stats.merged_by_hull;
         break;
     }
@@ -234,7 +234,7 @@ void Simplifier::take_back(const Outline& outline) {
 bool Simplifier::apply(const Patches& patches, Group& group, std::vector<Group>& offcuts) const {
   std::vector<Polygon> parts{group.polygon};
   if (!patches.fill.empty()) parts = add_on_grid(parts, patches.fill);
-  std::optional<Polygon> next = largest(std::move(parts));
+  std::optional<Polygon> next = largest_of(parts);
   if (!next) return false;
   if (!patches.cut.empty()) {
     const double before = area(*next);
@@ -242,11 +242,11 @@ bool Simplifier::apply(const Patches& patches, Group& group, std::vector<Group>&
     for (const Polygon& cut : patches.cut) taken += area(cut);
     const std::vector<Polygon> whole{*next};
     std::vector<Polygon> cut = subtract_on_grid(whole, patches.cut);
-    std::optional<Polygon> left = largest(cut);
+    std::optional<Polygon> left = largest_of(cut);
     const double lost = before - (left ? area(*left) : 0.0) - taken;
     // Cutting may part what was not expected to part: then widen instead.
     if (lost > epsilon_ * epsilon_ && !patches.widen.empty()) {
-      std::optional<Polygon> wider = largest(add_on_grid(whole, patches.widen));
+      std::optional<Polygon> wider = largest_of(add_on_grid(whole, patches.widen));
       if (wider && area(*wider) - before < lost + taken) {
         left = std::move(wider);
         cut.clear();
@@ -259,7 +259,7 @@ bool Simplifier::apply(const Patches& patches, Group& group, std::vector<Group>&
     const std::vector<Polygon> inside = input_.inside(*next);
     for (Group& part : input_.split(inside, least_area(), group))
       offcuts.push_back(std::move(part));
-    next = largest(inside);
+    next = largest_of(inside);
   }
   if (!next) return false;
   group.polygon = std::move(*next);
@@ -329,7 +329,7 @@ Group Simplifier::united(const std::vector<std::size_t>& parts, bool hulls) {
   if (merged.shares_input) merged.input = unite_or_widest(merged.input);
   if (!hulls) {
     MergedPolygon how = merge_polygons(polygons, epsilon_, options_.growths);
-    if (is_hull(how.resort)) merged.flags |= kConvexHull;
+    if (is_hull(how.method)) merged.flags |= kConvexHull;
     merged.polygon = std::move(how.polygon);
     return merged;
   }

@@ -1,6 +1,7 @@
 #include "tetropolis/geometry/polygon.h"
 
 #include <algorithm>
+#include <cassert>
 #include <cmath>
 #include <limits>
 #include <utility>
@@ -31,6 +32,18 @@ Bounds2 bounds(std::span<const Point2> points) {
 }
 
 Bounds2 bounds(const Polygon& polygon) { return bounds(polygon.outer); }
+
+Polygon rectangle(const Bounds2& box) {
+  assert(!box.empty());
+  return {{{box.xmin, box.ymin}, {box.xmax, box.ymin}, {box.xmax, box.ymax}, {box.xmin, box.ymax}},
+          {}};
+}
+
+const Polygon& largest(std::span<const Polygon> polygons) {
+  assert(!polygons.empty());
+  return *std::max_element(polygons.begin(), polygons.end(),
+                           [](const Polygon& a, const Polygon& b) { return area(a) < area(b); });
+}
 
 bool contains(const Polygon& polygon, Point2 p) {
   bool inside = false;

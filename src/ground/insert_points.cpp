@@ -7,6 +7,7 @@
 #include "tetropolis/core/error.h"
 #include "tetropolis/geometry/polygon.h"
 
+#include "core/mix64.h"
 #include "ground/construct.h"
 #include "ground/hilbert.h"
 
@@ -43,15 +44,6 @@ void check_spread(const PlanarGraph& graph) {
                           least, most));
 }
 
-// Scrambles an index; deterministic stand-in for a coin toss (finaliser of splitmix64, Steele, Lea
-// and Flood 2014).
-std::uint64_t scramble(std::uint64_t x) {
-  x += 0x9e3779b97f4a7c15U;
-  x = (x ^ (x >> 30)) * 0xbf58476d1ce4e5b9U;
-  x = (x ^ (x >> 27)) * 0x94d049bb133111ebU;
-  return x ^ (x >> 31);
-}
-
 // Rounds of growing size, each along the Hilbert curve: the coin tosses keep the expected work
 // small for any input, the curve keeps walks short.
 std::vector<std::int32_t> insertion_order(const std::vector<Point2>& points) {
@@ -59,7 +51,7 @@ std::vector<std::int32_t> insertion_order(const std::vector<Point2>& points) {
   const HilbertCurve curve(bounds(points));
   std::vector<std::uint32_t> keys(points.size());
   for (std::size_t i = 0; i < points.size(); ++i) {
-    const std::uint64_t coins = scramble(i);
+    const std::uint64_t coins = mix64(i);  // a deterministic stand-in for tossed ones
     int round = kRounds;
     // A point moves to the round before with probability 1/8.
     while (round > 0 && ((coins >> (3 * (kRounds - round))) & 7U) == 0) --round;

@@ -120,7 +120,7 @@ GroundMesh mesh_ground(std::span<const Polygon> footprints, const Bounds2& domai
                 fmt::format("domain ({}, {}, {}, {}) is empty; give other bounds", domain.xmin,
                             domain.ymin, domain.xmax, domain.ymax));
   if (!(options.mesh_size > 0 && std::isfinite(options.mesh_size)))
-    throw Error(ErrorKind::kInput,
+    throw Error(ErrorKind::kUsage,
                 fmt::format("mesh size {}: must be positive", options.mesh_size));
   RefineOptions refinement;
   refinement.min_angle_deg = options.min_angle_deg;

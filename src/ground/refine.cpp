@@ -24,10 +24,10 @@ double portable(double value) { return std::round(value * 0x1p40) * 0x1p-40; }
 
 void check_options(const RefineOptions& options) {
   if (!(options.min_angle_deg >= 0 && options.min_angle_deg <= 33))
-    throw Error(ErrorKind::kInput, fmt::format("minimum angle of {} degrees: must be from 0 to 33",
+    throw Error(ErrorKind::kUsage, fmt::format("minimum angle of {} degrees: must be from 0 to 33",
                                                options.min_angle_deg));
   if (!(options.max_edge >= 0))
-    throw Error(ErrorKind::kInput,
+    throw Error(ErrorKind::kUsage,
                 fmt::format("mesh size {}: must be positive, or 0 for none", options.max_edge));
 }
 

@@ -103,7 +103,7 @@ void check_footprints(const GroundMesh& mesh, std::span<const Polygon> footprint
       if (found.size() >= kMaxViolations) return;
       const auto from = vertices.find(p), to = vertices.find(q);
       if (from == vertices.end() || to == vertices.end()) {
-        found.push_back(fmt::format("building {}: a corner is no vertex", b));
+        found.push_back(fmt::format("building {}: a corner is not a vertex", b));
         return;
       }
       VertexIndex v = from->second;

@@ -60,7 +60,7 @@ fs::path final_path(const fs::path& path) {
 void throw_cannot_write(const fs::path& path, std::string_view reason) {
   const std::string why(reason.empty() ? "unknown reason" : reason);
   throw Error(ErrorKind::kInput, "cannot write " + final_path(path).string() + ": " + why +
-                                     "; choose another output or make room");
+                                     "; choose another output or free disk space");
 }
 
 AtomicFile::AtomicFile(fs::path target) : target_(std::move(target)) {

@@ -149,7 +149,7 @@ Document parse(const fs::path& path) {
             (scan.out_of_range
                  ? fmt::format(": holds a number out of range at byte {}; the file is broken",
                                scan.error_byte)
-                 : fmt::format(": is no JSON from byte {} on; the file is cut or no CityJSON",
+                 : fmt::format(": is not valid JSON after byte {}; the file is cut or not CityJSON",
                                scan.error_byte)));
   std::unordered_set<std::string> seen;
   for (const std::string& key : scan.keys)
@@ -211,7 +211,8 @@ Frame read_vertices(const Place& root) {
     for (std::size_t axis = 0; axis < 3; ++axis) {
       double& v = frame.vertices[i][axis];
       v = snap_coordinate(v * scale[axis] + shift[axis]);
-      if (!std::isfinite(v) || std::abs(v) > 1e12) list.at(i).fail("lies out of this world");
+      if (!std::isfinite(v) || std::abs(v) > 1e12)
+        list.at(i).fail("is not finite or beyond 1e12 m");
     }
   return frame;
 }

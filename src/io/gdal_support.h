@@ -72,6 +72,11 @@ struct DatasetDeleter {
 };
 using Dataset = std::unique_ptr<std::remove_pointer_t<GDALDatasetH>, DatasetDeleter>;
 
+struct FeatureDeleter {
+  void operator()(OGRFeatureH feature) const { OGR_F_Destroy(feature); }
+};
+using Feature = std::unique_ptr<std::remove_pointer_t<OGRFeatureH>, FeatureDeleter>;
+
 /// A list of "KEY=value" strings.
 class StringList {
  public:

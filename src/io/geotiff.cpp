@@ -133,10 +133,10 @@ Grid check_grid(const fs::path& path, GDALDatasetH dataset) {
   if (static_cast<std::int64_t>(grid.nx) * grid.ny > (std::int64_t{1} << 31))
     fail(path, fmt::format("{} x {} pixels are too many; cut it to the domain", grid.nx, grid.ny));
   if (GDALGetGeoTransform(dataset, grid.transform.data()) != CE_None)
-    fail(path, "has no georeference; give a GeoTIFF that knows where it lies");
+    fail(path, "has no georeference; give a georeferenced GeoTIFF");
   const auto& t = grid.transform;
   if (!std::all_of(t.begin(), t.end(), [](double v) { return std::isfinite(v); }) || !(t[1] > 0))
-    fail(path, "has a senseless georeference; rewrite it with gdalwarp");
+    fail(path, "has an invalid georeference; rewrite it with gdalwarp");
   if (t[2] != 0 || t[4] != 0 || t[5] >= 0)
     fail(path, "is rotated or south up; make it north up with gdalwarp");
   if (std::abs(t[1] + t[5]) > 1e-6 * t[1])
@@ -280,7 +280,7 @@ RasterInput read_raster(const fs::path& path, Point2 origin) {
   if (result.filled > 0)
     result.warnings.push_back(
         {"raster_filled", result.filled,
-         fmt::format("{}: {} of {} pixels have no value and take the nearest one's", path.string(),
+         fmt::format("{}: {} of {} pixels have no value and get the nearest one", path.string(),
                      result.filled, raster.values.size())});
   result.crs = gdal::canonical_name(GDALGetSpatialRef(dataset.get()));
   result.domain = parse_domain(GDALGetMetadataItem(dataset.get(), kDomainItem, nullptr), origin);

@@ -171,7 +171,7 @@ class LazReader {
     const std::string reason = error();
     const bool unclear = reason.find("internal error") != std::string::npos;
     fail_las(path_,
-             fmt::format("cannot be unpacked at point {} of {} (LASzip: {}): {}; get it again",
+             fmt::format("cannot be decompressed at point {} of {} (LASzip: {}): {}; get it again",
                          number, total, reason,
                          unclear ? "the file is broken, or memory ran out" : "the file is broken"));
   }

@@ -47,7 +47,7 @@ std::string read_front(const fs::path& path, const PositionedFile& file) {
   bytes.resize(file.read(0, bytes.data(), bytes.size()));
   if (bytes.empty()) fail_las(path, "the file is empty; get it again");
   if (bytes.substr(0, 4) != "LASF")
-    fail_las(path, "is no LAS or LAZ file (does not start with LASF); give a point cloud");
+    fail_las(path, "is not a LAS or LAZ file (it does not start with LASF); give a point cloud");
   if (bytes.size() < 227)
     fail_las(path, fmt::format("ends at byte {} within its header; the file is cut, get it again",
                                bytes.size()));
@@ -65,7 +65,7 @@ void parse_fixed(const fs::path& path, std::string_view h, LasLayout& layout) {
   const int smallest = info.version_minor == 4 ? 375 : info.version_minor == 3 ? 235 : 227;
   if (header_size < smallest)
     fail_las(path,
-             fmt::format("byte 94 says a header of {} bytes where LAS 1.{} needs {}; the file "
+             fmt::format("byte 94 gives a header of {} bytes where LAS 1.{} needs {}; the file "
                          "is broken",
                          header_size, info.version_minor, smallest));
   if (h.size() < static_cast<std::size_t>(smallest))
@@ -84,11 +84,11 @@ void parse_fixed(const fs::path& path, std::string_view h, LasLayout& layout) {
   info.compressed = (format & 0x80) != 0;
   info.point_format = format & 0x3F;
   if (info.point_format > 10 || (format & 0x40) != 0)
-    fail_las(path, fmt::format("byte 104 says point format {}; only 0 to 10 are known", format));
+    fail_las(path, fmt::format("byte 104 gives point format {}; only 0 to 10 are known", format));
   info.record_length = number_at<std::uint16_t>(h, 105);
   const int needed = kRecordLengths[static_cast<std::size_t>(info.point_format)];
   if (info.record_length < needed)
-    fail_las(path, fmt::format("byte 105 says records of {} bytes where point format {} needs {}; "
+    fail_las(path, fmt::format("byte 105 gives records of {} bytes where point format {} needs {}; "
                                "the file is broken",
                                info.record_length, info.point_format, needed));
   info.generating_software = text_at(h, 58, 32);
@@ -103,14 +103,14 @@ void parse_numbers(const fs::path& path, std::string_view h, LasInfo& info) {
     // Both ends of the range of stored integers must be numbers that can be reckoned with.
     const double reach = std::abs(info.scale[axis]) * 2147483648.0 + std::abs(info.offset[axis]);
     if (info.scale[axis] == 0 || !std::isfinite(reach))
-      fail_las(path, fmt::format("byte {} says scale {} and offset {} for {}; the file is broken",
+      fail_las(path, fmt::format("byte {} gives scale {} and offset {} for {}; the file is broken",
                                  131 + 8 * axis, info.scale[axis], info.offset[axis], "xyz"[axis]));
   }
   const auto legacy = number_at<std::uint32_t>(h, 107);
   const std::uint64_t extended = info.version_minor == 4 ? number_at<std::uint64_t>(h, 247) : 0;
   const std::uint64_t count = extended != 0 ? extended : legacy;
   if (count > (std::uint64_t{1} << 62))
-    fail_las(path, fmt::format("byte 247 says {} points; the file is broken", count));
+    fail_las(path, fmt::format("byte 247 gives {} points; the file is broken", count));
   info.point_count = static_cast<std::int64_t>(count);
 }
 
@@ -138,7 +138,7 @@ std::vector<Vlr> read_vlrs(const fs::path& path, const PositionedFile& file, std
   layout.info.vlr_count = static_cast<int>(vlrs.size());
   if (vlrs.size() < claimed) {
     const std::string what = fmt::format(
-        "byte 100 says {} variable length records but only {} fit before the points at byte {}",
+        "byte 100 gives {} variable length records, but only {} fit before the points at byte {}",
         claimed, vlrs.size(), end);
     if (layout.info.compressed) fail_las(path, what + "; the file is broken, get it again");
     layout.info.warnings.push_back({"las_vlrs_broken", 1, path.string() + ": " + what});
@@ -238,7 +238,7 @@ void settle_compression(const fs::path& path, const PositionedFile& file,
       variable ? chunks : (layout.info.point_count - 1) / record.chunk_size + 1;
   // A chunk takes bytes; the decoder reserves memory for as many as are claimed.
   if (head[0] != 0 || chunks > size - layout.first_point)
-    fail_las(path, fmt::format("the chunk table at byte {} says {} chunks; the file is broken, get "
+    fail_las(path, fmt::format("the chunk table at byte {} has {} chunks; the file is broken, get "
                                "it again",
                                table, chunks));
   if (!variable && chunks == expected) layout.chunk_size = record.chunk_size;
@@ -263,7 +263,7 @@ std::string check_laszip_record(std::string_view data, int record_length, Laszip
     return fmt::format("LASzip compressor {} is not supported", record.compressor);
   if (coder != 0) return fmt::format("LASzip coder {} is not supported", coder);
   if (record.compressor != 1 && record.chunk_size == 0)
-    return "the LASzip record says chunks of 0 points; the file is broken";
+    return "the LASzip record gives chunks of 0 points; the file is broken";
   if (items == 0 || data.size() < 34 + 6 * items)
     return "the LASzip record's items are cut; the file is broken";
   // Sizes by item type: BYTE (any), POINT10, GPSTIME11, RGB12, WAVEPACKET13, POINT14, RGB14,
@@ -309,7 +309,7 @@ LasLayout read_las_layout(const fs::path& path) {
   if (stated && layout.info.crs.empty())
     layout.info.warnings.push_back({"las_crs_unknown", 1,
                                     path.string() + ": its coordinate reference system is not "
-                                                    "understood and taken as unknown"});
+                                                    "understood; it is treated as unknown"});
   return layout;
 }
 

@@ -7,6 +7,7 @@
 
 #include "tetropolis/core/error.h"
 
+#include "core/text.h"
 #include "las_header.h"
 
 namespace tetropolis {
@@ -16,9 +17,7 @@ namespace fs = std::filesystem;
 namespace {
 
 bool has_las_extension(const fs::path& path) {
-  std::string extension = path.extension().string();
-  for (char& c : extension)
-    if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
+  const std::string extension = lower_case(path.extension().string());
   return extension == ".las" || extension == ".laz";
 }
 

@@ -29,9 +29,9 @@ constexpr std::int64_t kLeastTwin = 100;  // points of which two equal boxes are
 class Filter {
  public:
   explicit Filter(const ReadPointsOptions& options)
-      : crop_(options.crop), keep_withheld_(options.keep_withheld) {
-    for (const std::uint8_t code : options.skipped_classes) skipped_[code] = true;
-  }
+      : crop_(options.crop),
+        keep_withheld_(options.keep_withheld),
+        skipped_(class_table(options.skipped_classes)) {}
 
   bool keeps(const LasRecord& record, const LasInfo& info) const {
     if (skipped_[record.classification] || (record.withheld && !keep_withheld_)) return false;
@@ -42,7 +42,7 @@ class Filter {
  private:
   std::optional<Bounds2> crop_;
   bool keep_withheld_;
-  std::array<bool, 256> skipped_{};
+  ClassTable skipped_;
 };
 
 /// Runs fallible jobs over [0, size) in parallel; afterwards throws what the first failing one of
@@ -172,8 +172,8 @@ void find_twins(std::span<const fs::path> paths, std::vector<FilePlan>& plans) {
     if (is_new) continue;
     plans[f].is_twin = true;
     plans[f].warnings = {{"las_twin", info.point_count,
-                          fmt::format("{}: states as many points in the same box as {} and is "
-                                      "taken for a copy of it, not read",
+                          fmt::format("{}: has the number of points and the box of {}; taken "
+                                      "for a copy of it and not read",
                                       paths[f].string(), paths[entry->second].string())}};
   }
 }
@@ -218,11 +218,50 @@ void warn_of_points_outside(std::span<const fs::path> paths, const std::vector<F
                        paths[f].string(), counts[f], plans[f].layout.info.point_count)});
 }
 
-/// What is told of the points kept.
+/// Decodes the points of all tasks; visit(task, block, n) gets those of one task in their order,
+/// different tasks at the same time, and end(task) comes after them. Adds warnings of points
+/// outside of their header's box.
+template <typename Visit, typename End>
+void decode_tasks(std::span<const fs::path> paths, const std::vector<FilePlan>& plans,
+                  const std::vector<Task>& tasks, const Progress& progress,
+                  std::vector<Warning>& warnings, const Visit& visit, const End& end) {
+  std::int64_t total = 0;
+  for (const Task& task : tasks) total += task.count;
+  SharedProgress shared(progress, total);
+  std::vector<std::int64_t> outside(tasks.size(), 0);
+  run_in_order_of_errors(tasks.size(), [&](std::size_t t) {
+    const Task& task = tasks[t];
+    const LasLayout& layout = plans[task.file].layout;
+    const BoxCheck box(layout.info);
+    std::int64_t strays = 0;
+    decode_points(paths[task.file], layout, task.first, task.count,
+                  [&](const LasRecord* block, std::size_t n) {
+                    visit(t, block, n);
+                    for (std::size_t i = 0; i < n; ++i) strays += box.is_outside(block[i]) ? 1 : 0;
+                    shared.add(static_cast<std::int64_t>(n));
+                  });
+    end(t);
+    outside[t] = strays;
+  });
+  warn_of_points_outside(paths, plans, tasks, outside, warnings);
+}
+
+/// What is told of points.
 struct Summary {
   Bounds2 extent = Bounds2::nothing();
   std::array<std::int64_t, 256> by_class{};
 
+  std::map<int, std::int64_t> classes() const {
+    std::map<int, std::int64_t> counts;
+    for (std::size_t code = 0; code < by_class.size(); ++code)
+      if (by_class[code] > 0) counts[static_cast<int>(code)] = by_class[code];
+    return counts;
+  }
+
+  void add(std::uint8_t classification, Point2 p) {
+    extent.extend(p);
+    ++by_class[classification];
+  }
   void add(const Summary& more) {
     extent.extend(more.extent);
     for (std::size_t code = 0; code < by_class.size(); ++code)
@@ -239,8 +278,7 @@ Summary place_points(const std::vector<LasRecord>& records, const LasInfo& info,
   for (const LasRecord& r : records) {
     const Point2 p{r.x * info.scale[0] + info.offset[0] - origin.x,
                    r.y * info.scale[1] + info.offset[1] - origin.y};
-    summary.extent.extend(p);
-    ++summary.by_class[r.classification];
+    summary.add(r.classification, p);
     *x++ = p.x;
     *y++ = p.y;
     *z++ = r.z * info.scale[2] + info.offset[2];
@@ -315,37 +353,46 @@ PointsInput read_points(std::span<const fs::path> paths, const ReadPointsOptions
     result.warnings.insert(result.warnings.end(), plan.warnings.begin(), plan.warnings.end());
   }
   const Filter filter(options);
-  SharedProgress shared(progress, result.points_read);
   std::vector<std::vector<LasRecord>> kept(tasks.size());
-  std::vector<std::int64_t> outside(tasks.size(), 0);
-  run_in_order_of_errors(tasks.size(), [&](std::size_t t) {
-    const Task& task = tasks[t];
-    const LasLayout& layout = plans[task.file].layout;
-    const BoxCheck box(layout.info);
-    std::vector<LasRecord> records;
+  const auto keep = [&](std::size_t t, const LasRecord* block, std::size_t n) {
+    const LasInfo& info = plans[tasks[t].file].layout.info;
+    std::vector<LasRecord>& records = kept[t];
     // Reserved memory takes up none before it is written; a count may lie.
-    records.reserve(static_cast<std::size_t>(std::min(task.count, 2 * kPointsPerTask)));
-    std::int64_t strays = 0;
-    decode_points(paths[task.file], layout, task.first, task.count,
-                  [&](const LasRecord* block, std::size_t n) {
-                    for (std::size_t i = 0; i < n; ++i) {
-                      if (filter.keeps(block[i], layout.info)) records.push_back(block[i]);
-                      strays += box.is_outside(block[i]) ? 1 : 0;
-                    }
-                    shared.add(static_cast<std::int64_t>(n));
-                  });
-    if (records.size() < records.capacity() / 2) records.shrink_to_fit();
-    kept[t] = std::move(records);
-    outside[t] = strays;
+    if (records.capacity() == 0)
+      records.reserve(static_cast<std::size_t>(std::min(tasks[t].count, 2 * kPointsPerTask)));
+    for (std::size_t i = 0; i < n; ++i)
+      if (filter.keeps(block[i], info)) records.push_back(block[i]);
+  };
+  decode_tasks(paths, plans, tasks, progress, result.warnings, keep, [&](std::size_t t) {
+    if (kept[t].size() < kept[t].capacity() / 2) kept[t].shrink_to_fit();
   });
-  warn_of_points_outside(paths, plans, tasks, outside, result.warnings);
   Summary summary;
   result.points = to_points(tasks, plans, options.origin, kept, summary);
   result.points_kept = static_cast<std::int64_t>(result.points.size());
   if (result.points_kept > 0) result.extent = summary.extent;
-  for (std::size_t code = 0; code < summary.by_class.size(); ++code)
-    if (summary.by_class[code] > 0)
-      result.points_by_class[static_cast<int>(code)] = summary.by_class[code];
+  result.points_by_class = summary.classes();
+  return result;
+}
+
+PointsSummary summarise_points(const fs::path& path, const Progress& progress) {
+  const std::span<const fs::path> paths(&path, 1);
+  const std::vector<FilePlan> plans{plan_file(path, {})};
+  const std::vector<Task> tasks = make_tasks(plans);
+  PointsSummary result;
+  result.warnings = plans[0].warnings;
+  std::vector<Summary> summaries(tasks.size());
+  const LasInfo& info = plans[0].layout.info;
+  const auto add = [&](std::size_t t, const LasRecord* block, std::size_t n) {
+    for (std::size_t i = 0; i < n; ++i)
+      summaries[t].add(block[i].classification, {block[i].x * info.scale[0] + info.offset[0],
+                                                 block[i].y * info.scale[1] + info.offset[1]});
+  };
+  decode_tasks(paths, plans, tasks, progress, result.warnings, add, [](std::size_t) {});
+  Summary summary;
+  for (const Summary& part : summaries) summary.add(part);
+  result.points_by_class = summary.classes();
+  for (const auto& [code, count] : result.points_by_class) result.points += count;
+  result.extent = summary.extent;
   return result;
 }
 

@@ -13,6 +13,7 @@
 
 #include "tetropolis/core/error.h"
 
+#include "core/text.h"
 #include "shapefile_members.h"
 
 namespace tetropolis {
@@ -23,12 +24,6 @@ namespace {
 
 [[noreturn]] void fail(const fs::path& path, const std::string& what) {
   throw Error(ErrorKind::kInput, path.string() + ": " + what);
-}
-
-std::string lower(std::string text) {
-  for (char& c : text)
-    if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
-  return text;
 }
 
 }  // namespace
@@ -44,7 +39,7 @@ class ShapefileCopy {
       const fs::path member = stem.string() + extension;
       std::error_code error;
       if (fs::exists(member, error))
-        CPLCopyFile((stem_ + lower(extension)).c_str(), member.c_str());
+        CPLCopyFile((stem_ + lower_case(extension)).c_str(), member.c_str());
     }
     complete_ = CPLCopyFile(path().c_str(), shp.c_str()) == 0;
   }
@@ -63,7 +58,7 @@ class ShapefileCopy {
 namespace {
 
 bool lacks_index(const fs::path& path) {
-  if (lower(path.extension().string()) != ".shp") return false;
+  if (lower_case(path.extension().string()) != ".shp") return false;
   std::error_code error;
   return !fs::exists(fs::path(path).replace_extension(".shx"), error) &&
          !fs::exists(fs::path(path).replace_extension(".SHX"), error);
@@ -77,7 +72,7 @@ std::string vector_in_archive(const fs::path& path, const gdal::QuietErrors& err
   char** const members = VSIReadDirRecursive(archive.c_str());
   std::vector<std::string> found;
   for (char** member = members; member != nullptr && *member != nullptr; ++member) {
-    const std::string extension = lower(fs::path(*member).extension().string());
+    const std::string extension = lower_case(fs::path(*member).extension().string());
     // What macOS adds to archives bears the names of real members.
     const bool shadow = std::string_view(*member).starts_with("__MACOSX/");
     if (!shadow &&
@@ -104,7 +99,7 @@ VectorFile open_vector(const fs::path& path, const gdal::QuietErrors& errors) {
   require_whole_shapefile(path);
   VectorFile file;
   std::string name = path.string();
-  if (lower(path.extension().string()) == ".zip") {
+  if (lower_case(path.extension().string()) == ".zip") {
     name = vector_in_archive(path, errors);
   } else if (lacks_index(path)) {
     file.copy = std::make_shared<const ShapefileCopy>(path);

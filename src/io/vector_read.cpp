@@ -54,10 +54,9 @@ bool holds_polygons(OGRLayerH layer) {
   bool found = false;
   OGR_L_ResetReading(layer);
   for (int i = 0; i < kProbed && !found; ++i) {
-    OGRFeatureH feature = OGR_L_GetNextFeature(layer);
+    const gdal::Feature feature(OGR_L_GetNextFeature(layer));
     if (feature == nullptr) break;
-    found = !flatten(OGR_F_GetGeometryRef(feature)).parts.empty();
-    OGR_F_Destroy(feature);
+    found = !flatten(OGR_F_GetGeometryRef(feature.get())).parts.empty();
   }
   OGR_L_ResetReading(layer);
   return found;
@@ -139,7 +138,7 @@ class HeightReader {
     type_ = field == nullptr ? OFTBinary : OGR_Fld_GetType(field);
     if (type_ != OFTInteger && type_ != OFTInteger64 && type_ != OFTReal && type_ != OFTString)
       fail(path_,
-           fmt::format("attribute '{}' is {}, no height; name one that holds numbers", attribute_,
+           fmt::format("attribute '{}' is {}, not a height; name a numeric one", attribute_,
                        field == nullptr ? "the feature number" : OGR_GetFieldTypeName(type_)));
   }
 
@@ -167,7 +166,7 @@ class HeightReader {
       fail(path_, fmt::format("attribute '{}' holds no numbers ({}); name one that holds heights",
                               attribute_, first_));
     return Warning{"height_not_a_number", others_,
-                   fmt::format("{}: {} features have text in '{}' that is no number, the first {}",
+                   fmt::format("{}: {} features have text that is not a number in '{}', first {}",
                                path_.string(), others_, attribute_, first_)};
   }
 
@@ -241,10 +240,9 @@ class LayerReader {
     const std::int64_t expected = OGR_L_GetFeatureCount(layer_, FALSE);
     errors.reset();
     OGR_L_ResetReading(layer_);
-    while (OGRFeatureH feature = OGR_L_GetNextFeature(layer_)) {
+    while (const gdal::Feature feature{OGR_L_GetNextFeature(layer_)}) {
       ++result_.features_read;
-      add(feature);
-      OGR_F_Destroy(feature);
+      add(feature.get());
     }
     if (errors.failures() > 0 && (expected < 0 || result_.features_read < expected))
       fail(path_,
@@ -297,7 +295,7 @@ class LayerReader {
     if (ids_.duplicates() > 0)
       warn("duplicate_ids", ids_.duplicates(),
            fmt::format(
-               "{} features or parts have an id that was used before{}; it is told apart by "
+               "{} features or parts have an id that was used before{}; they get the suffixes "
                "'~2', '~3', ...",
                ids_.duplicates(), id_name_.empty() ? "" : " (attribute '" + id_name_ + "')"));
     if (without_id_ > 0)
@@ -306,7 +304,7 @@ class LayerReader {
                        without_id_, id_name_));
     if (mixed_ > 0)
       warn("mixed_geometry", mixed_,
-           fmt::format("{} features hold points or lines beside polygons; those are ignored",
+           fmt::format("{} features have points or lines besides polygons; these are ignored",
                        mixed_));
     if (const auto warning = heights_.warning()) result_.warnings.push_back(*warning);
   }
@@ -350,8 +348,8 @@ void settle_crs(const fs::path& path, const ReadFootprintsOptions& options, bool
   } else if (implausible_degrees(result.crs, result.bounds, geojson)) {
     result.warnings.push_back(
         {"footprints_crs_implausible", 1,
-         fmt::format("{}: says {} but x {} .. {}, y {} .. {} are not degrees; its reference system "
-                     "is taken as unknown",
+         fmt::format("{}: in {}, but x {} .. {}, y {} .. {} are not degrees; its reference system "
+                     "is treated as unknown",
                      path.string(), crs_name(result.crs), result.bounds.xmin, result.bounds.xmax,
                      result.bounds.ymin, result.bounds.ymax)});
     result.crs.clear();
@@ -359,7 +357,7 @@ void settle_crs(const fs::path& path, const ReadFootprintsOptions& options, bool
   }
   if (result.crs.empty())
     result.warnings.push_back({"footprints_crs_unknown", 1,
-                               path.string() + ": does not say its coordinate reference system"});
+                               path.string() + ": does not state its coordinate reference system"});
 }
 
 void reproject_features(const std::string& target, FootprintsInput& result) {

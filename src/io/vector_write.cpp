@@ -16,6 +16,7 @@
 #include "tetropolis/io/crs.h"
 #include "tetropolis/io/vector.h"
 
+#include "core/text.h"
 #include "gdal_support.h"
 
 namespace tetropolis {
@@ -24,16 +25,10 @@ namespace fs = std::filesystem;
 
 namespace {
 
-std::string lower(std::string text) {
-  for (char& c : text)
-    if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
-  return text;
-}
-
 /// A hidden folder beside the target in which a format of several files grows.
-class Workshop {
+class StagingFolder {
  public:
-  explicit Workshop(const fs::path& target) {
+  explicit StagingFolder(const fs::path& target) {
     const fs::path parent = target.parent_path();
     for (int attempt = 0;; ++attempt) {
       path_ =
@@ -43,12 +38,12 @@ class Workshop {
       if (error) throw_cannot_write(target, error.message());
     }
   }
-  ~Workshop() {
+  ~StagingFolder() {
     std::error_code ignored;
     fs::remove_all(path_, ignored);
   }
-  Workshop(const Workshop&) = delete;
-  Workshop& operator=(const Workshop&) = delete;
+  StagingFolder(const StagingFolder&) = delete;
+  StagingFolder& operator=(const StagingFolder&) = delete;
   const fs::path& path() const { return path_; }
 
  private:
@@ -56,7 +51,7 @@ class Workshop {
 };
 
 const char* driver_of(const fs::path& path) {
-  const std::string extension = lower(path.extension().string());
+  const std::string extension = lower_case(path.extension().string());
   if (extension == ".shp") return "ESRI Shapefile";
   if (extension == ".gpkg") return "GPKG";
   if (extension == ".geojson" || extension == ".json") return "GeoJSON";
@@ -157,18 +152,18 @@ void write_footprints(const fs::path& path, std::span<const Polygon> polygons,
   gdal::initialise();
   const char* driver = driver_of(path);
   const std::string canonical = normalise_crs(crs);
-  const Workshop workshop(path);
+  const StagingFolder staging(path);
   gdal::QuietErrors errors;
   const gdal::ThreadOption fixed_date("OGR_CURRENT_DATE", "1970-01-01T00:00:00Z");
   gdal::Dataset dataset(GDALCreate(GDALGetDriverByName(driver),
-                                   (workshop.path() / path.filename()).c_str(), 0, 0, 0,
-                                   GDT_Unknown, nullptr));
+                                   (staging.path() / path.filename()).c_str(), 0, 0, 0, GDT_Unknown,
+                                   nullptr));
   if (dataset == nullptr) throw_cannot_write(path, errors.last());
   const bool written =
       write_layer(dataset.get(), path, {polygons, ids, heights, origin}, canonical);
   dataset.reset();  // Closing writes what is left, and may fail.
   if (!written || errors.failures() > 0) throw_cannot_write(path, errors.last());
-  publish(workshop.path(), path);
+  publish(staging.path(), path);
 }
 
 }  // namespace tetropolis

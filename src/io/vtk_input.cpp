@@ -191,7 +191,7 @@ void VtkInput::read_piece(const VtkPiece& piece, std::vector<char>& bytes) const
                               reinterpret_cast<const Bytef*>(stored.data()), stored.size());
   if (code != Z_OK || size != piece.bytes)
     fail("the block at byte " + std::to_string(piece.offset) +
-         " cannot be unpacked: the file is damaged");
+         " cannot be decompressed: the file is damaged");
 }
 
 }  // namespace tetropolis

@@ -1,3 +1,4 @@
+#include <array>
 #include <atomic>
 #include <cstdint>
 #include <limits>
@@ -34,7 +35,7 @@ class Least {
 
 void require_whole_numbers(const VtkInput& file, const VtkArray& array) {
   if (array.type == VtkType::kFloat64 || array.type == VtkType::kFloat32)
-    file.fail("array " + array.name + " is not of whole numbers");
+    file.fail("array " + array.name + " does not hold whole numbers");
 }
 
 /// The number of the first value that is not wanted(number), if any is noted.

@@ -162,7 +162,7 @@ void write_xdmf(const std::filesystem::path& path, const ColumnMesh& mesh,
   // DOLFINx derives the name of the data file from that of the description in the same way.
   const std::filesystem::path data_path = std::filesystem::path(path).replace_extension(".h5");
   if (data_path == path)
-    throw_cannot_write(path, "its data need the name with .h5, so it must end in .xdmf");
+    throw_cannot_write(path, "that name is for the data file; give one that ends in .xdmf");
   require_boundary_of(mesh, surface);
   if (compression == Compression::kNone)
     write_both<Hdf5Output>(path, data_path, mesh, surface, placement, progress);

@@ -1,6 +1,7 @@
 #include "tetropolis/pipeline/check_results.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <fstream>
 #include <optional>

@@ -36,6 +36,7 @@ std::vector<std::string> texts_of(const toml::node& node, const std::string& ori
 
 bool takes_text(const ConfigField& field) {
   return std::holds_alternative<std::string Config::*>(field.member) ||
+         std::holds_alternative<ChoiceMember>(field.member) ||
          std::holds_alternative<std::vector<std::string> Config::*>(field.member);
 }
 

@@ -16,7 +16,8 @@ namespace tetropolis {
 namespace {
 
 bool is_wanted(const Config& config, const std::map<int, std::int64_t>& by_class) {
-  if (config.ground_filter != "auto") return config.ground_filter == "always";
+  if (config.ground_filter != GroundFilter::kAuto)
+    return config.ground_filter == GroundFilter::kAlways;
   const GroundFilterOptions defaults;
   return !by_class.contains(kGround) &&
          std::any_of(defaults.classes.begin(), defaults.classes.end(),
@@ -50,7 +51,7 @@ void run_filter(const Config& config, InputData& input, StepClock& clock, Report
       {"ground_filtered", counts.ground_points,
        fmt::format("{}; a filter found {} of {} unclassified points on the ground",
                    before == 0 ? "the cloud has no class 2 (ground)"
-                               : fmt::format("{} points of class 2 were not relied on", before),
+                               : fmt::format("the class of {} ground points was ignored", before),
                    counts.ground_points, counts.candidates)});
 }
 

@@ -61,7 +61,7 @@ void clean_features(const Config& config, const FootprintsInput& input, CityMode
     Building building;
     if (cleaned.repaired) building.flags |= kRepaired;
     if (position == DomainPosition::kCrossing) {
-      if (config.boundary_buildings == "drop") {
+      if (config.boundary_buildings == BoundaryBuildings::kDrop) {
         drop("crosses the domain boundary");
         continue;
       }
@@ -105,8 +105,8 @@ void warn_of_giants(const CityModel& raw, Report& report) {
     if (share <= kMost) continue;
     if (warning.count++ == 0)
       warning.message = fmt::format(
-          "feature {} covers {:.0f} % of the domain and takes in every building there; leave it "
-          "out if it is none",
+          "feature {} covers {:.0f} % of the domain and absorbs every building there; remove it if "
+          "it is not a building",
           building.source_ids.front(), 100 * share);
   }
   if (warning.count > 0) report.warnings.push_back(warning);
@@ -173,7 +173,7 @@ void require_each_once(const CityModel& raw, const Simplification& simple) {
   for (std::size_t i = 0; i < times.size(); ++i)
     if (times[i] != 1)
       throw Error(ErrorKind::kGuarantee,
-                  fmt::format("feature {} is in {} buildings and reasons after merging; report it",
+                  fmt::format("feature {} is accounted for {} times after merging; report it",
                               raw.buildings[i].source_ids.front(), times[i]));
 }
 
@@ -214,7 +214,7 @@ void fill_city_report(const CityModel& raw, const CityModel& city, const Simplif
   CityReport& out = *report.city;
   out.raw_buildings = static_cast<std::int64_t>(raw.buildings.size());
   out.buildings = static_cast<std::int64_t>(city.buildings.size());
-  out.min_clearance = std::isfinite(simple.stats.min_clearance) ? simple.stats.min_clearance : 0;
+  out.min_clearance = simple.stats.min_clearance;
   out.area_before = simple.stats.area_before;
   out.area_after = simple.stats.area_after;
   out.area_moved = simple.stats.area_changed;
@@ -254,7 +254,7 @@ CityAndTerrain make_city(const Config& config, Next next, const OutputFolder& ou
         {"terrain_mostly_filled",
          static_cast<std::int64_t>(dtm_report.empty_share * static_cast<double>(dtm_report.nodes)),
          fmt::format(
-             "{:.0f} % of the terrain's nodes have no ground point near and were filled from "
+             "{:.0f} % of the terrain's nodes have no ground point nearby; they were filled from "
              "their neighbours; check --bounds, or raise --dtm-step",
              100 * dtm_report.empty_share)});
 

@@ -25,7 +25,6 @@
 #include "tetropolis/volume/improve_columns.h"
 #include "tetropolis/volume/smooth.h"
 
-#include "io/column_output.h"
 #include "memory.h"
 #include "stages.h"
 
@@ -43,7 +42,7 @@ void require_plausible(const LayerPlan& plan) {
                           "the top at {:.1f} m (highest ground {:.1f} m{}); raise --mesh-size or "
                           "--layer-height, or lower --domain-height",
                           plan.layers, plan.bottom, plan.top, plan.highest_ground,
-                          plan.raised ? "; the top clears a roof above it, is that one real?"
+                          plan.raised ? "; the top clears a roof above it: is that roof real?"
                                       : ", a stray point?"));
 }
 
@@ -63,7 +62,7 @@ GroundMesh make_ground(const Config& config, const CityModel& city, const Raster
   std::vector<Polygon> footprints;
   for (const Building& building : city.buildings) footprints.push_back(building.footprint);
   GroundMeshOptions options{config.mesh_size, config.min_angle};
-  if (config.layering != "uniform")
+  if (config.layering != Layering::kUniform)
     options.wall_edge = [&](BuildingIndex building, Point2 a, Point2 b) {
       const double roof = city.buildings[static_cast<std::size_t>(building)].h_roof;
       return longest_wall_edge(dtm, roof, a, b, config.min_wall_height);
@@ -88,7 +87,7 @@ void keep_solver(const std::string& step, const SmoothReport& smooth, Report& re
     report.warnings.push_back(
         {"solver_not_converged", 1,
          fmt::format(
-             "step {}: relative residual {:.2g} after {} iterations; cells are valid all the same",
+             "step {}: relative residual {:.2g} after {} iterations; cells are valid nevertheless",
              step, solver.relative_residual, solver.iterations)});
 }
 
@@ -104,7 +103,7 @@ ColumnPlan plan_of(const Config& config, const CityModel& city, const Raster& dt
                    const GroundMesh& ground, std::vector<double> spacing, Report& report) {
   std::vector<double> roofs;
   for (const Building& building : city.buildings) roofs.push_back(building.h_roof);
-  const bool uniform = config.layering == "uniform";
+  const bool uniform = config.layering == Layering::kUniform;
   ColumnPlanOptions options;
   options.domain_height = config.domain_height;
   options.layer_height =
@@ -140,7 +139,7 @@ ColumnMesh smooth_columns(const Config& config, const CityModel& city, const Ras
   SmoothOptions options;
   options.laplace.tolerance = config.solver_tolerance;
   options.laplace.max_iterations = config.solver_iterations;
-  options.laplace.fixed_top = config.top == "flat";
+  options.laplace.fixed_top = config.top == Top::kFlat;
   options.gap_share = config.min_gap_share;
   const SmoothReport to_ground =
       clock.run("3.3", "smooth to ground", [&](const Progress& progress) {
@@ -153,7 +152,7 @@ ColumnMesh smooth_columns(const Config& config, const CityModel& city, const Ras
     return smooth_to_roofs(layered, plan.building, plan.roofs, options, progress);
   });
   keep_solver("3.5", to_roofs, report);
-  if (config.layering == "uniform") return columns_of_layers(std::move(layered));
+  if (config.layering == Layering::kUniform) return columns_of_layers(std::move(layered));
   for (std::size_t v = 0; v < plan.top.size(); ++v) plan.top[v] = layered.column(v)[layered.layers];
   ColumnMesh mesh = divide_columns(std::move(layered.ground), std::move(layered.edges), plan);
   place_nodes(mesh, plan);
@@ -183,7 +182,7 @@ ColumnMesh grade_columns(const Config& config, const CityModel& city, const Rast
 /// Steps 3.2 to 3.5.
 ColumnMesh make_columns_of_city(const Config& config, const CityModel& city, const Raster& dtm,
                                 GroundMesh ground, StepClock& clock, Report& report) {
-  const bool solves = config.layering == "uniform" || config.top == "free";
+  const bool solves = solves_laplace(config);
   const auto make = solves ? smooth_columns : grade_columns;
   ColumnMesh mesh = make(config, city, dtm, std::move(ground), clock, report);
   report.volume_mesh->min_vertical_gap = require_valid(mesh);
@@ -202,8 +201,9 @@ CellQuality improve(const Config& config, ColumnMesh& mesh, StepClock& clock,
   };
   CellQuality cells = measured();
   const ImproveOptions options;
-  if (config.layering == "uniform" || (cells.histogram.min_dihedral_deg() >= options.least_deg &&
-                                       cells.histogram.max_dihedral_deg() <= options.greatest_deg))
+  if (config.layering == Layering::kUniform ||
+      (cells.histogram.min_dihedral_deg() >= options.least_deg &&
+       cells.histogram.max_dihedral_deg() <= options.greatest_deg))
     return cells;
   clock.run("3.5", "improve cells", [&](const Progress& progress) {
     volume.columns_improved = improve_columns(mesh, options, progress);
@@ -275,10 +275,6 @@ bool is_wanted(const Config& config, std::string_view format) {
   return std::find(config.formats.begin(), config.formats.end(), format) != config.formats.end();
 }
 
-Compression compression_of(const Config& config) {
-  return config.compression == "zlib" ? Compression::kZlib : Compression::kNone;
-}
-
 /// The volume in each format asked for.
 void write_volume(const Config& config, const ColumnMesh& mesh, const SurfaceMesh& boundary,
                   const Placement& placement, const OutputFolder& out, const Progress& progress) {
@@ -286,11 +282,11 @@ void write_volume(const Config& config, const ColumnMesh& mesh, const SurfaceMes
   const std::array<std::pair<std::string_view, Write>, 4> writers{{
       {"vtu",
        [&](const Progress& p) {
-         write_vtu(out / "volume.vtu", mesh, placement, p, compression_of(config));
+         write_vtu(out / "volume.vtu", mesh, placement, p, config.compression);
        }},
       {"xdmf",
        [&](const Progress& p) {
-         write_xdmf(out / "volume.xdmf", mesh, boundary, placement, p, compression_of(config));
+         write_xdmf(out / "volume.xdmf", mesh, boundary, placement, p, config.compression);
        }},
       {"msh",
        [&](const Progress& p) { write_msh(out / "volume.msh", mesh, boundary, placement, p); }},
@@ -338,10 +334,10 @@ void make_mesh(const Config& config, const CityModel& city, Raster dtm, const Ou
     measure(mesh, std::move(cells), *report.volume_mesh);
     const SurfaceMesh boundary = bound(mesh, domain, report);
     Placement placement{{0, 0, 0}, {city.origin.x, city.origin.y, 0}};
-    if (config.coordinates == "absolute")
+    if (config.coordinates == Coordinates::kAbsolute)
       placement = {{city.origin.x, city.origin.y, 0}, {0, 0, 0}};
     write_volume(config, mesh, boundary, placement, out, progress);
-    write_vtp(out / "boundary.vtp", boundary, placement, compression_of(config));
+    write_vtp(out / "boundary.vtp", boundary, placement, config.compression);
     write_surface(config, boundary, placement, out);
   });
 }

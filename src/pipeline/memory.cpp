@@ -7,9 +7,9 @@
 #include <string_view>
 
 #include <fmt/format.h>
-#include <unistd.h>
 
 #include "tetropolis/core/error.h"
+#include "tetropolis/core/system_memory.h"
 
 namespace tetropolis {
 
@@ -27,7 +27,7 @@ constexpr double kPerSolverNode = 100;
 
 double bytes_of(const Config& config, double triangles, double cells, double terrain_nodes) {
   double bytes = kProgram + 8 * terrain_nodes + kPerTriangle * triangles + kPerCell * cells;
-  if (config.layering == "uniform" || config.top == "free") bytes += kPerSolverNode * cells / 6;
+  if (solves_laplace(config)) bytes += kPerSolverNode * cells / 6;
   return bytes;
 }
 
@@ -44,7 +44,7 @@ double parse_size(const std::string& text) {
     factor = 0;
   if (error != std::errc() || !(number > 0) || factor == 0)
     throw Error(ErrorKind::kUsage,
-                "--max-memory: '" + text + "' is no size; write for example 8G or 500M");
+                "--max-memory: '" + text + "' is not a size; write for example 8G or 500M");
   return number * factor;
 }
 
@@ -57,8 +57,7 @@ std::string in_words(double bytes) {
 
 double memory_limit(const Config& config) {
   if (!config.max_memory.empty()) return parse_size(config.max_memory);
-  return 0.9 * static_cast<double>(sysconf(_SC_PHYS_PAGES)) *
-         static_cast<double>(sysconf(_SC_PAGESIZE));
+  return 0.9 * usable_memory();
 }
 
 void CitySize::add(const Polygon& footprint) {
@@ -71,7 +70,7 @@ MeshEstimate estimate_mesh(const Config& config, const CitySize& city) {
   const double h = config.mesh_size;
   estimate.triangles = city.area / (0.4 * h * h) + 7 * city.footprint_vertices;
   double spacing = 0.7 * h;
-  if (config.layering == "uniform")
+  if (config.layering == Layering::kUniform)
     spacing = config.layer_height > 0 ? config.layer_height : h;
   else if (config.layer_height > 0)
     spacing = std::min(spacing, config.layer_height);

@@ -105,7 +105,7 @@ class Moves {
     }
     undo();
     throw Error(ErrorKind::kInput, shown.string() + ": cannot be replaced: " + error.message() +
-                                       "; the earlier result is as it was");
+                                       "; the earlier result is unchanged");
   }
 
   /// Backwards, so that the earlier report comes last. What cannot be moved back ends it: then
@@ -289,7 +289,7 @@ OutputFolder::OutputFolder(const fs::path& target, OutputWatcher watcher)
     fs::path real = fs::canonical(target_, error);
     if (!error) target_ = std::move(real);
   }
-  if (is_there(target_) && !fs::exists(target_, error)) fail(target, "it is a link to nothing");
+  if (is_there(target_) && !fs::exists(target_, error)) fail(target, "it is a dangling link");
   const fs::path parent = target_.parent_path();
   for (fs::path p = parent; !fs::exists(p, error) && p.has_relative_path(); p = p.parent_path())
     created_parent_ = p;
@@ -327,7 +327,7 @@ void OutputFolder::replace_results() {
   try {
     names = results_below(staging_);
   } catch (const fs::filesystem_error& error) {
-    throw Error(ErrorKind::kInput, target_.string() + ": the results in the making are gone: " +
+    throw Error(ErrorKind::kInput, target_.string() + ": the results being written are gone: " +
                                        error.code().message() + "; was " + staging_.string() +
                                        " removed during the run?");
   }

@@ -77,7 +77,7 @@ void refuse_unmarked_degrees(const Bounds2& box, const std::string& file, const 
                                              file, box.xmin, box.ymin, box.xmax, box.ymax, option));
 }
 
-/// The points' reference system after the footprints have been read: see DESIGN section 5.
+/// The points' reference system after the footprints have been read.
 std::string common_crs(const Config& config, const std::string& points_crs,
                        const FootprintsInput& footprints) {
   if (!points_crs.empty()) return points_crs;
@@ -86,7 +86,7 @@ std::string common_crs(const Config& config, const std::string& points_crs,
     throw Error(
         ErrorKind::kInput,
         fmt::format(
-            "{}: footprints are in degrees ({}) and the point cloud does not say its CRS; name it "
+            "{}: footprints are in degrees ({}) and the point cloud has no CRS of its own; name it "
             "with --points-crs",
             config.footprints, crs_name(footprints.crs)));
   require_metres(footprints.crs, config.footprints, "--footprints-crs");
@@ -119,7 +119,7 @@ Bounds2 reading_box(const Config& config, const FootprintsInput& footprints,
                                             footprints.dropped.front().reason);
   throw Error(
       ErrorKind::kInput,
-      fmt::format("{}: no footprint in it ({}); add --terrain-only for a mesh of the terrain alone",
+      fmt::format("{}: holds no footprint ({}); add --terrain-only for a mesh of the terrain alone",
                   config.footprints, why));
 }
 

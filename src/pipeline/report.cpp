@@ -15,7 +15,15 @@ using Json = nlohmann::ordered_json;
 Json config_json(const Config& config) {
   Json json = Json::object();
   for (const ConfigField& field : config_fields())
-    std::visit([&](auto member) { json[std::string(field.name)] = config.*member; }, field.member);
+    std::visit(
+        [&](auto member) {
+          Json& value = json[std::string(field.name)];
+          if constexpr (std::is_same_v<decltype(member), ChoiceMember>)
+            value = field.choices[member.get(config)];
+          else
+            value = config.*member;
+        },
+        field.member);
   return json;
 }
 

@@ -81,7 +81,7 @@ void keep_domain(const CityModel& city, Report& report) {
 
 Report run_build(const Config& config, const RunHooks& hooks) {
   require_input(config);
-  memory_limit(config);  // so that a slip in it is told before the work
+  memory_limit(config);  // so that a mistake in it is reported before the work
   const ThreadLimit limit(config.threads);
   Report report = begin_report("build", config);
   StepClock clock(hooks, report);
@@ -168,7 +168,7 @@ double require_meshable(const Config& config, const CityModel& city) {
   const Clearance clearance = joint_clearance(footprints, city.domain);
   if (clearance.distance < config.min_building_distance)
     fail(fmt::format(
-        "footprints come as close as {:.4f} m, {} m asked, at building {}", clearance.distance,
+        "footprints come as close as {:.4f} m ({} m required) at building {}", clearance.distance,
         config.min_building_distance,
         city.buildings[static_cast<std::size_t>(std::max(clearance.vertex.polygon, 0))].id));
   return clearance.distance;
@@ -199,8 +199,7 @@ Report run_mesh(const Config& config, const RunHooks& hooks) {
     throw Error(ErrorKind::kInput,
                 config.city + ": holds no building; add --terrain-only for a mesh of the terrain");
   CityReport& city_report = report.city.emplace();
-  const double clearance = require_meshable(config, city);
-  city_report.min_clearance = std::isfinite(clearance) ? clearance : 0;
+  city_report.min_clearance = require_meshable(config, city);
   city_report.raw_buildings = city_report.buildings =
       static_cast<std::int64_t>(city.buildings.size());
   for (const Building& building : city.buildings)
@@ -224,11 +223,11 @@ std::int64_t usual_buildings(double size) {
 }
 
 void require_room(const Config& config) {
-  const double least = config.kind == "blocks" ? kLeastBlockSize : kLeastRandomSize;
+  const double least = config.kind == SynthKind::kBlocks ? kLeastBlockSize : kLeastRandomSize;
   if (config.size > 0 && config.size < least)
     throw Error(ErrorKind::kUsage,
-                fmt::format("--size: {} m is too small for a city of kind '{}'; give {} or more",
-                            config.size, config.kind, least));
+                fmt::format("--size: {} m is too small for a city of this kind; give {} or more",
+                            config.size, least));
 }
 
 /// finish() for a city that may replace one of another kind, with files of other names.
@@ -248,12 +247,12 @@ Report run_synth(const Config& config, const RunHooks& hooks) {
   Report report = begin_report("synth", config);
   StepClock clock(hooks, report);
   OutputFolder out(config.out, hooks.output);
-  if (config.kind == "adversarial") {
+  if (config.kind == SynthKind::kAdversarial) {
     synth_adversarial(config, out, clock, report);
     finish_city(report, out);
     return report;
   }
-  const bool blocks = config.kind == "blocks";
+  const bool blocks = config.kind == SynthKind::kBlocks;
   const SyntheticCity city = clock.run("0.1", "invent the city", [&](const Progress& progress) {
     const auto seed = static_cast<std::uint64_t>(config.seed);
     if (blocks) {

@@ -20,12 +20,6 @@ namespace {
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 constexpr double kMaxNodes = 2147483647.0;
 
-std::array<bool, 256> class_table(const std::vector<std::uint8_t>& classes) {
-  std::array<bool, 256> table{};
-  for (const std::uint8_t code : classes) table[code] = true;
-  return table;
-}
-
 /// "class 1 (200 points), class 6 (10 points)", or "no points".
 std::string describe_classes(const PointCloud& cloud) {
   std::array<std::int64_t, 256> counts{};

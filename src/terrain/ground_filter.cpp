@@ -1,7 +1,6 @@
 #include "tetropolis/terrain/ground_filter.h"
 
 #include <algorithm>
-#include <array>
 #include <cassert>
 #include <cmath>
 #include <cstddef>
@@ -49,8 +48,7 @@ struct Frame {
 using Candidates = std::vector<std::uint8_t>;
 
 Candidates find_candidates(const PointCloud& cloud, const GroundFilterOptions& options) {
-  std::array<bool, 256> wanted{};
-  for (const std::uint8_t code : options.classes) wanted[code] = true;
+  const ClassTable wanted = class_table(options.classes);
   Candidates mask(cloud.size(), 0);
   parallel_chunks(cloud.size(), kPointGrain, [&](std::size_t begin, std::size_t end) {
     for (std::size_t p = begin; p < end; ++p)

@@ -8,6 +8,9 @@
 #include <limits>
 #include <span>
 
+#include <fmt/format.h>
+
+#include "tetropolis/core/error.h"
 #include "tetropolis/core/parallel.h"
 
 namespace tetropolis {
@@ -27,8 +30,11 @@ constexpr std::size_t kAllSquares = std::size_t{9} * kSquares * kSquares;
 
 std::vector<PointNumber> ground_points(const PointCloud& cloud,
                                        const std::vector<std::uint8_t>& classes) {
-  std::array<bool, 256> wanted{};
-  for (const std::uint8_t code : classes) wanted[code] = true;
+  if (cloud.size() > std::numeric_limits<PointNumber>::max())
+    throw Error(
+        ErrorKind::kInput,
+        fmt::format("{} points are more than can be numbered; give smaller bounds", cloud.size()));
+  const ClassTable wanted = class_table(classes);
   std::vector<PointNumber> points;
   for (std::size_t p = 0; p < cloud.size(); ++p)
     if (wanted[cloud.classification[p]] && std::isfinite(cloud.z[p]))

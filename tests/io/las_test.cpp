@@ -315,6 +315,19 @@ TEST(Las, WritesWhatItReads) {
   EXPECT_EQ(std::distance(fs::directory_iterator(folder.path()), fs::directory_iterator()), 2);
 }
 
+TEST(Las, SummariesAreThoseOfThePoints) {
+  TETROPOLIS_REQUIRE_DATA(path, "delft_3dfier/ahn3_cropped_1.laz");
+  ReadPointsOptions all;
+  all.skipped_classes = {};
+  all.keep_withheld = true;
+  const PointsInput points = read_points({&path, 1}, all);
+  const PointsSummary summary = summarise_points(path);
+  EXPECT_EQ(summary.points, points.points_kept);
+  EXPECT_EQ(summary.points_by_class, points.points_by_class);
+  EXPECT_EQ(summary.extent, points.extent);
+  EXPECT_EQ(summary.warnings.size(), points.warnings.size());
+}
+
 TEST(Las, WritesCountsByReturn) {
   const TemporaryFolder folder;
   write_points(folder / "a.las", random_cloud(77, 20), {}, {});
@@ -357,6 +370,7 @@ TEST(Las, RefusesToWriteNonsense) {
     }
   };
   usage({{0}, {0}, {0}, {40}}, {});
+  usage({{0, 1, 2}, {0, std::nan(""), 2}, {0, 0, 0}, {1, 1, 1}}, {});
   usage({{0, 5e6}, {0, 0}, {0, 0}, {1, 1}}, {1, 1e-5, ""});
   usage({}, {3, 0.001, ""});
   usage({}, {1, 0.0, ""});

@@ -180,7 +180,7 @@ TEST_F(Xdmf, NameThatLeavesNoneForTheDataIsRefused) {
     FAIL() << "no error";
   } catch (const Error& error) {
     EXPECT_EQ(error.kind(), ErrorKind::kInput);
-    EXPECT_NE(std::string(error.what()).find("mesh.h5: its data need the name"), std::string::npos);
+    EXPECT_NE(std::string(error.what()).find("mesh.h5: that name is for the"), std::string::npos);
   }
 }
 

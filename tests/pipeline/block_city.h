@@ -12,7 +12,7 @@ namespace tetropolis::testing {
 /// Builds a city of blocks of 300 m into `folder`/result, with meshes in `format`.
 inline Report build_blocks(const TemporaryFolder& folder, const std::string& format) {
   Config synth;
-  synth.kind = "blocks";
+  synth.kind = SynthKind::kBlocks;
   synth.size = 300;
   synth.out = folder / "input";
   run_synth(synth);

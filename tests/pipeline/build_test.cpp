@@ -34,7 +34,7 @@ void expect_guarantees(const fs::path& folder) {
 class Build : public ::testing::Test {
  protected:
   /// Settings for an invented city, written on first use.
-  Config city(const std::string& kind, int buildings, double size, int seed) {
+  Config city(SynthKind kind, int buildings, double size, int seed) {
     Config synth;
     synth.kind = kind;
     synth.buildings = buildings;
@@ -54,7 +54,7 @@ class Build : public ::testing::Test {
 };
 
 TEST_F(Build, CheckFindsAReportThatTellsSomethingElse) {
-  Config config = city("random", 10, 150, 4);
+  Config config = city(SynthKind::kRandom, 10, 150, 4);
   config.mesh_size = 20;
   config.min_building_area = 60;
   run_build(config);
@@ -83,7 +83,7 @@ TEST_F(Build, CheckFindsAReportThatTellsSomethingElse) {
 }
 
 TEST_F(Build, MeshesJoinTheCityModelInItsFolder) {
-  Config config = city("random", 10, 150, 4);
+  Config config = city(SynthKind::kRandom, 10, 150, 4);
   run_city(config);
   const std::string model = bytes_of(scratch / "out/city.city.json");
   Config mesh;
@@ -99,7 +99,7 @@ TEST_F(Build, MeshesJoinTheCityModelInItsFolder) {
     EXPECT_EQ(bytes_of(scratch / "out/city.city.json"), model);
   }
   // Into a folder with results of another city, nothing of that one stays.
-  Config other = city("random", 5, 120, 9);
+  Config other = city(SynthKind::kRandom, 5, 120, 9);
   other.out = (scratch / "other").string();
   run_city(other);
   mesh.out = other.out;
@@ -111,7 +111,7 @@ TEST_F(Build, MeshesJoinTheCityModelInItsFolder) {
 }
 
 TEST_F(Build, BlocksPassEveryCheckAndTheReportTellsTheTruth) {
-  Config config = city("blocks", 0, 320, 3);
+  Config config = city(SynthKind::kBlocks, 0, 320, 3);
   const Report report = run_build(config);
   expect_guarantees(config.out);
   const std::set<std::string> expected{"city_raw.city.json", "city.city.json", "dtm.tif",
@@ -159,7 +159,7 @@ TEST_F(Build, BlocksPassEveryCheckAndTheReportTellsTheTruth) {
 }
 
 TEST_F(Build, SameBytesForAnyNumberOfThreads) {
-  Config config = city("random", 300, 400, 5);
+  Config config = city(SynthKind::kRandom, 300, 400, 5);
   config.threads = 1;
   run_build(config);
   Config again = config;
@@ -172,7 +172,7 @@ TEST_F(Build, SameBytesForAnyNumberOfThreads) {
 }
 
 TEST_F(Build, CityAndMeshInTwoStepsGiveTheSameMesh) {
-  Config config = city("blocks", 0, 320, 4);
+  Config config = city(SynthKind::kBlocks, 0, 320, 4);
   run_build(config);
   Config first = config;
   first.out = (scratch / "city").string();
@@ -202,7 +202,7 @@ std::string refusal_of(const Config& mesh) {
 }
 
 TEST_F(Build, MeshRefusesCitiesAndTerrainsThatDoNotFit) {
-  Config config = city("blocks", 0, 320, 4);
+  Config config = city(SynthKind::kBlocks, 0, 320, 4);
   run_city(config);
   const auto refused = [&](const std::string& city, const std::string& dtm,
                            std::vector<double> bounds = {}) {
@@ -226,7 +226,7 @@ TEST_F(Build, MeshRefusesCitiesAndTerrainsThatDoNotFit) {
 }
 
 TEST_F(Build, MeshRefusesWhatIsNotInMetres) {
-  Config config = city("random", 30, 250, 6);
+  Config config = city(SynthKind::kRandom, 30, 250, 6);
   run_city(config);
   const std::string model = bytes_of(scratch / "out/city.city.json");
   const RasterInput terrain = read_raster(scratch / "out/dtm.tif", {0, 0});
@@ -256,7 +256,7 @@ TEST_F(Build, MeshRefusesWhatIsNotInMetres) {
 }
 
 TEST_F(Build, ResultsOfAnEarlierRunAreNotMixedWithNewOnes) {
-  Config config = city("random", 30, 250, 6);
+  Config config = city(SynthKind::kRandom, 30, 250, 6);
   run_build(config);
   std::ofstream(scratch / "out/notes.txt") << "mine";
   run_city(config);
@@ -267,7 +267,7 @@ TEST_F(Build, ResultsOfAnEarlierRunAreNotMixedWithNewOnes) {
 }
 
 TEST_F(Build, AbsurdSizesAreRefusedBeforeTheWork) {
-  Config config = city("random", 30, 1000, 6);
+  Config config = city(SynthKind::kRandom, 30, 1000, 6);
   const auto refused = [&](const char* part) {
     std::string message = "no error";
     RunHooks hooks;
@@ -283,7 +283,7 @@ TEST_F(Build, AbsurdSizesAreRefusedBeforeTheWork) {
     return last;
   };
   const Config good = config;
-  config.layering = "uniform";
+  config.layering = Layering::kUniform;
   config.layer_height = 1e-2;
   config.max_memory = "1T";
   EXPECT_EQ(refused("layers between the mean ground"), "3.2");
@@ -299,7 +299,7 @@ TEST_F(Build, AbsurdSizesAreRefusedBeforeTheWork) {
   EXPECT_EQ(refused("cells fit, with --mesh-size"), "1.2");
   config = good;
   config.max_memory = "eight";
-  EXPECT_EQ(refused("--max-memory: 'eight' is no size"), "");
+  EXPECT_EQ(refused("--max-memory: 'eight' is not a size"), "");
   config.max_memory = "66M";
   EXPECT_EQ(refused("points fit: give smaller --bounds"), "1.2");
   config = good;
@@ -308,18 +308,18 @@ TEST_F(Build, AbsurdSizesAreRefusedBeforeTheWork) {
 }
 
 TEST_F(Build, AbsoluteCoordinatesAreThoseOfTheReferenceSystem) {
-  Config config = city("random", 30, 250, 6);
-  config.coordinates = "absolute";
+  Config config = city(SynthKind::kRandom, 30, 250, 6);
+  config.coordinates = Coordinates::kAbsolute;
   const Report report = run_build(config);
   expect_guarantees(config.out);
   EXPECT_GT(report.origin.y, 6e6);
 }
 
 TEST_F(Build, CompressedMeshesHoldTheGuaranteesToo) {
-  Config config = city("random", 30, 250, 6);
+  Config config = city(SynthKind::kRandom, 30, 250, 6);
   run_build(config);
   const auto plain = fs::file_size(scratch / "out/volume.vtu");
-  config.compression = "zlib";
+  config.compression = Compression::kZlib;
   config.formats = {"vtu", "xdmf"};
   run_build(config);
   expect_guarantees(config.out);
@@ -328,8 +328,8 @@ TEST_F(Build, CompressedMeshesHoldTheGuaranteesToo) {
 }
 
 TEST_F(Build, FreeTopAndOtherSizesHoldTheGuaranteesToo) {
-  Config config = city("blocks", 0, 300, 8);
-  config.top = "free";
+  Config config = city(SynthKind::kBlocks, 0, 300, 8);
+  config.top = Top::kFree;
   config.mesh_size = 6;
   config.layer_height = 9;
   config.min_angle = 30;
@@ -339,12 +339,12 @@ TEST_F(Build, FreeTopAndOtherSizesHoldTheGuaranteesToo) {
 }
 
 TEST_F(Build, ClippedBuildingsStayClearOfTheBoundary) {
-  Config config = city("blocks", 0, 320, 9);
+  Config config = city(SynthKind::kBlocks, 0, 320, 9);
   const double x = 319000, y = 6396000;
   config.bounds = {x + 60.5, y + 90, x + 231.25, y + 260};
   const Report dropped = run_build(config);
   expect_guarantees(config.out);
-  config.boundary_buildings = "clip";
+  config.boundary_buildings = BoundaryBuildings::kClip;
   const Report clipped = run_build(config);
   expect_guarantees(config.out);
   EXPECT_GT(clipped.city->flags.at("clipped"), 0);
@@ -354,7 +354,7 @@ TEST_F(Build, ClippedBuildingsStayClearOfTheBoundary) {
 }
 
 TEST_F(Build, TerrainAloneNeedsToBeAskedFor) {
-  Config config = city("blocks", 0, 300, 10);
+  Config config = city(SynthKind::kBlocks, 0, 300, 10);
   config.bounds = {319000, 6396000, 319012, 6396012};  // the margin of the city
   EXPECT_THROW(run_build(config), Error);
   EXPECT_FALSE(fs::exists(config.out));
@@ -365,7 +365,7 @@ TEST_F(Build, TerrainAloneNeedsToBeAskedFor) {
 }
 
 TEST_F(Build, StopsWhenAskedAndLeavesNothing) {
-  const Config config = city("random", 50, 250, 11);
+  const Config config = city(SynthKind::kRandom, 50, 250, 11);
   for (const char* last : {"1.1", "2.1", "3.3", "3.6"}) {
     bool stop = false;
     RunHooks hooks;
@@ -380,7 +380,7 @@ TEST_F(Build, StopsWhenAskedAndLeavesNothing) {
 }
 
 TEST_F(Build, SynthWritesTheSameBytesForTheSameSeed) {
-  for (const char* kind : {"random", "blocks"}) {
+  for (const SynthKind kind : {SynthKind::kRandom, SynthKind::kBlocks}) {
     Config config;
     config.kind = kind;
     config.buildings = 100;
@@ -394,10 +394,10 @@ TEST_F(Build, SynthWritesTheSameBytesForTheSameSeed) {
     }
     for (const char* file : {"footprints.shp", "footprints.dbf", "points.laz"}) {
       EXPECT_TRUE(bytes_of(scratch / "one" / file) == bytes_of(scratch / "two" / file))
-          << kind << " " << file;
+          << static_cast<int>(kind) << " " << file;
       if (std::string(file) == "footprints.dbf") continue;  // ids and heights may agree
       EXPECT_FALSE(bytes_of(scratch / "one" / file) == bytes_of(scratch / "other" / file))
-          << kind << " " << file;
+          << static_cast<int>(kind) << " " << file;
     }
   }
 }

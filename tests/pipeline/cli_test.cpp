@@ -232,7 +232,7 @@ TEST_F(Cli, WrongOptionsExitWithTwo) {
   expect_error(input + "--mesh-sise 5", 2, "did you mean '--mesh-size'?");
   expect_error(input + "--mesh-size five", 2, "--mesh-size: 'five' is not a number");
   expect_error(input + "--mesh-size -3", 2, "less than 0.05");
-  expect_error(input + "--top open", 2, "none of flat, free");
+  expect_error(input + "--top open", 2, "is not one of flat, free");
   expect_error(input + "--bounds 1,2,3", 2, "four numbers");
   expect_error(input + "--points-crs EPSG:999999", 2, "EPSG:999999");
   expect_error(input + "--config missing.toml", 2, "missing.toml: no such configuration file");
@@ -262,11 +262,11 @@ TEST_F(Cli, WithoutArgumentsTellsWhatToTypeNext) {
 TEST_F(Cli, EmptyAndTooSmallValuesAreNamed) {
   synth("--buildings 20 --size 250");
   expect_error("build --footprints input/footprints.shp --points '' --out result", 2,
-               "--points: an empty text");
+               "--points: one of the values is empty");
   expect_error("build --footprints '' --points input --out result", 2, "--footprints is missing");
   std::ofstream(scratch / "c.toml") << "points = [\"\"]\n";
   expect_error("build --footprints input/footprints.shp --config c.toml --out result", 2,
-               "c.toml:1: points: an empty text");
+               "c.toml:1: points: one of the values is empty");
   expect_error("synth --size 40 --out small", 2, "--size: 40 m is too small");
   expect_error("synth --size 100 --kind blocks --out small", 2, "give 300 or more");
   expect_error("synth --size 100 --buildings 100000 --out small", 2, "do not fit");

@@ -53,7 +53,7 @@ formats = ["vtu", "obj"]
   EXPECT_TRUE(config.terrain_only);
   EXPECT_EQ(config.mesh_size, 5);
   EXPECT_EQ(config.merge_growths, 2);
-  EXPECT_EQ(config.top, "free");
+  EXPECT_EQ(config.top, Top::kFree);
   EXPECT_EQ(config.formats, (std::vector<std::string>{"vtu", "obj"}));
 }
 
@@ -65,7 +65,7 @@ TEST(Config, ErrorsNameFileLineAndWhatToDo) {
   expect_part(error_of("mesh_size = -1\n"), "c.toml:1: mesh_size: -1 is less than 0.05");
   expect_part(error_of("mesh_size = \"5\"\n"), "takes no text");
   expect_part(error_of("top = 5\n"), "takes text in quotes");
-  expect_part(error_of("top = \"open\"\n"), "'open' is none of flat, free");
+  expect_part(error_of("top = \"open\"\n"), "'open' is not one of flat, free");
   expect_part(error_of("mesh_size = nan\n"), "not finite");
   expect_part(error_of("merge_growths = 2.5\n"), "'2.5' is not a whole number");
   expect_part(error_of("bounds = [1, 2, 3]\n"), "four numbers expected");
@@ -73,7 +73,7 @@ TEST(Config, ErrorsNameFileLineAndWhatToDo) {
   expect_part(error_of("terrain_only = 1\n"), "true or false expected");
   expect_part(error_of("mesh_size = {a = 1}\n"), "expected");
   expect_part(error_of("mesh_size = \n"), "c.toml:1: not valid TOML");
-  expect_part(error_of("formats = [\"vtu\", \"dwg\"]\n"), "'dwg' is none of");
+  expect_part(error_of("formats = [\"vtu\", \"dwg\"]\n"), "'dwg' is not one of");
   Config config;
   EXPECT_THROW(load_config(config, "/nowhere/c.toml"), Error);
 }
@@ -109,10 +109,14 @@ TEST(Config, DefaultsAreWithinTheirRanges) {
   for (const ConfigField& field : config_fields())
     std::visit(
         [&](auto member) {
-          using Value = std::decay_t<decltype(defaults.*member)>;
-          if constexpr (std::is_same_v<Value, int> || std::is_same_v<Value, double>) {
-            EXPECT_GE(static_cast<double>(defaults.*member), field.least) << field.name;
-            EXPECT_LE(static_cast<double>(defaults.*member), field.most) << field.name;
+          if constexpr (std::is_same_v<decltype(member), ChoiceMember>) {
+            EXPECT_LT(member.get(defaults), field.choices.size()) << field.name;
+          } else {
+            using Value = std::decay_t<decltype(defaults.*member)>;
+            if constexpr (std::is_same_v<Value, int> || std::is_same_v<Value, double>) {
+              EXPECT_GE(static_cast<double>(defaults.*member), field.min) << field.name;
+              EXPECT_LE(static_cast<double>(defaults.*member), field.max) << field.name;
+            }
           }
         },
         field.member);

@@ -73,8 +73,8 @@ TEST(QualityFloor, AmsterdamSouth) {
   expect_good_meshes(folder / "city", {10, 5});
 }
 
-/// `kind`: "random" with the paper's density of buildings, or "blocks" as the demonstration.
-void expect_good_synthetic(const char* kind, double size, std::int64_t buildings) {
+/// Random with the paper's density of buildings, or blocks as the demonstration.
+void expect_good_synthetic(SynthKind kind, double size, std::int64_t buildings) {
   const testing::TemporaryFolder folder;
   Config config;
   config.kind = kind;
@@ -87,9 +87,9 @@ void expect_good_synthetic(const char* kind, double size, std::int64_t buildings
   expect_good_meshes(folder / "city", {10, 5});
 }
 
-TEST(QualityFloor, RandomCity) { expect_good_synthetic("random", 900, 400); }
+TEST(QualityFloor, RandomCity) { expect_good_synthetic(SynthKind::kRandom, 900, 400); }
 
-TEST(QualityFloor, Blocks) { expect_good_synthetic("blocks", 600, 0); }
+TEST(QualityFloor, Blocks) { expect_good_synthetic(SynthKind::kBlocks, 600, 0); }
 
 /// Huts of three metres in a mesh of thirty.
 TEST(QualityFloor, LowWallsInACoarseMesh) {

@@ -24,7 +24,7 @@ using testing::TemporaryFolder;
 
 Report synth(const fs::path& out, int seed, std::vector<std::string> defects) {
   Config config;
-  config.kind = "adversarial";
+  config.kind = SynthKind::kAdversarial;
   config.out = out.string();
   config.seed = seed;
   config.size = 150;
@@ -95,27 +95,30 @@ TEST(SynthAdversarial, ASecondCityInTheFolderLeavesNothingOfTheFirst) {
 
 TEST(SynthAdversarial, CitiesOfAllKindsReplaceEachOther) {
   const TemporaryFolder folder;
-  const auto synth_kind = [&](const std::string& kind, const char* name) {
+  constexpr auto kRandom = SynthKind::kRandom, kBlocks = SynthKind::kBlocks,
+                 kAdversarial = SynthKind::kAdversarial;
+  const auto synth_kind = [&](SynthKind kind, const std::string& name) {
     Config config;
     config.kind = kind;
     config.out = (folder / name).string();
-    config.size = kind == "blocks" ? 300 : 100;
+    config.size = kind == kBlocks ? 300 : 100;
     config.point_density = 0.1;
-    if (kind == "adversarial") config.defects = {"tiles_gap"};
+    if (kind == kAdversarial) config.defects = {"tiles_gap"};
     run_synth(config);
     auto files = contents(folder / name);
     files.erase("report.json");
     return files;
   };
-  std::map<std::string, std::map<std::string, std::string>> alone;
-  for (const char* kind : {"random", "blocks", "adversarial"}) alone[kind] = synth_kind(kind, kind);
-  EXPECT_FALSE(alone["adversarial"].contains("points.laz"));
+  std::map<SynthKind, std::map<std::string, std::string>> alone;
+  for (const SynthKind kind : {kRandom, kBlocks, kAdversarial})
+    alone[kind] = synth_kind(kind, "alone" + std::to_string(static_cast<int>(kind)));
+  EXPECT_FALSE(alone[kAdversarial].contains("points.laz"));
   fs::create_directory(folder / "mixed");
   std::ofstream(folder / "mixed" / "mine.laz") << "mine";
-  for (const char* kind : {"random", "adversarial", "blocks", "adversarial", "random", "blocks"}) {
+  for (const SynthKind kind : {kRandom, kAdversarial, kBlocks, kAdversarial, kRandom, kBlocks}) {
     auto files = synth_kind(kind, "mixed");
     EXPECT_EQ(files.erase("mine.laz"), 1U);
-    EXPECT_EQ(files, alone[kind]) << kind;
+    EXPECT_EQ(files, alone[kind]) << static_cast<int>(kind);
   }
 }
 

@@ -171,7 +171,7 @@ std::vector<Defect> defects() {
   return {
       // --- files that are cut ---
       {"Empty", cut(0), Expected::kError, "a.las: the file is empty"},
-      {"CutInSignature", cut(3), Expected::kError, "a.las: is no LAS or LAZ file"},
+      {"CutInSignature", cut(3), Expected::kError, "a.las: is not a LAS or LAZ file"},
       {"CutInHeader", cut(100), Expected::kError, "ends at byte 100 within its header"},
       {"CutBehindHeader", cut(kHeader), Expected::kError, "ends at point 0 of 10000"},
       {"CutInFirstPoint", cut(kHeader + 5), Expected::kError, "ends at point 0 of 10000"},
@@ -427,13 +427,15 @@ TEST(CloudDefect, TheSameWithAnyNumberOfThreads) {
 TEST(CloudDefect, TheGroundFilterRunsWhenItIsAskedTo) {
   const CloudCity city;
   city.write("a.las");
-  const CloudOutcome always = city.run([](Config& config) { config.ground_filter = "always"; });
+  const CloudOutcome always =
+      city.run([](Config& config) { config.ground_filter = GroundFilter::kAlways; });
   EXPECT_TRUE(always.warned("ground_filtered"));
   EXPECT_LT(terrain_error(always, city), 0.6);
   PointCloud cloud = city.cloud;
   std::fill(cloud.classification.begin(), cloud.classification.end(), kUnclassified);
   city.write("a.las", cloud);
-  const CloudOutcome never = city.run([](Config& config) { config.ground_filter = "never"; });
+  const CloudOutcome never =
+      city.run([](Config& config) { config.ground_filter = GroundFilter::kNever; });
   ASSERT_TRUE(never.failed);
   EXPECT_NE(never.message.find("only class 1 (10000 points)"), std::string::npos) << never.message;
 }

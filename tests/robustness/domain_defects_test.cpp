@@ -53,7 +53,7 @@ TEST_F(DomainDefects, ABuildingAcrossTheBoundaryIsDroppedOrCut) {
   EXPECT_EQ(outcome.reason_of("tower"), "outside the domain");
   EXPECT_EQ(outcome.reason_of("east"), "outside the domain");
   EXPECT_EQ(outcome.city.buildings.size(), 3U);
-  settings = [](Config& config) { config.boundary_buildings = "clip"; };
+  settings = [](Config& config) { config.boundary_buildings = BoundaryBuildings::kClip; };
   outcome = run();
   ASSERT_EQ(outcome.error, "");
   const Building* patient = outcome.building_of("patient");
@@ -67,7 +67,7 @@ TEST_F(DomainDefects, ABuildingInTheCorner) {
   Outcome outcome = run();
   ASSERT_EQ(outcome.error, "");
   EXPECT_EQ(outcome.reason_of("patient"), "crosses the domain boundary");
-  settings = [](Config& config) { config.boundary_buildings = "clip"; };
+  settings = [](Config& config) { config.boundary_buildings = BoundaryBuildings::kClip; };
   outcome = run();
   ASSERT_EQ(outcome.error, "");
   ASSERT_NE(outcome.building_of("patient"), nullptr);
@@ -103,7 +103,7 @@ TEST_F(DomainDefects, ABuildingAroundTheDomain) {
   EXPECT_EQ(outcome.exit_code, 3);
   // No ground point anywhere: the terrain cannot be known.
   EXPECT_NE(outcome.error.find("no ground among the points"), std::string::npos) << outcome.error;
-  settings = [](Config& config) { config.boundary_buildings = "clip"; };
+  settings = [](Config& config) { config.boundary_buildings = BoundaryBuildings::kClip; };
   outcome = run();
   EXPECT_EQ(outcome.exit_code, 3);
   EXPECT_NE(outcome.error.find("no ground among the points"), std::string::npos) << outcome.error;

@@ -116,7 +116,7 @@ TEST(FoundBySearch, ATipCutOffByTheDomainIsClean) {
 TEST(FoundBySearch, TheLargestDistanceIsFoundInSliversToo) {
   const TemporaryFolder folder;
   Config synth;
-  synth.kind = "adversarial";
+  synth.kind = SynthKind::kAdversarial;
   synth.seed = 61;
   synth.size = 251;
   synth.relief = 4.8;

@@ -1,5 +1,5 @@
-// The validator of simplified footprints (guarantee 2): how close do features come, and is every
-// ring what it should be?
+// The validator of simplified footprints (guarantee 2): how close features come, and whether
+// every ring is as it should be.
 #pragma once
 
 #include <cstddef>

@@ -15,8 +15,8 @@ enum class DomainPosition {
 DomainPosition position_in_domain(const Polygon& polygon, const Bounds2& domain);
 
 /// Both in metres in the local frame. The largest part of a clean polygon within `box`, clean
-/// (clean_footprint) and on the grid of kCoordinateStep; empty if nothing is left. `box` must lie
-/// on the grid.
+/// (clean_footprint) and on the grid of kCoordinateStep, so up to half a step beyond a `box` that
+/// is not; empty if nothing is left.
 Polygon clip_to_box(const Polygon& polygon, const Bounds2& box);
 
 }  // namespace tetropolis

@@ -38,8 +38,8 @@ struct CrownEvidence {
 ///   interpretation based on optimal neighborhoods, relevant features and efficient classifiers",
 ///   ISPRS J. 105, 2015).
 /// A list of which less than 15 % is left, or half where a fifth of the points inside are ground,
-/// loses that too: trees where no building is. Points stay
-/// in order; the same for any number of threads.
+/// loses that, too: there are trees but no building. Points stay in order; the same for any number
+/// of threads.
 void drop_crowns(PointLists& roof, const CrownEvidence& evidence, const PointCloud& cloud,
                  const CrownOptions& options = {}, const Progress& progress = {});
 

@@ -1,4 +1,4 @@
-// Step 1.5: the points that tell a building's roof and ground heights.
+// Step 1.5: the points that a building's roof and ground heights are computed from.
 #pragma once
 
 #include <cstddef>

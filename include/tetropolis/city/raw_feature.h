@@ -1,4 +1,4 @@
-// Footprints as files hold them, before anything has been put right.
+// Footprints as files hold them, before any repair.
 #pragma once
 
 #include <limits>

@@ -1,7 +1,7 @@
-// Small synthetic cities with everything wrong that real data has been seen to have.
+// Small synthetic cities with every defect that has been seen in real data.
 //
-// Deterministic like the other synthetic cities (synthetic.h); only damaged vertices are no whole
-// millimetres.
+// Deterministic like the other synthetic cities (synthetic.h); only damaged vertices are not
+// whole millimetres.
 #pragma once
 
 #include <cstdint>

@@ -1,4 +1,4 @@
-// Vectors whose elements are not set to zero when they are made.
+// Vectors whose elements are not set to zero when they are created.
 #pragma once
 
 #include <cstddef>

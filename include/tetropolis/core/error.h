@@ -11,7 +11,7 @@ namespace tetropolis {
 enum class ErrorKind : int {
   kGuarantee = 1,  ///< A check failed or a guarantee cannot be met.
   kUsage = 2,      ///< Wrong options or configuration.
-  kInput = 3,      ///< Unusable input.
+  kInput = 3,      ///< Unusable input, or a file that cannot be written.
 };
 
 /// The text without line ends and other control characters, which become spaces.

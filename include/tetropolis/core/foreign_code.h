@@ -1,4 +1,4 @@
-// Calls into libraries that broken input may crash: who they were made for, and a stack to say so.
+// Calls into libraries that broken input may crash: what input they read, and a stack to say so.
 #pragma once
 
 #include <memory>

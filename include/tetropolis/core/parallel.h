@@ -25,7 +25,7 @@ class ThreadLimit {
 /// The number of threads the parallel loops may use now.
 int thread_count();
 
-/// The grain that cuts [0, size) into `chunks` at most: for chunks that carry much with them.
+/// The grain that cuts [0, size) into `chunks` at most: for chunks with large temporary data.
 inline std::size_t grain_of_chunks(std::size_t size, std::size_t chunks = 64) {
   return size <= chunks ? 1 : (size + chunks - 1) / chunks;
 }

@@ -1,8 +1,10 @@
 // A point cloud in flat arrays.
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
+#include <span>
 
 #include "tetropolis/core/buffer.h"
 
@@ -31,6 +33,14 @@ enum PointClass : std::uint8_t {
   kWater = 9,
   kHighNoise = 18,
 };
+
+/// Which of all class codes are among `codes`.
+using ClassTable = std::array<bool, 256>;
+inline ClassTable class_table(std::span<const std::uint8_t> codes) {
+  ClassTable table{};
+  for (const std::uint8_t code : codes) table[code] = true;
+  return table;
+}
 
 /// The flags of a LAS point (LAS 1.4 R15, table 16; in the order of its bits).
 enum PointFlag : std::uint8_t {

@@ -19,6 +19,12 @@ double area(const Polygon& polygon);
 Bounds2 bounds(std::span<const Point2> points);
 Bounds2 bounds(const Polygon& polygon);
 
+/// The box as a polygon, counter-clockwise. Precondition: not empty.
+Polygon rectangle(const Bounds2& box);
+
+/// The first of those of greatest area(). Precondition: at least one.
+const Polygon& largest(std::span<const Polygon> polygons);
+
 /// Whether the ray from `p` towards +x crosses the edge a-b. The end points count as if they lay a
 /// little lower, and `p` exactly on the edge does not cross. The same answer for b-a.
 inline bool crosses_ray(Point2 a, Point2 b, Point2 p) {

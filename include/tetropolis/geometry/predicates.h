@@ -8,9 +8,9 @@
 //
 // Range: every coordinate is zero or between 1e-100 and 1e100 in magnitude; for incircle the
 // largest may also be at most 1e100 times the smallest that is not zero. Outside of it products
-// may overflow or underflow, and the sign may be wrong. The sources that use these predicates are
-// compiled without contraction to fused multiply-adds (-ffp-contract=off) and with the default
-// rounding mode.
+// may overflow or underflow, and the sign may be wrong. Sources that include this are to be
+// compiled without contraction to fused multiply-adds (-ffp-contract=off, which the CMake target
+// hands on) and with the default rounding mode.
 #pragma once
 
 #include <cmath>

@@ -28,8 +28,9 @@ struct GroundMeshOptions {
 /// vertex belongs to a triangle; the edge lengths and angles of refine(); vertices and triangles
 /// are numbered along a Hilbert curve. The same input gives the same bytes.
 ///
-/// Throws Error(kInput) for an empty domain, options out of range, a footprint that leaves the
-/// domain or has coordinates that are not finite (named by index); Error(kGuarantee) as refine().
+/// Throws Error(kInput) for an empty domain and for a footprint that leaves the domain or has
+/// coordinates that are not finite (named by index), Error(kUsage) for options out of range,
+/// Error(kGuarantee) as refine().
 GroundMesh mesh_ground(std::span<const Polygon> footprints, const Bounds2& domain,
                        const GroundMeshOptions& options = {}, const Progress& progress = {});
 

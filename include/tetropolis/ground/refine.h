@@ -44,8 +44,8 @@ struct RefineOptions {
 /// minimum angle are left alone (Miller, Pav, Walkington 2003): the two together end the
 /// refinement.
 ///
-/// Throws Error(kInput) as constrained_delaunay() does and for options out of range, and
-/// Error(kGuarantee), naming a position, when `max_vertices` is exceeded. Throws Cancelled.
+/// Throws Error(kInput) as constrained_delaunay() does, Error(kUsage) for options out of range,
+/// Error(kGuarantee), naming a position, when `max_vertices` is exceeded, and Cancelled.
 Triangulation refine(const PlanarGraph& graph, const RefineOptions& options,
                      const Progress& progress = {});
 

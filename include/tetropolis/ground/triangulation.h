@@ -10,10 +10,10 @@
 
 namespace tetropolis {
 
-/// Region of triangles that nobody marks.
+/// Region of triangles that nothing marks.
 inline constexpr std::int32_t kNoRegion = -1;
 
-/// Says of one side of a segment: it marks no region.
+/// For one side of a segment: it marks no region.
 inline constexpr std::int32_t kUnmarkedSide = std::numeric_limits<std::int32_t>::min();
 
 /// Marker and input index of a subsegment of the convex hull that no input segment covers.
@@ -94,7 +94,7 @@ struct TriangulationOptions {
 /// Throws Error(kInput) naming the point or the segment: a coordinate is not finite or larger than
 /// 1e100 in magnitude, or, other than zero, smaller than 1e-100 or than 1e-100 times the largest;
 /// an index is out of range; an array has the wrong length; segments among points that are nearer
-/// to one another than e find no way between them (only seen there).
+/// to one another than e find no way between them (seen only there).
 Triangulation constrained_delaunay(const PlanarGraph& graph,
                                    const TriangulationOptions& options = {});
 

@@ -46,8 +46,8 @@ class AtomicFile {
   bool committed_ = false;
 };
 
-/// Where a file will be: results in the making lie in a hidden folder ".NAME.part-XXXXXX" until
-/// they are moved to NAME, which is the name that says something to the user.
+/// Where a file will be: unfinished results are in a hidden folder ".NAME.part-XXXXXX" until
+/// they are moved to NAME, which is the name that the user knows.
 std::filesystem::path final_path(const std::filesystem::path& path);
 
 /// The error for an output that cannot be written: "cannot write PATH: REASON". A path inside the

@@ -1,11 +1,11 @@
-// How large arrays lie in files.
+// How large arrays are stored in files.
 #pragma once
 
 namespace tetropolis {
 
 enum class Compression {
   kNone,
-  kZlib,  ///< In blocks, by zlib, in parallel; what other programs read without asking.
+  kZlib,  ///< In blocks, by zlib, in parallel; other programs read it as it is.
 };
 
 }  // namespace tetropolis

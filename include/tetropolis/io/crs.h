@@ -20,7 +20,7 @@ namespace tetropolis {
 /// "https://www.opengis.net/def/crs/EPSG/0/7415", WKT of any kind, a PROJ string or PROJJSON. Empty
 /// in, empty out. normalise_crs(normalise_crs(t)) == normalise_crs(t). Files and the network are
 /// never consulted.
-/// Errors: kUsage with the text, if it is not a reference system of this planet's surface.
+/// Errors: kUsage with the text, if it is not a reference system of the Earth's surface.
 std::string normalise_crs(const std::string& text);
 
 /// What to call the system in a message: its code, or the name that its definition carries, or

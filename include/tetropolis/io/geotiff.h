@@ -24,7 +24,7 @@ inline constexpr double kRasterNodata = -9999;
 /// Values that are not finite are written as nodata.
 /// Precondition: nx, ny >= 1, step > 0, values.size() == nx * ny. `crs` as normalise_crs takes it.
 /// Guarantees: the same input gives the same bytes; appears complete or not at all. The compressed
-/// file is made in memory first. Errors: kInput if it cannot be written, kUsage if `crs` is none.
+/// file is made in memory first. Errors: kInput if it cannot be written, kUsage if `crs` is bad.
 void write_raster(const std::filesystem::path& path, const Raster& raster, Point2 origin,
                   const std::string& crs, const std::optional<Bounds2>& domain = std::nullopt);
 

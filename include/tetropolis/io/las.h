@@ -20,7 +20,7 @@
 
 namespace tetropolis {
 
-/// What the header of one file says; nothing of it has been compared with the points.
+/// What the header of one file says; not compared with the points.
 struct LasInfo {
   int version_major = 0;
   int version_minor = 0;
@@ -45,7 +45,7 @@ struct LasInfo {
 
 /// Reads the header and the variable length records, not the points.
 /// Errors, kInput with the path and byte: missing, unreadable, empty, no LAS file, cut within the
-/// header, senseless sizes or offsets, scale 0 or not finite, unknown version or point format,
+/// header, invalid sizes or offsets, scale 0 or not finite, unknown version or point format,
 /// record shorter than its format, LAZ without or with an unsupported LASzip record.
 LasInfo inspect_las(const std::filesystem::path& path);
 
@@ -93,9 +93,21 @@ struct PointsInput {
 ///
 /// Errors: those of inspect_las; kInput with the path and point number for a file that ends early
 /// or cannot be decoded; kInput naming two files that state different reference systems, unless
-/// options.crs is given; kUsage if options.crs is none. The first broken file in order is reported.
+/// options.crs is given; kUsage if options.crs is bad. The first broken file in order is reported.
 PointsInput read_points(std::span<const std::filesystem::path> paths,
                         const ReadPointsOptions& options = {}, const Progress& progress = {});
+
+/// What is in one file, without keeping its points.
+struct PointsSummary {
+  std::int64_t points = 0;
+  std::map<int, std::int64_t> points_by_class;
+  Bounds2 extent = Bounds2::nothing();  ///< Of the points, in the coordinates of the file.
+  std::vector<Warning> warnings;        ///< As of read_points.
+};
+
+/// Decodes all points of a file, withheld ones too. Parallel, the same for any number of threads;
+/// needs no memory for points. Errors: those of read_points for a file.
+PointsSummary summarise_points(const std::filesystem::path& path, const Progress& progress = {});
 
 struct WritePointsOptions {
   int point_format = 1;  ///< 1 (LAS 1.2) or 6 (LAS 1.4).
@@ -108,8 +120,8 @@ struct WritePointsOptions {
 /// cloud: local frame; `origin` is added to x and y.
 /// Guarantees: the header's box and counts are those of the stored points; the same input gives the
 /// same bytes; the file appears complete or not at all.
-/// Errors: kInput if it cannot be written; kUsage for another point format, a scale too fine for
-/// the extent, classes above 31 in format 1, a bad crs.
+/// Errors: kInput if it cannot be written; kUsage for coordinates that are not finite, another
+/// point format, a scale too fine for the extent, classes above 31 in format 1, a bad crs.
 void write_points(const std::filesystem::path& path, const PointCloud& cloud, Point2 origin,
                   const WritePointsOptions& options = {});
 

@@ -4,7 +4,7 @@
 
 #include <filesystem>
 
-#include "tetropolis/io/vtk.h"
+#include "tetropolis/io/placement.h"
 #include "tetropolis/volume/boundary.h"
 
 namespace tetropolis {

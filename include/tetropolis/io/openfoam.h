@@ -7,14 +7,14 @@
 #include <filesystem>
 
 #include "tetropolis/core/progress.h"
-#include "tetropolis/io/vtk.h"
+#include "tetropolis/io/placement.h"
 #include "tetropolis/volume/boundary.h"
 #include "tetropolis/volume/column_mesh.h"
 
 namespace tetropolis {
 
 /// Writes the files points, faces, owner, neighbour and boundary into `folder`
-/// (CASE/constant/polyMesh), which is made if it is not there. Points and cells are in the order of
+/// (CASE/constant/polyMesh), which is created if not there. Points and cells are in the order of
 /// write_vtu.
 ///
 /// Faces are triangles: internal ones in upper-triangular order (by owner, then neighbour, owner <

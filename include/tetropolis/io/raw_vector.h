@@ -13,8 +13,8 @@ namespace tetropolis {
 /// Writes features with the attributes "id" (text) and "height" (real), and repairs nothing: rings
 /// keep their vertices, order and gaps, vertices that are not finite stay so, and a feature without
 /// polygons becomes one without geometry. The format follows the extension: .shp (with .shx, .dbf,
-/// .prj, .cpg) or .geojson. A shapefile does not tell which rings belong together: its readers find
-/// out, with what they make of the defects.
+/// .prj, .cpg) or .geojson. A shapefile does not tell which rings belong together: readers work it
+/// out, whatever they make of the defects.
 ///
 /// features: local frame; `origin` is added to x and y. z is written if `with_z`. crs as in
 /// write_footprints. Guarantee: the same input gives the same bytes (.prj: with the same PROJ); the

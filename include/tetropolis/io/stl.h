@@ -1,9 +1,9 @@
-// STL, the format every geometry program reads.
+// STL, the format that every geometry program reads.
 #pragma once
 
 #include <filesystem>
 
-#include "tetropolis/io/vtk.h"
+#include "tetropolis/io/placement.h"
 #include "tetropolis/volume/boundary.h"
 
 namespace tetropolis {

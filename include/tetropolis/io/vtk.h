@@ -2,23 +2,16 @@
 // Format: VTK File Formats (Kitware), "XML File Formats".
 #pragma once
 
-#include <array>
 #include <filesystem>
 
 #include "tetropolis/core/progress.h"
 #include "tetropolis/io/compression.h"
+#include "tetropolis/io/placement.h"
 #include "tetropolis/volume/boundary.h"
 #include "tetropolis/volume/column_mesh.h"
 #include "tetropolis/volume/tet_mesh.h"
 
 namespace tetropolis {
-
-/// Where files put a mesh: the coordinates written are local coordinates plus `shift`; the position
-/// of their zero in the reference system, `origin`, is stored beside them as field data.
-struct Placement {
-  std::array<double, 3> shift{0, 0, 0};
-  std::array<double, 3> origin{0, 0, 0};
-};
 
 /// Writes the tets of `mesh`: points in double precision column by column and upwards, cells
 /// triangle by triangle and upwards, and the cell data `region` (Int32: the building whose

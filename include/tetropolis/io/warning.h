@@ -1,4 +1,4 @@
-// What a reader had to say about input that it could use nevertheless.
+// What a reader noticed about input that it could use nevertheless.
 #pragma once
 
 #include <cstdint>

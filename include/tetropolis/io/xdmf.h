@@ -14,7 +14,7 @@
 
 #include "tetropolis/core/progress.h"
 #include "tetropolis/io/compression.h"
-#include "tetropolis/io/vtk.h"
+#include "tetropolis/io/placement.h"
 #include "tetropolis/volume/boundary.h"
 #include "tetropolis/volume/column_mesh.h"
 

@@ -2,6 +2,7 @@
 // the TOML file, defaults, validation, help and the table in the documentation all come from it.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <filesystem>
 #include <limits>
@@ -11,7 +12,17 @@
 #include <variant>
 #include <vector>
 
+#include "tetropolis/io/compression.h"
+
 namespace tetropolis {
+
+// Settings that are one of a few words; what each means is told in config_fields().
+enum class Coordinates { kLocal, kAbsolute };
+enum class GroundFilter { kAuto, kNever, kAlways };
+enum class BoundaryBuildings { kDrop, kClip };
+enum class Layering { kGraded, kUniform };
+enum class Top { kFlat, kFree };
+enum class SynthKind { kRandom, kBlocks, kAdversarial };
 
 /// Lengths in metres, angles in degrees. Empty strings and lists mean "not given".
 struct Config {
@@ -31,13 +42,13 @@ struct Config {
   // Output.
   std::string out;
   std::vector<std::string> formats{"vtu"};
-  std::string coordinates = "local";
-  std::string compression = "none";
+  Coordinates coordinates = Coordinates::kLocal;
+  Compression compression = Compression::kNone;
 
   // City model.
   double domain_margin = 40;
   double dtm_step = 1;
-  std::string ground_filter = "auto";
+  GroundFilter ground_filter = GroundFilter::kAuto;
   double ground_filter_window = 20;
   double ground_filter_slope = 0.15;
   double parallel_tolerance = 0.01;
@@ -49,22 +60,22 @@ struct Config {
   double min_building_distance = 1;
   int merge_growths = 3;
   double min_building_area = 15;
-  std::string boundary_buildings = "drop";
+  BoundaryBuildings boundary_buildings = BoundaryBuildings::kDrop;
 
   // Mesh.
   double mesh_size = 10;
   double min_angle = 25;
   double domain_height = 100;
-  std::string layering = "graded";
+  Layering layering = Layering::kGraded;
   double layer_height = 0;
-  std::string top = "flat";
+  Top top = Top::kFlat;
   double min_wall_height = 1;
   double min_gap_share = 0.25;
   double solver_tolerance = 1e-3;
   int solver_iterations = 1000;
 
   // Synthetic city.
-  std::string kind = "random";
+  SynthKind kind = SynthKind::kRandom;
   int buildings = 0;
   double size = 0;
   int seed = 1;
@@ -79,6 +90,11 @@ struct Config {
   std::string log;
 };
 
+/// Whether nodes are placed by Laplace problems: in graded columns under a flat top there are none.
+inline bool solves_laplace(const Config& config) {
+  return config.layering == Layering::kUniform || config.top == Top::kFree;
+}
+
 /// The commands that take settings, as bits.
 enum Command : unsigned {
   kBuild = 1U << 0,
@@ -88,11 +104,17 @@ enum Command : unsigned {
   kCheck = 1U << 4,
 };
 
+/// A setting that is one of a few words: an enumeration that counts the words of the field.
+struct ChoiceMember {
+  std::size_t (*get)(const Config&);
+  void (*set)(Config&, std::size_t);
+};
+
 /// One setting.
 struct ConfigField {
   using Member =
       std::variant<bool Config::*, int Config::*, double Config::*, std::string Config::*,
-                   std::vector<std::string> Config::*, std::vector<double> Config::*>;
+                   std::vector<std::string> Config::*, std::vector<double> Config::*, ChoiceMember>;
 
   std::string_view name;   ///< Key in TOML; the option is "--" with '-' for '_'.
   std::string_view group;  ///< Heading in help and documentation.
@@ -100,8 +122,9 @@ struct ConfigField {
   unsigned commands;      ///< Command bits that take it.
   std::string_view help;  ///< One line without a full stop.
   std::string_view unit = "";
-  double least = -std::numeric_limits<double>::infinity();  ///< Of numbers, inclusive.
-  double most = std::numeric_limits<double>::infinity();
+  double min = -std::numeric_limits<double>::infinity();  ///< Of numbers, inclusive
+  double max = std::numeric_limits<double>::infinity();
+  bool above_min = false;                      ///< unless only greater ones are allowed.
   std::vector<std::string_view> choices = {};  ///< Of texts; empty: anything.
 };
 
@@ -126,7 +149,7 @@ void load_config(Config& config, const std::filesystem::path& path);
 /// A TOML file with every setting of `commands`, its default and meaning, commented out.
 std::string config_template(unsigned commands);
 
-/// The settings of `commands` as a Markdown table a group.
+/// The settings of `commands` as one Markdown table per group.
 std::string config_markdown();
 
 /// The name among `known` closest to `name` by edit distance, or an empty string if none is close.

@@ -8,7 +8,7 @@
 
 namespace tetropolis {
 
-/// How the owner of a process keeps sight of an output. Either may be empty.
+/// How a program keeps track of an output. Either may be empty.
 struct OutputWatcher {
   /// The hidden folder is there. `discard` removes it again, and what was made for it; it may be
   /// called from any thread until `moves` has returned, by one who then ends the process.
@@ -25,7 +25,7 @@ struct OutputWatcher {
 /// of them are undone. Without commit() the destructor removes everything, the target is as it was.
 ///
 /// A process that is killed leaves its hidden folder behind. The next OutputFolder for the same
-/// target removes it, and puts the earlier results back (or makes none of half a new one) if the
+/// target removes it, and puts the earlier results back (or removes the half of a new one) if the
 /// kill fell between the moves. Folders of processes that still run are left alone: each holds a
 /// lock (flock) on its own, so on file systems without such locks nothing is removed.
 class OutputFolder {

@@ -41,8 +41,8 @@ struct CityReport {
   std::int64_t raw_buildings = 0;
   std::int64_t buildings = 0;
   std::int64_t merged_groups = 0;  ///< Buildings made of more than one input feature.
-  double min_clearance = 0;        ///< Metres; between all rings.
-  double area_before = 0;          ///< Of the union of the footprints, square metres.
+  double min_clearance = 0;  ///< Metres; between all rings. Infinity (null in JSON) without any.
+  double area_before = 0;    ///< Of the union of the footprints, square metres.
   double area_after = 0;
   double area_moved = 0;          ///< Of the symmetric difference of both unions.
   double area_changed_share = 0;  ///< area_moved / area_before.
@@ -113,7 +113,7 @@ struct Report {
   std::vector<Warning> warnings;
 };
 
-/// The report as JSON text (DESIGN section 6), UTF-8, ending with a newline.
+/// The report as JSON text (keys: docs/files.md), UTF-8, ending with a newline.
 std::string to_json(const Report& report);
 
 }  // namespace tetropolis

@@ -18,7 +18,7 @@ struct RunHooks {
   OutputWatcher output;             ///< For callers that may have to end the process.
 };
 
-/// Each writes the files of DESIGN section 5 into config.out and returns what report.json says. The
+/// Each writes the files of docs/files.md into config.out and returns what report.json says. The
 /// folder appears complete or, after an exception, is as it was before.
 /// Throw Error (see error.h for the kinds) and Cancelled.
 

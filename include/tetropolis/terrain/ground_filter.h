@@ -1,4 +1,4 @@
-// Ground points of clouds that nobody has classified.
+// Ground points of unclassified clouds.
 #pragma once
 
 #include <cstdint>
@@ -26,10 +26,10 @@ struct GroundFilterReport {
   std::int64_t candidates = 0;     ///< Points of the classes given with a finite height.
   std::int64_t ground_points = 0;  ///< Of these, on the ground.
   std::int64_t cells = 0;
-  std::int64_t pit_cells = 0;  ///< Cells whose lowest point was too lonely to be believed.
+  std::int64_t pit_cells = 0;  ///< Cells whose lowest point was too isolated to be trusted.
 };
 
-/// Tells the ground points of a cloud: result[p] is 1 where point p lies on the ground, otherwise
+/// Finds the ground points of a cloud: result[p] is 1 where point p lies on the ground, otherwise
 /// 0. Points of other classes are not looked at.
 ///
 /// The simple morphological filter of Pingel, Clarke & McBride, "An improved simple morphological

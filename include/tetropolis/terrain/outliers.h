@@ -1,4 +1,4 @@
-// Ground points that cannot be ground: birds, pits, echoes that came twice.
+// Ground points that cannot be ground: birds, pits, multiple echoes.
 #pragma once
 
 #include <cstddef>
@@ -22,10 +22,9 @@ struct GroundOutlierOptions {
 /// these hold fewer than 9, cells of 16, 64, 256, 1024 m. A point is an outlier if all hold:
 /// - it is further than `height` and than `spreads` median absolute deviations from the median
 ///   height there (Hampel, "The influence curve and its role in robust estimation", 1974);
-/// - it is alone: points at most 1 m higher or lower, itself among them, occupy at most 3 of the
-/// 144
-///   squares, a quarter of the cell wide, that the neighbourhood consists of; only one, if points
-///   are fewer than squares;
+/// - it is alone: points at most 1 m higher or lower, itself included, occupy at most 3 of the
+///   144 squares, a quarter of the cell wide, that the neighbourhood consists of; only one, if
+///   there are fewer points than squares;
 /// - no point that is not alone lies even further from the median on the same side.
 /// So quays, cliffs and quarry walls stay, however high: what is below them, and above, is not
 /// alone, and what is alone lies between. Copies of a point are as alone as the point itself; where
@@ -35,6 +34,7 @@ struct GroundOutlierOptions {
 /// the few neighbourhoods in which something is far from the median; each coarser size of cells
 /// that is needed is one more pass. Memory: 12 bytes per ground point, 1 per point and 8 per cell
 /// (as many as the extent holds, at most 2^26: cells grow where there would be more).
+/// Throws Error(kInput) for 2^32 points or more, and Cancelled.
 std::vector<std::uint32_t> find_ground_outliers(const PointCloud& cloud,
                                                 const GroundOutlierOptions& options = {},
                                                 const Progress& progress = {});

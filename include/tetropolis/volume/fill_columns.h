@@ -62,9 +62,9 @@ ColumnPlan plan_columns(const GroundMesh& mesh, const Raster& dtm, std::vector<d
 /// segments that comes closest to the spacing, at least one. A piece that begins at the foot of a
 /// cliff (the spacing is less than 0.6 of what the highest ground beside rises above it) has two
 /// segments of 0.6 and 0.4 of that rise first, as far as it reaches: the tets between its column
-/// and the edge of the cliff would be slivers else, as atan(r) - atan(r - s / d) with r = rise / d
-/// at distance d falls with r squared for a fixed spacing s. Throws Error(kGuarantee) naming the
-/// vertex if the elevations do not increase.
+/// and the edge of the cliff would otherwise be slivers, as atan(r) - atan(r - s / d) with
+/// r = rise / d at distance d falls with r squared for a fixed spacing s. Throws Error(kGuarantee)
+/// naming the vertex if the elevations do not increase.
 ColumnMesh divide_columns(GroundMesh ground, EdgeGraph edges, const ColumnPlan& plan);
 
 /// Sets z: exact at ground, roof and top. `mesh` as made by divide_columns with the same plan.

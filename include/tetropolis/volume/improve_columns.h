@@ -20,7 +20,7 @@ struct ImproveOptions {
 /// stay, so the ground mesh, all surfaces and guarantees are untouched, and so is every column away
 /// from bad cells.
 ///
-/// What is bad is told by how much: with angle t below the target T, a cell costs
+/// How bad a cell is, is measured: with an angle t below the target T it costs
 /// ((1 - cos T) / (1 - cos t))^2 - 1, about (T / t)^4 - 1, and likewise above the greatest angle; a
 /// change is made if it lowers the sum over the cells it touches. Columns that share no triangle do
 /// not touch the same cells and are worked on at the same time.

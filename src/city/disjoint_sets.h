@@ -10,9 +10,9 @@
 namespace tetropolis {
 
 /// Disjoint sets of the numbers 0 to size - 1; the root of a set is its lowest number.
-class Forest {
+class DisjointSets {
  public:
-  explicit Forest(std::size_t size) : parent_(size) {
+  explicit DisjointSets(std::size_t size) : parent_(size) {
     std::iota(parent_.begin(), parent_.end(), 0);
   }
   std::int32_t root(std::int32_t i) {

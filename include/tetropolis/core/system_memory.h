@@ -1,0 +1,10 @@
+// How much memory this process may use.
+#pragma once
+
+namespace tetropolis {
+
+/// Bytes: the least of the machine's memory, the limits of the process's control groups
+/// (containers, batch systems) and its limit of address space (ulimit -v).
+double usable_memory();
+
+}  // namespace tetropolis
