@@ -10,6 +10,12 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "tetropolis/check/check_city.h"
+#include "tetropolis/check/check_heights.h"
+#include "tetropolis/check/check_regions.h"
+#include "tetropolis/check/check_same_boundary.h"
+#include "tetropolis/check/check_surface.h"
+#include "tetropolis/check/check_volume.h"
 #include "tetropolis/core/error.h"
 #include "tetropolis/io/cityjson.h"
 #include "tetropolis/io/geotiff.h"
@@ -174,7 +180,7 @@ CheckedFile check_against_city(const fs::path& folder, const TetMesh& mesh,
   if (report && report->absolute) shift = {-city.origin.x, -city.origin.y, 0};
   const HeightsCheck check = check_heights(surface, shift, terrain.raster, city);
   CheckedFile file{"meshes, city model and terrain", {}, check.violations};
-  const auto regions = check_regions_of_cells(mesh, shift, city);
+  const auto regions = check_regions(mesh, shift, city);
   file.violations.insert(file.violations.end(), regions.begin(), regions.end());
   file.facts = {fmt::format("{} ground vertices on the terrain ({} lowered at walls), {} roof "
                             "vertices at their roof's height",

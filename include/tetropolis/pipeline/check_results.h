@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "tetropolis/check/check_mesh.h"
+#include "tetropolis/check/violation.h"
 #include "tetropolis/core/progress.h"
 
 namespace tetropolis {
