@@ -5,6 +5,7 @@
 
 #include <gtest/gtest.h>
 
+#include "tetropolis/check/check_ground.h"
 #include "tetropolis/check/check_heights.h"
 #include "tetropolis/check/check_regions.h"
 #include "tetropolis/check/check_same_boundary.h"
