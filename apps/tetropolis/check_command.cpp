@@ -9,11 +9,10 @@
 
 namespace tetropolis::app {
 
-bool check(const std::string& path, double min_distance, Console& console) {
+bool check(const std::string& path, std::optional<double> min_distance, Console& console) {
   Progress progress;
   progress.cancelled = interrupted;
-  const auto files =
-      check_path(path, min_distance < 0 ? std::nullopt : std::optional(min_distance), progress);
+  const auto files = check_path(path, min_distance, progress);
   std::int64_t violations = 0;
   bool everything = true;
   for (const CheckedFile& file : files) {
@@ -21,10 +20,9 @@ bool check(const std::string& path, double min_distance, Console& console) {
       console.result(file.name);
     else
       console.important_result(file.name);
-    for (const std::string& fact : file.facts) {
-      console.result("  " + fact);
-      if (fact.starts_with("not checked")) everything = false;
-    }
+    for (const std::string& fact : file.facts) console.result("  " + fact);
+    for (const std::string& what : file.not_checked) console.result("  not checked: " + what);
+    everything = everything && file.not_checked.empty();
     for (const Violation& violation : file.violations) {
       console.important_result(fmt::format("  VIOLATED: {} ({}); first: {}", violation.what,
                                            violation.count, violation.first));

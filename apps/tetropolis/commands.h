@@ -1,6 +1,7 @@
 // The commands that only look at files.
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -13,9 +14,9 @@ namespace tetropolis::app {
 bool info(const std::vector<std::string>& files);
 
 /// Checks a city model, a volume, a boundary or a folder of results and prints what it found on
-/// stdout (unless quiet: then only what is violated). Returns whether every guarantee holds.
-/// `min_distance`: clearance to ask of a city model; negative: that of the report beside it, or 1
+/// stdout (unless quiet: then only what is violated). Returns whether no guarantee is broken.
+/// `min_distance`: clearance to ask of a city model; without it that of the report beside it, or 1
 /// m. Throws Error for files that cannot be read.
-bool check(const std::string& path, double min_distance, Console& console);
+bool check(const std::string& path, std::optional<double> min_distance, Console& console);
 
 }  // namespace tetropolis::app

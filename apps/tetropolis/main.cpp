@@ -1,4 +1,5 @@
 // The command line: options in, library calls, progress out.
+#include <charconv>
 #include <cmath>
 #include <cstdio>
 #include <exception>
@@ -6,6 +7,7 @@
 #include <functional>
 #include <memory>
 #include <new>
+#include <optional>
 #include <system_error>
 
 #include <CLI/CLI.hpp>
@@ -111,7 +113,8 @@ int run(const ConfigOptions& options, RunFunction function) {
   });
 }
 
-int run_check(const ConfigOptions& options, const std::string& path, double min_distance) {
+int run_check(const ConfigOptions& options, const std::string& path,
+              std::optional<double> min_distance) {
   const Config config = options.config();
   const ThreadLimit limit(config.threads);
   return with_console(config, [&](Console& console) {
@@ -186,7 +189,7 @@ void declare(CLI::App& app, std::vector<std::unique_ptr<ConfigOptions>>& options
       [&action] { action = [] { return info(files) ? 0 : static_cast<int>(ErrorKind::kInput); }; });
 
   static std::string checked;
-  static double min_distance = -1;
+  static std::optional<double> min_distance;
   CLI::App* check_command = app.add_subcommand(
       "check",
       "Validate a city model, a mesh or a folder of results; exit 1 if a guarantee is broken");
@@ -194,7 +197,14 @@ void declare(CLI::App& app, std::vector<std::unique_ptr<ConfigOptions>>& options
   check_command
       ->add_option("--min-building-distance", min_distance,
                    "Clearance to ask of a city model [m] (default: as in report.json, else 1.0)")
-      ->type_name("NUMBER");
+      ->type_name("NUMBER")
+      ->check([](const std::string& text) {
+        double value = 0;
+        const char* end = text.data() + text.size();
+        const auto [stop, code] = std::from_chars(text.data(), end, value);
+        const bool valid = code == std::errc() && stop == end && std::isfinite(value) && value >= 0;
+        return valid ? "" : fmt::format("'{}' is no distance in metres", text);
+      });
   options.push_back(std::make_unique<ConfigOptions>(*check_command, kCheck));
   check_command->callback([&action, chosen = options.back().get()] {
     action = [chosen] { return run_check(*chosen, checked, min_distance); };

@@ -1,21 +1,15 @@
+#include "tetropolis/check/check_surface.h"
+
 #include <algorithm>
-#include <bit>
 #include <cmath>
-#include <cstdint>
-#include <cstdlib>
 #include <limits>
 #include <map>
 #include <span>
 #include <string_view>
-#include <utility>
 
 #include <fmt/format.h>
 
-#include "tetropolis/check/check_mesh.h"
-
 #include "edges.h"
-#include "rows.h"
-#include "squares.h"
 #include "vector3.h"
 #include "violations.h"
 
@@ -23,7 +17,6 @@ namespace tetropolis {
 
 namespace {
 
-constexpr double kHeightTolerance = 1e-9;
 constexpr const char* kUsedTwice = "edges used twice in one direction";
 constexpr const char* kOpen = "open edges";
 constexpr const char* kNotFinite = "coordinates that are not finite";
@@ -122,25 +115,6 @@ std::array<Vector3, 3> corners(const SurfaceMesh& surface, std::size_t f) {
           surface.points[static_cast<std::size_t>(t[2])]};
 }
 
-/// Bilinear interpolation, written out anew, in the coordinates of the reference system: those are
-/// what the files share.
-double height_of_terrain(const Raster& dtm, Point2 origin, double local_x, double local_y) {
-  const double x = local_x + origin.x - (dtm.x0 + origin.x);
-  const double y = local_y + origin.y - (dtm.y0 + origin.y);
-  const double gx = std::min(std::max(x / dtm.step, 0.0), dtm.nx - 1.0);
-  const double gy = std::min(std::max(y / dtm.step, 0.0), dtm.ny - 1.0);
-  const double i = std::min(std::floor(gx), std::max(dtm.nx - 2.0, 0.0));
-  const double j = std::min(std::floor(gy), std::max(dtm.ny - 2.0, 0.0));
-  const double s = gx - i, t = gy - j;
-  const auto node = [&](double column, double row) {
-    const auto c = static_cast<std::int32_t>(std::min(column, dtm.nx - 1.0));
-    const auto r = static_cast<std::int32_t>(std::min(row, dtm.ny - 1.0));
-    return dtm.at(c, r);
-  };
-  return (1 - s) * (1 - t) * node(i, j) + s * (1 - t) * node(i + 1, j) +
-         (1 - s) * t * node(i, j + 1) + s * t * node(i + 1, j + 1);
-}
-
 }  // namespace
 
 SurfaceCheck check_surface(const SurfaceMesh& surface) {
@@ -175,116 +149,6 @@ SurfaceCheck check_surface(const SurfaceMesh& surface) {
       note_violation(check.violations, "roofs of one building at different heights", place);
   }
   check_edges(surface, check);
-  return check;
-}
-
-std::vector<Violation> check_same_boundary(const TetMesh& mesh, const VolumeCheck& volume,
-                                           const SurfaceMesh& surface) {
-  // Faces by the bits of their corners' coordinates, in some order: both files write the same
-  // doubles, and unlike these their bits are equal to themselves and ordered whatever they say.
-  using Bits = std::array<std::uint64_t, 3>;
-  using FaceKey = std::array<Bits, 3>;
-  const std::size_t of_volume = volume.boundary.size();
-  const std::size_t faces = of_volume + surface.triangles.size();
-  const auto key_of = [&](std::size_t f) {
-    FaceKey key;
-    for (std::size_t i = 0; i < 3; ++i) {
-      const Vector3& p =
-          f < of_volume
-              ? mesh.points[static_cast<std::size_t>(volume.boundary[f][i])]
-              : surface.points[static_cast<std::size_t>(surface.triangles[f - of_volume][i])];
-      // No sum is -0.
-      for (std::size_t d = 0; d < 3; ++d) key[i][d] = std::bit_cast<std::uint64_t>(p[d] + 0.0);
-    }
-    std::sort(key.begin(), key.end());
-    return key;
-  };
-  const auto first_corner = [](const FaceKey& key) {
-    return Vector3{std::bit_cast<double>(key[0][0]), std::bit_cast<double>(key[0][1]),
-                   std::bit_cast<double>(key[0][2])};
-  };
-  const Squares squares(surface.points, faces / 8);
-  const Rows filed = file_under_rows(faces, squares.size(), [&](std::size_t f, const auto& use) {
-    use(squares.at(first_corner(key_of(f))));
-  });
-  const auto look = [&](std::size_t begin, std::size_t end, std::vector<Violation>& violations) {
-    struct Face {
-      std::uint64_t sum;  // of elevations' bits: tells most faces apart
-      FaceKey key;
-      int side;  // +1: of the volume, -1: of the surface
-    };
-    std::vector<Face> row;
-    for (std::size_t r = begin; r < end; ++r) {
-      row.clear();
-      for (const std::uint32_t item : filed[r]) {
-        const std::size_t f = item;
-        const FaceKey key = key_of(f);
-        row.push_back({key[0][2] + key[1][2] + key[2][2], key, f < of_volume ? 1 : -1});
-      }
-      std::sort(row.begin(), row.end(), [](const Face& a, const Face& b) {
-        return a.sum != b.sum ? a.sum < b.sum : a.key < b.key;
-      });
-      for (std::size_t i = 0, j = 0; i < row.size(); i = j) {
-        int surplus = 0;
-        for (; j < row.size() && row[j].key == row[i].key; ++j) surplus += row[j].side;
-        const Vector3 at = first_corner(row[i].key);
-        for (int n = 0; n < std::abs(surplus); ++n)
-          note_violation(violations, "boundary faces in only one of volume and surface", [&] {
-            return fmt::format("at ({:.3f}, {:.3f}, {:.3f})", at[0], at[1], at[2]);
-          });
-      }
-    }
-  };
-  return sum_of_violations(filed.size(), look);
-}
-
-HeightsCheck check_heights(const SurfaceMesh& surface, std::array<double, 3> shift,
-                           const Raster& dtm, const CityModel& city) {
-  HeightsCheck check;
-  std::vector<bool> on_wall(surface.points.size(), false);
-  std::vector<bool> on_ground(surface.points.size(), false);
-  std::map<std::int32_t, BuildingIndex> roof_building;
-  for (std::size_t f = 0; f < surface.triangles.size(); ++f)
-    for (const std::int32_t v : surface.triangles[f]) {
-      if (surface.patch[f] == Patch::kWall) on_wall[static_cast<std::size_t>(v)] = true;
-      if (surface.patch[f] == Patch::kGround) on_ground[static_cast<std::size_t>(v)] = true;
-      if (surface.patch[f] == Patch::kRoof) roof_building[v] = surface.building[f];
-    }
-  const auto place = [&](std::size_t v, double wanted) {
-    const auto& p = surface.points[v];
-    return fmt::format("vertex {} at ({:.3f}, {:.3f}): z = {:.9f}, {:.9f} expected", v, p[0], p[1],
-                       p[2] + shift[2], wanted);
-  };
-  for (std::size_t v = 0; v < surface.points.size(); ++v) {
-    if (!on_ground[v]) continue;
-    ++check.ground_vertices;
-    const auto& p = surface.points[v];
-    if (!is_finite(p)) {
-      note_violation(check.violations, kNotFinite, [&] { return fmt::format("vertex {}", v); });
-      continue;
-    }
-    const double wanted = height_of_terrain(dtm, city.origin, p[0] + shift[0], p[1] + shift[1]);
-    const double error = p[2] + shift[2] - wanted;
-    if (std::abs(error) <= kHeightTolerance) continue;
-    if (error < 0 && on_wall[v])
-      ++check.lowered;
-    else
-      note_violation(check.violations, "ground vertices off the terrain",
-                     [&] { return place(v, wanted); });
-  }
-  for (const auto& [vertex, building] : roof_building) {
-    ++check.roof_vertices;
-    const auto v = static_cast<std::size_t>(vertex);
-    if (building < 0 || building >= static_cast<BuildingIndex>(city.buildings.size())) {
-      note_violation(check.violations, "roofs of buildings that the city model lacks",
-                     [&, building = building] { return fmt::format("building {}", building); });
-      continue;
-    }
-    const double wanted = city.buildings[static_cast<std::size_t>(building)].h_roof;
-    if (!(std::abs(surface.points[v][2] + shift[2] - wanted) <= kHeightTolerance))
-      note_violation(check.violations, "roof vertices off the roof height",
-                     [&] { return place(v, wanted); });
-  }
   return check;
 }
 

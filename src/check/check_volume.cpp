@@ -1,3 +1,5 @@
+#include "tetropolis/check/check_volume.h"
+
 #include <algorithm>
 #include <limits>
 #include <span>
@@ -5,7 +7,6 @@
 
 #include <fmt/format.h>
 
-#include "tetropolis/check/check_mesh.h"
 #include "tetropolis/core/error.h"
 #include "tetropolis/core/parallel.h"
 
@@ -24,7 +25,7 @@ constexpr std::size_t kGrain = 16384;
 
 /// Pairs of vertices at the same place, the second of each ascending.
 std::vector<std::pair<std::int64_t, std::int64_t>> coincident_vertices(const TetMesh& mesh) {
-  const Squares squares(mesh.points, mesh.points.size() / 8);
+  const Squares squares(box_of(mesh.points), mesh.points.size() / 8);
   const Rows filed =
       file_under_rows(mesh.points.size(), squares.size(), [&](std::size_t v, const auto& use) {
         if (is_finite(mesh.points[v])) use(squares.at(mesh.points[v]));

@@ -6,7 +6,7 @@
 #include <utility>
 #include <vector>
 
-#include "tetropolis/check/check_mesh.h"
+#include "tetropolis/check/violation.h"
 #include "tetropolis/core/parallel.h"
 
 namespace tetropolis {

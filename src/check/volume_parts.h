@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "tetropolis/check/check_mesh.h"
+#include "tetropolis/check/check_volume.h"
 
 namespace tetropolis {
 

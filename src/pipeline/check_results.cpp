@@ -11,6 +11,13 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "tetropolis/check/check_city.h"
+#include "tetropolis/check/check_ground.h"
+#include "tetropolis/check/check_heights.h"
+#include "tetropolis/check/check_regions.h"
+#include "tetropolis/check/check_same_boundary.h"
+#include "tetropolis/check/check_surface.h"
+#include "tetropolis/check/check_volume.h"
 #include "tetropolis/core/error.h"
 #include "tetropolis/io/cityjson.h"
 #include "tetropolis/io/geotiff.h"
@@ -33,6 +40,10 @@ struct ReportedMesh {
   std::int64_t ground_lowered;
 };
 
+struct ReportedGround {
+  double triangles, least_angle, below_min_angle;
+};
+
 struct ReportedFacts {
   double min_distance = kDefaultDistance;
   bool absolute = false;
@@ -41,6 +52,8 @@ struct ReportedFacts {
   std::vector<std::string> dropped;  ///< Ids, sorted; likewise.
   std::optional<Point2> origin;
   std::optional<ReportedMesh> mesh;
+  std::optional<double> min_angle;
+  ReportedGround ground{};
 };
 
 /// What is not in the report differs from every file.
@@ -49,6 +62,10 @@ ReportedFacts facts_of(const Json& report) {
   ReportedFacts facts;
   facts.min_distance = config.value("min_building_distance", kDefaultDistance);
   facts.absolute = config.value("coordinates", std::string("local")) == "absolute";
+  if (config.contains("min_angle")) facts.min_angle = config["min_angle"].get<double>();
+  const Json ground = report.value("ground_mesh", Json::object());
+  facts.ground = {ground.value("triangles", -1.0), ground.value("min_angle_deg", -1.0),
+                  ground.value("triangles_below_min_angle", -1.0)};
   if (report.contains("input"))
     facts.footprint_parts = report["input"].value("footprint_parts", std::size_t{0});
   if (report.contains("city")) {
@@ -99,7 +116,7 @@ double percent(std::int64_t part, std::int64_t whole) {
 }
 
 CheckedFile describe(const std::string& name, const VolumeCheck& check) {
-  CheckedFile file{name, {}, check.violations};
+  CheckedFile file{name, {}, check.violations, {}};
   const Distribution& angle = check.min_dihedral_deg;
   file.facts = {
       fmt::format("{} vertices, {} tets, {} inverted", check.vertices, check.cells, check.inverted),
@@ -122,7 +139,7 @@ CheckedFile describe(const std::string& name, const VolumeCheck& check) {
 }
 
 CheckedFile describe(const std::string& name, const SurfaceCheck& check) {
-  CheckedFile file{name, {}, check.violations};
+  CheckedFile file{name, {}, check.violations, {}};
   std::string patches;
   for (int i = 0; i < kPatchCount; ++i)
     patches += fmt::format("{}{} {}", i == 0 ? "" : ", ", patch_name(static_cast<Patch>(i + 1)),
@@ -134,13 +151,29 @@ CheckedFile describe(const std::string& name, const SurfaceCheck& check) {
   return file;
 }
 
+CheckedFile check_one_volume(const fs::path& path, const Progress& progress) {
+  CheckedFile file = describe(path.filename().string(), check_volume(read_vtu(path), progress));
+  file.not_checked = {
+      "the boundary's tags, regions, footprints in the mesh, heights and the "
+      "report (check the folder that has the other results)"};
+  return file;
+}
+
+CheckedFile check_one_surface(const fs::path& path) {
+  CheckedFile file = describe(path.filename().string(), check_surface(read_vtp(path)));
+  file.not_checked = {
+      "the volume behind it, footprints in the mesh, heights and the report (check "
+      "the folder that has the other results)"};
+  return file;
+}
+
 CheckedFile check_city_model(const std::string& name, const CityModel& city,
                              std::optional<double> min_distance,
                              const std::optional<ReportedFacts>& report) {
   if (!min_distance && name != kRawCity)
     min_distance = report ? report->min_distance : kDefaultDistance;
   const CityCheck check = check_city(city, min_distance);
-  CheckedFile file{name, {}, check.violations};
+  CheckedFile file{name, {}, check.violations, {}};
   file.facts = {fmt::format("{} buildings, {} dropped features, {:.1f} m2", check.buildings,
                             check.dropped, check.area)};
   if (min_distance)
@@ -149,42 +182,85 @@ CheckedFile check_city_model(const std::string& name, const CityModel& city,
   return file;
 }
 
-/// Facts of the report that the files must bear out.
+/// A number of the report that the files must bear out: between `low` and `high`.
+void compare(const char* what, double reported, double low, double found, double high,
+             CheckedFile& file) {
+  if (reported >= low && reported <= high) return;
+  file.violations.push_back({fmt::format("{} differs from report.json", what), 1,
+                             fmt::format("{} reported, {} found", reported, found)});
+}
+
 void compare_with_report(const ReportedMesh& mesh, const VolumeCheck& volume,
                          const SurfaceCheck& surface, CheckedFile& file) {
-  const auto compare = [&](const char* what, double reported, double found, double tolerance) {
-    if (std::abs(reported - found) <= tolerance) return;
-    file.violations.push_back({fmt::format("{} differs from report.json", what), 1,
-                               fmt::format("{} reported, {} found", reported, found)});
+  const auto near = [&](const char* what, double reported, double found, double tolerance) {
+    compare(what, reported, found - tolerance, found, found + tolerance, file);
   };
-  compare("number of cells", mesh.cells, static_cast<double>(volume.cells), 0);
-  compare("number of vertices", mesh.vertices, static_cast<double>(volume.vertices), 0);
-  compare("inverted cells", mesh.inverted, static_cast<double>(volume.inverted), 0);
-  compare("volume", mesh.volume, volume.volume, 1e-9 * volume.volume);
-  compare("enclosed volume", volume.volume, surface.enclosed_volume, 1e-7 * volume.volume);
-  compare("boundary triangles", mesh.triangles, static_cast<double>(surface.triangles), 0);
-  compare("least dihedral angle", mesh.least_angle, volume.min_dihedral_deg.min, 0.01);
-  compare("greatest dihedral angle", mesh.greatest_angle, volume.max_dihedral_deg, 0.01);
+  near("number of cells", mesh.cells, static_cast<double>(volume.cells), 0);
+  near("number of vertices", mesh.vertices, static_cast<double>(volume.vertices), 0);
+  near("inverted cells", mesh.inverted, static_cast<double>(volume.inverted), 0);
+  near("volume", mesh.volume, volume.volume, 1e-9 * volume.volume);
+  near("enclosed volume", volume.volume, surface.enclosed_volume, 1e-7 * volume.volume);
+  near("boundary triangles", mesh.triangles, static_cast<double>(surface.triangles), 0);
+  near("least dihedral angle", mesh.least_angle, volume.min_dihedral_deg.min, 0.01);
+  near("greatest dihedral angle", mesh.greatest_angle, volume.max_dihedral_deg, 0.01);
+}
+
+/// Guarantee 3: footprints in the mesh, and its angles if the report says what was asked for.
+void check_ground_mesh(const SurfaceMesh& surface, std::array<double, 3> shift,
+                       const CityModel& city, const std::optional<ReportedFacts>& report,
+                       CheckedFile& file) {
+  const bool known = report && report->mesh && report->min_angle;
+  const GroundCheck check = check_ground(surface, shift, city, known ? *report->min_angle : 0);
+  file.violations.insert(file.violations.end(), check.violations.begin(), check.violations.end());
+  file.facts.push_back(
+      fmt::format("{} triangles in the plan, least angle {:.2f} degrees; outlines of roofs "
+                  "compared with the footprints",
+                  check.triangles, check.least_angle_deg));
+  if (!known) {
+    file.not_checked.emplace_back(
+        "the least angle of the ground mesh (no report.json that says what was asked for)");
+    return;
+  }
+  const ReportedGround& ground = report->ground;
+  const auto triangles = static_cast<double>(check.triangles);
+  compare("number of ground triangles", ground.triangles, triangles, triangles, triangles, file);
+  compare("least angle of the ground mesh", ground.least_angle, check.least_angle_bounds_deg[0],
+          check.least_angle_deg, check.least_angle_bounds_deg[1], file);
+  compare("number of triangles below the minimum angle", ground.below_min_angle,
+          static_cast<double>(check.below_bounds[0]), static_cast<double>(check.below),
+          static_cast<double>(check.below_bounds[1]), file);
+  file.facts.push_back(
+      fmt::format("{} triangles below {} degrees", check.below, *report->min_angle));
+}
+
+void check_heights_of(const fs::path& terrain, const SurfaceMesh& surface,
+                      std::array<double, 3> shift, const CityModel& city,
+                      const std::optional<ReportedFacts>& report, CheckedFile& file) {
+  const HeightsCheck check =
+      check_heights(surface, shift, read_raster(terrain, city.origin).raster, city);
+  file.violations.insert(file.violations.end(), check.violations.begin(), check.violations.end());
+  file.facts.push_back(
+      fmt::format("{} ground vertices on the terrain ({} lowered at walls), {} roof vertices at "
+                  "their roof's height",
+                  check.ground_vertices, check.lowered, check.roof_vertices));
+  if (report && report->mesh && check.lowered > report->mesh->ground_lowered)
+    file.violations.push_back(
+        {"more ground vertices lowered than report.json says", 1,
+         fmt::format("{} reported, {} found", report->mesh->ground_lowered, check.lowered)});
 }
 
 CheckedFile check_against_city(const fs::path& folder, const TetMesh& mesh,
                                const SurfaceMesh& surface, const CityModel& city,
                                const std::optional<ReportedFacts>& report) {
-  const RasterInput terrain = read_raster(folder / "dtm.tif", city.origin);
   std::array<double, 3> shift{0, 0, 0};
   if (report && report->absolute) shift = {-city.origin.x, -city.origin.y, 0};
-  const HeightsCheck check = check_heights(surface, shift, terrain.raster, city);
-  CheckedFile file{"meshes, city model and terrain", {}, check.violations};
-  const auto regions = check_regions_of_cells(mesh, shift, city);
-  file.violations.insert(file.violations.end(), regions.begin(), regions.end());
-  file.facts = {fmt::format("{} ground vertices on the terrain ({} lowered at walls), {} roof "
-                            "vertices at their roof's height",
-                            check.ground_vertices, check.lowered, check.roof_vertices),
-                "regions of cells compared with the footprints"};
-  if (report && report->mesh && check.lowered > report->mesh->ground_lowered)
-    file.violations.push_back(
-        {"more ground vertices lowered than report.json says", 1,
-         fmt::format("{} reported, {} found", report->mesh->ground_lowered, check.lowered)});
+  CheckedFile file{"meshes, city model and terrain", {}, check_regions(mesh, shift, city), {}};
+  file.facts.emplace_back("regions of cells compared with the footprints");
+  check_ground_mesh(surface, shift, city, report, file);
+  if (is_there(folder / "dtm.tif"))
+    check_heights_of(folder / "dtm.tif", surface, shift, city, report, file);
+  else
+    file.not_checked.emplace_back("heights (there is no dtm.tif)");
   return file;
 }
 
@@ -192,8 +268,8 @@ CheckedFile check_against_city(const fs::path& folder, const TetMesh& mesh,
 void compare_account(const CityModel& city, const std::optional<ReportedFacts>& report,
                      CheckedFile& file) {
   if (!report || !report->footprint_parts) {
-    file.facts.emplace_back(
-        "not checked: that every input feature is accounted for (no report.json of the run)");
+    file.not_checked.emplace_back(
+        "that every input feature is accounted for (no report.json of the run)");
     return;
   }
   std::size_t accounted = city.dropped.size();
@@ -227,6 +303,40 @@ void compare_city(const CityModel& city, const ReportedFacts& report, CheckedFil
                                   report.origin->y, city.origin.x, city.origin.y));
 }
 
+/// What is in the folder of volume and boundary; `city` is city.city.json if that is there.
+void add_meshes(const fs::path& folder, const CityModel& city,
+                const std::optional<ReportedFacts>& report, const Progress& progress,
+                std::vector<CheckedFile>& files) {
+  const auto there = [&](const char* name) { return is_there(folder / name); };
+  const bool meshed = report && report->mesh;
+  if (!there("volume.vtu") || !there("boundary.vtp")) {
+    if (there("volume.vtu")) files.push_back(check_one_volume(folder / "volume.vtu", progress));
+    if (there("boundary.vtp")) files.push_back(check_one_surface(folder / "boundary.vtp"));
+    if (meshed)
+      files.push_back({"meshes", {}, {}, {"volume.vtu and boundary.vtp are not both there"}});
+    return;
+  }
+  const SurfaceMesh surface = read_vtp(folder / "boundary.vtp");
+  const SurfaceCheck surface_check = check_surface(surface);
+  const TetMesh mesh = read_vtu(folder / "volume.vtu");
+  const VolumeCheck volume_check = check_volume(mesh, progress);
+  files.push_back(describe("volume.vtu", volume_check));
+  files.push_back(describe("boundary.vtp", surface_check));
+  CheckedFile both{
+      "volume.vtu and boundary.vtp", {}, check_same_boundary(mesh, volume_check, surface), {}};
+  both.facts = {"faces of one compared with faces of the other"};
+  if (meshed)
+    compare_with_report(*report->mesh, volume_check, surface_check, both);
+  else
+    both.not_checked.emplace_back("numbers of the run (no report.json that has them)");
+  files.push_back(both);
+  if (there(kCity))
+    files.push_back(check_against_city(folder, mesh, surface, city, report));
+  else
+    files.back().not_checked.emplace_back(
+        "regions, footprints in the mesh and heights (there is no city.city.json)");
+}
+
 std::vector<CheckedFile> check_folder(const fs::path& folder, std::optional<double> min_distance,
                                       const Progress& progress) {
   const std::optional<ReportedFacts> report = read_report(folder);
@@ -241,29 +351,7 @@ std::vector<CheckedFile> check_folder(const fs::path& folder, std::optional<doub
     compare_account(city, report, files.back());
     if (report && std::string_view(name) == kCity) compare_city(city, *report, files.back());
   }
-  const bool meshed = report && report->mesh;
-  if (there("volume.vtu") && there("boundary.vtp")) {
-    const SurfaceMesh surface = read_vtp(folder / "boundary.vtp");
-    const SurfaceCheck surface_check = check_surface(surface);
-    const TetMesh mesh = read_vtu(folder / "volume.vtu");
-    const VolumeCheck volume_check = check_volume(mesh, progress);
-    files.push_back(describe("volume.vtu", volume_check));
-    files.push_back(describe("boundary.vtp", surface_check));
-    CheckedFile both{
-        "volume.vtu and boundary.vtp", {}, check_same_boundary(mesh, volume_check, surface)};
-    both.facts = {"faces of one compared with faces of the other"};
-    if (meshed) compare_with_report(*report->mesh, volume_check, surface_check, both);
-    files.push_back(both);
-    if (there(kCity) && there("dtm.tif"))
-      files.push_back(check_against_city(folder, mesh, surface, city, report));
-    else
-      files.back().facts.emplace_back(
-          "not checked: heights and regions (they need city.city.json and dtm.tif beside the "
-          "meshes)");
-  } else if (meshed) {
-    files.push_back(
-        {"meshes", {"not checked: volume.vtu and boundary.vtp are not both there"}, {}});
-  }
+  add_meshes(folder, city, report, progress, files);
   if (files.empty())
     throw Error(
         ErrorKind::kInput,
@@ -278,13 +366,18 @@ std::vector<CheckedFile> check_path(const fs::path& path, std::optional<double> 
   if (!is_there(path)) throw Error(ErrorKind::kInput, path.string() + ": no such file or folder");
   std::error_code ignored;
   if (fs::is_directory(path, ignored)) return check_folder(path, min_distance, progress);
-  const std::string name = path.filename().string();
-  if (path.extension() == ".vtu") return {describe(name, check_volume(read_vtu(path), progress))};
-  if (path.extension() == ".vtp") return {describe(name, check_surface(read_vtp(path)))};
-  if (path.extension() == ".json")
-    return {check_city_model(name, read_city(path), min_distance, read_report(path.parent_path()))};
+  if (path.extension() == ".vtu") return {check_one_volume(path, progress)};
+  if (path.extension() == ".vtp") return {check_one_surface(path)};
+  if (path.extension() == ".json") {
+    CheckedFile file = check_city_model(path.filename().string(), read_city(path), min_distance,
+                                        read_report(path.parent_path()));
+    file.not_checked = {
+        "that every input feature is accounted for, and the meshes (check the "
+        "folder that has the other results)"};
+    return {file};
+  }
   throw Error(ErrorKind::kInput,
-              path.string() + ": can be checked: .vtu, .vtp, .city.json, or a folder of results");
+              path.string() + ": is not a .vtu, .vtp or .city.json file or a folder of results");
 }
 
 }  // namespace tetropolis

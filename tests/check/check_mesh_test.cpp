@@ -1,12 +1,16 @@
 // Every check is seen to fail on a mesh broken in just that way.
-#include "tetropolis/check/check_mesh.h"
-
 #include <algorithm>
 #include <cmath>
 #include <limits>
 
 #include <gtest/gtest.h>
 
+#include "tetropolis/check/check_ground.h"
+#include "tetropolis/check/check_heights.h"
+#include "tetropolis/check/check_regions.h"
+#include "tetropolis/check/check_same_boundary.h"
+#include "tetropolis/check/check_surface.h"
+#include "tetropolis/check/check_volume.h"
 #include "tetropolis/io/vtk.h"
 #include "tetropolis/volume/cell_quality.h"
 
@@ -118,9 +122,9 @@ TEST_F(CheckMesh, EndsOnNonFiniteVerticesWhereverTheyAre) {
       const VolumeCheck check_of_odd = check_volume(volume);
       EXPECT_TRUE(has(check_of_odd.violations, "coordinates that are not finite"));
       EXPECT_FALSE(check_same_boundary(volume, check_of_odd, surface).empty());
-      EXPECT_EQ(has(check_regions_of_cells(volume, {0, 0, 0}, model),
-                    "cells whose coordinates are not finite"),
-                d < 2);
+      EXPECT_EQ(
+          has(check_regions(volume, {0, 0, 0}, model), "cells whose coordinates are not finite"),
+          d < 2);
     }
 }
 
@@ -183,15 +187,15 @@ TEST_F(CheckMesh, SeesWrongTags) {
 }
 
 TEST_F(CheckMesh, SeesWrongRegionsAndWallsOfAnotherBuilding) {
-  EXPECT_TRUE(check_regions_of_cells(mesh, {0, 0, 0}, model).empty());
+  EXPECT_TRUE(check_regions(mesh, {0, 0, 0}, model).empty());
   for (const std::size_t c : {std::size_t{0}, mesh.region.size() - 1}) {
     TetMesh wrong = mesh;
     ++wrong.region[c];
-    EXPECT_EQ(check_regions_of_cells(wrong, {0, 0, 0}, model).size(), 1U);
+    EXPECT_EQ(check_regions(wrong, {0, 0, 0}, model).size(), 1U);
   }
   TetMesh untold = mesh;
   untold.region.clear();
-  EXPECT_TRUE(has(check_regions_of_cells(untold, {0, 0, 0}, model), "no region for every cell"));
+  EXPECT_TRUE(has(check_regions(untold, {0, 0, 0}, model), "no region for every cell"));
   SurfaceMesh other = surface;
   const auto wall = static_cast<std::size_t>(
       std::find(surface.patch.begin(), surface.patch.end(), Patch::kWall) - surface.patch.begin());

@@ -1,4 +1,6 @@
 // check_volume against plain computations with maps and sorted lists, on good and broken meshes.
+#include "tetropolis/check/check_volume.h"
+
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -9,7 +11,7 @@
 
 #include <gtest/gtest.h>
 
-#include "tetropolis/check/check_mesh.h"
+#include "tetropolis/check/check_same_boundary.h"
 #include "tetropolis/core/parallel.h"
 #include "tetropolis/volume/face_quality.h"
 #include "tetropolis/volume/tet_shape.h"

@@ -9,6 +9,7 @@
 #include <nlohmann/json.hpp>
 
 #include "tetropolis/core/error.h"
+#include "tetropolis/io/cityjson.h"
 #include "tetropolis/io/geotiff.h"
 #include "tetropolis/pipeline/check_results.h"
 #include "tetropolis/pipeline/run.h"
@@ -80,6 +81,73 @@ TEST_F(Build, CheckFindsAReportThatTellsSomethingElse) {
   EXPECT_EQ(violations_with("/volume_mesh/dihedral_deg/min", 50), 1U);
   EXPECT_EQ(violations_with("/volume_mesh/dihedral_deg/max", 50), 1U);
   EXPECT_EQ(violations_with("/surface_mesh/triangles", 1), 1U);
+  const Json& ground = truth["ground_mesh"];
+  const double least = ground["min_angle_deg"];
+  const std::int64_t below = ground["triangles_below_min_angle"];
+  EXPECT_EQ(violations_with("/ground_mesh/triangles", 1), 1U);
+  EXPECT_EQ(violations_with("/ground_mesh/min_angle_deg", least + 1e-4), 1U);
+  EXPECT_EQ(violations_with("/ground_mesh/min_angle_deg", least - 1e-4), 1U);
+  EXPECT_EQ(violations_with("/ground_mesh/triangles_below_min_angle", below + 1), 1U);
+  EXPECT_EQ(violations_with("/config/min_angle", 44), 1U);  // many are below that
+}
+
+TEST_F(Build, CheckFindsFootprintsThatAreNotInTheMesh) {
+  Config config = city("random", 10, 150, 4);
+  config.mesh_size = 20;
+  for (const char* coordinates : {"local", "absolute"}) {
+    SCOPED_TRACE(coordinates);
+    config.coordinates = coordinates;
+    run_build(config);
+    expect_guarantees(config.out);
+    const fs::path file = scratch / "out/city.city.json";
+    CityModel model = read_city(file);
+    model.buildings[3].footprint.outer[1].x += 1e-3;
+    write_city(file, model);
+    std::set<std::string> violated;
+    for (const CheckedFile& checked : check_path(config.out, std::nullopt))
+      for (const Violation& violation : checked.violations) violated.insert(violation.what);
+    EXPECT_EQ(violated, (std::set<std::string>{"footprint vertices off the roof's outline",
+                                               "roof outlines that leave the footprint's edges"}));
+  }
+}
+
+TEST_F(Build, CheckSaysWhatItHasNotLookedAt) {
+  Config config = city("random", 10, 150, 4);
+  config.mesh_size = 20;
+  run_build(config);
+  const fs::path out = config.out;
+  const auto not_checked = [](const fs::path& path) {
+    std::string all;
+    for (const CheckedFile& file : check_path(path, std::nullopt)) {
+      EXPECT_TRUE(file.violations.empty()) << file.name << ": " << file.violations[0].what;
+      for (const std::string& what : file.not_checked) all += what + "; ";
+    }
+    return all;
+  };
+  const auto says = [](const std::string& text, const char* part) {
+    return text.find(part) != std::string::npos;
+  };
+  EXPECT_EQ(not_checked(out), "");
+  for (const char* name : {"volume.vtu", "boundary.vtp", "city.city.json", "city_raw.city.json"})
+    EXPECT_TRUE(says(not_checked(out / name), "check the folder")) << name;
+  const fs::path aside = scratch / "aside";
+  const auto without = [&](const char* name) {
+    fs::rename(out / name, aside);
+    const std::string text = not_checked(out);
+    fs::rename(aside, out / name);
+    return text;
+  };
+  EXPECT_TRUE(says(without("dtm.tif"), "heights (there is no dtm.tif)"));
+  EXPECT_TRUE(says(without("city.city.json"), "there is no city.city.json"));
+  EXPECT_TRUE(says(without("volume.vtu"), "volume.vtu and boundary.vtp are not both there"));
+  EXPECT_TRUE(says(without("boundary.vtp"), "volume.vtu and boundary.vtp are not both there"));
+  const std::string unreported = without("report.json");
+  for (const char* part : {"every input feature", "numbers of the run", "least angle"})
+    EXPECT_TRUE(says(unreported, part)) << unreported;
+  // Without report and boundary there is still a volume to look at.
+  fs::remove(out / "report.json");
+  EXPECT_TRUE(says(without("boundary.vtp"), "the boundary's tags"));
+  EXPECT_TRUE(says(without("volume.vtu"), "the volume behind it"));
 }
 
 TEST_F(Build, MeshesJoinTheCityModelInItsFolder) {

@@ -81,8 +81,14 @@ TEST_F(Cli, BuildsChecksAndTells) {
   const Outcome checked = run("check result");
   EXPECT_EQ(checked.code, 0) << checked.err;
   EXPECT_NE(checked.out.find("every guarantee holds"), std::string::npos);
-  for (const char* file : {"volume.vtu", "boundary.vtp", "city.city.json", "city_raw.city.json"})
-    EXPECT_EQ(run(std::string("check result/") + file).code, 0) << file;
+  EXPECT_EQ(checked.out.find("not checked"), std::string::npos);
+  for (const char* file : {"volume.vtu", "boundary.vtp", "city.city.json", "city_raw.city.json"}) {
+    const Outcome alone = run(std::string("check result/") + file);
+    EXPECT_EQ(alone.code, 0) << file;
+    EXPECT_NE(alone.out.find("\n  not checked: "), std::string::npos) << alone.out;
+    EXPECT_NE(alone.out.find("\nwhat was checked holds"), std::string::npos) << alone.out;
+    EXPECT_EQ(alone.out.find("every guarantee holds"), std::string::npos) << alone.out;
+  }
   const Outcome info =
       run("info input/points.laz input/footprints.shp result/city.city.json result/dtm.tif "
           "result/volume.vtu result/boundary.vtp");
@@ -169,6 +175,18 @@ TEST_F(Cli, CheckTakesTheOptionsOfEveryRun) {
   EXPECT_NE(broken.out.find("VIOLATED: clearance"), std::string::npos);
   EXPECT_TRUE(bytes_of(scratch / "check.log").ends_with(broken.err)) << broken.err;
   EXPECT_EQ(run("check result --threads -1").code, 2);
+}
+
+TEST_F(Cli, CheckRefusesClearancesThatAreNone) {
+  synth("--buildings 20 --size 250");
+  ASSERT_EQ(run("city --quiet --footprints input/footprints.shp --points input --out result").code,
+            0);
+  for (const char* value : {"nan", "inf", "-inf", "-1", "-0.5", "1e999", "one", "''"})
+    expect_error(std::string("check result --min-building-distance=") + value, 2,
+                 "--min-building-distance");
+  for (const char* value : {"0", "1e-3", "1"})
+    EXPECT_EQ(run(std::string("check result --min-building-distance ") + value).code, 0) << value;
+  EXPECT_EQ(run("check result --min-building-distance 1000").code, 1);
 }
 
 TEST_F(Cli, TheLogHasTheErrorToo) {

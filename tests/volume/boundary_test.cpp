@@ -5,7 +5,9 @@
 
 #include <gtest/gtest.h>
 
-#include "tetropolis/check/check_mesh.h"
+#include "tetropolis/check/check_same_boundary.h"
+#include "tetropolis/check/check_surface.h"
+#include "tetropolis/check/check_volume.h"
 #include "tetropolis/core/error.h"
 
 #include "support/explicit_mesh.h"

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "tetropolis/check/check_mesh.h"
+#include "tetropolis/check/violation.h"
 #include "tetropolis/core/progress.h"
 
 namespace tetropolis {
@@ -16,14 +16,17 @@ struct CheckedFile {
   std::string name;
   std::vector<std::string> facts;  ///< Lines for the reader.
   std::vector<Violation> violations;
+  std::vector<std::string> not_checked;  ///< What it takes other files to see.
 };
 
 /// Checks a volume (.vtu), a boundary (.vtp), a city model (.json), or a folder of results: all of
-/// these that are in it, and in addition that the boundary is that of the volume, that heights are
-/// those of the city model and the terrain, and that numbers agree with report.json.
+/// these that are in it, and in addition that the boundary is that of the volume, that footprints
+/// are in the mesh, that heights are those of the city model and the terrain, and that numbers
+/// agree with report.json. A guarantee that is neither among the violations nor in `not_checked`
+/// holds.
 ///
-/// `min_distance`: clearance to ask of a city model. Without it: of a file named
-/// *city_raw.city.json none; of others what report.json beside it says, else 1 m. Throws
+/// `min_distance`: clearance to ask of a city model, finite and not negative. Without it: of a file
+/// named city_raw.city.json none; of others what report.json beside it says, else 1 m. Throws
 /// Error(kInput) for files that cannot be read or are of no known kind.
 std::vector<CheckedFile> check_path(const std::filesystem::path& path,
                                     std::optional<double> min_distance,

@@ -1,0 +1,28 @@
+// Guarantee 6 on a written boundary, its terrain and its city model.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include "tetropolis/check/violation.h"
+#include "tetropolis/city/city_model.h"
+#include "tetropolis/terrain/raster.h"
+#include "tetropolis/volume/boundary.h"
+
+namespace tetropolis {
+
+struct HeightsCheck {
+  std::int64_t ground_vertices = 0;
+  std::int64_t roof_vertices = 0;
+  std::int64_t lowered = 0;  ///< Ground vertices on walls below the DTM by more than the tolerance.
+  std::vector<Violation> violations;
+};
+
+/// |z - DTM| <= 1e-9 m at ground vertices (except below it on walls), |z - h_roof| <= 1e-9 m at
+/// roof vertices. `shift` is added to the surface's coordinates to get to the local frame of `dtm`
+/// and `city`. Ground vertices that are not finite are violations.
+HeightsCheck check_heights(const SurfaceMesh& surface, std::array<double, 3> shift,
+                           const Raster& dtm, const CityModel& city);
+
+}  // namespace tetropolis

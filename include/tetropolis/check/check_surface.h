@@ -1,0 +1,30 @@
+// Guarantee 5 on a written boundary.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include "tetropolis/check/violation.h"
+#include "tetropolis/volume/boundary.h"
+
+namespace tetropolis {
+
+struct SurfaceCheck {
+  std::int64_t vertices = 0;
+  std::int64_t triangles = 0;
+  bool closed = false;
+  bool manifold = false;
+  double enclosed_volume = 0;  ///< By the divergence theorem.
+  double area = 0;
+  std::array<std::int64_t, kPatchCount> faces_by_patch{};
+  std::vector<Violation> violations;
+};
+
+/// Finite, closed, oriented and edge-manifold; sides lie on the sides of the bounding box, walls
+/// are vertical, ground and roofs face down, the roof of each building is flat, buildings are named
+/// where they must be and nowhere else, and roof and wall faces that share an edge name the same
+/// one.
+SurfaceCheck check_surface(const SurfaceMesh& surface);
+
+}  // namespace tetropolis

@@ -1,0 +1,195 @@
+#include "tetropolis/check/check_ground.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <cstdlib>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "tetropolis/core/parallel.h"
+#include "tetropolis/core/units.h"
+
+#include "rows.h"
+#include "violations.h"
+
+namespace tetropolis {
+
+namespace {
+
+/// Of the arithmetic here, for what is measured from exact coordinates.
+constexpr double kAngleRounding = 1e-9;    // degrees
+constexpr double kLengthRounding = 1e-11;  // of the length
+/// Triangles this little below the minimum angle may be there and may be counted or not.
+constexpr double kAngleSlack = 1e-6;  // degrees
+
+double distance(Point2 p, Point2 q) { return std::hypot(p.x - q.x, p.y - q.y); }
+
+class GroundChecker {
+ public:
+  GroundChecker(const SurfaceMesh& surface, std::array<double, 3> shift, const CityModel& city)
+      : surface_(surface), shift_(shift), city_(city) {
+    double greatest = 0;
+    for (std::size_t v = 0; v < surface.points.size(); ++v) {
+      const Point2 p = at(static_cast<std::int32_t>(v));
+      for (const double x : {p.x + city.origin.x, p.y + city.origin.y})
+        if (std::isfinite(x)) greatest = std::max(greatest, std::abs(x));
+    }
+    rounding_ = std::nextafter(greatest, std::numeric_limits<double>::infinity()) - greatest;
+  }
+
+  void measure_angles(double min_angle_deg, GroundCheck& check) const {
+    const auto measure = [&](std::size_t begin, std::size_t end) {
+      GroundCheck part;
+      for (std::size_t f = begin; f < end; ++f)
+        if (surface_.patch[f] == Patch::kGround || surface_.patch[f] == Patch::kRoof)
+          add_triangle(f, min_angle_deg, part);
+      return part;
+    };
+    check = parallel_reduce_ordered(
+        surface_.triangles.size(), 16384, GroundCheck{}, measure,
+        [](GroundCheck sum, const GroundCheck& part) {
+          sum.triangles += part.triangles;
+          sum.least_angle_deg = std::min(sum.least_angle_deg, part.least_angle_deg);
+          sum.below += part.below;
+          for (std::size_t i = 0; i < 2; ++i) {
+            sum.least_angle_bounds_deg[i] =
+                std::min(sum.least_angle_bounds_deg[i], part.least_angle_bounds_deg[i]);
+            sum.below_bounds[i] += part.below_bounds[i];
+          }
+          return sum;
+        });
+  }
+
+  void check_outlines(std::vector<Violation>& violations) const {
+    const Rows roofs = file_under_rows(surface_.triangles.size(), city_.buildings.size(),
+                                       [&](std::size_t f, const auto& use) {
+                                         const BuildingIndex b = surface_.building[f];
+                                         if (surface_.patch[f] == Patch::kRoof && b >= 0 &&
+                                             static_cast<std::size_t>(b) < city_.buildings.size())
+                                           use(static_cast<std::size_t>(b));
+                                       });
+    add_violations(violations,
+                   sum_of_violations(roofs.size(), [&](std::size_t begin, std::size_t end,
+                                                       std::vector<Violation>& found) {
+                     for (std::size_t b = begin; b < end; ++b)
+                       check_outline(city_.buildings[b], roofs[b], found);
+                   }));
+  }
+
+ private:
+  using MeshEdge = std::pair<std::int32_t, std::int32_t>;
+
+  /// In the local frame of the city model.
+  Point2 at(std::int32_t v) const {
+    const auto& p = surface_.points[static_cast<std::size_t>(v)];
+    return {p[0] + shift_[0], p[1] + shift_[1]};
+  }
+
+  void add_triangle(std::size_t f, double min_angle_deg, GroundCheck& check) const {
+    const auto& t = surface_.triangles[f];
+    double least = std::numeric_limits<double>::infinity(), shortest = least;
+    for (std::size_t i = 0; i < 3; ++i) {
+      const Point2 p = at(t[i]), q = at(t[(i + 1) % 3]), r = at(t[(i + 2) % 3]);
+      const double ux = q.x - p.x, uy = q.y - p.y, vx = r.x - p.x, vy = r.y - p.y;
+      least = std::min(least, std::atan2(std::abs(ux * vy - uy * vx), ux * vx + uy * vy));
+      shortest = std::min(shortest, distance(p, q));
+    }
+    // A vertex is off by less than `rounding_`, so an edge turns by less than twice that over its
+    // length.
+    const double angle = to_degrees(least);
+    const double error = to_degrees(4 * rounding_ / shortest) + kAngleRounding;
+    ++check.triangles;
+    check.least_angle_deg = std::min(check.least_angle_deg, angle);
+    check.least_angle_bounds_deg[0] = std::min(check.least_angle_bounds_deg[0], angle - error);
+    check.least_angle_bounds_deg[1] = std::min(check.least_angle_bounds_deg[1], angle + error);
+    if (angle < min_angle_deg - kAngleSlack) ++check.below;
+    if (angle + error < min_angle_deg - kAngleSlack) ++check.below_bounds[0];
+    if (angle - error < min_angle_deg) ++check.below_bounds[1];
+  }
+
+  /// The edges with a roof face of the building on one side only.
+  std::vector<MeshEdge> outline(std::span<const std::uint32_t> faces) const {
+    std::vector<MeshEdge> edges;
+    for (const std::uint32_t f : faces)
+      for (std::size_t i = 0; i < 3; ++i)
+        edges.push_back(
+            std::minmax({surface_.triangles[f][i], surface_.triangles[f][(i + 1) % 3]}));
+    std::sort(edges.begin(), edges.end());
+    std::size_t kept = 0;
+    for (std::size_t i = 0, j = 0; i < edges.size(); i = j) {
+      while (j < edges.size() && edges[j] == edges[i]) ++j;
+      if (j - i == 1) edges[kept++] = edges[i];
+    }
+    edges.resize(kept);
+    return edges;
+  }
+
+  void check_outline(const Building& building, std::span<const std::uint32_t> faces,
+                     std::vector<Violation>& violations) const {
+    if (faces.empty()) {
+      note_violation(violations, "buildings without roof faces",
+                     [&] { return "building " + building.id; });
+      return;
+    }
+    const std::vector<MeshEdge> edges = outline(faces);
+    double length = 0;
+    std::vector<Point2> vertices;
+    for (const auto& [v, w] : edges) {
+      length += distance(at(v), at(w));
+      for (const Point2 p : {at(v), at(w)})
+        if (std::isfinite(p.x) && std::isfinite(p.y)) vertices.push_back(p);
+    }
+    std::sort(vertices.begin(), vertices.end(), [](Point2 p, Point2 q) { return p.x < q.x; });
+    double perimeter = 0;
+    const auto look = [&](const Ring& ring) {
+      for (std::size_t i = 0; i < ring.size(); ++i) {
+        perimeter += distance(ring[i], ring[(i + 1) % ring.size()]);
+        if (is_among(vertices, ring[i])) continue;
+        note_violation(violations, "footprint vertices off the roof's outline", [&] {
+          return fmt::format("building {} at ({:.4f}, {:.4f})", building.id, ring[i].x, ring[i].y);
+        });
+      }
+    };
+    look(building.footprint.outer);
+    for (const Ring& hole : building.footprint.holes) look(hole);
+    // Both ends of an edge of the outline may be off.
+    const double tolerance = 2 * rounding_ * static_cast<double>(edges.size()) +
+                             kLengthRounding * std::min(length, perimeter);
+    if (!(std::abs(length - perimeter) <= tolerance))
+      note_violation(violations, "roof outlines that leave the footprint's edges", [&] {
+        return fmt::format("building {}: outline of {:.6f} m, footprint of {:.6f} m", building.id,
+                           length, perimeter);
+      });
+  }
+
+  /// `vertices` by x.
+  bool is_among(const std::vector<Point2>& vertices, Point2 p) const {
+    auto at = std::lower_bound(vertices.begin(), vertices.end(), p.x - rounding_,
+                               [](Point2 vertex, double x) { return vertex.x < x; });
+    for (; at != vertices.end() && at->x <= p.x + rounding_; ++at)
+      if (std::abs(at->y - p.y) <= rounding_) return true;
+    return false;
+  }
+
+  const SurfaceMesh& surface_;
+  std::array<double, 3> shift_;
+  const CityModel& city_;
+  /// Distance of the doubles at the largest coordinate in the reference system: vertices are off by
+  /// at most half of it in x and in y.
+  double rounding_;
+};
+
+}  // namespace
+
+GroundCheck check_ground(const SurfaceMesh& surface, std::array<double, 3> shift,
+                         const CityModel& city, double min_angle_deg) {
+  GroundCheck check;
+  const GroundChecker checker(surface, shift, city);
+  checker.measure_angles(min_angle_deg, check);
+  checker.check_outlines(check.violations);
+  return check;
+}
+
+}  // namespace tetropolis
