@@ -76,7 +76,10 @@ int guarded(const std::function<int()>& action, const Say& say) {
     return code;
   };
   try {
-    return action();
+    const int code = action();
+    if (std::fflush(stdout) != 0 || std::ferror(stdout) != 0)
+      return fail("what was to be printed could not be written; make room", 3);
+    return code;
   } catch (const Error& error) {
     return fail(error.what(), static_cast<int>(error.kind()));
   } catch (const Cancelled&) {

@@ -30,14 +30,17 @@ struct Classes {
   bool roof_from_unclassified = false;
 };
 
-Classes choose_classes(const PointCloud& cloud) {
-  const bool has_buildings = parallel_reduce_ordered(
-      cloud.size(), kPointGrain, false,
+Classes choose_classes(const PointCloud& cloud, std::size_t buildings) {
+  const std::size_t of_buildings = parallel_reduce_ordered(
+      cloud.size(), kPointGrain, std::size_t{0},
       [&](std::size_t begin, std::size_t end) {
         const auto* codes = cloud.classification.data();
-        return std::find(codes + begin, codes + end, kBuildingClass) != codes + end;
+        return static_cast<std::size_t>(std::count(codes + begin, codes + end, kBuildingClass));
       },
-      [](bool a, bool b) { return a || b; });
+      [](std::size_t a, std::size_t b) { return a + b; });
+  // A stray point or two of a class do not make a classified cloud.
+  const bool has_buildings =
+      of_buildings > 0 && (of_buildings >= buildings || of_buildings >= cloud.size() / 1000);
   Classes classes;
   classes.ground[kGround] = classes.ground[kWater] = true;
   classes.roof_from_unclassified = !has_buildings;
@@ -171,7 +174,7 @@ BuildingPoints extract(std::span<const Polygon* const> footprints, const PointCl
                             "domain",
                             cloud.size()));
   const FootprintIndex index(footprints, options.margin);
-  const Classes classes = choose_classes(cloud);
+  const Classes classes = choose_classes(cloud, footprints.size());
   const bool find_crowns = classes.roof_from_unclassified && options.drop_crowns;
   Hits hits = find_all_hits(index, cloud, classes, portion(progress, 0, find_crowns ? 0.4 : 0.9));
   BuildingPoints points;

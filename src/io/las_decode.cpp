@@ -67,6 +67,9 @@ class FileBuffer : public std::streambuf {
  public:
   explicit FileBuffer(const fs::path& path) : file_(path), bytes_(std::size_t{1} << 16) {}
 
+  /// Of the next byte, in the file.
+  std::int64_t position() const { return begin_ + (gptr() - eback()); }
+
  protected:
   int_type underflow() override {
     const std::int64_t at = position();
@@ -85,9 +88,6 @@ class FileBuffer : public std::streambuf {
   pos_type seekpos(pos_type to, std::ios_base::openmode) override { return move_to(to); }
 
  private:
-  /// Of the next byte, in the file.
-  std::int64_t position() const { return begin_ + (gptr() - eback()); }
-
   pos_type move_to(std::int64_t to) {
     if (to < 0) return pos_type(off_type(-1));
     if (to >= begin_ && to <= begin_ + (egptr() - eback())) {
@@ -152,6 +152,9 @@ class LazReader {
     return record;
   }
 
+  /// Byte of the file up to which was read.
+  std::int64_t position() const { return buffer_.position(); }
+
  private:
   std::string error() const {
     laszip_CHAR* text = nullptr;
@@ -184,8 +187,8 @@ class LazReader {
   laszip_point_struct* point_ = nullptr;
 };
 
-void decode_laz(const fs::path& path, const LasLayout& layout, std::int64_t first,
-                std::int64_t count, const LasVisitor& visit) {
+std::int64_t decode_laz(const fs::path& path, const LasLayout& layout, std::int64_t first,
+                        std::int64_t count, const LasVisitor& visit) {
   // LASzip recurses without an end on some broken files, and Debian's stops at failed assertions.
   const ForeignCode laszip(path.c_str());
   LazReader reader(path, layout);
@@ -200,17 +203,18 @@ void decode_laz(const fs::path& path, const LasLayout& layout, std::int64_t firs
     visit(records.data(), n);
     done += static_cast<std::int64_t>(n);
   }
+  const bool is_end = first + count == layout.info.point_count && layout.chunk_table > 0;
+  return is_end ? std::max<std::int64_t>(0, layout.chunk_table - reader.position()) : 0;
 }
 
 }  // namespace
 
-void decode_points(const fs::path& path, const LasLayout& layout, std::int64_t first,
-                   std::int64_t count, const LasVisitor& visit) {
-  if (count <= 0) return;
-  if (layout.info.compressed)
-    decode_laz(path, layout, first, count, visit);
-  else
-    decode_plain(path, layout, first, count, visit);
+std::int64_t decode_points(const fs::path& path, const LasLayout& layout, std::int64_t first,
+                           std::int64_t count, const LasVisitor& visit) {
+  if (count <= 0) return 0;
+  if (layout.info.compressed) return decode_laz(path, layout, first, count, visit);
+  decode_plain(path, layout, first, count, visit);
+  return 0;
 }
 
 void check_las_length(const fs::path& path, const LasLayout& layout) {

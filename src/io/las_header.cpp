@@ -213,17 +213,20 @@ void settle_compression(const fs::path& path, const PositionedFile& file,
   if (found != 1)
     fail_las(path,
              fmt::format("is compressed but has {} LASzip records; the file is broken", found));
-  if (record.compressor == 1 || layout.info.point_count == 0) return;
+  if (record.compressor == 1) return;
   const std::int64_t size = layout.file_size;
   std::int64_t table = -1;
-  if (file.read(layout.first_point, &table, sizeof table) < sizeof table)
+  if (file.read(layout.first_point, &table, sizeof table) < sizeof table) {
+    if (layout.info.point_count == 0) return;
     fail_las(path, fmt::format("ends at point 0 of {}: the file is cut; get it again",
                                layout.info.point_count));
+  }
   if (table == -1) file.read(size - 8, &table, sizeof table);
   std::array<std::uint32_t, 2> head{};  // Version and number of chunks.
   const bool variable = record.chunk_size == UINT32_MAX;
   if (table < layout.first_point + 8 || table > size - 8 ||
       file.read(table, head.data(), sizeof head) < sizeof head) {
+    if (layout.info.point_count == 0) return;
     // Chunks of equal size can be decoded one after the other until the file ends.
     if (variable)
       fail_las(path,
@@ -234,14 +237,27 @@ void settle_compression(const fs::path& path, const PositionedFile& file,
     return;
   }
   const std::int64_t chunks = head[1];
+  const std::int64_t points = layout.info.point_count;
   const std::int64_t expected =
-      variable ? chunks : (layout.info.point_count - 1) / record.chunk_size + 1;
+      variable ? chunks : (points + record.chunk_size - 1) / record.chunk_size;
   // A chunk takes bytes; the decoder reserves memory for as many as are claimed.
   if (head[0] != 0 || chunks > size - layout.first_point)
     fail_las(path, fmt::format("the chunk table at byte {} has {} chunks; the file is broken, get "
                                "it again",
                                table, chunks));
-  if (!variable && chunks == expected) layout.chunk_size = record.chunk_size;
+  if (points == 0 && chunks > 0)
+    fail_las(path, fmt::format("the header counts 0 points, but {} bytes of compressed points "
+                               "follow; the count is wrong, get the file again or repair it",
+                               table - layout.first_point - 8));
+  layout.chunk_table = table;
+  // Some writers end with an empty chunk.
+  if (!variable && chunks > expected + 1)
+    layout.info.warnings.push_back(
+        {"las_count_small", (chunks - 1) * record.chunk_size - points,
+         fmt::format("{}: the header counts {} points, but {} chunks of {} follow; what is behind "
+                     "the count is not read",
+                     path.string(), points, chunks, record.chunk_size)});
+  if (!variable && chunks == expected && points > 0) layout.chunk_size = record.chunk_size;
 }
 
 }  // namespace

@@ -23,6 +23,8 @@ struct LasLayout {
   /// LAZ: points per chunk if all chunks have the same number and the chunk table is in its place,
   /// so that decoding may start at multiples of it. Otherwise 0.
   std::int64_t chunk_size = 0;
+  /// LAZ: byte of the chunk table, where the compressed points end; 0 if not known.
+  std::int64_t chunk_table = 0;
   /// LAZ: whether the table at the end of the file is missing, as it is in a cut file.
   bool chunk_table_missing = false;
 };

@@ -23,7 +23,8 @@ namespace fs = std::filesystem;
 namespace {
 
 constexpr std::int64_t kPointsPerTask = 1'000'000;
-constexpr std::int64_t kLeastTwin = 100;  // points of which two equal boxes are no coincidence
+constexpr std::int64_t kLeastTwin = 100;     // points of which two equal boxes are no coincidence
+constexpr std::int64_t kLeastLeftOver = 64;  // bytes of points behind the last one counted
 
 /// Which records become points.
 class Filter {
@@ -160,8 +161,30 @@ FilePlan plan_file(const fs::path& path, const ReadPointsOptions& options) {
   return plan;
 }
 
-/// Marks files that state the same count and box as one before: a cloud that lies there twice, as
-/// .las and as .laz.
+/// Whether two files of the same count begin with the same points.
+bool begin_alike(const fs::path& a, const LasLayout& in_a, const fs::path& b,
+                 const LasLayout& in_b) {
+  const auto beginning = [](const fs::path& path, const LasLayout& layout) {
+    std::vector<std::array<double, 3>> points;
+    decode_points(path, layout, 0, kLeastTwin, [&](const LasRecord* records, std::size_t n) {
+      for (std::size_t i = 0; i < n; ++i)
+        points.push_back({records[i].x * layout.info.scale[0] + layout.info.offset[0],
+                          records[i].y * layout.info.scale[1] + layout.info.offset[1],
+                          records[i].z * layout.info.scale[2] + layout.info.offset[2]});
+    });
+    return points;
+  };
+  const auto first = beginning(a, in_a), second = beginning(b, in_b);
+  for (std::size_t i = 0; i < first.size(); ++i)
+    for (std::size_t axis = 0; axis < 3; ++axis)
+      if (std::abs(first[i][axis] - second[i][axis]) >
+          std::abs(in_a.info.scale[axis]) + std::abs(in_b.info.scale[axis]))
+        return false;
+  return true;
+}
+
+/// Marks files that state the same count and box as one before and begin with the same points: a
+/// cloud that lies there twice, as .las and as .laz.
 void find_twins(std::span<const fs::path> paths, std::vector<FilePlan>& plans) {
   using Key = std::tuple<std::int64_t, std::array<double, 3>, std::array<double, 3>>;
   std::map<Key, std::size_t> first;
@@ -169,12 +192,15 @@ void find_twins(std::span<const fs::path> paths, std::vector<FilePlan>& plans) {
     const LasInfo& info = plans[f].layout.info;
     if (info.point_count < kLeastTwin || !is_sound(info)) continue;
     const auto [entry, is_new] = first.try_emplace({info.point_count, info.min, info.max}, f);
-    if (is_new) continue;
+    if (is_new ||
+        !begin_alike(paths[entry->second], plans[entry->second].layout, paths[f], plans[f].layout))
+      continue;
     plans[f].is_twin = true;
-    plans[f].warnings = {{"las_twin", info.point_count,
-                          fmt::format("{}: has the number of points and the box of {}; taken "
-                                      "for a copy of it and not read",
-                                      paths[f].string(), paths[entry->second].string())}};
+    plans[f].warnings = {
+        {"las_twin", info.point_count,
+         fmt::format("{}: has the number of points, the box and the first points of {}; taken "
+                     "for a copy of it and not read",
+                     paths[f].string(), paths[entry->second].string())}};
   }
 }
 
@@ -228,22 +254,30 @@ void decode_tasks(std::span<const fs::path> paths, const std::vector<FilePlan>& 
   std::int64_t total = 0;
   for (const Task& task : tasks) total += task.count;
   SharedProgress shared(progress, total);
-  std::vector<std::int64_t> outside(tasks.size(), 0);
+  std::vector<std::int64_t> outside(tasks.size(), 0), left_over(tasks.size(), 0);
   run_in_order_of_errors(tasks.size(), [&](std::size_t t) {
     const Task& task = tasks[t];
     const LasLayout& layout = plans[task.file].layout;
     const BoxCheck box(layout.info);
     std::int64_t strays = 0;
-    decode_points(paths[task.file], layout, task.first, task.count,
-                  [&](const LasRecord* block, std::size_t n) {
-                    visit(t, block, n);
-                    for (std::size_t i = 0; i < n; ++i) strays += box.is_outside(block[i]) ? 1 : 0;
-                    shared.add(static_cast<std::int64_t>(n));
-                  });
+    left_over[t] = decode_points(paths[task.file], layout, task.first, task.count,
+                                 [&](const LasRecord* block, std::size_t n) {
+                                   visit(t, block, n);
+                                   for (std::size_t i = 0; i < n; ++i)
+                                     strays += box.is_outside(block[i]) ? 1 : 0;
+                                   shared.add(static_cast<std::int64_t>(n));
+                                 });
     end(t);
     outside[t] = strays;
   });
   warn_of_points_outside(paths, plans, tasks, outside, warnings);
+  for (std::size_t t = 0; t < tasks.size(); ++t)
+    if (left_over[t] >= kLeastLeftOver)
+      warnings.push_back({"las_count_small", 1,
+                          fmt::format("{}: the header counts {} points, but {} bytes of compressed "
+                                      "points are left behind them; these are not read",
+                                      paths[tasks[t].file].string(),
+                                      plans[tasks[t].file].layout.info.point_count, left_over[t])});
 }
 
 /// What is told of points.

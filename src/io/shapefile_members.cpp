@@ -75,6 +75,12 @@ void require_whole_shapefile(const fs::path& path) {
   if (!shapes || big_endian(*shapes, 0) != kMagic) return;  // GDAL says what it is not
   // Lengths count words of 16 bits.
   require_size(*shapes, 2 * big_endian(*shapes, 24));
+  // Without an index nothing else tells of records behind the length that the header states.
+  if (!index && shapes->size > 2 * big_endian(*shapes, 24))
+    throw Error(ErrorKind::kInput,
+                fmt::format("{}: {} bytes are more than the {} its header states, and no index "
+                            "(.shx) tells which is right; get the file again",
+                            shapes->path.string(), shapes->size, 2 * big_endian(*shapes, 24)));
   if (index) require_size(*index, std::max(kShapeHeader, 2 * big_endian(*index, 24)));
   if (table)
     require_size(*table, little_endian(*table, 8, 2) +

@@ -94,8 +94,10 @@ std::string vector_in_archive(const fs::path& path, const gdal::QuietErrors& err
 VectorFile open_vector(const fs::path& path, const gdal::QuietErrors& errors) {
   std::error_code error;
   if (!fs::exists(path, error)) fail(path, "no such file; check the path");
-  if (!fs::is_directory(path, error) && fs::file_size(path, error) == 0)
-    fail(path, "the file is empty; get it again");
+  if (!fs::is_directory(path, error)) {
+    if (!fs::is_regular_file(path, error)) fail(path, "is not an ordinary file");
+    if (fs::file_size(path, error) == 0) fail(path, "the file is empty; get it again");
+  }
   require_whole_shapefile(path);
   VectorFile file;
   std::string name = path.string();
@@ -115,6 +117,10 @@ VectorFile open_vector(const fs::path& path, const gdal::QuietErrors& errors) {
   if (file.dataset == nullptr)
     fail(path, "not a vector file that can be read" + (unknown ? "" : errors.reason()) +
                    "; give a shapefile, GeoPackage, GeoJSON or other OGR format");
+  // Some formats are read when they are opened, as far as they go.
+  if (errors.failures() > 0)
+    fail(path,
+         "cannot be read whole" + errors.reason() + "; the file is cut or broken, get it again");
   return file;
 }
 

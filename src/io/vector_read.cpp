@@ -44,6 +44,8 @@ std::string utf8(const char* text) {
   return result;
 }
 
+constexpr const char* kGetAgain = "; the file is cut or broken, get it again";
+
 /// Whether a layer holds polygons, as far as its declared type or else its first features tell.
 bool holds_polygons(OGRLayerH layer) {
   if (OGR_FD_GetGeomFieldCount(OGR_L_GetLayerDefn(layer)) == 0) return false;
@@ -237,19 +239,20 @@ class LayerReader {
         result_(result) {}
 
   void read(gdal::QuietErrors& errors) {
-    const std::int64_t expected = OGR_L_GetFeatureCount(layer_, FALSE);
     errors.reset();
+    const std::int64_t expected = OGR_L_GetFeatureCount(layer_, FALSE);
+    if (errors.failures() > 0) fail(path_, "cannot be read whole" + errors.reason() + kGetAgain);
     OGR_L_ResetReading(layer_);
     while (const gdal::Feature feature{OGR_L_GetNextFeature(layer_)}) {
       ++result_.features_read;
       add(feature.get());
     }
-    if (errors.failures() > 0 && (expected < 0 || result_.features_read < expected))
-      fail(path_,
-           fmt::format("reading ends after {} features{}{}; the file is cut or broken, get "
-                       "it again",
-                       result_.features_read, expected < 0 ? "" : fmt::format(" of {}", expected),
-                       errors.reason()));
+    // Lines that are not JSON are passed over, and counted by nobody.
+    const bool lost = errors.first().find("JSON parsing error") != std::string::npos;
+    if (errors.failures() > 0 && (lost || expected < 0 || result_.features_read < expected))
+      fail(path_, fmt::format("reading ends after {} features{}{}{}", result_.features_read,
+                              expected < 0 ? "" : fmt::format(" of {}", expected), errors.reason(),
+                              kGetAgain));
     if (errors.failures() > 0)
       warn(
           "footprints_read_errors", errors.failures(),

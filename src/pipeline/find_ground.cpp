@@ -19,7 +19,11 @@ bool is_wanted(const Config& config, const std::map<int, std::int64_t>& by_class
   if (config.ground_filter != GroundFilter::kAuto)
     return config.ground_filter == GroundFilter::kAlways;
   const GroundFilterOptions defaults;
-  return !by_class.contains(kGround) &&
+  std::int64_t all = 0;
+  for (const auto& [code, count] : by_class) all += count;
+  // A stray point or two of a class do not make a classified cloud.
+  const auto ground = by_class.find(kGround);
+  return (ground == by_class.end() || ground->second < all / 1000) &&
          std::any_of(defaults.classes.begin(), defaults.classes.end(),
                      [&](std::uint8_t code) { return by_class.contains(code); });
 }

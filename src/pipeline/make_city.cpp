@@ -28,6 +28,13 @@ namespace {
 /// Share of empty nodes above which a terrain is more guess than data.
 constexpr double kMostlyEmpty = 0.75;
 
+/// Share of squares of 20 m without a ground point above which something is missing: more than
+/// blocks of buildings and waters take up in a city.
+constexpr double kManyVoids = 0.35;
+
+/// Share of buildings without roof points from which on it is not the buildings that are odd.
+constexpr double kManyRoofless = 0.1;
+
 /// Step 1.4. Fills model.buildings and model.dropped; every feature ends in one of them.
 void clean_features(const Config& config, const FootprintsInput& input, CityModel& model,
                     const Progress& progress) {
@@ -163,6 +170,19 @@ void check_account(const FootprintsInput& input, const CityModel& model) {
                             input.features.size() + input.dropped.size(), accounted));
 }
 
+void warn_of_missing_roofs(const CityModel& raw, Report& report) {
+  const auto roofless =
+      std::count_if(raw.buildings.begin(), raw.buildings.end(),
+                    [](const Building& building) { return (building.flags & kNoRoofPoints) != 0; });
+  const auto all = static_cast<double>(raw.buildings.size());
+  if (static_cast<double>(roofless) <= kManyRoofless * all) return;
+  report.warnings.push_back(
+      {"no_roof_points", roofless,
+       fmt::format("{} of {} buildings have no roof points and get the minimum height; is part of "
+                   "the cloud not classified, or missing?",
+                   roofless, raw.buildings.size())});
+}
+
 /// Guarantee 1 again: simplification has put every building into one, or dropped it.
 void require_each_once(const CityModel& raw, const Simplification& simple) {
   std::vector<int> times(raw.buildings.size(), 0);
@@ -258,6 +278,15 @@ CityAndTerrain make_city(const Config& config, Next next, const OutputFolder& ou
              "their neighbours; check --bounds, or raise --dtm-step",
              100 * dtm_report.empty_share)});
 
+  else if (dtm_report.void_share > kManyVoids)
+    report.warnings.push_back(
+        {"terrain_voids", std::llround(100 * dtm_report.void_share),
+         fmt::format(
+             "{:.0f} % of the domain's squares of 20 m have no ground point; the terrain there is "
+             "filled from around; check --bounds, or use "
+             "--ground-filter always if part of the cloud is not classified",
+             100 * dtm_report.void_share)});
+
   clock.run("1.4", "clean footprints", [&](const Progress& progress) {
     clean_features(config, input.footprints, raw, progress);
   });
@@ -272,6 +301,7 @@ CityAndTerrain make_city(const Config& config, Next next, const OutputFolder& ou
   });
   clock.run("1.6", "building heights",
             [&](const Progress&) { compute_heights(raw.buildings, points, cloud, dtm, heights); });
+  warn_of_missing_roofs(raw, report);
   clock.run("1.7", "write city model", [&](const Progress&) {
     write_raster(out / "dtm.tif", dtm, raw.origin, raw.crs, raw.domain);
     write_city(out / "city_raw.city.json", raw, "City model before simplification");

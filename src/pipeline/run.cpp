@@ -143,6 +143,23 @@ void require_terrain_under(const Config& config, const CityModel& city,
                     city.domain.ymin + city.origin.y, city.domain.ymax + city.origin.y));
 }
 
+/// What marks missing values in rasters that do not say so (-9999, -32768, 1e38) is no elevation.
+void require_elevations(const Config& config, const RasterInput& terrain) {
+  constexpr double kLowest = -1000, kHighest = 10000;
+  const std::vector<double>& values = terrain.raster.values;
+  const auto wrong = std::find_if(values.begin(), values.end(), [](double value) {
+    return !(value >= kLowest && value <= kHighest);
+  });
+  if (wrong == values.end()) return;
+  const auto nx = static_cast<std::ptrdiff_t>(terrain.raster.nx);
+  const std::ptrdiff_t node = wrong - values.begin();
+  throw Error(ErrorKind::kInput,
+              fmt::format("{}: {} in column {}, row {} is not an elevation; if it stands for a "
+                          "missing value, declare it (gdal_edit.py -a_nodata {} {})",
+                          config.dtm, *wrong, node % nx, terrain.raster.ny - 1 - node / nx, *wrong,
+                          config.dtm));
+}
+
 /// A city model may come from anywhere; a mesh needs footprints that are valid and apart. Returns
 /// their clearance.
 double require_meshable(const Config& config, const CityModel& city) {
@@ -193,6 +210,7 @@ Report run_mesh(const Config& config, const RunHooks& hooks) {
   RasterInput terrain = read_raster(config.dtm, city.origin);
   report.warnings.insert(report.warnings.end(), terrain.warnings.begin(), terrain.warnings.end());
   require_metres(terrain.crs, config.dtm);
+  require_elevations(config, terrain);
   city.domain = domain_of(config, city, terrain);
   require_terrain_under(config, city, terrain);
   if (city.buildings.empty() && !config.terrain_only)

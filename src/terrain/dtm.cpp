@@ -19,6 +19,7 @@ namespace {
 
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 constexpr double kMaxNodes = 2147483647.0;
+constexpr double kVoid = 20;  // metres
 
 /// "class 1 (200 points), class 6 (10 points)", or "no points".
 std::string describe_classes(const PointCloud& cloud) {
@@ -117,6 +118,25 @@ std::vector<std::int32_t> next_front(const Raster& raster, const std::vector<std
   return next;
 }
 
+/// Share of the squares of kVoid that have no value at all.
+double share_of_voids(const Raster& raster) {
+  const auto side = std::max<std::int32_t>(1, static_cast<std::int32_t>(kVoid / raster.step));
+  std::int64_t squares = 0, voids = 0;
+  for (std::int32_t j0 = 0; j0 < raster.ny; j0 += side) {
+    for (std::int32_t i0 = 0; i0 < raster.nx; i0 += side) {
+      bool is_void = true;
+      for (std::int32_t j = j0; is_void && j < std::min(j0 + side, raster.ny); ++j)
+        for (std::int32_t i = i0; is_void && i < std::min(i0 + side, raster.nx); ++i)
+          is_void = std::isnan(
+              raster.values[static_cast<std::size_t>(j) * static_cast<std::size_t>(raster.nx) +
+                            static_cast<std::size_t>(i)]);
+      ++squares;
+      voids += is_void ? 1 : 0;
+    }
+  }
+  return static_cast<double>(voids) / static_cast<double>(squares);
+}
+
 }  // namespace
 
 Raster dtm_grid(const Bounds2& domain, double step) {
@@ -164,12 +184,13 @@ Raster build_dtm(const PointCloud& cloud, const Bounds2& domain, const DtmOption
       raster.values[node] = counts[node] == 0 ? kNan : raster.values[node] / counts[node];
     }
   }
+  const double void_share = share_of_voids(raster);
   progress.update(0.5);
   const Progress second_half{[&](double fraction) { progress.update(0.5 + fraction / 2); }, {}};
   fill_empty_nodes(raster, second_half);
   if (report != nullptr)
     *report = {ground_points, static_cast<std::int64_t>(nodes),
-               static_cast<double>(empty) / static_cast<double>(nodes)};
+               static_cast<double>(empty) / static_cast<double>(nodes), void_share};
   return raster;
 }
 

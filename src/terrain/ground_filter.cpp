@@ -239,6 +239,54 @@ std::vector<std::int32_t> window_radii(double window, double cell) {
   return radii;
 }
 
+/// Least squares: height = rise_x * i + rise_y * j + height at cell (0, 0), over the cells (i, j)
+/// that have a value and, from the second round on, lie below the plane before, as ground does.
+struct Plane {
+  double rise_x = 0;
+  double rise_y = 0;
+  double height = 0;
+
+  double at(std::int32_t i, std::int32_t j) const { return rise_x * i + rise_y * j + height; }
+};
+
+Plane fit_plane(const HeightGrid& grid, const Frame& frame) {
+  Plane plane;
+  for (int round = 0; round < 3; ++round) {
+    double n = 0, x = 0, y = 0, z = 0, xx = 0, xy = 0, yy = 0, xz = 0, yz = 0;
+    std::size_t c = 0;
+    for (std::int32_t j = 0; j < frame.ny; ++j) {
+      for (std::int32_t i = 0; i < frame.nx; ++i, ++c) {
+        const double value = static_cast<double>(grid.values[c]);
+        if (std::isnan(value) || (round > 0 && value > plane.at(i, j))) continue;
+        // Around the middle of the frame, so that no digits are lost.
+        const double u = i - 0.5 * frame.nx, v = j - 0.5 * frame.ny;
+        n += 1, x += u, y += v, z += value;
+        xx += u * u, xy += u * v, yy += v * v, xz += u * value, yz += v * value;
+      }
+    }
+    if (n < 3) return plane;
+    xx -= x * x / n, xy -= x * y / n, yy -= y * y / n, xz -= x * z / n, yz -= y * z / n;
+    const double determinant = xx * yy - xy * xy;
+    if (!(determinant > 1e-9 * xx * yy)) return plane;  // cells on one line
+    plane.rise_x = (xz * yy - yz * xy) / determinant;
+    plane.rise_y = (yz * xx - xz * xy) / determinant;
+    plane.height = (z - plane.rise_x * x - plane.rise_y * y) / n -
+                   0.5 * (plane.rise_x * frame.nx + plane.rise_y * frame.ny);
+  }
+  return plane;
+}
+
+/// Takes the slope of the whole terrain out of it where that is steep: there an opening would cut
+/// off the uphill rim, which nothing higher is next to.
+void level(HeightGrid& grid, const Frame& frame, double slope) {
+  const Plane plane = fit_plane(grid, frame);
+  if (std::hypot(plane.rise_x, plane.rise_y) < 0.3 * slope * frame.cell) return;
+  std::size_t c = 0;
+  for (std::int32_t j = 0; j < frame.ny; ++j)
+    for (std::int32_t i = 0; i < frame.nx; ++i, ++c)
+      grid.values[c] -= static_cast<float>(plane.at(i, j));
+}
+
 /// 1 for the cells that an opening lowers by more than terrain of the given slope would be: that
 /// slope times the window, at most a storey. The drop is that from the surface itself, not from the
 /// opening before as in the paper: buildings that wear away step by step (at ragged rims, on
@@ -325,6 +373,7 @@ std::vector<std::uint8_t> filter_ground(const PointCloud& cloud,
     counts.pit_cells = remove_pits(believed, frame.cell);
     if (!is_empty(believed)) lowest = std::move(believed);
     HeightGrid surface = lowest;
+    level(surface, frame, options.slope);
     fill_low(surface, options.slope * frame.cell);
     const auto object = find_objects(std::move(surface), frame, options, progress);
     const Raster terrain = terrain_between(lowest, object, frame, progress);

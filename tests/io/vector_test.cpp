@@ -13,8 +13,10 @@
 #include <random>
 #include <set>
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
+#include <sys/stat.h>
 
 #include "tetropolis/core/error.h"
 #include "tetropolis/geometry/polygon.h"
@@ -430,6 +432,49 @@ TEST(Vector, ArchivesAreReadInPlace) {
   EXPECT_NE(input_error(folder / "none.zip").find("no vector file"), std::string::npos);
   write_text(folder / "cut.zip", bytes_of(folder / "one.zip").substr(0, 200));
   input_error(folder / "cut.zip");
+}
+
+TEST(Vector, CutTextFormatsAreRefused) {
+  const TemporaryFolder folder;
+  const std::vector<Polygon> polygons(20, Polygon{{{0, 0}, {9, 0}, {9, 9}}, {}});
+  std::vector<std::string> ids;
+  for (int i = 0; i < 20; ++i) ids.push_back(std::to_string(i));
+  write_footprints(folder / "a.geojson", polygons, ids, {}, {}, "EPSG:28992");
+  const std::string in = (folder / "a.geojson").string();
+  for (const auto& [format, extension] :
+       {std::pair{"GML", "gml"}, std::pair{"GeoJSONSeq", "geojsonl"}}) {
+    const std::string whole = (folder / (std::string("whole.") + extension)).string();
+    const std::string cut = (folder / (std::string("cut.") + extension)).string();
+    const std::string convert =
+        fmt::format("ogr2ogr -f {} '{}' '{}' >/dev/null 2>&1", format, whole, in);
+    if (std::system(convert.c_str()) != 0) GTEST_SKIP() << "needs ogr2ogr";
+    EXPECT_EQ(read_footprints(whole).features.size(), 20U) << format;
+    const std::string bytes = bytes_of(whole);
+    write_text(cut, bytes.substr(0, bytes.size() * 6 / 10));
+    const std::string message = input_error(cut);
+    EXPECT_NE(message.find("get it again"), std::string::npos) << message;
+  }
+}
+
+TEST(Vector, PipesAreRefused) {
+  const TemporaryFolder folder;
+  const fs::path pipe = folder / "pipe.geojson";
+  ASSERT_EQ(::mkfifo(pipe.c_str(), 0600), 0);
+  EXPECT_NE(input_error(pipe).find("not an ordinary file"), std::string::npos);
+}
+
+TEST(Vector, ShapefilesLongerThanTheyStateNeedAnIndex) {
+  const TemporaryFolder folder;
+  const std::vector<Polygon> polygons(3, Polygon{{{0, 0}, {9, 0}, {9, 9}}, {}});
+  const std::vector<std::string> ids{"a", "b", "c"};
+  write_footprints(folder / "a.shp", polygons, ids, {}, {}, "");
+  std::string bytes = bytes_of(folder / "a.shp");
+  bytes[26] = 0;
+  bytes[27] = 100;  // words: the header and one record
+  write_text(folder / "a.shp", bytes);
+  EXPECT_EQ(read_footprints(folder / "a.shp").features.size(), 3U);
+  fs::remove(folder / "a.shx");
+  EXPECT_NE(input_error(folder / "a.shp").find("no index"), std::string::npos);
 }
 
 TEST(Vector, CutAndBrokenFilesNeverCrash) {

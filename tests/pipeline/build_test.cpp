@@ -92,10 +92,10 @@ TEST_F(Build, CheckFindsAReportThatTellsSomethingElse) {
 }
 
 TEST_F(Build, CheckFindsFootprintsThatAreNotInTheMesh) {
-  Config config = city("random", 10, 150, 4);
+  Config config = city(SynthKind::kRandom, 10, 150, 4);
   config.mesh_size = 20;
-  for (const char* coordinates : {"local", "absolute"}) {
-    SCOPED_TRACE(coordinates);
+  for (const Coordinates coordinates : {Coordinates::kLocal, Coordinates::kAbsolute}) {
+    SCOPED_TRACE(static_cast<int>(coordinates));
     config.coordinates = coordinates;
     run_build(config);
     expect_guarantees(config.out);
@@ -112,7 +112,7 @@ TEST_F(Build, CheckFindsFootprintsThatAreNotInTheMesh) {
 }
 
 TEST_F(Build, CheckSaysWhatItHasNotLookedAt) {
-  Config config = city("random", 10, 150, 4);
+  Config config = city(SynthKind::kRandom, 10, 150, 4);
   config.mesh_size = 20;
   run_build(config);
   const fs::path out = config.out;

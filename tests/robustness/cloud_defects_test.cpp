@@ -1,11 +1,13 @@
 // Point clouds with one defect each, through the pipeline: the outcome of each is stated. How the
 // reader words what is wrong with a file is tested in io/las_broken_test.cpp.
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstring>
 #include <functional>
 #include <limits>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -188,6 +190,25 @@ std::vector<Defect> defects() {
       {"CountTooSmall", number(107, n - 100), Expected::kNear, "las_count_small", 0.1},
       {"LazCountTooLarge", laz([=](std::string b) { return patched(b, 107, n + 1000); }),
        Expected::kError, "a.laz: "},
+      {"LazCountZero", laz([](std::string b) { return patched(b, 107, std::uint32_t{0}); }),
+       Expected::kError, "counts 0 points, but"},
+      {"LazCountTooSmall", laz([=](std::string b) { return patched(b, 107, n - 100); }),
+       Expected::kNear, "las_count_small", 0.1},
+      {"TwoTilesThatLookAlike",
+       [](const CloudCity& city) {
+         // Halves of the cloud, each with the box of the whole and as many points.
+         std::array<PointCloud, 2> half;
+         for (std::size_t p = 0; p < city.cloud.size(); ++p)
+           append(half[p % 2], city.cloud.x[p], city.cloud.y[p], city.cloud.z[p],
+                  city.cloud.classification[p]);
+         for (const int i : {0, 1}) {
+           std::string bytes =
+               city.write(i == 0 ? "a.las" : "b.las", half[static_cast<std::size_t>(i)]);
+           for (std::size_t at = 179; at < 227; ++at) bytes[at] = undamaged().las[at];
+           city.write_bytes(i == 0 ? "a.las" : "b.las", bytes);
+         }
+       },
+       Expected::kNear, "", 1e-6},
       {"BoxElsewhere", header_box(1e6, 2e6, 1e6, 2e6), Expected::kNear, "las_box_untrusted", 1e-6},
       {"BoxInsideOut", header_box(85130, 85000, 447110, 447000), Expected::kNear,
        "las_box_untrusted", 1e-6},
@@ -256,6 +277,18 @@ std::vector<Defect> defects() {
        "ground_filtered", 0.15},
       {"BuildingsUnclassified", classes([](int c) { return c == kBuildingClass ? 1 : c; }),
        Expected::kNear, "no_building_class", 0.05},
+      {"OneStrayBuildingPoint", points([](PointCloud& cloud) {
+         bool first = true;
+         for (std::uint8_t& code : cloud.classification)
+           if (code == kBuildingClass && !std::exchange(first, false)) code = kUnclassified;
+       }),
+       Expected::kNear, "no_building_class", 0.05},
+      {"OneStrayGroundPoint", points([](PointCloud& cloud) {
+         bool first = true;
+         for (std::uint8_t& code : cloud.classification)
+           if (code == kGround && !std::exchange(first, false)) code = kUnclassified;
+       }),
+       Expected::kNear, "ground_filtered", 0.15},
       {"OnlyBuildings", points([](PointCloud& cloud) {
          cloud = filtered(cloud,
                           [&](std::size_t p) { return cloud.classification[p] == kBuildingClass; });

@@ -140,6 +140,21 @@ TEST(BuildDtm, OneGroundPointFillsTheDomain) {
   EXPECT_DOUBLE_EQ(report.empty_share, 1 - 1.0 / (41 * 31));
 }
 
+TEST(BuildDtm, VoidsAreSquaresWithoutAnyPoint) {
+  PointCloud cloud;  // one point in each square of 20 m of the left half
+  for (double y = 10; y < 100; y += 20)
+    for (double x = 10; x < 50; x += 20) {
+      cloud.x.push_back(x);
+      cloud.y.push_back(y);
+      cloud.z.push_back(1);
+      cloud.classification.push_back(kGround);
+    }
+  DtmReport report;
+  build_dtm(cloud, {0, 0, 79, 99}, {}, {}, &report);
+  EXPECT_EQ(report.void_share, 0.5);
+  EXPECT_GT(report.empty_share, 0.99);
+}
+
 TEST(BuildDtm, PointsOutsideTheGridAreIgnored) {
   PointCloud cloud;
   add(cloud, 5, 5, 1, kGround);

@@ -101,6 +101,17 @@ TEST(GroundFilter, HillsStayAndBuildingsGoOnSlopes) {
   EXPECT_LT(wrong.taken, 0.001);
 }
 
+/// The uphill rim has nothing higher beside it that an opening could come down from.
+TEST(GroundFilter, SlopesStayWholeUpToTheirRim) {
+  for (const double slope : {0.3, 1.0}) {
+    const PointCloud cloud =
+        scan(200, 2, {}, 0, [&](double x, double y) { return slope * (0.8 * x + 0.6 * y); });
+    const auto found = filter_ground(cloud, {});
+    const auto left_out = std::count(found.begin(), found.end(), std::uint8_t{0});
+    EXPECT_LT(left_out, static_cast<std::ptrdiff_t>(cloud.size() / 100)) << slope;
+  }
+}
+
 TEST(GroundFilter, WindowOrFootprintsDecideAboutWideHalls) {
   const std::vector<Polygon> hall = {box(60, 60, 150, 150)};
   const auto flat = [](double x, double) { return 0.01 * x; };

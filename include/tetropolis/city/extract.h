@@ -34,7 +34,8 @@ struct PointLists {
 struct BuildingPoints {
   PointLists roof;
   PointLists ground;
-  bool roof_from_unclassified = false;  ///< The cloud has no class 6, see extract_building_points.
+  bool roof_from_unclassified =
+      false;  ///< Of a cloud without class 6, see extract_building_points.
   friend bool operator==(const BuildingPoints&, const BuildingPoints&) = default;
 };
 
@@ -47,14 +48,15 @@ struct ExtractOptions {
 
 /// Roof points lie inside the footprint (contains()) and have class 6; ground points lie outside
 /// it, at most `margin` from its boundary (squared_distance_to_segment), and have class 2 or 9.
-/// Points in a hole are outside. If the whole cloud has no point of class 6, roof points are the
-/// points inside that are neither ground (2), water (9), vegetation (3, 4, 5) nor noise (7, 18),
-/// and roof_from_unclassified says so; these lose the crowns of trees unless told otherwise. Each
-/// list then loses its outliers (drop_outliers). One point may belong to several buildings:
-/// footprints may overlap, margins do. Guarantees: lists in the order of the footprints; the same
-/// for any number of threads. Memory beyond the result and a grid over the footprints is 8 bytes
-/// per point found. Throws Error(kInput) for clouds of 2^32 points or more. Source: Naserentin &
-/// Logg 2022 (arXiv 2210.05250), step 1.5; a uniform grid replaces the trees.
+/// Points in a hole are outside. If the whole cloud has no point of class 6 (or a few strays: fewer
+/// than buildings and than one in 1000 points), roof points are the points inside that are neither
+/// ground (2), water (9), vegetation (3, 4, 5) nor noise (7, 18), and roof_from_unclassified says
+/// so; these lose the crowns of trees unless told otherwise. Each list then loses its outliers
+/// (drop_outliers). One point may belong to several buildings: footprints may overlap, margins do.
+/// Guarantees: lists in the order of the footprints; the same for any number of threads. Memory
+/// beyond the result and a grid over the footprints is 8 bytes per point found. Throws
+/// Error(kInput) for clouds of 2^32 points or more. Source: Naserentin & Logg 2022 (arXiv
+/// 2210.05250), step 1.5; a uniform grid replaces the trees.
 BuildingPoints extract_building_points(std::span<const Polygon> footprints, const PointCloud& cloud,
                                        const ExtractOptions& options = {},
                                        const Progress& progress = {});

@@ -38,17 +38,17 @@ struct GroundFilterReport {
 /// LIDAR data" (IEEE TGRS 41, 2003): a grid of lowest points is opened with ever larger windows; a
 /// cell is an object where one opening lowers it by more than slope * window; the surface through
 /// the other cells is the terrain, and points within a tolerance of it are ground. Differences:
-/// windows are octagons; the drop is measured from the grid itself; one of a storey (3 m) is never
-/// terrain, so that wide flat halls are seen; a lowest point with fewer than three others at most 1
-/// m higher within 10 m is a pit and left out (the paper opens the surface upside down, which takes
-/// alleys for pits); cells inside footprints say nothing about the terrain, so no known building is
-/// too wide, but points in them that lie on the terrain around are ground; cells without points
-/// are, for the opening only, filled from the lowest surroundings of their void at the given slope,
-/// also around the cloud, so that buildings at the water or cut by the rim of the cloud do not lean
-/// on a void.
+/// a plane is taken out of terrain that slopes as a whole; windows are octagons; the drop is
+/// measured from the grid itself; one of a storey (3 m) is never terrain, so that wide flat halls
+/// are seen; a lowest point with fewer than three others at most 1 m higher within 10 m is a pit
+/// and left out (the paper opens the surface upside down, which takes alleys for pits); cells
+/// inside footprints say nothing about the terrain, so no known building is too wide, but points in
+/// them that lie on the terrain around are ground; cells without points are, for the opening only,
+/// filled from the lowest surroundings of their void at the given slope, also around the cloud, so
+/// that buildings at the water or cut by the rim of the cloud do not lean on a void.
 ///
-/// Known weakness: on slopes much steeper than `slope`, parts of wide buildings that are in no
-/// footprint may pass for terrain, and hilltops for objects.
+/// Known weakness: on slopes much steeper than `slope` that are not those of the whole terrain,
+/// parts of wide buildings that are in no footprint may pass for terrain, and hilltops for objects.
 ///
 /// Guarantees: the same for any number of threads. Linear in points, footprints (their edges, and
 /// the rows of cells these span) and cells, logarithmic in the window; but filling voids takes one
