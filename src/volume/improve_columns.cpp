@@ -27,8 +27,11 @@ constexpr double kWorthwhile = 1e-3;
 /// Changes made to one column in one sweep, at most.
 constexpr int kChangesPerSweep = 8;
 
-/// Stacks that one sweep works on, at most: those with the worst cells. A few seconds' work.
+/// Stacks that one sweep works on, at most: those with the worst cells.
 constexpr std::size_t kMostStacks = 2000;
+
+/// Cells that one sweep may look at, shared by its columns alike: a few seconds' work.
+constexpr std::int64_t kCellsPerSweep = 100'000'000;
 
 /// Columns between two looks at whether to stop.
 constexpr std::size_t kColumnsPerBatch = 64;
@@ -88,7 +91,10 @@ struct ColumnView {
 class Improver {
  public:
   Improver(const ColumnMesh& mesh, const ImproveOptions& options)
-      : mesh_(&mesh), cost_(options), slot_(mesh.vertex_count(), -1) {}
+      : mesh_(&mesh),
+        cost_(options),
+        least_tangent_(std::tan(to_radians(options.least_deg))),
+        slot_(mesh.vertex_count(), -1) {}
 
   /// Vertices of the triangles with the worst bad cells, ascending.
   std::vector<VertexIndex> bad_vertices() const;
@@ -116,18 +122,22 @@ class Improver {
                    std::int32_t last, const Visit& visit) const;
   /// Sum over those cells of all triangles; any number beyond `limit` if it is beyond.
   double cost(std::span<const TriangleIndex> triangles, VertexIndex v, ColumnView own,
-              std::int32_t first, std::int32_t last, double limit) const;
+              std::int32_t first, std::int32_t last, double limit, std::int64_t& left) const;
+  bool is_hopeless(TriangleIndex t) const;
   double worst_cost(TriangleIndex t) const;
   template <typename TriangleAt>
   std::vector<VertexIndex> worst_of(std::size_t count, const TriangleAt& triangle_at) const;
 
-  Column improved(VertexIndex v) const;
-  bool improve_once(VertexIndex v, std::span<const TriangleIndex> triangles, Column& column) const;
+  /// These look at about `left` cells at most, and lower it by as many as they do.
+  Column improved(VertexIndex v, std::int64_t left) const;
+  bool improve_once(VertexIndex v, std::span<const TriangleIndex> triangles, Column& column,
+                    std::int64_t& left) const;
   bool improve_between(VertexIndex v, std::span<const TriangleIndex> triangles, std::int32_t low,
-                       std::int32_t high, Column& column) const;
+                       std::int32_t high, Column& column, std::int64_t& left) const;
 
   const ColumnMesh* mesh_;
   Cost cost_;
+  double least_tangent_;            ///< Of the least angle wanted.
   std::vector<std::int32_t> slot_;  ///< Per vertex: its place in changed_, or -1.
   std::vector<Column> changed_;
 };
@@ -202,12 +212,14 @@ bool Improver::visit_cells(TriangleIndex t, VertexIndex v, ColumnView own, std::
 }
 
 double Improver::cost(std::span<const TriangleIndex> triangles, VertexIndex v, ColumnView own,
-                      std::int32_t first, std::int32_t last, double limit) const {
+                      std::int32_t first, std::int32_t last, double limit,
+                      std::int64_t& left) const {
   double sum = 0;
   for (const TriangleIndex t : triangles) {
     if (inside(t) && last < own.roof) continue;  // there are no cells below a roof
     const bool within = visit_cells(t, v, own, first, last, [&](double cell, std::int32_t, bool) {
       sum += cell;
+      --left;
       return sum < limit;
     });
     if (!within) break;
@@ -215,7 +227,23 @@ double Improver::cost(std::span<const TriangleIndex> triangles, VertexIndex v, C
   return sum;
 }
 
+/// Each corner of the triangle is a dihedral angle of the cells that rise there, whatever the
+/// nodes.
+bool Improver::is_hopeless(TriangleIndex t) const {
+  const std::array<VertexIndex, 3>& v = corners(t);
+  for (std::size_t i = 0; i < 3; ++i) {
+    const Point2 p = mesh_->ground.vertices[static_cast<std::size_t>(v[i])];
+    const Point2 q = mesh_->ground.vertices[static_cast<std::size_t>(v[(i + 1) % 3])];
+    const Point2 r = mesh_->ground.vertices[static_cast<std::size_t>(v[(i + 2) % 3])];
+    const double along = (q.x - p.x) * (r.x - p.x) + (q.y - p.y) * (r.y - p.y);
+    const double across = (q.x - p.x) * (r.y - p.y) - (q.y - p.y) * (r.x - p.x);
+    if (across < least_tangent_ * along) return true;
+  }
+  return false;
+}
+
 double Improver::worst_cost(TriangleIndex t) const {
+  if (is_hopeless(t)) return 0;
   const VertexIndex v = corners(t)[0];
   const ColumnView own = column(v);
   double worst = 0;
@@ -268,8 +296,9 @@ std::vector<VertexIndex> Improver::bad_around(const std::vector<VertexIndex>& ve
 
 /// Tries other nodes between `low` and `high`, which stay; takes the best if it is better.
 bool Improver::improve_between(VertexIndex v, std::span<const TriangleIndex> triangles,
-                               std::int32_t low, std::int32_t high, Column& column) const {
-  const double now = cost(triangles, v, column, low, high, kForever);
+                               std::int32_t low, std::int32_t high, Column& column,
+                               std::int64_t& left) const {
+  const double now = cost(triangles, v, column, low, high, kForever, left);
   if (!(now > 0)) return false;
   const auto before = static_cast<std::size_t>(low) + 1, after = static_cast<std::size_t>(high);
   const double z0 = column.z[before - 1], z1 = column.z[after];
@@ -287,7 +316,7 @@ bool Improver::improve_between(VertexIndex v, std::span<const TriangleIndex> tri
     const auto change =
         static_cast<std::int32_t>(trial.z.size()) - static_cast<std::int32_t>(column.z.size());
     trial.roof = column.roof + (column.roof >= high ? change : 0);
-    const double cost_then = cost(triangles, v, trial, low, high + change, least);
+    const double cost_then = cost(triangles, v, trial, low, high + change, least, left);
     if (!(cost_then < least)) return;
     least = cost_then;
     std::swap(best, trial);
@@ -313,8 +342,8 @@ bool Improver::improve_between(VertexIndex v, std::span<const TriangleIndex> tri
   return true;
 }
 
-bool Improver::improve_once(VertexIndex v, std::span<const TriangleIndex> triangles,
-                            Column& column) const {
+bool Improver::improve_once(VertexIndex v, std::span<const TriangleIndex> triangles, Column& column,
+                            std::int64_t& left) const {
   const auto last = static_cast<std::int32_t>(column.z.size()) - 1;
   std::vector<char> bad(column.z.size(), 0);
   for (const TriangleIndex t : triangles)
@@ -323,6 +352,7 @@ bool Improver::improve_once(VertexIndex v, std::span<const TriangleIndex> triang
         bad[static_cast<std::size_t>(node)] = 1;
         if (rises) bad[static_cast<std::size_t>(node) + 1] = 1;
       }
+      --left;
       return true;
     });
   const auto fixed_between = [&](std::int32_t low, std::int32_t high) {
@@ -332,19 +362,21 @@ bool Improver::improve_once(VertexIndex v, std::span<const TriangleIndex> triang
     if (bad[static_cast<std::size_t>(node)] == 0) continue;
     for (const auto& [down, up] : kWindows) {
       const std::int32_t low = node - down, high = node + up;
-      if (!fixed_between(low, high) && improve_between(v, triangles, low, high, column))
+      if (left <= 0) return false;
+      if (!fixed_between(low, high) && improve_between(v, triangles, low, high, column, left))
         return true;
     }
   }
   return false;
 }
 
-Column Improver::improved(VertexIndex v) const {
+Column Improver::improved(VertexIndex v, std::int64_t left) const {
   const std::vector<TriangleIndex> triangles = around(v);
   const ColumnView now = column(v);
   Column better{{now.z.begin(), now.z.end()}, now.roof};
   bool changed = false;
-  for (int i = 0; i < kChangesPerSweep && improve_once(v, triangles, better); ++i) changed = true;
+  for (int i = 0; i < kChangesPerSweep && improve_once(v, triangles, better, left); ++i)
+    changed = true;
   return changed ? better : Column{};
 }
 
@@ -370,6 +402,7 @@ std::vector<VertexIndex> Improver::sweep(const std::vector<VertexIndex>& vertice
     colour[i] = free;
     colours = std::max(colours, free + 1);
   }
+  const std::int64_t share = kCellsPerSweep / static_cast<std::int64_t>(vertices.size());
   std::vector<VertexIndex> changed;
   for (std::int32_t c = 0; c < colours; ++c) {
     std::vector<VertexIndex> members;
@@ -380,7 +413,7 @@ std::vector<VertexIndex> Improver::sweep(const std::vector<VertexIndex>& vertice
       progress.update(0);
       const std::size_t count = std::min(kColumnsPerBatch, members.size() - first);
       parallel_chunks(count, 1, [&](std::size_t i, std::size_t) {
-        columns[first + i] = improved(members[first + i]);
+        columns[first + i] = improved(members[first + i], share);
       });
     }
     for (std::size_t i = 0; i < members.size(); ++i) {

@@ -25,7 +25,9 @@ struct ImproveOptions {
 /// change is made if it lowers the sum over the cells it touches. Columns that share no triangle do
 /// not touch the same cells and are worked on at the same time.
 ///
-/// Where very many cells are bad, a sweep takes the worst two thousand stacks only.
+/// Where very many cells are bad, a sweep takes the worst two thousand stacks only, and it looks at
+/// a hundred million cells at most. Stacks over triangles with a smaller angle than `least_deg` are
+/// left alone: some of their cells have that angle, too, whatever is done.
 ///
 /// Returns the number of columns that changed. The same bits for any number of threads.
 /// Precondition: `mesh` is valid (require_valid). Throws Cancelled.
