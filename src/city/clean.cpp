@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstddef>
 #include <cstdint>
 #include <optional>
 #include <utility>
@@ -10,6 +11,7 @@
 #include "tetropolis/city/clearance.h"
 #include "tetropolis/core/error.h"
 #include "tetropolis/geometry/polygon.h"
+#include "tetropolis/geometry/predicates.h"
 
 #include "city/clean_ring.h"
 #include "city/grid_geometry.h"
@@ -24,6 +26,38 @@ namespace {
 
 /// Half the side of the squares that join parts which touch: 3 cm.
 constexpr double kBridge = 0.03 * grid::kSteps;
+
+/// Crossings of edges above which rings are the outline of nothing. Tangles of real data have a
+/// few; repairing a scribble takes minutes.
+constexpr int kMostCrossings = 10000;
+
+/// Whether edges cross more often than that.
+bool is_scribble(const Polygon& polygon) {
+  struct Edge {
+    Point2 a, b;
+    Bounds2 box = Bounds2::nothing();
+  };
+  std::vector<Edge> edges;
+  for_each_edge(polygon, [&](Point2 a, Point2 b) {
+    Edge& edge = edges.emplace_back(Edge{a, b});
+    edge.box.extend(a);
+    edge.box.extend(b);
+  });
+  std::sort(edges.begin(), edges.end(),
+            [](const Edge& e, const Edge& f) { return e.box.xmin < f.box.xmin; });
+  int crossings = 0;
+  for (std::size_t i = 0; i < edges.size(); ++i) {
+    const Edge& e = edges[i];
+    for (std::size_t j = i + 1; j < edges.size() && edges[j].box.xmin <= e.box.xmax; ++j) {
+      const Edge& f = edges[j];
+      if (!e.box.intersects(f.box) || orient2d(e.a, e.b, f.a) * orient2d(e.a, e.b, f.b) >= 0 ||
+          orient2d(f.a, f.b, e.a) * orient2d(f.a, f.b, e.b) >= 0)
+        continue;
+      if (++crossings > kMostCrossings) return true;
+    }
+  }
+  return false;
+}
 
 const char* unusable_coordinate(const Polygon& polygon) {
   const char* reason = nullptr;
@@ -141,6 +175,7 @@ CleanedFootprint clean_footprint(const Polygon& raw, const CleanOptions& options
     return unusable(distinct_vertices(raw.outer) < 3 ? "fewer than 3 distinct vertices"
                                                      : "zero area");
   if (!valid(steps)) {
+    if (is_scribble(steps)) return unusable("outline crosses itself more than 10000 times");
     std::optional<Polygon> better;
     try {
       better = repaired(steps);

@@ -269,6 +269,7 @@ CityAndTerrain make_city(const Config& config, Next next, const OutputFolder& ou
     return build_dtm(cloud, raw.domain, options, progress, &dtm_report);
   });
   city_report.dtm_empty_share = dtm_report.empty_share;
+  city_report.dtm_void_share = dtm_report.void_share;
   if (dtm_report.empty_share > kMostlyEmpty)
     report.warnings.push_back(
         {"terrain_mostly_filled",

@@ -87,7 +87,7 @@ std::string common_crs(const Config& config, const std::string& points_crs,
         ErrorKind::kInput,
         fmt::format(
             "{}: footprints are in degrees ({}) and the point cloud has no CRS of its own; name it "
-            "with --points-crs",
+            "with --points-crs (or that of the footprints with --footprints-crs, if they are not)",
             config.footprints, crs_name(footprints.crs)));
   require_metres(footprints.crs, config.footprints, "--footprints-crs");
   return footprints.crs;

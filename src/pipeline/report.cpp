@@ -58,6 +58,7 @@ Json city_json(const CityReport& city) {
           {"resorts", city.resorts},
           {"flags", city.flags},
           {"dtm_empty_share", city.dtm_empty_share},
+          {"dtm_void_share", city.dtm_void_share},
           {"dropped", dropped}};
 }
 

@@ -139,6 +139,16 @@ TEST(CleanFootprint, SaysWhyAFootprintIsUnusable) {
   EXPECT_EQ(clean_footprint(bad_hole).reason, "non-finite coordinate");
 }
 
+TEST(CleanFootprint, ScribblesAreNoOutlines) {
+  std::mt19937 random(testing::test_seed());
+  std::uniform_real_distribution<double> along(0, 100);
+  Polygon scribble;
+  for (int i = 0; i < 1500; ++i) scribble.outer.push_back({along(random), along(random)});
+  const CleanedFootprint cleaned = clean_footprint(scribble);
+  EXPECT_FALSE(cleaned.usable());
+  EXPECT_NE(cleaned.reason.find("crosses itself"), std::string::npos) << cleaned.reason;
+}
+
 TEST(CleanFootprint, SurvivesRandomRings) {
   const unsigned seed = testing::test_seed();
   SCOPED_TRACE(::testing::Message() << "TETROPOLIS_TEST_SEED=" << seed);

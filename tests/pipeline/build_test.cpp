@@ -447,6 +447,42 @@ TEST_F(Build, StopsWhenAskedAndLeavesNothing) {
   }
 }
 
+/// Keys of a report as docs/files.md writes them: "a.b[].c"; members of maps are left out.
+void collect_keys(const nlohmann::json& value, const std::string& path,
+                  std::set<std::string>& keys) {
+  static const std::set<std::string> maps{"config", "input.points_by_class", "city.flags"};
+  if (maps.contains(path)) {
+    keys.insert(path);
+  } else if (value.is_object()) {
+    for (const auto& [key, member] : value.items())
+      collect_keys(member, path.empty() ? key : path + "." + key, keys);
+  } else if (value.is_array() && !value.empty() && value[0].is_object()) {
+    for (const nlohmann::json& element : value) collect_keys(element, path + "[]", keys);
+  } else if (value.is_primitive() || !value.empty()) {
+    keys.insert(path);
+  }
+}
+
+TEST_F(Build, EveryKeyOfTheReportIsDocumented) {
+  std::set<std::string> documented;
+  std::ifstream page(std::string(TETROPOLIS_SOURCE) + "/docs/files.md");
+  for (std::string line; std::getline(page, line);)
+    if (line.starts_with("| `")) documented.insert(line.substr(3, line.find('`', 3) - 3));
+  Config config = city(SynthKind::kRandom, 12, 150, 4);
+  config.mesh_size = 20;
+  config.min_building_area = 60;
+  run_build(config);
+  std::ifstream file(scratch / "out/report.json");
+  std::set<std::string> keys;
+  collect_keys(nlohmann::json::parse(file), "", keys);
+  EXPECT_GT(keys.size(), 80U);
+  for (std::string key : keys) {
+    if (const auto at = key.find("merged_by_patch_"); at != std::string::npos)
+      key = key.substr(0, at) + "merged_by_patch_N";
+    EXPECT_TRUE(documented.contains(key)) << key;
+  }
+}
+
 TEST_F(Build, SynthWritesTheSameBytesForTheSameSeed) {
   for (const SynthKind kind : {SynthKind::kRandom, SynthKind::kBlocks}) {
     Config config;

@@ -1,8 +1,10 @@
 #include "support/test_data.h"
 
+#include <cstdio>
 #include <cstdlib>
 #include <stdexcept>
 
+#include <gtest/gtest.h>
 #include <unistd.h>
 
 namespace tetropolis::testing {
@@ -27,9 +29,28 @@ TemporaryFolder::~TemporaryFolder() {
   fs::remove_all(path_, ignored);
 }
 
-unsigned test_seed() {
+namespace {
+
+unsigned seed_of_environment() {
   const char* text = std::getenv("TETROPOLIS_TEST_SEED");
   return text == nullptr ? 1U : static_cast<unsigned>(std::strtoul(text, nullptr, 10));
 }
+
+/// Tells the seed with every test that fails.
+class SeedTeller : public ::testing::EmptyTestEventListener {
+  void OnTestEnd(const ::testing::TestInfo& test) override {
+    if (test.result()->Failed())
+      std::printf("repeat with TETROPOLIS_TEST_SEED=%u\n", seed_of_environment());
+  }
+};
+
+const bool told = [] {
+  ::testing::UnitTest::GetInstance()->listeners().Append(new SeedTeller);  // which owns it
+  return true;
+}();
+
+}  // namespace
+
+unsigned test_seed() { return seed_of_environment(); }
 
 }  // namespace tetropolis::testing

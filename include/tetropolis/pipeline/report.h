@@ -51,6 +51,7 @@ struct CityReport {
   std::map<std::string, std::int64_t> resorts;  ///< Simplification: how often each was needed.
   std::map<std::string, std::int64_t> flags;    ///< Buildings with each flag.
   double dtm_empty_share = 0;  ///< Share of the terrain's nodes without a point of their own.
+  double dtm_void_share = 0;   ///< Share of the domain's squares of 20 m without a ground point.
   std::vector<Dropped> dropped;
 };
 
