@@ -217,6 +217,24 @@ std::int64_t decode_points(const fs::path& path, const LasLayout& layout, std::i
   return 0;
 }
 
+std::int64_t points_in_last_chunk(const fs::path& path, const LasLayout& layout) {
+  if (!layout.layered || layout.chunk_size == 0 || layout.info.point_count == 0) return -1;
+  const std::int64_t first = (layout.info.point_count - 1) / layout.chunk_size * layout.chunk_size;
+  std::int64_t start = layout.first_point + 8;
+  if (first > 0) {
+    const ForeignCode laszip(path.c_str());
+    LazReader reader(path, layout);
+    reader.seek(first);
+    start = reader.position();
+  }
+  // A chunk begins with its first point as it is and the number of its points.
+  std::uint32_t count = 0;
+  const PositionedFile file(path);
+  const bool read =
+      file.read(start + layout.info.record_length, &count, sizeof count) == sizeof count;
+  return read && count >= 1 && count <= layout.chunk_size ? static_cast<std::int64_t>(count) : -1;
+}
+
 void check_las_length(const fs::path& path, const LasLayout& layout) {
   if (layout.info.compressed) return;
   const std::int64_t fit = (layout.file_size - layout.first_point) / layout.info.record_length;

@@ -30,6 +30,10 @@ using LasVisitor = std::function<void(const LasRecord* records, std::size_t coun
 std::int64_t decode_points(const std::filesystem::path& path, const LasLayout& layout,
                            std::int64_t first, std::int64_t count, const LasVisitor& visit);
 
+/// What the last chunk of a layered LAZ file with chunks of equal size states: its number of
+/// points; -1 for other files. Throws Error(kInput) if the file cannot be opened.
+std::int64_t points_in_last_chunk(const std::filesystem::path& path, const LasLayout& layout);
+
 /// Throws if an uncompressed file is too short for its count.
 void check_las_length(const std::filesystem::path& path, const LasLayout& layout);
 

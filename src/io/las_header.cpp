@@ -250,6 +250,7 @@ void settle_compression(const fs::path& path, const PositionedFile& file,
                                "follow; the count is wrong, get the file again or repair it",
                                table - layout.first_point - 8));
   layout.chunk_table = table;
+  layout.layered = record.compressor == 3;
   // Some writers end with an empty chunk.
   if (!variable && chunks > expected + 1)
     layout.info.warnings.push_back(

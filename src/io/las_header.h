@@ -25,6 +25,8 @@ struct LasLayout {
   std::int64_t chunk_size = 0;
   /// LAZ: byte of the chunk table, where the compressed points end; 0 if not known.
   std::int64_t chunk_table = 0;
+  /// LAZ: whether chunks are in layers (point formats 6 and above), which state their count.
+  bool layered = false;
   /// LAZ: whether the table at the end of the file is missing, as it is in a cut file.
   bool chunk_table_missing = false;
 };

@@ -138,6 +138,22 @@ struct FilePlan {
   std::vector<Warning> warnings;
 };
 
+/// Whether the points that the header counts end where the last chunk does.
+void check_last_chunk(const fs::path& path, FilePlan& plan) {
+  const std::int64_t found = points_in_last_chunk(path, plan.layout);
+  if (found < 0) return;
+  const std::int64_t points = plan.layout.info.point_count;
+  const std::int64_t counted = (points - 1) % plan.layout.chunk_size + 1;
+  if (found < counted)
+    fail_las(path, fmt::format("the header counts {} points, but only {} are there; get it again",
+                               points, points - counted + found));
+  if (found > counted)
+    plan.warnings.push_back(
+        {"las_count_small", found - counted,
+         fmt::format("{}: the header counts {} points, but {} more follow; these are not read",
+                     path.string(), points, found - counted)});
+}
+
 FilePlan plan_file(const fs::path& path, const ReadPointsOptions& options) {
   FilePlan plan;
   plan.layout = read_las_layout(path);
@@ -145,6 +161,7 @@ FilePlan plan_file(const fs::path& path, const ReadPointsOptions& options) {
   if (!options.crs.empty())
     std::erase_if(plan.warnings, [](const Warning& w) { return w.code == "las_crs_unknown"; });
   check_las_length(path, plan.layout);
+  check_last_chunk(path, plan);
   const LasInfo& info = plan.layout.info;
   const bool sound = is_sound(info);
   plan.check_box = sound;

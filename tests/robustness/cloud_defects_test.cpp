@@ -82,6 +82,15 @@ std::function<void(const CloudCity&)> laz(std::function<std::string(std::string)
   return [=](const CloudCity& city) { city.write_bytes(name, change(undamaged().laz)); };
 }
 
+/// Point format 6, with this count in the header (its two places).
+std::function<void(const CloudCity&)> laz_in_layers(std::uint32_t count) {
+  return [=](const CloudCity& city) {
+    std::string bytes = city.write("a.laz", city.cloud, 6);
+    bytes = patched(std::move(bytes), 107, count);
+    city.write_bytes("a.laz", patched(std::move(bytes), 247, std::uint64_t{count}));
+  };
+}
+
 /// The good cloud through `change`, written as it should be.
 std::function<void(const CloudCity&)> points(std::function<void(PointCloud&)> change,
                                              int format = 1) {
@@ -194,6 +203,9 @@ std::vector<Defect> defects() {
        Expected::kError, "counts 0 points, but"},
       {"LazCountTooSmall", laz([=](std::string b) { return patched(b, 107, n - 100); }),
        Expected::kNear, "las_count_small", 0.1},
+      {"LazInLayersCountTooSmall", laz_in_layers(n - 100), Expected::kNear, "las_count_small", 0.1},
+      {"LazInLayersCountTooLarge", laz_in_layers(n + 1), Expected::kError, "only 10000 are there"},
+      {"LazInLayers", laz_in_layers(n), Expected::kSame, ""},
       {"TwoTilesThatLookAlike",
        [](const CloudCity& city) {
          // Halves of the cloud, each with the box of the whole and as many points.
