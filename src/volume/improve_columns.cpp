@@ -33,6 +33,9 @@ constexpr std::size_t kMostStacks = 2000;
 /// Cells that one sweep may look at, shared by its columns alike: a few seconds' work.
 constexpr std::int64_t kCellsPerSweep = 100'000'000;
 
+/// Share of the least angle wanted below which a triangle's corner makes its stack hopeless.
+constexpr double kHopeless = 2.0 / 3;
+
 /// Columns between two looks at whether to stop.
 constexpr std::size_t kColumnsPerBatch = 64;
 
@@ -93,7 +96,7 @@ class Improver {
   Improver(const ColumnMesh& mesh, const ImproveOptions& options)
       : mesh_(&mesh),
         cost_(options),
-        least_tangent_(std::tan(to_radians(options.least_deg))),
+        least_tangent_(std::tan(to_radians(kHopeless * options.least_deg))),
         slot_(mesh.vertex_count(), -1) {}
 
   /// Vertices of the triangles with the worst bad cells, ascending.
@@ -137,7 +140,7 @@ class Improver {
 
   const ColumnMesh* mesh_;
   Cost cost_;
-  double least_tangent_;            ///< Of the least angle wanted.
+  double least_tangent_;            ///< Of the angle below which a corner is hopeless.
   std::vector<std::int32_t> slot_;  ///< Per vertex: its place in changed_, or -1.
   std::vector<Column> changed_;
 };

@@ -26,8 +26,8 @@ struct ImproveOptions {
 /// not touch the same cells and are worked on at the same time.
 ///
 /// Where very many cells are bad, a sweep takes the worst two thousand stacks only, and it looks at
-/// a hundred million cells at most. Stacks over triangles with a smaller angle than `least_deg` are
-/// left alone: some of their cells have that angle, too, whatever is done.
+/// a hundred million cells at most. Stacks over triangles with an angle below two thirds of
+/// `least_deg` are left alone: some of their cells have that angle, too, whatever is done.
 ///
 /// Returns the number of columns that changed. The same bits for any number of threads.
 /// Precondition: `mesh` is valid (require_valid). Throws Cancelled.
