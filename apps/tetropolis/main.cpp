@@ -1,4 +1,5 @@
 // The command line: options in, library calls, progress out.
+#include <algorithm>
 #include <charconv>
 #include <cmath>
 #include <cstdio>
@@ -15,6 +16,7 @@
 
 #include "tetropolis/core/error.h"
 #include "tetropolis/core/parallel.h"
+#include "tetropolis/core/system_memory.h"
 #include "tetropolis/core/version.h"
 #include "tetropolis/io/atomic_file.h"
 #include "tetropolis/pipeline/run.h"
@@ -236,6 +238,18 @@ void declare(CLI::App& app, std::vector<std::unique_ptr<ConfigOptions>>& options
   });
 }
 
+/// Libraries end in many ways where they do not get the little memory that they begin with.
+void require_address_space() {
+  constexpr double kMegabyte = 1 << 20, kLeast = 32 * kMegabyte;
+  const double left = address_space_left();
+  if (left < kLeast)
+    throw Error(
+        ErrorKind::kGuarantee,
+        fmt::format("out of memory: the limit of address space (ulimit -v) leaves {:.0f} MB "
+                    "besides the program itself; allow at least {:.0f} MB more",
+                    std::max(left, 0.0) / kMegabyte, (kLeast - left) / kMegabyte));
+}
+
 /// For whoever types nothing but the program's name: what to type next.
 std::string guidance(const CLI::App& app) {
   std::string text = fmt::format("{}\n\nCommands:\n", app.get_description());
@@ -270,5 +284,10 @@ int main(int argc, char** argv) {
     put(stderr, fmt::format("tetropolis: {}\n", one_line(usage_message(app, error))));
     return static_cast<int>(ErrorKind::kUsage);
   }
-  return guarded(action, say_on_stderr);
+  return guarded(
+      [&] {
+        require_address_space();
+        return action();
+      },
+      say_on_stderr);
 }

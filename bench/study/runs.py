@@ -105,14 +105,15 @@ class Bench:
         return {b["run_name"]: b for b in json.loads(process.stdout)["benchmarks"]
                 if b.get("aggregate_name", "median") == "median"}
 
-    def plain_laszip(self, path):
-        """Processor seconds that decoding every point of a file with LASzip alone takes."""
+    def plain_laszip(self, path, threads):
+        """Processor seconds that decoding every point of a file with LASzip alone takes one thread, while as
+        many do the same: one for each run."""
         program = self.build / "bench" / "laszip_read"
         times = []
         for _ in range(max(3, self.repeat)):
-            done = subprocess.run([str(program), str(path)], stdout=subprocess.PIPE, text=True, check=True)
+            done = subprocess.run([str(program), str(path), str(threads)], stdout=subprocess.PIPE, text=True, check=True)
             times.append(float(done.stdout.split()[1]))
-        return statistics.median(times)
+        return times
 
     def disk_speed(self, size, sync):
         """Bytes per second of dd writing a file of `size` bytes, waiting for the disk if `sync`."""

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <iterator>
 #include <limits>
 #include <utility>
 
@@ -19,6 +20,7 @@ namespace tetropolis {
 namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
+constexpr std::ptrdiff_t kMostPairs = 12;  // of one vertex
 
 /// Whether leaving vertex v towards q one is inside the polygon.
 bool leads_inside(const Outline& o, std::int32_t v, Point2 q) {
@@ -115,6 +117,7 @@ class Fillings {
   bool meet(const Polygon& polygon) {
     bool touches = false;
     for_each_edge(polygon, [&](Point2 a, Point2 b) {
+      if (touches) return;
       index_.visit(grid::box_of(a, b), [&](std::int32_t e) {
         const Edge& edge = edges_[static_cast<std::size_t>(e)];
         touches = touches || grid::segments_touch(a, b, edge.a, edge.b);
@@ -180,12 +183,35 @@ void put_off_cuts(Patches& patches, double epsilon) {
   patches.widen.resize(kept);
 }
 
+/// The pairs of which no more than kMostPairs of the same vertex are nearer: where walls crowd, the
+/// others lie behind these, and have their turn in the next round if they are still there.
+std::vector<NearPair> nearest_pairs(const std::vector<NearPair>& pairs) {
+  std::vector<NearPair> nearest;
+  nearest.reserve(pairs.size());
+  std::vector<double> distances;
+  for (auto begin = pairs.begin(); begin != pairs.end();) {
+    const auto end = std::find_if(
+        begin, pairs.end(), [&](const NearPair& pair) { return pair.vertex != begin->vertex; });
+    double most = kInfinity;
+    if (end - begin > kMostPairs) {
+      distances.clear();
+      for (auto pair = begin; pair != end; ++pair) distances.push_back(pair->distance);
+      std::nth_element(distances.begin(), distances.begin() + kMostPairs, distances.end());
+      most = distances[kMostPairs];
+    }
+    std::copy_if(begin, end, std::back_inserter(nearest),
+                 [&](const NearPair& pair) { return pair.distance <= most; });
+    begin = end;
+  }
+  return nearest;
+}
+
 }  // namespace
 
 std::vector<Patches> patches_for(const Outline& o, const std::vector<NearPair>& pairs,
                                  double epsilon, double reach) {
   std::vector<Patches> result(o.changed.size());
-  for (const NearPair& pair : pairs) {
+  for (const NearPair& pair : nearest_pairs(pairs)) {
     const std::int32_t v = pair.vertex, e = pair.edge;
     if (o.group_of(v) != o.group_of(e)) continue;
     const Point2 q = grid::nearest_on_segment(o.at(v), o.at(e), o.at(o.after(e)));

@@ -24,7 +24,8 @@ struct Patches {
 /// runs outside is filled; inside, it is cut or widened, whichever changes less area. Cuts that
 /// touch a filling, or lie inside one, are left for a later round. `epsilon` and
 /// `reach` (>= epsilon) are steps; patches end where the gap becomes wider than `reach`. Pairs of
-/// neighbouring vertices (short edges) are left out.
+/// neighbouring vertices (short edges) are left out, and of a vertex among many walls all but its
+/// nearest dozen. Precondition: the pairs of a vertex follow each other.
 std::vector<Patches> patches_for(const Outline& outline, const std::vector<NearPair>& pairs,
                                  double epsilon, double reach);
 

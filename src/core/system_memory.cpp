@@ -63,4 +63,11 @@ double usable_memory() {
   return std::min({machine, control_group_limit(), address_space_limit()});
 }
 
+double address_space_left() {
+  const double limit = address_space_limit();
+  double pages = 0;  // of the process, the first number of its statm
+  if (limit == kNoLimit || !(std::ifstream("/proc/self/statm") >> pages)) return kNoLimit;
+  return limit - pages * static_cast<double>(sysconf(_SC_PAGESIZE));
+}
+
 }  // namespace tetropolis

@@ -3,6 +3,7 @@
 #include <atomic>
 #include <cmath>
 #include <exception>
+#include <limits>
 #include <map>
 #include <optional>
 #include <tuple>
@@ -15,6 +16,7 @@
 #include "tetropolis/io/crs.h"
 
 #include "las_decode.h"
+#include "point_collector.h"
 
 namespace tetropolis {
 
@@ -22,7 +24,7 @@ namespace fs = std::filesystem;
 
 namespace {
 
-constexpr std::int64_t kPointsPerTask = 1'000'000;
+constexpr std::int64_t kPointsPerTask = 250'000;
 constexpr std::int64_t kLeastTwin = 100;     // points of which two equal boxes are no coincidence
 constexpr std::int64_t kLeastLeftOver = 64;  // bytes of points behind the last one counted
 
@@ -34,32 +36,43 @@ class Filter {
         keep_withheld_(options.keep_withheld),
         skipped_(class_table(options.skipped_classes)) {}
 
+  /// Moves the records to keep to the front, in order, and returns how many they are.
+  std::size_t keep(std::span<LasRecord> records, const LasInfo& info) const {
+    std::size_t kept = 0;
+    for (const LasRecord& record : records) {
+      records[kept] = record;
+      kept += keeps(record, info) ? 1 : 0;
+    }
+    return kept;
+  }
+
+ private:
   bool keeps(const LasRecord& record, const LasInfo& info) const {
     if (skipped_[record.classification] || (record.withheld && !keep_withheld_)) return false;
     return !crop_ || crop_->contains({record.x * info.scale[0] + info.offset[0],
                                       record.y * info.scale[1] + info.offset[1]});
   }
 
- private:
   std::optional<Bounds2> crop_;
   bool keep_withheld_;
   ClassTable skipped_;
 };
 
-/// Runs fallible jobs over [0, size) in parallel; afterwards throws what the first failing one of
-/// them threw. Jobs behind a failed one may not run at all.
+/// Runs fallible jobs over [0, size) in parallel, begun in order; afterwards throws what the first
+/// failing one of them threw. Jobs behind a failed one may not run at all.
 template <typename Job>
-void run_in_order_of_errors(std::size_t size, const Job& job) {
+void run_in_order(std::size_t size, const Job& job) {
   std::vector<std::exception_ptr> errors(size);
-  std::atomic<std::size_t> first_failed{size};
-  parallel_chunks(size, 1, [&](std::size_t begin, std::size_t) {
-    if (begin > first_failed.load()) return;
+  std::atomic<std::size_t> next{0}, first_failed{size};
+  parallel_chunks(size, 1, [&](std::size_t, std::size_t) {
+    const std::size_t number = next++;
+    if (number > first_failed.load()) return;
     try {
-      job(begin);
+      job(number);
     } catch (...) {
-      errors[begin] = std::current_exception();
+      errors[number] = std::current_exception();
       std::size_t seen = first_failed.load();
-      while (begin < seen && !first_failed.compare_exchange_weak(seen, begin)) {
+      while (number < seen && !first_failed.compare_exchange_weak(seen, number)) {
       }
     }
   });
@@ -76,18 +89,33 @@ class BoxCheck {
       const double margin = 2 * std::abs(info.scale[axis]);
       const double a = (info.min[axis] - margin - info.offset[axis]) / info.scale[axis];
       const double b = (info.max[axis] + margin - info.offset[axis]) / info.scale[axis];
-      low_[axis] = std::min(a, b);
-      high_[axis] = std::max(a, b);
+      low_[axis] = to_step(std::ceil(std::min(a, b)), Step::min());
+      high_[axis] = to_step(std::floor(std::max(a, b)), Step::max());
     }
   }
-  bool is_outside(const LasRecord& record) const {
-    return record.x < low_[0] || record.x > high_[0] || record.y < low_[1] || record.y > high_[1] ||
-           record.z < low_[2] || record.z > high_[2];
+  std::int64_t count_outside(const LasRecord* records, std::size_t n) const {
+    std::int64_t outside = 0;
+    for (std::size_t i = 0; i < n; ++i) {
+      const LasRecord& r = records[i];
+      outside += static_cast<int>(r.x < low_[0]) | static_cast<int>(r.x > high_[0]) |
+                 static_cast<int>(r.y < low_[1]) | static_cast<int>(r.y > high_[1]) |
+                 static_cast<int>(r.z < low_[2]) | static_cast<int>(r.z > high_[2]);
+    }
+    return outside;
   }
 
  private:
-  std::array<double, 3> low_{};
-  std::array<double, 3> high_{};
+  using Step = std::numeric_limits<std::int32_t>;
+
+  /// `otherwise` where the header says nothing.
+  static std::int32_t to_step(double value, std::int32_t otherwise) {
+    return std::isnan(value)
+               ? otherwise
+               : static_cast<std::int32_t>(std::clamp<double>(value, Step::min(), Step::max()));
+  }
+
+  std::array<std::int32_t, 3> low_{};
+  std::array<std::int32_t, 3> high_{};
 };
 
 // --- is it safe to pass a file over? ---
@@ -272,7 +300,7 @@ void decode_tasks(std::span<const fs::path> paths, const std::vector<FilePlan>& 
   for (const Task& task : tasks) total += task.count;
   SharedProgress shared(progress, total);
   std::vector<std::int64_t> outside(tasks.size(), 0), left_over(tasks.size(), 0);
-  run_in_order_of_errors(tasks.size(), [&](std::size_t t) {
+  run_in_order(tasks.size(), [&](std::size_t t) {
     const Task& task = tasks[t];
     const LasLayout& layout = plans[task.file].layout;
     const BoxCheck box(layout.info);
@@ -280,8 +308,7 @@ void decode_tasks(std::span<const fs::path> paths, const std::vector<FilePlan>& 
     left_over[t] = decode_points(paths[task.file], layout, task.first, task.count,
                                  [&](const LasRecord* block, std::size_t n) {
                                    visit(t, block, n);
-                                   for (std::size_t i = 0; i < n; ++i)
-                                     strays += box.is_outside(block[i]) ? 1 : 0;
+                                   strays += box.count_outside(block, n);
                                    shared.add(static_cast<std::int64_t>(n));
                                  });
     end(t);
@@ -297,67 +324,26 @@ void decode_tasks(std::span<const fs::path> paths, const std::vector<FilePlan>& 
                                       plans[tasks[t].file].layout.info.point_count, left_over[t])});
 }
 
-/// What is told of points.
-struct Summary {
-  Bounds2 extent = Bounds2::nothing();
-  std::array<std::int64_t, 256> by_class{};
-
-  std::map<int, std::int64_t> classes() const {
-    std::map<int, std::int64_t> counts;
-    for (std::size_t code = 0; code < by_class.size(); ++code)
-      if (by_class[code] > 0) counts[static_cast<int>(code)] = by_class[code];
-    return counts;
+/// About how many points of the files will be kept; too many or too few does no harm.
+std::size_t expected_points(const std::vector<FilePlan>& plans, const std::vector<Task>& tasks,
+                            const std::optional<Bounds2>& crop) {
+  double expected = 0;
+  for (const Task& task : tasks) {
+    const LasLayout& layout = plans[task.file].layout;
+    const Bounds2 box = header_box(layout.info);
+    double share = 1;
+    if (crop && plans[task.file].check_box) {
+      const double width = std::min(box.xmax, crop->xmax) - std::max(box.xmin, crop->xmin);
+      const double height = std::min(box.ymax, crop->ymax) - std::max(box.ymin, crop->ymin);
+      const double part = 1.5 * width * height / (box.width() * box.height());
+      if (std::isfinite(part)) share = std::clamp(part, 0.0, 1.0);
+    }
+    // A count may lie: few points take up less than a byte.
+    const double believable = std::min(static_cast<double>(task.count),
+                                       static_cast<double>(layout.file_size - layout.first_point));
+    expected += share * believable;
   }
-
-  void add(std::uint8_t classification, Point2 p) {
-    extent.extend(p);
-    ++by_class[classification];
-  }
-  void add(const Summary& more) {
-    extent.extend(more.extent);
-    for (std::size_t code = 0; code < by_class.size(); ++code)
-      by_class[code] += more.by_class[code];
-  }
-};
-
-/// Writes the points of one task from number `first` on.
-Summary place_points(const std::vector<LasRecord>& records, const LasInfo& info, Point2 origin,
-                     std::size_t first, PointCloud& points) {
-  Summary summary;
-  double *x = points.x.data() + first, *y = points.y.data() + first, *z = points.z.data() + first;
-  std::uint8_t* classification = points.classification.data() + first;
-  for (const LasRecord& r : records) {
-    const Point2 p{r.x * info.scale[0] + info.offset[0] - origin.x,
-                   r.y * info.scale[1] + info.offset[1] - origin.y};
-    summary.add(r.classification, p);
-    *x++ = p.x;
-    *y++ = p.y;
-    *z++ = r.z * info.scale[2] + info.offset[2];
-    *classification++ = r.classification;
-  }
-  return summary;
-}
-
-/// Turns the records that tasks kept into points, in the order of the tasks. Points take up no
-/// memory before they are written, and each task's records are given back as soon as its points are
-/// made, so that at no time there is much more than the points.
-PointCloud to_points(const std::vector<Task>& tasks, const std::vector<FilePlan>& plans,
-                     Point2 origin, std::vector<std::vector<LasRecord>>& kept, Summary& summary) {
-  std::vector<std::size_t> first(tasks.size() + 1, 0);
-  for (std::size_t t = 0; t < tasks.size(); ++t) first[t + 1] = first[t] + kept[t].size();
-  PointCloud points;
-  points.x.resize(first.back());
-  points.y.resize(first.back());
-  points.z.resize(first.back());
-  points.classification.resize(first.back());
-  std::vector<Summary> summaries(tasks.size());
-  parallel_chunks(tasks.size(), 1, [&](std::size_t t, std::size_t) {
-    summaries[t] =
-        place_points(kept[t], plans[tasks[t].file].layout.info, origin, first[t], points);
-    std::vector<LasRecord>().swap(kept[t]);
-  });
-  for (const Summary& part : summaries) summary.add(part);
-  return points;
+  return static_cast<std::size_t>(expected);
 }
 
 /// The reference system that the files agree on.
@@ -392,8 +378,7 @@ std::vector<std::uint8_t> noise_classes() {
 PointsInput read_points(std::span<const fs::path> paths, const ReadPointsOptions& options,
                         const Progress& progress) {
   std::vector<FilePlan> plans(paths.size());
-  run_in_order_of_errors(paths.size(),
-                         [&](std::size_t f) { plans[f] = plan_file(paths[f], options); });
+  run_in_order(paths.size(), [&](std::size_t f) { plans[f] = plan_file(paths[f], options); });
   find_twins(paths, plans);
   PointsInput result;
   result.crs = common_crs(paths, plans, options);
@@ -404,24 +389,29 @@ PointsInput read_points(std::span<const fs::path> paths, const ReadPointsOptions
     result.warnings.insert(result.warnings.end(), plan.warnings.begin(), plan.warnings.end());
   }
   const Filter filter(options);
+  PointCollector collector(tasks.size(), expected_points(plans, tasks, options.crop),
+                           options.origin);
   std::vector<std::vector<LasRecord>> kept(tasks.size());
   const auto keep = [&](std::size_t t, const LasRecord* block, std::size_t n) {
     const LasInfo& info = plans[tasks[t].file].layout.info;
     std::vector<LasRecord>& records = kept[t];
-    // Reserved memory takes up none before it is written; a count may lie.
-    if (records.capacity() == 0)
+    if (records.capacity() == 0) {
+      records = collector.empty_records();
+      // Reserved memory takes up none before it is written; a count may lie.
       records.reserve(static_cast<std::size_t>(std::min(tasks[t].count, 2 * kPointsPerTask)));
-    for (std::size_t i = 0; i < n; ++i)
-      if (filter.keeps(block[i], info)) records.push_back(block[i]);
+    }
+    records.insert(records.end(), block, block + n);
+    records.resize(records.size() - n + filter.keep(std::span(records).last(n), info));
   };
-  decode_tasks(paths, plans, tasks, progress, result.warnings, keep, [&](std::size_t t) {
-    if (kept[t].size() < kept[t].capacity() / 2) kept[t].shrink_to_fit();
-  });
-  Summary summary;
-  result.points = to_points(tasks, plans, options.origin, kept, summary);
+  const auto collect = [&](std::size_t t) {
+    collector.take(t, std::move(kept[t]), plans[tasks[t].file].layout.info);
+  };
+  decode_tasks(paths, plans, tasks, progress, result.warnings, keep, collect);
+  result.points = collector.points();
+  const PointTally& tally = collector.tally();
   result.points_kept = static_cast<std::int64_t>(result.points.size());
-  if (result.points_kept > 0) result.extent = summary.extent;
-  result.points_by_class = summary.classes();
+  if (result.points_kept > 0) result.extent = tally.extent;
+  result.points_by_class = tally.classes();
   return result;
 }
 
@@ -431,19 +421,19 @@ PointsSummary summarise_points(const fs::path& path, const Progress& progress) {
   const std::vector<Task> tasks = make_tasks(plans);
   PointsSummary result;
   result.warnings = plans[0].warnings;
-  std::vector<Summary> summaries(tasks.size());
+  std::vector<PointTally> tallies(tasks.size());
   const LasInfo& info = plans[0].layout.info;
   const auto add = [&](std::size_t t, const LasRecord* block, std::size_t n) {
     for (std::size_t i = 0; i < n; ++i)
-      summaries[t].add(block[i].classification, {block[i].x * info.scale[0] + info.offset[0],
-                                                 block[i].y * info.scale[1] + info.offset[1]});
+      tallies[t].add(block[i].classification, {block[i].x * info.scale[0] + info.offset[0],
+                                               block[i].y * info.scale[1] + info.offset[1]});
   };
   decode_tasks(paths, plans, tasks, progress, result.warnings, add, [](std::size_t) {});
-  Summary summary;
-  for (const Summary& part : summaries) summary.add(part);
-  result.points_by_class = summary.classes();
+  PointTally tally;
+  for (const PointTally& part : tallies) tally.add(part);
+  result.points_by_class = tally.classes();
   for (const auto& [code, count] : result.points_by_class) result.points += count;
-  result.extent = summary.extent;
+  result.extent = tally.extent;
   return result;
 }
 

@@ -314,8 +314,7 @@ std::vector<ConfigField> make_fields() {
        .group = "Synthetic city",
        .member = &C::size,
        .commands = kSynth,
-       .help = "Number of buildings; 0: as dense as 3096 on a 2500 m square (random) or as many as "
-               "fit (blocks)",
+       .help = "Side of the square; 0: 2500 m (random), 500 m (blocks) or 200 m (adversarial)",
        .unit = "m",
        .min = 0,
        .max = 1e6},

@@ -247,6 +247,34 @@ TEST(Las, AgreesWithTheDecoderForAnyNumberOfThreads) {
   }
 }
 
+// Several tasks of several chunks; LASzip reads bytes itself as long as there is one thread only.
+TEST(Las, CompressedPointsAreThePlainOnesInAnyProgram) {
+  SCOPED_TRACE(testing::test_seed());
+  const TemporaryFolder scratch;
+  const PointCloud cloud = random_cloud(600001, 31);
+  ReadPointsOptions part = all_points();
+  part.crop = Bounds2{100, -50, 120, 300};
+  for (const int format : {1, 6}) {
+    SCOPED_TRACE(format);
+    WritePointsOptions options;
+    options.point_format = format;
+    write_points(scratch / "plain.las", cloud, {}, options);
+    write_points(scratch / "packed.laz", cloud, {}, options);
+    for (const int threads : {1, 2}) {
+      SCOPED_TRACE(threads);
+      const ThreadLimit limit(threads);
+      for (const ReadPointsOptions& wanted : {all_points(), part}) {
+        const PointsInput plain = read_one(scratch / "plain.las", wanted);
+        const PointsInput packed = read_one(scratch / "packed.laz", wanted);
+        EXPECT_GT(plain.points.size(), 1000U);
+        EXPECT_TRUE(same(packed.points, plain.points));
+        EXPECT_EQ(packed.points_by_class, plain.points_by_class);
+        EXPECT_TRUE(packed.warnings.empty());
+      }
+    }
+  }
+}
+
 TEST(Las, CropKeepsExactlyThePointsInTheBox) {
   TETROPOLIS_REQUIRE_DATA(delft, "delft_3dfier");
   const auto paths = expand_point_paths(std::vector<std::string>{(delft / "*.laz").string()});

@@ -7,4 +7,8 @@ namespace tetropolis {
 /// (containers, batch systems) and its limit of address space (ulimit -v).
 double usable_memory();
 
+/// Bytes of address space that the process may still take under its limit (ulimit -v); infinity
+/// without one.
+double address_space_left();
+
 }  // namespace tetropolis

@@ -86,11 +86,10 @@ struct PointsInput {
 /// A file whose header box misses `crop` is not decoded, provided that the box is sound and holds
 /// the first points and some more of the file; otherwise the file is decoded.
 /// A file with the count, the box and the first points of one before is taken for its copy and not
-/// read
-/// ("las_twin"). Points outside the box of their header are kept but counted
+/// read ("las_twin"). Points outside the box of their header are kept but counted
 /// ("las_points_outside_box"): damage inside a file shows only there.
-/// Parallel over blocks of a million points; the result does not depend on the number of threads.
-/// Memory follows the points kept, never the counts that headers claim.
+/// Parallel over blocks of a quarter of a million points; the result does not depend on the number
+/// of threads. Memory follows the points kept, never the counts that headers claim.
 ///
 /// Errors: those of inspect_las; kInput with the path and point number for a file that ends early
 /// or cannot be decoded; kInput naming two files that state different reference systems, unless
