@@ -56,6 +56,15 @@ class Region {
   }
   const Wall& wall(std::size_t e) const { return walls_[e]; }
 
+  /// Whether a wall, or part of one, lies in the inside of a box.
+  bool has_walls_in(const Bounds2& box) const {
+    bool found = false;
+    index_.visit(box, [&](std::int32_t e) {
+      found = found || crosses(walls_[static_cast<std::size_t>(e)], box);
+    });
+    return found;
+  }
+
   /// Whether a point is inside, whose nearest edge is e.
   bool contains(Point2 p, std::size_t e) const {
     const Wall& wall = walls_[e];
@@ -75,6 +84,17 @@ class Region {
       walls_.push_back({ring[i], ring[(i + 1) % ring.size()]});
       box_.extend(ring[i]);
     }
+  }
+  /// By separating axes: those of the box, and the one across the wall.
+  static bool crosses(const Wall& wall, const Bounds2& box) {
+    const auto [left, right] = std::minmax(wall.a.x, wall.b.x);
+    const auto [low, high] = std::minmax(wall.a.y, wall.b.y);
+    if (right <= box.xmin || left >= box.xmax || high <= box.ymin || low >= box.ymax) return false;
+    int sides = 0;
+    for (const Point2 corner : {Point2{box.xmin, box.ymin}, Point2{box.xmax, box.ymin},
+                                Point2{box.xmax, box.ymax}, Point2{box.xmin, box.ymax}})
+      sides += cross(wall.a, wall.b, corner) > 0 ? 1 : -1;
+    return std::abs(sides) < 4;
   }
   static double cross(Point2 o, Point2 a, Point2 b) {
     return (a.x - o.x) * (b.y - o.y) - (a.y - o.y) * (b.x - o.x);
@@ -164,7 +184,7 @@ class Search {
     if (d > best_.distance && !other_.contains(p, e) && own_.holds(p)) best_ = {d, p};
     return other_.wall(e);
   }
-  bool is_elsewhere(Point2 centre, double radius) const;
+  bool is_elsewhere(const Quad& quad, Point2 centre) const;
   void quarter(const Quad& quad);
 
   const Region& own_;
@@ -174,13 +194,15 @@ class Search {
   std::vector<Quad> stack_;
 };
 
-/// Whether all that is within `radius` of a point is in the other region, or none of it in its own:
-/// strips also cover what lies inside nested pieces.
-bool Search::is_elsewhere(Point2 centre, double radius) const {
-  const std::size_t e = other_.nearest(centre);
-  if (other_.wall(e).distance_to(centre) > radius && other_.contains(centre, e)) return true;
-  const std::size_t f = own_.nearest(centre);
-  return own_.wall(f).distance_to(centre) > radius + 1 && !own_.contains(centre, f);
+/// Whether all of a quad is in the other region, or none of it in its own: strips also cover what
+/// lies inside pieces, and between them. A step at its sides, where walls may run, does not matter.
+bool Search::is_elsewhere(const Quad& quad, Point2 centre) const {
+  Bounds2 box = Bounds2::nothing();
+  for (const Point2 p : quad) box.extend(p);
+  box = box.grown(-1);
+  if (box.xmin >= box.xmax || box.ymin >= box.ymax) return false;
+  if (!other_.has_walls_in(box) && other_.contains(centre, other_.nearest(centre))) return true;
+  return !own_.has_walls_in(box) && !own_.contains(centre, own_.nearest(centre));
 }
 
 void Search::quarter(const Quad& quad) {
@@ -189,7 +211,7 @@ void Search::quarter(const Quad& quad) {
   for (const Point2 p : quad) radius = std::max(radius, grid::distance(p, centre));
   std::array<const Wall*, 5> walls{&look_at(centre)};
   double bound = std::min(walls[0]->distance_to(centre) + radius, farthest_corner(quad, *walls[0]));
-  if (bound <= best_.distance + tolerance_ || is_elsewhere(centre, radius)) return;
+  if (bound <= best_.distance + tolerance_ || is_elsewhere(quad, centre)) return;
   for (std::size_t i = 0; i < 4; ++i) {
     walls[i + 1] = &look_at(quad[i]);
     bound = std::min(bound, farthest_corner(quad, *walls[i + 1]));

@@ -58,6 +58,15 @@ TEST(LargestDistance, RingsInsideEachOther) {
                   {{box(10, 10, 80, 80).outer, {clockwise_box(20, 20, 60, 60)}}}, 3600 + 3600, 30);
 }
 
+TEST(LargestDistance, BlocksWithCracksBetweenThem) {
+  // What differs is as thin as the tolerance; the blocks' inside must not be split down to that.
+  std::vector<Polygon> blocks;
+  for (int i = 0; i < 30; ++i)
+    for (int j = 0; j < 30; ++j) blocks.push_back(box(2.01 * i, 2.01 * j, 2, 2));
+  const double side = 2.01 * 30 - 0.01;
+  expect_distance(blocks, {box(0, 0, side, side)}, side * side - 900 * 4, 0.005 * std::sqrt(2.0));
+}
+
 TEST(LargestDistance, CourtyardsInsideEachOther) {
   const Ring outer = box(0, 0, 60, 60).outer;
   const Polygon narrow{outer, {clockwise_box(20, 20, 20, 20)}};

@@ -1,15 +1,22 @@
 // The quality every mesh of an ordinary city has: least dihedral angle at least 8 degrees, below 12
 // degrees for at most one cell in ten thousand, greatest at most 160; non-orthogonality below 70
 // degrees and skewness below 4 (what OpenFOAM's checkMesh asks for).
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
 #include <iterator>
+#include <limits>
+#include <numbers>
+#include <random>
 #include <string>
 #include <vector>
 
 #include <gtest/gtest.h>
 
+#include "tetropolis/city/city_model.h"
 #include "tetropolis/io/cityjson.h"
 #include "tetropolis/io/geotiff.h"
 #include "tetropolis/pipeline/run.h"
@@ -111,6 +118,94 @@ TEST(QualityFloor, LowWallsInACoarseMesh) {
   const Raster dtm{201, 201, 0, 0, 1, std::vector<double>(std::size_t{201} * 201, 10.0)};
   write_raster(folder / "dtm.tif", dtm, {}, "EPSG:28992");
   expect_good_meshes(folder.path(), {30, 20});
+}
+
+/// A long hall on a slope of one to a hundred: its walls get lower along the slope, until the
+/// ground is above the roof.
+TEST(QualityFloor, WallsThatSinkIntoASlope) {
+  const testing::TemporaryFolder folder;
+  CityModel city;
+  city.domain = {0, 0, 300, 160};
+  city.crs = "EPSG:28992";
+  Building hall;
+  hall.id = "b0";
+  hall.source_ids = {"0"};
+  hall.footprint.outer = {{45, 40}, {255, 40}, {255, 120}, {45, 120}};
+  hall.h_ground = 10.5;
+  hall.h_roof = 12;
+  city.buildings.push_back(hall);
+  write_city(folder / "city.city.json", city);
+  Raster dtm{301, 161, 0, 0, 1, {}};
+  for (int j = 0; j < dtm.ny; ++j)
+    for (int i = 0; i < dtm.nx; ++i) dtm.values.push_back(10 + 0.01 * i);
+  write_raster(folder / "dtm.tif", dtm, {}, "EPSG:28992");
+  expect_good_meshes(folder.path(), {10, 20, 5});
+}
+
+/// A hillside with houses and halls at random, some of them low; walls of the long ones sink into
+/// the ground. Elevations rise by up to one in twenty.
+void make_hillside(std::mt19937_64& random, double side, const fs::path& folder) {
+  const auto uniform = [&](double low, double high) {
+    return std::uniform_real_distribution<double>(low, high)(random);
+  };
+  const double direction = uniform(0, 2 * std::numbers::pi), slope = uniform(0, 0.05);
+  const auto elevation = [&](Point2 p) {
+    return 50 + slope * (p.x * std::cos(direction) + p.y * std::sin(direction));
+  };
+  const auto nodes = static_cast<std::int32_t>(side) + 1;
+  Raster dtm{nodes, nodes, 0, 0, 1, {}};
+  for (int j = 0; j < nodes; ++j)
+    for (int i = 0; i < nodes; ++i) dtm.values.push_back(elevation({1.0 * i, 1.0 * j}));
+  write_raster(folder / "dtm.tif", dtm, {}, "EPSG:28992");
+
+  CityModel city;
+  city.domain = {0, 0, side, side};
+  city.crs = "EPSG:28992";
+  struct Disk {
+    Point2 centre;
+    double radius;
+  };
+  std::vector<Disk> taken;
+  for (int trial = 0; trial < 60; ++trial) {
+    const double length = uniform(4, trial < 20 ? 90 : 25), width = uniform(4, 25);
+    const double angle = trial % 3 == 0 ? 0 : uniform(0, std::numbers::pi);
+    const double radius = std::hypot(length, width) / 2, rim = radius + 25;
+    const Point2 centre{uniform(0, side), uniform(0, side)};
+    if (centre.x < rim || centre.y < rim || centre.x > side - rim || centre.y > side - rim)
+      continue;
+    const double gap = uniform(1, 10);
+    if (std::any_of(taken.begin(), taken.end(), [&](const Disk& disk) {
+          return std::hypot(disk.centre.x - centre.x, disk.centre.y - centre.y) <
+                 disk.radius + radius + gap;
+        }))
+      continue;
+    taken.push_back({centre, radius});
+    Building building;
+    building.id = "b" + std::to_string(city.buildings.size());
+    building.source_ids = {building.id};
+    double lowest = std::numeric_limits<double>::infinity();
+    for (const auto& [u, v] : {Point2{-1, -1}, Point2{1, -1}, Point2{1, 1}, Point2{-1, 1}}) {
+      const double x = u * length / 2, y = v * width / 2;
+      const Point2 corner{snap_coordinate(centre.x + x * std::cos(angle) - y * std::sin(angle)),
+                          snap_coordinate(centre.y + x * std::sin(angle) + y * std::cos(angle))};
+      building.footprint.outer.push_back(corner);
+      lowest = std::min(lowest, elevation(corner));
+    }
+    building.h_ground = lowest + 0.1 * slope * length;
+    building.h_roof = building.h_ground + uniform(2.5, trial % 2 == 0 ? 4 : 25);
+    city.buildings.push_back(building);
+  }
+  write_city(folder / "city.city.json", city);
+}
+
+TEST(QualityFloor, Hillsides) {
+  std::mt19937_64 random(testing::test_seed());
+  for (int city = 0; city < 12; ++city) {
+    SCOPED_TRACE("city " + std::to_string(city));
+    const testing::TemporaryFolder folder;
+    make_hillside(random, 250, folder.path());
+    expect_good_meshes(folder.path(), {30, 20, 10});
+  }
 }
 
 /// OpenFOAM's own judgement, where it is installed: `apt-get install openfoam`.

@@ -48,7 +48,10 @@ TEST(GroundHeights, LowWallsAskForShortEdges) {
       {0, 0, 50, 50}, [](double x, double) { return std::abs(x - 20) < 1.5 ? 8.0 : 0.0; });
   EXPECT_DOUBLE_EQ(longest_wall_edge(ridge, 10, {5, 5}, {35, 5}, 0.5), 8);
   EXPECT_DOUBLE_EQ(longest_wall_edge(ridge, 10, {5, 5}, {12, 5}, 0.5), 40);
-  EXPECT_EQ(longest_wall_edge(ridge, 8.2, {5, 5}, {35, 5}, 0.5), inf);
+  // Where the ground will be lowered, only the rest of the wall counts.
+  EXPECT_DOUBLE_EQ(longest_wall_edge(ridge, 8.2, {5, 5}, {35, 5}, 0.5), 32.8);
+  EXPECT_EQ(longest_wall_edge(ridge, 8.2, {20, 5}, {20, 30}, 0.5), inf);
+  EXPECT_DOUBLE_EQ(longest_wall_edge(ridge, 1.2, {5, 5}, {35, 5}, 0.5), 3 * 6.8);
 }
 
 TEST(GroundHeights, VerticesKnowTheirBuilding) {
