@@ -6,6 +6,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <limits>
+#include <optional>
 #include <utility>
 #include <vector>
 
@@ -137,14 +138,41 @@ double farthest_corner(const Quad& quad, const Wall& wall) {
   return farthest;
 }
 
-/// The halves on either side of the line between the middles of sides 0-1 and 2-3, or 1-2 and 3-0.
-std::pair<Quad, Quad> halves(const Quad& q, bool first_sides) {
-  if (first_sides) {
-    const Point2 m = middle(q[0], q[1]), n = middle(q[2], q[3]);
-    return {{q[0], m, n, q[3]}, {m, q[1], q[2], n}};
-  }
-  const Point2 m = middle(q[1], q[2]), n = middle(q[3], q[0]);
+using Parts = std::pair<Quad, Quad>;
+
+/// The parts on either side of the line from m on side 0-1 to n on side 2-3, or, if not
+/// `first_sides`, from m on side 1-2 to n on side 3-0.
+Parts parts(const Quad& q, bool first_sides, Point2 m, Point2 n) {
+  if (first_sides) return {{q[0], m, n, q[3]}, {m, q[1], q[2], n}};
   return {{q[0], q[1], m, n}, {n, m, q[2], q[3]}};
+}
+
+Parts halves(const Quad& q, bool first_sides) {
+  return first_sides ? parts(q, true, middle(q[0], q[1]), middle(q[2], q[3]))
+                     : parts(q, false, middle(q[1], q[2]), middle(q[3], q[0]));
+}
+
+/// The parts on either side of a wall's line, if that passes two opposite sides, and no corner by
+/// less than a step.
+std::optional<Parts> parts_along(const Quad& q, const Wall& wall) {
+  std::array<double, 4> off{};  // from the line, to its left
+  const double length = grid::distance(wall.a, wall.b);
+  for (std::size_t i = 0; i < 4; ++i) {
+    off[i] = ((wall.b.x - wall.a.x) * (q[i].y - wall.a.y) -
+              (wall.b.y - wall.a.y) * (q[i].x - wall.a.x)) /
+             length;
+    if (!(std::abs(off[i]) >= 1)) return std::nullopt;
+  }
+  const auto on_side = [&](std::size_t i, std::size_t j) {
+    const double t = off[i] / (off[i] - off[j]);
+    return Point2{q[i].x + t * (q[j].x - q[i].x), q[i].y + t * (q[j].y - q[i].y)};
+  };
+  const bool left0 = off[0] > 0, left1 = off[1] > 0, left2 = off[2] > 0, left3 = off[3] > 0;
+  if (left0 == left3 && left1 == left2 && left0 != left1)
+    return parts(q, true, on_side(0, 1), on_side(2, 3));
+  if (left0 == left1 && left2 == left3 && left1 != left2)
+    return parts(q, false, on_side(1, 2), on_side(3, 0));
+  return std::nullopt;
 }
 
 Quad corners(const DifferenceStrip& s) {
@@ -172,7 +200,7 @@ class Search {
     while (!stack_.empty()) {
       const Quad quad = stack_.back();
       stack_.pop_back();
-      quarter(quad);
+      divide(quad);
     }
   }
 
@@ -185,7 +213,7 @@ class Search {
     return other_.wall(e);
   }
   bool is_elsewhere(const Quad& quad, Point2 centre) const;
-  void quarter(const Quad& quad);
+  void divide(const Quad& quad);
 
   const Region& own_;
   const Region& other_;
@@ -205,7 +233,7 @@ bool Search::is_elsewhere(const Quad& quad, Point2 centre) const {
   return !own_.has_walls_in(box) && !own_.contains(centre, own_.nearest(centre));
 }
 
-void Search::quarter(const Quad& quad) {
+void Search::divide(const Quad& quad) {
   const Point2 centre = middle(middle(quad[0], quad[1]), middle(quad[2], quad[3]));
   double radius = 0;
   for (const Point2 p : quad) radius = std::max(radius, grid::distance(p, centre));
@@ -217,8 +245,14 @@ void Search::quarter(const Quad& quad) {
     bound = std::min(bound, farthest_corner(quad, *walls[i + 1]));
   }
   if (bound <= best_.distance + tolerance_ || radius < tolerance_) return;
+  // Inside the other region nothing is far from it, so parts should end at its walls.
+  if (const std::optional<Parts> cut = parts_along(quad, *walls[0])) {
+    stack_.push_back(cut->first);
+    stack_.push_back(cut->second);
+    return;
+  }
   // Halved the way that promises more.
-  std::array<std::pair<Quad, Quad>, 2> ways{halves(quad, true), halves(quad, false)};
+  std::array<Parts, 2> ways{halves(quad, true), halves(quad, false)};
   std::array<double, 2> promise{};
   for (std::size_t w = 0; w < 2; ++w)
     for (const Quad* half : {&ways[w].first, &ways[w].second}) {

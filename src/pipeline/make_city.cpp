@@ -318,8 +318,8 @@ CityAndTerrain make_city(const Config& config, Next next, const OutputFolder& ou
   });
   if (city.buildings.empty() && !config.terrain_only)
     throw Error(ErrorKind::kInput,
-                fmt::format("{}: all {} buildings were dropped ({}: {}); lower "
-                            "--min-building-area, or add --terrain-only",
+                fmt::format("{}: all {} buildings were dropped (the last, feature {}: {}); lower "
+                            "--min-building-area or --min-building-distance, or add --terrain-only",
                             config.footprints, raw.buildings.size(), city.dropped.back().source_id,
                             city.dropped.back().reason));
   clock.run("2.3", "heights of merged buildings", [&](const Progress&) {
