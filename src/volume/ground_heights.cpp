@@ -35,16 +35,21 @@ std::vector<std::uint8_t> outside_vertices(const GroundMesh& mesh) {
 }
 
 double longest_wall_edge(const Raster& dtm, double roof, Point2 a, Point2 b, double minimum_wall) {
-  constexpr double kEdgesPerHeight = 4, kEdgesPerDepth = 3, kLeastHeight = 1;
-  double least = std::numeric_limits<double>::infinity(), depth = 0;
-  const double steps = std::ceil(std::max(1.0, std::hypot(b.x - a.x, b.y - a.y) / dtm.step));
+  constexpr double kEdgesPerHeight = 4, kEdgesPerDepth = 3, kLeastHeight = 1, kGentle = 0.25;
+  constexpr double inf = std::numeric_limits<double>::infinity();
+  const double length = std::hypot(b.x - a.x, b.y - a.y);
+  const double steps = std::ceil(std::max(1.0, length / dtm.step));
+  double lowest = inf, highest = -inf;
+  double least = inf;  // of the part where the ground stays
   for (double i = 0; i <= steps; ++i) {
     const double t = i / steps;
     const double height = roof - sample(dtm, {a.x + t * (b.x - a.x), a.y + t * (b.y - a.y)});
+    lowest = std::min(lowest, height);
+    highest = std::max(highest, height);
     if (height >= minimum_wall) least = std::min(least, height);
-    depth = std::max(depth, -height);
   }
-  return std::max(kEdgesPerHeight * std::max(least, kLeastHeight), kEdgesPerDepth * depth);
+  if (lowest < minimum_wall && highest - lowest > kGentle * length) return inf;
+  return std::max(kEdgesPerHeight * std::max(least, kLeastHeight), kEdgesPerDepth * -lowest);
 }
 
 std::vector<double> terrain_under(const GroundMesh& mesh, const Raster& dtm) {

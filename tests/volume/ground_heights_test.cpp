@@ -48,10 +48,13 @@ TEST(GroundHeights, LowWallsAskForShortEdges) {
       {0, 0, 50, 50}, [](double x, double) { return std::abs(x - 20) < 1.5 ? 8.0 : 0.0; });
   EXPECT_DOUBLE_EQ(longest_wall_edge(ridge, 10, {5, 5}, {35, 5}, 0.5), 8);
   EXPECT_DOUBLE_EQ(longest_wall_edge(ridge, 10, {5, 5}, {12, 5}, 0.5), 40);
-  // Where the ground will be lowered, only the rest of the wall counts.
-  EXPECT_DOUBLE_EQ(longest_wall_edge(ridge, 8.2, {5, 5}, {35, 5}, 0.5), 32.8);
-  EXPECT_EQ(longest_wall_edge(ridge, 8.2, {20, 5}, {20, 30}, 0.5), inf);
-  EXPECT_DOUBLE_EQ(longest_wall_edge(ridge, 1.2, {5, 5}, {35, 5}, 0.5), 3 * 6.8);
+  EXPECT_EQ(longest_wall_edge(ridge, 8.2, {5, 5}, {35, 5}, 0.5), inf);  // steep, and lowered
+  // Where the ground will be lowered on a gentle slope, only the rest of the wall counts.
+  const Raster slope = testing::raster_of({0, 0, 50, 50}, [](double x, double) { return 0.1 * x; });
+  EXPECT_DOUBLE_EQ(longest_wall_edge(slope, 2, {0, 5}, {10, 5}, 0.5), 4);
+  EXPECT_DOUBLE_EQ(longest_wall_edge(slope, 2, {0, 5}, {20, 5}, 0.5), 4);
+  EXPECT_DOUBLE_EQ(longest_wall_edge(slope, 2, {0, 5}, {40, 5}, 0.5), 3 * 2);
+  EXPECT_EQ(longest_wall_edge(slope, 2, {18, 5}, {40, 5}, 0.5), inf);
 }
 
 TEST(GroundHeights, VerticesKnowTheirBuilding) {

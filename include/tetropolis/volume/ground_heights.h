@@ -20,10 +20,11 @@ std::vector<std::uint8_t> outside_vertices(const GroundMesh& mesh);
 
 /// Longest edge, in metres, that fits the wall from a to b below a roof at elevation `roof`: four
 /// times its height (at least a metre), where that is least, so that cells beside a low wall are
-/// not flat. Places where the wall is lower than `minimum_wall` do not count: the ground will be
-/// lowered there to fit the cells (lower_at_walls). But no less than three times the depth at which
-/// the roof lies below the terrain: that looks the steeper the nearer it is. Infinity where nothing
-/// counts. Heights are looked up once per step of the DTM.
+/// not flat. Where the wall is lower than `minimum_wall`, the ground will be lowered to fit the
+/// cells (lower_at_walls), and a roof below the terrain looks the steeper the nearer that is. So
+/// such places do not count, and the edge is no less than three times their depth below the
+/// terrain; there is no bound (infinity) if the wall has such places only, or the terrain along it
+/// rises by more than one in four. Heights are looked up once per step of the DTM.
 double longest_wall_edge(const Raster& dtm, double roof, Point2 a, Point2 b, double minimum_wall);
 
 /// The DTM at each vertex.
