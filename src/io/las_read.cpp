@@ -28,32 +28,63 @@ constexpr std::int64_t kPointsPerTask = 250'000;
 constexpr std::int64_t kLeastTwin = 100;     // points of which two equal boxes are no coincidence
 constexpr std::int64_t kLeastLeftOver = 64;  // bytes of points behind the last one counted
 
-/// Which records become points.
+/// Numbers of records, first and last.
+struct Range {
+  std::int64_t first = std::numeric_limits<std::int32_t>::min();
+  std::int64_t last = std::numeric_limits<std::int32_t>::max();
+
+  bool contains(std::int32_t number) const { return number >= first && number <= last; }
+};
+
+/// The numbers whose coordinates, number * scale + offset as it is rounded, lie in [low, high].
+/// These do not decrease with the number (or, with a negative scale, increase), so that the ends
+/// are found by bisection.
+Range numbers_within(double scale, double offset, double low, double high) {
+  const auto least_where = [](const auto& holds) {
+    const Range all;
+    std::int64_t below = all.first - 1, above = all.last + 1;
+    while (above - below > 1) {
+      const std::int64_t middle = below + (above - below) / 2;
+      (holds(static_cast<double>(middle)) ? above : below) = middle;
+    }
+    return above;
+  };
+  if (scale > 0)
+    return {least_where([&](double number) { return number * scale + offset >= low; }),
+            least_where([&](double number) { return number * scale + offset > high; }) - 1};
+  return {least_where([&](double number) { return number * scale + offset <= high; }),
+          least_where([&](double number) { return number * scale + offset < low; }) - 1};
+}
+
+/// Which records of a file become points.
 class Filter {
  public:
-  explicit Filter(const ReadPointsOptions& options)
-      : crop_(options.crop),
-        keep_withheld_(options.keep_withheld),
-        skipped_(class_table(options.skipped_classes)) {}
+  Filter(const ReadPointsOptions& options, const LasInfo& info)
+      : keep_withheld_(options.keep_withheld), skipped_(class_table(options.skipped_classes)) {
+    if (!options.crop) return;
+    const Bounds2& crop = *options.crop;
+    x_ = numbers_within(info.scale[0], info.offset[0], crop.xmin, crop.xmax);
+    y_ = numbers_within(info.scale[1], info.offset[1], crop.ymin, crop.ymax);
+  }
 
   /// Moves the records to keep to the front, in order, and returns how many they are.
-  std::size_t keep(std::span<LasRecord> records, const LasInfo& info) const {
+  std::size_t keep(std::span<LasRecord> records) const {
     std::size_t kept = 0;
-    for (const LasRecord& record : records) {
+    for (const LasRecord record : records) {
       records[kept] = record;
-      kept += keeps(record, info) ? 1 : 0;
+      kept += keeps(record) ? 1 : 0;
     }
     return kept;
   }
 
  private:
-  bool keeps(const LasRecord& record, const LasInfo& info) const {
-    if (skipped_[record.classification] || (record.withheld && !keep_withheld_)) return false;
-    return !crop_ || crop_->contains({record.x * info.scale[0] + info.offset[0],
-                                      record.y * info.scale[1] + info.offset[1]});
+  bool keeps(const LasRecord& record) const {
+    return !skipped_[record.classification] && (keep_withheld_ || !record.withheld) &&
+           x_.contains(record.x) && y_.contains(record.y);
   }
 
-  std::optional<Bounds2> crop_;
+  Range x_;
+  Range y_;
   bool keep_withheld_;
   ClassTable skipped_;
 };
@@ -388,12 +419,12 @@ PointsInput read_points(std::span<const fs::path> paths, const ReadPointsOptions
     result.files_skipped += plan.skip ? 1 : 0;
     result.warnings.insert(result.warnings.end(), plan.warnings.begin(), plan.warnings.end());
   }
-  const Filter filter(options);
+  std::vector<Filter> filters;
+  for (const FilePlan& plan : plans) filters.emplace_back(options, plan.layout.info);
   PointCollector collector(tasks.size(), expected_points(plans, tasks, options.crop),
                            options.origin);
   std::vector<std::vector<LasRecord>> kept(tasks.size());
   const auto keep = [&](std::size_t t, const LasRecord* block, std::size_t n) {
-    const LasInfo& info = plans[tasks[t].file].layout.info;
     std::vector<LasRecord>& records = kept[t];
     if (records.capacity() == 0) {
       records = collector.empty_records();
@@ -401,7 +432,8 @@ PointsInput read_points(std::span<const fs::path> paths, const ReadPointsOptions
       records.reserve(static_cast<std::size_t>(std::min(tasks[t].count, 2 * kPointsPerTask)));
     }
     records.insert(records.end(), block, block + n);
-    records.resize(records.size() - n + filter.keep(std::span(records).last(n), info));
+    const Filter& filter = filters[tasks[t].file];
+    records.resize(records.size() - n + filter.keep(std::span(records).last(n)));
   };
   const auto collect = [&](std::size_t t) {
     collector.take(t, std::move(kept[t]), plans[tasks[t].file].layout.info);
