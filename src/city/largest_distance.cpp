@@ -19,6 +19,11 @@ namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
+/// Twice the area of the triangle o, a, b; positive where b lies left of o to a.
+double cross(Point2 o, Point2 a, Point2 b) {
+  return (a.x - o.x) * (b.y - o.y) - (a.y - o.y) * (b.x - o.x);
+}
+
 struct Wall {
   Point2 a;
   Point2 b;
@@ -97,9 +102,6 @@ class Region {
       sides += cross(wall.a, wall.b, corner) > 0 ? 1 : -1;
     return std::abs(sides) < 4;
   }
-  static double cross(Point2 o, Point2 a, Point2 b) {
-    return (a.x - o.x) * (b.y - o.y) - (a.y - o.y) * (b.x - o.x);
-  }
   /// Whether a point is inside whose nearest point of the boundary is the vertex v. Of all walls
   /// that meet there, of however many rings, the one next to the point by angle decides.
   bool beside_corner(Point2 p, Point2 v) const {
@@ -158,9 +160,7 @@ std::optional<Parts> parts_along(const Quad& q, const Wall& wall) {
   std::array<double, 4> off{};  // from the line, to its left
   const double length = grid::distance(wall.a, wall.b);
   for (std::size_t i = 0; i < 4; ++i) {
-    off[i] = ((wall.b.x - wall.a.x) * (q[i].y - wall.a.y) -
-              (wall.b.y - wall.a.y) * (q[i].x - wall.a.x)) /
-             length;
+    off[i] = cross(wall.a, wall.b, q[i]) / length;
     if (!(std::abs(off[i]) >= 1)) return std::nullopt;
   }
   const auto on_side = [&](std::size_t i, std::size_t j) {
@@ -205,14 +205,14 @@ class Search {
   }
 
  private:
-  /// The nearest wall, after trying the point.
-  const Wall& look_at(Point2 p) {
+  /// The other region's nearest wall, after trying the point.
+  std::size_t look_at(Point2 p) {
     const std::size_t e = other_.nearest(p);
     const double d = other_.wall(e).distance_to(p);
     if (d > best_.distance && !other_.contains(p, e) && own_.holds(p)) best_ = {d, p};
-    return other_.wall(e);
+    return e;
   }
-  bool is_elsewhere(const Quad& quad, Point2 centre) const;
+  bool is_elsewhere(const Quad& quad, Point2 centre, std::size_t nearest) const;
   void divide(const Quad& quad);
 
   const Region& own_;
@@ -224,12 +224,13 @@ class Search {
 
 /// Whether all of a quad is in the other region, or none of it in its own: strips also cover what
 /// lies inside pieces, and between them. A step at its sides, where walls may run, does not matter.
-bool Search::is_elsewhere(const Quad& quad, Point2 centre) const {
+/// `nearest`: the other region's wall nearest to the centre.
+bool Search::is_elsewhere(const Quad& quad, Point2 centre, std::size_t nearest) const {
   Bounds2 box = Bounds2::nothing();
   for (const Point2 p : quad) box.extend(p);
   box = box.grown(-1);
   if (box.xmin >= box.xmax || box.ymin >= box.ymax) return false;
-  if (!other_.has_walls_in(box) && other_.contains(centre, other_.nearest(centre))) return true;
+  if (other_.contains(centre, nearest) && !other_.has_walls_in(box)) return true;
   return !own_.has_walls_in(box) && !own_.contains(centre, own_.nearest(centre));
 }
 
@@ -237,11 +238,12 @@ void Search::divide(const Quad& quad) {
   const Point2 centre = middle(middle(quad[0], quad[1]), middle(quad[2], quad[3]));
   double radius = 0;
   for (const Point2 p : quad) radius = std::max(radius, grid::distance(p, centre));
-  std::array<const Wall*, 5> walls{&look_at(centre)};
+  const std::size_t nearest = look_at(centre);
+  std::array<const Wall*, 5> walls{&other_.wall(nearest)};
   double bound = std::min(walls[0]->distance_to(centre) + radius, farthest_corner(quad, *walls[0]));
-  if (bound <= best_.distance + tolerance_ || is_elsewhere(quad, centre)) return;
+  if (bound <= best_.distance + tolerance_ || is_elsewhere(quad, centre, nearest)) return;
   for (std::size_t i = 0; i < 4; ++i) {
-    walls[i + 1] = &look_at(quad[i]);
+    walls[i + 1] = &other_.wall(look_at(quad[i]));
     bound = std::min(bound, farthest_corner(quad, *walls[i + 1]));
   }
   if (bound <= best_.distance + tolerance_ || radius < tolerance_) return;

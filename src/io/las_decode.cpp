@@ -9,9 +9,6 @@
 
 #include <fmt/format.h>
 #include <laszip/laszip_api.h>
-#if __has_include(<sys/single_threaded.h>)
-#include <sys/single_threaded.h>
-#endif
 
 #include "tetropolis/core/foreign_code.h"
 
@@ -64,7 +61,8 @@ void decode_plain(const fs::path& path, const LasLayout& layout, std::int64_t fi
   }
 }
 
-/// A file as a stream for LASzip.
+/// A file as a stream for LASzip, which knows how far was read. LASzip's own stdio is no faster in
+/// a program of several threads, where it takes a lock for every byte.
 class FileBuffer : public std::streambuf {
  public:
   explicit FileBuffer(const fs::path& path) : file_(path), bytes_(std::size_t{1} << 16) {}
@@ -106,25 +104,10 @@ class FileBuffer : public std::streambuf {
   std::int64_t begin_ = 0;  ///< Where in the file the buffer's first byte lies.
 };
 
-/// Who reads the bytes of a file.
-enum class Bytes : std::uint8_t {
-  kOurs,     ///< FileBuffer: knows how far was read, and shares no lock with other threads.
-  kLibrary,  ///< LASzip through stdio: a tenth faster in a program of one thread. In others, where
-             ///< stdio takes a lock for every byte, it is no faster.
-};
-
-bool is_single_threaded() {
-#if __has_include(<sys/single_threaded.h>)
-  return __libc_single_threaded != 0;
-#else
-  return false;
-#endif
-}
-
 /// Owns a LASzip reader.
 class LazReader {
  public:
-  LazReader(const fs::path& path, const LasLayout& layout, Bytes bytes)
+  LazReader(const fs::path& path, const LasLayout& layout)
       : path_(path), layout_(layout), buffer_(path) {
     if (laszip_create(&reader_) != 0) fail_las(path, "the LASzip library cannot be used");
     // Of the layered formats only these layers are unpacked; the others have no layers.
@@ -135,9 +118,10 @@ class LazReader {
     // A stream that has failed gives LASzip garbage for bytes, unless it throws.
     stream_.exceptions(std::ios::failbit | std::ios::badbit);
     laszip_BOOL compressed = 0;
-    const bool opened =
-        (bytes == Bytes::kLibrary ? laszip_open_reader(reader_, path.c_str(), &compressed)
-                                  : laszip_open_reader_stream(reader_, stream_, &compressed)) == 0;
+    // What is left of a cut file LASzip finds only in files that it opens itself.
+    const bool opened = (layout.chunk_table_missing
+                             ? laszip_open_reader(reader_, path.c_str(), &compressed)
+                             : laszip_open_reader_stream(reader_, stream_, &compressed)) == 0;
     if (!opened || laszip_get_point_pointer(reader_, &point_) != 0) {
       const std::string reason = error();
       laszip_destroy(reader_);
@@ -166,7 +150,7 @@ class LazReader {
         extended ? (point_->extended_classification_flags & 0x04) != 0 : point_->withheld_flag != 0;
   }
 
-  /// Byte of the file up to which was read. Precondition: Bytes::kOurs.
+  /// Byte of the file up to which was read.
   std::int64_t position() const { return buffer_.position(); }
 
  private:
@@ -201,10 +185,11 @@ class LazReader {
   laszip_point_struct* point_ = nullptr;
 };
 
-/// Returns the byte up to which was read, if the bytes are ours.
-std::int64_t decode_run(const fs::path& path, const LasLayout& layout, std::int64_t first,
-                        std::int64_t count, Bytes bytes, const LasVisitor& visit) {
-  LazReader reader(path, layout, bytes);
+std::int64_t decode_laz(const fs::path& path, const LasLayout& layout, std::int64_t first,
+                        std::int64_t count, const LasVisitor& visit) {
+  // LASzip recurses without an end on some broken files, and Debian's stops at failed assertions.
+  const ForeignCode laszip(path.c_str());
+  LazReader reader(path, layout);
   reader.seek(first);
   const bool extended = layout.info.point_format >= 6;
   std::vector<LasRecord> records(kBlock);
@@ -216,30 +201,8 @@ std::int64_t decode_run(const fs::path& path, const LasLayout& layout, std::int6
     visit(records.data(), n);
     done += static_cast<std::int64_t>(n);
   }
-  return bytes == Bytes::kOurs ? reader.position() : 0;
-}
-
-std::int64_t decode_laz(const fs::path& path, const LasLayout& layout, std::int64_t first,
-                        std::int64_t count, const LasVisitor& visit) {
-  // LASzip recurses without an end on some broken files, and Debian's stops at failed assertions.
-  const ForeignCode laszip(path.c_str());
-  const std::int64_t total = layout.info.point_count;
-  const bool is_end = first + count == total && layout.chunk_table > 0;
-  std::int64_t by_library = 0;
-  if (layout.chunk_table_missing) {
-    by_library = count;  // What is left of a cut file LASzip finds only in files it opens itself.
-  } else if (is_single_threaded()) {
-    by_library = count;
-    // Where the last chunk ends has to be known.
-    if (is_end)
-      by_library =
-          layout.chunk_size == 0 ? 0 : (total - 1) / layout.chunk_size * layout.chunk_size - first;
-  }
-  if (by_library > 0) decode_run(path, layout, first, by_library, Bytes::kLibrary, visit);
-  if (by_library == count) return 0;
-  const std::int64_t end =
-      decode_run(path, layout, first + by_library, count - by_library, Bytes::kOurs, visit);
-  return is_end ? std::max<std::int64_t>(0, layout.chunk_table - end) : 0;
+  const bool is_end = first + count == layout.info.point_count && layout.chunk_table > 0;
+  return is_end ? std::max<std::int64_t>(0, layout.chunk_table - reader.position()) : 0;
 }
 
 }  // namespace
@@ -258,7 +221,7 @@ std::int64_t points_in_last_chunk(const fs::path& path, const LasLayout& layout)
   std::int64_t start = layout.first_point + 8;
   if (first > 0) {
     const ForeignCode laszip(path.c_str());
-    LazReader reader(path, layout, Bytes::kOurs);
+    LazReader reader(path, layout);
     reader.seek(first);
     start = reader.position();
   }

@@ -116,37 +116,22 @@ class BoxCheck {
  public:
   explicit BoxCheck(const LasInfo& info) {
     for (std::size_t axis = 0; axis < 3; ++axis) {
-      // Two steps for what rounding may have cut off. Negative scales turn the order round.
+      if (std::isnan(info.min[axis] + info.max[axis])) continue;  // it says nothing
+      const auto [low, high] = std::minmax(info.min[axis], info.max[axis]);
+      // Two steps for what rounding may have cut off.
       const double margin = 2 * std::abs(info.scale[axis]);
-      const double a = (info.min[axis] - margin - info.offset[axis]) / info.scale[axis];
-      const double b = (info.max[axis] + margin - info.offset[axis]) / info.scale[axis];
-      low_[axis] = to_step(std::ceil(std::min(a, b)), Step::min());
-      high_[axis] = to_step(std::floor(std::max(a, b)), Step::max());
+      inside_[axis] =
+          numbers_within(info.scale[axis], info.offset[axis], low - margin, high + margin);
     }
   }
-  std::int64_t count_outside(const LasRecord* records, std::size_t n) const {
-    std::int64_t outside = 0;
-    for (std::size_t i = 0; i < n; ++i) {
-      const LasRecord& r = records[i];
-      outside += static_cast<int>(r.x < low_[0]) | static_cast<int>(r.x > high_[0]) |
-                 static_cast<int>(r.y < low_[1]) | static_cast<int>(r.y > high_[1]) |
-                 static_cast<int>(r.z < low_[2]) | static_cast<int>(r.z > high_[2]);
-    }
-    return outside;
+  std::int64_t count_outside(std::span<const LasRecord> records) const {
+    return std::count_if(records.begin(), records.end(), [&](const LasRecord& r) {
+      return !inside_[0].contains(r.x) || !inside_[1].contains(r.y) || !inside_[2].contains(r.z);
+    });
   }
 
  private:
-  using Step = std::numeric_limits<std::int32_t>;
-
-  /// `otherwise` where the header says nothing.
-  static std::int32_t to_step(double value, std::int32_t otherwise) {
-    return std::isnan(value)
-               ? otherwise
-               : static_cast<std::int32_t>(std::clamp<double>(value, Step::min(), Step::max()));
-  }
-
-  std::array<std::int32_t, 3> low_{};
-  std::array<std::int32_t, 3> high_{};
+  std::array<Range, 3> inside_;
 };
 
 // --- is it safe to pass a file over? ---
@@ -339,7 +324,7 @@ void decode_tasks(std::span<const fs::path> paths, const std::vector<FilePlan>& 
     left_over[t] = decode_points(paths[task.file], layout, task.first, task.count,
                                  [&](const LasRecord* block, std::size_t n) {
                                    visit(t, block, n);
-                                   strays += box.count_outside(block, n);
+                                   strays += box.count_outside({block, n});
                                    shared.add(static_cast<std::int64_t>(n));
                                  });
     end(t);
@@ -439,7 +424,7 @@ PointsInput read_points(std::span<const fs::path> paths, const ReadPointsOptions
     collector.take(t, std::move(kept[t]), plans[tasks[t].file].layout.info);
   };
   decode_tasks(paths, plans, tasks, progress, result.warnings, keep, collect);
-  result.points = collector.points();
+  result.points = collector.take_points();
   const PointTally& tally = collector.tally();
   result.points_kept = static_cast<std::int64_t>(result.points.size());
   if (result.points_kept > 0) result.extent = tally.extent;

@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <map>
 #include <mutex>
+#include <utility>
 #include <vector>
 
 #include "tetropolis/geometry/point_cloud.h"
@@ -46,7 +47,7 @@ class PointCollector {
   void take(std::size_t task, std::vector<LasRecord>&& records, const LasInfo& info);
 
   /// The points of all tasks. Precondition: all were taken.
-  PointCloud points() { return std::move(points_); }
+  PointCloud take_points() { return std::move(points_); }
   const PointTally& tally() const { return tally_; }
 
  private:

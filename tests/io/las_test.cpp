@@ -247,8 +247,8 @@ TEST(Las, AgreesWithTheDecoderForAnyNumberOfThreads) {
   }
 }
 
-// Several tasks of several chunks; LASzip reads bytes itself as long as there is one thread only.
-TEST(Las, CompressedPointsAreThePlainOnesInAnyProgram) {
+// Several tasks of several chunks.
+TEST(Las, CompressedPointsAreThePlainOnes) {
   SCOPED_TRACE(testing::test_seed());
   const TemporaryFolder scratch;
   const PointCloud cloud = random_cloud(600001, 31);
