@@ -6,8 +6,8 @@
 
 #include "tetropolis/city/clean.h"
 #include "tetropolis/city/simplify.h"
-#include "tetropolis/city/synthetic.h"
 #include "tetropolis/ground/mesh_ground.h"
+#include "tetropolis/synth/synthetic_city.h"
 #include "tetropolis/terrain/dtm.h"
 #include "tetropolis/volume/fill_columns.h"
 #include "tetropolis/volume/smooth.h"

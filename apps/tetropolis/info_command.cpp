@@ -1,5 +1,4 @@
 #include <algorithm>
-#include <cctype>
 #include <cstdio>
 #include <filesystem>
 #include <fstream>
@@ -9,12 +8,14 @@
 #include <nlohmann/json.hpp>
 
 #include "tetropolis/core/error.h"
+#include "tetropolis/core/text.h"
 #include "tetropolis/geometry/polygon.h"
 #include "tetropolis/io/cityjson.h"
 #include "tetropolis/io/geotiff.h"
 #include "tetropolis/io/las.h"
 #include "tetropolis/io/vector.h"
 #include "tetropolis/io/vtk.h"
+#include "tetropolis/io/xdmf.h"
 
 #include "commands.h"
 
@@ -101,25 +102,41 @@ void info_raster(const std::string& path) {
   print_warnings(input.warnings);
 }
 
-void info_volume(const std::string& path) {
-  const TetMesh mesh = read_vtu(path);
+void print_volume(const TetMesh& mesh) {
   std::map<std::int32_t, std::int64_t> over;
   for (const std::int32_t region : mesh.region) ++over[region];
-  put(stdout,
-      fmt::format(
-          "{}: volume mesh\n  vertices: {}, tets: {}\n  cells over {} buildings: {}\n", path,
-          mesh.points.size(), mesh.cells.size(), over.size() - over.count(-1),
-          static_cast<std::int64_t>(mesh.cells.size()) - (over.contains(-1) ? over[-1] : 0)));
+  put(stdout, fmt::format("  vertices: {}, tets: {}\n  cells over {} buildings: {}\n",
+                          mesh.points.size(), mesh.cells.size(), over.size() - over.count(-1),
+                          static_cast<std::int64_t>(mesh.cells.size()) -
+                              (over.contains(-1) ? over[-1] : 0)));
+}
+
+void print_faces(const SurfaceMesh& surface) {
+  const auto counts = count_by_patch(surface);
+  for (int i = 0; i < kPatchCount; ++i)
+    put(stdout, fmt::format("  {}: {}\n", patch_name(static_cast<Patch>(i + 1)),
+                            counts[static_cast<std::size_t>(i)]));
+}
+
+void info_volume(const std::string& path) {
+  const TetMesh mesh = read_vtu(path);
+  put(stdout, path + ": volume mesh\n");
+  print_volume(mesh);
 }
 
 void info_surface(const std::string& path) {
   const SurfaceMesh surface = read_vtp(path);
   put(stdout, fmt::format("{}: boundary\n  vertices: {}, triangles: {}\n", path,
                           surface.points.size(), surface.triangles.size()));
-  const auto counts = count_by_patch(surface);
-  for (int i = 0; i < kPatchCount; ++i)
-    put(stdout, fmt::format("  {}: {}\n", patch_name(static_cast<Patch>(i + 1)),
-                            counts[static_cast<std::size_t>(i)]));
+  print_faces(surface);
+}
+
+void info_xdmf(const std::string& path) {
+  const XdmfMesh mesh = read_xdmf(path);
+  put(stdout, path + ": volume mesh and its boundary\n");
+  print_volume(mesh.volume);
+  put(stdout, fmt::format("  boundary triangles: {}\n", mesh.boundary.triangles.size()));
+  print_faces(mesh.boundary);
 }
 
 using Json = nlohmann::json;
@@ -201,11 +218,6 @@ void info_json(const std::string& path) {
     info_vector(path);
 }
 
-std::string lower_case(std::string text) {
-  for (char& c : text) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
-  return text;
-}
-
 void info_file(const std::string& path) {
   std::error_code error;
   if (!std::filesystem::exists(path, error))
@@ -223,6 +235,8 @@ void info_file(const std::string& path) {
     info_volume(path);
   else if (name.ends_with(".vtp"))
     info_surface(path);
+  else if (name.ends_with(".xdmf"))
+    info_xdmf(path);
   else if (const auto report = std::filesystem::path(path) / "report.json";
            std::filesystem::exists(report, error))
     info_report(report.string());

@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <span>
+#include <vector>
 
 #include "tetropolis/city/city_model.h"
 
@@ -11,16 +12,15 @@
 
 namespace tetropolis {
 
-/// Even-odd rule over all rings.
-bool inside(const Polygon& polygon, double x, double y);
-
-/// Footprints by the squares of a grid that their boxes meet. Its size is bounded by the number of
-/// buildings. The model must outlive it.
+/// Footprints by the squares of a grid that their boxes meet, and the edges of each by bands from
+/// south to north, so that outlines of many vertices stay cheap to ask. Its size is bounded by the
+/// numbers of buildings and edges.
 class FootprintGrid {
  public:
   explicit FootprintGrid(const CityModel& city);
 
-  /// The first building in whose footprint the point lies, or kNoBuilding.
+  /// The first building in whose footprint the point lies (even-odd rule over all rings), or
+  /// kNoBuilding.
   BuildingIndex at(double x, double y) const;
 
   /// Every building whose footprint's box contains the point is among these; ascending.
@@ -31,10 +31,33 @@ class FootprintGrid {
   /// What it takes: squares, and footprints filed under them.
   std::size_t squares() const { return filed_.squares.size(); }
   std::size_t entries() const { return filed_.rows.items.size(); }
+  /// Edges filed under bands.
+  std::size_t edge_entries() const { return edges_of_.items.size(); }
 
  private:
-  const CityModel& city_;
+  struct Edge {
+    Point2 a;
+    Point2 b;
+  };
+  /// Slices of equal height of a footprint's box; none for one without edges.
+  struct Bands {
+    double south = 0;
+    double north = 0;
+    std::size_t count = 0;
+    std::size_t first = 0;  ///< Row of edges_of_.
+    /// Grows with y, which lies between south and north.
+    std::size_t at(double y) const;
+  };
+
+  void add_bands(std::size_t first_edge);
+  void file_edges();
+  bool is_inside(const Bands& bands, double x, double y) const;
+
   FiledSquares filed_;
+  std::vector<Edge> edges_;  ///< Of all rings, footprint by footprint.
+  std::vector<Bands> bands_;
+  std::vector<std::uint32_t> owners_;  ///< Footprint of each edge.
+  Rows edges_of_;                      ///< Of each band.
 };
 
 }  // namespace tetropolis

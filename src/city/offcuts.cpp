@@ -13,7 +13,7 @@ namespace {
 
 /// Square steps; 0 where GEOS gives up.
 double overlap(const Polygon& a, const Polygon& b) {
-  const auto common = geos::intersect({&a, 1}, {&b, 1}, 0);
+  const auto common = geos::intersect({&a, 1}, {&b, 1}, 1.0);
   double sum = 0;
   if (common)
     for (const Polygon& polygon : *common) sum += area(polygon);

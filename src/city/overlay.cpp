@@ -54,20 +54,23 @@ bool round_to_grid(std::vector<Polygon>& polygons) {
                           corner.x, corner.y));
 }
 
-/// What operation(0) gives, rounded; or noded on the grid where that is not valid. `polygons` are
-/// some of its operands.
-template <typename Operation>
-std::vector<Polygon> on_grid(std::span<const Polygon> polygons, const Operation& operation) {
-  geos::Result result = operation(0.0);
-  if (result) {
-    std::vector<Polygon> rounded = *result;
-    if (round_to_grid(rounded)) return rounded;
-    // Of what is left after the operation, which is much less than what went in.
-    result = geos::unite(*result, 1.0);
-  }
-  if (!result) result = operation(1.0);
-  if (!result) give_up(polygons);
-  return std::move(*result);
+/// A result in floating point, rounded; or, where that is not valid, what is left of it noded on
+/// the grid, which is much less work than the operation.
+geos::Result rounded(const geos::Result& result) {
+  if (!result) return std::nullopt;
+  std::vector<Polygon> polygons = *result;
+  if (round_to_grid(polygons)) return polygons;
+  return geos::unite(*result, 1.0);
+}
+
+/// The first of two results if GEOS has one, else the second, as second() gives it. `polygons` are
+/// some of the operands.
+template <typename Second>
+std::vector<Polygon> or_else(std::span<const Polygon> polygons, geos::Result first,
+                             const Second& second) {
+  if (!first) first = second();
+  if (!first) give_up(polygons);
+  return std::move(*first);
 }
 
 constexpr std::size_t kFewPolygons = 256;
@@ -186,7 +189,7 @@ class Untouched {
 geos::Result join(std::vector<Polygon> a, std::vector<Polygon> b) {
   const Boxes boxes_a = boxes_of(a), boxes_b = boxes_of(b);
   Untouched of_a(a, boxes_b), of_b(b, boxes_a);
-  geos::Result result = geos::join(a, b, 0);
+  geos::Result result = geos::join(a, b, 1.0);
   if (!result || !of_a.give_back(*result) || !of_b.give_back(*result)) return std::nullopt;
   std::sort(result->begin(), result->end(),
             [](const Polygon& p, const Polygon& q) { return comes_before(p.outer, q.outer); });
@@ -210,7 +213,7 @@ std::optional<std::vector<Ring>> holes_left(const Polygon& whole,
         continue;
       }
       const Polygon open{{hole.rbegin(), hole.rend()}, {}};
-      const geos::Result rest = geos::subtract({&open, 1}, near, 0);
+      const geos::Result rest = geos::subtract({&open, 1}, near, 1.0);
       simple[h] = rest && std::all_of(rest->begin(), rest->end(),
                                       [](const Polygon& part) { return part.holes.empty(); });
       if (simple[h] == 0) continue;
@@ -298,10 +301,10 @@ geos::Result unite_halves(std::vector<Polygon> polygons, const Bounds2& box) {
 }  // namespace
 
 std::vector<Polygon> unite_on_grid(std::span<const Polygon> polygons) {
-  return on_grid(polygons, [&](double grid) {
-    if (grid > 0) return geos::unite(polygons, grid);
-    return unite_halves({polygons.begin(), polygons.end()}, grid::box_around(polygons));
-  });
+  return or_else(
+      polygons,
+      rounded(unite_halves({polygons.begin(), polygons.end()}, grid::box_around(polygons))),
+      [&] { return geos::unite(polygons, 1.0); });
 }
 
 std::vector<Polygon> unite_or_widest(std::span<const Polygon> polygons) {
@@ -312,20 +315,19 @@ std::vector<Polygon> unite_or_widest(std::span<const Polygon> polygons) {
 
 std::vector<Polygon> add_on_grid(std::span<const Polygon> a, std::span<const Polygon> b) {
   const std::vector<Polygon> united = unite_on_grid(b);
-  return on_grid(a, [&](double grid) {
-    if (grid > 0) return geos::join(a, united, grid);
-    if (a.size() == 1)
-      if (geos::Result result = patch_up(a[0], united)) return result;
-    return join({a.begin(), a.end()}, united);
-  });
+  geos::Result sum = a.size() == 1 ? patch_up(a[0], united) : std::nullopt;
+  if (!sum) sum = join({a.begin(), a.end()}, united);
+  return or_else(a, rounded(sum), [&] { return rounded(geos::join(a, united, 0)); });
 }
 
 std::vector<Polygon> subtract_on_grid(std::span<const Polygon> a, std::span<const Polygon> b) {
-  return on_grid(a, [&](double grid) { return geos::subtract(a, b, grid); });
+  return or_else(a, rounded(geos::subtract(a, b, 1.0)),
+                 [&] { return rounded(geos::subtract(a, b, 0)); });
 }
 
 std::vector<Polygon> intersect_on_grid(std::span<const Polygon> a, std::span<const Polygon> b) {
-  return on_grid(a, [&](double grid) { return geos::intersect(a, b, grid); });
+  return or_else(a, rounded(geos::intersect(a, b, 1.0)),
+                 [&] { return rounded(geos::intersect(a, b, 0)); });
 }
 
 }  // namespace tetropolis

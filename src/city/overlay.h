@@ -22,10 +22,11 @@ std::vector<Polygon> unite_or_widest(std::span<const Polygon> polygons);
 /// are many small patches.
 std::vector<Polygon> add_on_grid(std::span<const Polygon> a, std::span<const Polygon> b);
 
-/// `a` without `b`, on the grid, as above.
+/// `a` without `b`: noded on the grid, or in floating point and rounded where GEOS gives up on
+/// that. Throws as above.
 std::vector<Polygon> subtract_on_grid(std::span<const Polygon> a, std::span<const Polygon> b);
 
-/// What `a` and `b` have in common, on the grid, as above.
+/// What `a` and `b` have in common, likewise.
 std::vector<Polygon> intersect_on_grid(std::span<const Polygon> a, std::span<const Polygon> b);
 
 }  // namespace tetropolis

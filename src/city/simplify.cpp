@@ -453,6 +453,10 @@ void Simplifier::finish() {
         fmt::format("footprints: clearance {:.6f} m at ({:.4f}, {:.4f}) is below {} m after "
                     "simplification; report it",
                     clearance.distance, clearance.at.x, clearance.at.y, options_.min_distance));
+  // Clearance does not see edges that cross.
+  for (const FootprintDefect& defect : footprint_defects(result_.footprints, 1))
+    throw Error(ErrorKind::kGuarantee,
+                fmt::format("footprints: {} after simplification; report it", defect.message));
 }
 
 Simplification Simplifier::run() {

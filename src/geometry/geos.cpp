@@ -148,9 +148,6 @@ Result read(const Context& context, const Geometry& geometry) {
   return polygons;
 }
 
-/// A grid of -1 is one of whole numbers to GEOS.
-double overlay_grid(double grid) { return grid > 0 ? grid : -1.0; }
-
 }  // namespace
 
 Result unite(std::span<const Polygon> polygons, double grid) {
@@ -166,8 +163,9 @@ Result join(std::span<const Polygon> a, std::span<const Polygon> b, double grid)
   const Geometry left = make_collection(context, a, GEOS_MULTIPOLYGON);
   const Geometry right = make_collection(context, b, GEOS_MULTIPOLYGON);
   if (left.get() == nullptr || right.get() == nullptr) return std::nullopt;
-  return read(context, {context, GEOSUnionPrec_r(context.get(), left.get(), right.get(),
-                                                 overlay_grid(grid))});
+  return read(context,
+              {context, grid > 0 ? GEOSUnionPrec_r(context.get(), left.get(), right.get(), grid)
+                                 : GEOSUnion_r(context.get(), left.get(), right.get())});
 }
 
 Result subtract(std::span<const Polygon> a, std::span<const Polygon> b, double grid) {
@@ -177,8 +175,10 @@ Result subtract(std::span<const Polygon> a, std::span<const Polygon> b, double g
   if (left.get() == nullptr || parts.get() == nullptr) return std::nullopt;
   const Geometry right(context, GEOSUnaryUnion_r(context.get(), parts.get()));
   if (right.get() == nullptr) return std::nullopt;
-  return read(context, {context, GEOSDifferencePrec_r(context.get(), left.get(), right.get(),
-                                                      overlay_grid(grid))});
+  return read(
+      context,
+      {context, grid > 0 ? GEOSDifferencePrec_r(context.get(), left.get(), right.get(), grid)
+                         : GEOSDifference_r(context.get(), left.get(), right.get())});
 }
 
 Result intersect(std::span<const Polygon> a, std::span<const Polygon> b, double grid) {
@@ -186,8 +186,10 @@ Result intersect(std::span<const Polygon> a, std::span<const Polygon> b, double 
   const Geometry left = make_collection(context, a, GEOS_MULTIPOLYGON);
   const Geometry right = make_collection(context, b, GEOS_MULTIPOLYGON);
   if (left.get() == nullptr || right.get() == nullptr) return std::nullopt;
-  return read(context, {context, GEOSIntersectionPrec_r(context.get(), left.get(), right.get(),
-                                                        overlay_grid(grid))});
+  return read(
+      context,
+      {context, grid > 0 ? GEOSIntersectionPrec_r(context.get(), left.get(), right.get(), grid)
+                         : GEOSIntersection_r(context.get(), left.get(), right.get())});
 }
 
 bool is_valid(std::span<const Polygon> polygons) {

@@ -13,9 +13,8 @@ namespace tetropolis::geos {
 /// All results are lists of polygons with disjoint interiors, each with its outer ring
 /// counter-clockwise and its holes clockwise, ordered by the lowest then leftmost vertex of the
 /// outer ring; points and lines are left out. `grid` > 0: the result is noded on multiples of
-/// `grid` (slower, survives anything). 0: full double precision in unite; in the others, whole
-/// numbers, which closes cracks along edges that both lists share (rounding afterwards would not).
-/// nullopt where GEOS gave up.
+/// `grid`, which closes cracks along edges that both lists share (rounding afterwards would not);
+/// 0: in floating point. nullopt where GEOS gave up.
 using Result = std::optional<std::vector<Polygon>>;
 
 /// Union of valid polygons (which may overlap).

@@ -15,7 +15,7 @@ namespace {
 // Only where an angle is below this is it worth trying, in degrees: measured on cities, more gains
 // little and costs as much again.
 constexpr double kContentAngle = 36;
-// A move has to widen the smallest angle by a hundredth, or it is not worth another round.
+// A move has to widen the smallest angle by a hundredth, or it is not worth making.
 constexpr double kGain = 1.02;
 constexpr std::size_t kMaxDegree = 16;
 

@@ -97,7 +97,7 @@ bool Refiner::across_sharp_corner(std::int32_t x, std::int32_t y) const {
   const std::int32_t px = kind(x);
   const std::int32_t py = kind(y);
   if (px == py) return false;
-  // The shell of x and y about a corner `w` they share a piece with. A hard vertex may be an end.
+  // The shell of x and y about a corner `w` they share a piece with.
   const auto ends_on = [&](std::int32_t w) {
     const Point2 c = mesh_.point(w);
     const double dx2 = squared_distance(mesh_.point(x), c),

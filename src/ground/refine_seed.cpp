@@ -90,7 +90,7 @@ void Refiner::find_pieces() {
   for (TriMesh::Subsegment& s : mesh_.subsegments) {
     const auto index = static_cast<std::int32_t>(pieces_.size());
     pieces_.push_back({{s.v[0], s.v[1]}, s.piece, {false, false}});
-    if (size_.by_segment())
+    if (size_.by_segment() && s.v[0] != TriMesh::kDead)
       for (const std::int32_t v : s.v) {
         double& bound = hard_bounds_[static_cast<std::size_t>(v)];
         bound = std::min(bound, size_.at_segment(s.piece));
@@ -179,12 +179,13 @@ void Refiner::cut_piece(std::int32_t s, double size) {
   }
 }
 
-void Refiner::insert_lattice() {
+/// Nodes of a lattice of nearly equilateral triangles over the box that no segment is near to.
+std::vector<Point2> Refiner::lattice_nodes() const {
   const Bounds2 box = bounds(mesh_.points);
   const double h = size_.base();
   const double columns = std::ceil(box.width() / (kLatticeSpacing * h));
   const double rows = std::ceil(box.height() / (kLatticeSpacing * h * 0.5 * std::numbers::sqrt3));
-  if (!(columns >= 2 && rows >= 2) || columns * rows > 2e9) return;
+  if (!(columns >= 2 && rows >= 2) || columns * rows > 2e9) return {};
   const double dx = box.width() / columns;
   const double dy = box.height() / rows;
   const auto nx = static_cast<std::int64_t>(columns) + 1;
@@ -231,7 +232,13 @@ void Refiner::insert_lattice() {
     for (std::int64_t i = 0; i < nx; ++i)
       if (taken[static_cast<std::size_t>(j * nx + i)] == 0 && box.contains(node(i, j)))
         nodes.push_back(node(i, j));
-  const HilbertCurve curve(box);
+  return nodes;
+}
+
+void Refiner::insert_lattice() {
+  const double h = size_.base();
+  const std::vector<Point2> nodes = lattice_nodes();
+  const HilbertCurve curve(bounds(mesh_.points));
   std::vector<std::uint32_t> keys(nodes.size());
   for (std::size_t k = 0; k < nodes.size(); ++k) keys[k] = curve(nodes[k]);
   std::int32_t hint = 0;

@@ -102,6 +102,7 @@ class Refiner {
   void find_corners();
   void cut_pieces();
   void cut_piece(std::int32_t s, double size);
+  std::vector<Point2> lattice_nodes() const;
   void insert_lattice();
 
   Shape shape(const TriMesh::Triangle& x) const;

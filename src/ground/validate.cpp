@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <iterator>
+#include <limits>
 #include <set>
 
 #include <fmt/format.h>
@@ -205,7 +206,64 @@ Violations check_edge_lengths(std::span<const Point2> points, TriangleSpan trian
   return found;
 }
 
+Violations check_edge_lengths_at(std::span<const Point2> points, TriangleSpan triangles,
+                                 std::span<const double> bounds) {
+  Violations found;
+  for (std::size_t t = 0; t < triangles.size() && !full(found); ++t)
+    for (std::size_t i = 0; i < 3; ++i) {
+      const VertexIndex v = triangles[t][i], w = triangles[t][(i + 1) % 3];
+      const double length = distance(at(points, v), at(points, w));
+      const double bound =
+          std::min(bounds[static_cast<std::size_t>(v)], bounds[static_cast<std::size_t>(w)]);
+      if (length > bound * (1 + 1e-9))
+        found.push_back(
+            fmt::format("triangle {}: edge {}-{} of length {} at a segment that bounds "
+                        "it to {}",
+                        t, v, w, length, bound));
+    }
+  return found;
+}
+
 namespace {
+
+// Edges within regions and a size field that have bounds of their own.
+Violations check_sizes(const PlanarGraph& graph, const RefineOptions& options,
+                       const Triangulation& mesh) {
+  Violations found;
+  const auto bound_at = [&](std::int32_t region, Point2 middle) {
+    double bound =
+        options.size_field ? options.size_field(middle) : std::numeric_limits<double>::infinity();
+    for (const RegionSeed& seed : graph.regions)
+      if (seed.marker == region && seed.max_edge > 0) bound = std::min(bound, seed.max_edge);
+    return bound;
+  };
+  for (std::size_t t = 0; t < mesh.triangles.size() && !full(found); ++t) {
+    const auto p = corners(mesh.points, mesh.triangles[t]);
+    for (std::size_t i = 0; i < 3; ++i) {
+      const Point2 q = p[(i + 1) % 3];
+      const double bound =
+          bound_at(mesh.triangle_regions[t], {0.5 * (p[i].x + q.x), 0.5 * (p[i].y + q.y)});
+      if (distance(p[i], q) > bound * (1 + 1e-9))
+        found.push_back(fmt::format("triangle {}: edge of length {} at ({}, {}), where {} is asked",
+                                    t, distance(p[i], q), p[i].x, p[i].y, bound));
+    }
+  }
+  return found;
+}
+
+// Per point the least bound of the segments that it lies on.
+std::vector<double> bounds_at_segments(const PlanarGraph& graph, const Triangulation& mesh) {
+  std::vector<double> bounds(mesh.points.size(), std::numeric_limits<double>::infinity());
+  for (std::size_t s = 0; s < mesh.segments.size(); ++s) {
+    const std::int32_t input = mesh.segment_inputs[s];
+    if (input < 0) continue;
+    for (const VertexIndex v : mesh.segments[s]) {
+      double& bound = bounds[static_cast<std::size_t>(v)];
+      bound = std::min(bound, graph.segment_max_edge[static_cast<std::size_t>(input)]);
+    }
+  }
+  return bounds;
+}
 
 // Whether segments lead from `a` to `b` along the line, never back by more than the tolerance. All
 // branches are tried: near a crossing several vertices may be within the tolerance.
@@ -280,6 +338,9 @@ Violations validate(const PlanarGraph& graph, const RefineOptions& options,
   append(found, check_angles(t.points, t.triangles, t.segments, options.min_angle_deg));
   if (options.max_edge > 0)
     append(found, check_edge_lengths(t.points, t.triangles, options.max_edge));
+  if (!graph.regions.empty() || options.size_field) append(found, check_sizes(graph, options, t));
+  if (!graph.segment_max_edge.empty())
+    append(found, check_edge_lengths_at(t.points, t.triangles, bounds_at_segments(graph, t)));
   return found;
 }
 

@@ -1,7 +1,9 @@
 // The checks of a GroundMesh: it has no list of segments, they are where regions change.
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <map>
+#include <vector>
 
 #include <fmt/format.h>
 
@@ -87,8 +89,10 @@ struct PointLess {
   bool operator()(Point2 p, Point2 q) const { return p.x != q.x ? p.x < q.x : p.y < q.y; }
 };
 
+// Also notes the least of the walls' bounds on edges, per vertex.
 void check_footprints(const GroundMesh& mesh, std::span<const Polygon> footprints,
-                      const Segments& segments, Violations& found) {
+                      const Segments& segments, const GroundMeshOptions& options,
+                      std::vector<double>& bounds, Violations& found) {
   std::map<Point2, VertexIndex, PointLess> vertices;
   double largest = 0;
   for (std::size_t v = 0; v < mesh.vertices.size(); ++v) {
@@ -107,6 +111,14 @@ void check_footprints(const GroundMesh& mesh, std::span<const Polygon> footprint
         return;
       }
       VertexIndex v = from->second;
+      const double longest = options.wall_edge
+                                 ? options.wall_edge(static_cast<BuildingIndex>(b), p, q)
+                                 : std::numeric_limits<double>::infinity();
+      const auto note = [&](VertexIndex w) {
+        double& bound = bounds[static_cast<std::size_t>(w)];
+        bound = std::min(bound, longest);
+      };
+      note(v);
       while (v != to->second) {
         VertexIndex step = -1;
         double left = std::hypot(at(mesh, v).x - q.x, at(mesh, v).y - q.y);
@@ -122,6 +134,7 @@ void check_footprints(const GroundMesh& mesh, std::span<const Polygon> footprint
           return;
         }
         v = step;
+        note(v);
       }
     });
   }
@@ -137,11 +150,13 @@ Violations validate(const GroundMesh& mesh, std::span<const Polygon> footprints,
   const Segments segments = region_boundaries(mesh);
   check_domain(mesh, domain, found);
   check_areas(mesh, footprints, found);
-  check_footprints(mesh, footprints, segments, found);
+  std::vector<double> bounds(mesh.vertices.size(), std::numeric_limits<double>::infinity());
+  check_footprints(mesh, footprints, segments, options, bounds, found);
   for (const Violations& more :
        {check_constrained_delaunay(mesh.vertices, mesh.triangles, segments),
         check_angles(mesh.vertices, mesh.triangles, segments, options.min_angle_deg),
-        check_edge_lengths(mesh.vertices, mesh.triangles, options.mesh_size)})
+        check_edge_lengths(mesh.vertices, mesh.triangles, options.mesh_size),
+        check_edge_lengths_at(mesh.vertices, mesh.triangles, bounds)})
     found.insert(found.end(), more.begin(), more.end());
   return found;
 }

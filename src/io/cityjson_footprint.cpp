@@ -2,44 +2,50 @@
 
 #include <algorithm>
 #include <cmath>
-#include <memory>
+#include <cstddef>
+#include <optional>
 #include <utility>
-
-#include <geos_c.h>
 
 #include "tetropolis/city/city_model.h"
 #include "tetropolis/geometry/polygon.h"
+
+#include "geometry/geos.h"
 
 namespace tetropolis {
 
 namespace {
 
-/// A GEOS context of its own for each call: no messages, no shared state.
-class Geos {
- public:
-  Geos() : context_(GEOS_init_r()) {}
-  ~Geos() { GEOS_finish_r(context_); }
-  Geos(const Geos&) = delete;
-  Geos& operator=(const Geos&) = delete;
-  GEOSContextHandle_t get() const { return context_; }
-
- private:
-  GEOSContextHandle_t context_;
-};
-
-struct GeometryDeleter {
-  GEOSContextHandle_t context;
-  void operator()(GEOSGeometry* geometry) const { GEOSGeom_destroy_r(context, geometry); }
-};
-using Geometry = std::unique_ptr<GEOSGeometry, GeometryDeleter>;
-
-Ring project(const std::vector<Point3>& ring) {
+/// On the grid of coordinates, without repeated vertices.
+Ring snapped(const Ring& ring) {
   Ring result;
-  for (const Point3& p : ring) {
-    const Point2 q = snap_coordinate(Point2{p[0], p[1]});
+  for (const Point2& p : ring) {
+    const Point2 q = snap_coordinate(p);
     if (result.empty() || !(result.back() == q)) result.push_back(q);
   }
   while (result.size() > 1 && result.back() == result.front()) result.pop_back();
+  return result;
+}
+
+/// The same with flat holes left out; none if the outer ring is flat.
+std::optional<Polygon> snapped(const std::vector<Ring>& rings) {
+  Polygon polygon;
+  for (std::size_t r = 0; r < rings.size(); ++r) {
+    Ring ring = snapped(rings[r]);
+    if (ring.size() < 3 || signed_area(ring) == 0) {
+      if (r == 0) return std::nullopt;
+    } else if (r == 0) {
+      polygon.outer = std::move(ring);
+    } else {
+      polygon.holes.push_back(std::move(ring));
+    }
+  }
+  if (polygon.outer.empty()) return std::nullopt;
+  return polygon;
+}
+
+Ring project(const std::vector<Point3>& ring) {
+  Ring result;
+  for (const Point3& p : ring) result.push_back({p[0], p[1]});
   return result;
 }
 
@@ -67,19 +73,9 @@ double uprightness(const Face& face) {
 std::vector<Polygon> project_faces(const std::vector<const Face*>& faces) {
   std::vector<Polygon> polygons;
   for (const Face* face : faces) {
-    Polygon polygon;
-    for (std::size_t r = 0; r < face->rings.size(); ++r) {
-      Ring ring = project(face->rings[r]);
-      if (ring.size() < 3 || signed_area(ring) == 0) {
-        if (r == 0) break;
-        continue;
-      }
-      if (r == 0)
-        polygon.outer = std::move(ring);
-      else
-        polygon.holes.push_back(std::move(ring));
-    }
-    if (!polygon.outer.empty()) polygons.push_back(std::move(polygon));
+    std::vector<Ring> rings;
+    for (const std::vector<Point3>& ring : face->rings) rings.push_back(project(ring));
+    if (std::optional<Polygon> polygon = snapped(rings)) polygons.push_back(std::move(*polygon));
   }
   return polygons;
 }
@@ -106,70 +102,24 @@ std::vector<Polygon> ground_polygons(const std::vector<Face>& faces) {
   return polygons;
 }
 
-GEOSGeometry* make_ring(const Geos& geos, const Ring& ring) {
-  const auto size = static_cast<unsigned>(ring.size() + 1);
-  GEOSCoordSequence* sequence = GEOSCoordSeq_create_r(geos.get(), size, 2);
-  for (unsigned i = 0; i < size; ++i) {
-    const Point2& p = ring[i % ring.size()];
-    GEOSCoordSeq_setXY_r(geos.get(), sequence, i, p.x, p.y);
-  }
-  return GEOSGeom_createLinearRing_r(geos.get(), sequence);
-}
-
-Geometry make_polygon(const Geos& geos, const Polygon& polygon) {
-  std::vector<GEOSGeometry*> holes;
-  for (const Ring& hole : polygon.holes) holes.push_back(make_ring(geos, hole));
-  GEOSGeometry* made = GEOSGeom_createPolygon_r(geos.get(), make_ring(geos, polygon.outer),
-                                                holes.data(), static_cast<unsigned>(holes.size()));
-  Geometry geometry(made, {geos.get()});
-  if (geometry != nullptr && GEOSisValid_r(geos.get(), made) != 1)
-    geometry.reset(GEOSMakeValid_r(geos.get(), made));
-  return geometry;
-}
-
-Ring read_ring(const Geos& geos, const GEOSGeometry* line) {
-  const GEOSCoordSequence* sequence = GEOSGeom_getCoordSeq_r(geos.get(), line);
-  unsigned size = 0;
-  GEOSCoordSeq_getSize_r(geos.get(), sequence, &size);
-  std::vector<Point3> points(size);
-  for (unsigned i = 0; i < size; ++i)
-    GEOSCoordSeq_getXY_r(geos.get(), sequence, i, &points[i][0], &points[i][1]);
-  return project(points);
-}
-
-void read_polygons(const Geos& geos, const GEOSGeometry* geometry, std::vector<Polygon>& result) {
-  if (GEOSGeomTypeId_r(geos.get(), geometry) != GEOS_POLYGON) {
-    const int parts = GEOSGetNumGeometries_r(geos.get(), geometry);
-    if (GEOSGeomTypeId_r(geos.get(), geometry) < GEOS_MULTIPOINT) return;
-    for (int i = 0; i < parts; ++i)
-      read_polygons(geos, GEOSGetGeometryN_r(geos.get(), geometry, i), result);
-    return;
-  }
-  if (GEOSisEmpty_r(geos.get(), geometry) != 0) return;
-  Polygon polygon;
-  polygon.outer = read_ring(geos, GEOSGetExteriorRing_r(geos.get(), geometry));
-  for (int i = 0; i < GEOSGetNumInteriorRings_r(geos.get(), geometry); ++i) {
-    Ring hole = read_ring(geos, GEOSGetInteriorRingN_r(geos.get(), geometry, i));
-    if (hole.size() >= 3) polygon.holes.push_back(std::move(hole));
-  }
-  if (polygon.outer.size() >= 3 && signed_area(polygon.outer) != 0)
-    result.push_back(std::move(polygon));
-}
-
-/// Where polygons overlap or share edges they become one.
+/// Where polygons overlap or share edges they become one. Empty where GEOS gives up.
 std::vector<Polygon> unite(const std::vector<Polygon>& polygons) {
-  const Geos geos;
+  std::vector<Polygon> parts;
+  for (const Polygon& polygon : polygons) {
+    if (geos::is_valid({&polygon, 1})) {
+      parts.push_back(polygon);
+    } else if (const geos::Result valid = geos::make_valid(polygon)) {
+      parts.insert(parts.end(), valid->begin(), valid->end());
+    }
+  }
   std::vector<Polygon> result;
-  std::vector<GEOSGeometry*> parts;
-  for (const Polygon& polygon : polygons)
-    if (Geometry part = make_polygon(geos, polygon)) parts.push_back(part.release());
-  if (parts.empty()) return result;
-  const Geometry all(GEOSGeom_createCollection_r(geos.get(), GEOS_GEOMETRYCOLLECTION, parts.data(),
-                                                 static_cast<unsigned>(parts.size())),
-                     {geos.get()});
-  if (all == nullptr) return result;
-  const Geometry whole(GEOSUnaryUnion_r(geos.get(), all.get()), {geos.get()});
-  if (whole != nullptr) read_polygons(geos, whole.get(), result);
+  const geos::Result whole = geos::unite(parts, 0);
+  if (!whole) return result;
+  for (const Polygon& polygon : *whole) {
+    std::vector<Ring> rings{polygon.outer};
+    rings.insert(rings.end(), polygon.holes.begin(), polygon.holes.end());
+    if (std::optional<Polygon> part = snapped(rings)) result.push_back(std::move(*part));
+  }
   return result;
 }
 

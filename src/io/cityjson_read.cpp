@@ -439,6 +439,8 @@ class CityReader {
 };
 
 void check_type(const Place& root) {
+  if (!root.has("type"))
+    root.fail("has no member 'type', so it is not CityJSON; give a .city.json");
   if (root.at("type").text() != "CityJSON") root.at("type").fail("is not \"CityJSON\"");
   const std::string& version = root.at("version").text();
   for (const std::string_view known : {"1.0", "1.1", "2.0"})

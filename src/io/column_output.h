@@ -6,7 +6,7 @@
 #include <string>
 
 #include "tetropolis/core/progress.h"
-#include "tetropolis/io/vtk.h"
+#include "tetropolis/io/placement.h"
 #include "tetropolis/volume/boundary.h"
 #include "tetropolis/volume/column_mesh.h"
 

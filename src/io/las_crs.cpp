@@ -6,6 +6,7 @@
 #include <initializer_list>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include <cpl_vsi.h>
@@ -158,9 +159,7 @@ std::string crs_of_wkt(const std::vector<Vlr>& vlrs) {
   return gdal::canonical_name(gdal::parse_srs(wkt).get());
 }
 
-}  // namespace
-
-std::string crs_of_vlrs(const std::vector<Vlr>& vlrs, bool prefer_wkt) {
+std::string crs_of(const std::vector<Vlr>& vlrs, bool prefer_wkt) {
   if (find(vlrs, kGeoKeys) == nullptr && find(vlrs, kWkt) == nullptr) return "";
   gdal::initialise();
   const gdal::QuietErrors errors;
@@ -170,7 +169,7 @@ std::string crs_of_vlrs(const std::vector<Vlr>& vlrs, bool prefer_wkt) {
   return prefer_wkt ? crs_of_keys(vlrs) : crs_of_wkt(vlrs);
 }
 
-double vertical_unit_of_vlrs(const std::vector<Vlr>& vlrs, bool prefer_wkt) {
+double vertical_unit_of(const std::vector<Vlr>& vlrs, bool prefer_wkt) {
   const Vlr* wkt = find(vlrs, kWkt);
   const Vlr* keys = find(vlrs, kGeoKeys);
   if (wkt != nullptr && (prefer_wkt || keys == nullptr))
@@ -188,6 +187,23 @@ double vertical_unit_of_vlrs(const std::vector<Vlr>& vlrs, bool prefer_wkt) {
     if (key[0] == 4099 && key[3] == 9003) return 1200.0 / 3937;
   }
   return unit;
+}
+
+}  // namespace
+
+LasSystems::System LasSystems::of(const std::vector<Vlr>& vlrs, bool prefer_wkt) {
+  std::string records(1, prefer_wkt ? 'w' : 'k');
+  for (const int id : {kGeoKeys, kGeoDoubles, kGeoAscii, kWkt})
+    if (const Vlr* vlr = find(vlrs, id))
+      records += fmt::format("{}:{}:", id, vlr->data.size()) + vlr->data;
+  const std::lock_guard lock(mutex_);
+  auto known = known_.find(records);
+  if (known == known_.end())
+    known = known_
+                .try_emplace(std::move(records),
+                             System{crs_of(vlrs, prefer_wkt), vertical_unit_of(vlrs, prefer_wkt)})
+                .first;
+  return known->second;
 }
 
 }  // namespace tetropolis

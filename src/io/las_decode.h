@@ -24,11 +24,11 @@ struct LasRecord {
 /// Receives consecutive blocks of records.
 using LasVisitor = std::function<void(const LasRecord* records, std::size_t count)>;
 
-/// Decodes `count` records from number `first` on and hands them over in blocks of a few thousand.
-/// Precondition: first + count <= point count; for LAZ, first is a multiple of layout.chunk_size or
-/// 0. Returns, after the last point of a LAZ file, how many bytes of compressed points are left
-/// before its chunk table, if that is known; otherwise 0. Throws Error(kInput) with the point
-/// number if the file ends before or cannot be decoded.
+/// Decodes `count` records from number `first` on and hands them over in blocks of a thousand.
+/// Precondition: first + count <= point count; for LAZ, first is a multiple of layout.chunk_size,
+/// or layout.variable_chunks, or 0. Returns, after the last point of a LAZ file, how many bytes of
+/// compressed points are left before its chunk table, if that is known; otherwise 0. Throws
+/// Error(kInput) with the point number if the file ends before or cannot be decoded.
 std::int64_t decode_points(const std::filesystem::path& path, const LasLayout& layout,
                            std::int64_t first, std::int64_t count, const LasVisitor& visit);
 

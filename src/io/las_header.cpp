@@ -5,10 +5,12 @@
 #include <bit>
 #include <cmath>
 #include <cstring>
+#include <span>
 
 #include <fmt/format.h>
 
 #include "tetropolis/core/error.h"
+#include "tetropolis/core/parallel.h"
 
 #include "positioned_file.h"
 
@@ -245,13 +247,14 @@ void settle_compression(const fs::path& path, const PositionedFile& file,
     fail_las(path, fmt::format("the chunk table at byte {} has {} chunks; the file is broken, get "
                                "it again",
                                table, chunks));
-  if (points == 0 && chunks > 0)
+  // Some writers end with an empty chunk.
+  if (points == 0 && chunks > 0 && table - layout.first_point - 8 >= layout.info.record_length)
     fail_las(path, fmt::format("the header counts 0 points, but {} bytes of compressed points "
                                "follow; the count is wrong, get the file again or repair it",
                                table - layout.first_point - 8));
   layout.chunk_table = table;
   layout.layered = record.compressor == 3;
-  // Some writers end with an empty chunk.
+  layout.variable_chunks = variable;
   if (!variable && chunks > expected + 1)
     layout.info.warnings.push_back(
         {"las_count_small", (chunks - 1) * record.chunk_size - points,
@@ -302,7 +305,7 @@ std::string check_laszip_record(std::string_view data, int record_length, Laszip
   return "";
 }
 
-LasLayout read_las_layout(const fs::path& path) {
+LasLayout read_las_layout(const fs::path& path, LasSystems& systems) {
   const PositionedFile file(path);
   LasLayout layout;
   layout.file_size = file.size();
@@ -321,8 +324,9 @@ LasLayout read_las_layout(const fs::path& path) {
   }
   const bool wkt =
       layout.info.point_format >= 6 || (number_at<std::uint16_t>(front, 6) & 0x10) != 0;
-  layout.info.crs = crs_of_vlrs(vlrs, wkt);
-  layout.info.vertical_unit = vertical_unit_of_vlrs(vlrs, wkt);
+  const LasSystems::System system = systems.of(vlrs, wkt);
+  layout.info.crs = system.crs;
+  layout.info.vertical_unit = system.vertical_unit;
   if (stated && layout.info.crs.empty())
     layout.info.warnings.push_back({"las_crs_unknown", 1,
                                     path.string() + ": its coordinate reference system is not "
@@ -330,6 +334,14 @@ LasLayout read_las_layout(const fs::path& path) {
   return layout;
 }
 
-LasInfo inspect_las(const fs::path& path) { return read_las_layout(path).info; }
+std::vector<LasInfo> inspect_las(std::span<const fs::path> paths) {
+  std::vector<LasInfo> infos(paths.size());
+  LasSystems systems;
+  parallel_in_order(paths.size(),
+                    [&](std::size_t f) { infos[f] = read_las_layout(paths[f], systems).info; });
+  return infos;
+}
+
+LasInfo inspect_las(const fs::path& path) { return inspect_las(std::span(&path, 1)).front(); }
 
 }  // namespace tetropolis

@@ -3,6 +3,8 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <map>
+#include <mutex>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -23,6 +25,8 @@ struct LasLayout {
   /// LAZ: points per chunk if all chunks have the same number and the chunk table is in its place,
   /// so that decoding may start at multiples of it. Otherwise 0.
   std::int64_t chunk_size = 0;
+  /// LAZ: whether chunks differ in size, as in COPC; LASzip knows where each begins.
+  bool variable_chunks = false;
   /// LAZ: byte of the chunk table, where the compressed points end; 0 if not known.
   std::int64_t chunk_table = 0;
   /// LAZ: whether chunks are in layers (point formats 6 and above), which state their count.
@@ -31,8 +35,6 @@ struct LasLayout {
   bool chunk_table_missing = false;
 };
 
-LasLayout read_las_layout(const std::filesystem::path& path);
-
 /// One variable length record.
 struct Vlr {
   std::string user_id;
@@ -40,12 +42,25 @@ struct Vlr {
   std::string data;
 };
 
-/// The canonical reference system that the records state, "" if none or not understood.
-/// `prefer_wkt`: the header says that WKT holds (LAS 1.4 R15, global encoding bit 4).
-std::string crs_of_vlrs(const std::vector<Vlr>& vlrs, bool prefer_wkt);
+/// Reference systems of files. To find the code of one can take a second, so it is done once for
+/// equal records. May be used from several threads.
+class LasSystems {
+ public:
+  struct System {
+    std::string crs;           ///< Canonical; "" if none is stated or it is not understood.
+    double vertical_unit = 1;  ///< Metres per unit of height; 1 if not stated.
+  };
 
-/// Metres per unit of height as the records state it, 1 if they do not.
-double vertical_unit_of_vlrs(const std::vector<Vlr>& vlrs, bool prefer_wkt);
+  /// `prefer_wkt`: the header says that WKT holds (LAS 1.4 R15, global encoding bit 4).
+  System of(const std::vector<Vlr>& vlrs, bool prefer_wkt);
+
+ private:
+  std::mutex mutex_;
+  std::map<std::string, System> known_;  ///< By the records' bytes.
+};
+
+/// Throws as inspect_las.
+LasLayout read_las_layout(const std::filesystem::path& path, LasSystems& systems);
 
 /// Record of the LASzip compressor: how the points are packed.
 struct LaszipRecord {

@@ -6,8 +6,8 @@
 #include <glob.h>
 
 #include "tetropolis/core/error.h"
+#include "tetropolis/core/text.h"
 
-#include "core/text.h"
 #include "las_header.h"
 
 namespace tetropolis {

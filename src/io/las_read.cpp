@@ -1,8 +1,6 @@
 #include <algorithm>
 #include <array>
-#include <atomic>
 #include <cmath>
-#include <exception>
 #include <limits>
 #include <map>
 #include <optional>
@@ -25,6 +23,8 @@ namespace fs = std::filesystem;
 namespace {
 
 constexpr std::int64_t kPointsPerTask = 250'000;
+/// Where chunks differ in size, a task begins by passing over the points of a chunk before its own.
+constexpr std::int64_t kPointsPerVariableTask = 1'000'000;
 constexpr std::int64_t kLeastTwin = 100;     // points of which two equal boxes are no coincidence
 constexpr std::int64_t kLeastLeftOver = 64;  // bytes of points behind the last one counted
 
@@ -89,27 +89,6 @@ class Filter {
   ClassTable skipped_;
 };
 
-/// Runs fallible jobs over [0, size) in parallel, begun in order; afterwards throws what the first
-/// failing one of them threw. Jobs behind a failed one may not run at all.
-template <typename Job>
-void run_in_order(std::size_t size, const Job& job) {
-  std::vector<std::exception_ptr> errors(size);
-  std::atomic<std::size_t> next{0}, first_failed{size};
-  parallel_chunks(size, 1, [&](std::size_t, std::size_t) {
-    const std::size_t number = next++;
-    if (number > first_failed.load()) return;
-    try {
-      job(number);
-    } catch (...) {
-      errors[number] = std::current_exception();
-      std::size_t seen = first_failed.load();
-      while (number < seen && !first_failed.compare_exchange_weak(seen, number)) {
-      }
-    }
-  });
-  if (first_failed < size) std::rethrow_exception(errors[first_failed]);
-}
-
 /// Counts the points outside of a header's box. In a file whose bytes have rotted, wrong numbers
 /// are all that can be seen: LAS and LAZ have no checksums.
 class BoxCheck {
@@ -166,8 +145,8 @@ bool box_holds_samples(const fs::path& path, const LasLayout& layout) {
                   });
   };
   probe(0, 4);
-  // LAZ can be entered at the start of a chunk only.
-  const std::int64_t step = info.compressed ? layout.chunk_size : 1;
+  // LAZ can be entered at the start of a chunk only, unless LASzip finds it.
+  const std::int64_t step = info.compressed && !layout.variable_chunks ? layout.chunk_size : 1;
   if (step > 0)
     for (const std::int64_t share : {1, 2, 3, 4})
       probe((info.point_count - 1) / step * share / 4 * step, 4);
@@ -198,9 +177,9 @@ void check_last_chunk(const fs::path& path, FilePlan& plan) {
                      path.string(), points, found - counted)});
 }
 
-FilePlan plan_file(const fs::path& path, const ReadPointsOptions& options) {
+FilePlan plan_file(const fs::path& path, const ReadPointsOptions& options, LasSystems& systems) {
   FilePlan plan;
-  plan.layout = read_las_layout(path);
+  plan.layout = read_las_layout(path, systems);
   plan.warnings = plan.layout.info.warnings;
   if (!options.crs.empty())
     std::erase_if(plan.warnings, [](const Warning& w) { return w.code == "las_crs_unknown"; });
@@ -280,7 +259,9 @@ std::vector<Task> make_tasks(const std::vector<FilePlan>& plans) {
     const LasLayout& layout = plans[f].layout;
     const std::int64_t total = layout.info.point_count;
     std::int64_t step = kPointsPerTask;
-    if (layout.info.compressed) {
+    if (layout.variable_chunks) {
+      step = kPointsPerVariableTask;
+    } else if (layout.info.compressed) {
       const std::int64_t chunk = layout.chunk_size;
       step = chunk == 0 ? total : (std::max<std::int64_t>(kPointsPerTask / chunk, 1)) * chunk;
     }
@@ -316,7 +297,7 @@ void decode_tasks(std::span<const fs::path> paths, const std::vector<FilePlan>& 
   for (const Task& task : tasks) total += task.count;
   SharedProgress shared(progress, total);
   std::vector<std::int64_t> outside(tasks.size(), 0), left_over(tasks.size(), 0);
-  run_in_order(tasks.size(), [&](std::size_t t) {
+  parallel_in_order(tasks.size(), [&](std::size_t t) {
     const Task& task = tasks[t];
     const LasLayout& layout = plans[task.file].layout;
     const BoxCheck box(layout.info);
@@ -394,7 +375,9 @@ std::vector<std::uint8_t> noise_classes() {
 PointsInput read_points(std::span<const fs::path> paths, const ReadPointsOptions& options,
                         const Progress& progress) {
   std::vector<FilePlan> plans(paths.size());
-  run_in_order(paths.size(), [&](std::size_t f) { plans[f] = plan_file(paths[f], options); });
+  LasSystems systems;
+  parallel_in_order(paths.size(),
+                    [&](std::size_t f) { plans[f] = plan_file(paths[f], options, systems); });
   find_twins(paths, plans);
   PointsInput result;
   result.crs = common_crs(paths, plans, options);
@@ -419,6 +402,9 @@ PointsInput read_points(std::span<const fs::path> paths, const ReadPointsOptions
     records.insert(records.end(), block, block + n);
     const Filter& filter = filters[tasks[t].file];
     records.resize(records.size() - n + filter.keep(std::span(records).last(n)));
+    // A file without a table of chunks is one task, however many points it has.
+    if (records.size() >= 2 * kPointsPerTask)
+      collector.take_some(t, records, plans[tasks[t].file].layout.info);
   };
   const auto collect = [&](std::size_t t) {
     collector.take(t, std::move(kept[t]), plans[tasks[t].file].layout.info);
@@ -434,7 +420,8 @@ PointsInput read_points(std::span<const fs::path> paths, const ReadPointsOptions
 
 PointsSummary summarise_points(const fs::path& path, const Progress& progress) {
   const std::span<const fs::path> paths(&path, 1);
-  const std::vector<FilePlan> plans{plan_file(path, {})};
+  LasSystems systems;
+  const std::vector<FilePlan> plans{plan_file(path, {}, systems)};
   const std::vector<Task> tasks = make_tasks(plans);
   PointsSummary result;
   result.warnings = plans[0].warnings;

@@ -11,6 +11,7 @@
 #include <laszip/laszip_api.h>
 
 #include "tetropolis/core/error.h"
+#include "tetropolis/core/text.h"
 #include "tetropolis/io/atomic_file.h"
 #include "tetropolis/io/crs.h"
 #include "tetropolis/io/las.h"
@@ -184,8 +185,7 @@ void check_request(const fs::path& path, const PointCloud& cloud,
 }
 
 bool wants_compression(const fs::path& path) {
-  const std::string extension = path.extension().string();
-  return extension == ".laz" || extension == ".LAZ";
+  return lower_case(path.extension().string()) == ".laz";
 }
 
 }  // namespace

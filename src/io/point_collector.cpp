@@ -62,6 +62,14 @@ std::vector<LasRecord> PointCollector::empty_records() {
   return records;
 }
 
+void PointCollector::take_some(std::size_t task, std::vector<LasRecord>& records,
+                               const LasInfo& info) {
+  const std::scoped_lock lock(mutex_);
+  if (next_ != task) return;
+  append(records, info);
+  records.clear();
+}
+
 void PointCollector::take(std::size_t task, std::vector<LasRecord>&& records, const LasInfo& info) {
   const std::scoped_lock lock(mutex_);
   waiting_[task] = {std::move(records), &info};

@@ -42,8 +42,12 @@ class PointCollector {
   /// An empty vector, with memory that was used before if there is any: fresh memory is slow.
   std::vector<LasRecord> empty_records();
 
-  /// The records of one task, with the scale and offset of `info`, which has to stay until points
-  /// are taken. Precondition: once for each task.
+  /// Empties `records`, the first or next ones of a task that is not at its end, unless points of
+  /// tasks before are still to come.
+  void take_some(std::size_t task, std::vector<LasRecord>& records, const LasInfo& info);
+
+  /// The (remaining) records of one task, with the scale and offset of `info`, which has to stay
+  /// until points are taken. Precondition: once for each task.
   void take(std::size_t task, std::vector<LasRecord>&& records, const LasInfo& info);
 
   /// The points of all tasks. Precondition: all were taken.

@@ -60,24 +60,36 @@ void take_yards_for_holes(std::vector<PolygonPart>& parts) {
   const auto turn = [](const PolygonPart& part) { return signed_area(part.polygon.outer) > 0; };
   const auto alike = [&](const PolygonPart& part) { return turn(part) == turn(parts.front()); };
   if (parts.size() < 2 || std::all_of(parts.begin(), parts.end(), alike)) return;
-  // A city may be one multipolygon: only boxes are looked at for every pair.
+  // A city may be one multipolygon: from west to east, each is compared with those that reach it.
   std::vector<Bounds2> boxes;
   for (const PolygonPart& part : parts)
     boxes.push_back(part.reason.empty() ? bounds(part.polygon.outer) : Bounds2::nothing());
   std::vector<bool> is_hole(parts.size(), false);
   std::vector<std::size_t> around(parts.size(), 0);  // The smallest part that encloses each.
-  for (std::size_t j = 0; j < parts.size(); ++j) {
-    if (!parts[j].reason.empty()) continue;
+  std::vector<std::size_t> order;
+  for (std::size_t j = 0; j < parts.size(); ++j)
+    if (parts[j].reason.empty()) order.push_back(j);
+  const auto west = [&](std::size_t i) { return boxes[i].xmin; };
+  std::stable_sort(order.begin(), order.end(),
+                   [&](std::size_t i, std::size_t j) { return west(i) < west(j); });
+  std::vector<std::size_t> begun;
+  std::size_t next = 0, most_begun = 64;
+  for (const std::size_t j : order) {
+    for (; next < order.size() && west(order[next]) <= west(j); ++next)
+      begun.push_back(order[next]);
+    if (begun.size() > most_begun) {
+      std::erase_if(begun, [&](std::size_t i) { return boxes[i].xmax < west(j); });
+      most_begun = std::max<std::size_t>(64, 2 * begun.size());
+    }
     std::size_t depth = 0;
-    double least = std::numeric_limits<double>::infinity();
-    for (std::size_t i = 0; i < parts.size(); ++i) {
+    std::pair least{std::numeric_limits<double>::infinity(), parts.size()};
+    for (const std::size_t i : begun) {
       if (!boxes[i].covers(boxes[j]) || !encloses(parts[i].polygon.outer, parts[j].polygon.outer))
         continue;
       ++depth;
-      const double size = std::abs(signed_area(parts[i].polygon.outer));
-      if (size < least) around[j] = i;
-      least = std::min(least, size);
+      least = std::min(least, {std::abs(signed_area(parts[i].polygon.outer)), i});
     }
+    if (depth > 0) around[j] = least.second;
     is_hole[j] = depth % 2 == 1 && turn(parts[around[j]]) != turn(parts[j]);
   }
   std::vector<PolygonPart> in_yards;  // What stands in a yard was a hole in it.

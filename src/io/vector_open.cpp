@@ -12,8 +12,8 @@
 #include <fmt/ranges.h>
 
 #include "tetropolis/core/error.h"
+#include "tetropolis/core/text.h"
 
-#include "core/text.h"
 #include "shapefile_members.h"
 
 namespace tetropolis {

@@ -12,11 +12,11 @@
 #include <unistd.h>
 
 #include "tetropolis/core/error.h"
+#include "tetropolis/core/text.h"
 #include "tetropolis/io/atomic_file.h"
 #include "tetropolis/io/crs.h"
 #include "tetropolis/io/vector.h"
 
-#include "core/text.h"
 #include "gdal_support.h"
 
 namespace tetropolis {

@@ -11,6 +11,7 @@
 #include "tetropolis/core/parallel.h"
 #include "tetropolis/io/vtk.h"
 
+#include "mesh_input.h"
 #include "vtk_input.h"
 
 namespace tetropolis {
@@ -129,6 +130,7 @@ std::vector<std::array<Index, Corners>> read_cells(const VtkInput& file) {
 
 TetMesh read_vtu(const std::filesystem::path& path) {
   const VtkInput file(path, "UnstructuredGrid", "NumberOfCells");
+  require_room_for_mesh(path, file.points(), file.cells());
   constexpr std::int64_t kVtkTetra = 10;
   Least wrong;
   compare(
@@ -150,14 +152,8 @@ SurfaceMesh read_vtp(const std::filesystem::path& path) {
   SurfaceMesh surface;
   surface.points = read_points(file);
   surface.triangles = read_cells<3, std::int32_t>(file);
-  const std::vector<std::int32_t> patches = read_numbers(file, "patch");
-  surface.patch.reserve(patches.size());
-  for (std::size_t f = 0; f < patches.size(); ++f) {
-    if (patches[f] < 1 || patches[f] > kPatchCount)
-      file.fail("face " + std::to_string(f) + " has the patch " + std::to_string(patches[f]) +
-                "; 1 to 8 expected");
-    surface.patch.push_back(static_cast<Patch>(patches[f]));
-  }
+  surface.patch =
+      patches_of(read_numbers(file, "patch"), [&](const std::string& what) { file.fail(what); });
   surface.building = read_numbers(file, "building");
   return surface;
 }

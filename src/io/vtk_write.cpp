@@ -20,7 +20,9 @@ namespace {
 static_assert(std::endian::native == std::endian::little, "VTK output writes native byte order");
 
 constexpr std::uint8_t kVtkTetra = 10;
-constexpr std::size_t kGrain = 2048;
+// Columns and rows formatted at a time by a thread: some hundred kilobytes of output.
+constexpr std::size_t kColumns = 128;
+constexpr std::size_t kRows = 32768;
 
 std::string file_head(std::string_view type, std::string_view attributes,
                       const Placement& placement) {
@@ -42,7 +44,7 @@ template <typename Integer>
 void write_cells(VtkOutput& file, const ColumnMesh& mesh, std::uint64_t cells,
                  const Progress& progress) {
   file.write_next(
-      mesh.triangle_count(), kGrain,
+      mesh.triangle_count(), kColumns,
       [&](std::size_t begin, std::size_t end, std::string& buffer) {
         for (std::size_t t = begin; t < end; ++t)
           for_each_tet_over(mesh, t, [&](const std::array<NodeIndex, 4>& tet) {
@@ -52,13 +54,12 @@ void write_cells(VtkOutput& file, const ColumnMesh& mesh, std::uint64_t cells,
           });
       },
       progress);
-  file.write_next(cells, kGrain * 64, [&](std::size_t begin, std::size_t end, std::string& buffer) {
+  file.write_next(cells, 4 * kRows, [&](std::size_t begin, std::size_t end, std::string& buffer) {
     for (std::size_t c = begin; c < end; ++c) append_raw(buffer, static_cast<Integer>(4 * (c + 1)));
   });
-  file.write_next(cells, kGrain * 256,
-                  [&](std::size_t begin, std::size_t end, std::string& buffer) {
-                    buffer.append(end - begin, static_cast<char>(kVtkTetra));
-                  });
+  file.write_next(cells, 16 * kRows, [&](std::size_t begin, std::size_t end, std::string& buffer) {
+    buffer.append(end - begin, static_cast<char>(kVtkTetra));
+  });
 }
 
 }  // namespace
@@ -82,7 +83,7 @@ void write_vtu(const std::filesystem::path& path, const ColumnMesh& mesh,
   head += "</Cells>\n<CellData Scalars=\"region\">\n";
   head += file.tag({"Int32", "region", 0, cells * 4}) + "</CellData>\n";
   file.write_head(head + file_middle("UnstructuredGrid"));
-  file.write_next(mesh.vertex_count(), kGrain,
+  file.write_next(mesh.vertex_count(), kColumns,
                   [&](std::size_t begin, std::size_t end, std::string& buffer) {
                     append_points(mesh, placement, begin, end, buffer);
                   });
@@ -90,7 +91,7 @@ void write_vtu(const std::filesystem::path& path, const ColumnMesh& mesh,
     write_cells<std::int32_t>(file, mesh, cells, progress);
   else
     write_cells<std::int64_t>(file, mesh, cells, progress);
-  file.write_next(mesh.triangle_count(), kGrain,
+  file.write_next(mesh.triangle_count(), kColumns,
                   [&](std::size_t begin, std::size_t end, std::string& buffer) {
                     for (std::size_t t = begin; t < end; ++t)
                       for (NodeIndex c = offsets[t]; c < offsets[t + 1]; ++c)
@@ -118,10 +119,9 @@ void write_vtp(const std::filesystem::path& path, const SurfaceMesh& surface,
   file.write_head(head + file_middle("PolyData"));
 
   const auto write_array = [&](std::size_t size, const auto& append) {
-    file.write_next(size, kGrain * 16,
-                    [&](std::size_t begin, std::size_t end, std::string& buffer) {
-                      for (std::size_t i = begin; i < end; ++i) append(i, buffer);
-                    });
+    file.write_next(size, kRows, [&](std::size_t begin, std::size_t end, std::string& buffer) {
+      for (std::size_t i = begin; i < end; ++i) append(i, buffer);
+    });
   };
   write_array(points, [&](std::size_t i, std::string& buffer) {
     for (std::size_t c = 0; c < 3; ++c)

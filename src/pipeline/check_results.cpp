@@ -22,6 +22,7 @@
 #include "tetropolis/io/cityjson.h"
 #include "tetropolis/io/geotiff.h"
 #include "tetropolis/io/vtk.h"
+#include "tetropolis/io/xdmf.h"
 
 namespace tetropolis {
 
@@ -151,6 +152,19 @@ CheckedFile describe(const std::string& name, const SurfaceCheck& check) {
   return file;
 }
 
+/// How the parts of a mesh are called in what is printed.
+struct MeshNames {
+  std::string volume;
+  std::string boundary;
+  std::string both;
+};
+
+const MeshNames kVtkNames{"volume.vtu", "boundary.vtp", "volume.vtu and boundary.vtp"};
+
+MeshNames xdmf_names(const std::string& file) {
+  return {file + ", grid 'mesh'", file + ", grid 'boundary'", file + ", both grids"};
+}
+
 CheckedFile check_one_volume(const fs::path& path, const Progress& progress) {
   CheckedFile file = describe(path.filename().string(), check_volume(read_vtu(path), progress));
   file.not_checked = {
@@ -249,12 +263,13 @@ void check_heights_of(const fs::path& terrain, const SurfaceMesh& surface,
          fmt::format("{} reported, {} found", report->mesh->ground_lowered, check.lowered)});
 }
 
-CheckedFile check_against_city(const fs::path& folder, const TetMesh& mesh,
+CheckedFile check_against_city(const MeshNames& names, const fs::path& folder, const TetMesh& mesh,
                                const SurfaceMesh& surface, const CityModel& city,
                                const std::optional<ReportedFacts>& report) {
   std::array<double, 3> shift{0, 0, 0};
   if (report && report->absolute) shift = {-city.origin.x, -city.origin.y, 0};
-  CheckedFile file{"meshes, city model and terrain", {}, check_regions(mesh, shift, city), {}};
+  CheckedFile file{
+      names.both + ", city model and terrain", {}, check_regions(mesh, shift, city), {}};
   file.facts.emplace_back("regions of cells compared with the footprints");
   check_ground_mesh(surface, shift, city, report, file);
   if (is_there(folder / "dtm.tif"))
@@ -303,38 +318,70 @@ void compare_city(const CityModel& city, const ReportedFacts& report, CheckedFil
                                   report.origin->y, city.origin.x, city.origin.y));
 }
 
-/// What is in the folder of volume and boundary; `city` is city.city.json if that is there.
+/// The volume, the boundary, and one against the other.
+std::vector<CheckedFile> check_volume_and_boundary(const MeshNames& names, const TetMesh& mesh,
+                                                   const SurfaceMesh& surface,
+                                                   const std::optional<ReportedFacts>& report,
+                                                   const Progress& progress) {
+  const SurfaceCheck surface_check = check_surface(surface);
+  const VolumeCheck volume_check = check_volume(mesh, progress);
+  CheckedFile both{names.both, {}, check_same_boundary(mesh, volume_check, surface), {}};
+  both.facts = {"faces of one compared with faces of the other"};
+  if (report && report->mesh)
+    compare_with_report(*report->mesh, volume_check, surface_check, both);
+  else
+    both.not_checked.emplace_back("numbers of the run (no report.json that has them)");
+  return {describe(names.volume, volume_check), describe(names.boundary, surface_check), both};
+}
+
+/// A mesh of the folder; `city` is city.city.json if that is there.
+void add_mesh(const MeshNames& names, const TetMesh& mesh, const SurfaceMesh& surface,
+              const fs::path& folder, const CityModel& city,
+              const std::optional<ReportedFacts>& report, const Progress& progress,
+              std::vector<CheckedFile>& files) {
+  for (CheckedFile& file : check_volume_and_boundary(names, mesh, surface, report, progress))
+    files.push_back(std::move(file));
+  if (is_there(folder / kCity))
+    files.push_back(check_against_city(names, folder, mesh, surface, city, report));
+  else
+    files.back().not_checked.emplace_back(
+        "regions, footprints in the mesh and heights (there is no city.city.json)");
+}
+
+/// What is in the folder of volume and boundary, one format after the other.
 void add_meshes(const fs::path& folder, const CityModel& city,
                 const std::optional<ReportedFacts>& report, const Progress& progress,
                 std::vector<CheckedFile>& files) {
   const auto there = [&](const char* name) { return is_there(folder / name); };
-  const bool meshed = report && report->mesh;
-  if (!there("volume.vtu") || !there("boundary.vtp")) {
-    if (there("volume.vtu")) files.push_back(check_one_volume(folder / "volume.vtu", progress));
-    if (there("boundary.vtp")) files.push_back(check_one_surface(folder / "boundary.vtp"));
-    if (meshed)
-      files.push_back({"meshes", {}, {}, {"volume.vtu and boundary.vtp are not both there"}});
-    return;
+  const bool vtu = there("volume.vtu"), vtp = there("boundary.vtp"), xdmf = there("volume.xdmf");
+  if (vtu && vtp) {
+    const SurfaceMesh surface = read_vtp(folder / "boundary.vtp");
+    const TetMesh mesh = read_vtu(folder / "volume.vtu");
+    add_mesh(kVtkNames, mesh, surface, folder, city, report, progress, files);
+  } else if (vtu) {
+    files.push_back(check_one_volume(folder / "volume.vtu", progress));
+  } else if (vtp) {
+    files.push_back(check_one_surface(folder / "boundary.vtp"));
   }
-  const SurfaceMesh surface = read_vtp(folder / "boundary.vtp");
-  const SurfaceCheck surface_check = check_surface(surface);
-  const TetMesh mesh = read_vtu(folder / "volume.vtu");
-  const VolumeCheck volume_check = check_volume(mesh, progress);
-  files.push_back(describe("volume.vtu", volume_check));
-  files.push_back(describe("boundary.vtp", surface_check));
-  CheckedFile both{
-      "volume.vtu and boundary.vtp", {}, check_same_boundary(mesh, volume_check, surface), {}};
-  both.facts = {"faces of one compared with faces of the other"};
-  if (meshed)
-    compare_with_report(*report->mesh, volume_check, surface_check, both);
-  else
-    both.not_checked.emplace_back("numbers of the run (no report.json that has them)");
-  files.push_back(both);
-  if (there(kCity))
-    files.push_back(check_against_city(folder, mesh, surface, city, report));
-  else
-    files.back().not_checked.emplace_back(
-        "regions, footprints in the mesh and heights (there is no city.city.json)");
+  if (xdmf) {
+    const XdmfMesh mesh = read_xdmf(folder / "volume.xdmf");
+    add_mesh(xdmf_names("volume.xdmf"), mesh.volume, mesh.boundary, folder, city, report, progress,
+             files);
+  } else if (report && report->mesh && !(vtu && vtp)) {
+    files.push_back(
+        {"meshes", {}, {}, {"there is neither volume.vtu with boundary.vtp nor volume.xdmf"}});
+  }
+}
+
+std::vector<CheckedFile> check_one_xdmf(const fs::path& path, const Progress& progress) {
+  const XdmfMesh mesh = read_xdmf(path);
+  std::vector<CheckedFile> files = check_volume_and_boundary(
+      xdmf_names(path.filename().string()), mesh.volume, mesh.boundary, std::nullopt, progress);
+  files.back().not_checked = {
+      "regions, footprints in the mesh, heights and the report (check the folder that has the "
+      "other "
+      "results)"};
+  return files;
 }
 
 std::vector<CheckedFile> check_folder(const fs::path& folder, std::optional<double> min_distance,
@@ -355,7 +402,8 @@ std::vector<CheckedFile> check_folder(const fs::path& folder, std::optional<doub
   if (files.empty())
     throw Error(
         ErrorKind::kInput,
-        folder.string() + ": holds no result of tetropolis (no city.city.json, no volume.vtu)");
+        folder.string() +
+            ": holds no result of tetropolis (no city.city.json, no volume.vtu or volume.xdmf)");
   return files;
 }
 
@@ -368,6 +416,7 @@ std::vector<CheckedFile> check_path(const fs::path& path, std::optional<double> 
   if (fs::is_directory(path, ignored)) return check_folder(path, min_distance, progress);
   if (path.extension() == ".vtu") return {check_one_volume(path, progress)};
   if (path.extension() == ".vtp") return {check_one_surface(path)};
+  if (path.extension() == ".xdmf") return check_one_xdmf(path, progress);
   if (path.extension() == ".json") {
     CheckedFile file = check_city_model(path.filename().string(), read_city(path), min_distance,
                                         read_report(path.parent_path()));
@@ -376,8 +425,9 @@ std::vector<CheckedFile> check_path(const fs::path& path, std::optional<double> 
         "folder that has the other results)"};
     return {file};
   }
-  throw Error(ErrorKind::kInput,
-              path.string() + ": is not a .vtu, .vtp or .city.json file or a folder of results");
+  throw Error(
+      ErrorKind::kInput,
+      path.string() + ": is not a .vtu, .vtp, .xdmf or .city.json file or a folder of results");
 }
 
 }  // namespace tetropolis

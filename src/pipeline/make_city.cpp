@@ -249,6 +249,39 @@ void fill_city_report(const CityModel& raw, const CityModel& city, const Simplif
   }
 }
 
+void warn_of_terrain(const DtmReport& dtm, Report& report) {
+  if (dtm.empty_share > kMostlyEmpty)
+    report.warnings.push_back(
+        {"terrain_mostly_filled",
+         static_cast<std::int64_t>(dtm.empty_share * static_cast<double>(dtm.nodes)),
+         fmt::format(
+             "{:.0f} % of the terrain's nodes have no ground point nearby; they were filled from "
+             "their neighbours; check --bounds, or raise --dtm-step",
+             100 * dtm.empty_share)});
+  else if (dtm.void_share > kManyVoids)
+    report.warnings.push_back(
+        {"terrain_voids", std::llround(100 * dtm.void_share),
+         fmt::format(
+             "{:.0f} % of the domain's squares of 20 m have no ground point; the terrain there is "
+             "filled from around; check --bounds, or use "
+             "--ground-filter always if part of the cloud is not classified",
+             100 * dtm.void_share)});
+}
+
+Raster make_terrain(const Config& config, const InputData& input, StepClock& clock,
+                    Report& report) {
+  DtmReport dtm_report;
+  DtmOptions options;
+  options.step = config.dtm_step;
+  Raster dtm = clock.run("1.3", "terrain", [&](const Progress& progress) {
+    return build_dtm(input.points, input.domain, options, progress, &dtm_report);
+  });
+  report.city->dtm_empty_share = dtm_report.empty_share;
+  report.city->dtm_void_share = dtm_report.void_share;
+  warn_of_terrain(dtm_report, report);
+  return dtm;
+}
+
 }  // namespace
 
 CityAndTerrain make_city(const Config& config, Next next, const OutputFolder& out, StepClock& clock,
@@ -260,34 +293,8 @@ CityAndTerrain make_city(const Config& config, Next next, const OutputFolder& ou
   raw.origin = input.origin;
   raw.domain = input.domain;
   raw.crs = input.crs;
-  CityReport& city_report = report.city.emplace();
-
-  DtmReport dtm_report;
-  Raster dtm = clock.run("1.3", "terrain", [&](const Progress& progress) {
-    DtmOptions options;
-    options.step = config.dtm_step;
-    return build_dtm(cloud, raw.domain, options, progress, &dtm_report);
-  });
-  city_report.dtm_empty_share = dtm_report.empty_share;
-  city_report.dtm_void_share = dtm_report.void_share;
-  if (dtm_report.empty_share > kMostlyEmpty)
-    report.warnings.push_back(
-        {"terrain_mostly_filled",
-         static_cast<std::int64_t>(dtm_report.empty_share * static_cast<double>(dtm_report.nodes)),
-         fmt::format(
-             "{:.0f} % of the terrain's nodes have no ground point nearby; they were filled from "
-             "their neighbours; check --bounds, or raise --dtm-step",
-             100 * dtm_report.empty_share)});
-
-  else if (dtm_report.void_share > kManyVoids)
-    report.warnings.push_back(
-        {"terrain_voids", std::llround(100 * dtm_report.void_share),
-         fmt::format(
-             "{:.0f} % of the domain's squares of 20 m have no ground point; the terrain there is "
-             "filled from around; check --bounds, or use "
-             "--ground-filter always if part of the cloud is not classified",
-             100 * dtm_report.void_share)});
-
+  report.city.emplace();
+  Raster dtm = make_terrain(config, input, clock, report);
   clock.run("1.4", "clean footprints", [&](const Progress& progress) {
     clean_features(config, input.footprints, raw, progress);
   });

@@ -208,6 +208,7 @@ CellQuality improve(const Config& config, ColumnMesh& mesh, StepClock& clock,
   clock.run("3.5", "improve cells", [&](const Progress& progress) {
     volume.columns_improved = improve_columns(mesh, options, progress);
   });
+  if (volume.columns_improved == 0) return cells;
   volume.min_vertical_gap = require_valid(mesh);
   return measured();
 }

@@ -22,6 +22,8 @@ constexpr double kPerCell = 2;
 /// Points while they are sorted into the terrain: 37 to 41 bytes on 12 and 6 million, and some
 /// room.
 constexpr double kPerPoint = 50;
+/// Heights and numbers of points of the terrain while it is made.
+constexpr double kPerTerrainNode = 12;
 /// Of the solver, with uniform layers (uniform.peak_bytes_per_node in tests/work/limits.txt).
 constexpr double kPerSolverNode = 100;
 
@@ -109,16 +111,22 @@ void require_cells_fit(const Config& config, double triangles, double cells, dou
                           cells, in_words(bytes), in_words(limit)));
 }
 
-void require_points_fit(const Config& config, double points) {
+void require_points_fit(const Config& config, double points, double terrain_nodes) {
   const double limit = memory_limit(config);
-  const double bytes = kProgram + kPerPoint * points;
+  const double of_terrain = kPerTerrainNode * terrain_nodes;
+  const double bytes = kProgram + kPerPoint * points + of_terrain;
   if (bytes <= limit) return;
+  if (of_terrain > kPerPoint * points)
+    throw Error(ErrorKind::kUsage,
+                fmt::format("the terrain would have about {:.2g} nodes and need {} of {}: raise "
+                            "--dtm-step or --max-memory, or give smaller --bounds",
+                            terrain_nodes, in_words(bytes), in_words(limit)));
   throw Error(ErrorKind::kUsage,
               fmt::format("the domain has about {:.2g} points, which need {} of {}; about {:.2g} "
                           "points fit: give smaller --bounds, a thinner cloud, or a higher "
                           "--max-memory",
                           points, in_words(bytes), in_words(limit),
-                          std::max(0.0, (limit - kProgram) / kPerPoint)));
+                          std::max(0.0, (limit - kProgram - of_terrain) / kPerPoint)));
 }
 
 }  // namespace tetropolis

@@ -38,7 +38,7 @@ void require_mesh_fits(const Config& config, const CitySize& city);
 /// Likewise for counts that are known by now.
 void require_cells_fit(const Config& config, double triangles, double cells, double terrain_nodes);
 
-/// Likewise for the points of the domain, before they are read.
-void require_points_fit(const Config& config, double points);
+/// Likewise for the points of the domain and its terrain, before they are read.
+void require_points_fit(const Config& config, double points, double terrain_nodes);
 
 }  // namespace tetropolis

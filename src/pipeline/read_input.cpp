@@ -48,8 +48,10 @@ std::int64_t believable_count(const std::filesystem::path& path, const LasInfo& 
 
 CloudHeaders read_headers(std::span<const std::filesystem::path> paths) {
   CloudHeaders headers;
-  for (const auto& path : paths) {
-    const LasInfo info = inspect_las(path);
+  const std::vector<LasInfo> infos = inspect_las(paths);
+  for (std::size_t f = 0; f < paths.size(); ++f) {
+    const std::filesystem::path& path = paths[f];
+    const LasInfo& info = infos[f];
     const Bounds2 box{info.min[0], info.min[1], info.max[0], info.max[1]};
     if (info.point_count > 0 && !box.empty()) headers.box.extend(box);
     headers.points.emplace_back(box, believable_count(path, info));
@@ -136,12 +138,12 @@ void require_fits(const Config& config, const FootprintsInput& footprints,
     if (!common.empty() && whole > 0)
       points += static_cast<double>(count) * common.width() * common.height() / whole;
   }
-  require_points_fit(config, points);
-  if (next != Next::kMesh) return;
   CitySize size;
   size.area = area;
   size.height = config.domain_height;
   size.terrain_nodes = area / (config.dtm_step * config.dtm_step);
+  require_points_fit(config, points, size.terrain_nodes);
+  if (next != Next::kMesh) return;
   for (const Footprint& feature : footprints.features) {
     const Ring& outer = feature.polygon.outer;
     if (!outer.empty() && box.contains(outer.front())) size.add(feature.polygon);
@@ -201,20 +203,63 @@ Bounds2 find_domain(const Config& config, const FootprintsInput& footprints,
   return domain;
 }
 
+/// The points' reference system as far as files and settings name it, in metres; "" if they do not.
+std::string stated_points_crs(const Config& config, const CloudHeaders& headers,
+                              const std::string& first_file) {
+  const bool is_set = !config.points_crs.empty();
+  std::string crs = normalise_crs(is_set ? config.points_crs : headers.crs);
+  require_metres(crs, headers.crs_file.empty() ? first_file : headers.crs_file, "--points-crs");
+  if (is_set)
+    require_heights_in_metres(vertical_unit_metres(config.points_crs), "--points-crs");
+  else
+    require_heights_in_metres(headers.vertical_unit, headers.vertical_file);
+  return crs;
+}
+
+void fill_report(const Config& config, const FootprintsInput& footprints, const PointsInput& points,
+                 std::size_t files, Report& report) {
+  for (const std::vector<Warning>* warnings : {&footprints.warnings, &points.warnings})
+    report.warnings.insert(report.warnings.end(), warnings->begin(), warnings->end());
+  const auto has_height = [](const Footprint& feature) { return std::isfinite(feature.height); };
+  if (!config.height_attribute.empty() &&
+      std::none_of(footprints.features.begin(), footprints.features.end(), has_height))
+    report.warnings.push_back({"height_attribute_empty",
+                               static_cast<std::int64_t>(footprints.features.size()),
+                               fmt::format("{}: attribute {} holds no number", config.footprints,
+                                           config.height_attribute)});
+  InputReport& out = report.input.emplace();
+  out.point_files = static_cast<std::int64_t>(files);
+  out.point_files_skipped = points.files_skipped;
+  out.points_read = points.points_read;
+  out.points_kept = points.points_kept;
+  out.points_by_class = points.points_by_class;
+  out.footprints_read = footprints.features_read;
+  out.footprint_parts =
+      static_cast<std::int64_t>(footprints.features.size() + footprints.dropped.size());
+}
+
+[[noreturn]] void throw_no_points(const Config& config, const CloudHeaders& headers,
+                                  const PointsInput& points, const Bounds2& box) {
+  if (headers.box.empty())
+    throw Error(ErrorKind::kInput,
+                fmt::format("{}: the point cloud has no points", config.points.front()));
+  if (points.points_read > 0 && headers.box.intersects(box))
+    throw Error(ErrorKind::kInput,
+                fmt::format("{}: none of {} points is usable in the domain: all are noise "
+                            "(classes 7, 18), withheld, or "
+                            "outside of it ({})",
+                            config.points.front(), points.points_read, box_text(box)));
+  throw Error(ErrorKind::kInput, fmt::format("points and domain do not overlap: the domain is "
+                                             "{}, the points are {}; check the CRS of both",
+                                             box_text(box), box_text(headers.box)));
+}
+
 }  // namespace
 
 InputData read_input(const Config& config, Next next, StepClock& clock, Report& report) {
   const auto paths = expand_point_paths(config.points);
   const CloudHeaders headers = read_headers(paths);
-  const std::string points_crs =
-      normalise_crs(config.points_crs.empty() ? headers.crs : config.points_crs);
-  const std::string cloud_name =
-      headers.crs_file.empty() ? paths.front().string() : headers.crs_file;
-  require_metres(points_crs, cloud_name, "--points-crs");
-  if (config.points_crs.empty())
-    require_heights_in_metres(headers.vertical_unit, headers.vertical_file);
-  else
-    require_heights_in_metres(vertical_unit_metres(config.points_crs), "--points-crs");
+  const std::string points_crs = stated_points_crs(config, headers, paths.front().string());
 
   InputData input;
   input.footprints = read_all_footprints(config, points_crs, clock);
@@ -237,41 +282,8 @@ InputData read_input(const Config& config, Next next, StepClock& clock, Report& 
   PointsInput points = clock.run("1.1", "read points", [&](const Progress& progress) {
     return read_points(paths, options, progress);
   });
-  const auto add_warnings = [&](const std::vector<Warning>& warnings) {
-    report.warnings.insert(report.warnings.end(), warnings.begin(), warnings.end());
-  };
-  add_warnings(input.footprints.warnings);
-  add_warnings(points.warnings);
-  const auto has_height = [](const Footprint& feature) { return std::isfinite(feature.height); };
-  if (!config.height_attribute.empty() &&
-      std::none_of(input.footprints.features.begin(), input.footprints.features.end(), has_height))
-    report.warnings.push_back({"height_attribute_empty",
-                               static_cast<std::int64_t>(input.footprints.features.size()),
-                               fmt::format("{}: attribute {} holds no number", config.footprints,
-                                           config.height_attribute)});
-  InputReport& out = report.input.emplace();
-  out.point_files = static_cast<std::int64_t>(paths.size());
-  out.point_files_skipped = points.files_skipped;
-  out.points_read = points.points_read;
-  out.points_kept = points.points_kept;
-  out.points_by_class = points.points_by_class;
-  out.footprints_read = input.footprints.features_read;
-  out.footprint_parts =
-      static_cast<std::int64_t>(input.footprints.features.size() + input.footprints.dropped.size());
-  if (points.points_kept == 0) {
-    if (headers.box.empty())
-      throw Error(ErrorKind::kInput,
-                  fmt::format("{}: the point cloud has no points", config.points.front()));
-    if (points.points_read > 0 && headers.box.intersects(box))
-      throw Error(ErrorKind::kInput,
-                  fmt::format("{}: none of {} points is usable in the domain: all are noise "
-                              "(classes 7, 18), withheld, or "
-                              "outside of it ({})",
-                              config.points.front(), points.points_read, box_text(box)));
-    throw Error(ErrorKind::kInput, fmt::format("points and domain do not overlap: the domain is "
-                                               "{}, the points are {}; check the CRS of both",
-                                               box_text(box), box_text(headers.box)));
-  }
+  fill_report(config, input.footprints, points, paths.size(), report);
+  if (points.points_kept == 0) throw_no_points(config, headers, points, box);
   input.domain = find_domain(config, input.footprints, points, input.origin);
   report.domain = {input.domain.xmin + input.origin.x, input.domain.ymin + input.origin.y,
                    input.domain.xmax + input.origin.x, input.domain.ymax + input.origin.y};

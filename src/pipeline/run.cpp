@@ -9,7 +9,6 @@
 #include <sys/resource.h>
 
 #include "tetropolis/city/clearance.h"
-#include "tetropolis/city/synthetic.h"
 #include "tetropolis/core/parallel.h"
 #include "tetropolis/geometry/polygon.h"
 #include "tetropolis/io/atomic_file.h"
@@ -18,6 +17,7 @@
 #include "tetropolis/io/geotiff.h"
 #include "tetropolis/io/las.h"
 #include "tetropolis/io/vector.h"
+#include "tetropolis/synth/synthetic_city.h"
 
 #include "memory.h"
 #include "require_metres.h"

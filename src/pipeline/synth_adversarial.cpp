@@ -6,10 +6,10 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include "tetropolis/city/synthetic_adversarial.h"
 #include "tetropolis/io/atomic_file.h"
 #include "tetropolis/io/las.h"
 #include "tetropolis/io/raw_vector.h"
+#include "tetropolis/synth/adversarial_city.h"
 
 namespace tetropolis {
 

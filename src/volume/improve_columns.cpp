@@ -439,12 +439,16 @@ std::int64_t Improver::store(ColumnMesh& mesh) const {
   const std::size_t vertices = mesh.vertex_count();
   std::vector<NodeIndex> first(vertices + 1, 0);
   std::vector<std::int32_t> roof(vertices);
+  for (std::size_t v = 0; v < vertices; ++v) {
+    const ColumnView own = column(static_cast<VertexIndex>(v));
+    first[v + 1] = first[v] + static_cast<NodeIndex>(own.z.size());
+    roof[v] = own.roof;
+  }
   std::vector<double> z;
+  z.reserve(static_cast<std::size_t>(first[vertices]));
   for (std::size_t v = 0; v < vertices; ++v) {
     const ColumnView own = column(static_cast<VertexIndex>(v));
     z.insert(z.end(), own.z.begin(), own.z.end());
-    first[v + 1] = static_cast<NodeIndex>(z.size());
-    roof[v] = own.roof;
   }
   mesh.first = std::move(first);
   mesh.z = std::move(z);

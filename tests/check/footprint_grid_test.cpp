@@ -68,6 +68,36 @@ TEST(FootprintGrid, EmptyCitiesAndEmptyRingsHaveNoBuildings) {
   EXPECT_TRUE(check_regions(mesh, {0, 0, 0}, city).empty());
 }
 
+TEST(FootprintGrid, OutlinesOfManyVerticesAreLookedAtInParts) {
+  std::mt19937 random(testing::test_seed());
+  const auto uniform = [&](double low, double high) {
+    return std::uniform_real_distribution<double>(low, high)(random);
+  };
+  Polygon star;  // winds around, with a hole that does, too
+  for (const double radius : {100.0, 40.0}) {
+    Ring ring;
+    for (int i = 0; i < 4000; ++i) {
+      const double r = radius * uniform(0.6, 1), angle = i * 6.28318 / 4000;
+      ring.push_back({r * std::cos(angle), r * std::sin(angle)});
+    }
+    radius > 50 ? star.outer = ring : star.holes.emplace_back(ring);
+  }
+  Polygon comb;  // teeth as tall as the comb
+  for (int i = 0; i < 4000; ++i)
+    comb.outer.push_back({200 + 0.02 * i, i % 4 < 2 ? uniform(-100, -90) : uniform(90, 100)});
+  comb.outer.insert(comb.outer.end(), {{280, -200}, {200, -200}});
+  const CityModel city = model_of({star, comb});
+  const FootprintGrid grid(city);
+  EXPECT_LE(grid.edge_entries(), std::size_t{8} * 12002);
+  for (int i = 0; i < 5000; ++i) {
+    const double x = uniform(-110, 290), y = uniform(-210, 110);
+    EXPECT_EQ(grid.at(x, y), contains(star, {x, y})   ? 0
+                             : contains(comb, {x, y}) ? 1
+                                                      : kNoBuilding)
+        << x << " " << y << ", seed " << testing::test_seed();
+  }
+}
+
 TEST(FootprintGrid, MemoryGrowsWithTheNumberOfBuildingsOnly) {
   // Each covers nearly all of the city.
   std::vector<Polygon> nested;

@@ -4,6 +4,8 @@
 #include <atomic>
 #include <random>
 #include <stdexcept>
+#include <string>
+#include <vector>
 
 #include <gtest/gtest.h>
 
@@ -25,6 +27,46 @@ TEST(Parallel, ChunksCoverTheRangeOnceInFixedPieces) {
       EXPECT_TRUE(aligned);
       EXPECT_EQ(visits, std::vector<int>(size, 1));
     }
+}
+
+TEST(Parallel, TheFirstFailureIsThrownWhateverTheThreads) {
+  std::mt19937_64 random(testing::test_seed());
+  for (int repeat = 0; repeat < 200; ++repeat) {
+    std::vector<char> fails(100, 0);
+    for (int k = 0; k < 4; ++k) fails[random() % fails.size()] = 1;
+    const auto first = std::find(fails.begin(), fails.end(), 1) - fails.begin();
+    const auto thrown = [&](const auto& loop) {
+      try {
+        loop();
+      } catch (const std::runtime_error& error) {
+        return std::string(error.what());
+      }
+      return std::string("nothing");
+    };
+    const auto job = [&](std::size_t i) {
+      if (fails[i] != 0) throw std::runtime_error(std::to_string(i));
+    };
+    const ThreadLimit limit(1 + repeat % 8);
+    EXPECT_EQ(thrown([&] { parallel_chunks(100, 1, [&](std::size_t b, std::size_t) { job(b); }); }),
+              std::to_string(first));
+    EXPECT_EQ(thrown([&] { parallel_in_order(100, job); }), std::to_string(first));
+    EXPECT_EQ(thrown([&] { parallel_in_order(static_cast<std::size_t>(first), job); }), "nothing");
+  }
+}
+
+TEST(Parallel, JobsInOrderRunOnceEach) {
+  for (const int threads : {1, 2, 8}) {
+    const ThreadLimit limit(threads);
+    std::vector<std::atomic<int>> runs(1000);
+    std::atomic<std::size_t> most{0};
+    parallel_in_order(runs.size(), [&](std::size_t i) {
+      ++runs[i];
+      if (threads == 1) {
+        EXPECT_EQ(i, most++);
+      }
+    });
+    EXPECT_TRUE(std::all_of(runs.begin(), runs.end(), [](const auto& n) { return n == 1; }));
+  }
 }
 
 TEST(Parallel, OrderedReductionHasTheSameBitsForAnyNumberOfThreads) {

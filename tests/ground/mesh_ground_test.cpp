@@ -56,6 +56,27 @@ TEST(MeshGround, CourtyardsAndAnyOrientation) {
   }
 }
 
+TEST(MeshGround, WallsWithABoundOfTheirOwn) {
+  Random random(25);
+  auto city = testing::random_rectangles(12, 150, 1, random);
+  city.push_back({{{-60, 20}, {-20, 20}, {-20, 60}, {-60, 60}},
+                  {{{-50, 30}, {-50, 50}, {-30, 50}, {-30, 30}}}});
+  const Bounds2 domain{-80, 0, 150, 150};
+  GroundMeshOptions options{12, 25};
+  // Differs between buildings, and between the walls of one.
+  options.wall_edge = [](BuildingIndex building, Point2 a, Point2 b) {
+    return 0.8 + 3 * (building % 4) + (a.x == b.x ? 1.5 : 0);
+  };
+  const GroundMesh mesh = expect_valid(city, domain, options);
+  EXPECT_GT(mesh.triangles.size(), 2 * expect_valid(city, domain, {12, 25}).triangles.size());
+  GroundMeshOptions stricter = options;
+  stricter.wall_edge = [&](BuildingIndex building, Point2 a, Point2 b) {
+    return (building == 12 ? 0.5 : 1) * options.wall_edge(building, a, b);
+  };
+  EXPECT_NE(lines(validate(mesh, city, domain, stricter)).find("at a segment that bounds it to"),
+            std::string::npos);
+}
+
 TEST(MeshGround, FarCoordinatesAndSidesThatAreNoRoundNumbers) {
   Random random(22);
   auto city = testing::random_rectangles(30, 200, 1, random);

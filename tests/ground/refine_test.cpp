@@ -194,6 +194,32 @@ TEST(Refine, EdgesAtSegmentsWithABoundOfTheirOwn) {
   }
 }
 
+// Segments that are cut where they cross, or nearly end on one another, leave dead ones behind.
+TEST(Refine, BoundsOfSegmentsThatCross) {
+  Random random(17);
+  for (int i = 0; i < 100; ++i) {
+    PlanarGraph graph;
+    add_ring(graph, rectangle_ring(-10, -10, 110, 110));
+    graph.segment_max_edge.assign(4, 50);
+    const auto add = [&](Point2 a, Point2 b) {
+      const auto n = static_cast<VertexIndex>(graph.points.size());
+      graph.points.insert(graph.points.end(), {a, b});
+      graph.segments.push_back({n, n + 1});
+      graph.segment_max_edge.push_back(20);
+    };
+    const auto anywhere = [&] { return Point2{random.real(0, 100), random.real(0, 100)}; };
+    for (int k = 0; k < 6; ++k) {
+      const Point2 a = anywhere(), b = anywhere();
+      add(a, b);
+      const double t = random.real(0, 1);
+      const double off = 100 * 0x1p-46 * (i % 7 - 3);
+      add(anywhere(), {a.x + t * (b.x - a.x) + off, a.y + t * (b.y - a.y)});
+    }
+    expect_refined(graph, {.min_angle_deg = 20, .max_edge = 50, .max_vertices = 200'000},
+                   "case " + std::to_string(i));
+  }
+}
+
 TEST(Refine, HolesStayEmptyAndTheirSidesAreKept) {
   PlanarGraph graph;
   add_ring(graph, rectangle_ring(0, 0, 30, 30));

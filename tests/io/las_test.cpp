@@ -1,7 +1,9 @@
 #include "tetropolis/io/las.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <cstdint>
 #include <cstring>
 #include <iterator>
 #include <map>
@@ -16,6 +18,8 @@
 #include "tetropolis/core/parallel.h"
 #include "tetropolis/io/crs.h"
 
+#include "io/las_decode.h"
+#include "io/las_header.h"
 #include "io/las_support.h"
 #include "support/bytes.h"
 
@@ -119,6 +123,36 @@ TEST(Las, ReadsEverySampleWithItsClassCounts) {
       const auto [zmin, zmax] = std::minmax_element(input.points.z.begin(), input.points.z.end());
       EXPECT_NEAR(*zmin, info.min[2], 0.02);
       EXPECT_NEAR(*zmax, info.max[2], 0.02);
+    }
+  }
+}
+
+// Chunks of different sizes: LASzip finds where to begin.
+TEST(Las, CopcCanBeEnteredAnywhere) {
+  TETROPOLIS_REQUIRE_DATA(folder, "las_samples");
+  for (const char* name : {"laspy/simple.copc.laz", "pdal/copc__1.2-with-color.copc.laz"}) {
+    SCOPED_TRACE(name);
+    LasSystems systems;
+    const LasLayout layout = read_las_layout(folder / name, systems);
+    ASSERT_TRUE(layout.variable_chunks);
+    const auto records_from = [&](std::int64_t first, std::int64_t count) {
+      std::vector<std::array<std::int32_t, 4>> records;
+      decode_points(folder / name, layout, first, count,
+                    [&](const LasRecord* block, std::size_t n) {
+                      for (std::size_t i = 0; i < n; ++i)
+                        records.push_back(
+                            {block[i].x, block[i].y, block[i].z, block[i].classification});
+                    });
+      return records;
+    };
+    const auto all = records_from(0, layout.info.point_count);
+    ASSERT_EQ(std::ssize(all), layout.info.point_count);
+    for (std::int64_t first = 0; first < layout.info.point_count; first += 41) {
+      const std::int64_t count = std::min<std::int64_t>(100, layout.info.point_count - first);
+      const auto part = records_from(first, count);
+      ASSERT_TRUE(std::equal(part.begin(), part.end(), all.begin() + first,
+                             all.begin() + first + count))
+          << first;
     }
   }
 }

@@ -15,6 +15,7 @@
 #include "tetropolis/core/parallel.h"
 #include "tetropolis/io/stl.h"
 
+#include "io/mesh_input.h"
 #include "support/bytes.h"
 #include "support/explicit_mesh.h"
 #include "support/small_city.h"
@@ -288,6 +289,20 @@ TEST_F(Vtk, StlHasOneClosedTaggedSolidPerPatch) {
   for (const auto& [edge, count] : directed) {
     EXPECT_EQ(count, 1);
     EXPECT_TRUE(directed.contains({edge.second, edge.first}));
+  }
+}
+
+TEST(Vtk, MeshesLargerThanTheMemoryAreRefused) {
+  EXPECT_NO_THROW(require_room_for_mesh("small.vtu", 1000, 5000));
+  try {
+    require_room_for_mesh("large.vtu", 200'000'000'000, 1'000'000'000'000);
+    FAIL() << "no error";
+  } catch (const Error& error) {
+    EXPECT_EQ(error.kind(), ErrorKind::kInput);
+    EXPECT_EQ(std::string(error.what()).find(
+                  "large.vtu: to read and check its 1000000000000 cells takes about 61600.0 GB"),
+              0U)
+        << error.what();
   }
 }
 

@@ -3,6 +3,7 @@
 #include <chrono>
 #include <csignal>
 #include <cstdlib>
+#include <fstream>
 #include <string>
 #include <thread>
 
@@ -236,6 +237,125 @@ TEST_F(Xdmf, EmptyBoundaryIsNoTrouble) {
                                                   H5T_STD_I64LE);
     EXPECT_EQ(faces.shape, (std::vector<hsize_t>{0, 3}));
   }
+}
+
+TEST_F(Xdmf, WhatIsReadIsWhatWasWritten) {
+  const auto reference = testing::explicit_mesh(city.city.mesh, city.placement.shift);
+  const auto corners = testing::corners_of(city.boundary, city.placement.shift);
+  for (const Compression compression : {Compression::kNone, Compression::kZlib}) {
+    write_xdmf(folder / "read.xdmf", city.city.mesh, city.boundary, city.placement, {},
+               compression);
+    const XdmfMesh mesh = read_xdmf(folder / "read.xdmf");
+    EXPECT_EQ(mesh.volume.points, reference.points);
+    EXPECT_EQ(mesh.volume.cells, reference.cells);
+    EXPECT_EQ(mesh.volume.region, reference.region);
+    EXPECT_EQ(mesh.boundary.patch, city.boundary.patch);
+    EXPECT_EQ(mesh.boundary.building, city.boundary.building);
+    EXPECT_EQ(testing::corners_of(mesh.boundary, {0, 0, 0}), corners);
+    EXPECT_EQ(mesh.boundary.points.size(), city.boundary.points.size());
+  }
+}
+
+/// What read_xdmf says of `path`; empty if it reads it.
+std::string refusal(const std::filesystem::path& path) {
+  try {
+    read_xdmf(path);
+  } catch (const Error& error) {
+    EXPECT_EQ(error.kind(), ErrorKind::kInput);
+    return error.what();
+  }
+  return "";
+}
+
+TEST_F(Xdmf, CutFilesAreRefused) {
+  const std::string data = bytes_of(folder / "volume.h5");
+  const auto path = folder / "volume.xdmf";
+  ASSERT_EQ(refusal(path), "");
+  for (std::size_t k = 0; k < 40; ++k) {
+    const std::size_t bytes = data.size() * k / 40;
+    std::ofstream(folder / "volume.h5", std::ios::binary) << data.substr(0, bytes);
+    EXPECT_NE(refusal(path).find("volume.h5: "), std::string::npos) << bytes << " bytes";
+  }
+  std::filesystem::remove(folder / "volume.h5");
+  EXPECT_NE(refusal(path).find("volume.h5: no such file"), std::string::npos);
+}
+
+TEST_F(Xdmf, ForeignDescriptionsAreRefused) {
+  const auto path = folder / "volume.xdmf";
+  const std::string text = bytes_of(path);
+  const auto with = [&](const std::string& what, const std::string& instead) {
+    std::string changed = text;
+    const std::size_t at = changed.find(what);
+    EXPECT_NE(at, std::string::npos) << what;
+    changed.replace(at, what.size(), instead);
+    std::ofstream(path, std::ios::binary) << changed;
+    return refusal(path);
+  };
+  const auto says = [](const std::string& message, const char* what) {
+    return message.find(what) != std::string::npos &&
+           message.find("volume.xdmf: ") != std::string::npos;
+  };
+  const std::string cells = std::to_string(longs("/Mesh/mesh/topology").shape[0]);
+  EXPECT_TRUE(says(with("Dimensions=\"" + cells + " 4\"", "Dimensions=\"1 4\""),
+                   "does not give /Mesh/mesh/topology the dimensions"));
+  EXPECT_TRUE(says(with("volume.h5:/Mesh/mesh/geometry", "../volume.h5:/Mesh/mesh/geometry"),
+                   "another folder"));
+  EXPECT_TRUE(says(with("volume.h5:/Mesh/mesh/geometry", "volume.h5:/points"),
+                   "does not refer to /Mesh/mesh/geometry"));
+  EXPECT_TRUE(says(with(text, ""), "does not refer to"));
+  EXPECT_EQ(with("mesh", "mesh"), "");
+}
+
+TEST_F(Xdmf, NumbersOutOfRangeAreRefused) {
+  const auto path = folder / "volume.xdmf";
+  const auto with = [&](const char* name, hid_t type, const auto& change) {
+    SetUp();
+    const hid_t file = H5Fopen((folder / "volume.h5").c_str(), H5F_ACC_RDWR, H5P_DEFAULT);
+    const hid_t set = H5Dopen2(file, name, H5P_DEFAULT);
+    std::vector<std::int64_t> values(4 * static_cast<std::size_t>(city.city.mesh.node_count()) * 8);
+    H5Dread(set, type, H5S_ALL, H5S_ALL, H5P_DEFAULT, values.data());
+    change(values.data());
+    H5Dwrite(set, type, H5S_ALL, H5S_ALL, H5P_DEFAULT, values.data());
+    H5Dclose(set);
+    H5Fclose(file);
+    return refusal(path);
+  };
+  const auto nodes = static_cast<std::int64_t>(city.city.mesh.node_count());
+  EXPECT_NE(with("/Mesh/mesh/topology", H5T_STD_I64LE, [&](std::int64_t* v) { v[5] = nodes; })
+                .find("row 1 of /Mesh/mesh/topology has the vertex " + std::to_string(nodes)),
+            std::string::npos);
+  EXPECT_NE(with("/MeshTags/boundary/topology", H5T_STD_I64LE, [](std::int64_t* v) { v[0] = -1; })
+                .find("row 0 of /MeshTags/boundary/topology has the vertex -1"),
+            std::string::npos);
+  EXPECT_NE(with("/MeshTags/boundary/patch", H5T_STD_I64LE, [](std::int64_t* v) { v[2] = 9; })
+                .find("face 2 has the patch 9"),
+            std::string::npos);
+}
+
+TEST_F(Xdmf, DataOfAnotherLayoutAreRefused) {
+  const auto path = folder / "volume.xdmf";
+  const auto with = [&](const char* name, hid_t type, std::vector<hsize_t> shape) {
+    SetUp();
+    const hid_t file = H5Fopen((folder / "volume.h5").c_str(), H5F_ACC_RDWR, H5P_DEFAULT);
+    H5Ldelete(file, name, H5P_DEFAULT);
+    if (!shape.empty()) {
+      const hid_t space = H5Screate_simple(static_cast<int>(shape.size()), shape.data(), nullptr);
+      H5Dclose(H5Dcreate2(file, name, type, space, H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT));
+      H5Sclose(space);
+    }
+    H5Fclose(file);
+    return refusal(path);
+  };
+  const char* kRegion = "/Mesh/mesh/region";
+  EXPECT_NE(with(kRegion, H5T_STD_I32LE, {}).find("has no dataset /Mesh/mesh/region"),
+            std::string::npos);
+  EXPECT_NE(with(kRegion, H5T_STD_I16LE, {10}).find("has another type"), std::string::npos);
+  EXPECT_NE(with(kRegion, H5T_STD_I32LE, {10, 2}).find("has another shape"), std::string::npos);
+  EXPECT_NE(with(kRegion, H5T_STD_I32LE, {10}).find("not as many regions as cells"),
+            std::string::npos);
+  // Rows by the trillion that were never written: no room is made for them.
+  EXPECT_NE(with(kRegion, H5T_STD_I32LE, {hsize_t{1} << 42}).find("has fewer bytes in the file"),
+            std::string::npos);
 }
 
 }  // namespace

@@ -139,8 +139,8 @@ TEST_F(Build, CheckSaysWhatItHasNotLookedAt) {
   };
   EXPECT_TRUE(says(without("dtm.tif"), "heights (there is no dtm.tif)"));
   EXPECT_TRUE(says(without("city.city.json"), "there is no city.city.json"));
-  EXPECT_TRUE(says(without("volume.vtu"), "volume.vtu and boundary.vtp are not both there"));
-  EXPECT_TRUE(says(without("boundary.vtp"), "volume.vtu and boundary.vtp are not both there"));
+  for (const char* name : {"volume.vtu", "boundary.vtp"})
+    EXPECT_TRUE(says(without(name), "there is neither volume.vtu with boundary.vtp nor"));
   const std::string unreported = without("report.json");
   for (const char* part : {"every input feature", "numbers of the run", "least angle"})
     EXPECT_TRUE(says(unreported, part)) << unreported;
@@ -148,6 +148,34 @@ TEST_F(Build, CheckSaysWhatItHasNotLookedAt) {
   fs::remove(out / "report.json");
   EXPECT_TRUE(says(without("boundary.vtp"), "the boundary's tags"));
   EXPECT_TRUE(says(without("volume.vtu"), "the volume behind it"));
+}
+
+TEST_F(Build, XdmfIsCheckedLikeVtk) {
+  Config config = city(SynthKind::kRandom, 10, 150, 4);
+  config.mesh_size = 20;
+  config.formats = {"xdmf"};
+  config.coordinates = Coordinates::kAbsolute;
+  run_build(config);
+  const fs::path out = config.out;
+  ASSERT_FALSE(fs::exists(out / "volume.vtu"));
+  const auto checked = [&](const fs::path& path) {
+    std::string all;
+    std::set<std::string> violated;
+    for (const CheckedFile& file : check_path(path, std::nullopt)) {
+      for (const std::string& what : file.not_checked) all += what + "; ";
+      for (const Violation& violation : file.violations) violated.insert(violation.what);
+    }
+    return std::pair(all, violated);
+  };
+  EXPECT_EQ(checked(out), std::pair(std::string(), std::set<std::string>()));
+  const auto [alone, good] = checked(out / "volume.xdmf");
+  EXPECT_NE(alone.find("check the folder that has the other results"), std::string::npos);
+  EXPECT_TRUE(good.empty());
+  // Another city's model beside it: everything that the volume should stand on is elsewhere.
+  CityModel model = read_city(out / "city.city.json");
+  for (Building& building : model.buildings) building.h_roof += 1;
+  write_city(out / "city.city.json", model);
+  EXPECT_FALSE(checked(out).second.empty());
 }
 
 TEST_F(Build, MeshesJoinTheCityModelInItsFolder) {
@@ -370,6 +398,10 @@ TEST_F(Build, AbsurdSizesAreRefusedBeforeTheWork) {
   EXPECT_EQ(refused("--max-memory: 'eight' is not a size"), "");
   config.max_memory = "66M";
   EXPECT_EQ(refused("points fit: give smaller --bounds"), "1.2");
+  config = good;
+  config.dtm_step = 0.01;  // some 600 million nodes
+  config.max_memory = "4G";
+  EXPECT_EQ(refused("raise --dtm-step or --max-memory"), "1.2");
   config = good;
   config.min_building_area = 1e6;
   EXPECT_EQ(refused("all 30 buildings were dropped"), "2.2");

@@ -9,10 +9,10 @@
 
 #include <gtest/gtest.h>
 
-#include "tetropolis/city/synthetic.h"
 #include "tetropolis/core/error.h"
 #include "tetropolis/core/parallel.h"
 #include "tetropolis/geometry/polygon.h"
+#include "tetropolis/synth/synthetic_city.h"
 
 #include "support/test_data.h"
 

@@ -8,10 +8,10 @@
 #include <utility>
 
 #include "tetropolis/city/clean.h"
-#include "tetropolis/city/synthetic.h"
 #include "tetropolis/ground/mesh_ground.h"
 #include "tetropolis/io/stl.h"
 #include "tetropolis/io/vtk.h"
+#include "tetropolis/synth/synthetic_city.h"
 #include "tetropolis/volume/cell_quality.h"
 #include "tetropolis/volume/face_quality.h"
 #include "tetropolis/volume/fill_columns.h"

@@ -2,7 +2,11 @@
 // are cut into chunks whose size is fixed by the caller, and partial results are combined in order.
 #pragma once
 
+#include <atomic>
 #include <cstddef>
+#include <exception>
+#include <limits>
+#include <mutex>
 #include <vector>
 
 #include <tbb/blocked_range.h>
@@ -30,9 +34,40 @@ inline std::size_t grain_of_chunks(std::size_t size, std::size_t chunks = 64) {
   return size <= chunks ? 1 : (size + chunks - 1) / chunks;
 }
 
+/// What the first of several jobs that failed has thrown: which one that is does not depend on
+/// threads if no job before it is left out.
+class FirstFailure {
+ public:
+  /// Whether a job before this one has failed, so that it need not run.
+  bool is_before(std::size_t job) const { return failed_.load(std::memory_order_relaxed) < job; }
+
+  /// Runs body() and notes what it throws.
+  template <typename Body>
+  void run(std::size_t job, const Body& body) {
+    try {
+      body();
+    } catch (...) {
+      const std::lock_guard lock(mutex_);
+      if (job >= failed_) return;
+      failed_ = job;
+      thrown_ = std::current_exception();
+    }
+  }
+
+  void rethrow() const {
+    if (thrown_) std::rethrow_exception(thrown_);
+  }
+
+ private:
+  std::atomic<std::size_t> failed_{std::numeric_limits<std::size_t>::max()};
+  std::mutex mutex_;
+  std::exception_ptr thrown_;
+};
+
 /// Calls body(begin, end) for consecutive chunks of [0, size) of `grain` items (the last may be
 /// shorter), in no particular order and possibly at the same time. Serial when one chunk suffices.
-/// Precondition: grain > 0; chunks do not write to the same memory.
+/// Throws what the first chunk that fails throws; chunks behind it may not run. Precondition: grain
+/// > 0; chunks do not write to the same memory.
 template <typename Body>
 void parallel_chunks(std::size_t size, std::size_t grain, const Body& body) {
   const std::size_t chunks = (size + grain - 1) / grain;
@@ -40,15 +75,32 @@ void parallel_chunks(std::size_t size, std::size_t grain, const Body& body) {
     if (size > 0) body(std::size_t{0}, size);
     return;
   }
+  FirstFailure failure;
   tbb::parallel_for(
       tbb::blocked_range<std::size_t>(0, chunks, 1),
       [&](const tbb::blocked_range<std::size_t>& range) {
-        for (std::size_t c = range.begin(); c != range.end(); ++c) {
+        for (std::size_t c = range.begin(); c != range.end() && !failure.is_before(c); ++c) {
           const std::size_t begin = c * grain;
-          body(begin, begin + grain < size ? begin + grain : size);
+          failure.run(c, [&] { body(begin, begin + grain < size ? begin + grain : size); });
         }
       },
       tbb::simple_partitioner());
+  failure.rethrow();
+}
+
+/// Calls job(number) for all of [0, size), begun in order and possibly running at the same time.
+/// Throws what the first job that fails throws; jobs behind it may not run.
+template <typename Job>
+void parallel_in_order(std::size_t size, const Job& job) {
+  std::atomic<std::size_t> next{0};
+  FirstFailure failure;
+  parallel_chunks(size, 1, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i) {
+      const std::size_t number = next++;
+      if (!failure.is_before(number)) failure.run(number, [&] { job(number); });
+    }
+  });
+  failure.rethrow();
 }
 
 /// Combines map(begin, end) over the chunks of [0, size) from left to right:

@@ -55,7 +55,7 @@ struct PlanarGraph {
 ///
 /// Points: first the distinct input points in the order of their first mention, then crossings of
 /// segments, then points added by refinement. A point may belong to no triangle (it lies in a hole,
-/// or all points are collinear).
+/// all points are collinear, or refinement has added it and taken it away again).
 struct Triangulation {
   std::vector<Point2> points;
   std::vector<std::array<VertexIndex, 3>> triangles;  ///< Counter-clockwise, positive area.

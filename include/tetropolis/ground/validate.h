@@ -51,6 +51,10 @@ Violations check_angles(std::span<const Point2> points, TriangleSpan triangles,
 Violations check_edge_lengths(std::span<const Point2> points, TriangleSpan triangles,
                               double max_edge);
 
+/// No edge at a vertex v is longer than `bounds[v]` (more than by rounding).
+Violations check_edge_lengths_at(std::span<const Point2> points, TriangleSpan triangles,
+                                 std::span<const double> bounds);
+
 /// Input points are where input_vertex says, bit for bit; every input segment between vertices of
 /// triangles or segments is a chain of segments of the triangulation that keeps to it
 /// (kOnSegmentTolerance). Does not know about segments that go with a hole or with the

@@ -49,6 +49,9 @@ struct LasInfo {
 /// record shorter than its format, LAZ without or with an unsupported LASzip record.
 LasInfo inspect_las(const std::filesystem::path& path);
 
+/// The same of several files, in parallel; the first broken file in order is reported.
+std::vector<LasInfo> inspect_las(std::span<const std::filesystem::path> paths);
+
 /// The files that `arguments` name: files as they are (whatever their extension), folders as the
 /// *.las and *.laz directly inside (any case), and shell patterns (*, ?, [...]).
 /// Sorted by absolute path; a file named twice, by whatever spelling or link, occurs once. The
@@ -88,8 +91,10 @@ struct PointsInput {
 /// A file with the count, the box and the first points of one before is taken for its copy and not
 /// read ("las_twin"). Points outside the box of their header are kept but counted
 /// ("las_points_outside_box"): damage inside a file shows only there.
-/// Parallel over blocks of a quarter of a million points; the result does not depend on the number
-/// of threads. Memory follows the points kept, never the counts that headers claim.
+/// Parallel over blocks of a quarter of a million points (of a million in LAZ with chunks of
+/// different sizes, such as COPC; a LAZ file without a table of chunks is one block); the result
+/// does not depend on the number of threads. Memory follows the points kept, never the counts that
+/// headers claim.
 ///
 /// Errors: those of inspect_las; kInput with the path and point number for a file that ends early
 /// or cannot be decoded; kInput naming two files that state different reference systems, unless

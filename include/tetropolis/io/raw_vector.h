@@ -5,8 +5,8 @@
 #include <span>
 #include <string>
 
-#include "tetropolis/city/raw_feature.h"
 #include "tetropolis/geometry/types.h"
+#include "tetropolis/synth/raw_feature.h"
 
 namespace tetropolis {
 

@@ -31,7 +31,8 @@ void write_vtp(const std::filesystem::path& path, const SurfaceMesh& surface,
 /// Reads the tets of a VTU file with raw appended arrays, uncompressed or compressed by
 /// vtkZLibDataCompressor (as write_vtu, and ParaView with these settings, write them). Headers,
 /// connectivity and points of 32 or 64 bits.
-/// Throws Error(kInput) naming the file and what is wrong or not supported.
+/// Throws Error(kInput) naming the file and what is wrong or not supported, also if the machine has
+/// not the memory to read and check so many cells.
 TetMesh read_vtu(const std::filesystem::path& path);
 
 /// Likewise the triangles of a VTP file with the cell data `patch` and `building`.

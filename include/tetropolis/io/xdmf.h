@@ -17,6 +17,7 @@
 #include "tetropolis/io/placement.h"
 #include "tetropolis/volume/boundary.h"
 #include "tetropolis/volume/column_mesh.h"
+#include "tetropolis/volume/tet_mesh.h"
 
 namespace tetropolis {
 
@@ -39,5 +40,14 @@ namespace tetropolis {
 void write_xdmf(const std::filesystem::path& path, const ColumnMesh& mesh,
                 const SurfaceMesh& surface, const Placement& placement,
                 const Progress& progress = {}, Compression compression = Compression::kNone);
+
+struct XdmfMesh {
+  TetMesh volume;
+  SurfaceMesh boundary;  ///< Points in the order of the volume's.
+};
+
+/// Reads what write_xdmf has written, plain or compressed: `path` and the HDF5 file beside it that
+/// it names. Throws as read_vtu; other layouts of XDMF are not supported.
+XdmfMesh read_xdmf(const std::filesystem::path& path);
 
 }  // namespace tetropolis

@@ -6,14 +6,14 @@
 
 #include <fmt/format.h>
 
-#include "tetropolis/city/synthetic.h"
 #include "tetropolis/core/error.h"
+#include "tetropolis/synth/synthetic_city.h"
 
-#include "city/seeded_random.h"
-#include "city/synthetic_blocks.h"
-#include "city/synthetic_greenery.h"
-#include "city/synthetic_layout.h"
-#include "city/synthetic_scan.h"
+#include "synth/blocks.h"
+#include "synth/greenery.h"
+#include "synth/layout.h"
+#include "synth/scan.h"
+#include "synth/seeded_random.h"
 
 namespace tetropolis {
 

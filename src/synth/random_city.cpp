@@ -5,11 +5,11 @@
 
 #include <fmt/format.h>
 
-#include "tetropolis/city/synthetic.h"
 #include "tetropolis/core/error.h"
+#include "tetropolis/synth/synthetic_city.h"
 
-#include "city/seeded_random.h"
-#include "city/synthetic_scan.h"
+#include "synth/scan.h"
+#include "synth/seeded_random.h"
 
 namespace tetropolis {
 

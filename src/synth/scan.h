@@ -4,10 +4,10 @@
 #include <cstdint>
 #include <vector>
 
-#include "tetropolis/city/synthetic.h"
 #include "tetropolis/core/progress.h"
 #include "tetropolis/geometry/point_cloud.h"
 #include "tetropolis/geometry/types.h"
+#include "tetropolis/synth/synthetic_city.h"
 
 namespace tetropolis {
 

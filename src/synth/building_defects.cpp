@@ -3,7 +3,7 @@
 #include <cstddef>
 #include <utility>
 
-#include "city/synthetic_defects.h"
+#include "synth/defects.h"
 
 namespace tetropolis {
 

@@ -1,4 +1,4 @@
-#include "tetropolis/city/synthetic_adversarial.h"
+#include "tetropolis/synth/adversarial_city.h"
 
 #include <algorithm>
 #include <string_view>
@@ -8,10 +8,10 @@
 
 #include "tetropolis/core/error.h"
 
-#include "city/seeded_random.h"
-#include "city/synthetic_defects.h"
-#include "city/synthetic_scan.h"
-#include "city/synthetic_village.h"
+#include "synth/defects.h"
+#include "synth/scan.h"
+#include "synth/seeded_random.h"
+#include "synth/village.h"
 
 namespace tetropolis {
 

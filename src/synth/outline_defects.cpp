@@ -6,7 +6,7 @@
 
 #include <fmt/format.h>
 
-#include "city/synthetic_defects.h"
+#include "synth/defects.h"
 
 namespace tetropolis {
 

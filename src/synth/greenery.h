@@ -1,9 +1,9 @@
 // Trees and parked cars of the synthetic block city.
 #pragma once
 
-#include "city/seeded_random.h"
-#include "city/synthetic_layout.h"
-#include "city/synthetic_scan.h"
+#include "synth/layout.h"
+#include "synth/scan.h"
+#include "synth/seeded_random.h"
 
 namespace tetropolis {
 

@@ -5,10 +5,10 @@
 #include <string_view>
 #include <vector>
 
-#include "tetropolis/city/synthetic_adversarial.h"
+#include "tetropolis/synth/adversarial_city.h"
 
-#include "city/seeded_random.h"
-#include "city/synthetic_village.h"
+#include "synth/seeded_random.h"
+#include "synth/village.h"
 
 namespace tetropolis {
 

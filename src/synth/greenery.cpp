@@ -1,4 +1,4 @@
-#include "city/synthetic_greenery.h"
+#include "synth/greenery.h"
 
 #include <algorithm>
 #include <cmath>
@@ -7,8 +7,8 @@
 
 #include "tetropolis/geometry/polygon.h"
 
-#include "city/convex.h"
 #include "city/footprint_index.h"
+#include "synth/convex.h"
 
 namespace tetropolis {
 

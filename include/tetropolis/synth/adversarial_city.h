@@ -1,6 +1,6 @@
 // Small synthetic cities with every defect that has been seen in real data.
 //
-// Deterministic like the other synthetic cities (synthetic.h); only damaged vertices are not
+// Deterministic like the other synthetic cities (synthetic_city.h); only damaged vertices are not
 // whole millimetres.
 #pragma once
 
@@ -9,11 +9,11 @@
 #include <string>
 #include <vector>
 
-#include "tetropolis/city/raw_feature.h"
-#include "tetropolis/city/synthetic.h"
 #include "tetropolis/core/progress.h"
 #include "tetropolis/geometry/point_cloud.h"
 #include "tetropolis/geometry/types.h"
+#include "tetropolis/synth/raw_feature.h"
+#include "tetropolis/synth/synthetic_city.h"
 
 namespace tetropolis {
 

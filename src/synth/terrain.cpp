@@ -2,7 +2,7 @@
 #include <cmath>
 #include <limits>
 
-#include "tetropolis/city/synthetic.h"
+#include "tetropolis/synth/synthetic_city.h"
 
 namespace tetropolis {
 

@@ -1,4 +1,4 @@
-#include "city/synthetic_blocks.h"
+#include "synth/blocks.h"
 
 #include <algorithm>
 #include <cmath>
@@ -7,7 +7,7 @@
 
 #include "tetropolis/geometry/polygon.h"
 
-#include "city/convex.h"
+#include "synth/convex.h"
 
 namespace tetropolis {
 

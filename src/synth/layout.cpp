@@ -1,4 +1,4 @@
-#include "city/synthetic_layout.h"
+#include "synth/layout.h"
 
 #include <algorithm>
 #include <array>
@@ -7,8 +7,8 @@
 
 #include "tetropolis/geometry/polygon.h"
 
-#include "city/convex.h"
-#include "city/seeded_random.h"
+#include "synth/convex.h"
+#include "synth/seeded_random.h"
 
 namespace tetropolis {
 

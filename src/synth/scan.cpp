@@ -1,4 +1,4 @@
-#include "city/synthetic_scan.h"
+#include "synth/scan.h"
 
 #include <algorithm>
 #include <cmath>
@@ -10,7 +10,7 @@
 #include "tetropolis/geometry/polygon.h"
 
 #include "city/footprint_index.h"
-#include "city/seeded_random.h"
+#include "synth/seeded_random.h"
 
 namespace tetropolis {
 

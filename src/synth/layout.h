@@ -4,8 +4,8 @@
 #include <cstdint>
 #include <vector>
 
-#include "tetropolis/city/synthetic.h"
 #include "tetropolis/geometry/types.h"
+#include "tetropolis/synth/synthetic_city.h"
 
 namespace tetropolis {
 

@@ -1,4 +1,4 @@
-// Text in file names and formats, whatever the locale. Private to the library.
+// Text in file names and formats, whatever the locale.
 #pragma once
 
 #include <string>

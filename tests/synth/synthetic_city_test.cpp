@@ -1,4 +1,4 @@
-#include "tetropolis/city/synthetic.h"
+#include "tetropolis/synth/synthetic_city.h"
 
 #include <algorithm>
 #include <array>

@@ -1,5 +1,3 @@
-#include "tetropolis/io/xdmf.h"
-
 #include <array>
 #include <bit>
 #include <cstdint>
@@ -11,28 +9,25 @@
 
 #include "tetropolis/core/error.h"
 #include "tetropolis/io/atomic_file.h"
+#include "tetropolis/io/xdmf.h"
 
 #include "chunked_output.h"
 #include "column_output.h"
 #include "hdf5_compressed.h"
 #include "hdf5_output.h"
+#include "xdmf_layout.h"
 
 namespace tetropolis {
 
 namespace {
+
+using namespace xdmf;
 
 static_assert(std::endian::native == std::endian::little, "XDMF output writes native byte order");
 
 // Columns and rows formatted at a time by a thread: some hundred kilobytes of output.
 constexpr std::size_t kColumns = 128;
 constexpr std::size_t kRows = 32768;
-
-constexpr const char* kGeometry = "/Mesh/mesh/geometry";
-constexpr const char* kTopology = "/Mesh/mesh/topology";
-constexpr const char* kRegion = "/Mesh/mesh/region";
-constexpr const char* kFaces = "/MeshTags/boundary/topology";
-constexpr const char* kPatch = "/MeshTags/boundary/patch";
-constexpr const char* kBuilding = "/MeshTags/boundary/building";
 
 std::array<Hdf5Dataset, 6> datasets_of(const ColumnMesh& mesh, NodeIndex cell_count,
                                        const SurfaceMesh& surface) {

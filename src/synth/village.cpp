@@ -1,4 +1,4 @@
-#include "city/synthetic_village.h"
+#include "synth/village.h"
 
 #include <algorithm>
 #include <array>

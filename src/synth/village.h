@@ -5,8 +5,8 @@
 
 #include "tetropolis/geometry/types.h"
 
-#include "city/seeded_random.h"
-#include "city/synthetic_scan.h"
+#include "synth/scan.h"
+#include "synth/seeded_random.h"
 
 namespace tetropolis {
 

@@ -3,9 +3,9 @@
 
 #include <vector>
 
-#include "city/seeded_random.h"
-#include "city/synthetic_layout.h"
-#include "city/synthetic_scan.h"
+#include "synth/layout.h"
+#include "synth/scan.h"
+#include "synth/seeded_random.h"
 
 namespace tetropolis {
 

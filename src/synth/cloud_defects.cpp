@@ -6,7 +6,7 @@
 
 #include "tetropolis/geometry/polygon.h"
 
-#include "city/synthetic_defects.h"
+#include "synth/defects.h"
 
 namespace tetropolis {
 

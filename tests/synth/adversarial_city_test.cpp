@@ -1,4 +1,4 @@
-#include "tetropolis/city/synthetic_adversarial.h"
+#include "tetropolis/synth/adversarial_city.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,0 +1,137 @@
+#include <array>
+#include <cstdint>
+#include <fstream>
+#include <limits>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include <fmt/format.h>
+
+#include "tetropolis/core/error.h"
+#include "tetropolis/io/xdmf.h"
+
+#include "hdf5_input.h"
+#include "mesh_input.h"
+#include "xdmf_layout.h"
+
+namespace tetropolis {
+
+namespace {
+
+using namespace xdmf;
+namespace fs = std::filesystem;
+
+/// The description: XML, a few lines.
+class Description {
+ public:
+  explicit Description(const fs::path& path) : path_(path) {
+    std::ifstream file(path, std::ios::binary);
+    if (!file) fail("cannot be opened");
+    text_.resize(kLongest);
+    file.read(text_.data(), static_cast<std::streamsize>(text_.size()));
+    text_.resize(static_cast<std::size_t>(file.gcount()));
+  }
+
+  /// The HDF5 file that it refers to, which is beside it.
+  fs::path data_path() const {
+    const std::string after = fmt::format(":{}</DataItem>", kGeometry);
+    constexpr std::string_view kBefore = "Format=\"HDF\">";
+    const std::size_t end = text_.find(after);
+    const std::size_t begin = end == std::string::npos ? end : text_.rfind(kBefore, end);
+    if (begin == std::string::npos) fail(fmt::format("does not refer to {}", kGeometry));
+    const fs::path name = text_.substr(begin + kBefore.size(), end - begin - kBefore.size());
+    if (name != name.filename()) fail("refers to data in another folder");
+    return path_.parent_path() / name;
+  }
+
+  /// Throws unless it gives the dataset these dimensions.
+  void require(const char* dataset, const std::string& dimensions) const {
+    const std::string item = fmt::format("Dimensions=\"{}\" Format=\"HDF\">{}:{}<", dimensions,
+                                         data_path().filename().string(), dataset);
+    if (text_.find(item) == std::string::npos)
+      fail(fmt::format("does not give {} the dimensions that it has, {}", dataset, dimensions));
+  }
+
+ private:
+  static constexpr std::size_t kLongest = 1 << 16;
+
+  [[noreturn]] void fail(const std::string& what) const {
+    throw Error(
+        ErrorKind::kInput,
+        fmt::format("{}: {}; only XDMF as tetropolis writes it can be read", path_.string(), what));
+  }
+
+  fs::path path_;
+  std::string text_;
+};
+
+template <typename Row>
+void require_corners(const Hdf5Input& file, const char* dataset, const std::vector<Row>& rows,
+                     std::size_t points) {
+  for (std::size_t r = 0; r < rows.size(); ++r)
+    for (const std::int64_t v : rows[r])
+      if (v < 0 || static_cast<std::uint64_t>(v) >= points)
+        file.fail(fmt::format("row {} of {} has the vertex {} of {}", r, dataset, v, points));
+}
+
+/// The faces with a numbering of their own, in the order of the volume's.
+SurfaceMesh compact(const std::vector<std::array<double, 3>>& points,
+                    const std::vector<std::array<std::int64_t, 3>>& faces) {
+  SurfaceMesh surface;
+  constexpr std::int32_t kUnused = -1;
+  std::vector<std::int32_t> number(points.size(), kUnused);
+  for (const auto& face : faces)
+    for (const std::int64_t v : face) number[static_cast<std::size_t>(v)] = 0;
+  for (std::size_t v = 0; v < points.size(); ++v) {
+    if (number[v] == kUnused) continue;
+    number[v] = static_cast<std::int32_t>(surface.points.size());
+    surface.points.push_back(points[v]);
+  }
+  surface.triangles.reserve(faces.size());
+  for (const auto& face : faces)
+    surface.triangles.push_back({number[static_cast<std::size_t>(face[0])],
+                                 number[static_cast<std::size_t>(face[1])],
+                                 number[static_cast<std::size_t>(face[2])]});
+  return surface;
+}
+
+}  // namespace
+
+XdmfMesh read_xdmf(const fs::path& path) {
+  const Description description(path);
+  const Hdf5Input file(description.data_path());
+  XdmfMesh mesh;
+  TetMesh& volume = mesh.volume;
+  require_room_for_mesh(path, file.rows<std::array<double, 3>>(kGeometry),
+                        file.rows<std::array<std::int64_t, 4>>(kTopology));
+  volume.points = file.read<std::array<double, 3>>(kGeometry);
+  volume.cells = file.read<std::array<std::int64_t, 4>>(kTopology);
+  volume.region = file.read<std::int32_t>(kRegion);
+  const auto faces = file.read<std::array<std::int64_t, 3>>(kFaces);
+  const auto patches = file.read<std::int32_t>(kPatch);
+  auto buildings = file.read<std::int32_t>(kBuilding);
+
+  const std::size_t cells = volume.cells.size();
+  if (volume.region.size() != cells) file.fail("has not as many regions as cells");
+  if (patches.size() != faces.size() || buildings.size() != faces.size())
+    file.fail("has not as many tags as boundary faces");
+  if (faces.size() > std::numeric_limits<std::int32_t>::max() / 3)
+    file.fail("has more boundary faces than can be read");
+  description.require(kGeometry, fmt::format("{} 3", volume.points.size()));
+  description.require(kTopology, fmt::format("{} 4", cells));
+  description.require(kRegion, fmt::format("{}", cells));
+  description.require(kFaces, fmt::format("{} 3", faces.size()));
+  description.require(kPatch, fmt::format("{}", faces.size()));
+  description.require(kBuilding, fmt::format("{}", faces.size()));
+  require_corners(file, kTopology, volume.cells, volume.points.size());
+  require_corners(file, kFaces, faces, volume.points.size());
+
+  mesh.boundary = compact(volume.points, faces);
+  mesh.boundary.patch = patches_of(patches, [&](const std::string& what) { file.fail(what); });
+  mesh.boundary.building = std::move(buildings);
+  return mesh;
+}
+
+}  // namespace tetropolis
