@@ -222,6 +222,8 @@ void info_file(const std::string& path) {
   std::error_code error;
   if (!std::filesystem::exists(path, error))
     throw Error(ErrorKind::kInput, path + ": no such file");
+  if (!std::filesystem::is_regular_file(path, error) && !std::filesystem::is_directory(path, error))
+    throw Error(ErrorKind::kInput, path + ": is not an ordinary file");
   const std::string name = lower_case(path);
   if (name.ends_with(".las") || name.ends_with(".laz"))
     info_points(path);

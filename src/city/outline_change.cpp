@@ -34,10 +34,49 @@ ShortPath new_path(const Outline& o, const OutlineChange& c) {
   return path;
 }
 
+void replace_vertices(Outline& o, const OutlineChange& c) {
+  const auto index = [](std::int32_t v) { return static_cast<std::size_t>(v); };
+  const ShortPath before = old_path(o, c), after = new_path(o, c);
+  o.changed[index(o.group_of(c.first))] = 1;
+  std::int32_t v = c.first;
+  for (int j = 0; j < before.edges; ++j) {
+    o.grid.remove(v, before.at(j), before.at(j + 1));
+    v = o.after(v);
+  }
+  const std::int32_t ring = o.ring_of(c.first);
+  for (int i = 0; i < c.old_count; ++i) o.next[index(c.old[index(i)])] = -1;
+  v = c.first;
+  for (int i = 0; i < c.fresh_count; ++i) {
+    std::int32_t w = o.vertex_count();
+    if (i < c.old_count) {
+      w = c.old[index(i)];
+      o.point[index(w)] = c.fresh[index(i)];
+    } else {
+      o.point.push_back(c.fresh[index(i)]);
+      o.next.push_back(-1);
+      o.prev.push_back(-1);
+      o.ring.push_back(ring);
+    }
+    o.next[index(v)] = w;
+    o.prev[index(w)] = v;
+    v = w;
+  }
+  o.next[index(v)] = c.last;
+  o.prev[index(c.last)] = v;
+  o.size[index(ring)] += c.fresh_count - c.old_count;
+  if (!o.alive(o.first[index(ring)])) o.first[index(ring)] = c.last;
+  v = c.first;
+  for (int j = 0; j < after.edges; ++j) {
+    o.grid.insert(v, after.at(j), after.at(j + 1));
+    v = o.after(v);
+  }
+}
+
 // Every point of the region swept over is within the largest displacement of the old path.
 void ChangeJudge::gather(const ShortPath& before, const ShortPath& after, const OutlineChange& c) {
   near_.clear();
   ++gathering_;
+  seen_.resize(o_.point.size(), 0);
   const auto mark = [&](std::int32_t e) { seen_[static_cast<std::size_t>(e)] = gathering_; };
   mark(c.first);
   for (int i = 0; i < c.old_count; ++i) mark(c.old[static_cast<std::size_t>(i)]);

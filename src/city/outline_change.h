@@ -55,6 +55,10 @@ struct ShortPath {
 ShortPath old_path(const Outline& outline, const OutlineChange& change);
 ShortPath new_path(const Outline& outline, const OutlineChange& change);
 
+/// Makes the change: the edges leave the grid and come back as they are then, the polygon is marked
+/// as changed. Vertices that are fresh beyond the old ones get new numbers. Not for fills.
+void replace_vertices(Outline& outline, const OutlineChange& change);
+
 /// Judges changes of one outline (not fills); it has room for one neighbourhood at a time.
 class ChangeJudge {
  public:

@@ -24,6 +24,9 @@ using grid::twice_area;
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr double kMinGain = 0.01;
 constexpr double kMaxGain = 4;
+/// Where a change touches more vertices than this, those with a change in the queue are rated anew
+/// only when it is their turn: a vertex among thousands would be rated once for each of them.
+constexpr std::size_t kCrowd = 32;
 
 struct Rated {
   OutlineChange change;
@@ -39,6 +42,7 @@ class Repairer {
         epsilon2_(options.epsilon * options.epsilon),
         judge_(outline, options.epsilon, options.keep_inside),
         version_(outline.point.size(), 0),
+        waits_(outline.point.size(), 0),
         rated_(outline.point.size()) {}
 
   void repair();
@@ -77,7 +81,8 @@ class Repairer {
   double epsilon2_;
   ChangeJudge judge_;
   std::vector<std::uint32_t> version_;
-  std::vector<Rated> rated_;  ///< Per vertex: the best change when it was last rated.
+  std::vector<std::uint8_t> waits_;  ///< Per vertex: whether its change is in the queue.
+  std::vector<Rated> rated_;         ///< Per vertex: the best change when it was last rated.
   std::priority_queue<Entry> queue_;
   std::vector<std::int32_t> touched_;
   Rated best_;
@@ -287,7 +292,9 @@ bool Repairer::rate(std::int32_t v) {
 
 void Repairer::queue(std::int32_t v) {
   const std::uint32_t version = ++version_[static_cast<std::size_t>(v)];
-  if (!rate(v)) return;
+  const bool found = rate(v);
+  waits_[static_cast<std::size_t>(v)] = found ? 1 : 0;
+  if (!found) return;
   rated_[static_cast<std::size_t>(v)] = best_;
   queue_.push({best_.score, v, version});
 }
@@ -320,6 +327,7 @@ void Repairer::repair() {
     queue_.pop();
     if (!o_.alive(top.vertex) || version_[static_cast<std::size_t>(top.vertex)] != top.version)
       continue;
+    waits_[static_cast<std::size_t>(top.vertex)] = 0;
     const Rated rated = rated_[static_cast<std::size_t>(top.vertex)];
     if (!still_good(rated)) {
       queue(top.vertex);
@@ -330,8 +338,9 @@ void Repairer::repair() {
     touched_.erase(std::unique(touched_.begin(), touched_.end()), touched_.end());
     const std::vector<std::int32_t> again = std::move(touched_);
     touched_.clear();
+    const bool crowded = again.size() > kCrowd;
     for (const std::int32_t v : again)
-      if (o_.alive(v)) queue(v);
+      if (o_.alive(v) && !(crowded && waits_[static_cast<std::size_t>(v)] != 0)) queue(v);
   }
 }
 
@@ -380,39 +389,14 @@ void Repairer::fill(const OutlineChange& c) {
 }
 
 void Repairer::apply(const OutlineChange& c) {
-  const auto index = [](std::int32_t v) { return static_cast<std::size_t>(v); };
-  o_.changed[index(o_.group_of(c.first))] = 1;
   if (c.kind == ChangeKind::kFill) {
+    o_.changed[static_cast<std::size_t>(o_.group_of(c.first))] = 1;
     fill(c);
     return;
   }
   const ShortPath before = old_path(o_, c), after = new_path(o_, c);
   judge_.gather(before, after, c);
-
-  std::int32_t v = c.first;
-  for (int j = 0; j < before.edges; ++j) {
-    o_.grid.remove(v, before.at(j), before.at(j + 1));
-    v = o_.after(v);
-  }
-  const std::size_t ring = index(o_.ring_of(c.first));
-  for (int i = 0; i < c.old_count; ++i) o_.next[index(c.old[static_cast<std::size_t>(i)])] = -1;
-  v = c.first;
-  for (int i = 0; i < c.fresh_count; ++i) {
-    const std::int32_t w = c.old[static_cast<std::size_t>(i)];
-    o_.point[index(w)] = c.fresh[static_cast<std::size_t>(i)];
-    o_.next[index(v)] = w;
-    o_.prev[index(w)] = v;
-    v = w;
-  }
-  o_.next[index(v)] = c.last;
-  o_.prev[index(c.last)] = v;
-  o_.size[ring] += c.fresh_count - c.old_count;
-  if (!o_.alive(o_.first[ring])) o_.first[ring] = c.last;
-  v = c.first;
-  for (int j = 0; j < after.edges; ++j) {
-    o_.grid.insert(v, after.at(j), after.at(j + 1));
-    v = o_.after(v);
-  }
+  replace_vertices(o_, c);
   switch (c.kind) {
     case ChangeKind::kDrop:
       counts_.dropped += c.old_count;

@@ -14,8 +14,10 @@
 #include "tetropolis/city/clearance.h"
 #include "tetropolis/core/error.h"
 #include "tetropolis/core/parallel.h"
+#include "tetropolis/core/units.h"
 #include "tetropolis/geometry/polygon.h"
 
+#include "city/blunt_corners.h"
 #include "city/grid_geometry.h"
 #include "city/group.h"
 #include "city/measure_changes.h"
@@ -31,6 +33,9 @@ namespace {
 
 constexpr int kGentleRounds = 5;     ///< Patches whose reach doubles.
 constexpr int kLocalHullRounds = 6;  ///< Hulls of surroundings whose radius doubles.
+constexpr int kBluntRounds = 8;      ///< Corners whose neighbours change; two do nearly always.
+/// Corners of footprints stay angles of cells, of which few are to be below 12 degrees.
+constexpr double kSharpDegrees = 13;
 constexpr double kMaxShift = 0.02 * grid::kSteps;
 constexpr const char* kTooThin = "too small or narrow for the merge distance";
 constexpr const char* kAtBoundary = "closer than the merge distance to the domain boundary";
@@ -58,6 +63,7 @@ class Simplifier {
   void repair_with_hulls();
   bool make_hull(Group& group);
   void drop_vanished();
+  bool blunt_corners();
   void drop_small();
   void drop(const Group& group, const std::string& reason);
   void finish();
@@ -402,6 +408,26 @@ void Simplifier::repair_with_hulls() {
   }
 }
 
+/// Whether any corner was blunted. Tidies what that leaves, and so on: a second run is idle.
+bool Simplifier::blunt_corners() {
+  const BluntOptions options{epsilon_, keep_inside_, to_radians(kSharpDegrees)};
+  const auto is_sharp = [&](const Group& group) {
+    return has_sharp_corner(group.polygon, options.least_angle);
+  };
+  if (std::none_of(groups_.begin(), groups_.end(), is_sharp)) return false;
+  std::int64_t blunted = 0;
+  for (int round = 0; round < kBluntRounds; ++round) {
+    progress_.update(0.81);
+    Outline outline = repaired_outline(0);
+    const std::int64_t now = tetropolis::blunt_corners(outline, options);
+    blunted += now;
+    take_back(outline);
+    if (now == 0) break;
+  }
+  result_.stats.corners_blunted += blunted;
+  return blunted > 0;
+}
+
 void Simplifier::drop(const Group& group, const std::string& reason) {
   for (const BuildingIndex member : group.members) result_.dropped.push_back({member, reason});
   result_.stats.area_before += total_area(group.input) / grid::kSquareMetre;
@@ -467,7 +493,11 @@ Simplification Simplifier::run() {
   progress_.update(0.4);
   repair_in_rounds();
   repair_with_hulls();
-  drop_small();
+  blunt_corners();
+  for (int round = 0; round < kBluntRounds; ++round) {
+    drop_small();
+    if (!blunt_corners()) break;
+  }
   progress_.update(0.85);
   std::sort(groups_.begin(), groups_.end(),
             [](const Group& a, const Group& b) { return a.members[0] < b.members[0]; });

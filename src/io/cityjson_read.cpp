@@ -133,8 +133,11 @@ std::string read_text(const fs::path& path) {
   std::error_code error;
   if (!fs::exists(path, error))
     throw Error(ErrorKind::kInput, path.string() + ": no such file; check the path");
+  if (!fs::is_regular_file(path, error))
+    throw Error(ErrorKind::kInput,
+                path.string() + ": is not an ordinary file; give a CityJSON file");
   std::ifstream stream(path, std::ios::binary);
-  if (fs::is_directory(path, error) || !stream)
+  if (!stream)
     throw Error(ErrorKind::kInput, path.string() + ": cannot be opened; give a CityJSON file");
   return {std::istreambuf_iterator<char>(stream), std::istreambuf_iterator<char>()};
 }
@@ -439,7 +442,7 @@ class CityReader {
 };
 
 void check_type(const Place& root) {
-  if (!root.has("type"))
+  if (root.value().is_object() && !root.has("type"))
     root.fail("has no member 'type', so it is not CityJSON; give a .city.json");
   if (root.at("type").text() != "CityJSON") root.at("type").fail("is not \"CityJSON\"");
   const std::string& version = root.at("version").text();

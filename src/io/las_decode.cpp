@@ -201,8 +201,14 @@ std::int64_t decode_laz(const fs::path& path, const LasLayout& layout, std::int6
     visit(records.data(), n);
     done += static_cast<std::int64_t>(n);
   }
-  const bool is_end = first + count == layout.info.point_count && layout.chunk_table > 0;
-  return is_end ? std::max<std::int64_t>(0, layout.chunk_table - reader.position()) : 0;
+  if (first + count < layout.info.point_count || layout.chunk_table == 0) return 0;
+  // All writers known end the last chunk where its last point does, to the byte.
+  const std::int64_t left = layout.chunk_table - reader.position();
+  if (left < 0)
+    fail_las(path, fmt::format("the header counts {} points, but fewer are there: the last bytes "
+                               "read are not theirs; get it again",
+                               layout.info.point_count));
+  return left;
 }
 
 }  // namespace

@@ -23,6 +23,10 @@ static_assert(std::endian::native == std::endian::little, "LAS is read as it lie
 namespace {
 
 constexpr std::array<int, 11> kRecordLengths = {20, 28, 26, 34, 57, 63, 30, 36, 38, 59, 67};
+/// Beyond these a header is broken: nothing on Earth is so far from the origin of its coordinates.
+constexpr double kLargestScale = 1e3;
+constexpr double kLargestOffset = 1e9;
+constexpr double kLargestElevation = 1e6;
 constexpr std::size_t kVlrHeader = 54;
 constexpr std::int64_t kEvlrHeader = 60;
 
@@ -102,9 +106,9 @@ void parse_numbers(const fs::path& path, std::string_view h, LasInfo& info) {
     info.offset[axis] = number_at<double>(h, 155 + 8 * axis);
     info.max[axis] = number_at<double>(h, 179 + 16 * axis);
     info.min[axis] = number_at<double>(h, 187 + 16 * axis);
-    // Both ends of the range of stored integers must be numbers that can be reckoned with.
-    const double reach = std::abs(info.scale[axis]) * 2147483648.0 + std::abs(info.offset[axis]);
-    if (info.scale[axis] == 0 || !std::isfinite(reach))
+    // Written so that NaN fails as well.
+    if (!(info.scale[axis] != 0 && std::abs(info.scale[axis]) <= kLargestScale &&
+          std::abs(info.offset[axis]) <= (axis < 2 ? kLargestOffset : kLargestElevation)))
       fail_las(path, fmt::format("byte {} gives scale {} and offset {} for {}; the file is broken",
                                  131 + 8 * axis, info.scale[axis], info.offset[axis], "xyz"[axis]));
   }

@@ -25,8 +25,9 @@ namespace {
 constexpr std::int64_t kPointsPerTask = 250'000;
 /// Where chunks differ in size, a task begins by passing over the points of a chunk before its own.
 constexpr std::int64_t kPointsPerVariableTask = 1'000'000;
-constexpr std::int64_t kLeastTwin = 100;     // points of which two equal boxes are no coincidence
-constexpr std::int64_t kLeastLeftOver = 64;  // bytes of points behind the last one counted
+constexpr std::int64_t kLeastTwin = 100;  // points of which two equal boxes are no coincidence
+/// Bytes behind the last point counted that are points, where an empty chunk may follow.
+constexpr std::int64_t kLeastLeftOver = 64;
 
 /// Numbers of records, first and last.
 struct Range {
@@ -313,7 +314,7 @@ void decode_tasks(std::span<const fs::path> paths, const std::vector<FilePlan>& 
   });
   warn_of_points_outside(paths, plans, tasks, outside, warnings);
   for (std::size_t t = 0; t < tasks.size(); ++t)
-    if (left_over[t] >= kLeastLeftOver)
+    if (left_over[t] >= (plans[tasks[t].file].layout.chunk_size > 0 ? 1 : kLeastLeftOver))
       warnings.push_back({"las_count_small", 1,
                           fmt::format("{}: the header counts {} points, but {} bytes of compressed "
                                       "points are left behind them; these are not read",

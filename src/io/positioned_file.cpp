@@ -24,7 +24,8 @@ namespace {
 }  // namespace
 
 PositionedFile::PositionedFile(const fs::path& path)
-    : path_(path), file_(::open(path.c_str(), O_RDONLY | O_CLOEXEC)) {
+    // Without waiting: a pipe that nobody writes to would hold us up before it can be refused.
+    : path_(path), file_(::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK)) {
   if (!file_.good())
     fail(path, errno == ENOENT ? std::string("no such file; check the path")
                                : "cannot be opened: " + std::generic_category().message(errno));

@@ -152,17 +152,14 @@ CheckedFile describe(const std::string& name, const SurfaceCheck& check) {
   return file;
 }
 
-/// How the parts of a mesh are called in what is printed.
-struct MeshNames {
-  std::string volume;
-  std::string boundary;
-  std::string both;
+/// A boundary and what it is called in what is printed.
+struct NamedSurface {
+  std::string name;
+  SurfaceMesh mesh;
 };
 
-const MeshNames kVtkNames{"volume.vtu", "boundary.vtp", "volume.vtu and boundary.vtp"};
-
-MeshNames xdmf_names(const std::string& file) {
-  return {file + ", grid 'mesh'", file + ", grid 'boundary'", file + ", both grids"};
+std::string grid_name(const std::string& file, const char* grid) {
+  return fmt::format("{}, grid '{}'", file, grid);
 }
 
 CheckedFile check_one_volume(const fs::path& path, const Progress& progress) {
@@ -263,13 +260,12 @@ void check_heights_of(const fs::path& terrain, const SurfaceMesh& surface,
          fmt::format("{} reported, {} found", report->mesh->ground_lowered, check.lowered)});
 }
 
-CheckedFile check_against_city(const MeshNames& names, const fs::path& folder, const TetMesh& mesh,
+CheckedFile check_against_city(const std::string& name, const fs::path& folder, const TetMesh& mesh,
                                const SurfaceMesh& surface, const CityModel& city,
                                const std::optional<ReportedFacts>& report) {
   std::array<double, 3> shift{0, 0, 0};
   if (report && report->absolute) shift = {-city.origin.x, -city.origin.y, 0};
-  CheckedFile file{
-      names.both + ", city model and terrain", {}, check_regions(mesh, shift, city), {}};
+  CheckedFile file{name, {}, check_regions(mesh, shift, city), {}};
   file.facts.emplace_back("regions of cells compared with the footprints");
   check_ground_mesh(surface, shift, city, report, file);
   if (is_there(folder / "dtm.tif"))
@@ -318,34 +314,45 @@ void compare_city(const CityModel& city, const ReportedFacts& report, CheckedFil
                                   report.origin->y, city.origin.x, city.origin.y));
 }
 
-/// The volume, the boundary, and one against the other.
-std::vector<CheckedFile> check_volume_and_boundary(const MeshNames& names, const TetMesh& mesh,
-                                                   const SurfaceMesh& surface,
-                                                   const std::optional<ReportedFacts>& report,
-                                                   const Progress& progress) {
-  const SurfaceCheck surface_check = check_surface(surface);
+/// The volume, and each of the boundaries, which are all to be that of the volume, against it.
+std::vector<CheckedFile> check_volume_and_boundaries(const std::string& volume, const TetMesh& mesh,
+                                                     const std::vector<NamedSurface>& boundaries,
+                                                     const std::optional<ReportedFacts>& report,
+                                                     const Progress& progress) {
   const VolumeCheck volume_check = check_volume(mesh, progress);
-  CheckedFile both{names.both, {}, check_same_boundary(mesh, volume_check, surface), {}};
-  both.facts = {"faces of one compared with faces of the other"};
-  if (report && report->mesh)
-    compare_with_report(*report->mesh, volume_check, surface_check, both);
-  else
-    both.not_checked.emplace_back("numbers of the run (no report.json that has them)");
-  return {describe(names.volume, volume_check), describe(names.boundary, surface_check), both};
+  std::vector<CheckedFile> files{describe(volume, volume_check)};
+  for (const NamedSurface& boundary : boundaries) {
+    const SurfaceCheck surface_check = check_surface(boundary.mesh);
+    files.push_back(describe(boundary.name, surface_check));
+    CheckedFile both{fmt::format("{} and {}", volume, boundary.name),
+                     {"faces of one compared with faces of the other"},
+                     check_same_boundary(mesh, volume_check, boundary.mesh),
+                     {}};
+    if (report && report->mesh)
+      compare_with_report(*report->mesh, volume_check, surface_check, both);
+    else
+      both.not_checked.emplace_back("numbers of the run (no report.json that has them)");
+    files.push_back(both);
+  }
+  return files;
 }
 
 /// A mesh of the folder; `city` is city.city.json if that is there.
-void add_mesh(const MeshNames& names, const TetMesh& mesh, const SurfaceMesh& surface,
-              const fs::path& folder, const CityModel& city,
-              const std::optional<ReportedFacts>& report, const Progress& progress,
-              std::vector<CheckedFile>& files) {
-  for (CheckedFile& file : check_volume_and_boundary(names, mesh, surface, report, progress))
+void add_mesh(const std::string& volume, const TetMesh& mesh,
+              const std::vector<NamedSurface>& boundaries, const fs::path& folder,
+              const CityModel& city, const std::optional<ReportedFacts>& report,
+              const Progress& progress, std::vector<CheckedFile>& files) {
+  for (CheckedFile& file : check_volume_and_boundaries(volume, mesh, boundaries, report, progress))
     files.push_back(std::move(file));
-  if (is_there(folder / kCity))
-    files.push_back(check_against_city(names, folder, mesh, surface, city, report));
-  else
+  if (!is_there(folder / kCity)) {
     files.back().not_checked.emplace_back(
         "regions, footprints in the mesh and heights (there is no city.city.json)");
+    return;
+  }
+  for (const NamedSurface& boundary : boundaries)
+    files.push_back(
+        check_against_city(fmt::format("{}, {}, city model and terrain", volume, boundary.name),
+                           folder, mesh, boundary.mesh, city, report));
 }
 
 /// What is in the folder of volume and boundary, one format after the other.
@@ -354,19 +361,22 @@ void add_meshes(const fs::path& folder, const CityModel& city,
                 std::vector<CheckedFile>& files) {
   const auto there = [&](const char* name) { return is_there(folder / name); };
   const bool vtu = there("volume.vtu"), vtp = there("boundary.vtp"), xdmf = there("volume.xdmf");
-  if (vtu && vtp) {
-    const SurfaceMesh surface = read_vtp(folder / "boundary.vtp");
-    const TetMesh mesh = read_vtu(folder / "volume.vtu");
-    add_mesh(kVtkNames, mesh, surface, folder, city, report, progress, files);
-  } else if (vtu) {
+  std::vector<NamedSurface> vtp_boundary;
+  if (vtp && (vtu || xdmf))
+    vtp_boundary.push_back({"boundary.vtp", read_vtp(folder / "boundary.vtp")});
+  if (vtu && vtp)
+    add_mesh("volume.vtu", read_vtu(folder / "volume.vtu"), vtp_boundary, folder, city, report,
+             progress, files);
+  else if (vtu)
     files.push_back(check_one_volume(folder / "volume.vtu", progress));
-  } else if (vtp) {
+  else if (vtp && !xdmf)
     files.push_back(check_one_surface(folder / "boundary.vtp"));
-  }
   if (xdmf) {
-    const XdmfMesh mesh = read_xdmf(folder / "volume.xdmf");
-    add_mesh(xdmf_names("volume.xdmf"), mesh.volume, mesh.boundary, folder, city, report, progress,
-             files);
+    XdmfMesh mesh = read_xdmf(folder / "volume.xdmf");
+    std::vector<NamedSurface> boundaries = vtu ? std::vector<NamedSurface>() : vtp_boundary;
+    boundaries.push_back({grid_name("volume.xdmf", "boundary"), std::move(mesh.boundary)});
+    add_mesh(grid_name("volume.xdmf", "mesh"), mesh.volume, boundaries, folder, city, report,
+             progress, files);
   } else if (report && report->mesh && !(vtu && vtp)) {
     files.push_back(
         {"meshes", {}, {}, {"there is neither volume.vtu with boundary.vtp nor volume.xdmf"}});
@@ -374,9 +384,11 @@ void add_meshes(const fs::path& folder, const CityModel& city,
 }
 
 std::vector<CheckedFile> check_one_xdmf(const fs::path& path, const Progress& progress) {
-  const XdmfMesh mesh = read_xdmf(path);
-  std::vector<CheckedFile> files = check_volume_and_boundary(
-      xdmf_names(path.filename().string()), mesh.volume, mesh.boundary, std::nullopt, progress);
+  XdmfMesh mesh = read_xdmf(path);
+  const std::string name = path.filename().string();
+  std::vector<CheckedFile> files = check_volume_and_boundaries(
+      grid_name(name, "mesh"), mesh.volume,
+      {{grid_name(name, "boundary"), std::move(mesh.boundary)}}, std::nullopt, progress);
   files.back().not_checked = {
       "regions, footprints in the mesh, heights and the report (check the folder that has the "
       "other "

@@ -46,12 +46,16 @@ void set_key(Config& config, std::string_view key, const toml::node& value,
   for (const ConfigField& field : config_fields()) {
     names.emplace_back(field.name);
     if (field.name != key) continue;
-    const toml::node* first = &value;
-    if (const auto* array = value.as_array(); array != nullptr && !array->empty())
-      first = array->get(0);
-    if (first->is_string() != takes_text(field) && !first->is_array())
-      throw Error(ErrorKind::kUsage, fmt::format("{}: {} takes {}", origin, key,
-                                                 takes_text(field) ? "text in quotes" : "no text"));
+    const auto require_type = [&](const toml::node& node) {
+      if (node.is_string() != takes_text(field) && !node.is_array())
+        throw Error(ErrorKind::kUsage,
+                    fmt::format("{}: {} takes {}", origin, key,
+                                takes_text(field) ? "text in quotes" : "no text"));
+    };
+    if (const auto* array = value.as_array())
+      for (const toml::node& element : *array) require_type(element);
+    else
+      require_type(value);
     set_field(config, field, texts_of(value, origin), fmt::format("{}: {}", origin, key));
     return;
   }
@@ -68,6 +72,8 @@ void load_config(Config& config, const std::filesystem::path& path) {
   std::error_code error;
   if (!std::filesystem::is_regular_file(path, error)) {
     const bool absent = !error || error == std::errc::no_such_file_or_directory;
+    if (!error && std::filesystem::exists(path, error))
+      throw Error(ErrorKind::kUsage, path.string() + ": is not an ordinary file");
     throw Error(ErrorKind::kUsage, path.string() + ": no such configuration file" +
                                        (absent ? "" : " (" + error.message() + ")"));
   }

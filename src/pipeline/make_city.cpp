@@ -26,6 +26,7 @@ namespace tetropolis {
 namespace {
 
 /// Share of empty nodes above which a terrain is more guess than data.
+constexpr double kFarthestElevation = 1e5;  // metres, of what can be terrain
 constexpr double kMostlyEmpty = 0.75;
 
 /// Share of squares of 20 m without a ground point above which something is missing: more than
@@ -215,15 +216,23 @@ Simplification simplify(const Config& config, const CityModel& raw, const Progre
 }
 
 std::map<std::string, std::int64_t> resorts_by_name(const SimplifyStats& stats) {
-  std::map<std::string, std::int64_t> resorts{
-      {"merged_by_union", stats.merged_by_union}, {"merged_by_bridge", stats.merged_by_bridge},
-      {"merged_by_hulls", stats.merged_by_hulls}, {"merged_by_hull", stats.merged_by_hull},
-      {"merged_late", stats.merged_late},         {"vertices_dropped", stats.vertices_dropped},
-      {"edges_merged", stats.edges_merged},       {"edges_slid", stats.edges_slid},
-      {"vertices_moved", stats.vertices_moved},   {"holes_filled", stats.holes_filled},
-      {"gaps_filled", stats.gaps_filled},         {"arms_cut", stats.arms_cut},
-      {"necks_widened", stats.necks_widened},     {"local_hulls", stats.local_hulls},
-      {"hull_repairs", stats.hull_repairs},       {"clipped", stats.clipped}};
+  std::map<std::string, std::int64_t> resorts{{"merged_by_union", stats.merged_by_union},
+                                              {"merged_by_bridge", stats.merged_by_bridge},
+                                              {"merged_by_hulls", stats.merged_by_hulls},
+                                              {"merged_by_hull", stats.merged_by_hull},
+                                              {"merged_late", stats.merged_late},
+                                              {"vertices_dropped", stats.vertices_dropped},
+                                              {"edges_merged", stats.edges_merged},
+                                              {"edges_slid", stats.edges_slid},
+                                              {"vertices_moved", stats.vertices_moved},
+                                              {"holes_filled", stats.holes_filled},
+                                              {"gaps_filled", stats.gaps_filled},
+                                              {"arms_cut", stats.arms_cut},
+                                              {"necks_widened", stats.necks_widened},
+                                              {"corners_blunted", stats.corners_blunted},
+                                              {"local_hulls", stats.local_hulls},
+                                              {"hull_repairs", stats.hull_repairs},
+                                              {"clipped", stats.clipped}};
   for (std::size_t k = 1; k < stats.merged_by_patch.size(); ++k)
     resorts[fmt::format("merged_by_patch_{}", k)] = stats.merged_by_patch[k];
   return resorts;
@@ -276,6 +285,13 @@ Raster make_terrain(const Config& config, const InputData& input, StepClock& clo
   Raster dtm = clock.run("1.3", "terrain", [&](const Progress& progress) {
     return build_dtm(input.points, input.domain, options, progress, &dtm_report);
   });
+  const auto [low, high] = std::minmax_element(dtm.values.begin(), dtm.values.end());
+  const double farthest = std::max(std::abs(*low), std::abs(*high));
+  if (!(farthest <= kFarthestElevation))
+    throw Error(ErrorKind::kInput,
+                fmt::format("{}: ground points lie at elevations up to {:.3g} m; check scale and "
+                            "offset of z in the header ('tetropolis info'), or --points-crs",
+                            config.points.front(), farthest));
   report.city->dtm_empty_share = dtm_report.empty_share;
   report.city->dtm_void_share = dtm_report.void_share;
   warn_of_terrain(dtm_report, report);

@@ -84,6 +84,8 @@ std::string common_crs(const Config& config, const std::string& points_crs,
                        const FootprintsInput& footprints) {
   if (!points_crs.empty()) return points_crs;
   if (footprints.crs.empty()) return {};
+  // GeoJSON without a word about it is in degrees; without a footprint it says nothing.
+  if (is_geographic(footprints.crs) && footprints.features.empty()) return {};
   if (is_geographic(footprints.crs))
     throw Error(
         ErrorKind::kInput,

@@ -215,8 +215,11 @@ TEST(Refine, BoundsOfSegmentsThatCross) {
       const double off = 100 * 0x1p-46 * (i % 7 - 3);
       add(anywhere(), {a.x + t * (b.x - a.x) + off, a.y + t * (b.y - a.y)});
     }
-    expect_refined(graph, {.min_angle_deg = 20, .max_edge = 50, .max_vertices = 200'000},
-                   "case " + std::to_string(i));
+    const Triangulation t =
+        refine(graph, {.min_angle_deg = 20, .max_edge = 50, .max_vertices = 200'000});
+    // Of angles nothing is promised where input is finer than its coordinates.
+    EXPECT_EQ(lines(validate(graph, {.min_angle_deg = 0, .max_edge = 50}, t)), "")
+        << i << ", seed " << testing::test_seed();
   }
 }
 

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include <gtest/gtest.h>
+#include <sys/stat.h>
 
 #include "tetropolis/core/error.h"
 #include "tetropolis/io/las.h"
@@ -59,12 +60,44 @@ TEST(BrokenLas, HeadersThatLieFailAndNameTheByte) {
   mentions(patched(good, 105, std::uint16_t{0}), "byte 105");
   mentions(patched(good, 107, std::uint32_t{4000000000U}), "ends at point 1000 of 4000000000");
   mentions(patched(good, 131, 0.0), "scale");
+  mentions(patched(good, 131, 1e300), "byte 131 gives scale");
+  mentions(patched(good, 163, 1e10), "byte 139 gives scale");
+  mentions(patched(good, 171, 1e7), "byte 147 gives scale");
   mentions(patched(good, 139, std::numeric_limits<double>::quiet_NaN()), "scale");
   mentions(patched(good, 171, std::numeric_limits<double>::infinity()), "offset");
   write_bytes(path, good);
   EXPECT_EQ(read_one(path).points_read, 1000);
   EXPECT_NE(read_error(folder / "missing.las").find("no such file"), std::string::npos);
   EXPECT_NE(read_error(folder.path()).find("ordinary file"), std::string::npos);
+  const fs::path pipe = folder / "pipe.laz";  // nobody ever writes to it
+  ASSERT_EQ(::mkfifo(pipe.c_str(), 0600), 0);
+  EXPECT_NE(read_error(pipe).find("ordinary file"), std::string::npos);
+}
+
+// One point too many comes from bytes that are no points'.
+TEST(BrokenLas, CompressedCountsOffByOneAreNoticed) {
+  const TemporaryFolder folder;
+  const fs::path path = folder / "a.laz";
+  for (const std::uint8_t format : {std::uint8_t{1}, std::uint8_t{6}}) {
+    WritePointsOptions options;
+    options.point_format = format;
+    write_points(path, random_cloud(1000, 6), {}, options);
+    const std::string good = bytes_of(path);
+    const auto counted = [&](std::uint32_t n) {
+      std::string bytes = patched(good, 107, format < 6 ? n : 0U);
+      if (format >= 6) bytes = patched(bytes, 247, std::uint64_t{n});
+      write_bytes(path, bytes);
+    };
+    counted(1000);
+    EXPECT_TRUE(read_one(path).warnings.empty());
+    counted(1001);
+    EXPECT_NE(read_error(path).find("counts 1001 points, but"), std::string::npos)
+        << read_error(path);
+    counted(999);
+    const PointsInput input = read_one(path);
+    ASSERT_EQ(input.warnings.size(), 1U);
+    EXPECT_EQ(input.warnings[0].code, "las_count_small");
+  }
 }
 
 TEST(BrokenLas, MissingCountsAreTakenFromTheFileSize) {

@@ -137,12 +137,11 @@ TEST(Las, CopcCanBeEnteredAnywhere) {
     ASSERT_TRUE(layout.variable_chunks);
     const auto records_from = [&](std::int64_t first, std::int64_t count) {
       std::vector<std::array<std::int32_t, 4>> records;
-      decode_points(folder / name, layout, first, count,
-                    [&](const LasRecord* block, std::size_t n) {
-                      for (std::size_t i = 0; i < n; ++i)
-                        records.push_back(
-                            {block[i].x, block[i].y, block[i].z, block[i].classification});
-                    });
+      decode_points(
+          folder / name, layout, first, count, [&](const LasRecord* block, std::size_t n) {
+            for (std::size_t i = 0; i < n; ++i)
+              records.push_back({block[i].x, block[i].y, block[i].z, block[i].classification});
+          });
       return records;
     };
     const auto all = records_from(0, layout.info.point_count);
@@ -150,8 +149,8 @@ TEST(Las, CopcCanBeEnteredAnywhere) {
     for (std::int64_t first = 0; first < layout.info.point_count; first += 41) {
       const std::int64_t count = std::min<std::int64_t>(100, layout.info.point_count - first);
       const auto part = records_from(first, count);
-      ASSERT_TRUE(std::equal(part.begin(), part.end(), all.begin() + first,
-                             all.begin() + first + count))
+      ASSERT_TRUE(
+          std::equal(part.begin(), part.end(), all.begin() + first, all.begin() + first + count))
           << first;
     }
   }

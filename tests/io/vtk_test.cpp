@@ -292,16 +292,17 @@ TEST_F(Vtk, StlHasOneClosedTaggedSolidPerPatch) {
   }
 }
 
-TEST(Vtk, MeshesLargerThanTheMemoryAreRefused) {
+TEST(MeshInput, MeshesLargerThanTheMemoryAreRefused) {
   EXPECT_NO_THROW(require_room_for_mesh("small.vtu", 1000, 5000));
   try {
     require_room_for_mesh("large.vtu", 200'000'000'000, 1'000'000'000'000);
     FAIL() << "no error";
   } catch (const Error& error) {
     EXPECT_EQ(error.kind(), ErrorKind::kInput);
-    EXPECT_EQ(std::string(error.what()).find(
-                  "large.vtu: to read and check its 1000000000000 cells takes about 61600.0 GB"),
-              0U)
+    EXPECT_EQ(
+        std::string(error.what())
+            .find("large.vtu: to read and check its 1000000000000 cells takes about 61600.0 GB"),
+        0U)
         << error.what();
   }
 }

@@ -65,6 +65,9 @@ TEST(Config, ErrorsNameFileLineAndWhatToDo) {
   expect_part(error_of("mesh_size = -1\n"), "c.toml:1: mesh_size: -1 is less than 0.05");
   expect_part(error_of("mesh_size = \"5\"\n"), "takes no text");
   expect_part(error_of("top = 5\n"), "takes text in quotes");
+  expect_part(error_of("bounds = [1, 2, \"3\", 4]\n"), "takes no text");
+  expect_part(error_of("points = [\"a\", 3]\n"), "takes text in quotes");
+  expect_part(error_of("ground_margin = 1e308\n"), "1000");
   expect_part(error_of("top = \"open\"\n"), "'open' is not one of flat, free");
   expect_part(error_of("mesh_size = nan\n"), "not finite");
   expect_part(error_of("merge_growths = 2.5\n"), "'2.5' is not a whole number");

@@ -61,11 +61,12 @@ struct SimplifyStats {
   std::int64_t gaps_filled = 0;  ///< Patches put into gaps, notches and slots.
   std::int64_t arms_cut = 0;     ///< Patches taken out of necks and thin arms.
   std::int64_t necks_widened = 0;
-  std::int64_t local_hulls = 0;   ///< Places covered by the hull of their surroundings.
-  std::int64_t hull_repairs = 0;  ///< Outputs replaced by their convex hull.
-  std::int64_t clipped = 0;       ///< Footprints cut back from the domain's boundary.
-  int rounds = 0;                 ///< Rounds of repair until nothing was too close.
-  double min_clearance = 0;       ///< joint_clearance of the outputs and the domain, metres.
+  std::int64_t corners_blunted = 0;  ///< Sharp corners that lost the tip that is too narrow.
+  std::int64_t local_hulls = 0;      ///< Places covered by the hull of their surroundings.
+  std::int64_t hull_repairs = 0;     ///< Outputs replaced by their convex hull.
+  std::int64_t clipped = 0;          ///< Footprints cut back from the domain's boundary.
+  int rounds = 0;                    ///< Rounds of repair until nothing was too close.
+  double min_clearance = 0;          ///< joint_clearance of the outputs and the domain, metres.
 };
 
 struct Simplification {
@@ -102,7 +103,9 @@ struct Simplification {
 /// rounds patches reach twice as far each time; then places are covered by the hull of everything
 /// within a distance that doubles; at last every group that still has too close features becomes
 /// its convex hull, whose short edges drop away until it is clear or vanishes, and hulls that come
-/// close to others unite with them to one hull, which lowers the number of groups each time.
+/// close to others unite with them to one hull, which lowers the number of groups each time. Last,
+/// corners sharper than 13 degrees are filled or cut where they are narrower than min_distance
+/// (blunt_corners.h), as far as clearance allows.
 /// Throws Error(kUsage) for options out of range, Cancelled through `progress`.
 Simplification simplify_footprints(std::span<const Polygon> cleaned, const Bounds2& domain,
                                    const SimplifyOptions& options, const Progress& progress = {});

@@ -1,0 +1,127 @@
+#include "city/blunt_corners.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstddef>
+
+#include "city/grid_geometry.h"
+#include "city/outline_change.h"
+
+namespace tetropolis {
+
+namespace {
+
+using grid::distance;
+
+/// What rounding two points to the grid may take from their distance, and some.
+constexpr double kRounding = 1.5;
+
+/// Whether the angle between a and b, seen from the tip, has a larger cosine.
+bool is_sharper(Point2 a, Point2 tip, Point2 b, double cosine) {
+  return grid::dot(tip, a, b) > cosine * distance(tip, a) * distance(tip, b);
+}
+
+class CornerBlunter {
+ public:
+  CornerBlunter(Outline& outline, const BluntOptions& options)
+      : o_(outline),
+        options_(options),
+        cosine_(std::cos(options.least_angle)),
+        judge_(outline, options.epsilon, options.keep_inside) {}
+
+  std::int64_t run() {
+    std::int64_t blunted = 0;
+    const std::int32_t vertices = o_.vertex_count();
+    for (std::int32_t v = 0; v < vertices; ++v)
+      if (o_.alive(v) && is_sharp(o_.at(o_.before(v)), o_.at(v), o_.at(o_.after(v))) && blunt(v))
+        ++blunted;
+    return blunted;
+  }
+
+ private:
+  bool is_sharp(Point2 a, Point2 tip, Point2 b) const {
+    return is_sharper(a, tip, b, cosine_);
+  }
+
+  int sharp_corners(const OutlineChange& c, const ShortPath& path) const {
+    int count = 0;
+    for (int i = 0; i < path.count; ++i) {
+      const Point2 a = i == 0 ? o_.at(o_.before(c.first)) : path.at(i - 1);
+      const Point2 b = i + 1 == path.count ? o_.at(o_.after(c.last)) : path.at(i + 1);
+      if (is_sharp(a, path.at(i), b)) ++count;
+    }
+    return count;
+  }
+
+  double area_of_ring(std::int32_t v) const {
+    const Point2 origin = o_.at(v);
+    double twice = 0;
+    for (std::int32_t w = o_.after(v); o_.after(w) != v; w = o_.after(w)) {
+      const Point2 a = o_.at(w), b = o_.at(o_.after(w));
+      twice += (a.x - origin.x) * (b.y - origin.y) - (a.y - origin.y) * (b.x - origin.x);
+    }
+    return std::abs(twice) / 2;
+  }
+
+  bool blunt(std::int32_t v) {
+    OutlineChange c;
+    c.kind = ChangeKind::kMove;
+    c.first = o_.before(v);
+    c.last = o_.after(v);
+    c.old = {v, -1};
+    c.old_count = 1;
+    const Point2 tip = o_.at(v), a = o_.at(c.first), b = o_.at(c.last);
+    const double la = distance(tip, a), lb = distance(tip, b);
+    const double sine = grid::twice_area(tip, a, b) / (la * lb);
+    if (!(sine > 0)) return false;
+    // The width at the same distance from the tip along both walls is 2 sin(angle / 2) of it.
+    const double half_sine = std::sqrt((1 - std::sqrt(std::max(0.0, 1 - sine * sine))) / 2);
+    double reach = (options_.epsilon + kRounding) / (2 * half_sine);
+    // What would be left of a wall is not to be a short edge: then all of the wall goes.
+    const double rest = options_.epsilon + kRounding;
+    bool all_of_a = la - reach < rest, all_of_b = lb - reach < rest;
+    if (all_of_a) reach = std::max(reach, la);
+    if (all_of_b) reach = std::max(reach, lb);
+    all_of_a = all_of_a || la - reach < rest;
+    all_of_b = all_of_b || lb - reach < rest;
+    const auto add = [&](Point2 end, double length) {
+      const double t = reach / length;
+      c.fresh[static_cast<std::size_t>(c.fresh_count++)] =
+          grid::rounded({tip.x + t * (end.x - tip.x), tip.y + t * (end.y - tip.y)});
+    };
+    if (!all_of_a) add(a, la);
+    if (!all_of_b) add(b, lb);
+    const ShortPath before = old_path(o_, c), after = new_path(o_, c);
+    if (reach * reach * sine > area_of_ring(v)) return false;
+    if (sharp_corners(c, after) >= sharp_corners(c, before) || !judge_.gain(c)) return false;
+    replace_vertices(o_, c);
+    return true;
+  }
+
+  Outline& o_;
+  const BluntOptions& options_;
+  double cosine_;
+  ChangeJudge judge_;
+};
+
+}  // namespace
+
+bool has_sharp_corner(const Polygon& polygon, double least_angle) {
+  const double cosine = std::cos(least_angle);
+  const auto in_ring = [&](const Ring& ring) {
+    for (std::size_t i = 0; i < ring.size(); ++i)
+      if (is_sharper(ring[(i + ring.size() - 1) % ring.size()], ring[i],
+                     ring[(i + 1) % ring.size()], cosine))
+        return true;
+    return false;
+  };
+  return in_ring(polygon.outer) ||
+         std::any_of(polygon.holes.begin(), polygon.holes.end(), in_ring);
+}
+
+std::int64_t blunt_corners(Outline& outline, const BluntOptions& options) {
+  return CornerBlunter(outline, options).run();
+}
+
+}  // namespace tetropolis
