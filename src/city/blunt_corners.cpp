@@ -40,9 +40,7 @@ class CornerBlunter {
   }
 
  private:
-  bool is_sharp(Point2 a, Point2 tip, Point2 b) const {
-    return is_sharper(a, tip, b, cosine_);
-  }
+  bool is_sharp(Point2 a, Point2 tip, Point2 b) const { return is_sharper(a, tip, b, cosine_); }
 
   int sharp_corners(const OutlineChange& c, const ShortPath& path) const {
     int count = 0;
@@ -116,8 +114,7 @@ bool has_sharp_corner(const Polygon& polygon, double least_angle) {
         return true;
     return false;
   };
-  return in_ring(polygon.outer) ||
-         std::any_of(polygon.holes.begin(), polygon.holes.end(), in_ring);
+  return in_ring(polygon.outer) || std::any_of(polygon.holes.begin(), polygon.holes.end(), in_ring);
 }
 
 std::int64_t blunt_corners(Outline& outline, const BluntOptions& options) {

@@ -277,6 +277,23 @@ void warn_of_terrain(const DtmReport& dtm, Report& report) {
              100 * dtm.void_share)});
 }
 
+/// A header that is off shows here, or bytes that have rotted; then points outside of their box
+/// name the file.
+void require_elevations(const Raster& dtm, const Config& config, const Report& report) {
+  const auto [low, high] = std::minmax_element(dtm.values.begin(), dtm.values.end());
+  const double farthest = std::max(std::abs(*low), std::abs(*high));
+  if (farthest <= kFarthestElevation) return;
+  const auto outside =
+      std::find_if(report.warnings.begin(), report.warnings.end(),
+                   [](const Warning& warning) { return warning.code == "las_points_outside_box"; });
+  throw Error(
+      ErrorKind::kInput,
+      fmt::format("{}: ground points lie at elevations up to {:.3g} m; get the file again, "
+                  "or check scale and offset of z in its header ('tetropolis info')",
+                  outside == report.warnings.end() ? config.points.front() : outside->message,
+                  farthest));
+}
+
 Raster make_terrain(const Config& config, const InputData& input, StepClock& clock,
                     Report& report) {
   DtmReport dtm_report;
@@ -285,13 +302,7 @@ Raster make_terrain(const Config& config, const InputData& input, StepClock& clo
   Raster dtm = clock.run("1.3", "terrain", [&](const Progress& progress) {
     return build_dtm(input.points, input.domain, options, progress, &dtm_report);
   });
-  const auto [low, high] = std::minmax_element(dtm.values.begin(), dtm.values.end());
-  const double farthest = std::max(std::abs(*low), std::abs(*high));
-  if (!(farthest <= kFarthestElevation))
-    throw Error(ErrorKind::kInput,
-                fmt::format("{}: ground points lie at elevations up to {:.3g} m; check scale and "
-                            "offset of z in the header ('tetropolis info'), or --points-crs",
-                            config.points.front(), farthest));
+  require_elevations(dtm, config, report);
   report.city->dtm_empty_share = dtm_report.empty_share;
   report.city->dtm_void_share = dtm_report.void_share;
   warn_of_terrain(dtm_report, report);
