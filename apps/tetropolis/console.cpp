@@ -15,7 +15,7 @@ namespace tetropolis::app {
 void put(std::FILE* stream, const std::string& text) { std::fputs(text.c_str(), stream); }
 
 Console::Console(bool quiet, const std::string& log)
-    : quiet_(quiet), terminal_(isatty(STDERR_FILENO) == 1) {
+    : quiet_(quiet), terminal_(isatty(STDERR_FILENO) == 1), log_name_(log) {
   if (log.empty()) return;
   log_ = std::fopen(log.c_str(), "w");
   if (log_ == nullptr)
@@ -27,7 +27,11 @@ Console::Console(bool quiet, const std::string& log)
 
 Console::~Console() {
   clear_bar();
-  if (log_ != nullptr) std::fclose(log_);
+  if (log_ == nullptr) return;
+  const bool lost = std::ferror(log_) != 0;
+  if (std::fclose(log_) != 0 || lost)
+    put(stderr, fmt::format("tetropolis: {}: the log could not be written whole; make room\n",
+                            one_line(log_name_)));
 }
 
 void Console::clear_bar() {

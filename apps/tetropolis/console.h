@@ -32,6 +32,7 @@ class Console {
   bool bar_ = false;
   int last_percent_ = -1;
   std::string step_;
+  std::string log_name_;
   std::FILE* log_ = nullptr;
 };
 

@@ -79,7 +79,8 @@ int guarded(const std::function<int()>& action, const Say& say) {
   };
   try {
     const int code = action();
-    if (std::fflush(stdout) != 0 || std::ferror(stdout) != 0)
+    static bool told = false;  // calls are nested
+    if ((std::fflush(stdout) != 0 || std::ferror(stdout) != 0) && !std::exchange(told, true))
       return fail("what was to be printed could not be written; make room", 3);
     return code;
   } catch (const Error& error) {

@@ -432,6 +432,14 @@ TEST_F(Cli, ClosedAndFullStreamsAreNoReasonToFail) {
   EXPECT_EQ(shell(build + "2>&-").code, 0);
   if (fs::exists("/dev/full")) {
     EXPECT_EQ(shell(build + "2>/dev/full").code, 0);
+    // What was asked for and is lost is told, once; a lost log, too.
+    const Outcome unseen = shell("'" TETROPOLIS_PROGRAM "' check result >/dev/full");
+    EXPECT_EQ(unseen.code, 3);
+    EXPECT_EQ(unseen.err, "tetropolis: what was to be printed could not be written; make room\n");
+    const Outcome unlogged = shell(build + "--quiet --log /dev/full");
+    EXPECT_EQ(unlogged.code, 0);
+    EXPECT_EQ(unlogged.err,
+              "tetropolis: /dev/full: the log could not be written whole; make room\n");
   }
   EXPECT_EQ(shell("{ " + build + "2>&1; echo $? >code; } | true; cat code").out, "0\n");
   EXPECT_EQ(shell("'" TETROPOLIS_PROGRAM "' nothing 2>&-").code, 2);
