@@ -1,7 +1,6 @@
 #include "city/blunt_corners.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <cstddef>
 
