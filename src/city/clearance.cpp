@@ -237,14 +237,22 @@ std::int32_t DefectFinder::edge_left_of(std::int32_t v) const {
   const Point2 p = edges_.start[Edges::at(v)];
   const RingFeature own = edges_.feature[Edges::at(v)];
   std::int32_t nearest = -1;
-  index_.visit({edges_.box.xmin, p.y, p.x, p.y}, [&](std::int32_t e) {
+  const auto look = [&](std::int32_t e) {
     const Point2 a = edges_.start[Edges::at(e)], b = edges_.end[Edges::at(e)];
     const RingFeature other = edges_.feature[Edges::at(e)];
     if ((a.y > p.y) == (b.y > p.y)) return;
     if (other.polygon == own.polygon && other.ring == own.ring) return;
     if (grid::orientation(a.y < b.y ? a : b, a.y < b.y ? b : a, p) >= 0) return;
     if (nearest < 0 || (e != nearest && right_of(e, nearest))) nearest = e;
-  });
+  };
+  // Further and further to the west: nothing nearer comes once an edge crosses within the window.
+  for (double west = p.x, width = edges_.box.width() / 256; west > edges_.box.xmin; width *= 4) {
+    west = p.x - width;
+    index_.visit({west, p.y, p.x, p.y}, look);
+    if (nearest < 0) continue;
+    const Point2 a = edges_.start[Edges::at(nearest)], b = edges_.end[Edges::at(nearest)];
+    if (a.x + (b.x - a.x) * (p.y - a.y) / (b.y - a.y) > west + 1) break;
+  }
   return nearest;
 }
 

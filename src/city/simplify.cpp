@@ -471,7 +471,15 @@ void Simplifier::finish() {
   }
   std::sort(result_.dropped.begin(), result_.dropped.end(),
             [](const DroppedFootprint& a, const DroppedFootprint& b) { return a.index < b.index; });
-  const Clearance clearance = joint_clearance(result_.footprints, domain_);
+  Clearance clearance;
+  std::vector<FootprintDefect> defects;  // clearance does not see edges that cross
+  parallel_chunks(2, 1, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t job = begin; job < end; ++job)
+      if (job == 0)
+        clearance = joint_clearance(result_.footprints, domain_);
+      else
+        defects = footprint_defects(result_.footprints, 1);
+  });
   stats.min_clearance = clearance.distance;
   if (clearance.distance < options_.min_distance)
     throw Error(
@@ -479,10 +487,9 @@ void Simplifier::finish() {
         fmt::format("footprints: clearance {:.6f} m at ({:.4f}, {:.4f}) is below {} m after "
                     "simplification; report it",
                     clearance.distance, clearance.at.x, clearance.at.y, options_.min_distance));
-  // Clearance does not see edges that cross.
-  for (const FootprintDefect& defect : footprint_defects(result_.footprints, 1))
-    throw Error(ErrorKind::kGuarantee,
-                fmt::format("footprints: {} after simplification; report it", defect.message));
+  if (!defects.empty())
+    throw Error(ErrorKind::kGuarantee, fmt::format("footprints: {} after simplification; report it",
+                                                   defects.front().message));
 }
 
 Simplification Simplifier::run() {
