@@ -4,6 +4,8 @@
 #include <cmath>
 #include <cstddef>
 
+#include "tetropolis/geometry/polygon.h"
+
 #include "city/grid_geometry.h"
 #include "city/outline_change.h"
 
@@ -51,23 +53,8 @@ class CornerBlunter {
     return count;
   }
 
-  double area_of_ring(std::int32_t v) const {
-    const Point2 origin = o_.at(v);
-    double twice = 0;
-    for (std::int32_t w = o_.after(v); o_.after(w) != v; w = o_.after(w)) {
-      const Point2 a = o_.at(w), b = o_.at(o_.after(w));
-      twice += (a.x - origin.x) * (b.y - origin.y) - (a.y - origin.y) * (b.x - origin.x);
-    }
-    return std::abs(twice) / 2;
-  }
-
   bool blunt(std::int32_t v) {
-    OutlineChange c;
-    c.kind = ChangeKind::kMove;
-    c.first = o_.before(v);
-    c.last = o_.after(v);
-    c.old = {v, -1};
-    c.old_count = 1;
+    OutlineChange c = vertex_change(o_, v, ChangeKind::kMove);
     const Point2 tip = o_.at(v), a = o_.at(c.first), b = o_.at(c.last);
     const double la = distance(tip, a), lb = distance(tip, b);
     const double sine = grid::twice_area(tip, a, b) / (la * lb);
@@ -90,7 +77,7 @@ class CornerBlunter {
     if (!all_of_a) add(a, la);
     if (!all_of_b) add(b, lb);
     const ShortPath before = old_path(o_, c), after = new_path(o_, c);
-    if (reach * reach * sine > area_of_ring(v)) return false;
+    if (reach * reach * sine > std::abs(signed_area(ring_through(o_, v)))) return false;
     if (sharp_corners(c, after) >= sharp_corners(c, before) || !judge_.gain(c)) return false;
     replace_vertices(o_, c);
     return true;

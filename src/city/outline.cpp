@@ -49,17 +49,22 @@ Outline make_outline(const std::vector<const Polygon*>& polygons, double cell) {
   return o;
 }
 
+Ring ring_through(const Outline& outline, std::int32_t v) {
+  Ring ring;
+  std::int32_t w = v;
+  do {
+    ring.push_back(outline.at(w));
+    w = outline.after(w);
+  } while (w != v);
+  return ring;
+}
+
 Polygon extract_polygon(const Outline& o, std::int32_t first_ring, std::int32_t ring_count) {
   Polygon polygon;
   for (std::int32_t r = first_ring; r < first_ring + ring_count; ++r) {
     const std::int32_t start = o.first[static_cast<std::size_t>(r)];
     if (start < 0) continue;
-    Ring ring;
-    std::int32_t v = start;
-    do {
-      ring.push_back(o.at(v));
-      v = o.after(v);
-    } while (v != start);
+    Ring ring = ring_through(o, start);
     if (r == first_ring) {
       polygon.outer = std::move(ring);
     } else {

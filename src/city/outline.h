@@ -39,6 +39,9 @@ struct Outline {
 /// Polygon k of the outline is *polygons[k]. `cell` is the wished size of the grid's cells.
 Outline make_outline(const std::vector<const Polygon*>& polygons, double cell);
 
+/// The ring that the vertex v belongs to, from v on.
+Ring ring_through(const Outline& outline, std::int32_t v);
+
 /// The polygon whose rings have the numbers from `first_ring`, its outer one, on; unchanged rings
 /// keep their first vertex, holes that are gone are left out. Precondition: the outer ring is
 /// alive.

@@ -18,6 +18,16 @@ constexpr double kOtherPolygon = 10;
 
 }  // namespace
 
+OutlineChange vertex_change(const Outline& o, std::int32_t v, ChangeKind kind) {
+  OutlineChange c;
+  c.kind = kind;
+  c.first = o.before(v);
+  c.last = o.after(v);
+  c.old = {v, -1};
+  c.old_count = 1;
+  return c;
+}
+
 ShortPath old_path(const Outline& o, const OutlineChange& c) {
   ShortPath path;
   path.add(o.at(c.first));

@@ -36,6 +36,9 @@ struct OutlineChange {
   std::array<Point2, 4> made_for{};  ///< The points from first to last when it was considered.
 };
 
+/// The change that replaces v, without fresh points.
+OutlineChange vertex_change(const Outline& outline, std::int32_t v, ChangeKind kind);
+
 /// At most four points: fixed, up to two free, fixed.
 struct ShortPath {
   static constexpr double kNowhere = std::numeric_limits<double>::infinity();

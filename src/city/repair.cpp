@@ -10,6 +10,8 @@
 #include <tuple>
 #include <utility>
 
+#include "tetropolis/geometry/polygon.h"
+
 #include "city/grid_geometry.h"
 #include "city/outline_change.h"
 
@@ -102,11 +104,7 @@ void Repairer::consider(const OutlineChange& c) {
 }
 
 void Repairer::consider_drop(std::int32_t v) {
-  OutlineChange c;
-  c.first = o_.before(v);
-  c.last = o_.after(v);
-  c.old = {v, -1};
-  c.old_count = 1;
+  OutlineChange c = vertex_change(o_, v, ChangeKind::kDrop);
   c.cost = twice_area(o_.at(c.first), o_.at(v), o_.at(c.last)) / 2;
   consider(c);
 }
@@ -188,12 +186,7 @@ void Repairer::consider_slides(std::int32_t v) {
 }
 
 void Repairer::consider_move(std::int32_t v, Point2 q) {
-  OutlineChange c;
-  c.kind = ChangeKind::kMove;
-  c.first = o_.before(v);
-  c.last = o_.after(v);
-  c.old = {v, -1};
-  c.old_count = 1;
+  OutlineChange c = vertex_change(o_, v, ChangeKind::kMove);
   c.fresh[0] = grid::rounded(q);
   c.fresh_count = 1;
   const Point2 p = o_.at(v);
@@ -224,20 +217,11 @@ void Repairer::consider_moves_from(std::int32_t v, Point2 p) {
 void Repairer::consider_fill(std::int32_t v) {
   const auto ring = static_cast<std::size_t>(o_.ring_of(v));
   if (o_.is_hole[ring] == 0 || o_.size[ring] > 12) return;
-  Ring hole;
-  std::int32_t w = v;
-  do {
-    hole.push_back(o_.at(w));
-    w = o_.after(w);
-  } while (w != v);
-  double twice = 0;
-  for (std::size_t i = 1; i + 1 < hole.size(); ++i)
-    twice += (hole[i].x - hole[0].x) * (hole[i + 1].y - hole[0].y) -
-             (hole[i + 1].x - hole[0].x) * (hole[i].y - hole[0].y);
+  const Ring hole = ring_through(o_, v);
   OutlineChange c;
   c.kind = ChangeKind::kFill;
   c.first = v;
-  c.cost = std::abs(twice) / 2;
+  c.cost = std::abs(signed_area(hole));
   const double e2 = options_.epsilon * options_.epsilon;
   if (c.cost > options_.max_cost || (hole.size() > 3 && c.cost > 4 * e2)) return;
   const double score = (c.cost + 1e-3 * e2) / 2;
@@ -419,11 +403,7 @@ void Repairer::apply(const OutlineChange& c) {
 void Repairer::tidy() {
   const double tolerance = std::tan(options_.parallel_tolerance);
   const auto candidate = [&](std::int32_t v, OutlineChange& c) {
-    c = {};
-    c.first = o_.before(v);
-    c.last = o_.after(v);
-    c.old = {v, -1};
-    c.old_count = 1;
+    c = vertex_change(o_, v, ChangeKind::kDrop);
     const Point2 u = o_.at(c.first), p = o_.at(v), w = o_.at(c.last);
     const double twice = twice_area(u, p, w), base = distance(u, w);
     const double along = (p.x - u.x) * (w.x - p.x) + (p.y - u.y) * (w.y - p.y);

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <iterator>
 #include <limits>
+#include <map>
 #include <set>
 
 #include <fmt/format.h>
@@ -230,12 +231,17 @@ namespace {
 Violations check_sizes(const PlanarGraph& graph, const RefineOptions& options,
                        const Triangulation& mesh) {
   Violations found;
+  std::map<std::int32_t, double> of_region;
+  for (const RegionSeed& seed : graph.regions)
+    if (seed.max_edge > 0) {
+      double& bound = of_region.try_emplace(seed.marker, seed.max_edge).first->second;
+      bound = std::min(bound, seed.max_edge);
+    }
   const auto bound_at = [&](std::int32_t region, Point2 middle) {
-    double bound =
-        options.size_field ? options.size_field(middle) : std::numeric_limits<double>::infinity();
-    for (const RegionSeed& seed : graph.regions)
-      if (seed.marker == region && seed.max_edge > 0) bound = std::min(bound, seed.max_edge);
-    return bound;
+    const auto own = of_region.find(region);
+    const double bound =
+        own == of_region.end() ? std::numeric_limits<double>::infinity() : own->second;
+    return options.size_field ? std::min(bound, options.size_field(middle)) : bound;
   };
   for (std::size_t t = 0; t < mesh.triangles.size() && !full(found); ++t) {
     const auto p = corners(mesh.points, mesh.triangles[t]);

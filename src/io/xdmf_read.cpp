@@ -32,24 +32,23 @@ class Description {
     text_.resize(kLongest);
     file.read(text_.data(), static_cast<std::streamsize>(text_.size()));
     text_.resize(static_cast<std::size_t>(file.gcount()));
-  }
-
-  /// The HDF5 file that it refers to, which is beside it.
-  fs::path data_path() const {
     const std::string after = fmt::format(":{}</DataItem>", kGeometry);
     constexpr std::string_view kBefore = "Format=\"HDF\">";
     const std::size_t end = text_.find(after);
     const std::size_t begin = end == std::string::npos ? end : text_.rfind(kBefore, end);
     if (begin == std::string::npos) fail(fmt::format("does not refer to {}", kGeometry));
-    const fs::path name = text_.substr(begin + kBefore.size(), end - begin - kBefore.size());
-    if (name != name.filename()) fail("refers to data in another folder");
-    return path_.parent_path() / name;
+    data_name_ = text_.substr(begin + kBefore.size(), end - begin - kBefore.size());
+    if (fs::path(data_name_) != fs::path(data_name_).filename())
+      fail("refers to data in another folder");
   }
+
+  /// The HDF5 file that it refers to, which is beside it.
+  fs::path data_path() const { return path_.parent_path() / data_name_; }
 
   /// Throws unless it gives the dataset these dimensions.
   void require(const char* dataset, const std::string& dimensions) const {
-    const std::string item = fmt::format("Dimensions=\"{}\" Format=\"HDF\">{}:{}<", dimensions,
-                                         data_path().filename().string(), dataset);
+    const std::string item =
+        fmt::format("Dimensions=\"{}\" Format=\"HDF\">{}:{}<", dimensions, data_name_, dataset);
     if (text_.find(item) == std::string::npos)
       fail(fmt::format("does not give {} the dimensions that it has, {}", dataset, dimensions));
   }
@@ -65,6 +64,7 @@ class Description {
 
   fs::path path_;
   std::string text_;
+  std::string data_name_;
 };
 
 template <typename Row>

@@ -391,8 +391,7 @@ std::vector<CheckedFile> check_one_xdmf(const fs::path& path, const Progress& pr
       {{grid_name(name, "boundary"), std::move(mesh.boundary)}}, std::nullopt, progress);
   files.back().not_checked = {
       "regions, footprints in the mesh, heights and the report (check the folder that has the "
-      "other "
-      "results)"};
+      "other results)"};
   return files;
 }
 

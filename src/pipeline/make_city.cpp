@@ -25,8 +25,10 @@ namespace tetropolis {
 
 namespace {
 
+/// Metres from sea level beyond which nothing is terrain.
+constexpr double kFarthestElevation = 1e5;
+
 /// Share of empty nodes above which a terrain is more guess than data.
-constexpr double kFarthestElevation = 1e5;  // metres, of what can be terrain
 constexpr double kMostlyEmpty = 0.75;
 
 /// Share of squares of 20 m without a ground point above which something is missing: more than
