@@ -4,12 +4,14 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdlib>
+#include <string>
 #include <utility>
 
 #include <fmt/format.h>
 
 #include "tetropolis/core/parallel.h"
 #include "tetropolis/core/units.h"
+#include "tetropolis/ground/validate.h"
 
 #include "rows.h"
 #include "violations.h"
@@ -23,6 +25,8 @@ constexpr double kAngleRounding = 1e-9;    // degrees
 constexpr double kLengthRounding = 1e-11;  // of the length
 /// Triangles this little below the minimum angle may be there and may be counted or not.
 constexpr double kAngleSlack = 1e-6;  // degrees
+/// More than rounding in the reference system turns edges of centimetres by.
+constexpr double kPlanSlack = 1e-4;  // degrees
 
 double distance(Point2 p, Point2 q) { return std::hypot(p.x - q.x, p.y - q.y); }
 
@@ -60,6 +64,31 @@ class GroundChecker {
           }
           return sum;
         });
+  }
+
+  /// Ground and roofs each by themselves: they have no vertices in common.
+  void check_small_angles(double min_angle_deg, std::vector<Violation>& violations) const {
+    std::vector<Point2> points(surface_.points.size());
+    for (std::size_t v = 0; v < points.size(); ++v) points[v] = at(static_cast<std::int32_t>(v));
+    for (const Patch patch : {Patch::kGround, Patch::kRoof}) {
+      std::vector<std::uint32_t> faces;
+      std::vector<std::array<VertexIndex, 3>> triangles;
+      for (std::size_t f = 0; f < surface_.triangles.size(); ++f) {
+        const auto& t = surface_.triangles[f];
+        const auto finite = [&](std::int32_t v) {
+          return std::isfinite(at(v).x) && std::isfinite(at(v).y);
+        };
+        if (surface_.patch[f] != patch || !std::all_of(t.begin(), t.end(), finite)) continue;
+        faces.push_back(static_cast<std::uint32_t>(f));
+        triangles.push_back(t);
+      }
+      std::vector<std::array<VertexIndex, 2>> segments;
+      for (const auto& [v, w] : outline(faces)) segments.push_back({v, w});
+      for (const std::string& found :
+           check_angles(points, triangles, segments, min_angle_deg - kPlanSlack))
+        note_violation(violations, "angles below the minimum where no input corner is sharper",
+                       [&] { return found; });
+    }
   }
 
   void check_outlines(std::vector<Violation>& violations) const {
@@ -188,6 +217,7 @@ GroundCheck check_ground(const SurfaceMesh& surface, std::array<double, 3> shift
   GroundCheck check;
   const GroundChecker checker(surface, shift, city);
   checker.measure_angles(min_angle_deg, check);
+  if (check.below_bounds[0] > 0) checker.check_small_angles(min_angle_deg, check.violations);
   checker.check_outlines(check.violations);
   return check;
 }

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <limits>
 #include <map>
 
 #include <fmt/format.h>
@@ -15,6 +16,8 @@ namespace tetropolis {
 namespace {
 
 constexpr double kHeightTolerance = 1e-9;
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+constexpr double kNeedTolerance = 1e-6;  // metres; whether ground had to be lowered
 constexpr const char* kNotFinite = "coordinates that are not finite";
 
 /// Bilinear interpolation, written out anew, in the coordinates of the reference system: those are
@@ -36,20 +39,62 @@ double height_of_terrain(const Raster& dtm, Point2 origin, double local_x, doubl
          (1 - s) * t * node(i, j + 1) + s * t * node(i + 1, j + 1);
 }
 
+/// The terrain at the vertices of ground faces, and the highest at their neighbours there.
+struct Terrain {
+  std::vector<double> at;       ///< Not a number elsewhere, and where a vertex is not finite.
+  std::vector<double> highest;  ///< At the vertex and those it has an edge to.
+};
+
+Terrain terrain_of(const SurfaceMesh& surface, std::array<double, 3> shift, const Raster& dtm,
+                   const CityModel& city) {
+  Terrain terrain{std::vector<double>(surface.points.size(), std::nan("")),
+                  std::vector<double>(surface.points.size(), -kInfinity)};
+  for (std::size_t f = 0; f < surface.triangles.size(); ++f) {
+    if (surface.patch[f] != Patch::kGround) continue;
+    double highest = -kInfinity;
+    for (const std::int32_t v : surface.triangles[f]) {
+      double& height = terrain.at[static_cast<std::size_t>(v)];
+      const auto& p = surface.points[static_cast<std::size_t>(v)];
+      if (std::isnan(height) && is_finite(p))
+        height = height_of_terrain(dtm, city.origin, p[0] + shift[0], p[1] + shift[1]);
+      highest = std::fmax(highest, height);
+    }
+    for (const std::int32_t v : surface.triangles[f]) {
+      double& around = terrain.highest[static_cast<std::size_t>(v)];
+      around = std::max(around, highest);
+    }
+  }
+  return terrain;
+}
+
+/// Per vertex of a wall, its building's roof; infinity elsewhere.
+std::vector<double> roofs_over_walls(const SurfaceMesh& surface, const CityModel& city) {
+  std::vector<double> roofs(surface.points.size(), kInfinity);
+  for (std::size_t f = 0; f < surface.triangles.size(); ++f) {
+    const BuildingIndex b = surface.building[f];
+    if (surface.patch[f] != Patch::kWall || b < 0 ||
+        static_cast<std::size_t>(b) >= city.buildings.size())
+      continue;
+    for (const std::int32_t v : surface.triangles[f])
+      roofs[static_cast<std::size_t>(v)] = city.buildings[static_cast<std::size_t>(b)].h_roof;
+  }
+  return roofs;
+}
+
 }  // namespace
 
 HeightsCheck check_heights(const SurfaceMesh& surface, std::array<double, 3> shift,
-                           const Raster& dtm, const CityModel& city) {
+                           const Raster& dtm, const CityModel& city, double minimum_wall) {
   HeightsCheck check;
-  std::vector<bool> on_wall(surface.points.size(), false);
   std::vector<bool> on_ground(surface.points.size(), false);
   std::map<std::int32_t, BuildingIndex> roof_building;
   for (std::size_t f = 0; f < surface.triangles.size(); ++f)
     for (const std::int32_t v : surface.triangles[f]) {
-      if (surface.patch[f] == Patch::kWall) on_wall[static_cast<std::size_t>(v)] = true;
       if (surface.patch[f] == Patch::kGround) on_ground[static_cast<std::size_t>(v)] = true;
       if (surface.patch[f] == Patch::kRoof) roof_building[v] = surface.building[f];
     }
+  const Terrain terrain = terrain_of(surface, shift, dtm, city);
+  const std::vector<double> roofs = roofs_over_walls(surface, city);
   const auto place = [&](std::size_t v, double wanted) {
     const auto& p = surface.points[v];
     return fmt::format("vertex {} at ({:.3f}, {:.3f}): z = {:.9f}, {:.9f} expected", v, p[0], p[1],
@@ -63,13 +108,17 @@ HeightsCheck check_heights(const SurfaceMesh& surface, std::array<double, 3> shi
       note_violation(check.violations, kNotFinite, [&] { return fmt::format("vertex {}", v); });
       continue;
     }
-    const double wanted = height_of_terrain(dtm, city.origin, p[0] + shift[0], p[1] + shift[1]);
+    const double wanted = terrain.at[v];
     const double error = p[2] + shift[2] - wanted;
     if (std::abs(error) <= kHeightTolerance) continue;
-    if (error < 0 && on_wall[v])
-      ++check.lowered;
-    else
+    if (error > 0 || roofs[v] == kInfinity) {
       note_violation(check.violations, "ground vertices off the terrain",
+                     [&] { return place(v, wanted); });
+      continue;
+    }
+    ++check.lowered;
+    if (terrain.highest[v] <= roofs[v] - minimum_wall - kNeedTolerance)
+      note_violation(check.violations, "ground vertices lowered at walls that are high enough",
                      [&] { return place(v, wanted); });
   }
   for (const auto& [vertex, building] : roof_building) {

@@ -423,7 +423,6 @@ void Repairer::tidy() {
       if (!o_.alive(v) || candidate(v, c) == kInfinity || !judge_.gain(c)) continue;
       apply(c);
       --counts_.dropped;
-      ++counts_.tidied;
     }
     std::sort(touched_.begin(), touched_.end());
     touched_.erase(std::unique(touched_.begin(), touched_.end()), touched_.end());

@@ -26,7 +26,6 @@ struct RepairCounts {
   std::int64_t slid = 0;     ///< Short edges lengthened by sliding their ends along the walls.
   std::int64_t moved = 0;    ///< Vertices moved away from an edge.
   std::int64_t filled = 0;   ///< Holes closed.
-  std::int64_t tidied = 0;   ///< Vertices dropped between parallel edges.
 };
 
 /// A vertex closer than epsilon to an edge it does not belong to (or, where that edge starts or

@@ -463,7 +463,6 @@ void Simplifier::finish() {
   stats.edges_slid = counts_.slid;
   stats.vertices_moved = counts_.moved;
   stats.holes_filled = counts_.filled;
-  stats.parallel_removed = counts_.tidied;
   for (Group& group : groups_) {
     result_.footprints.push_back(grid::to_metres(group.polygon));
     result_.members.push_back(std::move(group.members));

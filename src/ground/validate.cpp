@@ -360,11 +360,9 @@ AngleStatistics angle_statistics(std::span<const Point2> points, TriangleSpan tr
     for (std::size_t i = 0; i < 3; ++i) {
       const double angle = to_degrees(angle_between(p[i], p[(i + 1) % 3], p[(i + 2) % 3]));
       smallest = std::min(smallest, angle);
-      result.max_deg = std::max(result.max_deg, angle);
     }
     result.min_deg = std::min(result.min_deg, smallest);
     result.mean_min_deg += smallest;
-    ++result.smallest[std::min<std::size_t>(11, static_cast<std::size_t>(smallest / 5))];
   }
   result.mean_min_deg /= static_cast<double>(triangles.size());
   return result;

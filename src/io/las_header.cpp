@@ -97,7 +97,6 @@ void parse_fixed(const fs::path& path, std::string_view h, LasLayout& layout) {
     fail_las(path, fmt::format("byte 105 gives records of {} bytes where point format {} needs {}; "
                                "the file is broken",
                                info.record_length, info.point_format, needed));
-  info.generating_software = text_at(h, 58, 32);
 }
 
 void parse_numbers(const fs::path& path, std::string_view h, LasInfo& info) {
@@ -141,7 +140,6 @@ std::vector<Vlr> read_vlrs(const fs::path& path, const PositionedFile& file, std
     at += length;
     vlrs.push_back(std::move(vlr));
   }
-  layout.info.vlr_count = static_cast<int>(vlrs.size());
   if (vlrs.size() < claimed) {
     const std::string what = fmt::format(
         "byte 100 gives {} variable length records, but only {} fit before the points at byte {}",

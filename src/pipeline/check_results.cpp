@@ -23,6 +23,7 @@
 #include "tetropolis/io/geotiff.h"
 #include "tetropolis/io/vtk.h"
 #include "tetropolis/io/xdmf.h"
+#include "tetropolis/pipeline/config.h"
 
 namespace tetropolis {
 
@@ -54,6 +55,7 @@ struct ReportedFacts {
   std::optional<Point2> origin;
   std::optional<ReportedMesh> mesh;
   std::optional<double> min_angle;
+  double min_wall = Config{}.min_wall_height;
   ReportedGround ground{};
 };
 
@@ -64,6 +66,7 @@ ReportedFacts facts_of(const Json& report) {
   facts.min_distance = config.value("min_building_distance", kDefaultDistance);
   facts.absolute = config.value("coordinates", std::string("local")) == "absolute";
   if (config.contains("min_angle")) facts.min_angle = config["min_angle"].get<double>();
+  facts.min_wall = config.value("min_wall_height", facts.min_wall);
   const Json ground = report.value("ground_mesh", Json::object());
   facts.ground = {ground.value("triangles", -1.0), ground.value("min_angle_deg", -1.0),
                   ground.value("triangles_below_min_angle", -1.0)};
@@ -248,7 +251,8 @@ void check_heights_of(const fs::path& terrain, const SurfaceMesh& surface,
                       std::array<double, 3> shift, const CityModel& city,
                       const std::optional<ReportedFacts>& report, CheckedFile& file) {
   const HeightsCheck check =
-      check_heights(surface, shift, read_raster(terrain, city.origin).raster, city);
+      check_heights(surface, shift, read_raster(terrain, city.origin).raster, city,
+                    report ? report->min_wall : Config{}.min_wall_height);
   file.violations.insert(file.violations.end(), check.violations.begin(), check.violations.end());
   file.facts.push_back(
       fmt::format("{} ground vertices on the terrain ({} lowered at walls), {} roof vertices at "
@@ -280,7 +284,7 @@ void compare_account(const CityModel& city, const std::optional<ReportedFacts>& 
                      CheckedFile& file) {
   if (!report || !report->footprint_parts) {
     file.not_checked.emplace_back(
-        "that every input feature is accounted for (no report.json of the run)");
+        "that every input feature is accounted for (no report.json of the run that made the city)");
     return;
   }
   std::size_t accounted = city.dropped.size();

@@ -46,8 +46,8 @@ std::vector<ConfigField> make_fields() {
        .group = "Input",
        .member = &C::bounds,
        .commands = kBuild | kCity | kMesh,
-       .help = "Domain XMIN,YMIN,XMAX,YMAX in the points' CRS; default: where footprints and "
-               "points overlap, plus a margin",
+       .help = "Domain XMIN,YMIN,XMAX,YMAX in the CRS of the points or the terrain; default: where "
+               "footprints and points overlap, plus a margin (mesh: that of the city model)",
        .unit = "m",
        .min = -1e9,
        .max = 1e9},
@@ -198,7 +198,8 @@ std::vector<ConfigField> make_fields() {
        .group = "City model",
        .member = &C::min_building_distance,
        .commands = kData | kMesh,
-       .help = "Footprints closer than this are merged; no detail is smaller",
+       .help = "Footprints closer than this are merged, and no detail is smaller (mesh: nothing is "
+               "merged, what is closer is refused)",
        .unit = "m",
        .min = 0.05},
       {.name = "merge_growths",
@@ -206,7 +207,8 @@ std::vector<ConfigField> make_fields() {
        .member = &C::merge_growths,
        .commands = kData,
        .help =
-           "Number of reaches tried for patches between footprints: the distance, twice that, ...",
+           "How far pieces that join footprints may reach: the distance, twice that, four times "
+           "that, ...; how many of these are tried",
        .min = 1,
        .max = 10},
       {.name = "min_building_area",

@@ -17,6 +17,7 @@
 #include "tetropolis/io/geotiff.h"
 #include "tetropolis/terrain/dtm.h"
 
+#include "elevations.h"
 #include "find_ground.h"
 #include "read_input.h"
 #include "stages.h"
@@ -24,9 +25,6 @@
 namespace tetropolis {
 
 namespace {
-
-/// Metres from sea level beyond which nothing is terrain.
-constexpr double kFarthestElevation = 1e5;
 
 /// Share of empty nodes above which a terrain is more guess than data.
 constexpr double kMostlyEmpty = 0.75;
@@ -282,18 +280,17 @@ void warn_of_terrain(const DtmReport& dtm, Report& report) {
 /// A header that is off shows here, or bytes that have rotted; then points outside of their box
 /// name the file.
 void require_elevations(const Raster& dtm, const Config& config, const Report& report) {
-  const auto [low, high] = std::minmax_element(dtm.values.begin(), dtm.values.end());
-  const double farthest = std::max(std::abs(*low), std::abs(*high));
-  if (farthest <= kFarthestElevation) return;
+  const auto wrong = find_no_elevation(dtm.values);
+  if (wrong == dtm.values.end()) return;
   const auto outside =
       std::find_if(report.warnings.begin(), report.warnings.end(),
                    [](const Warning& warning) { return warning.code == "las_points_outside_box"; });
   throw Error(
       ErrorKind::kInput,
-      fmt::format("{}: ground points lie at elevations up to {:.3g} m; get the file again, "
+      fmt::format("{}: ground points lie at elevations such as {:.6g} m; get the file again, "
                   "or check scale and offset of z in its header ('tetropolis info')",
                   outside == report.warnings.end() ? config.points.front() : outside->message,
-                  farthest));
+                  *wrong));
 }
 
 Raster make_terrain(const Config& config, const InputData& input, StepClock& clock,

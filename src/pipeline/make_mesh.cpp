@@ -46,7 +46,17 @@ void require_plausible(const LayerPlan& plan) {
                                       : ", a stray point?"));
 }
 
-double nodes_of(const Raster& dtm) { return static_cast<double>(dtm.values.size()); }
+CitySize size_of(const Config& config, const CityModel& city, const Raster& dtm) {
+  CitySize size;
+  size.area = city.domain.width() * city.domain.height();
+  for (const Building& building : city.buildings) size.add(building.footprint);
+  double sum = 0;
+  for (const double z : dtm.values) sum += z;
+  size.height = highest_under(dtm, city.domain) + config.domain_height -
+                sum / static_cast<double>(dtm.values.size());
+  size.terrain_nodes = static_cast<double>(dtm.values.size());
+  return size;
+}
 
 /// About the cells that columns will have, before they are made: every segment makes a tet in each
 /// of the about six triangles around it.
@@ -133,7 +143,8 @@ ColumnMesh smooth_columns(const Config& config, const CityModel& city, const Ras
   LayeredMesh layered = clock.run("3.2", "layers", [&](const Progress&) {
     plan = plan_of(config, city, dtm, ground, spacing_of(config, ground), report);
     const auto triangles = static_cast<double>(ground.triangles.size());
-    require_cells_fit(config, triangles, 3 * triangles * plan.layers.layers, nodes_of(dtm));
+    require_cells_fit(config, size_of(config, city, dtm), triangles,
+                      3 * triangles * plan.layers.layers);
     return make_layers(std::move(ground), plan.layers.layers, plan.layers.bottom, plan.layers.top);
   });
   SmoothOptions options;
@@ -169,8 +180,8 @@ ColumnMesh grade_columns(const Config& config, const CityModel& city, const Rast
     return plan_of(config, city, dtm, ground, std::move(spacing), report);
   });
   ColumnMesh mesh = clock.run("3.4", "divide and trim columns", [&](const Progress&) {
-    require_cells_fit(config, static_cast<double>(ground.triangles.size()), estimate_cells(plan),
-                      nodes_of(dtm));
+    require_cells_fit(config, size_of(config, city, dtm),
+                      static_cast<double>(ground.triangles.size()), estimate_cells(plan));
     EdgeGraph edges = build_edge_graph(ground);
     return divide_columns(std::move(ground), std::move(edges), plan);
   });
@@ -258,18 +269,6 @@ double in_crs(double local, double origin) { return (local + origin) - origin; }
 
 void move_into_crs(GroundMesh& ground, Point2 origin) {
   for (Point2& p : ground.vertices) p = {in_crs(p.x, origin.x), in_crs(p.y, origin.y)};
-}
-
-CitySize size_of(const Config& config, const CityModel& city, const Raster& dtm) {
-  CitySize size;
-  size.area = city.domain.width() * city.domain.height();
-  for (const Building& building : city.buildings) size.add(building.footprint);
-  double sum = 0;
-  for (const double z : dtm.values) sum += z;
-  size.height = highest_under(dtm, city.domain) + config.domain_height -
-                sum / static_cast<double>(dtm.values.size());
-  size.terrain_nodes = nodes_of(dtm);
-  return size;
 }
 
 bool is_wanted(const Config& config, std::string_view format) {

@@ -27,6 +27,11 @@ constexpr double kPerTerrainNode = 12;
 /// Of the solver, with uniform layers (uniform.peak_bytes_per_node in tests/work/limits.txt).
 constexpr double kPerSolverNode = 100;
 
+/// How far estimate_mesh may be off; and how far, if it is corrected by what is known at one mesh
+/// size, at another.
+constexpr double kEstimateError = 4.0 / 3;
+constexpr double kScalingError = 1.1;
+
 double bytes_of(const Config& config, double triangles, double cells, double terrain_nodes) {
   double bytes = kProgram + 8 * terrain_nodes + kPerTriangle * triangles + kPerCell * cells;
   if (solves_laplace(config)) bytes += kPerSolverNode * cells / 6;
@@ -53,6 +58,29 @@ double parse_size(const std::string& text) {
 std::string in_words(double bytes) {
   return bytes < 1e9 ? fmt::format("{:.0f} MB", bytes / 1e6)
                      : fmt::format("{:.1f} GB", bytes / 1e9);
+}
+
+/// What the bytes and cells of an estimate are multiplied by.
+struct Correction {
+  double bytes, cells;
+};
+
+/// Throws what `begin` says, and the least mesh size that fits.
+[[noreturn]] void refuse(const Config& config, const CitySize& city, const Correction& correction,
+                         const std::string& begin) {
+  const double limit = memory_limit(config);
+  Config coarse = config;
+  while (coarse.mesh_size < 1e4) {
+    coarse.mesh_size = std::ceil(coarse.mesh_size * 20.4) / 20;
+    const MeshEstimate fits = estimate_mesh(coarse, city);
+    if (correction.bytes * fits.bytes > limit) continue;
+    throw Error(ErrorKind::kUsage,
+                fmt::format("{}; about {:.2g} cells fit, with --mesh-size {:.2f}", begin,
+                            correction.cells * fits.cells, coarse.mesh_size));
+  }
+  throw Error(ErrorKind::kUsage, begin +
+                                     "; no mesh size fits: raise --max-memory or --layer-height, "
+                                     "or lower --bounds or --domain-height");
 }
 
 }  // namespace
@@ -85,30 +113,19 @@ void require_mesh_fits(const Config& config, const CitySize& city) {
   const double limit = memory_limit(config);
   const MeshEstimate estimate = estimate_mesh(config, city);
   if (estimate.bytes <= limit) return;
-  const std::string begin = fmt::format("the mesh would have about {:.2g} cells and need {} of {}",
-                                        estimate.cells, in_words(estimate.bytes), in_words(limit));
-  Config coarse = config;
-  while (coarse.mesh_size < 1e4) {
-    coarse.mesh_size = std::ceil(coarse.mesh_size * 20.4) / 20;
-    const MeshEstimate fits = estimate_mesh(coarse, city);
-    if (fits.bytes > limit) continue;
-    throw Error(ErrorKind::kUsage,
-                fmt::format("{}; about {:.2g} cells fit, with --mesh-size {:.2f}", begin,
-                            fits.cells, coarse.mesh_size));
-  }
-  throw Error(ErrorKind::kUsage, begin +
-                                     "; no mesh size fits: raise --max-memory or --layer-height, "
-                                     "or lower --bounds or --domain-height");
+  refuse(config, city, {kEstimateError, 1},
+         fmt::format("the mesh would have about {:.2g} cells and need {} of {}", estimate.cells,
+                     in_words(estimate.bytes), in_words(limit)));
 }
 
-void require_cells_fit(const Config& config, double triangles, double cells, double terrain_nodes) {
+void require_cells_fit(const Config& config, const CitySize& city, double triangles, double cells) {
   const double limit = memory_limit(config);
-  const double bytes = bytes_of(config, triangles, cells, terrain_nodes);
+  const double bytes = bytes_of(config, triangles, cells, city.terrain_nodes);
   if (bytes <= limit) return;
-  throw Error(ErrorKind::kUsage,
-              fmt::format("the mesh would have {:.3g} cells and need {} of {}; raise --mesh-size, "
-                          "--layer-height or --max-memory, or lower --domain-height or --bounds",
-                          cells, in_words(bytes), in_words(limit)));
+  const MeshEstimate estimate = estimate_mesh(config, city);
+  refuse(config, city, {kScalingError * bytes / estimate.bytes, cells / estimate.cells},
+         fmt::format("the mesh would have {:.3g} cells and need {} of {}", cells, in_words(bytes),
+                     in_words(limit)));
 }
 
 void require_points_fit(const Config& config, double points, double terrain_nodes) {

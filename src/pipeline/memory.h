@@ -31,12 +31,12 @@ struct MeshEstimate {
 /// bench/); columns are divided about every 0.7 h.
 MeshEstimate estimate_mesh(const Config& config, const CitySize& city);
 
-/// Throws Error(kUsage) that tells cells, memory, and the mesh size that would fit, unless
-/// estimate_mesh is below the limit.
+/// Throws Error(kUsage) that tells cells, memory, and a mesh size that fits even if the estimate is
+/// a third too low, unless estimate_mesh is below the limit.
 void require_mesh_fits(const Config& config, const CitySize& city);
 
 /// Likewise for counts that are known by now.
-void require_cells_fit(const Config& config, double triangles, double cells, double terrain_nodes);
+void require_cells_fit(const Config& config, const CitySize& city, double triangles, double cells);
 
 /// Likewise for the points of the domain and its terrain, before they are read.
 void require_points_fit(const Config& config, double points, double terrain_nodes);

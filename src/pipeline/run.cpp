@@ -19,6 +19,7 @@
 #include "tetropolis/io/vector.h"
 #include "tetropolis/synth/synthetic_city.h"
 
+#include "elevations.h"
 #include "memory.h"
 #include "require_metres.h"
 #include "stages.h"
@@ -143,13 +144,9 @@ void require_terrain_under(const Config& config, const CityModel& city,
                     city.domain.ymin + city.origin.y, city.domain.ymax + city.origin.y));
 }
 
-/// What marks missing values in rasters that do not say so (-9999, -32768, 1e38) is no elevation.
 void require_elevations(const Config& config, const RasterInput& terrain) {
-  constexpr double kLowest = -1000, kHighest = 10000;
   const std::vector<double>& values = terrain.raster.values;
-  const auto wrong = std::find_if(values.begin(), values.end(), [](double value) {
-    return !(value >= kLowest && value <= kHighest);
-  });
+  const auto wrong = find_no_elevation(values);
   if (wrong == values.end()) return;
   const auto nx = static_cast<std::ptrdiff_t>(terrain.raster.nx);
   const std::ptrdiff_t node = wrong - values.begin();

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <limits>
 #include <map>
+#include <numbers>
 
 #include <gtest/gtest.h>
 
@@ -68,7 +69,7 @@ TEST_F(CheckGround, MeasuresTheGroundMeshInAnyFrame) {
     }
     for (const double limit : {25.0, 44.0}) {
       const GroundCheck found = check_ground(surface, shift, model, limit);
-      EXPECT_TRUE(found.violations.empty());
+      EXPECT_EQ(found.violations.empty(), limit == 25);
       EXPECT_EQ(found.triangles, static_cast<std::int64_t>(ground.triangles.size()));
       EXPECT_NEAR(found.least_angle_deg, expected.min_deg, 1e-6);
       const auto [low, high] = found.least_angle_bounds_deg;
@@ -81,6 +82,32 @@ TEST_F(CheckGround, MeasuresTheGroundMeshInAnyFrame) {
       EXPECT_LE(found.below_bounds[1] - found.below_bounds[0], 1);
     }
   }
+}
+
+TEST_F(CheckGround, AnglesAreSmallOnlyAtSharpCorners) {
+  testing::SmallCity city = testing::small_city(testing::hills);
+  city.footprints[3] = Polygon{{{10, 45}, {30, 45}, {30, 41}}, {}};  // 11.3 degrees
+  const testing::MeshedCity sharp = testing::meshed(city, 12);
+  surface = extract_boundary(sharp.mesh, city.domain);
+  model.buildings[3].footprint = city.footprints[3];
+  const GroundCheck found = check();
+  EXPECT_NEAR(found.least_angle_deg, std::atan2(4, 20) * 180 / std::numbers::pi, 1e-6);
+  EXPECT_GT(found.below, 0);
+  EXPECT_EQ(violations(), Counts{});
+  // A vertex of the ground away from walls is moved near to another.
+  for (std::size_t f = 0; f < surface.triangles.size(); ++f) {
+    if (surface.patch[f] != Patch::kGround) continue;
+    const auto& t = surface.triangles[f];
+    const auto& p = surface.points[static_cast<std::size_t>(t[0])];
+    auto& q = surface.points[static_cast<std::size_t>(t[1])];
+    if (q[0] < 107 || q[0] > 119 || q[1] < 5 || q[1] > 85) continue;
+    q[0] += 0.9 * (p[0] - q[0]);
+    q[1] += 0.9 * (p[1] - q[1]);
+    break;
+  }
+  const Counts counts = violations();
+  ASSERT_EQ(counts.size(), 1U);
+  EXPECT_EQ(counts.begin()->first, "angles below the minimum where no input corner is sharper");
 }
 
 TEST_F(CheckGround, SeesFootprintVerticesThatTheMeshLacks) {

@@ -1,7 +1,9 @@
 // Every check is seen to fail on a mesh broken in just that way.
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
+#include <stdexcept>
 
 #include <gtest/gtest.h>
 
@@ -30,6 +32,8 @@ std::string names(const std::vector<Violation>& violations) {
   for (const Violation& v : violations) text += v.what + " (" + v.first + "); ";
   return text;
 }
+
+constexpr double kMinimumWall = ColumnPlanOptions{}.minimum_wall;
 
 class CheckMesh : public ::testing::Test {
  protected:
@@ -69,9 +73,10 @@ TEST_F(CheckMesh, PassesAGoodMeshAndAgreesWithTheGeneratorsMeasures) {
   EXPECT_TRUE(check_surface(surface).violations.empty())
       << names(check_surface(surface).violations);
   EXPECT_TRUE(check_same_boundary(mesh, check, surface).empty());
-  const HeightsCheck heights = check_heights(surface, {0, 0, 0}, city.city.dtm, model);
+  const HeightsCheck heights =
+      check_heights(surface, {0, 0, 0}, city.city.dtm, model, kMinimumWall);
   EXPECT_TRUE(heights.violations.empty()) << names(heights.violations);
-  EXPECT_LE(heights.lowered, city.plan.lowered);
+  EXPECT_EQ(heights.lowered, city.plan.lowered);
 }
 
 TEST_F(CheckMesh, SeesInvertedCells) {
@@ -113,7 +118,7 @@ TEST_F(CheckMesh, EndsOnNonFiniteVerticesWhereverTheyAre) {
       SurfaceMesh odd = surface;
       odd.points[static_cast<std::size_t>(odd.triangles[ground][0])][d] = value;
       EXPECT_TRUE(has(check_surface(odd).violations, "coordinates that are not finite"));
-      EXPECT_TRUE(has(check_heights(odd, {0, 0, 0}, city.city.dtm, model).violations,
+      EXPECT_TRUE(has(check_heights(odd, {0, 0, 0}, city.city.dtm, model, kMinimumWall).violations,
                       "coordinates that are not finite"));
       const VolumeCheck check = check_volume(mesh);
       EXPECT_FALSE(check_same_boundary(mesh, check, odd).empty());
@@ -208,15 +213,39 @@ TEST_F(CheckMesh, SeesHeightsOffByAMillimetre) {
   SurfaceMesh moved = surface;
   for (auto& p : moved.points)
     if (p[2] == city.city.roofs[2]) p[2] += 0.001;
-  EXPECT_TRUE(has(check_heights(moved, {0, 0, 0}, city.city.dtm, model).violations,
+  EXPECT_TRUE(has(check_heights(moved, {0, 0, 0}, city.city.dtm, model, kMinimumWall).violations,
                   "roof vertices off the roof height"));
   Raster higher = city.city.dtm;
   for (double& z : higher.values) z -= 0.001;
-  EXPECT_TRUE(has(check_heights(surface, {0, 0, 0}, higher, model).violations,
+  EXPECT_TRUE(has(check_heights(surface, {0, 0, 0}, higher, model, kMinimumWall).violations,
                   "ground vertices off the terrain"));
   model.buildings.pop_back();
-  EXPECT_TRUE(has(check_heights(surface, {0, 0, 0}, city.city.dtm, model).violations,
+  EXPECT_TRUE(has(check_heights(surface, {0, 0, 0}, city.city.dtm, model, kMinimumWall).violations,
                   "roofs of buildings that the city model lacks"));
+}
+
+TEST_F(CheckMesh, GroundIsLoweredAtWallsOnlyAndOnlyWhereTheyNeedIt) {
+  const auto found = [&](const char* what) {
+    return has(check_heights(surface, {0, 0, 0}, city.city.dtm, model, kMinimumWall).violations,
+               what);
+  };
+  const auto first_on = [&](Patch patch) -> std::array<double, 3>& {
+    for (std::size_t f = 0; f < surface.triangles.size(); ++f)
+      if (surface.patch[f] == patch)
+        for (const std::int32_t v : surface.triangles[f]) {
+          auto& p = surface.points[static_cast<std::size_t>(v)];
+          if (std::abs(p[2] - sample(city.city.dtm, {p[0], p[1]})) < 1e-9) return p;
+        }
+    throw std::logic_error("no such vertex on the terrain");
+  };
+  std::array<double, 3>& foot = first_on(Patch::kWall);
+  foot[2] -= 0.5;
+  EXPECT_TRUE(found("ground vertices lowered at walls that are high enough"));
+  EXPECT_FALSE(found("ground vertices off the terrain"));
+  for (Building& building : model.buildings) building.h_roof = foot[2] + 1;
+  EXPECT_FALSE(found("ground vertices lowered at walls that are high enough"));
+  foot[2] += 1;
+  EXPECT_TRUE(found("ground vertices off the terrain")) << "raised at a wall";
 }
 
 }  // namespace

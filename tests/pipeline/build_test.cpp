@@ -1,8 +1,11 @@
 // The whole pipeline on invented cities: results hold together, do not depend on threads, and are
 // the same in one go or in two.
+#include <algorithm>
 #include <fstream>
+#include <map>
 #include <regex>
 #include <set>
+#include <string>
 #include <utility>
 
 #include <gtest/gtest.h>
@@ -11,6 +14,7 @@
 #include "tetropolis/core/error.h"
 #include "tetropolis/io/cityjson.h"
 #include "tetropolis/io/geotiff.h"
+#include "tetropolis/io/vtk.h"
 #include "tetropolis/pipeline/check_results.h"
 #include "tetropolis/pipeline/run.h"
 
@@ -88,7 +92,56 @@ TEST_F(Build, CheckFindsAReportThatTellsSomethingElse) {
   EXPECT_EQ(violations_with("/ground_mesh/min_angle_deg", least + 1e-4), 1U);
   EXPECT_EQ(violations_with("/ground_mesh/min_angle_deg", least - 1e-4), 1U);
   EXPECT_EQ(violations_with("/ground_mesh/triangles_below_min_angle", below + 1), 1U);
-  EXPECT_EQ(violations_with("/config/min_angle", 44), 1U);  // many are below that
+  EXPECT_EQ(violations_with("/config/min_angle", 44), 2U);  // many are, and not at sharp corners
+}
+
+TEST_F(Build, UniformLayersArePrismsOfThreeAndHoldEveryGuarantee) {
+  Config config = city(SynthKind::kRandom, 20, 200, 4);
+  config.layering = Layering::kUniform;
+  for (const Top top : {Top::kFlat, Top::kFree}) {
+    SCOPED_TRACE(top == Top::kFlat ? "flat top" : "free top");
+    config.top = top;
+    const Report report = run_build(config);
+    expect_guarantees(config.out);
+    ASSERT_EQ(report.solver.size(), 2U);
+    for (const SolverStepReport& step : report.solver) {
+      EXPECT_GT(step.unknowns, 0);
+      EXPECT_GT(step.iterations, 0);
+      EXPECT_TRUE(step.converged);
+    }
+    const TetMesh mesh = read_vtu(fs::path(config.out) / "volume.vtu");
+    std::map<std::set<std::pair<double, double>>, std::int64_t> stacks;
+    for (const auto& cell : mesh.cells) {
+      std::set<std::pair<double, double>> corners;
+      for (const std::int64_t v : cell) {
+        const auto& p = mesh.points[static_cast<std::size_t>(v)];
+        corners.insert({p[0], p[1]});
+      }
+      ++stacks[corners];
+    }
+    std::int64_t highest = 0;
+    for (const auto& [corners, cells] : stacks) {
+      EXPECT_EQ(corners.size(), 3U);
+      EXPECT_EQ(cells % 3, 0);
+      highest = std::max(highest, cells / 3);
+    }
+    EXPECT_EQ(highest, report.volume_mesh->layers);
+  }
+}
+
+TEST_F(Build, AnUnfinishedSolveIsToldAndStillValid) {
+  Config config = city(SynthKind::kRandom, 20, 200, 4);
+  config.layering = Layering::kUniform;
+  config.solver_iterations = 1;
+  config.solver_tolerance = 1e-12;
+  const Report report = run_build(config);
+  expect_guarantees(config.out);
+  EXPECT_TRUE(std::any_of(report.warnings.begin(), report.warnings.end(),
+                          [](const Warning& w) { return w.code == "solver_not_converged"; }));
+  for (const SolverStepReport& step : report.solver) {
+    EXPECT_EQ(step.iterations, 1);
+    EXPECT_FALSE(step.converged);
+  }
 }
 
 TEST_F(Build, CheckFindsFootprintsThatAreNotInTheMesh) {
@@ -362,6 +415,31 @@ TEST_F(Build, ResultsOfAnEarlierRunAreNotMixedWithNewOnes) {
   EXPECT_TRUE(fs::exists(scratch / "out/notes.txt"));
 }
 
+TEST_F(Build, TheMeshSizeThatARefusalNamesFits) {
+  Config config = city(SynthKind::kBlocks, 60, 600, 20);
+  for (const char* limit : {"125M", "150M", "300M"})
+    for (const Layering layering : {Layering::kGraded, Layering::kUniform}) {
+      SCOPED_TRACE(limit + std::string(layering == Layering::kUniform ? ", uniform" : ""));
+      config.max_memory = limit;
+      config.layering = layering;
+      config.mesh_size = 1.5;
+      std::string message;
+      try {
+        run_build(config);
+      } catch (const Error& error) {
+        message = error.what();
+      }
+      const std::size_t at = message.find("fit, with --mesh-size ");
+      ASSERT_NE(at, std::string::npos) << message;
+      config.mesh_size = std::stod(message.substr(message.find_last_of(' ')));
+      const Report report = run_build(config);
+      // What fits is told to a third, as well.
+      const double told = std::stod(message.substr(message.find("; about ") + 8));
+      EXPECT_LT(static_cast<double>(report.volume_mesh->cells), 1.4 * told) << message;
+      EXPECT_GT(static_cast<double>(report.volume_mesh->cells), told / 2.5) << message;
+    }
+}
+
 TEST_F(Build, AbsurdSizesAreRefusedBeforeTheWork) {
   Config config = city(SynthKind::kRandom, 30, 1000, 6);
   const auto refused = [&](const char* part) {
@@ -466,12 +544,16 @@ TEST_F(Build, TerrainAloneNeedsToBeAskedFor) {
 
 TEST_F(Build, StopsWhenAskedAndLeavesNothing) {
   const Config config = city(SynthKind::kRandom, 50, 250, 11);
-  for (const char* last : {"1.1", "2.1", "3.3", "3.6"}) {
+  for (const char* last :
+       {"read points", "terrain", "merge footprints", "ground mesh", "check and write meshes"}) {
     bool stop = false;
     RunHooks hooks;
-    hooks.step_begins = [&](const StepReport& step) { stop = step.id == last; };
+    hooks.step_begins = [&](const StepReport& step) { stop = stop || step.name == last; };
+    // In the middle of the step, not before the next.
+    hooks.step_ends = [&](const StepReport& step) { EXPECT_FALSE(stop) << step.id << " went on"; };
     hooks.cancelled = [&] { return stop; };
     EXPECT_THROW(run_build(config, hooks), Cancelled) << last;
+    EXPECT_TRUE(stop) << last;
     std::set<std::string> left;
     for (const auto& entry : fs::directory_iterator(scratch.path()))
       left.insert(entry.path().filename().string());

@@ -19,10 +19,11 @@ struct HeightsCheck {
   std::vector<Violation> violations;
 };
 
-/// |z - DTM| <= 1e-9 m at ground vertices (except below it on walls), |z - h_roof| <= 1e-9 m at
-/// roof vertices. `shift` is added to the surface's coordinates to get to the local frame of `dtm`
-/// and `city`. Ground vertices that are not finite are violations.
+/// |z - DTM| <= 1e-9 m at ground vertices, |z - h_roof| <= 1e-9 m at roof vertices. On walls ground
+/// may lie below the DTM where that, at the vertex or at one next to it, is higher than the roof
+/// less `minimum_wall`, metres. `shift` is added to the surface's coordinates to get to the local
+/// frame of `dtm` and `city`. Ground vertices that are not finite are violations.
 HeightsCheck check_heights(const SurfaceMesh& surface, std::array<double, 3> shift,
-                           const Raster& dtm, const CityModel& city);
+                           const Raster& dtm, const CityModel& city, double minimum_wall);
 
 }  // namespace tetropolis

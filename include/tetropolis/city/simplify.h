@@ -56,7 +56,6 @@ struct SimplifyStats {
   std::int64_t edges_merged = 0;  ///< Short edges replaced by one vertex.
   std::int64_t edges_slid = 0;    ///< Short edges lengthened along the adjoining walls.
   std::int64_t vertices_moved = 0;
-  std::int64_t parallel_removed = 0;  ///< Vertices between parallel edges.
   std::int64_t holes_filled = 0;
   std::int64_t gaps_filled = 0;  ///< Patches put into gaps, notches and slots.
   std::int64_t arms_cut = 0;     ///< Patches taken out of necks and thin arms.

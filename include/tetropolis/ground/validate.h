@@ -77,8 +77,6 @@ Violations validate(const GroundMesh& mesh, std::span<const Polygon> footprints,
 struct AngleStatistics {
   double min_deg = 0;
   double mean_min_deg = 0;  ///< Mean over triangles of the smallest angle.
-  double max_deg = 0;
-  std::array<std::int64_t, 12> smallest{};  ///< Triangles by smallest angle, bins of 5 degrees.
 };
 AngleStatistics angle_statistics(std::span<const Point2> points, TriangleSpan triangles);
 

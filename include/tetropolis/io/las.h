@@ -37,8 +37,6 @@ struct LasInfo {
   std::string crs;  ///< Canonical (crs.h); "" if none is stated or understood.
   double vertical_unit =
       1;  ///< Metres per unit of height, as the file's CRS says; 1 if it does not.
-  std::string generating_software;
-  int vlr_count = 0;              ///< Variable length records found before the points.
   std::vector<Warning> warnings;  ///< "las_vlrs_broken", "las_crs_unknown", "las_count_missing",
                                   ///< "las_count_small" (more room than the count says).
 };

@@ -19,11 +19,11 @@ struct CheckedFile {
   std::vector<std::string> not_checked;  ///< What it takes other files to see.
 };
 
-/// Checks a volume (.vtu), a boundary (.vtp), a city model (.json), or a folder of results: all of
-/// these that are in it, and in addition that the boundary is that of the volume, that footprints
-/// are in the mesh, that heights are those of the city model and the terrain, and that numbers
-/// agree with report.json. A guarantee that is neither among the violations nor in `not_checked`
-/// holds.
+/// Checks a volume (.vtu), a boundary (.vtp), both in one (.xdmf), a city model (.json), or a
+/// folder of results: all of these that are in it, and in addition that the boundary is that of the
+/// volume, that footprints are in the mesh, that heights are those of the city model and the
+/// terrain, and that numbers agree with report.json. Of the guarantees 1 to 6 of the README, one
+/// that is neither among the violations nor in `not_checked` holds; the others are about runs.
 ///
 /// `min_distance`: clearance to ask of a city model, finite and not negative. Without it: of a file
 /// named city_raw.city.json none; of others what report.json beside it says, else 1 m. Throws

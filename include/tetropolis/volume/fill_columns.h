@@ -18,8 +18,8 @@ namespace tetropolis {
 /// equilateral triangle as high as the flattest triangle there. Tets of a column are flat where
 /// this is too small for the longest edge (least dihedral angle about atan(spacing / edge)) and
 /// steep where it is too large for the least altitude a (about atan(a / spacing)); the mean keeps
-/// both away from the extremes. The factor trades cells (fewer by its inverse) against angles:
-/// docs/method.md has the figures. Precondition: every vertex belongs to a triangle.
+/// both away from the extremes. The factor trades cells (fewer by its inverse) against angles.
+/// Precondition: every vertex belongs to a triangle.
 std::vector<double> column_spacing(const GroundMesh& ground);
 
 /// Per vertex, how far the ground of a neighbour (across an edge of a triangle outside buildings)
