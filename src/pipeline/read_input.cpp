@@ -251,9 +251,12 @@ void fill_report(const Config& config, const FootprintsInput& footprints, const 
                             "(classes 7, 18), withheld, or "
                             "outside of it ({})",
                             config.points.front(), points.points_read, box_text(box)));
-  throw Error(ErrorKind::kInput, fmt::format("points and domain do not overlap: the domain is "
-                                             "{}, the points are {}; check the CRS of both",
-                                             box_text(box), box_text(headers.box)));
+  throw Error(
+      ErrorKind::kInput,
+      fmt::format(
+          "points and domain do not overlap: the domain is {}, the points are {}; check the "
+          "CRS of both (--points-crs, --footprints-crs)",
+          box_text(box), box_text(headers.box)));
 }
 
 }  // namespace
