@@ -18,6 +18,10 @@ namespace tetropolis {
 namespace {
 
 constexpr std::size_t kColumnsPerChunk = 4096;
+
+// Found by trial, by the least angles and the numbers of cells: of Delft, Amsterdam south and the
+// random city of 3,096 buildings for the spacing; of villages on slopes of 45 degrees and with rock
+// walls of 20 m (`tetropolis synth --kind adversarial`) for the shares.
 constexpr double kSpacingFactor = 1.2;
 
 /// Share of a cliff's height that the first segment at its foot takes.

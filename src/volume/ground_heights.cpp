@@ -35,6 +35,7 @@ std::vector<std::uint8_t> outside_vertices(const GroundMesh& mesh) {
 }
 
 double longest_wall_edge(const Raster& dtm, double roof, Point2 a, Point2 b, double minimum_wall) {
+  // Found by trial, on the survey's cities below the floor of quality and on random hillsides.
   constexpr double kEdgesPerHeight = 4, kEdgesPerDepth = 3, kLeastHeight = 1, kGentle = 0.25;
   constexpr double inf = std::numeric_limits<double>::infinity();
   const double length = std::hypot(b.x - a.x, b.y - a.y);
