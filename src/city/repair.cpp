@@ -422,7 +422,7 @@ void Repairer::tidy() {
     for (const auto& [height, v] : order) {
       if (!o_.alive(v) || candidate(v, c) == kInfinity || !judge_.gain(c)) continue;
       apply(c);
-      --counts_.dropped;
+      --counts_.dropped;  // it is no repair
     }
     std::sort(touched_.begin(), touched_.end());
     touched_.erase(std::unique(touched_.begin(), touched_.end()), touched_.end());

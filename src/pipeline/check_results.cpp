@@ -252,7 +252,7 @@ void check_heights_of(const fs::path& terrain, const SurfaceMesh& surface,
                       const std::optional<ReportedFacts>& report, CheckedFile& file) {
   const HeightsCheck check =
       check_heights(surface, shift, read_raster(terrain, city.origin).raster, city,
-                    report ? report->min_wall : Config{}.min_wall_height);
+                    report ? report->min_wall : ReportedFacts{}.min_wall);
   file.violations.insert(file.violations.end(), check.violations.begin(), check.violations.end());
   file.facts.push_back(
       fmt::format("{} ground vertices on the terrain ({} lowered at walls), {} roof vertices at "

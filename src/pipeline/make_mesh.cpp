@@ -138,13 +138,13 @@ ColumnPlan plan_of(const Config& config, const CityModel& city, const Raster& dt
 
 /// Steps 3.2 to 3.5 as in the paper; with graded columns as far as the top they give.
 ColumnMesh smooth_columns(const Config& config, const CityModel& city, const Raster& dtm,
-                          GroundMesh ground, StepClock& clock, Report& report) {
+                          const CitySize& size, GroundMesh ground, StepClock& clock,
+                          Report& report) {
   ColumnPlan plan;
   LayeredMesh layered = clock.run("3.2", "layers", [&](const Progress&) {
     plan = plan_of(config, city, dtm, ground, spacing_of(config, ground), report);
     const auto triangles = static_cast<double>(ground.triangles.size());
-    require_cells_fit(config, size_of(config, city, dtm), triangles,
-                      3 * triangles * plan.layers.layers);
+    require_cells_fit(config, size, triangles, 3 * triangles * plan.layers.layers);
     return make_layers(std::move(ground), plan.layers.layers, plan.layers.bottom, plan.layers.top);
   });
   SmoothOptions options;
@@ -173,15 +173,16 @@ ColumnMesh smooth_columns(const Config& config, const CityModel& city, const Ras
 /// Steps 3.2 to 3.5 with columns spaced by the triangles around them. Their heights follow from
 /// ground, roofs and top directly, so 3.3 and 3.5 have nothing to solve.
 ColumnMesh grade_columns(const Config& config, const CityModel& city, const Raster& dtm,
-                         GroundMesh ground, StepClock& clock, Report& report) {
+                         const CitySize& size, GroundMesh ground, StepClock& clock,
+                         Report& report) {
   std::vector<double> spacing = clock.run(
       "3.2", "spacing of columns", [&](const Progress&) { return spacing_of(config, ground); });
   const ColumnPlan plan = clock.run("3.3", "ground and top", [&](const Progress&) {
     return plan_of(config, city, dtm, ground, std::move(spacing), report);
   });
   ColumnMesh mesh = clock.run("3.4", "divide and trim columns", [&](const Progress&) {
-    require_cells_fit(config, size_of(config, city, dtm),
-                      static_cast<double>(ground.triangles.size()), estimate_cells(plan));
+    require_cells_fit(config, size, static_cast<double>(ground.triangles.size()),
+                      estimate_cells(plan));
     EdgeGraph edges = build_edge_graph(ground);
     return divide_columns(std::move(ground), std::move(edges), plan);
   });
@@ -192,10 +193,11 @@ ColumnMesh grade_columns(const Config& config, const CityModel& city, const Rast
 
 /// Steps 3.2 to 3.5.
 ColumnMesh make_columns_of_city(const Config& config, const CityModel& city, const Raster& dtm,
-                                GroundMesh ground, StepClock& clock, Report& report) {
+                                const CitySize& size, GroundMesh ground, StepClock& clock,
+                                Report& report) {
   const bool solves = solves_laplace(config);
   const auto make = solves ? smooth_columns : grade_columns;
-  ColumnMesh mesh = make(config, city, dtm, std::move(ground), clock, report);
+  ColumnMesh mesh = make(config, city, dtm, size, std::move(ground), clock, report);
   report.volume_mesh->min_vertical_gap = require_valid(mesh);
   return mesh;
 }
@@ -321,14 +323,15 @@ void write_surface(const Config& config, const SurfaceMesh& boundary, const Plac
 void make_mesh(const Config& config, const CityModel& city, Raster dtm, const OutputFolder& out,
                StepClock& clock, Report& report) {
   const Point2 origin = city.origin;
-  require_mesh_fits(config, size_of(config, city, dtm));
+  const CitySize size = size_of(config, city, dtm);
+  require_mesh_fits(config, size);
   GroundMesh ground = make_ground(config, city, dtm, clock, report);
   move_into_crs(ground, origin);
   dtm.x0 = in_crs(dtm.x0, origin.x);
   dtm.y0 = in_crs(dtm.y0, origin.y);
   const Bounds2 domain{in_crs(city.domain.xmin, origin.x), in_crs(city.domain.ymin, origin.y),
                        in_crs(city.domain.xmax, origin.x), in_crs(city.domain.ymax, origin.y)};
-  ColumnMesh mesh = make_columns_of_city(config, city, dtm, std::move(ground), clock, report);
+  ColumnMesh mesh = make_columns_of_city(config, city, dtm, size, std::move(ground), clock, report);
   CellQuality cells = improve(config, mesh, clock, *report.volume_mesh);
   clock.run("3.6", "check and write meshes", [&](const Progress& progress) {
     measure(mesh, std::move(cells), *report.volume_mesh);

@@ -1,4 +1,4 @@
-// Six buildings on a slope, measured point by point without noise: every result can be told by
+// Seven buildings on a slope, measured point by point without noise: every result can be told by
 // hand.
 #pragma once
 
