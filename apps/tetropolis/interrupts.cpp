@@ -1,19 +1,19 @@
 #include "interrupts.h"
 
+#include <algorithm>
 #include <atomic>
 #include <cerrno>
 #include <csignal>
+#include <cstring>
 #include <exception>
 #include <functional>
+#include <initializer_list>
 #include <iterator>
-#include <mutex>
 #include <string>
-#include <thread>
 #include <utility>
 
-#include <fcntl.h>
 #include <fmt/format.h>
-#include <poll.h>
+#include <time.h>
 #include <unistd.h>
 
 #include "tetropolis/core/error.h"
@@ -21,83 +21,121 @@
 
 #include "console.h"
 
+// No thread waits for signals: in a program of one thread stdio takes no locks, for which LASzip
+// (it reads bytes one by one) needs a tenth of its time. So whatever ends a run here does it within
+// a handler, and calls nothing but what POSIX lists as async-signal-safe.
+
 namespace tetropolis::app {
 
 namespace {
 
 /// How long a run may take to notice: a second, less what removing its files and a busy machine
 /// take.
-constexpr int kGraceMilliseconds = 500;
+constexpr long kGraceNanoseconds = 500'000'000;
 
 constexpr unsigned kLastSeconds = 5;
 
-constexpr char kGaveUp[] =
-    "tetropolis: a library ended the program, perhaps out of memory; nothing was written\n";
-
 constexpr const char* kLastLine = "tetropolis: interrupted; nothing was written";
 
-volatile std::sig_atomic_t signals_seen = 0;
-volatile std::sig_atomic_t watching = 0;
-int wake_up[2] = {-1, -1};
+/// One thread ends the process: that of a handler, or that of the run. None does while results move
+/// to their place.
+enum class State { kRuns, kMoves, kEnds };
+std::atomic<State> state{State::kRuns};
+static_assert(std::atomic<State>::is_always_lock_free);
 
-/// Input that crashed a library, and what the system would have done about the crash.
-std::atomic<const char*> crashed_on{nullptr};
+/// What removes the files of a run, if there are any. Never freed: a handler may be in it.
+std::atomic<const std::function<void()>*> discard_output{nullptr};
+
+volatile std::sig_atomic_t signals_seen = 0;
+timer_t grace;
+bool has_timer = false;
+bool on_terminal = false;
+
 constexpr int kFaults[] = {SIGSEGV, SIGBUS, SIGILL, SIGFPE, SIGABRT};
+/// What the system would have done about a crash.
 struct sigaction before_fault[std::size(kFaults)];
 
-/// What there is to remove. Left to the system at exit: the thread may outlive main().
-struct Output {
-  std::mutex mutex;
-  std::function<void()> discard;
-  bool moving = false;
-  bool said = false;
-};
-Output& output() {
-  static auto* const instance = new Output;
-  return *instance;
+bool moves_on_to(State next) {
+  State from = State::kRuns;
+  return state.compare_exchange_strong(from, next);
 }
 
-/// At the very end, when there may be no memory.
-void discard_output() {
-  try {
-    if (!output().moving && output().discard) output().discard();
-  } catch (const std::exception&) {
-    // Then the next run tidies up.
-  }
+/// Another thread is at it.
+[[noreturn]] void wait_for_the_end() {
+  for (;;) ::pause();
+}
+
+/// After a crash the last words are given no longer than this.
+void end_for_certain() {
+  std::signal(SIGALRM, SIG_DFL);
+  ::alarm(kLastSeconds);
+}
+
+/// Last words, and the end. Precondition: moves_on_to(kEnds) was granted.
+[[noreturn]] void end(std::initializer_list<const char*> words, int code) {
+  if (const auto* discard = discard_output.load()) (*discard)();
+  char line[8192];
+  std::size_t length = 0;
+  const auto add = [&](const char* word) {
+    const std::size_t size = std::min(std::strlen(word), sizeof line - length);
+    std::memcpy(line + length, word, size);
+    length += size;
+  };
+  if (on_terminal) add("\r\033[K");  // over the progress bar
+  for (const char* word : words) add(word);
+  [[maybe_unused]] const ssize_t written = ::write(STDERR_FILENO, line, length);
+  ::_exit(code);
+}
+
+void end_overdue_run(int) {
+  if (moves_on_to(State::kEnds)) end({kLastLine, "\n"}, kInterruptedExit);
 }
 
 void on_interrupt(int signal) {
   const int error = errno;
   signals_seen = signals_seen + 1;
-  if (signals_seen > 1) std::signal(signal, SIG_DFL);
-  [[maybe_unused]] const ssize_t written = ::write(wake_up[1], "!", 1);
+  if (signals_seen > 1) {
+    std::signal(signal, SIG_DFL);
+    end_overdue_run(signal);
+  } else if (has_timer) {
+    const itimerspec once{{}, {0, kGraceNanoseconds}};
+    ::timer_settime(grace, 0, &once, nullptr);
+  } else {
+    ::alarm(1);
+  }
   errno = error;
 }
 
 /// Of a crash on broken input, and of a library that gives up (GDAL does where a small allocation
-/// fails), remains one line: the thread that waits for signals says it and ends the process, as
-/// this one is in no state to. Any other crash stays what it is.
+/// fails), remains one line. Any other crash stays what it is.
 void on_fault(int signal, siginfo_t*, void*) {
   const char* input = foreign_input();
-  if (input == nullptr && signal == SIGABRT) input = "";  // no input's fault
-  if (input != nullptr && watching != 0) {
-    crashed_on = input;
-    ::alarm(kLastSeconds);  // this thread may hold a lock that the last words need
-    [[maybe_unused]] const ssize_t written = ::write(wake_up[1], "!", 1);
-    for (;;) ::pause();
-  }
-  if (signal == SIGABRT) {  // no thread to say so
-    ::alarm(kLastSeconds);
-    discard_output();
-    [[maybe_unused]] const ssize_t written = ::write(STDERR_FILENO, kGaveUp, sizeof kGaveUp - 1);
-    ::_exit(1);
+  if (input != nullptr || signal == SIGABRT) {
+    if (moves_on_to(State::kEnds)) {
+      end_for_certain();
+      if (input == nullptr)
+        end({"tetropolis: a library ended the program, perhaps out of memory; nothing was "
+             "written\n"},
+            1);
+      end({"tetropolis: ", input,
+           ": a library crashed on it: the file is broken, or memory ran out; get it again, or "
+           "leave it out\n"},
+          static_cast<int>(ErrorKind::kInput));
+    }
+    if (state == State::kEnds) wait_for_the_end();
   }
   for (std::size_t i = 0; i < std::size(kFaults); ++i)
     if (kFaults[i] == signal) ::sigaction(signal, &before_fault[i], nullptr);  // it happens again
 }
 
-/// What no thread has caught, such as an exception of a library's own thread.
+/// What no thread has caught, such as an exception of a library's own thread. No handler: it may
+/// call anything.
 [[noreturn]] void on_terminate() {
+  end_for_certain();
+  if (!moves_on_to(State::kEnds)) {
+    if (state == State::kEnds) wait_for_the_end();
+    discard_output = nullptr;
+  }
   std::string reason = "std::terminate";
   try {
     if (const auto error = std::current_exception()) std::rethrow_exception(error);
@@ -106,12 +144,10 @@ void on_fault(int signal, siginfo_t*, void*) {
   } catch (...) {
     reason = "an exception from a library";
   }
-  ::alarm(kLastSeconds);
-  const std::unique_lock lock(output().mutex);
-  discard_output();
-  put(stderr, fmt::format("tetropolis: {}: out of memory or threads, or an internal error\n",
-                          one_line(reason)));
-  ::_exit(1);
+  end({fmt::format("tetropolis: {}: out of memory or threads, or an internal error\n",
+                   one_line(reason))
+           .c_str()},
+      1);
 }
 
 void catch_faults() {
@@ -122,33 +158,12 @@ void catch_faults() {
     ::sigaction(kFaults[i], &action, &before_fault[i]);
 }
 
-/// Waits for a signal, or for so long. Negative: for ever.
-bool signal_comes(int milliseconds) {
-  pollfd ready{wake_up[0], POLLIN, 0};
-  char byte;
-  return ::poll(&ready, 1, milliseconds) > 0 && ::read(wake_up[0], &byte, 1) == 1;
-}
-
-void end_overdue_runs() {
-  while (!signal_comes(-1)) {
-  }
-  const char* broken = crashed_on;
-  if (broken == nullptr) signal_comes(kGraceMilliseconds);
-  const std::unique_lock lock(output().mutex);
-  if (output().moving) return;
-  discard_output();
-  if (broken != nullptr && *broken == '\0') {
-    put(stderr, kGaveUp);
-    ::_exit(1);
-  }
-  if (broken != nullptr) {
-    put(stderr, fmt::format("tetropolis: {}: a library crashed on it: the file is broken, or "
-                            "memory ran out; get it again, or leave it out\n",
-                            broken));
-    ::_exit(static_cast<int>(ErrorKind::kInput));
-  }
-  if (!std::exchange(output().said, true)) put(stderr, std::string(kLastLine) + "\n");
-  ::_exit(kInterruptedExit);
+void catch_timer() {
+  struct sigaction action {};
+  action.sa_handler = end_overdue_run;
+  action.sa_flags = SA_RESTART;
+  ::sigaction(SIGALRM, &action, nullptr);
+  has_timer = ::timer_create(CLOCK_MONOTONIC, nullptr, &grace) == 0;
 }
 
 }  // namespace
@@ -160,13 +175,8 @@ void catch_interrupts() {
   // end.
   for (const int signal : {SIGPIPE, SIGXFSZ}) std::signal(signal, SIG_IGN);
   std::set_terminate(on_terminate);
-  if (::pipe2(wake_up, O_CLOEXEC | O_NONBLOCK) != 0) return;
-  try {
-    std::thread(end_overdue_runs).detach();
-    watching = 1;
-  } catch (const std::exception&) {
-    // No thread to be had: then the run's own looking has to do.
-  }
+  on_terminal = ::isatty(STDERR_FILENO) == 1;
+  catch_timer();
   catch_faults();
   for (const int signal : {SIGINT, SIGTERM}) std::signal(signal, on_interrupt);
   // Ignored from the start (nohup): the run is meant to outlive the terminal.
@@ -178,19 +188,17 @@ void catch_interrupts() {
 OutputWatcher watch_output() {
   OutputWatcher watcher;
   watcher.begins = [](std::function<void()> discard) {
-    const std::lock_guard lock(output().mutex);
-    output().discard = std::move(discard);
+    discard_output = new std::function(std::move(discard));
   };
   watcher.moves = [] {
-    const std::lock_guard lock(output().mutex);
-    output().moving = true;
+    if (!moves_on_to(State::kMoves) && state == State::kEnds) wait_for_the_end();
   };
   return watcher;
 }
 
 int say_interrupted(const std::function<void(const std::string&)>& say) {
-  const std::lock_guard lock(output().mutex);
-  if (!std::exchange(output().said, true)) say(kLastLine);
+  if (!moves_on_to(State::kEnds) && state == State::kEnds) wait_for_the_end();
+  say(kLastLine);
   return kInterruptedExit;
 }
 

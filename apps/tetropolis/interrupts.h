@@ -24,8 +24,7 @@ bool interrupted();
 /// Tells what to remove where a run has to be ended.
 OutputWatcher watch_output();
 
-/// Calls `say` with the last line of an interrupted run, unless it has been said. Returns
-/// kInterruptedExit.
+/// Calls `say` with the last line of an interrupted run. Returns kInterruptedExit. Call once.
 int say_interrupted(const std::function<void(const std::string&)>& say);
 
 }  // namespace tetropolis::app

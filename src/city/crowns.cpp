@@ -121,11 +121,11 @@ class Disks {
   }
 
  private:
-  std::pair<double, double> range(std::span<const double> values) const {
+  std::pair<double, double> range(std::span<const PointCoordinate> values) const {
     double low = values[points_[0]], high = low;
     for (const PointIndex p : points_) {
-      low = std::min(low, values[p]);
-      high = std::max(high, values[p]);
+      low = std::min<double>(low, values[p]);
+      high = std::max<double>(high, values[p]);
     }
     return {low, high};
   }
@@ -199,7 +199,7 @@ bool has_trees_around(std::span<const PointIndex> roof, std::span<const PointInd
                       const PointCloud& cloud, double clearing) {
   if (roof.empty()) return false;
   double lowest = cloud.z[roof[0]];
-  for (const PointIndex p : roof) lowest = std::min(lowest, cloud.z[p]);
+  for (const PointIndex p : roof) lowest = std::min<double>(lowest, cloud.z[p]);
   const auto high = std::count_if(around.begin(), around.end(),
                                   [&](PointIndex p) { return cloud.z[p] > lowest + kTreeHeight; });
   return static_cast<double>(high) > clearing * static_cast<double>(roof.size());

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cstring>
 #include <istream>
+#include <optional>
 #include <streambuf>
 #include <string>
 #include <vector>
@@ -24,7 +25,7 @@ constexpr std::size_t kBlock = 1024;
 
 /// One record as it lies in an uncompressed file.
 LasRecord parse_record(const unsigned char* bytes, bool extended) {
-  LasRecord record;
+  LasRecord record{};
   std::memcpy(&record.x, bytes, 4);
   std::memcpy(&record.y, bytes + 4, 4);
   std::memcpy(&record.z, bytes + 8, 4);
@@ -61,8 +62,7 @@ void decode_plain(const fs::path& path, const LasLayout& layout, std::int64_t fi
   }
 }
 
-/// A file as a stream for LASzip, which knows how far was read. LASzip's own stdio is no faster in
-/// a program of several threads, where it takes a lock for every byte.
+/// A file as a stream for LASzip, which knows how far was read.
 class FileBuffer : public std::streambuf {
  public:
   explicit FileBuffer(const fs::path& path) : file_(path), bytes_(std::size_t{1} << 16) {}
@@ -107,21 +107,22 @@ class FileBuffer : public std::streambuf {
 /// Owns a LASzip reader.
 class LazReader {
  public:
-  LazReader(const fs::path& path, const LasLayout& layout)
-      : path_(path), layout_(layout), buffer_(path) {
+  /// With `tells_position` LASzip reads through a stream, which costs a tenth: it takes single
+  /// bytes, and stdio gives them faster even where it locks for each.
+  LazReader(const fs::path& path, const LasLayout& layout, bool tells_position)
+      : path_(path), layout_(layout) {
     if (laszip_create(&reader_) != 0) fail_las(path, "the LASzip library cannot be used");
     // Of the layered formats only these layers are unpacked; the others have no layers.
     laszip_decompress_selective(reader_, laszip_DECOMPRESS_SELECTIVE_CHANNEL_RETURNS_XY |
                                              laszip_DECOMPRESS_SELECTIVE_Z |
                                              laszip_DECOMPRESS_SELECTIVE_CLASSIFICATION |
                                              laszip_DECOMPRESS_SELECTIVE_FLAGS);
-    // A stream that has failed gives LASzip garbage for bytes, unless it throws.
-    stream_.exceptions(std::ios::failbit | std::ios::badbit);
-    laszip_BOOL compressed = 0;
     // What is left of a cut file LASzip finds only in files that it opens itself.
-    const bool opened = (layout.chunk_table_missing
-                             ? laszip_open_reader(reader_, path.c_str(), &compressed)
-                             : laszip_open_reader_stream(reader_, stream_, &compressed)) == 0;
+    if (tells_position && !layout.chunk_table_missing) stream_.emplace(path);
+    laszip_BOOL compressed = 0;
+    const bool opened =
+        (stream_ ? laszip_open_reader_stream(reader_, stream_->stream, &compressed)
+                 : laszip_open_reader(reader_, path.c_str(), &compressed)) == 0;
     if (!opened || laszip_get_point_pointer(reader_, &point_) != 0) {
       const std::string reason = error();
       laszip_destroy(reader_);
@@ -150,10 +151,20 @@ class LazReader {
         extended ? (point_->extended_classification_flags & 0x04) != 0 : point_->withheld_flag != 0;
   }
 
-  /// Byte of the file up to which was read.
-  std::int64_t position() const { return buffer_.position(); }
+  /// Byte of the file up to which was read. Precondition: made to tell it, of a file with a table
+  /// of chunks.
+  std::int64_t position() const { return stream_->buffer.position(); }
 
  private:
+  struct Stream {
+    explicit Stream(const fs::path& path) : buffer(path), stream(&buffer) {
+      // A stream that has failed gives LASzip garbage for bytes, unless it throws.
+      stream.exceptions(std::ios::failbit | std::ios::badbit);
+    }
+    FileBuffer buffer;
+    std::istream stream;
+  };
+
   std::string error() const {
     laszip_CHAR* text = nullptr;
     if (laszip_get_error(reader_, &text) != 0 || text == nullptr) return "unknown reason";
@@ -179,8 +190,7 @@ class LazReader {
 
   const fs::path& path_;
   const LasLayout& layout_;
-  FileBuffer buffer_;
-  std::istream stream_{&buffer_};
+  std::optional<Stream> stream_;
   laszip_POINTER reader_ = nullptr;
   laszip_point_struct* point_ = nullptr;
 };
@@ -189,7 +199,8 @@ std::int64_t decode_laz(const fs::path& path, const LasLayout& layout, std::int6
                         std::int64_t count, const LasVisitor& visit) {
   // LASzip recurses without an end on some broken files, and Debian's stops at failed assertions.
   const ForeignCode laszip(path.c_str());
-  LazReader reader(path, layout);
+  const bool ends = first + count == layout.info.point_count && layout.chunk_table != 0;
+  LazReader reader(path, layout, ends);
   reader.seek(first);
   const bool extended = layout.info.point_format >= 6;
   std::vector<LasRecord> records(kBlock);
@@ -201,7 +212,7 @@ std::int64_t decode_laz(const fs::path& path, const LasLayout& layout, std::int6
     visit(records.data(), n);
     done += static_cast<std::int64_t>(n);
   }
-  if (first + count < layout.info.point_count || layout.chunk_table == 0) return 0;
+  if (!ends) return 0;
   // All writers known end the last chunk where its last point does, to the byte.
   const std::int64_t left = layout.chunk_table - reader.position();
   if (left < 0)
@@ -227,7 +238,7 @@ std::int64_t points_in_last_chunk(const fs::path& path, const LasLayout& layout)
   std::int64_t start = layout.first_point + 8;
   if (first > 0) {
     const ForeignCode laszip(path.c_str());
-    LazReader reader(path, layout);
+    LazReader reader(path, layout, true);
     reader.seek(first);
     start = reader.position();
   }

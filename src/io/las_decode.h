@@ -12,13 +12,13 @@ namespace tetropolis {
 
 /// What the pipeline needs of one record.
 struct LasRecord {
-  std::int32_t x = 0;
-  std::int32_t y = 0;
-  std::int32_t z = 0;
-  std::uint8_t classification = 0;
-  bool withheld = false;
+  std::int32_t x;
+  std::int32_t y;
+  std::int32_t z;
+  std::uint8_t classification;
+  bool withheld;
   /// Without it a copy is two moves that overlap, on which processors stall.
-  std::uint16_t padding = 0;
+  std::uint16_t padding;
 };
 
 /// Receives consecutive blocks of records.

@@ -32,12 +32,9 @@ struct Quantised {
   std::array<double, 3> max{};
 };
 
-void quantise_axis(const fs::path& path, std::span<const double> local, double shift, double scale,
+void quantise_axis(const fs::path& path, std::span<const PointCoordinate> local, double shift, double scale,
                    std::size_t axis, Quantised& result) {
   if (local.empty()) return;
-  if (!std::all_of(local.begin(), local.end(), [](double v) { return std::isfinite(v); }))
-    throw Error(ErrorKind::kUsage, fmt::format("{}: a point's {} is not finite; leave it out",
-                                               path.string(), "xyz"[axis]));
   const auto [low, high] = std::minmax_element(local.begin(), local.end());
   // A round number near the middle leaves most room for fine scales.
   const double middle = shift + *low / 2 + *high / 2;

@@ -28,19 +28,21 @@ void grow(Buffer<T>& values, std::size_t size) {
 #endif
 }
 
+/// From the numbers of records to coordinates.
+class Axis {
+ public:
+  Axis(double scale, double offset)
+      : scale_(scale * PointCoordinate::kPerMetre), offset_(offset * PointCoordinate::kPerMetre) {}
+  PointCoordinate at(std::int32_t number) const {
+    return PointCoordinate::of_tenths(number * scale_ + offset_);
+  }
+
+ private:
+  double scale_;
+  double offset_;
+};
+
 }  // namespace
-
-std::map<int, std::int64_t> PointTally::classes() const {
-  std::map<int, std::int64_t> counts;
-  for (std::size_t code = 0; code < by_class.size(); ++code)
-    if (by_class[code] > 0) counts[static_cast<int>(code)] = by_class[code];
-  return counts;
-}
-
-void PointTally::add(const PointTally& more) {
-  extent.extend(more.extent);
-  for (std::size_t code = 0; code < by_class.size(); ++code) by_class[code] += more.by_class[code];
-}
 
 PointCollector::PointCollector(std::size_t tasks, std::size_t expected, Point2 origin)
     : origin_(origin), waiting_(tasks) {
@@ -54,15 +56,15 @@ PointCollector::PointCollector(std::size_t tasks, std::size_t expected, Point2 o
   }
 }
 
-std::vector<LasRecord> PointCollector::empty_records() {
+Buffer<LasRecord> PointCollector::empty_records() {
   const std::scoped_lock lock(mutex_);
   if (used_.empty()) return {};
-  std::vector<LasRecord> records = std::move(used_.back());
+  Buffer<LasRecord> records = std::move(used_.back());
   used_.pop_back();
   return records;
 }
 
-void PointCollector::take_some(std::size_t task, std::vector<LasRecord>& records,
+void PointCollector::take_some(std::size_t task, Buffer<LasRecord>& records,
                                const LasInfo& info) {
   const std::scoped_lock lock(mutex_);
   if (next_ != task) return;
@@ -70,38 +72,38 @@ void PointCollector::take_some(std::size_t task, std::vector<LasRecord>& records
   records.clear();
 }
 
-void PointCollector::take(std::size_t task, std::vector<LasRecord>&& records, const LasInfo& info) {
+void PointCollector::take(std::size_t task, Buffer<LasRecord>&& records, const LasInfo& info) {
   const std::scoped_lock lock(mutex_);
   waiting_[task] = {std::move(records), &info};
   for (; next_ < waiting_.size() && waiting_[next_].info != nullptr; ++next_) {
-    std::vector<LasRecord> done = std::move(waiting_[next_].records);
+    Buffer<LasRecord> done = std::move(waiting_[next_].records);
     append(done, *waiting_[next_].info);
     if (used_.size() >= static_cast<std::size_t>(thread_count())) continue;
     done.clear();
     used_.push_back(std::move(done));
   }
   if (next_ > task) return;
-  std::vector<LasRecord>& waits = waiting_[task].records;
+  Buffer<LasRecord>& waits = waiting_[task].records;
   if (waits.size() < waits.capacity() / 2) waits.shrink_to_fit();
 }
 
-void PointCollector::append(const std::vector<LasRecord>& records, const LasInfo& info) {
+void PointCollector::append(const Buffer<LasRecord>& records, const LasInfo& info) {
   const std::size_t first = points_.size(), size = first + records.size();
   grow(points_.x, size);
   grow(points_.y, size);
   grow(points_.z, size);
   grow(points_.classification, size);
-  double *x = points_.x.data() + first, *y = points_.y.data() + first,
-         *z = points_.z.data() + first;
-  std::uint8_t* classification = points_.classification.data() + first;
-  for (const LasRecord& r : records) {
-    const Point2 p{r.x * info.scale[0] + info.offset[0] - origin_.x,
-                   r.y * info.scale[1] + info.offset[1] - origin_.y};
-    tally_.add(r.classification, p);
-    *x++ = p.x;
-    *y++ = p.y;
-    *z++ = r.z * info.scale[2] + info.offset[2];
-    *classification++ = r.classification;
+  const Axis x(info.scale[0], info.offset[0] - origin_.x);
+  const Axis y(info.scale[1], info.offset[1] - origin_.y);
+  const Axis z(info.scale[2], info.offset[2]);
+  PointCoordinate *xs = points_.x.data() + first, *ys = points_.y.data() + first,
+                  *zs = points_.z.data() + first;
+  std::uint8_t* classes = points_.classification.data() + first;
+  for (std::size_t i = 0; i < records.size(); ++i) {
+    xs[i] = x.at(records[i].x);
+    ys[i] = y.at(records[i].y);
+    zs[i] = z.at(records[i].z);
+    classes[i] = records[i].classification;
   }
 }
 

@@ -1,14 +1,13 @@
 // Points of tasks that end in any order, in the order of the tasks. Private to src/io.
 #pragma once
 
-#include <array>
 #include <cstddef>
 #include <cstdint>
-#include <map>
 #include <mutex>
 #include <utility>
 #include <vector>
 
+#include "tetropolis/core/buffer.h"
 #include "tetropolis/geometry/point_cloud.h"
 #include "tetropolis/geometry/types.h"
 #include "tetropolis/io/las.h"
@@ -16,19 +15,6 @@
 #include "las_decode.h"
 
 namespace tetropolis {
-
-/// What is told of points.
-struct PointTally {
-  Bounds2 extent = Bounds2::nothing();
-  std::array<std::int64_t, 256> by_class{};
-
-  std::map<int, std::int64_t> classes() const;
-  void add(std::uint8_t classification, Point2 p) {
-    extent.extend(p);
-    ++by_class[classification];
-  }
-  void add(const PointTally& more);
-};
 
 /// Turns the records that tasks kept into points as soon as those of all tasks before are. Memory:
 /// the points, and the records of the tasks that wait. May be called from several threads. One of
@@ -40,35 +26,33 @@ class PointCollector {
   PointCollector(std::size_t tasks, std::size_t expected, Point2 origin);
 
   /// An empty vector, with memory that was used before if there is any: fresh memory is slow.
-  std::vector<LasRecord> empty_records();
+  Buffer<LasRecord> empty_records();
 
   /// Empties `records`, the first or next ones of a task that is not at its end, unless points of
   /// tasks before are still to come.
-  void take_some(std::size_t task, std::vector<LasRecord>& records, const LasInfo& info);
+  void take_some(std::size_t task, Buffer<LasRecord>& records, const LasInfo& info);
 
   /// The (remaining) records of one task, with the scale and offset of `info`, which has to stay
   /// until points are taken. Precondition: once for each task.
-  void take(std::size_t task, std::vector<LasRecord>&& records, const LasInfo& info);
+  void take(std::size_t task, Buffer<LasRecord>&& records, const LasInfo& info);
 
   /// The points of all tasks. Precondition: all were taken.
   PointCloud take_points() { return std::move(points_); }
-  const PointTally& tally() const { return tally_; }
 
  private:
   struct Waiting {
-    std::vector<LasRecord> records;
+    Buffer<LasRecord> records;
     const LasInfo* info = nullptr;  ///< None before the task has ended.
   };
 
-  void append(const std::vector<LasRecord>& records, const LasInfo& info);
+  void append(const Buffer<LasRecord>& records, const LasInfo& info);
 
   Point2 origin_;
   std::mutex mutex_;  ///< Of all that follows.
   std::vector<Waiting> waiting_;
   std::size_t next_ = 0;  ///< Task whose points come next.
-  std::vector<std::vector<LasRecord>> used_;
+  std::vector<Buffer<LasRecord>> used_;
   PointCloud points_;
-  PointTally tally_;
 };
 
 }  // namespace tetropolis

@@ -11,6 +11,7 @@
 #include <utility>
 #include <vector>
 
+#include <dirent.h>
 #include <fcntl.h>
 #include <nlohmann/json.hpp>
 #include <sys/file.h>
@@ -219,12 +220,44 @@ bool make_random_folder(const fs::path& home, const std::string& prefix, fs::pat
   }
 }
 
-/// Removes the results in the making while a run may still be writing them.
-void discard(const fs::path& staging, const fs::path& parent, const fs::path& created) {
-  std::error_code error;
+/// Removes a file, or a folder with all in it. System calls and nothing else: a signal may have come
+/// while its thread held the lock of the heap.
+void remove_from_handler(int parent, const char* name) {
+  const int folder = ::openat(parent, name, O_RDONLY | O_DIRECTORY | O_NOFOLLOW | O_CLOEXEC);
+  if (folder < 0) {
+    ::unlinkat(parent, name, 0);
+    return;
+  }
+  alignas(dirent64) char entries[2048];
+  for (ssize_t size = 0; (size = ::getdents64(folder, entries, sizeof entries)) > 0;)
+    for (ssize_t at = 0; at < size;) {
+      const auto* entry = reinterpret_cast<const dirent64*>(entries + at);
+      at += entry->d_reclen;
+      if (std::strcmp(entry->d_name, ".") != 0 && std::strcmp(entry->d_name, "..") != 0)
+        remove_from_handler(folder, entry->d_name);
+    }
+  ::close(folder);
+  ::unlinkat(parent, name, AT_REMOVEDIR);
+}
+
+/// The folders from the innermost up to `created`, none if that is empty.
+std::vector<fs::path> folders_up_to(const fs::path& innermost, const fs::path& created) {
+  std::vector<fs::path> folders;
+  if (created.empty()) return folders;
+  for (fs::path p = innermost;; p = p.parent_path()) {
+    folders.push_back(p);
+    if (p == created) return folders;
+  }
+}
+
+/// Removes the results in the making, while a run may still be writing them, and the folders made
+/// for it, while they are empty. For signal handlers.
+void discard(const fs::path& staging, const std::vector<fs::path>& made) {
   constexpr int attempts = 20;
-  for (int i = 0; i < attempts && is_there(staging); ++i) fs::remove_all(staging, error);
-  remove_created(parent, created);
+  for (int i = 0; i < attempts && ::access(staging.c_str(), F_OK) == 0; ++i)
+    remove_from_handler(AT_FDCWD, staging.c_str());
+  for (const fs::path& folder : made)
+    if (::rmdir(folder.c_str()) != 0) return;
 }
 
 /// Whether files can be renamed from one of two folders to the other, as far as the system tells.
@@ -310,8 +343,9 @@ OutputFolder::OutputFolder(const fs::path& target, OutputWatcher watcher)
     throw;
   }
   if (watcher_.begins)
-    watcher_.begins([staging = staging_, parent = target_.parent_path(),
-                     created = created_parent_] { discard(staging, parent, created); });
+    watcher_.begins([staging = staging_, made = folders_up_to(parent, created_parent_)] {
+      discard(staging, made);
+    });
 }
 
 OutputFolder::~OutputFolder() {

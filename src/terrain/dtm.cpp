@@ -47,7 +47,7 @@ std::int64_t bin_points(const PointCloud& cloud, const std::array<bool, 256>& is
                         Raster& sums, std::vector<std::uint32_t>& counts) {
   std::int64_t binned = 0;
   for (std::size_t p = 0; p < cloud.size(); ++p) {
-    if (!is_ground[cloud.classification[p]] || !std::isfinite(cloud.z[p])) continue;
+    if (!is_ground[cloud.classification[p]]) continue;
     const std::int64_t i = nearest_node((cloud.x[p] - sums.x0) / sums.step, sums.nx);
     const std::int64_t j = nearest_node((cloud.y[p] - sums.y0) / sums.step, sums.ny);
     if (i < 0 || j < 0) continue;

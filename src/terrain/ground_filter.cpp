@@ -52,7 +52,7 @@ Candidates find_candidates(const PointCloud& cloud, const GroundFilterOptions& o
   Candidates mask(cloud.size(), 0);
   parallel_chunks(cloud.size(), kPointGrain, [&](std::size_t begin, std::size_t end) {
     for (std::size_t p = begin; p < end; ++p)
-      mask[p] = wanted[cloud.classification[p]] && std::isfinite(cloud.z[p]) ? 1 : 0;
+      mask[p] = wanted[cloud.classification[p]] ? 1 : 0;
   });
   return mask;
 }

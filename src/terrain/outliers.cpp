@@ -37,7 +37,7 @@ std::vector<PointNumber> ground_points(const PointCloud& cloud,
   const ClassTable wanted = class_table(classes);
   std::vector<PointNumber> points;
   for (std::size_t p = 0; p < cloud.size(); ++p)
-    if (wanted[cloud.classification[p]] && std::isfinite(cloud.z[p]))
+    if (wanted[cloud.classification[p]])
       points.push_back(static_cast<PointNumber>(p));
   return points;
 }
@@ -49,10 +49,10 @@ class Cells {
       : cloud_(cloud), cell_(cell) {
     double x1 = x0_ = cloud.x[points[0]], y1 = y0_ = cloud.y[points[0]];
     for (const PointNumber p : points) {
-      x0_ = std::min(x0_, cloud.x[p]);
-      x1 = std::max(x1, cloud.x[p]);
-      y0_ = std::min(y0_, cloud.y[p]);
-      y1 = std::max(y1, cloud.y[p]);
+      x0_ = std::min<double>(x0_, cloud.x[p]);
+      x1 = std::max<double>(x1, cloud.x[p]);
+      y0_ = std::min<double>(y0_, cloud.y[p]);
+      y1 = std::max<double>(y1, cloud.y[p]);
     }
     cell_ = std::max(cell_, std::sqrt((x1 - x0_) * (y1 - y0_) / kMostCells));
     cell_ = std::max(cell_, std::max(x1 - x0_, y1 - y0_) / kMostCells);
@@ -139,8 +139,8 @@ class Judge {
     cells_.around(i, j, [&](std::span<const PointNumber> points) {
       count += points.size();
       for (const PointNumber p : points) {
-        low = std::min(low, cloud_.z[p]);
-        high = std::max(high, cloud_.z[p]);
+        low = std::min<double>(low, cloud_.z[p]);
+        high = std::max<double>(high, cloud_.z[p]);
       }
     });
     if (count < kEnough) {

@@ -144,7 +144,7 @@ TEST(BrokenLas, WithheldBitAndFlagsAboveTheClass) {
     write_bytes(path, bytes);
     const PointsInput input = read_one(path);
     EXPECT_EQ(input.points_read, 3);
-    EXPECT_EQ(input.points.x, (Buffer<double>{0, 2}));
+    EXPECT_EQ(input.points.x, (Buffer<PointCoordinate>{0, 2}));
     EXPECT_EQ(input.points_by_class, (std::map<int, std::int64_t>{{2, 2}}));
     ReadPointsOptions keep;
     keep.keep_withheld = true;

@@ -61,11 +61,7 @@ inline std::string read_error(const fs::path& path) {
 }
 
 inline bool same(const PointCloud& a, const PointCloud& b) {
-  const auto bits = [](std::span<const double> u, std::span<const double> v) {
-    return u.size() == v.size() &&
-           (u.empty() || std::memcmp(u.data(), v.data(), u.size() * sizeof(double)) == 0);
-  };
-  return bits(a.x, b.x) && bits(a.y, b.y) && bits(a.z, b.z) && a.classification == b.classification;
+  return a.x == b.x && a.y == b.y && a.z == b.z && a.classification == b.classification;
 }
 
 inline PointCloud random_cloud(std::size_t size, int largest_class) {

@@ -318,9 +318,10 @@ TEST(Las, CropKeepsExactlyThePointsInTheBox) {
   const PointsInput part = read_points(paths, options);
   PointCloud expected;
   for (std::size_t i = 0; i < all.points.size(); ++i) {
-    if (!options.crop->contains({all.points.x[i], all.points.y[i]})) continue;
-    expected.x.push_back(all.points.x[i] - 84900);
-    expected.y.push_back(all.points.y[i] - 447500);
+    const Point2 p{all.points.x[i] + all.origin.x, all.points.y[i] + all.origin.y};
+    if (!options.crop->contains(p)) continue;
+    expected.x.push_back(p.x - 84900);
+    expected.y.push_back(p.y - 447500);
     expected.z.push_back(all.points.z[i]);
     expected.classification.push_back(all.points.classification[i]);
   }
@@ -363,7 +364,7 @@ TEST(Las, WritesWhatItReads) {
                           std::abs(back.points.z[i] - cloud.z[i])});
       EXPECT_LE(worst, 0.0005 + 1e-9);
       // The header's box is that of the stored points, to the bit.
-      const PointsInput absolute = read_one(folder / name, all_points());
+      const PointsSummary absolute = summarise_points(folder / name);
       EXPECT_EQ(absolute.extent, (Bounds2{info.min[0], info.min[1], info.max[0], info.max[1]}));
       // The same bytes again, and the same points in both packings.
       const std::string bytes = bytes_of(folder / name);
@@ -376,6 +377,45 @@ TEST(Las, WritesWhatItReads) {
   EXPECT_EQ(std::distance(fs::directory_iterator(folder.path()), fs::directory_iterator()), 2);
 }
 
+TEST(Las, CoordinatesAreTheNearestTenthOfAMillimetre) {
+  for (const double metres : {0.0, 12.34, -12.34, 0.00004, 0.00006, -0.00006, 1e-9, 214748.0})
+    EXPECT_EQ(PointCoordinate(metres), std::round(metres * 1e4) / 1e4) << metres;
+  // What files state to the millimetre comes back to the bit.
+  std::mt19937 random(testing::test_seed());
+  std::uniform_int_distribution<std::int64_t> millimetres(-200'000'000, 200'000'000);
+  for (int k = 0; k < 1000; ++k) {
+    const double metres = static_cast<double>(millimetres(random)) / 1000;
+    EXPECT_EQ(PointCoordinate(metres), metres) << "seed " << testing::test_seed();
+  }
+  EXPECT_EQ(PointCoordinate(1e9), PointCoordinate::kMost);
+  EXPECT_EQ(PointCoordinate(-1e300), -PointCoordinate::kMost);
+}
+
+TEST(Las, TheFrameLiesNearThePoints) {
+  const TemporaryFolder folder;
+  PointCloud cloud;
+  for (const double x : {0.25, 300'000.0}) {
+    cloud.x.push_back(std::min(x, 200'000.0));
+    cloud.y.push_back(x / 2);
+    cloud.z.push_back(3);
+    cloud.classification.push_back(kGround);
+  }
+  write_points(folder / "a.las", cloud, {674'000, 6'580'000}, {});
+  const PointsInput near = read_one(folder / "a.las");
+  EXPECT_EQ(near.origin, (Point2{674'000, 6'580'000}));
+  EXPECT_EQ(near.extent, (Bounds2{0.25, 0.125, 200'000, 150'000}));
+  EXPECT_EQ(near.points.x[1], 200'000);
+  ReadPointsOptions options;
+  options.crop = Bounds2{673'999.5, 6'579'000.75, 674'001, 6'581'000};
+  EXPECT_EQ(read_one(folder / "a.las", options).origin, (Point2{673'999, 6'579'000}));
+  // Farther from the origin than coordinates reach.
+  options = {};
+  options.origin = Point2{0, 0};
+  const std::string message =
+      input_error(folder / "a.las", [&] { read_one(folder / "a.las", options); });
+  EXPECT_NE(message.find("6730 km from (0, 0)"), std::string::npos) << message;
+}
+
 TEST(Las, SummariesAreThoseOfThePoints) {
   TETROPOLIS_REQUIRE_DATA(path, "delft_3dfier/ahn3_cropped_1.laz");
   ReadPointsOptions all;
@@ -385,7 +425,11 @@ TEST(Las, SummariesAreThoseOfThePoints) {
   const PointsSummary summary = summarise_points(path);
   EXPECT_EQ(summary.points, points.points_kept);
   EXPECT_EQ(summary.points_by_class, points.points_by_class);
-  EXPECT_EQ(summary.extent, points.extent);
+  const auto near = [](double a, double b) { return std::abs(a - b) < 1e-6; };
+  EXPECT_TRUE(near(summary.extent.xmin, points.extent.xmin + points.origin.x));
+  EXPECT_TRUE(near(summary.extent.ymin, points.extent.ymin + points.origin.y));
+  EXPECT_TRUE(near(summary.extent.xmax, points.extent.xmax + points.origin.x));
+  EXPECT_TRUE(near(summary.extent.ymax, points.extent.ymax + points.origin.y));
   EXPECT_EQ(summary.warnings.size(), points.warnings.size());
 }
 

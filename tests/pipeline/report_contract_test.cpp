@@ -251,7 +251,7 @@ class ReportContract : public ::testing::TestWithParam<Layering> {
     // Behind one building the ground rises above the roof.
     for (std::size_t p = 0; p < village.cloud.size(); ++p)
       if (village.cloud.classification[p] == kGround && std::abs(village.cloud.y[p] - 45) < 7)
-        village.cloud.z[p] += std::clamp(2 * (village.cloud.x[p] - 62), 0.0, 12.0);
+        village.raise(p, std::clamp(2 * (village.cloud.x[p] - 62), 0.0, 12.0));
     Config config;
     config.id_attribute = "id";
     config.layering = GetParam();

@@ -94,7 +94,7 @@ void steep_shed(Village& village, Config&) {
   // From its lower wall to its upper one the ground rises above the shed's roof.
   for (std::size_t p = 0; p < village.cloud.size(); ++p) {
     const double x = village.cloud.x[p];
-    if (village.cloud.classification[p] == kGround) village.cloud.z[p] += std::max(0.0, x - 62);
+    if (village.cloud.classification[p] == kGround) village.raise(p, std::max(0.0, x - 62));
   }
 }
 
@@ -104,8 +104,8 @@ void unclassified(Village& village, Config& config) {
     const double x = village.cloud.x[p], y = village.cloud.y[p];
     village.cloud.classification[p] = kUnclassified;
     if (x < 90 || x > 120) continue;
-    if (y > 8 && y < 38) village.cloud.z[p] += 6;
-    village.cloud.z[p] += std::max(0.0, 2.5 * (1 - std::abs(y - 60) / 8));
+    if (y > 8 && y < 38) village.raise(p, 6);
+    village.raise(p, std::max(0.0, 2.5 * (1 - std::abs(y - 60) / 8)));
   }
   config.domain_margin = 60;
 }
@@ -174,8 +174,8 @@ double relief_of(const Result& synth) {
   double low = std::numeric_limits<double>::infinity(), high = -low;
   for (std::size_t p = 0; p < cloud.size(); ++p) {
     if (cloud.classification[p] != kGround) continue;
-    low = std::min(low, cloud.z[p]);
-    high = std::max(high, cloud.z[p]);
+    low = std::min<double>(low, cloud.z[p]);
+    high = std::max<double>(high, cloud.z[p]);
   }
   return high - low;
 }

@@ -70,6 +70,9 @@ struct Village {
     cloud.classification.push_back(code);
   }
 
+  /// Lifts one point.
+  void raise(std::size_t p, double by) { cloud.z[p] = cloud.z[p] + by; }
+
   /// Writes both files and names them in the settings.
   void write(const std::filesystem::path& folder, Config& config) const {
     write_footprints(folder / footprints_file, footprints, ids, heights, origin, footprints_crs);

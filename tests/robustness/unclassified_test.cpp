@@ -60,7 +60,7 @@ TEST_P(Unclassified, HeightsAreThoseOfTheClassifiedCloud) {
 
   PointsInput input = read_points(expand_point_paths(config.points));
   std::fill(input.points.classification.begin(), input.points.classification.end(), kUnclassified);
-  write_points(scratch / "blank.las", input.points, {});
+  write_points(scratch / "blank.las", input.points, input.origin);
   config.points = {(scratch / "blank.las").string()};
   config.out = (scratch / "blank").string();
   const Report blank = run_city(config);

@@ -171,8 +171,6 @@ TEST(GroundOutliers, AFewPointsCannotBeJudged) {
   EXPECT_EQ(find_ground_outliers(cloud), Numbers{});
   add(cloud, 9, 1, 0);
   EXPECT_EQ(find_ground_outliers(cloud), Numbers{3});
-  add(cloud, 4, 4, std::numeric_limits<double>::quiet_NaN());
-  EXPECT_EQ(find_ground_outliers(cloud), Numbers{3});
 }
 
 TEST(GroundOutliers, TheSameForAnyNumberOfThreads) {

@@ -13,7 +13,7 @@
 
 namespace tetropolis {
 
-/// Index into a PointCloud. 32 bits: the arrays of 2^32 points would fill 100 GB.
+/// Index into a PointCloud. 32 bits: the arrays of 2^32 points would fill 56 GB.
 using PointIndex = std::uint32_t;
 
 /// One list of points per building, in compressed rows: those of building b are

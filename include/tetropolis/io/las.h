@@ -63,7 +63,7 @@ std::vector<std::uint8_t> noise_classes();
 
 struct ReadPointsOptions {
   std::optional<Bounds2> crop;  ///< Keep points inside or on it; CRS coordinates. None: all.
-  Point2 origin;                ///< Subtracted from x and y.
+  std::optional<Point2> origin;  ///< Subtracted from x and y. None: whole metres near the points.
   std::vector<std::uint8_t> skipped_classes = noise_classes();
   bool keep_withheld = false;  ///< Keep points with the withheld bit.
   std::string crs;             ///< What the files are in, whatever they say; empty: what they say.
@@ -74,7 +74,8 @@ struct PointsInput {
   std::int64_t points_read = 0;  ///< Points looked at (files passed over do not count).
   std::int64_t points_kept = 0;  ///< points.size().
   std::map<int, std::int64_t> points_by_class;  ///< Of the points kept.
-  Bounds2 extent{1, 1, 0, 0};      ///< Of the points kept, local frame; empty if there are none.
+  Point2 origin;                   ///< Of the local frame.
+  Bounds2 extent = Bounds2::nothing();  ///< Of the points kept, local frame; empty if none.
   std::int64_t files_skipped = 0;  ///< Passed over because their header's box misses `crop`.
   std::string crs;                 ///< Of the coordinates; "" if unknown.
   std::vector<Warning> warnings;   ///< Those of LasInfo, and "las_box_untrusted", "las_twin",
@@ -82,7 +83,7 @@ struct PointsInput {
 };
 
 /// Reads the points of several files. x, y: CRS coordinate (record * scale + offset) minus origin;
-/// z as it is, in the file's unit. Class: 5 bits in formats 0 to 5, 8 bits from format 6 on.
+/// z as it is, in the file's unit; all to a tenth of a thousandth (PointCoordinate). Class: 5 bits in formats 0 to 5, 8 bits from format 6 on.
 /// Overlap points (class 12, or the overlap bit) are points like others.
 ///
 /// A file whose header box misses `crop` is not decoded, provided that the box is sound and holds
@@ -97,7 +98,9 @@ struct PointsInput {
 ///
 /// Errors: those of inspect_las; kInput with the path and point number for a file that ends early
 /// or cannot be decoded; kInput naming two files that state different reference systems, unless
-/// options.crs is given; kUsage if options.crs is bad. The first broken file in order is reported.
+/// options.crs is given; kInput with the path if points kept lie farther from the origin than a
+/// PointCoordinate reaches; kUsage if options.crs is bad. The first broken file in order is
+/// reported.
 PointsInput read_points(std::span<const std::filesystem::path> paths,
                         const ReadPointsOptions& options = {}, const Progress& progress = {});
 
@@ -124,8 +127,7 @@ struct WritePointsOptions {
 /// cloud: local frame; `origin` is added to x and y.
 /// Guarantees: the header's box and counts are those of the stored points; the same input gives the
 /// same bytes; the file appears complete or not at all.
-/// Errors: kInput if it cannot be written; kUsage for coordinates that are not finite, another
-/// point format, a scale too fine for the extent, classes above 31 in format 1, a bad crs.
+/// Errors: kInput if it cannot be written; kUsage for another point format, a scale too fine for the extent, classes above 31 in format 1, a bad crs.
 void write_points(const std::filesystem::path& path, const PointCloud& cloud, Point2 origin,
                   const WritePointsOptions& options = {});
 

@@ -11,7 +11,8 @@ namespace tetropolis {
 /// How a program keeps track of an output. Either may be empty.
 struct OutputWatcher {
   /// The hidden folder is there. `discard` removes it again, and what was made for it; it may be
-  /// called from any thread until `moves` has returned, by one who then ends the process.
+  /// called from any thread, in a signal handler too, until `moves` has returned, by one who then
+  /// ends the process.
   std::function<void(std::function<void()> discard)> begins;
   std::function<void()> moves;  ///< Results move to their place from here on.
 };

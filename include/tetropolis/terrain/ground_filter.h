@@ -23,7 +23,7 @@ struct GroundFilterOptions {
 };
 
 struct GroundFilterReport {
-  std::int64_t candidates = 0;     ///< Points of the classes given with a finite height.
+  std::int64_t candidates = 0;     ///< Points of the classes given.
   std::int64_t ground_points = 0;  ///< Of these, on the ground.
   std::int64_t cells = 0;
   std::int64_t pit_cells = 0;  ///< Cells whose lowest point was too isolated to be trusted.
