@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cstring>
 #include <istream>
+#include <memory>
 #include <optional>
 #include <streambuf>
 #include <string>
@@ -21,22 +22,26 @@ namespace fs = std::filesystem;
 
 namespace {
 
-constexpr std::size_t kBlock = 1024;
+constexpr std::size_t kBlock = LasBlockBuffer::kMost;
 
-/// One record as it lies in an uncompressed file.
-LasRecord parse_record(const unsigned char* bytes, bool extended) {
-  LasRecord record{};
-  std::memcpy(&record.x, bytes, 4);
-  std::memcpy(&record.y, bytes + 4, 4);
-  std::memcpy(&record.z, bytes + 8, 4);
-  if (extended) {
-    record.withheld = (bytes[15] & 0x04) != 0;
-    record.classification = bytes[16];
-  } else {
-    record.withheld = (bytes[15] & 0x80) != 0;
-    record.classification = bytes[15] & 0x1F;
+/// The least and the greatest.
+NumberRange range_of(std::span<const std::int32_t> numbers) {
+  NumberRange range;
+  for (const std::int32_t number : numbers) {
+    range.first = std::min(range.first, number);
+    range.last = std::max(range.last, number);
   }
-  return record;
+  return range;
+}
+
+/// Record i as it lies in an uncompressed file.
+void parse_record(const unsigned char* bytes, bool extended, std::size_t i,
+                  LasBlockBuffer& numbers) {
+  std::memcpy(&numbers.x[i], bytes, 4);
+  std::memcpy(&numbers.y[i], bytes + 4, 4);
+  std::memcpy(&numbers.z[i], bytes + 8, 4);
+  numbers.withheld[i] = (bytes[15] & (extended ? 0x04 : 0x80)) != 0 ? 1 : 0;
+  numbers.classification[i] = extended ? bytes[16] : bytes[15] & 0x1F;
 }
 
 void decode_plain(const fs::path& path, const LasLayout& layout, std::int64_t first,
@@ -45,7 +50,7 @@ void decode_plain(const fs::path& path, const LasLayout& layout, std::int64_t fi
   const auto length = static_cast<std::size_t>(layout.info.record_length);
   const bool extended = layout.info.point_format >= 6;
   std::vector<unsigned char> bytes(std::min(kBlock, static_cast<std::size_t>(count)) * length);
-  std::vector<LasRecord> records(kBlock);
+  const auto numbers = std::make_unique_for_overwrite<LasBlockBuffer>();
   for (std::int64_t done = 0; done < count;) {
     const auto n = static_cast<std::size_t>(
         std::min<std::int64_t>(static_cast<std::int64_t>(kBlock), count - done));
@@ -56,8 +61,8 @@ void decode_plain(const fs::path& path, const LasLayout& layout, std::int64_t fi
                fmt::format("ends at point {} of {}: the file is cut; get it again",
                            first + done + static_cast<std::int64_t>(got), layout.info.point_count));
     for (std::size_t i = 0; i < n; ++i)
-      records[i] = parse_record(bytes.data() + i * length, extended);
-    visit(records.data(), n);
+      parse_record(bytes.data() + i * length, extended, i, *numbers);
+    visit(numbers->first(n));
     done += static_cast<std::int64_t>(n);
   }
 }
@@ -120,9 +125,8 @@ class LazReader {
     // What is left of a cut file LASzip finds only in files that it opens itself.
     if (tells_position && !layout.chunk_table_missing) stream_.emplace(path);
     laszip_BOOL compressed = 0;
-    const bool opened =
-        (stream_ ? laszip_open_reader_stream(reader_, stream_->stream, &compressed)
-                 : laszip_open_reader(reader_, path.c_str(), &compressed)) == 0;
+    const bool opened = (stream_ ? laszip_open_reader_stream(reader_, stream_->stream, &compressed)
+                                 : laszip_open_reader(reader_, path.c_str(), &compressed)) == 0;
     if (!opened || laszip_get_point_pointer(reader_, &point_) != 0) {
       const std::string reason = error();
       laszip_destroy(reader_);
@@ -141,14 +145,15 @@ class LazReader {
     if (point != 0 && laszip_seek_point(reader_, point) != 0) fail_at(point);
   }
 
-  void read(std::int64_t number, bool extended, LasRecord& record) {
+  /// The next point, to place i.
+  void read(std::int64_t number, bool extended, std::size_t i, LasBlockBuffer& numbers) {
     if (laszip_read_point(reader_) != 0) fail_at(number);
-    record.x = point_->X;
-    record.y = point_->Y;
-    record.z = point_->Z;
-    record.classification = extended ? point_->extended_classification : point_->classification;
-    record.withheld =
-        extended ? (point_->extended_classification_flags & 0x04) != 0 : point_->withheld_flag != 0;
+    numbers.x[i] = point_->X;
+    numbers.y[i] = point_->Y;
+    numbers.z[i] = point_->Z;
+    numbers.classification[i] = extended ? point_->extended_classification : point_->classification;
+    numbers.withheld[i] =
+        extended ? point_->extended_classification_flags >> 2 & 1 : point_->withheld_flag;
   }
 
   /// Byte of the file up to which was read. Precondition: made to tell it, of a file with a table
@@ -203,13 +208,13 @@ std::int64_t decode_laz(const fs::path& path, const LasLayout& layout, std::int6
   LazReader reader(path, layout, ends);
   reader.seek(first);
   const bool extended = layout.info.point_format >= 6;
-  std::vector<LasRecord> records(kBlock);
+  const auto numbers = std::make_unique_for_overwrite<LasBlockBuffer>();
   for (std::int64_t done = 0; done < count;) {
     const auto n = static_cast<std::size_t>(
         std::min<std::int64_t>(static_cast<std::int64_t>(kBlock), count - done));
     for (std::size_t i = 0; i < n; ++i)
-      reader.read(first + done + static_cast<std::int64_t>(i), extended, records[i]);
-    visit(records.data(), n);
+      reader.read(first + done + static_cast<std::int64_t>(i), extended, i, *numbers);
+    visit(numbers->first(n));
     done += static_cast<std::int64_t>(n);
   }
   if (!ends) return 0;
@@ -223,6 +228,19 @@ std::int64_t decode_laz(const fs::path& path, const LasLayout& layout, std::int6
 }
 
 }  // namespace
+
+LasBlock LasBlockBuffer::first(std::size_t n) const {
+  LasBlock block;
+  block.x = std::span(x).first(n);
+  block.y = std::span(y).first(n);
+  block.z = std::span(z).first(n);
+  block.classification = std::span(classification).first(n);
+  block.withheld = std::span(withheld).first(n);
+  block.x_range = range_of(block.x);
+  block.y_range = range_of(block.y);
+  block.z_range = range_of(block.z);
+  return block;
+}
 
 std::int64_t decode_points(const fs::path& path, const LasLayout& layout, std::int64_t first,
                            std::int64_t count, const LasVisitor& visit) {

@@ -1,30 +1,60 @@
 // Decoding runs of point records, compressed or not. Private to src/io.
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
 #include <functional>
+#include <limits>
+#include <span>
 
 #include "las_header.h"
 
 namespace tetropolis {
 
-/// What the pipeline needs of one record.
-struct LasRecord {
-  std::int32_t x;
-  std::int32_t y;
-  std::int32_t z;
-  std::uint8_t classification;
-  bool withheld;
-  /// Without it a copy is two moves that overlap, on which processors stall.
-  std::uint16_t padding;
+/// Numbers of records, first and last; none if first > last.
+struct NumberRange {
+  std::int32_t first = std::numeric_limits<std::int32_t>::max();
+  std::int32_t last = std::numeric_limits<std::int32_t>::min();
+
+  bool contains(std::int32_t number) const { return number >= first && number <= last; }
+  bool covers(const NumberRange& other) const { return other.first >= first && other.last <= last; }
 };
 
-/// Receives consecutive blocks of records.
-using LasVisitor = std::function<void(const LasRecord* records, std::size_t count)>;
+/// What the pipeline needs of consecutive records: arrays of one length, for loops that take
+/// several numbers at a time.
+struct LasBlock {
+  std::span<const std::int32_t> x;
+  std::span<const std::int32_t> y;
+  std::span<const std::int32_t> z;
+  std::span<const std::uint8_t> classification;
+  std::span<const std::uint8_t> withheld;  ///< 0 or 1.
+  NumberRange x_range;
+  NumberRange y_range;
+  NumberRange z_range;
 
-/// Decodes `count` records from number `first` on and hands them over in blocks of a thousand.
+  std::size_t size() const { return x.size(); }
+};
+
+/// Where records become a block.
+struct LasBlockBuffer {
+  static constexpr std::size_t kMost = 1024;
+
+  std::array<std::int32_t, kMost> x;
+  std::array<std::int32_t, kMost> y;
+  std::array<std::int32_t, kMost> z;
+  std::array<std::uint8_t, kMost> classification;
+  std::array<std::uint8_t, kMost> withheld;
+
+  /// The first n records. Precondition: they are set, n <= kMost.
+  LasBlock first(std::size_t n) const;
+};
+
+using LasVisitor = std::function<void(const LasBlock& block)>;
+
+/// Decodes `count` records from number `first` on and hands them over in blocks of
+/// at most LasBlockBuffer::kMost.
 /// Precondition: first + count <= point count; for LAZ, first is a multiple of layout.chunk_size,
 /// or layout.variable_chunks, or 0. Returns, after the last point of a LAZ file, how many bytes of
 /// compressed points are left before its chunk table, if that is known; otherwise 0. Throws

@@ -29,23 +29,16 @@ constexpr std::int64_t kLeastTwin = 100;  // points of which two equal boxes are
 /// Bytes behind the last point counted that are points, where an empty chunk may follow.
 constexpr std::int64_t kLeastLeftOver = 64;
 
-/// Numbers of records, first and last; none if first > last.
-struct Range {
-  std::int32_t first = std::numeric_limits<std::int32_t>::min();
-  std::int32_t last = std::numeric_limits<std::int32_t>::max();
-
-  // Without a branch, here and where it is used: four steps a point instead of thirty.
-  bool contains(std::int32_t number) const {
-    return static_cast<bool>(static_cast<int>(number >= first) & static_cast<int>(number <= last));
-  }
-};
+constexpr NumberRange kAllNumbers{std::numeric_limits<std::int32_t>::min(),
+                                  std::numeric_limits<std::int32_t>::max()};
 
 /// The numbers whose coordinates, number * scale + offset as it is rounded, lie in [low, high].
 /// These do not decrease with the number (or, with a negative scale, increase), so that the ends
 /// are found by bisection.
-Range numbers_within(double scale, double offset, double low, double high) {
+NumberRange numbers_within(double scale, double offset, double low, double high) {
   const auto least_where = [](const auto& holds) {
-    std::int64_t below = Range{}.first - std::int64_t{1}, above = Range{}.last + std::int64_t{1};
+    std::int64_t below = kAllNumbers.first - std::int64_t{1};
+    std::int64_t above = kAllNumbers.last + std::int64_t{1};
     while (above - below > 1) {
       const std::int64_t middle = below + (above - below) / 2;
       (holds(static_cast<double>(middle)) ? above : below) = middle;
@@ -53,9 +46,9 @@ Range numbers_within(double scale, double offset, double low, double high) {
     return above;
   };
   const auto between = [](std::int64_t first, std::int64_t behind) {
-    return first < behind
-               ? Range{static_cast<std::int32_t>(first), static_cast<std::int32_t>(behind - 1)}
-               : Range{1, 0};
+    return first < behind ? NumberRange{static_cast<std::int32_t>(first),
+                                        static_cast<std::int32_t>(behind - 1)}
+                          : NumberRange{};
   };
   if (scale > 0)
     return between(least_where([&](double number) { return number * scale + offset >= low; }),
@@ -75,29 +68,36 @@ class Filter {
     y_ = numbers_within(info.scale[1], info.offset[1], crop.ymin, crop.ymax);
   }
 
-  /// Adds the records to keep.
-  void add_kept(std::span<const LasRecord> records, Buffer<LasRecord>& kept) const {
-    const std::size_t before = kept.size();
-    kept.resize(before + records.size());
-    LasRecord* next = kept.data() + before;
-    for (const LasRecord& record : records) {
-      *next = record;
-      next += static_cast<int>(keeps(record));
+  /// The records to keep, in order: the block as it is, or some of it in `kept`.
+  LasBlock keep(const LasBlock& block, LasBlockBuffer& kept) const {
+    if (keeps_all(block)) return block;
+    std::size_t n = 0;
+    for (std::size_t i = 0; i < block.size(); ++i) {
+      if (skips(block, i) || !x_.contains(block.x[i]) || !y_.contains(block.y[i])) continue;
+      kept.x[n] = block.x[i];
+      kept.y[n] = block.y[i];
+      kept.z[n] = block.z[i];
+      kept.classification[n] = block.classification[i];
+      kept.withheld[n++] = block.withheld[i];
     }
-    kept.resize(static_cast<std::size_t>(next - kept.data()));
+    return kept.first(n);
   }
 
  private:
-  bool keeps(const LasRecord& record) const {
-    const auto skipped = static_cast<int>(skipped_[record.classification]) |
-                         (static_cast<int>(record.withheld) & static_cast<int>(!keep_withheld_));
-    const auto inside =
-        static_cast<int>(x_.contains(record.x)) & static_cast<int>(y_.contains(record.y));
-    return static_cast<bool>(inside & ~skipped);
+  bool skips(const LasBlock& block, std::size_t i) const {
+    return skipped_[block.classification[i]] || (block.withheld[i] != 0 && !keep_withheld_);
+  }
+  bool keeps_all(const LasBlock& block) const {
+    if (!x_.covers(block.x_range) || !y_.covers(block.y_range)) return false;
+    unsigned skipped = 0;  // no branch in the loop
+    for (const std::uint8_t code : block.classification) skipped |= skipped_[code] ? 1U : 0U;
+    if (!keep_withheld_)
+      for (const std::uint8_t withheld : block.withheld) skipped |= withheld;
+    return skipped == 0;
   }
 
-  Range x_;
-  Range y_;
+  NumberRange x_ = kAllNumbers;
+  NumberRange y_ = kAllNumbers;
   bool keep_withheld_;
   ClassTable skipped_;
 };
@@ -107,6 +107,7 @@ class Filter {
 class BoxCheck {
  public:
   explicit BoxCheck(const LasInfo& info) {
+    inside_.fill(kAllNumbers);
     for (std::size_t axis = 0; axis < 3; ++axis) {
       if (std::isnan(info.min[axis] + info.max[axis])) continue;  // it says nothing
       const auto [low, high] = std::minmax(info.min[axis], info.max[axis]);
@@ -116,17 +117,20 @@ class BoxCheck {
           numbers_within(info.scale[axis], info.offset[axis], low - margin, high + margin);
     }
   }
-  std::int64_t count_outside(std::span<const LasRecord> records) const {
-    std::int64_t inside = 0;
-    for (const LasRecord& r : records)
-      inside += static_cast<int>(inside_[0].contains(r.x)) &
-                static_cast<int>(inside_[1].contains(r.y)) &
-                static_cast<int>(inside_[2].contains(r.z));
-    return static_cast<std::int64_t>(records.size()) - inside;
+  std::int64_t count_outside(const LasBlock& block) const {
+    if (inside_[0].covers(block.x_range) && inside_[1].covers(block.y_range) &&
+        inside_[2].covers(block.z_range))
+      return 0;
+    std::int64_t outside = 0;
+    for (std::size_t i = 0; i < block.size(); ++i)
+      if (!inside_[0].contains(block.x[i]) || !inside_[1].contains(block.y[i]) ||
+          !inside_[2].contains(block.z[i]))
+        ++outside;
+    return outside;
   }
 
  private:
-  std::array<Range, 3> inside_;
+  std::array<NumberRange, 3> inside_;
 };
 
 /// What is told of points.
@@ -134,19 +138,13 @@ struct PointTally {
   Bounds2 extent = Bounds2::nothing();
   std::array<std::int64_t, 256> by_class{};
 
-  /// Records with the scale and offset of `info`.
-  void add(std::span<const LasRecord> records, const LasInfo& info) {
-    if (records.empty()) return;
-    std::int32_t west = records[0].x, east = west, south = records[0].y, north = south;
-    for (const LasRecord& r : records) {
-      west = std::min(west, r.x);
-      east = std::max(east, r.x);
-      south = std::min(south, r.y);
-      north = std::max(north, r.y);
-      ++by_class[r.classification];
-    }
-    for (const auto& [x, y] : {std::pair{west, south}, std::pair{east, north}})
-      extent.extend(Point2{x * info.scale[0] + info.offset[0], y * info.scale[1] + info.offset[1]});
+  /// Records, at least one, with the scale and offset of `info`.
+  void add(const LasBlock& block, const LasInfo& info) {
+    const NumberRange &x = block.x_range, &y = block.y_range;
+    for (const auto& corner : {std::pair{x.first, y.first}, std::pair{x.last, y.last}})
+      extent.extend(Point2{corner.first * info.scale[0] + info.offset[0],
+                           corner.second * info.scale[1] + info.offset[1]});
+    for (const std::uint8_t code : block.classification) ++by_class[code];
   }
   void add(const PointTally& more) {
     extent.extend(more.extent);
@@ -159,6 +157,55 @@ struct PointTally {
       if (by_class[code] > 0) counts[static_cast<int>(code)] = by_class[code];
     return counts;
   }
+};
+
+/// From the numbers of a file's records to coordinates in the local frame.
+class Frame {
+ public:
+  Frame(const LasInfo& info, Point2 origin)
+      : x_{info.scale[0], info.offset[0] - origin.x},
+        y_{info.scale[1], info.offset[1] - origin.y},
+        z_{info.scale[2], info.offset[2]} {}
+
+  void add(const LasBlock& block, PointCloud& points) const {
+    x_.add(block.x, block.x_range, points.x);
+    y_.add(block.y, block.y_range, points.y);
+    z_.add(block.z, block.z_range, points.z);
+    points.classification.insert(points.classification.end(), block.classification.begin(),
+                                 block.classification.end());
+  }
+
+ private:
+  class Axis {
+   public:
+    Axis(double scale, double offset)
+        : scale_(scale * PointCoordinate::kPerMetre),
+          offset_(offset * PointCoordinate::kPerMetre) {}
+
+    void add(std::span<const std::int32_t> numbers, const NumberRange& range,
+             Buffer<PointCoordinate>& values) const {
+      const std::size_t size = values.size();
+      values.resize(size + numbers.size());
+      PointCoordinate* next = values.data() + size;
+      if (fits(range.first) && fits(range.last))
+        for (const std::int32_t number : numbers) *next++ = PointCoordinate::of_tenths(at(number));
+      else
+        for (const std::int32_t number : numbers) *next++ = at(number) / PointCoordinate::kPerMetre;
+    }
+
+   private:
+    double at(std::int32_t number) const { return number * scale_ + offset_; }
+    bool fits(std::int32_t number) const {
+      return std::abs(at(number)) <= PointCoordinate::kMost * PointCoordinate::kPerMetre;
+    }
+
+    double scale_;
+    double offset_;
+  };
+
+  Axis x_;
+  Axis y_;
+  Axis z_;
 };
 
 // --- is it safe to pass a file over? ---
@@ -184,13 +231,12 @@ bool box_holds_samples(const fs::path& path, const LasLayout& layout) {
   const Bounds2 box = header_box(info);
   bool inside = true;
   const auto probe = [&](std::int64_t first, std::int64_t count) {
-    decode_points(path, layout, first, std::min(count, info.point_count - first),
-                  [&](const LasRecord* records, std::size_t n) {
-                    for (std::size_t i = 0; i < n; ++i)
-                      inside =
-                          inside && box.contains({records[i].x * info.scale[0] + info.offset[0],
-                                                  records[i].y * info.scale[1] + info.offset[1]});
-                  });
+    decode_points(
+        path, layout, first, std::min(count, info.point_count - first), [&](const LasBlock& block) {
+          for (std::size_t i = 0; i < block.size(); ++i)
+            inside = inside && box.contains({block.x[i] * info.scale[0] + info.offset[0],
+                                             block.y[i] * info.scale[1] + info.offset[1]});
+        });
   };
   probe(0, 4);
   // LAZ can be entered at the start of a chunk only, unless LASzip finds it.
@@ -254,11 +300,11 @@ bool begin_alike(const fs::path& a, const LasLayout& in_a, const fs::path& b,
                  const LasLayout& in_b) {
   const auto beginning = [](const fs::path& path, const LasLayout& layout) {
     std::vector<std::array<double, 3>> points;
-    decode_points(path, layout, 0, kLeastTwin, [&](const LasRecord* records, std::size_t n) {
-      for (std::size_t i = 0; i < n; ++i)
-        points.push_back({records[i].x * layout.info.scale[0] + layout.info.offset[0],
-                          records[i].y * layout.info.scale[1] + layout.info.offset[1],
-                          records[i].z * layout.info.scale[2] + layout.info.offset[2]});
+    decode_points(path, layout, 0, kLeastTwin, [&](const LasBlock& block) {
+      for (std::size_t i = 0; i < block.size(); ++i)
+        points.push_back({block.x[i] * layout.info.scale[0] + layout.info.offset[0],
+                          block.y[i] * layout.info.scale[1] + layout.info.offset[1],
+                          block.z[i] * layout.info.scale[2] + layout.info.offset[2]});
     });
     return points;
   };
@@ -334,7 +380,7 @@ void warn_of_points_outside(std::span<const fs::path> paths, const std::vector<F
                        paths[f].string(), counts[f], plans[f].layout.info.point_count)});
 }
 
-/// Decodes the points of all tasks; visit(task, block, n) gets those of one task in their order,
+/// Decodes the points of all tasks; visit(task, block) gets those of one task in their order,
 /// different tasks at the same time, and end(task) comes after them. Adds warnings of points
 /// outside of their header's box.
 template <typename Visit, typename End>
@@ -350,12 +396,12 @@ void decode_tasks(std::span<const fs::path> paths, const std::vector<FilePlan>& 
     const LasLayout& layout = plans[task.file].layout;
     const BoxCheck box(layout.info);
     std::int64_t strays = 0;
-    left_over[t] = decode_points(paths[task.file], layout, task.first, task.count,
-                                 [&](const LasRecord* block, std::size_t n) {
-                                   visit(t, block, n);
-                                   strays += box.count_outside({block, n});
-                                   shared.add(static_cast<std::int64_t>(n));
-                                 });
+    left_over[t] =
+        decode_points(paths[task.file], layout, task.first, task.count, [&](const LasBlock& block) {
+          visit(t, block);
+          strays += box.count_outside(block);
+          shared.add(static_cast<std::int64_t>(block.size()));
+        });
     end(t);
     outside[t] = strays;
   });
@@ -412,14 +458,22 @@ std::string common_crs(std::span<const fs::path> paths, const std::vector<FilePl
   return known == plans.size() ? "" : plans[known].layout.info.crs;
 }
 
-/// Where local numbers stay small: at the crop, or else at the first file that says where it is.
-Point2 origin_of(const ReadPointsOptions& options, const std::vector<FilePlan>& plans) {
+/// Where local numbers stay small: at the crop, or else at the first point, as headers may lie.
+Point2 origin_of(const ReadPointsOptions& options, std::span<const fs::path> paths,
+                 const std::vector<FilePlan>& plans) {
   if (options.origin) return *options.origin;
   if (options.crop) return {std::floor(options.crop->xmin), std::floor(options.crop->ymin)};
-  for (const FilePlan& plan : plans)
-    if (is_sound(plan.layout.info) && plan.layout.info.point_count > 0)
-      return {std::floor(plan.layout.info.min[0]), std::floor(plan.layout.info.min[1])};
-  return {0, 0};
+  Point2 origin{0, 0};
+  for (std::size_t f = 0; f < plans.size(); ++f) {
+    const LasInfo& info = plans[f].layout.info;
+    if (info.point_count == 0) continue;
+    decode_points(paths[f], plans[f].layout, 0, 1, [&](const LasBlock& block) {
+      origin = {std::floor(block.x[0] * info.scale[0] + info.offset[0]),
+                std::floor(block.y[0] * info.scale[1] + info.offset[1])};
+    });
+    break;
+  }
+  return origin;
 }
 
 /// The extent of points as they are stored. Throws if there is no room for them.
@@ -429,7 +483,7 @@ Bounds2 stored_extent(const Bounds2& extent, Point2 origin, const fs::path& path
   const double farthest = std::max({-local.xmin, -local.ymin, local.xmax, local.ymax});
   if (!(farthest <= PointCoordinate::kMost))
     fail_las(path, fmt::format("points lie {:.0f} km from ({:.0f}, {:.0f}), and no more than "
-                               "{:.0f} km can be stored; read a smaller area",
+                               "{:.0f} km can be stored; give smaller bounds",
                                farthest / 1000, origin.x, origin.y, PointCoordinate::kMost / 1000));
   return {PointCoordinate(local.xmin), PointCoordinate(local.ymin), PointCoordinate(local.xmax),
           PointCoordinate(local.ymax)};
@@ -460,28 +514,28 @@ PointsInput read_points(std::span<const fs::path> paths, const ReadPointsOptions
   }
   std::vector<Filter> filters;
   for (const FilePlan& plan : plans) filters.emplace_back(options, plan.layout.info);
-  result.origin = origin_of(options, plans);
-  PointCollector collector(tasks.size(), expected_points(plans, tasks, options.crop),
-                           result.origin);
-  std::vector<Buffer<LasRecord>> kept(tasks.size());
+  result.origin = origin_of(options, paths, plans);
+  std::vector<Frame> frames;
+  for (const FilePlan& plan : plans) frames.emplace_back(plan.layout.info, result.origin);
+  PointCollector collector(tasks.size(), expected_points(plans, tasks, options.crop));
+  std::vector<PointCloud> kept(tasks.size());
   std::vector<PointTally> tallies(tasks.size());
-  const auto keep = [&](std::size_t t, const LasRecord* block, std::size_t n) {
-    Buffer<LasRecord>& records = kept[t];
-    if (records.capacity() == 0) {
-      records = collector.empty_records();
+  const auto keep = [&](std::size_t t, const LasBlock& all) {
+    const std::size_t file = tasks[t].file;
+    PointCloud& points = kept[t];
+    if (points.x.capacity() == 0)
       // Reserved memory takes up none before it is written; a count may lie.
-      records.reserve(static_cast<std::size_t>(std::min(tasks[t].count, 2 * kPointsPerTask)));
-    }
-    const std::size_t before = records.size();
-    filters[tasks[t].file].add_kept({block, n}, records);
-    tallies[t].add(std::span(records).subspan(before), plans[tasks[t].file].layout.info);
+      points = collector.empty_points(
+          static_cast<std::size_t>(std::min(tasks[t].count, 2 * kPointsPerTask)));
+    LasBlockBuffer some;
+    const LasBlock block = filters[file].keep(all, some);
+    if (block.size() == 0) return;
+    tallies[t].add(block, plans[file].layout.info);
+    frames[file].add(block, points);
     // A file without a table of chunks is one task, however many points it has.
-    if (records.size() >= 2 * kPointsPerTask)
-      collector.take_some(t, records, plans[tasks[t].file].layout.info);
+    if (points.size() >= 2 * kPointsPerTask) collector.take_some(t, points);
   };
-  const auto collect = [&](std::size_t t) {
-    collector.take(t, std::move(kept[t]), plans[tasks[t].file].layout.info);
-  };
+  const auto collect = [&](std::size_t t) { collector.take(t, std::move(kept[t])); };
   decode_tasks(paths, plans, tasks, progress, result.warnings, keep, collect);
   result.points = collector.take_points();
   result.points_kept = static_cast<std::int64_t>(result.points.size());
@@ -504,9 +558,7 @@ PointsSummary summarise_points(const fs::path& path, const Progress& progress) {
   result.warnings = plans[0].warnings;
   std::vector<PointTally> tallies(tasks.size());
   const LasInfo& info = plans[0].layout.info;
-  const auto add = [&](std::size_t t, const LasRecord* block, std::size_t n) {
-    tallies[t].add({block, n}, info);
-  };
+  const auto add = [&](std::size_t t, const LasBlock& block) { tallies[t].add(block, info); };
   decode_tasks(paths, plans, tasks, progress, result.warnings, add, [](std::size_t) {});
   PointTally tally;
   for (const PointTally& part : tallies) tally.add(part);

@@ -32,8 +32,8 @@ struct Quantised {
   std::array<double, 3> max{};
 };
 
-void quantise_axis(const fs::path& path, std::span<const PointCoordinate> local, double shift, double scale,
-                   std::size_t axis, Quantised& result) {
+void quantise_axis(const fs::path& path, std::span<const PointCoordinate> local, double shift,
+                   double scale, std::size_t axis, Quantised& result) {
   if (local.empty()) return;
   const auto [low, high] = std::minmax_element(local.begin(), local.end());
   // A round number near the middle leaves most room for fine scales.

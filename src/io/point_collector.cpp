@@ -1,5 +1,6 @@
 #include "point_collector.h"
 
+#include <algorithm>
 #include <cstdint>
 #include <new>
 #include <utility>
@@ -28,83 +29,77 @@ void grow(Buffer<T>& values, std::size_t size) {
 #endif
 }
 
-/// From the numbers of records to coordinates.
-class Axis {
- public:
-  Axis(double scale, double offset)
-      : scale_(scale * PointCoordinate::kPerMetre), offset_(offset * PointCoordinate::kPerMetre) {}
-  PointCoordinate at(std::int32_t number) const {
-    return PointCoordinate::of_tenths(number * scale_ + offset_);
-  }
+template <typename T>
+void append_values(const Buffer<T>& from, Buffer<T>& to) {
+  const std::size_t size = to.size();
+  grow(to, size + from.size());
+  std::copy(from.begin(), from.end(), to.begin() + static_cast<std::ptrdiff_t>(size));
+}
 
- private:
-  double scale_;
-  double offset_;
-};
+/// Calls `act` with each of the arrays.
+template <typename Act>
+void with_arrays(PointCloud& points, const Act& act) {
+  act(points.x);
+  act(points.y);
+  act(points.z);
+  act(points.classification);
+}
+
+void clear(PointCloud& points) {
+  with_arrays(points, [](auto& values) { values.clear(); });
+}
 
 }  // namespace
 
-PointCollector::PointCollector(std::size_t tasks, std::size_t expected, Point2 origin)
-    : origin_(origin), waiting_(tasks) {
+PointCollector::PointCollector(std::size_t tasks, std::size_t expected) : waiting_(tasks) {
   try {
-    points_.x.reserve(expected);
-    points_.y.reserve(expected);
-    points_.z.reserve(expected);
-    points_.classification.reserve(expected);
+    with_arrays(points_, [&](auto& values) { values.reserve(expected); });
   } catch (const std::bad_alloc&) {
     points_ = {};
   }
 }
 
-Buffer<LasRecord> PointCollector::empty_records() {
-  const std::scoped_lock lock(mutex_);
-  if (used_.empty()) return {};
-  Buffer<LasRecord> records = std::move(used_.back());
-  used_.pop_back();
-  return records;
+PointCloud PointCollector::empty_points(std::size_t reserved) {
+  PointCloud points;
+  {
+    const std::scoped_lock lock(mutex_);
+    if (!used_.empty()) {
+      points = std::move(used_.back());
+      used_.pop_back();
+    }
+  }
+  with_arrays(points, [&](auto& values) { values.reserve(reserved); });
+  return points;
 }
 
-void PointCollector::take_some(std::size_t task, Buffer<LasRecord>& records,
-                               const LasInfo& info) {
+void PointCollector::take_some(std::size_t task, PointCloud& points) {
   const std::scoped_lock lock(mutex_);
   if (next_ != task) return;
-  append(records, info);
-  records.clear();
+  append(points);
+  clear(points);
 }
 
-void PointCollector::take(std::size_t task, Buffer<LasRecord>&& records, const LasInfo& info) {
+void PointCollector::take(std::size_t task, PointCloud&& points) {
   const std::scoped_lock lock(mutex_);
-  waiting_[task] = {std::move(records), &info};
-  for (; next_ < waiting_.size() && waiting_[next_].info != nullptr; ++next_) {
-    Buffer<LasRecord> done = std::move(waiting_[next_].records);
-    append(done, *waiting_[next_].info);
+  waiting_[task] = {std::move(points), true};
+  for (; next_ < waiting_.size() && waiting_[next_].ended; ++next_) {
+    PointCloud done = std::move(waiting_[next_].points);
+    append(done);
     if (used_.size() >= static_cast<std::size_t>(thread_count())) continue;
-    done.clear();
+    clear(done);
     used_.push_back(std::move(done));
   }
   if (next_ > task) return;
-  Buffer<LasRecord>& waits = waiting_[task].records;
-  if (waits.size() < waits.capacity() / 2) waits.shrink_to_fit();
+  with_arrays(waiting_[task].points, [](auto& values) {
+    if (values.size() < values.capacity() / 2) values.shrink_to_fit();
+  });
 }
 
-void PointCollector::append(const Buffer<LasRecord>& records, const LasInfo& info) {
-  const std::size_t first = points_.size(), size = first + records.size();
-  grow(points_.x, size);
-  grow(points_.y, size);
-  grow(points_.z, size);
-  grow(points_.classification, size);
-  const Axis x(info.scale[0], info.offset[0] - origin_.x);
-  const Axis y(info.scale[1], info.offset[1] - origin_.y);
-  const Axis z(info.scale[2], info.offset[2]);
-  PointCoordinate *xs = points_.x.data() + first, *ys = points_.y.data() + first,
-                  *zs = points_.z.data() + first;
-  std::uint8_t* classes = points_.classification.data() + first;
-  for (std::size_t i = 0; i < records.size(); ++i) {
-    xs[i] = x.at(records[i].x);
-    ys[i] = y.at(records[i].y);
-    zs[i] = z.at(records[i].z);
-    classes[i] = records[i].classification;
-  }
+void PointCollector::append(const PointCloud& points) {
+  append_values(points.x, points_.x);
+  append_values(points.y, points_.y);
+  append_values(points.z, points_.z);
+  append_values(points.classification, points_.classification);
 }
 
 }  // namespace tetropolis

@@ -2,56 +2,47 @@
 #pragma once
 
 #include <cstddef>
-#include <cstdint>
 #include <mutex>
 #include <utility>
 #include <vector>
 
-#include "tetropolis/core/buffer.h"
 #include "tetropolis/geometry/point_cloud.h"
-#include "tetropolis/geometry/types.h"
-#include "tetropolis/io/las.h"
-
-#include "las_decode.h"
 
 namespace tetropolis {
 
-/// Turns the records that tasks kept into points as soon as those of all tasks before are. Memory:
-/// the points, and the records of the tasks that wait. May be called from several threads. One of
-/// them makes points at a time, which takes a twentieth of the time of decompressing them.
+/// Appends the points of tasks to those of all tasks before, as soon as these are there. Memory:
+/// the points, and those of the tasks that wait. May be called from several threads; one of them
+/// copies at a time.
 class PointCollector {
  public:
   /// `expected` points get their memory at once, unless there is not so much; more may come.
-  /// `origin` is subtracted from x and y.
-  PointCollector(std::size_t tasks, std::size_t expected, Point2 origin);
+  PointCollector(std::size_t tasks, std::size_t expected);
 
-  /// An empty vector, with memory that was used before if there is any: fresh memory is slow.
-  Buffer<LasRecord> empty_records();
+  /// No points, but memory for so many, used before if there is any: fresh memory is slow.
+  PointCloud empty_points(std::size_t reserved);
 
-  /// Empties `records`, the first or next ones of a task that is not at its end, unless points of
+  /// Empties `points`, the first or next ones of a task that is not at its end, unless points of
   /// tasks before are still to come.
-  void take_some(std::size_t task, Buffer<LasRecord>& records, const LasInfo& info);
+  void take_some(std::size_t task, PointCloud& points);
 
-  /// The (remaining) records of one task, with the scale and offset of `info`, which has to stay
-  /// until points are taken. Precondition: once for each task.
-  void take(std::size_t task, Buffer<LasRecord>&& records, const LasInfo& info);
+  /// The (remaining) points of one task. Precondition: once for each task.
+  void take(std::size_t task, PointCloud&& points);
 
   /// The points of all tasks. Precondition: all were taken.
   PointCloud take_points() { return std::move(points_); }
 
  private:
   struct Waiting {
-    Buffer<LasRecord> records;
-    const LasInfo* info = nullptr;  ///< None before the task has ended.
+    PointCloud points;
+    bool ended = false;
   };
 
-  void append(const Buffer<LasRecord>& records, const LasInfo& info);
+  void append(const PointCloud& points);
 
-  Point2 origin_;
   std::mutex mutex_;  ///< Of all that follows.
   std::vector<Waiting> waiting_;
   std::size_t next_ = 0;  ///< Task whose points come next.
-  std::vector<Buffer<LasRecord>> used_;
+  std::vector<PointCloud> used_;
   PointCloud points_;
 };
 

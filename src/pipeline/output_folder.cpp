@@ -220,8 +220,8 @@ bool make_random_folder(const fs::path& home, const std::string& prefix, fs::pat
   }
 }
 
-/// Removes a file, or a folder with all in it. System calls and nothing else: a signal may have come
-/// while its thread held the lock of the heap.
+/// Removes a file, or a folder with all in it. System calls and nothing else: a signal may have
+/// come while its thread held the lock of the heap.
 void remove_from_handler(int parent, const char* name) {
   const int folder = ::openat(parent, name, O_RDONLY | O_DIRECTORY | O_NOFOLLOW | O_CLOEXEC);
   if (folder < 0) {

@@ -51,8 +51,7 @@ Candidates find_candidates(const PointCloud& cloud, const GroundFilterOptions& o
   const ClassTable wanted = class_table(options.classes);
   Candidates mask(cloud.size(), 0);
   parallel_chunks(cloud.size(), kPointGrain, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t p = begin; p < end; ++p)
-      mask[p] = wanted[cloud.classification[p]] ? 1 : 0;
+    for (std::size_t p = begin; p < end; ++p) mask[p] = wanted[cloud.classification[p]] ? 1 : 0;
   });
   return mask;
 }

@@ -37,8 +37,7 @@ std::vector<PointNumber> ground_points(const PointCloud& cloud,
   const ClassTable wanted = class_table(classes);
   std::vector<PointNumber> points;
   for (std::size_t p = 0; p < cloud.size(); ++p)
-    if (wanted[cloud.classification[p]])
-      points.push_back(static_cast<PointNumber>(p));
+    if (wanted[cloud.classification[p]]) points.push_back(static_cast<PointNumber>(p));
   return points;
 }
 

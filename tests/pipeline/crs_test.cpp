@@ -50,9 +50,10 @@ class ReferenceSystems : public ::testing::Test {
   void points_in_degrees() {
     for (std::size_t i = 0; i < village.cloud.size(); ++i) {
       const Point2 p = in_degrees(village, {village.cloud.x[i], village.cloud.y[i]});
-      village.cloud.x[i] = p.x - village.origin.x;
-      village.cloud.y[i] = p.y - village.origin.y;
+      village.cloud.x[i] = p.x;
+      village.cloud.y[i] = p.y;
     }
+    village.points_are_local = false;
     village.points_scale = 1e-7;
   }
 

@@ -44,6 +44,7 @@ struct Village {
   std::string points_crs = "EPSG:28992";
   std::string footprints_file = "footprints.shp";
   double points_scale = 0.001;
+  bool points_are_local = true;  ///< Else in CRS coordinates.
   PointCloud cloud;
   std::vector<std::uint8_t> flags;  ///< Of points; empty: none.
 
@@ -80,7 +81,7 @@ struct Village {
     options.crs = points_crs;
     options.flags = flags;
     options.scale = points_scale;
-    write_points(folder / "points.las", cloud, origin, options);
+    write_points(folder / "points.las", cloud, points_are_local ? origin : Point2{}, options);
     config.footprints = (folder / footprints_file).string();
     config.points = {(folder / "points.las").string()};
     config.out = (folder / "out").string();

@@ -33,9 +33,8 @@ class Fingerprint {
     for (const std::string& id : city.ids) bytes(id.data(), id.size());
     add(city.ground);
     add(city.heights);
-    add(city.points.x);
-    add(city.points.y);
-    add(city.points.z);
+    for (const auto* values : {&city.points.x, &city.points.y, &city.points.z})
+      add(std::vector<double>(values->begin(), values->end()));
     add(city.points.classification);
   }
   std::uint64_t value() const { return value_; }

@@ -23,18 +23,21 @@ class PointCoordinate {
   PointCoordinate() = default;
   /// The nearest, the lowest or the highest there is. Precondition: a number.
   PointCoordinate(double metres)  // NOLINT(google-explicit-constructor)
-      : PointCoordinate(of_tenths(metres * kPerMetre)) {}
+      : tenths_(nearest(std::clamp(metres, -kMost, kMost) * kPerMetre)) {}
   operator double() const { return tenths_ / kPerMetre; }  // NOLINT(google-explicit-constructor)
 
-  /// As many tenths of a millimetre, as above.
+  /// For loops over many. Precondition: at most kMost * kPerMetre either side of 0.
   static PointCoordinate of_tenths(double tenths) {
-    const double inside = std::min(std::max(tenths, -kMost * kPerMetre), kMost * kPerMetre);
     PointCoordinate result;
-    result.tenths_ = static_cast<std::int32_t>(inside + std::copysign(0.5, inside));
+    result.tenths_ = nearest(tenths);
     return result;
   }
 
  private:
+  static std::int32_t nearest(double tenths) {
+    return static_cast<std::int32_t>(tenths + std::copysign(0.5, tenths));
+  }
+
   std::int32_t tenths_;
 };
 

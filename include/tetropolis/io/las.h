@@ -62,8 +62,8 @@ std::vector<std::filesystem::path> expand_point_paths(std::span<const std::strin
 std::vector<std::uint8_t> noise_classes();
 
 struct ReadPointsOptions {
-  std::optional<Bounds2> crop;  ///< Keep points inside or on it; CRS coordinates. None: all.
-  std::optional<Point2> origin;  ///< Subtracted from x and y. None: whole metres near the points.
+  std::optional<Bounds2> crop;   ///< Keep points inside or on it; CRS coordinates. None: all.
+  std::optional<Point2> origin;  ///< Subtracted from x and y. None: near the points.
   std::vector<std::uint8_t> skipped_classes = noise_classes();
   bool keep_withheld = false;  ///< Keep points with the withheld bit.
   std::string crs;             ///< What the files are in, whatever they say; empty: what they say.
@@ -74,8 +74,8 @@ struct PointsInput {
   std::int64_t points_read = 0;  ///< Points looked at (files passed over do not count).
   std::int64_t points_kept = 0;  ///< points.size().
   std::map<int, std::int64_t> points_by_class;  ///< Of the points kept.
-  Point2 origin;                   ///< Of the local frame.
-  Bounds2 extent = Bounds2::nothing();  ///< Of the points kept, local frame; empty if none.
+  Point2 origin;                                ///< Of the local frame.
+  Bounds2 extent = Bounds2::nothing();          ///< Of the points kept, local frame; empty if none.
   std::int64_t files_skipped = 0;  ///< Passed over because their header's box misses `crop`.
   std::string crs;                 ///< Of the coordinates; "" if unknown.
   std::vector<Warning> warnings;   ///< Those of LasInfo, and "las_box_untrusted", "las_twin",
@@ -83,8 +83,9 @@ struct PointsInput {
 };
 
 /// Reads the points of several files. x, y: CRS coordinate (record * scale + offset) minus origin;
-/// z as it is, in the file's unit; all to a tenth of a thousandth (PointCoordinate). Class: 5 bits in formats 0 to 5, 8 bits from format 6 on.
-/// Overlap points (class 12, or the overlap bit) are points like others.
+/// z as it is, in the file's unit; all to a tenth of a thousandth (PointCoordinate). Class: 5 bits
+/// in formats 0 to 5, 8 bits from format 6 on. Overlap points (class 12, or the overlap bit) are
+/// points like others.
 ///
 /// A file whose header box misses `crop` is not decoded, provided that the box is sound and holds
 /// the first points and some more of the file; otherwise the file is decoded.
@@ -127,7 +128,8 @@ struct WritePointsOptions {
 /// cloud: local frame; `origin` is added to x and y.
 /// Guarantees: the header's box and counts are those of the stored points; the same input gives the
 /// same bytes; the file appears complete or not at all.
-/// Errors: kInput if it cannot be written; kUsage for another point format, a scale too fine for the extent, classes above 31 in format 1, a bad crs.
+/// Errors: kInput if it cannot be written; kUsage for another point format, a scale too fine for
+/// the extent, classes above 31 in format 1, a bad crs.
 void write_points(const std::filesystem::path& path, const PointCloud& cloud, Point2 origin,
                   const WritePointsOptions& options = {});
 

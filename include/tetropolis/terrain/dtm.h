@@ -31,11 +31,12 @@ struct DtmReport {
 Raster dtm_grid(const Bounds2& domain, double step);
 
 /// Heights on dtm_grid(domain, options.step). Each point of the given classes counts towards its
-/// nearest node (points whose nearest node is not on the grid are ignored), and a node gets the mean height of its points. Then fill_empty_nodes.
-/// Guarantees: every value is finite and lies between the lowest and the highest ground point, up
-/// to rounding; the same bytes for any number of threads. Time is linear in points and nodes;
-/// memory beyond the raster is 4 bytes per node. Throws Error(kInput) if no ground point lies on
-/// the grid. Source: Naserentin & Logg 2022 (arXiv 2210.05250), step 1.3.
+/// nearest node (points whose nearest node is not on the grid are ignored), and a node gets the
+/// mean height of its points. Then fill_empty_nodes. Guarantees: every value is finite and lies
+/// between the lowest and the highest ground point, up to rounding; the same bytes for any number
+/// of threads. Time is linear in points and nodes; memory beyond the raster is 4 bytes per node.
+/// Throws Error(kInput) if no ground point lies on the grid. Source: Naserentin & Logg 2022 (arXiv
+/// 2210.05250), step 1.3.
 Raster build_dtm(const PointCloud& cloud, const Bounds2& domain, const DtmOptions& options = {},
                  const Progress& progress = {}, DtmReport* report = nullptr);
 
