@@ -19,9 +19,9 @@ namespace {
 constexpr double kProgram = 65e6;
 constexpr double kPerTriangle = 600;
 constexpr double kPerCell = 2;
-/// Points while they are sorted into the terrain: 37 to 41 bytes on 12 and 6 million, and some
-/// room.
-constexpr double kPerPoint = 50;
+/// Points while they are sorted into the terrain: besides its nodes 18 to 20 bytes on 12 and 6
+/// million, with classes and without, and some room.
+constexpr double kPerPoint = 26;
 /// Heights and numbers of points of the terrain while it is made.
 constexpr double kPerTerrainNode = 12;
 /// Of the solver, with uniform layers (uniform.peak_bytes_per_node in tests/work/limits.txt).
