@@ -23,7 +23,7 @@
 
 // No thread waits for signals: in a program of one thread stdio takes no locks, for which LASzip
 // (it reads bytes one by one) needs a tenth of its time. So whatever ends a run here does it within
-// a handler, and calls nothing but what POSIX lists as async-signal-safe.
+// a handler, by system calls that need neither locks nor memory.
 
 namespace tetropolis::app {
 

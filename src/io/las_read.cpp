@@ -138,13 +138,9 @@ struct PointTally {
   Bounds2 extent = Bounds2::nothing();
   std::array<std::int64_t, 256> by_class{};
 
-  /// Records, at least one, with the scale and offset of `info`.
-  void add(const LasBlock& block, const LasInfo& info) {
-    const NumberRange &x = block.x_range, &y = block.y_range;
-    for (const auto& corner : {std::pair{x.first, y.first}, std::pair{x.last, y.last}})
-      extent.extend(Point2{corner.first * info.scale[0] + info.offset[0],
-                           corner.second * info.scale[1] + info.offset[1]});
-    for (const std::uint8_t code : block.classification) ++by_class[code];
+  void add(const Bounds2& box, std::span<const std::uint8_t> codes) {
+    extent.extend(box);
+    for (const std::uint8_t code : codes) ++by_class[code];
   }
   void add(const PointTally& more) {
     extent.extend(more.extent);
@@ -175,6 +171,15 @@ class Frame {
                                  block.classification.end());
   }
 
+  /// Of the points as add() stores them; as they are if there is no room for them. Precondition:
+  /// there are some.
+  Bounds2 box(const LasBlock& block) const {
+    Bounds2 box = Bounds2::nothing();
+    box.extend(Point2{x_.stored(block.x_range.first), y_.stored(block.y_range.first)});
+    box.extend(Point2{x_.stored(block.x_range.last), y_.stored(block.y_range.last)});
+    return box;
+  }
+
  private:
   class Axis {
    public:
@@ -190,7 +195,13 @@ class Frame {
       if (fits(range.first) && fits(range.last))
         for (const std::int32_t number : numbers) *next++ = PointCoordinate::of_tenths(at(number));
       else
-        for (const std::int32_t number : numbers) *next++ = at(number) / PointCoordinate::kPerMetre;
+        for (const std::int32_t number : numbers) *next++ = stored(number);
+    }
+
+    double stored(std::int32_t number) const {
+      const double tenths = at(number);
+      return fits(number) ? static_cast<double>(PointCoordinate::of_tenths(tenths))
+                          : tenths / PointCoordinate::kPerMetre;
     }
 
    private:
@@ -476,17 +487,13 @@ Point2 origin_of(const ReadPointsOptions& options, std::span<const fs::path> pat
   return origin;
 }
 
-/// The extent of points as they are stored. Throws if there is no room for them.
-Bounds2 stored_extent(const Bounds2& extent, Point2 origin, const fs::path& path) {
-  const Bounds2 local{extent.xmin - origin.x, extent.ymin - origin.y, extent.xmax - origin.x,
-                      extent.ymax - origin.y};
-  const double farthest = std::max({-local.xmin, -local.ymin, local.xmax, local.ymax});
-  if (!(farthest <= PointCoordinate::kMost))
+/// Throws if there was no room for points of this extent in the local frame.
+void require_room(const Bounds2& extent, Point2 origin, const fs::path& path) {
+  const double farthest = std::max({-extent.xmin, -extent.ymin, extent.xmax, extent.ymax});
+  if (farthest > PointCoordinate::kMost)
     fail_las(path, fmt::format("points lie {:.0f} km from ({:.0f}, {:.0f}), and no more than "
                                "{:.0f} km can be stored; give smaller bounds",
                                farthest / 1000, origin.x, origin.y, PointCoordinate::kMost / 1000));
-  return {PointCoordinate(local.xmin), PointCoordinate(local.ymin), PointCoordinate(local.xmax),
-          PointCoordinate(local.ymax)};
 }
 
 }  // namespace
@@ -530,7 +537,7 @@ PointsInput read_points(std::span<const fs::path> paths, const ReadPointsOptions
     LasBlockBuffer some;
     const LasBlock block = filters[file].keep(all, some);
     if (block.size() == 0) return;
-    tallies[t].add(block, plans[file].layout.info);
+    tallies[t].add(frames[file].box(block), block.classification);
     frames[file].add(block, points);
     // A file without a table of chunks is one task, however many points it has.
     if (points.size() >= 2 * kPointsPerTask) collector.take_some(t, points);
@@ -541,10 +548,10 @@ PointsInput read_points(std::span<const fs::path> paths, const ReadPointsOptions
   result.points_kept = static_cast<std::int64_t>(result.points.size());
   PointTally tally;
   for (std::size_t t = 0; t < tasks.size(); ++t) {
-    if (!tallies[t].extent.empty())
-      result.extent.extend(stored_extent(tallies[t].extent, result.origin, paths[tasks[t].file]));
+    require_room(tallies[t].extent, result.origin, paths[tasks[t].file]);
     tally.add(tallies[t]);
   }
+  result.extent = tally.extent;
   result.points_by_class = tally.classes();
   return result;
 }
@@ -558,7 +565,13 @@ PointsSummary summarise_points(const fs::path& path, const Progress& progress) {
   result.warnings = plans[0].warnings;
   std::vector<PointTally> tallies(tasks.size());
   const LasInfo& info = plans[0].layout.info;
-  const auto add = [&](std::size_t t, const LasBlock& block) { tallies[t].add(block, info); };
+  const auto add = [&](std::size_t t, const LasBlock& block) {
+    Bounds2 box = Bounds2::nothing();
+    for (const auto& [x, y] : {std::pair{block.x_range.first, block.y_range.first},
+                               std::pair{block.x_range.last, block.y_range.last}})
+      box.extend(Point2{x * info.scale[0] + info.offset[0], y * info.scale[1] + info.offset[1]});
+    tallies[t].add(box, block.classification);
+  };
   decode_tasks(paths, plans, tasks, progress, result.warnings, add, [](std::size_t) {});
   PointTally tally;
   for (const PointTally& part : tallies) tally.add(part);
