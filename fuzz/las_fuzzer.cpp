@@ -54,6 +54,7 @@ void claim_round_trip(const PointCloud& points) {
   write_points(copy[0], points, {}, options);
   ReadPointsOptions all;
   all.skipped_classes.clear();
+  all.origin = Point2{0, 0};
   const PointCloud again = read_points(copy, all).points;
   claim(again.classification == points.classification, "classes come back");
   for (std::size_t i = 0; i < points.x.size(); ++i)
