@@ -57,6 +57,11 @@ NumberRange numbers_within(double scale, double offset, double low, double high)
                  least_where([&](double number) { return number * scale + offset < low; }));
 }
 
+/// In CRS coordinates.
+Point2 position(const LasInfo& info, std::int32_t x, std::int32_t y) {
+  return {x * info.scale[0] + info.offset[0], y * info.scale[1] + info.offset[1]};
+}
+
 /// Which records of a file become points.
 class Filter {
  public:
@@ -242,12 +247,11 @@ bool box_holds_samples(const fs::path& path, const LasLayout& layout) {
   const Bounds2 box = header_box(info);
   bool inside = true;
   const auto probe = [&](std::int64_t first, std::int64_t count) {
-    decode_points(
-        path, layout, first, std::min(count, info.point_count - first), [&](const LasBlock& block) {
-          for (std::size_t i = 0; i < block.size(); ++i)
-            inside = inside && box.contains({block.x[i] * info.scale[0] + info.offset[0],
-                                             block.y[i] * info.scale[1] + info.offset[1]});
-        });
+    decode_points(path, layout, first, std::min(count, info.point_count - first),
+                  [&](const LasBlock& block) {
+                    for (std::size_t i = 0; i < block.size(); ++i)
+                      inside = inside && box.contains(position(info, block.x[i], block.y[i]));
+                  });
   };
   probe(0, 4);
   // LAZ can be entered at the start of a chunk only, unless LASzip finds it.
@@ -312,10 +316,10 @@ bool begin_alike(const fs::path& a, const LasLayout& in_a, const fs::path& b,
   const auto beginning = [](const fs::path& path, const LasLayout& layout) {
     std::vector<std::array<double, 3>> points;
     decode_points(path, layout, 0, kLeastTwin, [&](const LasBlock& block) {
-      for (std::size_t i = 0; i < block.size(); ++i)
-        points.push_back({block.x[i] * layout.info.scale[0] + layout.info.offset[0],
-                          block.y[i] * layout.info.scale[1] + layout.info.offset[1],
-                          block.z[i] * layout.info.scale[2] + layout.info.offset[2]});
+      for (std::size_t i = 0; i < block.size(); ++i) {
+        const Point2 p = position(layout.info, block.x[i], block.y[i]);
+        points.push_back({p.x, p.y, block.z[i] * layout.info.scale[2] + layout.info.offset[2]});
+      }
     });
     return points;
   };
@@ -479,8 +483,8 @@ Point2 origin_of(const ReadPointsOptions& options, std::span<const fs::path> pat
     const LasInfo& info = plans[f].layout.info;
     if (info.point_count == 0) continue;
     decode_points(paths[f], plans[f].layout, 0, 1, [&](const LasBlock& block) {
-      origin = {std::floor(block.x[0] * info.scale[0] + info.offset[0]),
-                std::floor(block.y[0] * info.scale[1] + info.offset[1])};
+      const Point2 first = position(info, block.x[0], block.y[0]);
+      origin = {std::floor(first.x), std::floor(first.y)};
     });
     break;
   }
@@ -567,9 +571,8 @@ PointsSummary summarise_points(const fs::path& path, const Progress& progress) {
   const LasInfo& info = plans[0].layout.info;
   const auto add = [&](std::size_t t, const LasBlock& block) {
     Bounds2 box = Bounds2::nothing();
-    for (const auto& [x, y] : {std::pair{block.x_range.first, block.y_range.first},
-                               std::pair{block.x_range.last, block.y_range.last}})
-      box.extend(Point2{x * info.scale[0] + info.offset[0], y * info.scale[1] + info.offset[1]});
+    box.extend(position(info, block.x_range.first, block.y_range.first));
+    box.extend(position(info, block.x_range.last, block.y_range.last));
     tallies[t].add(box, block.classification);
   };
   decode_tasks(paths, plans, tasks, progress, result.warnings, add, [](std::size_t) {});

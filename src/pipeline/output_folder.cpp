@@ -191,11 +191,20 @@ bool is_staging_of(const fs::path& folder, const std::string& prefix) {
          status.st_uid == ::geteuid();
 }
 
-/// Removes the folders made for a run, from the innermost up to `created`, while they are empty.
-void remove_created(const fs::path& innermost, const fs::path& created) {
-  if (created.empty()) return;
-  std::error_code ignored;
-  for (fs::path p = innermost; fs::remove(p, ignored) && p != created;) p = p.parent_path();
+/// The folders from the innermost up to `created`, none if that is empty.
+std::vector<fs::path> folders_up_to(const fs::path& innermost, const fs::path& created) {
+  std::vector<fs::path> folders;
+  if (created.empty()) return folders;
+  for (fs::path p = innermost;; p = p.parent_path()) {
+    folders.push_back(p);
+    if (p == created) return folders;
+  }
+}
+
+/// Removes folders made for a run, one around the other, while they are empty. For signal handlers.
+void remove_empty(const std::vector<fs::path>& folders) {
+  for (const fs::path& folder : folders)
+    if (::rmdir(folder.c_str()) != 0) return;
 }
 
 /// The same where only some of them may have been made.
@@ -203,7 +212,7 @@ void remove_made(fs::path innermost, const fs::path& created) {
   std::error_code ignored;
   while (!created.empty() && innermost != created && !fs::exists(innermost, ignored))
     innermost = innermost.parent_path();
-  remove_created(innermost, created);
+  remove_empty(folders_up_to(innermost, created));
 }
 
 /// A new folder with the permissions that folders of this process usually have: mkdtemp's are
@@ -240,24 +249,13 @@ void remove_from_handler(int parent, const char* name) {
   ::unlinkat(parent, name, AT_REMOVEDIR);
 }
 
-/// The folders from the innermost up to `created`, none if that is empty.
-std::vector<fs::path> folders_up_to(const fs::path& innermost, const fs::path& created) {
-  std::vector<fs::path> folders;
-  if (created.empty()) return folders;
-  for (fs::path p = innermost;; p = p.parent_path()) {
-    folders.push_back(p);
-    if (p == created) return folders;
-  }
-}
-
 /// Removes the results in the making, while a run may still be writing them, and the folders made
 /// for it, while they are empty. For signal handlers.
 void discard(const fs::path& staging, const std::vector<fs::path>& made) {
   constexpr int attempts = 20;
   for (int i = 0; i < attempts && ::access(staging.c_str(), F_OK) == 0; ++i)
     remove_from_handler(AT_FDCWD, staging.c_str());
-  for (const fs::path& folder : made)
-    if (::rmdir(folder.c_str()) != 0) return;
+  remove_empty(made);
 }
 
 /// Whether files can be renamed from one of two folders to the other, as far as the system tells.
@@ -353,7 +351,7 @@ OutputFolder::~OutputFolder() {
   // Earlier results that could not be put back stay in the hidden folder for the next run to try.
   if (committed_ || restore_earlier(staging_, target_)) fs::remove_all(staging_, ignored);
   if (lock_ >= 0) ::close(lock_);
-  if (!committed_) remove_created(target_.parent_path(), created_parent_);
+  if (!committed_) remove_empty(folders_up_to(target_.parent_path(), created_parent_));
 }
 
 void OutputFolder::replace_results() {
