@@ -1,8 +1,18 @@
+#include <utility>
+
+#include "tetropolis/geometry/polygon.h"
+
 #include "ground/construct.h"
+#include "ground/hilbert.h"
 
 namespace tetropolis {
 
 namespace {
+
+// Of a patch and what lies around it, so that they fit a core's own cache.
+constexpr std::size_t kPatchTriangles = 4096;
+
+bool inside(const TriMesh::Triangle& x) { return x.v[0] != TriMesh::kDead && x.region != kOutside; }
 
 // Neither outside nor marked yet.
 constexpr std::int32_t kUnvisited = kUnmarkedSide;
@@ -68,10 +78,37 @@ void classify(const PlanarGraph& graph, bool convex_hull, Construction& result) 
 }
 
 void carve_outside(TriMesh& mesh) {
-  std::vector<char> keep(mesh.triangles.size());
-  for (std::size_t t = 0; t < keep.size(); ++t)
-    keep[t] = mesh.triangles[t].v[0] != TriMesh::kDead && mesh.triangles[t].region != kOutside;
-  if (!keep.empty()) mesh.carve(keep);
+  if (mesh.triangles.empty()) return;  // collinear points, whose segments stay
+  std::vector<std::int32_t> number(mesh.triangles.size());
+  std::int32_t count = 0;
+  for (std::size_t t = 0; t < number.size(); ++t)
+    number[t] = inside(mesh.triangles[t]) ? count++ : TriMesh::kNothing;
+  mesh.renumber(number);
+}
+
+std::vector<std::int32_t> carve_into_patches(TriMesh& mesh) {
+  if (mesh.triangles.empty()) return {};
+  // Squares of one size, in the order of the curve: the leading digits of positions along it.
+  int digits = 0;
+  while (digits < 16 && (mesh.triangles.size() >> digits) > kPatchTriangles) digits += 2;
+  const HilbertCurve curve(bounds(mesh.points));
+  std::vector<std::int32_t> patch(mesh.triangles.size(), TriMesh::kNothing);
+  std::vector<std::int32_t> ends((std::size_t{1} << digits) + 1, 0);
+  for (std::size_t t = 0; t < patch.size(); ++t) {
+    const TriMesh::Triangle& x = mesh.triangles[t];
+    if (!inside(x)) continue;
+    const std::uint64_t place = curve(mesh.point(x.v[0]));
+    patch[t] = static_cast<std::int32_t>(place >> (32 - digits));
+    ++ends[static_cast<std::size_t>(patch[t]) + 1];
+  }
+  for (std::size_t p = 1; p < ends.size(); ++p) ends[p] += ends[p - 1];
+  // A patch's start goes on to its end while its triangles are numbered.
+  std::vector<std::int32_t> number = std::move(patch);
+  for (std::int32_t& t : number)
+    if (t >= 0) t = ends[static_cast<std::size_t>(t)]++;
+  mesh.renumber(number);
+  ends.pop_back();
+  return ends;
 }
 
 Construction construct(const PlanarGraph& graph, bool convex_hull) {

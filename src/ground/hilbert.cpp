@@ -6,20 +6,50 @@
 
 namespace tetropolis {
 
+namespace {
+
+// The curve through a square of four levels, in each of the frames that a part of it can lie in.
+// A frame swaps the axes (bit 1) and mirrors both (bit 0).
+constexpr unsigned kLevels = 4;
+
+struct Steps {
+  std::uint8_t index[4][1U << kLevels][1U << kLevels];  // frame, x, y
+  std::uint8_t frame[4][1U << kLevels][1U << kLevels];  // of what lies in that cell
+};
+
+constexpr Steps make_steps() {
+  Steps steps{};
+  for (unsigned start = 0; start < 4; ++start) {
+    for (unsigned x = 0; x < (1U << kLevels); ++x) {
+      for (unsigned y = 0; y < (1U << kLevels); ++y) {
+        unsigned frame = start, index = 0;
+        for (unsigned level = kLevels; level-- > 0;) {
+          const unsigned u = (x >> level) & 1U, v = (y >> level) & 1U, mirror = frame & 1U;
+          const unsigned right = (frame < 2 ? u : v) ^ mirror, upper = (frame < 2 ? v : u) ^ mirror;
+          index = (index << 2) | ((3U * right) ^ upper);
+          // The lower quadrants are transposed, that on the right along the other diagonal.
+          if (upper == 0) frame ^= 2U | right;
+        }
+        steps.index[start][x][y] = static_cast<std::uint8_t>(index);
+        steps.frame[start][x][y] = static_cast<std::uint8_t>(frame);
+      }
+    }
+  }
+  return steps;
+}
+
+constexpr Steps kSteps = make_steps();
+
+}  // namespace
+
 std::uint32_t hilbert_index(std::uint32_t x, std::uint32_t y) {
-  // From the coarsest of 16 levels to the finest; (x, y) is turned into the frame of its quadrant.
   std::uint32_t index = 0;
-  for (std::uint32_t level = 15; level < 16; --level) {
-    const std::uint32_t right = (x >> level) & 1U;
-    const std::uint32_t upper = (y >> level) & 1U;
-    index = (index << 2) | ((3U * right) ^ upper);
-    const std::uint32_t turn = upper - 1U;             // all ones in the lower quadrants
-    const std::uint32_t mirror = turn & (0U - right);  // all ones in the lower right one
-    x ^= mirror;
-    y ^= mirror;
-    const std::uint32_t swap = (x ^ y) & turn;
-    x ^= swap;
-    y ^= swap;
+  unsigned frame = 0;
+  for (unsigned shift = 16; shift > 0;) {
+    shift -= kLevels;
+    const unsigned i = (x >> shift) & 15U, j = (y >> shift) & 15U;
+    index = (index << (2 * kLevels)) | kSteps.index[frame][i][j];
+    frame = kSteps.frame[frame][i][j];
   }
   return index;
 }

@@ -2,6 +2,8 @@
 
 #include <array>
 #include <cmath>
+#include <cstdint>
+#include <numeric>
 #include <vector>
 
 #include <fmt/format.h>
@@ -87,22 +89,24 @@ GroundMesh renumber(const Triangulation& source, const Bounds2& domain) {
     number[i] = static_cast<VertexIndex>(mesh.vertices.size());
     mesh.vertices.push_back(source.points[i]);
   }
-  // By the sum of a triangle's vertex numbers, to be near all three; a quarter of it fits the key.
-  keys.resize(source.triangles.size());
-  for (std::size_t t = 0; t < keys.size(); ++t) {
-    std::uint64_t sum = 0;
-    for (const VertexIndex v : source.triangles[t])
-      sum += static_cast<std::uint64_t>(number[static_cast<std::size_t>(v)]);
-    keys[t] = static_cast<std::uint32_t>(sum / 4);
-  }
-  mesh.triangles.reserve(keys.size());
-  mesh.region.reserve(keys.size());
-  for (const std::int32_t t : sorted_order(keys)) {
-    const auto& old = source.triangles[static_cast<std::size_t>(t)];
-    mesh.triangles.push_back({number[static_cast<std::size_t>(old[0])],
-                              number[static_cast<std::size_t>(old[1])],
-                              number[static_cast<std::size_t>(old[2])]});
-    mesh.region.push_back(source.triangle_regions[static_cast<std::size_t>(t)]);
+  // By the sum of a triangle's vertex numbers, to be near all three. They come in patches already,
+  // so counting and placing stay near as well. A place for about each triangle is fine enough.
+  const auto place = [&](const std::array<VertexIndex, 3>& t) {
+    std::int64_t sum = 0;
+    for (const VertexIndex v : t) sum += number[static_cast<std::size_t>(v)];
+    return static_cast<std::size_t>(sum / 4);
+  };
+  std::vector<std::int32_t> starts(mesh.vertices.size() * 3 / 4 + 2, 0);
+  for (const auto& t : source.triangles) ++starts[place(t) + 1];
+  std::partial_sum(starts.begin(), starts.end(), starts.begin());
+  mesh.triangles.resize(source.triangles.size());
+  mesh.region.resize(source.triangles.size());
+  for (std::size_t t = 0; t < source.triangles.size(); ++t) {
+    const auto& old = source.triangles[t];
+    const auto to = static_cast<std::size_t>(starts[place(old)]++);
+    for (std::size_t i = 0; i < 3; ++i)
+      mesh.triangles[to][i] = number[static_cast<std::size_t>(old[i])];
+    mesh.region[to] = source.triangle_regions[t];
   }
   mesh.small_input_angles = source.small_input_angles;
   mesh.triangles_below_min_angle = source.triangles_below_min_angle;

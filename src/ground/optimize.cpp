@@ -97,27 +97,24 @@ bool stays_delaunay(const TriMesh& mesh, const Star& star, Point2 p) {
 
 }  // namespace
 
+// In the order of the patches, those triangles that refining a patch has added after its own.
 void Refiner::optimize() {
-  const double content = std::sin(to_radians(kContentAngle));
-  // For each vertex the half-edge of a triangle opposite to it; moves flip nothing, so it stays
-  // valid.
-  std::vector<std::int32_t> opposite(mesh_.points.size(), TriMesh::kNothing);
-  std::vector<char> waits(mesh_.points.size(), 0);
-  std::vector<std::int32_t> vertices;
-  // In the order of the triangles: those that are near in the plane are mostly near in memory.
-  for (std::size_t t = 0; t < mesh_.triangles.size(); ++t) {
-    const TriMesh::Triangle& x = mesh_.triangles[t];
-    if (x.v[0] == TriMesh::kDead) continue;
+  const double sine = std::sin(to_radians(kContentAngle));
+  const double content = sine * sine;
+  std::vector<char> tried(mesh_.points.size(), 0);
+  const auto visit = [&](std::int32_t t) {
+    const TriMesh::Triangle& x = mesh_.tri(t);
+    if (x.v[0] == TriMesh::kDead) return;
+    if (squared_sine(mesh_.point(x.v[0]), mesh_.point(x.v[1]), mesh_.point(x.v[2])) >= content)
+      return;
     for (std::int32_t i = 0; i < 3; ++i)
-      opposite[static_cast<std::size_t>(x.v[i])] = 4 * static_cast<std::int32_t>(t) + i;
-    if (squared_sine(mesh_.point(x.v[0]), mesh_.point(x.v[1]), mesh_.point(x.v[2])) <
-        content * content)
-      for (const std::int32_t v : x.v)
-        if (kind(v) == kFreeVertex && !std::exchange(waits[static_cast<std::size_t>(v)], 1))
-          vertices.push_back(v);
+      if (kind(x.v[i]) == kFreeVertex && !std::exchange(tried[static_cast<std::size_t>(x.v[i])], 1))
+        move_vertex(x.v[i], 4 * t + i, content);
+  };
+  for (const Patch& patch : patches_) {
+    for (std::int32_t t = patch.first; t < patch.last; ++t) visit(t);
+    for (std::int32_t t = patch.first_added; t < patch.last_added; ++t) visit(t);
   }
-  for (const std::int32_t v : vertices)
-    move_vertex(v, opposite[static_cast<std::size_t>(v)], content * content);
 }
 
 bool Refiner::move_vertex(std::int32_t v, std::int32_t he, double content) {

@@ -5,6 +5,7 @@
 #include "tetropolis/core/units.h"
 #include "tetropolis/geometry/polygon.h"
 
+#include "core/mix64.h"
 #include "ground/hilbert.h"
 #include "ground/refiner.h"
 
@@ -190,9 +191,11 @@ std::vector<Point2> Refiner::lattice_nodes() const {
   const double dy = box.height() / rows;
   const auto nx = static_cast<std::int64_t>(columns) + 1;
   const auto ny = static_cast<std::int64_t>(rows) + 1;
-  // Odd rows are shifted by half a step.
+  // Odd rows are shifted by half a step; and each by a hair more or less than others, so that no
+  // rectangles of nodes, which rows around it complete later, make the predicates go to the end.
   const auto node = [&](std::int64_t i, std::int64_t j) {
-    return Point2{box.xmin + (static_cast<double>(i) + (j % 2 == 0 ? 0.0 : 0.5)) * dx,
+    const double hair = 0x1p-20 * static_cast<double>(mix64(static_cast<std::uint64_t>(j)) & 1023U);
+    return Point2{box.xmin + (static_cast<double>(i) + (j % 2 == 0 ? 0.0 : 0.5) + hair) * dx,
                   box.ymin + static_cast<double>(j) * dy};
   };
   std::vector<char> taken(static_cast<std::size_t>(nx * ny), 0);

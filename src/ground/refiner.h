@@ -68,8 +68,8 @@ class Refiner {
 
   /// Even cuts of the pieces, and the lattice. Before the outside is carved.
   void seed();
-  /// After it is carved.
-  void run(const Progress& progress);
+  /// After it is carved, patch by patch. `ends`: of carve_into_patches().
+  void run(const std::vector<std::int32_t>& ends, const Progress& progress);
   /// Moves free vertices where that widens the smallest angle around them and breaks no guarantee.
   void optimize();
 
@@ -86,12 +86,20 @@ class Refiner {
     std::int32_t s;
     std::int32_t v[2];
   };
-  // Squared edge lengths by opposite vertex, twice the area, and which edge is the shortest.
+  // Squared edge lengths by opposite vertex and by size, and twice the area. Most triangles are
+  // good, and which edge is which would be a guess to the processor: only asked of the others.
   struct Shape {
     std::array<double, 3> squared;
     double twice_area;
-    int shortest;
-    int longest;
+    double least, middle, most;
+
+    int shortest() const { return squared[0] == least ? 0 : squared[1] == least ? 1 : 2; }
+    int longest() const { return squared[2] == most ? 2 : squared[1] == most ? 1 : 0; }
+  };
+  // Triangles that are near each other: those there were, and those that refining them has added.
+  struct Patch {
+    std::int32_t first, last;
+    std::int32_t first_added, last_added;
   };
   // Worst first: buckets of skinny triangles by shortest edge, doubling its square from one to the
   // next, then triangles that are only too large by falling circumradius.
@@ -121,9 +129,7 @@ class Refiner {
     return std::min(bound, at * at);
   }
   bool skinny(const Shape& s) const {
-    const double l = s.squared[static_cast<std::size_t>(s.longest)];
-    const double m = s.squared[static_cast<std::size_t>(3 - s.shortest - s.longest)];
-    return s.twice_area * s.twice_area < sine_squared_ * l * m;
+    return s.twice_area * s.twice_area < sine_squared_ * s.most * s.middle;
   }
   int oversized_edge(const TriMesh::Triangle& x, const Shape& s) const;
   bool excused(const TriMesh::Triangle& x, const Shape& s) const;
@@ -133,6 +139,7 @@ class Refiner {
   int oversized_bucket(const TriMesh::Triangle& x, const Shape& s, int edge) const;
   void consider(std::int32_t t);
   void consider_touched();
+  void drain(const Progress& progress);
   bool pop(BadTriangle& bad);
   void improve(const BadTriangle& bad);
   Point2 split_position(const TriMesh::Triangle& x, const Shape& s, bool is_skinny) const;
@@ -159,6 +166,7 @@ class Refiner {
   TriMesh& mesh_;
   SizeBound size_;
   std::vector<Piece> pieces_;
+  std::vector<Patch> patches_;
   std::vector<std::int32_t> kinds_;
   std::vector<double> hard_bounds_;  ///< Per hard vertex, if segments have bounds: the least.
   std::vector<std::int32_t> unused_vertices_;

@@ -312,24 +312,24 @@ std::int32_t TriMesh::find_edge(std::int32_t a, std::int32_t b) const {
   return found;
 }
 
-void TriMesh::carve(const std::vector<char>& keep) {
-  std::vector<std::int32_t> renumbered(triangles.size(), kNothing);
-  std::int32_t count = 0;
-  for (std::size_t t = 0; t < triangles.size(); ++t)
-    if (keep[t] != 0) renumbered[t] = count++;
+void TriMesh::renumber(const std::vector<std::int32_t>& number) {
+  const auto count = std::count_if(number.begin(), number.end(), [](auto t) { return t >= 0; });
+  std::vector<Triangle> kept;
+  kept.reserve(triangles.capacity());
+  kept.resize(static_cast<std::size_t>(count));
   for (std::size_t t = 0; t < triangles.size(); ++t) {
-    if (renumbered[t] < 0) continue;
+    if (number[t] < 0) continue;
     Triangle x = triangles[t];
     for (std::int32_t& n : x.n)
-      if (n >= 0) n = 4 * renumbered[static_cast<std::size_t>(n >> 2)] + (n & 3);
-    triangles[static_cast<std::size_t>(renumbered[t])] = x;
+      if (n >= 0) n = 4 * number[static_cast<std::size_t>(n >> 2)] + (n & 3);
+    kept[static_cast<std::size_t>(number[t])] = x;
   }
-  triangles.resize(static_cast<std::size_t>(count));
+  triangles.swap(kept);
   for (Subsegment& s : subsegments) {
     if (s.v[0] == kDead) continue;
     for (std::int32_t& he : s.side) {
       if (he < 0) continue;
-      const std::int32_t t = renumbered[static_cast<std::size_t>(he >> 2)];
+      const std::int32_t t = number[static_cast<std::size_t>(he >> 2)];
       he = t < 0 ? kNothing : 4 * t + (he & 3);
     }
     if (s.side[0] < 0 && s.side[1] < 0) s.v[0] = kDead;

@@ -4,7 +4,7 @@
 // vertex i + 2 (see triangulation.h). Links across an edge are either a half-edge (>= 0) or, where
 // a subsegment lies between, its complement ~index (< 0): searches that must not cross segments
 // stop at any negative number. Ghost triangles, with kGhost for a vertex, surround the convex hull
-// until carve() removes them; then the boundary consists of subsegments with one side.
+// until renumber() leaves them out; then the boundary consists of subsegments with one side.
 #pragma once
 
 #include <cstdint>
@@ -156,8 +156,9 @@ class TriMesh {
     return 4 * t + (x.v[0] == vertex ? 0 : x.v[1] == vertex ? 1 : 2);
   }
 
-  /// Removes all triangles for which keep(t) is false and packs the rest.
-  void carve(const std::vector<char>& keep);
+  /// Keeps the triangles with number[t] >= 0 and gives them these numbers, of which there must be
+  /// as many as triangles are kept, from 0 up. Removes the others.
+  void renumber(const std::vector<std::int32_t>& number);
 
   bool in_circumcircle(std::int32_t t, Point2 p) const {
     const Triangle& x = tri(t);
