@@ -42,23 +42,44 @@ double cell_for(std::span<const Polygon> polygons, double distance) {
   return std::max(2 * distance, cell_size(box, length, count));
 }
 
-void join_near_edges(const Outline& o, double distance, DisjointSets& sets) {
-  // Where many overlap, nearly all pairs are joined already: that has to be seen at once.
+/// Sets of `size` things, of which body(begin, end, sets) joins those that it finds in a chunk of
+/// [0, work): in sets of its own, which are put together afterwards. Which sets come out depends on
+/// no order.
+template <typename Body>
+void join_in_chunks(std::size_t work, std::size_t size, DisjointSets& sets, const Body& body) {
+  constexpr std::size_t kChunks = 8;  // each costs a list of all things
+  const std::size_t grain = std::max<std::size_t>(grain_of_chunks(work, kChunks), 256);
+  std::vector<DisjointSets> found((work + grain - 1) / grain, DisjointSets(0));
+  parallel_chunks(work, grain, [&](std::size_t begin, std::size_t end) {
+    DisjointSets local(size);
+    body(static_cast<std::int32_t>(begin), static_cast<std::int32_t>(end), local);
+    found[begin / grain] = std::move(local);
+  });
+  for (DisjointSets& local : found)
+    for (std::int32_t i = 0; i < static_cast<std::int32_t>(size); ++i)
+      if (const std::int32_t root = local.root(i); root != i) sets.join(root, i);
+}
+
+void join_near_edges(const Outline& o, double distance, std::size_t polygons, DisjointSets& sets) {
   std::vector<std::int32_t> group(o.point.size());
   for (std::int32_t e = 0; e < o.vertex_count(); ++e)
     group[static_cast<std::size_t>(e)] = o.group_of(e);
-  for (std::int32_t e = 0; e < o.vertex_count(); ++e) {
-    const Point2 a = o.at(e), b = o.at(o.after(e));
-    std::int32_t root = sets.root(group[static_cast<std::size_t>(e)]);
-    o.grid.visit(grid::box_of(a, b).grown(distance), [&](std::int32_t f) {
-      if (f <= e) return;
-      const std::int32_t other = group[static_cast<std::size_t>(f)];
-      if (sets.root(other) == root) return;
-      if (!(grid::segment_distance(a, b, o.at(f), o.at(o.after(f))) < distance)) return;
-      sets.join(root, other);
-      root = sets.root(root);
-    });
-  }
+  const auto join = [&](std::int32_t begin, std::int32_t end, DisjointSets& local) {
+    for (std::int32_t e = begin; e < end; ++e) {
+      const Point2 a = o.at(e), b = o.at(o.after(e));
+      std::int32_t root = local.root(group[static_cast<std::size_t>(e)]);
+      o.grid.visit(grid::box_of(a, b).grown(distance), [&](std::int32_t f) {
+        if (f <= e) return;
+        // Where many overlap, nearly all pairs are joined already: that has to be seen at once.
+        const std::int32_t other = group[static_cast<std::size_t>(f)];
+        if (local.root(other) == root) return;
+        if (!(grid::segment_distance(a, b, o.at(f), o.at(o.after(f))) < distance)) return;
+        local.join(root, other);
+        root = local.root(root);
+      });
+    }
+  };
+  join_in_chunks(o.point.size(), polygons, sets, join);
 }
 
 /// Joins polygons to those that contain them: even-odd count, per other polygon, of the edges left
@@ -71,31 +92,34 @@ void join_contained(const Outline& o, std::span<const Polygon> polygons, Disjoin
     boxes.push_back(bounds(polygon));
     widest = std::max(widest, boxes.back().width());
   }
-  std::vector<std::int32_t> seen(o.point.size(), -1);
-  std::vector<std::int32_t> crossed;
-  for (std::int32_t r = 0; r < static_cast<std::int32_t>(o.first.size()); ++r) {
-    const auto ring = static_cast<std::size_t>(r);
-    if (o.is_hole[ring] != 0) continue;
-    const Point2 p = o.at(o.first[ring]);
-    crossed.clear();
-    o.grid.visit({p.x - widest, p.y, p.x, p.y}, [&](std::int32_t e) {
-      if (seen[static_cast<std::size_t>(e)] == r) return;
-      seen[static_cast<std::size_t>(e)] = r;
-      // Of polygons around p the search sees all edges left of p; of others perhaps not.
-      if (!boxes[static_cast<std::size_t>(o.group_of(e))].contains(p)) return;
-      Point2 a = o.at(e), b = o.at(o.after(e));
-      if ((a.y > p.y) == (b.y > p.y)) return;
-      if (a.y > b.y) std::swap(a, b);
-      if (grid::orientation(a, b, p) < 0) crossed.push_back(o.group_of(e));
-    });
-    std::sort(crossed.begin(), crossed.end());
-    for (std::size_t i = 0; i < crossed.size();) {
-      std::size_t j = i;
-      while (j < crossed.size() && crossed[j] == crossed[i]) ++j;
-      if ((j - i) % 2 == 1) sets.join(o.group[ring], crossed[i]);
-      i = j;
+  const auto join = [&](std::int32_t begin, std::int32_t end, DisjointSets& local) {
+    std::vector<std::int32_t> seen(o.point.size(), -1);
+    std::vector<std::int32_t> crossed;
+    for (std::int32_t r = begin; r < end; ++r) {
+      const auto ring = static_cast<std::size_t>(r);
+      if (o.is_hole[ring] != 0) continue;
+      const Point2 p = o.at(o.first[ring]);
+      crossed.clear();
+      o.grid.visit({p.x - widest, p.y, p.x, p.y}, [&](std::int32_t e) {
+        if (seen[static_cast<std::size_t>(e)] == r) return;
+        seen[static_cast<std::size_t>(e)] = r;
+        // Of polygons around p the search sees all edges left of p; of others perhaps not.
+        if (!boxes[static_cast<std::size_t>(o.group_of(e))].contains(p)) return;
+        Point2 a = o.at(e), b = o.at(o.after(e));
+        if ((a.y > p.y) == (b.y > p.y)) return;
+        if (a.y > b.y) std::swap(a, b);
+        if (grid::orientation(a, b, p) < 0) crossed.push_back(o.group_of(e));
+      });
+      std::sort(crossed.begin(), crossed.end());
+      for (std::size_t i = 0; i < crossed.size();) {
+        std::size_t j = i;
+        while (j < crossed.size() && crossed[j] == crossed[i]) ++j;
+        if ((j - i) % 2 == 1) local.join(o.group[ring], crossed[i]);
+        i = j;
+      }
     }
-  }
+  };
+  join_in_chunks(o.first.size(), polygons.size(), sets, join);
 }
 
 /// The share [t0, t1] of a-b within `reach` of c-d; empty (t0 > t1) if none is. The distance to a
@@ -229,7 +253,7 @@ Polygon hull_of(std::span<const Polygon> polygons) {
 std::vector<std::int32_t> cluster_polygons(std::span<const Polygon> polygons, double distance) {
   const Outline o = make_outline(pointers(polygons), cell_for(polygons, distance));
   DisjointSets sets(polygons.size());
-  join_near_edges(o, distance, sets);
+  join_near_edges(o, distance, polygons.size(), sets);
   join_contained(o, polygons, sets);
   std::vector<std::int32_t> cluster(polygons.size());
   std::int32_t count = 0;

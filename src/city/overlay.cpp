@@ -10,6 +10,7 @@
 
 #include <fmt/format.h>
 
+#include "tetropolis/city/clearance.h"
 #include "tetropolis/core/error.h"
 #include "tetropolis/core/parallel.h"
 #include "tetropolis/geometry/polygon.h"
@@ -43,7 +44,11 @@ bool round_to_grid(std::vector<Polygon>& polygons) {
     std::erase_if(polygon.holes, [](const Ring& hole) { return hole.empty(); });
   }
   std::erase_if(polygons, [](const Polygon& polygon) { return polygon.outer.empty(); });
-  return exact || geos::is_valid(polygons);
+  if (exact) return true;
+  // Whether edges touch at all is decided much faster than whether they may.
+  std::vector<Polygon> metres;
+  for (const Polygon& polygon : polygons) metres.push_back(grid::to_metres(polygon));
+  return footprint_defects(metres, 1).empty() || geos::is_valid(polygons);
 }
 
 [[noreturn]] void give_up(std::span<const Polygon> polygons) {
@@ -132,9 +137,9 @@ Polygon* covering(std::vector<Polygon>& polygons, Point2 p) {
   return nullptr;
 }
 
-/// What one list of a union has where nothing of the other one is: polygons, and holes in others.
-/// The union would only carry them along, and in a dense city they are nearly all there is; so they
-/// are taken out before and given back after it.
+/// What one list of an overlay has where nothing of the other one is: polygons, and holes in
+/// others. The overlay would only carry them along, and in a dense city they are nearly all there
+/// is; so they are taken out before and given back after it.
 class Untouched {
  public:
   /// Takes them out of `polygons`.
@@ -171,12 +176,46 @@ class Untouched {
                    std::make_move_iterator(group.rings.end()));
       std::sort(holes.begin(), holes.end(), comes_before);
     }
-    result.insert(result.end(), std::make_move_iterator(polygons_.begin()),
-                  std::make_move_iterator(polygons_.end()));
+    give_back_polygons(result);
+    return true;
+  }
+
+  /// The same for polygons that may have fallen into parts.
+  bool give_back_to_parts(std::vector<Polygon>& result) {
+    std::vector<std::pair<Bounds2, Polygon*>> parts;
+    for (Polygon& polygon : result) parts.emplace_back(bounds(polygon), &polygon);
+    std::stable_sort(parts.begin(), parts.end(), [](const auto& a, const auto& b) {
+      return a.first.width() * a.first.height() < b.first.width() * b.first.height();
+    });
+    bool asked = false;  // the last part, which has nearly all
+    for (Holes& group : holes_) {
+      for (Ring& hole : group.rings) {
+        const Bounds2 box = bounds(hole);
+        const auto owns = [&](const auto& part) {
+          if (!part.first.covers(box)) return false;
+          const bool last = part.second == parts.back().second;
+          if (last && asked) return true;
+          if (!contains(*part.second, interior_point({hole, {}}))) return false;
+          asked = asked || last;
+          return true;
+        };
+        const auto owner = std::find_if(parts.begin(), parts.end(), owns);
+        if (owner == parts.end()) return false;
+        owner->second->holes.push_back(std::move(hole));
+      }
+    }
+    for (Polygon& polygon : result)
+      std::sort(polygon.holes.begin(), polygon.holes.end(), comes_before);
+    give_back_polygons(result);
     return true;
   }
 
  private:
+  void give_back_polygons(std::vector<Polygon>& result) {
+    result.insert(result.end(), std::make_move_iterator(polygons_.begin()),
+                  std::make_move_iterator(polygons_.end()));
+  }
+
   struct Holes {
     Point2 inside;  ///< Of one of them.
     std::vector<Ring> rings;
@@ -185,14 +224,28 @@ class Untouched {
   std::vector<Holes> holes_;
 };
 
+/// By lowest vertex, as results of GEOS come.
+void sort_polygons(std::vector<Polygon>& polygons) {
+  std::sort(polygons.begin(), polygons.end(),
+            [](const Polygon& p, const Polygon& q) { return comes_before(p.outer, q.outer); });
+}
+
 /// Union of two lists of polygons with disjoint interiors.
 geos::Result join(std::vector<Polygon> a, std::vector<Polygon> b) {
   const Boxes boxes_a = boxes_of(a), boxes_b = boxes_of(b);
   Untouched of_a(a, boxes_b), of_b(b, boxes_a);
   geos::Result result = geos::join(a, b, 1.0);
   if (!result || !of_a.give_back(*result) || !of_b.give_back(*result)) return std::nullopt;
-  std::sort(result->begin(), result->end(),
-            [](const Polygon& p, const Polygon& q) { return comes_before(p.outer, q.outer); });
+  sort_polygons(*result);
+  return result;
+}
+
+/// `a`, which are such polygons, less `b`.
+geos::Result subtract(std::vector<Polygon> a, std::span<const Polygon> b) {
+  Untouched of_a(a, boxes_of(b));
+  geos::Result result = geos::subtract(a, b, 1.0);
+  if (!result || !of_a.give_back_to_parts(*result)) return std::nullopt;
+  sort_polygons(*result);
   return result;
 }
 
@@ -321,7 +374,7 @@ std::vector<Polygon> add_on_grid(std::span<const Polygon> a, std::span<const Pol
 }
 
 std::vector<Polygon> subtract_on_grid(std::span<const Polygon> a, std::span<const Polygon> b) {
-  return or_else(a, rounded(geos::subtract(a, b, 1.0)),
+  return or_else(a, rounded(subtract({a.begin(), a.end()}, b)),
                  [&] { return rounded(geos::subtract(a, b, 0)); });
 }
 

@@ -151,6 +151,8 @@ Result read(const Context& context, const Geometry& geometry) {
 }  // namespace
 
 Result unite(std::span<const Polygon> polygons, double grid) {
+  // The union of a collection would sort the two into a tree first.
+  if (polygons.size() == 2 && !(grid > 0)) return join(polygons.first(1), polygons.last(1), grid);
   const Context context;
   const Geometry input = make_collection(context, polygons, GEOS_GEOMETRYCOLLECTION);
   if (input.get() == nullptr) return std::nullopt;

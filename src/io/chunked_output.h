@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cstddef>
+#include <cstring>
 #include <string>
 #include <vector>
 
@@ -12,22 +13,24 @@
 namespace tetropolis {
 
 /// Cuts [0, size) into chunks of `grain`, lets format(begin, end, buffer) append each chunk's bytes
-/// to its own buffer, a batch of chunks at a time in parallel, and writes the buffers in order to
-/// `file`, an AtomicFile or something with the same write(). Memory is that of one batch.
+/// to a buffer of its own, several at the same time, and writes the buffers in order to `file`, an
+/// AtomicFile or something with the same write(), while the next are being filled. Memory is that
+/// of eight chunks.
 template <typename File, typename Format>
 void write_chunked(File& file, std::size_t size, std::size_t grain, const Format& format,
                    const Progress& progress = {}) {
-  constexpr std::size_t kBatch = 16;
-  std::vector<std::string> buffers(kBatch);
-  for (std::size_t start = 0; start < size; start += grain * kBatch) {
-    progress.update(static_cast<double>(start) / static_cast<double>(size));
-    const std::size_t stop = std::min(start + grain * kBatch, size);
-    for (std::string& buffer : buffers) buffer.clear();
-    parallel_chunks(stop - start, grain, [&](std::size_t begin, std::size_t end) {
-      format(start + begin, start + end, buffers[begin / grain]);
-    });
-    for (const std::string& buffer : buffers) file.write(buffer);
-  }
+  constexpr std::size_t kBuffers = 8;
+  std::vector<std::string> buffers(kBuffers);
+  parallel_pipeline(
+      (size + grain - 1) / grain, buffers,
+      [&](std::size_t chunk, std::string& buffer) {
+        buffer.clear();
+        format(chunk * grain, std::min((chunk + 1) * grain, size), buffer);
+      },
+      [&](std::size_t chunk, const std::string& buffer) {
+        progress.update(static_cast<double>(chunk * grain) / static_cast<double>(size));
+        file.write(buffer);
+      });
 }
 
 /// Appends the bytes of a number as they lie in memory.
@@ -36,5 +39,24 @@ void append_raw(std::string& buffer, Number value) {
   const auto* bytes = reinterpret_cast<const char*>(&value);
   buffer.append(bytes, sizeof value);
 }
+
+/// Puts numbers one after the other into room that is made for them all at once.
+class RawNumbers {
+ public:
+  /// Room for `bytes` more at the end of the buffer.
+  RawNumbers(std::string& buffer, std::size_t bytes) {
+    const std::size_t size = buffer.size();
+    buffer.resize(size + bytes);
+    at_ = buffer.data() + size;
+  }
+  template <typename Number>
+  void put(Number value) {
+    std::memcpy(at_, &value, sizeof value);
+    at_ += sizeof value;
+  }
+
+ private:
+  char* at_;
+};
 
 }  // namespace tetropolis

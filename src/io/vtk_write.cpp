@@ -1,4 +1,3 @@
-#include <array>
 #include <bit>
 #include <cstdint>
 #include <limits>
@@ -41,21 +40,18 @@ std::string file_middle(std::string_view type) {
 constexpr std::string_view kFileTail = "\n</AppendedData>\n</VTKFile>\n";
 
 template <typename Integer>
-void write_cells(VtkOutput& file, const ColumnMesh& mesh, std::uint64_t cells,
+void write_cells(VtkOutput& file, const ColumnMesh& mesh, const std::vector<NodeIndex>& offsets,
                  const Progress& progress) {
+  const auto cells = static_cast<std::size_t>(offsets.back());
   file.write_next(
       mesh.triangle_count(), kColumns,
       [&](std::size_t begin, std::size_t end, std::string& buffer) {
-        for (std::size_t t = begin; t < end; ++t)
-          for_each_tet_over(mesh, t, [&](const std::array<NodeIndex, 4>& tet) {
-            std::array<Integer, 4> row{};
-            for (std::size_t i = 0; i < 4; ++i) row[i] = static_cast<Integer>(tet[i]);
-            append_raw(buffer, row);
-          });
+        append_cells<Integer>(mesh, offsets, begin, end, buffer);
       },
       progress);
   file.write_next(cells, 4 * kRows, [&](std::size_t begin, std::size_t end, std::string& buffer) {
-    for (std::size_t c = begin; c < end; ++c) append_raw(buffer, static_cast<Integer>(4 * (c + 1)));
+    RawNumbers ends(buffer, (end - begin) * sizeof(Integer));
+    for (std::size_t c = begin; c < end; ++c) ends.put(static_cast<Integer>(4 * (c + 1)));
   });
   file.write_next(cells, 16 * kRows, [&](std::size_t begin, std::size_t end, std::string& buffer) {
     buffer.append(end - begin, static_cast<char>(kVtkTetra));
@@ -88,14 +84,12 @@ void write_vtu(const std::filesystem::path& path, const ColumnMesh& mesh,
                     append_points(mesh, placement, begin, end, buffer);
                   });
   if (small)
-    write_cells<std::int32_t>(file, mesh, cells, progress);
+    write_cells<std::int32_t>(file, mesh, offsets, progress);
   else
-    write_cells<std::int64_t>(file, mesh, cells, progress);
+    write_cells<std::int64_t>(file, mesh, offsets, progress);
   file.write_next(mesh.triangle_count(), kColumns,
                   [&](std::size_t begin, std::size_t end, std::string& buffer) {
-                    for (std::size_t t = begin; t < end; ++t)
-                      for (NodeIndex c = offsets[t]; c < offsets[t + 1]; ++c)
-                        append_raw(buffer, static_cast<std::int32_t>(mesh.ground.region[t]));
+                    append_regions(mesh, offsets, begin, end, buffer);
                   });
   file.commit(kFileTail);
 }

@@ -55,16 +55,12 @@ void write_volume(Output& file, const ColumnMesh& mesh, const std::vector<NodeIn
   file.write_next(
       mesh.triangle_count(), kColumns,
       [&](std::size_t begin, std::size_t end, std::string& buffer) {
-        for (std::size_t t = begin; t < end; ++t)
-          for_each_tet_over(mesh, t,
-                            [&](const std::array<NodeIndex, 4>& tet) { append_raw(buffer, tet); });
+        append_cells<NodeIndex>(mesh, cells, begin, end, buffer);
       },
       portion(progress, 0.2, 0.9));
   file.write_next(mesh.triangle_count(), kColumns,
                   [&](std::size_t begin, std::size_t end, std::string& buffer) {
-                    for (std::size_t t = begin; t < end; ++t)
-                      for (NodeIndex c = cells[t]; c < cells[t + 1]; ++c)
-                        append_raw(buffer, mesh.ground.region[t]);
+                    append_regions(mesh, cells, begin, end, buffer);
                   });
 }
 

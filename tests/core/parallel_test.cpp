@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <atomic>
+#include <numeric>
 #include <random>
 #include <stdexcept>
 #include <string>
@@ -66,6 +67,61 @@ TEST(Parallel, JobsInOrderRunOnceEach) {
       }
     });
     EXPECT_TRUE(std::all_of(runs.begin(), runs.end(), [](const auto& n) { return n == 1; }));
+  }
+}
+
+TEST(Parallel, PipelineUsesInOrderWhatIsMadeInSlots) {
+  for (const int threads : {1, 2, 8}) {
+    const ThreadLimit limit(threads);
+    std::vector<std::string> slots(5);
+    std::vector<std::size_t> used;
+    std::atomic<int> busy{0};
+    parallel_pipeline(
+        1000, slots,
+        [&](std::size_t i, std::string& slot) {
+          slot = std::to_string(i);
+          for (std::size_t k = 0; k < i % 7 * 100; ++k) slot.push_back('.');
+        },
+        [&](std::size_t i, const std::string& slot) {
+          EXPECT_EQ(++busy, 1);
+          EXPECT_EQ(std::stoul(slot), i) << "another item's slot";
+          used.push_back(i);
+          --busy;
+        });
+    std::vector<std::size_t> all(1000);
+    std::iota(all.begin(), all.end(), std::size_t{0});
+    EXPECT_EQ(used, all);
+    parallel_pipeline(
+        0, slots, [](std::size_t, std::string&) { ADD_FAILURE(); },
+        [](std::size_t, const std::string&) { ADD_FAILURE(); });
+  }
+}
+
+TEST(Parallel, PipelineThrowsTheFirstFailureAndUsesNothingBehindIt) {
+  std::mt19937_64 random(testing::test_seed());
+  for (int repeat = 0; repeat < 200; ++repeat) {
+    const ThreadLimit limit(1 + repeat % 8);
+    const std::size_t bad_make = random() % 100, bad_use = random() % 100;
+    const std::size_t first = std::min(bad_make, bad_use);
+    std::size_t used = 0;
+    std::vector<int> slots(3);
+    try {
+      parallel_pipeline(
+          100, slots,
+          [&](std::size_t i, int&) {
+            if (i == bad_make || i > 90) throw std::runtime_error("make " + std::to_string(i));
+          },
+          [&](std::size_t i, int) {
+            if (i == bad_use) throw std::runtime_error("use " + std::to_string(i));
+            ++used;
+          });
+      ADD_FAILURE() << "nothing thrown";
+    } catch (const std::runtime_error& error) {
+      EXPECT_EQ(error.what(), (first > 90            ? "make 91"
+                               : bad_make <= bad_use ? "make " + std::to_string(first)
+                                                     : "use " + std::to_string(first)));
+    }
+    EXPECT_EQ(used, std::min<std::size_t>(first, 91));
   }
 }
 

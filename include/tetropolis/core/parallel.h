@@ -12,6 +12,7 @@
 #include <tbb/blocked_range.h>
 #include <tbb/global_control.h>
 #include <tbb/parallel_for.h>
+#include <tbb/parallel_pipeline.h>
 #include <tbb/parallel_sort.h>
 
 namespace tetropolis {
@@ -101,6 +102,43 @@ void parallel_in_order(std::size_t size, const Job& job) {
     }
   });
   failure.rethrow();
+}
+
+/// Calls make(number, slot) for all of [0, size), possibly at the same time, and use(number, slot)
+/// with the same slot in order and one at a time, while later ones are being made. At most
+/// slots.size() > 0 items are under way. Throws what the first item that fails throws, in make or
+/// in use; nothing behind it is used.
+template <typename Slot, typename Make, typename Use>
+void parallel_pipeline(std::size_t size, std::vector<Slot>& slots, const Make& make,
+                       const Use& use) {
+  std::size_t next = 0;
+  std::vector<std::exception_ptr> failed(slots.size());
+  const auto slot_of = [&](std::size_t number) { return number % slots.size(); };
+  tbb::parallel_pipeline(
+      slots.size(),
+      tbb::make_filter<void, std::size_t>(tbb::filter_mode::serial_in_order,
+                                          [&](tbb::flow_control& control) -> std::size_t {
+                                            if (next < size) return next++;
+                                            control.stop();
+                                            return size;
+                                          }) &
+          tbb::make_filter<std::size_t, std::size_t>(tbb::filter_mode::parallel,
+                                                     [&](std::size_t number) {
+                                                       try {
+                                                         make(number, slots[slot_of(number)]);
+                                                       } catch (...) {
+                                                         failed[slot_of(number)] =
+                                                             std::current_exception();
+                                                       }
+                                                       return number;
+                                                     }) &
+          tbb::make_filter<std::size_t, void>(tbb::filter_mode::serial_in_order,
+                                              [&](std::size_t number) {
+                                                const std::size_t slot = slot_of(number);
+                                                if (failed[slot])
+                                                  std::rethrow_exception(failed[slot]);
+                                                use(number, slots[slot]);
+                                              }));
 }
 
 /// Combines map(begin, end) over the chunks of [0, size) from left to right:
