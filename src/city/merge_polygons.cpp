@@ -47,7 +47,7 @@ double cell_for(std::span<const Polygon> polygons, double distance) {
 /// no order.
 template <typename Body>
 void join_in_chunks(std::size_t work, std::size_t size, DisjointSets& sets, const Body& body) {
-  constexpr std::size_t kChunks = 8;  // each costs a list of all things
+  constexpr std::size_t kChunks = 8;  // each costs a list of all things, or of all edges
   const std::size_t grain = std::max<std::size_t>(grain_of_chunks(work, kChunks), 256);
   std::vector<DisjointSets> found((work + grain - 1) / grain, DisjointSets(0));
   parallel_chunks(work, grain, [&](std::size_t begin, std::size_t end) {

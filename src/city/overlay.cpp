@@ -24,6 +24,14 @@ namespace tetropolis {
 
 namespace {
 
+/// Whether polygons on the grid are valid and disjoint but for points at which they may touch.
+bool are_valid(std::span<const Polygon> polygons) {
+  // Whether edges touch at all is decided much faster than whether they may.
+  std::vector<Polygon> metres;
+  for (const Polygon& polygon : polygons) metres.push_back(grid::to_metres(polygon));
+  return footprint_defects(metres, 1).empty() || geos::is_valid(polygons);
+}
+
 /// Rounds to the grid. Slivers narrower than a step, which walls that meet up to rounding leave, go
 /// flat and away. False if what is left is not valid.
 bool round_to_grid(std::vector<Polygon>& polygons) {
@@ -44,11 +52,7 @@ bool round_to_grid(std::vector<Polygon>& polygons) {
     std::erase_if(polygon.holes, [](const Ring& hole) { return hole.empty(); });
   }
   std::erase_if(polygons, [](const Polygon& polygon) { return polygon.outer.empty(); });
-  if (exact) return true;
-  // Whether edges touch at all is decided much faster than whether they may.
-  std::vector<Polygon> metres;
-  for (const Polygon& polygon : polygons) metres.push_back(grid::to_metres(polygon));
-  return footprint_defects(metres, 1).empty() || geos::is_valid(polygons);
+  return exact || are_valid(polygons);
 }
 
 [[noreturn]] void give_up(std::span<const Polygon> polygons) {
@@ -187,16 +191,17 @@ class Untouched {
     std::stable_sort(parts.begin(), parts.end(), [](const auto& a, const auto& b) {
       return a.first.width() * a.first.height() < b.first.width() * b.first.height();
     });
-    bool asked = false;  // the last part, which has nearly all
+    // The largest part comes last, when no other one has the hole: it is asked once only.
+    bool largest_is_owner = false;
     for (Holes& group : holes_) {
       for (Ring& hole : group.rings) {
         const Bounds2 box = bounds(hole);
         const auto owns = [&](const auto& part) {
           if (!part.first.covers(box)) return false;
           const bool last = part.second == parts.back().second;
-          if (last && asked) return true;
+          if (last && largest_is_owner) return true;
           if (!contains(*part.second, interior_point({hole, {}}))) return false;
-          asked = asked || last;
+          largest_is_owner = largest_is_owner || last;
           return true;
         };
         const auto owner = std::find_if(parts.begin(), parts.end(), owns);
@@ -224,13 +229,14 @@ class Untouched {
   std::vector<Holes> holes_;
 };
 
-/// By lowest vertex, as results of GEOS come.
+/// By their first vertices, which are the lowest in what comes from GEOS.
 void sort_polygons(std::vector<Polygon>& polygons) {
   std::sort(polygons.begin(), polygons.end(),
             [](const Polygon& p, const Polygon& q) { return comes_before(p.outer, q.outer); });
 }
 
-/// Union of two lists of polygons with disjoint interiors.
+/// Union of two lists of polygons with disjoint interiors. To be checked: edges that are cut are
+/// bent, by less than a step but as a whole, and may meet what had been taken out.
 geos::Result join(std::vector<Polygon> a, std::vector<Polygon> b) {
   const Boxes boxes_a = boxes_of(a), boxes_b = boxes_of(b);
   Untouched of_a(a, boxes_b), of_b(b, boxes_a);
@@ -240,13 +246,19 @@ geos::Result join(std::vector<Polygon> a, std::vector<Polygon> b) {
   return result;
 }
 
-/// `a`, which are such polygons, less `b`.
+/// `a`, which are such polygons, less `b`. To be checked as well.
 geos::Result subtract(std::vector<Polygon> a, std::span<const Polygon> b) {
   Untouched of_a(a, boxes_of(b));
   geos::Result result = geos::subtract(a, b, 1.0);
   if (!result || !of_a.give_back_to_parts(*result)) return std::nullopt;
   sort_polygons(*result);
   return result;
+}
+
+/// The result if it is valid, else second().
+template <typename Second>
+geos::Result checked(geos::Result result, const Second& second) {
+  return result && are_valid(*result) ? std::move(result) : second();
 }
 
 /// What `patches` leave of the holes of `whole`: hole by hole, at the same time. None where GEOS
@@ -354,10 +366,11 @@ geos::Result unite_halves(std::vector<Polygon> polygons, const Bounds2& box) {
 }  // namespace
 
 std::vector<Polygon> unite_on_grid(std::span<const Polygon> polygons) {
-  return or_else(
-      polygons,
-      rounded(unite_halves({polygons.begin(), polygons.end()}, grid::box_around(polygons))),
-      [&] { return geos::unite(polygons, 1.0); });
+  geos::Result united =
+      rounded(unite_halves({polygons.begin(), polygons.end()}, grid::box_around(polygons)));
+  const auto on_grid = [&] { return geos::unite(polygons, 1.0); };
+  if (polygons.size() > kFewPolygons) united = checked(std::move(united), on_grid);
+  return or_else(polygons, std::move(united), on_grid);
 }
 
 std::vector<Polygon> unite_or_widest(std::span<const Polygon> polygons) {
@@ -370,11 +383,13 @@ std::vector<Polygon> add_on_grid(std::span<const Polygon> a, std::span<const Pol
   const std::vector<Polygon> united = unite_on_grid(b);
   geos::Result sum = a.size() == 1 ? patch_up(a[0], united) : std::nullopt;
   if (!sum) sum = join({a.begin(), a.end()}, united);
+  sum = checked(std::move(sum), [&] { return geos::join(a, united, 1.0); });
   return or_else(a, rounded(sum), [&] { return rounded(geos::join(a, united, 0)); });
 }
 
 std::vector<Polygon> subtract_on_grid(std::span<const Polygon> a, std::span<const Polygon> b) {
-  return or_else(a, rounded(subtract({a.begin(), a.end()}, b)),
+  const auto whole = [&] { return geos::subtract(a, b, 1.0); };
+  return or_else(a, rounded(checked(subtract({a.begin(), a.end()}, b), whole)),
                  [&] { return rounded(geos::subtract(a, b, 0)); });
 }
 

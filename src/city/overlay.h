@@ -22,8 +22,8 @@ std::vector<Polygon> unite_or_widest(std::span<const Polygon> polygons);
 /// are many small patches.
 std::vector<Polygon> add_on_grid(std::span<const Polygon> a, std::span<const Polygon> b);
 
-/// `a` without `b`: noded on the grid, or in floating point and rounded where GEOS gives up on
-/// that. Throws as above.
+/// `a`, which is such a result, without `b`: noded on the grid, or in floating point and rounded
+/// where GEOS gives up on that. Throws as above.
 std::vector<Polygon> subtract_on_grid(std::span<const Polygon> a, std::span<const Polygon> b);
 
 /// What `a` and `b` have in common, likewise.

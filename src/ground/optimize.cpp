@@ -98,7 +98,7 @@ bool stays_delaunay(const TriMesh& mesh, const Star& star, Point2 p) {
 }  // namespace
 
 // In the order of the patches, those triangles that refining a patch has added after its own.
-void Refiner::optimize() {
+void Refiner::optimize(const Progress& progress) {
   const double sine = std::sin(to_radians(kContentAngle));
   const double content = sine * sine;
   std::vector<char> tried(mesh_.points.size(), 0);
@@ -112,6 +112,8 @@ void Refiner::optimize() {
         move_vertex(x.v[i], 4 * t + i, content);
   };
   for (const Patch& patch : patches_) {
+    progress.update(static_cast<double>(&patch - patches_.data()) /
+                    static_cast<double>(patches_.size()));
     for (std::int32_t t = patch.first; t < patch.last; ++t) visit(t);
     for (std::int32_t t = patch.first_added; t < patch.last_added; ++t) visit(t);
   }

@@ -344,11 +344,11 @@ void Refiner::improve(const BadTriangle& bad) {
 void Refiner::run(const std::vector<std::int32_t>& ends, const Progress& progress) {
   mesh_.touched.clear();
   for (TriMesh::Triangle& x : mesh_.triangles) x.spare = 0;
-  const double share = 0.6 / static_cast<double>(std::max<std::size_t>(ends.size(), 1));
+  const double share = 1 / static_cast<double>(std::max<std::size_t>(ends.size(), 1));
   patches_.reserve(ends.size());
   std::int32_t first = 0;
   for (const std::int32_t last : ends) {
-    const double begin = 0.3 + share * static_cast<double>(patches_.size());
+    const double begin = share * static_cast<double>(patches_.size());
     const auto first_added = static_cast<std::int32_t>(mesh_.triangles.size());
     for (std::int32_t t = last; t-- > first;) consider(t);
     drain(portion(progress, begin, begin + share));
@@ -406,11 +406,11 @@ Triangulation refine(const PlanarGraph& graph, const RefineOptions& options,
   Construction construction = construct(graph, options.convex_hull);
   progress.update(0.1);
   Refiner refiner(graph, options, construction);
-  refiner.seed();
+  refiner.seed(portion(progress, 0.1, 0.5));
   const std::vector<std::int32_t> patches = carve_into_patches(construction.mesh);
-  progress.update(0.3);
-  refiner.run(patches, progress);
-  if (options.optimize) refiner.optimize();
+  progress.update(0.55);
+  refiner.run(patches, portion(progress, 0.55, 0.8));
+  if (options.optimize) refiner.optimize(portion(progress, 0.8, 0.95));
   Triangulation result = export_triangulation(graph, construction, refiner.piece_inputs());
   result.small_input_angles = refiner.small_input_angles();
   result.triangles_below_min_angle = refiner.count_below_min_angle();

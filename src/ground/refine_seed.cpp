@@ -56,7 +56,7 @@ double SizeBound::local_squared(std::int32_t region, Point2 p, Point2 q) const {
   return bound * bound;
 }
 
-void Refiner::seed() {
+void Refiner::seed(const Progress& progress) {
   find_pieces();
   if (mesh_.triangles.empty()) return;
   mesh_.tracking = false;
@@ -79,7 +79,9 @@ void Refiner::seed() {
   const double longest = std::min(h, std::max(box.width(), box.height()));
   largest_edge_exponent_ = 2 * std::ilogb(longest) + 1;
   cut_pieces();
-  if (options_.lattice && std::isfinite(size_.base()) && !options_.size_field) insert_lattice();
+  progress.update(0.3);
+  if (options_.lattice && std::isfinite(size_.base()) && !options_.size_field)
+    insert_lattice(portion(progress, 0.3, 1));
   mesh_.touched.clear();
 }
 
@@ -191,8 +193,8 @@ std::vector<Point2> Refiner::lattice_nodes() const {
   const double dy = box.height() / rows;
   const auto nx = static_cast<std::int64_t>(columns) + 1;
   const auto ny = static_cast<std::int64_t>(rows) + 1;
-  // Odd rows are shifted by half a step; and each by a hair more or less than others, so that no
-  // rectangles of nodes, which rows around it complete later, make the predicates go to the end.
+  // Odd rows are shifted by half a step; and each by a hair more or less than others, since
+  // corners of rectangles lie on one circle, which only the exact predicates can tell.
   const auto node = [&](std::int64_t i, std::int64_t j) {
     const double hair = 0x1p-20 * static_cast<double>(mix64(static_cast<std::uint64_t>(j)) & 1023U);
     return Point2{box.xmin + (static_cast<double>(i) + (j % 2 == 0 ? 0.0 : 0.5) + hair) * dx,
@@ -238,15 +240,17 @@ std::vector<Point2> Refiner::lattice_nodes() const {
   return nodes;
 }
 
-void Refiner::insert_lattice() {
+void Refiner::insert_lattice(const Progress& progress) {
   const double h = size_.base();
   const std::vector<Point2> nodes = lattice_nodes();
   const HilbertCurve curve(bounds(mesh_.points));
   std::vector<std::uint32_t> keys(nodes.size());
   for (std::size_t k = 0; k < nodes.size(); ++k) keys[k] = curve(nodes[k]);
   std::int32_t hint = 0;
-  for (const std::int32_t k : sorted_order(keys)) {
-    const Point2 p = nodes[static_cast<std::size_t>(k)];
+  const std::vector<std::int32_t> order = sorted_order(keys);
+  for (std::size_t i = 0; i < order.size(); ++i) {
+    if (i % 4096 == 0) progress.update(static_cast<double>(i) / static_cast<double>(order.size()));
+    const Point2 p = nodes[static_cast<std::size_t>(order[i])];
     const TriMesh::Location where = mesh_.locate(p, hint);
     hint = where.triangle;
     const std::int32_t region = mesh_.tri(where.triangle).region;

@@ -67,11 +67,11 @@ class Refiner {
   Refiner(const PlanarGraph& graph, const RefineOptions& options, Construction& construction);
 
   /// Even cuts of the pieces, and the lattice. Before the outside is carved.
-  void seed();
+  void seed(const Progress& progress);
   /// After it is carved, patch by patch. `ends`: of carve_into_patches().
   void run(const std::vector<std::int32_t>& ends, const Progress& progress);
   /// Moves free vertices where that widens the smallest angle around them and breaks no guarantee.
-  void optimize();
+  void optimize(const Progress& progress);
 
   std::int64_t small_input_angles() const { return small_input_angles_; }
   std::int64_t count_below_min_angle() const;
@@ -86,8 +86,9 @@ class Refiner {
     std::int32_t s;
     std::int32_t v[2];
   };
-  // Squared edge lengths by opposite vertex and by size, and twice the area. Most triangles are
-  // good, and which edge is which would be a guess to the processor: only asked of the others.
+  // Squared edge lengths by opposite vertex and by size, and twice the area. Which edge is which is
+  // asked of bad triangles only: for all of them it would be a branch mispredicted half of the
+  // time.
   struct Shape {
     std::array<double, 3> squared;
     double twice_area;
@@ -111,7 +112,7 @@ class Refiner {
   void cut_pieces();
   void cut_piece(std::int32_t s, double size);
   std::vector<Point2> lattice_nodes() const;
-  void insert_lattice();
+  void insert_lattice(const Progress& progress);
 
   Shape shape(const TriMesh::Triangle& x) const;
   /// The longest edge that a vertex allows for the segments it lies on.

@@ -125,6 +125,7 @@ CompressedBlocks::Options Hdf5CompressedOutput::begin_next() {
 }
 
 void Hdf5CompressedOutput::write_chunk(std::string_view chunk) {
+  const QuietHdf5 quiet;  // on this thread, which may be any
   needed_ += chunk.size() + kRoomForChunk;
   reserve(needed_);
   const std::array<hsize_t, 2> offset{row_, 0};

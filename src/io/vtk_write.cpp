@@ -48,14 +48,20 @@ void write_cells(VtkOutput& file, const ColumnMesh& mesh, const std::vector<Node
       [&](std::size_t begin, std::size_t end, std::string& buffer) {
         append_cells<Integer>(mesh, offsets, begin, end, buffer);
       },
-      progress);
-  file.write_next(cells, 4 * kRows, [&](std::size_t begin, std::size_t end, std::string& buffer) {
-    RawNumbers ends(buffer, (end - begin) * sizeof(Integer));
-    for (std::size_t c = begin; c < end; ++c) ends.put(static_cast<Integer>(4 * (c + 1)));
-  });
-  file.write_next(cells, 16 * kRows, [&](std::size_t begin, std::size_t end, std::string& buffer) {
-    buffer.append(end - begin, static_cast<char>(kVtkTetra));
-  });
+      portion(progress, 0, 0.75));
+  file.write_next(
+      cells, 4 * kRows,
+      [&](std::size_t begin, std::size_t end, std::string& buffer) {
+        RawNumbers ends(buffer, (end - begin) * sizeof(Integer));
+        for (std::size_t c = begin; c < end; ++c) ends.put(static_cast<Integer>(4 * (c + 1)));
+      },
+      portion(progress, 0.75, 0.95));
+  file.write_next(
+      cells, 16 * kRows,
+      [&](std::size_t begin, std::size_t end, std::string& buffer) {
+        buffer.append(end - begin, static_cast<char>(kVtkTetra));
+      },
+      portion(progress, 0.95, 1));
 }
 
 }  // namespace
@@ -79,18 +85,23 @@ void write_vtu(const std::filesystem::path& path, const ColumnMesh& mesh,
   head += "</Cells>\n<CellData Scalars=\"region\">\n";
   head += file.tag({"Int32", "region", 0, cells * 4}) + "</CellData>\n";
   file.write_head(head + file_middle("UnstructuredGrid"));
-  file.write_next(mesh.vertex_count(), kColumns,
-                  [&](std::size_t begin, std::size_t end, std::string& buffer) {
-                    append_points(mesh, placement, begin, end, buffer);
-                  });
+  file.write_next(
+      mesh.vertex_count(), kColumns,
+      [&](std::size_t begin, std::size_t end, std::string& buffer) {
+        append_points(mesh, placement, begin, end, buffer);
+      },
+      portion(progress, 0, 0.2));
+  const Progress of_cells = portion(progress, 0.2, 0.9);
   if (small)
-    write_cells<std::int32_t>(file, mesh, offsets, progress);
+    write_cells<std::int32_t>(file, mesh, offsets, of_cells);
   else
-    write_cells<std::int64_t>(file, mesh, offsets, progress);
-  file.write_next(mesh.triangle_count(), kColumns,
-                  [&](std::size_t begin, std::size_t end, std::string& buffer) {
-                    append_regions(mesh, offsets, begin, end, buffer);
-                  });
+    write_cells<std::int64_t>(file, mesh, offsets, of_cells);
+  file.write_next(
+      mesh.triangle_count(), kColumns,
+      [&](std::size_t begin, std::size_t end, std::string& buffer) {
+        append_regions(mesh, offsets, begin, end, buffer);
+      },
+      portion(progress, 0.9, 1));
   file.commit(kFileTail);
 }
 

@@ -58,10 +58,12 @@ void write_volume(Output& file, const ColumnMesh& mesh, const std::vector<NodeIn
         append_cells<NodeIndex>(mesh, cells, begin, end, buffer);
       },
       portion(progress, 0.2, 0.9));
-  file.write_next(mesh.triangle_count(), kColumns,
-                  [&](std::size_t begin, std::size_t end, std::string& buffer) {
-                    append_regions(mesh, cells, begin, end, buffer);
-                  });
+  file.write_next(
+      mesh.triangle_count(), kColumns,
+      [&](std::size_t begin, std::size_t end, std::string& buffer) {
+        append_regions(mesh, cells, begin, end, buffer);
+      },
+      portion(progress, 0.9, 1));
 }
 
 /// The last three.

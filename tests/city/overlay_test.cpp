@@ -159,6 +159,64 @@ TEST(Overlay, RandomPatchesOnAPlate) {
   }
 }
 
+/// Holes go back to the part that has them.
+TEST(Overlay, CutsThatPartAPlateWithHoles) {
+  std::mt19937 random(testing::test_seed());
+  for (int round = 0; round < 20; ++round) {
+    SCOPED_TRACE(round);
+    std::vector<Polygon> cuts;
+    const auto at = [&] { return static_cast<double>(random() % 4'100'000); };
+    for (int k = 0; k < 1 + round / 4; ++k) {
+      const double x = at(), y = at(), w = 1000 + at() / 100;
+      cuts.push_back({{{x, -1e5}, {x + w, -1e5}, {y + w, 4.2e6}, {y, 4.2e6}}, {}});
+    }
+    cuts.push_back({square(at(), at(), 5e5), {}});
+    const std::vector<Polygon> whole{plate()};
+    const std::vector<Polygon> got = subtract_on_grid(whole, cuts);
+    EXPECT_GT(got.size(), 1U);
+    expect_same_area(got, geos::subtract(whole, cuts, 1.0));
+  }
+}
+
+/// Cutting a slanted wall bends it over its whole length, by less than a step, which is more than
+/// what lies between it and the corner of a hole or of a neighbour.
+TEST(Overlay, WallsThatBendKeepClearOfWhatIsFarFromTheCut) {
+  std::mt19937 random(testing::test_seed());
+  int close = 0;
+  for (int round = 0; round < 300; ++round) {
+    SCOPED_TRACE(round);
+    const double length = 8e4 + static_cast<double>(random() % 40000);
+    const double slope = -8e3 - static_cast<double>(random() % 5000);
+    // The lowest point of the grid above the wall, of those columns the one nearest to it.
+    Point2 corner;
+    double gap = 1;
+    for (double x = 0.7 * length; x < 0.85 * length; ++x) {
+      const double wall = x * slope / length, y = std::floor(wall) + 1;
+      if (y - wall < gap) {
+        gap = y - wall;
+        corner = {std::floor(x), std::floor(std::floor(x) * slope / length) + 1};
+      }
+    }
+    const Ring hole{corner, {corner.x - 2000, corner.y + 2e4}, {corner.x + 2000, corner.y + 2e4}};
+    const std::vector<Polygon> with_hole{
+        {{{0, 0}, {length, slope}, {length, 8e4}, {0, 8e4}}, {hole}}};
+    const std::vector<Polygon> with_house{
+        {{{0, 0}, {0, -8e4}, {length, -8e4}, {length, slope}}, {}},
+        {{hole.rbegin(), hole.rend()}, {}}};
+    if (!geos::is_valid(with_hole)) continue;
+    ++close;
+    const double x = static_cast<double>(20000 + random() % 20000), y = x * slope / length;
+    const std::vector<Polygon> cut{
+        {{{x, std::floor(y) - 3000}, {x + 2200, std::floor(y) - 3300}, {x + 2100, 3000}, {x, 3000}},
+         {}}};
+    for (const auto& whole : {with_hole, with_house}) {
+      EXPECT_TRUE(geos::is_valid(subtract_on_grid(whole, cut)));
+      EXPECT_TRUE(geos::is_valid(add_on_grid(whole, cut)));
+    }
+  }
+  EXPECT_GT(close, 200);
+}
+
 TEST(Overlay, TheSameForAnyNumberOfThreads) {
   std::mt19937 random(testing::test_seed());
   const std::vector<Polygon> polygons = turned_rectangles(2000, 2e7, random);

@@ -297,19 +297,31 @@ TEST(Refine, GivesUpWithAPositionInsteadOfRunningOn) {
 TEST(Refine, ReportsProgressAndStopsWhenAsked) {
   PlanarGraph graph;
   add_ring(graph, rectangle_ring(0, 0, 100, 100));
-  Progress progress;
-  double last = 0;
-  progress.report = [&](double fraction) {
-    EXPECT_GE(fraction, last);
-    EXPECT_LE(fraction, 1);
-    last = fraction;
-  };
-  refine(graph, {.max_edge = 1, .lattice = false}, progress);
-  EXPECT_EQ(last, 1);
-  int calls = 0;
-  progress.report = nullptr;
-  progress.cancelled = [&] { return ++calls > 3; };
-  EXPECT_THROW(refine(graph, {.max_edge = 0.5, .lattice = false}, progress), Cancelled);
+  // With the lattice there are several patches of triangles from the start, without it there is
+  // one.
+  for (const bool lattice : {false, true}) {
+    SCOPED_TRACE(lattice);
+    const RefineOptions options{.max_edge = lattice ? 0.7 : 1, .lattice = lattice};
+    Progress progress;
+    double last = 0;
+    progress.report = [&](double fraction) {
+      EXPECT_GE(fraction, last);
+      EXPECT_LE(fraction, 1);
+      EXPECT_LT(fraction, last + 0.35);
+      last = fraction;
+    };
+    int polls = 0;
+    progress.cancelled = [&] { return ++polls, false; };
+    EXPECT_GT(refine(graph, options, progress).triangles.size(), 20'000U);
+    EXPECT_EQ(last, 1);
+    for (int allowed = 0; allowed < polls; ++allowed) {
+      int calls = 0;
+      Progress impatient;
+      impatient.cancelled = [&] { return ++calls > allowed; };
+      EXPECT_THROW(refine(graph, options, impatient), Cancelled);
+      EXPECT_EQ(calls, allowed + 1);
+    }
+  }
 }
 
 }  // namespace

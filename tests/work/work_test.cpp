@@ -1,11 +1,14 @@
 // Guards against regressions of speed by counts of work on a fixed small city, which do not depend
 // on the machine. Limits and how to change them: limits.txt.
+#include <algorithm>
+#include <array>
 #include <cmath>
 #include <string>
 
 #include <gtest/gtest.h>
 
 #include "tetropolis/core/parallel.h"
+#include "tetropolis/core/units.h"
 #include "tetropolis/geometry/predicates.h"
 
 #include "counters.h"
@@ -17,6 +20,18 @@ namespace tetropolis::testing {
 namespace {
 
 constexpr std::int64_t kBuildings = 100;
+
+double smallest_angle_deg(const GroundMesh& mesh, const std::array<VertexIndex, 3>& triangle) {
+  std::array<Point2, 3> p;
+  for (std::size_t i = 0; i < 3; ++i) p[i] = mesh.vertices[static_cast<std::size_t>(triangle[i])];
+  double least = 180;
+  for (std::size_t i = 0; i < 3; ++i) {
+    const Point2 a = p[i], b = p[(i + 1) % 3], c = p[(i + 2) % 3];
+    const double ux = b.x - a.x, uy = b.y - a.y, vx = c.x - a.x, vy = c.y - a.y;
+    least = std::min(least, to_degrees(std::atan2(ux * vy - uy * vx, ux * vx + uy * vy)));
+  }
+  return least;
+}
 
 class Work : public ::testing::Test {
  protected:
@@ -76,6 +91,10 @@ TEST_F(Work, GroundMesh) {
   }
   expect_work("ground.triangles", static_cast<double>(mesh.triangles.size()));
   expect_work("ground.added_vertices", static_cast<double>(mesh.vertices.size()) - corners);
+  // What moving vertices after the refinement is for.
+  double thin = 0;
+  for (const auto& triangle : mesh.triangles) thin += smallest_angle_deg(mesh, triangle) < 36;
+  expect_work("ground.triangles_below_36_degrees", thin);
   expect_work("ground.exact_orientations", static_cast<double>(counted.exact_orientations));
   expect_work("ground.exact_circles", static_cast<double>(counted.exact_circles));
   expect_allocations("ground");

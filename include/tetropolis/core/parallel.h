@@ -105,9 +105,9 @@ void parallel_in_order(std::size_t size, const Job& job) {
 }
 
 /// Calls make(number, slot) for all of [0, size), possibly at the same time, and use(number, slot)
-/// with the same slot in order and one at a time, while later ones are being made. At most
-/// slots.size() > 0 items are under way. Throws what the first item that fails throws, in make or
-/// in use; nothing behind it is used.
+/// with the same slot in order and one at a time, but on any thread, while later ones are being
+/// made. At most slots.size() > 0 items are under way. Throws what the first item that fails
+/// throws, in make or in use; nothing behind it is used.
 template <typename Slot, typename Make, typename Use>
 void parallel_pipeline(std::size_t size, std::vector<Slot>& slots, const Make& make,
                        const Use& use) {

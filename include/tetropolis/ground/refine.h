@@ -36,13 +36,14 @@ struct RefineOptions {
 /// horizontal or vertical segments).
 ///
 /// Method: Chew 1993 and Shewchuk 2002 ("Delaunay refinement algorithms for triangular mesh
-/// generation"): bad triangles are split, the worst of some thousands that are near each other
-/// first, by an off-centre (Ungor 2004), which is given up, and a subsegment split instead, if it
-/// falls beyond that subsegment or into its diametral lens; free vertices in the diametral circle
-/// of a subsegment are removed before it is split. Subsegments at corners sharper than 60 degrees
-/// are cut at radii that are equal on both sides (concentric shells), and triangles behind the
-/// edges between equal radii of a corner that is sharper than the minimum angle are left alone
-/// (Miller, Pav, Walkington 2003): the two together end the refinement.
+/// generation"): bad triangles are split, patch by patch (of some thousands that are near each
+/// other before they are refined) and the worst of a patch first, by an off-centre (Ungor 2004),
+/// which is given up, and a subsegment split instead, if it falls beyond that subsegment or into
+/// its diametral lens; free vertices in the diametral circle of a subsegment are removed before it
+/// is split. Subsegments at corners sharper than 60 degrees are cut at radii that are equal on both
+/// sides (concentric shells), and triangles behind the edges between equal radii of a corner that
+/// is sharper than the minimum angle are left alone (Miller, Pav, Walkington 2003): the two
+/// together end the refinement.
 ///
 /// Throws Error(kInput) as constrained_delaunay() does, Error(kUsage) for options out of range,
 /// Error(kGuarantee), naming a position, when `max_vertices` is exceeded, and Cancelled.
