@@ -114,31 +114,29 @@ void parallel_pipeline(std::size_t size, std::vector<Slot>& slots, const Make& m
   std::size_t next = 0;
   std::vector<std::exception_ptr> failed(slots.size());
   const auto slot_of = [&](std::size_t number) { return number % slots.size(); };
+  const auto take = [&](tbb::flow_control& control) -> std::size_t {
+    if (next < size) return next++;
+    control.stop();
+    return size;
+  };
+  const auto fill = [&](std::size_t number) {
+    try {
+      make(number, slots[slot_of(number)]);
+    } catch (...) {
+      failed[slot_of(number)] = std::current_exception();
+    }
+    return number;
+  };
+  const auto empty = [&](std::size_t number) {
+    const std::size_t slot = slot_of(number);
+    if (failed[slot]) std::rethrow_exception(failed[slot]);
+    use(number, slots[slot]);
+  };
+  using tbb::filter_mode;
   tbb::parallel_pipeline(
-      slots.size(),
-      tbb::make_filter<void, std::size_t>(tbb::filter_mode::serial_in_order,
-                                          [&](tbb::flow_control& control) -> std::size_t {
-                                            if (next < size) return next++;
-                                            control.stop();
-                                            return size;
-                                          }) &
-          tbb::make_filter<std::size_t, std::size_t>(tbb::filter_mode::parallel,
-                                                     [&](std::size_t number) {
-                                                       try {
-                                                         make(number, slots[slot_of(number)]);
-                                                       } catch (...) {
-                                                         failed[slot_of(number)] =
-                                                             std::current_exception();
-                                                       }
-                                                       return number;
-                                                     }) &
-          tbb::make_filter<std::size_t, void>(tbb::filter_mode::serial_in_order,
-                                              [&](std::size_t number) {
-                                                const std::size_t slot = slot_of(number);
-                                                if (failed[slot])
-                                                  std::rethrow_exception(failed[slot]);
-                                                use(number, slots[slot]);
-                                              }));
+      slots.size(), tbb::make_filter<void, std::size_t>(filter_mode::serial_in_order, take) &
+                        tbb::make_filter<std::size_t, std::size_t>(filter_mode::parallel, fill) &
+                        tbb::make_filter<std::size_t, void>(filter_mode::serial_in_order, empty));
 }
 
 /// Combines map(begin, end) over the chunks of [0, size) from left to right:
