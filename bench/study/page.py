@@ -139,12 +139,12 @@ def output_section(rows):
     if not rows:
         return ""
     lines = []
-    for part in dict.fromkeys(r["part"] for r in rows if "cells" in r):
-        one = targets.pick(rows, part=part, threads=1)[0]
-        two = targets.pick(rows, part=part, threads=2)[0]
-        lines.append([part, seconds(one["s"]), seconds(two["s"]),
+    measured = [r for r in rows if "cells" in r]
+    for part, sync in dict.fromkeys((r["part"], r["sync"]) for r in measured):
+        one, two = (targets.pick(measured, part=part, sync=sync, threads=threads)[0] for threads in (1, 2))
+        lines.append([part + (" and fsync" if sync else ""), seconds(one["s"]), seconds(two["s"]),
                       f"{one['bytes'] / 1e6:.0f} MB" if one["bytes"] else ""])
-    cells = next(r["cells"] for r in rows if "cells" in r)
+    cells = measured[0]["cells"]
     return OUTPUT.format(cells=targets.count(cells)) + "\n" + table(["part", "1 thread (s)", "2 threads (s)", "file"], lines)
 
 
@@ -164,7 +164,8 @@ for the finest mesh (left out where there is less), and writes `out/bench/`: a C
 and this page as `summary.md`. `scripts/bench --only cells,threads` repeats single studies, `--help` lists the rest.
 
 Every figure is from runs of the program and the `report.json` they write (times per step, peak resident memory):
-the median of three runs, or of fewer where they would take more than 25 s in all. Charts show processor seconds
+the median of three runs, or of fewer where they would take more than 25 s in all. Results are written into new
+folders: over an older result it takes longer, since ext4 has files that replace others on the disk first. Charts show processor seconds
 (all threads together, as the paper does), tables seconds on the clock with all cores. Lines are power laws fitted
 to the points.
 """

@@ -34,8 +34,10 @@ class Bench:
         shutil.rmtree(self.scratch, ignore_errors=True)
 
     def run_once(self, arguments):
-        """Runs the program and returns its report, with the process's wall time added."""
+        """Runs the program and returns its report, with the process's wall time added. The result goes into a
+        new folder: where files replace others, ext4 has them on the disk first."""
         out = self.scratch / "result"
+        shutil.rmtree(out, ignore_errors=True)
         command = [str(self.program), *map(str, arguments), "--out", str(out), "--quiet"]
         begin = time.monotonic()
         process = subprocess.run(command, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True)
@@ -107,13 +109,10 @@ class Bench:
 
     def plain_laszip(self, path, threads):
         """Processor seconds that decoding every point of a file with LASzip alone takes one thread, while as
-        many do the same: one for each run."""
+        many do the same."""
         program = self.build / "bench" / "laszip_read"
-        times = []
-        for _ in range(max(3, self.repeat)):
-            done = subprocess.run([str(program), str(path), str(threads)], stdout=subprocess.PIPE, text=True, check=True)
-            times.append(float(done.stdout.split()[1]))
-        return times
+        done = subprocess.run([str(program), str(path), str(threads)], stdout=subprocess.PIPE, text=True, check=True)
+        return float(done.stdout.split()[1])
 
     def disk_speed(self, size, sync):
         """Bytes per second of dd writing a file of `size` bytes, waiting for the disk if `sync`."""

@@ -77,7 +77,9 @@ AtomicFile::~AtomicFile() {
 
 std::ostream& AtomicFile::stream() {
   if (!stream_.is_open()) {
-    stream_.open(temporary_, std::ios::binary | std::ios::trunc);
+    // Of a file that has been truncated ext4 puts all bytes on the disk before it is closed
+    // (auto_da_alloc, ext4(5)), which takes as long again as writing them.
+    stream_.open(temporary_, std::ios::binary | std::ios::in | std::ios::out);
     if (!stream_) throw_cannot_write(target_, system_reason(errno));
   }
   return stream_;

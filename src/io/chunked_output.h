@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cstddef>
+#include <cstdint>
 #include <cstring>
 #include <string>
 #include <vector>
@@ -11,6 +12,17 @@
 #include "tetropolis/core/progress.h"
 
 namespace tetropolis {
+
+/// How many of `items` items, which have `bytes` bytes in all, make a chunk for write_chunked: so
+/// few that it stays in a core's cache until it is written, and so many that the system takes large
+/// pages for it.
+inline std::size_t grain_for(std::size_t items, std::uint64_t bytes) {
+  constexpr double kChunkBytes = 768 * 1024;
+  const double grain = static_cast<double>(items) * kChunkBytes /
+                       static_cast<double>(std::max<std::uint64_t>(bytes, 1));
+  return std::clamp<std::size_t>(static_cast<std::size_t>(grain), 1,
+                                 std::max<std::size_t>(items, 1));
+}
 
 /// Cuts [0, size) into chunks of `grain`, lets format(begin, end, buffer) append each chunk's bytes
 /// to a buffer of its own, several at the same time, and writes the buffers in order to `file`, an

@@ -31,11 +31,11 @@ class Hdf5CompressedOutput {
 
   /// As Hdf5Output::write_next.
   template <typename Format>
-  void write_next(std::size_t items, std::size_t grain, const Format& format,
-                  const Progress& progress = {}) {
+  void write_next(std::size_t items, const Format& format, const Progress& progress = {}) {
     if (const CompressedBlocks::Options options = begin_next(); options.block_size > 0) {
       CompressedBlocks blocks(options, [&](std::string_view chunk) { write_chunk(chunk); });
-      write_chunked(blocks, items, grain, format, progress);
+      write_chunked(blocks, items, grain_for(items, byte_count(datasets_[next_])), format,
+                    progress);
       blocks.finish();
     }
     end_next();

@@ -43,13 +43,13 @@ class Hdf5Output {
   Hdf5Output(const std::filesystem::path& target, std::span<const Hdf5Dataset> datasets);
 
   /// Writes the next dataset, in the order given. Its rows are what format(begin, end, buffer)
-  /// appends as raw bytes for consecutive pieces of [0, items), `grain` items each, formatted in
-  /// parallel; together they have exactly the bytes of the dataset.
+  /// appends as raw bytes for consecutive pieces of [0, items), formatted in parallel; together
+  /// they have exactly the bytes of the dataset.
   template <typename Format>
-  void write_next(std::size_t items, std::size_t grain, const Format& format,
-                  const Progress& progress = {}) {
+  void write_next(std::size_t items, const Format& format, const Progress& progress = {}) {
     begin_next();
-    write_chunked(file_, items, grain, format, progress);
+    const Stretch& stretch = stretches_[next_ - 1];
+    write_chunked(file_, items, grain_for(items, stretch.end - stretch.begin), format, progress);
   }
 
   /// Call after all datasets: the file appears.

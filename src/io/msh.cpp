@@ -21,7 +21,7 @@ namespace {
 static_assert(std::endian::native == std::endian::little, "MSH output writes native byte order");
 
 // Columns and rows formatted at a time by a thread: some hundred kilobytes of output.
-constexpr std::size_t kColumns = 128;
+constexpr std::size_t kColumns = 512;
 constexpr std::size_t kRows = 32768;
 constexpr std::int32_t kTriangleType = 2;
 constexpr std::int32_t kTetType = 4;

@@ -24,7 +24,7 @@ static_assert(std::endian::native == std::endian::little,
               "OpenFOAM output writes native byte order");
 
 // Columns and rows formatted at a time by a thread: some hundred kilobytes of output.
-constexpr std::size_t kColumns = 128;
+constexpr std::size_t kColumns = 512;
 constexpr std::size_t kRows = 32768;
 
 using Label = std::int32_t;

@@ -38,12 +38,12 @@ class VtkOutput {
   std::string tag(const VtkArraySpec& array);
   /// Writes everything before the arrays' data; it holds all tags.
   void write_head(const std::string& head);
-  /// Writes the next array: what write_chunked makes of the other arguments. Its bytes must be as
-  /// many as its tag said.
+  /// Writes the next array: what write_chunked makes of the arguments. Its bytes must be as many as
+  /// its tag said.
   template <typename Format>
-  void write_next(std::size_t items, std::size_t grain, const Format& format,
-                  const Progress& progress = {}) {
+  void write_next(std::size_t items, const Format& format, const Progress& progress = {}) {
     begin_next();
+    const std::size_t grain = grain_for(items, arrays_[next_].bytes);
     if (compression_ == Compression::kNone) {
       write_chunked(file_, items, grain, format, progress);
       position_ += arrays_[next_].bytes;

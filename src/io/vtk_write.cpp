@@ -19,9 +19,6 @@ namespace {
 static_assert(std::endian::native == std::endian::little, "VTK output writes native byte order");
 
 constexpr std::uint8_t kVtkTetra = 10;
-// Columns and rows formatted at a time by a thread: some hundred kilobytes of output.
-constexpr std::size_t kColumns = 128;
-constexpr std::size_t kRows = 32768;
 
 std::string file_head(std::string_view type, std::string_view attributes,
                       const Placement& placement) {
@@ -44,20 +41,20 @@ void write_cells(VtkOutput& file, const ColumnMesh& mesh, const std::vector<Node
                  const Progress& progress) {
   const auto cells = static_cast<std::size_t>(offsets.back());
   file.write_next(
-      mesh.triangle_count(), kColumns,
+      mesh.triangle_count(),
       [&](std::size_t begin, std::size_t end, std::string& buffer) {
         append_cells<Integer>(mesh, offsets, begin, end, buffer);
       },
       portion(progress, 0, 0.75));
   file.write_next(
-      cells, 4 * kRows,
+      cells,
       [&](std::size_t begin, std::size_t end, std::string& buffer) {
         RawNumbers ends(buffer, (end - begin) * sizeof(Integer));
         for (std::size_t c = begin; c < end; ++c) ends.put(static_cast<Integer>(4 * (c + 1)));
       },
       portion(progress, 0.75, 0.95));
   file.write_next(
-      cells, 16 * kRows,
+      cells,
       [&](std::size_t begin, std::size_t end, std::string& buffer) {
         buffer.append(end - begin, static_cast<char>(kVtkTetra));
       },
@@ -86,7 +83,7 @@ void write_vtu(const std::filesystem::path& path, const ColumnMesh& mesh,
   head += file.tag({"Int32", "region", 0, cells * 4}) + "</CellData>\n";
   file.write_head(head + file_middle("UnstructuredGrid"));
   file.write_next(
-      mesh.vertex_count(), kColumns,
+      mesh.vertex_count(),
       [&](std::size_t begin, std::size_t end, std::string& buffer) {
         append_points(mesh, placement, begin, end, buffer);
       },
@@ -97,7 +94,7 @@ void write_vtu(const std::filesystem::path& path, const ColumnMesh& mesh,
   else
     write_cells<std::int64_t>(file, mesh, offsets, of_cells);
   file.write_next(
-      mesh.triangle_count(), kColumns,
+      mesh.triangle_count(),
       [&](std::size_t begin, std::size_t end, std::string& buffer) {
         append_regions(mesh, offsets, begin, end, buffer);
       },
@@ -124,7 +121,7 @@ void write_vtp(const std::filesystem::path& path, const SurfaceMesh& surface,
   file.write_head(head + file_middle("PolyData"));
 
   const auto write_array = [&](std::size_t size, const auto& append) {
-    file.write_next(size, kRows, [&](std::size_t begin, std::size_t end, std::string& buffer) {
+    file.write_next(size, [&](std::size_t begin, std::size_t end, std::string& buffer) {
       for (std::size_t i = begin; i < end; ++i) append(i, buffer);
     });
   };

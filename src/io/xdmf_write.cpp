@@ -25,10 +25,6 @@ using namespace xdmf;
 
 static_assert(std::endian::native == std::endian::little, "XDMF output writes native byte order");
 
-// Columns and rows formatted at a time by a thread: some hundred kilobytes of output.
-constexpr std::size_t kColumns = 128;
-constexpr std::size_t kRows = 32768;
-
 std::array<Hdf5Dataset, 6> datasets_of(const ColumnMesh& mesh, NodeIndex cell_count,
                                        const SurfaceMesh& surface) {
   const auto nodes = static_cast<std::uint64_t>(mesh.node_count());
@@ -47,19 +43,19 @@ template <typename Output>
 void write_volume(Output& file, const ColumnMesh& mesh, const std::vector<NodeIndex>& cells,
                   const Placement& placement, const Progress& progress) {
   file.write_next(
-      mesh.vertex_count(), kColumns,
+      mesh.vertex_count(),
       [&](std::size_t begin, std::size_t end, std::string& buffer) {
         append_points(mesh, placement, begin, end, buffer);
       },
       portion(progress, 0, 0.2));
   file.write_next(
-      mesh.triangle_count(), kColumns,
+      mesh.triangle_count(),
       [&](std::size_t begin, std::size_t end, std::string& buffer) {
         append_cells<NodeIndex>(mesh, cells, begin, end, buffer);
       },
       portion(progress, 0.2, 0.9));
   file.write_next(
-      mesh.triangle_count(), kColumns,
+      mesh.triangle_count(),
       [&](std::size_t begin, std::size_t end, std::string& buffer) {
         append_regions(mesh, cells, begin, end, buffer);
       },
@@ -70,7 +66,7 @@ void write_volume(Output& file, const ColumnMesh& mesh, const std::vector<NodeIn
 template <typename Output>
 void write_boundary(Output& file, const SurfaceMesh& surface) {
   const auto write_rows = [&](const auto& append) {
-    file.write_next(surface.triangles.size(), kRows,
+    file.write_next(surface.triangles.size(),
                     [&](std::size_t begin, std::size_t end, std::string& buffer) {
                       for (std::size_t f = begin; f < end; ++f) append(f, buffer);
                     });

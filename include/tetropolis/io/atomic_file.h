@@ -26,8 +26,9 @@ class AtomicFile {
   /// The name under which a library that wants a path may (re)write the file.
   const std::filesystem::path& path() const { return temporary_; }
 
-  /// A binary stream that truncates the temporary file on first use. Failures of the stream are
-  /// reported by write() and commit().
+  /// A binary stream that begins with the temporary file's first byte; what a library wrote there
+  /// stays where it is not overwritten. Failures of the stream are reported by write() and
+  /// commit().
   std::ostream& stream();
 
   /// Appends bytes to stream() and checks that they arrived.
