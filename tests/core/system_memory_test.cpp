@@ -8,6 +8,8 @@
 #include <sys/resource.h>
 #include <unistd.h>
 
+#include "support/sanitized.h"
+
 namespace tetropolis {
 namespace {
 
@@ -19,7 +21,7 @@ TEST(SystemMemory, IsPositiveAndNotMoreThanTheMachineHas) {
 }
 
 TEST(SystemMemory, HeedsTheLimitOfAddressSpace) {
-#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+#if TETROPOLIS_SANITIZED
   GTEST_SKIP() << "the sanitizers need more address space than any limit";
 #endif
   rlimit before{};

@@ -18,18 +18,8 @@
 #include <unistd.h>
 
 #include "program.h"
+#include "support/sanitized.h"
 #include "support/test_data.h"
-
-#if defined(__has_feature)  // Clang
-#if __has_feature(address_sanitizer) || __has_feature(thread_sanitizer)
-#define TETROPOLIS_SANITIZED 1
-#endif
-#elif defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
-#define TETROPOLIS_SANITIZED 1
-#endif
-#ifndef TETROPOLIS_SANITIZED
-#define TETROPOLIS_SANITIZED 0
-#endif
 
 namespace tetropolis {
 namespace {

@@ -111,7 +111,7 @@ TEST(MeshFormats, ProgressNeverRunsBackwards) {
     const testing::TemporaryFolder folder;
     double reached = 0;
     Progress progress;
-    progress.report = [&](double fraction) {
+    progress.report = [&, &name = name](double fraction) {
       EXPECT_GE(fraction, reached) << name;
       EXPECT_LE(fraction, 1) << name;
       reached = fraction;

@@ -140,8 +140,10 @@ std::string with_extra_bytes(const std::string& bytes, std::size_t extra) {
 /// Bits above the class of the records chosen.
 std::function<void(const CloudCity&)> flags(int bits, std::size_t every) {
   return las([=](std::string bytes) {
-    for (std::size_t at = kHeader + 15; at < bytes.size(); at += kRecord * every)
-      bytes = patched(std::move(bytes), at, static_cast<char>(bytes[at] | bits));
+    for (std::size_t at = kHeader + 15; at < bytes.size(); at += kRecord * every) {
+      const char byte = static_cast<char>(bytes[at] | bits);
+      bytes = patched(std::move(bytes), at, byte);
+    }
     return bytes;
   });
 }
@@ -275,8 +277,10 @@ std::vector<Defect> defects() {
       {"OverlapFlag",
        [](const CloudCity& city) {
          std::string bytes = city.write("a.las", city.cloud, 6);
-         for (std::size_t at = bytes.size() - 30 * 10000 + 15; at < bytes.size(); at += 90)
-           bytes = patched(std::move(bytes), at, static_cast<char>(bytes[at] | 0x08));
+         for (std::size_t at = bytes.size() - 30 * 10000 + 15; at < bytes.size(); at += 90) {
+           const char byte = static_cast<char>(bytes[at] | 0x08);
+           bytes = patched(std::move(bytes), at, byte);
+         }
          city.write_bytes("a.las", bytes);
        },
        Expected::kSame, ""},

@@ -389,13 +389,13 @@ TEST(Laplace, PreconditionerIsSymmetricAndPositive) {
     const LevelGraph graph = graph_of(mesh);
     Multigrid multigrid(matrix, graph, weights, 80, 120.0 * 90.0);
     const std::size_t size = mesh.vertex_count() * matrix.stride;
-    const auto random_vector = [&] {
+    const auto random_vector = [&, &matrix = matrix] {
       PaddedFloats x(size);
       for (std::size_t i = 0; i < size; ++i)
         if (matrix.inverse_pivots[i] != 0) x[i] = static_cast<float>(random() % 2001) / 1e3F - 1;
       return x;
     };
-    const auto apply = [&](const PaddedFloats& b) {
+    const auto apply = [&, &matrix = matrix](const PaddedFloats& b) {
       PaddedFloats x(size), y(size);
       solve_columns(matrix, multigrid.damping(), b.data(), x.data(), {0, mesh.vertex_count()});
       multigrid.apply_to_smoothed(b.data(), x.data(), y.data());

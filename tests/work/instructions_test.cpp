@@ -11,6 +11,7 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
+#include "support/sanitized.h"
 #include "support/test_data.h"
 #include "work_limits.h"
 
