@@ -161,82 +161,95 @@ std::string usage_message(const CLI::App& app, const CLI::ParseError& error) {
                                      : fmt::format("; did you mean '{}'?", nearest));
 }
 
-/// Declares the commands; `action` is set to what the chosen one does, returning the exit code.
-void declare(CLI::App& app, std::vector<std::unique_ptr<ConfigOptions>>& options,
-             std::function<int()>& action) {
-  app.set_version_flag("--version", std::string("tetropolis ") + kVersion);
-  app.require_subcommand(1);
-  struct RunCommand {
-    const char* name;
-    const char* help;
-    Command command;
-    RunFunction function;
-  };
-  static constexpr RunCommand kRuns[] = {
-      {"build", "Footprints and points to a city model, a volume mesh and a surface", kBuild,
-       run_build},
-      {"city", "Footprints and points to a city model and a terrain (steps 1 and 2)", kCity,
-       run_city},
-      {"mesh", "A city model and a terrain to meshes (step 3)", kMesh, run_mesh},
-      {"synth", "Invent a city: footprints and points", kSynth, run_synth},
-  };
-  for (const RunCommand& command : kRuns) {
-    CLI::App* sub = app.add_subcommand(command.name, command.help);
-    options.push_back(std::make_unique<ConfigOptions>(*sub, command.command));
-    sub->callback([&action, chosen = options.back().get(), function = command.function] {
-      action = [chosen, function] { return run(*chosen, function); };
-    });
-  }
+/// The commands, and where CLI11 puts what it finds. It keeps addresses of all of this.
+struct CommandLine {
+  CLI::App app{"Tetropolis: from building footprints and LiDAR to simulation-ready city meshes",
+               "tetropolis"};
+  std::function<int()> action;  ///< What the chosen command does; it returns the exit code.
+  std::vector<std::unique_ptr<ConfigOptions>> options;
+  std::vector<std::string> files;           ///< Of info.
+  std::string checked;                      ///< Of check.
+  std::optional<double> min_distance;       ///< Of check.
+  std::string settings{"tetropolis.toml"};  ///< Of init.
 
-  static std::vector<std::string> files;
-  CLI::App* info_command = app.add_subcommand(
-      "info", "What is in a point cloud, vector file, city model, raster or mesh");
-  info_command->add_option("files", files, "Files")->required()->type_name("FILE...");
-  info_command->callback(
-      [&action] { action = [] { return info(files) ? 0 : static_cast<int>(ErrorKind::kInput); }; });
+  CommandLine() = default;
+  CommandLine(const CommandLine&) = delete;
+  CommandLine& operator=(const CommandLine&) = delete;
+};
 
-  static std::string checked;
-  static std::optional<double> min_distance;
-  CLI::App* check_command = app.add_subcommand(
-      "check",
-      "Validate a city model, a mesh or a folder of results; exit 1 if a guarantee is broken");
-  check_command->add_option("path", checked, "File or folder")->required()->type_name("PATH");
-  check_command
-      ->add_option("--min-building-distance", min_distance,
-                   "Clearance to ask of a city model [m] (default: as in report.json, else 1.0)")
+/// A new command, which does `act`.
+CLI::App& add_command(CommandLine& line, const std::string& name, const std::string& help,
+                      std::function<int()> act) {
+  CLI::App* command = line.app.add_subcommand(name, help);
+  command->callback([&line, act = std::move(act)] { line.action = act; });
+  return *command;
+}
+
+void add_run(CommandLine& line, const std::string& name, const std::string& help, Command command,
+             RunFunction function) {
+  const std::size_t own = line.options.size();
+  CLI::App& added = add_command(
+      line, name, help, [&line, own, function] { return run(*line.options[own], function); });
+  line.options.push_back(std::make_unique<ConfigOptions>(added, command));
+}
+
+void add_info(CommandLine& line) {
+  CLI::App& added =
+      add_command(line, "info", "What is in a point cloud, vector file, city model, raster or mesh",
+                  [&line] { return info(line.files) ? 0 : static_cast<int>(ErrorKind::kInput); });
+  added.add_option("files", line.files, "Files")->required()->type_name("FILE...");
+}
+
+/// What is wrong with a distance on the command line; empty if nothing is.
+std::string wrong_distance(const std::string& text) {
+  double value = 0;
+  const char* end = text.data() + text.size();
+  const auto [stop, code] = std::from_chars(text.data(), end, value);
+  const bool valid = code == std::errc() && stop == end && std::isfinite(value) && value >= 0;
+  return valid ? "" : fmt::format("'{}' is no distance in metres", text);
+}
+
+void add_check(CommandLine& line) {
+  const std::size_t own = line.options.size();
+  CLI::App& added = add_command(
+      line, "check",
+      "Validate a city model, a mesh or a folder of results; exit 1 if a guarantee is broken",
+      [&line, own] { return run_check(*line.options[own], line.checked, line.min_distance); });
+  added.add_option("path", line.checked, "File or folder")->required()->type_name("PATH");
+  added
+      .add_option("--min-building-distance", line.min_distance,
+                  "Clearance to ask of a city model [m] (default: as in report.json, else 1.0)")
       ->type_name("NUMBER")
-      ->check([](const std::string& text) {
-        double value = 0;
-        const char* end = text.data() + text.size();
-        const auto [stop, code] = std::from_chars(text.data(), end, value);
-        const bool valid = code == std::errc() && stop == end && std::isfinite(value) && value >= 0;
-        return valid ? "" : fmt::format("'{}' is no distance in metres", text);
-      });
-  options.push_back(std::make_unique<ConfigOptions>(*check_command, kCheck));
-  check_command->callback([&action, chosen = options.back().get()] {
-    action = [chosen] { return run_check(*chosen, checked, min_distance); };
-  });
+      ->check(wrong_distance);
+  line.options.push_back(std::make_unique<ConfigOptions>(added, kCheck));
+}
 
-  static std::string settings = "tetropolis.toml";
-  CLI::App* init_command = app.add_subcommand("init", "Write a commented configuration file");
-  init_command
-      ->add_option("file", settings,
-                   "File to write, '-' for standard output (default tetropolis.toml)")
+void add_init(CommandLine& line) {
+  CLI::App& added = add_command(line, "init", "Write a commented configuration file", [&line] {
+    init(line.settings);
+    return 0;
+  });
+  added
+      .add_option("file", line.settings,
+                  "File to write, '-' for standard output (default tetropolis.toml)")
       ->type_name("FILE");
-  init_command->callback([&action] {
-    action = [] {
-      init(settings);
-      return 0;
-    };
-  });
+}
 
-  CLI::App* help_command =
-      app.add_subcommand("settings", "All settings as Markdown tables, for the documentation");
-  help_command->callback([&action] {
-    action = [] {
-      put(stdout, config_markdown());
-      return 0;
-    };
+void declare(CommandLine& line) {
+  line.app.set_version_flag("--version", std::string("tetropolis ") + kVersion);
+  line.app.require_subcommand(1);
+  add_run(line, "build", "Footprints and points to a city model, a volume mesh and a surface",
+          kBuild, run_build);
+  add_run(line, "city", "Footprints and points to a city model and a terrain (steps 1 and 2)",
+          kCity, run_city);
+  add_run(line, "mesh", "A city model and a terrain to meshes (step 3)", kMesh, run_mesh);
+  add_run(line, "synth", "Invent a city: footprints and points", kSynth, run_synth);
+  add_info(line);
+  add_check(line);
+  add_init(line);
+  add_command(line, "settings", "All settings as Markdown tables, for the documentation", [] {
+    put(stdout, config_markdown());
+    return 0;
   });
 }
 
@@ -269,27 +282,24 @@ std::string guidance(const CLI::App& app) {
 
 int main(int argc, char** argv) {
   catch_interrupts();
-  CLI::App app{"Tetropolis: from building footprints and LiDAR to simulation-ready city meshes",
-               "tetropolis"};
-  std::vector<std::unique_ptr<ConfigOptions>> options;
-  std::function<int()> action;
-  declare(app, options, action);
+  CommandLine line;
+  declare(line);
   if (argc <= 1) {
-    put(stderr, guidance(app));
+    put(stderr, guidance(line.app));
     return static_cast<int>(ErrorKind::kUsage);
   }
   try {
-    app.parse(argc, argv);
+    line.app.parse(argc, argv);
   } catch (const CLI::Success& success) {
-    return app.exit(success);
+    return line.app.exit(success);
   } catch (const CLI::ParseError& error) {
-    put(stderr, fmt::format("tetropolis: {}\n", one_line(usage_message(app, error))));
+    put(stderr, fmt::format("tetropolis: {}\n", one_line(usage_message(line.app, error))));
     return static_cast<int>(ErrorKind::kUsage);
   }
   return guarded(
       [&] {
         require_address_space();
-        return action();
+        return line.action();
       },
       say_on_stderr);
 }

@@ -310,10 +310,11 @@ bool edges_face(Point2 a, Point2 b, Point2 c, Point2 d, double distance) {
   return shared > distance / 4 && std::max(off(a), off(b)) > 1;
 }
 
-MergedPolygon merge_polygons(std::span<const Polygon> cluster, double distance, int growths) {
+MergedPolygon merge_polygons(std::span<const Polygon> cluster, double distance, int growths,
+                             const Poll& poll) {
   MergedPolygon result;
   result.input.assign(cluster.begin(), cluster.end());
-  if (cluster.size() > 1) result.input = unite_or_widest(cluster);
+  if (cluster.size() > 1) result.input = unite_or_widest(cluster, poll);
   std::vector<Polygon> parts = result.input;
   double reach = distance * (1 + 1e-3);
   for (int k = 1; k <= std::max(growths, 1) && parts.size() > 1; ++k, reach *= 2) {

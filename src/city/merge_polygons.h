@@ -8,6 +8,8 @@
 
 #include "tetropolis/geometry/types.h"
 
+#include "city/overlay.h"
+
 namespace tetropolis {
 
 /// The number of each polygon's cluster: polygons that overlap or are closer than `distance`,
@@ -47,6 +49,7 @@ struct MergedPolygon {
 /// features inside the result are far enough apart is not looked at here (repair.h does), which
 /// keeps hulls rare where the paper's test of the whole polygon, applied to input that itself has
 /// short edges, makes them common.
-MergedPolygon merge_polygons(std::span<const Polygon> cluster, double distance, int growths);
+MergedPolygon merge_polygons(std::span<const Polygon> cluster, double distance, int growths,
+                             const Poll& poll = {});
 
 }  // namespace tetropolis

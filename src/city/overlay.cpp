@@ -336,7 +336,8 @@ geos::Result patch_up(const Polygon& whole, std::span<const Polygon> patches) {
 }
 
 /// Union in floating point: of many polygons by halves of the plane, at the same time.
-geos::Result unite_halves(std::vector<Polygon> polygons, const Bounds2& box) {
+geos::Result unite_halves(std::vector<Polygon> polygons, const Bounds2& box, const Poll& poll) {
+  if (poll) poll();
   if (polygons.size() <= kFewPolygons) return geos::unite(polygons, 0);
   const bool wide = box.width() > box.height();
   const auto key = [&](const Polygon& polygon) {
@@ -357,24 +358,25 @@ geos::Result unite_halves(std::vector<Polygon> polygons, const Bounds2& box) {
   std::array<geos::Result, 2> united;
   parallel_chunks(2, 1, [&](std::size_t begin, std::size_t end) {
     for (std::size_t h = begin; h < end; ++h)
-      united[h] = unite_halves(std::move(halves[h]), boxes[h]);
+      united[h] = unite_halves(std::move(halves[h]), boxes[h], poll);
   });
   if (!united[0] || !united[1]) return std::nullopt;
+  if (poll) poll();
   return join(std::move(*united[0]), std::move(*united[1]));
 }
 
 }  // namespace
 
-std::vector<Polygon> unite_on_grid(std::span<const Polygon> polygons) {
+std::vector<Polygon> unite_on_grid(std::span<const Polygon> polygons, const Poll& poll) {
   geos::Result united =
-      rounded(unite_halves({polygons.begin(), polygons.end()}, grid::box_around(polygons)));
+      rounded(unite_halves({polygons.begin(), polygons.end()}, grid::box_around(polygons), poll));
   const auto on_grid = [&] { return geos::unite(polygons, 1.0); };
   if (polygons.size() > kFewPolygons) united = checked(std::move(united), on_grid);
   return or_else(polygons, std::move(united), on_grid);
 }
 
-std::vector<Polygon> unite_or_widest(std::span<const Polygon> polygons) {
-  std::vector<Polygon> united = unite_on_grid(polygons);
+std::vector<Polygon> unite_or_widest(std::span<const Polygon> polygons, const Poll& poll) {
+  std::vector<Polygon> united = unite_on_grid(polygons, poll);
   if (united.empty() && !polygons.empty()) united = {largest(polygons)};
   return united;
 }

@@ -2,6 +2,7 @@
 // computes.
 #pragma once
 
+#include <functional>
 #include <span>
 #include <vector>
 
@@ -9,14 +10,18 @@
 
 namespace tetropolis {
 
+/// What unions of very many polygons call between their parts, from any of their threads: it stops
+/// them by throwing. May be empty.
+using Poll = std::function<void()>;
+
 /// Union of valid polygons, on the grid: valid polygons with disjoint interiors that touch at most
 /// in points. Noded in floating point and rounded where the result stays valid, otherwise noded on
 /// the grid. Throws Error(kGuarantee) where GEOS gives up on both.
-std::vector<Polygon> unite_on_grid(std::span<const Polygon> polygons);
+std::vector<Polygon> unite_on_grid(std::span<const Polygon> polygons, const Poll& poll = {});
 
 /// The same; but where all are slivers that go flat on the grid, the widest of them stands for all:
 /// never empty, unless `polygons` is.
-std::vector<Polygon> unite_or_widest(std::span<const Polygon> polygons);
+std::vector<Polygon> unite_or_widest(std::span<const Polygon> polygons, const Poll& poll = {});
 
 /// `a`, which is such a result, and `b`, on the grid, as above: faster than uniting all where `b`
 /// are many small patches.

@@ -147,7 +147,7 @@ void Simplifier::merge_clusters() {
       if (parts[c].size() == 1) continue;
       std::vector<Polygon> members;
       for (const std::size_t i : parts[c]) members.push_back(polygons[i]);
-      how[c] = merge_polygons(members, epsilon_, options_.growths);
+      how[c] = merge_polygons(members, epsilon_, options_.growths, [&] { shared.add(0); });
     }
   });
   for (std::size_t c = 0; c < count; ++c) {

@@ -290,8 +290,7 @@ InputData read_input(const Config& config, Next next, StepClock& clock, Report& 
   fill_report(config, input.footprints, points, paths.size(), report);
   if (points.points_kept == 0) throw_no_points(config, headers, points, box);
   input.domain = find_domain(config, input.footprints, points, input.origin);
-  report.domain = {input.domain.xmin + input.origin.x, input.domain.ymin + input.origin.y,
-                   input.domain.xmax + input.origin.x, input.domain.ymax + input.origin.y};
+  report.domain = input.domain.moved(input.origin);
   shift(input.footprints, input.origin);
   input.points = std::move(points.points);
   return input;

@@ -74,8 +74,7 @@ void keep_inputs(const Config& config, OutputFolder& out) {
 void keep_domain(const CityModel& city, Report& report) {
   report.origin = city.origin;
   report.crs = city.crs;
-  report.domain = {city.domain.xmin + city.origin.x, city.domain.ymin + city.origin.y,
-                   city.domain.xmax + city.origin.x, city.domain.ymax + city.origin.y};
+  report.domain = city.domain.moved(city.origin);
 }
 
 }  // namespace
@@ -124,6 +123,13 @@ Bounds2 domain_of(const Config& config, const CityModel& city, const RasterInput
   return terrain.raster.bounds();
 }
 
+/// Where a city's domain is, in its reference system, for messages.
+std::string domain_text(const CityModel& city) {
+  const Bounds2 domain = city.domain.moved(city.origin);
+  return fmt::format("x {:.1f} .. {:.1f}, y {:.1f} .. {:.1f}", domain.xmin, domain.xmax,
+                     domain.ymin, domain.ymax);
+}
+
 /// Whether the terrain is the city's: same reference system, and under all of the domain but for a
 /// fringe of one step.
 void require_terrain_under(const Config& config, const CityModel& city,
@@ -135,13 +141,10 @@ void require_terrain_under(const Config& config, const CityModel& city,
   const Bounds2 covered = terrain.raster.bounds().grown(terrain.raster.step);
   if (!covered.contains({city.domain.xmin, city.domain.ymin}) ||
       !covered.contains({city.domain.xmax, city.domain.ymax}))
-    throw Error(
-        ErrorKind::kInput,
-        fmt::format("{}: the terrain does not cover the domain, which is x {:.1f} .. {:.1f}, y "
-                    "{:.1f} .. {:.1f}; "
-                    "give smaller --bounds or another terrain",
-                    config.dtm, city.domain.xmin + city.origin.x, city.domain.xmax + city.origin.x,
-                    city.domain.ymin + city.origin.y, city.domain.ymax + city.origin.y));
+    throw Error(ErrorKind::kInput,
+                fmt::format("{}: the terrain does not cover the domain, which is {}; give smaller "
+                            "--bounds or another terrain",
+                            config.dtm, domain_text(city)));
 }
 
 void require_elevations(const Config& config, const RasterInput& terrain) {
@@ -171,12 +174,10 @@ double require_meshable(const Config& config, const CityModel& city) {
   for (const Building& building : city.buildings)
     if (!city.domain.covers(bounds(building.footprint)))
       throw Error(ErrorKind::kInput,
-                  fmt::format("{}: building {} is not wholly in the domain, which is x {:.1f} .. "
-                              "{:.1f}, y {:.1f} .. {:.1f}; give larger --bounds, or make the city "
-                              "with these ('tetropolis city --bounds ...')",
-                              config.city, building.id, city.domain.xmin + city.origin.x,
-                              city.domain.xmax + city.origin.x, city.domain.ymin + city.origin.y,
-                              city.domain.ymax + city.origin.y));
+                  fmt::format("{}: building {} is not wholly in the domain, which is {}; give "
+                              "larger --bounds, or make the city with these ('tetropolis city "
+                              "--bounds ...')",
+                              config.city, building.id, domain_text(city)));
   const auto defects = footprint_defects(footprints, 1);
   if (!defects.empty()) fail(defects.front().message);
   const Clearance clearance = joint_clearance(footprints, city.domain);
@@ -298,8 +299,7 @@ Report run_synth(const Config& config, const RunHooks& hooks) {
   });
   report.origin = city.origin;
   report.crs = city.crs;
-  report.domain = {city.domain.xmin + city.origin.x, city.domain.ymin + city.origin.y,
-                   city.domain.xmax + city.origin.x, city.domain.ymax + city.origin.y};
+  report.domain = city.domain.moved(city.origin);
   report.input = InputReport{};
   report.input->points_kept = report.input->points_read =
       static_cast<std::int64_t>(city.points.size());

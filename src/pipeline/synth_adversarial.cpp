@@ -85,8 +85,7 @@ void synth_adversarial(const Config& config, const OutputFolder& out, StepClock&
   });
   report.origin = city.origin;
   report.crs = city.crs;
-  report.domain = {city.domain.xmin + city.origin.x, city.domain.ymin + city.origin.y,
-                   city.domain.xmax + city.origin.x, city.domain.ymax + city.origin.y};
+  report.domain = city.domain.moved(city.origin);
   InputReport& input = report.input.emplace();
   for (const PointTile& tile : city.tiles) {
     input.points_kept += static_cast<std::int64_t>(tile.points.size());

@@ -420,6 +420,29 @@ TEST(Simplify, StopsWhenAsked) {
   }
 }
 
+TEST(Simplify, StopsWithinTheUnionOfOneLargeCluster) {
+  // A woven mat: every box overlaps its neighbours.
+  std::vector<Polygon> input;
+  for (int i = 0; i < 60; ++i)
+    for (int j = 0; j < 60; ++j) input.push_back(box(10.0 * i + 10 + j % 2, 10.0 * j + 10, 12, 12));
+  const Bounds2 domain{0, 0, 640, 640};
+  int polls = 0;
+  Progress watch;
+  watch.cancelled = [&] {
+    ++polls;
+    return false;
+  };
+  EXPECT_EQ(simplify_footprints(input, domain, {}, watch).footprints.size(), 1U);
+  // Quarters of quarters of it are united apart, and the whole has hardly any other polls.
+  EXPECT_GT(polls, 3600 / 128);
+  for (const int at : {5, 10, 20}) {
+    int count = 0;
+    Progress stop;
+    stop.cancelled = [&] { return ++count >= at; };
+    EXPECT_THROW(simplify_footprints(input, domain, {}, stop), Cancelled) << at;
+  }
+}
+
 // --- how far the result is from the input ------------------------------------------------------
 
 TEST(Simplify, StatesHowFarItWent) {

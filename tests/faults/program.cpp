@@ -6,6 +6,7 @@
 #include <cstdlib>
 #include <stdexcept>
 #include <thread>
+#include <utility>
 
 #include <fcntl.h>
 #include <sys/wait.h>
@@ -44,6 +45,21 @@ void set_limit(int resource, rlim_t value) {
   _exit(126);
 }
 
+/// Both ends of a pipe, or of a pseudo-terminal: where to read, and where the program writes.
+std::pair<int, int> stream_ends(bool terminal) {
+  if (!terminal) {
+    int ends[2];
+    if (pipe2(ends, O_CLOEXEC) != 0) throw std::runtime_error("no pipe");
+    return {ends[0], ends[1]};
+  }
+  const int reader = posix_openpt(O_RDWR | O_NOCTTY | O_CLOEXEC);
+  if (reader < 0 || grantpt(reader) != 0 || unlockpt(reader) != 0)
+    throw std::runtime_error("no terminal");
+  const int writer = open(ptsname(reader), O_RDWR | O_NOCTTY | O_CLOEXEC);
+  if (writer < 0) throw std::runtime_error("no terminal");
+  return {reader, writer};
+}
+
 bool is_staging(const fs::path& name) {
   const std::string text = name.filename().string();
   return text.starts_with('.') && text.find(".part-") != std::string::npos;
@@ -53,15 +69,14 @@ bool is_staging(const fs::path& name) {
 
 Process::Process(const fs::path& folder, const std::vector<std::string>& command,
                  const ProcessLimits& limits) {
-  int ends[2];
-  if (pipe2(ends, O_CLOEXEC) != 0) throw std::runtime_error("no pipe");
+  const auto [reader, writer] = stream_ends(limits.terminal);
   std::vector<char*> words;
   for (const std::string& word : command) words.push_back(const_cast<char*>(word.c_str()));
   words.push_back(nullptr);
   pid_ = fork();
-  if (pid_ == 0) become(folder, words, ends[1], limits);
-  close(ends[1]);
-  err_ = ends[0];
+  if (pid_ == 0) become(folder, words, writer, limits);
+  close(writer);
+  err_ = reader;
   if (pid_ < 0) throw std::runtime_error("no process");
 }
 

@@ -15,6 +15,7 @@ struct ProcessLimits {
   rlim_t file_size = RLIM_INFINITY;      ///< Bytes; what goes beyond fails with EFBIG.
   rlim_t address_space = RLIM_INFINITY;  ///< Bytes; what goes beyond finds no memory.
   bool unprivileged = false;             ///< Give root away, so that permissions count.
+  bool terminal = false;                 ///< stderr is a terminal, which ends lines with "\r\n".
 };
 
 /// How a process ended: the exit code, or 128 + the signal that killed it.
@@ -23,7 +24,8 @@ struct Ending {
   std::string err;  ///< All of stderr.
 };
 
-/// A running program; stderr goes into a pipe, so that limits of files do not touch it.
+/// A running program; stderr goes into a pipe or a terminal, so that limits of files do not touch
+/// it.
 class Process {
  public:
   Process(const std::filesystem::path& folder, const std::vector<std::string>& command,

@@ -14,8 +14,12 @@ namespace fs = std::filesystem;
 fs::path data_path(const std::string& relative) {
   const char* root = std::getenv("TETROPOLIS_DATA");
   if (root == nullptr || *root == '\0') return {};
-  fs::path path = fs::path(root) / relative;
-  return fs::exists(path) ? path : fs::path{};
+  const fs::path path = fs::path(root) / relative;
+  if (fs::exists(path)) return path;
+  // Where the data set is there, a file that is not has a wrong name.
+  if (fs::exists(fs::path(root) / *fs::path(relative).begin()))
+    throw std::runtime_error(relative + " is not in its data set; TETROPOLIS_DATA is " + root);
+  return {};
 }
 
 TemporaryFolder::TemporaryFolder() {

@@ -8,8 +8,9 @@
 
 namespace tetropolis::testing {
 
-/// The folder named by TETROPOLIS_DATA joined with `relative`; empty if the variable is unset or
-/// the file is not there.
+/// The folder named by TETROPOLIS_DATA joined with `relative`, a file of a data set; empty if the
+/// variable is unset or the data set is not there. Throws std::runtime_error if only the file is
+/// not.
 std::filesystem::path data_path(const std::string& relative);
 
 /// A new empty folder, removed when the object goes.

@@ -60,6 +60,7 @@ struct Bounds2 {
   Bounds2 grown(double margin) const {
     return {xmin - margin, ymin - margin, xmax + margin, ymax + margin};
   }
+  Bounds2 moved(Point2 by) const { return {xmin + by.x, ymin + by.y, xmax + by.x, ymax + by.y}; }
   friend bool operator==(const Bounds2&, const Bounds2&) = default;
 };
 
