@@ -159,15 +159,15 @@ rectangles at random places on 2.5 km x 2.5 km, here with rolling hills. This pa
 {command}
 ```
 
-which takes about eleven minutes on an idle machine with two cores (`scripts/bench --quick`: two), needs 15 GB of disk
-for the finest mesh (left out where there is less), and writes `out/bench/`: a CSV file for each study, the charts,
-and this page as `summary.md`. `scripts/bench --only cells,threads` repeats single studies, `--help` lists the rest.
+which takes five to eleven minutes on an idle machine with two cores (`scripts/bench --quick`: two), needs 15 GB
+of disk for the finest mesh (left out where there is less), and writes `out/bench/`: a CSV file for each study, the
+charts, and this page as `summary.md`. `scripts/bench --only cells,threads` repeats single studies, `--help` lists the rest.
 
 Every figure is from runs of the program and the `report.json` they write (times per step, peak resident memory):
 the median of three runs, or of fewer where they would take more than 25 s in all. Results are written into new
-folders: over an older result it takes longer, since ext4 has files that replace others on the disk first. Charts show processor seconds
-(all threads together, as the paper does), tables seconds on the clock with all cores. Lines are power laws fitted
-to the points.
+folders: over an older result it takes longer, since ext4 has files that replace others on the disk first. Charts
+show processor seconds (all threads together, as the paper does), tables seconds on the clock with all cores. Lines
+are power laws fitted to the points.
 """
 CELLS = """\
 ## (a) Time per step against cells
