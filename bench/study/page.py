@@ -139,7 +139,7 @@ def output_section(rows):
     if not rows:
         return ""
     lines = []
-    measured = [r for r in rows if "cells" in r]
+    measured = [{"sync": 0, **r} for r in rows if "cells" in r]
     for part, sync in dict.fromkeys((r["part"], r["sync"]) for r in measured):
         one, two = (targets.pick(measured, part=part, sync=sync, threads=threads)[0] for threads in (1, 2))
         lines.append([part + (" and fsync" if sync else ""), seconds(one["s"]), seconds(two["s"]),

@@ -66,7 +66,7 @@ def table(results):
         rest = r["s_1.3"] + r["s_1.5"]
         add(f"terrain and extraction, {threads(r)}", f"less than reading: {r['s_1.1']:.2f} s", f"{rest:.2f} s",
             rest < r["s_1.1"])
-    parts = study("output")
+    parts = [{"sync": 0, **r} for r in study("output")]
     for raw in pick(parts, part="dd"):
         for written, name in (("write_vtu", "volume.vtu"), ("write_xdmf", "volume.xdmf")):
             rates = [r["bytes_per_s"] for r in pick(parts, part=written, sync=raw["sync"])]

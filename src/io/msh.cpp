@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <bit>
+#include <cstdint>
 #include <limits>
 #include <string>
 #include <vector>
@@ -20,8 +21,7 @@ namespace {
 
 static_assert(std::endian::native == std::endian::little, "MSH output writes native byte order");
 
-// Columns and rows formatted at a time by a thread: some hundred kilobytes of output.
-constexpr std::size_t kColumns = 512;
+// Rows formatted at a time by a thread: some hundred kilobytes of output.
 constexpr std::size_t kRows = 32768;
 constexpr std::int32_t kTriangleType = 2;
 constexpr std::int32_t kTetType = 4;
@@ -113,7 +113,7 @@ void write_nodes(AtomicFile& file, const ColumnMesh& mesh, const Placement& plac
     for (std::size_t n = begin; n < end; ++n) append_size(buffer, n + 1);
   });
   write_chunked(
-      file, mesh.vertex_count(), kColumns,
+      file, mesh.vertex_count(), grain_for(mesh.vertex_count(), 24 * nodes),
       [&](std::size_t begin, std::size_t end, std::string& buffer) {
         append_points(mesh, placement, begin, end, buffer);
       },
@@ -147,10 +147,11 @@ void write_triangles(AtomicFile& file, const std::vector<PatchRange>& patches,
 
 void write_tets(AtomicFile& file, const ColumnMesh& mesh, const std::vector<NodeIndex>& cells,
                 std::size_t triangles, const Progress& progress) {
-  file.write(
-      begin_elements(3, kAirPhysicalGroup, kTetType, static_cast<std::size_t>(cells.back())));
+  const auto count = static_cast<std::size_t>(cells.back());
+  file.write(begin_elements(3, kAirPhysicalGroup, kTetType, count));
+  const std::uint64_t bytes = count * 5 * sizeof(std::uint64_t);
   write_chunked(
-      file, mesh.triangle_count(), kColumns,
+      file, mesh.triangle_count(), grain_for(mesh.triangle_count(), bytes),
       [&](std::size_t begin, std::size_t end, std::string& buffer) {
         for (std::size_t t = begin; t < end; ++t) {
           std::size_t element = triangles + static_cast<std::size_t>(cells[t]);

@@ -1,6 +1,7 @@
 #include "tetropolis/io/openfoam.h"
 
 #include <bit>
+#include <cstdint>
 #include <limits>
 #include <string>
 #include <string_view>
@@ -23,8 +24,7 @@ namespace {
 static_assert(std::endian::native == std::endian::little,
               "OpenFOAM output writes native byte order");
 
-// Columns and rows formatted at a time by a thread: some hundred kilobytes of output.
-constexpr std::size_t kColumns = 512;
+// Rows formatted at a time by a thread: some hundred kilobytes of output.
 constexpr std::size_t kRows = 32768;
 
 using Label = std::int32_t;
@@ -55,19 +55,20 @@ void write_points(AtomicFile& file, const ColumnMesh& mesh, const Placement& pla
       fmt::format("origin {} {} {}", placement.origin[0], placement.origin[1], placement.origin[2]);
   file.write(header("binary", "vectorField", "points", note));
   begin_list(file, static_cast<std::size_t>(mesh.node_count()));
-  write_chunked(file, mesh.vertex_count(), kColumns,
+  const auto bytes = static_cast<std::uint64_t>(mesh.node_count()) * 3 * sizeof(double);
+  write_chunked(file, mesh.vertex_count(), grain_for(mesh.vertex_count(), bytes),
                 [&](std::size_t begin, std::size_t end, std::string& buffer) {
                   append_points(mesh, placement, begin, end, buffer);
                 });
   end_list(file);
 }
 
-/// Appends what append(face, buffer) does for the internal faces in their order.
+/// Appends what append(face, buffer) does for the internal faces in their order: `bytes` in all.
 template <typename Append>
 void write_internal(AtomicFile& file, const ColumnMesh& mesh, const std::vector<NodeIndex>& cells,
-                    const Append& append, const Progress& progress) {
+                    std::uint64_t bytes, const Append& append, const Progress& progress) {
   write_chunked(
-      file, mesh.triangle_count(), kColumns,
+      file, mesh.triangle_count(), grain_for(mesh.triangle_count(), bytes),
       [&](std::size_t begin, std::size_t end, std::string& buffer) {
         InternalFaces faces(mesh, cells);
         for (std::size_t t = begin; t < end; ++t)
@@ -98,7 +99,7 @@ void write_faces(AtomicFile& file, const ColumnMesh& mesh, const std::vector<Nod
   end_list(file);
   begin_list(file, 3 * sizes.faces());
   write_internal(
-      file, mesh, cells,
+      file, mesh, cells, sizes.internal * 3 * sizeof(Label),
       [](const InternalFace& face, std::string& buffer) {
         for (const NodeIndex node : face.nodes) append_raw(buffer, static_cast<Label>(node));
       },
@@ -121,7 +122,7 @@ void write_owner(AtomicFile& file, const ColumnMesh& mesh, const std::vector<Nod
   file.write(header("binary", "labelList", "owner", size_note(mesh, cells, sizes)));
   begin_list(file, sizes.faces());
   write_internal(
-      file, mesh, cells,
+      file, mesh, cells, sizes.internal * sizeof(Label),
       [](const InternalFace& face, std::string& buffer) {
         append_raw(buffer, static_cast<Label>(face.owner));
       },
@@ -137,7 +138,7 @@ void write_neighbour(AtomicFile& file, const ColumnMesh& mesh, const std::vector
   file.write(header("binary", "labelList", "neighbour", size_note(mesh, cells, sizes)));
   begin_list(file, sizes.internal);
   write_internal(
-      file, mesh, cells,
+      file, mesh, cells, sizes.internal * sizeof(Label),
       [](const InternalFace& face, std::string& buffer) {
         append_raw(buffer, static_cast<Label>(face.neighbour));
       },

@@ -53,10 +53,13 @@ std::pair<int, int> stream_ends(bool terminal) {
     return {ends[0], ends[1]};
   }
   const int reader = posix_openpt(O_RDWR | O_NOCTTY | O_CLOEXEC);
-  if (reader < 0 || grantpt(reader) != 0 || unlockpt(reader) != 0)
+  const bool given = reader >= 0 && grantpt(reader) == 0 && unlockpt(reader) == 0;
+  const char* name = given ? ptsname(reader) : nullptr;
+  const int writer = name != nullptr ? open(name, O_RDWR | O_NOCTTY | O_CLOEXEC) : -1;
+  if (writer < 0) {
+    if (reader >= 0) close(reader);
     throw std::runtime_error("no terminal");
-  const int writer = open(ptsname(reader), O_RDWR | O_NOCTTY | O_CLOEXEC);
-  if (writer < 0) throw std::runtime_error("no terminal");
+  }
   return {reader, writer};
 }
 
@@ -110,6 +113,17 @@ Ending Process::wait() {
   pid_ = -1;
   ending.code = WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
   return ending;
+}
+
+bool has_terminals() {
+  try {
+    const auto [reader, writer] = stream_ends(true);
+    close(writer);
+    close(reader);
+    return true;
+  } catch (const std::runtime_error&) {
+    return false;
+  }
 }
 
 std::map<std::string, std::string> snapshot(const fs::path& folder) {

@@ -43,6 +43,9 @@ class Process {
   int err_ = -1;
 };
 
+/// Whether there can be terminals here: some containers have none.
+bool has_terminals();
+
 /// The contents of every file below, by relative path; folders with a slash at the end. Hidden
 /// folders of runs (".NAME.part-...") are left out.
 std::map<std::string, std::string> snapshot(const std::filesystem::path& folder);
