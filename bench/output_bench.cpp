@@ -74,8 +74,8 @@ void sync_files(const fs::path& folder) {
 }
 
 /// The same with files to write, into a new folder each time, whose size is counted too. They
-/// replace none, as in a run: for a file that replaces another, ext4 waits until the disk has it.
-/// Where the second argument is 1, it is waited for anyway.
+/// replace none, as in a first run: one that replaces another ext4 begins to put on the disk at the
+/// rename. Where the second argument is 1, the disk is waited for.
 template <typename Write>
 void run_writer(benchmark::State& state, const std::string& name, const Write& write) {
   const fs::path folder =

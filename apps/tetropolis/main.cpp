@@ -165,11 +165,10 @@ std::string usage_message(const CLI::App& app, const CLI::ParseError& error) {
 struct CommandLine {
   CLI::App app{"Tetropolis: from building footprints and LiDAR to simulation-ready city meshes",
                "tetropolis"};
-  std::function<int()> action;  ///< What the chosen command does; it returns the exit code.
-  std::vector<std::unique_ptr<ConfigOptions>> options;
-  std::vector<std::string> files;           ///< Of info.
-  std::string checked;                      ///< Of check.
-  std::optional<double> min_distance;       ///< Of check.
+  std::function<int()> action;         ///< What the chosen command does; it returns the exit code.
+  std::vector<std::string> files;      ///< Of info.
+  std::string checked;                 ///< Of check.
+  std::optional<double> min_distance;  ///< Of check.
   std::string settings{"tetropolis.toml"};  ///< Of init.
 
   CommandLine() = default;
@@ -177,27 +176,24 @@ struct CommandLine {
   CommandLine& operator=(const CommandLine&) = delete;
 };
 
-/// A new command, which does `act`.
-CLI::App& add_command(CommandLine& line, const std::string& name, const std::string& help,
-                      std::function<int()> act) {
-  CLI::App* command = line.app.add_subcommand(name, help);
-  command->callback([&line, act = std::move(act)] { line.action = act; });
-  return *command;
+/// Has `command` do `act` if it is the one that is chosen.
+void on_choice(CommandLine& line, CLI::App& command, std::function<int()> act) {
+  command.callback([&line, act = std::move(act)] { line.action = act; });
 }
 
 void add_run(CommandLine& line, const std::string& name, const std::string& help, Command command,
              RunFunction function) {
-  const std::size_t own = line.options.size();
-  CLI::App& added = add_command(
-      line, name, help, [&line, own, function] { return run(*line.options[own], function); });
-  line.options.push_back(std::make_unique<ConfigOptions>(added, command));
+  CLI::App& added = *line.app.add_subcommand(name, help);
+  const auto options = std::make_shared<ConfigOptions>(added, command);
+  on_choice(line, added, [options, function] { return run(*options, function); });
 }
 
 void add_info(CommandLine& line) {
-  CLI::App& added =
-      add_command(line, "info", "What is in a point cloud, vector file, city model, raster or mesh",
-                  [&line] { return info(line.files) ? 0 : static_cast<int>(ErrorKind::kInput); });
+  CLI::App& added = *line.app.add_subcommand(
+      "info", "What is in a point cloud, vector file, city model, raster or mesh");
   added.add_option("files", line.files, "Files")->required()->type_name("FILE...");
+  on_choice(line, added,
+            [&line] { return info(line.files) ? 0 : static_cast<int>(ErrorKind::kInput); });
 }
 
 /// What is wrong with a distance on the command line; empty if nothing is.
@@ -210,29 +206,40 @@ std::string wrong_distance(const std::string& text) {
 }
 
 void add_check(CommandLine& line) {
-  const std::size_t own = line.options.size();
-  CLI::App& added = add_command(
-      line, "check",
-      "Validate a city model, a mesh or a folder of results; exit 1 if a guarantee is broken",
-      [&line, own] { return run_check(*line.options[own], line.checked, line.min_distance); });
+  CLI::App& added = *line.app.add_subcommand(
+      "check",
+      "Validate a city model, a mesh or a folder of results; exit 1 if a guarantee is broken");
   added.add_option("path", line.checked, "File or folder")->required()->type_name("PATH");
   added
       .add_option("--min-building-distance", line.min_distance,
                   "Clearance to ask of a city model [m] (default: as in report.json, else 1.0)")
       ->type_name("NUMBER")
       ->check(wrong_distance);
-  line.options.push_back(std::make_unique<ConfigOptions>(added, kCheck));
+  const auto options = std::make_shared<ConfigOptions>(added, kCheck);
+  on_choice(line, added,
+            [&line, options] { return run_check(*options, line.checked, line.min_distance); });
 }
 
 void add_init(CommandLine& line) {
-  CLI::App& added = add_command(line, "init", "Write a commented configuration file", [&line] {
-    init(line.settings);
-    return 0;
-  });
+  CLI::App& added = *line.app.add_subcommand("init", "Write a commented configuration file");
   added
       .add_option("file", line.settings,
                   "File to write, '-' for standard output (default tetropolis.toml)")
       ->type_name("FILE");
+  on_choice(line, added, [&line] {
+    init(line.settings);
+    return 0;
+  });
+}
+
+void add_settings(CommandLine& line) {
+  on_choice(line,
+            *line.app.add_subcommand("settings",
+                                     "All settings as Markdown tables, for the documentation"),
+            [] {
+              put(stdout, config_markdown());
+              return 0;
+            });
 }
 
 void declare(CommandLine& line) {
@@ -247,10 +254,7 @@ void declare(CommandLine& line) {
   add_info(line);
   add_check(line);
   add_init(line);
-  add_command(line, "settings", "All settings as Markdown tables, for the documentation", [] {
-    put(stdout, config_markdown());
-    return 0;
-  });
+  add_settings(line);
 }
 
 /// Libraries end in many ways where they do not get the little memory that they begin with.

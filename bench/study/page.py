@@ -165,9 +165,9 @@ charts, and this page as `summary.md`. `scripts/bench --only cells,threads` repe
 
 Every figure is from runs of the program and the `report.json` they write (times per step, peak resident memory):
 the median of three runs, or of fewer where they would take more than 25 s in all. Results are written into new
-folders: over an older result it takes longer, since ext4 has files that replace others on the disk first. Charts
-show processor seconds (all threads together, as the paper does), tables seconds on the clock with all cores. Lines
-are power laws fitted to the points.
+folders: over an older result it takes longer, since ext4 begins at once to put files that replace others on the
+disk. Charts show processor seconds (all threads together, as the paper does), tables seconds on the clock with all
+cores. Lines are power laws fitted to the points.
 """
 CELLS = """\
 ## (a) Time per step against cells

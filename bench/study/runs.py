@@ -35,7 +35,7 @@ class Bench:
 
     def run_once(self, arguments):
         """Runs the program and returns its report, with the process's wall time added. The result goes into a
-        new folder: where files replace others, ext4 has them on the disk first."""
+        new folder: ext4 begins at once to put files that replace others on the disk."""
         out = self.scratch / "result"
         shutil.rmtree(out, ignore_errors=True)
         command = [str(self.program), *map(str, arguments), "--out", str(out), "--quiet"]

@@ -77,8 +77,8 @@ AtomicFile::~AtomicFile() {
 
 std::ostream& AtomicFile::stream() {
   if (!stream_.is_open()) {
-    // Of a file that has been truncated ext4 puts all bytes on the disk before it is closed
-    // (auto_da_alloc, ext4(5)), which takes as long again as writing them.
+    // Not truncated: when a file that was is closed, ext4 allocates its blocks and begins to put
+    // them on the disk (auto_da_alloc, ext4(5)), which takes as long again as writing it.
     stream_.open(temporary_, std::ios::binary | std::ios::in | std::ios::out);
     if (!stream_) throw_cannot_write(target_, system_reason(errno));
   }

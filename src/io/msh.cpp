@@ -113,7 +113,7 @@ void write_nodes(AtomicFile& file, const ColumnMesh& mesh, const Placement& plac
     for (std::size_t n = begin; n < end; ++n) append_size(buffer, n + 1);
   });
   write_chunked(
-      file, mesh.vertex_count(), grain_for(mesh.vertex_count(), 24 * nodes),
+      file, mesh.vertex_count(), grain_for(mesh.vertex_count(), nodes * 3 * sizeof(double)),
       [&](std::size_t begin, std::size_t end, std::string& buffer) {
         append_points(mesh, placement, begin, end, buffer);
       },

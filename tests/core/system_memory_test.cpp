@@ -21,9 +21,7 @@ TEST(SystemMemory, IsPositiveAndNotMoreThanTheMachineHas) {
 }
 
 TEST(SystemMemory, HeedsTheLimitOfAddressSpace) {
-#if TETROPOLIS_SANITIZED
-  GTEST_SKIP() << "the sanitizers need more address space than any limit";
-#endif
+  if (TETROPOLIS_SANITIZED) GTEST_SKIP() << "the sanitizers need more address space than any limit";
   rlimit before{};
   ASSERT_EQ(getrlimit(RLIMIT_AS, &before), 0);
   const double half = usable_memory() / 2;

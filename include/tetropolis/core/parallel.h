@@ -112,25 +112,20 @@ template <typename Slot, typename Make, typename Use>
 void parallel_pipeline(std::size_t size, std::vector<Slot>& slots, const Make& make,
                        const Use& use) {
   std::size_t next = 0;
-  std::vector<std::exception_ptr> failed(slots.size());
-  const auto slot_of = [&](std::size_t number) { return number % slots.size(); };
+  FirstFailure failure;
+  const auto slot_of = [&](std::size_t number) -> Slot& { return slots[number % slots.size()]; };
   const auto take = [&](tbb::flow_control& control) -> std::size_t {
     if (next < size) return next++;
     control.stop();
     return size;
   };
   const auto fill = [&](std::size_t number) {
-    try {
-      make(number, slots[slot_of(number)]);
-    } catch (...) {
-      failed[slot_of(number)] = std::current_exception();
-    }
+    if (!failure.is_before(number)) failure.run(number, [&] { make(number, slot_of(number)); });
     return number;
   };
   const auto empty = [&](std::size_t number) {
-    const std::size_t slot = slot_of(number);
-    if (failed[slot]) std::rethrow_exception(failed[slot]);
-    use(number, slots[slot]);
+    if (failure.is_before(number + 1)) failure.rethrow();
+    use(number, slot_of(number));
   };
   using tbb::filter_mode;
   tbb::parallel_pipeline(
