@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <limits>
 #include <map>
+#include <set>
 
 #include <fmt/format.h>
 
@@ -67,24 +68,101 @@ Terrain terrain_of(const SurfaceMesh& surface, std::array<double, 3> shift, cons
   return terrain;
 }
 
-/// Per vertex of a wall, its building's roof; infinity elsewhere.
-std::vector<double> roofs_over_walls(const SurfaceMesh& surface, const CityModel& city) {
-  std::vector<double> roofs(surface.points.size(), kInfinity);
+/// Per vertex of a wall its building, and that one's roof; infinity elsewhere.
+struct Walls {
+  std::vector<BuildingIndex> building;
+  std::vector<double> roof;
+};
+
+Walls walls_of(const SurfaceMesh& surface, const CityModel& city) {
+  Walls walls{std::vector<BuildingIndex>(surface.points.size(), kNoBuilding),
+              std::vector<double>(surface.points.size(), kInfinity)};
   for (std::size_t f = 0; f < surface.triangles.size(); ++f) {
     const BuildingIndex b = surface.building[f];
     if (surface.patch[f] != Patch::kWall || b < 0 ||
         static_cast<std::size_t>(b) >= city.buildings.size())
       continue;
-    for (const std::int32_t v : surface.triangles[f])
-      roofs[static_cast<std::size_t>(v)] = city.buildings[static_cast<std::size_t>(b)].h_roof;
+    for (const std::int32_t v : surface.triangles[f]) {
+      walls.building[static_cast<std::size_t>(v)] = b;
+      walls.roof[static_cast<std::size_t>(v)] = city.buildings[static_cast<std::size_t>(b)].h_roof;
+    }
   }
-  return roofs;
+  return walls;
+}
+
+/// The least of height + slope * distance from p along the line from a to b, whose ends have these
+/// heights: by golden section, since it is convex. The ends count even where the other is not there
+/// (infinity).
+double least_along(Point2 p, Point2 a, double at_a, Point2 b, double at_b, double slope) {
+  const auto value = [&](double t) {
+    const double x = a.x + t * (b.x - a.x), y = a.y + t * (b.y - a.y);
+    return at_a + t * (at_b - at_a) + slope * std::hypot(p.x - x, p.y - y);
+  };
+  const double ends = std::min(at_a + slope * std::hypot(p.x - a.x, p.y - a.y),
+                               at_b + slope * std::hypot(p.x - b.x, p.y - b.y));
+  if (at_a == kInfinity || at_b == kInfinity) return ends;
+  const double golden = (std::sqrt(5.0) - 1) / 2;
+  double low = 0, high = 1;
+  for (int i = 0; i < 60; ++i) {
+    const double left = high - golden * (high - low), right = low + golden * (high - low);
+    if (value(left) < value(right))
+      high = right;
+    else
+      low = left;
+  }
+  return std::min(ends, value((low + high) / 2));
+}
+
+/// How far down ground below the terrain would be if it were cut back from every roof, rising at
+/// `slope` from there and from what was cut before; infinity at other vertices. Goes from vertex to
+/// vertex of those below the terrain until nothing changes.
+std::vector<double> depths_of_cuts(const SurfaceMesh& surface, double z_shift,
+                                   const Terrain& terrain, const Walls& walls, double slope) {
+  const auto is_below = [&](std::size_t v) {
+    return surface.points[v][2] + z_shift < terrain.at[v] - kHeightTolerance;
+  };
+  std::vector<std::size_t> faces;
+  std::map<std::size_t, std::vector<std::size_t>> faces_at;  // of the vertices of these
+  for (std::size_t f = 0; f < surface.triangles.size(); ++f) {
+    const auto& corners = surface.triangles[f];
+    const auto below = [&](std::int32_t v) { return is_below(static_cast<std::size_t>(v)); };
+    if (surface.patch[f] != Patch::kGround || std::none_of(corners.begin(), corners.end(), below))
+      continue;
+    faces.push_back(f);
+    for (const std::int32_t v : corners) faces_at[static_cast<std::size_t>(v)].push_back(f);
+  }
+  std::vector<double> depth(surface.points.size(), kInfinity);
+  const auto start = [&](std::size_t v, std::size_t u) {
+    const bool own = walls.building[u] != kNoBuilding && walls.building[u] == walls.building[v];
+    return own ? depth[u] : std::min(depth[u], walls.roof[u]);
+  };
+  const auto place = [&](std::size_t v) {
+    return Point2{surface.points[v][0], surface.points[v][1]};
+  };
+  while (!faces.empty()) {
+    std::set<std::size_t> next;
+    for (const std::size_t f : faces)
+      for (std::size_t i = 0; i < 3; ++i) {
+        const auto corner = [&](std::size_t k) {
+          return static_cast<std::size_t>(surface.triangles[f][k % 3]);
+        };
+        const std::size_t v = corner(i), a = corner(i + 1), b = corner(i + 2);
+        if (!is_below(v)) continue;
+        const double most = least_along(place(v), place(a), start(v, a), place(b), start(v, b), slope);
+        if (!(most < std::min(depth[v], terrain.at[v]) - kHeightTolerance)) continue;
+        depth[v] = most;
+        next.insert(faces_at[v].begin(), faces_at[v].end());
+      }
+    faces.assign(next.begin(), next.end());
+  }
+  return depth;
 }
 
 }  // namespace
 
 HeightsCheck check_heights(const SurfaceMesh& surface, std::array<double, 3> shift,
-                           const Raster& dtm, const CityModel& city, double minimum_wall) {
+                           const Raster& dtm, const CityModel& city, double minimum_wall,
+                           double cut_slope) {
   HeightsCheck check;
   std::vector<bool> on_ground(surface.points.size(), false);
   std::map<std::int32_t, BuildingIndex> roof_building;
@@ -94,7 +172,8 @@ HeightsCheck check_heights(const SurfaceMesh& surface, std::array<double, 3> shi
       if (surface.patch[f] == Patch::kRoof) roof_building[v] = surface.building[f];
     }
   const Terrain terrain = terrain_of(surface, shift, dtm, city);
-  const std::vector<double> roofs = roofs_over_walls(surface, city);
+  const Walls walls = walls_of(surface, city);
+  const std::vector<double> depth = depths_of_cuts(surface, shift[2], terrain, walls, cut_slope);
   const auto place = [&](std::size_t v, double wanted) {
     const auto& p = surface.points[v];
     return fmt::format("vertex {} at ({:.3f}, {:.3f}): z = {:.9f}, {:.9f} expected", v, p[0], p[1],
@@ -111,13 +190,14 @@ HeightsCheck check_heights(const SurfaceMesh& surface, std::array<double, 3> shi
     const double wanted = terrain.at[v];
     const double error = p[2] + shift[2] - wanted;
     if (std::abs(error) <= kHeightTolerance) continue;
-    if (error > 0 || roofs[v] == kInfinity) {
+    const bool is_cut = p[2] + shift[2] >= depth[v] - kNeedTolerance;
+    if (error > 0 || (walls.building[v] == kNoBuilding && !is_cut)) {
       note_violation(check.violations, "ground vertices off the terrain",
                      [&] { return place(v, wanted); });
       continue;
     }
     ++check.lowered;
-    if (terrain.highest[v] <= roofs[v] - minimum_wall - kNeedTolerance)
+    if (!is_cut && terrain.highest[v] <= walls.roof[v] - minimum_wall - kNeedTolerance)
       note_violation(check.violations, "ground vertices lowered at walls that are high enough",
                      [&] { return place(v, wanted); });
   }

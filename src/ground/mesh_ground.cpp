@@ -129,6 +129,7 @@ GroundMesh mesh_ground(std::span<const Polygon> footprints, const Bounds2& domai
   RefineOptions refinement;
   refinement.min_angle_deg = options.min_angle_deg;
   refinement.max_edge = options.mesh_size;
+  refinement.elevation = options.elevation;
   return renumber(refine(make_graph(footprints, domain, options), refinement, progress), domain);
 }
 

@@ -1,9 +1,13 @@
-// Moves free vertices after the refinement to widen the smallest angles around them.
+// Moves free vertices after the refinement: to widen the smallest angles around them, then, where
+// the terrain is known, to make steep triangles less steep.
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <numbers>
 #include <utility>
+#include <vector>
 
+#include "tetropolis/core/parallel.h"
 #include "tetropolis/core/units.h"
 
 #include "ground/refiner.h"
@@ -19,6 +23,14 @@ constexpr double kContentAngle = 36;
 constexpr double kGain = 1.02;
 constexpr std::size_t kMaxDegree = 16;
 
+// Found by trial, on villages with rock walls of 20 m in meshes of 5 m: only triangles steeper than
+// this leave thin cells, more sweeps change nothing, and fewer places leave more of them.
+constexpr double kSteepDeg = 72;
+constexpr int kFlatteningSweeps = 3;
+constexpr int kDirections = 16;
+constexpr std::array kReaches{0.03, 0.06, 0.12, 0.24, 0.48};  // shares of the mean edge
+constexpr std::size_t kTrianglesPerChunk = 8192;
+
 // Squared sine of the smallest angle; negative if the triangle is not counter-clockwise.
 double squared_sine(Point2 p, Point2 a, Point2 b) {
   const double ax = a.x - p.x, ay = a.y - p.y, bx = b.x - p.x, by = b.y - p.y;
@@ -27,6 +39,14 @@ double squared_sine(Point2 p, Point2 a, Point2 b) {
   const double pa = ax * ax + ay * ay, pb = bx * bx + by * by, ab = cx * cx + cy * cy;
   const double q = cross * cross * std::min({pa, pb, ab}) / (pa * pb * ab);
   return cross > 0 ? q : -1;
+}
+
+// Squared cosine of the angle between a triangle and the horizontal.
+double flatness(Point2 p, double zp, Point2 a, double za, Point2 b, double zb) {
+  const double ax = a.x - p.x, ay = a.y - p.y, az = za - zp;
+  const double bx = b.x - p.x, by = b.y - p.y, bz = zb - zp;
+  const double nx = ay * bz - az * by, ny = az * bx - ax * bz, nz = ax * by - ay * bx;
+  return nz * nz / (nx * nx + ny * ny + nz * nz);
 }
 
 // The triangles around a vertex: half-edges opposite to it and the points where they start.
@@ -139,6 +159,87 @@ bool Refiner::move_vertex(std::int32_t v, std::int32_t he, double content) {
     quality = better;
     moved = true;
   }
+  return moved;
+}
+
+// The lowest and the highest vertex of a triangle are joined by cells that are the thinner the
+// steeper it is, with whatever nodes; how steep it is follows from where its corners are.
+void Refiner::flatten(const Progress& progress) {
+  elevations_.resize(mesh_.points.size());
+  parallel_chunks(elevations_.size(), kTrianglesPerChunk, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t v = begin; v < end; ++v) elevations_[v] = options_.elevation(mesh_.points[v]);
+  });
+  const double cosine = std::cos(to_radians(kSteepDeg));
+  const double content = cosine * cosine;
+  std::vector<std::vector<std::int32_t>> chunks(
+      (mesh_.triangles.size() + kTrianglesPerChunk - 1) / kTrianglesPerChunk);
+  for (int sweep = 0; sweep < kFlatteningSweeps; ++sweep) {
+    progress.update(static_cast<double>(sweep) / kFlatteningSweeps);
+    parallel_chunks(mesh_.triangles.size(), kTrianglesPerChunk,
+                    [&](std::size_t begin, std::size_t end) {
+                      std::vector<std::int32_t>& steep = chunks[begin / kTrianglesPerChunk];
+                      steep.clear();
+                      for (std::size_t t = begin; t < end; ++t)
+                        if (is_open(mesh_.triangles[t]) && flatness(mesh_.triangles[t]) < content)
+                          steep.push_back(static_cast<std::int32_t>(t));
+                    });
+    bool moved = false;
+    for (const std::vector<std::int32_t>& steep : chunks)
+      for (const std::int32_t t : steep)
+        for (std::int32_t i = 0; i < 3; ++i) {
+          const std::int32_t v = mesh_.tri(t).v[i];
+          if (kind(v) == kFreeVertex && flatten_around(v, 4 * t + i, content)) moved = true;
+        }
+    if (!moved) return;
+  }
+}
+
+double Refiner::flatness(const TriMesh::Triangle& x) const {
+  const auto z = [&](int i) { return elevations_[static_cast<std::size_t>(x.v[i])]; };
+  return tetropolis::flatness(mesh_.point(x.v[0]), z(0), mesh_.point(x.v[1]), z(1),
+                              mesh_.point(x.v[2]), z(2));
+}
+
+bool Refiner::flatten_around(std::int32_t v, std::int32_t he, double content) {
+  Star star;
+  if (!gather(mesh_, he, star)) return false;
+  const Point2 p = mesh_.point(v);
+  // What is excused by a sharp corner must stay as it is to be excused.
+  if (star.worst(p, 0) < sine_squared_) return false;
+  std::array<double, kMaxDegree> z{};
+  double edges = 0;
+  for (std::size_t i = 0; i < star.size; ++i) {
+    z[i] = elevations_[static_cast<std::size_t>(mesh_.origin(star.rim[i]))];
+    edges += std::hypot(star.ring[i].x - p.x, star.ring[i].y - p.y);
+  }
+  const double mean = edges / static_cast<double>(star.size);
+  const auto flattest_with = [&](Point2 q, double zq) {
+    double least = 1;
+    for (std::size_t i = 0; i < star.size; ++i)
+      least = std::min(least, tetropolis::flatness(q, zq, star.ring[i], z[i], star.after(i),
+                                                   z[i + 1 == star.size ? 0 : i + 1]));
+    return least;
+  };
+  double best = flattest_with(p, elevations_[static_cast<std::size_t>(v)]);
+  if (best >= content) return false;
+  best *= kGain;
+  bool moved = false;
+  for (const double reach : kReaches)
+    for (int k = 0; k < kDirections; ++k) {
+      const double angle = 2 * std::numbers::pi * k / kDirections;
+      const Point2 q{p.x + reach * mean * std::cos(angle), p.y + reach * mean * std::sin(angle)};
+      // A little more than the least angle, against rounding.
+      if (star.worst(q, sine_squared_) <= sine_squared_ * (1 + 1e-9)) continue;
+      const double zq = options_.elevation(q);
+      const double flat = flattest_with(q, zq);
+      if (flat <= best || !edges_fit(star.rim.data(), star.size, q) ||
+          !stays_delaunay(mesh_, star, q))
+        continue;
+      best = flat;
+      mesh_.points[static_cast<std::size_t>(v)] = q;
+      elevations_[static_cast<std::size_t>(v)] = zq;
+      moved = true;
+    }
   return moved;
 }
 

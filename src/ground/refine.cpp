@@ -411,6 +411,7 @@ Triangulation refine(const PlanarGraph& graph, const RefineOptions& options,
   progress.update(0.55);
   refiner.run(patches, portion(progress, 0.55, 0.8));
   if (options.optimize) refiner.optimize(portion(progress, 0.8, 0.95));
+  if (options.elevation) refiner.flatten(portion(progress, 0.95, 0.99));
   Triangulation result = export_triangulation(graph, construction, refiner.piece_inputs());
   result.small_input_angles = refiner.small_input_angles();
   result.triangles_below_min_angle = refiner.count_below_min_angle();

@@ -72,6 +72,8 @@ class Refiner {
   void run(const std::vector<std::int32_t>& ends, const Progress& progress);
   /// Moves free vertices where that widens the smallest angle around them and breaks no guarantee.
   void optimize(const Progress& progress);
+  /// The same where that makes steep triangles less steep. Precondition: there are elevations.
+  void flatten(const Progress& progress);
 
   std::int64_t small_input_angles() const { return small_input_angles_; }
   std::int64_t count_below_min_angle() const;
@@ -156,6 +158,12 @@ class Refiner {
   bool piece_end_is_acute(const Piece& piece, std::int32_t vertex) const {
     return (piece.v[0] == vertex && piece.acute[0]) || (piece.v[1] == vertex && piece.acute[1]);
   }
+  /// Whether the terrain is seen there, not the roof of a building.
+  static bool is_open(const TriMesh::Triangle& x) {
+    return x.v[0] != TriMesh::kDead && x.region < 0;
+  }
+  double flatness(const TriMesh::Triangle& x) const;
+  bool flatten_around(std::int32_t v, std::int32_t he, double content);
   bool move_vertex(std::int32_t v, std::int32_t he, double content);
   bool edges_fit(const std::int32_t* rim, std::size_t count, Point2 p) const;
   std::int32_t add_vertex(Point2 p, std::int32_t kind);
@@ -170,6 +178,7 @@ class Refiner {
   std::vector<Patch> patches_;
   std::vector<std::int32_t> kinds_;
   std::vector<double> hard_bounds_;  ///< Per hard vertex, if segments have bounds: the least.
+  std::vector<double> elevations_;   ///< Per vertex, while flattening.
   std::vector<std::int32_t> unused_vertices_;
   std::array<std::vector<BadTriangle>, kBuckets> buckets_;
   std::uint64_t filled_ = 0;  // bit b: bucket b is not empty

@@ -19,6 +19,7 @@
 #include "tetropolis/check/check_surface.h"
 #include "tetropolis/check/check_volume.h"
 #include "tetropolis/core/error.h"
+#include "tetropolis/core/units.h"
 #include "tetropolis/io/cityjson.h"
 #include "tetropolis/io/geotiff.h"
 #include "tetropolis/io/vtk.h"
@@ -56,6 +57,7 @@ struct ReportedFacts {
   std::optional<ReportedMesh> mesh;
   std::optional<double> min_angle;
   double min_wall = Config{}.min_wall_height;
+  double cut_slope = Config{}.cut_slope;  ///< Degrees.
   ReportedGround ground{};
 };
 
@@ -67,6 +69,7 @@ ReportedFacts facts_of(const Json& report) {
   facts.absolute = config.value("coordinates", std::string("local")) == "absolute";
   if (config.contains("min_angle")) facts.min_angle = config["min_angle"].get<double>();
   facts.min_wall = config.value("min_wall_height", facts.min_wall);
+  facts.cut_slope = config.value("cut_slope", facts.cut_slope);
   const Json ground = report.value("ground_mesh", Json::object());
   facts.ground = {ground.value("triangles", -1.0), ground.value("min_angle_deg", -1.0),
                   ground.value("triangles_below_min_angle", -1.0)};
@@ -250,12 +253,14 @@ void check_ground_mesh(const SurfaceMesh& surface, std::array<double, 3> shift,
 void check_heights_of(const fs::path& terrain, const SurfaceMesh& surface,
                       std::array<double, 3> shift, const CityModel& city,
                       const std::optional<ReportedFacts>& report, CheckedFile& file) {
+  const ReportedFacts facts = report.value_or(ReportedFacts{});
   const HeightsCheck check =
-      check_heights(surface, shift, read_raster(terrain, city.origin).raster, city,
-                    report ? report->min_wall : ReportedFacts{}.min_wall);
+      check_heights(surface, shift, read_raster(terrain, city.origin).raster, city, facts.min_wall,
+                    std::tan(to_radians(facts.cut_slope)));
   file.violations.insert(file.violations.end(), check.violations.begin(), check.violations.end());
   file.facts.push_back(
-      fmt::format("{} ground vertices on the terrain ({} lowered at walls), {} roof vertices at "
+      fmt::format("{} ground vertices on the terrain ({} lowered at walls and around roofs), {} roof "
+                  "vertices at "
                   "their roof's height",
                   check.ground_vertices, check.lowered, check.roof_vertices));
   if (report && report->mesh && check.lowered > report->mesh->ground_lowered)

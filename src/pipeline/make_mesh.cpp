@@ -1,5 +1,7 @@
 #include <algorithm>
 #include <array>
+#include <cmath>
+#include <cstdint>
 #include <functional>
 #include <string_view>
 #include <utility>
@@ -7,6 +9,7 @@
 
 #include <fmt/format.h>
 
+#include "tetropolis/core/units.h"
 #include "tetropolis/ground/mesh_ground.h"
 #include "tetropolis/ground/validate.h"
 #include "tetropolis/io/gltf.h"
@@ -19,6 +22,7 @@
 #include "tetropolis/io/xdmf.h"
 #include "tetropolis/volume/boundary.h"
 #include "tetropolis/volume/cell_quality.h"
+#include "tetropolis/volume/cut_back.h"
 #include "tetropolis/volume/face_quality.h"
 #include "tetropolis/volume/fill_columns.h"
 #include "tetropolis/volume/ground_heights.h"
@@ -72,11 +76,13 @@ GroundMesh make_ground(const Config& config, const CityModel& city, const Raster
   std::vector<Polygon> footprints;
   for (const Building& building : city.buildings) footprints.push_back(building.footprint);
   GroundMeshOptions options{config.mesh_size, config.min_angle};
-  if (config.layering != Layering::kUniform)
+  if (config.layering != Layering::kUniform) {
     options.wall_edge = [&](BuildingIndex building, Point2 a, Point2 b) {
       const double roof = city.buildings[static_cast<std::size_t>(building)].h_roof;
       return longest_wall_edge(dtm, roof, a, b, config.min_wall_height);
     };
+    options.elevation = [&](Point2 p) { return sample(dtm, p); };
+  }
   GroundMesh ground = clock.run("3.1", "ground mesh", [&](const Progress& progress) {
     return mesh_ground(footprints, city.domain, options, progress);
   });
@@ -108,11 +114,7 @@ std::vector<double> spacing_of(const Config& config, const GroundMesh& ground) {
   return spacing;
 }
 
-/// Heights of ground, roofs and top; tells the report of them.
-ColumnPlan plan_of(const Config& config, const CityModel& city, const Raster& dtm,
-                   const GroundMesh& ground, std::vector<double> spacing, Report& report) {
-  std::vector<double> roofs;
-  for (const Building& building : city.buildings) roofs.push_back(building.h_roof);
+ColumnPlanOptions plan_options(const Config& config) {
   const bool uniform = config.layering == Layering::kUniform;
   ColumnPlanOptions options;
   options.domain_height = config.domain_height;
@@ -120,24 +122,36 @@ ColumnPlan plan_of(const Config& config, const CityModel& city, const Raster& dt
       uniform && config.layer_height > 0 ? config.layer_height : config.mesh_size;
   options.minimum_wall = config.min_wall_height;
   options.fit_lowered_walls = !uniform;
-  ColumnPlan plan = plan_columns(ground, dtm, std::move(roofs), std::move(spacing), options);
+  options.cut_slope = std::tan(to_radians(config.cut_slope));
+  return options;
+}
+
+/// Heights of ground, roofs and top; tells the report of the top.
+ColumnPlan plan_of(const Config& config, const CityModel& city, const Raster& dtm,
+                   const GroundMesh& ground, std::vector<double> spacing, Report& report) {
+  std::vector<double> roofs;
+  for (const Building& building : city.buildings) roofs.push_back(building.h_roof);
+  ColumnPlan plan =
+      plan_columns(ground, dtm, std::move(roofs), std::move(spacing), plan_options(config));
   require_plausible(plan.layers);
   VolumeMeshReport& volume = report.volume_mesh.emplace();
   volume.layers = plan.layers.layers;
   volume.top = plan.layers.top;
-  volume.ground_lowered = plan.lowered;
   if (plan.layers.raised)
     report.warnings.push_back(
         {"domain_raised", 1,
          fmt::format("the top was raised to {:.1f} m to clear the highest roof", plan.layers.top)});
-  if (plan.lowered > 0)
-    report.warnings.push_back({"ground_lowered", plan.lowered,
-                               "ground vertices at walls were lowered to stay below their roof"});
   return plan;
 }
 
+/// The mesh, and what it was made from.
+struct Columns {
+  ColumnPlan plan;
+  ColumnMesh mesh;
+};
+
 /// Steps 3.2 to 3.5 as in the paper; with graded columns as far as the top they give.
-ColumnMesh smooth_columns(const Config& config, const CityModel& city, const Raster& dtm,
+Columns smooth_columns(const Config& config, const CityModel& city, const Raster& dtm,
                           const CitySize& size, GroundMesh ground, StepClock& clock,
                           Report& report) {
   ColumnPlan plan;
@@ -163,21 +177,22 @@ ColumnMesh smooth_columns(const Config& config, const CityModel& city, const Ras
     return smooth_to_roofs(layered, plan.building, plan.roofs, options, progress);
   });
   keep_solver("3.5", to_roofs, report);
-  if (config.layering == Layering::kUniform) return columns_of_layers(std::move(layered));
+  if (config.layering == Layering::kUniform)
+    return {std::move(plan), columns_of_layers(std::move(layered))};
   for (std::size_t v = 0; v < plan.top.size(); ++v) plan.top[v] = layered.column(v)[layered.layers];
   ColumnMesh mesh = divide_columns(std::move(layered.ground), std::move(layered.edges), plan);
   place_nodes(mesh, plan);
-  return mesh;
+  return {std::move(plan), std::move(mesh)};
 }
 
 /// Steps 3.2 to 3.5 with columns spaced by the triangles around them. Their heights follow from
 /// ground, roofs and top directly, so 3.3 and 3.5 have nothing to solve.
-ColumnMesh grade_columns(const Config& config, const CityModel& city, const Raster& dtm,
+Columns grade_columns(const Config& config, const CityModel& city, const Raster& dtm,
                          const CitySize& size, GroundMesh ground, StepClock& clock,
                          Report& report) {
   std::vector<double> spacing = clock.run(
       "3.2", "spacing of columns", [&](const Progress&) { return spacing_of(config, ground); });
-  const ColumnPlan plan = clock.run("3.3", "ground and top", [&](const Progress&) {
+  ColumnPlan plan = clock.run("3.3", "ground and top", [&](const Progress&) {
     return plan_of(config, city, dtm, ground, std::move(spacing), report);
   });
   ColumnMesh mesh = clock.run("3.4", "divide and trim columns", [&](const Progress&) {
@@ -188,18 +203,18 @@ ColumnMesh grade_columns(const Config& config, const CityModel& city, const Rast
   });
   clock.run("3.5", "place nodes", [&](const Progress&) { place_nodes(mesh, plan); });
   for (const char* step : {"3.3", "3.5"}) report.solver.push_back({step, 0, 0, 0.0, true});
-  return mesh;
+  return {std::move(plan), std::move(mesh)};
 }
 
 /// Steps 3.2 to 3.5.
-ColumnMesh make_columns_of_city(const Config& config, const CityModel& city, const Raster& dtm,
+Columns make_columns_of_city(const Config& config, const CityModel& city, const Raster& dtm,
                                 const CitySize& size, GroundMesh ground, StepClock& clock,
                                 Report& report) {
   const bool solves = solves_laplace(config);
   const auto make = solves ? smooth_columns : grade_columns;
-  ColumnMesh mesh = make(config, city, dtm, size, std::move(ground), clock, report);
-  report.volume_mesh->min_vertical_gap = require_valid(mesh);
-  return mesh;
+  Columns columns = make(config, city, dtm, size, std::move(ground), clock, report);
+  report.volume_mesh->min_vertical_gap = require_valid(columns.mesh);
+  return columns;
 }
 
 /// Cells the report lists.
@@ -224,6 +239,58 @@ CellQuality improve(const Config& config, ColumnMesh& mesh, StepClock& clock,
   if (volume.columns_improved == 0) return cells;
   volume.min_vertical_gap = require_valid(mesh);
   return measured();
+}
+
+/// What the terrain is cut back for: the floor of quality of the documentation, and a little more.
+constexpr double kLeastAngle = 8.5;
+constexpr double kGreatestAngle = 159.5;
+constexpr double kLeastOfAll = 12;  ///< For all but one cell in ten thousand.
+constexpr double kFewCells = 1e-4;
+
+/// Cuts the terrain back around roofs below it that leave the cells beside them no room, as long as
+/// there are such, and makes the columns anew. Exact terrain goes first: only where the cells
+/// cannot be improved otherwise.
+CellQuality make_room(const Config& config, const Raster& dtm, Columns& columns, CellQuality cells,
+                      StepClock& clock, VolumeMeshReport& volume) {
+  if (config.layering == Layering::kUniform || config.cut_slope >= 90) return cells;
+  ColumnPlanOptions options = plan_options(config);
+  options.cut.assign(columns.plan.roofs.size(), 0);
+  for (;;) {
+    const QualityHistogram& quality = cells.histogram;
+    const bool many = quality.dihedral_quantile_deg(kFewCells) < kLeastOfAll;
+    if (!many && quality.min_dihedral_deg() >= kLeastAngle &&
+        quality.max_dihedral_deg() <= kGreatestAngle)
+      return cells;
+    const std::int64_t marked = mark_buried_roofs(
+        columns.mesh, columns.plan, many ? kLeastOfAll : kLeastAngle, kGreatestAngle, options.cut);
+    if (marked == 0) return cells;
+    clock.run("3.3", "cut terrain back", [&](const Progress&) {
+      ColumnPlan& plan = columns.plan;
+      std::vector<double> top = std::move(plan.top);
+      plan = plan_columns(columns.mesh.ground, dtm, std::move(plan.roofs), std::move(plan.spacing),
+                          options);
+      plan.top = std::move(top);
+      columns.mesh = divide_columns(std::move(columns.mesh.ground), std::move(columns.mesh.edges),
+                                    plan);
+      place_nodes(columns.mesh, plan);
+    });
+    volume.min_vertical_gap = require_valid(columns.mesh);
+    cells = improve(config, columns.mesh, clock, volume);
+    volume.roofs_cut_back += marked;
+  }
+}
+
+void report_lowered(const ColumnPlan& plan, Report& report) {
+  report.volume_mesh->ground_lowered = plan.lowered;
+  if (plan.lowered == 0) return;
+  const std::int64_t roofs = report.volume_mesh->roofs_cut_back;
+  report.warnings.push_back(
+      {"ground_lowered", plan.lowered,
+       fmt::format("ground vertices were lowered, by up to {:.1f} m: at walls, to stay below their "
+                   "roof{}",
+                   plan.deepest,
+                   roofs == 0 ? "" : fmt::format("; around {} roofs below the terrain, to leave "
+                                                 "room for well-shaped cells", roofs))});
 }
 
 void measure(const ColumnMesh& mesh, CellQuality cells, VolumeMeshReport& volume) {
@@ -331,8 +398,13 @@ void make_mesh(const Config& config, const CityModel& city, Raster dtm, const Ou
   dtm.y0 = in_crs(dtm.y0, origin.y);
   const Bounds2 domain{in_crs(city.domain.xmin, origin.x), in_crs(city.domain.ymin, origin.y),
                        in_crs(city.domain.xmax, origin.x), in_crs(city.domain.ymax, origin.y)};
-  ColumnMesh mesh = make_columns_of_city(config, city, dtm, size, std::move(ground), clock, report);
-  CellQuality cells = improve(config, mesh, clock, *report.volume_mesh);
+  Columns columns = make_columns_of_city(config, city, dtm, size, std::move(ground), clock, report);
+  VolumeMeshReport& volume = *report.volume_mesh;
+  CellQuality cells = improve(config, columns.mesh, clock, volume);
+  cells = make_room(config, dtm, columns, std::move(cells), clock, volume);
+  report_lowered(columns.plan, report);
+  const ColumnMesh mesh = std::move(columns.mesh);
+  columns.plan = {};
   clock.run("3.6", "check and write meshes", [&](const Progress& progress) {
     measure(mesh, std::move(cells), *report.volume_mesh);
     const SurfaceMesh boundary = bound(mesh, domain, report);

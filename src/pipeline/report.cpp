@@ -82,6 +82,7 @@ Json volume_json(const VolumeMeshReport& mesh, Point2 origin) {
           {"inverted", mesh.inverted},
           {"min_vertical_gap", mesh.min_vertical_gap},
           {"ground_lowered", mesh.ground_lowered},
+          {"roofs_cut_back", mesh.roofs_cut_back},
           {"moved_by_guard", mesh.moved_by_guard},
           {"columns_improved", mesh.columns_improved},
           {"top", mesh.top},

@@ -11,6 +11,7 @@
 #include "tetropolis/core/error.h"
 #include "tetropolis/core/parallel.h"
 #include "tetropolis/geometry/polygon.h"
+#include "tetropolis/volume/cut_back.h"
 #include "tetropolis/volume/ground_heights.h"
 
 namespace tetropolis {
@@ -178,19 +179,30 @@ ColumnPlan plan_columns(const GroundMesh& mesh, const Raster& dtm, std::vector<d
   plan.roofs = std::move(roofs);
   plan.spacing = std::move(spacing);
   plan.building = vertex_buildings(mesh);
-  plan.ground = terrain_under(mesh, dtm);
-  plan.rise = ground_rise(mesh, plan.ground);
+  const std::vector<double> terrain = terrain_under(mesh, dtm);
+  plan.ground = terrain;
+  if (!options.cut.empty())
+    cut_back(mesh, plan.building, plan.roofs, options.cut, options.cut_slope, plan.ground);
   std::vector<double> least(plan.spacing.size(), options.minimum_wall);
   std::vector<double> wall(least);
+  std::vector<double> around = plan.ground;
+  lower_at_walls(mesh, plan.building, plan.roofs, least, wall, around);
+  plan.rise = ground_rise(mesh, around);
   for (std::size_t v = 0; v < wall.size(); ++v) {
     if (plan.building[v] == kNoBuilding || !options.fit_lowered_walls) continue;
     const double buried =
-        plan.ground[v] + plan.rise[v] - plan.roofs[static_cast<std::size_t>(plan.building[v])];
+        around[v] + plan.rise[v] - plan.roofs[static_cast<std::size_t>(plan.building[v])];
     least[v] = std::max(least[v], wall_below(buried, plan.spacing[v]));
     wall[v] = std::max(least[v], kLoweredWallShare * plan.spacing[v]);
   }
-  plan.lowered = lower_at_walls(mesh, plan.building, plan.roofs, least, wall, plan.ground);
+  lower_at_walls(mesh, plan.building, plan.roofs, least, wall, plan.ground);
   plan.rise = ground_rise(mesh, plan.ground);
+  const std::vector<std::uint8_t> outside = outside_vertices(mesh);
+  for (std::size_t v = 0; v < terrain.size(); ++v) {
+    if (outside[v] == 0 || !(plan.ground[v] < terrain[v])) continue;
+    ++plan.lowered;
+    plan.deepest = std::max(plan.deepest, terrain[v] - plan.ground[v]);
+  }
   plan.layers = plan_layers(plan.ground, plan.roofs, highest_under(dtm, bounds(mesh.vertices)),
                             options.domain_height, options.layer_height);
   plan.top.assign(mesh.vertices.size(), plan.layers.top);

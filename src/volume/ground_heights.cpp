@@ -10,6 +10,12 @@
 
 namespace tetropolis {
 
+namespace {
+
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+
+}  // namespace
+
 std::vector<BuildingIndex> vertex_buildings(const GroundMesh& mesh) {
   std::vector<BuildingIndex> building(mesh.vertices.size(), kNoBuilding);
   for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
@@ -37,11 +43,10 @@ std::vector<std::uint8_t> outside_vertices(const GroundMesh& mesh) {
 double longest_wall_edge(const Raster& dtm, double roof, Point2 a, Point2 b, double minimum_wall) {
   // Found by trial, on the survey's cities below the floor of quality and on random hillsides.
   constexpr double kEdgesPerHeight = 4, kEdgesPerDepth = 3, kLeastHeight = 1, kGentle = 0.25;
-  constexpr double inf = std::numeric_limits<double>::infinity();
   const double length = std::hypot(b.x - a.x, b.y - a.y);
   const double steps = std::ceil(std::max(1.0, length / dtm.step));
-  double lowest = inf, highest = -inf;
-  double least = inf;  // of the part where the ground stays
+  double lowest = kInfinity, highest = -kInfinity;
+  double least = kInfinity;  // of the part where the ground stays
   for (double i = 0; i <= steps; ++i) {
     const double t = i / steps;
     const double height = roof - sample(dtm, {a.x + t * (b.x - a.x), a.y + t * (b.y - a.y)});
@@ -49,7 +54,7 @@ double longest_wall_edge(const Raster& dtm, double roof, Point2 a, Point2 b, dou
     highest = std::max(highest, height);
     if (height >= minimum_wall) least = std::min(least, height);
   }
-  if (lowest < minimum_wall && highest - lowest > kGentle * length) return inf;
+  if (lowest < minimum_wall && highest - lowest > kGentle * length) return kInfinity;
   return std::max(kEdgesPerHeight * std::max(least, kLeastHeight), kEdgesPerDepth * -lowest);
 }
 
@@ -61,19 +66,14 @@ std::vector<double> terrain_under(const GroundMesh& mesh, const Raster& dtm) {
   return terrain;
 }
 
-std::int64_t lower_at_walls(const GroundMesh& mesh, std::span<const BuildingIndex> building,
-                            std::span<const double> roofs, std::span<const double> least,
-                            std::span<const double> wall, std::vector<double>& ground) {
-  std::int64_t lowered = 0;
-  const std::vector<std::uint8_t> outside = outside_vertices(mesh);
+void lower_at_walls(const GroundMesh& mesh, std::span<const BuildingIndex> building,
+                    std::span<const double> roofs, std::span<const double> least,
+                    std::span<const double> wall, std::vector<double>& ground) {
   for (std::size_t v = 0; v < mesh.vertices.size(); ++v) {
     if (building[v] == kNoBuilding) continue;
     const double roof = roofs[static_cast<std::size_t>(building[v])];
-    if (ground[v] <= roof - least[v]) continue;
-    ground[v] = std::min(ground[v], roof - wall[v]);
-    if (outside[v] != 0) ++lowered;
+    if (ground[v] > roof - least[v]) ground[v] = std::min(ground[v], roof - wall[v]);
   }
-  return lowered;
 }
 
 }  // namespace tetropolis

@@ -34,6 +34,7 @@ std::string names(const std::vector<Violation>& violations) {
 }
 
 constexpr double kMinimumWall = ColumnPlanOptions{}.minimum_wall;
+constexpr double kCutSlope = ColumnPlanOptions{}.cut_slope;
 
 class CheckMesh : public ::testing::Test {
  protected:
@@ -74,7 +75,7 @@ TEST_F(CheckMesh, PassesAGoodMeshAndAgreesWithTheGeneratorsMeasures) {
       << names(check_surface(surface).violations);
   EXPECT_TRUE(check_same_boundary(mesh, check, surface).empty());
   const HeightsCheck heights =
-      check_heights(surface, {0, 0, 0}, city.city.dtm, model, kMinimumWall);
+      check_heights(surface, {0, 0, 0}, city.city.dtm, model, kMinimumWall, kCutSlope);
   EXPECT_TRUE(heights.violations.empty()) << names(heights.violations);
   EXPECT_EQ(heights.lowered, city.plan.lowered);
 }
@@ -118,7 +119,7 @@ TEST_F(CheckMesh, EndsOnNonFiniteVerticesWhereverTheyAre) {
       SurfaceMesh odd = surface;
       odd.points[static_cast<std::size_t>(odd.triangles[ground][0])][d] = value;
       EXPECT_TRUE(has(check_surface(odd).violations, "coordinates that are not finite"));
-      EXPECT_TRUE(has(check_heights(odd, {0, 0, 0}, city.city.dtm, model, kMinimumWall).violations,
+      EXPECT_TRUE(has(check_heights(odd, {0, 0, 0}, city.city.dtm, model, kMinimumWall, kCutSlope).violations,
                       "coordinates that are not finite"));
       const VolumeCheck check = check_volume(mesh);
       EXPECT_FALSE(check_same_boundary(mesh, check, odd).empty());
@@ -213,20 +214,20 @@ TEST_F(CheckMesh, SeesHeightsOffByAMillimetre) {
   SurfaceMesh moved = surface;
   for (auto& p : moved.points)
     if (p[2] == city.city.roofs[2]) p[2] += 0.001;
-  EXPECT_TRUE(has(check_heights(moved, {0, 0, 0}, city.city.dtm, model, kMinimumWall).violations,
+  EXPECT_TRUE(has(check_heights(moved, {0, 0, 0}, city.city.dtm, model, kMinimumWall, kCutSlope).violations,
                   "roof vertices off the roof height"));
   Raster higher = city.city.dtm;
   for (double& z : higher.values) z -= 0.001;
-  EXPECT_TRUE(has(check_heights(surface, {0, 0, 0}, higher, model, kMinimumWall).violations,
+  EXPECT_TRUE(has(check_heights(surface, {0, 0, 0}, higher, model, kMinimumWall, kCutSlope).violations,
                   "ground vertices off the terrain"));
   model.buildings.pop_back();
-  EXPECT_TRUE(has(check_heights(surface, {0, 0, 0}, city.city.dtm, model, kMinimumWall).violations,
+  EXPECT_TRUE(has(check_heights(surface, {0, 0, 0}, city.city.dtm, model, kMinimumWall, kCutSlope).violations,
                   "roofs of buildings that the city model lacks"));
 }
 
 TEST_F(CheckMesh, GroundIsLoweredAtWallsOnlyAndOnlyWhereTheyNeedIt) {
   const auto found = [&](const char* what) {
-    return has(check_heights(surface, {0, 0, 0}, city.city.dtm, model, kMinimumWall).violations,
+    return has(check_heights(surface, {0, 0, 0}, city.city.dtm, model, kMinimumWall, kCutSlope).violations,
                what);
   };
   const auto first_on = [&](Patch patch) -> std::array<double, 3>& {
@@ -246,6 +247,51 @@ TEST_F(CheckMesh, GroundIsLoweredAtWallsOnlyAndOnlyWhereTheyNeedIt) {
   EXPECT_FALSE(found("ground vertices lowered at walls that are high enough"));
   foot[2] += 1;
   EXPECT_TRUE(found("ground vertices off the terrain")) << "raised at a wall";
+}
+
+TEST(CheckHeights, GroundIsCutBackFromRoofsAndNoFurther) {
+  // A house of 6 m with its roof 10 m below the terrain around it.
+  testing::SmallCity city;
+  city.footprints = {testing::rectangle(50, 40, 62, 52)};
+  city.roofs = {6};
+  city.dtm = testing::raster_of(city.domain, [](double, double) { return 16.0; });
+  GroundMesh ground = mesh_ground(city.footprints, city.domain, {6, 25});
+  ColumnPlanOptions options;
+  options.domain_height = 60;
+  options.cut = {1};
+  const ColumnPlan plan =
+      plan_columns(ground, city.dtm, city.roofs, column_spacing(ground), options);
+  EdgeGraph edges = build_edge_graph(ground);
+  ColumnMesh mesh = divide_columns(std::move(ground), std::move(edges), plan);
+  place_nodes(mesh, plan);
+  SurfaceMesh surface = extract_boundary(mesh, city.domain);
+  CityModel model;
+  model.buildings.resize(1);
+  model.buildings[0].footprint = city.footprints[0];
+  model.buildings[0].h_roof = 6;
+  const auto check = [&](double slope) {
+    return check_heights(surface, {0, 0, 0}, city.dtm, model, kMinimumWall, slope);
+  };
+  const HeightsCheck sound = check(options.cut_slope);
+  EXPECT_TRUE(sound.violations.empty()) << names(sound.violations);
+  EXPECT_EQ(sound.lowered, plan.lowered);
+  EXPECT_TRUE(has(check(2 * options.cut_slope).violations, "ground vertices off the terrain"))
+      << "deeper than a steeper cut";
+  bool deeper = false;
+  for (std::size_t f = 0; f < surface.triangles.size() && !deeper; ++f) {
+    if (surface.patch[f] != Patch::kGround) continue;
+    for (const std::int32_t v : surface.triangles[f]) {
+      auto& p = surface.points[static_cast<std::size_t>(v)];
+      const bool on_wall = p[0] >= 50 && p[0] <= 62 && p[1] >= 40 && p[1] <= 52;
+      if (on_wall || p[2] > 15 || deeper) continue;
+      p[2] -= 0.01;
+      EXPECT_TRUE(has(check(options.cut_slope).violations, "ground vertices off the terrain"));
+      p[2] += 10.5;
+      EXPECT_TRUE(has(check(options.cut_slope).violations, "ground vertices off the terrain"));
+      deeper = true;
+    }
+  }
+  EXPECT_TRUE(deeper);
 }
 
 }  // namespace

@@ -265,6 +265,56 @@ TEST(Refine, RealGraphs) {
   }
 }
 
+TEST(Refine, TrianglesOnCliffsBecomeLessSteep) {
+  // A rock wall of 20 m that winds past a building.
+  PlanarGraph graph;
+  add_ring(graph, rectangle_ring(0, 0, 150, 100));
+  const auto first = graph.segments.size();
+  add_ring(graph, rectangle_ring(62, 30, 78, 44));
+  for (std::size_t s = first; s < graph.segments.size(); ++s) {
+    graph.segment_sides.resize(graph.segments.size(), {kUnmarkedSide, kUnmarkedSide});
+    graph.segment_sides[s] = {0, -1};
+  }
+  const auto cliff = [](Point2 p) {
+    return std::clamp(20 * (p.x - 50 - 6 * std::sin(p.y / 9)), 0.0, 20.0);
+  };
+  const auto steep = [&](const Triangulation& t, double degrees) {
+    int count = 0;
+    for (std::size_t k = 0; k < t.triangles.size(); ++k) {
+      if (t.triangle_regions[k] >= 0) continue;
+      const Point2 a = t.points[static_cast<std::size_t>(t.triangles[k][0])];
+      const Point2 b = t.points[static_cast<std::size_t>(t.triangles[k][1])];
+      const Point2 c = t.points[static_cast<std::size_t>(t.triangles[k][2])];
+      const double twice = (b.x - a.x) * (c.y - a.y) - (b.y - a.y) * (c.x - a.x);
+      const double zb = cliff(b) - cliff(a), zc = cliff(c) - cliff(a);
+      const double gx = (zb * (c.y - a.y) - zc * (b.y - a.y)) / twice;
+      const double gy = (zc * (b.x - a.x) - zb * (c.x - a.x)) / twice;
+      if (std::hypot(gx, gy) > std::tan(degrees * std::numbers::pi / 180)) ++count;
+    }
+    return count;
+  };
+  RefineOptions options{.min_angle_deg = 25, .max_edge = 5};
+  const Triangulation plain = refine(graph, options);
+  options.elevation = cliff;
+  const Triangulation moved = refine(graph, options);
+  EXPECT_EQ(lines(validate(graph, options, moved)), "");
+  EXPECT_EQ(moved.triangles, plain.triangles);  // nothing but positions
+  EXPECT_GT(steep(plain, 79), 20);
+  EXPECT_LT(10 * steep(moved, 79), steep(plain, 79));
+  for (std::size_t k = 0; k < plain.triangles.size(); ++k)
+    for (const VertexIndex v : plain.triangles[k]) {
+      const Point2 p = plain.points[static_cast<std::size_t>(v)];
+      const Point2 q = moved.points[static_cast<std::size_t>(v)];
+      const bool away = p.x < 35 || p.x > 66;
+      if (away || plain.triangle_regions[k] >= 0) {
+        EXPECT_EQ(p.x, q.x);
+        EXPECT_EQ(p.y, q.y);
+      }
+    }
+  options.elevation = [](Point2 p) { return 2 * p.x; };
+  EXPECT_EQ(refine(graph, options).points, plain.points) << "63 degrees are not steep";
+}
+
 TEST(Refine, GivesTheSameBytesTwice) {
   Random random(13);
   PlanarGraph graph;

@@ -120,6 +120,40 @@ TEST(QualityFloor, LowWallsInACoarseMesh) {
   expect_good_meshes(folder.path(), {30, 20});
 }
 
+/// Villages on a slope of 45 degrees and across a rock wall of 20 m. Of forty such villages each, at
+/// 10 and at 5 m, none, none, one and three are below the floor.
+TEST(QualityFloor, SlopesOf45DegreesAndRockWalls) {
+  for (const char* defect : {"slope_45", "quarry_wall"})
+    for (const std::uint64_t seed : {1, 2, 3}) {
+      SCOPED_TRACE(::testing::Message() << defect << " " << seed);
+      const testing::TemporaryFolder folder;
+      Config config;
+      config.kind = SynthKind::kAdversarial;
+      config.defects = {defect};
+      config.seed = seed;
+      config.size = 200;
+      config.out = folder / "input";
+      run_synth(config);
+      const fs::path shapefile = folder / "input/footprints.shp";
+      make_city(fs::exists(shapefile) ? shapefile : folder / "input/footprints.geojson",
+                {folder / "input"}, folder / "city");
+      for (const double size : {10, 5}) {
+        SCOPED_TRACE(size);
+        Config meshing;
+        meshing.city = folder / "city/city.city.json";
+        meshing.dtm = folder / "city/dtm.tif";
+        meshing.out = folder / "mesh";
+        meshing.mesh_size = size;
+        meshing.domain_height = 50;
+        const Report report = run_mesh(meshing);
+        EXPECT_GE(report.volume_mesh->dihedral_min, 8);
+        EXPECT_GE(report.volume_mesh->dihedral_p0_01, 12);
+        EXPECT_LE(report.volume_mesh->dihedral_max, 160);
+        EXPECT_GT(report.volume_mesh->ground_lowered, 0);
+      }
+    }
+}
+
 /// A long hall on a slope of one to a hundred: its walls get lower along the slope, until the
 /// ground is above the roof.
 TEST(QualityFloor, WallsThatSinkIntoASlope) {

@@ -98,6 +98,15 @@ void steep_shed(Village& village, Config&) {
   }
 }
 
+/// The shed stands at the foot of a cliff that is higher than it.
+void buried_shed(Village& village, Config& config) {
+  for (std::size_t p = 0; p < village.cloud.size(); ++p) {
+    const double x = village.cloud.x[p];
+    if (village.cloud.classification[p] == kGround && x > 66) village.raise(p, 15);
+  }
+  config.mesh_size = 5;
+}
+
 /// A hall and a dam that are no footprints, in a cloud without classes.
 void unclassified(Village& village, Config& config) {
   for (std::size_t p = 0; p < village.cloud.size(); ++p) {
@@ -468,6 +477,17 @@ const std::vector<Setting>& table() {
          steep_shed(village, config);
          uniform(village, config);
        }},
+      {"cut_slope",
+       {"90"},
+       run_build,
+       [](R plain, R changed) {
+         EXPECT_GT(plain.volume().roofs_cut_back, 0);
+         EXPECT_EQ(changed.volume().roofs_cut_back, 0);
+         EXPECT_GT(plain.volume().ground_lowered, changed.volume().ground_lowered);
+         EXPECT_GT(plain.volume().dihedral_min, 8);
+         EXPECT_LT(changed.volume().dihedral_min, 8);
+       },
+       buried_shed},
       {"min_gap_share",
        {"0.9"},
        run_build,

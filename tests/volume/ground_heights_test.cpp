@@ -20,21 +20,19 @@ TEST(GroundHeights, FollowTheTerrainExceptUnderLowRoofs) {
   const auto owner = vertex_buildings(mesh);
   std::vector<double> ground = terrain_under(mesh, city.dtm);
   const std::vector<double> least(ground.size(), 1.5), wall(ground.size(), 4.0);
-  const std::int64_t count = lower_at_walls(mesh, owner, city.roofs, least, wall, ground);
+  lower_at_walls(mesh, owner, city.roofs, least, wall, ground);
   std::int64_t lowered = 0;
   for (std::size_t v = 0; v < mesh.vertices.size(); ++v) {
     const Point2 p = mesh.vertices[v];
     const double terrain = p.x;  // bilinear interpolation of a plane is the plane
     if (owner[v] == 0 && terrain > 28.5) {
       EXPECT_EQ(ground[v], 26);  // terrain above 28.5 m goes down to 4 m below the roof
-      const bool on_wall = p.x == 20 || p.x == 38 || p.y == 15 || p.y == 27;
-      lowered += on_wall;
+      ++lowered;
     } else {
       EXPECT_NEAR(ground[v], terrain, 1e-9);
     }
   }
   EXPECT_GT(lowered, 0);
-  EXPECT_EQ(count, lowered);
 }
 
 TEST(GroundHeights, LowWallsAskForShortEdges) {

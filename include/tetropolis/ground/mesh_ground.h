@@ -16,6 +16,8 @@ struct GroundMeshOptions {
   /// Longest edge at the wall between the neighbouring vertices a and b of a ring of `building`,
   /// along it and away from it, metres, > 0. Empty: mesh_size for all.
   std::function<double(BuildingIndex building, Point2 a, Point2 b)> wall_edge = {};
+  /// Elevation of the terrain, for the sake of steep triangles: see RefineOptions.
+  std::function<double(Point2)> elevation = {};
 };
 
 /// Meshes the rectangle `domain`, inside and outside of the footprints. `region` holds the index in

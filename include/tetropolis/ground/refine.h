@@ -19,6 +19,11 @@ struct RefineOptions {
   bool lattice = true;
   /// Move the added vertices that are on no segment where that widens the smallest angle around.
   bool optimize = true;
+  /// Elevation of the terrain at a place, called by several threads at a time. Last of all, added
+  /// vertices that are on no segment move by up to half an edge where triangles around are steeper
+  /// than 72 degrees and that makes the steepest of them less steep. Triangles with a region >= 0
+  /// (buildings) do not count. Empty: the terrain is not looked at.
+  std::function<double(Point2)> elevation = {};
   bool convex_hull = false;       ///< As in TriangulationOptions.
   std::int64_t max_vertices = 0;  ///< Give up beyond. 0: a bound from area, size and input.
 };

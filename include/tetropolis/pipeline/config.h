@@ -70,6 +70,7 @@ struct Config {
   double layer_height = 0;
   Top top = Top::kFlat;
   double min_wall_height = 1;
+  double cut_slope = 56;
   double min_gap_share = 0.25;
   double solver_tolerance = 1e-3;
   int solver_iterations = 1000;

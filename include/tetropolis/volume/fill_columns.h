@@ -28,14 +28,16 @@ std::vector<double> ground_rise(const GroundMesh& mesh, std::span<const double> 
 
 /// What the columns are made from: per vertex of the ground mesh, in metres.
 struct ColumnPlan {
-  std::vector<double> ground;           ///< Elevation: the terrain, lowered at buried walls.
+  std::vector<double> ground;           ///< Elevation: the terrain, lowered at buried walls and
+                                        ///< cut back around roofs.
   std::vector<BuildingIndex> building;  ///< As from vertex_buildings.
   std::vector<double> roofs;            ///< Elevation of the roof, per building.
   std::vector<double> top;              ///< Elevation of the top.
   std::vector<double> spacing;          ///< Distance between nodes asked for, > 0.
   std::vector<double> rise;             ///< As from ground_rise.
   LayerPlan layers;                     ///< Height of the domain, and layers of uniform columns.
-  std::int64_t lowered = 0;  ///< Vertices on walls where the ground is below the terrain.
+  std::int64_t lowered = 0;  ///< Vertices outside buildings or on walls with ground below the terrain.
+  double deepest = 0;        ///< How far, at most, in metres.
 };
 
 struct ColumnPlanOptions {
@@ -49,6 +51,9 @@ struct ColumnPlanOptions {
                                   ///< of what is left to the vertical) count as too low, too; and
                                   ///< where the ground is lowered, they become so high, and at
                                   ///< least 0.6 of the spacing. Otherwise they have the minimum.
+  std::vector<std::uint8_t> cut;  ///< Per building, 1 where the terrain is cut back around its
+                                  ///< roof (see cut_back). Empty: nowhere.
+  double cut_slope = 1.5;         ///< How steeply it rises from there, a tangent, > 0.
 };
 
 /// `roofs`: elevation per building of `mesh`; `spacing`: per vertex, > 0. Throws as

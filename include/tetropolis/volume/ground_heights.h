@@ -32,11 +32,11 @@ std::vector<double> terrain_under(const GroundMesh& mesh, const Raster& dtm);
 
 /// Lowers `ground` at vertices of buildings whose roof is less than least[v] above it (a building
 /// set into a slope) to roof - wall[v], so that every wall has a positive height (guarantee 4) and,
-/// where the ground has to be lowered anyway, one that cells fit. Returns how many vertices on
-/// walls were lowered. `building` as from vertex_buildings; `roofs`: elevation per building;
-/// `least`, `wall`: per vertex, metres, 0 < least <= wall.
-std::int64_t lower_at_walls(const GroundMesh& mesh, std::span<const BuildingIndex> building,
-                            std::span<const double> roofs, std::span<const double> least,
-                            std::span<const double> wall, std::vector<double>& ground);
+/// where the ground has to be lowered anyway, one that cells fit. `building` as from
+/// vertex_buildings; `roofs`: elevation per building; `least`, `wall`: per vertex, metres,
+/// 0 < least <= wall.
+void lower_at_walls(const GroundMesh& mesh, std::span<const BuildingIndex> building,
+                    std::span<const double> roofs, std::span<const double> least,
+                    std::span<const double> wall, std::vector<double>& ground);
 
 }  // namespace tetropolis

@@ -1,0 +1,123 @@
+#include "tetropolis/volume/cut_back.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <limits>
+
+#include "tetropolis/core/units.h"
+
+#include "tet_cosines.h"
+
+namespace tetropolis {
+
+namespace {
+
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+
+/// Highest that p may be above the line from a to b, at elevations za and zb at its ends, if nothing
+/// rises from it more steeply than `slope`: the least of elevation + slope * distance along it. An
+/// end at infinity is not there. This is the update of a triangle in fast marching (Kimmel and
+/// Sethian, "Computing geodesic paths on manifolds", PNAS 95, 1998).
+double highest_at(Point2 p, Point2 a, double za, Point2 b, double zb, double slope) {
+  const double at_ends = std::min(za + slope * std::hypot(p.x - a.x, p.y - a.y),
+                                  zb + slope * std::hypot(p.x - b.x, p.y - b.y));
+  if (za == kInfinity || zb == kInfinity) return at_ends;
+  const double ex = b.x - a.x, ey = b.y - a.y, length = std::hypot(ex, ey);
+  const double rise = (zb - za) / length;
+  if (!(std::abs(rise) < slope)) return at_ends;
+  const double foot = ((p.x - a.x) * ex + (p.y - a.y) * ey) / length;
+  const double away = std::abs((p.x - a.x) * ey - (p.y - a.y) * ex) / length;
+  const double least = foot - away * rise / std::sqrt(slope * slope - rise * rise);
+  if (!(least > 0 && least < length)) return at_ends;
+  return std::min(at_ends, za + rise * least + slope * std::hypot(least - foot, away));
+}
+
+/// Whether a cell over triangle t has a cosine beyond these.
+bool has_bad_cell(const ColumnMesh& mesh, std::size_t t, double greatest_cosine,
+                  double least_cosine) {
+  const auto& v = mesh.ground.triangles[t];
+  const Climb<3> start = climb_triangle(mesh, t);
+  std::array<Point3, 4> p;
+  for (std::size_t i = 0; i < 3; ++i) p[i] = position(mesh, v[i], start.at(i));
+  bool bad = false;
+  for_each_tet_over(mesh, t, [&](const std::array<NodeIndex, 4>& nodes) {
+    for (std::size_t i = 0; i < 3; ++i) p[i][2] = mesh.z[static_cast<std::size_t>(nodes[i])];
+    const auto below = static_cast<std::size_t>(
+        std::find(nodes.begin(), nodes.end(), nodes[3] - 1) - nodes.begin());
+    p[3] = {p[below][0], p[below][1], mesh.z[static_cast<std::size_t>(nodes[3])]};
+    const TetCosines shape = tet_cosines(p[0], p[1], p[2], p[3]);
+    bad = bad || shape.greatest > greatest_cosine || shape.least < least_cosine;
+  });
+  return bad;
+}
+
+}  // namespace
+
+void cut_back(const GroundMesh& mesh, std::span<const BuildingIndex> building,
+              std::span<const double> roofs, std::span<const std::uint8_t> cut, double slope,
+              std::vector<double>& ground) {
+  constexpr double kWorthwhile = 1e-6;  // metres
+  std::vector<double> roof(ground.size(), kInfinity);  // where slopes start,
+  std::vector<double> taken(roof);                     // and ground that was cut already
+  for (std::size_t v = 0; v < roof.size(); ++v) {
+    const BuildingIndex b = building[v];
+    if (b != kNoBuilding && cut[static_cast<std::size_t>(b)] != 0)
+      roof[v] = roofs[static_cast<std::size_t>(b)];
+  }
+  const auto lower = [&](std::size_t v, std::size_t a, std::size_t b) {
+    const auto from = [&](std::size_t u) {
+      const bool own = building[u] != kNoBuilding && building[u] == building[v];
+      return own ? taken[u] : std::min(roof[u], taken[u]);
+    };
+    const double most = highest_at(mesh.vertices[v], mesh.vertices[a], from(a), mesh.vertices[b],
+                                   from(b), slope);
+    if (!(most < ground[v] - kWorthwhile)) return false;
+    ground[v] = taken[v] = most;
+    return true;
+  };
+  // As far as the cuts reach, which is some triangles.
+  for (bool changed = true; changed;) {
+    changed = false;
+    for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
+      if (mesh.region[t] != kNoBuilding) continue;
+      for (std::size_t i = 0; i < 3; ++i) {
+        const auto corner = [&](std::size_t k) {
+          return static_cast<std::size_t>(mesh.triangles[t][k % 3]);
+        };
+        if (lower(corner(i), corner(i + 1), corner(i + 2))) changed = true;
+      }
+    }
+  }
+}
+
+std::int64_t mark_buried_roofs(const ColumnMesh& mesh, const ColumnPlan& plan, double least_deg,
+                               double greatest_deg, std::vector<std::uint8_t>& cut) {
+  const double greatest_cosine = std::cos(to_radians(least_deg));
+  const double least_cosine = std::cos(to_radians(greatest_deg));
+  std::int64_t marked = 0;
+  for (std::size_t t = 0; t < mesh.triangle_count(); ++t) {
+    if (mesh.inside_building(t)) continue;
+    double highest = -kInfinity;
+    for (const VertexIndex v : mesh.ground.triangles[t])
+      highest = std::max(highest, plan.ground[static_cast<std::size_t>(v)]);
+    const auto is_buried = [&](VertexIndex v) {
+      const BuildingIndex b = plan.building[static_cast<std::size_t>(v)];
+      return b != kNoBuilding && cut[static_cast<std::size_t>(b)] == 0 &&
+             highest > plan.roofs[static_cast<std::size_t>(b)];
+    };
+    const auto& corners = mesh.ground.triangles[t];
+    if (std::none_of(corners.begin(), corners.end(), is_buried) ||
+        !has_bad_cell(mesh, t, greatest_cosine, least_cosine))
+      continue;
+    for (const VertexIndex v : corners) {
+      if (!is_buried(v)) continue;
+      cut[static_cast<std::size_t>(plan.building[static_cast<std::size_t>(v)])] = 1;
+      ++marked;
+    }
+  }
+  return marked;
+}
+
+}  // namespace tetropolis
