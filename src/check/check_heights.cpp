@@ -148,7 +148,8 @@ std::vector<double> depths_of_cuts(const SurfaceMesh& surface, double z_shift,
         };
         const std::size_t v = corner(i), a = corner(i + 1), b = corner(i + 2);
         if (!is_below(v)) continue;
-        const double most = least_along(place(v), place(a), start(v, a), place(b), start(v, b), slope);
+        const double most =
+            least_along(place(v), place(a), start(v, a), place(b), start(v, b), slope);
         if (!(most < std::min(depth[v], terrain.at[v]) - kHeightTolerance)) continue;
         depth[v] = most;
         next.insert(faces_at[v].begin(), faces_at[v].end());

@@ -171,8 +171,8 @@ void Refiner::flatten(const Progress& progress) {
   });
   const double cosine = std::cos(to_radians(kSteepDeg));
   const double content = cosine * cosine;
-  std::vector<std::vector<std::int32_t>> chunks(
-      (mesh_.triangles.size() + kTrianglesPerChunk - 1) / kTrianglesPerChunk);
+  std::vector<std::vector<std::int32_t>> chunks((mesh_.triangles.size() + kTrianglesPerChunk - 1) /
+                                                kTrianglesPerChunk);
   for (int sweep = 0; sweep < kFlatteningSweeps; ++sweep) {
     progress.update(static_cast<double>(sweep) / kFlatteningSweeps);
     parallel_chunks(mesh_.triangles.size(), kTrianglesPerChunk,

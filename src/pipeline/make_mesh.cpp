@@ -152,8 +152,7 @@ struct Columns {
 
 /// Steps 3.2 to 3.5 as in the paper; with graded columns as far as the top they give.
 Columns smooth_columns(const Config& config, const CityModel& city, const Raster& dtm,
-                          const CitySize& size, GroundMesh ground, StepClock& clock,
-                          Report& report) {
+                       const CitySize& size, GroundMesh ground, StepClock& clock, Report& report) {
   ColumnPlan plan;
   LayeredMesh layered = clock.run("3.2", "layers", [&](const Progress&) {
     plan = plan_of(config, city, dtm, ground, spacing_of(config, ground), report);
@@ -188,8 +187,7 @@ Columns smooth_columns(const Config& config, const CityModel& city, const Raster
 /// Steps 3.2 to 3.5 with columns spaced by the triangles around them. Their heights follow from
 /// ground, roofs and top directly, so 3.3 and 3.5 have nothing to solve.
 Columns grade_columns(const Config& config, const CityModel& city, const Raster& dtm,
-                         const CitySize& size, GroundMesh ground, StepClock& clock,
-                         Report& report) {
+                      const CitySize& size, GroundMesh ground, StepClock& clock, Report& report) {
   std::vector<double> spacing = clock.run(
       "3.2", "spacing of columns", [&](const Progress&) { return spacing_of(config, ground); });
   ColumnPlan plan = clock.run("3.3", "ground and top", [&](const Progress&) {
@@ -208,8 +206,8 @@ Columns grade_columns(const Config& config, const CityModel& city, const Raster&
 
 /// Steps 3.2 to 3.5.
 Columns make_columns_of_city(const Config& config, const CityModel& city, const Raster& dtm,
-                                const CitySize& size, GroundMesh ground, StepClock& clock,
-                                Report& report) {
+                             const CitySize& size, GroundMesh ground, StepClock& clock,
+                             Report& report) {
   const bool solves = solves_laplace(config);
   const auto make = solves ? smooth_columns : grade_columns;
   Columns columns = make(config, city, dtm, size, std::move(ground), clock, report);
@@ -270,8 +268,8 @@ CellQuality make_room(const Config& config, const Raster& dtm, Columns& columns,
       plan = plan_columns(columns.mesh.ground, dtm, std::move(plan.roofs), std::move(plan.spacing),
                           options);
       plan.top = std::move(top);
-      columns.mesh = divide_columns(std::move(columns.mesh.ground), std::move(columns.mesh.edges),
-                                    plan);
+      columns.mesh =
+          divide_columns(std::move(columns.mesh.ground), std::move(columns.mesh.edges), plan);
       place_nodes(columns.mesh, plan);
     });
     volume.min_vertical_gap = require_valid(columns.mesh);
@@ -289,8 +287,10 @@ void report_lowered(const ColumnPlan& plan, Report& report) {
        fmt::format("ground vertices were lowered, by up to {:.1f} m: at walls, to stay below their "
                    "roof{}",
                    plan.deepest,
-                   roofs == 0 ? "" : fmt::format("; around {} roofs below the terrain, to leave "
-                                                 "room for well-shaped cells", roofs))});
+                   roofs == 0 ? ""
+                              : fmt::format("; around {} roofs below the terrain, to leave "
+                                            "room for well-shaped cells",
+                                            roofs))});
 }
 
 void measure(const ColumnMesh& mesh, CellQuality cells, VolumeMeshReport& volume) {

@@ -16,10 +16,10 @@ namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
-/// Highest that p may be above the line from a to b, at elevations za and zb at its ends, if nothing
-/// rises from it more steeply than `slope`: the least of elevation + slope * distance along it. An
-/// end at infinity is not there. This is the update of a triangle in fast marching (Kimmel and
-/// Sethian, "Computing geodesic paths on manifolds", PNAS 95, 1998).
+/// Highest that p may be above the line from a to b, at elevations za and zb at its ends, if
+/// nothing rises from it more steeply than `slope`: the least of elevation + slope * distance along
+/// it. An end at infinity is not there. This is the update of a triangle in fast marching (Kimmel
+/// and Sethian, "Computing geodesic paths on manifolds", PNAS 95, 1998).
 double highest_at(Point2 p, Point2 a, double za, Point2 b, double zb, double slope) {
   const double at_ends = std::min(za + slope * std::hypot(p.x - a.x, p.y - a.y),
                                   zb + slope * std::hypot(p.x - b.x, p.y - b.y));
@@ -58,7 +58,7 @@ bool has_bad_cell(const ColumnMesh& mesh, std::size_t t, double greatest_cosine,
 void cut_back(const GroundMesh& mesh, std::span<const BuildingIndex> building,
               std::span<const double> roofs, std::span<const std::uint8_t> cut, double slope,
               std::vector<double>& ground) {
-  constexpr double kWorthwhile = 1e-6;  // metres
+  constexpr double kWorthwhile = 1e-6;                 // metres
   std::vector<double> roof(ground.size(), kInfinity);  // where slopes start,
   std::vector<double> taken(roof);                     // and ground that was cut already
   for (std::size_t v = 0; v < roof.size(); ++v) {
@@ -71,8 +71,8 @@ void cut_back(const GroundMesh& mesh, std::span<const BuildingIndex> building,
       const bool own = building[u] != kNoBuilding && building[u] == building[v];
       return own ? taken[u] : std::min(roof[u], taken[u]);
     };
-    const double most = highest_at(mesh.vertices[v], mesh.vertices[a], from(a), mesh.vertices[b],
-                                   from(b), slope);
+    const double most =
+        highest_at(mesh.vertices[v], mesh.vertices[a], from(a), mesh.vertices[b], from(b), slope);
     if (!(most < ground[v] - kWorthwhile)) return false;
     ground[v] = taken[v] = most;
     return true;

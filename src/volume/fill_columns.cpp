@@ -34,10 +34,10 @@ constexpr double kWholeShare = 0.8;
 /// Share of the spacing that a wall is high where the ground was lowered for it.
 constexpr double kLoweredWallShare = 0.6;
 
-/// Tangent of 13 degrees: what a buried wall is to be seen under from the terrain beside it.
+/// Tangent of 15 degrees: what a buried wall is to be seen under from the terrain beside it.
 /// Distance is told from the spacing only, so this is more than the 8 degrees that cells are to
 /// have.
-constexpr double kWallTangent = 0.23086819112556312;
+constexpr double kWallTangent = 0.2679491924311227;
 
 /// How one column is divided.
 struct Division {
@@ -117,7 +117,7 @@ double* spread(double* z, const ColumnPlan& plan, std::size_t v, double low, dou
 }
 
 /// Height of a wall whose roof lies `buried` below the terrain at `distance`, so that it is seen
-/// from there under 13 degrees; or, where that would leave less between the ground below the wall
+/// from there under 15 degrees; or, where that would leave less between the ground below the wall
 /// and the vertical, under half of what the roof leaves.
 double wall_below(double buried, double distance) {
   if (!(buried > 0)) return 0;
@@ -185,6 +185,7 @@ ColumnPlan plan_columns(const GroundMesh& mesh, const Raster& dtm, std::vector<d
     cut_back(mesh, plan.building, plan.roofs, options.cut, options.cut_slope, plan.ground);
   std::vector<double> least(plan.spacing.size(), options.minimum_wall);
   std::vector<double> wall(least);
+  // What rises beside a wall, but for walls that sink themselves.
   std::vector<double> around = plan.ground;
   lower_at_walls(mesh, plan.building, plan.roofs, least, wall, around);
   plan.rise = ground_rise(mesh, around);

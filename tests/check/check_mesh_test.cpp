@@ -119,8 +119,9 @@ TEST_F(CheckMesh, EndsOnNonFiniteVerticesWhereverTheyAre) {
       SurfaceMesh odd = surface;
       odd.points[static_cast<std::size_t>(odd.triangles[ground][0])][d] = value;
       EXPECT_TRUE(has(check_surface(odd).violations, "coordinates that are not finite"));
-      EXPECT_TRUE(has(check_heights(odd, {0, 0, 0}, city.city.dtm, model, kMinimumWall, kCutSlope).violations,
-                      "coordinates that are not finite"));
+      EXPECT_TRUE(has(
+          check_heights(odd, {0, 0, 0}, city.city.dtm, model, kMinimumWall, kCutSlope).violations,
+          "coordinates that are not finite"));
       const VolumeCheck check = check_volume(mesh);
       EXPECT_FALSE(check_same_boundary(mesh, check, odd).empty());
       TetMesh volume = mesh;
@@ -214,21 +215,25 @@ TEST_F(CheckMesh, SeesHeightsOffByAMillimetre) {
   SurfaceMesh moved = surface;
   for (auto& p : moved.points)
     if (p[2] == city.city.roofs[2]) p[2] += 0.001;
-  EXPECT_TRUE(has(check_heights(moved, {0, 0, 0}, city.city.dtm, model, kMinimumWall, kCutSlope).violations,
-                  "roof vertices off the roof height"));
+  EXPECT_TRUE(
+      has(check_heights(moved, {0, 0, 0}, city.city.dtm, model, kMinimumWall, kCutSlope).violations,
+          "roof vertices off the roof height"));
   Raster higher = city.city.dtm;
   for (double& z : higher.values) z -= 0.001;
-  EXPECT_TRUE(has(check_heights(surface, {0, 0, 0}, higher, model, kMinimumWall, kCutSlope).violations,
-                  "ground vertices off the terrain"));
+  EXPECT_TRUE(
+      has(check_heights(surface, {0, 0, 0}, higher, model, kMinimumWall, kCutSlope).violations,
+          "ground vertices off the terrain"));
   model.buildings.pop_back();
-  EXPECT_TRUE(has(check_heights(surface, {0, 0, 0}, city.city.dtm, model, kMinimumWall, kCutSlope).violations,
-                  "roofs of buildings that the city model lacks"));
+  EXPECT_TRUE(has(
+      check_heights(surface, {0, 0, 0}, city.city.dtm, model, kMinimumWall, kCutSlope).violations,
+      "roofs of buildings that the city model lacks"));
 }
 
 TEST_F(CheckMesh, GroundIsLoweredAtWallsOnlyAndOnlyWhereTheyNeedIt) {
   const auto found = [&](const char* what) {
-    return has(check_heights(surface, {0, 0, 0}, city.city.dtm, model, kMinimumWall, kCutSlope).violations,
-               what);
+    return has(
+        check_heights(surface, {0, 0, 0}, city.city.dtm, model, kMinimumWall, kCutSlope).violations,
+        what);
   };
   const auto first_on = [&](Patch patch) -> std::array<double, 3>& {
     for (std::size_t f = 0; f < surface.triangles.size(); ++f)

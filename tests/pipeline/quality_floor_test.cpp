@@ -120,8 +120,8 @@ TEST(QualityFloor, LowWallsInACoarseMesh) {
   expect_good_meshes(folder.path(), {30, 20});
 }
 
-/// Villages on a slope of 45 degrees and across a rock wall of 20 m. Of forty such villages each, at
-/// 10 and at 5 m, none, none, one and three are below the floor.
+/// Villages on a slope of 45 degrees and across a rock wall of 20 m. Of forty such villages each,
+/// at 10 and at 5 m, none, none, one and three are below the floor.
 TEST(QualityFloor, SlopesOf45DegreesAndRockWalls) {
   for (const char* defect : {"slope_45", "quarry_wall"})
     for (const std::uint64_t seed : {1, 2, 3}) {

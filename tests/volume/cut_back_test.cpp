@@ -23,8 +23,8 @@ double distance(const Bounds2& box, Point2 p) {
   return std::hypot(dx, dy);
 }
 
-/// Two houses on a plain 20 m above the roof of the first, whose surroundings are dug out; and, from
-/// x = 90, a basin below any slope from there.
+/// Two houses on a plain 20 m above the roof of the first, whose surroundings are dug out; and,
+/// from x = 90, a basin below any slope from there.
 struct Basin {
   testing::SmallCity city;
   Bounds2 low{30, 30, 45, 45}, high{49, 30, 60, 45};
@@ -103,9 +103,8 @@ TEST(CutBack, MarksTheRoofsWithBadCellsBesideThem) {
   testing::SmallCity city;
   city.footprints = {testing::rectangle(20, 30, 34, 44), testing::rectangle(90, 30, 104, 44)};
   city.roofs = {35, 125};
-  city.dtm = testing::raster_of(city.domain, [](double x, double) {
-    return std::min(std::max(0.0, 1.732 * x), 120.0);
-  });
+  city.dtm = testing::raster_of(
+      city.domain, [](double x, double) { return std::min(std::max(0.0, 1.732 * x), 120.0); });
   const auto result = testing::meshed(city, 4);
   int marks = 0;
   for (const double least : {0.5, 8.5, 60.0}) {

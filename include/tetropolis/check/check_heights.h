@@ -21,9 +21,10 @@ struct HeightsCheck {
 
 /// |z - DTM| <= 1e-9 m at ground vertices, |z - h_roof| <= 1e-9 m at roof vertices. On walls ground
 /// may lie below the DTM where that, at the vertex or at one next to it, is higher than the roof
-/// less `minimum_wall`, metres. On walls and elsewhere it may lie below the DTM as far as a cut that
-/// rises at `cut_slope`, a tangent, from a roof would take it (see cut_back). `shift` is added to the surface's coordinates to get to the local
-/// frame of `dtm` and `city`. Ground vertices that are not finite are violations.
+/// less `minimum_wall`, metres. On walls and elsewhere it may lie below the DTM as far as a cut
+/// that rises at `cut_slope`, a tangent, from a roof would take it (see cut_back). `shift` is added
+/// to the surface's coordinates to get to the local frame of `dtm` and `city`. Ground vertices that
+/// are not finite are violations.
 HeightsCheck check_heights(const SurfaceMesh& surface, std::array<double, 3> shift,
                            const Raster& dtm, const CityModel& city, double minimum_wall,
                            double cut_slope);

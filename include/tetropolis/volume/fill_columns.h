@@ -36,8 +36,9 @@ struct ColumnPlan {
   std::vector<double> spacing;          ///< Distance between nodes asked for, > 0.
   std::vector<double> rise;             ///< As from ground_rise.
   LayerPlan layers;                     ///< Height of the domain, and layers of uniform columns.
-  std::int64_t lowered = 0;  ///< Vertices outside buildings or on walls with ground below the terrain.
-  double deepest = 0;        ///< How far, at most, in metres.
+  std::int64_t lowered =
+      0;               ///< Vertices outside buildings or on walls with ground below the terrain.
+  double deepest = 0;  ///< How far, at most, in metres.
 };
 
 struct ColumnPlanOptions {
@@ -47,7 +48,7 @@ struct ColumnPlanOptions {
   double minimum_wall = 1;        ///< Metres, > 0: where a wall would be lower, the ground beside
                                   ///< it is lowered (see lower_at_walls).
   bool fit_lowered_walls = true;  ///< Where the terrain beside a wall is above its roof, walls that
-                                  ///< would be seen from there under less than 13 degrees (or half
+                                  ///< would be seen from there under less than 15 degrees (or half
                                   ///< of what is left to the vertical) count as too low, too; and
                                   ///< where the ground is lowered, they become so high, and at
                                   ///< least 0.6 of the spacing. Otherwise they have the minimum.
