@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <limits>
 #include <numbers>
 #include <span>
 #include <utility>
@@ -21,6 +22,7 @@ constexpr double kEnoughPoints = 30;    // in a disk
 constexpr double kMostCells = 1e6;      // of one building
 constexpr int kLeastNeighbours = 5;     // that make a plane credible
 constexpr double kTreeHeight = 3;       // metres above a building's lowest point
+constexpr double kTallerTree = 1;       // metres that a crown may be higher than those around
 constexpr double kSurfaceShare = 0.5;   // of neighbours on surfaces, at most, in crowns
 constexpr double kRemainder = 0.15;     // of a list that is too little to be a roof
 constexpr double kOpenRemainder = 0.5;  // the same where much ground is seen inside
@@ -166,8 +168,11 @@ std::vector<double> levels(const Disks& disks, double share) {
 }
 
 std::vector<PointIndex> without_crowns(std::span<const PointIndex> roof,
-                                       std::span<const PointIndex> below, const PointCloud& cloud,
+                                       std::span<const PointIndex> below,
+                                       std::span<const PointIndex> around, const PointCloud& cloud,
                                        const CrownOptions& options) {
+  double treetops = -std::numeric_limits<double>::infinity();
+  for (const PointIndex p : around) treetops = std::max<double>(treetops, cloud.z[p]);
   std::vector<PointIndex> all(roof.begin(), roof.end());
   all.insert(all.end(), below.begin(), below.end());
   const Disks disks(std::move(all), cloud, options.radius);
@@ -184,7 +189,8 @@ std::vector<PointIndex> without_crowns(std::span<const PointIndex> roof,
       ++near;
       on_surfaces += surface[other];
     });
-    if (disks.z(k) - highest <= options.height || on_surfaces > kSurfaceShare * near)
+    if (disks.z(k) - highest <= options.height || disks.z(k) > treetops + kTallerTree ||
+        on_surfaces > kSurfaceShare * near)
       kept.push_back(roof[k]);
   }
   // Chance makes surfaces in crowns too; where nearly all goes, so does the rest.
@@ -215,7 +221,7 @@ void drop_crowns(PointLists& roof, const CrownEvidence& evidence, const PointClo
   parallel_chunks(roof.size(), kBuildingGrain, [&](std::size_t begin, std::size_t end) {
     for (std::size_t b = begin; b < end; ++b)
       if (has_trees_around(roof[b], evidence.around[b], cloud, options.clearing))
-        kept[b] = without_crowns(roof[b], evidence.below[b], cloud, options);
+        kept[b] = without_crowns(roof[b], evidence.below[b], evidence.around[b], cloud, options);
       else
         kept[b].assign(roof[b].begin(), roof[b].end());
     shared.add(static_cast<std::int64_t>(end - begin));

@@ -245,6 +245,9 @@ constexpr double kGreatestAngle = 159.5;
 constexpr double kLeastOfAll = 12;  ///< For all but one cell in ten thousand.
 constexpr double kFewCells = 1e-4;
 
+/// Times that the columns are made anew, at most: a cut may bury the roof beside it.
+constexpr int kMostCuts = 8;
+
 /// Cuts the terrain back around roofs below it that leave the cells beside them no room, as long as
 /// there are such, and makes the columns anew. Exact terrain goes first: only where the cells
 /// cannot be improved otherwise.
@@ -253,7 +256,7 @@ CellQuality make_room(const Config& config, const Raster& dtm, Columns& columns,
   if (config.layering == Layering::kUniform || config.cut_slope >= 90) return cells;
   ColumnPlanOptions options = plan_options(config);
   options.cut.assign(columns.plan.roofs.size(), 0);
-  for (;;) {
+  for (int round = 0; round < kMostCuts; ++round) {
     const QualityHistogram& quality = cells.histogram;
     const bool many = quality.dihedral_quantile_deg(kFewCells) < kLeastOfAll;
     if (!many && quality.min_dihedral_deg() >= kLeastAngle &&
@@ -276,6 +279,7 @@ CellQuality make_room(const Config& config, const Raster& dtm, Columns& columns,
     cells = improve(config, columns.mesh, clock, volume);
     volume.roofs_cut_back += marked;
   }
+  return cells;
 }
 
 void report_lowered(const ColumnPlan& plan, Report& report) {

@@ -82,7 +82,7 @@ const Blanked kClouds[] = {
      {"delft_3dfier/ahn3_cropped_1.laz", "delft_3dfier/ahn3_cropped_2.laz"},
      3,
      0},
-    {"Amsterdam", "amsterdam_south/footprints.gpkg", {"amsterdam_south/ahn3"}, 24, 1},
+    {"Amsterdam", "amsterdam_south/footprints.gpkg", {"amsterdam_south/ahn3"}, 22, 1},
     {"AmsterdamSparse",
      "amsterdam_south/footprints.gpkg",
      {"amsterdam_south/ahn3_sparse/c_25gn1_b.laz"},
