@@ -9,6 +9,7 @@
 #include "tetropolis/core/parallel.h"
 #include "tetropolis/core/units.h"
 
+#include "shapes_over.h"
 #include "tet_cosines.h"
 
 namespace tetropolis {
@@ -73,25 +74,19 @@ CellQuality measure_cells(const ColumnMesh& mesh, std::size_t worst) {
     // Cells whose cosines stay within this are not among the worst.
     double limit = -2;
     for (std::size_t t = begin; t < end; ++t) {
-      const auto& v = mesh.ground.triangles[t];
-      const Climb<3> start = climb_triangle(mesh, t);
-      std::array<Point3, 4> p;
-      for (std::size_t i = 0; i < 3; ++i) p[i] = position(mesh, v[i], start.at(i));
-      for_each_tet_over(mesh, t, [&](const std::array<NodeIndex, 4>& nodes) {
-        for (std::size_t i = 0; i < 3; ++i) p[i][2] = mesh.z[static_cast<std::size_t>(nodes[i])];
-        const auto below = static_cast<std::size_t>(
-            std::find(nodes.begin(), nodes.end(), nodes[3] - 1) - nodes.begin());
-        p[3] = {p[below][0], p[below][1], mesh.z[static_cast<std::size_t>(nodes[3])]};
-        const TetCosines shape = tet_cosines(p[0], p[1], p[2], p[3]);
-        quality.histogram.add(shape.volume, shape.greatest, shape.least, shape.aspect_ratio);
-        if (worst == 0 || std::max(shape.greatest, -shape.least) < limit) return;
-        const double least = angle_deg(shape.greatest), greatest = angle_deg(shape.least);
-        quality.worst.push_back({std::min(least, 180 - greatest), least, greatest, centre_of(p),
-                                 static_cast<TriangleIndex>(t), cause_of(mesh, t, nodes, p)});
-        if (quality.worst.size() < 2 * worst) return;
-        keep_worst(quality.worst, worst);
-        limit = std::cos(to_radians(quality.worst.back().badness)) - 1e-12;
-      });
+      for_each_shape_over(
+          mesh, t,
+          [&](const std::array<NodeIndex, 4>& nodes, const std::array<Point3, 4>& p,
+              const TetCosines& shape) {
+            quality.histogram.add(shape.volume, shape.greatest, shape.least, shape.aspect_ratio);
+            if (worst == 0 || std::max(shape.greatest, -shape.least) < limit) return;
+            const double least = angle_deg(shape.greatest), greatest = angle_deg(shape.least);
+            quality.worst.push_back({std::min(least, 180 - greatest), least, greatest, centre_of(p),
+                                     static_cast<TriangleIndex>(t), cause_of(mesh, t, nodes, p)});
+            if (quality.worst.size() < 2 * worst) return;
+            keep_worst(quality.worst, worst);
+            limit = std::cos(to_radians(quality.worst.back().badness)) - 1e-12;
+          });
     }
   });
   CellQuality result;

@@ -8,6 +8,7 @@
 
 #include "tetropolis/core/units.h"
 
+#include "shapes_over.h"
 #include "tet_cosines.h"
 
 namespace tetropolis {
@@ -37,17 +38,8 @@ double highest_at(Point2 p, Point2 a, double za, Point2 b, double zb, double slo
 /// Whether a cell over triangle t has a cosine beyond these.
 bool has_bad_cell(const ColumnMesh& mesh, std::size_t t, double greatest_cosine,
                   double least_cosine) {
-  const auto& v = mesh.ground.triangles[t];
-  const Climb<3> start = climb_triangle(mesh, t);
-  std::array<Point3, 4> p;
-  for (std::size_t i = 0; i < 3; ++i) p[i] = position(mesh, v[i], start.at(i));
   bool bad = false;
-  for_each_tet_over(mesh, t, [&](const std::array<NodeIndex, 4>& nodes) {
-    for (std::size_t i = 0; i < 3; ++i) p[i][2] = mesh.z[static_cast<std::size_t>(nodes[i])];
-    const auto below = static_cast<std::size_t>(
-        std::find(nodes.begin(), nodes.end(), nodes[3] - 1) - nodes.begin());
-    p[3] = {p[below][0], p[below][1], mesh.z[static_cast<std::size_t>(nodes[3])]};
-    const TetCosines shape = tet_cosines(p[0], p[1], p[2], p[3]);
+  for_each_shape_over(mesh, t, [&](const auto&, const auto&, const TetCosines& shape) {
     bad = bad || shape.greatest > greatest_cosine || shape.least < least_cosine;
   });
   return bad;
@@ -58,13 +50,15 @@ bool has_bad_cell(const ColumnMesh& mesh, std::size_t t, double greatest_cosine,
 void cut_back(const GroundMesh& mesh, std::span<const BuildingIndex> building,
               std::span<const double> roofs, std::span<const std::uint8_t> cut, double slope,
               std::vector<double>& ground) {
-  constexpr double kWorthwhile = 1e-6;                 // metres
-  std::vector<double> roof(ground.size(), kInfinity);  // where slopes start,
-  std::vector<double> taken(roof);                     // and ground that was cut already
+  constexpr double kWorthwhile = 1e-6;                   // metres
+  std::vector<double> roof(ground.size(), kInfinity);    // where slopes start,
+  std::vector<double> taken(roof);                       // and ground that was cut already
+  std::vector<std::int32_t> changed(ground.size(), -1);  // in which sweep, last
   for (std::size_t v = 0; v < roof.size(); ++v) {
     const BuildingIndex b = building[v];
-    if (b != kNoBuilding && cut[static_cast<std::size_t>(b)] != 0)
-      roof[v] = roofs[static_cast<std::size_t>(b)];
+    if (b == kNoBuilding || cut[static_cast<std::size_t>(b)] == 0) continue;
+    roof[v] = roofs[static_cast<std::size_t>(b)];
+    changed[v] = 0;
   }
   const auto lower = [&](std::size_t v, std::size_t a, std::size_t b) {
     const auto from = [&](std::size_t u) {
@@ -78,15 +72,20 @@ void cut_back(const GroundMesh& mesh, std::span<const BuildingIndex> building,
     return true;
   };
   // As far as the cuts reach, which is some triangles.
-  for (bool changed = true; changed;) {
-    changed = false;
+  bool again = true;
+  for (std::int32_t sweep = 1; again; ++sweep) {
+    again = false;
     for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
-      if (mesh.region[t] != kNoBuilding) continue;
+      const auto corner = [&](std::size_t k) {
+        return static_cast<std::size_t>(mesh.triangles[t][k % 3]);
+      };
+      const auto is_recent = [&](std::size_t k) { return changed[corner(k)] >= sweep - 1; };
+      if (mesh.region[t] != kNoBuilding || !(is_recent(0) || is_recent(1) || is_recent(2)))
+        continue;
       for (std::size_t i = 0; i < 3; ++i) {
-        const auto corner = [&](std::size_t k) {
-          return static_cast<std::size_t>(mesh.triangles[t][k % 3]);
-        };
-        if (lower(corner(i), corner(i + 1), corner(i + 2))) changed = true;
+        if (!lower(corner(i), corner(i + 1), corner(i + 2))) continue;
+        changed[corner(i)] = sweep;
+        again = true;
       }
     }
   }
