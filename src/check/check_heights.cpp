@@ -6,6 +6,7 @@
 #include <limits>
 #include <map>
 #include <set>
+#include <span>
 
 #include <fmt/format.h>
 
@@ -68,26 +69,18 @@ Terrain terrain_of(const SurfaceMesh& surface, std::array<double, 3> shift, cons
   return terrain;
 }
 
-/// Per vertex of a wall its building, and that one's roof; infinity elsewhere.
-struct Walls {
-  std::vector<BuildingIndex> building;
-  std::vector<double> roof;
-};
-
-Walls walls_of(const SurfaceMesh& surface, const CityModel& city) {
-  Walls walls{std::vector<BuildingIndex>(surface.points.size(), kNoBuilding),
-              std::vector<double>(surface.points.size(), kInfinity)};
+/// Per vertex of a wall, its building's roof; infinity elsewhere.
+std::vector<double> roofs_over_walls(const SurfaceMesh& surface, const CityModel& city) {
+  std::vector<double> roofs(surface.points.size(), kInfinity);
   for (std::size_t f = 0; f < surface.triangles.size(); ++f) {
     const BuildingIndex b = surface.building[f];
     if (surface.patch[f] != Patch::kWall || b < 0 ||
         static_cast<std::size_t>(b) >= city.buildings.size())
       continue;
-    for (const std::int32_t v : surface.triangles[f]) {
-      walls.building[static_cast<std::size_t>(v)] = b;
-      walls.roof[static_cast<std::size_t>(v)] = city.buildings[static_cast<std::size_t>(b)].h_roof;
-    }
+    for (const std::int32_t v : surface.triangles[f])
+      roofs[static_cast<std::size_t>(v)] = city.buildings[static_cast<std::size_t>(b)].h_roof;
   }
-  return walls;
+  return roofs;
 }
 
 /// The least of height + slope * distance from p along the line from a to b, whose ends have these
@@ -117,7 +110,8 @@ double least_along(Point2 p, Point2 a, double at_a, Point2 b, double at_b, doubl
 /// `slope` from there and from what was cut before; infinity at other vertices. Goes from vertex to
 /// vertex of those below the terrain until nothing changes.
 std::vector<double> depths_of_cuts(const SurfaceMesh& surface, double z_shift,
-                                   const Terrain& terrain, const Walls& walls, double slope) {
+                                   const Terrain& terrain, std::span<const double> roofs,
+                                   double slope) {
   const auto is_below = [&](std::size_t v) {
     return surface.points[v][2] + z_shift < terrain.at[v] - kHeightTolerance;
   };
@@ -132,10 +126,7 @@ std::vector<double> depths_of_cuts(const SurfaceMesh& surface, double z_shift,
     for (const std::int32_t v : corners) faces_at[static_cast<std::size_t>(v)].push_back(f);
   }
   std::vector<double> depth(surface.points.size(), kInfinity);
-  const auto start = [&](std::size_t v, std::size_t u) {
-    const bool own = walls.building[u] != kNoBuilding && walls.building[u] == walls.building[v];
-    return own ? depth[u] : std::min(depth[u], walls.roof[u]);
-  };
+  const auto start = [&](std::size_t u) { return std::min(depth[u], roofs[u]); };
   const auto place = [&](std::size_t v) {
     return Point2{surface.points[v][0], surface.points[v][1]};
   };
@@ -148,8 +139,7 @@ std::vector<double> depths_of_cuts(const SurfaceMesh& surface, double z_shift,
         };
         const std::size_t v = corner(i), a = corner(i + 1), b = corner(i + 2);
         if (!is_below(v)) continue;
-        const double most =
-            least_along(place(v), place(a), start(v, a), place(b), start(v, b), slope);
+        const double most = least_along(place(v), place(a), start(a), place(b), start(b), slope);
         if (!(most < std::min(depth[v], terrain.at[v]) - kHeightTolerance)) continue;
         depth[v] = most;
         next.insert(faces_at[v].begin(), faces_at[v].end());
@@ -173,8 +163,8 @@ HeightsCheck check_heights(const SurfaceMesh& surface, std::array<double, 3> shi
       if (surface.patch[f] == Patch::kRoof) roof_building[v] = surface.building[f];
     }
   const Terrain terrain = terrain_of(surface, shift, dtm, city);
-  const Walls walls = walls_of(surface, city);
-  const std::vector<double> depth = depths_of_cuts(surface, shift[2], terrain, walls, cut_slope);
+  const std::vector<double> roofs = roofs_over_walls(surface, city);
+  const std::vector<double> depth = depths_of_cuts(surface, shift[2], terrain, roofs, cut_slope);
   const auto place = [&](std::size_t v, double wanted) {
     const auto& p = surface.points[v];
     return fmt::format("vertex {} at ({:.3f}, {:.3f}): z = {:.9f}, {:.9f} expected", v, p[0], p[1],
@@ -192,13 +182,13 @@ HeightsCheck check_heights(const SurfaceMesh& surface, std::array<double, 3> shi
     const double error = p[2] + shift[2] - wanted;
     if (std::abs(error) <= kHeightTolerance) continue;
     const bool is_cut = p[2] + shift[2] >= depth[v] - kNeedTolerance;
-    if (error > 0 || (walls.building[v] == kNoBuilding && !is_cut)) {
+    if (error > 0 || (roofs[v] == kInfinity && !is_cut)) {
       note_violation(check.violations, "ground vertices off the terrain",
                      [&] { return place(v, wanted); });
       continue;
     }
     ++check.lowered;
-    if (!is_cut && terrain.highest[v] <= walls.roof[v] - minimum_wall - kNeedTolerance)
+    if (!is_cut && terrain.highest[v] <= roofs[v] - minimum_wall - kNeedTolerance)
       note_violation(check.violations, "ground vertices lowered at walls that are high enough",
                      [&] { return place(v, wanted); });
   }

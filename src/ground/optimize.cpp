@@ -174,7 +174,6 @@ void Refiner::flatten(const Progress& progress) {
   std::vector<std::vector<std::int32_t>> chunks((mesh_.triangles.size() + kTrianglesPerChunk - 1) /
                                                 kTrianglesPerChunk);
   for (int sweep = 0; sweep < kFlatteningSweeps; ++sweep) {
-    progress.update(static_cast<double>(sweep) / kFlatteningSweeps);
     parallel_chunks(mesh_.triangles.size(), kTrianglesPerChunk,
                     [&](std::size_t begin, std::size_t end) {
                       std::vector<std::int32_t>& steep = chunks[begin / kTrianglesPerChunk];
@@ -184,12 +183,15 @@ void Refiner::flatten(const Progress& progress) {
                           steep.push_back(static_cast<std::int32_t>(t));
                     });
     bool moved = false;
-    for (const std::vector<std::int32_t>& steep : chunks)
-      for (const std::int32_t t : steep)
+    for (std::size_t chunk = 0; chunk < chunks.size(); ++chunk) {
+      progress.update((sweep + static_cast<double>(chunk) / static_cast<double>(chunks.size())) /
+                      kFlatteningSweeps);
+      for (const std::int32_t t : chunks[chunk])
         for (std::int32_t i = 0; i < 3; ++i) {
           const std::int32_t v = mesh_.tri(t).v[i];
           if (kind(v) == kFreeVertex && flatten_around(v, 4 * t + i, content)) moved = true;
         }
+    }
     if (!moved) return;
   }
 }

@@ -51,24 +51,20 @@ void cut_back(const GroundMesh& mesh, std::span<const BuildingIndex> building,
               std::span<const double> roofs, std::span<const std::uint8_t> cut, double slope,
               std::vector<double>& ground) {
   constexpr double kWorthwhile = 1e-6;                   // metres
-  std::vector<double> roof(ground.size(), kInfinity);    // where slopes start,
-  std::vector<double> taken(roof);                       // and ground that was cut already
+  std::vector<double> start(ground.size(), kInfinity);   // of slopes: roofs, and ground cut already
   std::vector<std::int32_t> changed(ground.size(), -1);  // in which sweep, last
-  for (std::size_t v = 0; v < roof.size(); ++v) {
+  for (std::size_t v = 0; v < start.size(); ++v) {
     const BuildingIndex b = building[v];
     if (b == kNoBuilding || cut[static_cast<std::size_t>(b)] == 0) continue;
-    roof[v] = roofs[static_cast<std::size_t>(b)];
+    start[v] = roofs[static_cast<std::size_t>(b)];
     changed[v] = 0;
   }
   const auto lower = [&](std::size_t v, std::size_t a, std::size_t b) {
-    const auto from = [&](std::size_t u) {
-      const bool own = building[u] != kNoBuilding && building[u] == building[v];
-      return own ? taken[u] : std::min(roof[u], taken[u]);
-    };
     const double most =
-        highest_at(mesh.vertices[v], mesh.vertices[a], from(a), mesh.vertices[b], from(b), slope);
+        highest_at(mesh.vertices[v], mesh.vertices[a], start[a], mesh.vertices[b], start[b], slope);
     if (!(most < ground[v] - kWorthwhile)) return false;
-    ground[v] = taken[v] = most;
+    ground[v] = most;
+    start[v] = std::min(start[v], most);
     return true;
   };
   // As far as the cuts reach, which is some triangles.

@@ -11,12 +11,11 @@
 
 namespace tetropolis {
 
-/// Lowers `ground` at vertices outside buildings, and on walls of other buildings, until it rises
-/// nowhere more steeply than `slope` (a tangent, > 0) from the roof's edge of a building with a 1
-/// in `cut`, or from ground that was lowered so. Distances are those in the triangles outside
-/// buildings. Where the terrain dips below that slope, nothing beyond is touched. `ground`:
-/// elevation per vertex; `building` as from vertex_buildings; `roofs`: elevation and `cut`: 0 or 1,
-/// per building.
+/// Lowers `ground` at vertices outside buildings and on walls until it rises nowhere more steeply
+/// than `slope` (a tangent, > 0) from the roof's edge of a building with a 1 in `cut`, or from
+/// ground that was lowered so. Distances are those in the triangles outside buildings. Where the
+/// terrain dips below that slope, nothing beyond is touched. `ground`: elevation per vertex;
+/// `building` as from vertex_buildings; `roofs`: elevation and `cut`: 0 or 1, per building.
 void cut_back(const GroundMesh& mesh, std::span<const BuildingIndex> building,
               std::span<const double> roofs, std::span<const std::uint8_t> cut, double slope,
               std::vector<double>& ground);
