@@ -5,10 +5,13 @@
 #include <cstddef>
 #include <limits>
 #include <map>
+#include <optional>
 #include <set>
 #include <span>
 
 #include <fmt/format.h>
+
+#include "tetropolis/volume/cut_back.h"
 
 #include "vector3.h"
 #include "violations.h"
@@ -19,6 +22,7 @@ namespace {
 
 constexpr double kHeightTolerance = 1e-9;
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
+constexpr double kCutTolerance = 1e-5;   // metres; cuts are good to a micrometre
 constexpr double kNeedTolerance = 1e-6;  // metres; whether ground had to be lowered
 constexpr const char* kNotFinite = "coordinates that are not finite";
 
@@ -69,13 +73,19 @@ Terrain terrain_of(const SurfaceMesh& surface, std::array<double, 3> shift, cons
   return terrain;
 }
 
-/// Per vertex of a wall, its building's roof; infinity elsewhere.
-std::vector<double> roofs_over_walls(const SurfaceMesh& surface, const CityModel& city) {
+/// Per vertex of a wall, its building's roof, if that is among those asked for; infinity elsewhere.
+std::vector<double> roofs_over_walls(const SurfaceMesh& surface, const CityModel& city,
+                                     const std::optional<std::vector<BuildingIndex>>& wanted) {
   std::vector<double> roofs(surface.points.size(), kInfinity);
+  std::vector<bool> is_wanted(city.buildings.size(), !wanted);
+  for (const BuildingIndex b : wanted.value_or(std::vector<BuildingIndex>{}))
+    if (b >= 0 && static_cast<std::size_t>(b) < is_wanted.size())
+      is_wanted[static_cast<std::size_t>(b)] = true;
   for (std::size_t f = 0; f < surface.triangles.size(); ++f) {
     const BuildingIndex b = surface.building[f];
     if (surface.patch[f] != Patch::kWall || b < 0 ||
-        static_cast<std::size_t>(b) >= city.buildings.size())
+        static_cast<std::size_t>(b) >= city.buildings.size() ||
+        !is_wanted[static_cast<std::size_t>(b)])
       continue;
     for (const std::int32_t v : surface.triangles[f])
       roofs[static_cast<std::size_t>(v)] = city.buildings[static_cast<std::size_t>(b)].h_roof;
@@ -106,12 +116,13 @@ double least_along(Point2 p, Point2 a, double at_a, Point2 b, double at_b, doubl
   return std::min(ends, value((low + high) / 2));
 }
 
-/// How far down ground below the terrain would be if it were cut back from every roof, rising at
-/// `slope` from there and from what was cut before; infinity at other vertices. Goes from vertex to
-/// vertex of those below the terrain until nothing changes.
+/// How far down ground below the terrain would be if it were cut back from these roofs, and from
+/// what was cut before; infinity at other vertices. Goes from vertex to vertex of those below the
+/// terrain until nothing changes.
 std::vector<double> depths_of_cuts(const SurfaceMesh& surface, double z_shift,
                                    const Terrain& terrain, std::span<const double> roofs,
-                                   double slope) {
+                                   double slope_at_roofs) {
+  const double slope_beyond = std::max(slope_at_roofs, CutSlopes{}.beyond);
   const auto is_below = [&](std::size_t v) {
     return surface.points[v][2] + z_shift < terrain.at[v] - kHeightTolerance;
   };
@@ -139,8 +150,12 @@ std::vector<double> depths_of_cuts(const SurfaceMesh& surface, double z_shift,
         };
         const std::size_t v = corner(i), a = corner(i + 1), b = corner(i + 2);
         if (!is_below(v)) continue;
-        const double most = least_along(place(v), place(a), start(a), place(b), start(b), slope);
-        if (!(most < std::min(depth[v], terrain.at[v]) - kHeightTolerance)) continue;
+        const bool at_roof = roofs[a] < kInfinity || roofs[b] < kInfinity;
+        const double now = std::min(depth[v], terrain.at[v]);
+        if (!(std::min(start(a), start(b)) < now)) continue;
+        const double most = least_along(place(v), place(a), start(a), place(b), start(b),
+                                        at_roof ? slope_at_roofs : slope_beyond);
+        if (!(most < now - kHeightTolerance)) continue;
         depth[v] = most;
         next.insert(faces_at[v].begin(), faces_at[v].end());
       }
@@ -153,7 +168,7 @@ std::vector<double> depths_of_cuts(const SurfaceMesh& surface, double z_shift,
 
 HeightsCheck check_heights(const SurfaceMesh& surface, std::array<double, 3> shift,
                            const Raster& dtm, const CityModel& city, double minimum_wall,
-                           double cut_slope) {
+                           const CutsCheck& cuts) {
   HeightsCheck check;
   std::vector<bool> on_ground(surface.points.size(), false);
   std::map<std::int32_t, BuildingIndex> roof_building;
@@ -163,8 +178,9 @@ HeightsCheck check_heights(const SurfaceMesh& surface, std::array<double, 3> shi
       if (surface.patch[f] == Patch::kRoof) roof_building[v] = surface.building[f];
     }
   const Terrain terrain = terrain_of(surface, shift, dtm, city);
-  const std::vector<double> roofs = roofs_over_walls(surface, city);
-  const std::vector<double> depth = depths_of_cuts(surface, shift[2], terrain, roofs, cut_slope);
+  const std::vector<double> roofs = roofs_over_walls(surface, city, std::nullopt);
+  const std::vector<double> depth = depths_of_cuts(
+      surface, shift[2], terrain, roofs_over_walls(surface, city, cuts.roofs), cuts.slope);
   const auto place = [&](std::size_t v, double wanted) {
     const auto& p = surface.points[v];
     return fmt::format("vertex {} at ({:.3f}, {:.3f}): z = {:.9f}, {:.9f} expected", v, p[0], p[1],
@@ -181,7 +197,8 @@ HeightsCheck check_heights(const SurfaceMesh& surface, std::array<double, 3> shi
     const double wanted = terrain.at[v];
     const double error = p[2] + shift[2] - wanted;
     if (std::abs(error) <= kHeightTolerance) continue;
-    const bool is_cut = p[2] + shift[2] >= depth[v] - kNeedTolerance;
+    const double above_cut = p[2] + shift[2] - depth[v];
+    const bool is_cut = above_cut >= -kCutTolerance && (!cuts.roofs || above_cut <= kCutTolerance);
     if (error > 0 || (roofs[v] == kInfinity && !is_cut)) {
       note_violation(check.violations, "ground vertices off the terrain",
                      [&] { return place(v, wanted); });

@@ -183,13 +183,16 @@ void Refiner::flatten(const Progress& progress) {
                           steep.push_back(static_cast<std::int32_t>(t));
                     });
     bool moved = false;
+    std::vector<char> tried(mesh_.points.size(), 0);
     for (std::size_t chunk = 0; chunk < chunks.size(); ++chunk) {
       progress.update((sweep + static_cast<double>(chunk) / static_cast<double>(chunks.size())) /
                       kFlatteningSweeps);
       for (const std::int32_t t : chunks[chunk])
         for (std::int32_t i = 0; i < 3; ++i) {
           const std::int32_t v = mesh_.tri(t).v[i];
-          if (kind(v) == kFreeVertex && flatten_around(v, 4 * t + i, content)) moved = true;
+          if (kind(v) != kFreeVertex || std::exchange(tried[static_cast<std::size_t>(v)], 1) != 0)
+            continue;
+          if (flatten_around(v, 4 * t + i, content)) moved = true;
         }
     }
     if (!moved) return;
@@ -215,14 +218,14 @@ bool Refiner::flatten_around(std::int32_t v, std::int32_t he, double content) {
     edges += std::hypot(star.ring[i].x - p.x, star.ring[i].y - p.y);
   }
   const double mean = edges / static_cast<double>(star.size);
-  const auto flattest_with = [&](Point2 q, double zq) {
+  const auto steepest_with = [&](Point2 q, double zq, double give_up) {
     double least = 1;
-    for (std::size_t i = 0; i < star.size; ++i)
+    for (std::size_t i = 0; i < star.size && least > give_up; ++i)
       least = std::min(least, tetropolis::flatness(q, zq, star.ring[i], z[i], star.after(i),
                                                    z[i + 1 == star.size ? 0 : i + 1]));
     return least;
   };
-  double best = flattest_with(p, elevations_[static_cast<std::size_t>(v)]);
+  double best = steepest_with(p, elevations_[static_cast<std::size_t>(v)], 0);
   if (best >= content) return false;
   best *= kGain;
   bool moved = false;
@@ -233,7 +236,7 @@ bool Refiner::flatten_around(std::int32_t v, std::int32_t he, double content) {
       // A little more than the least angle, against rounding.
       if (star.worst(q, sine_squared_) <= sine_squared_ * (1 + 1e-9)) continue;
       const double zq = options_.elevation(q);
-      const double flat = flattest_with(q, zq);
+      const double flat = steepest_with(q, zq, best);
       if (flat <= best || !edges_fit(star.rim.data(), star.size, q) ||
           !stays_delaunay(mesh_, star, q))
         continue;

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <fstream>
 #include <optional>
+#include <stdexcept>
 #include <string>
 #include <string_view>
 
@@ -57,7 +58,7 @@ struct ReportedFacts {
   std::optional<ReportedMesh> mesh;
   std::optional<double> min_angle;
   double min_wall = Config{}.min_wall_height;
-  double cut_slope = Config{}.cut_slope;  ///< Degrees.
+  CutsCheck cuts;
   ReportedGround ground{};
 };
 
@@ -69,7 +70,12 @@ ReportedFacts facts_of(const Json& report) {
   facts.absolute = config.value("coordinates", std::string("local")) == "absolute";
   if (config.contains("min_angle")) facts.min_angle = config["min_angle"].get<double>();
   facts.min_wall = config.value("min_wall_height", facts.min_wall);
-  facts.cut_slope = config.value("cut_slope", facts.cut_slope);
+  const double cut_slope = config.value("cut_slope", Config{}.cut_slope);
+  if (!(cut_slope > 0 && cut_slope <= 90)) throw std::out_of_range("cut_slope");
+  facts.cuts.slope = std::tan(to_radians(cut_slope));
+  facts.cuts.roofs.emplace();
+  if (report.contains("volume_mesh"))
+    facts.cuts.roofs = report["volume_mesh"].value("roofs_cut_back", std::vector<BuildingIndex>());
   const Json ground = report.value("ground_mesh", Json::object());
   facts.ground = {ground.value("triangles", -1.0), ground.value("min_angle_deg", -1.0),
                   ground.value("triangles_below_min_angle", -1.0)};
@@ -105,6 +111,7 @@ std::optional<ReportedFacts> read_report(const fs::path& folder) {
     if (json.is_object()) return facts_of(json);
   } catch (const Json::exception&) {         // no JSON, or members of other types than a report's
   } catch (const std::ios_base::failure&) {  // not even a file
+  } catch (const std::out_of_range&) {       // values that no report has
   }
   throw Error(ErrorKind::kInput, path.string() + ": not a report of tetropolis");
 }
@@ -254,9 +261,8 @@ void check_heights_of(const fs::path& terrain, const SurfaceMesh& surface,
                       std::array<double, 3> shift, const CityModel& city,
                       const std::optional<ReportedFacts>& report, CheckedFile& file) {
   const ReportedFacts facts = report.value_or(ReportedFacts{});
-  const HeightsCheck check =
-      check_heights(surface, shift, read_raster(terrain, city.origin).raster, city, facts.min_wall,
-                    std::tan(to_radians(facts.cut_slope)));
+  const HeightsCheck check = check_heights(surface, shift, read_raster(terrain, city.origin).raster,
+                                           city, facts.min_wall, facts.cuts);
   file.violations.insert(file.violations.end(), check.violations.begin(), check.violations.end());
   file.facts.push_back(fmt::format(
       "{} ground vertices on the terrain ({} lowered at walls and around roofs), {} roof "

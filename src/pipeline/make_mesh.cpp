@@ -3,6 +3,7 @@
 #include <cmath>
 #include <cstdint>
 #include <functional>
+#include <string>
 #include <string_view>
 #include <utility>
 #include <vector>
@@ -122,7 +123,7 @@ ColumnPlanOptions plan_options(const Config& config) {
       uniform && config.layer_height > 0 ? config.layer_height : config.mesh_size;
   options.minimum_wall = config.min_wall_height;
   options.fit_lowered_walls = !uniform;
-  options.cut_slope = std::tan(to_radians(config.cut_slope));
+  options.cut_slopes.at_roof = std::tan(to_radians(config.cut_slope));
   return options;
 }
 
@@ -221,6 +222,7 @@ constexpr std::size_t kWorstCells = 10;
 /// Makes thin cells better if there are any. The columns of uniform layers are as asked for.
 CellQuality improve(const Config& config, ColumnMesh& mesh, StepClock& clock,
                     VolumeMeshReport& volume) {
+  volume.columns_improved = 0;
   const auto measured = [&] {
     return clock.run("3.6", "measure cells",
                      [&](const Progress&) { return measure_cells(mesh, kWorstCells); });
@@ -239,62 +241,86 @@ CellQuality improve(const Config& config, ColumnMesh& mesh, StepClock& clock,
   return measured();
 }
 
-/// What the terrain is cut back for: the floor of quality of the documentation, and a little more.
-constexpr double kLeastAngle = 8.5;
-constexpr double kGreatestAngle = 159.5;
-constexpr double kLeastOfAll = 12;  ///< For all but one cell in ten thousand.
+/// The floor of quality of the documentation.
+constexpr AngleBounds kFloor{8, 160};
+constexpr double kLeastOfMost = 12;  ///< For all but one cell in ten thousand.
 constexpr double kFewCells = 1e-4;
 
-/// Times that the columns are made anew, at most: a cut may bury the roof beside it.
+/// Times that columns are made anew, at most: where the ground was lowered, other cells change.
 constexpr int kMostCuts = 8;
 
-/// Cuts the terrain back around roofs below it that leave the cells beside them no room, as long as
-/// there are such, and makes the columns anew. Exact terrain goes first: only where the cells
-/// cannot be improved otherwise.
-CellQuality make_room(const Config& config, const Raster& dtm, Columns& columns, CellQuality cells,
-                      StepClock& clock, VolumeMeshReport& volume) {
+bool is_above_floor(const QualityHistogram& quality) {
+  return quality.min_dihedral_deg() >= kFloor.least &&
+         quality.max_dihedral_deg() <= kFloor.greatest &&
+         quality.dihedral_quantile_deg(kFewCells) >= kLeastOfMost;
+}
+
+/// Cuts the terrain back around roofs below it, as long as that makes cells beside them better
+/// that are below the floor. Exact terrain comes first: nothing is cut where the floor is met
+/// without.
+CellQuality make_room(const Config& config, const Raster& dtm, const CitySize& size,
+                      Columns& columns, CellQuality cells, StepClock& clock,
+                      VolumeMeshReport& volume) {
   if (config.layering == Layering::kUniform || config.cut_slope >= 90) return cells;
   ColumnPlanOptions options = plan_options(config);
   options.cut.assign(columns.plan.roofs.size(), 0);
-  for (int round = 0; round < kMostCuts; ++round) {
-    const QualityHistogram& quality = cells.histogram;
-    const bool many = quality.dihedral_quantile_deg(kFewCells) < kLeastOfAll;
-    if (!many && quality.min_dihedral_deg() >= kLeastAngle &&
-        quality.max_dihedral_deg() <= kGreatestAngle)
-      return cells;
-    const std::int64_t marked = mark_buried_roofs(
-        columns.mesh, columns.plan, many ? kLeastOfAll : kLeastAngle, kGreatestAngle, options.cut);
-    if (marked == 0) return cells;
-    clock.run("3.3", "cut terrain back", [&](const Progress&) {
-      ColumnPlan& plan = columns.plan;
-      std::vector<double> top = std::move(plan.top);
-      plan = plan_columns(columns.mesh.ground, dtm, std::move(plan.roofs), std::move(plan.spacing),
-                          options);
-      plan.top = std::move(top);
+  for (int round = 0; round < kMostCuts && !is_above_floor(cells.histogram); ++round) {
+    AngleBounds bounds = kFloor;
+    if (cells.histogram.dihedral_quantile_deg(kFewCells) < kLeastOfMost)
+      bounds.least = kLeastOfMost;
+    if (mark_buried_roofs(columns.mesh, columns.plan, bounds, options.cut) == 0) break;
+    const auto bad = [&] {
+      return count_bad_cells(columns.mesh, columns.plan.building, bounds, options.cut);
+    };
+    const std::int64_t bad_before = bad();
+    const VolumeMeshReport volume_before = volume;
+    Columns before;
+    const bool is_cut = clock.run("3.3", "cut terrain back", [&](const Progress&) {
+      ColumnPlan plan =
+          plan_columns(columns.mesh.ground, dtm, columns.plan.roofs, columns.plan.spacing, options);
+      if (plan.cut_roofs == columns.plan.cut_roofs ||
+          !cells_fit(config, size, static_cast<double>(columns.mesh.triangle_count()),
+                     estimate_cells(plan)))
+        return false;
+      plan.top = columns.plan.top;
+      before = std::exchange(columns, {});
+      columns.plan = std::move(plan);
       columns.mesh =
-          divide_columns(std::move(columns.mesh.ground), std::move(columns.mesh.edges), plan);
-      place_nodes(columns.mesh, plan);
+          divide_columns(std::move(before.mesh.ground), std::move(before.mesh.edges), columns.plan);
+      place_nodes(columns.mesh, columns.plan);
+      return true;
     });
+    if (!is_cut) break;
     volume.min_vertical_gap = require_valid(columns.mesh);
-    cells = improve(config, columns.mesh, clock, volume);
-    volume.roofs_cut_back += marked;
+    CellQuality now = improve(config, columns.mesh, clock, volume);
+    if (bad() >= bad_before) {
+      before.mesh.ground = std::move(columns.mesh.ground);
+      before.mesh.edges = std::move(columns.mesh.edges);
+      columns = std::move(before);
+      volume = volume_before;
+      break;
+    }
+    cells = std::move(now);
   }
   return cells;
 }
 
 void report_lowered(const ColumnPlan& plan, Report& report) {
   report.volume_mesh->ground_lowered = plan.lowered;
+  report.volume_mesh->roofs_cut_back = plan.cut_roofs;
   if (plan.lowered == 0) return;
-  const std::int64_t roofs = report.volume_mesh->roofs_cut_back;
+  const std::size_t roofs = plan.cut_roofs.size();
+  const std::string around = roofs == 0
+                                 ? ""
+                                 : fmt::format(
+                                       "; around {} roof{} below the terrain, to leave room for "
+                                       "well-shaped cells",
+                                       roofs, roofs == 1 ? "" : "s");
   report.warnings.push_back(
       {"ground_lowered", plan.lowered,
        fmt::format("ground vertices were lowered, by up to {:.1f} m: at walls, to stay below their "
                    "roof{}",
-                   plan.deepest,
-                   roofs == 0 ? ""
-                              : fmt::format("; around {} roofs below the terrain, to leave "
-                                            "room for well-shaped cells",
-                                            roofs))});
+                   plan.deepest, around)});
 }
 
 void measure(const ColumnMesh& mesh, CellQuality cells, VolumeMeshReport& volume) {
@@ -405,7 +431,7 @@ void make_mesh(const Config& config, const CityModel& city, Raster dtm, const Ou
   Columns columns = make_columns_of_city(config, city, dtm, size, std::move(ground), clock, report);
   VolumeMeshReport& volume = *report.volume_mesh;
   CellQuality cells = improve(config, columns.mesh, clock, volume);
-  cells = make_room(config, dtm, columns, std::move(cells), clock, volume);
+  cells = make_room(config, dtm, size, columns, std::move(cells), clock, volume);
   report_lowered(columns.plan, report);
   const ColumnMesh mesh = std::move(columns.mesh);
   columns.plan = {};

@@ -118,10 +118,14 @@ void require_mesh_fits(const Config& config, const CitySize& city) {
                      in_words(estimate.bytes), in_words(limit)));
 }
 
+bool cells_fit(const Config& config, const CitySize& city, double triangles, double cells) {
+  return bytes_of(config, triangles, cells, city.terrain_nodes) <= memory_limit(config);
+}
+
 void require_cells_fit(const Config& config, const CitySize& city, double triangles, double cells) {
+  if (cells_fit(config, city, triangles, cells)) return;
   const double limit = memory_limit(config);
   const double bytes = bytes_of(config, triangles, cells, city.terrain_nodes);
-  if (bytes <= limit) return;
   const MeshEstimate estimate = estimate_mesh(config, city);
   refuse(config, city, {kScalingError * bytes / estimate.bytes, cells / estimate.cells},
          fmt::format("the mesh would have {:.3g} cells and need {} of {}", cells, in_words(bytes),

@@ -38,6 +38,9 @@ void require_mesh_fits(const Config& config, const CitySize& city);
 /// Likewise for counts that are known by now.
 void require_cells_fit(const Config& config, const CitySize& city, double triangles, double cells);
 
+/// Whether require_cells_fit would return.
+bool cells_fit(const Config& config, const CitySize& city, double triangles, double cells);
+
 /// Likewise for the points of the domain and its terrain, before they are read.
 void require_points_fit(const Config& config, double points, double terrain_nodes);
 

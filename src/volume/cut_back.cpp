@@ -1,12 +1,12 @@
 #include "tetropolis/volume/cut_back.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <cstddef>
 #include <limits>
 
 #include "tetropolis/core/units.h"
+#include "tetropolis/volume/fill_columns.h"
 
 #include "shapes_over.h"
 #include "tet_cosines.h"
@@ -35,39 +35,48 @@ double highest_at(Point2 p, Point2 a, double za, Point2 b, double zb, double slo
   return std::min(at_ends, za + rise * least + slope * std::hypot(least - foot, away));
 }
 
-/// Whether a cell over triangle t has a cosine beyond these.
-bool has_bad_cell(const ColumnMesh& mesh, std::size_t t, double greatest_cosine,
-                  double least_cosine) {
-  bool bad = false;
+/// How many cells over triangle t are outside the bounds.
+std::int64_t count_bad_cells_over(const ColumnMesh& mesh, std::size_t t,
+                                  const AngleBounds& bounds) {
+  const double greatest_cosine = std::cos(to_radians(bounds.least));
+  const double least_cosine = std::cos(to_radians(bounds.greatest));
+  std::int64_t bad = 0;
   for_each_shape_over(mesh, t, [&](const auto&, const auto&, const TetCosines& shape) {
-    bad = bad || shape.greatest > greatest_cosine || shape.least < least_cosine;
+    if (shape.greatest > greatest_cosine || shape.least < least_cosine) ++bad;
   });
   return bad;
 }
 
 }  // namespace
 
-void cut_back(const GroundMesh& mesh, std::span<const BuildingIndex> building,
-              std::span<const double> roofs, std::span<const std::uint8_t> cut, double slope,
-              std::vector<double>& ground) {
+std::vector<BuildingIndex> cut_back(const GroundMesh& mesh, std::span<const BuildingIndex> building,
+                                    std::span<const double> roofs,
+                                    std::span<const std::uint8_t> cut, const CutSlopes& slopes,
+                                    std::vector<double>& ground) {
   constexpr double kWorthwhile = 1e-6;                   // metres
   std::vector<double> start(ground.size(), kInfinity);   // of slopes: roofs, and ground cut already
   std::vector<std::int32_t> changed(ground.size(), -1);  // in which sweep, last
+  std::vector<std::uint8_t> at_roof(ground.size(), 0);
+  std::vector<std::uint8_t> has_lowered(cut.size(), 0);
   for (std::size_t v = 0; v < start.size(); ++v) {
     const BuildingIndex b = building[v];
     if (b == kNoBuilding || cut[static_cast<std::size_t>(b)] == 0) continue;
     start[v] = roofs[static_cast<std::size_t>(b)];
+    at_roof[v] = 1;
     changed[v] = 0;
   }
+  const double beyond = std::max(slopes.at_roof, slopes.beyond);
   const auto lower = [&](std::size_t v, std::size_t a, std::size_t b) {
+    const double slope = at_roof[a] != 0 || at_roof[b] != 0 ? slopes.at_roof : beyond;
     const double most =
         highest_at(mesh.vertices[v], mesh.vertices[a], start[a], mesh.vertices[b], start[b], slope);
     if (!(most < ground[v] - kWorthwhile)) return false;
     ground[v] = most;
     start[v] = std::min(start[v], most);
+    for (const std::size_t u : {a, b})
+      if (at_roof[u] != 0) has_lowered[static_cast<std::size_t>(building[u])] = 1;
     return true;
   };
-  // As far as the cuts reach, which is some triangles.
   bool again = true;
   for (std::int32_t sweep = 1; again; ++sweep) {
     again = false;
@@ -85,12 +94,14 @@ void cut_back(const GroundMesh& mesh, std::span<const BuildingIndex> building,
       }
     }
   }
+  std::vector<BuildingIndex> lowered;
+  for (std::size_t b = 0; b < has_lowered.size(); ++b)
+    if (has_lowered[b] != 0) lowered.push_back(static_cast<BuildingIndex>(b));
+  return lowered;
 }
 
-std::int64_t mark_buried_roofs(const ColumnMesh& mesh, const ColumnPlan& plan, double least_deg,
-                               double greatest_deg, std::vector<std::uint8_t>& cut) {
-  const double greatest_cosine = std::cos(to_radians(least_deg));
-  const double least_cosine = std::cos(to_radians(greatest_deg));
+std::int64_t mark_buried_roofs(const ColumnMesh& mesh, const ColumnPlan& plan,
+                               const AngleBounds& bounds, std::vector<std::uint8_t>& cut) {
   std::int64_t marked = 0;
   for (std::size_t t = 0; t < mesh.triangle_count(); ++t) {
     if (mesh.inside_building(t)) continue;
@@ -104,7 +115,7 @@ std::int64_t mark_buried_roofs(const ColumnMesh& mesh, const ColumnPlan& plan, d
     };
     const auto& corners = mesh.ground.triangles[t];
     if (std::none_of(corners.begin(), corners.end(), is_buried) ||
-        !has_bad_cell(mesh, t, greatest_cosine, least_cosine))
+        count_bad_cells_over(mesh, t, bounds) == 0)
       continue;
     for (const VertexIndex v : corners) {
       if (!is_buried(v)) continue;
@@ -113,6 +124,21 @@ std::int64_t mark_buried_roofs(const ColumnMesh& mesh, const ColumnPlan& plan, d
     }
   }
   return marked;
+}
+
+std::int64_t count_bad_cells(const ColumnMesh& mesh, std::span<const BuildingIndex> building,
+                             const AngleBounds& bounds, std::span<const std::uint8_t> cut) {
+  std::int64_t bad = 0;
+  for (std::size_t t = 0; t < mesh.triangle_count(); ++t) {
+    const auto& corners = mesh.ground.triangles[t];
+    const auto touches = [&](VertexIndex v) {
+      const BuildingIndex b = building[static_cast<std::size_t>(v)];
+      return b != kNoBuilding && cut[static_cast<std::size_t>(b)] != 0;
+    };
+    if (!mesh.inside_building(t) && std::any_of(corners.begin(), corners.end(), touches))
+      bad += count_bad_cells_over(mesh, t, bounds);
+  }
+  return bad;
 }
 
 }  // namespace tetropolis

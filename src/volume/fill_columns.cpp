@@ -182,7 +182,8 @@ ColumnPlan plan_columns(const GroundMesh& mesh, const Raster& dtm, std::vector<d
   const std::vector<double> terrain = terrain_under(mesh, dtm);
   plan.ground = terrain;
   if (!options.cut.empty())
-    cut_back(mesh, plan.building, plan.roofs, options.cut, options.cut_slope, plan.ground);
+    plan.cut_roofs =
+        cut_back(mesh, plan.building, plan.roofs, options.cut, options.cut_slopes, plan.ground);
   std::vector<double> least(plan.spacing.size(), options.minimum_wall);
   std::vector<double> wall(least);
   // What rises beside a wall, but for walls that sink themselves.

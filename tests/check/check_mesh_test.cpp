@@ -34,7 +34,7 @@ std::string names(const std::vector<Violation>& violations) {
 }
 
 constexpr double kMinimumWall = ColumnPlanOptions{}.minimum_wall;
-constexpr double kCutSlope = ColumnPlanOptions{}.cut_slope;
+const CutsCheck kNoCuts{std::vector<BuildingIndex>{}, 1.5};
 
 class CheckMesh : public ::testing::Test {
  protected:
@@ -75,7 +75,7 @@ TEST_F(CheckMesh, PassesAGoodMeshAndAgreesWithTheGeneratorsMeasures) {
       << names(check_surface(surface).violations);
   EXPECT_TRUE(check_same_boundary(mesh, check, surface).empty());
   const HeightsCheck heights =
-      check_heights(surface, {0, 0, 0}, city.city.dtm, model, kMinimumWall, kCutSlope);
+      check_heights(surface, {0, 0, 0}, city.city.dtm, model, kMinimumWall, kNoCuts);
   EXPECT_TRUE(heights.violations.empty()) << names(heights.violations);
   EXPECT_EQ(heights.lowered, city.plan.lowered);
 }
@@ -119,9 +119,9 @@ TEST_F(CheckMesh, EndsOnNonFiniteVerticesWhereverTheyAre) {
       SurfaceMesh odd = surface;
       odd.points[static_cast<std::size_t>(odd.triangles[ground][0])][d] = value;
       EXPECT_TRUE(has(check_surface(odd).violations, "coordinates that are not finite"));
-      EXPECT_TRUE(has(
-          check_heights(odd, {0, 0, 0}, city.city.dtm, model, kMinimumWall, kCutSlope).violations,
-          "coordinates that are not finite"));
+      EXPECT_TRUE(
+          has(check_heights(odd, {0, 0, 0}, city.city.dtm, model, kMinimumWall, kNoCuts).violations,
+              "coordinates that are not finite"));
       const VolumeCheck check = check_volume(mesh);
       EXPECT_FALSE(check_same_boundary(mesh, check, odd).empty());
       TetMesh volume = mesh;
@@ -216,23 +216,23 @@ TEST_F(CheckMesh, SeesHeightsOffByAMillimetre) {
   for (auto& p : moved.points)
     if (p[2] == city.city.roofs[2]) p[2] += 0.001;
   EXPECT_TRUE(
-      has(check_heights(moved, {0, 0, 0}, city.city.dtm, model, kMinimumWall, kCutSlope).violations,
+      has(check_heights(moved, {0, 0, 0}, city.city.dtm, model, kMinimumWall, kNoCuts).violations,
           "roof vertices off the roof height"));
   Raster higher = city.city.dtm;
   for (double& z : higher.values) z -= 0.001;
   EXPECT_TRUE(
-      has(check_heights(surface, {0, 0, 0}, higher, model, kMinimumWall, kCutSlope).violations,
+      has(check_heights(surface, {0, 0, 0}, higher, model, kMinimumWall, kNoCuts).violations,
           "ground vertices off the terrain"));
   model.buildings.pop_back();
-  EXPECT_TRUE(has(
-      check_heights(surface, {0, 0, 0}, city.city.dtm, model, kMinimumWall, kCutSlope).violations,
-      "roofs of buildings that the city model lacks"));
+  EXPECT_TRUE(
+      has(check_heights(surface, {0, 0, 0}, city.city.dtm, model, kMinimumWall, kNoCuts).violations,
+          "roofs of buildings that the city model lacks"));
 }
 
 TEST_F(CheckMesh, GroundIsLoweredAtWallsOnlyAndOnlyWhereTheyNeedIt) {
   const auto found = [&](const char* what) {
     return has(
-        check_heights(surface, {0, 0, 0}, city.city.dtm, model, kMinimumWall, kCutSlope).violations,
+        check_heights(surface, {0, 0, 0}, city.city.dtm, model, kMinimumWall, kNoCuts).violations,
         what);
   };
   const auto first_on = [&](Patch patch) -> std::array<double, 3>& {
@@ -274,14 +274,22 @@ TEST(CheckHeights, GroundIsCutBackFromRoofsAndNoFurther) {
   model.buildings.resize(1);
   model.buildings[0].footprint = city.footprints[0];
   model.buildings[0].h_roof = 6;
-  const auto check = [&](double slope) {
-    return check_heights(surface, {0, 0, 0}, city.dtm, model, kMinimumWall, slope);
+  const double slope = options.cut_slopes.at_roof;
+  const CutsCheck cuts{plan.cut_roofs, slope};
+  const auto check = [&](const CutsCheck& with) {
+    return check_heights(surface, {0, 0, 0}, city.dtm, model, kMinimumWall, with);
   };
-  const HeightsCheck sound = check(options.cut_slope);
+  const auto is_off = [&](const CutsCheck& with) {
+    return has(check(with).violations, "ground vertices off the terrain");
+  };
+  const HeightsCheck sound = check(cuts);
   EXPECT_TRUE(sound.violations.empty()) << names(sound.violations);
   EXPECT_EQ(sound.lowered, plan.lowered);
-  EXPECT_TRUE(has(check(2 * options.cut_slope).violations, "ground vertices off the terrain"))
-      << "deeper than a steeper cut";
+  EXPECT_TRUE(check({std::nullopt, slope}).violations.empty());
+  EXPECT_TRUE(is_off({plan.cut_roofs, 2 * slope})) << "deeper than a steeper cut";
+  EXPECT_TRUE(is_off({plan.cut_roofs, slope / 2})) << "not as deep as a gentler cut";
+  EXPECT_TRUE(is_off(kNoCuts));
+  EXPECT_TRUE(is_off({std::vector<BuildingIndex>{-1, 7}, slope}));
   bool deeper = false;
   for (std::size_t f = 0; f < surface.triangles.size() && !deeper; ++f) {
     if (surface.patch[f] != Patch::kGround) continue;
@@ -289,10 +297,14 @@ TEST(CheckHeights, GroundIsCutBackFromRoofsAndNoFurther) {
       auto& p = surface.points[static_cast<std::size_t>(v)];
       const bool on_wall = p[0] >= 50 && p[0] <= 62 && p[1] >= 40 && p[1] <= 52;
       if (on_wall || p[2] > 15 || deeper) continue;
-      p[2] -= 0.01;
-      EXPECT_TRUE(has(check(options.cut_slope).violations, "ground vertices off the terrain"));
+      p[2] -= 0.001;
+      EXPECT_TRUE(is_off(cuts));
+      EXPECT_TRUE(is_off({std::nullopt, slope}));
+      p[2] += 0.002;
+      EXPECT_TRUE(is_off(cuts)) << "too little";
+      EXPECT_FALSE(is_off({std::nullopt, slope}));
       p[2] += 10.5;
-      EXPECT_TRUE(has(check(options.cut_slope).violations, "ground vertices off the terrain"));
+      EXPECT_TRUE(is_off({std::nullopt, slope})) << "raised";
       deeper = true;
     }
   }

@@ -146,7 +146,9 @@ TEST_F(Cli, CheckSaysWhatIsNoReport) {
             0);
   for (const char* text :
        {"[1, 2]", "{\"config\": 3}", "{\"volume_mesh\": []}", "{\"volume_mesh\": {\"cells\": {}}}",
-        "{\"input\": \"none\"}", "{\"config\": {\"coordinates\": 1}}", "{", ""}) {
+        "{\"input\": \"none\"}", "{\"config\": {\"coordinates\": 1}}", "{", "",
+        "{\"config\": {\"cut_slope\": -30}}", "{\"config\": {\"cut_slope\": 120}}",
+        "{\"config\": {\"cut_slope\": 0}}", "{\"volume_mesh\": {\"roofs_cut_back\": 3}}"}) {
     SCOPED_TRACE(text);
     std::ofstream(scratch / "result/report.json") << text;
     const Outcome outcome = run("check result");

@@ -3,6 +3,7 @@
 
 #include <array>
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include "tetropolis/check/violation.h"
@@ -19,14 +20,20 @@ struct HeightsCheck {
   std::vector<Violation> violations;
 };
 
+/// Around which roofs the terrain was cut back (see cut_back), and how steeply it may rise there.
+struct CutsCheck {
+  std::optional<std::vector<BuildingIndex>> roofs;  ///< Nothing: not known, any of them.
+  double slope = 1.5;                               ///< At the roof; a tangent, > 0.
+};
+
 /// |z - DTM| <= 1e-9 m at ground vertices, |z - h_roof| <= 1e-9 m at roof vertices. On walls ground
 /// may lie below the DTM where that, at the vertex or at one next to it, is higher than the roof
-/// less `minimum_wall`, metres. On walls and elsewhere it may lie below the DTM as far as a cut
-/// that rises at `cut_slope`, a tangent, from a roof would take it (see cut_back). `shift` is added
-/// to the surface's coordinates to get to the local frame of `dtm` and `city`. Ground vertices that
-/// are not finite are violations.
+/// less `minimum_wall`, metres; and anywhere where `cuts` take it: exactly so far (to 1e-5 m), or,
+/// if it is not known around which roofs, at most so far. `shift` is added to the surface's
+/// coordinates to get to the local frame of `dtm` and `city`. Ground vertices that are not finite
+/// are violations.
 HeightsCheck check_heights(const SurfaceMesh& surface, std::array<double, 3> shift,
                            const Raster& dtm, const CityModel& city, double minimum_wall,
-                           double cut_slope);
+                           const CutsCheck& cuts);
 
 }  // namespace tetropolis

@@ -32,8 +32,8 @@ struct CrownEvidence {
 ///   (Serra 1982) of points seen from above: the level around a point is the quantile `share` of
 ///   the heights within `radius`, ground included; the point is more than `height` above the
 ///   highest level within `radius` of it. Next to the edge of a roof there is a high level;
-/// - it is no more than a metre higher than the highest point around the building: trees that hang
-///   over a building stand beside it, towers rise above them;
+/// - it is no more than 3 m higher than the highest point around the building: trees that hang over
+///   a building mostly stand beside it, towers rise above them;
 /// - no more than half of the points in the ball around it lie on surfaces, which is where
 ///   neighbours scatter little to both sides of a plane: root of the least eigenvalue of their
 ///   covariance at most thickness * radius (features of Weinmann et al., "Semantic point cloud

@@ -71,7 +71,7 @@ struct VolumeMeshReport {
   std::int64_t inverted = 0;
   double min_vertical_gap = 0;
   std::int64_t ground_lowered = 0;
-  std::int64_t roofs_cut_back = 0;  ///< Roofs around which the terrain was (cut_back).
+  std::vector<BuildingIndex> roofs_cut_back;  ///< Around which the terrain was, ascending.
   std::int64_t moved_by_guard = 0;
   std::int64_t columns_improved = 0;  ///< By improve_columns.
   double top = 0;

@@ -8,6 +8,7 @@
 #include "tetropolis/ground/ground_mesh.h"
 #include "tetropolis/terrain/raster.h"
 #include "tetropolis/volume/column_mesh.h"
+#include "tetropolis/volume/cut_back.h"
 #include "tetropolis/volume/layered_mesh.h"
 #include "tetropolis/volume/smooth.h"
 
@@ -39,6 +40,7 @@ struct ColumnPlan {
   std::int64_t lowered =
       0;               ///< Vertices outside buildings or on walls with ground below the terrain.
   double deepest = 0;  ///< How far, at most, in metres.
+  std::vector<BuildingIndex> cut_roofs;  ///< Around which the terrain was cut back, ascending.
 };
 
 struct ColumnPlanOptions {
@@ -54,7 +56,7 @@ struct ColumnPlanOptions {
                                   ///< least 0.6 of the spacing. Otherwise they have the minimum.
   std::vector<std::uint8_t> cut;  ///< Per building, 1 where the terrain is cut back around its
                                   ///< roof (see cut_back). Empty: nowhere.
-  double cut_slope = 1.5;         ///< How steeply it rises from there, a tangent, > 0.
+  CutSlopes cut_slopes;           ///< How steeply it rises from there.
 };
 
 /// `roofs`: elevation per building of `mesh`; `spacing`: per vertex, > 0. Throws as
