@@ -121,7 +121,7 @@ TEST(QualityFloor, LowWallsInACoarseMesh) {
 }
 
 /// Villages on a slope of 45 degrees and across a rock wall of 20 m. Of forty such villages each,
-/// at 10 and at 5 m, none, none, one and three are below the floor.
+/// at 10 and at 5 m, none, none, one and two are below the floor.
 TEST(QualityFloor, SlopesOf45DegreesAndRockWalls) {
   for (const char* defect : {"slope_45", "quarry_wall"})
     for (const std::uint64_t seed : {1, 2, 3}) {
