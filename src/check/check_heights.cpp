@@ -11,8 +11,6 @@
 
 #include <fmt/format.h>
 
-#include "tetropolis/volume/cut_back.h"
-
 #include "vector3.h"
 #include "violations.h"
 
@@ -121,8 +119,8 @@ double least_along(Point2 p, Point2 a, double at_a, Point2 b, double at_b, doubl
 /// terrain until nothing changes.
 std::vector<double> depths_of_cuts(const SurfaceMesh& surface, double z_shift,
                                    const Terrain& terrain, std::span<const double> roofs,
-                                   double slope_at_roofs) {
-  const double slope_beyond = std::max(slope_at_roofs, CutSlopes{}.beyond);
+                                   const CutSlopes& slopes) {
+  const double slope_beyond = std::max(slopes.at_roof, slopes.beyond);
   const auto is_below = [&](std::size_t v) {
     return surface.points[v][2] + z_shift < terrain.at[v] - kHeightTolerance;
   };
@@ -154,7 +152,7 @@ std::vector<double> depths_of_cuts(const SurfaceMesh& surface, double z_shift,
         const double now = std::min(depth[v], terrain.at[v]);
         if (!(std::min(start(a), start(b)) < now)) continue;
         const double most = least_along(place(v), place(a), start(a), place(b), start(b),
-                                        at_roof ? slope_at_roofs : slope_beyond);
+                                        at_roof ? slopes.at_roof : slope_beyond);
         if (!(most < now - kHeightTolerance)) continue;
         depth[v] = most;
         next.insert(faces_at[v].begin(), faces_at[v].end());
@@ -180,7 +178,7 @@ HeightsCheck check_heights(const SurfaceMesh& surface, std::array<double, 3> shi
   const Terrain terrain = terrain_of(surface, shift, dtm, city);
   const std::vector<double> roofs = roofs_over_walls(surface, city, std::nullopt);
   const std::vector<double> depth = depths_of_cuts(
-      surface, shift[2], terrain, roofs_over_walls(surface, city, cuts.roofs), cuts.slope);
+      surface, shift[2], terrain, roofs_over_walls(surface, city, cuts.roofs), cuts.slopes);
   const auto place = [&](std::size_t v, double wanted) {
     const auto& p = surface.points[v];
     return fmt::format("vertex {} at ({:.3f}, {:.3f}): z = {:.9f}, {:.9f} expected", v, p[0], p[1],

@@ -72,7 +72,7 @@ ReportedFacts facts_of(const Json& report) {
   facts.min_wall = config.value("min_wall_height", facts.min_wall);
   const double cut_slope = config.value("cut_slope", Config{}.cut_slope);
   if (!(cut_slope > 0 && cut_slope <= 90)) throw std::out_of_range("cut_slope");
-  facts.cuts.slope = std::tan(to_radians(cut_slope));
+  facts.cuts.slopes.at_roof = std::tan(to_radians(cut_slope));
   facts.cuts.roofs.emplace();
   if (report.contains("volume_mesh"))
     facts.cuts.roofs = report["volume_mesh"].value("roofs_cut_back", std::vector<BuildingIndex>());

@@ -3,6 +3,7 @@
 #include <cmath>
 #include <cstdint>
 #include <functional>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -249,10 +250,13 @@ constexpr double kFewCells = 1e-4;
 /// Times that columns are made anew, at most: where the ground was lowered, other cells change.
 constexpr int kMostCuts = 8;
 
-bool is_above_floor(const QualityHistogram& quality) {
-  return quality.min_dihedral_deg() >= kFloor.least &&
-         quality.max_dihedral_deg() <= kFloor.greatest &&
-         quality.dihedral_quantile_deg(kFewCells) >= kLeastOfMost;
+/// The bounds that the mesh is to be worked on for; nothing if it is above the floor.
+std::optional<AngleBounds> missed_bounds(const QualityHistogram& quality) {
+  if (quality.dihedral_quantile_deg(kFewCells) < kLeastOfMost)
+    return AngleBounds{kLeastOfMost, kFloor.greatest};
+  if (quality.min_dihedral_deg() < kFloor.least || quality.max_dihedral_deg() > kFloor.greatest)
+    return kFloor;
+  return std::nullopt;
 }
 
 /// Cuts the terrain back around roofs below it, as long as that makes cells beside them better
@@ -264,13 +268,11 @@ CellQuality make_room(const Config& config, const Raster& dtm, const CitySize& s
   if (config.layering == Layering::kUniform || config.cut_slope >= 90) return cells;
   ColumnPlanOptions options = plan_options(config);
   options.cut.assign(columns.plan.roofs.size(), 0);
-  for (int round = 0; round < kMostCuts && !is_above_floor(cells.histogram); ++round) {
-    AngleBounds bounds = kFloor;
-    if (cells.histogram.dihedral_quantile_deg(kFewCells) < kLeastOfMost)
-      bounds.least = kLeastOfMost;
-    if (mark_buried_roofs(columns.mesh, columns.plan, bounds, options.cut) == 0) break;
+  for (int round = 0; round < kMostCuts; ++round) {
+    const std::optional<AngleBounds> bounds = missed_bounds(cells.histogram);
+    if (!bounds || mark_buried_roofs(columns.mesh, columns.plan, *bounds, options.cut) == 0) break;
     const auto bad = [&] {
-      return count_bad_cells(columns.mesh, columns.plan.building, bounds, options.cut);
+      return count_bad_cells(columns.mesh, columns.plan.building, *bounds, options.cut);
     };
     const std::int64_t bad_before = bad();
     const VolumeMeshReport volume_before = volume;

@@ -34,7 +34,7 @@ std::string names(const std::vector<Violation>& violations) {
 }
 
 constexpr double kMinimumWall = ColumnPlanOptions{}.minimum_wall;
-const CutsCheck kNoCuts{std::vector<BuildingIndex>{}, 1.5};
+const CutsCheck kNoCuts{std::vector<BuildingIndex>{}, {}};
 
 class CheckMesh : public ::testing::Test {
  protected:
@@ -274,8 +274,8 @@ TEST(CheckHeights, GroundIsCutBackFromRoofsAndNoFurther) {
   model.buildings.resize(1);
   model.buildings[0].footprint = city.footprints[0];
   model.buildings[0].h_roof = 6;
-  const double slope = options.cut_slopes.at_roof;
-  const CutsCheck cuts{plan.cut_roofs, slope};
+  const CutSlopes slopes = options.cut_slopes;
+  const CutsCheck cuts{plan.cut_roofs, slopes};
   const auto check = [&](const CutsCheck& with) {
     return check_heights(surface, {0, 0, 0}, city.dtm, model, kMinimumWall, with);
   };
@@ -285,11 +285,13 @@ TEST(CheckHeights, GroundIsCutBackFromRoofsAndNoFurther) {
   const HeightsCheck sound = check(cuts);
   EXPECT_TRUE(sound.violations.empty()) << names(sound.violations);
   EXPECT_EQ(sound.lowered, plan.lowered);
-  EXPECT_TRUE(check({std::nullopt, slope}).violations.empty());
-  EXPECT_TRUE(is_off({plan.cut_roofs, 2 * slope})) << "deeper than a steeper cut";
-  EXPECT_TRUE(is_off({plan.cut_roofs, slope / 2})) << "not as deep as a gentler cut";
+  EXPECT_TRUE(check({std::nullopt, slopes}).violations.empty());
+  EXPECT_TRUE(is_off({plan.cut_roofs, {2 * slopes.at_roof, slopes.beyond}}))
+      << "deeper than a steeper cut";
+  EXPECT_TRUE(is_off({plan.cut_roofs, {slopes.at_roof / 2, slopes.beyond}}))
+      << "not as deep as a gentler cut";
   EXPECT_TRUE(is_off(kNoCuts));
-  EXPECT_TRUE(is_off({std::vector<BuildingIndex>{-1, 7}, slope}));
+  EXPECT_TRUE(is_off({std::vector<BuildingIndex>{-1, 7}, slopes}));
   bool deeper = false;
   for (std::size_t f = 0; f < surface.triangles.size() && !deeper; ++f) {
     if (surface.patch[f] != Patch::kGround) continue;
@@ -299,12 +301,12 @@ TEST(CheckHeights, GroundIsCutBackFromRoofsAndNoFurther) {
       if (on_wall || p[2] > 15 || deeper) continue;
       p[2] -= 0.001;
       EXPECT_TRUE(is_off(cuts));
-      EXPECT_TRUE(is_off({std::nullopt, slope}));
+      EXPECT_TRUE(is_off({std::nullopt, slopes}));
       p[2] += 0.002;
       EXPECT_TRUE(is_off(cuts)) << "too little";
-      EXPECT_FALSE(is_off({std::nullopt, slope}));
+      EXPECT_FALSE(is_off({std::nullopt, slopes}));
       p[2] += 10.5;
-      EXPECT_TRUE(is_off({std::nullopt, slope})) << "raised";
+      EXPECT_TRUE(is_off({std::nullopt, slopes})) << "raised";
       deeper = true;
     }
   }

@@ -29,12 +29,16 @@ namespace {
 
 namespace fs = std::filesystem;
 
-void expect_above_the_floor(const Report& report) {
-  const VolumeMeshReport& mesh = *report.volume_mesh;
-  EXPECT_EQ(mesh.inverted, 0);
+void expect_good_angles(const VolumeMeshReport& mesh) {
   EXPECT_GE(mesh.dihedral_min, 8);
   EXPECT_GE(mesh.dihedral_p0_01, 12);
   EXPECT_LE(mesh.dihedral_max, 160);
+}
+
+void expect_above_the_floor(const Report& report) {
+  const VolumeMeshReport& mesh = *report.volume_mesh;
+  EXPECT_EQ(mesh.inverted, 0);
+  expect_good_angles(mesh);
   EXPECT_LT(mesh.faces.worst.non_orthogonality_deg, 70);
   EXPECT_EQ(mesh.faces.above_70, 0);
   EXPECT_LT(mesh.faces.worst.skewness, 4);
@@ -43,16 +47,21 @@ void expect_above_the_floor(const Report& report) {
   EXPECT_LE(mesh.worst.front().badness, mesh.worst.back().badness);
 }
 
-/// Meshes the city in `folder` at each size.
+/// Meshes the city in `folder`.
+Report mesh_at(const fs::path& folder, double size) {
+  Config config;
+  config.city = folder / "city.city.json";
+  config.dtm = folder / "dtm.tif";
+  config.out = folder / "mesh";
+  config.mesh_size = size;
+  return run_mesh(config);
+}
+
+/// The same at each size.
 void expect_good_meshes(const fs::path& folder, const std::vector<double>& sizes) {
   for (const double size : sizes) {
     SCOPED_TRACE(size);
-    Config config;
-    config.city = folder / "city.city.json";
-    config.dtm = folder / "dtm.tif";
-    config.out = folder / "mesh";
-    config.mesh_size = size;
-    expect_above_the_floor(run_mesh(config));
+    expect_above_the_floor(mesh_at(folder, size));
   }
 }
 
@@ -139,16 +148,8 @@ TEST(QualityFloor, SlopesOf45DegreesAndRockWalls) {
                 {folder / "input"}, folder / "city");
       for (const double size : {10, 5}) {
         SCOPED_TRACE(size);
-        Config meshing;
-        meshing.city = folder / "city/city.city.json";
-        meshing.dtm = folder / "city/dtm.tif";
-        meshing.out = folder / "mesh";
-        meshing.mesh_size = size;
-        meshing.domain_height = 50;
-        const Report report = run_mesh(meshing);
-        EXPECT_GE(report.volume_mesh->dihedral_min, 8);
-        EXPECT_GE(report.volume_mesh->dihedral_p0_01, 12);
-        EXPECT_LE(report.volume_mesh->dihedral_max, 160);
+        const Report report = mesh_at(folder / "city", size);
+        expect_good_angles(*report.volume_mesh);
         EXPECT_GT(report.volume_mesh->ground_lowered, 0);
       }
     }

@@ -10,6 +10,7 @@
 #include "tetropolis/city/city_model.h"
 #include "tetropolis/terrain/raster.h"
 #include "tetropolis/volume/boundary.h"
+#include "tetropolis/volume/cut_back.h"
 
 namespace tetropolis {
 
@@ -23,7 +24,7 @@ struct HeightsCheck {
 /// Around which roofs the terrain was cut back (see cut_back), and how steeply it may rise there.
 struct CutsCheck {
   std::optional<std::vector<BuildingIndex>> roofs;  ///< Nothing: not known, any of them.
-  double slope = 1.5;                               ///< At the roof; a tangent, > 0.
+  CutSlopes slopes;
 };
 
 /// |z - DTM| <= 1e-9 m at ground vertices, |z - h_roof| <= 1e-9 m at roof vertices. On walls ground

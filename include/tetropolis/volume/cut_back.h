@@ -14,8 +14,8 @@ struct ColumnPlan;  // fill_columns.h
 
 /// How steeply ground may rise where it is cut back; tangents, > 0.
 struct CutSlopes {
-  double at_roof = 1.5;  ///< In the triangles that touch the roof's edge,
-  double beyond = 2.75;  ///< and further away, if that is more.
+  double at_roof = 1.4825609685127403;  ///< In the triangles at the roof's edge; 56 degrees.
+  double beyond = 2.75;                 ///< Further away, if that is more; 70 degrees.
 };
 
 /// Lowers `ground` at vertices outside buildings and on walls, until it rises no more steeply than
