@@ -72,6 +72,25 @@ class Crowns : public ::testing::Test {
   std::mt19937 random_{test_seed()};
 };
 
+TEST_F(Crowns, WhatRisesAboveTheTreesAroundStays) {
+  for (const bool tall_trees : {false, true}) {
+    SCOPED_TRACE(::testing::Message() << tall_trees << " " << test_seed());
+    scene_ = {};
+    scan_roof([](double, double) { return 2.8; }, 500);
+    scan_tree(300);  // up to 12 m
+    const auto first = static_cast<PointIndex>(scene_.cloud.size());
+    for (int k = 0; k < 60; ++k)
+      scene_.add(scene_.roof, 6 * share(), 8 * share(), 16 + 6 * share());
+    const auto last = static_cast<PointIndex>(scene_.cloud.size());
+    if (tall_trees) scene_.add(scene_.around, -1, 4, 22);
+    const auto kept_above = among(kept(), first, last);
+    if (tall_trees)
+      EXPECT_LT(kept_above, 6);
+    else
+      EXPECT_EQ(kept_above, 60);
+  }
+}
+
 TEST_F(Crowns, ATreeOverAShedGoesAndTheShedStays) {
   SCOPED_TRACE(test_seed());
   scan_roof([](double, double) { return 2.8; }, 500);
