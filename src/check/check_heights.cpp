@@ -73,10 +73,10 @@ Terrain terrain_of(const SurfaceMesh& surface, std::array<double, 3> shift, cons
 
 /// Per vertex of a wall, its building's roof, if that is among those asked for; infinity elsewhere.
 std::vector<double> roofs_over_walls(const SurfaceMesh& surface, const CityModel& city,
-                                     const std::optional<std::vector<BuildingIndex>>& wanted) {
+                                     const std::vector<BuildingIndex>* wanted = nullptr) {
   std::vector<double> roofs(surface.points.size(), kInfinity);
-  std::vector<bool> is_wanted(city.buildings.size(), !wanted);
-  for (const BuildingIndex b : wanted.value_or(std::vector<BuildingIndex>{}))
+  std::vector<bool> is_wanted(city.buildings.size(), wanted == nullptr);
+  for (const BuildingIndex b : wanted == nullptr ? std::vector<BuildingIndex>{} : *wanted)
     if (b >= 0 && static_cast<std::size_t>(b) < is_wanted.size())
       is_wanted[static_cast<std::size_t>(b)] = true;
   for (std::size_t f = 0; f < surface.triangles.size(); ++f) {
@@ -114,13 +114,13 @@ double least_along(Point2 p, Point2 a, double at_a, Point2 b, double at_b, doubl
   return std::min(ends, value((low + high) / 2));
 }
 
-/// How far down ground below the terrain would be if it were cut back from these roofs, and from
-/// what was cut before; infinity at other vertices. Goes from vertex to vertex of those below the
-/// terrain until nothing changes.
-std::vector<double> depths_of_cuts(const SurfaceMesh& surface, double z_shift,
-                                   const Terrain& terrain, std::span<const double> roofs,
-                                   const CutSlopes& slopes) {
-  const double slope_beyond = std::max(slopes.at_roof, slopes.beyond);
+/// Lowers `depth` (elevation per vertex, infinity: none) of vertices below the terrain to where
+/// they would be if it were cut back from where `starts` are finite, and from what was cut before.
+/// Goes from vertex to vertex until nothing changes.
+void cut_depths(const SurfaceMesh& surface, double z_shift, const Terrain& terrain,
+                std::span<const double> starts, const CutSlopes& slopes,
+                std::vector<double>& depth) {
+  const double slope_beyond = std::max(slopes.at_start, slopes.beyond);
   const auto is_below = [&](std::size_t v) {
     return surface.points[v][2] + z_shift < terrain.at[v] - kHeightTolerance;
   };
@@ -134,8 +134,7 @@ std::vector<double> depths_of_cuts(const SurfaceMesh& surface, double z_shift,
     faces.push_back(f);
     for (const std::int32_t v : corners) faces_at[static_cast<std::size_t>(v)].push_back(f);
   }
-  std::vector<double> depth(surface.points.size(), kInfinity);
-  const auto start = [&](std::size_t u) { return std::min(depth[u], roofs[u]); };
+  const auto start = [&](std::size_t u) { return std::min(depth[u], starts[u]); };
   const auto place = [&](std::size_t v) {
     return Point2{surface.points[v][0], surface.points[v][1]};
   };
@@ -148,17 +147,47 @@ std::vector<double> depths_of_cuts(const SurfaceMesh& surface, double z_shift,
         };
         const std::size_t v = corner(i), a = corner(i + 1), b = corner(i + 2);
         if (!is_below(v)) continue;
-        const bool at_roof = roofs[a] < kInfinity || roofs[b] < kInfinity;
+        const bool at_start = starts[a] < kInfinity || starts[b] < kInfinity;
         const double now = std::min(depth[v], terrain.at[v]);
         if (!(std::min(start(a), start(b)) < now)) continue;
         const double most = least_along(place(v), place(a), start(a), place(b), start(b),
-                                        at_roof ? slopes.at_roof : slope_beyond);
+                                        at_start ? slopes.at_start : slope_beyond);
         if (!(most < now - kHeightTolerance)) continue;
         depth[v] = most;
         next.insert(faces_at[v].begin(), faces_at[v].end());
       }
     faces.assign(next.begin(), next.end());
   }
+}
+
+/// Per vertex, how far down ground below the terrain may be because it was cut back; infinity where
+/// it was not.
+std::vector<double> depths_of_cuts(const SurfaceMesh& surface, std::array<double, 3> shift,
+                                   const Terrain& terrain, const CityModel& city,
+                                   const CutsCheck& cuts) {
+  constexpr double kSamePlace = 1e-6;  // metres
+  std::vector<double> depth(surface.points.size(), kInfinity);
+  std::vector<double> starts =
+      roofs_over_walls(surface, city, cuts.from ? &cuts.from->roofs : nullptr);
+  std::vector<std::pair<double, std::size_t>> by_x;
+  for (std::size_t v = 0; v < surface.points.size(); ++v)
+    if (!std::isnan(terrain.at[v])) by_x.emplace_back(surface.points[v][0] + shift[0], v);
+  std::sort(by_x.begin(), by_x.end());
+  if (cuts.from) {
+    for (const Point3& foot : cuts.from->feet)
+      for (auto it = std::lower_bound(by_x.begin(), by_x.end(),
+                                      std::pair(foot[0] - kSamePlace, std::size_t{0}));
+           it != by_x.end() && it->first <= foot[0] + kSamePlace; ++it) {
+        const std::size_t v = it->second;
+        if (std::abs(surface.points[v][1] + shift[1] - foot[1]) > kSamePlace) continue;
+        starts[v] = std::min(starts[v], foot[2]);
+        depth[v] = std::min(depth[v], foot[2]);
+      }
+  } else {  // from anywhere
+    for (const auto& [x, v] : by_x)
+      starts[v] = std::min(starts[v], surface.points[v][2] + shift[2]);
+  }
+  cut_depths(surface, shift[2], terrain, starts, cuts.slopes, depth);
   return depth;
 }
 
@@ -176,9 +205,8 @@ HeightsCheck check_heights(const SurfaceMesh& surface, std::array<double, 3> shi
       if (surface.patch[f] == Patch::kRoof) roof_building[v] = surface.building[f];
     }
   const Terrain terrain = terrain_of(surface, shift, dtm, city);
-  const std::vector<double> roofs = roofs_over_walls(surface, city, std::nullopt);
-  const std::vector<double> depth = depths_of_cuts(
-      surface, shift[2], terrain, roofs_over_walls(surface, city, cuts.roofs), cuts.slopes);
+  const std::vector<double> roofs = roofs_over_walls(surface, city);
+  const std::vector<double> depth = depths_of_cuts(surface, shift, terrain, city, cuts);
   const auto place = [&](std::size_t v, double wanted) {
     const auto& p = surface.points[v];
     return fmt::format("vertex {} at ({:.3f}, {:.3f}): z = {:.9f}, {:.9f} expected", v, p[0], p[1],
@@ -196,7 +224,7 @@ HeightsCheck check_heights(const SurfaceMesh& surface, std::array<double, 3> shi
     const double error = p[2] + shift[2] - wanted;
     if (std::abs(error) <= kHeightTolerance) continue;
     const double above_cut = p[2] + shift[2] - depth[v];
-    const bool is_cut = above_cut >= -kCutTolerance && (!cuts.roofs || above_cut <= kCutTolerance);
+    const bool is_cut = above_cut >= -kCutTolerance && (!cuts.from || above_cut <= kCutTolerance);
     if (error > 0 || (roofs[v] == kInfinity && !is_cut)) {
       note_violation(check.violations, "ground vertices off the terrain",
                      [&] { return place(v, wanted); });

@@ -62,6 +62,18 @@ struct ReportedFacts {
   ReportedGround ground{};
 };
 
+/// In the local frame.
+CutSources cuts_of(const Json& report) {
+  CutSources cuts;
+  const Json volume = report.value("volume_mesh", Json::object());
+  cuts.roofs = volume.value("roofs_cut_back", std::vector<BuildingIndex>());
+  for (const Point3& foot : volume.value("cliffs_cut_back", std::vector<Point3>())) {
+    const auto origin = report.at("origin").get<std::array<double, 2>>();
+    cuts.feet.push_back({foot[0] - origin[0], foot[1] - origin[1], foot[2]});
+  }
+  return cuts;
+}
+
 /// What is not in the report differs from every file.
 ReportedFacts facts_of(const Json& report) {
   const Json config = report.value("config", Json::object());
@@ -72,10 +84,8 @@ ReportedFacts facts_of(const Json& report) {
   facts.min_wall = config.value("min_wall_height", facts.min_wall);
   const double cut_slope = config.value("cut_slope", Config{}.cut_slope);
   if (!(cut_slope > 0 && cut_slope <= 90)) throw std::out_of_range("cut_slope");
-  facts.cuts.slopes.at_roof = std::tan(to_radians(cut_slope));
-  facts.cuts.roofs.emplace();
-  if (report.contains("volume_mesh"))
-    facts.cuts.roofs = report["volume_mesh"].value("roofs_cut_back", std::vector<BuildingIndex>());
+  facts.cuts.slopes.at_start = std::tan(to_radians(cut_slope));
+  facts.cuts.from = cuts_of(report);
   const Json ground = report.value("ground_mesh", Json::object());
   facts.ground = {ground.value("triangles", -1.0), ground.value("min_angle_deg", -1.0),
                   ground.value("triangles_below_min_angle", -1.0)};

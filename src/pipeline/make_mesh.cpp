@@ -124,7 +124,7 @@ ColumnPlanOptions plan_options(const Config& config) {
       uniform && config.layer_height > 0 ? config.layer_height : config.mesh_size;
   options.minimum_wall = config.min_wall_height;
   options.fit_lowered_walls = !uniform;
-  options.cut_slopes.at_roof = std::tan(to_radians(config.cut_slope));
+  options.cut_slopes.at_start = std::tan(to_radians(config.cut_slope));
   return options;
 }
 
@@ -259,70 +259,87 @@ std::optional<AngleBounds> missed_bounds(const QualityHistogram& quality) {
   return std::nullopt;
 }
 
-/// Cuts the terrain back around roofs below it, as long as that makes cells beside them better
-/// that are below the floor. Exact terrain comes first: nothing is cut where the floor is met
-/// without.
+/// Makes the columns anew with the terrain cut back as `options` say, if that leaves fewer cells
+/// outside the bounds; else everything stays as it is and the result is false.
+bool cut_back_once(const Config& config, const Raster& dtm, const CitySize& size,
+                   const ColumnPlanOptions& options, const AngleBounds& bounds, Columns& columns,
+                   CellQuality& cells, StepClock& clock, VolumeMeshReport& volume) {
+  const std::int64_t bad_before = count_bad_cells(columns.mesh, bounds);
+  const VolumeMeshReport volume_before = volume;
+  Columns before;
+  const bool is_cut = clock.run("3.3", "cut terrain back", [&](const Progress&) {
+    ColumnPlan plan =
+        plan_columns(columns.mesh.ground, dtm, columns.plan.roofs, columns.plan.spacing, options);
+    if (plan.ground == columns.plan.ground ||
+        !cells_fit(config, size, static_cast<double>(columns.mesh.triangle_count()),
+                   estimate_cells(plan)))
+      return false;
+    plan.top = columns.plan.top;
+    before = std::exchange(columns, {});
+    columns.plan = std::move(plan);
+    columns.mesh =
+        divide_columns(std::move(before.mesh.ground), std::move(before.mesh.edges), columns.plan);
+    place_nodes(columns.mesh, columns.plan);
+    return true;
+  });
+  if (!is_cut) return false;
+  volume.min_vertical_gap = require_valid(columns.mesh);
+  CellQuality now = improve(config, columns.mesh, clock, volume);
+  if (count_bad_cells(columns.mesh, bounds) < bad_before) {
+    cells = std::move(now);
+    return true;
+  }
+  before.mesh.ground = std::move(columns.mesh.ground);
+  before.mesh.edges = std::move(columns.mesh.edges);
+  columns = std::move(before);
+  volume = volume_before;
+  return false;
+}
+
+/// Cuts the terrain back where cells are below the floor, as long as that makes fewer of them:
+/// around roofs below it first, then from the feet of cliffs. Exact terrain comes first: nothing is
+/// cut where the floor is met without.
 CellQuality make_room(const Config& config, const Raster& dtm, const CitySize& size,
                       Columns& columns, CellQuality cells, StepClock& clock,
                       VolumeMeshReport& volume) {
   if (config.layering == Layering::kUniform || config.cut_slope >= 90) return cells;
   ColumnPlanOptions options = plan_options(config);
-  options.cut.assign(columns.plan.roofs.size(), 0);
-  for (int round = 0; round < kMostCuts; ++round) {
-    const std::optional<AngleBounds> bounds = missed_bounds(cells.histogram);
-    if (!bounds || mark_buried_roofs(columns.mesh, columns.plan, *bounds, options.cut) == 0) break;
-    const auto bad = [&] {
-      return count_bad_cells(columns.mesh, columns.plan.building, *bounds, options.cut);
-    };
-    const std::int64_t bad_before = bad();
-    const VolumeMeshReport volume_before = volume;
-    Columns before;
-    const bool is_cut = clock.run("3.3", "cut terrain back", [&](const Progress&) {
-      ColumnPlan plan =
-          plan_columns(columns.mesh.ground, dtm, columns.plan.roofs, columns.plan.spacing, options);
-      if (plan.cut_roofs == columns.plan.cut_roofs ||
-          !cells_fit(config, size, static_cast<double>(columns.mesh.triangle_count()),
-                     estimate_cells(plan)))
-        return false;
-      plan.top = columns.plan.top;
-      before = std::exchange(columns, {});
-      columns.plan = std::move(plan);
-      columns.mesh =
-          divide_columns(std::move(before.mesh.ground), std::move(before.mesh.edges), columns.plan);
-      place_nodes(columns.mesh, columns.plan);
-      return true;
-    });
-    if (!is_cut) break;
-    volume.min_vertical_gap = require_valid(columns.mesh);
-    CellQuality now = improve(config, columns.mesh, clock, volume);
-    if (bad() >= bad_before) {
-      before.mesh.ground = std::move(columns.mesh.ground);
-      before.mesh.edges = std::move(columns.mesh.edges);
-      columns = std::move(before);
-      volume = volume_before;
-      break;
+  const auto cut_from = [&](const auto& mark) {
+    for (int round = 0; round < kMostCuts; ++round) {
+      const std::optional<AngleBounds> bounds = missed_bounds(cells.histogram);
+      const CutMarks marks_before = options.cut;
+      if (bounds && mark(*bounds) > 0 &&
+          cut_back_once(config, dtm, size, options, *bounds, columns, cells, clock, volume))
+        continue;
+      options.cut = marks_before;
+      return;
     }
-    cells = std::move(now);
-  }
+  };
+  options.cut.roofs.assign(columns.plan.roofs.size(), 0);
+  cut_from([&](const AngleBounds& bounds) {
+    return mark_buried_roofs(columns.mesh, columns.plan, bounds, options.cut);
+  });
+  options.cut.feet.assign(columns.plan.ground.size(), std::numeric_limits<double>::infinity());
+  cut_from([&](const AngleBounds& bounds) {
+    return mark_cliffs(columns.mesh, columns.plan, bounds, options.cut_slopes.at_start,
+                       options.cut);
+  });
   return cells;
 }
 
 void report_lowered(const ColumnPlan& plan, Report& report) {
   report.volume_mesh->ground_lowered = plan.lowered;
-  report.volume_mesh->roofs_cut_back = plan.cut_roofs;
+  report.volume_mesh->roofs_cut_back = plan.cut_from.roofs;
+  report.volume_mesh->cliffs_cut_back = plan.cut_from.feet;
   if (plan.lowered == 0) return;
-  const std::size_t roofs = plan.cut_roofs.size();
-  const std::string around = roofs == 0
-                                 ? ""
-                                 : fmt::format(
-                                       "; around {} roof{} below the terrain, to leave room for "
-                                       "well-shaped cells",
-                                       roofs, roofs == 1 ? "" : "s");
+  std::string where = "at walls, to stay below their roof";
+  if (const std::size_t roofs = plan.cut_from.roofs.size(); roofs > 0)
+    where += fmt::format("; around {} roof{} below the terrain", roofs, roofs == 1 ? "" : "s");
+  if (const std::size_t feet = plan.cut_from.feet.size(); feet > 0)
+    where += fmt::format("; at {} cliff {}", feet, feet == 1 ? "foot" : "feet");
   report.warnings.push_back(
       {"ground_lowered", plan.lowered,
-       fmt::format("ground vertices were lowered, by up to {:.1f} m: at walls, to stay below their "
-                   "roof{}",
-                   plan.deepest, around)});
+       fmt::format("ground vertices were lowered, by up to {:.1f} m: {}", plan.deepest, where)});
 }
 
 void measure(const ColumnMesh& mesh, CellQuality cells, VolumeMeshReport& volume) {

@@ -74,6 +74,13 @@ Json worst_json(const std::vector<WorstCell>& worst, Point2 origin) {
   return cells;
 }
 
+/// Likewise.
+Json points_json(const std::vector<Point3>& points, Point2 origin) {
+  Json places = Json::array();
+  for (const Point3& p : points) places.push_back({p[0] + origin.x, p[1] + origin.y, p[2]});
+  return places;
+}
+
 Json volume_json(const VolumeMeshReport& mesh, Point2 origin) {
   return {{"vertices", mesh.vertices},
           {"cells", mesh.cells},
@@ -83,6 +90,7 @@ Json volume_json(const VolumeMeshReport& mesh, Point2 origin) {
           {"min_vertical_gap", mesh.min_vertical_gap},
           {"ground_lowered", mesh.ground_lowered},
           {"roofs_cut_back", mesh.roofs_cut_back},
+          {"cliffs_cut_back", points_json(mesh.cliffs_cut_back, origin)},
           {"moved_by_guard", mesh.moved_by_guard},
           {"columns_improved", mesh.columns_improved},
           {"top", mesh.top},

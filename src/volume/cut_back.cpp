@@ -1,10 +1,12 @@
 #include "tetropolis/volume/cut_back.h"
 
 #include <algorithm>
+#include <atomic>
 #include <cmath>
 #include <cstddef>
 #include <limits>
 
+#include "tetropolis/core/parallel.h"
 #include "tetropolis/core/units.h"
 #include "tetropolis/volume/fill_columns.h"
 
@@ -47,34 +49,47 @@ std::int64_t count_bad_cells_over(const ColumnMesh& mesh, std::size_t t,
   return bad;
 }
 
+/// The tangent of the steepest slope of the ground over triangle t.
+double slope_of(const GroundMesh& mesh, std::size_t t, std::span<const double> ground) {
+  const auto& v = mesh.triangles[t];
+  const auto at = [&](std::size_t k) { return mesh.vertices[static_cast<std::size_t>(v[k])]; };
+  const auto height = [&](std::size_t k) { return ground[static_cast<std::size_t>(v[k])]; };
+  const double ax = at(1).x - at(0).x, ay = at(1).y - at(0).y, az = height(1) - height(0);
+  const double bx = at(2).x - at(0).x, by = at(2).y - at(0).y, bz = height(2) - height(0);
+  return std::hypot(az * by - bz * ay, bz * ax - az * bx) / std::abs(ax * by - ay * bx);
+}
+
 }  // namespace
 
-std::vector<BuildingIndex> cut_back(const GroundMesh& mesh, std::span<const BuildingIndex> building,
-                                    std::span<const double> roofs,
-                                    std::span<const std::uint8_t> cut, const CutSlopes& slopes,
-                                    std::vector<double>& ground) {
+CutSources cut_back(const GroundMesh& mesh, std::span<const BuildingIndex> building,
+                    std::span<const double> roofs, const CutMarks& marks, const CutSlopes& slopes,
+                    std::vector<double>& ground) {
   constexpr double kWorthwhile = 1e-6;                   // metres
-  std::vector<double> start(ground.size(), kInfinity);   // of slopes: roofs, and ground cut already
+  std::vector<double> start(ground.size(), kInfinity);   // of slopes: where marked, or cut already
   std::vector<std::int32_t> changed(ground.size(), -1);  // in which sweep, last
-  std::vector<std::uint8_t> at_roof(ground.size(), 0);
-  std::vector<std::uint8_t> has_lowered(cut.size(), 0);
+  std::vector<std::uint8_t> is_source(ground.size(), 0), has_lowered(ground.size(), 0);
   for (std::size_t v = 0; v < start.size(); ++v) {
     const BuildingIndex b = building[v];
-    if (b == kNoBuilding || cut[static_cast<std::size_t>(b)] == 0) continue;
-    start[v] = roofs[static_cast<std::size_t>(b)];
-    at_roof[v] = 1;
+    if (b != kNoBuilding && !marks.roofs.empty() && marks.roofs[static_cast<std::size_t>(b)] != 0)
+      start[v] = roofs[static_cast<std::size_t>(b)];
+    if (!marks.feet.empty() && marks.feet[v] < kInfinity) {
+      has_lowered[v] = marks.feet[v] < ground[v] - kWorthwhile ? 1 : 0;
+      ground[v] = std::min(ground[v], marks.feet[v]);
+      start[v] = std::min(start[v], ground[v]);
+    }
+    if (start[v] == kInfinity) continue;
+    is_source[v] = 1;
     changed[v] = 0;
   }
-  const double beyond = std::max(slopes.at_roof, slopes.beyond);
+  const double beyond = std::max(slopes.at_start, slopes.beyond);
   const auto lower = [&](std::size_t v, std::size_t a, std::size_t b) {
-    const double slope = at_roof[a] != 0 || at_roof[b] != 0 ? slopes.at_roof : beyond;
+    const double slope = is_source[a] != 0 || is_source[b] != 0 ? slopes.at_start : beyond;
     const double most =
         highest_at(mesh.vertices[v], mesh.vertices[a], start[a], mesh.vertices[b], start[b], slope);
     if (!(most < ground[v] - kWorthwhile)) return false;
     ground[v] = most;
     start[v] = std::min(start[v], most);
-    for (const std::size_t u : {a, b})
-      if (at_roof[u] != 0) has_lowered[static_cast<std::size_t>(building[u])] = 1;
+    for (const std::size_t u : {a, b}) has_lowered[u] |= is_source[u];
     return true;
   };
   bool again = true;
@@ -94,14 +109,22 @@ std::vector<BuildingIndex> cut_back(const GroundMesh& mesh, std::span<const Buil
       }
     }
   }
-  std::vector<BuildingIndex> lowered;
-  for (std::size_t b = 0; b < has_lowered.size(); ++b)
-    if (has_lowered[b] != 0) lowered.push_back(static_cast<BuildingIndex>(b));
-  return lowered;
+  CutSources sources;
+  for (std::size_t v = 0; v < ground.size(); ++v) {
+    if (has_lowered[v] == 0) continue;
+    const BuildingIndex b = building[v];
+    if (!marks.feet.empty() && marks.feet[v] < kInfinity)
+      sources.feet.push_back({mesh.vertices[v].x, mesh.vertices[v].y, marks.feet[v]});
+    if (b != kNoBuilding && !marks.roofs.empty() && marks.roofs[static_cast<std::size_t>(b)] != 0)
+      sources.roofs.push_back(b);
+  }
+  std::sort(sources.roofs.begin(), sources.roofs.end());
+  sources.roofs.erase(std::unique(sources.roofs.begin(), sources.roofs.end()), sources.roofs.end());
+  return sources;
 }
 
 std::int64_t mark_buried_roofs(const ColumnMesh& mesh, const ColumnPlan& plan,
-                               const AngleBounds& bounds, std::vector<std::uint8_t>& cut) {
+                               const AngleBounds& bounds, CutMarks& marks) {
   std::int64_t marked = 0;
   for (std::size_t t = 0; t < mesh.triangle_count(); ++t) {
     if (mesh.inside_building(t)) continue;
@@ -110,7 +133,7 @@ std::int64_t mark_buried_roofs(const ColumnMesh& mesh, const ColumnPlan& plan,
       highest = std::max(highest, plan.ground[static_cast<std::size_t>(v)]);
     const auto is_buried = [&](VertexIndex v) {
       const BuildingIndex b = plan.building[static_cast<std::size_t>(v)];
-      return b != kNoBuilding && cut[static_cast<std::size_t>(b)] == 0 &&
+      return b != kNoBuilding && marks.roofs[static_cast<std::size_t>(b)] == 0 &&
              highest > plan.roofs[static_cast<std::size_t>(b)];
     };
     const auto& corners = mesh.ground.triangles[t];
@@ -119,25 +142,43 @@ std::int64_t mark_buried_roofs(const ColumnMesh& mesh, const ColumnPlan& plan,
       continue;
     for (const VertexIndex v : corners) {
       if (!is_buried(v)) continue;
-      cut[static_cast<std::size_t>(plan.building[static_cast<std::size_t>(v)])] = 1;
+      marks.roofs[static_cast<std::size_t>(plan.building[static_cast<std::size_t>(v)])] = 1;
       ++marked;
     }
   }
   return marked;
 }
 
-std::int64_t count_bad_cells(const ColumnMesh& mesh, std::span<const BuildingIndex> building,
-                             const AngleBounds& bounds, std::span<const std::uint8_t> cut) {
-  std::int64_t bad = 0;
+std::int64_t mark_cliffs(const ColumnMesh& mesh, const ColumnPlan& plan, const AngleBounds& bounds,
+                         double slope, CutMarks& marks) {
+  std::int64_t marked = 0;
   for (std::size_t t = 0; t < mesh.triangle_count(); ++t) {
+    if (mesh.inside_building(t) || !(slope_of(mesh.ground, t, plan.ground) > slope) ||
+        count_bad_cells_over(mesh, t, bounds) == 0)
+      continue;
     const auto& corners = mesh.ground.triangles[t];
-    const auto touches = [&](VertexIndex v) {
-      const BuildingIndex b = building[static_cast<std::size_t>(v)];
-      return b != kNoBuilding && cut[static_cast<std::size_t>(b)] != 0;
-    };
-    if (!mesh.inside_building(t) && std::any_of(corners.begin(), corners.end(), touches))
-      bad += count_bad_cells_over(mesh, t, bounds);
+    const auto lowest = static_cast<std::size_t>(
+        *std::min_element(corners.begin(), corners.end(), [&](VertexIndex a, VertexIndex b) {
+          return plan.ground[static_cast<std::size_t>(a)] <
+                 plan.ground[static_cast<std::size_t>(b)];
+        }));
+    if (!(plan.ground[lowest] < marks.feet[lowest])) continue;
+    marks.feet[lowest] = plan.ground[lowest];
+    ++marked;
   }
+  return marked;
+}
+
+std::int64_t count_bad_cells(const ColumnMesh& mesh, const AngleBounds& bounds) {
+  constexpr std::size_t kTrianglesPerChunk = 4096;
+  std::atomic<std::int64_t> bad{0};
+  parallel_chunks(mesh.triangle_count(), kTrianglesPerChunk,
+                  [&](std::size_t begin, std::size_t end) {
+                    std::int64_t here = 0;
+                    for (std::size_t t = begin; t < end; ++t)
+                      here += count_bad_cells_over(mesh, t, bounds);
+                    bad += here;
+                  });
   return bad;
 }
 

@@ -181,8 +181,8 @@ ColumnPlan plan_columns(const GroundMesh& mesh, const Raster& dtm, std::vector<d
   plan.building = vertex_buildings(mesh);
   const std::vector<double> terrain = terrain_under(mesh, dtm);
   plan.ground = terrain;
-  if (!options.cut.empty())
-    plan.cut_roofs =
+  if (options.cut.any())
+    plan.cut_from =
         cut_back(mesh, plan.building, plan.roofs, options.cut, options.cut_slopes, plan.ground);
   std::vector<double> least(plan.spacing.size(), options.minimum_wall);
   std::vector<double> wall(least);

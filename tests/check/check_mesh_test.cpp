@@ -34,7 +34,7 @@ std::string names(const std::vector<Violation>& violations) {
 }
 
 constexpr double kMinimumWall = ColumnPlanOptions{}.minimum_wall;
-const CutsCheck kNoCuts{std::vector<BuildingIndex>{}, {}};
+const CutsCheck kNoCuts{CutSources{}, {}};
 
 class CheckMesh : public ::testing::Test {
  protected:
@@ -254,63 +254,97 @@ TEST_F(CheckMesh, GroundIsLoweredAtWallsOnlyAndOnlyWhereTheyNeedIt) {
   EXPECT_TRUE(found("ground vertices off the terrain")) << "raised at a wall";
 }
 
-TEST(CheckHeights, GroundIsCutBackFromRoofsAndNoFurther) {
-  // A house of 6 m with its roof 10 m below the terrain around it.
+/// A house of 6 m with its roof 10 m below the terrain around it, cut back from its roof, or, with
+/// no house near, from one vertex.
+struct CutCity {
   testing::SmallCity city;
-  city.footprints = {testing::rectangle(50, 40, 62, 52)};
-  city.roofs = {6};
-  city.dtm = testing::raster_of(city.domain, [](double, double) { return 16.0; });
-  GroundMesh ground = mesh_ground(city.footprints, city.domain, {6, 25});
   ColumnPlanOptions options;
-  options.domain_height = 60;
-  options.cut = {1};
-  const ColumnPlan plan =
-      plan_columns(ground, city.dtm, city.roofs, column_spacing(ground), options);
-  EdgeGraph edges = build_edge_graph(ground);
-  ColumnMesh mesh = divide_columns(std::move(ground), std::move(edges), plan);
-  place_nodes(mesh, plan);
-  SurfaceMesh surface = extract_boundary(mesh, city.domain);
+  ColumnPlan plan;
+  SurfaceMesh surface;
   CityModel model;
-  model.buildings.resize(1);
-  model.buildings[0].footprint = city.footprints[0];
-  model.buildings[0].h_roof = 6;
-  const CutSlopes slopes = options.cut_slopes;
-  const CutsCheck cuts{plan.cut_roofs, slopes};
-  const auto check = [&](const CutsCheck& with) {
-    return check_heights(surface, {0, 0, 0}, city.dtm, model, kMinimumWall, with);
-  };
-  const auto is_off = [&](const CutsCheck& with) {
-    return has(check(with).violations, "ground vertices off the terrain");
-  };
-  const HeightsCheck sound = check(cuts);
-  EXPECT_TRUE(sound.violations.empty()) << names(sound.violations);
-  EXPECT_EQ(sound.lowered, plan.lowered);
-  EXPECT_TRUE(check({std::nullopt, slopes}).violations.empty());
-  EXPECT_TRUE(is_off({plan.cut_roofs, {2 * slopes.at_roof, slopes.beyond}}))
-      << "deeper than a steeper cut";
-  EXPECT_TRUE(is_off({plan.cut_roofs, {slopes.at_roof / 2, slopes.beyond}}))
-      << "not as deep as a gentler cut";
-  EXPECT_TRUE(is_off(kNoCuts));
-  EXPECT_TRUE(is_off({std::vector<BuildingIndex>{-1, 7}, slopes}));
-  bool deeper = false;
-  for (std::size_t f = 0; f < surface.triangles.size() && !deeper; ++f) {
-    if (surface.patch[f] != Patch::kGround) continue;
-    for (const std::int32_t v : surface.triangles[f]) {
-      auto& p = surface.points[static_cast<std::size_t>(v)];
-      const bool on_wall = p[0] >= 50 && p[0] <= 62 && p[1] >= 40 && p[1] <= 52;
-      if (on_wall || p[2] > 15 || deeper) continue;
-      p[2] -= 0.001;
-      EXPECT_TRUE(is_off(cuts));
-      EXPECT_TRUE(is_off({std::nullopt, slopes}));
-      p[2] += 0.002;
-      EXPECT_TRUE(is_off(cuts)) << "too little";
-      EXPECT_FALSE(is_off({std::nullopt, slopes}));
-      p[2] += 10.5;
-      EXPECT_TRUE(is_off({std::nullopt, slopes})) << "raised";
-      deeper = true;
+
+  explicit CutCity(bool at_roof) {
+    city.footprints = {at_roof ? testing::rectangle(50, 40, 62, 52)
+                               : testing::rectangle(5, 5, 12, 12)};
+    city.roofs = {at_roof ? 6.0 : 30.0};
+    city.dtm = testing::raster_of(city.domain, [](double, double) { return 16.0; });
+    GroundMesh ground = mesh_ground(city.footprints, city.domain, {6, 25});
+    options.domain_height = 60;
+    if (at_roof) {
+      options.cut.roofs = {1};
+    } else {
+      const std::size_t centre = nearest(ground, {56, 46});
+      options.cut.feet.assign(ground.vertices.size(), std::numeric_limits<double>::infinity());
+      options.cut.feet[centre] = 4;
     }
+    plan = plan_columns(ground, city.dtm, city.roofs, column_spacing(ground), options);
+    EdgeGraph edges = build_edge_graph(ground);
+    ColumnMesh mesh = divide_columns(std::move(ground), std::move(edges), plan);
+    place_nodes(mesh, plan);
+    surface = extract_boundary(mesh, city.domain);
+    model.buildings.resize(1);
+    model.buildings[0].footprint = city.footprints[0];
+    model.buildings[0].h_roof = city.roofs[0];
   }
-  EXPECT_TRUE(deeper);
+
+  static std::size_t nearest(const GroundMesh& ground, Point2 p) {
+    std::size_t best = 0;
+    const auto off = [&](std::size_t v) {
+      return std::hypot(ground.vertices[v].x - p.x, ground.vertices[v].y - p.y);
+    };
+    for (std::size_t v = 1; v < ground.vertices.size(); ++v)
+      if (off(v) < off(best)) best = v;
+    return best;
+  }
+  HeightsCheck check(const CutsCheck& with, std::array<double, 3> shift = {0, 0, 0}) const {
+    return check_heights(surface, shift, city.dtm, model, kMinimumWall, with);
+  }
+  bool is_off(const CutsCheck& with) const {
+    return has(check(with).violations, "ground vertices off the terrain");
+  }
+};
+
+TEST(CheckHeights, GroundIsCutBackAsFarAsAskedAndNoFurther) {
+  for (const bool at_roof : {true, false}) {
+    SCOPED_TRACE(at_roof ? "roof" : "foot");
+    CutCity cut(at_roof);
+    const CutSlopes slopes = cut.options.cut_slopes;
+    const CutSources& from = cut.plan.cut_from;
+    EXPECT_EQ(from.roofs.size(), at_roof ? 1U : 0U);
+    EXPECT_EQ(from.feet.size(), at_roof ? 0U : 1U);
+    const CutsCheck cuts{from, slopes};
+    const CutsCheck from_anywhere{std::nullopt, slopes};
+    const HeightsCheck sound = cut.check(cuts);
+    EXPECT_TRUE(sound.violations.empty()) << names(sound.violations);
+    EXPECT_EQ(sound.lowered, cut.plan.lowered);
+    EXPECT_GT(sound.lowered, 5);
+    EXPECT_TRUE(cut.is_off({from, {2 * slopes.at_start, slopes.beyond}}))
+        << "deeper than a steeper cut";
+    EXPECT_TRUE(cut.is_off({from, {slopes.at_start / 2, slopes.beyond}}))
+        << "not as deep as a gentler cut";
+    EXPECT_TRUE(cut.is_off(kNoCuts));
+    EXPECT_TRUE(cut.is_off({CutSources{{-1, 7}, {{56, 46.5, 4}}}, slopes})) << "from elsewhere";
+    // A single vertex that is lower than all around it could be the foot of nothing.
+    EXPECT_EQ(cut.is_off(from_anywhere), !at_roof);
+    int changed = 0;
+    for (auto& p : cut.surface.points) {
+      const bool on_wall = at_roof && p[0] >= 50 && p[0] <= 62 && p[1] >= 40 && p[1] <= 52;
+      if (on_wall || p[2] < 4.5 || p[2] > 15) continue;
+      const double z = p[2];
+      p[2] = z - 0.001;
+      EXPECT_TRUE(cut.is_off(cuts));
+      p[2] = z + 0.001;
+      EXPECT_TRUE(cut.is_off(cuts)) << "too little";
+      p[2] = z - 12;
+      EXPECT_TRUE(cut.is_off(from_anywhere));
+      p[2] = 16.001;
+      EXPECT_TRUE(cut.is_off(from_anywhere)) << "raised";
+      p[2] = z;
+      ++changed;
+      break;
+    }
+    EXPECT_EQ(changed, 1);
+  }
 }
 
 }  // namespace

@@ -148,7 +148,9 @@ TEST_F(Cli, CheckSaysWhatIsNoReport) {
        {"[1, 2]", "{\"config\": 3}", "{\"volume_mesh\": []}", "{\"volume_mesh\": {\"cells\": {}}}",
         "{\"input\": \"none\"}", "{\"config\": {\"coordinates\": 1}}", "{", "",
         "{\"config\": {\"cut_slope\": -30}}", "{\"config\": {\"cut_slope\": 120}}",
-        "{\"config\": {\"cut_slope\": 0}}", "{\"volume_mesh\": {\"roofs_cut_back\": 3}}"}) {
+        "{\"config\": {\"cut_slope\": 0}}", "{\"volume_mesh\": {\"roofs_cut_back\": 3}}",
+        "{\"volume_mesh\": {\"cliffs_cut_back\": [[1, 2, 3]]}}",
+        "{\"origin\": [0, 0], \"volume_mesh\": {\"cliffs_cut_back\": [[1, 2]]}}"}) {
     SCOPED_TRACE(text);
     std::ofstream(scratch / "result/report.json") << text;
     const Outcome outcome = run("check result");

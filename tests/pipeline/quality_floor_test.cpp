@@ -19,6 +19,7 @@
 #include "tetropolis/city/city_model.h"
 #include "tetropolis/io/cityjson.h"
 #include "tetropolis/io/geotiff.h"
+#include "tetropolis/pipeline/check_results.h"
 #include "tetropolis/pipeline/run.h"
 
 #include "block_city.h"
@@ -129,8 +130,9 @@ TEST(QualityFloor, LowWallsInACoarseMesh) {
   expect_good_meshes(folder.path(), {30, 20});
 }
 
-/// Villages on a slope of 45 degrees and across a rock wall of 20 m. Of forty such villages each,
-/// at 10 and at 5 m, none, none, one and two are below the floor.
+/// Villages on a slope of 45 degrees and across a rock wall of 20 m, which in the terrain is 1 m
+/// wide: beyond what cells of 3 m can follow, so that it is cut back. The surface stays exact
+/// elsewhere, which check knows with the report and without.
 TEST(QualityFloor, SlopesOf45DegreesAndRockWalls) {
   for (const char* defect : {"slope_45", "quarry_wall"})
     for (const std::uint64_t seed : {1, 2, 3}) {
@@ -146,11 +148,23 @@ TEST(QualityFloor, SlopesOf45DegreesAndRockWalls) {
       const fs::path shapefile = folder / "input/footprints.shp";
       make_city(fs::exists(shapefile) ? shapefile : folder / "input/footprints.geojson",
                 {folder / "input"}, folder / "city");
-      for (const double size : {10, 5}) {
+      for (const double size : {10, 5, 3}) {
+        const bool is_cut = size < 5 && config.defects[0] == "quarry_wall" && seed == 1;
+        if (size < 5 && !is_cut) continue;
         SCOPED_TRACE(size);
         const Report report = mesh_at(folder / "city", size);
         expect_good_angles(*report.volume_mesh);
         EXPECT_GT(report.volume_mesh->ground_lowered, 0);
+        if (!is_cut) continue;
+        EXPECT_FALSE(report.volume_mesh->cliffs_cut_back.empty());
+        EXPECT_LT(report.volume_mesh->ground_lowered, report.ground_mesh->vertices / 20);
+        fs::copy_file(folder / "city/dtm.tif", folder / "city/mesh/dtm.tif");
+        fs::copy_file(folder / "city/city.city.json", folder / "city/mesh/city.city.json");
+        for (const bool with_report : {true, false}) {
+          if (!with_report) fs::remove(folder / "city/mesh/report.json");
+          for (const CheckedFile& file : check_path(folder / "city/mesh", std::nullopt))
+            EXPECT_TRUE(file.violations.empty()) << file.violations[0].what;
+        }
       }
     }
 }

@@ -1,9 +1,13 @@
 #include "tetropolis/volume/cut_back.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <cstddef>
 #include <cstdint>
+#include <limits>
 #include <set>
+#include <utility>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -52,10 +56,10 @@ TEST(CutBack, GroundRisesFromTheRoofAsAsked) {
       SCOPED_TRACE(::testing::Message() << slope << " " << size);
       const Basin basin(size);
       std::vector<double> ground = basin.terrain;
-      const std::vector<std::uint8_t> cut{1, 0};
-      const auto roofs =
-          cut_back(basin.mesh, basin.owner, basin.city.roofs, cut, {slope, 2 * slope}, ground);
-      EXPECT_EQ(roofs, std::vector<BuildingIndex>{0});
+      const CutSources from = cut_back(basin.mesh, basin.owner, basin.city.roofs, {{1, 0}, {}},
+                                       {slope, 2 * slope}, ground);
+      EXPECT_EQ(from.roofs, std::vector<BuildingIndex>{0});
+      EXPECT_TRUE(from.feet.empty());
       int lowered = 0, at_the_other = 0;
       for (std::size_t v = 0; v < ground.size(); ++v) {
         const Point2 p = basin.mesh.vertices[v];
@@ -102,8 +106,7 @@ TEST(CutBack, GroundRisesFromTheRoofAsAsked) {
 TEST(CutBack, AgreesWithDistances) {
   const Basin basin(3);
   std::vector<double> ground = basin.terrain;
-  cut_back(basin.mesh, basin.owner, basin.city.roofs, std::vector<std::uint8_t>{1, 0}, {1.5, 0.1},
-           ground);
+  cut_back(basin.mesh, basin.owner, basin.city.roofs, {{1, 0}, {}}, {1.5, 0.1}, ground);
   int compared = 0;
   for (std::size_t v = 0; v < ground.size(); ++v) {
     const Point2 p = basin.mesh.vertices[v];
@@ -119,11 +122,138 @@ TEST(CutBack, AgreesWithDistances) {
 TEST(CutBack, NothingChangesWithoutAMarkOrAboveTheTerrain) {
   const Basin basin(5);
   std::vector<double> ground = basin.terrain;
-  for (const std::vector<std::uint8_t>& cut : {std::vector<std::uint8_t>{0, 0}, {0, 1}}) {
-    EXPECT_TRUE(
-        cut_back(basin.mesh, basin.owner, basin.city.roofs, cut, CutSlopes{}, ground).empty());
+  const std::vector<double> no_feet(ground.size(), std::numeric_limits<double>::infinity());
+  for (const CutMarks& marks : {CutMarks{}, {{0, 0}, {}}, {{0, 1}, {}}, {{}, no_feet}}) {
+    const CutSources from =
+        cut_back(basin.mesh, basin.owner, basin.city.roofs, marks, CutSlopes{}, ground);
+    EXPECT_TRUE(from.roofs.empty());
+    EXPECT_TRUE(from.feet.empty());
     EXPECT_EQ(ground, basin.terrain);
   }
+}
+
+/// A cliff of 20 m along x = 60 that ends in a plain, and no building near.
+struct Cliff {
+  testing::SmallCity city;
+  GroundMesh mesh;
+  std::vector<BuildingIndex> owner;
+  std::vector<double> terrain;
+
+  explicit Cliff(double size) {
+    city.footprints = {testing::rectangle(10, 10, 20, 20)};
+    city.roofs = {8};
+    city.dtm =
+        testing::raster_of(city.domain, [](double x, double) { return x < 60 ? 0.0 : 20.0; });
+    mesh = mesh_ground(city.footprints, city.domain, {size, 25});
+    owner = vertex_buildings(mesh);
+    terrain = terrain_under(mesh, city.dtm);
+  }
+};
+
+TEST(CutBack, GroundRisesFromTheFootOfACliffAsAsked) {
+  const Cliff cliff(4);
+  std::size_t foot = 0;
+  for (std::size_t v = 0; v < cliff.mesh.vertices.size(); ++v) {
+    const auto off = [&](std::size_t u) {
+      return std::hypot(cliff.mesh.vertices[u].x - 57, cliff.mesh.vertices[u].y - 50);
+    };
+    if (off(v) < off(foot)) foot = v;
+  }
+  const Point2 at = cliff.mesh.vertices[foot];
+  for (const double below : {0.0, 0.5}) {
+    std::vector<double> ground = cliff.terrain;
+    CutMarks marks;
+    marks.feet.assign(ground.size(), std::numeric_limits<double>::infinity());
+    marks.feet[foot] = cliff.terrain[foot] - below;
+    const CutSources from =
+        cut_back(cliff.mesh, cliff.owner, cliff.city.roofs, marks, {1, 1}, ground);
+    EXPECT_TRUE(from.roofs.empty());
+    ASSERT_EQ(from.feet.size(), 1U);
+    EXPECT_EQ(from.feet[0], (Point3{at.x, at.y, marks.feet[foot]}));
+    EXPECT_EQ(ground[foot], marks.feet[foot]);
+    const auto is_cut = [&](std::size_t v) { return v == foot || ground[v] < cliff.terrain[v]; };
+    int lowered = 0;
+    for (std::size_t v = 0; v < ground.size(); ++v) {
+      const Point2 p = cliff.mesh.vertices[v];
+      EXPECT_LE(ground[v], cliff.terrain[v]);
+      // Never deeper than the straight distance asks for.
+      const double most = marks.feet[foot] + std::hypot(p.x - at.x, p.y - at.y);
+      EXPECT_GE(ground[v], std::min(cliff.terrain[v], most) - 1e-9);
+      if (v != foot && is_cut(v)) ++lowered;
+    }
+    EXPECT_GT(lowered, 20);
+    for (std::size_t t = 0; t < cliff.mesh.triangles.size(); ++t)
+      for (std::size_t i = 0; i < 3 && cliff.mesh.region[t] == kNoBuilding; ++i) {
+        auto u = static_cast<std::size_t>(cliff.mesh.triangles[t][i]);
+        auto v = static_cast<std::size_t>(cliff.mesh.triangles[t][(i + 1) % 3]);
+        if (ground[u] > ground[v]) std::swap(u, v);
+        const Point2 p = cliff.mesh.vertices[u], q = cliff.mesh.vertices[v];
+        if (is_cut(u)) {
+          EXPECT_LE(ground[v], ground[u] + std::hypot(p.x - q.x, p.y - q.y) + 1e-5);
+        }
+      }
+  }
+}
+
+TEST(CutBack, MarksTheFeetOfCliffsWithBadCells) {
+  const Cliff cliff(4);
+  const auto result = testing::meshed(cliff.city, 4);
+  const double infinity = std::numeric_limits<double>::infinity();
+  const CellQuality cells = measure_cells(result.mesh, 10'000'000);
+  std::size_t most = 0;
+  for (const double least : {0.5, 14.0, 60.0})
+    for (const double slope : {0.5, 3.0, 100.0}) {
+      const AngleBounds bounds{least, 159.5};
+      std::int64_t bad = 0;
+      std::vector<std::pair<std::size_t, double>> steep;  // triangles and their lowest ground
+      for (const WorstCell& cell : cells.worst) {
+        if (cell.min_dihedral_deg >= least && cell.max_dihedral_deg <= 159.5) continue;
+        ++bad;
+        const auto t = static_cast<std::size_t>(cell.triangle);
+        if (result.mesh.ground.region[t] != kNoBuilding) continue;
+        // The steepest direction, by looking into all of them.
+        std::array<Point3, 3> p;
+        for (std::size_t i = 0; i < 3; ++i) {
+          const auto v = static_cast<std::size_t>(result.mesh.ground.triangles[t][i]);
+          const Point2 q = result.mesh.ground.vertices[v];
+          p[i] = {q.x, q.y, result.plan.ground[v]};
+        }
+        std::sort(p.begin(), p.end(), [](const Point3& a, const Point3& b) { return a[2] < b[2]; });
+        // Where the plane has the middle height on the line from the lowest to the highest.
+        const double share = p[2][2] > p[0][2] ? (p[1][2] - p[0][2]) / (p[2][2] - p[0][2]) : 0;
+        const double lx = p[0][0] + share * (p[2][0] - p[0][0]) - p[1][0];
+        const double ly = p[0][1] + share * (p[2][1] - p[0][1]) - p[1][1];
+        const double across =
+            std::abs(lx * (p[2][1] - p[0][1]) - ly * (p[2][0] - p[0][0])) / std::hypot(lx, ly);
+        if (!((p[2][2] - p[0][2]) / across > slope)) continue;
+        steep.emplace_back(t, p[0][2]);
+      }
+      EXPECT_EQ(count_bad_cells(result.mesh, bounds), bad);
+      CutMarks marks;
+      marks.feet.assign(result.plan.ground.size(), infinity);
+      const std::int64_t marked = mark_cliffs(result.mesh, result.plan, bounds, slope, marks);
+      std::set<std::size_t> allowed;
+      for (const auto& [t, lowest] : steep) {
+        bool found = false;
+        for (const VertexIndex c : result.mesh.ground.triangles[t]) {
+          const auto v = static_cast<std::size_t>(c);
+          if (result.plan.ground[v] > lowest) continue;
+          allowed.insert(v);
+          found = found || marks.feet[v] == lowest;
+        }
+        EXPECT_TRUE(found) << "triangle " << t;
+      }
+      std::int64_t feet = 0;
+      for (std::size_t v = 0; v < marks.feet.size(); ++v) {
+        if (marks.feet[v] == infinity) continue;
+        ++feet;
+        EXPECT_TRUE(allowed.count(v) == 1 && marks.feet[v] == result.plan.ground[v]) << v;
+      }
+      EXPECT_EQ(feet, marked);
+      EXPECT_EQ(mark_cliffs(result.mesh, result.plan, bounds, slope, marks), 0) << "marked twice";
+      most = std::max(most, static_cast<std::size_t>(feet));
+    }
+  EXPECT_GT(most, 10U);
 }
 
 TEST(CutBack, MarksTheRoofsWithBadCellsBesideThem) {
@@ -134,10 +264,9 @@ TEST(CutBack, MarksTheRoofsWithBadCellsBesideThem) {
   city.dtm = testing::raster_of(
       city.domain, [](double x, double) { return std::min(std::max(0.0, 1.732 * x), 120.0); });
   const auto result = testing::meshed(city, 4);
-  int marks = 0;
+  int all = 0;
   for (const double least : {0.5, 8.5, 60.0}) {
     std::set<BuildingIndex> expected;
-    std::int64_t beside_the_first = 0;
     const CellQuality cells = measure_cells(result.mesh, 10'000'000);
     ASSERT_EQ(static_cast<std::int64_t>(cells.worst.size()), cells.histogram.cells());
     for (const WorstCell& cell : cells.worst) {
@@ -145,9 +274,6 @@ TEST(CutBack, MarksTheRoofsWithBadCellsBesideThem) {
       const auto t = static_cast<std::size_t>(cell.triangle);
       if (result.mesh.ground.region[t] != kNoBuilding) continue;
       const auto& corners = result.mesh.ground.triangles[t];
-      beside_the_first += std::any_of(corners.begin(), corners.end(), [&](VertexIndex v) {
-        return result.plan.building[static_cast<std::size_t>(v)] == 0;
-      });
       for (const VertexIndex v : corners) {
         const BuildingIndex b = result.plan.building[static_cast<std::size_t>(v)];
         if (b == kNoBuilding) continue;
@@ -157,19 +283,17 @@ TEST(CutBack, MarksTheRoofsWithBadCellsBesideThem) {
             expected.insert(b);
       }
     }
-    std::vector<std::uint8_t> cut(2, 0);
+    CutMarks marks{{0, 0}, {}};
+    const std::vector<std::uint8_t>& cut = marks.roofs;
     const AngleBounds bounds{least, 159.5};
-    const std::int64_t marked = mark_buried_roofs(result.mesh, result.plan, bounds, cut);
+    const std::int64_t marked = mark_buried_roofs(result.mesh, result.plan, bounds, marks);
     EXPECT_EQ(marked, static_cast<std::int64_t>(expected.size()));
     EXPECT_EQ(cut[0], expected.count(0));
     EXPECT_EQ(cut[1], 0);
-    EXPECT_EQ(mark_buried_roofs(result.mesh, result.plan, bounds, cut), 0) << "marked twice";
-    EXPECT_EQ(
-        count_bad_cells(result.mesh, result.plan.building, bounds, std::vector<std::uint8_t>{1, 0}),
-        beside_the_first);
-    marks += cut[0];
+    EXPECT_EQ(mark_buried_roofs(result.mesh, result.plan, bounds, marks), 0) << "marked twice";
+    all += cut[0];
   }
-  EXPECT_GT(marks, 0);
+  EXPECT_GT(all, 0);
 }
 
 TEST(CutBack, CellsAtDeeplyBuriedRoofsGetRoom) {
@@ -180,7 +304,7 @@ TEST(CutBack, CellsAtDeeplyBuriedRoofsGetRoom) {
   auto result = testing::meshed(city, 4);
   ColumnPlanOptions options;
   options.domain_height = 80;
-  options.cut = {1};
+  options.cut.roofs = {1};
   const ColumnPlan plan = plan_columns(result.mesh.ground, city.dtm, city.roofs,
                                        column_spacing(result.mesh.ground), options);
   EXPECT_GT(plan.lowered, result.plan.lowered);

@@ -21,16 +21,17 @@ struct HeightsCheck {
   std::vector<Violation> violations;
 };
 
-/// Around which roofs the terrain was cut back (see cut_back), and how steeply it may rise there.
+/// From where the terrain was cut back (see cut_back), and how steeply it may rise there.
 struct CutsCheck {
-  std::optional<std::vector<BuildingIndex>> roofs;  ///< Nothing: not known, any of them.
+  std::optional<CutSources> from;  ///< In the local frame. Nothing: not known.
   CutSlopes slopes;
 };
 
 /// |z - DTM| <= 1e-9 m at ground vertices, |z - h_roof| <= 1e-9 m at roof vertices. On walls ground
 /// may lie below the DTM where that, at the vertex or at one next to it, is higher than the roof
 /// less `minimum_wall`, metres; and anywhere where `cuts` take it: exactly so far (to 1e-5 m), or,
-/// if it is not known around which roofs, at most so far. `shift` is added to the surface's
+/// if it is not known from where, no further than from a roof beside it or from the ground at its
+/// neighbours. `shift` is added to the surface's
 /// coordinates to get to the local frame of `dtm` and `city`. Ground vertices that are not finite
 /// are violations.
 HeightsCheck check_heights(const SurfaceMesh& surface, std::array<double, 3> shift,

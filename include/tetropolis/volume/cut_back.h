@@ -1,4 +1,4 @@
-// Terrain cut back around roofs that lie below it.
+// Terrain cut back around roofs that lie below it, and from the feet of cliffs.
 #pragma once
 
 #include <cstdint>
@@ -14,21 +14,35 @@ struct ColumnPlan;  // fill_columns.h
 
 /// How steeply ground may rise where it is cut back; tangents, > 0.
 struct CutSlopes {
-  double at_roof = 1.4825609685127403;  ///< In the triangles at the roof's edge; 56 degrees.
-  double beyond = 2.75;                 ///< Further away, if that is more; 70 degrees.
+  double at_start = 1.4825609685127403;  ///< In the triangles at the roof's edge or the cliff's
+                                         ///< foot; 56 degrees.
+  double beyond = 2.75;                  ///< Further away, if that is more; 70 degrees.
+};
+
+/// From where the terrain is to be cut back.
+struct CutMarks {
+  std::vector<std::uint8_t> roofs;  ///< Per building, 1: from the edge of its roof.
+  std::vector<double> feet;         ///< Per vertex, elevation of a cliff's foot; infinity: none.
+
+  bool any() const { return !roofs.empty() || !feet.empty(); }
+};
+
+/// From where it was: from each of these something was lowered.
+struct CutSources {
+  std::vector<BuildingIndex> roofs;  ///< Ascending.
+  std::vector<Point3> feet;          ///< By vertex; z as marked.
 };
 
 /// Lowers `ground` at vertices outside buildings and on walls, until it rises no more steeply than
-/// `slopes` say from the roof's edge of a building with a 1 in `cut`, or from ground that was
-/// lowered so (to a micrometre). Distances are those in the triangles outside buildings. Where the
-/// terrain dips below that, nothing beyond is touched; a hillside steeper than `slopes.beyond` is
-/// cut back to its crest. Returns the buildings from whose roofs something was lowered, ascending.
-/// `ground`: elevation per vertex; `building` as from vertex_buildings; `roofs`: elevation and
-/// `cut`: 0 or 1, per building.
-std::vector<BuildingIndex> cut_back(const GroundMesh& mesh, std::span<const BuildingIndex> building,
-                                    std::span<const double> roofs,
-                                    std::span<const std::uint8_t> cut, const CutSlopes& slopes,
-                                    std::vector<double>& ground);
+/// `slopes` say from the roof's edge of a marked building, from a marked foot (which itself is at
+/// most at its elevation), or from ground that was lowered so (to a micrometre). Distances are
+/// those in the triangles outside buildings. Where the terrain dips below that, nothing beyond is
+/// touched; a hillside steeper than `slopes.beyond` is cut back to its crest. `ground`: elevation
+/// per vertex; `building` as from vertex_buildings; `roofs`: elevation per building; `marks`: each
+/// list of its size, or empty.
+CutSources cut_back(const GroundMesh& mesh, std::span<const BuildingIndex> building,
+                    std::span<const double> roofs, const CutMarks& marks, const CutSlopes& slopes,
+                    std::vector<double>& ground);
 
 /// Cells with a dihedral angle outside of these bounds, in degrees.
 struct AngleBounds {
@@ -36,15 +50,19 @@ struct AngleBounds {
   double greatest = 180;
 };
 
-/// Sets `cut` to 1 for buildings beside which a cell is outside the bounds and the ground rises
-/// above the roof within the triangle, outside buildings, that the cell stands over. Returns how
-/// many were 0 before. `plan` is the one `mesh` was made with; `cut`: 0 or 1 per building.
+/// Marks buildings beside which a cell is outside the bounds and the ground rises above the roof
+/// within the triangle, outside buildings, that the cell stands over. Returns how many were not
+/// marked before. `plan` is the one `mesh` was made with; `marks.roofs` has its size.
 std::int64_t mark_buried_roofs(const ColumnMesh& mesh, const ColumnPlan& plan,
-                               const AngleBounds& bounds, std::vector<std::uint8_t>& cut);
+                               const AngleBounds& bounds, CutMarks& marks);
 
-/// How many cells are outside the bounds over the triangles outside buildings that touch a building
-/// with a 1 in `cut`. `building` as from vertex_buildings.
-std::int64_t count_bad_cells(const ColumnMesh& mesh, std::span<const BuildingIndex> building,
-                             const AngleBounds& bounds, std::span<const std::uint8_t> cut);
+/// Marks as a foot, where its ground is, the lowest vertex of every triangle outside buildings that
+/// is steeper than `slope` (tangent) and over which a cell is outside the bounds. Returns how often
+/// that was not marked before, or is lower now. `marks.feet` has its size.
+std::int64_t mark_cliffs(const ColumnMesh& mesh, const ColumnPlan& plan, const AngleBounds& bounds,
+                         double slope, CutMarks& marks);
+
+/// How many cells are outside the bounds.
+std::int64_t count_bad_cells(const ColumnMesh& mesh, const AngleBounds& bounds);
 
 }  // namespace tetropolis

@@ -30,7 +30,7 @@ std::vector<double> ground_rise(const GroundMesh& mesh, std::span<const double> 
 /// What the columns are made from: per vertex of the ground mesh, in metres.
 struct ColumnPlan {
   std::vector<double> ground;           ///< Elevation: the terrain, lowered at buried walls and
-                                        ///< cut back around roofs.
+                                        ///< cut back where marked.
   std::vector<BuildingIndex> building;  ///< As from vertex_buildings.
   std::vector<double> roofs;            ///< Elevation of the roof, per building.
   std::vector<double> top;              ///< Elevation of the top.
@@ -38,9 +38,9 @@ struct ColumnPlan {
   std::vector<double> rise;             ///< As from ground_rise.
   LayerPlan layers;                     ///< Height of the domain, and layers of uniform columns.
   std::int64_t lowered =
-      0;               ///< Vertices outside buildings or on walls with ground below the terrain.
-  double deepest = 0;  ///< How far, at most, in metres.
-  std::vector<BuildingIndex> cut_roofs;  ///< Around which the terrain was cut back, ascending.
+      0;                ///< Vertices outside buildings or on walls with ground below the terrain.
+  double deepest = 0;   ///< How far, at most, in metres.
+  CutSources cut_from;  ///< From where the terrain was cut back.
 };
 
 struct ColumnPlanOptions {
@@ -54,8 +54,7 @@ struct ColumnPlanOptions {
                                   ///< of what is left to the vertical) count as too low, too; and
                                   ///< where the ground is lowered, they become so high, and at
                                   ///< least 0.6 of the spacing. Otherwise they have the minimum.
-  std::vector<std::uint8_t> cut;  ///< Per building, 1 where the terrain is cut back around its
-                                  ///< roof (see cut_back). Empty: nowhere.
+  CutMarks cut;                   ///< From where the terrain is cut back (see cut_back).
   CutSlopes cut_slopes;           ///< How steeply it rises from there.
 };
 
