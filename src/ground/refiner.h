@@ -136,7 +136,7 @@ class Refiner {
   }
   int oversized_edge(const TriMesh::Triangle& x, const Shape& s) const;
   bool excused(const TriMesh::Triangle& x, const Shape& s) const;
-  bool across_sharp_corner(std::int32_t x, std::int32_t y) const;
+  double squared_sine_across(std::int32_t x, std::int32_t y) const;
 
   int skinny_bucket(const Shape& s) const;
   int oversized_bucket(const TriMesh::Triangle& x, const Shape& s, int edge) const;

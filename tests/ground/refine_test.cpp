@@ -94,6 +94,21 @@ TEST(Refine, CornersSharperThanTheBoundAreCountedAndRefinementEnds) {
   }
 }
 
+/// Between the first shell and the far side of a narrow triangle there is room for angles nearly as
+/// large as that of its tip.
+TEST(Refine, AcrossFromASharpCornerAnglesAreNotMuchSharper) {
+  for (const double corner : {2.0, 8.0, 13.0, 16.0, 20.0, 24.0})
+    for (const double leg : {5.9, 7.0, 9.13, 11.5})
+      for (const double other : {1.0, 0.8, 0.5}) {
+        PlanarGraph graph;
+        const double a = corner * std::numbers::pi / 180;
+        add_ring(graph, {{0, 0}, {leg, 0}, {other * leg * std::cos(a), other * leg * std::sin(a)}});
+        add_ring(graph, rectangle_ring(-20, -20, 30, 30));
+        const RefineOptions options{.min_angle_deg = 25, .max_edge = 10};
+        expect_refined(graph, options, std::to_string(corner) + " " + std::to_string(leg));
+      }
+}
+
 TEST(Refine, FansOfSharpCorners) {
   for (const int blades : {3, 12, 60, 360}) {
     PlanarGraph graph;
