@@ -251,8 +251,47 @@ std::int64_t decode_points(const fs::path& path, const LasLayout& layout, std::i
   return 0;
 }
 
+void check_layers(const fs::path& path, const LasLayout& layout) {
+  const std::int64_t points = layout.info.point_count;
+  if (layout.layers == 0 || points == 0) return;
+  const bool has_table = layout.chunk_table != 0;
+  const bool can_seek = layout.chunk_size > 0 || layout.variable_chunks;
+  const ForeignCode laszip(path.c_str());
+  std::optional<LazReader> reader;
+  if (has_table && can_seek) reader.emplace(path, layout, true);
+  const PositionedFile file(path);
+  // A chunk is its first point as it is, the number of its points, the size of each layer, and the
+  // layers.
+  std::vector<std::uint32_t> numbers(1 + static_cast<std::size_t>(layout.layers));
+  const std::size_t length = numbers.size() * sizeof numbers[0];
+  std::int64_t at = layout.first_point + 8;
+  for (std::int64_t point = 0; point < points;) {
+    const auto require = [&](bool holds, const char* what) {
+      if (!holds)
+        fail_las(path, fmt::format("the chunk of points from {} on, at byte {}, {}: the file is "
+                                   "broken; get it again",
+                                   point, at, what));
+    };
+    if (reader) {
+      reader->seek(point);
+      require(reader->position() == at, "is elsewhere by the table of chunks");
+    }
+    if (file.read(at + layout.info.record_length, numbers.data(), length) < length && !has_table)
+      return;
+    std::int64_t bytes = 0;
+    for (std::size_t layer = 1; layer < numbers.size(); ++layer) bytes += numbers[layer];
+    const std::int64_t end = at + layout.info.record_length + static_cast<std::int64_t>(length) + bytes;
+    require(bytes <= layout.file_size && (!has_table || end <= layout.chunk_table),
+            "states layers that do not fit into the file");
+    const std::int64_t count = layout.chunk_size > 0 ? layout.chunk_size : numbers[0];
+    require(count > 0, "states that it has no points");
+    point += count;
+    at = end;
+  }
+}
+
 std::int64_t points_in_last_chunk(const fs::path& path, const LasLayout& layout) {
-  if (!layout.layered || layout.chunk_size == 0 || layout.info.point_count == 0) return -1;
+  if (layout.layers == 0 || layout.chunk_size == 0 || layout.info.point_count == 0) return -1;
   const std::int64_t first = (layout.info.point_count - 1) / layout.chunk_size * layout.chunk_size;
   std::int64_t start = layout.first_point + 8;
   if (first > 0) {

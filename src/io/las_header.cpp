@@ -218,6 +218,7 @@ void settle_compression(const fs::path& path, const PositionedFile& file,
     fail_las(path,
              fmt::format("is compressed but has {} LASzip records; the file is broken", found));
   if (record.compressor == 1) return;
+  layout.layers = record.layers;
   const std::int64_t size = layout.file_size;
   std::int64_t table = -1;
   if (file.read(layout.first_point, &table, sizeof table) < sizeof table) {
@@ -255,7 +256,6 @@ void settle_compression(const fs::path& path, const PositionedFile& file,
                                "follow; the count is wrong, get the file again or repair it",
                                table - layout.first_point - 8));
   layout.chunk_table = table;
-  layout.layered = record.compressor == 3;
   layout.variable_chunks = variable;
   if (!variable && chunks > expected + 1)
     layout.info.warnings.push_back(
@@ -291,6 +291,10 @@ std::string check_laszip_record(std::string_view data, int record_length, Laszip
   // Sizes by item type: BYTE (any), POINT10, GPSTIME11, RGB12, WAVEPACKET13, POINT14, RGB14,
   // RGBNIR14, WAVEPACKET14, BYTE14 (any); the numbers between are not in use.
   constexpr std::array<int, 15> kSizes = {0, -1, -1, -1, -1, -1, 20, 8, 6, 29, 30, 6, 8, 29, 0};
+  // From POINT14 on they are packed in so many layers each, BYTE14 in one per byte; the decoder
+  // mixes up the two kinds if the compressor is not of theirs.
+  constexpr std::size_t kFirstLayered = 10;
+  constexpr std::array<int, 4> kLayers = {9, 1, 2, 1};
   int total = 0;
   for (std::size_t i = 0; i < items; ++i) {
     const std::size_t type = number_at<std::uint16_t>(data, 34 + 6 * i);
@@ -299,7 +303,13 @@ std::string check_laszip_record(std::string_view data, int record_length, Laszip
     if (type >= kSizes.size() || kSizes[type] < 0 || (kSizes[type] > 0 && size != kSizes[type]))
       return fmt::format("LASzip item type {} of {} bytes is not supported", type, size);
     if (version > 4) return fmt::format("LASzip item version {} is not supported", version);
+    if ((type >= kFirstLayered) != (record.compressor == 3))
+      return fmt::format("LASzip compressor {} does not go with items of type {}; the file is broken",
+                         record.compressor, type);
     total += size;
+    if (type < kFirstLayered) continue;
+    const std::size_t kind = type - kFirstLayered;
+    record.layers += kind < kLayers.size() ? kLayers[kind] : size;
   }
   if (total != record_length)
     return fmt::format("LASzip items of {} bytes do not make records of {}; the file is broken",

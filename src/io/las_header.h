@@ -29,8 +29,9 @@ struct LasLayout {
   bool variable_chunks = false;
   /// LAZ: byte of the chunk table, where the compressed points end; 0 if not known.
   std::int64_t chunk_table = 0;
-  /// LAZ: whether chunks are in layers (point formats 6 and above), which state their count.
-  bool layered = false;
+  /// LAZ: layers of a chunk (point formats 6 and above), which states its count and their sizes; 0
+  /// if chunks are not in layers.
+  int layers = 0;
   /// LAZ: whether the table at the end of the file is missing, as it is in a cut file.
   bool chunk_table_missing = false;
 };
@@ -65,6 +66,7 @@ LasLayout read_las_layout(const std::filesystem::path& path, LasSystems& systems
 /// Record of the LASzip compressor: how the points are packed.
 struct LaszipRecord {
   int compressor = 0;  ///< 1 point-wise, 2 chunked, 3 chunked in layers.
+  int layers = 0;      ///< Of a chunk, if in layers.
   std::uint32_t chunk_size = 0;
 };
 

@@ -293,6 +293,7 @@ FilePlan plan_file(const fs::path& path, const ReadPointsOptions& options, LasSy
   if (!options.crs.empty())
     std::erase_if(plan.warnings, [](const Warning& w) { return w.code == "las_crs_unknown"; });
   check_las_length(path, plan.layout);
+  check_layers(path, plan.layout);
   check_last_chunk(path, plan);
   const LasInfo& info = plan.layout.info;
   const bool sound = is_sound(info);
