@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <cmath>
 #include <cstdio>
 #include <filesystem>
 #include <fstream>
@@ -25,6 +26,12 @@ namespace {
 
 std::string crs_text(const std::string& crs) { return crs.empty() ? "not stated" : crs; }
 
+/// To a millimetre, but for what only a broken header holds.
+std::string coordinate(double value) {
+  constexpr double kBeyondEarth = 1e12;
+  return std::abs(value) < kBeyondEarth ? fmt::format("{:.3f}", value) : fmt::format("{:g}", value);
+}
+
 void print_warnings(const std::vector<Warning>& warnings) {
   for (const Warning& warning : warnings) put(stdout, fmt::format("  note: {}\n", warning.message));
 }
@@ -36,8 +43,9 @@ void info_points(const std::string& path) {
                           info.point_format, info.record_length, info.copc ? ", COPC" : ""));
   put(stdout, fmt::format("  points: {}\n  CRS: {}\n", info.point_count, crs_text(info.crs)));
   put(stdout,
-      fmt::format("  header box: x {:.3f} .. {:.3f}, y {:.3f} .. {:.3f}, z {:.3f} .. {:.3f}\n",
-                  info.min[0], info.max[0], info.min[1], info.max[1], info.min[2], info.max[2]));
+      fmt::format("  header box: x {} .. {}, y {} .. {}, z {} .. {}\n", coordinate(info.min[0]),
+                  coordinate(info.max[0]), coordinate(info.min[1]), coordinate(info.max[1]),
+                  coordinate(info.min[2]), coordinate(info.max[2])));
   const PointsSummary summary = summarise_points(path);
   for (const auto& [code, count] : summary.points_by_class)
     put(stdout, fmt::format("  class {}: {}\n", code, count));

@@ -93,8 +93,8 @@ bool Refiner::excused(const TriMesh::Triangle& x, const Shape& s) const {
   const int i = s.shortest();
   if (x.n[(i + 1) % 3] < 0 && x.n[(i + 2) % 3] < 0) return true;
   const double corner = squared_sine_across(x.v[(i + 1) % 3], x.v[(i + 2) % 3]);
-  return corner > 0 && s.twice_area * s.twice_area >=
-                           kShareOfSine * kShareOfSine * corner * (s.most * s.middle);
+  return corner > 0 &&
+         s.twice_area * s.twice_area >= kShareOfSine * kShareOfSine * corner * (s.most * s.middle);
 }
 
 // Of the corner, sharper than the minimum angle, between the two sides that x and y lie on, at the

@@ -272,7 +272,7 @@ void check_layers(const fs::path& path, const LasLayout& layout) {
                                    "broken; get it again",
                                    point, at, what));
     };
-    if (reader) {
+    if (reader && point > 0) {  // the first is where LASzip begins, whatever the table says
       reader->seek(point);
       require(reader->position() == at, "is elsewhere by the table of chunks");
     }
@@ -280,7 +280,8 @@ void check_layers(const fs::path& path, const LasLayout& layout) {
       return;
     std::int64_t bytes = 0;
     for (std::size_t layer = 1; layer < numbers.size(); ++layer) bytes += numbers[layer];
-    const std::int64_t end = at + layout.info.record_length + static_cast<std::int64_t>(length) + bytes;
+    const std::int64_t end =
+        at + layout.info.record_length + static_cast<std::int64_t>(length) + bytes;
     require(bytes <= layout.file_size && (!has_table || end <= layout.chunk_table),
             "states layers that do not fit into the file");
     const std::int64_t count = layout.chunk_size > 0 ? layout.chunk_size : numbers[0];

@@ -62,9 +62,10 @@ using LasVisitor = std::function<void(const LasBlock& block)>;
 std::int64_t decode_points(const std::filesystem::path& path, const LasLayout& layout,
                            std::int64_t first, std::int64_t count, const LasVisitor& visit);
 
-/// Throws Error(kInput) unless the chunks of a layered LAZ file lie one behind the other as the sizes
-/// of their layers and the table of chunks say: LASzip adds these sizes in 32 bits and trusts them.
-/// What is missing at the end of a cut file is left to decode_points. Does nothing for other files.
+/// Throws Error(kInput) unless the chunks of a layered LAZ file lie one behind the other as the
+/// sizes of their layers and the table of chunks say: LASzip adds these sizes in 32 bits and trusts
+/// them. What is missing at the end of a cut file is left to decode_points. Does nothing for other
+/// files.
 void check_layers(const std::filesystem::path& path, const LasLayout& layout);
 
 /// What the last chunk of a layered LAZ file with chunks of equal size states: its number of

@@ -25,6 +25,8 @@ namespace {
 constexpr std::array<int, 11> kRecordLengths = {20, 28, 26, 34, 57, 63, 30, 36, 38, 59, 67};
 /// Beyond these a header is broken: nothing on Earth is so far from the origin of its coordinates.
 constexpr double kLargestScale = 1e3;
+/// With a smaller scale all numbers of 32 bits lie within half a unit.
+constexpr double kLeastScale = 1e-10;
 constexpr double kLargestOffset = 1e9;
 constexpr double kLargestElevation = 1e6;
 constexpr std::size_t kVlrHeader = 54;
@@ -106,10 +108,17 @@ void parse_numbers(const fs::path& path, std::string_view h, LasInfo& info) {
     info.max[axis] = number_at<double>(h, 179 + 16 * axis);
     info.min[axis] = number_at<double>(h, 187 + 16 * axis);
     // Written so that NaN fails as well.
-    if (!(info.scale[axis] != 0 && std::abs(info.scale[axis]) <= kLargestScale &&
+    const double scale = std::abs(info.scale[axis]);
+    if (!(scale >= kLeastScale && scale <= kLargestScale &&
           std::abs(info.offset[axis]) <= (axis < 2 ? kLargestOffset : kLargestElevation)))
       fail_las(path, fmt::format("byte {} gives scale {} and offset {} for {}; the file is broken",
                                  131 + 8 * axis, info.scale[axis], info.offset[axis], "xyz"[axis]));
+    if (info.scale[axis] < 0)
+      info.warnings.push_back(
+          {"las_scale_negative", 1,
+           fmt::format("{}: byte {} gives a scale of {} for {}, which no known program writes; the "
+                       "points may be mirrored",
+                       path.string(), 131 + 8 * axis, info.scale[axis], "xyz"[axis])});
   }
   const auto legacy = number_at<std::uint32_t>(h, 107);
   const std::uint64_t extended = info.version_minor == 4 ? number_at<std::uint64_t>(h, 247) : 0;
@@ -304,8 +313,9 @@ std::string check_laszip_record(std::string_view data, int record_length, Laszip
       return fmt::format("LASzip item type {} of {} bytes is not supported", type, size);
     if (version > 4) return fmt::format("LASzip item version {} is not supported", version);
     if ((type >= kFirstLayered) != (record.compressor == 3))
-      return fmt::format("LASzip compressor {} does not go with items of type {}; the file is broken",
-                         record.compressor, type);
+      return fmt::format(
+          "LASzip compressor {} does not go with items of type {}; the file is broken",
+          record.compressor, type);
     total += size;
     if (type < kFirstLayered) continue;
     const std::size_t kind = type - kFirstLayered;

@@ -67,7 +67,7 @@ CutSources cuts_of(const Json& report) {
   CutSources cuts;
   const Json volume = report.value("volume_mesh", Json::object());
   cuts.roofs = volume.value("roofs_cut_back", std::vector<BuildingIndex>());
-  for (const Point3& foot : volume.value("cliffs_cut_back", std::vector<Point3>())) {
+  for (const Point3& foot : volume.value("feet_cut_back", std::vector<Point3>())) {
     const auto origin = report.at("origin").get<std::array<double, 2>>();
     cuts.feet.push_back({foot[0] - origin[0], foot[1] - origin[1], foot[2]});
   }

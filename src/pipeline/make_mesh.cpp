@@ -321,8 +321,7 @@ CellQuality make_room(const Config& config, const Raster& dtm, const CitySize& s
   });
   options.cut.feet.assign(columns.plan.ground.size(), std::numeric_limits<double>::infinity());
   cut_from([&](const AngleBounds& bounds) {
-    return mark_cliffs(columns.mesh, columns.plan, bounds, options.cut_slopes.at_start,
-                       options.cut);
+    return mark_feet(columns.mesh, columns.plan, bounds, options.cut_slopes.at_start, options.cut);
   });
   return cells;
 }
@@ -330,7 +329,7 @@ CellQuality make_room(const Config& config, const Raster& dtm, const CitySize& s
 void report_lowered(const ColumnPlan& plan, Report& report) {
   report.volume_mesh->ground_lowered = plan.lowered;
   report.volume_mesh->roofs_cut_back = plan.cut_from.roofs;
-  report.volume_mesh->cliffs_cut_back = plan.cut_from.feet;
+  report.volume_mesh->feet_cut_back = plan.cut_from.feet;
   if (plan.lowered == 0) return;
   std::string where = "at walls, to stay below their roof";
   if (const std::size_t roofs = plan.cut_from.roofs.size(); roofs > 0)
@@ -340,6 +339,18 @@ void report_lowered(const ColumnPlan& plan, Report& report) {
   report.warnings.push_back(
       {"ground_lowered", plan.lowered,
        fmt::format("ground vertices were lowered, by up to {:.1f} m: {}", plan.deepest, where)});
+}
+
+void warn_below_floor(const ColumnMesh& mesh, const QualityHistogram& quality, Report& report) {
+  const std::optional<AngleBounds> bounds = missed_bounds(quality);
+  if (!bounds) return;
+  report.warnings.push_back(
+      {"below_quality_floor", count_bad_cells(mesh, *bounds),
+       fmt::format("cells have dihedral angles outside of {} to {} degrees (least {:.2f}, greatest "
+                   "{:.2f}), where {} to {} are meant for all and {} for all but one in ten "
+                   "thousand; worst_cells in the report has the worst and why",
+                   bounds->least, bounds->greatest, quality.min_dihedral_deg(),
+                   quality.max_dihedral_deg(), kFloor.least, kFloor.greatest, kLeastOfMost)});
 }
 
 void measure(const ColumnMesh& mesh, CellQuality cells, VolumeMeshReport& volume) {
@@ -455,6 +466,7 @@ void make_mesh(const Config& config, const CityModel& city, Raster dtm, const Ou
   const ColumnMesh mesh = std::move(columns.mesh);
   columns.plan = {};
   clock.run("3.6", "check and write meshes", [&](const Progress& progress) {
+    warn_below_floor(mesh, cells.histogram, report);
     measure(mesh, std::move(cells), *report.volume_mesh);
     const SurfaceMesh boundary = bound(mesh, domain, report);
     Placement placement{{0, 0, 0}, {city.origin.x, city.origin.y, 0}};

@@ -18,9 +18,15 @@ namespace tetropolis {
 
 namespace {
 
+double rounded(double metres) {
+  constexpr double kDecimetres = 10;
+  return std::round(metres * kDecimetres) / kDecimetres;
+}
+
+/// To a decimetre, but no more than ten digits: broken headers hold any number.
 std::string box_text(const Bounds2& box) {
-  return fmt::format("x {:.1f} .. {:.1f}, y {:.1f} .. {:.1f}", box.xmin, box.xmax, box.ymin,
-                     box.ymax);
+  return fmt::format("x {:.10g} .. {:.10g}, y {:.10g} .. {:.10g}", rounded(box.xmin),
+                     rounded(box.xmax), rounded(box.ymin), rounded(box.ymax));
 }
 
 Bounds2 intersection(const Bounds2& a, const Bounds2& b) {
@@ -254,9 +260,10 @@ void fill_report(const Config& config, const FootprintsInput& footprints, const 
   throw Error(
       ErrorKind::kInput,
       fmt::format(
-          "points and domain do not overlap: the domain is {}, the points are {}; check the "
-          "CRS of both (--points-crs, --footprints-crs)",
-          box_text(box), box_text(headers.box)));
+          "{}: points and domain do not overlap: the domain is {}, the points are {} by {}; check "
+          "the CRS of both (--points-crs, --footprints-crs)",
+          config.points.front(), box_text(box), box_text(headers.box),
+          config.points.size() == 1 ? "its header" : "the headers of all files"));
 }
 
 }  // namespace

@@ -90,7 +90,7 @@ Json volume_json(const VolumeMeshReport& mesh, Point2 origin) {
           {"min_vertical_gap", mesh.min_vertical_gap},
           {"ground_lowered", mesh.ground_lowered},
           {"roofs_cut_back", mesh.roofs_cut_back},
-          {"cliffs_cut_back", points_json(mesh.cliffs_cut_back, origin)},
+          {"feet_cut_back", points_json(mesh.feet_cut_back, origin)},
           {"moved_by_guard", mesh.moved_by_guard},
           {"columns_improved", mesh.columns_improved},
           {"top", mesh.top},

@@ -19,6 +19,10 @@ namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
+/// Height of a wall over the longest edge beside it from which on cells there are well-shaped: the
+/// tangent of 15 degrees.
+constexpr double kWallPerEdge = 0.2679491924311227;
+
 /// Highest that p may be above the line from a to b, at elevations za and zb at its ends, if
 /// nothing rises from it more steeply than `slope`: the least of elevation + slope * distance along
 /// it. An end at infinity is not there. This is the update of a triangle in fast marching (Kimmel
@@ -149,22 +153,36 @@ std::int64_t mark_buried_roofs(const ColumnMesh& mesh, const ColumnPlan& plan,
   return marked;
 }
 
-std::int64_t mark_cliffs(const ColumnMesh& mesh, const ColumnPlan& plan, const AngleBounds& bounds,
-                         double slope, CutMarks& marks) {
+std::int64_t mark_feet(const ColumnMesh& mesh, const ColumnPlan& plan, const AngleBounds& bounds,
+                       double slope, CutMarks& marks) {
   std::int64_t marked = 0;
-  for (std::size_t t = 0; t < mesh.triangle_count(); ++t) {
-    if (mesh.inside_building(t) || !(slope_of(mesh.ground, t, plan.ground) > slope) ||
-        count_bad_cells_over(mesh, t, bounds) == 0)
-      continue;
-    const auto& corners = mesh.ground.triangles[t];
-    const auto lowest = static_cast<std::size_t>(
-        *std::min_element(corners.begin(), corners.end(), [&](VertexIndex a, VertexIndex b) {
-          return plan.ground[static_cast<std::size_t>(a)] <
-                 plan.ground[static_cast<std::size_t>(b)];
-        }));
-    if (!(plan.ground[lowest] < marks.feet[lowest])) continue;
-    marks.feet[lowest] = plan.ground[lowest];
+  const auto mark = [&](std::size_t v, double elevation) {
+    if (!(elevation < marks.feet[v])) return;
+    marks.feet[v] = elevation;
     ++marked;
+  };
+  for (std::size_t t = 0; t < mesh.triangle_count(); ++t) {
+    if (mesh.inside_building(t) || count_bad_cells_over(mesh, t, bounds) == 0) continue;
+    const auto corner = [&](std::size_t k) {
+      return static_cast<std::size_t>(mesh.ground.triangles[t][k % 3]);
+    };
+    if (slope_of(mesh.ground, t, plan.ground) > slope) {
+      std::size_t lowest = corner(0);
+      for (const std::size_t v : {corner(1), corner(2)})
+        if (plan.ground[v] < plan.ground[lowest]) lowest = v;
+      mark(lowest, plan.ground[lowest]);
+    }
+    for (std::size_t i = 0; i < 3; ++i) {
+      const std::size_t v = corner(i);
+      if (plan.building[v] == kNoBuilding) continue;
+      double edge = 0;
+      for (const std::size_t u : {corner(i + 1), corner(i + 2)})
+        edge = std::max(edge, std::hypot(mesh.ground.vertices[u].x - mesh.ground.vertices[v].x,
+                                         mesh.ground.vertices[u].y - mesh.ground.vertices[v].y));
+      const double foot =
+          plan.roofs[static_cast<std::size_t>(plan.building[v])] - kWallPerEdge * edge;
+      if (foot < plan.ground[v]) mark(v, foot);
+    }
   }
   return marked;
 }

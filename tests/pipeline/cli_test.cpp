@@ -149,8 +149,8 @@ TEST_F(Cli, CheckSaysWhatIsNoReport) {
         "{\"input\": \"none\"}", "{\"config\": {\"coordinates\": 1}}", "{", "",
         "{\"config\": {\"cut_slope\": -30}}", "{\"config\": {\"cut_slope\": 120}}",
         "{\"config\": {\"cut_slope\": 0}}", "{\"volume_mesh\": {\"roofs_cut_back\": 3}}",
-        "{\"volume_mesh\": {\"cliffs_cut_back\": [[1, 2, 3]]}}",
-        "{\"origin\": [0, 0], \"volume_mesh\": {\"cliffs_cut_back\": [[1, 2]]}}"}) {
+        "{\"volume_mesh\": {\"feet_cut_back\": [[1, 2, 3]]}}",
+        "{\"origin\": [0, 0], \"volume_mesh\": {\"feet_cut_back\": [[1, 2]]}}"}) {
     SCOPED_TRACE(text);
     std::ofstream(scratch / "result/report.json") << text;
     const Outcome outcome = run("check result");

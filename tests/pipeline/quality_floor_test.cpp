@@ -19,6 +19,7 @@
 #include "tetropolis/city/city_model.h"
 #include "tetropolis/io/cityjson.h"
 #include "tetropolis/io/geotiff.h"
+#include "tetropolis/io/las.h"
 #include "tetropolis/pipeline/check_results.h"
 #include "tetropolis/pipeline/run.h"
 
@@ -156,7 +157,7 @@ TEST(QualityFloor, SlopesOf45DegreesAndRockWalls) {
         expect_good_angles(*report.volume_mesh);
         EXPECT_GT(report.volume_mesh->ground_lowered, 0);
         if (!is_cut) continue;
-        EXPECT_FALSE(report.volume_mesh->cliffs_cut_back.empty());
+        EXPECT_FALSE(report.volume_mesh->feet_cut_back.empty());
         EXPECT_LT(report.volume_mesh->ground_lowered, report.ground_mesh->vertices / 20);
         fs::copy_file(folder / "city/dtm.tif", folder / "city/mesh/dtm.tif");
         fs::copy_file(folder / "city/city.city.json", folder / "city/mesh/city.city.json");
@@ -167,6 +168,35 @@ TEST(QualityFloor, SlopesOf45DegreesAndRockWalls) {
         }
       }
     }
+}
+
+/// Every point is ground, as in surface models sold for terrain: roofs and trees are cliffs, and
+/// walls of a metre are left at the buildings, which get the minimum height above the terrain.
+TEST(QualityFloor, RoofsAndTreesInTheTerrain) {
+  for (const std::uint64_t seed : {1, 2, 3}) {
+    SCOPED_TRACE(seed);
+    const testing::TemporaryFolder folder;
+    Config config;
+    config.kind = SynthKind::kAdversarial;
+    config.defects = {"no_classes"};
+    config.seed = seed;
+    config.size = 200;
+    config.out = folder / "input";
+    run_synth(config);
+    const PointsInput input =
+        read_points(expand_point_paths(std::vector{(folder / "input").string()}));
+    PointCloud cloud = input.points;
+    std::fill(cloud.classification.begin(), cloud.classification.end(), kGround);
+    fs::create_directory(folder / "points");
+    write_points(folder / "points/all.las", cloud, input.origin, {.crs = "EPSG:3006"});
+    const fs::path shapefile = folder / "input/footprints.shp";
+    make_city(fs::exists(shapefile) ? shapefile : folder / "input/footprints.geojson",
+              {folder / "points"}, folder / "city");
+    for (const double size : {10, 5}) {
+      SCOPED_TRACE(size);
+      expect_good_angles(*mesh_at(folder / "city", size).volume_mesh);
+    }
+  }
 }
 
 /// A long hall on a slope of one to a hundred: its walls get lower along the slope, until the

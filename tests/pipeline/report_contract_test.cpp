@@ -89,7 +89,7 @@ constexpr Key kContract[] = {
     {"volume_mesh.min_vertical_gap", Type::kNumber},
     {"volume_mesh.ground_lowered", Type::kNumber},
     {"volume_mesh.roofs_cut_back", Type::kList},
-    {"volume_mesh.cliffs_cut_back", Type::kList},
+    {"volume_mesh.feet_cut_back", Type::kList},
     {"volume_mesh.dihedral_deg.min", Type::kNumber},
     {"volume_mesh.dihedral_deg.p0_01", Type::kNumber},
     {"volume_mesh.dihedral_deg.p0_1", Type::kNumber},

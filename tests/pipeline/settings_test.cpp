@@ -488,6 +488,13 @@ const std::vector<Setting>& table() {
          EXPECT_GT(plain.volume().ground_lowered, changed.volume().ground_lowered);
          EXPECT_GT(plain.volume().dihedral_min, 8);
          EXPECT_LT(changed.volume().dihedral_min, 8);
+         const auto warns = [](const Report& report) {
+           return std::any_of(report.warnings.begin(), report.warnings.end(), [](const Warning& w) {
+             return w.code == "below_quality_floor" && w.count > 0;
+           });
+         };
+         EXPECT_FALSE(warns(plain.report));
+         EXPECT_TRUE(warns(changed.report));
          // Nor does check need the report to find such ground sound.
          fs::remove(plain.out / "report.json");
          for (const CheckedFile& file : check_path(plain.out, std::nullopt))

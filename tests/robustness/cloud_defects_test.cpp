@@ -238,6 +238,19 @@ std::vector<Defect> defects() {
       {"PointsStartLate", number(96, std::uint32_t{kHeader + 5}), Expected::kError,
        "ends at point 9999 of 10000"},
       {"ScaleZero", number(139, 0.0), Expected::kError, "byte 139"},
+      {"ScaleTiny", number(147, 1e-300), Expected::kError, "byte 147 gives scale 1e-300"},
+      {"ScaleNegative", las([](std::string b) {
+         const double scale = -0.001;
+         b.replace(131, sizeof scale, reinterpret_cast<const char*>(&scale), sizeof scale);
+         for (std::size_t at = kHeader; at < b.size(); at += kRecord) {
+           std::int32_t x = 0;
+           std::memcpy(&x, b.data() + at, sizeof x);
+           x = -x;
+           b.replace(at, sizeof x, reinterpret_cast<const char*>(&x), sizeof x);
+         }
+         return b;
+       }),
+       Expected::kSame, "las_scale_negative"},
       {"ScaleNan", number(131, kNan), Expected::kError, "byte 131"},
       {"OffsetInfinite", number(155, std::numeric_limits<double>::infinity()), Expected::kError,
        "offset inf"},

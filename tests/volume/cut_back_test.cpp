@@ -6,6 +6,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <limits>
+#include <numbers>
 #include <set>
 #include <utility>
 #include <vector>
@@ -231,7 +232,7 @@ TEST(CutBack, MarksTheFeetOfCliffsWithBadCells) {
       EXPECT_EQ(count_bad_cells(result.mesh, bounds), bad);
       CutMarks marks;
       marks.feet.assign(result.plan.ground.size(), infinity);
-      const std::int64_t marked = mark_cliffs(result.mesh, result.plan, bounds, slope, marks);
+      const std::int64_t marked = mark_feet(result.mesh, result.plan, bounds, slope, marks);
       std::set<std::size_t> allowed;
       for (const auto& [t, lowest] : steep) {
         bool found = false;
@@ -250,10 +251,46 @@ TEST(CutBack, MarksTheFeetOfCliffsWithBadCells) {
         EXPECT_TRUE(allowed.count(v) == 1 && marks.feet[v] == result.plan.ground[v]) << v;
       }
       EXPECT_EQ(feet, marked);
-      EXPECT_EQ(mark_cliffs(result.mesh, result.plan, bounds, slope, marks), 0) << "marked twice";
+      EXPECT_EQ(mark_feet(result.mesh, result.plan, bounds, slope, marks), 0) << "marked twice";
       most = std::max(most, static_cast<std::size_t>(feet));
     }
   EXPECT_GT(most, 10U);
+}
+
+TEST(CutBack, MarksTheFeetOfWallsTooLowForTheEdgesBesideThem) {
+  testing::SmallCity city;
+  city.footprints = {testing::rectangle(30, 30, 50, 44), testing::rectangle(80, 30, 90, 40)};
+  city.roofs = {1.2, 9};
+  city.dtm = testing::raster_of(city.domain, [](double, double) { return 0.0; });
+  const auto result = testing::meshed(city, 10);
+  CutMarks marks;
+  marks.feet.assign(result.plan.ground.size(), std::numeric_limits<double>::infinity());
+  // All cells count.
+  const std::int64_t marked = mark_feet(result.mesh, result.plan, {80, 180}, 0.5, marks);
+  EXPECT_GT(marked, 5);
+  const double tangent = std::tan(15 * std::numbers::pi / 180);
+  int feet = 0;
+  for (std::size_t v = 0; v < marks.feet.size(); ++v) {
+    double longest = 0;
+    for (std::size_t t = 0; t < result.mesh.triangle_count(); ++t) {
+      const auto& corners = result.mesh.ground.triangles[t];
+      if (result.mesh.inside_building(t) ||
+          std::find(corners.begin(), corners.end(), static_cast<VertexIndex>(v)) == corners.end())
+        continue;
+      for (const VertexIndex u : corners) {
+        const Point2 p = result.mesh.ground.vertices[v];
+        const Point2 q = result.mesh.ground.vertices[static_cast<std::size_t>(u)];
+        longest = std::max(longest, std::hypot(p.x - q.x, p.y - q.y));
+      }
+    }
+    const bool is_low = result.plan.building[v] == 0 && 1.2 < tangent * longest;
+    EXPECT_EQ(marks.feet[v] < 1e9, is_low);
+    if (is_low) {
+      EXPECT_NEAR(marks.feet[v], 1.2 - tangent * longest, 1e-9);
+      ++feet;
+    }
+  }
+  EXPECT_GT(feet, 5);
 }
 
 TEST(CutBack, MarksTheRoofsWithBadCellsBesideThem) {

@@ -59,8 +59,8 @@ std::int64_t mark_buried_roofs(const ColumnMesh& mesh, const ColumnPlan& plan,
 /// Marks as a foot, where its ground is, the lowest vertex of every triangle outside buildings that
 /// is steeper than `slope` (tangent) and over which a cell is outside the bounds. Returns how often
 /// that was not marked before, or is lower now. `marks.feet` has its size.
-std::int64_t mark_cliffs(const ColumnMesh& mesh, const ColumnPlan& plan, const AngleBounds& bounds,
-                         double slope, CutMarks& marks);
+std::int64_t mark_feet(const ColumnMesh& mesh, const ColumnPlan& plan, const AngleBounds& bounds,
+                       double slope, CutMarks& marks);
 
 /// How many cells are outside the bounds.
 std::int64_t count_bad_cells(const ColumnMesh& mesh, const AngleBounds& bounds);
