@@ -306,6 +306,57 @@ std::vector<std::uint8_t> find_objects(HeightGrid surface, const Frame& frame,
   return object;
 }
 
+/// Takes back from the objects what rises gradually: a bank, dyke or hilltop that is narrower than
+/// the window, or steeper than the slope. An object ends in walls (Sithole & Vosselman, "Filtering
+/// of airborne laser scanner data based on segmented point clouds", ISPRS Archives 36(3/W19), 2005,
+/// tell the two apart by the rims of segments). Segments are object cells joined by steps that a
+/// slope has; of the steps from a segment to lower cells or to terrain at most one in ten may be
+/// one that only a wall has.
+void keep_gentle_rises(const HeightGrid& lowest, const Frame& frame,
+                       std::vector<std::uint8_t>& object) {
+  constexpr double kSteepest = 1.25, kRoughness = 0.3;  // rise over run; metres
+  constexpr double kLeastArea = 50;                     // square metres
+  constexpr std::int64_t kStepsPerWall = 9;
+  const auto most = static_cast<float>(kSteepest * frame.cell + kRoughness);
+  const std::size_t cells = object.size();
+  const auto columns = static_cast<std::size_t>(frame.nx);
+  const auto for_each_neighbour = [&](std::size_t c, const auto& use) {
+    const std::size_t i = c % columns;
+    if (i > 0) use(c - 1);
+    if (i + 1 < columns) use(c + 1);
+    if (c >= columns) use(c - columns);
+    if (c + columns < cells) use(c + columns);
+  };
+  std::vector<std::uint8_t> seen(cells, 0);
+  std::vector<std::size_t> segment;
+  std::vector<std::size_t> kept;
+  for (std::size_t seed = 0; seed < cells; ++seed) {
+    if (object[seed] == 0 || seen[seed] != 0 || std::isnan(lowest.values[seed])) continue;
+    segment.assign(1, seed);
+    seen[seed] = 1;
+    std::int64_t walls = 0, steps = 0;
+    for (std::size_t k = 0; k < segment.size(); ++k) {
+      const std::size_t c = segment[k];
+      for_each_neighbour(c, [&](std::size_t n) {
+        const float drop = lowest.values[c] - lowest.values[n];
+        if (std::isnan(drop)) return;
+        if (drop > most) {
+          ++walls;
+        } else if (object[n] == 0) {
+          ++steps;
+        } else if (-drop <= most && seen[n] == 0) {
+          seen[n] = 1;
+          segment.push_back(n);
+        }
+      });
+    }
+    if (static_cast<double>(segment.size()) * frame.cell * frame.cell >= kLeastArea &&
+        steps > kStepsPerWall * walls)
+      kept.insert(kept.end(), segment.begin(), segment.end());
+  }
+  for (const std::size_t c : kept) object[c] = 0;
+}
+
 /// The terrain through the cells that have points and are no objects.
 Raster terrain_between(const HeightGrid& lowest, const std::vector<std::uint8_t>& object,
                        const Frame& frame, const Progress& progress) {
@@ -374,7 +425,8 @@ std::vector<std::uint8_t> filter_ground(const PointCloud& cloud,
     HeightGrid surface = lowest;
     level(surface, frame, options.slope);
     fill_low(surface, options.slope * frame.cell);
-    const auto object = find_objects(std::move(surface), frame, options, progress);
+    auto object = find_objects(std::move(surface), frame, options, progress);
+    keep_gentle_rises(lowest, frame, object);
     const Raster terrain = terrain_between(lowest, object, frame, progress);
     counts.ground_points = keep_near(cloud, terrain, options, mask);
   }
