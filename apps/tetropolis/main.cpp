@@ -149,7 +149,13 @@ std::string usage_message(const CLI::App& app, const CLI::ParseError& error) {
   for (const CLI::App* sub : app.get_subcommands()) command = sub;
   // What was not understood explains the error better than what is missing because of it.
   const std::vector<std::string> leftover = command->remaining(true);
-  if (leftover.empty()) return error.what();
+  if (leftover.empty()) {
+    for (const CLI::Option* option : command->get_options())
+      if (option->count() > 1 && option->get_items_expected_max() == 1)
+        return fmt::format("{} is given {} times; give it once", option->get_name(),
+                           option->count());
+    return error.what();
+  }
   const std::string& unknown = leftover.front();
   std::vector<std::string> known;
   for (const CLI::Option* option : command->get_options()) known.push_back(option->get_name());

@@ -58,7 +58,9 @@ ConfigOptions::ConfigOptions(CLI::App& app, Command command) {
     if (is_text_list(field) && field.choices.empty())
       option->expected(1, -1);
     else
-      option->expected(1)->multi_option_policy(CLI::MultiOptionPolicy::TakeLast);
+      // A word too many is a mistake, not a better value.
+      option->expected(1)->allow_extra_args(false)->multi_option_policy(
+          CLI::MultiOptionPolicy::Throw);
   }
 }
 

@@ -118,6 +118,10 @@ VectorFile open_vector(const fs::path& path, const gdal::QuietErrors& errors) {
     fail(path, "not a vector file that can be read" + (unknown ? "" : errors.reason()) +
                    "; give a shapefile, GeoPackage, GeoJSON or other OGR format");
   // Some formats are read when they are opened, as far as they go.
+  if (errors.failures() > 0 && errors.reason().find("crs not found") != std::string::npos)
+    fail(path,
+         "states a coordinate reference system that PROJ does not know; correct it in the "
+         "file, or take it out and give --footprints-crs");
   if (errors.failures() > 0)
     fail(path,
          "cannot be read whole" + errors.reason() + "; the file is cut or broken, get it again");

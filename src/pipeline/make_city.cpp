@@ -56,14 +56,20 @@ void clean_features(const Config& config, const FootprintsInput& input, CityMode
     const auto drop = [&](const std::string& reason) {
       model.dropped.push_back({feature.source_id, reason});
     };
-    const DomainPosition position = position_in_domain(feature.polygon, model.domain);
-    if (position == DomainPosition::kOutside) {
-      drop("outside the domain");
+    const auto position_of = [&](const Polygon& polygon) {
+      return position_in_domain(polygon, model.domain);
+    };
+    CleanedFootprint& cleaned = clean[i];
+    const bool outside = position_of(feature.polygon) == DomainPosition::kOutside;
+    if (!outside && !cleaned.usable()) {
+      drop(cleaned.reason);
       continue;
     }
-    CleanedFootprint& cleaned = clean[i];
-    if (!cleaned.usable()) {
-      drop(cleaned.reason);
+    // Of what is left: a spike without width may have reached across the boundary.
+    const DomainPosition position =
+        outside ? DomainPosition::kOutside : position_of(cleaned.polygon);
+    if (position == DomainPosition::kOutside) {
+      drop("outside the domain");
       continue;
     }
     Building building;

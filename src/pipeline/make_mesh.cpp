@@ -142,7 +142,9 @@ ColumnPlan plan_of(const Config& config, const CityModel& city, const Raster& dt
   if (plan.layers.raised)
     report.warnings.push_back(
         {"domain_raised", 1,
-         fmt::format("the top was raised to {:.1f} m to clear the highest roof", plan.layers.top)});
+         fmt::format("the top was raised to {:.1f} m, two {} above the highest roof",
+                     plan.layers.top,
+                     config.layering == Layering::kUniform ? "layers" : "mesh sizes")});
   return plan;
 }
 

@@ -349,6 +349,30 @@ TEST_F(Cli, ErrorsStayOneLineWhateverTheNames) {
   expect_error("'bu\nild'", 2, "unknown argument");
 }
 
+/// As a shell makes them of `--footprints *.shp`, or of a folder's name with a blank in it.
+TEST_F(Cli, WordsTooManyAreRefused) {
+  expect_error("build --footprints a.shp b.shp --points p.laz --out x", 2,
+               "unknown argument 'b.shp'");
+  expect_error("build --footprints a.shp --footprints b.shp --points p.laz --out x", 2,
+               "--footprints is given 2 times; give it once");
+  expect_error("build --footprints a.shp --points p.laz --out my city", 2,
+               "unknown argument 'city'");
+  expect_error("build --mesh-size 5 20 --footprints a.shp --points p.laz --out x", 2,
+               "unknown argument '20'");
+}
+
+TEST_F(Cli, AReferenceSystemThatNobodyKnowsIsNamedAsTheReason) {
+  std::ofstream(scratch / "a.geojson")
+      << R"({"type": "FeatureCollection", "crs": {"type": "name", "properties": {"name":
+         "EPSG::999999"}}, "features": [{"type": "Feature", "properties": {}, "geometry":
+         {"type": "Polygon", "coordinates": [[[0, 0], [9, 0], [9, 9], [0, 0]]]}}]})";
+  const Outcome outcome = run("info a.geojson");
+  EXPECT_EQ(outcome.code, 3);
+  EXPECT_NE(outcome.err.find("a.geojson: states a coordinate reference system that PROJ does not"),
+            std::string::npos)
+      << outcome.err;
+}
+
 TEST_F(Cli, UnusableInputExitsWithThree) {
   synth("--buildings 40 --size 250");
   const auto build = [](const std::string& footprints, const std::string& points,

@@ -62,6 +62,23 @@ TEST_F(DomainDefects, ABuildingAcrossTheBoundaryIsDroppedOrCut) {
   EXPECT_NEAR(area(patient->footprint), 11 * 16, 0.1);  // 12 m less the clearance
 }
 
+/// What is no part of the building does not count: doubled back, so that it encloses nothing.
+TEST_F(DomainDefects, ASpikeAcrossTheBoundary) {
+  set_bounds(0, 0, 90, 120);
+  const Outcome sound = run();
+  ASSERT_EQ(sound.error, "");
+  ASSERT_NE(sound.building_of("patient"), nullptr);
+  std::vector<Feature> features = sound_features(city);
+  for (Feature& feature : features)
+    if (feature.id == "patient")
+      feature.wkt = "POLYGON((60 50,84 50,84 60,140 60,84 60,84 66,60 66,60 50))";
+  const Outcome outcome = run(features);
+  ASSERT_EQ(outcome.error, "");
+  ASSERT_NE(outcome.building_of("patient"), nullptr) << outcome.reason_of("patient");
+  EXPECT_NEAR(area(outcome.building_of("patient")->footprint),
+              area(sound.building_of("patient")->footprint), 1e-6);
+}
+
 TEST_F(DomainDefects, ABuildingInTheCorner) {
   set_bounds(0, 0, 72, 58);
   Outcome outcome = run();

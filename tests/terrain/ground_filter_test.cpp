@@ -100,6 +100,49 @@ TEST(GroundFilter, HillsStayAndBuildingsGoOnSlopes) {
   EXPECT_LT(wrong.taken, 0.001);
 }
 
+/// Narrower than the window and steeper than the slope, but no walls; houses on and beside them, in
+/// no footprint, have walls and go. A bridge is held by its ends only.
+TEST(GroundFilter, BanksDykesAndRidgesStayAndWhatStandsThereGoes) {
+  struct Rise {
+    const char* name;
+    std::function<double(double, double)> height;
+  };
+  const auto bank = [](double crest, double top, double run) {
+    return [=](double, double y) {
+      return std::clamp((crest / 2 + run - std::abs(y - 80)) / run * top, 0.0, top);
+    };
+  };
+  const std::vector<Rise> rises = {
+      {"bank", bank(12, 4, 8)},
+      {"dyke", bank(20, 5, 10)},
+      {"ridge", bank(0, 15, 30)},
+      {"cone",
+       [](double x, double y) { return std::max(0.0, 15 - 0.5 * std::hypot(x - 80, y - 80)); }},
+  };
+  const std::vector<Polygon> houses = {box(20, 75, 32, 85), box(60, 30, 75, 45),
+                                       box(110, 73, 118, 84)};
+  for (const Rise& rise : rises) {
+    SCOPED_TRACE(::testing::Message() << rise.name << ", seed " << test_seed());
+    const auto ground = [&](double x, double y) { return 3 + rise.height(x, y); };
+    const PointCloud cloud = scan(160, 4, houses, 6, ground);
+    const auto found = filter_ground(cloud, {});
+    const Mistakes wrong = mistakes(cloud, found, [&](std::size_t p) {
+      return cloud.z[p] < ground(cloud.x[p], cloud.y[p]) + 3;
+    });
+    EXPECT_LT(wrong.missed, 0.03);
+    EXPECT_LT(wrong.taken, 0.01);
+  }
+  // A deck of 8 m width, 5 m above a canal, level with its banks.
+  const std::vector<Polygon> deck = {box(76, 60, 84, 100)};
+  const auto canal = [](double, double y) { return y > 60 && y < 100 ? -5.0 : 0.0; };
+  const PointCloud cloud = scan(160, 4, deck, 5, canal);
+  const auto found = filter_ground(cloud, {});
+  const Mistakes wrong = mistakes(cloud, found, [&](std::size_t p) {
+    return !contains(deck[0], {cloud.x[p], cloud.y[p]});
+  });
+  EXPECT_LT(wrong.taken, 0.2);  // its ends, level with the banks
+}
+
 /// The uphill rim has nothing higher beside it that an opening could come down from.
 TEST(GroundFilter, SlopesStayWholeUpToTheirRim) {
   for (const double slope : {0.3, 1.0}) {
