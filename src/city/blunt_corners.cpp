@@ -77,7 +77,45 @@ class CornerBlunter {
     if (!all_of_a) add(a, la);
     if (!all_of_b) add(b, lb);
     const ShortPath before = old_path(o_, c), after = new_path(o_, c);
-    if (reach * reach * sine > std::abs(signed_area(ring_through(o_, v)))) return false;
+    const double ring_area = std::abs(signed_area(ring_through(o_, v)));
+    const auto is_most = [&](double twice_area) { return twice_area > ring_area; };
+    if (!is_most(reach * reach * sine) && replace_if_better(c, before, after)) return true;
+    // What would be left at its foot may be in the way of others: then all of it goes, or none.
+    OutlineChange all = vertex_change(o_, v, ChangeKind::kMove);
+    const bool is_needle = la - reach < 2 * rest && lb - reach < 2 * rest;
+    if (is_needle && !is_most(la * lb * sine) &&
+        replace_if_better(all, old_path(o_, all), new_path(o_, all)))
+      return true;
+    return widen(v);
+  }
+
+  /// Gives the tip the width that an end has to have: to both sides or to one, there or nearer to
+  /// its foot, whichever first leaves room for what is around.
+  bool widen(std::int32_t v) {
+    OutlineChange c = vertex_change(o_, v, ChangeKind::kMove);
+    const Point2 tip = o_.at(v), a = o_.at(c.first), b = o_.at(c.last);
+    const double la = distance(tip, a), lb = distance(tip, b);
+    // The sum of the directions of the walls, and across it, towards a.
+    double dx = (a.x - tip.x) / la + (b.x - tip.x) / lb;
+    double dy = (a.y - tip.y) / la + (b.y - tip.y) / lb;
+    const double norm = std::hypot(dx, dy);
+    dx /= norm, dy /= norm;
+    const double turn = grid::orientation(tip, a, b) > 0 ? 1 : -1;
+    const double width = options_.epsilon + kRounding;
+    for (const double shorter : {0.0, 0.5, 0.8})
+      for (const double side : {0.5, 1.0, 0.0}) {
+        const double x = tip.x + shorter * std::min(la, lb) * dx;
+        const double y = tip.y + shorter * std::min(la, lb) * dy;
+        c.fresh_count = 0;
+        for (const double across : {side * width, (side - 1) * width})
+          c.fresh[static_cast<std::size_t>(c.fresh_count++)] =
+              grid::rounded({x + turn * across * dy, y - turn * across * dx});
+        if (replace_if_better(c, old_path(o_, c), new_path(o_, c))) return true;
+      }
+    return false;
+  }
+
+  bool replace_if_better(const OutlineChange& c, const ShortPath& before, const ShortPath& after) {
     if (sharp_corners(c, after) >= sharp_corners(c, before) || !judge_.gain(c)) return false;
     replace_vertices(o_, c);
     return true;

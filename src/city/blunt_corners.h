@@ -22,11 +22,12 @@ bool has_sharp_corner(const Polygon& polygon, double least_angle);
 /// Clearance says nothing of the two walls of a corner, and no mesh has a larger least angle than
 /// the corner between them. So a corner sharper than least_angle loses its tip, as far as it is
 /// narrower than epsilon (a wedge between walls is filled, the end of a needle is cut): its vertex
-/// is replaced by two, or by an end of its walls where that is nearer than epsilon. A corner is
-/// left as it is where that would bring features closer than epsilon that were not, make edges
-/// touch, take more than half of its ring's area, or leave as many sharp corners as there were.
-/// Returns how many were blunted: each call ends, and a call that returns 0 has changed nothing.
-/// Precondition: no two edges cross.
+/// is replaced by two, or by an end of its walls where that is nearer than epsilon. Where that
+/// would bring features closer than epsilon that were not, make edges touch, take more than half of
+/// its ring's area, or leave as many sharp corners as there were, all of a needle that is hardly
+/// wider than epsilon goes instead, or else the tip gets a width of epsilon; and where neither can
+/// be done, the corner is left as it is. Returns how many were blunted: each call ends, and a call
+/// that returns 0 has changed nothing. Precondition: no two edges cross.
 std::int64_t blunt_corners(Outline& outline, const BluntOptions& options);
 
 }  // namespace tetropolis

@@ -272,6 +272,30 @@ TEST(Simplify, WedgesBetweenWallsAreFilledWhereTheyAreNarrow) {
   }
 }
 
+/// Arms that are most of the area, and feet between which there is no room for what is cut. For one
+/// star in a few hundred no way is found.
+TEST(Simplify, StarsHaveHardlyAnySharpCornersLeft) {
+  SCOPED_TRACE(testing::test_seed());
+  std::mt19937 random(testing::test_seed());
+  const auto uniform = [&](double low, double high) {
+    return std::uniform_real_distribution<double>(low, high)(random);
+  };
+  int sharp = 0;
+  for (int trial = 0; trial < 300; ++trial) {
+    const int arms = std::uniform_int_distribution<int>(5, 24)(random);
+    const double outer = uniform(8, 40), inner = outer * uniform(0.03, 0.5), turn = uniform(0, 1);
+    Ring ring;
+    for (int i = 0; i < 2 * arms; ++i) {
+      const double a = turn + std::numbers::pi * i / arms, r = i % 2 == 0 ? outer : inner;
+      ring.push_back({100 + r * std::cos(a), 100 + r * std::sin(a)});
+    }
+    const Simplification result = simplified({{ring, {}}});
+    if (result.footprints.empty()) continue;
+    sharp += sharpest_corner(result) < 13 ? 1 : 0;
+  }
+  EXPECT_LE(sharp, 3);
+}
+
 TEST(Simplify, SharpEndsAreCutWhereTheyAreNarrow) {
   for (const double degrees : {2.0, 4.0, 8.0, 12.5}) {
     SCOPED_TRACE(degrees);
