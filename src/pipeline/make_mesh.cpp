@@ -299,8 +299,8 @@ bool cut_back_once(const Config& config, const Raster& dtm, const CitySize& size
 }
 
 /// Cuts the terrain back where cells are below the floor, as long as that makes fewer of them:
-/// around roofs below it first, then from the feet of cliffs. Exact terrain comes first: nothing is
-/// cut where the floor is met without.
+/// around roofs below it first, then from the feet of cliffs and low walls. Exact terrain comes
+/// first: nothing is cut where the floor is met without.
 CellQuality make_room(const Config& config, const Raster& dtm, const CitySize& size,
                       Columns& columns, CellQuality cells, StepClock& clock,
                       VolumeMeshReport& volume) {
@@ -337,7 +337,8 @@ void report_lowered(const ColumnPlan& plan, Report& report) {
   if (const std::size_t roofs = plan.cut_from.roofs.size(); roofs > 0)
     where += fmt::format("; around {} roof{} below the terrain", roofs, roofs == 1 ? "" : "s");
   if (const std::size_t feet = plan.cut_from.feet.size(); feet > 0)
-    where += fmt::format("; at {} cliff {}", feet, feet == 1 ? "foot" : "feet");
+    where += fmt::format("; at the feet of cliffs or low walls, in {} place{}", feet,
+                         feet == 1 ? "" : "s");
   report.warnings.push_back(
       {"ground_lowered", plan.lowered,
        fmt::format("ground vertices were lowered, by up to {:.1f} m: {}", plan.deepest, where)});

@@ -47,8 +47,12 @@ struct GroundFilterReport {
 /// filled from the lowest surroundings of their void at the given slope, also around the cloud, so
 /// that buildings at the water or cut by the rim of the cloud do not lean on a void.
 ///
+/// And of the objects that are found, what rises gradually instead of in walls is taken back:
+/// banks, dykes, ridges and hilltops, of 50 square metres and more.
+///
 /// Known weakness: on slopes much steeper than `slope` that are not those of the whole terrain,
-/// parts of wide buildings that are in no footprint may pass for terrain, and hilltops for objects.
+/// parts of wide buildings that are in no footprint may pass for terrain; hilltops where trees
+/// leave few smooth cells may pass for objects.
 ///
 /// Guarantees: the same for any number of threads. Linear in points, footprints (their edges, and
 /// the rows of cells these span) and cells, logarithmic in the window; but filling voids takes one

@@ -1,4 +1,4 @@
-// Terrain cut back around roofs that lie below it, and from the feet of cliffs.
+// Terrain cut back around roofs that lie below it, and from the feet of cliffs and low walls.
 #pragma once
 
 #include <cstdint>
@@ -22,7 +22,8 @@ struct CutSlopes {
 /// From where the terrain is to be cut back.
 struct CutMarks {
   std::vector<std::uint8_t> roofs;  ///< Per building, 1: from the edge of its roof.
-  std::vector<double> feet;         ///< Per vertex, elevation of a cliff's foot; infinity: none.
+  std::vector<double> feet;         ///< Per vertex, elevation of the foot of a cliff or of a wall;
+                                    ///< infinity: none.
 
   bool any() const { return !roofs.empty() || !feet.empty(); }
 };
@@ -56,9 +57,11 @@ struct AngleBounds {
 std::int64_t mark_buried_roofs(const ColumnMesh& mesh, const ColumnPlan& plan,
                                const AngleBounds& bounds, CutMarks& marks);
 
-/// Marks as a foot, where its ground is, the lowest vertex of every triangle outside buildings that
-/// is steeper than `slope` (tangent) and over which a cell is outside the bounds. Returns how often
-/// that was not marked before, or is lower now. `marks.feet` has its size.
+/// For every triangle outside buildings over which a cell is outside the bounds: marks as a foot,
+/// where its ground is, the lowest vertex, if the triangle is steeper than `slope` (tangent); and,
+/// 15 degrees below the roof as seen from the other end of their longest edge in it, its vertices
+/// on walls whose ground is higher. Returns how often that was not marked before, or is lower now.
+/// `plan` is the one `mesh` was made with; `marks.feet` has its size.
 std::int64_t mark_feet(const ColumnMesh& mesh, const ColumnPlan& plan, const AngleBounds& bounds,
                        double slope, CutMarks& marks);
 
