@@ -328,11 +328,11 @@ void keep_gentle_rises(const HeightGrid& lowest, const Frame& frame,
     if (c + columns < cells) use(c + columns);
   };
   std::vector<std::uint8_t> seen(cells, 0);
-  std::vector<std::size_t> segment;
-  std::vector<std::size_t> kept;
+  std::vector<std::uint32_t> segment;  // at most kMostCells
+  std::vector<std::uint32_t> kept;
   for (std::size_t seed = 0; seed < cells; ++seed) {
     if (object[seed] == 0 || seen[seed] != 0 || std::isnan(lowest.values[seed])) continue;
-    segment.assign(1, seed);
+    segment.assign(1, static_cast<std::uint32_t>(seed));
     seen[seed] = 1;
     std::int64_t walls = 0, steps = 0;
     for (std::size_t k = 0; k < segment.size(); ++k) {
@@ -346,7 +346,7 @@ void keep_gentle_rises(const HeightGrid& lowest, const Frame& frame,
           ++steps;
         } else if (-drop <= most && seen[n] == 0) {
           seen[n] = 1;
-          segment.push_back(n);
+          segment.push_back(static_cast<std::uint32_t>(n));
         }
       });
     }
@@ -354,7 +354,7 @@ void keep_gentle_rises(const HeightGrid& lowest, const Frame& frame,
         steps > kStepsPerWall * walls)
       kept.insert(kept.end(), segment.begin(), segment.end());
   }
-  for (const std::size_t c : kept) object[c] = 0;
+  for (const std::uint32_t c : kept) object[c] = 0;
 }
 
 /// The terrain through the cells that have points and are no objects.
