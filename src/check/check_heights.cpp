@@ -231,7 +231,8 @@ HeightsCheck check_heights(const SurfaceMesh& surface, std::array<double, 3> shi
       continue;
     }
     ++check.lowered;
-    if (!is_cut && terrain.highest[v] <= roofs[v] - minimum_wall - kNeedTolerance)
+    // Low walls are feet, too, and without a report nobody knows which.
+    if (cuts.from && !is_cut && terrain.highest[v] <= roofs[v] - minimum_wall - kNeedTolerance)
       note_violation(check.violations, "ground vertices lowered at walls that are high enough",
                      [&] { return place(v, wanted); });
   }

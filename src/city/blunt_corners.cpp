@@ -86,12 +86,13 @@ class CornerBlunter {
     if (is_needle && !is_most(la * lb * sine) &&
         replace_if_better(all, old_path(o_, all), new_path(o_, all)))
       return true;
-    return widen(v);
+    return widen(v, is_most);
   }
 
   /// Gives the tip the width that an end has to have: to both sides or to one, there or nearer to
   /// its foot, whichever first leaves room for what is around.
-  bool widen(std::int32_t v) {
+  template <typename IsMost>
+  bool widen(std::int32_t v, const IsMost& is_most) {
     OutlineChange c = vertex_change(o_, v, ChangeKind::kMove);
     const Point2 tip = o_.at(v), a = o_.at(c.first), b = o_.at(c.last);
     const double la = distance(tip, a), lb = distance(tip, b);
@@ -102,7 +103,9 @@ class CornerBlunter {
     dx /= norm, dy /= norm;
     const double turn = grid::orientation(tip, a, b) > 0 ? 1 : -1;
     const double width = options_.epsilon + kRounding;
-    for (const double shorter : {0.0, 0.5, 0.8})
+    const double twice_area = std::abs(grid::twice_area(tip, a, b));
+    for (const double shorter : {0.0, 0.5, 0.8}) {
+      if (is_most(shorter * shorter * twice_area)) break;
       for (const double side : {0.5, 1.0, 0.0}) {
         const double x = tip.x + shorter * std::min(la, lb) * dx;
         const double y = tip.y + shorter * std::min(la, lb) * dy;
@@ -112,6 +115,7 @@ class CornerBlunter {
               grid::rounded({x + turn * across * dy, y - turn * across * dx});
         if (replace_if_better(c, old_path(o_, c), new_path(o_, c))) return true;
       }
+    }
     return false;
   }
 

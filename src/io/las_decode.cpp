@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cstring>
 #include <istream>
+#include <limits>
 #include <memory>
 #include <optional>
 #include <streambuf>
@@ -254,40 +255,49 @@ std::int64_t decode_points(const fs::path& path, const LasLayout& layout, std::i
 void check_layers(const fs::path& path, const LasLayout& layout) {
   const std::int64_t points = layout.info.point_count;
   if (layout.layers == 0 || points == 0) return;
+  struct Chunk {
+    std::int64_t point;  ///< Its first.
+    std::int64_t at;     ///< Byte of the file.
+  };
+  const auto require = [&](bool holds, const Chunk& chunk, const char* what) {
+    if (!holds)
+      fail_las(path, fmt::format("the chunk of points from {} on, at byte {}, {}: the file is "
+                                 "broken; get it again",
+                                 chunk.point, chunk.at, what));
+  };
   const bool has_table = layout.chunk_table != 0;
-  const bool can_seek = layout.chunk_size > 0 || layout.variable_chunks;
-  const ForeignCode laszip(path.c_str());
-  std::optional<LazReader> reader;
-  if (has_table && can_seek) reader.emplace(path, layout, true);
   const PositionedFile file(path);
   // A chunk is its first point as it is, the number of its points, the size of each layer, and the
   // layers.
   std::vector<std::uint32_t> numbers(1 + static_cast<std::size_t>(layout.layers));
   const std::size_t length = numbers.size() * sizeof numbers[0];
-  std::int64_t at = layout.first_point + 8;
-  for (std::int64_t point = 0; point < points;) {
-    const auto require = [&](bool holds, const char* what) {
-      if (!holds)
-        fail_las(path, fmt::format("the chunk of points from {} on, at byte {}, {}: the file is "
-                                   "broken; get it again",
-                                   point, at, what));
-    };
-    if (reader && point > 0) {  // the first is where LASzip begins, whatever the table says
-      reader->seek(point);
-      require(reader->position() == at, "is elsewhere by the table of chunks");
-    }
-    if (file.read(at + layout.info.record_length, numbers.data(), length) < length && !has_table)
+  std::vector<Chunk> chunks;
+  for (Chunk next{0, layout.first_point + 8}; next.point < points;) {
+    if (has_table && next.at >= layout.chunk_table)
+      fail_las(path, fmt::format("the header counts {} points, but only {} are there; get it again",
+                                 points, next.point));
+    if (file.read(next.at + layout.info.record_length, numbers.data(), length) < length &&
+        !has_table)
       return;
     std::int64_t bytes = 0;
     for (std::size_t layer = 1; layer < numbers.size(); ++layer) bytes += numbers[layer];
     const std::int64_t end =
-        at + layout.info.record_length + static_cast<std::int64_t>(length) + bytes;
-    require(bytes <= layout.file_size && (!has_table || end <= layout.chunk_table),
-            "states layers that do not fit into the file");
+        next.at + layout.info.record_length + static_cast<std::int64_t>(length) + bytes;
+    // Where the table is missing so may be the end of the last chunk.
+    require(has_table ? end <= layout.chunk_table
+                      : bytes <= std::int64_t{std::numeric_limits<std::uint32_t>::max()},
+            next, "states layers that do not fit into the file");
     const std::int64_t count = layout.chunk_size > 0 ? layout.chunk_size : numbers[0];
-    require(count > 0, "states that it has no points");
-    point += count;
-    at = end;
+    require(count > 0, next, "states that it has no points");
+    chunks.push_back(next);
+    next = {next.point + count, end};
+  }
+  if (!has_table || (layout.chunk_size == 0 && !layout.variable_chunks)) return;
+  const ForeignCode laszip(path.c_str());
+  LazReader reader(path, layout, true);
+  for (std::size_t k = 1; k < chunks.size(); ++k) {  // it finds the first without the table
+    reader.seek(chunks[k].point);
+    require(reader.position() == chunks[k].at, chunks[k], "is elsewhere by the table of chunks");
   }
 }
 

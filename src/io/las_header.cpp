@@ -5,6 +5,7 @@
 #include <bit>
 #include <cmath>
 #include <cstring>
+#include <limits>
 #include <span>
 
 #include <fmt/format.h>
@@ -226,6 +227,9 @@ void settle_compression(const fs::path& path, const PositionedFile& file,
   if (found != 1)
     fail_las(path,
              fmt::format("is compressed but has {} LASzip records; the file is broken", found));
+  if (layout.info.point_count > std::numeric_limits<std::uint32_t>::max())
+    fail_las(path, fmt::format("has {} points; LASzip finds no more than {} in one file, split it",
+                               layout.info.point_count, std::numeric_limits<std::uint32_t>::max()));
   if (record.compressor == 1) return;
   layout.layers = record.layers;
   const std::int64_t size = layout.file_size;

@@ -274,10 +274,10 @@ void check_heights_of(const fs::path& terrain, const SurfaceMesh& surface,
   const HeightsCheck check = check_heights(surface, shift, read_raster(terrain, city.origin).raster,
                                            city, facts.min_wall, facts.cuts);
   file.violations.insert(file.violations.end(), check.violations.begin(), check.violations.end());
-  file.facts.push_back(
-      fmt::format("{} ground vertices on the terrain ({} lowered at walls and around roofs), {} "
-                  "roof vertices at their roof's height",
-                  check.ground_vertices, check.lowered, check.roof_vertices));
+  file.facts.push_back(fmt::format(
+      "{} ground vertices on the terrain ({} lowered at walls, around roofs and at feet), {} "
+      "roof vertices at their roof's height",
+      check.ground_vertices, check.lowered, check.roof_vertices));
   if (report && report->mesh && check.lowered > report->mesh->ground_lowered)
     file.violations.push_back(
         {"more ground vertices lowered than report.json says", 1,

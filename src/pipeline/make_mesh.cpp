@@ -262,11 +262,16 @@ std::optional<AngleBounds> missed_bounds(const QualityHistogram& quality) {
 }
 
 /// Makes the columns anew with the terrain cut back as `options` say, if that leaves fewer cells
-/// outside the bounds; else everything stays as it is and the result is false.
+/// below the floor, or as many of these and fewer outside the bounds; else everything stays as it
+/// is and the result is false.
 bool cut_back_once(const Config& config, const Raster& dtm, const CitySize& size,
                    const ColumnPlanOptions& options, const AngleBounds& bounds, Columns& columns,
                    CellQuality& cells, StepClock& clock, VolumeMeshReport& volume) {
-  const std::int64_t bad_before = count_bad_cells(columns.mesh, bounds);
+  // Not at the price of cells that are bad by any measure.
+  const auto bad = [&] {
+    return std::pair(count_bad_cells(columns.mesh, kFloor), count_bad_cells(columns.mesh, bounds));
+  };
+  const auto bad_before = bad();
   const VolumeMeshReport volume_before = volume;
   Columns before;
   const bool is_cut = clock.run("3.3", "cut terrain back", [&](const Progress&) {
@@ -287,7 +292,7 @@ bool cut_back_once(const Config& config, const Raster& dtm, const CitySize& size
   if (!is_cut) return false;
   volume.min_vertical_gap = require_valid(columns.mesh);
   CellQuality now = improve(config, columns.mesh, clock, volume);
-  if (count_bad_cells(columns.mesh, bounds) < bad_before) {
+  if (bad() < bad_before) {
     cells = std::move(now);
     return true;
   }

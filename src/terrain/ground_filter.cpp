@@ -310,14 +310,19 @@ std::vector<std::uint8_t> find_objects(HeightGrid surface, const Frame& frame,
 /// the window, or steeper than the slope. An object ends in walls (Sithole & Vosselman, "Filtering
 /// of airborne laser scanner data based on segmented point clouds", ISPRS Archives 36(3/W19), 2005,
 /// tell the two apart by the rims of segments). Segments are object cells joined by steps that a
-/// slope has; of the steps from a segment to lower cells or to terrain at most one in ten may be
-/// one that only a wall has.
+/// slope has; of the steps from a segment down, at most one in ten may be one that only a wall has,
+/// and it has to rise by more than two of the others within: a hedge or a terrace does not.
 void keep_gentle_rises(const HeightGrid& lowest, const Frame& frame,
-                       std::vector<std::uint8_t>& object) {
+                       std::vector<std::uint8_t>& object, const Progress& progress) {
   constexpr double kSteepest = 1.25, kRoughness = 0.3;  // rise over run; metres
   constexpr double kLeastArea = 50;                     // square metres
   constexpr std::int64_t kStepsPerWall = 9;
-  const auto most = static_cast<float>(kSteepest * frame.cell + kRoughness);
+  constexpr double kStepsWithin = 2;
+  constexpr std::size_t kCellsPerPoll = std::size_t{1} << 20;
+  constexpr std::uint8_t kSeen = 1, kKept = 2;
+  // About half a storey, however coarse the cells.
+  const auto most =
+      static_cast<float>(std::min(kSteepest * frame.cell + kRoughness, 0.55 * kStorey));
   const std::size_t cells = object.size();
   const auto columns = static_cast<std::size_t>(frame.nx);
   const auto for_each_neighbour = [&](std::size_t c, const auto& use) {
@@ -327,34 +332,43 @@ void keep_gentle_rises(const HeightGrid& lowest, const Frame& frame,
     if (c >= columns) use(c - columns);
     if (c + columns < cells) use(c + columns);
   };
-  std::vector<std::uint8_t> seen(cells, 0);
-  std::vector<std::uint32_t> segment;  // at most kMostCells
-  std::vector<std::uint32_t> kept;
+  std::vector<std::uint8_t> state(cells, 0);
+  std::vector<std::uint32_t> segment;  // cells; fewer than 2^32 by kMostCells
   for (std::size_t seed = 0; seed < cells; ++seed) {
-    if (object[seed] == 0 || seen[seed] != 0 || std::isnan(lowest.values[seed])) continue;
+    if (seed % kCellsPerPoll == 0) progress.update(0.8);
+    if (object[seed] == 0 || state[seed] != 0 || std::isnan(lowest.values[seed])) continue;
     segment.assign(1, static_cast<std::uint32_t>(seed));
-    seen[seed] = 1;
+    state[seed] = kSeen;
     std::int64_t walls = 0, steps = 0;
+    double down = 0;  // by steps
+    float low = lowest.values[seed], high = low;
     for (std::size_t k = 0; k < segment.size(); ++k) {
       const std::size_t c = segment[k];
+      low = std::min(low, lowest.values[c]);
+      high = std::max(high, lowest.values[c]);
       for_each_neighbour(c, [&](std::size_t n) {
         const float drop = lowest.values[c] - lowest.values[n];
         if (std::isnan(drop)) return;
         if (drop > most) {
           ++walls;
         } else if (object[n] == 0) {
+          if (drop < 0) return;
           ++steps;
-        } else if (-drop <= most && seen[n] == 0) {
-          seen[n] = 1;
+          down += static_cast<double>(drop);
+        } else if (-drop <= most && state[n] == 0) {
+          state[n] = kSeen;
           segment.push_back(static_cast<std::uint32_t>(n));
         }
       });
     }
-    if (static_cast<double>(segment.size()) * frame.cell * frame.cell >= kLeastArea &&
-        steps > kStepsPerWall * walls)
-      kept.insert(kept.end(), segment.begin(), segment.end());
+    const double area = static_cast<double>(segment.size()) * frame.cell * frame.cell;
+    const double rise = static_cast<double>(high - low);
+    if (area >= kLeastArea && steps > kStepsPerWall * walls &&
+        rise * static_cast<double>(steps) > kStepsWithin * down)
+      for (const std::uint32_t c : segment) state[c] = kKept;
   }
-  for (const std::uint32_t c : kept) object[c] = 0;
+  for (std::size_t c = 0; c < cells; ++c)
+    if (state[c] == kKept) object[c] = 0;
 }
 
 /// The terrain through the cells that have points and are no objects.
@@ -426,7 +440,7 @@ std::vector<std::uint8_t> filter_ground(const PointCloud& cloud,
     level(surface, frame, options.slope);
     fill_low(surface, options.slope * frame.cell);
     auto object = find_objects(std::move(surface), frame, options, progress);
-    keep_gentle_rises(lowest, frame, object);
+    keep_gentle_rises(lowest, frame, object, progress);
     const Raster terrain = terrain_between(lowest, object, frame, progress);
     counts.ground_points = keep_near(cloud, terrain, options, mask);
   }

@@ -1,6 +1,7 @@
 #include "tetropolis/volume/cut_back.h"
 
 #include <algorithm>
+#include <array>
 #include <atomic>
 #include <cmath>
 #include <cstddef>
@@ -77,8 +78,10 @@ CutSources cut_back(const GroundMesh& mesh, std::span<const BuildingIndex> build
     if (b != kNoBuilding && !marks.roofs.empty() && marks.roofs[static_cast<std::size_t>(b)] != 0)
       start[v] = roofs[static_cast<std::size_t>(b)];
     if (!marks.feet.empty() && marks.feet[v] < kInfinity) {
-      has_lowered[v] = marks.feet[v] < ground[v] - kWorthwhile ? 1 : 0;
-      ground[v] = std::min(ground[v], marks.feet[v]);
+      if (marks.feet[v] < ground[v] - kWorthwhile) {
+        has_lowered[v] = 1;
+        ground[v] = marks.feet[v];
+      }
       start[v] = std::min(start[v], ground[v]);
     }
     if (start[v] == kInfinity) continue;
@@ -156,32 +159,38 @@ std::int64_t mark_buried_roofs(const ColumnMesh& mesh, const ColumnPlan& plan,
 std::int64_t mark_feet(const ColumnMesh& mesh, const ColumnPlan& plan, const AngleBounds& bounds,
                        double slope, CutMarks& marks) {
   std::int64_t marked = 0;
-  const auto mark = [&](std::size_t v, double elevation) {
-    if (!(elevation < marks.feet[v])) return;
-    marks.feet[v] = elevation;
-    ++marked;
-  };
   for (std::size_t t = 0; t < mesh.triangle_count(); ++t) {
-    if (mesh.inside_building(t) || count_bad_cells_over(mesh, t, bounds) == 0) continue;
+    if (mesh.inside_building(t)) continue;
     const auto corner = [&](std::size_t k) {
       return static_cast<std::size_t>(mesh.ground.triangles[t][k % 3]);
     };
+    std::array<double, 3> foot{kInfinity, kInfinity, kInfinity};
     if (slope_of(mesh.ground, t, plan.ground) > slope) {
-      std::size_t lowest = corner(0);
-      for (const std::size_t v : {corner(1), corner(2)})
-        if (plan.ground[v] < plan.ground[lowest]) lowest = v;
-      mark(lowest, plan.ground[lowest]);
+      std::size_t lowest = 0;
+      for (const std::size_t i : {1, 2})
+        if (plan.ground[corner(i)] < plan.ground[corner(lowest)]) lowest = i;
+      foot[lowest] = plan.ground[corner(lowest)];
     }
     for (std::size_t i = 0; i < 3; ++i) {
       const std::size_t v = corner(i);
       if (plan.building[v] == kNoBuilding) continue;
+      const Point2 p = mesh.ground.vertices[v];
       double edge = 0;
       for (const std::size_t u : {corner(i + 1), corner(i + 2)})
-        edge = std::max(edge, std::hypot(mesh.ground.vertices[u].x - mesh.ground.vertices[v].x,
-                                         mesh.ground.vertices[u].y - mesh.ground.vertices[v].y));
-      const double foot =
+        edge = std::max(
+            edge, std::hypot(mesh.ground.vertices[u].x - p.x, mesh.ground.vertices[u].y - p.y));
+      const double below =
           plan.roofs[static_cast<std::size_t>(plan.building[v])] - kWallPerEdge * edge;
-      if (foot < plan.ground[v]) mark(v, foot);
+      if (below < plan.ground[v]) foot[i] = below;
+    }
+    // Cells last: they are what takes time.
+    if (std::all_of(foot.begin(), foot.end(), [](double z) { return z == kInfinity; }) ||
+        count_bad_cells_over(mesh, t, bounds) == 0)
+      continue;
+    for (std::size_t i = 0; i < 3; ++i) {
+      if (!(foot[i] < marks.feet[corner(i)])) continue;
+      marks.feet[corner(i)] = foot[i];
+      ++marked;
     }
   }
   return marked;

@@ -248,6 +248,10 @@ TEST_F(CheckMesh, GroundIsLoweredAtWallsOnlyAndOnlyWhereTheyNeedIt) {
   foot[2] -= 0.5;
   EXPECT_TRUE(found("ground vertices lowered at walls that are high enough"));
   EXPECT_FALSE(found("ground vertices off the terrain"));
+  EXPECT_TRUE(check_heights(surface, {0, 0, 0}, city.city.dtm, model, kMinimumWall,
+                            {std::nullopt, CutSlopes{}})
+                  .violations.empty())
+      << "walls may be feet, if it is not known which are";
   for (Building& building : model.buildings) building.h_roof = foot[2] + 1;
   EXPECT_FALSE(found("ground vertices lowered at walls that are high enough"));
   foot[2] += 1;

@@ -132,6 +132,13 @@ TEST(GroundFilter, BanksDykesAndRidgesStayAndWhatStandsThereGoes) {
     EXPECT_LT(wrong.missed, 0.03);
     EXPECT_LT(wrong.taken, 0.01);
   }
+  // A hedge, a row of cars, a terrace: no step that a slope has not, but no rise within either.
+  const std::vector<Polygon> low = {box(30, 30, 90, 33), box(100, 40, 112, 52)};
+  const PointCloud flat = scan(160, 4, low, 1.3, [](double, double) { return 3.0; });
+  const Mistakes off =
+      mistakes(flat, filter_ground(flat, {}), [&](std::size_t p) { return flat.z[p] < 3.6; });
+  EXPECT_LT(off.missed, 0.01);
+  EXPECT_LT(off.taken, 0.01);
   // A deck of 8 m width, 5 m above a canal, level with its banks.
   const std::vector<Polygon> deck = {box(76, 60, 84, 100)};
   const auto canal = [](double, double y) { return y > 60 && y < 100 ? -5.0 : 0.0; };
