@@ -81,7 +81,7 @@ class CornerBlunter {
     const auto is_most = [&](double twice_area) { return twice_area > ring_area; };
     if (!is_most(reach * reach * sine) && replace_if_better(c, before, after)) return true;
     // What would be left at its foot may be in the way of others: then all of it goes, or none.
-    OutlineChange all = vertex_change(o_, v, ChangeKind::kMove);
+    const OutlineChange all = vertex_change(o_, v, ChangeKind::kMove);
     const bool is_needle = la - reach < 2 * rest && lb - reach < 2 * rest;
     if (is_needle && !is_most(la * lb * sine) &&
         replace_if_better(all, old_path(o_, all), new_path(o_, all)))

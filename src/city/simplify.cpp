@@ -64,6 +64,7 @@ class Simplifier {
   bool make_hull(Group& group);
   void drop_vanished();
   bool blunt_corners();
+  std::int64_t fill_sharp_yards(double least_angle);
   void drop_small();
   void drop(const Group& group, const std::string& reason);
   void finish();
@@ -424,8 +425,28 @@ bool Simplifier::blunt_corners() {
     take_back(outline);
     if (now == 0) break;
   }
+  blunted += fill_sharp_yards(options.least_angle);
   result_.stats.corners_blunted += blunted;
   return blunted > 0;
+}
+
+/// Fills small courtyards whose sharp corners could not be blunted, if nothing stands in them;
+/// returns how many.
+std::int64_t Simplifier::fill_sharp_yards(double least_angle) {
+  constexpr double kSmallYard = 25 * grid::kSquareMetre;
+  std::int64_t filled = 0;
+  for (Group& group : groups_)
+    filled += static_cast<std::int64_t>(std::erase_if(group.polygon.holes, [&](const Ring& hole) {
+      const Polygon yard{hole, {}};
+      if (std::abs(signed_area(hole)) > kSmallYard || !has_sharp_corner(yard, least_angle))
+        return false;
+      const bool is_empty = std::none_of(groups_.begin(), groups_.end(), [&](const Group& other) {
+        return &other != &group && contains(yard, other.polygon.outer.front());
+      });
+      if (is_empty) group.flags |= kRepaired;
+      return is_empty;
+    }));
+  return filled;
 }
 
 void Simplifier::drop(const Group& group, const std::string& reason) {

@@ -272,6 +272,23 @@ TEST(Simplify, WedgesBetweenWallsAreFilledWhereTheyAreNarrow) {
   }
 }
 
+/// A corner of 8.6 degrees that cannot be cut, because that is most of the yard, nor widened,
+/// because the walls around are a metre thick.
+TEST(Simplify, SmallYardsWithSharpCornersAreFilled) {
+  const Polygon block{{{73.18, 60.72},
+                       {76.15, 67.49},
+                       {78.08, 66.75},
+                       {75.62, 57.61},
+                       {73.65, 57.77},
+                       {73.12, 60.12}},
+                      {{{74.135, 60.299}, {77.075, 67.001}, {74.651, 57.995}}}};
+  const Simplification result = simplified({block});
+  ASSERT_EQ(result.footprints.size(), 1U);
+  EXPECT_TRUE(result.footprints[0].holes.empty());
+  EXPECT_GE(sharpest_corner(result), 13);
+  EXPECT_NE(result.flags[0] & kRepaired, 0U);
+}
+
 /// Arms that are most of the area, and feet between which there is no room for what is cut. For one
 /// star in a few hundred no way is found.
 TEST(Simplify, StarsHaveHardlyAnySharpCornersLeft) {
