@@ -252,9 +252,9 @@ std::int64_t decode_points(const fs::path& path, const LasLayout& layout, std::i
   return 0;
 }
 
-void check_layers(const fs::path& path, const LasLayout& layout) {
+std::int64_t check_layers(const fs::path& path, const LasLayout& layout) {
   const std::int64_t points = layout.info.point_count;
-  if (layout.layers == 0 || points == 0) return;
+  if (layout.layers == 0 || points == 0) return -1;
   struct Chunk {
     std::int64_t point;  ///< Its first.
     std::int64_t at;     ///< Byte of the file.
@@ -278,7 +278,7 @@ void check_layers(const fs::path& path, const LasLayout& layout) {
                                  points, next.point));
     if (file.read(next.at + layout.info.record_length, numbers.data(), length) < length &&
         !has_table)
-      return;
+      return -1;
     std::int64_t bytes = 0;
     for (std::size_t layer = 1; layer < numbers.size(); ++layer) bytes += numbers[layer];
     const std::int64_t end =
@@ -292,31 +292,15 @@ void check_layers(const fs::path& path, const LasLayout& layout) {
     chunks.push_back(next);
     next = {next.point + count, end};
   }
-  if (!has_table || (layout.chunk_size == 0 && !layout.variable_chunks)) return;
+  if (!has_table || (layout.chunk_size == 0 && !layout.variable_chunks)) return -1;
   const ForeignCode laszip(path.c_str());
   LazReader reader(path, layout, true);
   for (std::size_t k = 1; k < chunks.size(); ++k) {  // it finds the first without the table
     reader.seek(chunks[k].point);
     require(reader.position() == chunks[k].at, chunks[k], "is elsewhere by the table of chunks");
   }
-}
-
-std::int64_t points_in_last_chunk(const fs::path& path, const LasLayout& layout) {
-  if (layout.layers == 0 || layout.chunk_size == 0 || layout.info.point_count == 0) return -1;
-  const std::int64_t first = (layout.info.point_count - 1) / layout.chunk_size * layout.chunk_size;
-  std::int64_t start = layout.first_point + 8;
-  if (first > 0) {
-    const ForeignCode laszip(path.c_str());
-    LazReader reader(path, layout, true);
-    reader.seek(first);
-    start = reader.position();
-  }
-  // A chunk begins with its first point as it is and the number of its points.
-  std::uint32_t count = 0;
-  const PositionedFile file(path);
-  const bool read =
-      file.read(start + layout.info.record_length, &count, sizeof count) == sizeof count;
-  return read && count >= 1 && count <= layout.chunk_size ? static_cast<std::int64_t>(count) : -1;
+  const std::int64_t in_last = numbers[0];
+  return in_last >= 1 && in_last <= layout.chunk_size ? in_last : -1;
 }
 
 void check_las_length(const fs::path& path, const LasLayout& layout) {

@@ -64,13 +64,10 @@ std::int64_t decode_points(const std::filesystem::path& path, const LasLayout& l
 
 /// Throws Error(kInput) unless the chunks of a layered LAZ file lie one behind the other as the
 /// sizes of their layers and the table of chunks say: LASzip adds these sizes in 32 bits and trusts
-/// them. What is missing at the end of a cut file is left to decode_points. Does nothing for other
-/// files.
-void check_layers(const std::filesystem::path& path, const LasLayout& layout);
-
-/// What the last chunk of a layered LAZ file with chunks of equal size states: its number of
-/// points; -1 for other files. Throws Error(kInput) if the file cannot be opened.
-std::int64_t points_in_last_chunk(const std::filesystem::path& path, const LasLayout& layout);
+/// them. What is missing at the end of a cut file is left to decode_points. Returns how many points
+/// the last chunk with points that count states, if chunks are of equal size; -1 for other files,
+/// for which it does nothing if they have no layers.
+std::int64_t check_layers(const std::filesystem::path& path, const LasLayout& layout);
 
 /// Throws if an uncompressed file is too short for its count.
 void check_las_length(const std::filesystem::path& path, const LasLayout& layout);

@@ -270,9 +270,9 @@ struct FilePlan {
   std::vector<Warning> warnings;
 };
 
-/// Whether the points that the header counts end where the last chunk does.
-void check_last_chunk(const fs::path& path, FilePlan& plan) {
-  const std::int64_t found = points_in_last_chunk(path, plan.layout);
+/// Whether chunks are sound, and the points that the header counts end where the last one does.
+void check_chunks(const fs::path& path, FilePlan& plan) {
+  const std::int64_t found = check_layers(path, plan.layout);
   if (found < 0) return;
   const std::int64_t points = plan.layout.info.point_count;
   const std::int64_t counted = (points - 1) % plan.layout.chunk_size + 1;
@@ -293,8 +293,7 @@ FilePlan plan_file(const fs::path& path, const ReadPointsOptions& options, LasSy
   if (!options.crs.empty())
     std::erase_if(plan.warnings, [](const Warning& w) { return w.code == "las_crs_unknown"; });
   check_las_length(path, plan.layout);
-  check_layers(path, plan.layout);
-  check_last_chunk(path, plan);
+  check_chunks(path, plan);
   const LasInfo& info = plan.layout.info;
   const bool sound = is_sound(info);
   plan.check_box = sound;

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <array>
-#include <atomic>
 #include <cmath>
 #include <cstddef>
 #include <limits>
@@ -19,10 +18,6 @@ namespace tetropolis {
 namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
-
-/// Height of a wall over the longest edge beside it from which on cells there are well-shaped: the
-/// tangent of 15 degrees.
-constexpr double kWallPerEdge = 0.2679491924311227;
 
 /// Highest that p may be above the line from a to b, at elevations za and zb at its ends, if
 /// nothing rises from it more steeply than `slope`: the least of elevation + slope * distance along
@@ -73,11 +68,16 @@ CutSources cut_back(const GroundMesh& mesh, std::span<const BuildingIndex> build
   std::vector<double> start(ground.size(), kInfinity);   // of slopes: where marked, or cut already
   std::vector<std::int32_t> changed(ground.size(), -1);  // in which sweep, last
   std::vector<std::uint8_t> is_source(ground.size(), 0), has_lowered(ground.size(), 0);
+  const auto at_marked_roof = [&](std::size_t v) {
+    return building[v] != kNoBuilding && !marks.roofs.empty() &&
+           marks.roofs[static_cast<std::size_t>(building[v])] != 0;
+  };
+  const auto is_foot = [&](std::size_t v) {
+    return !marks.feet.empty() && marks.feet[v] < kInfinity;
+  };
   for (std::size_t v = 0; v < start.size(); ++v) {
-    const BuildingIndex b = building[v];
-    if (b != kNoBuilding && !marks.roofs.empty() && marks.roofs[static_cast<std::size_t>(b)] != 0)
-      start[v] = roofs[static_cast<std::size_t>(b)];
-    if (!marks.feet.empty() && marks.feet[v] < kInfinity) {
+    if (at_marked_roof(v)) start[v] = roofs[static_cast<std::size_t>(building[v])];
+    if (is_foot(v)) {
       if (marks.feet[v] < ground[v] - kWorthwhile) {
         has_lowered[v] = 1;
         ground[v] = marks.feet[v];
@@ -119,11 +119,8 @@ CutSources cut_back(const GroundMesh& mesh, std::span<const BuildingIndex> build
   CutSources sources;
   for (std::size_t v = 0; v < ground.size(); ++v) {
     if (has_lowered[v] == 0) continue;
-    const BuildingIndex b = building[v];
-    if (!marks.feet.empty() && marks.feet[v] < kInfinity)
-      sources.feet.push_back({mesh.vertices[v].x, mesh.vertices[v].y, marks.feet[v]});
-    if (b != kNoBuilding && !marks.roofs.empty() && marks.roofs[static_cast<std::size_t>(b)] != 0)
-      sources.roofs.push_back(b);
+    if (is_foot(v)) sources.feet.push_back({mesh.vertices[v].x, mesh.vertices[v].y, marks.feet[v]});
+    if (at_marked_roof(v)) sources.roofs.push_back(building[v]);
   }
   std::sort(sources.roofs.begin(), sources.roofs.end());
   sources.roofs.erase(std::unique(sources.roofs.begin(), sources.roofs.end()), sources.roofs.end());
@@ -180,7 +177,7 @@ std::int64_t mark_feet(const ColumnMesh& mesh, const ColumnPlan& plan, const Ang
         edge = std::max(
             edge, std::hypot(mesh.ground.vertices[u].x - p.x, mesh.ground.vertices[u].y - p.y));
       const double below =
-          plan.roofs[static_cast<std::size_t>(plan.building[v])] - kWallPerEdge * edge;
+          plan.roofs[static_cast<std::size_t>(plan.building[v])] - kWallTangent * edge;
       if (below < plan.ground[v]) foot[i] = below;
     }
     // Cells last: they are what takes time.
@@ -198,15 +195,14 @@ std::int64_t mark_feet(const ColumnMesh& mesh, const ColumnPlan& plan, const Ang
 
 std::int64_t count_bad_cells(const ColumnMesh& mesh, const AngleBounds& bounds) {
   constexpr std::size_t kTrianglesPerChunk = 4096;
-  std::atomic<std::int64_t> bad{0};
-  parallel_chunks(mesh.triangle_count(), kTrianglesPerChunk,
-                  [&](std::size_t begin, std::size_t end) {
-                    std::int64_t here = 0;
-                    for (std::size_t t = begin; t < end; ++t)
-                      here += count_bad_cells_over(mesh, t, bounds);
-                    bad += here;
-                  });
-  return bad;
+  return parallel_reduce_ordered(
+      mesh.triangle_count(), kTrianglesPerChunk, std::int64_t{0},
+      [&](std::size_t begin, std::size_t end) {
+        std::int64_t bad = 0;
+        for (std::size_t t = begin; t < end; ++t) bad += count_bad_cells_over(mesh, t, bounds);
+        return bad;
+      },
+      [](std::int64_t a, std::int64_t b) { return a + b; });
 }
 
 }  // namespace tetropolis

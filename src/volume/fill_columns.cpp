@@ -34,11 +34,6 @@ constexpr double kWholeShare = 0.8;
 /// Share of the spacing that a wall is high where the ground was lowered for it.
 constexpr double kLoweredWallShare = 0.6;
 
-/// Tangent of 15 degrees: what a buried wall is to be seen under from the terrain beside it.
-/// Distance is told from the spacing only, so this is more than the 8 degrees that cells are to
-/// have.
-constexpr double kWallTangent = 0.2679491924311227;
-
 /// How one column is divided.
 struct Division {
   std::int32_t below_roof = 0;  ///< Segments from the ground to the roof.

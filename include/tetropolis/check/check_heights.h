@@ -31,9 +31,9 @@ struct CutsCheck {
 /// may lie below the DTM where that, at the vertex or at one next to it, is higher than the roof
 /// less `minimum_wall`, metres; and anywhere where `cuts` take it: exactly so far (to 1e-5 m), or,
 /// if it is not known from where, no further than from a roof beside it or from the ground at its
-/// neighbours. `shift` is added to the surface's
-/// coordinates to get to the local frame of `dtm` and `city`. Ground vertices that are not finite
-/// are violations.
+/// neighbours; walls, which may be feet, are then taken for sound. `shift` is added to the
+/// surface's coordinates to get to the local frame of `dtm` and `city`. Ground vertices that are
+/// not finite are violations.
 HeightsCheck check_heights(const SurfaceMesh& surface, std::array<double, 3> shift,
                            const Raster& dtm, const CityModel& city, double minimum_wall,
                            const CutsCheck& cuts);

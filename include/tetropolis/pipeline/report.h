@@ -72,7 +72,7 @@ struct VolumeMeshReport {
   double min_vertical_gap = 0;
   std::int64_t ground_lowered = 0;
   std::vector<BuildingIndex> roofs_cut_back;  ///< Around which the terrain was, ascending.
-  std::vector<Point3> feet_cut_back;          ///< Their feet, from which it was; local frame.
+  std::vector<Point3> feet_cut_back;          ///< Feet from which it was; local frame.
   std::int64_t moved_by_guard = 0;
   std::int64_t columns_improved = 0;  ///< By improve_columns.
   double top = 0;

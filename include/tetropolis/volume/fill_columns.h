@@ -14,6 +14,11 @@
 
 namespace tetropolis {
 
+/// Tangent of 15 degrees: what a wall is to be seen under from the ground beside it. Distance is
+/// told from the spacing, or the longest edge, so this is more than the 8 degrees that cells are to
+/// have.
+inline constexpr double kWallTangent = 0.2679491924311227;
+
 /// Per vertex, the distance between nodes of its column, in metres, that fits the triangles around
 /// it: 1.2 times the geometric mean of the longest edge at the vertex and of the edge of an
 /// equilateral triangle as high as the flattest triangle there. Tets of a column are flat where
