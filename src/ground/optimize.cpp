@@ -10,6 +10,7 @@
 #include "tetropolis/core/parallel.h"
 #include "tetropolis/core/units.h"
 
+#include "geometry/slope.h"
 #include "ground/refiner.h"
 
 namespace tetropolis {
@@ -39,14 +40,6 @@ double squared_sine(Point2 p, Point2 a, Point2 b) {
   const double pa = ax * ax + ay * ay, pb = bx * bx + by * by, ab = cx * cx + cy * cy;
   const double q = cross * cross * std::min({pa, pb, ab}) / (pa * pb * ab);
   return cross > 0 ? q : -1;
-}
-
-// Squared cosine of the angle between a triangle and the horizontal.
-double flatness(Point2 p, double zp, Point2 a, double za, Point2 b, double zb) {
-  const double ax = a.x - p.x, ay = a.y - p.y, az = za - zp;
-  const double bx = b.x - p.x, by = b.y - p.y, bz = zb - zp;
-  const double nx = ay * bz - az * by, ny = az * bx - ax * bz, nz = ax * by - ay * bx;
-  return nz * nz / (nx * nx + ny * ny + nz * nz);
 }
 
 // The triangles around a vertex: half-edges opposite to it and the points where they start.
@@ -201,8 +194,8 @@ void Refiner::flatten(const Progress& progress) {
 
 double Refiner::flatness(const TriMesh::Triangle& x) const {
   const auto z = [&](int i) { return elevations_[static_cast<std::size_t>(x.v[i])]; };
-  return tetropolis::flatness(mesh_.point(x.v[0]), z(0), mesh_.point(x.v[1]), z(1),
-                              mesh_.point(x.v[2]), z(2));
+  return squared_cosine_of_slope(mesh_.point(x.v[0]), z(0), mesh_.point(x.v[1]), z(1),
+                                 mesh_.point(x.v[2]), z(2));
 }
 
 bool Refiner::flatten_around(std::int32_t v, std::int32_t he, double content) {
@@ -221,8 +214,8 @@ bool Refiner::flatten_around(std::int32_t v, std::int32_t he, double content) {
   const auto steepest_with = [&](Point2 q, double zq, double give_up) {
     double least = 1;
     for (std::size_t i = 0; i < star.size && least > give_up; ++i)
-      least = std::min(least, tetropolis::flatness(q, zq, star.ring[i], z[i], star.after(i),
-                                                   z[i + 1 == star.size ? 0 : i + 1]));
+      least = std::min(least, squared_cosine_of_slope(q, zq, star.ring[i], z[i], star.after(i),
+                                                      z[i + 1 == star.size ? 0 : i + 1]));
     return least;
   };
   double best = steepest_with(p, elevations_[static_cast<std::size_t>(v)], 0);

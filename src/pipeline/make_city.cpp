@@ -190,6 +190,24 @@ void warn_of_missing_roofs(const CityModel& raw, Report& report) {
                    roofless, raw.buildings.size())});
 }
 
+/// Footprints of which little is as wide as the distance that they have to keep.
+void warn_of_lost_area(const CityModel& raw, const Simplification& simple, Report& report) {
+  Warning warning{"footprint_mostly_lost", 0, {}};
+  for (std::size_t i = 0; i < simple.footprints.size(); ++i) {
+    const double left = area(simple.footprints[i]);
+    const double changed = simple.changes[i].area;
+    if (changed <= left) continue;  // what was filled is part of what is left
+    if (warning.count++ > 0) continue;
+    const auto first = static_cast<std::size_t>(simple.members[i].front());
+    warning.message = fmt::format(
+        "footprints lost more than half of their area where they are narrower than "
+        "--min-building-distance; the first is feature {}, of which {:.0f} m2 are left ({:.0f} m2 "
+        "changed)",
+        raw.buildings[first].source_ids.front(), left, changed);
+  }
+  if (warning.count > 0) report.warnings.push_back(warning);
+}
+
 /// Guarantee 1 again: simplification has put every building into one, or dropped it.
 void require_each_once(const CityModel& raw, const Simplification& simple) {
   std::vector<int> times(raw.buildings.size(), 0);
@@ -361,6 +379,7 @@ CityAndTerrain make_city(const Config& config, Next next, const OutputFolder& ou
                             "--min-building-area or --min-building-distance, or add --terrain-only",
                             config.footprints, raw.buildings.size(), city.dropped.back().source_id,
                             city.dropped.back().reason));
+  warn_of_lost_area(raw, simple, report);
   clock.run("2.3", "heights of merged buildings", [&](const Progress&) {
     compute_heights(city.buildings, merge_building_points(points, simple.members), cloud, dtm,
                     heights);

@@ -245,9 +245,8 @@ CellQuality improve(const Config& config, ColumnMesh& mesh, StepClock& clock,
   return measured();
 }
 
-/// The floor of quality of the documentation.
-constexpr AngleBounds kFloor{8, 160};
-constexpr double kLeastOfMost = 12;  ///< For all but one cell in ten thousand.
+/// What the least angle of all but a few cells of a good mesh keeps to, beside kQualityFloor.
+constexpr double kLeastOfMost = 12;
 constexpr double kFewCells = 1e-4;
 
 /// Times that columns are made anew, at most: where the ground was lowered, other cells change.
@@ -256,9 +255,9 @@ constexpr int kMostCuts = 8;
 /// The bounds that the mesh is to be worked on for; nothing if it is above the floor.
 std::optional<AngleBounds> missed_bounds(const QualityHistogram& quality) {
   if (quality.dihedral_quantile_deg(kFewCells) < kLeastOfMost)
-    return AngleBounds{kLeastOfMost, kFloor.greatest};
-  if (quality.min_dihedral_deg() < kFloor.least || quality.max_dihedral_deg() > kFloor.greatest)
-    return kFloor;
+    return AngleBounds{kLeastOfMost, kQualityFloor.greatest};
+  if (quality.min_dihedral_deg() < kQualityFloor.least || quality.max_dihedral_deg() > kQualityFloor.greatest)
+    return kQualityFloor;
   return std::nullopt;
 }
 
@@ -270,7 +269,7 @@ bool cut_back_once(const Config& config, const Raster& dtm, const CitySize& size
                    CellQuality& cells, StepClock& clock, VolumeMeshReport& volume) {
   // Not at the price of cells that are bad by any measure.
   const auto bad = [&] {
-    return std::pair(count_bad_cells(columns.mesh, kFloor), count_bad_cells(columns.mesh, bounds));
+    return std::pair(count_bad_cells(columns.mesh, kQualityFloor), count_bad_cells(columns.mesh, bounds));
   };
   const auto bad_before = bad();
   const VolumeMeshReport volume_before = volume;
@@ -359,7 +358,7 @@ void warn_below_floor(const ColumnMesh& mesh, const QualityHistogram& quality, R
                    "{:.2f}), where {} to {} are meant for all and {} for all but one in ten "
                    "thousand; worst_cells in the report has the worst and why",
                    bounds->least, bounds->greatest, quality.min_dihedral_deg(),
-                   quality.max_dihedral_deg(), kFloor.least, kFloor.greatest, kLeastOfMost)});
+                   quality.max_dihedral_deg(), kQualityFloor.least, kQualityFloor.greatest, kLeastOfMost)});
 }
 
 void measure(const ColumnMesh& mesh, CellQuality cells, VolumeMeshReport& volume) {

@@ -16,10 +16,21 @@ namespace tetropolis {
 
 namespace {
 
+constexpr double kFlattest = 180 - kQualityFloor.greatest;
+
+double share_of_floor(double least_deg, double greatest_deg) {
+  return std::min(least_deg / kQualityFloor.least, (180 - greatest_deg) / kFlattest);
+}
+
+/// The bounds that cells of this share of the floor keep to.
+AngleBounds angles_at(double share) {
+  return {share * kQualityFloor.least, 180 - share * kFlattest};
+}
+
 /// Keeps the `count` worst, worst first; ties by place, so that the order of adding is irrelevant.
 void keep_worst(std::vector<WorstCell>& cells, std::size_t count) {
   std::sort(cells.begin(), cells.end(), [](const WorstCell& a, const WorstCell& b) {
-    return std::tie(a.badness, a.triangle, a.centre) < std::tie(b.badness, b.triangle, b.centre);
+    return std::tie(a.share_of_floor, a.triangle, a.centre) < std::tie(b.share_of_floor, b.triangle, b.centre);
   });
   if (cells.size() > count) cells.resize(count);
 }
@@ -71,21 +82,26 @@ CellQuality measure_cells(const ColumnMesh& mesh, std::size_t worst) {
   std::vector<CellQuality> partial((mesh.triangle_count() + grain - 1) / grain);
   parallel_chunks(mesh.triangle_count(), grain, [&](std::size_t begin, std::size_t end) {
     CellQuality& quality = partial[begin / grain];
-    // Cells whose cosines stay within this are not among the worst.
-    double limit = -2;
+    // Cells whose cosines stay within these are not among the worst.
+    double greatest_cosine = -2, least_cosine = 2;
     for (std::size_t t = begin; t < end; ++t) {
       for_each_shape_over(
           mesh, t,
           [&](const std::array<NodeIndex, 4>& nodes, const std::array<Point3, 4>& p,
               const TetCosines& shape) {
             quality.histogram.add(shape.volume, shape.greatest, shape.least, shape.aspect_ratio);
-            if (worst == 0 || std::max(shape.greatest, -shape.least) < limit) return;
+            if (worst == 0 ||
+                (shape.greatest < greatest_cosine && shape.least > least_cosine))
+              return;
             const double least = angle_deg(shape.greatest), greatest = angle_deg(shape.least);
-            quality.worst.push_back({std::min(least, 180 - greatest), least, greatest, centre_of(p),
-                                     static_cast<TriangleIndex>(t), cause_of(mesh, t, nodes, p)});
+            quality.worst.push_back({share_of_floor(least, greatest), least, greatest,
+                                     centre_of(p), static_cast<TriangleIndex>(t),
+                                     cause_of(mesh, t, nodes, p)});
             if (quality.worst.size() < 2 * worst) return;
             keep_worst(quality.worst, worst);
-            limit = std::cos(to_radians(quality.worst.back().badness)) - 1e-12;
+            const AngleBounds limits = angles_at(quality.worst.back().share_of_floor);
+            greatest_cosine = std::cos(to_radians(limits.least)) - 1e-12;
+            least_cosine = std::cos(to_radians(limits.greatest)) + 1e-12;
           });
     }
   });

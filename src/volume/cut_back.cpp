@@ -10,6 +10,8 @@
 #include "tetropolis/core/units.h"
 #include "tetropolis/volume/fill_columns.h"
 
+#include "geometry/slope.h"
+
 #include "shapes_over.h"
 #include "tet_cosines.h"
 
@@ -49,14 +51,15 @@ std::int64_t count_bad_cells_over(const ColumnMesh& mesh, std::size_t t,
   return bad;
 }
 
-/// The tangent of the steepest slope of the ground over triangle t.
-double slope_of(const GroundMesh& mesh, std::size_t t, std::span<const double> ground) {
+/// Whether the ground over triangle t is steeper than `slope` (tangent).
+bool is_steeper(const GroundMesh& mesh, std::size_t t, std::span<const double> ground,
+                double slope) {
   const auto& v = mesh.triangles[t];
   const auto at = [&](std::size_t k) { return mesh.vertices[static_cast<std::size_t>(v[k])]; };
   const auto height = [&](std::size_t k) { return ground[static_cast<std::size_t>(v[k])]; };
-  const double ax = at(1).x - at(0).x, ay = at(1).y - at(0).y, az = height(1) - height(0);
-  const double bx = at(2).x - at(0).x, by = at(2).y - at(0).y, bz = height(2) - height(0);
-  return std::hypot(az * by - bz * ay, bz * ax - az * bx) / std::abs(ax * by - ay * bx);
+  return squared_cosine_of_slope(at(0), height(0), at(1), height(1), at(2), height(2)) *
+             (1 + slope * slope) <
+         1;
 }
 
 }  // namespace
@@ -162,7 +165,7 @@ std::int64_t mark_feet(const ColumnMesh& mesh, const ColumnPlan& plan, const Ang
       return static_cast<std::size_t>(mesh.ground.triangles[t][k % 3]);
     };
     std::array<double, 3> foot{kInfinity, kInfinity, kInfinity};
-    if (slope_of(mesh.ground, t, plan.ground) > slope) {
+    if (is_steeper(mesh.ground, t, plan.ground, slope)) {
       std::size_t lowest = 0;
       for (const std::size_t i : {1, 2})
         if (plan.ground[corner(i)] < plan.ground[corner(lowest)]) lowest = i;

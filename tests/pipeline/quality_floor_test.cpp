@@ -45,8 +45,8 @@ void expect_above_the_floor(const Report& report) {
   EXPECT_EQ(mesh.faces.above_70, 0);
   EXPECT_LT(mesh.faces.worst.skewness, 4);
   ASSERT_EQ(mesh.worst.size(), 10U);
-  EXPECT_GE(mesh.worst.front().badness, 8);
-  EXPECT_LE(mesh.worst.front().badness, mesh.worst.back().badness);
+  EXPECT_GE(mesh.worst.front().share_of_floor, 1);
+  EXPECT_LE(mesh.worst.front().share_of_floor, mesh.worst.back().share_of_floor);
 }
 
 /// Meshes the city in `folder`.

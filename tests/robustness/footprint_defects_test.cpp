@@ -465,6 +465,29 @@ TEST(FootprintDefects, ABuildingAsLargeAsTheDomainTakesInAllAndIsCutBack) {
   EXPECT_FALSE(undamaged().has_warning("building_covers_domain"));
 }
 
+TEST(FootprintDefects, AFootprintThatLosesMostOfItsAreaIsNamed) {
+  // Thirteen rays of 9 m around a body with a radius of 2.5 m.
+  std::string ring;
+  for (int k = 0; k < 26; ++k) {
+    const double r = k % 2 == 0 ? 11.5 : 2.5, angle = k * std::numbers::pi / 13;
+    ring += fmt::format("{} {},", 72 + r * std::cos(angle), 58 + r * std::sin(angle));
+  }
+  const std::vector<Feature> features =
+      with_patient(the_city(), fmt::format("POLYGON(({}83.5 58))", ring));
+  const Outcome outcome = build_in("comb", features, ids_of(features));
+  ASSERT_EQ(outcome.error, "");
+  const Building* patient = outcome.building_of("patient");
+  ASSERT_NE(patient, nullptr);
+  EXPECT_LT(area(patient->footprint), 0.5 * 13 * 11.5 * 2.5 * std::sin(std::numbers::pi / 13));
+  const auto warning = std::find_if(
+      outcome.report.warnings.begin(), outcome.report.warnings.end(),
+      [](const Warning& entry) { return entry.code == "footprint_mostly_lost"; });
+  ASSERT_NE(warning, outcome.report.warnings.end());
+  EXPECT_EQ(warning->count, 1);
+  EXPECT_NE(warning->message.find("feature patient,"), std::string::npos) << warning->message;
+  EXPECT_FALSE(undamaged().has_warning("footprint_mostly_lost"));
+}
+
 TEST(FootprintDefects, PartsOfAMultipolygonAreAccountedForOneByOne) {
   const Outcome outcome = build_in(
       "parts",

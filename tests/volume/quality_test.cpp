@@ -183,7 +183,7 @@ TEST(Quality, ListsTheWorstCellsWithTheirPlace) {
   const auto result = testing::meshed(testing::small_city(testing::hills));
   const auto lists = testing::explicit_mesh(result.mesh);
   struct Cell {
-    double badness, least, greatest;
+    double share_of_floor, least, greatest;
     Point3 centre;
   };
   std::vector<Cell> cells;
@@ -191,24 +191,24 @@ TEST(Quality, ListsTheWorstCellsWithTheirPlace) {
     const auto p = [&](std::size_t i) { return lists.points[static_cast<std::size_t>(cell[i])]; };
     const TetShape shape = tet_shape(p(0), p(1), p(2), p(3));
     cells.push_back(
-        {std::min(shape.min_dihedral_deg, 180 - shape.max_dihedral_deg),
+        {std::min(shape.min_dihedral_deg / 8, (180 - shape.max_dihedral_deg) / 20),
          shape.min_dihedral_deg,
          shape.max_dihedral_deg,
          {(p(0)[0] + p(1)[0] + p(2)[0] + p(3)[0]) / 4, (p(0)[1] + p(1)[1] + p(2)[1] + p(3)[1]) / 4,
           (p(0)[2] + p(1)[2] + p(2)[2] + p(3)[2]) / 4}});
   }
   std::sort(cells.begin(), cells.end(),
-            [](const Cell& a, const Cell& b) { return a.badness < b.badness; });
+            [](const Cell& a, const Cell& b) { return a.share_of_floor < b.share_of_floor; });
   for (const int threads : {1, 2}) {
     const ThreadLimit limit(threads);
     const CellQuality quality = measure_cells(result.mesh, 10);
     ASSERT_EQ(quality.worst.size(), 10U);
     for (std::size_t i = 0; i < 10; ++i) {
       const WorstCell& found = quality.worst[i];
-      EXPECT_EQ(found.badness, cells[i].badness);
+      EXPECT_EQ(found.share_of_floor, cells[i].share_of_floor);
       // Cells may be equally bad: any of these.
       EXPECT_TRUE(std::any_of(cells.begin(), cells.end(), [&](const Cell& cell) {
-        return cell.badness == found.badness && cell.least == found.min_dihedral_deg &&
+        return cell.share_of_floor == found.share_of_floor && cell.least == found.min_dihedral_deg &&
                cell.greatest == found.max_dihedral_deg &&
                std::abs(cell.centre[0] - found.centre[0]) < 1e-9 &&
                std::abs(cell.centre[1] - found.centre[1]) < 1e-9 &&

@@ -11,9 +11,20 @@
 
 namespace tetropolis {
 
+/// Bounds of dihedral angles, degrees.
+struct AngleBounds {
+  double least = 0;
+  double greatest = 180;
+};
+
+/// What all cells of a good mesh keep to.
+inline constexpr AngleBounds kQualityFloor{8, 160};
+
 /// A cell that is far from regular, and why.
 struct WorstCell {
-  double badness = 0;  ///< The lesser of min_dihedral_deg and 180 - max_dihedral_deg.
+  double share_of_floor = 0;  ///< The lesser of min_dihedral_deg over that of kQualityFloor and
+                              ///< 180 - max_dihedral_deg over 180 less that of kQualityFloor: below
+                              ///< 1 where the cell is below the floor.
   double min_dihedral_deg = 0;
   double max_dihedral_deg = 0;
   Point3 centre{};             ///< Local frame, metres.

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "tetropolis/ground/ground_mesh.h"
+#include "tetropolis/volume/cell_quality.h"
 #include "tetropolis/volume/column_mesh.h"
 
 namespace tetropolis {
@@ -45,12 +46,6 @@ CutSources cut_back(const GroundMesh& mesh, std::span<const BuildingIndex> build
                     std::span<const double> roofs, const CutMarks& marks, const CutSlopes& slopes,
                     std::vector<double>& ground);
 
-/// Cells with a dihedral angle outside of these bounds, in degrees.
-struct AngleBounds {
-  double least = 0;
-  double greatest = 180;
-};
-
 /// Marks buildings beside which a cell is outside the bounds and the ground rises above the roof
 /// within the triangle, outside buildings, that the cell stands over. Returns how many were not
 /// marked before. `plan` is the one `mesh` was made with; `marks.roofs` has its size.
@@ -65,7 +60,7 @@ std::int64_t mark_buried_roofs(const ColumnMesh& mesh, const ColumnPlan& plan,
 std::int64_t mark_feet(const ColumnMesh& mesh, const ColumnPlan& plan, const AngleBounds& bounds,
                        double slope, CutMarks& marks);
 
-/// How many cells are outside the bounds.
+/// How many cells have a dihedral angle outside the bounds.
 std::int64_t count_bad_cells(const ColumnMesh& mesh, const AngleBounds& bounds);
 
 }  // namespace tetropolis
