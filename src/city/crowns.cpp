@@ -21,7 +21,7 @@ constexpr std::size_t kBuildingGrain = 4;
 constexpr double kEnoughPoints = 30;    // in a disk
 constexpr double kMostCells = 1e6;      // of one building
 constexpr int kLeastNeighbours = 5;     // that make a plane credible
-constexpr double kTreeHeight = 3;       // metres above a building's lowest point
+constexpr double kTreeHeight = 2.5;     // metres above a building's lowest point
 constexpr double kTallerTree = 3;       // metres that a crown may be higher than those around
 constexpr double kSurfaceShare = 0.5;   // of neighbours on surfaces, at most, in crowns
 constexpr double kRemainder = 0.15;     // of a list that is too little to be a roof
@@ -167,32 +167,65 @@ std::vector<double> levels(const Disks& disks, double share) {
   return result;
 }
 
-std::vector<PointIndex> without_crowns(std::span<const PointIndex> roof,
-                                       std::span<const PointIndex> below,
-                                       std::span<const PointIndex> around, const PointCloud& cloud,
-                                       const CrownOptions& options) {
-  double treetops = -std::numeric_limits<double>::infinity();
-  for (const PointIndex p : around) treetops = std::max<double>(treetops, cloud.z[p]);
-  std::vector<PointIndex> all(roof.begin(), roof.end());
-  all.insert(all.end(), below.begin(), below.end());
-  const Disks disks(std::move(all), cloud, options.radius);
+/// The points of one building, and what is known of their surroundings.
+struct Scene {
+  std::span<const PointIndex> roof, below, around, beside;
+};
+
+/// How far each roof point is above the highest level around it; minus infinity where something
+/// says that it belongs to a building.
+std::vector<double> overhangs(const Scene& scene, const Disks& disks, const PointCloud& cloud,
+                              const CrownOptions& options) {
+  constexpr double kNone = -std::numeric_limits<double>::infinity();
+  double treetops = kNone;
+  for (const PointIndex p : scene.around) treetops = std::max<double>(treetops, cloud.z[p]);
   const std::vector<double> level = levels(disks, options.share);
   std::vector<std::uint8_t> surface(disks.size());
   for (std::size_t k = 0; k < disks.size(); ++k)
     surface[k] = disks.on_surface(k, options.thickness) ? 1 : 0;
-  std::vector<PointIndex> kept;
-  for (std::size_t k = 0; k < roof.size(); ++k) {
+  const std::size_t first_beside = scene.roof.size() + scene.below.size();
+  std::vector<double> result(scene.roof.size(), kNone);
+  for (std::size_t k = 0; k < result.size(); ++k) {
+    if (disks.z(k) > treetops + kTallerTree) continue;
     double highest = level[k];
-    disks.in_disk(k, [&](std::size_t other) { highest = std::max(highest, level[other]); });
+    int walls = 0, on_walls = 0;
+    disks.in_disk(k, [&](std::size_t other) {
+      highest = std::max(highest, level[other]);
+      if (other < first_beside || disks.z(other) < disks.z(k) - options.height) return;
+      ++walls;
+      on_walls += surface[other];
+    });
+    if (on_walls > kSurfaceShare * walls) continue;
     int near = 0, on_surfaces = 0;
     disks.near(k, [&](std::size_t other) {
       ++near;
       on_surfaces += surface[other];
     });
-    if (disks.z(k) - highest <= options.height || disks.z(k) > treetops + kTallerTree ||
-        on_surfaces > kSurfaceShare * near)
-      kept.push_back(roof[k]);
+    if (on_surfaces <= kSurfaceShare * near) result[k] = disks.z(k) - highest;
   }
+  return result;
+}
+
+std::vector<PointIndex> without_crowns(const Scene& scene, const PointCloud& cloud,
+                                       const CrownOptions& options) {
+  const std::span<const PointIndex> roof = scene.roof, below = scene.below;
+  std::vector<PointIndex> all(roof.begin(), roof.end());
+  all.insert(all.end(), below.begin(), below.end());
+  all.insert(all.end(), scene.beside.begin(), scene.beside.end());
+  const Disks disks(std::move(all), cloud, options.radius);
+  const std::vector<double> overhang = overhangs(scene, disks, cloud, options);
+  const auto is_crown = [&](std::size_t k) {
+    return k < roof.size() && overhang[k] > options.height;
+  };
+  const auto is_fringe = [&](std::size_t k) {
+    bool found = false;
+    if (overhang[k] > options.fringe)
+      disks.in_disk(k, [&](std::size_t other) { found = found || is_crown(other); });
+    return found;
+  };
+  std::vector<PointIndex> kept;
+  for (std::size_t k = 0; k < roof.size(); ++k)
+    if (!is_crown(k) && !is_fringe(k)) kept.push_back(roof[k]);
   // Chance makes surfaces in crowns too; where nearly all goes, so does the rest.
   const auto n = static_cast<double>(roof.size());
   const auto ground = static_cast<double>(below.size());
@@ -215,13 +248,15 @@ bool has_trees_around(std::span<const PointIndex> roof, std::span<const PointInd
 
 void drop_crowns(PointLists& roof, const CrownEvidence& evidence, const PointCloud& cloud,
                  const CrownOptions& options, const Progress& progress) {
-  assert(roof.size() == evidence.below.size() && roof.size() == evidence.around.size());
+  assert(roof.size() == evidence.below.size() && roof.size() == evidence.around.size() &&
+         roof.size() == evidence.beside.size());
   std::vector<std::vector<PointIndex>> kept(roof.size());
   SharedProgress shared(progress, static_cast<std::int64_t>(roof.size()));
   parallel_chunks(roof.size(), kBuildingGrain, [&](std::size_t begin, std::size_t end) {
     for (std::size_t b = begin; b < end; ++b)
       if (has_trees_around(roof[b], evidence.around[b], cloud, options.clearing))
-        kept[b] = without_crowns(roof[b], evidence.below[b], evidence.around[b], cloud, options);
+        kept[b] = without_crowns(
+            {roof[b], evidence.below[b], evidence.around[b], evidence.beside[b]}, cloud, options);
       else
         kept[b].assign(roof[b].begin(), roof[b].end());
     shared.add(static_cast<std::int64_t>(end - begin));

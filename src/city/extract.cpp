@@ -23,6 +23,8 @@ constexpr std::size_t kBuildingGrain = 64;
 /// Metres from a building in which trees are looked for, and from a wall to what is no part of it.
 constexpr double kAround = 3.0;
 constexpr double kWall = 0.7;
+/// Metres from a building in which the roofs of others are looked at.
+constexpr double kBeside = 2.0;
 
 struct Classes {
   ClassTable roof{};
@@ -137,59 +139,110 @@ std::size_t keep_inliers(std::span<PointIndex> list, const PointCloud& cloud, do
   return static_cast<std::size_t>(end - list.begin());
 }
 
-/// Points that may be roof by their class but lie in no footprint, at each building they are near.
-std::vector<Hit> find_around(std::span<const Polygon* const> footprints, const PointCloud& cloud,
-                             const Classes& classes, const Progress& progress) {
+/// Points that may be roof by their class, at each building they are near.
+struct Surroundings {
+  std::vector<Hit> around;  ///< In no footprint.
+  std::vector<Hit> beside;  ///< In another footprint.
+};
+
+/// For the first `buildings` of the footprints.
+Surroundings find_surroundings(std::span<const Polygon* const> footprints, std::size_t buildings,
+                               const PointCloud& cloud, const Classes& classes,
+                               const Progress& progress) {
   const FootprintIndex index(footprints, kAround);
   SharedProgress shared(progress, static_cast<std::int64_t>(cloud.size()));
-  std::vector<std::vector<Hit>> chunks((cloud.size() + kPointGrain - 1) / kPointGrain);
+  std::vector<Surroundings> chunks((cloud.size() + kPointGrain - 1) / kPointGrain);
   parallel_chunks(cloud.size(), kPointGrain, [&](std::size_t begin, std::size_t end) {
-    std::vector<Hit>& found = chunks[begin / kPointGrain];
+    Surroundings& found = chunks[begin / kPointGrain];
     std::vector<BuildingIndex> near;
     for (std::size_t p = begin; p < end; ++p) {
       if (!classes.roof[cloud.classification[p]]) continue;
       near.clear();
-      bool open = true;
+      bool open = true, covered = false;
       const Point2 position{cloud.x[p], cloud.y[p]};
       index.at(position, [&](BuildingIndex building, bool inside) {
+        covered = covered || inside;
         open = open && !inside && index.squared_distance(building, position) > kWall * kWall;
-        near.push_back(building);
+        if (!inside && static_cast<std::size_t>(building) < buildings) near.push_back(building);
       });
-      if (!open) continue;
-      for (const BuildingIndex building : near)
-        found.push_back({building, static_cast<PointIndex>(p)});
+      for (const BuildingIndex building : near) {
+        const Hit hit{building, static_cast<PointIndex>(p)};
+        if (open) found.around.push_back(hit);
+        if (covered && index.squared_distance(building, position) <= kBeside * kBeside)
+          found.beside.push_back(hit);
+      }
     }
     shared.add(static_cast<std::int64_t>(end - begin));
   });
-  std::vector<Hit> all;
-  for (const std::vector<Hit>& chunk : chunks) all.insert(all.end(), chunk.begin(), chunk.end());
+  Surroundings all;
+  for (const Surroundings& chunk : chunks) {
+    all.around.insert(all.around.end(), chunk.around.begin(), chunk.around.end());
+    all.beside.insert(all.beside.end(), chunk.beside.begin(), chunk.beside.end());
+  }
   return all;
 }
 
-BuildingPoints extract(std::span<const Polygon* const> footprints, const PointCloud& cloud,
-                       const ExtractOptions& options, const Progress& progress) {
+/// Removes what is no higher than the ground around the building, such as the floor of a yard in
+/// it. Where little else is there, it is the ground that is not to be trusted.
+std::vector<PointIndex> above_ground(std::span<const PointIndex> roof,
+                                     std::span<const PointIndex> ground, const PointCloud& cloud) {
+  constexpr double kLow = 0.1;        // quantile
+  constexpr double kClearance = 0.5;  // metres
+  std::vector<PointIndex> kept(roof.begin(), roof.end());
+  if (ground.empty()) return kept;
+  std::vector<double> heights;
+  for (const PointIndex p : ground) heights.push_back(cloud.z[p]);
+  const auto low =
+      heights.begin() + static_cast<std::ptrdiff_t>(kLow * static_cast<double>(heights.size()));
+  std::nth_element(heights.begin(), low, heights.end());
+  std::erase_if(kept, [&](PointIndex p) { return cloud.z[p] <= *low + kClearance; });
+  if (2 * kept.size() < roof.size()) kept.assign(roof.begin(), roof.end());
+  return kept;
+}
+
+/// Replaces each list b by what make(b) makes of it.
+template <typename Make>
+void replace_lists(PointLists& lists, const Make& make) {
+  std::vector<std::vector<PointIndex>> made(lists.size());
+  parallel_chunks(lists.size(), kBuildingGrain, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t b = begin; b < end; ++b) made[b] = make(b);
+  });
+  lists.indices.clear();
+  for (std::size_t b = 0; b < made.size(); ++b) {
+    lists.indices.insert(lists.indices.end(), made[b].begin(), made[b].end());
+    lists.offsets[b + 1] = static_cast<std::int64_t>(lists.indices.size());
+  }
+}
+
+BuildingPoints extract(std::span<const Polygon* const> footprints, std::size_t buildings,
+                       const PointCloud& cloud, const ExtractOptions& options,
+                       const Progress& progress) {
   if (cloud.size() > std::numeric_limits<PointIndex>::max())
     throw Error(ErrorKind::kInput,
                 fmt::format("the point cloud has {} points, more than 2^32 - 1: choose a smaller "
                             "domain",
                             cloud.size()));
-  const FootprintIndex index(footprints, options.margin);
-  const Classes classes = choose_classes(cloud, footprints.size());
+  const FootprintIndex index(footprints.first(buildings), options.margin);
+  const Classes classes = choose_classes(cloud, buildings);
   const bool find_crowns = classes.roof_from_unclassified && options.drop_crowns;
   Hits hits = find_all_hits(index, cloud, classes, portion(progress, 0, find_crowns ? 0.4 : 0.9));
   BuildingPoints points;
   points.roof_from_unclassified = classes.roof_from_unclassified;
-  points.roof = to_lists(hits.roof, footprints.size());
+  points.roof = to_lists(hits.roof, buildings);
   std::vector<Hit>().swap(hits.roof);
-  points.ground = to_lists(hits.ground, footprints.size());
+  points.ground = to_lists(hits.ground, buildings);
   std::vector<Hit>().swap(hits.ground);
+  if (points.roof_from_unclassified)
+    replace_lists(points.roof, [&](std::size_t b) {
+      return above_ground(points.roof[b], points.ground[b], cloud);
+    });
   if (find_crowns) {
-    const std::vector<Hit> around =
-        find_around(footprints, cloud, classes, portion(progress, 0.4, 0.7));
-    drop_crowns(
-        points.roof,
-        {to_lists(hits.ground_inside, footprints.size()), to_lists(around, footprints.size())},
-        cloud, {}, portion(progress, 0.7, 0.9));
+    const Surroundings found =
+        find_surroundings(footprints, buildings, cloud, classes, portion(progress, 0.4, 0.7));
+    drop_crowns(points.roof,
+                {to_lists(hits.ground_inside, buildings), to_lists(found.around, buildings),
+                 to_lists(found.beside, buildings)},
+                cloud, {}, portion(progress, 0.7, 0.9));
   }
   drop_outliers(points.roof, cloud, options.sigma);
   drop_outliers(points.ground, cloud, options.sigma);
@@ -226,15 +279,17 @@ BuildingPoints extract_building_points(std::span<const Polygon> footprints, cons
   std::vector<const Polygon*> pointers;
   pointers.reserve(footprints.size());
   for (const Polygon& footprint : footprints) pointers.push_back(&footprint);
-  return extract(pointers, cloud, options, progress);
+  return extract(pointers, footprints.size(), cloud, options, progress);
 }
 
-BuildingPoints extract_building_points(std::span<const Building> buildings, const PointCloud& cloud,
+BuildingPoints extract_building_points(std::span<const Building> buildings,
+                                       std::span<const Polygon> others, const PointCloud& cloud,
                                        const ExtractOptions& options, const Progress& progress) {
   std::vector<const Polygon*> pointers;
-  pointers.reserve(buildings.size());
+  pointers.reserve(buildings.size() + others.size());
   for (const Building& building : buildings) pointers.push_back(&building.footprint);
-  return extract(pointers, cloud, options, progress);
+  for (const Polygon& footprint : others) pointers.push_back(&footprint);
+  return extract(pointers, buildings.size(), cloud, options, progress);
 }
 
 void drop_outliers(PointLists& lists, const PointCloud& cloud, double sigma) {

@@ -36,9 +36,10 @@ constexpr double kManyVoids = 0.35;
 /// Share of buildings without roof points from which on it is not the buildings that are odd.
 constexpr double kManyRoofless = 0.1;
 
-/// Step 1.4. Fills model.buildings and model.dropped; every feature ends in one of them.
-void clean_features(const Config& config, const FootprintsInput& input, CityModel& model,
-                    const Progress& progress) {
+/// Step 1.4. Fills model.buildings and model.dropped; every feature ends in one of them. Returns what
+/// the footprints that are dropped for crossing the domain boundary have inside.
+std::vector<Polygon> clean_features(const Config& config, const FootprintsInput& input,
+                                    CityModel& model, const Progress& progress) {
   model.dropped = input.dropped;
   const std::size_t size = input.features.size();
   std::vector<CleanedFootprint> clean(size);
@@ -51,6 +52,7 @@ void clean_features(const Config& config, const FootprintsInput& input, CityMode
     }
     shared.add(static_cast<std::int64_t>(end - begin));
   });
+  std::vector<Polygon> crossing;
   for (std::size_t i = 0; i < size; ++i) {
     const Footprint& feature = input.features[i];
     const auto drop = [&](const std::string& reason) {
@@ -77,6 +79,8 @@ void clean_features(const Config& config, const FootprintsInput& input, CityMode
     if (position == DomainPosition::kCrossing) {
       if (config.boundary_buildings == BoundaryBuildings::kDrop) {
         drop("crosses the domain boundary");
+        Polygon inside = clip_to_box(cleaned.polygon, model.domain);
+        if (!inside.outer.empty()) crossing.push_back(std::move(inside));
         continue;
       }
       // Cut back by the merge distance, so that the strip left is wide enough to mesh.
@@ -94,6 +98,7 @@ void clean_features(const Config& config, const FootprintsInput& input, CityMode
     building.attribute_height = feature.height;
     model.buildings.push_back(std::move(building));
   }
+  return crossing;
 }
 
 [[noreturn]] void throw_no_footprint(const Config& config, const CityModel& raw,
@@ -345,16 +350,17 @@ CityAndTerrain make_city(const Config& config, Next next, const OutputFolder& ou
   raw.crs = input.crs;
   report.city.emplace();
   Raster dtm = make_terrain(config, input, clock, report);
-  clock.run("1.4", "clean footprints", [&](const Progress& progress) {
-    clean_features(config, input.footprints, raw, progress);
-  });
+  const std::vector<Polygon> crossing =
+      clock.run("1.4", "clean footprints", [&](const Progress& progress) {
+        return clean_features(config, input.footprints, raw, progress);
+      });
   if (raw.buildings.empty() && !config.terrain_only) throw_no_footprint(config, raw, report);
   warn_of_giants(raw, report);
 
   const HeightOptions heights{config.ground_percentile, config.roof_percentile,
                               config.min_building_height};
   const BuildingPoints points = clock.run("1.5", "extract points", [&](const Progress& progress) {
-    return extract_building_points(raw.buildings, cloud,
+    return extract_building_points(raw.buildings, crossing, cloud,
                                    {config.ground_margin, config.outlier_sigma}, progress);
   });
   clock.run("1.6", "building heights",

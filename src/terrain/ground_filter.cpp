@@ -30,6 +30,9 @@ constexpr double kPitReach = 10.0;
 
 constexpr double kStorey = 3.0;
 
+/// Metres: cells are not made wider than this for sparse clouds.
+constexpr double kCoarsest = 4.0;
+
 /// Cells over the candidates and a margin around them.
 struct Frame {
   double x0 = 0;
@@ -71,15 +74,32 @@ Bounds2 extent_of(const PointCloud& cloud, const Candidates& mask) {
       });
 }
 
-Frame make_frame(const Bounds2& box, const GroundFilterOptions& options) {
-  const Bounds2 grown = box.grown(options.window + options.cell);
+Frame make_frame(const Bounds2& box, double cell, double window) {
+  const Bounds2 grown = box.grown(window + cell);
   Frame frame;
-  frame.cell = std::max(options.cell, std::sqrt(grown.width() * grown.height() / kMostCells));
+  frame.cell = std::max(cell, std::sqrt(grown.width() * grown.height() / kMostCells));
   frame.x0 = grown.xmin;
   frame.y0 = grown.ymin;
   frame.nx = static_cast<std::int32_t>(grown.width() / frame.cell) + 1;
   frame.ny = static_cast<std::int32_t>(grown.height() / frame.cell) + 1;
   return frame;
+}
+
+/// The edge of a square with one candidate on average, where there are any.
+double mean_spacing(const PointCloud& cloud, const Candidates& mask, const Bounds2& box) {
+  constexpr double kBlock = 8;  // metres
+  const Frame blocks = make_frame(box, kBlock, 0);
+  std::vector<std::uint8_t> seen(
+      static_cast<std::size_t>(blocks.nx) * static_cast<std::size_t>(blocks.ny), 0);
+  std::int64_t candidates = 0;
+  for (std::size_t p = 0; p < cloud.size(); ++p) {
+    if (mask[p] == 0) continue;
+    ++candidates;
+    seen[blocks.at(cloud.x[p], cloud.y[p])] = 1;
+  }
+  const auto occupied =
+      static_cast<double>(std::count(seen.begin(), seen.end(), std::uint8_t{1}));
+  return blocks.cell * std::sqrt(occupied / static_cast<double>(candidates));
 }
 
 /// The lowest candidate of each cell, NaN without any.
@@ -306,6 +326,50 @@ std::vector<std::uint8_t> find_objects(HeightGrid surface, const Frame& frame,
   return object;
 }
 
+/// Calls use(n) for the cells n that share a side with cell c.
+template <typename Use>
+void for_each_neighbour(const Frame& frame, std::size_t c, const Use& use) {
+  const auto columns = static_cast<std::size_t>(frame.nx);
+  const std::size_t i = c % columns;
+  if (i > 0) use(c - 1);
+  if (i + 1 < columns) use(c + 1);
+  if (c >= columns) use(c - columns);
+  if (c + columns < columns * static_cast<std::size_t>(frame.ny)) use(c + columns);
+}
+
+/// 1 for the cells with their centres in a footprint.
+std::vector<std::uint8_t> covered_cells(std::span<const Polygon> footprints, const Frame& frame) {
+  HeightGrid open{frame.nx, frame.ny, {}};
+  open.values.assign(static_cast<std::size_t>(frame.nx) * static_cast<std::size_t>(frame.ny), 0);
+  for (const Polygon& footprint : footprints) empty_inside(footprint, frame, open);
+  std::vector<std::uint8_t> covered(open.values.size());
+  for (std::size_t c = 0; c < covered.size(); ++c) covered[c] = std::isnan(open.values[c]) ? 1 : 0;
+  return covered;
+}
+
+/// Gives cells without a point the height of the nearest with one, by steps through such cells.
+void spread(HeightGrid& grid, const std::vector<std::uint8_t>& barred, const Frame& frame) {
+  std::vector<std::uint32_t> queue;
+  for (std::size_t c = 0; c < barred.size(); ++c)
+    if (barred[c] == 0 && !std::isnan(grid.values[c])) queue.push_back(static_cast<std::uint32_t>(c));
+  for (std::size_t k = 0; k < queue.size(); ++k)
+    for_each_neighbour(frame, queue[k], [&](std::size_t n) {
+      if (barred[n] != 0 || !std::isnan(grid.values[n])) return;
+      grid.values[n] = grid.values[queue[k]];
+      queue.push_back(static_cast<std::uint32_t>(n));
+    });
+}
+
+/// The greatest step from a cell to the next that a slope has; about half a storey, however coarse
+/// the cells.
+double greatest_step(const Frame& frame) {
+  constexpr double kSteepest = 1.25, kRoughness = 0.3;  // rise over run; metres
+  return std::min(kSteepest * frame.cell + kRoughness, 0.55 * kStorey);
+}
+
+constexpr double kLeastArea = 50;  // square metres that are more than a scrap
+constexpr std::size_t kCellsPerPoll = std::size_t{1} << 20;
+
 /// Takes back from the objects what rises gradually: a bank, dyke or hilltop that is narrower than
 /// the window, or steeper than the slope. An object ends in walls (Sithole & Vosselman, "Filtering
 /// of airborne laser scanner data based on segmented point clouds", ISPRS Archives 36(3/W19), 2005,
@@ -314,24 +378,11 @@ std::vector<std::uint8_t> find_objects(HeightGrid surface, const Frame& frame,
 /// and it has to rise by more than two of the others within: a hedge or a terrace does not.
 void keep_gentle_rises(const HeightGrid& lowest, const Frame& frame,
                        std::vector<std::uint8_t>& object, const Progress& progress) {
-  constexpr double kSteepest = 1.25, kRoughness = 0.3;  // rise over run; metres
-  constexpr double kLeastArea = 50;                     // square metres
   constexpr std::int64_t kStepsPerWall = 9;
   constexpr double kStepsWithin = 2;
-  constexpr std::size_t kCellsPerPoll = std::size_t{1} << 20;
   constexpr std::uint8_t kSeen = 1, kKept = 2;
-  // About half a storey, however coarse the cells.
-  const auto most =
-      static_cast<float>(std::min(kSteepest * frame.cell + kRoughness, 0.55 * kStorey));
+  const auto most = static_cast<float>(greatest_step(frame));
   const std::size_t cells = object.size();
-  const auto columns = static_cast<std::size_t>(frame.nx);
-  const auto for_each_neighbour = [&](std::size_t c, const auto& use) {
-    const std::size_t i = c % columns;
-    if (i > 0) use(c - 1);
-    if (i + 1 < columns) use(c + 1);
-    if (c >= columns) use(c - columns);
-    if (c + columns < cells) use(c + columns);
-  };
   std::vector<std::uint8_t> state(cells, 0);
   std::vector<std::uint32_t> segment;  // cells; fewer than 2^32 by kMostCells
   for (std::size_t seed = 0; seed < cells; ++seed) {
@@ -346,7 +397,7 @@ void keep_gentle_rises(const HeightGrid& lowest, const Frame& frame,
       const std::size_t c = segment[k];
       low = std::min(low, lowest.values[c]);
       high = std::max(high, lowest.values[c]);
-      for_each_neighbour(c, [&](std::size_t n) {
+      for_each_neighbour(frame, c, [&](std::size_t n) {
         const float drop = lowest.values[c] - lowest.values[n];
         if (std::isnan(drop)) return;
         if (drop > most) {
@@ -369,6 +420,78 @@ void keep_gentle_rises(const HeightGrid& lowest, const Frame& frame,
   }
   for (std::size_t c = 0; c < cells; ++c)
     if (state[c] == kKept) object[c] = 0;
+}
+
+/// The heights of up to `most` cells with ground, the nearest to the segment by steps through
+/// anything. `seen` has one entry per cell, of which none is `stamp`.
+std::vector<float> ground_around(const HeightGrid& lowest, const std::vector<std::uint8_t>& object,
+                                 const Frame& frame, const std::vector<std::uint32_t>& segment,
+                                 std::size_t most, double reach, std::uint32_t stamp,
+                                 std::vector<std::uint32_t>& seen) {
+  std::vector<float> heights;
+  std::vector<std::uint32_t> front = segment, next;
+  for (const std::uint32_t c : segment) seen[c] = stamp;
+  const auto steps = static_cast<int>(std::ceil(reach / frame.cell));
+  for (int step = 0; step < steps && heights.size() < most; ++step) {
+    next.clear();
+    for (const std::uint32_t c : front)
+      for_each_neighbour(frame, c, [&](std::size_t n) {
+        if (seen[n] == stamp) return;
+        seen[n] = stamp;
+        next.push_back(static_cast<std::uint32_t>(n));
+        if (object[n] == 0 && !std::isnan(lowest.values[n])) heights.push_back(lowest.values[n]);
+      });
+    front.swap(next);
+  }
+  return heights;
+}
+
+double quantile_of(std::vector<float>& values, double share) {
+  const auto rank = static_cast<std::ptrdiff_t>(share * static_cast<double>(values.size()));
+  std::nth_element(values.begin(), values.begin() + rank, values.end());
+  return static_cast<double>(values[static_cast<std::size_t>(rank)]);
+}
+
+/// Makes objects of scraps: what openings left of podiums and halls that are in no footprint but
+/// between them, where the voids of the footprints hold them up. A scrap is cells joined by steps
+/// that a slope has, cut off by objects, footprints and walls, and a metre above most of the ground
+/// nearby.
+void drop_scraps(const HeightGrid& lowest, std::vector<std::uint8_t> barred, const Frame& frame,
+                 std::vector<std::uint8_t>& object, const Progress& progress) {
+  constexpr double kRaised = 1, kReach = 30;  // metres
+  constexpr double kLow = 0.1, kMostGround = 0.75;
+  constexpr std::size_t kNearest = 200, kTooFew = 30;  // cells
+  const auto most = static_cast<float>(greatest_step(frame));
+  const double largest = kLeastArea / (frame.cell * frame.cell);
+  for (std::size_t c = 0; c < barred.size(); ++c) barred[c] |= object[c];
+  HeightGrid full = lowest;
+  spread(full, barred, frame);
+  std::vector<std::uint32_t> seen(object.size(), 0), segment;
+  std::vector<float> heights;
+  std::uint32_t stamp = 0;
+  for (std::size_t seed = 0; seed < object.size(); ++seed) {
+    if (seed % kCellsPerPoll == 0) progress.update(0.8);
+    if (barred[seed] != 0) continue;
+    segment.assign(1, static_cast<std::uint32_t>(seed));
+    barred[seed] = 1;
+    heights.clear();
+    for (std::size_t k = 0; k < segment.size(); ++k) {
+      const std::size_t c = segment[k];
+      if (!std::isnan(lowest.values[c])) heights.push_back(lowest.values[c]);
+      for_each_neighbour(frame, c, [&](std::size_t n) {
+        if (barred[n] != 0 || std::abs(full.values[c] - full.values[n]) > most) return;
+        barred[n] = 1;
+        segment.push_back(static_cast<std::uint32_t>(n));
+      });
+    }
+    if (heights.empty() || static_cast<double>(heights.size()) > largest) continue;
+    std::vector<float> around =
+        ground_around(lowest, object, frame, segment, kNearest, kReach, ++stamp, seen);
+    if (around.size() < kTooFew ||
+        quantile_of(heights, kLow) < quantile_of(around, kMostGround) + kRaised)
+      continue;
+    for (const std::uint32_t c : segment) object[c] = 1;
+  }
 }
 
 /// The terrain through the cells that have points and are no objects.
@@ -426,7 +549,10 @@ std::vector<std::uint8_t> filter_ground(const PointCloud& cloud,
   Candidates mask = find_candidates(cloud, options);
   counts.candidates = std::count(mask.begin(), mask.end(), std::uint8_t{1});
   if (counts.candidates > 0) {
-    const Frame frame = make_frame(extent_of(cloud, mask), options);
+    const Bounds2 box = extent_of(cloud, mask);
+    // With many empty cells slopes would fall to pieces.
+    const double cell = std::max(options.cell, std::min(mean_spacing(cloud, mask, box), kCoarsest));
+    const Frame frame = make_frame(box, cell, options.window);
     const HeightGrid all = lowest_points(cloud, mask, frame);
     counts.cells = static_cast<std::int64_t>(all.values.size());
     progress.update(0.1);
@@ -441,6 +567,7 @@ std::vector<std::uint8_t> filter_ground(const PointCloud& cloud,
     fill_low(surface, options.slope * frame.cell);
     auto object = find_objects(std::move(surface), frame, options, progress);
     keep_gentle_rises(lowest, frame, object, progress);
+    drop_scraps(lowest, covered_cells(footprints, frame), frame, object, progress);
     const Raster terrain = terrain_between(lowest, object, frame, progress);
     counts.ground_points = keep_near(cloud, terrain, options, mask);
   }

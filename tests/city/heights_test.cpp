@@ -228,7 +228,7 @@ Place read_place(const std::filesystem::path& footprints, const std::string& id_
   place.cloud = read.points;
   place.dtm = build_dtm(place.cloud, read.extent);
   compute_heights(place.buildings,
-                  extract_building_points(std::span<const Building>(place.buildings), place.cloud),
+                  extract_building_points(std::span<const Building>(place.buildings), {}, place.cloud),
                   place.cloud, place.dtm);
   return place;
 }

@@ -150,6 +150,33 @@ TEST(GroundFilter, BanksDykesAndRidgesStayAndWhatStandsThereGoes) {
   EXPECT_LT(wrong.taken, 0.2);  // its ends, level with the banks
 }
 
+/// A podium of one storey between houses with footprints: these say nothing, and the openings
+/// leave what is near their walls.
+TEST(GroundFilter, APodiumBetweenFootprintsIsNoGround) {
+  SCOPED_TRACE(test_seed());
+  const std::vector<Polygon> houses = {box(40, 40, 100, 58), box(40, 66, 100, 84),
+                                       box(40, 58, 62, 66), box(68, 58, 100, 66)};
+  const Polygon podium = box(62, 58, 68, 66);
+  PointCloud cloud = scan(140, 4, houses, 12, [](double, double) { return 1; });
+  for (std::size_t p = 0; p < cloud.size(); ++p)
+    if (contains(podium, {cloud.x[p], cloud.y[p]})) cloud.z[p] = cloud.z[p] + 3;
+  const auto found = filter_ground(cloud, houses);
+  const Mistakes wrong = mistakes(cloud, found, [&](std::size_t p) { return cloud.z[p] < 2; });
+  EXPECT_EQ(wrong.taken, 0);
+  EXPECT_EQ(wrong.missed, 0);
+}
+
+/// Cells without points cut slopes into pieces that are no scraps.
+TEST(GroundFilter, HillsStayInSparseClouds) {
+  SCOPED_TRACE(test_seed());
+  const auto hill = [](double x, double y) {
+    return std::max(0.0, 12 - 0.2 * std::hypot(x - 80, y - 80));
+  };
+  const PointCloud cloud = scan(160, 0.4, {}, 0, hill);
+  const auto found = filter_ground(cloud, {});
+  EXPECT_LT(mistakes(cloud, found, [](std::size_t) { return true; }).missed, 0.01);
+}
+
 /// The uphill rim has nothing higher beside it that an opening could come down from.
 TEST(GroundFilter, SlopesStayWholeUpToTheirRim) {
   for (const double slope : {0.3, 1.0}) {

@@ -51,7 +51,9 @@ struct ExtractOptions {
 /// Points in a hole are outside. If the whole cloud has no point of class 6 (or a few strays: fewer
 /// than buildings and than one in 1000 points), roof points are the points inside that are neither
 /// ground (2), water (9), vegetation (3, 4, 5) nor noise (7, 18), and roof_from_unclassified says
-/// so; these lose the crowns of trees unless told otherwise. Each list then loses its outliers
+/// so; these lose what is at most half a metre above the 10th percentile of the building's ground
+/// points (unless that is more than half of the list), and the crowns of trees unless told
+/// otherwise. Each list then loses its outliers
 /// (drop_outliers). One point may belong to several buildings: footprints may overlap, margins do.
 /// Guarantees: lists in the order of the footprints; the same for any number of threads. Memory
 /// beyond the result and a grid over the footprints is at most 24 bytes per point found. Throws
@@ -61,8 +63,10 @@ BuildingPoints extract_building_points(std::span<const Polygon> footprints, cons
                                        const ExtractOptions& options = {},
                                        const Progress& progress = {});
 
-/// The same for the footprints of buildings.
-BuildingPoints extract_building_points(std::span<const Building> buildings, const PointCloud& cloud,
+/// The same for the footprints of buildings. `others`: footprints that are no buildings of the model
+/// (they cross its boundary): what is in them is no tree beside a building.
+BuildingPoints extract_building_points(std::span<const Building> buildings,
+                                       std::span<const Polygon> others, const PointCloud& cloud,
                                        const ExtractOptions& options = {},
                                        const Progress& progress = {});
 

@@ -14,7 +14,8 @@ namespace tetropolis {
 struct GroundFilterOptions {
   std::vector<std::uint8_t> classes{0, 1, 12};  ///< Classes that may be ground: never classified,
                                                 ///< unclassified, overlap.
-  double cell = 1.0;       ///< Metres, > 0. Coarser where there would be more than 2^27 cells.
+  double cell = 1.0;       ///< Metres, > 0. Coarser (up to 4 m) where there are fewer points than
+                           ///< cells, and where there would be more than 2^27 cells.
   double window = 20.0;    ///< Metres, > 0: what is narrower than twice that, and rises from its
                            ///< surroundings, is an object, if it is in no footprint.
   double slope = 0.15;     ///< Rise over run that is still terrain, > 0.
@@ -48,11 +49,14 @@ struct GroundFilterReport {
 /// that buildings at the water or cut by the rim of the cloud do not lean on a void.
 ///
 /// And of the objects that are found, what rises gradually instead of in walls is taken back:
-/// banks, dykes, ridges and hilltops, of 50 square metres and more.
+/// banks, dykes, ridges and hilltops, of 50 square metres and more. Smaller pieces of terrain that
+/// objects, footprints and walls cut off from the rest, a metre above most of the ground nearby, are
+/// what openings left of objects between footprints (podiums), and go.
 ///
 /// Known weakness: on slopes much steeper than `slope` that are not those of the whole terrain,
-/// parts of wide buildings that are in no footprint may pass for terrain; hilltops where trees
-/// leave few smooth cells may pass for objects.
+/// parts of wide buildings that are in no footprint may pass for terrain, and so may podiums of more
+/// than 50 square metres between footprints; hilltops where trees leave few smooth cells may pass
+/// for objects.
 ///
 /// Guarantees: the same for any number of threads. Linear in points, footprints (their edges, and
 /// the rows of cells these span) and cells, logarithmic in the window; but filling voids takes one
