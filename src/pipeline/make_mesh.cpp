@@ -5,6 +5,7 @@
 #include <functional>
 #include <limits>
 #include <optional>
+#include <span>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -223,55 +224,67 @@ Columns make_columns_of_city(const Config& config, const CityModel& city, const 
 /// Cells the report lists.
 constexpr std::size_t kWorstCells = 10;
 
+struct MeshQuality {
+  CellQuality cells;
+  FaceQuality faces;
+};
+
 /// Makes thin cells better if there are any. The columns of uniform layers are as asked for.
-CellQuality improve(const Config& config, ColumnMesh& mesh, StepClock& clock,
+MeshQuality improve(const Config& config, ColumnMesh& mesh, StepClock& clock,
                     VolumeMeshReport& volume) {
   volume.columns_improved = 0;
   const auto measured = [&] {
     return clock.run("3.6", "measure cells",
                      [&](const Progress&) { return measure_cells(mesh, kWorstCells); });
   };
+  const auto with_faces = [&](CellQuality cells) {
+    return MeshQuality{std::move(cells),
+                       clock.run("3.6", "measure faces",
+                                 [&](const Progress&) { return measure_faces(mesh); })};
+  };
   CellQuality cells = measured();
   const ImproveOptions options;
   if (config.layering == Layering::kUniform ||
       (cells.histogram.min_dihedral_deg() >= options.least_deg &&
        cells.histogram.max_dihedral_deg() <= options.greatest_deg))
-    return cells;
+    return with_faces(std::move(cells));
   clock.run("3.5", "improve cells", [&](const Progress& progress) {
     volume.columns_improved = improve_columns(mesh, options, progress);
   });
-  if (volume.columns_improved == 0) return cells;
+  if (volume.columns_improved == 0) return with_faces(std::move(cells));
   volume.min_vertical_gap = require_valid(mesh);
-  return measured();
+  return with_faces(measured());
 }
 
-/// What the least angle of all but a few cells of a good mesh keeps to, beside kQualityFloor.
-constexpr double kLeastOfMost = 12;
+/// The share of cells that may have an angle below kLeastOfMost.
 constexpr double kFewCells = 1e-4;
 
 /// Times that columns are made anew, at most: where the ground was lowered, other cells change.
 constexpr int kMostCuts = 8;
 
 /// The bounds that the mesh is to be worked on for; nothing if it is above the floor.
-std::optional<AngleBounds> missed_bounds(const QualityHistogram& quality) {
-  if (quality.dihedral_quantile_deg(kFewCells) < kLeastOfMost)
+std::optional<AngleBounds> missed_bounds(const MeshQuality& quality) {
+  const QualityHistogram& angles = quality.cells.histogram;
+  if (angles.dihedral_quantile_deg(kFewCells) < kLeastOfMost)
     return AngleBounds{kLeastOfMost, kQualityFloor.greatest};
-  if (quality.min_dihedral_deg() < kQualityFloor.least || quality.max_dihedral_deg() > kQualityFloor.greatest)
+  if (angles.min_dihedral_deg() < kQualityFloor.least ||
+      angles.max_dihedral_deg() > kQualityFloor.greatest || quality.faces.above_70 > 0)
     return kQualityFloor;
   return std::nullopt;
 }
 
-/// Makes the columns anew with the terrain cut back as `options` say, if that leaves fewer cells
-/// below the floor, or as many of these and fewer outside the bounds; else everything stays as it
-/// is and the result is false.
+/// Makes the columns anew with the terrain cut back as `options` say, if that leaves fewer cells and
+/// faces below the floor, or as many of these and fewer outside the bounds; else everything stays as
+/// it is and the result is false.
 bool cut_back_once(const Config& config, const Raster& dtm, const CitySize& size,
                    const ColumnPlanOptions& options, const AngleBounds& bounds, Columns& columns,
-                   CellQuality& cells, StepClock& clock, VolumeMeshReport& volume) {
+                   MeshQuality& quality, StepClock& clock, VolumeMeshReport& volume) {
   // Not at the price of cells that are bad by any measure.
-  const auto bad = [&] {
-    return std::pair(count_bad_cells(columns.mesh, kQualityFloor), count_bad_cells(columns.mesh, bounds));
+  const auto bad = [&](const FaceQuality& faces) {
+    return std::pair(count_bad_cells(columns.mesh, kQualityFloor) + faces.above_70,
+                     count_bad_cells(columns.mesh, bounds) + faces.above_70);
   };
-  const auto bad_before = bad();
+  const auto bad_before = bad(quality.faces);
   const VolumeMeshReport volume_before = volume;
   Columns before;
   const bool is_cut = clock.run("3.3", "cut terrain back", [&](const Progress&) {
@@ -291,9 +304,9 @@ bool cut_back_once(const Config& config, const Raster& dtm, const CitySize& size
   });
   if (!is_cut) return false;
   volume.min_vertical_gap = require_valid(columns.mesh);
-  CellQuality now = improve(config, columns.mesh, clock, volume);
-  if (bad() < bad_before) {
-    cells = std::move(now);
+  MeshQuality now = improve(config, columns.mesh, clock, volume);
+  if (bad(now.faces) < bad_before) {
+    quality = std::move(now);
     return true;
   }
   before.mesh.ground = std::move(columns.mesh.ground);
@@ -303,34 +316,34 @@ bool cut_back_once(const Config& config, const Raster& dtm, const CitySize& size
   return false;
 }
 
-/// Cuts the terrain back where cells are below the floor, as long as that makes fewer of them:
+/// Cuts the terrain back where cells or faces are below the floor, as long as that makes fewer:
 /// around roofs below it first, then from the feet of cliffs and low walls. Exact terrain comes
 /// first: nothing is cut where the floor is met without.
-CellQuality make_room(const Config& config, const Raster& dtm, const CitySize& size,
-                      Columns& columns, CellQuality cells, StepClock& clock,
+MeshQuality make_room(const Config& config, const Raster& dtm, const CitySize& size,
+                      Columns& columns, MeshQuality quality, StepClock& clock,
                       VolumeMeshReport& volume) {
-  if (config.layering == Layering::kUniform || config.cut_slope >= 90) return cells;
+  if (config.layering == Layering::kUniform || config.cut_slope >= 90) return quality;
   ColumnPlanOptions options = plan_options(config);
   const auto cut_from = [&](const auto& mark) {
     for (int round = 0; round < kMostCuts; ++round) {
-      const std::optional<AngleBounds> bounds = missed_bounds(cells.histogram);
+      const std::optional<AngleBounds> bounds = missed_bounds(quality);
       const CutMarks marks_before = options.cut;
-      if (bounds && mark(*bounds) > 0 &&
-          cut_back_once(config, dtm, size, options, *bounds, columns, cells, clock, volume))
+      if (bounds && mark(find_bad_triangles(columns.mesh, *bounds)) > 0 &&
+          cut_back_once(config, dtm, size, options, *bounds, columns, quality, clock, volume))
         continue;
       options.cut = marks_before;
       return;
     }
   };
   options.cut.roofs.assign(columns.plan.roofs.size(), 0);
-  cut_from([&](const AngleBounds& bounds) {
-    return mark_buried_roofs(columns.mesh, columns.plan, bounds, options.cut);
+  cut_from([&](std::span<const std::uint8_t> bad) {
+    return mark_buried_roofs(columns.mesh, columns.plan, bad, options.cut);
   });
   options.cut.feet.assign(columns.plan.ground.size(), std::numeric_limits<double>::infinity());
-  cut_from([&](const AngleBounds& bounds) {
-    return mark_feet(columns.mesh, columns.plan, bounds, options.cut_slopes.at_start, options.cut);
+  cut_from([&](std::span<const std::uint8_t> bad) {
+    return mark_feet(columns.mesh, columns.plan, bad, options.cut_slopes.at_start, options.cut);
   });
-  return cells;
+  return quality;
 }
 
 void report_lowered(const ColumnPlan& plan, Report& report) {
@@ -349,22 +362,31 @@ void report_lowered(const ColumnPlan& plan, Report& report) {
        fmt::format("ground vertices were lowered, by up to {:.1f} m: {}", plan.deepest, where)});
 }
 
-void warn_below_floor(const ColumnMesh& mesh, const QualityHistogram& quality, Report& report) {
+void warn_below_floor(const ColumnMesh& mesh, const MeshQuality& quality, Report& report) {
   const std::optional<AngleBounds> bounds = missed_bounds(quality);
   if (!bounds) return;
-  report.warnings.push_back(
-      {"below_quality_floor", count_bad_cells(mesh, *bounds),
-       fmt::format("cells have dihedral angles outside of {} to {} degrees (least {:.2f}, greatest "
-                   "{:.2f}), where {} to {} are meant for all and {} for all but one in ten "
-                   "thousand; worst_cells in the report has the worst and why",
-                   bounds->least, bounds->greatest, quality.min_dihedral_deg(),
-                   quality.max_dihedral_deg(), kQualityFloor.least, kQualityFloor.greatest, kLeastOfMost)});
+  const QualityHistogram& angles = quality.cells.histogram;
+  if (const std::int64_t bad = count_bad_cells(mesh, *bounds); bad > 0)
+    report.warnings.push_back(
+        {"below_quality_floor", bad,
+         fmt::format(
+             "cells have dihedral angles outside of {} to {} degrees (least {:.2f}, greatest "
+             "{:.2f}), where {} to {} are meant for all and {} for all but one in ten thousand; "
+             "worst_cells in the report has the worst and why",
+             bounds->least, bounds->greatest, angles.min_dihedral_deg(), angles.max_dihedral_deg(),
+             kQualityFloor.least, kQualityFloor.greatest, kLeastOfMost)});
+  if (quality.faces.above_70 > 0)
+    report.warnings.push_back(
+        {"faces_non_orthogonal", quality.faces.above_70,
+         fmt::format("faces between cells are more than {} degrees non-orthogonal (the worst "
+                     "{:.2f}); the terrain is too steep there for the mesh size",
+                     kMostNonOrthogonal, quality.faces.worst.non_orthogonality_deg)});
 }
 
-void measure(const ColumnMesh& mesh, CellQuality cells, VolumeMeshReport& volume) {
-  const QualityHistogram& quality = cells.histogram;
-  volume.worst = std::move(cells.worst);
-  volume.faces = measure_faces(mesh);
+void fill_quality(const ColumnMesh& mesh, MeshQuality measured, VolumeMeshReport& volume) {
+  const QualityHistogram& quality = measured.cells.histogram;
+  volume.worst = std::move(measured.cells.worst);
+  volume.faces = measured.faces;
   volume.vertices = mesh.node_count();
   volume.cells = quality.cells();
   volume.volume = quality.volume();
@@ -468,14 +490,14 @@ void make_mesh(const Config& config, const CityModel& city, Raster dtm, const Ou
                        in_crs(city.domain.xmax, origin.x), in_crs(city.domain.ymax, origin.y)};
   Columns columns = make_columns_of_city(config, city, dtm, size, std::move(ground), clock, report);
   VolumeMeshReport& volume = *report.volume_mesh;
-  CellQuality cells = improve(config, columns.mesh, clock, volume);
-  cells = make_room(config, dtm, size, columns, std::move(cells), clock, volume);
+  MeshQuality quality = improve(config, columns.mesh, clock, volume);
+  quality = make_room(config, dtm, size, columns, std::move(quality), clock, volume);
   report_lowered(columns.plan, report);
   const ColumnMesh mesh = std::move(columns.mesh);
   columns.plan = {};
   clock.run("3.6", "check and write meshes", [&](const Progress& progress) {
-    warn_below_floor(mesh, cells.histogram, report);
-    measure(mesh, std::move(cells), *report.volume_mesh);
+    warn_below_floor(mesh, quality, report);
+    fill_quality(mesh, std::move(quality), *report.volume_mesh);
     const SurfaceMesh boundary = bound(mesh, domain, report);
     Placement placement{{0, 0, 0}, {city.origin.x, city.origin.y, 0}};
     if (config.coordinates == Coordinates::kAbsolute)

@@ -19,12 +19,12 @@ namespace {
 constexpr double kFlattest = 180 - kQualityFloor.greatest;
 
 double share_of_floor(double least_deg, double greatest_deg) {
-  return std::min(least_deg / kQualityFloor.least, (180 - greatest_deg) / kFlattest);
+  return std::min(least_deg / kLeastOfMost, (180 - greatest_deg) / kFlattest);
 }
 
 /// The bounds that cells of this share of the floor keep to.
 AngleBounds angles_at(double share) {
-  return {share * kQualityFloor.least, 180 - share * kFlattest};
+  return {share * kLeastOfMost, 180 - share * kFlattest};
 }
 
 /// Keeps the `count` worst, worst first; ties by place, so that the order of adding is irrelevant.

@@ -8,6 +8,7 @@
 
 #include "tetropolis/core/parallel.h"
 #include "tetropolis/core/units.h"
+#include "tetropolis/volume/face_quality.h"
 #include "tetropolis/volume/fill_columns.h"
 
 #include "geometry/slope.h"
@@ -20,6 +21,7 @@ namespace tetropolis {
 namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
+constexpr std::size_t kTrianglesPerChunk = 4096;
 
 /// Highest that p may be above the line from a to b, at elevations za and zb at its ends, if
 /// nothing rises from it more steeply than `slope`: the least of elevation + slope * distance along
@@ -130,11 +132,21 @@ CutSources cut_back(const GroundMesh& mesh, std::span<const BuildingIndex> build
   return sources;
 }
 
+std::vector<std::uint8_t> find_bad_triangles(const ColumnMesh& mesh, const AngleBounds& bounds) {
+  std::vector<std::uint8_t> bad(mesh.triangle_count(), 0);
+  parallel_chunks(bad.size(), kTrianglesPerChunk, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t t = begin; t < end; ++t)
+      if (count_bad_cells_over(mesh, t, bounds) > 0) bad[t] = 1;
+  });
+  mark_non_orthogonal(mesh, bad);
+  return bad;
+}
+
 std::int64_t mark_buried_roofs(const ColumnMesh& mesh, const ColumnPlan& plan,
-                               const AngleBounds& bounds, CutMarks& marks) {
+                               std::span<const std::uint8_t> bad, CutMarks& marks) {
   std::int64_t marked = 0;
   for (std::size_t t = 0; t < mesh.triangle_count(); ++t) {
-    if (mesh.inside_building(t)) continue;
+    if (bad[t] == 0 || mesh.inside_building(t)) continue;
     double highest = -kInfinity;
     for (const VertexIndex v : mesh.ground.triangles[t])
       highest = std::max(highest, plan.ground[static_cast<std::size_t>(v)]);
@@ -143,11 +155,7 @@ std::int64_t mark_buried_roofs(const ColumnMesh& mesh, const ColumnPlan& plan,
       return b != kNoBuilding && marks.roofs[static_cast<std::size_t>(b)] == 0 &&
              highest > plan.roofs[static_cast<std::size_t>(b)];
     };
-    const auto& corners = mesh.ground.triangles[t];
-    if (std::none_of(corners.begin(), corners.end(), is_buried) ||
-        count_bad_cells_over(mesh, t, bounds) == 0)
-      continue;
-    for (const VertexIndex v : corners) {
+    for (const VertexIndex v : mesh.ground.triangles[t]) {
       if (!is_buried(v)) continue;
       marks.roofs[static_cast<std::size_t>(plan.building[static_cast<std::size_t>(v)])] = 1;
       ++marked;
@@ -156,11 +164,11 @@ std::int64_t mark_buried_roofs(const ColumnMesh& mesh, const ColumnPlan& plan,
   return marked;
 }
 
-std::int64_t mark_feet(const ColumnMesh& mesh, const ColumnPlan& plan, const AngleBounds& bounds,
-                       double slope, CutMarks& marks) {
+std::int64_t mark_feet(const ColumnMesh& mesh, const ColumnPlan& plan,
+                       std::span<const std::uint8_t> bad, double slope, CutMarks& marks) {
   std::int64_t marked = 0;
   for (std::size_t t = 0; t < mesh.triangle_count(); ++t) {
-    if (mesh.inside_building(t)) continue;
+    if (bad[t] == 0 || mesh.inside_building(t)) continue;
     const auto corner = [&](std::size_t k) {
       return static_cast<std::size_t>(mesh.ground.triangles[t][k % 3]);
     };
@@ -183,10 +191,6 @@ std::int64_t mark_feet(const ColumnMesh& mesh, const ColumnPlan& plan, const Ang
           plan.roofs[static_cast<std::size_t>(plan.building[v])] - kWallTangent * edge;
       if (below < plan.ground[v]) foot[i] = below;
     }
-    // Cells last: they are what takes time.
-    if (std::all_of(foot.begin(), foot.end(), [](double z) { return z == kInfinity; }) ||
-        count_bad_cells_over(mesh, t, bounds) == 0)
-      continue;
     for (std::size_t i = 0; i < 3; ++i) {
       if (!(foot[i] < marks.feet[corner(i)])) continue;
       marks.feet[corner(i)] = foot[i];
@@ -197,7 +201,6 @@ std::int64_t mark_feet(const ColumnMesh& mesh, const ColumnPlan& plan, const Ang
 }
 
 std::int64_t count_bad_cells(const ColumnMesh& mesh, const AngleBounds& bounds) {
-  constexpr std::size_t kTrianglesPerChunk = 4096;
   return parallel_reduce_ordered(
       mesh.triangle_count(), kTrianglesPerChunk, std::int64_t{0},
       [&](std::size_t begin, std::size_t end) {

@@ -49,10 +49,10 @@ class FaceCollector {
 
  private:
   void add_in_full(const FaceShape& shape) {
-    if (shape.non_orthogonality_deg > 70) ++quality_.above_70;
+    if (shape.non_orthogonality_deg > kMostNonOrthogonal) ++quality_.above_70;
     quality_.worst = worse(quality_.worst, shape);
     const double cosine =
-        std::cos(to_radians(std::min(quality_.worst.non_orthogonality_deg, 70.0)));
+        std::cos(to_radians(std::min(quality_.worst.non_orthogonality_deg, kMostNonOrthogonal)));
     least_cosine2_ = cosine * cosine * (1 + kMargin);
     skewness_ = quality_.worst.skewness * (1 - kMargin);
   }
@@ -158,6 +158,30 @@ FaceQuality measure_faces(const ColumnMesh& mesh) {
   return combined(
       parallel_reduce_ordered(triangles, grain_of_chunks(triangles), FaceQuality{}, over, combined),
       parallel_reduce_ordered(edges, grain_of_chunks(edges), FaceQuality{}, beside, combined));
+}
+
+void mark_non_orthogonal(const ColumnMesh& mesh, std::vector<std::uint8_t>& triangles) {
+  parallel_chunks(triangles.size(), grain_of_chunks(triangles.size()),
+                  [&](std::size_t begin, std::size_t end) {
+                    for (std::size_t t = begin; t < end; ++t) {
+                      FaceCollector faces;
+                      add_faces_over(mesh, t, faces);
+                      if (faces.quality().above_70 > 0) triangles[t] = 1;
+                    }
+                  });
+  std::vector<std::uint8_t> edges(mesh.edges.size(), 0);
+  parallel_chunks(edges.size(), grain_of_chunks(edges.size()),
+                  [&](std::size_t begin, std::size_t end) {
+                    for (std::size_t e = begin; e < end; ++e) {
+                      FaceCollector faces;
+                      add_faces_beside(mesh, e, faces);
+                      if (faces.quality().above_70 > 0) edges[e] = 1;
+                    }
+                  });
+  for (std::size_t e = 0; e < edges.size(); ++e)
+    if (edges[e] != 0)
+      for (const TriangleIndex t : mesh.edges.triangles[e])
+        if (t != kNoTriangle) triangles[static_cast<std::size_t>(t)] = 1;
 }
 
 }  // namespace tetropolis

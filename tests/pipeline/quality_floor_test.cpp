@@ -45,7 +45,7 @@ void expect_above_the_floor(const Report& report) {
   EXPECT_EQ(mesh.faces.above_70, 0);
   EXPECT_LT(mesh.faces.worst.skewness, 4);
   ASSERT_EQ(mesh.worst.size(), 10U);
-  EXPECT_GE(mesh.worst.front().share_of_floor, 1);
+  EXPECT_GE(mesh.worst.front().share_of_floor, 8.0 / 12);
   EXPECT_LE(mesh.worst.front().share_of_floor, mesh.worst.back().share_of_floor);
 }
 

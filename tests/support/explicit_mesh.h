@@ -15,6 +15,7 @@ struct ExplicitMesh {
   std::vector<std::array<double, 3>> points;
   std::vector<std::array<std::int64_t, 4>> cells;
   std::vector<std::int32_t> region;
+  std::vector<std::size_t> triangle;  ///< That each cell stands over.
 };
 
 /// Each triangle's segments are sorted by midpoint (ties: higher vertex first); each makes one tet
@@ -53,6 +54,7 @@ inline ExplicitMesh explicit_mesh(const ColumnMesh& mesh,
       cell[3] = segment.node + 1;
       result.cells.push_back(cell);
       result.region.push_back(mesh.ground.region[t]);
+      result.triangle.push_back(t);
       cell[segment.corner] = segment.node + 1;
     }
   }

@@ -14,6 +14,7 @@
 #include <gtest/gtest.h>
 
 #include "tetropolis/volume/cell_quality.h"
+#include "tetropolis/volume/face_quality.h"
 #include "tetropolis/volume/fill_columns.h"
 #include "tetropolis/volume/ground_heights.h"
 #include "tetropolis/volume/improve_columns.h"
@@ -206,11 +207,13 @@ TEST(CutBack, MarksTheFeetOfCliffsWithBadCells) {
     for (const double slope : {0.5, 3.0, 100.0}) {
       const AngleBounds bounds{least, 159.5};
       std::int64_t bad = 0;
+      std::vector<std::uint8_t> bad_triangles(result.mesh.triangle_count(), 0);
       std::vector<std::pair<std::size_t, double>> steep;  // triangles and their lowest ground
       for (const WorstCell& cell : cells.worst) {
         if (cell.min_dihedral_deg >= least && cell.max_dihedral_deg <= 159.5) continue;
         ++bad;
         const auto t = static_cast<std::size_t>(cell.triangle);
+        bad_triangles[t] = 1;
         if (result.mesh.ground.region[t] != kNoBuilding) continue;
         // The steepest direction, by looking into all of them.
         std::array<Point3, 3> p;
@@ -230,9 +233,12 @@ TEST(CutBack, MarksTheFeetOfCliffsWithBadCells) {
         steep.emplace_back(t, p[0][2]);
       }
       EXPECT_EQ(count_bad_cells(result.mesh, bounds), bad);
+      std::vector<std::uint8_t> with_faces = bad_triangles;
+      mark_non_orthogonal(result.mesh, with_faces);
+      EXPECT_EQ(find_bad_triangles(result.mesh, bounds), with_faces);
       CutMarks marks;
       marks.feet.assign(result.plan.ground.size(), infinity);
-      const std::int64_t marked = mark_feet(result.mesh, result.plan, bounds, slope, marks);
+      const std::int64_t marked = mark_feet(result.mesh, result.plan, bad_triangles, slope, marks);
       std::set<std::size_t> allowed;
       for (const auto& [t, lowest] : steep) {
         bool found = false;
@@ -251,7 +257,7 @@ TEST(CutBack, MarksTheFeetOfCliffsWithBadCells) {
         EXPECT_TRUE(allowed.count(v) == 1 && marks.feet[v] == result.plan.ground[v]) << v;
       }
       EXPECT_EQ(feet, marked);
-      EXPECT_EQ(mark_feet(result.mesh, result.plan, bounds, slope, marks), 0) << "marked twice";
+      EXPECT_EQ(mark_feet(result.mesh, result.plan, bad_triangles, slope, marks), 0) << "marked twice";
       most = std::max(most, static_cast<std::size_t>(feet));
     }
   EXPECT_GT(most, 10U);
@@ -265,8 +271,8 @@ TEST(CutBack, MarksTheFeetOfWallsTooLowForTheEdgesBesideThem) {
   const auto result = testing::meshed(city, 10);
   CutMarks marks;
   marks.feet.assign(result.plan.ground.size(), std::numeric_limits<double>::infinity());
-  // All cells count.
-  const std::int64_t marked = mark_feet(result.mesh, result.plan, {80, 180}, 0.5, marks);
+  const std::vector<std::uint8_t> all_triangles(result.mesh.triangle_count(), 1);
+  const std::int64_t marked = mark_feet(result.mesh, result.plan, all_triangles, 0.5, marks);
   EXPECT_GT(marked, 5);
   const double tangent = std::tan(15 * std::numbers::pi / 180);
   int feet = 0;
@@ -304,11 +310,13 @@ TEST(CutBack, MarksTheRoofsWithBadCellsBesideThem) {
   int all = 0;
   for (const double least : {0.5, 8.5, 60.0}) {
     std::set<BuildingIndex> expected;
+    std::vector<std::uint8_t> bad(result.mesh.triangle_count(), 0);
     const CellQuality cells = measure_cells(result.mesh, 10'000'000);
     ASSERT_EQ(static_cast<std::int64_t>(cells.worst.size()), cells.histogram.cells());
     for (const WorstCell& cell : cells.worst) {
       if (cell.min_dihedral_deg >= least && cell.max_dihedral_deg <= 159.5) continue;
       const auto t = static_cast<std::size_t>(cell.triangle);
+      bad[t] = 1;
       if (result.mesh.ground.region[t] != kNoBuilding) continue;
       const auto& corners = result.mesh.ground.triangles[t];
       for (const VertexIndex v : corners) {
@@ -322,12 +330,11 @@ TEST(CutBack, MarksTheRoofsWithBadCellsBesideThem) {
     }
     CutMarks marks{{0, 0}, {}};
     const std::vector<std::uint8_t>& cut = marks.roofs;
-    const AngleBounds bounds{least, 159.5};
-    const std::int64_t marked = mark_buried_roofs(result.mesh, result.plan, bounds, marks);
+    const std::int64_t marked = mark_buried_roofs(result.mesh, result.plan, bad, marks);
     EXPECT_EQ(marked, static_cast<std::int64_t>(expected.size()));
     EXPECT_EQ(cut[0], expected.count(0));
     EXPECT_EQ(cut[1], 0);
-    EXPECT_EQ(mark_buried_roofs(result.mesh, result.plan, bounds, marks), 0) << "marked twice";
+    EXPECT_EQ(mark_buried_roofs(result.mesh, result.plan, bad, marks), 0) << "marked twice";
     all += cut[0];
   }
   EXPECT_GT(all, 0);

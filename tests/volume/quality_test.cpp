@@ -114,13 +114,17 @@ TEST_P(FacesOf, CellsAreThoseSharedByTwo) {
       faces[face].push_back(cell);
     }
   FaceQuality expected;
+  std::vector<std::uint8_t> above(result.mesh.triangle_count(), 0);
   for (const auto& [nodes, cells] : faces) {
     if (cells.size() != 2) continue;
     std::array<Point3, 3> face;
     for (std::size_t i = 0; i < 3; ++i) face[i] = lists.points[static_cast<std::size_t>(nodes[i])];
     const FaceShape shape = face_shape(face, centre(lists, cells[0]), centre(lists, cells[1]));
     ++expected.faces;
-    if (shape.non_orthogonality_deg > 70) ++expected.above_70;
+    if (shape.non_orthogonality_deg > 70) {
+      ++expected.above_70;
+      for (const std::size_t cell : cells) above[lists.triangle[cell]] = 1;
+    }
     expected.worst = {std::max(expected.worst.non_orthogonality_deg, shape.non_orthogonality_deg),
                       std::max(expected.worst.skewness, shape.skewness)};
   }
@@ -130,6 +134,12 @@ TEST_P(FacesOf, CellsAreThoseSharedByTwo) {
   EXPECT_EQ(measured.above_70, expected.above_70);
   EXPECT_NEAR(measured.worst.non_orthogonality_deg, expected.worst.non_orthogonality_deg, 1e-6);
   EXPECT_NEAR(measured.worst.skewness, expected.worst.skewness, 1e-9);
+  std::vector<std::uint8_t> marked(above.size(), 0);
+  mark_non_orthogonal(result.mesh, marked);
+  EXPECT_EQ(marked, above);
+  marked.assign(above.size(), 1);
+  mark_non_orthogonal(result.mesh, marked);
+  EXPECT_EQ(marked, std::vector<std::uint8_t>(above.size(), 1));
 }
 
 // Stretched or squeezed ones have faces above 70 degrees.
@@ -191,7 +201,7 @@ TEST(Quality, ListsTheWorstCellsWithTheirPlace) {
     const auto p = [&](std::size_t i) { return lists.points[static_cast<std::size_t>(cell[i])]; };
     const TetShape shape = tet_shape(p(0), p(1), p(2), p(3));
     cells.push_back(
-        {std::min(shape.min_dihedral_deg / 8, (180 - shape.max_dihedral_deg) / 20),
+        {std::min(shape.min_dihedral_deg / 12, (180 - shape.max_dihedral_deg) / 20),
          shape.min_dihedral_deg,
          shape.max_dihedral_deg,
          {(p(0)[0] + p(1)[0] + p(2)[0] + p(3)[0]) / 4, (p(0)[1] + p(1)[1] + p(2)[1] + p(3)[1]) / 4,

@@ -19,12 +19,14 @@ struct AngleBounds {
 
 /// What all cells of a good mesh keep to.
 inline constexpr AngleBounds kQualityFloor{8, 160};
+/// And the least angle of all but one in ten thousand, degrees.
+inline constexpr double kLeastOfMost = 12;
 
 /// A cell that is far from regular, and why.
 struct WorstCell {
-  double share_of_floor = 0;  ///< The lesser of min_dihedral_deg over that of kQualityFloor and
+  double share_of_floor = 0;  ///< The lesser of min_dihedral_deg over kLeastOfMost and of
                               ///< 180 - max_dihedral_deg over 180 less that of kQualityFloor: below
-                              ///< 1 where the cell is below the floor.
+                              ///< 1 for the cells that a mesh may have few or none of.
   double min_dihedral_deg = 0;
   double max_dihedral_deg = 0;
   Point3 centre{};             ///< Local frame, metres.

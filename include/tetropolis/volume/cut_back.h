@@ -46,19 +46,23 @@ CutSources cut_back(const GroundMesh& mesh, std::span<const BuildingIndex> build
                     std::span<const double> roofs, const CutMarks& marks, const CutSlopes& slopes,
                     std::vector<double>& ground);
 
-/// Marks buildings beside which a cell is outside the bounds and the ground rises above the roof
-/// within the triangle, outside buildings, that the cell stands over. Returns how many were not
-/// marked before. `plan` is the one `mesh` was made with; `marks.roofs` has its size.
-std::int64_t mark_buried_roofs(const ColumnMesh& mesh, const ColumnPlan& plan,
-                               const AngleBounds& bounds, CutMarks& marks);
+/// 1 for the triangles over which a cell is outside the bounds, or over which (or over an edge of
+/// which) a face is more than kMostNonOrthogonal; for marking.
+std::vector<std::uint8_t> find_bad_triangles(const ColumnMesh& mesh, const AngleBounds& bounds);
 
-/// For every triangle outside buildings over which a cell is outside the bounds: marks as a foot,
-/// where its ground is, the lowest vertex, if the triangle is steeper than `slope` (tangent); and,
-/// 15 degrees below the roof as seen from the other end of their longest edge in it, its vertices
-/// on walls whose ground is higher. Returns how often that was not marked before, or is lower now.
-/// `plan` is the one `mesh` was made with; `marks.feet` has its size.
-std::int64_t mark_feet(const ColumnMesh& mesh, const ColumnPlan& plan, const AngleBounds& bounds,
-                       double slope, CutMarks& marks);
+/// Marks buildings beside which a triangle outside buildings is bad and the ground rises above the
+/// roof within it. Returns how many were not marked before. `plan` is the one `mesh` was made with;
+/// `bad` has one entry per triangle; `marks.roofs` has its size.
+std::int64_t mark_buried_roofs(const ColumnMesh& mesh, const ColumnPlan& plan,
+                               std::span<const std::uint8_t> bad, CutMarks& marks);
+
+/// For every bad triangle outside buildings: marks as a foot, where its ground is, the lowest
+/// vertex, if the triangle is steeper than `slope` (tangent); and, 15 degrees below the roof as seen
+/// from the other end of their longest edge in it, its vertices on walls whose ground is higher.
+/// Returns how often that was not marked before, or is lower now. `plan` is the one `mesh` was made
+/// with; `bad` has one entry per triangle; `marks.feet` has its size.
+std::int64_t mark_feet(const ColumnMesh& mesh, const ColumnPlan& plan,
+                       std::span<const std::uint8_t> bad, double slope, CutMarks& marks);
 
 /// How many cells have a dihedral angle outside the bounds.
 std::int64_t count_bad_cells(const ColumnMesh& mesh, const AngleBounds& bounds);

@@ -3,6 +3,7 @@
 
 #include <array>
 #include <cstdint>
+#include <vector>
 
 #include "tetropolis/geometry/types.h"
 #include "tetropolis/volume/column_mesh.h"
@@ -20,13 +21,20 @@ struct FaceShape {
 /// `c0`, `c1`: centres of the cells on both sides, not in the face's plane.
 FaceShape face_shape(const std::array<Point3, 3>& face, const Point3& c0, const Point3& c1);
 
+/// Degrees; what OpenFOAM's checkMesh calls severe above.
+inline constexpr double kMostNonOrthogonal = 70;
+
 struct FaceQuality {
   std::int64_t faces = 0;     ///< Internal ones.
-  std::int64_t above_70 = 0;  ///< Of them more than 70 degrees non-orthogonal.
+  std::int64_t above_70 = 0;  ///< Of them more than kMostNonOrthogonal.
   FaceShape worst;            ///< Greatest non-orthogonality and greatest skewness of any face.
 };
 
 /// Over all internal faces of the mesh. The same bits for any number of threads.
 FaceQuality measure_faces(const ColumnMesh& mesh);
+
+/// Sets triangles[t] to 1 where a face over triangle t, or over one of its edges, is more than
+/// kMostNonOrthogonal; leaves the others. Precondition: one entry per triangle.
+void mark_non_orthogonal(const ColumnMesh& mesh, std::vector<std::uint8_t>& triangles);
 
 }  // namespace tetropolis
