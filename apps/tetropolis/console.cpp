@@ -2,6 +2,9 @@
 
 #include <cerrno>
 #include <cstring>
+#include <filesystem>
+#include <fstream>
+#include <system_error>
 
 #include <fmt/format.h>
 #include <unistd.h>
@@ -14,9 +17,30 @@ namespace tetropolis::app {
 
 void put(std::FILE* stream, const std::string& text) { std::fputs(text.c_str(), stream); }
 
+namespace {
+
+/// Whether a file is there that is no text, or text of a format of data (JSON, XML).
+bool holds_data(const std::string& path) {
+  std::error_code error;
+  if (!std::filesystem::is_regular_file(path, error)) return false;
+  std::ifstream file(path, std::ios::binary);
+  std::string start(1 << 16, ' ');
+  file.read(start.data(), static_cast<std::streamsize>(start.size()));
+  start.resize(static_cast<std::size_t>(file.gcount()));
+  const std::size_t first = start.find_first_not_of(" \t\r\n");
+  return start.find('\0') != std::string::npos ||
+         (first != std::string::npos && std::strchr("{[<", start[first]) != nullptr);
+}
+
+}  // namespace
+
 Console::Console(bool quiet, const std::string& log)
     : quiet_(quiet), terminal_(isatty(STDERR_FILENO) == 1), log_name_(log) {
   if (log.empty()) return;
+  if (holds_data(log))
+    throw Error(ErrorKind::kUsage,
+                fmt::format("--log: {} is no log but data, which would be lost; choose another name",
+                            log));
   log_ = std::fopen(log.c_str(), "w");
   if (log_ == nullptr)
     throw Error(ErrorKind::kUsage,

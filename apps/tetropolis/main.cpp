@@ -11,6 +11,7 @@
 #include <optional>
 #include <system_error>
 #include <utility>
+#include <vector>
 
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
@@ -103,8 +104,24 @@ int guarded(const std::function<int()>& action, const Say& say) {
 
 void say_on_stderr(const std::string& line) { put(stderr, line + "\n"); }
 
-/// Errors of `action` are in the log, too.
-int with_console(const Config& config, const std::function<int(Console&)>& action) {
+/// Text files may be inputs as well.
+void require_log_apart(const Config& config, const std::string& checked) {
+  if (config.log.empty()) return;
+  std::vector<std::string> inputs{config.footprints, config.city, config.dtm, checked};
+  inputs.insert(inputs.end(), config.points.begin(), config.points.end());
+  std::error_code error;
+  for (const std::string& input : inputs)
+    if (!input.empty() && std::filesystem::equivalent(input, config.log, error))
+      throw Error(ErrorKind::kUsage,
+                  fmt::format("--log: {} is an input of this run, which would be lost; choose "
+                              "another name",
+                              config.log));
+}
+
+/// Errors of `action` are in the log, too. `checked`: what `check` is to look at, else empty.
+int with_console(const Config& config, const std::string& checked,
+                 const std::function<int(Console&)>& action) {
+  require_log_apart(config, checked);
   Console console(config.quiet, config.log);
   return guarded([&] { return action(console); },
                  [&](const std::string& line) { console.error(line); });
@@ -114,7 +131,7 @@ using RunFunction = Report (*)(const Config&, const RunHooks&);
 
 int run(const ConfigOptions& options, RunFunction function) {
   const Config config = options.config();
-  return with_console(config, [&](Console& console) {
+  return with_console(config, "", [&](Console& console) {
     print_summary(function(config, console.hooks()), console);
     return 0;
   });
@@ -124,7 +141,7 @@ int run_check(const ConfigOptions& options, const std::string& path,
               std::optional<double> min_distance) {
   const Config config = options.config();
   const ThreadLimit limit(config.threads);
-  return with_console(config, [&](Console& console) {
+  return with_console(config, path, [&](Console& console) {
     return check(path, min_distance, console) ? 0 : static_cast<int>(ErrorKind::kGuarantee);
   });
 }

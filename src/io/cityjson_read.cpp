@@ -133,6 +133,8 @@ std::string read_text(const fs::path& path) {
   std::error_code error;
   if (!fs::exists(path, error))
     throw Error(ErrorKind::kInput, path.string() + ": no such file; check the path");
+  if (!fs::is_directory(path, error) && !fs::is_regular_file(path, error))
+    throw Error(ErrorKind::kInput, path.string() + ": is not an ordinary file; give a CityJSON file");
   std::ifstream stream(path, std::ios::binary);
   if (fs::is_directory(path, error) || !stream)
     throw Error(ErrorKind::kInput, path.string() + ": cannot be opened; give a CityJSON file");
@@ -450,6 +452,8 @@ void check_type(const Place& root) {
 
 std::string crs_at(const Place& system) {
   try {
+    if (const double unit = vertical_unit_metres(system.text()); std::abs(unit - 1) > 1e-9)
+      system.fail(fmt::format("has heights in units of {} m; convert them to metres", unit));
     return normalise_crs(system.text());
   } catch (const Error& error) {
     system.fail(error.what());

@@ -18,6 +18,7 @@
 
 #include "tetropolis/city/city_model.h"
 #include "tetropolis/core/error.h"
+#include "tetropolis/core/text.h"
 #include "tetropolis/core/foreign_code.h"
 #include "tetropolis/io/atomic_file.h"
 #include "tetropolis/io/crs.h"
@@ -116,6 +117,7 @@ gdal::Dataset open_raster(const fs::path& path, const gdal::QuietErrors& errors)
   std::error_code error;
   if (!fs::exists(path, error)) fail(path, "no such file; check the path");
   if (fs::is_directory(path, error)) fail(path, "is a folder; name a raster file");
+  if (!fs::is_regular_file(path, error)) fail(path, "is not an ordinary file; name a raster file");
   gdal::Dataset dataset(
       GDALOpenEx(path.c_str(), GDAL_OF_RASTER | GDAL_OF_VERBOSE_ERROR, nullptr, nullptr, nullptr));
   if (dataset == nullptr)
@@ -215,6 +217,31 @@ std::int64_t fill_missing(Raster& raster) {
   return missing;
 }
 
+/// Metres per unit of the values: as the band says, else the vertical reference system, else 1.
+double height_unit(GDALDatasetH dataset) {
+  const std::string name = lower_case(GDALGetRasterUnitType(GDALGetRasterBand(dataset, 1)));
+  if (name == "cm" || name.starts_with("centimet")) return 0.01;
+  if (name == "mm" || name.starts_with("millimet")) return 0.001;
+  if (name == "dm" || name.starts_with("decimet")) return 0.1;
+  if (name == "km" || name.starts_with("kilomet")) return 1000;
+  const bool feet = name.starts_with("f") || name.find("foot") != std::string::npos ||
+                    name.find("feet") != std::string::npos || name == "us-ft";
+  if (feet) return name.find("us") != std::string::npos ? 1200.0 / 3937 : 0.3048;
+  OGRSpatialReferenceH srs = GDALGetSpatialRef(dataset);
+  return srs == nullptr || OSRIsVertical(srs) == 0
+             ? 1
+             : OSRGetTargetLinearUnits(srs, "VERT_CS", nullptr);
+}
+
+/// Of a system that is neither projected nor geographic, which canonical names leave out.
+void require_local_metres(const fs::path& path, GDALDatasetH dataset) {
+  OGRSpatialReferenceH srs = GDALGetSpatialRef(dataset);
+  if (srs == nullptr || OSRIsLocal(srs) == 0) return;
+  const double unit = OSRGetLinearUnits(srs, nullptr);
+  if (std::abs(unit - 1) > 1e-9)
+    fail(path, fmt::format("coordinates are in units of {} m; convert them to metres", unit));
+}
+
 std::optional<Bounds2> parse_domain(const char* text, Point2 origin) {
   if (text == nullptr) return std::nullopt;
   std::array<double, 4> v{};
@@ -226,6 +253,7 @@ std::optional<Bounds2> parse_domain(const char* text, Point2 origin) {
     at = next;
     if (i + 1 < v.size() && (at == end || *at++ != ',')) return std::nullopt;
   }
+  if (!(v[0] < v[2] && v[1] < v[3])) return std::nullopt;
   return Bounds2{restore(v[0] - origin.x), restore(v[1] - origin.y), restore(v[2] - origin.x),
                  restore(v[3] - origin.y)};
 }
@@ -265,6 +293,7 @@ RasterInput read_raster(const fs::path& path, Point2 origin) {
   const gdal::ThreadOption no_side_car("GDAL_PAM_ENABLED", "NO");
   const gdal::Dataset dataset = open_raster(path, errors);
   const Grid grid = check_grid(path, dataset.get());
+  require_local_metres(path, dataset.get());
   const auto& t = grid.transform;
   RasterInput result;
   Raster& raster = result.raster;
@@ -283,6 +312,7 @@ RasterInput read_raster(const fs::path& path, Point2 origin) {
          fmt::format("{}: {} of {} pixels have no value and get the nearest one", path.string(),
                      result.filled, raster.values.size())});
   result.crs = gdal::canonical_name(GDALGetSpatialRef(dataset.get()));
+  result.height_unit = height_unit(dataset.get());
   result.domain = parse_domain(GDALGetMetadataItem(dataset.get(), kDomainItem, nullptr), origin);
   return result;
 }

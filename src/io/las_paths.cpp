@@ -26,7 +26,10 @@ std::vector<fs::path> clouds_in(const fs::path& folder) {
   std::error_code error;
   for (fs::directory_iterator entry(folder, error), end; !error && entry != end;
        entry.increment(error))
-    if (has_las_extension(entry->path()) && !entry->is_directory()) files.push_back(entry->path());
+    // Hidden ones are what other systems keep beside a file ("._a.laz"), or parts of a download.
+    if (has_las_extension(entry->path()) && !entry->is_directory() &&
+        !entry->path().filename().string().starts_with('.'))
+      files.push_back(entry->path());
   if (error) fail_las(folder, "the folder cannot be read: " + error.message());
   if (files.empty()) fail_las(folder, "the folder holds no .las or .laz files");
   return files;

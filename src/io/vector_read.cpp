@@ -147,6 +147,7 @@ class HeightReader {
   double read(OGRFeatureH feature, const std::string& id) {
     constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
     if (field_ == kNoField || OGR_F_IsFieldSetAndNotNull(feature, field_) == 0) return kNaN;
+    constexpr double kMost = 10'000;  // metres: no building is that high
     double value = kNaN;
     if (type_ == OFTString) {
       const std::string text = utf8(OGR_F_GetFieldAsString(feature, field_));
@@ -158,17 +159,21 @@ class HeightReader {
       value = OGR_F_GetFieldAsDouble(feature, field_);
     }
     if (!std::isnan(value)) ++numbers_;
+    if (value > kMost) {
+      if (others_++ == 0) first_ = fmt::format("feature {}: {:.6g} m", id, value);
+      return kNaN;
+    }
     return value;
   }
 
-  /// After all features: a warning where some have text that is no number. Throws where all have.
+  /// After all features: a warning where some have what is no height. Throws where all have.
   std::optional<Warning> warning() const {
     if (others_ == 0) return std::nullopt;
     if (numbers_ == 0)
       fail(path_, fmt::format("attribute '{}' holds no numbers ({}); name one that holds heights",
                               attribute_, first_));
     return Warning{"height_not_a_number", others_,
-                   fmt::format("{}: {} features have text that is not a number in '{}', first {}",
+                   fmt::format("{}: {} features have what is no height in '{}', first {}",
                                path_.string(), others_, attribute_, first_)};
   }
 
@@ -238,7 +243,8 @@ class LayerReader {
         shells_by_turn_(shells_by_turn),
         result_(result) {}
 
-  void read(gdal::QuietErrors& errors) {
+  /// `counts`: the format tells how many features there are, and means it.
+  void read(gdal::QuietErrors& errors, bool counts) {
     errors.reset();
     const std::int64_t expected = OGR_L_GetFeatureCount(layer_, FALSE);
     if (errors.failures() > 0) fail(path_, "cannot be read whole" + errors.reason() + kGetAgain);
@@ -249,6 +255,9 @@ class LayerReader {
     }
     // Lines that are not JSON are passed over, and counted by nobody.
     const bool lost = errors.first().find("JSON parsing error") != std::string::npos;
+    if (counts && errors.failures() == 0 && result_.features_read < expected)
+      fail(path_, fmt::format("reading ends after {} features of {}{}", result_.features_read,
+                              expected, kGetAgain));
     if (errors.failures() > 0 && (lost || expected < 0 || result_.features_read < expected))
       fail(path_, fmt::format("reading ends after {} features{}{}{}", result_.features_read,
                               expected < 0 ? "" : fmt::format(" of {}", expected), errors.reason(),
@@ -406,7 +415,7 @@ FootprintsInput read_footprints(const fs::path& path, const ReadFootprintsOption
   FootprintsInput result;
   result.layer = utf8(OGR_L_GetName(layer));
   LayerReader(path, layer, options, result, is_of_format(file.dataset.get(), "ESRI Shapefile"))
-      .read(errors);
+      .read(errors, is_of_format(file.dataset.get(), "FlatGeobuf"));
   result.bounds = bounds_of(result.features);
   result.crs = gdal::canonical_name(OGR_L_GetSpatialRef(layer));
   settle_crs(path, options, is_of_format(file.dataset.get(), "GeoJSON"), result);

@@ -86,6 +86,13 @@ std::vector<fs::path> results_below(const fs::path& folder) {
                                      "; choose another folder with --out");
 }
 
+/// A folder of the user's that has the name of a result would be replaced with all in it.
+void require_no_folder(const fs::path& target, const fs::path& name) {
+  std::error_code error;
+  if (fs::is_directory(fs::symlink_status(target / name, error)))
+    fail(target / name, "it is a folder, not a result");
+}
+
 /// Links count for themselves. What cannot be looked at is not there: moving it would fail too.
 bool is_there(const fs::path& path) {
   std::error_code error;
@@ -331,6 +338,7 @@ OutputFolder::OutputFolder(const fs::path& target, OutputWatcher watcher)
                         (!same_mount(parent, target_) || !can_make_files_in(parent));
     home_ = inside ? target_ : parent;
     create_staging(target);
+    for (const char* name : kResultNames) require_no_folder(target_, name);
     // An existing target must be writable itself: find out before the work, not after it.
     if (fs::exists(target_, error) && !can_make_files_in(target_))
       fail(target, std::strerror(errno));
@@ -354,6 +362,21 @@ OutputFolder::~OutputFolder() {
   if (!committed_) remove_empty(folders_up_to(target_.parent_path(), created_parent_));
 }
 
+fs::path OutputFolder::operator/(const std::string& name) const {
+  const std::lock_guard guard(mutex_);
+  names_.push_back(name);
+  return staging_ / name;
+}
+
+/// A cleaner of hidden files may have come by.
+void OutputFolder::require_all() const {
+  for (const std::string& name : names_)
+    if (!is_there(staging_ / name))
+      throw Error(ErrorKind::kInput, (target_ / name).string() +
+                                         ": cannot be written: it is gone from " +
+                                         staging_.string() + "; was it removed during the run?");
+}
+
 void OutputFolder::replace_results() {
   std::vector<fs::path> names;
   try {
@@ -371,6 +394,7 @@ void OutputFolder::replace_results() {
       throw Error(ErrorKind::kUsage, (target_ / name).string() +
                                          ": is an input of this run, which would replace it; "
                                          "choose another folder with --out");
+  for (const fs::path& name : names) require_no_folder(target_, name);
   const fs::path moving = staging_ / kBeingMoved, moved = staging_ / kMovedAside;
   {
     std::ofstream list(staging_ / kNewNames);
@@ -406,6 +430,7 @@ void OutputFolder::keep(const fs::path& file) {
 
 void OutputFolder::commit() {
   if (watcher_.moves) watcher_.moves();
+  require_all();
   std::error_code error;
   if (!is_there(target_)) {
     fs::rename(staging_, target_, error);

@@ -211,6 +211,15 @@ Bounds2 find_domain(const Config& config, const FootprintsInput& footprints,
   return domain;
 }
 
+/// Throws Error(kUsage) naming the option unless what it is given names a reference system.
+void require_crs(const std::string& text, const char* option) {
+  try {
+    normalise_crs(text);
+  } catch (const Error& error) {
+    throw Error(error.kind(), fmt::format("{}: {}", option, error.what()));
+  }
+}
+
 /// The points' reference system as far as files and settings name it, in metres; "" if they do not.
 std::string stated_points_crs(const Config& config, const CloudHeaders& headers,
                               const std::string& first_file) {
@@ -218,9 +227,10 @@ std::string stated_points_crs(const Config& config, const CloudHeaders& headers,
   std::string crs = normalise_crs(is_set ? config.points_crs : headers.crs);
   require_metres(crs, headers.crs_file.empty() ? first_file : headers.crs_file, "--points-crs");
   if (is_set)
-    require_heights_in_metres(vertical_unit_metres(config.points_crs), "--points-crs");
+    require_heights_in_metres(vertical_unit_metres(config.points_crs), "--points-crs",
+                              "--points-crs");
   else
-    require_heights_in_metres(headers.vertical_unit, headers.vertical_file);
+    require_heights_in_metres(headers.vertical_unit, headers.vertical_file, "--points-crs");
   return crs;
 }
 
@@ -269,6 +279,8 @@ void fill_report(const Config& config, const FootprintsInput& footprints, const 
 }  // namespace
 
 InputData read_input(const Config& config, Next next, StepClock& clock, Report& report) {
+  require_crs(config.points_crs, "--points-crs");
+  require_crs(config.footprints_crs, "--footprints-crs");
   const auto paths = expand_point_paths(config.points);
   const CloudHeaders headers = read_headers(paths);
   const std::string points_crs = stated_points_crs(config, headers, paths.front().string());

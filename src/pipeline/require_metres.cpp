@@ -25,12 +25,15 @@ void require_metres(const std::string& crs, const std::string& file, const char*
                     unit, crs_name(crs)));
 }
 
-void require_heights_in_metres(double unit, const std::string& source) {
+void require_heights_in_metres(double unit, const std::string& source, const char* option) {
   if (std::abs(unit - 1) <= 1e-9) return;
-  throw Error(ErrorKind::kInput,
-              fmt::format("{}: heights are in units of {} m; convert them to metres, or name a CRS "
-                          "whose heights are metres with --points-crs if that is what they are",
-                          source, unit));
+  throw Error(
+      ErrorKind::kInput,
+      fmt::format("{}: heights are in units of {} m; convert them to metres{}", source, unit,
+                  option == nullptr ? ""
+                                    : fmt::format(", or name a CRS whose heights are metres with "
+                                                  "{} if that is what they are",
+                                                  option)));
 }
 
 }  // namespace tetropolis

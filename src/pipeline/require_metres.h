@@ -9,7 +9,7 @@ namespace tetropolis {
 /// unknown system passes. `option`, if any, is where the user could name the true system.
 void require_metres(const std::string& crs, const std::string& file, const char* option = nullptr);
 
-/// Throws Error(kInput) naming `source` unless a unit of height is a metre.
-void require_heights_in_metres(double unit, const std::string& source);
+/// Throws Error(kInput) naming `source` unless a unit of height is a metre. `option` as above.
+void require_heights_in_metres(double unit, const std::string& source, const char* option);
 
 }  // namespace tetropolis

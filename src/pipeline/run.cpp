@@ -110,16 +110,16 @@ Report run_city(const Config& config, const RunHooks& hooks) {
 
 namespace {
 
-/// The domain of a written city model and terrain, local frame: as given, as the terrain's file
-/// says, as the model says, or all of the terrain.
+/// The domain of a written city model and terrain, local frame: as given, as the model says, as the
+/// terrain's file says, or all of the terrain.
 Bounds2 domain_of(const Config& config, const CityModel& city, const RasterInput& terrain) {
   if (!config.bounds.empty())
     return {snap_coordinate(config.bounds[0] - city.origin.x),
             snap_coordinate(config.bounds[1] - city.origin.y),
             snap_coordinate(config.bounds[2] - city.origin.x),
             snap_coordinate(config.bounds[3] - city.origin.y)};
-  if (terrain.domain) return *terrain.domain;
   if (!city.domain.empty() && city.domain.width() > 0) return city.domain;
+  if (terrain.domain) return *terrain.domain;
   return terrain.raster.bounds();
 }
 
@@ -172,6 +172,15 @@ double require_meshable(const Config& config, const CityModel& city) {
                     config.city, what));
   };
   for (const Building& building : city.buildings)
+    for (const double height : {building.h_ground, building.h_roof})
+      if (!(height >= kLowestTerrain && height <= kHighestTerrain))
+        throw Error(ErrorKind::kInput,
+                    fmt::format("{}: building {} (feature {}) reaches from {:.6g} to {:.6g} m, which "
+                                "are no elevations; correct or remove it",
+                                config.city, building.id,
+                                building.source_ids.empty() ? "?" : building.source_ids.front(),
+                                building.h_ground, building.h_roof));
+  for (const Building& building : city.buildings)
     if (!city.domain.covers(bounds(building.footprint)))
       throw Error(ErrorKind::kInput,
                   fmt::format("{}: building {} is not wholly in the domain, which is {}; give "
@@ -208,6 +217,7 @@ Report run_mesh(const Config& config, const RunHooks& hooks) {
   RasterInput terrain = read_raster(config.dtm, city.origin);
   report.warnings.insert(report.warnings.end(), terrain.warnings.begin(), terrain.warnings.end());
   require_metres(terrain.crs, config.dtm);
+  require_heights_in_metres(terrain.height_unit, config.dtm, nullptr);
   require_elevations(config, terrain);
   city.domain = domain_of(config, city, terrain);
   require_terrain_under(config, city, terrain);

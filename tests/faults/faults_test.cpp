@@ -294,11 +294,19 @@ TEST_F(Faults, ResultFolderThatIsAMount) {
 
 TEST_F(Faults, InterruptEndsAStepThatWaitsForEver) {
   const Contents before = make_earlier();
-  const fs::path never = scratch / "never.city.json";
-  ASSERT_EQ(mkfifo(never.c_str(), 0666), 0);
+  // An ordinary file that has GDAL wait for another.
+  const fs::path never = scratch / "never.vrt", pipe = scratch / "pipe.tif";
+  ASSERT_EQ(mkfifo(pipe.c_str(), 0666), 0);
+  std::ofstream(never) << "<VRTDataset rasterXSize=\"10\" rasterYSize=\"10\">"
+                          "<GeoTransform>0, 1, 0, 10, 0, -1</GeoTransform>"
+                          "<VRTRasterBand dataType=\"Float64\" band=\"1\"><SimpleSource>"
+                          "<SourceFilename>"
+                       << pipe.string()
+                       << "</SourceFilename><SourceBand>1</SourceBand>"
+                          "</SimpleSource></VRTRasterBand></VRTDataset>";
   for (const int signals : {1, 2}) {
-    Process process(work, command({"mesh", "--quiet", "--city", never.string(), "--dtm", "dtm.tif",
-                                   "--out", "result"}));
+    Process process(work, command({"mesh", "--quiet", "--city", "result/city.city.json", "--dtm",
+                                   never.string(), "--out", "result"}));
     ASSERT_TRUE(wait_for_staging(work, process));
     // The folder is there a moment before the program says what to remove.
     std::this_thread::sleep_for(std::chrono::milliseconds(200));

@@ -32,6 +32,7 @@ void write_raster(const std::filesystem::path& path, const Raster& raster, Point
 struct RasterInput {
   Raster raster;                  ///< Local frame; every value is finite.
   std::string crs;                ///< Canonical (crs.h); "" if the file states none.
+  double height_unit = 1;         ///< Metres per unit of the values, as far as the file says.
   std::optional<Bounds2> domain;  ///< TETROPOLIS_DOMAIN in the local frame, snapped; if there.
   std::int64_t filled = 0;        ///< Nodes that had no value and took their nearest node's.
   std::vector<Warning> warnings;  ///< "raster_filled".
@@ -45,7 +46,8 @@ struct RasterInput {
 /// Guarantee: read_raster(write_raster(r, origin), origin) gives the same bits for values, step, x0
 /// and y0, provided that x0 and y0 are multiples of kCoordinateStep and the origin is whole metres.
 /// Errors, kInput with the path: missing, not a raster, cut, several bands, no georeference,
-/// rotated or oblong pixels, no value at all, more than 2^31 pixels.
+/// rotated or oblong pixels, a local reference system not in metres, no value at all, more than 2^31
+/// pixels.
 RasterInput read_raster(const std::filesystem::path& path, Point2 origin);
 
 }  // namespace tetropolis

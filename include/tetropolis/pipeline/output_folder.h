@@ -3,6 +3,7 @@
 
 #include <filesystem>
 #include <functional>
+#include <mutex>
 #include <string>
 #include <vector>
 
@@ -31,26 +32,27 @@ struct OutputWatcher {
 /// lock (flock) on its own, so on file systems without such locks nothing is removed.
 class OutputFolder {
  public:
-  /// Creates the hidden folder. Throws Error(kUsage) if the target is a file or nothing can be
-  /// created beside it.
+  /// Creates the hidden folder. Throws Error(kUsage) if the target is a file, holds a folder with the
+  /// name of a result, or nothing can be created beside it.
   explicit OutputFolder(const std::filesystem::path& target, OutputWatcher watcher = {});
   ~OutputFolder();
   OutputFolder(const OutputFolder&) = delete;
   OutputFolder& operator=(const OutputFolder&) = delete;
 
-  /// Where to write a result of this name.
-  std::filesystem::path operator/(const std::string& name) const { return staging_ / name; }
+  /// Where to write a result of this name. It has to be there at commit(). From any thread.
+  std::filesystem::path operator/(const std::string& name) const;
 
   /// An input of this run, or what belongs to it: it stays even if it is a result of an earlier
   /// run.
   void keep(const std::filesystem::path& file);
 
-  /// Throws Error(kInput) naming the file that could not be moved, Error(kUsage) naming a file to
-  /// be kept that a result would replace; the target is as it was.
+  /// Throws Error(kInput) naming a result that is gone or could not be moved, Error(kUsage) naming a
+  /// file to be kept that a result would replace; the target is as it was.
   void commit();
 
  private:
   void create_staging(const std::filesystem::path& named);
+  void require_all() const;
   void replace_results();
 
   OutputWatcher watcher_;
@@ -59,6 +61,8 @@ class OutputFolder {
   std::filesystem::path staging_;
   std::filesystem::path created_parent_;     // topmost folder made for the target, empty if none
   std::vector<std::filesystem::path> kept_;  // relative to the target
+  mutable std::mutex mutex_;                 // of names_
+  mutable std::vector<std::string> names_;   // of the results to come
   int lock_ = -1;                            // on staging_, for as long as this object lives
   bool committed_ = false;
 };
