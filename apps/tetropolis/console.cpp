@@ -38,9 +38,9 @@ Console::Console(bool quiet, const std::string& log)
     : quiet_(quiet), terminal_(isatty(STDERR_FILENO) == 1), log_name_(log) {
   if (log.empty()) return;
   if (holds_data(log))
-    throw Error(ErrorKind::kUsage,
-                fmt::format("--log: {} is no log but data, which would be lost; choose another name",
-                            log));
+    throw Error(
+        ErrorKind::kUsage,
+        fmt::format("--log: {} is no log but data, which would be lost; choose another name", log));
   log_ = std::fopen(log.c_str(), "w");
   if (log_ == nullptr)
     throw Error(ErrorKind::kUsage,

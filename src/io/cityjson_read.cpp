@@ -134,7 +134,8 @@ std::string read_text(const fs::path& path) {
   if (!fs::exists(path, error))
     throw Error(ErrorKind::kInput, path.string() + ": no such file; check the path");
   if (!fs::is_directory(path, error) && !fs::is_regular_file(path, error))
-    throw Error(ErrorKind::kInput, path.string() + ": is not an ordinary file; give a CityJSON file");
+    throw Error(ErrorKind::kInput,
+                path.string() + ": is not an ordinary file; give a CityJSON file");
   std::ifstream stream(path, std::ios::binary);
   if (fs::is_directory(path, error) || !stream)
     throw Error(ErrorKind::kInput, path.string() + ": cannot be opened; give a CityJSON file");

@@ -18,8 +18,8 @@
 
 #include "tetropolis/city/city_model.h"
 #include "tetropolis/core/error.h"
-#include "tetropolis/core/text.h"
 #include "tetropolis/core/foreign_code.h"
+#include "tetropolis/core/text.h"
 #include "tetropolis/io/atomic_file.h"
 #include "tetropolis/io/crs.h"
 

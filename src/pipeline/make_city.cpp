@@ -36,8 +36,8 @@ constexpr double kManyVoids = 0.35;
 /// Share of buildings without roof points from which on it is not the buildings that are odd.
 constexpr double kManyRoofless = 0.1;
 
-/// Step 1.4. Fills model.buildings and model.dropped; every feature ends in one of them. Returns what
-/// the footprints that are dropped for crossing the domain boundary have inside.
+/// Step 1.4. Fills model.buildings and model.dropped; every feature ends in one of them. Returns
+/// what the footprints that are dropped for crossing the domain boundary have inside.
 std::vector<Polygon> clean_features(const Config& config, const FootprintsInput& input,
                                     CityModel& model, const Progress& progress) {
   model.dropped = input.dropped;

@@ -238,9 +238,9 @@ MeshQuality improve(const Config& config, ColumnMesh& mesh, StepClock& clock,
                      [&](const Progress&) { return measure_cells(mesh, kWorstCells); });
   };
   const auto with_faces = [&](CellQuality cells) {
-    return MeshQuality{std::move(cells),
-                       clock.run("3.6", "measure faces",
-                                 [&](const Progress&) { return measure_faces(mesh); })};
+    return MeshQuality{std::move(cells), clock.run("3.6", "measure faces", [&](const Progress&) {
+                         return measure_faces(mesh);
+                       })};
   };
   CellQuality cells = measured();
   const ImproveOptions options;
@@ -273,9 +273,9 @@ std::optional<AngleBounds> missed_bounds(const MeshQuality& quality) {
   return std::nullopt;
 }
 
-/// Makes the columns anew with the terrain cut back as `options` say, if that leaves fewer cells and
-/// faces below the floor, or as many of these and fewer outside the bounds; else everything stays as
-/// it is and the result is false.
+/// Makes the columns anew with the terrain cut back as `options` say, if that leaves fewer cells
+/// and faces below the floor, or as many of these and fewer outside the bounds; else everything
+/// stays as it is and the result is false.
 bool cut_back_once(const Config& config, const Raster& dtm, const CitySize& size,
                    const ColumnPlanOptions& options, const AngleBounds& bounds, Columns& columns,
                    MeshQuality& quality, StepClock& clock, VolumeMeshReport& volume) {

@@ -174,12 +174,13 @@ double require_meshable(const Config& config, const CityModel& city) {
   for (const Building& building : city.buildings)
     for (const double height : {building.h_ground, building.h_roof})
       if (!(height >= kLowestTerrain && height <= kHighestTerrain))
-        throw Error(ErrorKind::kInput,
-                    fmt::format("{}: building {} (feature {}) reaches from {:.6g} to {:.6g} m, which "
-                                "are no elevations; correct or remove it",
-                                config.city, building.id,
-                                building.source_ids.empty() ? "?" : building.source_ids.front(),
-                                building.h_ground, building.h_roof));
+        throw Error(
+            ErrorKind::kInput,
+            fmt::format("{}: building {} (feature {}) reaches from {:.6g} to {:.6g} m, which "
+                        "are no elevations; correct or remove it",
+                        config.city, building.id,
+                        building.source_ids.empty() ? "?" : building.source_ids.front(),
+                        building.h_ground, building.h_roof));
   for (const Building& building : city.buildings)
     if (!city.domain.covers(bounds(building.footprint)))
       throw Error(ErrorKind::kInput,

@@ -97,8 +97,7 @@ double mean_spacing(const PointCloud& cloud, const Candidates& mask, const Bound
     ++candidates;
     seen[blocks.at(cloud.x[p], cloud.y[p])] = 1;
   }
-  const auto occupied =
-      static_cast<double>(std::count(seen.begin(), seen.end(), std::uint8_t{1}));
+  const auto occupied = static_cast<double>(std::count(seen.begin(), seen.end(), std::uint8_t{1}));
   return blocks.cell * std::sqrt(occupied / static_cast<double>(candidates));
 }
 
@@ -351,7 +350,8 @@ std::vector<std::uint8_t> covered_cells(std::span<const Polygon> footprints, con
 void spread(HeightGrid& grid, const std::vector<std::uint8_t>& barred, const Frame& frame) {
   std::vector<std::uint32_t> queue;
   for (std::size_t c = 0; c < barred.size(); ++c)
-    if (barred[c] == 0 && !std::isnan(grid.values[c])) queue.push_back(static_cast<std::uint32_t>(c));
+    if (barred[c] == 0 && !std::isnan(grid.values[c]))
+      queue.push_back(static_cast<std::uint32_t>(c));
   for (std::size_t k = 0; k < queue.size(); ++k)
     for_each_neighbour(frame, queue[k], [&](std::size_t n) {
       if (barred[n] != 0 || !std::isnan(grid.values[n])) return;

@@ -23,14 +23,13 @@ double share_of_floor(double least_deg, double greatest_deg) {
 }
 
 /// The bounds that cells of this share of the floor keep to.
-AngleBounds angles_at(double share) {
-  return {share * kLeastOfMost, 180 - share * kFlattest};
-}
+AngleBounds angles_at(double share) { return {share * kLeastOfMost, 180 - share * kFlattest}; }
 
 /// Keeps the `count` worst, worst first; ties by place, so that the order of adding is irrelevant.
 void keep_worst(std::vector<WorstCell>& cells, std::size_t count) {
   std::sort(cells.begin(), cells.end(), [](const WorstCell& a, const WorstCell& b) {
-    return std::tie(a.share_of_floor, a.triangle, a.centre) < std::tie(b.share_of_floor, b.triangle, b.centre);
+    return std::tie(a.share_of_floor, a.triangle, a.centre) <
+           std::tie(b.share_of_floor, b.triangle, b.centre);
   });
   if (cells.size() > count) cells.resize(count);
 }
@@ -90,13 +89,11 @@ CellQuality measure_cells(const ColumnMesh& mesh, std::size_t worst) {
           [&](const std::array<NodeIndex, 4>& nodes, const std::array<Point3, 4>& p,
               const TetCosines& shape) {
             quality.histogram.add(shape.volume, shape.greatest, shape.least, shape.aspect_ratio);
-            if (worst == 0 ||
-                (shape.greatest < greatest_cosine && shape.least > least_cosine))
+            if (worst == 0 || (shape.greatest < greatest_cosine && shape.least > least_cosine))
               return;
             const double least = angle_deg(shape.greatest), greatest = angle_deg(shape.least);
-            quality.worst.push_back({share_of_floor(least, greatest), least, greatest,
-                                     centre_of(p), static_cast<TriangleIndex>(t),
-                                     cause_of(mesh, t, nodes, p)});
+            quality.worst.push_back({share_of_floor(least, greatest), least, greatest, centre_of(p),
+                                     static_cast<TriangleIndex>(t), cause_of(mesh, t, nodes, p)});
             if (quality.worst.size() < 2 * worst) return;
             keep_worst(quality.worst, worst);
             const AngleBounds limits = angles_at(quality.worst.back().share_of_floor);

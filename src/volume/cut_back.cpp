@@ -12,7 +12,6 @@
 #include "tetropolis/volume/fill_columns.h"
 
 #include "geometry/slope.h"
-
 #include "shapes_over.h"
 #include "tet_cosines.h"
 

@@ -227,9 +227,10 @@ Place read_place(const std::filesystem::path& footprints, const std::string& id_
   const PointsInput read = read_points(expand_point_paths(points), options);
   place.cloud = read.points;
   place.dtm = build_dtm(place.cloud, read.extent);
-  compute_heights(place.buildings,
-                  extract_building_points(std::span<const Building>(place.buildings), {}, place.cloud),
-                  place.cloud, place.dtm);
+  compute_heights(
+      place.buildings,
+      extract_building_points(std::span<const Building>(place.buildings), {}, place.cloud),
+      place.cloud, place.dtm);
   return place;
 }
 

@@ -562,7 +562,7 @@ TEST(Las, ExpandsFoldersPatternsAndDuplicates) {
   const TemporaryFolder folder;
   fs::create_directory(folder / "tiles");
   fs::create_directory(folder / "empty");
-  for (const char* name : {"tiles/b.LAZ", "tiles/a.las", "tiles/c.txt", "d.las"})
+  for (const char* name : {"tiles/b.LAZ", "tiles/a.las", "tiles/c.txt", "tiles/._a.las", "d.las"})
     write_bytes(folder / name, "LASF");
   const auto expand = [](std::vector<std::string> arguments) {
     return expand_point_paths(arguments);
@@ -577,6 +577,7 @@ TEST(Las, ExpandsFoldersPatternsAndDuplicates) {
   EXPECT_EQ(expand({root + "/d.las", root + "/tiles"}).size(), 3U);
   EXPECT_EQ(expand({root + "/d.las", root + "/tiles"}), expand({root + "/tiles", root + "/d.las"}));
   EXPECT_EQ(expand({root + "/tiles/c.txt"}).size(), 1U);
+  EXPECT_EQ(expand({root + "/tiles/._a.las"}).size(), 1U) << "hidden, but named";
   EXPECT_TRUE(expand({}).empty());
   EXPECT_NE(input_error(root + "/no.las", [&] { expand({root + "/no.las"}); }).find("no such file"),
             std::string::npos);

@@ -456,6 +456,27 @@ TEST(Vector, CutTextFormatsAreRefused) {
   }
 }
 
+TEST(Vector, CutFlatGeobufIsNotEmpty) {
+  const TemporaryFolder folder;
+  const std::vector<Polygon> polygons(20, Polygon{{{0, 0}, {9, 0}, {9, 9}}, {}});
+  std::vector<std::string> ids;
+  for (int i = 0; i < 20; ++i) ids.push_back(std::to_string(i));
+  write_footprints(folder / "a.geojson", polygons, ids, {}, {}, "EPSG:28992");
+  const std::string convert =
+      fmt::format("ogr2ogr -f FlatGeobuf '{}' '{}' >/dev/null 2>&1", (folder / "a.fgb").string(),
+                  (folder / "a.geojson").string());
+  if (std::system(convert.c_str()) != 0) GTEST_SKIP() << "needs ogr2ogr";
+  EXPECT_EQ(read_footprints(folder / "a.fgb").features.size(), 20U);
+  const std::string bytes = bytes_of(folder / "a.fgb");
+  std::uint32_t header = 0;
+  std::memcpy(&header, bytes.data() + 8, 4);
+  ASSERT_LT(header + 100, bytes.size());
+  for (std::size_t size = header + 12; size < bytes.size(); size += 40) {
+    write_text(folder / "cut.fgb", bytes.substr(0, size));
+    EXPECT_NE(input_error(folder / "cut.fgb").find("get it again"), std::string::npos) << size;
+  }
+}
+
 TEST(Vector, PipesAreRefused) {
   const TemporaryFolder folder;
   const fs::path pipe = folder / "pipe.geojson";

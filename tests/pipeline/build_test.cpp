@@ -1,6 +1,7 @@
 // The whole pipeline on invented cities: results hold together, do not depend on threads, and are
 // the same in one go or in two.
 #include <algorithm>
+#include <array>
 #include <fstream>
 #include <map>
 #include <regex>
@@ -8,6 +9,7 @@
 #include <string>
 #include <utility>
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
@@ -379,7 +381,8 @@ TEST_F(Build, MeshRefusesWhatIsNotInMetres) {
   run_city(config);
   const std::string model = bytes_of(scratch / "out/city.city.json");
   const RasterInput terrain = read_raster(scratch / "out/dtm.tif", {0, 0});
-  const auto refusal = [&](const std::string& city_crs, const std::string& terrain_crs) {
+  const auto refusal = [&](const std::string& city_crs, const std::string& terrain_crs,
+                           const std::string& unit = "") {
     // The model says its system twice.
     std::string text = std::regex_replace(
         model, std::regex("\"(https://www.opengis.net/def/crs/EPSG/0/|EPSG:)3006\""),
@@ -389,6 +392,17 @@ TEST_F(Build, MeshRefusesWhatIsNotInMetres) {
     Config mesh;
     mesh.city = (scratch / "foreign.city.json").string();
     mesh.dtm = (scratch / "foreign.tif").string();
+    if (!unit.empty()) {
+      mesh.dtm = (scratch / "foreign.vrt").string();
+      const Raster& r = terrain.raster;
+      std::ofstream(mesh.dtm) << fmt::format(
+          "<VRTDataset rasterXSize=\"{0}\" rasterYSize=\"{1}\"><GeoTransform>{2}, {3}, 0, {4}, 0, "
+          "-{3}</GeoTransform><VRTRasterBand dataType=\"Float64\" band=\"1\"><UnitType>{5}"
+          "</UnitType><SimpleSource><SourceFilename relativeToVRT=\"1\">foreign.tif"
+          "</SourceFilename><SourceBand>1</SourceBand></SimpleSource></VRTRasterBand>"
+          "</VRTDataset>",
+          r.nx, r.ny, r.x0 - r.step / 2, r.step, r.y0 + (r.ny - 0.5) * r.step, unit);
+    }
     mesh.out = (scratch / "mesh").string();
     return refusal_of(mesh);
   };
@@ -402,6 +416,50 @@ TEST_F(Build, MeshRefusesWhatIsNotInMetres) {
   said = refusal("", "EPSG:2263");
   EXPECT_TRUE(says(said, "foreign.tif", "in units of 0.3048")) << said;
   EXPECT_EQ(refusal("EPSG:3006", "EPSG:3006"), "");
+  fs::remove_all(scratch / "mesh");
+  // Heights in feet: of a compound system of the model, and of the raster's band.
+  said = refusal("EPSG:3006+6360", "EPSG:3006");
+  EXPECT_TRUE(says(said, "foreign.city.json", "heights in units of 0.3048")) << said;
+  for (const auto& [unit, metres] :
+       {std::pair{"ft", "0.3048"}, {"US survey foot", "0.3048006"}, {"cm", "0.01"}}) {
+    said = refusal("EPSG:3006", "EPSG:3006", unit);
+    EXPECT_TRUE(says(said, "foreign.vrt", "heights are in units of")) << said;
+    EXPECT_TRUE(says(said, "foreign.vrt", metres)) << said;
+  }
+  EXPECT_EQ(refusal("EPSG:3006", "EPSG:3006", "metre"), "");
+}
+
+TEST_F(Build, MeshTakesTheDomainOfTheCityModel) {
+  Config config = city(SynthKind::kRandom, 30, 250, 6);
+  run_city(config);
+  const CityModel model = read_city(scratch / "out/city.city.json");
+  const Bounds2 domain = model.domain.moved(model.origin);
+  const RasterInput terrain = read_raster(scratch / "out/dtm.tif", {0, 0});
+  const Bounds2 other{domain.xmin - 20, domain.ymin, domain.xmax + 5, domain.ymax + 9};
+  write_raster(scratch / "other.tif", terrain.raster, {0, 0}, "EPSG:3006", other);
+  Config mesh;
+  mesh.city = (scratch / "out/city.city.json").string();
+  mesh.dtm = (scratch / "other.tif").string();
+  mesh.out = (scratch / "mesh").string();
+  const Bounds2 found = run_mesh(mesh).domain;
+  EXPECT_EQ((std::array{found.xmin, found.ymin, found.xmax, found.ymax}),
+            (std::array{domain.xmin, domain.ymin, domain.xmax, domain.ymax}));
+}
+
+TEST_F(Build, MeshRefusesHeightsThatAreNone) {
+  Config config = city(SynthKind::kRandom, 30, 250, 6);
+  run_city(config);
+  std::string text = bytes_of(scratch / "out/city.city.json");
+  text = std::regex_replace(text, std::regex("\"h_roof\":[0-9.e+-]+"), "\"h_roof\":100000",
+                            std::regex_constants::format_first_only);
+  std::ofstream(scratch / "tall.city.json") << text;
+  Config mesh;
+  mesh.city = (scratch / "tall.city.json").string();
+  mesh.dtm = (scratch / "out/dtm.tif").string();
+  mesh.out = (scratch / "mesh").string();
+  const std::string said = refusal_of(mesh);
+  EXPECT_NE(said.find("tall.city.json: building b0 (feature "), std::string::npos) << said;
+  EXPECT_NE(said.find("to 100000 m"), std::string::npos) << said;
 }
 
 TEST_F(Build, ResultsOfAnEarlierRunAreNotMixedWithNewOnes) {

@@ -202,6 +202,46 @@ TEST_F(Cli, TheLogHasTheErrorToo) {
   EXPECT_EQ(bytes_of(scratch / "run.log"), outcome.err);
 }
 
+TEST_F(Cli, ALogNeverReplacesDataOrAnInput) {
+  synth("--buildings 20 --size 250");
+  ASSERT_EQ(run("city --quiet --footprints input/footprints.shp --points input --out result").code,
+            0);
+  std::ofstream(scratch / "house.csv") << "id,WKT\n1,\"POLYGON EMPTY\"\n";
+  const std::string build = "build --footprints input/footprints.shp --points input --out new ";
+  const std::pair<std::string, const char*> cases[] = {
+      {build, "input/points.laz"},
+      {build, "input/footprints.dbf"},
+      {build, "result/city.city.json"},
+      {"build --footprints house.csv --points input --out new ", "house.csv"},
+      {"check result ", "result/dtm.tif"},
+  };
+  for (const auto& [arguments, file] : cases) {
+    const std::string before = bytes_of(scratch / file);
+    expect_error(arguments + "--log " + file, 2, file);
+    EXPECT_EQ(bytes_of(scratch / file), before) << file;
+  }
+  // A log of an earlier run is what it is for.
+  for (int i = 0; i < 2; ++i) EXPECT_EQ(run("check result --quiet --log check.log").code, 0);
+}
+
+TEST_F(Cli, SpecialFilesAreNoInputs) {
+  synth("--buildings 20 --size 250");
+  ASSERT_EQ(run("city --quiet --footprints input/footprints.shp --points input --out result").code,
+            0);
+  expect_error("mesh --city /dev/zero --dtm result/dtm.tif --out new", 3,
+               "/dev/zero: is not an ordinary file");
+  expect_error("mesh --city result/city.city.json --dtm /dev/zero --out new", 3,
+               "/dev/zero: is not an ordinary file");
+}
+
+TEST_F(Cli, TheOptionOfAnUnknownReferenceSystemIsNamed) {
+  synth("--buildings 20 --size 250");
+  for (const char* option : {"--points-crs", "--footprints-crs"})
+    expect_error(std::string("city --footprints input/footprints.shp --points input --out new ") +
+                     option + " nope",
+                 2, std::string(option) + ": 'nope'");
+}
+
 TEST_F(Cli, AnIgnoredHangupDoesNotEndTheRun) {
   synth("--buildings 20 --size 250");
   for (const bool ignored : {true, false}) {

@@ -68,6 +68,49 @@ TEST(OutputFolder, KeepsAnEarlierResultUntilCommit) {
       (std::set<std::string>{"result", "result/x.txt", "result/notes.txt", "result/report.json"}));
 }
 
+TEST(OutputFolder, AResultThatIsGoneAtTheEndIsNoResult) {
+  for (const bool earlier : {false, true}) {
+    const testing::TemporaryFolder scratch;
+    if (earlier) {
+      fs::create_directory(scratch / "result");
+      std::ofstream(scratch / "result/x.txt") << "old";
+    }
+    {
+      OutputFolder out(scratch / "result");
+      std::ofstream(out / "x.txt") << "new";
+      const fs::path report = out / "report.json";
+      std::ofstream(report) << "{}";
+      fs::remove(report.parent_path() / "x.txt");
+      try {
+        out.commit();
+        ADD_FAILURE() << "committed";
+      } catch (const Error& error) {
+        EXPECT_EQ(error.kind(), ErrorKind::kInput);
+        EXPECT_NE(std::string(error.what()).find("x.txt: cannot be written: it is gone"),
+                  std::string::npos)
+            << error.what();
+      }
+    }
+    EXPECT_EQ(everything(scratch.path()), (earlier ? std::set<std::string>{"result", "result/x.txt"}
+                                                   : std::set<std::string>{}));
+  }
+}
+
+TEST(OutputFolder, FoldersWithTheNameOfAResultAreNotReplaced) {
+  const testing::TemporaryFolder scratch;
+  fs::create_directories(scratch / "result/volume.vtu");
+  EXPECT_THROW(OutputFolder(scratch / "result"), Error);
+  fs::remove(scratch / "result/volume.vtu");
+  {
+    OutputFolder out(scratch / "result");
+    std::ofstream(out / "x.txt") << "new";
+    fs::create_directory(scratch / "result/x.txt");
+    EXPECT_THROW(out.commit(), Error);
+  }
+  EXPECT_EQ(everything(scratch.path()), (std::set<std::string>{"result", "result/x.txt"}));
+  EXPECT_TRUE(fs::is_directory(scratch / "result/x.txt"));
+}
+
 TEST(OutputFolder, RefusesWhatCannotBeAFolder) {
   const testing::TemporaryFolder scratch;
   std::ofstream(scratch / "file") << "x";

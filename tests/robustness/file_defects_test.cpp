@@ -256,10 +256,10 @@ TEST_F(FileDefects, HeightsThatAreNoNumbers) {
   expect_all_buildings(outcome);
   EXPECT_FALSE(outcome.has_warning("height_attribute_empty"));
   // Text with numbers in most places, in a table.
-  write_bytes(folder / "b.csv", "id,h,WKT\nwest,9.5 m,\"" +
-                                    moved_wkt(wkt(polygons[0]), city.origin) + "\"\neast,tall,\"" +
-                                    moved_wkt(wkt(polygons[1]), city.origin) + "\"\nnorth,,\"" +
-                                    moved_wkt(wkt(polygons[2]), city.origin) + "\"\n");
+  write_bytes(folder / "b.csv",
+              "id,h,WKT\nwest,9.5 m,\"" + moved_wkt(wkt(polygons[0]), city.origin) +
+                  "\"\neast,tall,\"" + moved_wkt(wkt(polygons[1]), city.origin) +
+                  "\"\nnorth,1e300,\"" + moved_wkt(wkt(polygons[2]), city.origin) + "\"\n");
   height_attribute = "h";
   const Outcome some = run(folder / "b.csv", {"west", "east", "north"});
   ASSERT_EQ(some.error, "");

@@ -479,9 +479,9 @@ TEST(FootprintDefects, AFootprintThatLosesMostOfItsAreaIsNamed) {
   const Building* patient = outcome.building_of("patient");
   ASSERT_NE(patient, nullptr);
   EXPECT_LT(area(patient->footprint), 0.5 * 13 * 11.5 * 2.5 * std::sin(std::numbers::pi / 13));
-  const auto warning = std::find_if(
-      outcome.report.warnings.begin(), outcome.report.warnings.end(),
-      [](const Warning& entry) { return entry.code == "footprint_mostly_lost"; });
+  const auto warning =
+      std::find_if(outcome.report.warnings.begin(), outcome.report.warnings.end(),
+                   [](const Warning& entry) { return entry.code == "footprint_mostly_lost"; });
   ASSERT_NE(warning, outcome.report.warnings.end());
   EXPECT_EQ(warning->count, 1);
   EXPECT_NE(warning->message.find("feature patient,"), std::string::npos) << warning->message;

@@ -257,7 +257,8 @@ TEST(CutBack, MarksTheFeetOfCliffsWithBadCells) {
         EXPECT_TRUE(allowed.count(v) == 1 && marks.feet[v] == result.plan.ground[v]) << v;
       }
       EXPECT_EQ(feet, marked);
-      EXPECT_EQ(mark_feet(result.mesh, result.plan, bad_triangles, slope, marks), 0) << "marked twice";
+      EXPECT_EQ(mark_feet(result.mesh, result.plan, bad_triangles, slope, marks), 0)
+          << "marked twice";
       most = std::max(most, static_cast<std::size_t>(feet));
     }
   EXPECT_GT(most, 10U);

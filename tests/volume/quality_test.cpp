@@ -218,8 +218,8 @@ TEST(Quality, ListsTheWorstCellsWithTheirPlace) {
       EXPECT_EQ(found.share_of_floor, cells[i].share_of_floor);
       // Cells may be equally bad: any of these.
       EXPECT_TRUE(std::any_of(cells.begin(), cells.end(), [&](const Cell& cell) {
-        return cell.share_of_floor == found.share_of_floor && cell.least == found.min_dihedral_deg &&
-               cell.greatest == found.max_dihedral_deg &&
+        return cell.share_of_floor == found.share_of_floor &&
+               cell.least == found.min_dihedral_deg && cell.greatest == found.max_dihedral_deg &&
                std::abs(cell.centre[0] - found.centre[0]) < 1e-9 &&
                std::abs(cell.centre[1] - found.centre[1]) < 1e-9 &&
                std::abs(cell.centre[2] - found.centre[2]) < 1e-9;

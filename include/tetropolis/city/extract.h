@@ -63,8 +63,8 @@ BuildingPoints extract_building_points(std::span<const Polygon> footprints, cons
                                        const ExtractOptions& options = {},
                                        const Progress& progress = {});
 
-/// The same for the footprints of buildings. `others`: footprints that are no buildings of the model
-/// (they cross its boundary): what is in them is no tree beside a building.
+/// The same for the footprints of buildings. `others`: footprints that are no buildings of the
+/// model (they cross its boundary): what is in them is no tree beside a building.
 BuildingPoints extract_building_points(std::span<const Building> buildings,
                                        std::span<const Polygon> others, const PointCloud& cloud,
                                        const ExtractOptions& options = {},

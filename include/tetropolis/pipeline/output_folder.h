@@ -32,8 +32,8 @@ struct OutputWatcher {
 /// lock (flock) on its own, so on file systems without such locks nothing is removed.
 class OutputFolder {
  public:
-  /// Creates the hidden folder. Throws Error(kUsage) if the target is a file, holds a folder with the
-  /// name of a result, or nothing can be created beside it.
+  /// Creates the hidden folder. Throws Error(kUsage) if the target is a file, holds a folder with
+  /// the name of a result, or nothing can be created beside it.
   explicit OutputFolder(const std::filesystem::path& target, OutputWatcher watcher = {});
   ~OutputFolder();
   OutputFolder(const OutputFolder&) = delete;
@@ -46,8 +46,8 @@ class OutputFolder {
   /// run.
   void keep(const std::filesystem::path& file);
 
-  /// Throws Error(kInput) naming a result that is gone or could not be moved, Error(kUsage) naming a
-  /// file to be kept that a result would replace; the target is as it was.
+  /// Throws Error(kInput) naming a result that is gone or could not be moved, Error(kUsage) naming
+  /// a file to be kept that a result would replace; the target is as it was.
   void commit();
 
  private:

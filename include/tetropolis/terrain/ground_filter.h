@@ -50,13 +50,13 @@ struct GroundFilterReport {
 ///
 /// And of the objects that are found, what rises gradually instead of in walls is taken back:
 /// banks, dykes, ridges and hilltops, of 50 square metres and more. Smaller pieces of terrain that
-/// objects, footprints and walls cut off from the rest, a metre above most of the ground nearby, are
-/// what openings left of objects between footprints (podiums), and go.
+/// objects, footprints and walls cut off from the rest, a metre above most of the ground nearby,
+/// are what openings left of objects between footprints (podiums), and go.
 ///
 /// Known weakness: on slopes much steeper than `slope` that are not those of the whole terrain,
-/// parts of wide buildings that are in no footprint may pass for terrain, and so may podiums of more
-/// than 50 square metres between footprints; hilltops where trees leave few smooth cells may pass
-/// for objects.
+/// parts of wide buildings that are in no footprint may pass for terrain, and so may podiums of
+/// more than 50 square metres between footprints; hilltops where trees leave few smooth cells may
+/// pass for objects.
 ///
 /// Guarantees: the same for any number of threads. Linear in points, footprints (their edges, and
 /// the rows of cells these span) and cells, logarithmic in the window; but filling voids takes one
