@@ -4,10 +4,12 @@
 #include <array>
 #include <cmath>
 #include <fstream>
+#include <iterator>
 #include <optional>
 #include <stdexcept>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
@@ -22,6 +24,7 @@
 #include "tetropolis/core/error.h"
 #include "tetropolis/core/units.h"
 #include "tetropolis/io/cityjson.h"
+#include "tetropolis/io/crs.h"
 #include "tetropolis/io/geotiff.h"
 #include "tetropolis/io/vtk.h"
 #include "tetropolis/io/xdmf.h"
@@ -55,6 +58,8 @@ struct ReportedFacts {
   std::int64_t buildings = -1;       ///< Of city.city.json.
   std::vector<std::string> dropped;  ///< Ids, sorted; likewise.
   std::optional<Point2> origin;
+  std::optional<std::array<double, 4>> domain;  ///< CRS coordinates.
+  std::optional<std::string> crs;
   std::optional<ReportedMesh> mesh;
   std::optional<double> min_angle;
   double min_wall = Config{}.min_wall_height;
@@ -100,6 +105,8 @@ ReportedFacts facts_of(const Json& report) {
   if (report.contains("origin"))
     facts.origin =
         Point2{report["origin"].at(0).get<double>(), report["origin"].at(1).get<double>()};
+  if (report.contains("domain")) facts.domain = report["domain"].get<std::array<double, 4>>();
+  if (report.contains("crs")) facts.crs = report["crs"].get<std::string>();
   if (!report.contains("volume_mesh")) return facts;
   const Json& volume = report["volume_mesh"];
   const Json surface = report.value("surface_mesh", Json::object());
@@ -318,6 +325,32 @@ void compare_account(const CityModel& city, const std::optional<ReportedFacts>& 
     file.facts.push_back(fmt::format("all {} input features accounted for", parts));
 }
 
+std::vector<std::string> all_source_ids(const CityModel& city) {
+  std::vector<std::string> ids;
+  for (const Building& building : city.buildings)
+    ids.insert(ids.end(), building.source_ids.begin(), building.source_ids.end());
+  for (const Dropped& feature : city.dropped) ids.push_back(feature.source_id);
+  std::sort(ids.begin(), ids.end());
+  return ids;
+}
+
+/// Both models are of the same features.
+void compare_features(const CityModel& raw, const CityModel& city, CheckedFile& file) {
+  const std::vector<std::string> before = all_source_ids(raw), after = all_source_ids(city);
+  std::vector<std::string> lost, new_ids;
+  std::set_difference(before.begin(), before.end(), after.begin(), after.end(),
+                      std::back_inserter(lost));
+  std::set_difference(after.begin(), after.end(), before.begin(), before.end(),
+                      std::back_inserter(new_ids));
+  if (!lost.empty())
+    file.violations.push_back({fmt::format("features of {} that are not here", kRawCity),
+                               static_cast<std::int64_t>(lost.size()), "first: " + lost.front()});
+  if (!new_ids.empty())
+    file.violations.push_back({fmt::format("features that are not in {}", kRawCity),
+                               static_cast<std::int64_t>(new_ids.size()),
+                               "first: " + new_ids.front()});
+}
+
 /// The final model is the one that the report tells of.
 void compare_city(const CityModel& city, const ReportedFacts& report, CheckedFile& file) {
   const auto differs = [&](const char* what, const std::string& details) {
@@ -336,6 +369,17 @@ void compare_city(const CityModel& city, const ReportedFacts& report, CheckedFil
   if (report.origin && *report.origin != city.origin)
     differs("origin", fmt::format("({}, {}) reported, ({}, {}) found", report.origin->x,
                                   report.origin->y, city.origin.x, city.origin.y));
+  if (report.crs && *report.crs != city.crs && !same_horizontal_crs(*report.crs, city.crs))
+    differs("reference system",
+            fmt::format("{} reported, {} found", crs_name(*report.crs), crs_name(city.crs)));
+  constexpr double kSame = 1e-6;  // metres
+  const Bounds2 domain = city.domain.moved(city.origin);
+  const std::array sides{domain.xmin, domain.ymin, domain.xmax, domain.ymax};
+  if (report.domain && !city.domain.empty() &&
+      !std::equal(sides.begin(), sides.end(), report.domain->begin(),
+                  [](double a, double b) { return std::abs(a - b) <= kSame; }))
+    differs("domain", fmt::format("x {} .. {}, y {} .. {} found", domain.xmin, domain.xmax,
+                                  domain.ymin, domain.ymax));
 }
 
 /// The volume, and each of the boundaries, which are all to be that of the volume, against it.
@@ -425,13 +469,20 @@ std::vector<CheckedFile> check_folder(const fs::path& folder, std::optional<doub
   const auto there = [&](const char* name) { return is_there(folder / name); };
   std::vector<CheckedFile> files;
   CityModel city;
+  std::optional<CityModel> raw;
   for (const char* name : {kRawCity, kCity}) {
     if (!there(name)) continue;
     city = read_city(folder / name);
     files.push_back(check_city_model(
         name, city, std::string_view(name) == kRawCity ? std::nullopt : min_distance, report));
     compare_account(city, report, files.back());
-    if (report && std::string_view(name) == kCity) compare_city(city, *report, files.back());
+    if (std::string_view(name) == kRawCity) {
+      raw = city;
+      continue;
+    }
+    // A model that was meshed by itself may be another one than the raw model beside it.
+    if (raw && report && report->footprint_parts) compare_features(*raw, city, files.back());
+    if (report) compare_city(city, *report, files.back());
   }
   add_meshes(folder, city, report, progress, files);
   if (files.empty())

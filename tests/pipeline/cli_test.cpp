@@ -3,6 +3,7 @@
 #include <cstdlib>
 #include <fstream>
 #include <limits>
+#include <regex>
 #include <set>
 
 #include <gtest/gtest.h>
@@ -162,6 +163,33 @@ TEST_F(Cli, CheckSaysWhatIsNoReport) {
   EXPECT_EQ(run("check result").code, 1);
   std::ofstream(scratch / "result/report.json") << "{}";
   EXPECT_EQ(run("check result").code, 0);
+}
+
+TEST_F(Cli, CheckComparesTheModelsAndTheReport) {
+  synth("--buildings 20 --size 250");
+  ASSERT_EQ(run("city --quiet --footprints input/footprints.shp --points input --out result").code,
+            0);
+  ASSERT_EQ(run("check result").code, 0);
+  const auto changed = [&](const char* file, const char* what, const char* by,
+                           const std::string& violation) {
+    SCOPED_TRACE(what);
+    const std::string before = bytes_of(scratch / "result" / file);
+    const std::string after = std::regex_replace(before, std::regex(what), by,
+                                                 std::regex_constants::format_first_only);
+    EXPECT_NE(before, after);
+    std::ofstream(scratch / "result" / file) << after;
+    const Outcome outcome = run("check result");
+    EXPECT_EQ(outcome.code, 1);
+    EXPECT_NE(outcome.out.find(violation), std::string::npos) << outcome.out;
+    std::ofstream(scratch / "result" / file) << before;
+  };
+  changed("city_raw.city.json", "\"source_ids\":\\[\"[^\"]*\"", "\"source_ids\":[\"invented\"",
+          "features of city_raw.city.json that are not here");
+  changed("city_raw.city.json", "\"source_ids\":\\[\"[^\"]*\"", "\"source_ids\":[\"invented\"",
+          "features that are not in city_raw.city.json");
+  changed("report.json", "EPSG:3006", "EPSG:3007", "reference system differs from report.json");
+  changed("report.json", "\"domain\": *\\[\\s*[0-9]", "\"domain\":[9",
+          "domain differs from report.json");
 }
 
 TEST_F(Cli, CheckTakesTheOptionsOfEveryRun) {

@@ -76,13 +76,15 @@ class Survey(unittest.TestCase):
     def test_the_floor_counts_only_when_asked(self):
         # No mesh passes a floor that is above what is possible.
         code = ("import sys; sys.path.insert(0, sys.argv[1]); import survey_report as s;"
-                "row = dict(dihedral_min=9, dihedral_p0_01=13, dihedral_max=150);"
+                "row = dict(dihedral_min=9, dihedral_p0_01=13, dihedral_max=150, "
+                "non_orthogonality=69);"
                 "print(s.below_floor(row), s.below_floor(row | dict(dihedral_min=7.9)),"
                 "s.below_floor(row | dict(dihedral_p0_01=11.9)),"
-                "s.below_floor(row | dict(dihedral_max=160.1)))")
+                "s.below_floor(row | dict(dihedral_max=160.1)), "
+                "s.below_floor(row | dict(non_orthogonality=70.1)))")
         done = subprocess.run([sys.executable, "-c", code, SOURCE / "scripts"], text=True,
                               check=True, stdout=subprocess.PIPE)
-        self.assertEqual(done.stdout.split(), ["False", "True", "True", "True"])
+        self.assertEqual(done.stdout.split(), ["False", "True", "True", "True", "True"])
 
     def test_faults_are_seen_and_kept(self):
         for name, (body, sign) in FAULTS.items():

@@ -80,13 +80,13 @@ const Blanked kClouds[] = {
     {"Delft",
      "delft_3dfier/footprints.gpkg",
      {"delft_3dfier/ahn3_cropped_1.laz", "delft_3dfier/ahn3_cropped_2.laz"},
-     3,
+     2,
      0},
-    {"Amsterdam", "amsterdam_south/footprints.gpkg", {"amsterdam_south/ahn3"}, 22, 1},
+    {"Amsterdam", "amsterdam_south/footprints.gpkg", {"amsterdam_south/ahn3"}, 13, 1},
     {"AmsterdamSparse",
      "amsterdam_south/footprints.gpkg",
      {"amsterdam_south/ahn3_sparse/c_25gn1_b.laz"},
-     15,
+     13,
      0},
 };
 
