@@ -17,7 +17,7 @@ struct ColumnPlan;  // fill_columns.h
 struct CutSlopes {
   double at_start = 1.4825609685127403;  ///< In the triangles at the roof's edge or the cliff's
                                          ///< foot; 56 degrees.
-  double beyond = 2.75;                  ///< Further away, if that is more; 70 degrees.
+  double beyond = 2.475;                 ///< Further away, if that is more; 68 degrees.
 };
 
 /// From where the terrain is to be cut back.
