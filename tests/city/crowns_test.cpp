@@ -123,6 +123,21 @@ TEST_F(Crowns, WhatIsLittleHigherThanTheRoofGoesNextToACrownOnly) {
   }
 }
 
+/// More points of the neighbour's wall than of its roof are near: the level says nothing, but what
+/// is as high there is a surface.
+TEST_F(Crowns, OnTheWallOfAHigherRoofIsNoCrown) {
+  SCOPED_TRACE(test_seed());
+  scan_roof([](double, double) { return 6.0; }, 500);
+  for (int k = 0; k < 200; ++k)
+    scene_.add(scene_.around, -3 + 2 * share(), 8 * share(), 6 + 14 * share());
+  for (int k = 0; k < 40; ++k) scene_.add(scene_.beside, 10.1, 3.5 + share(), 7 + 8 * share());
+  for (int k = 0; k < 16; ++k)
+    scene_.add(scene_.beside, 10.3 + 0.15 * (k % 4), 3.7 + 0.15 * (k / 4), 20);
+  const auto wall = static_cast<PointIndex>(scene_.cloud.size());
+  scene_.add(scene_.roof, 9.95, 4, 18.6);
+  EXPECT_EQ(among(kept(), wall, wall + 1), 1);
+}
+
 TEST_F(Crowns, TreesOverOpenGroundLeaveNoRoof) {
   for (int k = 0; k < 300; ++k) scene_.add(scene_.below, 10 * share(), 8 * share(), noise());
   scan_tree(300);

@@ -174,8 +174,8 @@ TEST_F(Cli, CheckComparesTheModelsAndTheReport) {
                            const std::string& violation) {
     SCOPED_TRACE(what);
     const std::string before = bytes_of(scratch / "result" / file);
-    const std::string after = std::regex_replace(before, std::regex(what), by,
-                                                 std::regex_constants::format_first_only);
+    const std::string after =
+        std::regex_replace(before, std::regex(what), by, std::regex_constants::format_first_only);
     EXPECT_NE(before, after);
     std::ofstream(scratch / "result" / file) << after;
     const Outcome outcome = run("check result");
