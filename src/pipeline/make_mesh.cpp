@@ -273,6 +273,46 @@ std::optional<AngleBounds> missed_bounds(const MeshQuality& quality) {
   return std::nullopt;
 }
 
+/// How many cells are below the floor, and whether too many are below kLeastOfMost.
+std::pair<std::int64_t, bool> bad_cells(const ColumnMesh& mesh, const CellQuality& cells) {
+  return {count_bad_cells(mesh, kQualityFloor),
+          cells.histogram.dihedral_quantile_deg(kFewCells) < kLeastOfMost};
+}
+
+/// Works on faces beyond kMostNonOrthogonal, asking more and more of the cells, too: better cells
+/// have better faces. Keeps what leaves fewer of these faces and no worse cells.
+void straighten_faces(const Config& config, ColumnMesh& mesh, MeshQuality& quality,
+                      StepClock& clock, VolumeMeshReport& volume) {
+  constexpr double kStraight = 68;  // degrees, a little less than is allowed
+  constexpr std::array kTargets{AngleBounds{12, 157}, AngleBounds{16, 152}, AngleBounds{20, 148}};
+  if (config.layering == Layering::kUniform) return;
+  for (const AngleBounds& target : kTargets) {
+    if (quality.faces.above_70 == 0) return;
+    ColumnMesh better = mesh;
+    const std::int64_t changed =
+        clock.run("3.5", "straighten faces", [&](const Progress& progress) {
+          ImproveOptions options;
+          options.least_deg = target.least;
+          options.greatest_deg = target.greatest;
+          options.straight_deg = kStraight;
+          return improve_columns(better, options, progress);
+        });
+    if (changed == 0) continue;
+    const double gap = require_valid(better);
+    MeshQuality now = clock.run("3.6", "measure cells and faces", [&](const Progress&) {
+      return MeshQuality{measure_cells(better, kWorstCells), measure_faces(better)};
+    });
+    const auto [bad, many] = bad_cells(better, now.cells);
+    const auto [bad_before, many_before] = bad_cells(mesh, quality.cells);
+    if (now.faces.above_70 >= quality.faces.above_70 || bad > bad_before || (many && !many_before))
+      continue;
+    quality = std::move(now);
+    mesh = std::move(better);
+    volume.min_vertical_gap = gap;
+    volume.columns_improved += changed;
+  }
+}
+
 /// Makes the columns anew with the terrain cut back as `options` say, if that leaves fewer cells
 /// and faces below the floor, or as many of these and fewer outside the bounds; else everything
 /// stays as it is and the result is false.
@@ -491,7 +531,9 @@ void make_mesh(const Config& config, const CityModel& city, Raster dtm, const Ou
   Columns columns = make_columns_of_city(config, city, dtm, size, std::move(ground), clock, report);
   VolumeMeshReport& volume = *report.volume_mesh;
   MeshQuality quality = improve(config, columns.mesh, clock, volume);
+  straighten_faces(config, columns.mesh, quality, clock, volume);
   quality = make_room(config, dtm, size, columns, std::move(quality), clock, volume);
+  straighten_faces(config, columns.mesh, quality, clock, volume);
   report_lowered(columns.plan, report);
   const ColumnMesh mesh = std::move(columns.mesh);
   columns.plan = {};

@@ -62,11 +62,19 @@ class Cost {
  public:
   explicit Cost(const ImproveOptions& options)
       : least_(1 - std::cos(to_radians(options.least_deg))),
-        greatest_(1 + std::cos(to_radians(options.greatest_deg))) {}
+        greatest_(1 + std::cos(to_radians(options.greatest_deg))),
+        straight_(options.straight_deg < 90 ? std::cos(to_radians(options.straight_deg)) : 0) {}
 
   double of(const Point3& p0, const Point3& p1, const Point3& p2, const Point3& p3) const {
     const TetCosines shape = tet_cosines(p0, p1, p2, p3);
     return excess(least_, 1 - shape.greatest) + excess(greatest_, 1 + shape.least);
+  }
+  bool has_faces() const { return straight_ > 0; }
+  /// Of a face between cells with these centres.
+  double of_face(const std::array<Point3, 3>& face, const Point3& c0, const Point3& c1) const {
+    const Point3 n = cross(minus(face[1], face[0]), minus(face[2], face[0]));
+    const Point3 d = minus(c1, c0);
+    return excess(straight_, std::abs(dot(n, d)) / std::sqrt(dot(n, n) * dot(d, d)));
   }
 
  private:
@@ -78,6 +86,7 @@ class Cost {
 
   double least_;
   double greatest_;
+  double straight_;
 };
 
 /// A column on trial.
@@ -207,10 +216,18 @@ bool Improver::visit_cells(TriangleIndex t, VertexIndex v, ColumnView own, std::
     const Point2 place = mesh_->ground.vertices[static_cast<std::size_t>(vertices[i])];
     p[i] = {place.x, place.y, z[i][at[i]]};
   }
+  Point3 below{};
+  bool is_first = true;
   for (std::size_t next; (next = front.next()) < 3; front.advance(next)) {
     const Point3 apex{p[next][0], p[next][1], z[next][front.at(next) + 1]};
     const auto node = static_cast<std::int32_t>(front.at(mine));
-    if (!visit(cost_.of(p[0], p[1], p[2], apex), node, next == mine)) return false;
+    double cost = cost_.of(p[0], p[1], p[2], apex);
+    if (cost_.has_faces()) {
+      const Point3 centre = centre_of({p[0], p[1], p[2], apex});
+      if (!std::exchange(is_first, false)) cost += cost_.of_face(p, below, centre);
+      below = centre;
+    }
+    if (!visit(cost, node, next == mine)) return false;
     if (next == mine && node >= last) return true;
     p[next] = apex;
   }

@@ -10,6 +10,7 @@
 
 #include "tetropolis/core/parallel.h"
 #include "tetropolis/volume/cell_quality.h"
+#include "tetropolis/volume/face_quality.h"
 #include "tetropolis/volume/tet_shape.h"
 
 #include "support/explicit_mesh.h"
@@ -150,6 +151,28 @@ TEST(ImproveColumns, EverySweepLowersTheTotal) {
       total = then;
     }
   }
+}
+
+TEST(ImproveColumns, StraightensFacesWhereAsked) {
+  std::int64_t before = 0, without = 0, with = 0;
+  for (const auto& [name, terrain] : testing::kHardTerrains) {
+    SCOPED_TRACE(name);
+    const ColumnMesh mesh = spoilt(testing::meshed(testing::small_city(terrain)).mesh, 0.3);
+    before += measure_faces(mesh).above_70;
+    for (const double straight : {90.0, 68.0}) {
+      ImproveOptions options;
+      options.straight_deg = straight;
+      ColumnMesh after = mesh;
+      improve_columns(after, options);
+      require_valid(after);
+      expect_conforming(after);
+      EXPECT_EQ(fixed_heights(after), fixed_heights(mesh));
+      (straight < 90 ? with : without) += measure_faces(after).above_70;
+    }
+  }
+  EXPECT_GT(without, 0) << testing::test_seed();
+  EXPECT_LT(without, before) << testing::test_seed();
+  EXPECT_LT(with, without / 2) << testing::test_seed();
 }
 
 TEST(ImproveColumns, LeavesWhatIsGoodAlone) {

@@ -11,6 +11,7 @@ namespace tetropolis {
 struct ImproveOptions {
   double least_deg = 12;      ///< Cells with a smaller dihedral angle are worked on,
   double greatest_deg = 157;  ///< and those with a greater one.
+  double straight_deg = 90;   ///< And those on a face that is more non-orthogonal; 90: none are.
   int sweeps = 3;             ///< Over the columns of such cells, at most.
 };
 
@@ -21,9 +22,11 @@ struct ImproveOptions {
 /// from bad cells.
 ///
 /// How bad a cell is, is measured: with an angle t below the target T it costs
-/// ((1 - cos T) / (1 - cos t))^2 - 1, about (T / t)^4 - 1, and likewise above the greatest angle; a
-/// change is made if it lowers the sum over the cells it touches. Columns that share no triangle do
-/// not touch the same cells and are worked on at the same time.
+/// ((1 - cos T) / (1 - cos t))^2 - 1, about (T / t)^4 - 1, and likewise above the greatest angle;
+/// of the faces, those between two cells over one triangle count, with (cos T / cos t)^2 - 1 (but
+/// not the lowest face that a trial touches). A change is made if it lowers the sum over the cells
+/// it touches. Columns that share no triangle do not touch the same cells and are worked on at the
+/// same time.
 ///
 /// Where very many cells are bad, a sweep takes the worst two thousand stacks only, and it looks at
 /// a hundred million cells at most. Stacks over triangles with an angle below two thirds of
