@@ -104,24 +104,29 @@ int guarded(const std::function<int()>& action, const Say& say) {
 
 void say_on_stderr(const std::string& line) { put(stderr, line + "\n"); }
 
-/// Text files may be inputs as well.
-void require_log_apart(const Config& config, const std::string& checked) {
-  if (config.log.empty()) return;
-  std::vector<std::string> inputs{config.footprints, config.city, config.dtm, checked};
-  inputs.insert(inputs.end(), config.points.begin(), config.points.end());
+/// Text files may be inputs as well, or belong to one, as houses.prj does to houses.shp. `other`:
+/// the settings, or what `check` looks at.
+void require_log_apart(const Config& config, const std::string& other) {
+  namespace fs = std::filesystem;
+  const fs::path log = config.log;
   std::error_code error;
-  for (const std::string& input : inputs)
-    if (!input.empty() && std::filesystem::equivalent(input, config.log, error))
+  if (log.empty() || !fs::exists(log, error)) return;
+  std::vector<fs::path> inputs{config.footprints, config.city, config.dtm, other};
+  inputs.insert(inputs.end(), config.points.begin(), config.points.end());
+  for (const fs::path& input : inputs)
+    if (!input.empty() &&
+        (fs::equivalent(input, log, error) ||
+         fs::equivalent(fs::path(input).replace_extension(log.extension()), log, error)))
       throw Error(ErrorKind::kUsage,
                   fmt::format("--log: {} is an input of this run, which would be lost; choose "
                               "another name",
                               config.log));
 }
 
-/// Errors of `action` are in the log, too. `checked`: what `check` is to look at, else empty.
-int with_console(const Config& config, const std::string& checked,
+/// Errors of `action` are in the log, too. `other` as above.
+int with_console(const Config& config, const std::string& other,
                  const std::function<int(Console&)>& action) {
-  require_log_apart(config, checked);
+  require_log_apart(config, other);
   Console console(config.quiet, config.log);
   return guarded([&] { return action(console); },
                  [&](const std::string& line) { console.error(line); });
@@ -131,7 +136,7 @@ using RunFunction = Report (*)(const Config&, const RunHooks&);
 
 int run(const ConfigOptions& options, RunFunction function) {
   const Config config = options.config();
-  return with_console(config, "", [&](Console& console) {
+  return with_console(config, options.file(), [&](Console& console) {
     print_summary(function(config, console.hooks()), console);
     return 0;
   });

@@ -21,6 +21,8 @@ class ConfigOptions {
 
   /// Defaults, then the file, then the options. Throws Error(kUsage).
   Config config() const;
+  /// That of --config; empty if there is none.
+  const std::string& file() const { return file_; }
 
  private:
   std::string file_;

@@ -452,9 +452,9 @@ void check_type(const Place& root) {
 }
 
 std::string crs_at(const Place& system) {
+  if (const double unit = vertical_unit_metres(system.text()); std::abs(unit - 1) > 1e-9)
+    system.fail(fmt::format("has heights in units of {} m; convert them to metres", unit));
   try {
-    if (const double unit = vertical_unit_metres(system.text()); std::abs(unit - 1) > 1e-9)
-      system.fail(fmt::format("has heights in units of {} m; convert them to metres", unit));
     return normalise_crs(system.text());
   } catch (const Error& error) {
     system.fail(error.what());

@@ -8,6 +8,7 @@
 #include <cstring>
 #include <deque>
 #include <limits>
+#include <map>
 #include <new>
 #include <string_view>
 #include <system_error>
@@ -218,19 +219,43 @@ std::int64_t fill_missing(Raster& raster) {
 }
 
 /// Metres per unit of the values: as the band says, else the vertical reference system, else 1.
-double height_unit(GDALDatasetH dataset) {
+double height_unit(const fs::path& path, GDALDatasetH dataset) {
+  static const std::map<std::string, double> kUnits = {{"m", 1},
+                                                       {"metre", 1},
+                                                       {"meter", 1},
+                                                       {"metres", 1},
+                                                       {"meters", 1},
+                                                       {"dm", 0.1},
+                                                       {"cm", 0.01},
+                                                       {"centimetre", 0.01},
+                                                       {"centimeter", 0.01},
+                                                       {"mm", 0.001},
+                                                       {"millimetre", 0.001},
+                                                       {"millimeter", 0.001},
+                                                       {"km", 1000},
+                                                       {"kilometre", 1000},
+                                                       {"kilometer", 1000},
+                                                       {"ft", 0.3048},
+                                                       {"foot", 0.3048},
+                                                       {"feet", 0.3048},
+                                                       {"us-ft", 1200.0 / 3937},
+                                                       {"us_ft", 1200.0 / 3937},
+                                                       {"usft", 1200.0 / 3937},
+                                                       {"ftus", 1200.0 / 3937},
+                                                       {"us survey foot", 1200.0 / 3937},
+                                                       {"us survey feet", 1200.0 / 3937}};
   const std::string name = lower_case(GDALGetRasterUnitType(GDALGetRasterBand(dataset, 1)));
-  if (name == "cm" || name.starts_with("centimet")) return 0.01;
-  if (name == "mm" || name.starts_with("millimet")) return 0.001;
-  if (name == "dm" || name.starts_with("decimet")) return 0.1;
-  if (name == "km" || name.starts_with("kilomet")) return 1000;
-  const bool feet = name.starts_with("f") || name.find("foot") != std::string::npos ||
-                    name.find("feet") != std::string::npos || name == "us-ft";
-  if (feet) return name.find("us") != std::string::npos ? 1200.0 / 3937 : 0.3048;
-  OGRSpatialReferenceH srs = GDALGetSpatialRef(dataset);
-  return srs == nullptr || OSRIsVertical(srs) == 0
-             ? 1
-             : OSRGetTargetLinearUnits(srs, "VERT_CS", nullptr);
+  if (name.empty()) {
+    OGRSpatialReferenceH srs = GDALGetSpatialRef(dataset);
+    return srs == nullptr || OSRIsVertical(srs) == 0
+               ? 1
+               : OSRGetTargetLinearUnits(srs, "VERT_CS", nullptr);
+  }
+  const auto unit = kUnits.find(name);
+  if (unit == kUnits.end())
+    fail(path, fmt::format("heights are in '{}', which is no known unit; convert them to metres",
+                           name.substr(0, 40)));
+  return unit->second;
 }
 
 /// Of a system that is neither projected nor geographic, which canonical names leave out.
@@ -312,7 +337,7 @@ RasterInput read_raster(const fs::path& path, Point2 origin) {
          fmt::format("{}: {} of {} pixels have no value and get the nearest one", path.string(),
                      result.filled, raster.values.size())});
   result.crs = gdal::canonical_name(GDALGetSpatialRef(dataset.get()));
-  result.height_unit = height_unit(dataset.get());
+  result.height_unit = height_unit(path, dataset.get());
   result.domain = parse_domain(GDALGetMetadataItem(dataset.get(), kDomainItem, nullptr), origin);
   return result;
 }

@@ -8,6 +8,7 @@
 #include <span>
 #include <string>
 #include <string_view>
+#include <tuple>
 #include <utility>
 #include <vector>
 
@@ -314,17 +315,17 @@ void straighten_faces(const Config& config, ColumnMesh& mesh, MeshQuality& quali
 }
 
 /// Makes the columns anew with the terrain cut back as `options` say, if that leaves fewer cells
-/// and faces below the floor, or as many of these and fewer outside the bounds; else everything
-/// stays as it is and the result is false.
+/// below the floor; or as many, and fewer faces beyond kMostNonOrthogonal; or as many of both, and
+/// fewer cells outside the bounds. Else everything stays as it is and the result is false.
 bool cut_back_once(const Config& config, const Raster& dtm, const CitySize& size,
                    const ColumnPlanOptions& options, const AngleBounds& bounds, Columns& columns,
                    MeshQuality& quality, StepClock& clock, VolumeMeshReport& volume) {
   // Not at the price of cells that are bad by any measure.
-  const auto bad = [&](const FaceQuality& faces) {
-    return std::pair(count_bad_cells(columns.mesh, kQualityFloor) + faces.above_70,
-                     count_bad_cells(columns.mesh, bounds) + faces.above_70);
+  const auto bad = [&](const MeshQuality& measured) {
+    const auto [cells, many] = bad_cells(columns.mesh, measured.cells);
+    return std::tuple(cells, many, measured.faces.above_70, count_bad_cells(columns.mesh, bounds));
   };
-  const auto bad_before = bad(quality.faces);
+  const auto bad_before = bad(quality);
   const VolumeMeshReport volume_before = volume;
   Columns before;
   const bool is_cut = clock.run("3.3", "cut terrain back", [&](const Progress&) {
@@ -345,7 +346,8 @@ bool cut_back_once(const Config& config, const Raster& dtm, const CitySize& size
   if (!is_cut) return false;
   volume.min_vertical_gap = require_valid(columns.mesh);
   MeshQuality now = improve(config, columns.mesh, clock, volume);
-  if (bad(now.faces) < bad_before) {
+  straighten_faces(config, columns.mesh, now, clock, volume);
+  if (bad(now) < bad_before) {
     quality = std::move(now);
     return true;
   }
@@ -418,9 +420,11 @@ void warn_below_floor(const ColumnMesh& mesh, const MeshQuality& quality, Report
   if (quality.faces.above_70 > 0)
     report.warnings.push_back(
         {"faces_non_orthogonal", quality.faces.above_70,
-         fmt::format("faces between cells are more than {} degrees non-orthogonal (the worst "
-                     "{:.2f}); the terrain is too steep there for the mesh size",
-                     kMostNonOrthogonal, quality.faces.worst.non_orthogonality_deg)});
+         fmt::format(
+             "faces between cells are more than {} degrees non-orthogonal (the worst "
+             "{:.2f}), at steep ground, buried roofs or, in uniform layers, low walls; a smaller "
+             "--mesh-size may help",
+             kMostNonOrthogonal, quality.faces.worst.non_orthogonality_deg)});
 }
 
 void fill_quality(const ColumnMesh& mesh, MeshQuality measured, VolumeMeshReport& volume) {

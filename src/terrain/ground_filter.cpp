@@ -267,29 +267,46 @@ struct Plane {
   double at(std::int32_t i, std::int32_t j) const { return rise_x * i + rise_y * j + height; }
 };
 
+/// Sums for the plane of least squares through points (x, y, z).
+class PlaneFit {
+ public:
+  void add(double x, double y, double z) {
+    n_ += 1, x_ += x, y_ += y, z_ += z;
+    xx_ += x * x, xy_ += x * y, yy_ += y * y, xz_ += x * z, yz_ += y * z;
+  }
+  /// False, and nothing is changed, where there are too few points or they lie on one line.
+  bool solve(Plane& plane) const {
+    if (n_ < 3) return false;
+    const double xx = xx_ - x_ * x_ / n_, xy = xy_ - x_ * y_ / n_, yy = yy_ - y_ * y_ / n_;
+    const double xz = xz_ - x_ * z_ / n_, yz = yz_ - y_ * z_ / n_;
+    const double determinant = xx * yy - xy * xy;
+    if (!(determinant > 1e-9 * xx * yy)) return false;
+    plane.rise_x = (xz * yy - yz * xy) / determinant;
+    plane.rise_y = (yz * xx - xz * xy) / determinant;
+    plane.height = (z_ - plane.rise_x * x_ - plane.rise_y * y_) / n_;
+    return true;
+  }
+
+ private:
+  double n_ = 0, x_ = 0, y_ = 0, z_ = 0;
+  double xx_ = 0, xy_ = 0, yy_ = 0, xz_ = 0, yz_ = 0;
+};
+
 Plane fit_plane(const HeightGrid& grid, const Frame& frame) {
   Plane plane;
   for (int round = 0; round < 3; ++round) {
-    double n = 0, x = 0, y = 0, z = 0, xx = 0, xy = 0, yy = 0, xz = 0, yz = 0;
+    PlaneFit fit;
     std::size_t c = 0;
     for (std::int32_t j = 0; j < frame.ny; ++j) {
       for (std::int32_t i = 0; i < frame.nx; ++i, ++c) {
         const double value = static_cast<double>(grid.values[c]);
         if (std::isnan(value) || (round > 0 && value > plane.at(i, j))) continue;
         // Around the middle of the frame, so that no digits are lost.
-        const double u = i - 0.5 * frame.nx, v = j - 0.5 * frame.ny;
-        n += 1, x += u, y += v, z += value;
-        xx += u * u, xy += u * v, yy += v * v, xz += u * value, yz += v * value;
+        fit.add(i - 0.5 * frame.nx, j - 0.5 * frame.ny, value);
       }
     }
-    if (n < 3) return plane;
-    xx -= x * x / n, xy -= x * y / n, yy -= y * y / n, xz -= x * z / n, yz -= y * z / n;
-    const double determinant = xx * yy - xy * xy;
-    if (!(determinant > 1e-9 * xx * yy)) return plane;  // cells on one line
-    plane.rise_x = (xz * yy - yz * xy) / determinant;
-    plane.rise_y = (yz * xx - xz * xy) / determinant;
-    plane.height = (z - plane.rise_x * x - plane.rise_y * y) / n -
-                   0.5 * (plane.rise_x * frame.nx + plane.rise_y * frame.ny);
+    if (!fit.solve(plane)) return plane;
+    plane.height -= 0.5 * (plane.rise_x * frame.nx + plane.rise_y * frame.ny);
   }
   return plane;
 }
@@ -422,76 +439,105 @@ void keep_gentle_rises(const HeightGrid& lowest, const Frame& frame,
     if (state[c] == kKept) object[c] = 0;
 }
 
-/// The heights of up to `most` cells with ground, the nearest to the segment by steps through
-/// anything. `seen` has one entry per cell, of which none is `stamp`.
-std::vector<float> ground_around(const HeightGrid& lowest, const std::vector<std::uint8_t>& object,
-                                 const Frame& frame, const std::vector<std::uint32_t>& segment,
-                                 std::size_t most, double reach, std::uint32_t stamp,
-                                 std::vector<std::uint32_t>& seen) {
-  std::vector<float> heights;
-  std::vector<std::uint32_t> front = segment, next;
+/// At least `most` cells with ground (all within `reach`, if these are fewer), the nearest to the
+/// segment by steps through anything. `seen` has one entry per cell, of which none is `stamp`.
+std::vector<std::uint32_t> ground_around(const HeightGrid& lowest,
+                                         const std::vector<std::uint8_t>& object,
+                                         const Frame& frame,
+                                         const std::vector<std::uint32_t>& segment,
+                                         std::size_t most, double reach, std::uint32_t stamp,
+                                         std::vector<std::uint32_t>& seen) {
+  std::vector<std::uint32_t> ground, front = segment, next;
   for (const std::uint32_t c : segment) seen[c] = stamp;
   const auto steps = static_cast<int>(std::ceil(reach / frame.cell));
-  for (int step = 0; step < steps && heights.size() < most; ++step) {
+  for (int step = 0; step < steps && ground.size() < most; ++step) {
     next.clear();
     for (const std::uint32_t c : front)
       for_each_neighbour(frame, c, [&](std::size_t n) {
         if (seen[n] == stamp) return;
         seen[n] = stamp;
         next.push_back(static_cast<std::uint32_t>(n));
-        if (object[n] == 0 && !std::isnan(lowest.values[n])) heights.push_back(lowest.values[n]);
+        if (object[n] == 0 && !std::isnan(lowest.values[n]))
+          ground.push_back(static_cast<std::uint32_t>(n));
       });
     front.swap(next);
   }
-  return heights;
+  return ground;
 }
 
-double quantile_of(std::vector<float>& values, double share) {
-  const auto rank = static_cast<std::ptrdiff_t>(share * static_cast<double>(values.size()));
-  std::nth_element(values.begin(), values.begin() + rank, values.end());
-  return static_cast<double>(values[static_cast<std::size_t>(rank)]);
+/// How far the share of `cells` is at most above the plane through `ground`, which slopes as the
+/// terrain does; a level one where it rises by less than `least_rise` a cell.
+double quantile_above(const std::vector<std::uint32_t>& cells,
+                      const std::vector<std::uint32_t>& ground, const HeightGrid& lowest,
+                      double share, double least_rise) {
+  const auto nx = static_cast<std::uint32_t>(lowest.nx);
+  const std::uint32_t first = ground.front();
+  const auto x = [&](std::uint32_t c) {
+    return static_cast<double>(c % nx) - static_cast<double>(first % nx);
+  };
+  const auto y = [&](std::uint32_t c) {
+    return static_cast<double>(c / nx) - static_cast<double>(first / nx);
+  };
+  const auto z = [&](std::uint32_t c) { return static_cast<double>(lowest.values[c]); };
+  PlaneFit fit;
+  for (const std::uint32_t c : ground) fit.add(x(c), y(c), z(c));
+  Plane plane{0, 0, z(first)};
+  // What is less is chance.
+  if (fit.solve(plane) && std::hypot(plane.rise_x, plane.rise_y) < least_rise)
+    plane = {0, 0, z(first)};
+  std::vector<double> above;
+  for (const std::uint32_t c : cells)
+    if (!std::isnan(lowest.values[c]))
+      above.push_back(z(c) - plane.height - plane.rise_x * x(c) - plane.rise_y * y(c));
+  const auto rank = static_cast<std::ptrdiff_t>(share * static_cast<double>(above.size()));
+  std::nth_element(above.begin(), above.begin() + rank, above.end());
+  return above[static_cast<std::size_t>(rank)];
 }
 
 /// Makes objects of scraps: what openings left of podiums and halls that are in no footprint but
 /// between them, where the voids of the footprints hold them up. A scrap is cells joined by steps
 /// that a slope has, cut off by objects, footprints and walls, and a metre above most of the ground
-/// nearby.
+/// nearby, after that ground's slope. All are judged before any goes.
 void drop_scraps(const HeightGrid& lowest, std::vector<std::uint8_t> barred, const Frame& frame,
                  std::vector<std::uint8_t>& object, const Progress& progress) {
   constexpr double kRaised = 1, kReach = 30;  // metres
+  constexpr double kLeastSlope = 0.08;
   constexpr double kLow = 0.1, kMostGround = 0.75;
   constexpr std::size_t kNearest = 200, kTooFew = 30;  // cells
   const auto most = static_cast<float>(greatest_step(frame));
   const double largest = kLeastArea / (frame.cell * frame.cell);
+  const double least_rise = kLeastSlope * frame.cell;
   for (std::size_t c = 0; c < barred.size(); ++c) barred[c] |= object[c];
   HeightGrid full = lowest;
   spread(full, barred, frame);
   std::vector<std::uint32_t> seen(object.size(), 0), segment;
-  std::vector<float> heights;
+  std::vector<std::uint32_t> scraps;
   std::uint32_t stamp = 0;
   for (std::size_t seed = 0; seed < object.size(); ++seed) {
     if (seed % kCellsPerPoll == 0) progress.update(0.8);
     if (barred[seed] != 0) continue;
     segment.assign(1, static_cast<std::uint32_t>(seed));
     barred[seed] = 1;
-    heights.clear();
+    std::size_t known = 0;
     for (std::size_t k = 0; k < segment.size(); ++k) {
       const std::size_t c = segment[k];
-      if (!std::isnan(lowest.values[c])) heights.push_back(lowest.values[c]);
+      if (!std::isnan(lowest.values[c])) ++known;
       for_each_neighbour(frame, c, [&](std::size_t n) {
         if (barred[n] != 0 || std::abs(full.values[c] - full.values[n]) > most) return;
         barred[n] = 1;
         segment.push_back(static_cast<std::uint32_t>(n));
       });
     }
-    if (heights.empty() || static_cast<double>(heights.size()) > largest) continue;
-    std::vector<float> around =
+    if (known == 0 || static_cast<double>(known) > largest) continue;
+    const std::vector<std::uint32_t> around =
         ground_around(lowest, object, frame, segment, kNearest, kReach, ++stamp, seen);
     if (around.size() < kTooFew ||
-        quantile_of(heights, kLow) < quantile_of(around, kMostGround) + kRaised)
+        quantile_above(segment, around, lowest, kLow, least_rise) <
+            quantile_above(around, around, lowest, kMostGround, least_rise) + kRaised)
       continue;
-    for (const std::uint32_t c : segment) object[c] = 1;
+    scraps.insert(scraps.end(), segment.begin(), segment.end());
   }
+  for (const std::uint32_t c : scraps) object[c] = 1;
 }
 
 /// The terrain through the cells that have points and are no objects.

@@ -235,10 +235,15 @@ TEST_F(Cli, ALogNeverReplacesDataOrAnInput) {
   ASSERT_EQ(run("city --quiet --footprints input/footprints.shp --points input --out result").code,
             0);
   std::ofstream(scratch / "house.csv") << "id,WKT\n1,\"POLYGON EMPTY\"\n";
+  std::ofstream(scratch / "my.toml") << "mesh_size = 12\n";
   const std::string build = "build --footprints input/footprints.shp --points input --out new ";
   const std::pair<std::string, const char*> cases[] = {
       {build, "input/points.laz"},
       {build, "input/footprints.dbf"},
+      {build, "input/footprints.prj"},
+      {build, "input/footprints.cpg"},
+      {"city --config my.toml --footprints input/footprints.shp --points input --out new ",
+       "my.toml"},
       {build, "result/city.city.json"},
       {"build --footprints house.csv --points input --out new ", "house.csv"},
       {"check result ", "result/dtm.tif"},

@@ -166,6 +166,24 @@ TEST(GroundFilter, APodiumBetweenFootprintsIsNoGround) {
   EXPECT_EQ(wrong.missed, 0);
 }
 
+/// On a slope most of the ground near a small yard may lie lower.
+TEST(GroundFilter, YardsOnSlopesAreGround) {
+  SCOPED_TRACE(test_seed());
+  const Polygon block{{{50, 60}, {110, 60}, {110, 90}, {50, 90}},
+                      {{{74, 68}, {74, 76}, {80, 76}, {80, 68}}}};
+  for (const double slope : {0.15, 0.3}) {
+    const PointCloud cloud = scan(160, 4, {block}, 9, [&](double, double y) { return slope * y; });
+    const auto found = filter_ground(cloud, std::vector<Polygon>{block});
+    std::ptrdiff_t yard = 0, kept = 0;
+    for (std::size_t p = 0; p < cloud.size(); ++p) {
+      if (!(cloud.x[p] > 74 && cloud.x[p] < 80 && cloud.y[p] > 68 && cloud.y[p] < 76)) continue;
+      ++yard;
+      kept += found[p];
+    }
+    EXPECT_GT(kept, 0.95 * static_cast<double>(yard)) << slope;
+  }
+}
+
 /// Cells without points cut slopes into pieces that are no scraps.
 TEST(GroundFilter, HillsStayInSparseClouds) {
   SCOPED_TRACE(test_seed());

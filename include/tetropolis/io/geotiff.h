@@ -46,8 +46,8 @@ struct RasterInput {
 /// Guarantee: read_raster(write_raster(r, origin), origin) gives the same bits for values, step, x0
 /// and y0, provided that x0 and y0 are multiples of kCoordinateStep and the origin is whole metres.
 /// Errors, kInput with the path: missing, not a raster, cut, several bands, no georeference,
-/// rotated or oblong pixels, a local reference system not in metres, no value at all, more than
-/// 2^31 pixels.
+/// rotated or oblong pixels, a local reference system not in metres, a unit of heights nobody
+/// knows, no value at all, more than 2^31 pixels.
 RasterInput read_raster(const std::filesystem::path& path, Point2 origin);
 
 }  // namespace tetropolis
