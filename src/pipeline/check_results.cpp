@@ -345,11 +345,10 @@ void compare_features(const CityModel& raw, const CityModel& city, CheckedFile& 
                       std::back_inserter(new_ids));
   if (!lost.empty())
     file.violations.push_back({fmt::format("features of {} that are not here", kRawCity),
-                               static_cast<std::int64_t>(lost.size()), "first: " + lost.front()});
+                               static_cast<std::int64_t>(lost.size()), lost.front()});
   if (!new_ids.empty())
     file.violations.push_back({fmt::format("features that are not in {}", kRawCity),
-                               static_cast<std::int64_t>(new_ids.size()),
-                               "first: " + new_ids.front()});
+                               static_cast<std::int64_t>(new_ids.size()), new_ids.front()});
 }
 
 /// The final model is the one that the report tells of.

@@ -27,7 +27,7 @@ FAULTS = {
     "sanitizer": ('[ "$1" = build ] && echo "x.cpp:1: runtime error: overflow" >&2\nexec "$real" "$@"',
                   "runtime error"),
     "lost feature": ('"$real" "$@" || exit $?\n'
-                     '[ "$1" != build ] || sed -i s/\\"s1\\"/\\"lost\\"/ out/city_raw.city.json\n',
+                     '[ "$1" != build ] || sed -i s/\\"s1\\"/\\"lost\\"/ out/*.json\n',
                      "account:"),
     "other bytes": ('"$real" "$@" || exit $?\n[ ! -d again ] || echo >> again/surface.stl\n',
                     "surface.stl"),
