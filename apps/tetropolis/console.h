@@ -10,8 +10,8 @@ namespace tetropolis::app {
 
 class Console {
  public:
-  /// Throws Error(kUsage) if the log cannot be opened, or is a file that holds anything but text:
-  /// it would be lost. Empty `log`: none.
+  /// Throws Error(kUsage) if the log cannot be opened, or is a file of data (binary, JSON or
+  /// XML), which would be lost. Empty `log`: none.
   Console(bool quiet, const std::string& log);
   ~Console();
   Console(const Console&) = delete;

@@ -20,11 +20,15 @@ DomainPosition position_in_domain(const Polygon& polygon, const Bounds2& domain)
   return inside ? DomainPosition::kInside : DomainPosition::kCrossing;
 }
 
+std::vector<Polygon> parts_in_box(const Polygon& polygon, const Bounds2& box) {
+  return geos::intersect(std::array{polygon}, std::array{rectangle(box)}, kCoordinateStep)
+      .value_or(std::vector<Polygon>());
+}
+
 Polygon clip_to_box(const Polygon& polygon, const Bounds2& box) {
-  const auto parts =
-      geos::intersect(std::array{polygon}, std::array{rectangle(box)}, kCoordinateStep);
-  if (!parts || parts->empty()) return {};
-  Polygon part = largest(*parts);
+  const std::vector<Polygon> parts = parts_in_box(polygon, box);
+  if (parts.empty()) return {};
+  Polygon part = largest(parts);
   for (Point2& p : part.outer) p = snap_coordinate(p);
   for (Ring& hole : part.holes)
     for (Point2& p : hole) p = snap_coordinate(p);

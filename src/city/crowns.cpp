@@ -13,6 +13,8 @@
 
 #include "tetropolis/core/parallel.h"
 
+#include "city/point_lists.h"
+
 namespace tetropolis {
 
 namespace {
@@ -188,14 +190,14 @@ std::vector<double> overhangs(const Scene& scene, const Disks& disks, const Poin
   for (std::size_t k = 0; k < result.size(); ++k) {
     if (disks.z(k) > treetops + kTallerTree) continue;
     double highest = level[k];
-    int walls = 0, on_walls = 0;
+    int as_high = 0, on_roofs = 0;  // of points of roofs beside
     disks.in_disk(k, [&](std::size_t other) {
       highest = std::max(highest, level[other]);
       if (other < first_beside || disks.z(other) < disks.z(k) - options.height) return;
-      ++walls;
-      on_walls += surface[other];
+      ++as_high;
+      on_roofs += surface[other];
     });
-    if (on_walls > kSurfaceShare * walls) continue;
+    if (on_roofs > kSurfaceShare * as_high) continue;
     int near = 0, on_surfaces = 0;
     disks.near(k, [&](std::size_t other) {
       ++near;
@@ -261,11 +263,7 @@ void drop_crowns(PointLists& roof, const CrownEvidence& evidence, const PointClo
         kept[b].assign(roof[b].begin(), roof[b].end());
     shared.add(static_cast<std::int64_t>(end - begin));
   });
-  roof.indices.clear();
-  for (std::size_t b = 0; b < kept.size(); ++b) {
-    roof.indices.insert(roof.indices.end(), kept[b].begin(), kept[b].end());
-    roof.offsets[b + 1] = static_cast<std::int64_t>(roof.indices.size());
-  }
+  roof = to_rows(kept);
 }
 
 }  // namespace tetropolis

@@ -7,10 +7,12 @@
 #include <fmt/format.h>
 
 #include "tetropolis/city/crowns.h"
+#include "tetropolis/city/heights.h"
 #include "tetropolis/core/error.h"
 #include "tetropolis/core/parallel.h"
 
 #include "city/footprint_index.h"
+#include "city/point_lists.h"
 
 namespace tetropolis {
 
@@ -182,36 +184,28 @@ Surroundings find_surroundings(std::span<const Polygon* const> footprints, std::
   return all;
 }
 
-/// Removes what is no higher than the ground around the building, such as the floor of a yard in
-/// it. Where little else is there, it is the ground that is not to be trusted.
+/// What is higher than the ground around the building, so not the floor of a yard in it. Where that
+/// is little, it is the ground that is not to be trusted, and all is returned.
 std::vector<PointIndex> above_ground(std::span<const PointIndex> roof,
                                      std::span<const PointIndex> ground, const PointCloud& cloud) {
-  constexpr double kLow = 0.1;        // quantile
   constexpr double kClearance = 0.5;  // metres
   std::vector<PointIndex> kept(roof.begin(), roof.end());
   if (ground.empty()) return kept;
   std::vector<double> heights;
   for (const PointIndex p : ground) heights.push_back(cloud.z[p]);
-  const auto low =
-      heights.begin() + static_cast<std::ptrdiff_t>(kLow * static_cast<double>(heights.size()));
-  std::nth_element(heights.begin(), low, heights.end());
-  std::erase_if(kept, [&](PointIndex p) { return cloud.z[p] <= *low + kClearance; });
+  const double least = percentile(heights, HeightOptions{}.ground_percentile) + kClearance;
+  std::erase_if(kept, [&](PointIndex p) { return cloud.z[p] <= least; });
   if (2 * kept.size() < roof.size()) kept.assign(roof.begin(), roof.end());
   return kept;
 }
 
-/// Replaces each list b by what make(b) makes of it.
-template <typename Make>
-void replace_lists(PointLists& lists, const Make& make) {
-  std::vector<std::vector<PointIndex>> made(lists.size());
-  parallel_chunks(lists.size(), kBuildingGrain, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t b = begin; b < end; ++b) made[b] = make(b);
+void drop_low_points(BuildingPoints& points, const PointCloud& cloud) {
+  std::vector<std::vector<PointIndex>> kept(points.roof.size());
+  parallel_chunks(kept.size(), kBuildingGrain, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t b = begin; b < end; ++b)
+      kept[b] = above_ground(points.roof[b], points.ground[b], cloud);
   });
-  lists.indices.clear();
-  for (std::size_t b = 0; b < made.size(); ++b) {
-    lists.indices.insert(lists.indices.end(), made[b].begin(), made[b].end());
-    lists.offsets[b + 1] = static_cast<std::int64_t>(lists.indices.size());
-  }
+  points.roof = to_rows(kept);
 }
 
 BuildingPoints extract(std::span<const Polygon* const> footprints, std::size_t buildings,
@@ -232,10 +226,7 @@ BuildingPoints extract(std::span<const Polygon* const> footprints, std::size_t b
   std::vector<Hit>().swap(hits.roof);
   points.ground = to_lists(hits.ground, buildings);
   std::vector<Hit>().swap(hits.ground);
-  if (points.roof_from_unclassified)
-    replace_lists(points.roof, [&](std::size_t b) {
-      return above_ground(points.roof[b], points.ground[b], cloud);
-    });
+  if (points.roof_from_unclassified) drop_low_points(points, cloud);
   if (find_crowns) {
     const Surroundings found =
         find_surroundings(footprints, buildings, cloud, classes, portion(progress, 0.4, 0.7));
@@ -264,12 +255,7 @@ PointLists merge_lists(const PointLists& lists,
       list.erase(std::unique(list.begin(), list.end()), list.end());
     }
   });
-  PointLists result;
-  for (const std::vector<PointIndex>& list : merged) {
-    result.indices.insert(result.indices.end(), list.begin(), list.end());
-    result.offsets.push_back(static_cast<std::int64_t>(result.indices.size()));
-  }
-  return result;
+  return to_rows(merged);
 }
 
 }  // namespace

@@ -112,6 +112,10 @@ Srs parse_srs(const std::string& text) {
   return srs;
 }
 
+double vertical_unit_metres(OGRSpatialReferenceH srs) {
+  return srs == nullptr ? 1 : OSRGetTargetLinearUnits(srs, "VERT_CS", nullptr);
+}
+
 std::string canonical_name(OGRSpatialReferenceH given) {
   if (given == nullptr) return "";
   Srs srs(OSRClone(given));
@@ -177,8 +181,7 @@ double linear_unit_metres(const std::string& crs) {
 double vertical_unit_metres(const std::string& text) {
   if (text.empty()) return 1;
   const gdal::QuietErrors errors;
-  const gdal::Srs srs = gdal::parse_whole_srs(text);
-  return srs == nullptr ? 1 : OSRGetTargetLinearUnits(srs.get(), "VERT_CS", nullptr);
+  return gdal::vertical_unit_metres(gdal::parse_whole_srs(text).get());
 }
 
 bool same_horizontal_crs(const std::string& a, const std::string& b) {

@@ -101,6 +101,9 @@ Srs parse_whole_srs(const std::string& text);
 /// reference system; the error handler in force then knows why.
 Srs parse_srs(const std::string& text);
 
+/// Metres per unit of height of a compound or vertical system, else 1.
+double vertical_unit_metres(OGRSpatialReferenceH srs);
+
 /// See normalise_crs. Never throws; "" for engineering systems and the like.
 std::string canonical_name(OGRSpatialReferenceH srs);
 

@@ -8,7 +8,6 @@
 #include <cstring>
 #include <deque>
 #include <limits>
-#include <map>
 #include <new>
 #include <string_view>
 #include <system_error>
@@ -220,42 +219,29 @@ std::int64_t fill_missing(Raster& raster) {
 
 /// Metres per unit of the values: as the band says, else the vertical reference system, else 1.
 double height_unit(const fs::path& path, GDALDatasetH dataset) {
-  static const std::map<std::string, double> kUnits = {{"m", 1},
-                                                       {"metre", 1},
-                                                       {"meter", 1},
-                                                       {"metres", 1},
-                                                       {"meters", 1},
-                                                       {"dm", 0.1},
-                                                       {"cm", 0.01},
-                                                       {"centimetre", 0.01},
-                                                       {"centimeter", 0.01},
-                                                       {"mm", 0.001},
-                                                       {"millimetre", 0.001},
-                                                       {"millimeter", 0.001},
-                                                       {"km", 1000},
-                                                       {"kilometre", 1000},
-                                                       {"kilometer", 1000},
-                                                       {"ft", 0.3048},
-                                                       {"foot", 0.3048},
-                                                       {"feet", 0.3048},
-                                                       {"us-ft", 1200.0 / 3937},
-                                                       {"us_ft", 1200.0 / 3937},
-                                                       {"usft", 1200.0 / 3937},
-                                                       {"ftus", 1200.0 / 3937},
-                                                       {"us survey foot", 1200.0 / 3937},
-                                                       {"us survey feet", 1200.0 / 3937}};
+  constexpr double kFoot = 0.3048, kSurveyFoot = 1200.0 / 3937;
+  constexpr std::pair<std::string_view, double> kUnits[] = {{"m", 1},
+                                                            {"metre", 1},
+                                                            {"meter", 1},
+                                                            {"metres", 1},
+                                                            {"meters", 1},
+                                                            {"dm", 0.1},
+                                                            {"cm", 0.01},
+                                                            {"mm", 0.001},
+                                                            {"km", 1000},
+                                                            {"ft", kFoot},
+                                                            {"foot", kFoot},
+                                                            {"feet", kFoot},
+                                                            {"us-ft", kSurveyFoot},
+                                                            {"us_ft", kSurveyFoot},
+                                                            {"ftus", kSurveyFoot},
+                                                            {"us survey foot", kSurveyFoot}};
   const std::string name = lower_case(GDALGetRasterUnitType(GDALGetRasterBand(dataset, 1)));
-  if (name.empty()) {
-    OGRSpatialReferenceH srs = GDALGetSpatialRef(dataset);
-    return srs == nullptr || OSRIsVertical(srs) == 0
-               ? 1
-               : OSRGetTargetLinearUnits(srs, "VERT_CS", nullptr);
-  }
-  const auto unit = kUnits.find(name);
-  if (unit == kUnits.end())
-    fail(path, fmt::format("heights are in '{}', which is no known unit; convert them to metres",
-                           name.substr(0, 40)));
-  return unit->second;
+  if (name.empty()) return gdal::vertical_unit_metres(GDALGetSpatialRef(dataset));
+  for (const auto& [unit, metres] : kUnits)
+    if (name == unit) return metres;
+  fail(path, fmt::format("heights are in '{}', which is no known unit; convert them to metres",
+                         name.substr(0, 40)));
 }
 
 /// Of a system that is neither projected nor geographic, which canonical names leave out.

@@ -158,7 +158,7 @@ class HeightReader {
     } else {
       value = OGR_F_GetFieldAsDouble(feature, field_);
     }
-    if (!std::isnan(value)) ++numbers_;
+    if (!(value > kMost) && !std::isnan(value)) ++numbers_;
     if (value > kMost) {
       if (others_++ == 0) first_ = fmt::format("feature {}: {:.6g} m", id, value);
       return kNaN;
@@ -170,7 +170,7 @@ class HeightReader {
   std::optional<Warning> warning() const {
     if (others_ == 0) return std::nullopt;
     if (numbers_ == 0)
-      fail(path_, fmt::format("attribute '{}' holds no numbers ({}); name one that holds heights",
+      fail(path_, fmt::format("attribute '{}' holds no heights ({}); name one that holds heights",
                               attribute_, first_));
     return Warning{"height_not_a_number", others_,
                    fmt::format("{}: {} features have what is no height in '{}', first {}",

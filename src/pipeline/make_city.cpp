@@ -79,8 +79,8 @@ std::vector<Polygon> clean_features(const Config& config, const FootprintsInput&
     if (position == DomainPosition::kCrossing) {
       if (config.boundary_buildings == BoundaryBuildings::kDrop) {
         drop("crosses the domain boundary");
-        Polygon inside = clip_to_box(cleaned.polygon, model.domain);
-        if (!inside.outer.empty()) crossing.push_back(std::move(inside));
+        for (Polygon& part : parts_in_box(cleaned.polygon, model.domain))
+          crossing.push_back(std::move(part));
         continue;
       }
       // Cut back by the merge distance, so that the strip left is wide enough to mesh.
@@ -339,7 +339,7 @@ Raster make_terrain(const Config& config, const InputData& input, StepClock& clo
 
 }  // namespace
 
-CityAndTerrain make_city(const Config& config, Next next, const OutputFolder& out, StepClock& clock,
+CityAndTerrain make_city(const Config& config, Next next, OutputFolder& out, StepClock& clock,
                          Report& report) {
   InputData input = read_input(config, next, clock, report);
   find_ground(config, input, clock, report);
@@ -367,8 +367,8 @@ CityAndTerrain make_city(const Config& config, Next next, const OutputFolder& ou
             [&](const Progress&) { compute_heights(raw.buildings, points, cloud, dtm, heights); });
   warn_of_missing_roofs(raw, report);
   clock.run("1.7", "write city model", [&](const Progress&) {
-    write_raster(out / "dtm.tif", dtm, raw.origin, raw.crs, raw.domain);
-    write_city(out / "city_raw.city.json", raw, "City model before simplification");
+    write_raster(out.result("dtm.tif"), dtm, raw.origin, raw.crs, raw.domain);
+    write_city(out.result("city_raw.city.json"), raw, "City model before simplification");
   });
 
   const Simplification simple = clock.run("2.1", "merge footprints", [&](const Progress& progress) {
@@ -396,7 +396,7 @@ CityAndTerrain make_city(const Config& config, Next next, const OutputFolder& ou
          "the cloud has no class 6 (building); roof points are those inside footprints "
          "that are neither ground, water, vegetation nor noise"});
   clock.run("2.4", "write merged city model", [&](const Progress&) {
-    write_city(out / "city.city.json", city, "City model after simplification");
+    write_city(out.result("city.city.json"), city, "City model after simplification");
   });
   fill_city_report(raw, city, simple, report);
   return {std::move(city), std::move(dtm)};

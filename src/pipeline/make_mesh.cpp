@@ -228,90 +228,95 @@ constexpr std::size_t kWorstCells = 10;
 struct MeshQuality {
   CellQuality cells;
   FaceQuality faces;
+  std::int64_t below_floor = 0;  ///< Cells outside of kQualityFloor.
 };
-
-/// Makes thin cells better if there are any. The columns of uniform layers are as asked for.
-MeshQuality improve(const Config& config, ColumnMesh& mesh, StepClock& clock,
-                    VolumeMeshReport& volume) {
-  volume.columns_improved = 0;
-  const auto measured = [&] {
-    return clock.run("3.6", "measure cells",
-                     [&](const Progress&) { return measure_cells(mesh, kWorstCells); });
-  };
-  const auto with_faces = [&](CellQuality cells) {
-    return MeshQuality{std::move(cells), clock.run("3.6", "measure faces", [&](const Progress&) {
-                         return measure_faces(mesh);
-                       })};
-  };
-  CellQuality cells = measured();
-  const ImproveOptions options;
-  if (config.layering == Layering::kUniform ||
-      (cells.histogram.min_dihedral_deg() >= options.least_deg &&
-       cells.histogram.max_dihedral_deg() <= options.greatest_deg))
-    return with_faces(std::move(cells));
-  clock.run("3.5", "improve cells", [&](const Progress& progress) {
-    volume.columns_improved = improve_columns(mesh, options, progress);
-  });
-  if (volume.columns_improved == 0) return with_faces(std::move(cells));
-  volume.min_vertical_gap = require_valid(mesh);
-  return with_faces(measured());
-}
 
 /// The share of cells that may have an angle below kLeastOfMost.
 constexpr double kFewCells = 1e-4;
 
-/// Times that columns are made anew, at most: where the ground was lowered, other cells change.
-constexpr int kMostCuts = 8;
-
-/// The bounds that the mesh is to be worked on for; nothing if it is above the floor.
-std::optional<AngleBounds> missed_bounds(const MeshQuality& quality) {
-  const QualityHistogram& angles = quality.cells.histogram;
-  if (angles.dihedral_quantile_deg(kFewCells) < kLeastOfMost)
-    return AngleBounds{kLeastOfMost, kQualityFloor.greatest};
-  if (angles.min_dihedral_deg() < kQualityFloor.least ||
-      angles.max_dihedral_deg() > kQualityFloor.greatest || quality.faces.above_70 > 0)
-    return kQualityFloor;
-  return std::nullopt;
+bool is_within(const QualityHistogram& angles, const AngleBounds& bounds) {
+  return angles.min_dihedral_deg() >= bounds.least && angles.max_dihedral_deg() <= bounds.greatest;
 }
 
-/// How many cells are below the floor, and whether too many are below kLeastOfMost.
-std::pair<std::int64_t, bool> bad_cells(const ColumnMesh& mesh, const CellQuality& cells) {
-  return {count_bad_cells(mesh, kQualityFloor),
-          cells.histogram.dihedral_quantile_deg(kFewCells) < kLeastOfMost};
+bool has_many_thin_cells(const MeshQuality& quality) {
+  return quality.cells.histogram.dihedral_quantile_deg(kFewCells) < kLeastOfMost;
+}
+
+CellQuality measured_cells(const ColumnMesh& mesh, StepClock& clock) {
+  return clock.run("3.6", "measure cells",
+                   [&](const Progress&) { return measure_cells(mesh, kWorstCells); });
+}
+
+MeshQuality with_faces(CellQuality cells, const ColumnMesh& mesh, StepClock& clock) {
+  return clock.run("3.6", "measure faces", [&](const Progress&) {
+    const std::int64_t below =
+        is_within(cells.histogram, kQualityFloor) ? 0 : count_bad_cells(mesh, kQualityFloor);
+    return MeshQuality{std::move(cells), measure_faces(mesh), below};
+  });
 }
 
 /// Works on faces beyond kMostNonOrthogonal, asking more and more of the cells, too: better cells
 /// have better faces. Keeps what leaves fewer of these faces and no worse cells.
-void straighten_faces(const Config& config, ColumnMesh& mesh, MeshQuality& quality,
-                      StepClock& clock, VolumeMeshReport& volume) {
+void straighten_faces(ColumnMesh& mesh, MeshQuality& quality, StepClock& clock,
+                      VolumeMeshReport& volume) {
   constexpr double kStraight = 68;  // degrees, a little less than is allowed
   constexpr std::array kTargets{AngleBounds{12, 157}, AngleBounds{16, 152}, AngleBounds{20, 148}};
-  if (config.layering == Layering::kUniform) return;
   for (const AngleBounds& target : kTargets) {
     if (quality.faces.above_70 == 0) return;
-    ColumnMesh better = mesh;
+    // All that improve_columns changes.
+    auto before = std::tuple(mesh.first, mesh.roof, mesh.z);
     const std::int64_t changed =
         clock.run("3.5", "straighten faces", [&](const Progress& progress) {
           ImproveOptions options;
           options.least_deg = target.least;
           options.greatest_deg = target.greatest;
           options.straight_deg = kStraight;
-          return improve_columns(better, options, progress);
+          return improve_columns(mesh, options, progress);
         });
     if (changed == 0) continue;
-    const double gap = require_valid(better);
-    MeshQuality now = clock.run("3.6", "measure cells and faces", [&](const Progress&) {
-      return MeshQuality{measure_cells(better, kWorstCells), measure_faces(better)};
-    });
-    const auto [bad, many] = bad_cells(better, now.cells);
-    const auto [bad_before, many_before] = bad_cells(mesh, quality.cells);
-    if (now.faces.above_70 >= quality.faces.above_70 || bad > bad_before || (many && !many_before))
-      continue;
-    quality = std::move(now);
-    mesh = std::move(better);
-    volume.min_vertical_gap = gap;
-    volume.columns_improved += changed;
+    const double gap = require_valid(mesh);
+    MeshQuality now = with_faces(measured_cells(mesh, clock), mesh, clock);
+    if (now.faces.above_70 < quality.faces.above_70 && now.below_floor <= quality.below_floor &&
+        (has_many_thin_cells(quality) || !has_many_thin_cells(now))) {
+      quality = std::move(now);
+      volume.min_vertical_gap = gap;
+      volume.columns_improved += changed;
+    } else {
+      std::tie(mesh.first, mesh.roof, mesh.z) = std::move(before);
+    }
   }
+}
+
+/// Makes thin cells and faces beyond kMostNonOrthogonal better if there are any. The columns of
+/// uniform layers are as asked for.
+MeshQuality improve(const Config& config, ColumnMesh& mesh, StepClock& clock,
+                    VolumeMeshReport& volume) {
+  volume.columns_improved = 0;
+  CellQuality cells = measured_cells(mesh, clock);
+  if (config.layering == Layering::kUniform) return with_faces(std::move(cells), mesh, clock);
+  const ImproveOptions options;
+  if (!is_within(cells.histogram, {options.least_deg, options.greatest_deg})) {
+    volume.columns_improved = clock.run("3.5", "improve cells", [&](const Progress& progress) {
+      return improve_columns(mesh, options, progress);
+    });
+    if (volume.columns_improved > 0) {
+      volume.min_vertical_gap = require_valid(mesh);
+      cells = measured_cells(mesh, clock);
+    }
+  }
+  MeshQuality quality = with_faces(std::move(cells), mesh, clock);
+  straighten_faces(mesh, quality, clock, volume);
+  return quality;
+}
+
+/// Times that columns are made anew, at most: where the ground was lowered, other cells change.
+constexpr int kMostCuts = 8;
+
+/// The bounds that the mesh is to be worked on for; nothing if it is above the floor.
+std::optional<AngleBounds> missed_bounds(const MeshQuality& quality) {
+  if (has_many_thin_cells(quality)) return AngleBounds{kLeastOfMost, kQualityFloor.greatest};
+  if (quality.below_floor > 0 || quality.faces.above_70 > 0) return kQualityFloor;
+  return std::nullopt;
 }
 
 /// Makes the columns anew with the terrain cut back as `options` say, if that leaves fewer cells
@@ -322,8 +327,8 @@ bool cut_back_once(const Config& config, const Raster& dtm, const CitySize& size
                    MeshQuality& quality, StepClock& clock, VolumeMeshReport& volume) {
   // Not at the price of cells that are bad by any measure.
   const auto bad = [&](const MeshQuality& measured) {
-    const auto [cells, many] = bad_cells(columns.mesh, measured.cells);
-    return std::tuple(cells, many, measured.faces.above_70, count_bad_cells(columns.mesh, bounds));
+    return std::tuple(measured.below_floor, has_many_thin_cells(measured), measured.faces.above_70,
+                      count_bad_cells(columns.mesh, bounds));
   };
   const auto bad_before = bad(quality);
   const VolumeMeshReport volume_before = volume;
@@ -346,7 +351,6 @@ bool cut_back_once(const Config& config, const Raster& dtm, const CitySize& size
   if (!is_cut) return false;
   volume.min_vertical_gap = require_valid(columns.mesh);
   MeshQuality now = improve(config, columns.mesh, clock, volume);
-  straighten_faces(config, columns.mesh, now, clock, volume);
   if (bad(now) < bad_before) {
     quality = std::move(now);
     return true;
@@ -366,15 +370,19 @@ MeshQuality make_room(const Config& config, const Raster& dtm, const CitySize& s
                       VolumeMeshReport& volume) {
   if (config.layering == Layering::kUniform || config.cut_slope >= 90) return quality;
   ColumnPlanOptions options = plan_options(config);
+  std::vector<std::uint8_t> bad_triangles;  // triangles; empty until they are looked for in this mesh
   const auto cut_from = [&](const auto& mark) {
     for (int round = 0; round < kMostCuts; ++round) {
       const std::optional<AngleBounds> bounds = missed_bounds(quality);
+      if (!bounds) return;
+      if (bad_triangles.empty()) bad_triangles = find_bad_triangles(columns.mesh, *bounds);
       const CutMarks marks_before = options.cut;
-      if (bounds && mark(find_bad_triangles(columns.mesh, *bounds)) > 0 &&
-          cut_back_once(config, dtm, size, options, *bounds, columns, quality, clock, volume))
-        continue;
-      options.cut = marks_before;
-      return;
+      if (mark(bad_triangles) == 0 ||
+          !cut_back_once(config, dtm, size, options, *bounds, columns, quality, clock, volume)) {
+        options.cut = marks_before;
+        return;
+      }
+      bad_triangles.clear();
     }
   };
   options.cut.roofs.assign(columns.plan.roofs.size(), 0);
@@ -480,22 +488,28 @@ bool is_wanted(const Config& config, std::string_view format) {
 
 /// The volume in each format asked for.
 void write_volume(const Config& config, const ColumnMesh& mesh, const SurfaceMesh& boundary,
-                  const Placement& placement, const OutputFolder& out, const Progress& progress) {
+                  const Placement& placement, OutputFolder& out, const Progress& progress) {
   using Write = std::function<void(const Progress&)>;
+  std::vector<std::string> foam;
+  for (const char* name : {"points", "faces", "owner", "neighbour", "boundary"})
+    foam.push_back(fmt::format("constant/polyMesh/{}", name));
   const std::array<std::pair<std::string_view, Write>, 4> writers{{
       {"vtu",
        [&](const Progress& p) {
-         write_vtu(out / "volume.vtu", mesh, placement, p, config.compression);
+         write_vtu(out.result("volume.vtu"), mesh, placement, p, config.compression);
        }},
       {"xdmf",
        [&](const Progress& p) {
-         write_xdmf(out / "volume.xdmf", mesh, boundary, placement, p, config.compression);
+         write_xdmf(out.result("volume.xdmf", {"volume.h5"}), mesh, boundary, placement, p,
+                    config.compression);
        }},
       {"msh",
-       [&](const Progress& p) { write_msh(out / "volume.msh", mesh, boundary, placement, p); }},
+       [&](const Progress& p) {
+         write_msh(out.result("volume.msh"), mesh, boundary, placement, p);
+       }},
       {"openfoam",
        [&](const Progress& p) {
-         write_openfoam(out / "constant/polyMesh", mesh, boundary, placement, p);
+         write_openfoam(out.result("constant/polyMesh", foam), mesh, boundary, placement, p);
        }},
   }};
   std::vector<const Write*> wanted;
@@ -510,18 +524,18 @@ void write_volume(const Config& config, const ColumnMesh& mesh, const SurfaceMes
 
 /// Ground, roofs and walls as STL and in each format asked for.
 void write_surface(const Config& config, const SurfaceMesh& boundary, const Placement& placement,
-                   const OutputFolder& out) {
+                   OutputFolder& out) {
   const std::array land{Patch::kGround, Patch::kRoof, Patch::kWall};
   const SurfaceMesh surface = select_patches(boundary, land);
-  write_stl(out / "surface.stl", surface, placement);
-  if (is_wanted(config, "obj")) write_obj(out / "surface.obj", surface, placement);
-  if (is_wanted(config, "ply")) write_ply(out / "surface.ply", surface, placement);
-  if (is_wanted(config, "glb")) write_glb(out / "surface.glb", surface, placement);
+  write_stl(out.result("surface.stl"), surface, placement);
+  if (is_wanted(config, "obj")) write_obj(out.result("surface.obj"), surface, placement);
+  if (is_wanted(config, "ply")) write_ply(out.result("surface.ply"), surface, placement);
+  if (is_wanted(config, "glb")) write_glb(out.result("surface.glb"), surface, placement);
 }
 
 }  // namespace
 
-void make_mesh(const Config& config, const CityModel& city, Raster dtm, const OutputFolder& out,
+void make_mesh(const Config& config, const CityModel& city, Raster dtm, OutputFolder& out,
                StepClock& clock, Report& report) {
   const Point2 origin = city.origin;
   const CitySize size = size_of(config, city, dtm);
@@ -535,9 +549,7 @@ void make_mesh(const Config& config, const CityModel& city, Raster dtm, const Ou
   Columns columns = make_columns_of_city(config, city, dtm, size, std::move(ground), clock, report);
   VolumeMeshReport& volume = *report.volume_mesh;
   MeshQuality quality = improve(config, columns.mesh, clock, volume);
-  straighten_faces(config, columns.mesh, quality, clock, volume);
   quality = make_room(config, dtm, size, columns, std::move(quality), clock, volume);
-  straighten_faces(config, columns.mesh, quality, clock, volume);
   report_lowered(columns.plan, report);
   const ColumnMesh mesh = std::move(columns.mesh);
   columns.plan = {};
@@ -549,7 +561,7 @@ void make_mesh(const Config& config, const CityModel& city, Raster dtm, const Ou
     if (config.coordinates == Coordinates::kAbsolute)
       placement = {{city.origin.x, city.origin.y, 0}, {0, 0, 0}};
     write_volume(config, mesh, boundary, placement, out, progress);
-    write_vtp(out / "boundary.vtp", boundary, placement, config.compression);
+    write_vtp(out.result("boundary.vtp"), boundary, placement, config.compression);
     write_surface(config, boundary, placement, out);
   });
 }

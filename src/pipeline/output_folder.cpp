@@ -362,9 +362,9 @@ OutputFolder::~OutputFolder() {
   if (!committed_) remove_empty(folders_up_to(target_.parent_path(), created_parent_));
 }
 
-fs::path OutputFolder::operator/(const std::string& name) const {
-  const std::lock_guard guard(mutex_);
+fs::path OutputFolder::result(const std::string& name, const std::vector<std::string>& with) {
   names_.push_back(name);
+  names_.insert(names_.end(), with.begin(), with.end());
   return staging_ / name;
 }
 

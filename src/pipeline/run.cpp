@@ -51,7 +51,7 @@ std::int64_t peak_rss_bytes() {
 /// Writes the report as the last file and makes the results appear.
 void finish(Report& report, OutputFolder& out) {
   report.peak_rss_bytes = peak_rss_bytes();
-  AtomicFile file(out / "report.json");
+  AtomicFile file(out.result("report.json"));
   file.write(to_json(report));
   file.commit();
   out.commit();
@@ -302,11 +302,11 @@ Report run_synth(const Config& config, const RunHooks& hooks) {
     return synthetic_random_city(options, progress);
   });
   clock.run("0.2", "write footprints and points", [&](const Progress&) {
-    write_footprints(out / "footprints.shp", city.footprints, city.ids, city.heights, city.origin,
-                     city.crs);
+    write_footprints(out.result("footprints.shp", {"footprints.shx", "footprints.dbf"}),
+                     city.footprints, city.ids, city.heights, city.origin, city.crs);
     WritePointsOptions options;
     options.crs = city.crs;
-    write_points(out / "points.laz", city.points, city.origin, options);
+    write_points(out.result("points.laz"), city.points, city.origin, options);
   });
   report.origin = city.origin;
   report.crs = city.crs;

@@ -18,12 +18,12 @@ struct CityAndTerrain {
 enum class Next { kNothing, kMesh };
 
 /// Steps 1.1 to 2.4: reads the input, writes city_raw.city.json, city.city.json and dtm.tif.
-CityAndTerrain make_city(const Config& config, Next next, const OutputFolder& out, StepClock& clock,
+CityAndTerrain make_city(const Config& config, Next next, OutputFolder& out, StepClock& clock,
                          Report& report);
 
 /// Steps 3.1 to 3.6: writes volume, boundary and surface. `city.domain` and `city.origin` are those
 /// of the run.
-void make_mesh(const Config& config, const CityModel& city, Raster dtm, const OutputFolder& out,
+void make_mesh(const Config& config, const CityModel& city, Raster dtm, OutputFolder& out,
                StepClock& clock, Report& report);
 
 }  // namespace tetropolis

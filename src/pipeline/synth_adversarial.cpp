@@ -19,7 +19,7 @@ using Json = nlohmann::ordered_json;
 
 constexpr const char* kManifest = "manifest.json";
 
-std::vector<std::string> write_files(const AdversarialCity& city, const OutputFolder& out) {
+std::vector<std::string> write_files(const AdversarialCity& city, OutputFolder& out) {
   std::vector<std::string> files;
   if (city.as_geojson) {
     files = {"footprints.geojson"};
@@ -27,7 +27,8 @@ std::vector<std::string> write_files(const AdversarialCity& city, const OutputFo
     files = {"footprints.shp", "footprints.shx", "footprints.dbf", "footprints.prj",
              "footprints.cpg"};
   }
-  write_raw_features(out / files.front(), city.features, city.origin, city.crs, city.with_z);
+  write_raw_features(out.result(files.front(), files), city.features, city.origin, city.crs,
+                     city.with_z);
   for (std::size_t k = 0; k < city.tiles.size(); ++k) {
     const PointTile& tile = city.tiles[k];
     WritePointsOptions options;
@@ -39,7 +40,7 @@ std::vector<std::string> write_files(const AdversarialCity& city, const OutputFo
     for (const std::uint8_t flags : tile.flags) extended |= (flags & kOverlapPoint) != 0;
     options.point_format = extended ? 6 : 1;
     files.push_back(city.tiles.size() == 1 ? "points.laz" : fmt::format("points_{}.laz", k + 1));
-    write_points(out / files.back(), tile.points, city.origin, options);
+    write_points(out.result(files.back()), tile.points, city.origin, options);
   }
   return files;
 }
@@ -72,8 +73,7 @@ std::string describe(const std::string& name) {
 
 }  // namespace
 
-void synth_adversarial(const Config& config, const OutputFolder& out, StepClock& clock,
-                       Report& report) {
+void synth_adversarial(const Config& config, OutputFolder& out, StepClock& clock, Report& report) {
   const AdversarialCity city = clock.run("0.1", "invent the city", [&](const Progress& progress) {
     AdversarialCityOptions options;
     options.size = config.size > 0 ? config.size : options.size;
@@ -97,7 +97,7 @@ void synth_adversarial(const Config& config, const OutputFolder& out, StepClock&
     report.warnings.push_back({defect.name, defect.count, describe(defect.name)});
   clock.run("0.2", "write footprints and points", [&](const Progress&) {
     const std::vector<std::string> written = write_files(city, out);
-    AtomicFile file(out / kManifest);
+    AtomicFile file(out.result(kManifest));
     file.write(manifest_of(city, written, report).dump(1) + "\n");
     file.commit();
   });

@@ -9,7 +9,6 @@ namespace tetropolis {
 
 /// Writes footprints.shp or footprints.geojson, points.laz (or points_1.laz, points_2.laz, ...) and
 /// manifest.json, and fills the report.
-void synth_adversarial(const Config& config, const OutputFolder& out, StepClock& clock,
-                       Report& report);
+void synth_adversarial(const Config& config, OutputFolder& out, StepClock& clock, Report& report);
 
 }  // namespace tetropolis

@@ -11,7 +11,10 @@
 #include "tetropolis/terrain/dtm.h"
 #include "tetropolis/terrain/raster.h"
 
+#include "cells.h"
 #include "opening.h"
+#include "plane.h"
+#include "segments.h"
 
 namespace tetropolis {
 
@@ -28,25 +31,8 @@ constexpr int kPitSupport = 4;
 constexpr double kPitRise = 1.0;
 constexpr double kPitReach = 10.0;
 
-constexpr double kStorey = 3.0;
-
 /// Metres: cells are not made wider than this for sparse clouds.
 constexpr double kCoarsest = 4.0;
-
-/// Cells over the candidates and a margin around them.
-struct Frame {
-  double x0 = 0;
-  double y0 = 0;
-  double cell = 1;
-  std::int32_t nx = 0;
-  std::int32_t ny = 0;
-
-  std::size_t at(double x, double y) const {
-    const auto i = static_cast<std::int32_t>(std::clamp((x - x0) / cell, 0.0, nx - 1.0));
-    const auto j = static_cast<std::int32_t>(std::clamp((y - y0) / cell, 0.0, ny - 1.0));
-    return static_cast<std::size_t>(j) * static_cast<std::size_t>(nx) + static_cast<std::size_t>(i);
-  }
-};
 
 using Candidates = std::vector<std::uint8_t>;
 
@@ -115,9 +101,9 @@ HeightGrid lowest_points(const PointCloud& cloud, const Candidates& mask, const 
   return grid;
 }
 
-/// Empties the cells whose centres lie in a footprint, by the even-odd rule along each row; broken
-/// rings do no harm.
-void empty_inside(const Polygon& footprint, const Frame& frame, HeightGrid& grid) {
+/// Sets to 1 the cells whose centres lie in a footprint, by the even-odd rule along each row;
+/// broken rings do no harm.
+void cover(const Polygon& footprint, const Frame& frame, std::vector<std::uint8_t>& covered) {
   const auto first_centre = [&](double position, double start, std::int32_t cells) {
     return static_cast<std::int32_t>(std::clamp(std::ceil((position - start) / frame.cell - 0.5),
                                                 0.0, static_cast<double>(cells)));
@@ -131,8 +117,8 @@ void empty_inside(const Polygon& footprint, const Frame& frame, HeightGrid& grid
     if (!std::isfinite(a.x + a.y + b.x + b.y)) return;
     // One row more to either side than the edge spans, against rounding.
     const auto [low, high] = std::minmax({a.y, b.y});
-    const std::int32_t begin = std::max(first_centre(low, frame.y0, grid.ny) - 1, 0);
-    const std::int32_t end = std::min(first_centre(high, frame.y0, grid.ny) + 1, grid.ny);
+    const std::int32_t begin = std::max(first_centre(low, frame.y0, frame.ny) - 1, 0);
+    const std::int32_t end = std::min(first_centre(high, frame.y0, frame.ny) + 1, frame.ny);
     for (std::int32_t j = begin; j < end; ++j) {
       const double y = frame.y0 + (j + 0.5) * frame.cell;
       if ((a.y <= y) != (b.y <= y))
@@ -147,9 +133,10 @@ void empty_inside(const Polygon& footprint, const Frame& frame, HeightGrid& grid
       ++k;
       continue;
     }
-    float* row = grid.values.data() + grid.index(0, crossings[k].row);
-    std::fill(row + first_centre(crossings[k].x, frame.x0, grid.nx),
-              row + first_centre(crossings[k + 1].x, frame.x0, grid.nx), kNanF);
+    std::uint8_t* row = covered.data() + static_cast<std::size_t>(crossings[k].row) *
+                                             static_cast<std::size_t>(frame.nx);
+    std::fill(row + first_centre(crossings[k].x, frame.x0, frame.nx),
+              row + first_centre(crossings[k + 1].x, frame.x0, frame.nx), std::uint8_t{1});
     k += 2;
   }
 }
@@ -257,41 +244,6 @@ std::vector<std::int32_t> window_radii(double window, double cell) {
   return radii;
 }
 
-/// Least squares: height = rise_x * i + rise_y * j + height at cell (0, 0), over the cells (i, j)
-/// that have a value and, from the second round on, lie below the plane before, as ground does.
-struct Plane {
-  double rise_x = 0;
-  double rise_y = 0;
-  double height = 0;
-
-  double at(std::int32_t i, std::int32_t j) const { return rise_x * i + rise_y * j + height; }
-};
-
-/// Sums for the plane of least squares through points (x, y, z).
-class PlaneFit {
- public:
-  void add(double x, double y, double z) {
-    n_ += 1, x_ += x, y_ += y, z_ += z;
-    xx_ += x * x, xy_ += x * y, yy_ += y * y, xz_ += x * z, yz_ += y * z;
-  }
-  /// False, and nothing is changed, where there are too few points or they lie on one line.
-  bool solve(Plane& plane) const {
-    if (n_ < 3) return false;
-    const double xx = xx_ - x_ * x_ / n_, xy = xy_ - x_ * y_ / n_, yy = yy_ - y_ * y_ / n_;
-    const double xz = xz_ - x_ * z_ / n_, yz = yz_ - y_ * z_ / n_;
-    const double determinant = xx * yy - xy * xy;
-    if (!(determinant > 1e-9 * xx * yy)) return false;
-    plane.rise_x = (xz * yy - yz * xy) / determinant;
-    plane.rise_y = (yz * xx - xz * xy) / determinant;
-    plane.height = (z_ - plane.rise_x * x_ - plane.rise_y * y_) / n_;
-    return true;
-  }
-
- private:
-  double n_ = 0, x_ = 0, y_ = 0, z_ = 0;
-  double xx_ = 0, xy_ = 0, yy_ = 0, xz_ = 0, yz_ = 0;
-};
-
 Plane fit_plane(const HeightGrid& grid, const Frame& frame) {
   Plane plane;
   for (int round = 0; round < 3; ++round) {
@@ -340,204 +292,6 @@ std::vector<std::uint8_t> find_objects(HeightGrid surface, const Frame& frame,
       if (original[c] - surface.values[c] > most) object[c] = 1;
   }
   return object;
-}
-
-/// Calls use(n) for the cells n that share a side with cell c.
-template <typename Use>
-void for_each_neighbour(const Frame& frame, std::size_t c, const Use& use) {
-  const auto columns = static_cast<std::size_t>(frame.nx);
-  const std::size_t i = c % columns;
-  if (i > 0) use(c - 1);
-  if (i + 1 < columns) use(c + 1);
-  if (c >= columns) use(c - columns);
-  if (c + columns < columns * static_cast<std::size_t>(frame.ny)) use(c + columns);
-}
-
-/// 1 for the cells with their centres in a footprint.
-std::vector<std::uint8_t> covered_cells(std::span<const Polygon> footprints, const Frame& frame) {
-  HeightGrid open{frame.nx, frame.ny, {}};
-  open.values.assign(static_cast<std::size_t>(frame.nx) * static_cast<std::size_t>(frame.ny), 0);
-  for (const Polygon& footprint : footprints) empty_inside(footprint, frame, open);
-  std::vector<std::uint8_t> covered(open.values.size());
-  for (std::size_t c = 0; c < covered.size(); ++c) covered[c] = std::isnan(open.values[c]) ? 1 : 0;
-  return covered;
-}
-
-/// Gives cells without a point the height of the nearest with one, by steps through such cells.
-void spread(HeightGrid& grid, const std::vector<std::uint8_t>& barred, const Frame& frame) {
-  std::vector<std::uint32_t> queue;
-  for (std::size_t c = 0; c < barred.size(); ++c)
-    if (barred[c] == 0 && !std::isnan(grid.values[c]))
-      queue.push_back(static_cast<std::uint32_t>(c));
-  for (std::size_t k = 0; k < queue.size(); ++k)
-    for_each_neighbour(frame, queue[k], [&](std::size_t n) {
-      if (barred[n] != 0 || !std::isnan(grid.values[n])) return;
-      grid.values[n] = grid.values[queue[k]];
-      queue.push_back(static_cast<std::uint32_t>(n));
-    });
-}
-
-/// The greatest step from a cell to the next that a slope has; about half a storey, however coarse
-/// the cells.
-double greatest_step(const Frame& frame) {
-  constexpr double kSteepest = 1.25, kRoughness = 0.3;  // rise over run; metres
-  return std::min(kSteepest * frame.cell + kRoughness, 0.55 * kStorey);
-}
-
-constexpr double kLeastArea = 50;  // square metres that are more than a scrap
-constexpr std::size_t kCellsPerPoll = std::size_t{1} << 20;
-
-/// Takes back from the objects what rises gradually: a bank, dyke or hilltop that is narrower than
-/// the window, or steeper than the slope. An object ends in walls (Sithole & Vosselman, "Filtering
-/// of airborne laser scanner data based on segmented point clouds", ISPRS Archives 36(3/W19), 2005,
-/// tell the two apart by the rims of segments). Segments are object cells joined by steps that a
-/// slope has; of the steps from a segment down, at most one in ten may be one that only a wall has,
-/// and it has to rise by more than two of the others within: a hedge or a terrace does not.
-void keep_gentle_rises(const HeightGrid& lowest, const Frame& frame,
-                       std::vector<std::uint8_t>& object, const Progress& progress) {
-  constexpr std::int64_t kStepsPerWall = 9;
-  constexpr double kStepsWithin = 2;
-  constexpr std::uint8_t kSeen = 1, kKept = 2;
-  const auto most = static_cast<float>(greatest_step(frame));
-  const std::size_t cells = object.size();
-  std::vector<std::uint8_t> state(cells, 0);
-  std::vector<std::uint32_t> segment;  // cells; fewer than 2^32 by kMostCells
-  for (std::size_t seed = 0; seed < cells; ++seed) {
-    if (seed % kCellsPerPoll == 0) progress.update(0.8);
-    if (object[seed] == 0 || state[seed] != 0 || std::isnan(lowest.values[seed])) continue;
-    segment.assign(1, static_cast<std::uint32_t>(seed));
-    state[seed] = kSeen;
-    std::int64_t walls = 0, steps = 0;
-    double down = 0;  // by steps
-    float low = lowest.values[seed], high = low;
-    for (std::size_t k = 0; k < segment.size(); ++k) {
-      const std::size_t c = segment[k];
-      low = std::min(low, lowest.values[c]);
-      high = std::max(high, lowest.values[c]);
-      for_each_neighbour(frame, c, [&](std::size_t n) {
-        const float drop = lowest.values[c] - lowest.values[n];
-        if (std::isnan(drop)) return;
-        if (drop > most) {
-          ++walls;
-        } else if (object[n] == 0) {
-          if (drop < 0) return;
-          ++steps;
-          down += static_cast<double>(drop);
-        } else if (-drop <= most && state[n] == 0) {
-          state[n] = kSeen;
-          segment.push_back(static_cast<std::uint32_t>(n));
-        }
-      });
-    }
-    const double area = static_cast<double>(segment.size()) * frame.cell * frame.cell;
-    const double rise = static_cast<double>(high - low);
-    if (area >= kLeastArea && steps > kStepsPerWall * walls &&
-        rise * static_cast<double>(steps) > kStepsWithin * down)
-      for (const std::uint32_t c : segment) state[c] = kKept;
-  }
-  for (std::size_t c = 0; c < cells; ++c)
-    if (state[c] == kKept) object[c] = 0;
-}
-
-/// At least `most` cells with ground (all within `reach`, if these are fewer), the nearest to the
-/// segment by steps through anything. `seen` has one entry per cell, of which none is `stamp`.
-std::vector<std::uint32_t> ground_around(const HeightGrid& lowest,
-                                         const std::vector<std::uint8_t>& object,
-                                         const Frame& frame,
-                                         const std::vector<std::uint32_t>& segment,
-                                         std::size_t most, double reach, std::uint32_t stamp,
-                                         std::vector<std::uint32_t>& seen) {
-  std::vector<std::uint32_t> ground, front = segment, next;
-  for (const std::uint32_t c : segment) seen[c] = stamp;
-  const auto steps = static_cast<int>(std::ceil(reach / frame.cell));
-  for (int step = 0; step < steps && ground.size() < most; ++step) {
-    next.clear();
-    for (const std::uint32_t c : front)
-      for_each_neighbour(frame, c, [&](std::size_t n) {
-        if (seen[n] == stamp) return;
-        seen[n] = stamp;
-        next.push_back(static_cast<std::uint32_t>(n));
-        if (object[n] == 0 && !std::isnan(lowest.values[n]))
-          ground.push_back(static_cast<std::uint32_t>(n));
-      });
-    front.swap(next);
-  }
-  return ground;
-}
-
-/// How far the share of `cells` is at most above the plane through `ground`, which slopes as the
-/// terrain does; a level one where it rises by less than `least_rise` a cell.
-double quantile_above(const std::vector<std::uint32_t>& cells,
-                      const std::vector<std::uint32_t>& ground, const HeightGrid& lowest,
-                      double share, double least_rise) {
-  const auto nx = static_cast<std::uint32_t>(lowest.nx);
-  const std::uint32_t first = ground.front();
-  const auto x = [&](std::uint32_t c) {
-    return static_cast<double>(c % nx) - static_cast<double>(first % nx);
-  };
-  const auto y = [&](std::uint32_t c) {
-    return static_cast<double>(c / nx) - static_cast<double>(first / nx);
-  };
-  const auto z = [&](std::uint32_t c) { return static_cast<double>(lowest.values[c]); };
-  PlaneFit fit;
-  for (const std::uint32_t c : ground) fit.add(x(c), y(c), z(c));
-  Plane plane{0, 0, z(first)};
-  // What is less is chance.
-  if (fit.solve(plane) && std::hypot(plane.rise_x, plane.rise_y) < least_rise)
-    plane = {0, 0, z(first)};
-  std::vector<double> above;
-  for (const std::uint32_t c : cells)
-    if (!std::isnan(lowest.values[c]))
-      above.push_back(z(c) - plane.height - plane.rise_x * x(c) - plane.rise_y * y(c));
-  const auto rank = static_cast<std::ptrdiff_t>(share * static_cast<double>(above.size()));
-  std::nth_element(above.begin(), above.begin() + rank, above.end());
-  return above[static_cast<std::size_t>(rank)];
-}
-
-/// Makes objects of scraps: what openings left of podiums and halls that are in no footprint but
-/// between them, where the voids of the footprints hold them up. A scrap is cells joined by steps
-/// that a slope has, cut off by objects, footprints and walls, and a metre above most of the ground
-/// nearby, after that ground's slope. All are judged before any goes.
-void drop_scraps(const HeightGrid& lowest, std::vector<std::uint8_t> barred, const Frame& frame,
-                 std::vector<std::uint8_t>& object, const Progress& progress) {
-  constexpr double kRaised = 1, kReach = 30;  // metres
-  constexpr double kLeastSlope = 0.08;
-  constexpr double kLow = 0.1, kMostGround = 0.75;
-  constexpr std::size_t kNearest = 200, kTooFew = 30;  // cells
-  const auto most = static_cast<float>(greatest_step(frame));
-  const double largest = kLeastArea / (frame.cell * frame.cell);
-  const double least_rise = kLeastSlope * frame.cell;
-  for (std::size_t c = 0; c < barred.size(); ++c) barred[c] |= object[c];
-  HeightGrid full = lowest;
-  spread(full, barred, frame);
-  std::vector<std::uint32_t> seen(object.size(), 0), segment;
-  std::vector<std::uint32_t> scraps;
-  std::uint32_t stamp = 0;
-  for (std::size_t seed = 0; seed < object.size(); ++seed) {
-    if (seed % kCellsPerPoll == 0) progress.update(0.8);
-    if (barred[seed] != 0) continue;
-    segment.assign(1, static_cast<std::uint32_t>(seed));
-    barred[seed] = 1;
-    std::size_t known = 0;
-    for (std::size_t k = 0; k < segment.size(); ++k) {
-      const std::size_t c = segment[k];
-      if (!std::isnan(lowest.values[c])) ++known;
-      for_each_neighbour(frame, c, [&](std::size_t n) {
-        if (barred[n] != 0 || std::abs(full.values[c] - full.values[n]) > most) return;
-        barred[n] = 1;
-        segment.push_back(static_cast<std::uint32_t>(n));
-      });
-    }
-    if (known == 0 || static_cast<double>(known) > largest) continue;
-    const std::vector<std::uint32_t> around =
-        ground_around(lowest, object, frame, segment, kNearest, kReach, ++stamp, seen);
-    if (around.size() < kTooFew ||
-        quantile_above(segment, around, lowest, kLow, least_rise) <
-            quantile_above(around, around, lowest, kMostGround, least_rise) + kRaised)
-      continue;
-    scraps.insert(scraps.end(), segment.begin(), segment.end());
-  }
-  for (const std::uint32_t c : scraps) object[c] = 1;
 }
 
 /// The terrain through the cells that have points and are no objects.
@@ -602,8 +356,11 @@ std::vector<std::uint8_t> filter_ground(const PointCloud& cloud,
     const HeightGrid all = lowest_points(cloud, mask, frame);
     counts.cells = static_cast<std::int64_t>(all.values.size());
     progress.update(0.1);
+    std::vector<std::uint8_t> covered(all.values.size(), 0);
+    for (const Polygon& footprint : footprints) cover(footprint, frame, covered);
     HeightGrid lowest = all;
-    for (const Polygon& footprint : footprints) empty_inside(footprint, frame, lowest);
+    for (std::size_t c = 0; c < covered.size(); ++c)
+      if (covered[c] != 0) lowest.values[c] = kNanF;
     if (is_empty(lowest)) lowest = all;
     HeightGrid believed = lowest;
     counts.pit_cells = remove_pits(believed, frame.cell);
@@ -613,7 +370,7 @@ std::vector<std::uint8_t> filter_ground(const PointCloud& cloud,
     fill_low(surface, options.slope * frame.cell);
     auto object = find_objects(std::move(surface), frame, options, progress);
     keep_gentle_rises(lowest, frame, object, progress);
-    drop_scraps(lowest, covered_cells(footprints, frame), frame, object, progress);
+    drop_scraps(lowest, std::move(covered), frame, object, progress);
     const Raster terrain = terrain_between(lowest, object, frame, progress);
     counts.ground_points = keep_near(cloud, terrain, options, mask);
   }

@@ -63,8 +63,25 @@ class FaceCollector {
   double skewness_ = 0;
 };
 
+/// Whether a face is beyond kMostNonOrthogonal: all that marking has to know.
+class SteepFace {
+ public:
+  void add(const std::array<Point3, 3>& face, const Point3& c0, const Point3& c1) {
+    const Point3 n = cross(minus(face[1], face[0]), minus(face[2], face[0]));
+    const Point3 d = minus(c1, c0);
+    const double n_d = dot(n, d);
+    found_ = found_ || n_d * n_d < least_cosine2_ * (dot(n, n) * dot(d, d));
+  }
+  bool found() const { return found_; }
+
+ private:
+  double least_cosine2_ = std::pow(std::cos(to_radians(kMostNonOrthogonal)), 2);
+  bool found_ = false;
+};
+
 /// Faces between the cells over triangle t.
-void add_faces_over(const ColumnMesh& mesh, std::size_t t, FaceCollector& faces) {
+template <typename Faces>
+void add_faces_over(const ColumnMesh& mesh, std::size_t t, Faces& faces) {
   const auto& v = mesh.ground.triangles[t];
   Climb<3> front = climb_triangle(mesh, t);
   std::array<Point3, 3> face;
@@ -83,7 +100,8 @@ void add_faces_over(const ColumnMesh& mesh, std::size_t t, FaceCollector& faces)
 }
 
 /// Faces over edge e between the cells on its two sides.
-void add_faces_beside(const ColumnMesh& mesh, std::size_t e, FaceCollector& faces) {
+template <typename Faces>
+void add_faces_beside(const ColumnMesh& mesh, std::size_t e, Faces& faces) {
   const auto [t0, t1] = mesh.edges.triangles[e];
   if (t1 == kNoTriangle) return;
   const auto [a, b] = mesh.edges.vertices[e];
@@ -161,23 +179,19 @@ FaceQuality measure_faces(const ColumnMesh& mesh) {
 }
 
 void mark_non_orthogonal(const ColumnMesh& mesh, std::vector<std::uint8_t>& triangles) {
-  parallel_chunks(triangles.size(), grain_of_chunks(triangles.size()),
-                  [&](std::size_t begin, std::size_t end) {
-                    for (std::size_t t = begin; t < end; ++t) {
-                      FaceCollector faces;
-                      add_faces_over(mesh, t, faces);
-                      if (faces.quality().above_70 > 0) triangles[t] = 1;
-                    }
-                  });
+  const auto mark = [](std::vector<std::uint8_t>& marks, const auto& add) {
+    parallel_chunks(marks.size(), grain_of_chunks(marks.size()),
+                    [&](std::size_t begin, std::size_t end) {
+                      for (std::size_t i = begin; i < end; ++i) {
+                        SteepFace faces;
+                        add(i, faces);
+                        if (faces.found()) marks[i] = 1;
+                      }
+                    });
+  };
+  mark(triangles, [&](std::size_t t, SteepFace& faces) { add_faces_over(mesh, t, faces); });
   std::vector<std::uint8_t> edges(mesh.edges.size(), 0);
-  parallel_chunks(edges.size(), grain_of_chunks(edges.size()),
-                  [&](std::size_t begin, std::size_t end) {
-                    for (std::size_t e = begin; e < end; ++e) {
-                      FaceCollector faces;
-                      add_faces_beside(mesh, e, faces);
-                      if (faces.quality().above_70 > 0) edges[e] = 1;
-                    }
-                  });
+  mark(edges, [&](std::size_t e, SteepFace& faces) { add_faces_beside(mesh, e, faces); });
   for (std::size_t e = 0; e < edges.size(); ++e)
     if (edges[e] != 0)
       for (const TriangleIndex t : mesh.edges.triangles[e])

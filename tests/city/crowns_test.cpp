@@ -54,6 +54,11 @@ class Crowns : public ::testing::Test {
     for (int k = 0; k < points; ++k)
       scene_.add(scene_.around, -3 + 2 * share(), 8 * share(), 5 + 7 * share());
   }
+  /// Trees beside the building, up to this height.
+  void scan_trees_around(double top) {
+    for (int k = 0; k < 200; ++k)
+      scene_.add(scene_.around, -3 + 2 * share(), 8 * share(), 5 + (top - 5) * share());
+  }
   std::vector<PointIndex> kept() {
     scene_.close();
     PointLists roof = scene_.roof;
@@ -106,8 +111,7 @@ TEST_F(Crowns, WhatIsLittleHigherThanTheRoofGoesNextToACrownOnly) {
     SCOPED_TRACE(crown);
     scene_ = {};
     scan_roof([](double, double) { return 2.8; }, 500);
-    for (int k = 0; k < 200; ++k)
-      scene_.add(scene_.around, -3 + 2 * share(), 8 * share(), 5 + 7 * share());
+    scan_trees_around(12);
     const auto first = static_cast<PointIndex>(scene_.cloud.size());
     for (int k = 0; k < 12; ++k)
       scene_.add(scene_.roof, 6 * share(), 8 * share(), 3.9 + 0.3 * share());
@@ -128,8 +132,7 @@ TEST_F(Crowns, WhatIsLittleHigherThanTheRoofGoesNextToACrownOnly) {
 TEST_F(Crowns, OnTheWallOfAHigherRoofIsNoCrown) {
   SCOPED_TRACE(test_seed());
   scan_roof([](double, double) { return 6.0; }, 500);
-  for (int k = 0; k < 200; ++k)
-    scene_.add(scene_.around, -3 + 2 * share(), 8 * share(), 6 + 14 * share());
+  scan_trees_around(20);
   for (int k = 0; k < 40; ++k) scene_.add(scene_.beside, 10.1, 3.5 + share(), 7 + 8 * share());
   for (int k = 0; k < 16; ++k)
     scene_.add(scene_.beside, 10.3 + 0.15 * (k % 4), 3.7 + 0.15 * (k / 4), 20);

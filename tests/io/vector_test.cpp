@@ -434,22 +434,29 @@ TEST(Vector, ArchivesAreReadInPlace) {
   input_error(folder / "cut.zip");
 }
 
-TEST(Vector, CutTextFormatsAreRefused) {
-  const TemporaryFolder folder;
+/// Twenty triangles in another format, converted by ogr2ogr (of gdal-bin, which install-deps
+/// installs).
+fs::path converted(const TemporaryFolder& folder, const std::string& format,
+                   const std::string& extension) {
   const std::vector<Polygon> polygons(20, Polygon{{{0, 0}, {9, 0}, {9, 9}}, {}});
   std::vector<std::string> ids;
   for (int i = 0; i < 20; ++i) ids.push_back(std::to_string(i));
-  write_footprints(folder / "a.geojson", polygons, ids, {}, {}, "EPSG:28992");
-  const std::string in = (folder / "a.geojson").string();
+  const fs::path from = folder / "a.geojson", to = folder / ("whole." + extension);
+  write_footprints(from, polygons, ids, {}, {}, "EPSG:28992");
+  EXPECT_EQ(std::system(fmt::format("ogr2ogr -f {} '{}' '{}' >/dev/null 2>&1", format, to.string(),
+                                    from.string())
+                            .c_str()),
+            0);
+  EXPECT_EQ(read_footprints(to).features.size(), 20U) << format;
+  return to;
+}
+
+TEST(Vector, CutTextFormatsAreRefused) {
+  const TemporaryFolder folder;
   for (const auto& [format, extension] :
        {std::pair{"GML", "gml"}, std::pair{"GeoJSONSeq", "geojsonl"}}) {
-    const std::string whole = (folder / (std::string("whole.") + extension)).string();
-    const std::string cut = (folder / (std::string("cut.") + extension)).string();
-    const std::string convert =
-        fmt::format("ogr2ogr -f {} '{}' '{}' >/dev/null 2>&1", format, whole, in);
-    if (std::system(convert.c_str()) != 0) GTEST_SKIP() << "needs ogr2ogr";
-    EXPECT_EQ(read_footprints(whole).features.size(), 20U) << format;
-    const std::string bytes = bytes_of(whole);
+    const std::string bytes = bytes_of(converted(folder, format, extension));
+    const fs::path cut = folder / (std::string("cut.") + extension);
     write_text(cut, bytes.substr(0, bytes.size() * 6 / 10));
     const std::string message = input_error(cut);
     EXPECT_NE(message.find("get it again"), std::string::npos) << message;
@@ -458,16 +465,7 @@ TEST(Vector, CutTextFormatsAreRefused) {
 
 TEST(Vector, CutFlatGeobufIsNotEmpty) {
   const TemporaryFolder folder;
-  const std::vector<Polygon> polygons(20, Polygon{{{0, 0}, {9, 0}, {9, 9}}, {}});
-  std::vector<std::string> ids;
-  for (int i = 0; i < 20; ++i) ids.push_back(std::to_string(i));
-  write_footprints(folder / "a.geojson", polygons, ids, {}, {}, "EPSG:28992");
-  const std::string convert =
-      fmt::format("ogr2ogr -f FlatGeobuf '{}' '{}' >/dev/null 2>&1", (folder / "a.fgb").string(),
-                  (folder / "a.geojson").string());
-  if (std::system(convert.c_str()) != 0) GTEST_SKIP() << "needs ogr2ogr";
-  EXPECT_EQ(read_footprints(folder / "a.fgb").features.size(), 20U);
-  const std::string bytes = bytes_of(folder / "a.fgb");
+  const std::string bytes = bytes_of(converted(folder, "FlatGeobuf", "fgb"));
   std::uint32_t header = 0;
   std::memcpy(&header, bytes.data() + 8, 4);
   ASSERT_LT(header + 100, bytes.size());

@@ -69,31 +69,36 @@ TEST(OutputFolder, KeepsAnEarlierResultUntilCommit) {
 }
 
 TEST(OutputFolder, AResultThatIsGoneAtTheEndIsNoResult) {
-  for (const bool earlier : {false, true}) {
-    const testing::TemporaryFolder scratch;
-    if (earlier) {
-      fs::create_directory(scratch / "result");
-      std::ofstream(scratch / "result/x.txt") << "old";
-    }
-    {
-      OutputFolder out(scratch / "result");
-      std::ofstream(out / "x.txt") << "new";
-      const fs::path report = out / "report.json";
-      std::ofstream(report) << "{}";
-      fs::remove(report.parent_path() / "x.txt");
-      try {
-        out.commit();
-        ADD_FAILURE() << "committed";
-      } catch (const Error& error) {
-        EXPECT_EQ(error.kind(), ErrorKind::kInput);
-        EXPECT_NE(std::string(error.what()).find("x.txt: cannot be written: it is gone"),
-                  std::string::npos)
-            << error.what();
+  for (const bool earlier : {false, true})
+    for (const char* gone : {"x.txt", "sub/y.txt"}) {
+      SCOPED_TRACE(gone);
+      const testing::TemporaryFolder scratch;
+      if (earlier) {
+        fs::create_directory(scratch / "result");
+        std::ofstream(scratch / "result/x.txt") << "old";
       }
+      {
+        OutputFolder out(scratch / "result");
+        std::ofstream(out.result("x.txt", {"sub/y.txt"})) << "new";
+        fs::create_directory(out / "sub");
+        std::ofstream(out / "sub/y.txt") << "comes with it";
+        std::ofstream(out.result("report.json")) << "{}";
+        fs::remove(out / gone);
+        try {
+          out.commit();
+          ADD_FAILURE() << "committed";
+        } catch (const Error& error) {
+          EXPECT_EQ(error.kind(), ErrorKind::kInput);
+          EXPECT_NE(
+              std::string(error.what()).find(std::string(gone) + ": cannot be written: it is gone"),
+              std::string::npos)
+              << error.what();
+        }
+      }
+      EXPECT_EQ(
+          everything(scratch.path()),
+          (earlier ? std::set<std::string>{"result", "result/x.txt"} : std::set<std::string>{}));
     }
-    EXPECT_EQ(everything(scratch.path()), (earlier ? std::set<std::string>{"result", "result/x.txt"}
-                                                   : std::set<std::string>{}));
-  }
 }
 
 TEST(OutputFolder, FoldersWithTheNameOfAResultAreNotReplaced) {

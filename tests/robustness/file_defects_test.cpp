@@ -248,7 +248,7 @@ TEST_F(FileDefects, NoVectorFileAtAll) {
 TEST_F(FileDefects, HeightsThatAreNoNumbers) {
   height_attribute = "id";
   const fs::path path = write("a.gpkg");
-  expect_input_error(run(path), path, "attribute 'id' holds no numbers (feature west: 'west')");
+  expect_input_error(run(path), path, "attribute 'id' holds no heights (feature west: 'west')");
   height_attribute = "hieght";
   expect_input_error(run(path), path, "it has: id, height");
   height_attribute = "height";

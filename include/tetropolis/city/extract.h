@@ -53,12 +53,11 @@ struct ExtractOptions {
 /// ground (2), water (9), vegetation (3, 4, 5) nor noise (7, 18), and roof_from_unclassified says
 /// so; these lose what is at most half a metre above the 10th percentile of the building's ground
 /// points (unless that is more than half of the list), and the crowns of trees unless told
-/// otherwise. Each list then loses its outliers
-/// (drop_outliers). One point may belong to several buildings: footprints may overlap, margins do.
-/// Guarantees: lists in the order of the footprints; the same for any number of threads. Memory
-/// beyond the result and a grid over the footprints is at most 24 bytes per point found. Throws
-/// Error(kInput) for clouds of 2^32 points or more. Source: Naserentin & Logg 2022 (arXiv
-/// 2210.05250), step 1.5; a uniform grid replaces the trees.
+/// otherwise. Each list then loses its outliers (drop_outliers). One point may belong to several
+/// buildings: footprints may overlap, margins do. Guarantees: lists in the order of the footprints;
+/// the same for any number of threads. Memory beyond the result and a grid over the footprints is
+/// at most 24 bytes per point found. Throws Error(kInput) for clouds of 2^32 points or more.
+/// Source: Naserentin & Logg 2022 (arXiv 2210.05250), step 1.5; a uniform grid replaces the trees.
 BuildingPoints extract_building_points(std::span<const Polygon> footprints, const PointCloud& cloud,
                                        const ExtractOptions& options = {},
                                        const Progress& progress = {});

@@ -3,7 +3,6 @@
 
 #include <filesystem>
 #include <functional>
-#include <mutex>
 #include <string>
 #include <vector>
 
@@ -39,8 +38,12 @@ class OutputFolder {
   OutputFolder(const OutputFolder&) = delete;
   OutputFolder& operator=(const OutputFolder&) = delete;
 
-  /// Where to write a result of this name. It has to be there at commit(). From any thread.
-  std::filesystem::path operator/(const std::string& name) const;
+  /// Where to write a result of this name, which comes with other files. All of them have to be
+  /// there at commit(). A folder may have any files in it besides.
+  std::filesystem::path result(const std::string& name, const std::vector<std::string>& with = {});
+
+  /// Where that is, or will be.
+  std::filesystem::path operator/(const std::string& name) const { return staging_ / name; }
 
   /// An input of this run, or what belongs to it: it stays even if it is a result of an earlier
   /// run.
@@ -61,8 +64,7 @@ class OutputFolder {
   std::filesystem::path staging_;
   std::filesystem::path created_parent_;     // topmost folder made for the target, empty if none
   std::vector<std::filesystem::path> kept_;  // relative to the target
-  mutable std::mutex mutex_;                 // of names_
-  mutable std::vector<std::string> names_;   // of the results to come
+  std::vector<std::string> names_;           // of the results to come
   int lock_ = -1;                            // on staging_, for as long as this object lives
   bool committed_ = false;
 };
