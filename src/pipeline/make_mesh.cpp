@@ -370,7 +370,8 @@ MeshQuality make_room(const Config& config, const Raster& dtm, const CitySize& s
                       VolumeMeshReport& volume) {
   if (config.layering == Layering::kUniform || config.cut_slope >= 90) return quality;
   ColumnPlanOptions options = plan_options(config);
-  std::vector<std::uint8_t> bad_triangles;  // triangles; empty until they are looked for in this mesh
+  std::vector<std::uint8_t>
+      bad_triangles;  // triangles; empty until they are looked for in this mesh
   const auto cut_from = [&](const auto& mark) {
     for (int round = 0; round < kMostCuts; ++round) {
       const std::optional<AngleBounds> bounds = missed_bounds(quality);
