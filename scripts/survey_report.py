@@ -3,11 +3,12 @@ import collections
 import csv
 import math
 
-# The floor of quality that meshes are to keep, in degrees.
+# The floor of quality that meshes are to keep, in degrees but for the skewness.
 LEAST_DIHEDRAL = 8
 LEAST_DIHEDRAL_BUT_FEW = 12  # for all but one cell in ten thousand
 GREATEST_DIHEDRAL = 160
 GREATEST_NON_ORTHOGONALITY = 70
+LEAST_BAD_SKEWNESS = 4
 
 KINDS = {"random": "#4477aa", "blocks": "#228833", "adversarial": "#cc6677"}
 WIDTH, HEIGHT, LEFT, BOTTOM, TOP, RIGHT = 640, 400, 70, 50, 34, 36
@@ -16,7 +17,8 @@ WIDTH, HEIGHT, LEFT, BOTTOM, TOP, RIGHT = 640, 400, 70, 50, 34, 36
 def below_floor(row):
     return (row["dihedral_min"] < LEAST_DIHEDRAL or row["dihedral_p0_01"] < LEAST_DIHEDRAL_BUT_FEW
             or row["dihedral_max"] > GREATEST_DIHEDRAL
-            or row["non_orthogonality"] > GREATEST_NON_ORTHOGONALITY)
+            or row["non_orthogonality"] > GREATEST_NON_ORTHOGONALITY
+            or row["skewness"] >= LEAST_BAD_SKEWNESS)
 
 
 def quantile(values, share):
@@ -62,14 +64,14 @@ def summary(rows, jobs, seconds):
              f"failed {len(failed)}",
              f"  below the quality floor (least {LEAST_DIHEDRAL}, {LEAST_DIHEDRAL_BUT_FEW} but for "
              f"0.01 %, greatest {GREATEST_DIHEDRAL}, non-orthogonality {GREATEST_NON_ORTHOGONALITY} "
-             f"degrees): {len(low)}"]
+             f"degrees, skewness {LEAST_BAD_SKEWNESS}): {len(low)}"]
     if meshed:
         lines += ["", "quantiles over cities       least      1 %     10 %   median     90 %     99 %"
                       "  greatest"]
         lines += [quantiles(meshed, *what) for what in (
             ("cells", "cells", 0), ("dihedral_min", "least dihedral", 2),
             ("dihedral_p0_01", "0.01 % dihedral", 2), ("dihedral_max", "greatest dihedral", 2),
-            ("non_orthogonality", "non-orthogonality", 2),
+            ("non_orthogonality", "non-orthogonality", 2), ("skewness", "greatest skewness", 2),
             ("aspect_max", "greatest aspect ratio", 1), ("cpu_s", "processor seconds", 3),
             ("peak_mb", "peak memory, MB", 0))]
         lines += ["", "processor seconds in all: " + ", ".join(

@@ -63,27 +63,35 @@ void Console::clear_bar() {
   bar_ = false;
 }
 
+void Console::log_line(const std::string& line) {
+  if (log_ != nullptr) put(log_, line + "\n");
+}
+
 void Console::line(const std::string& text) {
-  if (log_ != nullptr) put(log_, text + "\n");
+  const std::string line = one_line(text);
+  log_line(line);
   if (quiet_) return;
   clear_bar();
-  put(stderr, text + "\n");
+  put(stderr, line + "\n");
 }
 
 void Console::error(const std::string& text) {
+  const std::string line = one_line(text);
   clear_bar();
-  if (log_ != nullptr) put(log_, text + "\n");
-  put(stderr, text + "\n");
+  log_line(line);
+  put(stderr, line + "\n");
 }
 
 void Console::result(const std::string& text) {
-  if (log_ != nullptr) put(log_, text + "\n");
-  if (!quiet_) put(stdout, text + "\n");
+  const std::string line = one_line(text);
+  log_line(line);
+  if (!quiet_) put(stdout, line + "\n");
 }
 
 void Console::important_result(const std::string& text) {
-  if (log_ != nullptr) put(log_, text + "\n");
-  put(stdout, text + "\n");
+  const std::string line = one_line(text);
+  log_line(line);
+  put(stdout, line + "\n");
 }
 
 RunHooks Console::hooks() {

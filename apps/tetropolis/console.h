@@ -17,6 +17,7 @@ class Console {
   Console(const Console&) = delete;
   Console& operator=(const Console&) = delete;
 
+  // Each writes one line, whatever names and messages of files `text` quotes.
   void line(const std::string& text);   ///< Unless quiet.
   void error(const std::string& text);  ///< Always.
   /// What was asked for: on stdout unless quiet, and in the log.
@@ -27,6 +28,7 @@ class Console {
 
  private:
   void clear_bar();
+  void log_line(const std::string& line);
 
   bool quiet_;
   bool terminal_;

@@ -9,6 +9,7 @@
 #include <nlohmann/json.hpp>
 
 #include "tetropolis/core/error.h"
+#include "tetropolis/core/files.h"
 #include "tetropolis/core/text.h"
 #include "tetropolis/geometry/polygon.h"
 #include "tetropolis/io/cityjson.h"
@@ -32,8 +33,11 @@ std::string coordinate(double value) {
   return std::abs(value) < kBeyondEarth ? fmt::format("{:.3f}", value) : fmt::format("{:g}", value);
 }
 
+/// A line that quotes what a file says.
+void print_line(const std::string& text) { put(stdout, one_line(text) + "\n"); }
+
 void print_warnings(const std::vector<Warning>& warnings) {
-  for (const Warning& warning : warnings) put(stdout, fmt::format("  note: {}\n", warning.message));
+  for (const Warning& warning : warnings) print_line("  note: " + warning.message);
 }
 
 void info_points(const std::string& path) {
@@ -93,7 +97,7 @@ void info_vector(const std::string& path) {
             "  box: x {:.3f} .. {:.3f}, y {:.3f} .. {:.3f}; sum of areas {:.1f} square units\n",
             input.bounds.xmin, input.bounds.xmax, input.bounds.ymin, input.bounds.ymax, total));
   for (const Dropped& dropped : input.dropped)
-    put(stdout, fmt::format("  dropped: {}: {}\n", dropped.source_id, dropped.reason));
+    print_line(fmt::format("  dropped: {}: {}", dropped.source_id, dropped.reason));
   print_warnings(input.warnings);
 }
 
@@ -153,8 +157,8 @@ using Json = nlohmann::json;
 void print_dropped(const Json& dropped) {
   constexpr std::size_t kShown = 10;
   for (std::size_t i = 0; i < dropped.size() && i < kShown; ++i)
-    put(stdout, fmt::format("  dropped: {}: {}\n", dropped[i].value("source_id", ""),
-                            dropped[i].value("reason", "")));
+    print_line(fmt::format("  dropped: {}: {}", dropped[i].value("source_id", ""),
+                           dropped[i].value("reason", "")));
   if (dropped.size() > kShown)
     put(stdout, fmt::format("  dropped: {} more, see the file\n", dropped.size() - kShown));
 }
@@ -191,8 +195,8 @@ void print_report(const std::string& path, const Json& report) {
                             count(mesh, "inverted")));
   }
   for (const Json& warning : report.value("warnings", Json::array()))
-    put(stdout, fmt::format("  note: {}: {} ({})\n", warning.value("code", ""),
-                            warning.value("message", ""), count(warning, "count")));
+    print_line(fmt::format("  note: {}: {} ({})", warning.value("code", ""),
+                           warning.value("message", ""), count(warning, "count")));
 }
 
 void info_report(const std::string& path) {
@@ -227,9 +231,8 @@ void info_json(const std::string& path) {
 }
 
 void info_file(const std::string& path) {
+  if (!is_there(path)) throw Error(ErrorKind::kInput, path + ": no such file");
   std::error_code error;
-  if (!std::filesystem::exists(path, error))
-    throw Error(ErrorKind::kInput, path + ": no such file");
   if (!std::filesystem::is_regular_file(path, error) && !std::filesystem::is_directory(path, error))
     throw Error(ErrorKind::kInput, path + ": is not an ordinary file");
   const std::string name = lower_case(path);

@@ -1,6 +1,7 @@
 #include "interrupts.h"
 
 #include <algorithm>
+#include <array>
 #include <atomic>
 #include <cerrno>
 #include <csignal>
@@ -9,17 +10,14 @@
 #include <functional>
 #include <initializer_list>
 #include <iterator>
-#include <string>
+#include <new>
 #include <utility>
 
-#include <fmt/format.h>
 #include <time.h>
 #include <unistd.h>
 
 #include "tetropolis/core/error.h"
 #include "tetropolis/core/foreign_code.h"
-
-#include "console.h"
 
 // No thread waits for signals: in a program of one thread stdio takes no locks, for which LASzip
 // (it reads bytes one by one) needs a tenth of its time. So whatever ends a run here does it within
@@ -136,18 +134,25 @@ void on_fault(int signal, siginfo_t*, void*) {
     if (state == State::kEnds) wait_for_the_end();
     discard_output = nullptr;
   }
-  std::string reason = "std::terminate";
+  // There may be no memory left for a string.
+  std::array<char, 1024> reason{"std::terminate"};
+  const auto keep = [&](const char* text) {
+    const std::size_t size = std::min(std::strlen(text), reason.size() - 1);
+    std::replace_copy_if(
+        text, text + size, reason.begin(), [](unsigned char c) { return c < ' ' || c == 0x7F; },
+        ' ');
+    reason[size] = '\0';
+  };
   try {
     if (const auto error = std::current_exception()) std::rethrow_exception(error);
+  } catch (const std::bad_alloc&) {
+    end({"tetropolis: out of memory; free some, or give it less to work on\n"}, 1);
   } catch (const std::exception& error) {
-    reason = error.what();
+    keep(error.what());
   } catch (...) {
-    reason = "an exception from a library";
+    keep("an exception from a library");
   }
-  end({fmt::format("tetropolis: {}: out of memory or threads, or an internal error\n",
-                   one_line(reason))
-           .c_str()},
-      1);
+  end({"tetropolis: ", reason.data(), ": out of memory or threads, or an internal error\n"}, 1);
 }
 
 void catch_faults() {
@@ -194,6 +199,10 @@ OutputWatcher watch_output() {
     if (!moves_on_to(State::kMoves) && state == State::kEnds) wait_for_the_end();
   };
   return watcher;
+}
+
+void wait_if_ending() {
+  if (state == State::kEnds) wait_for_the_end();
 }
 
 int say_interrupted(const std::function<void(const std::string&)>& say) {

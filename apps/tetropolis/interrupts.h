@@ -24,7 +24,12 @@ bool interrupted();
 /// Tells what to remove where a run has to be ended.
 OutputWatcher watch_output();
 
-/// Calls `say` with the last line of an interrupted run. Returns kInterruptedExit. Call once.
+/// Does not return if a handler is ending the process: what fails then does so because the handler
+/// removes its files.
+void wait_if_ending();
+
+/// Calls `say` with the last line of an interrupted run. Returns kInterruptedExit. Call once, and
+/// wait_if_ending() not after it.
 int say_interrupted(const std::function<void(const std::string&)>& say);
 
 }  // namespace tetropolis::app

@@ -1,5 +1,6 @@
 // The command line: options in, library calls, progress out.
 #include <algorithm>
+#include <array>
 #include <charconv>
 #include <cmath>
 #include <cstdio>
@@ -19,6 +20,7 @@
 #include "tetropolis/core/error.h"
 #include "tetropolis/core/parallel.h"
 #include "tetropolis/core/system_memory.h"
+#include "tetropolis/core/text.h"
 #include "tetropolis/core/version.h"
 #include "tetropolis/io/atomic_file.h"
 #include "tetropolis/pipeline/run.h"
@@ -30,6 +32,7 @@
 
 namespace {
 
+namespace fs = std::filesystem;
 using namespace tetropolis;
 using namespace tetropolis::app;
 
@@ -73,25 +76,35 @@ void print_summary(const Report& report, Console& console) {
 
 using Say = std::function<void(const std::string&)>;
 
+constexpr const char* kOutOfMemory = "out of memory; free some, or give it less to work on";
+constexpr const char* kOutOfMemoryMeshing =
+    "out of memory; use a smaller domain or a larger --mesh-size";
+
 /// The exit code of `action`; an error becomes one line.
-int guarded(const std::function<int()>& action, const Say& say) {
-  const auto fail = [&](const std::string& message, int code) {
+int guarded(const std::function<int()>& action, const Say& say,
+            const char* out_of_memory = kOutOfMemory) {
+  const auto tell = [&](const std::string& message, int code) {
     say(fmt::format("tetropolis: {}", one_line(message)));
     return code;
+  };
+  const auto fail = [&](const std::string& message, int code) {
+    // A run whose files are being removed from under it is interrupted, whatever it stumbles over.
+    wait_if_ending();
+    return tell(message, code);
   };
   try {
     const int code = action();
     static bool told = false;  // calls are nested
     if ((std::fflush(stdout) != 0 || std::ferror(stdout) != 0) && !std::exchange(told, true))
-      return fail("what was to be printed could not be written; make room", 3);
+      return tell("what was to be printed could not be written; make room", 3);
     return code;
   } catch (const Error& error) {
     return fail(error.what(), static_cast<int>(error.kind()));
   } catch (const Cancelled&) {
     return say_interrupted(say);
   } catch (const std::bad_alloc&) {
-    return fail("out of memory; use a smaller domain or a larger --mesh-size", 1);
-  } catch (const std::filesystem::filesystem_error& error) {
+    return fail(out_of_memory, 1);
+  } catch (const fs::filesystem_error& error) {
     return fail(fmt::format("{}: {}", error.path1().string(), error.code().message()),
                 static_cast<int>(ErrorKind::kInput));
   } catch (const std::system_error& error) {  // no more threads, for example
@@ -104,42 +117,61 @@ int guarded(const std::function<int()>& action, const Say& say) {
 
 void say_on_stderr(const std::string& line) { put(stderr, line + "\n"); }
 
-/// Text files may be inputs as well, or belong to one, as houses.prj does to houses.shp. `other`:
-/// the settings, or what `check` looks at.
+/// Whether `file` has the place and the name of a file that GDAL reads with `input`, as houses.prj
+/// is read with houses.shp. Precondition: it is there.
+bool is_side_file(const fs::path& file, const fs::path& input) {
+  constexpr std::array kExtensions = {".shp", ".shx", ".dbf", ".prj",  ".cpg", ".qpj", ".qix",
+                                      ".sbn", ".sbx", ".csv", ".csvt", ".mif", ".mid", ".tfw",
+                                      ".wld", ".xml", ".gfs", ".xsd",  ".ovr", ".msk"};
+  std::error_code error;
+  const fs::path real = fs::canonical(file, error);
+  if (error || input.empty() ||
+      !fs::equivalent(real.parent_path(), fs::absolute(input).parent_path(), error))
+    return false;
+  const std::string extension = lower_case(real.extension().string());
+  return std::find(kExtensions.begin(), kExtensions.end(), extension) != kExtensions.end() &&
+         real.filename().string().starts_with(input.stem().string() + ".");
+}
+
+/// Text files may be inputs as well, or belong to one. `other`: the settings, or what `check` looks
+/// at.
 void require_log_apart(const Config& config, const std::string& other) {
-  namespace fs = std::filesystem;
   const fs::path log = config.log;
   std::error_code error;
   if (log.empty() || !fs::exists(log, error)) return;
   std::vector<fs::path> inputs{config.footprints, config.city, config.dtm, other};
   inputs.insert(inputs.end(), config.points.begin(), config.points.end());
-  for (const fs::path& input : inputs)
-    if (!input.empty() &&
-        (fs::equivalent(input, log, error) ||
-         fs::equivalent(fs::path(input).replace_extension(log.extension()), log, error)))
-      throw Error(ErrorKind::kUsage,
-                  fmt::format("--log: {} is an input of this run, which would be lost; choose "
-                              "another name",
-                              config.log));
+  const bool is_input = std::any_of(inputs.begin(), inputs.end(), [&](const fs::path& input) {
+    return fs::equivalent(input, log, error);
+  });
+  if (is_input || is_side_file(log, config.footprints) || is_side_file(log, config.dtm))
+    throw Error(ErrorKind::kUsage,
+                fmt::format("--log: {} is an input of this run, which would be lost; choose "
+                            "another name",
+                            config.log));
 }
 
 /// Errors of `action` are in the log, too. `other` as above.
 int with_console(const Config& config, const std::string& other,
-                 const std::function<int(Console&)>& action) {
+                 const std::function<int(Console&)>& action,
+                 const char* out_of_memory = kOutOfMemory) {
   require_log_apart(config, other);
   Console console(config.quiet, config.log);
   return guarded([&] { return action(console); },
-                 [&](const std::string& line) { console.error(line); });
+                 [&](const std::string& line) { console.error(line); }, out_of_memory);
 }
 
 using RunFunction = Report (*)(const Config&, const RunHooks&);
 
-int run(const ConfigOptions& options, RunFunction function) {
+int run(const ConfigOptions& options, Command command, RunFunction function) {
   const Config config = options.config();
-  return with_console(config, options.file(), [&](Console& console) {
-    print_summary(function(config, console.hooks()), console);
-    return 0;
-  });
+  return with_console(
+      config, options.file(),
+      [&](Console& console) {
+        print_summary(function(config, console.hooks()), console);
+        return 0;
+      },
+      (command & (kBuild | kMesh)) != 0 ? kOutOfMemoryMeshing : kOutOfMemory);
 }
 
 int run_check(const ConfigOptions& options, const std::string& path,
@@ -158,7 +190,7 @@ void init(const std::string& path) {
     return;
   }
   std::error_code ignored;  // AtomicFile says what is wrong with the path
-  if (std::filesystem::exists(path, ignored))
+  if (fs::exists(path, ignored))
     throw Error(ErrorKind::kUsage, fmt::format("{}: exists already; choose another name", path));
   AtomicFile file(path);
   file.write(text);
@@ -213,7 +245,7 @@ void add_run(CommandLine& line, const std::string& name, const std::string& help
              RunFunction function) {
   CLI::App& added = *line.app.add_subcommand(name, help);
   const auto options = std::make_shared<ConfigOptions>(added, command);
-  on_choice(line, added, [options, function] { return run(*options, function); });
+  on_choice(line, added, [options, command, function] { return run(*options, command, function); });
 }
 
 void add_info(CommandLine& line) {

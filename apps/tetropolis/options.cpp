@@ -49,7 +49,8 @@ ConfigOptions::ConfigOptions(CLI::App& app, Command command) {
     if ((field.commands & command) == 0) continue;
     const std::string group(field.group);
     if (is_switch(field)) {
-      app.add_flag(option_name(field), switches_[&field], description(field))->group(group);
+      Switch& given = switches_[&field];
+      given.option = app.add_flag(option_name(field), given.on, description(field))->group(group);
       continue;
     }
     CLI::Option* option =
@@ -69,8 +70,11 @@ Config ConfigOptions::config() const {
   if (!file_.empty()) load_config(config, file_);
   for (const auto& [field, values] : values_)
     if (!values.empty()) set_field(config, *field, values, option_name(*field));
-  for (const auto& [field, on] : switches_)
-    if (on) set_field(config, *field, std::vector<std::string>{"true"}, option_name(*field));
+  // --quiet=false takes back what the file says.
+  for (const auto& [field, given] : switches_)
+    if (given.option->count() > 0)
+      set_field(config, *field, std::vector<std::string>{given.on ? "true" : "false"},
+                option_name(*field));
   return config;
 }
 

@@ -27,7 +27,12 @@ class ConfigOptions {
  private:
   std::string file_;
   std::map<const ConfigField*, std::vector<std::string>> values_;
-  std::map<const ConfigField*, bool> switches_;
+
+  struct Switch {
+    bool on = false;
+    const CLI::Option* option = nullptr;
+  };
+  std::map<const ConfigField*, Switch> switches_;
 };
 
 }  // namespace tetropolis::app

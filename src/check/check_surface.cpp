@@ -22,9 +22,8 @@ constexpr const char* kOpen = "open edges";
 constexpr const char* kNotFinite = "coordinates that are not finite";
 
 Vector3 area_vector(const Vector3& a, const Vector3& b, const Vector3& c) {
-  const Vector3 u{b[0] - a[0], b[1] - a[1], b[2] - a[2]}, v{c[0] - a[0], c[1] - a[1], c[2] - a[2]};
-  return {(u[1] * v[2] - u[2] * v[1]) / 2, (u[2] * v[0] - u[0] * v[2]) / 2,
-          (u[0] * v[1] - u[1] * v[0]) / 2};
+  const Vector3 twice = outer(difference(b, a), difference(c, a));
+  return {twice[0] / 2, twice[1] / 2, twice[2] / 2};
 }
 
 struct Box {
@@ -134,8 +133,7 @@ SurfaceCheck check_surface(const SurfaceMesh& surface) {
     const auto place = [&] {
       return fmt::format("face {} at ({:.3f}, {:.3f}, {:.3f})", f, p[0][0], p[0][1], p[0][2]);
     };
-    const double size =
-        std::sqrt(normal[0] * normal[0] + normal[1] * normal[1] + normal[2] * normal[2]);
+    const double size = length(normal);
     check.area += size;
     if (!(size > 0)) note_violation(check.violations, "faces without area", place);
     for (std::size_t d = 0; d < 3; ++d)

@@ -1,4 +1,5 @@
-// Vectors, for the checks only: they share no code with what they check.
+// Vectors, for the checks only, which share as little as they can with what they check
+// (tetropolis/check/violation.h).
 #pragma once
 
 #include <array>

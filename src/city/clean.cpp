@@ -5,8 +5,11 @@
 #include <cstddef>
 #include <cstdint>
 #include <optional>
+#include <string>
 #include <utility>
 #include <vector>
+
+#include <fmt/format.h>
 
 #include "tetropolis/city/clearance.h"
 #include "tetropolis/core/error.h"
@@ -15,6 +18,7 @@
 
 #include "city/clean_ring.h"
 #include "city/grid_geometry.h"
+#include "city/group.h"
 #include "city/outline.h"
 #include "city/overlay.h"
 #include "city/repair.h"
@@ -107,9 +111,7 @@ bool valid(const Polygon& steps) {
 
 /// Squares over the places where rings touch.
 std::vector<Polygon> bridges(const std::vector<Polygon>& parts) {
-  std::vector<const Polygon*> pointers;
-  for (const Polygon& part : parts) pointers.push_back(&part);
-  const Outline outline = make_outline(pointers, 4 * kBridge);
+  const Outline outline = make_outline(pointers_to(parts), 4 * kBridge);
   std::vector<Polygon> squares;
   for (const NearPair& pair : near_pairs(outline, 2)) {
     const Point2 p = outline.at(pair.vertex);
@@ -125,9 +127,7 @@ std::vector<Polygon> bridges(const std::vector<Polygon>& parts) {
 /// Without the holes that touch a ring: what is left between walls drawn twice are holes of no
 /// width that a bridge cannot close, it only moves their end.
 void fill_touching_holes(std::vector<Polygon>& parts) {
-  std::vector<const Polygon*> pointers;
-  for (const Polygon& part : parts) pointers.push_back(&part);
-  const Outline outline = make_outline(pointers, 4 * kBridge);
+  const Outline outline = make_outline(pointers_to(parts), 4 * kBridge);
   std::vector<std::uint8_t> touching(outline.first.size(), 0);
   for (const NearPair& pair : near_pairs(outline, 2))
     for (const std::int32_t at : {pair.vertex, pair.edge})
@@ -142,28 +142,47 @@ void fill_touching_holes(std::vector<Polygon>& parts) {
   }
 }
 
+/// The largest part; adds the area of the others to `lost`.
+Polygon kept_part(const std::vector<Polygon>& parts, double& lost) {
+  const Polygon& kept = largest(parts);
+  lost += total_area(parts) - area(kept);
+  return kept;
+}
+
+struct Repaired {
+  Polygon polygon;
+  double lost = 0;  ///< Area of the parts that were given up.
+};
+
 /// A valid polygon from invalid rings (steps), or nothing.
-std::optional<Polygon> repaired(const Polygon& polygon) {
+std::optional<Repaired> repaired(const Polygon& polygon) {
   const geos::Result made = geos::make_valid(polygon);
   if (!made || made->empty()) return std::nullopt;
   std::vector<Polygon> parts = unite_on_grid(*made);
+  double lost = 0;
   for (int attempt = 0; attempt < 5 && !parts.empty(); ++attempt) {
     if (attempt >= 2) fill_touching_holes(parts);
-    if (attempt == 4) parts = {largest(parts)};
+    if (attempt == 4) parts = {kept_part(parts, lost)};
     const std::vector<Polygon> squares = bridges(parts);
     if (squares.empty()) {
-      Polygon result = without_duplicates(largest(parts));
-      if (valid(result)) return result;
+      double others = lost;
+      Polygon result = without_duplicates(kept_part(parts, others));
+      if (valid(result)) return Repaired{std::move(result), others};
     }
     parts.insert(parts.end(), squares.begin(), squares.end());
     parts = unite_on_grid(parts);
   }
   if (parts.empty()) return std::nullopt;
-  Polygon shell = without_duplicates(Polygon{largest(parts).outer, {}});
-  return valid(shell) ? std::optional(std::move(shell)) : std::nullopt;
+  Polygon shell = without_duplicates(Polygon{kept_part(parts, lost).outer, {}});
+  if (!valid(shell)) return std::nullopt;
+  return Repaired{std::move(shell), lost};
 }
 
-CleanedFootprint unusable(const char* reason) { return {{}, false, reason}; }
+CleanedFootprint unusable(std::string reason) {
+  CleanedFootprint result;
+  result.reason = std::move(reason);
+  return result;
+}
 
 }  // namespace
 
@@ -175,8 +194,9 @@ CleanedFootprint clean_footprint(const Polygon& raw, const CleanOptions& options
     return unusable(distinct_vertices(raw.outer) < 3 ? "fewer than 3 distinct vertices"
                                                      : "zero area");
   if (!valid(steps)) {
-    if (is_scribble(steps)) return unusable("outline crosses itself more than 10000 times");
-    std::optional<Polygon> better;
+    if (is_scribble(steps))
+      return unusable(fmt::format("outline crosses itself more than {} times", kMostCrossings));
+    std::optional<Repaired> better;
     try {
       better = repaired(steps);
     } catch (const Error&) {  // GEOS could not unite the parts
@@ -188,8 +208,9 @@ CleanedFootprint clean_footprint(const Polygon& raw, const CleanOptions& options
       return shell;
     }
     if (!better) return unusable("outline cannot be repaired: zero area or too tangled");
-    steps = std::move(*better);
+    steps = std::move(better->polygon);
     result.repaired = true;
+    result.lost_area = better->lost / grid::kSquareMetre;
   }
   Polygon simple = without_duplicates(without_parallels(steps, options.parallel_tolerance));
   if (simple.holes.size() != steps.holes.size() || !valid(simple)) simple = std::move(steps);

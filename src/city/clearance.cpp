@@ -240,9 +240,8 @@ std::int32_t DefectFinder::edge_left_of(std::int32_t v) const {
   const auto look = [&](std::int32_t e) {
     const Point2 a = edges_.start[Edges::at(e)], b = edges_.end[Edges::at(e)];
     const RingFeature other = edges_.feature[Edges::at(e)];
-    if ((a.y > p.y) == (b.y > p.y)) return;
     if (other.polygon == own.polygon && other.ring == own.ring) return;
-    if (grid::orientation(a.y < b.y ? a : b, a.y < b.y ? b : a, p) >= 0) return;
+    if (grid::crossing_side(a, b, p) >= 0) return;
     if (nearest < 0 || (e != nearest && right_of(e, nearest))) nearest = e;
   };
   // Further and further to the west: nothing nearer comes once an edge crosses within the window.

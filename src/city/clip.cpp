@@ -7,6 +7,7 @@
 #include "tetropolis/city/clean.h"
 #include "tetropolis/geometry/polygon.h"
 
+#include "city/group.h"
 #include "geometry/geos.h"
 
 namespace tetropolis {
@@ -25,10 +26,12 @@ std::vector<Polygon> parts_in_box(const Polygon& polygon, const Bounds2& box) {
       .value_or(std::vector<Polygon>());
 }
 
-Polygon clip_to_box(const Polygon& polygon, const Bounds2& box) {
+Polygon clip_to_box(const Polygon& polygon, const Bounds2& box, double* lost_area) {
   const std::vector<Polygon> parts = parts_in_box(polygon, box);
+  if (lost_area != nullptr) *lost_area = 0;
   if (parts.empty()) return {};
   Polygon part = largest(parts);
+  if (lost_area != nullptr) *lost_area = total_area(parts) - area(part);
   for (Point2& p : part.outer) p = snap_coordinate(p);
   for (Ring& hole : part.holes)
     for (Point2& p : hole) p = snap_coordinate(p);

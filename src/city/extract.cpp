@@ -10,6 +10,7 @@
 #include "tetropolis/city/heights.h"
 #include "tetropolis/core/error.h"
 #include "tetropolis/core/parallel.h"
+#include "tetropolis/geometry/polygon.h"
 
 #include "city/footprint_index.h"
 #include "city/point_lists.h"
@@ -65,17 +66,12 @@ struct Hit {
   PointIndex point;
 };
 
-/// Hits in the order of the points.
+/// Hits of a chunk of points, in their order. They stay in their chunks until they are lists: put
+/// together first, there would be two or three of each for a while.
 struct Hits {
   std::vector<Hit> roof;
   std::vector<Hit> ground;
   std::vector<Hit> ground_inside;  ///< Of clouds without class 6 only.
-
-  void append(const Hits& more) {
-    roof.insert(roof.end(), more.roof.begin(), more.roof.end());
-    ground.insert(ground.end(), more.ground.begin(), more.ground.end());
-    ground_inside.insert(ground_inside.end(), more.ground_inside.begin(), more.ground_inside.end());
-  }
 };
 
 Hits find_hits(const FootprintIndex& index, const PointCloud& cloud, const Classes& classes,
@@ -93,36 +89,45 @@ Hits find_hits(const FootprintIndex& index, const PointCloud& cloud, const Class
       if (inside && ground && classes.roof_from_unclassified) hits.ground_inside.push_back(hit);
     });
   }
+  for (std::vector<Hit>* list : {&hits.roof, &hits.ground, &hits.ground_inside})
+    list->shrink_to_fit();
   return hits;
 }
 
-/// All hits. Batches of points one after another, the chunks of a batch in parallel.
-Hits find_all_hits(const FootprintIndex& index, const PointCloud& cloud, const Classes& classes,
-                   const Progress& progress) {
-  Hits hits;
+/// All hits, chunk by chunk. Batches of points one after another, the chunks of a batch in
+/// parallel.
+std::vector<Hits> find_all_hits(const FootprintIndex& index, const PointCloud& cloud,
+                                const Classes& classes, const Progress& progress) {
+  std::vector<Hits> chunks((cloud.size() + kPointGrain - 1) / kPointGrain);
   for (std::size_t start = 0; start < cloud.size(); start += kPointBatch) {
     progress.update(static_cast<double>(start) / static_cast<double>(cloud.size()));
     const std::size_t size = std::min(kPointBatch, cloud.size() - start);
-    std::vector<Hits> chunks((size + kPointGrain - 1) / kPointGrain);
     parallel_chunks(size, kPointGrain, [&](std::size_t begin, std::size_t end) {
-      chunks[begin / kPointGrain] = find_hits(index, cloud, classes, start + begin, start + end);
+      chunks[(start + begin) / kPointGrain] =
+          find_hits(index, cloud, classes, start + begin, start + end);
     });
-    for (const Hits& chunk : chunks) hits.append(chunk);
   }
-  return hits;
+  return chunks;
 }
 
-/// Counting sort by building; stable, so that points stay ascending.
-PointLists to_lists(const std::vector<Hit>& hits, std::size_t buildings) {
+/// One kind of the hits of all chunks, which lose them. Counting sort by building; stable, so that
+/// points stay ascending.
+template <typename Chunk>
+PointLists take_lists(std::vector<Chunk>& chunks, std::vector<Hit> Chunk::*kind,
+                      std::size_t buildings) {
   PointLists lists;
   lists.offsets.assign(buildings + 1, 0);
-  for (const Hit& hit : hits) ++lists.offsets[static_cast<std::size_t>(hit.building) + 1];
+  for (const Chunk& chunk : chunks)
+    for (const Hit& hit : chunk.*kind) ++lists.offsets[static_cast<std::size_t>(hit.building) + 1];
   for (std::size_t b = 0; b < buildings; ++b) lists.offsets[b + 1] += lists.offsets[b];
   std::vector<std::int64_t> next(lists.offsets.begin(), lists.offsets.end() - 1);
-  lists.indices.resize(hits.size());
-  for (const Hit& hit : hits)
-    lists.indices[static_cast<std::size_t>(next[static_cast<std::size_t>(hit.building)]++)] =
-        hit.point;
+  lists.indices.resize(static_cast<std::size_t>(lists.offsets.back()));
+  for (Chunk& chunk : chunks) {
+    for (const Hit& hit : chunk.*kind)
+      lists.indices[static_cast<std::size_t>(next[static_cast<std::size_t>(hit.building)]++)] =
+          hit.point;
+    std::vector<Hit>().swap(chunk.*kind);
+  }
   return lists;
 }
 
@@ -147,10 +152,10 @@ struct Surroundings {
   std::vector<Hit> beside;  ///< In another footprint.
 };
 
-/// For the first `buildings` of the footprints.
-Surroundings find_surroundings(std::span<const Polygon* const> footprints, std::size_t buildings,
-                               const PointCloud& cloud, const Classes& classes,
-                               const Progress& progress) {
+/// For the first `buildings` of the footprints, chunk by chunk.
+std::vector<Surroundings> find_surroundings(std::span<const Polygon* const> footprints,
+                                            std::size_t buildings, const PointCloud& cloud,
+                                            const Classes& classes, const Progress& progress) {
   const FootprintIndex index(footprints, kAround);
   SharedProgress shared(progress, static_cast<std::int64_t>(cloud.size()));
   std::vector<Surroundings> chunks((cloud.size() + kPointGrain - 1) / kPointGrain);
@@ -174,14 +179,11 @@ Surroundings find_surroundings(std::span<const Polygon* const> footprints, std::
           found.beside.push_back(hit);
       }
     }
+    found.around.shrink_to_fit();
+    found.beside.shrink_to_fit();
     shared.add(static_cast<std::int64_t>(end - begin));
   });
-  Surroundings all;
-  for (const Surroundings& chunk : chunks) {
-    all.around.insert(all.around.end(), chunk.around.begin(), chunk.around.end());
-    all.beside.insert(all.beside.end(), chunk.beside.begin(), chunk.beside.end());
-  }
-  return all;
+  return chunks;
 }
 
 /// What is higher than the ground around the building, so not the floor of a yard in it. Where that
@@ -219,20 +221,20 @@ BuildingPoints extract(std::span<const Polygon* const> footprints, std::size_t b
   const FootprintIndex index(footprints.first(buildings), options.margin);
   const Classes classes = choose_classes(cloud, buildings);
   const bool find_crowns = classes.roof_from_unclassified && options.drop_crowns;
-  Hits hits = find_all_hits(index, cloud, classes, portion(progress, 0, find_crowns ? 0.4 : 0.9));
+  std::vector<Hits> hits =
+      find_all_hits(index, cloud, classes, portion(progress, 0, find_crowns ? 0.4 : 0.9));
   BuildingPoints points;
   points.roof_from_unclassified = classes.roof_from_unclassified;
-  points.roof = to_lists(hits.roof, buildings);
-  std::vector<Hit>().swap(hits.roof);
-  points.ground = to_lists(hits.ground, buildings);
-  std::vector<Hit>().swap(hits.ground);
+  points.roof = take_lists(hits, &Hits::roof, buildings);
+  points.ground = take_lists(hits, &Hits::ground, buildings);
   if (points.roof_from_unclassified) drop_low_points(points, cloud);
   if (find_crowns) {
-    const Surroundings found =
+    std::vector<Surroundings> found =
         find_surroundings(footprints, buildings, cloud, classes, portion(progress, 0.4, 0.7));
     drop_crowns(points.roof,
-                {to_lists(hits.ground_inside, buildings), to_lists(found.around, buildings),
-                 to_lists(found.beside, buildings)},
+                {take_lists(hits, &Hits::ground_inside, buildings),
+                 take_lists(found, &Surroundings::around, buildings),
+                 take_lists(found, &Surroundings::beside, buildings)},
                 cloud, {}, portion(progress, 0.7, 0.9));
   }
   drop_outliers(points.roof, cloud, options.sigma);
@@ -262,10 +264,7 @@ PointLists merge_lists(const PointLists& lists,
 
 BuildingPoints extract_building_points(std::span<const Polygon> footprints, const PointCloud& cloud,
                                        const ExtractOptions& options, const Progress& progress) {
-  std::vector<const Polygon*> pointers;
-  pointers.reserve(footprints.size());
-  for (const Polygon& footprint : footprints) pointers.push_back(&footprint);
-  return extract(pointers, footprints.size(), cloud, options, progress);
+  return extract(pointers_to(footprints), footprints.size(), cloud, options, progress);
 }
 
 BuildingPoints extract_building_points(std::span<const Building> buildings,

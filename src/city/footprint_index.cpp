@@ -8,8 +8,7 @@ namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr std::size_t kEdgesPerBand = 8;
-constexpr std::size_t kMaxBands = 64;  // An edge may be in every band: bounds the memory.
-constexpr double kSmallestCell = 4;    // Metres; smaller cells would only hold the same houses.
+constexpr double kSmallestCell = 4;  // Metres; smaller cells would only hold the same houses.
 constexpr double kEntriesPerFootprint = 32;
 constexpr double kFreeEntries = 1 << 22;  // Cells and entries allowed whatever the footprints are.
 
@@ -22,23 +21,28 @@ FootprintIndex::FootprintIndex(std::span<const Polygon* const> footprints, doubl
   if (!box_.empty()) build_cells();
 }
 
+std::size_t FootprintIndex::count_entries(const Outline& outline, std::span<const Edge> edges) {
+  std::size_t entries = 0;
+  for (const Edge& edge : edges) {
+    const auto [low, high] = std::minmax(edge.a.y, edge.b.y);
+    entries += static_cast<std::size_t>(band_of(outline, high) - band_of(outline, low) + 1);
+  }
+  return entries;
+}
+
 void FootprintIndex::add_outline(const Polygon& footprint) {
   std::vector<Edge> edges;
   for_each_edge(footprint, [&](Point2 a, Point2 b) { edges.push_back({a, b}); });
   Outline outline;
-  // A hair wider than the margin, because positions exactly at the margin count.
-  outline.box = bounds(footprint).grown(margin_ + 1e-6);
-  outline.bands = static_cast<std::int32_t>(
-      std::clamp<std::size_t>(edges.size() / kEdgesPerBand, 1, kMaxBands));
+  outline.box = bounds(footprint).grown(reach());
+  // The narrower the bands, the more of them an edge is in. With one band, each is in that.
+  outline.bands = static_cast<std::int32_t>(std::max<std::size_t>(edges.size() / kEdgesPerBand, 1));
+  while (count_entries(outline, edges) > kEntriesPerEdge * edges.size()) outline.bands /= 2;
   outline.first_band = band_offsets_.size() - 1;
   std::vector<std::vector<Edge>> bands(static_cast<std::size_t>(outline.bands));
   for (const Edge& edge : edges) {
-    // Rounding in band_of is monotone in y, so a position in a band outside [first, last] is above
-    // or below the edge by more than the margin.
-    const double reach = margin_ + 1e-6;
-    const std::int32_t first = band_of(outline, std::min(edge.a.y, edge.b.y) - reach);
-    const std::int32_t last = band_of(outline, std::max(edge.a.y, edge.b.y) + reach);
-    for (std::int32_t band = first; band <= last; ++band)
+    const auto [low, high] = std::minmax(edge.a.y, edge.b.y);
+    for (std::int32_t band = band_of(outline, low); band <= band_of(outline, high); ++band)
       bands[static_cast<std::size_t>(band)].push_back(edge);
   }
   for (const std::vector<Edge>& band : bands) {
@@ -88,7 +92,7 @@ double FootprintIndex::squared_distance(std::int32_t footprint, Point2 p) const 
   const Outline& outline = outlines_[static_cast<std::size_t>(footprint)];
   double result = kInfinity;
   if (!outline.box.contains(p)) return result;
-  for (const Edge& edge : band_at(outline, p.y))
+  for (const Edge& edge : near_bands(outline, p.y))
     result = std::min(result, squared_distance_to_segment(p, edge.a, edge.b));
   return result;
 }

@@ -14,10 +14,15 @@
 namespace tetropolis {
 
 /// A uniform grid whose cells list the footprints with a bounding box (grown by the margin) in
-/// them, and for each footprint its edges by horizontal bands, so that large outlines stay cheap to
-/// test.
+/// them, and for each footprint its edges by horizontal bands. Whether a position is inside is told
+/// by the edges of its band alone: a few of however many, unless most run far from south to north.
+/// Whether one that is not is near takes the bands within the margin. Memory: at most
+/// kEntriesPerEdge times the edges.
 class FootprintIndex {
  public:
+  /// How many bands an edge is in at most, on average over an outline.
+  static constexpr std::size_t kEntriesPerEdge = 4;
+
   /// Copies the edges; the footprints need not outlive the index. Margin >= 0, metres.
   FootprintIndex(std::span<const Polygon* const> footprints, double margin);
 
@@ -32,10 +37,9 @@ class FootprintIndex {
       const std::int32_t footprint = cell_footprints_[static_cast<std::size_t>(k)];
       const Outline& outline = outlines_[static_cast<std::size_t>(footprint)];
       if (!outline.box.contains(p)) continue;
-      const std::span<const Edge> edges = band_at(outline, p.y);
-      if (inside(edges, p)) {
+      if (inside(bands_at(outline, p.y, p.y), p)) {
         visit(footprint, true);
-      } else if (near(edges, p)) {
+      } else if (near(near_bands(outline, p.y), p)) {
         visit(footprint, false);
       }
     }
@@ -45,20 +49,30 @@ class FootprintIndex {
   /// otherwise some number above the square of the margin.
   double squared_distance(std::int32_t footprint, Point2 p) const;
 
+  /// How many edges tell whether a position of ordinate y is inside a footprint.
+  std::size_t edges_at(std::int32_t footprint, double y) const {
+    return bands_at(outlines_[static_cast<std::size_t>(footprint)], y, y).size();
+  }
+
+  /// How many edges there are in all bands.
+  std::size_t entries() const { return edges_.size(); }
+
  private:
   struct Edge {
     Point2 a;
     Point2 b;
   };
 
-  /// Bands cut the outline's box into `bands` slices of equal height, from south to north.
+  /// Bands cut the outline's box into `bands` slices of equal height, from south to north. Each
+  /// has the edges that meet it.
   struct Outline {
-    Bounds2 box;  ///< Grown by the margin.
+    Bounds2 box;  ///< Grown by the margin and a hair.
     std::int32_t bands = 0;
     std::size_t first_band = 0;  ///< Index into band_offsets_.
   };
 
   void add_outline(const Polygon& footprint);
+  static std::size_t count_entries(const Outline& outline, std::span<const Edge> edges);
   void build_cells();
   double entries_with(double cell) const;
   std::int32_t column(double x) const { return slot(x - box_.xmin, columns_); }
@@ -78,12 +92,23 @@ class FootprintIndex {
     return std::clamp(static_cast<std::int32_t>(share * outline.bands), 0, outline.bands - 1);
   }
 
-  /// The edges that matter for positions of ordinate y: all within the margin of its band.
-  std::span<const Edge> band_at(const Outline& outline, double y) const {
-    const std::size_t band = outline.first_band + static_cast<std::size_t>(band_of(outline, y));
-    return std::span(edges_).subspan(band_offsets_[band],
-                                     band_offsets_[band + 1] - band_offsets_[band]);
+  /// The edges of the bands from `low` to `high`; those that are in several come as often.
+  std::span<const Edge> bands_at(const Outline& outline, double low, double high) const {
+    const auto offset = [&](std::int32_t band) {
+      return band_offsets_[outline.first_band + static_cast<std::size_t>(band)];
+    };
+    const std::size_t begin = offset(band_of(outline, low));
+    return std::span(edges_).subspan(begin, offset(band_of(outline, high) + 1) - begin);
   }
+
+  /// The edges that may be within the margin of positions of ordinate y. Rounding in band_of is
+  /// monotone in y, so an edge in no band from y - reach to y + reach is further away.
+  std::span<const Edge> near_bands(const Outline& outline, double y) const {
+    return bands_at(outline, y - reach(), y + reach());
+  }
+
+  /// A hair more than the margin, because positions exactly at the margin count.
+  double reach() const { return margin_ + 1e-6; }
 
   static bool inside(std::span<const Edge> edges, Point2 p) {
     bool result = false;

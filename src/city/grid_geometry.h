@@ -103,6 +103,15 @@ inline bool segments_touch(Point2 a, Point2 b, Point2 c, Point2 d) {
   return within_box(c, a, b) || within_box(d, a, b) || within_box(a, c, d);
 }
 
+/// On which side of p the edge a-b crosses the line through p along x: 1 to the right, -1 to the
+/// left, 0 on neither, where it runs through p or does not cross. The ends count as if they lay a
+/// little lower. Exact, and the same for b-a. A point on no edge is inside by the even-odd rule
+/// where an odd number of edges cross to one side, either one.
+inline int crossing_side(Point2 a, Point2 b, Point2 p) {
+  if ((a.y > p.y) == (b.y > p.y)) return 0;
+  return a.y < b.y ? orientation(a, b, p) : orientation(b, a, p);
+}
+
 /// Whether the segments o-a and o-b overlap beyond their common end o. Exact.
 inline bool folds_back(Point2 o, Point2 a, Point2 b) {
   if (orientation(o, a, b) != 0) return false;

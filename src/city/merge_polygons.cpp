@@ -13,7 +13,6 @@
 #include "tetropolis/geometry/polygon.h"
 
 #include "city/disjoint_sets.h"
-#include "city/edge_grid.h"
 #include "city/grid_geometry.h"
 #include "city/outline.h"
 #include "city/overlay.h"
@@ -21,26 +20,6 @@
 namespace tetropolis {
 
 namespace {
-
-std::vector<const Polygon*> pointers(std::span<const Polygon> polygons) {
-  std::vector<const Polygon*> result;
-  result.reserve(polygons.size());
-  for (const Polygon& polygon : polygons) result.push_back(&polygon);
-  return result;
-}
-
-double cell_for(std::span<const Polygon> polygons, double distance) {
-  Bounds2 box = Bounds2::nothing();
-  double length = 0;
-  std::size_t count = 0;
-  for (const Polygon& polygon : polygons)
-    for_each_edge(polygon, [&](Point2 a, Point2 b) {
-      box.extend(a);
-      length += grid::distance(a, b);
-      ++count;
-    });
-  return std::max(2 * distance, cell_size(box, length, count));
-}
 
 /// Sets of `size` things, of which body(begin, end, sets) joins those that it finds in a chunk of
 /// [0, work): in sets of its own, which are put together afterwards. Which sets come out depends on
@@ -105,10 +84,7 @@ void join_contained(const Outline& o, std::span<const Polygon> polygons, Disjoin
         seen[static_cast<std::size_t>(e)] = r;
         // Of polygons around p the search sees all edges left of p; of others perhaps not.
         if (!boxes[static_cast<std::size_t>(o.group_of(e))].contains(p)) return;
-        Point2 a = o.at(e), b = o.at(o.after(e));
-        if ((a.y > p.y) == (b.y > p.y)) return;
-        if (a.y > b.y) std::swap(a, b);
-        if (grid::orientation(a, b, p) < 0) crossed.push_back(o.group_of(e));
+        if (grid::crossing_side(o.at(e), o.at(o.after(e)), p) < 0) crossed.push_back(o.group_of(e));
       });
       std::sort(crossed.begin(), crossed.end());
       for (std::size_t i = 0; i < crossed.size();) {
@@ -184,7 +160,7 @@ std::vector<EdgePair> pairs_between(const Outline& o, double distance) {
 
 std::vector<Polygon> patches_between(std::span<const Polygon> parts, double distance,
                                      double reach) {
-  const Outline o = make_outline(pointers(parts), cell_for(parts, distance));
+  const Outline o = outline_for(pointers_to(parts), distance);
   const std::vector<EdgePair> pairs = pairs_between(o, distance);
   std::vector<Polygon> patches;
   for (const auto& [e, f] : pairs) {
@@ -210,7 +186,7 @@ std::pair<Point2, Point2> shortest_way(Point2 a, Point2 b, Point2 c, Point2 d) {
 
 /// Boxes a little wider than `distance` across the narrowest place between every two near parts.
 std::vector<Polygon> bridges_between(std::span<const Polygon> parts, double distance) {
-  const Outline o = make_outline(pointers(parts), cell_for(parts, distance));
+  const Outline o = outline_for(pointers_to(parts), distance);
   struct Bridge {
     std::int32_t i, j;  ///< Parts.
     double length;
@@ -251,7 +227,7 @@ Polygon hull_of(std::span<const Polygon> polygons) {
 }  // namespace
 
 std::vector<std::int32_t> cluster_polygons(std::span<const Polygon> polygons, double distance) {
-  const Outline o = make_outline(pointers(polygons), cell_for(polygons, distance));
+  const Outline o = outline_for(pointers_to(polygons), distance);
   DisjointSets sets(polygons.size());
   join_near_edges(o, distance, polygons.size(), sets);
   join_contained(o, polygons, sets);

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cstddef>
 
+#include "tetropolis/geometry/polygon.h"
+
 #include "city/grid_geometry.h"
 
 namespace tetropolis {
@@ -47,6 +49,19 @@ Outline make_outline(const std::vector<const Polygon*>& polygons, double cell) {
   o.grid = EdgeGrid(box, cell, vertices);
   for (std::int32_t v = 0; v < o.vertex_count(); ++v) o.grid.insert(v, o.at(v), o.at(o.after(v)));
   return o;
+}
+
+Outline outline_for(const std::vector<const Polygon*>& polygons, double distance) {
+  Bounds2 box = Bounds2::nothing();
+  double length = 0;
+  std::size_t edges = 0;
+  for (const Polygon* polygon : polygons)
+    for_each_edge(*polygon, [&](Point2 a, Point2 b) {
+      box.extend(a);
+      length += grid::distance(a, b);
+      ++edges;
+    });
+  return make_outline(polygons, std::max(2 * distance, cell_size(box, length, edges)));
 }
 
 Ring ring_through(const Outline& outline, std::int32_t v) {

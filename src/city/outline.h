@@ -39,6 +39,9 @@ struct Outline {
 /// Polygon k of the outline is *polygons[k]. `cell` is the wished size of the grid's cells.
 Outline make_outline(const std::vector<const Polygon*>& polygons, double cell);
 
+/// The same with cells that suit searches for edges within `distance` of each other.
+Outline outline_for(const std::vector<const Polygon*>& polygons, double distance);
+
 /// The ring that the vertex v belongs to, from v on.
 Ring ring_through(const Outline& outline, std::int32_t v);
 

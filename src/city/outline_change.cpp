@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
-#include <utility>
 
 #include "city/grid_geometry.h"
 
@@ -187,12 +186,8 @@ bool ChangeJudge::sweeps_a_vertex(const ShortPath& before, const ShortPath& afte
   for (int i = after.count - 2; i > 0; --i) loop.push_back(after.at(i));
   const auto inside = [&](Point2 p) {
     bool odd = false;
-    for (std::size_t i = 0, j = loop.size() - 1; i < loop.size(); j = i++) {
-      Point2 a = loop[j], b = loop[i];
-      if ((a.y > p.y) == (b.y > p.y)) continue;
-      if (a.y > b.y) std::swap(a, b);
-      if (grid::orientation(a, b, p) > 0) odd = !odd;
-    }
+    for (std::size_t i = 0, j = loop.size() - 1; i < loop.size(); j = i++)
+      if (grid::crossing_side(loop[j], loop[i], p) > 0) odd = !odd;
     return odd;
   };
   return std::any_of(near_.begin(), near_.end(), [&](std::int32_t e) {

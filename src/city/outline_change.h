@@ -44,11 +44,9 @@ struct ShortPath {
   static constexpr double kNowhere = std::numeric_limits<double>::infinity();
   std::array<Point2, 4> p{};
   int edges = 0;
-  Bounds2 box = Bounds2::nothing();
   void add(Point2 q) {
     p[static_cast<std::size_t>(count++)] = q;
     edges = count - 1;
-    box.extend(q);
   }
   Point2 at(int i) const { return p[static_cast<std::size_t>(i)]; }
   int count = 0;

@@ -24,6 +24,8 @@ namespace tetropolis {
 
 namespace {
 
+using geos::comes_before;
+
 /// Whether polygons on the grid are valid and disjoint but for points at which they may touch.
 bool are_valid(std::span<const Polygon> polygons) {
   // Whether edges touch at all is decided much faster than whether they may.
@@ -83,11 +85,6 @@ std::vector<Polygon> or_else(std::span<const Polygon> polygons, geos::Result fir
 }
 
 constexpr std::size_t kFewPolygons = 256;
-
-/// By lowest, then leftmost vertex, as GEOS' own results come.
-bool comes_before(const Ring& a, const Ring& b) {
-  return a[0].y < b[0].y || (a[0].y == b[0].y && a[0].x < b[0].x);
-}
 
 constexpr double kMargin = 2;  // steps, beyond any rounding
 

@@ -138,10 +138,7 @@ class Fillings {
     crossed_.clear();
     index_.visit({p.x - widest_, p.y, p.x, p.y}, [&](std::int32_t e) {
       const Edge& edge = edges_[static_cast<std::size_t>(e)];
-      Point2 a = edge.a, b = edge.b;
-      if ((a.y > p.y) == (b.y > p.y)) return;
-      if (a.y > b.y) std::swap(a, b);
-      if (grid::orientation(a, b, p) < 0) crossed_.push_back(e);
+      if (grid::crossing_side(edge.a, edge.b, p) < 0) crossed_.push_back(e);
     });
     std::sort(crossed_.begin(), crossed_.end());
     crossed_.erase(std::unique(crossed_.begin(), crossed_.end()), crossed_.end());

@@ -69,6 +69,7 @@ class Repairer {
   void consider_move(std::int32_t v, Point2 q);
   void consider_moves_from(std::int32_t v, Point2 p);
   void consider_fill(std::int32_t v);
+  bool is_empty_yard(const Ring& hole, std::int32_t group) const;
   bool rate(std::int32_t v);
   void queue(std::int32_t v);
   bool still_good(const Rated& rated);
@@ -214,6 +215,20 @@ void Repairer::consider_moves_from(std::int32_t v, Point2 p) {
   }
 }
 
+/// Whether no other polygon stands in a hole of this one: no edges cross, so any of its vertices
+/// would be inside.
+bool Repairer::is_empty_yard(const Ring& hole, std::int32_t group) const {
+  bool empty = true;
+  o_.grid.visit(bounds(hole), [&](std::int32_t e) {
+    if (!empty || o_.group_of(e) == group) return;
+    bool inside = false;
+    for (std::size_t i = 0, j = hole.size() - 1; i < hole.size(); j = i++)
+      if (grid::crossing_side(hole[j], hole[i], o_.at(e)) > 0) inside = !inside;
+    empty = !inside;
+  });
+  return empty;
+}
+
 void Repairer::consider_fill(std::int32_t v) {
   const auto ring = static_cast<std::size_t>(o_.ring_of(v));
   if (o_.is_hole[ring] == 0 || o_.size[ring] > 12) return;
@@ -225,7 +240,7 @@ void Repairer::consider_fill(std::int32_t v) {
   const double e2 = options_.epsilon * options_.epsilon;
   if (c.cost > options_.max_cost || (hole.size() > 3 && c.cost > 4 * e2)) return;
   const double score = (c.cost + 1e-3 * e2) / 2;
-  if (score < best_.score) best_ = {c, score};
+  if (score < best_.score && is_empty_yard(hole, o_.group_of(v))) best_ = {c, score};
 }
 
 bool Repairer::rate(std::int32_t v) {

@@ -35,7 +35,7 @@ constexpr int kGentleRounds = 5;     ///< Patches whose reach doubles.
 constexpr int kLocalHullRounds = 6;  ///< Hulls of surroundings whose radius doubles.
 constexpr int kBluntRounds = 8;      ///< Corners whose neighbours change; two do nearly always.
 /// Corners of footprints stay angles of cells, of which few are to be below 12 degrees.
-constexpr double kSharpDegrees = 13;
+constexpr double kSharpDegrees = 13.5;
 constexpr double kMaxShift = 0.02 * grid::kSteps;
 constexpr const char* kTooThin = "too small or narrow for the merge distance";
 constexpr const char* kAtBoundary = "closer than the merge distance to the domain boundary";
@@ -190,19 +190,8 @@ void Simplifier::merge_clusters() {
 Outline Simplifier::repaired_outline(int round) {
   std::vector<const Polygon*> polygons;
   polygons.reserve(groups_.size());
-  Bounds2 box = Bounds2::nothing();
-  double length = 0;
-  std::size_t edges = 0;
-  for (const Group& group : groups_) {
-    polygons.push_back(&group.polygon);
-    for_each_edge(group.polygon, [&](Point2 a, Point2 b) {
-      box.extend(a);
-      length += grid::distance(a, b);
-      ++edges;
-    });
-  }
-  const double cell = std::max(2 * epsilon_, cell_size(box, length, edges));
-  Outline outline = make_outline(polygons, cell);
+  for (const Group& group : groups_) polygons.push_back(&group.polygon);
+  Outline outline = outline_for(polygons, epsilon_);
   // Gentle changes first, so that patches come before changes that cost more than they.
   constexpr std::array<double, 4> kCosts{0.5, 2, 8, std::numeric_limits<double>::infinity()};
   RepairOptions options;
@@ -418,7 +407,7 @@ bool Simplifier::blunt_corners() {
   if (std::none_of(groups_.begin(), groups_.end(), is_sharp)) return false;
   std::int64_t blunted = 0;
   for (int round = 0; round < kBluntRounds; ++round) {
-    progress_.update(0.81);
+    progress_.update(0.82);
     Outline outline = repaired_outline(0);
     const std::int64_t now = tetropolis::blunt_corners(outline, options);
     blunted += now;
@@ -525,6 +514,7 @@ Simplification Simplifier::run() {
     drop_small();
     if (!blunt_corners()) break;
   }
+  drop_small();  // what blunting, or the tidying before it, has left smaller
   progress_.update(0.85);
   std::sort(groups_.begin(), groups_.end(),
             [](const Group& a, const Group& b) { return a.members[0] < b.members[0]; });

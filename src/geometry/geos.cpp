@@ -139,16 +139,18 @@ Result read(const Context& context, const Geometry& geometry) {
   if (geometry.get() == nullptr) return std::nullopt;
   std::vector<Polygon> polygons;
   collect(context, geometry.get(), polygons);
-  const auto lower = [](const Ring& a, const Ring& b) {
-    return a[0].y < b[0].y || (a[0].y == b[0].y && a[0].x < b[0].x);
-  };
-  for (Polygon& polygon : polygons) std::sort(polygon.holes.begin(), polygon.holes.end(), lower);
+  for (Polygon& polygon : polygons)
+    std::sort(polygon.holes.begin(), polygon.holes.end(), comes_before);
   std::sort(polygons.begin(), polygons.end(),
-            [&](const Polygon& a, const Polygon& b) { return lower(a.outer, b.outer); });
+            [](const Polygon& a, const Polygon& b) { return comes_before(a.outer, b.outer); });
   return polygons;
 }
 
 }  // namespace
+
+bool comes_before(const Ring& a, const Ring& b) {
+  return a[0].y < b[0].y || (a[0].y == b[0].y && a[0].x < b[0].x);
+}
 
 Result unite(std::span<const Polygon> polygons, double grid) {
   // The union of a collection would sort the two into a tree first.

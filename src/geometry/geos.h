@@ -17,6 +17,10 @@ namespace tetropolis::geos {
 /// 0: in floating point. nullopt where GEOS gave up.
 using Result = std::optional<std::vector<Polygon>>;
 
+/// The order of results, by their outer rings, and of the holes of each: by the first vertex, which
+/// is the lowest, then leftmost one of its ring.
+bool comes_before(const Ring& a, const Ring& b);
+
 /// Union of valid polygons (which may overlap).
 Result unite(std::span<const Polygon> polygons, double grid);
 

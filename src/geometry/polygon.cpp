@@ -39,6 +39,13 @@ Polygon rectangle(const Bounds2& box) {
           {}};
 }
 
+std::vector<const Polygon*> pointers_to(std::span<const Polygon> polygons) {
+  std::vector<const Polygon*> pointers;
+  pointers.reserve(polygons.size());
+  for (const Polygon& polygon : polygons) pointers.push_back(&polygon);
+  return pointers;
+}
+
 const Polygon& largest(std::span<const Polygon> polygons) {
   assert(!polygons.empty());
   return *std::max_element(polygons.begin(), polygons.end(),

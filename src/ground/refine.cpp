@@ -14,6 +14,11 @@ namespace tetropolis {
 
 namespace {
 
+// Points on the sides of a corner are rounded: squares of distances that are equal but for that.
+constexpr double kEqual = 0.998;
+
+constexpr double kSquaredSine30 = 0.25;
+
 double squared_distance(Point2 p, Point2 q) {
   const double dx = p.x - q.x, dy = p.y - q.y;
   return dx * dx + dy * dy;
@@ -34,10 +39,7 @@ void check_options(const RefineOptions& options) {
 }  // namespace
 
 Refiner::Refiner(const PlanarGraph& graph, const RefineOptions& options, Construction& construction)
-    : options_(options),
-      construction_(construction),
-      mesh_(construction.mesh),
-      size_(graph, options) {
+    : options_(options), mesh_(construction.mesh), size_(graph, options) {
   const double angle = to_radians(options.min_angle_deg);
   // A hair more than asked, so that no rounding on the way to a measured angle falls below it.
   const double sine = portable(std::sin(angle) * (1 + 1e-9));
@@ -84,17 +86,17 @@ int Refiner::oversized_edge(const TriMesh::Triangle& x, const Shape& s) const {
 }
 
 // A skinny triangle that cannot be helped: it lies in, or across from, a corner of the input that
-// is sharper than the minimum angle. Across from it only if it is about as good as that corner
-// allows: of the ring between a shell and the next, twice as far, triangles have angles of
-// atan(sin a / (2 - cos a)) at a corner of angle a, and up to 34 degrees its sine is more than 3/4
-// of sin a. Where less is found a wall is longer than that and can be split.
+// is sharper than the minimum angle. Across from it only if it is no sharper than that corner: the
+// one on the edge between two points at distance r, whose apex lies at distance k * r on a side of
+// the corner of angle a, has the sine sin a / sqrt(k * k - 2 * k * cos a + 1), so that is so up to
+// k = 2 cos a. Where it is sharper, both sides are free further than that and can be split; no
+// vertex comes closer to another than that edge is long as long as a is at most 30 degrees.
 bool Refiner::excused(const TriMesh::Triangle& x, const Shape& s) const {
-  constexpr double kShareOfSine = 0.75;
   const int i = s.shortest();
   if (x.n[(i + 1) % 3] < 0 && x.n[(i + 2) % 3] < 0) return true;
   const double corner = squared_sine_across(x.v[(i + 1) % 3], x.v[(i + 2) % 3]);
-  return corner > 0 &&
-         s.twice_area * s.twice_area >= kShareOfSine * kShareOfSine * corner * (s.most * s.middle);
+  const double asked = kEqual * kEqual * std::min(corner, kSquaredSine30);
+  return corner > 0 && s.twice_area * s.twice_area >= asked * (s.most * s.middle);
 }
 
 // Of the corner, sharper than the minimum angle, between the two sides that x and y lie on, at the
@@ -108,7 +110,7 @@ double Refiner::squared_sine_across(std::int32_t x, std::int32_t y) const {
     const Point2 c = mesh_.point(w);
     const double dx2 = squared_distance(mesh_.point(x), c),
                  dy2 = squared_distance(mesh_.point(y), c);
-    if (dx2 < 0.998 * dy2 || dy2 < 0.998 * dx2) return 0.0;
+    if (dx2 < kEqual * dy2 || dy2 < kEqual * dx2) return 0.0;
     const Point2 p = mesh_.point(x), q = mesh_.point(y);
     const double dot = (p.x - c.x) * (q.x - c.x) + (p.y - c.y) * (q.y - c.y);
     if (!(dot > 0 && dot * dot > cosine_ * cosine_ * dx2 * dy2)) return 0.0;

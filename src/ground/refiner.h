@@ -171,7 +171,6 @@ class Refiner {
   const Piece& piece(std::int32_t p) const { return pieces_[static_cast<std::size_t>(p)]; }
 
   const RefineOptions& options_;
-  Construction& construction_;
   TriMesh& mesh_;
   SizeBound size_;
   std::vector<Piece> pieces_;

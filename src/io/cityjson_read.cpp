@@ -2,10 +2,7 @@
 #include <cmath>
 #include <cstdint>
 #include <cstdlib>
-#include <fstream>
-#include <iterator>
 #include <string_view>
-#include <system_error>
 #include <unordered_set>
 #include <utility>
 
@@ -17,6 +14,8 @@
 #include "tetropolis/io/crs.h"
 
 #include "cityjson_footprint.h"
+#include "input_file.h"
+#include "positioned_file.h"
 
 namespace tetropolis {
 
@@ -130,35 +129,24 @@ struct Document {
 };
 
 std::string read_text(const fs::path& path) {
-  std::error_code error;
-  if (!fs::exists(path, error))
-    throw Error(ErrorKind::kInput, path.string() + ": no such file; check the path");
-  if (!fs::is_directory(path, error) && !fs::is_regular_file(path, error))
-    throw Error(ErrorKind::kInput,
-                path.string() + ": is not an ordinary file; give a CityJSON file");
-  std::ifstream stream(path, std::ios::binary);
-  if (fs::is_directory(path, error) || !stream)
-    throw Error(ErrorKind::kInput, path.string() + ": cannot be opened; give a CityJSON file");
-  return {std::istreambuf_iterator<char>(stream), std::istreambuf_iterator<char>()};
+  const PositionedFile file(path);
+  return file.head(file.size());
 }
 
 Document parse(const fs::path& path) {
   const std::string text = read_text(path);
   KeyScan scan;
   if (!Json::sax_parse(text, &scan))
-    throw Error(
-        ErrorKind::kInput,
-        path.string() +
-            (scan.out_of_range
-                 ? fmt::format(": holds a number out of range at byte {}; the file is broken",
-                               scan.error_byte)
-                 : fmt::format(": is not valid JSON after byte {}; the file is cut or not CityJSON",
-                               scan.error_byte)));
+    fail_input(path,
+               scan.out_of_range
+                   ? fmt::format("holds a number out of range at byte {}; the file is broken",
+                                 scan.error_byte)
+                   : fmt::format("is not valid JSON after byte {}; the file is cut or not CityJSON",
+                                 scan.error_byte));
   std::unordered_set<std::string> seen;
   for (const std::string& key : scan.keys)
     if (!seen.insert(key).second)
-      throw Error(ErrorKind::kInput,
-                  fmt::format("{}: /CityObjects has two members '{}'", path.string(), key));
+      fail_input(path, fmt::format("/CityObjects has two members '{}'", key));
   return {Json::parse(text), std::move(scan.keys)};
 }
 

@@ -6,8 +6,12 @@
 #include <cstring>
 #include <limits>
 #include <string_view>
+#include <utility>
+
+#include <nlohmann/json.hpp>
 
 #include "tetropolis/core/error.h"
+#include "tetropolis/core/text.h"
 
 #include "gdal_support.h"
 
@@ -28,9 +32,11 @@ std::string expand_shorthand(const std::string& text) {
            std::all_of(s.begin(), s.end(), [](char c) { return c >= '0' && c <= '9'; });
   };
   if (digits(trimmed)) return "EPSG:" + trimmed;
-  constexpr std::string_view kUrl = "opengis.net/def/crs/EPSG/0/";
+  // Behind it the version of the database, 0 for any, and the code.
+  constexpr std::string_view kUrl = "opengis.net/def/crs/EPSG/";
   if (const std::size_t at = trimmed.find(kUrl); at != std::string::npos) {
-    const std::string code = trimmed.substr(at + kUrl.size());
+    const std::size_t slash = trimmed.find('/', at + kUrl.size());
+    const std::string code = slash == std::string::npos ? "" : trimmed.substr(slash + 1);
     if (digits(code)) return "EPSG:" + code;
   }
   return trimmed;
@@ -54,11 +60,32 @@ bool reduce_to_horizontal(OGRSpatialReferenceH srs) {
   return OSRIsProjected(srs) != 0 || OSRIsGeographic(srs) != 0;
 }
 
-std::string epsg_of(OGRSpatialReferenceH srs) {
+/// The code that the definition carries, "" if none.
+std::string stated_epsg(OGRSpatialReferenceH srs) {
   const char* authority = OSRGetAuthorityName(srs, nullptr);
   const char* code = OSRGetAuthorityCode(srs, nullptr);
   if (authority == nullptr || code == nullptr || std::strcmp(authority, "EPSG") != 0) return "";
   return std::string("EPSG:") + code;
+}
+
+bool is_known(const std::string& code) {
+  const QuietErrors errors;
+  return parse_srs(code) != nullptr;
+}
+
+/// The same without the code that it carries, by which alone PROJ would look for it; null if that
+/// fails.
+Srs without_code(OGRSpatialReferenceH srs) {
+  char* text = nullptr;
+  if (OSRExportToPROJJSON(srs, &text, nullptr) != OGRERR_NONE || text == nullptr) return nullptr;
+  nlohmann::json definition = nlohmann::json::parse(text, nullptr, false);
+  CPLFree(text);
+  if (!definition.is_object()) return nullptr;
+  definition.erase("id");
+  // Of a system with a transformation to WGS 84 the system is a member.
+  if (definition.contains("source_crs")) definition["source_crs"].erase("id");
+  const QuietErrors errors;
+  return parse_srs(definition.dump());
 }
 
 /// The same with axes east, north: systems that differ in the order of their axes only (EPSG:3042
@@ -88,7 +115,7 @@ std::string find_epsg(OGRSpatialReferenceH srs) {
   for (int i = 0; i < count && found.empty(); ++i) {
     // 90 and more: same definition, at most another spelling of the name. Below, only numbers that
     // agree in full convince; the name of a hand-made definition says nothing.
-    if (confidence[i] >= 90 || equivalent(srs, matches[i])) found = epsg_of(matches[i]);
+    if (confidence[i] >= 90 || equivalent(srs, matches[i])) found = stated_epsg(matches[i]);
   }
   OSRFreeSRSArray(matches);
   CPLFree(confidence);
@@ -120,7 +147,11 @@ std::string canonical_name(OGRSpatialReferenceH given) {
   if (given == nullptr) return "";
   Srs srs(OSRClone(given));
   if (!reduce_to_horizontal(srs.get())) return "";
-  if (std::string code = epsg_of(srs.get()); !code.empty()) return code;
+  if (std::string code = stated_epsg(srs.get()); !code.empty()) {
+    if (is_known(code)) return code;
+    // Some definitions carry codes of other authorities as EPSG's (102100).
+    if (Srs bare = without_code(srs.get()); bare != nullptr) srs = std::move(bare);
+  }
   if (std::string code = find_epsg(srs.get()); !code.empty()) return code;
   constexpr std::array<const char*, 3> kOptions = {"FORMAT=WKT2_2019", "MULTILINE=NO", nullptr};
   char* wkt = nullptr;
@@ -139,7 +170,7 @@ gdal::Srs require_srs(const std::string& text) {
   const gdal::QuietErrors errors;
   gdal::Srs srs = gdal::parse_srs(text);
   if (srs == nullptr)
-    throw Error(ErrorKind::kUsage, "'" + text.substr(0, 200) +
+    throw Error(ErrorKind::kUsage, "'" + first_bytes(text, 200) +
                                        "' is not a horizontal coordinate reference system" +
                                        errors.reason() + "; give it as EPSG:code, for example");
   return srs;
@@ -165,7 +196,7 @@ std::string crs_name(const std::string& crs) {
   if (text.empty() || text == "unknown") return "unnamed";  // as PROJ strings are
   for (char& c : text)
     if (c == '\n' || c == '\r') c = ' ';
-  return text.size() <= kLongest ? text : text.substr(0, kLongest) + "...";
+  return text.size() <= kLongest ? text : first_bytes(text, kLongest) + "...";
 }
 
 bool is_geographic(const std::string& crs) {

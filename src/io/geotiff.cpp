@@ -17,13 +17,13 @@
 #include <fmt/format.h>
 
 #include "tetropolis/city/city_model.h"
-#include "tetropolis/core/error.h"
 #include "tetropolis/core/foreign_code.h"
 #include "tetropolis/core/text.h"
 #include "tetropolis/io/atomic_file.h"
 #include "tetropolis/io/crs.h"
 
 #include "gdal_support.h"
+#include "input_file.h"
 
 namespace tetropolis {
 
@@ -33,10 +33,6 @@ namespace {
 
 constexpr const char* kDomainItem = "TETROPOLIS_DOMAIN";
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
-
-[[noreturn]] void fail(const fs::path& path, const std::string& what) {
-  throw Error(ErrorKind::kInput, path.string() + ": " + what);
-}
 
 /// A coordinate that came back from a file: the exact multiple of kCoordinateStep if it is one but
 /// for rounding, else itself.
@@ -114,14 +110,11 @@ struct Grid {
 };
 
 gdal::Dataset open_raster(const fs::path& path, const gdal::QuietErrors& errors) {
-  std::error_code error;
-  if (!fs::exists(path, error)) fail(path, "no such file; check the path");
-  if (fs::is_directory(path, error)) fail(path, "is a folder; name a raster file");
-  if (!fs::is_regular_file(path, error)) fail(path, "is not an ordinary file; name a raster file");
+  require_ordinary_file(path);
   gdal::Dataset dataset(
       GDALOpenEx(path.c_str(), GDAL_OF_RASTER | GDAL_OF_VERBOSE_ERROR, nullptr, nullptr, nullptr));
   if (dataset == nullptr)
-    fail(path, "not a readable raster" + errors.reason() + "; give a GeoTIFF");
+    fail_input(path, "not a readable raster" + errors.reason() + "; give a GeoTIFF");
   return dataset;
 }
 
@@ -130,20 +123,22 @@ Grid check_grid(const fs::path& path, GDALDatasetH dataset) {
   grid.nx = GDALGetRasterXSize(dataset);
   grid.ny = GDALGetRasterYSize(dataset);
   if (const int bands = GDALGetRasterCount(dataset); bands != 1)
-    fail(path, fmt::format("has {} bands; give a raster with the heights as its only band", bands));
-  if (grid.nx < 1 || grid.ny < 1) fail(path, "has no pixels");
+    fail_input(path,
+               fmt::format("has {} bands; give a raster with the heights as its only band", bands));
+  if (grid.nx < 1 || grid.ny < 1) fail_input(path, "has no pixels");
   if (static_cast<std::int64_t>(grid.nx) * grid.ny > (std::int64_t{1} << 31))
-    fail(path, fmt::format("{} x {} pixels are too many; cut it to the domain", grid.nx, grid.ny));
+    fail_input(path,
+               fmt::format("{} x {} pixels are too many; cut it to the domain", grid.nx, grid.ny));
   if (GDALGetGeoTransform(dataset, grid.transform.data()) != CE_None)
-    fail(path, "has no georeference; give a georeferenced GeoTIFF");
+    fail_input(path, "has no georeference; give a georeferenced GeoTIFF");
   const auto& t = grid.transform;
   if (!std::all_of(t.begin(), t.end(), [](double v) { return std::isfinite(v); }) || !(t[1] > 0))
-    fail(path, "has an invalid georeference; rewrite it with gdalwarp");
+    fail_input(path, "has an invalid georeference; rewrite it with gdalwarp");
   if (t[2] != 0 || t[4] != 0 || t[5] >= 0)
-    fail(path, "is rotated or south up; make it north up with gdalwarp");
+    fail_input(path, "is rotated or south up; make it north up with gdalwarp");
   if (std::abs(t[1] + t[5]) > 1e-6 * t[1])
-    fail(path,
-         fmt::format("has pixels of {} x {}; make them square with gdalwarp -tr", t[1], -t[5]));
+    fail_input(path, fmt::format("has pixels of {} x {}; make them square with gdalwarp -tr", t[1],
+                                 -t[5]));
   return grid;
 }
 
@@ -166,14 +161,14 @@ std::vector<double> read_values(const fs::path& path, GDALDatasetH dataset, cons
   try {
     values.resize(nx * static_cast<std::size_t>(grid.ny));
   } catch (const std::bad_alloc&) {
-    fail(path, "does not fit into memory; cut it to the domain");
+    fail_input(path, "does not fit into memory; cut it to the domain");
   }
   for (int line = 0; line < grid.ny; ++line) {
     double* row = values.data() + static_cast<std::size_t>(grid.ny - 1 - line) * nx;
     if (GDALRasterIO(band, GF_Read, 0, line, grid.nx, 1, row, grid.nx, 1, GDT_Float64, 0, 0) !=
         CE_None)
-      fail(path, fmt::format("row {} cannot be read{}; the file is cut or broken", line,
-                             errors.reason()));
+      fail_input(path, fmt::format("row {} cannot be read{}; the file is cut or broken", line,
+                                   errors.reason()));
     for (std::size_t i = 0; i < nx; ++i) {
       const bool missing = has_nodata != 0 && (row[i] == nodata || row[i] == nodata_stored);
       if (scale != 1 || offset != 0) row[i] = row[i] * scale + offset;
@@ -240,8 +235,9 @@ double height_unit(const fs::path& path, GDALDatasetH dataset) {
   if (name.empty()) return gdal::vertical_unit_metres(GDALGetSpatialRef(dataset));
   for (const auto& [unit, metres] : kUnits)
     if (name == unit) return metres;
-  fail(path, fmt::format("heights are in '{}', which is no known unit; convert them to metres",
-                         name.substr(0, 40)));
+  fail_input(path,
+             fmt::format("heights are in '{}', which is no known unit; convert them to metres",
+                         first_bytes(name, 40)));
 }
 
 /// Of a system that is neither projected nor geographic, which canonical names leave out.
@@ -250,7 +246,7 @@ void require_local_metres(const fs::path& path, GDALDatasetH dataset) {
   if (srs == nullptr || OSRIsLocal(srs) == 0) return;
   const double unit = OSRGetLinearUnits(srs, nullptr);
   if (std::abs(unit - 1) > 1e-9)
-    fail(path, fmt::format("coordinates are in units of {} m; convert them to metres", unit));
+    fail_input(path, fmt::format("coordinates are in units of {} m; convert them to metres", unit));
 }
 
 std::optional<Bounds2> parse_domain(const char* text, Point2 origin) {
@@ -301,10 +297,13 @@ RasterInput read_raster(const fs::path& path, Point2 origin) {
   const ForeignCode gdal_code(path.c_str());
   gdal::initialise();
   const gdal::QuietErrors errors;
-  const gdal::ThreadOption no_side_car("GDAL_PAM_ENABLED", "NO");
   const gdal::Dataset dataset = open_raster(path, errors);
   const Grid grid = check_grid(path, dataset.get());
   require_local_metres(path, dataset.get());
+  // A value, and its place in the queue of fill_missing.
+  constexpr double kPerPixel = 16;
+  require_memory(path, kPerPixel * grid.nx * grid.ny,
+                 fmt::format("read {} x {} pixels", grid.nx, grid.ny), "cut it to the domain");
   const auto& t = grid.transform;
   RasterInput result;
   Raster& raster = result.raster;
@@ -316,7 +315,7 @@ RasterInput read_raster(const fs::path& path, Point2 origin) {
   raster.y0 = restore(t[3] - raster.step / 2 - (raster.ny - 1) * raster.step - origin.y);
   result.filled = fill_missing(raster);
   if (result.filled == static_cast<std::int64_t>(raster.values.size()))
-    fail(path, fmt::format("none of its {} pixels has a value", result.filled));
+    fail_input(path, fmt::format("none of its {} pixels has a value", result.filled));
   if (result.filled > 0)
     result.warnings.push_back(
         {"raster_filled", result.filled,

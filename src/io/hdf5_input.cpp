@@ -6,8 +6,9 @@
 
 #include <hdf5.h>
 
-#include "tetropolis/core/error.h"
 #include "tetropolis/core/foreign_code.h"
+
+#include "input_file.h"
 
 namespace tetropolis {
 
@@ -18,6 +19,7 @@ namespace {
 constexpr std::uint64_t kMostInflated = 1100;
 
 hid_t open_file(const std::filesystem::path& path) {
+  require_ordinary_file(path);
   const QuietHdf5 quiet;
   const ForeignCode guard(path.c_str());
   return H5Fopen(path.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT);
@@ -27,10 +29,7 @@ hid_t open_file(const std::filesystem::path& path) {
 
 Hdf5Input::Hdf5Input(std::filesystem::path path)
     : path_(std::move(path)), file_(open_file(path_), H5Fclose) {
-  std::error_code error;
-  if (file_.good()) return;
-  if (!std::filesystem::exists(path_, error)) fail("no such file");
-  fail("cannot be read, is not an HDF5 file, or is cut; write it again");
+  if (!file_.good()) fail("cannot be read, is not an HDF5 file, or is cut; write it again");
 }
 
 Hdf5Handle Hdf5Input::open(const Hdf5Dataset& wanted) const {
@@ -71,8 +70,6 @@ void Hdf5Input::read_all(const Hdf5Dataset& wanted, void* rows) const {
     fail("dataset " + wanted.path + " cannot be read: the file is cut or broken; write it again");
 }
 
-void Hdf5Input::fail(const std::string& what) const {
-  throw Error(ErrorKind::kInput, path_.string() + ": " + what);
-}
+void Hdf5Input::fail(const std::string& what) const { fail_input(path_, what); }
 
 }  // namespace tetropolis

@@ -15,6 +15,7 @@
 
 #include "tetropolis/core/foreign_code.h"
 
+#include "input_file.h"
 #include "positioned_file.h"
 
 namespace tetropolis {
@@ -58,9 +59,9 @@ void decode_plain(const fs::path& path, const LasLayout& layout, std::int64_t fi
     const std::int64_t at = layout.first_point + (first + done) * static_cast<std::int64_t>(length);
     const std::size_t got = file.read(at, bytes.data(), n * length) / length;
     if (got < n)
-      fail_las(path,
-               fmt::format("ends at point {} of {}: the file is cut; get it again",
-                           first + done + static_cast<std::int64_t>(got), layout.info.point_count));
+      fail_input(path, fmt::format("ends at point {} of {}: the file is cut; get it again",
+                                   first + done + static_cast<std::int64_t>(got),
+                                   layout.info.point_count));
     for (std::size_t i = 0; i < n; ++i)
       parse_record(bytes.data() + i * length, extended, i, *numbers);
     visit(numbers->first(n));
@@ -118,7 +119,7 @@ class LazReader {
   /// locked.
   LazReader(const fs::path& path, const LasLayout& layout, bool tells_position)
       : path_(path), layout_(layout) {
-    if (laszip_create(&reader_) != 0) fail_las(path, "the LASzip library cannot be used");
+    if (laszip_create(&reader_) != 0) fail_input(path, "the LASzip library cannot be used");
     // Of the layered formats only these layers are unpacked; the others have no layers.
     laszip_decompress_selective(reader_, laszip_DECOMPRESS_SELECTIVE_CHANNEL_RETURNS_XY |
                                              laszip_DECOMPRESS_SELECTIVE_Z |
@@ -132,8 +133,8 @@ class LazReader {
     if (!opened || laszip_get_point_pointer(reader_, &point_) != 0) {
       const std::string reason = error();
       laszip_destroy(reader_);
-      fail_las(path,
-               "cannot be opened by LASzip: " + reason + "; get it again or convert it to LAS");
+      fail_input(path,
+                 "cannot be opened by LASzip: " + reason + "; get it again or convert it to LAS");
     }
   }
   ~LazReader() {
@@ -184,15 +185,16 @@ class LazReader {
   [[noreturn]] void fail_at(std::int64_t number) const {
     const std::int64_t total = layout_.info.point_count;
     if (layout_.chunk_table_missing)
-      fail_las(path_,
-               fmt::format("ends at point {} of {}: the file is cut; get it again", number, total));
+      fail_input(path_, fmt::format("ends at point {} of {}: the file is cut; get it again", number,
+                                    total));
     // LASzip says of every exception, also of one for want of memory, that it is an internal error.
     const std::string reason = error();
     const bool unclear = reason.find("internal error") != std::string::npos;
-    fail_las(path_,
-             fmt::format("cannot be decompressed at point {} of {} (LASzip: {}): {}; get it again",
-                         number, total, reason,
-                         unclear ? "the file is broken, or memory ran out" : "the file is broken"));
+    fail_input(
+        path_,
+        fmt::format("cannot be decompressed at point {} of {} (LASzip: {}): {}; get it again",
+                    number, total, reason,
+                    unclear ? "the file is broken, or memory ran out" : "the file is broken"));
   }
 
   const fs::path& path_;
@@ -223,9 +225,9 @@ std::int64_t decode_laz(const fs::path& path, const LasLayout& layout, std::int6
   // All writers known end the last chunk where its last point does, to the byte.
   const std::int64_t left = layout.chunk_table - reader.position();
   if (left < 0)
-    fail_las(path, fmt::format("the header counts {} points, but fewer are there: the last bytes "
-                               "read are not theirs; get it again",
-                               layout.info.point_count));
+    fail_input(path, fmt::format("the header counts {} points, but fewer are there: the last bytes "
+                                 "read are not theirs; get it again",
+                                 layout.info.point_count));
   return left;
 }
 
@@ -261,9 +263,9 @@ std::int64_t check_layers(const fs::path& path, const LasLayout& layout) {
   };
   const auto require = [&](bool holds, const Chunk& chunk, const char* what) {
     if (!holds)
-      fail_las(path, fmt::format("the chunk of points from {} on, at byte {}, {}: the file is "
-                                 "broken; get it again",
-                                 chunk.point, chunk.at, what));
+      fail_input(path, fmt::format("the chunk of points from {} on, at byte {}, {}: the file is "
+                                   "broken; get it again",
+                                   chunk.point, chunk.at, what));
   };
   const bool has_table = layout.chunk_table != 0;
   const PositionedFile file(path);
@@ -274,8 +276,9 @@ std::int64_t check_layers(const fs::path& path, const LasLayout& layout) {
   std::vector<Chunk> chunks;
   for (Chunk next{0, layout.first_point + 8}; next.point < points;) {
     if (has_table && next.at >= layout.chunk_table)
-      fail_las(path, fmt::format("the header counts {} points, but only {} are there; get it again",
-                                 points, next.point));
+      fail_input(path,
+                 fmt::format("the header counts {} points, but only {} are there; get it again",
+                             points, next.point));
     if (file.read(next.at + layout.info.record_length, numbers.data(), length) < length &&
         !has_table)
       return -1;
@@ -305,10 +308,10 @@ std::int64_t check_layers(const fs::path& path, const LasLayout& layout) {
 
 void check_las_length(const fs::path& path, const LasLayout& layout) {
   if (layout.info.compressed) return;
-  const std::int64_t fit = (layout.file_size - layout.first_point) / layout.info.record_length;
+  const std::int64_t fit = (layout.points_end - layout.first_point) / layout.info.record_length;
   if (layout.info.point_count > fit)
-    fail_las(path, fmt::format("ends at point {} of {}: the file is cut; get it again", fit,
-                               layout.info.point_count));
+    fail_input(path, fmt::format("ends at point {} of {}: the file is cut; get it again", fit,
+                                 layout.info.point_count));
 }
 
 }  // namespace tetropolis

@@ -69,7 +69,7 @@ std::int64_t decode_points(const std::filesystem::path& path, const LasLayout& l
 /// for which it does nothing if they have no layers.
 std::int64_t check_layers(const std::filesystem::path& path, const LasLayout& layout);
 
-/// Throws if an uncompressed file is too short for its count.
+/// Throws if an uncompressed file has no room for its count before what follows the points.
 void check_las_length(const std::filesystem::path& path, const LasLayout& layout);
 
 }  // namespace tetropolis

@@ -10,9 +10,9 @@
 
 #include <fmt/format.h>
 
-#include "tetropolis/core/error.h"
 #include "tetropolis/core/parallel.h"
 
+#include "input_file.h"
 #include "positioned_file.h"
 
 namespace tetropolis {
@@ -52,14 +52,13 @@ std::string text_at(std::string_view bytes, std::size_t at, std::size_t size) {
 }
 
 std::string read_front(const fs::path& path, const PositionedFile& file) {
-  std::string bytes(static_cast<std::size_t>(std::min<std::int64_t>(file.size(), 375)), '\0');
-  bytes.resize(file.read(0, bytes.data(), bytes.size()));
-  if (bytes.empty()) fail_las(path, "the file is empty; get it again");
+  std::string bytes = file.head(375);
+  if (bytes.empty()) fail_input(path, "the file is empty; get it again");
   if (bytes.substr(0, 4) != "LASF")
-    fail_las(path, "is not a LAS or LAZ file (it does not start with LASF); give a point cloud");
+    fail_input(path, "is not a LAS or LAZ file (it does not start with LASF); give a point cloud");
   if (bytes.size() < 227)
-    fail_las(path, fmt::format("ends at byte {} within its header; the file is cut, get it again",
-                               bytes.size()));
+    fail_input(path, fmt::format("ends at byte {} within its header; the file is cut, get it again",
+                                 bytes.size()));
   return bytes;
 }
 
@@ -68,38 +67,40 @@ void parse_fixed(const fs::path& path, std::string_view h, LasLayout& layout) {
   info.version_major = number_at<std::uint8_t>(h, 24);
   info.version_minor = number_at<std::uint8_t>(h, 25);
   if (info.version_major != 1 || info.version_minor > 4)
-    fail_las(path, fmt::format("byte 24 says LAS {}.{}; only 1.0 to 1.4 exist", info.version_major,
-                               info.version_minor));
+    fail_input(path, fmt::format("byte 24 says LAS {}.{}; only 1.0 to 1.4 exist",
+                                 info.version_major, info.version_minor));
   const int header_size = number_at<std::uint16_t>(h, 94);
   const int smallest = info.version_minor == 4 ? 375 : info.version_minor == 3 ? 235 : 227;
   if (header_size < smallest)
-    fail_las(path,
-             fmt::format("byte 94 gives a header of {} bytes where LAS 1.{} needs {}; the file "
-                         "is broken",
-                         header_size, info.version_minor, smallest));
+    fail_input(path,
+               fmt::format("byte 94 gives a header of {} bytes where LAS 1.{} needs {}; the file "
+                           "is broken",
+                           header_size, info.version_minor, smallest));
   if (h.size() < static_cast<std::size_t>(smallest))
-    fail_las(path, fmt::format("ends at byte {} within its header; the file is cut, get it again",
-                               h.size()));
+    fail_input(path, fmt::format("ends at byte {} within its header; the file is cut, get it again",
+                                 h.size()));
   layout.first_point = number_at<std::uint32_t>(h, 96);
   if (layout.first_point < header_size)
-    fail_las(path, fmt::format("byte 96 says that points start at byte {}, inside the header of {} "
-                               "bytes; the file is broken",
-                               layout.first_point, header_size));
+    fail_input(path,
+               fmt::format("byte 96 says that points start at byte {}, inside the header of {} "
+                           "bytes; the file is broken",
+                           layout.first_point, header_size));
   if (layout.first_point > layout.file_size)
-    fail_las(path, fmt::format("ends at byte {}, before its points start at byte {}; the file is "
-                               "cut, get it again",
-                               layout.file_size, layout.first_point));
+    fail_input(path, fmt::format("ends at byte {}, before its points start at byte {}; the file is "
+                                 "cut, get it again",
+                                 layout.file_size, layout.first_point));
   const int format = number_at<std::uint8_t>(h, 104);
   info.compressed = (format & 0x80) != 0;
   info.point_format = format & 0x3F;
   if (info.point_format > 10 || (format & 0x40) != 0)
-    fail_las(path, fmt::format("byte 104 gives point format {}; only 0 to 10 are known", format));
+    fail_input(path, fmt::format("byte 104 gives point format {}; only 0 to 10 are known", format));
   info.record_length = number_at<std::uint16_t>(h, 105);
   const int needed = kRecordLengths[static_cast<std::size_t>(info.point_format)];
   if (info.record_length < needed)
-    fail_las(path, fmt::format("byte 105 gives records of {} bytes where point format {} needs {}; "
-                               "the file is broken",
-                               info.record_length, info.point_format, needed));
+    fail_input(path,
+               fmt::format("byte 105 gives records of {} bytes where point format {} needs {}; "
+                           "the file is broken",
+                           info.record_length, info.point_format, needed));
 }
 
 void parse_numbers(const fs::path& path, std::string_view h, LasInfo& info) {
@@ -112,8 +113,9 @@ void parse_numbers(const fs::path& path, std::string_view h, LasInfo& info) {
     const double scale = std::abs(info.scale[axis]);
     if (!(scale >= kLeastScale && scale <= kLargestScale &&
           std::abs(info.offset[axis]) <= (axis < 2 ? kLargestOffset : kLargestElevation)))
-      fail_las(path, fmt::format("byte {} gives scale {} and offset {} for {}; the file is broken",
-                                 131 + 8 * axis, info.scale[axis], info.offset[axis], "xyz"[axis]));
+      fail_input(path,
+                 fmt::format("byte {} gives scale {} and offset {} for {}; the file is broken",
+                             131 + 8 * axis, info.scale[axis], info.offset[axis], "xyz"[axis]));
     if (info.scale[axis] < 0)
       info.warnings.push_back(
           {"las_scale_negative", 1,
@@ -125,7 +127,7 @@ void parse_numbers(const fs::path& path, std::string_view h, LasInfo& info) {
   const std::uint64_t extended = info.version_minor == 4 ? number_at<std::uint64_t>(h, 247) : 0;
   const std::uint64_t count = extended != 0 ? extended : legacy;
   if (count > (std::uint64_t{1} << 62))
-    fail_las(path, fmt::format("byte 247 gives {} points; the file is broken", count));
+    fail_input(path, fmt::format("byte 247 gives {} points; the file is broken", count));
   info.point_count = static_cast<std::int64_t>(count);
 }
 
@@ -154,7 +156,7 @@ std::vector<Vlr> read_vlrs(const fs::path& path, const PositionedFile& file, std
     const std::string what = fmt::format(
         "byte 100 gives {} variable length records, but only {} fit before the points at byte {}",
         claimed, vlrs.size(), end);
-    if (layout.info.compressed) fail_las(path, what + "; the file is broken, get it again");
+    if (layout.info.compressed) fail_input(path, what + "; the file is broken, get it again");
     layout.info.warnings.push_back({"las_vlrs_broken", 1, path.string() + ": " + what});
   }
   return vlrs;
@@ -185,14 +187,28 @@ void read_evlrs(const PositionedFile& file, std::string_view h, const LasLayout&
   }
 }
 
+/// Whether a record is where the header says that those behind the points start: its name is text
+/// and it fits into the file.
+bool has_evlr_at(const PositionedFile& file, std::int64_t at) {
+  std::string head(static_cast<std::size_t>(kEvlrHeader), '\0');
+  if (file.read(at, head.data(), head.size()) < head.size()) return false;
+  const std::string name = head.substr(2, 16);
+  return std::all_of(name.begin(), name.end(),
+                     [](char c) { return c == '\0' || (c >= ' ' && c <= '~'); }) &&
+         number_at<std::uint64_t>(head, 20) <=
+             static_cast<std::uint64_t>(file.size() - at - kEvlrHeader);
+}
+
 /// Uncompressed files: where the records may end, and the count if the header has none.
-void settle_records(const fs::path& path, std::string_view h, LasLayout& layout) {
+void settle_records(const fs::path& path, const PositionedFile& file, std::string_view h,
+                    LasLayout& layout) {
   LasInfo& info = layout.info;
   layout.points_end = layout.file_size;
   if (info.version_minor == 4 && number_at<std::uint32_t>(h, 243) > 0) {
     const auto start = number_at<std::uint64_t>(h, 235);
     if (start >= static_cast<std::uint64_t>(layout.first_point) &&
-        start < static_cast<std::uint64_t>(layout.file_size))
+        start < static_cast<std::uint64_t>(layout.file_size) &&
+        has_evlr_at(file, static_cast<std::int64_t>(start)))
       layout.points_end = static_cast<std::int64_t>(start);
   }
   if (info.compressed) return;
@@ -222,22 +238,23 @@ void settle_compression(const fs::path& path, const PositionedFile& file,
     if (vlr.user_id != "laszip encoded" || vlr.record_id != 22204) continue;
     ++found;
     const std::string problem = check_laszip_record(vlr.data, layout.info.record_length, record);
-    if (!problem.empty()) fail_las(path, problem + "; get the file again or convert it to LAS");
+    if (!problem.empty()) fail_input(path, problem + "; get the file again or convert it to LAS");
   }
   if (found != 1)
-    fail_las(path,
-             fmt::format("is compressed but has {} LASzip records; the file is broken", found));
+    fail_input(path,
+               fmt::format("is compressed but has {} LASzip records; the file is broken", found));
   if (layout.info.point_count > std::numeric_limits<std::uint32_t>::max())
-    fail_las(path, fmt::format("has {} points; LASzip finds no more than {} in one file, split it",
-                               layout.info.point_count, std::numeric_limits<std::uint32_t>::max()));
+    fail_input(path,
+               fmt::format("has {} points; LASzip finds no more than {} in one file, split it",
+                           layout.info.point_count, std::numeric_limits<std::uint32_t>::max()));
   if (record.compressor == 1) return;
   layout.layers = record.layers;
   const std::int64_t size = layout.file_size;
   std::int64_t table = -1;
   if (file.read(layout.first_point, &table, sizeof table) < sizeof table) {
     if (layout.info.point_count == 0) return;
-    fail_las(path, fmt::format("ends at point 0 of {}: the file is cut; get it again",
-                               layout.info.point_count));
+    fail_input(path, fmt::format("ends at point 0 of {}: the file is cut; get it again",
+                                 layout.info.point_count));
   }
   if (table == -1) file.read(size - 8, &table, sizeof table);
   std::array<std::uint32_t, 2> head{};  // Version and number of chunks.
@@ -247,10 +264,10 @@ void settle_compression(const fs::path& path, const PositionedFile& file,
     if (layout.info.point_count == 0) return;
     // Chunks of equal size can be decoded one after the other until the file ends.
     if (variable)
-      fail_las(path,
-               fmt::format("ends at byte {} without its table of chunks: the file is cut; get "
-                           "it again",
-                           size));
+      fail_input(path,
+                 fmt::format("ends at byte {} without its table of chunks: the file is cut; get "
+                             "it again",
+                             size));
     layout.chunk_table_missing = true;
     return;
   }
@@ -260,14 +277,15 @@ void settle_compression(const fs::path& path, const PositionedFile& file,
       variable ? chunks : (points + record.chunk_size - 1) / record.chunk_size;
   // A chunk takes bytes; the decoder reserves memory for as many as are claimed.
   if (head[0] != 0 || chunks > size - layout.first_point)
-    fail_las(path, fmt::format("the chunk table at byte {} has {} chunks; the file is broken, get "
-                               "it again",
-                               table, chunks));
+    fail_input(path,
+               fmt::format("the chunk table at byte {} has {} chunks; the file is broken, get "
+                           "it again",
+                           table, chunks));
   // Some writers end with an empty chunk.
   if (points == 0 && chunks > 0 && table - layout.first_point - 8 >= layout.info.record_length)
-    fail_las(path, fmt::format("the header counts 0 points, but {} bytes of compressed points "
-                               "follow; the count is wrong, get the file again or repair it",
-                               table - layout.first_point - 8));
+    fail_input(path, fmt::format("the header counts 0 points, but {} bytes of compressed points "
+                                 "follow; the count is wrong, get the file again or repair it",
+                                 table - layout.first_point - 8));
   layout.chunk_table = table;
   layout.variable_chunks = variable;
   if (!variable && chunks > expected + 1)
@@ -280,10 +298,6 @@ void settle_compression(const fs::path& path, const PositionedFile& file,
 }
 
 }  // namespace
-
-void fail_las(const fs::path& path, const std::string& what) {
-  throw Error(ErrorKind::kInput, path.string() + ": " + what);
-}
 
 std::string check_laszip_record(std::string_view data, int record_length, LaszipRecord& record) {
   // LASzip record: compressor, coder, version, options, chunk size, two 64-bit numbers, number of
@@ -339,7 +353,7 @@ LasLayout read_las_layout(const fs::path& path, LasSystems& systems) {
   parse_fixed(path, front, layout);
   parse_numbers(path, front, layout.info);
   std::vector<Vlr> vlrs = read_vlrs(path, file, front, layout);
-  settle_records(path, front, layout);
+  settle_records(path, file, front, layout);
   if (layout.info.compressed) settle_compression(path, file, vlrs, layout);
   read_evlrs(file, front, layout, vlrs);
   bool stated = false;

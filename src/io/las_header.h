@@ -13,9 +13,6 @@
 
 namespace tetropolis {
 
-/// Throws Error(kInput, "PATH: WHAT").
-[[noreturn]] void fail_las(const std::filesystem::path& path, const std::string& what);
-
 /// Where points are, as far as it was checked.
 struct LasLayout {
   LasInfo info;

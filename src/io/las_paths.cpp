@@ -5,10 +5,10 @@
 
 #include <glob.h>
 
-#include "tetropolis/core/error.h"
 #include "tetropolis/core/text.h"
+#include "tetropolis/io/las.h"
 
-#include "las_header.h"
+#include "input_file.h"
 
 namespace tetropolis {
 
@@ -30,8 +30,8 @@ std::vector<fs::path> clouds_in(const fs::path& folder) {
     if (has_las_extension(entry->path()) && !entry->is_directory() &&
         !entry->path().filename().string().starts_with('.'))
       files.push_back(entry->path());
-  if (error) fail_las(folder, "the folder cannot be read: " + error.message());
-  if (files.empty()) fail_las(folder, "the folder holds no .las or .laz files");
+  if (error) fail_input(folder, "the folder cannot be read: " + error.message());
+  if (files.empty()) fail_input(folder, "the folder holds no .las or .laz files");
   return files;
 }
 
@@ -65,16 +65,16 @@ std::vector<fs::path> expand_point_paths(std::span<const std::string> arguments)
       continue;
     }
     if (argument.find_first_of("*?[") == std::string::npos)
-      fail_las(argument, "no such file or folder; check the path");
+      fail_input(argument, "no such file or folder; check the path");
     const std::vector<fs::path> matches = matches_of(argument);
-    if (matches.empty()) fail_las(argument, "matches no file; check the pattern");
+    if (matches.empty()) fail_input(argument, "matches no file; check the pattern");
     for (const fs::path& match : matches) add(match, found);
   }
   std::vector<std::pair<fs::path, fs::path>> keyed;
   for (fs::path& path : found) {
     std::error_code error;
     fs::path key = fs::canonical(path, error);
-    if (error) fail_las(path, "no such file; check the path");
+    if (error) fail_input(path, "no such file; check the path");
     keyed.emplace_back(std::move(key), std::move(path));
   }
   std::sort(keyed.begin(), keyed.end());

@@ -13,6 +13,7 @@
 #include "tetropolis/core/parallel.h"
 #include "tetropolis/io/crs.h"
 
+#include "input_file.h"
 #include "las_decode.h"
 #include "point_collector.h"
 
@@ -277,8 +278,8 @@ void check_chunks(const fs::path& path, FilePlan& plan) {
   const std::int64_t points = plan.layout.info.point_count;
   const std::int64_t counted = (points - 1) % plan.layout.chunk_size + 1;
   if (found < counted)
-    fail_las(path, fmt::format("the header counts {} points, but only {} are there; get it again",
-                               points, points - counted + found));
+    fail_input(path, fmt::format("the header counts {} points, but only {} are there; get it again",
+                                 points, points - counted + found));
   if (found > counted)
     plan.warnings.push_back(
         {"las_count_small", found - counted,
@@ -495,9 +496,10 @@ Point2 origin_of(const ReadPointsOptions& options, std::span<const fs::path> pat
 void require_room(const Bounds2& extent, Point2 origin, const fs::path& path) {
   const double farthest = std::max({-extent.xmin, -extent.ymin, extent.xmax, extent.ymax});
   if (farthest > PointCoordinate::kMost)
-    fail_las(path, fmt::format("points lie {:.0f} km from ({:.0f}, {:.0f}), and no more than "
-                               "{:.0f} km can be stored; give smaller bounds",
-                               farthest / 1000, origin.x, origin.y, PointCoordinate::kMost / 1000));
+    fail_input(path,
+               fmt::format("points lie {:.0f} km from ({:.0f}, {:.0f}), and no more than "
+                           "{:.0f} km can be stored; give smaller bounds",
+                           farthest / 1000, origin.x, origin.y, PointCoordinate::kMost / 1000));
 }
 
 }  // namespace

@@ -2,8 +2,7 @@
 
 #include <fmt/format.h>
 
-#include "tetropolis/core/error.h"
-#include "tetropolis/core/system_memory.h"
+#include "input_file.h"
 
 namespace tetropolis {
 
@@ -12,19 +11,27 @@ namespace {
 // TetMesh, and what check_volume takes beside it.
 constexpr double kPerPoint = 28;
 constexpr double kPerCell = 56;
+// SurfaceMesh, and its patches as numbers.
+constexpr double kPerSurfacePoint = 24;
+constexpr double kPerTriangle = 24;
+
+constexpr const char* kRemedy = "use a machine with more memory";
 
 }  // namespace
 
 void require_room_for_mesh(const std::filesystem::path& path, std::uint64_t points,
                            std::uint64_t cells) {
-  const double bytes =
-      kPerPoint * static_cast<double>(points) + kPerCell * static_cast<double>(cells);
-  const double room = usable_memory();
-  if (bytes <= room) return;
-  throw Error(ErrorKind::kInput,
-              fmt::format("{}: to read and check its {} cells takes about {:.1f} GB, and {:.1f} GB "
-                          "are there; use a machine with more memory",
-                          path.string(), cells, bytes / 1e9, room / 1e9));
+  require_memory(path,
+                 kPerPoint * static_cast<double>(points) + kPerCell * static_cast<double>(cells),
+                 fmt::format("read and check its {} cells", cells), kRemedy);
+}
+
+void require_room_for_surface(const std::filesystem::path& path, std::uint64_t points,
+                              std::uint64_t triangles) {
+  require_memory(path,
+                 kPerSurfacePoint * static_cast<double>(points) +
+                     kPerTriangle * static_cast<double>(triangles),
+                 fmt::format("read its {} points and {} triangles", points, triangles), kRemedy);
 }
 
 }  // namespace tetropolis

@@ -12,9 +12,13 @@
 namespace tetropolis {
 
 /// Throws Error(kInput) if the machine has not the memory for so many points and tets and for what
-/// checking them takes: without it the system ends the program and nobody says why.
+/// checking them takes.
 void require_room_for_mesh(const std::filesystem::path& path, std::uint64_t points,
                            std::uint64_t cells);
+
+/// The same for a surface, without checking it.
+void require_room_for_surface(const std::filesystem::path& path, std::uint64_t points,
+                              std::uint64_t triangles);
 
 /// One patch per face. fail(what) is called for the first number that is none, and must throw.
 template <typename Fail>

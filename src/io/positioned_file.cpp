@@ -1,7 +1,7 @@
 #include "positioned_file.h"
 
+#include <algorithm>
 #include <cerrno>
-#include <string>
 #include <system_error>
 
 #include <fcntl.h>
@@ -9,7 +9,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-#include "tetropolis/core/error.h"
+#include "input_file.h"
 
 namespace tetropolis {
 
@@ -17,22 +17,24 @@ namespace fs = std::filesystem;
 
 namespace {
 
-[[noreturn]] void fail(const fs::path& path, const std::string& what) {
-  throw Error(ErrorKind::kInput, path.string() + ": " + what);
+int open_ordinary(const fs::path& path) {
+  require_ordinary_file(path);
+  return ::open(path.c_str(), O_RDONLY | O_CLOEXEC);
 }
 
 }  // namespace
 
-PositionedFile::PositionedFile(const fs::path& path)
-    // Without waiting: a pipe that nobody writes to would hold us up before it can be refused.
-    : path_(path), file_(::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK)) {
-  if (!file_.good())
-    fail(path, errno == ENOENT ? std::string("no such file; check the path")
-                               : "cannot be opened: " + std::generic_category().message(errno));
+PositionedFile::PositionedFile(const fs::path& path) : path_(path), file_(open_ordinary(path)) {
   struct stat status {};
-  if (::fstat(file_.get(), &status) != 0 || !S_ISREG(status.st_mode))
-    fail(path, "is not an ordinary file");
+  if (!file_.good() || ::fstat(file_.get(), &status) != 0)
+    fail_input(path, "cannot be opened: " + std::generic_category().message(errno));
   size_ = status.st_size;
+}
+
+std::string PositionedFile::head(std::int64_t most) const {
+  std::string bytes(static_cast<std::size_t>(std::min(most, size_)), '\0');
+  bytes.resize(read(0, bytes.data(), bytes.size()));
+  return bytes;
 }
 
 std::size_t PositionedFile::read(std::int64_t position, void* data, std::size_t size) const {
@@ -43,9 +45,9 @@ std::size_t PositionedFile::read(std::int64_t position, void* data, std::size_t 
     if (n == 0) break;
     if (n < 0 && errno == EINTR) continue;
     if (n < 0)
-      fail(path_,
-           fmt::format("cannot be read at byte {}: {}", position + static_cast<std::int64_t>(done),
-                       std::generic_category().message(errno)));
+      fail_input(path_, fmt::format("cannot be read at byte {}: {}",
+                                    position + static_cast<std::int64_t>(done),
+                                    std::generic_category().message(errno)));
     done += static_cast<std::size_t>(n);
   }
   return done;

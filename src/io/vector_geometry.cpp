@@ -54,22 +54,31 @@ void put_widest_ring_first(Polygon& polygon) {
     if (encloses(hole, polygon.outer)) std::swap(hole, polygon.outer);
 }
 
-/// Several yards are polygons of their own for GDAL then: parts within a part, turned against it.
-/// They become holes again; parts that turn alike stay parts, whatever they overlap.
-void take_yards_for_holes(std::vector<PolygonPart>& parts) {
-  const auto turn = [](const PolygonPart& part) { return signed_area(part.polygon.outer) > 0; };
-  const auto alike = [&](const PolygonPart& part) { return turn(part) == turn(parts.front()); };
-  if (parts.size() < 2 || std::all_of(parts.begin(), parts.end(), alike)) return;
-  // A city may be one multipolygon: from west to east, each is compared with those that reach it.
-  std::vector<Bounds2> boxes;
-  for (const PolygonPart& part : parts)
-    boxes.push_back(part.reason.empty() ? bounds(part.polygon.outer) : Bounds2::nothing());
-  std::vector<bool> is_hole(parts.size(), false);
-  std::vector<std::size_t> around(parts.size(), 0);  // The smallest part that encloses each.
-  std::vector<std::size_t> order;
-  for (std::size_t j = 0; j < parts.size(); ++j)
-    if (parts[j].reason.empty()) order.push_back(j);
+/// Whether all of `inner` lies within `outer`, which is larger, and in none of its holes. A part
+/// that fills a hole to its rim does not: vertices on the rim may count as inside, its middle does
+/// not.
+bool encloses(const Polygon& outer, const Polygon& inner) {
+  if (!encloses(outer.outer, inner.outer)) return false;
+  const Polygon covered{inner.outer, {}};
+  return contains(outer, interior_point(covered)) &&
+         std::all_of(inner.outer.begin(), inner.outer.end(),
+                     [&](Point2 p) { return contains(outer, p); }) &&
+         std::none_of(outer.holes.begin(), outer.holes.end(), [&](const Ring& hole) {
+           return contains(covered, interior_point({hole, {}}));
+         });
+}
+
+bool turns_left(const PolygonPart& part) { return signed_area(part.polygon.outer) > 0; }
+
+/// Calls visit(j, candidates) for the usable parts from west to east; all parts whose box reaches
+/// that of j are among the candidates. A city may be one multipolygon: each part is compared with
+/// its neighbours only.
+template <typename Visit>
+void sweep(const std::vector<Bounds2>& boxes, const Visit& visit) {
   const auto west = [&](std::size_t i) { return boxes[i].xmin; };
+  std::vector<std::size_t> order;
+  for (std::size_t j = 0; j < boxes.size(); ++j)
+    if (!boxes[j].empty()) order.push_back(j);
   std::stable_sort(order.begin(), order.end(),
                    [&](std::size_t i, std::size_t j) { return west(i) < west(j); });
   std::vector<std::size_t> begun;
@@ -81,26 +90,58 @@ void take_yards_for_holes(std::vector<PolygonPart>& parts) {
       std::erase_if(begun, [&](std::size_t i) { return boxes[i].xmax < west(j); });
       most_begun = std::max<std::size_t>(64, 2 * begun.size());
     }
+    visit(j, begun);
+  }
+}
+
+/// For each part the one that it is a yard of, or parts.size(): the smallest that encloses it, if
+/// that is turned against it and the part is not itself in a yard of that.
+std::vector<std::size_t> find_yards(const std::vector<PolygonPart>& parts) {
+  std::vector<Bounds2> boxes;
+  for (const PolygonPart& part : parts)
+    boxes.push_back(part.reason.empty() ? bounds(part.polygon.outer) : Bounds2::nothing());
+  const std::size_t none = parts.size();
+  std::vector<std::size_t> yard_of(parts.size(), none);
+  sweep(boxes, [&](std::size_t j, const std::vector<std::size_t>& candidates) {
     std::size_t depth = 0;
-    std::pair least{std::numeric_limits<double>::infinity(), parts.size()};
-    for (const std::size_t i : begun) {
-      if (!boxes[i].covers(boxes[j]) || !encloses(parts[i].polygon.outer, parts[j].polygon.outer))
-        continue;
+    std::pair least{std::numeric_limits<double>::infinity(), none};
+    for (const std::size_t i : candidates) {
+      if (!boxes[i].covers(boxes[j]) || !encloses(parts[i].polygon, parts[j].polygon)) continue;
       ++depth;
       least = std::min(least, {std::abs(signed_area(parts[i].polygon.outer)), i});
     }
-    if (depth > 0) around[j] = least.second;
-    is_hole[j] = depth % 2 == 1 && turn(parts[around[j]]) != turn(parts[j]);
-  }
-  std::vector<PolygonPart> in_yards;  // What stands in a yard was a hole in it.
-  for (std::size_t j = 0; j < parts.size(); ++j) {
-    if (!is_hole[j]) continue;
-    parts[around[j]].polygon.holes.push_back(parts[j].polygon.outer);
+    const std::size_t around = least.second;
+    if (depth % 2 == 1 && turns_left(parts[around]) != turns_left(parts[j])) yard_of[j] = around;
+  });
+  // Parts that overlap may make a yard of a yard, which nobody would find again: it stays a part.
+  const std::vector<std::size_t> found = yard_of;
+  for (std::size_t& around : yard_of)
+    if (around != none && found[around] != none) around = none;
+  return yard_of;
+}
+
+/// Makes holes of the yards, and parts of what stands in them, which was a hole in the yard.
+void cut_out_yards(std::vector<PolygonPart>& parts, const std::vector<std::size_t>& yard_of) {
+  const std::size_t none = parts.size();
+  std::vector<PolygonPart> in_yards;
+  for (std::size_t j = 0; j < yard_of.size(); ++j) {
+    if (yard_of[j] == none) continue;
     for (Ring& ring : parts[j].polygon.holes) in_yards.push_back({{std::move(ring), {}}, {}});
+    parts[yard_of[j]].polygon.holes.push_back(std::move(parts[j].polygon.outer));
   }
   std::size_t j = 0;
-  std::erase_if(parts, [&](const PolygonPart&) { return is_hole[j++]; });
+  std::erase_if(parts, [&](const PolygonPart&) { return yard_of[j++] != none; });
   std::move(in_yards.begin(), in_yards.end(), std::back_inserter(parts));
+}
+
+/// Several yards are polygons of their own for GDAL then: parts within a part, turned against it.
+/// They become holes again; parts that turn alike stay parts, whatever they overlap.
+void take_yards_for_holes(std::vector<PolygonPart>& parts) {
+  const auto alike = [&](const PolygonPart& part) {
+    return turns_left(part) == turns_left(parts.front());
+  };
+  if (parts.size() < 2 || std::all_of(parts.begin(), parts.end(), alike)) return;
+  cut_out_yards(parts, find_yards(parts));
 }
 
 PolygonPart read_polygon(OGRGeometryH polygon) {
@@ -133,7 +174,10 @@ void collect(OGRGeometryH geometry, int depth, FlatGeometry& result) {
       return;
     case wkbMultiPolygon:
     case wkbGeometryCollection:
-      if (depth >= kDeepest) return;
+      if (depth >= kDeepest) {
+        ++result.other_parts;
+        return;
+      }
       for (int i = 0; i < OGR_G_GetGeometryCount(geometry); ++i)
         collect(OGR_G_GetGeometryRef(geometry, i), depth + 1, result);
       return;

@@ -18,12 +18,13 @@ struct PolygonPart {
 
 struct FlatGeometry {
   std::vector<PolygonPart> parts;  ///< The polygons in their order.
-  int other_parts = 0;             ///< Points and lines beside them.
+  int other_parts = 0;             ///< Points, lines and what is nested too deep beside them.
   std::string reason;              ///< Why there are no parts, if there are none.
 };
 
 /// Splits collections, straightens curves, drops Z and M. A part within a part and turned against
-/// it becomes a hole of that, and its own holes parts. `geometry` may be null.
+/// it becomes a hole of that, and its own holes parts; one that stands in a hole of the other is
+/// not within it and stays. `geometry` may be null.
 FlatGeometry flatten(OGRGeometryH geometry);
 
 /// For shapefiles, which tell shells from holes by their turn: where all rings turn the wrong way,

@@ -11,22 +11,14 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include "tetropolis/core/error.h"
 #include "tetropolis/core/text.h"
 
+#include "input_file.h"
 #include "shapefile_members.h"
 
 namespace tetropolis {
 
 namespace fs = std::filesystem;
-
-namespace {
-
-[[noreturn]] void fail(const fs::path& path, const std::string& what) {
-  throw Error(ErrorKind::kInput, path.string() + ": " + what);
-}
-
-}  // namespace
 
 /// Copies of a shapefile's members in memory, so that GDAL can make the missing index there.
 class ShapefileCopy {
@@ -81,11 +73,12 @@ std::string vector_in_archive(const fs::path& path, const gdal::QuietErrors& err
   }
   CSLDestroy(members);
   if (members == nullptr)
-    fail(path, "cannot be read as a ZIP archive" + errors.reason() + "; get it again");
-  if (found.empty()) fail(path, "holds no vector file; give one that does, or the file itself");
+    fail_input(path, "cannot be read as a ZIP archive" + errors.reason() + "; get it again");
+  if (found.empty())
+    fail_input(path, "holds no vector file; give one that does, or the file itself");
   if (found.size() > 1)
-    fail(path, fmt::format("holds several vector files ({}); unpack it and name one of them",
-                           fmt::join(found, ", ")));
+    fail_input(path, fmt::format("holds several vector files ({}); unpack it and name one of them",
+                                 fmt::join(found, ", ")));
   return archive + "/" + found.front();
 }
 
@@ -93,10 +86,9 @@ std::string vector_in_archive(const fs::path& path, const gdal::QuietErrors& err
 
 VectorFile open_vector(const fs::path& path, const gdal::QuietErrors& errors) {
   std::error_code error;
-  if (!fs::exists(path, error)) fail(path, "no such file; check the path");
   if (!fs::is_directory(path, error)) {
-    if (!fs::is_regular_file(path, error)) fail(path, "is not an ordinary file");
-    if (fs::file_size(path, error) == 0) fail(path, "the file is empty; get it again");
+    require_ordinary_file(path);
+    if (fs::file_size(path, error) == 0) fail_input(path, "the file is empty; get it again");
   }
   require_whole_shapefile(path);
   VectorFile file;
@@ -105,7 +97,7 @@ VectorFile open_vector(const fs::path& path, const gdal::QuietErrors& errors) {
     name = vector_in_archive(path, errors);
   } else if (lacks_index(path)) {
     file.copy = std::make_shared<const ShapefileCopy>(path);
-    if (!file.copy->complete()) fail(path, "cannot be read" + errors.reason());
+    if (!file.copy->complete()) fail_input(path, "cannot be read" + errors.reason());
     name = file.copy->path();
   }
   const gdal::ThreadOption restore("SHAPE_RESTORE_SHX", file.copy ? "YES" : "NO");
@@ -115,16 +107,16 @@ VectorFile open_vector(const fs::path& path, const gdal::QuietErrors& errors) {
                                 options.get(), nullptr));
   const bool unknown = errors.last().find("not recognized as") != std::string::npos;
   if (file.dataset == nullptr)
-    fail(path, "not a vector file that can be read" + (unknown ? "" : errors.reason()) +
-                   "; give a shapefile, GeoPackage, GeoJSON or other OGR format");
+    fail_input(path, "not a vector file that can be read" + (unknown ? "" : errors.reason()) +
+                         "; give a shapefile, GeoPackage, GeoJSON or other OGR format");
   // Some formats are read when they are opened, as far as they go.
   if (errors.failures() > 0 && errors.reason().find("crs not found") != std::string::npos)
-    fail(path,
-         "states a coordinate reference system that PROJ does not know; correct it in the "
-         "file, or take it out and give --footprints-crs");
+    fail_input(path,
+               "states a coordinate reference system that PROJ does not know; correct it in the "
+               "file, or take it out and give --footprints-crs");
   if (errors.failures() > 0)
-    fail(path,
-         "cannot be read whole" + errors.reason() + "; the file is cut or broken, get it again");
+    fail_input(path, "cannot be read whole" + errors.reason() +
+                         "; the file is cut or broken, get it again");
   return file;
 }
 

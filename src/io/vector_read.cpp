@@ -18,10 +18,12 @@
 
 #include "tetropolis/core/error.h"
 #include "tetropolis/core/foreign_code.h"
+#include "tetropolis/core/text.h"
 #include "tetropolis/io/crs.h"
 #include "tetropolis/io/vector.h"
 
 #include "gdal_support.h"
+#include "input_file.h"
 #include "shapefile_members.h"
 #include "vector_geometry.h"
 #include "vector_open.h"
@@ -31,10 +33,6 @@ namespace tetropolis {
 namespace fs = std::filesystem;
 
 namespace {
-
-[[noreturn]] void fail(const fs::path& path, const std::string& what) {
-  throw Error(ErrorKind::kInput, path.string() + ": " + what);
-}
 
 std::string utf8(const char* text) {
   if (CPLIsUTF8(text, -1) != 0) return text;
@@ -78,19 +76,19 @@ OGRLayerH find_layer(const fs::path& path, GDALDatasetH dataset, const std::stri
     found = layer;
   }
   if (!wanted.empty())
-    fail(path, fmt::format("has no layer '{}'; it has: {}", wanted, fmt::join(all, ", ")));
+    fail_input(path, fmt::format("has no layer '{}'; it has: {}", wanted, fmt::join(all, ", ")));
   if (names.size() > 1)
-    fail(path,
-         fmt::format("has several layers of polygons; name one of: {}", fmt::join(names, ", ")));
+    fail_input(path, fmt::format("has several layers of polygons; name one of: {}",
+                                 fmt::join(names, ", ")));
   if (found != nullptr) return found;
   // A lone layer of points or lines is read all the same: its features go into the account.
   if (all.size() == 1 &&
       OGR_FD_GetGeomFieldCount(OGR_L_GetLayerDefn(GDALDatasetGetLayer(dataset, 0))) > 0)
     return GDALDatasetGetLayer(dataset, 0);
-  fail(path, all.empty() ? std::string("has no layers; give a file with building polygons")
-                         : fmt::format("has no layer of polygons, only: {}; give a file with "
-                                       "building polygons",
-                                       fmt::join(all, ", ")));
+  fail_input(path, all.empty() ? std::string("has no layers; give a file with building polygons")
+                               : fmt::format("has no layer of polygons, only: {}; give a file with "
+                                             "building polygons",
+                                             fmt::join(all, ", ")));
 }
 
 constexpr int kNoField = -1;
@@ -105,9 +103,9 @@ int find_attribute(const fs::path& path, OGRLayerH layer, const std::string& wan
   std::vector<std::string> names;
   for (int i = 0; i < OGR_FD_GetFieldCount(definition); ++i)
     names.push_back(utf8(OGR_Fld_GetNameRef(OGR_FD_GetFieldDefn(definition, i))));
-  fail(path, fmt::format(
-                 "has no attribute '{}'; it has: {}", wanted,
-                 names.empty() ? std::string("none") : fmt::format("{}", fmt::join(names, ", "))));
+  fail_input(path, fmt::format("has no attribute '{}'; it has: {}", wanted,
+                               names.empty() ? std::string("none")
+                                             : fmt::format("{}", fmt::join(names, ", "))));
 }
 
 /// Text as a number of metres: "12.5", also with a unit as OpenStreetMap writes it ("12.5 m").
@@ -139,9 +137,9 @@ class HeightReader {
         field_ == kFidField ? nullptr : OGR_FD_GetFieldDefn(OGR_L_GetLayerDefn(layer), field_);
     type_ = field == nullptr ? OFTBinary : OGR_Fld_GetType(field);
     if (type_ != OFTInteger && type_ != OFTInteger64 && type_ != OFTReal && type_ != OFTString)
-      fail(path_,
-           fmt::format("attribute '{}' is {}, not a height; name a numeric one", attribute_,
-                       field == nullptr ? "the feature number" : OGR_GetFieldTypeName(type_)));
+      fail_input(path_, fmt::format(
+                            "attribute '{}' is {}, not a height; name a numeric one", attribute_,
+                            field == nullptr ? "the feature number" : OGR_GetFieldTypeName(type_)));
   }
 
   double read(OGRFeatureH feature, const std::string& id) {
@@ -154,7 +152,7 @@ class HeightReader {
       if (text.find_first_not_of(' ') == std::string::npos) return kNaN;  // as good as null
       value = metres_of(text);
       if (std::isnan(value) && others_++ == 0)
-        first_ = fmt::format("feature {}: '{}'", id, text.substr(0, 40));
+        first_ = fmt::format("feature {}: '{}'", id, first_bytes(text, 40));
     } else {
       value = OGR_F_GetFieldAsDouble(feature, field_);
     }
@@ -170,11 +168,12 @@ class HeightReader {
   std::optional<Warning> warning() const {
     if (others_ == 0) return std::nullopt;
     if (numbers_ == 0)
-      fail(path_, fmt::format("attribute '{}' holds no heights ({}); name one that holds heights",
-                              attribute_, first_));
+      fail_input(path_,
+                 fmt::format("attribute '{}' holds no heights ({}); name one that holds heights",
+                             attribute_, first_));
     return Warning{"height_not_a_number", others_,
-                   fmt::format("{}: {} features have what is no height in '{}', first {}",
-                               path_.string(), others_, attribute_, first_)};
+                   one_line(fmt::format("{}: {} features have what is no height in '{}', first {}",
+                                        path_.string(), others_, attribute_, first_))};
   }
 
  private:
@@ -247,7 +246,8 @@ class LayerReader {
   void read(gdal::QuietErrors& errors, bool counts) {
     errors.reset();
     const std::int64_t expected = OGR_L_GetFeatureCount(layer_, FALSE);
-    if (errors.failures() > 0) fail(path_, "cannot be read whole" + errors.reason() + kGetAgain);
+    if (errors.failures() > 0)
+      fail_input(path_, "cannot be read whole" + errors.reason() + kGetAgain);
     OGR_L_ResetReading(layer_);
     while (const gdal::Feature feature{OGR_L_GetNextFeature(layer_)}) {
       ++result_.features_read;
@@ -256,12 +256,12 @@ class LayerReader {
     // Lines that are not JSON are passed over, and counted by nobody.
     const bool lost = errors.first().find("JSON parsing error") != std::string::npos;
     if (counts && errors.failures() == 0 && result_.features_read < expected)
-      fail(path_, fmt::format("reading ends after {} features of {}{}", result_.features_read,
-                              expected, kGetAgain));
+      fail_input(path_, fmt::format("reading ends after {} features of {}{}", result_.features_read,
+                                    expected, kGetAgain));
     if (errors.failures() > 0 && (lost || expected < 0 || result_.features_read < expected))
-      fail(path_, fmt::format("reading ends after {} features{}{}{}", result_.features_read,
-                              expected < 0 ? "" : fmt::format(" of {}", expected), errors.reason(),
-                              kGetAgain));
+      fail_input(path_, fmt::format("reading ends after {} features{}{}{}", result_.features_read,
+                                    expected < 0 ? "" : fmt::format(" of {}", expected),
+                                    errors.reason(), kGetAgain));
     if (errors.failures() > 0)
       warn(
           "footprints_read_errors", errors.failures(),
@@ -316,13 +316,14 @@ class LayerReader {
                        without_id_, id_name_));
     if (mixed_ > 0)
       warn("mixed_geometry", mixed_,
-           fmt::format("{} features have points or lines besides polygons; these are ignored",
+           fmt::format("{} features have points, lines or collections nested too deep besides "
+                       "polygons; these are ignored",
                        mixed_));
     if (const auto warning = heights_.warning()) result_.warnings.push_back(*warning);
   }
 
   void warn(const char* code, std::int64_t count, const std::string& message) {
-    result_.warnings.push_back({code, count, path_.string() + ": " + message});
+    result_.warnings.push_back({code, count, one_line(path_.string() + ": " + message)});
   }
 
   const fs::path& path_;

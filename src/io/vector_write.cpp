@@ -125,7 +125,8 @@ bool write_layer(GDALDatasetH dataset, const fs::path& path, const Content& cont
   return add_features(layer, content) && OGR_L_CommitTransaction(layer) == OGRERR_NONE;
 }
 
-/// Moves the finished files into place, the one that makes the others a result last.
+/// Moves the finished files into place one by one, by name, the one that makes the others a result
+/// last. If it fails midway, a shapefile that was there before has some members of the new one.
 void publish(const fs::path& folder, const fs::path& target) {
   std::vector<fs::path> files;
   for (const fs::directory_entry& entry : fs::directory_iterator(folder))

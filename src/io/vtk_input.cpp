@@ -8,13 +8,13 @@
 
 #include <zlib.h>
 
-#include "tetropolis/core/error.h"
+#include "input_file.h"
 
 namespace tetropolis {
 
 namespace {
 
-constexpr std::size_t kLongestHead = 1 << 20;
+constexpr std::int64_t kLongestHead = 1 << 20;
 /// Plain arrays are read in pieces of this size.
 constexpr std::uint64_t kPiece = 1 << 20;
 /// No stream of zlib unpacks to more than this many times its size.
@@ -42,9 +42,7 @@ std::optional<std::pair<VtkType, std::uint64_t>> type_and_width(const std::strin
 
 }  // namespace
 
-void VtkInput::fail(const std::string& what) const {
-  throw Error(ErrorKind::kInput, path_.string() + ": " + what);
-}
+void VtkInput::fail(const std::string& what) const { fail_input(path_, what); }
 
 VtkInput::VtkInput(std::filesystem::path path, const std::string& type,
                    const std::string& cell_count)
@@ -65,8 +63,7 @@ void VtkInput::read_bytes(std::uint64_t offset, std::span<char> bytes) const {
 }
 
 void VtkInput::read_head(const std::string& type, const std::string& cell_count) {
-  std::string head(std::min<std::uint64_t>(kLongestHead, size_), '\0');
-  read_bytes(0, head);
+  std::string head = file_.head(kLongestHead);
   if (head.find("<VTKFile") == std::string::npos ||
       head.find("type=\"" + type + "\"") == std::string::npos)
     fail("is not a VTK XML file of type " + type);
@@ -100,6 +97,9 @@ void VtkInput::read_appended_tag(const std::string& head, std::size_t appended) 
 void VtkInput::read_tags(const std::string& head, const std::string& cell_count) {
   const std::size_t piece = head.find("<Piece");
   if (piece == std::string::npos) fail("has no <Piece>");
+  // Each piece has arrays of its own by the same names.
+  if (head.find("<Piece", piece + 1) != std::string::npos)
+    fail("has several pieces; write it again as one piece");
   const std::string piece_tag = head.substr(piece, head.find('>', piece) - piece);
   points_ = number(attribute(piece_tag, "NumberOfPoints"), "NumberOfPoints");
   cells_ = number(attribute(piece_tag, cell_count), cell_count);

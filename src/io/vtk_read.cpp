@@ -7,7 +7,6 @@
 #include <utility>
 #include <vector>
 
-#include "tetropolis/core/error.h"
 #include "tetropolis/core/parallel.h"
 #include "tetropolis/io/vtk.h"
 
@@ -149,6 +148,7 @@ SurfaceMesh read_vtp(const std::filesystem::path& path) {
   const VtkInput file(path, "PolyData", "NumberOfPolys");
   if (file.points() > static_cast<std::uint64_t>(std::numeric_limits<std::int32_t>::max()))
     file.fail("has more than 2^31 points");
+  require_room_for_surface(path, file.points(), file.cells());
   SurfaceMesh surface;
   surface.points = read_points(file);
   surface.triangles = read_cells<3, std::int32_t>(file);

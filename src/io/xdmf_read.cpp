@@ -1,6 +1,5 @@
 #include <array>
 #include <cstdint>
-#include <fstream>
 #include <limits>
 #include <string>
 #include <string_view>
@@ -9,11 +8,12 @@
 
 #include <fmt/format.h>
 
-#include "tetropolis/core/error.h"
 #include "tetropolis/io/xdmf.h"
 
 #include "hdf5_input.h"
+#include "input_file.h"
 #include "mesh_input.h"
+#include "positioned_file.h"
 #include "xdmf_layout.h"
 
 namespace tetropolis {
@@ -26,12 +26,8 @@ namespace fs = std::filesystem;
 /// The description: XML, a few lines.
 class Description {
  public:
-  explicit Description(const fs::path& path) : path_(path) {
-    std::ifstream file(path, std::ios::binary);
-    if (!file) fail("cannot be opened");
-    text_.resize(kLongest);
-    file.read(text_.data(), static_cast<std::streamsize>(text_.size()));
-    text_.resize(static_cast<std::size_t>(file.gcount()));
+  explicit Description(const fs::path& path)
+      : path_(path), text_(PositionedFile(path).head(kLongest)) {
     const std::string after = fmt::format(":{}</DataItem>", kGeometry);
     constexpr std::string_view kBefore = "Format=\"HDF\">";
     const std::size_t end = text_.find(after);
@@ -54,12 +50,10 @@ class Description {
   }
 
  private:
-  static constexpr std::size_t kLongest = 1 << 16;
+  static constexpr std::int64_t kLongest = 1 << 16;
 
   [[noreturn]] void fail(const std::string& what) const {
-    throw Error(
-        ErrorKind::kInput,
-        fmt::format("{}: {}; only XDMF as tetropolis writes it can be read", path_.string(), what));
+    fail_input(path_, what + "; only XDMF as tetropolis writes it can be read");
   }
 
   fs::path path_;

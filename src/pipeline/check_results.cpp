@@ -9,6 +9,7 @@
 #include <stdexcept>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include <fmt/format.h>
@@ -22,6 +23,7 @@
 #include "tetropolis/check/check_surface.h"
 #include "tetropolis/check/check_volume.h"
 #include "tetropolis/core/error.h"
+#include "tetropolis/core/files.h"
 #include "tetropolis/core/units.h"
 #include "tetropolis/io/cityjson.h"
 #include "tetropolis/io/crs.h"
@@ -40,6 +42,10 @@ using Json = nlohmann::json;
 constexpr double kDefaultDistance = 1;
 constexpr const char* kRawCity = "city_raw.city.json";
 constexpr const char* kCity = "city.city.json";
+
+/// Results in formats that are not read back.
+constexpr std::array kUnread = {"surface.stl", "volume.msh",  "constant/polyMesh",
+                                "surface.obj", "surface.ply", "surface.glb"};
 
 /// What report.json says that the files must bear out.
 struct ReportedMesh {
@@ -132,15 +138,6 @@ std::optional<ReportedFacts> read_report(const fs::path& folder) {
   } catch (const Error&) {                   // a reference system that nobody knows
   }
   throw Error(ErrorKind::kInput, path.string() + ": not a report of tetropolis");
-}
-
-/// Whether something is there. Throws Error(kInput) if that cannot be found out.
-bool is_there(const fs::path& path) {
-  std::error_code error;
-  const fs::file_status status = fs::status(path, error);
-  if (status.type() == fs::file_type::none)
-    throw Error(ErrorKind::kInput, path.string() + ": cannot be read: " + error.message());
-  return fs::exists(status);
 }
 
 double percent(std::int64_t part, std::int64_t whole) {
@@ -466,6 +463,16 @@ std::vector<CheckedFile> check_one_xdmf(const fs::path& path, const Progress& pr
   return files;
 }
 
+/// Whoever hands on one of these files is to know that nobody has looked into it.
+void add_unread(const fs::path& folder, std::vector<CheckedFile>& files) {
+  std::vector<std::string_view> there;
+  for (const char* name : kUnread)
+    if (is_there(folder / name)) there.emplace_back(name);
+  if (!there.empty())
+    files.push_back(
+        {"other formats", {fmt::format("not read: {}", fmt::join(there, ", "))}, {}, {}});
+}
+
 std::vector<CheckedFile> check_folder(const fs::path& folder, std::optional<double> min_distance,
                                       const Progress& progress) {
   const std::optional<ReportedFacts> report = read_report(folder);
@@ -493,7 +500,25 @@ std::vector<CheckedFile> check_folder(const fs::path& folder, std::optional<doub
         ErrorKind::kInput,
         folder.string() +
             ": holds no result of tetropolis (no city.city.json, no volume.vtu or volume.xdmf)");
+  add_unread(folder, files);
   return files;
+}
+
+/// By itself, so a report beside it that is another program's is no reason to give up.
+CheckedFile check_one_city(const fs::path& path, std::optional<double> min_distance) {
+  std::optional<ReportedFacts> report;
+  std::vector<std::string> not_checked{
+      "that every input feature is accounted for, and the meshes (check the "
+      "folder that has the other results)"};
+  try {
+    report = read_report(path.parent_path());
+  } catch (const Error& error) {
+    not_checked.push_back(fmt::format("what report.json asks for ({})", error.what()));
+  }
+  CheckedFile file =
+      check_city_model(path.filename().string(), read_city(path), min_distance, report);
+  file.not_checked = std::move(not_checked);
+  return file;
 }
 
 }  // namespace
@@ -506,14 +531,7 @@ std::vector<CheckedFile> check_path(const fs::path& path, std::optional<double> 
   if (path.extension() == ".vtu") return {check_one_volume(path, progress)};
   if (path.extension() == ".vtp") return {check_one_surface(path)};
   if (path.extension() == ".xdmf") return check_one_xdmf(path, progress);
-  if (path.extension() == ".json") {
-    CheckedFile file = check_city_model(path.filename().string(), read_city(path), min_distance,
-                                        read_report(path.parent_path()));
-    file.not_checked = {
-        "that every input feature is accounted for, and the meshes (check the "
-        "folder that has the other results)"};
-    return {file};
-  }
+  if (path.extension() == ".json") return {check_one_city(path, min_distance)};
   throw Error(
       ErrorKind::kInput,
       path.string() + ": is not a .vtu, .vtp, .xdmf or .city.json file or a folder of results");

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
+#include <limits>
 #include <type_traits>
 
 #include <fmt/format.h>
@@ -29,6 +30,11 @@ Number parse_number(const ConfigField& field, const std::string& text, const std
   const char* end = begin + text.size();
   const auto [stop, code] = std::from_chars(begin, end, value);
   const char* kind = std::is_integral_v<Number> ? "a whole number" : "a number";
+  using Limits = std::numeric_limits<Number>;
+  if (code == std::errc::result_out_of_range && stop == end)
+    fail(origin, fmt::format("{} is out of range; give {} to {}", text,
+                             std::max(field.min, static_cast<double>(Limits::lowest())),
+                             std::min(field.max, static_cast<double>(Limits::max()))));
   if (code != std::errc() || stop != end) fail(origin, fmt::format("'{}' is not {}", text, kind));
   if (!std::isfinite(static_cast<double>(value)))
     fail(origin, fmt::format("'{}' is not finite", text));

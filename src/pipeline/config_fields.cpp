@@ -161,7 +161,7 @@ std::vector<ConfigField> make_fields() {
        .help = "Width of the ring around a footprint whose points give its ground height",
        .unit = "m",
        .min = 0,
-       .max = 1000},
+       .max = 50},
       {.name = "outlier_sigma",
        .group = "City model",
        .member = &C::outlier_sigma,
@@ -201,7 +201,8 @@ std::vector<ConfigField> make_fields() {
        .help = "Footprints closer than this are merged, and no detail is smaller (mesh: nothing is "
                "merged, what is closer is refused)",
        .unit = "m",
-       .min = 0.05},
+       .min = 0.05,
+       .max = 1000},
       {.name = "merge_growths",
        .group = "City model",
        .member = &C::merge_growths,
@@ -331,10 +332,12 @@ std::vector<ConfigField> make_fields() {
        .group = "Synthetic city",
        .member = &C::size,
        .commands = kSynth,
-       .help = "Side of the square; 0: 2500 m (random), 500 m (blocks) or 200 m (adversarial)",
+       .help =
+           "Side of the square; 0: 2500 m (random), 500 m (blocks) or 200 m (adversarial, 100 to "
+           "1000 m)",
        .unit = "m",
        .min = 0,
-       .max = 1e6},
+       .max = 1e5},
       {.name = "seed",
        .group = "Synthetic city",
        .member = &C::seed,

@@ -1,4 +1,7 @@
 // TOML in; kept apart because toml++ is slow to compile.
+#include <cerrno>
+#include <cstring>
+#include <fstream>
 #include <string>
 
 #include <fmt/format.h>
@@ -66,20 +69,25 @@ void set_key(Config& config, std::string_view key, const toml::node& value,
                                           : fmt::format("; did you mean '{}'?", nearest)));
 }
 
+[[noreturn]] void cannot_open(const std::filesystem::path& path, const std::string& reason) {
+  throw Error(ErrorKind::kUsage, path.string() + ": cannot be opened: " + reason);
+}
+
 }  // namespace
 
 void load_config(Config& config, const std::filesystem::path& path) {
   std::error_code error;
   if (!std::filesystem::is_regular_file(path, error)) {
-    const bool absent = !error || error == std::errc::no_such_file_or_directory;
-    if (!error && std::filesystem::exists(path, error))
+    if (error && error != std::errc::no_such_file_or_directory) cannot_open(path, error.message());
+    if (std::filesystem::exists(path, error))
       throw Error(ErrorKind::kUsage, path.string() + ": is not an ordinary file");
-    throw Error(ErrorKind::kUsage, path.string() + ": no such configuration file" +
-                                       (absent ? "" : " (" + error.message() + ")"));
+    throw Error(ErrorKind::kUsage, path.string() + ": no such configuration file");
   }
+  std::ifstream file(path, std::ios::binary);
+  if (!file) cannot_open(path, std::strerror(errno));
   toml::table table;
   try {
-    table = toml::parse_file(path.string());
+    table = toml::parse(file, path.string());
   } catch (const toml::parse_error& wrong) {
     throw Error(ErrorKind::kUsage, fmt::format("{}:{}: not valid TOML: {}", path.string(),
                                                wrong.source().begin.line, wrong.description()));

@@ -33,13 +33,26 @@ constexpr double kMostlyEmpty = 0.75;
 /// blocks of buildings and waters take up in a city.
 constexpr double kManyVoids = 0.35;
 
+/// Square metres of parts given up that are more than the slivers of a repair.
+constexpr double kNoSliver = 1;
+
 /// Share of buildings without roof points from which on it is not the buildings that are odd.
 constexpr double kManyRoofless = 0.1;
+
+/// Counts a feature of which parts have been given up, and names the first.
+void count_lost_parts(const std::string& source_id, double lost_area, Warning& warning) {
+  if (!(lost_area > kNoSliver) || warning.count++ > 0) return;
+  warning.message = fmt::format(
+      "where a footprint falls into parts as its rings are repaired or the domain cuts it, only "
+      "the largest is kept; the first is feature {}, which loses parts of {:.0f} m2: give them as "
+      "features of their own",
+      source_id, lost_area);
+}
 
 /// Step 1.4. Fills model.buildings and model.dropped; every feature ends in one of them. Returns
 /// what the footprints that are dropped for crossing the domain boundary have inside.
 std::vector<Polygon> clean_features(const Config& config, const FootprintsInput& input,
-                                    CityModel& model, const Progress& progress) {
+                                    CityModel& model, Report& report, const Progress& progress) {
   model.dropped = input.dropped;
   const std::size_t size = input.features.size();
   std::vector<CleanedFootprint> clean(size);
@@ -53,6 +66,7 @@ std::vector<Polygon> clean_features(const Config& config, const FootprintsInput&
     shared.add(static_cast<std::int64_t>(end - begin));
   });
   std::vector<Polygon> crossing;
+  Warning lost_parts{"parts_lost", 0, {}};
   for (std::size_t i = 0; i < size; ++i) {
     const Footprint& feature = input.features[i];
     const auto drop = [&](const std::string& reason) {
@@ -84,20 +98,25 @@ std::vector<Polygon> clean_features(const Config& config, const FootprintsInput&
         continue;
       }
       // Cut back by the merge distance, so that the strip left is wide enough to mesh.
+      double cut_off = 0;
       cleaned.polygon = clip_to_box(
-          cleaned.polygon, model.domain.grown(-config.min_building_distance - kCoordinateStep * 4));
+          cleaned.polygon, model.domain.grown(-config.min_building_distance - kCoordinateStep * 4),
+          &cut_off);
+      cleaned.lost_area += cut_off;
       if (cleaned.polygon.outer.empty()) {
         drop("crosses the domain boundary, with nothing left inside");
         continue;
       }
       building.flags |= kClipped;
     }
+    count_lost_parts(feature.source_id, cleaned.lost_area, lost_parts);
     building.id = fmt::format("b{}", model.buildings.size());
     building.source_ids = {feature.source_id};
     building.footprint = std::move(cleaned.polygon);
     building.attribute_height = feature.height;
     model.buildings.push_back(std::move(building));
   }
+  if (lost_parts.count > 0) report.warnings.push_back(lost_parts);
   return crossing;
 }
 
@@ -352,7 +371,7 @@ CityAndTerrain make_city(const Config& config, Next next, OutputFolder& out, Ste
   Raster dtm = make_terrain(config, input, clock, report);
   const std::vector<Polygon> crossing =
       clock.run("1.4", "clean footprints", [&](const Progress& progress) {
-        return clean_features(config, input.footprints, raw, progress);
+        return clean_features(config, input.footprints, raw, report, progress);
       });
   if (raw.buildings.empty() && !config.terrain_only) throw_no_footprint(config, raw, report);
   warn_of_giants(raw, report);

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
+#include <numbers>
 #include <string>
 #include <string_view>
 
@@ -22,8 +23,14 @@ constexpr double kPerCell = 2;
 /// Points while they are sorted into the terrain: besides its nodes 18 to 20 bytes on 12 and 6
 /// million, with classes and without, and some room.
 constexpr double kPerPoint = 26;
+/// Points while those of each building are found: the cloud, and, for each building that a point is
+/// near, what extract.h needs of it while lists are made and in them.
+constexpr double kPerCloudPoint = 13;
+constexpr double kPerPointAtBuilding = 12;
 /// Heights and numbers of points of the terrain while it is made.
 constexpr double kPerTerrainNode = 12;
+/// Points of a synthetic city: their own 13, twice while their arrays grow.
+constexpr double kPerSyntheticPoint = 26;
 /// Of the solver, with uniform layers (uniform.peak_bytes_per_node in tests/work/limits.txt).
 constexpr double kPerSolverNode = 100;
 
@@ -36,6 +43,13 @@ double bytes_of(const Config& config, double triangles, double cells, double ter
   double bytes = kProgram + 8 * terrain_nodes + kPerTriangle * triangles + kPerCell * cells;
   if (solves_laplace(config)) bytes += kPerSolverNode * cells / 6;
   return bytes;
+}
+
+/// Buildings that a point has within the margin, in rows of houses of 10 m x 10 m with as much open
+/// ground between them: as dense as cities are.
+double buildings_near(double margin) {
+  constexpr double kSide = 10, kPerBuilding = 2 * kSide * kSide;  // metres, square metres
+  return (4 * kSide * margin + std::numbers::pi * margin * margin) / kPerBuilding;
 }
 
 double parse_size(const std::string& text) {
@@ -135,9 +149,19 @@ void require_cells_fit(const Config& config, const CitySize& city, double triang
 void require_points_fit(const Config& config, double points, double terrain_nodes) {
   const double limit = memory_limit(config);
   const double of_terrain = kPerTerrainNode * terrain_nodes;
-  const double bytes = kProgram + kPerPoint * points + of_terrain;
+  const double at_buildings =
+      kPerCloudPoint + kPerPointAtBuilding * buildings_near(config.ground_margin);
+  const double per_point = std::max(kPerPoint, at_buildings);
+  const double bytes = kProgram + per_point * points + of_terrain;
   if (bytes <= limit) return;
-  if (of_terrain > kPerPoint * points)
+  if (at_buildings > kPerPoint && kProgram + kPerPoint * points + of_terrain <= limit)
+    throw Error(ErrorKind::kUsage,
+                fmt::format("about {:.2g} points, each within --ground-margin of {:.0f} buildings "
+                            "where these are dense, need {} of {}: lower --ground-margin, or raise "
+                            "--max-memory",
+                            points, buildings_near(config.ground_margin), in_words(bytes),
+                            in_words(limit)));
+  if (of_terrain > per_point * points)
     throw Error(ErrorKind::kUsage,
                 fmt::format("the terrain would have about {:.2g} nodes and need {} of {}: raise "
                             "--dtm-step or --max-memory, or give smaller --bounds",
@@ -147,7 +171,16 @@ void require_points_fit(const Config& config, double points, double terrain_node
                           "points fit: give smaller --bounds, a thinner cloud, or a higher "
                           "--max-memory",
                           points, in_words(bytes), in_words(limit),
-                          std::max(0.0, (limit - kProgram - of_terrain) / kPerPoint)));
+                          std::max(0.0, (limit - kProgram - of_terrain) / per_point)));
+}
+
+void require_scan_fits(double points) {
+  const double bytes = kProgram + kPerSyntheticPoint * points, limit = usable_memory();
+  if (bytes <= limit) return;
+  throw Error(ErrorKind::kUsage,
+              fmt::format("the city would have about {:.2g} points and need {} of {}; give a "
+                          "smaller --size or a lower --point-density",
+                          points, in_words(bytes), in_words(limit)));
 }
 
 }  // namespace tetropolis

@@ -44,4 +44,7 @@ bool cells_fit(const Config& config, const CitySize& city, double triangles, dou
 /// Likewise for the points of the domain and its terrain, before they are read.
 void require_points_fit(const Config& config, double points, double terrain_nodes);
 
+/// Throws Error(kUsage) unless a synthetic city of so many points fits into the machine's memory.
+void require_scan_fits(double points);
+
 }  // namespace tetropolis

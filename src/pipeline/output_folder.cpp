@@ -422,10 +422,15 @@ void OutputFolder::replace_results() {
 
 void OutputFolder::keep(const fs::path& file) {
   std::error_code error;
-  const fs::path real = fs::canonical(file, error);
-  if (error) return;
   const fs::path target = fs::canonical(target_, error);
-  if (!error) kept_.push_back(real.lexically_relative(target));
+  if (error) return;
+  const auto keep_at = [&](const fs::path& place) {
+    if (!error) kept_.push_back(place.lexically_relative(target));
+  };
+  keep_at(fs::canonical(file, error));
+  // A link in the folder is the user's as well as what it leads to.
+  const fs::path named = fs::absolute(file);
+  keep_at(fs::canonical(named.parent_path(), error) / named.filename());
 }
 
 void OutputFolder::commit() {

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
+#include <optional>
 
 #include <fmt/format.h>
 
@@ -117,12 +118,10 @@ FootprintsInput read_all_footprints(const Config& config, const std::string& poi
 }
 
 /// The box in which points can matter, CRS coordinates.
-Bounds2 reading_box(const Config& config, const FootprintsInput& footprints,
-                    const CloudHeaders& headers) {
+Bounds2 reading_box(const Config& config, const FootprintsInput& footprints) {
   if (!config.bounds.empty())
     return {config.bounds[0], config.bounds[1], config.bounds[2], config.bounds[3]};
   if (!footprints.bounds.empty()) return footprints.bounds.grown(config.domain_margin);
-  if (config.terrain_only && !headers.box.empty()) return headers.box;
   const std::string why = footprints.dropped.empty()
                               ? "it is empty"
                               : fmt::format("feature {}: {}", footprints.dropped.front().source_id,
@@ -133,12 +132,8 @@ Bounds2 reading_box(const Config& config, const FootprintsInput& footprints,
                   config.footprints, why));
 }
 
-/// Refuses what cannot fit into memory, as far as headers and footprints tell. `box`: CRS
-/// coordinates.
-void require_fits(const Config& config, const FootprintsInput& footprints,
-                  const CloudHeaders& headers, const Bounds2& box, Next next) {
-  if (box.empty()) return;
-  const double area = box.width() * box.height();
+/// About how many points are in `box`, CRS coordinates, as far as headers tell.
+double expected_points(const CloudHeaders& headers, const Bounds2& box) {
   double points = 0;
   for (const auto& [file, count] : headers.points) {
     const Bounds2 common = intersection(file, box);
@@ -146,6 +141,15 @@ void require_fits(const Config& config, const FootprintsInput& footprints,
     if (!common.empty() && whole > 0)
       points += static_cast<double>(count) * common.width() * common.height() / whole;
   }
+  return points;
+}
+
+/// Refuses what cannot fit into memory, as far as is known. `box`: where the points are, CRS
+/// coordinates.
+void require_fits(const Config& config, const FootprintsInput& footprints, double points,
+                  const Bounds2& box, Next next) {
+  if (box.empty()) return;
+  const double area = box.width() * box.height();
   CitySize size;
   size.area = area;
   size.height = config.domain_height;
@@ -257,7 +261,13 @@ void fill_report(const Config& config, const FootprintsInput& footprints, const 
 }
 
 [[noreturn]] void throw_no_points(const Config& config, const CloudHeaders& headers,
-                                  const PointsInput& points, const Bounds2& box) {
+                                  const PointsInput& points, const std::optional<Bounds2>& crop) {
+  if (!crop && points.points_read > 0)
+    throw Error(ErrorKind::kInput,
+                fmt::format("{}: none of {} points is usable: all are noise (classes 7, 18) or "
+                            "withheld; give other points",
+                            config.points.front(), points.points_read));
+  const Bounds2 box = crop.value_or(headers.box);
   if (headers.box.empty())
     throw Error(ErrorKind::kInput,
                 fmt::format("{}: the point cloud has no points", config.points.front()));
@@ -274,6 +284,42 @@ void fill_report(const Config& config, const FootprintsInput& footprints, const 
           "the CRS of both (--points-crs, --footprints-crs)",
           config.points.front(), box_text(box), box_text(headers.box),
           config.points.size() == 1 ? "its header" : "the headers of all files"));
+}
+
+/// Where to read points, and the origin of the local frame, before they are read. Refuses what will
+/// not fit into memory.
+ReadPointsOptions place_by_headers(const Config& config, const FootprintsInput& footprints,
+                                   const CloudHeaders& headers, Next next) {
+  ReadPointsOptions options;
+  options.crs = config.points_crs;
+  const Bounds2 box = reading_box(config, footprints);
+  // Near the points even if a stray footprint lies on another continent: local numbers stay small.
+  const Bounds2 common = headers.box.empty() ? box : intersection(box, headers.box);
+  const Bounds2& near = common.empty() ? box : common;
+  require_fits(config, footprints, expected_points(headers, common), common, next);
+  options.crop = box;
+  options.origin = Point2{std::floor(near.xmin), std::floor(near.ymin)};
+  return options;
+}
+
+/// The same where nothing but the points tells where the domain is: headers may lie, so all are
+/// read.
+ReadPointsOptions read_everything(const Config& config, const CloudHeaders& headers) {
+  double points = 0;
+  for (const auto& [file, count] : headers.points) points += static_cast<double>(count);
+  require_points_fit(config, points, 0);
+  ReadPointsOptions options;
+  options.crs = config.points_crs;
+  return options;
+}
+
+/// Moves the origin, which is whole metres, to the south-western corner of the points.
+void move_origin_to_corner(PointsInput& input) {
+  const Point2 by{std::floor(input.extent.xmin), std::floor(input.extent.ymin)};
+  for (PointCoordinate& x : input.points.x) x = x - by.x;
+  for (PointCoordinate& y : input.points.y) y = y - by.y;
+  input.extent = input.extent.moved({-by.x, -by.y});
+  input.origin = {input.origin.x + by.x, input.origin.y + by.y};
 }
 
 }  // namespace
@@ -293,21 +339,22 @@ InputData read_input(const Config& config, Next next, StepClock& clock, Report& 
   if (input.crs.empty())
     refuse_unmarked_degrees(headers.box, paths.front().string(), "--points-crs");
 
-  const Bounds2 box = reading_box(config, input.footprints, headers);
-  // Near the points even if a stray footprint lies on another continent: local numbers stay small.
-  const Bounds2 common = headers.box.empty() ? box : intersection(box, headers.box);
-  const Bounds2& near = common.empty() ? box : common;
-  require_fits(config, input.footprints, headers, common, next);
-  input.origin = {std::floor(near.xmin), std::floor(near.ymin)};
-  ReadPointsOptions options;
-  options.crop = box;
-  options.origin = input.origin;
-  options.crs = config.points_crs;
+  const bool only_points_tell =
+      config.terrain_only && config.bounds.empty() && input.footprints.bounds.empty();
+  const ReadPointsOptions options = only_points_tell
+                                        ? read_everything(config, headers)
+                                        : place_by_headers(config, input.footprints, headers, next);
   PointsInput points = clock.run("1.1", "read points", [&](const Progress& progress) {
     return read_points(paths, options, progress);
   });
   fill_report(config, input.footprints, points, paths.size(), report);
-  if (points.points_kept == 0) throw_no_points(config, headers, points, box);
+  if (points.points_kept == 0) throw_no_points(config, headers, points, options.crop);
+  if (only_points_tell) {
+    move_origin_to_corner(points);
+    require_fits(config, input.footprints, static_cast<double>(points.points_kept),
+                 points.extent.moved(points.origin), next);
+  }
+  input.origin = points.origin;
   input.domain = find_domain(config, input.footprints, points, input.origin);
   report.domain = input.domain.moved(input.origin);
   shift(input.footprints, input.origin);

@@ -17,6 +17,7 @@
 #include "tetropolis/io/geotiff.h"
 #include "tetropolis/io/las.h"
 #include "tetropolis/io/vector.h"
+#include "tetropolis/synth/adversarial_city.h"
 #include "tetropolis/synth/synthetic_city.h"
 
 #include "elevations.h"
@@ -243,6 +244,8 @@ namespace {
 /// Sizes below give no room for a city.
 constexpr double kLeastRandomSize = 50;
 constexpr double kLeastBlockSize = 300;
+/// A village; larger ones are no harder.
+constexpr double kLeastVillageSize = 100, kGreatestVillageSize = 1000;
 
 /// The paper's 3096 buildings on 2.5 km, as densely on other squares.
 std::int64_t usual_buildings(double size) {
@@ -250,11 +253,32 @@ std::int64_t usual_buildings(double size) {
 }
 
 void require_room(const Config& config) {
-  const double least = config.kind == SynthKind::kBlocks ? kLeastBlockSize : kLeastRandomSize;
+  const bool village = config.kind == SynthKind::kAdversarial;
+  const double least = village                             ? kLeastVillageSize
+                       : config.kind == SynthKind::kBlocks ? kLeastBlockSize
+                                                           : kLeastRandomSize;
   if (config.size > 0 && config.size < least)
     throw Error(ErrorKind::kUsage,
                 fmt::format("--size: {} m is too small for a city of this kind; give {} or more",
                             config.size, least));
+  if (village && config.size > kGreatestVillageSize)
+    throw Error(ErrorKind::kUsage,
+                fmt::format("--size: {} m is too large for a city of this kind; give {} or less",
+                            config.size, kGreatestVillageSize));
+}
+
+/// The side of the square: as asked for, or the kind's own.
+double size_of(const Config& config) {
+  if (config.size > 0) return config.size;
+  switch (config.kind) {
+    case SynthKind::kRandom:
+      return RandomCityOptions{}.size;
+    case SynthKind::kBlocks:
+      return BlockCityOptions{}.size;
+    case SynthKind::kAdversarial:
+      return AdversarialCityOptions{}.size;
+  }
+  return 0;
 }
 
 /// finish() for a city that may replace one of another kind, with files of other names.
@@ -270,6 +294,7 @@ void finish_city(Report& report, OutputFolder& out) {
 Report run_synth(const Config& config, const RunHooks& hooks) {
   require(!config.out.empty(), "--out", "name a folder for the results");
   require_room(config);
+  require_scan_fits(size_of(config) * size_of(config) * config.point_density);
   const ThreadLimit limit(config.threads);
   Report report = begin_report("synth", config);
   StepClock clock(hooks, report);
@@ -284,7 +309,7 @@ Report run_synth(const Config& config, const RunHooks& hooks) {
     const auto seed = static_cast<std::uint64_t>(config.seed);
     if (blocks) {
       BlockCityOptions options;
-      options.size = config.size > 0 ? config.size : options.size;
+      options.size = size_of(config);
       options.seed = seed;
       options.points_per_m2 = config.point_density;
       options.relief = config.relief < 0 ? options.relief : config.relief;
@@ -292,7 +317,7 @@ Report run_synth(const Config& config, const RunHooks& hooks) {
       return synthetic_block_city(options, progress);
     }
     RandomCityOptions options;
-    options.size = config.size > 0 ? config.size : options.size;
+    options.size = size_of(config);
     options.buildings = config.buildings > 0 ? config.buildings : usual_buildings(options.size);
     // A margin of 40 m would leave nothing of a small square.
     options.margin = std::min(options.margin, options.size / 5);

@@ -95,8 +95,8 @@ SyntheticBuilding random_building(const RandomCityOptions& options, Centres& cen
             SyntheticKind::kScattered};
   }
   throw Error(ErrorKind::kUsage,
-              fmt::format("{} buildings with centres {} m apart do not fit into {} x {} m: choose "
-                          "fewer buildings or a larger size",
+              fmt::format("{} buildings with centres {} m apart do not fit into {} x {} m: give "
+                          "fewer --buildings or a larger --size",
                           options.buildings, options.min_distance, options.size, options.size));
 }
 

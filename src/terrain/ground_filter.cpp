@@ -34,6 +34,10 @@ constexpr double kPitReach = 10.0;
 /// Metres: cells are not made wider than this for sparse clouds.
 constexpr double kCoarsest = 4.0;
 
+/// Metres: footprints with coordinates beyond this are dropped when they are cleaned, and far
+/// beyond it differences of coordinates overflow.
+constexpr double kMostCoordinate = 1e9;
+
 using Candidates = std::vector<std::uint8_t>;
 
 Candidates find_candidates(const PointCloud& cloud, const GroundFilterOptions& options) {
@@ -102,11 +106,14 @@ HeightGrid lowest_points(const PointCloud& cloud, const Candidates& mask, const 
 }
 
 /// Sets to 1 the cells whose centres lie in a footprint, by the even-odd rule along each row;
-/// broken rings do no harm.
+/// broken rings do no harm, nor do coordinates that are no positions.
 void cover(const Polygon& footprint, const Frame& frame, std::vector<std::uint8_t>& covered) {
   const auto first_centre = [&](double position, double start, std::int32_t cells) {
     return static_cast<std::int32_t>(std::clamp(std::ceil((position - start) / frame.cell - 0.5),
                                                 0.0, static_cast<double>(cells)));
+  };
+  const auto is_position = [](Point2 p) {
+    return std::abs(p.x) <= kMostCoordinate && std::abs(p.y) <= kMostCoordinate;
   };
   struct Crossing {
     std::int32_t row;
@@ -114,7 +121,7 @@ void cover(const Polygon& footprint, const Frame& frame, std::vector<std::uint8_
   };
   std::vector<Crossing> crossings;
   for_each_edge(footprint, [&](Point2 a, Point2 b) {
-    if (!std::isfinite(a.x + a.y + b.x + b.y)) return;
+    if (!is_position(a) || !is_position(b)) return;
     // One row more to either side than the edge spans, against rounding.
     const auto [low, high] = std::minmax({a.y, b.y});
     const std::int32_t begin = std::max(first_centre(low, frame.y0, frame.ny) - 1, 0);
@@ -244,6 +251,8 @@ std::vector<std::int32_t> window_radii(double window, double cell) {
   return radii;
 }
 
+/// The plane of least squares over the cells that have a value and, from the second round on, lie
+/// below the plane before, as ground does.
 Plane fit_plane(const HeightGrid& grid, const Frame& frame) {
   Plane plane;
   for (int round = 0; round < 3; ++round) {

@@ -5,12 +5,11 @@
 
 namespace tetropolis {
 
-/// Least squares: height = rise_x * i + rise_y * j + height at cell (0, 0), over the cells (i, j)
-/// that have a value and, from the second round on, lie below the plane before, as ground does.
+/// A height over the cells (i, j) of a grid: rise_x * i + rise_y * j + height.
 struct Plane {
-  double rise_x = 0;
+  double rise_x = 0;  ///< Metres per cell, as is rise_y.
   double rise_y = 0;
-  double height = 0;
+  double height = 0;  ///< At cell (0, 0), metres.
 
   double at(std::int32_t i, std::int32_t j) const { return rise_x * i + rise_y * j + height; }
 };

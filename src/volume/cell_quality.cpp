@@ -16,6 +16,8 @@ namespace tetropolis {
 
 namespace {
 
+constexpr std::size_t kTrianglesPerChunk = 4096;
+
 constexpr double kFlattest = 180 - kQualityFloor.greatest;
 
 double share_of_floor(double least_deg, double greatest_deg) {
@@ -109,6 +111,28 @@ CellQuality measure_cells(const ColumnMesh& mesh, std::size_t worst) {
   }
   keep_worst(result.worst, worst);
   return result;
+}
+
+std::int64_t count_bad_cells_over(const ColumnMesh& mesh, std::size_t t,
+                                  const AngleBounds& bounds) {
+  const double greatest_cosine = std::cos(to_radians(bounds.least));
+  const double least_cosine = std::cos(to_radians(bounds.greatest));
+  std::int64_t bad = 0;
+  for_each_shape_over(mesh, t, [&](const auto&, const auto&, const TetCosines& shape) {
+    if (shape.greatest > greatest_cosine || shape.least < least_cosine) ++bad;
+  });
+  return bad;
+}
+
+std::int64_t count_bad_cells(const ColumnMesh& mesh, const AngleBounds& bounds) {
+  return parallel_reduce_ordered(
+      mesh.triangle_count(), kTrianglesPerChunk, std::int64_t{0},
+      [&](std::size_t begin, std::size_t end) {
+        std::int64_t bad = 0;
+        for (std::size_t t = begin; t < end; ++t) bad += count_bad_cells_over(mesh, t, bounds);
+        return bad;
+      },
+      [](std::int64_t a, std::int64_t b) { return a + b; });
 }
 
 }  // namespace tetropolis

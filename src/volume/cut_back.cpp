@@ -1,26 +1,15 @@
 #include "tetropolis/volume/cut_back.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <cstddef>
 #include <limits>
-
-#include "tetropolis/core/parallel.h"
-#include "tetropolis/core/units.h"
-#include "tetropolis/volume/face_quality.h"
-#include "tetropolis/volume/fill_columns.h"
-
-#include "geometry/slope.h"
-#include "shapes_over.h"
-#include "tet_cosines.h"
 
 namespace tetropolis {
 
 namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
-constexpr std::size_t kTrianglesPerChunk = 4096;
 
 /// Highest that p may be above the line from a to b, at elevations za and zb at its ends, if
 /// nothing rises from it more steeply than `slope`: the least of elevation + slope * distance along
@@ -38,29 +27,6 @@ double highest_at(Point2 p, Point2 a, double za, Point2 b, double zb, double slo
   const double least = foot - away * rise / std::sqrt(slope * slope - rise * rise);
   if (!(least > 0 && least < length)) return at_ends;
   return std::min(at_ends, za + rise * least + slope * std::hypot(least - foot, away));
-}
-
-/// How many cells over triangle t are outside the bounds.
-std::int64_t count_bad_cells_over(const ColumnMesh& mesh, std::size_t t,
-                                  const AngleBounds& bounds) {
-  const double greatest_cosine = std::cos(to_radians(bounds.least));
-  const double least_cosine = std::cos(to_radians(bounds.greatest));
-  std::int64_t bad = 0;
-  for_each_shape_over(mesh, t, [&](const auto&, const auto&, const TetCosines& shape) {
-    if (shape.greatest > greatest_cosine || shape.least < least_cosine) ++bad;
-  });
-  return bad;
-}
-
-/// Whether the ground over triangle t is steeper than `slope` (tangent).
-bool is_steeper(const GroundMesh& mesh, std::size_t t, std::span<const double> ground,
-                double slope) {
-  const auto& v = mesh.triangles[t];
-  const auto at = [&](std::size_t k) { return mesh.vertices[static_cast<std::size_t>(v[k])]; };
-  const auto height = [&](std::size_t k) { return ground[static_cast<std::size_t>(v[k])]; };
-  return squared_cosine_of_slope(at(0), height(0), at(1), height(1), at(2), height(2)) *
-             (1 + slope * slope) <
-         1;
 }
 
 }  // namespace
@@ -129,85 +95,6 @@ CutSources cut_back(const GroundMesh& mesh, std::span<const BuildingIndex> build
   std::sort(sources.roofs.begin(), sources.roofs.end());
   sources.roofs.erase(std::unique(sources.roofs.begin(), sources.roofs.end()), sources.roofs.end());
   return sources;
-}
-
-std::vector<std::uint8_t> find_bad_triangles(const ColumnMesh& mesh, const AngleBounds& bounds) {
-  std::vector<std::uint8_t> bad(mesh.triangle_count(), 0);
-  parallel_chunks(bad.size(), kTrianglesPerChunk, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t t = begin; t < end; ++t)
-      if (count_bad_cells_over(mesh, t, bounds) > 0) bad[t] = 1;
-  });
-  mark_non_orthogonal(mesh, bad);
-  return bad;
-}
-
-std::int64_t mark_buried_roofs(const ColumnMesh& mesh, const ColumnPlan& plan,
-                               std::span<const std::uint8_t> bad, CutMarks& marks) {
-  std::int64_t marked = 0;
-  for (std::size_t t = 0; t < mesh.triangle_count(); ++t) {
-    if (bad[t] == 0 || mesh.inside_building(t)) continue;
-    double highest = -kInfinity;
-    for (const VertexIndex v : mesh.ground.triangles[t])
-      highest = std::max(highest, plan.ground[static_cast<std::size_t>(v)]);
-    const auto is_buried = [&](VertexIndex v) {
-      const BuildingIndex b = plan.building[static_cast<std::size_t>(v)];
-      return b != kNoBuilding && marks.roofs[static_cast<std::size_t>(b)] == 0 &&
-             highest > plan.roofs[static_cast<std::size_t>(b)];
-    };
-    for (const VertexIndex v : mesh.ground.triangles[t]) {
-      if (!is_buried(v)) continue;
-      marks.roofs[static_cast<std::size_t>(plan.building[static_cast<std::size_t>(v)])] = 1;
-      ++marked;
-    }
-  }
-  return marked;
-}
-
-std::int64_t mark_feet(const ColumnMesh& mesh, const ColumnPlan& plan,
-                       std::span<const std::uint8_t> bad, double slope, CutMarks& marks) {
-  std::int64_t marked = 0;
-  for (std::size_t t = 0; t < mesh.triangle_count(); ++t) {
-    if (bad[t] == 0 || mesh.inside_building(t)) continue;
-    const auto corner = [&](std::size_t k) {
-      return static_cast<std::size_t>(mesh.ground.triangles[t][k % 3]);
-    };
-    std::array<double, 3> foot{kInfinity, kInfinity, kInfinity};
-    if (is_steeper(mesh.ground, t, plan.ground, slope)) {
-      std::size_t lowest = 0;
-      for (const std::size_t i : {1, 2})
-        if (plan.ground[corner(i)] < plan.ground[corner(lowest)]) lowest = i;
-      foot[lowest] = plan.ground[corner(lowest)];
-    }
-    for (std::size_t i = 0; i < 3; ++i) {
-      const std::size_t v = corner(i);
-      if (plan.building[v] == kNoBuilding) continue;
-      const Point2 p = mesh.ground.vertices[v];
-      double edge = 0;
-      for (const std::size_t u : {corner(i + 1), corner(i + 2)})
-        edge = std::max(
-            edge, std::hypot(mesh.ground.vertices[u].x - p.x, mesh.ground.vertices[u].y - p.y));
-      const double below =
-          plan.roofs[static_cast<std::size_t>(plan.building[v])] - kWallTangent * edge;
-      if (below < plan.ground[v]) foot[i] = below;
-    }
-    for (std::size_t i = 0; i < 3; ++i) {
-      if (!(foot[i] < marks.feet[corner(i)])) continue;
-      marks.feet[corner(i)] = foot[i];
-      ++marked;
-    }
-  }
-  return marked;
-}
-
-std::int64_t count_bad_cells(const ColumnMesh& mesh, const AngleBounds& bounds) {
-  return parallel_reduce_ordered(
-      mesh.triangle_count(), kTrianglesPerChunk, std::int64_t{0},
-      [&](std::size_t begin, std::size_t end) {
-        std::int64_t bad = 0;
-        for (std::size_t t = begin; t < end; ++t) bad += count_bad_cells_over(mesh, t, bounds);
-        return bad;
-      },
-      [](std::int64_t a, std::int64_t b) { return a + b; });
 }
 
 }  // namespace tetropolis

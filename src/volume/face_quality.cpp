@@ -115,18 +115,10 @@ void add_faces_beside(const ColumnMesh& mesh, std::size_t e, Faces& faces) {
         v[2 + s] = corner;
         from[2 + s] = mesh.floor(sides[s], corner);
       }
-  // Under a roof there are cells on one side only: that side's front is taken up to the roof.
+  // Under a roof there are cells on one side only: the front climbs that side up to the roof first,
+  // where the columns of the edge begin.
   for (std::size_t i = 0; i < 2; ++i)
     from[i] = std::max(mesh.floor(sides[0], v[i]), mesh.floor(sides[1], v[i]));
-  if (mesh.inside_building(sides[0]) != mesh.inside_building(sides[1])) {
-    const std::size_t air = mesh.inside_building(sides[0]) ? 1 : 0;
-    const double roof = mesh.z[static_cast<std::size_t>(from[0])];
-    NodeIndex& free = from[2 + air];
-    for (const NodeIndex top = mesh.top(v[2 + air]); free < top; ++free) {
-      const auto n = static_cast<std::size_t>(free);
-      if (!(mesh.z[n] + mesh.z[n + 1] < 2 * roof)) break;
-    }
-  }
   Climb<4> front(mesh, v, from);
   std::array<Point3, 4> p;
   for (std::size_t i = 0; i < 4; ++i) p[i] = position(mesh, v[i], front.at(i));

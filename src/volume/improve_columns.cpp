@@ -11,6 +11,7 @@
 
 #include "tetropolis/core/parallel.h"
 #include "tetropolis/core/units.h"
+#include "tetropolis/volume/cell_quality.h"
 
 #include "tet_cosines.h"
 
@@ -28,10 +29,9 @@ constexpr double kWorthwhile = 1e-3;
 constexpr int kChangesPerSweep = 8;
 
 /// Stacks that one sweep works on, at most: those with the worst cells.
-constexpr std::size_t kMostStacks = 2000;
-
-/// Cells that one sweep may look at, shared by its columns alike: a few seconds' work.
-constexpr std::int64_t kCellsPerSweep = 100'000'000;
+std::size_t most_stacks(std::size_t triangles) {
+  return std::max<std::size_t>(2000, triangles / 200);
+}
 
 // These, the windows and the pairs below were found by trial: by how many cities of the survey
 // (scripts/survey 2000) are below the floor of quality.
@@ -57,6 +57,10 @@ void sort_once(std::vector<Index>& numbers) {
   numbers.erase(std::unique(numbers.begin(), numbers.end()), numbers.end());
 }
 
+/// What a cell outside of the floor costs beyond what others do: more than any face or cell within
+/// it, and little enough that a change for the better beside it still counts (kWorthwhile).
+constexpr double kBelowFloor = 100;
+
 /// What a cell costs; nothing if its angles are within the bounds.
 class Cost {
  public:
@@ -67,7 +71,9 @@ class Cost {
 
   double of(const Point3& p0, const Point3& p1, const Point3& p2, const Point3& p3) const {
     const TetCosines shape = tet_cosines(p0, p1, p2, p3);
-    return excess(least_, 1 - shape.greatest) + excess(greatest_, 1 + shape.least);
+    const bool below = shape.greatest > most_cosine_ || shape.least < least_cosine_;
+    return excess(least_, 1 - shape.greatest) + excess(greatest_, 1 + shape.least) +
+           (below ? kBelowFloor : 0);
   }
   bool has_faces() const { return straight_ > 0; }
   /// Of a face between cells with these centres.
@@ -87,6 +93,8 @@ class Cost {
   double least_;
   double greatest_;
   double straight_;
+  double most_cosine_ = std::cos(to_radians(kQualityFloor.least));
+  double least_cosine_ = std::cos(to_radians(kQualityFloor.greatest));
 };
 
 /// A column on trial.
@@ -108,6 +116,7 @@ class Improver {
   Improver(const ColumnMesh& mesh, const ImproveOptions& options)
       : mesh_(&mesh),
         cost_(options),
+        cells_per_sweep_(options.most_cells / std::max(options.sweeps, 1)),
         least_tangent_(std::tan(to_radians(kHopeless * options.least_deg))),
         slot_(mesh.vertex_count(), -1) {}
 
@@ -118,8 +127,9 @@ class Improver {
                                  const Progress& progress);
   /// The same among the triangles around these vertices.
   std::vector<VertexIndex> bad_around(const std::vector<VertexIndex>& vertices) const;
-  /// The mesh's nodes with all changes; returns how many columns differ.
-  std::int64_t store(ColumnMesh& mesh) const;
+  /// Gives the mesh the nodes of all changed columns.
+  void store(ColumnMesh& mesh) const;
+  Improvement done() const { return {static_cast<std::int64_t>(changed_.size()), cells_}; }
 
  private:
   bool inside(TriangleIndex t) const { return mesh_->inside_building(static_cast<std::size_t>(t)); }
@@ -144,7 +154,7 @@ class Improver {
   std::vector<VertexIndex> worst_of(std::size_t count, const TriangleAt& triangle_at) const;
 
   /// These look at about `left` cells at most, and lower it by as many as they do.
-  Column improved(VertexIndex v, std::int64_t left) const;
+  Column improved(VertexIndex v, std::int64_t& left) const;
   bool improve_once(VertexIndex v, std::span<const TriangleIndex> triangles, Column& column,
                     std::int64_t& left) const;
   bool improve_between(VertexIndex v, std::span<const TriangleIndex> triangles, std::int32_t low,
@@ -152,9 +162,11 @@ class Improver {
 
   const ColumnMesh* mesh_;
   Cost cost_;
+  std::int64_t cells_per_sweep_;
   double least_tangent_;            ///< Of the angle below which a corner is hopeless.
   std::vector<std::int32_t> slot_;  ///< Per vertex: its place in changed_, or -1.
   std::vector<Column> changed_;
+  std::int64_t cells_ = 0;  ///< Looked at so far.
 };
 
 ColumnView Improver::column(VertexIndex v) const {
@@ -288,12 +300,14 @@ std::vector<VertexIndex> Improver::worst_of(std::size_t count,
   std::vector<std::size_t> bad;
   for (std::size_t i = 0; i < count; ++i)
     if (cost[i] > 0) bad.push_back(i);
-  if (bad.size() > kMostStacks) {
+  const std::size_t most = most_stacks(mesh_->triangle_count());
+  if (bad.size() > most) {
     const auto worse = [&](std::size_t i, std::size_t j) {
       return cost[i] != cost[j] ? cost[i] > cost[j] : i < j;
     };
-    std::nth_element(bad.begin(), bad.begin() + kMostStacks, bad.end(), worse);
-    bad.resize(kMostStacks);
+    std::nth_element(bad.begin(), bad.begin() + static_cast<std::ptrdiff_t>(most), bad.end(),
+                     worse);
+    bad.resize(most);
   }
   std::vector<VertexIndex> vertices;
   for (const std::size_t i : bad)
@@ -393,7 +407,7 @@ bool Improver::improve_once(VertexIndex v, std::span<const TriangleIndex> triang
   return false;
 }
 
-Column Improver::improved(VertexIndex v, std::int64_t left) const {
+Column Improver::improved(VertexIndex v, std::int64_t& left) const {
   const std::vector<TriangleIndex> triangles = around(v);
   const ColumnView now = column(v);
   Column better{{now.z.begin(), now.z.end()}, now.roof};
@@ -425,21 +439,23 @@ std::vector<VertexIndex> Improver::sweep(const std::vector<VertexIndex>& vertice
     colour[i] = free;
     colours = std::max(colours, free + 1);
   }
-  const std::int64_t share = kCellsPerSweep / static_cast<std::int64_t>(vertices.size());
+  const std::int64_t share = cells_per_sweep_ / static_cast<std::int64_t>(vertices.size());
   std::vector<VertexIndex> changed;
   for (std::int32_t c = 0; c < colours; ++c) {
     std::vector<VertexIndex> members;
     for (std::size_t i = 0; i < vertices.size(); ++i)
       if (colour[i] == c) members.push_back(vertices[i]);
     std::vector<Column> columns(members.size());
+    std::vector<std::int64_t> left(members.size(), share);
     for (std::size_t first = 0; first < members.size(); first += kColumnsPerBatch) {
       progress.update(0);
       const std::size_t count = std::min(kColumnsPerBatch, members.size() - first);
       parallel_chunks(count, 1, [&](std::size_t i, std::size_t) {
-        columns[first + i] = improved(members[first + i], share);
+        columns[first + i] = improved(members[first + i], left[first + i]);
       });
     }
     for (std::size_t i = 0; i < members.size(); ++i) {
+      cells_ += share - left[i];
       if (columns[i].z.empty()) continue;
       std::int32_t& slot = slot_[static_cast<std::size_t>(members[i])];
       if (slot < 0) {
@@ -454,8 +470,8 @@ std::vector<VertexIndex> Improver::sweep(const std::vector<VertexIndex>& vertice
   return changed;
 }
 
-std::int64_t Improver::store(ColumnMesh& mesh) const {
-  if (changed_.empty()) return 0;
+void Improver::store(ColumnMesh& mesh) const {
+  if (changed_.empty()) return;
   const std::size_t vertices = mesh.vertex_count();
   std::vector<NodeIndex> first(vertices + 1, 0);
   std::vector<std::int32_t> roof(vertices);
@@ -473,18 +489,18 @@ std::int64_t Improver::store(ColumnMesh& mesh) const {
   mesh.first = std::move(first);
   mesh.z = std::move(z);
   mesh.roof = std::move(roof);
-  return static_cast<std::int64_t>(changed_.size());
 }
 
 }  // namespace
 
-std::int64_t improve_columns(ColumnMesh& mesh, const ImproveOptions& options,
-                             const Progress& progress) {
+Improvement improve_columns(ColumnMesh& mesh, const ImproveOptions& options,
+                            const Progress& progress) {
   Improver improver(mesh, options);
   std::vector<VertexIndex> vertices = improver.bad_vertices();
   for (int i = 0; i < options.sweeps && !vertices.empty(); ++i)
     vertices = improver.bad_around(improver.sweep(vertices, progress));
-  return improver.store(mesh);
+  improver.store(mesh);
+  return improver.done();
 }
 
 }  // namespace tetropolis

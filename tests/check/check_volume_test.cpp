@@ -8,6 +8,7 @@
 #include <numeric>
 #include <random>
 #include <set>
+#include <vector>
 
 #include <gtest/gtest.h>
 
@@ -241,6 +242,33 @@ TEST_F(CheckVolume, FacesMissingFromOneSideOnlyAreCounted) {
   surface.triangles.erase(surface.triangles.begin() + 9, surface.triangles.begin() + 12);
   EXPECT_EQ(odd(surface), 4);
   EXPECT_EQ(odd({}), check.boundary_faces);
+}
+
+/// A list that counts how often one with something in it is copied.
+struct CountedList {
+  static inline int copies = 0;
+  std::vector<std::size_t> items;
+
+  CountedList() = default;
+  explicit CountedList(std::size_t item) : items{item} {}
+  CountedList(const CountedList& other) : items(other.items) { copies += items.empty() ? 0 : 1; }
+  CountedList(CountedList&&) = default;
+  CountedList& operator=(CountedList&&) = default;
+  CountedList& operator=(const CountedList&) = delete;
+};
+
+/// Broken meshes make long lists: copied with every chunk, they took quadratic time.
+TEST(CheckReduction, WhatIsGatheredIsNotCopied) {
+  CountedList::copies = 0;
+  const CountedList all = parallel_reduce_ordered(
+      1000, 1, CountedList{}, [](std::size_t begin, std::size_t) { return CountedList(begin); },
+      [](CountedList sum, const CountedList& part) {
+        sum.items.insert(sum.items.end(), part.items.begin(), part.items.end());
+        return sum;
+      });
+  EXPECT_EQ(CountedList::copies, 0);
+  ASSERT_EQ(all.items.size(), 1000U);
+  EXPECT_TRUE(std::is_sorted(all.items.begin(), all.items.end()));
 }
 
 }  // namespace

@@ -104,6 +104,25 @@ TEST(CleanFootprint, KeepsTheLargestOfPartsThatAreApart) {
                     {}};
   const Polygon result = clean(raw, true);
   EXPECT_NEAR(area(result), 100, 0.1);
+  EXPECT_NEAR(clean_footprint(raw).lost_area, 12, 0.1);
+}
+
+TEST(CleanFootprint, LosesNothingWherePartsAreJoined) {
+  EXPECT_EQ(clean_footprint(box(0, 0, 10, 10)).lost_area, 0);
+  EXPECT_LT(clean_footprint({{{0, 0}, {10, 10}, {10, 0}, {0, 10}}, {}}).lost_area, 0.01);
+}
+
+/// What a wall may shift by counts from the outline given, so a bent one may go on shifting.
+TEST(CleanFootprint, EachCleaningKeepsWithinTheShift) {
+  const Polygon bent{
+      {{0, 0}, {8, 0.011}, {16, 0.028}, {24, 0.017}, {32, 0.046}, {40, 0.038}, {40, 20}, {0, 20}},
+      {}};
+  const Polygon once = clean_footprint(bent).polygon, twice = clean_footprint(once).polygon;
+  EXPECT_EQ(once.outer.size(), 5U);
+  EXPECT_EQ(twice.outer.size(), 4U);
+  EXPECT_LE(max_distance(bent, once), kMaxOutlineShift);
+  EXPECT_LE(max_distance(once, twice), kMaxOutlineShift);
+  EXPECT_EQ(clean_footprint(twice).polygon, twice);
 }
 
 TEST(CleanFootprint, ResolvesRingsThatTouch) {

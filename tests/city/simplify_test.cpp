@@ -461,6 +461,23 @@ TEST(Simplify, StopsWhenAsked) {
   }
 }
 
+/// A corner of a yard that cannot be blunted: it is tried before small ones are dropped, and after.
+TEST(Simplify, ProgressNeverGoesBack) {
+  const Polygon block{{{0, 0}, {73, 0.6009}, {73, 2.6217}, {0, 3.2227}},
+                      {{{1.0004, 1.0804}, {1.0004, 2.1423}, {69, 1.6113}}}};
+  double last = 0;
+  Progress watch;
+  watch.report = [&](double fraction) {
+    EXPECT_GE(fraction, last);
+    last = fraction;
+  };
+  const std::vector<Polygon> input = cleaned({block, box(100, 0, 2, 2)});
+  const Simplification result = simplify_footprints(input, domain_around(input), {}, watch);
+  EXPECT_EQ(last, 1);
+  EXPECT_EQ(result.dropped.size(), 1U);
+  EXPECT_LT(sharpest_corner(result), 13);
+}
+
 TEST(Simplify, StopsWithinTheUnionOfOneLargeCluster) {
   // A woven mat: every box overlaps its neighbours.
   std::vector<Polygon> input;

@@ -104,6 +104,12 @@ class Faults : public ::testing::Test {
     EXPECT_TRUE(staging_folders(work).empty());
   }
 
+  /// No test of speed: a grace that is too long, or a run that is not ended at all but comes to its
+  /// end, cannot be told from a good one otherwise. The program promises about a second.
+  static void expect_ended_at_once(const Ending& ending) {
+    EXPECT_LT(ending.after_signal.count(), TETROPOLIS_SANITIZED ? 20 : 5) << ending.err;
+  }
+
   /// A build that gets the signal once it has ended so many steps, or a moment later.
   Ending signalled(int steps, int number, std::mt19937& random, const std::string& out) {
     const fs::path log = scratch / "log";
@@ -115,7 +121,9 @@ class Faults : public ::testing::Test {
     if (steps == 0) wait_for_staging(work, process);
     std::this_thread::sleep_for(std::chrono::microseconds(random() % 20000));
     process.signal(number);
-    return process.wait();
+    Ending ending = process.wait();
+    expect_ended_at_once(ending);
+    return ending;
   }
 
   /// Runs the program by a script that mounts something, where nobody else sees it.
@@ -311,7 +319,9 @@ TEST_F(Faults, InterruptEndsAStepThatWaitsForEver) {
     // The folder is there a moment before the program says what to remove.
     std::this_thread::sleep_for(std::chrono::milliseconds(200));
     for (int i = 0; i < signals; ++i) process.signal(SIGINT);
-    expect_nothing_new(process.wait(), 130, before);
+    const Ending ending = process.wait();
+    expect_nothing_new(ending, 130, before);
+    expect_ended_at_once(ending);
   }
 }
 
@@ -369,6 +379,43 @@ TEST_F(Faults, TooLittleMemoryIsSaidInOneLine) {
     EXPECT_NE(ending.err.find("memory"), std::string::npos) << ending.err;
   }
   EXPECT_GT(failed, 0);
+}
+
+/// What is advised is something that the command has an option for.
+TEST_F(Faults, TooLittleMemoryForACityIsNoMatterOfTheMeshSize) {
+  if (TETROPOLIS_SANITIZED) GTEST_SKIP() << "sanitizers reserve address space of their own";
+  int failed = 0;
+  for (int megabytes = 210; megabytes < 400; megabytes += 10) {
+    SCOPED_TRACE(std::to_string(megabytes) + " MB of address space");
+    ProcessLimits limits;
+    limits.address_space = static_cast<rlim_t>(megabytes) << 20;
+    const Ending ending = run({"synth", "--quiet", "--buildings", "100", "--size", "1500",
+                               "--point-density", "1", "--threads", "1", "--out", "result"},
+                              limits);
+    if (ending.code == 0) break;
+    if (ending.err.find("out of memory; ") == std::string::npos) continue;
+    ++failed;
+    EXPECT_EQ(ending.code, 1);
+    EXPECT_EQ(ending.err.find("--mesh-size"), std::string::npos) << ending.err;
+  }
+  EXPECT_GT(failed, 0);
+}
+
+// The JSON library ends the program where it finds no memory to free what it has read.
+TEST_F(Faults, EndsWithoutMemorySayWhy) {
+  if (TETROPOLIS_SANITIZED) GTEST_SKIP() << "sanitizers reserve address space of their own";
+  {
+    std::ofstream file(work / "report.json");
+    file << R"({"version": "0", "command": "x", "warnings": [)";
+    for (int i = 0; i < 3'000'000; ++i) file << R"({"code":"a"},)";
+    file << "{}]}";
+  }
+  ProcessLimits limits;
+  limits.address_space = static_cast<rlim_t>(260) << 20;
+  const Ending ending = run({"info", "report.json"}, limits);
+  EXPECT_EQ(ending.code, 1);
+  expect_one_line(ending);
+  EXPECT_NE(ending.err.find("out of memory"), std::string::npos) << ending.err;
 }
 
 // Less than the libraries need to begin: GDAL aborts the program, threads cannot be made.

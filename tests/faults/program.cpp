@@ -91,7 +91,10 @@ Process::~Process() {
   close(err_);
 }
 
-void Process::signal(int number) const { kill(pid_, number); }
+void Process::signal(int number) {
+  if (!signalled_) signalled_ = std::chrono::steady_clock::now();
+  kill(pid_, number);
+}
 
 bool Process::ended() const {
   siginfo_t info{};
@@ -111,6 +114,7 @@ Ending Process::wait() {
   int status = 0;
   waitpid(pid_, &status, 0);
   pid_ = -1;
+  if (signalled_) ending.after_signal = std::chrono::steady_clock::now() - *signalled_;
   ending.code = WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
   return ending;
 }

@@ -1,8 +1,10 @@
 // Runs the program under limits and signals, and says what it left behind.
 #pragma once
 
+#include <chrono>
 #include <filesystem>
 #include <map>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -22,6 +24,8 @@ struct ProcessLimits {
 struct Ending {
   int code = -1;
   std::string err;  ///< All of stderr.
+  /// From the first signal to the end; 0 without.
+  std::chrono::duration<double> after_signal{};
 };
 
 /// A running program; stderr goes into a pipe or a terminal, so that limits of files do not touch
@@ -34,13 +38,14 @@ class Process {
   Process(const Process&) = delete;
   Process& operator=(const Process&) = delete;
 
-  void signal(int number) const;
+  void signal(int number);
   bool ended() const;  ///< Without waiting.
   Ending wait();
 
  private:
   pid_t pid_ = -1;
   int err_ = -1;
+  std::optional<std::chrono::steady_clock::time_point> signalled_;
 };
 
 /// Whether there can be terminals here: some containers have none.

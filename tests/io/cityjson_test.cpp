@@ -11,6 +11,7 @@
 
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
+#include <sys/stat.h>
 
 #include "tetropolis/core/error.h"
 #include "tetropolis/geometry/polygon.h"
@@ -417,6 +418,15 @@ TEST(CityJson, BrokenDocumentsNameThePlace) {
   mentions(changed("\"none\"", "\"flat\""), "two members 'flat'");
   mentions(changed("EPSG/0/7415", "EPSG/0/1"), "/metadata/referenceSystem");
   mentions(std::string(100000, '['), "byte");
+}
+
+TEST(CityJson, FilesThatCannotBeReadAreNamed) {
+  const TemporaryFolder folder;
+  // An ordinary file by its looks, whose first byte cannot be read.
+  fs::create_symlink("/proc/self/mem", folder / "a.json");
+  input_error(folder / "a.json");
+  ASSERT_EQ(::mkfifo((folder / "pipe.json").c_str(), 0600), 0);
+  EXPECT_NE(input_error(folder / "pipe.json").find("ordinary file"), std::string::npos);
 }
 
 TEST(CityJson, ChangedBytesNeverCrash) {

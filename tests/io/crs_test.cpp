@@ -17,7 +17,9 @@ TEST(Crs, EverySpellingHasOneName) {
   for (const char* text :
        {"EPSG:28992", "epsg:28992", " 28992\n", "EPSG:7415", "urn:ogc:def:crs:EPSG::7415",
         "urn:ogc:def:crs:EPSG::28992", "https://www.opengis.net/def/crs/EPSG/0/7415",
-        "http://www.opengis.net/def/crs/EPSG/0/28992"})
+        "http://www.opengis.net/def/crs/EPSG/0/28992",
+        "https://www.opengis.net/def/crs/EPSG/9.9.1/28992",
+        "http://opengis.net/def/crs/EPSG/10.076/7415"})
     EXPECT_EQ(normalise_crs(text), "EPSG:28992") << text;
   EXPECT_EQ(normalise_crs(""), "");
   EXPECT_EQ(normalise_crs(" \n"), "");
@@ -49,10 +51,35 @@ TEST(Crs, SystemsWithoutACodeBecomeWkt) {
   EXPECT_FALSE(is_geographic(name));
 }
 
+/// A Dutch grid that carries `code` as EPSG's; the national one with the usual false easting.
+std::string wkt_with_code(const std::string& code, int easting = 155000) {
+  return R"(PROJCS["Grid",GEOGCS["Amersfoort",DATUM["Amersfoort",SPHEROID["Bessel 1841",)"
+         R"(6377397.155,299.1528128]],PRIMEM["Greenwich",0],UNIT["degree",0.0174532925199433]],)"
+         R"(PROJECTION["Oblique_Stereographic"],PARAMETER["latitude_of_origin",52.1561605555556],)"
+         R"(PARAMETER["central_meridian",5.38763888888889],PARAMETER["scale_factor",0.9999079],)"
+         R"(PARAMETER["false_easting",)" +
+         std::to_string(easting) +
+         R"(],PARAMETER["false_northing",463000],UNIT["metre",1],AUTHORITY["EPSG",")" + code +
+         R"("]])";
+}
+
+TEST(Crs, CodesThatNobodyKnowsAreNotBelieved) {
+  EXPECT_EQ(normalise_crs(wkt_with_code("28992")), "EPSG:28992");
+  for (const char* code : {"102100", "no number"}) {
+    EXPECT_EQ(normalise_crs(wkt_with_code(code)), "EPSG:28992") << code;
+    const std::string name = normalise_crs(wkt_with_code(code, 20000));
+    EXPECT_EQ(name.substr(0, 8), "PROJCRS[") << name;
+    EXPECT_EQ(normalise_crs(name), name);
+    EXPECT_EQ(linear_unit_metres(name), 1);
+    EXPECT_EQ(crs_name(name), "Grid");
+  }
+}
+
 TEST(Crs, NonsenseIsRefusedWithItsText) {
   for (const char* text :
        {"nowhere", "EPSG:999999", "EPSG:4978", "PROJCS[", "+proj=nothing", "/etc/hostname",
-        "http://example.com/crs", "crs.txt", "LOCAL_CS[\"site\",UNIT[\"metre\",1]]"}) {
+        "http://example.com/crs", "http://www.opengis.net/def/crs/EPSG/28992", "crs.txt",
+        "LOCAL_CS[\"site\",UNIT[\"metre\",1]]"}) {
     try {
       normalise_crs(text);
       ADD_FAILURE() << text;
@@ -134,6 +161,9 @@ TEST(Crs, HasAShortName) {
   std::string named = local;
   named.replace(named.find('"') + 1, 7, "Site\n" + std::string(100, 'x'));
   EXPECT_EQ(crs_name(named), "Site " + std::string(55, 'x') + "...");
+  // Sixty bytes end within a character of two.
+  named.replace(named.find("Site\n"), 105, std::string(59, 'x') + "\u00e5\u00e5");
+  EXPECT_EQ(crs_name(named), std::string(59, 'x') + "...");
 }
 
 }  // namespace

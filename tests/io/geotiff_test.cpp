@@ -16,7 +16,9 @@
 #include "tetropolis/city/city_model.h"
 #include "tetropolis/core/error.h"
 
+#include "io/limited_memory.h"
 #include "support/bytes.h"
+#include "support/sanitized.h"
 #include "support/test_data.h"
 
 namespace tetropolis {
@@ -193,6 +195,49 @@ TEST(GeoTiff, VoidsTakeTheNearestValue) {
         }
       EXPECT_TRUE(found) << i << ' ' << j;
     }
+}
+
+TEST(GeoTiff, WhatSideCarsSayHoldsAndNoneIsWritten) {
+  const TemporaryFolder folder;
+  // Without nodata, unit and reference system of its own.
+  const fs::path path = folder / "a.tif";
+  std::ofstream(folder / "a.asc") << "ncols 3\nnrows 2\nxllcorner 0\nyllcorner 0\ncellsize 1\n"
+                                     "50 0 52\n53 54 55\n";
+  const std::string convert = "gdal_translate -q '" + (folder / "a.asc").string() + "' '";
+  ASSERT_EQ(output_of(convert + path.string() + "'"), "");
+  const auto files = [&] {
+    return std::distance(fs::directory_iterator(folder.path()), fs::directory_iterator());
+  };
+  const RasterInput bare = read_raster(path, {});
+  EXPECT_EQ(bare.filled, 0);
+  EXPECT_EQ(bare.height_unit, 1);
+  EXPECT_EQ(bare.crs, "");
+  EXPECT_EQ(files(), 2);
+  const std::string side_car =
+      "<PAMDataset><SRS>EPSG:28992</SRS><PAMRasterBand band=\"1\"><NoDataValue>0</NoDataValue>"
+      "<UnitType>ft</UnitType><Scale>2</Scale></PAMRasterBand></PAMDataset>";
+  std::ofstream(folder / "a.tif.aux.xml") << side_car;
+  const RasterInput input = read_raster(path, {});
+  EXPECT_EQ(input.filled, 1);
+  EXPECT_EQ(input.height_unit, 0.3048);
+  EXPECT_EQ(input.crs, "EPSG:28992");
+  EXPECT_EQ(input.raster.values[0], 106);
+  EXPECT_EQ(files(), 3);
+  EXPECT_EQ(bytes_of(folder / "a.tif.aux.xml"), side_car);
+}
+
+TEST(GeoTiff, RastersLargerThanTheMemoryAreRefused) {
+  if (TETROPOLIS_SANITIZED) GTEST_SKIP() << "the sanitizers need more address space than any limit";
+  ::testing::GTEST_FLAG(death_test_style) = "threadsafe";
+  const TemporaryFolder folder;
+  const fs::path path = folder / "a.vrt";
+  // The values alone would fit.
+  std::ofstream(path) << R"(<VRTDataset rasterXSize="18000" rasterYSize="18000"><GeoTransform>)"
+                      << "0,1,0,0,0,-1</GeoTransform>"
+                      << R"(<VRTRasterBand dataType="Float64" band="1"/></VRTDataset>)";
+  EXPECT_EXIT(testing::read_in_four_gigabytes([&] { read_raster(path, {}); }),
+              ::testing::ExitedWithCode(3),
+              "a.vrt: to read 18000 x 18000 pixels takes about 5.2 GB.*cut it to the domain");
 }
 
 TEST(GeoTiff, UnusableRastersFailInOneLine) {

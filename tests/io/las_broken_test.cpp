@@ -68,7 +68,7 @@ TEST(BrokenLas, HeadersThatLieFailAndNameTheByte) {
   write_bytes(path, good);
   EXPECT_EQ(read_one(path).points_read, 1000);
   EXPECT_NE(read_error(folder / "missing.las").find("no such file"), std::string::npos);
-  EXPECT_NE(read_error(folder.path()).find("ordinary file"), std::string::npos);
+  EXPECT_NE(read_error(folder.path()).find("is a folder"), std::string::npos);
   const fs::path pipe = folder / "pipe.laz";  // nobody ever writes to it
   ASSERT_EQ(::mkfifo(pipe.c_str(), 0600), 0);
   EXPECT_NE(read_error(pipe).find("ordinary file"), std::string::npos);
@@ -98,6 +98,30 @@ TEST(BrokenLas, CompressedCountsOffByOneAreNoticed) {
     ASSERT_EQ(input.warnings.size(), 1U);
     EXPECT_EQ(input.warnings[0].code, "las_count_small");
   }
+}
+
+// The bytes behind the points are a record of another kind.
+TEST(BrokenLas, CountsThatReachBeyondThePointsAreNoticed) {
+  const TemporaryFolder folder;
+  const fs::path path = folder / "a.las";
+  WritePointsOptions options;
+  options.point_format = 6;
+  write_points(path, random_cloud(1000, 6), {}, options);
+  std::string bytes = bytes_of(path);
+  bytes = patched(bytes, 235, std::uint64_t{bytes.size()});
+  bytes = patched(bytes, 243, std::uint32_t{1});
+  bytes += patched(std::string(60 + 300, '\0'), 20, std::uint64_t{300});
+  write_bytes(path, bytes);
+  const PointsInput input = read_one(path, all_points());
+  EXPECT_EQ(input.points_kept, 1000);
+  EXPECT_TRUE(input.warnings.empty());
+  write_bytes(path, patched(bytes, 247, std::uint64_t{1002}));
+  EXPECT_NE(read_error(path).find("ends at point 1000 of 1002"), std::string::npos)
+      << read_error(path);
+  // A start among the points, where no record is, says nothing of them.
+  const std::uint64_t among = bytes.size() - 360 - 30 * 500 + 7;
+  write_bytes(path, patched(bytes, 235, among));
+  EXPECT_EQ(read_one(path, all_points()).points_kept, 1000);
 }
 
 TEST(BrokenLas, MissingCountsAreTakenFromTheFileSize) {

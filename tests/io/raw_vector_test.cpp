@@ -198,6 +198,40 @@ TEST(RawVectorBytes, PartsTurnedAgainstThePartAroundThemAreItsYards) {
                                                   {"apart#2", 25}}));
 }
 
+// Within the outline of the other part, but not within its walls.
+TEST(RawVectorBytes, PartsInTheYardOfAnotherPartStayBuildingsWhateverTheirTurn) {
+  const TemporaryFolder folder;
+  const auto around_a_yard = [](double west) {
+    return std::vector<RawRing>{square(west, 0, 30), square(west + 5, 5, 20, false)};
+  };
+  const std::vector<RawFeature> features{
+      {"hut", 1, {around_a_yard(0), {square(10, 10, 4, false)}}},
+      {"with a yard", 1, {around_a_yard(40), {square(48, 8, 14, false), square(50, 10, 6)}}},
+      {"touching", 1, {around_a_yard(80), {square(85, 10, 4, false)}}},
+      {"roof", 1, {around_a_yard(120), {square(125, 5, 20, false)}}},
+      {"wider roof", 1, {around_a_yard(160), {square(164, 4, 22, false)}}},
+      {"yard beside a yard",
+       1,
+       {{square(200, 0, 30), square(205, 5, 8, false)}, {square(220, 5, 6, false)}}}};
+  write_raw_features(folder / "a.geojson", features, kOrigin, "EPSG:3006");
+  std::map<std::string, double> areas;
+  ReadFootprintsOptions options;
+  options.id_attribute = "id";
+  for (const Footprint& feature : read_footprints(folder / "a.geojson", options).features)
+    areas[feature.source_id] = area(feature.polygon);
+  EXPECT_EQ(areas, (std::map<std::string, double>{{"hut", 500},
+                                                  {"hut#2", 16},
+                                                  {"with a yard", 500},
+                                                  {"with a yard#2", 196 - 36},
+                                                  {"touching", 500},
+                                                  {"touching#2", 16},
+                                                  {"roof", 500},
+                                                  {"roof#2", 400},
+                                                  {"wider roof", 500},
+                                                  {"wider roof#2", 484},
+                                                  {"yard beside a yard", 900 - 64 - 36}}));
+}
+
 TEST(PointFlags, GoIntoTheFileAndWithheldPointsAreLeftOut) {
   const TemporaryFolder folder;
   PointCloud cloud;

@@ -326,6 +326,40 @@ TEST(Vector, SplitsFlattensAndAccounts) {
   EXPECT_EQ(input.crs, "EPSG:4326");
 }
 
+TEST(Vector, WhatIsNestedTooDeepIsNotLostSilently) {
+  const TemporaryFolder folder;
+  std::string deep = R"({"type":"Polygon","coordinates":[[[3,8],[4,8],[4,9],[3,8]]]})";
+  for (int level = 0; level < 40; ++level)
+    deep = R"({"type":"GeometryCollection","geometries":[)" + deep + "]}";
+  const FootprintsInput input = read_footprints(write_text(
+      folder / "deep.geojson",
+      R"({"type":"FeatureCollection","features":[{"type":"Feature","properties":{},"geometry":)"
+      R"({"type":"GeometryCollection","geometries":[)"
+      R"({"type":"Polygon","coordinates":[[[0,6],[1,6],[1,7],[0,6]]]},)" +
+          deep + "]}}]}"));
+  EXPECT_EQ(input.features.size(), 1U);
+  EXPECT_TRUE(has_warning(input, "mixed_geometry"));
+}
+
+TEST(Vector, WarningsAreOneLineWhateverTheyQuote) {
+  const TemporaryFolder folder;
+  const fs::path path = write_text(folder / "a.geojson", R"({"type":"FeatureCollection","features":[
+ {"type":"Feature","properties":{"na\nme":null,"h\te":"9 m"},"geometry":{"type":"Polygon",
+  "coordinates":[[[0,6],[1,6],[1,7],[0,6]]]}},
+ {"type":"Feature","properties":{"na\nme":"a\nb","h\te":"\u001b[31m high"},"geometry":{"type":"Polygon",
+  "coordinates":[[[0,8],[1,8],[1,9],[0,8]]]}}]})");
+  ReadFootprintsOptions options;
+  options.id_attribute = "na\nme";
+  options.height_attribute = "h\te";
+  const FootprintsInput input = read_footprints(path, options);
+  EXPECT_TRUE(has_warning(input, "missing_ids"));
+  EXPECT_TRUE(has_warning(input, "height_not_a_number"));
+  for (const Warning& warning : input.warnings)
+    EXPECT_TRUE(std::none_of(warning.message.begin(), warning.message.end(), [](char c) {
+      return static_cast<unsigned char>(c) < ' ';
+    })) << warning.message;
+}
+
 TEST(Vector, CurvesBecomeChords) {
   const TemporaryFolder folder;
   const FootprintsInput input = read_footprints(

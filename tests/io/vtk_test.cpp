@@ -15,9 +15,11 @@
 #include "tetropolis/core/parallel.h"
 #include "tetropolis/io/stl.h"
 
+#include "io/limited_memory.h"
 #include "io/mesh_input.h"
 #include "support/bytes.h"
 #include "support/explicit_mesh.h"
+#include "support/sanitized.h"
 #include "support/small_city.h"
 #include "support/test_data.h"
 
@@ -207,6 +209,35 @@ TEST_F(Vtk, BrokenFilesAreRefusedWithTheirName) {
   EXPECT_NE(message(outside).find("cell 0 has the vertex 2147483647"), std::string::npos);
   EXPECT_NE(error_of([&] { read_vtu(folder / "missing.vtu"); }).find("missing.vtu"),
             std::string::npos);
+}
+
+TEST_F(Vtk, FilesOfSeveralPiecesAreRefused) {
+  write_vtu(folder / "volume.vtu", city.mesh, {});
+  std::string bytes = bytes_of(folder / "volume.vtu");
+  bytes.insert(bytes.find("</Piece>") + 8,
+               "<Piece NumberOfPoints=\"0\" NumberOfCells=\"0\"></Piece>");
+  write_bytes(folder / "two.vtu", bytes);
+  EXPECT_NE(error_of([&] { read_vtu(folder / "two.vtu"); }).find("two.vtu: has several pieces"),
+            std::string::npos);
+}
+
+TEST(VtkMemory, SurfacesLargerThanTheMemoryAreRefused) {
+  if (TETROPOLIS_SANITIZED) GTEST_SKIP() << "the sanitizers need more address space than any limit";
+  ::testing::GTEST_FLAG(death_test_style) = "threadsafe";
+  const testing::TemporaryFolder scratch;
+  const auto path = scratch / "large.vtp";
+  constexpr std::uint64_t kPoints = 200'000'000;
+  const std::uint64_t bytes = kPoints * 24;
+  std::string head =
+      R"(<VTKFile type="PolyData" byte_order="LittleEndian" header_type="UInt64"><PolyData>)"
+      R"(<Piece NumberOfPoints="200000000" NumberOfPolys="0"><Points>)"
+      R"(<DataArray type="Float64" Name="Points" format="appended" offset="0"/></Points></Piece>)"
+      R"(</PolyData><AppendedData encoding="raw">_)";
+  head.append(reinterpret_cast<const char*>(&bytes), sizeof bytes);
+  write_bytes(path, head);
+  std::filesystem::resize_file(path, head.size() + bytes);  // a hole, which takes no room
+  EXPECT_EXIT(testing::read_in_four_gigabytes([&] { read_vtp(path); }),
+              ::testing::ExitedWithCode(3), "large.vtp: to read its 200000000 points");
 }
 
 TEST_F(Vtk, StlHasTheTextOfPrintf) {

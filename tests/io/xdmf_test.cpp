@@ -10,6 +10,7 @@
 #include <gtest/gtest.h>
 #include <hdf5.h>
 #include <sys/resource.h>
+#include <sys/stat.h>
 
 #include "tetropolis/core/parallel.h"
 
@@ -278,6 +279,16 @@ TEST_F(Xdmf, CutFilesAreRefused) {
   }
   std::filesystem::remove(folder / "volume.h5");
   EXPECT_NE(refusal(path).find("volume.h5: no such file"), std::string::npos);
+}
+
+TEST_F(Xdmf, PipesAreRefused) {
+  const auto pipe = folder / "pipe.xdmf";  // nobody ever writes to it
+  ASSERT_EQ(::mkfifo(pipe.c_str(), 0600), 0);
+  EXPECT_NE(refusal(pipe).find("pipe.xdmf: is not an ordinary file"), std::string::npos);
+  std::filesystem::remove(folder / "volume.h5");
+  ASSERT_EQ(::mkfifo((folder / "volume.h5").c_str(), 0600), 0);
+  EXPECT_NE(refusal(folder / "volume.xdmf").find("volume.h5: is not an ordinary file"),
+            std::string::npos);
 }
 
 TEST_F(Xdmf, ForeignDescriptionsAreRefused) {

@@ -99,6 +99,21 @@ TEST_F(Cli, BuildsChecksAndTells) {
     EXPECT_NE(info.out.find(part), std::string::npos) << part;
 }
 
+TEST_F(Cli, CheckNamesTheFilesItDoesNotRead) {
+  synth("--buildings 20 --size 250");
+  const std::string arguments = " --quiet --footprints input/footprints.shp --points input ";
+  ASSERT_EQ(run("city --out city" + arguments).code, 0);
+  EXPECT_EQ(run("check city").out.find("not read"), std::string::npos);
+  ASSERT_EQ(
+      run("build --mesh-size 20 --formats vtu,msh,openfoam,glb --out result" + arguments).code, 0);
+  const Outcome checked = run("check result");
+  EXPECT_EQ(checked.code, 0) << checked.err;
+  EXPECT_TRUE(
+      checked.out.ends_with("  not read: surface.stl, volume.msh, constant/polyMesh, "
+                            "surface.glb\nevery guarantee holds\n"))
+      << checked.out;
+}
+
 TEST_F(Cli, CheckFailsOnABrokenMesh) {
   synth("--buildings 20 --size 250");
   ASSERT_EQ(run("build --quiet --footprints input/footprints.shp --points input --out result").code,
@@ -157,6 +172,13 @@ TEST_F(Cli, CheckSaysWhatIsNoReport) {
     const Outcome outcome = run("check result");
     EXPECT_EQ(outcome.code, 3);
     EXPECT_EQ(outcome.err, "tetropolis: result/report.json: not a report of tetropolis\n");
+    // A single model does not depend on what another program has written beside it.
+    const Outcome alone = run("check result/city.city.json");
+    EXPECT_EQ(alone.code, 0) << alone.err;
+    EXPECT_NE(alone.out.find("not checked: what report.json asks for (result/report.json: not a "
+                             "report of tetropolis)"),
+              std::string::npos)
+        << alone.out;
   }
   // Without what it should say, it is not borne out; without meshes there is nothing to compare.
   std::ofstream(scratch / "result/report.json") << "{\"volume_mesh\": {}}";
@@ -257,6 +279,34 @@ TEST_F(Cli, ALogNeverReplacesDataOrAnInput) {
   for (int i = 0; i < 2; ++i) EXPECT_EQ(run("check result --quiet --log check.log").code, 0);
 }
 
+/// Names that have only their stem in common with an input, or with a folder of results.
+TEST_F(Cli, LogsMayHaveTheNameOfTheCity) {
+  synth("--buildings 20 --size 250");
+  fs::rename(scratch / "input", scratch / "tiles");
+  std::ofstream(scratch / "delft.toml")
+      << "footprints = \"tiles/footprints.shp\"\npoints = [\"tiles\"]\nout = \"delft\"\n";
+  for (const char* command :
+       {"city --config delft.toml --log delft.log", "check delft --log delft.log",
+        "city --config delft.toml --log tiles.log",
+        "city --config delft.toml --log tiles/footprints.log",
+        "mesh --city delft/city.city.json --dtm delft/dtm.tif --out mesh --log delft/dtm.log"})
+    for (int i = 0; i < 2; ++i) {
+      const Outcome outcome = run(command + std::string(" --quiet"));
+      EXPECT_EQ(outcome.code, 0) << command << ": " << outcome.err;
+    }
+}
+
+TEST_F(Cli, SideFilesAreNoLogsWhateverTheirNames) {
+  synth("--buildings 20 --size 250");
+  fs::rename(scratch / "input/footprints.prj", scratch / "input/footprints.PRJ");
+  fs::create_symlink("input/footprints.PRJ", scratch / "run.log");
+  for (const char* log : {"input/footprints.PRJ", "run.log", "./input/../run.log"})
+    expect_error(std::string("city --footprints input/footprints.shp --points input --out new "
+                             "--log ") +
+                     log,
+                 2, "is an input of this run");
+}
+
 TEST_F(Cli, SpecialFilesAreNoInputs) {
   synth("--buildings 20 --size 250");
   ASSERT_EQ(run("city --quiet --footprints input/footprints.shp --points input --out result").code,
@@ -307,10 +357,16 @@ TEST_F(Cli, FoldersThatCannotBeEnteredAreNamed) {
     EXPECT_EQ(checked.code, 3);
     EXPECT_EQ(checked.err, "tetropolis: closed/result: cannot be read: Permission denied\n");
     EXPECT_EQ(run_as_other("check closed").code, 3);
+    EXPECT_EQ(run_as_other("info closed/result").err,
+              "tetropolis: closed/result: cannot be read: Permission denied\n");
     EXPECT_EQ(run_as_other("init closed/my.toml").code, 3);
     const Outcome built = run_as_other("build --config closed/my.toml");
     EXPECT_EQ(built.code, 2);
-    EXPECT_NE(built.err.find("Permission denied"), std::string::npos) << built.err;
+    EXPECT_EQ(built.err, "tetropolis: closed/my.toml: cannot be opened: Permission denied\n");
+    std::ofstream(scratch / "secret.toml") << "mesh_size = 5\n";
+    fs::permissions(scratch / "secret.toml", fs::perms(0));
+    EXPECT_EQ(run_as_other("build --config secret.toml").err,
+              "tetropolis: secret.toml: cannot be opened: Permission denied\n");
   }
   fs::permissions(scratch / "closed", fs::perms(0755));
   if (!runs) GTEST_SKIP() << "the program cannot be run by others";
@@ -327,6 +383,10 @@ TEST_F(Cli, WrongOptionsExitWithTwo) {
   expect_error(input + "--mesh-sise 5", 2, "did you mean '--mesh-size'?");
   expect_error(input + "--mesh-size five", 2, "--mesh-size: 'five' is not a number");
   expect_error(input + "--mesh-size -3", 2, "less than 0.05");
+  expect_error(input + "--mesh-size 1e999", 2,
+               "--mesh-size: 1e999 is out of range; give 0.05 to 10000");
+  expect_error("synth --out x --seed 5000000000", 2,
+               "--seed: 5000000000 is out of range; give 0 to 2147483647");
   expect_error(input + "--top open", 2, "is not one of flat, free");
   expect_error(input + "--bounds 1,2,3", 2, "four numbers");
   expect_error(input + "--points-crs EPSG:999999", 2, "EPSG:999999");
@@ -364,7 +424,14 @@ TEST_F(Cli, EmptyAndTooSmallValuesAreNamed) {
                "c.toml:1: points: one of the values is empty");
   expect_error("synth --size 40 --out small", 2, "--size: 40 m is too small");
   expect_error("synth --size 100 --kind blocks --out small", 2, "give 300 or more");
-  expect_error("synth --size 100 --buildings 100000 --out small", 2, "do not fit");
+  expect_error("synth --size 100 --buildings 100000 --out small", 2,
+               "fewer --buildings or a larger --size");
+  expect_error("synth --size 200000 --out large", 2, "--size: 200000 is greater than 100000");
+  expect_error("synth --size 50 --kind adversarial --out small", 2, "--size: 50 m is too small");
+  expect_error("synth --size 2000 --kind adversarial --out large", 2,
+               "--size: 2000 m is too large");
+  expect_error("synth --size 100000 --point-density 1000 --out large", 2,
+               "give a smaller --size or a lower --point-density");
   EXPECT_EQ(run("synth --quiet --size 100 --out small").code, 0);
   const Outcome crowded = run("synth --kind blocks --size 300 --buildings 5000 --out crowded");
   EXPECT_EQ(crowded.code, 0);
@@ -415,11 +482,34 @@ TEST_F(Cli, InfoGoesOnAfterABadFile) {
   EXPECT_EQ(run("info odd.json").code, 3);
 }
 
+TEST_F(Cli, InfoQuotesWhatFilesSayInOneLineEach) {
+  std::ofstream(scratch / "report.json") << R"({"version": "0", "command": "build", "steps": [],
+    "city": {"dropped": [{"source_id": "two\nlines", "reason": "a \u001b[2Jb"}]},
+    "warnings": [{"code": "odd", "message": "one\r\ntwo", "count": 3}]})";
+  const Outcome info = run("info report.json");
+  EXPECT_EQ(info.code, 0) << info.err;
+  for (const char* line : {"\n  dropped: two lines: a  [2Jb\n", "\n  note: odd: one  two (3)\n"})
+    EXPECT_NE(info.out.find(line), std::string::npos) << info.out;
+}
+
 TEST_F(Cli, ErrorsStayOneLineWhateverTheNames) {
   expect_error("build --footprints x.shp --points 'two\nlines.laz' --out result", 3,
                "two lines.laz");
   expect_error("build --mesh-size '1\n2'", 2, "is not a number");
   expect_error("'bu\nild'", 2, "unknown argument");
+}
+
+TEST_F(Cli, NotesStayOneLineWhateverTheNames) {
+  synth("--buildings 20 --size 250");
+  fs::remove(scratch / "input/footprints.prj");
+  fs::rename(scratch / "input", scratch / "two\nlines");
+  const Outcome outcome =
+      run("city --footprints 'two\nlines/footprints.shp' --points two* --out result --log run.log");
+  EXPECT_EQ(outcome.code, 0) << outcome.err;
+  for (const std::string& text : {outcome.err, bytes_of(scratch / "run.log")})
+    EXPECT_NE(text.find(": two lines/footprints.shp: does not state its coordinate"),
+              std::string::npos)
+        << text;
 }
 
 /// As a shell makes them of `--footprints *.shp`, or of a folder's name with a blank in it.
@@ -562,6 +652,17 @@ TEST_F(Cli, ConfigurationFileAndOptionsMeet) {
   EXPECT_NE(bytes_of(scratch / "result/report.json").find("\"mesh_size\": 15.0"),
             std::string::npos);
   EXPECT_NE(bytes_of(scratch / "run.log").find("3.1  ground mesh"), std::string::npos);
+}
+
+TEST_F(Cli, OptionsTakeSwitchesOfTheFileBack) {
+  synth("--buildings 20 --size 250");
+  std::ofstream(scratch / "my.toml") << "footprints = \"input/footprints.shp\"\npoints = "
+                                        "[\"input\"]\nout = \"result\"\nquiet = true\n";
+  EXPECT_EQ(run("city --config my.toml").err, "");
+  EXPECT_EQ(run("city --config my.toml --quiet").err, "");
+  const Outcome loud = run("city --config my.toml --quiet=false");
+  EXPECT_EQ(loud.code, 0);
+  EXPECT_NE(loud.err.find("results in result"), std::string::npos) << loud.err;
 }
 
 TEST_F(Cli, HelpNamesEveryOption) {

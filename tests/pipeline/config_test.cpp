@@ -67,10 +67,12 @@ TEST(Config, ErrorsNameFileLineAndWhatToDo) {
   expect_part(error_of("top = 5\n"), "takes text in quotes");
   expect_part(error_of("bounds = [1, 2, \"3\", 4]\n"), "takes no text");
   expect_part(error_of("points = [\"a\", 3]\n"), "takes text in quotes");
-  expect_part(error_of("ground_margin = 1e308\n"), "1000");
+  expect_part(error_of("ground_margin = 1e308\n"), "1e+308 is greater than");
   expect_part(error_of("top = \"open\"\n"), "'open' is not one of flat, free");
   expect_part(error_of("mesh_size = nan\n"), "not finite");
   expect_part(error_of("merge_growths = 2.5\n"), "'2.5' is not a whole number");
+  expect_part(error_of("seed = 5000000000\n"),
+              "seed: 5000000000 is out of range; give 0 to 2147483647");
   expect_part(error_of("bounds = [1, 2, 3]\n"), "four numbers expected");
   expect_part(error_of("bounds = [5, 2, 3, 4]\n"), "XMIN < XMAX");
   expect_part(error_of("terrain_only = 1\n"), "true or false expected");

@@ -194,6 +194,24 @@ TEST(OutputFolder, InputsOfTheRunStay) {
   EXPECT_EQ(bytes_of(scratch / "result/dtm.tif"), "input");
 }
 
+TEST(OutputFolder, InputsThatAreLinksStay) {
+  const testing::TemporaryFolder scratch;
+  write(scratch / "result/report.json", kReport);
+  write(scratch / "terrain.tif", "input");
+  fs::create_symlink("../terrain.tif", scratch / "result/dtm.tif");
+  fs::create_directory_symlink("result", scratch / "other name");
+  write(scratch / "result/volume.vtu", "old");
+  {
+    OutputFolder out(scratch / "result");
+    out.keep(scratch / "other name/dtm.tif");
+    write(out / "report.json", kReport);
+    out.commit();
+  }
+  EXPECT_FALSE(fs::exists(scratch / "result/volume.vtu"));
+  EXPECT_TRUE(fs::is_symlink(scratch / "result/dtm.tif"));
+  EXPECT_EQ(bytes_of(scratch / "result/dtm.tif"), "input");
+}
+
 TEST(OutputFolder, HasTheUsualPermissions) {
   const testing::TemporaryFolder scratch;
   fs::create_directory(scratch / "usual");

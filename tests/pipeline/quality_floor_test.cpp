@@ -35,14 +35,14 @@ void expect_good_angles(const VolumeMeshReport& mesh) {
   EXPECT_GE(mesh.dihedral_min, 8);
   EXPECT_GE(mesh.dihedral_p0_01, 12);
   EXPECT_LE(mesh.dihedral_max, 160);
+  EXPECT_LT(mesh.faces.worst.non_orthogonality_deg, 70);
+  EXPECT_EQ(mesh.faces.above_70, 0);
 }
 
 void expect_above_the_floor(const Report& report) {
   const VolumeMeshReport& mesh = *report.volume_mesh;
   EXPECT_EQ(mesh.inverted, 0);
   expect_good_angles(mesh);
-  EXPECT_LT(mesh.faces.worst.non_orthogonality_deg, 70);
-  EXPECT_EQ(mesh.faces.above_70, 0);
   EXPECT_LT(mesh.faces.worst.skewness, 4);
   ASSERT_EQ(mesh.worst.size(), 10U);
   EXPECT_GE(mesh.worst.front().share_of_floor, 8.0 / 12);
@@ -287,12 +287,31 @@ TEST(QualityFloor, Hillsides) {
   }
 }
 
-/// OpenFOAM's own judgement, where it is installed: `apt-get install openfoam`.
-TEST(QualityFloor, CheckMeshOfOpenFoamAgrees) {
-  if (std::system("command -v checkMesh >/dev/null 2>&1") != 0)
-    GTEST_SKIP() << "checkMesh (package openfoam) is not installed";
-  const testing::TemporaryFolder folder;
-  const Report report = testing::build_blocks(folder, "openfoam");
+/// OpenFOAM's own judgement of the mesh in `folder`, where that is installed: `apt-get install
+/// openfoam`.
+class CheckMesh : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    if (std::system("command -v checkMesh >/dev/null 2>&1") != 0)
+      GTEST_SKIP() << "checkMesh (package openfoam) is not installed";
+  }
+
+  /// Meshes at 10 m and asks checkMesh.
+  void expect_good(const fs::path& footprints, const std::vector<fs::path>& points) {
+    Config config;
+    config.footprints = footprints;
+    for (const fs::path& path : points) config.points.push_back(path);
+    config.formats = {"openfoam"};
+    config.out = folder / "result";
+    expect_agreement(run_build(config));
+  }
+
+  void expect_agreement(const Report& report);
+
+  testing::TemporaryFolder folder;
+};
+
+void CheckMesh::expect_agreement(const Report& report) {
   fs::create_directories(folder / "result/system");
   const auto write = [&](const char* name, const std::string& text) {
     std::ofstream(folder / "result/system" / name)
@@ -321,6 +340,30 @@ TEST(QualityFloor, CheckMeshOfOpenFoamAgrees) {
   EXPECT_NEAR(std::stod(text.substr(at + mark.size())),
               report.volume_mesh->faces.worst.non_orthogonality_deg, 1e-3);
   expect_above_the_floor(report);
+}
+
+TEST_F(CheckMesh, AgreesOnASmallCity) {
+  expect_agreement(testing::build_blocks(folder, "openfoam"));
+}
+
+TEST_F(CheckMesh, AgreesOnTheDemonstration) {
+  Config config;  // as in the Makefile
+  config.kind = SynthKind::kBlocks;
+  config.size = 500;
+  config.seed = 7;
+  config.out = folder / "input";
+  run_synth(config);
+  expect_good(folder / "input/footprints.shp", {folder / "input"});
+}
+
+TEST_F(CheckMesh, AgreesOnDelft) {
+  TETROPOLIS_REQUIRE_DATA(data, "delft_3dfier");
+  expect_good(data / "footprints.shp", {data / "ahn3_cropped_1.laz", data / "ahn3_cropped_2.laz"});
+}
+
+TEST_F(CheckMesh, AgreesOnAmsterdamSouth) {
+  TETROPOLIS_REQUIRE_DATA(data, "amsterdam_south");
+  expect_good(data / "footprints.gpkg", {data / "ahn3"});
 }
 
 }  // namespace

@@ -6,9 +6,9 @@
 #include <gtest/gtest.h>
 
 #include "tetropolis/io/cityjson.h"
-#include "tetropolis/pipeline/check_results.h"
 #include "tetropolis/pipeline/run.h"
 
+#include "support/guarantees.h"
 #include "support/test_data.h"
 
 namespace tetropolis {
@@ -91,10 +91,7 @@ TEST_P(RealData, BuildsAMeshThatHoldsEveryGuarantee) {
   config.points_crs = real.points_crs;
   config.out = (scratch / "out").string();
   const Report report = run_build(config);
-  for (const CheckedFile& file : check_path(config.out, std::nullopt))
-    for (const Violation& violation : file.violations)
-      ADD_FAILURE() << file.name << ": " << violation.what << " (" << violation.count << "), first "
-                    << violation.first;
+  testing::expect_guarantees(config.out);
   EXPECT_EQ(report.input->points_read, real.points_read);
   EXPECT_EQ(report.input->footprints_read, real.footprints_read);
   bool by_exclusion = false;

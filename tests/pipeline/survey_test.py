@@ -32,7 +32,12 @@ FAULTS = {
     "other bytes": ('"$real" "$@" || exit $?\n[ ! -d again ] || echo >> again/surface.stl\n',
                     "surface.stl"),
     "results left behind": ('[ "$1" = build ] && { mkdir out; exit 3; }\nexec "$real" "$@"',
-                            "left behind"),
+                            "exit 3, but left behind: out"),
+    "hidden folder left behind": ('[ "$1" = build ] && { mkdir .out.part-abcdef; exit 3; }\n'
+                                  'exec "$real" "$@"', "exit 3, but left behind: .out.part-abcdef"),
+    "hidden folder beside the result": ('[ "$1" = build ] && mkdir -p .out.part-abcdef\n'
+                                        'exec "$real" "$@"',
+                                        "exit 0, but left behind: .out.part-abcdef"),
     "hang": ('[ "$1" = build ] && exec sleep 30\nexec "$real" "$@"', "still running"),
 }
 
@@ -77,14 +82,26 @@ class Survey(unittest.TestCase):
         # No mesh passes a floor that is above what is possible.
         code = ("import sys; sys.path.insert(0, sys.argv[1]); import survey_report as s;"
                 "row = dict(dihedral_min=9, dihedral_p0_01=13, dihedral_max=150, "
-                "non_orthogonality=69);"
+                "non_orthogonality=69, skewness=3.9);"
                 "print(s.below_floor(row), s.below_floor(row | dict(dihedral_min=7.9)),"
                 "s.below_floor(row | dict(dihedral_p0_01=11.9)),"
                 "s.below_floor(row | dict(dihedral_max=160.1)), "
-                "s.below_floor(row | dict(non_orthogonality=70.1)))")
+                "s.below_floor(row | dict(non_orthogonality=70.1)), "
+                "s.below_floor(row | dict(skewness=4)))")
         done = subprocess.run([sys.executable, "-c", code, SOURCE / "scripts"], text=True,
                               check=True, stdout=subprocess.PIPE)
-        self.assertEqual(done.stdout.split(), ["False", "True", "True", "True", "True"])
+        self.assertEqual(done.stdout.split(), ["False"] + 5 * ["True"])
+
+    def test_one_city_below_the_floor_fails_only_when_asked(self):
+        # A report that tells of a face beyond the floor; check does not compare that.
+        body = ('"$real" "$@" || exit $?\n[ "$1" != build ] || sed -i '
+                """'/"skewness"/,/}/s/"max": [0-9.]*/"max": 4.5/' out/report.json\n""")
+        for options, code in (((), 0), (("--floor",), 1)):
+            with self.subTest(options):
+                keep = self.folder / f"city{code}"
+                done = survey(self.stand_in(body), self.folder, "--seed", "1", "--keep", keep, *options)
+                self.assertIn("below_floor        True", done.stdout)
+                self.assertEqual(done.returncode, code, done.stdout)
 
     def test_faults_are_seen_and_kept(self):
         for name, (body, sign) in FAULTS.items():

@@ -14,8 +14,9 @@
 #include "tetropolis/geometry/polygon.h"
 #include "tetropolis/io/cityjson.h"
 #include "tetropolis/io/las.h"
-#include "tetropolis/pipeline/check_results.h"
 #include "tetropolis/pipeline/run.h"
+
+#include "support/guarantees.h"
 
 namespace tetropolis::testing {
 
@@ -191,12 +192,7 @@ Outcome build(const Config& config, const std::vector<std::string>& ids) {
 
 void expect_sound(const Config& config, const Outcome& outcome,
                   const std::vector<std::string>& ids) {
-  for (const CheckedFile& file : check_path(config.out, std::nullopt)) {
-    for (const Violation& violation : file.violations)
-      ADD_FAILURE() << file.name << ": " << violation.what << " (" << violation.count << "), first "
-                    << violation.first;
-    for (const std::string& what : file.not_checked) ADD_FAILURE() << "not checked: " << what;
-  }
+  expect_guarantees(config.out);
   EXPECT_EQ(outcome.report.volume_mesh->inverted, 0);
   EXPECT_GT(outcome.report.volume_mesh->cells, 0);
   EXPECT_TRUE(outcome.report.surface_mesh->closed && outcome.report.surface_mesh->manifold);

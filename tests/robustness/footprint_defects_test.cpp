@@ -187,6 +187,11 @@ std::vector<Row> rings() {
           "50))")
           .repaired()
           .is(court),
+      row("SecondPartOnALine",
+          "POLYGON((60 50,84 50,84 58,90 58,90 54,94 54,94 62,90 62,90 58,84 58,84 66,60 66,60 "
+          "50))")
+          .repaired()
+          .warns("parts_lost"),
       row("CircleOf4000Vertices", circle({72, 58}, 8, 4000)).repaired().covers(201, 6),
   };
 }
@@ -314,6 +319,8 @@ std::vector<Row> geometries() {
       drop("AllOnALine", "POLYGON((60 50,70 50,84 50,60 50))", "zero area"),
       drop("ThereAndBack", "POLYGON((60 50,84 50,84 66,84 50,60 50))", "zero area"),
       drop("Coordinate1e300", "POLYGON((60 50,84 50,1e300 66,60 66,60 50))", "beyond 1e9 m"),
+      drop("Coordinates1e308", "POLYGON((1e308 -1e308,-1e308 1e308,60 5e307,1e308 -1e308))",
+           "beyond 1e9 m"),
       drop("Coordinate1e12", "POLYGON((60 50,84 50,84 -1e12,60 66,60 50))", "beyond 1e9 m"),
       row("PolygonZM", "POLYGON ZM((60 50 3 1,84 50 4 2,84 66 5 3,60 66 -1e99 4,60 50 3 1))"),
       row("PolygonZ", "POLYGON Z((60 50 3,84 50 1e300,84 66 -1,60 66 0,60 50 3))"),

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
+#include <limits>
 #include <random>
 #include <vector>
 
@@ -232,6 +233,22 @@ TEST(GroundFilter, FootprintsOverEverythingAreNotBelieved) {
   const PointCloud cloud = scan(50, 2, {}, 0, [](double, double) { return 2; });
   const auto found = filter_ground(cloud, all);
   EXPECT_EQ(std::count(found.begin(), found.end(), 1), static_cast<std::ptrdiff_t>(cloud.size()));
+}
+
+/// Differences of coordinates overflow there, and what comes of it is no place in a row of cells.
+TEST(GroundFilter, FootprintsWithAbsurdCoordinatesDoNoHarm) {
+  const PointCloud cloud = scan(60, 2, {}, 0, [](double, double) { return 0.0; });
+  const auto plain = filter_ground(cloud, {});
+  constexpr double inf = std::numeric_limits<double>::infinity();
+  for (const double far : {1e300, 1e307, 1e308, 1.7e308, inf, std::nan("")}) {
+    SCOPED_TRACE(far);
+    const std::vector<Polygon> footprints = {
+        {{{far, -far}, {-far, far}, {0, far / 2}}, {}},
+        {{{-far, -far}, {far, far}, {-far, far / 3}}, {}},
+        {{{0, -far}, {0, far}, {far, 0}, {-far, 10}}, {}},
+        {{{far, -far}, {far, far}, {-far, far}, {-far, -far}}, {{{10, 10}, {far, 20}, {20, 10}}}}};
+    EXPECT_EQ(filter_ground(cloud, footprints), plain);
+  }
 }
 
 TEST(GroundFilter, BuildingsAtTheWaterAndAtTheRimDoNotLeanOnVoids) {

@@ -13,9 +13,11 @@
 
 #include <gtest/gtest.h>
 
+#include "tetropolis/geometry/polygon.h"
 #include "tetropolis/volume/cell_quality.h"
 #include "tetropolis/volume/face_quality.h"
 #include "tetropolis/volume/fill_columns.h"
+#include "tetropolis/volume/find_cuts.h"
 #include "tetropolis/volume/ground_heights.h"
 #include "tetropolis/volume/improve_columns.h"
 
@@ -339,6 +341,51 @@ TEST(CutBack, MarksTheRoofsWithBadCellsBesideThem) {
     all += cut[0];
   }
   EXPECT_GT(all, 0);
+}
+
+/// Two pieces of lowered ground, far apart: in one are fewer bad triangles than before, in the
+/// other more. Only the marks of the first stay, and those made before.
+TEST(CutBack, MarksStayWhereTheyHelp) {
+  testing::SmallCity city;
+  city.footprints = {testing::rectangle(20, 30, 30, 50), testing::rectangle(90, 30, 100, 50)};
+  city.roofs = {12, 12};
+  city.dtm = testing::raster_of(city.domain, [](double, double) { return 0.0; });
+  const auto result = testing::meshed(city, 5);
+  const GroundMesh& ground = result.mesh.ground;
+  const auto near = [&](std::size_t v, const Polygon& building) {
+    return distance(bounds(building.outer), ground.vertices[v]) < 8;
+  };
+  std::vector<double> after = result.plan.ground;
+  for (std::size_t v = 0; v < after.size(); ++v)
+    if (near(v, city.footprints[0]) || near(v, city.footprints[1])) after[v] -= 1;
+  std::vector<std::uint8_t> bad_before(ground.triangles.size(), 0), bad_after = bad_before;
+  for (std::size_t t = 0; t < ground.triangles.size(); ++t) {
+    const auto v = static_cast<std::size_t>(ground.triangles[t][0]);
+    if (near(v, city.footprints[0])) bad_before[t] = 1;
+    if (near(v, city.footprints[1])) bad_after[t] = 1;
+  }
+  const std::size_t n = after.size();
+  const double none = std::numeric_limits<double>::infinity();
+  std::size_t first = n, second = n, far = n;
+  for (std::size_t v = 0; v < n; ++v) {
+    if (near(v, city.footprints[0])) first = v;
+    if (near(v, city.footprints[1])) second = v;
+    if (!near(v, city.footprints[0]) && !near(v, city.footprints[1]) && ground.vertices[v].x > 55 &&
+        ground.vertices[v].x < 65)
+      far = v;
+  }
+  ASSERT_LT(std::max({first, second, far}), n);
+  CutMarks before{{0, 0}, std::vector<double>(n, none)};
+  before.feet[far] = -3;
+  CutMarks marks = before;
+  marks.roofs = {1, 1};
+  marks.feet[first] = marks.feet[second] = -1;
+  CutMarks expected = before;
+  expected.roofs = {1, 0};
+  expected.feet[first] = -1;
+  keep_helpful_marks(result.mesh, result.plan.building,
+                     {result.plan.ground, after, bad_before, bad_after}, before, marks);
+  EXPECT_EQ(marks, expected);
 }
 
 TEST(CutBack, CellsAtDeeplyBuriedRoofsGetRoom) {

@@ -35,6 +35,9 @@ double total_cost(const ColumnMesh& mesh, const ImproveOptions& options) {
                   1 - std::cos(shape.min_dihedral_deg * radians));
     sum += excess(1 + std::cos(options.greatest_deg * radians),
                   1 + std::cos(shape.max_dihedral_deg * radians));
+    if (shape.min_dihedral_deg < kQualityFloor.least ||
+        shape.max_dihedral_deg > kQualityFloor.greatest)
+      sum += 100;
   }
   return sum;
 }
@@ -107,7 +110,7 @@ TEST(ImproveColumns, RepairsSpoiltColumnsAndKeepsSurfaces) {
       SCOPED_TRACE(share);
       const ColumnMesh before = spoilt(good, share);
       ColumnMesh after = before;
-      const std::int64_t changed = improve_columns(after);
+      const std::int64_t changed = improve_columns(after).columns_changed;
       EXPECT_GT(changed, 0) << "seed " << testing::test_seed();
       require_valid(after);
       expect_conforming(after);
@@ -141,7 +144,7 @@ TEST(ImproveColumns, EverySweepLowersTheTotal) {
     double total = total_cost(mesh, options);
     std::int64_t changed = 1;
     for (int sweep = 0; changed > 0 && sweep < 25; ++sweep) {
-      changed = improve_columns(mesh, options);
+      changed = improve_columns(mesh, options).columns_changed;
       const double then = total_cost(mesh, options);
       if (changed > 0) {
         EXPECT_LT(then, total) << "sweep " << sweep << " seed " << testing::test_seed();
@@ -181,7 +184,7 @@ TEST(ImproveColumns, LeavesWhatIsGoodAlone) {
   options.least_deg = measure_cells(before).histogram.min_dihedral_deg() - 1e-6;
   options.greatest_deg = measure_cells(before).histogram.max_dihedral_deg() + 1e-6;
   ColumnMesh after = before;
-  EXPECT_EQ(improve_columns(after, options), 0);
+  EXPECT_EQ(improve_columns(after, options).columns_changed, 0);
   EXPECT_EQ(after.z, before.z);
   EXPECT_EQ(after.first, before.first);
   EXPECT_EQ(after.roof, before.roof);
@@ -199,7 +202,7 @@ TEST(ImproveColumns, ColumnsFarFromBadCellsStay) {
   double* z = before.z.data() + before.first[moved];
   z[2] = z[1] + 0.05 * (z[3] - z[1]);
   ColumnMesh after = before;
-  EXPECT_GT(improve_columns(after), 0);
+  EXPECT_GT(improve_columns(after).columns_changed, 0);
   EXPECT_NE(column(after, moved), column(before, moved));
   const Point2 at = before.ground.vertices[moved];
   for (std::size_t v = 0; v < before.vertex_count(); ++v) {
@@ -207,6 +210,47 @@ TEST(ImproveColumns, ColumnsFarFromBadCellsStay) {
     if (std::hypot(p.x - at.x, p.y - at.y) < 25) continue;
     EXPECT_EQ(column(after, v), column(before, v));
   }
+}
+
+/// Faces are made straight at the price of better cells, never of cells below the floor.
+TEST(ImproveColumns, NothingIsGainedAtThePriceOfTheFloor) {
+  for (const auto& [name, terrain] : testing::kHardTerrains) {
+    SCOPED_TRACE(name);
+    for (const double share : {0.1, 0.3, 0.6}) {
+      const ColumnMesh before = spoilt(testing::meshed(testing::small_city(terrain)).mesh, share);
+      for (const double target : {12.0, 20.0}) {
+        ImproveOptions options;
+        options.least_deg = target;
+        options.greatest_deg = 180 - 2 * target;
+        options.straight_deg = 60;
+        ColumnMesh after = before;
+        for (int i = 0; i < 3; ++i) {
+          const std::int64_t bad = count_bad_cells(after, kQualityFloor);
+          options.sweeps = 1;
+          improve_columns(after, options);
+          EXPECT_LE(count_bad_cells(after, kQualityFloor), bad) << "seed " << testing::test_seed();
+        }
+      }
+    }
+  }
+}
+
+TEST(ImproveColumns, LooksAtNoMoreCellsThanItMay) {
+  const ColumnMesh before = spoilt(testing::meshed(testing::small_city(testing::hills)).mesh, 0.5);
+  ImproveOptions options;
+  ColumnMesh after = before;
+  const Improvement all = improve_columns(after, options);
+  for (const std::int64_t part : {2, 5, 20}) {
+    options.most_cells = all.cells / part;
+    after = before;
+    const Improvement some = improve_columns(after, options);
+    // What a column has begun is finished.
+    EXPECT_LT(some.cells, options.most_cells + all.cells / 4);
+  }
+  options.most_cells = 0;
+  after = before;
+  EXPECT_EQ(improve_columns(after, options).columns_changed, 0);
+  EXPECT_EQ(after.z, before.z);
 }
 
 TEST(ImproveColumns, GivesTheSameBitsForAnyNumberOfThreads) {

@@ -1,5 +1,8 @@
-// What the checks of written files return. They share no code with what made the files: topology is
-// derived anew from the cells, geometry from the coordinates.
+// What the checks of written files return. Topology is derived anew from the cells, geometry from
+// the coordinates. With what made the files the checks share only plain types, parallel loops and
+// errors (core), the walk along the edges of a footprint (geometry/polygon.h), and the angles of
+// the ground mesh (check_angles in ground/validate.h), a check itself; the files are read by the
+// readers of io.
 #pragma once
 
 #include <cstdint>

@@ -20,6 +20,7 @@ inline constexpr double kMaxOutlineShift = 0.05;
 struct CleanedFootprint {
   Polygon polygon;        ///< Empty where `reason` is not.
   bool repaired = false;  ///< The rings were invalid and have been repaired.
+  double lost_area = 0;   ///< Of the parts that the repair gave up, square metres.
   std::string reason;     ///< Why the footprint is unusable (a short clause), or empty.
   bool usable() const { return reason.empty(); }
 };
@@ -32,9 +33,11 @@ struct CleanedFootprint {
 /// a ring, no spikes of zero width; where possible within kMaxOutlineShift, no consecutive edges
 /// whose directions differ by less than parallel_tolerance.
 /// Invalid rings become what they enclose; of several parts that touch, the touching corners are
-/// joined by a bridge of some centimetres, of parts that do not, the largest is kept.
-/// Holes that leave nothing of the shell are ignored.
-/// Cleaning a result again changes nothing.
+/// joined by a bridge of some centimetres, of parts that do not, the largest is kept and the area
+/// of the others told. Holes that leave nothing of the shell are ignored.
+/// Cleaning a result again mostly changes nothing, but may: kMaxOutlineShift counts from the
+/// outline given, so that where vertices were kept only because of it, some may go, again within
+/// it.
 CleanedFootprint clean_footprint(const Polygon& raw, const CleanOptions& options = {});
 
 }  // namespace tetropolis

@@ -9,11 +9,12 @@ namespace tetropolis {
 
 enum class DomainPosition {
   kInside,    ///< The footprint's box lies within the domain.
-  kCrossing,  ///< It lies partly within it.
-  kOutside,   ///< It does not meet it.
+  kCrossing,  ///< The box lies partly within it; the footprint itself may lie beside it.
+  kOutside,   ///< The box does not meet it.
 };
 
-/// Decided by the box of the polygon's finite vertices; a polygon without any counts as inside.
+/// Decided by the box of the outer ring's vertices. A coordinate that is NaN counts for nothing,
+/// one that is infinite as it is; a polygon without numbers for both x and y counts as inside.
 DomainPosition position_in_domain(const Polygon& polygon, const Bounds2& domain);
 
 /// All parts of a valid polygon within `box`; none if nothing is left, or GEOS gives up.
@@ -21,7 +22,8 @@ std::vector<Polygon> parts_in_box(const Polygon& polygon, const Bounds2& box);
 
 /// Both in metres in the local frame. The largest part of a clean polygon within `box`, clean
 /// (clean_footprint) and on the grid of kCoordinateStep, so up to half a step beyond a `box` that
-/// is not; empty if nothing is left.
-Polygon clip_to_box(const Polygon& polygon, const Bounds2& box);
+/// is not; empty if nothing is left. `lost_area`, if given, becomes the area of the other parts,
+/// square metres.
+Polygon clip_to_box(const Polygon& polygon, const Bounds2& box, double* lost_area = nullptr);
 
 }  // namespace tetropolis

@@ -103,7 +103,7 @@ struct Simplification {
 /// within a distance that doubles; at last every group that still has too close features becomes
 /// its convex hull, whose short edges drop away until it is clear or vanishes, and hulls that come
 /// close to others unite with them to one hull, which lowers the number of groups each time. Last,
-/// corners sharper than 13 degrees are filled or cut where they are narrower than min_distance
+/// corners sharper than 13.5 degrees are filled or cut where they are narrower than min_distance
 /// (blunt_corners.h), as far as clearance allows.
 /// Throws Error(kUsage) for options out of range, Cancelled through `progress`.
 Simplification simplify_footprints(std::span<const Polygon> cleaned, const Bounds2& domain,

@@ -7,6 +7,7 @@
 #include <exception>
 #include <limits>
 #include <mutex>
+#include <utility>
 #include <vector>
 
 #include <tbb/blocked_range.h>
@@ -136,6 +137,7 @@ void parallel_pipeline(std::size_t size, std::vector<Slot>& slots, const Make& m
 
 /// Combines map(begin, end) over the chunks of [0, size) from left to right:
 /// combine(...combine(combine(identity, m0), m1)..., mLast). The same bits for any thread count.
+/// The first argument of combine is moved in, so that one that takes it by value may add to it.
 template <typename Value, typename Map, typename Combine>
 Value parallel_reduce_ordered(std::size_t size, std::size_t grain, Value identity, const Map& map,
                               const Combine& combine) {
@@ -148,8 +150,8 @@ Value parallel_reduce_ordered(std::size_t size, std::size_t grain, Value identit
   parallel_chunks(size, grain, [&](std::size_t begin, std::size_t end) {
     partial[begin / grain].value = map(begin, end);
   });
-  Value result = identity;
-  for (const Partial& part : partial) result = combine(result, part.value);
+  Value result = std::move(identity);
+  for (const Partial& part : partial) result = combine(std::move(result), part.value);
   return result;
 }
 

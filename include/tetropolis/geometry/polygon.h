@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <span>
 #include <utility>
+#include <vector>
 
 #include "tetropolis/geometry/types.h"
 
@@ -21,6 +22,9 @@ Bounds2 bounds(const Polygon& polygon);
 
 /// The box as a polygon, counter-clockwise. Precondition: not empty.
 Polygon rectangle(const Bounds2& box);
+
+/// Pointers to all of them, in order.
+std::vector<const Polygon*> pointers_to(std::span<const Polygon> polygons);
 
 /// The first of those of greatest area(). Precondition: at least one.
 const Polygon& largest(std::span<const Polygon> polygons);

@@ -33,8 +33,8 @@ struct RefineOptions {
 ///   nor, at a point on a segment, than the segment's max_edge;
 /// - no angle is smaller than `min_angle_deg`, except in triangles that owe it to a corner of the
 ///   input sharper than that: at the corner itself, or across from it, with a shortest edge that
-///   joins two points at the same distance from the corner, one on each of its sides, and with an
-///   angle whose sine is at least 3/4 of that of the corner. Such corners are counted in
+///   joins two points at the same distance from the corner, one on each of its sides, and no
+///   sharper than the corner (or than 30 degrees). Such corners are counted in
 ///   `small_input_angles`, the triangles in `triangles_below_min_angle`. Input finer than the
 ///   precision of its coordinates can leave more of them, counted as well.
 /// Guarantees of constrained_delaunay() hold, with the segments as they have been split: a point
@@ -48,8 +48,8 @@ struct RefineOptions {
 /// its diametral lens; free vertices in the diametral circle of a subsegment are removed before it
 /// is split. Subsegments at corners sharper than 60 degrees are cut at radii that are equal on both
 /// sides (concentric shells), and triangles behind the edges between equal radii of a corner that
-/// is sharper than the minimum angle are left alone (Miller, Pav, Walkington 2003) once they are
-/// about as good as the corner allows: the two together end the refinement.
+/// is sharper than the minimum angle are left alone (Miller, Pav, Walkington 2003) where they are
+/// no sharper than that corner: the two together end the refinement.
 ///
 /// Throws Error(kInput) as constrained_delaunay() does, Error(kUsage) for options out of range,
 /// Error(kGuarantee), naming a position, when `max_vertices` is exceeded, and Cancelled.

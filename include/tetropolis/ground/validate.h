@@ -43,8 +43,8 @@ Violations check_regions(TriangleSpan triangles, std::span<const std::int32_t> r
 
 /// No angle is below `min_angle_deg` (less 1e-6), except in a triangle that lies in a corner of
 /// `segments` sharper than that, or whose shortest edge joins points at the same distance (to 0.2
-/// %) from such a corner on its two sides, with an angle whose sine is at least 3/4 of that of the
-/// corner.
+/// %) from such a corner on its two sides, with an angle no sharper than the corner, or than 30
+/// degrees (to 0.3 % of the sine).
 Violations check_angles(std::span<const Point2> points, TriangleSpan triangles,
                         SegmentSpan segments, double min_angle_deg);
 

@@ -14,12 +14,13 @@
 namespace tetropolis {
 
 /// The canonical name of a reference system: "EPSG:n" where the definition carries that code or is
-/// equivalent to exactly what the code stands for, else one line of WKT 2 (ISO 19162).
+/// equivalent to exactly what the code stands for, else one line of WKT 2 (ISO 19162). A code that
+/// the database does not have (102100) counts as none.
 ///
 /// `text`: "EPSG:28992", "28992", "urn:ogc:def:crs:EPSG::7415",
-/// "https://www.opengis.net/def/crs/EPSG/0/7415", WKT of any kind, a PROJ string or PROJJSON. Empty
-/// in, empty out. normalise_crs(normalise_crs(t)) == normalise_crs(t). Files and the network are
-/// never consulted.
+/// "https://www.opengis.net/def/crs/EPSG/0/7415" (0 or a version of the database), WKT of any kind,
+/// a PROJ string or PROJJSON. Empty in, empty out. normalise_crs(normalise_crs(t)) ==
+/// normalise_crs(t). Files and the network are never consulted.
 /// Errors: kUsage with the text, if it is not a reference system of the Earth's surface.
 std::string normalise_crs(const std::string& text);
 

@@ -41,13 +41,14 @@ struct RasterInput {
 /// Reads a single-band raster of square, north-up pixels in any GDAL format; node = pixel centre.
 /// A scale and offset of the band are applied. Nodes without a value (nodata, NaN) take the value
 /// of the nearest node that has one, distance counted in steps of the 8-neighbourhood, ties going
-/// to the node that comes first row by row from the south-west.
+/// to the node that comes first row by row from the south-west. What a side-car (.aux.xml) says of
+/// nodata, units, scale and reference system holds too; none is written.
 ///
 /// Guarantee: read_raster(write_raster(r, origin), origin) gives the same bits for values, step, x0
 /// and y0, provided that x0 and y0 are multiples of kCoordinateStep and the origin is whole metres.
 /// Errors, kInput with the path: missing, not a raster, cut, several bands, no georeference,
 /// rotated or oblong pixels, a local reference system not in metres, a unit of heights nobody
-/// knows, no value at all, more than 2^31 pixels.
+/// knows, no value at all, more than 2^31 pixels or than fit into memory.
 RasterInput read_raster(const std::filesystem::path& path, Point2 origin);
 
 }  // namespace tetropolis

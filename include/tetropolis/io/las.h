@@ -38,7 +38,8 @@ struct LasInfo {
   double vertical_unit =
       1;  ///< Metres per unit of height, as the file's CRS says; 1 if it does not.
   std::vector<Warning> warnings;  ///< "las_vlrs_broken", "las_crs_unknown", "las_count_missing",
-                                  ///< "las_count_small" (more room than the count says).
+                                  ///< "las_count_small" (more room than the count says),
+                                  ///< "las_scale_negative".
 };
 
 /// Reads the header and the variable length records, not the points.

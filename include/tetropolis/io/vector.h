@@ -56,7 +56,8 @@ struct FootprintsInput {
 /// 10 km, is NaN and counted by the warning "height_not_a_number".
 ///
 /// In shapefiles the ring around all others is the outer one; in all formats a part within a part
-/// and turned against it is a hole of it (what becomes of a shapefile turned the wrong way).
+/// (not in one of its holes) and turned against it is a hole of it (what becomes of a shapefile
+/// turned the wrong way).
 ///
 /// Z and M are ignored, curves become chords of 4 degrees. Null, empty and other geometries are
 /// dropped. Reprojection happens if the file's system and target_crs are both known and differ.
@@ -79,7 +80,8 @@ FootprintsInput read_footprints(const std::filesystem::path& path,
 ///
 /// polygons: local frame; `origin` is added. ids and heights: one per polygon; heights may be empty
 /// and NaN where unknown. Guarantee: the same input gives the same bytes with the same GDAL (dates
-/// inside are fixed); files appear complete or not at all.
+/// inside are fixed); every file appears complete or not at all, and of a shapefile the .shp last.
+/// What is cut short while it replaces a shapefile may leave new members beside the old .shp.
 /// Errors: kInput if it cannot be written, kUsage for another extension or a bad crs.
 void write_footprints(const std::filesystem::path& path, std::span<const Polygon> polygons,
                       std::span<const std::string> ids, std::span<const double> heights,

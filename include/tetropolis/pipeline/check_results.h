@@ -23,11 +23,14 @@ struct CheckedFile {
 /// folder of results: all of these that are in it, and in addition that the boundary is that of the
 /// volume, that footprints are in the mesh, that heights are those of the city model and the
 /// terrain, and that numbers agree with report.json. Of the guarantees 1 to 6 of the README, one
-/// that is neither among the violations nor in `not_checked` holds; the others are about runs.
+/// that is neither among the violations nor in `not_checked` holds in these files; the others are
+/// about runs. Results of the folder in formats that are not read (surface.stl, volume.msh, ...)
+/// are named in the facts of a last entry.
 ///
 /// `min_distance`: clearance to ask of a city model, finite and not negative. Without it: of a file
 /// named city_raw.city.json none; of others what report.json beside it says, else 1 m. Throws
-/// Error(kInput) for files that cannot be read or are of no known kind.
+/// Error(kInput) for files that cannot be read or are of no known kind, and for a folder whose
+/// report.json is none of ours; beside a single city model that is told in `not_checked`.
 std::vector<CheckedFile> check_path(const std::filesystem::path& path,
                                     std::optional<double> min_distance,
                                     const Progress& progress = {});

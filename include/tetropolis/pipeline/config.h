@@ -150,7 +150,7 @@ void load_config(Config& config, const std::filesystem::path& path);
 /// A TOML file with every setting of `commands`, its default and meaning, commented out.
 std::string config_template(unsigned commands);
 
-/// The settings of `commands` as one Markdown table per group.
+/// All settings as one Markdown table per group.
 std::string config_markdown();
 
 /// The name among `known` closest to `name` by edit distance, or an empty string if none is close.

@@ -46,7 +46,7 @@ class OutputFolder {
   std::filesystem::path operator/(const std::string& name) const { return staging_ / name; }
 
   /// An input of this run, or what belongs to it: it stays even if it is a result of an earlier
-  /// run.
+  /// run. Of a link, both the link and the file.
   void keep(const std::filesystem::path& file);
 
   /// Throws Error(kInput) naming a result that is gone or could not be moved, Error(kUsage) naming

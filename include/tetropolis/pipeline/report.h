@@ -19,7 +19,7 @@
 namespace tetropolis {
 
 struct StepReport {
-  std::string id;  ///< The paper's number: "1.1" to "3.6".
+  std::string id;  ///< The paper's number: "1.1" to "3.6"; "0.1" and "0.2" of a synthetic city.
   std::string name;
   double seconds = 0;
   double cpu_seconds = 0;  ///< Of all threads together.

@@ -6,12 +6,8 @@
 #include <vector>
 
 #include "tetropolis/ground/ground_mesh.h"
-#include "tetropolis/volume/cell_quality.h"
-#include "tetropolis/volume/column_mesh.h"
 
 namespace tetropolis {
-
-struct ColumnPlan;  // fill_columns.h
 
 /// How steeply ground may rise where it is cut back; tangents, > 0.
 struct CutSlopes {
@@ -27,6 +23,7 @@ struct CutMarks {
                                     ///< infinity: none.
 
   bool any() const { return !roofs.empty() || !feet.empty(); }
+  bool operator==(const CutMarks&) const = default;
 };
 
 /// From where it was: from each of these something was lowered.
@@ -45,26 +42,5 @@ struct CutSources {
 CutSources cut_back(const GroundMesh& mesh, std::span<const BuildingIndex> building,
                     std::span<const double> roofs, const CutMarks& marks, const CutSlopes& slopes,
                     std::vector<double>& ground);
-
-/// 1 for the triangles over which a cell is outside the bounds, or over which (or over an edge of
-/// which) a face is more than kMostNonOrthogonal; for marking.
-std::vector<std::uint8_t> find_bad_triangles(const ColumnMesh& mesh, const AngleBounds& bounds);
-
-/// Marks buildings beside which a triangle outside buildings is bad and the ground rises above the
-/// roof within it. Returns how many were not marked before. `plan` is the one `mesh` was made with;
-/// `bad` has one entry per triangle; `marks.roofs` has its size.
-std::int64_t mark_buried_roofs(const ColumnMesh& mesh, const ColumnPlan& plan,
-                               std::span<const std::uint8_t> bad, CutMarks& marks);
-
-/// For every bad triangle outside buildings: marks as a foot, where its ground is, the lowest
-/// vertex, if the triangle is steeper than `slope` (tangent); and, 15 degrees below the roof as
-/// seen from the other end of their longest edge in it, its vertices on walls whose ground is
-/// higher. Returns how often that was not marked before, or is lower now. `plan` is the one `mesh`
-/// was made with; `bad` has one entry per triangle; `marks.feet` has its size.
-std::int64_t mark_feet(const ColumnMesh& mesh, const ColumnPlan& plan,
-                       std::span<const std::uint8_t> bad, double slope, CutMarks& marks);
-
-/// How many cells have a dihedral angle outside the bounds.
-std::int64_t count_bad_cells(const ColumnMesh& mesh, const AngleBounds& bounds);
 
 }  // namespace tetropolis

@@ -24,6 +24,9 @@ FaceShape face_shape(const std::array<Point3, 3>& face, const Point3& c0, const 
 /// Degrees; what OpenFOAM's checkMesh calls severe above.
 inline constexpr double kMostNonOrthogonal = 70;
 
+/// What OpenFOAM's checkMesh takes for too skewed from here on.
+inline constexpr double kMostSkewed = 4;
+
 struct FaceQuality {
   std::int64_t faces = 0;     ///< Internal ones.
   std::int64_t above_70 = 0;  ///< Of them more than kMostNonOrthogonal.

@@ -13,6 +13,12 @@ struct ImproveOptions {
   double greatest_deg = 157;  ///< and those with a greater one.
   double straight_deg = 90;   ///< And those on a face that is more non-orthogonal; 90: none are.
   int sweeps = 3;             ///< Over the columns of such cells, at most.
+  std::int64_t most_cells = 300'000'000;  ///< Looked at, shared by the sweeps alike.
+};
+
+struct Improvement {
+  std::int64_t columns_changed = 0;
+  std::int64_t cells = 0;  ///< Looked at, about; each as often as it was.
 };
 
 /// Moves, adds and removes nodes of the columns at bad cells wherever that makes the cells around
@@ -24,17 +30,18 @@ struct ImproveOptions {
 /// How bad a cell is, is measured: with an angle t below the target T it costs
 /// ((1 - cos T) / (1 - cos t))^2 - 1, about (T / t)^4 - 1, and likewise above the greatest angle;
 /// of the faces, those between two cells over one triangle count, with (cos T / cos t)^2 - 1 (but
-/// not the lowest face that a trial touches). A change is made if it lowers the sum over the cells
+/// not the lowest face that a trial touches). Cells outside of kQualityFloor cost a hundred more,
+/// so that nothing is gained at their price. A change is made if it lowers the sum over the cells
 /// it touches. Columns that share no triangle do not touch the same cells and are worked on at the
 /// same time.
 ///
-/// Where very many cells are bad, a sweep takes the worst two thousand stacks only, and it looks at
-/// a hundred million cells at most. Stacks over triangles with an angle below two thirds of
+/// Where very many cells are bad, a sweep takes only the worst stacks: two thousand, or one in two
+/// hundred of all if that is more. Stacks over triangles with an angle below two thirds of
 /// `least_deg` are left alone: some of their cells have that angle, too, whatever is done.
 ///
-/// Returns the number of columns that changed. The same bits for any number of threads.
-/// Precondition: `mesh` is valid (require_valid). Throws Cancelled.
-std::int64_t improve_columns(ColumnMesh& mesh, const ImproveOptions& options = {},
-                             const Progress& progress = {});
+/// The same bits for any number of threads. Precondition: `mesh` is valid (require_valid). Throws
+/// Cancelled.
+Improvement improve_columns(ColumnMesh& mesh, const ImproveOptions& options = {},
+                            const Progress& progress = {});
 
 }  // namespace tetropolis

@@ -1,0 +1,47 @@
+// Where terrain is to be cut back (cut_back.h) so that cells and faces can be good.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "tetropolis/volume/cell_quality.h"
+#include "tetropolis/volume/column_mesh.h"
+#include "tetropolis/volume/cut_back.h"
+#include "tetropolis/volume/fill_columns.h"
+
+namespace tetropolis {
+
+/// 1 for the triangles over which a cell is outside the bounds, or over which (or over an edge of
+/// which) a face is more than kMostNonOrthogonal; for marking.
+std::vector<std::uint8_t> find_bad_triangles(const ColumnMesh& mesh, const AngleBounds& bounds);
+
+/// Marks buildings beside which a triangle outside buildings is bad and the ground rises above the
+/// roof within it. Returns how many were not marked before. `plan` is the one `mesh` was made with;
+/// `bad` has one entry per triangle; `marks.roofs` has its size.
+std::int64_t mark_buried_roofs(const ColumnMesh& mesh, const ColumnPlan& plan,
+                               std::span<const std::uint8_t> bad, CutMarks& marks);
+
+/// For every bad triangle outside buildings: marks as a foot, where its ground is, the lowest
+/// vertex, if the triangle is steeper than `slope` (tangent); and, 15 degrees below the roof as
+/// seen from the other end of their longest edge in it, its vertices on walls whose ground is
+/// higher. Returns how often that was not marked before, or is lower now. `plan` is the one `mesh`
+/// was made with; `bad` has one entry per triangle; `marks.feet` has its size.
+std::int64_t mark_feet(const ColumnMesh& mesh, const ColumnPlan& plan,
+                       std::span<const std::uint8_t> bad, double slope, CutMarks& marks);
+
+/// A cut that was tried on a mesh: per vertex the elevation of the ground, per triangle whether it
+/// was bad (find_bad_triangles).
+struct TriedCut {
+  std::span<const double> ground_before, ground_after;
+  std::span<const std::uint8_t> bad_before, bad_after;
+};
+
+/// Puts back as they were `before` the marks that did not help: those not at, nor next to, a
+/// connected piece of lowered ground with fewer bad triangles after than before. `building` as from
+/// vertex_buildings; `marks` are those of the cut, each list of its size or empty; the lists of
+/// `before` are the same or empty.
+void keep_helpful_marks(const ColumnMesh& mesh, std::span<const BuildingIndex> building,
+                        const TriedCut& cut, const CutMarks& before, CutMarks& marks);
+
+}  // namespace tetropolis

@@ -1,0 +1,288 @@
+#include "improve_mesh.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <limits>
+#include <optional>
+#include <span>
+#include <tuple>
+#include <utility>
+#include <vector>
+
+#include <fmt/format.h>
+
+#include "tetropolis/core/units.h"
+#include "tetropolis/volume/cut_back.h"
+#include "tetropolis/volume/find_cuts.h"
+#include "tetropolis/volume/improve_columns.h"
+
+namespace tetropolis {
+
+namespace {
+
+/// Cells the report lists.
+constexpr std::size_t kWorstCells = 10;
+
+/// The share of cells that may have an angle below kLeastOfMost.
+constexpr double kFewCells = 1e-4;
+
+/// Times that columns are made anew, at most: where the ground was lowered, other cells change.
+constexpr int kMostCuts = 8;
+
+/// Cells that all searches of a run may look at (a cell takes some 70 ns): so many whatever the
+/// mesh, and so many for each of its nodes, which has about five of its own.
+constexpr std::int64_t kWork = 400'000'000;
+constexpr std::int64_t kWorkPerNode = 20;
+
+bool is_within(const QualityHistogram& angles, const AngleBounds& bounds) {
+  return angles.min_dihedral_deg() >= bounds.least && angles.max_dihedral_deg() <= bounds.greatest;
+}
+
+bool has_many_thin_cells(const MeshQuality& quality) {
+  return quality.cells.histogram.dihedral_quantile_deg(kFewCells) < kLeastOfMost;
+}
+
+/// The bounds that the mesh is to be worked on for; nothing if it is above the floor.
+std::optional<AngleBounds> missed_bounds(const MeshQuality& quality) {
+  if (has_many_thin_cells(quality)) return AngleBounds{kLeastOfMost, kQualityFloor.greatest};
+  if (quality.below_floor > 0 || quality.faces.above_70 > 0) return kQualityFloor;
+  return std::nullopt;
+}
+
+class Improver {
+ public:
+  Improver(const Config& config, const Raster& dtm, const CitySize& size, Columns& columns,
+           StepClock& clock, VolumeMeshReport& volume)
+      : config_(config),
+        dtm_(dtm),
+        size_(size),
+        columns_(columns),
+        clock_(clock),
+        volume_(volume),
+        work_left_(kWork + kWorkPerNode * columns.mesh.node_count()) {}
+
+  MeshQuality run();
+
+ private:
+  MeshQuality with_faces(CellQuality cells);
+  CellQuality measured_cells();
+  std::int64_t search(const char* name, ImproveOptions options);
+  void move_nodes();
+  void straighten_faces();
+
+  void make_room();
+  template <typename Mark>
+  void cut_from(ColumnPlanOptions& options, const Mark& mark);
+  bool cut_back(ColumnPlanOptions& options, const AngleBounds& bounds, const CutMarks& marks_before,
+                std::span<const std::uint8_t> bad_before);
+  bool make_cut_columns(const ColumnPlanOptions& options, Columns& before);
+
+  const Config& config_;
+  const Raster& dtm_;
+  const CitySize& size_;
+  Columns& columns_;
+  StepClock& clock_;
+  VolumeMeshReport& volume_;
+  MeshQuality quality_;
+  std::int64_t work_left_;
+};
+
+MeshQuality Improver::run() {
+  if (config_.layering == Layering::kUniform) return with_faces(measured_cells());
+  move_nodes();
+  if (config_.cut_slope < 90) make_room();
+  return std::move(quality_);
+}
+
+CellQuality Improver::measured_cells() {
+  return clock_.run("3.6", "measure cells",
+                    [&](const Progress&) { return measure_cells(columns_.mesh, kWorstCells); });
+}
+
+MeshQuality Improver::with_faces(CellQuality cells) {
+  return clock_.run("3.6", "measure faces", [&](const Progress&) {
+    const std::int64_t below = is_within(cells.histogram, kQualityFloor)
+                                   ? 0
+                                   : count_bad_cells(columns_.mesh, kQualityFloor);
+    return MeshQuality{std::move(cells), measure_faces(columns_.mesh), below};
+  });
+}
+
+/// Returns how many columns changed.
+std::int64_t Improver::search(const char* name, ImproveOptions options) {
+  options.most_cells = std::min(options.most_cells, work_left_);
+  const Improvement done = clock_.run("3.5", name, [&](const Progress& progress) {
+    return improve_columns(columns_.mesh, options, progress);
+  });
+  work_left_ -= done.cells;
+  return done.columns_changed;
+}
+
+/// Measures the mesh, and makes thin cells and faces beyond kMostNonOrthogonal better if there are
+/// any.
+void Improver::move_nodes() {
+  volume_.columns_improved = 0;
+  CellQuality cells = measured_cells();
+  const ImproveOptions options;
+  if (!is_within(cells.histogram, {options.least_deg, options.greatest_deg})) {
+    volume_.columns_improved = search("improve cells", options);
+    if (volume_.columns_improved > 0) {
+      volume_.min_vertical_gap = require_valid(columns_.mesh);
+      cells = measured_cells();
+    }
+  }
+  quality_ = with_faces(std::move(cells));
+  straighten_faces();
+}
+
+/// Works on faces beyond kMostNonOrthogonal, asking more and more of the cells, too: better cells
+/// have better faces. Keeps what leaves fewer of these faces and no worse cells.
+void Improver::straighten_faces() {
+  constexpr double kStraight = 68;  // degrees, a little less than is allowed
+  constexpr std::array kTargets{AngleBounds{12, 157}, AngleBounds{16, 152}, AngleBounds{20, 148}};
+  ColumnMesh& mesh = columns_.mesh;
+  for (const AngleBounds& target : kTargets) {
+    if (quality_.faces.above_70 == 0) return;
+    // All that improve_columns changes.
+    auto before = std::tuple(mesh.first, mesh.roof, mesh.z);
+    ImproveOptions options;
+    options.least_deg = target.least;
+    options.greatest_deg = target.greatest;
+    options.straight_deg = kStraight;
+    const std::int64_t changed = search("straighten faces", options);
+    if (changed == 0) continue;
+    const double gap = require_valid(mesh);
+    MeshQuality now = with_faces(measured_cells());
+    if (now.faces.above_70 < quality_.faces.above_70 && now.below_floor <= quality_.below_floor &&
+        (has_many_thin_cells(quality_) || !has_many_thin_cells(now))) {
+      quality_ = std::move(now);
+      volume_.min_vertical_gap = gap;
+      volume_.columns_improved += changed;
+    } else {
+      std::tie(mesh.first, mesh.roof, mesh.z) = std::move(before);
+    }
+  }
+}
+
+/// Makes the columns anew with the terrain cut back as `options` say; they were `before`. Leaves
+/// all as it is, with the result false, if that lowers nothing or takes too much memory.
+bool Improver::make_cut_columns(const ColumnPlanOptions& options, Columns& before) {
+  const GroundMesh& ground = columns_.mesh.ground;
+  ColumnPlan plan = plan_columns(ground, dtm_, columns_.plan.roofs, columns_.plan.spacing, options);
+  if (plan.ground == columns_.plan.ground ||
+      !cells_fit(config_, size_, static_cast<double>(ground.triangles.size()),
+                 estimate_cells(plan)))
+    return false;
+  plan.top = columns_.plan.top;
+  before = std::exchange(columns_, {});
+  columns_.plan = std::move(plan);
+  columns_.mesh =
+      divide_columns(std::move(before.mesh.ground), std::move(before.mesh.edges), columns_.plan);
+  place_nodes(columns_.mesh, columns_.plan);
+  return true;
+}
+
+/// Keeps the cut if it leaves fewer cells below the floor; or as many, and fewer faces beyond
+/// kMostNonOrthogonal; or as many of both, and fewer cells outside the bounds. Else everything
+/// becomes as it was, the result is false, and of the marks those stay that helped where they are.
+bool Improver::cut_back(ColumnPlanOptions& options, const AngleBounds& bounds,
+                        const CutMarks& marks_before, std::span<const std::uint8_t> bad_before) {
+  // Not at the price of cells that are bad by any measure.
+  const auto bad = [&] {
+    return std::tuple(quality_.below_floor, has_many_thin_cells(quality_), quality_.faces.above_70,
+                      count_bad_cells(columns_.mesh, bounds));
+  };
+  const auto bad_then = bad();
+  const VolumeMeshReport volume_before = volume_;
+  Columns before;
+  if (!clock_.run("3.3", "cut terrain back",
+                  [&](const Progress&) { return make_cut_columns(options, before); }))
+    return false;
+  MeshQuality quality_before = std::move(quality_);
+  volume_.min_vertical_gap = require_valid(columns_.mesh);
+  move_nodes();
+  if (bad() < bad_then) return true;
+  const std::vector<std::uint8_t> bad_after = find_bad_triangles(columns_.mesh, bounds);
+  keep_helpful_marks(columns_.mesh, columns_.plan.building,
+                     {before.plan.ground, columns_.plan.ground, bad_before, bad_after},
+                     marks_before, options.cut);
+  before.mesh.ground = std::move(columns_.mesh.ground);
+  before.mesh.edges = std::move(columns_.mesh.edges);
+  columns_ = std::move(before);
+  quality_ = std::move(quality_before);
+  volume_ = volume_before;
+  return false;
+}
+
+/// Cuts back from what `mark` marks, until the floor is met or a cut does not help. Where cuts help
+/// in one part of the city and not in another, those that do are tried again by themselves.
+template <typename Mark>
+void Improver::cut_from(ColumnPlanOptions& options, const Mark& mark) {
+  for (int round = 0; round < kMostCuts; ++round) {
+    const std::optional<AngleBounds> bounds = missed_bounds(quality_);
+    if (!bounds) return;
+    const std::vector<std::uint8_t> bad = find_bad_triangles(columns_.mesh, *bounds);
+    const CutMarks before = options.cut;
+    if (mark(bad, options.cut) == 0) return;
+    const CutMarks all = options.cut;
+    if (cut_back(options, *bounds, before, bad)) continue;
+    if (options.cut != all && options.cut != before && cut_back(options, *bounds, before, bad))
+      continue;
+    options.cut = before;
+    return;
+  }
+}
+
+/// Cuts the terrain back where cells or faces are below the floor, as long as that makes fewer:
+/// around roofs below it first, then from the feet of cliffs and low walls.
+void Improver::make_room() {
+  ColumnPlanOptions options = plan_options(config_);
+  options.cut.roofs.assign(columns_.plan.roofs.size(), 0);
+  cut_from(options, [&](std::span<const std::uint8_t> bad, CutMarks& marks) {
+    return mark_buried_roofs(columns_.mesh, columns_.plan, bad, marks);
+  });
+  options.cut.feet.assign(columns_.plan.ground.size(), std::numeric_limits<double>::infinity());
+  cut_from(options, [&](std::span<const std::uint8_t> bad, CutMarks& marks) {
+    return mark_feet(columns_.mesh, columns_.plan, bad, options.cut_slopes.at_start, marks);
+  });
+}
+
+}  // namespace
+
+MeshQuality improve_mesh(const Config& config, const Raster& dtm, const CitySize& size,
+                         Columns& columns, StepClock& clock, VolumeMeshReport& volume) {
+  return Improver(config, dtm, size, columns, clock, volume).run();
+}
+
+void warn_below_floor(const ColumnMesh& mesh, const MeshQuality& quality, Report& report) {
+  const std::optional<AngleBounds> bounds = missed_bounds(quality);
+  if (const double skewness = quality.faces.worst.skewness; skewness >= kMostSkewed)
+    report.warnings.push_back(
+        {"faces_skewed", 1,
+         fmt::format("a face between cells, or more, has a skewness of {:.2f}, where less than {} "
+                     "is meant for all; a smaller --mesh-size may help",
+                     skewness, kMostSkewed)});
+  if (!bounds) return;
+  const QualityHistogram& angles = quality.cells.histogram;
+  if (const std::int64_t bad = count_bad_cells(mesh, *bounds); bad > 0)
+    report.warnings.push_back(
+        {"below_quality_floor", bad,
+         fmt::format(
+             "cells have dihedral angles outside of {} to {} degrees (least {:.2f}, greatest "
+             "{:.2f}), where {} to {} are meant for all and {} for all but one in ten thousand; "
+             "worst_cells in the report has the worst and why",
+             bounds->least, bounds->greatest, angles.min_dihedral_deg(), angles.max_dihedral_deg(),
+             kQualityFloor.least, kQualityFloor.greatest, kLeastOfMost)});
+  if (quality.faces.above_70 > 0)
+    report.warnings.push_back(
+        {"faces_non_orthogonal", quality.faces.above_70,
+         fmt::format(
+             "faces between cells are more than {} degrees non-orthogonal (the worst "
+             "{:.2f}), at steep ground, buried roofs or, in uniform layers, low walls; a smaller "
+             "--mesh-size may help",
+             kMostNonOrthogonal, quality.faces.worst.non_orthogonality_deg)});
+}
+
+}  // namespace tetropolis

@@ -1,0 +1,34 @@
+// From columns that are valid to columns above the floor of quality.
+#pragma once
+
+#include <cstdint>
+
+#include "tetropolis/pipeline/config.h"
+#include "tetropolis/pipeline/report.h"
+#include "tetropolis/terrain/raster.h"
+#include "tetropolis/volume/cell_quality.h"
+#include "tetropolis/volume/face_quality.h"
+
+#include "make_columns.h"
+#include "memory.h"
+#include "step_clock.h"
+
+namespace tetropolis {
+
+struct MeshQuality {
+  CellQuality cells;
+  FaceQuality faces;
+  std::int64_t below_floor = 0;  ///< Cells outside of kQualityFloor.
+};
+
+/// Measures the mesh and, as far as it is below the floor, moves nodes of columns, then cuts the
+/// terrain back: exact terrain comes first, so nothing is cut where the floor is met without. Keeps
+/// only what makes it better; the columns of uniform layers are as asked for and stay. `volume` is
+/// told of columns improved and of the least gap. Work is bounded, so the floor may stay missed.
+MeshQuality improve_mesh(const Config& config, const Raster& dtm, const CitySize& size,
+                         Columns& columns, StepClock& clock, VolumeMeshReport& volume);
+
+/// Adds warnings of what is below the floor.
+void warn_below_floor(const ColumnMesh& mesh, const MeshQuality& quality, Report& report);
+
+}  // namespace tetropolis

@@ -1,0 +1,34 @@
+// Steps 3.2 to 3.5: from the ground mesh to the column mesh.
+#pragma once
+
+#include "tetropolis/city/city_model.h"
+#include "tetropolis/pipeline/config.h"
+#include "tetropolis/pipeline/report.h"
+#include "tetropolis/terrain/raster.h"
+#include "tetropolis/volume/fill_columns.h"
+
+#include "memory.h"
+#include "step_clock.h"
+
+namespace tetropolis {
+
+/// The mesh, and what it was made from.
+struct Columns {
+  ColumnPlan plan;
+  ColumnMesh mesh;
+};
+
+/// How `config` wants columns to be planned; nothing is cut back.
+ColumnPlanOptions plan_options(const Config& config);
+
+/// About the cells that graded columns will have, before they are made: every segment makes a tet
+/// in each of the about six triangles around it.
+double estimate_cells(const ColumnPlan& plan);
+
+/// Valid columns, over terrain that is cut back nowhere. Fills the report's volume_mesh as far as
+/// the columns are known by then, and its solver. Throws Error(kUsage) for a mesh that is too high
+/// or too large, Error(kGuarantee) as require_valid.
+Columns make_columns(const Config& config, const CityModel& city, const Raster& dtm,
+                     const CitySize& size, GroundMesh ground, StepClock& clock, Report& report);
+
+}  // namespace tetropolis

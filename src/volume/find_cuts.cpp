@@ -1,0 +1,170 @@
+#include "tetropolis/volume/find_cuts.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <limits>
+#include <numeric>
+#include <utility>
+
+#include "tetropolis/core/parallel.h"
+#include "tetropolis/volume/face_quality.h"
+
+#include "geometry/slope.h"
+
+namespace tetropolis {
+
+namespace {
+
+constexpr std::size_t kTrianglesPerChunk = 4096;
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+
+/// Whether the ground over triangle t is steeper than `slope` (tangent).
+bool is_steeper(const GroundMesh& mesh, std::size_t t, std::span<const double> ground,
+                double slope) {
+  const auto& v = mesh.triangles[t];
+  const auto at = [&](std::size_t k) { return mesh.vertices[static_cast<std::size_t>(v[k])]; };
+  const auto height = [&](std::size_t k) { return ground[static_cast<std::size_t>(v[k])]; };
+  return squared_cosine_of_slope(at(0), height(0), at(1), height(1), at(2), height(2)) *
+             (1 + slope * slope) <
+         1;
+}
+
+/// Vertices joined by edges.
+class Components {
+ public:
+  explicit Components(std::size_t vertices) : parent_(vertices) {
+    std::iota(parent_.begin(), parent_.end(), std::size_t{0});
+  }
+  std::size_t of(std::size_t v) {
+    while (parent_[v] != v) v = parent_[v] = parent_[parent_[v]];
+    return v;
+  }
+  void join(std::size_t a, std::size_t b) { parent_[of(a)] = of(b); }
+
+ private:
+  std::vector<std::size_t> parent_;
+};
+
+/// 1 for the vertices at and beside ground that the cut lowered for the better.
+std::vector<std::uint8_t> find_helped(const ColumnMesh& mesh, const TriedCut& cut) {
+  const std::size_t n = mesh.vertex_count();
+  const auto is_lowered = [&](std::size_t v) {
+    return cut.ground_after[v] != cut.ground_before[v];
+  };
+  const auto ends = [&](std::size_t e) {
+    return std::array{static_cast<std::size_t>(mesh.edges.vertices[e][0]),
+                      static_cast<std::size_t>(mesh.edges.vertices[e][1])};
+  };
+  Components places(n);
+  for (std::size_t e = 0; e < mesh.edges.size(); ++e)
+    if (const auto [a, b] = ends(e); is_lowered(a) && is_lowered(b)) places.join(a, b);
+  std::vector<std::int64_t> gain(n, 0);  // per place, at its first vertex
+  for (std::size_t t = 0; t < mesh.triangle_count(); ++t) {
+    const std::int64_t better = std::int64_t{cut.bad_before[t]} - std::int64_t{cut.bad_after[t]};
+    if (better == 0) continue;
+    // Lowered corners of a triangle are joined, so they are of one place.
+    for (const VertexIndex v : mesh.ground.triangles[t]) {
+      if (!is_lowered(static_cast<std::size_t>(v))) continue;
+      gain[places.of(static_cast<std::size_t>(v))] += better;
+      break;
+    }
+  }
+  const auto is_better = [&](std::size_t v) { return is_lowered(v) && gain[places.of(v)] > 0; };
+  std::vector<std::uint8_t> helped(n, 0);
+  for (std::size_t v = 0; v < n; ++v) helped[v] = is_better(v) ? 1 : 0;
+  for (std::size_t e = 0; e < mesh.edges.size(); ++e) {
+    const auto [a, b] = ends(e);
+    if (is_better(a)) helped[b] = 1;
+    if (is_better(b)) helped[a] = 1;
+  }
+  return helped;
+}
+
+}  // namespace
+
+std::vector<std::uint8_t> find_bad_triangles(const ColumnMesh& mesh, const AngleBounds& bounds) {
+  std::vector<std::uint8_t> bad(mesh.triangle_count(), 0);
+  parallel_chunks(bad.size(), kTrianglesPerChunk, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t t = begin; t < end; ++t)
+      if (count_bad_cells_over(mesh, t, bounds) > 0) bad[t] = 1;
+  });
+  mark_non_orthogonal(mesh, bad);
+  return bad;
+}
+
+std::int64_t mark_buried_roofs(const ColumnMesh& mesh, const ColumnPlan& plan,
+                               std::span<const std::uint8_t> bad, CutMarks& marks) {
+  std::int64_t marked = 0;
+  for (std::size_t t = 0; t < mesh.triangle_count(); ++t) {
+    if (bad[t] == 0 || mesh.inside_building(t)) continue;
+    double highest = -kInfinity;
+    for (const VertexIndex v : mesh.ground.triangles[t])
+      highest = std::max(highest, plan.ground[static_cast<std::size_t>(v)]);
+    const auto is_buried = [&](VertexIndex v) {
+      const BuildingIndex b = plan.building[static_cast<std::size_t>(v)];
+      return b != kNoBuilding && marks.roofs[static_cast<std::size_t>(b)] == 0 &&
+             highest > plan.roofs[static_cast<std::size_t>(b)];
+    };
+    for (const VertexIndex v : mesh.ground.triangles[t]) {
+      if (!is_buried(v)) continue;
+      marks.roofs[static_cast<std::size_t>(plan.building[static_cast<std::size_t>(v)])] = 1;
+      ++marked;
+    }
+  }
+  return marked;
+}
+
+std::int64_t mark_feet(const ColumnMesh& mesh, const ColumnPlan& plan,
+                       std::span<const std::uint8_t> bad, double slope, CutMarks& marks) {
+  std::int64_t marked = 0;
+  for (std::size_t t = 0; t < mesh.triangle_count(); ++t) {
+    if (bad[t] == 0 || mesh.inside_building(t)) continue;
+    const auto corner = [&](std::size_t k) {
+      return static_cast<std::size_t>(mesh.ground.triangles[t][k % 3]);
+    };
+    std::array<double, 3> foot{kInfinity, kInfinity, kInfinity};
+    if (is_steeper(mesh.ground, t, plan.ground, slope)) {
+      std::size_t lowest = 0;
+      for (const std::size_t i : {1, 2})
+        if (plan.ground[corner(i)] < plan.ground[corner(lowest)]) lowest = i;
+      foot[lowest] = plan.ground[corner(lowest)];
+    }
+    for (std::size_t i = 0; i < 3; ++i) {
+      const std::size_t v = corner(i);
+      if (plan.building[v] == kNoBuilding) continue;
+      const Point2 p = mesh.ground.vertices[v];
+      double edge = 0;
+      for (const std::size_t u : {corner(i + 1), corner(i + 2)})
+        edge = std::max(
+            edge, std::hypot(mesh.ground.vertices[u].x - p.x, mesh.ground.vertices[u].y - p.y));
+      const double below =
+          plan.roofs[static_cast<std::size_t>(plan.building[v])] - kWallTangent * edge;
+      if (below < plan.ground[v]) foot[i] = below;
+    }
+    for (std::size_t i = 0; i < 3; ++i) {
+      if (!(foot[i] < marks.feet[corner(i)])) continue;
+      marks.feet[corner(i)] = foot[i];
+      ++marked;
+    }
+  }
+  return marked;
+}
+
+void keep_helpful_marks(const ColumnMesh& mesh, std::span<const BuildingIndex> building,
+                        const TriedCut& cut, const CutMarks& before, CutMarks& marks) {
+  const std::vector<std::uint8_t> helped = find_helped(mesh, cut);
+  for (std::size_t v = 0; v < marks.feet.size(); ++v)
+    if (helped[v] == 0) marks.feet[v] = before.feet.empty() ? kInfinity : before.feet[v];
+  std::vector<std::uint8_t> roofs = before.roofs;
+  roofs.resize(marks.roofs.size(), 0);
+  for (std::size_t v = 0; v < helped.size(); ++v)
+    if (helped[v] != 0 && building[v] != kNoBuilding && !marks.roofs.empty()) {
+      const auto b = static_cast<std::size_t>(building[v]);
+      roofs[b] = marks.roofs[b];
+    }
+  marks.roofs = std::move(roofs);
+}
+
+}  // namespace tetropolis

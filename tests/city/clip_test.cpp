@@ -1,0 +1,49 @@
+#include "tetropolis/city/clip.h"
+
+#include <cmath>
+#include <limits>
+
+#include <gtest/gtest.h>
+
+#include "tetropolis/geometry/polygon.h"
+
+#include "city/footprint_checks.h"
+
+namespace tetropolis {
+namespace {
+
+using testing::box;
+
+constexpr Bounds2 kDomain{0, 0, 100, 100};
+
+TEST(PositionInDomain, IsThatOfTheBoxOfWhatAreNumbers) {
+  constexpr double inf = std::numeric_limits<double>::infinity();
+  EXPECT_EQ(position_in_domain(box(10, 10, 5, 5), kDomain), DomainPosition::kInside);
+  EXPECT_EQ(position_in_domain(box(98, 10, 5, 5), kDomain), DomainPosition::kCrossing);
+  EXPECT_EQ(position_in_domain(box(101, 10, 5, 5), kDomain), DomainPosition::kOutside);
+  // An L around the corner of the domain: its box does what it does not.
+  const Polygon l{{{90, 120}, {120, 120}, {120, 90}, {110, 90}, {110, 110}, {90, 110}}, {}};
+  EXPECT_EQ(position_in_domain(l, kDomain), DomainPosition::kCrossing);
+  EXPECT_EQ(position_in_domain({{{10, 10}, {20, std::nan("")}, {20, 20}}, {}}, kDomain),
+            DomainPosition::kInside);
+  EXPECT_EQ(position_in_domain({{{10, 10}, {20, inf}, {20, 20}}, {}}, kDomain),
+            DomainPosition::kCrossing);
+  EXPECT_EQ(position_in_domain({}, kDomain), DomainPosition::kInside);
+}
+
+TEST(ClipToBox, TellsWhatOfTheOtherPartsIsLost) {
+  // A U whose bottom is outside: arms of 30 m x 10 m and 20 m x 10 m are left.
+  const Polygon u{
+      {{50, -10}, {90, -10}, {90, 20}, {80, 20}, {80, -5}, {60, -5}, {60, 30}, {50, 30}}, {}};
+  double lost = -1;
+  EXPECT_NEAR(area(clip_to_box(u, kDomain, &lost)), 300, 1e-9);
+  EXPECT_NEAR(lost, 200, 1e-9);
+  EXPECT_NEAR(area(clip_to_box(box(-5, 0, 10, 10), kDomain, &lost)), 50, 1e-9);
+  EXPECT_EQ(lost, 0);
+  lost = -1;
+  EXPECT_TRUE(clip_to_box(box(200, 0, 10, 10), kDomain, &lost).outer.empty());
+  EXPECT_EQ(lost, 0);
+}
+
+}  // namespace
+}  // namespace tetropolis
