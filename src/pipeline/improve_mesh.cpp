@@ -33,7 +33,7 @@ constexpr int kMostCuts = 8;
 
 /// Cells that all searches of a run may look at (a cell takes some 70 ns): so many whatever the
 /// mesh, and so many for each of its nodes, which has about five of its own.
-constexpr std::int64_t kWork = 400'000'000;
+constexpr std::int64_t kWork = 200'000'000;
 constexpr std::int64_t kWorkPerNode = 20;
 
 bool is_within(const QualityHistogram& angles, const AngleBounds& bounds) {
@@ -137,8 +137,8 @@ void Improver::move_nodes() {
   straighten_faces();
 }
 
-/// Works on faces beyond kMostNonOrthogonal, asking more and more of the cells, too: better cells
-/// have better faces. Keeps what leaves fewer of these faces and no worse cells.
+/// Works on faces beyond kMostNonOrthogonal, asking more and more of the cells there, too: better
+/// cells have better faces. Keeps what leaves fewer of these faces and no worse cells.
 void Improver::straighten_faces() {
   constexpr double kStraight = 68;  // degrees, a little less than is allowed
   constexpr std::array kTargets{AngleBounds{12, 157}, AngleBounds{16, 152}, AngleBounds{20, 148}};
@@ -151,6 +151,9 @@ void Improver::straighten_faces() {
     options.least_deg = target.least;
     options.greatest_deg = target.greatest;
     options.straight_deg = kStraight;
+    std::vector<std::uint8_t> steep(mesh.triangle_count(), 0);
+    mark_non_orthogonal(mesh, steep);
+    options.near = steep;
     const std::int64_t changed = search("straighten faces", options);
     if (changed == 0) continue;
     const double gap = require_valid(mesh);

@@ -120,8 +120,8 @@ class Improver {
         least_tangent_(std::tan(to_radians(kHopeless * options.least_deg))),
         slot_(mesh.vertex_count(), -1) {}
 
-  /// Vertices of the triangles with the worst bad cells, ascending.
-  std::vector<VertexIndex> bad_vertices() const;
+  /// Vertices of the triangles with the worst bad cells, ascending; of those near these triangles.
+  std::vector<VertexIndex> bad_vertices(std::span<const std::uint8_t> near) const;
   /// One pass over these columns; returns those that changed, ascending.
   std::vector<VertexIndex> sweep(const std::vector<VertexIndex>& vertices,
                                  const Progress& progress);
@@ -316,7 +316,14 @@ std::vector<VertexIndex> Improver::worst_of(std::size_t count,
   return vertices;
 }
 
-std::vector<VertexIndex> Improver::bad_vertices() const {
+std::vector<VertexIndex> Improver::bad_vertices(std::span<const std::uint8_t> near) const {
+  if (!near.empty()) {
+    std::vector<VertexIndex> vertices;
+    for (std::size_t t = 0; t < near.size(); ++t)
+      if (near[t] != 0)
+        for (const VertexIndex v : corners(static_cast<TriangleIndex>(t))) vertices.push_back(v);
+    return bad_around(vertices);
+  }
   return worst_of(mesh_->triangle_count(),
                   [](std::size_t i) { return static_cast<TriangleIndex>(i); });
 }
@@ -496,7 +503,7 @@ void Improver::store(ColumnMesh& mesh) const {
 Improvement improve_columns(ColumnMesh& mesh, const ImproveOptions& options,
                             const Progress& progress) {
   Improver improver(mesh, options);
-  std::vector<VertexIndex> vertices = improver.bad_vertices();
+  std::vector<VertexIndex> vertices = improver.bad_vertices(options.near);
   for (int i = 0; i < options.sweeps && !vertices.empty(); ++i)
     vertices = improver.bad_around(improver.sweep(vertices, progress));
   improver.store(mesh);

@@ -235,6 +235,30 @@ TEST(ImproveColumns, NothingIsGainedAtThePriceOfTheFloor) {
   }
 }
 
+TEST(ImproveColumns, WorksNearTheTrianglesItIsGiven) {
+  const ColumnMesh before = spoilt(testing::meshed(testing::small_city(testing::hills)).mesh, 0.5);
+  std::vector<std::uint8_t> west(before.triangle_count(), 0);
+  const auto is_west = [&](VertexIndex v) {
+    return before.ground.vertices[static_cast<std::size_t>(v)].x < 30;
+  };
+  for (std::size_t t = 0; t < west.size(); ++t) {
+    const auto& v = before.ground.triangles[t];
+    west[t] = is_west(v[0]) && is_west(v[1]) && is_west(v[2]) ? 1 : 0;
+  }
+  ImproveOptions options;
+  options.near = west;
+  options.sweeps = 1;
+  ColumnMesh after = before;
+  EXPECT_GT(improve_columns(after, options).columns_changed, 0);
+  std::int64_t changed_in_the_west = 0;
+  for (std::size_t v = 0; v < before.vertex_count(); ++v) {
+    if (column(before, v) == column(after, v)) continue;
+    EXPECT_LT(before.ground.vertices[v].x, 30 + 2 * 8);
+    changed_in_the_west += before.ground.vertices[v].x < 30 ? 1 : 0;
+  }
+  EXPECT_GT(changed_in_the_west, 0);
+}
+
 TEST(ImproveColumns, LooksAtNoMoreCellsThanItMay) {
   const ColumnMesh before = spoilt(testing::meshed(testing::small_city(testing::hills)).mesh, 0.5);
   ImproveOptions options;

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <span>
 
 #include "tetropolis/core/progress.h"
 #include "tetropolis/volume/column_mesh.h"
@@ -13,7 +14,10 @@ struct ImproveOptions {
   double greatest_deg = 157;  ///< and those with a greater one.
   double straight_deg = 90;   ///< And those on a face that is more non-orthogonal; 90: none are.
   int sweeps = 3;             ///< Over the columns of such cells, at most.
-  std::int64_t most_cells = 300'000'000;  ///< Looked at, shared by the sweeps alike.
+  std::int64_t most_cells = 300'000'000;    ///< Looked at, shared by the sweeps alike.
+  std::span<const std::uint8_t> near = {};  ///< Per triangle: the first sweep works on stacks over
+                                            ///< those that share a vertex with one that has 1 here,
+                                            ///< the others around what changed. Empty: on all.
 };
 
 struct Improvement {
