@@ -218,11 +218,11 @@ TEST(ImproveColumns, NothingIsGainedAtThePriceOfTheFloor) {
     SCOPED_TRACE(name);
     for (const double share : {0.1, 0.3, 0.6}) {
       const ColumnMesh before = spoilt(testing::meshed(testing::small_city(terrain)).mesh, share);
-      for (const double target : {12.0, 20.0}) {
+      for (const double straight : {20.0, 40.0, 60.0}) {
         ImproveOptions options;
-        options.least_deg = target;
-        options.greatest_deg = 180 - 2 * target;
-        options.straight_deg = 60;
+        options.least_deg = 1.01 * kQualityFloor.least;
+        options.greatest_deg = kQualityFloor.greatest - 1;
+        options.straight_deg = straight;
         ColumnMesh after = before;
         for (int i = 0; i < 3; ++i) {
           const std::int64_t bad = count_bad_cells(after, kQualityFloor);
