@@ -188,14 +188,16 @@ bool Improver::make_cut_columns(const ColumnPlanOptions& options, Columns& befor
 }
 
 /// Keeps the cut if it leaves fewer cells below the floor; or as many, and fewer faces beyond
-/// kMostNonOrthogonal; or as many of both, and fewer cells outside the bounds. Else everything
-/// becomes as it was, the result is false, and of the marks those stay that helped where they are.
+/// kMostNonOrthogonal; or as many of both, and fewer cells outside the bounds; or as many of all,
+/// and the worst face less far beyond, so that the next cut may do. Else everything becomes as it
+/// was, the result is false, and of the marks those stay that helped where they are.
 bool Improver::cut_back(ColumnPlanOptions& options, const AngleBounds& bounds,
                         const CutMarks& marks_before, std::span<const std::uint8_t> bad_before) {
   // Not at the price of cells that are bad by any measure.
   const auto bad = [&] {
     return std::tuple(quality_.below_floor, has_many_thin_cells(quality_), quality_.faces.above_70,
-                      count_bad_cells(columns_.mesh, bounds));
+                      count_bad_cells(columns_.mesh, bounds),
+                      std::max(quality_.faces.worst.non_orthogonality_deg, kMostNonOrthogonal));
   };
   const auto bad_then = bad();
   const VolumeMeshReport volume_before = volume_;
