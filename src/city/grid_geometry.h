@@ -112,6 +112,14 @@ inline int crossing_side(Point2 a, Point2 b, Point2 p) {
   return a.y < b.y ? orientation(a, b, p) : orientation(b, a, p);
 }
 
+/// Whether p, which is on no edge, is inside the ring by the even-odd rule. Exact.
+inline bool is_inside(std::span<const Point2> ring, Point2 p) {
+  bool inside = false;
+  for (std::size_t i = 0, j = ring.size() - 1; i < ring.size(); j = i++)
+    if (crossing_side(ring[j], ring[i], p) > 0) inside = !inside;
+  return inside;
+}
+
 /// Whether the segments o-a and o-b overlap beyond their common end o. Exact.
 inline bool folds_back(Point2 o, Point2 a, Point2 b) {
   if (orientation(o, a, b) != 0) return false;

@@ -12,10 +12,10 @@
 #include "tetropolis/core/parallel.h"
 #include "tetropolis/geometry/polygon.h"
 
-#include "city/disjoint_sets.h"
 #include "city/grid_geometry.h"
 #include "city/outline.h"
 #include "city/overlay.h"
+#include "core/disjoint_sets.h"
 
 namespace tetropolis {
 

@@ -184,14 +184,8 @@ bool ChangeJudge::sweeps_a_vertex(const ShortPath& before, const ShortPath& afte
   Ring loop;
   for (int i = 0; i < before.count; ++i) loop.push_back(before.at(i));
   for (int i = after.count - 2; i > 0; --i) loop.push_back(after.at(i));
-  const auto inside = [&](Point2 p) {
-    bool odd = false;
-    for (std::size_t i = 0, j = loop.size() - 1; i < loop.size(); j = i++)
-      if (grid::crossing_side(loop[j], loop[i], p) > 0) odd = !odd;
-    return odd;
-  };
   return std::any_of(near_.begin(), near_.end(), [&](std::int32_t e) {
-    return e != c.last && e != c.first && inside(o_.at(e));
+    return e != c.last && e != c.first && grid::is_inside(loop, o_.at(e));
   });
 }
 

@@ -220,11 +220,7 @@ void Repairer::consider_moves_from(std::int32_t v, Point2 p) {
 bool Repairer::is_empty_yard(const Ring& hole, std::int32_t group) const {
   bool empty = true;
   o_.grid.visit(bounds(hole), [&](std::int32_t e) {
-    if (!empty || o_.group_of(e) == group) return;
-    bool inside = false;
-    for (std::size_t i = 0, j = hole.size() - 1; i < hole.size(); j = i++)
-      if (grid::crossing_side(hole[j], hole[i], o_.at(e)) > 0) inside = !inside;
-    empty = !inside;
+    if (empty && o_.group_of(e) != group) empty = !grid::is_inside(hole, o_.at(e));
   });
   return empty;
 }

@@ -19,7 +19,8 @@ namespace {
 
 int open_ordinary(const fs::path& path) {
   require_ordinary_file(path);
-  return ::open(path.c_str(), O_RDONLY | O_CLOEXEC);
+  // Without waiting, should a pipe have come in its place.
+  return ::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK);
 }
 
 }  // namespace

@@ -38,31 +38,25 @@ bool read_ring(OGRGeometryH ring, Ring& result) {
   return true;
 }
 
-/// Whether all of `inner` lies within `outer`, which is larger.
-bool encloses(const Ring& outer, const Ring& inner) {
-  if (!(std::abs(signed_area(outer)) > std::abs(signed_area(inner)))) return false;
-  const Bounds2 box = bounds(outer);
-  const Polygon around{outer, {}};
-  return box.contains(inner.front()) &&
-         std::all_of(inner.begin(), inner.end(), [&](Point2 p) { return contains(around, p); });
+/// Whether all vertices of `inner` are in `outer`, whose outline is larger, and not in its holes.
+bool encloses(const Polygon& outer, const Ring& inner) {
+  if (!(std::abs(signed_area(outer.outer)) > std::abs(signed_area(inner)))) return false;
+  return bounds(outer).contains(inner.front()) &&
+         std::all_of(inner.begin(), inner.end(), [&](Point2 p) { return contains(outer, p); });
 }
 
 /// GDAL tells the rings of a shapefile apart by their turn. Where a writer turned all of them the
 /// wrong way, it takes the yard for the building and the building for a hole in it.
 void put_widest_ring_first(Polygon& polygon) {
   for (Ring& hole : polygon.holes)
-    if (encloses(hole, polygon.outer)) std::swap(hole, polygon.outer);
+    if (encloses({hole, {}}, polygon.outer)) std::swap(hole, polygon.outer);
 }
 
-/// Whether all of `inner` lies within `outer`, which is larger, and in none of its holes. A part
-/// that fills a hole to its rim does not: vertices on the rim may count as inside, its middle does
-/// not.
+/// Whether all of `inner` lies within `outer`, and no hole of that within it. A part that fills a
+/// hole to its rim does not: vertices on the rim may count as inside, its middle does not.
 bool encloses(const Polygon& outer, const Polygon& inner) {
-  if (!encloses(outer.outer, inner.outer)) return false;
   const Polygon covered{inner.outer, {}};
-  return contains(outer, interior_point(covered)) &&
-         std::all_of(inner.outer.begin(), inner.outer.end(),
-                     [&](Point2 p) { return contains(outer, p); }) &&
+  return encloses(outer, inner.outer) && contains(outer, interior_point(covered)) &&
          std::none_of(outer.holes.begin(), outer.holes.end(), [&](const Ring& hole) {
            return contains(covered, interior_point({hole, {}}));
          });

@@ -294,13 +294,14 @@ void finish_city(Report& report, OutputFolder& out) {
 Report run_synth(const Config& config, const RunHooks& hooks) {
   require(!config.out.empty(), "--out", "name a folder for the results");
   require_room(config);
-  require_scan_fits(size_of(config) * size_of(config) * config.point_density);
+  const double size = size_of(config);
+  require_scan_fits(size * size * config.point_density);
   const ThreadLimit limit(config.threads);
   Report report = begin_report("synth", config);
   StepClock clock(hooks, report);
   OutputFolder out(config.out, hooks.output);
   if (config.kind == SynthKind::kAdversarial) {
-    synth_adversarial(config, out, clock, report);
+    synth_adversarial(config, size, out, clock, report);
     finish_city(report, out);
     return report;
   }
@@ -309,7 +310,7 @@ Report run_synth(const Config& config, const RunHooks& hooks) {
     const auto seed = static_cast<std::uint64_t>(config.seed);
     if (blocks) {
       BlockCityOptions options;
-      options.size = size_of(config);
+      options.size = size;
       options.seed = seed;
       options.points_per_m2 = config.point_density;
       options.relief = config.relief < 0 ? options.relief : config.relief;
@@ -317,7 +318,7 @@ Report run_synth(const Config& config, const RunHooks& hooks) {
       return synthetic_block_city(options, progress);
     }
     RandomCityOptions options;
-    options.size = size_of(config);
+    options.size = size;
     options.buildings = config.buildings > 0 ? config.buildings : usual_buildings(options.size);
     // A margin of 40 m would leave nothing of a small square.
     options.margin = std::min(options.margin, options.size / 5);

@@ -73,10 +73,11 @@ std::string describe(const std::string& name) {
 
 }  // namespace
 
-void synth_adversarial(const Config& config, OutputFolder& out, StepClock& clock, Report& report) {
+void synth_adversarial(const Config& config, double size, OutputFolder& out, StepClock& clock,
+                       Report& report) {
   const AdversarialCity city = clock.run("0.1", "invent the city", [&](const Progress& progress) {
     AdversarialCityOptions options;
-    options.size = config.size > 0 ? config.size : options.size;
+    options.size = size;
     options.seed = static_cast<std::uint64_t>(config.seed);
     options.points_per_m2 = config.point_density;
     options.relief = config.relief < 0 ? options.relief : config.relief;

@@ -8,7 +8,8 @@
 namespace tetropolis {
 
 /// Writes footprints.shp or footprints.geojson, points.laz (or points_1.laz, points_2.laz, ...) and
-/// manifest.json, and fills the report.
-void synth_adversarial(const Config& config, OutputFolder& out, StepClock& clock, Report& report);
+/// manifest.json, and fills the report. `size`: side of the square, metres.
+void synth_adversarial(const Config& config, double size, OutputFolder& out, StepClock& clock,
+                       Report& report);
 
 }  // namespace tetropolis

@@ -5,12 +5,12 @@
 #include <cmath>
 #include <cstddef>
 #include <limits>
-#include <numeric>
 #include <utility>
 
 #include "tetropolis/core/parallel.h"
 #include "tetropolis/volume/face_quality.h"
 
+#include "core/disjoint_sets.h"
 #include "geometry/slope.h"
 
 namespace tetropolis {
@@ -31,54 +31,31 @@ bool is_steeper(const GroundMesh& mesh, std::size_t t, std::span<const double> g
          1;
 }
 
-/// Vertices joined by edges.
-class Components {
- public:
-  explicit Components(std::size_t vertices) : parent_(vertices) {
-    std::iota(parent_.begin(), parent_.end(), std::size_t{0});
-  }
-  std::size_t of(std::size_t v) {
-    while (parent_[v] != v) v = parent_[v] = parent_[parent_[v]];
-    return v;
-  }
-  void join(std::size_t a, std::size_t b) { parent_[of(a)] = of(b); }
-
- private:
-  std::vector<std::size_t> parent_;
-};
-
 /// 1 for the vertices at and beside ground that the cut lowered for the better.
 std::vector<std::uint8_t> find_helped(const ColumnMesh& mesh, const TriedCut& cut) {
   const std::size_t n = mesh.vertex_count();
-  const auto is_lowered = [&](std::size_t v) {
-    return cut.ground_after[v] != cut.ground_before[v];
+  const auto is_lowered = [&](VertexIndex v) {
+    const auto i = static_cast<std::size_t>(v);
+    return cut.ground_after[i] != cut.ground_before[i];
   };
-  const auto ends = [&](std::size_t e) {
-    return std::array{static_cast<std::size_t>(mesh.edges.vertices[e][0]),
-                      static_cast<std::size_t>(mesh.edges.vertices[e][1])};
+  DisjointSets places(n);
+  for (const auto& [a, b] : mesh.edges.vertices)
+    if (is_lowered(a) && is_lowered(b)) places.join(a, b);
+  std::vector<std::int64_t> gain(n, 0);  // of the place of each vertex, at its root
+  const auto gain_at = [&](VertexIndex v) -> std::int64_t& {
+    return gain[static_cast<std::size_t>(places.root(v))];
   };
-  Components places(n);
-  for (std::size_t e = 0; e < mesh.edges.size(); ++e)
-    if (const auto [a, b] = ends(e); is_lowered(a) && is_lowered(b)) places.join(a, b);
-  std::vector<std::int64_t> gain(n, 0);  // per place, at its first vertex
   for (std::size_t t = 0; t < mesh.triangle_count(); ++t) {
-    const std::int64_t better = std::int64_t{cut.bad_before[t]} - std::int64_t{cut.bad_after[t]};
-    if (better == 0) continue;
     // Lowered corners of a triangle are joined, so they are of one place.
-    for (const VertexIndex v : mesh.ground.triangles[t]) {
-      if (!is_lowered(static_cast<std::size_t>(v))) continue;
-      gain[places.of(static_cast<std::size_t>(v))] += better;
-      break;
-    }
+    const auto& corners = mesh.ground.triangles[t];
+    if (const auto v = std::find_if(corners.begin(), corners.end(), is_lowered); v != corners.end())
+      gain_at(*v) += std::int64_t{cut.bad_before[t]} - std::int64_t{cut.bad_after[t]};
   }
-  const auto is_better = [&](std::size_t v) { return is_lowered(v) && gain[places.of(v)] > 0; };
   std::vector<std::uint8_t> helped(n, 0);
-  for (std::size_t v = 0; v < n; ++v) helped[v] = is_better(v) ? 1 : 0;
-  for (std::size_t e = 0; e < mesh.edges.size(); ++e) {
-    const auto [a, b] = ends(e);
-    if (is_better(a)) helped[b] = 1;
-    if (is_better(b)) helped[a] = 1;
-  }
+  for (const auto& [a, b] : mesh.edges.vertices)
+    for (const VertexIndex v : {a, b})
+      if (is_lowered(v) && gain_at(v) > 0)
+        helped[static_cast<std::size_t>(a)] = helped[static_cast<std::size_t>(b)] = 1;
   return helped;
 }
 

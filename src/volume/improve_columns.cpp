@@ -322,6 +322,7 @@ std::vector<VertexIndex> Improver::bad_vertices(std::span<const std::uint8_t> ne
     for (std::size_t t = 0; t < near.size(); ++t)
       if (near[t] != 0)
         for (const VertexIndex v : corners(static_cast<TriangleIndex>(t))) vertices.push_back(v);
+    sort_once(vertices);
     return bad_around(vertices);
   }
   return worst_of(mesh_->triangle_count(),
@@ -502,6 +503,7 @@ void Improver::store(ColumnMesh& mesh) const {
 
 Improvement improve_columns(ColumnMesh& mesh, const ImproveOptions& options,
                             const Progress& progress) {
+  if (options.most_cells <= 0) return {};
   Improver improver(mesh, options);
   std::vector<VertexIndex> vertices = improver.bad_vertices(options.near);
   for (int i = 0; i < options.sweeps && !vertices.empty(); ++i)

@@ -177,6 +177,16 @@ TEST(RawVectorBytes, ShapefilesTurnedTheWrongWayKeepTheirCourtyards) {
   }
 }
 
+/// Of the footprints, by id.
+std::map<std::string, double> areas_in(const fs::path& path) {
+  std::map<std::string, double> areas;
+  ReadFootprintsOptions options;
+  options.id_attribute = "id";
+  for (const Footprint& feature : read_footprints(path, options).features)
+    areas[feature.source_id] = area(feature.polygon);
+  return areas;
+}
+
 // The same in a multipolygon: a hut in the yard stays a building, and so does what merely overlaps.
 TEST(RawVectorBytes, PartsTurnedAgainstThePartAroundThemAreItsYards) {
   const TemporaryFolder folder;
@@ -185,17 +195,13 @@ TEST(RawVectorBytes, PartsTurnedAgainstThePartAroundThemAreItsYards) {
       {"over each other", 1, {{square(40, 0, 30, false)}, {square(43, 3, 5, false)}}},
       {"apart", 1, {{square(80, 0, 30, false)}, {square(120, 3, 5)}}}};
   write_raw_features(folder / "a.geojson", features, kOrigin, "EPSG:3006");
-  std::map<std::string, double> areas;
-  ReadFootprintsOptions options;
-  options.id_attribute = "id";
-  for (const Footprint& feature : read_footprints(folder / "a.geojson", options).features)
-    areas[feature.source_id] = area(feature.polygon);
-  EXPECT_EQ(areas, (std::map<std::string, double>{{"hut", 16},
-                                                  {"hut#2", 500},
-                                                  {"over each other", 900},
-                                                  {"over each other#2", 25},
-                                                  {"apart", 900},
-                                                  {"apart#2", 25}}));
+  EXPECT_EQ(areas_in(folder / "a.geojson"),
+            (std::map<std::string, double>{{"hut", 16},
+                                           {"hut#2", 500},
+                                           {"over each other", 900},
+                                           {"over each other#2", 25},
+                                           {"apart", 900},
+                                           {"apart#2", 25}}));
 }
 
 // Within the outline of the other part, but not within its walls.
@@ -214,22 +220,18 @@ TEST(RawVectorBytes, PartsInTheYardOfAnotherPartStayBuildingsWhateverTheirTurn) 
        1,
        {{square(200, 0, 30), square(205, 5, 8, false)}, {square(220, 5, 6, false)}}}};
   write_raw_features(folder / "a.geojson", features, kOrigin, "EPSG:3006");
-  std::map<std::string, double> areas;
-  ReadFootprintsOptions options;
-  options.id_attribute = "id";
-  for (const Footprint& feature : read_footprints(folder / "a.geojson", options).features)
-    areas[feature.source_id] = area(feature.polygon);
-  EXPECT_EQ(areas, (std::map<std::string, double>{{"hut", 500},
-                                                  {"hut#2", 16},
-                                                  {"with a yard", 500},
-                                                  {"with a yard#2", 196 - 36},
-                                                  {"touching", 500},
-                                                  {"touching#2", 16},
-                                                  {"roof", 500},
-                                                  {"roof#2", 400},
-                                                  {"wider roof", 500},
-                                                  {"wider roof#2", 484},
-                                                  {"yard beside a yard", 900 - 64 - 36}}));
+  EXPECT_EQ(areas_in(folder / "a.geojson"),
+            (std::map<std::string, double>{{"hut", 500},
+                                           {"hut#2", 16},
+                                           {"with a yard", 500},
+                                           {"with a yard#2", 196 - 36},
+                                           {"touching", 500},
+                                           {"touching#2", 16},
+                                           {"roof", 500},
+                                           {"roof#2", 400},
+                                           {"wider roof", 500},
+                                           {"wider roof#2", 484},
+                                           {"yard beside a yard", 900 - 64 - 36}}));
 }
 
 TEST(PointFlags, GoIntoTheFileAndWithheldPointsAreLeftOut) {
