@@ -22,9 +22,17 @@ double total_area(const std::vector<Polygon>& polygons) {
   return sum;
 }
 
+/// Of those wider than what rounding may open and close.
 std::size_t total_holes(const std::vector<Polygon>& polygons) {
   std::size_t sum = 0;
-  for (const Polygon& polygon : polygons) sum += polygon.holes.size();
+  for (const Polygon& polygon : polygons) {
+    for (const Ring& hole : polygon.holes) {
+      double length = 0;
+      for_each_edge(Polygon{hole, {}},
+                    [&](Point2 a, Point2 b) { length += std::hypot(a.x - b.x, a.y - b.y); });
+      if (std::abs(signed_area(hole)) > 5 * length) ++sum;
+    }
+  }
   return sum;
 }
 
