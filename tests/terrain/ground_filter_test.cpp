@@ -208,14 +208,14 @@ TEST(GroundFilter, SlopesStayWholeUpToTheirRim) {
 }
 
 TEST(GroundFilter, WindowOrFootprintsDecideAboutWideHalls) {
-  const std::vector<Polygon> hall = {box(60, 60, 150, 150)};
+  const std::vector<Polygon> hall = {box(60, 60, 180, 180)};
   const auto flat = [](double x, double) { return 0.01 * x; };
-  const PointCloud cloud = scan(210, 1, hall, 9, flat);
+  const PointCloud cloud = scan(240, 1, hall, 9, flat);
   const auto taken = [&](const std::vector<std::uint8_t>& found) {
     return mistakes(cloud, found, [&](std::size_t p) { return cloud.z[p] < 5; }).taken;
   };
   GroundFilterOptions wide;
-  wide.window = 60;
+  wide.window = 80;
   EXPECT_GT(taken(filter_ground(cloud, {})), 0.5) << "no filter knows a mesa from a hall";
   EXPECT_EQ(taken(filter_ground(cloud, {}, wide)), 0);
   EXPECT_EQ(taken(filter_ground(cloud, hall)), 0);
