@@ -20,8 +20,7 @@
 namespace tetropolis {
 
 /// Like Hdf5Output, with the filters "shuffle" (whole numbers only) and "deflate". The chunks are
-/// compressed here, in parallel, and HDF5 puts them into the file. As it does not get over a disk
-/// that fills up, room for whatever it will write is reserved before.
+/// compressed here, in parallel, and HDF5 puts them into the file.
 class Hdf5CompressedOutput {
  public:
   Hdf5CompressedOutput(const std::filesystem::path& target, std::span<const Hdf5Dataset> datasets);
@@ -50,16 +49,12 @@ class Hdf5CompressedOutput {
   CompressedBlocks::Options begin_next();
   void write_chunk(std::string_view chunk);
   void end_next();
-  void reserve(std::uint64_t bytes);
 
   AtomicFile file_;
-  std::filesystem::path target_;
   std::vector<Hdf5Dataset> datasets_;
   std::unique_ptr<State> state_;
   std::size_t next_ = 0;
-  std::uint64_t row_ = 0;       ///< First row of the next chunk.
-  std::uint64_t needed_ = 0;    ///< Bytes that HDF5 may have written by now, generously.
-  std::uint64_t reserved_ = 0;  ///< Bytes of the file there is room for.
+  std::uint64_t row_ = 0;  ///< First row of the next chunk.
 };
 
 }  // namespace tetropolis

@@ -3,12 +3,12 @@
 #include <algorithm>
 #include <array>
 #include <cassert>
-#include <cerrno>
 #include <fstream>
 #include <system_error>
 
 #include <hdf5.h>
 
+#include "hdf5_file.h"
 #include "hdf5_handle.h"
 
 namespace tetropolis {
@@ -17,29 +17,9 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// Far more than HDF5 needs for groups and datasets as few as ours.
-constexpr std::uint64_t kRoomForHdf5 = 1 << 20;
-
-[[noreturn]] void fail(const fs::path& target) {
-  throw_cannot_write(target,
-                     errno == 0 ? "HDF5 gave no reason" : std::generic_category().message(errno));
-}
-
-/// Throws unless a file of this size is allowed here and there is room for HDF5's part of it.
-void require_room(const fs::path& path, const fs::path& target, std::uint64_t bytes) {
-  errno = 0;
-  std::ofstream file(path, std::ios::binary | std::ios::trunc);
-  file << std::string(kRoomForHdf5, '\0');
-  file.close();
-  if (!file) fail(target);
-  std::error_code error;
-  fs::resize_file(path, bytes + kRoomForHdf5, error);
-  if (error) throw_cannot_write(target, error.message());
-}
-
-/// Makes a dataset without data and returns where in the file they belong; HADDR_UNDEF on failure
-/// and for a dataset without rows.
-haddr_t make_dataset(hid_t file, const Hdf5Dataset& dataset, bool& good) {
+/// Makes a dataset without data and returns where in the file they belong; HADDR_UNDEF for one
+/// without rows.
+haddr_t make_dataset(const Hdf5File& file, const Hdf5Dataset& dataset) {
   const std::array<hsize_t, 2> shape{dataset.rows, dataset.columns};
   const Hdf5Handle space(H5Screate_simple(dataset.columns == 0 ? 1 : 2, shape.data(), nullptr),
                          H5Sclose);
@@ -50,11 +30,12 @@ haddr_t make_dataset(hid_t file, const Hdf5Dataset& dataset, bool& good) {
   H5Pset_layout(creation.id(), H5D_CONTIGUOUS);
   H5Pset_alloc_time(creation.id(), H5D_ALLOC_TIME_EARLY);
   H5Pset_fill_time(creation.id(), H5D_FILL_TIME_NEVER);
-  Hdf5Handle set(H5Dcreate2(file, dataset.path.c_str(), file_type(dataset.type), space.id(),
+  Hdf5Handle set(H5Dcreate2(file.id(), dataset.path.c_str(), file_type(dataset.type), space.id(),
                             links.id(), creation.id(), H5P_DEFAULT),
                  H5Dclose);
-  const haddr_t offset = set.good() ? H5Dget_offset(set.id()) : HADDR_UNDEF;
-  good = good && set.good() && set.close() && (offset != HADDR_UNDEF || dataset.rows == 0);
+  file.require(set.good());
+  const haddr_t offset = H5Dget_offset(set.id());
+  file.require(set.close() && (offset != HADDR_UNDEF || dataset.rows == 0));
   return offset;
 }
 
@@ -63,21 +44,15 @@ haddr_t make_dataset(hid_t file, const Hdf5Dataset& dataset, bool& good) {
 std::vector<std::uint64_t> lay_out(const fs::path& path, const fs::path& target,
                                    std::span<const Hdf5Dataset> datasets) {
   const QuietHdf5 quiet;
-  errno = 0;
-  const Hdf5Handle access(H5Pcreate(H5P_FILE_ACCESS), H5Pclose);
-  // Else small datasets share a block and lie before larger ones made earlier.
-  H5Pset_small_data_block_size(access.id(), 0);
-  Hdf5Handle file(H5Fcreate(path.c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, access.id()), H5Fclose);
-  bool good = file.good();
+  Hdf5File file(path, target);
   std::vector<std::uint64_t> offsets;
   std::uint64_t end = 0;
   for (const Hdf5Dataset& dataset : datasets) {
-    if (!good) break;
-    const haddr_t offset = make_dataset(file.id(), dataset, good);
+    const haddr_t offset = make_dataset(file, dataset);
     offsets.push_back(offset == HADDR_UNDEF ? end : offset);
     end = offsets.back() + byte_count(dataset);
   }
-  if (!good || !file.close()) fail(target);
+  file.close();
   return offsets;
 }
 
@@ -96,9 +71,6 @@ std::uint64_t byte_count(const Hdf5Dataset& dataset) {
 
 Hdf5Output::Hdf5Output(const fs::path& target, std::span<const Hdf5Dataset> datasets)
     : file_(target) {
-  std::uint64_t bytes = 0;
-  for (const Hdf5Dataset& dataset : datasets) bytes += byte_count(dataset);
-  require_room(file_.path(), target, bytes);
   read_layout(lay_out(file_.path(), target, datasets), datasets);
 }
 

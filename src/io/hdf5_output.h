@@ -32,9 +32,7 @@ std::uint64_t byte_count(const Hdf5Dataset& dataset);
 std::int64_t file_type(Hdf5Type type);
 
 /// HDF5 only lays the file out, empty; what it wrote of its own is kept and the data are streamed
-/// in between. The library does not get over a disk that fills up while it writes: even after the
-/// failure was dealt with it crashes the program at exit. Here it writes a few kilobytes, for which
-/// there is room.
+/// in between.
 ///
 /// The same calls give the same bytes: no times are stored. Used from one thread at a time. Throws
 /// Error(kInput) naming the file if it cannot be written.
