@@ -2,7 +2,9 @@
 #include <cerrno>
 #include <cstring>
 #include <fstream>
+#include <iterator>
 #include <string>
+#include <string_view>
 
 #include <fmt/format.h>
 #include <toml++/toml.h>
@@ -73,6 +75,25 @@ void set_key(Config& config, std::string_view key, const toml::node& value,
   throw Error(ErrorKind::kUsage, path.string() + ": cannot be opened: " + reason);
 }
 
+/// A key of many parts becomes tables in tables, which the parser, unlike arrays in arrays, takes
+/// apart by calling itself as often as they are deep: more than a stack may hold.
+void require_plain_keys(std::string_view text, const std::filesystem::path& path) {
+  constexpr int kMostDots = 1000;
+  int dots = 0;
+  std::size_t line = 1;
+  for (const char c : text) {
+    if (c == '\n') ++line;
+    if (c == '.')
+      ++dots;
+    else if (std::string_view(",=[]{}#\n").find(c) != std::string_view::npos)
+      dots = 0;
+    if (dots > kMostDots)
+      throw Error(ErrorKind::kUsage, fmt::format("{}:{}: not valid TOML: more than {} dots in one "
+                                                 "key or value",
+                                                 path.string(), line, kMostDots));
+  }
+}
+
 }  // namespace
 
 void load_config(Config& config, const std::filesystem::path& path) {
@@ -85,9 +106,12 @@ void load_config(Config& config, const std::filesystem::path& path) {
   }
   std::ifstream file(path, std::ios::binary);
   if (!file) cannot_open(path, std::strerror(errno));
+  const std::string text{std::istreambuf_iterator<char>(file), {}};
+  if (file.bad()) cannot_open(path, std::strerror(errno));
+  require_plain_keys(text, path);
   toml::table table;
   try {
-    table = toml::parse(file, path.string());
+    table = toml::parse(text, path.string());
   } catch (const toml::parse_error& wrong) {
     throw Error(ErrorKind::kUsage, fmt::format("{}:{}: not valid TOML: {}", path.string(),
                                                wrong.source().begin.line, wrong.description()));

@@ -103,10 +103,11 @@ std::int64_t mark_feet(const ColumnMesh& mesh, const ColumnPlan& plan,
     };
     std::array<double, 3> foot{kInfinity, kInfinity, kInfinity};
     if (is_steeper(mesh.ground, t, plan.ground, slope)) {
-      std::size_t lowest = 0;
-      for (const std::size_t i : {1, 2})
-        if (plan.ground[corner(i)] < plan.ground[corner(lowest)]) lowest = i;
-      foot[lowest] = plan.ground[corner(lowest)];
+      const auto [low, high] =
+          std::minmax({plan.ground[corner(0)], plan.ground[corner(1)], plan.ground[corner(2)]});
+      // Of a wall both ends: one by itself may be far from what rises right before its middle.
+      for (std::size_t i = 0; i < 3; ++i)
+        if (const double z = plan.ground[corner(i)]; z < (low + high) / 2) foot[i] = z;
     }
     for (std::size_t i = 0; i < 3; ++i) {
       const std::size_t v = corner(i);

@@ -78,6 +78,10 @@ TEST(Config, ErrorsNameFileLineAndWhatToDo) {
   expect_part(error_of("terrain_only = 1\n"), "true or false expected");
   expect_part(error_of("mesh_size = {a = 1}\n"), "expected");
   expect_part(error_of("mesh_size = \n"), "c.toml:1: not valid TOML");
+  std::string deep = "# as deep as it gets\n";
+  for (int i = 0; i < 300000; ++i) deep += "a.";
+  expect_part(error_of(deep + "a = 1\n"), "c.toml:2: not valid TOML: more than 1000 dots");
+  expect_part(error_of("[" + deep.substr(22) + "a]\n"), "not valid TOML: more than 1000 dots");
   expect_part(error_of("formats = [\"vtu\", \"dwg\"]\n"), "'dwg' is not one of");
   Config config;
   EXPECT_THROW(load_config(config, "/nowhere/c.toml"), Error);

@@ -232,7 +232,7 @@ TEST(CutBack, MarksTheFeetOfCliffsWithBadCells) {
         const double across =
             std::abs(lx * (p[2][1] - p[0][1]) - ly * (p[2][0] - p[0][0])) / std::hypot(lx, ly);
         if (!((p[2][2] - p[0][2]) / across > slope)) continue;
-        steep.emplace_back(t, p[0][2]);
+        steep.emplace_back(t, (p[0][2] + p[2][2]) / 2);
       }
       EXPECT_EQ(count_bad_cells(result.mesh, bounds), bad);
       std::vector<std::uint8_t> with_faces = bad_triangles;
@@ -242,16 +242,13 @@ TEST(CutBack, MarksTheFeetOfCliffsWithBadCells) {
       marks.feet.assign(result.plan.ground.size(), infinity);
       const std::int64_t marked = mark_feet(result.mesh, result.plan, bad_triangles, slope, marks);
       std::set<std::size_t> allowed;
-      for (const auto& [t, lowest] : steep) {
-        bool found = false;
+      for (const auto& [t, middle] : steep)
         for (const VertexIndex c : result.mesh.ground.triangles[t]) {
           const auto v = static_cast<std::size_t>(c);
-          if (result.plan.ground[v] > lowest) continue;
+          if (!(result.plan.ground[v] < middle)) continue;
           allowed.insert(v);
-          found = found || marks.feet[v] == lowest;
+          EXPECT_EQ(marks.feet[v], result.plan.ground[v]) << "triangle " << t;
         }
-        EXPECT_TRUE(found) << "triangle " << t;
-      }
       std::int64_t feet = 0;
       for (std::size_t v = 0; v < marks.feet.size(); ++v) {
         if (marks.feet[v] == infinity) continue;
@@ -264,6 +261,28 @@ TEST(CutBack, MarksTheFeetOfCliffsWithBadCells) {
       most = std::max(most, static_cast<std::size_t>(feet));
     }
   EXPECT_GT(most, 10U);
+}
+
+/// Seen from either end of the wall, the vertex before its middle is no steep rise.
+TEST(CutBack, CutsBackWhatRisesBeforeTheMiddleOfASunkenWall) {
+  GroundMesh mesh;
+  mesh.vertices = {{0, 0}, {2.4, 0}, {1.2, 0.6}, {1.2, -2}};
+  mesh.triangles = {{0, 1, 2}, {1, 0, 3}};
+  mesh.region = {kNoBuilding, 0};
+  ColumnPlan plan;
+  plan.ground = {-1.7, -1.7, 0, -1.7};
+  plan.roofs = {-0.7};
+  plan.building = vertex_buildings(mesh);
+  ColumnMesh columns;
+  columns.ground = mesh;
+  CutMarks marks;
+  marks.feet.assign(4, std::numeric_limits<double>::infinity());
+  const std::vector<std::uint8_t> bad{1, 0};
+  const CutSlopes slopes;
+  EXPECT_EQ(mark_feet(columns, plan, bad, slopes.at_start, marks), 2);
+  std::vector<double> ground = plan.ground;
+  cut_back(mesh, plan.building, plan.roofs, marks, slopes, ground);
+  EXPECT_NEAR(ground[2], -1.7 + 0.6 * slopes.at_start, 1e-12);
 }
 
 TEST(CutBack, MarksTheFeetOfWallsTooLowForTheEdgesBesideThem) {

@@ -22,11 +22,11 @@ std::vector<std::uint8_t> find_bad_triangles(const ColumnMesh& mesh, const Angle
 std::int64_t mark_buried_roofs(const ColumnMesh& mesh, const ColumnPlan& plan,
                                std::span<const std::uint8_t> bad, CutMarks& marks);
 
-/// For every bad triangle outside buildings: marks as a foot, where its ground is, the lowest
-/// vertex, if the triangle is steeper than `slope` (tangent); and, 15 degrees below the roof as
-/// seen from the other end of their longest edge in it, its vertices on walls whose ground is
-/// higher. Returns how often that was not marked before, or is lower now. `plan` is the one `mesh`
-/// was made with; `bad` has one entry per triangle; `marks.feet` has its size.
+/// For every bad triangle outside buildings: marks as feet, where their ground is, the vertices in
+/// the lower half of its rise, if the triangle is steeper than `slope` (tangent); and, 15 degrees
+/// below the roof as seen from the other end of their longest edge in it, its vertices on walls
+/// whose ground is higher. Returns how often that was not marked before, or is lower now. `plan` is
+/// the one `mesh` was made with; `bad` has one entry per triangle; `marks.feet` has its size.
 std::int64_t mark_feet(const ColumnMesh& mesh, const ColumnPlan& plan,
                        std::span<const std::uint8_t> bad, double slope, CutMarks& marks);
 
