@@ -53,15 +53,47 @@ class CornerBlunter {
     return count;
   }
 
+  /// The walls of a sharp corner.
+  struct Walls {
+    double la, lb;     ///< Lengths: to the vertex before, and to the one after.
+    double sine;       ///< Of the angle between them.
+    double ring_area;  ///< Of the ring.
+    /// Whether twice_area of a triangle at the corner is more than half of the ring's.
+    bool is_most(double twice_area) const { return twice_area > ring_area; }
+  };
+
   bool blunt(std::int32_t v) {
+    const OutlineChange all = vertex_change(o_, v, ChangeKind::kMove);
+    const Point2 tip = o_.at(v), a = o_.at(all.first), b = o_.at(all.last);
+    const double la = distance(tip, a), lb = distance(tip, b);
+    const Walls walls{la, lb, grid::twice_area(tip, a, b) / (la * lb),
+                      std::abs(signed_area(ring_through(o_, v)))};
+    if (!(walls.sine > 0)) return false;
+    // The width at the same distance from the tip along both walls is 2 sin(angle / 2) of it.
+    const double half_sine =
+        std::sqrt((1 - std::sqrt(std::max(0.0, 1 - walls.sine * walls.sine))) / 2);
+    const double rest = options_.epsilon + kRounding;
+    const double reach = rest / (2 * half_sine);
+    if (cut_off(v, walls, reach)) return true;
+    // What would be left at its foot may be in the way of others: then all of it goes, or none.
+    const bool is_needle = la - reach < 2 * rest && lb - reach < 2 * rest;
+    if (is_needle && !walls.is_most(la * lb * walls.sine) &&
+        replace_if_better(all, old_path(o_, all), new_path(o_, all)))
+      return true;
+    if (widen(v, walls)) return true;
+    for (double longer = reach; longer < std::max(la, lb);) {
+      longer *= 1.25;
+      if ((longer * longer - reach * reach) * walls.sine > 2 * options_.most_beyond) break;
+      if (cut_off(v, walls, longer)) return true;
+    }
+    return false;
+  }
+
+  /// Cuts off, or fills, as far as `reach` from the tip along both walls.
+  bool cut_off(std::int32_t v, const Walls& walls, double reach) {
     OutlineChange c = vertex_change(o_, v, ChangeKind::kMove);
     const Point2 tip = o_.at(v), a = o_.at(c.first), b = o_.at(c.last);
-    const double la = distance(tip, a), lb = distance(tip, b);
-    const double sine = grid::twice_area(tip, a, b) / (la * lb);
-    if (!(sine > 0)) return false;
-    // The width at the same distance from the tip along both walls is 2 sin(angle / 2) of it.
-    const double half_sine = std::sqrt((1 - std::sqrt(std::max(0.0, 1 - sine * sine))) / 2);
-    double reach = (options_.epsilon + kRounding) / (2 * half_sine);
+    const auto [la, lb, sine, ring_area] = walls;
     // What would be left of a wall is not to be a short edge: then all of the wall goes.
     const double rest = options_.epsilon + kRounding;
     bool all_of_a = la - reach < rest, all_of_b = lb - reach < rest;
@@ -76,26 +108,16 @@ class CornerBlunter {
     };
     if (!all_of_a) add(a, la);
     if (!all_of_b) add(b, lb);
-    const ShortPath before = old_path(o_, c), after = new_path(o_, c);
-    const double ring_area = std::abs(signed_area(ring_through(o_, v)));
-    const auto is_most = [&](double twice_area) { return twice_area > ring_area; };
-    if (!is_most(reach * reach * sine) && replace_if_better(c, before, after)) return true;
-    // What would be left at its foot may be in the way of others: then all of it goes, or none.
-    const OutlineChange all = vertex_change(o_, v, ChangeKind::kMove);
-    const bool is_needle = la - reach < 2 * rest && lb - reach < 2 * rest;
-    if (is_needle && !is_most(la * lb * sine) &&
-        replace_if_better(all, old_path(o_, all), new_path(o_, all)))
-      return true;
-    return widen(v, is_most);
+    return !walls.is_most(reach * reach * sine) &&
+           replace_if_better(c, old_path(o_, c), new_path(o_, c));
   }
 
   /// Gives the tip the width that an end has to have: to both sides or to one, there or nearer to
   /// its foot, whichever first leaves room for what is around.
-  template <typename IsMost>
-  bool widen(std::int32_t v, const IsMost& is_most) {
+  bool widen(std::int32_t v, const Walls& walls) {
     OutlineChange c = vertex_change(o_, v, ChangeKind::kMove);
     const Point2 tip = o_.at(v), a = o_.at(c.first), b = o_.at(c.last);
-    const double la = distance(tip, a), lb = distance(tip, b);
+    const double la = walls.la, lb = walls.lb;
     // The sum of the directions of the walls, and across it, towards a.
     double dx = (a.x - tip.x) / la + (b.x - tip.x) / lb;
     double dy = (a.y - tip.y) / la + (b.y - tip.y) / lb;
@@ -105,7 +127,7 @@ class CornerBlunter {
     const double width = options_.epsilon + kRounding;
     const double twice_area = std::abs(grid::twice_area(tip, a, b));
     for (const double shorter : {0.0, 0.5, 0.8}) {
-      if (is_most(shorter * shorter * twice_area)) break;
+      if (walls.is_most(shorter * shorter * twice_area)) break;
       for (const double side : {0.5, 1.0, 0.0}) {
         const double x = tip.x + shorter * std::min(la, lb) * dx;
         const double y = tip.y + shorter * std::min(la, lb) * dy;

@@ -9,11 +9,12 @@
 
 namespace tetropolis {
 
-/// Lengths in steps, angles in radians.
+/// Lengths in steps, areas in square steps, angles in radians.
 struct BluntOptions {
   double epsilon = 0;      ///< Width that an end of a corner gets; features stay so far apart.
   Bounds2 keep_inside;     ///< New vertices stay in this box.
   double least_angle = 0;  ///< Corners sharper than this are blunted.
+  double most_beyond = 0;  ///< Area that may go besides what is narrower than epsilon.
 };
 
 /// Whether a corner of the polygon, inside or outside, is sharper than `least_angle`.
@@ -25,9 +26,10 @@ bool has_sharp_corner(const Polygon& polygon, double least_angle);
 /// is replaced by two, or by an end of its walls where that is nearer than epsilon. Where that
 /// would bring features closer than epsilon that were not, make edges touch, take more than half of
 /// its ring's area, or leave as many sharp corners as there were, all of a needle that is hardly
-/// wider than epsilon goes instead, or else the tip gets a width of epsilon; and where neither can
-/// be done, the corner is left as it is. Returns how many were blunted: each call ends, and a call
-/// that returns 0 has changed nothing. Precondition: no two edges cross.
+/// wider than epsilon goes instead, or else the tip gets a width of epsilon, or else it is cut off
+/// (or filled) further, by up to most_beyond; and where none of that can be done, the corner is
+/// left as it is. Returns how many were blunted: each call ends, and a call that returns 0 has
+/// changed nothing. Precondition: no two edges cross.
 std::int64_t blunt_corners(Outline& outline, const BluntOptions& options);
 
 }  // namespace tetropolis

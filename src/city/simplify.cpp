@@ -36,6 +36,9 @@ constexpr int kLocalHullRounds = 6;  ///< Hulls of surroundings whose radius dou
 constexpr int kBluntRounds = 8;      ///< Corners whose neighbours change; two do nearly always.
 /// Corners of footprints stay angles of cells, of which few are to be below 12 degrees.
 constexpr double kSharpDegrees = 13.5;
+/// What sharp corners that have no room otherwise may take with them; about a garden shed on a
+/// yard.
+constexpr double kSmallArea = 25 * grid::kSquareMetre;
 constexpr double kMaxShift = 0.02 * grid::kSteps;
 constexpr const char* kTooThin = "too small or narrow for the merge distance";
 constexpr const char* kAtBoundary = "closer than the merge distance to the domain boundary";
@@ -400,7 +403,7 @@ void Simplifier::repair_with_hulls() {
 
 /// Whether any corner was blunted. Tidies what that leaves, and so on: a second run is idle.
 bool Simplifier::blunt_corners() {
-  const BluntOptions options{epsilon_, keep_inside_, to_radians(kSharpDegrees)};
+  const BluntOptions options{epsilon_, keep_inside_, to_radians(kSharpDegrees), kSmallArea};
   const auto is_sharp = [&](const Group& group) {
     return has_sharp_corner(group.polygon, options.least_angle);
   };
@@ -422,12 +425,11 @@ bool Simplifier::blunt_corners() {
 /// Fills small courtyards whose sharp corners could not be blunted, if nothing stands in them;
 /// returns how many.
 std::int64_t Simplifier::fill_sharp_yards(double least_angle) {
-  constexpr double kSmallYard = 25 * grid::kSquareMetre;
   std::int64_t filled = 0;
   for (Group& group : groups_)
     filled += static_cast<std::int64_t>(std::erase_if(group.polygon.holes, [&](const Ring& hole) {
       const Polygon yard{hole, {}};
-      if (std::abs(signed_area(hole)) > kSmallYard || !has_sharp_corner(yard, least_angle))
+      if (std::abs(signed_area(hole)) > kSmallArea || !has_sharp_corner(yard, least_angle))
         return false;
       const bool is_empty = std::none_of(groups_.begin(), groups_.end(), [&](const Group& other) {
         return &other != &group && contains(yard, other.polygon.outer.front());
