@@ -10,6 +10,7 @@
 #include <memory>
 #include <new>
 #include <optional>
+#include <sstream>
 #include <system_error>
 #include <utility>
 #include <vector>
@@ -355,7 +356,14 @@ int main(int argc, char** argv) {
   try {
     line.app.parse(argc, argv);
   } catch (const CLI::Success& success) {
-    return line.app.exit(success);
+    return guarded(
+        [&] {
+          std::ostringstream text;
+          const int code = line.app.exit(success, text, text);
+          put(stdout, text.str());
+          return code;
+        },
+        say_on_stderr);
   } catch (const CLI::ParseError& error) {
     put(stderr, fmt::format("tetropolis: {}\n", one_line(usage_message(line.app, error))));
     return static_cast<int>(ErrorKind::kUsage);

@@ -6,6 +6,8 @@
 
 #include <fmt/format.h>
 
+#include "tetropolis/city/clearance.h"
+
 #include "city_parts.h"
 #include "violations.h"
 
@@ -70,7 +72,7 @@ void check_domain_distance(const CityModel& city, double min_distance, CityCheck
     for (const Point2 p : building.footprint.outer) {
       const Bounds2& d = city.domain;
       const double distance = std::min({p.x - d.xmin, d.xmax - p.x, p.y - d.ymin, d.ymax - p.y});
-      if (!(distance >= min_distance))
+      if (!is_clear(distance, min_distance))
         note_violation(check.violations, "footprints too close to the domain's boundary",
                        [&] { return "building " + building.id; });
     }
@@ -87,7 +89,7 @@ CityCheck check_city(const CityModel& city, std::optional<double> min_distance) 
   check_edge_pairs(city, !min_distance.has_value(), check);
   check_nesting(city, !min_distance.has_value(), check);
   if (min_distance) {
-    if (!(check.min_clearance >= *min_distance))
+    if (!is_clear(check.min_clearance, *min_distance))
       note_violation(check.violations, "clearance below the threshold", [&] {
         return fmt::format("least clearance {:.6f} m, {} m asked", check.min_clearance,
                            *min_distance);

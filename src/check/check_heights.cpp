@@ -221,7 +221,11 @@ HeightsCheck check_heights(const SurfaceMesh& surface, std::array<double, 3> shi
     }
     const double wanted = terrain.at[v];
     const double error = p[2] + shift[2] - wanted;
-    if (std::abs(error) <= kHeightTolerance) continue;
+    if (std::abs(error) <= kHeightTolerance) {
+      const double wall = roofs[v] - (p[2] + shift[2]);
+      check.perhaps_lowered += std::abs(wall - minimum_wall) <= kNeedTolerance ? 1 : 0;
+      continue;
+    }
     const double above_cut = p[2] + shift[2] - depth[v];
     const bool is_cut = above_cut >= -kCutTolerance && (!cuts.from || above_cut <= kCutTolerance);
     if (error > 0 || (roofs[v] == kInfinity && !is_cut)) {

@@ -39,6 +39,7 @@ constexpr double kSharpDegrees = 13.5;
 /// What sharp corners that have no room otherwise may take with them; about a garden shed on a
 /// yard.
 constexpr double kSmallArea = 25 * grid::kSquareMetre;
+constexpr double kMargin = 3;  ///< Steps, at the domain's boundary.
 constexpr double kMaxShift = 0.02 * grid::kSteps;
 constexpr const char* kTooThin = "too small or narrow for the merge distance";
 constexpr const char* kAtBoundary = "closer than the merge distance to the domain boundary";
@@ -77,8 +78,8 @@ class Simplifier {
   Bounds2 domain_;
   SimplifyOptions options_;
   const Progress& progress_;
-  double epsilon_;       ///< Steps; a little more than asked, so that rounding cannot break it.
-  Bounds2 keep_inside_;  ///< Steps.
+  double epsilon_;       ///< Steps.
+  Bounds2 keep_inside_;  ///< Steps; a little less than allowed.
   GroupInput input_;
   std::vector<Group> groups_;
   RepairCounts counts_;
@@ -111,8 +112,8 @@ Simplifier::Simplifier(std::span<const Polygon> cleaned, const Bounds2& domain,
     : domain_(domain),
       options_(options),
       progress_(progress),
-      epsilon_(std::ceil(options.min_distance * grid::kSteps) + 3),
-      keep_inside_(inner_box(domain, epsilon_)),
+      epsilon_(std::ceil(options.min_distance * grid::kSteps - 1e-6)),
+      keep_inside_(inner_box(domain, epsilon_ + kMargin)),
       input_(cleaned, keep_inside_) {}
 
 void Simplifier::clip_to_domain() {
@@ -492,7 +493,7 @@ void Simplifier::finish() {
         defects = footprint_defects(result_.footprints, 1);
   });
   stats.min_clearance = clearance.distance;
-  if (clearance.distance < options_.min_distance)
+  if (!is_clear(clearance.distance, options_.min_distance))
     throw Error(
         ErrorKind::kGuarantee,
         fmt::format("footprints: clearance {:.6f} m at ({:.4f}, {:.4f}) is below {} m after "

@@ -63,48 +63,86 @@ void throw_cannot_write(const fs::path& path, std::string_view reason) {
                                      "; choose another output or free disk space");
 }
 
-AtomicFile::AtomicFile(fs::path target) : target_(std::move(target)) {
+template <typename Result>
+Result AtomicFile::Buffer::keep_reason(Result result, Result failure) {
+  if (result == failure && error_ == 0) error_ = errno == 0 ? EIO : errno;
+  return result;
+}
+
+void AtomicFile::Buffer::close_file() {
+  errno = 0;
+  keep_reason(close(), static_cast<std::filebuf*>(nullptr));
+}
+
+AtomicFile::Buffer::int_type AtomicFile::Buffer::overflow(int_type c) {
+  errno = 0;
+  return keep_reason(std::filebuf::overflow(c), traits_type::eof());
+}
+
+std::streamsize AtomicFile::Buffer::xsputn(const char* bytes, std::streamsize size) {
+  errno = 0;
+  const std::streamsize put = std::filebuf::xsputn(bytes, size);
+  keep_reason(put == size, false);
+  return put;
+}
+
+int AtomicFile::Buffer::sync() {
+  errno = 0;
+  return keep_reason(std::filebuf::sync(), -1);
+}
+
+AtomicFile::Buffer::pos_type AtomicFile::Buffer::seekoff(off_type offset, std::ios::seekdir from,
+                                                         std::ios::openmode which) {
+  errno = 0;
+  return keep_reason(std::filebuf::seekoff(offset, from, which), pos_type(off_type(-1)));
+}
+
+AtomicFile::Buffer::pos_type AtomicFile::Buffer::seekpos(pos_type position,
+                                                         std::ios::openmode which) {
+  errno = 0;
+  return keep_reason(std::filebuf::seekpos(position, which), pos_type(off_type(-1)));
+}
+
+AtomicFile::AtomicFile(fs::path target) : target_(std::move(target)), stream_(&buffer_) {
   if (target_.filename().empty()) throw_cannot_write(target_, "the path names no file");
   temporary_ = create_beside(target_);
 }
 
 AtomicFile::~AtomicFile() {
   if (committed_) return;
-  stream_.close();
+  buffer_.close_file();
   std::error_code ignored;
   fs::remove(temporary_, ignored);
 }
 
+void AtomicFile::fail() const { throw_cannot_write(target_, system_reason(buffer_.error())); }
+
 std::ostream& AtomicFile::stream() {
-  if (!stream_.is_open()) {
+  if (!buffer_.is_open()) {
+    errno = 0;
     // Not truncated: when a file that was is closed, ext4 allocates its blocks and begins to put
     // them on the disk (auto_da_alloc, ext4(5)), which takes as long again as writing it.
-    stream_.open(temporary_, std::ios::binary | std::ios::in | std::ios::out);
-    if (!stream_) throw_cannot_write(target_, system_reason(errno));
+    if (buffer_.open(temporary_, std::ios::binary | std::ios::in | std::ios::out) == nullptr)
+      throw_cannot_write(target_, system_reason(errno));
   }
   return stream_;
 }
 
 void AtomicFile::write(std::string_view bytes) {
-  errno = 0;
-  if (!stream().write(bytes.data(), static_cast<std::streamsize>(bytes.size())))
-    throw_cannot_write(target_, system_reason(errno));
+  if (!stream().write(bytes.data(), static_cast<std::streamsize>(bytes.size()))) fail();
 }
 
 void AtomicFile::overwrite(std::uint64_t position, std::string_view bytes) {
   stream().seekp(static_cast<std::streamoff>(position));
   write(bytes);
-  errno = 0;
-  if (!stream().seekp(0, std::ios::end)) throw_cannot_write(target_, system_reason(errno));
+  if (!stream().seekp(0, std::ios::end)) fail();
 }
 
 void AtomicFile::commit() {
   assert(!committed_);
-  if (stream_.is_open()) {
-    const bool good = stream_.good();
-    errno = 0;
-    stream_.close();
-    if (!good || !stream_) throw_cannot_write(target_, system_reason(errno));
+  if (buffer_.is_open()) {
+    buffer_.close_file();
+    if (!stream_.good() || buffer_.error() != 0) fail();
   }
   std::error_code error;
   fs::rename(temporary_, target_, error);

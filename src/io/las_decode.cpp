@@ -1,6 +1,7 @@
 #include "las_decode.h"
 
 #include <algorithm>
+#include <array>
 #include <cstring>
 #include <istream>
 #include <limits>
@@ -69,10 +70,13 @@ void decode_plain(const fs::path& path, const LasLayout& layout, std::int64_t fi
   }
 }
 
-/// A file as a stream for LASzip, which knows how far was read.
+/// A LAZ file as a stream for LASzip, which knows how far was read. If its table of chunks is
+/// missing, the place of the table is that which LASzip's writer puts there until it has written
+/// one: LASzip then does not look for it.
 class FileBuffer : public std::streambuf {
  public:
-  explicit FileBuffer(const fs::path& path) : file_(path), bytes_(std::size_t{1} << 16) {}
+  FileBuffer(const fs::path& path, const LasLayout& layout)
+      : file_(path), layout_(layout), bytes_(std::size_t{1} << 16) {}
 
   /// Of the next byte, in the file.
   std::int64_t position() const { return begin_ + (gptr() - eback()); }
@@ -83,6 +87,7 @@ class FileBuffer : public std::streambuf {
     const std::size_t got = file_.read(at, bytes_.data(), bytes_.size());
     if (got == 0) return traits_type::eof();
     begin_ = at;
+    if (layout_.chunk_table_missing) hide_table_place(got);
     setg(bytes_.data(), bytes_.data(), bytes_.data() + got);
     return traits_type::to_int_type(*gptr());
   }
@@ -95,6 +100,17 @@ class FileBuffer : public std::streambuf {
   pos_type seekpos(pos_type to, std::ios_base::openmode) override { return move_to(to); }
 
  private:
+  /// In the first `size` bytes of the buffer.
+  void hide_table_place(std::size_t size) {
+    const std::int64_t place = layout_.first_point;
+    std::array<char, sizeof place> mark;
+    std::memcpy(mark.data(), &place, sizeof place);
+    for (std::size_t i = 0; i < mark.size(); ++i) {
+      const std::int64_t at = place + static_cast<std::int64_t>(i) - begin_;
+      if (at >= 0 && at < static_cast<std::int64_t>(size))
+        bytes_[static_cast<std::size_t>(at)] = mark[i];
+    }
+  }
   pos_type move_to(std::int64_t to) {
     if (to < 0) return pos_type(off_type(-1));
     if (to >= begin_ && to <= begin_ + (egptr() - eback())) {
@@ -107,6 +123,7 @@ class FileBuffer : public std::streambuf {
   }
 
   PositionedFile file_;
+  const LasLayout& layout_;
   std::vector<char> bytes_;
   std::int64_t begin_ = 0;  ///< Where in the file the buffer's first byte lies.
 };
@@ -125,8 +142,7 @@ class LazReader {
                                              laszip_DECOMPRESS_SELECTIVE_Z |
                                              laszip_DECOMPRESS_SELECTIVE_CLASSIFICATION |
                                              laszip_DECOMPRESS_SELECTIVE_FLAGS);
-    // What is left of a cut file LASzip finds only in files that it opens itself.
-    if (tells_position && !layout.chunk_table_missing) stream_.emplace(path);
+    if (tells_position || layout.chunk_table_missing) stream_.emplace(path, layout);
     laszip_BOOL compressed = 0;
     const bool opened = (stream_ ? laszip_open_reader_stream(reader_, stream_->stream, &compressed)
                                  : laszip_open_reader(reader_, path.c_str(), &compressed)) == 0;
@@ -159,13 +175,12 @@ class LazReader {
         extended ? point_->extended_classification_flags >> 2 & 1 : point_->withheld_flag;
   }
 
-  /// Byte of the file up to which was read. Precondition: made to tell it, of a file with a table
-  /// of chunks.
+  /// Byte of the file up to which was read. Precondition: made to tell it.
   std::int64_t position() const { return stream_->buffer.position(); }
 
  private:
   struct Stream {
-    explicit Stream(const fs::path& path) : buffer(path), stream(&buffer) {
+    Stream(const fs::path& path, const LasLayout& layout) : buffer(path, layout), stream(&buffer) {
       // A stream that has failed gives LASzip garbage for bytes, unless it throws.
       stream.exceptions(std::ios::failbit | std::ios::badbit);
     }
@@ -221,6 +236,8 @@ std::int64_t decode_laz(const fs::path& path, const LasLayout& layout, std::int6
     visit(numbers->first(n));
     done += static_cast<std::int64_t>(n);
   }
+  if (first + count == layout.info.point_count && !layout.table_cut.empty())
+    fail_input(path, layout.table_cut);
   if (!ends) return 0;
   // All writers known end the last chunk where its last point does, to the byte.
   const std::int64_t left = layout.chunk_table - reader.position();
@@ -257,15 +274,11 @@ std::int64_t decode_points(const fs::path& path, const LasLayout& layout, std::i
 std::int64_t check_layers(const fs::path& path, const LasLayout& layout) {
   const std::int64_t points = layout.info.point_count;
   if (layout.layers == 0 || points == 0) return -1;
-  struct Chunk {
-    std::int64_t point;  ///< Its first.
-    std::int64_t at;     ///< Byte of the file.
-  };
-  const auto require = [&](bool holds, const Chunk& chunk, const char* what) {
+  const auto require = [&](bool holds, const LazChunk& chunk, const char* what) {
     if (!holds)
       fail_input(path, fmt::format("the chunk of points from {} on, at byte {}, {}: the file is "
                                    "broken; get it again",
-                                   chunk.point, chunk.at, what));
+                                   chunk.first_point, chunk.at, what));
   };
   const bool has_table = layout.chunk_table != 0;
   const PositionedFile file(path);
@@ -273,12 +286,12 @@ std::int64_t check_layers(const fs::path& path, const LasLayout& layout) {
   // layers.
   std::vector<std::uint32_t> numbers(1 + static_cast<std::size_t>(layout.layers));
   const std::size_t length = numbers.size() * sizeof numbers[0];
-  std::vector<Chunk> chunks;
-  for (Chunk next{0, layout.first_point + 8}; next.point < points;) {
+  std::vector<LazChunk> chunks;
+  for (LazChunk next{0, layout.first_point + 8}; next.first_point < points;) {
     if (has_table && next.at >= layout.chunk_table)
       fail_input(path,
                  fmt::format("the header counts {} points, but only {} are there; get it again",
-                             points, next.point));
+                             points, next.first_point));
     if (file.read(next.at + layout.info.record_length, numbers.data(), length) < length &&
         !has_table)
       return -1;
@@ -293,15 +306,13 @@ std::int64_t check_layers(const fs::path& path, const LasLayout& layout) {
     const std::int64_t count = layout.chunk_size > 0 ? layout.chunk_size : numbers[0];
     require(count > 0, next, "states that it has no points");
     chunks.push_back(next);
-    next = {next.point + count, end};
+    next = {next.first_point + count, end};
   }
   if (!has_table || (layout.chunk_size == 0 && !layout.variable_chunks)) return -1;
-  const ForeignCode laszip(path.c_str());
-  LazReader reader(path, layout, true);
-  for (std::size_t k = 1; k < chunks.size(); ++k) {  // it finds the first without the table
-    reader.seek(chunks[k].point);
-    require(reader.position() == chunks[k].at, chunks[k], "is elsewhere by the table of chunks");
-  }
+  for (std::size_t k = 1; k < chunks.size(); ++k)  // LASzip finds the first without the table
+    require(k < layout.chunks.size() && layout.chunks[k].at == chunks[k].at &&
+                layout.chunks[k].first_point == chunks[k].first_point,
+            chunks[k], "is elsewhere by the table of chunks");
   const std::int64_t in_last = numbers[0];
   return in_last >= 1 && in_last <= layout.chunk_size ? in_last : -1;
 }

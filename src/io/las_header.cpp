@@ -162,60 +162,92 @@ std::vector<Vlr> read_vlrs(const fs::path& path, const PositionedFile& file, std
   return vlrs;
 }
 
-/// The records behind the points, as far as they may tell the reference system.
-void read_evlrs(const PositionedFile& file, std::string_view h, const LasLayout& layout,
-                std::vector<Vlr>& vlrs) {
-  if (layout.info.version_minor < 4) return;
-  const auto start = number_at<std::uint64_t>(h, 235);
-  const auto count = number_at<std::uint32_t>(h, 243);
-  if (count == 0 || start > static_cast<std::uint64_t>(layout.file_size)) return;
-  auto at = static_cast<std::int64_t>(start);
-  std::string head(static_cast<std::size_t>(kEvlrHeader), '\0');
-  constexpr std::uint32_t kMost = 1000;
-  for (std::uint32_t i = 0; i < std::min(count, kMost); ++i) {
-    if (file.read(at, head.data(), head.size()) < head.size()) return;
-    const auto length = number_at<std::uint64_t>(head, 20);
-    if (length > static_cast<std::uint64_t>(layout.file_size - at - kEvlrHeader)) return;
-    Vlr vlr{text_at(head, 2, 16), number_at<std::uint16_t>(head, 18), ""};
-    constexpr std::uint64_t kLongestWkt = 1U << 20;
-    if (vlr.user_id == "LASF_Projection" && length <= kLongestWkt) {
-      vlr.data.resize(static_cast<std::size_t>(length));
-      if (file.read(at + kEvlrHeader, vlr.data.data(), vlr.data.size()) < vlr.data.size()) return;
-      vlrs.push_back(std::move(vlr));
-    }
-    at += kEvlrHeader + static_cast<std::int64_t>(length);
-  }
+/// The records behind the points, as the header has them.
+struct EvlrPlace {
+  std::uint64_t start = 0;
+  std::uint32_t count = 0;
+};
+
+EvlrPlace evlr_place(std::string_view h, const LasLayout& layout) {
+  if (layout.info.version_minor < 4) return {};
+  return {number_at<std::uint64_t>(h, 235), number_at<std::uint32_t>(h, 243)};
 }
 
-/// Whether a record is where the header says that those behind the points start: its name is text
-/// and it fits into the file.
-bool has_evlr_at(const PositionedFile& file, std::int64_t at) {
-  std::string head(static_cast<std::size_t>(kEvlrHeader), '\0');
+/// Whether a record behind the points is there: its name is text, which some writers end with a
+/// zero and whatever was in memory, and it fits into the file.
+bool read_evlr_head(const PositionedFile& file, std::int64_t at, std::string& head) {
+  head.resize(static_cast<std::size_t>(kEvlrHeader));
   if (file.read(at, head.data(), head.size()) < head.size()) return false;
-  const std::string name = head.substr(2, 16);
-  return std::all_of(name.begin(), name.end(),
-                     [](char c) { return c == '\0' || (c >= ' ' && c <= '~'); }) &&
+  const std::string_view field = std::string_view(head).substr(2, 16);
+  const std::string_view name = field.substr(0, field.find('\0'));
+  const bool is_text =
+      std::all_of(name.begin(), name.end(), [](char c) { return c >= ' ' && c <= '~'; });
+  const bool is_blank = name.empty() && field.find_first_not_of('\0') == field.npos;
+  return is_text && (is_blank || !name.empty()) &&
          number_at<std::uint64_t>(head, 20) <=
              static_cast<std::uint64_t>(file.size() - at - kEvlrHeader);
+}
+
+/// The records behind the points, as far as they may tell the reference system. Stops with a
+/// warning where there is none.
+void read_evlrs(const fs::path& path, const PositionedFile& file, std::string_view h,
+                LasLayout& layout, std::vector<Vlr>& vlrs) {
+  const EvlrPlace place = evlr_place(h, layout);
+  constexpr std::uint32_t kMost = 1000;
+  const std::uint32_t wanted = std::min(place.count, kMost);
+  std::uint32_t found = 0;
+  if (place.start <= static_cast<std::uint64_t>(layout.file_size)) {
+    auto at = static_cast<std::int64_t>(place.start);
+    for (std::string head; found < wanted && read_evlr_head(file, at, head); ++found) {
+      const auto length = number_at<std::uint64_t>(head, 20);
+      Vlr vlr{text_at(head, 2, 16), number_at<std::uint16_t>(head, 18), ""};
+      constexpr std::uint64_t kLongestWkt = 1U << 20;
+      if (vlr.user_id == "LASF_Projection" && length <= kLongestWkt) {
+        vlr.data.resize(static_cast<std::size_t>(length));
+        if (file.read(at + kEvlrHeader, vlr.data.data(), vlr.data.size()) < vlr.data.size()) break;
+        vlrs.push_back(std::move(vlr));
+      }
+      at += kEvlrHeader + static_cast<std::int64_t>(length);
+    }
+  }
+  if (found < wanted)
+    layout.info.warnings.push_back(
+        {"las_vlrs_broken", 1,
+         fmt::format("{}: byte 243 gives {} extended variable length records from byte {} on, but "
+                     "only {} are there, and the file ends at byte {}",
+                     path.string(), place.count, place.start, found, layout.file_size)});
+}
+
+/// Byte where what follows the points of an uncompressed file starts: where its header says, if a
+/// record is there, or if that is behind the points that it counts: records may have been cut off.
+std::int64_t end_of_records(const PositionedFile& file, const EvlrPlace& place,
+                            const LasLayout& layout) {
+  const std::int64_t size = layout.file_size;
+  if (place.count == 0 || place.start < static_cast<std::uint64_t>(layout.first_point) ||
+      place.start >= static_cast<std::uint64_t>(size))
+    return size;
+  const auto start = static_cast<std::int64_t>(place.start);
+  const std::int64_t bytes = start - layout.first_point;
+  const std::int64_t count = layout.info.point_count;
+  const std::int64_t length = layout.info.record_length;
+  const bool behind_points = count > 0 ? bytes / length >= count : bytes % length == 0;
+  std::string head;
+  return behind_points || read_evlr_head(file, start, head) ? start : size;
 }
 
 /// Uncompressed files: where the records may end, and the count if the header has none.
 void settle_records(const fs::path& path, const PositionedFile& file, std::string_view h,
                     LasLayout& layout) {
   LasInfo& info = layout.info;
-  layout.points_end = layout.file_size;
-  if (info.version_minor == 4 && number_at<std::uint32_t>(h, 243) > 0) {
-    const auto start = number_at<std::uint64_t>(h, 235);
-    if (start >= static_cast<std::uint64_t>(layout.first_point) &&
-        start < static_cast<std::uint64_t>(layout.file_size) &&
-        has_evlr_at(file, static_cast<std::int64_t>(start)))
-      layout.points_end = static_cast<std::int64_t>(start);
-  }
+  const EvlrPlace evlrs = evlr_place(h, layout);
+  layout.points_end = end_of_records(file, evlrs, layout);
   if (info.compressed) return;
   const std::int64_t fit = (layout.points_end - layout.first_point) / info.record_length;
   const bool has_waveforms = info.point_format == 4 || info.point_format == 5 ||
                              info.point_format == 9 || info.point_format == 10;
-  if (info.point_count != 0 && fit > info.point_count && !has_waveforms)
+  // Records that are not where they should be are likely to be what is behind the points.
+  const bool evlrs_elsewhere = evlrs.count > 0 && layout.points_end == layout.file_size;
+  if (info.point_count != 0 && fit > info.point_count && !has_waveforms && !evlrs_elsewhere)
     info.warnings.push_back(
         {"las_count_small", fit - info.point_count,
          fmt::format("{}: the header counts {} points but there is room for {} more behind them; "
@@ -227,6 +259,73 @@ void settle_records(const fs::path& path, const PositionedFile& file, std::strin
       {"las_count_missing", 1,
        fmt::format("{}: the header counts 0 points but there is room for {}; they are read",
                    path.string(), fit)});
+}
+
+/// LAZ: where chunks are, as the table behind them says.
+void settle_chunks(const fs::path& path, const PositionedFile& file, std::uint32_t chunk_size,
+                   LasLayout& layout) {
+  const std::int64_t points = layout.info.point_count;
+  const std::int64_t size = layout.file_size;
+  std::int64_t table = -1;
+  if (file.read(layout.first_point, &table, sizeof table) < sizeof table) {
+    if (points == 0) return;
+    fail_input(path, fmt::format("ends at point 0 of {}: the file is cut; get it again", points));
+  }
+  const std::int64_t first_chunk = layout.first_point + 8;
+  // Who writes into a pipe puts the place of the table behind it.
+  const bool place_at_end = table == -1;
+  const std::int64_t end = place_at_end ? size - 8 : size;
+  if (place_at_end) file.read(end, &table, sizeof table);
+  std::array<std::uint32_t, 2> head{};  // Version and number of chunks.
+  const bool variable = chunk_size == UINT32_MAX;
+  if (table < first_chunk || table > end - 8 ||
+      file.read(table, head.data(), sizeof head) < sizeof head) {
+    if (points == 0) return;
+    // Chunks of equal size can be decoded one after the other until the file ends.
+    if (variable)
+      fail_input(path,
+                 fmt::format("ends at byte {} without its table of chunks: the file is cut; get "
+                             "it again",
+                             size));
+    layout.chunk_table_missing = true;
+    if (place_at_end)
+      layout.table_cut = fmt::format(
+          "ends at byte {} without the place of its table of chunks: the file is cut; get it again",
+          size);
+    else if (table > end - 8)
+      layout.table_cut = fmt::format(
+          "ends at byte {} {} its table of chunks, which starts at byte "
+          "{}: the file is cut; get it again",
+          size, table < size ? "within" : "before", table);
+    // To say how far a file reaches that is cut before its table takes decoding it.
+    if (!place_at_end && table >= first_chunk && table <= size) fail_input(path, layout.table_cut);
+    return;
+  }
+  const std::int64_t chunks = head[1];
+  const std::int64_t expected = variable ? chunks : (points + chunk_size - 1) / chunk_size;
+  // A chunk takes bytes; the decoder reserves memory for as many as are claimed.
+  if (head[0] != 0 || chunks > size - layout.first_point)
+    fail_input(path,
+               fmt::format("the chunk table at byte {} has {} chunks; the file is broken, get "
+                           "it again",
+                           table, chunks));
+  // Some writers end with an empty chunk.
+  if (points == 0 && chunks > 0 && table - first_chunk >= layout.info.record_length)
+    fail_input(path, fmt::format("the header counts 0 points, but {} bytes of compressed points "
+                                 "follow; the count is wrong, get the file again or repair it",
+                                 table - first_chunk));
+  if (points > 0)
+    layout.chunks =
+        read_chunk_table(path, file, {table, end, first_chunk, head[1], chunk_size, points});
+  layout.chunk_table = table;
+  layout.variable_chunks = variable;
+  if (!variable && chunks > expected + 1)
+    layout.info.warnings.push_back(
+        {"las_count_small", (chunks - 1) * chunk_size - points,
+         fmt::format("{}: the header counts {} points, but {} chunks of {} follow; what is behind "
+                     "the count is not read",
+                     path.string(), points, chunks, chunk_size)});
+  if (!variable && chunks == expected && points > 0) layout.chunk_size = chunk_size;
 }
 
 /// LAZ: checks what the decoder takes for granted.
@@ -249,52 +348,7 @@ void settle_compression(const fs::path& path, const PositionedFile& file,
                            layout.info.point_count, std::numeric_limits<std::uint32_t>::max()));
   if (record.compressor == 1) return;
   layout.layers = record.layers;
-  const std::int64_t size = layout.file_size;
-  std::int64_t table = -1;
-  if (file.read(layout.first_point, &table, sizeof table) < sizeof table) {
-    if (layout.info.point_count == 0) return;
-    fail_input(path, fmt::format("ends at point 0 of {}: the file is cut; get it again",
-                                 layout.info.point_count));
-  }
-  if (table == -1) file.read(size - 8, &table, sizeof table);
-  std::array<std::uint32_t, 2> head{};  // Version and number of chunks.
-  const bool variable = record.chunk_size == UINT32_MAX;
-  if (table < layout.first_point + 8 || table > size - 8 ||
-      file.read(table, head.data(), sizeof head) < sizeof head) {
-    if (layout.info.point_count == 0) return;
-    // Chunks of equal size can be decoded one after the other until the file ends.
-    if (variable)
-      fail_input(path,
-                 fmt::format("ends at byte {} without its table of chunks: the file is cut; get "
-                             "it again",
-                             size));
-    layout.chunk_table_missing = true;
-    return;
-  }
-  const std::int64_t chunks = head[1];
-  const std::int64_t points = layout.info.point_count;
-  const std::int64_t expected =
-      variable ? chunks : (points + record.chunk_size - 1) / record.chunk_size;
-  // A chunk takes bytes; the decoder reserves memory for as many as are claimed.
-  if (head[0] != 0 || chunks > size - layout.first_point)
-    fail_input(path,
-               fmt::format("the chunk table at byte {} has {} chunks; the file is broken, get "
-                           "it again",
-                           table, chunks));
-  // Some writers end with an empty chunk.
-  if (points == 0 && chunks > 0 && table - layout.first_point - 8 >= layout.info.record_length)
-    fail_input(path, fmt::format("the header counts 0 points, but {} bytes of compressed points "
-                                 "follow; the count is wrong, get the file again or repair it",
-                                 table - layout.first_point - 8));
-  layout.chunk_table = table;
-  layout.variable_chunks = variable;
-  if (!variable && chunks > expected + 1)
-    layout.info.warnings.push_back(
-        {"las_count_small", (chunks - 1) * record.chunk_size - points,
-         fmt::format("{}: the header counts {} points, but {} chunks of {} follow; what is behind "
-                     "the count is not read",
-                     path.string(), points, chunks, record.chunk_size)});
-  if (!variable && chunks == expected && points > 0) layout.chunk_size = record.chunk_size;
+  settle_chunks(path, file, record.chunk_size, layout);
 }
 
 }  // namespace
@@ -345,7 +399,7 @@ std::string check_laszip_record(std::string_view data, int record_length, Laszip
   return "";
 }
 
-LasLayout read_las_layout(const fs::path& path, LasSystems& systems) {
+LasLayout read_las_layout(const fs::path& path, LasSystems& systems, bool crs_matters) {
   const PositionedFile file(path);
   LasLayout layout;
   layout.file_size = file.size();
@@ -355,7 +409,7 @@ LasLayout read_las_layout(const fs::path& path, LasSystems& systems) {
   std::vector<Vlr> vlrs = read_vlrs(path, file, front, layout);
   settle_records(path, file, front, layout);
   if (layout.info.compressed) settle_compression(path, file, vlrs, layout);
-  read_evlrs(file, front, layout, vlrs);
+  read_evlrs(path, file, front, layout, vlrs);
   bool stated = false;
   for (const Vlr& vlr : vlrs) {
     layout.info.copc = layout.info.copc || (vlr.user_id == "copc" && vlr.record_id == 1);
@@ -367,7 +421,13 @@ LasLayout read_las_layout(const fs::path& path, LasSystems& systems) {
   const LasSystems::System system = systems.of(vlrs, wkt);
   layout.info.crs = system.crs;
   layout.info.vertical_unit = system.vertical_unit;
-  if (stated && layout.info.crs.empty())
+  if (!crs_matters || !layout.info.crs.empty()) return layout;
+  for (Warning& warning : layout.info.warnings)
+    if (warning.code == "las_vlrs_broken")
+      warning.message +=
+          "; its coordinate reference system may be lost with the others: get the file again, or "
+          "name the system with --points-crs";
+  if (stated)
     layout.info.warnings.push_back({"las_crs_unknown", 1,
                                     path.string() + ": its coordinate reference system is not "
                                                     "understood; it is treated as unknown"});

@@ -11,6 +11,8 @@
 
 #include "tetropolis/io/las.h"
 
+#include "las_chunk_table.h"
+
 namespace tetropolis {
 
 /// Where points are, as far as it was checked.
@@ -26,11 +28,16 @@ struct LasLayout {
   bool variable_chunks = false;
   /// LAZ: byte of the chunk table, where the compressed points end; 0 if not known.
   std::int64_t chunk_table = 0;
+  /// LAZ: what that table says, if there are points.
+  std::vector<LazChunk> chunks;
   /// LAZ: layers of a chunk (point formats 6 and above), which states its count and their sizes; 0
   /// if chunks are not in layers.
   int layers = 0;
-  /// LAZ: whether the table at the end of the file is missing, as it is in a cut file.
+  /// LAZ: whether the table at the end of the file is missing, as it is in a cut file, and in one
+  /// whose writer did not finish.
   bool chunk_table_missing = false;
+  /// LAZ: what is wrong with a file without a table of which all points are there; "" if nothing.
+  std::string table_cut;
 };
 
 /// One variable length record.
@@ -57,8 +64,10 @@ class LasSystems {
   std::map<std::string, System> known_;  ///< By the records' bytes.
 };
 
-/// Throws as inspect_las.
-LasLayout read_las_layout(const std::filesystem::path& path, LasSystems& systems);
+/// Throws as inspect_las. `crs_matters`: whether to warn of a reference system that is not
+/// understood or may be lost.
+LasLayout read_las_layout(const std::filesystem::path& path, LasSystems& systems,
+                          bool crs_matters = true);
 
 /// Record of the LASzip compressor: how the points are packed.
 struct LaszipRecord {

@@ -1,9 +1,11 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <iterator>
 #include <limits>
 #include <map>
 #include <optional>
+#include <set>
 #include <tuple>
 #include <utility>
 
@@ -27,6 +29,8 @@ constexpr std::int64_t kPointsPerTask = 250'000;
 /// Where chunks differ in size, a task begins by passing over the points of a chunk before its own.
 constexpr std::int64_t kPointsPerVariableTask = 1'000'000;
 constexpr std::int64_t kLeastTwin = 100;  // points of which two equal boxes are no coincidence
+constexpr std::int64_t kSampled =
+    1000;  // points compared in one place, of classes hardly one alone
 /// Bytes behind the last point counted that are points, where an empty chunk may follow.
 constexpr std::int64_t kLeastLeftOver = 64;
 
@@ -289,10 +293,8 @@ void check_chunks(const fs::path& path, FilePlan& plan) {
 
 FilePlan plan_file(const fs::path& path, const ReadPointsOptions& options, LasSystems& systems) {
   FilePlan plan;
-  plan.layout = read_las_layout(path, systems);
+  plan.layout = read_las_layout(path, systems, options.crs.empty());
   plan.warnings = plan.layout.info.warnings;
-  if (!options.crs.empty())
-    std::erase_if(plan.warnings, [](const Warning& w) { return w.code == "las_crs_unknown"; });
   check_las_length(path, plan.layout);
   check_chunks(path, plan);
   const LasInfo& info = plan.layout.info;
@@ -311,46 +313,107 @@ FilePlan plan_file(const fs::path& path, const ReadPointsOptions& options, LasSy
   return plan;
 }
 
-/// Whether two files of the same count begin with the same points.
-bool begin_alike(const fs::path& a, const LasLayout& in_a, const fs::path& b,
-                 const LasLayout& in_b) {
-  const auto beginning = [](const fs::path& path, const LasLayout& layout) {
-    std::vector<std::array<double, 3>> points;
-    decode_points(path, layout, 0, kLeastTwin, [&](const LasBlock& block) {
-      for (std::size_t i = 0; i < block.size(); ++i) {
-        const Point2 p = position(layout.info, block.x[i], block.y[i]);
-        points.push_back({p.x, p.y, block.z[i] * layout.info.scale[2] + layout.info.offset[2]});
-      }
-    });
-    return points;
+/// Some points of a file, in CRS coordinates.
+struct Sample {
+  std::vector<std::array<double, 3>> points;
+  std::vector<std::uint8_t> classes;
+};
+
+/// Adds the points from `first` on to `sample`. Precondition: that of decode_points.
+void take_sample(const fs::path& path, const LasLayout& layout, std::int64_t first,
+                 Sample& sample) {
+  const LasInfo& info = layout.info;
+  const std::int64_t count = std::min(kSampled, info.point_count - first);
+  decode_points(path, layout, first, count, [&](const LasBlock& block) {
+    for (std::size_t i = 0; i < block.size(); ++i) {
+      const Point2 p = position(info, block.x[i], block.y[i]);
+      sample.points.push_back({p.x, p.y, block.z[i] * info.scale[2] + info.offset[2]});
+      sample.classes.push_back(block.classification[i]);
+    }
+  });
+}
+
+/// Multiples of it are points from which on both files can be decoded; the point count if there is
+/// none but the first.
+std::int64_t common_step(const LasLayout& a, const LasLayout& b) {
+  const auto step = [](const LasLayout& layout) {
+    if (!layout.info.compressed || layout.variable_chunks) return std::int64_t{1};
+    return layout.chunk_size > 0 ? layout.chunk_size : layout.info.point_count;
   };
-  const auto first = beginning(a, in_a), second = beginning(b, in_b);
-  for (std::size_t i = 0; i < first.size(); ++i)
+  const std::int64_t larger = std::max(step(a), step(b));
+  return larger % std::min(step(a), step(b)) == 0 ? larger : a.info.point_count;
+}
+
+/// Whether points differ by no more than what rounding makes of them.
+bool are_alike(const Sample& a, const LasInfo& in_a, const Sample& b, const LasInfo& in_b) {
+  for (std::size_t i = 0; i < a.points.size(); ++i)
     for (std::size_t axis = 0; axis < 3; ++axis)
-      if (std::abs(first[i][axis] - second[i][axis]) >
-          std::abs(in_a.info.scale[axis]) + std::abs(in_b.info.scale[axis]))
+      if (std::abs(a.points[i][axis] - b.points[i][axis]) >
+          std::abs(in_a.scale[axis]) + std::abs(in_b.scale[axis]))
         return false;
   return true;
 }
 
-/// Marks files that state the same count and box as one before and begin with the same points: a
-/// cloud that lies there twice, as .las and as .laz.
+/// How much the classes tell: how many there are, 0 and 1 left out, and of how many points.
+std::pair<std::ptrdiff_t, std::ptrdiff_t> count_classes(const Sample& sample) {
+  std::vector<std::uint8_t> classes = sample.classes;
+  std::erase_if(classes, [](std::uint8_t code) { return code <= kUnclassified; });
+  const std::set<std::uint8_t> different(classes.begin(), classes.end());
+  return {std::ssize(different), std::ssize(classes)};
+}
+
+enum class Likeness {
+  kDifferent,
+  kCopies,
+  kOtherClasses,  ///< The same points of other classes, which tell no more in the second file,
+  kMoreClasses,   ///< or tell more.
+};
+
+/// Compares two files of the same count at their beginning and, where both can be entered, in some
+/// other places.
+Likeness compare_files(const fs::path& a, const LasLayout& in_a, const fs::path& b,
+                       const LasLayout& in_b) {
+  const std::int64_t step = common_step(in_a, in_b);
+  std::set<std::int64_t> places;
+  for (const std::int64_t quarter : {0, 1, 2, 3, 4})
+    places.insert(std::max<std::int64_t>(in_a.info.point_count - kSampled, 0) / 4 * quarter / step *
+                  step);
+  Sample of_a, of_b;
+  for (const std::int64_t first : places) {
+    take_sample(a, in_a, first, of_a);
+    take_sample(b, in_b, first, of_b);
+    if (!are_alike(of_a, in_a.info, of_b, in_b.info)) return Likeness::kDifferent;
+  }
+  if (of_a.classes == of_b.classes) return Likeness::kCopies;
+  return count_classes(of_b) > count_classes(of_a) ? Likeness::kMoreClasses
+                                                   : Likeness::kOtherClasses;
+}
+
+/// Marks files that state the same count and box as another and have the same points: a cloud that
+/// lies there twice, as .las and as .laz, or before and after its points were classified.
 void find_twins(std::span<const fs::path> paths, std::vector<FilePlan>& plans) {
   using Key = std::tuple<std::int64_t, std::array<double, 3>, std::array<double, 3>>;
-  std::map<Key, std::size_t> first;
+  std::map<Key, std::size_t> kept;
   for (std::size_t f = 0; f < plans.size(); ++f) {
     const LasInfo& info = plans[f].layout.info;
     if (info.point_count < kLeastTwin || !is_sound(info)) continue;
-    const auto [entry, is_new] = first.try_emplace({info.point_count, info.min, info.max}, f);
-    if (is_new ||
-        !begin_alike(paths[entry->second], plans[entry->second].layout, paths[f], plans[f].layout))
-      continue;
-    plans[f].is_twin = true;
-    plans[f].warnings = {
+    const auto [entry, is_new] = kept.try_emplace({info.point_count, info.min, info.max}, f);
+    if (is_new) continue;
+    const std::size_t earlier = entry->second;
+    const Likeness likeness =
+        compare_files(paths[earlier], plans[earlier].layout, paths[f], plans[f].layout);
+    if (likeness == Likeness::kDifferent) continue;
+    const bool drops_earlier = likeness == Likeness::kMoreClasses;
+    const std::size_t dropped = drops_earlier ? earlier : f;
+    entry->second = drops_earlier ? f : earlier;
+    plans[dropped].is_twin = true;
+    plans[dropped].warnings = {
         {"las_twin", info.point_count,
-         fmt::format("{}: has the number of points, the box and the first points of {}; taken "
-                     "for a copy of it and not read",
-                     paths[f].string(), paths[entry->second].string())}};
+         fmt::format(
+             "{}: has the number of points, the box and the first points of {}{}; taken "
+             "for a copy of it and not read",
+             paths[dropped].string(), paths[entry->second].string(),
+             likeness == Likeness::kCopies ? "" : ", but other classes, which tell no more")}};
   }
 }
 
@@ -381,28 +444,36 @@ std::vector<Task> make_tasks(const std::vector<FilePlan>& plans) {
   return tasks;
 }
 
-void warn_of_points_outside(std::span<const fs::path> paths, const std::vector<FilePlan>& plans,
-                            const std::vector<Task>& tasks,
-                            const std::vector<std::int64_t>& outside,
-                            std::vector<Warning>& warnings) {
+/// Adds a warning for each file. Returns that of the first of whose points most are outside,
+/// whether or not its box was trusted before.
+std::string warn_of_points_outside(std::span<const fs::path> paths,
+                                   const std::vector<FilePlan>& plans,
+                                   const std::vector<Task>& tasks,
+                                   const std::vector<std::int64_t>& outside,
+                                   std::vector<Warning>& warnings) {
   std::vector<std::int64_t> counts(plans.size(), 0);
   for (std::size_t t = 0; t < tasks.size(); ++t) counts[tasks[t].file] += outside[t];
-  for (std::size_t f = 0; f < plans.size(); ++f)
-    if (plans[f].check_box && counts[f] > 0)
-      warnings.push_back(
-          {"las_points_outside_box", counts[f],
-           fmt::format("{}: {} of {} points lie outside the box that its header "
-                       "states; the header is wrong or the file damaged",
-                       paths[f].string(), counts[f], plans[f].layout.info.point_count)});
+  std::string misread;
+  for (std::size_t f = 0; f < plans.size(); ++f) {
+    if (counts[f] == 0) continue;
+    const std::int64_t points = plans[f].layout.info.point_count;
+    const std::string message = fmt::format(
+        "{}: {} of {} points lie outside the box that its header states; the header is wrong or "
+        "the file damaged",
+        paths[f].string(), counts[f], points);
+    if (plans[f].check_box) warnings.push_back({"las_points_outside_box", counts[f], message});
+    if (misread.empty() && counts[f] > points / 2) misread = message;
+  }
+  return misread;
 }
 
 /// Decodes the points of all tasks; visit(task, block) gets those of one task in their order,
 /// different tasks at the same time, and end(task) comes after them. Adds warnings of points
-/// outside of their header's box.
+/// outside of their header's box, and returns PointsInput::misread.
 template <typename Visit, typename End>
-void decode_tasks(std::span<const fs::path> paths, const std::vector<FilePlan>& plans,
-                  const std::vector<Task>& tasks, const Progress& progress,
-                  std::vector<Warning>& warnings, const Visit& visit, const End& end) {
+std::string decode_tasks(std::span<const fs::path> paths, const std::vector<FilePlan>& plans,
+                         const std::vector<Task>& tasks, const Progress& progress,
+                         std::vector<Warning>& warnings, const Visit& visit, const End& end) {
   std::int64_t total = 0;
   for (const Task& task : tasks) total += task.count;
   SharedProgress shared(progress, total);
@@ -421,7 +492,7 @@ void decode_tasks(std::span<const fs::path> paths, const std::vector<FilePlan>& 
     end(t);
     outside[t] = strays;
   });
-  warn_of_points_outside(paths, plans, tasks, outside, warnings);
+  std::string misread = warn_of_points_outside(paths, plans, tasks, outside, warnings);
   for (std::size_t t = 0; t < tasks.size(); ++t)
     if (left_over[t] >= (plans[tasks[t].file].layout.chunk_size > 0 ? 1 : kLeastLeftOver))
       warnings.push_back({"las_count_small", 1,
@@ -429,6 +500,7 @@ void decode_tasks(std::span<const fs::path> paths, const std::vector<FilePlan>& 
                                       "points are left behind them; these are not read",
                                       paths[tasks[t].file].string(),
                                       plans[tasks[t].file].layout.info.point_count, left_over[t])});
+  return misread;
 }
 
 /// About how many points of the files will be kept; too many or too few does no harm.
@@ -493,13 +565,14 @@ Point2 origin_of(const ReadPointsOptions& options, std::span<const fs::path> pat
 }
 
 /// Throws if there was no room for points of this extent in the local frame.
-void require_room(const Bounds2& extent, Point2 origin, const fs::path& path) {
+void require_room(const Bounds2& extent, Point2 origin, const fs::path& path,
+                  const std::string& misread) {
   const double farthest = std::max({-extent.xmin, -extent.ymin, extent.xmax, extent.ymax});
   if (farthest > PointCoordinate::kMost)
-    fail_input(path,
-               fmt::format("points lie {:.0f} km from ({:.0f}, {:.0f}), and no more than "
-                           "{:.0f} km can be stored; give smaller bounds",
-                           farthest / 1000, origin.x, origin.y, PointCoordinate::kMost / 1000));
+    fail_input(path, fmt::format("points lie {:.0f} km from ({:.0f}, {:.0f}), and no more than "
+                                 "{:.0f} km can be stored; give smaller bounds{}{}",
+                                 farthest / 1000, origin.x, origin.y, PointCoordinate::kMost / 1000,
+                                 misread.empty() ? "" : "; ", misread));
 }
 
 }  // namespace
@@ -549,12 +622,12 @@ PointsInput read_points(std::span<const fs::path> paths, const ReadPointsOptions
     if (points.size() >= 2 * kPointsPerTask) collector.take_some(t, points);
   };
   const auto collect = [&](std::size_t t) { collector.take(t, std::move(kept[t])); };
-  decode_tasks(paths, plans, tasks, progress, result.warnings, keep, collect);
+  result.misread = decode_tasks(paths, plans, tasks, progress, result.warnings, keep, collect);
   result.points = collector.take_points();
   result.points_kept = static_cast<std::int64_t>(result.points.size());
   PointTally tally;
   for (std::size_t t = 0; t < tasks.size(); ++t) {
-    require_room(tallies[t].extent, result.origin, paths[tasks[t].file]);
+    require_room(tallies[t].extent, result.origin, paths[tasks[t].file], result.misread);
     tally.add(tallies[t]);
   }
   result.extent = tally.extent;

@@ -88,9 +88,11 @@ void sweep(const std::vector<Bounds2>& boxes, const Visit& visit) {
   }
 }
 
+enum class Turns { kTell, kSayNothing };
+
 /// For each part the one that it is a yard of, or parts.size(): the smallest that encloses it, if
-/// that is turned against it and the part is not itself in a yard of that.
-std::vector<std::size_t> find_yards(const std::vector<PolygonPart>& parts) {
+/// that is turned against it, as far as turns tell, and the part is not itself in a yard of that.
+std::vector<std::size_t> find_yards(const std::vector<PolygonPart>& parts, Turns turns) {
   std::vector<Bounds2> boxes;
   for (const PolygonPart& part : parts)
     boxes.push_back(part.reason.empty() ? bounds(part.polygon.outer) : Bounds2::nothing());
@@ -105,7 +107,9 @@ std::vector<std::size_t> find_yards(const std::vector<PolygonPart>& parts) {
       least = std::min(least, {std::abs(signed_area(parts[i].polygon.outer)), i});
     }
     const std::size_t around = least.second;
-    if (depth % 2 == 1 && turns_left(parts[around]) != turns_left(parts[j])) yard_of[j] = around;
+    if (depth % 2 == 0) return;
+    if (turns == Turns::kSayNothing || turns_left(parts[around]) != turns_left(parts[j]))
+      yard_of[j] = around;
   });
   // Parts that overlap may make a yard of a yard, which nobody would find again: it stays a part.
   const std::vector<std::size_t> found = yard_of;
@@ -135,7 +139,7 @@ void take_yards_for_holes(std::vector<PolygonPart>& parts) {
     return turns_left(part) == turns_left(parts.front());
   };
   if (parts.size() < 2 || std::all_of(parts.begin(), parts.end(), alike)) return;
-  cut_out_yards(parts, find_yards(parts));
+  cut_out_yards(parts, find_yards(parts, Turns::kTell));
 }
 
 PolygonPart read_polygon(OGRGeometryH polygon) {
@@ -224,9 +228,13 @@ FlatGeometry flatten(OGRGeometryH geometry) {
   return result;
 }
 
-void put_widest_rings_first(FlatGeometry& geometry) {
+void mend_turned_rings(FlatGeometry& geometry) {
   for (PolygonPart& part : geometry.parts)
     if (part.reason.empty()) put_widest_ring_first(part.polygon);
+  // All holes, by their turn: some are, and those lie within others.
+  if (geometry.parts.size() > 1 &&
+      std::all_of(geometry.parts.begin(), geometry.parts.end(), turns_left))
+    cut_out_yards(geometry.parts, find_yards(geometry.parts, Turns::kSayNothing));
 }
 
 bool may_hold_polygons(OGRwkbGeometryType type) {

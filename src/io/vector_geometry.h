@@ -27,9 +27,11 @@ struct FlatGeometry {
 /// not within it and stays. `geometry` may be null.
 FlatGeometry flatten(OGRGeometryH geometry);
 
-/// For shapefiles, which tell shells from holes by their turn: where all rings turn the wrong way,
-/// GDAL takes the yard for the shell. The widest ring of each part becomes its shell again.
-void put_widest_rings_first(FlatGeometry& geometry);
+/// For shapefiles, which tell shells from holes by their turn. Where all rings turn the wrong way,
+/// GDAL takes the yard for the shell: the widest ring of each part becomes its shell again. Where
+/// all turn as holes do, each is a polygon for GDAL: every other one of those within each other
+/// becomes a hole.
+void mend_turned_rings(FlatGeometry& geometry);
 
 /// Whether a layer of this geometry type may hold polygons.
 bool may_hold_polygons(OGRwkbGeometryType type);

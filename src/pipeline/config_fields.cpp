@@ -1,4 +1,5 @@
 #include <cstddef>
+#include <limits>
 #include <type_traits>
 #include <utility>
 
@@ -248,7 +249,8 @@ std::vector<ConfigField> make_fields() {
        .commands = kMeshing,
        .help = "Height of the domain above the highest ground",
        .unit = "m",
-       .min = 0.1},
+       .min = 0.1,
+       .max = 1e5},
       {.name = "layering",
        .group = "Mesh",
        .member = choice<&C::layering>(),
@@ -263,7 +265,8 @@ std::vector<ConfigField> make_fields() {
        .help =
            "Uniform: mean height of layers, 0: the mesh size; graded: largest spacing, 0: no limit",
        .unit = "m",
-       .min = 0},
+       .min = 0,
+       .max = 1e5},
       {.name = "top",
        .group = "Mesh",
        .member = choice<&C::top>(),
@@ -343,7 +346,8 @@ std::vector<ConfigField> make_fields() {
        .member = &C::seed,
        .commands = kSynth,
        .help = "Seed of the random numbers",
-       .min = 0},
+       .min = 0,
+       .max = std::numeric_limits<int>::max()},
       {.name = "point_density",
        .group = "Synthetic city",
        .member = &C::point_density,

@@ -356,30 +356,53 @@ Raster make_terrain(const Config& config, const InputData& input, StepClock& clo
   return dtm;
 }
 
+/// What is known before anything is written.
+struct Prepared {
+  InputData input;
+  CityModel raw;  ///< Without heights.
+  Raster dtm;
+  std::vector<Polygon> crossing;  ///< As clean_features returns it.
+};
+
+/// Steps 1.1 to 1.4. Points that are misread lead to errors of any kind, and all of them say so.
+Prepared prepare(const Config& config, Next next, StepClock& clock, Report& report) {
+  Prepared result;
+  std::string misread;
+  try {
+    InputData& input = result.input = read_input(config, next, clock, report, misread);
+    find_ground(config, input, clock, report);
+    CityModel& raw = result.raw;
+    raw.origin = input.origin;
+    raw.domain = input.domain;
+    raw.crs = input.crs;
+    report.city.emplace();
+    result.dtm = make_terrain(config, input, clock, report);
+    result.crossing = clock.run("1.4", "clean footprints", [&](const Progress& progress) {
+      return clean_features(config, input.footprints, raw, report, progress);
+    });
+    if (raw.buildings.empty() && !config.terrain_only) throw_no_footprint(config, raw, report);
+  } catch (const Error& error) {
+    const std::string message = error.what();
+    if (misread.empty() || message.find(misread) != std::string::npos) throw;
+    throw Error(error.kind(), message + "; " + misread);
+  }
+  return result;
+}
+
 }  // namespace
 
 CityAndTerrain make_city(const Config& config, Next next, OutputFolder& out, StepClock& clock,
                          Report& report) {
-  InputData input = read_input(config, next, clock, report);
-  find_ground(config, input, clock, report);
-  const PointCloud& cloud = input.points;
-  CityModel raw;
-  raw.origin = input.origin;
-  raw.domain = input.domain;
-  raw.crs = input.crs;
-  report.city.emplace();
-  Raster dtm = make_terrain(config, input, clock, report);
-  const std::vector<Polygon> crossing =
-      clock.run("1.4", "clean footprints", [&](const Progress& progress) {
-        return clean_features(config, input.footprints, raw, report, progress);
-      });
-  if (raw.buildings.empty() && !config.terrain_only) throw_no_footprint(config, raw, report);
+  Prepared prepared = prepare(config, next, clock, report);
+  const PointCloud& cloud = prepared.input.points;
+  CityModel& raw = prepared.raw;
+  Raster& dtm = prepared.dtm;
   warn_of_giants(raw, report);
 
   const HeightOptions heights{config.ground_percentile, config.roof_percentile,
                               config.min_building_height};
   const BuildingPoints points = clock.run("1.5", "extract points", [&](const Progress& progress) {
-    return extract_building_points(raw.buildings, crossing, cloud,
+    return extract_building_points(raw.buildings, prepared.crossing, cloud,
                                    {config.ground_margin, config.outlier_sigma}, progress);
   });
   clock.run("1.6", "building heights",
@@ -395,7 +418,7 @@ CityAndTerrain make_city(const Config& config, Next next, OutputFolder& out, Ste
   });
   CityModel city = clock.run("2.2", "clean merged footprints", [&](const Progress&) {
     CityModel model = merged_model(raw, simple);
-    check_account(input.footprints, model);
+    check_account(prepared.input.footprints, model);
     return model;
   });
   if (city.buildings.empty() && !config.terrain_only)

@@ -99,36 +99,48 @@ bool is_there(const fs::path& path) {
   return fs::exists(fs::symlink_status(path, error));
 }
 
+/// A move that failed, of the result `shown`.
+struct MoveFailed {
+  fs::path shown;
+  std::error_code reason;
+};
+
 /// Renames that can be taken back.
 class Moves {
  public:
-  /// Throws Error(kInput) naming `shown` after undoing what was moved so far.
+  /// Throws MoveFailed.
   void move(const fs::path& from, const fs::path& to, const fs::path& shown) {
     std::error_code error;
-    fs::create_directories(to.parent_path(), error);
+    make_folders(to.parent_path(), error);
     if (!error) fs::rename(from, to, error);
-    if (!error) {
-      done_.emplace_back(from, to);
-      return;
-    }
-    undo();
-    throw Error(ErrorKind::kInput, shown.string() + ": cannot be replaced: " + error.message() +
-                                       "; the earlier result is unchanged");
+    if (error) throw MoveFailed{shown, error};
+    done_.emplace_back(from, to);
   }
 
-  /// Backwards, so that the earlier report comes last. What cannot be moved back ends it: then
-  /// restore_earlier() finds no report and the rest where it was moved to.
-  void undo() {
+  /// Backwards, so that the earlier report comes last. What cannot be moved back ends it, with the
+  /// result false: then put_back_earlier() finds no report and the rest where it was moved to.
+  bool undo() {
     std::error_code error;
     for (; !done_.empty(); done_.pop_back()) {
       fs::create_directories(done_.back().first.parent_path(), error);
       fs::rename(done_.back().second, done_.back().first, error);
-      if (error) return;
+      if (error) return false;
     }
+    for (; !made_.empty(); made_.pop_back()) ::rmdir(made_.back().c_str());
+    return true;
   }
 
  private:
+  void make_folders(const fs::path& folder, std::error_code& error) {
+    std::vector<fs::path> missing;
+    for (fs::path p = folder; !is_there(p) && p.has_relative_path(); p = p.parent_path())
+      missing.push_back(p);
+    made_.insert(made_.end(), missing.rbegin(), missing.rend());
+    fs::create_directories(folder, error);
+  }
+
   std::vector<std::pair<fs::path, fs::path>> done_;
+  std::vector<fs::path> made_;  // folders, each after the one around it
 };
 
 /// Opens a folder and locks it against other processes. Not good if it is locked or cannot be.
@@ -169,10 +181,9 @@ bool holds_our_report(const fs::path& folder) {
 }
 
 /// Puts back what a killed commit had moved aside; false if something is in the way. May itself be
-/// killed and run again.
-bool restore_earlier(const fs::path& stale, const fs::path& target) {
+/// killed and run again. The target must be locked.
+bool put_back_earlier(const fs::path& stale, const fs::path& target) {
   std::error_code error;
-  const Descriptor lock = lock_folder(target, true);  // another run may be moving its results there
   const fs::path moved = stale / kMovedAside, moving = stale / kBeingMoved;
   // A report says that the commit was over. No folder: somebody removed it, and meant it.
   if (!fs::is_directory(target, error) || fs::exists(target / "report.json", error)) return true;
@@ -188,6 +199,12 @@ bool restore_earlier(const fs::path& stale, const fs::path& target) {
     if (error) return false;
   }
   return true;
+}
+
+/// The same where another run may be moving its results to the target.
+bool restore_earlier(const fs::path& stale, const fs::path& target) {
+  const Descriptor lock = lock_folder(target, true);
+  return put_back_earlier(stale, target);
 }
 
 bool is_staging_of(const fs::path& folder, const std::string& prefix) {
@@ -357,7 +374,8 @@ OutputFolder::OutputFolder(const fs::path& target, OutputWatcher watcher)
 OutputFolder::~OutputFolder() {
   std::error_code ignored;
   // Earlier results that could not be put back stay in the hidden folder for the next run to try.
-  if (committed_ || restore_earlier(staging_, target_)) fs::remove_all(staging_, ignored);
+  if (!torn_ && !committed_ && restore_earlier(staging_, target_))
+    fs::remove_all(staging_, ignored);
   if (lock_ >= 0) ::close(lock_);
   if (!committed_) remove_empty(folders_up_to(target_.parent_path(), created_parent_));
 }
@@ -411,13 +429,22 @@ void OutputFolder::replace_results() {
     moves.move(target_ / name, moving / name, target_ / name);
     remove_empty_folders(target_, name);
   };
-  const bool all = holds_our_report(target_);
-  for (const fs::path name : kResultNames)
-    if (all || std::find(names.begin(), names.end(), name) != names.end()) move_aside(name);
-  // A result of a name that no earlier version knew may replace a file too.
-  for (const fs::path& name : names) move_aside(name);
-  moves.move(moving, moved, target_);
-  for (const fs::path& name : names) moves.move(staging_ / name, target_ / name, target_ / name);
+  try {
+    const bool all = holds_our_report(target_);
+    for (const fs::path name : kResultNames)
+      if (all || std::find(names.begin(), names.end(), name) != names.end()) move_aside(name);
+    // A result of a name that no earlier version knew may replace a file too.
+    for (const fs::path& name : names) move_aside(name);
+    moves.move(moving, moved, target_);
+    for (const fs::path& name : names) moves.move(staging_ / name, target_ / name, target_ / name);
+  } catch (const MoveFailed& failed) {
+    torn_ = !moves.undo() && !put_back_earlier(staging_, target_);
+    throw Error(ErrorKind::kInput,
+                failed.shown.string() + ": cannot be replaced: " + failed.reason.message() +
+                    (torn_ ? "; part of the earlier result is in " + staging_.string() +
+                                 ": keep that, the next run with this --out puts it back"
+                           : "; the earlier result is unchanged"));
+  }
 }
 
 void OutputFolder::keep(const fs::path& file) {
@@ -449,6 +476,10 @@ void OutputFolder::commit() {
     replace_results();
   }
   committed_ = true;
+  // Of results that came by one rename, nothing is left there.
+  std::error_code not_removed;
+  fs::remove_all(staging_, not_removed);
+  if (not_removed && is_there(staging_)) leftover_ = {staging_, not_removed.message()};
 }
 
 }  // namespace tetropolis

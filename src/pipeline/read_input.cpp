@@ -324,7 +324,8 @@ void move_origin_to_corner(PointsInput& input) {
 
 }  // namespace
 
-InputData read_input(const Config& config, Next next, StepClock& clock, Report& report) {
+InputData read_input(const Config& config, Next next, StepClock& clock, Report& report,
+                     std::string& misread) {
   require_crs(config.points_crs, "--points-crs");
   require_crs(config.footprints_crs, "--footprints-crs");
   const auto paths = expand_point_paths(config.points);
@@ -347,6 +348,7 @@ InputData read_input(const Config& config, Next next, StepClock& clock, Report& 
   PointsInput points = clock.run("1.1", "read points", [&](const Progress& progress) {
     return read_points(paths, options, progress);
   });
+  misread = points.misread;
   fill_report(config, input.footprints, points, paths.size(), report);
   if (points.points_kept == 0) throw_no_points(config, headers, points, options.crop);
   if (only_points_tell) {

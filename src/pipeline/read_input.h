@@ -1,6 +1,8 @@
 // Steps 1.1 and 1.2, and with them the frame and the domain of a run.
 #pragma once
 
+#include <string>
+
 #include "tetropolis/geometry/point_cloud.h"
 #include "tetropolis/io/vector.h"
 
@@ -22,7 +24,8 @@ struct InputData {
 /// and warnings. Throws Error(kInput): unusable files, degrees, units other than metres, no
 /// overlap. Throws Error(kUsage) before it reads points if by the headers they, or the mesh that is
 /// to follow, will not fit into memory; where only the points tell where the domain is, after it
-/// has read them.
-InputData read_input(const Config& config, Next next, StepClock& clock, Report& report);
+/// has read them. `misread` becomes PointsInput::misread, also before an error that comes later.
+InputData read_input(const Config& config, Next next, StepClock& clock, Report& report,
+                     std::string& misread);
 
 }  // namespace tetropolis

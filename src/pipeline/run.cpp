@@ -49,13 +49,19 @@ std::int64_t peak_rss_bytes() {
   return static_cast<std::int64_t>(usage.ru_maxrss) * 1024;
 }
 
-/// Writes the report as the last file and makes the results appear.
+/// Writes the report as the last file and makes the results appear. What goes wrong after that is
+/// told by the report that is returned only.
 void finish(Report& report, OutputFolder& out) {
   report.peak_rss_bytes = peak_rss_bytes();
   AtomicFile file(out.result("report.json"));
   file.write(to_json(report));
   file.commit();
   out.commit();
+  if (const auto& left = out.leftover())
+    report.warnings.push_back(
+        {"hidden_folder_left", 1,
+         fmt::format("{}: cannot be removed: {}; the results are complete without it, remove it",
+                     left->folder.string(), left->reason)});
 }
 
 void require_input(const Config& config) {
@@ -192,7 +198,7 @@ double require_meshable(const Config& config, const CityModel& city) {
   const auto defects = footprint_defects(footprints, 1);
   if (!defects.empty()) fail(defects.front().message);
   const Clearance clearance = joint_clearance(footprints, city.domain);
-  if (clearance.distance < config.min_building_distance)
+  if (!is_clear(clearance.distance, config.min_building_distance))
     fail(fmt::format(
         "footprints come as close as {:.4f} m ({} m required) at building {}", clearance.distance,
         config.min_building_distance,
@@ -254,6 +260,9 @@ std::int64_t usual_buildings(double size) {
 
 void require_room(const Config& config) {
   const bool village = config.kind == SynthKind::kAdversarial;
+  if (!village && !config.defects.empty())
+    throw Error(ErrorKind::kUsage,
+                "--defects: cities of this kind have none; add --kind adversarial");
   const double least = village                             ? kLeastVillageSize
                        : config.kind == SynthKind::kBlocks ? kLeastBlockSize
                                                            : kLeastRandomSize;

@@ -258,6 +258,37 @@ TEST_F(CheckMesh, GroundIsLoweredAtWallsOnlyAndOnlyWhereTheyNeedIt) {
   EXPECT_TRUE(found("ground vertices off the terrain")) << "raised at a wall";
 }
 
+/// The difference of roof and ground is the minimum, but for a rounding error.
+TEST(CheckHeights, WhetherGroundWasLoweredByARoundingErrorIsLeftOpen) {
+  testing::SmallCity city;
+  city.footprints = {testing::rectangle(50, 40, 62, 52)};
+  city.roofs = {1.9};
+  city.dtm = testing::raster_of(city.domain, [](double, double) { return 0.9; });
+  GroundMesh ground = mesh_ground(city.footprints, city.domain, {6, 25});
+  ColumnPlanOptions options;
+  options.domain_height = 60;
+  options.fit_lowered_walls = false;
+  const ColumnPlan plan =
+      plan_columns(ground, city.dtm, city.roofs, column_spacing(ground), options);
+  EXPECT_GT(plan.lowered, 0);
+  EXPECT_LT(plan.deepest, 1e-15);
+  EdgeGraph edges = build_edge_graph(ground);
+  ColumnMesh mesh = divide_columns(std::move(ground), std::move(edges), plan);
+  place_nodes(mesh, plan);
+  CityModel model;
+  model.buildings.resize(1);
+  model.buildings[0].footprint = city.footprints[0];
+  model.buildings[0].h_roof = city.roofs[0];
+  const SurfaceMesh surface = extract_boundary(mesh, city.domain);
+  const auto check = [&](double minimum_wall) {
+    return check_heights(surface, {0, 0, 0}, city.dtm, model, minimum_wall, kNoCuts);
+  };
+  EXPECT_EQ(check(kMinimumWall).lowered, 0);
+  EXPECT_GE(check(kMinimumWall).perhaps_lowered, plan.lowered);
+  EXPECT_TRUE(check(kMinimumWall).violations.empty());
+  EXPECT_EQ(check(kMinimumWall - 1e-5).perhaps_lowered, 0);
+}
+
 /// A house of 6 m with its roof 10 m below the terrain around it, cut back from its roof, or, with
 /// no house near, from one vertex.
 struct CutCity {

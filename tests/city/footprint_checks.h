@@ -127,7 +127,7 @@ inline void expect_sound(const Simplification& result, std::size_t inputs, const
   EXPECT_EQ(std::count(seen.begin(), seen.end(), 1), static_cast<std::ptrdiff_t>(inputs));
   for (const FootprintDefect& defect : footprint_defects(result.footprints))
     ADD_FAILURE() << defect.message;
-  EXPECT_GE(joint_clearance(result.footprints, domain).distance, options.min_distance);
+  EXPECT_TRUE(is_clear(joint_clearance(result.footprints, domain).distance, options.min_distance));
   for (const Polygon& polygon : result.footprints) EXPECT_GE(area(polygon), options.min_area);
 }
 

@@ -236,7 +236,26 @@ TEST(Simplify, NeedlesLoseTheirTip) {
   const Polygon spike{{{0, 0}, {20, 0}, {20, 10}, {120, 10 + w / 2}, {20, 10 + w}, {0, 20}}, {}};
   const Simplification result = simplified({spike});
   ASSERT_EQ(result.footprints.size(), 1U);
-  EXPECT_NEAR(area(result.footprints[0]), 309, 3);
+  // It is a metre wide 43 m from its foot.
+  EXPECT_GE(area(result.footprints[0]), 299);
+  EXPECT_LE(area(result.footprints[0]), 300 + 60);
+}
+
+/// What is as far apart as asked is not too close.
+TEST(Simplify, AlleysAsWideAsTheThresholdStay) {
+  for (const double step : {0.0, 0.0001, 0.03, 0.1234}) {
+    std::vector<Polygon> houses;
+    for (int i = 0; i < 6; ++i)
+      for (int j = 0; j < 6; ++j) {
+        // On the grid as far as binary numbers are.
+        const double x = std::round((20 + step + 6 * i) * 1e4) / 1e4;
+        const double y = std::round((30 + 7 * step + 6 * j) * 1e4) / 1e4;
+        houses.push_back({{{x, y}, {x + 5, y}, {x + 5, y + 5}, {x, y + 5}}, {}});
+      }
+    const Simplification result = simplified(houses);
+    EXPECT_EQ(result.footprints.size(), 36U) << step;
+    EXPECT_EQ(kept_change(result), 0) << step;
+  }
 }
 
 /// Degrees, of the sharpest corner on either side of the outline.

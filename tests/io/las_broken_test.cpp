@@ -1,11 +1,14 @@
 // LAS files that lie, are cut or broken.
 #include <algorithm>
 #include <array>
+#include <cstdint>
+#include <cstring>
 #include <limits>
 #include <random>
 #include <string>
 #include <vector>
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 #include <sys/stat.h>
 
@@ -144,6 +147,119 @@ TEST(BrokenLas, BrokenVlrCountIsSurvivedInPlainFiles) {
   EXPECT_EQ(input.points_read, 10);
   ASSERT_EQ(input.warnings.size(), 1U);
   EXPECT_EQ(input.warnings[0].code, "las_vlrs_broken");
+}
+
+/// As it is stored in LAS 1.4.
+std::string wkt_of(const char* crs) {
+  const TemporaryFolder folder;
+  WritePointsOptions options;
+  options.point_format = 6;
+  options.crs = crs;
+  write_points(folder / "a.las", {}, {}, options);
+  const std::string bytes = bytes_of(folder / "a.las");
+  const std::size_t begin = bytes.find("PROJC");
+  return bytes.substr(begin, bytes.find('\0', begin) + 1 - begin);
+}
+
+/// An extended record.
+std::string evlr(const std::string& user_id, std::uint16_t record_id, const std::string& data) {
+  std::string head(60, '\0');
+  head.replace(2, user_id.size(), user_id);
+  return patched(patched(head, 18, record_id), 20, std::uint64_t{data.size()}) + data;
+}
+
+// What is cut off may be the reference system, without which feet are metres.
+TEST(BrokenLas, ExtendedRecordsThatAreLostAreReported) {
+  const TemporaryFolder folder;
+  const std::string system = evlr("LASF_Projection", 2112, wkt_of("EPSG:28992"));
+  WritePointsOptions options;
+  options.point_format = 6;
+  for (const char* name : {"a.las", "a.laz"}) {
+    SCOPED_TRACE(name);
+    const fs::path path = folder / name;
+    write_points(path, random_cloud(1000, 6), {}, options);
+    const std::string points = bytes_of(path);
+    const auto with_records = [&](std::uint32_t count, std::uint64_t start,
+                                  const std::string& records) {
+      write_bytes(path, patched(patched(points, 235, start), 243, count) + records);
+      return read_one(path, all_points());
+    };
+    const PointsInput whole = with_records(1, points.size(), system);
+    EXPECT_EQ(whole.crs, "EPSG:28992");
+    EXPECT_TRUE(whole.warnings.empty());
+    const auto expect_broken = [&](const PointsInput& input, bool has_system) {
+      EXPECT_EQ(input.points_read, 1000);
+      EXPECT_EQ(input.crs, has_system ? "EPSG:28992" : "");
+      ASSERT_EQ(input.warnings.size(), 1U);
+      EXPECT_EQ(input.warnings[0].code, "las_vlrs_broken");
+      const std::string& message = input.warnings[0].message;
+      EXPECT_NE(message.find("extended variable length records"), std::string::npos) << message;
+      EXPECT_EQ(message.find("--points-crs") == std::string::npos, has_system) << message;
+    };
+    for (const std::size_t cut :
+         {std::size_t{1}, std::size_t{40}, system.size() - 30, system.size()})
+      expect_broken(with_records(1, points.size(), system.substr(0, system.size() - cut)), false);
+    expect_broken(with_records(1, 1'000'000'000'000, system), false);
+    expect_broken(with_records(1, points.size() - 3000, system), false);
+    expect_broken(with_records(2, points.size(), system + evlr("x", 1, "y").substr(0, 60)), true);
+    // Not what writers leave behind the end of a name.
+    const std::string sloppy = patched(evlr("x", 1, "y"), 4, std::uint16_t{0xCDCD});
+    EXPECT_TRUE(with_records(2, points.size(), sloppy + system).warnings.empty());
+    // Where the system is given, nothing is lost.
+    with_records(1, points.size(), system.substr(0, 100));
+    ReadPointsOptions given;
+    given.crs = "EPSG:28992";
+    expect_broken(read_one(path, given), true);
+  }
+}
+
+TEST(BrokenLas, FilesCutInTheirTableOfChunksAreRefused) {
+  const TemporaryFolder folder;
+  const fs::path path = folder / "a.laz";
+  for (const int format : {1, 6}) {
+    SCOPED_TRACE(format);
+    WritePointsOptions options;
+    options.point_format = format;
+    const PointCloud cloud = random_cloud(120'000, 6);  // three chunks
+    write_points(path, cloud, {}, options);
+    const std::string good = bytes_of(path);
+    std::uint32_t first_point = 0;
+    std::memcpy(&first_point, good.data() + 96, sizeof first_point);
+    std::int64_t place = 0;
+    std::memcpy(&place, good.data() + first_point, sizeof place);
+    const auto table = static_cast<std::size_t>(place);
+    const auto expect_error = [&](const std::string& bytes, const std::string& words) {
+      write_bytes(path, bytes);
+      const std::string message = read_error(path);
+      EXPECT_NE(message.find(words), std::string::npos) << message;
+    };
+    for (std::size_t size = good.size() - 1; size >= table; --size)
+      expect_error(good.substr(0, size),
+                   fmt::format("ends at byte {} {} its table of chunks, which starts at byte {}",
+                               size, size > table ? "within" : "before", table));
+    expect_error(good.substr(0, table - 1), "ends at point ");
+    // The points of these are whole.
+    expect_error(patched(good, first_point, std::int64_t{1} << 40), "before its table of chunks");
+    const std::string no_place = patched(good, first_point, std::int64_t{-1});
+    const std::string piped =
+        no_place + std::string(reinterpret_cast<const char*>(&place), sizeof place);
+    expect_error(piped.substr(0, piped.size() - 1), "without the place of its table of chunks");
+    const auto expect_whole = [&](const std::string& bytes) {
+      write_bytes(path, bytes);
+      const PointsInput input = read_one(path, all_points());
+      EXPECT_EQ(input.points.classification, cloud.classification);
+      EXPECT_TRUE(input.warnings.empty());
+    };
+    expect_whole(good);
+    expect_whole(piped);
+    // What LASzip leaves if it is stopped before it has written the table.
+    expect_whole(patched(good, first_point, std::int64_t{first_point}).substr(0, table));
+    // A table of other sizes.
+    std::string wrong = good;
+    for (std::size_t at = table + 8; at < table + 12; ++at) wrong[at] = static_cast<char>(0x55);
+    write_bytes(path, wrong);
+    EXPECT_NE(read_error(path).find("a.laz: "), std::string::npos);
+  }
 }
 
 TEST(BrokenLas, WithheldBitAndFlagsAboveTheClass) {

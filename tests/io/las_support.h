@@ -22,8 +22,9 @@ namespace fs = std::filesystem;
 
 template <typename Number>
 std::string patched(std::string bytes, std::size_t at, Number value) {
-  std::memcpy(bytes.data() + at, &value, sizeof value);
-  return bytes;
+  std::string number(sizeof value, '\0');
+  std::memcpy(number.data(), &value, sizeof value);
+  return bytes.replace(at, sizeof value, number);
 }
 
 inline PointsInput read_one(const fs::path& path, const ReadPointsOptions& options = {}) {

@@ -607,6 +607,33 @@ TEST(Las, FilesInDifferentSystemsAreNotMixed) {
   EXPECT_EQ(read_points(std::vector<fs::path>{paths[2]}).crs, "");
 }
 
+TEST(Las, OfCopiesTheOneWithClassesIsRead) {
+  const TemporaryFolder folder;
+  PointCloud cloud = random_cloud(120'000, 6);  // three chunks
+  write_points(folder / "b.laz", cloud, {}, {});
+  write_points(folder / "d.las", cloud, {}, {});
+  const auto codes = cloud.classification;
+  // As far as the beginning tells, of the same classes.
+  std::fill(cloud.classification.begin() + 10'000, cloud.classification.end(), kUnclassified);
+  write_points(folder / "a.las", cloud, {}, {});
+  write_points(folder / "c.laz", cloud, {}, {});
+  const auto check = [&](const std::vector<const char*>& names, const PointCloud& expected,
+                         std::size_t twins) {
+    std::vector<fs::path> paths;
+    for (const char* name : names) paths.push_back(folder / name);
+    const PointsInput input = read_points(paths, all_points());
+    EXPECT_EQ(input.points.classification, expected.classification) << names.front();
+    EXPECT_EQ(input.warnings.size(), twins);
+    for (const Warning& warning : input.warnings) EXPECT_EQ(warning.code, "las_twin");
+  };
+  PointCloud classified = cloud;
+  classified.classification = codes;
+  check({"a.las", "b.laz"}, classified, 1);
+  check({"b.laz", "a.las"}, classified, 1);
+  check({"a.las", "b.laz", "c.laz", "d.las"}, classified, 3);
+  check({"a.las", "c.laz"}, cloud, 1);
+}
+
 TEST(Las, TheFirstBrokenFileIsReportedByAnyNumberOfThreads) {
   const TemporaryFolder folder;
   std::vector<fs::path> paths;

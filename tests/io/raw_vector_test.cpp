@@ -5,6 +5,7 @@
 #include <cstring>
 #include <limits>
 #include <map>
+#include <set>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -175,6 +176,20 @@ TEST(RawVectorBytes, ShapefilesTurnedTheWrongWayKeepTheirCourtyards) {
                          {"0", 900 - 25}, {"1", 900 - 25 - 36}, {"2", 900 - 81 - 36}, {"2#2", 16}}))
         << wrong;
   }
+}
+
+TEST(RawVectorBytes, ShapefilesWhoseRingsAllTurnAsHolesKeepTheirCourtyards) {
+  const TemporaryFolder folder;
+  const std::vector<RawFeature> features{
+      {"yard", 1, {{square(0, 0, 30, false), square(3, 3, 24, false)}}},
+      {"hut", 1, {{square(48, 8, 4, false), square(43, 3, 20, false), square(40, 0, 30, false)}}},
+      {"apart", 1, {{square(80, 0, 30, false), square(120, 3, 5, false)}}},
+      {"over each other", 1, {{square(160, 0, 30)}, {square(163, 3, 24)}}}};
+  write_raw_features(folder / "a.shp", features, kOrigin, "EPSG:3006");
+  std::multiset<double> areas;
+  for (const Footprint& feature : read_footprints(folder / "a.shp").features)
+    areas.insert(area(feature.polygon));
+  EXPECT_EQ(areas, (std::multiset<double>{900 - 576, 16, 900 - 400, 900, 25, 900, 576}));
 }
 
 /// Of the footprints, by id.

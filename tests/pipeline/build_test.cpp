@@ -288,7 +288,7 @@ TEST_F(Build, BlocksPassEveryCheckAndTheReportTellsTheTruth) {
   EXPECT_EQ(json["volume_mesh"]["inverted"], 0);
   EXPECT_TRUE(json["surface_mesh"]["closed"].get<bool>() &&
               json["surface_mesh"]["manifold"].get<bool>());
-  EXPECT_GE(json["city"]["min_clearance"].get<double>(), 1.0);
+  EXPECT_GE(json["city"]["min_clearance"].get<double>(), 1.0 - 1e-9);
   EXPECT_GE(json["ground_mesh"]["min_angle_deg"].get<double>(), 25 - 1e-6);
   for (const Json& solve : json["solver"]) EXPECT_TRUE(solve["converged"].get<bool>());
   EXPECT_EQ(json["input"]["footprints_read"].get<std::int64_t>(), report.input->footprints_read);

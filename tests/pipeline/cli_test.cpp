@@ -7,6 +7,7 @@
 #include <set>
 
 #include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -133,6 +134,60 @@ TEST_F(Cli, CheckFailsOnABrokenMesh) {
   const Outcome clearance = run("check result/city.city.json --min-building-distance 50");
   EXPECT_EQ(clearance.code, 1);
   EXPECT_NE(clearance.out.find("VIOLATED: clearance below the threshold"), std::string::npos);
+}
+
+TEST_F(Cli, CheckCountsTheLoweredGround) {
+  synth("--kind adversarial --defects slope_45,roof_below_terrain --size 100 --relief 3 --seed 3");
+  for (const std::string options :
+       {"--formats vtu", "--coordinates absolute --formats xdmf --compression zlib",
+        "--layering uniform --min-wall-height 3"}) {
+    SCOPED_TRACE(options);
+    ASSERT_EQ(run("build --quiet --mesh-size 20 --points input --footprints input/foot*[pn] --out "
+                  "result " +
+                  options)
+                  .code,
+              0);
+    EXPECT_EQ(run("check result").code, 0);
+    const fs::path path = scratch / "result/report.json";
+    const nlohmann::json report = nlohmann::json::parse(bytes_of(path));
+    const int lowered = report["volume_mesh"]["ground_lowered"];
+    EXPECT_GT(lowered, 0);
+    for (const int wrong : {lowered - 1, lowered + 1, -1}) {
+      nlohmann::json edited = report;
+      edited["volume_mesh"]["ground_lowered"] = wrong;
+      std::ofstream(path) << edited;
+      const Outcome outcome = run("check result");
+      EXPECT_EQ(outcome.code, 1) << wrong;
+      EXPECT_NE(
+          outcome.out.find("VIOLATED: number of lowered ground vertices differs from report.json"),
+          std::string::npos)
+          << outcome.out;
+    }
+  }
+}
+
+TEST_F(Cli, DefectsAreForAdversarialCitiesAndKnown) {
+  const std::string synth = "synth --out input --size 100 ";
+  for (const char* kind : {"", "--kind random ", "--kind blocks "})
+    for (const char* defects : {"--defects unicorn", "--defects bow_tie"})
+      expect_error(synth + kind + defects, 2,
+                   "--defects: cities of this kind have none; add --kind adversarial");
+  expect_error(synth + "--kind adversarial --defects unicorn", 2, "there is no defect 'unicorn'");
+}
+
+/// Whatever the numbers, messages are short.
+TEST_F(Cli, HugeNumbersAreRefusedOrHaveFewDigits) {
+  synth("--buildings 4 --size 100");
+  const std::string build = "build --points input --footprints input/footprints.shp --out result ";
+  for (const char* option : {"--domain-height", "--layer-height", "--mesh-size",
+                             "--min-building-area", "--outlier-sigma", "--domain-margin"}) {
+    for (const char* layering : {"graded", "uniform"}) {
+      const Outcome outcome = run(build + option + " 1e300 --layering " + layering);
+      EXPECT_FALSE(std::regex_search(outcome.err, std::regex("[0-9]{30}"))) << outcome.err;
+    }
+  }
+  for (const char* option : {"--domain-height", "--layer-height"})
+    expect_error(build + option + " 1e300", 2, "1e300 is greater than 100000");
 }
 
 TEST_F(Cli, CheckEndsOnCoordinatesThatAreNotFinite) {
@@ -627,6 +682,11 @@ TEST_F(Cli, ClosedAndFullStreamsAreNoReasonToFail) {
     const Outcome unseen = shell("'" TETROPOLIS_PROGRAM "' check result >/dev/full");
     EXPECT_EQ(unseen.code, 3);
     EXPECT_EQ(unseen.err, "tetropolis: what was to be printed could not be written; make room\n");
+    for (const char* asked : {"--help", "build --help", "--version", "settings", "init -"}) {
+      const Outcome lost = shell(std::string("'" TETROPOLIS_PROGRAM "' ") + asked + " >/dev/full");
+      EXPECT_EQ(lost.code, 3) << asked;
+      EXPECT_EQ(lost.err, unseen.err) << asked;
+    }
     const Outcome unlogged = shell(build + "--quiet --log /dev/full");
     EXPECT_EQ(unlogged.code, 0);
     EXPECT_EQ(unlogged.err,

@@ -1,7 +1,12 @@
 #include "tetropolis/pipeline/config.h"
 
+#include <cmath>
+#include <cstdint>
 #include <fstream>
 #include <set>
+#include <string>
+#include <variant>
+#include <vector>
 
 #include <gtest/gtest.h>
 
@@ -73,6 +78,7 @@ TEST(Config, ErrorsNameFileLineAndWhatToDo) {
   expect_part(error_of("merge_growths = 2.5\n"), "'2.5' is not a whole number");
   expect_part(error_of("seed = 5000000000\n"),
               "seed: 5000000000 is out of range; give 0 to 2147483647");
+  expect_part(error_of("domain_height = 1e300\n"), "1e+300 is greater than 100000");
   expect_part(error_of("bounds = [1, 2, 3]\n"), "four numbers expected");
   expect_part(error_of("bounds = [5, 2, 3, 4]\n"), "XMIN < XMAX");
   expect_part(error_of("terrain_only = 1\n"), "true or false expected");
@@ -129,6 +135,23 @@ TEST(Config, DefaultsAreWithinTheirRanges) {
           }
         },
         field.member);
+}
+
+/// What is told of a range is what is refused.
+TEST(Config, WholeNumbersHaveBothEndsOfTheirRange) {
+  for (const ConfigField& field : config_fields()) {
+    if (!std::holds_alternative<int Config::*>(field.member)) continue;
+    const auto number = [](double value) {
+      return std::vector{std::to_string(static_cast<std::int64_t>(value))};
+    };
+    Config config;
+    for (const double end : {field.min, field.max}) {
+      ASSERT_TRUE(std::isfinite(end)) << field.name;
+      EXPECT_NO_THROW(set_field(config, field, number(end), "test")) << field.name;
+    }
+    EXPECT_THROW(set_field(config, field, number(field.min - 1), "test"), Error) << field.name;
+    EXPECT_THROW(set_field(config, field, number(field.max + 1), "test"), Error) << field.name;
+  }
 }
 
 TEST(Config, FindsTheNearestName) {

@@ -278,6 +278,14 @@ std::vector<Defect> defects() {
          city.write_bytes("a.laz", undamaged().laz);
        },
        Expected::kSame, "las_twin"},
+      {"SameCloudBeforeAndAfterItWasClassified",
+       [](const CloudCity& city) {
+         PointCloud cloud = city.cloud;
+         std::fill(cloud.classification.begin(), cloud.classification.end(), kUnclassified);
+         city.write("a.las", cloud);
+         city.write_bytes("b.las", undamaged().las);
+       },
+       Expected::kSame, "las_twin"},
       {"RotInsidePlainFile", las([](std::string b) {
          for (std::size_t k = 0; k < 40; ++k)
            b = patched(std::move(b), kHeader + (100 + 200 * k) * kRecord,
@@ -493,6 +501,45 @@ TEST(CloudDefect, RotInsideAChunkIsAnErrorOrAWarning) {
     }
     EXPECT_EQ(seen, runs) << format;
   }
+}
+
+// What misread points lead to is blamed on the domain, the classes, the memory or the footprints.
+TEST(CloudDefect, ErrorsOfMisreadPointsNameTheirFile) {
+  const auto scaled = [](double scale) {
+    std::string bytes = undamaged().las;
+    for (const std::size_t axis : {0, 1, 2}) bytes = patched(bytes, 131 + 8 * axis, scale);
+    return bytes;
+  };
+  const auto no_bounds = [](Config& config) { config.bounds.clear(); };
+  const auto terrain_only = [](Config& config) {
+    config.footprints.clear();
+    config.terrain_only = true;
+    config.bounds.clear();
+  };
+  std::string inserted = undamaged().las;
+  inserted.insert(kHeader, "abc");
+  const CloudCity city;
+  for (const std::string& bytes :
+       {scaled(1), scaled(-0.001), scaled(1000), inserted, patched(undamaged().las, 155, 5e5)}) {
+    city.write_bytes("a.las", bytes);
+    for (const std::function<void(Config&)>& change :
+         {std::function<void(Config&)>(no_bounds), std::function<void(Config&)>(terrain_only)}) {
+      const CloudOutcome outcome = city.run(change);
+      if (!outcome.failed) continue;  // the terrain of wrong points, with a warning
+      const std::size_t hint = outcome.message.find((city.folder() / "a.las").string() +
+                                                    ": 10000 of 10000 points lie outside the box");
+      EXPECT_NE(hint, std::string::npos) << outcome.message;
+    }
+    EXPECT_TRUE(city.run(no_bounds).failed);
+  }
+  // Not of others.
+  std::string few = undamaged().las;
+  for (std::size_t k = 0; k < 40; ++k)
+    few = patched(std::move(few), kHeader + (100 + 200 * k) * kRecord, std::uint32_t{0x5A5A5A5A});
+  city.write_bytes("a.las", few);
+  const CloudOutcome outcome = city.run([](Config& config) { config.bounds = {0, 0, 10, 10}; });
+  ASSERT_TRUE(outcome.failed);
+  EXPECT_EQ(outcome.message.find("lie outside the box"), std::string::npos) << outcome.message;
 }
 
 /// Without bounds and footprints only the points themselves tell where the terrain is.

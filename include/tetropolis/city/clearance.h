@@ -42,6 +42,10 @@ struct Clearance {
 Clearance joint_clearance(std::span<const Polygon> polygons,
                           const std::optional<Bounds2>& domain = std::nullopt);
 
+/// Whether a distance between features is at least `threshold` metres, up to a nanometre: alleys as
+/// wide as the threshold, between coordinates that binary numbers only come close to, are clear.
+inline bool is_clear(double distance, double threshold) { return distance >= threshold - 1e-9; }
+
 enum class FootprintDefectKind : std::uint8_t {
   kTooFewVertices,   ///< A ring of fewer than three vertices.
   kNotFinite,        ///< A coordinate that is not finite or beyond 1e9 m.

@@ -83,7 +83,7 @@ struct Simplification {
 /// Guarantees:
 /// - every input index is in exactly one of `members` (each sorted) or in `dropped`;
 /// - footprints are sorted by their first member; they pass footprint_defects, and
-///   joint_clearance of all of them and `domain` is at least min_distance;
+///   joint_clearance of all of them and `domain` is at least min_distance (see is_clear);
 /// - every footprint is at least min_area large;
 /// - buildings that a repair parts from each other (they hung together by something thin) go on as
 ///   footprints of their own, each with the members that it holds most of;

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <fstream>
+#include <ios>
 #include <ostream>
 #include <string_view>
 
@@ -41,9 +42,32 @@ class AtomicFile {
   void commit();
 
  private:
+  /// Keeps why an operation failed first: streams tell that one did, later and without a reason.
+  class Buffer final : public std::filebuf {
+   public:
+    int error() const { return error_; }
+    void close_file();  ///< Its failure is kept, too.
+
+   protected:
+    int_type overflow(int_type c) override;
+    std::streamsize xsputn(const char* bytes, std::streamsize size) override;
+    int sync() override;
+    pos_type seekoff(off_type offset, std::ios::seekdir from, std::ios::openmode which) override;
+    pos_type seekpos(pos_type position, std::ios::openmode which) override;
+
+   private:
+    template <typename Result>
+    Result keep_reason(Result result, Result failure);
+
+    int error_ = 0;
+  };
+
+  [[noreturn]] void fail() const;
+
   std::filesystem::path target_;
   std::filesystem::path temporary_;
-  std::ofstream stream_;
+  Buffer buffer_;
+  std::ostream stream_;
   bool committed_ = false;
 };
 

@@ -37,9 +37,9 @@ struct LasInfo {
   std::string crs;  ///< Canonical (crs.h); "" if none is stated or understood.
   double vertical_unit =
       1;  ///< Metres per unit of height, as the file's CRS says; 1 if it does not.
-  std::vector<Warning> warnings;  ///< "las_vlrs_broken", "las_crs_unknown", "las_count_missing",
-                                  ///< "las_count_small" (more room than the count says),
-                                  ///< "las_scale_negative".
+  std::vector<Warning> warnings;  ///< "las_vlrs_broken" (extended ones, too), "las_crs_unknown",
+                                  ///< "las_count_missing", "las_count_small" (more room than the
+                                  ///< count says), "las_scale_negative".
 };
 
 /// Reads the header and the variable length records, not the points.
@@ -81,6 +81,9 @@ struct PointsInput {
   std::string crs;                 ///< Of the coordinates; "" if unknown.
   std::vector<Warning> warnings;   ///< Those of LasInfo, and "las_box_untrusted", "las_twin",
                                    ///< "las_points_outside_box".
+  /// What there is to say of the first file of whose points most lie outside of the box that its
+  /// header states, for errors that it leads to; "" if there is none.
+  std::string misread;
 };
 
 /// Reads the points of several files. x, y: CRS coordinate (record * scale + offset) minus origin;
@@ -90,9 +93,10 @@ struct PointsInput {
 ///
 /// A file whose header box misses `crop` is not decoded, provided that the box is sound and holds
 /// the first points and some more of the file; otherwise the file is decoded.
-/// A file with the count, the box and the first points of one before is taken for its copy and not
-/// read ("las_twin"). Points outside the box of their header are kept but counted
-/// ("las_points_outside_box"): damage inside a file shows only there.
+/// Of files with the same count and box, and with the same points in a few places, one is read: the
+/// first of those that have the most classes there ("las_twin" of the others). Points outside the
+/// box of their header are kept but counted ("las_points_outside_box"): damage inside a file shows
+/// only there.
 /// Parallel over blocks of a quarter of a million points (of a million in LAZ with chunks of
 /// different sizes, such as COPC; a LAZ file without a table of chunks is one block); the result
 /// does not depend on the number of threads. Memory follows the points kept, never the counts that

@@ -3,6 +3,7 @@
 
 #include <filesystem>
 #include <functional>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -25,7 +26,8 @@ struct OutputWatcher {
 /// describe. Files of other names stay, and those that were given to keep(). If a move fails, all
 /// of them are undone. Without commit() the destructor removes everything, the target is as it was.
 ///
-/// A process that is killed leaves its hidden folder behind. The next OutputFolder for the same
+/// A process that is killed leaves its hidden folder behind, and so does one that cannot undo its
+/// moves. The next OutputFolder for the same
 /// target removes it, and puts the earlier results back (or removes the half of a new one) if the
 /// kill fell between the moves. Folders of processes that still run are left alone: each holds a
 /// lock (flock) on its own, so on file systems without such locks nothing is removed.
@@ -50,8 +52,17 @@ class OutputFolder {
   void keep(const std::filesystem::path& file);
 
   /// Throws Error(kInput) naming a result that is gone or could not be moved, Error(kUsage) naming
-  /// a file to be kept that a result would replace; the target is as it was.
+  /// a file to be kept that a result would replace; the target is as it was, or the message says
+  /// that part of it is in the hidden folder.
   void commit();
+
+  /// The hidden folder that commit() could not remove, and why. It holds no result that counts.
+  struct Leftover {
+    std::filesystem::path folder;
+    std::string reason;
+  };
+  /// After commit(); nothing as a rule.
+  const std::optional<Leftover>& leftover() const { return leftover_; }
 
  private:
   void create_staging(const std::filesystem::path& named);
@@ -67,6 +78,8 @@ class OutputFolder {
   std::vector<std::string> names_;           // of the results to come
   int lock_ = -1;                            // on staging_, for as long as this object lives
   bool committed_ = false;
+  bool torn_ = false;  // the target is without part of the earlier result
+  std::optional<Leftover> leftover_;
 };
 
 }  // namespace tetropolis

@@ -18,8 +18,9 @@ struct RunHooks {
   OutputWatcher output;             ///< For callers that may have to end the process.
 };
 
-/// Each writes the files of docs/files.md into config.out and returns what report.json says. The
-/// folder appears complete or, after an exception, is as it was before.
+/// Each writes the files of docs/files.md into config.out and returns what report.json says, and a
+/// warning "hidden_folder_left" if a hidden folder could not be removed when the results were in
+/// place. The folder appears complete or, after an exception, is as it was before.
 /// Throw Error (see error.h for the kinds) and Cancelled.
 
 /// Steps 1.1 to 3.6.
