@@ -5,6 +5,7 @@
 #include <functional>
 #include <limits>
 #include <random>
+#include <string>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -279,6 +280,92 @@ TEST(GroundFilter, PitsAndBirdsPullNothing) {
   for (std::size_t p = before; p < cloud.size(); ++p) EXPECT_EQ(found[p], 0) << p;
   found.resize(before);
   EXPECT_EQ(found, good);
+}
+
+/// Points below the ground as multiple echoes leave them, some by two and three; returns the index
+/// of the first.
+std::size_t add_pits(PointCloud& cloud, double size, double per_100_m2, double deepest,
+                     const std::function<double(double, double)>& ground) {
+  std::mt19937 random(test_seed() + 1);
+  std::uniform_real_distribution<double> along(0, size), depth(2, deepest), near(-1, 1);
+  std::discrete_distribution<int> more({8, 1, 1});
+  const std::size_t before = cloud.size();
+  const auto all = before + static_cast<std::size_t>(per_100_m2 * size * size / 100);
+  while (cloud.size() < all) {
+    const double x = along(random), y = along(random), down = depth(random);
+    add(cloud, x, y, ground(x, y) - down);
+    for (int k = more(random); k > 0; --k)
+      add(cloud, x + near(random), y + near(random), ground(x, y) - down + 0.3 * near(random));
+  }
+  return before;
+}
+
+/// So many that within 10 m each has others at its level or below.
+TEST(GroundFilter, ManyPitsPullNothing) {
+  SCOPED_TRACE(test_seed());
+  const auto gentle = [](double x, double y) { return 20 + 0.02 * x + 0.5 * std::sin(y / 30); };
+  const std::vector<Polygon> houses = {box(30, 30, 50, 45), box(70, 30, 82, 60),
+                                       box(30, 75, 60, 87)};
+  for (const double per_m2 : {2.0, 8.0, 20.0}) {
+    for (const double deepest : {20.0, 100.0}) {
+      for (const double pits : {1.3, 5.0}) {
+        for (const bool known : {true, false}) {
+          PointCloud cloud = scan(110, per_m2, houses, 7, gentle);
+          const std::size_t first = add_pits(cloud, 110, pits, deepest, gentle);
+          const auto found = filter_ground(cloud, known ? houses : std::vector<Polygon>{});
+          double missed = 0, ground = 0;
+          for (std::size_t p = 0; p < first; ++p) {
+            if (cloud.z[p] > gentle(cloud.x[p], cloud.y[p]) + 3) continue;
+            ground += 1;
+            missed += found[p] == 0 ? 1 : 0;
+          }
+          const auto taken = std::count(found.begin() + static_cast<std::ptrdiff_t>(first),
+                                        found.end(), std::uint8_t{1});
+          const std::string name = "points " + std::to_string(per_m2) + ", deepest " +
+                                   std::to_string(deepest) + ", pits " + std::to_string(pits);
+          EXPECT_LT(missed / ground, 0.02) << name;
+          EXPECT_LT(static_cast<double>(taken), 0.06 * static_cast<double>(cloud.size() - first))
+              << name;
+        }
+      }
+    }
+  }
+}
+
+/// What is low and narrow is no pit.
+TEST(GroundFilter, LowPlacesAreGround) {
+  SCOPED_TRACE(test_seed());
+  struct Place {
+    const char* name;
+    double low;  ///< What is lower counts.
+    std::function<double(double, double)> ground;
+  };
+  const auto within = [](double v, double from, double to) { return v > from && v < to; };
+  const std::vector<Place> places = {
+      {"shaft", -7, [](double x, double y) { return std::hypot(x - 60, y - 60) < 3.5 ? -8.0 : 0; }},
+      {"quarry", -4, [](double x, double) { return x < 61.3 ? 0.0 : -20; }},
+      {"canal", -2, [&](double x, double y) { return within(x - 0.3 * y, 40, 44) ? -3.0 : 0; }},
+      {"underpass", -2,
+       [&](double x, double y) {
+         return within(y, 55, 62) ? -std::clamp(6 - std::abs(x - 60) / 8, 0.0, 5.0) : 0;
+       }},
+      {"lane", 2, [&](double x, double y) { return within(x, 60, 62) || y < 20 ? 0.0 : 9; }},
+      {"hillside", 200, [](double x, double y) { return 0.8 * x + 0.6 * y; }},
+      {"valley", 200, [](double x, double y) { return std::abs(0.12 * x + 0.09 * y - 12); }},
+  };
+  for (const Place& place : places) {
+    for (const double per_m2 : {0.5, 2.0, 20.0}) {
+      const PointCloud cloud = scan(120, per_m2, {}, 0, place.ground);
+      const auto found = filter_ground(cloud, {});
+      double missed = 0, low = 0;
+      for (std::size_t p = 0; p < cloud.size(); ++p) {
+        if (cloud.z[p] > place.low) continue;
+        low += 1;
+        missed += found[p] == 0 ? 1 : 0;
+      }
+      EXPECT_LT(missed / low, per_m2 < 1 ? 0.06 : 0.03) << place.name << ", " << per_m2;
+    }
+  }
 }
 
 TEST(GroundFilter, LooksAtTheClassesGivenOnly) {
