@@ -249,9 +249,11 @@ void Improver::make_room() {
     return mark_buried_roofs(columns_.mesh, columns_.plan, bad, marks);
   });
   options.cut.feet.assign(columns_.plan.ground.size(), std::numeric_limits<double>::infinity());
-  cut_from(options, [&](std::span<const std::uint8_t> bad, CutMarks& marks) {
-    return mark_feet(columns_.mesh, columns_.plan, bad, options.cut_slopes.at_start, marks);
-  });
+  for (const double share : {0.0, 0.5})  // as few feet as do
+    cut_from(options, [&](std::span<const std::uint8_t> bad, CutMarks& marks) {
+      return mark_feet(columns_.mesh, columns_.plan, bad, {options.cut_slopes.at_start, share},
+                       marks);
+    });
 }
 
 }  // namespace

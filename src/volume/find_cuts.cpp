@@ -94,7 +94,7 @@ std::int64_t mark_buried_roofs(const ColumnMesh& mesh, const ColumnPlan& plan,
 }
 
 std::int64_t mark_feet(const ColumnMesh& mesh, const ColumnPlan& plan,
-                       std::span<const std::uint8_t> bad, double slope, CutMarks& marks) {
+                       std::span<const std::uint8_t> bad, const FootRule& rule, CutMarks& marks) {
   std::int64_t marked = 0;
   for (std::size_t t = 0; t < mesh.triangle_count(); ++t) {
     if (bad[t] == 0 || mesh.inside_building(t)) continue;
@@ -102,12 +102,12 @@ std::int64_t mark_feet(const ColumnMesh& mesh, const ColumnPlan& plan,
       return static_cast<std::size_t>(mesh.ground.triangles[t][k % 3]);
     };
     std::array<double, 3> foot{kInfinity, kInfinity, kInfinity};
-    if (is_steeper(mesh.ground, t, plan.ground, slope)) {
+    if (is_steeper(mesh.ground, t, plan.ground, rule.slope)) {
       const auto [low, high] =
           std::minmax({plan.ground[corner(0)], plan.ground[corner(1)], plan.ground[corner(2)]});
-      // Of a wall both ends: one by itself may be far from what rises right before its middle.
       for (std::size_t i = 0; i < 3; ++i)
-        if (const double z = plan.ground[corner(i)]; z < (low + high) / 2) foot[i] = z;
+        if (const double z = plan.ground[corner(i)]; z <= low + rule.share * (high - low))
+          foot[i] = z;
     }
     for (std::size_t i = 0; i < 3; ++i) {
       const std::size_t v = corner(i);

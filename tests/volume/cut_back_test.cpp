@@ -206,11 +206,12 @@ TEST(CutBack, MarksTheFeetOfCliffsWithBadCells) {
   const CellQuality cells = measure_cells(result.mesh, 10'000'000);
   std::size_t most = 0;
   for (const double least : {0.5, 14.0, 60.0})
-    for (const double slope : {0.5, 3.0, 100.0}) {
+    for (const FootRule rule :
+         {FootRule{0.5, 0.0}, {0.5, 0.5}, {3.0, 0.0}, {3.0, 0.5}, {100.0, 0.5}}) {
       const AngleBounds bounds{least, 159.5};
       std::int64_t bad = 0;
       std::vector<std::uint8_t> bad_triangles(result.mesh.triangle_count(), 0);
-      std::vector<std::pair<std::size_t, double>> steep;  // triangles and their lowest ground
+      std::vector<std::pair<std::size_t, double>> steep;  // triangles and where feet end
       for (const WorstCell& cell : cells.worst) {
         if (cell.min_dihedral_deg >= least && cell.max_dihedral_deg <= 159.5) continue;
         ++bad;
@@ -231,8 +232,8 @@ TEST(CutBack, MarksTheFeetOfCliffsWithBadCells) {
         const double ly = p[0][1] + share * (p[2][1] - p[0][1]) - p[1][1];
         const double across =
             std::abs(lx * (p[2][1] - p[0][1]) - ly * (p[2][0] - p[0][0])) / std::hypot(lx, ly);
-        if (!((p[2][2] - p[0][2]) / across > slope)) continue;
-        steep.emplace_back(t, (p[0][2] + p[2][2]) / 2);
+        if (!((p[2][2] - p[0][2]) / across > rule.slope)) continue;
+        steep.emplace_back(t, p[0][2] + rule.share * (p[2][2] - p[0][2]));
       }
       EXPECT_EQ(count_bad_cells(result.mesh, bounds), bad);
       std::vector<std::uint8_t> with_faces = bad_triangles;
@@ -240,12 +241,12 @@ TEST(CutBack, MarksTheFeetOfCliffsWithBadCells) {
       EXPECT_EQ(find_bad_triangles(result.mesh, bounds), with_faces);
       CutMarks marks;
       marks.feet.assign(result.plan.ground.size(), infinity);
-      const std::int64_t marked = mark_feet(result.mesh, result.plan, bad_triangles, slope, marks);
+      const std::int64_t marked = mark_feet(result.mesh, result.plan, bad_triangles, rule, marks);
       std::set<std::size_t> allowed;
-      for (const auto& [t, middle] : steep)
+      for (const auto& [t, end] : steep)
         for (const VertexIndex c : result.mesh.ground.triangles[t]) {
           const auto v = static_cast<std::size_t>(c);
-          if (!(result.plan.ground[v] < middle)) continue;
+          if (result.plan.ground[v] > end) continue;
           allowed.insert(v);
           EXPECT_EQ(marks.feet[v], result.plan.ground[v]) << "triangle " << t;
         }
@@ -256,7 +257,7 @@ TEST(CutBack, MarksTheFeetOfCliffsWithBadCells) {
         EXPECT_TRUE(allowed.count(v) == 1 && marks.feet[v] == result.plan.ground[v]) << v;
       }
       EXPECT_EQ(feet, marked);
-      EXPECT_EQ(mark_feet(result.mesh, result.plan, bad_triangles, slope, marks), 0)
+      EXPECT_EQ(mark_feet(result.mesh, result.plan, bad_triangles, rule, marks), 0)
           << "marked twice";
       most = std::max(most, static_cast<std::size_t>(feet));
     }
@@ -279,7 +280,7 @@ TEST(CutBack, CutsBackWhatRisesBeforeTheMiddleOfASunkenWall) {
   marks.feet.assign(4, std::numeric_limits<double>::infinity());
   const std::vector<std::uint8_t> bad{1, 0};
   const CutSlopes slopes;
-  EXPECT_EQ(mark_feet(columns, plan, bad, slopes.at_start, marks), 2);
+  EXPECT_EQ(mark_feet(columns, plan, bad, {slopes.at_start, 0.5}, marks), 2);
   std::vector<double> ground = plan.ground;
   cut_back(mesh, plan.building, plan.roofs, marks, slopes, ground);
   EXPECT_NEAR(ground[2], -1.7 + 0.6 * slopes.at_start, 1e-12);
@@ -294,7 +295,7 @@ TEST(CutBack, MarksTheFeetOfWallsTooLowForTheEdgesBesideThem) {
   CutMarks marks;
   marks.feet.assign(result.plan.ground.size(), std::numeric_limits<double>::infinity());
   const std::vector<std::uint8_t> all_triangles(result.mesh.triangle_count(), 1);
-  const std::int64_t marked = mark_feet(result.mesh, result.plan, all_triangles, 0.5, marks);
+  const std::int64_t marked = mark_feet(result.mesh, result.plan, all_triangles, {0.5, 0}, marks);
   EXPECT_GT(marked, 5);
   const double tangent = std::tan(15 * std::numbers::pi / 180);
   int feet = 0;

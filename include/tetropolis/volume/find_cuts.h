@@ -22,13 +22,20 @@ std::vector<std::uint8_t> find_bad_triangles(const ColumnMesh& mesh, const Angle
 std::int64_t mark_buried_roofs(const ColumnMesh& mesh, const ColumnPlan& plan,
                                std::span<const std::uint8_t> bad, CutMarks& marks);
 
-/// For every bad triangle outside buildings: marks as feet, where their ground is, the vertices in
-/// the lower half of its rise, if the triangle is steeper than `slope` (tangent); and, 15 degrees
-/// below the roof as seen from the other end of their longest edge in it, its vertices on walls
-/// whose ground is higher. Returns how often that was not marked before, or is lower now. `plan` is
-/// the one `mesh` was made with; `bad` has one entry per triangle; `marks.feet` has its size.
+/// Which vertices of a bad triangle become feet.
+struct FootRule {
+  double slope = 1;  ///< Tangent; of triangles that are steeper,
+  double share = 0;  ///< those in this share of the triangle's rise, from below. With a half, of a
+                     ///< wall both ends: one may be far from what rises right before its middle.
+};
+
+/// For every bad triangle outside buildings: marks as feet, where their ground is, the vertices
+/// that `rule` says; and, 15 degrees below the roof as seen from the other end of their longest
+/// edge in it, its vertices on walls whose ground is higher. Returns how often that was not marked
+/// before, or is lower now. `plan` is the one `mesh` was made with; `bad` has one entry per
+/// triangle; `marks.feet` has its size.
 std::int64_t mark_feet(const ColumnMesh& mesh, const ColumnPlan& plan,
-                       std::span<const std::uint8_t> bad, double slope, CutMarks& marks);
+                       std::span<const std::uint8_t> bad, const FootRule& rule, CutMarks& marks);
 
 /// A cut that was tried on a mesh: per vertex the elevation of the ground, per triangle whether it
 /// was bad (find_bad_triangles).
