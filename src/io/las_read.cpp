@@ -29,8 +29,8 @@ constexpr std::int64_t kPointsPerTask = 250'000;
 /// Where chunks differ in size, a task begins by passing over the points of a chunk before its own.
 constexpr std::int64_t kPointsPerVariableTask = 1'000'000;
 constexpr std::int64_t kLeastTwin = 100;  // points of which two equal boxes are no coincidence
-constexpr std::int64_t kSampled =
-    1000;  // points compared in one place, of classes hardly one alone
+/// Points compared in one place; enough that they hardly all have one class.
+constexpr std::int64_t kSampled = 1000;
 /// Bytes behind the last point counted that are points, where an empty chunk may follow.
 constexpr std::int64_t kLeastLeftOver = 64;
 

@@ -27,10 +27,10 @@ struct OutputWatcher {
 /// of them are undone. Without commit() the destructor removes everything, the target is as it was.
 ///
 /// A process that is killed leaves its hidden folder behind, and so does one that cannot undo its
-/// moves. The next OutputFolder for the same
-/// target removes it, and puts the earlier results back (or removes the half of a new one) if the
-/// kill fell between the moves. Folders of processes that still run are left alone: each holds a
-/// lock (flock) on its own, so on file systems without such locks nothing is removed.
+/// moves. The next OutputFolder for the same target removes it, and puts the earlier results back
+/// (or removes the half of a new one) if the kill fell between the moves. Folders of processes that
+/// still run are left alone: each holds a lock (flock) on its own, so on file systems without such
+/// locks nothing is removed.
 class OutputFolder {
  public:
   /// Creates the hidden folder. Throws Error(kUsage) if the target is a file, holds a folder with
