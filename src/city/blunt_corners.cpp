@@ -93,7 +93,7 @@ class CornerBlunter {
   bool cut_off(std::int32_t v, const Walls& walls, double reach) {
     OutlineChange c = vertex_change(o_, v, ChangeKind::kMove);
     const Point2 tip = o_.at(v), a = o_.at(c.first), b = o_.at(c.last);
-    const auto [la, lb, sine, ring_area] = walls;
+    const double la = walls.la, lb = walls.lb;
     // What would be left of a wall is not to be a short edge: then all of the wall goes.
     const double rest = options_.epsilon + kRounding;
     bool all_of_a = la - reach < rest, all_of_b = lb - reach < rest;
@@ -108,7 +108,7 @@ class CornerBlunter {
     };
     if (!all_of_a) add(a, la);
     if (!all_of_b) add(b, lb);
-    return !walls.is_most(reach * reach * sine) &&
+    return !walls.is_most(reach * reach * walls.sine) &&
            replace_if_better(c, old_path(o_, c), new_path(o_, c));
   }
 

@@ -36,8 +36,7 @@ constexpr int kLocalHullRounds = 6;  ///< Hulls of surroundings whose radius dou
 constexpr int kBluntRounds = 8;      ///< Corners whose neighbours change; two do nearly always.
 /// Corners of footprints stay angles of cells, of which few are to be below 12 degrees.
 constexpr double kSharpDegrees = 13.5;
-/// What sharp corners that have no room otherwise may take with them; about a garden shed on a
-/// yard.
+/// What sharp corners without room for anything else may take with them; little of a building.
 constexpr double kSmallArea = 25 * grid::kSquareMetre;
 constexpr double kMargin = 3;  ///< Steps, at the domain's boundary.
 constexpr double kMaxShift = 0.02 * grid::kSteps;
@@ -112,6 +111,7 @@ Simplifier::Simplifier(std::span<const Polygon> cleaned, const Bounds2& domain,
     : domain_(domain),
       options_(options),
       progress_(progress),
+      // Not a step more where the product is a little above a whole number.
       epsilon_(std::ceil(options.min_distance * grid::kSteps - 1e-6)),
       keep_inside_(inner_box(domain, epsilon_ + kMargin)),
       input_(cleaned, keep_inside_) {}

@@ -10,7 +10,6 @@
 #include <system_error>
 
 #include <fcntl.h>
-#include <sys/stat.h>
 #include <unistd.h>
 #if H5_VERSION_GE(1, 13, 0)
 #include <H5FDdevelop.h>
@@ -131,7 +130,7 @@ H5FD_class_t make_driver_class() {
   H5FD_class_t driver{};
 #if H5_VERSION_GE(1, 13, 0)
   driver.version = H5FD_CLASS_VERSION;
-  driver.value = static_cast<H5FD_class_value_t>(256);  // the first for whom it may concern
+  driver.value = static_cast<H5FD_class_value_t>(256);  // of those for unregistered drivers
 #endif
   driver.name = "tetropolis";
   driver.maxaddr = kMostBytes;

@@ -9,6 +9,7 @@
 #include <string_view>
 #include <vector>
 
+#include "tetropolis/geometry/types.h"
 #include "tetropolis/io/las.h"
 
 #include "las_chunk_table.h"
@@ -39,6 +40,11 @@ struct LasLayout {
   /// LAZ: what is wrong with a file without a table of which all points are there; "" if nothing.
   std::string table_cut;
 };
+
+/// In CRS coordinates.
+inline Point2 position(const LasInfo& info, std::int32_t x, std::int32_t y) {
+  return {x * info.scale[0] + info.offset[0], y * info.scale[1] + info.offset[1]};
+}
 
 /// One variable length record.
 struct Vlr {

@@ -13,6 +13,8 @@
 #include "tetropolis/core/error.h"
 #include "tetropolis/core/parallel.h"
 
+#include "median.h"
+
 namespace tetropolis {
 
 namespace {
@@ -109,12 +111,6 @@ class Cells {
   std::vector<std::uint32_t> offsets_;
   std::vector<PointNumber> points_;
 };
-
-double median(std::vector<double>& values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
 
 /// What one chunk of rows found.
 struct Findings {
