@@ -113,6 +113,52 @@ double piece_area(const std::vector<Segment>& piece, std::vector<DifferenceStrip
   return sum;
 }
 
+using Member = std::pair<std::int32_t, std::int32_t>;  // the root of a set, and what is in it
+
+/// Set by set, each in order.
+std::vector<Member> by_root(DisjointSets& sets, std::size_t size) {
+  std::vector<Member> order;
+  for (std::int32_t i = 0; i < static_cast<std::int32_t>(size); ++i)
+    order.emplace_back(sets.root(i), i);
+  std::sort(order.begin(), order.end());
+  return order;
+}
+
+/// Joins pieces, the sets of segments that touch each other, to those that they lie inside: that
+/// is not part of the difference twice, nor is what a strip covers, then.
+void join_nested(const std::vector<Segment>& segments, const EdgeGrid& index, const Bounds2& box,
+                 DisjointSets& sets) {
+  std::vector<Member> inside;  // pieces, and others around them
+  std::vector<std::int32_t> crossed;
+  const std::vector<Member> order = by_root(sets, segments.size());
+  for (std::size_t i = 0; i < order.size();) {
+    const std::int32_t root = order[i].first;
+    // Other pieces do not touch this one, so all of it lies inside the same of them.
+    Point2 p = segments[static_cast<std::size_t>(order[i].second)].a;
+    for (; i < order.size() && order[i].first == root; ++i) {
+      const Segment& s = segments[static_cast<std::size_t>(order[i].second)];
+      for (const Point2 q : {s.a, s.b})
+        if (q.x < p.x) p = q;
+    }
+    crossed.clear();
+    index.visit({box.xmin, p.y, p.x, p.y}, [&](std::int32_t k) {
+      const Segment& s = segments[static_cast<std::size_t>(k)];
+      if (s.a.y <= p.y && s.b.y > p.y && grid::orientation(s.a, s.b, p) < 0) crossed.push_back(k);
+    });
+    std::sort(crossed.begin(), crossed.end());
+    crossed.erase(std::unique(crossed.begin(), crossed.end()), crossed.end());
+    for (std::int32_t& k : crossed) k = sets.root(k);
+    std::sort(crossed.begin(), crossed.end());
+    for (std::size_t k = 0; k < crossed.size();) {
+      const auto [first, last] = std::equal_range(crossed.begin() + static_cast<std::ptrdiff_t>(k),
+                                                  crossed.end(), crossed[k]);
+      if ((last - first) % 2 == 1) inside.emplace_back(root, *first);
+      k = static_cast<std::size_t>(last - crossed.begin());
+    }
+  }
+  for (const auto& [piece, other] : inside) sets.join(piece, other);
+}
+
 }  // namespace
 
 double changed_area(std::span<const Polygon> before, std::span<const Polygon> after,
@@ -137,32 +183,16 @@ double changed_area(std::span<const Polygon> before, std::span<const Polygon> af
     });
     index.insert(id, s.a, s.b);
   }
-  std::vector<std::pair<std::int32_t, std::int32_t>> order;
-  for (std::size_t i = 0; i < segments.size(); ++i)
-    order.emplace_back(sets.root(static_cast<std::int32_t>(i)), static_cast<std::int32_t>(i));
-  std::sort(order.begin(), order.end());
-  std::vector<std::int32_t> seen(segments.size(), -1);
+  join_nested(segments, index, box, sets);
   double sum = 0;
   std::vector<Segment> piece;
+  const std::vector<Member> order = by_root(sets, segments.size());
   for (std::size_t i = 0; i < order.size();) {
     piece.clear();
     const std::int32_t root = order[i].first;
     for (; i < order.size() && order[i].first == root; ++i)
       piece.push_back(segments[static_cast<std::size_t>(order[i].second)]);
-    // Other pieces do not touch this one, so all of it lies inside the same of them.
-    Point2 p = piece[0].a;
-    for (const Segment& s : piece)
-      for (const Point2 q : {s.a, s.b})
-        if (q.x < p.x) p = q;
-    bool inside = false;
-    index.visit({box.xmin, p.y, p.x, p.y}, [&](std::int32_t k) {
-      const Segment& s = segments[static_cast<std::size_t>(k)];
-      if (seen[static_cast<std::size_t>(k)] == root || sets.root(k) == root) return;
-      seen[static_cast<std::size_t>(k)] = root;
-      if (s.a.y <= p.y && s.b.y > p.y && grid::orientation(s.a, s.b, p) < 0) inside = !inside;
-    });
-    const double size = piece_area(piece, strips);
-    sum += inside ? -size : size;
+    sum += piece_area(piece, strips);
   }
   return sum;
 }

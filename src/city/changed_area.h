@@ -33,10 +33,9 @@ struct DifferenceStrip {
 /// Area of what is in exactly one of the regions `before` and `after`, in square steps; each is a
 /// list of valid polygons with disjoint interiors, in steps, outer rings counter-clockwise and
 /// holes clockwise. Edges that both share cancel; the rest fall into connected pieces, each of
-/// which bounds, by the even-odd rule, a part of the difference. (A piece that lies inside what
-/// another one bounds is taken off.) The time is near-linear in the number of edges where the
-/// regions differ in many small places. If asked for, `strips` gets the parts the area is made of;
-/// they cover the difference, and also what lies inside nested pieces.
+/// which bounds, by the even-odd rule and with the pieces that lie inside it, a part of the
+/// difference. The time is near-linear in the number of edges where the regions differ in many
+/// small places. If asked for, `strips` gets the parts the area is made of.
 double changed_area(std::span<const Polygon> before, std::span<const Polygon> after,
                     std::vector<DifferenceStrip>* strips = nullptr);
 

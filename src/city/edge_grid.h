@@ -39,14 +39,41 @@ class EdgeGrid {
   /// The same id may come several times. The order depends on the history of calls only.
   template <typename Visit>
   void visit(const Bounds2& box, const Visit& visit_id) const {
-    if (head_.empty()) return;
+    visit_cells(box, [&](std::size_t cell) { visit_cell(cell, visit_id); });
+  }
+
+  /// Whether is_wanted(id) for a segment whose cells overlap `box`; stops at the first.
+  template <typename Predicate>
+  bool any(const Bounds2& box, const Predicate& is_wanted) const {
+    if (head_.empty()) return false;
     const std::int32_t x0 = column(box.xmin), x1 = column(box.xmax);
     const std::int32_t y0 = row(box.ymin), y1 = row(box.ymax);
     for (std::int32_t y = y0; y <= y1; ++y)
       for (std::int32_t x = x0; x <= x1; ++x)
         for (std::int32_t e = head_[index(x, y)]; e >= 0;
              e = pool_[static_cast<std::size_t>(e)].next)
-          visit_id(pool_[static_cast<std::size_t>(e)].id);
+          if (is_wanted(pool_[static_cast<std::size_t>(e)].id)) return true;
+    return false;
+  }
+
+  /// Cells have the numbers from 0 on.
+  std::size_t cell_count() const { return head_.size(); }
+
+  /// Calls visit_cell(cell) for every cell that overlaps `box`.
+  template <typename Visit>
+  void visit_cells(const Bounds2& box, const Visit& visit_cell) const {
+    if (head_.empty()) return;
+    const std::int32_t x0 = column(box.xmin), x1 = column(box.xmax);
+    const std::int32_t y0 = row(box.ymin), y1 = row(box.ymax);
+    for (std::int32_t y = y0; y <= y1; ++y)
+      for (std::int32_t x = x0; x <= x1; ++x) visit_cell(index(x, y));
+  }
+
+  /// Calls visit_id(id) for every segment listed in the cell.
+  template <typename Visit>
+  void visit_cell(std::size_t cell, const Visit& visit_id) const {
+    for (std::int32_t e = head_[cell]; e >= 0; e = pool_[static_cast<std::size_t>(e)].next)
+      visit_id(pool_[static_cast<std::size_t>(e)].id);
   }
 
  private:

@@ -5,98 +5,21 @@
 #include <cmath>
 #include <cstddef>
 #include <iterator>
+#include <limits>
+#include <optional>
 #include <tuple>
 #include <utility>
 
 #include "tetropolis/core/error.h"
-#include "tetropolis/core/parallel.h"
 #include "tetropolis/geometry/polygon.h"
 
 #include "city/grid_geometry.h"
 #include "city/outline.h"
 #include "city/overlay.h"
-#include "core/disjoint_sets.h"
 
 namespace tetropolis {
 
 namespace {
-
-/// Sets of `size` things, of which body(begin, end, sets) joins those that it finds in a chunk of
-/// [0, work): in sets of its own, which are put together afterwards. Which sets come out depends on
-/// no order.
-template <typename Body>
-void join_in_chunks(std::size_t work, std::size_t size, DisjointSets& sets, const Body& body) {
-  constexpr std::size_t kChunks = 8;  // each costs a list of all things, or of all edges
-  const std::size_t grain = std::max<std::size_t>(grain_of_chunks(work, kChunks), 256);
-  std::vector<DisjointSets> found((work + grain - 1) / grain, DisjointSets(0));
-  parallel_chunks(work, grain, [&](std::size_t begin, std::size_t end) {
-    DisjointSets local(size);
-    body(static_cast<std::int32_t>(begin), static_cast<std::int32_t>(end), local);
-    found[begin / grain] = std::move(local);
-  });
-  for (DisjointSets& local : found)
-    for (std::int32_t i = 0; i < static_cast<std::int32_t>(size); ++i)
-      if (const std::int32_t root = local.root(i); root != i) sets.join(root, i);
-}
-
-void join_near_edges(const Outline& o, double distance, std::size_t polygons, DisjointSets& sets) {
-  std::vector<std::int32_t> group(o.point.size());
-  for (std::int32_t e = 0; e < o.vertex_count(); ++e)
-    group[static_cast<std::size_t>(e)] = o.group_of(e);
-  const auto join = [&](std::int32_t begin, std::int32_t end, DisjointSets& local) {
-    for (std::int32_t e = begin; e < end; ++e) {
-      const Point2 a = o.at(e), b = o.at(o.after(e));
-      std::int32_t root = local.root(group[static_cast<std::size_t>(e)]);
-      o.grid.visit(grid::box_of(a, b).grown(distance), [&](std::int32_t f) {
-        if (f <= e) return;
-        // Where many overlap, nearly all pairs are joined already: that has to be seen at once.
-        const std::int32_t other = group[static_cast<std::size_t>(f)];
-        if (local.root(other) == root) return;
-        if (!(grid::segment_distance(a, b, o.at(f), o.at(o.after(f))) < distance)) return;
-        local.join(root, other);
-        root = local.root(root);
-      });
-    }
-  };
-  join_in_chunks(o.point.size(), polygons, sets, join);
-}
-
-/// Joins polygons to those that contain them: even-odd count, per other polygon, of the edges left
-/// of a vertex. Boundaries of polygons not yet joined are apart, so any vertex will do.
-void join_contained(const Outline& o, std::span<const Polygon> polygons, DisjointSets& sets) {
-  double widest = 0;
-  std::vector<Bounds2> boxes;
-  boxes.reserve(polygons.size());
-  for (const Polygon& polygon : polygons) {
-    boxes.push_back(bounds(polygon));
-    widest = std::max(widest, boxes.back().width());
-  }
-  const auto join = [&](std::int32_t begin, std::int32_t end, DisjointSets& local) {
-    std::vector<std::int32_t> seen(o.point.size(), -1);
-    std::vector<std::int32_t> crossed;
-    for (std::int32_t r = begin; r < end; ++r) {
-      const auto ring = static_cast<std::size_t>(r);
-      if (o.is_hole[ring] != 0) continue;
-      const Point2 p = o.at(o.first[ring]);
-      crossed.clear();
-      o.grid.visit({p.x - widest, p.y, p.x, p.y}, [&](std::int32_t e) {
-        if (seen[static_cast<std::size_t>(e)] == r) return;
-        seen[static_cast<std::size_t>(e)] = r;
-        // Of polygons around p the search sees all edges left of p; of others perhaps not.
-        if (!boxes[static_cast<std::size_t>(o.group_of(e))].contains(p)) return;
-        if (grid::crossing_side(o.at(e), o.at(o.after(e)), p) < 0) crossed.push_back(o.group_of(e));
-      });
-      std::sort(crossed.begin(), crossed.end());
-      for (std::size_t i = 0; i < crossed.size();) {
-        std::size_t j = i;
-        while (j < crossed.size() && crossed[j] == crossed[i]) ++j;
-        if ((j - i) % 2 == 1) local.join(o.group[ring], crossed[i]);
-        i = j;
-      }
-    }
-  };
-  join_in_chunks(o.first.size(), polygons.size(), sets, join);
-}
 
 /// The share [t0, t1] of a-b within `reach` of c-d; empty (t0 > t1) if none is. The distance to a
 /// segment is a convex function along a-b, so both ends are found by bisection from its minimum.
@@ -143,32 +66,49 @@ bool passed_over(const Outline& o, const std::vector<EdgePair>& pairs, std::int3
          edges_face(o.at(other), o.at(o.after(other)), c, d, distance);
 }
 
-std::vector<EdgePair> pairs_between(const Outline& o, double distance) {
+/// Edges of different polygons that are closer than `distance`, ascending. None, not all of them,
+/// if they are more than `most`.
+std::optional<std::vector<EdgePair>> pairs_between(
+    const Outline& o, double distance, std::size_t most = std::numeric_limits<std::size_t>::max()) {
   std::vector<EdgePair> pairs;
   for (std::int32_t e = 0; e < o.vertex_count(); ++e) {
     const Point2 a = o.at(e), b = o.at(o.after(e));
+    const auto own = static_cast<std::ptrdiff_t>(pairs.size());
     o.grid.visit(grid::box_of(a, b).grown(distance), [&](std::int32_t f) {
       if (f <= e || o.group_of(e) == o.group_of(f)) return;
       if (grid::segment_distance(a, b, o.at(f), o.at(o.after(f))) < distance)
         pairs.emplace_back(e, f);
     });
+    std::sort(pairs.begin() + own, pairs.end());
+    pairs.erase(std::unique(pairs.begin() + own, pairs.end()), pairs.end());
+    if (pairs.size() > most) return std::nullopt;
   }
-  std::sort(pairs.begin(), pairs.end());
-  pairs.erase(std::unique(pairs.begin(), pairs.end()), pairs.end());
   return pairs;
 }
 
-std::vector<Polygon> patches_between(std::span<const Polygon> parts, double distance,
-                                     double reach) {
-  const Outline o = outline_for(pointers_to(parts), distance);
-  const std::vector<EdgePair> pairs = pairs_between(o, distance);
+/// The polygons with patches in the gaps between them that are narrower than `distance`. Where each
+/// is near very many others, narrower gaps are closed first, so that most of these pairs, which
+/// others lie between, never get a patch.
+std::vector<Polygon> with_gaps_closed(std::vector<Polygon> parts, double distance, double reach) {
+  constexpr std::size_t kCrowd = 8, kFewPairs = 2000;
+  constexpr double kFinest = 0.01 * grid::kSteps;
+  Outline o = outline_for(pointers_to(parts), distance);
+  std::optional<std::vector<EdgePair>> pairs;
+  if (distance > kFinest) pairs = pairs_between(o, distance, kCrowd * o.point.size() + kFewPairs);
+  if (!pairs) {
+    if (distance > kFinest) {
+      parts = with_gaps_closed(std::move(parts), distance / 2, reach / 2);
+      o = outline_for(pointers_to(parts), distance);
+    }
+    pairs = pairs_between(o, distance);
+  }
   std::vector<Polygon> patches;
-  for (const auto& [e, f] : pairs) {
-    if (passed_over(o, pairs, e, f, distance) || passed_over(o, pairs, f, e, distance)) continue;
+  for (const auto& [e, f] : *pairs) {
+    if (passed_over(o, *pairs, e, f, distance) || passed_over(o, *pairs, f, e, distance)) continue;
     Ring patch = gap_patch(o.at(e), o.at(o.after(e)), o.at(f), o.at(o.after(f)), reach);
     if (!patch.empty()) patches.push_back({std::move(patch), {}});
   }
-  return patches;
+  return patches.empty() ? parts : add_on_grid(parts, patches);
 }
 
 /// The shortest way between two segments.
@@ -193,7 +133,8 @@ std::vector<Polygon> bridges_between(std::span<const Polygon> parts, double dist
     std::int32_t e, f;
   };
   std::vector<Bridge> bridges;
-  for (const auto& [e, f] : pairs_between(o, distance)) {
+  const auto pairs = pairs_between(o, distance);
+  for (const auto& [e, f] : *pairs) {
     const auto [i, j] = std::minmax({o.group_of(e), o.group_of(f)});
     bridges.push_back(
         {i, j, grid::segment_distance(o.at(e), o.at(o.after(e)), o.at(f), o.at(o.after(f))), e, f});
@@ -225,20 +166,6 @@ Polygon hull_of(std::span<const Polygon> polygons) {
 }
 
 }  // namespace
-
-std::vector<std::int32_t> cluster_polygons(std::span<const Polygon> polygons, double distance) {
-  const Outline o = outline_for(pointers_to(polygons), distance);
-  DisjointSets sets(polygons.size());
-  join_near_edges(o, distance, polygons.size(), sets);
-  join_contained(o, polygons, sets);
-  std::vector<std::int32_t> cluster(polygons.size());
-  std::int32_t count = 0;
-  for (std::size_t i = 0; i < polygons.size(); ++i) {
-    const auto root = static_cast<std::size_t>(sets.root(static_cast<std::int32_t>(i)));
-    cluster[i] = root == i ? count++ : cluster[root];
-  }
-  return cluster;
-}
 
 Polygon box_along(std::span<const Point2> points, Point2 from, Point2 to, double distance) {
   const double length = grid::distance(from, to);
@@ -294,8 +221,7 @@ MergedPolygon merge_polygons(std::span<const Polygon> cluster, double distance, 
   std::vector<Polygon> parts = result.input;
   double reach = distance * (1 + 1e-3);
   for (int k = 1; k <= std::max(growths, 1) && parts.size() > 1; ++k, reach *= 2) {
-    const std::vector<Polygon> patches = patches_between(parts, distance, reach);
-    if (!patches.empty()) parts = add_on_grid(parts, patches);
+    parts = with_gaps_closed(std::move(parts), distance, reach);
     result.method = MergeMethod::kPatch;
     result.growths = k;
   }

@@ -1,5 +1,5 @@
-// Clusters of polygons closer than a distance, and their joining to one polygon (the paper's
-// Algorithms 1 to 3). Coordinates are steps throughout (grid_geometry.h).
+// Polygons that are close to each other become one (the paper's Algorithms 2 and 3). Coordinates
+// are steps throughout (grid_geometry.h).
 #pragma once
 
 #include <cstdint>
@@ -11,11 +11,6 @@
 #include "city/overlay.h"
 
 namespace tetropolis {
-
-/// The number of each polygon's cluster: polygons that overlap or are closer than `distance`,
-/// directly or through others. Clusters are numbered by their first polygon. The pairs come from a
-/// grid over all edges, in near-linear time (in place of Algorithm 1's bins over whole polygons).
-std::vector<std::int32_t> cluster_polygons(std::span<const Polygon> polygons, double distance);
 
 /// What fills the gap between segments a-b and c-d: the convex hull of the parts of each that are
 /// within `reach` of the other. Empty if that has no area. It generalises the hull of

@@ -117,10 +117,9 @@ class Fillings {
   bool meet(const Polygon& polygon) {
     bool touches = false;
     for_each_edge(polygon, [&](Point2 a, Point2 b) {
-      if (touches) return;
-      index_.visit(grid::box_of(a, b), [&](std::int32_t e) {
+      touches = touches || index_.any(grid::box_of(a, b), [&](std::int32_t e) {
         const Edge& edge = edges_[static_cast<std::size_t>(e)];
-        touches = touches || grid::segments_touch(a, b, edge.a, edge.b);
+        return grid::segments_touch(a, b, edge.a, edge.b);
       });
     });
     return touches || contain(polygon.outer[0]);

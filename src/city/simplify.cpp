@@ -18,6 +18,7 @@
 #include "tetropolis/geometry/polygon.h"
 
 #include "city/blunt_corners.h"
+#include "city/cluster_polygons.h"
 #include "city/grid_geometry.h"
 #include "city/group.h"
 #include "city/measure_changes.h"

@@ -48,6 +48,35 @@ Difference expect_distance(const std::vector<Polygon>& before, const std::vector
   return there;
 }
 
+double strip_area(const DifferenceStrip& s) {
+  const double middle = (s.low + s.high) / 2;
+  return (s.high - s.low) * (s.right.x_at(middle) - s.left.x_at(middle));
+}
+
+TEST(LargestDistance, StripsOfRingsInsideEachOtherAreTheDifference) {
+  // Thirty rings one in the other become one disc. Were each strip to go on through the rings
+  // inside it, these would be searched thirty times.
+  constexpr int kRings = 30;
+  std::vector<Polygon> rings;
+  double gaps = 0;  // square steps
+  for (int k = 0; k < kRings; ++k) {
+    Polygon ring = grid::to_steps(circle({100, 100}, 90 - 2 * k, 60));
+    const Polygon yard = grid::to_steps(circle({100, 100}, 89 - 2 * k, 60));
+    gaps += area(yard);
+    if (k > 0) gaps -= area(ring);
+    ring.holes = {Ring(yard.outer.rbegin(), yard.outer.rend())};
+    rings.push_back(ring);
+  }
+  const std::vector<Polygon> disc{{rings[0].outer, {}}};
+  std::vector<DifferenceStrip> strips;
+  EXPECT_NEAR(changed_area(rings, disc, &strips), gaps, 1e-9 * gaps);
+  double sum = 0;
+  for (const DifferenceStrip& strip : strips) sum += strip_area(strip);
+  EXPECT_NEAR(sum, gaps, 1e-9 * gaps);
+  const FarPoint far = largest_distance(rings, disc, strips, 0.01 * grid::kSteps);
+  EXPECT_NEAR(far.distance / grid::kSteps, (91 - 2 * kRings) * std::cos(std::acos(-1) / 60), 0.011);
+}
+
 TEST(LargestDistance, RingsInsideEachOther) {
   // Nothing of the inner box differs. Splitting it down to a centimetre would take for ever.
   expect_distance({box(0, 0, 1000, 800)}, {box(0.5, 0.5, 999, 799)}, 1799, std::sqrt(0.5));

@@ -18,8 +18,8 @@
 namespace tetropolis::testing {
 namespace {
 
-constexpr std::array kStages{"simplify", "ground",   "columns", "uniform",
-                             "quality",  "boundary", "write"};
+constexpr std::array kStages{"simplify", "crowd",   "ground",   "columns",
+                             "uniform",  "quality", "boundary", "write"};
 
 #if defined(__GNUC__) && defined(__x86_64__) && !defined(__clang__)
 const bool kWideKernels = __builtin_cpu_supports("avx2");

@@ -18,6 +18,7 @@ int main(int argc, char** argv) {
   const ThreadLimit limit(1);
   const WorkCity city = work_city(std::atoll(argv[1]));
   work_simplify(city);
+  work_crowd(city);
   const GroundMesh ground = work_ground(city);
   const ColumnMesh mesh = work_columns(city, ground);
   work_uniform(city, ground);

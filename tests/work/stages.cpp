@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <filesystem>
+#include <numbers>
 #include <stdexcept>
 #include <utility>
 
@@ -33,6 +34,28 @@ WorkCity work_city(std::int64_t buildings) {
   std::vector<Polygon> cleaned;
   for (const Polygon& footprint : city.raw) cleaned.push_back(clean_footprint(footprint).polygon);
   return simplify_footprints(cleaned, city.input->domain, {});
+}
+
+[[gnu::noinline]] Simplification work_crowd(const WorkCity& city) {
+  std::vector<Polygon> cleaned;
+  const auto add = [&](Ring outer) {
+    cleaned.push_back(clean_footprint({std::move(outer), {}}).polygon);
+  };
+  for (std::int64_t i = 0; i < 4 * city.buildings; ++i) {
+    for (int k = 0; k < 4; ++k) add({{10, 10}, {30, 10}, {30, 20}, {20, 20}, {20, 30}, {10, 30}});
+    const double x = 50 + 0.35 * static_cast<double>(i % 20);
+    const double y = 50 + 0.35 * static_cast<double>(i / 20);
+    add({{x, y}, {x + 0.3, y}, {x + 0.3, y + 0.3}, {x, y + 0.3}});
+  }
+  Ring star;
+  const auto arms = static_cast<double>(city.buildings);
+  for (double i = 0; i < 2 * arms; ++i) {
+    const double angle = std::numbers::pi * i / arms;
+    const double radius = std::fmod(i, 2) == 0 ? 20 : 80;
+    star.push_back({250 + radius * std::cos(angle), 250 + radius * std::sin(angle)});
+  }
+  add(std::move(star));
+  return simplify_footprints(cleaned, {0, 0, 500, 500}, {});
 }
 
 [[gnu::noinline]] GroundMesh work_ground(const WorkCity& city) {

@@ -32,6 +32,9 @@ struct UniformResult {
 };
 
 Simplification work_simplify(const WorkCity& city);
+/// Simplification where footprints crowd, in proportion to the buildings: copies of one, sheds far
+/// smaller than their distance, and a star with narrow arms.
+Simplification work_crowd(const WorkCity& city);
 GroundMesh work_ground(const WorkCity& city);
 /// Graded columns.
 ColumnMesh work_columns(const WorkCity& city, const GroundMesh& ground);
