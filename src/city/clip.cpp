@@ -2,12 +2,12 @@
 
 #include <algorithm>
 #include <array>
+#include <utility>
 
 #include "tetropolis/city/city_model.h"
 #include "tetropolis/city/clean.h"
 #include "tetropolis/geometry/polygon.h"
 
-#include "city/group.h"
 #include "geometry/geos.h"
 
 namespace tetropolis {
@@ -26,17 +26,27 @@ std::vector<Polygon> parts_in_box(const Polygon& polygon, const Bounds2& box) {
       .value_or(std::vector<Polygon>());
 }
 
-Polygon clip_to_box(const Polygon& polygon, const Bounds2& box, double* lost_area) {
-  const std::vector<Polygon> parts = parts_in_box(polygon, box);
-  if (lost_area != nullptr) *lost_area = 0;
-  if (parts.empty()) return {};
-  Polygon part = largest(parts);
-  if (lost_area != nullptr) *lost_area = total_area(parts) - area(part);
-  for (Point2& p : part.outer) p = snap_coordinate(p);
-  for (Ring& hole : part.holes)
-    for (Point2& p : hole) p = snap_coordinate(p);
-  // The box may have cut off all but a sliver, or left vertices a hair apart.
-  return clean_footprint(part, {.parallel_tolerance = 0}).polygon;
+std::vector<Polygon> clip_to_box(const Polygon& polygon, const Bounds2& box, double least_area,
+                                 double* lost_area) {
+  std::vector<Polygon> parts = parts_in_box(polygon, box);
+  std::stable_sort(parts.begin(), parts.end(),
+                   [](const Polygon& a, const Polygon& b) { return area(a) > area(b); });
+  std::vector<Polygon> clipped;
+  double lost = 0;
+  for (Polygon& part : parts) {
+    if (!clipped.empty() && area(part) < least_area) {
+      lost += area(part);
+      continue;
+    }
+    for (Point2& p : part.outer) p = snap_coordinate(p);
+    for (Ring& hole : part.holes)
+      for (Point2& p : hole) p = snap_coordinate(p);
+    // The box may have cut off all but a sliver, or left vertices a hair apart.
+    Polygon clean = clean_footprint(part, {.parallel_tolerance = 0}).polygon;
+    if (!clean.outer.empty()) clipped.push_back(std::move(clean));
+  }
+  if (lost_area != nullptr) *lost_area = lost;
+  return clipped;
 }
 
 }  // namespace tetropolis

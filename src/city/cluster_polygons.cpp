@@ -94,8 +94,8 @@ class NearEdges {
     first_run_.assign(1, 0);
     for (std::size_t cell = 0; cell < o_.grid.cell_count(); ++cell) {
       edges.clear();
-      o_.grid.visit_cell(
-          cell, [&](std::int32_t e) { edges.emplace_back(sets.root(group_[at(e)]), e); });
+      o_.grid.visit_cell(cell,
+                         [&](std::int32_t e) { edges.emplace_back(sets.root(group_[at(e)]), e); });
       std::sort(edges.begin(), edges.end());
       for (std::size_t k = 0; k < edges.size(); ++k) {
         const auto [root, e] = edges[k];

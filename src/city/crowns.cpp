@@ -46,12 +46,18 @@ struct Scene {
   std::span<const PointIndex> roof, below, around, beside;
 };
 
+/// An outline of what is under the ground or gone, if what else stands in it are trees.
+bool is_mostly_ground(std::span<const PointIndex> roof, std::span<const PointIndex> below) {
+  return below.size() > roof.size();
+}
+
 /// How far each roof point is above the highest level around it; minus infinity where something
 /// says that it belongs to a building.
 std::vector<double> overhangs(const Scene& scene, const Disks& disks, const PointCloud& cloud,
                               const CrownOptions& options) {
   constexpr double kNone = -std::numeric_limits<double>::infinity();
-  double treetops = kNone;
+  // Trees in an open outline need not have others beside it.
+  double treetops = is_mostly_ground(scene.roof, scene.below) ? -kNone : kNone;
   for (const PointIndex p : scene.around) treetops = std::max<double>(treetops, cloud.z[p]);
   const std::vector<double> level = levels(disks, options.share);
   std::vector<std::uint8_t> surface(disks.size());
@@ -128,7 +134,8 @@ void drop_crowns(PointLists& roof, const CrownEvidence& evidence, const PointClo
   SharedProgress shared(progress, static_cast<std::int64_t>(roof.size()));
   parallel_chunks(roof.size(), kBuildingGrain, [&](std::size_t begin, std::size_t end) {
     for (std::size_t b = begin; b < end; ++b)
-      if (has_trees_around(roof[b], evidence.around[b], cloud, options.clearing))
+      if (is_mostly_ground(roof[b], evidence.below[b]) ||
+          has_trees_around(roof[b], evidence.around[b], cloud, options.clearing))
         kept[b] = without_crowns(
             {roof[b], evidence.below[b], evidence.around[b], evidence.beside[b]}, cloud, options);
       else

@@ -20,6 +20,7 @@ struct Group {
   std::vector<BuildingIndex> members;  ///< Indices of footprints, ascending.
   std::uint32_t flags = 0;             ///< Of BuildingFlag.
   bool shares_input = false;           ///< Other groups have some of the union of its members.
+  bool yards_filled = false;           ///< It was lost and had its courtyards filled.
 };
 
 double total_area(std::span<const Polygon> polygons);

@@ -66,6 +66,7 @@ class Simplifier {
   void repair_in_rounds();
   void repair_with_hulls();
   bool make_hull(Group& group);
+  bool fill_yards_of_lost();
   void drop_vanished();
   bool blunt_corners();
   std::int64_t fill_sharp_yards(double least_angle);
@@ -322,6 +323,7 @@ Group Simplifier::united(const std::vector<std::size_t>& parts, bool hulls) {
     Group& group = groups_[k];
     merged.flags |= group.flags;
     merged.shares_input = merged.shares_input || group.shares_input;
+    merged.yards_filled = merged.yards_filled || group.yards_filled;
     merged.members.insert(merged.members.end(), group.members.begin(), group.members.end());
     merged.input.insert(merged.input.end(), group.input.begin(), group.input.end());
     polygons.push_back(std::move(group.polygon));
@@ -341,6 +343,28 @@ Group Simplifier::united(const std::vector<std::size_t>& parts, bool hulls) {
   return merged;
 }
 
+/// Houses around small courtyards that have lost most of their area, or all of it, since neither
+/// wings nor courtyards are wide enough, get another chance as one block. Each once, and only where
+/// that changes less. Whether there are any.
+bool Simplifier::fill_yards_of_lost() {
+  bool any = false;
+  for (Group& group : groups_) {
+    const double whole = total_area(group.input), left = area(group.polygon);
+    if (group.yards_filled || left >= 0.5 * whole) continue;
+    std::vector<Polygon> blocks;
+    for (const Polygon& polygon : group.input) blocks.push_back({polygon.outer, {}});
+    if (blocks.size() > 1) blocks = unite_on_grid(blocks);
+    for (Polygon& block : blocks) block.holes.clear();
+    const double yards = total_area(blocks) - whole;
+    std::optional<Polygon> block = largest_of(blocks);
+    if (!block || !(yards > 0 && yards < whole - left)) continue;
+    group.polygon = std::move(*block);
+    group.flags |= kRepaired;
+    group.yards_filled = any = true;
+  }
+  return any;
+}
+
 void Simplifier::drop_vanished() {
   for (const Group& group : groups_)
     if (group.polygon.outer.size() < 3) drop(group, kTooThin);
@@ -356,7 +380,11 @@ void Simplifier::repair_in_rounds() {
     take_back(outline);
     const std::vector<NearPair> pairs = near_pairs(outline, epsilon_);
     result_.stats.rounds = round + 1;
-    if (pairs.empty()) return;
+    if (pairs.empty()) {
+      if (!fill_yards_of_lost()) return;
+      unite_close_groups(false);
+      continue;
+    }
     if (round < kGentleRounds) {
       apply_patches(patches_for(outline, pairs, epsilon_, reach));
       if (round > 0) reach *= 2;
@@ -365,6 +393,7 @@ void Simplifier::repair_in_rounds() {
       apply_patches(hulls_around(outline, pairs, radius));
       radius *= 2;
     }
+    fill_yards_of_lost();
     drop_vanished();
     unite_close_groups(false);
   }

@@ -215,6 +215,40 @@ double vertical_unit_metres(const std::string& text) {
   return gdal::vertical_unit_metres(gdal::parse_whole_srs(text).get());
 }
 
+double length_scale(const std::string& crs, Point2 at) {
+  constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+  if (crs.empty() || is_geographic(crs)) return kNaN;
+  const gdal::Srs srs = require_srs(crs);
+  const gdal::QuietErrors errors;
+  const gdal::Srs globe(OSRCloneGeogCS(srs.get()));
+  if (globe == nullptr) return kNaN;
+  OSRSetAxisMappingStrategy(globe.get(), OAMS_TRADITIONAL_GIS_ORDER);
+  const gdal::Transform transform(OCTNewCoordinateTransformation(srs.get(), globe.get()));
+  if (transform == nullptr) return kNaN;
+  constexpr double kHalf = 50;  // units of the system
+  std::array<double, 4> x{at.x - kHalf, at.x + kHalf, at.x, at.x};
+  std::array<double, 4> y{at.y, at.y, at.y - kHalf, at.y + kHalf};
+  std::array<int, 4> good{};
+  OCTTransformEx(transform.get(), 4, x.data(), y.data(), nullptr, good.data());
+  if (std::find(good.begin(), good.end(), 0) != good.end()) return kNaN;
+  const double unit = OSRGetAngularUnits(globe.get(), nullptr);
+  const double axis = OSRGetSemiMajor(globe.get(), nullptr);
+  const double inverse = OSRGetInvFlattening(globe.get(), nullptr);
+  const double flattening = inverse > 0 ? 1 / inverse : 0;
+  const double eccentricity2 = flattening * (2 - flattening);
+  const double latitude = unit * (y[0] + y[1]) / 2;
+  const double w2 = 1 - eccentricity2 * std::sin(latitude) * std::sin(latitude);
+  const double across = axis / std::sqrt(w2), along = across * (1 - eccentricity2) / w2;
+  double scale = 1;
+  for (const std::size_t i : {std::size_t{0}, std::size_t{2}}) {
+    const double length = std::hypot(across * std::cos(latitude) * unit * (x[i + 1] - x[i]),
+                                     along * unit * (y[i + 1] - y[i]));
+    const double here = 2 * kHalf / length * OSRGetLinearUnits(srs.get(), nullptr);
+    if (!(std::abs(std::log(here)) <= std::abs(std::log(scale)))) scale = here;
+  }
+  return scale;
+}
+
 bool same_horizontal_crs(const std::string& a, const std::string& b) {
   if (a.empty() || b.empty()) return false;
   if (a == b) return true;

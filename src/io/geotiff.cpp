@@ -163,14 +163,22 @@ std::vector<double> read_values(const fs::path& path, GDALDatasetH dataset, cons
   } catch (const std::bad_alloc&) {
     fail_input(path, "does not fit into memory; cut it to the domain");
   }
+  // A mask of its own says which pixels have a value, whatever these hold.
+  const bool masked = (GDALGetMaskFlags(band) & (GMF_ALL_VALID | GMF_NODATA)) == 0;
+  std::vector<std::uint8_t> mask(masked ? nx : 0);
   for (int line = 0; line < grid.ny; ++line) {
     double* row = values.data() + static_cast<std::size_t>(grid.ny - 1 - line) * nx;
-    if (GDALRasterIO(band, GF_Read, 0, line, grid.nx, 1, row, grid.nx, 1, GDT_Float64, 0, 0) !=
-        CE_None)
+    CPLErr outcome =
+        GDALRasterIO(band, GF_Read, 0, line, grid.nx, 1, row, grid.nx, 1, GDT_Float64, 0, 0);
+    if (outcome == CE_None && masked)
+      outcome = GDALRasterIO(GDALGetMaskBand(band), GF_Read, 0, line, grid.nx, 1, mask.data(),
+                             grid.nx, 1, GDT_Byte, 0, 0);
+    if (outcome != CE_None)
       fail_input(path, fmt::format("row {} cannot be read{}; the file is cut or broken", line,
                                    errors.reason()));
     for (std::size_t i = 0; i < nx; ++i) {
-      const bool missing = has_nodata != 0 && (row[i] == nodata || row[i] == nodata_stored);
+      const bool missing = (has_nodata != 0 && (row[i] == nodata || row[i] == nodata_stored)) ||
+                           (masked && mask[i] == 0);
       if (scale != 1 || offset != 0) row[i] = row[i] * scale + offset;
       if (missing || !std::isfinite(row[i])) row[i] = kNaN;
     }

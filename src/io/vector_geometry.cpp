@@ -45,8 +45,6 @@ bool encloses(const Polygon& outer, const Ring& inner) {
          std::all_of(inner.begin(), inner.end(), [&](Point2 p) { return contains(outer, p); });
 }
 
-/// GDAL tells the rings of a shapefile apart by their turn. Where a writer turned all of them the
-/// wrong way, it takes the yard for the building and the building for a hole in it.
 void put_widest_ring_first(Polygon& polygon) {
   for (Ring& hole : polygon.holes)
     if (encloses({hole, {}}, polygon.outer)) std::swap(hole, polygon.outer);
@@ -228,9 +226,12 @@ FlatGeometry flatten(OGRGeometryH geometry) {
   return result;
 }
 
-void mend_turned_rings(FlatGeometry& geometry) {
+void mend_order_of_rings(FlatGeometry& geometry) {
   for (PolygonPart& part : geometry.parts)
     if (part.reason.empty()) put_widest_ring_first(part.polygon);
+}
+
+void mend_turned_rings(FlatGeometry& geometry) {
   // All holes, by their turn: some are, and those lie within others.
   if (geometry.parts.size() > 1 &&
       std::all_of(geometry.parts.begin(), geometry.parts.end(), turns_left))

@@ -3,6 +3,10 @@
 #include <cstddef>
 #include <limits>
 #include <map>
+#include <set>
+#include <string>
+#include <string_view>
+#include <utility>
 
 #include <fmt/format.h>
 
@@ -39,13 +43,33 @@ constexpr double kNoSliver = 1;
 /// Share of buildings without roof points from which on it is not the buildings that are odd.
 constexpr double kManyRoofless = 0.1;
 
+/// Ids for the parts that the domain cuts features into, beyond the first: those that follow the
+/// parts that a multipolygon has.
+class PartIds {
+ public:
+  explicit PartIds(const FootprintsInput& input) {
+    for (const Footprint& feature : input.features) taken_.insert(feature.source_id);
+    for (const Dropped& feature : input.dropped) taken_.insert(feature.source_id);
+  }
+  std::string next(const std::string& source_id) {
+    const std::size_t mark = source_id.rfind('#');
+    const std::string whole = source_id.substr(0, mark);
+    const std::string& base = taken_.contains(whole) ? whole : source_id;
+    for (int k = 2;; ++k)
+      if (std::string id = fmt::format("{}#{}", base, k); taken_.insert(id).second) return id;
+  }
+
+ private:
+  std::set<std::string> taken_;
+};
+
 /// Counts a feature of which parts have been given up, and names the first.
 void count_lost_parts(const std::string& source_id, double lost_area, Warning& warning) {
   if (!(lost_area > kNoSliver) || warning.count++ > 0) return;
   warning.message = fmt::format(
-      "where a footprint falls into parts as its rings are repaired or the domain cuts it, only "
-      "the largest is kept; the first is feature {}, which loses parts of {:.0f} m2: give them as "
-      "features of their own",
+      "where a footprint falls into parts as its rings are repaired, only the largest is kept, and "
+      "where the domain cuts it, only those of --min-building-area; the first is feature {}, which "
+      "loses parts of {:.0f} m2",
       source_id, lost_area);
 }
 
@@ -67,6 +91,7 @@ std::vector<Polygon> clean_features(const Config& config, const FootprintsInput&
   });
   std::vector<Polygon> crossing;
   Warning lost_parts{"parts_lost", 0, {}};
+  PartIds part_ids(input);
   for (std::size_t i = 0; i < size; ++i) {
     const Footprint& feature = input.features[i];
     const auto drop = [&](const std::string& reason) {
@@ -88,33 +113,38 @@ std::vector<Polygon> clean_features(const Config& config, const FootprintsInput&
       drop("outside the domain");
       continue;
     }
-    Building building;
-    if (cleaned.repaired) building.flags |= kRepaired;
-    if (position == DomainPosition::kCrossing) {
-      if (config.boundary_buildings == BoundaryBuildings::kDrop) {
-        drop("crosses the domain boundary");
-        for (Polygon& part : parts_in_box(cleaned.polygon, model.domain))
-          crossing.push_back(std::move(part));
-        continue;
-      }
+    std::uint32_t flags = cleaned.repaired ? kRepaired : 0U;
+    std::vector<Polygon> parts;
+    if (position == DomainPosition::kInside) {
+      parts.push_back(std::move(cleaned.polygon));
+    } else if (config.boundary_buildings == BoundaryBuildings::kDrop) {
+      drop("crosses the domain boundary");
+      for (Polygon& part : parts_in_box(cleaned.polygon, model.domain))
+        crossing.push_back(std::move(part));
+      continue;
+    } else {
       // Cut back by the merge distance, so that the strip left is wide enough to mesh.
       double cut_off = 0;
-      cleaned.polygon = clip_to_box(
-          cleaned.polygon, model.domain.grown(-config.min_building_distance - kCoordinateStep * 4),
-          &cut_off);
+      parts = clip_to_box(cleaned.polygon,
+                          model.domain.grown(-config.min_building_distance - kCoordinateStep * 4),
+                          config.min_building_area, &cut_off);
       cleaned.lost_area += cut_off;
-      if (cleaned.polygon.outer.empty()) {
+      if (parts.empty()) {
         drop("crosses the domain boundary, with nothing left inside");
         continue;
       }
-      building.flags |= kClipped;
+      flags |= kClipped;
     }
     count_lost_parts(feature.source_id, cleaned.lost_area, lost_parts);
-    building.id = fmt::format("b{}", model.buildings.size());
-    building.source_ids = {feature.source_id};
-    building.footprint = std::move(cleaned.polygon);
-    building.attribute_height = feature.height;
-    model.buildings.push_back(std::move(building));
+    for (std::size_t k = 0; k < parts.size(); ++k) {
+      Building building;
+      building.flags = flags;
+      building.id = fmt::format("b{}", model.buildings.size());
+      building.source_ids = {k == 0 ? feature.source_id : part_ids.next(feature.source_id)};
+      building.footprint = std::move(parts[k]);
+      building.attribute_height = feature.height;
+      model.buildings.push_back(std::move(building));
+    }
   }
   if (lost_parts.count > 0) report.warnings.push_back(lost_parts);
   return crossing;
@@ -191,14 +221,25 @@ CityModel merged_model(const CityModel& raw, const Simplification& simple) {
   return model;
 }
 
-/// Guarantee 1, counted: every polygon of the input is in one building or in `dropped`.
+/// Guarantee 1: every polygon of the input is in one building or in `dropped`, and nothing is there
+/// twice.
 void check_account(const FootprintsInput& input, const CityModel& model) {
-  std::size_t accounted = model.dropped.size();
-  for (const Building& building : model.buildings) accounted += building.source_ids.size();
-  if (accounted != input.features.size() + input.dropped.size())
-    throw Error(ErrorKind::kGuarantee,
-                fmt::format("{} input features, but {} accounted for",
-                            input.features.size() + input.dropped.size(), accounted));
+  std::set<std::string_view> accounted;
+  const auto account = [&](const std::string& id) {
+    if (!accounted.insert(id).second)
+      throw Error(ErrorKind::kGuarantee, fmt::format("feature {} is accounted for twice", id));
+  };
+  for (const Dropped& dropped : model.dropped) account(dropped.source_id);
+  for (const Building& building : model.buildings)
+    for (const std::string& id : building.source_ids) account(id);
+  const auto require = [&](const auto& features) {
+    for (const auto& feature : features)
+      if (!accounted.contains(feature.source_id))
+        throw Error(ErrorKind::kGuarantee,
+                    fmt::format("feature {} is not accounted for", feature.source_id));
+  };
+  require(input.features);
+  require(input.dropped);
 }
 
 void warn_of_missing_roofs(const CityModel& raw, Report& report) {

@@ -322,6 +322,20 @@ void move_origin_to_corner(PointsInput& input) {
   input.origin = {input.origin.x + by.x, input.origin.y + by.y};
 }
 
+/// Web Mercator and the like, in which a metre is no metre.
+void warn_of_scale(const std::string& crs, const Bounds2& domain, Report& report) {
+  constexpr double kMost = 0.01;  // ten times what usual systems have
+  const double scale =
+      length_scale(crs, {(domain.xmin + domain.xmax) / 2, (domain.ymin + domain.ymax) / 2});
+  if (!(std::abs(scale - 1) > kMost)) return;
+  report.warnings.push_back(
+      {"crs_scale", 1,
+       fmt::format("a metre of {} is {:.3f} m on the ground here, heights aside: footprints, "
+                   "distances and the mesh are that much too {}; reproject to a national or UTM "
+                   "system",
+                   crs_name(crs), 1 / scale, scale > 1 ? "wide" : "narrow")});
+}
+
 }  // namespace
 
 InputData read_input(const Config& config, Next next, StepClock& clock, Report& report,
@@ -359,6 +373,7 @@ InputData read_input(const Config& config, Next next, StepClock& clock, Report& 
   input.origin = points.origin;
   input.domain = find_domain(config, input.footprints, points, input.origin);
   report.domain = input.domain.moved(input.origin);
+  warn_of_scale(input.crs, report.domain, report);
   shift(input.footprints, input.origin);
   input.points = std::move(points.points);
   return input;

@@ -235,6 +235,35 @@ void level(HeightGrid& grid, const Frame& frame, double slope) {
       grid.values[c] -= static_cast<float>(plane.at(i, j));
 }
 
+/// Cells without a value that are next to one with a value get the lowest of these: where points
+/// are sparse, many cells are empty by chance.
+HeightGrid with_small_voids_filled(const HeightGrid& grid, const Frame& frame) {
+  HeightGrid filled = grid;
+  for (std::size_t c = 0; c < grid.values.size(); ++c) {
+    if (!std::isnan(grid.values[c])) continue;
+    for_each_neighbour(frame, c, [&](std::size_t n) {
+      if (!(filled.values[c] <= grid.values[n])) filled.values[c] = grid.values[n];
+    });
+  }
+  return filled;
+}
+
+/// Fills what is low, narrow and little deeper than a storey: light wells, basement stairs,
+/// ditches. Where they are closer to each other than the window is wide, an opening would take the
+/// ground between them for an object. Alleys between houses are deeper. What is beside a void is as
+/// narrow as if that were high.
+void fill_hollows(HeightGrid& grid, const Frame& frame) {
+  constexpr double kHalfWidth = 3.0;  // metres
+  constexpr float kDeepest = 1.2F * static_cast<float>(kStorey);
+  HeightGrid closed = with_small_voids_filled(grid, frame);
+  for (float& z : closed.values)
+    if (std::isnan(z)) z = std::numeric_limits<float>::infinity();
+  close_with_octagon(closed,
+                     std::max(static_cast<std::int32_t>(std::lround(kHalfWidth / frame.cell)), 1));
+  for (std::size_t c = 0; c < grid.values.size(); ++c)
+    if (closed.values[c] - grid.values[c] <= kDeepest) grid.values[c] = closed.values[c];
+}
+
 /// 1 for the cells that an opening lowers by more than terrain of the given slope would be: that
 /// slope times the window, at most a storey. The drop is that from the surface itself, not from the
 /// opening before as in the paper: buildings that wear away step by step (at ragged rims, on
@@ -242,8 +271,13 @@ void level(HeightGrid& grid, const Frame& frame, double slope) {
 std::vector<std::uint8_t> find_objects(HeightGrid surface, const Frame& frame,
                                        const GroundFilterOptions& options,
                                        const Progress& progress) {
-  std::vector<std::uint8_t> object(surface.values.size(), 0);
-  const std::vector<float> original = surface.values;
+  level(surface, frame, options.slope);
+  std::vector<float> original = surface.values;
+  fill_hollows(surface, frame);
+  fill_low(surface, options.slope * frame.cell);
+  for (std::size_t c = 0; c < original.size(); ++c)
+    if (std::isnan(original[c])) original[c] = surface.values[c];
+  std::vector<std::uint8_t> object(original.size(), 0);
   const std::vector<std::int32_t> radii = window_radii(options.window, frame.cell);
   for (std::size_t k = 0; k < radii.size(); ++k) {
     progress.update(0.2 + 0.6 * static_cast<double>(k) / static_cast<double>(radii.size()));
@@ -327,10 +361,7 @@ std::vector<std::uint8_t> filter_ground(const PointCloud& cloud,
     HeightGrid believed = lowest;
     counts.pit_cells = remove_pits(believed, std::move(all), frame.cell, spacing);
     if (!is_empty(believed)) lowest = std::move(believed);
-    HeightGrid surface = lowest;
-    level(surface, frame, options.slope);
-    fill_low(surface, options.slope * frame.cell);
-    auto object = find_objects(std::move(surface), frame, options, progress);
+    auto object = find_objects(lowest, frame, options, progress);
     keep_gentle_rises(lowest, frame, object, progress);
     drop_scraps(lowest, std::move(covered), frame, object, progress);
     const Raster terrain = terrain_between(lowest, object, frame, progress);

@@ -88,4 +88,13 @@ void open_with_octagon(HeightGrid& grid, std::int32_t radius) {
     grid.values[c] = std::min(grid.values[c], before[c]);
 }
 
+void close_with_octagon(HeightGrid& grid, std::int32_t radius) {
+  const auto turn_over = [&] {
+    for (float& value : grid.values) value = -value;
+  };
+  turn_over();
+  open_with_octagon(grid, radius);
+  turn_over();
+}
+
 }  // namespace tetropolis

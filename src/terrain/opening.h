@@ -1,4 +1,4 @@
-// Grey-scale morphology on grids: openings with octagons. Private to src/terrain.
+// Grey-scale morphology on grids: openings and closings with octagons. Private to src/terrain.
 #pragma once
 
 #include <cstddef>
@@ -25,5 +25,8 @@ struct HeightGrid {
 /// Source: Serra, "Image analysis and mathematical morphology" (1982); an octagon is the sum of
 /// segments in four directions, and a segment the sum of segments of lengths that are powers of 2.
 void open_with_octagon(HeightGrid& grid, std::int32_t radius);
+
+/// The same upside down: no value falls.
+void close_with_octagon(HeightGrid& grid, std::int32_t radius);
 
 }  // namespace tetropolis

@@ -24,11 +24,31 @@ void spread(HeightGrid& grid, const std::vector<std::uint8_t>& barred, const Fra
     });
 }
 
+constexpr double kSteepest = 1.25;  // rise over run of terrain
+
 /// The greatest step from a cell to the next that a slope has; about half a storey, however coarse
 /// the cells.
 double greatest_step(const Frame& frame) {
-  constexpr double kSteepest = 1.25, kRoughness = 0.3;  // rise over run; metres
+  constexpr double kRoughness = 0.3;  // metres
   return std::min(kSteepest * frame.cell + kRoughness, 0.55 * kStorey);
+}
+
+/// The rise from c to the next cell, or half of that to the one after it, on the side away from its
+/// neighbour n, as far as terrain rises: what a slope that goes on beyond c drops from there to n,
+/// but for chance.
+float rise_behind(const HeightGrid& lowest, const Frame& frame, std::size_t c, std::size_t n) {
+  const std::size_t step = c > n ? c - n : n - c;  // 1, or a row
+  const std::size_t at = step == 1 ? c % static_cast<std::size_t>(lowest.nx) : c / step;
+  const std::size_t cells = static_cast<std::size_t>(step == 1 ? lowest.nx : lowest.ny);
+  const auto rise_to = [&](std::size_t steps) {
+    const bool inside = c > n ? at + steps < cells : at >= steps;
+    if (!inside) return 0.0F;
+    const std::size_t there = c > n ? c + steps * step : c - steps * step;
+    const float rise = (lowest.values[there] - lowest.values[c]) / static_cast<float>(steps);
+    return std::isnan(rise) ? 0.0F : rise;
+  };
+  return std::clamp(std::max(rise_to(1), rise_to(2)), 0.0F,
+                    static_cast<float>(kSteepest * frame.cell));
 }
 
 constexpr double kLeastArea = 50;  // square metres that are more than a scrap
@@ -113,7 +133,7 @@ void keep_gentle_rises(const HeightGrid& lowest, const Frame& frame,
       for_each_neighbour(frame, c, [&](std::size_t n) {
         const float drop = lowest.values[c] - lowest.values[n];
         if (std::isnan(drop)) return;
-        if (drop > most) {
+        if (drop > most && drop > most + rise_behind(lowest, frame, c, n)) {
           ++walls;
         } else if (object[n] == 0) {
           if (drop < 0) return;

@@ -2,6 +2,7 @@
 
 #include <cmath>
 #include <limits>
+#include <vector>
 
 #include <gtest/gtest.h>
 
@@ -31,17 +32,25 @@ TEST(PositionInDomain, IsThatOfTheBoxOfWhatAreNumbers) {
   EXPECT_EQ(position_in_domain({}, kDomain), DomainPosition::kInside);
 }
 
-TEST(ClipToBox, TellsWhatOfTheOtherPartsIsLost) {
+TEST(ClipToBox, KeepsAllPartsButSlivers) {
   // A U whose bottom is outside: arms of 30 m x 10 m and 20 m x 10 m are left.
   const Polygon u{
       {{50, -10}, {90, -10}, {90, 20}, {80, 20}, {80, -5}, {60, -5}, {60, 30}, {50, 30}}, {}};
   double lost = -1;
-  EXPECT_NEAR(area(clip_to_box(u, kDomain, &lost)), 300, 1e-9);
+  const std::vector<Polygon> arms = clip_to_box(u, kDomain, 15, &lost);
+  ASSERT_EQ(arms.size(), 2U);
+  EXPECT_NEAR(area(arms[0]), 300, 1e-9);
+  EXPECT_NEAR(area(arms[1]), 200, 1e-9);
+  EXPECT_EQ(lost, 0);
+  const std::vector<Polygon> wide = clip_to_box(u, kDomain, 201, &lost);
+  ASSERT_EQ(wide.size(), 1U);
+  EXPECT_NEAR(area(wide[0]), 300, 1e-9);
   EXPECT_NEAR(lost, 200, 1e-9);
-  EXPECT_NEAR(area(clip_to_box(box(-5, 0, 10, 10), kDomain, &lost)), 50, 1e-9);
+  // The largest stays, however small.
+  EXPECT_NEAR(area(clip_to_box(box(-5, 0, 10, 10), kDomain, 60, &lost).at(0)), 50, 1e-9);
   EXPECT_EQ(lost, 0);
   lost = -1;
-  EXPECT_TRUE(clip_to_box(box(200, 0, 10, 10), kDomain, &lost).outer.empty());
+  EXPECT_TRUE(clip_to_box(box(200, 0, 10, 10), kDomain, 15, &lost).empty());
   EXPECT_EQ(lost, 0);
 }
 

@@ -147,6 +147,20 @@ TEST_F(Crowns, TreesOverOpenGroundLeaveNoRoof) {
   EXPECT_TRUE(kept().empty());
 }
 
+TEST_F(Crowns, TreesInAnOutlineThatIsMostlyGroundAreNoRoof) {
+  // No tree stands around: a park over a garage.
+  for (int k = 0; k < 400; ++k) scene_.add(scene_.below, 10 * share(), 8 * share(), noise());
+  for (int k = 0; k < 150; ++k)
+    scene_.add(scene_.roof, 2 + 4 * share(), 2 + 4 * share(), 4 + 6 * share());
+  EXPECT_TRUE(kept().empty());
+  // But a pavilion is one.
+  scene_ = {};
+  for (int k = 0; k < 400; ++k) scene_.add(scene_.below, 10 * share(), 8 * share(), noise());
+  for (int k = 0; k < 200; ++k)
+    scene_.add(scene_.roof, 2 + 4 * share(), 2 + 4 * share(), 4 + noise());
+  EXPECT_GT(kept().size(), 190U);
+}
+
 TEST_F(Crowns, RoofsBesideTreesStay) {
   SCOPED_TRACE(test_seed());
   const std::vector<std::function<double(double, double)>> roofs = {

@@ -406,6 +406,35 @@ TEST(Simplify, CourtyardsSurviveWhereTheyMay) {
   simplified({thin});
 }
 
+// Neither wings nor courtyards are as wide as the distance.
+TEST(Simplify, HousesAroundSmallCourtyardsAreNotLost) {
+  const auto house = [](double width, double depth, double wing) {
+    Polygon outline = box(20, 20, width, depth);
+    outline.holes.push_back(
+        clockwise_box(20 + wing, 20 + wing, width - 2 * wing, depth - 2 * wing));
+    return outline;
+  };
+  struct Case {
+    Polygon house;
+    double distance;
+  };
+  for (const auto& [outline, distance] :
+       {Case{house(40, 35, 10), 15}, Case{house(12.6, 12, 3), 5}, Case{house(8, 7.5, 2), 3},
+        Case{house(20, 18, 4.5), 7.5}, Case{house(14, 13, 3.3), 5.2}}) {
+    SCOPED_TRACE(distance);
+    SimplifyOptions options;
+    options.min_distance = distance;
+    const Simplification result = simplified({outline}, options);
+    ASSERT_EQ(result.footprints.size(), 1U);
+    EXPECT_GT(area(result.footprints[0]), 0.8 * area(outline));
+  }
+  // But a wall around a garden is no block.
+  SimplifyOptions options;
+  options.min_distance = 2;
+  const Simplification wall = simplified({house(60, 60, 0.9)}, options);
+  EXPECT_TRUE(wall.footprints.empty() || area(wall.footprints[0]) < 600);
+}
+
 TEST(Simplify, CirclesBecomePolygonsOfMetreEdges) {
   const Simplification result =
       simplified({circle({0, 0}, 50, 4000), circle({101, 0}, 50.2, 4000)});

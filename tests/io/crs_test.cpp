@@ -101,6 +101,19 @@ TEST(Crs, KnowsDegreesAndFeet) {
   EXPECT_DOUBLE_EQ(linear_unit_metres("EPSG:2225"), 1200.0 / 3937.0);
 }
 
+TEST(Crs, KnowsHowLongAMetreIs) {
+  // Web Mercator, a sphere's formula used for an ellipsoid: near 1 / cos(latitude).
+  EXPECT_NEAR(length_scale("EPSG:3857", {1345678, 0}), 1, 0.01);
+  const double at_58 = reproject(std::vector<Point2>{{12, 58}}, "EPSG:4326", "EPSG:3857")[0].y;
+  EXPECT_NEAR(length_scale("EPSG:3857", {1345678, at_58}), 1 / std::cos(58 * M_PI / 180), 0.01);
+  // On the central meridian, and at it in the Dutch system (EPSG 28992: 0.9999079).
+  EXPECT_NEAR(length_scale("EPSG:3006", {500000, 6400000}), 0.9996, 1e-6);
+  EXPECT_NEAR(length_scale("EPSG:28992", {155000, 463000}), 0.9999079, 1e-6);
+  EXPECT_NEAR(length_scale("EPSG:2225", {6561667, 1640416}), 1, 0.001);  // US survey feet
+  EXPECT_TRUE(std::isnan(length_scale("EPSG:4326", {12, 58})));
+  EXPECT_TRUE(std::isnan(length_scale("", {12, 58})));
+}
+
 TEST(Crs, ComparesHorizontalParts) {
   EXPECT_TRUE(same_horizontal_crs("EPSG:7415", "EPSG:28992"));
   EXPECT_EQ(vertical_unit_metres("EPSG:7415"), 1);

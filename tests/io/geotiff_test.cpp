@@ -226,6 +226,26 @@ TEST(GeoTiff, WhatSideCarsSayHoldsAndNoneIsWritten) {
   EXPECT_EQ(bytes_of(folder / "a.tif.aux.xml"), side_car);
 }
 
+TEST(GeoTiff, WhatAMaskHidesIsNoTerrain) {
+  for (const char* internal : {"YES", "NO"}) {  // in the file, or in a side-car .msk
+    SCOPED_TRACE(internal);
+    const TemporaryFolder folder;
+    const std::string head = "ncols 3\nnrows 2\nxllcorner 0\nyllcorner 0\ncellsize 1\n";
+    std::ofstream(folder / "z.asc") << head << "50 0 52\n53 54 55\n";
+    std::ofstream(folder / "mask.asc") << head << "255 0 255\n255 255 255\n";
+    const fs::path vrt = folder / "both.vrt", path = folder / "masked.tif";
+    ASSERT_EQ(output_of("gdalbuildvrt -q -separate '" + vrt.string() + "' '" +
+                        (folder / "z.asc").string() + "' '" + (folder / "mask.asc").string() + "'"),
+              "");
+    ASSERT_EQ(output_of("gdal_translate -q -b 1 -mask 2 --config GDAL_TIFF_INTERNAL_MASK " +
+                        std::string(internal) + " '" + vrt.string() + "' '" + path.string() + "'"),
+              "");
+    const RasterInput input = read_raster(path, {});
+    EXPECT_EQ(input.filled, 1);
+    for (const double z : input.raster.values) EXPECT_GE(z, 50);
+  }
+}
+
 TEST(GeoTiff, RastersLargerThanTheMemoryAreRefused) {
   if (TETROPOLIS_SANITIZED) GTEST_SKIP() << "the sanitizers need more address space than any limit";
   ::testing::GTEST_FLAG(death_test_style) = "threadsafe";

@@ -326,6 +326,19 @@ TEST(Vector, SplitsFlattensAndAccounts) {
   EXPECT_EQ(input.crs, "EPSG:4326");
 }
 
+TEST(Vector, AYardGivenFirstIsNoBuilding) {
+  const TemporaryFolder folder;
+  const FootprintsInput input = read_footprints(
+      write_text(folder / "yard.geojson",
+                 R"({"type":"Feature","properties":{},"geometry":{"type":"Polygon","coordinates":[
+      [[2,2],[2,4],[6,4],[6,2],[2,2]],[[0,0],[9,0],[9,8],[0,8],[0,0]]]}})"));
+  ASSERT_EQ(input.features.size(), 1U);
+  const Polygon& polygon = input.features[0].polygon;
+  EXPECT_EQ(polygon.outer, (Ring{{0, 0}, {9, 0}, {9, 8}, {0, 8}}));
+  ASSERT_EQ(polygon.holes.size(), 1U);
+  EXPECT_EQ(polygon.holes[0], (Ring{{2, 2}, {2, 4}, {6, 4}, {6, 2}}));
+}
+
 TEST(Vector, WhatIsNestedTooDeepIsNotLostSilently) {
   const TemporaryFolder folder;
   std::string deep = R"({"type":"Polygon","coordinates":[[[3,8],[4,8],[4,9],[3,8]]]})";

@@ -62,6 +62,22 @@ TEST_F(DomainDefects, ABuildingAcrossTheBoundaryIsDroppedOrCut) {
   EXPECT_NEAR(area(patient->footprint), 11 * 16, 0.1);  // 12 m less the clearance
 }
 
+TEST_F(DomainDefects, ABuildingCutIntoPartsKeepsAllOfThem) {
+  // Two wings and the house between them, which lies beyond the boundary.
+  set_bounds(0, 0, 76, 120);
+  settings = [](Config& config) { config.boundary_buildings = BoundaryBuildings::kClip; };
+  const Outcome outcome =
+      run(with_patient(city, "POLYGON((60 50,84 50,84 66,60 66,60 62,77 62,77 54,60 54,60 50))"));
+  ASSERT_EQ(outcome.error, "");
+  for (const char* id : {"patient", "patient#2"}) {
+    const Building* wing = outcome.building_of(id);
+    ASSERT_NE(wing, nullptr) << id;
+    EXPECT_NEAR(area(wing->footprint), 15 * 4, 0.1);
+    EXPECT_NE(wing->flags & kClipped, 0U);
+  }
+  EXPECT_FALSE(outcome.has_warning("parts_lost"));
+}
+
 /// What is no part of the building does not count: doubled back, so that it encloses nothing.
 TEST_F(DomainDefects, ASpikeAcrossTheBoundary) {
   set_bounds(0, 0, 90, 120);

@@ -154,6 +154,66 @@ TEST(GroundFilter, BanksDykesAndRidgesStayAndWhatStandsThereGoes) {
 
 /// A podium of one storey between houses with footprints: these say nothing, and the openings
 /// leave what is near their walls.
+/// What is low and narrow, closer to the next such place than the window is wide, makes no object
+/// of the ground between.
+TEST(GroundFilter, LightWellsStairsAreawaysAndDitchesLeaveTheGroundAround) {
+  struct Hollow {
+    const char* name;
+    double per_m2;
+    std::function<bool(double, double)> here;
+    double depth;
+  };
+  const auto every = [](double x, double pitch, double width) {
+    return std::fmod(x, pitch) < width;
+  };
+  std::vector<Polygon> row;
+  for (int k = 0; k < 6; ++k) row.push_back(box(12 + 24 * k, 20, 34 + 24 * k, 30));
+  const auto at_row = [](double x, double y) {
+    return x > 12 && x < 154 && ((y > 18 && y < 20) || (y > 30 && y < 32));
+  };
+  const std::vector<Hollow> hollows = {
+      {"light wells", 8, [&](double x, double y) { return every(x, 22, 2) && every(y, 25, 2); }, 3},
+      {"basement stairs", 8,
+       [&](double x, double y) { return every(x, 18, 4) && every(y, 25, 1.4); }, 2.6},
+      {"ditches", 2, [&](double x, double) { return every(x, 26, 3); }, 2.5},
+      {"areaways", 8, at_row, 3},
+  };
+  for (const Hollow& hollow : hollows) {
+    SCOPED_TRACE(hollow.name);
+    const auto ground = [&](double x, double y) {
+      return 10 + 0.01 * x - (hollow.here(x, y) ? hollow.depth : 0);
+    };
+    const bool houses = std::string(hollow.name) == "areaways";
+    const std::vector<Polygon> footprints = houses ? row : std::vector<Polygon>{};
+    const PointCloud cloud = scan(160, hollow.per_m2, footprints, 8, ground);
+    const auto found = filter_ground(cloud, footprints);
+    const Mistakes wrong = mistakes(cloud, found, [&](std::size_t p) {
+      return cloud.z[p] < 14 && !hollow.here(cloud.x[p], cloud.y[p]);
+    });
+    EXPECT_LT(wrong.missed, 0.05);
+  }
+}
+
+TEST(GroundFilter, SteepRidgesStayWithTheHousesOnThem) {
+  for (const double per_m2 : {0.5, 2.0, 8.0}) {
+    SCOPED_TRACE(per_m2);
+    // 45 degrees where points are dense enough for that.
+    const double run = per_m2 < 1 ? 30 : 20;
+    const auto ridge = [&](double x, double) {
+      return std::clamp(20 - (std::abs(x - 100) - 10) * 20 / run, 0.0, 20.0);
+    };
+    std::vector<Polygon> houses;
+    for (int k = 0; k < 8; ++k) houses.push_back(box(95, 6 + 24 * k, 104, 18 + 24 * k));
+    const PointCloud cloud = scan(200, per_m2, houses, 6, ridge);
+    const auto found = filter_ground(cloud, houses);
+    const Mistakes wrong = mistakes(cloud, found, [&](std::size_t p) {
+      return cloud.z[p] < ridge(cloud.x[p], cloud.y[p]) + 3;
+    });
+    EXPECT_LT(wrong.missed, 0.12);
+    EXPECT_LT(wrong.taken, 0.02);
+  }
+}
+
 TEST(GroundFilter, APodiumBetweenFootprintsIsNoGround) {
   SCOPED_TRACE(test_seed());
   const std::vector<Polygon> houses = {box(40, 40, 100, 58), box(40, 66, 100, 84),

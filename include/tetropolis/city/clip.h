@@ -20,10 +20,11 @@ DomainPosition position_in_domain(const Polygon& polygon, const Bounds2& domain)
 /// All parts of a valid polygon within `box`; none if nothing is left, or GEOS gives up.
 std::vector<Polygon> parts_in_box(const Polygon& polygon, const Bounds2& box);
 
-/// Both in metres in the local frame. The largest part of a clean polygon within `box`, clean
-/// (clean_footprint) and on the grid of kCoordinateStep, so up to half a step beyond a `box` that
-/// is not; empty if nothing is left. `lost_area`, if given, becomes the area of the other parts,
-/// square metres.
-Polygon clip_to_box(const Polygon& polygon, const Bounds2& box, double* lost_area = nullptr);
+/// Both in metres in the local frame. The parts of a clean polygon within `box`, the largest first,
+/// clean (clean_footprint) and on the grid of kCoordinateStep, so up to half a step beyond a `box`
+/// that is not; none if nothing is left. Slivers below `least_area` square metres are left out
+/// beside larger parts. `lost_area`, if given, becomes their area.
+std::vector<Polygon> clip_to_box(const Polygon& polygon, const Bounds2& box, double least_area,
+                                 double* lost_area = nullptr);
 
 }  // namespace tetropolis

@@ -28,15 +28,18 @@ struct CrownEvidence {
 
 /// From every list of points inside a footprint, removes the crowns of trees. "Neither ground nor
 /// noise" is all that is known of them, and a tree over a shed is that as much as the shed's roof.
-/// Only buildings with trees around are touched: more than `clearing` times as many points around
-/// as roof points, 2.5 m above the lowest of these. There, a point goes if all of this holds:
+/// Only buildings with trees around are touched, more than `clearing` times as many points around
+/// as roof points, 2.5 m above the lowest of these; and outlines most of whose points are ground
+/// (of garages below the ground, and of what was pulled down). There, a point goes if all of this
+/// holds:
 /// - it hangs over others. Light passes through crowns but not through roofs. Stated as an opening
 ///   (Serra 1982) of points seen from above: the level around a point is the quantile `share` of
 ///   the heights within `radius`, ground and roofs beside included; the point is more than `height`
 ///   above the highest level within `radius` of it, or more than `fringe` if a crown is within
 ///   `radius`. Next to the edge of a roof there is a high level;
 /// - it is no more than 3 m higher than the highest point around the building: trees that hang over
-///   a building mostly stand beside it, towers rise above them;
+///   a building mostly stand beside it, towers rise above them (in outlines most of whose points
+///   are ground trees need not stand beside);
 /// - no more than half of the points in the ball around it lie on surfaces, which is where
 ///   neighbours scatter little to both sides of a plane: root of the least eigenvalue of their
 ///   covariance at most thickness * radius (features of Weinmann et al., "Semantic point cloud

@@ -39,6 +39,13 @@ double linear_unit_metres(const std::string& crs);
 /// normalise_crs) says nothing of heights or is not understood.
 double vertical_unit_metres(const std::string& text);
 
+/// How many times as long as on the Earth's ellipsoid a short way at `at` is in a projected system:
+/// of the ways along x and along y the one that is further from 1. 1.87 for web Mercator
+/// (EPSG:3857) at 58 degrees north, 0.9996 to 1.001 in UTM zones. NaN for other systems, and where
+/// `at` cannot be transformed. The radii of curvature are those of Snyder, "Map projections: a
+/// working manual" (USGS Professional Paper 1395, 1987), equations 4-18 and 4-20.
+double length_scale(const std::string& crs, Point2 at);
+
 /// Whether coordinates of `a` can be used as coordinates of `b` unchanged, heights aside. False if
 /// either is unknown.
 bool same_horizontal_crs(const std::string& a, const std::string& b);
