@@ -345,8 +345,9 @@ Group Simplifier::united(const std::vector<std::size_t>& parts, bool hulls) {
 
 /// Houses around small courtyards that have lost most of their area, or all of it, since neither
 /// wings nor courtyards are wide enough, get another chance as one block. Each once, and only where
-/// that changes less. Whether there are any.
+/// that changes less and the courtyards are large enough to be the reason. Whether there are any.
 bool Simplifier::fill_yards_of_lost() {
+  constexpr double kLeastShare = 0.1;
   bool any = false;
   for (Group& group : groups_) {
     const double whole = total_area(group.input), left = area(group.polygon);
@@ -357,7 +358,7 @@ bool Simplifier::fill_yards_of_lost() {
     for (Polygon& block : blocks) block.holes.clear();
     const double yards = total_area(blocks) - whole;
     std::optional<Polygon> block = largest_of(blocks);
-    if (!block || !(yards > 0 && yards < whole - left)) continue;
+    if (!block || !(yards >= kLeastShare * whole && yards < whole - left)) continue;
     group.polygon = std::move(*block);
     group.flags |= kRepaired;
     group.yards_filled = any = true;

@@ -45,9 +45,12 @@ bool encloses(const Polygon& outer, const Ring& inner) {
          std::all_of(inner.begin(), inner.end(), [&](Point2 p) { return contains(outer, p); });
 }
 
-void put_widest_ring_first(Polygon& polygon) {
+/// A hole that encloses its shell becomes the shell, if `turns` is so of the two.
+template <typename Turns>
+void put_widest_ring_first(Polygon& polygon, const Turns& turns) {
   for (Ring& hole : polygon.holes)
-    if (encloses({hole, {}}, polygon.outer)) std::swap(hole, polygon.outer);
+    if (turns(polygon.outer, hole) && encloses({hole, {}}, polygon.outer))
+      std::swap(hole, polygon.outer);
 }
 
 /// Whether all of `inner` lies within `outer`, and no hole of that within it. A part that fills a
@@ -227,11 +230,17 @@ FlatGeometry flatten(OGRGeometryH geometry) {
 }
 
 void mend_order_of_rings(FlatGeometry& geometry) {
+  const auto as_hole_and_shell = [](const Ring& first, const Ring& other) {
+    return signed_area(first) < 0 && signed_area(other) > 0;
+  };
   for (PolygonPart& part : geometry.parts)
-    if (part.reason.empty()) put_widest_ring_first(part.polygon);
+    if (part.reason.empty()) put_widest_ring_first(part.polygon, as_hole_and_shell);
 }
 
 void mend_turned_rings(FlatGeometry& geometry) {
+  const auto any = [](const Ring&, const Ring&) { return true; };
+  for (PolygonPart& part : geometry.parts)
+    if (part.reason.empty()) put_widest_ring_first(part.polygon, any);
   // All holes, by their turn: some are, and those lie within others.
   if (geometry.parts.size() > 1 &&
       std::all_of(geometry.parts.begin(), geometry.parts.end(), turns_left))

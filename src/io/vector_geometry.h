@@ -27,13 +27,14 @@ struct FlatGeometry {
 /// not within it and stays. `geometry` may be null.
 FlatGeometry flatten(OGRGeometryH geometry);
 
-/// A hole that encloses its shell becomes the shell. Some files have the yard first; and GDAL tells
-/// the rings of a shapefile apart by their turn, so where a writer turned all of them the wrong
-/// way, it takes the yard for the building and the building for a hole in it.
+/// Where the yard comes first and its building second, as their turns say too (holes clockwise),
+/// the building becomes the shell.
 void mend_order_of_rings(FlatGeometry& geometry);
 
-/// For shapefiles, which tell shells from holes by their turn. Where all rings turn as holes do,
-/// each is a polygon for GDAL: every other one of those within each other becomes a hole.
+/// For shapefiles, which tell shells from holes by their turn. Where all rings turn the wrong way,
+/// GDAL takes the yard for the shell: the widest ring of each part becomes its shell again. Where
+/// all turn as holes do, each is a polygon for GDAL: every other one of those within each other
+/// becomes a hole.
 void mend_turned_rings(FlatGeometry& geometry);
 
 /// Whether a layer of this geometry type may hold polygons.

@@ -273,8 +273,10 @@ class LayerReader {
   void add(OGRFeatureH feature) {
     const std::string id = feature_id(feature);
     FlatGeometry flat = flatten(OGR_F_GetGeometryRef(feature));
-    mend_order_of_rings(flat);
-    if (shells_by_turn_) mend_turned_rings(flat);
+    if (shells_by_turn_)
+      mend_turned_rings(flat);
+    else
+      mend_order_of_rings(flat);
     if (flat.parts.empty()) {
       result_.dropped.push_back({ids_.unique(id), std::move(flat.reason)});
       return;

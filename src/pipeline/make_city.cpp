@@ -136,6 +136,7 @@ std::vector<Polygon> clean_features(const Config& config, const FootprintsInput&
       flags |= kClipped;
     }
     count_lost_parts(feature.source_id, cleaned.lost_area, lost_parts);
+    report.input->footprint_parts += static_cast<std::int64_t>(parts.size()) - 1;
     for (std::size_t k = 0; k < parts.size(); ++k) {
       Building building;
       building.flags = flags;

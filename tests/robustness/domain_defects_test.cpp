@@ -21,11 +21,14 @@ std::vector<std::string> ids_of(const std::vector<Feature>& features) {
 class DomainDefects : public ::testing::Test {
  protected:
   Outcome run() { return run(sound_features(city)); }
-  Outcome run(const std::vector<Feature>& features) {
+  /// `parts`: ids that features get beyond their own.
+  Outcome run(const std::vector<Feature>& features, const std::vector<std::string>& parts = {}) {
     write_input(city, features, folder.path());
     Config config = small_config(city, folder.path());
     adjust(config);
-    return build(config, ids_of(features));
+    std::vector<std::string> ids = ids_of(features);
+    ids.insert(ids.end(), parts.begin(), parts.end());
+    return build(config, ids);
   }
   /// Bounds in local coordinates.
   void set_bounds(double xmin, double ymin, double xmax, double ymax) {
@@ -67,7 +70,8 @@ TEST_F(DomainDefects, ABuildingCutIntoPartsKeepsAllOfThem) {
   set_bounds(0, 0, 76, 120);
   settings = [](Config& config) { config.boundary_buildings = BoundaryBuildings::kClip; };
   const Outcome outcome =
-      run(with_patient(city, "POLYGON((60 50,84 50,84 66,60 66,60 62,77 62,77 54,60 54,60 50))"));
+      run(with_patient(city, "POLYGON((60 50,84 50,84 66,60 66,60 62,77 62,77 54,60 54,60 50))"),
+          {"patient#2"});
   ASSERT_EQ(outcome.error, "");
   for (const char* id : {"patient", "patient#2"}) {
     const Building* wing = outcome.building_of(id);

@@ -34,7 +34,8 @@ struct InputReport {
   std::int64_t ground_filtered = 0;  ///< Points that the ground filter found to be ground.
   std::int64_t ground_outliers = 0;  ///< Ground points left out as birds or pits.
   std::int64_t footprints_read = 0;  ///< Features of the file.
-  std::int64_t footprint_parts = 0;  ///< The same with multipolygons split: what is accounted for.
+  std::int64_t footprint_parts = 0;  ///< The same with multipolygons, and what the domain
+                                     ///< cuts into parts, split: what is accounted for.
 };
 
 struct CityReport {
