@@ -7,6 +7,7 @@
 #include <limits>
 #include <optional>
 #include <span>
+#include <string>
 #include <tuple>
 #include <utility>
 #include <vector>
@@ -187,16 +188,19 @@ bool Improver::make_cut_columns(const ColumnPlanOptions& options, Columns& befor
   return true;
 }
 
-/// Keeps the cut if it leaves fewer cells below the floor; or as many, and fewer faces beyond
-/// kMostNonOrthogonal; or as many of both, and fewer cells outside the bounds; or as many of all,
-/// and the worst face less far beyond, so that the next cut may do. Else everything becomes as it
-/// was, the result is false, and of the marks those stay that helped where they are.
+/// Keeps the cut if it leaves fewer triangles with cells below the floor; or as many, and fewer
+/// faces beyond kMostNonOrthogonal; or as many of both, and fewer triangles with cells outside the
+/// bounds; or as many of all, and the worst face less far beyond, so that the next cut may do. (Not
+/// fewer cells: over a triangle that is bad whatever is done, a cut leaves room for more of them.)
+/// Else everything becomes as it was, the result is false, and of the marks those stay that helped
+/// where they are.
 bool Improver::cut_back(ColumnPlanOptions& options, const AngleBounds& bounds,
                         const CutMarks& marks_before, std::span<const std::uint8_t> bad_before) {
   // Not at the price of cells that are bad by any measure.
   const auto bad = [&] {
-    return std::tuple(quality_.below_floor, has_many_thin_cells(quality_), quality_.faces.above_70,
-                      count_bad_cells(columns_.mesh, bounds),
+    return std::tuple(count_bad_triangles(columns_.mesh, kQualityFloor),
+                      has_many_thin_cells(quality_), quality_.faces.above_70,
+                      count_bad_triangles(columns_.mesh, bounds),
                       std::max(quality_.faces.worst.non_orthogonality_deg, kMostNonOrthogonal));
   };
   const auto bad_then = bad();
@@ -263,7 +267,23 @@ MeshQuality improve_mesh(const Config& config, const Raster& dtm, const CitySize
   return Improver(config, dtm, size, columns, clock, volume).run();
 }
 
-void warn_below_floor(const ColumnMesh& mesh, const MeshQuality& quality, Report& report) {
+namespace {
+
+/// The settings that alone make bad cells, if there are any.
+std::string unusual_settings(const Config& config) {
+  std::string text;
+  if (config.min_angle < 20) text += fmt::format("; --min-angle {:g} is small", config.min_angle);
+  const double share = config.layer_height / config.mesh_size;
+  if (config.layer_height > 0 && (share < 0.5 || share > 2))
+    text += fmt::format("; --layer-height {:g} is far from --mesh-size {:g}", config.layer_height,
+                        config.mesh_size);
+  return text;
+}
+
+}  // namespace
+
+void warn_below_floor(const Config& config, const ColumnMesh& mesh, const MeshQuality& quality,
+                      Report& report) {
   const std::optional<AngleBounds> bounds = missed_bounds(quality);
   if (const double skewness = quality.faces.worst.skewness; skewness >= kMostSkewed)
     report.warnings.push_back(
@@ -279,17 +299,18 @@ void warn_below_floor(const ColumnMesh& mesh, const MeshQuality& quality, Report
          fmt::format(
              "cells have dihedral angles outside of {} to {} degrees (least {:.2f}, greatest "
              "{:.2f}), where {} to {} are meant for all and {} for all but one in ten thousand; "
-             "worst_cells in the report has the worst and why",
+             "worst_cells in the report has the worst and why{}",
              bounds->least, bounds->greatest, angles.min_dihedral_deg(), angles.max_dihedral_deg(),
-             kQualityFloor.least, kQualityFloor.greatest, kLeastOfMost)});
+             kQualityFloor.least, kQualityFloor.greatest, kLeastOfMost, unusual_settings(config))});
   if (quality.faces.above_70 > 0)
     report.warnings.push_back(
         {"faces_non_orthogonal", quality.faces.above_70,
          fmt::format(
              "faces between cells are more than {} degrees non-orthogonal (the worst "
              "{:.2f}), at steep ground, buried roofs or, in uniform layers, low walls; a smaller "
-             "--mesh-size may help",
-             kMostNonOrthogonal, quality.faces.worst.non_orthogonality_deg)});
+             "--mesh-size may help{}",
+             kMostNonOrthogonal, quality.faces.worst.non_orthogonality_deg,
+             unusual_settings(config))});
 }
 
 }  // namespace tetropolis

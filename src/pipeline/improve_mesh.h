@@ -29,6 +29,7 @@ MeshQuality improve_mesh(const Config& config, const Raster& dtm, const CitySize
                          Columns& columns, StepClock& clock, VolumeMeshReport& volume);
 
 /// Adds warnings of what is below the floor.
-void warn_below_floor(const ColumnMesh& mesh, const MeshQuality& quality, Report& report);
+void warn_below_floor(const Config& config, const ColumnMesh& mesh, const MeshQuality& quality,
+                      Report& report);
 
 }  // namespace tetropolis

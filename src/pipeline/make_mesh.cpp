@@ -139,7 +139,7 @@ void make_mesh(const Config& config, const CityModel& city, Raster dtm, OutputFo
   const ColumnMesh mesh = std::move(columns.mesh);
   columns.plan = {};
   clock.run("3.6", "check and write meshes", [&](const Progress& progress) {
-    warn_below_floor(mesh, quality, report);
+    warn_below_floor(config, mesh, quality, report);
     fill_quality(mesh, std::move(quality), *report.volume_mesh);
     const SurfaceMesh boundary = bound(mesh, domain, report);
     Placement placement{{0, 0, 0}, {city.origin.x, city.origin.y, 0}};

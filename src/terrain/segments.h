@@ -16,9 +16,9 @@ namespace tetropolis {
 /// the window, or steeper than the slope. An object ends in walls (Sithole & Vosselman, "Filtering
 /// of airborne laser scanner data based on segmented point clouds", ISPRS Archives 36(3/W19), 2005,
 /// tell the two apart by the rims of segments). Segments are object cells joined by steps that a
-/// slope has; of the steps from a segment down, at most one in ten may be one that only a wall has,
-/// and it has to rise by more than two of the others within: a hedge or a terrace does not.
-/// `lowest`: NaN where there is no point.
+/// slope has; of the steps from a segment down, at most one in ten may be one that only a wall has
+/// (and no slope that goes on behind it), and it has to rise by more than two of the others within:
+/// a hedge or a terrace does not. `lowest`: NaN where there is no point.
 void keep_gentle_rises(const HeightGrid& lowest, const Frame& frame,
                        std::vector<std::uint8_t>& object, const Progress& progress);
 

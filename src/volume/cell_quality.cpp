@@ -124,15 +124,31 @@ std::int64_t count_bad_cells_over(const ColumnMesh& mesh, std::size_t t,
   return bad;
 }
 
-std::int64_t count_bad_cells(const ColumnMesh& mesh, const AngleBounds& bounds) {
+namespace {
+
+/// The sum of count_over(t) over all triangles.
+template <typename Count>
+std::int64_t sum_over_triangles(const ColumnMesh& mesh, const Count& count_over) {
   return parallel_reduce_ordered(
       mesh.triangle_count(), kTrianglesPerChunk, std::int64_t{0},
       [&](std::size_t begin, std::size_t end) {
-        std::int64_t bad = 0;
-        for (std::size_t t = begin; t < end; ++t) bad += count_bad_cells_over(mesh, t, bounds);
-        return bad;
+        std::int64_t sum = 0;
+        for (std::size_t t = begin; t < end; ++t) sum += count_over(t);
+        return sum;
       },
       [](std::int64_t a, std::int64_t b) { return a + b; });
+}
+
+}  // namespace
+
+std::int64_t count_bad_triangles(const ColumnMesh& mesh, const AngleBounds& bounds) {
+  return sum_over_triangles(
+      mesh, [&](std::size_t t) { return count_bad_cells_over(mesh, t, bounds) > 0 ? 1 : 0; });
+}
+
+std::int64_t count_bad_cells(const ColumnMesh& mesh, const AngleBounds& bounds) {
+  return sum_over_triangles(mesh,
+                            [&](std::size_t t) { return count_bad_cells_over(mesh, t, bounds); });
 }
 
 }  // namespace tetropolis

@@ -221,6 +221,51 @@ TEST(QualityFloor, WallsThatSinkIntoASlope) {
   expect_good_meshes(folder.path(), {10, 20, 5});
 }
 
+/// A building with a corner that no cut makes blunter, and others between a quarry and a rock wall
+/// a long way off: there the terrain is cut back all the same. (A tester's.)
+TEST(QualityFloor, ASharpCornerKeepsNoTerrainElsewhereFromBeingCut) {
+  // Rises by 30 m within 2 m, and a hole of 35 m by 27 m, 40 m deep.
+  const auto ramp = [](double t) { return std::clamp(t, 0.0, 1.0); };
+  const auto elevation = [&](double x, double y) {
+    const double rise = -0.82871 * (x - 69.99433) + 0.55968 * (y - 33.02795);
+    const double along = -0.55968 * (x - 57.90626) - 0.82871 * (y - 44.29611);
+    const double across = 0.82871 * (x - 57.90626) - 0.55968 * (y - 44.29611);
+    return 30 * ramp(rise / 2 + 0.5) -
+           40 * ramp(17.68217 - std::abs(along)) * ramp(13.44741 - std::abs(across));
+  };
+  Raster dtm{135, 135, -2, -2, 1, {}};
+  for (int j = 0; j < dtm.ny; ++j)
+    for (int i = 0; i < dtm.nx; ++i) dtm.values.push_back(elevation(std::min(i - 2, 80), j - 2));
+  for (const double degrees : {15, 8, 5}) {
+    SCOPED_TRACE(degrees);
+    const testing::TemporaryFolder folder;
+    CityModel city;
+    city.domain = {0, 0, 130, 130};
+    city.crs = "EPSG:28992";
+    const auto add = [&](Ring outer, double roof) {
+      Building building;
+      building.id = "b" + std::to_string(city.buildings.size());
+      building.source_ids = {building.id};
+      for (Point2& p : outer) p = snap_coordinate(p);
+      building.footprint.outer = std::move(outer);
+      building.h_ground = roof - 3;
+      building.h_roof = roof;
+      city.buildings.push_back(building);
+    };
+    add({{26.0871, 20.1348}, {35.0376, 33.3878}, {29.965, 35.6498}}, 32.5);
+    add({{5.7428, 38.1312}, {51.8786, 35.6937}, {50.7632, 48.5048}}, 180);
+    add({{71.6989, 58.2027}, {54.1199, 70.0748}, {43.6293, 54.5415}, {61.2083, 42.6694}}, 180);
+    add({{76.4699, 42.8424}, {67.7265, 48.7473}, {60.7434, 38.4075}, {69.4868, 32.5026}}, 80);
+    const double angle = degrees * std::numbers::pi / 180;
+    add({{98, 40}, {112, 40}, {98 + 14 * std::cos(angle), 40 + 14 * std::sin(angle)}}, 12);
+    write_city(folder / "city.city.json", city);
+    write_raster(folder / "dtm.tif", dtm, {}, "EPSG:28992");
+    const VolumeMeshReport mesh = *mesh_at(folder.path(), 10).volume_mesh;
+    EXPECT_FALSE(mesh.feet_cut_back.empty());
+    EXPECT_EQ(mesh.faces.above_70, 0);
+  }
+}
+
 /// A hillside with houses and halls at random, some of them low; walls of the long ones sink into
 /// the ground. Elevations rise by up to one in twenty.
 void make_hillside(std::mt19937_64& random, double side, const fs::path& folder) {

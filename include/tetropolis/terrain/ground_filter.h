@@ -48,6 +48,10 @@ struct GroundFilterReport {
 /// filled from the lowest surroundings of their void at the given slope, also around the cloud, so
 /// that buildings at the water or cut by the rim of the cloud do not lean on a void.
 ///
+/// Light wells, basement stairs, areaways and ditches are filled for the opening, too: what is at
+/// most 6 m wide between higher cells, or between these and voids, and no more than 3.6 m deep.
+/// Else the ground between two of them that are closer than twice the window would be an object.
+///
 /// Pits that are many are near others, so a lowest point is a pit, too, if of the 25 cells around
 /// most hold points more than 1 m higher, at most 4 (less than 5 square metres) hold one at its
 /// level, 1 m up and down, and either the higher ones lie in a plane or, within 10 m, the level has
@@ -56,9 +60,10 @@ struct GroundFilterReport {
 /// this finds 5 pits per 100 square metres, 2 to 20 m deep and deeper, some by two and three.
 ///
 /// And of the objects that are found, what rises gradually instead of in walls is taken back:
-/// banks, dykes, ridges and hilltops, of 50 square metres and more. Smaller pieces of terrain that
-/// objects, footprints and walls cut off from the rest, a metre above most of the ground nearby,
-/// are what openings left of objects between footprints (podiums), and go.
+/// banks, dykes, ridges and hilltops, of 50 square metres and more. A drop as large as that of a
+/// wall is none where the surface behind rises likewise, on slopes of 45 degrees. Smaller pieces of
+/// terrain that objects, footprints and walls cut off from the rest, a metre above most of the
+/// ground nearby, are what openings left of objects between footprints (podiums), and go.
 ///
 /// Known weakness: on slopes much steeper than `slope` that are not those of the whole terrain,
 /// parts of wide buildings that are in no footprint may pass for terrain, and so may podiums of
