@@ -132,14 +132,20 @@ class HeightReader {
         attribute_(std::move(attribute)),
         field_(find_attribute(path, layer, attribute_)) {
     if (field_ == kNoField) return;
-    // The feature number is no height, and neither is a date or a list.
+    // The feature number is no height, and neither is a date, a list, or yes and no.
     OGRFieldDefnH field =
         field_ == kFidField ? nullptr : OGR_FD_GetFieldDefn(OGR_L_GetLayerDefn(layer), field_);
     type_ = field == nullptr ? OFTBinary : OGR_Fld_GetType(field);
-    if (type_ != OFTInteger && type_ != OFTInteger64 && type_ != OFTReal && type_ != OFTString)
-      fail_input(path_, fmt::format(
-                            "attribute '{}' is {}, not a height; name a numeric one", attribute_,
-                            field == nullptr ? "the feature number" : OGR_GetFieldTypeName(type_)));
+    const char* other = nullptr;
+    if (field == nullptr)
+      other = "the feature number";
+    else if (OGR_Fld_GetSubType(field) == OFSTBoolean)
+      other = "Boolean";
+    else if (type_ != OFTInteger && type_ != OFTInteger64 && type_ != OFTReal && type_ != OFTString)
+      other = OGR_GetFieldTypeName(type_);
+    if (other != nullptr)
+      fail_input(path_, fmt::format("attribute '{}' is {}, not a height; name a numeric one",
+                                    attribute_, other));
   }
 
   double read(OGRFeatureH feature, const std::string& id) {

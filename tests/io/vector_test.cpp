@@ -259,6 +259,18 @@ TEST(Vector, IdsAndHeightsComeFromAttributes) {
   EXPECT_NE(input_error(bielefeld, options).find("it has: footprints"), std::string::npos);
 }
 
+TEST(Vector, YesAndNoAreNoHeights) {
+  const TemporaryFolder folder;
+  ReadFootprintsOptions options;
+  options.height_attribute = "listed";
+  const std::string message = input_error(
+      write_text(folder / "listed.geojson",
+                 R"({"type":"Feature","properties":{"listed":true},"geometry":{"type":"Polygon",
+                 "coordinates":[[[0,0],[9,0],[9,8],[0,8],[0,0]]]}})"),
+      options);
+  EXPECT_NE(message.find("'listed' is Boolean, not a height"), std::string::npos) << message;
+}
+
 TEST(Vector, DuplicateIdsAreToldApart) {
   TETROPOLIS_REQUIRE_DATA(goteborg, "dtcc_small/goteborg_by_14.shp");
   ReadFootprintsOptions options;
