@@ -242,26 +242,78 @@ HeightGrid with_small_voids_filled(const HeightGrid& grid, const Frame& frame) {
   for (std::size_t c = 0; c < grid.values.size(); ++c) {
     if (!std::isnan(grid.values[c])) continue;
     for_each_neighbour(frame, c, [&](std::size_t n) {
-      if (!(filled.values[c] <= grid.values[n])) filled.values[c] = grid.values[n];
+      const float z = grid.values[n];
+      if (!std::isnan(z) && !(filled.values[c] <= z)) filled.values[c] = z;
     });
   }
   return filled;
 }
 
+/// How many cells of a mask lie in a square, by a summed-area table (Crow, "Summed-area tables for
+/// texture mapping", 1984).
+class CellCounts {
+ public:
+  template <typename Is>
+  CellCounts(const Frame& frame, const Is& is) : columns_(frame.nx + 1), rows_(frame.ny + 1) {
+    sums_.resize(static_cast<std::size_t>(columns_) * static_cast<std::size_t>(rows_), 0);
+    std::size_t c = 0;
+    for (std::int32_t j = 1; j < rows_; ++j) {
+      std::int32_t row = 0;
+      for (std::int32_t i = 1; i < columns_; ++i, ++c) {
+        row += is(c, i - 1, j - 1) ? 1 : 0;
+        sums_[at(i, j)] = sums_[at(i, j - 1)] + row;
+      }
+    }
+  }
+
+  /// Within `reach` cells of cell (i, j) to each side.
+  std::int32_t around(std::int32_t i, std::int32_t j, std::int32_t reach) const {
+    const std::int32_t i0 = std::max(i - reach, 0), i1 = std::min(i + reach + 1, columns_ - 1);
+    const std::int32_t j0 = std::max(j - reach, 0), j1 = std::min(j + reach + 1, rows_ - 1);
+    return sums_[at(i1, j1)] - sums_[at(i0, j1)] - sums_[at(i1, j0)] + sums_[at(i0, j0)];
+  }
+
+ private:
+  std::size_t at(std::int32_t i, std::int32_t j) const {
+    return static_cast<std::size_t>(j) * static_cast<std::size_t>(columns_) +
+           static_cast<std::size_t>(i);
+  }
+
+  std::int32_t columns_;
+  std::int32_t rows_;
+  std::vector<std::int32_t> sums_;
+};
+
 /// Fills what is low, narrow and little deeper than a storey: light wells, basement stairs,
 /// ditches. Where they are closer to each other than the window is wide, an opening would take the
 /// ground between them for an object. Alleys between houses are deeper. What is beside a void is as
-/// narrow as if that were high.
-void fill_hollows(HeightGrid& grid, const Frame& frame) {
-  constexpr double kHalfWidth = 3.0;  // metres
+/// narrow as if that were high. Where much is low and little wide it is the ground between rows of low
+/// objects (garages, sheds, hedges, greenhouses) that is low; it stays.
+void fill_hollows(HeightGrid& grid, const Frame& frame, double window) {
+  constexpr double kHalfWidth = 3.0;  // metres, of hollows
+  constexpr double kHalfWide = 4.0;   // metres to the next hollow; greenhouses are 8 m wide
   constexpr float kDeepest = 1.2F * static_cast<float>(kStorey);
+  constexpr float kShallowest = 0.3F;  // metres, less than objects and more than noise
+  const auto cells = [&](double metres) {
+    return std::max(static_cast<std::int32_t>(std::lround(metres / frame.cell)), 1);
+  };
   HeightGrid closed = with_small_voids_filled(grid, frame);
   for (float& z : closed.values)
     if (std::isnan(z)) z = std::numeric_limits<float>::infinity();
-  close_with_octagon(closed,
-                     std::max(static_cast<std::int32_t>(std::lround(kHalfWidth / frame.cell)), 1));
-  for (std::size_t c = 0; c < grid.values.size(); ++c)
-    if (closed.values[c] - grid.values[c] <= kDeepest) grid.values[c] = closed.values[c];
+  close_with_octagon(closed, cells(kHalfWidth));
+  const auto depth = [&](std::size_t c) { return closed.values[c] - grid.values[c]; };
+  const CellCounts hollow(frame, [&](std::size_t c, std::int32_t, std::int32_t) {
+    return depth(c) > kShallowest && depth(c) <= kDeepest;
+  });
+  const CellCounts wide(frame, [&](std::size_t c, std::int32_t i, std::int32_t j) {
+    return !std::isnan(grid.values[c]) && hollow.around(i, j, cells(kHalfWide)) == 0;
+  });
+  std::size_t c = 0;
+  for (std::int32_t j = 0; j < frame.ny; ++j)
+    for (std::int32_t i = 0; i < frame.nx; ++i, ++c)
+      if (depth(c) <= kDeepest &&
+          hollow.around(i, j, cells(window)) <= 2 * wide.around(i, j, cells(window)))
+        grid.values[c] = closed.values[c];
 }
 
 /// 1 for the cells that an opening lowers by more than terrain of the given slope would be: that
@@ -273,7 +325,7 @@ std::vector<std::uint8_t> find_objects(HeightGrid surface, const Frame& frame,
                                        const Progress& progress) {
   level(surface, frame, options.slope);
   std::vector<float> original = surface.values;
-  fill_hollows(surface, frame);
+  fill_hollows(surface, frame, options.window);
   fill_low(surface, options.slope * frame.cell);
   for (std::size_t c = 0; c < original.size(); ++c)
     if (std::isnan(original[c])) original[c] = surface.values[c];

@@ -152,8 +152,6 @@ TEST(GroundFilter, BanksDykesAndRidgesStayAndWhatStandsThereGoes) {
   EXPECT_LT(wrong.taken, 0.2);  // its ends, level with the banks
 }
 
-/// A podium of one storey between houses with footprints: these say nothing, and the openings
-/// leave what is near their walls.
 /// What is low and narrow, closer to the next such place than the window is wide, makes no object
 /// of the ground between.
 TEST(GroundFilter, LightWellsStairsAreawaysAndDitchesLeaveTheGroundAround) {
@@ -194,6 +192,40 @@ TEST(GroundFilter, LightWellsStairsAreawaysAndDitchesLeaveTheGroundAround) {
   }
 }
 
+/// The ground between them is low and narrow, too, but it is most of what there is.
+TEST(GroundFilter, FieldsOfLowObjectsInNoFootprintAreNoGround) {
+  struct Field {
+    const char* name;
+    double per_m2;
+    double height;
+    std::function<bool(double, double)> here;
+  };
+  const auto within = [](double v, double pitch, double width) {
+    return v > 0 && v < 120 && std::fmod(v, pitch) < width;
+  };
+  const std::vector<Field> fields = {
+      {"garages", 8, 2.6,
+       [&](double x, double y) { return within(x, 121, 120) && within(y, 12, 6); }},
+      {"sheds", 8, 2.5, [&](double x, double y) { return within(x, 7, 4) && within(y, 7, 4); }},
+      {"hedges", 8, 2, [&](double x, double y) { return within(x, 121, 120) && within(y, 3, 1); }},
+      {"greenhouses", 4, 3.2,
+       [&](double x, double y) { return within(x, 33, 30) && within(y, 11, 8); }},
+  };
+  for (const Field& field : fields) {
+    SCOPED_TRACE(field.name);
+    const auto ground = [](double x, double y) { return 10 + 0.01 * x - 0.02 * y; };
+    const auto is_object = [&](double x, double y) { return field.here(x - 20, y - 20); };
+    const PointCloud cloud = scan(160, field.per_m2, {}, 0, [&](double x, double y) {
+      return ground(x, y) + (is_object(x, y) ? field.height : 0);
+    });
+    const auto found = filter_ground(cloud, {});
+    const Mistakes wrong = mistakes(
+        cloud, found, [&](std::size_t p) { return !is_object(cloud.x[p], cloud.y[p]); });
+    EXPECT_LT(wrong.taken, 0.02);
+    EXPECT_LT(wrong.missed, 0.02);
+  }
+}
+
 TEST(GroundFilter, SteepRidgesStayWithTheHousesOnThem) {
   for (const double per_m2 : {0.5, 2.0, 8.0}) {
     SCOPED_TRACE(per_m2);
@@ -214,6 +246,8 @@ TEST(GroundFilter, SteepRidgesStayWithTheHousesOnThem) {
   }
 }
 
+/// A podium of one storey between houses with footprints: these say nothing, and the openings
+/// leave what is near their walls.
 TEST(GroundFilter, APodiumBetweenFootprintsIsNoGround) {
   SCOPED_TRACE(test_seed());
   const std::vector<Polygon> houses = {box(40, 40, 100, 58), box(40, 66, 100, 84),
