@@ -42,8 +42,9 @@ std::vector<Polygon> clip_to_box(const Polygon& polygon, const Bounds2& box, dou
     for (Ring& hole : part.holes)
       for (Point2& p : hole) p = snap_coordinate(p);
     // The box may have cut off all but a sliver, or left vertices a hair apart.
-    Polygon clean = clean_footprint(part, {.parallel_tolerance = 0}).polygon;
-    if (!clean.outer.empty()) clipped.push_back(std::move(clean));
+    CleanedFootprint clean = clean_footprint(part, {.parallel_tolerance = 0});
+    lost += clean.polygon.outer.empty() ? area(part) : clean.lost_area;
+    if (!clean.polygon.outer.empty()) clipped.push_back(std::move(clean.polygon));
   }
   if (lost_area != nullptr) *lost_area = lost;
   return clipped;

@@ -89,15 +89,17 @@ std::optional<std::vector<EdgePair>> pairs_between(
 /// The polygons with patches in the gaps between them that are narrower than `distance`. Where each
 /// is near very many others, narrower gaps are closed first, so that most of these pairs, which
 /// others lie between, never get a patch.
-std::vector<Polygon> with_gaps_closed(std::vector<Polygon> parts, double distance, double reach) {
+std::vector<Polygon> with_gaps_closed(std::vector<Polygon> parts, double distance, double reach,
+                                      const Poll& poll) {
   constexpr std::size_t kCrowd = 8, kFewPairs = 2000;
   constexpr double kFinest = 0.01 * grid::kSteps;
+  if (poll) poll();
   Outline o = outline_for(pointers_to(parts), distance);
   std::optional<std::vector<EdgePair>> pairs;
   if (distance > kFinest) pairs = pairs_between(o, distance, kCrowd * o.point.size() + kFewPairs);
   if (!pairs) {
     if (distance > kFinest) {
-      parts = with_gaps_closed(std::move(parts), distance / 2, reach / 2);
+      parts = with_gaps_closed(std::move(parts), distance / 2, reach / 2, poll);
       o = outline_for(pointers_to(parts), distance);
     }
     pairs = pairs_between(o, distance);
@@ -221,7 +223,7 @@ MergedPolygon merge_polygons(std::span<const Polygon> cluster, double distance, 
   std::vector<Polygon> parts = result.input;
   double reach = distance * (1 + 1e-3);
   for (int k = 1; k <= std::max(growths, 1) && parts.size() > 1; ++k, reach *= 2) {
-    parts = with_gaps_closed(std::move(parts), distance, reach);
+    parts = with_gaps_closed(std::move(parts), distance, reach, poll);
     result.method = MergeMethod::kPatch;
     result.growths = k;
   }

@@ -383,6 +383,7 @@ void Simplifier::repair_in_rounds() {
     result_.stats.rounds = round + 1;
     if (pairs.empty()) {
       if (!fill_yards_of_lost()) return;
+      drop_vanished();
       unite_close_groups(false);
       continue;
     }

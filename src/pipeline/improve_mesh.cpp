@@ -274,7 +274,9 @@ std::string unusual_settings(const Config& config) {
   std::string text;
   if (config.min_angle < 20) text += fmt::format("; --min-angle {:g} is small", config.min_angle);
   const double share = config.layer_height / config.mesh_size;
-  if (config.layer_height > 0 && (share < 0.5 || share > 2))
+  // Graded layers take a large height as an upper limit only.
+  const bool tall = share > 2 && config.layering == Layering::kUniform;
+  if (config.layer_height > 0 && (share < 0.5 || tall))
     text += fmt::format("; --layer-height {:g} is far from --mesh-size {:g}", config.layer_height,
                         config.mesh_size);
   return text;

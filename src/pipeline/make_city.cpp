@@ -55,12 +55,14 @@ class PartIds {
     const std::size_t mark = source_id.rfind('#');
     const std::string whole = source_id.substr(0, mark);
     const std::string& base = taken_.contains(whole) ? whole : source_id;
-    for (int k = 2;; ++k)
-      if (std::string id = fmt::format("{}#{}", base, k); taken_.insert(id).second) return id;
+    int& k = last_.try_emplace(base, 1).first->second;
+    for (;;)
+      if (std::string id = fmt::format("{}#{}", base, ++k); taken_.insert(id).second) return id;
   }
 
  private:
   std::set<std::string> taken_;
+  std::map<std::string, int> last_;
 };
 
 /// Counts a feature of which parts have been given up, and names the first.

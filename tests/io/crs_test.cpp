@@ -110,6 +110,8 @@ TEST(Crs, KnowsHowLongAMetreIs) {
   EXPECT_NEAR(length_scale("EPSG:3006", {500000, 6400000}), 0.9996, 1e-6);
   EXPECT_NEAR(length_scale("EPSG:28992", {155000, 463000}), 0.9999079, 1e-6);
   EXPECT_NEAR(length_scale("EPSG:2225", {6561667, 1640416}), 1, 0.001);  // US survey feet
+  // Half a metre west and east of the meridian of 180 degrees, in the map grid of Fiji.
+  EXPECT_NEAR(length_scale("EPSG:3460", {2133236.5, 4021710.2}), 1, 0.001);
   EXPECT_TRUE(std::isnan(length_scale("EPSG:4326", {12, 58})));
   EXPECT_TRUE(std::isnan(length_scale("", {12, 58})));
 }
