@@ -86,7 +86,7 @@ const Blanked kClouds[] = {
     {"AmsterdamSparse",
      "amsterdam_south/footprints.gpkg",
      {"amsterdam_south/ahn3_sparse/c_25gn1_b.laz"},
-     13,
+     15,
      0},
 };
 
