@@ -144,6 +144,11 @@ double vertical_unit_metres(OGRSpatialReferenceH srs) {
   return srs == nullptr ? 1 : OSRGetTargetLinearUnits(srs, "VERT_CS", nullptr);
 }
 
+std::string vertical_name(OGRSpatialReferenceH srs) {
+  const char* name = srs == nullptr ? nullptr : OSRGetAttrValue(srs, "VERT_CS", 0);
+  return name == nullptr ? "" : name;
+}
+
 std::string canonical_name(OGRSpatialReferenceH given) {
   if (given == nullptr) return "";
   Srs srs(OSRClone(given));
@@ -214,6 +219,12 @@ double vertical_unit_metres(const std::string& text) {
   if (text.empty()) return 1;
   const gdal::QuietErrors errors;
   return gdal::vertical_unit_metres(gdal::parse_whole_srs(text).get());
+}
+
+std::string vertical_crs_name(const std::string& text) {
+  if (text.empty()) return "";
+  const gdal::QuietErrors errors;
+  return gdal::vertical_name(gdal::parse_whole_srs(text).get());
 }
 
 double length_scale(const std::string& crs, Point2 at) {

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <cstring>
 #include <initializer_list>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -169,24 +170,32 @@ std::string crs_of(const std::vector<Vlr>& vlrs, bool prefer_wkt) {
   return prefer_wkt ? crs_of_keys(vlrs) : crs_of_wkt(vlrs);
 }
 
-double vertical_unit_of(const std::vector<Vlr>& vlrs, bool prefer_wkt) {
+/// Sets what a system says of heights.
+void add_vertical(const std::vector<Vlr>& vlrs, bool prefer_wkt, LasSystems::System& system) {
   const Vlr* wkt = find(vlrs, kWkt);
   const Vlr* keys = find(vlrs, kGeoKeys);
-  if (wkt != nullptr && (prefer_wkt || keys == nullptr))
-    return vertical_unit_metres(wkt->data.substr(0, wkt->data.find('\0')));
-  if (keys == nullptr) return 1;
+  if (wkt != nullptr && (prefer_wkt || keys == nullptr)) {
+    const std::string text = wkt->data.substr(0, wkt->data.find('\0'));
+    system.vertical_unit = vertical_unit_metres(text);
+    system.vertical_crs = vertical_crs_name(text);
+    return;
+  }
+  if (keys == nullptr) return;
   // Of the keys, the unit (4099) counts more than that of the vertical system (4096).
-  double unit = 1;
+  std::optional<double> unit;
   for (std::size_t at = 8; at + 8 <= keys->data.size(); at += 8) {
     std::array<std::uint16_t, 4> key{};
     std::memcpy(key.data(), keys->data.data() + at, 8);
-    if (key[0] == 4096 && key[3] > 1000 && key[3] < 32767)
-      unit = vertical_unit_metres(fmt::format("EPSG:{}", key[3]));
-    if (key[0] == 4099 && key[3] == 9001) return 1;
-    if (key[0] == 4099 && key[3] == 9002) return 0.3048;
-    if (key[0] == 4099 && key[3] == 9003) return 1200.0 / 3937;
+    if (key[0] == 4096 && key[3] > 1000 && key[3] < 32767) {
+      const std::string code = fmt::format("EPSG:{}", key[3]);
+      system.vertical_unit = vertical_unit_metres(code);
+      system.vertical_crs = vertical_crs_name(code);
+    }
+    if (key[0] == 4099 && key[3] == 9001) unit = 1;
+    if (key[0] == 4099 && key[3] == 9002) unit = 0.3048;
+    if (key[0] == 4099 && key[3] == 9003) unit = 1200.0 / 3937;
   }
-  return unit;
+  system.vertical_unit = unit.value_or(system.vertical_unit);
 }
 
 }  // namespace
@@ -198,11 +207,11 @@ LasSystems::System LasSystems::of(const std::vector<Vlr>& vlrs, bool prefer_wkt)
       records += fmt::format("{}:{}:", id, vlr->data.size()) + vlr->data;
   const std::lock_guard lock(mutex_);
   auto known = known_.find(records);
-  if (known == known_.end())
-    known = known_
-                .try_emplace(std::move(records),
-                             System{crs_of(vlrs, prefer_wkt), vertical_unit_of(vlrs, prefer_wkt)})
-                .first;
+  if (known == known_.end()) {
+    System system{.crs = crs_of(vlrs, prefer_wkt)};
+    add_vertical(vlrs, prefer_wkt, system);
+    known = known_.try_emplace(std::move(records), std::move(system)).first;
+  }
   return known->second;
 }
 

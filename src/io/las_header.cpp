@@ -421,6 +421,7 @@ LasLayout read_las_layout(const fs::path& path, LasSystems& systems, bool crs_ma
   const LasSystems::System system = systems.of(vlrs, wkt);
   layout.info.crs = system.crs;
   layout.info.vertical_unit = system.vertical_unit;
+  layout.info.vertical_crs = system.vertical_crs;
   if (!crs_matters || !layout.info.crs.empty()) return layout;
   for (Warning& warning : layout.info.warnings)
     if (warning.code == "las_vlrs_broken")

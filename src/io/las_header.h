@@ -60,6 +60,7 @@ class LasSystems {
   struct System {
     std::string crs;           ///< Canonical; "" if none is stated or it is not understood.
     double vertical_unit = 1;  ///< Metres per unit of height; 1 if not stated.
+    std::string vertical_crs;  ///< Name of the vertical system; "" if not stated.
   };
 
   /// `prefer_wkt`: the header says that WKT holds (LAS 1.4 R15, global encoding bit 4).

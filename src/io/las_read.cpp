@@ -463,6 +463,32 @@ std::string common_crs(std::span<const fs::path> paths, const std::vector<FilePl
   return known == plans.size() ? "" : plans[known].layout.info.crs;
 }
 
+/// Warns of files whose heights are stated to be of different systems: nothing converts heights,
+/// and names may differ for one system.
+void warn_of_mixed_heights(std::span<const fs::path> paths, const std::vector<FilePlan>& plans,
+                           const ReadPointsOptions& options, std::vector<Warning>& warnings) {
+  if (!options.crs.empty()) return;
+  std::size_t first = plans.size();
+  std::optional<std::size_t> other;
+  std::int64_t count = 0;
+  for (std::size_t f = 0; f < plans.size(); ++f) {
+    const std::string& name = plans[f].layout.info.vertical_crs;
+    if (name.empty() || plans[f].skip) continue;
+    if (first == plans.size()) first = f;
+    if (name == plans[first].layout.info.vertical_crs) continue;
+    if (!other) other = f;
+    ++count;
+  }
+  if (!other) return;
+  warnings.push_back(
+      {"las_heights_mixed", count,
+       fmt::format("point files give their heights in another system than {} ({}), the first {} "
+                   "({}); heights are not converted: if the names do not mean the same, convert "
+                   "the files",
+                   paths[first].string(), plans[first].layout.info.vertical_crs,
+                   paths[*other].string(), plans[*other].layout.info.vertical_crs)});
+}
+
 /// Where local numbers stay small: at the crop, or else at the first point, as headers may lie.
 Point2 origin_of(const ReadPointsOptions& options, std::span<const fs::path> paths,
                  const std::vector<FilePlan>& plans) {
@@ -515,6 +541,7 @@ PointsInput read_points(std::span<const fs::path> paths, const ReadPointsOptions
     result.files_skipped += plan.skip ? 1 : 0;
     result.warnings.insert(result.warnings.end(), plan.warnings.begin(), plan.warnings.end());
   }
+  warn_of_mixed_heights(paths, plans, options, result.warnings);
   std::vector<Filter> filters;
   for (const FilePlan& plan : plans) filters.emplace_back(options, plan.layout.info);
   result.origin = origin_of(options, paths, plans);

@@ -319,6 +319,43 @@ TEST(BrokenLas, TellsTheUnitOfHeights) {
   EXPECT_EQ(unit_with(4096, 32767), 1);
 }
 
+TEST(BrokenLas, HeightsOfSeveralSystemsAreNotMixedWithoutAWord) {
+  const TemporaryFolder folder;
+  WritePointsOptions options;
+  options.crs = "EPSG:28992";
+  // The entry of the key directory for the kind of system (1024), replaced by the vertical system.
+  const auto entry = [](std::uint16_t key, std::uint16_t value) {
+    const std::array<std::uint16_t, 4> fields{key, 0, 1, value};
+    return std::string(reinterpret_cast<const char*>(fields.data()), sizeof fields);
+  };
+  const auto write = [&](const char* name, std::uint16_t vertical) {
+    const fs::path path = folder / name;
+    write_points(path, random_cloud(10 + name[0] - 'a', 6), {}, options);
+    std::string bytes = bytes_of(path);
+    if (vertical != 0) bytes.replace(bytes.find(entry(1024, 1)), 8, entry(4096, vertical));
+    write_bytes(path, bytes);
+    return path;
+  };
+  const fs::path nap = write("a.las", 5709), none = write("b.las", 0), nap2 = write("c.las", 5709),
+                 other = write("d.las", 5621);  // NAP, EVRF2007
+  EXPECT_EQ(inspect_las(nap).vertical_crs, "NAP height");
+  EXPECT_EQ(inspect_las(none).vertical_crs, "");
+  const auto warnings = [&](std::vector<fs::path> paths, const ReadPointsOptions& how = {}) {
+    std::vector<Warning> found = read_points(paths, how).warnings;
+    std::erase_if(found, [](const Warning& w) { return w.code != "las_heights_mixed"; });
+    return found;
+  };
+  EXPECT_TRUE(warnings({nap, none, nap2}).empty());
+  const std::vector<Warning> mixed = warnings({nap, none, nap2, other});
+  ASSERT_EQ(mixed.size(), 1U);
+  EXPECT_EQ(mixed[0].count, 1);
+  for (const char* part : {"a.las", "NAP height", "d.las", "EVRF2007 height"})
+    EXPECT_NE(mixed[0].message.find(part), std::string::npos) << mixed[0].message;
+  ReadPointsOptions stated;
+  stated.crs = "EPSG:28992";
+  EXPECT_TRUE(warnings({nap, other}, stated).empty());
+}
+
 TEST(BrokenLas, BoxesThatLieAreNotTrusted) {
   const TemporaryFolder folder;
   const PointCloud cloud = random_cloud(1000, 6);

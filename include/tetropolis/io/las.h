@@ -37,6 +37,7 @@ struct LasInfo {
   std::string crs;  ///< Canonical (crs.h); "" if none is stated or understood.
   double vertical_unit =
       1;  ///< Metres per unit of height, as the file's CRS says; 1 if it does not.
+  std::string vertical_crs;  ///< Name of the vertical system; "" if none is stated or understood.
   std::vector<Warning> warnings;  ///< "las_vlrs_broken" (extended ones, too), "las_crs_unknown",
                                   ///< "las_count_missing", "las_count_small" (more room than the
                                   ///< count says), "las_scale_negative".
@@ -80,7 +81,9 @@ struct PointsInput {
   std::int64_t files_skipped = 0;  ///< Passed over because their header's box misses `crop`.
   std::string crs;                 ///< Of the coordinates; "" if unknown.
   std::vector<Warning> warnings;   ///< Those of LasInfo, and "las_box_untrusted", "las_twin",
-                                   ///< "las_points_outside_box".
+                                   ///< "las_points_outside_box", "las_heights_mixed" (vertical
+                                   ///< systems of other names than the first file's, unless
+                                   ///< options.crs is set).
   /// What there is to say of the first file of whose points most lie outside of the box that its
   /// header states, for errors that it leads to; "" if there is none.
   std::string misread;
