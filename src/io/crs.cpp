@@ -255,8 +255,8 @@ double length_scale(const std::string& crs, Point2 at) {
   for (const std::size_t i : {std::size_t{0}, std::size_t{2}}) {
     // The short way around, also across the meridian of 180 degrees.
     const double turn = std::remainder(unit * (x[i + 1] - x[i]), 2 * std::numbers::pi);
-    const double length = std::hypot(across * std::cos(latitude) * turn,
-                                     along * unit * (y[i + 1] - y[i]));
+    const double length =
+        std::hypot(across * std::cos(latitude) * turn, along * unit * (y[i + 1] - y[i]));
     const double here = 2 * kHalf / length * OSRGetLinearUnits(srs.get(), nullptr);
     if (!(std::abs(std::log(here)) <= std::abs(std::log(scale)))) scale = here;
   }

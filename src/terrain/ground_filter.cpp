@@ -287,8 +287,8 @@ class CellCounts {
 /// Fills what is low, narrow and little deeper than a storey: light wells, basement stairs,
 /// ditches. Where they are closer to each other than the window is wide, an opening would take the
 /// ground between them for an object. Alleys between houses are deeper. What is beside a void is as
-/// narrow as if that were high. Where much is low and little wide it is the ground between rows of low
-/// objects (garages, sheds, hedges, greenhouses) that is low; it stays.
+/// narrow as if that were high. Where much is low and little wide it is the ground between rows of
+/// low objects (garages, sheds, hedges, greenhouses) that is low; it stays.
 void fill_hollows(HeightGrid& grid, const Frame& frame, double window) {
   constexpr double kHalfWidth = 3.0;  // metres, of hollows
   constexpr double kHalfWide = 4.0;   // metres to the next hollow; greenhouses are 8 m wide

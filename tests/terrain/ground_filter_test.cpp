@@ -219,8 +219,8 @@ TEST(GroundFilter, FieldsOfLowObjectsInNoFootprintAreNoGround) {
       return ground(x, y) + (is_object(x, y) ? field.height : 0);
     });
     const auto found = filter_ground(cloud, {});
-    const Mistakes wrong = mistakes(
-        cloud, found, [&](std::size_t p) { return !is_object(cloud.x[p], cloud.y[p]); });
+    const Mistakes wrong =
+        mistakes(cloud, found, [&](std::size_t p) { return !is_object(cloud.x[p], cloud.y[p]); });
     EXPECT_LT(wrong.taken, 0.02);
     EXPECT_LT(wrong.missed, 0.02);
   }

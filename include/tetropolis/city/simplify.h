@@ -98,8 +98,8 @@ struct Simplification {
 /// The method goes beyond Naserentin and Logg (2022), Algorithms 1 to 3, by taking two concerns
 /// apart: polygons closer than min_distance are joined by union and patches (merge_polygons.h);
 /// then features too close within one outline are repaired where they are (repair.h), and what that
-/// leaves is filled, cut or widened by patches. A building that loses more than half of its area so,
-/// because neither its wings nor its courtyards are wide enough, becomes a block without
+/// leaves is filled, cut or widened by patches. A building that loses more than half of its area
+/// so, because neither its wings nor its courtyards are wide enough, becomes a block without
 /// courtyards, where that changes less. It ends because rounds are bounded: in the first
 /// rounds patches reach twice as far each time; then places are covered by the hull of everything
 /// within a distance that doubles; at last every group that still has too close features becomes

@@ -50,10 +50,10 @@ struct GroundFilterReport {
 ///
 /// Light wells, basement stairs, areaways and ditches are filled for the opening, too: what is at
 /// most 6 m wide (three cells, where these are larger than 2 m) between higher cells, or between
-/// these and voids, and no more than 3.6 m deep. Else the ground between two of them that are closer
-/// than twice the window would be an object. But not where more than two thirds of what is either
-/// low so or wide (4 m and more from any such place) within the window is low: that is the ground
-/// between rows of garages, sheds, hedges or greenhouses.
+/// these and voids, and no more than 3.6 m deep. Else the ground between two of them that are
+/// closer than twice the window would be an object. But not where more than two thirds of what is
+/// either low so or wide (4 m and more from any such place) within the window is low: that is the
+/// ground between rows of garages, sheds, hedges or greenhouses.
 ///
 /// Pits that are many are near others, so a lowest point is a pit, too, if of the 25 cells around
 /// most hold points more than 1 m higher, at most 4 (less than 5 square metres) hold one at its
@@ -71,11 +71,11 @@ struct GroundFilterReport {
 /// Known weakness: on slopes much steeper than `slope` that are not those of the whole terrain,
 /// parts of wide buildings that are in no footprint may pass for terrain, and so may podiums of
 /// more than 50 square metres between footprints; hilltops where trees leave few smooth cells may
-/// pass for objects. Rows of objects in no footprint that are wider than 8 m and lower than 3.6 m may
-/// pass for terrain with ditches, and terrain in strips of less than about 12 m between ditches for
-/// objects. Shafts and light wells below 5 square metres are pits. More pits than said
-/// above, as many of one depth, or one per 100 square metres where there are only 50 points, pull
-/// the terrain down.
+/// pass for objects. Rows of objects in no footprint that are wider than 8 m and lower than 3.6 m
+/// may pass for terrain with ditches, and terrain in strips of less than about 12 m between ditches
+/// for objects. Shafts and light wells below 5 square metres are pits. More pits than said above,
+/// as many of one depth, or one per 100 square metres where there are only 50 points, pull the
+/// terrain down.
 ///
 /// Guarantees: the same for any number of threads. Linear in points, footprints (their edges, and
 /// the rows of cells these span) and cells, logarithmic in the window; but filling voids takes one
