@@ -221,12 +221,6 @@ double vertical_unit_metres(const std::string& text) {
   return gdal::vertical_unit_metres(gdal::parse_whole_srs(text).get());
 }
 
-std::string vertical_crs_name(const std::string& text) {
-  if (text.empty()) return "";
-  const gdal::QuietErrors errors;
-  return gdal::vertical_name(gdal::parse_whole_srs(text).get());
-}
-
 double length_scale(const std::string& crs, Point2 at) {
   constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
   if (crs.empty() || is_geographic(crs)) return kNaN;

@@ -172,12 +172,16 @@ std::string crs_of(const std::vector<Vlr>& vlrs, bool prefer_wkt) {
 
 /// Sets what a system says of heights.
 void add_vertical(const std::vector<Vlr>& vlrs, bool prefer_wkt, LasSystems::System& system) {
+  const gdal::QuietErrors errors;
+  const auto read_vertical = [&](const std::string& text) {
+    const gdal::Srs srs = gdal::parse_whole_srs(text);
+    system.vertical_unit = gdal::vertical_unit_metres(srs.get());
+    system.vertical_crs = gdal::vertical_name(srs.get());
+  };
   const Vlr* wkt = find(vlrs, kWkt);
   const Vlr* keys = find(vlrs, kGeoKeys);
   if (wkt != nullptr && (prefer_wkt || keys == nullptr)) {
-    const std::string text = wkt->data.substr(0, wkt->data.find('\0'));
-    system.vertical_unit = vertical_unit_metres(text);
-    system.vertical_crs = vertical_crs_name(text);
+    read_vertical(wkt->data.substr(0, wkt->data.find('\0')));
     return;
   }
   if (keys == nullptr) return;
@@ -186,11 +190,8 @@ void add_vertical(const std::vector<Vlr>& vlrs, bool prefer_wkt, LasSystems::Sys
   for (std::size_t at = 8; at + 8 <= keys->data.size(); at += 8) {
     std::array<std::uint16_t, 4> key{};
     std::memcpy(key.data(), keys->data.data() + at, 8);
-    if (key[0] == 4096 && key[3] > 1000 && key[3] < 32767) {
-      const std::string code = fmt::format("EPSG:{}", key[3]);
-      system.vertical_unit = vertical_unit_metres(code);
-      system.vertical_crs = vertical_crs_name(code);
-    }
+    if (key[0] == 4096 && key[3] > 1000 && key[3] < 32767)
+      read_vertical(fmt::format("EPSG:{}", key[3]));
     if (key[0] == 4099 && key[3] == 9001) unit = 1;
     if (key[0] == 4099 && key[3] == 9002) unit = 0.3048;
     if (key[0] == 4099 && key[3] == 9003) unit = 1200.0 / 3937;

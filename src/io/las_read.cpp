@@ -15,6 +15,7 @@
 #include "tetropolis/io/crs.h"
 
 #include "input_file.h"
+#include "las_agreement.h"
 #include "las_decode.h"
 #include "las_twins.h"
 #include "point_collector.h"
@@ -442,53 +443,6 @@ std::size_t expected_points(const std::vector<FilePlan>& plans, const std::vecto
   return static_cast<std::size_t>(expected);
 }
 
-/// The reference system that the files agree on.
-std::string common_crs(std::span<const fs::path> paths, const std::vector<FilePlan>& plans,
-                       const ReadPointsOptions& options) {
-  if (!options.crs.empty()) return normalise_crs(options.crs);
-  std::size_t known = plans.size();
-  for (std::size_t f = 0; f < plans.size(); ++f) {
-    const std::string& crs = plans[f].layout.info.crs;
-    if (crs.empty()) continue;
-    if (known == plans.size())
-      known = f;
-    else if (!same_horizontal_crs(plans[known].layout.info.crs, crs))
-      throw Error(
-          ErrorKind::kInput,
-          fmt::format("{} is in {} but {} is in {}; convert one of them or state the system "
-                      "of all",
-                      paths[known].string(), plans[known].layout.info.crs.substr(0, 80),
-                      paths[f].string(), crs.substr(0, 80)));
-  }
-  return known == plans.size() ? "" : plans[known].layout.info.crs;
-}
-
-/// Warns of files whose heights are stated to be of different systems: nothing converts heights,
-/// and names may differ for one system.
-void warn_of_mixed_heights(std::span<const fs::path> paths, const std::vector<FilePlan>& plans,
-                           const ReadPointsOptions& options, std::vector<Warning>& warnings) {
-  if (!options.crs.empty()) return;
-  std::size_t first = plans.size();
-  std::optional<std::size_t> other;
-  std::int64_t count = 0;
-  for (std::size_t f = 0; f < plans.size(); ++f) {
-    const std::string& name = plans[f].layout.info.vertical_crs;
-    if (name.empty() || plans[f].skip) continue;
-    if (first == plans.size()) first = f;
-    if (name == plans[first].layout.info.vertical_crs) continue;
-    if (!other) other = f;
-    ++count;
-  }
-  if (!other) return;
-  warnings.push_back(
-      {"las_heights_mixed", count,
-       fmt::format("point files give their heights in another system than {} ({}), the first {} "
-                   "({}); heights are not converted: if the names do not mean the same, convert "
-                   "the files",
-                   paths[first].string(), plans[first].layout.info.vertical_crs,
-                   paths[*other].string(), plans[*other].layout.info.vertical_crs)});
-}
-
 /// Where local numbers stay small: at the crop, or else at the first point, as headers may lie.
 Point2 origin_of(const ReadPointsOptions& options, std::span<const fs::path> paths,
                  const std::vector<FilePlan>& plans) {
@@ -534,14 +488,25 @@ PointsInput read_points(std::span<const fs::path> paths, const ReadPointsOptions
                     [&](std::size_t f) { plans[f] = plan_file(paths[f], options, systems); });
   find_twins(paths, plans);
   PointsInput result;
-  result.crs = common_crs(paths, plans, options);
+  std::vector<LasSystemOfFile> systems_stated;
+  std::vector<LasSystemOfFile> systems_read;
+  for (std::size_t f = 0; f < plans.size(); ++f) {
+    systems_stated.push_back({&paths[f], &plans[f].layout.info});
+    if (!plans[f].skip) systems_read.push_back(systems_stated.back());
+  }
+  if (options.crs.empty()) {
+    result.crs = common_crs(systems_stated);
+    if (std::optional<Warning> mixed = mixed_heights(systems_read))
+      result.warnings.push_back(std::move(*mixed));
+  } else {
+    result.crs = normalise_crs(options.crs);
+  }
   const std::vector<Task> tasks = make_tasks(plans);
   for (const Task& task : tasks) result.points_read += task.count;
   for (const FilePlan& plan : plans) {
     result.files_skipped += plan.skip ? 1 : 0;
     result.warnings.insert(result.warnings.end(), plan.warnings.begin(), plan.warnings.end());
   }
-  warn_of_mixed_heights(paths, plans, options, result.warnings);
   std::vector<Filter> filters;
   for (const FilePlan& plan : plans) filters.emplace_back(options, plan.layout.info);
   result.origin = origin_of(options, paths, plans);

@@ -12,6 +12,7 @@
 #include "tetropolis/terrain/raster.h"
 
 #include "cells.h"
+#include "hollows.h"
 #include "opening.h"
 #include "pits.h"
 #include "plane.h"
@@ -224,106 +225,24 @@ Plane fit_plane(const HeightGrid& grid, const Frame& frame) {
   return plane;
 }
 
-/// Takes the slope of the whole terrain out of it where that is steep: there an opening would cut
-/// off the uphill rim, which nothing higher is next to.
-void level(HeightGrid& grid, const Frame& frame, double slope) {
+/// Takes the slope of the whole terrain out of it where that is steep; whether it is.
+bool level(HeightGrid& grid, const Frame& frame, double slope) {
   const Plane plane = fit_plane(grid, frame);
-  if (std::hypot(plane.rise_x, plane.rise_y) < 0.3 * slope * frame.cell) return;
+  if (std::hypot(plane.rise_x, plane.rise_y) < 0.3 * slope * frame.cell) return false;
   std::size_t c = 0;
   for (std::int32_t j = 0; j < frame.ny; ++j)
     for (std::int32_t i = 0; i < frame.nx; ++i, ++c)
       grid.values[c] -= static_cast<float>(plane.at(i, j));
-}
-
-/// Cells without a value that are next to one with a value get the lowest of these: where points
-/// are sparse, many cells are empty by chance.
-HeightGrid with_small_voids_filled(const HeightGrid& grid, const Frame& frame) {
-  HeightGrid filled = grid;
-  for (std::size_t c = 0; c < grid.values.size(); ++c) {
-    if (!std::isnan(grid.values[c])) continue;
-    for_each_neighbour(frame, c, [&](std::size_t n) {
-      const float z = grid.values[n];
-      if (!std::isnan(z) && !(filled.values[c] <= z)) filled.values[c] = z;
-    });
-  }
-  return filled;
-}
-
-/// How many cells of a mask lie in a square, by a summed-area table (Crow, "Summed-area tables for
-/// texture mapping", 1984).
-class CellCounts {
- public:
-  template <typename Is>
-  CellCounts(const Frame& frame, const Is& is) : columns_(frame.nx + 1), rows_(frame.ny + 1) {
-    sums_.resize(static_cast<std::size_t>(columns_) * static_cast<std::size_t>(rows_), 0);
-    std::size_t c = 0;
-    for (std::int32_t j = 1; j < rows_; ++j) {
-      std::int32_t row = 0;
-      for (std::int32_t i = 1; i < columns_; ++i, ++c) {
-        row += is(c, i - 1, j - 1) ? 1 : 0;
-        sums_[at(i, j)] = sums_[at(i, j - 1)] + row;
-      }
-    }
-  }
-
-  /// Within `reach` cells of cell (i, j) to each side.
-  std::int32_t around(std::int32_t i, std::int32_t j, std::int32_t reach) const {
-    const std::int32_t i0 = std::max(i - reach, 0), i1 = std::min(i + reach + 1, columns_ - 1);
-    const std::int32_t j0 = std::max(j - reach, 0), j1 = std::min(j + reach + 1, rows_ - 1);
-    return sums_[at(i1, j1)] - sums_[at(i0, j1)] - sums_[at(i1, j0)] + sums_[at(i0, j0)];
-  }
-
- private:
-  std::size_t at(std::int32_t i, std::int32_t j) const {
-    return static_cast<std::size_t>(j) * static_cast<std::size_t>(columns_) +
-           static_cast<std::size_t>(i);
-  }
-
-  std::int32_t columns_;
-  std::int32_t rows_;
-  std::vector<std::int32_t> sums_;
-};
-
-/// Fills what is low, narrow and little deeper than a storey: light wells, basement stairs,
-/// ditches. Where they are closer to each other than the window is wide, an opening would take the
-/// ground between them for an object. Alleys between houses are deeper. What is beside a void is as
-/// narrow as if that were high. Where much is low and little wide it is the ground between rows of
-/// low objects (garages, sheds, hedges, greenhouses) that is low; it stays.
-void fill_hollows(HeightGrid& grid, const Frame& frame, double window) {
-  constexpr double kHalfWidth = 3.0;  // metres, of hollows
-  constexpr double kHalfWide = 4.0;   // metres to the next hollow; greenhouses are 8 m wide
-  constexpr float kDeepest = 1.2F * static_cast<float>(kStorey);
-  constexpr float kShallowest = 0.3F;  // metres, less than objects and more than noise
-  const auto cells = [&](double metres) {
-    return std::max(static_cast<std::int32_t>(std::lround(metres / frame.cell)), 1);
-  };
-  HeightGrid closed = with_small_voids_filled(grid, frame);
-  for (float& z : closed.values)
-    if (std::isnan(z)) z = std::numeric_limits<float>::infinity();
-  close_with_octagon(closed, cells(kHalfWidth));
-  const auto depth = [&](std::size_t c) { return closed.values[c] - grid.values[c]; };
-  const CellCounts hollow(frame, [&](std::size_t c, std::int32_t, std::int32_t) {
-    return depth(c) > kShallowest && depth(c) <= kDeepest;
-  });
-  const CellCounts wide(frame, [&](std::size_t c, std::int32_t i, std::int32_t j) {
-    return !std::isnan(grid.values[c]) && hollow.around(i, j, cells(kHalfWide)) == 0;
-  });
-  std::size_t c = 0;
-  for (std::int32_t j = 0; j < frame.ny; ++j)
-    for (std::int32_t i = 0; i < frame.nx; ++i, ++c)
-      if (depth(c) <= kDeepest &&
-          hollow.around(i, j, cells(window)) <= 2 * wide.around(i, j, cells(window)))
-        grid.values[c] = closed.values[c];
+  return true;
 }
 
 /// 1 for the cells that an opening lowers by more than terrain of the given slope would be: that
 /// slope times the window, at most a storey. The drop is that from the surface itself, not from the
 /// opening before as in the paper: buildings that wear away step by step (at ragged rims, on
 /// slopes) would never drop far at once.
-std::vector<std::uint8_t> find_objects(HeightGrid surface, const Frame& frame,
-                                       const GroundFilterOptions& options,
-                                       const Progress& progress) {
-  level(surface, frame, options.slope);
+std::vector<std::uint8_t> lowered_by_openings(HeightGrid surface, const Frame& frame,
+                                              const GroundFilterOptions& options,
+                                              const Progress& progress) {
   std::vector<float> original = surface.values;
   fill_hollows(surface, frame, options.window);
   fill_low(surface, options.slope * frame.cell);
@@ -332,12 +251,29 @@ std::vector<std::uint8_t> find_objects(HeightGrid surface, const Frame& frame,
   std::vector<std::uint8_t> object(original.size(), 0);
   const std::vector<std::int32_t> radii = window_radii(options.window, frame.cell);
   for (std::size_t k = 0; k < radii.size(); ++k) {
-    progress.update(0.2 + 0.6 * static_cast<double>(k) / static_cast<double>(radii.size()));
+    progress.update(static_cast<double>(k) / static_cast<double>(radii.size()));
     open_with_octagon(surface, radii[k]);
     const auto most = static_cast<float>(std::min(options.slope * radii[k] * frame.cell, kStorey));
     for (std::size_t c = 0; c < object.size(); ++c)
       if (original[c] - surface.values[c] > most) object[c] = 1;
   }
+  return object;
+}
+
+/// What stands up from the terrain. Where that slopes as a whole an opening cuts off its uphill
+/// rim, which nothing higher is next to; with the slope taken out of it, what cliffs and terraces
+/// rise to leans back, and the opening cuts off that. Objects are what both ways find.
+std::vector<std::uint8_t> find_objects(const HeightGrid& lowest, const Frame& frame,
+                                       const GroundFilterOptions& options,
+                                       const Progress& progress) {
+  HeightGrid levelled = lowest;
+  if (!level(levelled, frame, options.slope))
+    return lowered_by_openings(std::move(levelled), frame, options, progress);
+  std::vector<std::uint8_t> object =
+      lowered_by_openings(std::move(levelled), frame, options, portion(progress, 0, 0.5));
+  const std::vector<std::uint8_t> as_it_is =
+      lowered_by_openings(lowest, frame, options, portion(progress, 0.5, 1));
+  for (std::size_t c = 0; c < object.size(); ++c) object[c] &= as_it_is[c];
   return object;
 }
 
@@ -413,7 +349,7 @@ std::vector<std::uint8_t> filter_ground(const PointCloud& cloud,
     HeightGrid believed = lowest;
     counts.pit_cells = remove_pits(believed, std::move(all), frame.cell, spacing);
     if (!is_empty(believed)) lowest = std::move(believed);
-    auto object = find_objects(lowest, frame, options, progress);
+    auto object = find_objects(lowest, frame, options, portion(progress, 0.2, 0.8));
     keep_gentle_rises(lowest, frame, object, progress);
     drop_scraps(lowest, std::move(covered), frame, object, progress);
     const Raster terrain = terrain_between(lowest, object, frame, progress);

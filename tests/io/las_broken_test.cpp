@@ -292,6 +292,12 @@ TEST(BrokenLas, WithheldBitAndFlagsAboveTheClass) {
   }
 }
 
+/// An entry of the GeoTIFF key directory.
+std::string key_entry(std::uint16_t key, std::uint16_t value) {
+  const std::array<std::uint16_t, 4> fields{key, 0, 1, value};
+  return {reinterpret_cast<const char*>(fields.data()), sizeof fields};
+}
+
 TEST(BrokenLas, TellsTheUnitOfHeights) {
   const TemporaryFolder folder;
   const fs::path path = folder / "a.las";
@@ -300,15 +306,11 @@ TEST(BrokenLas, TellsTheUnitOfHeights) {
   write_points(path, random_cloud(10, 6), {}, options);
   const std::string bytes = bytes_of(path);
   EXPECT_EQ(inspect_las(path).vertical_unit, 1);
-  // The entry of the key directory for the kind of system (1024), with other keys in its place.
-  const auto entry = [](std::uint16_t key, std::uint16_t value) {
-    const std::array<std::uint16_t, 4> fields{key, 0, 1, value};
-    return std::string(reinterpret_cast<const char*>(fields.data()), sizeof fields);
-  };
-  const std::size_t at = bytes.find(entry(1024, 1));
+  // The entry for the kind of system (1024), with other keys in its place.
+  const std::size_t at = bytes.find(key_entry(1024, 1));
   ASSERT_NE(at, std::string::npos);
   const auto unit_with = [&](std::uint16_t key, std::uint16_t value) {
-    write_bytes(path, std::string(bytes).replace(at, 8, entry(key, value)));
+    write_bytes(path, std::string(bytes).replace(at, 8, key_entry(key, value)));
     return inspect_las(path).vertical_unit;
   };
   EXPECT_EQ(unit_with(4099, 9001), 1);
@@ -323,16 +325,12 @@ TEST(BrokenLas, HeightsOfSeveralSystemsAreNotMixedWithoutAWord) {
   const TemporaryFolder folder;
   WritePointsOptions options;
   options.crs = "EPSG:28992";
-  // The entry of the key directory for the kind of system (1024), replaced by the vertical system.
-  const auto entry = [](std::uint16_t key, std::uint16_t value) {
-    const std::array<std::uint16_t, 4> fields{key, 0, 1, value};
-    return std::string(reinterpret_cast<const char*>(fields.data()), sizeof fields);
-  };
   const auto write = [&](const char* name, std::uint16_t vertical) {
     const fs::path path = folder / name;
     write_points(path, random_cloud(10 + name[0] - 'a', 6), {}, options);
     std::string bytes = bytes_of(path);
-    if (vertical != 0) bytes.replace(bytes.find(entry(1024, 1)), 8, entry(4096, vertical));
+    // In the place of the kind of system.
+    if (vertical != 0) bytes.replace(bytes.find(key_entry(1024, 1)), 8, key_entry(4096, vertical));
     write_bytes(path, bytes);
     return path;
   };

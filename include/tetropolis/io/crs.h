@@ -39,10 +39,6 @@ double linear_unit_metres(const std::string& crs);
 /// normalise_crs) says nothing of heights or is not understood.
 double vertical_unit_metres(const std::string& text);
 
-/// The name of the vertical system ("NAP height") in a compound or vertical system, "" where `text`
-/// says nothing of heights or is not understood.
-std::string vertical_crs_name(const std::string& text);
-
 /// How many times as long as on the Earth's ellipsoid a short way at `at` is in a projected system:
 /// of the ways along x and along y the one that is further from 1. 1.87 for web Mercator
 /// (EPSG:3857) at 58 degrees north, 0.9996 to 1.001 in UTM zones. NaN for other systems, and where
