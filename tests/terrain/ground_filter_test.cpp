@@ -291,6 +291,32 @@ TEST(GroundFilter, HillsStayInSparseClouds) {
   EXPECT_LT(mistakes(cloud, found, [](std::size_t) { return true; }).missed, 0.01);
 }
 
+/// Two flats with a wall between them slope as a whole, the more the smaller the domain is.
+TEST(GroundFilter, TopsOfRockWallsStay) {
+  const std::vector<Polygon> houses = {box(25, 50, 35, 60), box(64, 50, 72, 60)};
+  for (const double size : {120.0, 200.0}) {
+    for (const double height : {12.0, 24.0}) {
+      for (const double per_m2 : {2.0, 8.0}) {
+        SCOPED_TRACE(::testing::Message() << size << " m, wall of " << height << " m, " << per_m2
+                                          << " points/m2, seed " << test_seed());
+        const auto ground = [&](double x, double) { return std::clamp(x - 60, 0.0, 1.0) * height; };
+        const PointCloud cloud = scan(size, per_m2, houses, 7, ground);
+        const auto found = filter_ground(cloud, houses);
+        const auto is_top = [&](std::size_t p) {
+          return cloud.x[p] > 61 && std::abs(cloud.z[p] - height) < 1;
+        };
+        double top = 0, missed = 0;
+        for (std::size_t p = 0; p < cloud.size(); ++p) {
+          if (!is_top(p)) continue;
+          top += 1;
+          missed += found[p] == 0 ? 1 : 0;
+        }
+        EXPECT_LT(missed / top, 0.04);
+      }
+    }
+  }
+}
+
 /// The uphill rim has nothing higher beside it that an opening could come down from.
 TEST(GroundFilter, SlopesStayWholeUpToTheirRim) {
   for (const double slope : {0.3, 1.0}) {

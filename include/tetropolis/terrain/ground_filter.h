@@ -39,10 +39,11 @@ struct GroundFilterReport {
 /// LIDAR data" (IEEE TGRS 41, 2003): a grid of lowest points is opened with ever larger windows; a
 /// cell is an object where one opening lowers it by more than slope * window; the surface through
 /// the other cells is the terrain, and points within a tolerance of it are ground. Differences:
-/// a plane is taken out of terrain that slopes as a whole; windows are octagons; the drop is
-/// measured from the grid itself; one of a storey (3 m) is never terrain, so that wide flat halls
-/// are seen; a lowest point with fewer than three others at most 1 m higher within 10 m is a pit
-/// and left out (the paper opens the surface upside down, which takes alleys for pits); cells
+/// terrain that slopes as a whole is also looked at with a plane taken out of it, and objects are
+/// what both ways find (else rims of slopes or tops of cliffs would be); windows are octagons; the
+/// drop is measured from the grid itself; one of a storey (3 m) is never terrain, so that wide flat
+/// halls are seen; a lowest point with fewer than three others at most 1 m higher within 10 m is a
+/// pit and left out (the paper opens the surface upside down, which takes alleys for pits); cells
 /// inside footprints say nothing about the terrain, so no known building is too wide, but points in
 /// them that lie on the terrain around are ground; cells without points are, for the opening only,
 /// filled from the lowest surroundings of their void at the given slope, also around the cloud, so
