@@ -126,6 +126,9 @@ ReportedFacts facts_of(const Json& report) {
 /// Of report.json in the folder, if there is one.
 std::optional<ReportedFacts> read_report(const fs::path& folder) {
   const fs::path path = folder / "report.json";
+  std::error_code error;
+  if (fs::is_fifo(path, error))  // which would be waited for
+    throw Error(ErrorKind::kInput, path.string() + ": is not an ordinary file");
   std::ifstream file(path);
   if (!file) return std::nullopt;
   try {

@@ -157,6 +157,9 @@ std::string value_text(const ConfigField& field, const Config& config) {
 
 void set_field(Config& config, const ConfigField& field, std::span<const std::string> values,
                const std::string& origin) {
+  // The system would take it for the end of a name.
+  for (const std::string& value : values)
+    if (value.find('\0') != std::string::npos) fail(origin, "holds a NUL character; leave it out");
   const auto single = [&]() -> const std::string& {
     if (values.size() != 1) fail(origin, "one value expected");
     return values[0];

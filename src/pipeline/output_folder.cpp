@@ -174,6 +174,9 @@ void remove_new_results(const fs::path& stale, const fs::path& target) {
 /// Whether the results in a folder are of an earlier run, and not files of the user's that happen
 /// to have their names.
 bool holds_our_report(const fs::path& folder) {
+  std::error_code error;
+  // A pipe would be waited for.
+  if (!fs::is_regular_file(folder / "report.json", error)) return false;
   std::ifstream file(folder / "report.json");
   const auto report = nlohmann::json::parse(file, nullptr, false);
   return report.is_object() && report.contains("version") && report.contains("command") &&

@@ -9,6 +9,7 @@
 #include <sys/resource.h>
 
 #include "tetropolis/city/clearance.h"
+#include "tetropolis/city/heights.h"
 #include "tetropolis/core/parallel.h"
 #include "tetropolis/geometry/polygon.h"
 #include "tetropolis/io/atomic_file.h"
@@ -154,6 +155,34 @@ void require_terrain_under(const Config& config, const CityModel& city,
                             config.dtm, domain_text(city)));
 }
 
+/// Warns where the terrain is not what the buildings stand on: heights of two vertical systems are
+/// tens of metres apart. What the terrain rises and falls by under a building is no difference.
+void warn_off_terrain(const Config& config, const CityModel& city, const Raster& terrain,
+                      Report& report) {
+  constexpr double kMostOff = 3;  // metres, of the median
+  if (city.buildings.empty()) return;
+  std::vector<double> above;
+  for (const Building& building : city.buildings) {
+    double low = sample(terrain, interior_point(building.footprint)), high = low;
+    for (const Point2 p : building.footprint.outer) {
+      const double z = sample(terrain, p);
+      low = std::min(low, z);
+      high = std::max(high, z);
+    }
+    above.push_back(building.h_ground - std::clamp(building.h_ground, low, high));
+  }
+  const auto off = std::count_if(above.begin(), above.end(),
+                                 [](double height) { return std::abs(height) > kMostOff; });
+  const double median = percentile(above, 50);
+  if (std::abs(median) <= kMostOff) return;
+  report.warnings.push_back(
+      {"city_off_terrain", off,
+       fmt::format(
+           "{}: most buildings stand {:.1f} m {} this terrain (median of h_ground); are its "
+           "heights of another vertical system than those of {}, or is it of another place?",
+           config.dtm, std::abs(median), median > 0 ? "above" : "below", config.city)});
+}
+
 void require_elevations(const Config& config, const RasterInput& terrain) {
   const std::vector<double>& values = terrain.raster.values;
   const auto wrong = find_no_elevation(values);
@@ -234,6 +263,7 @@ Report run_mesh(const Config& config, const RunHooks& hooks) {
                 config.city + ": holds no building; add --terrain-only for a mesh of the terrain");
   CityReport& city_report = report.city.emplace();
   city_report.min_clearance = require_meshable(config, city);
+  warn_off_terrain(config, city, terrain.raster, report);
   city_report.raw_buildings = city_report.buildings =
       static_cast<std::int64_t>(city.buildings.size());
   for (const Building& building : city.buildings)

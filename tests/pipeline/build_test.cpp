@@ -12,6 +12,7 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
+#include <sys/stat.h>
 
 #include "tetropolis/core/error.h"
 #include "tetropolis/io/cityjson.h"
@@ -255,6 +256,41 @@ TEST_F(Build, MeshesJoinTheCityModelInItsFolder) {
   // What leaves a building out says so.
   mesh.bounds = {0, 0, 1, 1};
   EXPECT_THROW(run_mesh(mesh), Error);
+}
+
+/// Ellipsoidal heights under a city of orthometric ones, for instance.
+TEST_F(Build, ATerrainThatIsNotTheCitysIsNamed) {
+  run_city(city(SynthKind::kRandom, 10, 150, 4));
+  Config mesh;
+  mesh.city = (scratch / "out/city.city.json").string();
+  mesh.mesh_size = 20;
+  const RasterInput terrain = read_raster(scratch / "out/dtm.tif", {0, 0});
+  for (const double lift : {0.0, 2.5, 43.0, -43.0}) {
+    SCOPED_TRACE(lift);
+    Raster moved = terrain.raster;
+    for (double& z : moved.values) z += lift;
+    mesh.dtm = (scratch / "moved.tif").string();
+    write_raster(mesh.dtm, moved, {0, 0}, terrain.crs);
+    mesh.out = (scratch / "mesh").string();
+    const std::vector<Warning> warnings = run_mesh(mesh).warnings;
+    const auto found = std::find_if(warnings.begin(), warnings.end(), [](const Warning& warning) {
+      return warning.code == "city_off_terrain";
+    });
+    ASSERT_EQ(found != warnings.end(), std::abs(lift) > 3);
+    if (found == warnings.end()) continue;
+    EXPECT_EQ(found->count, 10);
+    EXPECT_NE(found->message.find(lift > 0 ? "m below" : "m above"), std::string::npos);
+  }
+}
+
+/// It is no result of ours, and nobody writes to it.
+TEST_F(Build, APipeInThePlaceOfTheReportHoldsNobodyUp) {
+  Config config = city(SynthKind::kRandom, 5, 120, 9);
+  fs::create_directories(config.out);
+  ASSERT_EQ(::mkfifo((fs::path(config.out) / "report.json").c_str(), 0600), 0);
+  EXPECT_THROW(check_path(config.out, std::nullopt), Error);
+  run_city(config);
+  EXPECT_TRUE(fs::is_regular_file(fs::path(config.out) / "report.json"));
 }
 
 TEST_F(Build, BlocksPassEveryCheckAndTheReportTellsTheTruth) {
