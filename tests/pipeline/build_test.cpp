@@ -2,6 +2,7 @@
 // the same in one go or in two.
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <fstream>
 #include <map>
 #include <regex>
