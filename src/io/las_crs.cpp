@@ -209,7 +209,8 @@ LasSystems::System LasSystems::of(const std::vector<Vlr>& vlrs, bool prefer_wkt)
   const std::lock_guard lock(mutex_);
   auto known = known_.find(records);
   if (known == known_.end()) {
-    System system{.crs = crs_of(vlrs, prefer_wkt)};
+    System system;
+    system.crs = crs_of(vlrs, prefer_wkt);
     add_vertical(vlrs, prefer_wkt, system);
     known = known_.try_emplace(std::move(records), std::move(system)).first;
   }
