@@ -14,6 +14,7 @@
 
 #include "city/footprint_index.h"
 #include "city/point_lists.h"
+#include "city/unclassified.h"
 
 namespace tetropolis {
 
@@ -29,13 +30,29 @@ constexpr double kWall = 0.7;
 /// Metres from a building in which the roofs of others are looked at.
 constexpr double kBeside = 2.0;
 
+/// What roofs and the ground are made of.
 struct Classes {
   ClassTable roof{};
   ClassTable ground{};
-  bool roof_from_unclassified = false;
+  bool by_exclusion = false;
 };
 
-Classes choose_classes(const PointCloud& cloud, std::size_t buildings) {
+Classes classes_of(bool by_exclusion) {
+  Classes classes;
+  classes.ground[kGround] = classes.ground[kWater] = true;
+  classes.by_exclusion = by_exclusion;
+  if (by_exclusion) {
+    classes.roof.fill(true);
+    for (const std::uint8_t code : {kGround, kWater, kLowVegetation, kMediumVegetation,
+                                    kHighVegetation, kLowNoise, kHighNoise})
+      classes.roof[code] = false;
+  } else {
+    classes.roof[kBuildingClass] = true;
+  }
+  return classes;
+}
+
+bool has_building_class(const PointCloud& cloud, std::size_t buildings) {
   const std::size_t of_buildings = parallel_reduce_ordered(
       cloud.size(), kPointGrain, std::size_t{0},
       [&](std::size_t begin, std::size_t end) {
@@ -44,20 +61,7 @@ Classes choose_classes(const PointCloud& cloud, std::size_t buildings) {
       },
       [](std::size_t a, std::size_t b) { return a + b; });
   // A stray point or two of a class do not make a classified cloud.
-  const bool has_buildings =
-      of_buildings > 0 && (of_buildings >= buildings || of_buildings >= cloud.size() / 1000);
-  Classes classes;
-  classes.ground[kGround] = classes.ground[kWater] = true;
-  classes.roof_from_unclassified = !has_buildings;
-  if (has_buildings) {
-    classes.roof[kBuildingClass] = true;
-  } else {
-    classes.roof.fill(true);
-    for (const std::uint8_t code : {kGround, kWater, kLowVegetation, kMediumVegetation,
-                                    kHighVegetation, kLowNoise, kHighNoise})
-      classes.roof[code] = false;
-  }
-  return classes;
+  return of_buildings > 0 && (of_buildings >= buildings || of_buildings >= cloud.size() / 1000);
 }
 
 /// A point found at a building.
@@ -71,7 +75,7 @@ struct Hit {
 struct Hits {
   std::vector<Hit> roof;
   std::vector<Hit> ground;
-  std::vector<Hit> ground_inside;  ///< Of clouds without class 6 only.
+  std::vector<Hit> ground_inside;  ///< By exclusion only.
 };
 
 Hits find_hits(const FootprintIndex& index, const PointCloud& cloud, const Classes& classes,
@@ -86,7 +90,7 @@ Hits find_hits(const FootprintIndex& index, const PointCloud& cloud, const Class
       const Hit hit{building, static_cast<PointIndex>(p)};
       if (inside && roof) hits.roof.push_back(hit);
       if (!inside && ground) hits.ground.push_back(hit);
-      if (inside && ground && classes.roof_from_unclassified) hits.ground_inside.push_back(hit);
+      if (inside && ground && classes.by_exclusion) hits.ground_inside.push_back(hit);
     });
   }
   for (std::vector<Hit>* list : {&hits.roof, &hits.ground, &hits.ground_inside})
@@ -201,13 +205,78 @@ std::vector<PointIndex> above_ground(std::span<const PointIndex> roof,
   return kept;
 }
 
-void drop_low_points(BuildingPoints& points, const PointCloud& cloud) {
-  std::vector<std::vector<PointIndex>> kept(points.roof.size());
+void drop_low_points(PointLists& roof, const PointLists& ground, const PointCloud& cloud) {
+  std::vector<std::vector<PointIndex>> kept(roof.size());
   parallel_chunks(kept.size(), kBuildingGrain, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t b = begin; b < end; ++b)
-      kept[b] = above_ground(points.roof[b], points.ground[b], cloud);
+    for (std::size_t b = begin; b < end; ++b) kept[b] = above_ground(roof[b], ground[b], cloud);
   });
-  points.roof = to_rows(kept);
+  roof = to_rows(kept);
+}
+
+/// The lists of a group of buildings.
+struct Lists {
+  PointLists roof;
+  PointLists ground;
+};
+
+/// Of the first `buildings` of the footprints.
+Lists find_lists(std::span<const Polygon* const> footprints, std::size_t buildings,
+                 const PointCloud& cloud, bool by_exclusion, const ExtractOptions& options,
+                 const Progress& progress) {
+  const FootprintIndex index(footprints.first(buildings), options.margin);
+  const Classes classes = classes_of(by_exclusion);
+  const bool find_crowns = by_exclusion && options.drop_crowns;
+  std::vector<Hits> hits =
+      find_all_hits(index, cloud, classes, portion(progress, 0, find_crowns ? 0.4 : 0.9));
+  Lists lists;
+  lists.roof = take_lists(hits, &Hits::roof, buildings);
+  lists.ground = take_lists(hits, &Hits::ground, buildings);
+  if (by_exclusion) drop_low_points(lists.roof, lists.ground, cloud);
+  if (find_crowns) {
+    std::vector<Surroundings> found =
+        find_surroundings(footprints, buildings, cloud, classes, portion(progress, 0.4, 0.7));
+    drop_crowns(lists.roof,
+                {take_lists(hits, &Hits::ground_inside, buildings),
+                 take_lists(found, &Surroundings::around, buildings),
+                 take_lists(found, &Surroundings::beside, buildings)},
+                cloud, {}, portion(progress, 0.7, 0.9));
+  }
+  drop_outliers(lists.roof, cloud, options.sigma);
+  drop_outliers(lists.ground, cloud, options.sigma);
+  return lists;
+}
+
+/// Puts `rows` into the places of the buildings `which`, ascending.
+void replace_rows(PointLists& lists, std::span<const BuildingIndex> which, const PointLists& rows) {
+  PointLists result;
+  std::size_t next = 0;
+  for (std::size_t b = 0; b < lists.size(); ++b) {
+    const bool replaced = next < which.size() && static_cast<std::size_t>(which[next]) == b;
+    const std::span<const PointIndex> row = replaced ? rows[next++] : lists[b];
+    result.indices.insert(result.indices.end(), row.begin(), row.end());
+    result.offsets.push_back(static_cast<std::int64_t>(result.indices.size()));
+  }
+  lists = std::move(result);
+}
+
+/// Gives the roofs of `which` the points that are there by exclusion.
+void take_by_exclusion(std::span<const Polygon* const> footprints,
+                       std::span<const BuildingIndex> which, const PointCloud& cloud,
+                       const ExtractOptions& options, const Progress& progress,
+                       BuildingPoints& points) {
+  std::vector<const Polygon*> order;
+  for (const BuildingIndex b : which) {
+    order.push_back(footprints[static_cast<std::size_t>(b)]);
+    points.by_exclusion[static_cast<std::size_t>(b)] = 1;
+  }
+  std::size_t next = 0;
+  for (std::size_t f = 0; f < footprints.size(); ++f)
+    if (next < which.size() && static_cast<std::size_t>(which[next]) == f)
+      ++next;
+    else
+      order.push_back(footprints[f]);
+  const Lists lists = find_lists(order, which.size(), cloud, true, options, progress);
+  replace_rows(points.roof, which, lists.roof);
 }
 
 BuildingPoints extract(std::span<const Polygon* const> footprints, std::size_t buildings,
@@ -218,27 +287,18 @@ BuildingPoints extract(std::span<const Polygon* const> footprints, std::size_t b
                 fmt::format("the point cloud has {} points, more than 2^32 - 1: choose a smaller "
                             "domain",
                             cloud.size()));
-  const FootprintIndex index(footprints.first(buildings), options.margin);
-  const Classes classes = choose_classes(cloud, buildings);
-  const bool find_crowns = classes.roof_from_unclassified && options.drop_crowns;
-  std::vector<Hits> hits =
-      find_all_hits(index, cloud, classes, portion(progress, 0, find_crowns ? 0.4 : 0.9));
-  BuildingPoints points;
-  points.roof_from_unclassified = classes.roof_from_unclassified;
-  points.roof = take_lists(hits, &Hits::roof, buildings);
-  points.ground = take_lists(hits, &Hits::ground, buildings);
-  if (points.roof_from_unclassified) drop_low_points(points, cloud);
-  if (find_crowns) {
-    std::vector<Surroundings> found =
-        find_surroundings(footprints, buildings, cloud, classes, portion(progress, 0.4, 0.7));
-    drop_crowns(points.roof,
-                {take_lists(hits, &Hits::ground_inside, buildings),
-                 take_lists(found, &Surroundings::around, buildings),
-                 take_lists(found, &Surroundings::beside, buildings)},
-                cloud, {}, portion(progress, 0.7, 0.9));
+  const bool by_exclusion = !has_building_class(cloud, buildings);
+  Lists lists = find_lists(footprints, buildings, cloud, by_exclusion, options,
+                           portion(progress, 0, by_exclusion ? 1 : 0.6));
+  BuildingPoints points{std::move(lists.roof), std::move(lists.ground),
+                        std::vector<std::uint8_t>(buildings, by_exclusion ? 1 : 0)};
+  if (!by_exclusion) {
+    const std::vector<BuildingIndex> unclassified =
+        find_unclassified(footprints.first(buildings), points.roof, cloud, options.unclassified);
+    if (!unclassified.empty())
+      take_by_exclusion(footprints, unclassified, cloud, options, portion(progress, 0.6, 1),
+                        points);
   }
-  drop_outliers(points.roof, cloud, options.sigma);
-  drop_outliers(points.ground, cloud, options.sigma);
   progress.update(1);
   return points;
 }
@@ -300,8 +360,14 @@ void drop_outliers(PointLists& lists, const PointCloud& cloud, double sigma) {
 
 BuildingPoints merge_building_points(const BuildingPoints& points,
                                      std::span<const std::vector<BuildingIndex>> members) {
-  return {merge_lists(points.roof, members), merge_lists(points.ground, members),
-          points.roof_from_unclassified};
+  BuildingPoints merged{merge_lists(points.roof, members), merge_lists(points.ground, members), {}};
+  for (const std::vector<BuildingIndex>& sources : members)
+    merged.by_exclusion.push_back(
+        std::any_of(sources.begin(), sources.end(), [&](BuildingIndex source) {
+          const auto s = static_cast<std::size_t>(source);
+          return points.by_exclusion[s] != 0 && !points.roof[s].empty();
+        }));
+  return merged;
 }
 
 }  // namespace tetropolis

@@ -76,14 +76,15 @@ double percentile(std::span<double> values, double p) {
 
 void compute_heights(std::span<Building> buildings, const BuildingPoints& points,
                      const PointCloud& cloud, const Raster& dtm, const HeightOptions& options) {
-  assert(points.roof.size() == buildings.size() && points.ground.size() == buildings.size());
+  assert(points.roof.size() == buildings.size() && points.ground.size() == buildings.size() &&
+         points.by_exclusion.size() == buildings.size());
   parallel_chunks(buildings.size(), kBuildingGrain, [&](std::size_t begin, std::size_t end) {
     std::vector<double> heights;
     for (std::size_t b = begin; b < end; ++b) {
       Building& building = buildings[b];
       building.flags &= ~kHeightFlags;
       set_ground(building, gather(points.ground[b], cloud, heights), dtm, options);
-      set_roof(building, gather(points.roof[b], cloud, heights), points.roof_from_unclassified,
+      set_roof(building, gather(points.roof[b], cloud, heights), points.by_exclusion[b] != 0,
                options);
     }
   });

@@ -4,6 +4,7 @@
 #include <iterator>
 #include <limits>
 #include <map>
+#include <numeric>
 #include <optional>
 #include <tuple>
 #include <utility>
@@ -150,6 +151,10 @@ struct PointTally {
     extent.extend(more.extent);
     for (std::size_t code = 0; code < by_class.size(); ++code)
       by_class[code] += more.by_class[code];
+  }
+  std::size_t count() const {
+    return static_cast<std::size_t>(
+        std::accumulate(by_class.begin(), by_class.end(), std::int64_t{0}));
   }
   std::map<int, std::int64_t> classes() const {
     std::map<int, std::int64_t> counts;
@@ -535,12 +540,19 @@ PointsInput read_points(std::span<const fs::path> paths, const ReadPointsOptions
   result.points = collector.take_points();
   result.points_kept = static_cast<std::int64_t>(result.points.size());
   PointTally tally;
+  std::vector<std::size_t> counts(paths.size(), 0);
   for (std::size_t t = 0; t < tasks.size(); ++t) {
+    counts[tasks[t].file] += tallies[t].count();
     require_room(tallies[t].extent, result.origin, paths[tasks[t].file], result.misread);
     tally.add(tallies[t]);
   }
   result.extent = tally.extent;
   result.points_by_class = tally.classes();
+  std::size_t end = 0;
+  for (const std::size_t count : counts) {
+    result.files.push_back({end, end + count});
+    end += count;
+  }
   return result;
 }
 

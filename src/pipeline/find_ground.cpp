@@ -15,6 +15,9 @@ namespace tetropolis {
 
 namespace {
 
+bool is_ground(std::uint8_t code) { return code == kGround || code == kWater; }
+
+/// Of all points.
 bool is_wanted(const Config& config, const std::map<int, std::int64_t>& by_class) {
   if (config.ground_filter != GroundFilter::kAuto)
     return config.ground_filter == GroundFilter::kAlways;
@@ -28,35 +31,104 @@ bool is_wanted(const Config& config, const std::map<int, std::int64_t>& by_class
                      [&](std::uint8_t code) { return by_class.contains(code); });
 }
 
-void run_filter(const Config& config, InputData& input, StepClock& clock, Report& report) {
+/// Sets of squares of 20 m of the domain.
+class Squares {
+ public:
+  explicit Squares(const Bounds2& domain)
+      : corner_{domain.xmin, domain.ymin},
+        columns_(1 + static_cast<std::size_t>(domain.width() / kSide)),
+        marks_(columns_ * (1 + static_cast<std::size_t>(domain.height() / kSide)), 0) {}
+
+  std::uint8_t& at(const PointCloud& cloud, std::size_t p) {
+    const auto column = static_cast<std::size_t>(std::max(0.0, (cloud.x[p] - corner_.x) / kSide));
+    const auto row = static_cast<std::size_t>(std::max(0.0, (cloud.y[p] - corner_.y) / kSide));
+    return marks_[std::min(marks_.size() - 1, row * columns_ + std::min(column, columns_ - 1))];
+  }
+
+ private:
+  static constexpr double kSide = 20;
+  Point2 corner_;
+  std::size_t columns_;
+  std::vector<std::uint8_t> marks_;
+};
+
+/// The files that have no class but those of points which nobody has classified. Not those where
+/// the ground is in another file, as where each class has a file of its own.
+std::vector<PointFile> find_unclassified_files(const InputData& input) {
+  const ClassTable unclassified = class_table(GroundFilterOptions{}.classes);
+  const PointCloud& cloud = input.points;
+  std::vector<PointFile> found;
+  for (const PointFile& file : input.files) {
+    const auto begin =
+        cloud.classification.begin() + static_cast<std::ptrdiff_t>(file.points.begin);
+    const auto end = cloud.classification.begin() + static_cast<std::ptrdiff_t>(file.points.end);
+    if (begin != end &&
+        std::all_of(begin, end, [&](std::uint8_t code) { return unclassified[code]; }))
+      found.push_back(file);
+  }
+  if (found.empty()) return found;
+  enum : std::uint8_t { kGroundThere = 1, kSeen = 2 };
+  Squares squares(input.domain);
+  for (std::size_t p = 0; p < cloud.size(); ++p)
+    if (is_ground(cloud.classification[p])) squares.at(cloud, p) = kGroundThere;
+  std::erase_if(found, [&](const PointFile& file) {
+    std::int64_t seen = 0, with_ground = 0;
+    for (std::size_t p = file.points.begin; p < file.points.end; ++p) {
+      std::uint8_t& mark = squares.at(cloud, p);
+      seen += (mark & kSeen) == 0 ? 1 : 0;
+      with_ground += mark == kGroundThere ? 1 : 0;
+      mark |= kSeen;
+    }
+    for (std::size_t p = file.points.begin; p < file.points.end; ++p)
+      squares.at(cloud, p) &= static_cast<std::uint8_t>(~kSeen);
+    return 2 * with_ground > seen;
+  });
+  return found;
+}
+
+std::string describe(std::span<const PointFile> files) {
+  return files.size() == 1 ? fmt::format("{} has", files[0].path)
+                           : fmt::format("{} and {} more have", files[0].path, files.size() - 1);
+}
+
+/// Of all points, or of the files given.
+void run_filter(const Config& config, InputData& input, std::span<const PointFile> files,
+                StepClock& clock, Report& report) {
   GroundFilterOptions options;
   options.window = config.ground_filter_window;
   options.slope = config.ground_filter_slope;
   options.classes.push_back(kGround);
+  const ClassTable candidates = class_table(options.classes);
   std::span<std::uint8_t> classes = input.points.classification;
-  std::int64_t before = 0;
-  GroundFilterReport counts;
+  std::vector<PointRange> ranges;
+  for (const PointFile& file : files) ranges.push_back(file.points);
+  if (files.empty()) ranges.push_back({0, classes.size()});
+  std::int64_t before = 0, after = 0, all = 0;
   clock.run("1.3", "find ground points", [&](const Progress& progress) {
     std::vector<Polygon> footprints;
     for (const Footprint& feature : input.footprints.features)
       footprints.push_back(feature.polygon);
     const std::vector<std::uint8_t> ground =
-        filter_ground(input.points, footprints, options, progress, &counts);
-    for (std::size_t p = 0; p < classes.size(); ++p) {
-      before += classes[p] == kGround ? 1 : 0;
-      if (ground[p] != 0)
-        classes[p] = kGround;
-      else if (classes[p] == kGround)
-        classes[p] = kUnclassified;
-    }
+        filter_ground(input.points, footprints, options, progress);
+    for (const PointRange& range : ranges)
+      for (std::size_t p = range.begin; p < range.end; ++p) {
+        before += classes[p] == kGround ? 1 : 0;
+        after += ground[p];
+        all += candidates[classes[p]] ? 1 : 0;
+        if (ground[p] != 0)
+          classes[p] = kGround;
+        else if (classes[p] == kGround)
+          classes[p] = kUnclassified;
+      }
   });
-  report.input->ground_filtered = counts.ground_points;
+  report.input->ground_filtered = after;
+  std::string why = "the cloud has no class 2 (ground)";
+  if (!files.empty()) why = describe(files) + " no classes";
+  if (before > 0) why = fmt::format("the class of {} ground points was ignored", before);
   report.warnings.push_back(
-      {"ground_filtered", counts.ground_points,
-       fmt::format("{}; a filter found {} of {} unclassified points on the ground",
-                   before == 0 ? "the cloud has no class 2 (ground)"
-                               : fmt::format("the class of {} ground points was ignored", before),
-                   counts.ground_points, counts.candidates)});
+      {"ground_filtered", after,
+       fmt::format("{}; a filter found {} of {} unclassified points on the ground", why, after,
+                   all)});
 }
 
 /// Ground points that cannot be ground become noise.
@@ -80,7 +152,6 @@ void drop_ground_outliers(InputData& input, StepClock& clock, Report& report) {
 
 /// Names the file, which the terrain does not know.
 void require_ground(const Config& config, const PointCloud& cloud, const Report& report) {
-  const auto is_ground = [](std::uint8_t code) { return code == kGround || code == kWater; };
   const auto& codes = cloud.classification;
   if (std::any_of(codes.begin(), codes.end(), is_ground)) return;
   std::vector<std::string> parts;
@@ -95,7 +166,12 @@ void require_ground(const Config& config, const PointCloud& cloud, const Report&
 }  // namespace
 
 void find_ground(const Config& config, InputData& input, StepClock& clock, Report& report) {
-  if (is_wanted(config, report.input->points_by_class)) run_filter(config, input, clock, report);
+  const std::vector<PointFile> files = find_unclassified_files(input);
+  for (const PointFile& file : files) input.unclassified.push_back(file.points);
+  if (is_wanted(config, report.input->points_by_class))
+    run_filter(config, input, {}, clock, report);
+  else if (!files.empty() && config.ground_filter == GroundFilter::kAuto)
+    run_filter(config, input, files, clock, report);
   drop_ground_outliers(input, clock, report);
   require_ground(config, input.points, report);
 }

@@ -350,6 +350,26 @@ void fill_city_report(const CityModel& raw, const CityModel& city, const Simplif
   }
 }
 
+void warn_of_exclusion(const BuildingPoints& points, Report& report) {
+  const std::vector<std::uint8_t>& marks = points.by_exclusion;
+  const auto count = std::count(marks.begin(), marks.end(), 1);
+  if (count == 0) return;
+  const bool everywhere = count == std::ssize(marks);
+  const char* const taken =
+      "roof points are those inside footprints that are neither ground, water, vegetation nor "
+      "noise";
+  if (everywhere)
+    report.warnings.push_back(
+        {"no_building_class", report.input->points_kept,
+         fmt::format("no building has points of class 6 (building); {}", taken)});
+  else
+    report.warnings.push_back(
+        {"building_class_partly", count,
+         fmt::format("buildings are where nobody has told the points of buildings (class 6) from "
+                     "others; their {}",
+                     taken)});
+}
+
 void warn_of_terrain(const DtmReport& dtm, Report& report) {
   if (dtm.empty_share > kMostlyEmpty)
     report.warnings.push_back(
@@ -446,8 +466,11 @@ CityAndTerrain make_city(const Config& config, Next next, OutputFolder& out, Ste
   const HeightOptions heights{config.ground_percentile, config.roof_percentile,
                               config.min_building_height};
   const BuildingPoints points = clock.run("1.5", "extract points", [&](const Progress& progress) {
-    return extract_building_points(raw.buildings, prepared.crossing, cloud,
-                                   {config.ground_margin, config.outlier_sigma}, progress);
+    ExtractOptions options;
+    options.margin = config.ground_margin;
+    options.sigma = config.outlier_sigma;
+    options.unclassified = prepared.input.unclassified;
+    return extract_building_points(raw.buildings, prepared.crossing, cloud, options, progress);
   });
   clock.run("1.6", "building heights",
             [&](const Progress&) { compute_heights(raw.buildings, points, cloud, dtm, heights); });
@@ -476,11 +499,7 @@ CityAndTerrain make_city(const Config& config, Next next, OutputFolder& out, Ste
     compute_heights(city.buildings, merge_building_points(points, simple.members), cloud, dtm,
                     heights);
   });
-  if (points.roof_from_unclassified)
-    report.warnings.push_back(
-        {"no_building_class", report.input->points_kept,
-         "the cloud has no class 6 (building); roof points are those inside footprints "
-         "that are neither ground, water, vegetation nor noise"});
+  warn_of_exclusion(points, report);
   clock.run("2.4", "write merged city model", [&](const Progress&) {
     write_city(out.result("city.city.json"), city, "City model after simplification");
   });

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <string>
+#include <vector>
 
 #include "tetropolis/geometry/point_cloud.h"
 #include "tetropolis/io/vector.h"
@@ -10,9 +11,17 @@
 
 namespace tetropolis {
 
+/// A file of the cloud.
+struct PointFile {
+  std::string path;
+  PointRange points;
+};
+
 struct InputData {
-  PointCloud points;           ///< Local frame, inside the domain only.
-  FootprintsInput footprints;  ///< Local frame.
+  PointCloud points;  ///< Local frame, inside the domain only.
+  std::vector<PointFile> files;
+  std::vector<PointRange> unclassified;  ///< Points of files that have no classes (find_ground).
+  FootprintsInput footprints;            ///< Local frame.
   Point2 origin;
   Bounds2 domain;   ///< Local frame.
   std::string crs;  ///< Of points and footprints; empty if nobody says.

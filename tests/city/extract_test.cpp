@@ -70,6 +70,10 @@ std::vector<PointIndex> to_vector(std::span<const PointIndex> list) {
   return {list.begin(), list.end()};
 }
 
+std::ptrdiff_t count_by_exclusion(const BuildingPoints& points) {
+  return std::count(points.by_exclusion.begin(), points.by_exclusion.end(), 1);
+}
+
 /// The definition, point by point.
 std::vector<PointIndex> brute_force(const Scene& scene, std::size_t footprint, bool roof,
                                     double margin, const std::set<int>& classes) {
@@ -90,7 +94,7 @@ TEST(Extract, AgreesWithBruteForce) {
   for (const double margin : {0.0, 1.0, 7.5}) {
     const BuildingPoints points =
         extract_building_points(scene.footprints, scene.cloud, {margin, kInfinity});
-    EXPECT_FALSE(points.roof_from_unclassified);
+    EXPECT_EQ(count_by_exclusion(points), 0);
     ASSERT_EQ(points.roof.size(), scene.footprints.size());
     ASSERT_EQ(points.ground.size(), scene.footprints.size());
     std::size_t roof_points = 0;
@@ -109,7 +113,7 @@ TEST(Extract, WithoutClassSixTakesWhatIsNotGroundWaterVegetationOrNoise) {
   const Scene scene = random_scene(40, 20000, {0, 1, 2, 3, 4, 5, 7, 9, 17, 18, 26});
   const BuildingPoints points =
       extract_building_points(scene.footprints, scene.cloud, {1, kInfinity, false});
-  EXPECT_TRUE(points.roof_from_unclassified);
+  EXPECT_EQ(count_by_exclusion(points), 40);
   bool some_low = false, some_mostly_low = false;
   for (std::size_t f = 0; f < scene.footprints.size(); ++f) {
     const std::vector<PointIndex> all = brute_force(scene, f, true, 1, {0, 1, 17, 26});
@@ -186,8 +190,33 @@ TEST(Extract, OneClassSixPointAnywhereSettlesIt) {
   EXPECT_EQ(extract_building_points(scene.footprints, scene.cloud).roof[0].size(), 1U);
   add(scene.cloud, 500, 500, 20, 6);
   const BuildingPoints points = extract_building_points(scene.footprints, scene.cloud);
-  EXPECT_FALSE(points.roof_from_unclassified);
+  EXPECT_EQ(points.by_exclusion, std::vector<std::uint8_t>{0});
   EXPECT_TRUE(points.roof[0].empty());
+}
+
+/// Two quarters of 20 houses; in the first, one was pulled down and has a car, in the second nobody
+/// has told buildings from the rest but for one house.
+TEST(Extract, WhereNoBuildingAroundHasTheClassRoofsAreByExclusion) {
+  Scene scene;
+  const auto house = [&](double x, double y, std::uint8_t code, int points, double z) {
+    scene.footprints.push_back({{{x, y}, {x + 10, y}, {x + 10, y + 10}, {x, y + 10}}, {}});
+    for (int k = 0; k < points; ++k) add(scene.cloud, x + 2 + k % 5, y + 2 + k / 5, z, code);
+    for (int k = 0; k < 5; ++k) add(scene.cloud, x - 0.5, y + 2 * k, 0, 2);
+  };
+  for (int k = 0; k < 20; ++k) {
+    const bool gone = k == 7;
+    house(20 * (k % 5), 20 * (k / 5), gone ? 1 : 6, gone ? 3 : 25, gone ? 1.5 : 8);
+    house(1000 + 20 * (k % 5), 20 * (k / 5), k == 7 ? 6 : 1, 25, 9);
+  }
+  const BuildingPoints points = extract_building_points(scene.footprints, scene.cloud);
+  for (std::size_t b = 0; b < 40; ++b) {
+    const bool second = b % 2 == 1, seventh = b / 2 == 7;
+    EXPECT_EQ(points.by_exclusion[b] != 0, second && !seventh) << b;
+    EXPECT_EQ(points.roof[b].size(), !second && seventh ? 0U : 25U) << b;
+    EXPECT_EQ(points.ground[b].size(), 5U) << b;
+    for (const PointIndex p : points.roof[b])
+      EXPECT_TRUE(contains(scene.footprints[b], {scene.cloud.x[p], scene.cloud.y[p]})) << b;
+  }
 }
 
 TEST(Extract, CourtyardIsOutside) {
@@ -241,7 +270,7 @@ TEST(Extract, NothingFromNothing) {
   const BuildingPoints points = extract_building_points(scene.footprints, PointCloud{});
   EXPECT_EQ(points.roof.size(), 3U);
   EXPECT_TRUE(points.roof.indices.empty());
-  EXPECT_TRUE(points.roof_from_unclassified);
+  EXPECT_EQ(count_by_exclusion(points), 3);
   const std::vector<Polygon> empty(2);
   EXPECT_TRUE(extract_building_points(empty, scene.cloud).ground.indices.empty());
 }

@@ -41,6 +41,7 @@ struct Case {
     buildings[0].footprint = {{{0, 0}, {10, 0}, {10, 10}, {0, 10}}, {}};
     fill(points.roof, roof);
     fill(points.ground, ground);
+    points.by_exclusion = {0};
   }
 
   void fill(PointLists& lists, const std::vector<double>& heights) {
@@ -162,11 +163,11 @@ TEST(Heights, AreAtLeastTheMinimum) {
 
 TEST(Heights, FlagRoofsByExclusionAndKeepOtherFlags) {
   Case scene({20}, {4});
-  scene.points.roof_from_unclassified = true;
+  scene.points.by_exclusion = {1};
   scene.buildings[0].flags = kMerged | kNoRoofPoints | kGroundFromDtm;
   EXPECT_EQ(scene.compute().flags, kMerged | kRoofFromUnclassified);
   Case bare({}, {4});
-  bare.points.roof_from_unclassified = true;
+  bare.points.by_exclusion = {1};
   EXPECT_EQ(bare.compute().flags, static_cast<std::uint32_t>(kNoRoofPoints));
 }
 
@@ -175,7 +176,7 @@ TEST(Heights, SameForAnyNumberOfThreads) {
   std::uniform_real_distribution<double> height(0, 30);
   Case scene({}, {});
   scene.buildings.assign(1000, scene.buildings[0]);
-  scene.points = {};
+  scene.points = {{}, {}, std::vector<std::uint8_t>(1000)};
   for (int b = 0; b < 1000; ++b) {
     std::vector<double> heights;
     for (int k = 0; k < b % 41; ++k) heights.push_back(height(random));

@@ -6,6 +6,7 @@
 #include <cstring>
 #include <functional>
 #include <limits>
+#include <set>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -178,6 +179,24 @@ std::function<void(const CloudCity&)> tiles(double end_of_west, double start_of_
     city.write("east.las",
                filtered(cloud, [&](std::size_t p) { return cloud.x[p] >= start_of_east; }));
   };
+}
+
+/// The city in two files by x, of which nobody has classified the western one.
+void half_classified(const CloudCity& city) {
+  PointCloud west = filtered(city.cloud, [&](std::size_t p) { return city.cloud.x[p] < 65; });
+  std::fill(west.classification.begin(), west.classification.end(), kUnclassified);
+  city.write("west.las", west);
+  city.write("east.las",
+             filtered(city.cloud, [&](std::size_t p) { return city.cloud.x[p] >= 65; }));
+}
+
+/// The city in a file per class.
+void files_of_classes(const CloudCity& city) {
+  for (const std::uint8_t code :
+       std::set<std::uint8_t>(city.cloud.classification.begin(), city.cloud.classification.end()))
+    city.write("class" + std::to_string(code) + ".las", filtered(city.cloud, [&](std::size_t p) {
+                 return city.cloud.classification[p] == code;
+               }));
 }
 
 std::vector<Defect> defects() {
@@ -380,6 +399,8 @@ std::vector<Defect> defects() {
       {"TilesThatTouch", tiles(65, 65), Expected::kNear, "", 1e-6},
       {"TilesThatOverlap", tiles(75, 55), Expected::kNear, "", 0.1},
       {"TilesWithAGap", tiles(63, 68), Expected::kNear, "", 0.05},
+      {"OneTileUnclassified", half_classified, Expected::kNear, "building_class_partly", 0.15},
+      {"AFilePerClass", files_of_classes, Expected::kNear, "", 1e-6},
   };
 }
 

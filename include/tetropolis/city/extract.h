@@ -34,8 +34,8 @@ struct PointLists {
 struct BuildingPoints {
   PointLists roof;
   PointLists ground;
-  bool roof_from_unclassified =
-      false;  ///< Of a cloud without class 6, see extract_building_points.
+  std::vector<std::uint8_t> by_exclusion;  ///< Per building, 1: its roof points are what no class
+                                           ///< excludes; 0: they have class 6.
   friend bool operator==(const BuildingPoints&, const BuildingPoints&) = default;
 };
 
@@ -43,23 +43,30 @@ struct ExtractOptions {
   double margin = 1.0;  ///< Metres around a footprint in which ground points are taken, >= 0.
   double sigma = 2.0;   ///< Points further from the mean height than this many standard deviations
                         ///< of their list are dropped; infinity keeps all.
-  bool drop_crowns = true;  ///< Remove crowns of trees (crowns.h) where no point has class 6.
+  bool drop_crowns = true;  ///< Remove crowns of trees (crowns.h) from roof points by exclusion.
+  std::vector<PointRange> unclassified{};  ///< Points that nobody has classified.
 };
 
 /// Roof points lie inside the footprint (contains()) and have class 6; ground points lie outside
 /// it, at most `margin` from its boundary (squared_distance_to_segment), and have class 2 or 9.
-/// Points in a hole are outside. If the whole cloud has no point of class 6 (or a few strays: fewer
-/// than buildings and than one in 1000 points), roof points are the points inside that are neither
-/// ground (2), water (9), vegetation (3, 4, 5) nor noise (7, 18), and roof_from_unclassified says
-/// so; these lose what is at most half a metre above the 10th percentile of the building's ground
-/// points (unless that is more than half of the list), and the crowns of trees unless told
-/// otherwise. Each list then loses its outliers (drop_outliers). One point may belong to several
-/// buildings: footprints may overlap, margins do. Guarantees: lists in the order of the footprints;
-/// the same for any number of threads. Memory: the result has 4 bytes for each point of each of its
-/// lists; beside it, a grid over the footprints and their edges, at most 24 bytes for each pair of
-/// a building and a point found at it (in clouds without class 6: found within 3 m of it, too), and
-/// what drop_crowns needs of one building per thread. The number of pairs grows with the square of
-/// the margin, and nothing bounds it. Throws Error(kInput) for clouds of 2^32 points or more.
+/// Points in a hole are outside. Roof points are by exclusion, instead,
+/// - of all buildings, if the whole cloud has no point of class 6 (or a few strays: fewer than
+///   buildings and than one in 1000 points);
+/// - of a building with more points of options.unclassified inside than points of class 6;
+/// - of a building without points of class 6, if of those around, itself among them, at least three
+///   more have none than have some (around: the centre of the bounding box in the same square of
+///   100 m or one beside it).
+/// By exclusion, roof points are the points inside that are neither ground (2), water (9),
+/// vegetation (3, 4, 5) nor noise (7, 18); these lose what is at most half a metre above the 10th
+/// percentile of the building's ground points (unless that is more than half of the list), and the
+/// crowns of trees unless told otherwise. Each list then loses its outliers (drop_outliers). One
+/// point may belong to several buildings: footprints may overlap, margins do.
+/// Guarantees: lists in the order of the footprints; the same for any number of threads.
+/// Memory: the result has 4 bytes for each point of each of its lists; beside it, a grid over the
+/// footprints and their edges, at most 24 bytes for each pair of a building and a point found at it
+/// (by exclusion: found within 3 m of it, too), and what drop_crowns needs of one building per
+/// thread. The number of pairs grows with the square of the margin, and nothing bounds it.
+/// Throws Error(kInput) for clouds of 2^32 points or more.
 /// Source: Naserentin & Logg 2022 (arXiv 2210.05250), step 1.5; a uniform grid replaces the trees.
 BuildingPoints extract_building_points(std::span<const Polygon> footprints, const PointCloud& cloud,
                                        const ExtractOptions& options = {},

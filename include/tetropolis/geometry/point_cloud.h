@@ -51,6 +51,12 @@ struct PointCloud {
   std::size_t size() const { return x.size(); }
 };
 
+/// The points number begin to end - 1 of a cloud.
+struct PointRange {
+  std::size_t begin = 0;
+  std::size_t end = 0;
+};
+
 /// The ASPRS standard classes that the pipeline looks at (LAS 1.4 R15, table 17).
 enum PointClass : std::uint8_t {
   kNeverClassified = 0,

@@ -72,9 +72,10 @@ struct ReadPointsOptions {
 };
 
 struct PointsInput {
-  PointCloud points;             ///< Order: files as given, points as stored.
-  std::int64_t points_read = 0;  ///< Points looked at (files passed over do not count).
-  std::int64_t points_kept = 0;  ///< points.size().
+  PointCloud points;              ///< Order: files as given, points as stored.
+  std::vector<PointRange> files;  ///< Where the points of each file are; empty if it was not read.
+  std::int64_t points_read = 0;   ///< Points looked at (files passed over do not count).
+  std::int64_t points_kept = 0;   ///< points.size().
   std::map<int, std::int64_t> points_by_class;  ///< Of the points kept.
   Point2 origin;                                ///< Of the local frame.
   Bounds2 extent = Bounds2::nothing();          ///< Of the points kept, local frame; empty if none.
