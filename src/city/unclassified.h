@@ -12,7 +12,8 @@ namespace tetropolis {
 /// The buildings, ascending, that have more points of `ranges` inside than in `roof`, or whose list
 /// in `roof` is empty like those of the buildings around: at least three more are empty than not,
 /// its own counted. (Where others have points of their class, a building without any was not
-/// there.) Around: with the centre of the bounding box in the same square of 100 m or one beside it.
+/// there.) Around: with the centre of the bounding box in the same square of 100 m or one beside
+/// it.
 std::vector<BuildingIndex> find_unclassified(std::span<const Polygon* const> footprints,
                                              const PointLists& roof, const PointCloud& cloud,
                                              std::span<const PointRange> ranges);

@@ -103,6 +103,11 @@ VectorFile open_vector(const fs::path& path, const gdal::QuietErrors& errors) {
   const gdal::ThreadOption restore("SHAPE_RESTORE_SHX", file.copy ? "YES" : "NO");
   gdal::StringList options;
   options.set("WRITE_GFS", "NO");
+  // Columns of CSV files; GDAL itself knows only what begins with WKT.
+  if (lower_case(path.extension().string()) == ".csv")
+    options.set("GEOM_POSSIBLE_NAMES",
+                "WKT*,_WKT*,geometry,geom,the_geom,wkb_geometry,geom_wkt,geometry_wkt,shape,"
+                "polygon,footprint");
   file.dataset.reset(GDALOpenEx(name.c_str(), GDAL_OF_VECTOR | GDAL_OF_VERBOSE_ERROR, nullptr,
                                 options.get(), nullptr));
   const bool unknown = errors.last().find("not recognized as") != std::string::npos;

@@ -62,6 +62,11 @@ bool holds_polygons(OGRLayerH layer) {
   return found;
 }
 
+bool is_of_format(GDALDatasetH dataset, std::string_view begin) {
+  const char* name = GDALGetDriverShortName(GDALGetDatasetDriver(dataset));
+  return name != nullptr && std::string_view(name).starts_with(begin);
+}
+
 OGRLayerH find_layer(const fs::path& path, GDALDatasetH dataset, const std::string& wanted) {
   std::vector<std::string> all;
   std::vector<std::string> names;
@@ -85,6 +90,8 @@ OGRLayerH find_layer(const fs::path& path, GDALDatasetH dataset, const std::stri
   if (all.size() == 1 &&
       OGR_FD_GetGeomFieldCount(OGR_L_GetLayerDefn(GDALDatasetGetLayer(dataset, 0))) > 0)
     return GDALDatasetGetLayer(dataset, 0);
+  if (is_of_format(dataset, "CSV"))
+    fail_input(path, "has no column of polygons; name it WKT, and write them as POLYGON((...))");
   fail_input(path, all.empty() ? std::string("has no layers; give a file with building polygons")
                                : fmt::format("has no layer of polygons, only: {}; give a file with "
                                              "building polygons",
@@ -100,9 +107,12 @@ int find_attribute(const fs::path& path, OGRLayerH layer, const std::string& wan
   if (const int field = OGR_FD_GetFieldIndex(definition, wanted.c_str()); field >= 0) return field;
   if (const char* fid = OGR_L_GetFIDColumn(layer); fid != nullptr && wanted == fid)
     return kFidField;
+  // Names in tables that do not state their encoding are not in UTF-8, and not found above.
   std::vector<std::string> names;
-  for (int i = 0; i < OGR_FD_GetFieldCount(definition); ++i)
+  for (int i = 0; i < OGR_FD_GetFieldCount(definition); ++i) {
     names.push_back(utf8(OGR_Fld_GetNameRef(OGR_FD_GetFieldDefn(definition, i))));
+    if (names.back() == wanted) return i;
+  }
   fail_input(path, fmt::format("has no attribute '{}'; it has: {}", wanted,
                                names.empty() ? std::string("none")
                                              : fmt::format("{}", fmt::join(names, ", "))));
@@ -151,7 +161,8 @@ class HeightReader {
   double read(OGRFeatureH feature, const std::string& id) {
     constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
     if (field_ == kNoField || OGR_F_IsFieldSetAndNotNull(feature, field_) == 0) return kNaN;
-    constexpr double kMost = 10'000;  // metres: no building is that high
+    constexpr double kMost = 1100;  // metres: no building is that high
+    constexpr double kMark = 999;   // stands for a height that nobody knows
     double value = kNaN;
     if (type_ == OFTString) {
       const std::string text = utf8(OGR_F_GetFieldAsString(feature, field_));
@@ -162,8 +173,9 @@ class HeightReader {
     } else {
       value = OGR_F_GetFieldAsDouble(feature, field_);
     }
-    if (!(value > kMost) && !std::isnan(value)) ++numbers_;
-    if (value > kMost) {
+    const bool none = value > kMost || value == kMark;
+    if (!none && !std::isnan(value)) ++numbers_;
+    if (none) {
       if (others_++ == 0) first_ = fmt::format("feature {}: {:.6g} m", id, value);
       return kNaN;
     }
@@ -191,6 +203,12 @@ class HeightReader {
   std::int64_t others_ = 0;
   std::string first_;
 };
+
+/// A number as an id: whole ones without decimals (numbers in tables have some), and with all their
+/// digits, which GDAL cuts to 15.
+std::string number_id(double value) {
+  return std::trunc(value) == value ? fmt::format("{:.0f}", value) : fmt::format("{}", value);
+}
 
 /// Hands out ids that were not handed out before.
 class UniqueIds {
@@ -242,6 +260,8 @@ class LayerReader {
       : path_(path),
         layer_(layer),
         id_field_(find_attribute(path, layer, options.id_attribute)),
+        real_ids_(id_field_ >= 0 && OGR_Fld_GetType(OGR_FD_GetFieldDefn(OGR_L_GetLayerDefn(layer),
+                                                                        id_field_)) == OFTReal),
         heights_(path, layer, options.height_attribute),
         id_name_(options.id_attribute),
         north_first_(is_north_first(OGR_L_GetSpatialRef(layer))),
@@ -304,7 +324,8 @@ class LayerReader {
   std::string feature_id(OGRFeatureH feature) {
     if (id_field_ >= 0) {
       if (OGR_F_IsFieldSetAndNotNull(feature, id_field_) != 0) {
-        std::string id = utf8(OGR_F_GetFieldAsString(feature, id_field_));
+        std::string id = real_ids_ ? number_id(OGR_F_GetFieldAsDouble(feature, id_field_))
+                                   : utf8(OGR_F_GetFieldAsString(feature, id_field_));
         if (!id.empty()) return id;
       }
       ++without_id_;
@@ -338,6 +359,7 @@ class LayerReader {
   const fs::path& path_;
   OGRLayerH layer_;
   int id_field_;
+  bool real_ids_;
   HeightReader heights_;
   std::string id_name_;
   bool north_first_;
@@ -405,11 +427,6 @@ void reproject_features(const std::string& target, FootprintsInput& result) {
   result.features = std::move(kept);
   result.crs = target;
   result.bounds = bounds_of(result.features);
-}
-
-bool is_of_format(GDALDatasetH dataset, std::string_view begin) {
-  const char* name = GDALGetDriverShortName(GDALGetDatasetDriver(dataset));
-  return name != nullptr && std::string_view(name).starts_with(begin);
 }
 
 }  // namespace

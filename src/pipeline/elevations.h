@@ -7,8 +7,8 @@
 namespace tetropolis {
 
 /// Between these all land lies, and the floor of shallow seas. What marks missing values in rasters
-/// that do not say so (-9999, -32768, 1e38) does not.
-constexpr double kLowestTerrain = -1000, kHighestTerrain = 10000;
+/// that do not say so (-9999, 9999, -32768, 1e38) does not.
+constexpr double kLowestTerrain = -1000, kHighestTerrain = 9000;
 
 /// The first value that is no elevation, or the end.
 inline std::vector<double>::const_iterator find_no_elevation(const std::vector<double>& values) {

@@ -385,6 +385,75 @@ TEST(Vector, WarningsAreOneLineWhateverTheyQuote) {
     })) << warning.message;
 }
 
+TEST(Vector, NumbersAsIdsKeepTheirDigits) {
+  const TemporaryFolder folder;
+  std::string features;
+  for (const char* id : {"9007199254740991.0", "9007199254740990.0", "0.5", "3.0", "0.1"})
+    features += std::string(features.empty() ? "" : ",") +
+                R"({"type":"Feature","properties":{"id":)" + id +
+                R"(},"geometry":{"type":"Polygon","coordinates":[[[3,8],[4,8],[4,9],[3,8]]]}})";
+  ReadFootprintsOptions options;
+  options.id_attribute = "id";
+  const FootprintsInput input =
+      read_footprints(write_text(folder / "a.geojson",
+                                 R"({"type":"FeatureCollection","features":[)" + features + "]}"),
+                      options);
+  std::vector<std::string> ids;
+  for (const Footprint& feature : input.features) ids.push_back(feature.source_id);
+  EXPECT_EQ(ids,
+            (std::vector<std::string>{"9007199254740991", "9007199254740990", "0.5", "3", "0.1"}));
+  EXPECT_FALSE(has_warning(input, "duplicate_ids"));
+}
+
+TEST(Vector, WhatMarksUnknownHeightsIsNone) {
+  const TemporaryFolder folder;
+  std::string rows = "h,WKT\n";
+  for (const char* height : {"9999", "999", "998", "1100", "1101", "-9999"})
+    rows += std::string(height) + ",\"POLYGON((3 8,4 8,4 9,3 8))\"\n";
+  ReadFootprintsOptions options;
+  options.height_attribute = "h";
+  const FootprintsInput input = read_footprints(write_text(folder / "a.csv", rows), options);
+  ASSERT_EQ(input.features.size(), 6U);
+  for (const std::size_t none : {0, 1, 4}) EXPECT_TRUE(std::isnan(input.features[none].height));
+  EXPECT_EQ(input.features[2].height, 998);
+  EXPECT_EQ(input.features[3].height, 1100);
+  EXPECT_EQ(input.features[5].height, -9999) << "below 0: not used, as any such";
+  EXPECT_TRUE(has_warning(input, "height_not_a_number"));
+}
+
+TEST(Vector, PolygonsInTablesAreFoundByTheUsualNames) {
+  const TemporaryFolder folder;
+  for (const char* name : {"WKT", "wkt", "geometry", "geom", "the_geom", "GEOM"}) {
+    const FootprintsInput input = read_footprints(write_text(
+        folder / "a.csv", std::string("id,") + name + "\n1,\"POLYGON((3 8,4 8,4 9,3 8))\"\n"));
+    EXPECT_EQ(input.features.size(), 1U) << name;
+  }
+  try {
+    read_footprints(write_text(folder / "b.csv", "id,outline\n1,\"POLYGON((3 8,4 8,4 9,3 8))\"\n"));
+    ADD_FAILURE() << "no error";
+  } catch (const Error& error) {
+    EXPECT_NE(std::string(error.what()).find("name it WKT"), std::string::npos) << error.what();
+  }
+}
+
+TEST(Vector, AttributesInTablesOfUnknownEncodingAreFound) {
+  const TemporaryFolder folder;
+  write_footprints(folder / "a.shp", std::vector<Polygon>{{{{0, 0}, {9, 0}, {9, 9}}, {}}},
+                   std::vector<std::string>{"x"}, std::vector<double>{7}, {}, "EPSG:28992");
+  fs::remove(folder / "a.cpg");
+  std::string table = bytes_of(folder / "a.dbf");
+  const std::size_t name = table.find("height");
+  ASSERT_NE(name, std::string::npos);
+  table.replace(name, 6, "H\xF6he\0\0", 6);
+  ReadFootprintsOptions options;
+  options.height_attribute = "H\xC3\xB6he";
+  for (const char code : {'\0', '\x57'}) {  // unstated, ANSI
+    table[29] = code;
+    write_text(folder / "a.dbf", table);
+    EXPECT_EQ(read_footprints(folder / "a.shp", options).features.at(0).height, 7) << int{code};
+  }
+}
+
 TEST(Vector, CurvesBecomeChords) {
   const TemporaryFolder folder;
   const FootprintsInput input = read_footprints(

@@ -52,8 +52,9 @@ struct FootprintsInput {
 /// feature is in `features` or in `dropped`, each of its polygons in exactly one of them, and no
 /// two entries of both lists together have the same id.
 ///
-/// Heights may be numbers or text that says one ("12.5", "12.5 m"); other text, and what is above
-/// 10 km, is NaN and counted by the warning "height_not_a_number".
+/// Heights may be numbers or text that says one ("12.5", "12.5 m"); other text, what is above
+/// 1,100 m, and 999 (which marks unknown heights) is NaN and counted by the warning
+/// "height_not_a_number".
 ///
 /// In shapefiles the ring around all others is the outer one; in all formats a part within a part
 /// (not in one of its holes) and turned against it is a hole of it (what becomes of a shapefile
