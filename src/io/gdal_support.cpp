@@ -1,14 +1,43 @@
 #include "gdal_support.h"
 
+#include <cstdlib>
 #include <mutex>
+#include <string>
+
+#include <fmt/format.h>
 
 #include "tetropolis/core/error.h"
 
 namespace tetropolis::gdal {
 
+namespace {
+
+/// Without its database PROJ knows no reference system, and the error that ends in would blame a
+/// file. Environments of other installations (conda, QGIS) point to databases it cannot use.
+void require_proj_database() {
+  const QuietErrors errors;
+  const Srs probe(OSRNewSpatialReference(nullptr));
+  if (OSRImportFromEPSG(probe.get(), 4326) == OGRERR_NONE) return;
+  std::string folders;
+  for (const char* name : {"PROJ_DATA", "PROJ_LIB"})
+    if (const char* folder = std::getenv(name))
+      folders += fmt::format("{}{} ({})", folders.empty() ? "" : " and ", name, folder);
+  throw Error(
+      ErrorKind::kUsage,
+      one_line(fmt::format(
+          "proj.db: PROJ cannot use its database of reference systems{}; {}", errors.reason(),
+          folders.empty() ? std::string("install proj-data, or set PROJ_DATA to its folder")
+                          : "unset " + folders)));
+}
+
+}  // namespace
+
 void initialise() {
   static std::once_flag once;
-  std::call_once(once, [] { GDALAllRegister(); });
+  std::call_once(once, [] {
+    GDALAllRegister();
+    require_proj_database();
+  });
 }
 
 QuietErrors::QuietErrors() { CPLPushErrorHandlerEx(&QuietErrors::collect, this); }

@@ -15,7 +15,8 @@
 
 namespace tetropolis::gdal {
 
-/// Registers GDAL's drivers once per process. Call before any other GDAL function.
+/// Registers GDAL's drivers once per process. Call before any other GDAL function. Throws
+/// Error(kUsage) if PROJ cannot use its database.
 void initialise();
 
 /// While it lives, GDAL's messages on this thread are collected here and printed nowhere.

@@ -380,6 +380,23 @@ TEST_F(Cli, TheOptionOfAnUnknownReferenceSystemIsNamed) {
                  2, std::string(option) + ": 'nope'");
 }
 
+TEST_F(Cli, ADatabaseThatProjCannotUseIsNamedAsTheReason) {
+  synth();
+  const auto before = left();
+  for (const char* name : {"PROJ_DATA", "PROJ_LIB"}) {
+    const Outcome outcome =
+        shell(std::string(name) +
+              "=/nowhere '" TETROPOLIS_PROGRAM
+              "' city --footprints input/footprints.shp --points input --out a --quiet");
+    EXPECT_EQ(outcome.code, 2);
+    EXPECT_EQ(std::count(outcome.err.begin(), outcome.err.end(), '\n'), 1) << outcome.err;
+    EXPECT_NE(outcome.err.find("proj.db"), std::string::npos) << outcome.err;
+    EXPECT_NE(outcome.err.find(std::string("unset ") + name + " (/nowhere)"), std::string::npos)
+        << outcome.err;
+    EXPECT_EQ(left(), before);
+  }
+}
+
 TEST_F(Cli, AnIgnoredHangupDoesNotEndTheRun) {
   synth("--buildings 20 --size 250");
   for (const bool ignored : {true, false}) {
