@@ -46,6 +46,7 @@ void info_points(const std::string& path) {
                           info.compressed ? "LAZ" : "LAS", info.version_major, info.version_minor,
                           info.point_format, info.record_length, info.copc ? ", COPC" : ""));
   put(stdout, fmt::format("  points: {}\n  CRS: {}\n", info.point_count, crs_text(info.crs)));
+  if (!info.vertical_crs.empty()) print_line("  heights: " + info.vertical_crs);
   put(stdout,
       fmt::format("  header box: x {} .. {}, y {} .. {}, z {} .. {}\n", coordinate(info.min[0]),
                   coordinate(info.max[0]), coordinate(info.min[1]), coordinate(info.max[1]),

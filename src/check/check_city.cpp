@@ -72,6 +72,7 @@ void check_domain_distance(const CityModel& city, double min_distance, CityCheck
     for (const Point2 p : building.footprint.outer) {
       const Bounds2& d = city.domain;
       const double distance = std::min({p.x - d.xmin, d.xmax - p.x, p.y - d.ymin, d.ymax - p.y});
+      check.domain_distance = std::min(check.domain_distance, distance);
       if (!is_clear(distance, min_distance))
         note_violation(check.violations, "footprints too close to the domain's boundary",
                        [&] { return "building " + building.id; });

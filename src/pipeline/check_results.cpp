@@ -3,17 +3,16 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <fstream>
 #include <iterator>
+#include <map>
 #include <optional>
-#include <stdexcept>
 #include <string>
 #include <string_view>
 #include <utility>
 #include <vector>
 
 #include <fmt/format.h>
-#include <nlohmann/json.hpp>
+#include <fmt/ranges.h>
 
 #include "tetropolis/check/check_city.h"
 #include "tetropolis/check/check_ground.h"
@@ -24,7 +23,6 @@
 #include "tetropolis/check/check_volume.h"
 #include "tetropolis/core/error.h"
 #include "tetropolis/core/files.h"
-#include "tetropolis/core/units.h"
 #include "tetropolis/io/cityjson.h"
 #include "tetropolis/io/crs.h"
 #include "tetropolis/io/geotiff.h"
@@ -32,115 +30,20 @@
 #include "tetropolis/io/xdmf.h"
 #include "tetropolis/pipeline/config.h"
 
+#include "reported_facts.h"
+
 namespace tetropolis {
 
 namespace {
 
 namespace fs = std::filesystem;
-using Json = nlohmann::json;
 
-constexpr double kDefaultDistance = 1;
 constexpr const char* kRawCity = "city_raw.city.json";
 constexpr const char* kCity = "city.city.json";
 
 /// Results in formats that are not read back.
 constexpr std::array kUnread = {"surface.stl", "volume.msh",  "constant/polyMesh",
                                 "surface.obj", "surface.ply", "surface.glb"};
-
-/// What report.json says that the files must bear out.
-struct ReportedMesh {
-  double cells, vertices, inverted, volume, triangles, least_angle, greatest_angle, ground_lowered;
-};
-
-struct ReportedGround {
-  double triangles, least_angle, below_min_angle;
-};
-
-struct ReportedFacts {
-  double min_distance = kDefaultDistance;
-  bool absolute = false;
-  std::optional<std::size_t> footprint_parts;
-  std::int64_t buildings = -1;       ///< Of city.city.json.
-  std::vector<std::string> dropped;  ///< Ids, sorted; likewise.
-  std::optional<Point2> origin;
-  std::optional<std::array<double, 4>> domain;  ///< CRS coordinates.
-  std::optional<std::string> crs;
-  std::optional<ReportedMesh> mesh;
-  std::optional<double> min_angle;
-  double min_wall = Config{}.min_wall_height;
-  CutsCheck cuts;
-  ReportedGround ground{};
-};
-
-/// In the local frame.
-CutSources cuts_of(const Json& report) {
-  CutSources cuts;
-  const Json volume = report.value("volume_mesh", Json::object());
-  cuts.roofs = volume.value("roofs_cut_back", std::vector<BuildingIndex>());
-  for (const Point3& foot : volume.value("feet_cut_back", std::vector<Point3>())) {
-    const auto origin = report.at("origin").get<std::array<double, 2>>();
-    cuts.feet.push_back({foot[0] - origin[0], foot[1] - origin[1], foot[2]});
-  }
-  return cuts;
-}
-
-/// What is not in the report differs from every file.
-ReportedFacts facts_of(const Json& report) {
-  const Json config = report.value("config", Json::object());
-  ReportedFacts facts;
-  facts.min_distance = config.value("min_building_distance", kDefaultDistance);
-  facts.absolute = config.value("coordinates", std::string("local")) == "absolute";
-  if (config.contains("min_angle")) facts.min_angle = config["min_angle"].get<double>();
-  facts.min_wall = config.value("min_wall_height", facts.min_wall);
-  const double cut_slope = config.value("cut_slope", Config{}.cut_slope);
-  if (!(cut_slope > 0 && cut_slope <= 90)) throw std::out_of_range("cut_slope");
-  facts.cuts.slopes.at_start = std::tan(to_radians(cut_slope));
-  facts.cuts.from = cuts_of(report);
-  const Json ground = report.value("ground_mesh", Json::object());
-  facts.ground = {ground.value("triangles", -1.0), ground.value("min_angle_deg", -1.0),
-                  ground.value("triangles_below_min_angle", -1.0)};
-  if (report.contains("input"))
-    facts.footprint_parts = report["input"].value("footprint_parts", std::size_t{0});
-  if (report.contains("city")) {
-    facts.buildings = report["city"].value("buildings", std::int64_t{-1});
-    for (const Json& dropped : report["city"].value("dropped", Json::array()))
-      facts.dropped.push_back(dropped.value("source_id", std::string()));
-    std::sort(facts.dropped.begin(), facts.dropped.end());
-  }
-  if (report.contains("origin"))
-    facts.origin =
-        Point2{report["origin"].at(0).get<double>(), report["origin"].at(1).get<double>()};
-  if (report.contains("domain")) facts.domain = report["domain"].get<std::array<double, 4>>();
-  if (report.contains("crs")) facts.crs = normalise_crs(report["crs"].get<std::string>());
-  if (!report.contains("volume_mesh")) return facts;
-  const Json& volume = report["volume_mesh"];
-  const Json surface = report.value("surface_mesh", Json::object());
-  const Json angles = volume.value("dihedral_deg", Json::object());
-  facts.mesh = {volume.value("cells", -1.0),      volume.value("vertices", -1.0),
-                volume.value("inverted", -1.0),   volume.value("volume", -1.0),
-                surface.value("triangles", -1.0), angles.value("min", -1.0),
-                angles.value("max", -1.0),        volume.value("ground_lowered", -1.0)};
-  return facts;
-}
-
-/// Of report.json in the folder, if there is one.
-std::optional<ReportedFacts> read_report(const fs::path& folder) {
-  const fs::path path = folder / "report.json";
-  std::error_code error;
-  if (fs::is_fifo(path, error))  // which would be waited for
-    throw Error(ErrorKind::kInput, path.string() + ": is not an ordinary file");
-  std::ifstream file(path);
-  if (!file) return std::nullopt;
-  try {
-    const Json json = Json::parse(file);
-    if (json.is_object()) return facts_of(json);
-  } catch (const Json::exception&) {         // no JSON, or members of other types than a report's
-  } catch (const std::ios_base::failure&) {  // not even a file
-  } catch (const std::out_of_range&) {       // values that no report has
-  } catch (const Error&) {                   // a reference system that nobody knows
-  }
-  throw Error(ErrorKind::kInput, path.string() + ": not a report of tetropolis");
-}
 
 double percent(std::int64_t part, std::int64_t whole) {
   return whole == 0 ? 0 : 100 * static_cast<double>(part) / static_cast<double>(whole);
@@ -208,18 +111,27 @@ CheckedFile check_one_surface(const fs::path& path) {
   return file;
 }
 
-CheckedFile check_city_model(const std::string& name, const CityModel& city,
-                             std::optional<double> min_distance,
-                             const std::optional<ReportedFacts>& report) {
-  if (!min_distance && name != kRawCity)
-    min_distance = report ? report->min_distance : kDefaultDistance;
-  const CityCheck check = check_city(city, min_distance);
+/// The clearance that the model must have: what `min_distance` says or else the report, of the raw
+/// model nothing.
+std::optional<double> distance_asked(const std::string& name, std::optional<double> min_distance,
+                                     const std::optional<ReportedFacts>& report) {
+  if (min_distance || name == kRawCity) return min_distance;
+  return report ? report->min_distance : Config{}.min_building_distance;
+}
+
+/// That of guarantee 2, and of the report.
+double joint_clearance_of(const CityCheck& check) {
+  return std::min(check.min_clearance, check.domain_distance);
+}
+
+CheckedFile describe(const std::string& name, const CityCheck& check,
+                     std::optional<double> min_distance) {
   CheckedFile file{name, {}, check.violations, {}};
   file.facts = {fmt::format("{} buildings, {} dropped features, {:.1f} m2", check.buildings,
                             check.dropped, check.area)};
   if (min_distance)
     file.facts.push_back(
-        fmt::format("clearance {:.6f} m, {} m asked", check.min_clearance, *min_distance));
+        fmt::format("clearance {:.6f} m, {} m asked", joint_clearance_of(check), *min_distance));
   return file;
 }
 
@@ -244,6 +156,20 @@ void compare_with_report(const ReportedMesh& mesh, const VolumeCheck& volume,
   near("boundary triangles", mesh.triangles, static_cast<double>(surface.triangles), 0);
   near("least dihedral angle", mesh.least_angle, volume.min_dihedral_deg.min, 0.01);
   near("greatest dihedral angle", mesh.greatest_angle, volume.max_dihedral_deg, 0.01);
+  near("greatest non-orthogonality", mesh.non_orthogonality, volume.faces.max_non_orthogonality_deg,
+       0.01);
+  near("greatest skewness", mesh.skewness, volume.faces.max_skewness, 0.01);
+  near("greatest aspect ratio", mesh.aspect_ratio, volume.aspect_ratio.max,
+       1e-4 * volume.aspect_ratio.max);
+  near("closed boundary", mesh.closed ? 1 : 0, surface.closed ? 1 : 0, 0);
+  near("manifold boundary", mesh.manifold ? 1 : 0, surface.manifold ? 1 : 0, 0);
+  for (int i = 0; i < kPatchCount; ++i) {
+    const std::string name(patch_name(static_cast<Patch>(i + 1)));
+    const auto reported = mesh.faces_by_patch.find(name);
+    near(("number of faces of " + name).c_str(),
+         reported == mesh.faces_by_patch.end() ? 0 : static_cast<double>(reported->second),
+         static_cast<double>(surface.faces_by_patch[static_cast<std::size_t>(i)]), 0);
+  }
 }
 
 /// Guarantee 3: footprints in the mesh, and its angles if the report says what was asked for.
@@ -350,21 +276,50 @@ void compare_features(const CityModel& raw, const CityModel& city, CheckedFile& 
                                static_cast<std::int64_t>(new_ids.size()), new_ids.front()});
 }
 
-/// The final model is the one that the report tells of.
-void compare_city(const CityModel& city, const ReportedFacts& report, CheckedFile& file) {
-  const auto differs = [&](const char* what, const std::string& details) {
-    file.violations.push_back({fmt::format("{} differs from report.json", what), 1, details});
+std::string list_of(const std::map<std::string, std::int64_t>& counts) {
+  std::vector<std::string> parts;
+  for (const auto& [name, count] : counts) parts.push_back(fmt::format("{} {}", name, count));
+  return parts.empty() ? "none" : fmt::format("{}", fmt::join(parts, ", "));
+}
+
+/// `check` is that of the city; `made`: the run that reports made it, and did not only read it.
+void compare_buildings(const CityModel& city, const CityCheck& check, const ReportedCity& report,
+                       bool made, CheckedFile& file) {
+  const auto buildings = static_cast<double>(city.buildings.size());
+  compare("number of buildings", static_cast<double>(report.buildings), buildings, buildings,
+          buildings, file);
+  const auto differs = [&](const char* what, const std::string& reported,
+                           const std::string& found) {
+    file.violations.push_back({fmt::format("{} differs from report.json", what), 1,
+                               fmt::format("{} reported, {} found", reported, found)});
   };
-  const auto buildings = static_cast<std::int64_t>(city.buildings.size());
-  if (report.buildings >= 0 && report.buildings != buildings)
-    differs("number of buildings",
-            fmt::format("{} reported, {} found", report.buildings, buildings));
   std::vector<std::string> dropped;
   for (const Dropped& feature : city.dropped) dropped.push_back(feature.source_id);
   std::sort(dropped.begin(), dropped.end());
-  if (report.buildings >= 0 && report.dropped != dropped)
-    differs("list of dropped features",
-            fmt::format("{} reported, {} found", report.dropped.size(), dropped.size()));
+  if (report.dropped != dropped)
+    differs("list of dropped features", std::to_string(report.dropped.size()),
+            std::to_string(dropped.size()));
+  if (!made) return;
+  compare("area of footprints", report.area, check.area * (1 - 1e-9) - 1e-6, check.area,
+          check.area * (1 + 1e-9) + 1e-6, file);
+  const double clearance = joint_clearance_of(check);
+  if (report.min_clearance)
+    compare("clearance", *report.min_clearance, clearance - 1e-6, clearance, clearance + 1e-6,
+            file);
+  std::map<std::string, std::int64_t> flags;
+  for (const Building& building : city.buildings)
+    for (const std::string& name : flag_names(building.flags)) ++flags[name];
+  if (report.flags != flags) differs("number of flags", list_of(report.flags), list_of(flags));
+}
+
+/// The final model is the one that the report tells of.
+void compare_city(const CityModel& city, const CityCheck& check, const ReportedFacts& report,
+                  CheckedFile& file) {
+  if (report.city)
+    compare_buildings(city, check, *report.city, report.footprint_parts.has_value(), file);
+  const auto differs = [&](const char* what, const std::string& details) {
+    file.violations.push_back({fmt::format("{} differs from report.json", what), 1, details});
+  };
   if (report.origin && *report.origin != city.origin)
     differs("origin", fmt::format("({}, {}) reported, ({}, {}) found", report.origin->x,
                                   report.origin->y, city.origin.x, city.origin.y));
@@ -485,16 +440,19 @@ std::vector<CheckedFile> check_folder(const fs::path& folder, std::optional<doub
   for (const char* name : {kRawCity, kCity}) {
     if (!there(name)) continue;
     city = read_city(folder / name);
-    files.push_back(check_city_model(
-        name, city, std::string_view(name) == kRawCity ? std::nullopt : min_distance, report));
+    const bool is_raw = std::string_view(name) == kRawCity;
+    const std::optional<double> distance =
+        distance_asked(name, is_raw ? std::nullopt : min_distance, report);
+    const CityCheck check = check_city(city, distance);
+    files.push_back(describe(name, check, distance));
     compare_account(city, report, files.back());
-    if (std::string_view(name) == kRawCity) {
+    if (is_raw) {
       raw = city;
       continue;
     }
     // A model that was meshed by itself may be another one than the raw model beside it.
     if (raw && report && report->footprint_parts) compare_features(*raw, city, files.back());
-    if (report) compare_city(city, *report, files.back());
+    if (report) compare_city(city, check, *report, files.back());
   }
   add_meshes(folder, city, report, progress, files);
   if (files.empty())
@@ -517,8 +475,9 @@ CheckedFile check_one_city(const fs::path& path, std::optional<double> min_dista
   } catch (const Error& error) {
     not_checked.push_back(fmt::format("what report.json asks for ({})", error.what()));
   }
-  CheckedFile file =
-      check_city_model(path.filename().string(), read_city(path), min_distance, report);
+  const std::string name = path.filename().string();
+  const std::optional<double> distance = distance_asked(name, min_distance, report);
+  CheckedFile file = describe(name, check_city(read_city(path), distance), distance);
   file.not_checked = std::move(not_checked);
   return file;
 }

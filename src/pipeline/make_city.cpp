@@ -384,9 +384,12 @@ void warn_of_terrain(const DtmReport& dtm, Report& report) {
         {"terrain_voids", std::llround(100 * dtm.void_share),
          fmt::format(
              "{:.0f} % of the domain's squares of 20 m have no ground point; the terrain there is "
-             "filled from around; check --bounds, or use "
-             "--ground-filter always if part of the cloud is not classified",
-             100 * dtm.void_share)});
+             "filled from around; check --bounds, or {}",
+             100 * dtm.void_share,
+             report.input->ground_filtered > 0
+                 ? "raise --ground-filter-slope or lower --ground-filter-window if the filter took "
+                   "terrain for objects"
+                 : "use --ground-filter always if part of the cloud is not classified")});
 }
 
 /// A header that is off shows here, or bytes that have rotted; then points outside of their box

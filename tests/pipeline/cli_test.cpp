@@ -267,6 +267,30 @@ TEST_F(Cli, CheckComparesTheModelsAndTheReport) {
   changed("report.json", "EPSG:3006", "EPSG:3007", "reference system differs from report.json");
   changed("report.json", "\"domain\": *\\[\\s*[0-9]", "\"domain\":[9",
           "domain differs from report.json");
+  changed("report.json", "\"merged\": *[0-9]+", "\"merged\":99",
+          "number of flags differs from report.json");
+  changed("report.json", "\"min_clearance\": *[0-9.]+", "\"min_clearance\":1.5",
+          "clearance differs from report.json");
+  changed("report.json", "\"area_after\": *[0-9]", "\"area_after\":9",
+          "area of footprints differs from report.json");
+  ASSERT_EQ(run("build --quiet --footprints input/footprints.shp --points input --mesh-size 20 "
+                "--out result")
+                .code,
+            0);
+  ASSERT_EQ(run("check result").code, 0);
+  changed("report.json", "\"closed\": *true", "\"closed\":false", "closed boundary differs");
+  changed("report.json", "\"roof\": *[0-9]+", "\"roof\":1", "number of faces of roof differs");
+  for (const auto& [name, what] :
+       {std::pair{"non_orthogonality_deg", "non-orthogonality"}, std::pair{"skewness", "skewness"}})
+    changed("report.json", (std::string("\"") + name + "\": *\\{\\s*\"max\": *[0-9.]+").c_str(),
+            (std::string("\"") + name + "\":{\"max\":9.5").c_str(),
+            (std::string("greatest ") + what + " differs").c_str());
+  // A mesh of the model that is there already.
+  ASSERT_EQ(run("mesh --quiet --city result/city.city.json --dtm result/dtm.tif --mesh-size 30 "
+                "--out result")
+                .code,
+            0);
+  EXPECT_EQ(run("check result").code, 0);
 }
 
 TEST_F(Cli, CheckTakesTheOptionsOfEveryRun) {

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <limits>
 #include <optional>
 #include <vector>
 
@@ -14,7 +15,9 @@ struct CityCheck {
   std::int64_t buildings = 0;
   std::int64_t dropped = 0;
   double min_clearance = 0;  ///< Between vertices, and vertices and edges, of all rings; metres.
-  double area = 0;           ///< Of all footprints, square metres.
+  /// Of vertices from the domain's boundary, metres, negative outside; infinity if not checked.
+  double domain_distance = std::numeric_limits<double>::infinity();
+  double area = 0;  ///< Of all footprints, square metres.
   std::vector<Violation> violations;
 };
 

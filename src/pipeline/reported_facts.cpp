@@ -1,0 +1,117 @@
+#include "reported_facts.h"
+
+#include <algorithm>
+#include <cmath>
+#include <fstream>
+#include <stdexcept>
+#include <system_error>
+
+#include <nlohmann/json.hpp>
+
+#include "tetropolis/core/error.h"
+#include "tetropolis/core/units.h"
+#include "tetropolis/io/crs.h"
+
+namespace tetropolis {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+using Json = nlohmann::json;
+
+/// In the local frame.
+CutSources cuts_of(const Json& report) {
+  CutSources cuts;
+  const Json volume = report.value("volume_mesh", Json::object());
+  cuts.roofs = volume.value("roofs_cut_back", std::vector<BuildingIndex>());
+  for (const Point3& foot : volume.value("feet_cut_back", std::vector<Point3>())) {
+    const auto origin = report.at("origin").get<std::array<double, 2>>();
+    cuts.feet.push_back({foot[0] - origin[0], foot[1] - origin[1], foot[2]});
+  }
+  return cuts;
+}
+
+ReportedCity city_of(const Json& report) {
+  ReportedCity city{report.value("buildings", std::int64_t{-1}),
+                    {},
+                    report.value("flags", std::map<std::string, std::int64_t>()),
+                    {},
+                    report.value("area_after", -1.0)};
+  for (const Json& dropped : report.value("dropped", Json::array()))
+    city.dropped.push_back(dropped.value("source_id", std::string()));
+  std::sort(city.dropped.begin(), city.dropped.end());
+  // None, without buildings.
+  if (report.contains("min_clearance") && !report["min_clearance"].is_null())
+    city.min_clearance = report["min_clearance"].get<double>();
+  return city;
+}
+
+double greatest(const Json& volume, const char* measure) {
+  return volume.value(measure, Json::object()).value("max", -1.0);
+}
+
+ReportedFacts facts_of(const Json& report) {
+  const Json config = report.value("config", Json::object());
+  ReportedFacts facts;
+  facts.min_distance = config.value("min_building_distance", facts.min_distance);
+  facts.absolute = config.value("coordinates", std::string("local")) == "absolute";
+  if (config.contains("min_angle")) facts.min_angle = config["min_angle"].get<double>();
+  facts.min_wall = config.value("min_wall_height", facts.min_wall);
+  const double cut_slope = config.value("cut_slope", Config{}.cut_slope);
+  if (!(cut_slope > 0 && cut_slope <= 90)) throw std::out_of_range("cut_slope");
+  facts.cuts.slopes.at_start = std::tan(to_radians(cut_slope));
+  facts.cuts.from = cuts_of(report);
+  const Json ground = report.value("ground_mesh", Json::object());
+  facts.ground = {ground.value("triangles", -1.0), ground.value("min_angle_deg", -1.0),
+                  ground.value("triangles_below_min_angle", -1.0)};
+  if (report.contains("input"))
+    facts.footprint_parts = report["input"].value("footprint_parts", std::size_t{0});
+  if (report.contains("city")) facts.city = city_of(report["city"]);
+  if (report.contains("origin"))
+    facts.origin =
+        Point2{report["origin"].at(0).get<double>(), report["origin"].at(1).get<double>()};
+  if (report.contains("domain")) facts.domain = report["domain"].get<std::array<double, 4>>();
+  if (report.contains("crs")) facts.crs = normalise_crs(report["crs"].get<std::string>());
+  if (!report.contains("volume_mesh")) return facts;
+  const Json& volume = report["volume_mesh"];
+  const Json surface = report.value("surface_mesh", Json::object());
+  const Json angles = volume.value("dihedral_deg", Json::object());
+  facts.mesh = {volume.value("cells", -1.0),
+                volume.value("vertices", -1.0),
+                volume.value("inverted", -1.0),
+                volume.value("volume", -1.0),
+                surface.value("triangles", -1.0),
+                angles.value("min", -1.0),
+                angles.value("max", -1.0),
+                volume.value("ground_lowered", -1.0),
+                greatest(volume, "non_orthogonality_deg"),
+                greatest(volume, "skewness"),
+                greatest(volume, "aspect_ratio"),
+                surface.value("closed", false),
+                surface.value("manifold", false),
+                surface.value("faces_by_patch", std::map<std::string, std::int64_t>())};
+  return facts;
+}
+
+}  // namespace
+
+std::optional<ReportedFacts> read_report(const fs::path& folder) {
+  const fs::path path = folder / "report.json";
+  std::error_code error;
+  if (fs::is_fifo(path, error))  // which would be waited for
+    throw Error(ErrorKind::kInput, path.string() + ": is not an ordinary file");
+  std::ifstream file(path);
+  if (!file) return std::nullopt;
+  try {
+    const Json json = Json::parse(file);
+    if (json.is_object()) return facts_of(json);
+  } catch (const Json::exception&) {         // no JSON, or members of other types than a report's
+  } catch (const std::ios_base::failure&) {  // not even a file
+  } catch (const std::out_of_range&) {       // values that no report has
+  } catch (const Error&) {                   // a reference system that nobody knows
+  }
+  throw Error(ErrorKind::kInput, path.string() + ": not a report of tetropolis");
+}
+
+}  // namespace tetropolis

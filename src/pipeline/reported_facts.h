@@ -1,0 +1,58 @@
+// What report.json says that the other files of a folder must bear out.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <filesystem>
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "tetropolis/check/check_heights.h"
+#include "tetropolis/geometry/types.h"
+#include "tetropolis/pipeline/config.h"
+
+namespace tetropolis {
+
+struct ReportedMesh {
+  double cells, vertices, inverted, volume, triangles, least_angle, greatest_angle, ground_lowered,
+      non_orthogonality, skewness, aspect_ratio;
+  bool closed, manifold;
+  std::map<std::string, std::int64_t> faces_by_patch;
+};
+
+struct ReportedGround {
+  double triangles, least_angle, below_min_angle;
+};
+
+/// Of city.city.json.
+struct ReportedCity {
+  std::int64_t buildings;
+  std::vector<std::string> dropped;  ///< Ids, sorted.
+  std::map<std::string, std::int64_t> flags;
+  std::optional<double> min_clearance;
+  double area;
+};
+
+struct ReportedFacts {
+  double min_distance = Config{}.min_building_distance;
+  bool absolute = false;
+  std::optional<std::size_t> footprint_parts;
+  std::optional<ReportedCity> city;
+  std::optional<Point2> origin;
+  std::optional<std::array<double, 4>> domain;  ///< CRS coordinates.
+  std::optional<std::string> crs;
+  std::optional<ReportedMesh> mesh;
+  std::optional<double> min_angle;
+  double min_wall = Config{}.min_wall_height;
+  CutsCheck cuts;
+  ReportedGround ground{};
+};
+
+/// Of report.json in the folder, if there is one. What is not in it differs from every file. Throws
+/// Error(kInput) if it is no report.
+std::optional<ReportedFacts> read_report(const std::filesystem::path& folder);
+
+}  // namespace tetropolis
