@@ -294,9 +294,10 @@ BuildingPoints extract(std::span<const Polygon* const> footprints, std::size_t b
                         std::vector<std::uint8_t>(buildings, by_exclusion ? 1 : 0)};
   if (!by_exclusion) {
     const std::vector<BuildingIndex> unclassified =
-        find_unclassified(footprints.first(buildings), points.roof, cloud, options.unclassified);
+        find_unclassified(footprints.first(buildings), points.roof, cloud, options.unclassified,
+                          portion(progress, 0.6, 0.7));
     if (!unclassified.empty())
-      take_by_exclusion(footprints, unclassified, cloud, options, portion(progress, 0.6, 1),
+      take_by_exclusion(footprints, unclassified, cloud, options, portion(progress, 0.7, 1),
                         points);
   }
   progress.update(1);

@@ -1,10 +1,13 @@
 #include "city/unclassified.h"
 
+#include <atomic>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <map>
 #include <utility>
+
+#include "tetropolis/core/parallel.h"
 
 #include "city/footprint_index.h"
 
@@ -14,6 +17,7 @@ namespace {
 
 constexpr double kSquare = 100;  // metres
 constexpr std::int64_t kMoreEmpty = 3;
+constexpr std::size_t kPointGrain = std::size_t{1} << 15;
 
 using Square = std::pair<std::int64_t, std::int64_t>;
 
@@ -41,24 +45,40 @@ std::vector<std::uint8_t> find_outvoted(std::span<const Polygon* const> footprin
   return outvoted;
 }
 
+/// How many points of the ranges are inside each footprint.
+std::vector<std::uint32_t> count_inside(std::span<const Polygon* const> footprints,
+                                        const PointCloud& cloud, std::span<const PointRange> ranges,
+                                        const Progress& progress) {
+  std::vector<std::uint32_t> counts(footprints.size(), 0);
+  const FootprintIndex index(footprints, 0);
+  std::int64_t all = 0;
+  for (const PointRange& range : ranges) all += static_cast<std::int64_t>(range.end - range.begin);
+  SharedProgress shared(progress, all);
+  for (const PointRange& range : ranges)
+    parallel_chunks(range.end - range.begin, kPointGrain, [&](std::size_t begin, std::size_t end) {
+      for (std::size_t p = range.begin + begin; p < range.begin + end; ++p)
+        index.at({cloud.x[p], cloud.y[p]}, [&](BuildingIndex building, bool inside) {
+          if (inside)
+            std::atomic_ref(counts[static_cast<std::size_t>(building)])
+                .fetch_add(1, std::memory_order_relaxed);
+        });
+      shared.add(static_cast<std::int64_t>(end - begin));
+    });
+  return counts;
+}
+
 }  // namespace
 
 std::vector<BuildingIndex> find_unclassified(std::span<const Polygon* const> footprints,
                                              const PointLists& roof, const PointCloud& cloud,
-                                             std::span<const PointRange> ranges) {
+                                             std::span<const PointRange> ranges,
+                                             const Progress& progress) {
   const std::vector<std::uint8_t> outvoted = find_outvoted(footprints, roof);
-  std::vector<std::size_t> inside_of(footprints.size(), 0);
-  if (!ranges.empty()) {
-    const FootprintIndex index(footprints, 0);
-    for (const PointRange& range : ranges)
-      for (std::size_t p = range.begin; p < range.end; ++p)
-        index.at({cloud.x[p], cloud.y[p]}, [&](BuildingIndex building, bool inside) {
-          inside_of[static_cast<std::size_t>(building)] += inside ? 1 : 0;
-        });
-  }
+  std::vector<std::uint32_t> inside(footprints.size(), 0);
+  if (!ranges.empty()) inside = count_inside(footprints, cloud, ranges, progress);
   std::vector<BuildingIndex> result;
   for (std::size_t b = 0; b < footprints.size(); ++b)
-    if ((roof[b].empty() && outvoted[b] != 0) || inside_of[b] > roof[b].size())
+    if ((roof[b].empty() && outvoted[b] != 0) || inside[b] > roof[b].size())
       result.push_back(static_cast<BuildingIndex>(b));
   return result;
 }

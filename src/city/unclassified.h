@@ -5,6 +5,8 @@
 #include <vector>
 
 #include "tetropolis/city/extract.h"
+#include "tetropolis/core/progress.h"
+#include "tetropolis/geometry/point_cloud.h"
 #include "tetropolis/geometry/polygon.h"
 
 namespace tetropolis {
@@ -16,6 +18,7 @@ namespace tetropolis {
 /// it.
 std::vector<BuildingIndex> find_unclassified(std::span<const Polygon* const> footprints,
                                              const PointLists& roof, const PointCloud& cloud,
-                                             std::span<const PointRange> ranges);
+                                             std::span<const PointRange> ranges,
+                                             const Progress& progress);
 
 }  // namespace tetropolis

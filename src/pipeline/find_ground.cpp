@@ -34,6 +34,8 @@ bool is_wanted(const Config& config, const std::map<int, std::int64_t>& by_class
 /// Sets of squares of 20 m of the domain.
 class Squares {
  public:
+  enum Mark : std::uint8_t { kHasGround = 1, kSeen = 2 };
+
   explicit Squares(const Bounds2& domain)
       : corner_{domain.xmin, domain.ymin},
         columns_(1 + static_cast<std::size_t>(domain.width() / kSide)),
@@ -52,36 +54,51 @@ class Squares {
   std::vector<std::uint8_t> marks_;
 };
 
-/// The files that have no class but those of points which nobody has classified. Not those where
-/// the ground is in another file, as where each class has a file of its own.
-std::vector<PointFile> find_unclassified_files(const InputData& input) {
-  const ClassTable unclassified = class_table(GroundFilterOptions{}.classes);
+bool is_unclassified(const PointCloud& cloud, const PointRange& points) {
+  static const ClassTable unclassified = class_table(GroundFilterOptions{}.classes);
+  const auto codes =
+      std::span(cloud.classification).subspan(points.begin, points.end - points.begin);
+  return std::all_of(codes.begin(), codes.end(),
+                     [&](std::uint8_t code) { return unclassified[code]; });
+}
+
+/// The share of the squares with points of the file that have ground.
+double share_with_ground(const PointFile& file, const PointCloud& cloud, Squares& squares) {
+  std::int64_t seen = 0, with_ground = 0;
+  for (std::size_t p = file.points.begin; p < file.points.end; ++p) {
+    std::uint8_t& mark = squares.at(cloud, p);
+    seen += (mark & Squares::kSeen) == 0 ? 1 : 0;
+    with_ground += mark == Squares::kHasGround ? 1 : 0;
+    mark |= Squares::kSeen;
+  }
+  for (std::size_t p = file.points.begin; p < file.points.end; ++p)
+    squares.at(cloud, p) &= static_cast<std::uint8_t>(~Squares::kSeen);
+  return static_cast<double>(with_ground) / static_cast<double>(seen);
+}
+
+/// The files that have no class but those of points which nobody has classified, if others have.
+/// Not those where the ground is in another file, as where each class has a file of its own.
+std::vector<PointFile> find_unclassified_files(const InputData& input, const Progress& progress) {
+  constexpr double kMostWithGround = 0.5;
   const PointCloud& cloud = input.points;
   std::vector<PointFile> found;
+  std::size_t points = 0;
   for (const PointFile& file : input.files) {
-    const auto begin =
-        cloud.classification.begin() + static_cast<std::ptrdiff_t>(file.points.begin);
-    const auto end = cloud.classification.begin() + static_cast<std::ptrdiff_t>(file.points.end);
-    if (begin != end &&
-        std::all_of(begin, end, [&](std::uint8_t code) { return unclassified[code]; }))
-      found.push_back(file);
+    progress.update(0);
+    if (file.points.begin == file.points.end || !is_unclassified(cloud, file.points)) continue;
+    found.push_back(file);
+    points += file.points.end - file.points.begin;
   }
-  if (found.empty()) return found;
-  enum : std::uint8_t { kGroundThere = 1, kSeen = 2 };
+  if (points == 0 || points == cloud.size()) return {};
   Squares squares(input.domain);
-  for (std::size_t p = 0; p < cloud.size(); ++p)
-    if (is_ground(cloud.classification[p])) squares.at(cloud, p) = kGroundThere;
-  std::erase_if(found, [&](const PointFile& file) {
-    std::int64_t seen = 0, with_ground = 0;
-    for (std::size_t p = file.points.begin; p < file.points.end; ++p) {
-      std::uint8_t& mark = squares.at(cloud, p);
-      seen += (mark & kSeen) == 0 ? 1 : 0;
-      with_ground += mark == kGroundThere ? 1 : 0;
-      mark |= kSeen;
-    }
+  for (const PointFile& file : input.files) {
+    progress.update(0.5);
     for (std::size_t p = file.points.begin; p < file.points.end; ++p)
-      squares.at(cloud, p) &= static_cast<std::uint8_t>(~kSeen);
-    return 2 * with_ground > seen;
+      if (is_ground(cloud.classification[p])) squares.at(cloud, p) = Squares::kHasGround;
+  }
+  std::erase_if(found, [&](const PointFile& file) {
+    progress.update(0.75);
+    return share_with_ground(file, cloud, squares) > kMostWithGround;
   });
   return found;
 }
@@ -166,7 +183,9 @@ void require_ground(const Config& config, const PointCloud& cloud, const Report&
 }  // namespace
 
 void find_ground(const Config& config, InputData& input, StepClock& clock, Report& report) {
-  const std::vector<PointFile> files = find_unclassified_files(input);
+  const std::vector<PointFile> files =
+      clock.run("1.3", "find files without classes",
+                [&](const Progress& progress) { return find_unclassified_files(input, progress); });
   for (const PointFile& file : files) input.unclassified.push_back(file.points);
   if (is_wanted(config, report.input->points_by_class))
     run_filter(config, input, {}, clock, report);
