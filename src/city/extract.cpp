@@ -217,6 +217,7 @@ void drop_low_points(PointLists& roof, const PointLists& ground, const PointClou
 struct Lists {
   PointLists roof;
   PointLists ground;
+  PointLists ground_inside;  ///< By exclusion only.
 };
 
 /// Of the first `buildings` of the footprints.
@@ -231,13 +232,15 @@ Lists find_lists(std::span<const Polygon* const> footprints, std::size_t buildin
   Lists lists;
   lists.roof = take_lists(hits, &Hits::roof, buildings);
   lists.ground = take_lists(hits, &Hits::ground, buildings);
-  if (by_exclusion) drop_low_points(lists.roof, lists.ground, cloud);
+  if (by_exclusion) {
+    lists.ground_inside = take_lists(hits, &Hits::ground_inside, buildings);
+    drop_low_points(lists.roof, lists.ground, cloud);
+  }
   if (find_crowns) {
     std::vector<Surroundings> found =
         find_surroundings(footprints, buildings, cloud, classes, portion(progress, 0.4, 0.7));
     drop_crowns(lists.roof,
-                {take_lists(hits, &Hits::ground_inside, buildings),
-                 take_lists(found, &Surroundings::around, buildings),
+                {lists.ground_inside, take_lists(found, &Surroundings::around, buildings),
                  take_lists(found, &Surroundings::beside, buildings)},
                 cloud, {}, portion(progress, 0.7, 0.9));
   }
@@ -246,37 +249,35 @@ Lists find_lists(std::span<const Polygon* const> footprints, std::size_t buildin
   return lists;
 }
 
-/// Puts `rows` into the places of the buildings `which`, ascending.
-void replace_rows(PointLists& lists, std::span<const BuildingIndex> which, const PointLists& rows) {
-  PointLists result;
-  std::size_t next = 0;
-  for (std::size_t b = 0; b < lists.size(); ++b) {
-    const bool replaced = next < which.size() && static_cast<std::size_t>(which[next]) == b;
-    const std::span<const PointIndex> row = replaced ? rows[next++] : lists[b];
-    result.indices.insert(result.indices.end(), row.begin(), row.end());
-    result.offsets.push_back(static_cast<std::int64_t>(result.indices.size()));
-  }
-  lists = std::move(result);
-}
-
-/// Gives the roofs of `which` the points that are there by exclusion.
-void take_by_exclusion(std::span<const Polygon* const> footprints,
-                       std::span<const BuildingIndex> which, const PointCloud& cloud,
-                       const ExtractOptions& options, const Progress& progress,
-                       BuildingPoints& points) {
+/// Gives the roofs of `which` the points that are there by exclusion. Not where these are none,
+/// nor, if it is only the buildings around that speak for it, where as many points of the ground
+/// are inside: there the building is gone or not yet there, and has a tree, a car or a fence in its
+/// place.
+void take_by_exclusion(std::span<const Polygon* const> footprints, const Unclassified& which,
+                       const PointCloud& cloud, const ExtractOptions& options,
+                       const Progress& progress, BuildingPoints& points) {
   std::vector<const Polygon*> order;
-  for (const BuildingIndex b : which) {
+  for (const BuildingIndex b : which.buildings)
     order.push_back(footprints[static_cast<std::size_t>(b)]);
-    points.by_exclusion[static_cast<std::size_t>(b)] = 1;
-  }
   std::size_t next = 0;
   for (std::size_t f = 0; f < footprints.size(); ++f)
-    if (next < which.size() && static_cast<std::size_t>(which[next]) == f)
+    if (next < which.buildings.size() && static_cast<std::size_t>(which.buildings[next]) == f)
       ++next;
     else
       order.push_back(footprints[f]);
-  const Lists lists = find_lists(order, which.size(), cloud, true, options, progress);
-  replace_rows(points.roof, which, lists.roof);
+  const Lists lists = find_lists(order, which.buildings.size(), cloud, true, options, progress);
+  std::vector<std::vector<PointIndex>> roofs(points.roof.size());
+  for (std::size_t b = 0; b < roofs.size(); ++b)
+    roofs[b].assign(points.roof[b].begin(), points.roof[b].end());
+  for (std::size_t k = 0; k < which.buildings.size(); ++k) {
+    const std::span<const PointIndex> roof = lists.roof[k];
+    if (roof.empty() || (which.in_ranges[k] == 0 && roof.size() <= lists.ground_inside[k].size()))
+      continue;
+    const auto b = static_cast<std::size_t>(which.buildings[k]);
+    roofs[b].assign(roof.begin(), roof.end());
+    points.by_exclusion[b] = 1;
+  }
+  points.roof = to_rows(roofs);
 }
 
 BuildingPoints extract(std::span<const Polygon* const> footprints, std::size_t buildings,
@@ -293,10 +294,10 @@ BuildingPoints extract(std::span<const Polygon* const> footprints, std::size_t b
   BuildingPoints points{std::move(lists.roof), std::move(lists.ground),
                         std::vector<std::uint8_t>(buildings, by_exclusion ? 1 : 0)};
   if (!by_exclusion) {
-    const std::vector<BuildingIndex> unclassified =
+    const Unclassified unclassified =
         find_unclassified(footprints.first(buildings), points.roof, cloud, options.unclassified,
                           portion(progress, 0.6, 0.7));
-    if (!unclassified.empty())
+    if (!unclassified.buildings.empty())
       take_by_exclusion(footprints, unclassified, cloud, options, portion(progress, 0.7, 1),
                         points);
   }

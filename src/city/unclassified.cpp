@@ -21,8 +21,8 @@ constexpr std::size_t kPointGrain = std::size_t{1} << 15;
 
 using Square = std::pair<std::int64_t, std::int64_t>;
 
-Square square_of(const Polygon& footprint) {
-  const Bounds2 box = bounds(footprint);
+/// Precondition: not empty.
+Square square_of(const Bounds2& box) {
   return {static_cast<std::int64_t>(std::floor((box.xmin + box.xmax) / 2 / kSquare)),
           static_cast<std::int64_t>(std::floor((box.ymin + box.ymax) / 2 / kSquare))};
 }
@@ -32,10 +32,13 @@ std::vector<std::uint8_t> find_outvoted(std::span<const Polygon* const> footprin
                                         const PointLists& roof) {
   std::map<Square, std::int64_t> balance;  // Lists with points less those without.
   for (std::size_t b = 0; b < footprints.size(); ++b)
-    balance[square_of(*footprints[b])] += roof[b].empty() ? -1 : 1;
+    if (const Bounds2 box = bounds(*footprints[b]); !box.empty())
+      balance[square_of(box)] += roof[b].empty() ? -1 : 1;
   std::vector<std::uint8_t> outvoted(footprints.size(), 0);
   for (std::size_t b = 0; b < footprints.size(); ++b) {
-    const auto [column, row] = square_of(*footprints[b]);
+    const Bounds2 box = bounds(*footprints[b]);
+    if (box.empty()) continue;
+    const auto [column, row] = square_of(box);
     std::int64_t sum = 0;
     for (std::int64_t i = column - 1; i <= column + 1; ++i)
       for (std::int64_t j = row - 1; j <= row + 1; ++j)
@@ -69,17 +72,19 @@ std::vector<std::uint32_t> count_inside(std::span<const Polygon* const> footprin
 
 }  // namespace
 
-std::vector<BuildingIndex> find_unclassified(std::span<const Polygon* const> footprints,
-                                             const PointLists& roof, const PointCloud& cloud,
-                                             std::span<const PointRange> ranges,
-                                             const Progress& progress) {
+Unclassified find_unclassified(std::span<const Polygon* const> footprints, const PointLists& roof,
+                               const PointCloud& cloud, std::span<const PointRange> ranges,
+                               const Progress& progress) {
   const std::vector<std::uint8_t> outvoted = find_outvoted(footprints, roof);
   std::vector<std::uint32_t> inside(footprints.size(), 0);
   if (!ranges.empty()) inside = count_inside(footprints, cloud, ranges, progress);
-  std::vector<BuildingIndex> result;
-  for (std::size_t b = 0; b < footprints.size(); ++b)
-    if ((roof[b].empty() && outvoted[b] != 0) || inside[b] > roof[b].size())
-      result.push_back(static_cast<BuildingIndex>(b));
+  Unclassified result;
+  for (std::size_t b = 0; b < footprints.size(); ++b) {
+    const bool in_ranges = inside[b] > roof[b].size();
+    if (!in_ranges && (outvoted[b] == 0 || !roof[b].empty())) continue;
+    result.buildings.push_back(static_cast<BuildingIndex>(b));
+    result.in_ranges.push_back(in_ranges ? 1 : 0);
+  }
   return result;
 }
 

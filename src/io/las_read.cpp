@@ -164,6 +164,12 @@ struct PointTally {
   }
 };
 
+bool has_classes(std::span<const std::uint8_t> codes) {
+  static const ClassTable none = class_table(std::array<std::uint8_t, 5>{
+      kNeverClassified, kUnclassified, kLowNoise, kOverlapClass, kHighNoise});
+  return std::any_of(codes.begin(), codes.end(), [](std::uint8_t code) { return !none[code]; });
+}
+
 /// From the numbers of a file's records to coordinates in the local frame.
 class Frame {
  public:
@@ -497,7 +503,7 @@ PointsInput read_points(std::span<const fs::path> paths, const ReadPointsOptions
   std::vector<LasSystemOfFile> systems_read;
   for (std::size_t f = 0; f < plans.size(); ++f) {
     systems_stated.push_back({&paths[f], &plans[f].layout.info});
-    if (!plans[f].skip) systems_read.push_back(systems_stated.back());
+    if (!plans[f].skip && !plans[f].is_twin) systems_read.push_back(systems_stated.back());
   }
   if (options.crs.empty()) {
     result.crs = common_crs(systems_stated);
@@ -520,9 +526,11 @@ PointsInput read_points(std::span<const fs::path> paths, const ReadPointsOptions
   PointCollector collector(tasks.size(), expected_points(plans, tasks, options.crop));
   std::vector<PointCloud> kept(tasks.size());
   std::vector<PointTally> tallies(tasks.size());
+  std::vector<std::uint8_t> classified(tasks.size(), 0);
   const auto keep = [&](std::size_t t, const LasBlock& all) {
     const std::size_t file = tasks[t].file;
     PointCloud& points = kept[t];
+    if (classified[t] == 0) classified[t] = has_classes(all.classification) ? 1 : 0;
     if (points.x.capacity() == 0)
       // Reserved memory takes up none before it is written; a count may lie.
       points = collector.empty_points(
@@ -540,19 +548,19 @@ PointsInput read_points(std::span<const fs::path> paths, const ReadPointsOptions
   result.points = collector.take_points();
   result.points_kept = static_cast<std::int64_t>(result.points.size());
   PointTally tally;
-  std::vector<std::size_t> counts(paths.size(), 0);
+  result.files.resize(paths.size());
+  std::size_t end = 0;
   for (std::size_t t = 0; t < tasks.size(); ++t) {
-    counts[tasks[t].file] += tallies[t].count();
+    FilePoints& file = result.files[tasks[t].file];
+    if (file.kept.begin == file.kept.end) file.kept = {end, end};
+    end += tallies[t].count();
+    file.kept.end = end;
+    file.classified = file.classified || classified[t] != 0;
     require_room(tallies[t].extent, result.origin, paths[tasks[t].file], result.misread);
     tally.add(tallies[t]);
   }
   result.extent = tally.extent;
   result.points_by_class = tally.classes();
-  std::size_t end = 0;
-  for (const std::size_t count : counts) {
-    result.files.push_back({end, end + count});
-    end += count;
-  }
   return result;
 }
 

@@ -204,10 +204,19 @@ class HeightReader {
   std::string first_;
 };
 
+OGRFieldDefnH definition(OGRLayerH layer, int field) {
+  return OGR_FD_GetFieldDefn(OGR_L_GetLayerDefn(layer), field);
+}
+
+bool is_real(OGRLayerH layer, int field) {
+  return field >= 0 && OGR_Fld_GetType(definition(layer, field)) == OFTReal;
+}
+
 /// A number as an id: whole ones without decimals (numbers in tables have some), and with all their
 /// digits, which GDAL cuts to 15.
-std::string number_id(double value) {
-  return std::trunc(value) == value ? fmt::format("{:.0f}", value) : fmt::format("{}", value);
+std::string number_id(double value, bool is_single) {
+  if (std::trunc(value) == value) return fmt::format("{:.0f}", value + 0.0);  // no -0
+  return is_single ? fmt::format("{}", static_cast<float>(value)) : fmt::format("{}", value);
 }
 
 /// Hands out ids that were not handed out before.
@@ -260,8 +269,8 @@ class LayerReader {
       : path_(path),
         layer_(layer),
         id_field_(find_attribute(path, layer, options.id_attribute)),
-        real_ids_(id_field_ >= 0 && OGR_Fld_GetType(OGR_FD_GetFieldDefn(OGR_L_GetLayerDefn(layer),
-                                                                        id_field_)) == OFTReal),
+        real_ids_(is_real(layer, id_field_)),
+        single_ids_(real_ids_ && OGR_Fld_GetSubType(definition(layer, id_field_)) == OFSTFloat32),
         heights_(path, layer, options.height_attribute),
         id_name_(options.id_attribute),
         north_first_(is_north_first(OGR_L_GetSpatialRef(layer))),
@@ -324,8 +333,9 @@ class LayerReader {
   std::string feature_id(OGRFeatureH feature) {
     if (id_field_ >= 0) {
       if (OGR_F_IsFieldSetAndNotNull(feature, id_field_) != 0) {
-        std::string id = real_ids_ ? number_id(OGR_F_GetFieldAsDouble(feature, id_field_))
-                                   : utf8(OGR_F_GetFieldAsString(feature, id_field_));
+        std::string id = real_ids_
+                             ? number_id(OGR_F_GetFieldAsDouble(feature, id_field_), single_ids_)
+                             : utf8(OGR_F_GetFieldAsString(feature, id_field_));
         if (!id.empty()) return id;
       }
       ++without_id_;
@@ -360,6 +370,7 @@ class LayerReader {
   OGRLayerH layer_;
   int id_field_;
   bool real_ids_;
+  bool single_ids_;
   HeightReader heights_;
   std::string id_name_;
   bool north_first_;

@@ -11,6 +11,8 @@
 #include "tetropolis/terrain/ground_filter.h"
 #include "tetropolis/terrain/outliers.h"
 
+#include "unclassified_files.h"
+
 namespace tetropolis {
 
 namespace {
@@ -31,81 +33,34 @@ bool is_wanted(const Config& config, const std::map<int, std::int64_t>& by_class
                      [&](std::uint8_t code) { return by_class.contains(code); });
 }
 
-/// Sets of squares of 20 m of the domain.
-class Squares {
- public:
-  enum Mark : std::uint8_t { kHasGround = 1, kSeen = 2 };
-
-  explicit Squares(const Bounds2& domain)
-      : corner_{domain.xmin, domain.ymin},
-        columns_(1 + static_cast<std::size_t>(domain.width() / kSide)),
-        marks_(columns_ * (1 + static_cast<std::size_t>(domain.height() / kSide)), 0) {}
-
-  std::uint8_t& at(const PointCloud& cloud, std::size_t p) {
-    const auto column = static_cast<std::size_t>(std::max(0.0, (cloud.x[p] - corner_.x) / kSide));
-    const auto row = static_cast<std::size_t>(std::max(0.0, (cloud.y[p] - corner_.y) / kSide));
-    return marks_[std::min(marks_.size() - 1, row * columns_ + std::min(column, columns_ - 1))];
-  }
-
- private:
-  static constexpr double kSide = 20;
-  Point2 corner_;
-  std::size_t columns_;
-  std::vector<std::uint8_t> marks_;
-};
-
-bool is_unclassified(const PointCloud& cloud, const PointRange& points) {
-  static const ClassTable unclassified = class_table(GroundFilterOptions{}.classes);
-  const auto codes =
-      std::span(cloud.classification).subspan(points.begin, points.end - points.begin);
-  return std::all_of(codes.begin(), codes.end(),
-                     [&](std::uint8_t code) { return unclassified[code]; });
-}
-
-/// The share of the squares with points of the file that have ground.
-double share_with_ground(const PointFile& file, const PointCloud& cloud, Squares& squares) {
-  std::int64_t seen = 0, with_ground = 0;
-  for (std::size_t p = file.points.begin; p < file.points.end; ++p) {
-    std::uint8_t& mark = squares.at(cloud, p);
-    seen += (mark & Squares::kSeen) == 0 ? 1 : 0;
-    with_ground += mark == Squares::kHasGround ? 1 : 0;
-    mark |= Squares::kSeen;
-  }
-  for (std::size_t p = file.points.begin; p < file.points.end; ++p)
-    squares.at(cloud, p) &= static_cast<std::uint8_t>(~Squares::kSeen);
-  return static_cast<double>(with_ground) / static_cast<double>(seen);
-}
-
-/// The files that have no class but those of points which nobody has classified, if others have.
-/// Not those where the ground is in another file, as where each class has a file of its own.
-std::vector<PointFile> find_unclassified_files(const InputData& input, const Progress& progress) {
-  constexpr double kMostWithGround = 0.5;
-  const PointCloud& cloud = input.points;
-  std::vector<PointFile> found;
-  std::size_t points = 0;
-  for (const PointFile& file : input.files) {
-    progress.update(0);
-    if (file.points.begin == file.points.end || !is_unclassified(cloud, file.points)) continue;
-    found.push_back(file);
-    points += file.points.end - file.points.begin;
-  }
-  if (points == 0 || points == cloud.size()) return {};
-  Squares squares(input.domain);
-  for (const PointFile& file : input.files) {
-    progress.update(0.5);
-    for (std::size_t p = file.points.begin; p < file.points.end; ++p)
-      if (is_ground(cloud.classification[p])) squares.at(cloud, p) = Squares::kHasGround;
-  }
-  std::erase_if(found, [&](const PointFile& file) {
-    progress.update(0.75);
-    return share_with_ground(file, cloud, squares) > kMostWithGround;
-  });
-  return found;
-}
-
 std::string describe(std::span<const PointFile> files) {
   return files.size() == 1 ? fmt::format("{} has", files[0].path)
                            : fmt::format("{} and {} more have", files[0].path, files.size() - 1);
+}
+
+/// Of the points near the files only: what else there is may be large.
+std::vector<std::uint8_t> filter_around(const InputData& input, std::span<const PointFile> files,
+                                        std::span<const Polygon> footprints,
+                                        const GroundFilterOptions& options,
+                                        const Progress& progress) {
+  const std::vector<std::size_t> near =
+      find_points_near(input, files, 3 * options.window, portion(progress, 0, 0.2));
+  PointCloud cloud;
+  cloud.x.reserve(near.size());
+  cloud.y.reserve(near.size());
+  cloud.z.reserve(near.size());
+  cloud.classification.reserve(near.size());
+  for (const std::size_t p : near) {
+    cloud.x.push_back(input.points.x[p]);
+    cloud.y.push_back(input.points.y[p]);
+    cloud.z.push_back(input.points.z[p]);
+    cloud.classification.push_back(input.points.classification[p]);
+  }
+  const std::vector<std::uint8_t> found =
+      filter_ground(cloud, footprints, options, portion(progress, 0.2, 1));
+  std::vector<std::uint8_t> ground(input.points.size(), 0);
+  for (std::size_t k = 0; k < near.size(); ++k) ground[near[k]] = found[k];
+  return ground;
 }
 
 /// Of all points, or of the files given.
@@ -118,7 +73,7 @@ void run_filter(const Config& config, InputData& input, std::span<const PointFil
   const ClassTable candidates = class_table(options.classes);
   std::span<std::uint8_t> classes = input.points.classification;
   std::vector<PointRange> ranges;
-  for (const PointFile& file : files) ranges.push_back(file.points);
+  for (const PointFile& file : files) ranges.push_back(file.points.kept);
   if (files.empty()) ranges.push_back({0, classes.size()});
   std::int64_t before = 0, after = 0, all = 0;
   clock.run("1.3", "find ground points", [&](const Progress& progress) {
@@ -126,7 +81,8 @@ void run_filter(const Config& config, InputData& input, std::span<const PointFil
     for (const Footprint& feature : input.footprints.features)
       footprints.push_back(feature.polygon);
     const std::vector<std::uint8_t> ground =
-        filter_ground(input.points, footprints, options, progress);
+        files.empty() ? filter_ground(input.points, footprints, options, progress)
+                      : filter_around(input, files, footprints, options, progress);
     for (const PointRange& range : ranges)
       for (std::size_t p = range.begin; p < range.end; ++p) {
         before += classes[p] == kGround ? 1 : 0;
@@ -186,7 +142,7 @@ void find_ground(const Config& config, InputData& input, StepClock& clock, Repor
   const std::vector<PointFile> files =
       clock.run("1.3", "find files without classes",
                 [&](const Progress& progress) { return find_unclassified_files(input, progress); });
-  for (const PointFile& file : files) input.unclassified.push_back(file.points);
+  for (const PointFile& file : files) input.unclassified.push_back(file.points.kept);
   if (is_wanted(config, report.input->points_by_class))
     run_filter(config, input, {}, clock, report);
   else if (!files.empty() && config.ground_filter == GroundFilter::kAuto)

@@ -361,7 +361,7 @@ void warn_of_exclusion(const BuildingPoints& points, Report& report) {
   if (everywhere)
     report.warnings.push_back(
         {"no_building_class", report.input->points_kept,
-         fmt::format("no building has points of class 6 (building); {}", taken)});
+         fmt::format("the cloud has no class 6 (building), or stray points of it; {}", taken)});
   else
     report.warnings.push_back(
         {"building_class_partly", count,

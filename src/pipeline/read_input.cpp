@@ -376,6 +376,7 @@ InputData read_input(const Config& config, Next next, StepClock& clock, Report& 
   warn_of_scale(input.crs, report.domain, report);
   shift(input.footprints, input.origin);
   input.points = std::move(points.points);
+  input.extent = points.extent;
   for (std::size_t f = 0; f < paths.size(); ++f)
     input.files.push_back({paths[f].string(), points.files[f]});
   return input;

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "tetropolis/geometry/point_cloud.h"
+#include "tetropolis/io/las.h"
 #include "tetropolis/io/vector.h"
 
 #include "stages.h"
@@ -14,11 +15,12 @@ namespace tetropolis {
 /// A file of the cloud.
 struct PointFile {
   std::string path;
-  PointRange points;
+  FilePoints points;
 };
 
 struct InputData {
   PointCloud points;  ///< Local frame, inside the domain only.
+  Bounds2 extent;     ///< Of the points.
   std::vector<PointFile> files;
   std::vector<PointRange> unclassified;  ///< Points of files that have no classes (find_ground).
   FootprintsInput footprints;            ///< Local frame.

@@ -103,6 +103,7 @@ std::optional<ReportedFacts> read_report(const fs::path& folder) {
     throw Error(ErrorKind::kInput, path.string() + ": is not an ordinary file");
   std::ifstream file(path);
   if (!file) return std::nullopt;
+  normalise_crs("EPSG:4326");  // Where no reference system is known, it is not the report's fault.
   try {
     const Json json = Json::parse(file);
     if (json.is_object()) return facts_of(json);

@@ -194,6 +194,31 @@ TEST(Extract, OneClassSixPointAnywhereSettlesIt) {
   EXPECT_TRUE(points.roof[0].empty());
 }
 
+/// Where most of a quarter is gone, or not there yet, cars and fences are no roofs.
+TEST(Extract, QuartersWithoutHousesHaveNoRoofs) {
+  Scene scene;
+  for (int k = 0; k < 18; ++k) {
+    const bool there = k < 9;
+    const double x = (there ? 0 : 600) + 20 * (k % 3), y = 20.0 * (k % 9 / 3);
+    scene.footprints.push_back({{{x, y}, {x + 10, y}, {x + 10, y + 10}, {x, y + 10}}, {}});
+    for (int n = 0; n < 100; ++n) {
+      const Point2 at{x + 0.5 + n % 10, y + 0.5 + n / 10};
+      if (there)
+        add(scene.cloud, at.x, at.y, 8, 6);
+      else
+        add(scene.cloud, at.x, at.y, n % 10 < 7 ? 0 : 0.2 + n % 3, n % 10 < 7 ? 2 : 1);
+    }
+    for (int n = 0; n < 10; ++n) add(scene.cloud, x - 0.5, y + n, 0, 2);
+  }
+  scene.footprints.push_back({{{900, 0}, {910, 0}, {910, 10}}, {}});  // in a void, as its
+  scene.footprints.push_back({{{920, 0}, {930, 0}, {930, 10}}, {}});  // neighbours
+  scene.footprints.push_back({{{940, 0}, {950, 0}, {950, 10}}, {}});
+  const BuildingPoints points = extract_building_points(scene.footprints, scene.cloud);
+  EXPECT_EQ(count_by_exclusion(points), 0);
+  for (std::size_t b = 0; b < scene.footprints.size(); ++b)
+    EXPECT_EQ(points.roof[b].size(), b < 9 ? 100U : 0U) << b;
+}
+
 /// Two quarters of 20 houses; in the first, one was pulled down and has a car, in the second nobody
 /// has told buildings from the rest but for one house.
 TEST(Extract, WhereNoBuildingAroundHasTheClassRoofsAreByExclusion) {

@@ -428,6 +428,12 @@ TEST(Vector, PolygonsInTablesAreFoundByTheUsualNames) {
         folder / "a.csv", std::string("id,") + name + "\n1,\"POLYGON((3 8,4 8,4 9,3 8))\"\n"));
     EXPECT_EQ(input.features.size(), 1U) << name;
   }
+  // Columns of such names may hold something else.
+  for (const char* header : {"shape,WKT", "footprint,geometry", "geom,geometry", "WKT2,WKT"}) {
+    const FootprintsInput input = read_footprints(write_text(
+        folder / "a.csv", std::string(header) + "\ngabled,\"POLYGON((3 8,4 8,4 9,3 8))\"\n"));
+    EXPECT_EQ(input.features.size(), 1U) << header;
+  }
   try {
     read_footprints(write_text(folder / "b.csv", "id,outline\n1,\"POLYGON((3 8,4 8,4 9,3 8))\"\n"));
     ADD_FAILURE() << "no error";

@@ -419,6 +419,10 @@ TEST_F(Cli, ADatabaseThatProjCannotUseIsNamedAsTheReason) {
         << outcome.err;
     EXPECT_EQ(left(), before);
   }
+  ASSERT_EQ(run("city --footprints input/footprints.shp --points input --out a --quiet").code, 0);
+  const Outcome checked = shell("PROJ_DATA=/nowhere '" TETROPOLIS_PROGRAM "' check a");
+  EXPECT_EQ(checked.code, 2);
+  EXPECT_NE(checked.err.find("proj.db"), std::string::npos) << checked.err;
 }
 
 TEST_F(Cli, AnIgnoredHangupDoesNotEndTheRun) {

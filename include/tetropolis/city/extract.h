@@ -55,7 +55,9 @@ struct ExtractOptions {
 /// - of a building with more points of options.unclassified inside than points of class 6;
 /// - of a building without points of class 6, if of those around, itself among them, at least three
 ///   more have none than have some (around: the centre of the bounding box in the same square of
-///   100 m or one beside it).
+///   100 m or one beside it), and if the points by exclusion are more than those of the ground
+///   inside.
+/// In the last two cases only if there are any.
 /// By exclusion, roof points are the points inside that are neither ground (2), water (9),
 /// vegetation (3, 4, 5) nor noise (7, 18); these lose what is at most half a metre above the 10th
 /// percentile of the building's ground points (unless that is more than half of the list), and the

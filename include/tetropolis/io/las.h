@@ -71,9 +71,17 @@ struct ReadPointsOptions {
   std::string crs;             ///< What the files are in, whatever they say; empty: what they say.
 };
 
+/// The points of one file.
+struct FilePoints {
+  PointRange kept;  ///< Where they are in the cloud.
+  /// Whether any, kept or not, has another class than 0, 1 (not classified), 12 (overlap) and those
+  /// of noise.
+  bool classified = false;
+};
+
 struct PointsInput {
   PointCloud points;              ///< Order: files as given, points as stored.
-  std::vector<PointRange> files;  ///< Where the points of each file are; empty if it was not read.
+  std::vector<FilePoints> files;  ///< Of each file; of those not read, none.
   std::int64_t points_read = 0;   ///< Points looked at (files passed over do not count).
   std::int64_t points_kept = 0;   ///< points.size().
   std::map<int, std::int64_t> points_by_class;  ///< Of the points kept.

@@ -50,11 +50,11 @@ struct GroundFilterReport {
 /// that buildings at the water or cut by the rim of the cloud do not lean on a void.
 ///
 /// Light wells, basement stairs, areaways and ditches are filled for the opening, too: what is at
-/// most 6 m wide (three cells, where these are larger than 2 m) between higher cells, or between
-/// these and voids, and no more than 3.6 m deep. Else the ground between two of them that are
-/// closer than twice the window would be an object. But not where more than two thirds of what is
-/// either low so or wide (4 m and more from any such place) within the window is low: that is the
-/// ground between rows of garages, sheds, hedges or greenhouses.
+/// most 6 m wide (an even number of cells: up to 8 m, where these are larger than 1 m) between
+/// higher cells, or between these and voids, and no more than 3.6 m deep. Else the ground between
+/// two of them that are closer than twice the window would be an object. But not where more than
+/// two thirds of what is either low so or wide (4 m and more from any such place) within the window
+/// is low: that is the ground between rows of garages, sheds, hedges or greenhouses.
 ///
 /// Pits that are many are near others, so a lowest point is a pit, too, if of the 25 cells around
 /// most hold points more than 1 m higher, at most 4 (less than 5 square metres) hold one at its

@@ -1,0 +1,130 @@
+#include "unclassified_files.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+
+#include "tetropolis/geometry/point_cloud.h"
+
+namespace tetropolis {
+
+namespace {
+
+constexpr double kSide = 20;  // metres
+constexpr double kMostWithGround = 0.5;
+constexpr std::size_t kPointBatch = std::size_t{1} << 20;
+
+/// Marks on the squares that the points lie in.
+class Squares {
+ public:
+  enum Mark : std::uint8_t { kHasGround = 1, kSeen = 2 };
+
+  explicit Squares(const Bounds2& extent)
+      : corner_{extent.xmin, extent.ymin},
+        columns_(1 + static_cast<std::size_t>(extent.width() / kSide)),
+        rows_(1 + static_cast<std::size_t>(extent.height() / kSide)),
+        marks_(columns_ * rows_, 0) {}
+
+  std::uint8_t& at(const PointCloud& cloud, std::size_t p) {
+    return marks_[slot(cloud.y[p] - corner_.y, rows_) * columns_ +
+                  slot(cloud.x[p] - corner_.x, columns_)];
+  }
+
+  /// Marks also what is up to `reach` squares west, east, south and north of a mark.
+  void grow(std::size_t reach) {
+    for (std::size_t row = 0; row < rows_; ++row) grow_line(row * columns_, 1, columns_, reach);
+    for (std::size_t column = 0; column < columns_; ++column)
+      grow_line(column, columns_, rows_, reach);
+  }
+
+ private:
+  static std::size_t slot(double offset, std::size_t count) {
+    return std::min(static_cast<std::size_t>(std::max(offset, 0.0) / kSide), count - 1);
+  }
+
+  void grow_line(std::size_t first, std::size_t step, std::size_t count, std::size_t reach) {
+    std::vector<std::uint8_t> line(count);
+    for (std::size_t k = 0; k < count; ++k) line[k] = marks_[first + k * step];
+    std::size_t end = 0;  // what is before it is done
+    for (std::size_t k = 0; k < count; ++k) {
+      if (line[k] == 0) continue;
+      for (std::size_t j = std::max(end, k - std::min(k, reach));
+           j < std::min(count, k + reach + 1); ++j)
+        marks_[first + j * step] = kSeen;
+      end = std::min(count, k + reach + 1);
+    }
+  }
+
+  Point2 corner_;
+  std::size_t columns_;
+  std::size_t rows_;
+  std::vector<std::uint8_t> marks_;
+};
+
+/// visit(p) for all points of a range, heeding `progress`.
+template <typename Visit>
+void for_each_point(const PointRange& range, const Progress& progress, double fraction,
+                    const Visit& visit) {
+  for (std::size_t begin = range.begin; begin < range.end; begin += kPointBatch) {
+    progress.update(fraction);
+    const std::size_t end = std::min(range.end, begin + kPointBatch);
+    for (std::size_t p = begin; p < end; ++p) visit(p);
+  }
+}
+
+/// The share of the squares with points of the file that have ground.
+double share_with_ground(const PointFile& file, const PointCloud& cloud, Squares& squares,
+                         const Progress& progress) {
+  std::int64_t seen = 0, with_ground = 0;
+  for_each_point(file.points.kept, progress, 0.5, [&](std::size_t p) {
+    std::uint8_t& mark = squares.at(cloud, p);
+    seen += (mark & Squares::kSeen) == 0 ? 1 : 0;
+    with_ground += mark == Squares::kHasGround ? 1 : 0;
+    mark |= Squares::kSeen;
+  });
+  for_each_point(file.points.kept, progress, 0.5, [&](std::size_t p) {
+    squares.at(cloud, p) &= static_cast<std::uint8_t>(~Squares::kSeen);
+  });
+  return static_cast<double>(with_ground) / static_cast<double>(seen);
+}
+
+}  // namespace
+
+std::vector<PointFile> find_unclassified_files(const InputData& input, const Progress& progress) {
+  std::vector<PointFile> found;
+  bool some_classified = false;
+  for (const PointFile& file : input.files) {
+    some_classified = some_classified || file.points.classified;
+    if (file.points.kept.begin != file.points.kept.end && !file.points.classified)
+      found.push_back(file);
+  }
+  if (found.empty() || !some_classified) return {};
+  const PointCloud& cloud = input.points;
+  Squares squares(input.extent);
+  for_each_point({0, cloud.size()}, progress, 0, [&](std::size_t p) {
+    const std::uint8_t code = cloud.classification[p];
+    if (code == kGround || code == kWater) squares.at(cloud, p) = Squares::kHasGround;
+  });
+  std::erase_if(found, [&](const PointFile& file) {
+    return share_with_ground(file, cloud, squares, progress) > kMostWithGround;
+  });
+  return found;
+}
+
+std::vector<std::size_t> find_points_near(const InputData& input,
+                                            std::span<const PointFile> files, double reach,
+                                            const Progress& progress) {
+  const PointCloud& cloud = input.points;
+  Squares squares(input.extent);
+  for (const PointFile& file : files)
+    for_each_point(file.points.kept, progress, 0,
+                   [&](std::size_t p) { squares.at(cloud, p) = Squares::kSeen; });
+  squares.grow(static_cast<std::size_t>(std::ceil(reach / kSide)));
+  std::vector<std::size_t> near;
+  for_each_point({0, cloud.size()}, progress, 0.5, [&](std::size_t p) {
+    if (squares.at(cloud, p) != 0) near.push_back(p);
+  });
+  return near;
+}
+
+}  // namespace tetropolis
