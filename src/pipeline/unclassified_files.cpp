@@ -111,9 +111,8 @@ std::vector<PointFile> find_unclassified_files(const InputData& input, const Pro
   return found;
 }
 
-std::vector<std::size_t> find_points_near(const InputData& input,
-                                            std::span<const PointFile> files, double reach,
-                                            const Progress& progress) {
+std::vector<std::size_t> find_points_near(const InputData& input, std::span<const PointFile> files,
+                                          double reach, const Progress& progress) {
   const PointCloud& cloud = input.points;
   Squares squares(input.extent);
   for (const PointFile& file : files)

@@ -19,8 +19,7 @@ std::vector<PointFile> find_unclassified_files(const InputData& input, const Pro
 
 /// The points in squares of 20 m at most `reach` metres (and a square) from points of the files,
 /// ascending.
-std::vector<std::size_t> find_points_near(const InputData& input,
-                                            std::span<const PointFile> files, double reach,
-                                            const Progress& progress);
+std::vector<std::size_t> find_points_near(const InputData& input, std::span<const PointFile> files,
+                                          double reach, const Progress& progress);
 
 }  // namespace tetropolis

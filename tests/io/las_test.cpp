@@ -282,6 +282,41 @@ TEST(Las, AgreesWithTheDecoderForAnyNumberOfThreads) {
   }
 }
 
+TEST(Las, FilesAreClassifiedByAllTheirPoints) {
+  const TemporaryFolder scratch;
+  const std::array names{"tile.las", "bare.las", "noise.laz", "away.las"};
+  const std::array<std::vector<int>, 4> codes{
+      {{1, 1, 2}, {0, 1, 12}, {1, 7, 18}, {2, 2, 2}}};  // the third point of each is cropped
+  std::vector<fs::path> paths;
+  for (std::size_t f = 0; f < names.size(); ++f) {
+    PointCloud cloud;
+    for (std::size_t k = 0; k < 3; ++k) {
+      const bool away = k == 2 || f == 3;
+      cloud.x.push_back(away ? 5000.0 + static_cast<double>(k) : 10.0 + static_cast<double>(k));
+      cloud.y.push_back(10);
+      cloud.z.push_back(static_cast<double>(f));
+      cloud.classification.push_back(static_cast<std::uint8_t>(codes[f][k]));
+    }
+    paths.push_back(scratch / names[f]);
+    write_points(paths.back(), cloud, {}, {});
+  }
+  ReadPointsOptions options;
+  options.crop = Bounds2{0, 0, 100, 100};
+  const PointsInput input = read_points(paths, options);
+  ASSERT_EQ(input.files.size(), 4U);
+  const std::array<std::size_t, 4> kept{2, 2, 1, 0};
+  std::size_t end = 0;
+  for (std::size_t f = 0; f < 4; ++f) {
+    SCOPED_TRACE(names[f]);
+    EXPECT_EQ(input.files[f].classified, f == 0);
+    EXPECT_EQ(input.files[f].kept.end - input.files[f].kept.begin, kept[f]);
+    for (std::size_t p = input.files[f].kept.begin; p < input.files[f].kept.end; ++p)
+      EXPECT_EQ(input.points.z[p], static_cast<double>(f));
+    end = std::max(end, input.files[f].kept.end);
+  }
+  EXPECT_EQ(end, input.points.size());
+}
+
 // Several tasks of several chunks.
 TEST(Las, CompressedPointsAreThePlainOnes) {
   SCOPED_TRACE(testing::test_seed());
