@@ -1,6 +1,7 @@
 #include "tetropolis/city/extract.h"
 
 #include <algorithm>
+#include <atomic>
 #include <cmath>
 #include <limits>
 
@@ -14,7 +15,6 @@
 
 #include "city/footprint_index.h"
 #include "city/point_lists.h"
-#include "city/unclassified.h"
 
 namespace tetropolis {
 
@@ -217,7 +217,6 @@ void drop_low_points(PointLists& roof, const PointLists& ground, const PointClou
 struct Lists {
   PointLists roof;
   PointLists ground;
-  PointLists ground_inside;  ///< By exclusion only.
 };
 
 /// Of the first `buildings` of the footprints.
@@ -232,15 +231,13 @@ Lists find_lists(std::span<const Polygon* const> footprints, std::size_t buildin
   Lists lists;
   lists.roof = take_lists(hits, &Hits::roof, buildings);
   lists.ground = take_lists(hits, &Hits::ground, buildings);
-  if (by_exclusion) {
-    lists.ground_inside = take_lists(hits, &Hits::ground_inside, buildings);
-    drop_low_points(lists.roof, lists.ground, cloud);
-  }
+  if (by_exclusion) drop_low_points(lists.roof, lists.ground, cloud);
   if (find_crowns) {
     std::vector<Surroundings> found =
         find_surroundings(footprints, buildings, cloud, classes, portion(progress, 0.4, 0.7));
     drop_crowns(lists.roof,
-                {lists.ground_inside, take_lists(found, &Surroundings::around, buildings),
+                {take_lists(hits, &Hits::ground_inside, buildings),
+                 take_lists(found, &Surroundings::around, buildings),
                  take_lists(found, &Surroundings::beside, buildings)},
                 cloud, {}, portion(progress, 0.7, 0.9));
   }
@@ -249,31 +246,53 @@ Lists find_lists(std::span<const Polygon* const> footprints, std::size_t buildin
   return lists;
 }
 
-/// Gives the roofs of `which` the points that are there by exclusion. Not where these are none,
-/// nor, if it is only the buildings around that speak for it, where as many points of the ground
-/// are inside: there the building is gone or not yet there, and has a tree, a car or a fence in its
-/// place.
-void take_by_exclusion(std::span<const Polygon* const> footprints, const Unclassified& which,
-                       const PointCloud& cloud, const ExtractOptions& options,
-                       const Progress& progress, BuildingPoints& points) {
+/// The buildings, ascending, that have more points of `ranges` inside than in `roof`.
+std::vector<BuildingIndex> find_unclassified(std::span<const Polygon* const> footprints,
+                                             const PointLists& roof, const PointCloud& cloud,
+                                             std::span<const PointRange> ranges,
+                                             const Progress& progress) {
+  std::vector<std::uint32_t> inside_of(footprints.size(), 0);
+  const FootprintIndex index(footprints, 0);
+  std::int64_t all = 0;
+  for (const PointRange& range : ranges) all += static_cast<std::int64_t>(range.end - range.begin);
+  SharedProgress shared(progress, all);
+  for (const PointRange& range : ranges)
+    parallel_chunks(range.end - range.begin, kPointGrain, [&](std::size_t begin, std::size_t end) {
+      for (std::size_t p = range.begin + begin; p < range.begin + end; ++p)
+        index.at({cloud.x[p], cloud.y[p]}, [&](BuildingIndex building, bool inside) {
+          if (inside)
+            std::atomic_ref(inside_of[static_cast<std::size_t>(building)])
+                .fetch_add(1, std::memory_order_relaxed);
+        });
+      shared.add(static_cast<std::int64_t>(end - begin));
+    });
+  std::vector<BuildingIndex> result;
+  for (std::size_t b = 0; b < footprints.size(); ++b)
+    if (inside_of[b] > roof[b].size()) result.push_back(static_cast<BuildingIndex>(b));
+  return result;
+}
+
+/// Gives the roofs of `which` the points that are there by exclusion, if there are any.
+void take_by_exclusion(std::span<const Polygon* const> footprints,
+                       std::span<const BuildingIndex> which, const PointCloud& cloud,
+                       const ExtractOptions& options, const Progress& progress,
+                       BuildingPoints& points) {
   std::vector<const Polygon*> order;
-  for (const BuildingIndex b : which.buildings)
-    order.push_back(footprints[static_cast<std::size_t>(b)]);
+  for (const BuildingIndex b : which) order.push_back(footprints[static_cast<std::size_t>(b)]);
   std::size_t next = 0;
   for (std::size_t f = 0; f < footprints.size(); ++f)
-    if (next < which.buildings.size() && static_cast<std::size_t>(which.buildings[next]) == f)
+    if (next < which.size() && static_cast<std::size_t>(which[next]) == f)
       ++next;
     else
       order.push_back(footprints[f]);
-  const Lists lists = find_lists(order, which.buildings.size(), cloud, true, options, progress);
+  const Lists lists = find_lists(order, which.size(), cloud, true, options, progress);
   std::vector<std::vector<PointIndex>> roofs(points.roof.size());
   for (std::size_t b = 0; b < roofs.size(); ++b)
     roofs[b].assign(points.roof[b].begin(), points.roof[b].end());
-  for (std::size_t k = 0; k < which.buildings.size(); ++k) {
+  for (std::size_t k = 0; k < which.size(); ++k) {
     const std::span<const PointIndex> roof = lists.roof[k];
-    if (roof.empty() || (which.in_ranges[k] == 0 && roof.size() <= lists.ground_inside[k].size()))
-      continue;
-    const auto b = static_cast<std::size_t>(which.buildings[k]);
+    if (roof.empty()) continue;
+    const auto b = static_cast<std::size_t>(which[k]);
     roofs[b].assign(roof.begin(), roof.end());
     points.by_exclusion[b] = 1;
   }
@@ -293,11 +312,11 @@ BuildingPoints extract(std::span<const Polygon* const> footprints, std::size_t b
                            portion(progress, 0, by_exclusion ? 1 : 0.6));
   BuildingPoints points{std::move(lists.roof), std::move(lists.ground),
                         std::vector<std::uint8_t>(buildings, by_exclusion ? 1 : 0)};
-  if (!by_exclusion) {
-    const Unclassified unclassified =
-        find_unclassified(footprints.first(buildings), points.roof, cloud, options.unclassified,
+  if (!by_exclusion && !options.no_buildings.empty()) {
+    const std::vector<BuildingIndex> unclassified =
+        find_unclassified(footprints.first(buildings), points.roof, cloud, options.no_buildings,
                           portion(progress, 0.6, 0.7));
-    if (!unclassified.buildings.empty())
+    if (!unclassified.empty())
       take_by_exclusion(footprints, unclassified, cloud, options, portion(progress, 0.7, 1),
                         points);
   }

@@ -164,12 +164,6 @@ struct PointTally {
   }
 };
 
-bool has_classes(std::span<const std::uint8_t> codes) {
-  static const ClassTable none = class_table(std::array<std::uint8_t, 5>{
-      kNeverClassified, kUnclassified, kLowNoise, kOverlapClass, kHighNoise});
-  return std::any_of(codes.begin(), codes.end(), [](std::uint8_t code) { return !none[code]; });
-}
-
 /// From the numbers of a file's records to coordinates in the local frame.
 class Frame {
  public:
@@ -526,11 +520,11 @@ PointsInput read_points(std::span<const fs::path> paths, const ReadPointsOptions
   PointCollector collector(tasks.size(), expected_points(plans, tasks, options.crop));
   std::vector<PointCloud> kept(tasks.size());
   std::vector<PointTally> tallies(tasks.size());
-  std::vector<std::uint8_t> classified(tasks.size(), 0);
+  std::vector<PointTally> all_tallies(tasks.size());
   const auto keep = [&](std::size_t t, const LasBlock& all) {
     const std::size_t file = tasks[t].file;
     PointCloud& points = kept[t];
-    if (classified[t] == 0) classified[t] = has_classes(all.classification) ? 1 : 0;
+    all_tallies[t].add(Bounds2::nothing(), all.classification);
     if (points.x.capacity() == 0)
       // Reserved memory takes up none before it is written; a count may lie.
       points = collector.empty_points(
@@ -555,7 +549,7 @@ PointsInput read_points(std::span<const fs::path> paths, const ReadPointsOptions
     if (file.kept.begin == file.kept.end) file.kept = {end, end};
     end += tallies[t].count();
     file.kept.end = end;
-    file.classified = file.classified || classified[t] != 0;
+    for (const auto& [code, count] : all_tallies[t].classes()) file.by_class[code] += count;
     require_room(tallies[t].extent, result.origin, paths[tasks[t].file], result.misread);
     tally.add(tallies[t]);
   }

@@ -104,15 +104,16 @@ constexpr int kFidField = -2;
 int find_attribute(const fs::path& path, OGRLayerH layer, const std::string& wanted) {
   if (wanted.empty()) return kNoField;
   OGRFeatureDefnH definition = OGR_L_GetLayerDefn(layer);
-  if (const int field = OGR_FD_GetFieldIndex(definition, wanted.c_str()); field >= 0) return field;
-  if (const char* fid = OGR_L_GetFIDColumn(layer); fid != nullptr && wanted == fid)
-    return kFidField;
-  // Names in tables that do not state their encoding are not in UTF-8, and not found above.
+  // The very name before others that differ in case, which GDAL takes for the same. Names in tables
+  // that do not state their encoding are not in UTF-8.
   std::vector<std::string> names;
   for (int i = 0; i < OGR_FD_GetFieldCount(definition); ++i) {
     names.push_back(utf8(OGR_Fld_GetNameRef(OGR_FD_GetFieldDefn(definition, i))));
     if (names.back() == wanted) return i;
   }
+  if (const int field = OGR_FD_GetFieldIndex(definition, wanted.c_str()); field >= 0) return field;
+  if (const char* fid = OGR_L_GetFIDColumn(layer); fid != nullptr && wanted == fid)
+    return kFidField;
   fail_input(path, fmt::format("has no attribute '{}'; it has: {}", wanted,
                                names.empty() ? std::string("none")
                                              : fmt::format("{}", fmt::join(names, ", "))));

@@ -129,7 +129,7 @@ std::vector<ConfigField> make_fields() {
        .member = choice<&C::ground_filter>(),
        .commands = kData,
        .help = "Find ground points by a morphological filter: where no point of the cloud, or of "
-               "some of its files, is classified, never, or always",
+               "some of its files, has the ground class, never, or always",
        .choices = {"auto", "never", "always"}},
       {.name = "ground_filter_window",
        .group = "City model",

@@ -96,7 +96,7 @@ void run_filter(const Config& config, InputData& input, std::span<const PointFil
   });
   report.input->ground_filtered = after;
   std::string why = "the cloud has no class 2 (ground)";
-  if (!files.empty()) why = describe(files) + " no classes";
+  if (!files.empty()) why = describe(files) + " no class 2 (ground)";
   if (before > 0) why = fmt::format("the class of {} ground points was ignored", before);
   report.warnings.push_back(
       {"ground_filtered", after,
@@ -139,10 +139,10 @@ void require_ground(const Config& config, const PointCloud& cloud, const Report&
 }  // namespace
 
 void find_ground(const Config& config, InputData& input, StepClock& clock, Report& report) {
-  const std::vector<PointFile> files =
-      clock.run("1.3", "find files without classes",
-                [&](const Progress& progress) { return find_unclassified_files(input, progress); });
-  for (const PointFile& file : files) input.unclassified.push_back(file.points.kept);
+  const std::vector<PointFile> files = clock.run(
+      "1.3", "find files without ground",
+      [&](const Progress& progress) { return find_files_without_ground(input, progress); });
+  input.no_buildings = find_ranges_without_buildings(input, files);
   if (is_wanted(config, report.input->points_by_class))
     run_filter(config, input, {}, clock, report);
   else if (!files.empty() && config.ground_filter == GroundFilter::kAuto)

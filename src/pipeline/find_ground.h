@@ -9,8 +9,8 @@
 namespace tetropolis {
 
 /// Where no point is ground (or always, as `ground_filter` says) a filter finds the ground points,
-/// which then have class 2. Where there are classified files and some without any classes, that is
-/// done for those, and input.unclassified set. Ground points far off all others around become
+/// which then have class 2. Where only some of the files have no ground, that is done for those.
+/// Sets input.no_buildings. Ground points far off all others around become
 /// noise. Fills report.input and adds warnings. Throws Error(kInput) naming the cloud if no ground
 /// is left.
 void find_ground(const Config& config, InputData& input, StepClock& clock, Report& report);

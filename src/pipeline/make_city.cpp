@@ -365,9 +365,7 @@ void warn_of_exclusion(const BuildingPoints& points, Report& report) {
   else
     report.warnings.push_back(
         {"building_class_partly", count,
-         fmt::format("buildings are where nobody has told the points of buildings (class 6) from "
-                     "others; their {}",
-                     taken)});
+         fmt::format("buildings are in files without class 6 (building); their {}", taken)});
 }
 
 void warn_of_terrain(const DtmReport& dtm, Report& report) {
@@ -472,7 +470,7 @@ CityAndTerrain make_city(const Config& config, Next next, OutputFolder& out, Ste
     ExtractOptions options;
     options.margin = config.ground_margin;
     options.sigma = config.outlier_sigma;
-    options.unclassified = prepared.input.unclassified;
+    options.no_buildings = prepared.input.no_buildings;
     return extract_building_points(raw.buildings, prepared.crossing, cloud, options, progress);
   });
   clock.run("1.6", "building heights",

@@ -22,8 +22,9 @@ struct InputData {
   PointCloud points;  ///< Local frame, inside the domain only.
   Bounds2 extent;     ///< Of the points.
   std::vector<PointFile> files;
-  std::vector<PointRange> unclassified;  ///< Points of files that have no classes (find_ground).
-  FootprintsInput footprints;            ///< Local frame.
+  /// Points of files in which those of buildings have no class of their own (find_ground).
+  std::vector<PointRange> no_buildings;
+  FootprintsInput footprints;  ///< Local frame.
   Point2 origin;
   Bounds2 domain;   ///< Local frame.
   std::string crs;  ///< Of points and footprints; empty if nobody says.

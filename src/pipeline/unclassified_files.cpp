@@ -5,6 +5,7 @@
 #include <cstddef>
 
 #include "tetropolis/geometry/point_cloud.h"
+#include "tetropolis/terrain/ground_filter.h"
 
 namespace tetropolis {
 
@@ -13,6 +14,29 @@ namespace {
 constexpr double kSide = 20;  // metres
 constexpr double kMostWithGround = 0.5;
 constexpr std::size_t kPointBatch = std::size_t{1} << 20;
+
+/// The share of a file's points up to which a class is strays.
+constexpr double kStrayGround = 1e-3, kStrayBuildings = 1e-4;
+
+std::int64_t count_of(const PointFile& file, int code) {
+  const auto found = file.points.by_class.find(code);
+  return found == file.points.by_class.end() ? 0 : found->second;
+}
+
+/// Whether the file has points of the class, more than strays.
+bool has_class(const PointFile& file, int code, double stray) {
+  std::int64_t all = 0;
+  for (const auto& [other, count] : file.points.by_class) all += count;
+  const std::int64_t found = count_of(file, code);
+  return found > 0 && static_cast<double>(found) >= stray * static_cast<double>(all);
+}
+
+/// Whether the file has points that nobody has classified.
+bool has_unclassified(const PointFile& file) {
+  const std::vector<std::uint8_t> codes = GroundFilterOptions{}.classes;
+  return std::any_of(codes.begin(), codes.end(),
+                     [&](std::uint8_t code) { return count_of(file, code) > 0; });
+}
 
 /// Marks on the squares that the points lie in.
 class Squares {
@@ -90,15 +114,16 @@ double share_with_ground(const PointFile& file, const PointCloud& cloud, Squares
 
 }  // namespace
 
-std::vector<PointFile> find_unclassified_files(const InputData& input, const Progress& progress) {
+std::vector<PointFile> find_files_without_ground(const InputData& input, const Progress& progress) {
   std::vector<PointFile> found;
-  bool some_classified = false;
+  bool some_have = false;
   for (const PointFile& file : input.files) {
-    some_classified = some_classified || file.points.classified;
-    if (file.points.kept.begin != file.points.kept.end && !file.points.classified)
+    const bool ground = has_class(file, kGround, kStrayGround);
+    some_have = some_have || ground;
+    if (!ground && file.points.kept.begin != file.points.kept.end && has_unclassified(file))
       found.push_back(file);
   }
-  if (found.empty() || !some_classified) return {};
+  if (found.empty() || !some_have) return {};
   const PointCloud& cloud = input.points;
   Squares squares(input.extent);
   for_each_point({0, cloud.size()}, progress, 0, [&](std::size_t p) {
@@ -109,6 +134,21 @@ std::vector<PointFile> find_unclassified_files(const InputData& input, const Pro
     return share_with_ground(file, cloud, squares, progress) > kMostWithGround;
   });
   return found;
+}
+
+std::vector<PointRange> find_ranges_without_buildings(const InputData& input,
+                                                      std::span<const PointFile> without_ground) {
+  std::vector<PointRange> ranges;
+  for (const PointFile& file : input.files) {
+    const PointRange& kept = file.points.kept;
+    if (kept.begin == kept.end || has_class(file, kBuildingClass, kStrayBuildings)) continue;
+    const bool chosen =
+        std::any_of(without_ground.begin(), without_ground.end(),
+                    [&](const PointFile& other) { return other.points.kept.begin == kept.begin; });
+    if (chosen || (has_class(file, kGround, kStrayGround) && has_unclassified(file)))
+      ranges.push_back(kept);
+  }
+  return ranges;
 }
 
 std::vector<std::size_t> find_points_near(const InputData& input, std::span<const PointFile> files,

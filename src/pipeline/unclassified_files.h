@@ -1,4 +1,4 @@
-// Files that nobody has classified, in a cloud of which others are.
+// Files that lack classes which others of the cloud have.
 #pragma once
 
 #include <cstddef>
@@ -11,11 +11,17 @@
 
 namespace tetropolis {
 
-/// The files with points in the domain and no class (FilePoints::classified), if others have one.
-/// Not those where the ground is in another file, as where each class has a file of its own or a
-/// strip without classes lies over classified ones: more than half of the squares of 20 m that such
-/// a file has points in have ground points.
-std::vector<PointFile> find_unclassified_files(const InputData& input, const Progress& progress);
+/// The files with points in the domain that have points which nobody has classified (0, 1, 12) but
+/// none of class 2 (or strays: fewer than one in 1000), if others have. Not those where the ground
+/// is in another file, as where each class has a file of its own or a strip without classes lies
+/// over classified ones: more than half of the squares of 20 m that such a file has points in have
+/// ground points.
+std::vector<PointFile> find_files_without_ground(const InputData& input, const Progress& progress);
+
+/// The points of files without class 6 (or strays: fewer than one in 10,000) that either are
+/// `without_ground` or have class 2 themselves: these are not the rest of others.
+std::vector<PointRange> find_ranges_without_buildings(const InputData& input,
+                                                      std::span<const PointFile> without_ground);
 
 /// The points in squares of 20 m at most `reach` metres (and a square) from points of the files,
 /// ascending.

@@ -282,7 +282,7 @@ TEST(Las, AgreesWithTheDecoderForAnyNumberOfThreads) {
   }
 }
 
-TEST(Las, FilesAreClassifiedByAllTheirPoints) {
+TEST(Las, ClassesOfFilesAreThoseOfAllTheirPoints) {
   const TemporaryFolder scratch;
   const std::array names{"tile.las", "bare.las", "noise.laz", "away.las"};
   const std::array<std::vector<int>, 4> codes{
@@ -308,7 +308,10 @@ TEST(Las, FilesAreClassifiedByAllTheirPoints) {
   std::size_t end = 0;
   for (std::size_t f = 0; f < 4; ++f) {
     SCOPED_TRACE(names[f]);
-    EXPECT_EQ(input.files[f].classified, f == 0);
+    std::map<int, std::int64_t> expected;
+    for (const int code : codes[f]) ++expected[code];
+    EXPECT_EQ(input.files[f].by_class, f == 3 ? (std::map<int, std::int64_t>{}) : expected)
+        << "the last file's box is outside: not read";
     EXPECT_EQ(input.files[f].kept.end - input.files[f].kept.begin, kept[f]);
     for (std::size_t p = input.files[f].kept.begin; p < input.files[f].kept.end; ++p)
       EXPECT_EQ(input.points.z[p], static_cast<double>(f));

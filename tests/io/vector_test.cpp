@@ -405,6 +405,18 @@ TEST(Vector, NumbersAsIdsKeepTheirDigits) {
   EXPECT_FALSE(has_warning(input, "duplicate_ids"));
 }
 
+TEST(Vector, TheVeryNameOfAnAttributeComesBeforeOthers) {
+  const TemporaryFolder folder;
+  const fs::path path =
+      write_text(folder / "a.csv", "ID,id,WKT\nlarge,small,\"POLYGON((3 8,4 8,4 9,3 8))\"\n");
+  for (const auto& [name, id] :
+       {std::pair{"ID", "large"}, std::pair{"id", "small"}, std::pair{"Id", "large"}}) {
+    ReadFootprintsOptions options;
+    options.id_attribute = name;
+    EXPECT_EQ(read_footprints(path, options).features.at(0).source_id, id) << name;
+  }
+}
+
 TEST(Vector, WhatMarksUnknownHeightsIsNone) {
   const TemporaryFolder folder;
   std::string rows = "h,WKT\n";

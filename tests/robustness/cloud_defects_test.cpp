@@ -181,13 +181,16 @@ std::function<void(const CloudCity&)> tiles(double end_of_west, double start_of_
   };
 }
 
-/// The city in two files by x, of which nobody has classified the western one.
-void half_classified(const CloudCity& city) {
-  PointCloud west = filtered(city.cloud, [&](std::size_t p) { return city.cloud.x[p] < 65; });
-  std::fill(west.classification.begin(), west.classification.end(), kUnclassified);
-  city.write("west.las", west);
-  city.write("east.las",
-             filtered(city.cloud, [&](std::size_t p) { return city.cloud.x[p] >= 65; }));
+/// The city in two files by x, of which the western one has other classes.
+std::function<void(const CloudCity&)> half_with(const std::function<int(int)>& changed) {
+  return [=](const CloudCity& city) {
+    PointCloud west = filtered(city.cloud, [&](std::size_t p) { return city.cloud.x[p] < 65; });
+    for (std::uint8_t& code : west.classification) code = static_cast<std::uint8_t>(changed(code));
+    west.classification[0] = kWater;  // One stray is no class.
+    city.write("west.las", west);
+    city.write("east.las",
+               filtered(city.cloud, [&](std::size_t p) { return city.cloud.x[p] >= 65; }));
+  };
 }
 
 /// The city in a file per class.
@@ -399,7 +402,12 @@ std::vector<Defect> defects() {
       {"TilesThatTouch", tiles(65, 65), Expected::kNear, "", 1e-6},
       {"TilesThatOverlap", tiles(75, 55), Expected::kNear, "", 0.1},
       {"TilesWithAGap", tiles(63, 68), Expected::kNear, "", 0.05},
-      {"OneTileUnclassified", half_classified, Expected::kNear, "building_class_partly", 0.15},
+      {"OneTileUnclassified", half_with([](int) { return 1; }), Expected::kNear,
+       "building_class_partly", 0.15},
+      {"OneTileWithoutBuildings", half_with([](int c) { return c == kBuildingClass ? 1 : c; }),
+       Expected::kNear, "building_class_partly", 0.05},
+      {"OneTileWithoutGround", half_with([](int c) { return c == kGround ? 1 : c; }),
+       Expected::kNear, "ground_filtered", 0.15},
       {"AFilePerClass", files_of_classes, Expected::kNear, "", 1e-6},
   };
 }

@@ -44,7 +44,8 @@ struct ExtractOptions {
   double sigma = 2.0;   ///< Points further from the mean height than this many standard deviations
                         ///< of their list are dropped; infinity keeps all.
   bool drop_crowns = true;  ///< Remove crowns of trees (crowns.h) from roof points by exclusion.
-  std::vector<PointRange> unclassified{};  ///< Points that nobody has classified.
+  /// Points among which those of buildings have no class of their own.
+  std::vector<PointRange> no_buildings{};
 };
 
 /// Roof points lie inside the footprint (contains()) and have class 6; ground points lie outside
@@ -52,12 +53,8 @@ struct ExtractOptions {
 /// Points in a hole are outside. Roof points are by exclusion, instead,
 /// - of all buildings, if the whole cloud has no point of class 6 (or a few strays: fewer than
 ///   buildings and than one in 1000 points);
-/// - of a building with more points of options.unclassified inside than points of class 6;
-/// - of a building without points of class 6, if of those around, itself among them, at least three
-///   more have none than have some (around: the centre of the bounding box in the same square of
-///   100 m or one beside it), and if the points by exclusion are more than those of the ground
-///   inside.
-/// In the last two cases only if there are any.
+/// - of a building with more points of options.no_buildings inside than points of class 6, unless
+///   none are left.
 /// By exclusion, roof points are the points inside that are neither ground (2), water (9),
 /// vegetation (3, 4, 5) nor noise (7, 18); these lose what is at most half a metre above the 10th
 /// percentile of the building's ground points (unless that is more than half of the list), and the

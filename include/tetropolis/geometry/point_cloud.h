@@ -68,7 +68,6 @@ enum PointClass : std::uint8_t {
   kBuildingClass = 6,
   kLowNoise = 7,
   kWater = 9,
-  kOverlapClass = 12,
   kHighNoise = 18,
 };
 

@@ -73,10 +73,8 @@ struct ReadPointsOptions {
 
 /// The points of one file.
 struct FilePoints {
-  PointRange kept;  ///< Where they are in the cloud.
-  /// Whether any, kept or not, has another class than 0, 1 (not classified), 12 (overlap) and those
-  /// of noise.
-  bool classified = false;
+  PointRange kept;                       ///< Where they are in the cloud.
+  std::map<int, std::int64_t> by_class;  ///< Counts of all of them, kept or not.
 };
 
 struct PointsInput {
