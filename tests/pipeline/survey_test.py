@@ -94,7 +94,7 @@ class Survey(unittest.TestCase):
 
     def test_one_city_below_the_floor_fails_only_when_asked(self):
         # A report that tells of a face beyond the floor, and a check that does not mind.
-        body = ('[ "$1" != check ] || exit 0\n"$real" "$@" || exit $?\n[ "$1" != build ] || sed -i '
+        body = ('[ "$1" != check ] || { echo every guarantee holds; exit 0; }\n"$real" "$@" || exit $?\n[ "$1" != build ] || sed -i '
                 """'/"skewness"/,/}/s/"max": [0-9.]*/"max": 4.5/' out/report.json\n""")
         for options, code in (((), 0), (("--floor",), 1)):
             with self.subTest(options):
