@@ -4,6 +4,7 @@
 #include <atomic>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 #include <fmt/format.h>
 
@@ -213,37 +214,32 @@ void drop_low_points(PointLists& roof, const PointLists& ground, const PointClou
   roof = to_rows(kept);
 }
 
-/// The lists of a group of buildings.
-struct Lists {
-  PointLists roof;
-  PointLists ground;
-};
-
 /// Of the first `buildings` of the footprints.
-Lists find_lists(std::span<const Polygon* const> footprints, std::size_t buildings,
-                 const PointCloud& cloud, bool by_exclusion, const ExtractOptions& options,
-                 const Progress& progress) {
+BuildingPoints find_points(std::span<const Polygon* const> footprints, std::size_t buildings,
+                           const PointCloud& cloud, bool by_exclusion,
+                           const ExtractOptions& options, const Progress& progress) {
   const FootprintIndex index(footprints.first(buildings), options.margin);
   const Classes classes = classes_of(by_exclusion);
   const bool find_crowns = by_exclusion && options.drop_crowns;
   std::vector<Hits> hits =
       find_all_hits(index, cloud, classes, portion(progress, 0, find_crowns ? 0.4 : 0.9));
-  Lists lists;
-  lists.roof = take_lists(hits, &Hits::roof, buildings);
-  lists.ground = take_lists(hits, &Hits::ground, buildings);
-  if (by_exclusion) drop_low_points(lists.roof, lists.ground, cloud);
+  BuildingPoints points;
+  points.roof = take_lists(hits, &Hits::roof, buildings);
+  points.ground = take_lists(hits, &Hits::ground, buildings);
+  points.by_exclusion.assign(buildings, by_exclusion ? 1 : 0);
+  if (by_exclusion) drop_low_points(points.roof, points.ground, cloud);
   if (find_crowns) {
     std::vector<Surroundings> found =
         find_surroundings(footprints, buildings, cloud, classes, portion(progress, 0.4, 0.7));
-    drop_crowns(lists.roof,
+    drop_crowns(points.roof,
                 {take_lists(hits, &Hits::ground_inside, buildings),
                  take_lists(found, &Surroundings::around, buildings),
                  take_lists(found, &Surroundings::beside, buildings)},
                 cloud, {}, portion(progress, 0.7, 0.9));
   }
-  drop_outliers(lists.roof, cloud, options.sigma);
-  drop_outliers(lists.ground, cloud, options.sigma);
-  return lists;
+  drop_outliers(points.roof, cloud, options.sigma);
+  drop_outliers(points.ground, cloud, options.sigma);
+  return points;
 }
 
 /// The buildings, ascending, that have more points of `ranges` inside than in `roof`.
@@ -285,18 +281,20 @@ void take_by_exclusion(std::span<const Polygon* const> footprints,
       ++next;
     else
       order.push_back(footprints[f]);
-  const Lists lists = find_lists(order, which.size(), cloud, true, options, progress);
-  std::vector<std::vector<PointIndex>> roofs(points.roof.size());
-  for (std::size_t b = 0; b < roofs.size(); ++b)
-    roofs[b].assign(points.roof[b].begin(), points.roof[b].end());
-  for (std::size_t k = 0; k < which.size(); ++k) {
-    const std::span<const PointIndex> roof = lists.roof[k];
-    if (roof.empty()) continue;
-    const auto b = static_cast<std::size_t>(which[k]);
-    roofs[b].assign(roof.begin(), roof.end());
-    points.by_exclusion[b] = 1;
+  const BuildingPoints found = find_points(order, which.size(), cloud, true, options, progress);
+  PointLists roof;
+  next = 0;
+  for (std::size_t b = 0; b < points.roof.size(); ++b) {
+    std::span<const PointIndex> row = points.roof[b];
+    if (next < which.size() && static_cast<std::size_t>(which[next]) == b) {
+      const std::span<const PointIndex> other = found.roof[next++];
+      points.by_exclusion[b] = other.empty() ? 0 : 1;
+      if (!other.empty()) row = other;
+    }
+    roof.indices.insert(roof.indices.end(), row.begin(), row.end());
+    roof.offsets.push_back(static_cast<std::int64_t>(roof.indices.size()));
   }
-  points.roof = to_rows(roofs);
+  points.roof = std::move(roof);
 }
 
 BuildingPoints extract(std::span<const Polygon* const> footprints, std::size_t buildings,
@@ -308,10 +306,8 @@ BuildingPoints extract(std::span<const Polygon* const> footprints, std::size_t b
                             "domain",
                             cloud.size()));
   const bool by_exclusion = !has_building_class(cloud, buildings);
-  Lists lists = find_lists(footprints, buildings, cloud, by_exclusion, options,
-                           portion(progress, 0, by_exclusion ? 1 : 0.6));
-  BuildingPoints points{std::move(lists.roof), std::move(lists.ground),
-                        std::vector<std::uint8_t>(buildings, by_exclusion ? 1 : 0)};
+  BuildingPoints points = find_points(footprints, buildings, cloud, by_exclusion, options,
+                                      portion(progress, 0, by_exclusion ? 1 : 0.6));
   if (!by_exclusion && !options.no_buildings.empty()) {
     const std::vector<BuildingIndex> unclassified =
         find_unclassified(footprints.first(buildings), points.roof, cloud, options.no_buildings,

@@ -14,6 +14,8 @@
 
 #include "tetropolis/geometry/polygon.h"
 
+#include "gdal_support.h"
+
 namespace tetropolis {
 
 namespace {
@@ -201,6 +203,23 @@ std::string reason_without_polygons(OGRwkbGeometryType type) {
   }
 }
 
+/// Whether a layer of this geometry type may hold polygons.
+bool may_hold_polygons(OGRwkbGeometryType type) {
+  switch (wkbFlatten(type)) {
+    case wkbUnknown:
+    case wkbPolygon:
+    case wkbMultiPolygon:
+    case wkbCurvePolygon:
+    case wkbMultiSurface:
+    case wkbSurface:
+    case wkbTriangle:
+    case wkbGeometryCollection:
+      return true;
+    default:
+      return false;
+  }
+}
+
 }  // namespace
 
 FlatGeometry flatten(OGRGeometryH geometry) {
@@ -247,20 +266,21 @@ void mend_turned_rings(FlatGeometry& geometry) {
     cut_out_yards(geometry.parts, find_yards(geometry.parts, Turns::kSayNothing));
 }
 
-bool may_hold_polygons(OGRwkbGeometryType type) {
-  switch (wkbFlatten(type)) {
-    case wkbUnknown:
-    case wkbPolygon:
-    case wkbMultiPolygon:
-    case wkbCurvePolygon:
-    case wkbMultiSurface:
-    case wkbSurface:
-    case wkbTriangle:
-    case wkbGeometryCollection:
-      return true;
-    default:
-      return false;
+bool holds_polygons(OGRLayerH layer) {
+  if (OGR_FD_GetGeomFieldCount(OGR_L_GetLayerDefn(layer)) == 0) return false;
+  const OGRwkbGeometryType type = OGR_L_GetGeomType(layer);
+  if (!may_hold_polygons(type)) return false;
+  if (wkbFlatten(type) != wkbUnknown && wkbFlatten(type) != wkbGeometryCollection) return true;
+  constexpr int kProbed = 1000;
+  bool found = false;
+  OGR_L_ResetReading(layer);
+  for (int i = 0; i < kProbed && !found; ++i) {
+    const gdal::Feature feature(OGR_L_GetNextFeature(layer));
+    if (feature == nullptr) break;
+    found = !flatten(OGR_F_GetGeometryRef(feature.get())).parts.empty();
   }
+  OGR_L_ResetReading(layer);
+  return found;
 }
 
 }  // namespace tetropolis

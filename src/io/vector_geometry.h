@@ -37,7 +37,8 @@ void mend_order_of_rings(FlatGeometry& geometry);
 /// becomes a hole.
 void mend_turned_rings(FlatGeometry& geometry);
 
-/// Whether a layer of this geometry type may hold polygons.
-bool may_hold_polygons(OGRwkbGeometryType type);
+/// Whether a layer holds polygons, as far as its declared type or else its first features tell.
+/// Reading begins anew.
+bool holds_polygons(OGRLayerH layer);
 
 }  // namespace tetropolis

@@ -15,6 +15,7 @@
 
 #include "input_file.h"
 #include "shapefile_members.h"
+#include "vector_geometry.h"
 
 namespace tetropolis {
 
@@ -82,31 +83,20 @@ std::string vector_in_archive(const fs::path& path, const gdal::QuietErrors& err
   return archive + "/" + found.front();
 }
 
-/// Whether the first layer has some.
-bool has_geometries(GDALDatasetH dataset) {
-  constexpr int kProbed = 1000;
+bool first_layer_holds_polygons(GDALDatasetH dataset) {
   OGRLayerH layer = GDALDatasetGetLayer(dataset, 0);
-  if (layer == nullptr || OGR_FD_GetGeomFieldCount(OGR_L_GetLayerDefn(layer)) == 0) return false;
-  bool found = false;
-  OGR_L_ResetReading(layer);
-  for (int i = 0; i < kProbed && !found; ++i) {
-    const gdal::Feature feature(OGR_L_GetNextFeature(layer));
-    if (feature == nullptr) break;
-    found = OGR_F_GetGeometryRef(feature.get()) != nullptr;
-  }
-  OGR_L_ResetReading(layer);
-  return found;
+  return layer != nullptr && holds_polygons(layer);
 }
 
-/// Of a CSV file, the column of geometries, if it has one of the usual names; GDAL itself knows
+/// Opens a CSV file by the column of polygons, if it has one of the usual names; GDAL itself knows
 /// only those that begin with WKT. Columns of these names may hold anything.
-void find_geometries(const std::string& name, gdal::StringList& options, gdal::Dataset& dataset) {
+void find_polygons(const std::string& name, gdal::StringList& options, gdal::Dataset& dataset) {
   for (const char* column : {"geometry", "geom", "the_geom", "wkb_geometry", "geom_wkt",
                              "geometry_wkt", "shape", "polygon", "footprint"}) {
     options.set("GEOM_POSSIBLE_NAMES", column);
     const gdal::QuietErrors errors;
     gdal::Dataset other(GDALOpenEx(name.c_str(), GDAL_OF_VECTOR, nullptr, options.get(), nullptr));
-    if (other == nullptr || !has_geometries(other.get())) continue;
+    if (other == nullptr || !first_layer_holds_polygons(other.get())) continue;
     dataset = std::move(other);
     return;
   }
@@ -139,8 +129,9 @@ VectorFile open_vector(const fs::path& path, const gdal::QuietErrors& errors) {
   if (file.dataset == nullptr)
     fail_input(path, "not a vector file that can be read" + (unknown ? "" : errors.reason()) +
                          "; give a shapefile, GeoPackage, GeoJSON or other OGR format");
-  if (lower_case(path.extension().string()) == ".csv" && !has_geometries(file.dataset.get()))
-    find_geometries(name, options, file.dataset);
+  if (lower_case(path.extension().string()) == ".csv" &&
+      !first_layer_holds_polygons(file.dataset.get()))
+    find_polygons(name, options, file.dataset);
   // Some formats are read when they are opened, as far as they go.
   if (errors.failures() > 0 && errors.reason().find("crs not found") != std::string::npos)
     fail_input(path,

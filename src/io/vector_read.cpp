@@ -44,24 +44,6 @@ std::string utf8(const char* text) {
 
 constexpr const char* kGetAgain = "; the file is cut or broken, get it again";
 
-/// Whether a layer holds polygons, as far as its declared type or else its first features tell.
-bool holds_polygons(OGRLayerH layer) {
-  if (OGR_FD_GetGeomFieldCount(OGR_L_GetLayerDefn(layer)) == 0) return false;
-  const OGRwkbGeometryType type = OGR_L_GetGeomType(layer);
-  if (!may_hold_polygons(type)) return false;
-  if (wkbFlatten(type) != wkbUnknown && wkbFlatten(type) != wkbGeometryCollection) return true;
-  constexpr int kProbed = 1000;
-  bool found = false;
-  OGR_L_ResetReading(layer);
-  for (int i = 0; i < kProbed && !found; ++i) {
-    const gdal::Feature feature(OGR_L_GetNextFeature(layer));
-    if (feature == nullptr) break;
-    found = !flatten(OGR_F_GetGeometryRef(feature.get())).parts.empty();
-  }
-  OGR_L_ResetReading(layer);
-  return found;
-}
-
 bool is_of_format(GDALDatasetH dataset, std::string_view begin) {
   const char* name = GDALGetDriverShortName(GDALGetDatasetDriver(dataset));
   return name != nullptr && std::string_view(name).starts_with(begin);

@@ -135,17 +135,22 @@ CheckedFile describe(const std::string& name, const CityCheck& check,
   return file;
 }
 
-/// A number of the report that the files must bear out: between `low` and `high`.
-void compare(const char* what, double reported, double low, double found, double high,
+void differs(const std::string& what, const std::string& reported, const std::string& found,
              CheckedFile& file) {
-  if (reported >= low && reported <= high) return;
-  file.violations.push_back({fmt::format("{} differs from report.json", what), 1,
+  file.violations.push_back({what + " differs from report.json", 1,
                              fmt::format("{} reported, {} found", reported, found)});
+}
+
+/// A number of the report that the files must bear out: between `low` and `high`.
+void compare(const std::string& what, double reported, double low, double found, double high,
+             CheckedFile& file) {
+  if (!(reported >= low && reported <= high))
+    differs(what, fmt::format("{}", reported), fmt::format("{}", found), file);
 }
 
 void compare_with_report(const ReportedMesh& mesh, const VolumeCheck& volume,
                          const SurfaceCheck& surface, CheckedFile& file) {
-  const auto near = [&](const char* what, double reported, double found, double tolerance) {
+  const auto near = [&](const std::string& what, double reported, double found, double tolerance) {
     compare(what, reported, found - tolerance, found, found + tolerance, file);
   };
   near("number of cells", mesh.cells, static_cast<double>(volume.cells), 0);
@@ -166,7 +171,7 @@ void compare_with_report(const ReportedMesh& mesh, const VolumeCheck& volume,
   for (int i = 0; i < kPatchCount; ++i) {
     const std::string name(patch_name(static_cast<Patch>(i + 1)));
     const auto reported = mesh.faces_by_patch.find(name);
-    near(("number of faces of " + name).c_str(),
+    near("number of faces of " + name,
          reported == mesh.faces_by_patch.end() ? 0 : static_cast<double>(reported->second),
          static_cast<double>(surface.faces_by_patch[static_cast<std::size_t>(i)]), 0);
   }
@@ -288,17 +293,12 @@ void compare_buildings(const CityModel& city, const CityCheck& check, const Repo
   const auto buildings = static_cast<double>(city.buildings.size());
   compare("number of buildings", static_cast<double>(report.buildings), buildings, buildings,
           buildings, file);
-  const auto differs = [&](const char* what, const std::string& reported,
-                           const std::string& found) {
-    file.violations.push_back({fmt::format("{} differs from report.json", what), 1,
-                               fmt::format("{} reported, {} found", reported, found)});
-  };
   std::vector<std::string> dropped;
   for (const Dropped& feature : city.dropped) dropped.push_back(feature.source_id);
   std::sort(dropped.begin(), dropped.end());
   if (report.dropped != dropped)
     differs("list of dropped features", std::to_string(report.dropped.size()),
-            std::to_string(dropped.size()));
+            std::to_string(dropped.size()), file);
   if (!made) return;
   compare("area of footprints", report.area, check.area * (1 - 1e-9) - 1e-6, check.area,
           check.area * (1 + 1e-9) + 1e-6, file);
@@ -309,7 +309,8 @@ void compare_buildings(const CityModel& city, const CityCheck& check, const Repo
   std::map<std::string, std::int64_t> flags;
   for (const Building& building : city.buildings)
     for (const std::string& name : flag_names(building.flags)) ++flags[name];
-  if (report.flags != flags) differs("number of flags", list_of(report.flags), list_of(flags));
+  if (report.flags != flags)
+    differs("number of flags", list_of(report.flags), list_of(flags), file);
 }
 
 /// The final model is the one that the report tells of.
@@ -317,26 +318,22 @@ void compare_city(const CityModel& city, const CityCheck& check, const ReportedF
                   CheckedFile& file) {
   if (report.city)
     compare_buildings(city, check, *report.city, report.footprint_parts.has_value(), file);
-  const auto differs = [&](const char* what, const std::string& details) {
-    file.violations.push_back({fmt::format("{} differs from report.json", what), 1, details});
-  };
   if (report.origin && *report.origin != city.origin)
-    differs("origin", fmt::format("({}, {}) reported, ({}, {}) found", report.origin->x,
-                                  report.origin->y, city.origin.x, city.origin.y));
+    differs("origin", fmt::format("({}, {})", report.origin->x, report.origin->y),
+            fmt::format("({}, {})", city.origin.x, city.origin.y), file);
   if (report.crs && *report.crs != city.crs && !same_horizontal_crs(*report.crs, city.crs))
-    differs("reference system",
-            fmt::format("{} reported, {} found", crs_name(*report.crs), crs_name(city.crs)));
+    differs("reference system", crs_name(*report.crs), crs_name(city.crs), file);
   constexpr double kSame = 1e-6;  // metres
   const Bounds2 domain = city.domain.moved(city.origin);
   const std::array sides{domain.xmin, domain.ymin, domain.xmax, domain.ymax};
+  const auto text = [](const std::array<double, 4>& box) {
+    return fmt::format("x {} .. {}, y {} .. {}", box[0], box[2], box[1], box[3]);
+  };
   // `mesh --bounds` leaves the model with its own domain.
   if (report.domain && report.footprint_parts && !city.domain.empty() &&
       !std::equal(sides.begin(), sides.end(), report.domain->begin(),
                   [](double a, double b) { return std::abs(a - b) <= kSame; }))
-    differs("domain",
-            fmt::format("x {} .. {}, y {} .. {} reported, x {} .. {}, y {} .. {} found",
-                        (*report.domain)[0], (*report.domain)[2], (*report.domain)[1],
-                        (*report.domain)[3], domain.xmin, domain.xmax, domain.ymin, domain.ymax));
+    differs("domain", text(*report.domain), text(sides), file);
 }
 
 /// The volume, and each of the boundaries, which are all to be that of the volume, against it.

@@ -17,20 +17,11 @@ namespace tetropolis {
 
 namespace {
 
-bool is_ground(std::uint8_t code) { return code == kGround || code == kWater; }
-
 /// Of all points.
 bool is_wanted(const Config& config, const std::map<int, std::int64_t>& by_class) {
   if (config.ground_filter != GroundFilter::kAuto)
     return config.ground_filter == GroundFilter::kAlways;
-  const GroundFilterOptions defaults;
-  std::int64_t all = 0;
-  for (const auto& [code, count] : by_class) all += count;
-  // A stray point or two of a class do not make a classified cloud.
-  const auto ground = by_class.find(kGround);
-  return (ground == by_class.end() || ground->second < all / 1000) &&
-         std::any_of(defaults.classes.begin(), defaults.classes.end(),
-                     [&](std::uint8_t code) { return by_class.contains(code); });
+  return !has_class(by_class, kGround, kStrayGround) && has_unclassified(by_class);
 }
 
 std::string describe(std::span<const PointFile> files) {
@@ -96,8 +87,10 @@ void run_filter(const Config& config, InputData& input, std::span<const PointFil
   });
   report.input->ground_filtered = after;
   std::string why = "the cloud has no class 2 (ground)";
-  if (!files.empty()) why = describe(files) + " no class 2 (ground)";
-  if (before > 0) why = fmt::format("the class of {} ground points was ignored", before);
+  if (!files.empty())
+    why = describe(files) + " no class 2 (ground)";
+  else if (before > 0)
+    why = fmt::format("the class of {} ground points was ignored", before);
   report.warnings.push_back(
       {"ground_filtered", after,
        fmt::format("{}; a filter found {} of {} unclassified points on the ground", why, after,

@@ -369,25 +369,27 @@ void warn_of_exclusion(const BuildingPoints& points, Report& report) {
 }
 
 void warn_of_terrain(const DtmReport& dtm, Report& report) {
+  const char* const advice =
+      report.input->ground_filtered > 0
+          ? "raise --ground-filter-slope or lower --ground-filter-window if the filter took "
+            "terrain "
+            "for objects"
+          : "use --ground-filter always if part of the cloud is not classified";
   if (dtm.empty_share > kMostlyEmpty)
     report.warnings.push_back(
         {"terrain_mostly_filled",
          static_cast<std::int64_t>(dtm.empty_share * static_cast<double>(dtm.nodes)),
          fmt::format(
              "{:.0f} % of the terrain's nodes have no ground point nearby; they were filled from "
-             "their neighbours; check --bounds, or raise --dtm-step",
-             100 * dtm.empty_share)});
+             "their neighbours; check --bounds, raise --dtm-step, or {}",
+             100 * dtm.empty_share, advice)});
   else if (dtm.void_share > kManyVoids)
     report.warnings.push_back(
         {"terrain_voids", std::llround(100 * dtm.void_share),
          fmt::format(
              "{:.0f} % of the domain's squares of 20 m have no ground point; the terrain there is "
              "filled from around; check --bounds, or {}",
-             100 * dtm.void_share,
-             report.input->ground_filtered > 0
-                 ? "raise --ground-filter-slope or lower --ground-filter-window if the filter took "
-                   "terrain for objects"
-                 : "use --ground-filter always if part of the cloud is not classified")});
+             100 * dtm.void_share, advice)});
 }
 
 /// A header that is off shows here, or bytes that have rotted; then points outside of their box

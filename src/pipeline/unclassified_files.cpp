@@ -15,35 +15,15 @@ constexpr double kSide = 20;  // metres
 constexpr double kMostWithGround = 0.5;
 constexpr std::size_t kPointBatch = std::size_t{1} << 20;
 
-/// The share of a file's points up to which a class is strays.
-constexpr double kStrayGround = 1e-3, kStrayBuildings = 1e-4;
-
-std::int64_t count_of(const PointFile& file, int code) {
-  const auto found = file.points.by_class.find(code);
-  return found == file.points.by_class.end() ? 0 : found->second;
-}
-
-/// Whether the file has points of the class, more than strays.
-bool has_class(const PointFile& file, int code, double stray) {
-  std::int64_t all = 0;
-  for (const auto& [other, count] : file.points.by_class) all += count;
-  const std::int64_t found = count_of(file, code);
-  return found > 0 && static_cast<double>(found) >= stray * static_cast<double>(all);
-}
-
-/// Whether the file has points that nobody has classified.
-bool has_unclassified(const PointFile& file) {
-  const std::vector<std::uint8_t> codes = GroundFilterOptions{}.classes;
-  return std::any_of(codes.begin(), codes.end(),
-                     [&](std::uint8_t code) { return count_of(file, code) > 0; });
-}
+/// The share of a file's points up to which those of buildings are strays.
+constexpr double kStrayBuildings = 1e-4;
 
 /// Marks on the squares that the points lie in.
-class Squares {
+class SquareMarks {
  public:
   enum Mark : std::uint8_t { kHasGround = 1, kSeen = 2 };
 
-  explicit Squares(const Bounds2& extent)
+  explicit SquareMarks(const Bounds2& extent)
       : corner_{extent.xmin, extent.ymin},
         columns_(1 + static_cast<std::size_t>(extent.width() / kSide)),
         rows_(1 + static_cast<std::size_t>(extent.height() / kSide)),
@@ -97,38 +77,52 @@ void for_each_point(const PointRange& range, const Progress& progress, double fr
 }
 
 /// The share of the squares with points of the file that have ground.
-double share_with_ground(const PointFile& file, const PointCloud& cloud, Squares& squares,
+double share_with_ground(const PointFile& file, const PointCloud& cloud, SquareMarks& squares,
                          const Progress& progress) {
   std::int64_t seen = 0, with_ground = 0;
   for_each_point(file.points.kept, progress, 0.5, [&](std::size_t p) {
     std::uint8_t& mark = squares.at(cloud, p);
-    seen += (mark & Squares::kSeen) == 0 ? 1 : 0;
-    with_ground += mark == Squares::kHasGround ? 1 : 0;
-    mark |= Squares::kSeen;
+    seen += (mark & SquareMarks::kSeen) == 0 ? 1 : 0;
+    with_ground += mark == SquareMarks::kHasGround ? 1 : 0;
+    mark |= SquareMarks::kSeen;
   });
   for_each_point(file.points.kept, progress, 0.5, [&](std::size_t p) {
-    squares.at(cloud, p) &= static_cast<std::uint8_t>(~Squares::kSeen);
+    squares.at(cloud, p) &= static_cast<std::uint8_t>(~SquareMarks::kSeen);
   });
   return static_cast<double>(with_ground) / static_cast<double>(seen);
 }
 
 }  // namespace
 
+bool has_class(const std::map<int, std::int64_t>& by_class, int code, double stray) {
+  std::int64_t all = 0;
+  for (const auto& [other, count] : by_class) all += count;
+  const auto found = by_class.find(code);
+  return found != by_class.end() &&
+         static_cast<double>(found->second) >= stray * static_cast<double>(all);
+}
+
+bool has_unclassified(const std::map<int, std::int64_t>& by_class) {
+  const std::vector<std::uint8_t> codes = GroundFilterOptions{}.classes;
+  return std::any_of(codes.begin(), codes.end(),
+                     [&](std::uint8_t code) { return by_class.contains(code); });
+}
+
 std::vector<PointFile> find_files_without_ground(const InputData& input, const Progress& progress) {
   std::vector<PointFile> found;
   bool some_have = false;
   for (const PointFile& file : input.files) {
-    const bool ground = has_class(file, kGround, kStrayGround);
+    const bool ground = has_class(file.points.by_class, kGround, kStrayGround);
     some_have = some_have || ground;
-    if (!ground && file.points.kept.begin != file.points.kept.end && has_unclassified(file))
+    if (!ground && file.points.kept.begin != file.points.kept.end &&
+        has_unclassified(file.points.by_class))
       found.push_back(file);
   }
   if (found.empty() || !some_have) return {};
   const PointCloud& cloud = input.points;
-  Squares squares(input.extent);
+  SquareMarks squares(input.extent);
   for_each_point({0, cloud.size()}, progress, 0, [&](std::size_t p) {
-    const std::uint8_t code = cloud.classification[p];
-    if (code == kGround || code == kWater) squares.at(cloud, p) = Squares::kHasGround;
+    if (is_ground(cloud.classification[p])) squares.at(cloud, p) = SquareMarks::kHasGround;
   });
   std::erase_if(found, [&](const PointFile& file) {
     return share_with_ground(file, cloud, squares, progress) > kMostWithGround;
@@ -141,11 +135,13 @@ std::vector<PointRange> find_ranges_without_buildings(const InputData& input,
   std::vector<PointRange> ranges;
   for (const PointFile& file : input.files) {
     const PointRange& kept = file.points.kept;
-    if (kept.begin == kept.end || has_class(file, kBuildingClass, kStrayBuildings)) continue;
+    if (kept.begin == kept.end || has_class(file.points.by_class, kBuildingClass, kStrayBuildings))
+      continue;
     const bool chosen =
         std::any_of(without_ground.begin(), without_ground.end(),
-                    [&](const PointFile& other) { return other.points.kept.begin == kept.begin; });
-    if (chosen || (has_class(file, kGround, kStrayGround) && has_unclassified(file)))
+                    [&](const PointFile& other) { return other.path == file.path; });
+    if (chosen || (has_class(file.points.by_class, kGround, kStrayGround) &&
+                   has_unclassified(file.points.by_class)))
       ranges.push_back(kept);
   }
   return ranges;
@@ -154,10 +150,10 @@ std::vector<PointRange> find_ranges_without_buildings(const InputData& input,
 std::vector<std::size_t> find_points_near(const InputData& input, std::span<const PointFile> files,
                                           double reach, const Progress& progress) {
   const PointCloud& cloud = input.points;
-  Squares squares(input.extent);
+  SquareMarks squares(input.extent);
   for (const PointFile& file : files)
     for_each_point(file.points.kept, progress, 0,
-                   [&](std::size_t p) { squares.at(cloud, p) = Squares::kSeen; });
+                   [&](std::size_t p) { squares.at(cloud, p) = SquareMarks::kSeen; });
   squares.grow(static_cast<std::size_t>(std::ceil(reach / kSide)));
   std::vector<std::size_t> near;
   for_each_point({0, cloud.size()}, progress, 0.5, [&](std::size_t p) {

@@ -2,6 +2,8 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
+#include <map>
 #include <span>
 #include <vector>
 
@@ -11,7 +13,17 @@
 
 namespace tetropolis {
 
-/// The files with points in the domain that have points which nobody has classified (0, 1, 12) but
+/// The share of points up to which those of the ground are strays: a few of a class do not make
+/// classified points.
+constexpr double kStrayGround = 1e-3;
+
+/// Whether there are points of the class, and they are at least the share `stray` of all.
+bool has_class(const std::map<int, std::int64_t>& by_class, int code, double stray);
+
+/// Whether there are points that nobody has classified: 0, 1, 12.
+bool has_unclassified(const std::map<int, std::int64_t>& by_class);
+
+/// The files with points in the domain that have points which nobody has classified but
 /// none of class 2 (or strays: fewer than one in 1000), if others have. Not those where the ground
 /// is in another file, as where each class has a file of its own or a strip without classes lies
 /// over classified ones: more than half of the squares of 20 m that such a file has points in have

@@ -153,7 +153,7 @@ std::int64_t no_classes(AdversarialCity& city, SeededRandom& random) {
   return count;
 }
 
-bool is_ground(const Point& p) { return p.code == kGround || p.code == kWater; }
+bool on_ground(const Point& p) { return is_ground(p.code); }
 
 }  // namespace
 
@@ -171,13 +171,13 @@ std::int64_t damage_cloud(std::string_view name, AdversarialCity& city, SeededRa
   if (name == "overlap_points") return set_flags(city, kOverlapPoint, false, random);
   if (name == "class_above_31") return classes_above_31(city, random);
   if (name == "no_classes") return no_classes(city, random);
-  if (name == "only_ground") return thin(city, is_ground);
+  if (name == "only_ground") return thin(city, on_ground);
   if (name == "only_buildings")
     return thin(city, [](const Point& p) { return p.code == kBuildingClass; });
   if (name == "half_without_ground") {
     const double middle = random.uniform(0.4, 0.6) * city.domain.xmax;
     const bool west = random.chance(0.5);
-    return thin(city, [&](const Point& p) { return !is_ground(p) || (p.x < middle) == west; });
+    return thin(city, [&](const Point& p) { return !on_ground(p) || (p.x < middle) == west; });
   }
   return 0;
 }

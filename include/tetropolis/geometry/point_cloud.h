@@ -71,6 +71,9 @@ enum PointClass : std::uint8_t {
   kHighNoise = 18,
 };
 
+/// Whether points of this class tell the terrain: ground and water.
+inline bool is_ground(std::uint8_t code) { return code == kGround || code == kWater; }
+
 /// Which of all class codes are among `codes`.
 using ClassTable = std::array<bool, 256>;
 inline ClassTable class_table(std::span<const std::uint8_t> codes) {
