@@ -115,7 +115,9 @@ std::vector<double> values_at(const std::vector<float>& values, const std::vecto
   std::vector<std::vector<float>> content(kBins);
   std::vector<char> wanted(kBins, 0);
   for (const double share : shares) {
-    auto rank = static_cast<std::int64_t>(share * static_cast<double>(values.size() - 1));
+    // The first at which that share is reached, as QualityHistogram has it.
+    const double reached = std::ceil(share * static_cast<double>(values.size()));
+    auto rank = static_cast<std::int64_t>(std::max(1.0, reached)) - 1;
     std::size_t bin = 0;
     for (; rank >= counts[bin]; ++bin) rank -= counts[bin];
     bin_of.push_back(bin);

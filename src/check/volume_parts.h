@@ -26,7 +26,8 @@ void check_boundary(VolumeCheck& check);
 /// "cell 17 at (1.0, 2.0, 3.0)".
 std::string place_of(const TetMesh& mesh, std::size_t cell);
 
-/// The values at these shares of [0, 1] of the sorted sequence; `values` are not negative.
+/// The least values that at least these shares, of [0, 1], of `values` do not exceed; `values` are
+/// not negative.
 std::vector<double> values_at(const std::vector<float>& values, const std::vector<double>& shares);
 
 }  // namespace tetropolis

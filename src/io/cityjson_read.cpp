@@ -352,6 +352,20 @@ bool is_ours(const Place& object, const std::string& key) {
   return id != attributes.end() && id->is_string() && *id == key;
 }
 
+/// Whether every vertex is at one of the building's two heights, as other programs round them.
+bool has_heights(const std::vector<Face>& faces, const Building& building) {
+  constexpr double kRounding = 0.01;  // metres
+  const auto at_one = [&](const Point3& p) {
+    return std::abs(p[2] - building.h_ground) <= kRounding ||
+           std::abs(p[2] - building.h_roof) <= kRounding;
+  };
+  return std::all_of(faces.begin(), faces.end(), [&](const Face& face) {
+    return std::all_of(face.rings.begin(), face.rings.end(), [&](const std::vector<Point3>& ring) {
+      return std::all_of(ring.begin(), ring.end(), at_one);
+    });
+  });
+}
+
 class CityReader {
  public:
   CityReader(const Frame& frame, CityModel& model) : frame_(frame), model_(model) {}
@@ -371,10 +385,13 @@ class CityReader {
       return;
     }
     if (is_ours(object, key))
-      add_ours(object, std::move(footprint));
+      add_ours(object, geometry.faces, std::move(footprint));
     else
       add_foreign(key, geometry.faces, std::move(footprint));
   }
+
+  /// Ids of buildings of ours whose solid has not the heights of their attributes.
+  const std::vector<std::string>& other_heights() const { return other_heights_; }
 
   /// Foreign buildings get their numbers last, apart from the ids that files of ours brought.
   void finish() {
@@ -391,13 +408,14 @@ class CityReader {
   }
 
  private:
-  void add_ours(const Place& object, FootprintResult footprint) {
+  void add_ours(const Place& object, const std::vector<Face>& faces, FootprintResult footprint) {
     const Place attributes = object.at("attributes");
     Building building;
     read_attributes(attributes, building);
     if (footprint.polygons.size() != 1) object.at("geometry").fail("has several ground faces");
     if (!(building.h_ground < building.h_roof)) attributes.fail("has h_roof below h_ground");
     building.footprint = std::move(footprint.polygons[0]);
+    if (!has_heights(faces, building)) other_heights_.push_back(building.id);
     model_.buildings.push_back(std::move(building));
   }
 
@@ -427,6 +445,7 @@ class CityReader {
 
   const Frame& frame_;
   CityModel& model_;
+  std::vector<std::string> other_heights_;
 };
 
 void check_type(const Place& root) {
@@ -499,6 +518,13 @@ CityModel read_city(const fs::path& path, std::vector<Warning>* warnings) {
     warnings->push_back(
         {"city_objects_dropped", static_cast<std::int64_t>(dropped),
          fmt::format("{}: {} buildings or parts have no usable geometry", path.string(), dropped)});
+  const std::vector<std::string>& other = reader.other_heights();
+  if (warnings != nullptr && !other.empty())
+    warnings->push_back(
+        {"city_heights_differ", static_cast<std::int64_t>(other.size()),
+         fmt::format("{}: the solids of {} buildings (the first: {}) are not at the heights of "
+                     "their attributes h_ground and h_roof; the attributes are used",
+                     path.string(), other.size(), other.front())});
   return model;
 }
 

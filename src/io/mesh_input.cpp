@@ -1,5 +1,8 @@
 #include "mesh_input.h"
 
+#include <locale>
+#include <sstream>
+
 #include <fmt/format.h>
 
 #include "input_file.h"
@@ -32,6 +35,15 @@ void require_room_for_surface(const std::filesystem::path& path, std::uint64_t p
                  kPerSurfacePoint * static_cast<double>(points) +
                      kPerTriangle * static_cast<double>(triangles),
                  fmt::format("read its {} points and {} triangles", points, triangles), kRemedy);
+}
+
+std::optional<Point3> point_from_text(const std::string& text) {
+  std::istringstream words(text);
+  words.imbue(std::locale::classic());
+  Point3 point{};
+  std::string rest;
+  if (!(words >> point[0] >> point[1] >> point[2]) || words >> rest) return std::nullopt;
+  return point;
 }
 
 }  // namespace tetropolis

@@ -4,9 +4,11 @@
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <vector>
 
+#include "tetropolis/geometry/types.h"
 #include "tetropolis/volume/boundary.h"
 
 namespace tetropolis {
@@ -19,6 +21,9 @@ void require_room_for_mesh(const std::filesystem::path& path, std::uint64_t poin
 /// The same for a surface, without checking it.
 void require_room_for_surface(const std::filesystem::path& path, std::uint64_t points,
                               std::uint64_t triangles);
+
+/// Three numbers as text with blanks between; nothing if that is not what it is.
+std::optional<Point3> point_from_text(const std::string& text);
 
 /// One patch per face. fail(what) is called for the first number that is none, and must throw.
 template <typename Fail>

@@ -97,6 +97,12 @@ void VtkInput::read_appended_tag(const std::string& head, std::size_t appended) 
 void VtkInput::read_tags(const std::string& head, const std::string& cell_count) {
   const std::size_t piece = head.find("<Piece");
   if (piece == std::string::npos) fail("has no <Piece>");
+  for (std::size_t at = head.find("<DataArray"); at < piece; at = head.find("<DataArray", at + 1)) {
+    const std::size_t text = head.find('>', at) + 1;
+    const std::string tag = head.substr(at, text - at);
+    if (attribute(tag, "Name") == "origin" && attribute(tag, "format") == "ascii")
+      origin_ = head.substr(text, head.find('<', text) - text);
+  }
   // Each piece has arrays of its own by the same names.
   if (head.find("<Piece", piece + 1) != std::string::npos)
     fail("has several pieces; write it again as one piece");

@@ -42,6 +42,8 @@ class VtkInput {
   std::uint64_t points() const { return points_; }
   std::uint64_t cells() const { return cells_; }
   bool has(const std::string& name) const { return arrays_.contains(name); }
+  /// The text of the field data `origin`; empty if there is none as text.
+  const std::string& origin() const { return origin_; }
 
   /// The array `name`. Checked: it has `count` values of a known type, and the file has its bytes
   /// (so it is safe to make room for them).
@@ -115,6 +117,7 @@ class VtkInput {
   std::uint64_t points_ = 0;
   std::uint64_t cells_ = 0;
   std::map<std::string, Tag> arrays_;
+  std::string origin_;
 };
 
 }  // namespace tetropolis

@@ -2,6 +2,7 @@
 #include <atomic>
 #include <cstdint>
 #include <limits>
+#include <optional>
 #include <string>
 #include <type_traits>
 #include <utility>
@@ -156,6 +157,13 @@ SurfaceMesh read_vtp(const std::filesystem::path& path) {
       patches_of(read_numbers(file, "patch"), [&](const std::string& what) { file.fail(what); });
   surface.building = read_numbers(file, "building");
   return surface;
+}
+
+std::optional<Point3> read_vtk_origin(const std::filesystem::path& path) {
+  const bool volume = path.extension() == ".vtu";
+  const VtkInput file(path, volume ? "UnstructuredGrid" : "PolyData",
+                      volume ? "NumberOfCells" : "NumberOfPolys");
+  return point_from_text(file.origin());
 }
 
 }  // namespace tetropolis

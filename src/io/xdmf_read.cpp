@@ -1,6 +1,7 @@
 #include <array>
 #include <cstdint>
 #include <limits>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -47,6 +48,14 @@ class Description {
         fmt::format("Dimensions=\"{}\" Format=\"HDF\">{}:{}<", dimensions, data_name_, dataset);
     if (text_.find(item) == std::string::npos)
       fail(fmt::format("does not give {} the dimensions that it has, {}", dataset, dimensions));
+  }
+
+  std::optional<Point3> origin() const {
+    constexpr std::string_view kBefore = "<Information Name=\"origin\" Value=\"";
+    const std::size_t begin = text_.find(kBefore);
+    if (begin == std::string::npos) return std::nullopt;
+    const std::size_t value = begin + kBefore.size();
+    return point_from_text(text_.substr(value, text_.find('"', value) - value));
   }
 
  private:
@@ -97,6 +106,7 @@ XdmfMesh read_xdmf(const fs::path& path) {
   const Description description(path);
   const Hdf5Input file(description.data_path());
   XdmfMesh mesh;
+  mesh.origin = description.origin();
   TetMesh& volume = mesh.volume;
   require_room_for_mesh(path, file.rows<std::array<double, 3>>(kGeometry),
                         file.rows<std::array<std::int64_t, 4>>(kTopology));

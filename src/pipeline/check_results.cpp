@@ -85,11 +85,15 @@ CheckedFile describe(const std::string& name, const SurfaceCheck& check) {
   return file;
 }
 
-/// A boundary and what it is called in what is printed.
-struct NamedSurface {
+/// A mesh of a file, what it is called in what is printed, and the origin that the file gives.
+template <typename Mesh>
+struct Named {
   std::string name;
-  SurfaceMesh mesh;
+  Mesh mesh;
+  std::optional<Point3> origin;
 };
+using NamedVolume = Named<TetMesh>;
+using NamedSurface = Named<SurfaceMesh>;
 
 std::string grid_name(const std::string& file, const char* grid) {
   return fmt::format("{}, grid '{}'", file, grid);
@@ -135,6 +139,14 @@ CheckedFile describe(const std::string& name, const CityCheck& check,
   return file;
 }
 
+/// Of what the reader of a model noticed, that its solids are not those of its attributes.
+void note_heights(const std::vector<Warning>& warnings, CheckedFile& file) {
+  for (const Warning& warning : warnings)
+    if (warning.code == "city_heights_differ")
+      file.violations.push_back(
+          {"solids not at h_ground and h_roof", warning.count, warning.message});
+}
+
 void differs(const std::string& what, const std::string& reported, const std::string& found,
              CheckedFile& file) {
   file.violations.push_back({what + " differs from report.json", 1,
@@ -166,6 +178,20 @@ void compare_with_report(const ReportedMesh& mesh, const VolumeCheck& volume,
   near("greatest skewness", mesh.skewness, volume.faces.max_skewness, 0.01);
   near("greatest aspect ratio", mesh.aspect_ratio, volume.aspect_ratio.max,
        1e-4 * volume.aspect_ratio.max);
+  near("faces above 70 degrees", mesh.faces_above_70, static_cast<double>(volume.faces.above_70),
+       0);
+  const auto quantile = [&](const std::map<std::string, double>& reported, const char* name,
+                            const std::string& what, double found, double tolerance) {
+    const auto value = reported.find(name);
+    near(what, value == reported.end() ? -1 : value->second, found, tolerance);
+  };
+  const Distribution &angle = volume.min_dihedral_deg, &aspect = volume.aspect_ratio;
+  quantile(mesh.angles, "p0_01", "0.01 % quantile of dihedral angles", angle.p0_01, 0.1);
+  quantile(mesh.angles, "p0_1", "0.1 % quantile of dihedral angles", angle.p0_1, 0.1);
+  quantile(mesh.angles, "p1", "1 % quantile of dihedral angles", angle.p1, 0.1);
+  quantile(mesh.angles, "median", "median of dihedral angles", angle.median, 0.1);
+  quantile(mesh.aspects, "median", "median of aspect ratios", aspect.median, 0.01 * aspect.median);
+  quantile(mesh.aspects, "p99", "99 % quantile of aspect ratios", aspect.p99, 0.01 * aspect.p99);
   near("closed boundary", mesh.closed ? 1 : 0, surface.closed ? 1 : 0, 0);
   near("manifold boundary", mesh.manifold ? 1 : 0, surface.manifold ? 1 : 0, 0);
   for (int i = 0; i < kPatchCount; ++i) {
@@ -287,12 +313,16 @@ std::string list_of(const std::map<std::string, std::int64_t>& counts) {
   return parts.empty() ? "none" : fmt::format("{}", fmt::join(parts, ", "));
 }
 
+void compare_count(const std::string& what, std::int64_t reported, std::size_t found,
+                   CheckedFile& file) {
+  const auto count = static_cast<double>(found);
+  compare(what, static_cast<double>(reported), count, count, count, file);
+}
+
 /// `check` is that of the city; `made`: the run that reports made it, and did not only read it.
 void compare_buildings(const CityModel& city, const CityCheck& check, const ReportedCity& report,
                        bool made, CheckedFile& file) {
-  const auto buildings = static_cast<double>(city.buildings.size());
-  compare("number of buildings", static_cast<double>(report.buildings), buildings, buildings,
-          buildings, file);
+  compare_count("number of buildings", report.buildings, city.buildings.size(), file);
   std::vector<std::string> dropped;
   for (const Dropped& feature : city.dropped) dropped.push_back(feature.source_id);
   std::sort(dropped.begin(), dropped.end());
@@ -336,19 +366,32 @@ void compare_city(const CityModel& city, const CityCheck& check, const ReportedF
     differs("domain", text(*report.domain), text(sides), file);
 }
 
+/// What a mesh file says of its place, if it does.
+void compare_origin(const std::optional<Point3>& origin, const std::optional<ReportedFacts>& report,
+                    CheckedFile& file) {
+  if (!origin || !report || !report->origin || !report->mesh) return;
+  const Point3 expected =
+      report->absolute ? Point3{0, 0, 0} : Point3{report->origin->x, report->origin->y, 0};
+  if (*origin != expected)
+    differs("origin", fmt::format("{}", fmt::join(expected, ", ")),
+            fmt::format("{}", fmt::join(*origin, ", ")), file);
+}
+
 /// The volume, and each of the boundaries, which are all to be that of the volume, against it.
-std::vector<CheckedFile> check_volume_and_boundaries(const std::string& volume, const TetMesh& mesh,
+std::vector<CheckedFile> check_volume_and_boundaries(const NamedVolume& volume,
                                                      const std::vector<NamedSurface>& boundaries,
                                                      const std::optional<ReportedFacts>& report,
                                                      const Progress& progress) {
-  const VolumeCheck volume_check = check_volume(mesh, progress);
-  std::vector<CheckedFile> files{describe(volume, volume_check)};
+  const VolumeCheck volume_check = check_volume(volume.mesh, progress);
+  std::vector<CheckedFile> files{describe(volume.name, volume_check)};
+  compare_origin(volume.origin, report, files.back());
   for (const NamedSurface& boundary : boundaries) {
     const SurfaceCheck surface_check = check_surface(boundary.mesh);
     files.push_back(describe(boundary.name, surface_check));
-    CheckedFile both{fmt::format("{} and {}", volume, boundary.name),
+    compare_origin(boundary.origin, report, files.back());
+    CheckedFile both{fmt::format("{} and {}", volume.name, boundary.name),
                      {"faces of one compared with faces of the other"},
-                     check_same_boundary(mesh, volume_check, boundary.mesh),
+                     check_same_boundary(volume.mesh, volume_check, boundary.mesh),
                      {}};
     if (report && report->mesh)
       compare_with_report(*report->mesh, volume_check, surface_check, both);
@@ -360,11 +403,11 @@ std::vector<CheckedFile> check_volume_and_boundaries(const std::string& volume, 
 }
 
 /// A mesh of the folder; `city` is city.city.json if that is there.
-void add_mesh(const std::string& volume, const TetMesh& mesh,
-              const std::vector<NamedSurface>& boundaries, const fs::path& folder,
-              const CityModel& city, const std::optional<ReportedFacts>& report,
-              const Progress& progress, std::vector<CheckedFile>& files) {
-  for (CheckedFile& file : check_volume_and_boundaries(volume, mesh, boundaries, report, progress))
+void add_mesh(const NamedVolume& volume, const std::vector<NamedSurface>& boundaries,
+              const fs::path& folder, const CityModel& city,
+              const std::optional<ReportedFacts>& report, const Progress& progress,
+              std::vector<CheckedFile>& files) {
+  for (CheckedFile& file : check_volume_and_boundaries(volume, boundaries, report, progress))
     files.push_back(std::move(file));
   if (!is_there(folder / kCity)) {
     files.back().not_checked.emplace_back(
@@ -372,9 +415,9 @@ void add_mesh(const std::string& volume, const TetMesh& mesh,
     return;
   }
   for (const NamedSurface& boundary : boundaries)
-    files.push_back(
-        check_against_city(fmt::format("{}, {}, city model and terrain", volume, boundary.name),
-                           folder, mesh, boundary.mesh, city, report));
+    files.push_back(check_against_city(
+        fmt::format("{}, {}, city model and terrain", volume.name, boundary.name), folder,
+        volume.mesh, boundary.mesh, city, report));
 }
 
 /// What is in the folder of volume and boundary, one format after the other.
@@ -385,10 +428,12 @@ void add_meshes(const fs::path& folder, const CityModel& city,
   const bool vtu = there("volume.vtu"), vtp = there("boundary.vtp"), xdmf = there("volume.xdmf");
   std::vector<NamedSurface> vtp_boundary;
   if (vtp && (vtu || xdmf))
-    vtp_boundary.push_back({"boundary.vtp", read_vtp(folder / "boundary.vtp")});
+    vtp_boundary.push_back({"boundary.vtp", read_vtp(folder / "boundary.vtp"),
+                            read_vtk_origin(folder / "boundary.vtp")});
   if (vtu && vtp)
-    add_mesh("volume.vtu", read_vtu(folder / "volume.vtu"), vtp_boundary, folder, city, report,
-             progress, files);
+    add_mesh(
+        {"volume.vtu", read_vtu(folder / "volume.vtu"), read_vtk_origin(folder / "volume.vtu")},
+        vtp_boundary, folder, city, report, progress, files);
   else if (vtu)
     files.push_back(check_one_volume(folder / "volume.vtu", progress));
   else if (vtp && !xdmf)
@@ -396,9 +441,10 @@ void add_meshes(const fs::path& folder, const CityModel& city,
   if (xdmf) {
     XdmfMesh mesh = read_xdmf(folder / "volume.xdmf");
     std::vector<NamedSurface> boundaries = vtu ? std::vector<NamedSurface>() : vtp_boundary;
-    boundaries.push_back({grid_name("volume.xdmf", "boundary"), std::move(mesh.boundary)});
-    add_mesh(grid_name("volume.xdmf", "mesh"), mesh.volume, boundaries, folder, city, report,
-             progress, files);
+    boundaries.push_back(
+        {grid_name("volume.xdmf", "boundary"), std::move(mesh.boundary), std::nullopt});
+    add_mesh({grid_name("volume.xdmf", "mesh"), std::move(mesh.volume), mesh.origin}, boundaries,
+             folder, city, report, progress, files);
   } else if (report && report->mesh && !(vtu && vtp)) {
     files.push_back(
         {"meshes", {}, {}, {"there is neither volume.vtu with boundary.vtp nor volume.xdmf"}});
@@ -409,12 +455,27 @@ std::vector<CheckedFile> check_one_xdmf(const fs::path& path, const Progress& pr
   XdmfMesh mesh = read_xdmf(path);
   const std::string name = path.filename().string();
   std::vector<CheckedFile> files = check_volume_and_boundaries(
-      grid_name(name, "mesh"), mesh.volume,
-      {{grid_name(name, "boundary"), std::move(mesh.boundary)}}, std::nullopt, progress);
+      {grid_name(name, "mesh"), std::move(mesh.volume), mesh.origin},
+      {{grid_name(name, "boundary"), std::move(mesh.boundary), std::nullopt}}, std::nullopt,
+      progress);
   files.back().not_checked = {
       "regions, footprints in the mesh, heights and the report (check the folder that has the "
       "other results)"};
   return files;
+}
+
+/// A result that was lost or moved away since the run.
+void note_missing(const fs::path& folder, const ReportedFacts& report,
+                  std::vector<CheckedFile>& files) {
+  std::vector<std::string> missing;
+  for (const std::string& name : report.files)
+    if (!is_there(folder / name)) missing.push_back(name);
+  if (!missing.empty())
+    files.push_back({"report.json",
+                     {},
+                     {},
+                     {fmt::format("{}, which the run wrote and which {} not here",
+                                  fmt::join(missing, ", "), missing.size() == 1 ? "is" : "are")}});
 }
 
 /// Whoever hands on one of these files is to know that nobody has looked into it.
@@ -436,15 +497,20 @@ std::vector<CheckedFile> check_folder(const fs::path& folder, std::optional<doub
   std::optional<CityModel> raw;
   for (const char* name : {kRawCity, kCity}) {
     if (!there(name)) continue;
-    city = read_city(folder / name);
+    std::vector<Warning> warnings;
+    city = read_city(folder / name, &warnings);
     const bool is_raw = std::string_view(name) == kRawCity;
     const std::optional<double> distance =
         distance_asked(name, is_raw ? std::nullopt : min_distance, report);
     const CityCheck check = check_city(city, distance);
     files.push_back(describe(name, check, distance));
+    note_heights(warnings, files.back());
     compare_account(city, report, files.back());
     if (is_raw) {
       raw = city;
+      if (report && report->city && report->footprint_parts)
+        compare_count("number of raw buildings", report->city->raw_buildings, city.buildings.size(),
+                      files.back());
       continue;
     }
     // A model that was meshed by itself may be another one than the raw model beside it.
@@ -457,6 +523,7 @@ std::vector<CheckedFile> check_folder(const fs::path& folder, std::optional<doub
         ErrorKind::kInput,
         folder.string() +
             ": holds no result of tetropolis (no city.city.json, no volume.vtu or volume.xdmf)");
+  if (report) note_missing(folder, *report, files);
   add_unread(folder, files);
   return files;
 }
@@ -474,7 +541,9 @@ CheckedFile check_one_city(const fs::path& path, std::optional<double> min_dista
   }
   const std::string name = path.filename().string();
   const std::optional<double> distance = distance_asked(name, min_distance, report);
-  CheckedFile file = describe(name, check_city(read_city(path), distance), distance);
+  std::vector<Warning> warnings;
+  CheckedFile file = describe(name, check_city(read_city(path, &warnings), distance), distance);
+  note_heights(warnings, file);
   file.not_checked = std::move(not_checked);
   return file;
 }

@@ -33,7 +33,8 @@ CutSources cuts_of(const Json& report) {
 }
 
 ReportedCity city_of(const Json& report) {
-  ReportedCity city{report.value("buildings", std::int64_t{-1}),
+  ReportedCity city{report.value("raw_buildings", std::int64_t{-1}),
+                    report.value("buildings", std::int64_t{-1}),
                     {},
                     report.value("flags", std::map<std::string, std::int64_t>()),
                     {},
@@ -45,6 +46,27 @@ ReportedCity city_of(const Json& report) {
   if (report.contains("min_clearance") && !report["min_clearance"].is_null())
     city.min_clearance = report["min_clearance"].get<double>();
   return city;
+}
+
+std::map<std::string, double> numbers_of(const Json& volume, const char* measure) {
+  return volume.value(measure, std::map<std::string, double>());
+}
+
+/// The results that a run with these settings writes.
+std::vector<std::string> files_of(const Json& report, const Json& config) {
+  std::vector<std::string> files;
+  if (report.contains("input") && report.contains("city"))
+    files = {"city_raw.city.json", "city.city.json", "dtm.tif"};
+  if (!report.contains("volume_mesh")) return files;
+  files.insert(files.end(), {"boundary.vtp", "surface.stl"});
+  const std::map<std::string, std::string> names{
+      {"vtu", "volume.vtu"},  {"xdmf", "volume.xdmf"},
+      {"msh", "volume.msh"},  {"openfoam", "constant/polyMesh"},
+      {"obj", "surface.obj"}, {"ply", "surface.ply"},
+      {"glb", "surface.glb"}};
+  for (const std::string& format : config.value("formats", std::vector<std::string>()))
+    if (const auto name = names.find(format); name != names.end()) files.push_back(name->second);
+  return files;
 }
 
 double greatest(const Json& volume, const char* measure) {
@@ -73,6 +95,7 @@ ReportedFacts facts_of(const Json& report) {
         Point2{report["origin"].at(0).get<double>(), report["origin"].at(1).get<double>()};
   if (report.contains("domain")) facts.domain = report["domain"].get<std::array<double, 4>>();
   if (report.contains("crs")) facts.crs = normalise_crs(report["crs"].get<std::string>());
+  facts.files = files_of(report, config);
   if (!report.contains("volume_mesh")) return facts;
   const Json& volume = report["volume_mesh"];
   const Json surface = report.value("surface_mesh", Json::object());
@@ -88,6 +111,9 @@ ReportedFacts facts_of(const Json& report) {
                 greatest(volume, "non_orthogonality_deg"),
                 greatest(volume, "skewness"),
                 greatest(volume, "aspect_ratio"),
+                numbers_of(volume, "dihedral_deg"),
+                numbers_of(volume, "aspect_ratio"),
+                volume.value("faces_above_70_deg", -1.0),
                 surface.value("closed", false),
                 surface.value("manifold", false),
                 surface.value("faces_by_patch", std::map<std::string, std::int64_t>())};

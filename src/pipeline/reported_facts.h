@@ -19,6 +19,8 @@ namespace tetropolis {
 struct ReportedMesh {
   double cells, vertices, inverted, volume, triangles, least_angle, greatest_angle, ground_lowered,
       non_orthogonality, skewness, aspect_ratio;
+  std::map<std::string, double> angles, aspects;  ///< By the names of report.json.
+  double faces_above_70;
   bool closed, manifold;
   std::map<std::string, std::int64_t> faces_by_patch;
 };
@@ -29,6 +31,7 @@ struct ReportedGround {
 
 /// Of city.city.json.
 struct ReportedCity {
+  std::int64_t raw_buildings;  ///< Of city_raw.city.json.
   std::int64_t buildings;
   std::vector<std::string> dropped;  ///< Ids, sorted.
   std::map<std::string, std::int64_t> flags;
@@ -45,6 +48,7 @@ struct ReportedFacts {
   std::optional<std::array<double, 4>> domain;  ///< CRS coordinates.
   std::optional<std::string> crs;
   std::optional<ReportedMesh> mesh;
+  std::vector<std::string> files;  ///< What the run wrote.
   std::optional<double> min_angle;
   double min_wall = Config{}.min_wall_height;
   CutsCheck cuts;

@@ -84,7 +84,9 @@ TEST_F(CheckVolume, QuantilesAreThoseOfTheSortedCells) {
   std::sort(angles.begin(), angles.end());
   std::sort(aspects.begin(), aspects.end());
   const auto at = [&](const std::vector<double>& sorted, double share) {
-    return sorted[static_cast<std::size_t>(share * static_cast<double>(sorted.size() - 1))];
+    std::size_t rank = 0;
+    while (static_cast<double>(rank + 1) < share * static_cast<double>(sorted.size())) ++rank;
+    return sorted[rank];
   };
   const VolumeCheck check = check_volume(mesh);
   const Distribution& angle = check.min_dihedral_deg;

@@ -78,7 +78,7 @@ TEST_F(Build, CheckFindsAReportThatTellsSomethingElse) {
   EXPECT_EQ(violations_with("/version", "another"), 0U);
   EXPECT_EQ(violations_with("/city/buildings", 55), 1U);
   EXPECT_EQ(violations_with("/city/dropped/0/source_id", "nobody"), 1U);
-  EXPECT_EQ(violations_with("/origin/0", 0), 1U);
+  EXPECT_EQ(violations_with("/origin/0", 0), 3U);                // model, volume and boundary
   EXPECT_EQ(violations_with("/input/footprint_parts", 99), 2U);  // both models
   EXPECT_EQ(violations_with("/volume_mesh/cells", 1), 1U);
   EXPECT_EQ(violations_with("/volume_mesh/dihedral_deg/min", 50), 1U);

@@ -264,6 +264,13 @@ TEST_F(Cli, CheckComparesTheModelsAndTheReport) {
           "features of city_raw.city.json that are not here");
   changed("city_raw.city.json", "\"source_ids\":\\[\"[^\"]*\"", "\"source_ids\":[\"invented\"",
           "features that are not in city_raw.city.json");
+  for (const char* model : {"city_raw.city.json", "city.city.json"})
+    for (const auto& [what, by] :
+         {std::pair{"\"h_ground\":", "\"h_ground\":-"}, std::pair{"\"h_roof\":", "\"h_roof\":9"},
+          std::pair{"\"vertices\":\\[\\s*\\[(\\d+),(\\d+),(\\d+)\\]", "\"vertices\":[[$1,$2,9$3]"}})
+      changed(model, what, by, "VIOLATED: solids not at h_ground and h_roof");
+  changed("report.json", "\"raw_buildings\": *", "\"raw_buildings\":1",
+          "number of raw buildings differs");
   changed("report.json", "EPSG:3006", "EPSG:3007", "reference system differs from report.json");
   changed("report.json", "\"domain\": *\\[\\s*[0-9]", "\"domain\":[9",
           "domain differs from report.json");
@@ -285,12 +292,66 @@ TEST_F(Cli, CheckComparesTheModelsAndTheReport) {
     changed("report.json", (std::string("\"") + name + "\": *\\{\\s*\"max\": *[0-9.]+").c_str(),
             (std::string("\"") + name + "\":{\"max\":9.5").c_str(),
             (std::string("greatest ") + what + " differs").c_str());
+  changed("report.json", "\"faces_above_70_deg\": *", "\"faces_above_70_deg\":1",
+          "faces above 70 degrees differs");
+  for (const auto& [name, what] : {std::pair{"p0_01", "0.01 % quantile of dihedral angles"},
+                                   std::pair{"p0_1", "0.1 % quantile of dihedral angles"},
+                                   std::pair{"p1", "1 % quantile of dihedral angles"},
+                                   std::pair{"median", "median of dihedral angles"}})
+    changed("report.json",
+            (std::string("(\"dihedral_deg\": *\\{[^}]*\"") + name + "\": *)").c_str(), "$019",
+            (std::string(what) + " differs").c_str());
+  for (const auto& [name, what] : {std::pair{"p99", "99 % quantile of aspect ratios"},
+                                   std::pair{"median", "median of aspect ratios"}})
+    changed("report.json",
+            (std::string("(\"aspect_ratio\": *\\{[^}]*\"") + name + "\": *)").c_str(), "$019",
+            (std::string(what) + " differs").c_str());
+  for (const char* mesh : {"volume.vtu", "boundary.vtp"})
+    changed(mesh, "(Name=\"origin\"[^>]*>)", "$019", "origin differs from report.json");
   // A mesh of the model that is there already.
   ASSERT_EQ(run("mesh --quiet --city result/city.city.json --dtm result/dtm.tif --mesh-size 30 "
                 "--out result")
                 .code,
             0);
   EXPECT_EQ(run("check result").code, 0);
+}
+
+TEST_F(Cli, CheckKnowsWhereTheMeshLies) {
+  synth("--buildings 4 --size 100");
+  for (const std::string coordinates : {"local", "absolute"}) {
+    ASSERT_EQ(run("build --quiet --footprints input/footprints.shp --points input --mesh-size 20 "
+                  "--formats vtu,xdmf --out result --coordinates " +
+                  coordinates)
+                  .code,
+              0);
+    ASSERT_EQ(run("check result").code, 0);
+    const fs::path path = scratch / "result/volume.xdmf";
+    std::string text = bytes_of(path);
+    const std::string_view origin = "Name=\"origin\" Value=\"";
+    text.insert(text.find(origin) + origin.size(), "9");
+    std::ofstream(path) << text;
+    const Outcome outcome = run("check result");
+    EXPECT_EQ(outcome.code, 1);
+    EXPECT_NE(outcome.out.find("VIOLATED: origin differs from report.json"), std::string::npos)
+        << outcome.out;
+  }
+}
+
+TEST_F(Cli, CheckNamesResultsThatAreMissing) {
+  synth("--buildings 4 --size 100");
+  ASSERT_EQ(run("build --quiet --footprints input/footprints.shp --points input --mesh-size 20 "
+                "--formats vtu,ply,openfoam --out result")
+                .code,
+            0);
+  for (const char* name : {"surface.stl", "surface.ply", "city_raw.city.json", "dtm.tif"})
+    ASSERT_TRUE(fs::remove(scratch / "result" / name)) << name;
+  ASSERT_GT(fs::remove_all(scratch / "result/constant"), 0);
+  const Outcome outcome = run("check result");
+  EXPECT_EQ(outcome.code, 0);
+  EXPECT_NE(outcome.out.find("not checked: city_raw.city.json, dtm.tif, surface.stl, surface.ply, "
+                             "constant/polyMesh, which the run wrote and which are not here"),
+            std::string::npos)
+      << outcome.out;
 }
 
 TEST_F(Cli, CheckTakesTheOptionsOfEveryRun) {

@@ -3,8 +3,10 @@
 #pragma once
 
 #include <filesystem>
+#include <optional>
 
 #include "tetropolis/core/progress.h"
+#include "tetropolis/geometry/types.h"
 #include "tetropolis/io/compression.h"
 #include "tetropolis/io/placement.h"
 #include "tetropolis/volume/boundary.h"
@@ -37,5 +39,10 @@ TetMesh read_vtu(const std::filesystem::path& path);
 
 /// Likewise the triangles of a VTP file with the cell data `patch` and `building`.
 SurfaceMesh read_vtp(const std::filesystem::path& path);
+
+/// Where the zero of a VTU or VTP file lies in the reference system: the field data `origin`, if it
+/// is three numbers as text (as write_vtu and write_vtp put it there). Throws Error(kInput) if the
+/// file cannot be read.
+std::optional<Point3> read_vtk_origin(const std::filesystem::path& path);
 
 }  // namespace tetropolis

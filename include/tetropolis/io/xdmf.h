@@ -11,8 +11,10 @@
 #pragma once
 
 #include <filesystem>
+#include <optional>
 
 #include "tetropolis/core/progress.h"
+#include "tetropolis/geometry/types.h"
 #include "tetropolis/io/compression.h"
 #include "tetropolis/io/placement.h"
 #include "tetropolis/volume/boundary.h"
@@ -43,7 +45,8 @@ void write_xdmf(const std::filesystem::path& path, const ColumnMesh& mesh,
 
 struct XdmfMesh {
   TetMesh volume;
-  SurfaceMesh boundary;  ///< Points in the order of the volume's.
+  SurfaceMesh boundary;          ///< Points in the order of the volume's.
+  std::optional<Point3> origin;  ///< Placement::origin, if the file has it.
 };
 
 /// Reads what write_xdmf has written, plain or compressed: `path` and the HDF5 file beside it that
