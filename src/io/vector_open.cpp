@@ -92,7 +92,7 @@ bool first_layer_holds_polygons(GDALDatasetH dataset) {
 /// only those that begin with WKT. Columns of these names may hold anything.
 void find_polygons(const std::string& name, gdal::StringList& options, gdal::Dataset& dataset) {
   for (const char* column : {"geometry", "geom", "the_geom", "wkb_geometry", "geom_wkt",
-                             "geometry_wkt", "shape", "polygon", "footprint"}) {
+                             "geometry_wkt", "wkb", ".geo", "shape", "polygon", "footprint"}) {
     options.set("GEOM_POSSIBLE_NAMES", column);
     const gdal::QuietErrors errors;
     gdal::Dataset other(GDALOpenEx(name.c_str(), GDAL_OF_VECTOR, nullptr, options.get(), nullptr));
@@ -123,6 +123,8 @@ VectorFile open_vector(const fs::path& path, const gdal::QuietErrors& errors) {
   const gdal::ThreadOption restore("SHAPE_RESTORE_SHX", file.copy ? "YES" : "NO");
   gdal::StringList options;
   options.set("WRITE_GFS", "NO");
+  // Else whole numbers of 19 digits, such as ids, would be rounded to doubles.
+  if (lower_case(fs::path(name).extension().string()) == ".shp") options.set("ADJUST_TYPE", "YES");
   file.dataset.reset(GDALOpenEx(name.c_str(), GDAL_OF_VECTOR | GDAL_OF_VERBOSE_ERROR, nullptr,
                                 options.get(), nullptr));
   const bool unknown = errors.last().find("not recognized as") != std::string::npos;

@@ -405,6 +405,31 @@ TEST(Vector, NumbersAsIdsKeepTheirDigits) {
   EXPECT_FALSE(has_warning(input, "duplicate_ids"));
 }
 
+TEST(Vector, IdsOfNineteenDigitsInShapefilesKeepThem) {
+  const TemporaryFolder folder;
+  const std::vector<std::string> ids{"1234567890123456781", "1234567890123456782"};
+  write_footprints(
+      folder / "a.shp",
+      std::vector<Polygon>{{{{0, 0}, {9, 0}, {9, 9}}, {}}, {{{20, 0}, {29, 0}, {29, 9}}, {}}}, ids,
+      std::vector<double>{7, 8.5}, {}, "EPSG:28992");
+  // A column of text becomes one of numbers.
+  std::string table = bytes_of(folder / "a.dbf");
+  const std::size_t column = table.find(std::string("id\0", 3));
+  ASSERT_NE(column, std::string::npos);
+  ASSERT_EQ(table[column + 11], 'C');
+  table[column + 11] = 'N';
+  table[column + 17] = 0;  // decimals
+  write_text(folder / "a.dbf", table);
+  ReadFootprintsOptions options;
+  options.id_attribute = "id";
+  options.height_attribute = "height";
+  const FootprintsInput input = read_footprints(folder / "a.shp", options);
+  ASSERT_EQ(input.features.size(), 2U);
+  for (std::size_t i = 0; i < 2; ++i) EXPECT_EQ(input.features[i].source_id, ids[i]);
+  EXPECT_EQ(input.features[1].height, 8.5);
+  EXPECT_TRUE(input.warnings.empty());
+}
+
 TEST(Vector, TheVeryNameOfAnAttributeComesBeforeOthers) {
   const TemporaryFolder folder;
   const fs::path path =
@@ -435,7 +460,7 @@ TEST(Vector, WhatMarksUnknownHeightsIsNone) {
 
 TEST(Vector, PolygonsInTablesAreFoundByTheUsualNames) {
   const TemporaryFolder folder;
-  for (const char* name : {"WKT", "wkt", "geometry", "geom", "the_geom", "GEOM"}) {
+  for (const char* name : {"WKT", "wkt", "geometry", "geom", "the_geom", "GEOM", "wkb", ".geo"}) {
     const FootprintsInput input = read_footprints(write_text(
         folder / "a.csv", std::string("id,") + name + "\n1,\"POLYGON((3 8,4 8,4 9,3 8))\"\n"));
     EXPECT_EQ(input.features.size(), 1U) << name;
