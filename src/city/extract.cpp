@@ -43,10 +43,8 @@ Classes classes_of(bool by_exclusion) {
   classes.ground[kGround] = classes.ground[kWater] = true;
   classes.by_exclusion = by_exclusion;
   if (by_exclusion) {
-    classes.roof.fill(true);
-    for (const std::uint8_t code : {kGround, kWater, kLowVegetation, kMediumVegetation,
-                                    kHighVegetation, kLowNoise, kHighNoise})
-      classes.roof[code] = false;
+    for (std::size_t code = 0; code < classes.roof.size(); ++code)
+      classes.roof[code] = may_be_roof(static_cast<std::uint8_t>(code));
   } else {
     classes.roof[kBuildingClass] = true;
   }

@@ -89,11 +89,21 @@ Srs without_code(OGRSpatialReferenceH srs) {
   return parse_srs(definition.dump());
 }
 
+bool has_axes_east_and_north(OGRSpatialReferenceH srs) {
+  for (int i = 0; i < 2; ++i) {
+    OGRAxisOrientation towards = OAO_Other;
+    OSRGetAxis(srs, nullptr, i, &towards);
+    if (towards != OAO_East && towards != OAO_North) return false;
+  }
+  return true;
+}
+
 /// The same with axes east, north: systems that differ in the order of their axes only (EPSG:3042
-/// and EPSG:25830) have the same coordinates here, where x is always the easting.
+/// and EPSG:25830) have the same coordinates here, where x is always the easting. Not where they
+/// point south and west (EPSG:5513): there the coordinates are others.
 Srs with_usual_axes(OGRSpatialReferenceH srs) {
   Srs result(OSRClone(srs));
-  if (OSRIsProjected(srs) != 0)
+  if (OSRIsProjected(srs) != 0 && has_axes_east_and_north(srs))
     OSRSetAxes(result.get(), "PROJCS", "Easting", OAO_East, "Northing", OAO_North);
   return result;
 }
@@ -145,8 +155,11 @@ double vertical_unit_metres(OGRSpatialReferenceH srs) {
 }
 
 std::string vertical_name(OGRSpatialReferenceH srs) {
-  const char* name = srs == nullptr ? nullptr : OSRGetAttrValue(srs, "VERT_CS", 0);
-  return name == nullptr ? "" : name;
+  if (srs == nullptr) return "";
+  const char* name = OSRGetAttrValue(srs, "VERT_CS", 0);
+  if (name != nullptr) return name;
+  const bool whole = OSRIsProjected(srs) != 0 || OSRIsGeographic(srs) != 0;
+  return whole && OSRGetAxesCount(srs) == 3 ? kEllipsoidal : "";
 }
 
 std::string canonical_name(OGRSpatialReferenceH given) {

@@ -105,7 +105,11 @@ Srs parse_srs(const std::string& text);
 /// Metres per unit of height of a compound or vertical system, else 1.
 double vertical_unit_metres(OGRSpatialReferenceH srs);
 
-/// The name of the vertical system in a compound one, or of a vertical one, else "".
+/// What stands for the name of the vertical system where heights are those above the ellipsoid.
+inline constexpr const char* kEllipsoidal = "ellipsoidal";
+
+/// The name of the vertical system in a compound one, or of a vertical one; kEllipsoidal for
+/// systems of three dimensions; else "".
 std::string vertical_name(OGRSpatialReferenceH srs);
 
 /// See normalise_crs. Never throws; "" for engineering systems and the like.

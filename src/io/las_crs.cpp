@@ -190,7 +190,10 @@ void add_vertical(const std::vector<Vlr>& vlrs, bool prefer_wkt, LasSystems::Sys
   for (std::size_t at = 8; at + 8 <= keys->data.size(); at += 8) {
     std::array<std::uint16_t, 4> key{};
     std::memcpy(key.data(), keys->data.data() + at, 8);
-    if (key[0] == 4096 && key[3] > 1000 && key[3] < 32767)
+    // What GeoTIFF 1.0 (6.3.4.1) has for heights above one of 33 ellipsoids is no code of EPSG's.
+    if (key[0] == 4096 && key[3] >= 5001 && key[3] <= 5033)
+      system.vertical_crs = gdal::kEllipsoidal;
+    else if (key[0] == 4096 && key[3] > 1000 && key[3] < 32767)
       read_vertical(fmt::format("EPSG:{}", key[3]));
     if (key[0] == 4099 && key[3] == 9001) unit = 1;
     if (key[0] == 4099 && key[3] == 9002) unit = 0.3048;

@@ -57,20 +57,36 @@ bool lacks_index(const fs::path& path) {
          !fs::exists(fs::path(path).replace_extension(".SHX"), error);
 }
 
+/// What a member of an archive is by its name: 0 for a vector file, 1 for what may be one or
+/// describe one, 2 for neither.
+int rank_of_member(const std::string& name) {
+  constexpr std::array<std::string_view, 13> kVector{
+      ".shp", ".gpkg", ".geojson", ".geojsonl", ".geojsons", ".fgb", ".gdb",
+      ".gml", ".kml",  ".sqlite",  ".tab",      ".mif",      ".osm"};
+  constexpr std::array<std::string_view, 5> kPerhaps{".json", ".xml", ".csv", ".dxf", ".ndjson"};
+  const std::string extension = lower_case(fs::path(name).extension().string());
+  if (std::find(kVector.begin(), kVector.end(), extension) != kVector.end()) return 0;
+  return std::find(kPerhaps.begin(), kPerhaps.end(), extension) != kPerhaps.end() ? 1 : 2;
+}
+
 /// The name for GDAL of the only vector file in a ZIP archive, wherever it lies in there.
 std::string vector_in_archive(const fs::path& path, const gdal::QuietErrors& errors) {
-  constexpr std::array<std::string_view, 9> kExtensions{
-      ".shp", ".gpkg", ".geojson", ".json", ".fgb", ".gml", ".kml", ".sqlite", ".tab"};
   const std::string archive = "/vsizip/" + path.string();
   char** const members = VSIReadDirRecursive(archive.c_str());
   std::vector<std::string> found;
+  int best = 1;
   for (char** member = members; member != nullptr && *member != nullptr; ++member) {
-    const std::string extension = lower_case(fs::path(*member).extension().string());
+    std::string name = *member;
     // What macOS adds to archives bears the names of real members.
-    const bool shadow = std::string_view(*member).starts_with("__MACOSX/");
-    if (!shadow &&
-        std::find(kExtensions.begin(), kExtensions.end(), extension) != kExtensions.end())
-      found.emplace_back(*member);
+    if (name.starts_with("__MACOSX/")) continue;
+    // A geodatabase is a folder, which archives may list or not.
+    if (const std::size_t end = lower_case(name).find(".gdb/"); end != std::string::npos)
+      name.resize(end + 4);
+    const int rank = rank_of_member(name);
+    if (rank > best) continue;
+    if (rank < best) found.clear();
+    best = rank;
+    if (std::find(found.begin(), found.end(), name) == found.end()) found.push_back(name);
   }
   CSLDestroy(members);
   if (members == nullptr)
@@ -89,7 +105,8 @@ bool first_layer_holds_polygons(GDALDatasetH dataset) {
 }
 
 /// Opens a CSV file by the column of polygons, if it has one of the usual names; GDAL itself knows
-/// only those that begin with WKT. Columns of these names may hold anything.
+/// only those that begin with WKT. Columns of these names may hold anything. Or else as lines of
+/// GeoJSON, which Microsoft's building footprints are by the name of .csv.gz.
 void find_polygons(const std::string& name, gdal::StringList& options, gdal::Dataset& dataset) {
   for (const char* column : {"geometry", "geom", "the_geom", "wkb_geometry", "geom_wkt",
                              "geometry_wkt", "wkb", ".geo", "shape", "polygon", "footprint"}) {
@@ -100,9 +117,18 @@ void find_polygons(const std::string& name, gdal::StringList& options, gdal::Dat
     dataset = std::move(other);
     return;
   }
+  const gdal::QuietErrors errors;
+  gdal::Dataset lines(
+      GDALOpenEx(("GeoJSONSeq:" + name).c_str(), GDAL_OF_VECTOR, nullptr, nullptr, nullptr));
+  if (lines != nullptr && first_layer_holds_polygons(lines.get())) dataset = std::move(lines);
 }
 
 }  // namespace
+
+bool is_of_format(GDALDatasetH dataset, std::string_view begin) {
+  const char* name = GDALGetDriverShortName(GDALGetDatasetDriver(dataset));
+  return name != nullptr && std::string_view(name).starts_with(begin);
+}
 
 VectorFile open_vector(const fs::path& path, const gdal::QuietErrors& errors) {
   std::error_code error;
@@ -115,6 +141,8 @@ VectorFile open_vector(const fs::path& path, const gdal::QuietErrors& errors) {
   std::string name = path.string();
   if (lower_case(path.extension().string()) == ".zip") {
     name = vector_in_archive(path, errors);
+  } else if (lower_case(path.extension().string()) == ".gz") {
+    name = "/vsigzip/" + path.string();
   } else if (lacks_index(path)) {
     file.copy = std::make_shared<const ShapefileCopy>(path);
     if (!file.copy->complete()) fail_input(path, "cannot be read" + errors.reason());
@@ -131,8 +159,7 @@ VectorFile open_vector(const fs::path& path, const gdal::QuietErrors& errors) {
   if (file.dataset == nullptr)
     fail_input(path, "not a vector file that can be read" + (unknown ? "" : errors.reason()) +
                          "; give a shapefile, GeoPackage, GeoJSON or other OGR format");
-  if (lower_case(path.extension().string()) == ".csv" &&
-      !first_layer_holds_polygons(file.dataset.get()))
+  if (is_of_format(file.dataset.get(), "CSV") && !first_layer_holds_polygons(file.dataset.get()))
     find_polygons(name, options, file.dataset);
   // Some formats are read when they are opened, as far as they go.
   if (errors.failures() > 0 && errors.reason().find("crs not found") != std::string::npos)

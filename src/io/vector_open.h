@@ -3,6 +3,7 @@
 
 #include <filesystem>
 #include <memory>
+#include <string_view>
 
 #include "gdal_support.h"
 
@@ -16,8 +17,12 @@ struct VectorFile {
   gdal::Dataset dataset;
 };
 
+/// Whether the short name of the data set's format begins like this ("GeoJSON": GeoJSONSeq, too).
+bool is_of_format(GDALDatasetH dataset, std::string_view begin);
+
 /// Opens a vector file or folder for reading; a shapefile also without its index, of a ZIP archive
-/// the one vector file that it holds. Leaves the file's folder as it is. Throws Error(kInput).
+/// the one vector file that it holds, and what gzip has packed. Leaves the file's folder as it is.
+/// Throws Error(kInput).
 VectorFile open_vector(const std::filesystem::path& path, const gdal::QuietErrors& errors);
 
 }  // namespace tetropolis

@@ -44,11 +44,6 @@ std::string utf8(const char* text) {
 
 constexpr const char* kGetAgain = "; the file is cut or broken, get it again";
 
-bool is_of_format(GDALDatasetH dataset, std::string_view begin) {
-  const char* name = GDALGetDriverShortName(GDALGetDatasetDriver(dataset));
-  return name != nullptr && std::string_view(name).starts_with(begin);
-}
-
 OGRLayerH find_layer(const fs::path& path, GDALDatasetH dataset, const std::string& wanted) {
   std::vector<std::string> all;
   std::vector<std::string> names;
@@ -78,6 +73,12 @@ OGRLayerH find_layer(const fs::path& path, GDALDatasetH dataset, const std::stri
                                : fmt::format("has no layer of polygons, only: {}; give a file with "
                                              "building polygons",
                                              fmt::join(all, ", ")));
+}
+
+/// OpenStreetMap's own format has all areas in one layer: land use, parks and waters, too.
+void keep_buildings(OGRLayerH layer) {
+  if (OGR_FD_GetFieldIndex(OGR_L_GetLayerDefn(layer), "building") >= 0)
+    OGR_L_SetAttributeFilter(layer, "building IS NOT NULL AND building <> 'no'");
 }
 
 constexpr int kNoField = -1;
@@ -371,19 +372,38 @@ Bounds2 bounds_of(std::vector<Footprint>& features) {
   return box;
 }
 
-/// Whether a file that says degrees holds numbers that are none.
-bool implausible_degrees(const std::string& crs, const Bounds2& box, bool geojson) {
-  if (crs.empty() || box.empty() || !is_geographic(crs)) return false;
-  // RFC 7946 allows -180 to 180; elsewhere 0 to 360 is in use too.
-  const double limit = geojson ? 180.0 : 360.0;
-  return box.xmin < -limit || box.xmax > limit || box.ymin < -90 || box.ymax > 90;
+/// Whether a file that says degrees holds numbers that are none, other than a few broken ones.
+bool implausible_degrees(const std::string& crs, const std::vector<Footprint>& features,
+                         bool geojson) {
+  if (crs.empty() || !is_geographic(crs)) return false;
+  // RFC 7946 allows -180 to 180, which some exceed a little at that meridian; elsewhere 0 to 360 is
+  // in use too.
+  const double limit = geojson ? 181.0 : 360.0;
+  const Bounds2 globe{-limit, -90, limit, 90};
+  Bounds2 good = Bounds2::nothing();
+  std::size_t others = 0;
+  for (const Footprint& feature : features) {
+    Bounds2 box = Bounds2::nothing();
+    for (const Point2& p : feature.polygon.outer) box.extend(p);
+    if (box.empty()) continue;
+    if (globe.covers(box))
+      good.extend(box);
+    else
+      ++others;
+  }
+  if (others == 0) return false;
+  // Metres of a local frame may be within these limits, too, but not only near each other.
+  constexpr double kManyOthers = 0.01, kFarApart = 20;
+  if (good.empty()) return true;
+  const double share = static_cast<double>(others) / static_cast<double>(features.size());
+  return share > 0.5 || (share > kManyOthers && std::max(good.width(), good.height()) > kFarApart);
 }
 
 void settle_crs(const fs::path& path, const ReadFootprintsOptions& options, bool geojson,
                 FootprintsInput& result) {
   if (!options.source_crs.empty()) {
     result.crs = normalise_crs(options.source_crs);
-  } else if (implausible_degrees(result.crs, result.bounds, geojson)) {
+  } else if (implausible_degrees(result.crs, result.features, geojson)) {
     result.warnings.push_back(
         {"footprints_crs_implausible", 1,
          fmt::format("{}: in {}, but x {} .. {}, y {} .. {} are not degrees; its reference system "
@@ -433,6 +453,7 @@ FootprintsInput read_footprints(const fs::path& path, const ReadFootprintsOption
   gdal::QuietErrors errors;
   const VectorFile file = open_vector(path, errors);
   OGRLayerH layer = find_layer(path, file.dataset.get(), options.layer);
+  if (is_of_format(file.dataset.get(), "OSM")) keep_buildings(layer);
   FootprintsInput result;
   result.layer = utf8(OGR_L_GetName(layer));
   LayerReader(path, layer, options, result, is_of_format(file.dataset.get(), "ESRI Shapefile"))

@@ -14,6 +14,7 @@
 
 #include "memory.h"
 #include "require_metres.h"
+#include "stray_points.h"
 
 namespace tetropolis {
 
@@ -286,8 +287,11 @@ void fill_report(const Config& config, const FootprintsInput& footprints, const 
           config.points.size() == 1 ? "its header" : "the headers of all files"));
 }
 
+/// Points per square metre below which it is not the points that fill the box of their header.
+constexpr double kSparse = 0.02;
+
 /// Where to read points, and the origin of the local frame, before they are read. Refuses what will
-/// not fit into memory.
+/// not fit into memory, as far as headers can be believed.
 ReadPointsOptions place_by_headers(const Config& config, const FootprintsInput& footprints,
                                    const CloudHeaders& headers, Next next) {
   ReadPointsOptions options;
@@ -296,7 +300,11 @@ ReadPointsOptions place_by_headers(const Config& config, const FootprintsInput& 
   // Near the points even if a stray footprint lies on another continent: local numbers stay small.
   const Bounds2 common = headers.box.empty() ? box : intersection(box, headers.box);
   const Bounds2& near = common.empty() ? box : common;
-  require_fits(config, footprints, expected_points(headers, common), common, next);
+  const double points = expected_points(headers, common);
+  if (config.bounds.empty() && !(points > kSparse * common.width() * common.height()))
+    require_points_fit(config, points, 0);
+  else
+    require_fits(config, footprints, points, common, next);
   options.crop = box;
   options.origin = Point2{std::floor(near.xmin), std::floor(near.ymin)};
   return options;
@@ -311,6 +319,27 @@ ReadPointsOptions read_everything(const Config& config, const CloudHeaders& head
   ReadPointsOptions options;
   options.crs = config.points_crs;
   return options;
+}
+
+/// Points far from all others do not tell where there are points: they become noise.
+void leave_out_strays(PointsInput& input, Report& report) {
+  const std::vector<std::size_t> strays = find_stray_points(input.points, input.extent);
+  if (strays.empty()) return;
+  PointCloud& cloud = input.points;
+  const std::size_t first = strays.front();
+  report.warnings.push_back(
+      {"stray_points", static_cast<std::int64_t>(strays.size()),
+       fmt::format("points far from all others are left out, the first at ({:.2f}, {:.2f}); to "
+                   "keep them, give --bounds",
+                   cloud.x[first] + input.origin.x, cloud.y[first] + input.origin.y)});
+  std::vector<std::uint8_t> is_stray(cloud.size(), 0);
+  for (const std::size_t p : strays) {
+    cloud.classification[p] = kHighNoise;
+    is_stray[p] = 1;
+  }
+  input.extent = Bounds2::nothing();
+  for (std::size_t p = 0; p < cloud.size(); ++p)
+    if (is_stray[p] == 0) input.extent.extend(Point2{cloud.x[p], cloud.y[p]});
 }
 
 /// Moves the origin, which is whole metres, to the south-western corner of the points.
@@ -365,14 +394,16 @@ InputData read_input(const Config& config, Next next, StepClock& clock, Report& 
   misread = points.misread;
   fill_report(config, input.footprints, points, paths.size(), report);
   if (points.points_kept == 0) throw_no_points(config, headers, points, options.crop);
-  if (only_points_tell) {
-    move_origin_to_corner(points);
-    require_fits(config, input.footprints, static_cast<double>(points.points_kept),
-                 points.extent.moved(points.origin), next);
-  }
+  if (config.bounds.empty()) leave_out_strays(points, report);
+  constexpr double kFar = 10'000;  // metres: headers told of points where there are none
+  const bool far = config.bounds.empty() && std::max(points.extent.xmin, points.extent.ymin) > kFar;
+  if (only_points_tell || far) move_origin_to_corner(points);
   input.origin = points.origin;
   input.domain = find_domain(config, input.footprints, points, input.origin);
   report.domain = input.domain.moved(input.origin);
+  if (config.bounds.empty())
+    require_fits(config, input.footprints, static_cast<double>(points.points_kept), report.domain,
+                 next);
   warn_of_scale(input.crs, report.domain, report);
   shift(input.footprints, input.origin);
   input.points = std::move(points.points);

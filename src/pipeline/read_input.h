@@ -32,11 +32,13 @@ struct InputData {
 
 /// Reads both, brings the footprints into the points' reference system and finds the domain: the
 /// bounds given, or the box of the footprints within that of the points, grown by the margin as far
-/// as there are points, or without either the box of the points. Fills report.input, report.domain
+/// as there are points, or without either the box of the points. Without bounds, points far from
+/// all others become noise (find_stray_points; "stray_points"). Fills report.input, report.domain
 /// and warnings. Throws Error(kInput): unusable files, degrees, units other than metres, no
 /// overlap. Throws Error(kUsage) before it reads points if by the headers they, or the mesh that is
-/// to follow, will not fit into memory; where only the points tell where the domain is, after it
-/// has read them. `misread` becomes PointsInput::misread, also before an error that comes later.
+/// to follow, will not fit into memory; where headers tell of fewer points than fill their box, or
+/// only the points tell where the domain is, after it has read them. `misread` becomes
+/// PointsInput::misread, also before an error that comes later.
 InputData read_input(const Config& config, Next next, StepClock& clock, Report& report,
                      std::string& misread);
 

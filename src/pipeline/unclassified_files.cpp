@@ -92,6 +92,13 @@ double share_with_ground(const PointFile& file, const PointCloud& cloud, SquareM
   return static_cast<double>(with_ground) / static_cast<double>(seen);
 }
 
+/// Whether there are points that are roofs where no class says what is one.
+bool has_roofs_by_exclusion(const std::map<int, std::int64_t>& by_class) {
+  return std::any_of(by_class.begin(), by_class.end(), [](const auto& of_class) {
+    return may_be_roof(static_cast<std::uint8_t>(of_class.first));
+  });
+}
+
 }  // namespace
 
 bool has_class(const std::map<int, std::int64_t>& by_class, int code, double stray) {
@@ -141,7 +148,7 @@ std::vector<PointRange> find_ranges_without_buildings(const InputData& input,
         std::any_of(without_ground.begin(), without_ground.end(),
                     [&](const PointFile& other) { return other.path == file.path; });
     if (chosen || (has_class(file.points.by_class, kGround, kStrayGround) &&
-                   has_unclassified(file.points.by_class)))
+                   has_roofs_by_exclusion(file.points.by_class)))
       ranges.push_back(kept);
   }
   return ranges;

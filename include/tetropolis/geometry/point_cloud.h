@@ -74,6 +74,12 @@ enum PointClass : std::uint8_t {
 /// Whether points of this class tell the terrain: ground and water.
 inline bool is_ground(std::uint8_t code) { return code == kGround || code == kWater; }
 
+/// Where no point has class 6: neither ground, water, vegetation nor noise.
+inline bool may_be_roof(std::uint8_t code) {
+  return !is_ground(code) && !(code >= kLowVegetation && code <= kHighVegetation) &&
+         code != kLowNoise && code != kHighNoise;
+}
+
 /// Which of all class codes are among `codes`.
 using ClassTable = std::array<bool, 256>;
 inline ClassTable class_table(std::span<const std::uint8_t> codes) {

@@ -1,0 +1,113 @@
+#include "stray_points.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdint>
+
+#include "tetropolis/core/parallel.h"
+
+namespace tetropolis {
+
+namespace {
+
+constexpr double kLeastGap = 100;      // metres
+constexpr double kLeastGapShare = 0.1; // of the extent
+constexpr std::int64_t kFew = 10;
+constexpr double kFewShare = 1e-5;
+constexpr std::size_t kBins = 1000;
+constexpr std::size_t kGrain = std::size_t{1} << 20;
+
+using Counts = std::array<std::int64_t, kBins>;
+
+/// How many points of the box lie in each of the equal parts of [low, high].
+Counts count_along(const PointCloud& cloud, const Buffer<PointCoordinate>& along, double low,
+                   double high, const Bounds2& box) {
+  const double per_metre = kBins / (high - low);
+  return parallel_reduce_ordered(
+      cloud.size(), kGrain, Counts{},
+      [&](std::size_t begin, std::size_t end) {
+        Counts counts{};
+        for (std::size_t p = begin; p < end; ++p) {
+          if (!box.contains({cloud.x[p], cloud.y[p]})) continue;
+          const double bin = (along[p] - low) * per_metre;
+          ++counts[std::min(static_cast<std::size_t>(std::max(bin, 0.0)), kBins - 1)];
+        }
+        return counts;
+      },
+      [](Counts a, const Counts& b) {
+        for (std::size_t i = 0; i < kBins; ++i) a[i] += b[i];
+        return a;
+      });
+}
+
+/// How many bins at the beginning hold strays and the gap behind them.
+std::size_t leading_strays(const Counts& counts, std::int64_t few, std::size_t gap) {
+  std::int64_t before = 0;
+  std::size_t cut = 0, empty = 0;
+  for (std::size_t i = 0; i < kBins && before <= few; ++i) {
+    if (counts[i] == 0) {
+      ++empty;
+      continue;
+    }
+    if (before > 0 && empty >= gap) cut = i;
+    before += counts[i];
+    empty = 0;
+  }
+  return cut;
+}
+
+/// Moves the sides of [low, high] inwards past strays; false if there are none.
+bool cut_range(Counts counts, std::int64_t few, double& low, double& high) {
+  const double width = (high - low) / kBins;
+  const double metres = std::max(kLeastGap, kLeastGapShare * (high - low));
+  const auto gap = static_cast<std::size_t>(std::ceil(metres / width));
+  const std::size_t first = leading_strays(counts, few, gap);
+  std::reverse(counts.begin(), counts.end());
+  const std::size_t last = leading_strays(counts, few, gap);
+  low += static_cast<double>(first) * width;
+  high -= static_cast<double>(last) * width;
+  return first + last > 0;
+}
+
+/// Of the points in the box.
+Bounds2 extent_within(const PointCloud& cloud, const Bounds2& box) {
+  return parallel_reduce_ordered(
+      cloud.size(), kGrain, Bounds2::nothing(),
+      [&](std::size_t begin, std::size_t end) {
+        Bounds2 extent = Bounds2::nothing();
+        for (std::size_t p = begin; p < end; ++p)
+          if (const Point2 point{cloud.x[p], cloud.y[p]}; box.contains(point)) extent.extend(point);
+        return extent;
+      },
+      [](Bounds2 a, const Bounds2& b) {
+        if (!b.empty()) a.extend(b);
+        return a;
+      });
+}
+
+}  // namespace
+
+std::vector<std::size_t> find_stray_points(const PointCloud& cloud, const Bounds2& extent) {
+  const std::int64_t few =
+      std::max(kFew, static_cast<std::int64_t>(kFewShare * static_cast<double>(cloud.size())));
+  Bounds2 box = extent;
+  // Each cut takes a tenth of a side, so this ends.
+  for (bool cut = true; cut;) {
+    cut = false;
+    if (box.width() > kLeastGap)
+      cut = cut_range(count_along(cloud, cloud.x, box.xmin, box.xmax, box), few, box.xmin, box.xmax);
+    if (box.height() > kLeastGap)
+      cut = cut_range(count_along(cloud, cloud.y, box.ymin, box.ymax, box), few, box.ymin,
+                      box.ymax) ||
+            cut;
+    if (cut) box = extent_within(cloud, box);
+  }
+  std::vector<std::size_t> strays;
+  if (box.covers(extent)) return strays;
+  for (std::size_t p = 0; p < cloud.size(); ++p)
+    if (!box.contains({cloud.x[p], cloud.y[p]})) strays.push_back(p);
+  return strays;
+}
+
+}  // namespace tetropolis
