@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <utility>
 
 #include "tetropolis/geometry/polygon.h"
 
@@ -101,15 +102,21 @@ class CornerBlunter {
     if (all_of_b) reach = std::max(reach, lb);
     all_of_a = all_of_a || la - reach < rest;
     all_of_b = all_of_b || lb - reach < rest;
-    const auto add = [&](Point2 end, double length) {
-      const double t = reach / length;
+    if (walls.is_most(reach * reach * walls.sine)) return false;
+    const auto add = [&](Point2 end, double length, double share) {
+      const double t = share * reach / length;
       c.fresh[static_cast<std::size_t>(c.fresh_count++)] =
           grid::rounded({tip.x + t * (end.x - tip.x), tip.y + t * (end.y - tip.y)});
     };
-    if (!all_of_a) add(a, la);
-    if (!all_of_b) add(b, lb);
-    return !walls.is_most(reach * reach * walls.sine) &&
-           replace_if_better(c, old_path(o_, c), new_path(o_, c));
+    // Where one wall goes, what follows it has a direction of its own: the end may have to turn.
+    for (const double share : {1.0, 0.97, 0.94, 0.9}) {
+      c.fresh_count = 0;
+      if (!all_of_a) add(a, la, share);
+      if (!all_of_b) add(b, lb, share);
+      if (replace_if_better(c, old_path(o_, c), new_path(o_, c))) return true;
+      if (all_of_a == all_of_b) break;
+    }
+    return false;
   }
 
   /// Gives the tip the width that an end has to have: to both sides or to one, there or nearer to
@@ -124,11 +131,15 @@ class CornerBlunter {
     const double norm = std::hypot(dx, dy);
     dx /= norm, dy /= norm;
     const double turn = grid::orientation(tip, a, b) > 0 ? 1 : -1;
-    const double width = options_.epsilon + kRounding;
+    const double least_width = options_.epsilon + kRounding;
     const double twice_area = std::abs(grid::twice_area(tip, a, b));
     for (const double shorter : {0.0, 0.5, 0.8}) {
       if (walls.is_most(shorter * shorter * twice_area)) break;
-      for (const double side : {0.5, 1.0, 0.0}) {
+      // To one side the end is not square to both walls: what is a little wider is wide enough.
+      for (const auto& [side, share] :
+           {std::pair{0.5, 1.0}, std::pair{1.0, 1.0}, std::pair{0.0, 1.0}, std::pair{1.0, 1.03},
+            std::pair{0.0, 1.03}}) {
+        const double width = share * least_width;
         const double x = tip.x + shorter * std::min(la, lb) * dx;
         const double y = tip.y + shorter * std::min(la, lb) * dy;
         c.fresh_count = 0;

@@ -11,8 +11,8 @@ namespace tetropolis {
 
 namespace {
 
-constexpr double kLeastGap = 100;      // metres
-constexpr double kLeastGapShare = 0.1; // of the extent
+constexpr double kLeastGap = 100;       // metres
+constexpr double kLeastGapShare = 0.1;  // of the extent
 constexpr std::int64_t kFew = 10;
 constexpr double kFewShare = 1e-5;
 constexpr std::size_t kBins = 1000;
@@ -96,7 +96,8 @@ std::vector<std::size_t> find_stray_points(const PointCloud& cloud, const Bounds
   for (bool cut = true; cut;) {
     cut = false;
     if (box.width() > kLeastGap)
-      cut = cut_range(count_along(cloud, cloud.x, box.xmin, box.xmax, box), few, box.xmin, box.xmax);
+      cut =
+          cut_range(count_along(cloud, cloud.x, box.xmin, box.xmax, box), few, box.xmin, box.xmax);
     if (box.height() > kLeastGap)
       cut = cut_range(count_along(cloud, cloud.y, box.ymin, box.ymax, box), few, box.ymin,
                       box.ymax) ||

@@ -332,6 +332,37 @@ TEST(Simplify, StarsHaveHardlyAnySharpCornersLeft) {
   EXPECT_LE(sharp, 1);
 }
 
+/// What the boundary of the domain leaves of a slab at a small angle to it, and wedges along it.
+TEST(Simplify, SliversAlongTheBoundaryHaveNoSharpCorners) {
+  SCOPED_TRACE(testing::test_seed());
+  std::mt19937 random(testing::test_seed());
+  const auto uniform = [&](double low, double high) {
+    return std::uniform_real_distribution<double>(low, high)(random);
+  };
+  int sharp = 0, left = 0;
+  for (int trial = 0; trial < 300; ++trial) {
+    SimplifyOptions options;
+    options.min_distance = trial % 3 == 0 ? 1 : trial % 3 == 1 ? 1.5 : 2;
+    const double turn = uniform(0.5, 13) * std::numbers::pi / 180 * (trial % 2 == 0 ? 1 : -1);
+    Polygon slab = turned(box(0, 0, 24, 10), turn);
+    double low = 1e9;
+    for (const Point2 p : slab.outer) low = std::min(low, p.y);
+    const double depth = uniform(0, 10);  // of the slab beyond what the boundary leaves
+    for (Point2& p : slab.outer) p = {p.x + 30, p.y - low - depth + options.min_distance};
+    if (trial % 5 == 0) {
+      const double length = uniform(15, 40), y = options.min_distance;
+      slab = {{{20, y}, {20 + length, y}, {20 + length, y + length * std::abs(std::tan(turn))}},
+              {}};
+    }
+    const Simplification result =
+        simplify_footprints(cleaned({slab}), Bounds2{0, 0, 80, 80}, options);
+    left += static_cast<int>(result.footprints.size());
+    sharp += sharpest_corner(result) < 13 ? 1 : 0;
+  }
+  EXPECT_EQ(sharp, 0);
+  EXPECT_GT(left, 150);
+}
+
 /// A needle of 5 degrees beside another wall: what is left where it is a metre wide is in the way
 /// of that wall, and a tip of that width has no room either.
 TEST(Simplify, SharpEndsAreCutFurtherWhereTheirFootHasNoRoom) {
