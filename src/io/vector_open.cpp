@@ -15,6 +15,7 @@
 
 #include "input_file.h"
 #include "shapefile_members.h"
+#include "text_records.h"
 #include "vector_geometry.h"
 
 namespace tetropolis {
@@ -126,8 +127,7 @@ void find_polygons(const std::string& name, gdal::StringList& options, gdal::Dat
 }  // namespace
 
 bool is_of_format(GDALDatasetH dataset, std::string_view begin) {
-  const char* name = GDALGetDriverShortName(GDALGetDatasetDriver(dataset));
-  return name != nullptr && std::string_view(name).starts_with(begin);
+  return std::string_view(GDALGetDriverShortName(GDALGetDatasetDriver(dataset))).starts_with(begin);
 }
 
 VectorFile open_vector(const fs::path& path, const gdal::QuietErrors& errors) {
@@ -161,6 +161,10 @@ VectorFile open_vector(const fs::path& path, const gdal::QuietErrors& errors) {
                          "; give a shapefile, GeoPackage, GeoJSON or other OGR format");
   if (is_of_format(file.dataset.get(), "CSV") && !first_layer_holds_polygons(file.dataset.get()))
     find_polygons(name, options, file.dataset);
+  const std::string_view format = GDALGetDriverShortName(GDALGetDatasetDriver(file.dataset.get()));
+  if (format == "CSV") require_closed_quotes(path, name);
+  if (format == "GeoJSON" || format == "GeoJSONSeq")
+    require_single_objects(path, name, format == "GeoJSONSeq");
   // Some formats are read when they are opened, as far as they go.
   if (errors.failures() > 0 && errors.reason().find("crs not found") != std::string::npos)
     fail_input(path,

@@ -128,6 +128,7 @@ TEST(Crs, ComparesHorizontalParts) {
   EXPECT_TRUE(same_horizontal_crs("EPSG:4979", "EPSG:4326"));
   EXPECT_TRUE(same_horizontal_crs("EPSG:3042", "EPSG:25830"));  // Axis order apart.
   EXPECT_FALSE(same_horizontal_crs("EPSG:25830", "EPSG:25831"));
+  EXPECT_FALSE(same_horizontal_crs("EPSG:5513", "EPSG:5514"));  // South and west, east and north.
   EXPECT_FALSE(same_horizontal_crs("EPSG:2994", "EPSG:2991"));  // Feet and metres.
   EXPECT_FALSE(same_horizontal_crs("", ""));
   EXPECT_FALSE(same_horizontal_crs("EPSG:28992", ""));

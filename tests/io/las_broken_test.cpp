@@ -352,6 +352,12 @@ TEST(BrokenLas, HeightsOfSeveralSystemsAreNotMixedWithoutAWord) {
   ReadPointsOptions stated;
   stated.crs = "EPSG:28992";
   EXPECT_TRUE(warnings({nap, other}, stated).empty());
+  // Codes of GeoTIFF for heights above an ellipsoid (5030: that of WGS 84), and a system of EPSG's.
+  for (const std::uint16_t code : {std::uint16_t{5001}, std::uint16_t{5030}, std::uint16_t{4979}}) {
+    const fs::path above = write("e.las", code);
+    EXPECT_EQ(inspect_las(above).vertical_crs, "ellipsoidal") << code;
+    EXPECT_EQ(warnings({nap, above}).size(), 1U) << code;
+  }
 }
 
 TEST(BrokenLas, BoxesThatLieAreNotTrusted) {

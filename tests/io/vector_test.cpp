@@ -430,6 +430,56 @@ TEST(Vector, IdsOfNineteenDigitsInShapefilesKeepThem) {
   EXPECT_TRUE(input.warnings.empty());
 }
 
+TEST(Vector, QuotesThatSwallowLinesAreErrors) {
+  const TemporaryFolder folder;
+  const std::string polygon = "\"POLYGON((3 8,4 8,4 9,3 8))\"\n";
+  const auto read = [&](const std::string& rows) {
+    return read_footprints(write_text(folder / "a.csv", "id,name,WKT\n" + rows)).features.size();
+  };
+  EXPECT_EQ(read("1,x," + polygon + "2,\"two\nlines\"," + polygon + "3,y," + polygon), 3U);
+  EXPECT_EQ(read("1,\"a \"\"b\"\" c\", " + polygon + "2,pipe 5\" to 6\"," + polygon), 2U);
+  for (const auto& [broken, line] :
+       {std::pair{"2,\"Bakery," + polygon, "line 3: "},
+        std::pair{std::string("2,x,POLYGON((3 8,4 8,4 9,3 8))\"\n"), "line 3: "},
+        std::pair{"2,\"Bakery," + polygon + "3,x," + polygon + "4,\"Butcher," + polygon,
+                  "line 3: "},
+        std::pair{std::string("2,x,\"POLYGON((3 8,4 8"), "line 3: "}}) {
+    SCOPED_TRACE(broken);
+    try {
+      read("1,x," + polygon + broken + (broken.back() == '\n' ? "9,x," + polygon : ""));
+      ADD_FAILURE() << "no error";
+    } catch (const Error& error) {
+      EXPECT_NE(std::string(error.what()).find(line), std::string::npos) << error.what();
+      EXPECT_NE(std::string(error.what()).find("quote"), std::string::npos) << error.what();
+    }
+  }
+}
+
+TEST(Vector, TwoObjectsWhereOneIsReadAreAnError) {
+  const TemporaryFolder folder;
+  const auto feature = [](int id) {
+    return R"({"type":"Feature","properties":{"id":)" + std::to_string(id) +
+           R"(,"name":"\"}{ \\"},"geometry":{"type":"Polygon","coordinates":[[[3,8],[4,8],[4,9],[3,8]]]}})";
+  };
+  const auto read = [&](const std::string& text) {
+    return read_footprints(write_text(folder / "a.geojsonl", text)).features.size();
+  };
+  EXPECT_EQ(read(feature(1) + "\n" + feature(2) + "\r\n" + feature(3)), 3U);
+  EXPECT_EQ(read("\x1e" + feature(1) + "\n\x1e" + feature(2) + "\n"), 2U);
+  for (const auto& [text, line] :
+       {std::pair{feature(1) + "\n" + feature(2) + feature(3) + "\n", "line 2: "},
+        std::pair{feature(1) + feature(2) + "\n" + feature(3) + "\n", "line 1: "},
+        std::pair{"\x1e" + feature(1) + "\n" + feature(2) + "\n", "line 2: "}}) {
+    SCOPED_TRACE(text);
+    try {
+      read(text);
+      ADD_FAILURE() << "no error";
+    } catch (const Error& error) {
+      EXPECT_NE(std::string(error.what()).find(line), std::string::npos) << error.what();
+    }
+  }
+}
+
 TEST(Vector, TheVeryNameOfAnAttributeComesBeforeOthers) {
   const TemporaryFolder folder;
   const fs::path path =
@@ -603,6 +653,114 @@ TEST(Vector, ArchivesAreReadInPlace) {
   EXPECT_NE(input_error(folder / "none.zip").find("no vector file"), std::string::npos);
   write_text(folder / "cut.zip", bytes_of(folder / "one.zip").substr(0, 200));
   input_error(folder / "cut.zip");
+
+  // What may be features or describe them, alone and beside what is.
+  write_text(folder / "plain.csv", "id,WKT\nx,\"POLYGON((0 0,9 0,9 9,0 0))\"\n");
+  write_text(folder / "metadata.json", "{}");
+  ASSERT_TRUE(archive("csv.zip", "plain.csv"));
+  EXPECT_EQ(read_footprints(folder / "csv.zip").features.size(), 1U);
+  ASSERT_TRUE(archive("described.zip", "deep metadata.json"));
+  EXPECT_EQ(read_footprints(folder / "described.zip").features.size(), 1U);
+}
+
+TEST(Vector, GeodatabasesInArchives) {
+  const TemporaryFolder folder;
+  const fs::path shp = folder / "a.shp";
+  write_footprints(shp, std::vector<Polygon>{{{{0, 0}, {9, 0}, {9, 9}}, {}}},
+                   std::vector<std::string>{"x"}, {}, {}, "EPSG:28992");
+  const auto shell = [&](const std::string& command) {
+    return std::system(
+        ("cd '" + folder.path().string() + "' && " + command + " >/dev/null 2>&1").c_str());
+  };
+  if (shell("ogr2ogr -f OpenFileGDB houses.gdb a.shp && python3 -m zipfile -c a.gdb.zip "
+            "houses.gdb") != 0)
+    GTEST_SKIP() << "needs a GDAL that writes geodatabases, and python3";
+  const FootprintsInput input = read_footprints(folder / "a.gdb.zip");
+  EXPECT_EQ(input.features.size(), 1U);
+  EXPECT_EQ(input.crs, "EPSG:28992");
+}
+
+TEST(Vector, PackedFilesAreReadInPlace) {
+  const TemporaryFolder folder;
+  write_footprints(folder / "a.geojson", std::vector<Polygon>{{{{0, 0}, {9, 0}, {9, 9}}, {}}},
+                   std::vector<std::string>{"x"}, {}, {}, "EPSG:28992");
+  write_text(folder / "b.csv", "id,geometry\nx,\"POLYGON((0 0,9 0,9 9,0 0))\"\n");
+  // Lines of GeoJSON by the name of a table, as Microsoft has them.
+  write_text(
+      folder / "c.csv",
+      R"({"type":"Feature","properties":{},"geometry":{"type":"Polygon","coordinates":[[[3,8],[4,8],[4,9],[3,8]]]}})"
+      "\n");
+  for (const char* name : {"a.geojson", "b.csv", "c.csv"}) {
+    ASSERT_EQ(std::system(fmt::format("gzip -k '{}'", (folder / name).string()).c_str()), 0);
+    EXPECT_EQ(read_footprints(folder / (std::string(name) + ".gz")).features.size(), 1U) << name;
+  }
+}
+
+TEST(Vector, OfOpenStreetMapOnlyBuildingsAreRead) {
+  const TemporaryFolder folder;
+  std::string nodes, ways;
+  const auto add = [&](int id, const std::string& key, const std::string& value) {
+    std::string refs;
+    for (const auto& [dx, dy] : {std::pair{0, 0}, std::pair{1, 0}, std::pair{1, 1}}) {
+      const int node = 10 * id + 2 * dx + dy;
+      nodes += fmt::format("<node id=\"{}\" version=\"1\" lat=\"{}\" lon=\"{}\"/>\n", node,
+                           50 + 0.001 * dy, 7 + 0.01 * id + 0.001 * dx);
+      refs += fmt::format("<nd ref=\"{}\"/>", node);
+    }
+    refs += fmt::format("<nd ref=\"{}\"/>", 10 * id);
+    ways += fmt::format("<way id=\"{}\" version=\"1\">{}<tag k=\"{}\" v=\"{}\"/></way>\n", id, refs,
+                        key, value);
+  };
+  add(1, "building", "yes");
+  add(2, "landuse", "residential");
+  add(3, "building", "house");
+  add(4, "natural", "water");
+  add(5, "building", "no");
+  const fs::path path =
+      write_text(folder / "a.osm",
+                 "<?xml version=\"1.0\"?>\n<osm version=\"0.6\">\n" + nodes + ways + "</osm>\n");
+  ReadFootprintsOptions options;
+  options.id_attribute = "osm_way_id";
+  const FootprintsInput input = read_footprints(path, options);
+  ASSERT_EQ(input.features.size(), 2U);
+  EXPECT_EQ(input.features[0].source_id, "1");
+  EXPECT_EQ(input.features[1].source_id, "3");
+  EXPECT_EQ(input.features_read, 2);
+}
+
+/// A few broken coordinates do not make the others metres; metres are none of degrees even where
+/// many would do.
+TEST(Vector, BrokenFeaturesAreDroppedFromFilesInDegrees) {
+  const TemporaryFolder folder;
+  const auto feature = [](double x, double y, double size) {
+    return fmt::format(
+        R"({{"type":"Feature","properties":{{}},"geometry":{{"type":"Polygon","coordinates":[[[{},{}],[{},{}],[{},{}],[{},{}]]]}}}})",
+        x, y, x + size, y, x + size, y + size, x, y);
+  };
+  const auto read = [&](const std::vector<std::string>& features) {
+    ReadFootprintsOptions options;
+    options.target_crs = "EPSG:32631";
+    return read_footprints(
+        write_text(folder / "a.geojson",
+                   fmt::format(R"({{"type":"FeatureCollection","features":[{}]}})",
+                               fmt::join(features, ","))),
+        options);
+  };
+  std::vector<std::string> degrees;
+  for (int i = 0; i < 7; ++i) degrees.push_back(feature(4 + 0.001 * i, 52, 0.0005));
+  for (const std::string& broken :
+       {feature(4, 95, 0.1), feature(4e5, 5.8e6, 10), feature(4, 52, 1e300)}) {
+    std::vector<std::string> features = degrees;
+    features.insert(features.begin() + 3, broken);
+    const FootprintsInput input = read(features);
+    EXPECT_EQ(input.features.size(), 7U) << broken;
+    ASSERT_EQ(input.dropped.size(), 1U) << broken;
+    EXPECT_EQ(input.dropped[0].source_id, "3");
+    EXPECT_FALSE(has_warning(input, "footprints_crs_implausible"));
+  }
+  std::vector<std::string> metres;
+  for (int i = 0; i < 10; ++i) metres.push_back(feature(20 * i, 15, 10));
+  EXPECT_TRUE(has_warning(read(metres), "footprints_crs_implausible"));
 }
 
 /// Twenty triangles in another format, converted by ogr2ogr (of gdal-bin, which install-deps

@@ -97,6 +97,7 @@ PointCloud scan(const DefectCity& city) {
       else if (const int code = city.ground_class(x, y); code != 0)
         add(x, y, city.ground(x, y), code);
     }
+  for (const Point3& p : city.strays) add(p[0], p[1], p[2], kGround);
   return cloud;
 }
 

@@ -31,6 +31,7 @@ struct DefectCity {
   std::function<double(double, double)> ground;  ///< Elevation.
   /// Class of the ground points at a place; 0: there are none.
   std::function<int(double, double)> ground_class = [](double, double) { return 2; };
+  std::vector<Point3> strays;  ///< Further ground points.
 };
 
 /// One feature of the footprint file: WKT in local coordinates, of any quality.

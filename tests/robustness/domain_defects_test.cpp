@@ -221,6 +221,31 @@ TEST_F(DomainDefects, ATowerOf300MetresAmongSheds) {
   EXPECT_NEAR(outcome.building_of("hut")->h_roof, 20 + 2 + 0.78 + 2.6, 0.1);
 }
 
+/// Where footprints of a whole country go with the cloud, only points tell where the domain is.
+TEST_F(DomainDefects, StrayPointsDoNotStretchTheDomain) {
+  settings = [](Config& config) {
+    config.bounds.clear();
+    config.domain_margin = 10;
+  };
+  std::vector<Feature> features = sound_features(city);
+  features.push_back({"far", "POLYGON((60000 50000,60010 50000,60010 50010,60000 50000))"});
+  Outcome outcome = run(features);
+  ASSERT_EQ(outcome.error, "");
+  const CityModel usual = outcome.city;
+  EXPECT_FALSE(outcome.has_warning("stray_points"));
+  ASSERT_TRUE(std::filesystem::remove(folder / "points.las"));  // to be scanned anew
+  city.strays = {{50000, 40000, 20}, {400, 50, 20}};  // the second is seen when the first is gone
+  for (int i = 0; i < 8; ++i) city.strays.push_back({20.0 + i, 5000, 20});
+  outcome = run(features);
+  ASSERT_EQ(outcome.error, "");
+  EXPECT_TRUE(outcome.has_warning("stray_points"));
+  EXPECT_EQ(outcome.city.domain, usual.domain);
+  EXPECT_EQ(outcome.city.origin, usual.origin);
+  ASSERT_EQ(outcome.city.buildings.size(), usual.buildings.size());
+  for (std::size_t b = 0; b < usual.buildings.size(); ++b)
+    EXPECT_EQ(outcome.city.buildings[b].h_ground, usual.buildings[b].h_ground);
+}
+
 TEST_F(DomainDefects, StrayFootprintsFarAwayDoNotStretchTheDomain) {
   settings = [](Config& config) {
     config.bounds.clear();
