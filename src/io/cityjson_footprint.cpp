@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <limits>
 #include <optional>
 #include <utility>
 
@@ -80,26 +81,55 @@ std::vector<Polygon> project_faces(const std::vector<const Face*>& faces) {
   return polygons;
 }
 
-std::vector<const Face*> select(const std::vector<Face>& faces, double low, double high,
-                                bool only_ground) {
+constexpr double kFlat = 0.5;  // Steeper than 60 degrees is no floor.
+constexpr double kNotWall = 0.01;
+
+std::vector<const Face*> select(const std::vector<Face>& faces, double low, double high) {
   std::vector<const Face*> chosen;
   for (const Face& face : faces) {
-    if (only_ground && !face.is_ground) continue;
     const double up = uprightness(face);
     if (up >= low && up <= high) chosen.push_back(&face);
   }
   return chosen;
 }
 
+/// Those whose semantics say so.
+std::vector<const Face*> select(const std::vector<Face>& faces, bool Face::*meaning) {
+  std::vector<const Face*> chosen;
+  for (const Face& face : faces)
+    if (face.*meaning) chosen.push_back(&face);
+  return chosen;
+}
+
 /// The faces whose shadow is the footprint.
 std::vector<Polygon> ground_polygons(const std::vector<Face>& faces) {
-  constexpr double kFlat = 0.5;  // Steeper than 60 degrees is no floor.
-  constexpr double kNotWall = 0.01;
-  std::vector<Polygon> polygons = project_faces(select(faces, -1, 1, true));
-  if (polygons.empty()) polygons = project_faces(select(faces, -1, -kFlat, false));
-  if (polygons.empty()) polygons = project_faces(select(faces, kNotWall, 1, false));
-  if (polygons.empty()) polygons = project_faces(select(faces, -1, -kNotWall, false));
+  std::vector<Polygon> polygons = project_faces(select(faces, &Face::is_ground));
+  if (polygons.empty()) polygons = project_faces(select(faces, -1, -kFlat));
+  if (polygons.empty()) polygons = project_faces(select(faces, kNotWall, 1));
+  if (polygons.empty()) polygons = project_faces(select(faces, -1, -kNotWall));
   return polygons;
+}
+
+/// Area in the plan of what of a planar ring is not above `level`.
+double area_up_to(const std::vector<Point3>& ring, double level) {
+  Ring below;
+  for (std::size_t i = 0; i < ring.size(); ++i) {
+    const Point3& a = ring[i];
+    const Point3& b = ring[(i + 1) % ring.size()];
+    if (a[2] <= level) below.push_back({a[0], a[1]});
+    if ((a[2] <= level) == (b[2] <= level)) continue;
+    const double t = (level - a[2]) / (b[2] - a[2]);
+    below.push_back({a[0] + t * (b[0] - a[0]), a[1] + t * (b[1] - a[1])});
+  }
+  return below.size() < 3 ? 0 : std::abs(signed_area(below));
+}
+
+double area_up_to(const std::vector<const Face*>& faces, double level) {
+  double sum = 0;
+  for (const Face* face : faces)
+    for (std::size_t r = 0; r < face->rings.size(); ++r)
+      sum += (r == 0 ? 1 : -1) * area_up_to(face->rings[r], level);
+  return sum;
 }
 
 /// Where polygons overlap or share edges they become one. Empty where GEOS gives up.
@@ -130,6 +160,34 @@ void orient(Polygon& polygon) {
   if (signed_area(polygon.outer) < 0) turn(polygon.outer);
   for (Ring& hole : polygon.holes)
     if (signed_area(hole) > 0) turn(hole);
+}
+
+std::optional<double> roof_height_of(const std::vector<Face>& faces) {
+  constexpr double kInfinity = std::numeric_limits<double>::infinity();
+  std::vector<const Face*> roofs = select(faces, &Face::is_roof);
+  if (!(area_up_to(roofs, kInfinity) > 0)) roofs = select(faces, kNotWall, 1);
+  const double wanted = 0.9 * area_up_to(roofs, kInfinity);
+  if (!(wanted > 0)) return std::nullopt;
+  std::vector<double> levels;
+  for (const Face* face : roofs)
+    for (const std::vector<Point3>& ring : face->rings)
+      for (const Point3& p : ring) levels.push_back(p[2]);
+  std::sort(levels.begin(), levels.end());
+  levels.erase(std::unique(levels.begin(), levels.end()), levels.end());
+  const auto reached = [&](double level) { return area_up_to(roofs, level) >= wanted; };
+  const auto at = std::partition_point(levels.begin(), levels.end(),
+                                       [&](double level) { return !reached(level); });
+  if (at == levels.end()) return levels.back();  // by rounding
+  // Flat roofs at that level, or a slope on the way to it.
+  double high = std::nextafter(*at, -kInfinity);
+  if (at == levels.begin() || !reached(high)) return *at;
+  double low = *(at - 1);
+  constexpr double kExact = 1e-6;  // metres
+  while (high - low > kExact) {
+    const double middle = (low + high) / 2;
+    (reached(middle) ? high : low) = middle;
+  }
+  return high;
 }
 
 FootprintResult footprint_of(const std::vector<Face>& faces) {

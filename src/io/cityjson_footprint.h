@@ -1,6 +1,7 @@
 // From the faces of a foreign building to a footprint. Private to src/io.
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -12,6 +13,7 @@ namespace tetropolis {
 struct Face {
   std::vector<std::vector<Point3>> rings;
   bool is_ground = false;  ///< Semantics say GroundSurface.
+  bool is_roof = false;    ///< Semantics say RoofSurface.
 };
 
 struct FootprintResult {
@@ -21,6 +23,11 @@ struct FootprintResult {
 
 /// Union of the ground faces in the plan, as described at read_city.
 FootprintResult footprint_of(const std::vector<Face>& faces);
+
+/// The height, above 0, that nine tenths of the roof's area in the plan do not exceed, as the 90th
+/// percentile of points scanned from above would be: of the faces whose semantics say so, else of
+/// those that look up. None if no face is a roof.
+std::optional<double> roof_height_of(const std::vector<Face>& faces);
 
 /// Turns rings so that the outer one is counter-clockwise and holes are clockwise; the first vertex
 /// of each stays the first.

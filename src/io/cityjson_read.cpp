@@ -217,7 +217,7 @@ class FaceReader {
     if (!semantics.has("surfaces") || !semantics.has("values")) return;
     const Place surfaces = semantics.at("surfaces");
     for (std::size_t i = 0; i < surfaces.size(); ++i)
-      is_ground_.push_back(surfaces.at(i).at("type").text() == "GroundSurface");
+      types_.push_back(surfaces.at(i).at("type").text());
     values_ = &semantics.at("values").value();
   }
 
@@ -253,9 +253,11 @@ class FaceReader {
     }
     if (value != nullptr && value->is_number_unsigned()) {
       const auto index = value->get<std::uint64_t>();
-      if (index >= is_ground_.size())
-        surface.fail(fmt::format("has semantics {} of {}", index, is_ground_.size()));
-      face.is_ground = is_ground_[static_cast<std::size_t>(index)];
+      if (index >= types_.size())
+        surface.fail(fmt::format("has semantics {} of {}", index, types_.size()));
+      const std::string& type = types_[static_cast<std::size_t>(index)];
+      face.is_ground = type == "GroundSurface";
+      face.is_roof = type == "RoofSurface";
     }
     return face;
   }
@@ -270,7 +272,7 @@ class FaceReader {
   }
 
   const Frame& frame_;
-  std::vector<bool> is_ground_;
+  std::vector<std::string> types_;  ///< Of the semantic surfaces.
   const Json* values_ = nullptr;
 };
 
@@ -393,6 +395,9 @@ class CityReader {
   /// Ids of buildings of ours whose solid has not the heights of their attributes.
   const std::vector<std::string>& other_heights() const { return other_heights_; }
 
+  /// How many roofs of others reach higher than the height they get.
+  std::int64_t flattened() const { return flattened_; }
+
   /// Foreign buildings get their numbers last, apart from the ids that files of ours brought.
   void finish() {
     std::unordered_set<std::string> taken;
@@ -433,6 +438,10 @@ class CityReader {
       model_.dropped.push_back({key, "a geometry without height"});
       return;
     }
+    constexpr double kFlat = 0.5;  // metres
+    const double roof = roof_height_of(faces).value_or(high);
+    if (high - roof > kFlat) ++flattened_;
+    if (low < roof) high = roof;
     for (std::size_t k = 0; k < footprint.polygons.size(); ++k) {
       Building building;
       building.source_ids = {k == 0 ? key : fmt::format("{}#{}", key, k + 1)};
@@ -446,6 +455,7 @@ class CityReader {
   const Frame& frame_;
   CityModel& model_;
   std::vector<std::string> other_heights_;
+  std::int64_t flattened_ = 0;
 };
 
 void check_type(const Place& root) {
@@ -518,6 +528,10 @@ CityModel read_city(const fs::path& path, std::vector<Warning>* warnings) {
     warnings->push_back(
         {"city_objects_dropped", static_cast<std::int64_t>(dropped),
          fmt::format("{}: {} buildings or parts have no usable geometry", path.string(), dropped)});
+  if (warnings != nullptr && reader.flattened() > 0)
+    warnings->push_back({"city_roofs_flattened", reader.flattened(),
+                         path.string() + ": roofs that are not flat become flat at the height "
+                                         "that nine tenths of their area do not exceed"});
   const std::vector<std::string>& other = reader.other_heights();
   if (warnings != nullptr && !other.empty())
     warnings->push_back(

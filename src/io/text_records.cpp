@@ -77,12 +77,12 @@ class QuoteScan {
   }
 
   const std::filesystem::path& path_;
-  bool open_ = false;      // within quotes
-  bool closed_ = false;    // just behind the closing one
-  bool at_start_ = true;   // of a field
-  bool malformed_ = false; // the record
-  std::int64_t line_ = 0;  // lines that have ended
-  std::int64_t first_ = 0; // at the beginning of the record
+  bool open_ = false;       // within quotes
+  bool closed_ = false;     // just behind the closing one
+  bool at_start_ = true;    // of a field
+  bool malformed_ = false;  // the record
+  std::int64_t line_ = 0;   // lines that have ended
+  std::int64_t first_ = 0;  // at the beginning of the record
 };
 
 /// Follows the brackets of the objects of a file.

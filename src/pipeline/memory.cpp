@@ -70,6 +70,7 @@ double parse_size(const std::string& text) {
 }
 
 std::string in_words(double bytes) {
+  if (bytes >= 1e15) return fmt::format("{:.2g} GB", bytes / 1e9);
   return bytes < 1e9 ? fmt::format("{:.0f} MB", bytes / 1e6)
                      : fmt::format("{:.1f} GB", bytes / 1e9);
 }

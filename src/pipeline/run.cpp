@@ -2,7 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdlib>
 #include <filesystem>
+#include <fstream>
+#include <string>
 #include <utility>
 
 #include <fmt/format.h>
@@ -45,6 +48,10 @@ Report begin_report(const char* command, const Config& config) {
 }
 
 std::int64_t peak_rss_bytes() {
+  // Of this program: what getrusage tells includes the caller's until it started this one.
+  std::ifstream status("/proc/self/status");
+  for (std::string line; std::getline(status, line);)
+    if (line.starts_with("VmHWM:")) return std::strtoll(line.c_str() + 6, nullptr, 10) * 1024;
   rusage usage{};
   getrusage(RUSAGE_SELF, &usage);
   return static_cast<std::int64_t>(usage.ru_maxrss) * 1024;
@@ -258,9 +265,15 @@ Report run_mesh(const Config& config, const RunHooks& hooks) {
   require_elevations(config, terrain);
   city.domain = domain_of(config, city, terrain);
   require_terrain_under(config, city, terrain);
-  if (city.buildings.empty() && !config.terrain_only)
-    throw Error(ErrorKind::kInput,
-                config.city + ": holds no building; add --terrain-only for a mesh of the terrain");
+  if (city.buildings.empty() && !config.terrain_only) {
+    const std::string why =
+        city.dropped.empty()
+            ? ""
+            : fmt::format(" ({} dropped, the first, {}: {})", city.dropped.size(),
+                          city.dropped.front().source_id, city.dropped.front().reason);
+    throw Error(ErrorKind::kInput, config.city + ": holds no building" + why +
+                                       "; add --terrain-only for a mesh of the terrain");
+  }
   CityReport& city_report = report.city.emplace();
   city_report.min_clearance = require_meshable(config, city);
   warn_off_terrain(config, city, terrain.raster, report);

@@ -305,16 +305,100 @@ TEST(CityJson, ReadsTheHague) {
     EXPECT_LT(building.h_ground, building.h_roof);
     EXPECT_GE(building.h_ground, 2.4);
     EXPECT_LE(building.h_roof, 37.5);
-    // The ridge is an attribute that was measured apart from the geometry.
+    // The ridge and the eaves are attributes that were measured apart from the geometry.
     if (object.contains("attributes") && object["attributes"].contains("AbsoluteRidgeHeight")) {
-      EXPECT_NEAR(building.h_roof, object["attributes"]["AbsoluteRidgeHeight"].get<double>(), 0.01)
-          << key;
+      const double ridge = object["attributes"]["AbsoluteRidgeHeight"];
+      const double eaves = object["attributes"]["AbsoluteEavesHeight"];
+      EXPECT_LE(building.h_roof, ridge + 0.01) << key;
+      EXPECT_GE(building.h_roof, eaves - 0.01) << key;
     }
   }
   for (const Dropped& dropped : model.dropped) seen.insert(dropped.source_id);
   EXPECT_EQ(seen, expected);
   EXPECT_LT(model.dropped.size(), 20U);
-  EXPECT_EQ(model.dropped.empty(), warnings.empty());
+  ASSERT_EQ(warnings.size(), model.dropped.empty() ? 1U : 2U);
+  EXPECT_EQ(warnings.back().code, "city_roofs_flattened");
+}
+
+/// A building of roof faces over the ground face of 10 m x 10 m at height 1.
+std::string building_with_roof(const std::vector<std::vector<Point3>>& faces, bool semantics) {
+  Json vertices = Json::array(), boundaries = Json::array(), values = Json::array();
+  const auto add = [&](const std::vector<Point3>& ring, int surface) {
+    Json indices = Json::array();
+    for (const Point3& p : ring) {
+      indices.push_back(vertices.size());
+      vertices.push_back(
+          {std::lround(1000 * p[0]), std::lround(1000 * p[1]), std::lround(1000 * p[2])});
+    }
+    boundaries.push_back({indices});
+    values.push_back(surface);
+  };
+  add({{0, 0, 1}, {0, 10, 1}, {10, 10, 1}, {10, 0, 1}}, 0);
+  for (const auto& face : faces) add(face, 1);
+  Json geometry{{"type", "MultiSurface"}, {"lod", "2.2"}, {"boundaries", boundaries}};
+  if (semantics)
+    geometry["semantics"] = {{"surfaces", {{{"type", "GroundSurface"}}, {{"type", "RoofSurface"}}}},
+                             {"values", values}};
+  return Json{{"type", "CityJSON"},
+              {"version", "2.0"},
+              {"transform", {{"scale", {0.001, 0.001, 0.001}}, {"translate", {0, 0, 0}}}},
+              {"CityObjects", {{"a", {{"type", "Building"}, {"geometry", {geometry}}}}}},
+              {"vertices", vertices}}
+      .dump();
+}
+
+TEST(CityJson, RoofsOfOthersBecomeFlatAtTheirNinetiethPercentile) {
+  const TemporaryFolder folder;
+  const double side = std::sqrt(0.1);
+  const std::vector<Point3> hall{{0, 0, 7}, {10, 0, 7}, {10, 10, 7}, {0, 10, 7}};
+  const std::vector<Point3> chimney{{4, 4, 45}, {5, 4, 45}, {5, 5, 45}, {4, 5, 45}};
+  const std::vector<Point3> tower{{0, 0, 30}, {4, 0, 30}, {4, 4, 30}, {0, 4, 30}};
+  const std::vector<Point3> south{{0, 0, 5}, {10, 0, 5}, {10, 5, 9}, {0, 5, 9}};
+  const std::vector<Point3> north{{0, 5, 9}, {10, 5, 9}, {10, 10, 5}, {0, 10, 5}};
+  struct Case {
+    std::vector<std::vector<Point3>> faces;
+    double height;
+    bool flattened;
+  };
+  for (const Case& c : std::initializer_list<Case>{
+           {{hall}, 7, false},
+           {{hall, chimney}, 7, true},
+           {{hall, tower}, 30, false},
+           {{south, north}, 5 + 0.9 * 4, false},
+           // A pyramid: of the area, (1 - t)^2 is above the share t of its height.
+           {{{{0, 0, 2}, {10, 0, 2}, {5, 5, 12}},
+             {{10, 0, 2}, {10, 10, 2}, {5, 5, 12}},
+             {{10, 10, 2}, {0, 10, 2}, {5, 5, 12}},
+             {{0, 10, 2}, {0, 0, 2}, {5, 5, 12}}},
+            2 + (1 - side) * 10,
+            true}})
+    for (const bool semantics : {true, false}) {
+      std::vector<Warning> warnings;
+      const CityModel model = read_city(
+          write_text(folder / "a.json", building_with_roof(c.faces, semantics)), &warnings);
+      ASSERT_EQ(model.buildings.size(), 1U);
+      EXPECT_NEAR(model.buildings[0].h_roof, c.height, 2e-6);
+      EXPECT_EQ(model.buildings[0].h_ground, 1);
+      EXPECT_EQ(warnings.size(), c.flattened ? 1U : 0U);
+    }
+}
+
+TEST(CityJson, SolidsAtOtherHeightsThanTheirAttributesAreNamed) {
+  const TemporaryFolder folder;
+  const CityModel model = random_city(3);
+  ASSERT_GT(model.buildings.size(), 1U);
+  write_city(folder / "a.json", model);
+  std::vector<Warning> warnings;
+  read_city(folder / "a.json", &warnings);
+  EXPECT_TRUE(warnings.empty());
+  Json file = Json::parse(bytes_of(folder / "a.json"));
+  Json& attributes = file["CityObjects"][model.buildings[1].id]["attributes"];
+  attributes["h_roof"] = attributes["h_roof"].get<double>() + 0.02;
+  const CityModel edited = read_city(write_text(folder / "b.json", file.dump()), &warnings);
+  ASSERT_EQ(warnings.size(), 1U);
+  EXPECT_EQ(warnings[0].code, "city_heights_differ");
+  EXPECT_EQ(warnings[0].count, 1);
+  EXPECT_NE(warnings[0].message.find(model.buildings[1].id), std::string::npos);
 }
 
 TEST(CityJson, ReadsThe3dfierReference) {
