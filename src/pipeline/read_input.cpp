@@ -243,13 +243,13 @@ void fill_report(const Config& config, const FootprintsInput& footprints, const 
                  std::size_t files, Report& report) {
   for (const std::vector<Warning>* warnings : {&footprints.warnings, &points.warnings})
     report.warnings.insert(report.warnings.end(), warnings->begin(), warnings->end());
-  const auto has_height = [](const Footprint& feature) { return std::isfinite(feature.height); };
+  const auto has_height = [](const Footprint& feature) { return feature.height > 0; };
   if (!config.height_attribute.empty() &&
       std::none_of(footprints.features.begin(), footprints.features.end(), has_height))
     report.warnings.push_back({"height_attribute_empty",
                                static_cast<std::int64_t>(footprints.features.size()),
-                               fmt::format("{}: attribute {} holds no number", config.footprints,
-                                           config.height_attribute)});
+                               fmt::format("{}: attribute {} holds no number above 0",
+                                           config.footprints, config.height_attribute)});
   InputReport& out = report.input.emplace();
   out.point_files = static_cast<std::int64_t>(files);
   out.point_files_skipped = points.files_skipped;

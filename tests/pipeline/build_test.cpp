@@ -690,6 +690,29 @@ TEST_F(Build, EveryKeyOfTheReportIsDocumented) {
   }
 }
 
+TEST(Documents, EveryWarningIsDocumented) {
+  std::set<std::string> documented, given;
+  std::ifstream page(std::string(TETROPOLIS_SOURCE) + "/docs/files.md");
+  bool here = false;
+  for (std::string line; std::getline(page, line);) {
+    if (line.starts_with("## ")) here = line == "## Warnings";
+    if (here && line.starts_with("| `")) documented.insert(line.substr(3, line.find('`', 3) - 3));
+  }
+  const std::regex code(
+      "(warnings(->|\\.)push_back\\(\\s*\\{|warnings = "
+      "\\{\\s*\\{|Warning\\s*\\w*\\s*\\{|warn\\()\\s*"
+      "\"([a-z_]+)\"");
+  for (const auto& file :
+       fs::recursive_directory_iterator(std::string(TETROPOLIS_SOURCE) + "/src")) {
+    if (file.path().extension() != ".cpp") continue;
+    const std::string text = bytes_of(file.path());
+    for (std::sregex_iterator match(text.begin(), text.end(), code), end; match != end; ++match)
+      given.insert((*match)[3]);
+  }
+  EXPECT_GT(given.size(), 40U);
+  EXPECT_EQ(documented, given);
+}
+
 TEST_F(Build, SynthWritesTheSameBytesForTheSameSeed) {
   for (const SynthKind kind : {SynthKind::kRandom, SynthKind::kBlocks}) {
     Config config;
