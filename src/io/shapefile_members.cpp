@@ -56,6 +56,12 @@ std::int64_t little_endian(const Member& member, std::size_t at, std::size_t byt
   return value;
 }
 
+/// Of a table. The head is 32 bytes, 32 for each column, and an end mark.
+bool lacks_columns(const Member& table) {
+  const std::int64_t head = little_endian(table, 8, 2);
+  return head >= 33 && head < 65;
+}
+
 void require_size(const Member& member, std::int64_t stated) {
   if (member.size >= stated) return;
   throw Error(ErrorKind::kInput,
@@ -70,7 +76,8 @@ void require_whole_shapefile(const fs::path& path) {
   if (extension != ".shp" && extension != ".SHP") return;
   const auto shapes = find_member(path, ".shp", ".SHP");
   const auto index = find_member(path, ".shx", ".SHX");
-  const auto table = find_member(path, ".dbf", ".DBF");
+  auto table = find_member(path, ".dbf", ".DBF");
+  if (table && lacks_columns(*table)) table.reset();
   constexpr std::int64_t kMagic = 9994;
   if (!shapes || big_endian(*shapes, 0) != kMagic) return;  // GDAL says what it is not
   // Lengths count words of 16 bits.
@@ -94,6 +101,13 @@ void require_whole_shapefile(const fs::path& path) {
         fmt::format("{}: {} shapes by its index, but {} attribute records in {}; the files "
                     "do not belong together, export them again",
                     path.string(), shape_count, record_count, table->path.filename().string()));
+}
+
+bool has_empty_table(const fs::path& path) {
+  const std::string extension = path.extension().string();
+  if (extension != ".shp" && extension != ".SHP") return false;
+  const auto table = find_member(path, ".dbf", ".DBF");
+  return table && lacks_columns(*table);
 }
 
 }  // namespace tetropolis

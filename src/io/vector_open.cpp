@@ -22,7 +22,8 @@ namespace tetropolis {
 
 namespace fs = std::filesystem;
 
-/// Copies of a shapefile's members in memory, so that GDAL can make the missing index there.
+/// Copies of a shapefile's members in memory, so that GDAL can make the missing index there;
+/// without a table that has no columns.
 class ShapefileCopy {
  public:
   explicit ShapefileCopy(const fs::path& shp)
@@ -32,7 +33,8 @@ class ShapefileCopy {
     for (const char* extension : {".dbf", ".prj", ".cpg", ".DBF", ".PRJ", ".CPG"}) {
       const fs::path member = stem.string() + extension;
       std::error_code error;
-      if (fs::exists(member, error))
+      const bool useless = lower_case(extension) == ".dbf" && has_empty_table(shp);
+      if (!useless && fs::exists(member, error))
         CPLCopyFile((stem_ + lower_case(extension)).c_str(), member.c_str());
     }
     complete_ = CPLCopyFile(path().c_str(), shp.c_str()) == 0;
@@ -143,7 +145,7 @@ VectorFile open_vector(const fs::path& path, const gdal::QuietErrors& errors) {
     name = vector_in_archive(path, errors);
   } else if (lower_case(path.extension().string()) == ".gz") {
     name = "/vsigzip/" + path.string();
-  } else if (lacks_index(path)) {
+  } else if (lacks_index(path) || has_empty_table(path)) {
     file.copy = std::make_shared<const ShapefileCopy>(path);
     if (!file.copy->complete()) fail_input(path, "cannot be read" + errors.reason());
     name = file.copy->path();
@@ -153,6 +155,9 @@ VectorFile open_vector(const fs::path& path, const gdal::QuietErrors& errors) {
   options.set("WRITE_GFS", "NO");
   // Else whole numbers of 19 digits, such as ids, would be rounded to doubles.
   if (lower_case(fs::path(name).extension().string()) == ".shp") options.set("ADJUST_TYPE", "YES");
+  // JOSM numbers what is new below 0, and nodes not in ascending order.
+  const bool packed = lower_case(path.extension().string()) == ".pbf";
+  const gdal::ThreadOption any_order("OSM_USE_CUSTOM_INDEXING", packed ? "YES" : "NO");
   file.dataset.reset(GDALOpenEx(name.c_str(), GDAL_OF_VECTOR | GDAL_OF_VERBOSE_ERROR, nullptr,
                                 options.get(), nullptr));
   const bool unknown = errors.last().find("not recognized as") != std::string::npos;

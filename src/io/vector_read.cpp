@@ -48,6 +48,9 @@ OGRLayerH find_layer(const fs::path& path, GDALDatasetH dataset, const std::stri
   std::vector<std::string> all;
   std::vector<std::string> names;
   OGRLayerH found = nullptr;
+  // Of the layers that GDAL makes of OpenStreetMap's own formats, this has the areas.
+  if (wanted.empty() && is_of_format(dataset, "OSM"))
+    if (OGRLayerH areas = GDALDatasetGetLayerByName(dataset, "multipolygons")) return areas;
   for (int i = 0; i < GDALDatasetGetLayerCount(dataset); ++i) {
     OGRLayerH layer = GDALDatasetGetLayer(dataset, i);
     if (layer == nullptr) continue;

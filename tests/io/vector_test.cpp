@@ -624,6 +624,24 @@ TEST(Vector, ShapefilesWithoutTheirMembersAreReadInPlace) {
   EXPECT_TRUE(bytes_of(folder / "a.shx") == index);
 }
 
+/// As PostGIS writes it where there are no attributes.
+TEST(Vector, ShapefilesWhoseTableHasNoColumnsAreRead) {
+  const TemporaryFolder folder;
+  write_footprints(
+      folder / "a.shp",
+      std::vector<Polygon>{{{{0, 0}, {9, 0}, {9, 9}}, {}}, {{{20, 0}, {29, 0}, {29, 9}}, {}}},
+      std::vector<std::string>{"x", "y"}, {}, {}, "EPSG:28992");
+  std::string table = bytes_of(folder / "a.dbf").substr(0, 32) + '\x0D';
+  table.replace(4, 8, std::string("\0\0\0\0\x21\0\1\0", 8));  // records, lengths of head and record
+  write_text(folder / "a.dbf", table);
+  const std::set<std::string> before = listing(folder.path());
+  const FootprintsInput input = read_footprints(folder / "a.shp");
+  ASSERT_EQ(input.features.size(), 2U);
+  EXPECT_EQ(input.features[1].source_id, "1");
+  EXPECT_EQ(input.crs, "EPSG:28992");
+  EXPECT_EQ(listing(folder.path()), before);
+}
+
 TEST(Vector, ArchivesAreReadInPlace) {
   const TemporaryFolder folder;
   const std::vector<Polygon> polygons = {{{{0, 0}, {9, 0}, {9, 9}}, {}}};
@@ -711,7 +729,7 @@ TEST(Vector, OfOpenStreetMapOnlyBuildingsAreRead) {
     ways += fmt::format("<way id=\"{}\" version=\"1\">{}<tag k=\"{}\" v=\"{}\"/></way>\n", id, refs,
                         key, value);
   };
-  add(1, "building", "yes");
+  add(7, "building", "yes");  // JOSM does not sort what it saves
   add(2, "landuse", "residential");
   add(3, "building", "house");
   add(4, "natural", "water");
@@ -723,7 +741,7 @@ TEST(Vector, OfOpenStreetMapOnlyBuildingsAreRead) {
   options.id_attribute = "osm_way_id";
   const FootprintsInput input = read_footprints(path, options);
   ASSERT_EQ(input.features.size(), 2U);
-  EXPECT_EQ(input.features[0].source_id, "1");
+  EXPECT_EQ(input.features[0].source_id, "7");
   EXPECT_EQ(input.features[1].source_id, "3");
   EXPECT_EQ(input.features_read, 2);
 }
