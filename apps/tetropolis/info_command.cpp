@@ -231,13 +231,47 @@ void info_json(const std::string& path) {
     info_vector(path);
 }
 
+bool is_point_file(const std::string& name) {
+  return name.ends_with(".las") || name.ends_with(".laz");
+}
+
+bool holds_point_files(const std::filesystem::path& path) {
+  std::error_code error;
+  for (std::filesystem::directory_iterator entry(path, error), end; !error && entry != end;
+       entry.increment(error))
+    if (is_point_file(lower_case(entry->path().string()))) return true;
+  return false;
+}
+
+void info_folder(const std::string& path) {
+  std::error_code error;
+  if (const auto report = std::filesystem::path(path) / "report.json";
+      std::filesystem::exists(report, error))
+    return info_report(report.string());
+  if (!holds_point_files(path)) return info_vector(path);  // a geodatabase, say
+  for (const std::filesystem::path& file : expand_point_paths(std::vector{path}))
+    info_points(file.string());
+}
+
+/// Results of ours in formats that are not read back.
+void refuse_written_formats(const std::string& path, const std::string& name) {
+  for (const char* extension : {".stl", ".msh", ".obj", ".ply", ".glb", ".h5"})
+    if (name.ends_with(extension))
+      throw Error(ErrorKind::kInput,
+                  fmt::format("{}: {} files are written but not read; give the folder, or a .vtu, "
+                              ".vtp or .xdmf file",
+                              path, extension));
+}
+
 void info_file(const std::string& path) {
   if (!is_there(path)) throw Error(ErrorKind::kInput, path + ": no such file");
   std::error_code error;
   if (!std::filesystem::is_regular_file(path, error) && !std::filesystem::is_directory(path, error))
     throw Error(ErrorKind::kInput, path + ": is not an ordinary file");
+  if (std::filesystem::is_directory(path, error)) return info_folder(path);
   const std::string name = lower_case(path);
-  if (name.ends_with(".las") || name.ends_with(".laz"))
+  refuse_written_formats(path, name);
+  if (is_point_file(name))
     info_points(path);
   else if (name.ends_with(".city.json"))
     info_city(path);
@@ -251,9 +285,6 @@ void info_file(const std::string& path) {
     info_surface(path);
   else if (name.ends_with(".xdmf"))
     info_xdmf(path);
-  else if (const auto report = std::filesystem::path(path) / "report.json";
-           std::filesystem::exists(report, error))
-    info_report(report.string());
   else
     info_vector(path);
 }

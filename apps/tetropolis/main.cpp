@@ -17,6 +17,8 @@
 
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
+#include <poll.h>
+#include <unistd.h>
 
 #include "tetropolis/core/error.h"
 #include "tetropolis/core/parallel.h"
@@ -81,6 +83,12 @@ constexpr const char* kOutOfMemory = "out of memory; free some, or give it less 
 constexpr const char* kOutOfMemoryMeshing =
     "out of memory; use a smaller domain or a larger --mesh-size";
 
+/// Whether standard output is a pipe that nobody reads any more: `head` has seen enough.
+bool reader_is_gone() {
+  pollfd output{STDOUT_FILENO, POLLOUT, 0};
+  return poll(&output, 1, 0) == 1 && (output.revents & POLLERR) != 0;
+}
+
 /// The exit code of `action`; an error becomes one line.
 int guarded(const std::function<int()>& action, const Say& say,
             const char* out_of_memory = kOutOfMemory) {
@@ -96,7 +104,8 @@ int guarded(const std::function<int()>& action, const Say& say,
   try {
     const int code = action();
     static bool told = false;  // calls are nested
-    if ((std::fflush(stdout) != 0 || std::ferror(stdout) != 0) && !std::exchange(told, true))
+    if ((std::fflush(stdout) != 0 || std::ferror(stdout) != 0) && !std::exchange(told, true) &&
+        !reader_is_gone())
       return tell("what was to be printed could not be written; make room", 3);
     return code;
   } catch (const Error& error) {
@@ -193,6 +202,10 @@ void init(const std::string& path) {
   std::error_code ignored;  // AtomicFile says what is wrong with the path
   if (fs::exists(path, ignored))
     throw Error(ErrorKind::kUsage, fmt::format("{}: exists already; choose another name", path));
+  const fs::path folder = fs::path(path).parent_path();
+  if (!folder.empty() && !fs::is_directory(folder, ignored))
+    throw Error(ErrorKind::kUsage,
+                fmt::format("{}: there is no folder {}; make it first", path, folder.string()));
   AtomicFile file(path);
   file.write(text);
   file.commit();

@@ -133,7 +133,7 @@ CheckedFile describe(const std::string& name, const CityCheck& check,
   CheckedFile file{name, {}, check.violations, {}};
   file.facts = {fmt::format("{} buildings, {} dropped features, {:.1f} m2", check.buildings,
                             check.dropped, check.area)};
-  if (min_distance)
+  if (min_distance && std::isfinite(joint_clearance_of(check)))
     file.facts.push_back(
         fmt::format("clearance {:.6f} m, {} m asked", joint_clearance_of(check), *min_distance));
   return file;
@@ -248,16 +248,31 @@ void check_heights_of(const fs::path& terrain, const SurfaceMesh& surface,
             static_cast<double>(check.lowered + check.perhaps_lowered), file);
 }
 
-CheckedFile check_against_city(const std::string& name, const fs::path& folder, const TetMesh& mesh,
-                               const SurfaceMesh& surface, const CityModel& city,
-                               const std::optional<ReportedFacts>& report) {
+/// What a mesh was made from. Empty paths where it is not to be found.
+struct Sources {
+  fs::path city, terrain;
+};
+
+/// In the folder, or where `mesh` has read it.
+Sources find_sources(const fs::path& folder, const std::optional<ReportedFacts>& report) {
+  const auto find = [&](const char* name, const fs::path& read) {
+    if (is_there(folder / name)) return folder / name;
+    return !read.empty() && is_there(read) ? read : fs::path();
+  };
+  const ReportedFacts facts = report.value_or(ReportedFacts{});
+  return {find(kCity, facts.city_model), find("dtm.tif", facts.terrain)};
+}
+
+CheckedFile check_against_city(const std::string& name, const fs::path& terrain,
+                               const TetMesh& mesh, const SurfaceMesh& surface,
+                               const CityModel& city, const std::optional<ReportedFacts>& report) {
   std::array<double, 3> shift{0, 0, 0};
   if (report && report->absolute) shift = {-city.origin.x, -city.origin.y, 0};
   CheckedFile file{name, {}, check_regions(mesh, shift, city), {}};
   file.facts.emplace_back("regions of cells compared with the footprints");
   check_ground_mesh(surface, shift, city, report, file);
-  if (is_there(folder / "dtm.tif"))
-    check_heights_of(folder / "dtm.tif", surface, shift, city, report, file);
+  if (!terrain.empty())
+    check_heights_of(terrain, surface, shift, city, report, file);
   else
     file.not_checked.emplace_back("heights (there is no dtm.tif)");
   return file;
@@ -369,7 +384,11 @@ void compare_city(const CityModel& city, const CityCheck& check, const ReportedF
 /// What a mesh file says of its place, if it does.
 void compare_origin(const std::optional<Point3>& origin, const std::optional<ReportedFacts>& report,
                     CheckedFile& file) {
-  if (!origin || !report || !report->origin || !report->mesh) return;
+  if (!report || !report->origin || !report->mesh) return;
+  if (!origin) {
+    file.not_checked.emplace_back("the origin (the file does not state it, or not as text)");
+    return;
+  }
   const Point3 expected =
       report->absolute ? Point3{0, 0, 0} : Point3{report->origin->x, report->origin->y, 0};
   if (*origin != expected)
@@ -404,24 +423,24 @@ std::vector<CheckedFile> check_volume_and_boundaries(const NamedVolume& volume,
 
 /// A mesh of the folder; `city` is city.city.json if that is there.
 void add_mesh(const NamedVolume& volume, const std::vector<NamedSurface>& boundaries,
-              const fs::path& folder, const CityModel& city,
+              const Sources& sources, const CityModel& city,
               const std::optional<ReportedFacts>& report, const Progress& progress,
               std::vector<CheckedFile>& files) {
   for (CheckedFile& file : check_volume_and_boundaries(volume, boundaries, report, progress))
     files.push_back(std::move(file));
-  if (!is_there(folder / kCity)) {
+  if (sources.city.empty()) {
     files.back().not_checked.emplace_back(
         "regions, footprints in the mesh and heights (there is no city.city.json)");
     return;
   }
   for (const NamedSurface& boundary : boundaries)
     files.push_back(check_against_city(
-        fmt::format("{}, {}, city model and terrain", volume.name, boundary.name), folder,
+        fmt::format("{}, {}, city model and terrain", volume.name, boundary.name), sources.terrain,
         volume.mesh, boundary.mesh, city, report));
 }
 
 /// What is in the folder of volume and boundary, one format after the other.
-void add_meshes(const fs::path& folder, const CityModel& city,
+void add_meshes(const fs::path& folder, const Sources& sources, const CityModel& city,
                 const std::optional<ReportedFacts>& report, const Progress& progress,
                 std::vector<CheckedFile>& files) {
   const auto there = [&](const char* name) { return is_there(folder / name); };
@@ -433,7 +452,7 @@ void add_meshes(const fs::path& folder, const CityModel& city,
   if (vtu && vtp)
     add_mesh(
         {"volume.vtu", read_vtu(folder / "volume.vtu"), read_vtk_origin(folder / "volume.vtu")},
-        vtp_boundary, folder, city, report, progress, files);
+        vtp_boundary, sources, city, report, progress, files);
   else if (vtu)
     files.push_back(check_one_volume(folder / "volume.vtu", progress));
   else if (vtp && !xdmf)
@@ -442,9 +461,9 @@ void add_meshes(const fs::path& folder, const CityModel& city,
     XdmfMesh mesh = read_xdmf(folder / "volume.xdmf");
     std::vector<NamedSurface> boundaries = vtu ? std::vector<NamedSurface>() : vtp_boundary;
     boundaries.push_back(
-        {grid_name("volume.xdmf", "boundary"), std::move(mesh.boundary), std::nullopt});
+        {grid_name("volume.xdmf", "boundary"), std::move(mesh.boundary), mesh.origin});
     add_mesh({grid_name("volume.xdmf", "mesh"), std::move(mesh.volume), mesh.origin}, boundaries,
-             folder, city, report, progress, files);
+             sources, city, report, progress, files);
   } else if (report && report->mesh && !(vtu && vtp)) {
     files.push_back(
         {"meshes", {}, {}, {"there is neither volume.vtu with boundary.vtp nor volume.xdmf"}});
@@ -491,19 +510,20 @@ void add_unread(const fs::path& folder, std::vector<CheckedFile>& files) {
 std::vector<CheckedFile> check_folder(const fs::path& folder, std::optional<double> min_distance,
                                       const Progress& progress) {
   const std::optional<ReportedFacts> report = read_report(folder);
-  const auto there = [&](const char* name) { return is_there(folder / name); };
+  const Sources sources = find_sources(folder, report);
   std::vector<CheckedFile> files;
   CityModel city;
   std::optional<CityModel> raw;
   for (const char* name : {kRawCity, kCity}) {
-    if (!there(name)) continue;
+    const fs::path path = name == kCity ? sources.city : folder / name;
+    if (path.empty() || !is_there(path)) continue;
     std::vector<Warning> warnings;
-    city = read_city(folder / name, &warnings);
+    city = read_city(path, &warnings);
     const bool is_raw = std::string_view(name) == kRawCity;
     const std::optional<double> distance =
         distance_asked(name, is_raw ? std::nullopt : min_distance, report);
     const CityCheck check = check_city(city, distance);
-    files.push_back(describe(name, check, distance));
+    files.push_back(describe(path.parent_path() == folder ? name : path.string(), check, distance));
     note_heights(warnings, files.back());
     compare_account(city, report, files.back());
     if (is_raw) {
@@ -517,7 +537,7 @@ std::vector<CheckedFile> check_folder(const fs::path& folder, std::optional<doub
     if (raw && report && report->footprint_parts) compare_features(*raw, city, files.back());
     if (report) compare_city(city, check, *report, files.back());
   }
-  add_meshes(folder, city, report, progress, files);
+  add_meshes(folder, sources, city, report, progress, files);
   if (files.empty())
     throw Error(
         ErrorKind::kInput,

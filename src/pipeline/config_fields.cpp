@@ -247,7 +247,8 @@ std::vector<ConfigField> make_fields() {
        .group = "Mesh",
        .member = &C::domain_height,
        .commands = kMeshing,
-       .help = "Height of the domain above the highest ground",
+       .help = "Height of the domain above the highest ground; two mesh sizes above the highest "
+               "roof at least",
        .unit = "m",
        .min = 0.1,
        .max = 1e5},
@@ -297,7 +298,7 @@ std::vector<ConfigField> make_fields() {
        .member = &C::min_gap_share,
        .commands = kMeshing,
        .help = "Uniform layering: minimum height of a cell's vertical edge, as a share of the even "
-               "spacing",
+               "spacing from ground to roof, or from there to the top",
        .min = 0.001,
        .max = 0.9},
       {.name = "solver_tolerance",
@@ -327,8 +328,9 @@ std::vector<ConfigField> make_fields() {
        .group = "Synthetic city",
        .member = &C::buildings,
        .commands = kSynth,
-       .help =
-           "Number of buildings; 0: as dense as 3096 on 2500 m (random) or as many as fit (blocks)",
+       .help = "Number of buildings; 0: as dense as 3096 on 2500 m (random) or as many as fit "
+               "(blocks, which "
+               "come about as dense as asked); not of adversarial cities",
        .min = 0,
        .max = 1e7},
       {.name = "size",

@@ -272,6 +272,7 @@ namespace {
 /// The settings that alone make bad cells, if there are any.
 std::string unusual_settings(const Config& config) {
   std::string text;
+  if (config.layering == Layering::kUniform) text += "; --layering graded gives better ones";
   if (config.min_angle < 20) text += fmt::format("; --min-angle {:g} is small", config.min_angle);
   const double share = config.layer_height / config.mesh_size;
   // Graded layers take a large height as an upper limit only.

@@ -385,7 +385,7 @@ void warn_of_terrain(const DtmReport& dtm, Report& report) {
              100 * dtm.empty_share, advice)});
   else if (dtm.void_share > kManyVoids)
     report.warnings.push_back(
-        {"terrain_voids", std::llround(100 * dtm.void_share),
+        {"terrain_voids", dtm.voids,
          fmt::format(
              "{:.0f} % of the domain's squares of 20 m have no ground point; the terrain there is "
              "filled from around; check --bounds, or {}",

@@ -96,6 +96,10 @@ ReportedFacts facts_of(const Json& report) {
   if (report.contains("domain")) facts.domain = report["domain"].get<std::array<double, 4>>();
   if (report.contains("crs")) facts.crs = normalise_crs(report["crs"].get<std::string>());
   facts.files = files_of(report, config);
+  if (report.value("command", std::string()) == "mesh") {
+    facts.city_model = config.value("city", std::string());
+    facts.terrain = config.value("dtm", std::string());
+  }
   if (!report.contains("volume_mesh")) return facts;
   const Json& volume = report["volume_mesh"];
   const Json surface = report.value("surface_mesh", Json::object());

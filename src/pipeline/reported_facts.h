@@ -48,7 +48,8 @@ struct ReportedFacts {
   std::optional<std::array<double, 4>> domain;  ///< CRS coordinates.
   std::optional<std::string> crs;
   std::optional<ReportedMesh> mesh;
-  std::vector<std::string> files;  ///< What the run wrote.
+  std::vector<std::string> files;             ///< What the run wrote.
+  std::filesystem::path city_model, terrain;  ///< What `mesh` has read; empty for other commands.
   std::optional<double> min_angle;
   double min_wall = Config{}.min_wall_height;
   CutsCheck cuts;

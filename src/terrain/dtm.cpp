@@ -119,22 +119,37 @@ std::vector<std::int32_t> next_front(const Raster& raster, const std::vector<std
 }
 
 /// Share of the squares of kVoid that have no value at all.
-double share_of_voids(const Raster& raster) {
+struct Voids {
+  std::int64_t voids = 0;
+  std::int64_t squares = 0;
+};
+
+Voids count_voids(const Raster& raster) {
   const auto side = std::max<std::int32_t>(1, static_cast<std::int32_t>(kVoid / raster.step));
-  std::int64_t squares = 0, voids = 0;
-  for (std::int32_t j0 = 0; j0 < raster.ny; j0 += side) {
-    for (std::int32_t i0 = 0; i0 < raster.nx; i0 += side) {
+  // What is left of a row beyond whole squares belongs to the last, or is one if it is half as
+  // wide: the nodes on the domain's far side are no squares of their own.
+  const auto begins = [&](std::int32_t nodes) {
+    const std::int32_t count = std::max((nodes - 1 + side / 2) / side, 1);
+    std::vector<std::int32_t> result;
+    for (std::int32_t k = 0; k < count; ++k) result.push_back(k * side);
+    result.push_back(nodes);
+    return result;
+  };
+  const std::vector<std::int32_t> columns = begins(raster.nx), rows = begins(raster.ny);
+  Voids result;
+  for (std::size_t r = 0; r + 1 < rows.size(); ++r) {
+    for (std::size_t c = 0; c + 1 < columns.size(); ++c) {
       bool is_void = true;
-      for (std::int32_t j = j0; is_void && j < std::min(j0 + side, raster.ny); ++j)
-        for (std::int32_t i = i0; is_void && i < std::min(i0 + side, raster.nx); ++i)
+      for (std::int32_t j = rows[r]; is_void && j < rows[r + 1]; ++j)
+        for (std::int32_t i = columns[c]; is_void && i < columns[c + 1]; ++i)
           is_void = std::isnan(
               raster.values[static_cast<std::size_t>(j) * static_cast<std::size_t>(raster.nx) +
                             static_cast<std::size_t>(i)]);
-      ++squares;
-      voids += is_void ? 1 : 0;
+      ++result.squares;
+      result.voids += is_void ? 1 : 0;
     }
   }
-  return static_cast<double>(voids) / static_cast<double>(squares);
+  return result;
 }
 
 }  // namespace
@@ -184,13 +199,14 @@ Raster build_dtm(const PointCloud& cloud, const Bounds2& domain, const DtmOption
       raster.values[node] = counts[node] == 0 ? kNan : raster.values[node] / counts[node];
     }
   }
-  const double void_share = share_of_voids(raster);
+  const Voids voids = count_voids(raster);
   progress.update(0.5);
   const Progress second_half{[&](double fraction) { progress.update(0.5 + fraction / 2); }, {}};
   fill_empty_nodes(raster, second_half);
   if (report != nullptr)
     *report = {ground_points, static_cast<std::int64_t>(nodes),
-               static_cast<double>(empty) / static_cast<double>(nodes), void_share};
+               static_cast<double>(empty) / static_cast<double>(nodes), voids.voids,
+               static_cast<double>(voids.voids) / static_cast<double>(voids.squares)};
   return raster;
 }
 

@@ -337,6 +337,45 @@ TEST_F(Cli, CheckKnowsWhereTheMeshLies) {
   }
 }
 
+TEST_F(Cli, CheckReadsCityAndTerrainWhereMeshHasReadThem) {
+  synth("--buildings 4 --size 100");
+  ASSERT_EQ(run("city --quiet --footprints input/footprints.shp --points input --out one").code, 0);
+  ASSERT_EQ(
+      run("mesh --quiet --city one/city.city.json --dtm one/dtm.tif --mesh-size 20 --out two").code,
+      0);
+  Outcome outcome = run("check two");
+  EXPECT_EQ(outcome.code, 0) << outcome.out;
+  for (const char* words : {"one/city.city.json\n", "regions of cells compared with the footprints",
+                            "ground vertices on the terrain"})
+    EXPECT_NE(outcome.out.find(words), std::string::npos) << outcome.out;
+  // Another terrain than it was.
+  ASSERT_EQ(
+      run("city --quiet --footprints input/footprints.shp --points input --dtm-step 3 --out one")
+          .code,
+      0);
+  EXPECT_EQ(run("check two").code, 1);
+  fs::remove_all(scratch / "one");
+  outcome = run("check two");
+  EXPECT_EQ(outcome.code, 0);
+  EXPECT_NE(outcome.out.find("there is no city.city.json"), std::string::npos) << outcome.out;
+}
+
+TEST_F(Cli, InfoOfFoldersAndOfFormatsThatAreNotRead) {
+  synth("--buildings 4 --size 100");
+  const Outcome folder = run("info input");
+  EXPECT_EQ(folder.code, 0);
+  EXPECT_NE(folder.out.find("report of 'tetropolis synth'"), std::string::npos);
+  fs::create_directory(scratch / "cloud");
+  fs::copy_file(scratch / "input/points.laz", scratch / "cloud/a.laz");
+  fs::copy_file(scratch / "input/points.laz", scratch / "cloud/b.laz");
+  const Outcome cloud = run("info cloud");
+  EXPECT_EQ(cloud.code, 0);
+  for (const char* name : {"cloud/a.laz: LAZ", "cloud/b.laz: LAZ"})
+    EXPECT_NE(cloud.out.find(name), std::string::npos) << cloud.out;
+  std::ofstream(scratch / "a.stl") << "solid a\n";
+  expect_error("info a.stl", 3, ".stl files are written but not read");
+}
+
 TEST_F(Cli, CheckNamesResultsThatAreMissing) {
   synth("--buildings 4 --size 100");
   ASSERT_EQ(run("build --quiet --footprints input/footprints.shp --points input --mesh-size 20 "
@@ -799,6 +838,13 @@ TEST_F(Cli, ClosedAndFullStreamsAreNoReasonToFail) {
               "tetropolis: /dev/full: the log could not be written whole; make room\n");
   }
   EXPECT_EQ(shell("{ " + build + "2>&1; echo $? >code; } | true; cat code").out, "0\n");
+  // A reader that has seen enough is no full disk. The pipe is closed before anything is printed.
+  for (const char* asked : {"check result", "--help", "settings"}) {
+    const Outcome closed = shell(std::string("{ sleep 0.3; '" TETROPOLIS_PROGRAM "' ") + asked +
+                                 "; echo $? >code; } | true; cat code");
+    EXPECT_EQ(closed.out, "0\n") << asked;
+    EXPECT_EQ(closed.err, "") << asked;
+  }
   EXPECT_EQ(shell("'" TETROPOLIS_PROGRAM "' nothing 2>&-").code, 2);
   fs::remove(scratch / "code");
   EXPECT_EQ(left(), (std::set<std::string>{"input", "result"}));
@@ -808,6 +854,7 @@ TEST_F(Cli, ConfigurationFileAndOptionsMeet) {
   synth("--buildings 20 --size 250");
   ASSERT_EQ(run("init my.toml").code, 0);
   EXPECT_EQ(run("init my.toml").code, 2);  // never overwrites
+  expect_error("init nowhere/my.toml", 2, "there is no folder nowhere");
   std::ofstream(scratch / "my.toml", std::ios::app)
       << "footprints = \"input/footprints.shp\"\npoints = [\"input\"]\nmesh_size = 20\nout = "
          "\"result\"\n";
