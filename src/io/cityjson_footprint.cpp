@@ -162,12 +162,15 @@ void orient(Polygon& polygon) {
     if (signed_area(hole) > 0) turn(hole);
 }
 
-std::optional<double> roof_height_of(const std::vector<Face>& faces) {
+std::optional<double> roof_height_of(const std::vector<Face>& faces, double area_of_footprint) {
+  constexpr double kMostOfFootprint = 0.8;
   constexpr double kInfinity = std::numeric_limits<double>::infinity();
   std::vector<const Face*> roofs = select(faces, &Face::is_roof);
-  if (!(area_up_to(roofs, kInfinity) > 0)) roofs = select(faces, kNotWall, 1);
-  const double wanted = 0.9 * area_up_to(roofs, kInfinity);
-  if (!(wanted > 0)) return std::nullopt;
+  std::erase_if(roofs, [](const Face* face) { return uprightness(*face) < kNotWall; });
+  const double all = area_up_to(roofs, kInfinity);
+  // Where some faces only are named, or look down as all do, the others are not known.
+  if (!(all > 0 && all >= kMostOfFootprint * area_of_footprint)) return std::nullopt;
+  const double wanted = 0.9 * all;
   std::vector<double> levels;
   for (const Face* face : roofs)
     for (const std::vector<Point3>& ring : face->rings)
@@ -183,10 +186,9 @@ std::optional<double> roof_height_of(const std::vector<Face>& faces) {
   if (at == levels.begin() || !reached(high)) return *at;
   double low = *(at - 1);
   constexpr double kExact = 1e-6;  // metres
-  while (high - low > kExact) {
-    const double middle = (low + high) / 2;
+  for (double middle = (low + high) / 2; high - low > kExact && middle > low && middle < high;
+       middle = (low + high) / 2)
     (reached(middle) ? high : low) = middle;
-  }
   return high;
 }
 

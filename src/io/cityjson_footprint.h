@@ -25,9 +25,9 @@ struct FootprintResult {
 FootprintResult footprint_of(const std::vector<Face>& faces);
 
 /// The height, above 0, that nine tenths of the roof's area in the plan do not exceed, as the 90th
-/// percentile of points scanned from above would be: of the faces whose semantics say so, else of
-/// those that look up. None if no face is a roof.
-std::optional<double> roof_height_of(const std::vector<Face>& faces);
+/// percentile of points scanned from above would be: of the faces that look up and whose semantics
+/// say that they are roofs. None unless these are most of the footprint.
+std::optional<double> roof_height_of(const std::vector<Face>& faces, double area_of_footprint);
 
 /// Turns rings so that the outer one is counter-clockwise and holes are clockwise; the first vertex
 /// of each stays the first.

@@ -2,6 +2,7 @@
 #include <cmath>
 #include <cstdint>
 #include <cstdlib>
+#include <optional>
 #include <string_view>
 #include <unordered_set>
 #include <utility>
@@ -10,6 +11,7 @@
 #include <nlohmann/json.hpp>
 
 #include "tetropolis/core/error.h"
+#include "tetropolis/geometry/polygon.h"
 #include "tetropolis/io/cityjson.h"
 #include "tetropolis/io/crs.h"
 
@@ -438,10 +440,15 @@ class CityReader {
       model_.dropped.push_back({key, "a geometry without height"});
       return;
     }
-    constexpr double kFlat = 0.5;  // metres
-    const double roof = roof_height_of(faces).value_or(high);
-    if (high - roof > kFlat) ++flattened_;
-    if (low < roof) high = roof;
+    double whole = 0;
+    for (const Polygon& polygon : footprint.polygons) whole += area(polygon);
+    constexpr double kLeastHeight = 2;  // metres: a roof lower than that is a floor
+    constexpr double kFlat = 0.5;
+    const std::optional<double> roof = roof_height_of(faces, whole);
+    if (roof && *roof >= low + kLeastHeight) {
+      if (high - *roof > kFlat) ++flattened_;
+      high = *roof;
+    }
     for (std::size_t k = 0; k < footprint.polygons.size(); ++k) {
       Building building;
       building.source_ids = {k == 0 ? key : fmt::format("{}#{}", key, k + 1)};
@@ -530,8 +537,8 @@ CityModel read_city(const fs::path& path, std::vector<Warning>* warnings) {
          fmt::format("{}: {} buildings or parts have no usable geometry", path.string(), dropped)});
   if (warnings != nullptr && reader.flattened() > 0)
     warnings->push_back({"city_roofs_flattened", reader.flattened(),
-                         path.string() + ": roofs that are not flat become flat at the height "
-                                         "that nine tenths of their area do not exceed"});
+                         path.string() + ": parts of roofs are left out that reach higher than "
+                                         "nine tenths of the roof's area"});
   const std::vector<std::string>& other = reader.other_heights();
   if (warnings != nullptr && !other.empty())
     warnings->push_back(

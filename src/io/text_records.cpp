@@ -36,7 +36,7 @@ class QuoteScan {
   void add(char c) {
     if (c == '"') {
       // The first of a field opens it, and one within it closes it, unless it is doubled.
-      if (!open_ && !closed_ && !at_start_) malformed_ = true;
+      if (!open_) mistaken_ = !closed_ && !at_start_;
       open_ = !open_;
       closed_ = !open_;
       at_start_ = false;
@@ -44,29 +44,26 @@ class QuoteScan {
     }
     if (c == '\n') {
       ++line_;
-      if (!open_) {
-        finish();
-        return;
-      }
+      if (!open_) finish();
+      if (open_ && mistaken_) fail();
+      return;
     }
     if (open_) return;
     const bool separates = std::string_view(",;\t|").find(c) != std::string_view::npos;
     const bool blank = c == ' ' || c == '\r';
-    if (closed_ && !separates && !blank) malformed_ = true;
+    const bool mark = static_cast<unsigned char>(c) >= 0xBB && line_ == 0;  // of byte order
     closed_ = closed_ && blank;
-    at_start_ = separates || (at_start_ && blank);
+    at_start_ = separates || blank || (at_start_ && mark);
   }
 
-  void end() {
+  void end() const {
     if (open_) fail();
-    finish();
   }
 
  private:
   void finish() {
-    if (malformed_ && line_ > first_ + 1) fail();
     first_ = line_;
-    malformed_ = open_ = closed_ = false;
+    closed_ = false;
     at_start_ = true;
   }
 
@@ -78,9 +75,9 @@ class QuoteScan {
 
   const std::filesystem::path& path_;
   bool open_ = false;       // within quotes
+  bool mistaken_ = false;   // which opened within a field
   bool closed_ = false;     // just behind the closing one
   bool at_start_ = true;    // of a field
-  bool malformed_ = false;  // the record
   std::int64_t line_ = 0;   // lines that have ended
   std::int64_t first_ = 0;  // at the beginning of the record
 };
@@ -92,7 +89,14 @@ class ObjectScan {
 
   void add(char c) {
     constexpr char kSeparator = '\x1e';
-    if (c == '\n') ++line_;
+    if (c == '\n') {
+      ++line_;
+      // Whatever was wrong with a line, the next is another.
+      if (by_line_ && !separated_) {
+        in_string_ = escaped_ = complete_ = false;
+        depth_ = 0;
+      }
+    }
     if (in_string_) {
       if (!escaped_ && c == '"') in_string_ = false;
       escaped_ = !escaped_ && c == '\\';
@@ -103,7 +107,6 @@ class ObjectScan {
       complete_ = false;
       return;
     }
-    if (c == '\n' && by_line_ && !separated_ && depth_ == 0) complete_ = false;
     if (c == ' ' || c == '\t' || c == '\r' || c == '\n' || c == '\0') return;
     // Scripts put signs around an object, which are no features.
     if (complete_ && (c == '{' || c == '[')) fail();

@@ -7,8 +7,8 @@
 namespace tetropolis {
 
 /// Throws Error(kInput) naming the line, if a CSV file has a quote that is not closed before its
-/// end, or that swallows further lines without being the end of a field: GDAL makes one feature of
-/// all these lines. Quoted fields of several lines are fine. `name`: of the file for GDAL.
+/// end, or one within a field that swallows further lines: GDAL makes one feature of all these
+/// lines. Quoted fields of several lines are fine. `name`: of the file for GDAL.
 /// Source: RFC 4180; GDAL joins lines until the number of their quotes is even.
 void require_closed_quotes(const std::filesystem::path& path, const std::string& name);
 

@@ -60,16 +60,20 @@ bool lacks_index(const fs::path& path) {
          !fs::exists(fs::path(path).replace_extension(".SHX"), error);
 }
 
-/// What a member of an archive is by its name: 0 for a vector file, 1 for what may be one or
-/// describe one, 2 for neither.
+/// What a member of an archive is by its name: 0 for a vector file, 1 and 2 for what may be one or
+/// describe one, 3 for neither.
 int rank_of_member(const std::string& name) {
-  constexpr std::array<std::string_view, 13> kVector{
+  constexpr std::array<std::string_view, 14> kVector{
       ".shp", ".gpkg", ".geojson", ".geojsonl", ".geojsons", ".fgb", ".gdb",
-      ".gml", ".kml",  ".sqlite",  ".tab",      ".mif",      ".osm"};
-  constexpr std::array<std::string_view, 5> kPerhaps{".json", ".xml", ".csv", ".dxf", ".ndjson"};
+      ".gml", ".kml",  ".sqlite",  ".tab",      ".mif",      ".osm", ".pbf"};
+  constexpr std::array<std::string_view, 5> kPerhaps{".xml", ".csv", ".tsv", ".dxf", ".ndjson"};
   const std::string extension = lower_case(fs::path(name).extension().string());
-  if (std::find(kVector.begin(), kVector.end(), extension) != kVector.end()) return 0;
-  return std::find(kPerhaps.begin(), kPerhaps.end(), extension) != kPerhaps.end() ? 1 : 2;
+  const auto is_among = [&](const auto& list) {
+    return std::find(list.begin(), list.end(), extension) != list.end();
+  };
+  if (is_among(kVector)) return 0;
+  if (extension == ".json") return 1;
+  return is_among(kPerhaps) ? 2 : 3;
 }
 
 /// The name for GDAL of the only vector file in a ZIP archive, wherever it lies in there.
@@ -77,7 +81,7 @@ std::string vector_in_archive(const fs::path& path, const gdal::QuietErrors& err
   const std::string archive = "/vsizip/" + path.string();
   char** const members = VSIReadDirRecursive(archive.c_str());
   std::vector<std::string> found;
-  int best = 1;
+  int best = 2;
   for (char** member = members; member != nullptr && *member != nullptr; ++member) {
     std::string name = *member;
     // What macOS adds to archives bears the names of real members.
@@ -153,8 +157,6 @@ VectorFile open_vector(const fs::path& path, const gdal::QuietErrors& errors) {
   const gdal::ThreadOption restore("SHAPE_RESTORE_SHX", file.copy ? "YES" : "NO");
   gdal::StringList options;
   options.set("WRITE_GFS", "NO");
-  // Else whole numbers of 19 digits, such as ids, would be rounded to doubles.
-  if (lower_case(fs::path(name).extension().string()) == ".shp") options.set("ADJUST_TYPE", "YES");
   // JOSM numbers what is new below 0, and nodes not in ascending order.
   const bool packed = lower_case(path.extension().string()) == ".pbf";
   const gdal::ThreadOption any_order("OSM_USE_CUSTOM_INDEXING", packed ? "YES" : "NO");

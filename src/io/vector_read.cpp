@@ -48,9 +48,6 @@ OGRLayerH find_layer(const fs::path& path, GDALDatasetH dataset, const std::stri
   std::vector<std::string> all;
   std::vector<std::string> names;
   OGRLayerH found = nullptr;
-  // Of the layers that GDAL makes of OpenStreetMap's own formats, this has the areas.
-  if (wanted.empty() && is_of_format(dataset, "OSM"))
-    if (OGRLayerH areas = GDALDatasetGetLayerByName(dataset, "multipolygons")) return areas;
   for (int i = 0; i < GDALDatasetGetLayerCount(dataset); ++i) {
     OGRLayerH layer = GDALDatasetGetLayer(dataset, i);
     if (layer == nullptr) continue;
@@ -78,11 +75,28 @@ OGRLayerH find_layer(const fs::path& path, GDALDatasetH dataset, const std::stri
                                              fmt::join(all, ", ")));
 }
 
-/// OpenStreetMap's own format has all areas in one layer: land use, parks and waters, too.
-void keep_buildings(OGRLayerH layer) {
-  if (OGR_FD_GetFieldIndex(OGR_L_GetLayerDefn(layer), "building") >= 0)
-    OGR_L_SetAttributeFilter(layer, "building IS NOT NULL AND building <> 'no'");
-}
+/// The buildings of a data set in one of OpenStreetMap's own formats, while it lives. GDAL makes
+/// one layer of all areas (land use and waters, too), and gives up where another layer has 100,000
+/// features that nobody has read, unless a query tells it that nobody will.
+class OsmBuildings {
+ public:
+  explicit OsmBuildings(GDALDatasetH dataset) : dataset_(dataset) {
+    layer_ = GDALDatasetExecuteSQL(
+        dataset, "SELECT * FROM multipolygons WHERE building IS NOT NULL AND building <> 'no'",
+        nullptr, nullptr);
+  }
+  ~OsmBuildings() {
+    if (layer_ != nullptr) GDALDatasetReleaseResultSet(dataset_, layer_);
+  }
+  OsmBuildings(const OsmBuildings&) = delete;
+  OsmBuildings& operator=(const OsmBuildings&) = delete;
+  /// Null where the user has given GDAL other rules for layers and attributes.
+  OGRLayerH layer() const { return layer_; }
+
+ private:
+  GDALDatasetH dataset_;
+  OGRLayerH layer_ = nullptr;
+};
 
 constexpr int kNoField = -1;
 constexpr int kFidField = -2;
@@ -383,23 +397,22 @@ bool implausible_degrees(const std::string& crs, const std::vector<Footprint>& f
   // in use too.
   const double limit = geojson ? 181.0 : 360.0;
   const Bounds2 globe{-limit, -90, limit, 90};
-  Bounds2 good = Bounds2::nothing();
+  std::vector<double> widths;
   std::size_t others = 0;
   for (const Footprint& feature : features) {
     Bounds2 box = Bounds2::nothing();
     for (const Point2& p : feature.polygon.outer) box.extend(p);
     if (box.empty()) continue;
-    if (globe.covers(box))
-      good.extend(box);
-    else
-      ++others;
+    if (!globe.covers(box)) ++others;
+    widths.push_back(std::max(box.width(), box.height()));
   }
   if (others == 0) return false;
-  // Metres of a local frame may be within these limits, too, but not only near each other.
-  constexpr double kManyOthers = 0.01, kFarApart = 20;
-  if (good.empty()) return true;
-  const double share = static_cast<double>(others) / static_cast<double>(features.size());
-  return share > 0.5 || (share > kManyOthers && std::max(good.width(), good.height()) > kFarApart);
+  // Metres of a local frame may be within these limits, too, but buildings are wider than half a
+  // metre, and not half a degree wide.
+  constexpr double kWidest = 0.5;
+  const auto median = widths.begin() + static_cast<std::ptrdiff_t>((widths.size() - 1) / 2);
+  std::nth_element(widths.begin(), median, widths.end());
+  return 2 * others > widths.size() || *median > kWidest;
 }
 
 void settle_crs(const fs::path& path, const ReadFootprintsOptions& options, bool geojson,
@@ -454,9 +467,16 @@ FootprintsInput read_footprints(const fs::path& path, const ReadFootprintsOption
   gdal::initialise();
   const std::string target = normalise_crs(options.target_crs);
   gdal::QuietErrors errors;
+  const gdal::ThreadOption by_layer("OGR_INTERLEAVED_READING", "NO");
+  const gdal::ThreadOption nothing_beside("CPL_VSIL_GZIP_WRITE_PROPERTIES", "NO");
   const VectorFile file = open_vector(path, errors);
-  OGRLayerH layer = find_layer(path, file.dataset.get(), options.layer);
-  if (is_of_format(file.dataset.get(), "OSM")) keep_buildings(layer);
+  std::optional<OsmBuildings> buildings;
+  if (is_of_format(file.dataset.get(), "OSM") &&
+      (options.layer.empty() || options.layer == "multipolygons"))
+    buildings.emplace(file.dataset.get());
+  OGRLayerH layer = buildings && buildings->layer() != nullptr
+                        ? buildings->layer()
+                        : find_layer(path, file.dataset.get(), options.layer);
   FootprintsInput result;
   result.layer = utf8(OGR_L_GetName(layer));
   LayerReader(path, layer, options, result, is_of_format(file.dataset.get(), "ESRI Shapefile"))

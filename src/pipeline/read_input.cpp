@@ -322,10 +322,17 @@ ReadPointsOptions read_everything(const Config& config, const CloudHeaders& head
 }
 
 /// Points far from all others do not tell where there are points: they become noise.
-void leave_out_strays(PointsInput& input, Report& report) {
+void leave_out_strays(const FootprintsInput& footprints, PointsInput& input, Report& report) {
   const std::vector<std::size_t> strays = find_stray_points(input.points, input.extent);
-  if (strays.empty()) return;
   PointCloud& cloud = input.points;
+  // Where a building is, they are no strays.
+  const auto is_at_building = [&](std::size_t p) {
+    const Point2 at{cloud.x[p] + input.origin.x, cloud.y[p] + input.origin.y};
+    return std::any_of(
+        footprints.features.begin(), footprints.features.end(),
+        [&](const Footprint& feature) { return bounds(feature.polygon).contains(at); });
+  };
+  if (strays.empty() || std::any_of(strays.begin(), strays.end(), is_at_building)) return;
   const std::size_t first = strays.front();
   report.warnings.push_back(
       {"stray_points", static_cast<std::int64_t>(strays.size()),
@@ -394,7 +401,7 @@ InputData read_input(const Config& config, Next next, StepClock& clock, Report& 
   misread = points.misread;
   fill_report(config, input.footprints, points, paths.size(), report);
   if (points.points_kept == 0) throw_no_points(config, headers, points, options.crop);
-  if (config.bounds.empty()) leave_out_strays(points, report);
+  if (config.bounds.empty()) leave_out_strays(input.footprints, points, report);
   constexpr double kFar = 10'000;  // metres: headers told of points where there are none
   const bool far = config.bounds.empty() && std::max(points.extent.xmin, points.extent.ymin) > kFar;
   if (only_points_tell || far) move_origin_to_corner(points);

@@ -13,8 +13,8 @@ namespace {
 
 constexpr double kLeastGap = 100;       // metres
 constexpr double kLeastGapShare = 0.1;  // of the extent
-constexpr std::int64_t kFew = 10;
-constexpr double kFewShare = 1e-5;
+constexpr std::size_t kFew = 10;
+constexpr std::size_t kMany = 100;
 constexpr std::size_t kBins = 1000;
 constexpr std::size_t kGrain = std::size_t{1} << 20;
 
@@ -89,8 +89,7 @@ Bounds2 extent_within(const PointCloud& cloud, const Bounds2& box) {
 }  // namespace
 
 std::vector<std::size_t> find_stray_points(const PointCloud& cloud, const Bounds2& extent) {
-  const std::int64_t few =
-      std::max(kFew, static_cast<std::int64_t>(kFewShare * static_cast<double>(cloud.size())));
+  const auto few = static_cast<std::int64_t>(std::min(kFew, cloud.size() / 100));
   Bounds2 box = extent;
   // Each cut takes a tenth of a side, so this ends.
   for (bool cut = true; cut;) {
@@ -108,6 +107,7 @@ std::vector<std::size_t> find_stray_points(const PointCloud& cloud, const Bounds
   if (box.covers(extent)) return strays;
   for (std::size_t p = 0; p < cloud.size(); ++p)
     if (!box.contains({cloud.x[p], cloud.y[p]})) strays.push_back(p);
+  if (strays.size() > std::min(kMany, cloud.size() / 20)) strays.clear();
   return strays;
 }
 

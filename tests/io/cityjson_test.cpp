@@ -377,10 +377,34 @@ TEST(CityJson, RoofsOfOthersBecomeFlatAtTheirNinetiethPercentile) {
       const CityModel model = read_city(
           write_text(folder / "a.json", building_with_roof(c.faces, semantics)), &warnings);
       ASSERT_EQ(model.buildings.size(), 1U);
-      EXPECT_NEAR(model.buildings[0].h_roof, c.height, 2e-6);
+      double highest = 0;
+      for (const auto& face : c.faces)
+        for (const Point3& p : face) highest = std::max(highest, p[2]);
+      EXPECT_NEAR(model.buildings[0].h_roof, semantics ? c.height : highest, 2e-6);
       EXPECT_EQ(model.buildings[0].h_ground, 1);
-      EXPECT_EQ(warnings.size(), c.flattened ? 1U : 0U);
+      EXPECT_EQ(warnings.size(), semantics && c.flattened ? 1U : 0U);
     }
+}
+
+/// Where semantics do not tell of a roof: a dormer, floors, or what is too low; and vertices too
+/// far out for a height to the micrometre.
+TEST(CityJson, RoofsThatSemanticsDoNotTellAreAsHighAsTheHighestVertex) {
+  const TemporaryFolder folder;
+  const std::vector<Point3> dormer{{4, 4, 5}, {5, 4, 5}, {5, 5, 5}, {4, 5, 5}};
+  const std::vector<Point3> yard{{0, 0, 2.2}, {10, 0, 2.2}, {10, 10, 2.2}, {0, 10, 2.2}};
+  const std::vector<Point3> mast{{4, 4, 12}, {5, 4, 12}, {5, 5, 12}, {4, 5, 12}};
+  const std::vector<Point3> down{{0, 0, 8}, {0, 10, 8}, {10, 10, 8}, {10, 0, 8}};
+  const std::vector<Point3> far{
+      {0, 0, 1.5e10}, {10, 0, 1.5e10}, {10, 10, 1.5e10 + 8}, {0, 10, 1.5e10 + 8}};
+  using Faces = std::vector<std::vector<Point3>>;
+  for (const auto& [faces, height] :
+       {std::pair{Faces{dormer}, 5.0}, std::pair{Faces{yard, mast}, 12.0},
+        std::pair{Faces{down}, 8.0}, std::pair{Faces{far}, 1.5e10 + 8}}) {
+    const CityModel model =
+        read_city(write_text(folder / "a.json", building_with_roof(faces, true)));
+    ASSERT_EQ(model.buildings.size(), 1U);
+    EXPECT_NEAR(model.buildings[0].h_roof / height, 1, 1e-9);
+  }
 }
 
 TEST(CityJson, SolidsAtOtherHeightsThanTheirAttributesAreNamed) {

@@ -244,6 +244,14 @@ TEST_F(DomainDefects, StrayPointsDoNotStretchTheDomain) {
   ASSERT_EQ(outcome.city.buildings.size(), usual.buildings.size());
   for (std::size_t b = 0; b < usual.buildings.size(); ++b)
     EXPECT_EQ(outcome.city.buildings[b].h_ground, usual.buildings[b].h_ground);
+  // Where a building is, points are none.
+  ASSERT_TRUE(std::filesystem::remove(folder / "points.las"));
+  city.strays = {{1000, 50, 20}, {1005, 55, 20}};
+  features.push_back({"lonely", "POLYGON((990 40,1010 40,1010 60,990 60,990 40))"});
+  outcome = run(features);
+  ASSERT_EQ(outcome.error, "");
+  EXPECT_FALSE(outcome.has_warning("stray_points"));
+  EXPECT_GT(outcome.city.domain.width(), 900);
 }
 
 TEST_F(DomainDefects, StrayFootprintsFarAwayDoNotStretchTheDomain) {
