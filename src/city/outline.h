@@ -24,6 +24,7 @@ struct Outline {
   std::vector<std::uint8_t> is_hole;  ///< Per ring.
   std::vector<std::uint8_t> changed;  ///< Per polygon: whether a vertex of it came, went or moved.
   EdgeGrid grid;
+  std::uint64_t edits = 0;  ///< How often vertices came, went or moved.
 
   bool alive(std::int32_t v) const { return next[static_cast<std::size_t>(v)] >= 0; }
   const Point2& at(std::int32_t v) const { return point[static_cast<std::size_t>(v)]; }

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <utility>
 
 #include "city/grid_geometry.h"
 
@@ -14,6 +15,20 @@ namespace {
 
 /// How much worse a pair of two polygons is than one of the same.
 constexpr double kOtherPolygon = 10;
+
+/// The largest distance of a vertex of either path to the other path: no point of the region
+/// between them is farther from them.
+double displacement(const ShortPath& before, const ShortPath& after) {
+  double largest = 0;
+  for (const auto& [from, to] : {std::pair{&before, &after}, std::pair{&after, &before}})
+    for (int i = 1; i + 1 < from->count; ++i) {
+      double nearest = ShortPath::kNowhere;
+      for (int j = 0; j < to->edges; ++j)
+        nearest = std::min(nearest, point_segment_distance(from->at(i), to->at(j), to->at(j + 1)));
+      largest = std::max(largest, nearest);
+    }
+  return largest;
+}
 
 }  // namespace
 
@@ -47,6 +62,7 @@ void replace_vertices(Outline& o, const OutlineChange& c) {
   const auto index = [](std::int32_t v) { return static_cast<std::size_t>(v); };
   const ShortPath before = old_path(o, c), after = new_path(o, c);
   o.changed[index(o.group_of(c.first))] = 1;
+  ++o.edits;
   std::int32_t v = c.first;
   for (int j = 0; j < before.edges; ++j) {
     o.grid.remove(v, before.at(j), before.at(j + 1));
@@ -81,31 +97,27 @@ void replace_vertices(Outline& o, const OutlineChange& c) {
   }
 }
 
-// Every point of the region swept over is within the largest displacement of the old path.
 void ChangeJudge::gather(const ShortPath& before, const ShortPath& after, const OutlineChange& c) {
+  gather_before(before, c);
+  gather_along(after, epsilon_);
+}
+
+/// What is near the old path, which is the same for all changes of the same vertices.
+void ChangeJudge::gather_before(const ShortPath& before, const OutlineChange& c) {
+  if (before_.first == c.first && before_.old == c.old && before_.edits == o_.edits) {
+    ++gathering_;
+    near_.resize(before_.near_count);
+    return;
+  }
   near_.clear();
-  ++gathering_;
-  seen_.resize(o_.point.size(), 0);
-  const auto mark = [&](std::int32_t e) { seen_[static_cast<std::size_t>(e)] = gathering_; };
+  gathering_before_ = ++gathering_;
+  edge_seen_.resize(o_.point.size(), 0);
+  const auto mark = [&](std::int32_t e) { edge_seen_[static_cast<std::size_t>(e)] = gathering_; };
   mark(c.first);
   for (int i = 0; i < c.old_count; ++i) mark(c.old[static_cast<std::size_t>(i)]);
-  double displacement = 0;
-  for (int i = 1; i + 1 < before.count; ++i) {
-    double nearest = ShortPath::kNowhere;
-    for (int j = 0; j < after.edges; ++j)
-      nearest =
-          std::min(nearest, point_segment_distance(before.at(i), after.at(j), after.at(j + 1)));
-    displacement = std::max(displacement, nearest);
-  }
-  for (int i = 1; i + 1 < after.count; ++i) {
-    double nearest = ShortPath::kNowhere;
-    for (int j = 0; j < before.edges; ++j)
-      nearest =
-          std::min(nearest, point_segment_distance(after.at(i), before.at(j), before.at(j + 1)));
-    displacement = std::max(displacement, nearest);
-  }
-  gather_along(before, std::max(epsilon_, displacement));
-  gather_along(after, epsilon_);
+  gather_along(before, epsilon_);
+  before_ = {c.first, c.old, o_.edits, near_.size(), potential(before, c, ShortPath::kNowhere)};
+  ++gathering_;
 }
 
 void ChangeJudge::gather_along(const ShortPath& path, double reach) {
@@ -118,19 +130,32 @@ void ChangeJudge::gather_along(const ShortPath& path, double reach) {
     for (int k = 1; k <= pieces; ++k) {
       const double t = static_cast<double>(k) / pieces;
       const Point2 to{a.x + t * (b.x - a.x), a.y + t * (b.y - a.y)};
-      const Bounds2 box = grid::box_of(from, to).grown(reach);
-      o_.grid.visit(box, [&](std::int32_t e) {
-        if (seen_[static_cast<std::size_t>(e)] == gathering_) return;
-        if (!grid::box_of(o_.at(e), o_.at(o_.after(e))).intersects(box)) return;
-        seen_[static_cast<std::size_t>(e)] = gathering_;
-        near_.push_back(e);
-      });
+      gather_in(grid::box_of(from, to).grown(reach));
       from = to;
     }
   }
 }
 
-double ChangeJudge::potential(const ShortPath& path, const OutlineChange& c) const {
+void ChangeJudge::gather_in(const Bounds2& box) {
+  o_.grid.visit_cells(box, [&](std::size_t cell) {
+    if (is_seen(cell_seen_[cell])) return;
+    bool all = true;
+    o_.grid.visit_cell(cell, [&](std::int32_t e) {
+      std::uint32_t& seen = edge_seen_[static_cast<std::size_t>(e)];
+      if (is_seen(seen)) return;
+      if (!grid::box_of(o_.at(e), o_.at(o_.after(e))).intersects(box)) {
+        all = false;
+        return;
+      }
+      seen = gathering_;
+      near_.push_back(e);
+    });
+    if (all) cell_seen_[cell] = gathering_;
+  });
+}
+
+/// Phi of the path, or, as soon as it is more than `most`, some other value above that.
+double ChangeJudge::potential(const ShortPath& path, const OutlineChange& c, double most) const {
   double sum = 0;
   for (int j = 0; j < path.edges; ++j) {
     sum += weight(grid::squared_distance(path.at(j), path.at(j + 1)));
@@ -152,6 +177,7 @@ double ChangeJudge::potential(const ShortPath& path, const OutlineChange& c) con
     for (int i = 1; i + 1 < path.count; ++i)
       if (edge_box.contains(path.at(i))) pair += weight(path.at(i), a, b);
     sum += o_.group_of(e) == group ? pair : kOtherPolygon * pair;
+    if (sum > most) break;
   }
   return sum;
 }
@@ -180,7 +206,9 @@ bool ChangeJudge::crosses(const ShortPath& path, const OutlineChange& c) const {
 }
 
 bool ChangeJudge::sweeps_a_vertex(const ShortPath& before, const ShortPath& after,
-                                  const OutlineChange& c) const {
+                                  const OutlineChange& c) {
+  const double reach = displacement(before, after);
+  if (reach > epsilon_) gather_along(before, reach);
   Ring loop;
   for (int i = 0; i < before.count; ++i) loop.push_back(before.at(i));
   for (int i = after.count - 2; i > 0; --i) loop.push_back(after.at(i));
@@ -189,16 +217,19 @@ bool ChangeJudge::sweeps_a_vertex(const ShortPath& before, const ShortPath& afte
   });
 }
 
-std::optional<double> ChangeJudge::gain(const OutlineChange& c) {
+std::optional<double> ChangeJudge::gain(const OutlineChange& c, double least) {
   const auto ring = static_cast<std::size_t>(o_.ring_of(c.first));
   if (o_.size[ring] < c.old_count + 2 || o_.size[ring] - c.old_count + c.fresh_count < 3)
     return std::nullopt;
   for (int i = 0; i < c.fresh_count; ++i)
     if (!keep_inside_.contains(c.fresh[static_cast<std::size_t>(i)])) return std::nullopt;
   const ShortPath before = old_path(o_, c), after = new_path(o_, c);
-  gather(before, after, c);
-  const double result = potential(before, c) - potential(after, c);
-  if (result < -1e-9 || crosses(after, c) || sweeps_a_vertex(before, after, c)) return std::nullopt;
+  gather_before(before, c);
+  if (before_.potential < least) return std::nullopt;
+  gather_along(after, epsilon_);
+  const double result =
+      before_.potential - potential(after, c, before_.potential - least + kRounding);
+  if (result < least || crosses(after, c) || sweeps_a_vertex(before, after, c)) return std::nullopt;
   return result;
 }
 

@@ -60,7 +60,8 @@ ShortPath new_path(const Outline& outline, const OutlineChange& change);
 /// as changed. Vertices that are fresh beyond the old ones get new numbers. Not for fills.
 void replace_vertices(Outline& outline, const OutlineChange& change);
 
-/// Judges changes of one outline (not fills); it has room for one neighbourhood at a time.
+/// Judges changes of one outline (not fills); it has room for one neighbourhood at a time. Changes
+/// of the same vertices are best asked about one after the other: what is near them is kept.
 class ChangeJudge {
  public:
   /// Coordinates are steps. New vertices have to be within `keep_inside`.
@@ -69,37 +70,55 @@ class ChangeJudge {
         epsilon_(epsilon),
         epsilon2_(epsilon * epsilon),
         keep_inside_(keep_inside),
-        seen_(outline.point.size(), 0) {}
+        edge_seen_(outline.point.size(), 0),
+        cell_seen_(outline.grid.cell_count(), 0) {}
 
-  /// By how much the change decreases the potential Phi (see repair_vertices), or nothing if it
-  /// increases it, makes edges touch, sweeps over a vertex, leaves `keep_inside` or leaves fewer
-  /// than three vertices in the ring. Exact apart from the rounding of Phi.
-  std::optional<double> gain(const OutlineChange& change);
+  /// By how much the change decreases the potential Phi (see repair_vertices), or nothing if that
+  /// is less than `least`, or if it makes edges touch, sweeps over a vertex, leaves `keep_inside`
+  /// or leaves fewer than three vertices in the ring. Exact apart from the rounding of Phi.
+  std::optional<double> gain(const OutlineChange& change, double least = -kRounding);
 
-  /// Collects, as near(), the edges within epsilon of either path or inside the region the change
-  /// sweeps over, without the edges it removes.
+  /// Collects, as near(), the edges within epsilon of either path, without those the change
+  /// removes.
   void gather(const ShortPath& before, const ShortPath& after, const OutlineChange& change);
   const std::vector<std::int32_t>& near() const { return near_; }
 
  private:
+  static constexpr double kRounding = 1e-9;  // of Phi
+  /// The vertices whose neighbourhood was gathered last, and when.
+  struct Gathered {
+    std::int32_t first = -1;
+    std::array<std::int32_t, 2> old{-1, -1};
+    std::uint64_t edits = 0;
+    std::size_t near_count = 0;
+    double potential = 0;
+  };
+
   double weight(double squared) const {
     return squared < epsilon2_ ? 1.1 - std::sqrt(squared) / epsilon_ : 0;
   }
   double weight(Point2 p, Point2 a, Point2 b) const {
     return weight(grid::squared_distance_to_segment(p, a, b));
   }
+  void gather_before(const ShortPath& before, const OutlineChange& c);
   void gather_along(const ShortPath& path, double reach);
-  double potential(const ShortPath& path, const OutlineChange& c) const;
+  void gather_in(const Bounds2& box);
+  double potential(const ShortPath& path, const OutlineChange& c, double most) const;
   bool crosses(const ShortPath& path, const OutlineChange& c) const;
-  bool sweeps_a_vertex(const ShortPath& before, const ShortPath& after,
-                       const OutlineChange& c) const;
+  bool sweeps_a_vertex(const ShortPath& before, const ShortPath& after, const OutlineChange& c);
+  bool is_seen(std::uint32_t gathering) const {
+    return gathering == gathering_before_ || gathering == gathering_;
+  }
 
   const Outline& o_;
   double epsilon_;
   double epsilon2_;
   Bounds2 keep_inside_;
-  std::vector<std::uint32_t> seen_;  ///< Per edge: the gathering it was last met in.
+  std::vector<std::uint32_t> edge_seen_;  ///< Per edge: the gathering it was last met in.
+  std::vector<std::uint32_t> cell_seen_;  ///< Per cell: the last in which all its edges were met.
   std::uint32_t gathering_ = 0;
+  std::uint32_t gathering_before_ = 0;  ///< Around the old path.
+  Gathered before_;
   std::vector<std::int32_t> near_;
 };
 

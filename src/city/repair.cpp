@@ -96,8 +96,9 @@ void Repairer::consider(const OutlineChange& c) {
   // Gains count up to a limit, which gives an early way out for what cannot win.
   const double price = c.cost + 1e-3 * epsilon2_;
   if (price / kMaxGain >= best_.score) return;
-  const std::optional<double> g = judge_.gain(c);
-  if (!g || *g < kMinGain) return;
+  const double least = std::max(kMinGain, price / best_.score * (1 - 1e-9));
+  const std::optional<double> g = judge_.gain(c, least);
+  if (!g) return;
   const double score = price / std::min(*g, kMaxGain);
   if (score >= best_.score) return;
   best_ = {c, score};
@@ -309,9 +310,8 @@ bool Repairer::still_good(const Rated& rated) {
   if (o_.after(v) != c.last) return false;
   const ShortPath path = old_path(o_, c);
   if (path.p != c.made_for) return false;
-  const std::optional<double> g = judge_.gain(c);
-  return g && *g >= kMinGain &&
-         (c.cost + 1e-3 * epsilon2_) / std::min(*g, kMaxGain) <= rated.score * (1 + 1e-9);
+  const std::optional<double> g = judge_.gain(c, kMinGain);
+  return g && (c.cost + 1e-3 * epsilon2_) / std::min(*g, kMaxGain) <= rated.score * (1 + 1e-9);
 }
 
 void Repairer::repair() {
@@ -374,6 +374,7 @@ void Repairer::fill(const OutlineChange& c) {
     o_.grid.remove(w, o_.at(w), o_.at(o_.after(w)));
   }
   for (const std::int32_t w : vertices) o_.next[static_cast<std::size_t>(w)] = -1;
+  ++o_.edits;
   o_.first[ring] = -1;
   o_.size[ring] = 0;
   ++counts_.filled;
