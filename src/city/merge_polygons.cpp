@@ -22,32 +22,37 @@ namespace tetropolis {
 namespace {
 
 /// The share [t0, t1] of a-b within `reach` of c-d; empty (t0 > t1) if none is. The distance to a
-/// segment is a convex function along a-b, so both ends are found by bisection from its minimum.
+/// segment is a convex function along a-b, so both ends are found by bisection from an end of a-b
+/// within reach or, without one, from its minimum.
 std::pair<double, double> part_within(Point2 a, Point2 b, Point2 c, Point2 d, double reach) {
   const auto at = [&](double t) { return Point2{a.x + t * (b.x - a.x), a.y + t * (b.y - a.y)}; };
   const auto f = [&](double t) { return grid::point_segment_distance(at(t), c, d); };
-  double low = 0, high = 1;
-  for (int i = 0; i < 60; ++i) {
-    const double t1 = low + (high - low) / 3, t2 = high - (high - low) / 3;
-    if (f(t1) <= f(t2))
-      high = t2;
-    else
-      low = t1;
-  }
-  double best = (low + high) / 2;
-  if (f(0) <= f(best)) best = 0;
-  if (f(1) < f(best)) best = 1;
-  if (f(best) > reach) return {1, 0};
-  const auto end = [&](double outside) {
-    if (f(outside) <= reach) return outside;
-    double inside = best;
+  const auto is_within = [&](double t) { return f(t) <= reach; };
+  const auto nearest = [&] {
+    double low = 0, high = 1;
+    for (int i = 0; i < 60; ++i) {
+      const double t1 = low + (high - low) / 3, t2 = high - (high - low) / 3;
+      if (f(t1) <= f(t2))
+        high = t2;
+      else
+        low = t1;
+    }
+    return (low + high) / 2;
+  };
+  const auto end = [&](double inside, double outside) {
     for (int i = 0; i < 50; ++i) {
       const double middle = (inside + outside) / 2;
-      (f(middle) <= reach ? inside : outside) = middle;
+      (is_within(middle) ? inside : outside) = middle;
     }
     return inside;
   };
-  return {end(0), end(1)};
+  const bool with_start = is_within(0), with_end = is_within(1);
+  if (with_start && with_end) return {0, 1};
+  if (with_start) return {0, end(0, 1)};
+  if (with_end) return {end(1, 0), 1};
+  const double best = nearest();
+  if (!is_within(best)) return {1, 0};
+  return {end(best, 0), end(best, 1)};
 }
 
 using EdgePair = std::pair<std::int32_t, std::int32_t>;
