@@ -16,6 +16,7 @@
 #include "tetropolis/geometry/polygon.h"
 
 #include "city/clean_ring.h"
+#include "city/cluster_polygons.h"
 #include "city/footprint_index.h"
 #include "city/grid_geometry.h"
 #include "geometry/geos.h"
@@ -362,11 +363,49 @@ geos::Result unite_halves(std::vector<Polygon> polygons, const Bounds2& box, con
   return join(std::move(*united[0]), std::move(*united[1]));
 }
 
+/// As GEOS returns rings: from the lowest, then leftmost vertex on.
+void start_at_lowest(Ring& ring) {
+  std::rotate(
+      ring.begin(),
+      std::min_element(ring.begin(), ring.end(),
+                       [](Point2 a, Point2 b) { return a.y < b.y || (a.y == b.y && a.x < b.x); }),
+      ring.end());
+}
+
+/// Moves what is apart from all others of many polygons to `apart`, as a union would return it.
+/// GEOS compares all walls whose boxes meet, and boxes of rings around each other all do.
+void take_out_apart(std::vector<Polygon>& polygons, std::vector<Polygon>& apart) {
+  const std::vector<std::int32_t> cluster = cluster_polygons(polygons, kMargin);
+  std::vector<std::int32_t> size(polygons.size(), 0);
+  for (const std::int32_t c : cluster) ++size[static_cast<std::size_t>(c)];
+  std::size_t kept = 0;
+  for (std::size_t i = 0; i < polygons.size(); ++i) {
+    if (size[static_cast<std::size_t>(cluster[i])] > 1) {
+      if (kept != i) polygons[kept] = std::move(polygons[i]);
+      ++kept;
+      continue;
+    }
+    Polygon& polygon = apart.emplace_back(std::move(polygons[i]));
+    start_at_lowest(polygon.outer);
+    for (Ring& hole : polygon.holes) start_at_lowest(hole);
+    std::sort(polygon.holes.begin(), polygon.holes.end(), comes_before);
+  }
+  polygons.resize(kept);
+}
+
 }  // namespace
 
 std::vector<Polygon> unite_on_grid(std::span<const Polygon> polygons, const Poll& poll) {
-  geos::Result united =
-      rounded(unite_halves({polygons.begin(), polygons.end()}, grid::box_around(polygons), poll));
+  std::vector<Polygon> together(polygons.begin(), polygons.end()), apart;
+  if (polygons.size() > kFewPolygons) take_out_apart(together, apart);
+  const Bounds2 box = grid::box_around(together);
+  geos::Result united = unite_halves(std::move(together), box, poll);
+  if (united && !apart.empty()) {
+    united->insert(united->end(), std::make_move_iterator(apart.begin()),
+                   std::make_move_iterator(apart.end()));
+    sort_polygons(*united);
+  }
+  if (united) united = rounded(united);
   const auto on_grid = [&] { return geos::unite(polygons, 1.0); };
   if (polygons.size() > kFewPolygons) united = checked(std::move(united), on_grid);
   return or_else(polygons, std::move(united), on_grid);
