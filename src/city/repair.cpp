@@ -29,6 +29,9 @@ constexpr double kMaxGain = 4;
 /// Where a change touches more vertices than this, those with a change in the queue are rated anew
 /// only when it is their turn: a vertex among thousands would be rated once for each of them.
 constexpr std::size_t kCrowd = 32;
+/// Where it touches more than this, those without a change are put off until the queue is empty:
+/// nearly none of them gets one, and each would be rated once for every change.
+constexpr std::size_t kThrong = 256;
 
 struct Rated {
   OutlineChange change;
@@ -45,6 +48,7 @@ class Repairer {
         judge_(outline, options.epsilon, options.keep_inside),
         version_(outline.point.size(), 0),
         waits_(outline.point.size(), 0),
+        is_put_off_(outline.point.size(), 0),
         rated_(outline.point.size()) {}
 
   void repair();
@@ -72,6 +76,9 @@ class Repairer {
   bool is_empty_yard(const Ring& hole, std::int32_t group) const;
   bool rate(std::int32_t v);
   void queue(std::int32_t v);
+  void put_off(std::int32_t v);
+  void queue_put_off();
+  void queue_touched();
   bool still_good(const Rated& rated);
 
   void apply(const OutlineChange& c);
@@ -84,8 +91,10 @@ class Repairer {
   double epsilon2_;
   ChangeJudge judge_;
   std::vector<std::uint32_t> version_;
-  std::vector<std::uint8_t> waits_;  ///< Per vertex: whether its change is in the queue.
-  std::vector<Rated> rated_;         ///< Per vertex: the best change when it was last rated.
+  std::vector<std::uint8_t> waits_;       ///< Per vertex: whether its change is in the queue.
+  std::vector<std::uint8_t> is_put_off_;  ///< Per vertex.
+  std::vector<std::int32_t> put_off_;
+  std::vector<Rated> rated_;  ///< Per vertex: the best change when it was last rated.
   std::priority_queue<Entry> queue_;
   std::vector<std::int32_t> touched_;
   Rated best_;
@@ -314,28 +323,55 @@ bool Repairer::still_good(const Rated& rated) {
   return g && (c.cost + 1e-3 * epsilon2_) / std::min(*g, kMaxGain) <= rated.score * (1 + 1e-9);
 }
 
+void Repairer::put_off(std::int32_t v) {
+  std::uint8_t& is_put_off = is_put_off_[static_cast<std::size_t>(v)];
+  if (is_put_off == 0) put_off_.push_back(v);
+  is_put_off = 1;
+}
+
+void Repairer::queue_put_off() {
+  for (const std::int32_t v : put_off_) {
+    is_put_off_[static_cast<std::size_t>(v)] = 0;
+    if (o_.alive(v)) queue(v);
+  }
+  put_off_.clear();
+}
+
+void Repairer::queue_touched() {
+  std::sort(touched_.begin(), touched_.end());
+  touched_.erase(std::unique(touched_.begin(), touched_.end()), touched_.end());
+  const std::vector<std::int32_t> again = std::move(touched_);
+  touched_.clear();
+  const bool is_crowd = again.size() > kCrowd, is_throng = again.size() > kThrong;
+  for (const std::int32_t v : again) {
+    if (!o_.alive(v)) continue;
+    const bool waits = waits_[static_cast<std::size_t>(v)] != 0;
+    if (is_throng && !waits) {
+      put_off(v);
+    } else if (!(is_crowd && waits)) {
+      queue(v);
+    }
+  }
+}
+
 void Repairer::repair() {
   for (std::int32_t v = 0; v < o_.vertex_count(); ++v)
     if (o_.alive(v)) queue(v);
   while (!queue_.empty()) {
     const Entry top = queue_.top();
     queue_.pop();
-    if (!o_.alive(top.vertex) || version_[static_cast<std::size_t>(top.vertex)] != top.version)
-      continue;
-    waits_[static_cast<std::size_t>(top.vertex)] = 0;
-    const Rated rated = rated_[static_cast<std::size_t>(top.vertex)];
-    if (!still_good(rated)) {
-      queue(top.vertex);
-      continue;
+    const auto v = static_cast<std::size_t>(top.vertex);
+    if (o_.alive(top.vertex) && version_[v] == top.version) {
+      waits_[v] = 0;
+      const Rated rated = rated_[v];
+      if (still_good(rated)) {
+        apply(rated.change);
+        queue_touched();
+      } else {
+        queue(top.vertex);
+      }
     }
-    apply(rated.change);
-    std::sort(touched_.begin(), touched_.end());
-    touched_.erase(std::unique(touched_.begin(), touched_.end()), touched_.end());
-    const std::vector<std::int32_t> again = std::move(touched_);
-    touched_.clear();
-    const bool crowded = again.size() > kCrowd;
-    for (const std::int32_t v : again)
-      if (o_.alive(v) && !(crowded && waits_[static_cast<std::size_t>(v)] != 0)) queue(v);
+    if (queue_.empty()) queue_put_off();
   }
 }
 
