@@ -91,6 +91,47 @@ std::optional<std::vector<EdgePair>> pairs_between(
   return pairs;
 }
 
+bool share_a_corner(const Outline& o, const EdgePair& pair) {
+  const Point2 a = o.at(pair.first), b = o.at(o.after(pair.first));
+  const Point2 c = o.at(pair.second), d = o.at(o.after(pair.second));
+  return a == c || a == d || b == c || b == d;
+}
+
+/// Drops pairs of edges that start from one corner with others between them: what is near the two
+/// is nearer to those, and their gaps are closed anyway.
+void keep_next_at_corners(const Outline& o, std::vector<EdgePair>& pairs) {
+  struct Spoke {
+    Point2 corner, tip;
+    std::int32_t edge;
+    bool is_upper() const { return tip.y > corner.y || (tip.y == corner.y && tip.x > corner.x); }
+  };
+  std::vector<Spoke> spokes;
+  for (std::int32_t e = 0; e < o.vertex_count(); ++e) {
+    spokes.push_back({o.at(e), o.at(o.after(e)), e});
+    spokes.push_back({o.at(o.after(e)), o.at(e), e});
+  }
+  const auto key = [](const Spoke& s) { return std::tuple{s.corner.x, s.corner.y, !s.is_upper()}; };
+  std::sort(spokes.begin(), spokes.end(), [&](const Spoke& a, const Spoke& b) {
+    if (key(a) != key(b)) return key(a) < key(b);
+    const int side = grid::orientation(a.corner, a.tip, b.tip);
+    return side != 0 ? side > 0 : a.edge < b.edge;
+  });
+  std::vector<EdgePair> next;
+  const auto add = [&](const Spoke& a, const Spoke& b) {
+    next.push_back(std::minmax(a.edge, b.edge));
+  };
+  for (auto begin = spokes.begin(); begin != spokes.end();) {
+    const auto end = std::find_if(begin, spokes.end(),
+                                  [&](const Spoke& s) { return s.corner != begin->corner; });
+    for (auto s = begin; s != end; ++s) add(*s, s + 1 == end ? *begin : *(s + 1));
+    begin = end;
+  }
+  std::sort(next.begin(), next.end());
+  std::erase_if(pairs, [&](const EdgePair& pair) {
+    return share_a_corner(o, pair) && !std::binary_search(next.begin(), next.end(), pair);
+  });
+}
+
 /// The polygons with patches in the gaps between them that are narrower than `distance`. Where each
 /// is near very many others, narrower gaps are closed first, so that most of these pairs, which
 /// others lie between, never get a patch.
@@ -108,6 +149,7 @@ std::vector<Polygon> with_gaps_closed(std::vector<Polygon> parts, double distanc
       o = outline_for(pointers_to(parts), distance);
     }
     pairs = pairs_between(o, distance);
+    keep_next_at_corners(o, *pairs);
   }
   std::vector<Polygon> patches;
   for (const auto& [e, f] : *pairs) {
