@@ -7,6 +7,7 @@
 #include <cstdint>
 #include <iterator>
 #include <limits>
+#include <set>
 #include <utility>
 
 #include "tetropolis/geometry/polygon.h"
@@ -21,6 +22,8 @@ namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr std::ptrdiff_t kMostPairs = 12;  // of one vertex
+/// Pairs of one polygon from which on it gets no more patches than it needs.
+constexpr std::int32_t kCrowd = 50'000;
 
 /// Whether leaving vertex v towards q one is inside the polygon.
 bool leads_inside(const Outline& o, std::int32_t v, Point2 q) {
@@ -202,22 +205,56 @@ std::vector<NearPair> nearest_pairs(const std::vector<NearPair>& pairs) {
   return nearest;
 }
 
+/// Polygons with very many pairs, and which walls of them have a patch already: every patch would
+/// come from both ends of both walls.
+class Crowds {
+ public:
+  Crowds(const Outline& o, const std::vector<NearPair>& pairs) : o_(o), pairs_(o.changed.size()) {
+    for (const NearPair& pair : pairs) ++pairs_[group(pair.vertex)];
+  }
+  bool has(std::int32_t v) const { return pairs_[group(v)] >= kCrowd; }
+  /// Whether it is asked about these two walls for the first time.
+  bool is_new(std::int32_t e, std::int32_t f) { return seen_.insert(std::minmax(e, f)).second; }
+
+ private:
+  std::size_t group(std::int32_t v) const { return static_cast<std::size_t>(o_.group_of(v)); }
+
+  const Outline& o_;
+  std::vector<std::int32_t> pairs_;
+  std::set<std::pair<std::int32_t, std::int32_t>> seen_;
+};
+
+/// Whether q, the point of wall e nearest to vertex v, is an end of e from which another wall goes
+/// that faces one of v's: that one's patch closes the gap, and e's would round off a corner only.
+bool is_next_to_facing(const Outline& o, std::int32_t v, std::int32_t e, Point2 q, double epsilon) {
+  const bool at_start = q == o.at(e);
+  if (!at_start && q != o.at(o.after(e))) return false;
+  const std::int32_t other = at_start ? o.before(e) : o.after(e);
+  return face(o, o.before(v), other, epsilon) || face(o, v, other, epsilon);
+}
+
 }  // namespace
 
 std::vector<Patches> patches_for(const Outline& o, const std::vector<NearPair>& pairs,
                                  double epsilon, double reach) {
   std::vector<Patches> result(o.changed.size());
-  for (const NearPair& pair : nearest_pairs(pairs)) {
+  const std::vector<NearPair> nearest = nearest_pairs(pairs);
+  Crowds crowds(o, nearest);
+  for (const NearPair& pair : nearest) {
     const std::int32_t v = pair.vertex, e = pair.edge;
     if (o.group_of(v) != o.group_of(e)) continue;
     const Point2 q = grid::nearest_on_segment(o.at(v), o.at(e), o.at(o.after(e)));
     if (q != o.at(v) && (q == o.at(o.before(v)) || q == o.at(o.after(v)))) continue;
+    if (crowds.has(v) && is_next_to_facing(o, v, e, q, epsilon)) continue;
     Patches& patches = result[static_cast<std::size_t>(o.group_of(v))];
+    const auto add = [&](std::int32_t f) {
+      if (!crowds.has(v) || crowds.is_new(e, f)) add_patch(o, pair, f, epsilon, reach, patches);
+    };
     // Where one of the two walls at the vertex faces the edge, the other's patch would round off
     // its corner only.
     const bool before = face(o, o.before(v), e, epsilon), after = face(o, v, e, epsilon);
-    if (before || !after) add_patch(o, pair, o.before(v), epsilon, reach, patches);
-    if (after || !before) add_patch(o, pair, v, epsilon, reach, patches);
+    if (before || !after) add(o.before(v));
+    if (after || !before) add(v);
   }
   for (Patches& patches : result) put_off_cuts(patches, epsilon);
   return result;
