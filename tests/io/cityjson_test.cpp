@@ -330,7 +330,7 @@ std::string building_with_roof(const std::vector<std::vector<Point3>>& faces, bo
       vertices.push_back(
           {std::lround(1000 * p[0]), std::lround(1000 * p[1]), std::lround(1000 * p[2])});
     }
-    boundaries.push_back({indices});
+    boundaries.push_back(Json::array({indices}));
     values.push_back(surface);
   };
   add({{0, 0, 1}, {0, 10, 1}, {10, 10, 1}, {10, 0, 1}}, 0);
@@ -339,11 +339,12 @@ std::string building_with_roof(const std::vector<std::vector<Point3>>& faces, bo
   if (semantics)
     geometry["semantics"] = {{"surfaces", {{{"type", "GroundSurface"}}, {{"type", "RoofSurface"}}}},
                              {"values", values}};
-  return Json{{"type", "CityJSON"},
-              {"version", "2.0"},
-              {"transform", {{"scale", {0.001, 0.001, 0.001}}, {"translate", {0, 0, 0}}}},
-              {"CityObjects", {{"a", {{"type", "Building"}, {"geometry", {geometry}}}}}},
-              {"vertices", vertices}}
+  return Json{
+      {"type", "CityJSON"},
+      {"version", "2.0"},
+      {"transform", {{"scale", {0.001, 0.001, 0.001}}, {"translate", {0, 0, 0}}}},
+      {"CityObjects", {{"a", {{"type", "Building"}, {"geometry", Json::array({geometry})}}}}},
+      {"vertices", vertices}}
       .dump();
 }
 
