@@ -5,6 +5,7 @@
 #include <limits>
 #include <regex>
 #include <set>
+#include <string_view>
 
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
