@@ -266,9 +266,9 @@ void refuse_written_formats(const std::string& path, const std::string& name) {
 void info_file(const std::string& path) {
   if (!is_there(path)) throw Error(ErrorKind::kInput, path + ": no such file");
   std::error_code error;
-  if (!std::filesystem::is_regular_file(path, error) && !std::filesystem::is_directory(path, error))
-    throw Error(ErrorKind::kInput, path + ": is not an ordinary file");
   if (std::filesystem::is_directory(path, error)) return info_folder(path);
+  if (!std::filesystem::is_regular_file(path, error))
+    throw Error(ErrorKind::kInput, path + ": is not an ordinary file");
   const std::string name = lower_case(path);
   refuse_written_formats(path, name);
   if (is_point_file(name))

@@ -56,6 +56,11 @@ std::int64_t little_endian(const Member& member, std::size_t at, std::size_t byt
   return value;
 }
 
+bool is_shapefile(const fs::path& path) {
+  const std::string extension = path.extension().string();
+  return extension == ".shp" || extension == ".SHP";
+}
+
 /// Of a table. The head is 32 bytes, 32 for each column, and an end mark.
 bool lacks_columns(const Member& table) {
   const std::int64_t head = little_endian(table, 8, 2);
@@ -72,8 +77,7 @@ void require_size(const Member& member, std::int64_t stated) {
 }  // namespace
 
 void require_whole_shapefile(const fs::path& path) {
-  const std::string extension = path.extension().string();
-  if (extension != ".shp" && extension != ".SHP") return;
+  if (!is_shapefile(path)) return;
   const auto shapes = find_member(path, ".shp", ".SHP");
   const auto index = find_member(path, ".shx", ".SHX");
   auto table = find_member(path, ".dbf", ".DBF");
@@ -104,8 +108,7 @@ void require_whole_shapefile(const fs::path& path) {
 }
 
 bool has_empty_table(const fs::path& path) {
-  const std::string extension = path.extension().string();
-  if (extension != ".shp" && extension != ".SHP") return false;
+  if (!is_shapefile(path)) return false;
   const auto table = find_member(path, ".dbf", ".DBF");
   return table && lacks_columns(*table);
 }

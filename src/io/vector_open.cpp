@@ -30,11 +30,12 @@ class ShapefileCopy {
       : folder_(fmt::format("/vsimem/tetropolis-{}", static_cast<const void*>(this))),
         stem_(folder_ + "/" + shp.stem().string()) {
     const fs::path stem = fs::path(shp).replace_extension();
+    const bool without_table = has_empty_table(shp);
     for (const char* extension : {".dbf", ".prj", ".cpg", ".DBF", ".PRJ", ".CPG"}) {
       const fs::path member = stem.string() + extension;
       std::error_code error;
-      const bool useless = lower_case(extension) == ".dbf" && has_empty_table(shp);
-      if (!useless && fs::exists(member, error))
+      if (without_table && lower_case(extension) == ".dbf") continue;
+      if (fs::exists(member, error))
         CPLCopyFile((stem_ + lower_case(extension)).c_str(), member.c_str());
     }
     complete_ = CPLCopyFile(path().c_str(), shp.c_str()) == 0;

@@ -171,27 +171,26 @@ void compare_with_report(const ReportedMesh& mesh, const VolumeCheck& volume,
   near("volume", mesh.volume, volume.volume, 1e-9 * volume.volume);
   near("enclosed volume", volume.volume, surface.enclosed_volume, 1e-7 * volume.volume);
   near("boundary triangles", mesh.triangles, static_cast<double>(surface.triangles), 0);
-  near("least dihedral angle", mesh.least_angle, volume.min_dihedral_deg.min, 0.01);
-  near("greatest dihedral angle", mesh.greatest_angle, volume.max_dihedral_deg, 0.01);
   near("greatest non-orthogonality", mesh.non_orthogonality, volume.faces.max_non_orthogonality_deg,
        0.01);
   near("greatest skewness", mesh.skewness, volume.faces.max_skewness, 0.01);
-  near("greatest aspect ratio", mesh.aspect_ratio, volume.aspect_ratio.max,
-       1e-4 * volume.aspect_ratio.max);
   near("faces above 70 degrees", mesh.faces_above_70, static_cast<double>(volume.faces.above_70),
        0);
-  const auto quantile = [&](const std::map<std::string, double>& reported, const char* name,
+  const auto near_one = [&](const std::map<std::string, double>& reported, const char* name,
                             const std::string& what, double found, double tolerance) {
     const auto value = reported.find(name);
     near(what, value == reported.end() ? -1 : value->second, found, tolerance);
   };
   const Distribution &angle = volume.min_dihedral_deg, &aspect = volume.aspect_ratio;
-  quantile(mesh.angles, "p0_01", "0.01 % quantile of dihedral angles", angle.p0_01, 0.1);
-  quantile(mesh.angles, "p0_1", "0.1 % quantile of dihedral angles", angle.p0_1, 0.1);
-  quantile(mesh.angles, "p1", "1 % quantile of dihedral angles", angle.p1, 0.1);
-  quantile(mesh.angles, "median", "median of dihedral angles", angle.median, 0.1);
-  quantile(mesh.aspects, "median", "median of aspect ratios", aspect.median, 0.01 * aspect.median);
-  quantile(mesh.aspects, "p99", "99 % quantile of aspect ratios", aspect.p99, 0.01 * aspect.p99);
+  near_one(mesh.angles, "min", "least dihedral angle", angle.min, 0.01);
+  near_one(mesh.angles, "max", "greatest dihedral angle", volume.max_dihedral_deg, 0.01);
+  near_one(mesh.angles, "p0_01", "0.01 % quantile of dihedral angles", angle.p0_01, 0.1);
+  near_one(mesh.angles, "p0_1", "0.1 % quantile of dihedral angles", angle.p0_1, 0.1);
+  near_one(mesh.angles, "p1", "1 % quantile of dihedral angles", angle.p1, 0.1);
+  near_one(mesh.angles, "median", "median of dihedral angles", angle.median, 0.1);
+  near_one(mesh.aspects, "median", "median of aspect ratios", aspect.median, 0.01 * aspect.median);
+  near_one(mesh.aspects, "p99", "99 % quantile of aspect ratios", aspect.p99, 0.01 * aspect.p99);
+  near_one(mesh.aspects, "max", "greatest aspect ratio", aspect.max, 1e-4 * aspect.max);
   near("closed boundary", mesh.closed ? 1 : 0, surface.closed ? 1 : 0, 0);
   near("manifold boundary", mesh.manifold ? 1 : 0, surface.manifold ? 1 : 0, 0);
   for (int i = 0; i < kPatchCount; ++i) {

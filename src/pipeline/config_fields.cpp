@@ -329,8 +329,7 @@ std::vector<ConfigField> make_fields() {
        .member = &C::buildings,
        .commands = kSynth,
        .help = "Number of buildings; 0: as dense as 3096 on 2500 m (random) or as many as fit "
-               "(blocks, which "
-               "come about as dense as asked); not of adversarial cities",
+               "(blocks, which come about as dense as asked); not of adversarial cities",
        .min = 0,
        .max = 1e7},
       {.name = "size",

@@ -323,7 +323,7 @@ ReadPointsOptions read_everything(const Config& config, const CloudHeaders& head
 
 /// Points far from all others do not tell where there are points: they become noise.
 void leave_out_strays(const FootprintsInput& footprints, PointsInput& input, Report& report) {
-  const std::vector<std::size_t> strays = find_stray_points(input.points, input.extent);
+  const auto [strays, rest] = find_stray_points(input.points, input.extent);
   PointCloud& cloud = input.points;
   // Where a building is, they are no strays.
   const auto is_at_building = [&](std::size_t p) {
@@ -339,14 +339,8 @@ void leave_out_strays(const FootprintsInput& footprints, PointsInput& input, Rep
        fmt::format("points far from all others are left out, the first at ({:.2f}, {:.2f}); to "
                    "keep them, give --bounds",
                    cloud.x[first] + input.origin.x, cloud.y[first] + input.origin.y)});
-  std::vector<std::uint8_t> is_stray(cloud.size(), 0);
-  for (const std::size_t p : strays) {
-    cloud.classification[p] = kHighNoise;
-    is_stray[p] = 1;
-  }
-  input.extent = Bounds2::nothing();
-  for (std::size_t p = 0; p < cloud.size(); ++p)
-    if (is_stray[p] == 0) input.extent.extend(Point2{cloud.x[p], cloud.y[p]});
+  for (const std::size_t p : strays) cloud.classification[p] = kHighNoise;
+  input.extent = rest;
 }
 
 /// Moves the origin, which is whole metres, to the south-western corner of the points.

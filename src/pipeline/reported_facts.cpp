@@ -103,18 +103,14 @@ ReportedFacts facts_of(const Json& report) {
   if (!report.contains("volume_mesh")) return facts;
   const Json& volume = report["volume_mesh"];
   const Json surface = report.value("surface_mesh", Json::object());
-  const Json angles = volume.value("dihedral_deg", Json::object());
   facts.mesh = {volume.value("cells", -1.0),
                 volume.value("vertices", -1.0),
                 volume.value("inverted", -1.0),
                 volume.value("volume", -1.0),
                 surface.value("triangles", -1.0),
-                angles.value("min", -1.0),
-                angles.value("max", -1.0),
                 volume.value("ground_lowered", -1.0),
                 greatest(volume, "non_orthogonality_deg"),
                 greatest(volume, "skewness"),
-                greatest(volume, "aspect_ratio"),
                 numbers_of(volume, "dihedral_deg"),
                 numbers_of(volume, "aspect_ratio"),
                 volume.value("faces_above_70_deg", -1.0),

@@ -17,8 +17,7 @@
 namespace tetropolis {
 
 struct ReportedMesh {
-  double cells, vertices, inverted, volume, triangles, least_angle, greatest_angle, ground_lowered,
-      non_orthogonality, skewness, aspect_ratio;
+  double cells, vertices, inverted, volume, triangles, ground_lowered, non_orthogonality, skewness;
   std::map<std::string, double> angles, aspects;  ///< By the names of report.json.
   double faces_above_70;
   bool closed, manifold;

@@ -88,7 +88,7 @@ Bounds2 extent_within(const PointCloud& cloud, const Bounds2& box) {
 
 }  // namespace
 
-std::vector<std::size_t> find_stray_points(const PointCloud& cloud, const Bounds2& extent) {
+StrayPoints find_stray_points(const PointCloud& cloud, const Bounds2& extent) {
   const auto few = static_cast<std::int64_t>(std::min(kFew, cloud.size() / 100));
   Bounds2 box = extent;
   // Each cut takes a tenth of a side, so this ends.
@@ -103,11 +103,11 @@ std::vector<std::size_t> find_stray_points(const PointCloud& cloud, const Bounds
             cut;
     if (cut) box = extent_within(cloud, box);
   }
-  std::vector<std::size_t> strays;
+  StrayPoints strays{{}, box};
   if (box.covers(extent)) return strays;
   for (std::size_t p = 0; p < cloud.size(); ++p)
-    if (!box.contains({cloud.x[p], cloud.y[p]})) strays.push_back(p);
-  if (strays.size() > std::min(kMany, cloud.size() / 20)) strays.clear();
+    if (!box.contains({cloud.x[p], cloud.y[p]})) strays.points.push_back(p);
+  if (strays.points.size() > std::min(kMany, cloud.size() / 20)) return {{}, extent};
   return strays;
 }
 

@@ -9,10 +9,15 @@
 
 namespace tetropolis {
 
-/// The points, ascending, that lie apart from all others in x or y: on the far side of a gap of at
+struct StrayPoints {
+  std::vector<std::size_t> points;  ///< Ascending.
+  Bounds2 rest;                     ///< Extent of all others.
+};
+
+/// The points that lie apart from all others in x or y: on the far side of a gap of at
 /// least 100 m and a tenth of the whole extent, on each side no more than one in a hundred of all
 /// points and ten (again for what is left; in all at most a hundred and one in twenty, else none).
 /// `extent` is that of the points.
-std::vector<std::size_t> find_stray_points(const PointCloud& cloud, const Bounds2& extent);
+StrayPoints find_stray_points(const PointCloud& cloud, const Bounds2& extent);
 
 }  // namespace tetropolis

@@ -65,8 +65,7 @@ struct FootprintsInput {
 /// Z and M are ignored, curves become chords of 4 degrees. Null, empty and other geometries are
 /// dropped. Reprojection happens if the file's system and target_crs are both known and differ.
 /// An unknown system is left alone: crs is then "" whatever the target, with the warning
-/// "footprints_crs_unknown"; likewise where most features cannot be in the degrees that the file
-/// says
+/// "footprints_crs_unknown"; likewise where most features cannot be in the file's degrees
 /// ("footprints_crs_implausible"; GeoJSON without a crs member means WGS 84 by RFC 7946, but many
 /// files hold metres). Nothing is written anywhere, not even beside a .shp without its .shx.
 ///
