@@ -21,6 +21,10 @@ namespace tetropolis {
 
 namespace {
 
+// Both leave less than a step of an edge of 1,000 km (10^10 steps): 2^50 is 10^15, 1.5^60 is
+// 4 * 10^10.
+constexpr int kHalves = 50, kThirds = 60;
+
 /// The share [t0, t1] of a-b within `reach` of c-d; empty (t0 > t1) if none is. The distance to a
 /// segment is a convex function along a-b, so both ends are found by bisection from an end of a-b
 /// within reach or, without one, from its minimum.
@@ -30,7 +34,7 @@ std::pair<double, double> part_within(Point2 a, Point2 b, Point2 c, Point2 d, do
   const auto is_within = [&](double t) { return f(t) <= reach; };
   const auto nearest = [&] {
     double low = 0, high = 1;
-    for (int i = 0; i < 60; ++i) {
+    for (int i = 0; i < kThirds; ++i) {
       const double t1 = low + (high - low) / 3, t2 = high - (high - low) / 3;
       if (f(t1) <= f(t2))
         high = t2;
@@ -40,7 +44,7 @@ std::pair<double, double> part_within(Point2 a, Point2 b, Point2 c, Point2 d, do
     return (low + high) / 2;
   };
   const auto end = [&](double inside, double outside) {
-    for (int i = 0; i < 50; ++i) {
+    for (int i = 0; i < kHalves; ++i) {
       const double middle = (inside + outside) / 2;
       (is_within(middle) ? inside : outside) = middle;
     }
@@ -137,8 +141,9 @@ void keep_next_at_corners(const Outline& o, std::vector<EdgePair>& pairs) {
 /// others lie between, never get a patch.
 std::vector<Polygon> with_gaps_closed(std::vector<Polygon> parts, double distance, double reach,
                                       const Poll& poll) {
+  // Edges of ordinary cities have one or two near others; few pairs are quick in any case.
   constexpr std::size_t kCrowd = 8, kFewPairs = 2000;
-  constexpr double kFinest = 0.01 * grid::kSteps;
+  constexpr double kFinest = 0.01 * grid::kSteps;  // a centimetre: what is nearer is a crack
   if (poll) poll();
   Outline o = outline_for(pointers_to(parts), distance);
   std::optional<std::vector<EdgePair>> pairs;
@@ -207,6 +212,10 @@ std::vector<Polygon> bridges_between(std::span<const Polygon> parts, double dist
   return boxes;
 }
 
+/// Width of a box at least, in clearances: with rounded corners and at any angle it stays wider
+/// than one.
+constexpr double kBoxWidth = 1.1;
+
 Polygon hull_of(std::span<const Polygon> polygons) {
   Ring points;
   for (const Polygon& polygon : polygons)
@@ -224,7 +233,7 @@ Polygon box_along(std::span<const Point2> points, Point2 from, Point2 to, double
   for (const Point2 c : points)
     box.extend(Point2{(c.x - from.x) * ux + (c.y - from.y) * uy,
                       (c.y - from.y) * ux - (c.x - from.x) * uy});
-  const double least = 1.1 * distance;
+  const double least = kBoxWidth * distance;
   const double along = std::max(0.0, least - box.width()) / 2;
   const double across = std::max(0.0, least - box.height()) / 2;
   const auto corner = [&](double t, double n) {
@@ -246,20 +255,23 @@ Ring gap_patch(Point2 a, Point2 b, Point2 c, Point2 d, double reach) {
     return grid::rounded({p.x + t * (q.x - p.x), p.y + t * (q.y - p.y)});
   };
   Ring hull = grid::convex_hull({on(a, b, s0), on(a, b, s1), on(c, d, t0), on(c, d, t1)});
-  // Less than a square centimetre comes of rounding along one line.
-  if (hull.size() < 3 || signed_area(hull) < 1e4) return {};
+  constexpr double kLeastArea = 1e4;  // a square centimetre: less comes of rounding along one line
+  if (hull.size() < 3 || signed_area(hull) < kLeastArea) return {};
   return hull;
 }
 
 bool edges_face(Point2 a, Point2 b, Point2 c, Point2 d, double distance) {
+  constexpr double kParallel = 0.9;      // cosine: up to 26 degrees apart
+  constexpr double kLeastShared = 0.25;  // of `distance`: less is a corner, not a side
+  constexpr double kOnOneLine = 1;       // step: what rounding leaves between edges on one line
   const double ux = b.x - a.x, uy = b.y - a.y, vx = d.x - c.x, vy = d.y - c.y;
   const double lu = std::hypot(ux, uy), lv = std::hypot(vx, vy);
-  if (!(lu > 0 && lv > 0) || std::abs(ux * vx + uy * vy) < 0.9 * lu * lv) return false;
+  if (!(lu > 0 && lv > 0) || std::abs(ux * vx + uy * vy) < kParallel * lu * lv) return false;
   const auto along = [&](Point2 p) { return ((p.x - c.x) * vx + (p.y - c.y) * vy) / lv; };
   const auto off = [&](Point2 p) { return std::abs((p.x - c.x) * vy - (p.y - c.y) * vx) / lv; };
   const double shared =
       std::min(lv, std::max(along(a), along(b))) - std::max(0.0, std::min(along(a), along(b)));
-  return shared > distance / 4 && std::max(off(a), off(b)) > 1;
+  return shared > kLeastShared * distance && std::max(off(a), off(b)) > kOnOneLine;
 }
 
 MergedPolygon merge_polygons(std::span<const Polygon> cluster, double distance, int growths,
@@ -268,7 +280,7 @@ MergedPolygon merge_polygons(std::span<const Polygon> cluster, double distance, 
   result.input.assign(cluster.begin(), cluster.end());
   if (cluster.size() > 1) result.input = unite_or_widest(cluster, poll);
   std::vector<Polygon> parts = result.input;
-  double reach = distance * (1 + 1e-3);
+  double reach = distance * (1 + 1e-3);  // so that the ends of patches are not at the limit
   for (int k = 1; k <= std::max(growths, 1) && parts.size() > 1; ++k, reach *= 2) {
     parts = with_gaps_closed(std::move(parts), distance, reach, poll);
     result.method = MergeMethod::kPatch;

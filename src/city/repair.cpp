@@ -24,8 +24,28 @@ using grid::point_segment_distance;
 using grid::twice_area;
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
+/// Least decrease of Phi, so that the search ends: a pair of one polygon weighs 0.1 to 1.1 (see
+/// ChangeJudge), so this is a tenth of the least that undoing one gains.
 constexpr double kMinGain = 0.01;
+/// Gains beyond this count as this: it makes a bound on the score of a change known from its area
+/// alone. About what four pairs of one polygon weigh.
 constexpr double kMaxGain = 4;
+/// Area in epsilon squared that every change costs on top of its own, so that among changes that
+/// cost next to nothing the one that gains most comes first.
+constexpr double kBaseCost = 1e-3;
+/// Steps beyond epsilon that a distance is made: rounding moves each of two points by at most 0.71.
+constexpr double kRoundingRoom = 1.5;
+/// Walls that meet at less than 3 degrees have no meeting point worth a try.
+constexpr double kLeastSine = 0.05;
+/// How far from the ends of a short edge its walls may meet, in epsilon: at right angles they meet
+/// within one.
+constexpr double kFarthestMeeting = 3;
+/// A vertex slides along a wall only if that takes it away from what it is near at this rate (17
+/// degrees) or more; else it would have to go far for little.
+constexpr double kLeastRate = 0.3;
+/// Holes of more vertices or, but for triangles, more area (in epsilon squared) are yards to keep.
+constexpr std::int32_t kMostHoleVertices = 12;
+constexpr double kMostHoleArea = 4;
 /// Where a change touches more vertices than this, those with a change in the queue are rated anew
 /// only when it is their turn: a vertex among thousands would be rated once for each of them.
 constexpr std::size_t kCrowd = 32;
@@ -103,7 +123,7 @@ class Repairer {
 void Repairer::consider(const OutlineChange& c) {
   if (c.cost > options_.max_cost) return;
   // Gains count up to a limit, which gives an early way out for what cannot win.
-  const double price = c.cost + 1e-3 * epsilon2_;
+  const double price = c.cost + kBaseCost * epsilon2_;
   if (price / kMaxGain >= best_.score) return;
   const double least = std::max(kMinGain, price / best_.score * (1 - 1e-9));
   const std::optional<double> g = judge_.gain(c, least);
@@ -150,10 +170,11 @@ void Repairer::consider_merge(std::int32_t v) {
   // Where the two walls would meet if the short edge were not there.
   const double ux = a.x - u.x, uy = a.y - u.y, vx = b.x - x.x, vy = b.y - x.y;
   const double det = ux * vy - uy * vx;
-  if (std::abs(det) < 0.05 * std::hypot(ux, uy) * std::hypot(vx, vy)) return;
+  if (std::abs(det) < kLeastSine * std::hypot(ux, uy) * std::hypot(vx, vy)) return;
   const double t = ((x.x - u.x) * vy - (x.y - u.y) * vx) / det;
   const Point2 q = grid::rounded({u.x + t * ux, u.y + t * uy});
-  if (distance(q, a) > 3 * options_.epsilon || distance(q, b) > 3 * options_.epsilon) return;
+  const double farthest = kFarthestMeeting * options_.epsilon;
+  if (distance(q, a) > farthest || distance(q, b) > farthest) return;
   c.fresh[0] = q;
   c.cost = twice_area(a, q, b) / 2;
   consider(c);
@@ -176,7 +197,7 @@ void Repairer::consider_slides(std::int32_t v) {
   const Point2 u = o_.at(c.first), a = o_.at(v), b = o_.at(c.old[1]), x = o_.at(c.last);
   const double lu = distance(u, a), lx = distance(x, b);
   if (!(lu > 0 && lx > 0)) return;
-  const double target = options_.epsilon + 1.5;
+  const double target = options_.epsilon + kRoundingRoom;
   // Smallest s > 0 with |(a - b) + d s| = target.
   const auto solve = [&](double dx, double dy) {
     const double qa = dx * dx + dy * dy, qb = (a.x - b.x) * dx + (a.y - b.y) * dy;
@@ -210,7 +231,7 @@ void Repairer::consider_moves_from(std::int32_t v, Point2 p) {
   const Point2 a = o_.at(v);
   const double d = distance(a, p);
   if (!(d > 0)) return;
-  const double shift = options_.epsilon + 1.5 - d;
+  const double shift = options_.epsilon + kRoundingRoom - d;
   const double nx = (a.x - p.x) / d, ny = (a.y - p.y) / d;
   consider_move(v, {a.x + nx * shift, a.y + ny * shift});
   for (const std::int32_t w : {o_.before(v), o_.after(v)}) {
@@ -219,7 +240,7 @@ void Repairer::consider_moves_from(std::int32_t v, Point2 p) {
     if (!(length > 0)) continue;
     const double tx = (a.x - b.x) / length, ty = (a.y - b.y) / length;
     const double rate_of_growth = tx * nx + ty * ny;
-    if (std::abs(rate_of_growth) < 0.3) continue;
+    if (std::abs(rate_of_growth) < kLeastRate) continue;
     const double t = shift / rate_of_growth;
     if (-t < length) consider_move(v, {a.x + t * tx, a.y + t * ty});
   }
@@ -237,15 +258,16 @@ bool Repairer::is_empty_yard(const Ring& hole, std::int32_t group) const {
 
 void Repairer::consider_fill(std::int32_t v) {
   const auto ring = static_cast<std::size_t>(o_.ring_of(v));
-  if (o_.is_hole[ring] == 0 || o_.size[ring] > 12) return;
+  if (o_.is_hole[ring] == 0 || o_.size[ring] > kMostHoleVertices) return;
   const Ring hole = ring_through(o_, v);
   OutlineChange c;
   c.kind = ChangeKind::kFill;
   c.first = v;
   c.cost = std::abs(signed_area(hole));
-  const double e2 = options_.epsilon * options_.epsilon;
-  if (c.cost > options_.max_cost || (hole.size() > 3 && c.cost > 4 * e2)) return;
-  const double score = (c.cost + 1e-3 * e2) / 2;
+  if (c.cost > options_.max_cost) return;
+  if (hole.size() > 3 && c.cost > kMostHoleArea * epsilon2_) return;
+  // Its gain is not computed: it is taken as that of two pairs.
+  const double score = (c.cost + kBaseCost * epsilon2_) / 2;
   if (score < best_.score && is_empty_yard(hole, o_.group_of(v))) best_ = {c, score};
 }
 
@@ -320,7 +342,7 @@ bool Repairer::still_good(const Rated& rated) {
   const ShortPath path = old_path(o_, c);
   if (path.p != c.made_for) return false;
   const std::optional<double> g = judge_.gain(c, kMinGain);
-  return g && (c.cost + 1e-3 * epsilon2_) / std::min(*g, kMaxGain) <= rated.score * (1 + 1e-9);
+  return g && (c.cost + kBaseCost * epsilon2_) / std::min(*g, kMaxGain) <= rated.score * (1 + 1e-9);
 }
 
 void Repairer::put_off(std::int32_t v) {

@@ -30,7 +30,8 @@ constexpr double kSteepest = 1.25;  // rise over run of terrain
 /// the cells.
 double greatest_step(const Frame& frame) {
   constexpr double kRoughness = 0.3;  // metres
-  return std::min(kSteepest * frame.cell + kRoughness, 0.55 * kStorey);
+  constexpr double kMostOfStorey = 0.55;
+  return std::min(kSteepest * frame.cell + kRoughness, kMostOfStorey * kStorey);
 }
 
 /// The rise from c to the next cell, or half of that to the one after it, on the side away from its
@@ -111,8 +112,8 @@ double quantile_above(const std::vector<std::uint32_t>& cells, const Plane& plan
 
 void keep_gentle_rises(const HeightGrid& lowest, const Frame& frame,
                        std::vector<std::uint8_t>& object, const Progress& progress) {
-  constexpr std::int64_t kStepsPerWall = 9;
-  constexpr double kStepsWithin = 2;
+  constexpr std::int64_t kStepsPerWall = 9;  // one in ten is a wall
+  constexpr double kStepsWithin = 2;         // mean steps of the rim
   constexpr std::uint8_t kSeen = 1, kKept = 2;
   const auto most = static_cast<float>(greatest_step(frame));
   const std::size_t cells = object.size();
@@ -157,10 +158,13 @@ void keep_gentle_rises(const HeightGrid& lowest, const Frame& frame,
 
 void drop_scraps(const HeightGrid& lowest, std::vector<std::uint8_t> barred, const Frame& frame,
                  std::vector<std::uint8_t>& object, const Progress& progress) {
-  constexpr double kRaised = 1, kReach = 30;  // metres
-  constexpr double kLeastSlope = 0.08;
+  constexpr double kRaised = 1;         // metres: a podium; kerbs and garden walls are lower
+  constexpr double kReach = 30;         // metres: across a street and the yards beside it
+  constexpr double kLeastSlope = 0.08;  // steeper than streets are drained; less is chance
+  // Quantiles, of the scrap and of the ground: a few points of either lie on something else.
   constexpr double kLow = 0.1, kMostGround = 0.75;
-  constexpr std::size_t kNearest = 200, kTooFew = 30;  // cells
+  constexpr std::size_t kNearest = 200;  // cells: enough for a plane
+  constexpr std::size_t kTooFew = 30;    // cells: a plane through fewer is chance
   const auto most = static_cast<float>(greatest_step(frame));
   const double largest = kLeastArea / (frame.cell * frame.cell);
   const double least_rise = kLeastSlope * frame.cell;
