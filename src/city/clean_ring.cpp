@@ -18,7 +18,8 @@ namespace {
 
 constexpr double kSame = kNearDuplicate * grid::kSteps;
 constexpr double kMaxHeight = 0.02 * grid::kSteps;
-constexpr double kRounding = 5;
+/// Vertices within half a millimetre of the line are there by rounding, whatever their angle.
+constexpr double kRounding = 0.0005 * grid::kSteps;
 constexpr double kMaxDrift = kMaxOutlineShift * grid::kSteps;
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
@@ -101,7 +102,6 @@ Ring without_parallels(const Ring& ring, double tolerance) {
     const double twice = grid::twice_area(u, p, w), base = grid::distance(u, w);
     const double along = (p.x - u.x) * (w.x - p.x) + (p.y - u.y) * (w.y - p.y);
     if (along <= 0 || twice > kMaxHeight * base) return kInfinity;
-    // Below a millimetre the angle says more about rounding than about the outline.
     if (twice > slope * along && twice > kRounding * base) return kInfinity;
     const double h = twice / base;
     return h + std::max(drift[prev[i]], drift[i]) <= kMaxDrift ? h : kInfinity;

@@ -13,8 +13,9 @@ namespace tetropolis {
 Ring without_duplicates(const Ring& ring);
 
 /// The ring without vertices whose two edges differ in direction by less than `tolerance` (radians)
-/// and that are within 2 cm of the segment that replaces them; no vertex dropped ends up further
-/// than kMaxOutlineShift from the outline. Those nearest to their segment go first.
+/// and that are within 2 cm of the segment that replaces them, or that go forward and are within
+/// half a millimetre of it; no vertex dropped ends up further than kMaxOutlineShift from the
+/// outline. Those nearest to their segment go first.
 Ring without_parallels(const Ring& ring, double tolerance);
 
 /// The number of different vertices, up to three.

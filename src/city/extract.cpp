@@ -59,7 +59,8 @@ bool has_building_class(const PointCloud& cloud, std::size_t buildings) {
         return static_cast<std::size_t>(std::count(codes + begin, codes + end, kBuildingClass));
       },
       [](std::size_t a, std::size_t b) { return a + b; });
-  // A stray point or two of a class do not make a classified cloud.
+  // A stray point or two of a class do not make a classified cloud. (What is unclassified within a
+  // classified cloud is found file by file, by a finer share: see unclassified_files.h.)
   return of_buildings > 0 && (of_buildings >= buildings || of_buildings >= cloud.size() / 1000);
 }
 
@@ -194,11 +195,12 @@ std::vector<Surroundings> find_surroundings(std::span<const Polygon* const> foot
 std::vector<PointIndex> above_ground(std::span<const PointIndex> roof,
                                      std::span<const PointIndex> ground, const PointCloud& cloud) {
   constexpr double kClearance = 0.5;  // metres
+  constexpr double kLow = 10;         // percentile
   std::vector<PointIndex> kept(roof.begin(), roof.end());
   if (ground.empty()) return kept;
   std::vector<double> heights;
   for (const PointIndex p : ground) heights.push_back(cloud.z[p]);
-  const double least = percentile(heights, HeightOptions{}.ground_percentile) + kClearance;
+  const double least = percentile(heights, kLow) + kClearance;
   std::erase_if(kept, [&](PointIndex p) { return cloud.z[p] <= least; });
   if (2 * kept.size() < roof.size()) kept.assign(roof.begin(), roof.end());
   return kept;

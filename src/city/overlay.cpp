@@ -316,14 +316,16 @@ std::vector<Polygon> patches_at(const Polygon& shell, std::span<const Polygon> p
 
 constexpr std::size_t kManyHoles = 32;
 
-/// Union of one polygon with many holes, and patches with disjoint interiors: the holes less the
-/// patches, and the outer ring with those patches that leave it.
-geos::Result patch_up(const Polygon& whole, std::span<const Polygon> patches) {
+/// Union of one polygon with many holes, and patches, of which `united` is the union: the holes
+/// less the patches (as they were given: united they may be one polygon, which every hole would
+/// meet), and the outer ring with what of the union leaves it.
+geos::Result patch_up(const Polygon& whole, std::span<const Polygon> patches,
+                      std::span<const Polygon> united) {
   if (whole.holes.size() < kManyHoles) return std::nullopt;
   std::optional<std::vector<Ring>> holes = holes_left(whole, patches);
   if (!holes) return std::nullopt;
   const Polygon shell{whole.outer, {}};
-  geos::Result result = join({shell}, patches_at(shell, patches));
+  geos::Result result = join({shell}, patches_at(shell, united));
   if (!result) return std::nullopt;
   Polygon* owner = covering(*result, interior_point({whole.holes[0], {}}));
   if (owner == nullptr) return std::nullopt;
@@ -419,7 +421,7 @@ std::vector<Polygon> unite_or_widest(std::span<const Polygon> polygons, const Po
 
 std::vector<Polygon> add_on_grid(std::span<const Polygon> a, std::span<const Polygon> b) {
   const std::vector<Polygon> united = unite_on_grid(b);
-  geos::Result sum = a.size() == 1 ? patch_up(a[0], united) : std::nullopt;
+  geos::Result sum = a.size() == 1 ? patch_up(a[0], b, united) : std::nullopt;
   if (!sum) sum = join({a.begin(), a.end()}, united);
   sum = checked(std::move(sum), [&] { return geos::join(a, united, 1.0); });
   return or_else(a, rounded(sum), [&] { return rounded(geos::join(a, united, 0)); });

@@ -63,6 +63,9 @@ std::vector<std::int32_t> insertion_order(const std::vector<Point2>& points) {
 }  // namespace
 
 void check_graph(const PlanarGraph& graph) {
+  if (static_cast<std::int64_t>(graph.points.size()) > kMostVertices)
+    throw Error(ErrorKind::kInput, fmt::format("{} points; at most {} can be triangulated at once",
+                                               graph.points.size(), kMostVertices));
   for (std::size_t i = 0; i < graph.points.size(); ++i) check_point(graph.points[i], "point", i);
   for (std::size_t i = 0; i < graph.holes.size(); ++i) check_point(graph.holes[i], "hole", i);
   for (std::size_t i = 0; i < graph.regions.size(); ++i)

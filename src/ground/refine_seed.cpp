@@ -65,10 +65,12 @@ void Refiner::seed(const Progress& progress) {
   const Bounds2 box = bounds(mesh_.points);
   const double h = size_.base();
   const double squares = std::isfinite(h) ? box.width() * box.height() / (h * h) : 0;
+  // Several times what any input has needed: cities get about 1.7 vertices a square and seven a
+  // point of the input.
   if (max_vertices_ <= 0)
     max_vertices_ = std::int64_t{2'000'000} + 200 * static_cast<std::int64_t>(mesh_.points.size()) +
                     static_cast<std::int64_t>(std::min(8 * squares, 1e9));
-  max_vertices_ = std::min<std::int64_t>(max_vertices_, 250'000'000);
+  max_vertices_ = std::min(max_vertices_, kMostVertices);
   // About what is to come (measured on cities), within reason: growing would copy everything time
   // and again, and what is not used takes up no memory.
   const double triangles = std::min(5.5 * static_cast<double>(mesh_.points.size()) + 3.3 * squares,

@@ -15,6 +15,9 @@
 
 namespace tetropolis {
 
+/// Half-edges have to fit into 31 bits: 4 for each of the two triangles that a vertex brings.
+inline constexpr std::int64_t kMostVertices = 250'000'000;
+
 class TriMesh {
  public:
   static constexpr std::int32_t kGhost = -1;
@@ -120,8 +123,8 @@ class TriMesh {
   /// the apex of he, which is vertex 0 of both. Appends both to touched.
   void flip(std::int32_t he);
 
-  /// Flips until the edges on `pending_` and all they affect are locally Delaunay.
   void push_pending(std::int32_t he) { pending_.push_back(he); }
+  /// Flips until the pending edges and all they affect are locally Delaunay.
   void restore_delaunay();
 
   /// Removes a vertex that is on no subsegment and surrounded by triangles; `he` has it as apex.
@@ -130,6 +133,7 @@ class TriMesh {
 
   /// Makes the edge `he` a subsegment directed like he. Returns the existing one if it is one.
   std::int32_t constrain(std::int32_t he, std::int32_t piece);
+  /// Makes a subsegment an ordinary edge.
   void release(std::int32_t s);
 
   /// The half-edge from a to b, or kNothing. Needs tracking.

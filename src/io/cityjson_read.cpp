@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <charconv>
 #include <cmath>
 #include <cstdint>
 #include <cstdlib>
@@ -291,7 +292,10 @@ double level_of_detail(const Place& geometry) {
   const Json& lod = geometry.at("lod").value();
   if (lod.is_number()) return lod.get<double>();
   if (!lod.is_string()) return 0;
-  return std::strtod(lod.get_ref<const std::string&>().c_str(), nullptr);
+  const auto& text = lod.get_ref<const std::string&>();
+  double level = 0;
+  std::from_chars(text.data(), text.data() + text.size(), level);
+  return level;
 }
 
 /// Why an object has no faces, or its faces.

@@ -7,6 +7,7 @@
 #include <iterator>
 #include <limits>
 #include <memory>
+#include <new>
 #include <system_error>
 
 #include <fcntl.h>
@@ -52,7 +53,14 @@ H5FD_t* open_file(const char* name, unsigned /*flags*/, hid_t access, haddr_t /*
     keep_first(*info->error);
     return nullptr;
   }
-  return &std::make_unique<OpenFile>(OpenFile{{}, descriptor, 0, 0, info->error}).release()->known;
+  // An exception must not go through the library, which is C.
+  auto* open = new (std::nothrow) OpenFile{{}, descriptor, 0, 0, info->error};
+  if (open == nullptr) {
+    ::close(descriptor);
+    if (*info->error == 0) *info->error = ENOMEM;
+    return nullptr;
+  }
+  return &open->known;
 }
 
 herr_t close_file(H5FD_t* file) {

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstring>
 #include <limits>
+#include <memory>
 #include <tuple>
 #include <utility>
 
@@ -126,16 +127,15 @@ void add_crs(const LazWriter& writer, laszip_header_struct& header, const std::s
   }
   if (crs.empty() || header.version_minor < 4) return;
   const gdal::QuietErrors errors;
-  char* wkt = nullptr;
+  char* text = nullptr;
   // The specification means the WKT of OGC 2001.
-  if (OSRExportToWkt(gdal::parse_srs(crs).get(), &wkt) == OGRERR_NONE && wkt != nullptr &&
-      std::strlen(wkt) < std::numeric_limits<std::uint16_t>::max()) {
-    const auto length = static_cast<laszip_U16>(std::strlen(wkt) + 1);
-    writer.check(laszip_add_vlr(writer.get(), "LASF_Projection", 2112, length, "OGC WKT",
-                                reinterpret_cast<const laszip_U8*>(wkt)));
-    header.global_encoding |= 0x10;
-  }
-  CPLFree(wkt);
+  const bool is_written = OSRExportToWkt(gdal::parse_srs(crs).get(), &text) == OGRERR_NONE;
+  const std::unique_ptr<char, decltype(&CPLFree)> wkt(text, &CPLFree);
+  if (!is_written || !wkt || std::strlen(text) >= std::numeric_limits<std::uint16_t>::max()) return;
+  const auto length = static_cast<laszip_U16>(std::strlen(text) + 1);
+  writer.check(laszip_add_vlr(writer.get(), "LASF_Projection", 2112, length, "OGC WKT",
+                              reinterpret_cast<const laszip_U8*>(text)));
+  header.global_encoding |= 0x10;
 }
 
 void write_records(const LazWriter& writer, const Quantised& points,

@@ -31,19 +31,13 @@
 #include "tetropolis/pipeline/config.h"
 
 #include "reported_facts.h"
+#include "result_files.h"
 
 namespace tetropolis {
 
 namespace {
 
 namespace fs = std::filesystem;
-
-constexpr const char* kRawCity = "city_raw.city.json";
-constexpr const char* kCity = "city.city.json";
-
-/// Results in formats that are not read back.
-constexpr std::array kUnread = {"surface.stl", "volume.msh",  "constant/polyMesh",
-                                "surface.obj", "surface.ply", "surface.glb"};
 
 double percent(std::int64_t part, std::int64_t whole) {
   return whole == 0 ? 0 : 100 * static_cast<double>(part) / static_cast<double>(whole);
@@ -119,7 +113,7 @@ CheckedFile check_one_surface(const fs::path& path) {
 /// model nothing.
 std::optional<double> distance_asked(const std::string& name, std::optional<double> min_distance,
                                      const std::optional<ReportedFacts>& report) {
-  if (min_distance || name == kRawCity) return min_distance;
+  if (min_distance || name == results::kRawCity) return min_distance;
   return report ? report->min_distance : Config{}.min_building_distance;
 }
 
@@ -259,7 +253,7 @@ Sources find_sources(const fs::path& folder, const std::optional<ReportedFacts>&
     return !read.empty() && is_there(read) ? read : fs::path();
   };
   const ReportedFacts facts = report.value_or(ReportedFacts{});
-  return {find(kCity, facts.city_model), find("dtm.tif", facts.terrain)};
+  return {find(results::kCity, facts.city_model), find(results::kTerrain, facts.terrain)};
 }
 
 CheckedFile check_against_city(const std::string& name, const fs::path& terrain,
@@ -314,10 +308,10 @@ void compare_features(const CityModel& raw, const CityModel& city, CheckedFile& 
   std::set_difference(after.begin(), after.end(), before.begin(), before.end(),
                       std::back_inserter(new_ids));
   if (!lost.empty())
-    file.violations.push_back({fmt::format("features of {} that are not here", kRawCity),
+    file.violations.push_back({fmt::format("features of {} that are not here", results::kRawCity),
                                static_cast<std::int64_t>(lost.size()), lost.front()});
   if (!new_ids.empty())
-    file.violations.push_back({fmt::format("features that are not in {}", kRawCity),
+    file.violations.push_back({fmt::format("features that are not in {}", results::kRawCity),
                                static_cast<std::int64_t>(new_ids.size()), new_ids.front()});
 }
 
@@ -489,7 +483,7 @@ void note_missing(const fs::path& folder, const ReportedFacts& report,
   for (const std::string& name : report.files)
     if (!is_there(folder / name)) missing.push_back(name);
   if (!missing.empty())
-    files.push_back({"report.json",
+    files.push_back({results::kReport,
                      {},
                      {},
                      {fmt::format("{}, which the run wrote and which {} not here",
@@ -499,7 +493,7 @@ void note_missing(const fs::path& folder, const ReportedFacts& report,
 /// Whoever hands on one of these files is to know that nobody has looked into it.
 void add_unread(const fs::path& folder, std::vector<CheckedFile>& files) {
   std::vector<std::string_view> there;
-  for (const char* name : kUnread)
+  for (const char* name : results::kUnread)
     if (is_there(folder / name)) there.emplace_back(name);
   if (!there.empty())
     files.push_back(
@@ -513,12 +507,12 @@ std::vector<CheckedFile> check_folder(const fs::path& folder, std::optional<doub
   std::vector<CheckedFile> files;
   CityModel city;
   std::optional<CityModel> raw;
-  for (const char* name : {kRawCity, kCity}) {
-    const fs::path path = name == kCity ? sources.city : folder / name;
+  for (const std::string name : {results::kRawCity, results::kCity}) {
+    const fs::path path = name == results::kCity ? sources.city : folder / name;
     if (path.empty() || !is_there(path)) continue;
     std::vector<Warning> warnings;
     city = read_city(path, &warnings);
-    const bool is_raw = std::string_view(name) == kRawCity;
+    const bool is_raw = name == results::kRawCity;
     const std::optional<double> distance =
         distance_asked(name, is_raw ? std::nullopt : min_distance, report);
     const CityCheck check = check_city(city, distance);

@@ -377,7 +377,7 @@ std::vector<ConfigField> make_fields() {
        .member = &C::max_memory,
        .commands = kData | kMesh,
        .help = "Limit, such as 8G or 500M; points and meshes that would need more are refused; "
-               "default: 90 % of the machine's"},
+               "default: 90 % of what the machine and the limits of the process leave"},
       {.name = "threads",
        .group = "Run",
        .member = &C::threads,

@@ -24,6 +24,7 @@
 #include "elevations.h"
 #include "find_ground.h"
 #include "read_input.h"
+#include "result_files.h"
 #include "stages.h"
 
 namespace tetropolis {
@@ -479,8 +480,8 @@ CityAndTerrain make_city(const Config& config, Next next, OutputFolder& out, Ste
             [&](const Progress&) { compute_heights(raw.buildings, points, cloud, dtm, heights); });
   warn_of_missing_roofs(raw, report);
   clock.run("1.7", "write city model", [&](const Progress&) {
-    write_raster(out.result("dtm.tif"), dtm, raw.origin, raw.crs, raw.domain);
-    write_city(out.result("city_raw.city.json"), raw, "City model before simplification");
+    write_raster(out.result(results::kTerrain), dtm, raw.origin, raw.crs, raw.domain);
+    write_city(out.result(results::kRawCity), raw, "City model before simplification");
   });
 
   const Simplification simple = clock.run("2.1", "merge footprints", [&](const Progress& progress) {
@@ -504,7 +505,7 @@ CityAndTerrain make_city(const Config& config, Next next, OutputFolder& out, Ste
   });
   warn_of_exclusion(points, report);
   clock.run("2.4", "write merged city model", [&](const Progress&) {
-    write_city(out.result("city.city.json"), city, "City model after simplification");
+    write_city(out.result(results::kCity), city, "City model after simplification");
   });
   fill_city_report(raw, city, simple, report);
   return {std::move(city), std::move(dtm)};

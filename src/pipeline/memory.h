@@ -6,8 +6,9 @@
 
 namespace tetropolis {
 
-/// Bytes the process may take: `max_memory`, or nine tenths of the machine's memory. Throws
-/// Error(kUsage) if the setting is no size.
+/// Bytes the process may take: `max_memory`, or nine tenths of what the machine, the control groups
+/// and the limits of the process leave it (usable_memory). Throws Error(kUsage) if the setting is
+/// no size.
 double memory_limit(const Config& config);
 
 /// What is known of a city before it is meshed.
@@ -35,13 +36,14 @@ MeshEstimate estimate_mesh(const Config& config, const CitySize& city);
 /// a third too low, unless estimate_mesh is below the limit.
 void require_mesh_fits(const Config& config, const CitySize& city);
 
-/// Likewise for counts that are known by now.
+/// The same for counts that are known by now.
 void require_cells_fit(const Config& config, const CitySize& city, double triangles, double cells);
 
 /// Whether require_cells_fit would return.
 bool cells_fit(const Config& config, const CitySize& city, double triangles, double cells);
 
-/// Likewise for the points of the domain and its terrain, before they are read.
+/// Throws Error(kUsage) that tells the memory of the points of the domain and its terrain, once
+/// these are counted, unless it is below the limit.
 void require_points_fit(const Config& config, double points, double terrain_nodes);
 
 /// Throws Error(kUsage) unless a synthetic city of so many points fits into the machine's memory.

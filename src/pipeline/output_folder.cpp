@@ -22,32 +22,13 @@
 #include "tetropolis/io/atomic_file.h"
 
 #include "core/descriptor.h"
+#include "result_files.h"
 
 namespace tetropolis {
 
 namespace fs = std::filesystem;
 
 namespace {
-
-/// Every name a command may give to a result; the report, which vouches for the others, first.
-constexpr std::array kResultNames = {"report.json",
-                                     "city_raw.city.json",
-                                     "city.city.json",
-                                     "dtm.tif",
-                                     "volume.vtu",
-                                     "volume.xdmf",
-                                     "volume.h5",
-                                     "volume.msh",
-                                     "constant/polyMesh/points",
-                                     "constant/polyMesh/faces",
-                                     "constant/polyMesh/owner",
-                                     "constant/polyMesh/neighbour",
-                                     "constant/polyMesh/boundary",
-                                     "boundary.vtp",
-                                     "surface.stl",
-                                     "surface.obj",
-                                     "surface.ply",
-                                     "surface.glb"};
 
 /// Inside the hidden folder: results of an earlier run while they are being moved aside (or back),
 /// and once all of them are. The name is the journal from which a killed commit is undone.
@@ -76,7 +57,7 @@ std::vector<fs::path> results_below(const fs::path& folder) {
       if (!is_folder(inner)) names.push_back(inner.path().lexically_relative(folder));
   }
   std::sort(names.begin(), names.end(), [](const fs::path& a, const fs::path& b) {
-    return std::pair(a == "report.json", a) < std::pair(b == "report.json", b);
+    return std::pair(a == results::kReport, a) < std::pair(b == results::kReport, b);
   });
   return names;
 }
@@ -94,7 +75,7 @@ void require_no_folder(const fs::path& target, const fs::path& name) {
 }
 
 /// Links count for themselves. What cannot be looked at is not there: moving it would fail too.
-bool is_there(const fs::path& path) {
+bool exists_itself(const fs::path& path) {
   std::error_code error;
   return fs::exists(fs::symlink_status(path, error));
 }
@@ -133,7 +114,7 @@ class Moves {
  private:
   void make_folders(const fs::path& folder, std::error_code& error) {
     std::vector<fs::path> missing;
-    for (fs::path p = folder; !is_there(p) && p.has_relative_path(); p = p.parent_path())
+    for (fs::path p = folder; !exists_itself(p) && p.has_relative_path(); p = p.parent_path())
       missing.push_back(p);
     made_.insert(made_.end(), missing.rbegin(), missing.rend());
     fs::create_directories(folder, error);
@@ -176,8 +157,8 @@ void remove_new_results(const fs::path& stale, const fs::path& target) {
 bool holds_our_report(const fs::path& folder) {
   std::error_code error;
   // A pipe would be waited for.
-  if (!fs::is_regular_file(folder / "report.json", error)) return false;
-  std::ifstream file(folder / "report.json");
+  if (!fs::is_regular_file(folder / results::kReport, error)) return false;
+  std::ifstream file(folder / results::kReport);
   const auto report = nlohmann::json::parse(file, nullptr, false);
   return report.is_object() && report.contains("version") && report.contains("command") &&
          report.contains("steps");
@@ -189,7 +170,7 @@ bool put_back_earlier(const fs::path& stale, const fs::path& target) {
   std::error_code error;
   const fs::path moved = stale / kMovedAside, moving = stale / kBeingMoved;
   // A report says that the commit was over. No folder: somebody removed it, and meant it.
-  if (!fs::is_directory(target, error) || fs::exists(target / "report.json", error)) return true;
+  if (!fs::is_directory(target, error) || fs::exists(target / results::kReport, error)) return true;
   if (fs::exists(moved, error)) {
     remove_new_results(stale, target);
     fs::rename(moved, moving, error);
@@ -347,7 +328,7 @@ OutputFolder::OutputFolder(const fs::path& target, OutputWatcher watcher)
     fs::path real = fs::canonical(target_, error);
     if (!error) target_ = std::move(real);
   }
-  if (is_there(target_) && !fs::exists(target_, error)) fail(target, "it is a dangling link");
+  if (exists_itself(target_) && !fs::exists(target_, error)) fail(target, "it is a dangling link");
   const fs::path parent = target_.parent_path();
   for (fs::path p = parent; !fs::exists(p, error) && p.has_relative_path(); p = p.parent_path())
     created_parent_ = p;
@@ -358,7 +339,7 @@ OutputFolder::OutputFolder(const fs::path& target, OutputWatcher watcher)
                         (!same_mount(parent, target_) || !can_make_files_in(parent));
     home_ = inside ? target_ : parent;
     create_staging(target);
-    for (const char* name : kResultNames) require_no_folder(target_, name);
+    for (const std::string& name : results::all_names()) require_no_folder(target_, name);
     // An existing target must be writable itself: find out before the work, not after it.
     if (fs::exists(target_, error) && !can_make_files_in(target_))
       fail(target, std::strerror(errno));
@@ -392,7 +373,7 @@ fs::path OutputFolder::result(const std::string& name, const std::vector<std::st
 /// A cleaner of hidden files may have come by.
 void OutputFolder::require_all() const {
   for (const std::string& name : names_)
-    if (!is_there(staging_ / name))
+    if (!exists_itself(staging_ / name))
       throw Error(ErrorKind::kInput, (target_ / name).string() +
                                          ": cannot be written: it is gone from " +
                                          staging_.string() + "; was it removed during the run?");
@@ -428,13 +409,13 @@ void OutputFolder::replace_results() {
   if (error) throw_cannot_write(target_, error.message());
   Moves moves;
   const auto move_aside = [&](const fs::path& name) {
-    if (!is_there(target_ / name) || is_kept(name)) return;
+    if (!exists_itself(target_ / name) || is_kept(name)) return;
     moves.move(target_ / name, moving / name, target_ / name);
     remove_empty_folders(target_, name);
   };
   try {
     const bool all = holds_our_report(target_);
-    for (const fs::path name : kResultNames)
+    for (const fs::path name : results::all_names())
       if (all || std::find(names.begin(), names.end(), name) != names.end()) move_aside(name);
     // A result of a name that no earlier version knew may replace a file too.
     for (const fs::path& name : names) move_aside(name);
@@ -464,25 +445,27 @@ void OutputFolder::keep(const fs::path& file) {
 }
 
 void OutputFolder::commit() {
+  // Two runs that end together replace the results one after the other. Until its turn has come, a
+  // run can be interrupted.
+  const bool is_new = !exists_itself(target_);
+  const Descriptor lock = is_new ? Descriptor() : lock_folder(target_, true);
   if (watcher_.moves) watcher_.moves();
   require_all();
   std::error_code error;
-  if (!is_there(target_)) {
+  if (is_new) {
     fs::rename(staging_, target_, error);
     if (error)
       throw Error(ErrorKind::kInput,
                   target_.string() + ": cannot be written: " + error.message() +
                       "; was the folder around it moved or locked during the run?");
   } else {
-    // Two runs that end together replace the results one after the other.
-    const Descriptor lock = lock_folder(target_, true);
     replace_results();
   }
   committed_ = true;
   // Of results that came by one rename, nothing is left there.
   std::error_code not_removed;
   fs::remove_all(staging_, not_removed);
-  if (not_removed && is_there(staging_)) leftover_ = {staging_, not_removed.message()};
+  if (not_removed && exists_itself(staging_)) leftover_ = {staging_, not_removed.message()};
 }
 
 }  // namespace tetropolis

@@ -5,12 +5,15 @@
 #include <fstream>
 #include <stdexcept>
 #include <system_error>
+#include <utility>
 
 #include <nlohmann/json.hpp>
 
 #include "tetropolis/core/error.h"
 #include "tetropolis/core/units.h"
 #include "tetropolis/io/crs.h"
+
+#include "result_files.h"
 
 namespace tetropolis {
 
@@ -56,16 +59,12 @@ std::map<std::string, double> numbers_of(const Json& volume, const char* measure
 std::vector<std::string> files_of(const Json& report, const Json& config) {
   std::vector<std::string> files;
   if (report.contains("input") && report.contains("city"))
-    files = {"city_raw.city.json", "city.city.json", "dtm.tif"};
+    files.assign(results::kOfCity.begin(), results::kOfCity.end());
   if (!report.contains("volume_mesh")) return files;
-  files.insert(files.end(), {"boundary.vtp", "surface.stl"});
-  const std::map<std::string, std::string> names{
-      {"vtu", "volume.vtu"},  {"xdmf", "volume.xdmf"},
-      {"msh", "volume.msh"},  {"openfoam", "constant/polyMesh"},
-      {"obj", "surface.obj"}, {"ply", "surface.ply"},
-      {"glb", "surface.glb"}};
-  for (const std::string& format : config.value("formats", std::vector<std::string>()))
-    if (const auto name = names.find(format); name != names.end()) files.push_back(name->second);
+  std::vector<std::string> formats = config.value("formats", std::vector<std::string>());
+  formats.emplace_back();  // what is written always
+  for (const std::string& format : formats)
+    for (std::string& name : results::of_format(format)) files.push_back(std::move(name));
   return files;
 }
 
@@ -123,7 +122,7 @@ ReportedFacts facts_of(const Json& report) {
 }  // namespace
 
 std::optional<ReportedFacts> read_report(const fs::path& folder) {
-  const fs::path path = folder / "report.json";
+  const fs::path path = folder / results::kReport;
   std::error_code error;
   if (fs::is_fifo(path, error))  // which would be waited for
     throw Error(ErrorKind::kInput, path.string() + ": is not an ordinary file");

@@ -27,6 +27,7 @@
 #include "elevations.h"
 #include "memory.h"
 #include "require_metres.h"
+#include "result_files.h"
 #include "stages.h"
 #include "synth_adversarial.h"
 #include "synth_leftovers.h"
@@ -61,7 +62,7 @@ std::int64_t peak_rss_bytes() {
 /// told by the report that is returned only.
 void finish(Report& report, OutputFolder& out) {
   report.peak_rss_bytes = peak_rss_bytes();
-  AtomicFile file(out.result("report.json"));
+  AtomicFile file(out.result(results::kReport));
   file.write(to_json(report));
   file.commit();
   out.commit();
@@ -255,7 +256,7 @@ Report run_mesh(const Config& config, const RunHooks& hooks) {
   OutputFolder out(config.out, hooks.output);
   keep_inputs(config, out);
   // Beside the city model that is meshed, the one it was made from is no leftover.
-  out.keep(std::filesystem::path(config.city).parent_path() / "city_raw.city.json");
+  out.keep(std::filesystem::path(config.city).parent_path() / results::kRawCity);
   CityModel city = read_city(config.city, &report.warnings);
   require_metres(city.crs, config.city);
   RasterInput terrain = read_raster(config.dtm, city.origin);

@@ -8,8 +8,6 @@
 #include <utility>
 #include <vector>
 
-#include <fmt/format.h>
-
 #include "tetropolis/io/gltf.h"
 #include "tetropolis/io/msh.h"
 #include "tetropolis/io/obj.h"
@@ -18,6 +16,8 @@
 #include "tetropolis/io/stl.h"
 #include "tetropolis/io/vtk.h"
 #include "tetropolis/io/xdmf.h"
+
+#include "result_files.h"
 
 namespace tetropolis {
 
@@ -31,9 +31,6 @@ bool is_wanted(const Config& config, std::string_view format) {
 void write_volume(const Config& config, const ColumnMesh& mesh, const SurfaceMesh& boundary,
                   const Placement& placement, OutputFolder& out, const Progress& progress) {
   using Write = std::function<void(const Progress&)>;
-  std::vector<std::string> foam;
-  for (const char* name : {"points", "faces", "owner", "neighbour", "boundary"})
-    foam.push_back(fmt::format("constant/polyMesh/{}", name));
   const std::array<std::pair<std::string_view, Write>, 4> writers{{
       {"vtu",
        [&](const Progress& p) {
@@ -50,7 +47,8 @@ void write_volume(const Config& config, const ColumnMesh& mesh, const SurfaceMes
        }},
       {"openfoam",
        [&](const Progress& p) {
-         write_openfoam(out.result("constant/polyMesh", foam), mesh, boundary, placement, p);
+         write_openfoam(out.result("constant/polyMesh", results::of_format("openfoam")), mesh,
+                        boundary, placement, p);
        }},
   }};
   std::vector<const Write*> wanted;

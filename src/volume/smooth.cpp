@@ -39,9 +39,14 @@ std::int32_t nearest_in_ratio(double p) {
   return static_cast<std::int32_t>(p * p > below * (below + 1) ? below + 1 : below);
 }
 
+/// Over all columns, each from its lowest node up.
 double mean_layer_height(const LayeredMesh& mesh) {
-  return (mesh.column(0)[mesh.layers] - mesh.column(0)[mesh.first_node[0]]) /
-         (mesh.layers - mesh.first_node[0]);
+  double height = 0, layers = 0;
+  for (std::size_t v = 0; v < mesh.vertex_count(); ++v) {
+    height += mesh.column(v)[mesh.layers] - mesh.column(v)[mesh.first_node[v]];
+    layers += mesh.layers - mesh.first_node[v];
+  }
+  return height / layers;
 }
 
 }  // namespace

@@ -24,8 +24,9 @@ struct RefineOptions {
   /// than 72 degrees and that makes the steepest of them less steep. Triangles with a region >= 0
   /// (buildings) do not count. Empty: the terrain is not looked at.
   std::function<double(Point2)> elevation = {};
-  bool convex_hull = false;       ///< As in TriangulationOptions.
-  std::int64_t max_vertices = 0;  ///< Give up beyond. 0: a bound from area, size and input.
+  bool convex_hull = false;  ///< As in TriangulationOptions.
+  /// Give up beyond, and beyond 250 million in any case. 0: a bound from area, size and input.
+  std::int64_t max_vertices = 0;
 };
 
 /// A constrained Delaunay triangulation of `graph` with vertices added so that

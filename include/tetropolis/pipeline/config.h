@@ -85,7 +85,7 @@ struct Config {
   std::vector<std::string> defects;
 
   // Run.
-  std::string max_memory;  ///< As "8G"; empty: nine tenths of the machine's.
+  std::string max_memory;  ///< As "8G"; empty: nine tenths of what the process may use.
   int threads = 0;
   bool quiet = false;
   std::string log;

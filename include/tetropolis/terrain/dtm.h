@@ -21,7 +21,8 @@ struct DtmReport {
   std::int64_t ground_points = 0;  ///< Points averaged into nodes.
   std::int64_t nodes = 0;          ///< nx * ny.
   double empty_share = 0;          ///< Share of nodes without a point before filling, in [0, 1).
-  std::int64_t voids = 0;          ///< Squares of 20 m without a point, whatever the step.
+  std::int64_t voids = 0;          ///< Squares without a point: of as many whole steps as fit into
+                                   ///< 20 m, of one where none does.
   double void_share = 0;           ///< Their share.
 };
 

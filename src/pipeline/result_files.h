@@ -1,0 +1,66 @@
+// The files that runs leave in their folders: one list for those who write, replace and check them.
+#pragma once
+
+#include <array>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace tetropolis {
+
+struct ResultFile {
+  std::string_view name;    ///< Below the folder.
+  std::string_view format;  ///< The one of the setting `formats` that asks for it; empty: always.
+};
+
+namespace results {
+
+inline constexpr const char* kReport = "report.json";
+inline constexpr const char* kRawCity = "city_raw.city.json";
+inline constexpr const char* kCity = "city.city.json";
+inline constexpr const char* kTerrain = "dtm.tif";
+
+/// Of runs that make a city model.
+inline constexpr std::array kOfCity = {kRawCity, kCity, kTerrain};
+
+/// Of runs that make meshes.
+inline constexpr std::array<ResultFile, 14> kOfMesh = {{
+    {"volume.vtu", "vtu"},
+    {"volume.xdmf", "xdmf"},
+    {"volume.h5", "xdmf"},
+    {"volume.msh", "msh"},
+    {"constant/polyMesh/points", "openfoam"},
+    {"constant/polyMesh/faces", "openfoam"},
+    {"constant/polyMesh/owner", "openfoam"},
+    {"constant/polyMesh/neighbour", "openfoam"},
+    {"constant/polyMesh/boundary", "openfoam"},
+    {"boundary.vtp", ""},
+    {"surface.stl", ""},
+    {"surface.obj", "obj"},
+    {"surface.ply", "ply"},
+    {"surface.glb", "glb"},
+}};
+
+/// The formats, and the files without a format, that `check` does not read, as users know them.
+inline constexpr std::array kUnread = {
+    "surface.stl", "volume.msh", "constant/polyMesh", "surface.obj", "surface.ply", "surface.glb"};
+
+/// Every name a command may give to a result; the report, which vouches for the others, first.
+inline std::vector<std::string> all_names() {
+  std::vector<std::string> names{std::string(kReport)};
+  names.insert(names.end(), kOfCity.begin(), kOfCity.end());
+  for (const ResultFile& file : kOfMesh) names.emplace_back(file.name);
+  return names;
+}
+
+/// The files of one format.
+inline std::vector<std::string> of_format(std::string_view format) {
+  std::vector<std::string> names;
+  for (const ResultFile& file : kOfMesh)
+    if (file.format == format) names.emplace_back(file.name);
+  return names;
+}
+
+}  // namespace results
+
+}  // namespace tetropolis
