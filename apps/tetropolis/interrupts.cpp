@@ -116,8 +116,8 @@ void on_fault(int signal, siginfo_t*, void*) {
              "written\n"},
             1);
       end({"tetropolis: ", input,
-           ": a library crashed on it: the file is broken, or memory ran out; get it again, or "
-           "leave it out\n"},
+           ": a library crashed on it: the file is broken or was changed while it was read, or "
+           "memory ran out; get it again, or leave it out\n"},
           static_cast<int>(ErrorKind::kInput));
     }
     if (state == State::kEnds) wait_for_the_end();

@@ -83,6 +83,26 @@ void measure_face(const Vector3& p, const Vector3& q, const Vector3& r, const Ve
   if (skew2 > sums.skewness * extent) sums.skewness = skew2 / extent;
 }
 
+/// Skewness of a face (p, q, r) on the boundary of a cell with its centre at `a`, as in
+/// primitiveMeshTools::boundaryFaceSkewness.
+void measure_boundary_face(const Vector3& p, const Vector3& q, const Vector3& r, const Vector3& a,
+                           FaceSums& sums) {
+  const Vector3 normal = outer(difference(q, p), difference(r, p));
+  const double normal2 = inner(normal, normal);
+  const Vector3 centre{(p[0] + q[0] + r[0]) / 3, (p[1] + q[1] + r[1]) / 3,
+                       (p[2] + q[2] + r[2]) / 3};
+  const Vector3 to_centre = difference(centre, a);
+  const double height = inner(normal, to_centre) / normal2;
+  const Vector3 skew{to_centre[0] - height * normal[0], to_centre[1] - height * normal[1],
+                     to_centre[2] - height * normal[2]};
+  const double length = std::sqrt(inner(skew, skew));
+  if (!(length > 0)) return;
+  double extent = 0.4 * std::abs(height) * std::sqrt(normal2);
+  for (const Vector3& corner : {p, q, r})
+    extent = std::max(extent, std::abs(inner(skew, difference(corner, centre))) / length);
+  sums.skewness = std::max(sums.skewness, length / extent);
+}
+
 /// What a range of lowest vertices brings.
 struct Matched {
   std::vector<std::array<std::int64_t, 3>> boundary;
@@ -105,11 +125,13 @@ class FaceMatcher {
       const FaceUse& face = faces_[i];
       while (j < faces_.size() && faces_[j].others == face.others) ++j;
       const auto place = [&] { return place_of(mesh_, cells[face.cell]); };
-      if (j - i == 1)
+      if (j - i == 1) {
         matched.boundary.push_back(face.ascending
                                        ? std::array<std::int64_t, 3>{low, face.mid(), face.high()}
                                        : std::array<std::int64_t, 3>{low, face.high(), face.mid()});
-      else if (j - i > 2)
+        measure_boundary_face(point(low), point(face.mid()), point(face.high()),
+                              centres_[face.cell], matched.sums);
+      } else if (j - i > 2)
         note_violation(matched.violations, "faces of more than two cells", place);
       else if (face.ascending == faces_[i + 1].ascending)
         note_violation(matched.violations, "neighbouring cells that overlap", place);
@@ -198,12 +220,12 @@ void match_faces(const TetMesh& mesh, VolumeCheck& check, const Progress& progre
   }
   check.boundary_faces = static_cast<std::int64_t>(check.boundary.size());
   check.faces.internal = sums.faces;
+  check.faces.max_skewness = sums.skewness;
   if (sums.faces == 0) return;
   check.faces.above_70 = sums.above_70;
   check.faces.max_non_orthogonality_deg = degrees_of(sums.least_cosine);
   check.faces.mean_non_orthogonality_deg =
       degrees_of(sums.cosines / static_cast<double>(sums.faces));
-  check.faces.max_skewness = sums.skewness;
 }
 
 }  // namespace tetropolis

@@ -1,10 +1,12 @@
 #include <algorithm>
+#include <array>
 #include <charconv>
 #include <cmath>
 #include <cstdint>
 #include <cstdlib>
 #include <optional>
 #include <string_view>
+#include <system_error>
 #include <unordered_set>
 #include <utility>
 
@@ -287,16 +289,54 @@ int surface_depth(const std::string& type) {
   return -1;
 }
 
-double level_of_detail(const Place& geometry) {
-  if (!geometry.has("lod")) return 0;
+/// Nothing where it is missing or no number.
+std::optional<double> level_of_detail(const Place& geometry) {
+  if (!geometry.has("lod")) return std::nullopt;
   const Json& lod = geometry.at("lod").value();
   if (lod.is_number()) return lod.get<double>();
-  if (!lod.is_string()) return 0;
+  if (!lod.is_string()) return std::nullopt;
   const auto& text = lod.get_ref<const std::string&>();
   double level = 0;
-  std::from_chars(text.data(), text.data() + text.size(), level);
-  return level;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), level);
+  return error == std::errc() ? std::optional(level) : std::nullopt;
 }
+
+/// The types of objects of CityJSON 1.0 to 2.0 that are no buildings.
+constexpr std::array<std::string_view, 35> kOtherTypes = {"Bridge",
+                                                          "BridgePart",
+                                                          "BridgeInstallation",
+                                                          "BridgeConstructionElement",
+                                                          "BridgeConstructiveElement",
+                                                          "BridgeRoom",
+                                                          "BridgeFurniture",
+                                                          "BuildingInstallation",
+                                                          "BuildingConstructiveElement",
+                                                          "BuildingFurniture",
+                                                          "BuildingStorey",
+                                                          "BuildingRoom",
+                                                          "BuildingUnit",
+                                                          "CityFurniture",
+                                                          "CityObjectGroup",
+                                                          "GenericCityObject",
+                                                          "LandUse",
+                                                          "OtherConstruction",
+                                                          "PlantCover",
+                                                          "Railway",
+                                                          "Road",
+                                                          "SolitaryVegetationObject",
+                                                          "Square",
+                                                          "TINRelief",
+                                                          "TransportSquare",
+                                                          "TransportationComplex",
+                                                          "Track",
+                                                          "Tunnel",
+                                                          "TunnelPart",
+                                                          "TunnelInstallation",
+                                                          "TunnelConstructiveElement",
+                                                          "TunnelHollowSpace",
+                                                          "TunnelFurniture",
+                                                          "WaterBody",
+                                                          "Waterway"};
 
 /// Why an object has no faces, or its faces.
 struct ObjectFaces {
@@ -312,14 +352,18 @@ ObjectFaces read_faces(const Place& object, const Frame& frame) {
   }
   const Place list = object.at("geometry");
   result.reason = "no surface or solid in its geometry";
-  double best = 0;  // LoD 0 is a footprint without height.
+  double best = 0;  // LoD 0 is a footprint without height
   for (std::size_t i = 0; i < list.size(); ++i) {
     const Place geometry = list.at(i);
     const int depth = surface_depth(geometry.at("type").text());
-    const double lod = level_of_detail(geometry);
     if (depth < 0) continue;
     std::vector<Face> faces = FaceReader(frame, geometry).read(geometry.at("boundaries"), depth);
-    if (lod < 1) result.reason = "only geometry of LoD 0, which has no height";
+    // The standard asks for a level; a solid has a height without one, too.
+    const std::optional<double> told = level_of_detail(geometry);
+    const double lod = told.value_or(depth > 0 ? 1 : 0);
+    if (lod < 1)
+      result.reason = told ? "only geometry of LoD 0, which has no height"
+                           : "its surfaces have no level of detail ('lod')";
     if (lod < 1 || lod <= best) continue;
     best = lod;
     result.faces = std::move(faces);
@@ -380,7 +424,11 @@ class CityReader {
 
   void add(const Place& object, const std::string& key) {
     const std::string& type = object.at("type").text();
-    if (type != "Building" && type != "BuildingPart") return;
+    if (type != "Building" && type != "BuildingPart") {
+      if (std::find(kOtherTypes.begin(), kOtherTypes.end(), type) == kOtherTypes.end())
+        unknown_types_.push_back(type);
+      return;
+    }
     ObjectFaces geometry = read_faces(object, frame_);
     if (geometry.faces.empty()) {
       const bool holds_parts = object.has("children") && object.at("children").size() > 0;
@@ -400,6 +448,9 @@ class CityReader {
 
   /// Ids of buildings of ours whose solid has not the heights of their attributes.
   const std::vector<std::string>& other_heights() const { return other_heights_; }
+
+  /// Of objects whose type is none of CityJSON's own.
+  const std::vector<std::string>& unknown_types() const { return unknown_types_; }
 
   /// How many roofs of others reach higher than the height they get.
   std::int64_t flattened() const { return flattened_; }
@@ -466,6 +517,7 @@ class CityReader {
   const Frame& frame_;
   CityModel& model_;
   std::vector<std::string> other_heights_;
+  std::vector<std::string> unknown_types_;
   std::int64_t flattened_ = 0;
 };
 
@@ -543,6 +595,13 @@ CityModel read_city(const fs::path& path, std::vector<Warning>* warnings) {
     warnings->push_back({"city_roofs_flattened", reader.flattened(),
                          path.string() + ": parts of roofs are left out that reach higher than "
                                          "nine tenths of the roof's area"});
+  const std::vector<std::string>& unknown = reader.unknown_types();
+  if (warnings != nullptr && !unknown.empty())
+    warnings->push_back(
+        {"city_types_unknown", static_cast<std::int64_t>(unknown.size()),
+         fmt::format("{}: {} objects are left out that have a type which is none of CityJSON's own "
+                     "(the first: {}); make them Buildings if they are",
+                     path.string(), unknown.size(), unknown.front())});
   const std::vector<std::string>& other = reader.other_heights();
   if (warnings != nullptr && !other.empty())
     warnings->push_back(

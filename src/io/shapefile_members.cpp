@@ -7,6 +7,7 @@
 #include <optional>
 #include <string>
 #include <system_error>
+#include <vector>
 
 #include <fmt/format.h>
 
@@ -74,6 +75,46 @@ void require_size(const Member& member, std::int64_t stated) {
                           member.path.string(), member.size, stated));
 }
 
+std::int64_t big_endian(const unsigned char* bytes) {
+  std::int64_t value = 0;
+  for (std::size_t i = 0; i < 4; ++i) value = value * 256 + bytes[i];
+  return value;
+}
+
+/// Every entry of the index has to name the place of a record of the length that the record itself
+/// states, and no two the same: a stale index gives shapes to the wrong attributes.
+void require_index_of(const Member& shapes, const Member& index) {
+  std::ifstream entries(index.path, std::ios::binary), records(shapes.path, std::ios::binary);
+  entries.seekg(kShapeHeader);
+  const std::int64_t count = (2 * big_endian(index, 24) - kShapeHeader) / kIndexRecord;
+  std::vector<std::int64_t> places;
+  std::array<unsigned char, kIndexRecord> entry{}, head{};
+  const auto read = [](std::ifstream& file, std::array<unsigned char, kIndexRecord>& to) {
+    return static_cast<bool>(
+        file.read(reinterpret_cast<char*>(to.data()), static_cast<std::streamsize>(to.size())));
+  };
+  const auto fail = [&](std::int64_t i, const char* what) {
+    throw Error(ErrorKind::kInput,
+                fmt::format("{}: entry {} of its index (.shx) {}; the files do not belong "
+                            "together or one is broken, export them again",
+                            shapes.path.string(), i, what));
+  };
+  for (std::int64_t i = 0; i < count && read(entries, entry); ++i) {
+    const std::int64_t place = 2 * big_endian(entry.data());
+    const std::int64_t length = big_endian(entry.data() + 4);
+    if (length == 0) continue;  // deleted
+    places.push_back(place);
+    records.clear();
+    records.seekg(place);
+    if (!read(records, head)) continue;  // GDAL says where the file ends
+    if (big_endian(head.data() + 4) != length) fail(i, "states another length than the shape has");
+  }
+  std::sort(places.begin(), places.end());
+  const auto twice = std::adjacent_find(places.begin(), places.end());
+  if (twice != places.end())
+    fail(twice - places.begin(), "(in the order of the shapes) names the same shape as the next");
+}
+
 }  // namespace
 
 void require_whole_shapefile(const fs::path& path) {
@@ -96,8 +137,11 @@ void require_whole_shapefile(const fs::path& path) {
   if (table)
     require_size(*table, little_endian(*table, 8, 2) +
                              little_endian(*table, 4, 4) * little_endian(*table, 10, 2));
-  if (!index || !table) return;
-  const std::int64_t shape_count = (index->size - kShapeHeader) / kIndexRecord;
+  if (!index) return;
+  require_index_of(*shapes, *index);
+  if (!table) return;
+  // GDAL believes the header of the index, not its size.
+  const std::int64_t shape_count = (2 * big_endian(*index, 24) - kShapeHeader) / kIndexRecord;
   const std::int64_t record_count = little_endian(*table, 4, 4);
   if (shape_count != record_count)
     throw Error(

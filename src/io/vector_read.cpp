@@ -261,6 +261,18 @@ void for_each_vertex(Polygon& polygon, const Visit& visit) {
     for (Point2& p : hole) visit(p);
 }
 
+/// How far a file can be trusted in how many features it has.
+enum class Count {
+  kNone,     ///< GDAL counts what it can read.
+  kTold,     ///< It is told, but other programs may have forgotten to tell.
+  kCertain,  ///< It is part of the format.
+};
+
+Count count_of(GDALDatasetH dataset) {
+  if (is_of_format(dataset, "FlatGeobuf")) return Count::kCertain;
+  return is_of_format(dataset, "GPKG") ? Count::kTold : Count::kNone;
+}
+
 /// Reads all features of one layer.
 class LayerReader {
  public:
@@ -278,8 +290,8 @@ class LayerReader {
         shells_by_turn_(shells_by_turn),
         result_(result) {}
 
-  /// `counts`: the format tells how many features there are, and means it.
-  void read(gdal::QuietErrors& errors, bool counts) {
+  /// `count`: whether the format tells how many features there are.
+  void read(gdal::QuietErrors& errors, Count count) {
     errors.reset();
     const std::int64_t expected = OGR_L_GetFeatureCount(layer_, FALSE);
     if (errors.failures() > 0)
@@ -291,9 +303,15 @@ class LayerReader {
     }
     // Lines that are not JSON are passed over, and counted by nobody.
     const bool lost = errors.first().find("JSON parsing error") != std::string::npos;
-    if (counts && errors.failures() == 0 && result_.features_read < expected)
+    const bool is_short = errors.failures() == 0 && result_.features_read < expected;
+    if (count == Count::kCertain && is_short)
       fail_input(path_, fmt::format("reading ends after {} features of {}{}", result_.features_read,
                                     expected, kGetAgain));
+    if (count == Count::kTold && is_short)
+      warn("footprints_fewer", expected - result_.features_read,
+           fmt::format("has {} features, but its own table of contents says {}; if some are "
+                       "missing, get the file again",
+                       result_.features_read, expected));
     if (errors.failures() > 0 && (lost || expected < 0 || result_.features_read < expected))
       fail_input(path_, fmt::format("reading ends after {} features{}{}{}", result_.features_read,
                                     expected < 0 ? "" : fmt::format(" of {}", expected),
@@ -480,7 +498,7 @@ FootprintsInput read_footprints(const fs::path& path, const ReadFootprintsOption
   FootprintsInput result;
   result.layer = utf8(OGR_L_GetName(layer));
   LayerReader(path, layer, options, result, is_of_format(file.dataset.get(), "ESRI Shapefile"))
-      .read(errors, is_of_format(file.dataset.get(), "FlatGeobuf"));
+      .read(errors, count_of(file.dataset.get()));
   result.bounds = bounds_of(result.features);
   result.crs = gdal::canonical_name(OGR_L_GetSpatialRef(layer));
   settle_crs(path, options, is_of_format(file.dataset.get(), "GeoJSON"), result);

@@ -57,7 +57,7 @@ CheckedFile describe(const std::string& name, const VolumeCheck& check) {
       fmt::format("cells below {} degrees: {} ({:.4f} %)", kSliverDegrees, check.slivers,
                   percent(check.slivers, check.cells)),
       fmt::format("{} faces between cells: non-orthogonality mean {:.2f}, greatest {:.2f} degrees, "
-                  "{} above 70; skewness at most {:.2f}",
+                  "{} above 70; skewness of all faces at most {:.2f}",
                   check.faces.internal, check.faces.mean_non_orthogonality_deg,
                   check.faces.max_non_orthogonality_deg, check.faces.above_70,
                   check.faces.max_skewness),

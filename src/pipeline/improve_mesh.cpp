@@ -291,7 +291,7 @@ void warn_below_floor(const Config& config, const ColumnMesh& mesh, const MeshQu
   if (const double skewness = quality.faces.worst.skewness; skewness >= kMostSkewed)
     report.warnings.push_back(
         {"faces_skewed", 1,
-         fmt::format("a face between cells, or more, has a skewness of {:.2f}, where less than {} "
+         fmt::format("a face, or more, has a skewness of {:.2f}, where less than {} "
                      "is meant for all; a smaller --mesh-size may help",
                      skewness, kMostSkewed)});
   if (!bounds) return;

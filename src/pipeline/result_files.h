@@ -42,8 +42,8 @@ inline constexpr std::array<ResultFile, 14> kOfMesh = {{
 }};
 
 /// The formats, and the files without a format, that `check` does not read, as users know them.
-inline constexpr std::array kUnread = {
-    "surface.stl", "volume.msh", "constant/polyMesh", "surface.obj", "surface.ply", "surface.glb"};
+inline constexpr std::array kUnread = {"surface.stl", "volume.msh",  "constant/polyMesh",
+                                       "surface.obj", "surface.ply", "surface.glb"};
 
 /// Every name a command may give to a result; the report, which vouches for the others, first.
 inline std::vector<std::string> all_names() {

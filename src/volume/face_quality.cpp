@@ -45,16 +45,24 @@ class FaceCollector {
     ++quality_.faces;
     if (!ordinary) add_in_full(face_shape(face, c0, c1));
   }
+  void add_boundary(const std::array<Point3, 3>& face, const Point3& cell_centre) {
+    raise_skewness(boundary_skewness(face, cell_centre));
+  }
   const FaceQuality& quality() const { return quality_; }
 
  private:
+  void raise_skewness(double skewness) {
+    quality_.worst.skewness = std::max(quality_.worst.skewness, skewness);
+    skewness_ = quality_.worst.skewness * (1 - kMargin);
+  }
   void add_in_full(const FaceShape& shape) {
     if (shape.non_orthogonality_deg > kMostNonOrthogonal) ++quality_.above_70;
-    quality_.worst = worse(quality_.worst, shape);
+    quality_.worst.non_orthogonality_deg =
+        std::max(quality_.worst.non_orthogonality_deg, shape.non_orthogonality_deg);
     const double cosine =
         std::cos(to_radians(std::min(quality_.worst.non_orthogonality_deg, kMostNonOrthogonal)));
     least_cosine2_ = cosine * cosine * (1 + kMargin);
-    skewness_ = quality_.worst.skewness * (1 - kMargin);
+    raise_skewness(shape.skewness);
   }
 
   static constexpr double kMargin = 1e-9;  // far beyond rounding
@@ -72,6 +80,7 @@ class SteepFace {
     const double n_d = dot(n, d);
     found_ = found_ || n_d * n_d < least_cosine2_ * (dot(n, n) * dot(d, d));
   }
+  void add_boundary(const std::array<Point3, 3>&, const Point3&) {}
   bool found() const { return found_; }
 
  private:
@@ -79,7 +88,7 @@ class SteepFace {
   bool found_ = false;
 };
 
-/// Faces between the cells over triangle t.
+/// Faces between the cells over triangle t, and those at their two ends.
 template <typename Faces>
 void add_faces_over(const ColumnMesh& mesh, std::size_t t, Faces& faces) {
   const auto& v = mesh.ground.triangles[t];
@@ -89,22 +98,52 @@ void add_faces_over(const ColumnMesh& mesh, std::size_t t, Faces& faces) {
   Point3 below{};
   for (bool first = true; true; first = false) {
     const std::size_t c = front.next();
-    if (c == 3) return;
+    if (c == 3) {
+      if (!first) faces.add_boundary(face, below);
+      return;
+    }
     const Point3 apex = position(mesh, v[c], front.at(c) + 1);
     const Point3 centre = centre_of({face[0], face[1], face[2], apex});
-    if (!first) faces.add(face, below, centre);
+    if (first)
+      faces.add_boundary(face, centre);
+    else
+      faces.add(face, below, centre);
     below = centre;
     face[c] = apex;
     front.advance(c);
   }
 }
 
-/// Faces over edge e between the cells on its two sides.
+/// Faces over edge a-b of triangle t on the boundary: those below the nodes `end` of its columns.
+template <typename Faces>
+void add_faces_on_boundary(const ColumnMesh& mesh, std::size_t t, VertexIndex a, VertexIndex b,
+                           const std::array<NodeIndex, 2>& end, Faces& faces) {
+  std::array<VertexIndex, 3> v{a, b, 0};
+  for (const VertexIndex corner : mesh.ground.triangles[t])
+    if (corner != a && corner != b) v[2] = corner;
+  Climb<3> front(mesh, v, {mesh.floor(t, a), mesh.floor(t, b), mesh.floor(t, v[2])});
+  std::array<Point3, 3> p;
+  for (std::size_t i = 0; i < 3; ++i) p[i] = position(mesh, v[i], front.at(i));
+  while (front.at(0) < end[0] || front.at(1) < end[1]) {
+    const std::size_t c = front.next();
+    const Point3 apex = position(mesh, v[c], front.at(c) + 1);
+    if (c < 2) faces.add_boundary({p[0], p[1], apex}, centre_of({p[0], p[1], apex, p[2]}));
+    p[c] = apex;
+    front.advance(c);
+  }
+}
+
+/// Faces over edge e, between the cells on its two sides and, where there are none on one side, on
+/// the boundary.
 template <typename Faces>
 void add_faces_beside(const ColumnMesh& mesh, std::size_t e, Faces& faces) {
   const auto [t0, t1] = mesh.edges.triangles[e];
-  if (t1 == kNoTriangle) return;
   const auto [a, b] = mesh.edges.vertices[e];
+  if (t1 == kNoTriangle) {
+    add_faces_on_boundary(mesh, static_cast<std::size_t>(t0), a, b, {mesh.top(a), mesh.top(b)},
+                          faces);
+    return;
+  }
   const std::array<std::size_t, 2> sides{static_cast<std::size_t>(t0),
                                          static_cast<std::size_t>(t1)};
   std::array<VertexIndex, 4> v{a, b, 0, 0};
@@ -119,6 +158,7 @@ void add_faces_beside(const ColumnMesh& mesh, std::size_t e, Faces& faces) {
   // where the columns of the edge begin.
   for (std::size_t i = 0; i < 2; ++i)
     from[i] = std::max(mesh.floor(sides[0], v[i]), mesh.floor(sides[1], v[i]));
+  for (const std::size_t t : sides) add_faces_on_boundary(mesh, t, a, b, {from[0], from[1]}, faces);
   Climb<4> front(mesh, v, from);
   std::array<Point3, 4> p;
   for (std::size_t i = 0; i < 4; ++i) p[i] = position(mesh, v[i], front.at(i));
@@ -151,6 +191,21 @@ FaceShape face_shape(const std::array<Point3, 3>& face, const Point3& c0, const 
       extent = std::max(extent, std::abs(dot(skew, minus(corner, centre))) / distance);
   shape.skewness = distance / extent;
   return shape;
+}
+
+double boundary_skewness(const std::array<Point3, 3>& face, const Point3& cell_centre) {
+  const Point3 n = cross(minus(face[1], face[0]), minus(face[2], face[0]));
+  Point3 centre{}, skew{};
+  for (std::size_t c = 0; c < 3; ++c) centre[c] = (face[0][c] + face[1][c] + face[2][c]) / 3;
+  const Point3 to_centre = minus(centre, cell_centre);
+  const double share = dot(n, to_centre) / dot(n, n);
+  for (std::size_t c = 0; c < 3; ++c) skew[c] = to_centre[c] - share * n[c];
+  const double distance = std::sqrt(dot(skew, skew));
+  double extent = 0.4 * std::abs(share) * std::sqrt(dot(n, n));
+  if (distance > 0)
+    for (const Point3& corner : face)
+      extent = std::max(extent, std::abs(dot(skew, minus(corner, centre))) / distance);
+  return distance / extent;
 }
 
 FaceQuality measure_faces(const ColumnMesh& mesh) {

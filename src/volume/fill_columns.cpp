@@ -111,6 +111,17 @@ double* spread(double* z, const ColumnPlan& plan, std::size_t v, double low, dou
   return z;
 }
 
+/// Per building: the lowest ground at its walls (and inside of it).
+std::vector<double> lowest_at_walls(const ColumnPlan& plan) {
+  std::vector<double> lowest(plan.roofs.size(), std::numeric_limits<double>::infinity());
+  for (std::size_t v = 0; v < plan.ground.size(); ++v)
+    if (plan.building[v] != kNoBuilding) {
+      double& low = lowest[static_cast<std::size_t>(plan.building[v])];
+      low = std::min(low, plan.ground[v]);
+    }
+  return lowest;
+}
+
 /// Height of a wall whose roof lies `buried` below the terrain at `distance`, so that it is seen
 /// from there under 15 degrees; or, where that would leave less between the ground below the wall
 /// and the vertical, under half of what the roof leaves.
@@ -185,12 +196,17 @@ ColumnPlan plan_columns(const GroundMesh& mesh, const Raster& dtm, std::vector<d
   std::vector<double> around = plan.ground;
   lower_at_walls(mesh, plan.building, plan.roofs, least, wall, around);
   plan.rise = ground_rise(mesh, around);
+  const std::vector<double> foot = lowest_at_walls(plan);
   for (std::size_t v = 0; v < wall.size(); ++v) {
     if (plan.building[v] == kNoBuilding || !options.fit_lowered_walls) continue;
-    const double buried =
-        around[v] + plan.rise[v] - plan.roofs[static_cast<std::size_t>(plan.building[v])];
-    least[v] = std::max(least[v], wall_below(buried, plan.spacing[v]));
-    wall[v] = std::max(least[v], kLoweredWallShare * plan.spacing[v]);
+    const auto b = static_cast<std::size_t>(plan.building[v]);
+    const double buried = around[v] + plan.rise[v] - plan.roofs[b];
+    const double fits = wall_below(buried, plan.spacing[v]);
+    // No deeper than the building stands somewhere: beside a rock wall that would be a pit.
+    // (Less a micrometre, so that rounding does not lower what is there.)
+    const double deepest = std::max(plan.roofs[b] - foot[b] - 1e-6, options.minimum_wall);
+    least[v] = std::max(least[v], std::min(fits, deepest));
+    wall[v] = std::max(least[v], std::min(deepest, kLoweredWallShare * plan.spacing[v]));
   }
   lower_at_walls(mesh, plan.building, plan.roofs, least, wall, plan.ground);
   plan.rise = ground_rise(mesh, plan.ground);

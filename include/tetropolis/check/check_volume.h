@@ -19,16 +19,18 @@ struct Distribution {
 /// Cells whose least dihedral angle is smaller are counted as slivers.
 inline constexpr double kSliverDegrees = 12;
 
-/// Shape of the faces between two cells as OpenFOAM's checkMesh measures it: non-orthogonality is
+/// Shape of the faces as OpenFOAM's checkMesh measures it. Between two cells, non-orthogonality is
 /// the angle between a face's normal and the line between the centres of its cells; skewness the
 /// distance of the face's centre from where that line meets the face's plane, over the face's
-/// extent in this direction (at least a fifth of the distance of the cell centres).
+/// extent in this direction (at least a fifth of the distance of the cell centres). On the
+/// boundary, skewness is the same with the perpendicular from the cell's centre (at least 0.4 of
+/// its length).
 struct FaceMeasures {
   std::int64_t internal = 0;  ///< Faces between two cells.
   std::int64_t above_70 = 0;  ///< Of them more than 70 degrees non-orthogonal.
   double max_non_orthogonality_deg = 0;
   double mean_non_orthogonality_deg = 0;  ///< Arc cosine of the mean cosine, as checkMesh has it.
-  double max_skewness = 0;
+  double max_skewness = 0;                ///< Of all faces.
 };
 
 struct VolumeCheck {

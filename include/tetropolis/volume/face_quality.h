@@ -1,4 +1,4 @@
-// Quality of the faces between a column mesh's cells, as solvers of finite volumes see it.
+// Quality of the faces of a column mesh's cells, as solvers of finite volumes see it.
 #pragma once
 
 #include <array>
@@ -21,6 +21,11 @@ struct FaceShape {
 /// `c0`, `c1`: centres of the cells on both sides, not in the face's plane.
 FaceShape face_shape(const std::array<Point3, 3>& face, const Point3& c0, const Point3& c1);
 
+/// Skewness of a face on the boundary, as checkMesh measures it (primitiveMeshTools,
+/// boundaryFaceSkewness): the distance of its centre from the foot of the perpendicular from the
+/// cell's centre, over the face's extent in this direction (at least 0.4 of the perpendicular).
+double boundary_skewness(const std::array<Point3, 3>& face, const Point3& cell_centre);
+
 /// Degrees; what OpenFOAM's checkMesh calls severe above.
 inline constexpr double kMostNonOrthogonal = 70;
 
@@ -30,10 +35,11 @@ inline constexpr double kMostSkewed = 4;
 struct FaceQuality {
   std::int64_t faces = 0;     ///< Internal ones.
   std::int64_t above_70 = 0;  ///< Of them more than kMostNonOrthogonal.
-  FaceShape worst;            ///< Greatest non-orthogonality and greatest skewness of any face.
+  FaceShape worst;            ///< Greatest non-orthogonality of these, and greatest skewness of
+                              ///< any face, on the boundary too.
 };
 
-/// Over all internal faces of the mesh. The same bits for any number of threads.
+/// Over all faces of the mesh. The same bits for any number of threads.
 FaceQuality measure_faces(const ColumnMesh& mesh);
 
 /// Sets triangles[t] to 1 where a face over triangle t, or over one of its edges, is more than
