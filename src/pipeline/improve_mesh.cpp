@@ -68,12 +68,15 @@ class Improver {
 
  private:
   MeshQuality with_faces(CellQuality cells);
+  double valid_gap();
+  std::vector<std::uint8_t> bad_triangles(const AngleBounds& bounds);
   CellQuality measured_cells();
   std::int64_t search(const char* name, ImproveOptions options);
   void move_nodes();
   void straighten_faces();
 
   void make_room();
+  void cut_terrain_back(ColumnPlanOptions& options);
   template <typename Mark>
   void cut_from(ColumnPlanOptions& options, const Mark& mark);
   bool cut_back(ColumnPlanOptions& options, const AngleBounds& bounds, const CutMarks& marks_before,
@@ -93,13 +96,24 @@ class Improver {
 MeshQuality Improver::run() {
   if (config_.layering == Layering::kUniform) return with_faces(measured_cells());
   move_nodes();
-  if (config_.cut_slope < 90) make_room();
+  make_room();
   return std::move(quality_);
 }
 
 CellQuality Improver::measured_cells() {
   return clock_.run("3.6", "measure cells",
                     [&](const Progress&) { return measure_cells(columns_.mesh, kWorstCells); });
+}
+
+/// The least vertical gap, once elevations are found to increase up every column.
+double Improver::valid_gap() {
+  return clock_.run("3.6", "check columns",
+                    [&](const Progress&) { return require_valid(columns_.mesh); });
+}
+
+std::vector<std::uint8_t> Improver::bad_triangles(const AngleBounds& bounds) {
+  return clock_.run("3.6", "find bad cells",
+                    [&](const Progress&) { return find_bad_triangles(columns_.mesh, bounds); });
 }
 
 MeshQuality Improver::with_faces(CellQuality cells) {
@@ -130,7 +144,7 @@ void Improver::move_nodes() {
   if (!is_within(cells.histogram, {options.least_deg, options.greatest_deg})) {
     volume_.columns_improved = search("improve cells", options);
     if (volume_.columns_improved > 0) {
-      volume_.min_vertical_gap = require_valid(columns_.mesh);
+      volume_.min_vertical_gap = valid_gap();
       cells = measured_cells();
     }
   }
@@ -153,11 +167,11 @@ void Improver::straighten_faces() {
     options.greatest_deg = target.greatest;
     options.straight_deg = kStraight;
     std::vector<std::uint8_t> steep(mesh.triangle_count(), 0);
-    mark_non_orthogonal(mesh, steep);
+    clock_.run("3.6", "find bad cells", [&](const Progress&) { mark_non_orthogonal(mesh, steep); });
     options.near = steep;
     const std::int64_t changed = search("straighten faces", options);
     if (changed == 0) continue;
-    const double gap = require_valid(mesh);
+    const double gap = valid_gap();
     MeshQuality now = with_faces(measured_cells());
     if (now.faces.above_70 < quality_.faces.above_70 && now.below_floor <= quality_.below_floor &&
         (has_many_thin_cells(quality_) || !has_many_thin_cells(now))) {
@@ -198,10 +212,12 @@ bool Improver::cut_back(ColumnPlanOptions& options, const AngleBounds& bounds,
                         const CutMarks& marks_before, std::span<const std::uint8_t> bad_before) {
   // Not at the price of cells that are bad by any measure.
   const auto bad = [&] {
-    return std::tuple(count_bad_triangles(columns_.mesh, kQualityFloor),
-                      has_many_thin_cells(quality_), quality_.faces.above_70,
-                      count_bad_triangles(columns_.mesh, bounds),
-                      std::max(quality_.faces.worst.non_orthogonality_deg, kMostNonOrthogonal));
+    return clock_.run("3.6", "count bad cells", [&](const Progress&) {
+      return std::tuple(count_bad_triangles(columns_.mesh, kQualityFloor),
+                        has_many_thin_cells(quality_), quality_.faces.above_70,
+                        count_bad_triangles(columns_.mesh, bounds),
+                        std::max(quality_.faces.worst.non_orthogonality_deg, kMostNonOrthogonal));
+    });
   };
   const auto bad_then = bad();
   const VolumeMeshReport volume_before = volume_;
@@ -210,10 +226,10 @@ bool Improver::cut_back(ColumnPlanOptions& options, const AngleBounds& bounds,
                   [&](const Progress&) { return make_cut_columns(options, before); }))
     return false;
   MeshQuality quality_before = std::move(quality_);
-  volume_.min_vertical_gap = require_valid(columns_.mesh);
+  volume_.min_vertical_gap = valid_gap();
   move_nodes();
   if (bad() < bad_then) return true;
-  const std::vector<std::uint8_t> bad_after = find_bad_triangles(columns_.mesh, bounds);
+  const std::vector<std::uint8_t> bad_after = bad_triangles(bounds);
   keep_helpful_marks(columns_.mesh, columns_.plan.building,
                      {before.plan.ground, columns_.plan.ground, bad_before, bad_after},
                      marks_before, options.cut);
@@ -232,7 +248,7 @@ void Improver::cut_from(ColumnPlanOptions& options, const Mark& mark) {
   for (int round = 0; round < kMostCuts; ++round) {
     const std::optional<AngleBounds> bounds = missed_bounds(quality_);
     if (!bounds) return;
-    const std::vector<std::uint8_t> bad = find_bad_triangles(columns_.mesh, *bounds);
+    const std::vector<std::uint8_t> bad = bad_triangles(*bounds);
     const CutMarks before = options.cut;
     if (mark(bad, options.cut) == 0) return;
     const CutMarks all = options.cut;
@@ -244,10 +260,19 @@ void Improver::cut_from(ColumnPlanOptions& options, const Mark& mark) {
   }
 }
 
-/// Cuts the terrain back where cells or faces are below the floor, as long as that makes fewer:
-/// around roofs below it first, then from the feet of cliffs and low walls.
+/// Where cells or faces are below the floor, cuts the terrain back, as long as that makes fewer:
+/// around roofs below it first, then from the feet of cliffs and low walls. What is left is dug out
+/// at the walls, deeper than the buildings stand.
 void Improver::make_room() {
   ColumnPlanOptions options = plan_options(config_);
+  if (config_.cut_slope < 90) cut_terrain_back(options);
+  options.cut.walls.assign(columns_.plan.roofs.size(), 0);
+  cut_from(options, [&](std::span<const std::uint8_t> bad, CutMarks& marks) {
+    return mark_deep_walls(columns_.mesh, columns_.plan, bad, marks);
+  });
+}
+
+void Improver::cut_terrain_back(ColumnPlanOptions& options) {
   options.cut.roofs.assign(columns_.plan.roofs.size(), 0);
   cut_from(options, [&](std::span<const std::uint8_t> bad, CutMarks& marks) {
     return mark_buried_roofs(columns_.mesh, columns_.plan, bad, marks);

@@ -63,6 +63,9 @@ void report_lowered(const ColumnPlan& plan, Report& report) {
   report.volume_mesh->feet_cut_back = plan.cut_from.feet;
   if (plan.lowered == 0) return;
   std::string where = "at walls, to stay below their roof";
+  if (plan.dug_out > 0)
+    where += fmt::format(" ({} building{} up to {:.1f} m below its own foot)", plan.dug_out,
+                         plan.dug_out == 1 ? "" : "s, each", plan.deepest_dug_out);
   if (const std::size_t roofs = plan.cut_from.roofs.size(); roofs > 0)
     where += fmt::format("; around {} roof{} below the terrain", roofs, roofs == 1 ? "" : "s");
   if (const std::size_t feet = plan.cut_from.feet.size(); feet > 0)

@@ -122,6 +122,19 @@ std::vector<double> lowest_at_walls(const ColumnPlan& plan) {
   return lowest;
 }
 
+/// `foot`: the lowest ground at each building's walls before they were lowered. A wall that is too
+/// low by itself does not count.
+void count_dug_out(const std::vector<double>& foot, double minimum_wall, ColumnPlan& plan) {
+  constexpr double kNothing = 0.01;  // metres
+  const std::vector<double> now = lowest_at_walls(plan);
+  for (std::size_t b = 0; b < foot.size(); ++b) {
+    const double deep = std::min(foot[b], plan.roofs[b] - minimum_wall) - now[b];
+    if (!(deep > kNothing)) continue;
+    ++plan.dug_out;
+    plan.deepest_dug_out = std::max(plan.deepest_dug_out, deep);
+  }
+}
+
 /// Height of a wall whose roof lies `buried` below the terrain at `distance`, so that it is seen
 /// from there under 15 degrees; or, where that would leave less between the ground below the wall
 /// and the vertical, under half of what the roof leaves.
@@ -202,13 +215,16 @@ ColumnPlan plan_columns(const GroundMesh& mesh, const Raster& dtm, std::vector<d
     const auto b = static_cast<std::size_t>(plan.building[v]);
     const double buried = around[v] + plan.rise[v] - plan.roofs[b];
     const double fits = wall_below(buried, plan.spacing[v]);
-    // No deeper than the building stands somewhere: beside a rock wall that would be a pit.
-    // (Less a micrometre, so that rounding does not lower what is there.)
-    const double deepest = std::max(plan.roofs[b] - foot[b] - 1e-6, options.minimum_wall);
+    // No deeper than the building stands somewhere, which beside a rock wall would be a pit. (Less
+    // a micrometre, so that rounding does not lower what is there.)
+    double deepest = std::max(plan.roofs[b] - foot[b] - 1e-6, options.minimum_wall);
+    if (!options.cut.walls.empty() && options.cut.walls[b] != 0)
+      deepest = std::numeric_limits<double>::infinity();
     least[v] = std::max(least[v], std::min(fits, deepest));
     wall[v] = std::max(least[v], std::min(deepest, kLoweredWallShare * plan.spacing[v]));
   }
   lower_at_walls(mesh, plan.building, plan.roofs, least, wall, plan.ground);
+  count_dug_out(foot, options.minimum_wall, plan);
   plan.rise = ground_rise(mesh, plan.ground);
   const std::vector<std::uint8_t> outside = outside_vertices(mesh);
   for (std::size_t v = 0; v < terrain.size(); ++v) {

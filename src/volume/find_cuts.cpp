@@ -130,19 +130,38 @@ std::int64_t mark_feet(const ColumnMesh& mesh, const ColumnPlan& plan,
   return marked;
 }
 
+std::int64_t mark_deep_walls(const ColumnMesh& mesh, const ColumnPlan& plan,
+                             std::span<const std::uint8_t> bad, CutMarks& marks) {
+  std::int64_t marked = 0;
+  for (std::size_t t = 0; t < mesh.triangle_count(); ++t) {
+    if (bad[t] == 0 || mesh.inside_building(t)) continue;
+    for (const VertexIndex v : mesh.ground.triangles[t]) {
+      const BuildingIndex b = plan.building[static_cast<std::size_t>(v)];
+      if (b == kNoBuilding || marks.walls[static_cast<std::size_t>(b)] != 0) continue;
+      marks.walls[static_cast<std::size_t>(b)] = 1;
+      ++marked;
+    }
+  }
+  return marked;
+}
+
 void keep_helpful_marks(const ColumnMesh& mesh, std::span<const BuildingIndex> building,
                         const TriedCut& cut, const CutMarks& before, CutMarks& marks) {
   const std::vector<std::uint8_t> helped = find_helped(mesh, cut);
   for (std::size_t v = 0; v < marks.feet.size(); ++v)
     if (helped[v] == 0) marks.feet[v] = before.feet.empty() ? kInfinity : before.feet[v];
-  std::vector<std::uint8_t> roofs = before.roofs;
-  roofs.resize(marks.roofs.size(), 0);
-  for (std::size_t v = 0; v < helped.size(); ++v)
-    if (helped[v] != 0 && building[v] != kNoBuilding && !marks.roofs.empty()) {
-      const auto b = static_cast<std::size_t>(building[v]);
-      roofs[b] = marks.roofs[b];
-    }
-  marks.roofs = std::move(roofs);
+  const auto keep = [&](const std::vector<std::uint8_t>& old, std::vector<std::uint8_t>& now) {
+    std::vector<std::uint8_t> kept = old;
+    kept.resize(now.size(), 0);
+    for (std::size_t v = 0; v < helped.size(); ++v)
+      if (helped[v] != 0 && building[v] != kNoBuilding && !now.empty()) {
+        const auto b = static_cast<std::size_t>(building[v]);
+        kept[b] = now[b];
+      }
+    now = std::move(kept);
+  };
+  keep(before.roofs, marks.roofs);
+  keep(before.walls, marks.walls);
 }
 
 }  // namespace tetropolis

@@ -13,7 +13,9 @@
 #include <set>
 #include <thread>
 
+#include <fcntl.h>
 #include <gtest/gtest.h>
+#include <sys/file.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
@@ -323,6 +325,29 @@ TEST_F(Faults, InterruptEndsAStepThatWaitsForEver) {
     expect_nothing_new(ending, 130, before);
     expect_ended_at_once(ending);
   }
+}
+
+TEST_F(Faults, InterruptEndsARunThatWaitsForAnotherToReplaceItsResults) {
+  const Contents before = make_earlier();
+  const int folder = ::open((work / "result").c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+  ASSERT_GE(folder, 0);
+  ASSERT_EQ(::flock(folder, LOCK_EX), 0);
+  for (const int signals : {1, 2}) {
+    Process process(work, command(build({"--mesh-size", "30"})));
+    const auto is_done = [&] {
+      const auto staging = staging_folders(work);
+      return !staging.empty() && fs::exists(staging[0] / "report.json");
+    };
+    while (!is_done() && !process.ended())
+      std::this_thread::sleep_for(std::chrono::milliseconds(10));
+    ASSERT_FALSE(process.ended());
+    std::this_thread::sleep_for(std::chrono::milliseconds(300));
+    for (int i = 0; i < signals; ++i) process.signal(SIGINT);
+    const Ending ending = process.wait();
+    expect_nothing_new(ending, 130, before);
+    expect_ended_at_once(ending);
+  }
+  ::close(folder);
 }
 
 TEST_F(Faults, KillsInEveryStepLeaveTheEarlierResultAndTheNextRunTidiesUp) {

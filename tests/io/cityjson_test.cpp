@@ -467,6 +467,46 @@ const char* const kTwoParts = R"({"type":"CityJSON","version":"1.1",
 "vertices":[[0,0,1000],[10000,0,1000],[10000,5000,1000],[0,5000,1000],
             [0,0,9000],[10000,0,9000],[10000,5000,9000],[0,5000,9000]]})";
 
+TEST(CityJson, TypesThatAreNoneOfTheStandardsAreNamed) {
+  const TemporaryFolder folder;
+  Json file = Json::parse(kTwoParts);
+  std::vector<Warning> warnings;
+  EXPECT_EQ(read_city(write_text(folder / "a.json", file.dump()), &warnings).buildings.size(), 2U);
+  const auto unknown = [&] {
+    return std::find_if(warnings.begin(), warnings.end(),
+                        [](const Warning& w) { return w.code == "city_types_unknown"; });
+  };
+  EXPECT_EQ(unknown(), warnings.end());
+  file["CityObjects"]["y"]["type"] = "+SpecialBuilding";
+  file["CityObjects"]["flat"]["type"] = "building";
+  warnings.clear();
+  EXPECT_EQ(read_city(write_text(folder / "a.json", file.dump()), &warnings).buildings.size(), 1U);
+  ASSERT_NE(unknown(), warnings.end());
+  EXPECT_EQ(unknown()->count, 2);
+  EXPECT_NE(unknown()->message.find("+SpecialBuilding"), std::string::npos) << unknown()->message;
+}
+
+TEST(CityJson, SolidsWithoutALevelOfDetailHaveAHeight) {
+  const TemporaryFolder folder;
+  Json file = Json::parse(kTwoParts);
+  Json& part = file["CityObjects"]["y"]["geometry"];
+  part.erase(0);
+  for (const Json& lod : {Json(), Json("x"), Json(true)}) {
+    part[0]["lod"] = lod;
+    EXPECT_EQ(read_city(write_text(folder / "a.json", file.dump())).buildings.size(), 2U) << lod;
+  }
+  part[0].erase("lod");
+  file["CityObjects"]["a"]["geometry"][0].erase("lod");
+  const CityModel model = read_city(write_text(folder / "a.json", file.dump()));
+  ASSERT_EQ(model.buildings.size(), 1U);
+  EXPECT_EQ(model.buildings[0].h_roof, 9);
+  const auto of_surfaces =
+      std::find_if(model.dropped.begin(), model.dropped.end(),
+                   [](const Dropped& dropped) { return dropped.source_id == "a"; });
+  ASSERT_NE(of_surfaces, model.dropped.end());
+  EXPECT_NE(of_surfaces->reason.find("'lod'"), std::string::npos) << of_surfaces->reason;
+}
+
 TEST(CityJson, ForeignObjectsKeepTheirOrder) {
   const TemporaryFolder folder;
   std::vector<Warning> warnings;

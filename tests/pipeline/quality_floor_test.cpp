@@ -12,6 +12,7 @@
 #include <numbers>
 #include <random>
 #include <string>
+#include <tuple>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -20,6 +21,7 @@
 #include "tetropolis/io/cityjson.h"
 #include "tetropolis/io/geotiff.h"
 #include "tetropolis/io/las.h"
+#include "tetropolis/io/vtk.h"
 #include "tetropolis/pipeline/check_results.h"
 #include "tetropolis/pipeline/run.h"
 
@@ -221,6 +223,41 @@ TEST(QualityFloor, WallsThatSinkIntoASlope) {
     for (int i = 0; i < dtm.nx; ++i) dtm.values.push_back(10 + 0.01 * i);
   write_raster(folder / "dtm.tif", dtm, {}, "EPSG:28992");
   expect_good_meshes(folder.path(), {10, 20, 5});
+}
+
+/// A house before a rock wall higher than itself, and one that stands half in it. The ground at
+/// their walls goes down to the street, and not below it, as a pit would. (A tester's.)
+TEST(QualityFloor, HousesBeforeARockWallGetNoPit) {
+  for (const auto& [x, height, roof] : {std::tuple{59, 40.0, 12.0}, std::tuple{57, 40.0, 12.0},
+                                        std::tuple{59, 12.0, 3.0}, std::tuple{63, 40.0, 12.0}})
+    for (const double size : {20, 10, 5}) {
+      SCOPED_TRACE(::testing::Message() << x << " " << height << " " << size);
+      const testing::TemporaryFolder folder;
+      CityModel city;
+      city.domain = {0, 0, 120, 100};
+      city.crs = "EPSG:28992";
+      Building house;
+      house.id = "b0";
+      house.source_ids = {"0"};
+      const double east = x;
+      house.footprint.outer = {{45, 40}, {east, 40}, {east, 60}, {45, 60}};
+      house.h_ground = 0;
+      house.h_roof = roof;
+      city.buildings.push_back(house);
+      write_city(folder / "city.city.json", city);
+      Raster dtm{121, 101, 0, 0, 1, {}};
+      for (int j = 0; j < dtm.ny; ++j)
+        for (int i = 0; i < dtm.nx; ++i) dtm.values.push_back(i < 60 ? 0 : height);
+      write_raster(folder / "dtm.tif", dtm, {}, "EPSG:28992");
+      expect_above_the_floor(mesh_at(folder.path(), size));
+      const SurfaceMesh boundary = read_vtp(folder / "mesh/boundary.vtp");
+      double lowest = height;
+      for (std::size_t f = 0; f < boundary.triangles.size(); ++f)
+        if (boundary.patch[f] == Patch::kGround)
+          for (const std::int32_t v : boundary.triangles[f])
+            lowest = std::min(lowest, boundary.points[static_cast<std::size_t>(v)][2]);
+      EXPECT_GE(lowest, -1e-9);
+    }
 }
 
 /// A building with a corner that no cut makes blunter, and others between a quarry and a rock wall

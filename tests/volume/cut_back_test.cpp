@@ -417,6 +417,7 @@ TEST(CutBack, CellsAtDeeplyBuriedRoofsGetRoom) {
   ColumnPlanOptions options;
   options.domain_height = 80;
   options.cut.roofs = {1};
+  options.cut.walls = {1};
   const ColumnPlan plan = plan_columns(result.mesh.ground, city.dtm, city.roofs,
                                        column_spacing(result.mesh.ground), options);
   EXPECT_GT(plan.lowered, result.plan.lowered);

@@ -16,11 +16,13 @@ struct CutSlopes {
   double beyond = 2.475;                 ///< Further away, if that is more; 68 degrees.
 };
 
-/// From where the terrain is to be cut back.
+/// From where the terrain is to be cut back, and which walls may be dug out.
 struct CutMarks {
   std::vector<std::uint8_t> roofs;  ///< Per building, 1: from the edge of its roof.
   std::vector<double> feet;         ///< Per vertex, elevation of the foot of a cliff or of a wall;
                                     ///< infinity: none.
+  std::vector<std::uint8_t> walls = {};  ///< Per building, 1: the ground at its walls may be
+                                         ///< lowered below the lowest that is there (plan_columns).
 
   bool any() const { return !roofs.empty() || !feet.empty(); }
   bool operator==(const CutMarks&) const = default;
@@ -38,7 +40,7 @@ struct CutSources {
 /// those in the triangles outside buildings. Where the terrain dips below that, nothing beyond is
 /// touched; a hillside steeper than `slopes.beyond` is cut back to its crest. `ground`: elevation
 /// per vertex; `building` as from vertex_buildings; `roofs`: elevation per building; `marks`: each
-/// list of its size, or empty.
+/// list of its size, or empty; `walls` are not looked at.
 CutSources cut_back(const GroundMesh& mesh, std::span<const BuildingIndex> building,
                     std::span<const double> roofs, const CutMarks& marks, const CutSlopes& slopes,
                     std::vector<double>& ground);

@@ -43,9 +43,11 @@ struct ColumnPlan {
   std::vector<double> rise;             ///< As from ground_rise.
   LayerPlan layers;                     ///< Height of the domain, and layers of uniform columns.
   std::int64_t lowered =
-      0;                ///< Vertices outside buildings or on walls with ground below the terrain.
-  double deepest = 0;   ///< How far, at most, in metres.
-  CutSources cut_from;  ///< From where the terrain was cut back.
+      0;               ///< Vertices outside buildings or on walls with ground below the terrain.
+  double deepest = 0;  ///< How far, at most, in metres.
+  std::int64_t dug_out = 0;    ///< Buildings with ground at a wall below the lowest that was there.
+  double deepest_dug_out = 0;  ///< How far, at most, in metres.
+  CutSources cut_from;         ///< From where the terrain was cut back.
 };
 
 struct ColumnPlanOptions {
@@ -58,8 +60,11 @@ struct ColumnPlanOptions {
                                   ///< would be seen from there under less than 15 degrees (or half
                                   ///< of what is left to the vertical) count as too low, too; and
                                   ///< where the ground is lowered, they become so high, and at
-                                  ///< least 0.6 of the spacing. Otherwise they have the minimum.
-  CutMarks cut;                   ///< From where the terrain is cut back (see cut_back).
+                                  ///< least 0.6 of the spacing; but not higher than the building's
+                                  ///< walls are somewhere, unless marked (cut.walls). Otherwise
+                                  ///< they have the minimum.
+  CutMarks cut;                   ///< From where the terrain is cut back (see cut_back), and which
+                                  ///< walls are dug out.
   CutSlopes cut_slopes;           ///< How steeply it rises from there.
 };
 

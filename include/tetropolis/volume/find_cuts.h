@@ -37,6 +37,11 @@ struct FootRule {
 std::int64_t mark_feet(const ColumnMesh& mesh, const ColumnPlan& plan,
                        std::span<const std::uint8_t> bad, const FootRule& rule, CutMarks& marks);
 
+/// Marks the buildings (`marks.walls`) on whose walls a bad triangle outside buildings has a
+/// vertex. Returns how many were not marked before. Sizes as above.
+std::int64_t mark_deep_walls(const ColumnMesh& mesh, const ColumnPlan& plan,
+                             std::span<const std::uint8_t> bad, CutMarks& marks);
+
 /// A cut that was tried on a mesh: per vertex the elevation of the ground, per triangle whether it
 /// was bad (find_bad_triangles).
 struct TriedCut {
