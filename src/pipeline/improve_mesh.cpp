@@ -152,12 +152,41 @@ void Improver::move_nodes() {
   straighten_faces();
 }
 
+/// Per triangle, 1: one of its columns is not as it was.
+template <typename Before>
+std::vector<std::uint8_t> changed_triangles(const ColumnMesh& mesh, const Before& before) {
+  const auto& [first, roof, z] = before;
+  std::vector<std::uint8_t> column(mesh.vertex_count(), 0), changed(mesh.triangle_count(), 0);
+  for (std::size_t v = 0; v < column.size(); ++v)
+    if (mesh.roof[v] != roof[v] || mesh.first[v + 1] - mesh.first[v] != first[v + 1] - first[v] ||
+        !std::equal(mesh.z.begin() + mesh.first[v], mesh.z.begin() + mesh.first[v + 1],
+                    z.begin() + first[v]))
+      column[v] = 1;
+  for (std::size_t t = 0; t < changed.size(); ++t)
+    for (const VertexIndex v : mesh.ground.triangles[t])
+      if (column[static_cast<std::size_t>(v)] != 0) changed[t] = 1;
+  return changed;
+}
+
+/// Faces beyond kMostNonOrthogonal and cells below the floor, where triangles are marked.
+struct Faults {
+  std::int64_t faces = 0, cells = 0;
+};
+
+Faults count_faults(const ColumnMesh& mesh, std::span<const std::uint8_t> marked) {
+  Faults faults{count_non_orthogonal(mesh, marked), 0};
+  for (std::size_t t = 0; t < marked.size(); ++t)
+    if (marked[t] != 0) faults.cells += count_bad_cells_over(mesh, t, kQualityFloor);
+  return faults;
+}
+
 /// Works on faces beyond kMostNonOrthogonal, asking more and more of the cells there, too: better
 /// cells have better faces. Keeps what leaves fewer of these faces and no worse cells.
 void Improver::straighten_faces() {
   constexpr double kStraight = 68;  // degrees, a little less than is allowed
   constexpr std::array kTargets{AngleBounds{12, 157}, AngleBounds{16, 152}, AngleBounds{20, 148}};
   ColumnMesh& mesh = columns_.mesh;
+  std::vector<std::uint8_t> steep;  // triangles with such faces; empty: not known
   for (const AngleBounds& target : kTargets) {
     if (quality_.faces.above_70 == 0) return;
     // All that improve_columns changes.
@@ -166,20 +195,36 @@ void Improver::straighten_faces() {
     options.least_deg = target.least;
     options.greatest_deg = target.greatest;
     options.straight_deg = kStraight;
-    std::vector<std::uint8_t> steep(mesh.triangle_count(), 0);
-    clock_.run("3.6", "find bad cells", [&](const Progress&) { mark_non_orthogonal(mesh, steep); });
+    if (steep.empty()) {
+      steep.assign(mesh.triangle_count(), 0);
+      clock_.run("3.6", "find bad cells",
+                 [&](const Progress&) { mark_non_orthogonal(mesh, steep); });
+    }
     options.near = steep;
     const std::int64_t changed = search("straighten faces", options);
     if (changed == 0) continue;
+    // Most that does not help shows where it was done, without a look at the whole mesh.
+    const std::vector<std::uint8_t> where = changed_triangles(mesh, before);
+    const auto swap = [&] {
+      std::swap(mesh.first, std::get<0>(before));
+      std::swap(mesh.roof, std::get<1>(before));
+      std::swap(mesh.z, std::get<2>(before));
+    };
+    const Faults after = count_faults(mesh, where);
+    swap();
+    const Faults then = count_faults(mesh, where);
+    if (after.faces >= then.faces || after.cells > then.cells) continue;
+    swap();
     const double gap = valid_gap();
     MeshQuality now = with_faces(measured_cells());
     if (now.faces.above_70 < quality_.faces.above_70 && now.below_floor <= quality_.below_floor &&
         (has_many_thin_cells(quality_) || !has_many_thin_cells(now))) {
       quality_ = std::move(now);
+      steep.clear();
       volume_.min_vertical_gap = gap;
       volume_.columns_improved += changed;
     } else {
-      std::tie(mesh.first, mesh.roof, mesh.z) = std::move(before);
+      swap();
     }
   }
 }
@@ -213,9 +258,10 @@ bool Improver::cut_back(ColumnPlanOptions& options, const AngleBounds& bounds,
   // Not at the price of cells that are bad by any measure.
   const auto bad = [&] {
     return clock_.run("3.6", "count bad cells", [&](const Progress&) {
-      return std::tuple(count_bad_triangles(columns_.mesh, kQualityFloor),
-                        has_many_thin_cells(quality_), quality_.faces.above_70,
-                        count_bad_triangles(columns_.mesh, bounds),
+      const std::int64_t below_floor = count_bad_triangles(columns_.mesh, kQualityFloor);
+      const bool is_floor = bounds.least == kQualityFloor.least;
+      return std::tuple(below_floor, has_many_thin_cells(quality_), quality_.faces.above_70,
+                        is_floor ? below_floor : count_bad_triangles(columns_.mesh, bounds),
                         std::max(quality_.faces.worst.non_orthogonality_deg, kMostNonOrthogonal));
     });
   };

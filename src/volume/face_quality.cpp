@@ -71,21 +71,21 @@ class FaceCollector {
   double skewness_ = 0;
 };
 
-/// Whether a face is beyond kMostNonOrthogonal: all that marking has to know.
-class SteepFace {
+/// How many faces are beyond kMostNonOrthogonal: all that marking has to know.
+class SteepFaces {
  public:
   void add(const std::array<Point3, 3>& face, const Point3& c0, const Point3& c1) {
     const Point3 n = cross(minus(face[1], face[0]), minus(face[2], face[0]));
     const Point3 d = minus(c1, c0);
     const double n_d = dot(n, d);
-    found_ = found_ || n_d * n_d < least_cosine2_ * (dot(n, n) * dot(d, d));
+    found_ += n_d * n_d < least_cosine2_ * (dot(n, n) * dot(d, d)) ? 1 : 0;
   }
   void add_boundary(const std::array<Point3, 3>&, const Point3&) {}
-  bool found() const { return found_; }
+  std::int64_t found() const { return found_; }
 
  private:
   double least_cosine2_ = std::pow(std::cos(to_radians(kMostNonOrthogonal)), 2);
-  bool found_ = false;
+  std::int64_t found_ = 0;
 };
 
 /// Faces between the cells over triangle t, and those at their two ends.
@@ -230,19 +230,33 @@ void mark_non_orthogonal(const ColumnMesh& mesh, std::vector<std::uint8_t>& tria
     parallel_chunks(marks.size(), grain_of_chunks(marks.size()),
                     [&](std::size_t begin, std::size_t end) {
                       for (std::size_t i = begin; i < end; ++i) {
-                        SteepFace faces;
+                        SteepFaces faces;
                         add(i, faces);
-                        if (faces.found()) marks[i] = 1;
+                        if (faces.found() > 0) marks[i] = 1;
                       }
                     });
   };
-  mark(triangles, [&](std::size_t t, SteepFace& faces) { add_faces_over(mesh, t, faces); });
+  mark(triangles, [&](std::size_t t, SteepFaces& faces) { add_faces_over(mesh, t, faces); });
   std::vector<std::uint8_t> edges(mesh.edges.size(), 0);
-  mark(edges, [&](std::size_t e, SteepFace& faces) { add_faces_beside(mesh, e, faces); });
+  mark(edges, [&](std::size_t e, SteepFaces& faces) { add_faces_beside(mesh, e, faces); });
   for (std::size_t e = 0; e < edges.size(); ++e)
     if (edges[e] != 0)
       for (const TriangleIndex t : mesh.edges.triangles[e])
         if (t != kNoTriangle) triangles[static_cast<std::size_t>(t)] = 1;
+}
+
+std::int64_t count_non_orthogonal(const ColumnMesh& mesh, std::span<const std::uint8_t> marked) {
+  SteepFaces faces;
+  for (std::size_t t = 0; t < marked.size(); ++t)
+    if (marked[t] != 0) add_faces_over(mesh, t, faces);
+  for (std::size_t e = 0; e < mesh.edges.size(); ++e) {
+    const auto& sides = mesh.edges.triangles[e];
+    if (std::any_of(sides.begin(), sides.end(), [&](TriangleIndex t) {
+          return t != kNoTriangle && marked[static_cast<std::size_t>(t)] != 0;
+        }))
+      add_faces_beside(mesh, e, faces);
+  }
+  return faces.found();
 }
 
 }  // namespace tetropolis

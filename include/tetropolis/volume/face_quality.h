@@ -3,6 +3,7 @@
 
 #include <array>
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include "tetropolis/geometry/types.h"
@@ -45,5 +46,9 @@ FaceQuality measure_faces(const ColumnMesh& mesh);
 /// Sets triangles[t] to 1 where a face over triangle t, or over one of its edges, is more than
 /// kMostNonOrthogonal; leaves the others. Precondition: one entry per triangle.
 void mark_non_orthogonal(const ColumnMesh& mesh, std::vector<std::uint8_t>& triangles);
+
+/// How many faces over the triangles with a mark, or over an edge of one, are more than
+/// kMostNonOrthogonal. Precondition: one entry per triangle.
+std::int64_t count_non_orthogonal(const ColumnMesh& mesh, std::span<const std::uint8_t> marked);
 
 }  // namespace tetropolis
