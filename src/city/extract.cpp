@@ -27,7 +27,7 @@ constexpr std::size_t kBuildingGrain = 64;
 
 /// Metres from a building in which trees are looked for, and from a wall to what is no part of it.
 constexpr double kAround = 3.0;
-constexpr double kWall = 0.7;
+constexpr double kWall = 0.7;  // eaves and the scatter of footprints
 /// Metres from a building in which the roofs of others are looked at.
 constexpr double kBeside = 2.0;
 

@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 
 #include "tetropolis/core/units.h"
+#include "tetropolis/ground/validate.h"
 
 #include "ground/refiner.h"
 
@@ -287,7 +288,9 @@ bool Refiner::split(std::int32_t s) {
   const Point2 a = mesh_.point(mesh_.sub(s).v[0]), b = mesh_.point(mesh_.sub(s).v[1]);
   const Point2 p = cut_position(mesh_.sub(s));
   const double scale = std::max({std::abs(a.x), std::abs(a.y), std::abs(b.x), std::abs(b.y)});
-  if (mesh_.sub(s).frozen || squared_distance(a, b) < scale * scale * 0x1p-88) return false;
+  if (mesh_.sub(s).frozen ||
+      squared_distance(a, b) < scale * scale * (kOnSegmentTolerance * kOnSegmentTolerance))
+    return false;
   // Free vertices in the diametral circle would be left with short edges (Chew 1993).
   for (int k = 0; k < 2; ++k) {
     for (;;) {

@@ -82,10 +82,12 @@ bool on_ray(Point2 p, Point2 from, Point2 towards) {
 // x and y on the two sides of a sharp corner, at the same distance, seen under an angle that is no
 // sharper, nor than 30 degrees.
 bool across(const std::vector<SharpCorner>& sharp, Point2 x, Point2 y, double seen_under) {
-  constexpr double kShareOfSine = 0.997;  // points are rounded
+  // Found by trial: points are rounded, and edges at the corner are cut at shells that differ by
+  // as much.
+  constexpr double kShareOfSine = 0.997, kSameDistance = 0.002;
   return std::any_of(sharp.begin(), sharp.end(), [&](const SharpCorner& c) {
     const double dx = distance(c.apex, x), dy = distance(c.apex, y);
-    if (std::abs(dx - dy) > 0.002 * std::max(dx, dy)) return false;
+    if (std::abs(dx - dy) > kSameDistance * std::max(dx, dy)) return false;
     const double corner = angle_between(c.apex, c.right, c.left);
     if (std::sin(seen_under) < kShareOfSine * std::min(std::sin(corner), 0.5)) return false;
     return (on_ray(x, c.apex, c.right) && on_ray(y, c.apex, c.left)) ||

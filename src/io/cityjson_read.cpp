@@ -498,7 +498,7 @@ class CityReader {
     double whole = 0;
     for (const Polygon& polygon : footprint.polygons) whole += area(polygon);
     constexpr double kLeastHeight = 2;  // metres: a roof lower than that is a floor
-    constexpr double kFlat = 0.5;
+    constexpr double kFlat = 0.5;       // metres: as far as roofs are flat anyway
     const std::optional<double> roof = roof_height_of(faces, whole);
     if (roof && *roof >= low + kLeastHeight) {
       if (high - *roof > kFlat) ++flattened_;

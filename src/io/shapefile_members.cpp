@@ -138,17 +138,16 @@ void require_whole_shapefile(const fs::path& path) {
     require_size(*table, little_endian(*table, 8, 2) +
                              little_endian(*table, 4, 4) * little_endian(*table, 10, 2));
   if (!index) return;
-  require_index_of(*shapes, *index);
-  if (!table) return;
   // GDAL believes the header of the index, not its size.
   const std::int64_t shape_count = (2 * big_endian(*index, 24) - kShapeHeader) / kIndexRecord;
-  const std::int64_t record_count = little_endian(*table, 4, 4);
+  const std::int64_t record_count = table ? little_endian(*table, 4, 4) : shape_count;
   if (shape_count != record_count)
     throw Error(
         ErrorKind::kInput,
         fmt::format("{}: {} shapes by its index, but {} attribute records in {}; the files "
                     "do not belong together, export them again",
                     path.string(), shape_count, record_count, table->path.filename().string()));
+  require_index_of(*shapes, *index);
 }
 
 bool has_empty_table(const fs::path& path) {

@@ -34,8 +34,11 @@ std::vector<std::uint8_t> filter_around(const InputData& input, std::span<const 
                                         std::span<const Polygon> footprints,
                                         const GroundFilterOptions& options,
                                         const Progress& progress) {
+  // Of openings as wide as the window on both sides, what decides lies within twice that; the rest
+  // is room for segments that reach further.
+  constexpr double kWindows = 3;
   const std::vector<std::size_t> near =
-      find_points_near(input, files, 3 * options.window, portion(progress, 0, 0.2));
+      find_points_near(input, files, kWindows * options.window, portion(progress, 0, 0.2));
   PointCloud cloud;
   cloud.x.reserve(near.size());
   cloud.y.reserve(near.size());

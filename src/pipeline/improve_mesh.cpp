@@ -52,10 +52,10 @@ std::optional<AngleBounds> missed_bounds(const MeshQuality& quality) {
   return std::nullopt;
 }
 
-class Improver {
+class MeshImprover {
  public:
-  Improver(const Config& config, const Raster& dtm, const CitySize& size, Columns& columns,
-           StepClock& clock, VolumeMeshReport& volume)
+  MeshImprover(const Config& config, const Raster& dtm, const CitySize& size, Columns& columns,
+               StepClock& clock, VolumeMeshReport& volume)
       : config_(config),
         dtm_(dtm),
         size_(size),
@@ -93,30 +93,30 @@ class Improver {
   std::int64_t work_left_;
 };
 
-MeshQuality Improver::run() {
+MeshQuality MeshImprover::run() {
   if (config_.layering == Layering::kUniform) return with_faces(measured_cells());
   move_nodes();
   make_room();
   return std::move(quality_);
 }
 
-CellQuality Improver::measured_cells() {
+CellQuality MeshImprover::measured_cells() {
   return clock_.run("3.6", "measure cells",
                     [&](const Progress&) { return measure_cells(columns_.mesh, kWorstCells); });
 }
 
 /// The least vertical gap, once elevations are found to increase up every column.
-double Improver::valid_gap() {
+double MeshImprover::valid_gap() {
   return clock_.run("3.6", "check columns",
                     [&](const Progress&) { return require_valid(columns_.mesh); });
 }
 
-std::vector<std::uint8_t> Improver::bad_triangles(const AngleBounds& bounds) {
+std::vector<std::uint8_t> MeshImprover::bad_triangles(const AngleBounds& bounds) {
   return clock_.run("3.6", "find bad cells",
                     [&](const Progress&) { return find_bad_triangles(columns_.mesh, bounds); });
 }
 
-MeshQuality Improver::with_faces(CellQuality cells) {
+MeshQuality MeshImprover::with_faces(CellQuality cells) {
   return clock_.run("3.6", "measure faces", [&](const Progress&) {
     const std::int64_t below = is_within(cells.histogram, kQualityFloor)
                                    ? 0
@@ -126,7 +126,7 @@ MeshQuality Improver::with_faces(CellQuality cells) {
 }
 
 /// Returns how many columns changed.
-std::int64_t Improver::search(const char* name, ImproveOptions options) {
+std::int64_t MeshImprover::search(const char* name, ImproveOptions options) {
   options.most_cells = std::min(options.most_cells, work_left_);
   const Improvement done = clock_.run("3.5", name, [&](const Progress& progress) {
     return improve_columns(columns_.mesh, options, progress);
@@ -137,7 +137,7 @@ std::int64_t Improver::search(const char* name, ImproveOptions options) {
 
 /// Measures the mesh, and makes thin cells and faces beyond kMostNonOrthogonal better if there are
 /// any.
-void Improver::move_nodes() {
+void MeshImprover::move_nodes() {
   volume_.columns_improved = 0;
   CellQuality cells = measured_cells();
   const ImproveOptions options;
@@ -182,7 +182,7 @@ Faults count_faults(const ColumnMesh& mesh, std::span<const std::uint8_t> marked
 
 /// Works on faces beyond kMostNonOrthogonal, asking more and more of the cells there, too: better
 /// cells have better faces. Keeps what leaves fewer of these faces and no worse cells.
-void Improver::straighten_faces() {
+void MeshImprover::straighten_faces() {
   constexpr double kStraight = 68;  // degrees, a little less than is allowed
   constexpr std::array kTargets{AngleBounds{12, 157}, AngleBounds{16, 152}, AngleBounds{20, 148}};
   ColumnMesh& mesh = columns_.mesh;
@@ -231,7 +231,7 @@ void Improver::straighten_faces() {
 
 /// Makes the columns anew with the terrain cut back as `options` say; they were `before`. Leaves
 /// all as it is, with the result false, if that lowers nothing or takes too much memory.
-bool Improver::make_cut_columns(const ColumnPlanOptions& options, Columns& before) {
+bool MeshImprover::make_cut_columns(const ColumnPlanOptions& options, Columns& before) {
   const GroundMesh& ground = columns_.mesh.ground;
   ColumnPlan plan = plan_columns(ground, dtm_, columns_.plan.roofs, columns_.plan.spacing, options);
   if (plan.ground == columns_.plan.ground ||
@@ -253,8 +253,9 @@ bool Improver::make_cut_columns(const ColumnPlanOptions& options, Columns& befor
 /// fewer cells: over a triangle that is bad whatever is done, a cut leaves room for more of them.)
 /// Else everything becomes as it was, the result is false, and of the marks those stay that helped
 /// where they are.
-bool Improver::cut_back(ColumnPlanOptions& options, const AngleBounds& bounds,
-                        const CutMarks& marks_before, std::span<const std::uint8_t> bad_before) {
+bool MeshImprover::cut_back(ColumnPlanOptions& options, const AngleBounds& bounds,
+                            const CutMarks& marks_before,
+                            std::span<const std::uint8_t> bad_before) {
   // Not at the price of cells that are bad by any measure.
   const auto bad = [&] {
     return clock_.run("3.6", "count bad cells", [&](const Progress&) {
@@ -290,7 +291,7 @@ bool Improver::cut_back(ColumnPlanOptions& options, const AngleBounds& bounds,
 /// Cuts back from what `mark` marks, until the floor is met or a cut does not help. Where cuts help
 /// in one part of the city and not in another, those that do are tried again by themselves.
 template <typename Mark>
-void Improver::cut_from(ColumnPlanOptions& options, const Mark& mark) {
+void MeshImprover::cut_from(ColumnPlanOptions& options, const Mark& mark) {
   for (int round = 0; round < kMostCuts; ++round) {
     const std::optional<AngleBounds> bounds = missed_bounds(quality_);
     if (!bounds) return;
@@ -309,7 +310,7 @@ void Improver::cut_from(ColumnPlanOptions& options, const Mark& mark) {
 /// Where cells or faces are below the floor, cuts the terrain back, as long as that makes fewer:
 /// around roofs below it first, then from the feet of cliffs and low walls. What is left is dug out
 /// at the walls, deeper than the buildings stand.
-void Improver::make_room() {
+void MeshImprover::make_room() {
   ColumnPlanOptions options = plan_options(config_);
   if (config_.cut_slope < 90) cut_terrain_back(options);
   options.cut.walls.assign(columns_.plan.roofs.size(), 0);
@@ -318,7 +319,7 @@ void Improver::make_room() {
   });
 }
 
-void Improver::cut_terrain_back(ColumnPlanOptions& options) {
+void MeshImprover::cut_terrain_back(ColumnPlanOptions& options) {
   options.cut.roofs.assign(columns_.plan.roofs.size(), 0);
   cut_from(options, [&](std::span<const std::uint8_t> bad, CutMarks& marks) {
     return mark_buried_roofs(columns_.mesh, columns_.plan, bad, marks);
@@ -335,7 +336,7 @@ void Improver::cut_terrain_back(ColumnPlanOptions& options) {
 
 MeshQuality improve_mesh(const Config& config, const Raster& dtm, const CitySize& size,
                          Columns& columns, StepClock& clock, VolumeMeshReport& volume) {
-  return Improver(config, dtm, size, columns, clock, volume).run();
+  return MeshImprover(config, dtm, size, columns, clock, volume).run();
 }
 
 namespace {

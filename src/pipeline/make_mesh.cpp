@@ -76,7 +76,8 @@ void report_lowered(const ColumnPlan& plan, Report& report) {
        fmt::format("ground vertices were lowered, by up to {:.1f} m: {}", plan.deepest, where)});
 }
 
-void fill_quality(const ColumnMesh& mesh, MeshQuality measured, VolumeMeshReport& volume) {
+/// Guarantee 4, too: throws if a cell is inverted.
+void report_quality(const ColumnMesh& mesh, MeshQuality measured, VolumeMeshReport& volume) {
   const QualityHistogram& quality = measured.cells.histogram;
   volume.worst = std::move(measured.cells.worst);
   volume.faces = measured.faces;
@@ -98,7 +99,8 @@ void fill_quality(const ColumnMesh& mesh, MeshQuality measured, VolumeMeshReport
                 fmt::format("{} cells are inverted; nothing was written", volume.inverted));
 }
 
-SurfaceMesh bound(const ColumnMesh& mesh, const Bounds2& domain, Report& report) {
+/// The boundary, closed and manifold (guarantee 5).
+SurfaceMesh checked_boundary(const ColumnMesh& mesh, const Bounds2& domain, Report& report) {
   SurfaceMesh surface = extract_boundary(mesh, domain);
   const SurfaceTopology topology = check_topology(surface);
   report.surface_mesh =
@@ -143,8 +145,8 @@ void make_mesh(const Config& config, const CityModel& city, Raster dtm, OutputFo
   columns.plan = {};
   clock.run("3.6", "check and write meshes", [&](const Progress& progress) {
     warn_below_floor(config, mesh, quality, report);
-    fill_quality(mesh, std::move(quality), *report.volume_mesh);
-    const SurfaceMesh boundary = bound(mesh, domain, report);
+    report_quality(mesh, std::move(quality), *report.volume_mesh);
+    const SurfaceMesh boundary = checked_boundary(mesh, domain, report);
     Placement placement{{0, 0, 0}, {city.origin.x, city.origin.y, 0}};
     if (config.coordinates == Coordinates::kAbsolute)
       placement = {{city.origin.x, city.origin.y, 0}, {0, 0, 0}};

@@ -86,7 +86,8 @@ struct Correction {
   const double limit = memory_limit(config);
   Config coarse = config;
   while (coarse.mesh_size < 1e4) {
-    coarse.mesh_size = std::ceil(coarse.mesh_size * 20.4) / 20;
+    // A fiftieth more, rounded up to the next five centimetres.
+    coarse.mesh_size = std::ceil(1.02 * coarse.mesh_size * 20) / 20;
     const MeshEstimate fits = estimate_mesh(coarse, city);
     if (correction.bytes * fits.bytes > limit) continue;
     throw Error(ErrorKind::kUsage,

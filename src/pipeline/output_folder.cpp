@@ -1,7 +1,6 @@
 #include "tetropolis/pipeline/output_folder.h"
 
 #include <algorithm>
-#include <array>
 #include <cerrno>
 #include <cstring>
 #include <fstream>

@@ -11,11 +11,12 @@ namespace tetropolis {
 
 namespace {
 
+// As wide as no gap within a city is; in a wide domain, so wide that it is worth leaving out.
 constexpr double kLeastGap = 100;       // metres
 constexpr double kLeastGapShare = 0.1;  // of the extent
-constexpr std::size_t kFew = 10;
-constexpr std::size_t kMany = 100;
-constexpr std::size_t kBins = 1000;
+constexpr std::size_t kFew = 10;        // points; a tile's corner has more
+constexpr std::size_t kMany = 100;      // times that, of the rest
+constexpr std::size_t kBins = 1000;     // a hundred in the least gap of a wide domain
 constexpr std::size_t kGrain = std::size_t{1} << 20;
 
 using Counts = std::array<std::int64_t, kBins>;

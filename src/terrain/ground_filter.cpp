@@ -207,8 +207,9 @@ std::vector<std::int32_t> window_radii(double window, double cell) {
 /// The plane of least squares over the cells that have a value and, from the second round on, lie
 /// below the plane before, as ground does.
 Plane fit_plane(const HeightGrid& grid, const Frame& frame) {
+  constexpr int kRounds = 3;  // buildings are above the second plane, trees above the third
   Plane plane;
-  for (int round = 0; round < 3; ++round) {
+  for (int round = 0; round < kRounds; ++round) {
     PlaneFit fit;
     std::size_t c = 0;
     for (std::int32_t j = 0; j < frame.ny; ++j) {
@@ -228,7 +229,9 @@ Plane fit_plane(const HeightGrid& grid, const Frame& frame) {
 /// Takes the slope of the whole terrain out of it where that is steep; whether it is.
 bool level(HeightGrid& grid, const Frame& frame, double slope) {
   const Plane plane = fit_plane(grid, frame);
-  if (std::hypot(plane.rise_x, plane.rise_y) < 0.3 * slope * frame.cell) return false;
+  // Less leaves the filter most of the slope that it allows for.
+  constexpr double kShare = 0.3;
+  if (std::hypot(plane.rise_x, plane.rise_y) < kShare * slope * frame.cell) return false;
   std::size_t c = 0;
   for (std::int32_t j = 0; j < frame.ny; ++j)
     for (std::int32_t i = 0; i < frame.nx; ++i, ++c)

@@ -122,6 +122,7 @@ class Improver {
 
   /// Vertices of the triangles with the worst bad cells, ascending; of those near these triangles.
   std::vector<VertexIndex> bad_vertices(std::span<const std::uint8_t> near) const;
+  std::vector<std::int32_t> colours_of(const std::vector<VertexIndex>& vertices) const;
   /// One pass over these columns; returns those that changed, ascending.
   std::vector<VertexIndex> sweep(const std::vector<VertexIndex>& vertices,
                                  const Progress& progress);
@@ -425,9 +426,8 @@ Column Improver::improved(VertexIndex v, std::int64_t& left) const {
   return changed ? better : Column{};
 }
 
-std::vector<VertexIndex> Improver::sweep(const std::vector<VertexIndex>& vertices,
-                                         const Progress& progress) {
-  // Colours so that no two vertices of a triangle have the same.
+/// Numbers from 0, so that no two of the vertices in one triangle have the same. `vertices` ascend.
+std::vector<std::int32_t> Improver::colours_of(const std::vector<VertexIndex>& vertices) const {
   std::vector<std::int32_t> colour(vertices.size(), -1);
   const auto place = [&](VertexIndex v) {
     const auto found = std::lower_bound(vertices.begin(), vertices.end(), v);
@@ -435,7 +435,6 @@ std::vector<VertexIndex> Improver::sweep(const std::vector<VertexIndex>& vertice
                ? static_cast<std::ptrdiff_t>(found - vertices.begin())
                : std::ptrdiff_t{-1};
   };
-  std::int32_t colours = 0;
   for (std::size_t i = 0; i < vertices.size(); ++i) {
     std::vector<std::int32_t> taken;
     for (const TriangleIndex t : around(vertices[i]))
@@ -445,8 +444,14 @@ std::vector<VertexIndex> Improver::sweep(const std::vector<VertexIndex>& vertice
     std::int32_t free = 0;
     while (std::find(taken.begin(), taken.end(), free) != taken.end()) ++free;
     colour[i] = free;
-    colours = std::max(colours, free + 1);
   }
+  return colour;
+}
+
+std::vector<VertexIndex> Improver::sweep(const std::vector<VertexIndex>& vertices,
+                                         const Progress& progress) {
+  const std::vector<std::int32_t> colour = colours_of(vertices);
+  const std::int32_t colours = 1 + *std::max_element(colour.begin(), colour.end());
   const std::int64_t share = cells_per_sweep_ / static_cast<std::int64_t>(vertices.size());
   std::vector<VertexIndex> changed;
   for (std::int32_t c = 0; c < colours; ++c) {

@@ -28,14 +28,15 @@ std::size_t grain(std::size_t columns) { return std::clamp<std::size_t>(columns 
 Multigrid::Multigrid(const LevelMatrix& matrix, const LevelGraph& graph, EdgeWeights weights,
                      double height, double area)
     : matrix_(matrix), graph_(graph), damping_(kDamping) {
+  constexpr std::size_t kMostLevels = 32;
   const LevelMatrix* finer = &matrix;
   LevelGraph finer_graph = graph;
-  levels_.reserve(32);
-  while (finer_graph.columns > kFewestColumns && levels_.size() < 32 &&
+  levels_.reserve(kMostLevels);  // so that `finer` and `finer_graph`, which point into it, last
+  while (finer_graph.columns > kFewestColumns && levels_.size() < kMostLevels &&
          area / static_cast<double>(finer_graph.columns) < height * height) {
     Interpolation p = coarsen(finer_graph, weights);
     const std::size_t columns = p.fine_starts.size() - 1;
-    if (columns * 4 > finer_graph.columns * 3) break;
+    if (columns * 4 > finer_graph.columns * 3) break;  // too little coarser to be worth it
     CoarseLevel coarse = coarse_level(*finer, finer_graph, p);
     const std::size_t size = columns * matrix.stride;
     weights = std::move(coarse.weights);

@@ -12,9 +12,7 @@
 #include "tetropolis/core/error.h"
 #include "tetropolis/core/parallel.h"
 #include "tetropolis/geometry/polygon.h"
-#include "tetropolis/pipeline/config.h"
 
-#include "pipeline/memory.h"
 #include "support/test_data.h"
 
 namespace tetropolis {
@@ -288,22 +286,6 @@ TEST(Extract, ManyHugeFootprintsKeepTheGridSmall) {
   const BuildingPoints points =
       extract_building_points(scene.footprints, scene.cloud, {1, kInfinity});
   EXPECT_EQ(points.roof.indices.size(), 300000U);
-}
-
-/// With a margin of 50 m every point is near many buildings, and in the list of each.
-TEST(Extract, TheMemoryOfAWideMarginIsTakenIntoAccount) {
-  Config config;
-  config.max_memory = "1G";
-  EXPECT_NO_THROW(require_points_fit(config, 1e7, 0));
-  config.ground_margin = 50;
-  EXPECT_NO_THROW(require_points_fit(config, 1e6, 0));
-  try {
-    require_points_fit(config, 1e7, 0);
-    ADD_FAILURE() << "no error";
-  } catch (const Error& error) {
-    EXPECT_NE(std::string(error.what()).find("lower --ground-margin"), std::string::npos)
-        << error.what();
-  }
 }
 
 TEST(Extract, CanBeStopped) {

@@ -22,9 +22,9 @@
 #include "tetropolis/pipeline/check_results.h"
 #include "tetropolis/pipeline/run.h"
 
+#include "pipeline/memory.h"
 #include "support/bytes.h"
 #include "support/guarantees.h"
-#include "support/sanitized.h"
 #include "support/test_data.h"
 
 namespace tetropolis {
@@ -509,30 +509,20 @@ TEST_F(Build, ResultsOfAnEarlierRunAreNotMixedWithNewOnes) {
   EXPECT_TRUE(fs::exists(scratch / "out/notes.txt"));
 }
 
-TEST_F(Build, TheMeshSizeThatARefusalNamesFits) {
-  Config config = city(SynthKind::kBlocks, 60, 600, 20);
-  for (const char* limit : {"125M", "150M", "300M"})
-    for (const Layering layering : {Layering::kGraded, Layering::kUniform}) {
-      SCOPED_TRACE(limit + std::string(layering == Layering::kUniform ? ", uniform" : ""));
-      if (TETROPOLIS_SANITIZED && limit == std::string("300M")) continue;  // a minute, nothing new
-      config.max_memory = limit;
-      config.layering = layering;
-      config.mesh_size = 1.5;
-      std::string message;
-      try {
-        run_build(config);
-      } catch (const Error& error) {
-        message = error.what();
-      }
-      const std::size_t at = message.find("fit, with --mesh-size ");
-      ASSERT_NE(at, std::string::npos) << message;
-      config.mesh_size = std::stod(message.substr(message.find_last_of(' ')));
-      const Report report = run_build(config);
-      // What fits is told to a third, as well.
-      const double told = std::stod(message.substr(message.find("; about ") + 8));
-      EXPECT_LT(static_cast<double>(report.volume_mesh->cells), 1.4 * told) << message;
-      EXPECT_GT(static_cast<double>(report.volume_mesh->cells), told / 2.5) << message;
-    }
+/// With a margin of 50 m every point is near many buildings, and in the list of each.
+TEST_F(Build, TheMemoryOfAWideMarginIsTakenIntoAccount) {
+  Config config;
+  config.max_memory = "1G";
+  EXPECT_NO_THROW(require_points_fit(config, 1e7, 0));
+  config.ground_margin = 50;
+  EXPECT_NO_THROW(require_points_fit(config, 1e6, 0));
+  try {
+    require_points_fit(config, 1e7, 0);
+    ADD_FAILURE() << "no error";
+  } catch (const Error& error) {
+    EXPECT_NE(std::string(error.what()).find("lower --ground-margin"), std::string::npos)
+        << error.what();
+  }
 }
 
 TEST_F(Build, AbsurdSizesAreRefusedBeforeTheWork) {

@@ -5,7 +5,9 @@
 #include <limits>
 #include <regex>
 #include <set>
+#include <string>
 #include <string_view>
+#include <utility>
 
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
@@ -13,6 +15,7 @@
 #include <unistd.h>
 
 #include "support/bytes.h"
+#include "support/sanitized.h"
 #include "support/test_data.h"
 
 namespace tetropolis {
@@ -20,6 +23,7 @@ namespace {
 
 namespace fs = std::filesystem;
 using testing::bytes_of;
+using Json = nlohmann::json;
 
 struct Outcome {
   int code = -1;
@@ -99,6 +103,33 @@ TEST_F(Cli, BuildsChecksAndTells) {
   for (const char* part :
        {"class 6:", "features:", "EPSG:3006", "buildings:", "nodes", "tets:", "wall:"})
     EXPECT_NE(info.out.find(part), std::string::npos) << part;
+}
+
+/// And what fits takes no more memory than it may, and has about as many cells as were told.
+TEST_F(Cli, TheMeshSizeThatARefusalNamesFits) {
+  synth("--kind blocks --buildings 60 --size 600 --seed 20");
+  const std::string arguments =
+      "build --quiet --footprints input/footprints.shp --points input --out result --max-memory ";
+  for (const auto& [limit, layering] :
+       {std::pair{125, "graded"}, std::pair{150, "uniform"}, std::pair{300, "graded"}}) {
+    SCOPED_TRACE(limit);
+    if (TETROPOLIS_SANITIZED && limit == 300) continue;  // a minute, nothing new
+    const std::string limited = arguments + std::to_string(limit) + "M --layering " + layering;
+    const Outcome refused = run(limited + " --mesh-size 1.5");
+    EXPECT_EQ(refused.code, 2);
+    const std::size_t at = refused.err.find("fit, with --mesh-size ");
+    ASSERT_NE(at, std::string::npos) << refused.err;
+    const double told = std::stod(refused.err.substr(refused.err.find("; about ") + 8));
+    const double size = std::stod(refused.err.substr(at + 22));
+    ASSERT_EQ(run(limited + " --mesh-size " + std::to_string(size)).code, 0);
+    const Json report = Json::parse(bytes_of(scratch / "result/report.json"));
+    const double cells = report["volume_mesh"]["cells"];
+    EXPECT_LT(cells, 1.4 * told) << refused.err;
+    EXPECT_GT(cells, told / 2.5) << refused.err;
+    if (!TETROPOLIS_SANITIZED) {
+      EXPECT_LE(report["peak_rss_bytes"].get<double>(), 1e6 * limit);
+    }
+  }
 }
 
 TEST_F(Cli, CheckNamesTheFilesItDoesNotRead) {
