@@ -158,6 +158,9 @@ Result unite(std::span<const Polygon> polygons, double grid) {
   const Context context;
   const Geometry input = make_collection(context, polygons, GEOS_GEOMETRYCOLLECTION);
   if (input.get() == nullptr) return std::nullopt;
+  // The union of one polygon would be that polygon, on the grid or not.
+  if (polygons.size() == 1 && grid > 0)
+    return read(context, {context, GEOSGeom_setPrecision_r(context.get(), input.get(), grid, 0)});
   return read(context, {context, grid > 0 ? GEOSUnaryUnionPrec_r(context.get(), input.get(), grid)
                                           : GEOSUnaryUnion_r(context.get(), input.get())});
 }

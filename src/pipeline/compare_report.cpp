@@ -54,8 +54,8 @@ void compare_count(const std::string& what, std::int64_t reported, std::size_t f
   compare(what, static_cast<double>(reported), count, count, count, file);
 }
 
-void compare_mesh(const ReportedMesh& mesh, const VolumeCheck& volume,
-                         const SurfaceCheck& surface, CheckedFile& file) {
+void compare_mesh(const ReportedMesh& mesh, const VolumeCheck& volume, const SurfaceCheck& surface,
+                  CheckedFile& file) {
   const auto near = [&](const std::string& what, double reported, double found, double tolerance) {
     compare(what, reported, found - tolerance, found, found + tolerance, file);
   };

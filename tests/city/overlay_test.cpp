@@ -10,6 +10,7 @@
 #include "tetropolis/core/parallel.h"
 #include "tetropolis/geometry/polygon.h"
 
+#include "city/grid_geometry.h"
 #include "geometry/geos.h"
 #include "support/test_data.h"
 
@@ -86,6 +87,40 @@ TEST(Overlay, UnionsOfManyAreThoseOfAllAtOnce) {
 
 /// Rings in the courtyards of rings, eight deep, and everything apart: nothing is to change. The
 /// halves of the plane meet within them.
+/// A sliver of two steps beside two blocks across each other: rounded, it may cross itself, and
+/// what is then noded anew is one polygon. (A tester's.)
+TEST(Overlay, UnionsWithSliversAreOnTheGrid) {
+  const unsigned seed = testing::test_seed();
+  SCOPED_TRACE(seed);
+  std::mt19937 random(seed);
+  std::uniform_real_distribution<double> unit(0, 1);
+  const auto between = [&](double low, double high) { return low + (high - low) * unit(random); };
+  for (int round = 0; round < 400; ++round) {
+    const double turn = between(0, 2 * std::numbers::pi), bend = between(-0.3, 0.3);
+    const Point2 wing{between(-1e5, 1e5), between(-1.4e5, 1.4e5)};
+    const auto turned = [](Point2 p, double angle, Point2 at) {
+      return Point2{at.x + std::cos(angle) * p.x - std::sin(angle) * p.y,
+                    at.y + std::sin(angle) * p.x + std::cos(angle) * p.y};
+    };
+    const auto placed = [&](Point2 p) { return grid::rounded(turned(p, turn, {8e5, 2.4e6})); };
+    Polygon block, across, sliver;
+    for (const Point2 p : {Point2{-2e5, -1.2e5}, {2e5, -1.2e5}, {2e5, 1.2e5}, {-2e5, 1.2e5}})
+      block.outer.push_back(placed(p));
+    for (const Point2 p : {Point2{-1.5e5, -6e4}, {1.5e5, -6e4}, {1.5e5, 6e4}, {-1.5e5, 6e4}})
+      across.outer.push_back(placed(turned(p, bend, wing)));
+    const Point2 foot{between(-2e5, 2e5), between(-1.2e5, 1.2e5)};
+    const double direction = between(0, 2 * std::numbers::pi);
+    for (const Point2 p : {Point2{0, 0}, {1e5, 0}, {6e4, 2}})
+      sliver.outer.push_back(placed(turned(p, direction, foot)));
+    if (signed_area(sliver.outer) <= 0) continue;  // flat on the grid
+    const std::vector<Polygon> united = unite_on_grid(std::vector{block, across, sliver});
+    ASSERT_TRUE(geos::is_valid(united));
+    for (const Polygon& polygon : united)
+      for_each_edge(polygon,
+                    [&](Point2 p, Point2) { ASSERT_EQ(p, grid::rounded(p)) << "round " << round; });
+  }
+}
+
 TEST(Overlay, WhatStandsInCourtyardsStays) {
   std::vector<Polygon> polygons;
   for (int i = 0; i < 12; ++i)
