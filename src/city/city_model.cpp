@@ -35,10 +35,10 @@ std::uint32_t flags_from_names(const std::vector<std::string>& names) {
 }
 
 double snap_coordinate(double value) {
-  // Division by an integer rounds once, so that n steps read from a file as n / 10000 give the same
-  // double as here; n * 1e-4 would not.
-  static_assert(kCoordinateStep == 1.0 / 10000.0);
-  return std::nearbyint(value * 10000.0) / 10000.0;
+  // Division by an integer rounds once, so that n steps read from a file as n / kStepsPerMetre give
+  // the same double as here; n * 1e-4 would not.
+  static_assert(kCoordinateStep == 1.0 / kStepsPerMetre);
+  return std::nearbyint(value * kStepsPerMetre) / kStepsPerMetre;
 }
 
 }  // namespace tetropolis

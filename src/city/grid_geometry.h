@@ -13,7 +13,7 @@
 namespace tetropolis::grid {
 
 /// Steps per metre.
-inline constexpr double kSteps = 10000.0;
+inline constexpr double kSteps = kStepsPerMetre;
 inline constexpr double kSquareMetre = kSteps * kSteps;
 
 /// Largest magnitude of a coordinate in metres for which the predicates below are exact.

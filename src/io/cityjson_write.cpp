@@ -104,7 +104,7 @@ class VertexTable {
   const Key& max() const { return max_; }
 
  private:
-  static std::int64_t steps(double metres) { return std::llround(metres * 10000.0); }
+  static std::int64_t steps(double metres) { return std::llround(metres * kStepsPerMetre); }
   struct Hash {
     std::size_t operator()(const Key& key) const {
       std::uint64_t h = 0;
@@ -212,7 +212,7 @@ void put_metadata(Buffer& out, const CityModel& model, const std::string& title,
       std::vector<double> extent;
       for (const VertexTable::Key& corner : {vertices.min(), vertices.max()})
         for (std::size_t axis = 0; axis < 3; ++axis)
-          extent.push_back(origin[axis] + static_cast<double>(corner[axis]) / 10000.0);
+          extent.push_back(origin[axis] + static_cast<double>(corner[axis]) / kStepsPerMetre);
       put_list(text, extent, [&](double v) { put_number(text, v); });
     });
   put(out, "\"metadata\":{");

@@ -59,6 +59,7 @@ struct CityModel {
 /// Horizontal coordinates of footprints and of the domain are whole multiples of this step
 /// (metres), so that writing a city model to CityJSON and reading it back changes nothing.
 inline constexpr double kCoordinateStep = 1e-4;
+inline constexpr double kStepsPerMetre = 10000;
 
 /// The multiple of kCoordinateStep nearest to `value`: always the same double for the same
 /// multiple.
