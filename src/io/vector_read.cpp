@@ -135,13 +135,28 @@ double metres_of(std::string_view text) {
   return whole && std::isfinite(value) ? value : kNaN;
 }
 
+/// The column in which GDAL keeps the tags of OpenStreetMap that have none of their own, as
+/// `"key"=>"value","key"=>"value"`, with a backslash before quotes in either.
+constexpr const char* kOtherTags = "other_tags";
+
+/// The value of a tag there; empty if there is none.
+std::string value_of_tag(const std::string& tags, const std::string& key) {
+  const std::string begin = '"' + key + "\"=>\"";
+  std::size_t at = tags.find(begin);
+  if (at == std::string::npos) return {};
+  at += begin.size();
+  return tags.substr(at, tags.find('"', at) - at);
+}
+
 /// The heights of a layer's features, and what kept others from being one.
 class HeightReader {
  public:
   HeightReader(const fs::path& path, OGRLayerH layer, std::string attribute)
-      : path_(path),
-        attribute_(std::move(attribute)),
-        field_(find_attribute(path, layer, attribute_)) {
+      : path_(path), attribute_(std::move(attribute)) {
+    OGRFeatureDefnH columns = OGR_L_GetLayerDefn(layer);
+    is_tag_ = !attribute_.empty() && OGR_FD_GetFieldIndex(columns, attribute_.c_str()) < 0 &&
+              OGR_FD_GetFieldIndex(columns, kOtherTags) >= 0;
+    field_ = find_attribute(path, layer, is_tag_ ? kOtherTags : attribute_);
     if (field_ == kNoField) return;
     // The feature number is no height, and neither is a date, a list, or yes and no.
     OGRFieldDefnH field =
@@ -166,7 +181,8 @@ class HeightReader {
     constexpr double kMark = 999;   // stands for a height that nobody knows
     double value = kNaN;
     if (type_ == OFTString) {
-      const std::string text = utf8(OGR_F_GetFieldAsString(feature, field_));
+      std::string text = utf8(OGR_F_GetFieldAsString(feature, field_));
+      if (is_tag_) text = value_of_tag(text, attribute_);
       if (text.find_first_not_of(' ') == std::string::npos) return kNaN;  // as good as null
       value = metres_of(text);
       if (std::isnan(value) && others_++ == 0)
@@ -198,7 +214,8 @@ class HeightReader {
  private:
   const fs::path& path_;
   std::string attribute_;
-  int field_;
+  int field_ = kNoField;
+  bool is_tag_ = false;  ///< The attribute is one of OpenStreetMap's other tags.
   OGRFieldType type_ = OFTReal;
   std::int64_t numbers_ = 0;
   std::int64_t others_ = 0;

@@ -704,8 +704,10 @@ TEST(Vector, OfOpenStreetMapOnlyBuildingsAreRead) {
       refs += fmt::format("<nd ref=\"{}\"/>", node);
     }
     refs += fmt::format("<nd ref=\"{}\"/>", 10 * id);
-    ways += fmt::format("<way id=\"{}\" version=\"1\">{}<tag k=\"{}\" v=\"{}\"/></way>\n", id, refs,
-                        key, value);
+    ways += fmt::format(
+        "<way id=\"{}\" version=\"1\">{}<tag k=\"{}\" v=\"{}\"/><tag k=\"note\" "
+        "v=\"say &quot;height&quot;=&gt;&quot;99&quot;\"/><tag k=\"height\" v=\"{} m\"/></way>\n",
+        id, refs, key, value, 10 + id);
   };
   add(7, "building", "yes");  // JOSM does not sort what it saves
   add(2, "landuse", "residential");
@@ -722,10 +724,14 @@ TEST(Vector, OfOpenStreetMapOnlyBuildingsAreRead) {
                  "<?xml version=\"1.0\"?>\n<osm version=\"0.6\">\n" + nodes + ways + "</osm>\n");
   ReadFootprintsOptions options;
   options.id_attribute = "osm_way_id";
+  options.height_attribute = "height";
   const FootprintsInput input = read_footprints(path, options);
   ASSERT_EQ(input.features.size(), 2U);
   std::set<std::string> ids;
-  for (const Footprint& feature : input.features) ids.insert(feature.source_id);
+  for (const Footprint& feature : input.features) {
+    ids.insert(feature.source_id);
+    EXPECT_EQ(feature.height, 10 + std::stod(feature.source_id));
+  }
   EXPECT_EQ(ids, (std::set<std::string>{"3", "7"}));
   EXPECT_EQ(input.features_read, 2);
 }

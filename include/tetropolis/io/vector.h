@@ -60,7 +60,8 @@ struct FootprintsInput {
 /// (not in one of its holes) and turned against it is a hole of it (what becomes of a shapefile
 /// turned the wrong way).
 ///
-/// Of OpenStreetMap's own formats only areas tagged as buildings are features.
+/// Of OpenStreetMap's own formats only areas tagged as buildings are features; the attribute of
+/// heights may be any of their tags.
 ///
 /// Z and M are ignored, curves become chords of 4 degrees. Null, empty and other geometries are
 /// dropped. Reprojection happens if the file's system and target_crs are both known and differ.
