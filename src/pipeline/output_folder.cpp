@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cerrno>
 #include <cstring>
+#include <exception>
 #include <fstream>
 #include <random>
 #include <string_view>
@@ -163,9 +164,9 @@ bool holds_our_report(const fs::path& folder) {
          report.contains("steps");
 }
 
-/// Puts back what a killed commit had moved aside; false if something is in the way. May itself be
-/// killed and run again. The target must be locked.
-bool put_back_earlier(const fs::path& stale, const fs::path& target) {
+/// Puts back what a killed commit had moved aside; false if something is in the way, or there are
+/// no handles or memory for it. May itself be killed and run again. The target must be locked.
+bool put_back_earlier(const fs::path& stale, const fs::path& target) try {
   std::error_code error;
   const fs::path moved = stale / kMovedAside, moving = stale / kBeingMoved;
   // A report says that the commit was over. No folder: somebody removed it, and meant it.
@@ -182,6 +183,8 @@ bool put_back_earlier(const fs::path& stale, const fs::path& target) {
     if (error) return false;
   }
   return true;
+} catch (const std::exception&) {
+  return false;
 }
 
 /// The same where another run may be moving its results to the target.
