@@ -188,6 +188,23 @@ CleanedFootprint unusable(std::string reason) {
   return result;
 }
 
+/// Without the holes that leave nothing of the shell each by itself; without any if there are none
+/// of these.
+Polygon without_equal_holes(const Polygon& raw) {
+  Polygon rest{raw.outer, {}};
+  const auto leaves_nothing = [&](const Ring& hole) {
+    try {
+      return !repaired(without_duplicates(grid::to_steps(Polygon{raw.outer, {hole}})));
+    } catch (const Error&) {
+      return true;
+    }
+  };
+  for (const Ring& hole : raw.holes)
+    if (!leaves_nothing(hole)) rest.holes.push_back(hole);
+  if (rest.holes.size() == raw.holes.size()) rest.holes.clear();
+  return rest;
+}
+
 }  // namespace
 
 CleanedFootprint clean_footprint(const Polygon& raw, const CleanOptions& options) {
@@ -207,7 +224,7 @@ CleanedFootprint clean_footprint(const Polygon& raw, const CleanOptions& options
     }
     // Holes that leave nothing of their shell are a mistake of the file, not a building of air.
     if (!better && !raw.holes.empty()) {
-      CleanedFootprint shell = clean_footprint({raw.outer, {}}, options);
+      CleanedFootprint shell = clean_footprint(without_equal_holes(raw), options);
       shell.repaired = shell.usable();
       return shell;
     }

@@ -215,5 +215,18 @@ TEST(CleanFootprint, RealFootprints) {
   EXPECT_EQ(repaired, 10);  // what the description of the data says
 }
 
+/// One hole is the shell once more; the courtyard beside it is one all the same.
+TEST(CleanFootprint, AHoleEqualToTheShellTakesNoCourtyardWithIt) {
+  const Ring shell{{0, 0}, {40, 0}, {40, 40}, {0, 40}};
+  const Ring courtyard{{10, 10}, {10, 20}, {20, 20}, {20, 10}};
+  using Holes = std::vector<Ring>;
+  for (const Holes& holes : {Holes{shell, courtyard}, Holes{courtyard, shell}, Holes{shell}}) {
+    const CleanedFootprint clean = clean_footprint({shell, holes});
+    ASSERT_TRUE(clean.usable());
+    EXPECT_TRUE(clean.repaired);
+    EXPECT_NEAR(area(clean.polygon), holes.size() == 1 ? 1600 : 1500, 1e-6);
+  }
+}
+
 }  // namespace
 }  // namespace tetropolis
