@@ -45,10 +45,19 @@ std::optional<Member> find_member(const fs::path& shp, const char* small, const 
   return std::nullopt;
 }
 
-std::int64_t big_endian(const Member& member, std::size_t at) {
+std::int64_t big_endian(const unsigned char* bytes) {
   std::int64_t value = 0;
-  for (std::size_t i = 0; i < 4; ++i) value = value * 256 + member.head[at + i];
+  for (std::size_t i = 0; i < 4; ++i) value = value * 256 + bytes[i];
   return value;
+}
+
+std::int64_t big_endian(const Member& member, std::size_t at) {
+  return big_endian(member.head.data() + at);
+}
+
+/// By the header of an index, which GDAL believes, and not its size.
+std::int64_t shapes_of(const Member& index) {
+  return (2 * big_endian(index, 24) - kShapeHeader) / kIndexRecord;
 }
 
 std::int64_t little_endian(const Member& member, std::size_t at, std::size_t bytes) {
@@ -75,18 +84,14 @@ void require_size(const Member& member, std::int64_t stated) {
                           member.path.string(), member.size, stated));
 }
 
-std::int64_t big_endian(const unsigned char* bytes) {
-  std::int64_t value = 0;
-  for (std::size_t i = 0; i < 4; ++i) value = value * 256 + bytes[i];
-  return value;
-}
-
 /// Every entry of the index has to name the place of a record of the length that the record itself
 /// states, and no two the same: a stale index gives shapes to the wrong attributes.
 void require_index_of(const Member& shapes, const Member& index) {
-  std::ifstream entries(index.path, std::ios::binary), records(shapes.path, std::ios::binary);
+  std::ifstream entries(index.path, std::ios::binary), records;
   entries.seekg(kShapeHeader);
-  const std::int64_t count = (2 * big_endian(index, 24) - kShapeHeader) / kIndexRecord;
+  records.rdbuf()->pubsetbuf(nullptr, 0);  // every head is elsewhere
+  records.open(shapes.path, std::ios::binary);
+  const std::int64_t count = shapes_of(index);
   std::vector<std::int64_t> places;
   std::array<unsigned char, kIndexRecord> entry{}, head{};
   const auto read = [](std::ifstream& file, std::array<unsigned char, kIndexRecord>& to) {
@@ -138,8 +143,7 @@ void require_whole_shapefile(const fs::path& path) {
     require_size(*table, little_endian(*table, 8, 2) +
                              little_endian(*table, 4, 4) * little_endian(*table, 10, 2));
   if (!index) return;
-  // GDAL believes the header of the index, not its size.
-  const std::int64_t shape_count = (2 * big_endian(*index, 24) - kShapeHeader) / kIndexRecord;
+  const std::int64_t shape_count = shapes_of(*index);
   const std::int64_t record_count = table ? little_endian(*table, 4, 4) : shape_count;
   if (shape_count != record_count)
     throw Error(

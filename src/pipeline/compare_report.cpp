@@ -40,6 +40,30 @@ std::string list_of(const std::map<std::string, std::int64_t>& counts) {
   return parts.empty() ? "none" : fmt::format("{}", fmt::join(parts, ", "));
 }
 
+/// `check` is that of the city; `made`: the run that reports made it, and did not only read it.
+void compare_buildings(const CityModel& city, const CityCheck& check, const ReportedCity& report,
+                       bool made, CheckedFile& file) {
+  compare_count("number of buildings", report.buildings, city.buildings.size(), file);
+  std::vector<std::string> dropped;
+  for (const Dropped& feature : city.dropped) dropped.push_back(feature.source_id);
+  std::sort(dropped.begin(), dropped.end());
+  if (report.dropped != dropped)
+    differs("list of dropped features", std::to_string(report.dropped.size()),
+            std::to_string(dropped.size()), file);
+  if (!made) return;
+  compare("area of footprints", report.area, check.area * (1 - 1e-9) - 1e-6, check.area,
+          check.area * (1 + 1e-9) + 1e-6, file);
+  const double clearance = joint_clearance_of(check);
+  if (report.min_clearance)
+    compare("clearance", *report.min_clearance, clearance - 1e-6, clearance, clearance + 1e-6,
+            file);
+  std::map<std::string, std::int64_t> flags;
+  for (const Building& building : city.buildings)
+    for (const std::string& name : flag_names(building.flags)) ++flags[name];
+  if (report.flags != flags)
+    differs("number of flags", list_of(report.flags), list_of(flags), file);
+}
+
 }  // namespace
 
 void compare(const std::string& what, double reported, double low, double found, double high,
@@ -128,34 +152,6 @@ void compare_features(const CityModel& raw, const CityModel& city, CheckedFile& 
     file.violations.push_back({fmt::format("features that are not in {}", results::kRawCity),
                                static_cast<std::int64_t>(new_ids.size()), new_ids.front()});
 }
-
-namespace {
-
-/// `check` is that of the city; `made`: the run that reports made it, and did not only read it.
-void compare_buildings(const CityModel& city, const CityCheck& check, const ReportedCity& report,
-                       bool made, CheckedFile& file) {
-  compare_count("number of buildings", report.buildings, city.buildings.size(), file);
-  std::vector<std::string> dropped;
-  for (const Dropped& feature : city.dropped) dropped.push_back(feature.source_id);
-  std::sort(dropped.begin(), dropped.end());
-  if (report.dropped != dropped)
-    differs("list of dropped features", std::to_string(report.dropped.size()),
-            std::to_string(dropped.size()), file);
-  if (!made) return;
-  compare("area of footprints", report.area, check.area * (1 - 1e-9) - 1e-6, check.area,
-          check.area * (1 + 1e-9) + 1e-6, file);
-  const double clearance = joint_clearance_of(check);
-  if (report.min_clearance)
-    compare("clearance", *report.min_clearance, clearance - 1e-6, clearance, clearance + 1e-6,
-            file);
-  std::map<std::string, std::int64_t> flags;
-  for (const Building& building : city.buildings)
-    for (const std::string& name : flag_names(building.flags)) ++flags[name];
-  if (report.flags != flags)
-    differs("number of flags", list_of(report.flags), list_of(flags), file);
-}
-
-}  // namespace
 
 void compare_city(const CityModel& city, const CityCheck& check, const ReportedFacts& report,
                   CheckedFile& file) {

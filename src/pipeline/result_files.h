@@ -41,7 +41,7 @@ inline constexpr std::array<ResultFile, 14> kOfMesh = {{
     {"surface.glb", "glb"},
 }};
 
-/// The formats, and the files without a format, that `check` does not read, as users know them.
+/// What `check` does not read, as it tells users: a folder stands for its files.
 inline constexpr std::array kUnread = {"surface.stl", "volume.msh",  "constant/polyMesh",
                                        "surface.obj", "surface.ply", "surface.glb"};
 

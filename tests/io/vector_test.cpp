@@ -866,16 +866,21 @@ TEST(Vector, IndicesThatDoNotFitTheShapesAreErrors) {
 
 TEST(Vector, GeoPackagesWithFewerFeaturesThanTheyTellAreWarnedOf) {
   const TemporaryFolder folder;
-  write_footprints(folder / "a.gpkg", std::vector<Polygon>{{{{0, 0}, {9, 0}, {9, 9}}, {}}},
-                   std::vector<std::string>{"x"}, {}, {}, "EPSG:28992");
-  EXPECT_FALSE(has_warning(read_footprints(folder / "a.gpkg"), "footprints_fewer"));
-  const std::string change = "python3 -c 'import sqlite3; d = sqlite3.connect(\"" +
-                             (folder / "a.gpkg").string() +
-                             "\"); d.execute(\"update gpkg_ogr_contents set feature_count = 5\"); "
-                             "d.commit()'";
-  if (std::system(change.c_str()) != 0) GTEST_SKIP() << "needs python3";
-  const FootprintsInput input = read_footprints(folder / "a.gpkg");
-  EXPECT_EQ(input.features.size(), 1U);
+  const fs::path path = folder / "a.gpkg";
+  write_footprints(
+      path, std::vector<Polygon>{{{{0, 0}, {9, 0}, {9, 9}}, {}}, {{{20, 0}, {29, 0}, {29, 9}}, {}}},
+      std::vector<std::string>{"x", "y"}, {}, {}, "EPSG:28992");
+  EXPECT_FALSE(has_warning(read_footprints(path), "footprints_fewer"));
+  // The row of gpkg_ogr_contents as SQLite stores it: lengths and types, table "a", count 2.
+  std::string bytes = bytes_of(path);
+  const std::size_t row = bytes.find(
+      "\x03\x0f\x01"
+      "a\x02");
+  ASSERT_NE(row, std::string::npos);
+  bytes[row + 4] = 5;
+  write_text(path, bytes);
+  const FootprintsInput input = read_footprints(path);
+  EXPECT_EQ(input.features.size(), 2U);
   EXPECT_TRUE(has_warning(input, "footprints_fewer"));
 }
 
