@@ -325,11 +325,16 @@ void MeshImprover::cut_terrain_back(ColumnPlanOptions& options) {
     return mark_buried_roofs(columns_.mesh, columns_.plan, bad, marks);
   });
   options.cut.feet.assign(columns_.plan.ground.size(), std::numeric_limits<double>::infinity());
-  for (const double share : {0.0, 0.5})  // as few feet as do
-    cut_from(options, [&](std::span<const std::uint8_t> bad, CutMarks& marks) {
-      return mark_feet(columns_.mesh, columns_.plan, bad, {options.cut_slopes.at_start, share},
-                       marks);
-    });
+  // As few feet as do. Last those next to bad triangles: over level ground at the foot of a cliff
+  // the columns of the foot, whose segments are as long as the cliff is high, make faces bad.
+  for (const bool is_beside : {false, true})
+    for (const double share : {0.0, 0.5})
+      cut_from(options, [&](std::span<const std::uint8_t> bad, CutMarks& marks) {
+        const FootRule rule{options.cut_slopes.at_start, share};
+        if (!is_beside) return mark_feet(columns_.mesh, columns_.plan, bad, rule, marks);
+        return mark_feet(columns_.mesh, columns_.plan, with_neighbours(columns_.mesh, bad), rule,
+                         marks);
+      });
 }
 
 }  // namespace

@@ -10,6 +10,7 @@
 #include <fmt/format.h>
 
 #include "tetropolis/core/units.h"
+#include "tetropolis/volume/free_top.h"
 #include "tetropolis/volume/smooth.h"
 
 namespace tetropolis {
@@ -18,6 +19,9 @@ namespace {
 
 /// More layers than this come from a stray point or a slip of the keyboard.
 constexpr std::int32_t kMostLayers = 5000;
+
+/// Tangent of a free top's slope, at most.
+constexpr double kSteepestTop = 1.5;
 
 void require_plausible(const LayerPlan& plan) {
   if (plan.layers <= kMostLayers) return;
@@ -99,6 +103,7 @@ Columns smooth_columns(const Config& config, const CityModel& city, const Raster
   if (config.layering == Layering::kUniform)
     return {std::move(plan), columns_of_layers(std::move(layered))};
   for (std::size_t v = 0; v < plan.top.size(); ++v) plan.top[v] = layered.column(v)[layered.layers];
+  limit_slope(layered.ground, layered.edges, kSteepestTop, plan.top);
   require_cells_fit(config, size, static_cast<double>(layered.ground.triangles.size()),
                     estimate_cells(plan));
   ColumnMesh mesh = divide_columns(std::move(layered.ground), std::move(layered.edges), plan);

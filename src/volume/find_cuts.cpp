@@ -71,6 +71,19 @@ std::vector<std::uint8_t> find_bad_triangles(const ColumnMesh& mesh, const Angle
   return bad;
 }
 
+std::vector<std::uint8_t> with_neighbours(const ColumnMesh& mesh,
+                                          std::span<const std::uint8_t> marked) {
+  std::vector<std::uint8_t> touched(mesh.vertex_count(), 0), all(marked.begin(), marked.end());
+  const auto& triangles = mesh.ground.triangles;
+  for (std::size_t t = 0; t < triangles.size(); ++t)
+    if (marked[t] != 0)
+      for (const VertexIndex v : triangles[t]) touched[static_cast<std::size_t>(v)] = 1;
+  for (std::size_t t = 0; t < triangles.size(); ++t)
+    for (const VertexIndex v : triangles[t])
+      if (touched[static_cast<std::size_t>(v)] != 0) all[t] = 1;
+  return all;
+}
+
 std::int64_t mark_buried_roofs(const ColumnMesh& mesh, const ColumnPlan& plan,
                                std::span<const std::uint8_t> bad, CutMarks& marks) {
   std::int64_t marked = 0;

@@ -173,6 +173,78 @@ TEST(QualityFloor, SlopesOf45DegreesAndRockWalls) {
     }
 }
 
+/// A city and the settings that `scripts/survey --seed` prints for it.
+struct SurveyedCity {
+  std::uint64_t seed;
+  double size, relief, point_density;
+  double mesh_size, domain_height, distance;
+  Top top;
+  BoundaryBuildings boundary;
+  std::vector<double> bounds;
+};
+
+/// Cities whose meshes were below the floor once: level ground at the foot of a rock wall, whose
+/// columns have segments as long as the wall is high (3074, 3737); a free top with a cliff above
+/// the wall of a building as large as the domain on a slope (3132).
+TEST(QualityFloor, FoundByTheSurvey) {
+  const std::vector<SurveyedCity> cities{
+      {3074,
+       224,
+       0.4,
+       0.6,
+       10,
+       30,
+       1,
+       Top::kFlat,
+       BoundaryBuildings::kClip,
+       {319000.0457, 6396000.0516, 319224.0457, 6396224.0516}},
+      {3132,
+       279,
+       7.4,
+       0.91,
+       30,
+       39,
+       0.5,
+       Top::kFree,
+       BoundaryBuildings::kClip,
+       {-139.5, -93, 139.5, 186}},
+      {3737,
+       172,
+       3.6,
+       0.95,
+       5,
+       44,
+       1,
+       Top::kFlat,
+       BoundaryBuildings::kDrop,
+       {319000, 6396000, 319172, 6396172}},
+  };
+  for (const SurveyedCity& c : cities) {
+    SCOPED_TRACE(c.seed);
+    const testing::TemporaryFolder folder;
+    Config config;
+    config.kind = SynthKind::kAdversarial;
+    config.seed = c.seed;
+    config.size = c.size;
+    config.relief = c.relief;
+    config.point_density = c.point_density;
+    config.out = folder / "input";
+    run_synth(config);
+    Config build;
+    build.footprints = folder / "input/footprints.geojson";
+    build.points = {folder / "input"};
+    build.id_attribute = "id";
+    build.mesh_size = c.mesh_size;
+    build.domain_height = c.domain_height;
+    build.min_building_distance = c.distance;
+    build.top = c.top;
+    build.boundary_buildings = c.boundary;
+    build.bounds = c.bounds;
+    build.out = folder / "out";
+    expect_good_angles(*run_build(build).volume_mesh);
+  }
+}
+
 /// Every point is ground, as in surface models sold for terrain: roofs and trees are cliffs, and
 /// walls of a metre are left at the buildings, which get the minimum height above the terrain.
 TEST(QualityFloor, RoofsAndTreesInTheTerrain) {

@@ -16,6 +16,10 @@ namespace tetropolis {
 /// which) a face is more than kMostNonOrthogonal; for marking.
 std::vector<std::uint8_t> find_bad_triangles(const ColumnMesh& mesh, const AngleBounds& bounds);
 
+/// `marked`, and 1 for the triangles that share a vertex with a marked one. One entry per triangle.
+std::vector<std::uint8_t> with_neighbours(const ColumnMesh& mesh,
+                                          std::span<const std::uint8_t> marked);
+
 /// Marks buildings beside which a triangle outside buildings is bad and the ground rises above the
 /// roof within it. Returns how many were not marked before. `plan` is the one `mesh` was made with;
 /// `bad` has one entry per triangle; `marks.roofs` has its size.
