@@ -1,12 +1,9 @@
 #include <algorithm>
 #include <array>
-#include <charconv>
 #include <cmath>
 #include <cstdint>
-#include <cstdlib>
 #include <optional>
 #include <string_view>
-#include <system_error>
 #include <unordered_set>
 #include <utility>
 
@@ -19,7 +16,9 @@
 #include "tetropolis/io/crs.h"
 
 #include "cityjson_footprint.h"
+#include "cityjson_geometry.h"
 #include "input_file.h"
+#include "json_place.h"
 #include "positioned_file.h"
 
 namespace tetropolis {
@@ -27,60 +26,6 @@ namespace tetropolis {
 namespace fs = std::filesystem;
 
 namespace {
-
-using Json = nlohmann::json;
-
-/// A value in the document with the way to it, for messages.
-class Place {
- public:
-  Place(const fs::path& file, const Json& value) : file_(&file), value_(&value) {}
-
-  const Json& value() const { return *value_; }
-
-  [[noreturn]] void fail(std::string_view what) const {
-    throw Error(ErrorKind::kInput, fmt::format("{}: {} {}", file_->string(),
-                                               where_.empty() ? "the document" : where_, what));
-  }
-
-  bool has(const char* key) const { return value_->is_object() && value_->contains(key); }
-
-  Place at(const std::string& key) const {
-    if (!value_->is_object()) fail("is not an object");
-    const auto found = value_->find(key);
-    if (found == value_->end()) fail(fmt::format("has no member '{}'", key));
-    return Place(*file_, *found, where_ + "/" + key);
-  }
-
-  Place at(std::size_t i) const {
-    if (i >= size()) fail(fmt::format("has no item {}", i));
-    return Place(*file_, (*value_)[i], where_ + "/" + std::to_string(i));
-  }
-
-  std::size_t size() const {
-    if (!value_->is_array()) fail("is not an array");
-    return value_->size();
-  }
-
-  double number() const {
-    if (!value_->is_number()) fail("is not a number");
-    const double result = value_->get<double>();
-    if (!std::isfinite(result)) fail("is not a finite number");
-    return result;
-  }
-
-  const std::string& text() const {
-    if (!value_->is_string()) fail("is not a string");
-    return value_->get_ref<const std::string&>();
-  }
-
- private:
-  Place(const fs::path& file, const Json& value, std::string where)
-      : file_(&file), value_(&value), where_(std::move(where)) {}
-
-  const fs::path* file_;
-  const Json* value_;
-  std::string where_;
-};
 
 /// Notes the keys of CityObjects in the order of the file, which the parsed document forgets, and
 /// where the text stops to be JSON. (The parser's own call-backs take time quadratic in the length
@@ -155,152 +100,6 @@ Document parse(const fs::path& path) {
   return {Json::parse(text), std::move(scan.keys)};
 }
 
-/// Vertices of the file in the local frame.
-struct Frame {
-  std::vector<Point3> vertices;
-  Point2 origin;
-};
-
-Point3 read_triple(const Place& place) {
-  if (place.size() != 3) place.fail("is not an array of three numbers");
-  return {place.at(0).number(), place.at(1).number(), place.at(2).number()};
-}
-
-bool is_whole(double value) { return std::floor(value) == value && std::abs(value) < 1e15; }
-
-Frame read_vertices(const Place& root) {
-  Point3 scale{1, 1, 1};
-  Point3 translate{0, 0, 0};
-  const bool transformed = root.has("transform");
-  if (transformed) {
-    scale = read_triple(root.at("transform").at("scale"));
-    translate = read_triple(root.at("transform").at("translate"));
-    // Beyond that metres are lost, and no city is there.
-    for (const double t : translate)
-      if (!(std::abs(t) <= 1e9)) root.at("transform").at("translate").fail("is beyond 1e9");
-  }
-  Frame frame;
-  const Place list = root.at("vertices");
-  const std::size_t size = list.size();
-  frame.vertices.reserve(size);
-  for (std::size_t i = 0; i < size; ++i) {
-    // The long list of the document: the way to an item is spelt out only where it is wrong.
-    const Json& v = list.value()[i];
-    const bool good =
-        v.is_array() && v.size() == 3 && v[0].is_number() && v[1].is_number() && v[2].is_number();
-    if (!good) list.at(i).fail("is not an array of three numbers");
-    frame.vertices.push_back({v[0].get<double>(), v[1].get<double>(), v[2].get<double>()});
-  }
-  if (transformed && is_whole(translate[0]) && is_whole(translate[1])) {
-    frame.origin = {translate[0], translate[1]};
-  } else if (size > 0) {
-    Point2 low{translate[0] + frame.vertices[0][0] * scale[0],
-               translate[1] + frame.vertices[0][1] * scale[1]};
-    for (const Point3& v : frame.vertices) {
-      low.x = std::min(low.x, translate[0] + v[0] * scale[0]);
-      low.y = std::min(low.y, translate[1] + v[1] * scale[1]);
-    }
-    frame.origin = {std::floor(low.x), std::floor(low.y)};
-  }
-  const Point3 shift = {translate[0] - frame.origin.x, translate[1] - frame.origin.y, translate[2]};
-  for (std::size_t i = 0; i < size; ++i)
-    for (std::size_t axis = 0; axis < 3; ++axis) {
-      double& v = frame.vertices[i][axis];
-      v = snap_coordinate(v * scale[axis] + shift[axis]);
-      if (!std::isfinite(v) || std::abs(v) > 1e12)
-        list.at(i).fail("is not finite or beyond 1e12 m");
-    }
-  return frame;
-}
-
-/// Reads boundaries of any depth into faces.
-class FaceReader {
- public:
-  FaceReader(const Frame& frame, const Place& geometry) : frame_(frame) {
-    if (!geometry.has("semantics")) return;
-    const Place semantics = geometry.at("semantics");
-    if (!semantics.has("surfaces") || !semantics.has("values")) return;
-    const Place surfaces = semantics.at("surfaces");
-    for (std::size_t i = 0; i < surfaces.size(); ++i)
-      types_.push_back(surfaces.at(i).at("type").text());
-    values_ = &semantics.at("values").value();
-  }
-
-  /// `depth`: levels of arrays above a surface's own (0: `boundaries` is a list of surfaces).
-  std::vector<Face> read(const Place& boundaries, int depth) {
-    std::vector<Face> faces;
-    collect(boundaries, depth, values_, faces);
-    return faces;
-  }
-
- private:
-  /// The part of the semantics that belongs to item i; null where semantics are shorter or null.
-  static const Json* item(const Json* values, std::size_t i) {
-    return values != nullptr && values->is_array() && i < values->size() ? &(*values)[i] : nullptr;
-  }
-
-  void collect(const Place& list, int depth, const Json* values, std::vector<Face>& faces) {
-    for (std::size_t i = 0; i < list.size(); ++i) {
-      if (depth > 0)
-        collect(list.at(i), depth - 1, item(values, i), faces);
-      else
-        faces.push_back(read_face(list.at(i), item(values, i)));
-    }
-  }
-
-  Face read_face(const Place& surface, const Json* value) {
-    Face face;
-    for (std::size_t r = 0; r < surface.size(); ++r) {
-      const Place ring = surface.at(r);
-      std::vector<Point3> points;
-      for (std::size_t i = 0; i < ring.size(); ++i) points.push_back(vertex(ring, i));
-      face.rings.push_back(std::move(points));
-    }
-    if (value != nullptr && value->is_number_unsigned()) {
-      const auto index = value->get<std::uint64_t>();
-      if (index >= types_.size())
-        surface.fail(fmt::format("has semantics {} of {}", index, types_.size()));
-      const std::string& type = types_[static_cast<std::size_t>(index)];
-      face.is_ground = type == "GroundSurface";
-      face.is_roof = type == "RoofSurface";
-    }
-    return face;
-  }
-
-  const Point3& vertex(const Place& ring, std::size_t i) const {
-    const Json& value = ring.value()[i];
-    if (!value.is_number_unsigned()) ring.at(i).fail("is not a vertex number");
-    const auto index = value.get<std::uint64_t>();
-    if (index >= frame_.vertices.size())
-      ring.at(i).fail(fmt::format("is vertex {} of {}", index, frame_.vertices.size()));
-    return frame_.vertices[static_cast<std::size_t>(index)];
-  }
-
-  const Frame& frame_;
-  std::vector<std::string> types_;  ///< Of the semantic surfaces.
-  const Json* values_ = nullptr;
-};
-
-/// Array levels above the surfaces, or -1 for geometry without surfaces.
-int surface_depth(const std::string& type) {
-  if (type == "MultiSurface" || type == "CompositeSurface") return 0;
-  if (type == "Solid") return 1;
-  if (type == "MultiSolid" || type == "CompositeSolid") return 2;
-  return -1;
-}
-
-/// Nothing where it is missing or no number.
-std::optional<double> level_of_detail(const Place& geometry) {
-  if (!geometry.has("lod")) return std::nullopt;
-  const Json& lod = geometry.at("lod").value();
-  if (lod.is_number()) return lod.get<double>();
-  if (!lod.is_string()) return std::nullopt;
-  const auto& text = lod.get_ref<const std::string&>();
-  double level = 0;
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), level);
-  return error == std::errc() ? std::optional(level) : std::nullopt;
-}
-
 /// The types of objects of CityJSON 1.0 to 2.0 that are no buildings.
 constexpr std::array<std::string_view, 35> kOtherTypes = {"Bridge",
                                                           "BridgePart",
@@ -337,40 +136,6 @@ constexpr std::array<std::string_view, 35> kOtherTypes = {"Bridge",
                                                           "TunnelFurniture",
                                                           "WaterBody",
                                                           "Waterway"};
-
-/// Why an object has no faces, or its faces.
-struct ObjectFaces {
-  std::vector<Face> faces;
-  std::string reason;
-};
-
-ObjectFaces read_faces(const Place& object, const Frame& frame) {
-  ObjectFaces result;
-  if (!object.has("geometry") || object.at("geometry").size() == 0) {
-    result.reason = "no geometry";
-    return result;
-  }
-  const Place list = object.at("geometry");
-  result.reason = "no surface or solid in its geometry";
-  double best = 0;  // LoD 0 is a footprint without height
-  for (std::size_t i = 0; i < list.size(); ++i) {
-    const Place geometry = list.at(i);
-    const int depth = surface_depth(geometry.at("type").text());
-    if (depth < 0) continue;
-    std::vector<Face> faces = FaceReader(frame, geometry).read(geometry.at("boundaries"), depth);
-    // The standard asks for a level; a solid has a height without one, too.
-    const std::optional<double> told = level_of_detail(geometry);
-    const double lod = told.value_or(depth > 0 ? 1 : 0);
-    if (lod < 1)
-      result.reason = told ? "only geometry of LoD 0, which has no height"
-                           : "its surfaces have no level of detail ('lod')";
-    if (lod < 1 || lod <= best) continue;
-    best = lod;
-    result.faces = std::move(faces);
-  }
-  if (!result.faces.empty()) result.reason.clear();
-  return result;
-}
 
 /// Attributes of our own files; members that are missing keep their defaults.
 void read_attributes(const Place& attributes, Building& building) {
@@ -453,7 +218,7 @@ class CityReader {
   const std::vector<std::string>& unknown_types() const { return unknown_types_; }
 
   /// How many roofs of others reach higher than the height they get.
-  std::int64_t flattened() const { return flattened_; }
+  std::size_t flattened() const { return flattened_; }
 
   /// Foreign buildings get their numbers last, apart from the ids that files of ours brought.
   void finish() {
@@ -518,7 +283,7 @@ class CityReader {
   CityModel& model_;
   std::vector<std::string> other_heights_;
   std::vector<std::string> unknown_types_;
-  std::int64_t flattened_ = 0;
+  std::size_t flattened_ = 0;
 };
 
 void check_type(const Place& root) {
@@ -569,6 +334,30 @@ std::string read_crs(const Place& root) {
   return crs_at(metadata.at("referenceSystem"));
 }
 
+/// What became of objects otherwise than one might think; `dropped` of them are no buildings.
+void warn_of_objects(const fs::path& path, const CityReader& reader, std::size_t dropped,
+                     std::vector<Warning>& warnings) {
+  const auto warn = [&](const char* code, std::size_t count, std::string message) {
+    if (count > 0)
+      warnings.push_back({code, static_cast<std::int64_t>(count),
+                          fmt::format("{}: {}", path.string(), std::move(message))});
+  };
+  warn("city_objects_dropped", dropped,
+       fmt::format("{} buildings or parts have no usable geometry", dropped));
+  warn("city_roofs_flattened", reader.flattened(),
+       "parts of roofs are left out that reach higher than nine tenths of the roof's area");
+  const std::vector<std::string>& unknown = reader.unknown_types();
+  warn("city_types_unknown", unknown.size(),
+       fmt::format("{} objects are left out that have a type which is none of CityJSON's own "
+                   "(the first: {}); make them Buildings if they are",
+                   unknown.size(), unknown.empty() ? "" : unknown.front()));
+  const std::vector<std::string>& other = reader.other_heights();
+  warn("city_heights_differ", other.size(),
+       fmt::format("the solids of {} buildings (the first: {}) are not at the heights of their "
+                   "attributes h_ground and h_roof; the attributes are used",
+                   other.size(), other.empty() ? "" : other.front()));
+}
+
 }  // namespace
 
 CityModel read_city(const fs::path& path, std::vector<Warning>* warnings) {
@@ -586,29 +375,8 @@ CityModel read_city(const fs::path& path, std::vector<Warning>* warnings) {
   CityReader reader(frame, model);
   for (const std::string& key : document.keys) reader.add(objects.at(key), key);
   reader.finish();
-  const std::size_t dropped = model.dropped.size() - dropped_before;
-  if (warnings != nullptr && dropped > 0)
-    warnings->push_back(
-        {"city_objects_dropped", static_cast<std::int64_t>(dropped),
-         fmt::format("{}: {} buildings or parts have no usable geometry", path.string(), dropped)});
-  if (warnings != nullptr && reader.flattened() > 0)
-    warnings->push_back({"city_roofs_flattened", reader.flattened(),
-                         path.string() + ": parts of roofs are left out that reach higher than "
-                                         "nine tenths of the roof's area"});
-  const std::vector<std::string>& unknown = reader.unknown_types();
-  if (warnings != nullptr && !unknown.empty())
-    warnings->push_back(
-        {"city_types_unknown", static_cast<std::int64_t>(unknown.size()),
-         fmt::format("{}: {} objects are left out that have a type which is none of CityJSON's own "
-                     "(the first: {}); make them Buildings if they are",
-                     path.string(), unknown.size(), unknown.front())});
-  const std::vector<std::string>& other = reader.other_heights();
-  if (warnings != nullptr && !other.empty())
-    warnings->push_back(
-        {"city_heights_differ", static_cast<std::int64_t>(other.size()),
-         fmt::format("{}: the solids of {} buildings (the first: {}) are not at the heights of "
-                     "their attributes h_ground and h_roof; the attributes are used",
-                     path.string(), other.size(), other.front())});
+  if (warnings != nullptr)
+    warn_of_objects(path, reader, model.dropped.size() - dropped_before, *warnings);
   return model;
 }
 

@@ -34,8 +34,8 @@ std::int64_t limit_slope(const GroundMesh& mesh, const EdgeGraph& edges, double 
     for (EdgeIndex e = edges.starts[i]; e < edges.starts[i + 1]; ++e)
       raise(v, edges.vertices[static_cast<std::size_t>(e)][1]);
     for (std::int32_t k = edges.end_offsets[i]; k < edges.end_offsets[i + 1]; ++k)
-      raise(v, edges.vertices[static_cast<std::size_t>(
-                   edges.ends[static_cast<std::size_t>(k)])][0]);
+      raise(v,
+            edges.vertices[static_cast<std::size_t>(edges.ends[static_cast<std::size_t>(k)])][0]);
   }
   std::int64_t count = 0;
   for (const std::uint8_t raised : is_raised) count += raised;

@@ -1,0 +1,33 @@
+// Vertices and faces of CityJSON.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "tetropolis/geometry/types.h"
+
+#include "cityjson_footprint.h"
+#include "json_place.h"
+
+namespace tetropolis {
+
+/// Vertices of the file in the local frame.
+struct Frame {
+  std::vector<Point3> vertices;
+  Point2 origin;
+};
+
+/// Of the document's `vertices` and `transform`, on the grid of coordinates. The origin is the
+/// translation if that is in whole metres, else at the lowest vertex. Errors name the vertex.
+Frame read_vertices(const Place& root);
+
+/// Why an object has no faces, or its faces.
+struct ObjectFaces {
+  std::vector<Face> faces;
+  std::string reason;
+};
+
+/// The faces of a city object at its highest level of detail from 1 on.
+ObjectFaces read_faces(const Place& object, const Frame& frame);
+
+}  // namespace tetropolis
