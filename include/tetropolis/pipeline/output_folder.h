@@ -67,7 +67,6 @@ class OutputFolder {
  private:
   void create_staging(const std::filesystem::path& named);
   void require_all() const;
-  void replace_results();
 
   OutputWatcher watcher_;
   std::filesystem::path target_;
