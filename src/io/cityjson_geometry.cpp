@@ -26,7 +26,7 @@ bool is_whole(double value) { return std::floor(value) == value && std::abs(valu
 /// Reads boundaries of any depth into faces.
 class FaceReader {
  public:
-  FaceReader(const Frame& frame, const Place& geometry) : frame_(frame) {
+  FaceReader(const CityFrame& frame, const Place& geometry) : frame_(frame) {
     if (!geometry.has("semantics")) return;
     const Place semantics = geometry.at("semantics");
     if (!semantics.has("surfaces") || !semantics.has("values")) return;
@@ -86,7 +86,7 @@ class FaceReader {
     return frame_.vertices[static_cast<std::size_t>(index)];
   }
 
-  const Frame& frame_;
+  const CityFrame& frame_;
   std::vector<std::string> types_;  ///< Of the semantic surfaces.
   const Json* values_ = nullptr;
 };
@@ -113,7 +113,7 @@ std::optional<double> level_of_detail(const Place& geometry) {
 
 }  // namespace
 
-Frame read_vertices(const Place& root) {
+CityFrame read_vertices(const Place& root) {
   Point3 scale{1, 1, 1};
   Point3 translate{0, 0, 0};
   const bool transformed = root.has("transform");
@@ -124,7 +124,7 @@ Frame read_vertices(const Place& root) {
     for (const double t : translate)
       if (!(std::abs(t) <= 1e9)) root.at("transform").at("translate").fail("is beyond 1e9");
   }
-  Frame frame;
+  CityFrame frame;
   const Place list = root.at("vertices");
   const std::size_t size = list.size();
   frame.vertices.reserve(size);
@@ -158,7 +158,7 @@ Frame read_vertices(const Place& root) {
   return frame;
 }
 
-ObjectFaces read_faces(const Place& object, const Frame& frame) {
+ObjectFaces read_faces(const Place& object, const CityFrame& frame) {
   ObjectFaces result;
   if (!object.has("geometry") || object.at("geometry").size() == 0) {
     result.reason = "no geometry";

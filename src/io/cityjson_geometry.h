@@ -12,14 +12,14 @@
 namespace tetropolis {
 
 /// Vertices of the file in the local frame.
-struct Frame {
+struct CityFrame {
   std::vector<Point3> vertices;
   Point2 origin;
 };
 
 /// Of the document's `vertices` and `transform`, on the grid of coordinates. The origin is the
 /// translation if that is in whole metres, else at the lowest vertex. Errors name the vertex.
-Frame read_vertices(const Place& root);
+CityFrame read_vertices(const Place& root);
 
 /// Why an object has no faces, or its faces.
 struct ObjectFaces {
@@ -28,6 +28,6 @@ struct ObjectFaces {
 };
 
 /// The faces of a city object at its highest level of detail from 1 on.
-ObjectFaces read_faces(const Place& object, const Frame& frame);
+ObjectFaces read_faces(const Place& object, const CityFrame& frame);
 
 }  // namespace tetropolis

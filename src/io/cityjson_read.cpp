@@ -185,7 +185,7 @@ bool has_heights(const std::vector<Face>& faces, const Building& building) {
 
 class CityReader {
  public:
-  CityReader(const Frame& frame, CityModel& model) : frame_(frame), model_(model) {}
+  CityReader(const CityFrame& frame, CityModel& model) : frame_(frame), model_(model) {}
 
   void add(const Place& object, const std::string& key) {
     const std::string& type = object.at("type").text();
@@ -279,7 +279,7 @@ class CityReader {
     }
   }
 
-  const Frame& frame_;
+  const CityFrame& frame_;
   CityModel& model_;
   std::vector<std::string> other_heights_;
   std::vector<std::string> unknown_types_;
@@ -364,7 +364,7 @@ CityModel read_city(const fs::path& path, std::vector<Warning>* warnings) {
   const Document document = parse(path);
   const Place root(path, document.root);
   check_type(root);
-  const Frame frame = read_vertices(root);
+  const CityFrame frame = read_vertices(root);
   CityModel model;
   model.origin = frame.origin;
   model.crs = read_crs(root);

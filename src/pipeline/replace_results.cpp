@@ -221,8 +221,8 @@ void replace_results(const fs::path& staging, const fs::path& target,
     throw Error(ErrorKind::kInput,
                 failed.shown.string() + ": cannot be replaced: " + failed.reason.message() +
                     (torn ? "; part of the earlier result is in " + staging.string() +
-                                 ": keep that, the next run with this --out puts it back"
-                           : "; the earlier result is unchanged"));
+                                ": keep that, the next run with this --out puts it back"
+                          : "; the earlier result is unchanged"));
   }
 }
 
