@@ -99,8 +99,7 @@ Bounds2 header_box(const LasInfo& info) {
           info.max[1] + margin_y};
 }
 
-std::vector<LasPlan> plan_files(std::span<const fs::path> paths,
-                                const ReadPointsOptions& options) {
+std::vector<LasPlan> plan_files(std::span<const fs::path> paths, const ReadPointsOptions& options) {
   std::vector<LasPlan> plans(paths.size());
   LasSystems systems;
   parallel_in_order(paths.size(),

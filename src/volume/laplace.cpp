@@ -82,72 +82,102 @@ double plan_area(const GroundMesh& ground) {
   return sum;
 }
 
-}  // namespace
+/// Conjugate gradients, in single precision, for the equations of a layered mesh, preconditioned by
+/// a multigrid cycle. Vectors have one entry per node, columns padded to the matrix's stride.
+class ConjugateGradients {
+ public:
+  /// `matrix` and `r`, the residual of the first guess, with given nodes imposed.
+  ConjugateGradients(const LayeredMesh& mesh, const LevelMatrix& matrix, PaddedFloats r,
+                     EdgeWeights weights)
+      : mesh_(mesh),
+        matrix_(matrix),
+        graph_{mesh.vertex_count(), mesh.edges.vertices.data(), mesh.edges.starts.data(),
+               mesh.edges.end_offsets.data(), mesh.edges.ends.data()},
+        preconditioner_(matrix_, graph_, std::move(weights), mean_height(mesh),
+                        plan_area(mesh.ground)),
+        r_(std::move(r)),
+        p_(r_.size()),
+        q_(r_.size()),
+        z_(r_.size()) {}
 
-SolverReport solve_laplace(const LayeredMesh& mesh, std::vector<float>& u,
-                           const LaplaceOptions& options, const Progress& progress) {
-  const bool uniform = options.fixed_top && mesh.layers > 1 && is_uniform(mesh);
-  Stiffness stiffness = assemble_stiffness(mesh, uniform);
-  auto& matrix = stiffness.matrix;
-  auto& weights = stiffness.weights;
-  matrix.given_top = options.fixed_top;
-  PaddedFloats r = complete_diagonal(mesh, u, matrix);
-  SolverReport report;
-  report.unknowns = impose_given(mesh, options.fixed_top, matrix, r);
-  invert_pivots(matrix, mesh.vertex_count());
-  const LevelGraph graph{mesh.vertex_count(), mesh.edges.vertices.data(), mesh.edges.starts.data(),
-                         mesh.edges.end_offsets.data(), mesh.edges.ends.data()};
-  Multigrid preconditioner(matrix, graph, std::move(weights), mean_height(mesh),
-                           plan_area(mesh.ground));
-  const std::size_t n = mesh.stride(), stride = matrix.stride;
-  PaddedFloats p(r.size()), q(r.size()), z(r.size());
+  /// Adds to u, which has one entry per node without padding.
+  void solve(const LaplaceOptions& options, const Progress& progress, std::vector<float>& u,
+             SolverReport& report);
 
-  const auto over_columns = [&](const auto& kernel) {
-    parallel_chunks(mesh.vertex_count(), kColumnsPerChunk, [&](std::size_t begin, std::size_t end) {
-      kernel(ColumnRange{begin, end});
-    });
-  };
-  // q = M^-1 r. The first half sweep of M needs nothing but the column's own residual, so it is
-  // made where that is known.
-  const auto smooth = [&](ColumnRange range) {
-    solve_columns(matrix, preconditioner.damping(), r.data(), z.data(), range);
-  };
-  const auto precondition = [&] {
-    return preconditioner.apply_to_smoothed(r.data(), z.data(), q.data());
-  };
-  const auto new_direction = [&](float beta) {  // p = q + beta p
+ private:
+  template <typename Kernel>
+  void over_columns(const Kernel& kernel) const {
+    parallel_chunks(mesh_.vertex_count(), kColumnsPerChunk,
+                    [&](std::size_t begin, std::size_t end) {
+                      kernel(ColumnRange{begin, end});
+                    });
+  }
+
+  /// The first half sweep of the preconditioner needs nothing but the column's own residual, so it
+  /// is made where that is known.
+  void smooth(ColumnRange range) {
+    solve_columns(matrix_, preconditioner_.damping(), r_.data(), z_.data(), range);
+  }
+
+  /// q = M^-1 r, where z is r smoothed. Returns r q: a sum of squares, unless the smoother does not
+  /// converge on this mesh.
+  double precondition() {
+    return preconditioner_.apply_to_smoothed(r_.data(), z_.data(), q_.data());
+  }
+
+  double smooth_and_precondition() {
+    over_columns([&](ColumnRange range) { smooth(range); });
+    return precondition();
+  }
+
+  /// p = q + beta p
+  void new_direction(float beta) {
     over_columns([&](ColumnRange range) {
-      for (std::size_t i = range.begin * stride; i < range.end * stride; ++i)
-        p[i] = q[i] + beta * p[i];
+      for (std::size_t i = range.begin * matrix_.stride; i < range.end * matrix_.stride; ++i)
+        p_[i] = q_[i] + beta * p_[i];
     });
-  };
-  const auto multiplied_direction = [&] {  // q = A p
+  }
+
+  /// q = A p. Returns p q.
+  double multiply_direction() {
     return parallel_reduce_ordered(
-        mesh.vertex_count(), kColumnsPerChunk, 0.0,
+        mesh_.vertex_count(), kColumnsPerChunk, 0.0,
         [&](std::size_t begin, std::size_t end) {
-          return multiply(matrix, graph, p.data(), q.data(), {begin, end});
+          return multiply(matrix_, graph_, p_.data(), q_.data(), {begin, end});
         },
         [](double a, double b) { return a + b; });
-  };
-  const auto step = [&](float alpha) {  // u += alpha p, r -= alpha q
+  }
+
+  /// u += alpha p, r -= alpha q, and r smoothed.
+  void step(float alpha, std::vector<float>& u) {
+    const std::size_t n = mesh_.stride(), stride = matrix_.stride;
     over_columns([&](ColumnRange range) {
       for (std::size_t v = range.begin; v < range.end; ++v)
-        for (std::size_t k = 0; k < n; ++k) u[v * n + k] += alpha * p[v * stride + k];
-      for (std::size_t i = range.begin * stride; i < range.end * stride; ++i) r[i] -= alpha * q[i];
+        for (std::size_t k = 0; k < n; ++k) u[v * n + k] += alpha * p_[v * stride + k];
+      for (std::size_t i = range.begin * stride; i < range.end * stride; ++i)
+        r_[i] -= alpha * q_[i];
       smooth(range);
     });
-  };
+  }
 
-  over_columns(smooth);
-  double rz = precondition();
-  // A sum of squares, unless the smoother does not converge on this mesh.
-  const auto restart_safely = [&] {
-    if (!preconditioner.make_safe()) return false;
-    over_columns(smooth);
-    rz = precondition();
+  /// With a smoother that converges on any mesh. False if it is in use already.
+  bool restart_safely(double& rz) {
+    if (!preconditioner_.make_safe()) return false;
+    rz = smooth_and_precondition();
     return rz > 0;
-  };
-  if (rz < 0) restart_safely();
+  }
+
+  const LayeredMesh& mesh_;
+  const LevelMatrix& matrix_;
+  LevelGraph graph_;
+  Multigrid preconditioner_;
+  PaddedFloats r_, p_, q_, z_;
+};
+
+void ConjugateGradients::solve(const LaplaceOptions& options, const Progress& progress,
+                               std::vector<float>& u, SolverReport& report) {
+  double rz = smooth_and_precondition();
+  if (rz < 0) restart_safely(rz);
   const double first_rz = rz, target = options.tolerance * options.tolerance * rz;
   report.converged = rz == 0;
   float beta = 0;
@@ -157,20 +187,36 @@ SolverReport solve_laplace(const LayeredMesh& mesh, std::vector<float>& u,
             ? 0.0
             : std::clamp(std::log(rz / first_rz) / std::log(target / first_rz), 0.0, 1.0));
     new_direction(beta);
-    const double pq = multiplied_direction();
+    const double pq = multiply_direction();
     if (!(pq > 0)) break;  // rounding level reached: no direction reduces the energy any more
-    step(static_cast<float>(rz / pq));
+    step(static_cast<float>(rz / pq), u);
     ++report.iterations;
     const double next = precondition();
     beta = static_cast<float>(next / rz);
     rz = next;
     if (rz < 0 || report.iterations == kPatience) {
-      if (!restart_safely() && rz < 0) break;
+      if (!restart_safely(rz) && rz < 0) break;
       beta = 0;
     }
     report.converged = rz <= target;
   }
   report.relative_residual = first_rz > 0 ? std::sqrt(std::abs(rz) / first_rz) : 0;
+}
+
+}  // namespace
+
+SolverReport solve_laplace(const LayeredMesh& mesh, std::vector<float>& u,
+                           const LaplaceOptions& options, const Progress& progress) {
+  const bool uniform = options.fixed_top && mesh.layers > 1 && is_uniform(mesh);
+  Stiffness stiffness = assemble_stiffness(mesh, uniform);
+  LevelMatrix& matrix = stiffness.matrix;
+  matrix.given_top = options.fixed_top;
+  PaddedFloats r = complete_diagonal(mesh, u, matrix);
+  SolverReport report;
+  report.unknowns = impose_given(mesh, options.fixed_top, matrix, r);
+  invert_pivots(matrix, mesh.vertex_count());
+  ConjugateGradients(mesh, matrix, std::move(r), std::move(stiffness.weights))
+      .solve(options, progress, u, report);
   return report;
 }
 
