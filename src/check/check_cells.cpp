@@ -26,6 +26,16 @@ struct CellShape {
   double aspect;
 };
 
+/// Length of the shortest edge along z; infinite without any.
+double least_vertical_edge(const std::array<Vector3, 4>& p) {
+  double least = std::numeric_limits<double>::infinity();
+  for (std::size_t i = 0; i < 4; ++i)
+    for (std::size_t j = i + 1; j < 4; ++j)
+      if (p[i][0] == p[j][0] && p[i][1] == p[j][1])
+        least = std::min(least, std::abs(p[j][2] - p[i][2]));
+  return least;
+}
+
 /// From the outward area vectors a of two faces and the edge e between them: the faces' dihedral
 /// angle has |a_k x a_l| = 6 |V| |e| for the sine and -a_k . a_l for the cosine. Compared are
 /// cotangents with their squares, which spares the roots.
@@ -61,6 +71,7 @@ CellShape cell_shape(const std::array<Vector3, 4>& p) {
 struct Sums {
   double volume = 0;
   double least_cotangent = std::numeric_limits<double>::infinity();
+  double least_vertical_edge = std::numeric_limits<double>::infinity();
   std::int64_t inverted = 0;
   std::int64_t slivers = 0;
   std::vector<Violation> violations;
@@ -69,6 +80,7 @@ struct Sums {
 Sums added(Sums a, const Sums& b) {
   a.volume += b.volume;
   a.least_cotangent = std::min(a.least_cotangent, b.least_cotangent);
+  a.least_vertical_edge = std::min(a.least_vertical_edge, b.least_vertical_edge);
   a.inverted += b.inverted;
   a.slivers += b.slivers;
   add_violations(a.violations, b.violations);
@@ -154,6 +166,7 @@ std::vector<std::uint8_t> measure_cells(const TetMesh& mesh, VolumeCheck& check)
           const CellShape shape = cell_shape(p);
           part.volume += shape.volume;
           part.least_cotangent = std::min(part.least_cotangent, shape.least_cotangent);
+          part.least_vertical_edge = std::min(part.least_vertical_edge, least_vertical_edge(p));
           if (!(shape.greatest_cotangent <= sliver)) ++part.slivers;
           // No angle of a tet is least and above 71 degrees; what is not a number counts as flat.
           const double tangent = 1 / shape.greatest_cotangent;
@@ -169,6 +182,7 @@ std::vector<std::uint8_t> measure_cells(const TetMesh& mesh, VolumeCheck& check)
   check.volume = sums.volume;
   check.inverted = sums.inverted;
   check.slivers = sums.slivers;
+  check.least_vertical_edge = sums.least_vertical_edge;
   add_violations(check.violations, sums.violations);
   if (!mesh.cells.empty())
     check.max_dihedral_deg = to_degrees(std::atan2(1.0, sums.least_cotangent));

@@ -126,6 +126,7 @@ SurfaceCheck check_surface(const SurfaceMesh& surface) {
     if (!is_finite(surface.points[v]))
       note_violation(check.violations, kNotFinite, [&] { return fmt::format("vertex {}", v); });
   const Box box = bounding_box(surface);
+  check.highest = box.high[2];
   std::map<BuildingIndex, double> roof;
   for (std::size_t f = 0; f < surface.triangles.size(); ++f) {
     const auto p = corners(surface, f);

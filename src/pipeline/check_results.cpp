@@ -161,6 +161,25 @@ CheckedFile check_against_city(const std::string& name, const fs::path& terrain,
   return file;
 }
 
+/// What a file of the folder, or one from elsewhere, is called in what is printed.
+std::string shown_name(const fs::path& path, const fs::path& folder) {
+  return path.parent_path() == folder ? path.filename().string() : path.string();
+}
+
+CheckedFile check_terrain(const std::string& name, const fs::path& path, const CityModel& city,
+                          const std::optional<ReportedFacts>& report) {
+  const RasterInput terrain = read_raster(path, city.origin);
+  const auto [low, high] =
+      std::minmax_element(terrain.raster.values.begin(), terrain.raster.values.end());
+  CheckedFile file{name,
+                   {fmt::format("{} x {} nodes, {} m apart, {:.2f} to {:.2f} m", terrain.raster.nx,
+                                terrain.raster.ny, terrain.raster.step, *low, *high)},
+                   {},
+                   {}};
+  compare_terrain(terrain, city, report, file);
+  return file;
+}
+
 /// The volume, and each of the boundaries, which are all to be that of the volume, against it.
 std::vector<CheckedFile> check_volume_and_boundaries(const NamedVolume& volume,
                                                      const std::vector<NamedSurface>& boundaries,
@@ -288,7 +307,7 @@ std::vector<CheckedFile> check_folder(const fs::path& folder, std::optional<doub
     const std::optional<double> distance =
         distance_asked(name, is_raw ? std::nullopt : min_distance, report);
     const CityCheck check = check_city(city, distance);
-    files.push_back(describe(path.parent_path() == folder ? name : path.string(), check, distance));
+    files.push_back(describe(shown_name(path, folder), check, distance));
     note_heights(warnings, files.back());
     compare_account(city, report, files.back());
     if (is_raw) {
@@ -302,6 +321,9 @@ std::vector<CheckedFile> check_folder(const fs::path& folder, std::optional<doub
     if (raw && report && report->footprint_parts) compare_features(*raw, city, files.back());
     if (report) compare_city(city, check, *report, files.back());
   }
+  if (!sources.city.empty() && !sources.terrain.empty())
+    files.push_back(
+        check_terrain(shown_name(sources.terrain, folder), sources.terrain, city, report));
   add_meshes(folder, sources, city, report, progress, files);
   if (files.empty())
     throw Error(

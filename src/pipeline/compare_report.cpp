@@ -50,6 +50,9 @@ void compare_buildings(const CityModel& city, const CityCheck& check, const Repo
   if (report.dropped != dropped)
     differs("list of dropped features", std::to_string(report.dropped.size()),
             std::to_string(dropped.size()), file);
+  std::size_t merged = 0;
+  for (const Building& building : city.buildings) merged += building.source_ids.size() > 1 ? 1 : 0;
+  compare_count("number of merged groups", report.merged_groups, merged, file);
   if (!made) return;
   compare("area of footprints", report.area, check.area * (1 - 1e-9) - 1e-6, check.area,
           check.area * (1 + 1e-9) + 1e-6, file);
@@ -109,6 +112,8 @@ void compare_mesh(const ReportedMesh& mesh, const VolumeCheck& volume, const Sur
   near_one(mesh.aspects, "median", "median of aspect ratios", aspect.median, 0.01 * aspect.median);
   near_one(mesh.aspects, "p99", "99 % quantile of aspect ratios", aspect.p99, 0.01 * aspect.p99);
   near_one(mesh.aspects, "max", "greatest aspect ratio", aspect.max, 1e-4 * aspect.max);
+  near("least vertical edge", mesh.min_vertical_gap, volume.least_vertical_edge, 1e-6);
+  if (mesh.top) near("elevation of the top", *mesh.top, surface.highest, 1e-6);
   near("closed boundary", mesh.closed ? 1 : 0, surface.closed ? 1 : 0, 0);
   near("manifold boundary", mesh.manifold ? 1 : 0, surface.manifold ? 1 : 0, 0);
   for (int i = 0; i < kPatchCount; ++i) {
@@ -173,6 +178,18 @@ void compare_city(const CityModel& city, const CityCheck& check, const ReportedF
       !std::equal(sides.begin(), sides.end(), report.domain->begin(),
                   [](double a, double b) { return std::abs(a - b) <= kSame; }))
     differs("domain", text(*report.domain), text(sides), file);
+}
+
+void compare_terrain(const RasterInput& terrain, const CityModel& city,
+                     const std::optional<ReportedFacts>& report, CheckedFile& file) {
+  if (!terrain.crs.empty() && !city.crs.empty() && !same_horizontal_crs(terrain.crs, city.crs))
+    file.violations.push_back(
+        {"terrain and city model in different reference systems", 1,
+         fmt::format("{} and {}", crs_name(terrain.crs), crs_name(city.crs))});
+  const double step = terrain.raster.step;
+  if (report && report->dtm_step)
+    compare("step of the terrain", *report->dtm_step, step * (1 - 1e-9), step, step * (1 + 1e-9),
+            file);
 }
 
 void compare_origin(const std::optional<Point3>& origin, const std::optional<ReportedFacts>& report,

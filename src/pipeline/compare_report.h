@@ -11,6 +11,7 @@
 #include "tetropolis/check/check_surface.h"
 #include "tetropolis/check/check_volume.h"
 #include "tetropolis/city/city_model.h"
+#include "tetropolis/io/geotiff.h"
 #include "tetropolis/pipeline/check_results.h"
 
 #include "reported_facts.h"
@@ -39,6 +40,10 @@ void compare_features(const CityModel& raw, const CityModel& city, CheckedFile& 
 /// Whether the final model is the one that the report tells of. `check` is that of the city.
 void compare_city(const CityModel& city, const CityCheck& check, const ReportedFacts& report,
                   CheckedFile& file);
+
+/// Whether the terrain is in the city's reference system, and its step the one that was asked for.
+void compare_terrain(const RasterInput& terrain, const CityModel& city,
+                     const std::optional<ReportedFacts>& report, CheckedFile& file);
 
 /// What a mesh file says of its place, if it does.
 void compare_origin(const std::optional<Point3>& origin, const std::optional<ReportedFacts>& report,

@@ -38,6 +38,7 @@ CutSources cuts_of(const Json& report) {
 ReportedCity city_of(const Json& report) {
   ReportedCity city{report.value("raw_buildings", std::int64_t{-1}),
                     report.value("buildings", std::int64_t{-1}),
+                    report.value("merged_groups", std::int64_t{-1}),
                     {},
                     report.value("flags", std::map<std::string, std::int64_t>()),
                     {},
@@ -86,8 +87,10 @@ ReportedFacts facts_of(const Json& report) {
   const Json ground = report.value("ground_mesh", Json::object());
   facts.ground = {ground.value("triangles", -1.0), ground.value("min_angle_deg", -1.0),
                   ground.value("triangles_below_min_angle", -1.0)};
-  if (report.contains("input"))
+  if (report.contains("input")) {
     facts.footprint_parts = report["input"].value("footprint_parts", std::size_t{0});
+    facts.dtm_step = config.value("dtm_step", -1.0);
+  }
   if (report.contains("city")) facts.city = city_of(report["city"]);
   if (report.contains("origin"))
     facts.origin =
@@ -101,6 +104,7 @@ ReportedFacts facts_of(const Json& report) {
   }
   if (!report.contains("volume_mesh")) return facts;
   const Json& volume = report["volume_mesh"];
+  const bool has_flat_top = config.value("top", std::string()) == "flat";
   const Json surface = report.value("surface_mesh", Json::object());
   facts.mesh = {volume.value("cells", -1.0),
                 volume.value("vertices", -1.0),
@@ -110,6 +114,8 @@ ReportedFacts facts_of(const Json& report) {
                 volume.value("ground_lowered", -1.0),
                 greatest(volume, "non_orthogonality_deg"),
                 greatest(volume, "skewness"),
+                volume.value("min_vertical_gap", -1.0),
+                has_flat_top ? std::optional(volume.value("top", -1.0)) : std::nullopt,
                 numbers_of(volume, "dihedral_deg"),
                 numbers_of(volume, "aspect_ratio"),
                 volume.value("faces_above_70_deg", -1.0),

@@ -18,6 +18,8 @@ namespace tetropolis {
 
 struct ReportedMesh {
   double cells, vertices, inverted, volume, triangles, ground_lowered, non_orthogonality, skewness;
+  double min_vertical_gap;
+  std::optional<double> top;                      ///< Of a flat one.
   std::map<std::string, double> angles, aspects;  ///< By the names of report.json.
   double faces_above_70;
   bool closed, manifold;
@@ -32,6 +34,7 @@ struct ReportedGround {
 struct ReportedCity {
   std::int64_t raw_buildings;  ///< Of city_raw.city.json.
   std::int64_t buildings;
+  std::int64_t merged_groups;
   std::vector<std::string> dropped;  ///< Ids, sorted.
   std::map<std::string, std::int64_t> flags;
   std::optional<double> min_clearance;
@@ -49,6 +52,7 @@ struct ReportedFacts {
   std::optional<ReportedMesh> mesh;
   std::vector<std::string> files;             ///< What the run wrote.
   std::filesystem::path city_model, terrain;  ///< What `mesh` has read; empty for other commands.
+  std::optional<double> dtm_step;             ///< Of the run that made the terrain.
   std::optional<double> min_angle;
   double min_wall = Config{}.min_wall_height;
   CutsCheck cuts;

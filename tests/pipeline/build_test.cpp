@@ -85,6 +85,12 @@ TEST_F(Build, CheckFindsAReportThatTellsSomethingElse) {
   EXPECT_EQ(violations_with("/volume_mesh/dihedral_deg/min", 50), 1U);
   EXPECT_EQ(violations_with("/volume_mesh/dihedral_deg/max", 50), 1U);
   EXPECT_EQ(violations_with("/surface_mesh/triangles", 1), 1U);
+  const double gap = truth["volume_mesh"]["min_vertical_gap"], top = truth["volume_mesh"]["top"];
+  EXPECT_EQ(violations_with("/volume_mesh/min_vertical_gap", gap + 1e-4), 1U);
+  EXPECT_EQ(violations_with("/volume_mesh/top", top - 1e-4), 1U);
+  EXPECT_EQ(violations_with("/config/top", "free"), 0U);
+  EXPECT_EQ(violations_with("/city/merged_groups", 77), 1U);
+  EXPECT_EQ(violations_with("/config/dtm_step", 0.5), 1U);
   const Json& ground = truth["ground_mesh"];
   const double least = ground["min_angle_deg"];
   const std::int64_t below = ground["triangles_below_min_angle"];
@@ -285,6 +291,24 @@ TEST_F(Build, ATerrainThatIsNotTheCitysIsNamed) {
     EXPECT_EQ(found->count, buildings);
     EXPECT_NE(found->message.find(lift > 0 ? "m below" : "m above"), std::string::npos);
   }
+}
+
+TEST_F(Build, CheckFindsATerrainOfAnotherSystem) {
+  const Config config = city(SynthKind::kRandom, 10, 150, 4);
+  run_city(config);
+  const auto violations = [&] {
+    std::vector<std::string> what;
+    for (const CheckedFile& file : check_path(config.out, std::nullopt))
+      for (const Violation& violation : file.violations) what.push_back(violation.what);
+    return what;
+  };
+  EXPECT_TRUE(violations().empty());
+  const fs::path path = fs::path(config.out) / "dtm.tif";
+  const CityModel model = read_city(fs::path(config.out) / "city.city.json");
+  const RasterInput terrain = read_raster(path, model.origin);
+  write_raster(path, terrain.raster, model.origin, "EPSG:25833");
+  EXPECT_EQ(violations(),
+            std::vector<std::string>{"terrain and city model in different reference systems"});
 }
 
 /// It is no result of ours, and nobody writes to it.

@@ -17,6 +17,7 @@ struct SurfaceCheck {
   bool manifold = false;
   double enclosed_volume = 0;  ///< By the divergence theorem.
   double area = 0;
+  double highest = 0;  ///< Greatest elevation of its vertices, in the file's coordinates.
   std::array<std::int64_t, kPatchCount> faces_by_patch{};
   std::vector<Violation> violations;
 };

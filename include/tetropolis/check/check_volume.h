@@ -41,7 +41,8 @@ struct VolumeCheck {
   std::int64_t boundary_faces = 0;  ///< Faces of one cell only.
   Distribution min_dihedral_deg;    ///< Of the least dihedral angle of each cell.
   double max_dihedral_deg = 0;
-  std::int64_t slivers = 0;  ///< Cells below kSliverDegrees.
+  std::int64_t slivers = 0;        ///< Cells below kSliverDegrees.
+  double least_vertical_edge = 0;  ///< Metres; infinite if no cell has such an edge.
   FaceMeasures faces;
   Distribution aspect_ratio;                          ///< Longest edge over 2 sqrt(6) inradii.
   std::vector<std::array<std::int64_t, 3>> boundary;  ///< The boundary faces, outward.
