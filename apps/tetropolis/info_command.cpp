@@ -80,8 +80,17 @@ void info_city(const std::string& path) {
   print_warnings(warnings);
 }
 
-void info_vector(const std::string& path) {
-  const FootprintsInput input = read_footprints(path);
+/// The first of them, which are enough to see what is wrong.
+void print_dropped(const std::vector<Dropped>& dropped) {
+  constexpr std::size_t kMost = 10;
+  for (std::size_t i = 0; i < std::min(kMost, dropped.size()); ++i)
+    print_line(fmt::format("  dropped: {}: {}", dropped[i].source_id, dropped[i].reason));
+  if (dropped.size() > kMost)
+    put(stdout, fmt::format("  dropped: {} more\n", dropped.size() - kMost));
+}
+
+void info_layer(const std::string& path, const FootprintsInput& input,
+                const std::vector<VectorLayer>& layers) {
   double total = 0;
   std::int64_t holes = 0;
   for (const Footprint& feature : input.features) {
@@ -97,9 +106,34 @@ void info_vector(const std::string& path) {
         fmt::format(
             "  box: x {:.3f} .. {:.3f}, y {:.3f} .. {:.3f}; sum of areas {:.1f} square units\n",
             input.bounds.xmin, input.bounds.xmax, input.bounds.ymin, input.bounds.ymax, total));
-  for (const Dropped& dropped : input.dropped)
-    print_line(fmt::format("  dropped: {}: {}", dropped.source_id, dropped.reason));
+  for (const VectorLayer& layer : layers)
+    if (layer.name == input.layer && !layer.attributes.empty())
+      print_line(fmt::format("  attributes: {}", fmt::join(layer.attributes, ", ")));
+  print_dropped(input.dropped);
   print_warnings(input.warnings);
+}
+
+/// Every layer that may be named by --layer; the others in a line.
+void info_vector(const std::string& path) {
+  const std::vector<VectorLayer> layers = list_layers(path);
+  std::vector<std::string> with_polygons, others;
+  for (const VectorLayer& layer : layers)
+    if (layer.holds_polygons)
+      with_polygons.push_back(layer.name);
+    else
+      others.push_back(fmt::format("{} ({})", layer.name, layer.geometry));
+  if (with_polygons.size() < 2) {
+    info_layer(path, read_footprints(path), layers);
+  } else {
+    ReadFootprintsOptions options;
+    for (const std::string& name : with_polygons) {
+      options.layer = name;
+      info_layer(path, read_footprints(path, options), layers);
+    }
+    print_line("  choose one of these layers by --layer");
+  }
+  if (!others.empty() && !with_polygons.empty())
+    print_line(fmt::format("  layers without polygons: {}", fmt::join(others, ", ")));
 }
 
 void info_raster(const std::string& path) {

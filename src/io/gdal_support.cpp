@@ -40,6 +40,14 @@ void initialise() {
   });
 }
 
+std::string utf8(const char* text) {
+  if (CPLIsUTF8(text, -1) != 0) return text;
+  char* recoded = CPLRecode(text, CPL_ENC_ISO8859_1, CPL_ENC_UTF8);
+  std::string result = recoded;
+  CPLFree(recoded);
+  return result;
+}
+
 QuietErrors::QuietErrors() { CPLPushErrorHandlerEx(&QuietErrors::collect, this); }
 
 QuietErrors::~QuietErrors() {

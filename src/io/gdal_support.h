@@ -19,6 +19,9 @@ namespace tetropolis::gdal {
 /// Error(kUsage) if PROJ cannot use its database.
 void initialise();
 
+/// Text that GDAL hands over, in UTF-8: what is not is taken for Latin-1.
+std::string utf8(const char* text);
+
 /// While it lives, GDAL's messages on this thread are collected here and printed nowhere.
 class QuietErrors {
  public:

@@ -26,6 +26,7 @@
 #include "input_file.h"
 #include "shapefile_members.h"
 #include "vector_geometry.h"
+#include "vector_layers.h"
 #include "vector_open.h"
 
 namespace tetropolis {
@@ -34,69 +35,7 @@ namespace fs = std::filesystem;
 
 namespace {
 
-std::string utf8(const char* text) {
-  if (CPLIsUTF8(text, -1) != 0) return text;
-  char* recoded = CPLRecode(text, CPL_ENC_ISO8859_1, CPL_ENC_UTF8);
-  std::string result = recoded;
-  CPLFree(recoded);
-  return result;
-}
-
 constexpr const char* kGetAgain = "; the file is cut or broken, get it again";
-
-OGRLayerH find_layer(const fs::path& path, GDALDatasetH dataset, const std::string& wanted) {
-  std::vector<std::string> all;
-  std::vector<std::string> names;
-  OGRLayerH found = nullptr;
-  for (int i = 0; i < GDALDatasetGetLayerCount(dataset); ++i) {
-    OGRLayerH layer = GDALDatasetGetLayer(dataset, i);
-    if (layer == nullptr) continue;
-    all.emplace_back(OGR_L_GetName(layer));
-    if (!wanted.empty() && all.back() == wanted) return layer;
-    if (!holds_polygons(layer)) continue;
-    names.push_back(all.back());
-    found = layer;
-  }
-  if (!wanted.empty())
-    fail_input(path, fmt::format("has no layer '{}'; it has: {}", wanted, fmt::join(all, ", ")));
-  if (names.size() > 1)
-    fail_input(path, fmt::format("has several layers of polygons; name one of: {}",
-                                 fmt::join(names, ", ")));
-  if (found != nullptr) return found;
-  // A lone layer of points or lines is read all the same: its features go into the account.
-  if (all.size() == 1 &&
-      OGR_FD_GetGeomFieldCount(OGR_L_GetLayerDefn(GDALDatasetGetLayer(dataset, 0))) > 0)
-    return GDALDatasetGetLayer(dataset, 0);
-  if (is_of_format(dataset, "CSV"))
-    fail_input(path, "has no column of polygons; name it WKT, and write them as POLYGON((...))");
-  fail_input(path, all.empty() ? std::string("has no layers; give a file with building polygons")
-                               : fmt::format("has no layer of polygons, only: {}; give a file with "
-                                             "building polygons",
-                                             fmt::join(all, ", ")));
-}
-
-/// The buildings of a data set in one of OpenStreetMap's own formats, while it lives. GDAL makes
-/// one layer of all areas (land use and waters, too), and gives up where another layer has 100,000
-/// features that nobody has read, unless a query tells it that nobody will.
-class OsmBuildings {
- public:
-  explicit OsmBuildings(GDALDatasetH dataset) : dataset_(dataset) {
-    layer_ = GDALDatasetExecuteSQL(
-        dataset, "SELECT * FROM multipolygons WHERE building IS NOT NULL AND building <> 'no'",
-        nullptr, nullptr);
-  }
-  ~OsmBuildings() {
-    if (layer_ != nullptr) GDALDatasetReleaseResultSet(dataset_, layer_);
-  }
-  OsmBuildings(const OsmBuildings&) = delete;
-  OsmBuildings& operator=(const OsmBuildings&) = delete;
-  /// Null where the user has given GDAL other rules for layers and attributes.
-  OGRLayerH layer() const { return layer_; }
-
- private:
-  GDALDatasetH dataset_;
-  OGRLayerH layer_ = nullptr;
-};
 
 constexpr int kNoField = -1;
 constexpr int kFidField = -2;
@@ -108,7 +47,7 @@ int find_attribute(const fs::path& path, OGRLayerH layer, const std::string& wan
   // that do not state their encoding are not in UTF-8.
   std::vector<std::string> names;
   for (int i = 0; i < OGR_FD_GetFieldCount(definition); ++i) {
-    names.push_back(utf8(OGR_Fld_GetNameRef(OGR_FD_GetFieldDefn(definition, i))));
+    names.push_back(gdal::utf8(OGR_Fld_GetNameRef(OGR_FD_GetFieldDefn(definition, i))));
     if (names.back() == wanted) return i;
   }
   if (const int field = OGR_FD_GetFieldIndex(definition, wanted.c_str()); field >= 0) return field;
@@ -181,7 +120,7 @@ class HeightReader {
     constexpr double kMark = 999;   // stands for a height that nobody knows
     double value = kNaN;
     if (type_ == OFTString) {
-      std::string text = utf8(OGR_F_GetFieldAsString(feature, field_));
+      std::string text = gdal::utf8(OGR_F_GetFieldAsString(feature, field_));
       if (is_tag_) text = value_of_tag(text, attribute_);
       if (text.find_first_not_of(' ') == std::string::npos) return kNaN;  // as good as null
       value = metres_of(text);
@@ -371,7 +310,7 @@ class LayerReader {
       if (OGR_F_IsFieldSetAndNotNull(feature, id_field_) != 0) {
         std::string id = real_ids_
                              ? number_id(OGR_F_GetFieldAsDouble(feature, id_field_), single_ids_)
-                             : utf8(OGR_F_GetFieldAsString(feature, id_field_));
+                             : gdal::utf8(OGR_F_GetFieldAsString(feature, id_field_));
         if (!id.empty()) return id;
       }
       ++without_id_;
@@ -505,15 +444,10 @@ FootprintsInput read_footprints(const fs::path& path, const ReadFootprintsOption
   const gdal::ThreadOption by_layer("OGR_INTERLEAVED_READING", "NO");
   const gdal::ThreadOption nothing_beside("CPL_VSIL_GZIP_WRITE_PROPERTIES", "NO");
   const VectorFile file = open_vector(path, errors);
-  std::optional<OsmBuildings> buildings;
-  if (is_of_format(file.dataset.get(), "OSM") &&
-      (options.layer.empty() || options.layer == "multipolygons"))
-    buildings.emplace(file.dataset.get());
-  OGRLayerH layer = buildings && buildings->layer() != nullptr
-                        ? buildings->layer()
-                        : find_layer(path, file.dataset.get(), options.layer);
+  const FootprintLayer found(path, file.dataset.get(), options.layer);
+  OGRLayerH layer = found.get();
   FootprintsInput result;
-  result.layer = utf8(OGR_L_GetName(layer));
+  result.layer = gdal::utf8(OGR_L_GetName(layer));
   LayerReader(path, layer, options, result, is_of_format(file.dataset.get(), "ESRI Shapefile"))
       .read(errors, count_of(file.dataset.get()));
   result.bounds = bounds_of(result.features);

@@ -23,6 +23,16 @@ std::string number_text(double value) {
                                                               : fmt::format("{}", value);
 }
 
+/// `text`: the value as it was given.
+void require_in_range(const ConfigField& field, double value, const std::string& text,
+                      const std::string& origin) {
+  if (!std::isfinite(value)) fail(origin, fmt::format("'{}' is not finite", text));
+  if (field.above_min && value <= field.min)
+    fail(origin, fmt::format("{} is not greater than {}", text, field.min));
+  if (value < field.min) fail(origin, fmt::format("{} is less than {}", text, field.min));
+  if (value > field.max) fail(origin, fmt::format("{} is greater than {}", text, field.max));
+}
+
 template <typename Number>
 Number parse_number(const ConfigField& field, const std::string& text, const std::string& origin) {
   Number value{};
@@ -36,13 +46,7 @@ Number parse_number(const ConfigField& field, const std::string& text, const std
                              std::max(field.min, static_cast<double>(Limits::lowest())),
                              std::min(field.max, static_cast<double>(Limits::max()))));
   if (code != std::errc() || stop != end) fail(origin, fmt::format("'{}' is not {}", text, kind));
-  if (!std::isfinite(static_cast<double>(value)))
-    fail(origin, fmt::format("'{}' is not finite", text));
-  const auto as_double = static_cast<double>(value);
-  if (field.above_min && as_double <= field.min)
-    fail(origin, fmt::format("{} is not greater than {}", text, field.min));
-  if (as_double < field.min) fail(origin, fmt::format("{} is less than {}", text, field.min));
-  if (as_double > field.max) fail(origin, fmt::format("{} is greater than {}", text, field.max));
+  require_in_range(field, static_cast<double>(value), text, origin);
   return value;
 }
 
@@ -69,16 +73,30 @@ std::vector<std::string> split_lists(std::span<const std::string> values) {
   return parts;
 }
 
+/// An empty list means "not given", as in the template.
+void require_box(const ConfigField& field, const std::vector<double>& sides,
+                 const std::string& origin) {
+  if (field.name != "bounds" || sides.empty()) return;
+  if (sides.size() != 4) fail(origin, "four numbers expected: XMIN,YMIN,XMAX,YMAX");
+  if (!(sides[0] < sides[2] && sides[1] < sides[3]))
+    fail(origin, "XMIN < XMAX and YMIN < YMAX expected");
+}
+
 void set_numbers(std::vector<double>& target, const ConfigField& field,
                  std::span<const std::string> values, const std::string& origin) {
   target.clear();
   for (const std::string& part : split_lists(values))
     target.push_back(parse_number<double>(field, part, origin));
-  // An empty list means "not given", as in the template.
-  if (field.name != "bounds" || target.empty()) return;
-  if (target.size() != 4) fail(origin, "four numbers expected: XMIN,YMIN,XMAX,YMAX");
-  if (!(target[0] < target[2] && target[1] < target[3]))
-    fail(origin, "XMIN < XMAX and YMIN < YMAX expected");
+  require_box(field, target, origin);
+}
+
+void require_choices(const ConfigField& field, const std::vector<std::string>& texts,
+                     const std::string& origin) {
+  for (const std::string& text : texts) {
+    if (text.empty() && field.choices.empty())
+      fail(origin, "one of the values is empty; leave it out or give a value");
+    if (!field.choices.empty()) find_choice(field, text, origin);
+  }
 }
 
 void set_texts(std::vector<std::string>& target, const ConfigField& field,
@@ -86,11 +104,7 @@ void set_texts(std::vector<std::string>& target, const ConfigField& field,
   // Paths may hold commas; names are split.
   target = field.name == "points" ? std::vector<std::string>(values.begin(), values.end())
                                   : split_lists(values);
-  for (const std::string& text : target) {
-    if (text.empty() && field.choices.empty())
-      fail(origin, "one of the values is empty; leave it out or give a value");
-    if (!field.choices.empty()) find_choice(field, text, origin);
-  }
+  require_choices(field, target, origin);
 }
 
 /// A basic string of TOML 1.0.
@@ -110,7 +124,8 @@ std::string quoted(const std::string& text) {
 
 std::string range_text(const ConfigField& field) {
   const bool below = std::isfinite(field.min), above = std::isfinite(field.max);
-  if (below && above) return fmt::format("{} to {}", field.min, field.max);
+  if (below && above)
+    return fmt::format("{}{} to {}", field.above_min ? "above " : "", field.min, field.max);
   if (below) return fmt::format("{} {}", field.above_min ? "above" : "at least", field.min);
   return above ? fmt::format("at most {}", field.max) : "";
 }
@@ -186,6 +201,35 @@ void set_field(Config& config, const ConfigField& field, std::span<const std::st
         }
       },
       field.member);
+}
+
+void require_valid(const Config& config, unsigned commands) {
+  for (const ConfigField& field : config_fields()) {
+    if ((field.commands & commands) == 0) continue;
+    const std::string origin = option_name(field);
+    std::visit(
+        [&](auto member) {
+          if constexpr (std::is_same_v<decltype(member), ChoiceMember>) {
+            if (member.get(config) >= field.choices.size())
+              fail(origin, fmt::format("is not one of {}", fmt::join(field.choices, ", ")));
+          } else {
+            const auto& value = config.*member;
+            using Value = std::decay_t<decltype(value)>;
+            const auto require = [&](double number) {
+              require_in_range(field, number, number_text(number), origin);
+            };
+            if constexpr (std::is_same_v<Value, std::vector<double>>) {
+              std::for_each(value.begin(), value.end(), require);
+              require_box(field, value, origin);
+            } else if constexpr (std::is_same_v<Value, std::vector<std::string>>) {
+              require_choices(field, value, origin);
+            } else if constexpr (std::is_arithmetic_v<Value> && !std::is_same_v<Value, bool>) {
+              require(static_cast<double>(value));
+            }
+          }
+        },
+        field.member);
+  }
 }
 
 std::string config_template(unsigned commands) {

@@ -16,7 +16,8 @@ namespace tetropolis {
 
 namespace {
 
-void require_input(const Config& config) {
+void require_input(const Config& config, Command command) {
+  require_valid(config, command);
   require_given(!config.points.empty(), "--points", "name LAS or LAZ files or a folder of them");
   require_given(!config.footprints.empty() || config.terrain_only, "--footprints",
                 "name a vector file with building footprints, or add --terrain-only");
@@ -33,7 +34,7 @@ void keep_inputs(const Config& config, OutputFolder& out) {
 }  // namespace
 
 Report run_build(const Config& config, const RunHooks& hooks) {
-  require_input(config);
+  require_input(config, kBuild);
   memory_limit(config);  // so that a mistake in it is reported before the work
   const ThreadLimit limit(config.threads);
   Report report = begin_report("build", config);
@@ -48,7 +49,7 @@ Report run_build(const Config& config, const RunHooks& hooks) {
 }
 
 Report run_city(const Config& config, const RunHooks& hooks) {
-  require_input(config);
+  require_input(config, kCity);
   memory_limit(config);
   const ThreadLimit limit(config.threads);
   Report report = begin_report("city", config);
@@ -62,6 +63,7 @@ Report run_city(const Config& config, const RunHooks& hooks) {
 }
 
 Report run_mesh(const Config& config, const RunHooks& hooks) {
+  require_valid(config, kMesh);
   require_given(!config.city.empty(), "--city", "name a city model (.city.json)");
   require_given(!config.dtm.empty(), "--dtm", "name a terrain raster (.tif)");
   require_given(!config.out.empty(), "--out", "name a folder for the results");

@@ -565,6 +565,21 @@ TEST(Vector, SeveralPolygonLayersMustBeNamed) {
   EXPECT_EQ(read_footprints(folder / "set", options).features.size(), 1U);
 }
 
+TEST(Vector, LayersAreListedWithWhatTheyHold) {
+  const TemporaryFolder folder;
+  write_footprints(
+      folder / "houses.gpkg",
+      std::vector<Polygon>{{{{0, 0}, {1, 0}, {1, 1}}, {}}, {{{3, 0}, {4, 0}, {4, 1}}, {}}},
+      std::vector<std::string>{"a", "b"}, std::vector<double>{3, 4}, {}, "EPSG:3006");
+  const std::vector<VectorLayer> layers = list_layers(folder / "houses.gpkg");
+  ASSERT_EQ(layers.size(), 1U);
+  EXPECT_EQ(layers[0].name, read_footprints(folder / "houses.gpkg").layer);
+  EXPECT_TRUE(layers[0].holds_polygons);
+  EXPECT_EQ(layers[0].features, 2);
+  EXPECT_EQ(layers[0].attributes, (std::vector<std::string>{"id", "height"}));
+  EXPECT_THROW(list_layers(folder / "nothing.gpkg"), Error);
+}
+
 TEST(Vector, ShapefilesWithoutTheirMembersAreReadInPlace) {
   TETROPOLIS_REQUIRE_DATA(delft, "delft_3dfier");
   const TemporaryFolder folder;

@@ -14,6 +14,8 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include "tetropolis/io/vector.h"
+
 #include "support/bytes.h"
 #include "support/sanitized.h"
 #include "support/test_data.h"
@@ -408,6 +410,31 @@ TEST_F(Cli, InfoOfFoldersAndOfFormatsThatAreNotRead) {
   const Outcome written = run("info a.stl");
   EXPECT_EQ(written.code, 3);
   EXPECT_NE(written.err.find(".stl files are written but not read"), std::string::npos);
+}
+
+TEST_F(Cli, InfoTellsOfEveryLayer) {
+  fs::create_directory(scratch / "set");
+  const std::vector<Polygon> polygons(12, {{{0, 0}, {9, 0}, {9, 9}}, {}});
+  std::vector<std::string> ids;
+  for (int i = 0; i < 12; ++i) ids.push_back("h" + std::to_string(i));
+  write_footprints(scratch / "set/houses.shp", polygons, ids, std::vector<double>(12, 5.0), {},
+                   "EPSG:3006");
+  write_footprints(scratch / "set/sheds.shp", polygons, ids, {}, {}, "EPSG:3006");
+  const Outcome outcome = run("info set");
+  EXPECT_EQ(outcome.code, 0) << outcome.err;
+  for (const char* line : {"layer houses\n", "layer sheds\n", "attributes: id, height\n",
+                           "attributes: id\n", "choose one of these layers by --layer\n"})
+    EXPECT_NE(outcome.out.find(line), std::string::npos) << outcome.out;
+  // The first of many that are no polygons.
+  std::ofstream points(scratch / "points.geojson");
+  points << R"({"type": "FeatureCollection", "features": [)";
+  for (int i = 0; i < 25; ++i)
+    points << (i > 0 ? "," : "") << R"({"type": "Feature", "properties": {}, "geometry":)"
+           << R"({"type": "Point", "coordinates": [1, 2]}})";
+  points << "]}";
+  points.close();
+  const std::string told = run("info points.geojson").out;
+  EXPECT_NE(told.find("dropped: 15 more\n"), std::string::npos) << told;
 }
 
 TEST_F(Cli, CheckNamesResultsThatAreMissing) {

@@ -3,6 +3,7 @@
 #include <cmath>
 #include <cstdint>
 #include <fstream>
+#include <limits>
 #include <set>
 #include <string>
 #include <variant>
@@ -11,6 +12,7 @@
 #include <gtest/gtest.h>
 
 #include "tetropolis/core/error.h"
+#include "tetropolis/pipeline/run.h"
 
 #include "support/test_data.h"
 
@@ -154,6 +156,46 @@ TEST(Config, WholeNumbersHaveBothEndsOfTheirRange) {
     EXPECT_THROW(set_field(config, field, number(field.min - 1), "test"), Error) << field.name;
     EXPECT_THROW(set_field(config, field, number(field.max + 1), "test"), Error) << field.name;
   }
+}
+
+/// Whoever fills a Config himself is told as whoever types options.
+TEST(Config, SettingsOutOfTheirRangeAreRefusedWhereverTheyComeFrom) {
+  for (const unsigned commands : {kBuild, kCity, kMesh, kSynth})
+    EXPECT_NO_THROW(require_valid(Config{}, commands));
+  const auto error_with = [](const auto& change) -> std::string {
+    Config config;
+    change(config);
+    try {
+      require_valid(config, kBuild);
+    } catch (const Error& error) {
+      EXPECT_EQ(error.kind(), ErrorKind::kUsage);
+      return error.what();
+    }
+    return "";
+  };
+  constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+  EXPECT_EQ(error_with([](Config& c) {
+              c.bounds = {0, 0, 2};
+            }),
+            "--bounds: four numbers expected: XMIN,YMIN,XMAX,YMAX");
+  EXPECT_EQ(error_with([](Config& c) {
+              c.bounds = {0, 5, 2, 5};
+            }),
+            "--bounds: XMIN < XMAX and YMIN < YMAX expected");
+  EXPECT_EQ(error_with([](Config& c) { c.ground_percentile = 400; }),
+            "--ground-percentile: 400.0 is greater than 100");
+  EXPECT_EQ(error_with([](Config& c) { c.dtm_step = kNaN; }), "--dtm-step: 'nan' is not finite");
+  EXPECT_NE(error_with([](Config& c) {
+              c.formats = {"vtu", "doc"};
+            }).find("'doc' is not one of"),
+            std::string::npos);
+  EXPECT_NE(error_with([](Config& c) { c.top = static_cast<Top>(7); }).find("--top: is not one of"),
+            std::string::npos);
+  // Another command's.
+  EXPECT_EQ(error_with([](Config& c) { c.point_density = -1; }), "");
+  Config config;
+  config.mesh_size = -1;
+  EXPECT_THROW(run_mesh(config), Error);
 }
 
 TEST(Config, FindsTheNearestName) {

@@ -78,6 +78,19 @@ struct FootprintsInput {
 FootprintsInput read_footprints(const std::filesystem::path& path,
                                 const ReadFootprintsOptions& options = {});
 
+/// What a vector file says of one of its layers.
+struct VectorLayer {
+  std::string name;
+  std::string geometry;  ///< As GDAL names it: "Multi Polygon", "Unknown (any)", "None".
+  bool holds_polygons = false;
+  std::int64_t features = -1;  ///< -1 where counting them means reading all of them.
+  std::vector<std::string> attributes;
+};
+
+/// The layers in the order of the file. Errors as read_footprints has them for files that cannot be
+/// opened.
+std::vector<VectorLayer> list_layers(const std::filesystem::path& path);
+
 /// Writes polygons with the attributes "id" (text) and, if heights are given, "height" (real).
 /// The format follows the extension: .shp (with .shx, .dbf, .prj, .cpg), .gpkg, .geojson or .json.
 /// GeoJSON gets a crs member unless the system is WGS 84 or unknown.

@@ -143,6 +143,10 @@ std::string value_text(const ConfigField& field, const Config& config);
 void set_field(Config& config, const ConfigField& field, std::span<const std::string> values,
                const std::string& origin);
 
+/// That every setting that `commands` take is one that set_field would take: in its range, among
+/// its choices. Throws Error(kUsage) naming the option.
+void require_valid(const Config& config, unsigned commands);
+
 /// Sets every field that the TOML file has. Throws Error(kUsage) naming file and line: not TOML, an
 /// unknown key (with the nearest known one), a wrong type or value.
 void load_config(Config& config, const std::filesystem::path& path);
