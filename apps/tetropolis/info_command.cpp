@@ -13,6 +13,7 @@
 #include "tetropolis/core/text.h"
 #include "tetropolis/geometry/polygon.h"
 #include "tetropolis/io/cityjson.h"
+#include "tetropolis/io/crs.h"
 #include "tetropolis/io/geotiff.h"
 #include "tetropolis/io/las.h"
 #include "tetropolis/io/vector.h"
@@ -25,7 +26,28 @@ namespace tetropolis::app {
 
 namespace {
 
-std::string crs_text(const std::string& crs) { return crs.empty() ? "not stated" : crs; }
+bool is_metre(double unit) { return std::abs(unit - 1) <= 1e-9; }
+
+std::string crs_text(const std::string& crs) {
+  if (crs.empty()) return "not stated";
+  if (is_geographic(crs)) return crs + " (degrees)";
+  const double unit = linear_unit_metres(crs);
+  return is_metre(unit) ? crs : fmt::format("{} (units of {:.7g} m)", crs, unit);
+}
+
+/// What files say of their heights: the name of the system, the unit, both or nothing.
+std::string heights_text(const LasInfo& info) {
+  std::string text = info.vertical_crs;
+  if (!is_metre(info.vertical_unit))
+    text += fmt::format("{}in units of {:.7g} m", text.empty() ? "" : ", ", info.vertical_unit);
+  return text;
+}
+
+/// Square metres in a square unit of a system; 0 where there are none.
+double square_metres(const std::string& crs) {
+  if (crs.empty()) return 1;
+  return is_geographic(crs) ? 0 : std::pow(linear_unit_metres(crs), 2);
+}
 
 /// To a millimetre, but for what only a broken header holds.
 std::string coordinate(double value) {
@@ -46,7 +68,8 @@ void info_points(const std::string& path) {
                           info.compressed ? "LAZ" : "LAS", info.version_major, info.version_minor,
                           info.point_format, info.record_length, info.copc ? ", COPC" : ""));
   put(stdout, fmt::format("  points: {}\n  CRS: {}\n", info.point_count, crs_text(info.crs)));
-  if (!info.vertical_crs.empty()) print_line("  heights: " + info.vertical_crs);
+  if (const std::string heights = heights_text(info); !heights.empty())
+    print_line("  heights: " + heights);
   put(stdout,
       fmt::format("  header box: x {} .. {}, y {} .. {}, z {} .. {}\n", coordinate(info.min[0]),
                   coordinate(info.max[0]), coordinate(info.min[1]), coordinate(info.max[1]),
@@ -54,10 +77,12 @@ void info_points(const std::string& path) {
   const PointsSummary summary = summarise_points(path);
   for (const auto& [code, count] : summary.points_by_class)
     put(stdout, fmt::format("  class {}: {}\n", code, count));
-  if (!summary.extent.empty() && summary.extent.width() * summary.extent.height() > 0)
+  const double box = summary.extent.empty() ? 0
+                                            : summary.extent.width() * summary.extent.height() *
+                                                  square_metres(info.crs);
+  if (box > 0)
     put(stdout, fmt::format("  density: {:.2f} points/m2 of the points' box\n",
-                            static_cast<double>(summary.points) /
-                                (summary.extent.width() * summary.extent.height())));
+                            static_cast<double>(summary.points) / box));
   print_warnings(summary.warnings);
 }
 
@@ -101,11 +126,13 @@ void info_layer(const std::string& path, const FootprintsInput& input,
       fmt::format("{}: vector file, layer {}\n  features: {}, polygons: {}, holes: {}\n  CRS: {}\n",
                   path, input.layer, input.features_read, input.features.size(), holes,
                   crs_text(input.crs)));
+  const double square = square_metres(input.crs);
   if (!input.bounds.empty())
     put(stdout,
-        fmt::format(
-            "  box: x {:.3f} .. {:.3f}, y {:.3f} .. {:.3f}; sum of areas {:.1f} square units\n",
-            input.bounds.xmin, input.bounds.xmax, input.bounds.ymin, input.bounds.ymax, total));
+        fmt::format("  box: x {0:.{4}f} .. {1:.{4}f}, y {2:.{4}f} .. {3:.{4}f}{5}\n",
+                    input.bounds.xmin, input.bounds.xmax, input.bounds.ymin, input.bounds.ymax,
+                    square > 0 ? 3 : 7,
+                    square > 0 ? fmt::format("; sum of areas {:.1f} m2", total * square) : ""));
   for (const VectorLayer& layer : layers)
     if (layer.name == input.layer && !layer.attributes.empty())
       print_line(fmt::format("  attributes: {}", fmt::join(layer.attributes, ", ")));

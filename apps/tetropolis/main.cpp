@@ -21,6 +21,7 @@
 #include <unistd.h>
 
 #include "tetropolis/core/error.h"
+#include "tetropolis/core/files.h"
 #include "tetropolis/core/parallel.h"
 #include "tetropolis/core/system_memory.h"
 #include "tetropolis/core/text.h"
@@ -220,11 +221,16 @@ std::string usage_message(const CLI::App& app, const CLI::ParseError& error) {
   if (leftover.empty()) {
     for (const CLI::Option* option : command->get_options())
       if (option->count() > 1 && option->get_items_expected_max() == 1)
-        return fmt::format("{} is given {} times; give it once", option->get_name(),
-                           option->count());
+        return fmt::format("{} is given {} times; give it once{}", option->get_name(),
+                           option->count(),
+                           option->get_name() == "--footprints"
+                               ? ", with one file (ogrmerge.py -single makes one of several)"
+                               : "");
     return error.what();
   }
   const std::string& unknown = leftover.front();
+  if (is_there(unknown))
+    return fmt::format("unknown argument '{}'; an option before it takes one file only", unknown);
   std::vector<std::string> known;
   for (const CLI::Option* option : command->get_options()) known.push_back(option->get_name());
   for (const CLI::App* sub : command->get_subcommands({})) known.push_back(sub->get_name());

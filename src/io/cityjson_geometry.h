@@ -6,7 +6,7 @@
 
 #include "tetropolis/geometry/types.h"
 
-#include "cityjson_footprint.h"
+#include "body_footprint.h"
 #include "json_place.h"
 
 namespace tetropolis {

@@ -15,7 +15,7 @@
 #include "tetropolis/io/cityjson.h"
 #include "tetropolis/io/crs.h"
 
-#include "cityjson_footprint.h"
+#include "body_footprint.h"
 #include "cityjson_geometry.h"
 #include "input_file.h"
 #include "json_place.h"

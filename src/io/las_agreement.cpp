@@ -20,7 +20,7 @@ std::string common_crs(std::span<const LasSystemOfFile> files) {
       throw Error(
           ErrorKind::kInput,
           fmt::format("{} is in {} but {} is in {}; convert one of them or state the system "
-                      "of all",
+                      "of all (--points-crs)",
                       first->path->string(), first->info->crs.substr(0, 80), file.path->string(),
                       crs.substr(0, 80)));
   }

@@ -84,6 +84,9 @@ class TinyTiff {
 const Vlr* find(const std::vector<Vlr>& vlrs, int record_id) {
   for (const Vlr& vlr : vlrs)
     if (vlr.user_id == "LASF_Projection" && vlr.record_id == record_id) return &vlr;
+  // libLAS wrote WKT under its own name before the standard had it.
+  for (const Vlr& vlr : vlrs)
+    if (record_id == kWkt && vlr.user_id == "liblas" && vlr.record_id == record_id) return &vlr;
   return nullptr;
 }
 
@@ -187,9 +190,11 @@ void add_vertical(const std::vector<Vlr>& vlrs, bool prefer_wkt, LasSystems::Sys
   if (keys == nullptr) return;
   // Of the keys, the unit (4099) counts more than that of the vertical system (4096).
   std::optional<double> unit;
+  bool says_heights = false;
   for (std::size_t at = 8; at + 8 <= keys->data.size(); at += 8) {
     std::array<std::uint16_t, 4> key{};
     std::memcpy(key.data(), keys->data.data() + at, 8);
+    says_heights = says_heights || key[0] == 4096 || key[0] == 4099;
     // What GeoTIFF 1.0 (6.3.4.1) has for heights above one of 33 ellipsoids is no code of EPSG's.
     if (key[0] == 4096 && key[3] >= 5001 && key[3] <= 5033)
       system.vertical_crs = gdal::kEllipsoidal;
@@ -200,6 +205,8 @@ void add_vertical(const std::vector<Vlr>& vlrs, bool prefer_wkt, LasSystems::Sys
     if (key[0] == 4099 && key[3] == 9003) unit = 1200.0 / 3937;
   }
   system.vertical_unit = unit.value_or(system.vertical_unit);
+  // The keys rule, but where they say nothing of heights, feet of the WKT are not metres.
+  if (!says_heights && wkt != nullptr) read_vertical(wkt->data.substr(0, wkt->data.find('\0')));
 }
 
 }  // namespace

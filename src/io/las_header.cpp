@@ -54,6 +54,8 @@ std::string text_at(std::string_view bytes, std::size_t at, std::size_t size) {
 std::string read_front(const fs::path& path, const PositionedFile& file) {
   std::string bytes = file.head(375);
   if (bytes.empty()) fail_input(path, "the file is empty; get it again");
+  if (bytes.starts_with("PK\3\4"))
+    fail_input(path, "is a ZIP archive; unpack it and name the .las or .laz files that it holds");
   if (bytes.substr(0, 4) != "LASF")
     fail_input(path, "is not a LAS or LAZ file (it does not start with LASF); give a point cloud");
   if (bytes.size() < 227)

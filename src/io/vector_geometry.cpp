@@ -135,14 +135,73 @@ void cut_out_yards(std::vector<PolygonPart>& parts, const std::vector<std::size_
   std::move(in_yards.begin(), in_yards.end(), std::back_inserter(parts));
 }
 
+/// Least and greatest elevation.
+std::pair<double, double> elevations(const Face& face) {
+  constexpr double kInfinity = std::numeric_limits<double>::infinity();
+  std::pair range{kInfinity, -kInfinity};
+  for (const std::vector<Point3>& ring : face.rings)
+    for (const Point3& p : ring)
+      range = {std::min(range.first, p[2]), std::max(range.second, p[2])};
+  return range;
+}
+
+/// Whether two faces lie above each other, as far as they have elevations: then one is a roof.
+bool lie_apart(const Face& a, const Face& b) {
+  constexpr double kApart = 1;  // metres
+  if (a.rings.empty() || b.rings.empty()) return false;
+  const auto [low_a, high_a] = elevations(a);
+  const auto [low_b, high_b] = elevations(b);
+  return low_a > high_b + kApart || low_b > high_a + kApart;
+}
+
+double perimeter(const Ring& ring) {
+  double sum = 0;
+  for (std::size_t i = 0, j = ring.size() - 1; i < ring.size(); j = i++)
+    sum += std::hypot(ring[i].x - ring[j].x, ring[i].y - ring[j].y);
+  return sum;
+}
+
+/// Mean width of what is left of a ring less one within it.
+double width_between(const Ring& outer, const Ring& inner) {
+  return 2 * (std::abs(signed_area(outer)) - std::abs(signed_area(inner))) /
+         (perimeter(outer) + perimeter(inner));
+}
+
 /// Several yards are polygons of their own for GDAL then: parts within a part, turned against it.
-/// They become holes again; parts that turn alike stay parts, whatever they overlap.
-void take_yards_for_holes(std::vector<PolygonPart>& parts) {
+/// They become holes again; parts that turn alike stay parts, whatever they overlap. So do the roof
+/// and the ground of a building, of which one looks down.
+void take_yards_for_holes(std::vector<PolygonPart>& parts, const std::vector<Face>& faces,
+                          const PlanUnits& units) {
+  constexpr double kLeastWing = 1.5;  // metres; eaves are less wide
   const auto alike = [&](const PolygonPart& part) {
     return turns_left(part) == turns_left(parts.front());
   };
   if (parts.size() < 2 || std::all_of(parts.begin(), parts.end(), alike)) return;
-  cut_out_yards(parts, find_yards(parts, Turns::kTell));
+  std::vector<std::size_t> yard_of = find_yards(parts, Turns::kTell);
+  for (std::size_t j = 0; j < yard_of.size(); ++j) {
+    const std::size_t around = yard_of[j];
+    if (around == parts.size()) continue;
+    const double width =
+        units.metres_per_unit * width_between(parts[around].polygon.outer, parts[j].polygon.outer);
+    if (width < kLeastWing || lie_apart(faces[around], faces[j])) yard_of[j] = parts.size();
+  }
+  cut_out_yards(parts, yard_of);
+}
+
+/// With its elevations; for polygons that have them.
+Face read_face(OGRGeometryH polygon, const PlanUnits& units) {
+  Face face;
+  for (int r = 0; r < OGR_G_GetGeometryCount(polygon); ++r) {
+    OGRGeometryH ring = OGR_G_GetGeometryRef(polygon, r);
+    std::vector<Point3>& points = face.rings.emplace_back();
+    for (int i = 0; i < OGR_G_GetPointCount(ring); ++i) {
+      Point3 p{units.metres_per_unit * OGR_G_GetX(ring, i),
+               units.metres_per_unit * OGR_G_GetY(ring, i), OGR_G_GetZ(ring, i)};
+      if (units.north_first) std::swap(p[0], p[1]);
+      points.push_back(p);
+    }
+  }
+  return face;
 }
 
 PolygonPart read_polygon(OGRGeometryH polygon) {
@@ -167,23 +226,66 @@ PolygonPart read_polygon(OGRGeometryH polygon) {
   return part;
 }
 
-void collect(OGRGeometryH geometry, int depth, FlatGeometry& result) {
-  switch (wkbFlatten(OGR_G_GetGeometryType(geometry))) {
+/// The polygons of a geometry, as they are and in space.
+struct Collected {
+  std::vector<PolygonPart> parts;
+  std::vector<Face> faces;  ///< Of each part; without rings if it has no elevations.
+  bool is_surface = false;  ///< All or some are of a surface in space.
+  int other_parts = 0;
+};
+
+void collect(OGRGeometryH geometry, int depth, const PlanUnits& units, Collected& result) {
+  const OGRwkbGeometryType type = wkbFlatten(OGR_G_GetGeometryType(geometry));
+  switch (type) {
     case wkbPolygon:
     case wkbTriangle:
       result.parts.push_back(read_polygon(geometry));
+      result.faces.push_back(OGR_G_Is3D(geometry) != 0 ? read_face(geometry, units) : Face{});
       return;
     case wkbMultiPolygon:
     case wkbGeometryCollection:
+    case wkbPolyhedralSurface:
+    case wkbTIN:
       if (depth >= kDeepest) {
         ++result.other_parts;
         return;
       }
+      if (type == wkbPolyhedralSurface || type == wkbTIN) result.is_surface = true;
       for (int i = 0; i < OGR_G_GetGeometryCount(geometry); ++i)
-        collect(OGR_G_GetGeometryRef(geometry, i), depth + 1, result);
+        collect(OGR_G_GetGeometryRef(geometry, i), depth + 1, units, result);
       return;
     default:
       ++result.other_parts;
+  }
+}
+
+/// One degenerate part makes no body of a feature.
+bool is_body(const Collected& collected) {
+  constexpr std::ptrdiff_t kLeastWalls = 3;
+  if (collected.is_surface) return true;
+  const auto is_vertical = [](const Face& face) { return !face.rings.empty() && is_wall(face); };
+  return std::count_if(collected.faces.begin(), collected.faces.end(), is_vertical) >= kLeastWalls;
+}
+
+/// The footprint of a body, in the units and the order of coordinates of its geometry.
+void take_footprint(const Collected& collected, const PlanUnits& units, FlatGeometry& result) {
+  std::vector<Face> faces;
+  for (std::size_t i = 0; i < collected.faces.size(); ++i) {
+    if (!collected.parts[i].reason.empty()) continue;
+    faces.push_back(collected.faces[i]);
+    if (!faces.back().rings.empty()) continue;
+    faces.back().rings.resize(1);  // a face without elevations
+    for (const Point2 p : collected.parts[i].polygon.outer)
+      faces.back().rings[0].push_back({p.x, p.y, 0});
+  }
+  FootprintResult footprint = footprint_of(faces);
+  result.reason = std::move(footprint.reason);
+  for (Polygon& polygon : footprint.polygons) {
+    for_each_vertex(polygon, [&](Point2& p) {
+      p = {p.x / units.metres_per_unit, p.y / units.metres_per_unit};
+      if (units.north_first) std::swap(p.x, p.y);
+    });
+    result.parts.push_back({std::move(polygon), {}});
   }
 }
 
@@ -195,9 +297,6 @@ std::string reason_without_polygons(OGRwkbGeometryType type) {
     case wkbLineString:
     case wkbMultiLineString:
       return "a line, not a polygon";
-    case wkbPolyhedralSurface:
-    case wkbTIN:
-      return "a surface in space, not a footprint";
     default:
       return "no polygon in the geometry";
   }
@@ -213,6 +312,8 @@ bool may_hold_polygons(OGRwkbGeometryType type) {
     case wkbMultiSurface:
     case wkbSurface:
     case wkbTriangle:
+    case wkbPolyhedralSurface:
+    case wkbTIN:
     case wkbGeometryCollection:
       return true;
     default:
@@ -222,7 +323,7 @@ bool may_hold_polygons(OGRwkbGeometryType type) {
 
 }  // namespace
 
-FlatGeometry flatten(OGRGeometryH geometry) {
+FlatGeometry flatten(OGRGeometryH geometry, const PlanUnits& units) {
   FlatGeometry result;
   if (geometry == nullptr) {
     result.reason = "no geometry";
@@ -241,8 +342,17 @@ FlatGeometry flatten(OGRGeometryH geometry) {
       return result;
     }
   }
-  collect(geometry, 0, result);
-  take_yards_for_holes(result.parts);
+  Collected collected;
+  collect(geometry, 0, units, collected);
+  result.other_parts = collected.other_parts;
+  if (is_body(collected)) {
+    take_footprint(collected, units, result);
+    result.is_body = !result.parts.empty();
+    if (result.is_body || collected.is_surface) return result;
+    result.reason.clear();
+  }
+  result.parts = std::move(collected.parts);
+  take_yards_for_holes(result.parts, collected.faces, units);
   if (result.parts.empty())
     result.reason = reason_without_polygons(OGR_G_GetGeometryType(geometry));
   return result;

@@ -8,6 +8,8 @@
 
 #include "tetropolis/geometry/types.h"
 
+#include "body_footprint.h"
+
 namespace tetropolis {
 
 /// One polygon of a feature: usable if `reason` is empty, else to be dropped for it.
@@ -18,14 +20,31 @@ struct PolygonPart {
 
 struct FlatGeometry {
   std::vector<PolygonPart> parts;  ///< The polygons in their order.
+  bool is_body = false;            ///< They are the footprint of a body in space.
   int other_parts = 0;             ///< Points, lines and what is nested too deep beside them.
   std::string reason;              ///< Why there are no parts, if there are none.
 };
 
+template <typename Visit>
+void for_each_vertex(Polygon& polygon, const Visit& visit) {
+  for (Point2& p : polygon.outer) visit(p);
+  for (Ring& hole : polygon.holes)
+    for (Point2& p : hole) visit(p);
+}
+
+/// How to understand coordinates as those of a plan.
+struct PlanUnits {
+  bool north_first = false;    ///< The first is the northing or latitude.
+  double metres_per_unit = 1;  ///< Roughly.
+};
+
 /// Splits collections, straightens curves, drops Z and M. A part within a part and turned against
 /// it becomes a hole of that, and its own holes parts; one that stands in a hole of the other is
-/// not within it and stays. `geometry` may be null.
-FlatGeometry flatten(OGRGeometryH geometry);
+/// not within it and stays, and so does one that leaves less than a wall of it, or lies above or
+/// below it. Surfaces in space, and polygons of which several are vertical, are faces of a body:
+/// the parts are its footprint then (footprint_of). `geometry` may be null. The order of
+/// coordinates stays as it is.
+FlatGeometry flatten(OGRGeometryH geometry, const PlanUnits& units = {});
 
 /// Where the yard comes first and its building second, as their turns say too (holes clockwise),
 /// the building becomes the shell.

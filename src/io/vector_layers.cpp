@@ -34,7 +34,7 @@ OGRLayerH find_layer(const fs::path& path, GDALDatasetH dataset, const std::stri
   if (!wanted.empty())
     fail_input(path, fmt::format("has no layer '{}'; it has: {}", wanted, fmt::join(all, ", ")));
   if (names.size() > 1)
-    fail_input(path, fmt::format("has several layers of polygons; name one of: {}",
+    fail_input(path, fmt::format("has several layers of polygons; name one of these by --layer: {}",
                                  fmt::join(names, ", ")));
   if (found != nullptr) return found;
   if (all.size() == 1 &&

@@ -82,6 +82,7 @@ std::string vector_in_archive(const fs::path& path, const gdal::QuietErrors& err
   const std::string archive = "/vsizip/" + path.string();
   char** const members = VSIReadDirRecursive(archive.c_str());
   std::vector<std::string> found;
+  bool holds_points = false;
   int best = 2;
   for (char** member = members; member != nullptr && *member != nullptr; ++member) {
     std::string name = *member;
@@ -90,6 +91,8 @@ std::string vector_in_archive(const fs::path& path, const gdal::QuietErrors& err
     // A geodatabase is a folder, which archives may list or not.
     if (const std::size_t end = lower_case(name).find(".gdb/"); end != std::string::npos)
       name.resize(end + 4);
+    const std::string extension = lower_case(fs::path(name).extension().string());
+    holds_points = holds_points || extension == ".las" || extension == ".laz";
     const int rank = rank_of_member(name);
     if (rank > best) continue;
     if (rank < best) found.clear();
@@ -100,7 +103,8 @@ std::string vector_in_archive(const fs::path& path, const gdal::QuietErrors& err
   if (members == nullptr)
     fail_input(path, "cannot be read as a ZIP archive" + errors.reason() + "; get it again");
   if (found.empty())
-    fail_input(path, "holds no vector file; give one that does, or the file itself");
+    fail_input(path, holds_points ? "holds point files, which are not read from archives; unpack it"
+                                  : "holds no vector file; give one that does, or the file itself");
   if (found.size() > 1)
     fail_input(path, fmt::format("holds several vector files ({}); unpack it and name one of them",
                                  fmt::join(found, ", ")));

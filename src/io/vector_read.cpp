@@ -210,11 +210,13 @@ bool is_north_first(OGRSpatialReferenceH srs) {
   return mapping != nullptr && count >= 2 && mapping[0] != first;
 }
 
-template <typename Visit>
-void for_each_vertex(Polygon& polygon, const Visit& visit) {
-  for (Point2& p : polygon.outer) visit(p);
-  for (Ring& hole : polygon.holes)
-    for (Point2& p : hole) visit(p);
+/// `source_crs`: what coordinates are in whatever the layer says; empty: what it says.
+PlanUnits units_of(OGRSpatialReferenceH srs, const std::string& source_crs) {
+  constexpr double kMetresPerDegree = 111'000;
+  const bool degrees = source_crs.empty() ? srs != nullptr && OSRIsGeographic(srs) != 0
+                                          : is_geographic(normalise_crs(source_crs));
+  const double length = srs == nullptr || degrees ? 1 : OSRGetLinearUnits(srs, nullptr);
+  return {is_north_first(srs), degrees ? kMetresPerDegree : length};
 }
 
 /// How far a file can be trusted in how many features it has.
@@ -242,7 +244,7 @@ class LayerReader {
         single_ids_(real_ids_ && OGR_Fld_GetSubType(definition(layer, id_field_)) == OFSTFloat32),
         heights_(path, layer, options.height_attribute),
         id_name_(options.id_attribute),
-        north_first_(is_north_first(OGR_L_GetSpatialRef(layer))),
+        units_(units_of(OGR_L_GetSpatialRef(layer), options.source_crs)),
         shells_by_turn_(shells_by_turn),
         result_(result) {}
 
@@ -282,8 +284,10 @@ class LayerReader {
  private:
   void add(OGRFeatureH feature) {
     const std::string id = feature_id(feature);
-    FlatGeometry flat = flatten(OGR_F_GetGeometryRef(feature));
-    if (shells_by_turn_)
+    FlatGeometry flat = flatten(OGR_F_GetGeometryRef(feature), units_);
+    if (flat.is_body)
+      ++bodies_;
+    else if (shells_by_turn_)
       mend_turned_rings(flat);
     else
       mend_order_of_rings(flat);
@@ -300,7 +304,7 @@ class LayerReader {
         result_.dropped.push_back({std::move(part_id), std::move(part.reason)});
         continue;
       }
-      if (north_first_) for_each_vertex(part.polygon, [](Point2& p) { std::swap(p.x, p.y); });
+      if (units_.north_first) for_each_vertex(part.polygon, [](Point2& p) { std::swap(p.x, p.y); });
       result_.features.push_back({std::move(part_id), std::move(part.polygon), height});
     }
   }
@@ -334,6 +338,11 @@ class LayerReader {
            fmt::format("{} features have points, lines or collections nested too deep besides "
                        "polygons; these are ignored",
                        mixed_));
+    if (bodies_ > 0)
+      warn("footprints_from_bodies", bodies_,
+           fmt::format("{} features are bodies in space; the outlines of their ground faces are "
+                       "taken for footprints; choose a layer of footprints if there is one",
+                       bodies_));
     if (const auto warning = heights_.warning()) result_.warnings.push_back(*warning);
   }
 
@@ -348,12 +357,13 @@ class LayerReader {
   bool single_ids_;
   HeightReader heights_;
   std::string id_name_;
-  bool north_first_;
+  PlanUnits units_;
   bool shells_by_turn_;
   FootprintsInput& result_;
   UniqueIds ids_;
   std::int64_t without_id_ = 0;
   std::int64_t mixed_ = 0;
+  std::int64_t bodies_ = 0;
 };
 
 Bounds2 bounds_of(std::vector<Footprint>& features) {

@@ -78,13 +78,15 @@ CloudHeaders read_headers(std::span<const std::filesystem::path> paths) {
 /// Without any statement about the system, coordinates that all fit on the globe and span less than
 /// a few degrees are taken for what they almost certainly are.
 void refuse_unmarked_degrees(const Bounds2& box, const std::string& file, const char* option) {
-  const Bounds2 globe{-180, -90, 180, 90};
-  const bool on_globe =
-      globe.contains({box.xmin, box.ymin}) && globe.contains({box.xmax, box.ymax});
-  if (box.empty() || !on_globe || std::max(box.width(), box.height()) > 2) return;
-  throw Error(ErrorKind::kInput, fmt::format("{}: coordinates look like degrees ({:.5f}, {:.5f}) - "
-                                             "({:.5f}, {:.5f}); name their CRS with {}",
-                                             file, box.xmin, box.ymin, box.xmax, box.ymax, option));
+  constexpr Bounds2 kGlobe{-180, -90, 180, 90}, kSwapped{-90, -180, 90, 180};
+  if (box.empty() || std::max(box.width(), box.height()) > 2) return;
+  const bool on_globe = kGlobe.covers(box);
+  if (!on_globe && !kSwapped.covers(box)) return;
+  throw Error(ErrorKind::kInput,
+              fmt::format("{}: coordinates look like degrees ({:.5f}, {:.5f}) - ({:.5f}, {:.5f}){}",
+                          file, box.xmin, box.ymin, box.xmax, box.ymax,
+                          on_globe ? fmt::format("; name their CRS with {}", option)
+                                   : ", latitude first; exchange the two"));
 }
 
 /// The points' reference system after the footprints have been read.
@@ -101,7 +103,12 @@ std::string common_crs(const Config& config, const std::string& points_crs,
             "{}: footprints are in degrees ({}) and the point cloud has no CRS of its own; name it "
             "with --points-crs (or that of the footprints with --footprints-crs, if they are not)",
             config.footprints, crs_name(footprints.crs)));
-  require_metres(footprints.crs, config.footprints, "--footprints-crs");
+  if (const double unit = linear_unit_metres(footprints.crs); std::abs(unit - 1) > 1e-9)
+    throw Error(
+        ErrorKind::kInput,
+        fmt::format("{}: footprints are in units of {} m ({}) and the point cloud has no CRS of "
+                    "its own; name it with --points-crs",
+                    config.footprints, unit, crs_name(footprints.crs)));
   return footprints.crs;
 }
 
@@ -129,7 +136,8 @@ Bounds2 reading_box(const Config& config, const FootprintsInput& footprints) {
                                             footprints.dropped.front().reason);
   throw Error(
       ErrorKind::kInput,
-      fmt::format("{}: holds no footprint ({}); add --terrain-only for a mesh of the terrain alone",
+      fmt::format("{}: holds no footprint ({}); give a file with the buildings' outlines as "
+                  "polygons, or add --terrain-only for a mesh of the terrain alone",
                   config.footprints, why));
 }
 
@@ -372,7 +380,7 @@ InputData read_input(const Config& config, Next next, StepClock& clock, Report& 
                      std::string& misread) {
   require_crs(config.points_crs, "--points-crs");
   require_crs(config.footprints_crs, "--footprints-crs");
-  const auto paths = expand_point_paths(config.points);
+  const auto paths = expand_point_paths(config.points, &report.warnings);
   const CloudHeaders headers = read_headers(paths);
   const std::string points_crs = stated_points_crs(config, headers, paths.front().string());
 

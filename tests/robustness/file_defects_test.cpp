@@ -192,8 +192,9 @@ TEST_F(FileDefects, GeoPackageWithSeveralLayers) {
   copy_layer(folder / "lamps.csv", path, "lamps");
   expect_all_buildings(run(path));  // one layer of polygons only
   copy_layer(folder / "old.gpkg", path, "town_1990");
-  expect_input_error(run(path), path,
-                     "has several layers of polygons; name one of: town, town_1990");
+  expect_input_error(
+      run(path), path,
+      "has several layers of polygons; name one of these by --layer: town, town_1990");
   layer = "town_1990";
   expect_all_buildings(run(path));
   layer = "lamps";

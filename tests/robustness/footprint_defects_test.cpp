@@ -311,9 +311,19 @@ std::vector<Row> geometries() {
       drop("EmptyCollection", "GEOMETRYCOLLECTION EMPTY", "empty"),
       drop("Point", "POINT(72 58)", "a point, not a polygon"),
       drop("Line", "LINESTRING(60 50,84 50,84 66,60 66,60 50)", "a line, not a polygon"),
-      drop("TriangulatedSurface",
-           "TIN Z(((60 50 0,84 50 0,84 66 0,60 50 0)),((60 50 0,84 66 0,60 66 0,60 50 0)))",
-           "a surface in space"),
+      row("TriangulatedSurface",
+          "TIN Z(((60 50 0,84 50 0,84 66 0,60 50 0)),((60 50 0,84 66 0,60 66 0,60 50 0)))"),
+      row("Body",
+          "MULTIPOLYGON Z(((60 50 0,60 66 0,84 66 0,84 50 0,60 50 0)),"
+          "((59.5 49.5 9,84.5 49.5 9,84.5 66.5 9,59.5 66.5 9,59.5 49.5 9)),"
+          "((60 50 0,84 50 0,84 50 9,60 50 9,60 50 0)),((84 50 0,84 66 0,84 66 9,84 50 9,"
+          "84 50 0)),((84 66 0,60 66 0,60 66 9,84 66 9,84 66 0)),((60 66 0,60 50 0,60 50 9,"
+          "60 66 9,60 66 0)))"),
+      row("BodyWithoutGround",
+          "POLYHEDRALSURFACE Z(((60 50 9,72 50 9,72 66 9,60 66 9,60 50 9)),"
+          "((72 50 6,84 50 6,84 66 6,72 66 6,72 50 6)))"),
+      drop("WallsOnly", "POLYHEDRALSURFACE Z(((60 50 0,84 50 0,84 50 9,60 50 9,60 50 0)))",
+           "no face that could be a footprint"),
       drop("TwoVertices", "POLYGON((60 50,84 66,60 50))", "fewer than three vertices"),
       drop("OneVertexManyTimes", "POLYGON((60 50,60 50,60 50,60 50))", "three vertices"),
       drop("AllOnALine", "POLYGON((60 50,70 50,84 50,60 50))", "zero area"),

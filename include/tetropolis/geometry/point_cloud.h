@@ -68,16 +68,19 @@ enum PointClass : std::uint8_t {
   kBuildingClass = 6,
   kLowNoise = 7,
   kWater = 9,
+  kWireGuard = 13,
+  kBridgeDeck = 17,
   kHighNoise = 18,
 };
 
 /// Whether points of this class tell the terrain: ground and water.
 inline bool is_ground(std::uint8_t code) { return code == kGround || code == kWater; }
 
-/// Where no point has class 6: neither ground, water, vegetation nor noise.
+/// Where no point has class 6: neither ground, water, vegetation, noise, wires, their towers and
+/// connectors (13 to 16) nor the deck of a bridge.
 inline bool may_be_roof(std::uint8_t code) {
   return !is_ground(code) && !(code >= kLowVegetation && code <= kHighVegetation) &&
-         code != kLowNoise && code != kHighNoise;
+         code != kLowNoise && code != kHighNoise && !(code >= kWireGuard && code <= kBridgeDeck);
 }
 
 /// Which of all class codes are among `codes`.

@@ -56,9 +56,11 @@ std::vector<LasInfo> inspect_las(std::span<const std::filesystem::path> paths);
 /// The files that `arguments` name: files as they are (whatever their extension), folders as the
 /// *.las and *.laz directly inside (any case), and shell patterns (*, ?, [...]).
 /// Sorted by absolute path; a file named twice, by whatever spelling or link, occurs once. The
-/// order of the arguments does not matter. Errors, kInput with the argument: no such file, pattern
-/// without a match, folder without any.
-std::vector<std::filesystem::path> expand_point_paths(std::span<const std::string> arguments);
+/// order of the arguments does not matter. Folders in folders are not read; `warnings`, if given,
+/// gets "points_in_subfolders" where they hold such files. Errors, kInput with the argument: no
+/// such file, pattern without a match, folder without any.
+std::vector<std::filesystem::path> expand_point_paths(std::span<const std::string> arguments,
+                                                      std::vector<Warning>* warnings = nullptr);
 
 /// 7 and 18: low and high noise.
 std::vector<std::uint8_t> noise_classes();

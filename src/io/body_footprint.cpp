@@ -1,4 +1,4 @@
-#include "cityjson_footprint.h"
+#include "body_footprint.h"
 
 #include <algorithm>
 #include <cmath>
@@ -154,6 +154,8 @@ std::vector<Polygon> unite(const std::vector<Polygon>& polygons) {
 }
 
 }  // namespace
+
+bool is_wall(const Face& face) { return std::abs(uprightness(face)) < kNotWall; }
 
 void orient(Polygon& polygon) {
   const auto turn = [](Ring& ring) { std::reverse(ring.begin() + 1, ring.end()); };

@@ -1,4 +1,4 @@
-// From the faces of a foreign building to a footprint. Private to src/io.
+// From the faces of a building in space to its footprint. Private to src/io.
 #pragma once
 
 #include <optional>
@@ -16,12 +16,16 @@ struct Face {
   bool is_roof = false;    ///< Semantics say RoofSurface.
 };
 
+/// Whether a face is vertical, within half a degree.
+bool is_wall(const Face& face);
+
 struct FootprintResult {
   std::vector<Polygon> polygons;  ///< Outer counter-clockwise, holes clockwise, snapped.
   std::string reason;             ///< Why there are none.
 };
 
-/// Union of the ground faces in the plan, as described at read_city.
+/// Union of the ground faces in the plan, as described at read_city. Precondition: coordinates in
+/// metres or so: they are put on the grid of coordinates.
 FootprintResult footprint_of(const std::vector<Face>& faces);
 
 /// The height, above 0, that nine tenths of the roof's area in the plan do not exceed, as the 90th
