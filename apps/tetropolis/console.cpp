@@ -44,7 +44,8 @@ Console::Console(bool quiet, const std::string& log)
   log_ = std::fopen(log.c_str(), "w");
   if (log_ == nullptr)
     throw Error(ErrorKind::kUsage,
-                fmt::format("--log: {} cannot be written: {}", log, std::strerror(errno)));
+                fmt::format("--log: {} cannot be written: {}; choose a folder that is there", log,
+                            std::strerror(errno)));
   // Whatever ends the run, the log has its last line.
   std::setvbuf(log_, nullptr, _IOLBF, BUFSIZ);
 }

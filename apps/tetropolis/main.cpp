@@ -219,6 +219,9 @@ std::string usage_message(const CLI::App& app, const CLI::ParseError& error) {
   // What was not understood explains the error better than what is missing because of it.
   const std::vector<std::string> leftover = command->remaining(true);
   if (leftover.empty()) {
+    if (const std::vector<std::string> before = app.remaining(); command != &app && !before.empty())
+      return fmt::format("'{}' comes before the command; write it after: tetropolis {} ...",
+                         before.front(), command->get_name());
     for (const CLI::Option* option : command->get_options())
       if (option->count() > 1 && option->get_items_expected_max() == 1)
         return fmt::format("{} is given {} times; give it once{}", option->get_name(),

@@ -1,5 +1,4 @@
 #include <algorithm>
-#include <cassert>
 #include <charconv>
 #include <cmath>
 #include <cstring>
@@ -189,9 +188,12 @@ bool wants_compression(const fs::path& path) {
 
 void write_points(const fs::path& path, const PointCloud& cloud, Point2 origin,
                   const WritePointsOptions& options) {
-  assert(cloud.y.size() == cloud.size() && cloud.z.size() == cloud.size());
-  assert(cloud.classification.size() == cloud.size());
-  assert(options.flags.empty() || options.flags.size() == cloud.size());
+  for (const std::size_t size : {cloud.y.size(), cloud.z.size(), cloud.classification.size(),
+                                 options.flags.empty() ? cloud.size() : options.flags.size()})
+    if (size != cloud.size())
+      throw Error(ErrorKind::kUsage,
+                  fmt::format("{}: arrays of {} and {} values for points; give one of each",
+                              path.string(), cloud.size(), size));
   check_request(path, cloud, options);
   const std::string crs = normalise_crs(options.crs);
   Quantised points;

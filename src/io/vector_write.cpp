@@ -1,5 +1,4 @@
 #include <algorithm>
-#include <cassert>
 #include <cmath>
 #include <span>
 #include <string>
@@ -148,8 +147,10 @@ void publish(const fs::path& folder, const fs::path& target) {
 void write_footprints(const fs::path& path, std::span<const Polygon> polygons,
                       std::span<const std::string> ids, std::span<const double> heights,
                       Point2 origin, const std::string& crs) {
-  assert(ids.size() == polygons.size());
-  assert(heights.empty() || heights.size() == polygons.size());
+  if (ids.size() != polygons.size() || !(heights.empty() || heights.size() == polygons.size()))
+    throw Error(ErrorKind::kUsage,
+                fmt::format("{}: {} ids and {} heights for {} polygons; give one of each",
+                            path.string(), ids.size(), heights.size(), polygons.size()));
   gdal::initialise();
   const char* driver = driver_of(path);
   const std::string canonical = normalise_crs(crs);

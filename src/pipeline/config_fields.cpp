@@ -104,8 +104,9 @@ std::vector<ConfigField> make_fields() {
        .group = "Output",
        .member = choice<&C::compression>(),
        .commands = kMeshing,
-       .help = "Compression of volume.vtu, boundary.vtp and volume.h5: a quarter of the size or "
-               "less, slower to write",
+       .help =
+           "Compression of volume.vtu, boundary.vtp and volume.h5: about a quarter of the size, "
+           "slower to write",
        .choices = {"none", "zlib"}},
 
       {.name = "domain_margin",
@@ -151,7 +152,8 @@ std::vector<ConfigField> make_fields() {
        .group = "City model",
        .member = &C::parallel_tolerance,
        .commands = kData,
-       .help = "Consecutive edges whose directions differ by less are joined",
+       .help = "Consecutive edges whose directions differ by less are joined, where that moves "
+               "the outline by no more than 2 cm at a vertex",
        .unit = "rad",
        .min = 0,
        .max = 0.5},
@@ -247,8 +249,8 @@ std::vector<ConfigField> make_fields() {
        .group = "Mesh",
        .member = &C::domain_height,
        .commands = kMeshing,
-       .help = "Height of the domain above the highest ground; two mesh sizes above the highest "
-               "roof at least",
+       .help = "Height of the domain above the highest ground; two mesh sizes (uniform layering: "
+               "layers) above the highest roof at least",
        .unit = "m",
        .min = 0.1,
        .max = 1e5},
@@ -264,7 +266,8 @@ std::vector<ConfigField> make_fields() {
        .member = &C::layer_height,
        .commands = kMeshing,
        .help =
-           "Uniform: mean height of layers, 0: the mesh size; graded: largest spacing, 0: no limit",
+           "Uniform: mean height of layers, 0: the mesh size; graded: largest spacing asked for "
+           "(cells may be half as high again, where that divides a column better), 0: no limit",
        .unit = "m",
        .min = 0,
        .max = 1e5},
@@ -328,8 +331,9 @@ std::vector<ConfigField> make_fields() {
        .group = "Synthetic city",
        .member = &C::buildings,
        .commands = kSynth,
-       .help = "Number of buildings; 0: as dense as 3096 on 2500 m (random) or as many as fit "
-               "(blocks, which come about as dense as asked); not of adversarial cities",
+       .help = "Number of buildings; 0: as dense as 3096 on 2500 m (random) or as many as come "
+               "(blocks, whose number depends on their streets; nearer to the asked one where "
+               "plots can be made larger or smaller); not of adversarial cities",
        .min = 0,
        .max = 1e7},
       {.name = "size",
@@ -337,8 +341,8 @@ std::vector<ConfigField> make_fields() {
        .member = &C::size,
        .commands = kSynth,
        .help =
-           "Side of the square; 0: 2500 m (random), 500 m (blocks) or 200 m (adversarial, 100 to "
-           "1000 m)",
+           "Side of the square; 0: 2500 m (random, at least 50 m), 500 m (blocks, at least 300 m) "
+           "or 200 m (adversarial, 100 to 1000 m)",
        .unit = "m",
        .min = 0,
        .max = 1e5},

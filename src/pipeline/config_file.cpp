@@ -39,6 +39,13 @@ std::vector<std::string> texts_of(const toml::node& node, const std::string& ori
   return texts;
 }
 
+std::string_view wanted_type(const ConfigField& field) {
+  if (std::holds_alternative<bool Config::*>(field.member)) return "true or false";
+  if (std::holds_alternative<std::vector<double> Config::*>(field.member))
+    return "numbers in brackets, without quotes";
+  return "a number, without quotes";
+}
+
 bool takes_text(const ConfigField& field) {
   return std::holds_alternative<std::string Config::*>(field.member) ||
          std::holds_alternative<ChoiceMember>(field.member) ||
@@ -55,7 +62,7 @@ void set_key(Config& config, std::string_view key, const toml::node& value,
       if (node.is_string() != takes_text(field) && !node.is_array())
         throw Error(ErrorKind::kUsage,
                     fmt::format("{}: {} takes {}", origin, key,
-                                takes_text(field) ? "text in quotes" : "no text"));
+                                takes_text(field) ? "text in quotes" : wanted_type(field)));
     };
     if (const auto* array = value.as_array())
       for (const toml::node& element : *array) require_type(element);

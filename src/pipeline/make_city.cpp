@@ -162,7 +162,7 @@ std::vector<Polygon> clean_features(const Config& config, const FootprintsInput&
                                         raw.dropped.front().source_id, raw.dropped.front().reason);
   throw Error(ErrorKind::kInput,
               fmt::format("{}: no usable footprint lies in the domain ({}, {}) - ({}, {}) ({}); "
-                          "check --bounds and the CRS, or add --terrain-only",
+                          "check --bounds, --domain-margin and the CRS, or add --terrain-only",
                           config.footprints, report.domain.xmin, report.domain.ymin,
                           report.domain.xmax, report.domain.ymax, why));
 }

@@ -62,7 +62,7 @@ void report_lowered(const ColumnPlan& plan, Report& report) {
   report.volume_mesh->roofs_cut_back = plan.cut_from.roofs;
   report.volume_mesh->feet_cut_back = plan.cut_from.feet;
   if (plan.lowered == 0) return;
-  std::string where = "at walls, to stay below their roof";
+  std::string where = "at walls that would be too low otherwise";
   if (plan.dug_out > 0)
     where += fmt::format(" ({} building{} up to {:.1f} m below its own foot)", plan.dug_out,
                          plan.dug_out == 1 ? "" : "s, each", plan.deepest_dug_out);

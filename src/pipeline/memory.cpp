@@ -66,6 +66,10 @@ double parse_size(const std::string& text) {
   if (error != std::errc() || !(number > 0) || factor == 0)
     throw Error(ErrorKind::kUsage,
                 "--max-memory: '" + text + "' is not a size; write for example 8G or 500M");
+  constexpr double kLeast = 1e6;
+  if (number * factor < kLeast)
+    throw Error(ErrorKind::kUsage, "--max-memory: '" + text +
+                                       "' is less than a megabyte; write for example 8G or 500M");
   return number * factor;
 }
 

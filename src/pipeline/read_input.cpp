@@ -136,9 +136,10 @@ Bounds2 reading_box(const Config& config, const FootprintsInput& footprints) {
                                             footprints.dropped.front().reason);
   throw Error(
       ErrorKind::kInput,
-      fmt::format("{}: holds no footprint ({}); give a file with the buildings' outlines as "
+      fmt::format("{}: holds no footprint ({}); {}give a file with the buildings' outlines as "
                   "polygons, or add --terrain-only for a mesh of the terrain alone",
-                  config.footprints, why));
+                  config.footprints, why,
+                  config.footprints_crs.empty() ? "" : "correct --footprints-crs, or "));
 }
 
 /// About how many points are in `box`, CRS coordinates, as far as headers tell.

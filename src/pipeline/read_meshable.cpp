@@ -110,7 +110,8 @@ double require_meshable(const Config& config, const CityModel& city) {
   const auto fail = [&](const std::string& what) {
     throw Error(
         ErrorKind::kInput,
-        fmt::format("{}: {}; make it with 'tetropolis city', or lower --min-building-distance",
+        fmt::format("{}: {}; mesh the city.city.json that 'tetropolis city' makes, or lower "
+                    "--min-building-distance",
                     config.city, what));
   };
   for (const Building& building : city.buildings)

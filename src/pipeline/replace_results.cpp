@@ -9,13 +9,13 @@
 #include <system_error>
 #include <utility>
 
-#include <nlohmann/json.hpp>
 #include <unistd.h>
 
 #include "tetropolis/core/error.h"
 #include "tetropolis/io/atomic_file.h"
 
 #include "folders.h"
+#include "reported_facts.h"
 #include "result_files.h"
 
 namespace tetropolis {
@@ -122,18 +122,6 @@ void remove_new_results(const fs::path& stale, const fs::path& target) {
   }
 }
 
-/// Whether the results in a folder are of an earlier run, and not files of the user's that happen
-/// to have their names.
-bool holds_our_report(const fs::path& folder) {
-  std::error_code error;
-  // A pipe would be waited for.
-  if (!fs::is_regular_file(folder / results::kReport, error)) return false;
-  std::ifstream file(folder / results::kReport);
-  const auto report = nlohmann::json::parse(file, nullptr, false);
-  return report.is_object() && report.contains("version") && report.contains("command") &&
-         report.contains("steps");
-}
-
 /// As restore_earlier(), where the target is locked.
 bool put_back_earlier(const fs::path& stale, const fs::path& target) try {
   std::error_code error;
@@ -202,6 +190,7 @@ void replace_results(const fs::path& staging, const fs::path& target,
   std::error_code error;
   fs::create_directory(moving, error);
   if (error) throw_cannot_write(target, error.message());
+  const std::vector<std::string> earlier = earlier_results(target);
   Moves moves;
   const auto move_aside = [&](const fs::path& name) {
     if (!exists_itself(target / name) || is_among(name, kept)) return;
@@ -209,10 +198,10 @@ void replace_results(const fs::path& staging, const fs::path& target,
     remove_empty_folders(target, name);
   };
   try {
-    const bool all = holds_our_report(target);
-    for (const fs::path name : results::all_names())
-      if (all || is_among(name, names)) move_aside(name);
-    // A result of a name that no earlier version knew may replace a file too.
+    // The report, which vouches for the others, before all of them.
+    move_aside(results::kReport);
+    for (const fs::path name : earlier) move_aside(name);
+    // Files of the user's that have the names of new results.
     for (const fs::path& name : names) move_aside(name);
     moves.move(moving, moved, target);
     for (const fs::path& name : names) moves.move(staging / name, target / name, target / name);

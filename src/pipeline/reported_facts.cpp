@@ -69,6 +69,21 @@ std::vector<std::string> files_of(const Json& report, const Json& config) {
   return files;
 }
 
+/// What belongs to the results of a report: what the run wrote, and the city that it read if that
+/// is in the same folder.
+std::vector<std::string> results_of(const Json& report, const fs::path& folder) {
+  const Json config = report.value("config", Json::object());
+  std::vector<std::string> names = files_of(report, config);
+  std::error_code error;
+  const fs::path city = config.value("city", std::string());
+  if (!city.empty() &&
+      fs::equivalent(city.parent_path().empty() ? fs::path(".") : city.parent_path(), folder,
+                     error))
+    names.insert(names.end(), results::kOfCity.begin(), results::kOfCity.end());
+  names.emplace_back(results::kReport);
+  return names;
+}
+
 double greatest(const Json& volume, const char* measure) {
   return volume.value(measure, Json::object()).value("max", -1.0);
 }
@@ -126,6 +141,22 @@ ReportedFacts facts_of(const Json& report) {
 }
 
 }  // namespace
+
+std::vector<std::string> earlier_results(const fs::path& folder) {
+  std::error_code error;
+  // A pipe would be waited for.
+  if (!fs::is_regular_file(folder / results::kReport, error)) return {};
+  std::ifstream file(folder / results::kReport);
+  const Json report = Json::parse(file, nullptr, false);
+  if (!report.is_object() || !report.contains("version") || !report.contains("command") ||
+      !report.contains("steps"))
+    return {};
+  try {
+    return results_of(report, folder);
+  } catch (const Json::exception&) {  // of another version, or changed by hand
+    return results::all_names();
+  }
+}
 
 std::optional<ReportedFacts> read_report(const fs::path& folder) {
   const fs::path path = folder / results::kReport;

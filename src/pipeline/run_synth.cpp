@@ -96,6 +96,23 @@ SyntheticCity invent_city(const Config& config, double size, const Progress& pro
   return synthetic_random_city(options, progress);
 }
 
+/// Blocks come about as many as asked for. Far fewer means that no more fit; far more, that plots
+/// are as large as they get.
+void warn_of_number(const Config& config, std::int64_t found, Report& report) {
+  constexpr double kAbout = 0.1;
+  if (config.buildings == 0) return;
+  if (static_cast<double>(found) < (1 - kAbout) * config.buildings)
+    report.warnings.push_back({"fewer_buildings", config.buildings - found,
+                               fmt::format("only {} of {} buildings fit; give a larger --size",
+                                           found, config.buildings)});
+  if (static_cast<double>(found) > (1 + kAbout) * config.buildings)
+    report.warnings.push_back(
+        {"more_buildings", found - config.buildings,
+         fmt::format(
+             "{} buildings, not {}: blocks of this --size have no fewer; give a smaller one", found,
+             config.buildings)});
+}
+
 /// Writes footprints.shp and points.laz of a city without defects, and fills the report.
 void synth_plain(const Config& config, double size, OutputFolder& out, StepClock& clock,
                  Report& report) {
@@ -116,11 +133,7 @@ void synth_plain(const Config& config, double size, OutputFolder& out, StepClock
   input.points_kept = input.points_read = static_cast<std::int64_t>(city.points.size());
   for (const std::uint8_t code : city.points.classification) ++input.points_by_class[code];
   input.footprints_read = static_cast<std::int64_t>(city.footprints.size());
-  // Blocks come about as dense as asked; far fewer than asked means that no more fit.
-  if (input.footprints_read < 0.8 * config.buildings)
-    report.warnings.push_back({"fewer_buildings", config.buildings - input.footprints_read,
-                               fmt::format("only {} of {} buildings fit; give a larger --size",
-                                           input.footprints_read, config.buildings)});
+  warn_of_number(config, input.footprints_read, report);
 }
 
 }  // namespace

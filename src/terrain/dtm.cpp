@@ -189,11 +189,11 @@ Raster build_dtm(const PointCloud& cloud, const Bounds2& domain, const DtmOption
     std::vector<std::uint32_t> counts(nodes, 0);
     ground_points = bin_points(cloud, class_table(options.classes), raster, counts);
     if (ground_points == 0)
-      throw Error(
-          ErrorKind::kInput,
-          fmt::format("the point cloud has no ground points (class {}) in the domain, only {}: "
-                      "name the classes that are ground, or classify the cloud first",
-                      fmt::join(options.classes, ", "), describe_classes(cloud)));
+      throw Error(ErrorKind::kInput,
+                  fmt::format("the point cloud has no ground points (class {}) in the domain; all "
+                              "in all it has {}: "
+                              "name the classes that are ground, or classify the cloud first",
+                              fmt::join(options.classes, ", "), describe_classes(cloud)));
     for (std::size_t node = 0; node < nodes; ++node) {
       if (counts[node] == 0) ++empty;
       raster.values[node] = counts[node] == 0 ? kNan : raster.values[node] / counts[node];

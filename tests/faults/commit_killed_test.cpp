@@ -76,7 +76,9 @@ void make_earlier(const fs::path& result) {
   for (const char* name :
        {"dtm.tif", "volume.vtu", "boundary.vtp", "constant/polyMesh/points", "surface.ply"})
     put(result / name, "old");
-  put(result / "report.json", R"({"version": "0", "command": "build", "steps": []})");
+  put(result / "report.json", R"({"version": "0", "command": "build",
+      "steps": [], "input": {}, "city": {}, "volume_mesh": {},
+      "config": {"formats": ["vtu", "openfoam", "ply"]}})");
   put(result / "notes.txt", "mine");
   put(result / "constant/g", "mine");
 }

@@ -139,7 +139,7 @@ TEST_F(Build, AnUnfinishedSolveIsToldAndStillValid) {
   Config config = city(SynthKind::kRandom, 20, 200, 4);
   config.layering = Layering::kUniform;
   config.solver_iterations = 1;
-  config.solver_tolerance = 1e-12;
+  config.solver_tolerance = 1e-6;
   const Report report = run_build(config);
   expect_guarantees(config.out);
   EXPECT_TRUE(std::any_of(report.warnings.begin(), report.warnings.end(),
@@ -425,9 +425,8 @@ TEST_F(Build, MeshRefusesCitiesAndTerrainsThatDoNotFit) {
     return refusal_of(mesh);
   };
   const std::string out = config.out;
-  EXPECT_NE(
-      refused(out + "/city_raw.city.json", out + "/dtm.tif").find("make it with 'tetropolis city'"),
-      std::string::npos);
+  EXPECT_NE(refused(out + "/city_raw.city.json", out + "/dtm.tif").find("mesh the city.city.json"),
+            std::string::npos);
   EXPECT_NE(refused(out + "/city.city.json", out + "/dtm.tif", {319000, 6396000, 321000, 6398000})
                 .find("does not cover the domain"),
             std::string::npos);
@@ -571,7 +570,7 @@ TEST_F(Build, AbsurdSizesAreRefusedBeforeTheWork) {
   config.max_memory = "1T";
   EXPECT_EQ(refused("layers between the mean ground"), "3.2");
   config = good;
-  config.domain_height = 1e7;
+  config.domain_height = 1e5;
   config.max_memory = "1T";
   EXPECT_EQ(refused("layers between the mean ground"), "3.3");
   config = good;

@@ -70,9 +70,9 @@ TEST(Config, ErrorsNameFileLineAndWhatToDo) {
   expect_part(error_of("colour_of_money = 5\n"),
               "unknown key 'colour_of_money'; see 'tetropolis init'");
   expect_part(error_of("mesh_size = -1\n"), "c.toml:1: mesh_size: -1 is less than 0.05");
-  expect_part(error_of("mesh_size = \"5\"\n"), "takes no text");
+  expect_part(error_of("mesh_size = \"5\"\n"), "takes a number, without quotes");
   expect_part(error_of("top = 5\n"), "takes text in quotes");
-  expect_part(error_of("bounds = [1, 2, \"3\", 4]\n"), "takes no text");
+  expect_part(error_of("bounds = [1, 2, \"3\", 4]\n"), "takes numbers in brackets");
   expect_part(error_of("points = [\"a\", 3]\n"), "takes text in quotes");
   expect_part(error_of("ground_margin = 1e308\n"), "1e+308 is greater than");
   expect_part(error_of("top = \"open\"\n"), "'open' is not one of flat, free");

@@ -4,6 +4,7 @@
 #include <set>
 #include <string>
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include "tetropolis/core/error.h"
@@ -128,7 +129,9 @@ TEST(OutputFolder, RefusesWhatCannotBeAFolder) {
   EXPECT_EQ(everything(scratch.path()), (std::set<std::string>{"file"}));
 }
 
-constexpr const char* kReport = R"({"version": "0", "command": "build", "steps": []})";
+constexpr const char* kReport = R"({"version": "0", "command": "build", "steps": [],
+                                 "input": {}, "city": {}, "volume_mesh": {},
+                                 "config": {"formats": ["vtu", "msh", "openfoam"]}})";
 
 void write(const fs::path& file, const std::string& text) {
   fs::create_directories(file.parent_path());
@@ -151,6 +154,40 @@ TEST(OutputFolder, OnlyAnEarlierRunLeavesLeftovers) {
                                    "constant/polyMesh/notes"};
     if (!ours) expected.insert({"volume.msh", "constant/polyMesh/points"});
     EXPECT_EQ(everything(scratch / "result"), expected);
+  }
+}
+
+/// Made by another program from a result of ours, say.
+TEST(OutputFolder, WhatNoRunHasWrittenStays) {
+  const testing::TemporaryFolder scratch;
+  write(scratch / "result/report.json", kReport);
+  write(scratch / "result/volume.vtu", "old");
+  write(scratch / "result/surface.ply", "mine");
+  write(scratch / "result/volume.h5", "mine");
+  OutputFolder out(scratch / "result");
+  write(out / "report.json", kReport);
+  out.commit();
+  EXPECT_EQ(everything(scratch / "result"),
+            (std::set<std::string>{"report.json", "surface.ply", "volume.h5"}));
+}
+
+/// A run of `mesh` belongs to the city model in its folder.
+TEST(OutputFolder, TheCityOfAnEarlierMeshGoesWithIt) {
+  const testing::TemporaryFolder scratch;
+  for (const bool here : {true, false}) {
+    const std::string city = here ? "result/city.city.json" : "other/city.city.json";
+    write(scratch / "result/report.json",
+          fmt::format(R"({{"version": "0", "command": "mesh", "steps": [], "volume_mesh": {{}},
+                          "config": {{"formats": ["vtu"], "city": "{}"}}}})",
+                      (scratch / city).string()));
+    write(scratch / "other/city.city.json", "other");
+    write(scratch / "result/city.city.json", "old");
+    write(scratch / "result/volume.vtu", "old");
+    OutputFolder out(scratch / "result");
+    write(out / "report.json", kReport);
+    out.commit();
+    EXPECT_EQ(fs::exists(scratch / "result/city.city.json"), !here);
+    EXPECT_FALSE(fs::exists(scratch / "result/volume.vtu"));
   }
 }
 

@@ -47,6 +47,11 @@ struct Row {
     within = off;
     return *this;
   }
+  /// Off by so much at most, which is no repair.
+  Row& tidied(double off) {
+    within = off;
+    return *this;
+  }
   Row& is(const Polygon& polygon, double off = kStep) {
     outline = polygon;
     within = off;
@@ -165,7 +170,7 @@ std::vector<Row> rings() {
       row("SpikeOfACentimetre", "POLYGON((60 50,84 50,84 58,91 58,84 58.01,84 66,60 66,60 50))")
           .repaired(0.02),
       row("CutOfACentimetre", "POLYGON((60 50,84 50,84 58,70 58,84 58.01,84 66,60 66,60 50))")
-          .repaired(0.02),
+          .tidied(0.02),
       row("SawOfTwoCentimetres", saw(0.02, 0.3)).repaired(0.1).covers(0, 2),
       row("SawOfHalfAMetre", saw(0.5, 0.5)).repaired(0.75).covers(0, 16),
       row("NeedleOfHalfADegree", "POLYGON((60 50,84 50,84 57.9,107 58,84 58.1,84 66,60 66,60 50))")

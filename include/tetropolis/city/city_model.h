@@ -18,7 +18,8 @@ enum BuildingFlag : std::uint32_t {
   kMinimumHeight = 1U << 4,         ///< Raised to the minimum building height.
   kMerged = 1U << 5,                ///< More than one input feature.
   kConvexHull = 1U << 6,            ///< Simplification had to fall back to a hull.
-  kRepaired = 1U << 7,              ///< The footprint's rings were invalid and have been repaired.
+  kRepaired = 1U << 7,              ///< Rings were invalid and have been repaired, or
+                                    ///< simplification moved the outline (simplify.h).
   kClipped = 1U << 8,               ///< Cut at the domain boundary.
 };
 

@@ -14,7 +14,8 @@ struct CleanOptions {
 /// Vertices closer to their predecessor than this are duplicates. Metres.
 inline constexpr double kNearDuplicate = 0.001;
 
-/// Removing vertices between parallel edges moves the outline by no more than this. Metres.
+/// Removing vertices between parallel edges moves the outline by no more than this, and by no more
+/// than 2 cm at one vertex. Metres.
 inline constexpr double kMaxOutlineShift = 0.05;
 
 struct CleanedFootprint {

@@ -90,7 +90,8 @@ struct Simplification {
 /// - the result does not depend on the number of threads; a second call on the result returns it
 ///   unchanged;
 /// - near-linear time, apart from the unions of large clusters.
-/// kRepaired marks footprints whose outline was changed other than by merging; kConvexHull, those
+/// kRepaired marks footprints whose outline is more than 2 cm off the union of the polygons that it
+/// is made of; kConvexHull, those
 /// of which a hull became a part, at any stage; kMerged and kClipped follow from the members. Input
 /// that comes closer than min_distance to the domain's boundary is cut back from it (or dropped,
 /// where less than half of it would be left). What is cut off so is not counted as changed.

@@ -40,7 +40,7 @@ double linear_unit_metres(const std::string& crs);
 double vertical_unit_metres(const std::string& text);
 
 /// How many times as long as on the Earth's ellipsoid a short way at `at` is in a projected system:
-/// of the ways along x and along y the one that is further from 1. 1.87 for web Mercator
+/// of the ways along x and along y the one that is further from 1. 1.89 for web Mercator
 /// (EPSG:3857) at 58 degrees north, 0.9996 to 1.001 in UTM zones. NaN for other systems, and where
 /// `at` cannot be transformed. The radii of curvature are those of Snyder, "Map projections: a
 /// working manual" (USGS Professional Paper 1395, 1987), equations 4-18 and 4-20.

@@ -102,7 +102,8 @@ std::vector<VectorLayer> list_layers(const std::filesystem::path& path);
 /// and NaN where unknown. Guarantee: the same input gives the same bytes with the same GDAL (dates
 /// inside are fixed); every file appears complete or not at all, and of a shapefile the .shp last.
 /// What is cut short while it replaces a shapefile may leave new members beside the old .shp.
-/// Errors: kInput if it cannot be written, kUsage for another extension or a bad crs.
+/// Errors: kInput if it cannot be written, kUsage for another extension, a bad crs, or another
+/// number of ids or heights than of polygons.
 void write_footprints(const std::filesystem::path& path, std::span<const Polygon> polygons,
                       std::span<const std::string> ids, std::span<const double> heights,
                       Point2 origin, const std::string& crs);

@@ -21,7 +21,8 @@ struct OutputWatcher {
 /// Results are written to a hidden folder beside the target (".NAME.part-..."), or inside of it
 /// where it is a mount of its own or nothing can be made beside it; commit() moves them in. A
 /// target that did not exist appears by one rename. In one that did, the results of the earlier run
-/// (all files of their names, if there is a report of ours) are moved aside, the report first, then
+/// (what its report says it wrote, and files of the new ones' names) are moved aside, the report
+/// first, then
 /// the new ones in, the report last: no moment shows a report beside files that it does not
 /// describe. Files of other names stay, and those that were given to keep(). If a move fails, all
 /// of them are undone. Without commit() the destructor removes everything, the target is as it was.
