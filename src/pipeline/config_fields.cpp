@@ -290,9 +290,10 @@ std::vector<ConfigField> make_fields() {
        .group = "Mesh",
        .member = &C::cut_slope,
        .commands = kMeshing,
-       .help = "Graded: how steeply the terrain may rise from a roof below it, or from the foot of "
-               "a rock wall, where there would be no well-shaped cells otherwise; 90: it stays as "
-               "it is",
+       .help =
+           "Graded: how steeply the terrain may rise from a roof below it, or from the foot of "
+           "a rock wall, where there would be no well-shaped cells otherwise (above 60 some may "
+           "be left that are not); 90: it stays as it is",
        .unit = "degrees",
        .min = 30,
        .max = 90},

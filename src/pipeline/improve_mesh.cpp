@@ -335,6 +335,15 @@ void MeshImprover::cut_terrain_back(ColumnPlanOptions& options) {
         return mark_feet(columns_.mesh, columns_.plan, with_neighbours(columns_.mesh, bad), rule,
                          marks);
       });
+  // Where that is still too steep, more gently.
+  for (const double degrees : {45.0, 30.0})
+    for (const bool is_beside : {false, true})
+      cut_from(options, [&](std::span<const std::uint8_t> bad, CutMarks& marks) {
+        const double slope = std::tan(to_radians(degrees));
+        if (!is_beside) return mark_gentle(columns_.mesh, columns_.plan, bad, slope, marks);
+        return mark_gentle(columns_.mesh, columns_.plan, with_neighbours(columns_.mesh, bad), slope,
+                           marks);
+      });
 }
 
 }  // namespace

@@ -63,14 +63,16 @@ void report_lowered(const ColumnPlan& plan, Report& report) {
   report.volume_mesh->feet_cut_back = plan.cut_from.feet;
   if (plan.lowered == 0) return;
   std::string where = "at walls that would be too low otherwise";
-  if (plan.dug_out > 0)
-    where += fmt::format(" ({} building{} up to {:.1f} m below its own foot)", plan.dug_out,
-                         plan.dug_out == 1 ? "" : "s, each", plan.deepest_dug_out);
   if (const std::size_t roofs = plan.cut_from.roofs.size(); roofs > 0)
     where += fmt::format("; around {} roof{} below the terrain", roofs, roofs == 1 ? "" : "s");
   if (const std::size_t feet = plan.cut_from.feet.size(); feet > 0)
     where += fmt::format("; at the feet of cliffs or low walls, in {} place{}", feet,
                          feet == 1 ? "" : "s");
+  if (plan.undermined > 0)
+    where += fmt::format("; {} building{} there, by up to {:.1f} m", plan.undermined,
+                         plan.undermined == 1 ? " has its foot above the ground that is now"
+                                              : "s have their foot above the ground that is now",
+                         plan.deepest_undermined);
   report.warnings.push_back(
       {"ground_lowered", plan.lowered,
        fmt::format("ground vertices were lowered, by up to {:.1f} m: {}", plan.deepest, where)});

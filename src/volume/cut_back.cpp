@@ -5,29 +5,13 @@
 #include <cstddef>
 #include <limits>
 
+#include "rising.h"
+
 namespace tetropolis {
 
 namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
-
-/// Highest that p may be above the line from a to b, at elevations za and zb at its ends, if
-/// nothing rises from it more steeply than `slope`: the least of elevation + slope * distance along
-/// it. An end at infinity is not there. This is the update of a triangle in fast marching (Kimmel
-/// and Sethian, "Computing geodesic paths on manifolds", PNAS 95, 1998).
-double highest_at(Point2 p, Point2 a, double za, Point2 b, double zb, double slope) {
-  const double at_ends = std::min(za + slope * std::hypot(p.x - a.x, p.y - a.y),
-                                  zb + slope * std::hypot(p.x - b.x, p.y - b.y));
-  if (za == kInfinity || zb == kInfinity) return at_ends;
-  const double ex = b.x - a.x, ey = b.y - a.y, length = std::hypot(ex, ey);
-  const double rise = (zb - za) / length;
-  if (!(std::abs(rise) < slope)) return at_ends;
-  const double foot = ((p.x - a.x) * ex + (p.y - a.y) * ey) / length;
-  const double away = std::abs((p.x - a.x) * ey - (p.y - a.y) * ex) / length;
-  const double least = foot - away * rise / std::sqrt(slope * slope - rise * rise);
-  if (!(least > 0 && least < length)) return at_ends;
-  return std::min(at_ends, za + rise * least + slope * std::hypot(least - foot, away));
-}
 
 }  // namespace
 

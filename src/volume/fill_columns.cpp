@@ -111,27 +111,27 @@ double* spread(double* z, const ColumnPlan& plan, std::size_t v, double low, dou
   return z;
 }
 
-/// Per building: the lowest ground at its walls (and inside of it).
-std::vector<double> lowest_at_walls(const ColumnPlan& plan) {
+/// Per building: the lowest of `ground`, per vertex, at its walls (and inside of it).
+std::vector<double> lowest_at_walls(const ColumnPlan& plan, std::span<const double> ground) {
   std::vector<double> lowest(plan.roofs.size(), std::numeric_limits<double>::infinity());
-  for (std::size_t v = 0; v < plan.ground.size(); ++v)
+  for (std::size_t v = 0; v < ground.size(); ++v)
     if (plan.building[v] != kNoBuilding) {
       double& low = lowest[static_cast<std::size_t>(plan.building[v])];
-      low = std::min(low, plan.ground[v]);
+      low = std::min(low, ground[v]);
     }
   return lowest;
 }
 
-/// `foot`: the lowest ground at each building's walls before they were lowered. A wall that is too
-/// low by itself does not count.
-void count_dug_out(const std::vector<double>& foot, double minimum_wall, ColumnPlan& plan) {
+/// `foot`: the lowest terrain at each building's walls. A wall that is too low by itself does not
+/// count.
+void count_undermined(const std::vector<double>& foot, double minimum_wall, ColumnPlan& plan) {
   constexpr double kNothing = 0.01;  // metres
-  const std::vector<double> now = lowest_at_walls(plan);
+  const std::vector<double> now = lowest_at_walls(plan, plan.ground);
   for (std::size_t b = 0; b < foot.size(); ++b) {
     const double deep = std::min(foot[b], plan.roofs[b] - minimum_wall) - now[b];
     if (!(deep > kNothing)) continue;
-    ++plan.dug_out;
-    plan.deepest_dug_out = std::max(plan.deepest_dug_out, deep);
+    ++plan.undermined;
+    plan.deepest_undermined = std::max(plan.deepest_undermined, deep);
   }
 }
 
@@ -209,7 +209,7 @@ ColumnPlan plan_columns(const GroundMesh& mesh, const Raster& dtm, std::vector<d
   std::vector<double> around = plan.ground;
   lower_at_walls(mesh, plan.building, plan.roofs, least, wall, around);
   plan.rise = ground_rise(mesh, around);
-  const std::vector<double> foot = lowest_at_walls(plan);
+  const std::vector<double> foot = lowest_at_walls(plan, plan.ground);
   for (std::size_t v = 0; v < wall.size(); ++v) {
     if (plan.building[v] == kNoBuilding || !options.fit_lowered_walls) continue;
     const auto b = static_cast<std::size_t>(plan.building[v]);
@@ -224,7 +224,7 @@ ColumnPlan plan_columns(const GroundMesh& mesh, const Raster& dtm, std::vector<d
     wall[v] = std::max(least[v], std::min(deepest, kLoweredWallShare * plan.spacing[v]));
   }
   lower_at_walls(mesh, plan.building, plan.roofs, least, wall, plan.ground);
-  count_dug_out(foot, options.minimum_wall, plan);
+  count_undermined(lowest_at_walls(plan, terrain), options.minimum_wall, plan);
   plan.rise = ground_rise(mesh, plan.ground);
   const std::vector<std::uint8_t> outside = outside_vertices(mesh);
   for (std::size_t v = 0; v < terrain.size(); ++v) {

@@ -12,6 +12,7 @@
 
 #include "core/disjoint_sets.h"
 #include "geometry/slope.h"
+#include "volume/rising.h"
 
 namespace tetropolis {
 
@@ -137,6 +138,35 @@ std::int64_t mark_feet(const ColumnMesh& mesh, const ColumnPlan& plan,
     for (std::size_t i = 0; i < 3; ++i) {
       if (!(foot[i] < marks.feet[corner(i)])) continue;
       marks.feet[corner(i)] = foot[i];
+      ++marked;
+    }
+  }
+  return marked;
+}
+
+std::int64_t mark_gentle(const ColumnMesh& mesh, const ColumnPlan& plan,
+                         std::span<const std::uint8_t> bad, double slope, CutMarks& marks) {
+  constexpr double kWorthwhile = 0.01;  // metres
+  std::int64_t marked = 0;
+  // From the roof, if `high` is above it.
+  const auto start_at = [&](std::size_t v, double high) {
+    if (plan.building[v] == kNoBuilding) return plan.ground[v];
+    const double roof = plan.roofs[static_cast<std::size_t>(plan.building[v])];
+    return roof < high ? roof : plan.ground[v];
+  };
+  for (std::size_t t = 0; t < mesh.triangle_count(); ++t) {
+    if (bad[t] == 0 || mesh.inside_building(t)) continue;
+    const auto corner = [&](std::size_t k) {
+      return static_cast<std::size_t>(mesh.ground.triangles[t][k % 3]);
+    };
+    for (std::size_t i = 0; i < 3; ++i) {
+      const std::size_t v = corner(i), a = corner(i + 1), b = corner(i + 2);
+      const double high = plan.ground[v];
+      const double most =
+          highest_at(mesh.ground.vertices[v], mesh.ground.vertices[a], start_at(a, high),
+                     mesh.ground.vertices[b], start_at(b, high), slope);
+      if (!(most < std::min(high, marks.feet[v]) - kWorthwhile)) continue;
+      marks.feet[v] = most;
       ++marked;
     }
   }

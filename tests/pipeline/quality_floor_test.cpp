@@ -296,6 +296,17 @@ TEST(QualityFloor, WallsThatSinkIntoASlope) {
   expect_good_meshes(folder.path(), {10, 20, 5});
 }
 
+/// The lowest ground of the mesh in `folder`.
+double lowest_ground(const fs::path& folder) {
+  const SurfaceMesh boundary = read_vtp(folder / "mesh/boundary.vtp");
+  double lowest = std::numeric_limits<double>::infinity();
+  for (std::size_t f = 0; f < boundary.triangles.size(); ++f)
+    if (boundary.patch[f] == Patch::kGround)
+      for (const std::int32_t v : boundary.triangles[f])
+        lowest = std::min(lowest, boundary.points[static_cast<std::size_t>(v)][2]);
+  return lowest;
+}
+
 /// A house before a rock wall higher than itself, and one that stands half in it. The ground at
 /// their walls goes down to the street, and not below it, as a pit would. (A tester's.)
 TEST(QualityFloor, HousesBeforeARockWallGetNoPit) {
@@ -320,14 +331,76 @@ TEST(QualityFloor, HousesBeforeARockWallGetNoPit) {
         for (int i = 0; i < dtm.nx; ++i) dtm.values.push_back(i < 60 ? 0 : height);
       write_raster(folder / "dtm.tif", dtm, {}, "EPSG:28992");
       expect_above_the_floor(mesh_at(folder.path(), size));
-      const SurfaceMesh boundary = read_vtp(folder / "mesh/boundary.vtp");
-      double lowest = height;
-      for (std::size_t f = 0; f < boundary.triangles.size(); ++f)
-        if (boundary.patch[f] == Patch::kGround)
-          for (const std::int32_t v : boundary.triangles[f])
-            lowest = std::min(lowest, boundary.points[static_cast<std::size_t>(v)][2]);
-      EXPECT_GE(lowest, -1e-9);
+      EXPECT_GE(lowest_ground(folder.path()), -1e-9);
     }
+}
+
+/// A city of one building on terrain of 101 x 101 m.
+template <typename Elevation>
+void write_lone_building(const fs::path& folder, const Polygon& footprint, double roof,
+                         const Elevation& elevation) {
+  CityModel city;
+  city.domain = {0, 0, 100, 100};
+  city.crs = "EPSG:28992";
+  Building building;
+  building.id = "b0";
+  building.source_ids = {"0"};
+  building.footprint = footprint;
+  building.h_ground = roof - 2.5;
+  building.h_roof = roof;
+  city.buildings.push_back(building);
+  write_city(folder / "city.city.json", city);
+  Raster dtm{101, 101, 0, 0, 1, {}};
+  for (int j = 0; j < dtm.ny; ++j)
+    for (int i = 0; i < dtm.nx; ++i) dtm.values.push_back(elevation(i, j));
+  write_raster(folder / "dtm.tif", dtm, {}, "EPSG:28992");
+}
+
+/// A hut 2 m before a rock wall: a wall as low as its is seen from the rock only if that is cut
+/// back gently, and not under the street. (A tester's.)
+TEST(QualityFloor, HutsBeforeARockWallGetNoPit) {
+  for (const double rock : {10, 20, 30})
+    for (const double size : {5, 10, 20, 40}) {
+      SCOPED_TRACE(::testing::Message() << rock << " " << size);
+      const testing::TemporaryFolder folder;
+      write_lone_building(folder.path(), {{{50, 47}, {56, 47}, {56, 52}, {50, 52}}, {}}, 2.5,
+                          [&](int x, int) { return x < 58 ? 0 : rock; });
+      expect_good_angles(*mesh_at(folder.path(), size).volume_mesh);
+      // What a hut of 2.5 m needs; more where coarse cells reach up a high wall.
+      EXPECT_GE(lowest_ground(folder.path()), rock > 20 && size > 10 ? -2.5 : -0.7);
+    }
+}
+
+/// Buildings sunk into flat ground, whose yards and inner corners leave little room to cut. (A
+/// tester's.)
+TEST(QualityFloor, SunkBuildings) {
+  const Polygon box{{{40, 40}, {60, 40}, {60, 60}, {40, 60}}, {}};
+  const Polygon thin{{{30, 50}, {70, 50}, {70, 51.2}, {30, 51.2}}, {}};
+  const Polygon l{{{30, 30}, {60, 30}, {60, 36}, {36, 36}, {36, 60}, {30, 60}}, {}};
+  const Polygon e{{{30, 30},
+                   {50, 30},
+                   {50, 34},
+                   {34, 34},
+                   {34, 37},
+                   {50, 37},
+                   {50, 41},
+                   {34, 41},
+                   {34, 44},
+                   {50, 44},
+                   {50, 48},
+                   {30, 48}},
+                  {}};
+  struct Sunk {
+    const Polygon& footprint;
+    double depth, size;
+  };
+  for (const Sunk& sunk : {Sunk{e, 2, 4}, Sunk{thin, 2, 15}, Sunk{box, 5, 20}, Sunk{l, 10, 15},
+                           Sunk{thin, 10, 40}, Sunk{box, 10, 10}}) {
+    SCOPED_TRACE(::testing::Message() << sunk.depth << " " << sunk.size);
+    const testing::TemporaryFolder folder;
+    write_lone_building(folder.path(), sunk.footprint, -sunk.depth, [](int, int) { return 0.0; });
+    expect_good_angles(*mesh_at(folder.path(), sunk.size).volume_mesh);
+  }
 }
 
 /// A building with a corner that no cut makes blunter, and others between a quarry and a rock wall

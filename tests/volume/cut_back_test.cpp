@@ -154,6 +154,58 @@ struct Cliff {
   }
 };
 
+/// Feet that make the bad triangles as gentle as asked, and no others.
+TEST(CutBack, GentleMarksAreOfBadTrianglesOnly) {
+  const Basin basin(6);
+  ColumnPlan plan =
+      plan_columns(basin.mesh, basin.city.dtm, basin.city.roofs, column_spacing(basin.mesh), {});
+  ColumnMesh mesh = divide_columns(basin.mesh, build_edge_graph(basin.mesh), plan);
+  constexpr double kInfinity = std::numeric_limits<double>::infinity();
+  for (const double slope : {1.0, 0.5}) {
+    CutMarks marks;
+    marks.feet.assign(plan.ground.size(), kInfinity);
+    std::vector<std::uint8_t> bad(mesh.triangle_count(), 0);
+    EXPECT_EQ(mark_gentle(mesh, plan, bad, slope, marks), 0);
+    for (std::size_t t = 0; t < bad.size(); t += 3) bad[t] = 1;
+    const std::int64_t marked = mark_gentle(mesh, plan, bad, slope, marks);
+    EXPECT_GT(marked, 10);
+    const auto start = [&](std::size_t v, double high) {
+      const double roof = plan.building[v] == kNoBuilding
+                              ? kInfinity
+                              : plan.roofs[static_cast<std::size_t>(plan.building[v])];
+      return roof < high ? roof : plan.ground[v];
+    };
+    std::vector<double> expected(plan.ground.size(), kInfinity);
+    for (std::size_t t = 0; t < bad.size(); ++t) {
+      if (bad[t] == 0 || mesh.inside_building(t)) continue;
+      for (std::size_t i = 0; i < 3; ++i) {
+        const auto corner = [&](std::size_t k) {
+          return static_cast<std::size_t>(mesh.ground.triangles[t][(i + k) % 3]);
+        };
+        const std::size_t v = corner(0), a = corner(1), b = corner(2);
+        const Point2 p = mesh.ground.vertices[v], q = mesh.ground.vertices[a],
+                     r = mesh.ground.vertices[b];
+        double most = kInfinity;  // along the edge opposite, in small steps
+        for (int step = 0; step <= 1000; ++step) {
+          const double s = step / 1000.0;
+          const double z = (1 - s) * start(a, plan.ground[v]) + s * start(b, plan.ground[v]);
+          most = std::min(most, z + slope * std::hypot(p.x - (1 - s) * q.x - s * r.x,
+                                                       p.y - (1 - s) * q.y - s * r.y));
+        }
+        if (most < plan.ground[v] - 0.01) expected[v] = std::min(expected[v], most);
+      }
+    }
+    for (std::size_t v = 0; v < expected.size(); ++v) {
+      if (expected[v] == kInfinity) {
+        EXPECT_TRUE(marks.feet[v] == kInfinity || marks.feet[v] > plan.ground[v] - 0.02);
+      } else {
+        EXPECT_NEAR(marks.feet[v], expected[v], 0.011);
+      }
+    }
+    EXPECT_EQ(mark_gentle(mesh, plan, bad, slope, marks), 0);  // once
+  }
+}
+
 TEST(CutBack, GroundRisesFromTheFootOfACliffAsAsked) {
   const Cliff cliff(4);
   std::size_t foot = 0;

@@ -45,9 +45,10 @@ struct ColumnPlan {
   std::int64_t lowered =
       0;               ///< Vertices outside buildings or on walls with ground below the terrain.
   double deepest = 0;  ///< How far, at most, in metres.
-  std::int64_t dug_out = 0;    ///< Buildings with ground at a wall below the lowest that was there.
-  double deepest_dug_out = 0;  ///< How far, at most, in metres.
-  CutSources cut_from;         ///< From where the terrain was cut back.
+  std::int64_t undermined = 0;    ///< Buildings with ground at a wall below the lowest terrain that
+                                  ///< was at their walls.
+  double deepest_undermined = 0;  ///< How far, at most, in metres.
+  CutSources cut_from;            ///< From where the terrain was cut back.
 };
 
 struct ColumnPlanOptions {

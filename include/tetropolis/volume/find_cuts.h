@@ -41,6 +41,13 @@ struct FootRule {
 std::int64_t mark_feet(const ColumnMesh& mesh, const ColumnPlan& plan,
                        std::span<const std::uint8_t> bad, const FootRule& rule, CutMarks& marks);
 
+/// For every bad triangle outside buildings: marks its vertices as feet where their ground rises
+/// more steeply than `slope` (tangent) from the edge opposite, or from a roof at its ends that it
+/// is above, down to that slope. Returns how often. `plan` is the one `mesh` was made with; `bad`
+/// has one entry per triangle; `marks.feet` has its size.
+std::int64_t mark_gentle(const ColumnMesh& mesh, const ColumnPlan& plan,
+                         std::span<const std::uint8_t> bad, double slope, CutMarks& marks);
+
 /// Marks the buildings (`marks.walls`) on whose walls a bad triangle outside buildings has a
 /// vertex. Returns how many were not marked before. Sizes as above.
 std::int64_t mark_deep_walls(const ColumnMesh& mesh, const ColumnPlan& plan,
