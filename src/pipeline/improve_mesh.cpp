@@ -37,6 +37,16 @@ constexpr int kMostCuts = 8;
 constexpr std::int64_t kWork = 200'000'000;
 constexpr std::int64_t kWorkPerNode = 20;
 
+/// Layers this much flatter than triangles are wide make flat cells everywhere, which no search
+/// mends; a tenth of the work is enough to see that.
+constexpr double kFlatLayers = 0.5;
+
+std::int64_t work_for(const Config& config, std::int64_t nodes) {
+  const bool is_hopeless =
+      config.layer_height > 0 && config.layer_height < kFlatLayers * config.mesh_size;
+  return (kWork + kWorkPerNode * nodes) / (is_hopeless ? 10 : 1);
+}
+
 bool is_within(const QualityHistogram& angles, const AngleBounds& bounds) {
   return angles.min_dihedral_deg() >= bounds.least && angles.max_dihedral_deg() <= bounds.greatest;
 }
@@ -62,7 +72,7 @@ class MeshImprover {
         columns_(columns),
         clock_(clock),
         volume_(volume),
-        work_left_(kWork + kWorkPerNode * columns.mesh.node_count()) {}
+        work_left_(work_for(config, columns.mesh.node_count())) {}
 
   MeshQuality run();
 
