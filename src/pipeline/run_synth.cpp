@@ -39,10 +39,6 @@ void require_room(const Config& config) {
   if (!village && !config.defects.empty())
     throw Error(ErrorKind::kUsage,
                 "--defects: cities of this kind have none; add --kind adversarial");
-  if (village && config.buildings > 0)
-    throw Error(
-        ErrorKind::kUsage,
-        "--buildings: how many an adversarial city has follows from its --size; leave it out");
   const double least = village                             ? kLeastVillageSize
                        : config.kind == SynthKind::kBlocks ? kLeastBlockSize
                                                            : kLeastRandomSize;
