@@ -321,6 +321,46 @@ TEST(BrokenLas, TellsTheUnitOfHeights) {
   EXPECT_EQ(unit_with(4096, 32767), 1);
 }
 
+/// GeoKeys rule, but where they say nothing of heights, those of a WKT record beside them do.
+TEST(BrokenLas, TellsTheUnitOfHeightsOfAWktBesideGeoKeys) {
+  const TemporaryFolder folder;
+  const fs::path path = folder / "a.las";
+  WritePointsOptions options;
+  options.crs = "EPSG:26910";
+  write_points(path, random_cloud(10, 6), {}, options);
+  const std::string plain = bytes_of(path);
+  const std::string wkt =
+      R"(COMPD_CS["x",PROJCS["NAD83 / UTM zone 10N",GEOGCS["NAD83",DATUM["North_American_Datum_1983",)"
+      R"(SPHEROID["GRS 1980",6378137,298.257222101]],PRIMEM["Greenwich",0],)"
+      R"(UNIT["degree",0.0174532925199433]],PROJECTION["Transverse_Mercator"],)"
+      R"(PARAMETER["latitude_of_origin",0],PARAMETER["central_meridian",-123],)"
+      R"(PARAMETER["scale_factor",0.9996],PARAMETER["false_easting",500000],)"
+      R"(PARAMETER["false_northing",0],UNIT["metre",1]],VERT_CS["NAVD88 height in feet",)"
+      R"(VERT_DATUM["North American Vertical Datum 1988",2005],)"
+      R"(UNIT["US survey foot",0.304800609601219]]])";
+  for (const char* user : {"LASF_Projection", "liblas"}) {
+    std::string record(54, '\0');
+    std::copy_n(user, std::strlen(user), record.begin() + 2);
+    const std::uint16_t id = 2112, length = static_cast<std::uint16_t>(wkt.size());
+    std::memcpy(record.data() + 18, &id, 2);
+    std::memcpy(record.data() + 20, &length, 2);
+    record += wkt;
+    std::string bytes = plain;
+    std::uint32_t first_point = 0, records = 0;
+    std::memcpy(&first_point, bytes.data() + 96, 4);
+    std::memcpy(&records, bytes.data() + 100, 4);
+    bytes.insert(first_point, record);
+    first_point += static_cast<std::uint32_t>(record.size());
+    ++records;
+    std::memcpy(bytes.data() + 96, &first_point, 4);
+    std::memcpy(bytes.data() + 100, &records, 4);
+    write_bytes(path, bytes);
+    const LasInfo info = inspect_las(path);
+    EXPECT_NEAR(info.vertical_unit, 1200.0 / 3937, 1e-9) << user;
+    EXPECT_EQ(info.crs, "EPSG:26910") << user;
+  }
+}
+
 TEST(BrokenLas, HeightsOfSeveralSystemsAreNotMixedWithoutAWord) {
   const TemporaryFolder folder;
   WritePointsOptions options;

@@ -627,6 +627,36 @@ TEST(Las, ExpandsFoldersPatternsAndDuplicates) {
       std::string::npos);
 }
 
+TEST(Las, PointFilesInSubfoldersAreNotReadWithoutAWord) {
+  const TemporaryFolder folder;
+  fs::create_directories(folder / "tiles/north/old");
+  for (const char* name : {"tiles/north/a.las", "tiles/north/b.laz", "tiles/north/old/a.las"})
+    write_bytes(folder / name, "LASF");
+  const std::vector<std::string> tiles = {(folder / "tiles").string()};
+  const std::string north = (folder / "tiles/north").string();
+  EXPECT_NE(input_error(folder / "tiles", [&] { expand_point_paths(tiles); })
+                .find("folders in it do; name these (" + north + ")"),
+            std::string::npos);
+  write_bytes(folder / "tiles/c.las", "LASF");
+  std::vector<Warning> warnings;
+  EXPECT_EQ(expand_point_paths(tiles, &warnings).size(), 1U);
+  ASSERT_EQ(warnings.size(), 1U);
+  EXPECT_EQ(warnings[0].code, "points_in_subfolders");
+  EXPECT_EQ(warnings[0].count, 3);
+  EXPECT_NE(warnings[0].message.find(north), std::string::npos);
+  warnings.clear();
+  EXPECT_EQ(expand_point_paths(std::vector{north + "/old"}, &warnings).size(), 1U);
+  EXPECT_TRUE(warnings.empty());
+}
+
+TEST(Las, ZipArchivesAreNamedAsSuch) {
+  const TemporaryFolder folder;
+  write_bytes(folder / "a.laz", std::string("PK\3\4", 4) + std::string(400, 'x'));
+  EXPECT_NE(input_error(folder / "a.laz", [&] { inspect_las(folder / "a.laz"); })
+                .find("is a ZIP archive"),
+            std::string::npos);
+}
+
 TEST(Las, FilesInDifferentSystemsAreNotMixed) {
   const TemporaryFolder folder;
   WritePointsOptions options;

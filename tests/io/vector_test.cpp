@@ -550,6 +550,87 @@ TEST(Vector, LatitudeFirstDataIsTurnedEastFirst) {
   EXPECT_EQ(listing(folder.path()), std::set<std::string>{"a.gml"});
 }
 
+/// The faces of a house of 10 m x 8 m at (0, 0): its ground looking down, a roof with eaves of half
+/// a metre, a tower on that and four walls. `scale`, `swap`: of the coordinates in the plan.
+std::string body_of_a_house(double scale, bool swap) {
+  const auto face = [&](const std::vector<Point3>& points) {
+    std::string text;
+    for (std::size_t i = 0; i <= points.size(); ++i) {
+      const Point3& p = points[i % points.size()];
+      const double x = 5 + scale * p[0], y = 52 + scale * p[1];
+      text +=
+          fmt::format("{}[{:.9f},{:.9f},{}]", i > 0 ? "," : "", swap ? y : x, swap ? x : y, p[2]);
+    }
+    return "[[" + text + "]]";
+  };
+  const auto plate = [&](double low, double right, double top, double z, bool up) {
+    std::vector<Point3> points{{low, low, z}, {right, low, z}, {right, top, z}, {low, top, z}};
+    if (!up) std::reverse(points.begin(), points.end());
+    return face(points);
+  };
+  const auto wall = [&](double x0, double y0, double x1, double y1) {
+    return face({{x0, y0, 0}, {x1, y1, 0}, {x1, y1, 6}, {x0, y0, 6}});
+  };
+  return fmt::format("[{},{},{},{},{},{},{}]", plate(0, 10, 8, 0, false),
+                     plate(-0.5, 10.5, 8.5, 6, true), plate(3, 5, 5, 9, true), wall(0, 0, 10, 0),
+                     wall(10, 0, 10, 8), wall(10, 8, 0, 8), wall(0, 8, 0, 0));
+}
+
+TEST(Vector, BodiesInSpaceHaveTheirGroundAsFootprint) {
+  const TemporaryFolder folder;
+  for (const bool degrees : {false, true}) {
+    SCOPED_TRACE(degrees);
+    const double scale = degrees ? 1e-5 : 1;
+    const fs::path path =
+        write_text(folder / (degrees ? "degrees.geojson" : "metres.geojson"),
+                   fmt::format(
+                       R"({{"type": "FeatureCollection", "crs": {{"type": "name", "properties":
+            {{"name": "{}"}}}}, "features": [{{"type": "Feature", "properties": {{}}, "geometry":
+            {{"type": "MultiPolygon", "coordinates": {}}}}}]}})",
+                       degrees ? "OGC:CRS84" : "EPSG:28992", body_of_a_house(scale, false)));
+    const FootprintsInput input = read_footprints(path);
+    ASSERT_EQ(input.features.size(), 1U);
+    EXPECT_TRUE(input.dropped.empty());
+    const Polygon& polygon = input.features[0].polygon;
+    EXPECT_TRUE(polygon.holes.empty());
+    EXPECT_NEAR(std::abs(signed_area(polygon.outer)), 80 * scale * scale, 1e-3 * scale * scale);
+    EXPECT_NEAR(bounds(polygon).width(), 10 * scale, 1e-4 * scale);
+    const bool told = std::any_of(
+        input.warnings.begin(), input.warnings.end(),
+        [](const Warning& w) { return w.code == "footprints_from_bodies" && w.count == 1; });
+    EXPECT_TRUE(told);
+  }
+}
+
+/// Parts within a part are yards of it only if what is left around them is as wide as a wing, and
+/// they do not lie above it.
+TEST(Vector, RoofsAndGroundsAreNoYards) {
+  const TemporaryFolder folder;
+  const auto square = [](double low, double high, double z, bool left) {
+    std::vector<Point2> p{{low, low}, {high, low}, {high, high}, {low, high}};
+    if (!left) std::reverse(p.begin(), p.end());
+    std::string text;
+    for (std::size_t i = 0; i < 5; ++i)
+      text += fmt::format("{}[{},{},{}]", i > 0 ? "," : "", p[i % 4].x, p[i % 4].y, z);
+    return "[[" + text + "]]";
+  };
+  const auto parts_of = [&](const std::string& inner) {
+    const FootprintsInput input = read_footprints(write_text(
+        folder / "a.geojson",
+        fmt::format(R"({{"type": "FeatureCollection", "crs": {{"type": "name", "properties":
+            {{"name": "EPSG:28992"}}}}, "features": [{{"type": "Feature", "properties": {{}}, "geometry":
+            {{"type": "MultiPolygon", "coordinates": [{},{}]}}}}]}})",
+                    square(0, 30, 5, true), inner)));
+    return std::pair(input.features.size(), input.features[0].polygon.holes.size());
+  };
+  using Parts = std::pair<std::size_t, std::size_t>;
+  EXPECT_EQ(parts_of(square(8, 22, 5, false)), Parts(1, 1));  // a yard
+  EXPECT_EQ(parts_of(square(8, 22, 5, true)), Parts(2, 0));   // turned alike
+  EXPECT_EQ(parts_of(square(8, 22, 0, false)), Parts(2, 0));  // the ground below
+  EXPECT_EQ(parts_of(square(1, 29, 5, false)), Parts(2, 0));  // eaves
+  EXPECT_EQ(parts_of(square(2, 28, 5, false)), Parts(1, 1));
+}
+
 TEST(Vector, SeveralPolygonLayersMustBeNamed) {
   const TemporaryFolder folder;
   fs::create_directory(folder / "set");

@@ -124,6 +124,16 @@ TEST_F(ReferenceSystems, FootprintsWithoutOneThatLookLikeDegreesAreRefused) {
   expect_village(kMetres);
 }
 
+TEST_F(ReferenceSystems, LatitudeBeforeLongitudeIsTold) {
+  footprints_in_degrees();
+  const Point2 at = village.origin;
+  for (Polygon& footprint : village.footprints)  // west of America, so that it is no latitude
+    for (Point2& p : footprint.outer) p = {p.y + at.y - at.x, p.x + at.x - at.y - 120};
+  village.points_crs = kMetres;
+  write();
+  expect_refusal("footprints.shp", "latitude first", "exchange the two");
+}
+
 TEST_F(ReferenceSystems, FootprintsWithoutOneTakeThatOfThePoints) {
   village.points_crs = kMetres;
   write();
@@ -160,7 +170,7 @@ TEST_F(ReferenceSystems, PointsThatClaimDegreesAreReadAsTheOptionSays) {
 TEST_F(ReferenceSystems, FootprintsInFeetAreNotTakenForThePointsSystem) {
   village.footprints_crs = "EPSG:2263";
   write();
-  expect_refusal("footprints.shp", "in units of 0.3048", "");
+  expect_refusal("footprints.shp", "in units of 0.3048", "--points-crs");
   config.footprints_crs = kMetres;
   expect_village(kMetres);
 }
