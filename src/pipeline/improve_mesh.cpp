@@ -18,6 +18,7 @@
 #include "tetropolis/volume/cut_back.h"
 #include "tetropolis/volume/find_cuts.h"
 #include "tetropolis/volume/improve_columns.h"
+#include "tetropolis/volume/mesh_faults.h"
 
 namespace tetropolis {
 
@@ -47,19 +48,27 @@ std::int64_t work_for(const Config& config, std::int64_t nodes) {
   return (kWork + kWorkPerNode * nodes) / (is_hopeless ? 10 : 1);
 }
 
-bool is_within(const QualityHistogram& angles, const AngleBounds& bounds) {
-  return angles.min_dihedral_deg() >= bounds.least && angles.max_dihedral_deg() <= bounds.greatest;
+bool has_many_thin_cells(const FaultCounts& counts) {
+  const double few = std::max(1.0, std::ceil(kFewCells * static_cast<double>(counts.cells)));
+  return static_cast<double>(counts.thin) >= few;
 }
 
-bool has_many_thin_cells(const MeshQuality& quality) {
-  return quality.cells.histogram.dihedral_quantile_deg(kFewCells) < kLeastOfMost;
-}
-
-/// The bounds that the mesh is to be worked on for; nothing if it is above the floor.
-std::optional<AngleBounds> missed_bounds(const MeshQuality& quality) {
-  if (has_many_thin_cells(quality)) return AngleBounds{kLeastOfMost, kQualityFloor.greatest};
-  if (quality.below_floor > 0 || quality.faces.above_70 > 0) return kQualityFloor;
+/// What the mesh is to be worked on for; nothing if it is above the floor.
+std::optional<Asked> missed(const FaultCounts& counts) {
+  if (has_many_thin_cells(counts)) return Asked::kOfMost;
+  if (counts.cells_outside(Asked::kFloor) > 0 || counts.steep_faces > 0) return Asked::kFloor;
   return std::nullopt;
+}
+
+/// Columns that are not alike in two meshes over the same ground mesh.
+std::vector<VertexIndex> different_columns(const ColumnMesh& a, const ColumnMesh& b) {
+  std::vector<VertexIndex> different;
+  for (std::size_t v = 0; v < a.roof.size(); ++v)
+    if (a.roof[v] != b.roof[v] || a.first[v + 1] - a.first[v] != b.first[v + 1] - b.first[v] ||
+        !std::equal(a.z.begin() + a.first[v], a.z.begin() + a.first[v + 1],
+                    b.z.begin() + b.first[v]))
+      different.push_back(static_cast<VertexIndex>(v));
+  return different;
 }
 
 class MeshImprover {
@@ -72,16 +81,19 @@ class MeshImprover {
         columns_(columns),
         clock_(clock),
         volume_(volume),
+        faults_(clock.run("3.6", "find bad cells",
+                          [&](const Progress&) { return MeshFaults(columns.mesh); })),
         work_left_(work_for(config, columns.mesh.node_count())) {}
 
-  MeshQuality run();
+  void run() {
+    move_nodes();
+    make_room();
+  }
 
  private:
-  MeshQuality with_faces(CellQuality cells);
   double valid_gap();
-  std::vector<std::uint8_t> bad_triangles(const AngleBounds& bounds);
-  CellQuality measured_cells();
-  std::int64_t search(const char* name, ImproveOptions options);
+  void look_again(std::span<const VertexIndex> columns);
+  std::vector<VertexIndex> search(const char* name, ImproveOptions options);
   void move_nodes();
   void straighten_faces();
 
@@ -89,7 +101,7 @@ class MeshImprover {
   void cut_terrain_back(ColumnPlanOptions& options);
   template <typename Mark>
   void cut_from(ColumnPlanOptions& options, const Mark& mark);
-  bool cut_back(ColumnPlanOptions& options, const AngleBounds& bounds, const CutMarks& marks_before,
+  bool cut_back(ColumnPlanOptions& options, Asked asked, const CutMarks& marks_before,
                 std::span<const std::uint8_t> bad_before);
   bool make_cut_columns(const ColumnPlanOptions& options, Columns& before);
 
@@ -99,21 +111,9 @@ class MeshImprover {
   Columns& columns_;
   StepClock& clock_;
   VolumeMeshReport& volume_;
-  MeshQuality quality_;
+  MeshFaults faults_;
   std::int64_t work_left_;
 };
-
-MeshQuality MeshImprover::run() {
-  if (config_.layering == Layering::kUniform) return with_faces(measured_cells());
-  move_nodes();
-  make_room();
-  return std::move(quality_);
-}
-
-CellQuality MeshImprover::measured_cells() {
-  return clock_.run("3.6", "measure cells",
-                    [&](const Progress&) { return measure_cells(columns_.mesh, kWorstCells); });
-}
 
 /// The least vertical gap, once elevations are found to increase up every column.
 double MeshImprover::valid_gap() {
@@ -121,73 +121,33 @@ double MeshImprover::valid_gap() {
                     [&](const Progress&) { return require_valid(columns_.mesh); });
 }
 
-std::vector<std::uint8_t> MeshImprover::bad_triangles(const AngleBounds& bounds) {
-  return clock_.run("3.6", "find bad cells",
-                    [&](const Progress&) { return find_bad_triangles(columns_.mesh, bounds); });
+void MeshImprover::look_again(std::span<const VertexIndex> columns) {
+  clock_.run("3.6", "find bad cells",
+             [&](const Progress&) { faults_.look_again(columns_.mesh, columns); });
 }
 
-MeshQuality MeshImprover::with_faces(CellQuality cells) {
-  return clock_.run("3.6", "measure faces", [&](const Progress&) {
-    const std::int64_t below = is_within(cells.histogram, kQualityFloor)
-                                   ? 0
-                                   : count_bad_cells(columns_.mesh, kQualityFloor);
-    return MeshQuality{std::move(cells), measure_faces(columns_.mesh), below};
-  });
-}
-
-/// Returns how many columns changed.
-std::int64_t MeshImprover::search(const char* name, ImproveOptions options) {
+/// Returns the columns that changed.
+std::vector<VertexIndex> MeshImprover::search(const char* name, ImproveOptions options) {
   options.most_cells = std::min(options.most_cells, work_left_);
-  const Improvement done = clock_.run("3.5", name, [&](const Progress& progress) {
+  Improvement done = clock_.run("3.5", name, [&](const Progress& progress) {
     return improve_columns(columns_.mesh, options, progress);
   });
   work_left_ -= done.cells;
-  return done.columns_changed;
+  return std::move(done.columns);
 }
 
-/// Measures the mesh, and makes thin cells and faces beyond kMostNonOrthogonal better if there are
-/// any.
+/// Makes thin cells and faces beyond kMostNonOrthogonal better if there are any.
 void MeshImprover::move_nodes() {
   volume_.columns_improved = 0;
-  CellQuality cells = measured_cells();
-  const ImproveOptions options;
-  if (!is_within(cells.histogram, {options.least_deg, options.greatest_deg})) {
-    volume_.columns_improved = search("improve cells", options);
-    if (volume_.columns_improved > 0) {
+  if (faults_.counts().cells_outside(Asked::kGood) > 0) {
+    const std::vector<VertexIndex> changed = search("improve cells", {});
+    if (!changed.empty()) {
+      volume_.columns_improved = static_cast<std::int64_t>(changed.size());
       volume_.min_vertical_gap = valid_gap();
-      cells = measured_cells();
+      look_again(changed);
     }
   }
-  quality_ = with_faces(std::move(cells));
   straighten_faces();
-}
-
-/// Per triangle, 1: one of its columns is not as it was.
-template <typename Before>
-std::vector<std::uint8_t> changed_triangles(const ColumnMesh& mesh, const Before& before) {
-  const auto& [first, roof, z] = before;
-  std::vector<std::uint8_t> column(mesh.vertex_count(), 0), changed(mesh.triangle_count(), 0);
-  for (std::size_t v = 0; v < column.size(); ++v)
-    if (mesh.roof[v] != roof[v] || mesh.first[v + 1] - mesh.first[v] != first[v + 1] - first[v] ||
-        !std::equal(mesh.z.begin() + mesh.first[v], mesh.z.begin() + mesh.first[v + 1],
-                    z.begin() + first[v]))
-      column[v] = 1;
-  for (std::size_t t = 0; t < changed.size(); ++t)
-    for (const VertexIndex v : mesh.ground.triangles[t])
-      if (column[static_cast<std::size_t>(v)] != 0) changed[t] = 1;
-  return changed;
-}
-
-/// Faces beyond kMostNonOrthogonal and cells below the floor, where triangles are marked.
-struct Faults {
-  std::int64_t faces = 0, cells = 0;
-};
-
-Faults count_faults(const ColumnMesh& mesh, std::span<const std::uint8_t> marked) {
-  Faults faults{count_non_orthogonal(mesh, marked), 0};
-  for (std::size_t t = 0; t < marked.size(); ++t)
-    if (marked[t] != 0) faults.cells += count_bad_cells_over(mesh, t, kQualityFloor);
-  return faults;
 }
 
 /// Works on faces beyond kMostNonOrthogonal, asking more and more of the cells there, too: better
@@ -196,46 +156,30 @@ void MeshImprover::straighten_faces() {
   constexpr double kStraight = 68;  // degrees, a little less than is allowed
   constexpr std::array kTargets{AngleBounds{12, 157}, AngleBounds{16, 152}, AngleBounds{20, 148}};
   ColumnMesh& mesh = columns_.mesh;
-  std::vector<std::uint8_t> steep;  // triangles with such faces; empty: not known
   for (const AngleBounds& target : kTargets) {
-    if (quality_.faces.above_70 == 0) return;
+    const FaultCounts then = faults_.counts();
+    if (then.steep_faces == 0) return;
     // All that improve_columns changes.
     auto before = std::tuple(mesh.first, mesh.roof, mesh.z);
     ImproveOptions options;
     options.least_deg = target.least;
     options.greatest_deg = target.greatest;
     options.straight_deg = kStraight;
-    if (steep.empty()) {
-      steep.assign(mesh.triangle_count(), 0);
-      clock_.run("3.6", "find bad cells",
-                 [&](const Progress&) { mark_non_orthogonal(mesh, steep); });
-    }
+    const std::vector<std::uint8_t> steep = faults_.steep_triangles(mesh);
     options.near = steep;
-    const std::int64_t changed = search("straighten faces", options);
-    if (changed == 0) continue;
-    // Most that does not help shows where it was done, without a look at the whole mesh.
-    const std::vector<std::uint8_t> where = changed_triangles(mesh, before);
-    const auto swap = [&] {
-      std::swap(mesh.first, std::get<0>(before));
-      std::swap(mesh.roof, std::get<1>(before));
-      std::swap(mesh.z, std::get<2>(before));
-    };
-    const Faults after = count_faults(mesh, where);
-    swap();
-    const Faults then = count_faults(mesh, where);
-    if (after.faces >= then.faces || after.cells > then.cells) continue;
-    swap();
-    const double gap = valid_gap();
-    MeshQuality now = with_faces(measured_cells());
-    if (now.faces.above_70 < quality_.faces.above_70 && now.below_floor <= quality_.below_floor &&
-        (has_many_thin_cells(quality_) || !has_many_thin_cells(now))) {
-      quality_ = std::move(now);
-      steep.clear();
-      volume_.min_vertical_gap = gap;
-      volume_.columns_improved += changed;
-    } else {
-      swap();
+    const std::vector<VertexIndex> changed = search("straighten faces", options);
+    if (changed.empty()) continue;
+    look_again(changed);
+    const FaultCounts now = faults_.counts();
+    if (now.steep_faces < then.steep_faces &&
+        now.cells_outside(Asked::kFloor) <= then.cells_outside(Asked::kFloor) &&
+        (has_many_thin_cells(then) || !has_many_thin_cells(now))) {
+      volume_.min_vertical_gap = valid_gap();
+      volume_.columns_improved += static_cast<std::int64_t>(changed.size());
+      continue;
     }
+    std::tie(mesh.first, mesh.roof, mesh.z) = std::move(before);
+    look_again(changed);
   }
 }
 
@@ -263,18 +207,13 @@ bool MeshImprover::make_cut_columns(const ColumnPlanOptions& options, Columns& b
 /// fewer cells: over a triangle that is bad whatever is done, a cut leaves room for more of them.)
 /// Else everything becomes as it was, the result is false, and of the marks those stay that helped
 /// where they are.
-bool MeshImprover::cut_back(ColumnPlanOptions& options, const AngleBounds& bounds,
-                            const CutMarks& marks_before,
+bool MeshImprover::cut_back(ColumnPlanOptions& options, Asked asked, const CutMarks& marks_before,
                             std::span<const std::uint8_t> bad_before) {
   // Not at the price of cells that are bad by any measure.
   const auto bad = [&] {
-    return clock_.run("3.6", "count bad cells", [&](const Progress&) {
-      const std::int64_t below_floor = count_bad_triangles(columns_.mesh, kQualityFloor);
-      const bool is_floor = bounds.least == kQualityFloor.least;
-      return std::tuple(below_floor, has_many_thin_cells(quality_), quality_.faces.above_70,
-                        is_floor ? below_floor : count_bad_triangles(columns_.mesh, bounds),
-                        std::max(quality_.faces.worst.non_orthogonality_deg, kMostNonOrthogonal));
-    });
+    const FaultCounts counts = faults_.counts();
+    return std::tuple(counts.triangles_outside(Asked::kFloor), has_many_thin_cells(counts),
+                      counts.steep_faces, counts.triangles_outside(asked), counts.worst_face_deg);
   };
   const auto bad_then = bad();
   const VolumeMeshReport volume_before = volume_;
@@ -282,18 +221,18 @@ bool MeshImprover::cut_back(ColumnPlanOptions& options, const AngleBounds& bound
   if (!clock_.run("3.3", "cut terrain back",
                   [&](const Progress&) { return make_cut_columns(options, before); }))
     return false;
-  MeshQuality quality_before = std::move(quality_);
+  look_again(different_columns(before.mesh, columns_.mesh));
   volume_.min_vertical_gap = valid_gap();
   move_nodes();
   if (bad() < bad_then) return true;
-  const std::vector<std::uint8_t> bad_after = bad_triangles(bounds);
   keep_helpful_marks(columns_.mesh, columns_.plan.building,
-                     {before.plan.ground, columns_.plan.ground, bad_before, bad_after},
+                     {before.plan.ground, columns_.plan.ground, bad_before,
+                      faults_.bad_triangles(columns_.mesh, asked)},
                      marks_before, options.cut);
   before.mesh.ground = std::move(columns_.mesh.ground);
   before.mesh.edges = std::move(columns_.mesh.edges);
-  columns_ = std::move(before);
-  quality_ = std::move(quality_before);
+  std::swap(columns_, before);
+  look_again(different_columns(before.mesh, columns_.mesh));
   volume_ = volume_before;
   return false;
 }
@@ -303,14 +242,14 @@ bool MeshImprover::cut_back(ColumnPlanOptions& options, const AngleBounds& bound
 template <typename Mark>
 void MeshImprover::cut_from(ColumnPlanOptions& options, const Mark& mark) {
   for (int round = 0; round < kMostCuts; ++round) {
-    const std::optional<AngleBounds> bounds = missed_bounds(quality_);
-    if (!bounds) return;
-    const std::vector<std::uint8_t> bad = bad_triangles(*bounds);
+    const std::optional<Asked> asked = missed(faults_.counts());
+    if (!asked) return;
+    const std::vector<std::uint8_t> bad = faults_.bad_triangles(columns_.mesh, *asked);
     const CutMarks before = options.cut;
     if (mark(bad, options.cut) == 0) return;
     const CutMarks all = options.cut;
-    if (cut_back(options, *bounds, before, bad)) continue;
-    if (options.cut != all && options.cut != before && cut_back(options, *bounds, before, bad))
+    if (cut_back(options, *asked, before, bad)) continue;
+    if (options.cut != all && options.cut != before && cut_back(options, *asked, before, bad))
       continue;
     options.cut = before;
     return;
@@ -360,10 +299,29 @@ void MeshImprover::cut_terrain_back(ColumnPlanOptions& options) {
 
 MeshQuality improve_mesh(const Config& config, const Raster& dtm, const CitySize& size,
                          Columns& columns, StepClock& clock, VolumeMeshReport& volume) {
-  return MeshImprover(config, dtm, size, columns, clock, volume).run();
+  if (config.layering != Layering::kUniform)
+    MeshImprover(config, dtm, size, columns, clock, volume).run();
+  MeshQuality quality;
+  quality.cells = clock.run("3.6", "measure cells", [&](const Progress&) {
+    return measure_cells(columns.mesh, kWorstCells);
+  });
+  quality.faces = clock.run("3.6", "measure faces",
+                            [&](const Progress&) { return measure_faces(columns.mesh); });
+  return quality;
 }
 
 namespace {
+
+/// The bounds that cells of the mesh miss; nothing if it is above the floor.
+std::optional<AngleBounds> missed_bounds(const MeshQuality& quality) {
+  const QualityHistogram& angles = quality.cells.histogram;
+  if (angles.dihedral_quantile_deg(kFewCells) < kLeastOfMost)
+    return AngleBounds{kLeastOfMost, kQualityFloor.greatest};
+  if (angles.min_dihedral_deg() < kQualityFloor.least ||
+      angles.max_dihedral_deg() > kQualityFloor.greatest || quality.faces.above_70 > 0)
+    return kQualityFloor;
+  return std::nullopt;
+}
 
 /// The settings that alone make bad cells, if there are any.
 std::string unusual_settings(const Config& config) {

@@ -18,7 +18,6 @@ namespace tetropolis {
 struct MeshQuality {
   CellQuality cells;
   FaceQuality faces;
-  std::int64_t below_floor = 0;  ///< Cells outside of kQualityFloor.
 };
 
 /// Measures the mesh and, as far as it is below the floor, moves nodes of columns, then cuts the

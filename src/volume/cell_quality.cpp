@@ -113,42 +113,20 @@ CellQuality measure_cells(const ColumnMesh& mesh, std::size_t worst) {
   return result;
 }
 
-std::int64_t count_bad_cells_over(const ColumnMesh& mesh, std::size_t t,
-                                  const AngleBounds& bounds) {
+std::int64_t count_bad_cells(const ColumnMesh& mesh, const AngleBounds& bounds) {
   const double greatest_cosine = std::cos(to_radians(bounds.least));
   const double least_cosine = std::cos(to_radians(bounds.greatest));
-  std::int64_t bad = 0;
-  for_each_shape_over(mesh, t, [&](const auto&, const auto&, const TetCosines& shape) {
-    if (shape.greatest > greatest_cosine || shape.least < least_cosine) ++bad;
-  });
-  return bad;
-}
-
-namespace {
-
-/// The sum of count_over(t) over all triangles.
-template <typename Count>
-std::int64_t sum_over_triangles(const ColumnMesh& mesh, const Count& count_over) {
   return parallel_reduce_ordered(
       mesh.triangle_count(), kTrianglesPerChunk, std::int64_t{0},
       [&](std::size_t begin, std::size_t end) {
-        std::int64_t sum = 0;
-        for (std::size_t t = begin; t < end; ++t) sum += count_over(t);
-        return sum;
+        std::int64_t bad = 0;
+        for (std::size_t t = begin; t < end; ++t)
+          for_each_shape_over(mesh, t, [&](const auto&, const auto&, const TetCosines& shape) {
+            bad += shape.greatest > greatest_cosine || shape.least < least_cosine ? 1 : 0;
+          });
+        return bad;
       },
       [](std::int64_t a, std::int64_t b) { return a + b; });
-}
-
-}  // namespace
-
-std::int64_t count_bad_triangles(const ColumnMesh& mesh, const AngleBounds& bounds) {
-  return sum_over_triangles(
-      mesh, [&](std::size_t t) { return count_bad_cells_over(mesh, t, bounds) > 0 ? 1 : 0; });
-}
-
-std::int64_t count_bad_cells(const ColumnMesh& mesh, const AngleBounds& bounds) {
-  return sum_over_triangles(mesh,
-                            [&](std::size_t t) { return count_bad_cells_over(mesh, t, bounds); });
 }
 
 }  // namespace tetropolis

@@ -71,21 +71,26 @@ class FaceCollector {
   double skewness_ = 0;
 };
 
-/// How many faces are beyond kMostNonOrthogonal: all that marking has to know.
-class SteepFaces {
+/// Collects those beyond kMostNonOrthogonal; the others are told from them without roots.
+class SteepCollector {
  public:
   void add(const std::array<Point3, 3>& face, const Point3& c0, const Point3& c1) {
+    constexpr double kMargin = 1e-9;  // far beyond rounding
     const Point3 n = cross(minus(face[1], face[0]), minus(face[2], face[0]));
     const Point3 d = minus(c1, c0);
     const double n_d = dot(n, d);
-    found_ += n_d * n_d < least_cosine2_ * (dot(n, n) * dot(d, d)) ? 1 : 0;
+    if (n_d * n_d > least_cosine2_ * (1 + kMargin) * (dot(n, n) * dot(d, d))) return;
+    const double degrees = face_shape(face, c0, c1).non_orthogonality_deg;
+    if (!(degrees > kMostNonOrthogonal)) return;
+    ++faces_.count;
+    faces_.worst_deg = std::max(faces_.worst_deg, static_cast<float>(degrees));
   }
   void add_boundary(const std::array<Point3, 3>&, const Point3&) {}
-  std::int64_t found() const { return found_; }
+  const SteepFaces& faces() const { return faces_; }
 
  private:
   double least_cosine2_ = std::pow(std::cos(to_radians(kMostNonOrthogonal)), 2);
-  std::int64_t found_ = 0;
+  SteepFaces faces_;
 };
 
 /// Faces between the cells over triangle t, and those at their two ends.
@@ -225,38 +230,17 @@ FaceQuality measure_faces(const ColumnMesh& mesh) {
       parallel_reduce_ordered(edges, grain_of_chunks(edges), FaceQuality{}, beside, combined));
 }
 
-void mark_non_orthogonal(const ColumnMesh& mesh, std::vector<std::uint8_t>& triangles) {
-  const auto mark = [](std::vector<std::uint8_t>& marks, const auto& add) {
-    parallel_chunks(marks.size(), grain_of_chunks(marks.size()),
-                    [&](std::size_t begin, std::size_t end) {
-                      for (std::size_t i = begin; i < end; ++i) {
-                        SteepFaces faces;
-                        add(i, faces);
-                        if (faces.found() > 0) marks[i] = 1;
-                      }
-                    });
-  };
-  mark(triangles, [&](std::size_t t, SteepFaces& faces) { add_faces_over(mesh, t, faces); });
-  std::vector<std::uint8_t> edges(mesh.edges.size(), 0);
-  mark(edges, [&](std::size_t e, SteepFaces& faces) { add_faces_beside(mesh, e, faces); });
-  for (std::size_t e = 0; e < edges.size(); ++e)
-    if (edges[e] != 0)
-      for (const TriangleIndex t : mesh.edges.triangles[e])
-        if (t != kNoTriangle) triangles[static_cast<std::size_t>(t)] = 1;
+SteepFaces steep_faces_over(const ColumnMesh& mesh, std::size_t t) {
+  SteepCollector steep;
+  add_faces_over(mesh, t, steep);
+  return steep.faces();
 }
 
-std::int64_t count_non_orthogonal(const ColumnMesh& mesh, std::span<const std::uint8_t> marked) {
-  SteepFaces faces;
-  for (std::size_t t = 0; t < marked.size(); ++t)
-    if (marked[t] != 0) add_faces_over(mesh, t, faces);
-  for (std::size_t e = 0; e < mesh.edges.size(); ++e) {
-    const auto& sides = mesh.edges.triangles[e];
-    if (std::any_of(sides.begin(), sides.end(), [&](TriangleIndex t) {
-          return t != kNoTriangle && marked[static_cast<std::size_t>(t)] != 0;
-        }))
-      add_faces_beside(mesh, e, faces);
-  }
-  return faces.found();
+SteepFaces steep_faces_beside(const ColumnMesh& mesh, std::size_t e) {
+  if (mesh.edges.triangles[e][1] == kNoTriangle) return {};
+  SteepCollector steep;
+  add_faces_beside(mesh, e, steep);
+  return steep.faces();
 }
 
 }  // namespace tetropolis

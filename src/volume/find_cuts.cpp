@@ -7,9 +7,6 @@
 #include <limits>
 #include <utility>
 
-#include "tetropolis/core/parallel.h"
-#include "tetropolis/volume/face_quality.h"
-
 #include "core/disjoint_sets.h"
 #include "geometry/slope.h"
 #include "volume/rising.h"
@@ -18,7 +15,6 @@ namespace tetropolis {
 
 namespace {
 
-constexpr std::size_t kTrianglesPerChunk = 4096;
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 /// Whether the ground over triangle t is steeper than `slope` (tangent).
@@ -61,16 +57,6 @@ std::vector<std::uint8_t> find_helped(const ColumnMesh& mesh, const TriedCut& cu
 }
 
 }  // namespace
-
-std::vector<std::uint8_t> find_bad_triangles(const ColumnMesh& mesh, const AngleBounds& bounds) {
-  std::vector<std::uint8_t> bad(mesh.triangle_count(), 0);
-  parallel_chunks(bad.size(), kTrianglesPerChunk, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t t = begin; t < end; ++t)
-      if (count_bad_cells_over(mesh, t, bounds) > 0) bad[t] = 1;
-  });
-  mark_non_orthogonal(mesh, bad);
-  return bad;
-}
 
 std::vector<std::uint8_t> with_neighbours(const ColumnMesh& mesh,
                                           std::span<const std::uint8_t> marked) {

@@ -130,7 +130,7 @@ class Improver {
   std::vector<VertexIndex> bad_around(const std::vector<VertexIndex>& vertices) const;
   /// Gives the mesh the nodes of all changed columns.
   void store(ColumnMesh& mesh) const;
-  Improvement done() const { return {static_cast<std::int64_t>(changed_.size()), cells_}; }
+  Improvement done() const;
 
  private:
   bool inside(TriangleIndex t) const { return mesh_->inside_building(static_cast<std::size_t>(t)); }
@@ -481,6 +481,13 @@ std::vector<VertexIndex> Improver::sweep(const std::vector<VertexIndex>& vertice
   }
   std::sort(changed.begin(), changed.end());
   return changed;
+}
+
+Improvement Improver::done() const {
+  Improvement improvement{{}, cells_};
+  for (std::size_t v = 0; v < slot_.size(); ++v)
+    if (slot_[v] >= 0) improvement.columns.push_back(static_cast<VertexIndex>(v));
+  return improvement;
 }
 
 void Improver::store(ColumnMesh& mesh) const {

@@ -288,9 +288,6 @@ TEST(CutBack, MarksTheFeetOfCliffsWithBadCells) {
         steep.emplace_back(t, p[0][2] + rule.share * (p[2][2] - p[0][2]));
       }
       EXPECT_EQ(count_bad_cells(result.mesh, bounds), bad);
-      std::vector<std::uint8_t> with_faces = bad_triangles;
-      mark_non_orthogonal(result.mesh, with_faces);
-      EXPECT_EQ(find_bad_triangles(result.mesh, bounds), with_faces);
       CutMarks marks;
       marks.feet.assign(result.plan.ground.size(), infinity);
       const std::int64_t marked = mark_feet(result.mesh, result.plan, bad_triangles, rule, marks);

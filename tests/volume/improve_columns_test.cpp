@@ -5,12 +5,15 @@
 #include <map>
 #include <numbers>
 #include <random>
+#include <set>
+#include <vector>
 
 #include <gtest/gtest.h>
 
 #include "tetropolis/core/parallel.h"
 #include "tetropolis/volume/cell_quality.h"
 #include "tetropolis/volume/face_quality.h"
+#include "tetropolis/volume/mesh_faults.h"
 #include "tetropolis/volume/tet_shape.h"
 
 #include "support/explicit_mesh.h"
@@ -102,6 +105,70 @@ ColumnMesh spoilt(const ColumnMesh& mesh, double share) {
   return result;
 }
 
+void expect_same(const FaultCounts& found, const FaultCounts& expected) {
+  EXPECT_EQ(found.cells, expected.cells);
+  EXPECT_EQ(found.thin, expected.thin);
+  EXPECT_EQ(found.outside, expected.outside);
+  EXPECT_EQ(found.triangles, expected.triangles);
+  EXPECT_EQ(found.steep_faces, expected.steep_faces);
+  EXPECT_EQ(found.worst_face_deg, expected.worst_face_deg);
+}
+
+TEST(MeshFaults, CountWhatTheWholeMeshHas) {
+  for (const auto& [name, terrain] : testing::kHardTerrains) {
+    SCOPED_TRACE(name);
+    const ColumnMesh mesh = spoilt(testing::meshed(testing::small_city(terrain)).mesh, 0.3);
+    const MeshFaults faults(mesh);
+    const FaultCounts counts = faults.counts();
+    const CellQuality cells = measure_cells(mesh, 10'000'000);
+    EXPECT_EQ(counts.cells, cells.histogram.cells());
+    std::int64_t thin = 0;
+    for (const WorstCell& cell : cells.worst) thin += cell.min_dihedral_deg < 12 ? 1 : 0;
+    EXPECT_EQ(counts.thin, thin);
+    EXPECT_GT(thin, 0);
+    for (std::size_t i = 0; i < kAskedBounds.size(); ++i) {
+      EXPECT_EQ(counts.outside[i], count_bad_cells(mesh, kAskedBounds[i]));
+      std::vector<std::uint8_t> bad = faults.steep_triangles(mesh);
+      std::set<TriangleIndex> over;
+      for (const WorstCell& cell : cells.worst)
+        if (cell.min_dihedral_deg < kAskedBounds[i].least ||
+            cell.max_dihedral_deg > kAskedBounds[i].greatest) {
+          over.insert(cell.triangle);
+          bad[static_cast<std::size_t>(cell.triangle)] = 1;
+        }
+      EXPECT_EQ(counts.triangles[i], static_cast<std::int64_t>(over.size()));
+      EXPECT_EQ(faults.bad_triangles(mesh, static_cast<Asked>(i)), bad);
+    }
+    EXPECT_EQ(counts.steep_faces, measure_faces(mesh).above_70);
+  }
+}
+
+/// After a search, and back again.
+TEST(MeshFaults, LookingAgainWhereColumnsChangedIsEnough) {
+  for (const auto& [name, terrain] : testing::kHardTerrains) {
+    SCOPED_TRACE(name);
+    const ColumnMesh before = spoilt(testing::meshed(testing::small_city(terrain)).mesh, 0.1);
+    ColumnMesh after = before;
+    MeshFaults faults(before);
+    const FaultCounts counts_before = faults.counts();
+    const std::vector<VertexIndex> changed = improve_columns(after).columns;
+    ASSERT_FALSE(changed.empty());
+    for (std::size_t v = 0; v < before.vertex_count(); ++v)
+      if (column(before, v) != column(after, v)) {
+        EXPECT_TRUE(
+            std::binary_search(changed.begin(), changed.end(), static_cast<VertexIndex>(v)));
+      }
+    faults.look_again(after, changed);
+    const FaultCounts counts_after = MeshFaults(after).counts();
+    EXPECT_LT(counts_after.thin, counts_before.thin);
+    expect_same(faults.counts(), counts_after);
+    EXPECT_EQ(faults.bad_triangles(after, Asked::kGood),
+              MeshFaults(after).bad_triangles(after, Asked::kGood));
+    faults.look_again(before, changed);
+    expect_same(faults.counts(), counts_before);
+  }
+}
+
 TEST(ImproveColumns, RepairsSpoiltColumnsAndKeepsSurfaces) {
   for (const auto& [name, terrain] : testing::kHardTerrains) {
     SCOPED_TRACE(name);
@@ -110,7 +177,7 @@ TEST(ImproveColumns, RepairsSpoiltColumnsAndKeepsSurfaces) {
       SCOPED_TRACE(share);
       const ColumnMesh before = spoilt(good, share);
       ColumnMesh after = before;
-      const std::int64_t changed = improve_columns(after).columns_changed;
+      const auto changed = static_cast<std::int64_t>(improve_columns(after).columns.size());
       EXPECT_GT(changed, 0) << "seed " << testing::test_seed();
       require_valid(after);
       expect_conforming(after);
@@ -144,7 +211,7 @@ TEST(ImproveColumns, EverySweepLowersTheTotal) {
     double total = total_cost(mesh, options);
     std::int64_t changed = 1;
     for (int sweep = 0; changed > 0 && sweep < 25; ++sweep) {
-      changed = improve_columns(mesh, options).columns_changed;
+      changed = static_cast<std::int64_t>(improve_columns(mesh, options).columns.size());
       const double then = total_cost(mesh, options);
       if (changed > 0) {
         EXPECT_LT(then, total) << "sweep " << sweep << " seed " << testing::test_seed();
@@ -184,7 +251,7 @@ TEST(ImproveColumns, LeavesWhatIsGoodAlone) {
   options.least_deg = measure_cells(before).histogram.min_dihedral_deg() - 1e-6;
   options.greatest_deg = measure_cells(before).histogram.max_dihedral_deg() + 1e-6;
   ColumnMesh after = before;
-  EXPECT_EQ(improve_columns(after, options).columns_changed, 0);
+  EXPECT_TRUE(improve_columns(after, options).columns.empty());
   EXPECT_EQ(after.z, before.z);
   EXPECT_EQ(after.first, before.first);
   EXPECT_EQ(after.roof, before.roof);
@@ -202,7 +269,7 @@ TEST(ImproveColumns, ColumnsFarFromBadCellsStay) {
   double* z = before.z.data() + before.first[moved];
   z[2] = z[1] + 0.05 * (z[3] - z[1]);
   ColumnMesh after = before;
-  EXPECT_GT(improve_columns(after).columns_changed, 0);
+  EXPECT_FALSE(improve_columns(after).columns.empty());
   EXPECT_NE(column(after, moved), column(before, moved));
   const Point2 at = before.ground.vertices[moved];
   for (std::size_t v = 0; v < before.vertex_count(); ++v) {
@@ -223,7 +290,7 @@ TEST(ImproveColumns, NothingIsGainedAtThePriceOfTheFloor) {
     SCOPED_TRACE(name);
     ColumnMesh mesh = testing::meshed(testing::small_city(terrain)).mesh;
     const std::int64_t bad = count_bad_cells(mesh, kQualityFloor);
-    EXPECT_GT(improve_columns(mesh, options).columns_changed, 0);
+    EXPECT_FALSE(improve_columns(mesh, options).columns.empty());
     EXPECT_LE(count_bad_cells(mesh, kQualityFloor), bad);
   }
 }
@@ -242,7 +309,7 @@ TEST(ImproveColumns, WorksNearTheTrianglesItIsGiven) {
   options.near = west;
   options.sweeps = 1;
   ColumnMesh after = before;
-  EXPECT_GT(improve_columns(after, options).columns_changed, 0);
+  EXPECT_FALSE(improve_columns(after, options).columns.empty());
   std::int64_t changed_in_the_west = 0;
   for (std::size_t v = 0; v < before.vertex_count(); ++v) {
     if (column(before, v) == column(after, v)) continue;
@@ -266,7 +333,7 @@ TEST(ImproveColumns, LooksAtNoMoreCellsThanItMay) {
   }
   options.most_cells = 0;
   after = before;
-  EXPECT_EQ(improve_columns(after, options).columns_changed, 0);
+  EXPECT_TRUE(improve_columns(after, options).columns.empty());
   EXPECT_EQ(after.z, before.z);
 }
 

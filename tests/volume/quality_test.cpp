@@ -9,6 +9,7 @@
 #include "tetropolis/core/parallel.h"
 #include "tetropolis/volume/cell_quality.h"
 #include "tetropolis/volume/face_quality.h"
+#include "tetropolis/volume/mesh_faults.h"
 #include "tetropolis/volume/tet_shape.h"
 
 #include "support/explicit_mesh.h"
@@ -141,12 +142,11 @@ TEST_P(FacesOf, CellsAreThoseSharedByTwo) {
   EXPECT_EQ(measured.above_70, expected.above_70);
   EXPECT_NEAR(measured.worst.non_orthogonality_deg, expected.worst.non_orthogonality_deg, 1e-6);
   EXPECT_NEAR(measured.worst.skewness, expected.worst.skewness, 1e-9);
-  std::vector<std::uint8_t> marked(above.size(), 0);
-  mark_non_orthogonal(result.mesh, marked);
-  EXPECT_EQ(marked, above);
-  marked.assign(above.size(), 1);
-  mark_non_orthogonal(result.mesh, marked);
-  EXPECT_EQ(marked, std::vector<std::uint8_t>(above.size(), 1));
+  const MeshFaults faults(result.mesh);
+  EXPECT_EQ(faults.steep_triangles(result.mesh), above);
+  EXPECT_EQ(faults.counts().steep_faces, expected.above_70);
+  EXPECT_NEAR(faults.counts().worst_face_deg,
+              expected.above_70 > 0 ? expected.worst.non_orthogonality_deg : 0, 1e-5);
 }
 
 // Stretched or squeezed ones have faces above 70 degrees.

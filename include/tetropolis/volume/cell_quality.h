@@ -48,13 +48,7 @@ struct CellQuality {
 /// threads.
 CellQuality measure_cells(const ColumnMesh& mesh, std::size_t worst = 0);
 
-/// How many cells over triangle `t` have a dihedral angle outside the bounds.
-std::int64_t count_bad_cells_over(const ColumnMesh& mesh, std::size_t t, const AngleBounds& bounds);
-
-/// Over how many triangles there is such a cell.
-std::int64_t count_bad_triangles(const ColumnMesh& mesh, const AngleBounds& bounds);
-
-/// How many cells of the mesh do.
+/// How many cells of the mesh have a dihedral angle outside the bounds.
 std::int64_t count_bad_cells(const ColumnMesh& mesh, const AngleBounds& bounds);
 
 }  // namespace tetropolis

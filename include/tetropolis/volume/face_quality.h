@@ -2,9 +2,8 @@
 #pragma once
 
 #include <array>
+#include <cstddef>
 #include <cstdint>
-#include <span>
-#include <vector>
 
 #include "tetropolis/geometry/types.h"
 #include "tetropolis/volume/column_mesh.h"
@@ -43,12 +42,16 @@ struct FaceQuality {
 /// Over all faces of the mesh. The same bits for any number of threads.
 FaceQuality measure_faces(const ColumnMesh& mesh);
 
-/// Sets triangles[t] to 1 where a face over triangle t, or over one of its edges, is more than
-/// kMostNonOrthogonal; leaves the others. Precondition: one entry per triangle.
-void mark_non_orthogonal(const ColumnMesh& mesh, std::vector<std::uint8_t>& triangles);
+/// Faces that are more than kMostNonOrthogonal.
+struct SteepFaces {
+  std::int32_t count = 0;
+  float worst_deg = 0;  ///< The greatest non-orthogonality of these; 0 without any.
+};
 
-/// How many faces over the triangles with a mark, or over an edge of one, are more than
-/// kMostNonOrthogonal. Precondition: one entry per triangle.
-std::int64_t count_non_orthogonal(const ColumnMesh& mesh, std::span<const std::uint8_t> marked);
+/// Those between the cells over triangle t.
+SteepFaces steep_faces_over(const ColumnMesh& mesh, std::size_t t);
+
+/// Those between the cells on the two sides of edge e.
+SteepFaces steep_faces_beside(const ColumnMesh& mesh, std::size_t e);
 
 }  // namespace tetropolis

@@ -12,10 +12,6 @@
 
 namespace tetropolis {
 
-/// 1 for the triangles over which a cell is outside the bounds, or over which (or over an edge of
-/// which) a face is more than kMostNonOrthogonal; for marking.
-std::vector<std::uint8_t> find_bad_triangles(const ColumnMesh& mesh, const AngleBounds& bounds);
-
 /// `marked`, and 1 for the triangles that share a vertex with a marked one. One entry per triangle.
 std::vector<std::uint8_t> with_neighbours(const ColumnMesh& mesh,
                                           std::span<const std::uint8_t> marked);
@@ -54,7 +50,7 @@ std::int64_t mark_deep_walls(const ColumnMesh& mesh, const ColumnPlan& plan,
                              std::span<const std::uint8_t> bad, CutMarks& marks);
 
 /// A cut that was tried on a mesh: per vertex the elevation of the ground, per triangle whether it
-/// was bad (find_bad_triangles).
+/// was bad (MeshFaults::bad_triangles).
 struct TriedCut {
   std::span<const double> ground_before, ground_after;
   std::span<const std::uint8_t> bad_before, bad_after;

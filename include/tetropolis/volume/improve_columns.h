@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <span>
+#include <vector>
 
 #include "tetropolis/core/progress.h"
 #include "tetropolis/volume/column_mesh.h"
@@ -21,8 +22,8 @@ struct ImproveOptions {
 };
 
 struct Improvement {
-  std::int64_t columns_changed = 0;
-  std::int64_t cells = 0;  ///< Looked at, about; each as often as it was.
+  std::vector<VertexIndex> columns;  ///< Those that changed, ascending.
+  std::int64_t cells = 0;            ///< Looked at, about; each as often as it was.
 };
 
 /// Moves, adds and removes nodes of the columns at bad cells wherever that makes the cells around
