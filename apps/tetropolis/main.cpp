@@ -21,7 +21,6 @@
 #include <unistd.h>
 
 #include "tetropolis/core/error.h"
-#include "tetropolis/core/files.h"
 #include "tetropolis/core/parallel.h"
 #include "tetropolis/core/system_memory.h"
 #include "tetropolis/core/text.h"
@@ -232,7 +231,7 @@ std::string usage_message(const CLI::App& app, const CLI::ParseError& error) {
     return error.what();
   }
   const std::string& unknown = leftover.front();
-  if (is_there(unknown))
+  if (std::error_code ignored; fs::exists(unknown, ignored))
     return fmt::format("unknown argument '{}'; an option before it takes one file only", unknown);
   std::vector<std::string> known;
   for (const CLI::Option* option : command->get_options()) known.push_back(option->get_name());

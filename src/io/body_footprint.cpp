@@ -155,7 +155,18 @@ std::vector<Polygon> unite(const std::vector<Polygon>& polygons) {
 
 }  // namespace
 
-bool is_wall(const Face& face) { return std::abs(uprightness(face)) < kNotWall; }
+bool is_wall(const Face& face) {
+  constexpr double kLeastArea = 1e-3, kLeastHeight = 0.1, kGreatestHeight = 1100;
+  if (face.rings.empty() || face.rings[0].size() < 3) return false;
+  const Point3 n = normal(face.rings[0]);
+  const double area = std::sqrt(n[0] * n[0] + n[1] * n[1] + n[2] * n[2]);
+  if (!(area > kLeastArea && std::abs(n[2]) < kNotWall * area)) return false;
+  const auto [low, high] =
+      std::minmax_element(face.rings[0].begin(), face.rings[0].end(),
+                          [](const Point3& a, const Point3& b) { return a[2] < b[2]; });
+  const double height = (*high)[2] - (*low)[2];
+  return height >= kLeastHeight && height <= kGreatestHeight;
+}
 
 void orient(Polygon& polygon) {
   const auto turn = [](Ring& ring) { std::reverse(ring.begin() + 1, ring.end()); };

@@ -16,7 +16,7 @@ struct Face {
   bool is_roof = false;    ///< Semantics say RoofSurface.
 };
 
-/// Whether a face is vertical, within half a degree.
+/// Whether a face is vertical, within half a degree, and a decimetre to 1,100 m high.
 bool is_wall(const Face& face);
 
 struct FootprintResult {

@@ -30,51 +30,38 @@ bool is_cloud(const fs::directory_entry& entry) {
          !entry.path().filename().string().starts_with('.');
 }
 
-/// A folder below that has point files, too, and how many there are in all of these. What cannot be
-/// read is passed over.
-struct Below {
-  fs::path folder;
-  std::int64_t files = 0;
-};
-
-Below clouds_below(const fs::path& folder) {
-  constexpr int kDeepest = 3;
+/// Point files in folders below `folder`, but for hidden ones; not all where there are very many.
+/// What cannot be read is passed over.
+std::vector<fs::path> clouds_below(const fs::path& folder) {
+  constexpr int kDeepest = 3, kMostEntries = 100'000;
   constexpr auto kOptions = fs::directory_options::skip_permission_denied;
-  Below below;
+  std::vector<fs::path> files;
   std::error_code error;
-  for (fs::recursive_directory_iterator entry(folder, kOptions, error), end; !error && entry != end;
-       entry.increment(error)) {
-    if (entry.depth() >= kDeepest) entry.disable_recursion_pending();
-    if (entry.depth() == 0 || !is_cloud(*entry)) continue;
-    const fs::path parent = entry->path().parent_path();
-    if (below.files++ == 0 || parent < below.folder) below.folder = parent;
+  int seen = 0;
+  for (fs::recursive_directory_iterator entry(folder, kOptions, error), end;
+       !error && entry != end && seen < kMostEntries; entry.increment(error), ++seen) {
+    if (entry.depth() >= kDeepest || entry->path().filename().string().starts_with('.'))
+      entry.disable_recursion_pending();
+    if (entry.depth() > 0 && is_cloud(*entry)) files.push_back(entry->path());
   }
-  return below;
+  std::sort(files.begin(), files.end());
+  return files;
 }
 
-std::vector<fs::path> clouds_in(const fs::path& folder, std::vector<Warning>* warnings) {
+std::vector<fs::path> clouds_in(const fs::path& folder) {
   std::vector<fs::path> files;
   std::error_code error;
   for (fs::directory_iterator entry(folder, error), end; !error && entry != end;
        entry.increment(error))
     if (is_cloud(*entry)) files.push_back(entry->path());
   if (error) fail_input(folder, "the folder cannot be read: " + error.message());
-  if (!files.empty() && warnings == nullptr) return files;
-  const Below below = clouds_below(folder);
-  if (files.empty())
-    fail_input(folder,
-               below.files == 0
-                   ? std::string("the folder holds no .las or .laz files")
-                   : fmt::format("the folder holds no .las or .laz files, but folders in it do; "
-                                 "name these ({})",
-                                 below.folder.string()));
-  if (below.files > 0)
-    warnings->push_back(
-        {"points_in_subfolders", below.files,
-         fmt::format("{}: {} point files in folders below it are not read; name these folders if "
-                     "they belong to the cloud (the first: {})",
-                     folder.string(), below.files, below.folder.string())});
-  return files;
+  if (!files.empty()) return files;
+  const std::vector<fs::path> below = clouds_below(folder);
+  fail_input(folder, below.empty()
+                         ? std::string("the folder holds no .las or .laz files")
+                         : fmt::format("the folder holds no .las or .laz files, but folders in "
+                                       "it do; name these ({})",
+                                       below.front().parent_path().string()));
 }
 
 std::vector<fs::path> matches_of(const std::string& pattern) {
@@ -86,45 +73,74 @@ std::vector<fs::path> matches_of(const std::string& pattern) {
   return paths;
 }
 
-void add(const fs::path& path, std::vector<fs::path>& result, std::vector<Warning>* warnings) {
+/// What the arguments name.
+struct Named {
+  std::vector<fs::path> files, folders;
+};
+
+void add(const fs::path& path, Named& named) {
   std::error_code error;
   if (!fs::is_directory(path, error)) {
-    result.push_back(path);
+    named.files.push_back(path);
     return;
   }
-  const std::vector<fs::path> files = clouds_in(path, warnings);
-  result.insert(result.end(), files.begin(), files.end());
+  const std::vector<fs::path> files = clouds_in(path);
+  named.files.insert(named.files.end(), files.begin(), files.end());
+  named.folders.push_back(path);
+}
+
+/// `keys`: canonical paths of all files that are read, ascending.
+void warn_of_files_below(const fs::path& folder, const std::vector<fs::path>& keys,
+                         std::vector<Warning>& warnings) {
+  std::int64_t count = 0;
+  fs::path first;
+  for (const fs::path& file : clouds_below(folder)) {
+    std::error_code error;
+    const fs::path key = fs::canonical(file, error);
+    if (error || std::binary_search(keys.begin(), keys.end(), key)) continue;
+    if (count++ == 0) first = file.parent_path();
+  }
+  if (count > 0)
+    warnings.push_back(
+        {"points_in_subfolders", count,
+         fmt::format("{}: {} point files in folders below it are not read; name these folders if "
+                     "they belong to the cloud (the first: {})",
+                     folder.string(), count, first.string())});
 }
 
 }  // namespace
 
 std::vector<fs::path> expand_point_paths(std::span<const std::string> arguments,
                                          std::vector<Warning>* warnings) {
-  std::vector<fs::path> found;
+  Named named;
   for (const std::string& argument : arguments) {
     std::error_code error;
     if (fs::exists(argument, error)) {
-      add(argument, found, warnings);
+      add(argument, named);
       continue;
     }
     if (argument.find_first_of("*?[") == std::string::npos)
       fail_input(argument, "no such file or folder; check the path");
     const std::vector<fs::path> matches = matches_of(argument);
     if (matches.empty()) fail_input(argument, "matches no file; check the pattern");
-    for (const fs::path& match : matches) add(match, found, warnings);
+    for (const fs::path& match : matches) add(match, named);
   }
   std::vector<std::pair<fs::path, fs::path>> keyed;
-  for (fs::path& path : found) {
+  for (fs::path& path : named.files) {
     std::error_code error;
     fs::path key = fs::canonical(path, error);
     if (error) fail_input(path, "no such file; check the path");
     keyed.emplace_back(std::move(key), std::move(path));
   }
   std::sort(keyed.begin(), keyed.end());
-  std::vector<fs::path> result;
-  for (std::size_t i = 0; i < keyed.size(); ++i)
-    if (i == 0 || keyed[i].first != keyed[i - 1].first)
-      result.push_back(std::move(keyed[i].second));
+  std::vector<fs::path> result, keys;
+  for (std::size_t i = 0; i < keyed.size(); ++i) {
+    if (i > 0 && keyed[i].first == keyed[i - 1].first) continue;
+    result.push_back(std::move(keyed[i].second));
+    keys.push_back(keyed[i].first);
+  }
+  if (warnings != nullptr)
+    for (const fs::path& folder : named.folders) warn_of_files_below(folder, keys, *warnings);
   return result;
 }
 

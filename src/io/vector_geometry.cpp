@@ -145,10 +145,9 @@ std::pair<double, double> elevations(const Face& face) {
   return range;
 }
 
-/// Whether two faces lie above each other, as far as they have elevations: then one is a roof.
+/// Whether two faces lie above each other: then one is a roof.
 bool lie_apart(const Face& a, const Face& b) {
   constexpr double kApart = 1;  // metres
-  if (a.rings.empty() || b.rings.empty()) return false;
   const auto [low_a, high_a] = elevations(a);
   const auto [low_b, high_b] = elevations(b);
   return low_a > high_b + kApart || low_b > high_a + kApart;
@@ -169,10 +168,10 @@ double width_between(const Ring& outer, const Ring& inner) {
 
 /// Several yards are polygons of their own for GDAL then: parts within a part, turned against it.
 /// They become holes again; parts that turn alike stay parts, whatever they overlap. So do the roof
-/// and the ground of a building, of which one looks down.
+/// and the ground of a building, of which one looks down. `faces`: of the parts, or none.
 void take_yards_for_holes(std::vector<PolygonPart>& parts, const std::vector<Face>& faces,
                           const PlanUnits& units) {
-  constexpr double kLeastWing = 1.5;  // metres; eaves are less wide
+  constexpr double kLeastWing = 1;  // metres; eaves are less wide
   const auto alike = [&](const PolygonPart& part) {
     return turns_left(part) == turns_left(parts.front());
   };
@@ -183,24 +182,32 @@ void take_yards_for_holes(std::vector<PolygonPart>& parts, const std::vector<Fac
     if (around == parts.size()) continue;
     const double width =
         units.metres_per_unit * width_between(parts[around].polygon.outer, parts[j].polygon.outer);
-    if (width < kLeastWing || lie_apart(faces[around], faces[j])) yard_of[j] = parts.size();
+    if (width < kLeastWing || (!faces.empty() && lie_apart(faces[around], faces[j])))
+      yard_of[j] = parts.size();
   }
   cut_out_yards(parts, yard_of);
 }
 
-/// With its elevations; for polygons that have them.
+/// In metres, eastings first. Elevations that are none count as 0, in all of the face.
 Face read_face(OGRGeometryH polygon, const PlanUnits& units) {
+  constexpr double kHighest = 1e6;  // metres
   Face face;
+  bool has_elevations = true;
   for (int r = 0; r < OGR_G_GetGeometryCount(polygon); ++r) {
     OGRGeometryH ring = OGR_G_GetGeometryRef(polygon, r);
     std::vector<Point3>& points = face.rings.emplace_back();
     for (int i = 0; i < OGR_G_GetPointCount(ring); ++i) {
       Point3 p{units.metres_per_unit * OGR_G_GetX(ring, i),
-               units.metres_per_unit * OGR_G_GetY(ring, i), OGR_G_GetZ(ring, i)};
+               units.metres_per_unit * OGR_G_GetY(ring, i),
+               units.metres_per_height * OGR_G_GetZ(ring, i)};
       if (units.north_first) std::swap(p[0], p[1]);
+      has_elevations = has_elevations && std::abs(p[2]) <= kHighest;
       points.push_back(p);
     }
   }
+  if (!has_elevations)
+    for (std::vector<Point3>& ring : face.rings)
+      for (Point3& p : ring) p[2] = 0;
   return face;
 }
 
@@ -226,67 +233,65 @@ PolygonPart read_polygon(OGRGeometryH polygon) {
   return part;
 }
 
-/// The polygons of a geometry, as they are and in space.
-struct Collected {
-  std::vector<PolygonPart> parts;
-  std::vector<Face> faces;  ///< Of each part; without rings if it has no elevations.
-  bool is_surface = false;  ///< All or some are of a surface in space.
-  int other_parts = 0;
-};
+bool holds_others(OGRwkbGeometryType type) {
+  return type == wkbMultiPolygon || type == wkbGeometryCollection || type == wkbPolyhedralSurface ||
+         type == wkbTIN;
+}
 
-void collect(OGRGeometryH geometry, int depth, const PlanUnits& units, Collected& result) {
+/// Calls visit(polygon) for the polygons of a geometry in their order, and other(type) for what is
+/// none, or nested too deep.
+template <typename Visit, typename Other>
+void for_each_polygon(OGRGeometryH geometry, int depth, const Visit& visit, const Other& other) {
   const OGRwkbGeometryType type = wkbFlatten(OGR_G_GetGeometryType(geometry));
-  switch (type) {
-    case wkbPolygon:
-    case wkbTriangle:
-      result.parts.push_back(read_polygon(geometry));
-      result.faces.push_back(OGR_G_Is3D(geometry) != 0 ? read_face(geometry, units) : Face{});
-      return;
-    case wkbMultiPolygon:
-    case wkbGeometryCollection:
-    case wkbPolyhedralSurface:
-    case wkbTIN:
-      if (depth >= kDeepest) {
-        ++result.other_parts;
-        return;
-      }
-      if (type == wkbPolyhedralSurface || type == wkbTIN) result.is_surface = true;
-      for (int i = 0; i < OGR_G_GetGeometryCount(geometry); ++i)
-        collect(OGR_G_GetGeometryRef(geometry, i), depth + 1, units, result);
-      return;
-    default:
-      ++result.other_parts;
-  }
+  if (type == wkbPolygon || type == wkbTriangle)
+    visit(geometry);
+  else if (holds_others(type) && depth < kDeepest)
+    for (int i = 0; i < OGR_G_GetGeometryCount(geometry); ++i)
+      for_each_polygon(OGR_G_GetGeometryRef(geometry, i), depth + 1, visit, other);
+  else
+    other(type);
 }
 
-/// One degenerate part makes no body of a feature.
-bool is_body(const Collected& collected) {
-  constexpr std::ptrdiff_t kLeastWalls = 3;
-  if (collected.is_surface) return true;
-  const auto is_vertical = [](const Face& face) { return !face.rings.empty() && is_wall(face); };
-  return std::count_if(collected.faces.begin(), collected.faces.end(), is_vertical) >= kLeastWalls;
+/// Whether some of the geometry is a surface in space, by its type.
+bool holds_surface(OGRGeometryH geometry, int depth) {
+  const OGRwkbGeometryType type = wkbFlatten(OGR_G_GetGeometryType(geometry));
+  if (type == wkbPolyhedralSurface || type == wkbTIN) return true;
+  if (type != wkbGeometryCollection || depth >= kDeepest) return false;
+  for (int i = 0; i < OGR_G_GetGeometryCount(geometry); ++i)
+    if (holds_surface(OGR_G_GetGeometryRef(geometry, i), depth + 1)) return true;
+  return false;
 }
 
-/// The footprint of a body, in the units and the order of coordinates of its geometry.
-void take_footprint(const Collected& collected, const PlanUnits& units, FlatGeometry& result) {
-  std::vector<Face> faces;
-  for (std::size_t i = 0; i < collected.faces.size(); ++i) {
-    if (!collected.parts[i].reason.empty()) continue;
-    faces.push_back(collected.faces[i]);
-    if (!faces.back().rings.empty()) continue;
-    faces.back().rings.resize(1);  // a face without elevations
-    for (const Point2 p : collected.parts[i].polygon.outer)
-      faces.back().rings[0].push_back({p.x, p.y, 0});
-  }
-  FootprintResult footprint = footprint_of(faces);
+/// Whether the faces are those of a body: several of them are walls, and not just a few of many,
+/// such as slivers or bow-ties among the footprints of a city.
+bool are_of_body(const std::vector<Face>& faces) {
+  constexpr std::size_t kLeastWalls = 3, kFacesPerWall = 10;
+  const auto walls = static_cast<std::size_t>(std::count_if(faces.begin(), faces.end(), is_wall));
+  return walls >= kLeastWalls && walls * kFacesPerWall >= faces.size();
+}
+
+/// Puts the footprint of a body in the place of its faces, in the units and the order of
+/// coordinates of its geometry; parts that are no faces stay, with their reason. False, and nothing
+/// changes, if there is none.
+bool take_footprint(const std::vector<Face>& faces, const PlanUnits& units, FlatGeometry& result) {
+  std::vector<Face> sound;
+  for (std::size_t i = 0; i < faces.size(); ++i)
+    if (result.parts[i].reason.empty()) sound.push_back(faces[i]);
+  FootprintResult footprint = footprint_of(sound);
   result.reason = std::move(footprint.reason);
+  if (footprint.polygons.empty()) return false;
+  std::vector<PolygonPart> parts;
   for (Polygon& polygon : footprint.polygons) {
     for_each_vertex(polygon, [&](Point2& p) {
       p = {p.x / units.metres_per_unit, p.y / units.metres_per_unit};
       if (units.north_first) std::swap(p.x, p.y);
     });
-    result.parts.push_back({std::move(polygon), {}});
+    parts.push_back({std::move(polygon), {}});
   }
+  for (PolygonPart& part : result.parts)
+    if (!part.reason.empty()) parts.push_back(std::move(part));
+  result.parts = std::move(parts);
+  return true;
 }
 
 std::string reason_without_polygons(OGRwkbGeometryType type) {
@@ -342,17 +347,30 @@ FlatGeometry flatten(OGRGeometryH geometry, const PlanUnits& units) {
       return result;
     }
   }
-  Collected collected;
-  collect(geometry, 0, units, collected);
-  result.other_parts = collected.other_parts;
-  if (is_body(collected)) {
-    take_footprint(collected, units, result);
-    result.is_body = !result.parts.empty();
-    if (result.is_body || collected.is_surface) return result;
+  bool has_elevations = false;
+  for_each_polygon(
+      geometry, 0,
+      [&](OGRGeometryH polygon) {
+        result.parts.push_back(read_polygon(polygon));
+        has_elevations = has_elevations || OGR_G_Is3D(polygon) != 0;
+      },
+      [&](OGRwkbGeometryType) { ++result.other_parts; });
+  const bool is_surface = holds_surface(geometry, 0);
+  std::vector<Face> faces;  // of each part, if it matters
+  if (is_surface || (has_elevations && result.parts.size() > 1))
+    for_each_polygon(
+        geometry, 0, [&](OGRGeometryH polygon) { faces.push_back(read_face(polygon, units)); },
+        [](OGRwkbGeometryType) {});
+  if (is_surface || are_of_body(faces)) {
+    result.is_body = take_footprint(faces, units, result);
+    if (result.is_body) return result;
+    if (is_surface) {
+      result.parts.clear();
+      return result;
+    }
     result.reason.clear();
   }
-  result.parts = std::move(collected.parts);
-  take_yards_for_holes(result.parts, collected.faces, units);
+  take_yards_for_holes(result.parts, faces, units);
   if (result.parts.empty())
     result.reason = reason_without_polygons(OGR_G_GetGeometryType(geometry));
   return result;

@@ -34,8 +34,9 @@ void for_each_vertex(Polygon& polygon, const Visit& visit) {
 
 /// How to understand coordinates as those of a plan.
 struct PlanUnits {
-  bool north_first = false;    ///< The first is the northing or latitude.
-  double metres_per_unit = 1;  ///< Roughly.
+  bool north_first = false;      ///< The first is the northing or latitude.
+  double metres_per_unit = 1;    ///< Roughly.
+  double metres_per_height = 1;  ///< Of elevations.
 };
 
 /// Splits collections, straightens curves, drops Z and M. A part within a part and turned against

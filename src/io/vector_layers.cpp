@@ -25,7 +25,7 @@ OGRLayerH find_layer(const fs::path& path, GDALDatasetH dataset, const std::stri
   for (int i = 0; i < GDALDatasetGetLayerCount(dataset); ++i) {
     OGRLayerH layer = GDALDatasetGetLayer(dataset, i);
     if (layer == nullptr) continue;
-    all.emplace_back(OGR_L_GetName(layer));
+    all.push_back(gdal::utf8(OGR_L_GetName(layer)));
     if (!wanted.empty() && all.back() == wanted) return layer;
     if (!holds_polygons(layer)) continue;
     names.push_back(all.back());

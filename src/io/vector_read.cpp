@@ -215,8 +215,11 @@ PlanUnits units_of(OGRSpatialReferenceH srs, const std::string& source_crs) {
   constexpr double kMetresPerDegree = 111'000;
   const bool degrees = source_crs.empty() ? srs != nullptr && OSRIsGeographic(srs) != 0
                                           : is_geographic(normalise_crs(source_crs));
-  const double length = srs == nullptr || degrees ? 1 : OSRGetLinearUnits(srs, nullptr);
-  return {is_north_first(srs), degrees ? kMetresPerDegree : length};
+  if (degrees) return {is_north_first(srs), kMetresPerDegree, 1};
+  const double length = !source_crs.empty() ? linear_unit_metres(normalise_crs(source_crs))
+                        : srs == nullptr    ? 1
+                                            : OSRGetLinearUnits(srs, nullptr);
+  return {is_north_first(srs), length, length};
 }
 
 /// How far a file can be trusted in how many features it has.

@@ -136,11 +136,13 @@ struct Sources {
   fs::path city, terrain;
 };
 
-/// In the folder, or where `mesh` has read it.
+/// In the folder, if its report tells of it; where `mesh` has read it; or else in the folder.
 Sources find_sources(const fs::path& folder, const std::optional<ReportedFacts>& report) {
   const auto find = [&](const char* name, const fs::path& read) {
-    if (is_there(folder / name)) return folder / name;
-    return !read.empty() && is_there(read) ? read : fs::path();
+    const bool told = report && std::find(report->files.begin(), report->files.end(), name) !=
+                                    report->files.end();
+    if (!told && !read.empty() && is_there(read)) return read;
+    return is_there(folder / name) ? folder / name : fs::path();
   };
   const ReportedFacts facts = report.value_or(ReportedFacts{});
   return {find(results::kCity, facts.city_model), find(results::kTerrain, facts.terrain)};

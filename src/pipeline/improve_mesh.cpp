@@ -38,16 +38,6 @@ constexpr int kMostCuts = 8;
 constexpr std::int64_t kWork = 200'000'000;
 constexpr std::int64_t kWorkPerNode = 20;
 
-/// Layers this much flatter than triangles are wide make flat cells everywhere, which no search
-/// mends; a tenth of the work is enough to see that.
-constexpr double kFlatLayers = 0.5;
-
-std::int64_t work_for(const Config& config, std::int64_t nodes) {
-  const bool is_hopeless =
-      config.layer_height > 0 && config.layer_height < kFlatLayers * config.mesh_size;
-  return (kWork + kWorkPerNode * nodes) / (is_hopeless ? 10 : 1);
-}
-
 bool has_many_thin_cells(const FaultCounts& counts) {
   const double few = std::max(1.0, std::ceil(kFewCells * static_cast<double>(counts.cells)));
   return static_cast<double>(counts.thin) >= few;
@@ -83,7 +73,7 @@ class MeshImprover {
         volume_(volume),
         faults_(clock.run("3.6", "find bad cells",
                           [&](const Progress&) { return MeshFaults(columns.mesh); })),
-        work_left_(work_for(config, columns.mesh.node_count())) {}
+        work_left_(kWork + kWorkPerNode * columns.mesh.node_count()) {}
 
   void run() {
     move_nodes();

@@ -13,6 +13,7 @@
 
 #include "folders.h"
 #include "replace_results.h"
+#include "reported_facts.h"
 #include "result_files.h"
 
 namespace tetropolis {
@@ -120,6 +121,17 @@ fs::path OutputFolder::result(const std::string& name, const std::vector<std::st
   names_.push_back(name);
   names_.insert(names_.end(), with.begin(), with.end());
   return staging_ / name;
+}
+
+std::vector<std::string> OutputFolder::files() const {
+  std::vector<std::string> names;
+  for (const fs::path& name : results_below(staging_)) names.push_back(name.string());
+  for (const std::string& name : earlier_results(target_))
+    if (std::find(kept_.begin(), kept_.end(), name) != kept_.end() && exists_itself(target_ / name))
+      names.push_back(name);
+  std::sort(names.begin(), names.end());
+  names.erase(std::unique(names.begin(), names.end()), names.end());
+  return names;
 }
 
 /// A cleaner of hidden files may have come by.

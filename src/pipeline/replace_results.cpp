@@ -32,30 +32,6 @@ constexpr const char* kMovedAside = ".earlier";
 /// There, too: the names of the new results, one a line, before any of them is moved.
 constexpr const char* kNewNames = ".new";
 
-/// The files that were written, relative to the folder: a folder in it (constant/polyMesh) may hold
-/// files of the user in the target. The report comes last.
-std::vector<fs::path> results_below(const fs::path& folder) {
-  std::vector<fs::path> names;
-  // A link, also one to a folder, is a file here.
-  const auto is_folder = [](const fs::directory_entry& entry) {
-    return entry.is_directory() && !entry.is_symlink();
-  };
-  for (const auto& entry : fs::directory_iterator(folder)) {
-    const fs::path name = entry.path().filename();
-    if (name.string().front() == '.') continue;
-    if (!is_folder(entry)) {
-      names.push_back(name);
-      continue;
-    }
-    for (const auto& inner : fs::recursive_directory_iterator(entry))
-      if (!is_folder(inner)) names.push_back(inner.path().lexically_relative(folder));
-  }
-  std::sort(names.begin(), names.end(), [](const fs::path& a, const fs::path& b) {
-    return std::pair(a == results::kReport, a) < std::pair(b == results::kReport, b);
-  });
-  return names;
-}
-
 bool is_among(const fs::path& name, std::span<const fs::path> names) {
   return std::find(names.begin(), names.end(), name) != names.end();
 }
@@ -172,6 +148,28 @@ void write_names(const fs::path& staging, const fs::path& target,
 }
 
 }  // namespace
+
+std::vector<fs::path> results_below(const fs::path& folder) {
+  std::vector<fs::path> names;
+  // A link, also one to a folder, is a file here.
+  const auto is_folder = [](const fs::directory_entry& entry) {
+    return entry.is_directory() && !entry.is_symlink();
+  };
+  for (const auto& entry : fs::directory_iterator(folder)) {
+    const fs::path name = entry.path().filename();
+    if (name.string().front() == '.') continue;
+    if (!is_folder(entry)) {
+      names.push_back(name);
+      continue;
+    }
+    for (const auto& inner : fs::recursive_directory_iterator(entry))
+      if (!is_folder(inner)) names.push_back(inner.path().lexically_relative(folder));
+  }
+  std::sort(names.begin(), names.end(), [](const fs::path& a, const fs::path& b) {
+    return std::pair(a == results::kReport, a) < std::pair(b == results::kReport, b);
+  });
+  return names;
+}
 
 void require_no_folder(const fs::path& target, const fs::path& name) {
   std::error_code error;

@@ -3,12 +3,17 @@
 
 #include <filesystem>
 #include <span>
+#include <vector>
 
 namespace tetropolis {
 
 /// Throws Error(kUsage) if `target` has a folder of the name of a result: it would be replaced with
 /// all in it.
 void require_no_folder(const std::filesystem::path& target, const std::filesystem::path& name);
+
+/// The files that were written, relative to the folder: a folder in it (constant/polyMesh) may hold
+/// files of the user in the target. The report comes last.
+std::vector<std::filesystem::path> results_below(const std::filesystem::path& folder);
 
 /// Moves the results in the hidden folder `staging` to `target`, which is there and locked, but for
 /// `kept` (relative to it), which stay. Earlier results are moved aside first, the report before

@@ -156,6 +156,7 @@ std::string to_json(const Report& report) {
                               {"iterations", solve.iterations},
                               {"relative_residual", solve.relative_residual},
                               {"converged", solve.converged}});
+  json["files"] = report.files;
   json["warnings"] = Json::array();
   for (const Warning& warning : report.warnings)
     json["warnings"].push_back(

@@ -56,32 +56,15 @@ std::map<std::string, double> numbers_of(const Json& volume, const char* measure
   return volume.value(measure, std::map<std::string, double>());
 }
 
-/// The results that a run with these settings writes.
-std::vector<std::string> files_of(const Json& report, const Json& config) {
+/// The results that a report tells of. Names that lead out of the folder are not believed.
+std::vector<std::string> files_of(const Json& report) {
   std::vector<std::string> files;
-  if (report.contains("input") && report.contains("city"))
-    files.assign(results::kOfCity.begin(), results::kOfCity.end());
-  if (!report.contains("volume_mesh")) return files;
-  std::vector<std::string> formats = config.value("formats", std::vector<std::string>());
-  formats.emplace_back();  // what is written always
-  for (const std::string& format : formats)
-    for (std::string& name : results::of_format(format)) files.push_back(std::move(name));
+  for (const Json& name : report.value("files", Json::array())) {
+    const fs::path path = fs::path(name.get<std::string>()).lexically_normal();
+    if (!path.empty() && path.is_relative() && *path.begin() != "..")
+      files.push_back(path.string());
+  }
   return files;
-}
-
-/// What belongs to the results of a report: what the run wrote, and the city that it read if that
-/// is in the same folder.
-std::vector<std::string> results_of(const Json& report, const fs::path& folder) {
-  const Json config = report.value("config", Json::object());
-  std::vector<std::string> names = files_of(report, config);
-  std::error_code error;
-  const fs::path city = config.value("city", std::string());
-  if (!city.empty() &&
-      fs::equivalent(city.parent_path().empty() ? fs::path(".") : city.parent_path(), folder,
-                     error))
-    names.insert(names.end(), results::kOfCity.begin(), results::kOfCity.end());
-  names.emplace_back(results::kReport);
-  return names;
 }
 
 double greatest(const Json& volume, const char* measure) {
@@ -112,7 +95,7 @@ ReportedFacts facts_of(const Json& report) {
         Point2{report["origin"].at(0).get<double>(), report["origin"].at(1).get<double>()};
   if (report.contains("domain")) facts.domain = report["domain"].get<std::array<double, 4>>();
   if (report.contains("crs")) facts.crs = normalise_crs(report["crs"].get<std::string>());
-  facts.files = files_of(report, config);
+  facts.files = files_of(report);
   if (report.value("command", std::string()) == "mesh") {
     facts.city_model = config.value("city", std::string());
     facts.terrain = config.value("dtm", std::string());
@@ -152,9 +135,11 @@ std::vector<std::string> earlier_results(const fs::path& folder) {
       !report.contains("steps"))
     return {};
   try {
-    return results_of(report, folder);
-  } catch (const Json::exception&) {  // of another version, or changed by hand
-    return results::all_names();
+    std::vector<std::string> names = files_of(report);
+    names.emplace_back(results::kReport);
+    return names;
+  } catch (const Json::exception&) {  // changed by hand
+    return {results::kReport};
   }
 }
 

@@ -50,6 +50,7 @@ void keep_domain(const CityModel& city, Report& report) {
 
 void finish(Report& report, OutputFolder& out) {
   report.peak_rss_bytes = peak_rss_bytes();
+  report.files = out.files();
   AtomicFile file(out.result(results::kReport));
   file.write(to_json(report));
   file.commit();

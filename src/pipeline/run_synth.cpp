@@ -1,8 +1,6 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
-#include <filesystem>
-#include <system_error>
 
 #include <fmt/format.h>
 
@@ -17,7 +15,6 @@
 #include "run_frame.h"
 #include "step_clock.h"
 #include "synth_adversarial.h"
-#include "synth_leftovers.h"
 
 namespace tetropolis {
 
@@ -64,14 +61,6 @@ double size_of(const Config& config) {
       return AdversarialCityOptions{}.size;
   }
   return 0;
-}
-
-/// finish() for a city that may replace one of another kind, with files of other names.
-void finish_city(Report& report, OutputFolder& out) {
-  const auto outdated = left_by_earlier_city(report.config.out, out / "");
-  finish(report, out);
-  std::error_code ignored;
-  for (const std::filesystem::path& file : outdated) std::filesystem::remove(file, ignored);
 }
 
 SyntheticCity invent_city(const Config& config, double size, const Progress& progress) {
@@ -150,7 +139,7 @@ Report run_synth(const Config& config, const RunHooks& hooks) {
   OutputFolder out(config.out, hooks.output);
   const auto synth = config.kind == SynthKind::kAdversarial ? synth_adversarial : synth_plain;
   synth(config, size, out, clock, report);
-  finish_city(report, out);
+  finish(report, out);
   return report;
 }
 

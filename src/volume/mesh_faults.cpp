@@ -104,8 +104,7 @@ FaultCounts MeshFaults::counts() const {
   FaultCounts counts;
   const auto add = [&](const SteepFaces& faces) {
     counts.steep_faces += faces.count;
-    counts.worst_face_deg =
-        std::max(counts.worst_face_deg, static_cast<double>(faces.worst_deg));
+    counts.worst_face_deg = std::max(counts.worst_face_deg, static_cast<double>(faces.worst_deg));
   };
   for (const Stack& stack : stacks_) {
     counts.cells += stack.cells;

@@ -77,8 +77,8 @@ void make_earlier(const fs::path& result) {
        {"dtm.tif", "volume.vtu", "boundary.vtp", "constant/polyMesh/points", "surface.ply"})
     put(result / name, "old");
   put(result / "report.json", R"({"version": "0", "command": "build",
-      "steps": [], "input": {}, "city": {}, "volume_mesh": {},
-      "config": {"formats": ["vtu", "openfoam", "ply"]}})");
+      "steps": [], "files": ["dtm.tif", "volume.vtu", "boundary.vtp", "constant/polyMesh/points",
+      "surface.ply"]})");
   put(result / "notes.txt", "mine");
   put(result / "constant/g", "mine");
 }

@@ -645,6 +645,12 @@ TEST(Las, PointFilesInSubfoldersAreNotReadWithoutAWord) {
   EXPECT_EQ(warnings[0].count, 3);
   EXPECT_NE(warnings[0].message.find(north), std::string::npos);
   warnings.clear();
+  EXPECT_EQ(expand_point_paths(std::vector{tiles[0], north, north + "/old"}, &warnings).size(), 4U);
+  EXPECT_TRUE(warnings.empty()) << "all are named";
+  fs::rename(folder / "tiles/north", folder / "tiles/.north");
+  EXPECT_EQ(expand_point_paths(tiles, &warnings).size(), 1U);
+  EXPECT_TRUE(warnings.empty()) << "hidden";
+  fs::rename(folder / "tiles/.north", folder / "tiles/north");
   EXPECT_EQ(expand_point_paths(std::vector{north + "/old"}, &warnings).size(), 1U);
   EXPECT_TRUE(warnings.empty());
 }

@@ -624,10 +624,10 @@ TEST(Vector, RoofsAndGroundsAreNoYards) {
     return std::pair(input.features.size(), input.features[0].polygon.holes.size());
   };
   using Parts = std::pair<std::size_t, std::size_t>;
-  EXPECT_EQ(parts_of(square(8, 22, 5, false)), Parts(1, 1));  // a yard
-  EXPECT_EQ(parts_of(square(8, 22, 5, true)), Parts(2, 0));   // turned alike
-  EXPECT_EQ(parts_of(square(8, 22, 0, false)), Parts(2, 0));  // the ground below
-  EXPECT_EQ(parts_of(square(1, 29, 5, false)), Parts(2, 0));  // eaves
+  EXPECT_EQ(parts_of(square(8, 22, 5, false)), Parts(1, 1));      // a yard
+  EXPECT_EQ(parts_of(square(8, 22, 5, true)), Parts(2, 0));       // turned alike
+  EXPECT_EQ(parts_of(square(8, 22, 0, false)), Parts(2, 0));      // the ground below
+  EXPECT_EQ(parts_of(square(0.5, 29.5, 5, false)), Parts(2, 0));  // eaves
   EXPECT_EQ(parts_of(square(2, 28, 5, false)), Parts(1, 1));
 }
 

@@ -4,7 +4,6 @@
 #include <set>
 #include <string>
 
-#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include "tetropolis/core/error.h"
@@ -129,9 +128,8 @@ TEST(OutputFolder, RefusesWhatCannotBeAFolder) {
   EXPECT_EQ(everything(scratch.path()), (std::set<std::string>{"file"}));
 }
 
-constexpr const char* kReport = R"({"version": "0", "command": "build", "steps": [],
-                                 "input": {}, "city": {}, "volume_mesh": {},
-                                 "config": {"formats": ["vtu", "msh", "openfoam"]}})";
+constexpr const char* kReport = R"({"version": "0", "command": "build", "steps": [], "files":
+    ["dtm.tif", "volume.vtu", "volume.msh", "constant/polyMesh/points", "../elsewhere"]})";
 
 void write(const fs::path& file, const std::string& text) {
   fs::create_directories(file.parent_path());
@@ -171,24 +169,25 @@ TEST(OutputFolder, WhatNoRunHasWrittenStays) {
             (std::set<std::string>{"report.json", "surface.ply", "volume.h5"}));
 }
 
-/// A run of `mesh` belongs to the city model in its folder.
-TEST(OutputFolder, TheCityOfAnEarlierMeshGoesWithIt) {
+/// Of an earlier run what this one reads stays, and is told of with what it writes.
+TEST(OutputFolder, TellsWhichFilesAreResults) {
   const testing::TemporaryFolder scratch;
-  for (const bool here : {true, false}) {
-    const std::string city = here ? "result/city.city.json" : "other/city.city.json";
-    write(scratch / "result/report.json",
-          fmt::format(R"({{"version": "0", "command": "mesh", "steps": [], "volume_mesh": {{}},
-                          "config": {{"formats": ["vtu"], "city": "{}"}}}})",
-                      (scratch / city).string()));
-    write(scratch / "other/city.city.json", "other");
-    write(scratch / "result/city.city.json", "old");
-    write(scratch / "result/volume.vtu", "old");
-    OutputFolder out(scratch / "result");
-    write(out / "report.json", kReport);
-    out.commit();
-    EXPECT_EQ(fs::exists(scratch / "result/city.city.json"), !here);
-    EXPECT_FALSE(fs::exists(scratch / "result/volume.vtu"));
-  }
+  write(scratch / "result/report.json", kReport);
+  for (const char* name : {"dtm.tif", "volume.vtu", "mine.tif"})
+    write(scratch / "result" / name, "old");
+  write(scratch / "elsewhere", "mine");
+  OutputFolder out(scratch / "result");
+  for (const char* name : {"dtm.tif", "mine.tif"}) out.keep(scratch / "result" / name);
+  write(out / "surface.stl", "new");
+  write(out / "constant/polyMesh/faces", "new");
+  EXPECT_EQ(out.files(),
+            (std::vector<std::string>{"constant/polyMesh/faces", "dtm.tif", "surface.stl"}));
+  write(out / "report.json", kReport);
+  out.commit();
+  EXPECT_TRUE(fs::exists(scratch / "elsewhere"));
+  EXPECT_EQ(everything(scratch / "result"),
+            (std::set<std::string>{"constant", "constant/polyMesh", "constant/polyMesh/faces",
+                                   "dtm.tif", "mine.tif", "report.json", "surface.stl"}));
 }
 
 TEST(OutputFolder, EmptyFoldersOfAnEarlierResultGo) {

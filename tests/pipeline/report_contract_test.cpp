@@ -116,6 +116,8 @@ constexpr Key kContract[] = {
     {"solver[].iterations", Type::kNumber},
     {"solver[].relative_residual", Type::kNumber},
     {"solver[].converged", Type::kTruth},
+    {"files", Type::kList},
+    {"files[]", Type::kText},
     {"warnings", Type::kList},
     {"warnings[].code", Type::kText},
     {"warnings[].count", Type::kNumber},

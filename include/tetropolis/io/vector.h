@@ -58,7 +58,7 @@ struct FootprintsInput {
 ///
 /// In shapefiles the ring around all others is the outer one; in all formats a part within a part
 /// (not in one of its holes) and turned against it is a hole of it (what becomes of a shapefile
-/// turned the wrong way), unless it leaves a rim of less than 1.5 m or lies more than a metre above
+/// turned the wrong way), unless it leaves a rim of less than 1 m or lies more than a metre above
 /// or below it. Features that are bodies in space (surfaces in space, or polygons of which three or
 /// more are vertical) have the footprint that read_city would find, with the warning
 /// "footprints_from_bodies".

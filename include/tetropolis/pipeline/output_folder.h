@@ -48,6 +48,10 @@ class OutputFolder {
   /// Where that is, or will be.
   std::filesystem::path operator/(const std::string& name) const { return staging_ / name; }
 
+  /// The results, sorted: files that are written, relative to the folder, and those of an earlier
+  /// run that stay since this one has read them (keep).
+  std::vector<std::string> files() const;
+
   /// An input of this run, or what belongs to it: it stays even if it is a result of an earlier
   /// run. Of a link, both the link and the file.
   void keep(const std::filesystem::path& file);

@@ -115,6 +115,8 @@ struct Report {
   std::optional<SurfaceMeshReport> surface_mesh;
   std::vector<SolverStepReport> solver;
   std::vector<Warning> warnings;
+  std::vector<std::string> files;  ///< Results in the folder, sorted, without the report: what the
+                                   ///< run wrote, and what it read there of an earlier run.
 };
 
 /// The report as JSON text (keys: docs/files.md), UTF-8, ending with a newline.

@@ -27,21 +27,21 @@ inline constexpr std::array kAskedBounds{kQualityFloor,
 struct FaultCounts {
   std::int64_t cells = 0;
   std::int64_t thin = 0;  ///< Cells with an angle below kLeastOfMost.
-  std::array<std::int64_t, kAskedBounds.size()> outside{};    ///< Cells outside of each bounds.
-  std::array<std::int64_t, kAskedBounds.size()> triangles{};  ///< Over how many triangles these are.
+  std::array<std::int64_t, kAskedBounds.size()> outside{};  ///< Cells outside of each bounds.
+  std::array<std::int64_t, kAskedBounds.size()>
+      triangles{};               ///< Over how many triangles these are.
   std::int64_t steep_faces = 0;  ///< Faces that are more than kMostNonOrthogonal.
   double worst_face_deg = 0;     ///< Greatest non-orthogonality of these; 0 without any.
 
-  std::int64_t cells_outside(Asked asked) const {
-    return outside[static_cast<std::size_t>(asked)];
-  }
+  std::int64_t cells_outside(Asked asked) const { return outside[static_cast<std::size_t>(asked)]; }
   std::int64_t triangles_outside(Asked asked) const {
     return triangles[static_cast<std::size_t>(asked)];
   }
 };
 
-/// A look at every cell takes seconds on large meshes, of which trials change little. Takes 28 bytes
-/// for each triangle of the ground mesh and 8 for each edge. The same for any number of threads.
+/// A look at every cell takes seconds on large meshes, of which trials change little. Takes 28
+/// bytes for each triangle of the ground mesh and 8 for each edge. The same for any number of
+/// threads.
 class MeshFaults {
  public:
   explicit MeshFaults(const ColumnMesh& mesh);
@@ -68,7 +68,7 @@ class MeshFaults {
   };
   static Stack look_at(const ColumnMesh& mesh, std::size_t t);
 
-  std::vector<Stack> stacks_;      // per triangle
+  std::vector<Stack> stacks_;       // per triangle
   std::vector<SteepFaces> beside_;  // per edge
 };
 
