@@ -22,6 +22,7 @@
 #include "tetropolis/geometry/polygon.h"
 #include "tetropolis/io/crs.h"
 
+#include "io/vector_geometry.h"
 #include "support/bytes.h"
 #include "support/test_data.h"
 
@@ -574,6 +575,69 @@ std::string body_of_a_house(double scale, bool swap) {
   return fmt::format("[{},{},{},{},{},{},{}]", plate(0, 10, 8, 0, false),
                      plate(-0.5, 10.5, 8.5, 6, true), plate(3, 5, 5, 9, true), wall(0, 0, 10, 0),
                      wall(10, 0, 10, 8), wall(10, 8, 0, 8), wall(0, 8, 0, 0));
+}
+
+/// Where the northing comes first, what looks up in the numbers looks down.
+TEST(Vector, BodiesWithTheNorthingFirstHaveTheSameFootprint) {
+  const auto footprint = [](bool north_first, double unit) {
+    const std::string json = R"({"type": "MultiPolygon", "coordinates": )" +
+                             body_of_a_house(1 / unit, north_first) + "}";
+    OGRGeometryH geometry = OGR_G_CreateGeometryFromJson(json.c_str());
+    const FlatGeometry flat = flatten(geometry, {north_first, unit, 1});
+    OGR_G_DestroyGeometry(geometry);
+    EXPECT_TRUE(flat.is_body);
+    EXPECT_EQ(flat.parts.size(), 1U);
+    return flat.parts.at(0).polygon;
+  };
+  const Ring usual = footprint(false, 1).outer;
+  for (const double unit : {1.0, 0.3048, 111'000.0}) {
+    Ring swapped = footprint(true, unit).outer;
+    for (Point2& p : swapped) p = {5 + (p.y - 5) * unit, 52 + (p.x - 52) * unit};
+    ASSERT_EQ(swapped.size(), usual.size());
+    const auto first = std::min_element(swapped.begin(), swapped.end(), [&](Point2 a, Point2 b) {
+      return std::hypot(a.x - usual[0].x, a.y - usual[0].y) <
+             std::hypot(b.x - usual[0].x, b.y - usual[0].y);
+    });
+    std::rotate(swapped.begin(), first, swapped.end());
+    for (std::size_t i = 0; i < usual.size(); ++i) {
+      EXPECT_NEAR(swapped[i].x, usual[i].x, 1e-3);
+      EXPECT_NEAR(swapped[i].y, usual[i].y, 1e-3);
+    }
+  }
+}
+
+/// Slivers, bow-ties and elevations that are none make no body of a city in one feature.
+TEST(Vector, SliversAmongFootprintsMakeNoBody) {
+  const TemporaryFolder folder;
+  const auto ring = [](const std::vector<Point3>& points) {
+    std::string text;
+    for (std::size_t i = 0; i <= points.size(); ++i) {
+      const Point3& p = points[i % points.size()];
+      text += fmt::format("{}[{},{},{}]", i > 0 ? "," : "", p[0], p[1], p[2]);
+    }
+    return "[[" + text + "]]";
+  };
+  std::string parts;
+  const auto add = [&](const std::vector<Point3>& points) {
+    parts += (parts.empty() ? "" : ",") + ring(points);
+  };
+  for (int i = 0; i < 6; ++i) {
+    const double x = 20.0 * i;
+    if (i % 2 == 0)
+      add({{x, 0, 5}, {x + 9, 0, 5}, {x + 9, 9, 6}, {x, 9, 5}});
+    else  // the other way round, one with a corner that nobody has measured
+      add({{x, 0, i == 1 ? -9999.0 : 5.0}, {x, 9, 5}, {x + 9, 9, 5}, {x + 9, 0, 5}});
+    add({{x, 50, 5}, {x + 9, 59, 5}, {x + 9, 50, 5}, {x, 59, 5}});  // crosses itself
+    add({{x, 80, 5}, {x + 9, 80, 5}, {x + 4, 80, 5}});              // a sliver
+  }
+  const FootprintsInput input = read_footprints(write_text(
+      folder / "a.geojson",
+      fmt::format(R"({{"type": "FeatureCollection", "crs": {{"type": "name", "properties":
+            {{"name": "EPSG:28992"}}}}, "features": [{{"type": "Feature", "properties": {{}}, "geometry":
+            {{"type": "MultiPolygon", "coordinates": [{}]}}}}]}})",
+                  parts)));
+  EXPECT_EQ(input.features.size() + input.dropped.size(), 18U);
+  EXPECT_GE(input.features.size(), 12U);
 }
 
 TEST(Vector, BodiesInSpaceHaveTheirGroundAsFootprint) {
