@@ -101,11 +101,63 @@ std::vector<const Face*> select(const std::vector<Face>& faces, bool Face::*mean
   return chosen;
 }
 
+/// Where polygons overlap or share edges they become one. Empty where GEOS gives up.
+std::vector<Polygon> unite(const std::vector<Polygon>& polygons) {
+  std::vector<Polygon> parts;
+  for (const Polygon& polygon : polygons) {
+    if (geos::is_valid({&polygon, 1})) {
+      parts.push_back(polygon);
+    } else if (const geos::Result valid = geos::make_valid(polygon)) {
+      parts.insert(parts.end(), valid->begin(), valid->end());
+    }
+  }
+  std::vector<Polygon> result;
+  const geos::Result whole = geos::unite(parts, 0);
+  if (!whole) return result;
+  for (const Polygon& polygon : *whole) {
+    std::vector<Ring> rings{polygon.outer};
+    rings.insert(rings.end(), polygon.holes.begin(), polygon.holes.end());
+    if (std::optional<Polygon> part = snapped(rings)) result.push_back(std::move(*part));
+  }
+  return result;
+}
+
+/// Those that look down and, if any do, those at the very bottom that look up: a face that is
+/// turned the wrong way belongs to the ground all the same.
+std::vector<const Face*> ground_faces(const std::vector<Face>& faces) {
+  constexpr double kAtBottom = 0.5;  // metres
+  std::vector<const Face*> ground = select(faces, -1, -kFlat);
+  if (ground.empty()) return ground;
+  double low = std::numeric_limits<double>::infinity();
+  for (const Face* face : ground)
+    for (const std::vector<Point3>& ring : face->rings)
+      for (const Point3& p : ring) low = std::min(low, p[2]);
+  for (const Face* face : select(faces, kFlat, 1)) {
+    const std::vector<Point3>& ring = face->rings[0];
+    if (std::all_of(ring.begin(), ring.end(),
+                    [&](const Point3& p) { return p[2] <= low + kAtBottom; }))
+      ground.push_back(face);
+  }
+  return ground;
+}
+
+double total_area(const std::vector<Polygon>& polygons) {
+  double sum = 0;
+  for (const Polygon& polygon : polygons) sum += area(polygon);
+  return sum;
+}
+
 /// The faces whose shadow is the footprint.
 std::vector<Polygon> ground_polygons(const std::vector<Face>& faces) {
+  constexpr double kMostOfRoof = 0.6;  // the rest are eaves
   std::vector<Polygon> polygons = project_faces(select(faces, &Face::is_ground));
-  if (polygons.empty()) polygons = project_faces(select(faces, -1, -kFlat));
-  if (polygons.empty()) polygons = project_faces(select(faces, kNotWall, 1));
+  if (!polygons.empty()) return polygons;
+  polygons = project_faces(ground_faces(faces));
+  std::vector<Polygon> above = project_faces(select(faces, kNotWall, 1));
+  const bool is_whole =
+      !polygons.empty() && total_area(unite(polygons)) >= kMostOfRoof * total_area(unite(above));
+  // Where part of the ground is missing, what is above it tells.
+  if (!is_whole) polygons.insert(polygons.end(), above.begin(), above.end());
   if (polygons.empty()) polygons = project_faces(select(faces, -1, -kNotWall));
   return polygons;
 }
@@ -130,27 +182,6 @@ double area_up_to(const std::vector<const Face*>& faces, double level) {
     for (std::size_t r = 0; r < face->rings.size(); ++r)
       sum += (r == 0 ? 1 : -1) * area_up_to(face->rings[r], level);
   return sum;
-}
-
-/// Where polygons overlap or share edges they become one. Empty where GEOS gives up.
-std::vector<Polygon> unite(const std::vector<Polygon>& polygons) {
-  std::vector<Polygon> parts;
-  for (const Polygon& polygon : polygons) {
-    if (geos::is_valid({&polygon, 1})) {
-      parts.push_back(polygon);
-    } else if (const geos::Result valid = geos::make_valid(polygon)) {
-      parts.insert(parts.end(), valid->begin(), valid->end());
-    }
-  }
-  std::vector<Polygon> result;
-  const geos::Result whole = geos::unite(parts, 0);
-  if (!whole) return result;
-  for (const Polygon& polygon : *whole) {
-    std::vector<Ring> rings{polygon.outer};
-    rings.insert(rings.end(), polygon.holes.begin(), polygon.holes.end());
-    if (std::optional<Polygon> part = snapped(rings)) result.push_back(std::move(*part));
-  }
-  return result;
 }
 
 }  // namespace

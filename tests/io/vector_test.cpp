@@ -606,6 +606,39 @@ TEST(Vector, BodiesWithTheNorthingFirstHaveTheSameFootprint) {
   }
 }
 
+/// A face of the ground that is turned, missing or without elevations loses no part of a building.
+TEST(Vector, BodiesWithFaultyGroundKeepTheirFootprint) {
+  const auto face = [](const std::vector<Point3>& points, const char* z = nullptr) {
+    std::string text;
+    for (std::size_t i = 0; i <= points.size(); ++i) {
+      const Point3& p = points[i % points.size()];
+      text += fmt::format("{}{} {} {}", i > 0 ? "," : "", p[0], p[1],
+                          z != nullptr ? std::string(z) : fmt::format("{}", p[2]));
+    }
+    return "((" + text + "))";
+  };
+  const std::string walls = face({{0, 0, 90}, {10, 0, 90}, {10, 0, 96}, {0, 0, 96}}) + "," +
+                            face({{10, 0, 90}, {10, 8, 90}, {10, 8, 96}, {10, 0, 96}}) + "," +
+                            face({{10, 8, 90}, {0, 8, 90}, {0, 8, 96}, {10, 8, 96}});
+  const std::string roof = face({{0, 0, 96}, {10, 0, 96}, {10, 8, 96}, {0, 8, 96}});
+  const std::vector<Point3> first{{0, 0, 90}, {10, 8, 90}, {10, 0, 90}},
+      second{{0, 0, 90}, {0, 8, 90}, {10, 8, 90}}, turned{{0, 0, 90}, {10, 8, 90}, {0, 8, 90}};
+  for (const std::string& other :
+       {face(second), face(turned), std::string(), face(second, "1e300"), face(turned, "1e300")}) {
+    const std::string wkt = "MULTIPOLYGON Z(" + walls + "," + roof + "," + face(first) +
+                            (other.empty() ? "" : "," + other) + ")";
+    std::string text = wkt;
+    char* cursor = text.data();
+    OGRGeometryH geometry = nullptr;
+    ASSERT_EQ(OGR_G_CreateFromWkt(&cursor, nullptr, &geometry), OGRERR_NONE) << wkt;
+    const FlatGeometry flat = flatten(geometry);
+    OGR_G_DestroyGeometry(geometry);
+    ASSERT_TRUE(flat.is_body) << wkt;
+    ASSERT_EQ(flat.parts.size(), 1U) << wkt;
+    EXPECT_NEAR(area(flat.parts[0].polygon), 80, 1e-6) << wkt;
+  }
+}
+
 /// Slivers, bow-ties and elevations that are none make no body of a city in one feature.
 TEST(Vector, SliversAmongFootprintsMakeNoBody) {
   const TemporaryFolder folder;
