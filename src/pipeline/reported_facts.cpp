@@ -36,13 +36,13 @@ CutSources cuts_of(const Json& report) {
 }
 
 ReportedCity city_of(const Json& report) {
-  ReportedCity city{report.value("raw_buildings", std::int64_t{-1}),
-                    report.value("buildings", std::int64_t{-1}),
-                    report.value("merged_groups", std::int64_t{-1}),
-                    {},
-                    report.value("flags", std::map<std::string, std::int64_t>()),
-                    {},
-                    report.value("area_after", -1.0)};
+  ReportedCity city{.raw_buildings = report.value("raw_buildings", std::int64_t{-1}),
+                    .buildings = report.value("buildings", std::int64_t{-1}),
+                    .merged_groups = report.value("merged_groups", std::int64_t{-1}),
+                    .dropped = {},
+                    .flags = report.value("flags", std::map<std::string, std::int64_t>()),
+                    .min_clearance = std::nullopt,
+                    .area = report.value("area_after", -1.0)};
   for (const Json& dropped : report.value("dropped", Json::array()))
     city.dropped.push_back(dropped.value("source_id", std::string()));
   std::sort(city.dropped.begin(), city.dropped.end());
@@ -104,22 +104,23 @@ ReportedFacts facts_of(const Json& report) {
   const Json& volume = report["volume_mesh"];
   const bool has_flat_top = config.value("top", std::string()) == "flat";
   const Json surface = report.value("surface_mesh", Json::object());
-  facts.mesh = {volume.value("cells", -1.0),
-                volume.value("vertices", -1.0),
-                volume.value("inverted", -1.0),
-                volume.value("volume", -1.0),
-                surface.value("triangles", -1.0),
-                volume.value("ground_lowered", -1.0),
-                greatest(volume, "non_orthogonality_deg"),
-                greatest(volume, "skewness"),
-                volume.value("min_vertical_gap", -1.0),
-                has_flat_top ? std::optional(volume.value("top", -1.0)) : std::nullopt,
-                numbers_of(volume, "dihedral_deg"),
-                numbers_of(volume, "aspect_ratio"),
-                volume.value("faces_above_70_deg", -1.0),
-                surface.value("closed", false),
-                surface.value("manifold", false),
-                surface.value("faces_by_patch", std::map<std::string, std::int64_t>())};
+  facts.mesh = ReportedMesh{
+      .cells = volume.value("cells", -1.0),
+      .vertices = volume.value("vertices", -1.0),
+      .inverted = volume.value("inverted", -1.0),
+      .volume = volume.value("volume", -1.0),
+      .triangles = surface.value("triangles", -1.0),
+      .ground_lowered = volume.value("ground_lowered", -1.0),
+      .non_orthogonality = greatest(volume, "non_orthogonality_deg"),
+      .skewness = greatest(volume, "skewness"),
+      .min_vertical_gap = volume.value("min_vertical_gap", -1.0),
+      .top = has_flat_top ? std::optional(volume.value("top", -1.0)) : std::nullopt,
+      .angles = numbers_of(volume, "dihedral_deg"),
+      .aspects = numbers_of(volume, "aspect_ratio"),
+      .faces_above_70 = volume.value("faces_above_70_deg", -1.0),
+      .closed = surface.value("closed", false),
+      .manifold = surface.value("manifold", false),
+      .faces_by_patch = surface.value("faces_by_patch", std::map<std::string, std::int64_t>())};
   return facts;
 }
 

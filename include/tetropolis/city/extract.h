@@ -60,13 +60,18 @@ struct ExtractOptions {
 /// at most half a metre above the 10th percentile of the building's ground points (unless that is
 /// more than half of the list), and the crowns of trees unless told otherwise. Each list then loses
 /// its outliers (drop_outliers). One point may belong to several buildings: footprints may overlap,
-/// margins do. Guarantees: lists in the order of the footprints; the same for any number of
-/// threads. Memory: the result has 4 bytes for each point of each of its lists; beside it, a grid
-/// over the footprints and their edges, at most 24 bytes for each pair of a building and a point
-/// found at it (by exclusion: found within 3 m of it, too), and what drop_crowns needs of one
-/// building per thread. The number of pairs grows with the square of the margin, and nothing bounds
-/// it. Throws Error(kInput) for clouds of 2^32 points or more. Source: Naserentin & Logg 2022
-/// (arXiv 2210.05250), step 1.5; a uniform grid replaces the trees.
+/// margins do.
+///
+/// Guarantees: lists in the order of the footprints; the same for any number of threads.
+///
+/// Memory: the result has 4 bytes for each point of each of its lists; beside it, a grid over the
+/// footprints and their edges, at most 24 bytes for each pair of a building and a point found at it
+/// (by exclusion: found within 3 m of it, too), and what drop_crowns needs of one building per
+/// thread. The number of pairs grows with the square of the margin, and nothing bounds it.
+///
+/// Throws Error(kInput) for clouds of 2^32 points or more.
+///
+/// Source: Naserentin & Logg 2022 (arXiv 2210.05250), step 1.5; a uniform grid replaces the trees.
 BuildingPoints extract_building_points(std::span<const Polygon> footprints, const PointCloud& cloud,
                                        const ExtractOptions& options = {},
                                        const Progress& progress = {});

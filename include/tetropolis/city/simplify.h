@@ -90,11 +90,12 @@ struct Simplification {
 /// - the result does not depend on the number of threads; a second call on the result returns it
 ///   unchanged;
 /// - near-linear time, apart from the unions of large clusters.
+///
 /// kRepaired marks footprints whose outline is more than 2 cm off the union of the polygons that it
-/// is made of; kConvexHull, those
-/// of which a hull became a part, at any stage; kMerged and kClipped follow from the members. Input
-/// that comes closer than min_distance to the domain's boundary is cut back from it (or dropped,
-/// where less than half of it would be left). What is cut off so is not counted as changed.
+/// is made of, or that share such a polygon with others; kConvexHull, those of which a hull became
+/// a part, at any stage; kMerged and kClipped follow from the members. Input that comes closer than
+/// min_distance to the domain's boundary is cut back from it (or dropped, where less than half of
+/// it would be left). What is cut off so is not counted as changed.
 ///
 /// The method goes beyond Naserentin and Logg (2022), Algorithms 1 to 3, by taking two concerns
 /// apart: polygons closer than min_distance are joined by union and patches (merge_polygons.h);

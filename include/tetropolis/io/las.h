@@ -146,7 +146,7 @@ struct WritePointsOptions {
 /// Guarantees: the header's box and counts are those of the stored points; the same input gives the
 /// same bytes; the file appears complete or not at all.
 /// Errors: kInput if it cannot be written; kUsage for another point format, a scale too fine for
-/// the extent, classes above 31 in format 1, a bad crs.
+/// the extent, classes above 31 in format 1, a bad crs, arrays of other sizes than the points'.
 void write_points(const std::filesystem::path& path, const PointCloud& cloud, Point2 origin,
                   const WritePointsOptions& options = {});
 
