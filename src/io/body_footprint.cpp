@@ -122,22 +122,29 @@ std::vector<Polygon> unite(const std::vector<Polygon>& polygons) {
   return result;
 }
 
-/// Those that look down and, if any do, those at the very bottom that look up: a face that is
-/// turned the wrong way belongs to the ground all the same.
+/// Least and greatest elevation.
+std::pair<double, double> elevations(const std::vector<const Face*>& faces) {
+  constexpr double kInfinity = std::numeric_limits<double>::infinity();
+  std::pair range{kInfinity, -kInfinity};
+  for (const Face* face : faces)
+    for (const std::vector<Point3>& ring : face->rings)
+      for (const Point3& p : ring)
+        range = {std::min(range.first, p[2]), std::max(range.second, p[2])};
+  return range;
+}
+
+/// Those that look down, but for soffits in the upper half; and those at the very bottom that look
+/// up, if any look down: a face that is turned the wrong way belongs to the ground all the same.
 std::vector<const Face*> ground_faces(const std::vector<Face>& faces) {
   constexpr double kAtBottom = 0.5;  // metres
   std::vector<const Face*> ground = select(faces, -1, -kFlat);
   if (ground.empty()) return ground;
-  double low = std::numeric_limits<double>::infinity();
-  for (const Face* face : ground)
-    for (const std::vector<Point3>& ring : face->rings)
-      for (const Point3& p : ring) low = std::min(low, p[2]);
-  for (const Face* face : select(faces, kFlat, 1)) {
-    const std::vector<Point3>& ring = face->rings[0];
-    if (std::all_of(ring.begin(), ring.end(),
-                    [&](const Point3& p) { return p[2] <= low + kAtBottom; }))
-      ground.push_back(face);
-  }
+  const auto [low, high] = elevations(select(faces, -1, 1));
+  std::erase_if(ground, [middle = (low + high) / 2](const Face* face) {
+    return elevations({face}).first > middle;
+  });
+  for (const Face* face : select(faces, kFlat, 1))
+    if (elevations({face}).second <= low + kAtBottom) ground.push_back(face);
   return ground;
 }
 

@@ -188,7 +188,7 @@ void take_yards_for_holes(std::vector<PolygonPart>& parts, const std::vector<Fac
   cut_out_yards(parts, yard_of);
 }
 
-/// In metres, eastings first. Elevations that are none count as 0, in all of the face.
+/// In metres, eastings first. Where an elevation is none, all of the face are not a number.
 Face read_face(OGRGeometryH polygon, const PlanUnits& units) {
   constexpr double kHighest = 1e6;  // metres
   Face face;
@@ -207,8 +207,22 @@ Face read_face(OGRGeometryH polygon, const PlanUnits& units) {
   }
   if (!has_elevations)
     for (std::vector<Point3>& ring : face.rings)
-      for (Point3& p : ring) p[2] = 0;
+      for (Point3& p : ring) p[2] = std::numeric_limits<double>::quiet_NaN();
   return face;
+}
+
+/// Puts faces without elevations at the bottom of the others.
+void settle_elevations(std::vector<Face>& faces) {
+  double low = std::numeric_limits<double>::infinity();
+  const auto for_each_point = [&](const auto& visit) {
+    for (Face& face : faces)
+      for (std::vector<Point3>& ring : face.rings)
+        for (Point3& p : ring) visit(p);
+  };
+  for_each_point([&](const Point3& p) { low = std::fmin(low, p[2]); });
+  for_each_point([&](Point3& p) {
+    if (std::isnan(p[2])) p[2] = std::isfinite(low) ? low : 0;
+  });
 }
 
 PolygonPart read_polygon(OGRGeometryH polygon) {
@@ -361,6 +375,7 @@ FlatGeometry flatten(OGRGeometryH geometry, const PlanUnits& units) {
     for_each_polygon(
         geometry, 0, [&](OGRGeometryH polygon) { faces.push_back(read_face(polygon, units)); },
         [](OGRwkbGeometryType) {});
+  settle_elevations(faces);
   if (is_surface || are_of_body(faces)) {
     result.is_body = take_footprint(faces, units, result);
     if (result.is_body) return result;

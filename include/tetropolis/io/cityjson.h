@@ -42,8 +42,8 @@ void write_city(const std::filesystem::path& path, const CityModel& model,
 /// Of other files every Building and BuildingPart with a surface or solid becomes a building of its
 /// own, in the order of the file: id "b1", "b2", ..., its key as source id, footprint = union of
 /// the GroundSurfaces of its most detailed geometry (without semantics: of the faces that look
-/// down, or up at the very bottom; where these are less than 0.6 of what is above them: of all
-/// that are not vertical), h_ground = lowest vertex, h_roof = the height
+/// down in the lower half of the body, or up at its very bottom; where these are less than 0.6 of
+/// what is above them: of all that are not vertical), h_ground = lowest vertex, h_roof = the height
 /// that nine tenths of the area of its RoofSurfaces do not exceed, seen from above (highest vertex:
 /// without such semantics over most of the footprint, or where that is less than 2 m up). A
 /// footprint in k pieces becomes k buildings with the source ids KEY, KEY#2, ... Objects without
