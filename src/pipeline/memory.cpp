@@ -73,14 +73,6 @@ double parse_size(const std::string& text) {
   return number * factor;
 }
 
-/// A number to two digits: "4100", "12 million".
-std::string about(double number) {
-  const double unit = std::pow(10, std::floor(std::log10(std::max(number, 10.0))) - 1);
-  const double rounded = std::round(number / unit) * unit;
-  return rounded < 1e6 ? fmt::format("{:.0f}", rounded)
-                       : fmt::format("{:.3g} million", rounded / 1e6);
-}
-
 std::string in_words(double bytes) {
   if (bytes >= 1e15) return fmt::format("{:.2g} GB", bytes / 1e9);
   return bytes < 1e9 ? fmt::format("{:.0f} MB", bytes / 1e6)
@@ -103,8 +95,8 @@ struct Correction {
     const MeshEstimate fits = estimate_mesh(coarse, city);
     if (correction.bytes * fits.bytes > limit) continue;
     throw Error(ErrorKind::kUsage,
-                fmt::format("{}; about {} cells fit, with --mesh-size {:.2f}", begin,
-                            about(correction.cells * fits.cells), coarse.mesh_size));
+                fmt::format("{}; about {:.2g} cells fit, with --mesh-size {:.2f}", begin,
+                            correction.cells * fits.cells, coarse.mesh_size));
   }
   throw Error(ErrorKind::kUsage, begin +
                                      "; no mesh size fits: raise --max-memory or --layer-height, "
@@ -142,7 +134,7 @@ void require_mesh_fits(const Config& config, const CitySize& city) {
   const MeshEstimate estimate = estimate_mesh(config, city);
   if (estimate.bytes <= limit) return;
   refuse(config, city, {kEstimateError, 1},
-         fmt::format("the mesh would have about {} cells and need {} of {}", about(estimate.cells),
+         fmt::format("the mesh would have about {:.2g} cells and need {} of {}", estimate.cells,
                      in_words(estimate.bytes), in_words(limit)));
 }
 
@@ -156,8 +148,8 @@ void require_cells_fit(const Config& config, const CitySize& city, double triang
   const double bytes = bytes_of(config, triangles, cells, city.terrain_nodes);
   const MeshEstimate estimate = estimate_mesh(config, city);
   refuse(config, city, {kScalingError * bytes / estimate.bytes, cells / estimate.cells},
-         fmt::format("the mesh would have {} cells and need {} of {}", about(cells),
-                     in_words(bytes), in_words(limit)));
+         fmt::format("the mesh would have {:.3g} cells and need {} of {}", cells, in_words(bytes),
+                     in_words(limit)));
 }
 
 void require_points_fit(const Config& config, double points, double terrain_nodes) {
@@ -170,31 +162,31 @@ void require_points_fit(const Config& config, double points, double terrain_node
   if (bytes <= limit) return;
   if (at_buildings > kPerPoint && kProgram + kPerPoint * points + of_terrain <= limit)
     throw Error(ErrorKind::kUsage,
-                fmt::format("about {} points, each within --ground-margin of {:.0f} buildings "
+                fmt::format("about {:.2g} points, each within --ground-margin of {:.0f} buildings "
                             "where these are dense, need {} of {}: lower --ground-margin, or raise "
                             "--max-memory",
-                            about(points), buildings_near(config.ground_margin), in_words(bytes),
+                            points, buildings_near(config.ground_margin), in_words(bytes),
                             in_words(limit)));
   if (of_terrain > per_point * points)
     throw Error(ErrorKind::kUsage,
-                fmt::format("the terrain would have about {} nodes and need {} of {}: raise "
+                fmt::format("the terrain would have about {:.2g} nodes and need {} of {}: raise "
                             "--dtm-step or --max-memory, or give smaller --bounds",
-                            about(terrain_nodes), in_words(bytes), in_words(limit)));
+                            terrain_nodes, in_words(bytes), in_words(limit)));
   throw Error(ErrorKind::kUsage,
-              fmt::format("the domain has about {} points, which need {} of {}; about {} "
+              fmt::format("the domain has about {:.2g} points, which need {} of {}; about {:.2g} "
                           "points fit: give smaller --bounds, a thinner cloud, or a higher "
                           "--max-memory",
-                          about(points), in_words(bytes), in_words(limit),
-                          about(std::max(0.0, (limit - kProgram - of_terrain) / per_point))));
+                          points, in_words(bytes), in_words(limit),
+                          std::max(0.0, (limit - kProgram - of_terrain) / per_point)));
 }
 
 void require_scan_fits(double points) {
   const double bytes = kProgram + kPerSyntheticPoint * points, limit = usable_memory();
   if (bytes <= limit) return;
   throw Error(ErrorKind::kUsage,
-              fmt::format("the city would have about {} points and need {} of {}; give a "
+              fmt::format("the city would have about {:.2g} points and need {} of {}; give a "
                           "smaller --size or a lower --point-density",
-                          about(points), in_words(bytes), in_words(limit)));
+                          points, in_words(bytes), in_words(limit)));
 }
 
 }  // namespace tetropolis
