@@ -148,7 +148,9 @@ void info_vector(const std::string& path) {
     if (layer.holds_polygons)
       with_polygons.push_back(layer.name);
     else
-      others.push_back(fmt::format("{} ({})", layer.name, layer.geometry));
+      others.push_back(layer.features < 0 ? fmt::format("{} ({})", layer.name, layer.geometry)
+                                          : fmt::format("{} ({}, {} features)", layer.name,
+                                                        layer.geometry, layer.features));
   if (with_polygons.size() < 2) {
     info_layer(path, read_footprints(path), layers);
   } else {

@@ -10,6 +10,7 @@
 #include "tetropolis/city/city_model.h"
 #include "tetropolis/geometry/polygon.h"
 
+#include "core/sort_once.h"
 #include "geometry/geos.h"
 
 namespace tetropolis {
@@ -122,29 +123,22 @@ std::vector<Polygon> unite(const std::vector<Polygon>& polygons) {
   return result;
 }
 
-/// Least and greatest elevation.
-std::pair<double, double> elevations(const std::vector<const Face*>& faces) {
-  constexpr double kInfinity = std::numeric_limits<double>::infinity();
-  std::pair range{kInfinity, -kInfinity};
-  for (const Face* face : faces)
-    for (const std::vector<Point3>& ring : face->rings)
-      for (const Point3& p : ring)
-        range = {std::min(range.first, p[2]), std::max(range.second, p[2])};
-  return range;
-}
-
 /// Those that look down, but for soffits in the upper half; and those at the very bottom that look
 /// up, if any look down: a face that is turned the wrong way belongs to the ground all the same.
 std::vector<const Face*> ground_faces(const std::vector<Face>& faces) {
   constexpr double kAtBottom = 0.5;  // metres
   std::vector<const Face*> ground = select(faces, -1, -kFlat);
   if (ground.empty()) return ground;
-  const auto [low, high] = elevations(select(faces, -1, 1));
-  std::erase_if(ground, [middle = (low + high) / 2](const Face* face) {
-    return elevations({face}).first > middle;
-  });
+  double low = std::numeric_limits<double>::infinity(), high = -low;
+  for (const Face& face : faces) {
+    const auto [lowest, highest] = elevations(face);
+    low = std::min(low, lowest);
+    high = std::max(high, highest);
+  }
+  const double middle = (low + high) / 2;
+  std::erase_if(ground, [&](const Face* face) { return elevations(*face).first > middle; });
   for (const Face* face : select(faces, kFlat, 1))
-    if (elevations({face}).second <= low + kAtBottom) ground.push_back(face);
+    if (elevations(*face).second <= low + kAtBottom) ground.push_back(face);
   return ground;
 }
 
@@ -193,16 +187,23 @@ double area_up_to(const std::vector<const Face*>& faces, double level) {
 
 }  // namespace
 
+std::pair<double, double> elevations(const Face& face) {
+  constexpr double kInfinity = std::numeric_limits<double>::infinity();
+  std::pair range{kInfinity, -kInfinity};
+  for (const std::vector<Point3>& ring : face.rings)
+    for (const Point3& p : ring)
+      range = {std::min(range.first, p[2]), std::max(range.second, p[2])};
+  return range;
+}
+
 bool is_wall(const Face& face) {
   constexpr double kLeastArea = 1e-3, kLeastHeight = 0.1, kGreatestHeight = 1100;
   if (face.rings.empty() || face.rings[0].size() < 3) return false;
   const Point3 n = normal(face.rings[0]);
   const double area = std::sqrt(n[0] * n[0] + n[1] * n[1] + n[2] * n[2]);
   if (!(area > kLeastArea && std::abs(n[2]) < kNotWall * area)) return false;
-  const auto [low, high] =
-      std::minmax_element(face.rings[0].begin(), face.rings[0].end(),
-                          [](const Point3& a, const Point3& b) { return a[2] < b[2]; });
-  const double height = (*high)[2] - (*low)[2];
+  const auto [low, high] = elevations(face);
+  const double height = high - low;
   return height >= kLeastHeight && height <= kGreatestHeight;
 }
 
@@ -226,8 +227,7 @@ std::optional<double> roof_height_of(const std::vector<Face>& faces, double area
   for (const Face* face : roofs)
     for (const std::vector<Point3>& ring : face->rings)
       for (const Point3& p : ring) levels.push_back(p[2]);
-  std::sort(levels.begin(), levels.end());
-  levels.erase(std::unique(levels.begin(), levels.end()), levels.end());
+  sort_once(levels);
   const auto reached = [&](double level) { return area_up_to(roofs, level) >= wanted; };
   const auto at = std::partition_point(levels.begin(), levels.end(),
                                        [&](double level) { return !reached(level); });

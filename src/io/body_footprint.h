@@ -3,6 +3,7 @@
 
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "tetropolis/geometry/types.h"
@@ -15,6 +16,9 @@ struct Face {
   bool is_ground = false;  ///< Semantics say GroundSurface.
   bool is_roof = false;    ///< Semantics say RoofSurface.
 };
+
+/// Least and greatest.
+std::pair<double, double> elevations(const Face& face);
 
 /// Whether a face is vertical, within half a degree, and a decimetre to 1,100 m high.
 bool is_wall(const Face& face);

@@ -135,16 +135,6 @@ void cut_out_yards(std::vector<PolygonPart>& parts, const std::vector<std::size_
   std::move(in_yards.begin(), in_yards.end(), std::back_inserter(parts));
 }
 
-/// Least and greatest elevation.
-std::pair<double, double> elevations(const Face& face) {
-  constexpr double kInfinity = std::numeric_limits<double>::infinity();
-  std::pair range{kInfinity, -kInfinity};
-  for (const std::vector<Point3>& ring : face.rings)
-    for (const Point3& p : ring)
-      range = {std::min(range.first, p[2]), std::max(range.second, p[2])};
-  return range;
-}
-
 /// Whether two faces lie above each other: then one is a roof.
 bool lie_apart(const Face& a, const Face& b) {
   constexpr double kApart = 1;  // metres
@@ -252,7 +242,7 @@ bool holds_others(OGRwkbGeometryType type) {
          type == wkbTIN;
 }
 
-/// Calls visit(polygon) for the polygons of a geometry in their order, and other(type) for what is
+/// Calls visit(polygon) for the polygons of a geometry in their order, and other() for what is
 /// none, or nested too deep.
 template <typename Visit, typename Other>
 void for_each_polygon(OGRGeometryH geometry, int depth, const Visit& visit, const Other& other) {
@@ -263,7 +253,7 @@ void for_each_polygon(OGRGeometryH geometry, int depth, const Visit& visit, cons
     for (int i = 0; i < OGR_G_GetGeometryCount(geometry); ++i)
       for_each_polygon(OGR_G_GetGeometryRef(geometry, i), depth + 1, visit, other);
   else
-    other(type);
+    other();
 }
 
 /// Whether some of the geometry is a surface in space, by its type.
@@ -285,8 +275,8 @@ bool are_of_body(const std::vector<Face>& faces) {
 }
 
 /// Puts the footprint of a body in the place of its faces, in the units and the order of
-/// coordinates of its geometry; parts that are no faces stay, with their reason. False, and nothing
-/// changes, if there is none.
+/// coordinates of its geometry; parts that are no faces stay, with their reason. False, and only
+/// the reason changes, if there is none.
 bool take_footprint(const std::vector<Face>& faces, const PlanUnits& units, FlatGeometry& result) {
   std::vector<Face> sound;
   for (std::size_t i = 0; i < faces.size(); ++i)
@@ -368,13 +358,13 @@ FlatGeometry flatten(OGRGeometryH geometry, const PlanUnits& units) {
         result.parts.push_back(read_polygon(polygon));
         has_elevations = has_elevations || OGR_G_Is3D(polygon) != 0;
       },
-      [&](OGRwkbGeometryType) { ++result.other_parts; });
+      [&] { ++result.other_parts; });
   const bool is_surface = holds_surface(geometry, 0);
   std::vector<Face> faces;  // of each part, if it matters
   if (is_surface || (has_elevations && result.parts.size() > 1))
     for_each_polygon(
         geometry, 0, [&](OGRGeometryH polygon) { faces.push_back(read_face(polygon, units)); },
-        [](OGRwkbGeometryType) {});
+        [] {});
   settle_elevations(faces);
   if (is_surface || are_of_body(faces)) {
     result.is_body = take_footprint(faces, units, result);

@@ -114,12 +114,12 @@ void check_ground_mesh(const SurfaceMesh& surface, std::array<double, 3> shift,
       fmt::format("{} triangles below {} degrees", check.below, *report->min_angle));
 }
 
-void check_heights_of(const fs::path& terrain, const SurfaceMesh& surface,
+void check_heights_of(const Raster& terrain, const SurfaceMesh& surface,
                       std::array<double, 3> shift, const CityModel& city,
                       const std::optional<ReportedFacts>& report, CheckedFile& file) {
   const ReportedFacts facts = report.value_or(ReportedFacts{});
-  const HeightsCheck check = check_heights(surface, shift, read_raster(terrain, city.origin).raster,
-                                           city, facts.min_wall, facts.cuts);
+  const HeightsCheck check =
+      check_heights(surface, shift, terrain, city, facts.min_wall, facts.cuts);
   file.violations.insert(file.violations.end(), check.violations.begin(), check.violations.end());
   file.facts.push_back(fmt::format(
       "{} ground vertices on the terrain ({} lowered at walls, around roofs and at feet), {} "
@@ -134,6 +134,7 @@ void check_heights_of(const fs::path& terrain, const SurfaceMesh& surface,
 /// What a mesh was made from. Empty paths where it is not to be found.
 struct Sources {
   fs::path city, terrain;
+  std::optional<RasterInput> read_terrain;  ///< Where there is a city, too.
 };
 
 /// In the folder, if its report tells of it; where `mesh` has read it; or else in the folder.
@@ -145,10 +146,11 @@ Sources find_sources(const fs::path& folder, const std::optional<ReportedFacts>&
     return is_there(folder / name) ? folder / name : fs::path();
   };
   const ReportedFacts facts = report.value_or(ReportedFacts{});
-  return {find(results::kCity, facts.city_model), find(results::kTerrain, facts.terrain)};
+  return {find(results::kCity, facts.city_model), find(results::kTerrain, facts.terrain),
+          std::nullopt};
 }
 
-CheckedFile check_against_city(const std::string& name, const fs::path& terrain,
+CheckedFile check_against_city(const std::string& name, const std::optional<RasterInput>& terrain,
                                const TetMesh& mesh, const SurfaceMesh& surface,
                                const CityModel& city, const std::optional<ReportedFacts>& report) {
   std::array<double, 3> shift{0, 0, 0};
@@ -156,8 +158,8 @@ CheckedFile check_against_city(const std::string& name, const fs::path& terrain,
   CheckedFile file{name, {}, check_regions(mesh, shift, city), {}};
   file.facts.emplace_back("regions of cells compared with the footprints");
   check_ground_mesh(surface, shift, city, report, file);
-  if (!terrain.empty())
-    check_heights_of(terrain, surface, shift, city, report, file);
+  if (terrain)
+    check_heights_of(terrain->raster, surface, shift, city, report, file);
   else
     file.not_checked.emplace_back("heights (there is no dtm.tif)");
   return file;
@@ -168,9 +170,8 @@ std::string shown_name(const fs::path& path, const fs::path& folder) {
   return path.parent_path() == folder ? path.filename().string() : path.string();
 }
 
-CheckedFile check_terrain(const std::string& name, const fs::path& path, const CityModel& city,
-                          const std::optional<ReportedFacts>& report) {
-  const RasterInput terrain = read_raster(path, city.origin);
+CheckedFile check_terrain(const std::string& name, const RasterInput& terrain,
+                          const CityModel& city, const std::optional<ReportedFacts>& report) {
   const auto [low, high] =
       std::minmax_element(terrain.raster.values.begin(), terrain.raster.values.end());
   CheckedFile file{name,
@@ -221,8 +222,8 @@ void add_mesh(const NamedVolume& volume, const std::vector<NamedSurface>& bounda
   }
   for (const NamedSurface& boundary : boundaries)
     files.push_back(check_against_city(
-        fmt::format("{}, {}, city model and terrain", volume.name, boundary.name), sources.terrain,
-        volume.mesh, boundary.mesh, city, report));
+        fmt::format("{}, {}, city model and terrain", volume.name, boundary.name),
+        sources.read_terrain, volume.mesh, boundary.mesh, city, report));
 }
 
 /// What is in the folder of volume and boundary, one format after the other.
@@ -296,7 +297,7 @@ void add_unread(const fs::path& folder, std::vector<CheckedFile>& files) {
 std::vector<CheckedFile> check_folder(const fs::path& folder, std::optional<double> min_distance,
                                       const Progress& progress) {
   const std::optional<ReportedFacts> report = read_report(folder);
-  const Sources sources = find_sources(folder, report);
+  Sources sources = find_sources(folder, report);
   std::vector<CheckedFile> files;
   CityModel city;
   std::optional<CityModel> raw;
@@ -323,9 +324,11 @@ std::vector<CheckedFile> check_folder(const fs::path& folder, std::optional<doub
     if (raw && report && report->footprint_parts) compare_features(*raw, city, files.back());
     if (report) compare_city(city, check, *report, files.back());
   }
-  if (!sources.city.empty() && !sources.terrain.empty())
+  if (!sources.city.empty() && !sources.terrain.empty()) {
+    sources.read_terrain = read_raster(sources.terrain, city.origin);
     files.push_back(
-        check_terrain(shown_name(sources.terrain, folder), sources.terrain, city, report));
+        check_terrain(shown_name(sources.terrain, folder), *sources.read_terrain, city, report));
+  }
   add_meshes(folder, sources, city, report, progress, files);
   if (files.empty())
     throw Error(

@@ -89,8 +89,10 @@ class MeshImprover {
 
   void make_room();
   void cut_terrain_back(ColumnPlanOptions& options);
+  /// What marks are made from: bad triangles, or those beside them, too.
+  enum class Reach { kBad, kBeside };
   template <typename Mark>
-  void cut_from(ColumnPlanOptions& options, const Mark& mark);
+  void cut_from(ColumnPlanOptions& options, const Mark& mark, Reach reach = Reach::kBad);
   bool cut_back(ColumnPlanOptions& options, Asked asked, const CutMarks& marks_before,
                 std::span<const std::uint8_t> bad_before);
   bool make_cut_columns(const ColumnPlanOptions& options, Columns& before);
@@ -230,13 +232,16 @@ bool MeshImprover::cut_back(ColumnPlanOptions& options, Asked asked, const CutMa
 /// Cuts back from what `mark` marks, until the floor is met or a cut does not help. Where cuts help
 /// in one part of the city and not in another, those that do are tried again by themselves.
 template <typename Mark>
-void MeshImprover::cut_from(ColumnPlanOptions& options, const Mark& mark) {
+void MeshImprover::cut_from(ColumnPlanOptions& options, const Mark& mark, Reach reach) {
   for (int round = 0; round < kMostCuts; ++round) {
     const std::optional<Asked> asked = missed(faults_.counts());
     if (!asked) return;
     const std::vector<std::uint8_t> bad = faults_.bad_triangles(columns_.mesh, *asked);
     const CutMarks before = options.cut;
-    if (mark(bad, options.cut) == 0) return;
+    const std::int64_t marked = reach == Reach::kBad
+                                    ? mark(bad, options.cut)
+                                    : mark(with_neighbours(columns_.mesh, bad), options.cut);
+    if (marked == 0) return;
     const CutMarks all = options.cut;
     if (cut_back(options, *asked, before, bad)) continue;
     if (options.cut != all && options.cut != before && cut_back(options, *asked, before, bad))
@@ -266,23 +271,25 @@ void MeshImprover::cut_terrain_back(ColumnPlanOptions& options) {
   options.cut.feet.assign(columns_.plan.ground.size(), std::numeric_limits<double>::infinity());
   // As few feet as do. Last those next to bad triangles: over level ground at the foot of a cliff
   // the columns of the foot, whose segments are as long as the cliff is high, make faces bad.
-  for (const bool is_beside : {false, true})
+  for (const Reach reach : {Reach::kBad, Reach::kBeside})
     for (const double share : {0.0, 0.5})
-      cut_from(options, [&](std::span<const std::uint8_t> bad, CutMarks& marks) {
-        const FootRule rule{options.cut_slopes.at_start, share};
-        if (!is_beside) return mark_feet(columns_.mesh, columns_.plan, bad, rule, marks);
-        return mark_feet(columns_.mesh, columns_.plan, with_neighbours(columns_.mesh, bad), rule,
-                         marks);
-      });
+      cut_from(
+          options,
+          [&](std::span<const std::uint8_t> bad, CutMarks& marks) {
+            return mark_feet(columns_.mesh, columns_.plan, bad,
+                             {options.cut_slopes.at_start, share}, marks);
+          },
+          reach);
   // Where that is still too steep, more gently.
   for (const double degrees : {45.0, 30.0})
-    for (const bool is_beside : {false, true})
-      cut_from(options, [&](std::span<const std::uint8_t> bad, CutMarks& marks) {
-        const double slope = std::tan(to_radians(degrees));
-        if (!is_beside) return mark_gentle(columns_.mesh, columns_.plan, bad, slope, marks);
-        return mark_gentle(columns_.mesh, columns_.plan, with_neighbours(columns_.mesh, bad), slope,
-                           marks);
-      });
+    for (const Reach reach : {Reach::kBad, Reach::kBeside})
+      cut_from(
+          options,
+          [&](std::span<const std::uint8_t> bad, CutMarks& marks) {
+            return mark_gentle(columns_.mesh, columns_.plan, bad, std::tan(to_radians(degrees)),
+                               marks);
+          },
+          reach);
 }
 
 }  // namespace

@@ -11,6 +11,7 @@
 
 #include "tetropolis/core/error.h"
 
+#include "core/sort_once.h"
 #include "folders.h"
 #include "replace_results.h"
 #include "reported_facts.h"
@@ -129,8 +130,7 @@ std::vector<std::string> OutputFolder::files() const {
   for (const std::string& name : earlier_results(target_))
     if (std::find(kept_.begin(), kept_.end(), name) != kept_.end() && exists_itself(target_ / name))
       names.push_back(name);
-  std::sort(names.begin(), names.end());
-  names.erase(std::unique(names.begin(), names.end()), names.end());
+  sort_once(names);
   return names;
 }
 

@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <limits>
 
+#include "core/sort_once.h"
 #include "rising.h"
 
 namespace tetropolis {
@@ -76,8 +77,7 @@ CutSources cut_back(const GroundMesh& mesh, std::span<const BuildingIndex> build
     if (is_foot(v)) sources.feet.push_back({mesh.vertices[v].x, mesh.vertices[v].y, marks.feet[v]});
     if (at_marked_roof(v)) sources.roofs.push_back(building[v]);
   }
-  std::sort(sources.roofs.begin(), sources.roofs.end());
-  sources.roofs.erase(std::unique(sources.roofs.begin(), sources.roofs.end()), sources.roofs.end());
+  sort_once(sources.roofs);
   return sources;
 }
 

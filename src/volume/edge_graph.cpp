@@ -7,6 +7,8 @@
 
 #include "tetropolis/core/error.h"
 
+#include "core/sort_once.h"
+
 namespace tetropolis {
 
 namespace {
@@ -99,6 +101,23 @@ EdgeGraph build_edge_graph(const GroundMesh& mesh) {
   }
   file_ends(graph, mesh.vertices.size());
   return graph;
+}
+
+std::vector<TriangleIndex> triangles_around(const EdgeGraph& edges,
+                                            std::span<const VertexIndex> vertices) {
+  std::vector<TriangleIndex> triangles;
+  const auto add = [&](EdgeIndex e) {
+    for (const TriangleIndex t : edges.triangles[static_cast<std::size_t>(e)])
+      if (t != kNoTriangle) triangles.push_back(t);
+  };
+  for (const VertexIndex vertex : vertices) {
+    const auto v = static_cast<std::size_t>(vertex);
+    for (EdgeIndex e = edges.starts[v]; e < edges.starts[v + 1]; ++e) add(e);
+    for (std::int32_t k = edges.end_offsets[v]; k < edges.end_offsets[v + 1]; ++k)
+      add(edges.ends[static_cast<std::size_t>(k)]);
+  }
+  sort_once(triangles);
+  return triangles;
 }
 
 }  // namespace tetropolis

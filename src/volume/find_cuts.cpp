@@ -9,7 +9,7 @@
 
 #include "core/disjoint_sets.h"
 #include "geometry/slope.h"
-#include "volume/rising.h"
+#include "rising.h"
 
 namespace tetropolis {
 

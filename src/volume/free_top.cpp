@@ -7,10 +7,9 @@
 
 namespace tetropolis {
 
-std::int64_t limit_slope(const GroundMesh& mesh, const EdgeGraph& edges, double slope,
-                         std::vector<double>& top) {
+void limit_slope(const GroundMesh& mesh, const EdgeGraph& edges, double slope,
+                 std::vector<double>& top) {
   constexpr double kNothing = 1e-6;  // metres
-  std::vector<std::uint8_t> is_raised(top.size(), 0);
   // Highest first, so that none is raised more often than it has neighbours.
   std::priority_queue<std::pair<double, VertexIndex>> highest;
   const auto raise = [&](VertexIndex from, VertexIndex to) {
@@ -19,7 +18,6 @@ std::int64_t limit_slope(const GroundMesh& mesh, const EdgeGraph& edges, double 
     const double least = top[a] - slope * std::hypot(q.x - p.x, q.y - p.y);
     if (!(least > top[b] + kNothing)) return;
     top[b] = least;
-    is_raised[b] = 1;
     highest.emplace(least, to);
   };
   for (const auto& [a, b] : edges.vertices) {
@@ -37,9 +35,6 @@ std::int64_t limit_slope(const GroundMesh& mesh, const EdgeGraph& edges, double 
       raise(v,
             edges.vertices[static_cast<std::size_t>(edges.ends[static_cast<std::size_t>(k)])][0]);
   }
-  std::int64_t count = 0;
-  for (const std::uint8_t raised : is_raised) count += raised;
-  return count;
 }
 
 }  // namespace tetropolis

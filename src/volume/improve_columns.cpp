@@ -13,6 +13,7 @@
 #include "tetropolis/core/units.h"
 #include "tetropolis/volume/cell_quality.h"
 
+#include "core/sort_once.h"
 #include "tet_cosines.h"
 
 namespace tetropolis {
@@ -50,12 +51,6 @@ constexpr std::array<std::array<std::int32_t, 2>, 6> kWindows{
 /// Where two nodes are tried between two others, as shares of the distance.
 constexpr std::array<std::array<double, 2>, 5> kPairs{
     {{1.0 / 3, 2.0 / 3}, {0.25, 0.5}, {0.5, 0.75}, {0.15, 0.5}, {0.5, 0.85}}};
-
-template <typename Index>
-void sort_once(std::vector<Index>& numbers) {
-  std::sort(numbers.begin(), numbers.end());
-  numbers.erase(std::unique(numbers.begin(), numbers.end()), numbers.end());
-}
 
 /// What a cell outside of the floor costs beyond what others do: more than any face or cell within
 /// it, and little enough that a change for the better beside it still counts (kWorthwhile).
@@ -179,18 +174,7 @@ ColumnView Improver::column(VertexIndex v) const {
 }
 
 std::vector<TriangleIndex> Improver::around(VertexIndex v) const {
-  const EdgeGraph& edges = mesh_->edges;
-  const auto i = static_cast<std::size_t>(v);
-  std::vector<TriangleIndex> triangles;
-  const auto add = [&](EdgeIndex e) {
-    for (const TriangleIndex t : edges.triangles[static_cast<std::size_t>(e)])
-      if (t != kNoTriangle) triangles.push_back(t);
-  };
-  for (EdgeIndex e = edges.starts[i]; e < edges.starts[i + 1]; ++e) add(e);
-  for (std::int32_t k = edges.end_offsets[i]; k < edges.end_offsets[i + 1]; ++k)
-    add(edges.ends[static_cast<std::size_t>(k)]);
-  sort_once(triangles);
-  return triangles;
+  return triangles_around(mesh_->edges, {&v, 1});
 }
 
 template <typename Visit>
@@ -331,12 +315,7 @@ std::vector<VertexIndex> Improver::bad_vertices(std::span<const std::uint8_t> ne
 }
 
 std::vector<VertexIndex> Improver::bad_around(const std::vector<VertexIndex>& vertices) const {
-  std::vector<TriangleIndex> triangles;
-  for (const VertexIndex v : vertices) {
-    const std::vector<TriangleIndex> own = around(v);
-    triangles.insert(triangles.end(), own.begin(), own.end());
-  }
-  sort_once(triangles);
+  const std::vector<TriangleIndex> triangles = triangles_around(mesh_->edges, vertices);
   return worst_of(triangles.size(), [&](std::size_t i) { return triangles[i]; });
 }
 

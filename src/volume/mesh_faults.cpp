@@ -6,35 +6,12 @@
 #include "tetropolis/core/parallel.h"
 #include "tetropolis/core/units.h"
 
+#include "core/sort_once.h"
 #include "shapes_over.h"
 
 namespace tetropolis {
 
 namespace {
-
-template <typename Index>
-void sort_once(std::vector<Index>& values) {
-  std::sort(values.begin(), values.end());
-  values.erase(std::unique(values.begin(), values.end()), values.end());
-}
-
-/// The triangles with one of the vertices as a corner.
-std::vector<TriangleIndex> triangles_at(const EdgeGraph& edges,
-                                        std::span<const VertexIndex> vertices) {
-  std::vector<TriangleIndex> triangles;
-  const auto add = [&](EdgeIndex e) {
-    for (const TriangleIndex t : edges.triangles[static_cast<std::size_t>(e)])
-      if (t != kNoTriangle) triangles.push_back(t);
-  };
-  for (const VertexIndex vertex : vertices) {
-    const auto v = static_cast<std::size_t>(vertex);
-    for (EdgeIndex e = edges.starts[v]; e < edges.starts[v + 1]; ++e) add(e);
-    for (std::int32_t k = edges.end_offsets[v]; k < edges.end_offsets[v + 1]; ++k)
-      add(edges.ends[static_cast<std::size_t>(k)]);
-  }
-  sort_once(triangles);
-  return triangles;
-}
 
 template <typename Work>
 void for_each(std::size_t size, const Work& work) {
@@ -83,7 +60,7 @@ MeshFaults::MeshFaults(const ColumnMesh& mesh)
 }
 
 void MeshFaults::look_again(const ColumnMesh& mesh, std::span<const VertexIndex> columns) {
-  const std::vector<TriangleIndex> triangles = triangles_at(mesh.edges, columns);
+  const std::vector<TriangleIndex> triangles = triangles_around(mesh.edges, columns);
   std::vector<EdgeIndex> edges;
   for (const TriangleIndex t : triangles) {
     const auto& own = mesh.edges.of_triangle[static_cast<std::size_t>(t)];

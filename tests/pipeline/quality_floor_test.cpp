@@ -307,35 +307,7 @@ double lowest_ground(const fs::path& folder) {
   return lowest;
 }
 
-/// A house before a rock wall higher than itself, and one that stands half in it. The ground at
-/// their walls goes down to the street, and not below it, as a pit would. (A tester's.)
-TEST(QualityFloor, HousesBeforeARockWallGetNoPit) {
-  constexpr double height = 40;
-  for (const double east : {57, 59, 63})
-    for (const double size : {20, 10, 5}) {
-      SCOPED_TRACE(::testing::Message() << east << " " << size);
-      const testing::TemporaryFolder folder;
-      CityModel city;
-      city.domain = {0, 0, 120, 100};
-      city.crs = "EPSG:28992";
-      Building house;
-      house.id = "b0";
-      house.source_ids = {"0"};
-      house.footprint.outer = {{45, 40}, {east, 40}, {east, 60}, {45, 60}};
-      house.h_ground = 0;
-      house.h_roof = 12;
-      city.buildings.push_back(house);
-      write_city(folder / "city.city.json", city);
-      Raster dtm{121, 101, 0, 0, 1, {}};
-      for (int j = 0; j < dtm.ny; ++j)
-        for (int i = 0; i < dtm.nx; ++i) dtm.values.push_back(i < 60 ? 0 : height);
-      write_raster(folder / "dtm.tif", dtm, {}, "EPSG:28992");
-      expect_above_the_floor(mesh_at(folder.path(), size));
-      EXPECT_GE(lowest_ground(folder.path()), -1e-9);
-    }
-}
-
-/// A city of one building on terrain of 101 x 101 m.
+/// A city of one building on a hundred metres by as many, with that terrain.
 template <typename Elevation>
 void write_lone_building(const fs::path& folder, const Polygon& footprint, double roof,
                          const Elevation& elevation) {
@@ -354,6 +326,21 @@ void write_lone_building(const fs::path& folder, const Polygon& footprint, doubl
   for (int j = 0; j < dtm.ny; ++j)
     for (int i = 0; i < dtm.nx; ++i) dtm.values.push_back(elevation(i, j));
   write_raster(folder / "dtm.tif", dtm, {}, "EPSG:28992");
+}
+
+/// A house before a rock wall higher than itself, and one that stands half in it. The ground at
+/// their walls goes down to the street, and not below it, as a pit would. (A tester's.)
+TEST(QualityFloor, HousesBeforeARockWallGetNoPit) {
+  constexpr double height = 40;
+  for (const double east : {57, 59, 63})
+    for (const double size : {20, 10, 5}) {
+      SCOPED_TRACE(::testing::Message() << east << " " << size);
+      const testing::TemporaryFolder folder;
+      write_lone_building(folder.path(), {{{45, 40}, {east, 40}, {east, 60}, {45, 60}}, {}}, 12,
+                          [&](int x, int) { return x < 60 ? 0 : height; });
+      expect_above_the_floor(mesh_at(folder.path(), size));
+      EXPECT_GE(lowest_ground(folder.path()), -1e-9);
+    }
 }
 
 /// A hut 2 m before a rock wall: a wall as low as its is seen from the rock only if that is cut

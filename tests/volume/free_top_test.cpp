@@ -58,15 +58,12 @@ TEST(FreeTop, IsRaisedAsLittleAsItsSlopeAllows) {
     std::vector<double> before(ground.mesh.vertices.size());
     for (double& z : before) z = std::uniform_real_distribution<double>(100, 140)(random);
     std::vector<double> after = before;
-    const std::int64_t raised = limit_slope(ground.mesh, ground.edges, slope, after);
+    limit_slope(ground.mesh, ground.edges, slope, after);
     const std::vector<double> expected = relaxed(ground, slope, before);
-    std::int64_t changed = 0;
     for (std::size_t v = 0; v < after.size(); ++v) {
       EXPECT_NEAR(after[v], expected[v], 1e-4);  // a micrometre for each edge on the way
-      if (after[v] != before[v]) ++changed;
     }
-    EXPECT_GT(changed, 0);
-    EXPECT_EQ(raised, changed);
+    EXPECT_NE(after, before);
   }
 }
 
@@ -75,7 +72,7 @@ TEST(FreeTop, GentleOnesStay) {
   std::vector<double> top;
   for (const Point2 p : ground.mesh.vertices) top.push_back(100 + 0.9 * p.x - 0.3 * p.y);
   const std::vector<double> before = top;
-  EXPECT_EQ(limit_slope(ground.mesh, ground.edges, 1, top), 0);
+  limit_slope(ground.mesh, ground.edges, 1, top);
   EXPECT_EQ(top, before);
 }
 

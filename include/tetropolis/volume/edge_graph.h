@@ -3,6 +3,7 @@
 
 #include <array>
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include "tetropolis/ground/ground_mesh.h"
@@ -32,6 +33,10 @@ struct EdgeGraph {
 /// Time and memory linear in the mesh. Throws Error(kGuarantee) naming the edge if one belongs to
 /// more than two triangles.
 EdgeGraph build_edge_graph(const GroundMesh& mesh);
+
+/// The triangles that have one of the vertices as a corner, ascending.
+std::vector<TriangleIndex> triangles_around(const EdgeGraph& edges,
+                                            std::span<const VertexIndex> vertices);
 
 /// The triangle's vertices in ascending order.
 std::array<VertexIndex, 3> sorted_vertices(const std::array<VertexIndex, 3>& triangle);

@@ -1,7 +1,6 @@
 // The top of a domain that follows the terrain.
 #pragma once
 
-#include <cstdint>
 #include <vector>
 
 #include "tetropolis/ground/ground_mesh.h"
@@ -12,8 +11,8 @@ namespace tetropolis {
 /// Raises `top` (elevation per vertex of `mesh`, metres), as little as can be, until no edge of
 /// `edges` is steeper than `slope` (tangent, > 0). A top that follows the terrain can be a cliff
 /// where that drops at a wall by more than the air above is high; cells below one are flat whatever
-/// their columns are. Cost: a logarithm per vertex that is raised. Returns how many were.
-std::int64_t limit_slope(const GroundMesh& mesh, const EdgeGraph& edges, double slope,
-                         std::vector<double>& top);
+/// their columns are. Cost: a logarithm per vertex that is raised.
+void limit_slope(const GroundMesh& mesh, const EdgeGraph& edges, double slope,
+                 std::vector<double>& top);
 
 }  // namespace tetropolis

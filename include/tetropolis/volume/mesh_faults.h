@@ -10,6 +10,7 @@
 #include "tetropolis/volume/cell_quality.h"
 #include "tetropolis/volume/column_mesh.h"
 #include "tetropolis/volume/face_quality.h"
+#include "tetropolis/volume/improve_columns.h"
 
 namespace tetropolis {
 
@@ -19,9 +20,9 @@ enum class Asked : std::size_t {
   kOfMost,  ///< kLeastOfMost and the greatest angle of the floor.
   kGood,    ///< What columns are improved for: ImproveOptions' own angles.
 };
-inline constexpr std::array kAskedBounds{kQualityFloor,
-                                         AngleBounds{kLeastOfMost, kQualityFloor.greatest},
-                                         AngleBounds{kLeastOfMost, 157}};
+inline constexpr std::array kAskedBounds{
+    kQualityFloor, AngleBounds{kLeastOfMost, kQualityFloor.greatest},
+    AngleBounds{ImproveOptions{}.least_deg, ImproveOptions{}.greatest_deg}};
 
 /// Of a whole mesh.
 struct FaultCounts {
