@@ -2,13 +2,13 @@
 #include <atomic>
 #include <bit>
 #include <cmath>
-#include <limits>
 
 #include <fmt/format.h>
 
 #include "tetropolis/core/parallel.h"
 #include "tetropolis/core/units.h"
 
+#include "core/infinity.h"
 #include "vector3.h"
 #include "violations.h"
 #include "volume_parts.h"
@@ -28,7 +28,7 @@ struct CellShape {
 
 /// Length of the shortest edge along z; infinite without any.
 double least_vertical_edge(const std::array<Vector3, 4>& p) {
-  double least = std::numeric_limits<double>::infinity();
+  double least = kInfinity;
   for (std::size_t i = 0; i < 4; ++i)
     for (std::size_t j = i + 1; j < 4; ++j)
       if (p[i][0] == p[j][0] && p[i][1] == p[j][1])
@@ -42,16 +42,14 @@ double least_vertical_edge(const std::array<Vector3, 4>& p) {
 CellShape cell_shape(const std::array<Vector3, 4>& p) {
   const Vector3 u = difference(p[1], p[0]), v = difference(p[2], p[0]), w = difference(p[3], p[0]);
   const Vector3 r = difference(p[2], p[1]), s = difference(p[3], p[1]), t = difference(p[3], p[2]);
-  const std::array<Vector3, 4> area{outer(r, s), outer(w, v), outer(u, w), outer(v, u)};
-  const double six_volumes = -inner(area[3], w);
+  const std::array<Vector3, 4> area{cross(r, s), cross(w, v), cross(u, w), cross(v, u)};
+  const double six_volumes = -dot(area[3], w);
   // Edges by the two faces beside them.
-  const double edges[6] = {inner(t, t), inner(s, s), inner(r, r),
-                           inner(w, w), inner(v, v), inner(u, u)};
-  const double cosines[6] = {-inner(area[0], area[1]), -inner(area[0], area[2]),
-                             -inner(area[0], area[3]), -inner(area[1], area[2]),
-                             -inner(area[1], area[3]), -inner(area[2], area[3])};
-  constexpr double inf = std::numeric_limits<double>::infinity();
-  double greatest = -inf, least = inf, longest = 0;
+  const double edges[6] = {dot(t, t), dot(s, s), dot(r, r), dot(w, w), dot(v, v), dot(u, u)};
+  const double cosines[6] = {-dot(area[0], area[1]), -dot(area[0], area[2]),
+                             -dot(area[0], area[3]), -dot(area[1], area[2]),
+                             -dot(area[1], area[3]), -dot(area[2], area[3])};
+  double greatest = -kInfinity, least = kInfinity, longest = 0;
   for (std::size_t i = 0; i < 6; ++i) {
     const double square = cosines[i] * std::abs(cosines[i]) / edges[i];
     greatest = std::max(greatest, square);
@@ -62,7 +60,7 @@ CellShape cell_shape(const std::array<Vector3, 4>& p) {
     return std::copysign(std::sqrt(std::abs(square)), square) / std::abs(six_volumes);
   };
   const double surface = length(area[0]) + length(area[1]) + length(area[2]) + length(area[3]);
-  CellShape shape{six_volumes / 6, root(greatest), root(least), inf};
+  CellShape shape{six_volumes / 6, root(greatest), root(least), kInfinity};
   if (six_volumes != 0) shape.aspect = std::sqrt(longest / 24) * surface / std::abs(six_volumes);
   return shape;
 }
@@ -70,8 +68,8 @@ CellShape cell_shape(const std::array<Vector3, 4>& p) {
 /// What is added up over the cells.
 struct Sums {
   double volume = 0;
-  double least_cotangent = std::numeric_limits<double>::infinity();
-  double least_vertical_edge = std::numeric_limits<double>::infinity();
+  double least_cotangent = kInfinity;
+  double least_vertical_edge = kInfinity;
   std::int64_t inverted = 0;
   std::int64_t slivers = 0;
   std::vector<Violation> violations;

@@ -2,7 +2,6 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
-#include <limits>
 #include <tuple>
 #include <utility>
 #include <vector>
@@ -12,6 +11,7 @@
 #include "tetropolis/core/parallel.h"
 
 #include "city_parts.h"
+#include "core/infinity.h"
 #include "filed_squares.h"
 #include "violations.h"
 
@@ -59,7 +59,7 @@ bool cross_properly(const Edge& e, const Edge& f) {
 /// Between vertices, and vertices and edges; 0 where vertices coincide that are not the one that
 /// neighbours share.
 double clearance_of(const Edge& e, const Edge& f) {
-  double least = std::numeric_limits<double>::infinity();
+  double least = kInfinity;
   for (const auto& [p, s] : {std::pair{e.a, &f}, {e.b, &f}, {f.a, &e}, {f.b, &e}}) {
     if (p != s->a && p != s->b)
       least = std::min(least, point_segment(p, s->a, s->b));
@@ -90,7 +90,7 @@ std::vector<Edge> all_edges(const CityModel& city) {
 }
 
 struct Found {
-  double min_clearance = std::numeric_limits<double>::infinity();
+  double min_clearance = kInfinity;
   std::vector<Violation> violations;
 };
 
@@ -167,7 +167,7 @@ class PairChecker {
   std::vector<Edge> edges_;
   /// The shortest edge: its ends are as near to each other, so what is further apart does not
   /// matter.
-  double reach_ = std::numeric_limits<double>::infinity();
+  double reach_ = kInfinity;
 };
 
 }  // namespace

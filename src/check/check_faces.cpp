@@ -60,10 +60,10 @@ struct FaceSums {
 void measure_face(const Vector3& p, const Vector3& q, const Vector3& r, const Vector3& a,
                   const Vector3& b, FaceSums& sums) {
   static const double cosine_of_70 = std::cos(to_radians(70));
-  const Vector3 normal = outer(difference(q, p), difference(r, p));
+  const Vector3 normal = cross(difference(q, p), difference(r, p));
   const Vector3 line = difference(b, a);
-  const double along = inner(normal, line), line2 = inner(line, line);
-  const double cosine = along / std::sqrt(inner(normal, normal) * line2);
+  const double along = dot(normal, line), line2 = dot(line, line);
+  const double cosine = along / std::sqrt(dot(normal, normal) * line2);
   ++sums.faces;
   sums.cosines += cosine;
   sums.least_cosine = std::min(sums.least_cosine, cosine);
@@ -72,14 +72,14 @@ void measure_face(const Vector3& p, const Vector3& q, const Vector3& r, const Ve
   const Vector3 centre{(p[0] + q[0] + r[0]) * third, (p[1] + q[1] + r[1]) * third,
                        (p[2] + q[2] + r[2]) * third};
   const Vector3 to_centre = difference(centre, a);
-  const double share = inner(normal, to_centre) / along;
+  const double share = dot(normal, to_centre) / along;
   const Vector3 skew{to_centre[0] - share * line[0], to_centre[1] - share * line[1],
                      to_centre[2] - share * line[2]};
   // The face's extent from its centre along the skewness vector, times that vector's length.
-  const double offset = inner(skew, centre), skew2 = inner(skew, skew);
+  const double offset = dot(skew, centre), skew2 = dot(skew, skew);
   const double extent =
-      std::max({0.2 * std::sqrt(line2 * skew2), std::abs(inner(skew, p) - offset),
-                std::abs(inner(skew, q) - offset), std::abs(inner(skew, r) - offset)});
+      std::max({0.2 * std::sqrt(line2 * skew2), std::abs(dot(skew, p) - offset),
+                std::abs(dot(skew, q) - offset), std::abs(dot(skew, r) - offset)});
   if (skew2 > sums.skewness * extent) sums.skewness = skew2 / extent;
 }
 
@@ -87,19 +87,19 @@ void measure_face(const Vector3& p, const Vector3& q, const Vector3& r, const Ve
 /// primitiveMeshTools::boundaryFaceSkewness.
 void measure_boundary_face(const Vector3& p, const Vector3& q, const Vector3& r, const Vector3& a,
                            FaceSums& sums) {
-  const Vector3 normal = outer(difference(q, p), difference(r, p));
-  const double normal2 = inner(normal, normal);
+  const Vector3 normal = cross(difference(q, p), difference(r, p));
+  const double normal2 = dot(normal, normal);
   const Vector3 centre{(p[0] + q[0] + r[0]) / 3, (p[1] + q[1] + r[1]) / 3,
                        (p[2] + q[2] + r[2]) / 3};
   const Vector3 to_centre = difference(centre, a);
-  const double height = inner(normal, to_centre) / normal2;
+  const double height = dot(normal, to_centre) / normal2;
   const Vector3 skew{to_centre[0] - height * normal[0], to_centre[1] - height * normal[1],
                      to_centre[2] - height * normal[2]};
-  const double length = std::sqrt(inner(skew, skew));
+  const double length = std::sqrt(dot(skew, skew));
   if (!(length > 0)) return;
   double extent = 0.4 * std::abs(height) * std::sqrt(normal2);
   for (const Vector3& corner : {p, q, r})
-    extent = std::max(extent, std::abs(inner(skew, difference(corner, centre))) / length);
+    extent = std::max(extent, std::abs(dot(skew, difference(corner, centre))) / length);
   sums.skewness = std::max(sums.skewness, length / extent);
 }
 

@@ -13,6 +13,7 @@
 #include "tetropolis/core/units.h"
 #include "tetropolis/ground/validate.h"
 
+#include "core/infinity.h"
 #include "rows.h"
 #include "violations.h"
 
@@ -40,7 +41,7 @@ class GroundChecker {
       for (const double x : {p.x + city.origin.x, p.y + city.origin.y})
         if (std::isfinite(x)) greatest = std::max(greatest, std::abs(x));
     }
-    rounding_ = std::nextafter(greatest, std::numeric_limits<double>::infinity()) - greatest;
+    rounding_ = std::nextafter(greatest, kInfinity) - greatest;
   }
 
   void measure_angles(double min_angle_deg, GroundCheck& check) const {
@@ -118,7 +119,7 @@ class GroundChecker {
 
   void add_triangle(std::size_t f, double min_angle_deg, GroundCheck& check) const {
     const auto& t = surface_.triangles[f];
-    double least = std::numeric_limits<double>::infinity(), shortest = least;
+    double least = kInfinity, shortest = least;
     for (std::size_t i = 0; i < 3; ++i) {
       const Point2 p = at(t[i]), q = at(t[(i + 1) % 3]), r = at(t[(i + 2) % 3]);
       const double ux = q.x - p.x, uy = q.y - p.y, vx = r.x - p.x, vy = r.y - p.y;

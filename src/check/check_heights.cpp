@@ -3,13 +3,16 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
-#include <limits>
 #include <map>
 #include <set>
 #include <span>
+#include <string>
+#include <utility>
+#include <vector>
 
 #include <fmt/format.h>
 
+#include "core/infinity.h"
 #include "vector3.h"
 #include "violations.h"
 
@@ -18,7 +21,6 @@ namespace tetropolis {
 namespace {
 
 constexpr double kHeightTolerance = 1e-9;
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr double kCutTolerance = 1e-5;   // metres; cuts are good to a micrometre
 constexpr double kNeedTolerance = 1e-6;  // metres; whether ground had to be lowered
 constexpr const char* kNotFinite = "coordinates that are not finite";
@@ -190,69 +192,105 @@ std::vector<double> depths_of_cuts(const SurfaceMesh& surface, std::array<double
   return depth;
 }
 
+/// A surface whose heights are looked at, and what they are compared with.
+class HeightChecker {
+ public:
+  HeightChecker(const SurfaceMesh& surface, std::array<double, 3> shift, const Raster& dtm,
+                const CityModel& city, double minimum_wall, const CutsCheck& cuts)
+      : surface_(surface),
+        shift_(shift),
+        city_(city),
+        minimum_wall_(minimum_wall),
+        cuts_known_(cuts.from.has_value()),
+        terrain_(terrain_of(surface, shift, dtm, city)),
+        roofs_(roofs_over_walls(surface, city)),
+        depth_(depths_of_cuts(surface, shift, terrain_, city, cuts)) {}
+
+  HeightsCheck check();
+
+ private:
+  double elevation(std::size_t v) const { return surface_.points[v][2] + shift_[2]; }
+  std::string place(std::size_t v, double wanted) const;
+  void check_ground(std::size_t v);
+  void check_roof(std::size_t v, BuildingIndex building);
+
+  const SurfaceMesh& surface_;
+  std::array<double, 3> shift_;
+  const CityModel& city_;
+  double minimum_wall_;
+  bool cuts_known_;  ///< The report says where the terrain was cut back from.
+  Terrain terrain_;
+  std::vector<double> roofs_, depth_;
+  HeightsCheck result_;
+};
+
+std::string HeightChecker::place(std::size_t v, double wanted) const {
+  const auto& p = surface_.points[v];
+  return fmt::format("vertex {} at ({:.3f}, {:.3f}): z = {:.9f}, {:.9f} expected", v, p[0], p[1],
+                     elevation(v), wanted);
+}
+
+void HeightChecker::check_ground(std::size_t v) {
+  ++result_.ground_vertices;
+  if (!is_finite(surface_.points[v])) {
+    note_violation(result_.violations, kNotFinite, [&] { return fmt::format("vertex {}", v); });
+    return;
+  }
+  const double wanted = terrain_.at[v];
+  const double error = elevation(v) - wanted;
+  if (std::abs(error) <= kHeightTolerance) {
+    const double wall = roofs_[v] - elevation(v);
+    result_.perhaps_lowered += std::abs(wall - minimum_wall_) <= kNeedTolerance ? 1 : 0;
+    return;
+  }
+  const double above_cut = elevation(v) - depth_[v];
+  const bool is_cut = above_cut >= -kCutTolerance && (!cuts_known_ || above_cut <= kCutTolerance);
+  if (error > 0 || (roofs_[v] == kInfinity && !is_cut)) {
+    note_violation(result_.violations, "ground vertices off the terrain",
+                   [&] { return place(v, wanted); });
+    return;
+  }
+  ++result_.lowered;
+  // Low walls are feet, too, and without a report nobody knows which.
+  if (cuts_known_ && !is_cut && terrain_.highest[v] <= roofs_[v] - minimum_wall_ - kNeedTolerance)
+    note_violation(result_.violations, "ground vertices lowered at walls that are high enough",
+                   [&] { return place(v, wanted); });
+}
+
+void HeightChecker::check_roof(std::size_t v, BuildingIndex building) {
+  ++result_.roof_vertices;
+  if (building < 0 || building >= static_cast<BuildingIndex>(city_.buildings.size())) {
+    note_violation(result_.violations, "roofs of buildings that the city model lacks",
+                   [&] { return fmt::format("building {}", building); });
+    return;
+  }
+  const double wanted = city_.buildings[static_cast<std::size_t>(building)].h_roof;
+  if (!(std::abs(elevation(v) - wanted) <= kHeightTolerance))
+    note_violation(result_.violations, "roof vertices off the roof height",
+                   [&] { return place(v, wanted); });
+}
+
+HeightsCheck HeightChecker::check() {
+  std::vector<bool> on_ground(surface_.points.size(), false);
+  std::map<std::int32_t, BuildingIndex> roof_building;
+  for (std::size_t f = 0; f < surface_.triangles.size(); ++f)
+    for (const std::int32_t v : surface_.triangles[f]) {
+      if (surface_.patch[f] == Patch::kGround) on_ground[static_cast<std::size_t>(v)] = true;
+      if (surface_.patch[f] == Patch::kRoof) roof_building[v] = surface_.building[f];
+    }
+  for (std::size_t v = 0; v < on_ground.size(); ++v)
+    if (on_ground[v]) check_ground(v);
+  for (const auto& [vertex, building] : roof_building)
+    check_roof(static_cast<std::size_t>(vertex), building);
+  return std::move(result_);
+}
+
 }  // namespace
 
 HeightsCheck check_heights(const SurfaceMesh& surface, std::array<double, 3> shift,
                            const Raster& dtm, const CityModel& city, double minimum_wall,
                            const CutsCheck& cuts) {
-  HeightsCheck check;
-  std::vector<bool> on_ground(surface.points.size(), false);
-  std::map<std::int32_t, BuildingIndex> roof_building;
-  for (std::size_t f = 0; f < surface.triangles.size(); ++f)
-    for (const std::int32_t v : surface.triangles[f]) {
-      if (surface.patch[f] == Patch::kGround) on_ground[static_cast<std::size_t>(v)] = true;
-      if (surface.patch[f] == Patch::kRoof) roof_building[v] = surface.building[f];
-    }
-  const Terrain terrain = terrain_of(surface, shift, dtm, city);
-  const std::vector<double> roofs = roofs_over_walls(surface, city);
-  const std::vector<double> depth = depths_of_cuts(surface, shift, terrain, city, cuts);
-  const auto place = [&](std::size_t v, double wanted) {
-    const auto& p = surface.points[v];
-    return fmt::format("vertex {} at ({:.3f}, {:.3f}): z = {:.9f}, {:.9f} expected", v, p[0], p[1],
-                       p[2] + shift[2], wanted);
-  };
-  for (std::size_t v = 0; v < surface.points.size(); ++v) {
-    if (!on_ground[v]) continue;
-    ++check.ground_vertices;
-    const auto& p = surface.points[v];
-    if (!is_finite(p)) {
-      note_violation(check.violations, kNotFinite, [&] { return fmt::format("vertex {}", v); });
-      continue;
-    }
-    const double wanted = terrain.at[v];
-    const double error = p[2] + shift[2] - wanted;
-    if (std::abs(error) <= kHeightTolerance) {
-      const double wall = roofs[v] - (p[2] + shift[2]);
-      check.perhaps_lowered += std::abs(wall - minimum_wall) <= kNeedTolerance ? 1 : 0;
-      continue;
-    }
-    const double above_cut = p[2] + shift[2] - depth[v];
-    const bool is_cut = above_cut >= -kCutTolerance && (!cuts.from || above_cut <= kCutTolerance);
-    if (error > 0 || (roofs[v] == kInfinity && !is_cut)) {
-      note_violation(check.violations, "ground vertices off the terrain",
-                     [&] { return place(v, wanted); });
-      continue;
-    }
-    ++check.lowered;
-    // Low walls are feet, too, and without a report nobody knows which.
-    if (cuts.from && !is_cut && terrain.highest[v] <= roofs[v] - minimum_wall - kNeedTolerance)
-      note_violation(check.violations, "ground vertices lowered at walls that are high enough",
-                     [&] { return place(v, wanted); });
-  }
-  for (const auto& [vertex, building] : roof_building) {
-    ++check.roof_vertices;
-    const auto v = static_cast<std::size_t>(vertex);
-    if (building < 0 || building >= static_cast<BuildingIndex>(city.buildings.size())) {
-      note_violation(check.violations, "roofs of buildings that the city model lacks",
-                     [&, building = building] { return fmt::format("building {}", building); });
-      continue;
-    }
-    const double wanted = city.buildings[static_cast<std::size_t>(building)].h_roof;
-    if (!(std::abs(surface.points[v][2] + shift[2] - wanted) <= kHeightTolerance))
-      note_violation(check.violations, "roof vertices off the roof height",
-                     [&] { return place(v, wanted); });
-  }
-  return check;
+  return HeightChecker(surface, shift, dtm, city, minimum_wall, cuts).check();
 }
 
 }  // namespace tetropolis

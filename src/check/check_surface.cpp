@@ -2,13 +2,13 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <map>
 #include <span>
 #include <string_view>
 
 #include <fmt/format.h>
 
+#include "core/infinity.h"
 #include "edges.h"
 #include "vector3.h"
 #include "violations.h"
@@ -22,7 +22,7 @@ constexpr const char* kOpen = "open edges";
 constexpr const char* kNotFinite = "coordinates that are not finite";
 
 Vector3 area_vector(const Vector3& a, const Vector3& b, const Vector3& c) {
-  const Vector3 twice = outer(difference(b, a), difference(c, a));
+  const Vector3 twice = cross(difference(b, a), difference(c, a));
   return {twice[0] / 2, twice[1] / 2, twice[2] / 2};
 }
 
@@ -31,8 +31,7 @@ struct Box {
 };
 
 Box bounding_box(const SurfaceMesh& surface) {
-  constexpr double inf = std::numeric_limits<double>::infinity();
-  Box box{{inf, inf, inf}, {-inf, -inf, -inf}};
+  Box box{{kInfinity, kInfinity, kInfinity}, {-kInfinity, -kInfinity, -kInfinity}};
   for (const auto& p : surface.points)
     for (std::size_t d = 0; d < 3; ++d) {
       box.low[d] = std::min(box.low[d], p[d]);

@@ -12,15 +12,15 @@ using Vector3 = std::array<double, 3>;
 inline Vector3 difference(const Vector3& a, const Vector3& b) {
   return {a[0] - b[0], a[1] - b[1], a[2] - b[2]};
 }
-inline double inner(const Vector3& a, const Vector3& b) {
+inline double dot(const Vector3& a, const Vector3& b) {
   return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
 }
-inline Vector3 outer(const Vector3& a, const Vector3& b) {
+inline Vector3 cross(const Vector3& a, const Vector3& b) {
   return {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
 }
 inline bool is_finite(const Vector3& a) {
   return std::isfinite(a[0]) && std::isfinite(a[1]) && std::isfinite(a[2]);
 }
-inline double length(const Vector3& a) { return std::sqrt(inner(a, a)); }
+inline double length(const Vector3& a) { return std::sqrt(dot(a, a)); }
 
 }  // namespace tetropolis

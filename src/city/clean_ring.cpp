@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
-#include <limits>
 #include <queue>
 #include <tuple>
 #include <vector>
@@ -11,6 +10,7 @@
 #include "tetropolis/city/clean.h"
 
 #include "city/grid_geometry.h"
+#include "core/infinity.h"
 
 namespace tetropolis {
 
@@ -21,7 +21,6 @@ constexpr double kMaxHeight = 0.02 * grid::kSteps;
 /// Vertices within half a millimetre of the line are there by rounding, whatever their angle.
 constexpr double kRounding = 0.0005 * grid::kSteps;
 constexpr double kMaxDrift = kMaxOutlineShift * grid::kSteps;
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 /// Whether the outline a, b, c goes to b and straight back.
 bool is_spike(Point2 a, Point2 b, Point2 c) {

@@ -4,7 +4,6 @@
 #include <cassert>
 #include <cstddef>
 #include <cstdint>
-#include <limits>
 #include <span>
 #include <utility>
 #include <vector>
@@ -13,6 +12,7 @@
 
 #include "city/disks.h"
 #include "city/point_lists.h"
+#include "core/infinity.h"
 
 namespace tetropolis {
 
@@ -55,7 +55,7 @@ bool is_mostly_ground(std::span<const PointIndex> roof, std::span<const PointInd
 /// says that it belongs to a building.
 std::vector<double> overhangs(const Scene& scene, const Disks& disks, const PointCloud& cloud,
                               const CrownOptions& options) {
-  constexpr double kNone = -std::numeric_limits<double>::infinity();
+  constexpr double kNone = -kInfinity;
   // Trees in an open outline need not have others beside it.
   double treetops = is_mostly_ground(scene.roof, scene.below) ? -kNone : kNone;
   for (const PointIndex p : scene.around) treetops = std::max<double>(treetops, cloud.z[p]);

@@ -1,12 +1,11 @@
 #include "city/footprint_index.h"
 
-#include <limits>
+#include "core/infinity.h"
 
 namespace tetropolis {
 
 namespace {
 
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr std::size_t kEdgesPerBand = 8;
 constexpr double kSmallestCell = 4;  // Metres; smaller cells would only hold the same houses.
 constexpr double kEntriesPerFootprint = 32;

@@ -5,19 +5,17 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
-#include <limits>
 #include <optional>
 #include <utility>
 #include <vector>
 
 #include "city/edge_grid.h"
 #include "city/grid_geometry.h"
+#include "core/infinity.h"
 
 namespace tetropolis {
 
 namespace {
-
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 /// Twice the area of the triangle o, a, b; positive where b lies left of o to a.
 double cross(Point2 o, Point2 a, Point2 b) {

@@ -4,7 +4,6 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
-#include <limits>
 #include <optional>
 #include <vector>
 
@@ -12,6 +11,7 @@
 
 #include "city/grid_geometry.h"
 #include "city/outline.h"
+#include "core/infinity.h"
 
 namespace tetropolis {
 
@@ -41,7 +41,7 @@ OutlineChange vertex_change(const Outline& outline, std::int32_t v, ChangeKind k
 
 /// At most four points: fixed, up to two free, fixed.
 struct ShortPath {
-  static constexpr double kNowhere = std::numeric_limits<double>::infinity();
+  static constexpr double kNowhere = kInfinity;
   std::array<Point2, 4> p{};
   int edges = 0;
   void add(Point2 q) {

@@ -6,7 +6,6 @@
 #include <cstddef>
 #include <cstdint>
 #include <iterator>
-#include <limits>
 #include <set>
 #include <utility>
 
@@ -15,12 +14,12 @@
 #include "city/edge_grid.h"
 #include "city/grid_geometry.h"
 #include "city/merge_polygons.h"
+#include "core/infinity.h"
 
 namespace tetropolis {
 
 namespace {
 
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr std::ptrdiff_t kMostPairs = 12;  // of one vertex
 /// Pairs of one polygon from which on it gets no more patches than it needs.
 constexpr std::int32_t kCrowd = 50'000;

@@ -4,7 +4,6 @@
 #include <cassert>
 #include <cmath>
 #include <cstddef>
-#include <limits>
 #include <optional>
 #include <queue>
 #include <tuple>
@@ -14,6 +13,7 @@
 
 #include "city/grid_geometry.h"
 #include "city/outline_change.h"
+#include "core/infinity.h"
 
 namespace tetropolis {
 
@@ -23,7 +23,6 @@ using grid::distance;
 using grid::point_segment_distance;
 using grid::twice_area;
 
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 /// Least decrease of Phi, so that the search ends: a pair of one polygon weighs 0.1 to 1.1 (see
 /// ChangeJudge), so this is a tenth of the least that undoing one gains.
 constexpr double kMinGain = 0.01;

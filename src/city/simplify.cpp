@@ -4,7 +4,6 @@
 #include <array>
 #include <cmath>
 #include <cstddef>
-#include <limits>
 #include <optional>
 #include <utility>
 
@@ -27,6 +26,7 @@
 #include "city/overlay.h"
 #include "city/patches.h"
 #include "city/repair.h"
+#include "core/infinity.h"
 
 namespace tetropolis {
 
@@ -200,7 +200,7 @@ Outline Simplifier::repaired_outline(int round) {
   for (const Group& group : groups_) polygons.push_back(&group.polygon);
   Outline outline = outline_for(polygons, epsilon_);
   // Gentle changes first, so that patches come before changes that cost more than they.
-  constexpr std::array<double, 4> kCosts{0.5, 2, 8, std::numeric_limits<double>::infinity()};
+  constexpr std::array<double, 4> kCosts{0.5, 2, 8, kInfinity};
   RepairOptions options;
   options.epsilon = epsilon_;
   options.max_cost = kCosts[static_cast<std::size_t>(std::min(round, 3))] * epsilon_ * epsilon_;
@@ -411,7 +411,7 @@ bool Simplifier::make_hull(Group& group) {
   Outline alone = make_outline({&group.polygon}, 4 * epsilon_);
   RepairOptions options;
   options.epsilon = epsilon_;
-  options.max_cost = std::numeric_limits<double>::infinity();
+  options.max_cost = kInfinity;
   options.keep_inside = keep_inside_;
   repair_vertices(alone, options, counts_);
   group.polygon = extract_polygon(alone, 0, 1);

@@ -3,11 +3,12 @@
 #include <algorithm>
 #include <filesystem>
 #include <fstream>
-#include <limits>
 #include <string>
 
 #include <sys/resource.h>
 #include <unistd.h>
+
+#include "core/infinity.h"
 
 namespace tetropolis {
 
@@ -15,7 +16,7 @@ namespace fs = std::filesystem;
 
 namespace {
 
-constexpr double kNoLimit = std::numeric_limits<double>::infinity();
+constexpr double kNoLimit = kInfinity;
 
 /// A file of the control group file system: a number, or "max" for none.
 double read_limit(const fs::path& file) {

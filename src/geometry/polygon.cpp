@@ -3,9 +3,10 @@
 #include <algorithm>
 #include <cassert>
 #include <cmath>
-#include <limits>
 #include <utility>
 #include <vector>
+
+#include "core/infinity.h"
 
 namespace tetropolis {
 
@@ -74,7 +75,7 @@ double distance_to_segment(Point2 p, Point2 a, Point2 b) {
 }
 
 double distance_to_boundary(const Polygon& polygon, Point2 p) {
-  double squared = std::numeric_limits<double>::infinity();
+  double squared = kInfinity;
   for_each_edge(polygon, [&](Point2 a, Point2 b) {
     squared = std::min(squared, squared_distance_to_segment(p, a, b));
   });

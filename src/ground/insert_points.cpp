@@ -1,12 +1,19 @@
 #include <algorithm>
+#include <array>
 #include <cmath>
-#include <limits>
+#include <cstddef>
+#include <cstdint>
+#include <numeric>
+#include <optional>
+#include <utility>
+#include <vector>
 
 #include <fmt/format.h>
 
 #include "tetropolis/core/error.h"
 #include "tetropolis/geometry/polygon.h"
 
+#include "core/infinity.h"
 #include "core/mix64.h"
 #include "ground/construct.h"
 #include "ground/hilbert.h"
@@ -27,7 +34,7 @@ void check_point(Point2 p, const char* role, std::size_t index) {
 // The exact predicates lose digits to underflow beyond this (predicates.h).
 void check_spread(const PlanarGraph& graph) {
   constexpr double kLeast = 1e-100, kMostSpread = 1e100;
-  double least = std::numeric_limits<double>::infinity(), most = 0;
+  double least = kInfinity, most = 0;
   const auto measure = [&](Point2 p) {
     for (const double value : {std::abs(p.x), std::abs(p.y)}) {
       if (value > 0) least = std::min(least, value);
@@ -58,6 +65,91 @@ std::vector<std::int32_t> insertion_order(const std::vector<Point2>& points) {
     keys[i] = (static_cast<std::uint32_t>(round) << 28) | (curve(points[i]) >> 4);
   }
   return sorted_order(keys);
+}
+
+/// Points inserted by number; `same` leads from equal points to one of them.
+struct Insertion {
+  const std::vector<Point2>& points;
+  std::vector<std::int32_t> order;
+  std::vector<std::int32_t> same;
+
+  Point2 at(std::int32_t i) const { return points[static_cast<std::size_t>(i)]; }
+};
+
+/// Places in `order` of the first point, and of the next that make a triangle with it; nothing if
+/// all points are collinear.
+std::optional<std::array<std::size_t, 3>> first_triangle(const Insertion& in) {
+  const std::vector<std::int32_t>& order = in.order;
+  std::size_t second = 1;
+  while (second < order.size() && in.at(order[second]) == in.at(order[0])) ++second;
+  std::size_t third = second + 1;
+  while (third < order.size() &&
+         orient2d(in.at(order[0]), in.at(order[second]), in.at(order[third])) == 0)
+    ++third;
+  if (third >= order.size()) return std::nullopt;
+  return std::array<std::size_t, 3>{0, second, third};
+}
+
+void triangulate(Insertion& in, const std::array<std::size_t, 3>& first, TriMesh& mesh) {
+  std::int32_t a = in.order[first[0]], b = in.order[first[1]], c = in.order[first[2]];
+  if (orient2d(in.at(a), in.at(b), in.at(c)) < 0) std::swap(b, c);
+  mesh.start(a, b, c);
+  std::int32_t hint = 0;
+  for (std::size_t k = 0; k < in.order.size(); ++k) {
+    if (std::find(first.begin(), first.end(), k) != first.end()) continue;
+    const std::int32_t v = in.order[k];
+    const TriMesh::Location where = mesh.locate(in.at(v), hint);
+    hint = where.triangle;
+    if (where.vertex >= 0) {
+      in.same[static_cast<std::size_t>(v)] = where.vertex;
+      continue;
+    }
+    mesh.touched.clear();
+    mesh.find_cavity(in.at(v), where.triangle);
+    mesh.fill_cavity(v);
+    hint = mesh.touched.back();
+  }
+}
+
+/// Of collinear points, which have no triangles: equal ones are found by sorting.
+void find_equal(Insertion& in) {
+  std::vector<std::int32_t> sorted(in.order);
+  std::sort(sorted.begin(), sorted.end(), [&](std::int32_t i, std::int32_t j) {
+    const Point2 p = in.at(i), q = in.at(j);
+    return p.x != q.x ? p.x < q.x : p.y != q.y ? p.y < q.y : i < j;
+  });
+  for (std::size_t k = 1; k < sorted.size(); ++k)
+    if (in.at(sorted[k]) == in.at(sorted[k - 1]))
+      in.same[static_cast<std::size_t>(sorted[k])] =
+          in.same[static_cast<std::size_t>(sorted[k - 1])];
+}
+
+/// Numbers distinct points by their first mention; `same` may name a later one of a group.
+void number_distinct(const Insertion& in, Construction& result) {
+  const std::vector<Point2>& points = in.points;
+  TriMesh& mesh = result.mesh;
+  std::vector<std::int32_t> number(points.size(), TriMesh::kNothing);
+  result.input_vertex.resize(points.size());
+  std::int32_t count = 0;
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    std::int32_t& n = number[static_cast<std::size_t>(in.same[i])];
+    if (n < 0) {
+      n = count++;
+      mesh.points[static_cast<std::size_t>(n)] = points[i];
+    }
+    result.input_vertex[i] = n;
+  }
+  mesh.points.resize(static_cast<std::size_t>(count));
+  for (TriMesh::Triangle& t : mesh.triangles)
+    for (std::int32_t& v : t.v)
+      if (v >= 0) v = number[static_cast<std::size_t>(v)];
+}
+
+void find_some_triangles(TriMesh& mesh) {
+  mesh.some_triangle.assign(mesh.points.size(), TriMesh::kNothing);
+  for (std::size_t t = 0; t < mesh.triangles.size(); ++t)
+    for (const std::int32_t v : mesh.triangles[t].v)
+      if (v >= 0) mesh.some_triangle[static_cast<std::size_t>(v)] = static_cast<std::int32_t>(t);
 }
 
 }  // namespace
@@ -93,74 +185,19 @@ void check_graph(const PlanarGraph& graph) {
 }
 
 void insert_points(const PlanarGraph& graph, Construction& result) {
-  const std::vector<Point2>& points = graph.points;
-  TriMesh& mesh = result.mesh;
-  const std::vector<std::int32_t> order = insertion_order(points);
-  const auto at = [&](std::int32_t i) { return points[static_cast<std::size_t>(i)]; };
-
+  Insertion in{graph.points, insertion_order(graph.points), {}};
+  in.same.resize(graph.points.size());
+  std::iota(in.same.begin(), in.same.end(), 0);
   // The vertex numbers are those of the input until duplicates are squeezed out at the end.
-  mesh.points = points;
-  mesh.triangles.reserve(points.size() * 2 + 16);
-  mesh.tracking = true;
-  std::vector<std::int32_t> same(points.size());
-  for (std::size_t i = 0; i < points.size(); ++i) same[i] = static_cast<std::int32_t>(i);
-
-  std::size_t second = 1;
-  while (second < order.size() && at(order[second]) == at(order[0])) ++second;
-  std::size_t third = second + 1;
-  while (third < order.size() && orient2d(at(order[0]), at(order[second]), at(order[third])) == 0)
-    ++third;
-  if (third < order.size()) {
-    std::int32_t a = order[0], b = order[second], c = order[third];
-    if (orient2d(at(a), at(b), at(c)) < 0) std::swap(b, c);
-    mesh.start(a, b, c);
-    std::int32_t hint = 0;
-    for (std::size_t k = 0; k < order.size(); ++k) {
-      if (k == 0 || k == second || k == third) continue;
-      const std::int32_t v = order[k];
-      const TriMesh::Location where = mesh.locate(at(v), hint);
-      hint = where.triangle;
-      if (where.vertex >= 0) {
-        same[static_cast<std::size_t>(v)] = where.vertex;
-        continue;
-      }
-      mesh.touched.clear();
-      mesh.find_cavity(at(v), where.triangle);
-      mesh.fill_cavity(v);
-      hint = mesh.touched.back();
-    }
-  } else {
-    // Collinear: equal points are found by sorting.
-    std::vector<std::int32_t> sorted(order);
-    std::sort(sorted.begin(), sorted.end(), [&](std::int32_t i, std::int32_t j) {
-      const Point2 p = at(i), q = at(j);
-      return p.x != q.x ? p.x < q.x : p.y != q.y ? p.y < q.y : i < j;
-    });
-    for (std::size_t k = 1; k < sorted.size(); ++k)
-      if (at(sorted[k]) == at(sorted[k - 1]))
-        same[static_cast<std::size_t>(sorted[k])] = same[static_cast<std::size_t>(sorted[k - 1])];
-  }
-
-  // Number distinct points by their first mention; `same` may name a later one of a group.
-  std::vector<std::int32_t> number(points.size(), TriMesh::kNothing);
-  result.input_vertex.resize(points.size());
-  std::int32_t count = 0;
-  for (std::size_t i = 0; i < points.size(); ++i) {
-    std::int32_t& n = number[static_cast<std::size_t>(same[i])];
-    if (n < 0) {
-      n = count++;
-      mesh.points[static_cast<std::size_t>(n)] = points[i];
-    }
-    result.input_vertex[i] = n;
-  }
-  mesh.points.resize(static_cast<std::size_t>(count));
-  for (TriMesh::Triangle& t : mesh.triangles)
-    for (std::int32_t& v : t.v)
-      if (v >= 0) v = number[static_cast<std::size_t>(v)];
-  mesh.some_triangle.assign(mesh.points.size(), TriMesh::kNothing);
-  for (std::size_t t = 0; t < mesh.triangles.size(); ++t)
-    for (const std::int32_t v : mesh.triangles[t].v)
-      if (v >= 0) mesh.some_triangle[static_cast<std::size_t>(v)] = static_cast<std::int32_t>(t);
+  result.mesh.points = graph.points;
+  result.mesh.triangles.reserve(graph.points.size() * 2 + 16);
+  result.mesh.tracking = true;
+  if (const auto first = first_triangle(in))
+    triangulate(in, *first, result.mesh);
+  else
+    find_equal(in);
+  number_distinct(in, result);
+  find_some_triangles(result.mesh);
 }
 
 }  // namespace tetropolis

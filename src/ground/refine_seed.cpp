@@ -5,6 +5,7 @@
 #include "tetropolis/core/units.h"
 #include "tetropolis/geometry/polygon.h"
 
+#include "core/infinity.h"
 #include "core/mix64.h"
 #include "ground/hilbert.h"
 #include "ground/refiner.h"
@@ -90,8 +91,7 @@ void Refiner::seed(const Progress& progress) {
 void Refiner::find_pieces() {
   kinds_.assign(mesh_.points.size(), kHardVertex);
   pieces_.clear();
-  if (size_.by_segment())
-    hard_bounds_.assign(mesh_.points.size(), std::numeric_limits<double>::infinity());
+  if (size_.by_segment()) hard_bounds_.assign(mesh_.points.size(), kInfinity);
   for (TriMesh::Subsegment& s : mesh_.subsegments) {
     const auto index = static_cast<std::int32_t>(pieces_.size());
     pieces_.push_back({{s.v[0], s.v[1]}, s.piece, {false, false}});

@@ -5,12 +5,12 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
-#include <limits>
 #include <vector>
 
 #include "tetropolis/core/progress.h"
 #include "tetropolis/ground/refine.h"
 
+#include "core/infinity.h"
 #include "ground/construct.h"
 #include "ground/tri_mesh.h"
 
@@ -43,8 +43,7 @@ class SizeBound {
   bool by_segment() const { return by_segment_ != nullptr; }
   /// For edges at its points. `input`: index of the segment, negative on the hull.
   double at_segment(std::int32_t input) const {
-    return input < 0 || !by_segment() ? std::numeric_limits<double>::infinity()
-                                      : (*by_segment_)[static_cast<std::size_t>(input)];
+    return input < 0 || !by_segment() ? kInfinity : (*by_segment_)[static_cast<std::size_t>(input)];
   }
   /// Squared bound for the edge between p and q in `region`.
   double squared(std::int32_t region, Point2 p, Point2 q) const {
@@ -56,8 +55,8 @@ class SizeBound {
 
   const RefineOptions* options_;
   const std::vector<double>* by_segment_ = nullptr;
-  double base_ = std::numeric_limits<double>::infinity();
-  double base_squared_ = std::numeric_limits<double>::infinity();
+  double base_ = kInfinity;
+  double base_squared_ = kInfinity;
   bool by_region_ = false;
   std::vector<std::pair<std::int32_t, double>> regions_;  // sorted by marker
 };
@@ -120,7 +119,7 @@ class Refiner {
   /// The longest edge that a vertex allows for the segments it lies on.
   double bound_at(std::int32_t v) const {
     const std::int32_t k = kind(v);
-    if (k == kFreeVertex) return std::numeric_limits<double>::infinity();
+    if (k == kFreeVertex) return kInfinity;
     return k == kHardVertex ? hard_bounds_[static_cast<std::size_t>(v)]
                             : size_.at_segment(piece(k).input);
   }

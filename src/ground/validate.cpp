@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <iterator>
-#include <limits>
 #include <map>
 #include <set>
 
@@ -13,6 +12,7 @@
 #include "tetropolis/geometry/polygon.h"
 #include "tetropolis/geometry/predicates.h"
 
+#include "core/infinity.h"
 #include "ground/edge_table.h"
 
 namespace tetropolis {
@@ -245,8 +245,7 @@ Violations check_sizes(const PlanarGraph& graph, const RefineOptions& options,
     }
   const auto bound_at = [&](std::int32_t region, Point2 middle) {
     const auto own = of_region.find(region);
-    const double bound =
-        own == of_region.end() ? std::numeric_limits<double>::infinity() : own->second;
+    const double bound = own == of_region.end() ? kInfinity : own->second;
     return options.size_field ? std::min(bound, options.size_field(middle)) : bound;
   };
   for (std::size_t t = 0; t < mesh.triangles.size() && !full(found); ++t) {
@@ -265,7 +264,7 @@ Violations check_sizes(const PlanarGraph& graph, const RefineOptions& options,
 
 // Per point the least bound of the segments that it lies on.
 std::vector<double> bounds_at_segments(const PlanarGraph& graph, const Triangulation& mesh) {
-  std::vector<double> bounds(mesh.points.size(), std::numeric_limits<double>::infinity());
+  std::vector<double> bounds(mesh.points.size(), kInfinity);
   for (std::size_t s = 0; s < mesh.segments.size(); ++s) {
     const std::int32_t input = mesh.segment_inputs[s];
     if (input < 0) continue;

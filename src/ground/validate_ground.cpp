@@ -1,7 +1,6 @@
 // The checks of a GroundMesh: it has no list of segments, they are where regions change.
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <map>
 #include <vector>
 
@@ -10,6 +9,7 @@
 #include "tetropolis/geometry/polygon.h"
 #include "tetropolis/ground/validate.h"
 
+#include "core/infinity.h"
 #include "ground/edge_table.h"
 
 namespace tetropolis {
@@ -111,9 +111,8 @@ void check_footprints(const GroundMesh& mesh, std::span<const Polygon> footprint
         return;
       }
       VertexIndex v = from->second;
-      const double longest = options.wall_edge
-                                 ? options.wall_edge(static_cast<BuildingIndex>(b), p, q)
-                                 : std::numeric_limits<double>::infinity();
+      const double longest =
+          options.wall_edge ? options.wall_edge(static_cast<BuildingIndex>(b), p, q) : kInfinity;
       const auto note = [&](VertexIndex w) {
         double& bound = bounds[static_cast<std::size_t>(w)];
         bound = std::min(bound, longest);
@@ -150,7 +149,7 @@ Violations validate(const GroundMesh& mesh, std::span<const Polygon> footprints,
   const Segments segments = region_boundaries(mesh);
   check_domain(mesh, domain, found);
   check_areas(mesh, footprints, found);
-  std::vector<double> bounds(mesh.vertices.size(), std::numeric_limits<double>::infinity());
+  std::vector<double> bounds(mesh.vertices.size(), kInfinity);
   check_footprints(mesh, footprints, segments, options, bounds, found);
   for (const Violations& more :
        {check_constrained_delaunay(mesh.vertices, mesh.triangles, segments),

@@ -3,13 +3,13 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
-#include <limits>
 #include <optional>
 #include <utility>
 
 #include "tetropolis/city/city_model.h"
 #include "tetropolis/geometry/polygon.h"
 
+#include "core/infinity.h"
 #include "core/sort_once.h"
 #include "geometry/geos.h"
 
@@ -129,7 +129,7 @@ std::vector<const Face*> ground_faces(const std::vector<Face>& faces) {
   constexpr double kAtBottom = 0.5;  // metres
   std::vector<const Face*> ground = select(faces, -1, -kFlat);
   if (ground.empty()) return ground;
-  double low = std::numeric_limits<double>::infinity(), high = -low;
+  double low = kInfinity, high = -low;
   for (const Face& face : faces) {
     const auto [lowest, highest] = elevations(face);
     low = std::min(low, lowest);
@@ -188,7 +188,6 @@ double area_up_to(const std::vector<const Face*>& faces, double level) {
 }  // namespace
 
 std::pair<double, double> elevations(const Face& face) {
-  constexpr double kInfinity = std::numeric_limits<double>::infinity();
   std::pair range{kInfinity, -kInfinity};
   for (const std::vector<Point3>& ring : face.rings)
     for (const Point3& p : ring)
@@ -216,7 +215,6 @@ void orient(Polygon& polygon) {
 
 std::optional<double> roof_height_of(const std::vector<Face>& faces, double area_of_footprint) {
   constexpr double kMostOfFootprint = 0.8;
-  constexpr double kInfinity = std::numeric_limits<double>::infinity();
   std::vector<const Face*> roofs = select(faces, &Face::is_roof);
   std::erase_if(roofs, [](const Face* face) { return uprightness(*face) < kNotWall; });
   const double all = area_up_to(roofs, kInfinity);

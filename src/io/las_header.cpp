@@ -6,6 +6,7 @@
 #include <cmath>
 #include <cstring>
 #include <limits>
+#include <optional>
 #include <span>
 
 #include <fmt/format.h>
@@ -263,63 +264,85 @@ void settle_records(const fs::path& path, const PositionedFile& file, std::strin
                    path.string(), fit)});
 }
 
+/// The start of a table of chunks.
+struct TableHead {
+  std::int64_t at = 0;   ///< Byte.
+  std::int64_t end = 0;  ///< What the table has to end before.
+  std::uint32_t version = 0;
+  std::uint32_t chunks = 0;
+};
+
+/// Notes that the table of chunks is not where the file says (`table`) or cut, or fails with that:
+/// chunks of equal size can be decoded one after the other until the file ends, to say how far it
+/// reaches.
+void note_no_table(const fs::path& path, std::int64_t table, bool place_at_end, bool variable,
+                   LasLayout& layout) {
+  const std::int64_t size = layout.file_size;
+  if (variable)
+    fail_input(path,
+               fmt::format("ends at byte {} without its table of chunks: the file is cut; get it "
+                           "again",
+                           size));
+  layout.chunk_table_missing = true;
+  if (place_at_end)
+    layout.table_cut = fmt::format(
+        "ends at byte {} without the place of its table of chunks: the file is cut; get it again",
+        size);
+  else if (table > size - 8)
+    layout.table_cut = fmt::format(
+        "ends at byte {} {} its table of chunks, which starts at byte "
+        "{}: the file is cut; get it again",
+        size, table < size ? "within" : "before", table);
+  // A file that is cut before its table has to be decoded to say how far it reaches.
+  const bool is_within = table >= layout.first_point + 8 && table <= size;
+  if (!place_at_end && is_within) fail_input(path, layout.table_cut);
+}
+
+/// Nothing if there is none, which `layout` then says.
+std::optional<TableHead> find_chunk_table(const fs::path& path, const PositionedFile& file,
+                                          bool variable, LasLayout& layout) {
+  const std::int64_t points = layout.info.point_count;
+  std::int64_t table = -1;
+  if (file.read(layout.first_point, &table, sizeof table) < sizeof table) {
+    if (points == 0) return std::nullopt;
+    fail_input(path, fmt::format("ends at point 0 of {}: the file is cut; get it again", points));
+  }
+  // Who writes into a pipe puts the place of the table behind it.
+  const bool place_at_end = table == -1;
+  const std::int64_t end = place_at_end ? layout.file_size - 8 : layout.file_size;
+  if (place_at_end) file.read(end, &table, sizeof table);
+  std::array<std::uint32_t, 2> head{};  // Version and number of chunks.
+  if (table >= layout.first_point + 8 && table <= end - 8 &&
+      file.read(table, head.data(), sizeof head) == sizeof head)
+    return TableHead{table, end, head[0], head[1]};
+  if (points > 0) note_no_table(path, table, place_at_end, variable, layout);
+  return std::nullopt;
+}
+
 /// LAZ: where chunks are, as the table behind them says.
 void settle_chunks(const fs::path& path, const PositionedFile& file, std::uint32_t chunk_size,
                    LasLayout& layout) {
-  const std::int64_t points = layout.info.point_count;
-  const std::int64_t size = layout.file_size;
-  std::int64_t table = -1;
-  if (file.read(layout.first_point, &table, sizeof table) < sizeof table) {
-    if (points == 0) return;
-    fail_input(path, fmt::format("ends at point 0 of {}: the file is cut; get it again", points));
-  }
-  const std::int64_t first_chunk = layout.first_point + 8;
-  // Who writes into a pipe puts the place of the table behind it.
-  const bool place_at_end = table == -1;
-  const std::int64_t end = place_at_end ? size - 8 : size;
-  if (place_at_end) file.read(end, &table, sizeof table);
-  std::array<std::uint32_t, 2> head{};  // Version and number of chunks.
   const bool variable = chunk_size == UINT32_MAX;
-  if (table < first_chunk || table > end - 8 ||
-      file.read(table, head.data(), sizeof head) < sizeof head) {
-    if (points == 0) return;
-    // Chunks of equal size can be decoded one after the other until the file ends.
-    if (variable)
-      fail_input(path,
-                 fmt::format("ends at byte {} without its table of chunks: the file is cut; get "
-                             "it again",
-                             size));
-    layout.chunk_table_missing = true;
-    if (place_at_end)
-      layout.table_cut = fmt::format(
-          "ends at byte {} without the place of its table of chunks: the file is cut; get it again",
-          size);
-    else if (table > end - 8)
-      layout.table_cut = fmt::format(
-          "ends at byte {} {} its table of chunks, which starts at byte "
-          "{}: the file is cut; get it again",
-          size, table < size ? "within" : "before", table);
-    // To say how far a file reaches that is cut before its table takes decoding it.
-    if (!place_at_end && table >= first_chunk && table <= size) fail_input(path, layout.table_cut);
-    return;
-  }
-  const std::int64_t chunks = head[1];
+  const std::optional<TableHead> table = find_chunk_table(path, file, variable, layout);
+  if (!table) return;
+  const std::int64_t points = layout.info.point_count;
+  const std::int64_t chunks = table->chunks, first_chunk = layout.first_point + 8;
   const std::int64_t expected = variable ? chunks : (points + chunk_size - 1) / chunk_size;
   // A chunk takes bytes; the decoder reserves memory for as many as are claimed.
-  if (head[0] != 0 || chunks > size - layout.first_point)
+  if (table->version != 0 || chunks > layout.file_size - layout.first_point)
     fail_input(path,
                fmt::format("the chunk table at byte {} has {} chunks; the file is broken, get "
                            "it again",
-                           table, chunks));
+                           table->at, chunks));
   // Some writers end with an empty chunk.
-  if (points == 0 && chunks > 0 && table - first_chunk >= layout.info.record_length)
+  if (points == 0 && chunks > 0 && table->at - first_chunk >= layout.info.record_length)
     fail_input(path, fmt::format("the header counts 0 points, but {} bytes of compressed points "
                                  "follow; the count is wrong, get the file again or repair it",
-                                 table - first_chunk));
+                                 table->at - first_chunk));
   if (points > 0)
-    layout.chunks =
-        read_chunk_table(path, file, {table, end, first_chunk, head[1], chunk_size, points});
-  layout.chunk_table = table;
+    layout.chunks = read_chunk_table(
+        path, file, {table->at, table->end, first_chunk, table->chunks, chunk_size, points});
+  layout.chunk_table = table->at;
   layout.variable_chunks = variable;
   if (!variable && chunks > expected + 1)
     layout.info.warnings.push_back(

@@ -4,7 +4,6 @@
 #include <array>
 #include <bit>
 #include <cstdint>
-#include <limits>
 #include <string>
 #include <vector>
 
@@ -14,6 +13,7 @@
 
 #include "chunked_output.h"
 #include "column_output.h"
+#include "core/infinity.h"
 
 namespace tetropolis {
 
@@ -51,8 +51,7 @@ struct Box {
 
 Box box_of(const SurfaceMesh& surface, std::size_t begin, std::size_t end,
            const Placement& placement) {
-  constexpr double inf = std::numeric_limits<double>::infinity();
-  Box box{{inf, inf, inf}, {-inf, -inf, -inf}};
+  Box box{{kInfinity, kInfinity, kInfinity}, {-kInfinity, -kInfinity, -kInfinity}};
   for (std::size_t f = begin; f < end; ++f)
     for (const std::int32_t p : surface.triangles[f])
       for (std::size_t c = 0; c < 3; ++c) {

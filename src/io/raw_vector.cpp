@@ -6,7 +6,6 @@
 #include <cmath>
 #include <cstdint>
 #include <cstring>
-#include <limits>
 #include <vector>
 
 #include <fmt/format.h>
@@ -15,6 +14,7 @@
 #include "tetropolis/io/atomic_file.h"
 #include "tetropolis/io/crs.h"
 
+#include "core/infinity.h"
 #include "gdal_support.h"
 
 namespace tetropolis {
@@ -116,8 +116,8 @@ class Bytes {
 
 /// Least and greatest of the finite values; 0 and 0 without any.
 struct Range {
-  double low = std::numeric_limits<double>::infinity();
-  double high = -std::numeric_limits<double>::infinity();
+  double low = kInfinity;
+  double high = -kInfinity;
   void add(double value) {
     if (!std::isfinite(value)) return;
     low = std::min(low, value);

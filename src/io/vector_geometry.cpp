@@ -14,6 +14,7 @@
 
 #include "tetropolis/geometry/polygon.h"
 
+#include "core/infinity.h"
 #include "gdal_support.h"
 
 namespace tetropolis {
@@ -103,7 +104,7 @@ std::vector<std::size_t> find_yards(const std::vector<PolygonPart>& parts, Turns
   std::vector<std::size_t> yard_of(parts.size(), none);
   sweep(boxes, [&](std::size_t j, const std::vector<std::size_t>& candidates) {
     std::size_t depth = 0;
-    std::pair least{std::numeric_limits<double>::infinity(), none};
+    std::pair least{kInfinity, none};
     for (const std::size_t i : candidates) {
       if (!boxes[i].covers(boxes[j]) || !encloses(parts[i].polygon, parts[j].polygon)) continue;
       ++depth;
@@ -203,7 +204,7 @@ Face read_face(OGRGeometryH polygon, const PlanUnits& units) {
 
 /// Puts faces without elevations at the bottom of the others.
 void settle_elevations(std::vector<Face>& faces) {
-  double low = std::numeric_limits<double>::infinity();
+  double low = kInfinity;
   const auto for_each_point = [&](const auto& visit) {
     for (Face& face : faces)
       for (std::vector<Point3>& ring : face.rings)

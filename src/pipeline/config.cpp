@@ -203,7 +203,7 @@ void set_field(Config& config, const ConfigField& field, std::span<const std::st
       field.member);
 }
 
-void require_valid(const Config& config, unsigned commands) {
+void require_in_range(const Config& config, unsigned commands) {
   for (const ConfigField& field : config_fields()) {
     if ((field.commands & commands) == 0) continue;
     const std::string origin = option_name(field);

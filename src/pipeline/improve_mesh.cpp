@@ -4,7 +4,6 @@
 #include <array>
 #include <cmath>
 #include <cstddef>
-#include <limits>
 #include <optional>
 #include <span>
 #include <string>
@@ -19,6 +18,8 @@
 #include "tetropolis/volume/find_cuts.h"
 #include "tetropolis/volume/improve_columns.h"
 #include "tetropolis/volume/mesh_faults.h"
+
+#include "core/infinity.h"
 
 namespace tetropolis {
 
@@ -268,7 +269,7 @@ void MeshImprover::cut_terrain_back(ColumnPlanOptions& options) {
   cut_from(options, [&](std::span<const std::uint8_t> bad, CutMarks& marks) {
     return mark_buried_roofs(columns_.mesh, columns_.plan, bad, marks);
   });
-  options.cut.feet.assign(columns_.plan.ground.size(), std::numeric_limits<double>::infinity());
+  options.cut.feet.assign(columns_.plan.ground.size(), kInfinity);
   // As few feet as do. Last those next to bad triangles: over level ground at the foot of a cliff
   // the columns of the foot, whose segments are as long as the cliff is high, make faces bad.
   for (const Reach reach : {Reach::kBad, Reach::kBeside})

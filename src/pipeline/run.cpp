@@ -17,7 +17,7 @@ namespace tetropolis {
 namespace {
 
 void require_input(const Config& config, Command command) {
-  require_valid(config, command);
+  require_in_range(config, command);
   require_given(!config.points.empty(), "--points", "name LAS or LAZ files or a folder of them");
   require_given(!config.footprints.empty() || config.terrain_only, "--footprints",
                 "name a vector file with building footprints, or add --terrain-only");
@@ -63,7 +63,7 @@ Report run_city(const Config& config, const RunHooks& hooks) {
 }
 
 Report run_mesh(const Config& config, const RunHooks& hooks) {
-  require_valid(config, kMesh);
+  require_in_range(config, kMesh);
   require_given(!config.city.empty(), "--city", "name a city model (.city.json)");
   require_given(!config.dtm.empty(), "--dtm", "name a terrain raster (.tif)");
   require_given(!config.out.empty(), "--out", "name a folder for the results");

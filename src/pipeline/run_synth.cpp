@@ -128,7 +128,7 @@ void synth_plain(const Config& config, double size, OutputFolder& out, StepClock
 }  // namespace
 
 Report run_synth(const Config& config, const RunHooks& hooks) {
-  require_valid(config, kSynth);
+  require_in_range(config, kSynth);
   require_given(!config.out.empty(), "--out", "name a folder for the results");
   require_room(config);
   const double size = size_of(config);

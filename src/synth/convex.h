@@ -9,6 +9,8 @@
 #include "tetropolis/geometry/polygon.h"
 #include "tetropolis/geometry/types.h"
 
+#include "core/infinity.h"
+
 // A namespace of its own, because vector operators are easily defined twice.
 namespace tetropolis::convex {
 
@@ -51,7 +53,7 @@ inline Ring inset(const Ring& ring, double distance) {
 /// outside. Edge number `skipped` (from vertex `skipped` to the next) does not count.
 inline double depth_inside(const Ring& ring, Point2 p,
                            std::size_t skipped = std::numeric_limits<std::size_t>::max()) {
-  double depth = std::numeric_limits<double>::infinity();
+  double depth = kInfinity;
   for (std::size_t i = 0; i < ring.size(); ++i) {
     if (i == skipped) continue;
     const Point2 inward = left_of(unit(ring[(i + 1) % ring.size()] - ring[i]));

@@ -6,6 +6,7 @@
 
 #include <fmt/format.h>
 
+#include "core/infinity.h"
 #include "synth/defects.h"
 
 namespace tetropolis {
@@ -136,8 +137,7 @@ void huge_coordinate(RawPolygon& polygon, SeededRandom& random) {
 void nan_coordinate(RawPolygon& polygon, SeededRandom& random) {
   RawRing& ring = polygon[random.bits() % polygon.size()];
   RawVertex& p = ring[random.bits() % ring.size()];
-  (random.chance(0.5) ? p.x : p.y) =
-      random.chance(0.7) ? kNan : std::numeric_limits<double>::infinity();
+  (random.chance(0.5) ? p.x : p.y) = random.chance(0.7) ? kNan : kInfinity;
 }
 
 struct OutlineDefect {

@@ -1,8 +1,9 @@
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 #include "tetropolis/synth/synthetic_city.h"
+
+#include "core/infinity.h"
 
 namespace tetropolis {
 
@@ -59,7 +60,7 @@ double relief_added(const SyntheticTerrain& terrain, double x, double y) {
 }  // namespace
 
 double synthetic_river_distance(const SyntheticTerrain& terrain, double x, double y) {
-  if (!terrain.river) return std::numeric_limits<double>::infinity();
+  if (!terrain.river) return kInfinity;
   const double t = x / terrain.river_wavelength + terrain.river_phase;
   const double centre = terrain.river_y + terrain.river_amplitude * wave(t);
   const double slope = terrain.river_amplitude / terrain.river_wavelength * wave_slope(t);

@@ -13,6 +13,7 @@
 #include "tetropolis/core/error.h"
 #include "tetropolis/core/parallel.h"
 
+#include "core/infinity.h"
 #include "median.h"
 
 namespace tetropolis {
@@ -129,7 +130,7 @@ class Judge {
     const std::span<const PointNumber> own = cells_.at(i, j);
     if (std::none_of(own.begin(), own.end(), [&](PointNumber p) { return is_open_[p] != 0; }))
       return;
-    double low = std::numeric_limits<double>::infinity(), high = -low;
+    double low = kInfinity, high = -low;
     std::size_t count = 0;
     cells_.around(i, j, [&](std::span<const PointNumber> points) {
       count += points.size();
@@ -180,8 +181,8 @@ class Judge {
               [](const Neighbour& a, const Neighbour& b) { return a.z < b.z; });
     const std::size_t most = neighbours_.size() >= kAllSquares ? kLonely : 1;
     alone_.assign(neighbours_.size(), 0);
-    highest_crowd_ = -std::numeric_limits<double>::infinity();
-    lowest_crowd_ = std::numeric_limits<double>::infinity();
+    highest_crowd_ = -kInfinity;
+    lowest_crowd_ = kInfinity;
     std::array<std::size_t, kAllSquares> in_square{};
     std::size_t squares = 0, first = 0, last = 0;
     for (std::size_t k = 0; k < neighbours_.size(); ++k) {

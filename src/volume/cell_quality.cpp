@@ -3,12 +3,12 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <limits>
 #include <tuple>
 
 #include "tetropolis/core/parallel.h"
 #include "tetropolis/core/units.h"
 
+#include "core/infinity.h"
 #include "shapes_over.h"
 #include "tet_cosines.h"
 
@@ -53,7 +53,7 @@ std::string_view cause_of(const ColumnMesh& mesh, std::size_t t,
                           const std::array<NodeIndex, 4>& nodes, const std::array<Point3, 4>& p) {
   const auto& v = mesh.ground.triangles[t];
   const double least = altitude(p[0], p[1], p[2]);
-  double low = std::numeric_limits<double>::infinity(), high = -low, roof = low;
+  double low = kInfinity, high = -low, roof = low;
   bool at_floor = true, at_building = false;
   for (std::size_t i = 0; i < 3; ++i) {
     const NodeIndex floor = mesh.floor(t, v[i]);

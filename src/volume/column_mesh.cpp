@@ -7,6 +7,8 @@
 #include "tetropolis/core/error.h"
 #include "tetropolis/core/parallel.h"
 
+#include "core/infinity.h"
+
 namespace tetropolis {
 
 namespace {
@@ -20,12 +22,11 @@ double shortest_edge(const ColumnMesh& mesh, std::size_t v) {
   const auto first = static_cast<std::size_t>(mesh.first[v]);
   const auto end = static_cast<std::size_t>(mesh.first[v + 1]);
   if (end < first + 2) throw_invalid(v, "the column has no height");
-  double shortest = std::numeric_limits<double>::infinity();
+  double shortest = kInfinity;
   for (std::size_t n = first; n + 1 < end; ++n) {
     const double length = mesh.z[n + 1] - mesh.z[n];
     // Written so that NaN and infinity fail as well.
-    if (!(length > 0 && length < std::numeric_limits<double>::infinity()))
-      throw_invalid(v, "the column does not increase");
+    if (!(length > 0 && length < kInfinity)) throw_invalid(v, "the column does not increase");
     shortest = std::min(shortest, length);
   }
   return shortest;
@@ -60,9 +61,9 @@ std::vector<NodeIndex> cell_offsets(const ColumnMesh& mesh) {
 double require_valid(const ColumnMesh& mesh) {
   require_flat_roofs(mesh);
   return parallel_reduce_ordered(
-      mesh.vertex_count(), 4096, std::numeric_limits<double>::infinity(),
+      mesh.vertex_count(), 4096, kInfinity,
       [&](std::size_t begin, std::size_t end) {
-        double shortest = std::numeric_limits<double>::infinity();
+        double shortest = kInfinity;
         for (std::size_t v = begin; v < end; ++v)
           shortest = std::min(shortest, shortest_edge(mesh, v));
         return shortest;

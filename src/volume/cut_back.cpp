@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
-#include <limits>
 
+#include "core/infinity.h"
 #include "core/sort_once.h"
 #include "rising.h"
 
@@ -12,73 +12,119 @@ namespace tetropolis {
 
 namespace {
 
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
+constexpr double kWorthwhile = 1e-6;  // metres
+
+/// The state of one call of cut_back: what is where, and where slopes start.
+class Cut {
+ public:
+  Cut(const GroundMesh& mesh, std::span<const BuildingIndex> building,
+      std::span<const double> roofs, const CutMarks& marks, const CutSlopes& slopes,
+      std::vector<double>& ground)
+      : mesh_(mesh),
+        building_(building),
+        roofs_(roofs),
+        marks_(marks),
+        at_start_(slopes.at_start),
+        beyond_(std::max(slopes.at_start, slopes.beyond)),
+        ground_(ground),
+        start_(ground.size(), kInfinity),
+        changed_(ground.size(), -1),
+        is_source_(ground.size(), 0),
+        has_lowered_(ground.size(), 0) {}
+
+  void start_from_marks();
+  void spread();
+  CutSources sources() const;
+
+ private:
+  bool is_at_marked_roof(std::size_t v) const {
+    return building_[v] != kNoBuilding && !marks_.roofs.empty() &&
+           marks_.roofs[static_cast<std::size_t>(building_[v])] != 0;
+  }
+  bool is_foot(std::size_t v) const { return !marks_.feet.empty() && marks_.feet[v] < kInfinity; }
+  bool lower(std::size_t v, std::size_t a, std::size_t b);
+
+  const GroundMesh& mesh_;
+  std::span<const BuildingIndex> building_;
+  std::span<const double> roofs_;
+  const CutMarks& marks_;
+  double at_start_, beyond_;  ///< Slopes.
+  std::vector<double>& ground_;
+  std::vector<double> start_;          ///< Of slopes: where marked, or cut already.
+  std::vector<std::int32_t> changed_;  ///< In which sweep, last.
+  std::vector<std::uint8_t> is_source_, has_lowered_;
+};
+
+void Cut::start_from_marks() {
+  for (std::size_t v = 0; v < start_.size(); ++v) {
+    if (is_at_marked_roof(v)) start_[v] = roofs_[static_cast<std::size_t>(building_[v])];
+    if (is_foot(v)) {
+      if (marks_.feet[v] < ground_[v] - kWorthwhile) {
+        has_lowered_[v] = 1;
+        ground_[v] = marks_.feet[v];
+      }
+      start_[v] = std::min(start_[v], ground_[v]);
+    }
+    if (start_[v] == kInfinity) continue;
+    is_source_[v] = 1;
+    changed_[v] = 0;
+  }
+}
+
+/// Lowers v to the slope from the edge from a to b; whether it was above.
+bool Cut::lower(std::size_t v, std::size_t a, std::size_t b) {
+  const double slope = is_source_[a] != 0 || is_source_[b] != 0 ? at_start_ : beyond_;
+  const double most = highest_at(mesh_.vertices[v], mesh_.vertices[a], start_[a], mesh_.vertices[b],
+                                 start_[b], slope);
+  if (!(most < ground_[v] - kWorthwhile)) return false;
+  ground_[v] = most;
+  start_[v] = std::min(start_[v], most);
+  for (const std::size_t u : {a, b}) has_lowered_[u] |= is_source_[u];
+  return true;
+}
+
+/// Sweeps over the triangles beside what the sweep before has changed, until none changes.
+void Cut::spread() {
+  bool again = true;
+  for (std::int32_t sweep = 1; again; ++sweep) {
+    again = false;
+    for (std::size_t t = 0; t < mesh_.triangles.size(); ++t) {
+      const auto corner = [&](std::size_t k) {
+        return static_cast<std::size_t>(mesh_.triangles[t][k % 3]);
+      };
+      const auto is_recent = [&](std::size_t k) { return changed_[corner(k)] >= sweep - 1; };
+      if (mesh_.region[t] != kNoBuilding || !(is_recent(0) || is_recent(1) || is_recent(2)))
+        continue;
+      for (std::size_t i = 0; i < 3; ++i) {
+        if (!lower(corner(i), corner(i + 1), corner(i + 2))) continue;
+        changed_[corner(i)] = sweep;
+        again = true;
+      }
+    }
+  }
+}
+
+CutSources Cut::sources() const {
+  CutSources sources;
+  for (std::size_t v = 0; v < ground_.size(); ++v) {
+    if (has_lowered_[v] == 0) continue;
+    if (is_foot(v))
+      sources.feet.push_back({mesh_.vertices[v].x, mesh_.vertices[v].y, marks_.feet[v]});
+    if (is_at_marked_roof(v)) sources.roofs.push_back(building_[v]);
+  }
+  sort_once(sources.roofs);
+  return sources;
+}
 
 }  // namespace
 
 CutSources cut_back(const GroundMesh& mesh, std::span<const BuildingIndex> building,
                     std::span<const double> roofs, const CutMarks& marks, const CutSlopes& slopes,
                     std::vector<double>& ground) {
-  constexpr double kWorthwhile = 1e-6;                   // metres
-  std::vector<double> start(ground.size(), kInfinity);   // of slopes: where marked, or cut already
-  std::vector<std::int32_t> changed(ground.size(), -1);  // in which sweep, last
-  std::vector<std::uint8_t> is_source(ground.size(), 0), has_lowered(ground.size(), 0);
-  const auto at_marked_roof = [&](std::size_t v) {
-    return building[v] != kNoBuilding && !marks.roofs.empty() &&
-           marks.roofs[static_cast<std::size_t>(building[v])] != 0;
-  };
-  const auto is_foot = [&](std::size_t v) {
-    return !marks.feet.empty() && marks.feet[v] < kInfinity;
-  };
-  for (std::size_t v = 0; v < start.size(); ++v) {
-    if (at_marked_roof(v)) start[v] = roofs[static_cast<std::size_t>(building[v])];
-    if (is_foot(v)) {
-      if (marks.feet[v] < ground[v] - kWorthwhile) {
-        has_lowered[v] = 1;
-        ground[v] = marks.feet[v];
-      }
-      start[v] = std::min(start[v], ground[v]);
-    }
-    if (start[v] == kInfinity) continue;
-    is_source[v] = 1;
-    changed[v] = 0;
-  }
-  const double beyond = std::max(slopes.at_start, slopes.beyond);
-  const auto lower = [&](std::size_t v, std::size_t a, std::size_t b) {
-    const double slope = is_source[a] != 0 || is_source[b] != 0 ? slopes.at_start : beyond;
-    const double most =
-        highest_at(mesh.vertices[v], mesh.vertices[a], start[a], mesh.vertices[b], start[b], slope);
-    if (!(most < ground[v] - kWorthwhile)) return false;
-    ground[v] = most;
-    start[v] = std::min(start[v], most);
-    for (const std::size_t u : {a, b}) has_lowered[u] |= is_source[u];
-    return true;
-  };
-  bool again = true;
-  for (std::int32_t sweep = 1; again; ++sweep) {
-    again = false;
-    for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
-      const auto corner = [&](std::size_t k) {
-        return static_cast<std::size_t>(mesh.triangles[t][k % 3]);
-      };
-      const auto is_recent = [&](std::size_t k) { return changed[corner(k)] >= sweep - 1; };
-      if (mesh.region[t] != kNoBuilding || !(is_recent(0) || is_recent(1) || is_recent(2)))
-        continue;
-      for (std::size_t i = 0; i < 3; ++i) {
-        if (!lower(corner(i), corner(i + 1), corner(i + 2))) continue;
-        changed[corner(i)] = sweep;
-        again = true;
-      }
-    }
-  }
-  CutSources sources;
-  for (std::size_t v = 0; v < ground.size(); ++v) {
-    if (has_lowered[v] == 0) continue;
-    if (is_foot(v)) sources.feet.push_back({mesh.vertices[v].x, mesh.vertices[v].y, marks.feet[v]});
-    if (at_marked_roof(v)) sources.roofs.push_back(building[v]);
-  }
-  sort_once(sources.roofs);
-  return sources;
+  Cut cut(mesh, building, roofs, marks, slopes, ground);
+  cut.start_from_marks();
+  cut.spread();
+  return cut.sources();
 }
 
 }  // namespace tetropolis

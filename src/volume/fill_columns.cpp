@@ -4,7 +4,6 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
-#include <limits>
 #include <string>
 #include <utility>
 
@@ -13,6 +12,8 @@
 #include "tetropolis/geometry/polygon.h"
 #include "tetropolis/volume/cut_back.h"
 #include "tetropolis/volume/ground_heights.h"
+
+#include "core/infinity.h"
 
 namespace tetropolis {
 
@@ -113,7 +114,7 @@ double* spread(double* z, const ColumnPlan& plan, std::size_t v, double low, dou
 
 /// Per building: the lowest of `ground`, per vertex, at its walls (and inside of it).
 std::vector<double> lowest_at_walls(const ColumnPlan& plan, std::span<const double> ground) {
-  std::vector<double> lowest(plan.roofs.size(), std::numeric_limits<double>::infinity());
+  std::vector<double> lowest(plan.roofs.size(), kInfinity);
   for (std::size_t v = 0; v < ground.size(); ++v)
     if (plan.building[v] != kNoBuilding) {
       double& low = lowest[static_cast<std::size_t>(plan.building[v])];
@@ -153,7 +154,7 @@ std::vector<double> ground_rise(const GroundMesh& mesh, std::span<const double> 
   std::vector<double> rise(mesh.vertices.size(), 0.0);
   for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
     if (mesh.region[t] != kNoBuilding) continue;
-    double highest = -std::numeric_limits<double>::infinity();
+    double highest = -kInfinity;
     for (const VertexIndex v : mesh.triangles[t])
       highest = std::max(highest, ground[static_cast<std::size_t>(v)]);
     for (const VertexIndex v : mesh.triangles[t]) {
@@ -166,7 +167,7 @@ std::vector<double> ground_rise(const GroundMesh& mesh, std::span<const double> 
 
 std::vector<double> column_spacing(const GroundMesh& ground) {
   std::vector<double> longest(ground.vertices.size(), 0.0);  // squared
-  std::vector<double> altitude(ground.vertices.size(), std::numeric_limits<double>::infinity());
+  std::vector<double> altitude(ground.vertices.size(), kInfinity);
   for (const auto& triangle : ground.triangles) {
     std::array<Point2, 3> p;
     for (std::size_t i = 0; i < 3; ++i)
@@ -218,8 +219,7 @@ ColumnPlan plan_columns(const GroundMesh& mesh, const Raster& dtm, std::vector<d
     // No deeper than the building stands somewhere, which beside a rock wall would be a pit. (Less
     // a micrometre, so that rounding does not lower what is there.)
     double deepest = std::max(plan.roofs[b] - foot[b] - 1e-6, options.minimum_wall);
-    if (!options.cut.walls.empty() && options.cut.walls[b] != 0)
-      deepest = std::numeric_limits<double>::infinity();
+    if (!options.cut.walls.empty() && options.cut.walls[b] != 0) deepest = kInfinity;
     least[v] = std::max(least[v], std::min(fits, deepest));
     wall[v] = std::max(least[v], std::min(deepest, kLoweredWallShare * plan.spacing[v]));
   }

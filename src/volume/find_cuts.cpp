@@ -4,18 +4,16 @@
 #include <array>
 #include <cmath>
 #include <cstddef>
-#include <limits>
 #include <utility>
 
 #include "core/disjoint_sets.h"
+#include "core/infinity.h"
 #include "geometry/slope.h"
 #include "rising.h"
 
 namespace tetropolis {
 
 namespace {
-
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 /// Whether the ground over triangle t is steeper than `slope` (tangent).
 bool is_steeper(const GroundMesh& mesh, std::size_t t, std::span<const double> ground,

@@ -2,19 +2,14 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <string>
 
 #include "tetropolis/core/error.h"
 #include "tetropolis/core/parallel.h"
 
+#include "core/infinity.h"
+
 namespace tetropolis {
-
-namespace {
-
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
-
-}  // namespace
 
 std::vector<BuildingIndex> vertex_buildings(const GroundMesh& mesh) {
   std::vector<BuildingIndex> building(mesh.vertices.size(), kNoBuilding);

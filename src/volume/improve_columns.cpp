@@ -4,7 +4,6 @@
 #include <array>
 #include <cmath>
 #include <cstddef>
-#include <limits>
 #include <span>
 #include <utility>
 #include <vector>
@@ -13,6 +12,7 @@
 #include "tetropolis/core/units.h"
 #include "tetropolis/volume/cell_quality.h"
 
+#include "core/infinity.h"
 #include "core/sort_once.h"
 #include "tet_cosines.h"
 
@@ -21,7 +21,7 @@ namespace tetropolis {
 namespace {
 
 constexpr std::size_t kTrianglesPerChunk = 4096;
-constexpr double kForever = std::numeric_limits<double>::infinity();
+constexpr double kForever = kInfinity;
 
 /// A change has to lower the cost by this share, so that rounding never makes changes go round.
 constexpr double kWorthwhile = 1e-3;

@@ -1,11 +1,12 @@
 #include "tetropolis/volume/monotone.h"
 
 #include <algorithm>
-#include <limits>
 #include <string>
 
 #include "tetropolis/core/error.h"
 #include "tetropolis/core/parallel.h"
+
+#include "core/infinity.h"
 
 namespace tetropolis {
 
@@ -47,7 +48,7 @@ MonotoneReport guard_column(LayeredMesh& mesh, std::size_t v, const MonotoneOpti
     report.moved += spread_piece(z, first, last, fixed_end, options.gap_share * spacing);
     first = last;
   }
-  report.min_gap = std::numeric_limits<double>::infinity();
+  report.min_gap = kInfinity;
   for (std::int32_t k = mesh.first_node[v]; k < mesh.layers; ++k) {
     if (!(z[k + 1] > z[k]))  // so that NaN fails as well
       throw Error(ErrorKind::kGuarantee, "column mesh: the column at ground vertex " +
@@ -64,7 +65,7 @@ MonotoneReport combined(const MonotoneReport& a, const MonotoneReport& b) {
 }  // namespace
 
 MonotoneReport make_monotone(LayeredMesh& mesh, const MonotoneOptions& options) {
-  const MonotoneReport none{0, std::numeric_limits<double>::infinity()};
+  const MonotoneReport none{0, kInfinity};
   return parallel_reduce_ordered(
       mesh.vertex_count(), 512, none,
       [&](std::size_t begin, std::size_t end) {

@@ -3,11 +3,11 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
-#include <limits>
 #include <utility>
 
 #include "tetropolis/core/units.h"
 
+#include "core/infinity.h"
 #include "tet_cosines.h"
 
 namespace tetropolis {
@@ -107,7 +107,7 @@ void QualityHistogram::add(double volume, double greatest_cosine, double least_c
 }
 
 double QualityHistogram::min_dihedral_deg() const {
-  return cells_ == 0 ? std::numeric_limits<double>::infinity() : angle_deg(greatest_cosine_);
+  return cells_ == 0 ? kInfinity : angle_deg(greatest_cosine_);
 }
 
 double QualityHistogram::max_dihedral_deg() const {

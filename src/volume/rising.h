@@ -3,9 +3,10 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 #include "tetropolis/geometry/types.h"
+
+#include "core/infinity.h"
 
 namespace tetropolis {
 
@@ -14,7 +15,6 @@ namespace tetropolis {
 /// it. An end at infinity is not there. This is the update of a triangle in fast marching (Kimmel
 /// and Sethian, "Computing geodesic paths on manifolds", PNAS 95, 1998).
 inline double highest_at(Point2 p, Point2 a, double za, Point2 b, double zb, double slope) {
-  constexpr double kInfinity = std::numeric_limits<double>::infinity();
   const double at_ends = std::min(za + slope * std::hypot(p.x - a.x, p.y - a.y),
                                   zb + slope * std::hypot(p.x - b.x, p.y - b.y));
   if (za == kInfinity || zb == kInfinity) return at_ends;

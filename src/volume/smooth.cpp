@@ -2,9 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 #include "tetropolis/core/parallel.h"
+
+#include "core/infinity.h"
 
 namespace tetropolis {
 
@@ -94,8 +95,7 @@ SmoothReport smooth_to_ground(LayeredMesh& mesh, std::span<const double> ground,
 
 void trim(LayeredMesh& mesh, std::span<const BuildingIndex> building,
           std::span<const double> roofs) {
-  constexpr double inf = std::numeric_limits<double>::infinity();
-  std::vector<double> least(roofs.size(), inf);
+  std::vector<double> least(roofs.size(), kInfinity);
   std::vector<double> most(roofs.size(), 0.0);
   for (std::size_t v = 0; v < mesh.vertex_count(); ++v) {
     if (building[v] == kNoBuilding) continue;
@@ -106,7 +106,7 @@ void trim(LayeredMesh& mesh, std::span<const BuildingIndex> building,
   }
   std::vector<std::int32_t> roof_layer(roofs.size(), kNoRoof);
   for (std::size_t b = 0; b < roofs.size(); ++b)
-    if (least[b] < inf)
+    if (least[b] < kInfinity)
       roof_layer[b] =
           std::clamp(nearest_in_ratio(std::sqrt(least[b] * most[b])), 1, mesh.layers - 1);
 

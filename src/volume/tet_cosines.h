@@ -5,11 +5,11 @@
 #include <array>
 #include <cmath>
 #include <cstddef>
-#include <limits>
 
 #include "tetropolis/core/units.h"
 #include "tetropolis/geometry/types.h"
 
+#include "core/infinity.h"
 #include "vec3.h"
 
 namespace tetropolis {
@@ -56,9 +56,8 @@ inline TetCosines tet_cosines(const Point3& p0, const Point3& p1, const Point3& 
   const double six_volumes = -dot(normal[3], e03);
   shape.volume = six_volumes / 6;
   // The inradius is three volumes over the area.
-  shape.aspect_ratio = six_volumes != 0
-                           ? std::sqrt(longest2 / 24) * twice_area / std::abs(six_volumes)
-                           : std::numeric_limits<double>::infinity();
+  shape.aspect_ratio =
+      six_volumes != 0 ? std::sqrt(longest2 / 24) * twice_area / std::abs(six_volumes) : kInfinity;
   return shape;
 }
 

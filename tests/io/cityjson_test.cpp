@@ -18,6 +18,7 @@
 #include "tetropolis/io/vector.h"
 
 #include "support/bytes.h"
+#include "support/errors.h"
 #include "support/test_data.h"
 
 namespace tetropolis {
@@ -34,17 +35,7 @@ fs::path write_text(const fs::path& path, const std::string& text) {
 }
 
 std::string input_error(const fs::path& path) {
-  try {
-    read_city(path);
-  } catch (const Error& error) {
-    const std::string message = error.what();
-    EXPECT_EQ(error.kind(), ErrorKind::kInput) << message;
-    EXPECT_NE(message.find(path.string()), std::string::npos) << message;
-    EXPECT_EQ(message.find('\n'), std::string::npos) << message;
-    return message;
-  }
-  ADD_FAILURE() << path << ": no error";
-  return "";
+  return testing::input_error(path, [&] { read_city(path); });
 }
 
 /// A model with every feature: holes, odd names, negative and long numbers.

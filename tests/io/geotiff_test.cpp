@@ -18,6 +18,7 @@
 
 #include "io/limited_memory.h"
 #include "support/bytes.h"
+#include "support/errors.h"
 #include "support/sanitized.h"
 #include "support/test_data.h"
 
@@ -52,17 +53,7 @@ bool same_bits(const std::vector<double>& a, const std::vector<double>& b) {
 }
 
 std::string input_error(const fs::path& path) {
-  try {
-    read_raster(path, {});
-  } catch (const Error& error) {
-    const std::string message = error.what();
-    EXPECT_EQ(error.kind(), ErrorKind::kInput) << message;
-    EXPECT_NE(message.find(path.string()), std::string::npos) << message;
-    EXPECT_EQ(message.find('\n'), std::string::npos) << message;
-    return message;
-  }
-  ADD_FAILURE() << path << ": no error";
-  return "";
+  return testing::input_error(path, [&] { read_raster(path, {}); });
 }
 
 TEST(GeoTiff, RoundTripKeepsEveryBit) {

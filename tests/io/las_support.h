@@ -14,6 +14,7 @@
 #include "tetropolis/io/las.h"
 
 #include "support/bytes.h"
+#include "support/errors.h"
 #include "support/test_data.h"
 
 namespace tetropolis::testing {
@@ -38,22 +39,6 @@ inline ReadPointsOptions all_points() {
   options.skipped_classes.clear();
   options.keep_withheld = true;
   return options;
-}
-
-/// The message of the Error(kInput) that `action` throws; checks that it is one line with the path.
-template <typename Action>
-std::string input_error(const fs::path& path, const Action& action) {
-  try {
-    action();
-  } catch (const Error& error) {
-    const std::string message = error.what();
-    EXPECT_EQ(error.kind(), ErrorKind::kInput) << message;
-    EXPECT_NE(message.find(path.string()), std::string::npos) << message;
-    EXPECT_EQ(message.find('\n'), std::string::npos) << message;
-    return message;
-  }
-  ADD_FAILURE() << path << ": no error";
-  return "";
 }
 
 inline std::string read_error(const fs::path& path) {

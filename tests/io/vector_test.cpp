@@ -24,6 +24,7 @@
 
 #include "io/vector_geometry.h"
 #include "support/bytes.h"
+#include "support/errors.h"
 #include "support/test_data.h"
 
 namespace tetropolis {
@@ -54,17 +55,7 @@ std::map<std::string, std::string> contents(const fs::path& folder) {
 }
 
 std::string input_error(const fs::path& path, const ReadFootprintsOptions& options = {}) {
-  try {
-    read_footprints(path, options);
-  } catch (const Error& error) {
-    const std::string message = error.what();
-    EXPECT_EQ(error.kind(), ErrorKind::kInput) << message;
-    EXPECT_NE(message.find(path.string()), std::string::npos) << message;
-    EXPECT_EQ(message.find('\n'), std::string::npos) << message;
-    return message;
-  }
-  ADD_FAILURE() << path << ": no error";
-  return "";
+  return testing::input_error(path, [&] { read_footprints(path, options); });
 }
 
 bool has_warning(const FootprintsInput& input, const std::string& code) {

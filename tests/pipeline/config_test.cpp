@@ -161,12 +161,12 @@ TEST(Config, WholeNumbersHaveBothEndsOfTheirRange) {
 /// Whoever fills a Config himself is told as whoever types options.
 TEST(Config, SettingsOutOfTheirRangeAreRefusedWhereverTheyComeFrom) {
   for (const unsigned commands : {kBuild, kCity, kMesh, kSynth})
-    EXPECT_NO_THROW(require_valid(Config{}, commands));
+    EXPECT_NO_THROW(require_in_range(Config{}, commands));
   const auto error_with = [](const auto& change) -> std::string {
     Config config;
     change(config);
     try {
-      require_valid(config, kBuild);
+      require_in_range(config, kBuild);
     } catch (const Error& error) {
       EXPECT_EQ(error.kind(), ErrorKind::kUsage);
       return error.what();

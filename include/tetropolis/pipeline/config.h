@@ -145,7 +145,7 @@ void set_field(Config& config, const ConfigField& field, std::span<const std::st
 
 /// That every setting that `commands` take is one that set_field would take: in its range, among
 /// its choices. Throws Error(kUsage) naming the option.
-void require_valid(const Config& config, unsigned commands);
+void require_in_range(const Config& config, unsigned commands);
 
 /// Sets every field that the TOML file has. Throws Error(kUsage) naming file and line: not TOML, an
 /// unknown key (with the nearest known one), a wrong type or value.

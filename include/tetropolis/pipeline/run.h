@@ -21,8 +21,8 @@ struct RunHooks {
 /// Each writes the files of docs/files.md into config.out and returns what report.json says, and a
 /// warning "hidden_folder_left" if a hidden folder could not be removed when the results were in
 /// place. The folder appears complete or, after an exception, is as it was before.
-/// Throw Error (see error.h for the kinds; kUsage as require_valid for settings out of their range)
-/// and Cancelled.
+/// Throw Error (see error.h for the kinds; kUsage as require_in_range for settings out of their
+/// range) and Cancelled.
 
 /// Steps 1.1 to 3.6.
 Report run_build(const Config& config, const RunHooks& hooks = {});

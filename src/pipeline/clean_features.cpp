@@ -1,0 +1,142 @@
+#include "clean_features.h"
+
+#include <cstddef>
+#include <map>
+#include <set>
+#include <string>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "tetropolis/city/clean.h"
+#include "tetropolis/city/clip.h"
+#include "tetropolis/core/parallel.h"
+
+namespace tetropolis {
+
+namespace {
+
+/// Square metres of parts given up that are more than the slivers of a repair.
+constexpr double kNoSliver = 1;
+
+/// Ids for the parts that the domain cuts features into, beyond the first: those that follow the
+/// parts that a multipolygon has.
+class PartIds {
+ public:
+  explicit PartIds(const FootprintsInput& input) {
+    for (const Footprint& feature : input.features) taken_.insert(feature.source_id);
+    for (const Dropped& feature : input.dropped) taken_.insert(feature.source_id);
+  }
+  std::string next(const std::string& source_id) {
+    const std::size_t mark = source_id.rfind('#');
+    const std::string whole = source_id.substr(0, mark);
+    const std::string& base = taken_.contains(whole) ? whole : source_id;
+    int& k = last_.try_emplace(base, 1).first->second;
+    for (;;)
+      if (std::string id = fmt::format("{}#{}", base, ++k); taken_.insert(id).second) return id;
+  }
+
+ private:
+  std::set<std::string> taken_;
+  std::map<std::string, int> last_;
+};
+
+/// Counts a feature of which parts have been given up, and names the first.
+void count_lost_parts(const std::string& source_id, double lost_area, Warning& warning) {
+  if (!(lost_area > kNoSliver) || warning.count++ > 0) return;
+  warning.message = fmt::format(
+      "where a footprint falls into parts as its rings are repaired, only the largest is kept, and "
+      "where the domain cuts it, only those of --min-building-area; the first is feature {}, which "
+      "loses parts of {:.0f} m2",
+      source_id, lost_area);
+}
+
+/// Those outside the domain stay as they are made: nothing looks at them again.
+std::vector<CleanedFootprint> clean_all(const Config& config, const FootprintsInput& input,
+                                        const Bounds2& domain, const Progress& progress) {
+  const std::size_t size = input.features.size();
+  std::vector<CleanedFootprint> clean(size);
+  SharedProgress shared(progress, static_cast<std::int64_t>(size));
+  parallel_chunks(size, 64, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i) {
+      const Polygon& polygon = input.features[i].polygon;
+      if (position_in_domain(polygon, domain) != DomainPosition::kOutside)
+        clean[i] = clean_footprint(polygon, {config.parallel_tolerance});
+    }
+    shared.add(static_cast<std::int64_t>(end - begin));
+  });
+  return clean;
+}
+
+/// What is left of a feature, or why nothing is.
+struct Kept {
+  std::vector<Polygon> parts;
+  std::uint32_t flags = 0;
+  std::string reason;  ///< Empty where there are parts.
+};
+
+Kept dropped(const char* reason) { return {{}, 0, reason}; }
+
+/// `cleaned.lost_area` grows by what the boundary cuts off and is left out.
+Kept keep_inside(const Config& config, const Polygon& feature, const Bounds2& domain,
+                 CleanedFootprint& cleaned, std::vector<Polygon>& crossing) {
+  const char* const outside = "outside the domain";
+  if (position_in_domain(feature, domain) == DomainPosition::kOutside) return dropped(outside);
+  if (!cleaned.usable()) return {{}, 0, cleaned.reason};
+  const std::uint32_t flags = cleaned.repaired ? kRepaired : 0U;
+  // Of what is left: a spike without width may have reached across the boundary.
+  switch (position_in_domain(cleaned.polygon, domain)) {
+    case DomainPosition::kOutside:
+      return dropped(outside);
+    case DomainPosition::kInside:
+      return {{std::move(cleaned.polygon)}, flags, {}};
+    case DomainPosition::kCrossing:
+      break;
+  }
+  if (config.boundary_buildings == BoundaryBuildings::kDrop) {
+    for (Polygon& part : parts_in_box(cleaned.polygon, domain)) crossing.push_back(std::move(part));
+    return dropped("crosses the domain boundary");
+  }
+  // Cut back by the merge distance, so that the strip left is wide enough to mesh.
+  const Bounds2 room = domain.grown(-config.min_building_distance - kCoordinateStep * 4);
+  double cut_off = 0;
+  std::vector<Polygon> parts =
+      clip_to_box(cleaned.polygon, room, config.min_building_area, &cut_off);
+  if (parts.empty()) return dropped("crosses the domain boundary, with nothing left inside");
+  cleaned.lost_area += cut_off;
+  return {std::move(parts), flags | kClipped, {}};
+}
+
+}  // namespace
+
+CleanFeatures clean_features(const Config& config, const FootprintsInput& input,
+                             const Bounds2& domain, Report& report, const Progress& progress) {
+  std::vector<CleanedFootprint> clean = clean_all(config, input, domain, progress);
+  CleanFeatures result;
+  result.dropped = input.dropped;
+  Warning lost_parts{"parts_lost", 0, {}};
+  PartIds part_ids(input);
+  for (std::size_t i = 0; i < clean.size(); ++i) {
+    const Footprint& feature = input.features[i];
+    Kept kept = keep_inside(config, feature.polygon, domain, clean[i], result.crossing);
+    if (kept.parts.empty()) {
+      result.dropped.push_back({feature.source_id, std::move(kept.reason)});
+      continue;
+    }
+    count_lost_parts(feature.source_id, clean[i].lost_area, lost_parts);
+    result.parts += static_cast<std::int64_t>(kept.parts.size()) - 1;
+    for (std::size_t k = 0; k < kept.parts.size(); ++k) {
+      Building building;
+      building.flags = kept.flags;
+      building.id = fmt::format("b{}", result.buildings.size());
+      building.source_ids = {k == 0 ? feature.source_id : part_ids.next(feature.source_id)};
+      building.footprint = std::move(kept.parts[k]);
+      building.attribute_height = feature.height;
+      result.buildings.push_back(std::move(building));
+    }
+  }
+  if (lost_parts.count > 0) report.warnings.push_back(lost_parts);
+  return result;
+}
+
+}  // namespace tetropolis

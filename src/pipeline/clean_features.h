@@ -1,0 +1,29 @@
+// Step 1.4: which features of the footprints are buildings, and their outlines.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "tetropolis/city/city_model.h"
+#include "tetropolis/core/progress.h"
+#include "tetropolis/io/vector.h"
+#include "tetropolis/pipeline/config.h"
+#include "tetropolis/pipeline/run.h"
+
+namespace tetropolis {
+
+struct CleanFeatures {
+  std::vector<Building> buildings;  ///< Without heights.
+  std::vector<Dropped> dropped;     ///< Those of the input first.
+  /// What the footprints that are dropped for crossing the boundary have within the domain.
+  std::vector<Polygon> crossing;
+  std::int64_t parts = 0;  ///< That the boundary cut features into, beyond the first of each.
+};
+
+/// Cleans the features that meet `domain`, and clips or drops those across its boundary, as
+/// config.boundary_buildings says. Every feature ends in `buildings` or in `dropped`. Features that
+/// have lost parts are one warning of the report.
+CleanFeatures clean_features(const Config& config, const FootprintsInput& input,
+                             const Bounds2& domain, Report& report, const Progress& progress);
+
+}  // namespace tetropolis
