@@ -56,6 +56,8 @@ class Simplifier {
 
  private:
   void clip_to_domain();
+  std::vector<std::vector<std::size_t>> clusters() const;
+  void count(const MergedPolygon& how);
   void merge_clusters();
   Outline repaired_outline(int round);
   void take_back(const Outline& outline);
@@ -131,39 +133,65 @@ void Simplifier::clip_to_domain() {
   }
 }
 
-void Simplifier::merge_clusters() {
+/// The members of each cluster of polygons closer than epsilon, in order.
+std::vector<std::vector<std::size_t>> Simplifier::clusters() const {
   std::vector<Polygon> polygons;
   polygons.reserve(groups_.size());
   for (const Group& group : groups_) polygons.push_back(group.polygon);
+  std::vector<std::vector<std::size_t>> parts;
   const std::vector<std::int32_t> cluster = cluster_polygons(polygons, epsilon_);
-  const auto count = static_cast<std::size_t>(
-      cluster.empty() ? 0 : *std::max_element(cluster.begin(), cluster.end()) + 1);
-  std::vector<std::vector<std::size_t>> parts(count);
-  for (std::size_t i = 0; i < cluster.size(); ++i)
-    parts[static_cast<std::size_t>(cluster[i])].push_back(i);
+  for (std::size_t k = 0; k < cluster.size(); ++k) {
+    const auto c = static_cast<std::size_t>(cluster[k]);  // numbered in order of first members
+    if (c == parts.size()) parts.emplace_back();
+    parts[c].push_back(k);
+  }
+  return parts;
+}
 
+void Simplifier::count(const MergedPolygon& how) {
   SimplifyStats& stats = result_.stats;
-  stats.groups = static_cast<std::int64_t>(count);
-  stats.merged_by_patch.assign(static_cast<std::size_t>(options_.growths) + 1, 0);
-  std::vector<Group> merged(count);
-  std::vector<MergedPolygon> how(count);
+  switch (how.method) {
+    case MergeMethod::kUnion:
+      ++stats.merged_by_union;
+      break;
+    case MergeMethod::kPatch:
+      ++stats.merged_by_patch[static_cast<std::size_t>(how.growths)];
+      break;
+    case MergeMethod::kBridge:
+      ++stats.merged_by_bridge;
+      break;
+    case MergeMethod::kUnionOfHulls:
+      ++stats.merged_by_hulls;
+      break;
+    case MergeMethod::kHull:
+      ++stats.merged_by_hull;
+      break;
+  }
+}
+
+void Simplifier::merge_clusters() {
+  const std::vector<std::vector<std::size_t>> parts = clusters();
+  result_.stats.groups = std::ssize(parts);
+  result_.stats.merged_by_patch.assign(static_cast<std::size_t>(options_.growths) + 1, 0);
+  std::vector<MergedPolygon> how(parts.size());
   const Progress merging = portion(progress_, 0.05, 0.35);
-  SharedProgress shared(merging, static_cast<std::int64_t>(count));
-  parallel_chunks(count, 1, [&](std::size_t begin, std::size_t end) {
+  SharedProgress shared(merging, std::ssize(parts));
+  parallel_chunks(parts.size(), 1, [&](std::size_t begin, std::size_t end) {
     for (std::size_t c = begin; c < end; ++c) {
       shared.add(1);
       if (parts[c].size() == 1) continue;
       std::vector<Polygon> members;
-      for (const std::size_t i : parts[c]) members.push_back(polygons[i]);
+      for (const std::size_t i : parts[c]) members.push_back(groups_[i].polygon);
       how[c] = merge_polygons(members, epsilon_, options_.growths, [&] { shared.add(0); });
     }
   });
-  for (std::size_t c = 0; c < count; ++c) {
+  std::vector<Group> merged(parts.size());
+  for (std::size_t c = 0; c < parts.size(); ++c) {
+    Group& group = merged[c];
     if (parts[c].size() == 1) {
-      merged[c] = std::move(groups_[parts[c][0]]);
+      group = std::move(groups_[parts[c][0]]);
       continue;
     }
-    Group& group = merged[c];
     group.flags = kMerged;
     for (const std::size_t i : parts[c]) {
       group.members.push_back(groups_[i].members[0]);
@@ -172,23 +200,7 @@ void Simplifier::merge_clusters() {
     group.polygon = std::move(how[c].polygon);
     group.input = std::move(how[c].input);
     if (is_hull(how[c].method)) group.flags |= kConvexHull;
-    switch (how[c].method) {
-      case MergeMethod::kUnion:
-        ++stats.merged_by_union;
-        break;
-      case MergeMethod::kPatch:
-        ++stats.merged_by_patch[static_cast<std::size_t>(how[c].growths)];
-        break;
-      case MergeMethod::kBridge:
-        ++stats.merged_by_bridge;
-        break;
-      case MergeMethod::kUnionOfHulls:
-        ++stats.merged_by_hulls;
-        break;
-      case MergeMethod::kHull:
-        ++stats.merged_by_hull;
-        break;
-    }
+    count(how[c]);
   }
   groups_ = std::move(merged);
   unite_close_groups(false);
@@ -295,16 +307,7 @@ void Simplifier::apply_patches(std::vector<Patches> patches) {
 bool Simplifier::unite_close_groups(bool hulls) {
   for (bool any = false;; any = true) {
     if (progress_.cancelled && progress_.cancelled()) throw Cancelled();
-    std::vector<Polygon> polygons;
-    polygons.reserve(groups_.size());
-    for (const Group& group : groups_) polygons.push_back(group.polygon);
-    const std::vector<std::int32_t> cluster = cluster_polygons(polygons, epsilon_);
-    std::vector<std::vector<std::size_t>> parts;
-    for (std::size_t k = 0; k < cluster.size(); ++k) {
-      const auto c = static_cast<std::size_t>(cluster[k]);
-      if (c == parts.size()) parts.emplace_back();
-      parts[c].push_back(k);
-    }
+    const std::vector<std::vector<std::size_t>> parts = clusters();
     if (parts.size() == groups_.size()) return any;
     result_.stats.merged_late += static_cast<std::int64_t>(groups_.size() - parts.size());
     std::vector<Group> next;

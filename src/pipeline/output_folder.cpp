@@ -69,8 +69,8 @@ void OutputFolder::create_staging(const fs::path& named) {
   }
 }
 
-OutputFolder::OutputFolder(const fs::path& target, OutputWatcher watcher)
-    : watcher_(std::move(watcher)) {
+OutputFolder::OutputFolder(const fs::path& target, OutputWatcher watcher, Replaces replaces)
+    : watcher_(std::move(watcher)), replaces_(replaces) {
   if (target.empty()) fail("--out", "no folder given");
   target_ = fs::absolute(target).lexically_normal();
   if (!target_.has_filename()) target_ = target_.parent_path();
@@ -127,10 +127,21 @@ fs::path OutputFolder::result(const std::string& name, const std::vector<std::st
 std::vector<std::string> OutputFolder::files() const {
   std::vector<std::string> names;
   for (const fs::path& name : results_below(staging_)) names.push_back(name.string());
+  const std::vector<fs::path> stay = staying();
   for (const std::string& name : earlier_results(target_))
-    if (std::find(kept_.begin(), kept_.end(), name) != kept_.end() && exists_itself(target_ / name))
+    if (std::find(stay.begin(), stay.end(), name) != stay.end() && exists_itself(target_ / name))
       names.push_back(name);
   sort_once(names);
+  return names;
+}
+
+/// What stays where it is, relative to the target.
+std::vector<fs::path> OutputFolder::staying() const {
+  std::vector<fs::path> names = kept_;
+  if (replaces_ == Replaces::kAll) return names;
+  const std::vector<std::string> models = results::all_names();
+  for (const std::string& name : earlier_results(target_))
+    if (std::find(models.begin(), models.end(), name) == models.end()) names.emplace_back(name);
   return names;
 }
 
@@ -171,7 +182,7 @@ void OutputFolder::commit() {
                   target_.string() + ": cannot be written: " + error.message() +
                       "; was the folder around it moved or locked during the run?");
   } else {
-    replace_results(staging_, target_, kept_, torn_);
+    replace_results(staging_, target_, staying(), torn_);
   }
   committed_ = true;
   // Of results that came by one rename, nothing is left there.

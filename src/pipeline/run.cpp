@@ -39,7 +39,7 @@ Report run_build(const Config& config, const RunHooks& hooks) {
   const ThreadLimit limit(config.threads);
   Report report = begin_report("build", config);
   StepClock clock(hooks, report);
-  OutputFolder out(config.out, hooks.output);
+  OutputFolder out(config.out, hooks.output, Replaces::kModels);
   keep_inputs(config, out);
   CityAndTerrain stage = make_city(config, Next::kMesh, out, clock, report);
   keep_domain(stage.city, report);
@@ -54,7 +54,7 @@ Report run_city(const Config& config, const RunHooks& hooks) {
   const ThreadLimit limit(config.threads);
   Report report = begin_report("city", config);
   StepClock clock(hooks, report);
-  OutputFolder out(config.out, hooks.output);
+  OutputFolder out(config.out, hooks.output, Replaces::kModels);
   keep_inputs(config, out);
   const CityAndTerrain stage = make_city(config, Next::kNothing, out, clock, report);
   keep_domain(stage.city, report);
@@ -71,7 +71,7 @@ Report run_mesh(const Config& config, const RunHooks& hooks) {
   const ThreadLimit limit(config.threads);
   Report report = begin_report("mesh", config);
   StepClock clock(hooks, report);
-  OutputFolder out(config.out, hooks.output);
+  OutputFolder out(config.out, hooks.output, Replaces::kModels);
   keep_inputs(config, out);
   // Beside the city model that is meshed, the one it was made from is no leftover.
   out.keep(std::filesystem::path(config.city).parent_path() / results::kRawCity);

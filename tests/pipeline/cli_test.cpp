@@ -109,6 +109,30 @@ TEST_F(Cli, BuildsChecksAndTells) {
     EXPECT_NE(info.out.find(part), std::string::npos) << part;
 }
 
+/// Whatever the way the inputs are named; and a mesh made there later does not read them at all.
+TEST_F(Cli, WhatSynthWroteStaysWhereModelsAreMadeBesideIt) {
+  const std::set<std::string> data{"footprints.dbf", "footprints.prj", "footprints.shp",
+                                   "footprints.shx", "footprints.cpg", "points.laz"};
+  for (const char* inputs :
+       {"--footprints input/footprints.shp --points input/points.laz",
+        "--footprints input/footprints.dbf --points input", "--footprints input --points 'input/*'",
+        "--footprints input --points 'input/p*.laz' --bounds 0,0,1,1"}) {
+    SCOPED_TRACE(inputs);
+    synth();
+    std::map<std::string, std::string> before;
+    for (const std::string& name : data) before[name] = bytes_of(scratch / "input" / name);
+    run(std::string("build --quiet --out input ") + inputs);
+    run("mesh --quiet --city input/city.city.json --dtm input/dtm.tif --out input");
+    for (const std::string& name : data)
+      EXPECT_EQ(bytes_of(scratch / "input" / name), before[name]) << name;
+  }
+  // Another city there replaces it, and what was made of it.
+  ASSERT_EQ(run("synth --quiet --out input --kind adversarial --seed 5 --size 250").code, 0);
+  EXPECT_FALSE(fs::exists(scratch / "input/footprints.dbf"));
+  EXPECT_FALSE(fs::exists(scratch / "input/volume.vtu"));
+  EXPECT_TRUE(fs::exists(scratch / "input/footprints.geojson"));
+}
+
 /// The search for better columns at rock walls comes back to the same steps many times.
 TEST_F(Cli, StepsThatComeAgainAreBriefOnTheConsoleAndWholeInTheLog) {
   synth("--kind adversarial --size 250 --defects quarry_wall --seed 7");

@@ -190,6 +190,27 @@ TEST(OutputFolder, TellsWhichFilesAreResults) {
                                    "dtm.tif", "mine.tif", "report.json", "surface.stl"}));
 }
 
+TEST(OutputFolder, ModelsReplaceModelsAndLeaveDataThatIsListedWithThem) {
+  const testing::TemporaryFolder scratch;
+  const std::string report =
+      R"({"version": "", "command": "", "steps": [], "files": ["dtm.tif", "points.laz"]})";
+  write(scratch / "result/report.json", report);
+  for (const char* name : {"dtm.tif", "points.laz"}) write(scratch / "result" / name, "old");
+  {
+    OutputFolder out(scratch / "result", {}, Replaces::kModels);
+    write(out / "surface.stl", "new");
+    EXPECT_EQ(out.files(), (std::vector<std::string>{"points.laz", "surface.stl"}));
+    write(out / "report.json", report);
+    out.commit();
+  }
+  EXPECT_EQ(everything(scratch / "result"),
+            (std::set<std::string>{"points.laz", "report.json", "surface.stl"}));
+  OutputFolder out(scratch / "result");
+  write(out / "report.json", report);
+  out.commit();
+  EXPECT_EQ(everything(scratch / "result"), (std::set<std::string>{"report.json", "surface.stl"}));
+}
+
 TEST(OutputFolder, EmptyFoldersOfAnEarlierResultGo) {
   const testing::TemporaryFolder scratch;
   write(scratch / "result/report.json", kReport);

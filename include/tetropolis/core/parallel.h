@@ -16,6 +16,12 @@
 #include <tbb/parallel_pipeline.h>
 #include <tbb/parallel_sort.h>
 
+#ifdef TETROPOLIS_PLAIN_THREADS  // under the thread sanitizer
+#include <algorithm>
+
+#include "tetropolis/core/plain_threads.h"
+#endif
+
 namespace tetropolis {
 
 /// While it lives, at most `threads` threads work in the parallel loops (0: as many as there are
@@ -78,15 +84,21 @@ void parallel_chunks(std::size_t size, std::size_t grain, const Body& body) {
     return;
   }
   FirstFailure failure;
+  const auto run = [&](std::size_t c) {
+    if (failure.is_before(c)) return;
+    const std::size_t begin = c * grain;
+    failure.run(c, [&] { body(begin, begin + grain < size ? begin + grain : size); });
+  };
+#ifdef TETROPOLIS_PLAIN_THREADS
+  plain_threads::for_each(chunks, thread_count(), run);
+#else
   tbb::parallel_for(
       tbb::blocked_range<std::size_t>(0, chunks, 1),
       [&](const tbb::blocked_range<std::size_t>& range) {
-        for (std::size_t c = range.begin(); c != range.end() && !failure.is_before(c); ++c) {
-          const std::size_t begin = c * grain;
-          failure.run(c, [&] { body(begin, begin + grain < size ? begin + grain : size); });
-        }
+        for (std::size_t c = range.begin(); c != range.end(); ++c) run(c);
       },
       tbb::simple_partitioner());
+#endif
   failure.rethrow();
 }
 
@@ -112,14 +124,8 @@ void parallel_in_order(std::size_t size, const Job& job) {
 template <typename Slot, typename Make, typename Use>
 void parallel_pipeline(std::size_t size, std::vector<Slot>& slots, const Make& make,
                        const Use& use) {
-  std::size_t next = 0;
   FirstFailure failure;
   const auto slot_of = [&](std::size_t number) -> Slot& { return slots[number % slots.size()]; };
-  const auto take = [&](tbb::flow_control& control) -> std::size_t {
-    if (next < size) return next++;
-    control.stop();
-    return size;
-  };
   const auto fill = [&](std::size_t number) {
     if (!failure.is_before(number)) failure.run(number, [&] { make(number, slot_of(number)); });
     return number;
@@ -128,11 +134,21 @@ void parallel_pipeline(std::size_t size, std::vector<Slot>& slots, const Make& m
     if (failure.is_before(number + 1)) failure.rethrow();
     use(number, slot_of(number));
   };
+#ifdef TETROPOLIS_PLAIN_THREADS
+  plain_threads::pipeline(size, slots.size(), thread_count(), fill, empty);
+#else
+  std::size_t next = 0;
+  const auto take = [&](tbb::flow_control& control) -> std::size_t {
+    if (next < size) return next++;
+    control.stop();
+    return size;
+  };
   using tbb::filter_mode;
   tbb::parallel_pipeline(
       slots.size(), tbb::make_filter<void, std::size_t>(filter_mode::serial_in_order, take) &
                         tbb::make_filter<std::size_t, std::size_t>(filter_mode::parallel, fill) &
                         tbb::make_filter<std::size_t, void>(filter_mode::serial_in_order, empty));
+#endif
 }
 
 /// Combines map(begin, end) over the chunks of [0, size) from left to right:
@@ -158,7 +174,11 @@ Value parallel_reduce_ordered(std::size_t size, std::size_t grain, Value identit
 /// Sorts [begin, end) by a strict total order `less` (ties would make the order depend on threads).
 template <typename Iterator, typename Less>
 void parallel_sort(Iterator begin, Iterator end, const Less& less) {
+#ifdef TETROPOLIS_PLAIN_THREADS
+  std::sort(begin, end, less);
+#else
   tbb::parallel_sort(begin, end, less);
+#endif
 }
 
 }  // namespace tetropolis

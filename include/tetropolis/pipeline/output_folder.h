@@ -18,14 +18,20 @@ struct OutputWatcher {
   std::function<void()> moves;  ///< Results move to their place from here on.
 };
 
+/// Which files of an earlier run (by its report) are removed that the new one does not write.
+enum class Replaces {
+  kAll,
+  kModels,  ///< City models, terrain and meshes; what `synth` wrote is data that others read.
+};
+
 /// Results are written to a hidden folder beside the target (".NAME.part-..."), or inside of it
 /// where it is a mount of its own or nothing can be made beside it; commit() moves them in. A
 /// target that did not exist appears by one rename. In one that did, the results of the earlier run
-/// (what its report says it wrote, and files of the new ones' names) are moved aside, the report
-/// first, then
-/// the new ones in, the report last: no moment shows a report beside files that it does not
-/// describe. Files of other names stay, and those that were given to keep(). If a move fails, all
-/// of them are undone. Without commit() the destructor removes everything, the target is as it was.
+/// (what its report says it wrote, as `replaces` says, and files of the new ones' names) are moved
+/// aside, the report first, then the new ones in, the report last: no moment shows a report beside
+/// files that it does not describe. All other files stay, and those that were given to keep(). If a
+/// move fails, all of them are undone. Without commit() the destructor removes everything, the
+/// target is as it was.
 ///
 /// A process that is killed leaves its hidden folder behind, and so does one that cannot undo its
 /// moves. The next OutputFolder for the same target removes it, and puts the earlier results back
@@ -36,7 +42,8 @@ class OutputFolder {
  public:
   /// Creates the hidden folder. Throws Error(kUsage) if the target is a file, holds a folder with
   /// the name of a result, or nothing can be created beside it.
-  explicit OutputFolder(const std::filesystem::path& target, OutputWatcher watcher = {});
+  explicit OutputFolder(const std::filesystem::path& target, OutputWatcher watcher = {},
+                        Replaces replaces = Replaces::kAll);
   ~OutputFolder();
   OutputFolder(const OutputFolder&) = delete;
   OutputFolder& operator=(const OutputFolder&) = delete;
@@ -49,7 +56,7 @@ class OutputFolder {
   std::filesystem::path operator/(const std::string& name) const { return staging_ / name; }
 
   /// The results, sorted: files that are written, relative to the folder, and those of an earlier
-  /// run that stay since this one has read them (keep).
+  /// run that stay.
   std::vector<std::string> files() const;
 
   /// An input of this run, or what belongs to it: it stays even if it is a result of an earlier
@@ -72,8 +79,10 @@ class OutputFolder {
  private:
   void create_staging(const std::filesystem::path& named);
   void require_all() const;
+  std::vector<std::filesystem::path> staying() const;
 
   OutputWatcher watcher_;
+  Replaces replaces_;
   std::filesystem::path target_;
   std::filesystem::path home_;  // of staging_: beside the target, or the target itself
   std::filesystem::path staging_;
