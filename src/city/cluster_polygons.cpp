@@ -59,8 +59,7 @@ class NearEdges {
   static std::size_t at(std::int32_t i) { return static_cast<std::size_t>(i); }
 
   bool are_near(std::int32_t e, std::int32_t f) const {
-    return grid::segment_distance(o_.at(e), o_.at(o_.after(e)), o_.at(f), o_.at(o_.after(f))) <
-           distance_;
+    return grid::are_near(o_.at(e), o_.at(o_.after(e)), o_.at(f), o_.at(o_.after(f)), distance_);
   }
 
   /// In each cell, joins edges to the first few others that are not joined yet. Where many lie on

@@ -138,6 +138,13 @@ inline Bounds2 box_of(Point2 a, Point2 b) {
   return {std::min(a.x, b.x), std::min(a.y, b.y), std::max(a.x, b.x), std::max(a.y, b.y)};
 }
 
+/// Whether the segments a-b and c-d are closer than `distance`. Most that are not have boxes that
+/// are not.
+inline bool are_near(Point2 a, Point2 b, Point2 c, Point2 d, double distance) {
+  return box_of(a, b).grown(distance).intersects(box_of(c, d)) &&
+         segment_distance(a, b, c, d) < distance;
+}
+
 /// Of the outer rings; empty without any vertex.
 inline Bounds2 box_around(std::span<const Polygon> polygons) {
   Bounds2 box = Bounds2::nothing();

@@ -85,8 +85,7 @@ std::optional<std::vector<EdgePair>> pairs_between(
     const auto own = static_cast<std::ptrdiff_t>(pairs.size());
     o.grid.visit(grid::box_of(a, b).grown(distance), [&](std::int32_t f) {
       if (f <= e || o.group_of(e) == o.group_of(f)) return;
-      if (grid::segment_distance(a, b, o.at(f), o.at(o.after(f))) < distance)
-        pairs.emplace_back(e, f);
+      if (grid::are_near(a, b, o.at(f), o.at(o.after(f)), distance)) pairs.emplace_back(e, f);
     });
     std::sort(pairs.begin() + own, pairs.end());
     pairs.erase(std::unique(pairs.begin() + own, pairs.end()), pairs.end());

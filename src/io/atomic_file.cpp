@@ -117,6 +117,10 @@ AtomicFile::~AtomicFile() {
 
 void AtomicFile::fail() const { throw_cannot_write(target_, system_reason(buffer_.error())); }
 
+void AtomicFile::require_written() const {
+  if (!stream_.good() || buffer_.error() != 0) fail();
+}
+
 std::ostream& AtomicFile::stream() {
   if (!buffer_.is_open()) {
     errno = 0;
@@ -142,7 +146,7 @@ void AtomicFile::commit() {
   assert(!committed_);
   if (buffer_.is_open()) {
     buffer_.close_file();
-    if (!stream_.good() || buffer_.error() != 0) fail();
+    require_written();
   }
   std::error_code error;
   fs::rename(temporary_, target_, error);

@@ -66,7 +66,7 @@ int epsg_number(const std::string& crs) {
 /// Owns a LASzip writer.
 class LazWriter {
  public:
-  explicit LazWriter(const fs::path& target) : target_(target) {
+  LazWriter(const fs::path& target, const AtomicFile& file) : target_(target), file_(file) {
     if (laszip_create(&writer_) != 0)
       throw_cannot_write(target, "the LASzip library cannot be used");
   }
@@ -77,6 +77,7 @@ class LazWriter {
   laszip_POINTER get() const { return writer_; }
   void check(laszip_I32 status) const {
     if (status == 0) return;
+    file_.require_written();  // of a full disk the library says which of its functions has failed
     laszip_CHAR* text = nullptr;
     laszip_get_error(writer_, &text);
     throw_cannot_write(target_, text == nullptr ? "unknown reason" : text);
@@ -84,6 +85,7 @@ class LazWriter {
 
  private:
   const fs::path& target_;
+  const AtomicFile& file_;
   laszip_POINTER writer_ = nullptr;
 };
 
@@ -202,7 +204,7 @@ void write_points(const fs::path& path, const PointCloud& cloud, Point2 origin,
   quantise_axis(path, cloud.z, 0, options.scale, 2, points);
   AtomicFile file(path);
   {
-    const LazWriter writer(path);
+    const LazWriter writer(path, file);
     laszip_header_struct* header = nullptr;
     writer.check(laszip_get_header_pointer(writer.get(), &header));
     fill_header(*header, points, cloud.size(), options);

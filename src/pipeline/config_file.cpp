@@ -101,6 +101,14 @@ void require_plain_keys(std::string_view text, const std::filesystem::path& path
   }
 }
 
+std::string read_text(std::ifstream& file, const std::filesystem::path& path) try {
+  std::string text{std::istreambuf_iterator<char>(file), {}};
+  if (file.bad()) cannot_open(path, std::strerror(errno));
+  return text;
+} catch (const std::ios_base::failure& failure) {  // as the buffer of a file throws by itself
+  cannot_open(path, failure.code().message());
+}
+
 }  // namespace
 
 void load_config(Config& config, const std::filesystem::path& path) {
@@ -113,8 +121,7 @@ void load_config(Config& config, const std::filesystem::path& path) {
   }
   std::ifstream file(path, std::ios::binary);
   if (!file) cannot_open(path, std::strerror(errno));
-  const std::string text{std::istreambuf_iterator<char>(file), {}};
-  if (file.bad()) cannot_open(path, std::strerror(errno));
+  const std::string text = read_text(file, path);
   require_plain_keys(text, path);
   toml::table table;
   try {

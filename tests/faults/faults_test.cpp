@@ -182,6 +182,15 @@ TEST_F(Faults, FilesThatMayNotGrowFailOneAfterTheOther) {
   }
 }
 
+/// LASzip tells of a stream that fails which of its functions it was in.
+TEST_F(Faults, PointsThatCannotBeWrittenAreToldWithTheSystemsReason) {
+  ProcessLimits limits;
+  limits.file_size = 100'000;
+  const Ending ending = run({"synth", "--quiet", "--size", "300", "--out", "result"}, limits);
+  expect_nothing_new(ending, 3, {});
+  EXPECT_NE(ending.err.find("points.laz: File too large"), std::string::npos) << ending.err;
+}
+
 TEST_F(Faults, FullDiskLeavesNothingAndSaysSo) {
   // A small disk in a name space of its own; its content is listed from inside.
   const std::string script =

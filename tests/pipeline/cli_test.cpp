@@ -109,6 +109,15 @@ TEST_F(Cli, BuildsChecksAndTells) {
     EXPECT_NE(info.out.find(part), std::string::npos) << part;
 }
 
+TEST_F(Cli, WhatTheSystemRefusesIsToldWithItsNameAndReason) {
+  fs::create_symlink("loop.laz", scratch / "loop.laz");
+  expect_error("city --footprints loop.laz --points loop.laz --out result", 3,
+               "loop.laz: cannot be opened: Too many levels of symbolic links");
+  if (fs::exists("/proc/self/mem"))
+    expect_error("city --config /proc/self/mem", 2,
+                 "/proc/self/mem: cannot be opened: Input/output error");
+}
+
 /// Whatever the way the inputs are named; and a mesh made there later does not read them at all.
 TEST_F(Cli, WhatSynthWroteStaysWhereModelsAreMadeBesideIt) {
   const std::set<std::string> data{"footprints.dbf", "footprints.prj", "footprints.shp",

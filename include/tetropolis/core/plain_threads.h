@@ -31,8 +31,9 @@ void for_each(std::size_t size, int threads, const Body& body) {
   });
 }
 
-/// Calls make(i), which throws nothing, for all of [0, size), and use(i) in order and one at a time;
-/// at most `slots` items are under way. Rethrows what use throws first; nothing behind is used.
+/// Calls make(i), which throws nothing, for all of [0, size), and use(i) in order and one at a
+/// time; at most `slots` items are under way. Rethrows what use throws first; nothing behind is
+/// used.
 template <typename Make, typename Use>
 void pipeline(std::size_t size, std::size_t slots, int threads, const Make& make, const Use& use) {
   std::mutex mutex;

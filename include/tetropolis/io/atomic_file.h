@@ -32,6 +32,9 @@ class AtomicFile {
   /// commit().
   std::ostream& stream();
 
+  /// Throws as commit() if anything written to stream() so far did not arrive.
+  void require_written() const;
+
   /// Appends bytes to stream() and checks that they arrived.
   void write(std::string_view bytes);
 
