@@ -11,6 +11,7 @@
 #include <new>
 #include <optional>
 #include <sstream>
+#include <string_view>
 #include <system_error>
 #include <utility>
 #include <vector>
@@ -121,6 +122,9 @@ int guarded(const std::function<int()>& action, const Say& say,
     return fail(fmt::format("the system refused: {}; free memory or lower --threads", error.what()),
                 1);
   } catch (const std::exception& error) {
+    if (std::string_view(error.what()).find("pthread_create") != std::string_view::npos)  // TBB's
+      return fail("the system refused another thread; allow more (ulimit -u) or lower --threads",
+                  1);
     return fail(fmt::format("internal error: {}; please report it", error.what()), 1);
   }
 }

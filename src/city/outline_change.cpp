@@ -30,6 +30,24 @@ double displacement(const ShortPath& before, const ShortPath& after) {
   return largest;
 }
 
+/// At least the radius of any disk within a loop: half of its extent across one of its edges.
+double most_inradius(const Ring& loop) {
+  double least = kInfinity;
+  for (std::size_t i = 0; i < loop.size(); ++i) {
+    const Point2 a = loop[i], b = loop[(i + 1) % loop.size()];
+    const double length = grid::distance(a, b);
+    if (!(length > 0)) continue;
+    double low = 0, high = 0;
+    for (const Point2 p : loop) {
+      const double across = ((p.x - a.x) * (b.y - a.y) - (p.y - a.y) * (b.x - a.x)) / length;
+      low = std::min(low, across);
+      high = std::max(high, across);
+    }
+    least = std::min(least, (high - low) / 2);
+  }
+  return least;
+}
+
 }  // namespace
 
 OutlineChange vertex_change(const Outline& o, std::int32_t v, ChangeKind kind) {
@@ -207,11 +225,17 @@ bool ChangeJudge::crosses(const ShortPath& path, const OutlineChange& c) const {
 
 bool ChangeJudge::sweeps_a_vertex(const ShortPath& before, const ShortPath& after,
                                   const OutlineChange& c) {
-  const double reach = displacement(before, after);
-  if (reach > epsilon_) gather_along(before, reach);
   Ring loop;
   for (int i = 0; i < before.count; ++i) loop.push_back(before.at(i));
   for (int i = after.count - 2; i > 0; --i) loop.push_back(after.at(i));
+  // Points between the paths are within that of the old one, and within the inradius, which long
+  // thin spikes have little of, of one of the two.
+  const double reach = displacement(before, after);
+  if (reach > epsilon_) {
+    const double radius = most_inradius(loop) * (1 + 1e-9);
+    if (radius > epsilon_) gather_along(before, std::min(reach, radius));
+    if (radius > epsilon_ && radius < reach) gather_along(after, radius);
+  }
   return std::any_of(near_.begin(), near_.end(), [&](std::int32_t e) {
     return e != c.last && e != c.first && grid::is_inside(loop, o_.at(e));
   });

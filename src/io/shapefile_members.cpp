@@ -2,7 +2,9 @@
 
 #include <algorithm>
 #include <array>
+#include <cerrno>
 #include <cstdint>
+#include <cstring>
 #include <fstream>
 #include <optional>
 #include <string>
@@ -12,6 +14,8 @@
 #include <fmt/format.h>
 
 #include "tetropolis/core/error.h"
+
+#include "input_file.h"
 
 namespace tetropolis {
 
@@ -30,6 +34,7 @@ struct Member {
 };
 
 /// The member with this extension in small or capital letters; none if there is no such file.
+/// Throws Error(kInput) if it cannot be read: GDAL takes it for one that is not there.
 std::optional<Member> find_member(const fs::path& shp, const char* small, const char* capital) {
   for (const char* extension : {small, capital}) {
     Member member{fs::path(shp).replace_extension(extension)};
@@ -38,6 +43,8 @@ std::optional<Member> find_member(const fs::path& shp, const char* small, const 
     if (error) continue;
     member.size = static_cast<std::int64_t>(size);
     std::ifstream file(member.path, std::ios::binary);
+    if (!file && fs::is_regular_file(member.path, error))
+      fail_input(member.path, fmt::format("cannot be read: {}", std::strerror(errno)));
     file.read(reinterpret_cast<char*>(member.head.data()),
               static_cast<std::streamsize>(member.head.size()));
     return member;
@@ -127,6 +134,8 @@ void require_whole_shapefile(const fs::path& path) {
   const auto shapes = find_member(path, ".shp", ".SHP");
   const auto index = find_member(path, ".shx", ".SHX");
   auto table = find_member(path, ".dbf", ".DBF");
+  find_member(path, ".prj", ".PRJ");
+  find_member(path, ".cpg", ".CPG");
   if (table && lacks_columns(*table)) table.reset();
   constexpr std::int64_t kMagic = 9994;
   if (!shapes || big_endian(*shapes, 0) != kMagic) return;  // GDAL says what it is not

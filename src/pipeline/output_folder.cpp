@@ -2,15 +2,20 @@
 
 #include <algorithm>
 #include <cerrno>
+#include <cstddef>
+#include <cstdint>
 #include <cstring>
+#include <string>
 #include <system_error>
 #include <utility>
 
+#include <fmt/format.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
 #include "tetropolis/core/error.h"
 
+#include "core/mix64.h"
 #include "core/sort_once.h"
 #include "folders.h"
 #include "replace_results.h"
@@ -36,6 +41,18 @@ void remove_made(fs::path innermost, const fs::path& created) {
   remove_empty(folders_up_to(innermost, created));
 }
 
+/// How the names of hidden folders for a target begin. What is too long for a name of its own
+/// stands there with a number in place of its end.
+std::string staging_prefix(const std::string& name) {
+  constexpr std::size_t kMost = 200;  // bytes; names have 255
+  if (name.size() <= kMost) return "." + name + ".part-";
+  std::uint64_t number = 0;
+  for (const char c : name) number = mix64(number ^ static_cast<unsigned char>(c));
+  std::size_t end = kMost;
+  while ((static_cast<unsigned char>(name[end]) & 0xC0U) == 0x80U) --end;  // whole characters
+  return fmt::format(".{}-{:016x}.part-", name.substr(0, end), number);
+}
+
 /// Removes hidden folders whose process is gone.
 void remove_stale(const fs::path& home, const fs::path& target, const std::string& prefix) {
   std::error_code error;
@@ -54,7 +71,7 @@ void remove_stale(const fs::path& home, const fs::path& target, const std::strin
 /// A new folder, locked. Another process may take the new folder for a stale one in the moment
 /// before it is locked: then there will be another.
 void OutputFolder::create_staging(const fs::path& named) {
-  const std::string prefix = "." + target_.filename().string() + ".part-";
+  const std::string prefix = staging_prefix(target_.filename().string());
   remove_stale(home_, target_, prefix);
   for (;;) {
     if (!make_random_folder(home_, prefix, staging_)) {
@@ -88,6 +105,8 @@ OutputFolder::OutputFolder(const fs::path& target, OutputWatcher watcher, Replac
   try {
     fs::create_directories(parent, error);
     if (error) fail(target, error.message());
+    fs::exists(target_, error);
+    if (error == std::errc::filename_too_long) fail(target, error.message());
     const bool inside = fs::is_directory(target_, error) &&
                         (!same_mount(parent, target_) || !can_make_files_in(parent));
     home_ = inside ? target_ : parent;

@@ -1,7 +1,9 @@
 #include "reported_facts.h"
 
 #include <algorithm>
+#include <cerrno>
 #include <cmath>
+#include <cstring>
 #include <fstream>
 #include <stdexcept>
 #include <system_error>
@@ -150,7 +152,11 @@ std::optional<ReportedFacts> read_report(const fs::path& folder) {
   if (fs::is_fifo(path, error))  // which would be waited for
     throw Error(ErrorKind::kInput, path.string() + ": is not an ordinary file");
   std::ifstream file(path);
-  if (!file) return std::nullopt;
+  if (!file) {
+    const int reason = errno;
+    if (!fs::exists(path, error)) return std::nullopt;
+    throw Error(ErrorKind::kInput, path.string() + ": cannot be read: " + std::strerror(reason));
+  }
   normalise_crs("EPSG:4326");  // Where no reference system is known, it is not the report's fault.
   try {
     const Json json = Json::parse(file);

@@ -191,6 +191,30 @@ TEST_F(Faults, PointsThatCannotBeWrittenAreToldWithTheSystemsReason) {
   EXPECT_NE(ending.err.find("points.laz: File too large"), std::string::npos) << ending.err;
 }
 
+TEST_F(Faults, FilesThatMayNotBeReadAreNamed) {
+  ProcessLimits limits;
+  limits.unprivileged = true;
+  fs::permissions(scratch / "input", fs::perms(0755));
+  if (run({"--version"}, limits).code != 0) GTEST_SKIP() << "the program cannot be run by others";
+  for (const char* member : {"footprints.dbf", "footprints.shx", "footprints.prj"}) {
+    const fs::path path = scratch / "input" / member;
+    fs::permissions(path, fs::perms::none);
+    const Ending ending = run(build(), limits);
+    fs::permissions(path, fs::perms(0644));
+    expect_nothing_new(ending, 3, {});
+    EXPECT_NE(ending.err.find(std::string(member) + ": cannot be read: Permission denied"),
+              std::string::npos)
+        << ending.err;
+  }
+  make_earlier(limits);
+  fs::permissions(work / "result/report.json", fs::perms::none);
+  const Ending checked = run({"check", "result", "--quiet"}, limits);
+  fs::permissions(work / "result/report.json", fs::perms(0644));
+  EXPECT_EQ(checked.code, 3);
+  EXPECT_NE(checked.err.find("report.json: cannot be read: Permission denied"), std::string::npos)
+      << checked.err;
+}
+
 TEST_F(Faults, FullDiskLeavesNothingAndSaysSo) {
   // A small disk in a name space of its own; its content is listed from inside.
   const std::string script =

@@ -211,6 +211,21 @@ TEST(OutputFolder, ModelsReplaceModelsAndLeaveDataThatIsListedWithThem) {
   EXPECT_EQ(everything(scratch / "result"), (std::set<std::string>{"report.json", "surface.stl"}));
 }
 
+/// The hidden folder has a longer one, which would be too long.
+TEST(OutputFolder, MayHaveTheLongestNameThereIs) {
+  const testing::TemporaryFolder scratch;
+  const std::string name(251, 'a');
+  for (const std::string& end : {std::string("bcde"), std::string("\u00e9\u00e8")}) {
+    for (int run = 0; run < 2; ++run) {
+      OutputFolder out(scratch / (name + end));
+      write(out / "report.json", kReport);
+      out.commit();
+    }
+    EXPECT_EQ(everything(scratch / (name + end)), (std::set<std::string>{"report.json"}));
+  }
+  EXPECT_EQ(std::distance(fs::directory_iterator(scratch.path()), fs::directory_iterator()), 2);
+}
+
 TEST(OutputFolder, EmptyFoldersOfAnEarlierResultGo) {
   const testing::TemporaryFolder scratch;
   write(scratch / "result/report.json", kReport);
