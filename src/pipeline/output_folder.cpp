@@ -105,8 +105,8 @@ OutputFolder::OutputFolder(const fs::path& target, OutputWatcher watcher, Replac
   try {
     fs::create_directories(parent, error);
     if (error) fail(target, error.message());
-    fs::exists(target_, error);
-    if (error == std::errc::filename_too_long) fail(target, error.message());
+    if (!fs::exists(target_, error) && error == std::errc::filename_too_long)
+      fail(target, error.message());
     const bool inside = fs::is_directory(target_, error) &&
                         (!same_mount(parent, target_) || !can_make_files_in(parent));
     home_ = inside ? target_ : parent;
