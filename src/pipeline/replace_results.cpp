@@ -205,11 +205,13 @@ void replace_results(const fs::path& staging, const fs::path& target,
     for (const fs::path& name : names) moves.move(staging / name, target / name, target / name);
   } catch (const MoveFailed& failed) {
     torn = !moves.undo() && !put_back_earlier(staging, target);
+    const std::string left =
+        earlier.empty() ? "nothing was written" : "the earlier result is unchanged";
     throw Error(ErrorKind::kInput,
-                failed.shown.string() + ": cannot be replaced: " + failed.reason.message() +
-                    (torn ? "; part of the earlier result is in " + staging.string() +
+                failed.shown.string() + ": cannot be replaced: " + failed.reason.message() + "; " +
+                    (torn ? "part of the earlier result is in " + staging.string() +
                                 ": keep that, the next run with this --out puts it back"
-                          : "; the earlier result is unchanged"));
+                          : left));
   }
 }
 
