@@ -280,7 +280,7 @@ void note_missing(const fs::path& folder, const ReportedFacts& report,
     files.push_back({results::kReport,
                      {},
                      {},
-                     {fmt::format("{}, which the run wrote and which {} not here",
+                     {fmt::format("{}, which report.json lists and which {} not here",
                                   fmt::join(missing, ", "), missing.size() == 1 ? "is" : "are")}});
 }
 
