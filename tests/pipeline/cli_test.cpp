@@ -509,7 +509,7 @@ TEST_F(Cli, CheckNamesResultsThatAreMissing) {
   EXPECT_NE(outcome.out.find("not checked: city_raw.city.json, constant/polyMesh/boundary, "
                              "constant/polyMesh/faces, constant/polyMesh/neighbour, "
                              "constant/polyMesh/owner, constant/polyMesh/points, dtm.tif, "
-                             "surface.ply, surface.stl, which the run wrote and "
+                             "surface.ply, surface.stl, which report.json lists and "
                              "which are not here"),
             std::string::npos)
       << outcome.out;
