@@ -4,6 +4,8 @@
 #include <cstring>
 #include <limits>
 #include <memory>
+#include <ostream>
+#include <streambuf>
 #include <tuple>
 #include <utility>
 
@@ -63,21 +65,70 @@ int epsg_number(const std::string& crs) {
   return code;
 }
 
+/// LASzip does not free its encoders when a stream has failed, so this one never does: what does
+/// not arrive is gone, and the file knows.
+class LenientBuffer final : public std::streambuf {
+ public:
+  explicit LenientBuffer(std::streambuf& file) : file_(file) {}
+
+ protected:
+  int_type overflow(int_type c) override {
+    if (!traits_type::eq_int_type(c, traits_type::eof())) file_.sputc(traits_type::to_char_type(c));
+    return traits_type::not_eof(c);
+  }
+  std::streamsize xsputn(const char* bytes, std::streamsize size) override {
+    file_.sputn(bytes, size);
+    return size;
+  }
+  int sync() override {
+    file_.pubsync();
+    return 0;
+  }
+  pos_type seekoff(off_type offset, std::ios::seekdir from, std::ios::openmode which) override {
+    return somewhere(file_.pubseekoff(offset, from, which));
+  }
+  pos_type seekpos(pos_type position, std::ios::openmode which) override {
+    return somewhere(file_.pubseekpos(position, which));
+  }
+
+ private:
+  static pos_type somewhere(pos_type position) {
+    return position == pos_type(off_type(-1)) ? pos_type(0) : position;
+  }
+
+  std::streambuf& file_;
+};
+
 /// Owns a LASzip writer.
 class LazWriter {
  public:
-  LazWriter(const fs::path& target, const AtomicFile& file) : target_(target), file_(file) {
+  LazWriter(const fs::path& target, AtomicFile& file)
+      : target_(target), file_(file), buffer_(*file.stream().rdbuf()), stream_(&buffer_) {
     if (laszip_create(&writer_) != 0)
       throw_cannot_write(target, "the LASzip library cannot be used");
   }
-  ~LazWriter() { laszip_destroy(writer_); }
+  ~LazWriter() {
+    if (is_open_) laszip_close_writer(writer_);
+    laszip_destroy(writer_);
+  }
   LazWriter(const LazWriter&) = delete;
   LazWriter& operator=(const LazWriter&) = delete;
 
   laszip_POINTER get() const { return writer_; }
+
+  void open(bool compressed) {
+    check(laszip_open_writer_stream(writer_, stream_, compressed, 0));
+    is_open_ = true;
+  }
+  void close() {
+    is_open_ = false;
+    check(laszip_close_writer(writer_));
+  }
+
+  void require_written() const { file_.require_written(); }
+
   void check(laszip_I32 status) const {
     if (status == 0) return;
-    file_.require_written();  // of a full disk the library says which of its functions has failed
     laszip_CHAR* text = nullptr;
     laszip_get_error(writer_, &text);
     throw_cannot_write(target_, text == nullptr ? "unknown reason" : text);
@@ -86,7 +137,10 @@ class LazWriter {
  private:
   const fs::path& target_;
   const AtomicFile& file_;
+  LenientBuffer buffer_;
+  std::ostream stream_;
   laszip_POINTER writer_ = nullptr;
+  bool is_open_ = false;
 };
 
 void fill_header(laszip_header_struct& header, const Quantised& points, std::size_t count,
@@ -149,7 +203,9 @@ void write_records(const LazWriter& writer, const Quantised& points,
   point->extended_point_type = extended ? 1 : 0;
   point->extended_return_number = 1;
   point->extended_number_of_returns = 1;
+  constexpr std::size_t kFew = 4096;  // points after which a disk that is full is noticed
   for (std::size_t i = 0; i < classes.size(); ++i) {
+    if (i % kFew == 0) writer.require_written();
     point->X = points.values[0][i];
     point->Y = points.values[1][i];
     point->Z = points.values[2][i];
@@ -204,17 +260,16 @@ void write_points(const fs::path& path, const PointCloud& cloud, Point2 origin,
   quantise_axis(path, cloud.z, 0, options.scale, 2, points);
   AtomicFile file(path);
   {
-    const LazWriter writer(path, file);
+    LazWriter writer(path, file);
     laszip_header_struct* header = nullptr;
     writer.check(laszip_get_header_pointer(writer.get(), &header));
     fill_header(*header, points, cloud.size(), options);
     add_crs(writer, *header, crs);
     writer.check(laszip_preserve_generating_software(writer.get(), 1));
     writer.check(laszip_request_native_extension(writer.get(), 1));
-    writer.check(
-        laszip_open_writer_stream(writer.get(), file.stream(), wants_compression(path), 0));
+    writer.open(wants_compression(path));
     write_records(writer, points, cloud.classification, options.flags, options.point_format == 6);
-    writer.check(laszip_close_writer(writer.get()));
+    writer.close();
   }
   file.commit();
 }
