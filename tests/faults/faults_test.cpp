@@ -83,6 +83,14 @@ class Faults : public ::testing::Test {
     return arguments;
   }
 
+  /// Those of somebody who is not root, who may read the input.
+  ProcessLimits unprivileged() {
+    fs::permissions(scratch / "input", fs::perms(0755));
+    ProcessLimits limits;
+    limits.unprivileged = true;
+    return limits;
+  }
+
   /// An earlier result of other settings, and a file of the user beside it.
   Contents make_earlier(const ProcessLimits& limits = {}) {
     const Ending made = run(build({"--mesh-size", "20", "--formats", "vtu,openfoam"}), limits);
@@ -192,9 +200,7 @@ TEST_F(Faults, PointsThatCannotBeWrittenAreToldWithTheSystemsReason) {
 }
 
 TEST_F(Faults, FilesThatMayNotBeReadAreNamed) {
-  ProcessLimits limits;
-  limits.unprivileged = true;
-  fs::permissions(scratch / "input", fs::perms(0755));
+  const ProcessLimits limits = unprivileged();
   if (run({"--version"}, limits).code != 0) GTEST_SKIP() << "the program cannot be run by others";
   for (const char* member : {"footprints.dbf", "footprints.shx", "footprints.prj"}) {
     const fs::path path = scratch / "input" / member;
@@ -255,9 +261,7 @@ TEST_F(Faults, FolderRemovedDuringTheRun) {
 }
 
 TEST_F(Faults, FolderMadeReadOnlyDuringTheRun) {
-  ProcessLimits limits;
-  limits.unprivileged = true;
-  fs::permissions(scratch / "input", fs::perms(0755));
+  const ProcessLimits limits = unprivileged();
   if (run({"--version"}, limits).code != 0) GTEST_SKIP() << "the program cannot be run by others";
   const Contents before = make_earlier(limits);
   {
@@ -308,8 +312,7 @@ TEST_F(Faults, InterruptsInEveryStepLeaveTheEarlierResult) {
 }
 
 TEST_F(Faults, ResultFolderInAFolderThatTakesNothing) {
-  ProcessLimits limits;
-  limits.unprivileged = true;
+  const ProcessLimits limits = unprivileged();
   if (run({"--version"}, limits).code != 0) GTEST_SKIP() << "the program cannot be run by others";
   make_earlier(limits);
   fs::permissions(work, fs::perms(0555));
@@ -565,8 +568,7 @@ TEST_F(Faults, OneUnreadableFileAmongFiveHundredIsNamed) {
   fs::remove(bad);
   fs::copy_file(tiles / "tile_000.laz", bad);
   fs::permissions(bad, fs::perms(0));
-  ProcessLimits limits;
-  limits.unprivileged = true;
+  const ProcessLimits limits = unprivileged();
   if (run({"--version"}, limits).code == 0) expect_named(limits, "Permission denied");
 }
 
