@@ -264,14 +264,6 @@ void settle_records(const fs::path& path, const PositionedFile& file, std::strin
                    path.string(), fit)});
 }
 
-/// The start of a table of chunks.
-struct TableHead {
-  std::int64_t at = 0;   ///< Byte.
-  std::int64_t end = 0;  ///< What the table has to end before.
-  std::uint32_t version = 0;
-  std::uint32_t chunks = 0;
-};
-
 /// Notes that the table of chunks is not where the file says (`table`) or cut, or fails with that:
 /// chunks of equal size can be decoded one after the other until the file ends, to say how far it
 /// reaches.
@@ -299,9 +291,9 @@ void note_no_table(const fs::path& path, std::int64_t table, bool place_at_end, 
 }
 
 /// Nothing if there is none, which `layout` then says.
-std::optional<TableHead> find_chunk_table(const fs::path& path, const PositionedFile& file,
-                                          bool variable, LasLayout& layout) {
-  const std::int64_t points = layout.info.point_count;
+std::optional<LazTablePlace> find_chunk_table(const fs::path& path, const PositionedFile& file,
+                                              std::uint32_t chunk_size, LasLayout& layout) {
+  const std::int64_t points = layout.info.point_count, first_chunk = layout.first_point + 8;
   std::int64_t table = -1;
   if (file.read(layout.first_point, &table, sizeof table) < sizeof table) {
     if (points == 0) return std::nullopt;
@@ -312,36 +304,35 @@ std::optional<TableHead> find_chunk_table(const fs::path& path, const Positioned
   const std::int64_t end = place_at_end ? layout.file_size - 8 : layout.file_size;
   if (place_at_end) file.read(end, &table, sizeof table);
   std::array<std::uint32_t, 2> head{};  // Version and number of chunks.
-  if (table >= layout.first_point + 8 && table <= end - 8 &&
-      file.read(table, head.data(), sizeof head) == sizeof head)
-    return TableHead{table, end, head[0], head[1]};
-  if (points > 0) note_no_table(path, table, place_at_end, variable, layout);
-  return std::nullopt;
+  if (table < first_chunk || table > end - 8 ||
+      file.read(table, head.data(), sizeof head) < sizeof head) {
+    if (points > 0) note_no_table(path, table, place_at_end, chunk_size == UINT32_MAX, layout);
+    return std::nullopt;
+  }
+  // A chunk takes bytes; the decoder reserves memory for as many as are claimed.
+  if (head[0] != 0 || head[1] > layout.file_size - layout.first_point)
+    fail_input(path,
+               fmt::format("the chunk table at byte {} has {} chunks; the file is broken, get "
+                           "it again",
+                           table, head[1]));
+  return LazTablePlace{table, end, first_chunk, head[1], chunk_size, points};
 }
 
 /// LAZ: where chunks are, as the table behind them says.
 void settle_chunks(const fs::path& path, const PositionedFile& file, std::uint32_t chunk_size,
                    LasLayout& layout) {
   const bool variable = chunk_size == UINT32_MAX;
-  const std::optional<TableHead> table = find_chunk_table(path, file, variable, layout);
+  const std::optional<LazTablePlace> table = find_chunk_table(path, file, chunk_size, layout);
   if (!table) return;
-  const std::int64_t points = layout.info.point_count;
-  const std::int64_t chunks = table->chunks, first_chunk = layout.first_point + 8;
+  const std::int64_t points = table->points, chunks = table->chunks;
+  const std::int64_t packed = table->at - table->first_chunk;  // bytes
   const std::int64_t expected = variable ? chunks : (points + chunk_size - 1) / chunk_size;
-  // A chunk takes bytes; the decoder reserves memory for as many as are claimed.
-  if (table->version != 0 || chunks > layout.file_size - layout.first_point)
-    fail_input(path,
-               fmt::format("the chunk table at byte {} has {} chunks; the file is broken, get "
-                           "it again",
-                           table->at, chunks));
   // Some writers end with an empty chunk.
-  if (points == 0 && chunks > 0 && table->at - first_chunk >= layout.info.record_length)
+  if (points == 0 && chunks > 0 && packed >= layout.info.record_length)
     fail_input(path, fmt::format("the header counts 0 points, but {} bytes of compressed points "
                                  "follow; the count is wrong, get the file again or repair it",
-                                 table->at - first_chunk));
-  if (points > 0)
-    layout.chunks = read_chunk_table(
-        path, file, {table->at, table->end, first_chunk, table->chunks, chunk_size, points});
+                                 packed));
+  if (points > 0) layout.chunks = read_chunk_table(path, file, *table);
   layout.chunk_table = table->at;
   layout.variable_chunks = variable;
   if (!variable && chunks > expected + 1)

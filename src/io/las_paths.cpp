@@ -120,9 +120,8 @@ std::vector<fs::path> expand_point_paths(std::span<const std::string> arguments,
       continue;
     }
     if (argument.find_first_of("*?[") == std::string::npos)
-      fail_input(argument, error && error != std::errc::no_such_file_or_directory
-                               ? "cannot be opened: " + error.message() + "; check the path"
-                               : "no such file or folder; check the path");
+      fail_input(argument, error ? "cannot be opened: " + error.message() + "; check the path"
+                                 : "no such file or folder; check the path");
     const std::vector<fs::path> matches = matches_of(argument);
     if (matches.empty()) fail_input(argument, "matches no file; check the pattern");
     for (const fs::path& match : matches) add(match, named);

@@ -134,6 +134,7 @@ void require_whole_shapefile(const fs::path& path) {
   const auto shapes = find_member(path, ".shp", ".SHP");
   const auto index = find_member(path, ".shx", ".SHX");
   auto table = find_member(path, ".dbf", ".DBF");
+  // Of these GDAL says nothing where it may not read them.
   find_member(path, ".prj", ".PRJ");
   find_member(path, ".cpg", ".CPG");
   if (table && lacks_columns(*table)) table.reset();
