@@ -108,9 +108,8 @@ class NearEdges {
 
   void join_with_near(std::int32_t e, DisjointSets& local) const {
     const std::int32_t own = group_[at(e)];
-    const Bounds2 box = grid::box_of(o_.at(e), o_.at(o_.after(e))).grown(distance_);
     const auto is_near = [&](std::int32_t f) { return f > e && are_near(e, f); };
-    o_.grid.visit_cells(box, [&](std::size_t cell) {
+    o_.grid.visit_cells_near(o_.at(e), o_.at(o_.after(e)), distance_, [&](std::size_t cell) {
       for (std::size_t r = first_run_[cell]; r < first_run_[cell + 1]; ++r) {
         if (local.joined(own, runs_[r].root)) continue;
         const auto begin = edges_.begin() + static_cast<std::ptrdiff_t>(runs_[r].begin);

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <utility>
 #include <vector>
 
 #include "tetropolis/geometry/types.h"
@@ -69,6 +70,29 @@ class EdgeGrid {
       for (std::int32_t x = x0; x <= x1; ++x) visit_cell(index(x, y));
   }
 
+  /// Calls visit_cell(cell) for every cell that has points within `reach` of the segment a-b, and a
+  /// few others. The box of a long slanted segment has many more.
+  template <typename Visit>
+  void visit_cells_near(Point2 a, Point2 b, double reach, const Visit& visit_cell) const {
+    if (head_.empty()) return;
+    if (a.y > b.y) std::swap(a, b);
+    const double margin = reach + kSlack * cell_;
+    const std::int32_t y0 = row(a.y - margin), y1 = row(b.y + margin);
+    for (std::int32_t y = y0; y <= y1; ++y) {
+      double xa = a.x, xb = b.x;
+      // The part of the segment that is within reach of this row; rows at the rim have no end.
+      const double low = y == 0 ? a.y : box_.ymin + y * cell_ - margin;
+      const double high = y + 1 == rows_ ? b.y : box_.ymin + (y + 1) * cell_ + margin;
+      if (b.y > a.y) {
+        xa = a.x + std::clamp((low - a.y) / (b.y - a.y), 0.0, 1.0) * (b.x - a.x);
+        xb = a.x + std::clamp((high - a.y) / (b.y - a.y), 0.0, 1.0) * (b.x - a.x);
+      }
+      const std::int32_t x0 = column(std::min(xa, xb) - margin);
+      const std::int32_t x1 = column(std::max(xa, xb) + margin);
+      for (std::int32_t x = x0; x <= x1; ++x) visit_cell(index(x, y));
+    }
+  }
+
   /// Calls visit_id(id) for every segment listed in the cell.
   template <typename Visit>
   void visit_cell(std::size_t cell, const Visit& visit_id) const {
@@ -77,6 +101,8 @@ class EdgeGrid {
   }
 
  private:
+  static constexpr double kSlack = 1e-6;  ///< Of a cell, against rounding.
+
   struct Entry {
     std::int32_t id;
     std::int32_t next;

@@ -83,9 +83,11 @@ std::optional<std::vector<EdgePair>> pairs_between(
   for (std::int32_t e = 0; e < o.vertex_count(); ++e) {
     const Point2 a = o.at(e), b = o.at(o.after(e));
     const auto own = static_cast<std::ptrdiff_t>(pairs.size());
-    o.grid.visit(grid::box_of(a, b).grown(distance), [&](std::int32_t f) {
-      if (f <= e || o.group_of(e) == o.group_of(f)) return;
-      if (grid::are_near(a, b, o.at(f), o.at(o.after(f)), distance)) pairs.emplace_back(e, f);
+    o.grid.visit_cells_near(a, b, distance, [&](std::size_t cell) {
+      o.grid.visit_cell(cell, [&](std::int32_t f) {
+        if (f <= e || o.group_of(e) == o.group_of(f)) return;
+        if (grid::are_near(a, b, o.at(f), o.at(o.after(f)), distance)) pairs.emplace_back(e, f);
+      });
     });
     std::sort(pairs.begin() + own, pairs.end());
     pairs.erase(std::unique(pairs.begin() + own, pairs.end()), pairs.end());

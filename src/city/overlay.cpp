@@ -19,6 +19,7 @@
 #include "city/cluster_polygons.h"
 #include "city/footprint_index.h"
 #include "city/grid_geometry.h"
+#include "city/outline.h"
 #include "geometry/geos.h"
 
 namespace tetropolis {
@@ -66,12 +67,20 @@ bool round_to_grid(std::vector<Polygon>& polygons) {
                           corner.x, corner.y));
 }
 
-/// A result in floating point, rounded; or, where that is not valid, what is left of it noded on
-/// the grid, which is much less work than the operation.
+bool is_on_grid(std::span<const Polygon> polygons) {
+  bool all = true;
+  for (const Polygon& polygon : polygons)
+    for_each_edge(polygon, [&](Point2 a, Point2) { all = all && a == grid::rounded(a); });
+  return all;
+}
+
+/// A result, rounded to the grid and without slivers; where that is not valid, with them, or noded
+/// on the grid, which is much less work than the operation.
 geos::Result rounded(const geos::Result& result) {
   if (!result) return std::nullopt;
   std::vector<Polygon> polygons = *result;
   if (round_to_grid(polygons)) return polygons;
+  if (is_on_grid(*result) && are_valid(*result)) return result;
   return geos::unite(*result, 1.0);
 }
 
@@ -259,18 +268,58 @@ geos::Result checked(geos::Result result, const Second& second) {
   return result && are_valid(*result) ? std::move(result) : second();
 }
 
+/// Patches, to be asked which of them meet a hole. Boxes of long slanted ones meet nearly all
+/// others.
+class PatchFinder {
+ public:
+  explicit PatchFinder(std::span<const Polygon> patches)
+      : patches_(patches),
+        boxes_(boxes_of(patches)),
+        outline_(outline_for(pointers_to(patches), kMargin)) {}
+
+  /// Those that meet the hole, up to a margin, or stand within it, or it within them; in order.
+  std::vector<Polygon> meeting(const Ring& hole) const {
+    const Bounds2 box = bounds(hole);
+    std::vector<std::size_t> found;
+    for (std::size_t k = 0; k < hole.size(); ++k) {
+      const Point2 a = hole[k], b = hole[(k + 1) % hole.size()];
+      outline_.grid.visit_cells_near(a, b, kMargin, [&](std::size_t cell) {
+        outline_.grid.visit_cell(cell, [&](std::int32_t e) {
+          if (grid::are_near(a, b, outline_.at(e), outline_.at(outline_.after(e)), kMargin))
+            found.push_back(static_cast<std::size_t>(outline_.group_of(e)));
+        });
+      });
+    }
+    for (const std::size_t i : boxes_.meeting(box)) {
+      const Bounds2 other = bounds(patches_[i]);
+      if ((box.covers(other) && grid::is_inside(hole, patches_[i].outer[0])) ||
+          (other.covers(box) && contains(patches_[i], hole[0])))
+        found.push_back(i);
+    }
+    std::sort(found.begin(), found.end());
+    found.erase(std::unique(found.begin(), found.end()), found.end());
+    std::vector<Polygon> meeting;
+    for (const std::size_t i : found) meeting.push_back(patches_[i]);
+    return meeting;
+  }
+
+ private:
+  std::span<const Polygon> patches_;
+  Boxes boxes_;
+  Outline outline_;
+};
+
 /// What `patches` leave of the holes of `whole`: hole by hole, at the same time. None where GEOS
 /// gives up, or where a patch stands free in a hole.
 std::optional<std::vector<Ring>> holes_left(const Polygon& whole,
                                             std::span<const Polygon> patches) {
-  const Boxes boxes = boxes_of(patches);
+  const PatchFinder finder(patches);
   std::vector<std::vector<Ring>> left(whole.holes.size());
   std::vector<char> simple(whole.holes.size(), 1);
   parallel_chunks(whole.holes.size(), 16, [&](std::size_t begin, std::size_t end) {
     for (std::size_t h = begin; h < end; ++h) {
       const Ring& hole = whole.holes[h];
-      std::vector<Polygon> near;
-      for (const std::size_t i : boxes.meeting(bounds(hole))) near.push_back(patches[i]);
+      const std::vector<Polygon> near = finder.meeting(hole);
       if (near.empty()) {
         left[h] = {hole};
         continue;

@@ -202,6 +202,37 @@ TEST(Overlay, RandomPatchesOnAPlate) {
   }
 }
 
+/// Long slanted holes and patches, whose boxes nearly all meet, wherever they are.
+TEST(Overlay, PatchesOnSlantedSlits) {
+  std::mt19937 random(testing::test_seed());
+  const auto at = [](double along, double across) {  // turned by 30 degrees
+    const double c = std::cos(std::numbers::pi / 6), s = std::sin(std::numbers::pi / 6);
+    return Point2{std::round(along * c - across * s), std::round(along * s + across * c)};
+  };
+  const auto strip = [&](double x, double y, double length, double width) {
+    return Ring{at(x, y), at(x + length, y), at(x + length, y + width), at(x, y + width)};
+  };
+  Polygon slab{strip(0, 0, 2e6, 4e5), {}};
+  constexpr double kPitch = 3000;
+  for (int k = 1; k < 130; ++k)
+    slab.holes.push_back(reversed(strip(1e5, k * kPitch, 1.8e6, kPitch / 2)));
+  for (int round = 0; round < 20; ++round) {
+    SCOPED_TRACE(round);
+    std::vector<Polygon> patches;
+    for (int k = 0; k < 40; ++k)  // within a slit, across one, over it, within the slab
+      patches.push_back(
+          {strip(static_cast<double>(random() % 2'000'000), static_cast<double>(random() % 400'000),
+                 static_cast<double>(1000 + random() % 1'900'000),
+                 static_cast<double>(100 + random() % 4000)),
+           {}});
+    patches.push_back({strip(9e4, kPitch * (round + 3) - 1000, 1.82e6, kPitch), {}});
+    const std::vector<Polygon> whole{slab};
+    const geos::Result united = geos::unite(patches, 1.0);
+    ASSERT_TRUE(united);
+    expect_same_area(add_on_grid(whole, patches), geos::join(whole, *united, 1.0));
+  }
+}
+
 /// Holes go back to the part that has them.
 TEST(Overlay, CutsThatPartAPlateWithHoles) {
   std::mt19937 random(testing::test_seed());
