@@ -18,6 +18,7 @@
 #include "body_footprint.h"
 #include "cityjson_geometry.h"
 #include "input_file.h"
+#include "is_prism.h"
 #include "json_place.h"
 #include "positioned_file.h"
 
@@ -169,20 +170,6 @@ bool is_ours(const Place& object, const std::string& key) {
   return id != attributes.end() && id->is_string() && *id == key;
 }
 
-/// Whether every vertex is at one of the building's two heights, as other programs round them.
-bool has_heights(const std::vector<Face>& faces, const Building& building) {
-  constexpr double kRounding = 0.01;  // metres
-  const auto at_one = [&](const Point3& p) {
-    return std::abs(p[2] - building.h_ground) <= kRounding ||
-           std::abs(p[2] - building.h_roof) <= kRounding;
-  };
-  return std::all_of(faces.begin(), faces.end(), [&](const Face& face) {
-    return std::all_of(face.rings.begin(), face.rings.end(), [&](const std::vector<Point3>& ring) {
-      return std::all_of(ring.begin(), ring.end(), at_one);
-    });
-  });
-}
-
 class CityReader {
  public:
   CityReader(const CityFrame& frame, CityModel& model) : frame_(frame), model_(model) {}
@@ -211,8 +198,8 @@ class CityReader {
       add_foreign(key, geometry.faces, std::move(footprint));
   }
 
-  /// Ids of buildings of ours whose solid has not the heights of their attributes.
-  const std::vector<std::string>& other_heights() const { return other_heights_; }
+  /// Ids of buildings of ours whose solid is not what their ground and attributes make.
+  const std::vector<std::string>& other_solids() const { return other_solids_; }
 
   /// Of objects whose type is none of CityJSON's own.
   const std::vector<std::string>& unknown_types() const { return unknown_types_; }
@@ -242,7 +229,7 @@ class CityReader {
     if (footprint.polygons.size() != 1) object.at("geometry").fail("has several ground faces");
     if (!(building.h_ground < building.h_roof)) attributes.fail("has h_roof below h_ground");
     building.footprint = std::move(footprint.polygons[0]);
-    if (!has_heights(faces, building)) other_heights_.push_back(building.id);
+    if (!is_prism(faces, building)) other_solids_.push_back(building.id);
     model_.buildings.push_back(std::move(building));
   }
 
@@ -281,7 +268,7 @@ class CityReader {
 
   const CityFrame& frame_;
   CityModel& model_;
-  std::vector<std::string> other_heights_;
+  std::vector<std::string> other_solids_;
   std::vector<std::string> unknown_types_;
   std::size_t flattened_ = 0;
 };
@@ -351,11 +338,13 @@ void warn_of_objects(const fs::path& path, const CityReader& reader, std::size_t
        fmt::format("{} objects are left out that have a type which is none of CityJSON's own "
                    "(the first: {}); make them Buildings if they are",
                    unknown.size(), unknown.empty() ? "" : unknown.front()));
-  const std::vector<std::string>& other = reader.other_heights();
-  warn("city_heights_differ", other.size(),
-       fmt::format("the solids of {} buildings (the first: {}) are not at the heights of their "
-                   "attributes h_ground and h_roof; the attributes are used",
-                   other.size(), other.empty() ? "" : other.front()));
+  const std::vector<std::string>& other = reader.other_solids();
+  warn(
+      "city_solids_differ", other.size(),
+      fmt::format("the solids of {} buildings (the first: {}) are not closed between their ground "
+                  "faces at h_ground and the same at h_roof; the ground faces and these attributes "
+                  "are used",
+                  other.size(), other.empty() ? "" : other.front()));
 }
 
 }  // namespace

@@ -79,11 +79,11 @@ std::optional<double> distance_asked(const std::string& name, std::optional<doub
 }
 
 /// Of what the reader of a model noticed, that its solids are not those of its attributes.
-void note_heights(const std::vector<Warning>& warnings, CheckedFile& file) {
+void note_solids(const std::vector<Warning>& warnings, CheckedFile& file) {
   for (const Warning& warning : warnings)
-    if (warning.code == "city_heights_differ")
-      file.violations.push_back(
-          {"solids not at h_ground and h_roof", warning.count, warning.message});
+    if (warning.code == "city_solids_differ")
+      file.violations.push_back({"solids that are not what their ground, h_ground and h_roof make",
+                                 warning.count, warning.message});
 }
 
 /// Guarantee 3: footprints in the mesh, and its angles if the report says what was asked for.
@@ -311,7 +311,7 @@ std::vector<CheckedFile> check_folder(const fs::path& folder, std::optional<doub
         distance_asked(name, is_raw ? std::nullopt : min_distance, report);
     const CityCheck check = check_city(city, distance);
     files.push_back(describe(shown_name(path, folder), check, distance));
-    note_heights(warnings, files.back());
+    note_solids(warnings, files.back());
     compare_account(city, report, files.back());
     if (is_raw) {
       raw = city;
@@ -355,7 +355,7 @@ CheckedFile check_one_city(const fs::path& path, std::optional<double> min_dista
   const std::optional<double> distance = distance_asked(name, min_distance, report);
   std::vector<Warning> warnings;
   CheckedFile file = describe(name, check_city(read_city(path, &warnings), distance), distance);
-  note_heights(warnings, file);
+  note_solids(warnings, file);
   file.not_checked = std::move(not_checked);
   return file;
 }

@@ -399,7 +399,7 @@ TEST(CityJson, RoofsThatSemanticsDoNotTellAreAsHighAsTheHighestVertex) {
   }
 }
 
-TEST(CityJson, SolidsAtOtherHeightsThanTheirAttributesAreNamed) {
+TEST(CityJson, SolidsOtherThanTheirGroundAndHeightsAreNamed) {
   const TemporaryFolder folder;
   const CityModel model = random_city(3);
   ASSERT_GT(model.buildings.size(), 1U);
@@ -407,14 +407,40 @@ TEST(CityJson, SolidsAtOtherHeightsThanTheirAttributesAreNamed) {
   std::vector<Warning> warnings;
   read_city(folder / "a.json", &warnings);
   EXPECT_TRUE(warnings.empty());
-  Json file = Json::parse(bytes_of(folder / "a.json"));
-  Json& attributes = file["CityObjects"][model.buildings[1].id]["attributes"];
-  attributes["h_roof"] = attributes["h_roof"].get<double>() + 0.02;
-  const CityModel edited = read_city(write_text(folder / "b.json", file.dump()), &warnings);
-  ASSERT_EQ(warnings.size(), 1U);
-  EXPECT_EQ(warnings[0].code, "city_heights_differ");
-  EXPECT_EQ(warnings[0].count, 1);
-  EXPECT_NE(warnings[0].message.find(model.buildings[1].id), std::string::npos);
+  const Json file = Json::parse(bytes_of(folder / "a.json"));
+  const std::string& id = model.buildings[1].id;
+  const auto expect_named = [&](const char* what, const auto& edit) {
+    SCOPED_TRACE(what);
+    Json edited = file;
+    Json& object = edited["CityObjects"][id];
+    edit(object["attributes"], object["geometry"][0]["boundaries"][0], edited["vertices"]);
+    warnings.clear();
+    read_city(write_text(folder / "b.json", edited.dump()), &warnings);
+    ASSERT_EQ(warnings.size(), 1U);
+    EXPECT_EQ(warnings[0].code, "city_solids_differ");
+    EXPECT_EQ(warnings[0].count, 1);
+    EXPECT_NE(warnings[0].message.find("(the first: " + id + ")"), std::string::npos);
+  };
+  // Faces: the ground, the roof, walls. 200 steps are 2 cm.
+  expect_named("attribute", [](Json& attributes, Json&, Json&) {
+    attributes["h_roof"] = attributes["h_roof"].get<double>() + 0.02;
+  });
+  for (std::size_t axis = 0; axis < 3; ++axis)
+    expect_named("corner of the roof", [&](Json&, Json& faces, Json& vertices) {
+      Json& coordinate = vertices[faces[1][0][2].get<std::size_t>()][axis];
+      coordinate = coordinate.get<std::int64_t>() + 200;
+    });
+  expect_named("corner of the ground", [](Json&, Json& faces, Json& vertices) {
+    Json& x = vertices[faces[0][0][0].get<std::size_t>()][0];
+    x = x.get<std::int64_t>() + 200;
+  });
+  expect_named("face of the roof",
+               [](Json&, Json& faces, Json&) { std::swap(faces[1][0][0], faces[1][0][1]); });
+  expect_named("wall", [](Json&, Json& faces, Json&) { faces[2][0][0] = faces[3][0][1]; });
+  expect_named("wall turned", [](Json&, Json& faces, Json&) {
+    std::reverse(faces[3][0].begin(), faces[3][0].end());
+  });
+  expect_named("wall missing", [](Json&, Json& faces, Json&) { faces.erase(4); });
 }
 
 TEST(CityJson, ReadsThe3dfierReference) {

@@ -360,7 +360,8 @@ TEST_F(Cli, CheckComparesTheModelsAndTheReport) {
     for (const auto& [what, by] :
          {std::pair{"\"h_ground\":", "\"h_ground\":-"}, std::pair{"\"h_roof\":", "\"h_roof\":9"},
           std::pair{"\"vertices\":\\[\\s*\\[(\\d+),(\\d+),(\\d+)\\]", "\"vertices\":[[$1,$2,9$3]"}})
-      changed(model, what, by, "VIOLATED: solids not at h_ground and h_roof");
+      changed(model, what, by,
+              "VIOLATED: solids that are not what their ground, h_ground and h_roof make");
   changed("report.json", "\"raw_buildings\": *", "\"raw_buildings\":1",
           "number of raw buildings differs");
   changed("report.json", "EPSG:3006", "EPSG:3007", "reference system differs from report.json");

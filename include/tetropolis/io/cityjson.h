@@ -36,8 +36,9 @@ void write_city(const std::filesystem::path& path, const CityModel& model,
 ///
 /// Files of write_city come back as they were: same order, same bits in coordinates and heights
 /// (outer rings counter-clockwise, holes clockwise, first vertex kept; crs as normalise_crs has
-/// it). Heights are those of the attributes h_ground and h_roof; `warnings`, if given, gets
-/// "city_heights_differ" where a solid is more than a centimetre off them.
+/// it). Heights are those of the attributes h_ground and h_roof, outlines those of the ground
+/// faces; `warnings`, if given, gets "city_solids_differ" where a solid is not closed or is more
+/// than a centimetre off them.
 ///
 /// Of other files every Building and BuildingPart with a surface or solid becomes a building of its
 /// own, in the order of the file: id "b1", "b2", ..., its key as source id, footprint = union of

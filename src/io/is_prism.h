@@ -1,0 +1,17 @@
+// Whether the solid of a building is what its footprint and heights make. Private to src/io.
+#pragma once
+
+#include <vector>
+
+#include "tetropolis/city/city_model.h"
+
+#include "body_footprint.h"
+
+namespace tetropolis {
+
+/// Whether the faces close a body whose corners are those of the footprint at `h_ground` and at
+/// `h_roof`: to a centimetre, as other programs round coordinates. How corners are joined to faces
+/// is not looked at.
+bool is_prism(const std::vector<Face>& faces, const Building& building);
+
+}  // namespace tetropolis
