@@ -203,8 +203,8 @@ void init(const std::string& path) {
     put(stdout, text);
     return;
   }
-  std::error_code ignored;  // AtomicFile says what is wrong with the path
-  if (fs::exists(path, ignored))
+  std::error_code ignored;                            // AtomicFile says what is wrong with the path
+  if (fs::exists(fs::symlink_status(path, ignored)))  // links to nothing, too
     throw Error(ErrorKind::kUsage, fmt::format("{}: exists already; choose another name", path));
   const fs::path folder = fs::path(path).parent_path();
   if (!folder.empty() && !fs::is_directory(folder, ignored))
@@ -343,6 +343,18 @@ void declare(CommandLine& line) {
   add_settings(line);
 }
 
+/// CLI11 takes what comes after "--option=" as its value, be it the next option.
+void require_values(int argc, char** argv) {
+  for (int i = 1; i < argc; ++i) {
+    const std::string_view word = argv[i];
+    if (word == "--") return;
+    if (word.starts_with("--") && word.ends_with('='))
+      throw Error(ErrorKind::kUsage,
+                  fmt::format("{} has no value; write one after the '=', or leave the option out",
+                              word.substr(0, word.size() - 1)));
+  }
+}
+
 /// Libraries end in many ways where they do not get the little memory that they begin with.
 void require_address_space() {
   constexpr double kMegabyte = 1 << 20, kLeast = 32 * kMegabyte;
@@ -379,7 +391,11 @@ int main(int argc, char** argv) {
     return static_cast<int>(ErrorKind::kUsage);
   }
   try {
+    require_values(argc, argv);
     line.app.parse(argc, argv);
+  } catch (const Error& error) {
+    put(stderr, fmt::format("tetropolis: {}\n", one_line(error.what())));
+    return static_cast<int>(error.kind());
   } catch (const CLI::Success& success) {
     return guarded(
         [&] {

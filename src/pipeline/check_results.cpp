@@ -271,17 +271,17 @@ std::vector<CheckedFile> check_one_xdmf(const fs::path& path, const Progress& pr
 }
 
 /// A result that was lost or moved away since the run.
-void note_missing(const fs::path& folder, const ReportedFacts& report,
-                  std::vector<CheckedFile>& files) {
+void require_listed(const fs::path& folder, const ReportedFacts& report,
+                    std::vector<CheckedFile>& files) {
   std::vector<std::string> missing;
   for (const std::string& name : report.files)
     if (!is_there(folder / name)) missing.push_back(name);
   if (!missing.empty())
     files.push_back({results::kReport,
-                     {},
-                     {},
-                     {fmt::format("{}, which report.json lists and which {} not here",
-                                  fmt::join(missing, ", "), missing.size() == 1 ? "is" : "are")}});
+                     {fmt::format("missing: {}", fmt::join(missing, ", "))},
+                     {{"results that report.json lists and that are not here", std::ssize(missing),
+                       missing[0]}},
+                     {}});
 }
 
 /// Whoever hands on one of these files is to know that nobody has looked into it.
@@ -335,7 +335,7 @@ std::vector<CheckedFile> check_folder(const fs::path& folder, std::optional<doub
         ErrorKind::kInput,
         folder.string() +
             ": holds no result of tetropolis (no city.city.json, no volume.vtu or volume.xdmf)");
-  if (report) note_missing(folder, *report, files);
+  if (report) require_listed(folder, *report, files);
   add_unread(folder, files);
   return files;
 }

@@ -16,27 +16,16 @@ namespace tetropolis {
 
 namespace {
 
-/// The texts set_field expects for a TOML value.
-std::vector<std::string> texts_of(const toml::node& node, const std::string& origin) {
-  std::vector<std::string> texts;
-  const auto scalar = [&](const toml::node& value) {
-    if (const auto* text = value.as_string())
-      texts.push_back(**text);
-    else if (const auto* flag = value.as_boolean())
-      texts.emplace_back(**flag ? "true" : "false");
-    else if (const auto* whole = value.as_integer())
-      texts.push_back(fmt::format("{}", **whole));
-    else if (const auto* real = value.as_floating_point())
-      texts.push_back(fmt::format("{}", **real));
-    else
-      throw Error(ErrorKind::kUsage,
-                  origin + ": a number, text, true, false or a list of them expected");
-  };
-  if (const auto* array = node.as_array())
-    for (const toml::node& element : *array) scalar(element);
-  else
-    scalar(node);
-  return texts;
+bool is_scalar(const toml::node& node) {
+  return node.is_string() || node.is_boolean() || node.is_number();
+}
+
+/// The text set_field expects for a scalar.
+std::string text_of(const toml::node& scalar) {
+  if (const auto* text = scalar.as_string()) return **text;
+  if (const auto* flag = scalar.as_boolean()) return **flag ? "true" : "false";
+  if (const auto* whole = scalar.as_integer()) return fmt::format("{}", **whole);
+  return fmt::format("{}", **scalar.as_floating_point());
 }
 
 std::string_view wanted_type(const ConfigField& field) {
@@ -44,6 +33,11 @@ std::string_view wanted_type(const ConfigField& field) {
   if (std::holds_alternative<std::vector<double> Config::*>(field.member))
     return "numbers in brackets, without quotes";
   return "a number, without quotes";
+}
+
+bool takes_list(const ConfigField& field) {
+  return std::holds_alternative<std::vector<double> Config::*>(field.member) ||
+         std::holds_alternative<std::vector<std::string> Config::*>(field.member);
 }
 
 bool takes_text(const ConfigField& field) {
@@ -58,17 +52,23 @@ void set_key(Config& config, std::string_view key, const toml::node& value,
   for (const ConfigField& field : config_fields()) {
     names.emplace_back(field.name);
     if (field.name != key) continue;
-    const auto require_type = [&](const toml::node& node) {
-      if (node.is_string() != takes_text(field) && !node.is_array())
+    const std::string place = fmt::format("{}: {}", origin, key);
+    std::vector<std::string> texts;
+    const auto take = [&](const toml::node& node) {
+      if (!is_scalar(node) || node.is_string() != takes_text(field))
         throw Error(ErrorKind::kUsage,
-                    fmt::format("{}: {} takes {}", origin, key,
+                    fmt::format("{} takes {}", place,
                                 takes_text(field) ? "text in quotes" : wanted_type(field)));
+      texts.push_back(text_of(node));
     };
-    if (const auto* array = value.as_array())
-      for (const toml::node& element : *array) require_type(element);
+    const auto* array = value.as_array();
+    if (array != nullptr && !takes_list(field))
+      throw Error(ErrorKind::kUsage, place + " takes one value, without brackets");
+    if (array != nullptr)
+      for (const toml::node& element : *array) take(element);
     else
-      require_type(value);
-    set_field(config, field, texts_of(value, origin), fmt::format("{}: {}", origin, key));
+      take(value);
+    set_field(config, field, texts, place);
     return;
   }
   const std::string nearest = nearest_name(key, names);

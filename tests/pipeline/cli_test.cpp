@@ -506,14 +506,14 @@ TEST_F(Cli, CheckNamesResultsThatAreMissing) {
     ASSERT_TRUE(fs::remove(scratch / "result" / name)) << name;
   ASSERT_GT(fs::remove_all(scratch / "result/constant"), 0);
   const Outcome outcome = run("check result");
-  EXPECT_EQ(outcome.code, 0);
-  EXPECT_NE(outcome.out.find("not checked: city_raw.city.json, constant/polyMesh/boundary, "
-                             "constant/polyMesh/faces, constant/polyMesh/neighbour, "
-                             "constant/polyMesh/owner, constant/polyMesh/points, dtm.tif, "
-                             "surface.ply, surface.stl, which report.json lists and "
-                             "which are not here"),
-            std::string::npos)
-      << outcome.out;
+  EXPECT_EQ(outcome.code, 1);
+  for (const char* line :
+       {"  missing: city_raw.city.json, constant/polyMesh/boundary, constant/polyMesh/faces, "
+        "constant/polyMesh/neighbour, constant/polyMesh/owner, constant/polyMesh/points, dtm.tif, "
+        "surface.ply, surface.stl\n",
+        "  VIOLATED: results that report.json lists and that are not here (9); first: "
+        "city_raw.city.json\n"})
+    EXPECT_NE(outcome.out.find(line), std::string::npos) << outcome.out;
 }
 
 TEST_F(Cli, CheckTakesTheOptionsOfEveryRun) {
@@ -847,6 +847,12 @@ TEST_F(Cli, WordsTooManyAreRefused) {
                "unknown argument '20'");
 }
 
+TEST_F(Cli, OptionsWithoutTheirValueTakeNoOtherOption) {
+  expect_error("synth --log= --quiet --out x", 2, "--log has no value");
+  expect_error("build --footprints= --points p.laz --out x", 2, "--footprints has no value");
+  EXPECT_FALSE(fs::exists(scratch / "--quiet"));
+}
+
 TEST_F(Cli, AReferenceSystemThatNobodyKnowsIsNamedAsTheReason) {
   std::ofstream(scratch / "a.geojson")
       << R"({"type": "FeatureCollection", "crs": {"type": "name", "properties": {"name":
@@ -977,6 +983,9 @@ TEST_F(Cli, ConfigurationFileAndOptionsMeet) {
   synth("--buildings 20 --size 250");
   ASSERT_EQ(run("init my.toml").code, 0);
   EXPECT_EQ(run("init my.toml").code, 2);  // never overwrites
+  fs::create_symlink("elsewhere.toml", scratch / "link.toml");
+  EXPECT_EQ(run("init link.toml").code, 2);
+  EXPECT_TRUE(fs::is_symlink(scratch / "link.toml"));
   const Outcome nowhere = run("init nowhere/my.toml");
   EXPECT_EQ(nowhere.code, 2);
   EXPECT_NE(nowhere.err.find("there is no folder nowhere"), std::string::npos) << nowhere.err;

@@ -74,6 +74,11 @@ TEST(Config, ErrorsNameFileLineAndWhatToDo) {
   expect_part(error_of("top = 5\n"), "takes text in quotes");
   expect_part(error_of("bounds = [1, 2, \"3\", 4]\n"), "takes numbers in brackets");
   expect_part(error_of("points = [\"a\", 3]\n"), "takes text in quotes");
+  expect_part(error_of("points = [[\"a\"]]\n"), "points takes text in quotes");
+  expect_part(error_of("mesh_size = {a = 1}\n"), "mesh_size takes a number");
+  expect_part(error_of("seed = 2020-01-01\n"), "seed takes a number");
+  expect_part(error_of("mesh_size = [5.0]\n"), "mesh_size takes one value, without brackets");
+  expect_part(error_of("top = [\"flat\"]\n"), "top takes one value, without brackets");
   expect_part(error_of("ground_margin = 1e308\n"), "1e+308 is greater than");
   expect_part(error_of("top = \"open\"\n"), "'open' is not one of flat, free");
   expect_part(error_of("mesh_size = nan\n"), "not finite");
@@ -84,7 +89,6 @@ TEST(Config, ErrorsNameFileLineAndWhatToDo) {
   expect_part(error_of("bounds = [1, 2, 3]\n"), "four numbers expected");
   expect_part(error_of("bounds = [5, 2, 3, 4]\n"), "XMIN < XMAX");
   expect_part(error_of("terrain_only = 1\n"), "true or false expected");
-  expect_part(error_of("mesh_size = {a = 1}\n"), "expected");
   expect_part(error_of("mesh_size = \n"), "c.toml:1: not valid TOML");
   std::string deep = "# as deep as it gets\n";
   for (int i = 0; i < 300000; ++i) deep += "a.";
