@@ -70,7 +70,7 @@ class Simplifier {
   bool make_hull(Group& group);
   bool fill_yards_of_lost();
   void drop_vanished();
-  void take_back_flags();
+  void flag_moved();
   bool blunt_corners();
   std::int64_t fill_sharp_yards(double least_angle);
   void drop_small();
@@ -540,11 +540,15 @@ void Simplifier::finish() {
                                                    defects.front().message));
 }
 
-/// Vertices on straight walls, which a union leaves, are tidied away without a repair.
-void Simplifier::take_back_flags() {
-  for (std::size_t k = 0; k < groups_.size(); ++k)
-    if (!groups_[k].shares_input && result_.changes[k].distance <= kMaxShift / grid::kSteps)
-      groups_[k].flags &= ~std::uint32_t{kRepaired};
+/// By how far outlines are off their input: vertices on straight walls, which a union leaves, are
+/// tidied away without a repair, and gaps between members filled with one. What shares its input
+/// keeps the flag of what was done to it.
+void Simplifier::flag_moved() {
+  for (std::size_t k = 0; k < groups_.size(); ++k) {
+    if (groups_[k].shares_input) continue;
+    groups_[k].flags &= ~std::uint32_t{kRepaired};
+    if (result_.changes[k].distance > kMaxShift / grid::kSteps) groups_[k].flags |= kRepaired;
+  }
 }
 
 Simplification Simplifier::run() {
@@ -565,7 +569,7 @@ Simplification Simplifier::run() {
   std::sort(groups_.begin(), groups_.end(),
             [](const Group& a, const Group& b) { return a.members[0] < b.members[0]; });
   result_.changes = measure_changes(groups_, result_.stats, portion(progress_, 0.85, 0.95));
-  take_back_flags();
+  flag_moved();
   finish();
   progress_.update(1);
   return std::move(result_);

@@ -93,8 +93,11 @@ Kept keep_inside(const Config& config, const Polygon& feature, const Bounds2& do
     case DomainPosition::kCrossing:
       break;
   }
+  // The box of what lies around a corner of the domain crosses it, too.
+  std::vector<Polygon> inside = parts_in_box(cleaned.polygon, domain);
+  if (inside.empty()) return dropped(outside);
   if (config.boundary_buildings == BoundaryBuildings::kDrop) {
-    for (Polygon& part : parts_in_box(cleaned.polygon, domain)) crossing.push_back(std::move(part));
+    for (Polygon& part : inside) crossing.push_back(std::move(part));
     return dropped("crosses the domain boundary");
   }
   // Cut back by the merge distance, so that the strip left is wide enough to mesh.

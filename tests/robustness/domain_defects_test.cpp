@@ -111,6 +111,20 @@ TEST_F(DomainDefects, ABuildingInTheCorner) {
   EXPECT_NEAR(area(outcome.building_of("patient")->footprint), 11 * 7, 0.1);
 }
 
+/// Its box crosses the boundary, and it does not.
+TEST_F(DomainDefects, ABuildingAroundTheCornerIsOutside) {
+  std::vector<Feature> features = sound_features(city);
+  features.push_back(
+      {"around", "POLYGON((163 100,163 123,130 123,130 128,168 128,168 100,163 100))"});
+  set_bounds(0, 0, 160, 120);
+  for (const BoundaryBuildings what : {BoundaryBuildings::kDrop, BoundaryBuildings::kClip}) {
+    settings = [what](Config& config) { config.boundary_buildings = what; };
+    const Outcome outcome = run(features);
+    ASSERT_EQ(outcome.error, "");
+    EXPECT_EQ(outcome.reason_of("around"), "outside the domain");
+  }
+}
+
 TEST_F(DomainDefects, AWallOnTheBoundaryIsCutBack) {
   // The patient's eastern wall and northern wall lie exactly on the boundary.
   set_bounds(0, 0, 84, 66);
