@@ -26,6 +26,12 @@ std::vector<Polygon> parts_in_box(const Polygon& polygon, const Bounds2& box) {
       .value_or(std::vector<Polygon>());
 }
 
+namespace {
+
+constexpr double kCrumb = 1;  // square metres: no building, whatever it was cut from
+
+}  // namespace
+
 std::vector<Polygon> clip_to_box(const Polygon& polygon, const Bounds2& box, double least_area,
                                  double* lost_area) {
   std::vector<Polygon> parts = parts_in_box(polygon, box);
@@ -34,7 +40,7 @@ std::vector<Polygon> clip_to_box(const Polygon& polygon, const Bounds2& box, dou
   std::vector<Polygon> clipped;
   double lost = 0;
   for (Polygon& part : parts) {
-    if (!clipped.empty() && area(part) < least_area) {
+    if (area(part) < (clipped.empty() ? std::min(kCrumb, least_area) : least_area)) {
       lost += area(part);
       continue;
     }

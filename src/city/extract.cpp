@@ -144,7 +144,9 @@ std::size_t keep_inliers(std::span<PointIndex> list, const PointCloud& cloud, do
   const double mean = sum / n;
   double squares = 0;
   for (const PointIndex p : list) squares += (cloud.z[p] - mean) * (cloud.z[p] - mean);
-  const double limit = sigma * std::sqrt(squares / n);
+  constexpr double kRounding =
+      1e-9;  // metres: what is at the limit, as one of five often is, stays
+  const double limit = sigma * std::sqrt(squares / n) + kRounding;
   const auto end = std::remove_if(
       list.begin(), list.end(), [&](PointIndex p) { return std::abs(cloud.z[p] - mean) > limit; });
   return static_cast<std::size_t>(end - list.begin());

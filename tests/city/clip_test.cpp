@@ -49,6 +49,10 @@ TEST(ClipToBox, KeepsAllPartsButSlivers) {
   // The largest stays, however small.
   EXPECT_NEAR(area(clip_to_box(box(-5, 0, 10, 10), kDomain, 60, &lost).at(0)), 50, 1e-9);
   EXPECT_EQ(lost, 0);
+  EXPECT_NEAR(area(clip_to_box(box(-9.9, 0, 10, 12), kDomain, 15, &lost).at(0)), 1.2, 1e-9);
+  EXPECT_TRUE(clip_to_box(box(-9.9, 0, 10, 8), kDomain, 15, &lost).empty());
+  EXPECT_NEAR(lost, 0.8, 1e-9);
+  EXPECT_NEAR(area(clip_to_box(box(-9.9, 0, 10, 8), kDomain, 0, &lost).at(0)), 0.8, 1e-9);
   lost = -1;
   EXPECT_TRUE(clip_to_box(box(200, 0, 10, 10), kDomain, 15, &lost).empty());
   EXPECT_EQ(lost, 0);

@@ -348,6 +348,21 @@ TEST(DropOutliers, KeepsEqualHeights) {
   }
 }
 
+/// Four of five at one height put the fifth at exactly two standard deviations.
+TEST(DropOutliers, KeepsWhatIsAtTheLimit) {
+  for (int k = 0; k < 200; ++k) {
+    PointCloud cloud;
+    PointLists lists;
+    for (int i = 0; i < 5; ++i) {
+      add(cloud, 0, 0, 0.01 * (i == k % 5 ? 700 + k : 431 + 3 * k), 6);
+      lists.indices.push_back(static_cast<PointIndex>(i));
+    }
+    lists.offsets.push_back(5);
+    drop_outliers(lists, cloud, 2);
+    EXPECT_EQ(lists.indices.size(), 5U) << k;
+  }
+}
+
 TEST(MergeBuildingPoints, IsTheUnionOfTheMembers) {
   const Scene scene = random_scene(50, 20000, {2, 6});
   const BuildingPoints points = extract_building_points(scene.footprints, scene.cloud);

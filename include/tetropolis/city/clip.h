@@ -23,8 +23,8 @@ std::vector<Polygon> parts_in_box(const Polygon& polygon, const Bounds2& box);
 /// Both in metres in the local frame. The parts of a clean polygon within `box`, the largest first,
 /// clean (clean_footprint) and on the grid of kCoordinateStep, so up to half a step beyond a `box`
 /// that is not; none if nothing is left. Slivers below `least_area` square metres are left out
-/// beside larger parts. `lost_area`, if given, becomes their area and that of what cleaning gave
-/// up.
+/// beside larger parts, crumbs below that and a square metre always. `lost_area`, if given, becomes
+/// their area and that of what cleaning gave up.
 std::vector<Polygon> clip_to_box(const Polygon& polygon, const Bounds2& box, double least_area,
                                  double* lost_area = nullptr);
 
