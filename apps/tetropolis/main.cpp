@@ -198,7 +198,7 @@ int run_check(const ConfigOptions& options, const std::string& path,
 }
 
 void init(const std::string& path) {
-  const std::string text = config_template(kBuild | kCity | kMesh);
+  const std::string text = config_template(kBuild | kCity | kMesh | kSynth);
   if (path == "-") {
     put(stdout, text);
     return;
@@ -274,10 +274,16 @@ void add_run(CommandLine& line, const std::string& name, const std::string& help
   on_choice(line, added, [options, command, function] { return run(*options, command, function); });
 }
 
+/// As a script makes them of a variable that is not set.
+std::string wrong_name(const std::string& text) { return text.empty() ? "an empty name" : ""; }
+
 void add_info(CommandLine& line) {
   CLI::App& added = *line.app.add_subcommand(
       "info", "What is in a point cloud, vector file, city model, raster or mesh");
-  added.add_option("files", line.files, "Files")->required()->type_name("FILE...");
+  added.add_option("files", line.files, "Files")
+      ->required()
+      ->type_name("FILE...")
+      ->check(wrong_name);
   on_choice(line, added,
             [&line] { return info(line.files) ? 0 : static_cast<int>(ErrorKind::kInput); });
 }
@@ -295,7 +301,10 @@ void add_check(CommandLine& line) {
   CLI::App& added = *line.app.add_subcommand(
       "check",
       "Validate a city model, a mesh or a folder of results; exit 1 if a guarantee is broken");
-  added.add_option("path", line.checked, "File or folder")->required()->type_name("PATH");
+  added.add_option("path", line.checked, "File or folder")
+      ->required()
+      ->type_name("PATH")
+      ->check(wrong_name);
   added
       .add_option("--min-building-distance", line.min_distance,
                   "Clearance to ask of a city model [m] (default: as in report.json, else 1.0)")
@@ -343,15 +352,29 @@ void declare(CommandLine& line) {
   add_settings(line);
 }
 
-/// CLI11 takes what comes after "--option=" as its value, be it the next option.
-void require_values(int argc, char** argv) {
+/// CLI11 takes what comes after "--option=", or after an option with a value, as that value, be it
+/// the next option.
+void require_values(const CLI::App& app, int argc, char** argv) {
+  const CLI::App* command = &app;
+  const auto takes_value = [&](std::string_view word) {
+    const CLI::Option* option = command->get_option_no_throw(std::string(word));
+    return option != nullptr && option->get_items_expected_min() > 0;
+  };
   for (int i = 1; i < argc; ++i) {
-    const std::string_view word = argv[i];
+    std::string_view word = argv[i];
     if (word == "--") return;
-    if (word.starts_with("--") && word.ends_with('='))
-      throw Error(ErrorKind::kUsage,
-                  fmt::format("{} has no value; write one after the '=', or leave the option out",
-                              word.substr(0, word.size() - 1)));
+    if (command == &app)
+      for (const CLI::App* sub : app.get_subcommands({}))
+        if (sub->get_name() == word) command = sub;
+    if (!word.starts_with("--")) continue;
+    const bool is_next_option = i + 1 < argc && std::string_view(argv[i + 1]).starts_with("--") &&
+                                command->get_option_no_throw(argv[i + 1]) != nullptr;
+    if (word.ends_with('='))
+      word.remove_suffix(1);
+    else if (!(is_next_option && takes_value(word)))
+      continue;
+    throw Error(ErrorKind::kUsage,
+                fmt::format("{} has no value; write one, or leave the option out", word));
   }
 }
 
@@ -391,7 +414,7 @@ int main(int argc, char** argv) {
     return static_cast<int>(ErrorKind::kUsage);
   }
   try {
-    require_values(argc, argv);
+    require_values(line.app, argc, argv);
     line.app.parse(argc, argv);
   } catch (const Error& error) {
     put(stderr, fmt::format("tetropolis: {}\n", one_line(error.what())));

@@ -298,7 +298,16 @@ void read_account(const Place& root, CityModel& model) {
   model.domain = Bounds2::nothing();
   if (!root.has("tetropolis")) return;
   const Place account = root.at("tetropolis");
-  if (account.has("crs") && model.crs.empty()) model.crs = crs_at(account.at("crs"));
+  if (account.has("crs") && !account.at("crs").text().empty()) {
+    const std::string crs = crs_at(account.at("crs"));
+    if (model.crs.empty())
+      model.crs = crs;
+    else if (crs != model.crs && !same_horizontal_crs(crs, model.crs))
+      account.at("crs").fail(fmt::format(
+          "is {}, but /metadata/referenceSystem {}; correct one, or remove the member 'tetropolis' "
+          "if another program has moved the model",
+          crs_name(crs), crs_name(model.crs)));
+  }
   if (account.has("domain")) {
     const Place box = account.at("domain");
     if (box.size() != 4) box.fail("is not an array of four numbers");
@@ -306,6 +315,8 @@ void read_account(const Place& root, CityModel& model) {
       return snap_coordinate(box.at(i).number() - (i % 2 == 0 ? model.origin.x : model.origin.y));
     };
     model.domain = {side(0), side(1), side(2), side(3)};
+    if (model.domain.empty())
+      box.fail("is not XMIN, YMIN, XMAX, YMAX with XMIN < XMAX, YMIN < YMAX");
   }
   if (!account.has("dropped")) return;
   const Place dropped = account.at("dropped");
@@ -319,6 +330,26 @@ std::string read_crs(const Place& root) {
   const Place metadata = root.at("metadata");
   if (!metadata.has("referenceSystem")) return "";
   return crs_at(metadata.at("referenceSystem"));
+}
+
+/// Of our own files: whether the extent stated is that of the vertices, to a centimetre.
+bool states_its_extent(const Place& root, const CityFrame& frame) {
+  constexpr double kRounding = 0.01;  // metres
+  if (!root.has("tetropolis") || !root.has("metadata") || frame.vertices.empty()) return true;
+  const Place metadata = root.at("metadata");
+  if (!metadata.has("geographicalExtent")) return true;
+  const Place extent = metadata.at("geographicalExtent");
+  if (extent.size() != 6) return false;
+  const std::array<double, 3> origin{frame.origin.x, frame.origin.y, 0};
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    const auto below = [axis](const Point3& p, const Point3& q) { return p[axis] < q[axis]; };
+    const auto [low, high] =
+        std::minmax_element(frame.vertices.begin(), frame.vertices.end(), below);
+    if (!(std::abs(extent.at(axis).number() - origin[axis] - (*low)[axis]) <= kRounding &&
+          std::abs(extent.at(axis + 3).number() - origin[axis] - (*high)[axis]) <= kRounding))
+      return false;
+  }
+  return true;
 }
 
 /// What became of objects otherwise than one might think; `dropped` of them are no buildings.
@@ -364,8 +395,14 @@ CityModel read_city(const fs::path& path, std::vector<Warning>* warnings) {
   CityReader reader(frame, model);
   for (const std::string& key : document.keys) reader.add(objects.at(key), key);
   reader.finish();
-  if (warnings != nullptr)
+  if (warnings != nullptr) {
     warn_of_objects(path, reader, model.dropped.size() - dropped_before, *warnings);
+    if (!states_its_extent(root, frame))
+      warnings->push_back({"city_extent_differs", 1,
+                           path.string() +
+                               ": metadata.geographicalExtent is not that of the vertices, and is "
+                               "not used"});
+  }
   return model;
 }
 

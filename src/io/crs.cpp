@@ -287,8 +287,8 @@ std::vector<Point2> reproject(std::span<const Point2> points, const std::string&
   const gdal::QuietErrors errors;
   const gdal::Transform transform(OCTNewCoordinateTransformation(source.get(), target.get()));
   if (transform == nullptr)
-    throw Error(ErrorKind::kUsage, "no transformation from " + crs_name(from) + " to " +
-                                       crs_name(to) + errors.reason());
+    throw Error(ErrorKind::kUsage,
+                "there is no transformation from " + crs_name(from) + " to " + crs_name(to));
   std::vector<Point2> result(points.begin(), points.end());
   constexpr std::size_t kBlock = 4096;
   std::vector<double> x(kBlock);

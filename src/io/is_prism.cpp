@@ -52,14 +52,17 @@ class Corners {
 
 bool is_prism(const std::vector<Face>& faces, const Building& building) {
   const Corners corners(building.footprint);
-  const auto is_right = [&](const Point3& p) {
-    const bool at_height = std::abs(p[2] - building.h_ground) <= kRounding ||
-                           std::abs(p[2] - building.h_roof) <= kRounding;
-    return at_height && corners.have(p[0], p[1]);
-  };
-  for (const Face& face : faces)
+  const auto is_at = [](const Point3& p, double z) { return std::abs(p[2] - z) <= kRounding; };
+  for (const Face& face : faces) {
+    const bool may_be_ground = !face.is_roof, may_be_roof = !face.is_ground;
+    const auto is_right = [&](const Point3& p) {
+      return ((may_be_ground && is_at(p, building.h_ground)) ||
+              (may_be_roof && is_at(p, building.h_roof))) &&
+             corners.have(p[0], p[1]);
+    };
     for (const std::vector<Point3>& ring : face.rings)
       if (!std::all_of(ring.begin(), ring.end(), is_right)) return false;
+  }
   return is_closed(faces);
 }
 

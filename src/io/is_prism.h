@@ -10,8 +10,8 @@
 namespace tetropolis {
 
 /// Whether the faces close a body whose corners are those of the footprint at `h_ground` and at
-/// `h_roof`: to a centimetre, as other programs round coordinates. How corners are joined to faces
-/// is not looked at.
+/// `h_roof`, where semantics say ground or roof at that one: to a centimetre, as other programs
+/// round coordinates. How corners are joined to faces is not looked at.
 bool is_prism(const std::vector<Face>& faces, const Building& building);
 
 }  // namespace tetropolis

@@ -421,11 +421,17 @@ void settle_crs(const fs::path& path, const ReadFootprintsOptions& options, bool
                                path.string() + ": does not state its coordinate reference system"});
 }
 
-void reproject_features(const std::string& target, FootprintsInput& result) {
+void reproject_features(const fs::path& path, const std::string& target, FootprintsInput& result) {
   std::vector<Point2> points;
   for (Footprint& feature : result.features)
     for_each_vertex(feature.polygon, [&](const Point2& p) { points.push_back(p); });
-  points = reproject(points, result.crs, target);
+  try {
+    points = reproject(points, result.crs, target);
+  } catch (const Error& error) {
+    fail_input(path, fmt::format("{}; give the system of the footprints by --footprints-crs, that "
+                                 "of the points by --points-crs",
+                                 error.what()));
+  }
   std::size_t next = 0;
   std::vector<Footprint> kept;
   kept.reserve(result.features.size());
@@ -470,7 +476,7 @@ FootprintsInput read_footprints(const fs::path& path, const ReadFootprintsOption
     if (same_horizontal_crs(result.crs, target))
       result.crs = target;
     else
-      reproject_features(target, result);
+      reproject_features(path, target, result);
   }
   return result;
 }

@@ -78,12 +78,20 @@ std::optional<double> distance_asked(const std::string& name, std::optional<doub
   return report ? report->min_distance : Config{}.min_building_distance;
 }
 
-/// Of what the reader of a model noticed, that its solids are not those of its attributes.
-void note_solids(const std::vector<Warning>& warnings, CheckedFile& file) {
-  for (const Warning& warning : warnings)
-    if (warning.code == "city_solids_differ")
+/// Of what the reader of a model noticed, what is wrong in a model of ours: as a violation if it is
+/// a result, and in words if it is only what `mesh` has read, which uses the attributes.
+void note_changes(const std::vector<Warning>& warnings, bool is_result, CheckedFile& file) {
+  for (const Warning& warning : warnings) {
+    const bool solids = warning.code == "city_solids_differ";
+    if (!solids && warning.code != "city_extent_differs") continue;
+    if (!is_result)
+      file.facts.push_back(warning.message);
+    else if (solids)
       file.violations.push_back({"solids that are not what their ground, h_ground and h_roof make",
                                  warning.count, warning.message});
+    else
+      file.violations.push_back({"wrong extent", warning.count, warning.message});
+  }
 }
 
 /// Guarantee 3: footprints in the mesh, and its angles if the report says what was asked for.
@@ -311,7 +319,7 @@ std::vector<CheckedFile> check_folder(const fs::path& folder, std::optional<doub
         distance_asked(name, is_raw ? std::nullopt : min_distance, report);
     const CityCheck check = check_city(city, distance);
     files.push_back(describe(shown_name(path, folder), check, distance));
-    note_solids(warnings, files.back());
+    note_changes(warnings, path.parent_path() == folder, files.back());
     compare_account(city, report, files.back());
     if (is_raw) {
       raw = city;
@@ -355,7 +363,7 @@ CheckedFile check_one_city(const fs::path& path, std::optional<double> min_dista
   const std::optional<double> distance = distance_asked(name, min_distance, report);
   std::vector<Warning> warnings;
   CheckedFile file = describe(name, check_city(read_city(path, &warnings), distance), distance);
-  note_solids(warnings, file);
+  note_changes(warnings, true, file);
   file.not_checked = std::move(not_checked);
   return file;
 }

@@ -217,11 +217,12 @@ Bounds2 find_domain(const Config& config, const FootprintsInput& footprints,
   if (domain.empty() || domain.width() < least || domain.height() < least)
     throw Error(
         ErrorKind::kInput,
-        fmt::format("{}: {} points leave a domain of {:.3f} m x {:.3f} m: too small for "
+        fmt::format("{}: the domain is {:.3f} m x {:.3f} m (points in it: {}), too small for "
                     "footprints {} m apart; give more points, larger --bounds or lower "
                     "--min-building-distance",
-                    config.points.front(), points.points_kept, std::max(domain.width(), 0.0),
-                    std::max(domain.height(), 0.0), config.min_building_distance));
+                    config.points.front(), std::max(domain.width(), 0.0),
+                    std::max(domain.height(), 0.0), points.points_kept,
+                    config.min_building_distance));
   return domain;
 }
 

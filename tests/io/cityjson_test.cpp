@@ -441,6 +441,51 @@ TEST(CityJson, SolidsOtherThanTheirGroundAndHeightsAreNamed) {
     std::reverse(faces[3][0].begin(), faces[3][0].end());
   });
   expect_named("wall missing", [](Json&, Json& faces, Json&) { faces.erase(4); });
+  // Ground and roof trade places: what the ground face is at is not h_ground.
+  Json turned = file;
+  turned["CityObjects"][id]["geometry"][0]["semantics"]["values"][0][0] = 1;
+  turned["CityObjects"][id]["geometry"][0]["semantics"]["values"][0][1] = 0;
+  warnings.clear();
+  read_city(write_text(folder / "b.json", turned.dump()), &warnings);
+  ASSERT_EQ(warnings.size(), 1U);
+  EXPECT_EQ(warnings[0].code, "city_solids_differ");
+}
+
+TEST(CityJson, WhatOurFilesSayTwiceHasToAgree) {
+  const TemporaryFolder folder;
+  CityModel model = random_city(3);
+  model.crs = "EPSG:3006";
+  write_city(folder / "a.json", model);
+  const Json file = Json::parse(bytes_of(folder / "a.json"));
+  const auto error_of = [&](const Json& edited) -> std::string {
+    try {
+      read_city(write_text(folder / "b.json", edited.dump()));
+    } catch (const Error& error) {
+      return error.what();
+    }
+    return "";
+  };
+  EXPECT_EQ(error_of(file), "");
+  Json crs = file;
+  crs["tetropolis"]["crs"] = "EPSG:28992";
+  EXPECT_NE(error_of(crs).find("/tetropolis/crs is EPSG:28992, but /metadata/referenceSystem "
+                               "EPSG:3006"),
+            std::string::npos)
+      << error_of(crs);
+  Json box = file;
+  std::swap(box["tetropolis"]["domain"][0], box["tetropolis"]["domain"][2]);
+  EXPECT_NE(error_of(box).find("/tetropolis/domain is not XMIN, YMIN, XMAX, YMAX"),
+            std::string::npos)
+      << error_of(box);
+  for (std::size_t side = 0; side < 6; ++side) {
+    Json extent = file;
+    Json& value = extent["metadata"]["geographicalExtent"][side];
+    value = value.get<double>() + 0.02;
+    std::vector<Warning> warnings;
+    read_city(write_text(folder / "b.json", extent.dump()), &warnings);
+    ASSERT_EQ(warnings.size(), 1U) << side;
+    EXPECT_EQ(warnings[0].code, "city_extent_differs");
+  }
 }
 
 TEST(CityJson, ReadsThe3dfierReference) {

@@ -850,7 +850,12 @@ TEST_F(Cli, WordsTooManyAreRefused) {
 TEST_F(Cli, OptionsWithoutTheirValueTakeNoOtherOption) {
   expect_error("synth --log= --quiet --out x", 2, "--log has no value");
   expect_error("build --footprints= --points p.laz --out x", 2, "--footprints has no value");
+  expect_error("synth --out x --log --quiet", 2, "--log has no value");
+  expect_error("build --footprints --points p.laz --out x", 2, "--footprints has no value");
+  expect_error("build --footprints a.shp --points --out x", 2, "--points has no value");
   EXPECT_FALSE(fs::exists(scratch / "--quiet"));
+  EXPECT_EQ(run("info ''").code, 2);
+  expect_error("check ''", 2, "an empty name");
 }
 
 TEST_F(Cli, AReferenceSystemThatNobodyKnowsIsNamedAsTheReason) {
