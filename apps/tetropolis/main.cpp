@@ -369,7 +369,7 @@ void require_values(const CLI::App& app, int argc, char** argv) {
     if (!word.starts_with("--")) continue;
     const bool is_next_option = i + 1 < argc && std::string_view(argv[i + 1]).starts_with("--") &&
                                 command->get_option_no_throw(argv[i + 1]) != nullptr;
-    if (word.ends_with('='))
+    if (word.find('=') == word.size() - 1)
       word.remove_suffix(1);
     else if (!(is_next_option && takes_value(word)))
       continue;

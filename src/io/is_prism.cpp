@@ -29,6 +29,36 @@ bool is_closed(const std::vector<Face>& faces) {
   return there == back;
 }
 
+/// Of a closed body near `origin` whose faces look outwards; holes of faces are taken off. Cubic
+/// metres.
+double volume_of(const std::vector<Face>& faces, const Point3& origin) {
+  double six = 0;
+  const auto from_origin = [&](const Point3& p) {
+    return Point3{p[0] - origin[0], p[1] - origin[1], p[2] - origin[2]};
+  };
+  for (const Face& face : faces)
+    for (const std::vector<Point3>& ring : face.rings)
+      for (std::size_t i = 1; i + 1 < ring.size(); ++i) {
+        const Point3 a = from_origin(ring[0]), b = from_origin(ring[i]),
+                     c = from_origin(ring[i + 1]);
+        six += a[0] * (b[1] * c[2] - b[2] * c[1]) + a[1] * (b[2] * c[0] - b[0] * c[2]) +
+               a[2] * (b[0] * c[1] - b[1] * c[0]);
+      }
+  return six / 6;
+}
+
+/// Whether that is what footprint and heights make, as far as rounding may change it.
+bool has_volume(const std::vector<Face>& faces, const Building& building) {
+  const double plan = area(building.footprint), height = building.h_roof - building.h_ground;
+  double perimeter = 0;
+  for_each_edge(building.footprint,
+                [&](Point2 a, Point2 b) { perimeter += std::hypot(b.x - a.x, b.y - a.y); });
+  const double change = kRounding * (2 * plan + perimeter * height);
+  const Point2 corner = building.footprint.outer[0];
+  const double volume = volume_of(faces, {corner.x, corner.y, building.h_ground});
+  return std::abs(volume - plan * height) <= change;
+}
+
 /// The corners of a footprint, to be asked which places are at one of them.
 class Corners {
  public:
@@ -63,7 +93,7 @@ bool is_prism(const std::vector<Face>& faces, const Building& building) {
     for (const std::vector<Point3>& ring : face.rings)
       if (!std::all_of(ring.begin(), ring.end(), is_right)) return false;
   }
-  return is_closed(faces);
+  return is_closed(faces) && has_volume(faces, building);
 }
 
 }  // namespace tetropolis

@@ -9,9 +9,10 @@
 
 namespace tetropolis {
 
-/// Whether the faces close a body whose corners are those of the footprint at `h_ground` and at
-/// `h_roof`, where semantics say ground or roof at that one: to a centimetre, as other programs
-/// round coordinates. How corners are joined to faces is not looked at.
+/// Whether the faces close a body with their fronts outwards, whose corners are those of the
+/// footprint at `h_ground` and at `h_roof` (where semantics say ground or roof, at that one) and
+/// whose volume is that of the prism: to a centimetre, as other programs round coordinates.
+/// Precondition: the footprint is not empty.
 bool is_prism(const std::vector<Face>& faces, const Building& building);
 
 }  // namespace tetropolis

@@ -441,6 +441,15 @@ TEST(CityJson, SolidsOtherThanTheirGroundAndHeightsAreNamed) {
     std::reverse(faces[3][0].begin(), faces[3][0].end());
   });
   expect_named("wall missing", [](Json&, Json& faces, Json&) { faces.erase(4); });
+  expect_named("inside out", [](Json&, Json& faces, Json&) {
+    for (Json& face : faces)
+      for (Json& ring : face) std::reverse(ring.begin(), ring.end());
+  });
+  expect_named("roof on the ground", [](Json&, Json& faces, Json&) {
+    faces[1][0] = faces[0][0];
+    std::reverse(faces[1][0].begin(), faces[1][0].end());
+    for (std::size_t k = faces.size() - 1; k > 1; --k) faces.erase(k);
+  });
   // Ground and roof trade places: what the ground face is at is not h_ground.
   Json turned = file;
   turned["CityObjects"][id]["geometry"][0]["semantics"]["values"][0][0] = 1;

@@ -854,6 +854,7 @@ TEST_F(Cli, OptionsWithoutTheirValueTakeNoOtherOption) {
   expect_error("build --footprints --points p.laz --out x", 2, "--footprints has no value");
   expect_error("build --footprints a.shp --points --out x", 2, "--points has no value");
   EXPECT_FALSE(fs::exists(scratch / "--quiet"));
+  EXPECT_EQ(run("synth --quiet --buildings 2 --size 60 --out=a=").code, 0);
   EXPECT_EQ(run("info ''").code, 2);
   expect_error("check ''", 2, "an empty name");
 }
