@@ -126,6 +126,7 @@ SurfaceCheck check_surface(const SurfaceMesh& surface) {
       note_violation(check.violations, kNotFinite, [&] { return fmt::format("vertex {}", v); });
   const Box box = bounding_box(surface);
   check.highest = box.high[2];
+  check.box = {box.low[0], box.low[1], box.high[0], box.high[1]};
   std::map<BuildingIndex, double> roof;
   for (std::size_t f = 0; f < surface.triangles.size(); ++f) {
     const auto p = corners(surface, f);
@@ -142,6 +143,8 @@ SurfaceCheck check_surface(const SurfaceMesh& surface) {
     ++check.faces_by_patch[static_cast<std::size_t>(patch) - 1];
     if (const char* what = tag_violation(p, normal, patch, surface.building[f], box))
       note_violation(check.violations, what, place);
+    if (patch == Patch::kTop)
+      for (const Vector3& corner : p) check.lowest_top = std::min(check.lowest_top, corner[2]);
     if (patch == Patch::kRoof &&
         roof.try_emplace(surface.building[f], p[0][2]).first->second != p[0][2])
       note_violation(check.violations, "roofs of one building at different heights", place);

@@ -139,9 +139,10 @@ PointLists take_lists(std::vector<Chunk>& chunks, std::vector<Hit> Chunk::*kind,
 std::size_t keep_inliers(std::span<PointIndex> list, const PointCloud& cloud, double sigma) {
   if (list.empty()) return 0;
   const auto n = static_cast<double>(list.size());
+  const double first = cloud.z[list[0]];  // sums of what is near 0 round less
   double sum = 0;
-  for (const PointIndex p : list) sum += cloud.z[p];
-  const double mean = sum / n;
+  for (const PointIndex p : list) sum += cloud.z[p] - first;
+  const double mean = first + sum / n;
   double squares = 0;
   for (const PointIndex p : list) squares += (cloud.z[p] - mean) * (cloud.z[p] - mean);
   constexpr double kRounding =

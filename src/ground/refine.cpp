@@ -262,9 +262,11 @@ std::int32_t Refiner::add_vertex(Point2 p, std::int32_t kind) {
   if (static_cast<std::int64_t>(mesh_.points.size()) >= max_vertices_)
     throw Error(
         ErrorKind::kGuarantee,
-        fmt::format("ground mesh: more than {} vertices, the last at ({:.6f}, {:.6f}); remove "
-                    "the tiny gap or corner there, or allow more",
-                    max_vertices_, p.x, p.y));
+        fmt::format(
+            "ground mesh: more than {} vertices, the last at ({:.6f}, {:.6f}); remove "
+            "the tiny gap or corner there, or ask for wider gaps (--min-building-distance) or "
+            "a larger --mesh-size",
+            max_vertices_, p.x, p.y));
   kinds_.push_back(kind);
   return mesh_.add_point(p);
 }

@@ -302,14 +302,24 @@ void TriMesh::release(std::int32_t s) {
 }
 
 std::int32_t TriMesh::find_edge(std::int32_t a, std::int32_t b) const {
-  const std::int32_t t = some_triangle[static_cast<std::size_t>(a)];
-  std::int32_t found = kNothing;
-  around(opposite(t, a), [&](std::int32_t he) {
-    // The edge from the apex a to origin(he) is the one before he.
-    if (origin(he) == b) found = prev(he);
-    return found >= 0;
-  });
-  return found;
+  const auto first_at = [&](std::int32_t v) {
+    return opposite(some_triangle[static_cast<std::size_t>(v)], v);
+  };
+  const auto turned = [&](std::int32_t he) {
+    const std::int32_t other = across(next(he));
+    return other < 0 ? kNothing : next(other);
+  };
+  // Around both at the same pace: at one of them thousands of edges may meet.
+  const std::int32_t first_a = first_at(a), first_b = first_at(b);
+  std::int32_t at_a = first_a, at_b = first_b;
+  do {
+    // The edge from an apex to the origin of its half-edge is the one before that.
+    if (origin(at_a) == b) return prev(at_a);
+    if (origin(at_b) == a) return across(prev(at_b));
+    at_a = turned(at_a);
+    at_b = turned(at_b);
+  } while (at_a >= 0 && at_b >= 0 && at_a != first_a && at_b != first_b);
+  return kNothing;
 }
 
 void TriMesh::renumber(const std::vector<std::int32_t>& number) {

@@ -372,9 +372,8 @@ void warn_of_objects(const fs::path& path, const CityReader& reader, std::size_t
   const std::vector<std::string>& other = reader.other_solids();
   warn(
       "city_solids_differ", other.size(),
-      fmt::format("the solids of {} buildings (the first: {}) are not closed between their ground "
-                  "faces at h_ground and the same at h_roof; the ground faces and these attributes "
-                  "are used",
+      fmt::format("the solids of {} buildings (the first: {}) are not what their ground faces make "
+                  "from h_ground to h_roof; the ground faces and these attributes are used",
                   other.size(), other.empty() ? "" : other.front()));
 }
 

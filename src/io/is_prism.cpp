@@ -64,17 +64,24 @@ class Corners {
  public:
   explicit Corners(const Polygon& footprint) {
     for_each_edge(footprint, [&](Point2 a, Point2) { corners_.push_back(a); });
-    std::sort(corners_.begin(), corners_.end(), [](Point2 a, Point2 b) { return a.x < b.x; });
+    std::sort(corners_.begin(), corners_.end(), comes_before);
   }
   bool have(double x, double y) const {
-    auto it = std::lower_bound(corners_.begin(), corners_.end(), x - kRounding,
-                               [](Point2 p, double least) { return p.x < least; });
-    for (; it != corners_.end() && it->x <= x + kRounding; ++it)
-      if (std::abs(it->y - y) <= kRounding) return true;
+    for (const double column : {column_of(x - kRounding), column_of(x + kRounding)}) {
+      auto it = std::lower_bound(corners_.begin(), corners_.end(), std::pair{column, y - kRounding},
+                                 [](Point2 p, const auto& least) { return key_of(p) < least; });
+      for (; it != corners_.end() && column_of(it->x) == column && it->y <= y + kRounding; ++it)
+        if (std::abs(it->x - x) <= kRounding) return true;
+    }
     return false;
   }
 
  private:
+  /// By columns, of which a search meets two at most: many corners may lie on one line.
+  static double column_of(double x) { return std::floor(x / (4 * kRounding)); }
+  static std::pair<double, double> key_of(Point2 p) { return {column_of(p.x), p.y}; }
+  static bool comes_before(Point2 a, Point2 b) { return key_of(a) < key_of(b); }
+
   std::vector<Point2> corners_;
 };
 

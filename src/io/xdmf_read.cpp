@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <array>
 #include <cstdint>
 #include <limits>
@@ -15,6 +16,7 @@
 #include "input_file.h"
 #include "mesh_input.h"
 #include "positioned_file.h"
+#include "xdmf_description.h"
 #include "xdmf_layout.h"
 
 namespace tetropolis {
@@ -42,12 +44,16 @@ class Description {
   /// The HDF5 file that it refers to, which is beside it.
   fs::path data_path() const { return path_.parent_path() / data_name_; }
 
-  /// Throws unless it gives the dataset these dimensions.
-  void require(const char* dataset, const std::string& dimensions) const {
-    const std::string item =
-        fmt::format("Dimensions=\"{}\" Format=\"HDF\">{}:{}<", dimensions, data_name_, dataset);
-    if (text_.find(item) == std::string::npos)
-      fail(fmt::format("does not give {} the dimensions that it has, {}", dataset, dimensions));
+  /// Throws unless that is how data of these sizes are described.
+  void require(const Sizes& sizes) const {
+    const std::optional<Point3> stated = origin();
+    if (!stated) fail("does not state its origin");
+    const std::string expected = description(sizes, *stated, data_name_);
+    if (text_ == expected) return;
+    const auto [is, should_be] =
+        std::mismatch(text_.begin(), text_.end(), expected.begin(), expected.end());
+    const auto line = 1 + std::count(text_.begin(), is, '\n');
+    fail(fmt::format("does not describe the data that {} has, from line {} on", data_name_, line));
   }
 
   std::optional<Point3> origin() const {
@@ -123,12 +129,8 @@ XdmfMesh read_xdmf(const fs::path& path) {
     file.fail("has not as many tags as boundary faces");
   if (faces.size() > std::numeric_limits<std::int32_t>::max() / 3)
     file.fail("has more boundary faces than can be read");
-  description.require(kGeometry, fmt::format("{} 3", volume.points.size()));
-  description.require(kTopology, fmt::format("{} 4", cells));
-  description.require(kRegion, fmt::format("{}", cells));
-  description.require(kFaces, fmt::format("{} 3", faces.size()));
-  description.require(kPatch, fmt::format("{}", faces.size()));
-  description.require(kBuilding, fmt::format("{}", faces.size()));
+  description.require({static_cast<std::int64_t>(volume.points.size()),
+                       static_cast<std::int64_t>(cells), static_cast<std::int64_t>(faces.size())});
   require_corners(file, kTopology, volume.cells, volume.points.size());
   require_corners(file, kFaces, faces, volume.points.size());
 

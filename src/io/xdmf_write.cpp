@@ -15,6 +15,7 @@
 #include "column_output.h"
 #include "hdf5_compressed.h"
 #include "hdf5_output.h"
+#include "xdmf_description.h"
 #include "xdmf_layout.h"
 
 namespace tetropolis {
@@ -81,51 +82,6 @@ void write_boundary(Output& file, const SurfaceMesh& surface) {
   write_rows([&](std::size_t f, std::string& buffer) { append_raw(buffer, surface.building[f]); });
 }
 
-std::string data_item(std::string_view number, int precision, const std::string& dimensions,
-                      const std::string& file, std::string_view path) {
-  return fmt::format(
-      "<DataItem NumberType=\"{}\" Precision=\"{}\" Dimensions=\"{}\" "
-      "Format=\"HDF\">{}:{}</DataItem>",
-      number, precision, dimensions, file, path);
-}
-
-std::string topology(std::string_view type, NodeIndex elements, int nodes, const std::string& file,
-                     std::string_view path) {
-  return fmt::format(
-      "<Topology TopologyType=\"{}\" NumberOfElements=\"{}\" NodesPerElement=\"{}\">\n{}\n"
-      "</Topology>\n",
-      type, elements, nodes,
-      data_item("Int", 8, fmt::format("{} {}", elements, nodes), file, path));
-}
-
-std::string attribute(std::string_view name, NodeIndex elements, const std::string& file,
-                      std::string_view path) {
-  return fmt::format(
-      "<Attribute Name=\"{}\" AttributeType=\"Scalar\" Center=\"Cell\">\n{}\n</Attribute>\n", name,
-      data_item("Int", 4, std::to_string(elements), file, path));
-}
-
-/// DOLFINx finds grids by name and takes a grid's first attribute unless told its name.
-std::string description(NodeIndex nodes, NodeIndex cells, NodeIndex faces,
-                        const Placement& placement, const std::string& file) {
-  const std::string points = fmt::format("{} 3", nodes);
-  const std::string geometry = fmt::format("<Geometry GeometryType=\"XYZ\">\n{}\n</Geometry>\n",
-                                           data_item("Float", 8, points, file, kGeometry));
-  std::string text =
-      "<?xml version=\"1.0\"?>\n<!DOCTYPE Xdmf SYSTEM \"Xdmf.dtd\" []>\n"
-      "<Xdmf Version=\"3.0\">\n<Domain>\n";
-  text += fmt::format("<Information Name=\"origin\" Value=\"{} {} {}\"/>\n", placement.origin[0],
-                      placement.origin[1], placement.origin[2]);
-  text += "<Grid Name=\"mesh\" GridType=\"Uniform\">\n";
-  text += topology("Tetrahedron", cells, 4, file, kTopology) + geometry;
-  text += attribute("region", cells, file, kRegion) + "</Grid>\n";
-  text += "<Grid Name=\"boundary\" GridType=\"Uniform\">\n";
-  text += topology("Triangle", faces, 3, file, kFaces) + geometry;
-  text += attribute("patch", faces, file, kPatch);
-  text += attribute("building", faces, file, kBuilding) + "</Grid>\n";
-  return text + "</Domain>\n</Xdmf>\n";
-}
-
 /// The description appears after the data it refers to.
 template <typename Output>
 void write_both(const std::filesystem::path& path, const std::filesystem::path& data_path,
@@ -136,9 +92,9 @@ void write_both(const std::filesystem::path& path, const std::filesystem::path& 
   write_volume(data, mesh, cells, placement, progress);
   write_boundary(data, surface);
   AtomicFile file(path);
-  file.write(description(mesh.node_count(), cells.back(),
-                         static_cast<NodeIndex>(surface.triangles.size()), placement,
-                         data_path.filename().string()));
+  file.write(description(
+      {mesh.node_count(), cells.back(), static_cast<std::int64_t>(surface.triangles.size())},
+      placement.origin, data_path.filename().string()));
   data.commit();
   file.commit();
 }

@@ -203,6 +203,7 @@ std::vector<CheckedFile> check_volume_and_boundaries(const NamedVolume& volume,
     const SurfaceCheck surface_check = check_surface(boundary.mesh);
     files.push_back(describe(boundary.name, surface_check));
     compare_origin(boundary.origin, report, files.back());
+    compare_domain(surface_check, report, files.back());
     CheckedFile both{fmt::format("{} and {}", volume.name, boundary.name),
                      {"faces of one compared with faces of the other"},
                      check_same_boundary(volume.mesh, volume_check, boundary.mesh),
@@ -278,17 +279,22 @@ std::vector<CheckedFile> check_one_xdmf(const fs::path& path, const Progress& pr
   return files;
 }
 
-/// A result that was lost or moved away since the run.
+bool is_whole(const fs::path& path) {
+  std::error_code error;
+  return fs::is_regular_file(path, error) && fs::file_size(path, error) > 0;
+}
+
+/// A result that was lost or moved away since the run, or emptied.
 void require_listed(const fs::path& folder, const ReportedFacts& report,
                     std::vector<CheckedFile>& files) {
   std::vector<std::string> missing;
   for (const std::string& name : report.files)
-    if (!is_there(folder / name)) missing.push_back(name);
+    if (!is_whole(folder / name)) missing.push_back(name);
   if (!missing.empty())
     files.push_back({results::kReport,
                      {fmt::format("missing: {}", fmt::join(missing, ", "))},
-                     {{"results that report.json lists and that are not here", std::ssize(missing),
-                       missing[0]}},
+                     {{"results that report.json lists and that are not here, or empty",
+                       std::ssize(missing), missing[0]}},
                      {}});
 }
 
@@ -370,8 +376,10 @@ CheckedFile check_one_city(const fs::path& path, std::optional<double> min_dista
 
 }  // namespace
 
-std::vector<CheckedFile> check_path(const fs::path& path, std::optional<double> min_distance,
+std::vector<CheckedFile> check_path(const fs::path& given, std::optional<double> min_distance,
                                     const Progress& progress) {
+  fs::path path = given;
+  while (!path.has_filename() && path.has_relative_path()) path = path.parent_path();  // "r/"
   if (!is_there(path)) throw Error(ErrorKind::kInput, path.string() + ": no such file or folder");
   std::error_code ignored;
   if (fs::is_directory(path, ignored)) return check_folder(path, min_distance, progress);

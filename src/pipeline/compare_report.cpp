@@ -5,6 +5,7 @@
 #include <cmath>
 #include <iterator>
 #include <map>
+#include <utility>
 #include <vector>
 
 #include <fmt/format.h>
@@ -44,12 +45,15 @@ std::string list_of(const std::map<std::string, std::int64_t>& counts) {
 void compare_buildings(const CityModel& city, const CityCheck& check, const ReportedCity& report,
                        bool made, CheckedFile& file) {
   compare_count("number of buildings", report.buildings, city.buildings.size(), file);
-  std::vector<std::string> dropped;
-  for (const Dropped& feature : city.dropped) dropped.push_back(feature.source_id);
+  std::vector<std::pair<std::string, std::string>> dropped;
+  for (const Dropped& feature : city.dropped)
+    dropped.emplace_back(feature.source_id, feature.reason);
   std::sort(dropped.begin(), dropped.end());
   if (report.dropped != dropped)
     differs("list of dropped features", std::to_string(report.dropped.size()),
             std::to_string(dropped.size()), file);
+  for (const auto& [id, reason] : dropped)
+    if (reason.empty()) file.violations.push_back({"features dropped without a reason", 1, id});
   std::size_t merged = 0;
   for (const Building& building : city.buildings) merged += building.source_ids.size() > 1 ? 1 : 0;
   compare_count("number of merged groups", report.merged_groups, merged, file);
@@ -65,6 +69,17 @@ void compare_buildings(const CityModel& city, const CityCheck& check, const Repo
     for (const std::string& name : flag_names(building.flags)) ++flags[name];
   if (report.flags != flags)
     differs("number of flags", list_of(report.flags), list_of(flags), file);
+}
+
+void compare_boxes(const std::array<double, 4>& reported, const Bounds2& found, CheckedFile& file) {
+  constexpr double kSame = 1e-6;  // metres
+  const std::array sides{found.xmin, found.ymin, found.xmax, found.ymax};
+  const auto text = [](const std::array<double, 4>& box) {
+    return fmt::format("x {} .. {}, y {} .. {}", box[0], box[2], box[1], box[3]);
+  };
+  if (!std::equal(sides.begin(), sides.end(), reported.begin(),
+                  [](double a, double b) { return std::abs(a - b) <= kSame; }))
+    differs("domain", text(reported), found.empty() ? "none" : text(sides), file);
 }
 
 }  // namespace
@@ -113,7 +128,10 @@ void compare_mesh(const ReportedMesh& mesh, const VolumeCheck& volume, const Sur
   near_one(mesh.aspects, "p99", "99 % quantile of aspect ratios", aspect.p99, 0.01 * aspect.p99);
   near_one(mesh.aspects, "max", "greatest aspect ratio", aspect.max, 1e-4 * aspect.max);
   near("least vertical edge", mesh.min_vertical_gap, volume.least_vertical_edge, 1e-6);
-  if (mesh.top) near("elevation of the top", *mesh.top, surface.highest, 1e-6);
+  if (mesh.top) {
+    near("elevation of the top", *mesh.top, surface.highest, 1e-6);
+    near("lowest vertex of the flat top", *mesh.top, surface.lowest_top, 1e-6);
+  }
   near("closed boundary", mesh.closed ? 1 : 0, surface.closed ? 1 : 0, 0);
   near("manifold boundary", mesh.manifold ? 1 : 0, surface.manifold ? 1 : 0, 0);
   for (int i = 0; i < kPatchCount; ++i) {
@@ -167,21 +185,15 @@ void compare_city(const CityModel& city, const CityCheck& check, const ReportedF
             fmt::format("({}, {})", city.origin.x, city.origin.y), file);
   if (report.crs && *report.crs != city.crs && !same_horizontal_crs(*report.crs, city.crs))
     differs("reference system", crs_name(*report.crs), crs_name(city.crs), file);
-  constexpr double kSame = 1e-6;  // metres
-  const Bounds2 domain = city.domain.moved(city.origin);
-  const std::array sides{domain.xmin, domain.ymin, domain.xmax, domain.ymax};
-  const auto text = [](const std::array<double, 4>& box) {
-    return fmt::format("x {} .. {}, y {} .. {}", box[0], box[2], box[1], box[3]);
-  };
   // `mesh --bounds` leaves the model with its own domain.
-  if (report.domain && report.footprint_parts &&
-      !std::equal(sides.begin(), sides.end(), report.domain->begin(),
-                  [](double a, double b) { return std::abs(a - b) <= kSame; }))
-    differs("domain", text(*report.domain), city.domain.empty() ? "none" : text(sides), file);
+  if (report.domain && report.footprint_parts)
+    compare_boxes(*report.domain, city.domain.moved(city.origin), file);
 }
 
 void compare_terrain(const RasterInput& terrain, const CityModel& city,
                      const std::optional<ReportedFacts>& report, CheckedFile& file) {
+  if (report && report->crs && !report->crs->empty() && terrain.crs.empty())
+    differs("reference system", crs_name(*report->crs), "none", file);
   if (!terrain.crs.empty() && !city.crs.empty() && !same_horizontal_crs(terrain.crs, city.crs))
     file.violations.push_back(
         {"terrain and city model in different reference systems", 1,
@@ -190,6 +202,13 @@ void compare_terrain(const RasterInput& terrain, const CityModel& city,
   if (report && report->dtm_step)
     compare("step of the terrain", *report->dtm_step, step * (1 - 1e-9), step, step * (1 + 1e-9),
             file);
+}
+
+void compare_domain(const SurfaceCheck& surface, const std::optional<ReportedFacts>& report,
+                    CheckedFile& file) {
+  if (!report || !report->domain || !report->mesh) return;
+  const Point2 origin = report->absolute ? Point2{0, 0} : report->origin.value_or(Point2{0, 0});
+  compare_boxes(*report->domain, surface.box.moved(origin), file);
 }
 
 void compare_origin(const std::optional<Point3>& origin, const std::optional<ReportedFacts>& report,

@@ -41,9 +41,14 @@ void compare_features(const CityModel& raw, const CityModel& city, CheckedFile& 
 void compare_city(const CityModel& city, const CityCheck& check, const ReportedFacts& report,
                   CheckedFile& file);
 
-/// Whether the terrain is in the city's reference system, and its step the one that was asked for.
+/// Whether the terrain is in the system of the report and of the city, and its step the one that
+/// was asked for.
 void compare_terrain(const RasterInput& terrain, const CityModel& city,
                      const std::optional<ReportedFacts>& report, CheckedFile& file);
+
+/// Whether the boundary reaches to the sides of the domain.
+void compare_domain(const SurfaceCheck& surface, const std::optional<ReportedFacts>& report,
+                    CheckedFile& file);
 
 /// What a mesh file says of its place, if it does.
 void compare_origin(const std::optional<Point3>& origin, const std::optional<ReportedFacts>& report,

@@ -46,7 +46,8 @@ ReportedCity city_of(const Json& report) {
                     .min_clearance = std::nullopt,
                     .area = report.value("area_after", -1.0)};
   for (const Json& dropped : report.value("dropped", Json::array()))
-    city.dropped.push_back(dropped.value("source_id", std::string()));
+    city.dropped.emplace_back(dropped.value("source_id", std::string()),
+                              dropped.value("reason", std::string()));
   std::sort(city.dropped.begin(), city.dropped.end());
   // None, without buildings.
   if (report.contains("min_clearance") && !report["min_clearance"].is_null())

@@ -8,6 +8,7 @@
 #include <map>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "tetropolis/check/check_heights.h"
@@ -35,7 +36,7 @@ struct ReportedCity {
   std::int64_t raw_buildings;  ///< Of city_raw.city.json.
   std::int64_t buildings;
   std::int64_t merged_groups;
-  std::vector<std::string> dropped;  ///< Ids, sorted.
+  std::vector<std::pair<std::string, std::string>> dropped;  ///< Ids and reasons, sorted.
   std::map<std::string, std::int64_t> flags;
   std::optional<double> min_clearance;
   double area;

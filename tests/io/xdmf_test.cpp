@@ -308,8 +308,18 @@ TEST_F(Xdmf, ForeignDescriptionsAreRefused) {
            message.find("volume.xdmf: ") != std::string::npos;
   };
   const std::string cells = std::to_string(longs("/Mesh/mesh/topology").shape[0]);
-  EXPECT_TRUE(says(with("Dimensions=\"" + cells + " 4\"", "Dimensions=\"1 4\""),
-                   "does not give /Mesh/mesh/topology the dimensions"));
+  for (const auto& [what, instead] :
+       {std::pair<std::string, std::string>{"Dimensions=\"" + cells + " 4\"", "Dimensions=\"1 4\""},
+        {"NumberOfElements=\"" + cells + "\"", "NumberOfElements=\"1\""},
+        {"Tetrahedron", "Hexahedron"},
+        {"XYZ", "XY"},
+        {"Center=\"Cell\"", "Center=\"Node\""},
+        {"Precision=\"8\"", "Precision=\"4\""},
+        {"/MeshTags/boundary/patch", "/MeshTags/boundary/building"}})
+    EXPECT_TRUE(
+        says(with(what, instead), "does not describe the data that volume.h5 has, from line"))
+        << what;
+  EXPECT_TRUE(says(with("Name=\"origin\"", "Name=\"start\""), "does not state its origin"));
   EXPECT_TRUE(says(with("volume.h5:/Mesh/mesh/geometry", "../volume.h5:/Mesh/mesh/geometry"),
                    "another folder"));
   EXPECT_TRUE(says(with(text, ""), "does not refer to"));

@@ -362,6 +362,16 @@ TEST_F(Cli, CheckComparesTheModelsAndTheReport) {
           std::pair{"\"vertices\":\\[\\s*\\[(\\d+),(\\d+),(\\d+)\\]", "\"vertices\":[[$1,$2,9$3]"}})
       changed(model, what, by,
               "VIOLATED: solids that are not what their ground, h_ground and h_roof make");
+  // The same for the folder's name as a shell completes it.
+  {
+    const fs::path model = scratch / "result/city.city.json";
+    const std::string before = bytes_of(model);
+    std::ofstream(model) << std::regex_replace(before, std::regex("\"h_roof\":"), "\"h_roof\":9",
+                                               std::regex_constants::format_first_only);
+    EXPECT_EQ(run("check result/").code, 1);
+    std::ofstream(model) << before;
+    EXPECT_EQ(run("check result//").code, 0);
+  }
   changed("report.json", "\"raw_buildings\": *", "\"raw_buildings\":1",
           "number of raw buildings differs");
   changed("report.json", "EPSG:3006", "EPSG:3007", "reference system differs from report.json");
@@ -511,7 +521,7 @@ TEST_F(Cli, CheckNamesResultsThatAreMissing) {
        {"  missing: city_raw.city.json, constant/polyMesh/boundary, constant/polyMesh/faces, "
         "constant/polyMesh/neighbour, constant/polyMesh/owner, constant/polyMesh/points, dtm.tif, "
         "surface.ply, surface.stl\n",
-        "  VIOLATED: results that report.json lists and that are not here (9); first: "
+        "  VIOLATED: results that report.json lists and that are not here, or empty (9); first: "
         "city_raw.city.json\n"})
     EXPECT_NE(outcome.out.find(line), std::string::npos) << outcome.out;
 }

@@ -3,6 +3,7 @@
 
 #include <array>
 #include <cstdint>
+#include <limits>
 #include <vector>
 
 #include "tetropolis/check/violation.h"
@@ -18,6 +19,8 @@ struct SurfaceCheck {
   double enclosed_volume = 0;  ///< By the divergence theorem.
   double area = 0;
   double highest = 0;  ///< Greatest elevation of its vertices, in the file's coordinates.
+  double lowest_top = std::numeric_limits<double>::infinity();  ///< Least of the top's.
+  Bounds2 box;  ///< Of its vertices in the plan, in the file's coordinates.
   std::array<std::int64_t, kPatchCount> faces_by_patch{};
   std::vector<Violation> violations;
 };
