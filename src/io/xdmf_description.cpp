@@ -18,8 +18,8 @@ std::string data_item(std::string_view number, int precision, const std::string&
       number, precision, dimensions, file, path);
 }
 
-std::string topology(std::string_view type, std::int64_t elements, int nodes, const std::string& file,
-                     std::string_view path) {
+std::string topology(std::string_view type, std::int64_t elements, int nodes,
+                     const std::string& file, std::string_view path) {
   return fmt::format(
       "<Topology TopologyType=\"{}\" NumberOfElements=\"{}\" NodesPerElement=\"{}\">\n{}\n"
       "</Topology>\n",

@@ -350,6 +350,12 @@ std::vector<CheckedFile> check_folder(const fs::path& folder, std::optional<doub
         folder.string() +
             ": holds no result of tetropolis (no city.city.json, no volume.vtu or volume.xdmf)");
   if (report) require_listed(folder, *report, files);
+  if (report && !report->missing.empty())
+    files.push_back({results::kReport,
+                     {},
+                     {{"members that the report of a run has and this one has not",
+                       std::ssize(report->missing), report->missing[0]}},
+                     {}});
   add_unread(folder, files);
   return files;
 }

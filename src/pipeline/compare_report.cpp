@@ -61,6 +61,8 @@ void compare_buildings(const CityModel& city, const CityCheck& check, const Repo
   compare("area of footprints", report.area, check.area * (1 - 1e-9) - 1e-6, check.area,
           check.area * (1 + 1e-9) + 1e-6, file);
   const double clearance = joint_clearance_of(check);
+  if (!report.min_clearance && !city.buildings.empty())
+    differs("clearance", "none", fmt::format("{}", clearance), file);
   if (report.min_clearance)
     compare("clearance", *report.min_clearance, clearance - 1e-6, clearance, clearance + 1e-6,
             file);

@@ -74,6 +74,28 @@ double greatest(const Json& volume, const char* measure) {
   return volume.value(measure, Json::object()).value("max", -1.0);
 }
 
+/// What a report of its command has, and this one has not. Without `command` it is no report of a
+/// run at all.
+std::vector<std::string> missing_members(const Json& report) {
+  const std::string command = report.value("command", std::string());
+  const bool makes_city = command == "build" || command == "city";
+  const bool makes_mesh = command == "build" || command == "mesh";
+  if (!makes_city && !makes_mesh) return {};
+  std::vector<std::string> names{"/origin", "/crs", "/domain", "/files"};
+  if (makes_city)
+    names.insert(names.end(), {"/input/footprint_parts", "/city/raw_buildings", "/city/buildings",
+                               "/city/merged_groups", "/city/dropped", "/city/flags",
+                               "/city/min_clearance", "/city/area_after"});
+  if (makes_mesh)
+    names.insert(names.end(), {"/ground_mesh", "/volume_mesh/roofs_cut_back",
+                               "/volume_mesh/feet_cut_back", "/surface_mesh"});
+  for (const ConfigField& field : config_fields())
+    names.push_back("/config/" + std::string(field.name));
+  std::erase_if(names,
+                [&](const std::string& name) { return report.contains(Json::json_pointer(name)); });
+  return names;
+}
+
 ReportedFacts facts_of(const Json& report) {
   const Json config = report.value("config", Json::object());
   ReportedFacts facts;
@@ -99,6 +121,7 @@ ReportedFacts facts_of(const Json& report) {
   if (report.contains("domain")) facts.domain = report["domain"].get<std::array<double, 4>>();
   if (report.contains("crs")) facts.crs = normalise_crs(report["crs"].get<std::string>());
   facts.files = files_of(report);
+  facts.missing = missing_members(report);
   if (report.value("command", std::string()) == "mesh") {
     facts.city_model = config.value("city", std::string());
     facts.terrain = config.value("dtm", std::string());

@@ -52,6 +52,7 @@ struct ReportedFacts {
   std::optional<std::string> crs;
   std::optional<ReportedMesh> mesh;
   std::vector<std::string> files;             ///< What the run wrote.
+  std::vector<std::string> missing;           ///< Members that it should have ("/city/flags").
   std::filesystem::path city_model, terrain;  ///< What `mesh` has read; empty for other commands.
   std::optional<double> dtm_step;             ///< Of the run that made the terrain.
   std::optional<double> min_angle;

@@ -91,6 +91,19 @@ TEST_F(Build, CheckFindsAReportThatTellsSomethingElse) {
   EXPECT_EQ(violations_with("/volume_mesh/min_vertical_gap", gap + 1e-4), 1U);
   EXPECT_EQ(violations_with("/volume_mesh/top", top - 1e-4), 2U);  // highest and lowest
   EXPECT_EQ(violations_with("/config/top", "free"), 0U);
+  for (const char* member : {"/origin", "/crs", "/domain", "/files", "/city/flags",
+                             "/city/min_clearance", "/volume_mesh/feet_cut_back", "/config/top"}) {
+    SCOPED_TRACE(member);
+    Json report = truth;
+    report = report.patch({{{"op", "remove"}, {"path", member}}});
+    std::ofstream(file) << report;
+    std::size_t told = 0;
+    for (const CheckedFile& checked : check_path(config.out, std::nullopt))
+      for (const Violation& violation : checked.violations)
+        if (violation.what == "members that the report of a run has and this one has not")
+          told += violation.first == member ? 1 : 0;
+    EXPECT_EQ(told, 1U);
+  }
   EXPECT_EQ(violations_with("/city/merged_groups", 77), 1U);
   EXPECT_EQ(violations_with("/config/dtm_step", 0.5), 1U);
   const Json& ground = truth["ground_mesh"];
