@@ -16,6 +16,7 @@
 #include "tetropolis/check/check_city.h"
 #include "tetropolis/check/check_ground.h"
 #include "tetropolis/check/check_heights.h"
+#include "tetropolis/check/check_members.h"
 #include "tetropolis/check/check_regions.h"
 #include "tetropolis/check/check_same_boundary.h"
 #include "tetropolis/check/check_surface.h"
@@ -308,6 +309,13 @@ void add_unread(const fs::path& folder, std::vector<CheckedFile>& files) {
         {"other formats", {fmt::format("not read: {}", fmt::join(there, ", "))}, {}, {}});
 }
 
+void note_members(const CityModel& raw, const CityModel& city, double max_distance,
+                  CheckedFile& file) {
+  constexpr double kSearched = 0.02;  // metres: distances are searched to one centimetre
+  const std::vector<Violation> found = check_members(raw, city, max_distance + kSearched);
+  file.violations.insert(file.violations.end(), found.begin(), found.end());
+}
+
 std::vector<CheckedFile> check_folder(const fs::path& folder, std::optional<double> min_distance,
                                       const Progress& progress) {
   const std::optional<ReportedFacts> report = read_report(folder);
@@ -335,7 +343,11 @@ std::vector<CheckedFile> check_folder(const fs::path& folder, std::optional<doub
       continue;
     }
     // A model that was meshed by itself may be another one than the raw model beside it.
-    if (raw && report && report->footprint_parts) compare_features(*raw, city, files.back());
+    if (raw && report && report->footprint_parts) {
+      compare_features(*raw, city, files.back());
+      if (report->city && report->city->max_distance)
+        note_members(*raw, city, *report->city->max_distance, files.back());
+    }
     if (report) compare_city(city, check, *report, files.back());
   }
   if (!sources.city.empty() && !sources.terrain.empty()) {

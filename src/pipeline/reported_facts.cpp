@@ -44,7 +44,8 @@ ReportedCity city_of(const Json& report) {
                     .dropped = {},
                     .flags = report.value("flags", std::map<std::string, std::int64_t>()),
                     .min_clearance = std::nullopt,
-                    .area = report.value("area_after", -1.0)};
+                    .area = report.value("area_after", -1.0),
+                    .max_distance = std::nullopt};
   for (const Json& dropped : report.value("dropped", Json::array()))
     city.dropped.emplace_back(dropped.value("source_id", std::string()),
                               dropped.value("reason", std::string()));
@@ -52,6 +53,7 @@ ReportedCity city_of(const Json& report) {
   // None, without buildings.
   if (report.contains("min_clearance") && !report["min_clearance"].is_null())
     city.min_clearance = report["min_clearance"].get<double>();
+  if (report.contains("max_distance")) city.max_distance = report["max_distance"].get<double>();
   return city;
 }
 
@@ -85,7 +87,7 @@ std::vector<std::string> missing_members(const Json& report) {
   if (makes_city)
     names.insert(names.end(), {"/input/footprint_parts", "/city/raw_buildings", "/city/buildings",
                                "/city/merged_groups", "/city/dropped", "/city/flags",
-                               "/city/min_clearance", "/city/area_after"});
+                               "/city/min_clearance", "/city/area_after", "/city/max_distance"});
   if (makes_mesh)
     names.insert(names.end(), {"/ground_mesh", "/volume_mesh/roofs_cut_back",
                                "/volume_mesh/feet_cut_back", "/surface_mesh"});

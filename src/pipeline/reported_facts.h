@@ -40,6 +40,7 @@ struct ReportedCity {
   std::map<std::string, std::int64_t> flags;
   std::optional<double> min_clearance;
   double area;
+  std::optional<double> max_distance;
 };
 
 struct ReportedFacts {
