@@ -194,7 +194,8 @@ void compare_city(const CityModel& city, const CityCheck& check, const ReportedF
 
 void compare_terrain(const RasterInput& terrain, const CityModel& city,
                      const std::optional<ReportedFacts>& report, CheckedFile& file) {
-  if (report && report->crs && !report->crs->empty() && terrain.crs.empty())
+  const bool is_result = report && report->dtm_step;  // `mesh` takes terrains without a system
+  if (is_result && report->crs && !report->crs->empty() && terrain.crs.empty())
     differs("reference system", crs_name(*report->crs), "none", file);
   if (!terrain.crs.empty() && !city.crs.empty() && !same_horizontal_crs(terrain.crs, city.crs))
     file.violations.push_back(
