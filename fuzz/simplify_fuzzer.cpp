@@ -105,8 +105,9 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   claim_account(result, cleaned.size());
   const auto defects = footprint_defects(result.footprints, 1);
   claim(defects.empty(), defects.empty() ? "" : "simplified: " + defects[0].message);
-  claim(joint_clearance(result.footprints, made.domain).distance >= made.options.min_distance,
-        "joint clearance");
+  claim(
+      is_clear(joint_clearance(result.footprints, made.domain).distance, made.options.min_distance),
+      "joint clearance");
   for (const Polygon& footprint : result.footprints)
     claim(area(footprint) >= made.options.min_area * (1 - 1e-12), "least area");
   const Simplification again = simplify_footprints(result.footprints, made.domain, made.options);

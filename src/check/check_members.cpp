@@ -54,9 +54,8 @@ std::vector<Violation> check_members(const CityModel& raw, const CityModel& city
       for (auto it = begin; it != end && !is_near; ++it)
         is_near = are_near(it->second->footprint, building.footprint, reach);
       if (!is_near)
-        note_violation(violations, "features far from the building that names them", [&] {
-          return fmt::format("{} in {}", id, building.id);
-        });
+        note_violation(violations, "features far from the building that names them",
+                       [&] { return fmt::format("{} in {}", id, building.id); });
     }
   return violations;
 }

@@ -2,7 +2,6 @@
 #include <bit>
 #include <cstdint>
 #include <string>
-#include <string_view>
 #include <vector>
 
 #include <fmt/format.h>

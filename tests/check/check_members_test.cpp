@@ -36,8 +36,8 @@ TEST(CheckMembers, BuildingsAreWhereTheirFeaturesAre) {
 }
 
 TEST(CheckMembers, IdsThatHaveChangedPlacesAreFound) {
-  const CityModel city = model_of({{{"west", "east"}, rectangle(0, 0, 20, 10)},
-                                   {{"middle"}, rectangle(40.2, 0, 50, 10)}});
+  const CityModel city = model_of(
+      {{{"west", "east"}, rectangle(0, 0, 20, 10)}, {{"middle"}, rectangle(40.2, 0, 50, 10)}});
   const std::vector<Violation> found = check_members(kRaw, city, 0.3);
   ASSERT_EQ(found.size(), 1U);
   EXPECT_EQ(found[0].what, "features far from the building that names them");
