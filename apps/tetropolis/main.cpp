@@ -203,8 +203,9 @@ void init(const std::string& path) {
     put(stdout, text);
     return;
   }
-  std::error_code ignored;                            // AtomicFile says what is wrong with the path
-  if (fs::exists(fs::symlink_status(path, ignored)))  // links to nothing, too
+  // AtomicFile says what is wrong with the path. Links to nothing are in the way, too.
+  std::error_code ignored;
+  if (fs::exists(fs::symlink_status(path, ignored)))
     throw Error(ErrorKind::kUsage, fmt::format("{}: exists already; choose another name", path));
   const fs::path folder = fs::path(path).parent_path();
   if (!folder.empty() && !fs::is_directory(folder, ignored))

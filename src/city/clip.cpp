@@ -12,6 +12,12 @@
 
 namespace tetropolis {
 
+namespace {
+
+constexpr double kCrumb = 1;  // square metres: no building, whatever it was cut from
+
+}  // namespace
+
 DomainPosition position_in_domain(const Polygon& polygon, const Bounds2& domain) {
   const Bounds2 box = bounds(polygon);
   if (box.empty()) return DomainPosition::kInside;
@@ -25,12 +31,6 @@ std::vector<Polygon> parts_in_box(const Polygon& polygon, const Bounds2& box) {
   return geos::intersect(std::array{polygon}, std::array{rectangle(box)}, kCoordinateStep)
       .value_or(std::vector<Polygon>());
 }
-
-namespace {
-
-constexpr double kCrumb = 1;  // square metres: no building, whatever it was cut from
-
-}  // namespace
 
 std::vector<Polygon> clip_to_box(const Polygon& polygon, const Bounds2& box, double least_area,
                                  double* lost_area) {

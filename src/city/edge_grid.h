@@ -120,9 +120,6 @@ class EdgeGrid {
     return static_cast<std::int32_t>(
         std::clamp(std::floor((y - box_.ymin) / cell_), 0.0, static_cast<double>(rows_ - 1)));
   }
-  template <typename Visit>
-  void for_each_cell(Point2 a, Point2 b, const Visit& visit_cell) const;
-
   Bounds2 box_;
   double cell_ = 1;
   std::int32_t columns_ = 1;

@@ -145,8 +145,8 @@ std::size_t keep_inliers(std::span<PointIndex> list, const PointCloud& cloud, do
   const double mean = first + sum / n;
   double squares = 0;
   for (const PointIndex p : list) squares += (cloud.z[p] - mean) * (cloud.z[p] - mean);
-  constexpr double kRounding =
-      1e-9;  // metres: what is at the limit, as one of five often is, stays
+  // What is at the limit, as one of five often is, stays.
+  constexpr double kRounding = 1e-9;  // metres
   const double limit = sigma * std::sqrt(squares / n) + kRounding;
   const auto end = std::remove_if(
       list.begin(), list.end(), [&](PointIndex p) { return std::abs(cloud.z[p] - mean) > limit; });

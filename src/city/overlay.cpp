@@ -20,6 +20,7 @@
 #include "city/footprint_index.h"
 #include "city/grid_geometry.h"
 #include "city/outline.h"
+#include "core/sort_once.h"
 #include "geometry/geos.h"
 
 namespace tetropolis {
@@ -296,8 +297,7 @@ class PatchFinder {
           (other.covers(box) && contains(patches_[i], hole[0])))
         found.push_back(i);
     }
-    std::sort(found.begin(), found.end());
-    found.erase(std::unique(found.begin(), found.end()), found.end());
+    sort_once(found);
     std::vector<Polygon> meeting;
     for (const std::size_t i : found) meeting.push_back(patches_[i]);
     return meeting;
