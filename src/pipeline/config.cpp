@@ -107,6 +107,15 @@ void set_texts(std::vector<std::string>& target, const ConfigField& field,
   require_choices(field, target, origin);
 }
 
+void require_text(const ConfigField& field, const std::string& text, const std::string& origin) {
+  if (field.require == nullptr) return;
+  try {
+    field.require(text);
+  } catch (const Error& error) {
+    throw Error(error.kind(), fmt::format("{}: {}", origin, error.what()));
+  }
+}
+
 /// A basic string of TOML 1.0.
 std::string quoted(const std::string& text) {
   std::string result = "\"";
@@ -192,6 +201,7 @@ void set_field(Config& config, const ConfigField& field, std::span<const std::st
           } else if constexpr (std::is_arithmetic_v<Value>) {
             target = parse_number<Value>(field, single(), origin);
           } else if constexpr (std::is_same_v<Value, std::string>) {
+            require_text(field, single(), origin);
             target = single();
           } else if constexpr (std::is_same_v<Value, std::vector<double>>) {
             set_numbers(target, field, values, origin);
@@ -218,7 +228,9 @@ void require_in_range(const Config& config, unsigned commands) {
             const auto require = [&](double number) {
               require_in_range(field, number, number_text(number), origin);
             };
-            if constexpr (std::is_same_v<Value, std::vector<double>>) {
+            if constexpr (std::is_same_v<Value, std::string>) {
+              require_text(field, value, origin);
+            } else if constexpr (std::is_same_v<Value, std::vector<double>>) {
               std::for_each(value.begin(), value.end(), require);
               require_box(field, value, origin);
             } else if constexpr (std::is_same_v<Value, std::vector<std::string>>) {

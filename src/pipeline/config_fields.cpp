@@ -3,7 +3,10 @@
 #include <type_traits>
 #include <utility>
 
+#include "tetropolis/io/crs.h"
 #include "tetropolis/pipeline/config.h"
+
+#include "pipeline/memory.h"
 
 namespace tetropolis {
 
@@ -18,6 +21,12 @@ ChoiceMember choice() {
   using Value = std::remove_reference_t<decltype(std::declval<Config>().*member)>;
   return {[](const Config& config) { return static_cast<std::size_t>(config.*member); },
           [](Config& config, std::size_t index) { config.*member = static_cast<Value>(index); }};
+}
+
+void require_crs(const std::string& text) { normalise_crs(text); }
+
+void require_size(const std::string& text) {
+  if (!text.empty()) parse_size(text);
 }
 
 std::vector<ConfigField> make_fields() {
@@ -56,12 +65,14 @@ std::vector<ConfigField> make_fields() {
        .group = "Input",
        .member = &C::points_crs,
        .commands = kData,
-       .help = "CRS of the points, overriding the files: a code such as EPSG:28992, or WKT"},
+       .help = "CRS of the points, overriding the files: a code such as EPSG:28992, or WKT",
+       .require = require_crs},
       {.name = "footprints_crs",
        .group = "Input",
        .member = &C::footprints_crs,
        .commands = kData,
-       .help = "CRS of the footprints, overriding the file: a code such as EPSG:4326, or WKT"},
+       .help = "CRS of the footprints, overriding the file: a code such as EPSG:4326, or WKT",
+       .require = require_crs},
       {.name = "layer",
        .group = "Input",
        .member = &C::layer,
@@ -382,7 +393,8 @@ std::vector<ConfigField> make_fields() {
        .member = &C::max_memory,
        .commands = kData | kMesh,
        .help = "Limit, such as 8G or 500M; points and meshes that would need more are refused; "
-               "default: 90 % of what the machine and the limits of the process leave"},
+               "default: 90 % of what the machine and the limits of the process leave",
+       .require = require_size},
       {.name = "threads",
        .group = "Run",
        .member = &C::threads,

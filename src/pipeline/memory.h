@@ -11,6 +11,9 @@ namespace tetropolis {
 /// no size.
 double memory_limit(const Config& config);
 
+/// Bytes of "8G" or "500M". Throws Error(kUsage): not a size, or less than a megabyte.
+double parse_size(const std::string& text);
+
 /// What is known of a city before it is meshed.
 struct CitySize {
   double area = 0;                ///< Of the domain, square metres.

@@ -226,15 +226,6 @@ Bounds2 find_domain(const Config& config, const FootprintsInput& footprints,
   return domain;
 }
 
-/// Throws Error(kUsage) naming the option unless what it is given names a reference system.
-void require_crs(const std::string& text, const char* option) {
-  try {
-    normalise_crs(text);
-  } catch (const Error& error) {
-    throw Error(error.kind(), fmt::format("{}: {}", option, error.what()));
-  }
-}
-
 /// The points' reference system as far as files and settings name it, in metres; "" if they do not.
 std::string stated_points_crs(const Config& config, const CloudHeaders& headers,
                               const std::string& first_file) {
@@ -380,8 +371,6 @@ void warn_of_scale(const std::string& crs, const Bounds2& domain, Report& report
 
 InputData read_input(const Config& config, Next next, StepClock& clock, Report& report,
                      std::string& misread) {
-  require_crs(config.points_crs, "--points-crs");
-  require_crs(config.footprints_crs, "--footprints-crs");
   const auto paths = expand_point_paths(config.points, &report.warnings);
   const CloudHeaders headers = read_headers(paths);
   const std::string points_crs = stated_points_crs(config, headers, paths.front().string());

@@ -35,7 +35,6 @@ void keep_inputs(const Config& config, OutputFolder& out) {
 
 Report run_build(const Config& config, const RunHooks& hooks) {
   require_input(config, kBuild);
-  memory_limit(config);  // so that a mistake in it is reported before the work
   const ThreadLimit limit(config.threads);
   Report report = begin_report("build", config);
   StepClock clock(hooks, report);
@@ -50,7 +49,6 @@ Report run_build(const Config& config, const RunHooks& hooks) {
 
 Report run_city(const Config& config, const RunHooks& hooks) {
   require_input(config, kCity);
-  memory_limit(config);
   const ThreadLimit limit(config.threads);
   Report report = begin_report("city", config);
   StepClock clock(hooks, report);
@@ -67,7 +65,6 @@ Report run_mesh(const Config& config, const RunHooks& hooks) {
   require_given(!config.city.empty(), "--city", "name a city model (.city.json)");
   require_given(!config.dtm.empty(), "--dtm", "name a terrain raster (.tif)");
   require_given(!config.out.empty(), "--out", "name a folder for the results");
-  memory_limit(config);
   const ThreadLimit limit(config.threads);
   Report report = begin_report("mesh", config);
   StepClock clock(hooks, report);

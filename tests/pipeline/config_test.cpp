@@ -96,6 +96,10 @@ TEST(Config, ErrorsNameFileLineAndWhatToDo) {
   expect_part(error_of("[" + deep.substr(22) + "a]\n"), "not valid TOML: more than 1000 dots");
   expect_part(error_of("formats = [\"vtu\", \"dwg\"]\n"), "'dwg' is not one of");
   expect_part(error_of("out = \"a\\u0000x\"\n"), "c.toml:1: out: holds a NUL character");
+  expect_part(error_of("\nmax_memory = \"eight\"\n"),
+              "c.toml:2: max_memory: 'eight' is not a size");
+  expect_part(error_of("points_crs = \"nonsense\"\n"), "c.toml:1: points_crs: 'nonsense'");
+  expect_part(error_of("footprints_crs = \"nonsense\"\n"), "c.toml:1: footprints_crs: 'nonsense'");
   expect_part(error_of("points = [\"a\", \"b\\u0000\"]\n"), "points: holds a NUL character");
   Config config;
   EXPECT_THROW(load_config(config, "/nowhere/c.toml"), Error);

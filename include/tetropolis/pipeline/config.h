@@ -126,7 +126,9 @@ struct ConfigField {
   double min = -std::numeric_limits<double>::infinity();  ///< Of numbers, inclusive
   double max = std::numeric_limits<double>::infinity();
   bool above_min = false;                      ///< unless only greater ones are allowed.
-  std::vector<std::string_view> choices = {};  ///< Of texts; empty: anything.
+  std::vector<std::string_view> choices = {};  ///< Of texts; empty: anything
+  /// that this, if any, does not throw an Error for.
+  void (*require)(const std::string& text) = nullptr;
 };
 
 /// All settings, in the order in which they are documented.
