@@ -1,8 +1,12 @@
 #include "tetropolis/volume/cut_back.h"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <cstddef>
+#include <cstdint>
+#include <numeric>
+#include <utility>
 
 #include "core/infinity.h"
 #include "core/sort_once.h"
@@ -13,6 +17,57 @@ namespace tetropolis {
 namespace {
 
 constexpr double kWorthwhile = 1e-6;  // metres
+
+/// The triangles outside buildings, by corner.
+class TrianglesAt {
+ public:
+  explicit TrianglesAt(const GroundMesh& mesh) : ends_(mesh.vertices.size() + 1, 0) {
+    const auto for_each_corner = [&](const auto& visit) {
+      for (std::size_t t = 0; t < mesh.triangles.size(); ++t)
+        if (mesh.region[t] == kNoBuilding)
+          for (const VertexIndex v : mesh.triangles[t]) visit(static_cast<std::size_t>(v), t);
+    };
+    for_each_corner([&](std::size_t v, std::size_t) { ++ends_[v + 1]; });
+    std::partial_sum(ends_.begin(), ends_.end(), ends_.begin());
+    triangles_.resize(static_cast<std::size_t>(ends_.back()));
+    // Each vertex's end moves from that of the one before it to its own.
+    for_each_corner([&](std::size_t v, std::size_t t) {
+      triangles_[static_cast<std::size_t>(ends_[v]++)] = static_cast<TriangleIndex>(t);
+    });
+  }
+  std::span<const TriangleIndex> operator()(std::size_t v) const {
+    const std::int32_t begin = v == 0 ? 0 : ends_[v - 1];
+    return {triangles_.data() + begin, triangles_.data() + ends_[v]};
+  }
+
+ private:
+  std::vector<std::int32_t> ends_;
+  std::vector<TriangleIndex> triangles_;
+};
+
+/// A set of numbers, to be gone through in ascending order.
+class OrderedSet {
+ public:
+  explicit OrderedSet(std::size_t size) : words_((size + kBits - 1) / kBits, 0) {}
+
+  void insert(std::size_t i) { words_[i / kBits] |= std::uint64_t{1} << (i % kBits); }
+
+  /// Takes out each number for visit(number), which may insert greater ones.
+  template <typename Visit>
+  void drain(const Visit& visit) {
+    for (std::size_t w = 0; w < words_.size(); ++w) {
+      while (words_[w] != 0) {
+        const auto i = w * kBits + static_cast<std::size_t>(std::countr_zero(words_[w]));
+        words_[w] &= words_[w] - 1;
+        visit(i);
+      }
+    }
+  }
+
+ private:
+  static constexpr std::size_t kBits = 64;
+  std::vector<std::uint64_t> words_;
+};
 
 /// The state of one call of cut_back: what is where, and where slopes start.
 class Cut {
@@ -28,7 +83,6 @@ class Cut {
         beyond_(std::max(slopes.at_start, slopes.beyond)),
         ground_(ground),
         start_(ground.size(), kInfinity),
-        changed_(ground.size(), -1),
         is_source_(ground.size(), 0),
         has_lowered_(ground.size(), 0) {}
 
@@ -50,8 +104,7 @@ class Cut {
   const CutMarks& marks_;
   double at_start_, beyond_;  ///< Slopes.
   std::vector<double>& ground_;
-  std::vector<double> start_;          ///< Of slopes: where marked, or cut already.
-  std::vector<std::int32_t> changed_;  ///< In which sweep, last.
+  std::vector<double> start_;  ///< Of slopes: where marked, or cut already.
   std::vector<std::uint8_t> is_source_, has_lowered_;
 };
 
@@ -67,7 +120,6 @@ void Cut::start_from_marks() {
     }
     if (start_[v] == kInfinity) continue;
     is_source_[v] = 1;
-    changed_[v] = 0;
   }
 }
 
@@ -83,24 +135,31 @@ bool Cut::lower(std::size_t v, std::size_t a, std::size_t b) {
   return true;
 }
 
-/// Sweeps over the triangles beside what the sweep before has changed, until none changes.
+/// Sweeps over the triangles beside what this sweep or the one before has changed, until none
+/// changes.
 void Cut::spread() {
-  bool again = true;
-  for (std::int32_t sweep = 1; again; ++sweep) {
+  const TrianglesAt triangles_at(mesh_);
+  OrderedSet now(mesh_.triangles.size()), next(mesh_.triangles.size());
+  for (std::size_t v = 0; v < is_source_.size(); ++v)
+    if (is_source_[v] != 0)
+      for (const TriangleIndex t : triangles_at(v)) next.insert(static_cast<std::size_t>(t));
+  for (bool again = true; again;) {
     again = false;
-    for (std::size_t t = 0; t < mesh_.triangles.size(); ++t) {
+    std::swap(now, next);
+    now.drain([&](std::size_t t) {
       const auto corner = [&](std::size_t k) {
         return static_cast<std::size_t>(mesh_.triangles[t][k % 3]);
       };
-      const auto is_recent = [&](std::size_t k) { return changed_[corner(k)] >= sweep - 1; };
-      if (mesh_.region[t] != kNoBuilding || !(is_recent(0) || is_recent(1) || is_recent(2)))
-        continue;
       for (std::size_t i = 0; i < 3; ++i) {
         if (!lower(corner(i), corner(i + 1), corner(i + 2))) continue;
-        changed_[corner(i)] = sweep;
         again = true;
+        for (const TriangleIndex beside : triangles_at(corner(i))) {
+          const auto b = static_cast<std::size_t>(beside);
+          next.insert(b);
+          if (b > t) now.insert(b);
+        }
       }
-    }
+    });
   }
 }
 
