@@ -27,6 +27,7 @@
 #include "tetropolis/core/text.h"
 #include "tetropolis/core/version.h"
 #include "tetropolis/io/atomic_file.h"
+#include "tetropolis/pipeline/output_folder.h"
 #include "tetropolis/pipeline/run.h"
 
 #include "commands.h"
@@ -147,12 +148,17 @@ bool is_side_file(const fs::path& file, const fs::path& input) {
          real.filename().string().starts_with(input.stem().string() + ".");
 }
 
-/// Text files may be inputs as well, or belong to one. `other`: the settings, or what `check` looks
-/// at.
+/// Text files may be results or inputs as well, or belong to one. `other`: the settings, or what
+/// `check` looks at.
 void require_log_apart(const Config& config, const std::string& other) {
   const fs::path log = config.log;
   std::error_code error;
-  if (log.empty() || !fs::exists(log, error)) return;
+  if (log.empty()) return;
+  if (is_result(log, config.out))
+    throw Error(
+        ErrorKind::kUsage,
+        fmt::format("--log: {} is a result, which would be lost; choose another name", config.log));
+  if (!fs::exists(log, error)) return;
   std::vector<fs::path> inputs{config.footprints, config.city, config.dtm, other};
   inputs.insert(inputs.end(), config.points.begin(), config.points.end());
   const bool is_input = std::any_of(inputs.begin(), inputs.end(), [&](const fs::path& input) {

@@ -23,6 +23,13 @@ Point3 read_triple(const Place& place) {
 
 bool is_whole(double value) { return std::floor(value) == value && std::abs(value) < 1e15; }
 
+/// Whether single precision has room for millimetres of what is in `box`.
+bool is_near(Point2 origin, const Bounds2& box) {
+  constexpr double kFarthest = 1e5;  // metres
+  return box.empty() ||
+         (std::abs(box.xmin - origin.x) <= kFarthest && std::abs(box.ymin - origin.y) <= kFarthest);
+}
+
 /// Reads boundaries of any depth into faces.
 class FaceReader {
  public:
@@ -136,17 +143,15 @@ CityFrame read_vertices(const Place& root) {
     if (!good) list.at(i).fail("is not an array of three numbers");
     frame.vertices.push_back({v[0].get<double>(), v[1].get<double>(), v[2].get<double>()});
   }
-  if (transformed && is_whole(translate[0]) && is_whole(translate[1])) {
-    frame.origin = {translate[0], translate[1]};
-  } else if (size > 0) {
-    Point2 low{translate[0] + frame.vertices[0][0] * scale[0],
-               translate[1] + frame.vertices[0][1] * scale[1]};
-    for (const Point3& v : frame.vertices) {
-      low.x = std::min(low.x, translate[0] + v[0] * scale[0]);
-      low.y = std::min(low.y, translate[1] + v[1] * scale[1]);
-    }
-    frame.origin = {std::floor(low.x), std::floor(low.y)};
-  }
+  Bounds2 box = Bounds2::nothing();
+  for (const Point3& v : frame.vertices)
+    box.extend(Point2{translate[0] + v[0] * scale[0], translate[1] + v[1] * scale[1]});
+  const Point2 origin{translate[0], translate[1]};
+  if (transformed && is_whole(origin.x) && is_whole(origin.y) &&
+      (root.has("tetropolis") || is_near(origin, box)))
+    frame.origin = origin;
+  else if (!box.empty())
+    frame.origin = {std::floor(box.xmin), std::floor(box.ymin)};
   const Point3 shift = {translate[0] - frame.origin.x, translate[1] - frame.origin.y, translate[2]};
   for (std::size_t i = 0; i < size; ++i)
     for (std::size_t axis = 0; axis < 3; ++axis) {

@@ -17,9 +17,9 @@
 
 #include "core/mix64.h"
 #include "core/sort_once.h"
+#include "earlier_results.h"
 #include "folders.h"
 #include "replace_results.h"
-#include "reported_facts.h"
 #include "result_files.h"
 
 namespace tetropolis {
@@ -208,6 +208,25 @@ void OutputFolder::commit() {
   std::error_code not_removed;
   fs::remove_all(staging_, not_removed);
   if (not_removed && exists_itself(staging_)) leftover_ = {staging_, not_removed.message()};
+}
+
+bool is_result(const fs::path& file, const fs::path& out) {
+  const auto real_path = [](const fs::path& path) {
+    std::error_code error;
+    const fs::path real = fs::weakly_canonical(fs::absolute(path), error);
+    return error ? fs::absolute(path).lexically_normal() : real;
+  };
+  const auto is_among = [](const fs::path& name, const std::vector<std::string>& names) {
+    return std::find(names.begin(), names.end(), name.string()) != names.end();
+  };
+  const fs::path real = real_path(file);
+  if (!out.empty() && is_among(real.lexically_relative(real_path(out)), results::all_names()))
+    return true;
+  constexpr int kDeepest = 3;  // constant/polyMesh/points
+  fs::path folder = real.parent_path();
+  for (int k = 0; k < kDeepest; ++k, folder = folder.parent_path())
+    if (is_among(real.lexically_relative(folder), earlier_results(folder))) return true;
+  return false;
 }
 
 }  // namespace tetropolis

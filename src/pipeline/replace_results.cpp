@@ -14,8 +14,8 @@
 #include "tetropolis/core/error.h"
 #include "tetropolis/io/atomic_file.h"
 
+#include "earlier_results.h"
 #include "folders.h"
-#include "reported_facts.h"
 #include "result_files.h"
 
 namespace tetropolis {

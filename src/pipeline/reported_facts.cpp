@@ -15,6 +15,7 @@
 #include "tetropolis/core/units.h"
 #include "tetropolis/io/crs.h"
 
+#include "earlier_results.h"
 #include "result_files.h"
 
 namespace tetropolis {
@@ -61,14 +62,12 @@ std::map<std::string, double> numbers_of(const Json& volume, const char* measure
   return volume.value(measure, std::map<std::string, double>());
 }
 
-/// The results that a report tells of. Names that lead out of the folder are not believed.
+/// The results that a report tells of.
 std::vector<std::string> files_of(const Json& report) {
   std::vector<std::string> files;
-  for (const Json& name : report.value("files", Json::array())) {
-    const fs::path path = fs::path(name.get<std::string>()).lexically_normal();
-    if (!path.empty() && path.is_relative() && *path.begin() != "..")
-      files.push_back(path.string());
-  }
+  for (const Json& listed : report.value("files", Json::array()))
+    if (std::optional<std::string> name = name_below(listed.get<std::string>()))
+      files.push_back(std::move(*name));
   return files;
 }
 
@@ -153,24 +152,6 @@ ReportedFacts facts_of(const Json& report) {
 }
 
 }  // namespace
-
-std::vector<std::string> earlier_results(const fs::path& folder) {
-  std::error_code error;
-  // A pipe would be waited for.
-  if (!fs::is_regular_file(folder / results::kReport, error)) return {};
-  std::ifstream file(folder / results::kReport);
-  const Json report = Json::parse(file, nullptr, false);
-  if (!report.is_object() || !report.contains("version") || !report.contains("command") ||
-      !report.contains("steps"))
-    return {};
-  try {
-    std::vector<std::string> names = files_of(report);
-    names.emplace_back(results::kReport);
-    return names;
-  } catch (const Json::exception&) {  // changed by hand
-    return {results::kReport};
-  }
-}
 
 std::optional<ReportedFacts> read_report(const fs::path& folder) {
   const fs::path path = folder / results::kReport;

@@ -62,10 +62,6 @@ struct ReportedFacts {
   ReportedGround ground{};
 };
 
-/// The results of an earlier run in the folder, by its report, and that report. None without a
-/// report of ours: files of their names are the user's then.
-std::vector<std::string> earlier_results(const std::filesystem::path& folder);
-
 /// Of report.json in the folder, if there is one. What is not in it differs from every file. Throws
 /// Error(kInput) if it is no report.
 std::optional<ReportedFacts> read_report(const std::filesystem::path& folder);

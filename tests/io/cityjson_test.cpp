@@ -558,6 +558,20 @@ TEST(CityJson, TypesThatAreNoneOfTheStandardsAreNamed) {
       << unknown()->message;
 }
 
+TEST(CityJson, FilesInNumbersOfTheirReferenceSystemHaveAnOriginNearby) {
+  const TemporaryFolder folder;
+  Json file = Json::parse(kTwoParts);
+  for (Json& v : file["vertices"]) {
+    v[0] = v[0].get<std::int64_t>() + 319'030'500;
+    v[1] = v[1].get<std::int64_t>() + 6'396'030'250;
+  }
+  file["transform"]["translate"] = {0, 0, 0};
+  const CityModel model = read_city(write_text(folder / "a.json", file.dump()));
+  EXPECT_EQ(model.origin, (Point2{319030, 6396030}));
+  const Ring expected = {{0.5, 0.25}, {10.5, 0.25}, {10.5, 5.25}, {0.5, 5.25}};
+  EXPECT_EQ(model.buildings[0].footprint.outer, expected);
+}
+
 TEST(CityJson, SolidsWithoutALevelOfDetailHaveAHeight) {
   const TemporaryFolder folder;
   Json file = Json::parse(kTwoParts);

@@ -568,6 +568,10 @@ TEST_F(Cli, ALogNeverReplacesDataOrAnInput) {
   synth("--buildings 20 --size 250");
   ASSERT_EQ(run("city --quiet --footprints input/footprints.shp --points input --out result").code,
             0);
+  ASSERT_EQ(run("mesh --quiet --city result/city.city.json --dtm result/dtm.tif --mesh-size 40 "
+                "--formats obj,openfoam --out mesh")
+                .code,
+            0);
   std::ofstream(scratch / "house.csv") << "id,WKT\n1,\"POLYGON EMPTY\"\n";
   std::ofstream(scratch / "my.toml") << "mesh_size = 12\n";
   const std::string build = "build --footprints input/footprints.shp --points input --out new ";
@@ -581,12 +585,18 @@ TEST_F(Cli, ALogNeverReplacesDataOrAnInput) {
       {build, "result/city.city.json"},
       {"build --footprints house.csv --points input --out new ", "house.csv"},
       {"check result ", "result/dtm.tif"},
+      {"check mesh ", "mesh/surface.obj"},
+      {"build --footprints nowhere.shp --points input --out mesh ", "mesh/surface.obj"},
+      {build, "mesh/constant/polyMesh/boundary"},
   };
   for (const auto& [arguments, file] : cases) {
     const std::string before = bytes_of(scratch / file);
     expect_error(arguments + "--log " + file, 2, file);
     EXPECT_EQ(bytes_of(scratch / file), before) << file;
   }
+  // Nor is it where a result is to come.
+  expect_error(build + "--log new/boundary.vtp", 2, "new/boundary.vtp is a result");
+  EXPECT_FALSE(fs::exists(scratch / "new"));
   // A log of an earlier run is what it is for.
   for (int i = 0; i < 2; ++i) EXPECT_EQ(run("check result --quiet --log check.log").code, 0);
 }

@@ -50,7 +50,8 @@ void write_city(const std::filesystem::path& path, const CityModel& model,
 /// footprint in k pieces becomes k buildings with the source ids KEY, KEY#2, ... Objects without
 /// usable geometry go to `dropped` (a solid without a level of detail counts as LoD 1); Buildings
 /// that only hold parts and other types of object are no input features. Origin: `translate` if
-/// that is whole metres, else the south-west corner of the vertices, rounded down. Domain: as
+/// that is whole metres and no more than 100 km away, else the south-west corner of the vertices,
+/// rounded down. Domain: as
 /// stored, or empty (xmin > xmax) if there is none. `warnings`, if given, gets
 /// "city_objects_dropped", "city_types_unknown" where objects have types that are none of
 /// CityJSON's own, and "city_roofs_flattened" where roofs reach more than half a metre above that

@@ -95,4 +95,8 @@ class OutputFolder {
   std::optional<Leftover> leftover_;
 };
 
+/// Whether a file has the place of a result: of a run into `out` (if that is not empty), or of an
+/// earlier one, by the report of a folder around it.
+bool is_result(const std::filesystem::path& file, const std::filesystem::path& out = {});
+
 }  // namespace tetropolis
