@@ -73,42 +73,121 @@ std::vector<double> slab_heights(const std::vector<Segment>& piece) {
   return heights;
 }
 
-/// Area bounded by a piece (sorted), even-odd. A strip goes on for as long as its sides do, so
-/// there are no more of them than ends and crossings of segments.
-double piece_area(const std::vector<Segment>& piece, std::vector<DifferenceStrip>* strips) {
-  const std::vector<double> heights = slab_heights(piece);
-  double sum = 0;
-  std::vector<std::size_t> active;
-  // Where the active segments pass the middle of the slab.
-  std::vector<std::pair<double, std::size_t>> across;
-  // By left side: the last strip and its right side.
-  constexpr std::size_t kNone = std::numeric_limits<std::size_t>::max();
-  std::vector<std::pair<std::size_t, std::size_t>> last;
-  if (strips != nullptr) last.assign(piece.size(), {kNone, kNone});
-  const auto add_strip = [&](double low, double high, std::size_t left, std::size_t right) {
-    auto& [strip, side] = last[left];
-    if (side == right && (*strips)[strip].high == low) {
-      (*strips)[strip].high = high;
+/// The mirror image at the line x = y.
+Point2 mirrored(Point2 p) { return {p.y, p.x}; }
+Segment mirrored(const Segment& s) {
+  const Point2 a = mirrored(s.a), b = mirrored(s.b);
+  if (below(a, b)) return {a, b, s.of_after, !s.interior_left};
+  return {b, a, s.of_after, s.interior_left};
+}
+
+/// Where a segment passes the height y.
+double x_at(const Segment& s, double y) {
+  return s.a.x + (y - s.a.y) / (s.b.y - s.a.y) * (s.b.x - s.a.x);
+}
+
+/// Between two segments, by their numbers, and two heights.
+struct Strip {
+  double low, high;
+  std::size_t left, right;
+};
+
+/// The strips of a piece, slab by slab. A strip goes on for as long as its sides do, so there are
+/// no more of them than ends and crossings of segments.
+class Strips {
+ public:
+  explicit Strips(std::size_t segments) : last_(segments, {kNone, kNone}) {}
+
+  void add(const Strip& part) {
+    auto& [strip, side] = last_[part.left];
+    if (side == part.right && strips_[strip].high == part.low) {
+      strips_[strip].high = part.high;
       return;
     }
-    last[left] = {strips->size(), right};
-    strips->push_back({low, high, piece[left], piece[right]});
-  };
-  std::size_t next = 0;
+    last_[part.left] = {strips_.size(), part.right};
+    strips_.push_back(part);
+  }
+  const std::vector<Strip>& all() const { return strips_; }
+
+ private:
+  static constexpr std::size_t kNone = std::numeric_limits<std::size_t>::max();
+  std::vector<Strip> strips_;
+  std::vector<std::pair<std::size_t, std::size_t>> last_;  // by left side: strip and right side
+};
+
+/// The segments of a piece (sorted) that reach through a slab, from left to right.
+class Crossing {
+ public:
+  explicit Crossing(const std::vector<Segment>& piece) : piece_(piece) {}
+
+  /// Precondition: slabs in ascending order.
+  void move_to(double low, double middle) {
+    std::erase_if(across_, [&](const auto& entry) { return piece_[entry.second].b.y <= low; });
+    const auto old = static_cast<std::ptrdiff_t>(across_.size());
+    for (; next_ < piece_.size() && piece_[next_].a.y <= low; ++next_)
+      if (piece_[next_].b.y > low) across_.emplace_back(0.0, next_);
+    for (auto& [x, k] : across_) x = x_at(piece_[k], middle);
+    // From slab to slab the order stays as it is, but at crossings.
+    const auto came = across_.begin() + old;
+    if (!std::is_sorted(across_.begin(), came)) std::sort(across_.begin(), came);
+    std::sort(came, across_.end());
+    std::inplace_merge(across_.begin(), came, across_.end());
+  }
+  /// Where they pass the middle, and their numbers.
+  const std::vector<std::pair<double, std::size_t>>& all() const { return across_; }
+
+ private:
+  const std::vector<Segment>& piece_;
+  std::vector<std::pair<double, std::size_t>> across_;
+  std::size_t next_ = 0;
+};
+
+/// Area bounded by a piece (sorted), even-odd, and the strips that it consists of.
+double sweep(const std::vector<Segment>& piece, Strips& strips) {
+  const std::vector<double> heights = slab_heights(piece);
+  double sum = 0;
+  Crossing crossing(piece);
   for (std::size_t h = 0; h + 1 < heights.size(); ++h) {
-    const double low = heights[h], high = heights[h + 1], middle = (low + high) / 2;
-    while (next < piece.size() && piece[next].a.y <= low) active.push_back(next++);
-    std::erase_if(active, [&](std::size_t k) { return piece[k].b.y <= low; });
-    across.clear();
-    for (const std::size_t k : active) across.emplace_back(piece[k].x_at(middle), k);
-    std::sort(across.begin(), across.end());
+    const double low = heights[h], high = heights[h + 1];
+    crossing.move_to(low, (low + high) / 2);
+    const auto& across = crossing.all();
     for (std::size_t k = 0; k + 1 < across.size(); k += 2) {
       // Straight sides: the width in the middle is the mean width.
       const double width = across[k + 1].first - across[k].first;
       sum += width * (high - low);
-      if (strips != nullptr && width > 0)
-        add_strip(low, high, across[k].second, across[k + 1].second);
+      if (width > 0) strips.add({low, high, across[k].second, across[k + 1].second});
     }
+  }
+  return sum;
+}
+
+/// Area bounded by a piece, even-odd; adds its strips to `strips` if asked for.
+double piece_area(std::vector<Segment> piece, std::vector<DifferenceStrip>* strips) {
+  Bounds2 box = Bounds2::nothing();
+  for (const Segment& s : piece) box.extend(grid::box_of(s.a, s.b));
+  // Along the longer side, where few segments pass a height: along a row of houses, not across it.
+  const bool is_wide = box.width() > box.height();
+  if (is_wide) {
+    for (Segment& s : piece) s = mirrored(s);
+    std::sort(piece.begin(), piece.end(), before_in_order);
+  }
+  Strips found(piece.size());
+  const double sum = sweep(piece, found);
+  if (strips == nullptr) return sum;
+  for (const Strip& strip : found.all()) {
+    const Segment &left = piece[strip.left], &right = piece[strip.right];
+    DifferenceStrip part{
+        {Point2{x_at(left, strip.low), strip.low}, Point2{x_at(right, strip.low), strip.low},
+         Point2{x_at(right, strip.high), strip.high}, Point2{x_at(left, strip.high), strip.high}},
+        left,
+        right,
+        left.of_after == !left.interior_left};
+    if (is_wide) {
+      for (Point2& p : part.corners) p = mirrored(p);
+      part.left = mirrored(left);
+      part.right = mirrored(right);
+    }
+    strips->push_back(part);
   }
   return sum;
 }
@@ -185,14 +264,13 @@ double changed_area(std::span<const Polygon> before, std::span<const Polygon> af
   }
   join_nested(segments, index, box, sets);
   double sum = 0;
-  std::vector<Segment> piece;
   const std::vector<Member> order = by_root(sets, segments.size());
   for (std::size_t i = 0; i < order.size();) {
-    piece.clear();
+    std::vector<Segment> piece;
     const std::int32_t root = order[i].first;
     for (; i < order.size() && order[i].first == root; ++i)
       piece.push_back(segments[static_cast<std::size_t>(order[i].second)]);
-    sum += piece_area(piece, strips);
+    sum += piece_area(std::move(piece), strips);
   }
   return sum;
 }

@@ -1,6 +1,7 @@
 // What differs between two nearly equal regions, from the edges that their outlines do not share.
 #pragma once
 
+#include <array>
 #include <span>
 #include <vector>
 
@@ -14,20 +15,15 @@ struct DifferenceEdge {
   Point2 b;
   bool of_after = false;       ///< Which of the two regions it bounds.
   bool interior_left = false;  ///< That region is on the left of a to b.
-
-  /// Where it passes the height y.
-  double x_at(double y) const { return a.x + (y - a.y) / (b.y - a.y) * (b.x - a.x); }
 };
 
-/// A part of the symmetric difference: what is between two edges and two heights.
+/// A part of the symmetric difference: what is between two edges, cut off by two parallel lines.
 struct DifferenceStrip {
-  double low;
-  double high;
+  std::array<Point2, 4> corners;  ///< In order around.
   DifferenceEdge left;
   DifferenceEdge right;
-
-  /// Whether it is in the region `after` (and then not in `before`), or the other way round.
-  bool in_after() const { return left.of_after == !left.interior_left; }
+  bool in_after;  ///< It is in the region `after` (and then not in `before`), or the other way
+                  ///< round.
 };
 
 /// Area of what is in exactly one of the regions `before` and `after`, in square steps; each is a

@@ -173,17 +173,12 @@ std::optional<Parts> parts_along(const Quad& q, const Wall& wall) {
   return std::nullopt;
 }
 
-Quad corners(const DifferenceStrip& s) {
-  return {Point2{s.left.x_at(s.low), s.low}, Point2{s.right.x_at(s.low), s.low},
-          Point2{s.right.x_at(s.high), s.high}, Point2{s.left.x_at(s.high), s.high}};
-}
-
 /// What a strip's distances cannot exceed by its own sides, where these belong to the other region.
 double bound_by_sides(const DifferenceStrip& s) {
   double bound = kInfinity;
   for (const DifferenceEdge* side : {&s.left, &s.right})
-    if (side->of_after != s.in_after())
-      bound = std::min(bound, farthest_corner(corners(s), {side->a, side->b}));
+    if (side->of_after != s.in_after)
+      bound = std::min(bound, farthest_corner(s.corners, {side->a, side->b}));
   return bound;
 }
 
@@ -194,7 +189,7 @@ class Search {
       : own_(own), other_(other), tolerance_(tolerance), best_(best) {}
 
   void strip(const DifferenceStrip& s) {
-    stack_.assign(1, corners(s));
+    stack_.assign(1, s.corners);
     while (!stack_.empty()) {
       const Quad quad = stack_.back();
       stack_.pop_back();
@@ -285,7 +280,7 @@ FarPoint largest_distance(std::span<const Polygon> before, std::span<const Polyg
   Search in_before(from, to, tolerance, best), in_after(to, from, tolerance, best);
   for (const auto& [bound, i] : order) {
     if (-bound <= best.distance + tolerance) continue;
-    (strips[i].in_after() ? in_after : in_before).strip(strips[i]);
+    (strips[i].in_after ? in_after : in_before).strip(strips[i]);
   }
   return best;
 }
