@@ -19,6 +19,7 @@
 #include "tetropolis/io/vector.h"
 #include "tetropolis/io/vtk.h"
 #include "tetropolis/io/xdmf.h"
+#include "tetropolis/pipeline/output_folder.h"
 
 #include "commands.h"
 
@@ -267,28 +268,68 @@ void info_report(const std::string& path) {
   std::ifstream file(path);
   const Json report = Json::parse(file, nullptr, false);
   try {
-    if (report.is_object()) return print_report(path, report);
+    if (report.is_object() && report.contains("version") && report.contains("command"))
+      return print_report(path, report);
   } catch (const Json::exception&) {  // members of other types than a report's
   }
   throw Error(ErrorKind::kInput, path + ": not a report of tetropolis, or cut; run it again");
 }
 
-/// The beginning of a text file.
-std::string head_of(const std::string& path) {
-  std::string head(400, '\0');
-  std::ifstream file(path, std::ios::binary);
-  file.read(head.data(), static_cast<std::streamsize>(head.size()));
-  head.resize(static_cast<std::size_t>(file.gcount()));
-  return head;
-}
+/// What a JSON document is, by the members of its root; read no further than needed.
+class RootMembers : public Json::json_sax_t {
+ public:
+  bool is_city() const { return type_ == "CityJSON"; }
+  bool is_report() const { return has_command_ && has_version_; }
+
+  bool key(string_t& name) override {
+    if (depth_ != 1) return true;
+    in_type_ = name == "type";
+    has_command_ = has_command_ || name == "command";
+    has_version_ = has_version_ || name == "version";
+    return !is_report();
+  }
+  bool string(string_t& text) override {
+    if (depth_ != 1 || !in_type_) return true;
+    type_ = text;
+    return false;
+  }
+  bool start_object(std::size_t) override { return enter(); }
+  bool end_object() override { return leave(); }
+  bool start_array(std::size_t) override { return enter(); }
+  bool end_array() override { return leave(); }
+  bool null() override { return true; }
+  bool boolean(bool) override { return true; }
+  bool number_integer(number_integer_t) override { return true; }
+  bool number_unsigned(number_unsigned_t) override { return true; }
+  bool number_float(number_float_t, const string_t&) override { return true; }
+  bool binary(binary_t&) override { return true; }
+  bool parse_error(std::size_t, const std::string&, const Json::exception&) override {
+    return false;
+  }
+
+ private:
+  bool enter() {
+    ++depth_;
+    return true;
+  }
+  bool leave() {
+    --depth_;
+    return true;
+  }
+
+  int depth_ = 0;
+  bool in_type_ = false, has_command_ = false, has_version_ = false;
+  std::string type_;
+};
 
 /// JSON may be a city model, a report or GeoJSON, whatever its name.
 void info_json(const std::string& path) {
-  const std::string head = head_of(path);
-  const auto says = [&](const char* text) { return head.find(text) != std::string::npos; };
-  if (says("\"CityJSON\""))
+  std::ifstream file(path, std::ios::binary);
+  RootMembers root;
+  Json::sax_parse(file, &root);
+  if (root.is_city())
     info_city(path);
-  else if (says("\"command\"") && says("\"version\""))
+  else if (root.is_report())
     info_report(path);
   else
     info_vector(path);
@@ -308,10 +349,12 @@ bool holds_point_files(const std::filesystem::path& path) {
 
 void info_folder(const std::string& path) {
   std::error_code error;
-  if (const auto report = std::filesystem::path(path) / "report.json";
-      std::filesystem::exists(report, error))
+  // A report that is none of ours may lie beside points; without them, it is at least looked at.
+  const bool has_points = holds_point_files(path);
+  const std::filesystem::path report = std::filesystem::path(path) / "report.json";
+  if (std::filesystem::exists(report, error) && (!has_points || is_result(report)))
     return info_report(report.string());
-  if (!holds_point_files(path)) return info_vector(path);  // a geodatabase, say
+  if (!has_points) return info_vector(path);  // a geodatabase, say
   for (const std::filesystem::path& file : expand_point_paths(std::vector{path}))
     info_points(file.string());
 }

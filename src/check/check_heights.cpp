@@ -21,7 +21,7 @@ namespace tetropolis {
 namespace {
 
 constexpr double kHeightTolerance = 1e-9;
-constexpr double kCutTolerance = 1e-5;   // metres; cuts are good to a micrometre
+constexpr double kCutTolerance = 1e-5;   // metres; cuts are good to a nanometre a triangle
 constexpr double kNeedTolerance = 1e-6;  // metres; whether ground had to be lowered
 constexpr const char* kNotFinite = "coordinates that are not finite";
 

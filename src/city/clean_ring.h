@@ -8,8 +8,8 @@
 namespace tetropolis {
 
 /// The ring without the repeated last vertex, without vertices closer than kNearDuplicate to the
-/// one before, and without spikes: vertices where the outline turns back upon itself within that
-/// distance. Empty if fewer than three vertices are left.
+/// one before, and without spikes: vertices where the outline turns back upon itself within a step.
+/// Empty if fewer than three vertices are left.
 Ring without_duplicates(const Ring& ring);
 
 /// The ring without vertices whose two edges differ in direction by less than `tolerance` (radians)

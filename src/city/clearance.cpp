@@ -73,7 +73,7 @@ void clear_of_domain(const Edges& edges, const Bounds2& domain, Clearance& best)
       const double d = std::max(0.0, sides[side]);
       if (d >= best.distance) continue;
       best = {d, edges.feature[Edges::at(v)], RingFeature{-1, 0, static_cast<std::int32_t>(side)},
-              false, p};
+              p};
     }
   }
 }
@@ -100,15 +100,11 @@ Clearance joint_clearance(std::span<const Polygon> polygons, const std::optional
       const double d = distance_to_segment(p, edges.start[Edges::at(e)], edges.end[Edges::at(e)]);
       const bool same_vertex = best.vertex == edges.feature[Edges::at(v)] && best_edge >= 0;
       if (d < best.distance || (d == best.distance && same_vertex && e < best_edge)) {
-        best = {d, edges.feature[Edges::at(v)], edges.feature[Edges::at(e)], false, p};
+        best = {d, edges.feature[Edges::at(v)], edges.feature[Edges::at(e)], p};
         best_edge = e;
       }
     });
-    if (best_edge >= 0) {
-      const Point2 a = edges.start[Edges::at(best_edge)];
-      best.other_is_vertex = std::hypot(p.x - a.x, p.y - a.y) <= best.distance;
-      reach = std::min(reach, best.distance);
-    }
+    if (best_edge >= 0) reach = std::min(reach, best.distance);
   }
   return best;
 }

@@ -59,9 +59,11 @@ bool has_building_class(const PointCloud& cloud, std::size_t buildings) {
         return static_cast<std::size_t>(std::count(codes + begin, codes + end, kBuildingClass));
       },
       [](std::size_t a, std::size_t b) { return a + b; });
-  // A stray point or two of a class do not make a classified cloud. (What is unclassified within a
+  // Stray points of a class do not make a classified cloud. (What is unclassified within a
   // classified cloud is found file by file, by a finer share: see unclassified_files.h.)
-  return of_buildings > 0 && (of_buildings >= buildings || of_buildings >= cloud.size() / 1000);
+  constexpr std::size_t kFew = 8, kShare = 1000;
+  return of_buildings > 0 &&
+         (of_buildings >= std::max(buildings, kFew) || of_buildings * kShare >= cloud.size());
 }
 
 /// A point found at a building.

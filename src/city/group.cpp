@@ -47,8 +47,13 @@ std::vector<Group> GroupInput::single_groups() const {
       group.input = {group.polygon};
       if (is_inside(group.polygon)) continue;
       group.flags = kClipped;
-      group.polygon = usable_part(group.polygon);
-      if (!group.polygon.outer.empty()) group.input = {group.polygon};
+      Polygon part = usable_part(group.polygon);
+      // What is cut off is no loss, nor what is outside of one that is dropped.
+      if (!part.outer.empty())
+        group.input = {part};
+      else
+        group.input = keep_inside_.empty() ? std::vector<Polygon>() : inside(group.polygon);
+      group.polygon = std::move(part);
     }
   });
   return groups;
@@ -62,7 +67,7 @@ std::vector<Polygon> GroupInput::input_of(const std::vector<BuildingIndex>& memb
   std::vector<Polygon> input;
   for (const BuildingIndex m : members)
     input.push_back(usable_part(grid::to_steps(cleaned_[static_cast<std::size_t>(m)])));
-  return input.size() > 1 ? unite_or_widest(input) : input;
+  return input.size() > 1 ? unite_or_largest(input) : input;
 }
 
 /// What follows from the members alone.
@@ -114,7 +119,7 @@ std::vector<Group> GroupInput::split(const std::vector<Polygon>& parts, double l
   std::vector<Group> groups;
   for (Offcut& offcut : share_out(parts, kept, least_area, cleaned_, group.members)) {
     Group& part = groups.emplace_back();
-    part.flags = flags_of(offcut.members) | kRepaired;
+    part.flags = flags_of(offcut.members) | kRepaired | (group.flags & kConvexHull);
     part.polygon = std::move(offcut.polygon);
     if (!is_inside(part.polygon))
       part.polygon = largest_of(inside(part.polygon)).value_or(Polygon{});

@@ -279,7 +279,7 @@ MergedPolygon merge_polygons(std::span<const Polygon> cluster, double distance, 
                              const Poll& poll) {
   MergedPolygon result;
   result.input.assign(cluster.begin(), cluster.end());
-  if (cluster.size() > 1) result.input = unite_or_widest(cluster, poll);
+  if (cluster.size() > 1) result.input = unite_or_largest(cluster, poll);
   std::vector<Polygon> parts = result.input;
   double reach = distance * (1 + 1e-3);  // so that the ends of patches are not at the limit
   for (int k = 1; k <= std::max(growths, 1) && parts.size() > 1; ++k, reach *= 2) {

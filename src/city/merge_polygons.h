@@ -32,7 +32,7 @@ enum class MergeMethod : std::uint8_t { kUnion, kPatch, kBridge, kUnionOfHulls, 
 
 struct MergedPolygon {
   Polygon polygon;
-  std::vector<Polygon> input;  ///< The plain union (unite_or_widest).
+  std::vector<Polygon> input;  ///< The plain union (unite_or_largest).
   MergeMethod method = MergeMethod::kUnion;
   int growths = 0;  ///< For kPatch: the growth that joined them, from 1.
 };

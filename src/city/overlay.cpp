@@ -462,7 +462,7 @@ std::vector<Polygon> unite_on_grid(std::span<const Polygon> polygons, const Poll
   return or_else(polygons, std::move(united), on_grid);
 }
 
-std::vector<Polygon> unite_or_widest(std::span<const Polygon> polygons, const Poll& poll) {
+std::vector<Polygon> unite_or_largest(std::span<const Polygon> polygons, const Poll& poll) {
   std::vector<Polygon> united = unite_on_grid(polygons, poll);
   if (united.empty() && !polygons.empty()) united = {largest(polygons)};
   return united;

@@ -19,9 +19,9 @@ using Poll = std::function<void()>;
 /// the grid. Throws Error(kGuarantee) where GEOS gives up on both.
 std::vector<Polygon> unite_on_grid(std::span<const Polygon> polygons, const Poll& poll = {});
 
-/// The same; but where all are slivers that go flat on the grid, the widest of them stands for all:
-/// never empty, unless `polygons` is.
-std::vector<Polygon> unite_or_widest(std::span<const Polygon> polygons, const Poll& poll = {});
+/// The same; but where all are slivers that go flat on the grid, the largest of them stands for
+/// all: never empty, unless `polygons` is.
+std::vector<Polygon> unite_or_largest(std::span<const Polygon> polygons, const Poll& poll = {});
 
 /// `a`, which is such a result, and `b`, on the grid, as above: faster than uniting all where `b`
 /// are many small patches.

@@ -277,9 +277,10 @@ std::vector<Patches> hulls_around(const Outline& o, const std::vector<NearPair>&
         points.push_back(o.at(w));
     });
     Ring hull = grid::convex_hull(std::move(points));
-    if (hull.size() >= 3)
-      result[static_cast<std::size_t>(o.group_of(pair.vertex))].fill.push_back(
-          {std::move(hull), {}});
+    if (hull.size() < 3) continue;
+    Patches& patches = result[static_cast<std::size_t>(o.group_of(pair.vertex))];
+    patches.fill.push_back({std::move(hull), {}});
+    patches.are_hulls = true;
   }
   return result;
 }

@@ -18,6 +18,7 @@ struct Patches {
   std::vector<Polygon> cut;
   std::vector<Polygon> widen;  ///< What to add in place of each of `cut` if cutting loses too much.
   std::int64_t widened = 0;    ///< How many of `fill` widen a neck.
+  bool are_hulls = false;      ///< `fill` are hulls of surroundings, no gaps.
 };
 
 /// Patches for pairs of one polygon, per polygon of the outline. A pair whose connecting segment

@@ -247,6 +247,7 @@ void Simplifier::take_back(const Outline& outline) {
 
 /// False if nothing is left of the group. Parts that a cut has made independent go to `offcuts`.
 bool Simplifier::apply(const Patches& patches, Group& group, std::vector<Group>& offcuts) const {
+  if (patches.are_hulls) group.flags |= kConvexHull;
   std::vector<Polygon> parts{group.polygon};
   if (!patches.fill.empty()) parts = add_on_grid(parts, patches.fill);
   std::optional<Polygon> next = largest_of(parts);
@@ -294,8 +295,9 @@ void Simplifier::apply_patches(std::vector<Patches> patches) {
   for (std::vector<Group>& parts : offcuts)
     for (Group& part : parts) groups_.push_back(std::move(part));
   for (const std::size_t k : work) {
-    result_.stats.gaps_filled +=
-        static_cast<std::int64_t>(patches[k].fill.size()) - patches[k].widened;
+    if (!patches[k].are_hulls)
+      result_.stats.gaps_filled +=
+          static_cast<std::int64_t>(patches[k].fill.size()) - patches[k].widened;
     result_.stats.necks_widened += patches[k].widened;
     result_.stats.arms_cut += static_cast<std::int64_t>(patches[k].cut.size());
   }
@@ -333,7 +335,7 @@ Group Simplifier::united(const std::vector<std::size_t>& parts, bool hulls) {
     polygons.push_back(std::move(group.polygon));
   }
   std::sort(merged.members.begin(), merged.members.end());
-  if (merged.shares_input) merged.input = unite_or_widest(merged.input);
+  if (merged.shares_input) merged.input = unite_or_largest(merged.input);
   if (!hulls) {
     MergedPolygon how = merge_polygons(polygons, epsilon_, options_.growths);
     if (is_hull(how.method)) merged.flags |= kConvexHull;
@@ -490,8 +492,9 @@ void Simplifier::drop_small() {
     for (Group& group : groups_) {
       const double size = area(group.polygon) / grid::kSquareMetre;
       if (size >= options_.min_area) continue;
+      const double shown = std::floor(size * 10) / 10;  // 14.98 would be 15.0
       drop(group,
-           fmt::format("area {:.1f} m2 below the minimum of {:g} m2", size, options_.min_area));
+           fmt::format("area {:.1f} m2 below the minimum of {:g} m2", shown, options_.min_area));
       group.members.clear();
       any = true;
     }

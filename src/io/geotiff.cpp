@@ -323,7 +323,8 @@ RasterInput read_raster(const fs::path& path, Point2 origin) {
   raster.y0 = restore(t[3] - raster.step / 2 - (raster.ny - 1) * raster.step - origin.y);
   result.filled = fill_missing(raster);
   if (result.filled == static_cast<std::int64_t>(raster.values.size()))
-    fail_input(path, fmt::format("none of its {} pixels has a value", result.filled));
+    fail_input(
+        path, fmt::format("none of its {} pixels has a value; give another raster", result.filled));
   if (result.filled > 0)
     result.warnings.push_back(
         {"raster_filled", result.filled,

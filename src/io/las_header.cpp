@@ -11,6 +11,7 @@
 
 #include <fmt/format.h>
 
+#include "tetropolis/core/foreign_code.h"
 #include "tetropolis/core/parallel.h"
 
 #include "input_file.h"
@@ -86,7 +87,7 @@ void parse_fixed(const fs::path& path, std::string_view h, LasLayout& layout) {
   if (layout.first_point < header_size)
     fail_input(path,
                fmt::format("byte 96 says that points start at byte {}, inside the header of {} "
-                           "bytes; the file is broken",
+                           "bytes; the file is broken, get it again",
                            layout.first_point, header_size));
   if (layout.first_point > layout.file_size)
     fail_input(path, fmt::format("ends at byte {}, before its points start at byte {}; the file is "
@@ -102,7 +103,7 @@ void parse_fixed(const fs::path& path, std::string_view h, LasLayout& layout) {
   if (info.record_length < needed)
     fail_input(path,
                fmt::format("byte 105 gives records of {} bytes where point format {} needs {}; "
-                           "the file is broken",
+                           "the file is broken, get it again",
                            info.record_length, info.point_format, needed));
 }
 
@@ -116,9 +117,10 @@ void parse_numbers(const fs::path& path, std::string_view h, LasInfo& info) {
     const double scale = std::abs(info.scale[axis]);
     if (!(scale >= kLeastScale && scale <= kLargestScale &&
           std::abs(info.offset[axis]) <= (axis < 2 ? kLargestOffset : kLargestElevation)))
-      fail_input(path,
-                 fmt::format("byte {} gives scale {} and offset {} for {}; the file is broken",
-                             131 + 8 * axis, info.scale[axis], info.offset[axis], "xyz"[axis]));
+      fail_input(
+          path, fmt::format(
+                    "byte {} gives scale {} and offset {} for {}; the file is broken, get it again",
+                    131 + 8 * axis, info.scale[axis], info.offset[axis], "xyz"[axis]));
     if (info.scale[axis] < 0)
       info.warnings.push_back(
           {"las_scale_negative", 1,
@@ -130,7 +132,8 @@ void parse_numbers(const fs::path& path, std::string_view h, LasInfo& info) {
   const std::uint64_t extended = info.version_minor == 4 ? number_at<std::uint64_t>(h, 247) : 0;
   const std::uint64_t count = extended != 0 ? extended : legacy;
   if (count > (std::uint64_t{1} << 62))
-    fail_input(path, fmt::format("byte 247 gives {} points; the file is broken", count));
+    fail_input(path,
+               fmt::format("byte 247 gives {} points; the file is broken, get it again", count));
   info.point_count = static_cast<std::int64_t>(count);
 }
 
@@ -356,8 +359,10 @@ void settle_compression(const fs::path& path, const PositionedFile& file,
     if (!problem.empty()) fail_input(path, problem + "; get the file again or convert it to LAS");
   }
   if (found != 1)
-    fail_input(path,
-               fmt::format("is compressed but has {} LASzip records; the file is broken", found));
+    fail_input(
+        path,
+        fmt::format("is compressed but has {} LASzip records; the file is broken, get it again",
+                    found));
   if (layout.info.point_count > std::numeric_limits<std::uint32_t>::max())
     fail_input(path,
                fmt::format("has {} points; LASzip finds no more than {} in one file, split it",
@@ -373,7 +378,7 @@ std::string check_laszip_record(std::string_view data, int record_length, Laszip
   // LASzip record: compressor, coder, version, options, chunk size, two 64-bit numbers, number of
   // items, then type, size and version of each (Isenburg, LASzip: lossless compression of LiDAR
   // data, PE&RS 79(2), 2013, and the record's description in its distribution).
-  if (data.size() < 34) return "the LASzip record is too short; the file is broken";
+  if (data.size() < 34) return "the LASzip record is too short; the file is broken, get it again";
   record.compressor = number_at<std::uint16_t>(data, 0);
   const int coder = number_at<std::uint16_t>(data, 2);
   record.chunk_size = number_at<std::uint32_t>(data, 12);
@@ -382,9 +387,9 @@ std::string check_laszip_record(std::string_view data, int record_length, Laszip
     return fmt::format("LASzip compressor {} is not supported", record.compressor);
   if (coder != 0) return fmt::format("LASzip coder {} is not supported", coder);
   if (record.compressor != 1 && record.chunk_size == 0)
-    return "the LASzip record gives chunks of 0 points; the file is broken";
+    return "the LASzip record gives chunks of 0 points; the file is broken, get it again";
   if (items == 0 || data.size() < 34 + 6 * items)
-    return "the LASzip record's items are cut; the file is broken";
+    return "the LASzip record's items are cut; the file is broken, get it again";
   // Sizes by item type: BYTE (any), POINT10, GPSTIME11, RGB12, WAVEPACKET13, POINT14, RGB14,
   // RGBNIR14, WAVEPACKET14, BYTE14 (any); the numbers between are not in use.
   constexpr std::array<int, 15> kSizes = {0, -1, -1, -1, -1, -1, 20, 8, 6, 29, 30, 6, 8, 29, 0};
@@ -402,7 +407,8 @@ std::string check_laszip_record(std::string_view data, int record_length, Laszip
     if (version > 4) return fmt::format("LASzip item version {} is not supported", version);
     if ((type >= kFirstLayered) != (record.compressor == 3))
       return fmt::format(
-          "LASzip compressor {} does not go with items of type {}; the file is broken",
+          "LASzip compressor {} does not go with items of type {}; the file is broken, get it "
+          "again",
           record.compressor, type);
     total += size;
     if (type < kFirstLayered) continue;
@@ -410,8 +416,9 @@ std::string check_laszip_record(std::string_view data, int record_length, Laszip
     record.layers += kind < kLayers.size() ? kLayers[kind] : size;
   }
   if (total != record_length)
-    return fmt::format("LASzip items of {} bytes do not make records of {}; the file is broken",
-                       total, record_length);
+    return fmt::format(
+        "LASzip items of {} bytes do not make records of {}; the file is broken, get it again",
+        total, record_length);
   return "";
 }
 
@@ -434,7 +441,10 @@ LasLayout read_las_layout(const fs::path& path, LasSystems& systems, bool crs_ma
   }
   const bool wkt =
       layout.info.point_format >= 6 || (number_at<std::uint16_t>(front, 6) & 0x10) != 0;
-  const LasSystems::System system = systems.of(vlrs, wkt);
+  const LasSystems::System system = [&] {
+    const ForeignCode gdal_and_proj(path.c_str());
+    return systems.of(vlrs, wkt);
+  }();
   layout.info.crs = system.crs;
   layout.info.vertical_unit = system.vertical_unit;
   layout.info.vertical_crs = system.vertical_crs;

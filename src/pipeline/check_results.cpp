@@ -23,6 +23,7 @@
 #include "tetropolis/check/check_volume.h"
 #include "tetropolis/core/error.h"
 #include "tetropolis/core/files.h"
+#include "tetropolis/core/text.h"
 #include "tetropolis/io/cityjson.h"
 #include "tetropolis/io/crs.h"
 #include "tetropolis/io/geotiff.h"
@@ -143,6 +144,7 @@ void check_heights_of(const Raster& terrain, const SurfaceMesh& surface,
 /// What a mesh was made from. Empty paths where it is not to be found.
 struct Sources {
   fs::path city, terrain;
+  fs::path city_wanted;                     ///< Where the city was to be.
   std::optional<RasterInput> read_terrain;  ///< Where there is a city, too.
 };
 
@@ -156,7 +158,7 @@ Sources find_sources(const fs::path& folder, const std::optional<ReportedFacts>&
   };
   const ReportedFacts facts = report.value_or(ReportedFacts{});
   return {find(results::kCity, facts.city_model), find(results::kTerrain, facts.terrain),
-          std::nullopt};
+          facts.city_model.empty() ? results::kCity : facts.city_model, std::nullopt};
 }
 
 CheckedFile check_against_city(const std::string& name, const std::optional<RasterInput>& terrain,
@@ -226,8 +228,9 @@ void add_mesh(const NamedVolume& volume, const std::vector<NamedSurface>& bounda
   for (CheckedFile& file : check_volume_and_boundaries(volume, boundaries, report, progress))
     files.push_back(std::move(file));
   if (sources.city.empty()) {
-    files.back().not_checked.emplace_back(
-        "regions, footprints in the mesh and heights (there is no city.city.json)");
+    files.back().not_checked.push_back(
+        fmt::format("regions, footprints in the mesh and heights (there is no {})",
+                    sources.city_wanted.string()));
     return;
   }
   for (const NamedSurface& boundary : boundaries)
@@ -285,12 +288,17 @@ bool is_whole(const fs::path& path) {
   return fs::is_regular_file(path, error) && fs::file_size(path, error) > 0;
 }
 
-/// A result that was lost or moved away since the run, or emptied.
+/// A result that was lost or moved away since the run, or emptied. Beside a model, the data of
+/// `synth` that it was made from are none.
 void require_listed(const fs::path& folder, const ReportedFacts& report,
                     std::vector<CheckedFile>& files) {
+  const std::vector<std::string> of_models = results::all_names();
+  const bool has_model = report.city || report.mesh;
   std::vector<std::string> missing;
   for (const std::string& name : report.files)
-    if (!is_whole(folder / name)) missing.push_back(name);
+    if ((!has_model || std::find(of_models.begin(), of_models.end(), name) != of_models.end()) &&
+        !is_whole(folder / name))
+      missing.push_back(name);
   if (!missing.empty())
     files.push_back({results::kReport,
                      {fmt::format("missing: {}", fmt::join(missing, ", "))},
@@ -401,10 +409,11 @@ std::vector<CheckedFile> check_path(const fs::path& given, std::optional<double>
   if (!is_there(path)) throw Error(ErrorKind::kInput, path.string() + ": no such file or folder");
   std::error_code ignored;
   if (fs::is_directory(path, ignored)) return check_folder(path, min_distance, progress);
-  if (path.extension() == ".vtu") return {check_one_volume(path, progress)};
-  if (path.extension() == ".vtp") return {check_one_surface(path)};
-  if (path.extension() == ".xdmf") return check_one_xdmf(path, progress);
-  if (path.extension() == ".json") return {check_one_city(path, min_distance)};
+  const std::string extension = lower_case(path.extension().string());
+  if (extension == ".vtu") return {check_one_volume(path, progress)};
+  if (extension == ".vtp") return {check_one_surface(path)};
+  if (extension == ".xdmf") return check_one_xdmf(path, progress);
+  if (extension == ".json" || extension == ".cityjson") return {check_one_city(path, min_distance)};
   throw Error(
       ErrorKind::kInput,
       path.string() + ": is not a .vtu, .vtp, .xdmf or .city.json file or a folder of results");

@@ -45,7 +45,10 @@ Number parse_number(const ConfigField& field, const std::string& text, const std
     fail(origin, fmt::format("{} is out of range; give {} to {}", text,
                              std::max(field.min, static_cast<double>(Limits::lowest())),
                              std::min(field.max, static_cast<double>(Limits::max()))));
-  if (code != std::errc() || stop != end) fail(origin, fmt::format("'{}' is not {}", text, kind));
+  if (code != std::errc() || stop != end)
+    fail(origin,
+         fmt::format("'{}' is not {}{}", text, kind,
+                     text.find(',') == std::string::npos ? "" : "; a point goes before decimals"));
   require_in_range(field, static_cast<double>(value), text, origin);
   return value;
 }
@@ -92,6 +95,8 @@ void set_numbers(std::vector<double>& target, const ConfigField& field,
 
 void require_choices(const ConfigField& field, const std::vector<std::string>& texts,
                      const std::string& origin) {
+  if (texts.empty() && !field.choices.empty())
+    fail(origin, fmt::format("is empty; give one or more of {}", fmt::join(field.choices, ", ")));
   for (const std::string& text : texts) {
     if (text.empty() && field.choices.empty())
       fail(origin, "one of the values is empty; leave it out or give a value");

@@ -129,7 +129,7 @@ void require_ground(const Config& config, const PointCloud& cloud, const Report&
   throw Error(ErrorKind::kInput,
               fmt::format("{}: no ground among the points, only {}; classify the ground (class 2), "
                           "or give unclassified points (0 or 1) to --ground-filter auto",
-                          config.points.front(), fmt::join(parts, ", ")));
+                          points_given(config), fmt::join(parts, ", ")));
 }
 
 }  // namespace

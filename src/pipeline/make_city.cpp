@@ -144,20 +144,24 @@ void fill_city_report(const CityModel& raw, const CityModel& city, const Simplif
   }
 }
 
-/// A header that is off shows here, or bytes that have rotted; then points outside of their box
-/// name the file.
-void require_elevations(const Raster& dtm, const Config& config, const Report& report) {
+/// The first file with a ground point that lies at no elevation, as a header that is off or rotten
+/// bytes make them.
+std::string file_off_earth(const InputData& input) {
+  const PointCloud& cloud = input.points;
+  for (const PointFile& file : input.files)
+    for (std::size_t p = file.points.kept.begin; p < file.points.kept.end; ++p)
+      if (is_ground(cloud.classification[p]) && !is_elevation(cloud.z[p])) return file.path;
+  return {};
+}
+
+void require_elevations(const Raster& dtm, const Config& config, const InputData& input) {
   const auto wrong = find_no_elevation(dtm.values);
   if (wrong == dtm.values.end()) return;
-  const auto outside =
-      std::find_if(report.warnings.begin(), report.warnings.end(),
-                   [](const Warning& warning) { return warning.code == "las_points_outside_box"; });
-  throw Error(
-      ErrorKind::kInput,
-      fmt::format("{}: ground points lie at elevations such as {:.6g} m; get the file again, "
-                  "or check scale and offset of z in its header ('tetropolis info')",
-                  outside == report.warnings.end() ? config.points.front() : outside->message,
-                  *wrong));
+  const std::string file = file_off_earth(input);
+  throw Error(ErrorKind::kInput,
+              fmt::format("{}: ground points lie at elevations such as {:.6g} m; get the file "
+                          "again, or check scale and offset of z in its header ('tetropolis info')",
+                          file.empty() ? points_given(config) : file, *wrong));
 }
 
 Raster make_terrain(const Config& config, const InputData& input, StepClock& clock,
@@ -168,7 +172,7 @@ Raster make_terrain(const Config& config, const InputData& input, StepClock& clo
   Raster dtm = clock.run("1.3", "terrain", [&](const Progress& progress) {
     return build_dtm(input.points, input.domain, options, progress, &dtm_report);
   });
-  require_elevations(dtm, config, report);
+  require_elevations(dtm, config, input);
   report.city->dtm_empty_share = dtm_report.empty_share;
   report.city->dtm_void_share = dtm_report.void_share;
   warn_of_terrain(dtm_report, report);

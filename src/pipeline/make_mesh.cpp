@@ -73,6 +73,8 @@ void report_lowered(const ColumnPlan& plan, Report& report) {
                          plan.undermined == 1 ? " has its foot above the ground that is now"
                                               : "s have their foot above the ground that is now",
                          plan.deepest_undermined);
+  if (!plan.cut_from.roofs.empty() || !plan.cut_from.feet.empty())
+    where += "; --cut-slope 90 keeps the terrain, with worse cells instead";
   report.warnings.push_back(
       {"ground_lowered", plan.lowered,
        fmt::format("ground vertices were lowered, by up to {:.1f} m: {}", plan.deepest, where)});

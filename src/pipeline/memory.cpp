@@ -27,8 +27,9 @@ constexpr double kPerPoint = 26;
 /// near, what extract.h needs of it while lists are made and in them.
 constexpr double kPerCloudPoint = 13;
 constexpr double kPerPointAtBuilding = 12;
-/// Heights and numbers of points of the terrain while it is made.
-constexpr double kPerTerrainNode = 12;
+/// Terrain while it is made: heights, and what fill_empty_nodes needs, where all nodes but every
+/// fifth are empty.
+constexpr double kPerTerrainNode = 18;
 /// Points of a synthetic city: their own 13, twice while their arrays grow.
 constexpr double kPerSyntheticPoint = 26;
 /// Of the solver, with uniform layers (uniform.peak_bytes_per_node in tests/work/limits.txt).
@@ -68,9 +69,10 @@ struct Correction {
                          const std::string& begin) {
   const double limit = memory_limit(config);
   Config coarse = config;
-  while (coarse.mesh_size < 1e4) {
+  constexpr double kCoarsest = 1e4;  // as the setting allows
+  while (coarse.mesh_size < kCoarsest) {
     // A fiftieth more, rounded up to the next five centimetres.
-    coarse.mesh_size = std::ceil(1.02 * coarse.mesh_size * 20) / 20;
+    coarse.mesh_size = std::min(std::ceil(1.02 * coarse.mesh_size * 20) / 20, kCoarsest);
     const MeshEstimate fits = estimate_mesh(coarse, city);
     if (correction.bytes * fits.bytes > limit) continue;
     throw Error(ErrorKind::kUsage,
@@ -95,7 +97,7 @@ double parse_size(const std::string& text) {
     factor = std::pow(1000.0, static_cast<double>(units.find(unit[0]) % 4 + 1));
   else if (!unit.empty())
     factor = 0;
-  if (error != std::errc() || !(number > 0) || factor == 0)
+  if (error != std::errc() || !(number > 0) || !std::isfinite(number) || factor == 0)
     throw Error(ErrorKind::kUsage, "'" + text + "' is not a size; write for example 8G or 500M");
   constexpr double kLeast = 1e6;
   if (number * factor < kLeast)

@@ -220,7 +220,7 @@ Bounds2 find_domain(const Config& config, const FootprintsInput& footprints,
         fmt::format("{}: the domain is {:.3f} m x {:.3f} m (points in it: {}), too small for "
                     "footprints {} m apart; give more points, larger --bounds or lower "
                     "--min-building-distance",
-                    config.points.front(), std::max(domain.width(), 0.0),
+                    points_given(config), std::max(domain.width(), 0.0),
                     std::max(domain.height(), 0.0), points.points_kept,
                     config.min_building_distance));
   return domain;
@@ -268,23 +268,23 @@ void fill_report(const Config& config, const FootprintsInput& footprints, const 
     throw Error(ErrorKind::kInput,
                 fmt::format("{}: none of {} points is usable: all are noise (classes 7, 18) or "
                             "withheld; give other points",
-                            config.points.front(), points.points_read));
+                            points_given(config), points.points_read));
   const Bounds2 box = crop.value_or(headers.box);
   if (headers.box.empty())
     throw Error(ErrorKind::kInput,
-                fmt::format("{}: the point cloud has no points", config.points.front()));
+                fmt::format("{}: the point cloud has no points", points_given(config)));
   if (points.points_read > 0 && headers.box.intersects(box))
     throw Error(ErrorKind::kInput,
                 fmt::format("{}: none of {} points is usable in the domain: all are noise "
                             "(classes 7, 18), withheld, or "
                             "outside of it ({})",
-                            config.points.front(), points.points_read, box_text(box)));
+                            points_given(config), points.points_read, box_text(box)));
   throw Error(
       ErrorKind::kInput,
       fmt::format(
           "{}: points and domain do not overlap: the domain is {}, the points are {} by {}; check "
           "the CRS of both (--points-crs, --footprints-crs)",
-          config.points.front(), box_text(box), box_text(headers.box),
+          points_given(config), box_text(box), box_text(headers.box),
           config.points.size() == 1 ? "its header" : "the headers of all files"));
 }
 
@@ -368,6 +368,13 @@ void warn_of_scale(const std::string& crs, const Bounds2& domain, Report& report
 }
 
 }  // namespace
+
+std::string points_given(const Config& config) {
+  const std::string& first = config.points.front();
+  return config.points.size() == 1
+             ? first
+             : fmt::format("{}, and {} more", first, config.points.size() - 1);
+}
 
 InputData read_input(const Config& config, Next next, StepClock& clock, Report& report,
                      std::string& misread) {

@@ -30,6 +30,9 @@ struct InputData {
   std::string crs;  ///< Of points and footprints; empty if nobody says.
 };
 
+/// The points as they were given, for messages about all of them: "tiles, and 3 more".
+std::string points_given(const Config& config);
+
 /// Reads both, brings the footprints into the points' reference system and finds the domain: the
 /// bounds given, or the box of the footprints within that of the points, grown by the margin as far
 /// as there are points, or without either the box of the points. Without bounds, points far from

@@ -37,6 +37,17 @@ Bounds2 domain_of(const Config& config, const CityModel& city, const RasterInput
   return terrain.raster.bounds();
 }
 
+/// As `city` and `build` do.
+void require_room(const Config& config, const CityModel& city) {
+  const double least = 2 * config.min_building_distance;
+  const double width = city.domain.width(), height = city.domain.height();
+  if (width >= least && height >= least) return;
+  throw Error(ErrorKind::kInput,
+              fmt::format("{}: the domain is {:.3f} m x {:.3f} m, too small for footprints {} m "
+                          "apart; give larger --bounds or lower --min-building-distance",
+                          config.dtm, width, height, config.min_building_distance));
+}
+
 /// Where a city's domain is, in its reference system, for messages.
 std::string domain_text(const CityModel& city) {
   const Bounds2 domain = city.domain.moved(city.origin);
@@ -50,8 +61,9 @@ void require_terrain_under(const Config& config, const CityModel& city,
                            const RasterInput& terrain) {
   if (!city.crs.empty() && !terrain.crs.empty() && !same_horizontal_crs(city.crs, terrain.crs))
     throw Error(ErrorKind::kInput,
-                fmt::format("{}: the terrain is in {}, the city {} in {}", config.dtm,
-                            crs_name(terrain.crs), config.city, crs_name(city.crs)));
+                fmt::format("{}: the terrain is in {}, the city {} in {}; give the one that was "
+                            "made with the city, or reproject one of them",
+                            config.dtm, crs_name(terrain.crs), config.city, crs_name(city.crs)));
   const Bounds2 covered = terrain.raster.bounds().grown(terrain.raster.step);
   if (!covered.contains({city.domain.xmin, city.domain.ymin}) ||
       !covered.contains({city.domain.xmax, city.domain.ymax}))
@@ -116,7 +128,7 @@ double require_meshable(const Config& config, const CityModel& city) {
   };
   for (const Building& building : city.buildings)
     for (const double height : {building.h_ground, building.h_roof})
-      if (!(height >= kLowestTerrain && height <= kHighestTerrain))
+      if (!is_elevation(height))
         throw Error(
             ErrorKind::kInput,
             fmt::format("{}: building {} (feature {}) reaches from {:.6g} to {:.6g} m, which "
@@ -165,6 +177,7 @@ CityAndTerrain read_meshable(const Config& config, Report& report) {
   require_heights_in_metres(terrain.height_unit, config.dtm, nullptr);
   require_elevations(config, terrain);
   city.domain = domain_of(config, city, terrain);
+  require_room(config, city);
   require_terrain_under(config, city, terrain);
   require_buildings(config, city);
   CityReport& city_report = report.city.emplace();

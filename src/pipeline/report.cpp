@@ -138,6 +138,7 @@ std::string to_json(const Report& report) {
                              {"cpu_seconds", step.cpu_seconds}});
   json["peak_rss_bytes"] = report.peak_rss_bytes;
   json["threads"] = report.threads;
+  if (!report.sources.empty()) json["sources"] = report.sources;
   if (report.input) json["input"] = input_json(*report.input);
   if (report.city) json["city"] = city_json(*report.city);
   if (report.ground_mesh)

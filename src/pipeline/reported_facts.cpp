@@ -97,7 +97,7 @@ std::vector<std::string> missing_members(const Json& report) {
   return names;
 }
 
-ReportedFacts facts_of(const Json& report) {
+ReportedFacts facts_of(const Json& report, const fs::path& folder) {
   const Json config = report.value("config", Json::object());
   ReportedFacts facts;
   facts.min_distance = config.value("min_building_distance", facts.min_distance);
@@ -123,9 +123,12 @@ ReportedFacts facts_of(const Json& report) {
   if (report.contains("crs")) facts.crs = normalise_crs(report["crs"].get<std::string>());
   facts.files = files_of(report);
   facts.missing = missing_members(report);
-  if (report.value("command", std::string()) == "mesh") {
-    facts.city_model = config.value("city", std::string());
-    facts.terrain = config.value("dtm", std::string());
+  if (report.contains("sources")) {
+    const auto source = [&](const char* name) {
+      return (folder / report["sources"].value(name, std::string())).lexically_normal();
+    };
+    facts.city_model = source("city");
+    facts.terrain = source("dtm");
   }
   if (!report.contains("volume_mesh")) return facts;
   const Json& volume = report["volume_mesh"];
@@ -167,7 +170,7 @@ std::optional<ReportedFacts> read_report(const fs::path& folder) {
   normalise_crs("EPSG:4326");  // Where no reference system is known, it is not the report's fault.
   try {
     const Json json = Json::parse(file);
-    if (json.is_object()) return facts_of(json);
+    if (json.is_object()) return facts_of(json, folder);
   } catch (const Json::exception&) {         // no JSON, or members of other types than a report's
   } catch (const std::ios_base::failure&) {  // not even a file
   } catch (const std::out_of_range&) {       // values that no report has

@@ -31,6 +31,14 @@ void keep_inputs(const Config& config, OutputFolder& out) {
   for (const std::string& file : config.points) out.keep(file);
 }
 
+/// So that `check` finds a source from anywhere, also when both have moved together.
+std::string relative_to_results(const Config& config, const std::string& source) {
+  const auto real = [](const std::string& path) {
+    return std::filesystem::weakly_canonical(std::filesystem::absolute(path));
+  };
+  return real(source).lexically_relative(real(config.out)).string();
+}
+
 }  // namespace
 
 Report run_build(const Config& config, const RunHooks& hooks) {
@@ -67,12 +75,15 @@ Report run_mesh(const Config& config, const RunHooks& hooks) {
   require_given(!config.out.empty(), "--out", "name a folder for the results");
   const ThreadLimit limit(config.threads);
   Report report = begin_report("mesh", config);
+  report.sources = {{"city", relative_to_results(config, config.city)},
+                    {"dtm", relative_to_results(config, config.dtm)}};
   StepClock clock(hooks, report);
   OutputFolder out(config.out, hooks.output, Replaces::kModels);
   keep_inputs(config, out);
   // Beside the city model that is meshed, the one it was made from is no leftover.
   out.keep(std::filesystem::path(config.city).parent_path() / results::kRawCity);
-  CityAndTerrain stage = read_meshable(config, report);
+  CityAndTerrain stage = clock.run("3.1", "read city and terrain",
+                                   [&](const Progress&) { return read_meshable(config, report); });
   keep_domain(stage.city, report);
   make_mesh(config, stage.city, std::move(stage.dtm), out, clock, report);
   finish(report, out);

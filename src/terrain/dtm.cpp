@@ -44,9 +44,13 @@ std::int64_t nearest_node(double position, std::int32_t nodes) {
 /// points. (Points first shared out to bands of rows, and those binned by two threads in the same
 /// order, took as long for 10 million in flight order, and twice as long in random order.)
 std::int64_t bin_points(const PointCloud& cloud, const std::array<bool, 256>& is_ground,
-                        Raster& sums, std::vector<std::uint32_t>& counts) {
+                        Raster& sums, std::vector<std::uint32_t>& counts,
+                        const Progress& progress) {
+  constexpr std::size_t kPointsPerPoll = std::size_t{1} << 20;
   std::int64_t binned = 0;
   for (std::size_t p = 0; p < cloud.size(); ++p) {
+    if (p % kPointsPerPoll == 0)
+      progress.update(static_cast<double>(p) / static_cast<double>(cloud.size()));
     if (!is_ground[cloud.classification[p]]) continue;
     const std::int64_t i = nearest_node((cloud.x[p] - sums.x0) / sums.step, sums.nx);
     const std::int64_t j = nearest_node((cloud.y[p] - sums.y0) / sums.step, sums.ny);
@@ -86,16 +90,14 @@ Neighbours filled_neighbours(const Raster& raster, std::int32_t i, std::int32_t 
   return {(horizontal + vertical) + (rising + falling), count};
 }
 
-/// The empty nodes next to filled ones.
-std::vector<std::int32_t> first_front(const Raster& raster, std::int64_t& empty) {
+/// The empty nodes next to filled ones; of sparse points, most of them all.
+std::vector<std::int32_t> first_front(const Raster& raster, std::size_t empty) {
   std::vector<std::int32_t> front;
-  for (std::int32_t j = 0; j < raster.ny; ++j) {
-    for (std::int32_t i = 0; i < raster.nx; ++i) {
-      if (!std::isnan(raster.at(i, j))) continue;
-      ++empty;
-      if (filled_neighbours(raster, i, j).count > 0) front.push_back(j * raster.nx + i);
-    }
-  }
+  front.reserve(empty);  // what is not used takes up no memory
+  for (std::int32_t j = 0; j < raster.ny; ++j)
+    for (std::int32_t i = 0; i < raster.nx; ++i)
+      if (std::isnan(raster.at(i, j)) && filled_neighbours(raster, i, j).count > 0)
+        front.push_back(j * raster.nx + i);
   return front;
 }
 
@@ -187,7 +189,8 @@ Raster build_dtm(const PointCloud& cloud, const Bounds2& domain, const DtmOption
   std::int64_t empty = 0;
   {
     std::vector<std::uint32_t> counts(nodes, 0);
-    ground_points = bin_points(cloud, class_table(options.classes), raster, counts);
+    ground_points =
+        bin_points(cloud, class_table(options.classes), raster, counts, portion(progress, 0, 0.4));
     if (ground_points == 0)
       throw Error(ErrorKind::kInput,
                   fmt::format("the point cloud has no ground points (class {}) in the domain; all "
@@ -211,10 +214,12 @@ Raster build_dtm(const PointCloud& cloud, const Bounds2& domain, const DtmOption
 }
 
 void fill_empty_nodes(Raster& raster, const Progress& progress) {
-  std::int64_t empty = 0;
-  std::vector<std::int32_t> front = first_front(raster, empty);
+  const std::int64_t empty = std::count_if(raster.values.begin(), raster.values.end(),
+                                           [](double z) { return std::isnan(z); });
+  std::vector<std::int32_t> front = first_front(raster, static_cast<std::size_t>(empty));
   std::vector<bool> queued(raster.values.size(), false);
   std::vector<double> heights;
+  heights.reserve(front.size());  // later ones are hardly larger
   std::int64_t filled = 0;
   while (!front.empty()) {
     progress.update(static_cast<double>(filled) / static_cast<double>(empty));

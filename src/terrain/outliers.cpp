@@ -234,16 +234,21 @@ std::vector<std::uint32_t> find_ground_outliers(const PointCloud& cloud,
   std::vector<PointNumber> open = points;
   std::vector<std::uint8_t> is_open(cloud.size(), 0);
   for (std::size_t level = 0; level < kCells.size() && !open.empty(); ++level) {
-    progress.update(static_cast<double>(level) / kCells.size());
+    constexpr auto kLevels = static_cast<double>(kCells.size());
+    const auto number = static_cast<double>(level);
+    const Progress at_level = portion(progress, number / kLevels, (number + 1) / kLevels);
+    at_level.update(0);
     for (const PointNumber p : open) is_open[p] = 1;
     const Cells cells(cloud, points, kCells[level]);
     const auto rows = static_cast<std::size_t>(cells.rows());
     std::vector<Findings> chunks((rows + kRowGrain - 1) / kRowGrain);
+    SharedProgress shared(at_level, cells.rows());
     parallel_chunks(rows, kRowGrain, [&](std::size_t begin, std::size_t end) {
       Judge judge(cloud, cells, options, is_open);
       for (std::size_t j = begin; j < end; ++j)
         for (std::int64_t i = 0; i < cells.columns(); ++i)
           judge.cell(i, static_cast<std::int64_t>(j), chunks[begin / kRowGrain]);
+      shared.add(static_cast<std::int64_t>(end - begin));
     });
     for (const PointNumber p : open) is_open[p] = 0;
     open.clear();

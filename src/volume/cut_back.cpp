@@ -16,7 +16,7 @@ namespace tetropolis {
 
 namespace {
 
-constexpr double kWorthwhile = 1e-6;  // metres
+constexpr double kWorthwhile = 1e-9;  // metres: what is less adds up from triangle to triangle
 
 /// The triangles outside buildings, by corner.
 class TrianglesAt {

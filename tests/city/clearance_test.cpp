@@ -43,7 +43,6 @@ TEST(JointClearance, NamesTheClosestPair) {
   EXPECT_DOUBLE_EQ(clearance.distance, 0.5);
   EXPECT_EQ(clearance.vertex, (RingFeature{1, 0, 0}));
   EXPECT_EQ(clearance.other, (RingFeature{0, 0, 2}));
-  EXPECT_FALSE(clearance.other_is_vertex);
   EXPECT_EQ(clearance.at, (Point2{5, 10.5}));
 }
 

@@ -451,6 +451,14 @@ TEST_F(Cli, CheckReadsCityAndTerrainWhereMeshHasReadThem) {
   for (const char* words : {"one/city.city.json\n", "regions of cells compared with the footprints",
                             "ground vertices on the terrain"})
     EXPECT_NE(outcome.out.find(words), std::string::npos) << outcome.out;
+  // From wherever it is called, and where both have moved.
+  const std::string elsewhere =
+      "mkdir -p a/b && mv one two a && cp a/one/dtm.tif a/b && cd a/b && '" TETROPOLIS_PROGRAM
+      "' check ../two";
+  outcome = shell(elsewhere);
+  EXPECT_EQ(outcome.code, 0) << outcome.out;
+  EXPECT_NE(outcome.out.find("ground vertices on the terrain"), std::string::npos) << outcome.out;
+  ASSERT_EQ(shell("mv a/one a/two .").code, 0);
   // Another terrain than it was.
   ASSERT_EQ(
       run("city --quiet --footprints input/footprints.shp --points input --dtm-step 3 --out one")
@@ -460,7 +468,7 @@ TEST_F(Cli, CheckReadsCityAndTerrainWhereMeshHasReadThem) {
   fs::remove_all(scratch / "one");
   outcome = run("check two");
   EXPECT_EQ(outcome.code, 0);
-  EXPECT_NE(outcome.out.find("there is no city.city.json"), std::string::npos) << outcome.out;
+  EXPECT_NE(outcome.out.find("there is no one/city.city.json"), std::string::npos) << outcome.out;
 }
 
 TEST_F(Cli, InfoOfFoldersAndOfFormatsThatAreNotRead) {

@@ -26,9 +26,8 @@ struct RingFeature {
 struct Clearance {
   double distance = std::numeric_limits<double>::infinity();  ///< Metres.
   RingFeature vertex;
-  RingFeature other;             ///< An edge; of a vertex, the edge that starts there.
-  bool other_is_vertex = false;  ///< The nearest point of `other` is the start of that edge.
-  Point2 at;                     ///< Where `vertex` is.
+  RingFeature other;  ///< An edge; of a vertex, one that starts or ends there.
+  Point2 at;          ///< Where `vertex` is.
 };
 
 /// The exact joint minimum clearance of all rings together: the least distance between two vertices
@@ -36,9 +35,9 @@ struct Clearance {
 /// if given, the domain's boundary. Two polygons that are apart are therefore no closer than this,
 /// and no edge is shorter. 0 where vertices coincide or lie outside the domain; edges that cross
 /// without a vertex near are not seen here but by footprint_defects. Infinity if there is no
-/// vertex. Ties go to the lowest vertex. Any rings of finite coordinates. Near-linear time.
-/// Minimum clearance is defined in Thompson and van Oosterom (2006), "Interchange of spatial data:
-/// inhibiting factors", for one geometry.
+/// vertex. Ties go to the domain's boundary, then to the lowest vertex. Any rings of finite
+/// coordinates. Near-linear time. Minimum clearance is defined in Thompson and van Oosterom (2006),
+/// "Interchange of spatial data: inhibiting factors", for one geometry.
 Clearance joint_clearance(std::span<const Polygon> polygons,
                           const std::optional<Bounds2>& domain = std::nullopt);
 

@@ -51,12 +51,11 @@ struct ExtractOptions {
 /// Roof points lie inside the footprint (contains()) and have class 6; ground points lie outside
 /// it, at most `margin` from its boundary (squared_distance_to_segment), and have class 2 or 9.
 /// Points in a hole are outside. Roof points are by exclusion, instead,
-/// - of all buildings, if the whole cloud has no point of class 6 (or a few strays: fewer than
-///   buildings and than one in 1000 points);
-/// - of a building with more points of options.no_buildings inside than points of class 6, unless
-///   none are left.
-/// By exclusion, roof points are the points inside that are neither ground (2), water (9),
-/// vegetation (3, 4, 5), noise (7, 18), wires (13 to 16) nor bridge decks (17); these lose what is
+/// - of all buildings, if the whole cloud has no point of class 6 (or a few strays: fewer than one
+///   in 1000 points, and than buildings or eight);
+/// - of a building with more points of options.no_buildings inside, whatever their class, than it
+///   has roof points of class 6, unless none are left.
+/// By exclusion, roof points are the points inside of classes that may_be_roof; these lose what is
 /// at most half a metre above the 10th percentile of the building's ground points (unless that is
 /// more than half of the list), and the crowns of trees unless told otherwise. Each list then loses
 /// its outliers (drop_outliers). One point may belong to several buildings: footprints may overlap,

@@ -50,22 +50,24 @@ struct SimplifyStats {
   std::int64_t merged_by_bridge = 0;          ///< By boxes across the narrowest places.
   std::int64_t merged_by_hulls = 0;           ///< By the union of the parts' convex hulls.
   std::int64_t merged_by_hull = 0;            ///< By the convex hull of all.
-  std::int64_t merged_late = 0;               ///< Pairs that only repairs had brought close.
+  std::int64_t merged_late = 0;  ///< Groups fewer, by joining what patches and repairs had brought
+                                 ///< close.
 
   std::int64_t vertices_dropped = 0;
   std::int64_t edges_merged = 0;  ///< Short edges replaced by one vertex.
   std::int64_t edges_slid = 0;    ///< Short edges lengthened along the adjoining walls.
   std::int64_t vertices_moved = 0;
-  std::int64_t holes_filled = 0;
-  std::int64_t gaps_filled = 0;  ///< Patches put into gaps, notches and slots.
-  std::int64_t arms_cut = 0;     ///< Patches taken out of necks and thin arms.
+  std::int64_t holes_filled = 0;  ///< Courtyards filled by repairs of vertices.
+  std::int64_t gaps_filled = 0;   ///< Patches put into gaps, notches and slots.
+  std::int64_t arms_cut = 0;      ///< Patches taken out of necks and thin arms.
   std::int64_t necks_widened = 0;
   std::int64_t corners_blunted = 0;  ///< Sharp corners that lost the tip that is too narrow.
-  std::int64_t local_hulls = 0;      ///< Places covered by the hull of their surroundings.
-  std::int64_t hull_repairs = 0;     ///< Outputs replaced by their convex hull.
-  std::int64_t clipped = 0;          ///< Footprints cut back from the domain's boundary.
-  int rounds = 0;                    ///< Rounds of repair until nothing was too close.
-  double min_clearance = 0;          ///< joint_clearance of the outputs and the domain, metres.
+  std::int64_t local_hulls =
+      0;  ///< Too close pairs covered by the hull of their surroundings, in all rounds.
+  std::int64_t hull_repairs = 0;  ///< Times that a whole outline was replaced by its convex hull.
+  std::int64_t clipped = 0;       ///< Footprints cut back from the domain's boundary.
+  int rounds = 0;                 ///< Rounds of repair until nothing was too close.
+  double min_clearance = 0;       ///< joint_clearance of the outputs and the domain, metres.
 };
 
 struct Simplification {
@@ -79,8 +81,8 @@ struct Simplification {
 
 /// Merges and repairs footprints.
 /// Preconditions: every polygon of `cleaned` is a result of clean_footprint (or of this function).
-/// Coordinates and `domain` are metres, on the grid of kCoordinateStep.
-/// Guarantees:
+/// Coordinates and `domain` are metres, on the grid of kCoordinateStep, and within 1,000 km of
+/// zero: beyond, numbers are too coarse for the nanometre of is_clear. Guarantees:
 /// - every input index is in exactly one of `members` (each sorted) or in `dropped`;
 /// - footprints are sorted by their first member; they pass footprint_defects, and
 ///   joint_clearance of all of them and `domain` is at least min_distance (see is_clear);

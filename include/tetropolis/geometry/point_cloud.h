@@ -67,20 +67,33 @@ enum PointClass : std::uint8_t {
   kHighVegetation = 5,
   kBuildingClass = 6,
   kLowNoise = 7,
+  kModelKeyPoint = 8,  ///< Up to LAS 1.3.
   kWater = 9,
+  kRail = 10,
+  kRoad = 11,
   kWireGuard = 13,
   kBridgeDeck = 17,
   kHighNoise = 18,
+  kIgnoredGround = 20,
+  kBathymetricPoint = 40,
+  kNoBottomFound = 45,
 };
 
 /// Whether points of this class tell the terrain: ground and water.
 inline bool is_ground(std::uint8_t code) { return code == kGround || code == kWater; }
 
 /// Where no point has class 6: neither ground, water, vegetation, noise, wires, their towers and
-/// connectors (13 to 16) nor the deck of a bridge.
+/// connectors (13 to 16) nor the deck of a bridge; nor what ASPRS keeps apart of ground and water:
+/// key points of the terrain (8), rails and roads (10, 11), ground ignored near break lines (20)
+/// and the classes of bathymetry (40 to 45).
 inline bool may_be_roof(std::uint8_t code) {
-  return !is_ground(code) && !(code >= kLowVegetation && code <= kHighVegetation) &&
-         code != kLowNoise && code != kHighNoise && !(code >= kWireGuard && code <= kBridgeDeck);
+  const auto is_between = [&](std::uint8_t low, std::uint8_t high) {
+    return code >= low && code <= high;
+  };
+  return !is_ground(code) && !is_between(kLowVegetation, kHighVegetation) && code != kLowNoise &&
+         code != kHighNoise && !is_between(kWireGuard, kBridgeDeck) && code != kModelKeyPoint &&
+         code != kRail && code != kRoad && code != kIgnoredGround &&
+         !is_between(kBathymetricPoint, kNoBottomFound);
 }
 
 /// Which of all class codes are among `codes`.

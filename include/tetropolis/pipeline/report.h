@@ -108,6 +108,8 @@ struct Report {
   std::vector<StepReport> steps;
   std::int64_t peak_rss_bytes = 0;
   int threads = 0;
+  std::map<std::string, std::string> sources;  ///< What `mesh` has read, by setting: paths relative
+                                               ///< to the folder of the results.
   std::optional<InputReport> input;
   std::optional<CityReport> city;
   std::optional<GroundMeshReport> ground_mesh;

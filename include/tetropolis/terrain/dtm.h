@@ -36,9 +36,9 @@ Raster dtm_grid(const Bounds2& domain, double step);
 /// nearest node (points whose nearest node is not on the grid are ignored), and a node gets the
 /// mean height of its points. Then fill_empty_nodes. Guarantees: every value is finite and lies
 /// between the lowest and the highest ground point, up to rounding; the same bytes for any number
-/// of threads. Time is linear in points and nodes; memory beyond the raster is 4 bytes per node.
-/// Throws Error(kInput) if no ground point lies on the grid. Source: Naserentin & Logg 2022 (arXiv
-/// 2210.05250), step 1.3.
+/// of threads. Time is linear in points and nodes; memory beyond the raster is 4 bytes per node,
+/// then that of fill_empty_nodes. Throws Error(kInput) if no ground point lies on the grid. Source:
+/// Naserentin & Logg 2022 (arXiv 2210.05250), step 1.3.
 Raster build_dtm(const PointCloud& cloud, const Bounds2& domain, const DtmOptions& options = {},
                  const Progress& progress = {}, DtmReport* report = nullptr);
 
@@ -46,7 +46,8 @@ Raster build_dtm(const PointCloud& cloud, const Bounds2& domain, const DtmOption
 /// nodes that have a filled one among their 8 neighbours get the mean of those, all at once; then
 /// the next front. The result does not depend on the order in which nodes are visited: mirroring or
 /// transposing the raster mirrors or transposes the result, bit for bit.
-/// Precondition: at least one value is not NaN. Linear time.
+/// Precondition: at least one value is not NaN. Linear time; memory beyond the raster is 12 bytes
+/// per empty node and an eighth per node.
 void fill_empty_nodes(Raster& raster, const Progress& progress = {});
 
 }  // namespace tetropolis

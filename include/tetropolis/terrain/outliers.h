@@ -28,12 +28,14 @@ struct GroundOutlierOptions {
 /// - no point that is not alone lies even further from the median on the same side.
 /// So quays, cliffs and quarry walls stay, however high: what is below them, and above, is not
 /// alone, and what is alone lies between. Copies of a point are as alone as the point itself; where
-/// points are counted, they count. A point without 8 others within 1 km of it is never an outlier.
+/// points are counted, they count. A point without 8 others within 3 km of it is never an outlier.
 ///
 /// The same for any number of threads. Linear in points where the ground is dense, but for sorting
 /// the few neighbourhoods in which something is far from the median; each coarser size of cells
 /// that is needed is one more pass. Memory: 12 bytes per ground point, 1 per point and 8 per cell
-/// (as many as the extent holds, at most 2^26: cells grow where there would be more).
+/// (as many as the extent holds, at most 2^26: cells grow where there would be more); and, per
+/// thread, up to 50 for each point of a neighbourhood, which around points that lie far apart from
+/// all others may be most of the cloud.
 /// Throws Error(kInput) for 2^32 points or more, and Cancelled.
 std::vector<std::uint32_t> find_ground_outliers(const PointCloud& cloud,
                                                 const GroundOutlierOptions& options = {},

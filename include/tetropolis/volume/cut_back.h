@@ -36,7 +36,7 @@ struct CutSources {
 
 /// Lowers `ground` at vertices outside buildings and on walls, until it rises no more steeply than
 /// `slopes` say from the roof's edge of a marked building, from a marked foot (which itself is at
-/// most at its elevation), or from ground that was lowered so (to a micrometre). Distances are
+/// most at its elevation), or from ground that was lowered so (to a nanometre). Distances are
 /// those in the triangles outside buildings. Where the terrain dips below that, nothing beyond is
 /// touched; a hillside steeper than `slopes.beyond` is cut back to its crest. `ground`: elevation
 /// per vertex; `building` as from vertex_buildings; `roofs`: elevation per building; `marks`: each
