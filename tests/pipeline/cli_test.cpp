@@ -471,6 +471,58 @@ TEST_F(Cli, CheckReadsCityAndTerrainWhereMeshHasReadThem) {
   EXPECT_NE(outcome.out.find("there is no one/city.city.json"), std::string::npos) << outcome.out;
 }
 
+/// What a document is, its root says, wherever in the file that is.
+TEST_F(Cli, JsonIsKnownByItsRoot) {
+  synth("--buildings 4 --size 100");
+  ASSERT_EQ(run("city --quiet --footprints input/footprints.shp --points input --out one").code, 0);
+  Json city = Json::parse(bytes_of(scratch / "one/city.city.json"));
+  const Json type = city["type"];
+  city.erase("type");
+  city["Title"] = std::string(5000, 'x');  // before "type", as keys are sorted
+  city["metadata"]["title"] = "\"command\" \"version\"";
+  city["type"] = type;
+  std::ofstream(scratch / "late.CityJSON") << city.dump();
+  const Outcome info = run("info late.CityJSON");
+  EXPECT_EQ(info.code, 0) << info.err;
+  EXPECT_NE(info.out.find("buildings"), std::string::npos) << info.out;
+  EXPECT_EQ(run("check late.CityJSON").code, 0);
+  // A report of somebody else's beside points.
+  fs::create_directory(scratch / "tiles");
+  fs::copy(scratch / "input/points.laz", scratch / "tiles/points.laz");
+  std::ofstream(scratch / "tiles/report.json") << "{}";
+  const Outcome tiles = run("info tiles");
+  EXPECT_EQ(tiles.code, 0) << tiles.err;
+  EXPECT_NE(tiles.out.find("points.laz"), std::string::npos) << tiles.out;
+  EXPECT_EQ(run("info tiles/report.json").code, 3);
+}
+
+/// Data of `synth` that a model was made from may go elsewhere.
+TEST_F(Cli, DataBesideAModelAreNoResultsOfIt) {
+  synth("--buildings 4 --size 100");
+  ASSERT_EQ(run("build --quiet --footprints input/footprints.shp --points input --mesh-size 20 "
+                "--out input")
+                .code,
+            0);
+  fs::remove(scratch / "input/points.laz");
+  const Outcome checked = run("check input");
+  EXPECT_EQ(checked.code, 0) << checked.out;
+  fs::remove(scratch / "input/surface.stl");
+  EXPECT_EQ(run("check input").code, 1);
+}
+
+TEST_F(Cli, MistakesInBoundsListsAndSizes) {
+  synth("--buildings 4 --size 100");
+  ASSERT_EQ(run("city --quiet --footprints input/footprints.shp --points input --out one").code, 0);
+  const std::string mesh = "mesh --city one/city.city.json --dtm one/dtm.tif --out two ";
+  expect_error(mesh + "--terrain-only --bounds 319050.001,6396050.001,319050.002,6396050.002", 3,
+               "one/dtm.tif");
+  expect_error(mesh + "--max-memory inf", 2, "--max-memory: 'inf' is not a size");
+  expect_error(mesh + "--mesh-size 10,5", 2,
+               "'10,5' is not a number; a point goes before decimals");
+  std::ofstream(scratch / "none.toml") << "formats = []\n";
+  expect_error(mesh + "--config none.toml", 2, "none.toml:1: formats: is empty; give one or more");
+}
+
 TEST_F(Cli, InfoOfFoldersAndOfFormatsThatAreNotRead) {
   synth("--buildings 4 --size 100");
   const Outcome folder = run("info input");

@@ -409,7 +409,7 @@ std::vector<Defect> defects() {
       {"OneTileWithoutGround", half_with([](int c) { return c == kGround ? 1 : c; }),
        Expected::kNear, "ground_filtered", 0.15},
       {"OneTileWithAnotherCodeForBuildings", half_with([](int c) {
-         return c == kBuildingClass ? 20 : c == 1 ? 5 : c;
+         return c == kBuildingClass ? 26 : c == 1 ? 5 : c;
        }),
        Expected::kNear, "building_class_partly", 0.05},
       {"AFilePerClass", files_of_classes, Expected::kNear, "", 1e-6},
