@@ -8,6 +8,7 @@
 #include <span>
 
 #include "tetropolis/city/city_model.h"
+#include "tetropolis/geometry/polygon.h"
 #include "tetropolis/geometry/types.h"
 
 namespace tetropolis::grid {
@@ -61,20 +62,8 @@ inline double twice_area(Point2 a, Point2 b, Point2 c) {
   return std::abs((b.x - a.x) * (c.y - a.y) - (b.y - a.y) * (c.x - a.x));
 }
 
-/// The point of segment a-b nearest to p (not rounded).
-inline Point2 nearest_on_segment(Point2 p, Point2 a, Point2 b) {
-  const double dx = b.x - a.x, dy = b.y - a.y;
-  const double length2 = dx * dx + dy * dy;
-  if (!(length2 > 0)) return a;
-  const double t = ((p.x - a.x) * dx + (p.y - a.y) * dy) / length2;
-  if (t <= 0) return a;
-  if (t >= 1) return b;
-  return {a.x + t * dx, a.y + t * dy};
-}
-
-inline double squared_distance_to_segment(Point2 p, Point2 a, Point2 b) {
-  return squared_distance(p, nearest_on_segment(p, a, b));
-}
+using tetropolis::nearest_on_segment;
+using tetropolis::squared_distance_to_segment;
 
 inline double point_segment_distance(Point2 p, Point2 a, Point2 b) {
   return distance(p, nearest_on_segment(p, a, b));

@@ -7,6 +7,7 @@
 #include <optional>
 #include <queue>
 #include <tuple>
+#include <unordered_map>
 #include <utility>
 
 #include "tetropolis/geometry/polygon.h"
@@ -67,8 +68,7 @@ class Repairer {
         judge_(outline, options.epsilon, options.keep_inside),
         version_(outline.point.size(), 0),
         waits_(outline.point.size(), 0),
-        is_put_off_(outline.point.size(), 0),
-        rated_(outline.point.size()) {}
+        is_put_off_(outline.point.size(), 0) {}
 
   void repair();
   void tidy();
@@ -113,7 +113,8 @@ class Repairer {
   std::vector<std::uint8_t> waits_;       ///< Per vertex: whether its change is in the queue.
   std::vector<std::uint8_t> is_put_off_;  ///< Per vertex.
   std::vector<std::int32_t> put_off_;
-  std::vector<Rated> rated_;  ///< Per vertex: the best change when it was last rated.
+  /// Of vertices whose change is in the queue: the best when they were last rated. Few have one.
+  std::unordered_map<std::int32_t, Rated> rated_;
   std::priority_queue<Entry> queue_;
   std::vector<std::int32_t> touched_;
   Rated best_;
@@ -321,7 +322,7 @@ void Repairer::queue(std::int32_t v) {
   const bool found = rate(v);
   waits_[static_cast<std::size_t>(v)] = found ? 1 : 0;
   if (!found) return;
-  rated_[static_cast<std::size_t>(v)] = best_;
+  rated_[v] = best_;
   queue_.push({best_.score, v, version});
 }
 
@@ -384,7 +385,8 @@ void Repairer::repair() {
     const auto v = static_cast<std::size_t>(top.vertex);
     if (o_.alive(top.vertex) && version_[v] == top.version) {
       waits_[v] = 0;
-      const Rated rated = rated_[v];
+      const Rated rated = std::move(rated_.at(top.vertex));
+      rated_.erase(top.vertex);
       if (still_good(rated)) {
         apply(rated.change);
         queue_touched();

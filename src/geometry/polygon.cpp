@@ -59,17 +59,6 @@ bool contains(const Polygon& polygon, Point2 p) {
   return inside;
 }
 
-double squared_distance_to_segment(Point2 p, Point2 a, Point2 b) {
-  const double dx = b.x - a.x;
-  const double dy = b.y - a.y;
-  const double length2 = dx * dx + dy * dy;
-  double t = 0;
-  if (length2 > 0) t = std::clamp(((p.x - a.x) * dx + (p.y - a.y) * dy) / length2, 0.0, 1.0);
-  const double ex = p.x - (a.x + t * dx);
-  const double ey = p.y - (a.y + t * dy);
-  return ex * ex + ey * ey;
-}
-
 double distance_to_segment(Point2 p, Point2 a, Point2 b) {
   return std::sqrt(squared_distance_to_segment(p, a, b));
 }

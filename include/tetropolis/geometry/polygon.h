@@ -44,9 +44,26 @@ inline bool crosses_ray(Point2 a, Point2 b, Point2 p) {
 /// point.
 bool contains(const Polygon& polygon, Point2 p);
 
-/// Square of the distance from `p` to the segment a-b (which may be a single point). Square metres.
-/// Only additions, multiplications and a division: the same bits on every platform.
-double squared_distance_to_segment(Point2 p, Point2 a, Point2 b);
+/// The point of the segment a-b (which may be a single point) that is nearest to `p`; exactly an
+/// end where that is an end. Only additions, multiplications and a division: the same bits on every
+/// platform.
+inline Point2 nearest_on_segment(Point2 p, Point2 a, Point2 b) {
+  const double dx = b.x - a.x, dy = b.y - a.y;
+  const double length2 = dx * dx + dy * dy;
+  if (!(length2 > 0)) return a;
+  const double t = ((p.x - a.x) * dx + (p.y - a.y) * dy) / length2;
+  if (t <= 0) return a;
+  if (t >= 1) return b;
+  return {a.x + t * dx, a.y + t * dy};
+}
+
+/// Square of the distance from `p` to the segment a-b (which may be a single point), to the
+/// point above. Square metres.
+inline double squared_distance_to_segment(Point2 p, Point2 a, Point2 b) {
+  const Point2 q = nearest_on_segment(p, a, b);
+  const double dx = p.x - q.x, dy = p.y - q.y;
+  return dx * dx + dy * dy;
+}
 
 /// Distance from `p` to the segment a-b (which may be a single point). Metres.
 double distance_to_segment(Point2 p, Point2 a, Point2 b);
