@@ -275,61 +275,39 @@ void info_report(const std::string& path) {
   throw Error(ErrorKind::kInput, path + ": not a report of tetropolis, or cut; run it again");
 }
 
-/// What a JSON document is, by the members of its root; read no further than needed.
-class RootMembers : public Json::json_sax_t {
- public:
-  bool is_city() const { return type_ == "CityJSON"; }
-  bool is_report() const { return has_command_ && has_version_; }
-
-  bool key(string_t& name) override {
-    if (depth_ != 1) return true;
-    in_type_ = name == "type";
-    has_command_ = has_command_ || name == "command";
-    has_version_ = has_version_ || name == "version";
-    return !is_report();
-  }
-  bool string(string_t& text) override {
-    if (depth_ != 1 || !in_type_) return true;
-    type_ = text;
-    return false;
-  }
-  bool start_object(std::size_t) override { return enter(); }
-  bool end_object() override { return leave(); }
-  bool start_array(std::size_t) override { return enter(); }
-  bool end_array() override { return leave(); }
-  bool null() override { return true; }
-  bool boolean(bool) override { return true; }
-  bool number_integer(number_integer_t) override { return true; }
-  bool number_unsigned(number_unsigned_t) override { return true; }
-  bool number_float(number_float_t, const string_t&) override { return true; }
-  bool binary(binary_t&) override { return true; }
-  bool parse_error(std::size_t, const std::string&, const Json::exception&) override {
-    return false;
-  }
-
- private:
-  bool enter() {
-    ++depth_;
-    return true;
-  }
-  bool leave() {
-    --depth_;
-    return true;
-  }
-
-  int depth_ = 0;
-  bool in_type_ = false, has_command_ = false, has_version_ = false;
-  std::string type_;
+/// What a JSON document is, by the members of its root, also if it is cut.
+struct JsonRoot {
+  std::string type;
+  bool has_command = false, has_version = false;
 };
+
+JsonRoot read_root(const std::string& path) {
+  JsonRoot root;
+  std::string key;
+  std::ifstream file(path, std::ios::binary);
+  // Nothing but the type is kept in memory.
+  const auto keep = [&](int depth, Json::parse_event_t event, Json& part) {
+    if (depth != 1) return true;
+    if (event == Json::parse_event_t::key) {
+      key = part.get<std::string>();
+      root.has_command = root.has_command || key == "command";
+      root.has_version = root.has_version || key == "version";
+      return key == "type";
+    }
+    if (event == Json::parse_event_t::value && key == "type" && part.is_string())
+      root.type = part.get<std::string>();
+    return true;
+  };
+  const Json rest = Json::parse(file, keep, false);
+  return root;
+}
 
 /// JSON may be a city model, a report or GeoJSON, whatever its name.
 void info_json(const std::string& path) {
-  std::ifstream file(path, std::ios::binary);
-  RootMembers root;
-  Json::sax_parse(file, &root);
-  if (root.is_city())
+  const JsonRoot root = read_root(path);
+  if (root.type == "CityJSON")
     info_city(path);
-  else if (root.is_report())
+  else if (root.has_command && root.has_version)
     info_report(path);
   else
     info_vector(path);
