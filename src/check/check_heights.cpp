@@ -12,6 +12,8 @@
 
 #include <fmt/format.h>
 
+#include "tetropolis/core/units.h"
+
 #include "core/infinity.h"
 #include "vector3.h"
 #include "violations.h"
@@ -188,7 +190,9 @@ std::vector<double> depths_of_cuts(const SurfaceMesh& surface, std::array<double
     for (const auto& [x, v] : by_x)
       starts[v] = std::min(starts[v], surface.points[v][2] + shift[2]);
   }
-  cut_depths(surface, shift[2], terrain, starts, cuts.slopes, depth);
+  const double gentlest = std::tan(to_radians(30));  // that any cut is
+  const CutSlopes anywhere{gentlest, gentlest};
+  cut_depths(surface, shift[2], terrain, starts, cuts.from ? cuts.slopes : anywhere, depth);
   return depth;
 }
 

@@ -301,10 +301,10 @@ std::vector<ConfigField> make_fields() {
        .group = "Mesh",
        .member = &C::cut_slope,
        .commands = kMeshing,
-       .help =
-           "Graded: how steeply the terrain may rise from a roof below it, or from the foot of "
-           "a rock wall, where there would be no well-shaped cells otherwise (above 60 some may "
-           "be left that are not); 90: it stays as it is",
+       .help = "Graded: how steeply the terrain may rise from a roof below it, or from the foot of "
+               "a rock wall, where there would be no well-shaped cells otherwise and neither 75 "
+               "nor 66 is enough "
+               "(above 60 some may be left that are not); 90: it stays as it is",
        .unit = "degrees",
        .min = 30,
        .max = 90},

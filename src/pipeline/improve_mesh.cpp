@@ -34,6 +34,10 @@ constexpr double kFewCells = 1e-4;
 /// Times that columns are made anew, at most: where the ground was lowered, other cells change.
 constexpr int kMostCuts = 8;
 
+/// Degrees: cuts as steep as these mostly do. One of 56 digs several times as much away, and of a
+/// steep hillside most.
+constexpr std::array kSteepCuts{75.0, 66.0};
+
 /// Cells that all searches of a run may look at (a cell takes some 70 ns): so many whatever the
 /// mesh, and so many for each of its nodes, which has about five of its own.
 constexpr std::int64_t kWork = 200'000'000;
@@ -89,7 +93,9 @@ class MeshImprover {
   void straighten_faces();
 
   void make_room();
+  ColumnPlanOptions cut_terrain_back();
   void cut_terrain_back(ColumnPlanOptions& options);
+  void take_cuts_back();
   /// What marks are made from: bad triangles, or those beside them, too.
   enum class Reach { kBad, kBeside };
   template <typename Mark>
@@ -256,12 +262,42 @@ void MeshImprover::cut_from(ColumnPlanOptions& options, const Mark& mark, Reach 
 /// around roofs below it first, then from the feet of cliffs and low walls. What is left is dug out
 /// at the walls, deeper than the buildings stand.
 void MeshImprover::make_room() {
-  ColumnPlanOptions options = plan_options(config_);
-  if (config_.cut_slope < 90) cut_terrain_back(options);
+  ColumnPlanOptions options = cut_terrain_back();
   options.cut.walls.assign(columns_.plan.roofs.size(), 0);
   cut_from(options, [&](std::span<const std::uint8_t> bad, CutMarks& marks) {
     return mark_deep_walls(columns_.mesh, columns_.plan, bad, marks);
   });
+}
+
+/// Steeply, or where that does not do, as the settings say; returns what was done.
+ColumnPlanOptions MeshImprover::cut_terrain_back() {
+  ColumnPlanOptions options = plan_options(config_);
+  volume_.cut_slope = config_.cut_slope;
+  if (config_.cut_slope >= 90 || !missed(faults_.counts())) return options;
+  for (const double degrees : kSteepCuts) {
+    if (config_.cut_slope >= degrees) continue;
+    ColumnPlanOptions steep = options;
+    steep.cut_slopes.at_start = std::tan(to_radians(degrees));
+    cut_terrain_back(steep);
+    if (!missed(faults_.counts())) {
+      volume_.cut_slope = degrees;
+      return steep;
+    }
+    take_cuts_back();
+  }
+  cut_terrain_back(options);
+  return options;
+}
+
+/// As if nothing had been cut.
+void MeshImprover::take_cuts_back() {
+  Columns cut;
+  if (!clock_.run("3.3", "take cuts back",
+                  [&](const Progress&) { return make_cut_columns(plan_options(config_), cut); }))
+    return;
+  look_again(different_columns(cut.mesh, columns_.mesh));
+  volume_.min_vertical_gap = valid_gap();
+  move_nodes();
 }
 
 void MeshImprover::cut_terrain_back(ColumnPlanOptions& options) {

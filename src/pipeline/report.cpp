@@ -89,6 +89,7 @@ Json volume_json(const VolumeMeshReport& mesh, Point2 origin) {
           {"inverted", mesh.inverted},
           {"min_vertical_gap", mesh.min_vertical_gap},
           {"ground_lowered", mesh.ground_lowered},
+          {"cut_slope_deg", mesh.cut_slope},
           {"roofs_cut_back", mesh.roofs_cut_back},
           {"feet_cut_back", points_json(mesh.feet_cut_back, origin)},
           {"moved_by_guard", mesh.moved_by_guard},

@@ -104,7 +104,9 @@ ReportedFacts facts_of(const Json& report, const fs::path& folder) {
   facts.absolute = config.value("coordinates", std::string("local")) == "absolute";
   if (config.contains("min_angle")) facts.min_angle = config["min_angle"].get<double>();
   facts.min_wall = config.value("min_wall_height", facts.min_wall);
-  const double cut_slope = config.value("cut_slope", Config{}.cut_slope);
+  const double cut_slope =
+      report.value("volume_mesh", Json::object())
+          .value("cut_slope_deg", config.value("cut_slope", Config{}.cut_slope));
   if (!(cut_slope > 0 && cut_slope <= 90)) throw std::out_of_range("cut_slope");
   facts.cuts.slopes.at_start = std::tan(to_radians(cut_slope));
   facts.cuts.from = cuts_of(report);

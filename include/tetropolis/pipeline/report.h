@@ -72,6 +72,7 @@ struct VolumeMeshReport {
   std::int64_t inverted = 0;
   double min_vertical_gap = 0;
   std::int64_t ground_lowered = 0;
+  double cut_slope = 0;                       ///< Degrees: of cuts, if there are any.
   std::vector<BuildingIndex> roofs_cut_back;  ///< Around which the terrain was, ascending.
   std::vector<Point3> feet_cut_back;          ///< Feet from which it was; local frame.
   std::int64_t moved_by_guard = 0;
