@@ -131,14 +131,16 @@ class Crossing {
     const auto came = across_.begin() + old;
     if (!std::is_sorted(across_.begin(), came)) std::sort(across_.begin(), came);
     std::sort(came, across_.end());
-    std::inplace_merge(across_.begin(), came, across_.end());
+    merged_.resize(across_.size());
+    std::merge(across_.begin(), came, came, across_.end(), merged_.begin());
+    across_.swap(merged_);
   }
   /// Where they pass the middle, and their numbers.
   const std::vector<std::pair<double, std::size_t>>& all() const { return across_; }
 
  private:
   const std::vector<Segment>& piece_;
-  std::vector<std::pair<double, std::size_t>> across_;
+  std::vector<std::pair<double, std::size_t>> across_, merged_;
   std::size_t next_ = 0;
 };
 

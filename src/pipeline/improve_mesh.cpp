@@ -38,7 +38,7 @@ constexpr int kMostCuts = 8;
 /// steep hillside most.
 constexpr std::array kSteepCuts{75.0, 66.0};
 
-/// Cells that all searches of a run may look at (a cell takes some 70 ns): so many whatever the
+/// Cells that all searches of one try may look at (a cell takes some 70 ns): so many whatever the
 /// mesh, and so many for each of its nodes, which has about five of its own.
 constexpr std::int64_t kWork = 200'000'000;
 constexpr std::int64_t kWorkPerNode = 20;
@@ -78,7 +78,8 @@ class MeshImprover {
         volume_(volume),
         faults_(clock.run("3.6", "find bad cells",
                           [&](const Progress&) { return MeshFaults(columns.mesh); })),
-        work_left_(kWork + kWorkPerNode * columns.mesh.node_count()) {}
+        work_(kWork + kWorkPerNode * columns.mesh.node_count()),
+        work_left_(work_) {}
 
   void run() {
     move_nodes();
@@ -111,6 +112,7 @@ class MeshImprover {
   StepClock& clock_;
   VolumeMeshReport& volume_;
   MeshFaults faults_;
+  const std::int64_t work_;
   std::int64_t work_left_;
 };
 
@@ -274,6 +276,7 @@ ColumnPlanOptions MeshImprover::cut_terrain_back() {
   ColumnPlanOptions options = plan_options(config_);
   volume_.cut_slope = config_.cut_slope;
   if (config_.cut_slope >= 90 || !missed(faults_.counts())) return options;
+  const std::int64_t work_left = work_left_;
   for (const double degrees : kSteepCuts) {
     if (config_.cut_slope >= degrees) continue;
     ColumnPlanOptions steep = options;
@@ -284,6 +287,7 @@ ColumnPlanOptions MeshImprover::cut_terrain_back() {
       return steep;
     }
     take_cuts_back();
+    work_left_ = work_left;
   }
   cut_terrain_back(options);
   return options;
@@ -297,6 +301,7 @@ void MeshImprover::take_cuts_back() {
     return;
   look_again(different_columns(cut.mesh, columns_.mesh));
   volume_.min_vertical_gap = valid_gap();
+  work_left_ = work_;
   move_nodes();
 }
 
