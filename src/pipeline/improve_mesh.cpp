@@ -274,7 +274,6 @@ void MeshImprover::make_room() {
 /// Steeply, or where that does not do, as the settings say; returns what was done.
 ColumnPlanOptions MeshImprover::cut_terrain_back() {
   ColumnPlanOptions options = plan_options(config_);
-  volume_.cut_slope = config_.cut_slope;
   if (config_.cut_slope >= 90 || !missed(faults_.counts())) return options;
   const std::int64_t work_left = work_left_;
   for (const double degrees : kSteepCuts) {

@@ -65,6 +65,7 @@ ColumnPlan plan_of(const Config& config, const CityModel& city, const Raster& dt
   VolumeMeshReport& volume = report.volume_mesh.emplace();
   volume.layers = plan.layers.layers;
   volume.top = plan.layers.top;
+  volume.cut_slope = config.cut_slope;
   if (plan.layers.raised)
     report.warnings.push_back(
         {"domain_raised", 1,
