@@ -4,7 +4,6 @@
 #include <array>
 #include <fstream>
 #include <system_error>
-#include <utility>
 
 #include <nlohmann/json.hpp>
 
@@ -14,10 +13,14 @@ namespace tetropolis {
 
 namespace fs = std::filesystem;
 
-std::optional<std::string> name_below(const std::string& listed) {
-  const fs::path path = fs::path(listed).lexically_normal();
-  if (path.empty() || !path.is_relative() || *path.begin() == "..") return std::nullopt;
-  return path.string();
+std::vector<std::string> names_below(const std::vector<std::string>& listed) {
+  std::vector<std::string> names;
+  for (const std::string& name : listed) {
+    const fs::path path = fs::path(name).lexically_normal();
+    if (!path.empty() && path.is_relative() && *path.begin() != "..")
+      names.push_back(path.string());
+  }
+  return names;
 }
 
 std::vector<std::string> earlier_results(const fs::path& folder) {
@@ -35,10 +38,10 @@ std::vector<std::string> earlier_results(const fs::path& folder) {
   const auto has = [&](const char* name) { return report.contains(name); };
   if (!report.is_object() || !std::all_of(kOurs.begin(), kOurs.end(), has)) return {};
   std::vector<std::string> names;
-  for (const Json& listed : report.value("files", Json::array()))
-    if (listed.is_string())
-      if (std::optional<std::string> name = name_below(listed.get<std::string>()))
-        names.push_back(std::move(*name));
+  try {
+    names = names_below(report.value("files", names));
+  } catch (const Json::exception&) {  // changed by hand
+  }
   names.emplace_back(results::kReport);
   return names;
 }

@@ -47,6 +47,14 @@ bool exists_itself(const fs::path& path) {
   return fs::exists(fs::symlink_status(path, error));
 }
 
+fs::path real_path(const fs::path& path) {
+  std::error_code error;
+  const fs::path absolute = fs::absolute(path, error);
+  if (error) return path.lexically_normal();
+  const fs::path real = fs::weakly_canonical(absolute, error);
+  return error ? absolute.lexically_normal() : real;
+}
+
 bool same_mount(const fs::path& a, const fs::path& b) {
   struct statx first {
   }, second{};

@@ -12,6 +12,9 @@ namespace tetropolis {
 /// Links count for themselves. What cannot be looked at is not there: moving it would fail too.
 bool exists_itself(const std::filesystem::path& path);
 
+/// Absolute, without links as far as there is anything; where the system refuses, as it is spelt.
+std::filesystem::path real_path(const std::filesystem::path& path);
+
 /// Whether files can be renamed from one of two folders to the other, as far as the system tells.
 bool same_mount(const std::filesystem::path& a, const std::filesystem::path& b);
 

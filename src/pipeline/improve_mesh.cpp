@@ -95,7 +95,7 @@ class MeshImprover {
 
   void make_room();
   ColumnPlanOptions cut_terrain_back();
-  void cut_terrain_back(ColumnPlanOptions& options);
+  void try_cuts(ColumnPlanOptions& options);
   void take_cuts_back();
   /// What marks are made from: bad triangles, or those beside them, too.
   enum class Reach { kBad, kBeside };
@@ -271,24 +271,23 @@ void MeshImprover::make_room() {
   });
 }
 
-/// Steeply, or where that does not do, as the settings say; returns what was done.
+/// As steeply as leaves the mesh above the floor, or as the settings say; returns what was done.
 ColumnPlanOptions MeshImprover::cut_terrain_back() {
-  ColumnPlanOptions options = plan_options(config_);
-  if (config_.cut_slope >= 90 || !missed(faults_.counts())) return options;
+  Config config = config_;
+  if (config_.cut_slope >= 90 || !missed(faults_.counts())) return plan_options(config);
   const std::int64_t work_left = work_left_;
   for (const double degrees : kSteepCuts) {
     if (config_.cut_slope >= degrees) continue;
-    ColumnPlanOptions steep = options;
-    steep.cut_slopes.at_start = std::tan(to_radians(degrees));
-    cut_terrain_back(steep);
-    if (!missed(faults_.counts())) {
-      volume_.cut_slope = degrees;
-      return steep;
-    }
+    config.cut_slope = volume_.cut_slope = degrees;
+    ColumnPlanOptions steep = plan_options(config);
+    try_cuts(steep);
+    if (!missed(faults_.counts())) return steep;
     take_cuts_back();
     work_left_ = work_left;
   }
-  cut_terrain_back(options);
+  volume_.cut_slope = config_.cut_slope;
+  ColumnPlanOptions options = plan_options(config_);
+  try_cuts(options);
   return options;
 }
 
@@ -304,7 +303,7 @@ void MeshImprover::take_cuts_back() {
   move_nodes();
 }
 
-void MeshImprover::cut_terrain_back(ColumnPlanOptions& options) {
+void MeshImprover::try_cuts(ColumnPlanOptions& options) {
   options.cut.roofs.assign(columns_.plan.roofs.size(), 0);
   cut_from(options, [&](std::span<const std::uint8_t> bad, CutMarks& marks) {
     return mark_buried_roofs(columns_.mesh, columns_.plan, bad, marks);

@@ -211,11 +211,6 @@ void OutputFolder::commit() {
 }
 
 bool is_result(const fs::path& file, const fs::path& out) {
-  const auto real_path = [](const fs::path& path) {
-    std::error_code error;
-    const fs::path real = fs::weakly_canonical(fs::absolute(path), error);
-    return error ? fs::absolute(path).lexically_normal() : real;
-  };
   const auto is_among = [](const fs::path& name, const std::vector<std::string>& names) {
     return std::find(names.begin(), names.end(), name.string()) != names.end();
   };

@@ -14,6 +14,7 @@
 
 #include "memory.h"
 #include "require_metres.h"
+#include "require_room.h"
 #include "stray_points.h"
 
 namespace tetropolis {
@@ -213,16 +214,9 @@ Bounds2 find_domain(const Config& config, const FootprintsInput& footprints,
     }
   }
   domain = snapped_inwards(domain);
-  const double least = 2 * config.min_building_distance;
-  if (domain.empty() || domain.width() < least || domain.height() < least)
-    throw Error(
-        ErrorKind::kInput,
-        fmt::format("{}: the domain is {:.3f} m x {:.3f} m (points in it: {}), too small for "
-                    "footprints {} m apart; give more points, larger --bounds or lower "
-                    "--min-building-distance",
-                    points_given(config), std::max(domain.width(), 0.0),
-                    std::max(domain.height(), 0.0), points.points_kept,
-                    config.min_building_distance));
+  require_room(
+      config, domain,
+      fmt::format("{} (points in the domain: {})", points_given(config), points.points_kept));
   return domain;
 }
 

@@ -19,6 +19,7 @@
 
 #include "elevations.h"
 #include "require_metres.h"
+#include "require_room.h"
 
 namespace tetropolis {
 
@@ -35,17 +36,6 @@ Bounds2 domain_of(const Config& config, const CityModel& city, const RasterInput
   if (!city.domain.empty() && city.domain.width() > 0) return city.domain;
   if (terrain.domain) return *terrain.domain;
   return terrain.raster.bounds();
-}
-
-/// As `city` and `build` do.
-void require_room(const Config& config, const CityModel& city) {
-  const double least = 2 * config.min_building_distance;
-  const double width = city.domain.width(), height = city.domain.height();
-  if (width >= least && height >= least) return;
-  throw Error(ErrorKind::kInput,
-              fmt::format("{}: the domain is {:.3f} m x {:.3f} m, too small for footprints {} m "
-                          "apart; give larger --bounds or lower --min-building-distance",
-                          config.dtm, width, height, config.min_building_distance));
 }
 
 /// Where a city's domain is, in its reference system, for messages.
@@ -177,7 +167,7 @@ CityAndTerrain read_meshable(const Config& config, Report& report) {
   require_heights_in_metres(terrain.height_unit, config.dtm, nullptr);
   require_elevations(config, terrain);
   city.domain = domain_of(config, city, terrain);
-  require_room(config, city);
+  require_room(config, city.domain, config.dtm);
   require_terrain_under(config, city, terrain);
   require_buildings(config, city);
   CityReport& city_report = report.city.emplace();

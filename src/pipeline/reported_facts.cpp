@@ -62,15 +62,6 @@ std::map<std::string, double> numbers_of(const Json& volume, const char* measure
   return volume.value(measure, std::map<std::string, double>());
 }
 
-/// The results that a report tells of.
-std::vector<std::string> files_of(const Json& report) {
-  std::vector<std::string> files;
-  for (const Json& listed : report.value("files", Json::array()))
-    if (std::optional<std::string> name = name_below(listed.get<std::string>()))
-      files.push_back(std::move(*name));
-  return files;
-}
-
 double greatest(const Json& volume, const char* measure) {
   return volume.value(measure, Json::object()).value("max", -1.0);
 }
@@ -123,7 +114,7 @@ ReportedFacts facts_of(const Json& report, const fs::path& folder) {
         Point2{report["origin"].at(0).get<double>(), report["origin"].at(1).get<double>()};
   if (report.contains("domain")) facts.domain = report["domain"].get<std::array<double, 4>>();
   if (report.contains("crs")) facts.crs = normalise_crs(report["crs"].get<std::string>());
-  facts.files = files_of(report);
+  facts.files = names_below(report.value("files", std::vector<std::string>()));
   facts.missing = missing_members(report);
   if (report.contains("sources")) {
     const auto source = [&](const char* name) {

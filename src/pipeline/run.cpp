@@ -6,7 +6,7 @@
 
 #include "tetropolis/core/parallel.h"
 
-#include "memory.h"
+#include "folders.h"
 #include "read_meshable.h"
 #include "result_files.h"
 #include "run_frame.h"
@@ -33,10 +33,7 @@ void keep_inputs(const Config& config, OutputFolder& out) {
 
 /// So that `check` finds a source from anywhere, also when both have moved together.
 std::string relative_to_results(const Config& config, const std::string& source) {
-  const auto real = [](const std::string& path) {
-    return std::filesystem::weakly_canonical(std::filesystem::absolute(path));
-  };
-  return real(source).lexically_relative(real(config.out)).string();
+  return real_path(source).lexically_relative(real_path(config.out)).string();
 }
 
 }  // namespace

@@ -204,8 +204,7 @@ Raster build_dtm(const PointCloud& cloud, const Bounds2& domain, const DtmOption
   }
   const Voids voids = count_voids(raster);
   progress.update(0.5);
-  const Progress second_half{[&](double fraction) { progress.update(0.5 + fraction / 2); }, {}};
-  fill_empty_nodes(raster, second_half);
+  fill_empty_nodes(raster, portion(progress, 0.5, 1));
   if (report != nullptr)
     *report = {ground_points, static_cast<std::int64_t>(nodes),
                static_cast<double>(empty) / static_cast<double>(nodes), voids.voids,

@@ -62,8 +62,7 @@ struct SimplifyStats {
   std::int64_t arms_cut = 0;      ///< Patches taken out of necks and thin arms.
   std::int64_t necks_widened = 0;
   std::int64_t corners_blunted = 0;  ///< Sharp corners that lost the tip that is too narrow.
-  std::int64_t local_hulls =
-      0;  ///< Too close pairs covered by the hull of their surroundings, in all rounds.
+  std::int64_t local_hulls = 0;      ///< Close pairs covered by the hull of their surroundings.
   std::int64_t hull_repairs = 0;  ///< Times that a whole outline was replaced by its convex hull.
   std::int64_t clipped = 0;       ///< Footprints cut back from the domain's boundary.
   int rounds = 0;                 ///< Rounds of repair until nothing was too close.

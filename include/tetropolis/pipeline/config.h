@@ -126,8 +126,8 @@ struct ConfigField {
   double min = -std::numeric_limits<double>::infinity();  ///< Of numbers, inclusive
   double max = std::numeric_limits<double>::infinity();
   bool above_min = false;                      ///< unless only greater ones are allowed.
-  std::vector<std::string_view> choices = {};  ///< Of texts; empty: anything
-  /// that this, if any, does not throw an Error for.
+  std::vector<std::string_view> choices = {};  ///< Of texts; empty: anything.
+  /// Of texts: throws an Error for one that is none; nullptr: nothing to ask.
   void (*require)(const std::string& text) = nullptr;
 };
 

@@ -1,0 +1,28 @@
+// What `build`, `city` and `mesh` ask of a domain. Private to src/pipeline.
+#pragma once
+
+#include <algorithm>
+#include <string>
+
+#include <fmt/format.h>
+
+#include "tetropolis/core/error.h"
+#include "tetropolis/geometry/types.h"
+#include "tetropolis/pipeline/config.h"
+
+namespace tetropolis {
+
+/// Throws Error(kInput) unless footprints have room between the domain's sides. `source`: what the
+/// domain comes from, for the message.
+inline void require_room(const Config& config, const Bounds2& domain, const std::string& source) {
+  const double least = 2 * config.min_building_distance;
+  if (domain.width() >= least && domain.height() >= least) return;
+  throw Error(
+      ErrorKind::kInput,
+      fmt::format("{}: the domain is {:.3f} m x {:.3f} m, too small for footprints {} m apart; "
+                  "give more points, larger --bounds or lower --min-building-distance",
+                  source, std::max(domain.width(), 0.0), std::max(domain.height(), 0.0),
+                  config.min_building_distance));
+}
+
+}  // namespace tetropolis
