@@ -18,8 +18,11 @@ COLOURS = {GROUND: "#c9c7b5", ROOF: "#c8553d", WALL: "#f2e8cf"}
 
 def look(plotter, box, zoom):
     """Looks at the box from the south-west, from above."""
-    centre = np.array([(box[0] + box[1]) / 2, (box[2] + box[3]) / 2, box[4]])
-    size = max(box[1] - box[0], box[3] - box[2]) / zoom
+    relief, width = box[5] - box[4], max(box[1] - box[0], box[3] - box[2])
+    # At the ground, as towers are the highest of most cities; of mountains, at half their height.
+    lift = max(relief - 0.3 * width, 0) / 2
+    centre = np.array([(box[0] + box[1]) / 2, (box[2] + box[3]) / 2, box[4] + lift])
+    size = (width + 2 * lift) / zoom
     # A little towards the viewer, whose corner takes more of the picture.
     focus = centre + size * np.array([-0.06, -0.11, 0])
     plotter.camera.focal_point = focus

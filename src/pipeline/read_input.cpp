@@ -214,9 +214,8 @@ Bounds2 find_domain(const Config& config, const FootprintsInput& footprints,
     }
   }
   domain = snapped_inwards(domain);
-  require_room(
-      config, domain,
-      fmt::format("{} (points in the domain: {})", points_given(config), points.points_kept));
+  require_room(config, domain, points_given(config),
+               fmt::format(" (points in it: {})", points.points_kept));
   return domain;
 }
 
