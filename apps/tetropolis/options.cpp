@@ -16,10 +16,14 @@ bool is_text_list(const ConfigField& field) {
   return std::holds_alternative<std::vector<std::string> Config::*>(field.member);
 }
 
+bool is_box(const ConfigField& field) {
+  return std::holds_alternative<std::vector<double> Config::*>(field.member);
+}
+
 /// "TEXT", "{a,b}", "M" ... shown behind the option's name.
 std::string type_name(const ConfigField& field) {
   if (!field.choices.empty()) return fmt::format("{{{}}}", fmt::join(field.choices, ","));
-  if (field.name == "bounds") return "XMIN,YMIN,XMAX,YMAX";
+  if (is_box(field)) return "XMIN,YMIN,XMAX,YMAX";
   if (field.name == "defects") return "NAME,...";
   if (is_text_list(field)) return "PATH...";
   if (std::holds_alternative<int Config::*>(field.member)) return "INT";
@@ -30,7 +34,7 @@ std::string type_name(const ConfigField& field) {
 std::string description(const ConfigField& field) {
   static const Config defaults;
   std::string text(field.help);
-  if (!field.unit.empty() && field.name != "bounds") text += fmt::format(" [{}]", field.unit);
+  if (!field.unit.empty() && !is_box(field)) text += fmt::format(" [{}]", field.unit);
   const std::string value = value_text(field, defaults);
   if (!is_switch(field) && value != "\"\"" && value != "[]")
     text += fmt::format(" (default {})", value);
@@ -56,7 +60,8 @@ ConfigOptions::ConfigOptions(CLI::App& app, Command command) {
     CLI::Option* option =
         app.add_option(option_name(field), values_[&field], description(field))->group(group);
     option->type_name(type_name(field));
-    if (is_text_list(field) && field.choices.empty())
+    // Sides of a box are given with commas or, as GDAL's programs have them, without.
+    if ((is_text_list(field) && field.choices.empty()) || is_box(field))
       option->expected(1, -1);
     else
       // A word too many is a mistake, not a better value.

@@ -792,6 +792,7 @@ TEST_F(Cli, WrongOptionsExitWithTwo) {
                "--seed: 5000000000 is out of range; give 0 to 2147483647");
   expect_error(input + "--top open", 2, "is not one of flat, free");
   expect_error(input + "--bounds 1,2,3", 2, "four numbers");
+  expect_error(input + "--bounds 1 2 3 4 5", 2, "four numbers");
   expect_error(input + "--points-crs EPSG:999999", 2, "EPSG:999999");
   expect_error(input + "--config missing.toml", 2, "missing.toml: no such configuration file");
   std::ofstream(scratch / "c.toml") << "# settings\nmesh_sise = 5\n";
@@ -976,6 +977,9 @@ TEST_F(Cli, UnusableInputExitsWithThree) {
   expect_error(build("text.shp", laz), 3, "text.shp");
   expect_error(build(shp, laz, "--bounds 0,0,100,100"), 3, "do not overlap");
   expect_error(build(shp, laz, "--bounds 319000,6396000,319010,6396010"), 3, "no usable footprint");
+  expect_error(build(shp, laz, "--bounds 319000 6396000 319010 6396010"), 3, "no usable footprint");
+  expect_error(build(shp, laz, "--bounds -20 -1e1 -5 5"), 3,
+               "the domain is x -20 .. -5, y -10 .. 5");
   expect_error(build(shp, laz, "--id-attribute nme"), 3, "nme");
   expect_error(build(shp, laz, "--layer roads"), 3, "roads");
   std::ofstream(scratch / "degrees.geojson")
