@@ -53,12 +53,19 @@ bool is_definition(std::string_view text) {
          std::find(kNames.begin(), kNames.end(), text) != kNames.end();
 }
 
-/// Removes what has no bearing on x and y: a vertical system, a third axis.
+/// A local system (of a site, a drawing) says nothing but its unit, which matters unless it is the
+/// metre.
+bool is_local_in_other_units(OGRSpatialReferenceH srs) {
+  return OSRIsLocal(srs) != 0 && std::abs(OSRGetLinearUnits(srs, nullptr) - 1) > 1e-9;
+}
+
+/// Removes what has no bearing on x and y: a vertical system, a third axis. False if nothing is
+/// left that has.
 bool reduce_to_horizontal(OGRSpatialReferenceH srs) {
   OSRStripVertical(srs);
   if (OSRGetAxesCount(srs) == 3) OSRDemoteTo2D(srs, nullptr);
   OSRSetAxisMappingStrategy(srs, OAMS_TRADITIONAL_GIS_ORDER);
-  return OSRIsProjected(srs) != 0 || OSRIsGeographic(srs) != 0;
+  return OSRIsProjected(srs) != 0 || OSRIsGeographic(srs) != 0 || is_local_in_other_units(srs);
 }
 
 /// The code that the definition carries, "" if none.

@@ -115,7 +115,7 @@ inline constexpr const char* kEllipsoidal = "ellipsoidal";
 /// systems of three dimensions; else "".
 std::string vertical_name(OGRSpatialReferenceH srs);
 
-/// See normalise_crs. Never throws; "" for engineering systems and the like.
+/// See normalise_crs. Never throws; "" for local systems in metres and the like.
 std::string canonical_name(OGRSpatialReferenceH srs);
 
 }  // namespace tetropolis::gdal

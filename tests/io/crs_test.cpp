@@ -99,6 +99,10 @@ TEST(Crs, KnowsDegreesAndFeet) {
   EXPECT_EQ(linear_unit_metres("EPSG:4326"), 0);
   EXPECT_DOUBLE_EQ(linear_unit_metres("EPSG:2994"), 0.3048);
   EXPECT_DOUBLE_EQ(linear_unit_metres("EPSG:2225"), 1200.0 / 3937.0);
+  const std::string site = normalise_crs(R"(LOCAL_CS["site",UNIT["foot",0.3048]])");
+  EXPECT_EQ(normalise_crs(site), site);
+  EXPECT_EQ(crs_name(site), "site");
+  EXPECT_DOUBLE_EQ(linear_unit_metres(site), 0.3048);
 }
 
 TEST(Crs, KnowsHowLongAMetreIs) {

@@ -5,6 +5,7 @@
 #include <array>
 #include <cstddef>
 #include <filesystem>
+#include <fstream>
 #include <string>
 
 #include <gtest/gtest.h>
@@ -172,6 +173,34 @@ TEST_F(ReferenceSystems, FootprintsInFeetAreNotTakenForThePointsSystem) {
   write();
   expect_refusal("footprints.shp", "in units of 0.3048", "--points-crs");
   config.footprints_crs = kMetres;
+  expect_village(kMetres);
+}
+
+const std::string kSiteInFeet = R"(LOCAL_CS["site",UNIT["foot",0.3048]])";
+
+TEST_F(ReferenceSystems, FootprintsOfASiteInFeetAreNotTakenForMetres) {
+  village.footprints_crs = kSiteInFeet;
+  write();
+  expect_refusal("footprints.shp", "in units of 0.3048 m (site)", "--points-crs");
+  config.points_crs = kMetres;
+  expect_refusal("footprints.shp", "no transformation from site to EPSG:28992", "--footprints-crs");
+  config.footprints_crs = kMetres;
+  expect_village(kMetres);
+}
+
+TEST_F(ReferenceSystems, PointsOfASiteInFeetAreNotTakenForMetres) {
+  village.points_crs = kSiteInFeet;
+  village.point_format = 6;  // The older formats have no WKT.
+  write();
+  expect_refusal("points.las", "in units of 0.3048 m (site)", "reproject");
+  config.points_crs = kMetres;
+  expect_village(kMetres);
+}
+
+TEST_F(ReferenceSystems, TheSystemOfASiteInMetresIsUnknown) {
+  village.points_crs = kMetres;
+  write();
+  std::ofstream(scratch / "footprints.prj") << R"(LOCAL_CS["site",UNIT["metre",1]])";
   expect_village(kMetres);
 }
 

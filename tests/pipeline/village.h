@@ -42,6 +42,7 @@ struct Village {
   std::vector<double> heights{12, 6, 1.5, 8, 8, 8, 9};
   std::string footprints_crs = "EPSG:28992";
   std::string points_crs = "EPSG:28992";
+  int point_format = 1;
   std::string footprints_file = "footprints.shp";
   double points_scale = 0.001;
   bool points_are_local = true;  ///< Else in CRS coordinates.
@@ -78,6 +79,7 @@ struct Village {
   void write(const std::filesystem::path& folder, Config& config) const {
     write_footprints(folder / footprints_file, footprints, ids, heights, origin, footprints_crs);
     WritePointsOptions options;
+    options.point_format = point_format;
     options.crs = points_crs;
     options.flags = flags;
     options.scale = points_scale;

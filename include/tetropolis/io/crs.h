@@ -15,13 +15,15 @@ namespace tetropolis {
 
 /// The canonical name of a reference system: "EPSG:n" where the definition carries that code or is
 /// equivalent to exactly what the code stands for, else one line of WKT 2 (ISO 19162). A code that
-/// the database does not have (102100) counts as none.
+/// the database does not have (102100) counts as none. A local system (LOCAL_CS, ENGCRS) has a name
+/// only if its unit is not the metre, so that nobody takes its coordinates for metres.
 ///
 /// `text`: "EPSG:28992", "28992", "urn:ogc:def:crs:EPSG::7415",
 /// "https://www.opengis.net/def/crs/EPSG/0/7415" (0 or a version of the database), WKT of any kind,
 /// a PROJ string or PROJJSON. Empty in, empty out. normalise_crs(normalise_crs(t)) ==
 /// normalise_crs(t). Files and the network are never consulted.
-/// Errors: kUsage with the text, if it is not a reference system of the Earth's surface.
+/// Errors: kUsage with the text, if it is neither a reference system of the Earth's surface nor
+/// such a local one.
 std::string normalise_crs(const std::string& text);
 
 /// What to call the system in a message: its code, or the name that its definition carries, or
