@@ -285,7 +285,7 @@ JsonRoot read_root(const std::string& path) {
   JsonRoot root;
   std::string key;
   std::ifstream file(path, std::ios::binary);
-  // Nothing but the type is kept in memory.
+  // Of objects, nothing but the type is kept in memory.
   const auto keep = [&](int depth, Json::parse_event_t event, Json& part) {
     if (depth != 1) return true;
     if (event == Json::parse_event_t::key) {
@@ -307,7 +307,7 @@ void info_json(const std::string& path) {
   const JsonRoot root = read_root(path);
   if (root.type == "CityJSON")
     info_city(path);
-  else if (root.has_command && root.has_version)
+  else if (root.type.empty() && root.has_command && root.has_version)
     info_report(path);
   else
     info_vector(path);
@@ -330,7 +330,7 @@ void info_folder(const std::string& path) {
   // A report that is none of ours may lie beside points; without them, it is at least looked at.
   const bool has_points = holds_point_files(path);
   const std::filesystem::path report = std::filesystem::path(path) / "report.json";
-  if (std::filesystem::exists(report, error) && (!has_points || is_result(report)))
+  if (std::filesystem::is_regular_file(report, error) && (!has_points || is_result(report)))
     return info_report(report.string());
   if (!has_points) return info_vector(path);  // a geodatabase, say
   for (const std::filesystem::path& file : expand_point_paths(std::vector{path}))

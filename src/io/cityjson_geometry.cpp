@@ -26,8 +26,7 @@ bool is_whole(double value) { return std::floor(value) == value && std::abs(valu
 /// Whether single precision has room for millimetres of what is in `box`.
 bool is_near(Point2 origin, const Bounds2& box) {
   constexpr double kFarthest = 1e5;  // metres
-  return box.empty() ||
-         (std::abs(box.xmin - origin.x) <= kFarthest && std::abs(box.ymin - origin.y) <= kFarthest);
+  return box.empty() || box.grown(kFarthest).contains(origin);
 }
 
 /// Reads boundaries of any depth into faces.

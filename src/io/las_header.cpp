@@ -378,7 +378,7 @@ std::string check_laszip_record(std::string_view data, int record_length, Laszip
   // LASzip record: compressor, coder, version, options, chunk size, two 64-bit numbers, number of
   // items, then type, size and version of each (Isenburg, LASzip: lossless compression of LiDAR
   // data, PE&RS 79(2), 2013, and the record's description in its distribution).
-  if (data.size() < 34) return "the LASzip record is too short; the file is broken, get it again";
+  if (data.size() < 34) return "the LASzip record is too short";
   record.compressor = number_at<std::uint16_t>(data, 0);
   const int coder = number_at<std::uint16_t>(data, 2);
   record.chunk_size = number_at<std::uint32_t>(data, 12);
@@ -387,9 +387,8 @@ std::string check_laszip_record(std::string_view data, int record_length, Laszip
     return fmt::format("LASzip compressor {} is not supported", record.compressor);
   if (coder != 0) return fmt::format("LASzip coder {} is not supported", coder);
   if (record.compressor != 1 && record.chunk_size == 0)
-    return "the LASzip record gives chunks of 0 points; the file is broken, get it again";
-  if (items == 0 || data.size() < 34 + 6 * items)
-    return "the LASzip record's items are cut; the file is broken, get it again";
+    return "the LASzip record gives chunks of 0 points";
+  if (items == 0 || data.size() < 34 + 6 * items) return "the LASzip record's items are cut";
   // Sizes by item type: BYTE (any), POINT10, GPSTIME11, RGB12, WAVEPACKET13, POINT14, RGB14,
   // RGBNIR14, WAVEPACKET14, BYTE14 (any); the numbers between are not in use.
   constexpr std::array<int, 15> kSizes = {0, -1, -1, -1, -1, -1, 20, 8, 6, 29, 30, 6, 8, 29, 0};
@@ -406,19 +405,15 @@ std::string check_laszip_record(std::string_view data, int record_length, Laszip
       return fmt::format("LASzip item type {} of {} bytes is not supported", type, size);
     if (version > 4) return fmt::format("LASzip item version {} is not supported", version);
     if ((type >= kFirstLayered) != (record.compressor == 3))
-      return fmt::format(
-          "LASzip compressor {} does not go with items of type {}; the file is broken, get it "
-          "again",
-          record.compressor, type);
+      return fmt::format("LASzip compressor {} does not go with items of type {}",
+                         record.compressor, type);
     total += size;
     if (type < kFirstLayered) continue;
     const std::size_t kind = type - kFirstLayered;
     record.layers += kind < kLayers.size() ? kLayers[kind] : size;
   }
   if (total != record_length)
-    return fmt::format(
-        "LASzip items of {} bytes do not make records of {}; the file is broken, get it again",
-        total, record_length);
+    return fmt::format("LASzip items of {} bytes do not make records of {}", total, record_length);
   return "";
 }
 

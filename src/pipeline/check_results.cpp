@@ -7,6 +7,7 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <system_error>
 #include <utility>
 #include <vector>
 
@@ -144,7 +145,7 @@ void check_heights_of(const Raster& terrain, const SurfaceMesh& surface,
 /// What a mesh was made from. Empty paths where it is not to be found.
 struct Sources {
   fs::path city, terrain;
-  fs::path city_wanted;                     ///< Where the city was to be.
+  fs::path city_wanted, terrain_wanted;     ///< Where they were to be.
   std::optional<RasterInput> read_terrain;  ///< Where there is a city, too.
 };
 
@@ -158,21 +159,23 @@ Sources find_sources(const fs::path& folder, const std::optional<ReportedFacts>&
   };
   const ReportedFacts facts = report.value_or(ReportedFacts{});
   return {find(results::kCity, facts.city_model), find(results::kTerrain, facts.terrain),
-          facts.city_model.empty() ? results::kCity : facts.city_model, std::nullopt};
+          facts.city_model.empty() ? results::kCity : facts.city_model,
+          facts.terrain.empty() ? results::kTerrain : facts.terrain, std::nullopt};
 }
 
-CheckedFile check_against_city(const std::string& name, const std::optional<RasterInput>& terrain,
-                               const TetMesh& mesh, const SurfaceMesh& surface,
-                               const CityModel& city, const std::optional<ReportedFacts>& report) {
+CheckedFile check_against_city(const std::string& name, const Sources& sources, const TetMesh& mesh,
+                               const SurfaceMesh& surface, const CityModel& city,
+                               const std::optional<ReportedFacts>& report) {
   std::array<double, 3> shift{0, 0, 0};
   if (report && report->absolute) shift = {-city.origin.x, -city.origin.y, 0};
   CheckedFile file{name, {}, check_regions(mesh, shift, city), {}};
   file.facts.emplace_back("regions of cells compared with the footprints");
   check_ground_mesh(surface, shift, city, report, file);
-  if (terrain)
-    check_heights_of(terrain->raster, surface, shift, city, report, file);
+  if (sources.read_terrain)
+    check_heights_of(sources.read_terrain->raster, surface, shift, city, report, file);
   else
-    file.not_checked.emplace_back("heights (there is no dtm.tif)");
+    file.not_checked.push_back(
+        fmt::format("heights (there is no {})", sources.terrain_wanted.string()));
   return file;
 }
 
@@ -235,8 +238,8 @@ void add_mesh(const NamedVolume& volume, const std::vector<NamedSurface>& bounda
   }
   for (const NamedSurface& boundary : boundaries)
     files.push_back(check_against_city(
-        fmt::format("{}, {}, city model and terrain", volume.name, boundary.name),
-        sources.read_terrain, volume.mesh, boundary.mesh, city, report));
+        fmt::format("{}, {}, city model and terrain", volume.name, boundary.name), sources,
+        volume.mesh, boundary.mesh, city, report));
 }
 
 /// What is in the folder of volume and boundary, one format after the other.
@@ -341,7 +344,8 @@ std::vector<CheckedFile> check_folder(const fs::path& folder, std::optional<doub
         distance_asked(name, is_raw ? std::nullopt : min_distance, report);
     const CityCheck check = check_city(city, distance);
     files.push_back(describe(shown_name(path, folder), check, distance));
-    note_changes(warnings, path.parent_path() == folder, files.back());
+    std::error_code ignored;
+    note_changes(warnings, fs::equivalent(path, folder / name, ignored), files.back());
     compare_account(city, report, files.back());
     if (is_raw) {
       raw = city;

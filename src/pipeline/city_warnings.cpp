@@ -85,8 +85,8 @@ void warn_of_exclusion(const BuildingPoints& points, Report& report) {
   if (count == 0) return;
   const bool everywhere = count == std::ssize(marks);
   const char* const taken =
-      "roof points are those inside footprints that are neither ground, water, vegetation nor "
-      "noise";
+      "roof points are those inside footprints that are neither ground, water, vegetation, noise, "
+      "wires nor bridge decks";
   if (everywhere)
     report.warnings.push_back(
         {"no_building_class", report.input->points_kept,

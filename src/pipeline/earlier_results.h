@@ -13,7 +13,7 @@ std::vector<std::string> names_below(const std::vector<std::string>& listed);
 
 /// The results of an earlier run in the folder, by its report, and that report. None without a
 /// report of ours: files of their names are the user's then. Of the report, however large, only
-/// these names are kept in memory.
+/// these names, and what makes it ours, are kept in memory.
 std::vector<std::string> earlier_results(const std::filesystem::path& folder);
 
 }  // namespace tetropolis

@@ -89,15 +89,11 @@ void OutputFolder::create_staging(const fs::path& named) {
 OutputFolder::OutputFolder(const fs::path& target, OutputWatcher watcher, Replaces replaces)
     : watcher_(std::move(watcher)), replaces_(replaces) {
   if (target.empty()) fail("--out", "no folder given");
-  target_ = fs::absolute(target).lexically_normal();
+  // Of a link, the folder it leads to.
+  target_ = real_path(target);
   if (!target_.has_filename()) target_ = target_.parent_path();
   std::error_code error;
   if (fs::exists(target_, error) && !fs::is_directory(target_, error)) fail(target, "it is a file");
-  // Of a link, the folder it leads to.
-  if (fs::is_directory(target_, error)) {
-    fs::path real = fs::canonical(target_, error);
-    if (!error) target_ = std::move(real);
-  }
   if (exists_itself(target_) && !fs::exists(target_, error)) fail(target, "it is a dangling link");
   const fs::path parent = target_.parent_path();
   for (fs::path p = parent; !fs::exists(p, error) && p.has_relative_path(); p = p.parent_path())
@@ -215,8 +211,10 @@ bool is_result(const fs::path& file, const fs::path& out) {
     return std::find(names.begin(), names.end(), name.string()) != names.end();
   };
   const fs::path real = real_path(file);
-  if (!out.empty() && is_among(real.lexically_relative(real_path(out)), results::all_names()))
-    return true;
+  if (!out.empty()) {
+    const fs::path name = real.lexically_relative(real_path(out));
+    if (is_among(name, results::all_names()) || results::is_of_synth(name.string())) return true;
+  }
   constexpr int kDeepest = 3;  // constant/polyMesh/points
   fs::path folder = real.parent_path();
   for (int k = 0; k < kDeepest; ++k, folder = folder.parent_path())

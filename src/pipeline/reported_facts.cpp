@@ -16,6 +16,7 @@
 #include "tetropolis/io/crs.h"
 
 #include "earlier_results.h"
+#include "folders.h"
 #include "result_files.h"
 
 namespace tetropolis {
@@ -88,6 +89,12 @@ std::vector<std::string> missing_members(const Json& report) {
   return names;
 }
 
+/// Without "one/../", unless that leads elsewhere: the system follows links before "..".
+fs::path shortened(const fs::path& path) {
+  fs::path normal = path.lexically_normal();
+  return real_path(normal) == real_path(path) ? normal : path;
+}
+
 ReportedFacts facts_of(const Json& report, const fs::path& folder) {
   const Json config = report.value("config", Json::object());
   ReportedFacts facts;
@@ -118,7 +125,7 @@ ReportedFacts facts_of(const Json& report, const fs::path& folder) {
   facts.missing = missing_members(report);
   if (report.contains("sources")) {
     const auto source = [&](const char* name) {
-      return (folder / report["sources"].value(name, std::string())).lexically_normal();
+      return shortened(folder / report["sources"].value(name, std::string()));
     };
     facts.city_model = source("city");
     facts.terrain = source("dtm");

@@ -1,6 +1,7 @@
 // The files that runs leave in their folders: one list for those who write, replace and check them.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <string>
 #include <string_view>
@@ -45,7 +46,18 @@ inline constexpr std::array<ResultFile, 14> kOfMesh = {{
 inline constexpr std::array kUnread = {"surface.stl", "volume.msh",  "constant/polyMesh",
                                        "surface.obj", "surface.ply", "surface.glb"};
 
-/// Every name a command may give to a result; the report, which vouches for the others, first.
+/// Of `synth`. Points in tiles are points_1.laz and so on.
+inline constexpr std::array kOfSynth = {"footprints.shp", "footprints.shx", "footprints.dbf",
+                                        "footprints.prj", "footprints.cpg", "footprints.geojson",
+                                        "points.laz",     "manifest.json"};
+
+inline bool is_of_synth(std::string_view name) {
+  return std::find(kOfSynth.begin(), kOfSynth.end(), name) != kOfSynth.end() ||
+         (name.starts_with("points_") && name.ends_with(".laz"));
+}
+
+/// Every name a command other than `synth` may give to a result; the report, which vouches for the
+/// others, first.
 inline std::vector<std::string> all_names() {
   std::vector<std::string> names{std::string(kReport)};
   names.insert(names.end(), kOfCity.begin(), kOfCity.end());

@@ -570,6 +570,12 @@ TEST(CityJson, FilesInNumbersOfTheirReferenceSystemHaveAnOriginNearby) {
   EXPECT_EQ(model.origin, (Point2{319030, 6396030}));
   const Ring expected = {{0.5, 0.25}, {10.5, 0.25}, {10.5, 5.25}, {0.5, 5.25}};
   EXPECT_EQ(model.buildings[0].footprint.outer, expected);
+  // A vertex that no object has, at zero of the system, moves nothing.
+  file = Json::parse(kTwoParts);
+  file["transform"]["translate"] = {319030, 6396030, 0};
+  file["vertices"].push_back({-319'030'000, -6'396'030'000, 0});
+  EXPECT_EQ(read_city(write_text(folder / "a.json", file.dump())).origin,
+            (Point2{319030, 6396030}));
 }
 
 TEST(CityJson, SolidsWithoutALevelOfDetailHaveAHeight) {

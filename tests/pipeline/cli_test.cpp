@@ -458,6 +458,14 @@ TEST_F(Cli, CheckReadsCityAndTerrainWhereMeshHasReadThem) {
   outcome = shell(elsewhere);
   EXPECT_EQ(outcome.code, 0) << outcome.out;
   EXPECT_NE(outcome.out.find("ground vertices on the terrain"), std::string::npos) << outcome.out;
+  // By way of a link, beside which another city lies.
+  ASSERT_EQ(shell("mkdir c && ln -s ../a/two c/two && cp -r input c/one && touch "
+                  "c/one/city.city.json c/one/dtm.tif")
+                .code,
+            0);
+  outcome = run("check c/two");
+  EXPECT_EQ(outcome.code, 0) << outcome.out << outcome.err;
+  EXPECT_NE(outcome.out.find("ground vertices on the terrain"), std::string::npos) << outcome.out;
   ASSERT_EQ(shell("mv a/one a/two .").code, 0);
   // Another terrain than it was.
   ASSERT_EQ(
@@ -465,10 +473,61 @@ TEST_F(Cli, CheckReadsCityAndTerrainWhereMeshHasReadThem) {
           .code,
       0);
   EXPECT_EQ(run("check two").code, 1);
+  fs::remove(scratch / "one/dtm.tif");
+  outcome = run("check two");
+  EXPECT_NE(outcome.out.find("heights (there is no one/dtm.tif)"), std::string::npos)
+      << outcome.out;
   fs::remove_all(scratch / "one");
   outcome = run("check two");
   EXPECT_EQ(outcome.code, 0);
   EXPECT_NE(outcome.out.find("there is no one/city.city.json"), std::string::npos) << outcome.out;
+}
+
+/// A model in the folder is no result there if the report does not tell of it, from anywhere.
+TEST_F(Cli, CheckSaysTheSameOfTheFolderItIsIn) {
+  synth("--buildings 4 --size 100");
+  ASSERT_EQ(run("city --quiet --footprints input/footprints.shp --points input --out one").code, 0);
+  fs::remove(scratch / "one/report.json");
+  Json city = Json::parse(bytes_of(scratch / "one/city.city.json"));
+  city["metadata"]["geographicalExtent"][0] = 3;
+  std::ofstream(scratch / "one/city.city.json") << city.dump();
+  ASSERT_EQ(
+      run("mesh --quiet --city one/city.city.json --dtm one/dtm.tif --mesh-size 20 --out one").code,
+      0);
+  for (const char* where :
+       {"'" TETROPOLIS_PROGRAM "' check one", "cd one && '" TETROPOLIS_PROGRAM "' check ."}) {
+    const Outcome outcome = shell(where);
+    EXPECT_EQ(outcome.code, 1) << where;
+    EXPECT_NE(outcome.out.find("VIOLATED: wrong extent (1)"), std::string::npos) << outcome.out;
+  }
+}
+
+/// The system follows links before "..", and so do results.
+TEST_F(Cli, ResultsBesideWhatALinkLeadsTo) {
+  synth("--buildings 4 --size 100");
+  ASSERT_EQ(run("city --quiet --footprints input/footprints.shp --points input --out one").code, 0);
+  ASSERT_EQ(shell("mkdir -p far/away && ln -s far/away link").code, 0);
+  ASSERT_EQ(run("mesh --quiet --city one/city.city.json --dtm one/dtm.tif --mesh-size 20 "
+                "--out link/../two")
+                .code,
+            0);
+  EXPECT_FALSE(fs::exists(scratch / "two"));
+  const Outcome outcome = run("check far/two");
+  EXPECT_EQ(outcome.code, 0) << outcome.out;
+  EXPECT_NE(outcome.out.find("ground vertices on the terrain"), std::string::npos) << outcome.out;
+  expect_error(
+      "mesh --city one/city.city.json --dtm one/dtm.tif --out link/../two --log "
+      "far/two/surface.obj",
+      2, "far/two/surface.obj is a result");
+}
+
+TEST_F(Cli, InfoOfFoldersWhoseReportIsNone) {
+  ASSERT_EQ(shell("mkdir -p folder/report.json pipe && mkfifo pipe/report.json").code, 0);
+  for (const std::string folder : {"folder", "pipe"}) {
+    const Outcome outcome = run("info " + folder);
+    EXPECT_EQ(outcome.code, 3);
+    EXPECT_EQ(outcome.err.find("tetropolis: " + folder), 0U) << outcome.err;
+  }
 }
 
 /// What a document is, its root says, wherever in the file that is.
@@ -486,6 +545,11 @@ TEST_F(Cli, JsonIsKnownByItsRoot) {
   EXPECT_EQ(info.code, 0) << info.err;
   EXPECT_NE(info.out.find("buildings"), std::string::npos) << info.out;
   EXPECT_EQ(run("check late.CityJSON").code, 0);
+  std::ofstream(scratch / "members.geojson") << R"({"command":"x","version":1,)"
+                                             << R"("type":"FeatureCollection","features":[]})";
+  const Outcome members = run("info members.geojson");
+  EXPECT_NE(members.out.find("members.geojson: vector"), std::string::npos)
+      << members.out << members.err;
   // A report of somebody else's beside points.
   fs::create_directory(scratch / "tiles");
   fs::copy(scratch / "input/points.laz", scratch / "tiles/points.laz");
@@ -515,7 +579,7 @@ TEST_F(Cli, MistakesInBoundsListsAndSizes) {
   ASSERT_EQ(run("city --quiet --footprints input/footprints.shp --points input --out one").code, 0);
   const std::string mesh = "mesh --city one/city.city.json --dtm one/dtm.tif --out two ";
   expect_error(mesh + "--terrain-only --bounds 319050.001,6396050.001,319050.002,6396050.002", 3,
-               "one/dtm.tif");
+               "--bounds: the domain is 0.001 m x 0.001 m");
   expect_error(mesh + "--max-memory inf", 2, "--max-memory: 'inf' is not a size");
   expect_error(mesh + "--mesh-size 10,5", 2,
                "'10,5' is not a number; a point goes before decimals");
@@ -657,6 +721,15 @@ TEST_F(Cli, ALogNeverReplacesDataOrAnInput) {
   // Nor is it where a result is to come.
   expect_error(build + "--log new/boundary.vtp", 2, "new/boundary.vtp is a result");
   EXPECT_FALSE(fs::exists(scratch / "new"));
+  fs::create_directory(scratch / "data");
+  const std::string village = "synth --kind adversarial --size 100 --defects tiles_overlap ";
+  ASSERT_EQ(run(village + "--out village").code, 0);
+  std::vector<std::string> names{"footprints.geojson", "points.laz"};
+  for (const auto& entry : fs::directory_iterator(scratch / "village"))
+    names.push_back(entry.path().filename().string());
+  EXPECT_GT(names.size(), 10U);
+  for (const std::string& name : names)
+    expect_error(village + "--out data --log data/" + name, 2, name + " is a result");
   // A log of an earlier run is what it is for.
   for (int i = 0; i < 2; ++i) EXPECT_EQ(run("check result --quiet --log check.log").code, 0);
 }

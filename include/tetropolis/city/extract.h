@@ -52,7 +52,7 @@ struct ExtractOptions {
 /// it, at most `margin` from its boundary (squared_distance_to_segment), and have class 2 or 9.
 /// Points in a hole are outside. Roof points are by exclusion, instead,
 /// - of all buildings, if the whole cloud has no point of class 6 (or a few strays: fewer than one
-///   in 1000 points, and than buildings or eight);
+///   in 1000 points, and fewer than eight or, if that is more, than buildings);
 /// - of a building with more points of options.no_buildings inside, whatever their class, than it
 ///   has roof points of class 6, unless none are left.
 /// By exclusion, roof points are the points inside of classes that may_be_roof; these lose what is

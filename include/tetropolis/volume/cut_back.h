@@ -38,9 +38,9 @@ struct CutSources {
 /// `slopes` say from the roof's edge of a marked building, from a marked foot (which itself is at
 /// most at its elevation), or from ground that was lowered so (to a nanometre). Distances are
 /// those in the triangles outside buildings. Where the terrain dips below that, nothing beyond is
-/// touched; a hillside steeper than `slopes.beyond` is cut back to its crest. `ground`: elevation
-/// per vertex; `building` as from vertex_buildings; `roofs`: elevation per building; `marks`: each
-/// list of its size, or empty; `walls` are not looked at.
+/// touched; a hillside steeper than the steeper of `slopes` is cut back to its crest. `ground`:
+/// elevation per vertex; `building` as from vertex_buildings; `roofs`: elevation per building;
+/// `marks`: each list of its size, or empty; `walls` are not looked at.
 CutSources cut_back(const GroundMesh& mesh, std::span<const BuildingIndex> building,
                     std::span<const double> roofs, const CutMarks& marks, const CutSlopes& slopes,
                     std::vector<double>& ground);
