@@ -85,7 +85,7 @@ std::vector<Polygon> project_faces(const std::vector<const Face*>& faces) {
 constexpr double kFlat = 0.5;  // Steeper than 60 degrees is no floor.
 constexpr double kNotWall = 0.01;
 
-std::vector<const Face*> select(const std::vector<Face>& faces, double low, double high) {
+std::vector<const Face*> select(std::span<const Face> faces, double low, double high) {
   std::vector<const Face*> chosen;
   for (const Face& face : faces) {
     const double up = uprightness(face);
@@ -95,7 +95,7 @@ std::vector<const Face*> select(const std::vector<Face>& faces, double low, doub
 }
 
 /// Those whose semantics say so.
-std::vector<const Face*> select(const std::vector<Face>& faces, bool Face::*meaning) {
+std::vector<const Face*> select(std::span<const Face> faces, bool Face::*meaning) {
   std::vector<const Face*> chosen;
   for (const Face& face : faces)
     if (face.*meaning) chosen.push_back(&face);
@@ -123,12 +123,12 @@ std::vector<Polygon> unite(const std::vector<Polygon>& polygons) {
   return result;
 }
 
+constexpr double kAtBottom = 0.5;  // metres
+
 /// Those that look down, but for soffits in the upper half; and those at the very bottom that look
-/// up, if any look down: a face that is turned the wrong way belongs to the ground all the same.
+/// up: a face that is turned the wrong way belongs to the ground all the same.
 std::vector<const Face*> ground_faces(const std::vector<Face>& faces) {
-  constexpr double kAtBottom = 0.5;  // metres
   std::vector<const Face*> ground = select(faces, -1, -kFlat);
-  if (ground.empty()) return ground;
   double low = kInfinity, high = -low;
   for (const Face& face : faces) {
     const auto [lowest, highest] = elevations(face);
@@ -148,16 +148,59 @@ double total_area(const std::vector<Polygon>& polygons) {
   return sum;
 }
 
+double distance(Point2 a, Point2 b) { return std::hypot(a.x - b.x, a.y - b.y); }
+
+/// The two ends of a wall in the plan.
+std::pair<Point2, Point2> ends_of(const Face& wall) {
+  const Ring ring = project(wall.rings[0]);
+  const auto farthest_from = [&](Point2 from) {
+    return *std::max_element(ring.begin(), ring.end(), [&](Point2 a, Point2 b) {
+      return distance(from, a) < distance(from, b);
+    });
+  };
+  const Point2 end = farthest_from(ring[0]);
+  return {end, farthest_from(end)};
+}
+
+/// Whether walls stand all around these grounds, and nowhere else: what a roof has beyond them are
+/// eaves, however wide. `faces`: of the building; `grounds`: disjoint, not above `level`.
+bool is_walled(const std::vector<Polygon>& grounds, double level, const std::vector<Face>& faces) {
+  constexpr double kNear = 0.05;                           // metres
+  constexpr double kLeastAround = 0.9, kMostApart = 0.05;  // of the perimeter
+  double perimeter = 0, around = 0, apart = 0;
+  for (const Polygon& ground : grounds)
+    for_each_edge(ground, [&](Point2 a, Point2 b) { perimeter += distance(a, b); });
+  for (const Face& face : faces) {
+    if (!is_wall(face) || elevations(face).first > level + kAtBottom) continue;
+    const auto [a, b] = ends_of(face);
+    const Point2 middle{(a.x + b.x) / 2, (a.y + b.y) / 2};
+    double nearest = kInfinity;
+    for (const Polygon& ground : grounds)
+      nearest = std::min(nearest, distance_to_boundary(ground, middle));
+    (nearest <= kNear ? around : apart) += distance(a, b);
+  }
+  return around >= kLeastAround * perimeter && apart <= kMostApart * perimeter;
+}
+
 /// The faces whose shadow is the footprint.
 std::vector<Polygon> ground_polygons(const std::vector<Face>& faces) {
   constexpr double kMostOfRoof = 0.6;  // the rest are eaves
   std::vector<Polygon> polygons = project_faces(select(faces, &Face::is_ground));
   if (!polygons.empty()) return polygons;
-  polygons = project_faces(ground_faces(faces));
+  const std::vector<const Face*> ground = ground_faces(faces);
+  polygons = project_faces(ground);
   std::vector<Polygon> above = project_faces(select(faces, kNotWall, 1));
+  const std::vector<Polygon> grounds = unite(polygons);
+  double level = -kInfinity;
+  for (const Face* face : ground) level = std::max(level, elevations(*face).second);
+  // Where none looks down, what is lowest may be a roof.
+  const bool looks_down = !select(faces, -1, -kFlat).empty();
   const bool is_whole =
-      !polygons.empty() && total_area(unite(polygons)) >= kMostOfRoof * total_area(unite(above));
+      !grounds.empty() &&
+      ((looks_down && total_area(grounds) >= kMostOfRoof * total_area(unite(above))) ||
+       is_walled(grounds, level, faces));
   // Where part of the ground is missing, what is above it tells.
+  if (!is_whole && !looks_down) polygons.clear();
   if (!is_whole) polygons.insert(polygons.end(), above.begin(), above.end());
   if (polygons.empty()) polygons = project_faces(select(faces, -1, -kNotWall));
   return polygons;
@@ -213,14 +256,23 @@ void orient(Polygon& polygon) {
     if (signed_area(hole) > 0) turn(hole);
 }
 
-std::optional<double> roof_height_of(const std::vector<Face>& faces, double area_of_footprint) {
+std::optional<double> roof_height_of(std::span<const Face> faces, double area_of_footprint) {
   constexpr double kMostOfFootprint = 0.8;
+  const double least = kMostOfFootprint * area_of_footprint;
   std::vector<const Face*> roofs = select(faces, &Face::is_roof);
   std::erase_if(roofs, [](const Face* face) { return uprightness(*face) < kNotWall; });
-  const double all = area_up_to(roofs, kInfinity);
-  // Where some faces only are named, or look down as all do, the others are not known.
-  if (!(all > 0 && all >= kMostOfFootprint * area_of_footprint)) return std::nullopt;
-  const double wanted = 0.9 * all;
+  double all = area_up_to(roofs, kInfinity);
+  // What counts as above: nine tenths of the roofs, or of what is seen from there.
+  double seen = all;
+  if (!(all > 0 && all >= least)) {
+    // Where some faces only are named, or none, those that look up are the roofs. Floors and
+    // storeys below one another are among them, so that only what is above a level is known.
+    roofs = select(faces, kNotWall, 1);
+    all = area_up_to(roofs, kInfinity);
+    seen = std::min(all, area_of_footprint);
+  }
+  if (!(all > 0 && all >= least)) return std::nullopt;
+  const double wanted = all - 0.1 * seen;
   std::vector<double> levels;
   for (const Face* face : roofs)
     for (const std::vector<Point3>& ring : face->rings)
@@ -239,6 +291,32 @@ std::optional<double> roof_height_of(const std::vector<Face>& faces, double area
        middle = (low + high) / 2)
     (reached(middle) ? high : low) = middle;
   return high;
+}
+
+std::vector<std::vector<Face>> share_out(const std::vector<Face>& faces,
+                                         const std::vector<Polygon>& footprints) {
+  if (footprints.size() == 1) return {faces};
+  std::vector<std::vector<Face>> parts(footprints.size());
+  for (const Face& face : faces) {
+    if (face.rings.empty() || face.rings[0].empty()) continue;
+    Point2 middle{0, 0};
+    for (const Point3& p : face.rings[0]) {
+      middle.x += p[0] / static_cast<double>(face.rings[0].size());
+      middle.y += p[1] / static_cast<double>(face.rings[0].size());
+    }
+    std::size_t nearest = 0;
+    double least = kInfinity;
+    for (std::size_t k = 0; k < footprints.size() && least > 0; ++k) {
+      const double away =
+          contains(footprints[k], middle) ? 0 : distance_to_boundary(footprints[k], middle);
+      if (away < least) {
+        least = away;
+        nearest = k;
+      }
+    }
+    parts[nearest].push_back(face);
+  }
+  return parts;
 }
 
 FootprintResult footprint_of(const std::vector<Face>& faces) {

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <optional>
+#include <span>
 #include <string>
 #include <utility>
 #include <vector>
@@ -34,8 +35,14 @@ FootprintResult footprint_of(const std::vector<Face>& faces);
 
 /// The height, above 0, that nine tenths of the roof's area in the plan do not exceed, as the 90th
 /// percentile of points scanned from above would be: of the faces that look up and whose semantics
-/// say that they are roofs. None unless these are most of the footprint.
-std::optional<double> roof_height_of(const std::vector<Face>& faces, double area_of_footprint);
+/// say that they are roofs, or, if these are less than most of the footprint, of all that look up.
+/// None unless these are most of the footprint. (Of unnamed faces above each other all count.)
+std::optional<double> roof_height_of(std::span<const Face> faces, double area_of_footprint);
+
+/// The faces that belong to each of several footprints: those whose middle in the plan is in it, or
+/// nearest to it.
+std::vector<std::vector<Face>> share_out(const std::vector<Face>& faces,
+                                         const std::vector<Polygon>& footprints);
 
 /// Turns rings so that the outer one is counter-clockwise and holes are clockwise; the first vertex
 /// of each stays the first.

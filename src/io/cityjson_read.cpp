@@ -3,6 +3,7 @@
 #include <cmath>
 #include <cstdint>
 #include <optional>
+#include <span>
 #include <string_view>
 #include <unordered_set>
 #include <utility>
@@ -17,6 +18,7 @@
 
 #include "body_footprint.h"
 #include "cityjson_geometry.h"
+#include "core/infinity.h"
 #include "input_file.h"
 #include "is_prism.h"
 #include "json_place.h"
@@ -170,6 +172,31 @@ bool is_ours(const Place& object, const std::string& key) {
   return id != attributes.end() && id->is_string() && *id == key;
 }
 
+struct Heights {
+  double low = kInfinity, high = -kInfinity;  ///< Of ground and roof.
+  bool is_flattened = false;                  ///< The roof reaches higher.
+};
+
+/// Of a body of another program, whose footprint these are.
+Heights heights_of(std::span<const Face> faces, std::span<const Polygon> footprint) {
+  constexpr double kLeastHeight = 2;  // metres: a roof lower than that is a floor
+  constexpr double kFlat = 0.5;       // metres: as far as roofs are flat anyway
+  Heights heights;
+  for (const Face& face : faces) {
+    const auto [low, high] = elevations(face);
+    heights.low = std::min(heights.low, low);
+    heights.high = std::max(heights.high, high);
+  }
+  double whole = 0;
+  for (const Polygon& polygon : footprint) whole += area(polygon);
+  const std::optional<double> roof = roof_height_of(faces, whole);
+  if (roof && *roof >= heights.low + kLeastHeight) {
+    heights.is_flattened = heights.high - *roof > kFlat;
+    heights.high = *roof;
+  }
+  return heights;
+}
+
 class CityReader {
  public:
   CityReader(const CityFrame& frame, CityModel& model) : frame_(frame), model_(model) {}
@@ -235,35 +262,25 @@ class CityReader {
 
   void add_foreign(const std::string& key, const std::vector<Face>& faces,
                    FootprintResult footprint) {
-    double low = faces[0].rings.empty() || faces[0].rings[0].empty() ? 0 : faces[0].rings[0][0][2];
-    double high = low;
-    for (const Face& face : faces)
-      for (const std::vector<Point3>& ring : face.rings)
-        for (const Point3& p : ring) {
-          low = std::min(low, p[2]);
-          high = std::max(high, p[2]);
-        }
-    if (!(low < high)) {
+    const Heights whole = heights_of(faces, footprint.polygons);
+    if (!(whole.low < whole.high)) {
       model_.dropped.push_back({key, "a geometry without height"});
       return;
     }
-    double whole = 0;
-    for (const Polygon& polygon : footprint.polygons) whole += area(polygon);
-    constexpr double kLeastHeight = 2;  // metres: a roof lower than that is a floor
-    constexpr double kFlat = 0.5;       // metres: as far as roofs are flat anyway
-    const std::optional<double> roof = roof_height_of(faces, whole);
-    if (roof && *roof >= low + kLeastHeight) {
-      if (high - *roof > kFlat) ++flattened_;
-      high = *roof;
-    }
+    const std::vector<std::vector<Face>> parts = share_out(faces, footprint.polygons);
+    bool is_flattened = false;
     for (std::size_t k = 0; k < footprint.polygons.size(); ++k) {
+      Heights heights = heights_of(parts[k], {&footprint.polygons[k], 1});
+      if (!(heights.low < heights.high)) heights = whole;
+      is_flattened = is_flattened || heights.is_flattened;
       Building building;
       building.source_ids = {k == 0 ? key : fmt::format("{}#{}", key, k + 1)};
       building.footprint = std::move(footprint.polygons[k]);
-      building.h_ground = low;
-      building.h_roof = high;
+      building.h_ground = heights.low;
+      building.h_roof = heights.high;
       model_.buildings.push_back(std::move(building));
     }
+    if (is_flattened) ++flattened_;
   }
 
   const CityFrame& frame_;

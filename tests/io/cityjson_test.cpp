@@ -369,13 +369,23 @@ TEST(CityJson, RoofsOfOthersBecomeFlatAtTheirNinetiethPercentile) {
       const CityModel model = read_city(
           write_text(folder / "a.json", building_with_roof(c.faces, semantics)), &warnings);
       ASSERT_EQ(model.buildings.size(), 1U);
-      double highest = 0;
-      for (const auto& face : c.faces)
-        for (const Point3& p : face) highest = std::max(highest, p[2]);
-      EXPECT_NEAR(model.buildings[0].h_roof, semantics ? c.height : highest, 2e-6);
+      EXPECT_NEAR(model.buildings[0].h_roof, c.height, 2e-6);
       EXPECT_EQ(model.buildings[0].h_ground, 1);
-      EXPECT_EQ(warnings.size(), semantics && c.flattened ? 1U : 0U);
+      EXPECT_EQ(warnings.size(), c.flattened ? 1U : 0U);
     }
+}
+
+TEST(CityJson, FloorsWithoutSemanticsAreNoRoofs) {
+  const TemporaryFolder folder;
+  std::vector<std::vector<Point3>> floors;
+  for (int storey = 1; storey <= 30; ++storey) {
+    const double z = 1 + 3.0 * storey;
+    floors.push_back({{0, 0, z}, {10, 0, z}, {10, 10, z}, {0, 10, z}});
+  }
+  const CityModel model =
+      read_city(write_text(folder / "a.json", building_with_roof(floors, false)));
+  ASSERT_EQ(model.buildings.size(), 1U);
+  EXPECT_EQ(model.buildings[0].h_roof, 91);
 }
 
 /// Where semantics do not tell of a roof: a dormer, floors, or what is too low; and vertices too
@@ -576,6 +586,34 @@ TEST(CityJson, FilesInNumbersOfTheirReferenceSystemHaveAnOriginNearby) {
   file["vertices"].push_back({-319'030'000, -6'396'030'000, 0});
   EXPECT_EQ(read_city(write_text(folder / "a.json", file.dump())).origin,
             (Point2{319030, 6396030}));
+}
+
+TEST(CityJson, PiecesOfOneObjectHaveHeightsOfTheirOwn) {
+  const TemporaryFolder folder;
+  Json file = Json::parse(kTwoParts);
+  Json& solid = file["CityObjects"]["y"]["geometry"][1];
+  Json& vertices = file["vertices"];
+  // A second one 40 m to the east, 3 m higher.
+  Json other = solid["boundaries"];
+  for (Json& shell : other)
+    for (Json& surface : shell)
+      for (Json& ring : surface)
+        for (Json& index : ring) {
+          Json vertex = vertices[index.get<std::size_t>()];
+          vertex[0] = vertex[0].get<std::int64_t>() + 40'000;
+          vertex[2] = vertex[2].get<std::int64_t>() + 3'000;
+          index = vertices.size();
+          vertices.push_back(vertex);
+        }
+  solid["type"] = "MultiSolid";
+  solid["boundaries"] = {solid["boundaries"], other};
+  const CityModel model = read_city(write_text(folder / "a.json", file.dump()));
+  ASSERT_EQ(model.buildings.size(), 3U);
+  const Building &first = model.buildings[1], &second = model.buildings[2];
+  EXPECT_EQ(second.source_ids, (std::vector<std::string>{"y#2"}));
+  EXPECT_EQ(second.footprint.outer[0].x, first.footprint.outer[0].x + 40);
+  EXPECT_EQ(second.h_ground, first.h_ground + 3);
+  EXPECT_EQ(second.h_roof, first.h_roof + 3);
 }
 
 TEST(CityJson, SolidsWithoutALevelOfDetailHaveAHeight) {

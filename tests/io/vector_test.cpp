@@ -633,6 +633,37 @@ TEST(Vector, BodiesWithFaultyGroundKeepTheirFootprint) {
   }
 }
 
+/// Walls that stand around the ground tell eaves from ground that is missing, however wide they are
+/// and whichever way the ground looks.
+TEST(Vector, BodiesWithWideEavesKeepTheirGround) {
+  const auto face = [](double x0, double y0, double z0, double x1, double y1, double z1) {
+    const bool flat = z0 == z1;
+    return fmt::format("(({} {} {},{} {} {},{} {} {},{} {} {},{} {} {}))", x0, y0, z0, x1,
+                       flat ? y0 : y1, z0, x1, y1, z1, x0, flat ? y1 : y0, z1, x0, y0, z0);
+  };
+  const std::string roof = face(-3, -3, 9, 13, 11, 9);
+  const std::string walls = face(0, 0, 2, 10, 0, 9) + "," + face(10, 0, 2, 10, 8, 9) + "," +
+                            face(10, 8, 2, 0, 8, 9) + "," + face(0, 8, 2, 0, 0, 9);
+  const std::string up = face(0, 0, 2, 10, 8, 2), down = face(10, 0, 2, 0, 8, 2);
+  const std::string part = face(6, 0, 2, 0, 8, 2);
+  struct Case {
+    std::string faces;
+    double area;
+  };
+  for (const Case& c :
+       {Case{down + "," + roof + "," + walls, 80}, Case{roof + "," + walls + "," + up, 80},
+        Case{part + "," + roof + "," + walls, 16 * 14}}) {
+    std::string text = "MULTIPOLYGON Z(" + c.faces + ")";
+    char* cursor = text.data();
+    OGRGeometryH geometry = nullptr;
+    ASSERT_EQ(OGR_G_CreateFromWkt(&cursor, nullptr, &geometry), OGRERR_NONE) << text;
+    const FlatGeometry flat = flatten(geometry);
+    OGR_G_DestroyGeometry(geometry);
+    ASSERT_EQ(flat.parts.size(), 1U) << text;
+    EXPECT_NEAR(area(flat.parts[0].polygon), c.area, 1e-6) << text;
+  }
+}
+
 /// Slivers, bow-ties and elevations that are none make no body of a city in one feature.
 TEST(Vector, SliversAmongFootprintsMakeNoBody) {
   const TemporaryFolder folder;
