@@ -39,7 +39,9 @@ std::string crs_text(const std::string& crs) {
 /// What files say of their heights: the name of the system, the unit, both or nothing.
 std::string heights_text(const LasInfo& info) {
   std::string text = info.vertical_crs;
-  if (!is_metre(info.vertical_unit))
+  if (info.vertical_unit < 0)
+    text += text.empty() ? "counted downwards" : ", counted downwards";
+  else if (!is_metre(info.vertical_unit))
     text += fmt::format("{}in units of {:.7g} m", text.empty() ? "" : ", ", info.vertical_unit);
   return text;
 }

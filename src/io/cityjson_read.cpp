@@ -91,7 +91,10 @@ Document parse(const fs::path& path) {
   KeyScan scan;
   if (!Json::sax_parse(text, &scan))
     fail_input(path,
-               scan.out_of_range
+               text.find("\"CityJSONFeature\"") != std::string::npos
+                   ? "is a sequence of city objects, which is not read; make one CityJSON of it "
+                     "(the program cjseq does that: cjseq collect)"
+               : scan.out_of_range
                    ? fmt::format("holds a number out of range at byte {}; the file is broken",
                                  scan.error_byte)
                    : fmt::format("is not valid JSON after byte {}; the file is cut or not CityJSON",
@@ -301,7 +304,9 @@ void check_type(const Place& root) {
 }
 
 std::string crs_at(const Place& system) {
-  if (const double unit = vertical_unit_metres(system.text()); std::abs(unit - 1) > 1e-9)
+  const double unit = vertical_unit_metres(system.text());
+  if (unit < 0) system.fail("has heights that count downwards; convert them to heights in metres");
+  if (std::abs(unit - 1) > 1e-9)
     system.fail(fmt::format("has heights in units of {} m; convert them to metres", unit));
   try {
     return normalise_crs(system.text());

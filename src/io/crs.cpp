@@ -76,9 +76,15 @@ std::string stated_epsg(OGRSpatialReferenceH srs) {
   return std::string("EPSG:") + code;
 }
 
-bool is_known(const std::string& code) {
+/// Whether the database has the code, with the same unit: definitions in feet carry the codes of
+/// those in metres.
+bool is_known(const std::string& code, OGRSpatialReferenceH srs) {
   const QuietErrors errors;
-  return parse_srs(code) != nullptr;
+  const Srs known = parse_srs(code);
+  if (known == nullptr) return false;
+  const double stated = OSRGetLinearUnits(srs, nullptr);
+  return OSRIsProjected(srs) == 0 ||
+         std::abs(OSRGetLinearUnits(known.get(), nullptr) - stated) <= 1e-9 * std::abs(stated);
 }
 
 /// The same without the code that it carries, by which alone PROJ would look for it; null if that
@@ -158,7 +164,11 @@ Srs parse_srs(const std::string& text) {
 }
 
 double vertical_unit_metres(OGRSpatialReferenceH srs) {
-  return srs == nullptr ? 1 : OSRGetTargetLinearUnits(srs, "VERT_CS", nullptr);
+  if (srs == nullptr) return 1;
+  OGRAxisOrientation towards = OAO_Up;
+  OSRGetAxis(srs, "VERT_CS", 0, &towards);
+  const double unit = OSRGetTargetLinearUnits(srs, "VERT_CS", nullptr);
+  return towards == OAO_Down ? -unit : unit;
 }
 
 std::string vertical_name(OGRSpatialReferenceH srs) {
@@ -174,7 +184,7 @@ std::string canonical_name(OGRSpatialReferenceH given) {
   Srs srs(OSRClone(given));
   if (!reduce_to_horizontal(srs.get())) return "";
   if (std::string code = stated_epsg(srs.get()); !code.empty()) {
-    if (is_known(code)) return code;
+    if (is_known(code, srs.get())) return code;
     // Some definitions carry codes of other authorities as EPSG's (102100).
     if (Srs bare = without_code(srs.get()); bare != nullptr) srs = std::move(bare);
   }

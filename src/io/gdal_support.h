@@ -105,7 +105,8 @@ Srs parse_whole_srs(const std::string& text);
 /// reference system; the error handler in force then knows why.
 Srs parse_srs(const std::string& text);
 
-/// Metres per unit of height of a compound or vertical system, else 1.
+/// Metres per unit of height of a compound or vertical system, else 1; negative where it counts
+/// downwards.
 double vertical_unit_metres(OGRSpatialReferenceH srs);
 
 /// What stands for the name of the vertical system where heights are those above the ellipsoid.

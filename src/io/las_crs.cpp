@@ -1,6 +1,7 @@
 // The reference system of a LAS file from its GeoTIFF keys or its WKT.
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstdint>
 #include <cstring>
 #include <initializer_list>
@@ -204,7 +205,7 @@ void add_vertical(const std::vector<Vlr>& vlrs, bool prefer_wkt, LasSystems::Sys
     if (key[0] == 4099 && key[3] == 9002) unit = 0.3048;
     if (key[0] == 4099 && key[3] == 9003) unit = 1200.0 / 3937;
   }
-  system.vertical_unit = unit.value_or(system.vertical_unit);
+  if (unit) system.vertical_unit = std::copysign(*unit, system.vertical_unit);
   // The keys rule, but where they say nothing of heights, feet of the WKT are not metres.
   if (!says_heights && wkt != nullptr) read_vertical(wkt->data.substr(0, wkt->data.find('\0')));
 }

@@ -400,9 +400,11 @@ void mend_turned_rings(FlatGeometry& geometry) {
     cut_out_yards(geometry.parts, find_yards(geometry.parts, Turns::kSayNothing));
 }
 
-bool holds_polygons(OGRLayerH layer) {
-  if (OGR_FD_GetGeomFieldCount(OGR_L_GetLayerDefn(layer)) == 0) return false;
-  const OGRwkbGeometryType type = OGR_L_GetGeomType(layer);
+namespace {
+
+bool holds_polygons(OGRLayerH layer, int field) {
+  const OGRwkbGeometryType type =
+      OGR_GFld_GetType(OGR_FD_GetGeomFieldDefn(OGR_L_GetLayerDefn(layer), field));
   if (!may_hold_polygons(type)) return false;
   if (wkbFlatten(type) != wkbUnknown && wkbFlatten(type) != wkbGeometryCollection) return true;
   constexpr int kProbed = 1000;
@@ -411,10 +413,19 @@ bool holds_polygons(OGRLayerH layer) {
   for (int i = 0; i < kProbed && !found; ++i) {
     const gdal::Feature feature(OGR_L_GetNextFeature(layer));
     if (feature == nullptr) break;
-    found = !flatten(OGR_F_GetGeometryRef(feature.get())).parts.empty();
+    found = !flatten(OGR_F_GetGeomFieldRef(feature.get(), field)).parts.empty();
   }
   OGR_L_ResetReading(layer);
   return found;
+}
+
+}  // namespace
+
+int polygon_field(OGRLayerH layer) {
+  const int fields = OGR_FD_GetGeomFieldCount(OGR_L_GetLayerDefn(layer));
+  for (int field = 0; field < fields; ++field)
+    if (holds_polygons(layer, field)) return field;
+  return -1;
 }
 
 }  // namespace tetropolis

@@ -57,8 +57,8 @@ void mend_order_of_rings(FlatGeometry& geometry);
 /// becomes a hole.
 void mend_turned_rings(FlatGeometry& geometry);
 
-/// Whether a layer holds polygons, as far as its declared type or else its first features tell.
-/// Reading begins anew.
-bool holds_polygons(OGRLayerH layer);
+/// The first of a layer's geometry fields that holds polygons, as far as their declared types or
+/// else the first features tell; -1 if none does. Reading begins anew.
+int polygon_field(OGRLayerH layer);
 
 }  // namespace tetropolis

@@ -1,5 +1,6 @@
 #include "vector_layers.h"
 
+#include <algorithm>
 #include <vector>
 
 #include <fmt/format.h>
@@ -27,7 +28,7 @@ OGRLayerH find_layer(const fs::path& path, GDALDatasetH dataset, const std::stri
     if (layer == nullptr) continue;
     all.push_back(gdal::utf8(OGR_L_GetName(layer)));
     if (!wanted.empty() && all.back() == wanted) return layer;
-    if (!holds_polygons(layer)) continue;
+    if (polygon_field(layer) < 0) continue;
     names.push_back(all.back());
     found = layer;
   }
@@ -66,6 +67,14 @@ FootprintLayer::FootprintLayer(const fs::path& path, GDALDatasetH dataset,
   if (is_of_format(dataset, "OSM") && (wanted.empty() || wanted == "multipolygons"))
     selected_ = select_buildings(dataset);
   layer_ = selected_ != nullptr ? selected_ : find_layer(path, dataset, wanted);
+  field_ = std::max(polygon_field(layer_), 0);
+}
+
+OGRSpatialReferenceH FootprintLayer::reference_system() const {
+  OGRFeatureDefnH definition = OGR_L_GetLayerDefn(layer_);
+  return OGR_FD_GetGeomFieldCount(definition) == 0
+             ? nullptr
+             : OGR_GFld_GetSpatialRef(OGR_FD_GetGeomFieldDefn(definition, field_));
 }
 
 FootprintLayer::~FootprintLayer() {
@@ -84,10 +93,13 @@ std::vector<VectorLayer> list_layers(const fs::path& path) {
     if (layer == nullptr) continue;
     VectorLayer& summary = layers.emplace_back();
     summary.name = gdal::utf8(OGR_L_GetName(layer));
-    summary.holds_polygons = holds_polygons(layer);
-    summary.geometry = OGRGeometryTypeToName(OGR_L_GetGeomType(layer));
-    summary.features = OGR_L_GetFeatureCount(layer, 0);
     OGRFeatureDefnH definition = OGR_L_GetLayerDefn(layer);
+    const int field = polygon_field(layer);
+    summary.holds_polygons = field >= 0;
+    summary.geometry = OGRGeometryTypeToName(
+        field > 0 ? OGR_GFld_GetType(OGR_FD_GetGeomFieldDefn(definition, field))
+                  : OGR_L_GetGeomType(layer));
+    summary.features = OGR_L_GetFeatureCount(layer, 0);
     for (int f = 0; f < OGR_FD_GetFieldCount(definition); ++f)
       summary.attributes.push_back(
           gdal::utf8(OGR_Fld_GetNameRef(OGR_FD_GetFieldDefn(definition, f))));

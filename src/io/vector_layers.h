@@ -21,11 +21,17 @@ class FootprintLayer {
   FootprintLayer& operator=(const FootprintLayer&) = delete;
 
   OGRLayerH get() const { return layer_; }
+  OGRGeometryH geometry_of(OGRFeatureH feature) const {
+    return OGR_F_GetGeomFieldRef(feature, field_);
+  }
+  /// Null if the layer states none.
+  OGRSpatialReferenceH reference_system() const;
 
  private:
   GDALDatasetH dataset_;
   OGRLayerH selected_ = nullptr;  // made by a query
   OGRLayerH layer_ = nullptr;
+  int field_ = 0;  // of its geometries
 };
 
 }  // namespace tetropolis

@@ -113,7 +113,7 @@ std::string vector_in_archive(const fs::path& path, const gdal::QuietErrors& err
 
 bool first_layer_holds_polygons(GDALDatasetH dataset) {
   OGRLayerH layer = GDALDatasetGetLayer(dataset, 0);
-  return layer != nullptr && holds_polygons(layer);
+  return layer != nullptr && polygon_field(layer) >= 0;
 }
 
 /// Opens a CSV file by the column of polygons, if it has one of the usual names; GDAL itself knows

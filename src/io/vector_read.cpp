@@ -238,16 +238,17 @@ Count count_of(GDALDatasetH dataset) {
 class LayerReader {
  public:
   /// `shells_by_turn`: the format tells shells from holes by their turn.
-  LayerReader(const fs::path& path, OGRLayerH layer, const ReadFootprintsOptions& options,
-              FootprintsInput& result, bool shells_by_turn)
+  LayerReader(const fs::path& path, const FootprintLayer& source,
+              const ReadFootprintsOptions& options, FootprintsInput& result, bool shells_by_turn)
       : path_(path),
-        layer_(layer),
-        id_field_(find_attribute(path, layer, options.id_attribute)),
-        real_ids_(is_real(layer, id_field_)),
-        single_ids_(real_ids_ && OGR_Fld_GetSubType(definition(layer, id_field_)) == OFSTFloat32),
-        heights_(path, layer, options.height_attribute),
+        source_(source),
+        layer_(source.get()),
+        id_field_(find_attribute(path, layer_, options.id_attribute)),
+        real_ids_(is_real(layer_, id_field_)),
+        single_ids_(real_ids_ && OGR_Fld_GetSubType(definition(layer_, id_field_)) == OFSTFloat32),
+        heights_(path, layer_, options.height_attribute),
         id_name_(options.id_attribute),
-        units_(units_of(OGR_L_GetSpatialRef(layer), options.source_crs)),
+        units_(units_of(source.reference_system(), options.source_crs)),
         shells_by_turn_(shells_by_turn),
         result_(result) {}
 
@@ -287,7 +288,7 @@ class LayerReader {
  private:
   void add(OGRFeatureH feature) {
     const std::string id = feature_id(feature);
-    FlatGeometry flat = flatten(OGR_F_GetGeometryRef(feature), units_);
+    FlatGeometry flat = flatten(source_.geometry_of(feature), units_);
     if (flat.is_body)
       ++bodies_;
     else if (shells_by_turn_)
@@ -354,6 +355,7 @@ class LayerReader {
   }
 
   const fs::path& path_;
+  const FootprintLayer& source_;
   OGRLayerH layer_;
   int id_field_;
   bool real_ids_;
@@ -463,14 +465,13 @@ FootprintsInput read_footprints(const fs::path& path, const ReadFootprintsOption
   const gdal::ThreadOption by_layer("OGR_INTERLEAVED_READING", "NO");
   const gdal::ThreadOption nothing_beside("CPL_VSIL_GZIP_WRITE_PROPERTIES", "NO");
   const VectorFile file = open_vector(path, errors);
-  const FootprintLayer found(path, file.dataset.get(), options.layer);
-  OGRLayerH layer = found.get();
+  const FootprintLayer source(path, file.dataset.get(), options.layer);
   FootprintsInput result;
-  result.layer = gdal::utf8(OGR_L_GetName(layer));
-  LayerReader(path, layer, options, result, is_of_format(file.dataset.get(), "ESRI Shapefile"))
+  result.layer = gdal::utf8(OGR_L_GetName(source.get()));
+  LayerReader(path, source, options, result, is_of_format(file.dataset.get(), "ESRI Shapefile"))
       .read(errors, count_of(file.dataset.get()));
   result.bounds = bounds_of(result.features);
-  result.crs = gdal::canonical_name(OGR_L_GetSpatialRef(layer));
+  result.crs = gdal::canonical_name(source.reference_system());
   settle_crs(path, options, is_of_format(file.dataset.get(), "GeoJSON"), result);
   if (!target.empty() && !result.crs.empty()) {
     if (same_horizontal_crs(result.crs, target))

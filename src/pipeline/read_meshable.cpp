@@ -106,6 +106,11 @@ void require_elevations(const Config& config, const RasterInput& terrain) {
                           config.dtm));
 }
 
+std::string name_of(const Building& building) {
+  return fmt::format("building {} (feature {})", building.id,
+                     building.source_ids.empty() ? "?" : building.source_ids.front());
+}
+
 /// A city model may come from anywhere; a mesh needs footprints that are valid and apart. Returns
 /// their clearance.
 double require_meshable(const Config& config, const CityModel& city) {
@@ -123,11 +128,9 @@ double require_meshable(const Config& config, const CityModel& city) {
       if (!is_elevation(height))
         throw Error(
             ErrorKind::kInput,
-            fmt::format("{}: building {} (feature {}) reaches from {:.6g} to {:.6g} m, which "
-                        "are no elevations; correct or remove it",
-                        config.city, building.id,
-                        building.source_ids.empty() ? "?" : building.source_ids.front(),
-                        building.h_ground, building.h_roof));
+            fmt::format("{}: {} reaches from {:.6g} to {:.6g} m, which are no elevations; correct "
+                        "or remove it",
+                        config.city, name_of(building), building.h_ground, building.h_roof));
   for (const Building& building : city.buildings)
     if (!city.domain.covers(bounds(building.footprint)))
       throw Error(ErrorKind::kInput,
@@ -136,7 +139,12 @@ double require_meshable(const Config& config, const CityModel& city) {
                               "--bounds ...')",
                               config.city, building.id, domain_text(city)));
   const auto defects = footprint_defects(footprints, 1);
-  if (!defects.empty()) fail(defects.front().message);
+  if (!defects.empty()) {
+    const auto first = static_cast<std::size_t>(std::max(defects.front().first.polygon, 0));
+    throw Error(ErrorKind::kInput,
+                fmt::format("{}: {}: {}; mesh the city.city.json that 'tetropolis city' makes",
+                            config.city, name_of(city.buildings[first]), defects.front().message));
+  }
   const Clearance clearance = joint_clearance(footprints, city.domain);
   if (!is_clear(clearance.distance, config.min_building_distance))
     fail(fmt::format(
@@ -174,6 +182,7 @@ CityAndTerrain read_meshable(const Config& config, Report& report) {
   city.domain = domain_of(config, city, terrain);
   require_room(config, city.domain, domain_source);
   require_terrain_under(config, city, terrain);
+  if (city.crs.empty()) city.crs = terrain.crs;
   require_buildings(config, city);
   CityReport& city_report = report.city.emplace();
   city_report.min_clearance = require_meshable(config, city);

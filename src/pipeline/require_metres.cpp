@@ -27,6 +27,15 @@ void require_metres(const std::string& crs, const std::string& file, const char*
 
 void require_heights_in_metres(double unit, const std::string& source, const char* option) {
   if (std::abs(unit - 1) <= 1e-9) return;
+  if (unit < 0)
+    throw Error(ErrorKind::kInput,
+                fmt::format("{}: heights are depths, counted downwards; convert them to heights in "
+                            "metres{}",
+                            source,
+                            option == nullptr ? ""
+                                              : fmt::format(", or name a CRS whose heights count "
+                                                            "upwards with {} if they do",
+                                                            option)));
   throw Error(
       ErrorKind::kInput,
       fmt::format("{}: heights are in units of {} m; convert them to metres{}", source, unit,

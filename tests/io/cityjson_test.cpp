@@ -616,6 +616,22 @@ TEST(CityJson, PiecesOfOneObjectHaveHeightsOfTheirOwn) {
   EXPECT_EQ(second.h_roof, first.h_roof + 3);
 }
 
+TEST(CityJson, SequencesAreToldAsWhatTheyAre) {
+  const TemporaryFolder folder;
+  const fs::path path = write_text(
+      folder / "a.city.jsonl",
+      "{\"type\":\"CityJSON\",\"version\":\"2.0\",\"CityObjects\":{},\"vertices\":[]}\n"
+      "{\"type\":\"CityJSONFeature\",\"id\":\"A\",\"CityObjects\":{},\"vertices\":[]}\n");
+  try {
+    read_city(path);
+    ADD_FAILURE() << "no error";
+  } catch (const Error& error) {
+    EXPECT_EQ(error.kind(), ErrorKind::kInput);
+    EXPECT_NE(std::string(error.what()).find("is a sequence of city objects"), std::string::npos)
+        << error.what();
+  }
+}
+
 TEST(CityJson, SolidsWithoutALevelOfDetailHaveAHeight) {
   const TemporaryFolder folder;
   Json file = Json::parse(kTwoParts);

@@ -73,6 +73,11 @@ TEST(Crs, CodesThatNobodyKnowsAreNotBelieved) {
     EXPECT_EQ(linear_unit_metres(name), 1);
     EXPECT_EQ(crs_name(name), "Grid");
   }
+  // The code of a system in metres on a definition in feet.
+  std::string feet = wkt_with_code("28992");
+  const std::string metre = R"(UNIT["metre",1],AUTHORITY)";
+  feet.replace(feet.find(metre), metre.size(), R"(UNIT["foot",0.3048],AUTHORITY)");
+  EXPECT_DOUBLE_EQ(linear_unit_metres(normalise_crs(feet)), 0.3048);
 }
 
 TEST(Crs, NonsenseIsRefusedWithItsText) {
@@ -129,6 +134,7 @@ TEST(Crs, ComparesHorizontalParts) {
   EXPECT_NEAR(vertical_unit_metres("EPSG:6339+6360"), 1200.0 / 3937, 1e-12);
   EXPECT_NEAR(vertical_unit_metres("EPSG:6360"), 1200.0 / 3937, 1e-12);
   EXPECT_NEAR(vertical_unit_metres("EPSG:8228"), 0.3048, 1e-12);  // NAVD88 height (ft)
+  EXPECT_EQ(vertical_unit_metres("EPSG:28992+5715"), -1);         // MSL depth
   EXPECT_TRUE(same_horizontal_crs("EPSG:4979", "EPSG:4326"));
   EXPECT_TRUE(same_horizontal_crs("EPSG:3042", "EPSG:25830"));  // Axis order apart.
   EXPECT_FALSE(same_horizontal_crs("EPSG:25830", "EPSG:25831"));

@@ -493,6 +493,31 @@ TEST(Vector, PolygonsInTablesAreFoundByTheUsualNames) {
   }
 }
 
+/// A point of each building, say of its entrance, before its outline.
+TEST(Vector, OfSeveralGeometryFieldsThatOfPolygonsIsRead) {
+  const TemporaryFolder folder;
+  write_text(folder / "a.csv",
+             "id,entrance,outline\n7,POINT(4 9),\"POLYGON((3 8,4 8,4 9,3 8))\"\n");
+  const auto field = [](const char* name, const std::string& type, const char* srs) {
+    return fmt::format(
+        R"(<GeometryField name="{0}" encoding="WKT" field="{0}">{1}<SRS>{2}</SRS></GeometryField>)",
+        name, type, srs);
+  };
+  for (const std::string type : {"<GeometryType>wkbPolygon</GeometryType>", ""}) {
+    const fs::path path = write_text(
+        folder / "a.vrt",
+        R"(<OGRVRTDataSource><OGRVRTLayer name="a"><SrcDataSource relativeToVRT="1">a.csv)"
+        "</SrcDataSource>" +
+            field("entrance", "<GeometryType>wkbPoint</GeometryType>", "EPSG:4326") +
+            field("outline", type, "EPSG:28992") + "</OGRVRTLayer></OGRVRTDataSource>");
+    const FootprintsInput input = read_footprints(path);
+    ASSERT_EQ(input.features.size(), 1U) << type;
+    EXPECT_EQ(area(input.features[0].polygon), 0.5);
+    EXPECT_EQ(input.crs, "EPSG:28992");
+    EXPECT_TRUE(list_layers(path).at(0).holds_polygons);
+  }
+}
+
 TEST(Vector, AttributesInTablesOfUnknownEncodingAreFound) {
   const TemporaryFolder folder;
   write_footprints(folder / "a.shp", std::vector<Polygon>{{{{0, 0}, {9, 0}, {9, 9}}, {}}},

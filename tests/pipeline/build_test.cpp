@@ -492,6 +492,15 @@ TEST_F(Build, MeshRefusesWhatIsNotInMetres) {
   EXPECT_TRUE(says(said, "foreign.tif", "in units of 0.3048")) << said;
   EXPECT_EQ(refusal("EPSG:3006", "EPSG:3006"), "");
   fs::remove_all(scratch / "mesh");
+  // A model without a system is in that of its terrain.
+  EXPECT_EQ(refusal("", "EPSG:3006"), "");
+  EXPECT_NE(bytes_of(scratch / "mesh/report.json").find("\"crs\": \"EPSG:3006\""),
+            std::string::npos);
+  for (const CheckedFile& file : check_path(scratch / "mesh", std::nullopt))
+    EXPECT_TRUE(file.violations.empty()) << file.name << ": " << file.violations[0].what;
+  fs::remove_all(scratch / "mesh");
+  said = refusal("EPSG:3006+5715", "EPSG:3006");
+  EXPECT_TRUE(says(said, "foreign.city.json", "heights that count downwards")) << said;
   // Heights in feet: of a compound system of the model, and of the raster's band.
   said = refusal("EPSG:3006+6360", "EPSG:3006");
   EXPECT_TRUE(says(said, "foreign.city.json", "heights in units of 0.3048")) << said;

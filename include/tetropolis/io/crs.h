@@ -15,8 +15,9 @@ namespace tetropolis {
 
 /// The canonical name of a reference system: "EPSG:n" where the definition carries that code or is
 /// equivalent to exactly what the code stands for, else one line of WKT 2 (ISO 19162). A code that
-/// the database does not have (102100) counts as none. A local system (LOCAL_CS, ENGCRS) has a name
-/// only if its unit is not the metre, so that nobody takes its coordinates for metres.
+/// the database does not have (102100), or with another unit, counts as none. A local system
+/// (LOCAL_CS, ENGCRS) has a name only if its unit is not the metre, so that nobody takes its
+/// coordinates for metres.
 ///
 /// `text`: "EPSG:28992", "28992", "urn:ogc:def:crs:EPSG::7415",
 /// "https://www.opengis.net/def/crs/EPSG/0/7415" (0 or a version of the database), WKT of any kind,
@@ -37,7 +38,8 @@ bool is_geographic(const std::string& crs);
 /// foot)... 1 for the unknown system, 0 for geographic ones, which have no linear unit.
 double linear_unit_metres(const std::string& crs);
 
-/// Metres per unit of height in a compound or vertical system, 1 where `text` (as for
+/// Metres per unit of height in a compound or vertical system, negative where it counts downwards,
+/// 1 where `text` (as for
 /// normalise_crs) says nothing of heights or is not understood.
 double vertical_unit_metres(const std::string& text);
 
