@@ -402,11 +402,8 @@ void mend_turned_rings(FlatGeometry& geometry) {
 
 namespace {
 
-bool holds_polygons(OGRLayerH layer, int field) {
-  const OGRwkbGeometryType type =
-      OGR_GFld_GetType(OGR_FD_GetGeomFieldDefn(OGR_L_GetLayerDefn(layer), field));
-  if (!may_hold_polygons(type)) return false;
-  if (wkbFlatten(type) != wkbUnknown && wkbFlatten(type) != wkbGeometryCollection) return true;
+/// Whether one of the first features has polygons there.
+bool finds_polygons(OGRLayerH layer, int field) {
   constexpr int kProbed = 1000;
   bool found = false;
   OGR_L_ResetReading(layer);
@@ -422,10 +419,22 @@ bool holds_polygons(OGRLayerH layer, int field) {
 }  // namespace
 
 int polygon_field(OGRLayerH layer) {
-  const int fields = OGR_FD_GetGeomFieldCount(OGR_L_GetLayerDefn(layer));
+  OGRFeatureDefnH definition = OGR_L_GetLayerDefn(layer);
+  const int fields = OGR_FD_GetGeomFieldCount(definition);
+  int declared = -1;
+  for (int field = fields - 1; field >= 0; --field) {
+    const OGRwkbGeometryType type = OGR_GFld_GetType(OGR_FD_GetGeomFieldDefn(definition, field));
+    const OGRwkbGeometryType flat = wkbFlatten(type);
+    if (may_hold_polygons(type) && flat != wkbUnknown && flat != wkbGeometryCollection)
+      declared = field;
+  }
+  // Of several fields GDAL may declare one as what another is.
+  if (declared >= 0 && fields == 1) return declared;
   for (int field = 0; field < fields; ++field)
-    if (holds_polygons(layer, field)) return field;
-  return -1;
+    if (may_hold_polygons(OGR_GFld_GetType(OGR_FD_GetGeomFieldDefn(definition, field))) &&
+        finds_polygons(layer, field))
+      return field;
+  return declared;
 }
 
 }  // namespace tetropolis

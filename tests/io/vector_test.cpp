@@ -503,15 +503,18 @@ TEST(Vector, OfSeveralGeometryFieldsThatOfPolygonsIsRead) {
         R"(<GeometryField name="{0}" encoding="WKT" field="{0}">{1}<SRS>{2}</SRS></GeometryField>)",
         name, type, srs);
   };
-  for (const std::string type : {"<GeometryType>wkbPolygon</GeometryType>", ""}) {
+  // As declared, as not declared, and as GDAL declares them in GML.
+  const std::string point = "<GeometryType>wkbPoint</GeometryType>",
+                    polygon = "<GeometryType>wkbPolygon</GeometryType>";
+  for (const auto& [first, second] : {std::pair{point, polygon}, {point, ""}, {polygon, polygon}}) {
     const fs::path path = write_text(
         folder / "a.vrt",
         R"(<OGRVRTDataSource><OGRVRTLayer name="a"><SrcDataSource relativeToVRT="1">a.csv)"
         "</SrcDataSource>" +
-            field("entrance", "<GeometryType>wkbPoint</GeometryType>", "EPSG:4326") +
-            field("outline", type, "EPSG:28992") + "</OGRVRTLayer></OGRVRTDataSource>");
+            field("entrance", first, "EPSG:4326") + field("outline", second, "EPSG:28992") +
+            "</OGRVRTLayer></OGRVRTDataSource>");
     const FootprintsInput input = read_footprints(path);
-    ASSERT_EQ(input.features.size(), 1U) << type;
+    ASSERT_EQ(input.features.size(), 1U) << first << second;
     EXPECT_EQ(area(input.features[0].polygon), 0.5);
     EXPECT_EQ(input.crs, "EPSG:28992");
     EXPECT_TRUE(list_layers(path).at(0).holds_polygons);
