@@ -22,25 +22,42 @@ namespace gdal {
 
 namespace {
 
+bool is_code(std::string_view text) {
+  return !text.empty() && text.size() < 10 &&
+         std::all_of(text.begin(), text.end(), [](char c) { return c >= '0' && c <= '9'; });
+}
+
+/// The code in an address of the OGC; "" if it is none of EPSG's.
+std::string code_in_url(const std::string& url) {
+  // Behind it the version of the database, 0 for any, and the code.
+  constexpr std::string_view kUrl = "opengis.net/def/crs/EPSG/";
+  const std::size_t at = url.find(kUrl);
+  const std::size_t slash = at == std::string::npos ? at : url.find('/', at + kUrl.size());
+  if (slash == std::string::npos) return "";
+  const std::string code = url.substr(slash + 1);
+  return is_code(code) ? code : "";
+}
+
 /// Turns the shorthands that GDAL does not know into ones it does.
 std::string expand_shorthand(const std::string& text) {
   const std::size_t first = text.find_first_not_of(" \t\r\n");
   if (first == std::string::npos) return "";
   const std::size_t last = text.find_last_not_of(" \t\r\n");
   const std::string trimmed = text.substr(first, last - first + 1);
-  const auto digits = [](std::string_view s) {
-    return !s.empty() && s.size() < 10 &&
-           std::all_of(s.begin(), s.end(), [](char c) { return c >= '0' && c <= '9'; });
-  };
-  if (digits(trimmed)) return "EPSG:" + trimmed;
-  // Behind it the version of the database, 0 for any, and the code.
-  constexpr std::string_view kUrl = "opengis.net/def/crs/EPSG/";
-  if (const std::size_t at = trimmed.find(kUrl); at != std::string::npos) {
-    const std::size_t slash = trimmed.find('/', at + kUrl.size());
-    const std::string code = slash == std::string::npos ? "" : trimmed.substr(slash + 1);
-    if (digits(code)) return "EPSG:" + code;
+  if (is_code(trimmed)) return "EPSG:" + trimmed;
+  // A compound system as two addresses.
+  constexpr std::string_view kCompound = "opengis.net/def/crs-compound?1=";
+  const std::size_t compound = trimmed.find(kCompound);
+  const std::size_t second = trimmed.find("&2=");
+  if (compound != std::string::npos && second != std::string::npos) {
+    const std::size_t begin = compound + kCompound.size();
+    const std::string horizontal =
+        code_in_url(trimmed.substr(begin, std::max(second, begin) - begin));
+    const std::string vertical = code_in_url(trimmed.substr(second + 3));
+    if (!horizontal.empty() && !vertical.empty()) return "EPSG:" + horizontal + "+" + vertical;
   }
-  return trimmed;
+  const std::string code = code_in_url(trimmed);
+  return code.empty() ? trimmed : "EPSG:" + code;
 }
 
 /// GDAL would also take file names and addresses, and read them; a definition has a mark of its

@@ -56,8 +56,10 @@ std::vector<ConfigField> make_fields() {
        .group = "Input",
        .member = &C::bounds,
        .commands = kBuild | kCity | kMesh,
-       .help = "Domain XMIN,YMIN,XMAX,YMAX in the CRS of the points or the terrain; default: where "
-               "footprints and points overlap, plus a margin (mesh: that of the city model)",
+       .help =
+           "Domain XMIN,YMIN,XMAX,YMAX in the CRS of the points or the terrain; default: where "
+           "footprints and points overlap, plus a margin (mesh: that of the city model or, if it "
+           "has none, of the terrain)",
        .unit = "m",
        .min = -1e9,
        .max = 1e9},

@@ -26,6 +26,11 @@ TEST(Crs, EverySpellingHasOneName) {
   EXPECT_EQ(normalise_crs("WGS84"), "EPSG:4326");
   EXPECT_EQ(normalise_crs("EPSG:4979"), "EPSG:4326");
   EXPECT_EQ(normalise_crs("+proj=utm +zone=33 +datum=WGS84"), "EPSG:32633");
+  const std::string compound =
+      "https://www.opengis.net/def/crs-compound?1=http://www.opengis.net/def/crs/EPSG/0/2056&2=";
+  EXPECT_EQ(normalise_crs(compound + "http://www.opengis.net/def/crs/EPSG/0/5728"), "EPSG:2056");
+  EXPECT_NEAR(vertical_unit_metres(compound + "http://www.opengis.net/def/crs/EPSG/0/6360"),
+              1200.0 / 3937, 1e-12);
 }
 
 TEST(Crs, ProjectionFilesOfRealDataAreRecognised) {
