@@ -3,12 +3,14 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <cstdint>
 #include <optional>
 #include <utility>
 
 #include "tetropolis/city/city_model.h"
 #include "tetropolis/geometry/polygon.h"
 
+#include "city/footprint_index.h"
 #include "core/infinity.h"
 #include "core/sort_once.h"
 #include "geometry/geos.h"
@@ -148,36 +150,35 @@ double total_area(const std::vector<Polygon>& polygons) {
   return sum;
 }
 
-double distance(Point2 a, Point2 b) { return std::hypot(a.x - b.x, a.y - b.y); }
-
-/// The two ends of a wall in the plan.
-std::pair<Point2, Point2> ends_of(const Face& wall) {
-  const Ring ring = project(wall.rings[0]);
-  const auto farthest_from = [&](Point2 from) {
-    return *std::max_element(ring.begin(), ring.end(), [&](Point2 a, Point2 b) {
-      return distance(from, a) < distance(from, b);
-    });
-  };
-  const Point2 end = farthest_from(ring[0]);
-  return {end, farthest_from(end)};
-}
-
 /// Whether walls stand all around these grounds, and nowhere else: what a roof has beyond them are
 /// eaves, however wide. `faces`: of the building; `grounds`: disjoint, not above `level`.
 bool is_walled(const std::vector<Polygon>& grounds, double level, const std::vector<Face>& faces) {
   constexpr double kNear = 0.05;                           // metres
   constexpr double kLeastAround = 0.9, kMostApart = 0.05;  // of the perimeter
+  constexpr double kAtFoot = 0.4;  // of a wall's height; diagonals of triangles are half way up
   double perimeter = 0, around = 0, apart = 0;
-  for (const Polygon& ground : grounds)
-    for_each_edge(ground, [&](Point2 a, Point2 b) { perimeter += distance(a, b); });
+  std::vector<const Polygon*> pointers;
+  for (const Polygon& ground : grounds) {
+    pointers.push_back(&ground);
+    for_each_edge(ground,
+                  [&](Point2 a, Point2 b) { perimeter += std::hypot(b.x - a.x, b.y - a.y); });
+  }
+  const FootprintIndex index(pointers, kNear);
   for (const Face& face : faces) {
-    if (!is_wall(face) || elevations(face).first > level + kAtBottom) continue;
-    const auto [a, b] = ends_of(face);
-    const Point2 middle{(a.x + b.x) / 2, (a.y + b.y) / 2};
-    double nearest = kInfinity;
-    for (const Polygon& ground : grounds)
-      nearest = std::min(nearest, distance_to_boundary(ground, middle));
-    (nearest <= kNear ? around : apart) += distance(a, b);
+    if (!is_wall(face)) continue;
+    const auto [low, high] = elevations(face);
+    const double foot = std::min(low + kAtFoot * (high - low), level + kAtBottom);
+    const std::vector<Point3>& ring = face.rings[0];
+    for (std::size_t i = 0; i < ring.size(); ++i) {
+      const Point3 &a = ring[i], &b = ring[(i + 1) % ring.size()];
+      if ((a[2] + b[2]) / 2 > foot) continue;
+      const Point2 middle{(a[0] + b[0]) / 2, (a[1] + b[1]) / 2};
+      bool is_near = false;
+      index.at(middle, [&](std::int32_t ground, bool) {
+        is_near = is_near || index.squared_distance(ground, middle) <= kNear * kNear;
+      });
+      (is_near ? around : apart) += std::hypot(b[0] - a[0], b[1] - a[1]);
+    }
   }
   return around >= kLeastAround * perimeter && apart <= kMostApart * perimeter;
 }
@@ -228,6 +229,61 @@ double area_up_to(const std::vector<const Face*>& faces, double level) {
   return sum;
 }
 
+/// The lowest level up to which the roofs have an area of `wanted`, to a micrometre.
+double level_of(const std::vector<const Face*>& roofs, double wanted) {
+  std::vector<double> levels;
+  for (const Face* face : roofs)
+    for (const std::vector<Point3>& ring : face->rings)
+      for (const Point3& p : ring) levels.push_back(p[2]);
+  sort_once(levels);
+  const auto reached = [&](double level) { return area_up_to(roofs, level) >= wanted; };
+  const auto at = std::partition_point(levels.begin(), levels.end(),
+                                       [&](double level) { return !reached(level); });
+  if (at == levels.end()) return levels.back();  // by rounding
+  // Flat roofs at that level, or a slope on the way to it.
+  double high = std::nextafter(*at, -kInfinity);
+  if (at == levels.begin() || !reached(high)) return *at;
+  double low = *(at - 1);
+  constexpr double kExact = 1e-6;  // metres
+  for (double middle = (low + high) / 2; high - low > kExact && middle > low && middle < high;
+       middle = (low + high) / 2)
+    (reached(middle) ? high : low) = middle;
+  return high;
+}
+
+/// `boxes`: of the footprints, of which there is one at least.
+std::size_t nearest(const std::vector<Polygon>& footprints, const std::vector<Bounds2>& boxes,
+                    Point2 p) {
+  std::size_t found = 0;
+  double least = kInfinity;
+  for (std::size_t k = 0; k < footprints.size(); ++k) {
+    if (!boxes[k].grown(least).contains(p)) continue;
+    const double away = distance_to_boundary(footprints[k], p);
+    if (away < least) {
+      least = away;
+      found = k;
+    }
+  }
+  return found;
+}
+
+/// In the plan: inside of the face, or, of a wall, between its ends.
+Point2 middle_of(const Face& face) {
+  const Ring ring = project(face.rings[0]);
+  if (!is_wall(face) && ring.size() >= 3 && signed_area(ring) != 0) {
+    Polygon polygon{ring, {}};
+    for (std::size_t r = 1; r < face.rings.size(); ++r)
+      polygon.holes.push_back(project(face.rings[r]));
+    return interior_point(polygon);
+  }
+  Point2 middle{0, 0};
+  for (const Point2& p : ring) {
+    middle.x += p.x / static_cast<double>(ring.size());
+    middle.y += p.y / static_cast<double>(ring.size());
+  }
+  return middle;
+}
+
 }  // namespace
 
 std::pair<double, double> elevations(const Face& face) {
@@ -258,63 +314,48 @@ void orient(Polygon& polygon) {
 
 std::optional<double> roof_height_of(std::span<const Face> faces, double area_of_footprint) {
   constexpr double kMostOfFootprint = 0.8;
-  const double least = kMostOfFootprint * area_of_footprint;
+  const auto covers = [&](double area) {
+    return area > 0 && area >= kMostOfFootprint * area_of_footprint;
+  };
   std::vector<const Face*> roofs = select(faces, &Face::is_roof);
   std::erase_if(roofs, [](const Face* face) { return uprightness(*face) < kNotWall; });
-  double all = area_up_to(roofs, kInfinity);
-  // What counts as above: nine tenths of the roofs, or of what is seen from there.
-  double seen = all;
-  if (!(all > 0 && all >= least)) {
-    // Where some faces only are named, or none, those that look up are the roofs. Floors and
-    // storeys below one another are among them, so that only what is above a level is known.
-    roofs = select(faces, kNotWall, 1);
-    all = area_up_to(roofs, kInfinity);
-    seen = std::min(all, area_of_footprint);
-  }
-  if (!(all > 0 && all >= least)) return std::nullopt;
-  const double wanted = all - 0.1 * seen;
-  std::vector<double> levels;
-  for (const Face* face : roofs)
-    for (const std::vector<Point3>& ring : face->rings)
-      for (const Point3& p : ring) levels.push_back(p[2]);
-  sort_once(levels);
-  const auto reached = [&](double level) { return area_up_to(roofs, level) >= wanted; };
-  const auto at = std::partition_point(levels.begin(), levels.end(),
-                                       [&](double level) { return !reached(level); });
-  if (at == levels.end()) return levels.back();  // by rounding
-  // Flat roofs at that level, or a slope on the way to it.
-  double high = std::nextafter(*at, -kInfinity);
-  if (at == levels.begin() || !reached(high)) return *at;
-  double low = *(at - 1);
-  constexpr double kExact = 1e-6;  // metres
-  for (double middle = (low + high) / 2; high - low > kExact && middle > low && middle < high;
-       middle = (low + high) / 2)
-    (reached(middle) ? high : low) = middle;
-  return high;
+  if (const double all = area_up_to(roofs, kInfinity); covers(all))
+    return level_of(roofs, 0.9 * all);
+  // Where some faces only are named, or none, those that look up are the roofs. Floors and storeys
+  // below one another are among them, so that only what is above a level is known.
+  roofs = select(faces, kNotWall, 1);
+  std::erase_if(roofs, [](const Face* face) { return face->is_ground; });
+  const double all = area_up_to(roofs, kInfinity);
+  if (!covers(all)) return std::nullopt;
+  const double level = level_of(roofs, all - 0.1 * std::min(all, area_of_footprint));
+  // Of a body that is turned inside out the ground looks up, and the roof down.
+  std::vector<const Face*> above = select(faces, -1, -kNotWall);
+  std::erase_if(above, [&](const Face* face) { return elevations(*face).first <= level; });
+  if (2 * area_up_to(above, kInfinity) >= area_of_footprint) return std::nullopt;
+  return level;
 }
 
 std::vector<std::vector<Face>> share_out(const std::vector<Face>& faces,
                                          const std::vector<Polygon>& footprints) {
   if (footprints.size() == 1) return {faces};
+  std::vector<const Polygon*> pointers;
+  std::vector<Bounds2> boxes;
+  for (const Polygon& footprint : footprints) {
+    pointers.push_back(&footprint);
+    boxes.push_back(bounds(footprint));
+  }
+  constexpr double kNear = 0.05;  // metres: walls stand on the boundary
+  const FootprintIndex index(pointers, kNear);
   std::vector<std::vector<Face>> parts(footprints.size());
   for (const Face& face : faces) {
     if (face.rings.empty() || face.rings[0].empty()) continue;
-    Point2 middle{0, 0};
-    for (const Point3& p : face.rings[0]) {
-      middle.x += p[0] / static_cast<double>(face.rings[0].size());
-      middle.y += p[1] / static_cast<double>(face.rings[0].size());
-    }
-    std::size_t nearest = 0;
-    double least = kInfinity;
-    for (std::size_t k = 0; k < footprints.size() && least > 0; ++k) {
-      const double away =
-          contains(footprints[k], middle) ? 0 : distance_to_boundary(footprints[k], middle);
-      if (away < least) {
-        least = away;
-        nearest = k;
-      }
-    }
-    parts[nearest].push_back(face);
+    const Point2 middle = middle_of(face);
+    std::optional<std::size_t> part;
+    index.at(middle, [&](std::int32_t footprint, bool inside) {
+      if (inside || !part) part = static_cast<std::size_t>(footprint);
+    });
+    if (!part) part = nearest(footprints, boxes, middle);
+    parts[*part].push_back(face);
   }
   return parts;
 }

@@ -35,12 +35,13 @@ FootprintResult footprint_of(const std::vector<Face>& faces);
 
 /// The height, above 0, that nine tenths of the roof's area in the plan do not exceed, as the 90th
 /// percentile of points scanned from above would be: of the faces that look up and whose semantics
-/// say that they are roofs, or, if these are less than most of the footprint, of all that look up.
-/// None unless these are most of the footprint. (Of unnamed faces above each other all count.)
+/// say that they are roofs; or, if these are less than most of the footprint, the height above
+/// which the faces that look up have a tenth of the footprint's area (all of those above each
+/// other). None unless these are most of the footprint, or if as much looks down above that.
 std::optional<double> roof_height_of(std::span<const Face> faces, double area_of_footprint);
 
-/// The faces that belong to each of several footprints: those whose middle in the plan is in it, or
-/// nearest to it.
+/// The faces that belong to each of several disjoint footprints: those with a point in the plan
+/// that is in it, or nearest to it.
 std::vector<std::vector<Face>> share_out(const std::vector<Face>& faces,
                                          const std::vector<Polygon>& footprints);
 

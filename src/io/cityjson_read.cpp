@@ -175,6 +175,8 @@ bool is_ours(const Place& object, const std::string& key) {
   return id != attributes.end() && id->is_string() && *id == key;
 }
 
+constexpr double kLeastHeight = 2;  ///< Metres: a roof lower than that is a floor.
+
 struct Heights {
   double low = kInfinity, high = -kInfinity;  ///< Of ground and roof.
   bool is_flattened = false;                  ///< The roof reaches higher.
@@ -182,8 +184,7 @@ struct Heights {
 
 /// Of a body of another program, whose footprint these are.
 Heights heights_of(std::span<const Face> faces, std::span<const Polygon> footprint) {
-  constexpr double kLeastHeight = 2;  // metres: a roof lower than that is a floor
-  constexpr double kFlat = 0.5;       // metres: as far as roofs are flat anyway
+  constexpr double kFlat = 0.5;  // metres: as far as roofs are flat anyway
   Heights heights;
   for (const Face& face : faces) {
     const auto [low, high] = elevations(face);
@@ -274,7 +275,8 @@ class CityReader {
     bool is_flattened = false;
     for (std::size_t k = 0; k < footprint.polygons.size(); ++k) {
       Heights heights = heights_of(parts[k], {&footprint.polygons[k], 1});
-      if (!(heights.low < heights.high)) heights = whole;
+      // What is lower than a storey has lost its roof to another piece.
+      if (heights.high - heights.low < kLeastHeight) heights = whole;
       is_flattened = is_flattened || heights.is_flattened;
       Building building;
       building.source_ids = {k == 0 ? key : fmt::format("{}#{}", key, k + 1)};

@@ -70,10 +70,13 @@ bool is_definition(std::string_view text) {
          std::find(kNames.begin(), kNames.end(), text) != kNames.end();
 }
 
+bool is_metre(double unit) { return std::abs(unit - 1) <= 1e-9; }
+
 /// A local system (of a site, a drawing) says nothing but its unit, which matters unless it is the
-/// metre.
+/// metre, or unknown (0 in GeoPackages of GDAL 3.9 and later).
 bool is_local_in_other_units(OGRSpatialReferenceH srs) {
-  return OSRIsLocal(srs) != 0 && std::abs(OSRGetLinearUnits(srs, nullptr) - 1) > 1e-9;
+  const double unit = OSRGetLinearUnits(srs, nullptr);
+  return OSRIsLocal(srs) != 0 && unit > 0 && !is_metre(unit);
 }
 
 /// Removes what has no bearing on x and y: a vertical system, a third axis. False if nothing is
@@ -93,15 +96,14 @@ std::string stated_epsg(OGRSpatialReferenceH srs) {
   return std::string("EPSG:") + code;
 }
 
-/// Whether the database has the code, with the same unit: definitions in feet carry the codes of
-/// those in metres.
+/// Whether the database has the code, and not in metres where the definition is in feet: such ones
+/// carry the codes of those in metres.
 bool is_known(const std::string& code, OGRSpatialReferenceH srs) {
   const QuietErrors errors;
   const Srs known = parse_srs(code);
   if (known == nullptr) return false;
-  const double stated = OSRGetLinearUnits(srs, nullptr);
-  return OSRIsProjected(srs) == 0 ||
-         std::abs(OSRGetLinearUnits(known.get(), nullptr) - stated) <= 1e-9 * std::abs(stated);
+  return OSRIsProjected(srs) == 0 || is_metre(OSRGetLinearUnits(srs, nullptr)) ||
+         !is_metre(OSRGetLinearUnits(known.get(), nullptr));
 }
 
 /// The same without the code that it carries, by which alone PROJ would look for it; null if that

@@ -220,7 +220,8 @@ std::int64_t fill_missing(Raster& raster) {
   return missing;
 }
 
-/// Metres per unit of the values: as the band says, else the vertical reference system, else 1.
+/// Metres per unit of the values: as the band says, else the vertical reference system, else 1;
+/// negative where that counts downwards.
 double height_unit(const fs::path& path, GDALDatasetH dataset) {
   constexpr double kFoot = 0.3048, kSurveyFoot = 1200.0 / 3937;
   constexpr std::pair<std::string_view, double> kUnits[] = {{"m", 1},
@@ -240,21 +241,14 @@ double height_unit(const fs::path& path, GDALDatasetH dataset) {
                                                             {"ftus", kSurveyFoot},
                                                             {"us survey foot", kSurveyFoot}};
   const std::string name = lower_case(GDALGetRasterUnitType(GDALGetRasterBand(dataset, 1)));
-  if (name.empty()) return gdal::vertical_unit_metres(GDALGetSpatialRef(dataset));
+  const double of_system = gdal::vertical_unit_metres(GDALGetSpatialRef(dataset));
+  if (name.empty()) return of_system;
+  // A band has no word for depths.
   for (const auto& [unit, metres] : kUnits)
-    if (name == unit) return metres;
+    if (name == unit) return std::copysign(metres, of_system);
   fail_input(path,
              fmt::format("heights are in '{}', which is no known unit; convert them to metres",
                          first_bytes(name, 40)));
-}
-
-/// Of a system that is neither projected nor geographic, which canonical names leave out.
-void require_local_metres(const fs::path& path, GDALDatasetH dataset) {
-  OGRSpatialReferenceH srs = GDALGetSpatialRef(dataset);
-  if (srs == nullptr || OSRIsLocal(srs) == 0) return;
-  const double unit = OSRGetLinearUnits(srs, nullptr);
-  if (std::abs(unit - 1) > 1e-9)
-    fail_input(path, fmt::format("coordinates are in units of {} m; convert them to metres", unit));
 }
 
 std::optional<Bounds2> parse_domain(const char* text, Point2 origin) {
@@ -307,7 +301,6 @@ RasterInput read_raster(const fs::path& path, Point2 origin) {
   const gdal::QuietErrors errors;
   const gdal::Dataset dataset = open_raster(path, errors);
   const Grid grid = check_grid(path, dataset.get());
-  require_local_metres(path, dataset.get());
   // A value, and its place in the queue of fill_missing.
   constexpr double kPerPixel = 16;
   require_memory(path, kPerPixel * grid.nx * grid.ny,

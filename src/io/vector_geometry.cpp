@@ -279,9 +279,13 @@ bool are_of_body(const std::vector<Face>& faces) {
 /// coordinates of its geometry; parts that are no faces stay, with their reason. False, and only
 /// the reason changes, if there is none.
 bool take_footprint(const std::vector<Face>& faces, const PlanUnits& units, FlatGeometry& result) {
+  // Of an upright triangle two vertices may be all there is in the plan.
+  const auto is_sound = [&](std::size_t i) {
+    return result.parts[i].reason.empty() || is_wall(faces[i]);
+  };
   std::vector<Face> sound;
   for (std::size_t i = 0; i < faces.size(); ++i)
-    if (result.parts[i].reason.empty()) sound.push_back(faces[i]);
+    if (is_sound(i)) sound.push_back(faces[i]);
   FootprintResult footprint = footprint_of(sound);
   result.reason = std::move(footprint.reason);
   if (footprint.polygons.empty()) return false;
@@ -293,8 +297,8 @@ bool take_footprint(const std::vector<Face>& faces, const PlanUnits& units, Flat
     });
     parts.push_back({std::move(polygon), {}});
   }
-  for (PolygonPart& part : result.parts)
-    if (!part.reason.empty()) parts.push_back(std::move(part));
+  for (std::size_t i = 0; i < faces.size(); ++i)
+    if (!is_sound(i)) parts.push_back(std::move(result.parts[i]));
   result.parts = std::move(parts);
   return true;
 }

@@ -71,10 +71,9 @@ FootprintLayer::FootprintLayer(const fs::path& path, GDALDatasetH dataset,
 }
 
 OGRSpatialReferenceH FootprintLayer::reference_system() const {
-  OGRFeatureDefnH definition = OGR_L_GetLayerDefn(layer_);
-  return OGR_FD_GetGeomFieldCount(definition) == 0
-             ? nullptr
-             : OGR_GFld_GetSpatialRef(OGR_FD_GetGeomFieldDefn(definition, field_));
+  // Some drivers (MIF) have it at the layer only.
+  if (field_ == 0) return OGR_L_GetSpatialRef(layer_);
+  return OGR_GFld_GetSpatialRef(OGR_FD_GetGeomFieldDefn(OGR_L_GetLayerDefn(layer_), field_));
 }
 
 FootprintLayer::~FootprintLayer() {

@@ -135,12 +135,13 @@ void find_polygons(const std::string& name, gdal::StringList& options, gdal::Dat
   if (lines != nullptr && first_layer_holds_polygons(lines.get())) dataset = std::move(lines);
 }
 
-/// GDAL opens whatever it finds in a folder, and would wait for a pipe.
-void require_ordinary_files_in(const fs::path& folder) {
+/// GDAL opens whatever it finds in a folder, and would wait for a pipe or a terminal.
+void require_no_pipes_in(const fs::path& folder) {
   std::error_code error, ignored;
   for (fs::directory_iterator entry(folder, error), end; !error && entry != end;
        entry.increment(error))
-    if (entry->is_other(ignored)) require_ordinary_file(entry->path());
+    if (entry->is_fifo(ignored) || entry->is_character_file(ignored))
+      require_ordinary_file(entry->path());
 }
 
 }  // namespace
@@ -152,7 +153,7 @@ bool is_of_format(GDALDatasetH dataset, std::string_view begin) {
 VectorFile open_vector(const fs::path& path, const gdal::QuietErrors& errors) {
   std::error_code error;
   if (fs::is_directory(path, error)) {
-    require_ordinary_files_in(path);
+    require_no_pipes_in(path);
   } else {
     require_ordinary_file(path);
     if (fs::file_size(path, error) == 0) fail_input(path, "the file is empty; get it again");

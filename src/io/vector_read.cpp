@@ -216,9 +216,10 @@ PlanUnits units_of(OGRSpatialReferenceH srs, const std::string& source_crs) {
   const bool degrees = source_crs.empty() ? srs != nullptr && OSRIsGeographic(srs) != 0
                                           : is_geographic(normalise_crs(source_crs));
   if (degrees) return {is_north_first(srs), kMetresPerDegree, 1};
-  const double length = !source_crs.empty() ? linear_unit_metres(normalise_crs(source_crs))
-                        : srs == nullptr    ? 1
-                                            : OSRGetLinearUnits(srs, nullptr);
+  double length = !source_crs.empty() ? linear_unit_metres(normalise_crs(source_crs))
+                  : srs == nullptr    ? 1
+                                      : OSRGetLinearUnits(srs, nullptr);
+  if (!(length > 0)) length = 1;  // unknown
   return {is_north_first(srs), length, length};
 }
 

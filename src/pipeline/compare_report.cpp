@@ -200,6 +200,9 @@ void compare_terrain(const RasterInput& terrain, const CityModel& city,
   const bool is_result = report && report->dtm_step;  // `mesh` takes terrains without a system
   if (is_result && report->crs && !report->crs->empty() && terrain.crs.empty())
     differs("reference system", crs_name(*report->crs), "none", file);
+  if (report && report->crs && !report->crs->empty() && city.crs.empty() && !terrain.crs.empty() &&
+      !same_horizontal_crs(*report->crs, terrain.crs))
+    differs("reference system", crs_name(*report->crs), crs_name(terrain.crs), file);
   if (!terrain.crs.empty() && !city.crs.empty() && !same_horizontal_crs(terrain.crs, city.crs))
     file.violations.push_back(
         {"terrain and city model in different reference systems", 1,

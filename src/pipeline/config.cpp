@@ -88,8 +88,13 @@ void require_box(const ConfigField& field, const std::vector<double>& sides,
 void set_numbers(std::vector<double>& target, const ConfigField& field,
                  std::span<const std::string> values, const std::string& origin) {
   target.clear();
-  for (const std::string& part : split_lists(values))
-    target.push_back(parse_number<double>(field, part, origin));
+  for (const std::string& part : split_lists(values)) {
+    // Of "1, 2": nothing is between a comma and the end of a value.
+    const std::size_t first = part.find_first_not_of(' ');
+    if (first != std::string::npos)
+      target.push_back(parse_number<double>(
+          field, part.substr(first, part.find_last_not_of(' ') + 1 - first), origin));
+  }
   require_box(field, target, origin);
 }
 

@@ -79,7 +79,7 @@ Report run_mesh(const Config& config, const RunHooks& hooks) {
   keep_inputs(config, out);
   // Beside the city model that is meshed, the one it was made from is no leftover.
   out.keep(std::filesystem::path(config.city).parent_path() / results::kRawCity);
-  CityAndTerrain stage = clock.run("3.1", "read city and terrain",
+  CityAndTerrain stage = clock.run("1.2", "read city and terrain",
                                    [&](const Progress&) { return read_meshable(config, report); });
   keep_domain(stage.city, report);
   make_mesh(config, stage.city, std::move(stage.dtm), out, clock, report);

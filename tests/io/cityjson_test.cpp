@@ -311,23 +311,25 @@ TEST(CityJson, ReadsTheHague) {
   EXPECT_EQ(warnings.back().code, "city_roofs_flattened");
 }
 
-/// A building of roof faces over the ground face of 10 m x 10 m at height 1.
-std::string building_with_roof(const std::vector<std::vector<Point3>>& faces, bool semantics) {
-  Json vertices = Json::array(), boundaries = Json::array(), values = Json::array();
-  const auto add = [&](const std::vector<Point3>& ring, int surface) {
-    Json indices = Json::array();
-    for (const Point3& p : ring) {
-      indices.push_back(vertices.size());
-      vertices.push_back(
-          {std::lround(1000 * p[0]), std::lround(1000 * p[1]), std::lround(1000 * p[2])});
+/// A building of faces, each of rings. `values`: 0 for ground, 1 for roofs; null: no semantics.
+std::string building_of(const std::vector<std::vector<std::vector<Point3>>>& faces,
+                        const Json& values) {
+  Json vertices = Json::array(), boundaries = Json::array();
+  for (const auto& face : faces) {
+    Json rings = Json::array();
+    for (const std::vector<Point3>& ring : face) {
+      Json indices = Json::array();
+      for (const Point3& p : ring) {
+        indices.push_back(vertices.size());
+        vertices.push_back(
+            {std::lround(1000 * p[0]), std::lround(1000 * p[1]), std::lround(1000 * p[2])});
+      }
+      rings.push_back(indices);
     }
-    boundaries.push_back(Json::array({indices}));
-    values.push_back(surface);
-  };
-  add({{0, 0, 1}, {0, 10, 1}, {10, 10, 1}, {10, 0, 1}}, 0);
-  for (const auto& face : faces) add(face, 1);
+    boundaries.push_back(rings);
+  }
   Json geometry{{"type", "MultiSurface"}, {"lod", "2.2"}, {"boundaries", boundaries}};
-  if (semantics)
+  if (!values.is_null())
     geometry["semantics"] = {{"surfaces", {{{"type", "GroundSurface"}}, {{"type", "RoofSurface"}}}},
                              {"values", values}};
   return Json{
@@ -337,6 +339,18 @@ std::string building_with_roof(const std::vector<std::vector<Point3>>& faces, bo
       {"CityObjects", {{"a", {{"type", "Building"}, {"geometry", Json::array({geometry})}}}}},
       {"vertices", vertices}}
       .dump();
+}
+
+/// A building of roof faces over the ground face of 10 m x 10 m at height 1.
+std::string building_with_roof(const std::vector<std::vector<Point3>>& roofs, bool semantics) {
+  std::vector<std::vector<std::vector<Point3>>> faces{
+      {{{0, 0, 1}, {0, 10, 1}, {10, 10, 1}, {10, 0, 1}}}};
+  Json values = Json::array({0});
+  for (const auto& roof : roofs) {
+    faces.push_back({roof});
+    values.push_back(1);
+  }
+  return building_of(faces, semantics ? values : Json());
 }
 
 TEST(CityJson, RoofsOfOthersBecomeFlatAtTheirNinetiethPercentile) {
@@ -373,6 +387,38 @@ TEST(CityJson, RoofsOfOthersBecomeFlatAtTheirNinetiethPercentile) {
       EXPECT_EQ(model.buildings[0].h_ground, 1);
       EXPECT_EQ(warnings.size(), c.flattened ? 1U : 0U);
     }
+}
+
+/// A block around a yard, in which a tower stands.
+TEST(CityJson, PiecesWithinEachOtherHaveHeightsOfTheirOwn) {
+  const TemporaryFolder folder;
+  const auto square = [](double low, double high, double z, bool up) {
+    std::vector<Point3> ring{{low, low, z}, {high, low, z}, {high, high, z}, {low, high, z}};
+    if (!up) std::reverse(ring.begin(), ring.end());
+    return ring;
+  };
+  const CityModel model = read_city(
+      write_text(folder / "a.json", building_of({{square(0, 40, 0, false), square(10, 30, 0, true)},
+                                                 {square(0, 40, 8, true), square(10, 30, 8, false)},
+                                                 {square(17, 23, 1, false)},
+                                                 {square(17, 23, 30, true)}},
+                                                {0, 1, 0, 1})));
+  ASSERT_EQ(model.buildings.size(), 2U);
+  for (const Building& building : model.buildings) {
+    const bool is_block = !building.footprint.holes.empty();
+    EXPECT_EQ(building.h_ground, is_block ? 0 : 1);
+    EXPECT_EQ(building.h_roof, is_block ? 8 : 30);
+  }
+}
+
+TEST(CityJson, TheGroundOfABodyTurnedInsideOutIsNoRoof) {
+  const TemporaryFolder folder;
+  const std::vector<Point3> slope{{0, 0, 1}, {10, 0, 1}, {10, 10, 6}, {0, 10, 6}};
+  const std::vector<Point3> roof{{0, 0, 12}, {0, 10, 12}, {10, 10, 12}, {10, 0, 12}};
+  const CityModel model =
+      read_city(write_text(folder / "a.json", building_of({{slope}, {roof}}, Json())));
+  ASSERT_EQ(model.buildings.size(), 1U);
+  EXPECT_EQ(model.buildings[0].h_roof, 12);
 }
 
 TEST(CityJson, FloorsWithoutSemanticsAreNoRoofs) {

@@ -83,13 +83,18 @@ TEST(Crs, CodesThatNobodyKnowsAreNotBelieved) {
   const std::string metre = R"(UNIT["metre",1],AUTHORITY)";
   feet.replace(feet.find(metre), metre.size(), R"(UNIT["foot",0.3048],AUTHORITY)");
   EXPECT_DOUBLE_EQ(linear_unit_metres(normalise_crs(feet)), 0.3048);
+  // The code of a system in feet is believed.
+  EXPECT_EQ(normalise_crs(wkt_with_code("2255")), "EPSG:2255");
 }
 
 TEST(Crs, NonsenseIsRefusedWithItsText) {
   for (const char* text :
        {"nowhere", "EPSG:999999", "EPSG:4978", "PROJCS[", "+proj=nothing", "/etc/hostname",
         "http://example.com/crs", "http://www.opengis.net/def/crs/EPSG/28992", "crs.txt",
-        "LOCAL_CS[\"site\",UNIT[\"metre\",1]]"}) {
+        "LOCAL_CS[\"site\",UNIT[\"metre\",1]]",
+        // What GDAL 3.9 and later write for none.
+        "LOCAL_CS[\"Undefined SRS\",LOCAL_DATUM[\"unknown\",32767],UNIT[\"unknown\",0],"
+        "AXIS[\"Easting\",EAST],AXIS[\"Northing\",NORTH]]"}) {
     try {
       normalise_crs(text);
       ADD_FAILURE() << text;

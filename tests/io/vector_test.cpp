@@ -493,6 +493,19 @@ TEST(Vector, PolygonsInTablesAreFoundByTheUsualNames) {
   }
 }
 
+/// Its driver has the system at the layer, not at the geometries.
+TEST(Vector, MifFilesKeepTheirReferenceSystem) {
+  const TemporaryFolder folder;
+  write_text(folder / "a.mid", "7\n");
+  const FootprintsInput input = read_footprints(write_text(
+      folder / "a.mif",
+      "Version 300\nCharset \"Neutral\"\nDelimiter \",\"\n"
+      "CoordSys Earth Projection 8, 115, \"m\", 9, 0, 0.9996, 500000, 0\nColumns 1\n  id Integer\n"
+      "Data\n\nRegion 1\n  4\n0 0\n9 0\n9 9\n0 0\n"));
+  EXPECT_EQ(input.features.size(), 1U);
+  EXPECT_EQ(input.crs, "EPSG:25832");
+}
+
 /// A point of each building, say of its entrance, before its outline.
 TEST(Vector, OfSeveralGeometryFieldsThatOfPolygonsIsRead) {
   const TemporaryFolder folder;
@@ -678,9 +691,16 @@ TEST(Vector, BodiesWithWideEavesKeepTheirGround) {
     std::string faces;
     double area;
   };
+  // Some of the walls in triangles.
+  const std::string triangles =
+      "((0 0 2,10 0 2,10 0 9,0 0 2)),((0 0 2,10 0 9,0 0 9,0 0 2)),"
+      "((10 8 2,0 8 2,0 8 9,10 8 2)),((10 8 2,0 8 9,10 8 9,10 8 2))";
   for (const Case& c :
        {Case{down + "," + roof + "," + walls, 80}, Case{roof + "," + walls + "," + up, 80},
-        Case{part + "," + roof + "," + walls, 16 * 14}}) {
+        Case{part + "," + roof + "," + walls, 16 * 14},
+        Case{down + "," + roof + "," + triangles + "," + face(10, 0, 2, 10, 8, 9) + "," +
+                 face(0, 8, 2, 0, 0, 9),
+             80}}) {
     std::string text = "MULTIPOLYGON Z(" + c.faces + ")";
     char* cursor = text.data();
     OGRGeometryH geometry = nullptr;

@@ -471,12 +471,13 @@ TEST_F(Build, MeshRefusesWhatIsNotInMetres) {
       mesh.dtm = (scratch / "foreign.vrt").string();
       const Raster& r = terrain.raster;
       std::ofstream(mesh.dtm) << fmt::format(
-          "<VRTDataset rasterXSize=\"{0}\" rasterYSize=\"{1}\"><GeoTransform>{2}, {3}, 0, {4}, 0, "
+          "<VRTDataset rasterXSize=\"{0}\" rasterYSize=\"{1}\"><SRS>{6}</SRS><GeoTransform>{2}, "
+          "{3}, 0, {4}, 0, "
           "-{3}</GeoTransform><VRTRasterBand dataType=\"Float64\" band=\"1\"><UnitType>{5}"
           "</UnitType><SimpleSource><SourceFilename relativeToVRT=\"1\">foreign.tif"
           "</SourceFilename><SourceBand>1</SourceBand></SimpleSource></VRTRasterBand>"
           "</VRTDataset>",
-          r.nx, r.ny, r.x0 - r.step / 2, r.step, r.y0 + (r.ny - 0.5) * r.step, unit);
+          r.nx, r.ny, r.x0 - r.step / 2, r.step, r.y0 + (r.ny - 0.5) * r.step, unit, terrain_crs);
     }
     mesh.out = (scratch / "mesh").string();
     return refusal_of(mesh);
@@ -501,6 +502,9 @@ TEST_F(Build, MeshRefusesWhatIsNotInMetres) {
   fs::remove_all(scratch / "mesh");
   said = refusal("EPSG:3006+5715", "EPSG:3006");
   EXPECT_TRUE(says(said, "foreign.city.json", "heights that count downwards")) << said;
+  // GDAL gives the band of a terrain in depths the unit of its system, without the direction.
+  said = refusal("EPSG:3006", "EPSG:3006+5715", "metre");
+  EXPECT_TRUE(says(said, "foreign.vrt", "counted downwards")) << said;
   // Heights in feet: of a compound system of the model, and of the raster's band.
   said = refusal("EPSG:3006+6360", "EPSG:3006");
   EXPECT_TRUE(says(said, "foreign.city.json", "heights in units of 0.3048")) << said;

@@ -1051,8 +1051,9 @@ TEST_F(Cli, UnusableInputExitsWithThree) {
   expect_error(build(shp, laz, "--bounds 0,0,100,100"), 3, "do not overlap");
   expect_error(build(shp, laz, "--bounds 319000,6396000,319010,6396010"), 3, "no usable footprint");
   expect_error(build(shp, laz, "--bounds 319000 6396000 319010 6396010"), 3, "no usable footprint");
-  expect_error(build(shp, laz, "--bounds -20 -1e1 -5 5"), 3,
-               "the domain is x -20 .. -5, y -10 .. 5");
+  for (const char* sides : {"-20 -1e1 -5 5", "-20, -10, -5, 5", "'-20, -10, -5, 5'"})
+    expect_error(build(shp, laz, std::string("--bounds ") + sides), 3,
+                 "the domain is x -20 .. -5, y -10 .. 5");
   expect_error(build(shp, laz, "--id-attribute nme"), 3, "nme");
   expect_error(build(shp, laz, "--layer roads"), 3, "roads");
   std::ofstream(scratch / "degrees.geojson")

@@ -46,8 +46,9 @@ void write_city(const std::filesystem::path& path, const CityModel& model,
 /// down in the lower half of the body, or up at its very bottom; where these are less than 0.6 of
 /// what is above them, and walls do not stand around them: of all that are not vertical), h_ground
 /// = lowest vertex, h_roof = the height that nine tenths of the area of its RoofSurfaces do not
-/// exceed, seen from above (without such semantics over most of the footprint: of the surfaces that
-/// look up; highest vertex where these are not known either, or where that is less than 2 m up). A
+/// exceed, seen from above (without such semantics over most of the footprint: above which surfaces
+/// that look up have a tenth of the footprint's area; highest vertex where these are not known
+/// either, or where that is less than 2 m up). A
 /// footprint in k pieces becomes k buildings with the source ids KEY, KEY#2, ... and heights of
 /// their own, from the surfaces whose middle is nearest. Objects without
 /// usable geometry go to `dropped` (a solid without a level of detail counts as LoD 1); Buildings

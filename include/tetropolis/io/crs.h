@@ -15,7 +15,8 @@ namespace tetropolis {
 
 /// The canonical name of a reference system: "EPSG:n" where the definition carries that code or is
 /// equivalent to exactly what the code stands for, else one line of WKT 2 (ISO 19162). A code that
-/// the database does not have (102100), or with another unit, counts as none. A local system
+/// the database does not have (102100), or has in metres for a definition in other units, counts as
+/// none. A local system
 /// (LOCAL_CS, ENGCRS) has a name only if its unit is not the metre, so that nobody takes its
 /// coordinates for metres.
 ///
