@@ -123,7 +123,9 @@ std::vector<std::size_t> find_yards(const std::vector<PolygonPart>& parts, Turns
 }
 
 /// Makes holes of the yards, and parts of what stands in them, which was a hole in the yard.
-void cut_out_yards(std::vector<PolygonPart>& parts, const std::vector<std::size_t>& yard_of) {
+/// Returns how many yards there are.
+std::int64_t cut_out_yards(std::vector<PolygonPart>& parts,
+                           const std::vector<std::size_t>& yard_of) {
   const std::size_t none = parts.size();
   std::vector<PolygonPart> in_yards;
   for (std::size_t j = 0; j < yard_of.size(); ++j) {
@@ -132,8 +134,10 @@ void cut_out_yards(std::vector<PolygonPart>& parts, const std::vector<std::size_
     parts[yard_of[j]].polygon.holes.push_back(std::move(parts[j].polygon.outer));
   }
   std::size_t j = 0;
-  std::erase_if(parts, [&](const PolygonPart&) { return yard_of[j++] != none; });
+  const std::size_t yards =
+      std::erase_if(parts, [&](const PolygonPart&) { return yard_of[j++] != none; });
   std::move(in_yards.begin(), in_yards.end(), std::back_inserter(parts));
+  return static_cast<std::int64_t>(yards);
 }
 
 /// Whether two faces lie above each other: then one is a roof.
@@ -159,14 +163,15 @@ double width_between(const Ring& outer, const Ring& inner) {
 
 /// Several yards are polygons of their own for GDAL then: parts within a part, turned against it.
 /// They become holes again; parts that turn alike stay parts, whatever they overlap. So do the roof
-/// and the ground of a building, of which one looks down. `faces`: of the parts, or none.
-void take_yards_for_holes(std::vector<PolygonPart>& parts, const std::vector<Face>& faces,
-                          const PlanUnits& units) {
+/// and the ground of a building, of which one looks down. `faces`: of the parts, or none. Returns
+/// how many yards there are.
+std::int64_t take_yards_for_holes(std::vector<PolygonPart>& parts, const std::vector<Face>& faces,
+                                  const PlanUnits& units) {
   constexpr double kLeastWing = 1;  // metres; eaves are less wide
   const auto alike = [&](const PolygonPart& part) {
     return turns_left(part) == turns_left(parts.front());
   };
-  if (parts.size() < 2 || std::all_of(parts.begin(), parts.end(), alike)) return;
+  if (parts.size() < 2 || std::all_of(parts.begin(), parts.end(), alike)) return 0;
   std::vector<std::size_t> yard_of = find_yards(parts, Turns::kTell);
   for (std::size_t j = 0; j < yard_of.size(); ++j) {
     const std::size_t around = yard_of[j];
@@ -176,7 +181,7 @@ void take_yards_for_holes(std::vector<PolygonPart>& parts, const std::vector<Fac
     if (width < kLeastWing || (!faces.empty() && lie_apart(faces[around], faces[j])))
       yard_of[j] = parts.size();
   }
-  cut_out_yards(parts, yard_of);
+  return cut_out_yards(parts, yard_of);
 }
 
 /// In metres, eastings first. Where an elevation is none, all of the face are not a number.
@@ -380,7 +385,7 @@ FlatGeometry flatten(OGRGeometryH geometry, const PlanUnits& units) {
     }
     result.reason.clear();
   }
-  take_yards_for_holes(result.parts, faces, units);
+  result.yards = take_yards_for_holes(result.parts, faces, units);
   if (result.parts.empty())
     result.reason = reason_without_polygons(OGR_G_GetGeometryType(geometry));
   return result;

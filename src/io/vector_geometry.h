@@ -1,6 +1,7 @@
 // From OGR geometries to plain polygons. Private to src/io.
 #pragma once
 
+#include <cstdint>
 #include <string>
 #include <vector>
 
@@ -21,6 +22,7 @@ struct PolygonPart {
 struct FlatGeometry {
   std::vector<PolygonPart> parts;  ///< The polygons in their order.
   bool is_body = false;            ///< They are the footprint of a body in space.
+  std::int64_t yards = 0;          ///< Parts that became holes of others.
   int other_parts = 0;             ///< Points, lines and what is nested too deep beside them.
   std::string reason;              ///< Why there are no parts, if there are none.
 };

@@ -301,6 +301,7 @@ class LayerReader {
       return;
     }
     if (flat.other_parts > 0) ++mixed_;
+    yards_ += flat.yards;
     const double height = heights_.read(feature, id);
     for (std::size_t k = 0; k < flat.parts.size(); ++k) {
       PolygonPart& part = flat.parts[k];
@@ -343,6 +344,11 @@ class LayerReader {
            fmt::format("{} features have points, lines or collections nested too deep besides "
                        "polygons; these are ignored",
                        mixed_));
+    if (yards_ > 0)
+      warn("parts_as_yards", yards_,
+           fmt::format("{} parts of features lie within another part and are turned against it; "
+                       "they are taken for its courtyards",
+                       yards_));
     if (bodies_ > 0)
       warn("footprints_from_bodies", bodies_,
            fmt::format("{} features are bodies in space; the outlines of their ground faces are "
@@ -369,6 +375,7 @@ class LayerReader {
   UniqueIds ids_;
   std::int64_t without_id_ = 0;
   std::int64_t mixed_ = 0;
+  std::int64_t yards_ = 0;
   std::int64_t bodies_ = 0;
 };
 

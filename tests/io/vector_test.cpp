@@ -791,7 +791,9 @@ TEST(Vector, RoofsAndGroundsAreNoYards) {
             {{"name": "EPSG:28992"}}}}, "features": [{{"type": "Feature", "properties": {{}}, "geometry":
             {{"type": "MultiPolygon", "coordinates": [{},{}]}}}}]}})",
                     square(0, 30, 5, true), inner)));
-    return std::pair(input.features.size(), input.features[0].polygon.holes.size());
+    const std::size_t yards = input.features[0].polygon.holes.size();
+    EXPECT_EQ(has_warning(input, "parts_as_yards"), yards > 0);
+    return std::pair(input.features.size(), yards);
   };
   using Parts = std::pair<std::size_t, std::size_t>;
   EXPECT_EQ(parts_of(square(8, 22, 5, false)), Parts(1, 1));      // a yard
