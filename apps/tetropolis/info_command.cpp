@@ -27,8 +27,6 @@ namespace tetropolis::app {
 
 namespace {
 
-bool is_metre(double unit) { return std::abs(unit - 1) <= 1e-9; }
-
 std::string crs_text(const std::string& crs) {
   if (crs.empty()) return "not stated";
   if (is_geographic(crs)) return crs + " (degrees)";

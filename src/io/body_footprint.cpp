@@ -14,6 +14,7 @@
 #include "core/infinity.h"
 #include "core/sort_once.h"
 #include "geometry/geos.h"
+#include "geometry/perimeter.h"
 
 namespace tetropolis {
 
@@ -156,12 +157,11 @@ bool is_walled(const std::vector<Polygon>& grounds, double level, const std::vec
   constexpr double kNear = 0.05;                           // metres
   constexpr double kLeastAround = 0.9, kMostApart = 0.05;  // of the perimeter
   constexpr double kAtFoot = 0.4;  // of a wall's height; diagonals of triangles are half way up
-  double perimeter = 0, around = 0, apart = 0;
+  double whole = 0, around = 0, apart = 0;
   std::vector<const Polygon*> pointers;
   for (const Polygon& ground : grounds) {
     pointers.push_back(&ground);
-    for_each_edge(ground,
-                  [&](Point2 a, Point2 b) { perimeter += std::hypot(b.x - a.x, b.y - a.y); });
+    whole += perimeter(ground);
   }
   const FootprintIndex index(pointers, kNear);
   for (const Face& face : faces) {
@@ -180,7 +180,7 @@ bool is_walled(const std::vector<Polygon>& grounds, double level, const std::vec
       (is_near ? around : apart) += std::hypot(b[0] - a[0], b[1] - a[1]);
     }
   }
-  return around >= kLeastAround * perimeter && apart <= kMostApart * perimeter;
+  return around >= kLeastAround * whole && apart <= kMostApart * whole;
 }
 
 /// The faces whose shadow is the footprint.
@@ -201,8 +201,10 @@ std::vector<Polygon> ground_polygons(const std::vector<Face>& faces) {
       ((looks_down && total_area(grounds) >= kMostOfRoof * total_area(unite(above))) ||
        is_walled(grounds, level, faces));
   // Where part of the ground is missing, what is above it tells.
-  if (!is_whole && !looks_down) polygons.clear();
-  if (!is_whole) polygons.insert(polygons.end(), above.begin(), above.end());
+  if (!is_whole) {
+    if (!looks_down) polygons.clear();
+    polygons.insert(polygons.end(), above.begin(), above.end());
+  }
   if (polygons.empty()) polygons = project_faces(select(faces, -1, -kNotWall));
   return polygons;
 }
@@ -337,7 +339,6 @@ std::optional<double> roof_height_of(std::span<const Face> faces, double area_of
 
 std::vector<std::vector<Face>> share_out(const std::vector<Face>& faces,
                                          const std::vector<Polygon>& footprints) {
-  if (footprints.size() == 1) return {faces};
   std::vector<const Polygon*> pointers;
   std::vector<Bounds2> boxes;
   for (const Polygon& footprint : footprints) {

@@ -40,8 +40,8 @@ FootprintResult footprint_of(const std::vector<Face>& faces);
 /// other). None unless these are most of the footprint, or if as much looks down above that.
 std::optional<double> roof_height_of(std::span<const Face> faces, double area_of_footprint);
 
-/// The faces that belong to each of several disjoint footprints: those with a point in the plan
-/// that is in it, or nearest to it.
+/// The faces that belong to each of several (one or more) disjoint footprints: those with a point
+/// in the plan that is in it, or nearest to it.
 std::vector<std::vector<Face>> share_out(const std::vector<Face>& faces,
                                          const std::vector<Polygon>& footprints);
 

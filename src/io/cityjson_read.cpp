@@ -271,10 +271,12 @@ class CityReader {
       model_.dropped.push_back({key, "a geometry without height"});
       return;
     }
-    const std::vector<std::vector<Face>> parts = share_out(faces, footprint.polygons);
+    std::vector<std::vector<Face>> parts;
+    if (footprint.polygons.size() > 1) parts = share_out(faces, footprint.polygons);
     bool is_flattened = false;
     for (std::size_t k = 0; k < footprint.polygons.size(); ++k) {
-      Heights heights = heights_of(parts[k], {&footprint.polygons[k], 1});
+      Heights heights = whole;
+      if (!parts.empty()) heights = heights_of(parts[k], {&footprint.polygons[k], 1});
       // What is lower than a storey has lost its roof to another piece.
       if (heights.high - heights.low < kLeastHeight) heights = whole;
       is_flattened = is_flattened || heights.is_flattened;
@@ -308,7 +310,7 @@ void check_type(const Place& root) {
 std::string crs_at(const Place& system) {
   const double unit = vertical_unit_metres(system.text());
   if (unit < 0) system.fail("has heights that count downwards; convert them to heights in metres");
-  if (std::abs(unit - 1) > 1e-9)
+  if (!is_metre(unit))
     system.fail(fmt::format("has heights in units of {} m; convert them to metres", unit));
   try {
     return normalise_crs(system.text());

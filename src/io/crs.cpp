@@ -70,8 +70,6 @@ bool is_definition(std::string_view text) {
          std::find(kNames.begin(), kNames.end(), text) != kNames.end();
 }
 
-bool is_metre(double unit) { return std::abs(unit - 1) <= 1e-9; }
-
 /// A local system (of a site, a drawing) says nothing but its unit, which matters unless it is the
 /// metre, or unknown (0 in GeoPackages of GDAL 3.9 and later).
 bool is_local_in_other_units(OGRSpatialReferenceH srs) {

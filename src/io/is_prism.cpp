@@ -7,6 +7,8 @@
 
 #include "tetropolis/geometry/polygon.h"
 
+#include "geometry/perimeter.h"
+
 namespace tetropolis {
 
 namespace {
@@ -50,10 +52,7 @@ double volume_of(const std::vector<Face>& faces, const Point3& origin) {
 /// Whether that is what footprint and heights make, as far as rounding may change it.
 bool has_volume(const std::vector<Face>& faces, const Building& building) {
   const double plan = area(building.footprint), height = building.h_roof - building.h_ground;
-  double perimeter = 0;
-  for_each_edge(building.footprint,
-                [&](Point2 a, Point2 b) { perimeter += std::hypot(b.x - a.x, b.y - a.y); });
-  const double change = kRounding * (2 * plan + perimeter * height);
+  const double change = kRounding * (2 * plan + perimeter(building.footprint) * height);
   const Point2 corner = building.footprint.outer[0];
   const double volume = volume_of(faces, {corner.x, corner.y, building.h_ground});
   return std::abs(volume - plan * height) <= change;

@@ -16,6 +16,7 @@
 
 #include "core/infinity.h"
 #include "gdal_support.h"
+#include "geometry/perimeter.h"
 
 namespace tetropolis {
 
@@ -148,17 +149,10 @@ bool lie_apart(const Face& a, const Face& b) {
   return low_a > high_b + kApart || low_b > high_a + kApart;
 }
 
-double perimeter(const Ring& ring) {
-  double sum = 0;
-  for (std::size_t i = 0, j = ring.size() - 1; i < ring.size(); j = i++)
-    sum += std::hypot(ring[i].x - ring[j].x, ring[i].y - ring[j].y);
-  return sum;
-}
-
 /// Mean width of what is left of a ring less one within it.
 double width_between(const Ring& outer, const Ring& inner) {
   return 2 * (std::abs(signed_area(outer)) - std::abs(signed_area(inner))) /
-         (perimeter(outer) + perimeter(inner));
+         perimeter(Polygon{outer, {inner}});
 }
 
 /// Several yards are polygons of their own for GDAL then: parts within a part, turned against it.

@@ -67,7 +67,8 @@ FootprintLayer::FootprintLayer(const fs::path& path, GDALDatasetH dataset,
   if (is_of_format(dataset, "OSM") && (wanted.empty() || wanted == "multipolygons"))
     selected_ = select_buildings(dataset);
   layer_ = selected_ != nullptr ? selected_ : find_layer(path, dataset, wanted);
-  field_ = std::max(polygon_field(layer_), 0);
+  if (OGR_FD_GetGeomFieldCount(OGR_L_GetLayerDefn(layer_)) > 1)
+    field_ = std::max(polygon_field(layer_), 0);
 }
 
 OGRSpatialReferenceH FootprintLayer::reference_system() const {

@@ -104,7 +104,7 @@ std::string common_crs(const Config& config, const std::string& points_crs,
             "{}: footprints are in degrees ({}) and the point cloud has no CRS of its own; name it "
             "with --points-crs (or that of the footprints with --footprints-crs, if they are not)",
             config.footprints, crs_name(footprints.crs)));
-  if (const double unit = linear_unit_metres(footprints.crs); std::abs(unit - 1) > 1e-9)
+  if (const double unit = linear_unit_metres(footprints.crs); !is_metre(unit))
     throw Error(
         ErrorKind::kInput,
         fmt::format("{}: footprints are in units of {} m ({}) and the point cloud has no CRS of "

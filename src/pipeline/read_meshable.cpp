@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstddef>
 #include <string>
+#include <tuple>
 #include <utility>
 #include <vector>
 
@@ -25,19 +26,18 @@ namespace tetropolis {
 
 namespace {
 
-/// The domain of a written city model and terrain, local frame: as given, as the model says, as the
-/// terrain's file says, or all of the terrain.
-bool has_domain(const CityModel& city) { return !city.domain.empty() && city.domain.width() > 0; }
-
-Bounds2 domain_of(const Config& config, const CityModel& city, const RasterInput& terrain) {
+/// The domain of a written city model and terrain, local frame, and what it comes from: as given,
+/// as the model says, as the terrain's file says, or all of the terrain.
+std::pair<Bounds2, std::string> domain_of(const Config& config, const CityModel& city,
+                                          const RasterInput& terrain) {
   if (!config.bounds.empty())
-    return {snap_coordinate(config.bounds[0] - city.origin.x),
-            snap_coordinate(config.bounds[1] - city.origin.y),
-            snap_coordinate(config.bounds[2] - city.origin.x),
-            snap_coordinate(config.bounds[3] - city.origin.y)};
-  if (has_domain(city)) return city.domain;
-  if (terrain.domain) return *terrain.domain;
-  return terrain.raster.bounds();
+    return {{snap_coordinate(config.bounds[0] - city.origin.x),
+             snap_coordinate(config.bounds[1] - city.origin.y),
+             snap_coordinate(config.bounds[2] - city.origin.x),
+             snap_coordinate(config.bounds[3] - city.origin.y)},
+            "--bounds"};
+  if (!city.domain.empty() && city.domain.width() > 0) return {city.domain, config.city};
+  return {terrain.domain.value_or(terrain.raster.bounds()), config.dtm};
 }
 
 /// Where a city's domain is, in its reference system, for messages.
@@ -176,11 +176,9 @@ CityAndTerrain read_meshable(const Config& config, Report& report) {
   require_metres(terrain.crs, config.dtm);
   require_heights_in_metres(terrain.height_unit, config.dtm, nullptr);
   require_elevations(config, terrain);
-  const std::string domain_source = !config.bounds.empty() ? "--bounds"
-                                    : has_domain(city)     ? config.city
-                                                           : config.dtm;
-  city.domain = domain_of(config, city, terrain);
-  require_room(config, city.domain, domain_source);
+  std::string source;
+  std::tie(city.domain, source) = domain_of(config, city, terrain);
+  require_room(config, city.domain, source);
   require_terrain_under(config, city, terrain);
   if (city.crs.empty()) city.crs = terrain.crs;
   require_buildings(config, city);

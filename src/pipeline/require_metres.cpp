@@ -1,6 +1,6 @@
 #include "require_metres.h"
 
-#include <cmath>
+#include <string>
 
 #include <fmt/format.h>
 
@@ -18,7 +18,7 @@ void require_metres(const std::string& crs, const std::string& file, const char*
             "{}: coordinates are degrees ({}); reproject to a metric CRS{}", file, crs_name(crs),
             option == nullptr ? "" : fmt::format(", or name the true one with {}", option)));
   const double unit = linear_unit_metres(crs);
-  if (std::abs(unit - 1) > 1e-9)
+  if (!is_metre(unit))
     throw Error(
         ErrorKind::kInput,
         fmt::format("{}: coordinates are in units of {} m ({}); reproject to a CRS in metres", file,
@@ -26,23 +26,17 @@ void require_metres(const std::string& crs, const std::string& file, const char*
 }
 
 void require_heights_in_metres(double unit, const std::string& source, const char* option) {
-  if (std::abs(unit - 1) <= 1e-9) return;
-  if (unit < 0)
-    throw Error(ErrorKind::kInput,
-                fmt::format("{}: heights are depths, counted downwards; convert them to heights in "
-                            "metres{}",
-                            source,
-                            option == nullptr ? ""
-                                              : fmt::format(", or name a CRS whose heights count "
-                                                            "upwards with {} if they do",
-                                                            option)));
-  throw Error(
-      ErrorKind::kInput,
-      fmt::format("{}: heights are in units of {} m; convert them to metres{}", source, unit,
-                  option == nullptr ? ""
-                                    : fmt::format(", or name a CRS whose heights are metres with "
-                                                  "{} if that is what they are",
-                                                  option)));
+  if (is_metre(unit)) return;
+  const std::string what = unit < 0 ? "heights are depths, counted downwards"
+                                    : fmt::format("heights are in units of {} m", unit);
+  const std::string other = option == nullptr
+                                ? ""
+                                : fmt::format(
+                                      ", or name a CRS whose heights are metres upwards with {} if "
+                                      "that is what they are",
+                                      option);
+  throw Error(ErrorKind::kInput,
+              fmt::format("{}: {}; convert them to heights in metres{}", source, what, other));
 }
 
 }  // namespace tetropolis

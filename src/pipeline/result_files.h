@@ -20,6 +20,7 @@ inline constexpr const char* kReport = "report.json";
 inline constexpr const char* kRawCity = "city_raw.city.json";
 inline constexpr const char* kCity = "city.city.json";
 inline constexpr const char* kTerrain = "dtm.tif";
+inline constexpr const char* kManifest = "manifest.json";
 
 /// Of runs that make a city model.
 inline constexpr std::array kOfCity = {kRawCity, kCity, kTerrain};
@@ -49,7 +50,7 @@ inline constexpr std::array kUnread = {"surface.stl", "volume.msh",  "constant/p
 /// Of `synth`. Points in tiles are points_1.laz and so on.
 inline constexpr std::array kOfSynth = {"footprints.shp", "footprints.shx", "footprints.dbf",
                                         "footprints.prj", "footprints.cpg", "footprints.geojson",
-                                        "points.laz",     "manifest.json"};
+                                        "points.laz",     kManifest};
 
 inline bool is_of_synth(std::string_view name) {
   return std::find(kOfSynth.begin(), kOfSynth.end(), name) != kOfSynth.end() ||

@@ -11,13 +11,13 @@
 #include "tetropolis/io/raw_vector.h"
 #include "tetropolis/synth/adversarial_city.h"
 
+#include "result_files.h"
+
 namespace tetropolis {
 
 namespace {
 
 using Json = nlohmann::ordered_json;
-
-constexpr const char* kManifest = "manifest.json";
 
 std::vector<std::string> write_files(const AdversarialCity& city, OutputFolder& out) {
   std::vector<std::string> files;
@@ -98,7 +98,7 @@ void synth_adversarial(const Config& config, double size, OutputFolder& out, Ste
     report.warnings.push_back({defect.name, defect.count, describe(defect.name)});
   clock.run("0.2", "write footprints and points", [&](const Progress&) {
     const std::vector<std::string> written = write_files(city, out);
-    AtomicFile file(out.result(kManifest));
+    AtomicFile file(out.result(results::kManifest));
     file.write(manifest_of(city, written, report).dump(1) + "\n");
     file.commit();
   });

@@ -27,8 +27,9 @@ struct HeightsCheck {
 /// From where the terrain was cut back (see cut_back), and how steeply it may rise there.
 struct CutsCheck {
   std::optional<CutSources> from;  ///< In the local frame. Nothing: not known.
-  CutSlopes
-      slopes;  ///< Of cuts from there; of others any are taken up to the gentlest, 30 degrees.
+  /// Of cuts from there. If it is not known from where, any up to the gentlest (30 degrees) will
+  /// do.
+  CutSlopes slopes;
 };
 
 /// |z - DTM| <= 1e-9 m at ground vertices, |z - h_roof| <= 1e-9 m at roof vertices. On walls ground

@@ -48,17 +48,15 @@ void write_city(const std::filesystem::path& path, const CityModel& model,
 /// = lowest vertex, h_roof = the height that nine tenths of the area of its RoofSurfaces do not
 /// exceed, seen from above (without such semantics over most of the footprint: above which surfaces
 /// that look up have a tenth of the footprint's area; highest vertex where these are not known
-/// either, or where that is less than 2 m up). A
-/// footprint in k pieces becomes k buildings with the source ids KEY, KEY#2, ... and heights of
-/// their own, from the surfaces whose middle is nearest. Objects without
-/// usable geometry go to `dropped` (a solid without a level of detail counts as LoD 1); Buildings
-/// that only hold parts and other types of object are no input features. Origin: `translate` if
-/// that is whole metres and no more than 100 km away, else the south-west corner of the vertices,
-/// rounded down. Domain: as
-/// stored, or empty (xmin > xmax) if there is none. `warnings`, if given, gets
-/// "city_objects_dropped", "city_types_unknown" where objects have types that are none of
-/// CityJSON's own, and "city_roofs_flattened" where roofs reach more than half a metre above that
-/// height.
+/// either, or where that is less than 2 m up). A footprint in k pieces becomes k buildings with the
+/// source ids KEY, KEY#2, ... and heights of their own, from the surfaces that are in the plan of
+/// each, or nearest to it. Objects without usable geometry go to `dropped` (a solid without a level
+/// of detail counts as LoD 1); Buildings that only hold parts and other types of object are no
+/// input features. Origin: `translate` if that is whole metres and no more than 100 km away, else
+/// the south-west corner of the vertices, rounded down. Domain: as stored, or empty (xmin > xmax)
+/// if there is none. `warnings`, if given, gets "city_objects_dropped", "city_types_unknown" where
+/// objects have types that are none of CityJSON's own, and "city_roofs_flattened" where roofs reach
+/// more than half a metre above that height.
 ///
 /// Errors, kInput with the path and the place in it ("/CityObjects/a/geometry/0/boundaries"):
 /// missing, not JSON (with the byte), not CityJSON, unknown version, wrong types, indices out of

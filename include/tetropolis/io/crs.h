@@ -5,6 +5,7 @@
 // latitude, whatever axis order the authority prescribes.
 #pragma once
 
+#include <cmath>
 #include <span>
 #include <string>
 #include <vector>
@@ -16,17 +17,15 @@ namespace tetropolis {
 /// The canonical name of a reference system: "EPSG:n" where the definition carries that code or is
 /// equivalent to exactly what the code stands for, else one line of WKT 2 (ISO 19162). A code that
 /// the database does not have (102100), or has in metres for a definition in other units, counts as
-/// none. A local system
-/// (LOCAL_CS, ENGCRS) has a name only if its unit is not the metre, so that nobody takes its
-/// coordinates for metres.
+/// none. A local system (LOCAL_CS, ENGCRS) has a name only if its unit is known and not the metre,
+/// so that nobody takes its coordinates for metres.
 ///
 /// `text`: "EPSG:28992", "28992", "urn:ogc:def:crs:EPSG::7415",
 /// "https://www.opengis.net/def/crs/EPSG/0/7415" (0 or a version of the database),
-/// ".../def/crs-compound?1=...&2=..." of two of these, WKT of any kind,
-/// a PROJ string or PROJJSON. Empty in, empty out. normalise_crs(normalise_crs(t)) ==
-/// normalise_crs(t). Files and the network are never consulted.
-/// Errors: kUsage with the text, if it is neither a reference system of the Earth's surface nor
-/// such a local one.
+/// ".../def/crs-compound?1=...&2=..." of two of these, WKT of any kind, a PROJ string or PROJJSON.
+/// Empty in, empty out. normalise_crs(normalise_crs(t)) == normalise_crs(t). Files and the network
+/// are never consulted. Errors: kUsage with the text, if it is neither a reference system of the
+/// Earth's surface nor such a local one.
 std::string normalise_crs(const std::string& text);
 
 /// What to call the system in a message: its code, or the name that its definition carries, or
@@ -40,9 +39,11 @@ bool is_geographic(const std::string& crs);
 /// foot)... 1 for the unknown system, 0 for geographic ones, which have no linear unit.
 double linear_unit_metres(const std::string& crs);
 
+/// Whether a unit of so many metres is the metre, but for rounding.
+inline bool is_metre(double unit) { return std::abs(unit - 1) <= 1e-9; }
+
 /// Metres per unit of height in a compound or vertical system, negative where it counts downwards,
-/// 1 where `text` (as for
-/// normalise_crs) says nothing of heights or is not understood.
+/// 1 where `text` (as for normalise_crs) says nothing of heights or is not understood.
 double vertical_unit_metres(const std::string& text);
 
 /// How many times as long as on the Earth's ellipsoid a short way at `at` is in a projected system:
