@@ -144,6 +144,12 @@ void require_no_pipes_in(const fs::path& folder) {
       require_ordinary_file(entry->path());
 }
 
+/// Whether an error of GDAL's reader of GeoJSON is about the geometry of one feature, which it then
+/// leaves out: of a coordinate that is text, a member that is missing.
+bool is_of_one_geometry(std::string_view error) {
+  return error.starts_with("Invalid ") && error.find("FeatureCollection") == error.npos;
+}
+
 }  // namespace
 
 bool is_of_format(GDALDatasetH dataset, std::string_view begin) {
@@ -189,13 +195,21 @@ VectorFile open_vector(const fs::path& path, const gdal::QuietErrors& errors) {
   if (format == "GeoJSON" || format == "GeoJSONSeq")
     require_single_objects(path, name, format == "GeoJSONSeq");
   // Some formats are read when they are opened, as far as they go.
-  if (errors.failures() > 0 && errors.reason().find("crs not found") != std::string::npos)
+  const auto is_unknown_crs = [](const std::string& text) {
+    return text.find("crs not found") != std::string::npos;
+  };
+  if (is_unknown_crs(errors.first()) || is_unknown_crs(errors.last()))
     fail_input(path,
                "states a coordinate reference system that PROJ does not know; correct it in the "
                "file, or take it out and give --footprints-crs");
-  if (errors.failures() > 0)
+  if (format.starts_with("GeoJSON") && is_of_one_geometry(errors.first()) &&
+      is_of_one_geometry(errors.last())) {
+    file.unread_geometries = errors.failures();
+    file.first_unread = errors.first();
+  } else if (errors.failures() > 0) {
     fail_input(path, "cannot be read whole" + errors.reason() +
                          "; the file is cut or broken, get it again");
+  }
   return file;
 }
 

@@ -1,8 +1,10 @@
 // Opening vector files through GDAL, as they come from the net. Private to src/io.
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
 #include <memory>
+#include <string>
 #include <string_view>
 
 #include "gdal_support.h"
@@ -15,6 +17,8 @@ class ShapefileCopy;
 struct VectorFile {
   std::shared_ptr<const ShapefileCopy> copy;  ///< In memory; null if the file itself is open.
   gdal::Dataset dataset;
+  std::int64_t unread_geometries = 0;  ///< Of features that have come without, while opening.
+  std::string first_unread;            ///< Why, of the first.
 };
 
 /// Whether the short name of the data set's format begins like this ("GeoJSON": GeoJSONSeq, too).

@@ -279,11 +279,14 @@ class LayerReader {
       fail_input(path_, fmt::format("reading ends after {} features{}{}{}", result_.features_read,
                                     expected < 0 ? "" : fmt::format(" of {}", expected),
                                     errors.reason(), kGetAgain));
-    if (errors.failures() > 0)
-      warn(
-          "footprints_read_errors", errors.failures(),
-          fmt::format("{} errors while reading, the first: {}", errors.failures(), errors.first()));
+    if (errors.failures() > 0) warn_of_errors(errors.failures(), errors.first());
     report();
+  }
+
+  /// Of what was read with errors.
+  void warn_of_errors(std::int64_t count, const std::string& first) {
+    warn("footprints_read_errors", count,
+         fmt::format("{} errors while reading, the first: {}", count, first));
   }
 
  private:
@@ -476,8 +479,12 @@ FootprintsInput read_footprints(const fs::path& path, const ReadFootprintsOption
   const FootprintLayer source(path, file.dataset.get(), options.layer);
   FootprintsInput result;
   result.layer = gdal::utf8(OGR_L_GetName(source.get()));
-  LayerReader(path, source, options, result, is_of_format(file.dataset.get(), "ESRI Shapefile"))
-      .read(errors, count_of(file.dataset.get()));
+  LayerReader reader(path, source, options, result,
+                     is_of_format(file.dataset.get(), "ESRI Shapefile"));
+  reader.read(errors, count_of(file.dataset.get()));
+  // Where features are parsed again as they are read, that has told of them.
+  if (file.unread_geometries > 0 && errors.failures() == 0)
+    reader.warn_of_errors(file.unread_geometries, file.first_unread);
   result.bounds = bounds_of(result.features);
   result.crs = gdal::canonical_name(source.reference_system());
   settle_crs(path, options, is_of_format(file.dataset.get(), "GeoJSON"), result);

@@ -960,6 +960,44 @@ TEST(Vector, PackedFilesAreReadInPlace) {
                                                            "b.csv.gz", "c.csv", "c.csv.gz"}));
 }
 
+TEST(Vector, GeometriesThatCannotBeReadAreThoseOfTheirFeatures) {
+  const TemporaryFolder folder;
+  const auto feature = [](int id, const std::string& geometry) {
+    return fmt::format(R"({{"type":"Feature","properties":{{"id":{}}},"geometry":{}}})", id,
+                       geometry);
+  };
+  const auto polygon = [](const std::string& corner) {
+    return R"({"type":"Polygon","coordinates":[[[0,0],[9,0],)" + corner + ",[0,0]]]}";
+  };
+  const std::string sound = polygon("[9,9]");
+  for (const std::string& broken :
+       {polygon(R"(["9",9])"), polygon("[true,9]"), polygon(R"([9,9,"high"])"), polygon("[null,9]"),
+        polygon("null"), polygon("[9]"), "[" + sound + "]", std::string(R"({"type":"Polygon"})"),
+        std::string(R"({"type":"Polygon","coordinates":null})"),
+        std::string(R"({"type":"MultiPolygon","coordinates":[[[[0,0],["a",0],[9,9],[0,0]]]]})"),
+        std::string(R"({"type":"GeometryCollection"})"), std::string("{}")}) {
+    SCOPED_TRACE(broken);
+    const std::array features{feature(1, sound), feature(2, broken), feature(3, sound)};
+    const fs::path collection = write_text(
+        folder / "a.geojson", fmt::format(R"({{"type":"FeatureCollection","features":[{}]}})",
+                                          fmt::join(features, ",\n")));
+    const fs::path lines =
+        write_text(folder / "b.geojsonl", fmt::format("{}\n", fmt::join(features, "\n")));
+    for (const fs::path& path : {collection, lines}) {
+      SCOPED_TRACE(path.filename());
+      ReadFootprintsOptions options;
+      options.id_attribute = "id";
+      const FootprintsInput input = read_footprints(path, options);
+      ASSERT_EQ(input.features.size(), 2U);
+      EXPECT_EQ(input.features[0].source_id, "1");
+      EXPECT_EQ(input.features[1].source_id, "3");
+      ASSERT_EQ(input.dropped.size(), 1U);
+      EXPECT_EQ(input.dropped[0].source_id, "2");
+      EXPECT_NE(input.dropped[0].reason.find("geometry"), std::string::npos);
+    }
+  }
+}
+
 TEST(Vector, OfOpenStreetMapOnlyBuildingsAreRead) {
   const TemporaryFolder folder;
   std::string nodes, ways;
