@@ -3,6 +3,7 @@
 #include <cstdlib>
 #include <mutex>
 #include <string>
+#include <string_view>
 
 #include <fmt/format.h>
 
@@ -56,11 +57,14 @@ QuietErrors::~QuietErrors() {
 }
 
 void CPL_STDCALL QuietErrors::collect(CPLErr kind, CPLErrorNum, const char* message) noexcept {
-  if (kind != CE_Failure && kind != CE_Fatal) return;
   auto* self = static_cast<QuietErrors*>(CPLGetErrorHandlerUserData());
   if (self == nullptr || message == nullptr) return;
-  const bool is_first = self->failures_++ == 0;
+  const bool is_failure = kind == CE_Failure || kind == CE_Fatal;
+  const bool is_first = is_failure && self->failures_++ == 0;
   try {
+    if (std::string_view(message).ends_with("Skipping to next feature."))
+      self->passed_over_.push_back(one_line(message));
+    if (!is_failure) return;
     std::string line = one_line(message);
     while (!line.empty() && (line.back() == ' ' || line.back() == '.')) line.pop_back();
     if (is_first) self->first_ = line;
@@ -75,6 +79,7 @@ void QuietErrors::reset() {
   failures_ = 0;
   first_.clear();
   last_.clear();
+  passed_over_.clear();
 }
 
 ThreadOption::ThreadOption(const char* key, const char* value) : key_(key) {

@@ -5,6 +5,7 @@
 #include <memory>
 #include <string>
 #include <type_traits>
+#include <vector>
 
 #include <cpl_conv.h>
 #include <cpl_error.h>
@@ -38,12 +39,16 @@ class QuietErrors {
   std::string reason() const;
   void reset();
 
+  /// What GDAL says of features that it passes over, because their geometry cannot be read.
+  const std::vector<std::string>& passed_over() const { return passed_over_; }
+
  private:
   static void CPL_STDCALL collect(CPLErr kind, CPLErrorNum number, const char* message) noexcept;
 
   std::int64_t failures_ = 0;
   std::string first_;
   std::string last_;
+  std::vector<std::string> passed_over_;
 };
 
 /// Sets a configuration option of this thread while it lives.

@@ -144,8 +144,8 @@ void require_no_pipes_in(const fs::path& folder) {
       require_ordinary_file(entry->path());
 }
 
-/// Whether an error of GDAL's reader of GeoJSON is about the geometry of one feature, which it then
-/// leaves out: of a coordinate that is text, a member that is missing.
+/// Whether an error of GDAL's readers of JSON is about the geometry of one feature, which they then
+/// leave out: of a coordinate that is text, a member that is missing.
 bool is_of_one_geometry(std::string_view error) {
   return error.starts_with("Invalid ") && error.find("FeatureCollection") == error.npos;
 }
@@ -156,7 +156,7 @@ bool is_of_format(GDALDatasetH dataset, std::string_view begin) {
   return std::string_view(GDALGetDriverShortName(GDALGetDatasetDriver(dataset))).starts_with(begin);
 }
 
-VectorFile open_vector(const fs::path& path, const gdal::QuietErrors& errors) {
+VectorFile open_vector(const fs::path& path, const gdal::QuietErrors& errors, bool any_crs) {
   std::error_code error;
   if (fs::is_directory(path, error)) {
     require_no_pipes_in(path);
@@ -198,18 +198,21 @@ VectorFile open_vector(const fs::path& path, const gdal::QuietErrors& errors) {
   const auto is_unknown_crs = [](const std::string& text) {
     return text.find("crs not found") != std::string::npos;
   };
-  if (is_unknown_crs(errors.first()) || is_unknown_crs(errors.last()))
+  if (!any_crs && (is_unknown_crs(errors.first()) || is_unknown_crs(errors.last())))
     fail_input(path,
                "states a coordinate reference system that PROJ does not know; correct it in the "
                "file, or take it out and give --footprints-crs");
-  if (format.starts_with("GeoJSON") && is_of_one_geometry(errors.first()) &&
-      is_of_one_geometry(errors.last())) {
-    file.unread_geometries = errors.failures();
-    file.first_unread = errors.first();
-  } else if (errors.failures() > 0) {
+  const bool is_json = format.starts_with("GeoJSON") || format == "ESRIJSON";
+  const auto is_harmless = [&](const std::string& text) {
+    // Of GML the features are counted here, and read from the file once more.
+    return (is_json && is_of_one_geometry(text)) || (any_crs && is_unknown_crs(text)) ||
+           (format == "GML" && text.find("XML parsing") == std::string::npos);
+  };
+  if (errors.failures() > 0 && !(is_harmless(errors.first()) && is_harmless(errors.last())))
     fail_input(path, "cannot be read whole" + errors.reason() +
                          "; the file is cut or broken, get it again");
-  }
+  file.opening_errors = errors.failures();
+  file.first_error = errors.first();
   return file;
 }
 

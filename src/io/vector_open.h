@@ -17,8 +17,8 @@ class ShapefileCopy;
 struct VectorFile {
   std::shared_ptr<const ShapefileCopy> copy;  ///< In memory; null if the file itself is open.
   gdal::Dataset dataset;
-  std::int64_t unread_geometries = 0;  ///< Of features that have come without, while opening.
-  std::string first_unread;            ///< Why, of the first.
+  std::int64_t opening_errors = 0;  ///< Of single features: all can be read.
+  std::string first_error;
 };
 
 /// Whether the short name of the data set's format begins like this ("GeoJSON": GeoJSONSeq, too).
@@ -26,7 +26,8 @@ bool is_of_format(GDALDatasetH dataset, std::string_view begin);
 
 /// Opens a vector file or folder for reading; a shapefile also without its index, of a ZIP archive
 /// the one vector file that it holds, and what gzip has packed. Leaves the file's folder as it is.
-/// Throws Error(kInput).
-VectorFile open_vector(const std::filesystem::path& path, const gdal::QuietErrors& errors);
+/// `any_crs`: its reference system will not be used, and may be any. Throws Error(kInput).
+VectorFile open_vector(const std::filesystem::path& path, const gdal::QuietErrors& errors,
+                       bool any_crs = false);
 
 }  // namespace tetropolis

@@ -23,6 +23,7 @@
 #include "tetropolis/io/vector.h"
 
 #include "gdal_support.h"
+#include "incomplete_file.h"
 #include "input_file.h"
 #include "shapefile_members.h"
 #include "vector_geometry.h"
@@ -106,6 +107,8 @@ class HeightReader {
       other = "the feature number";
     else if (OGR_Fld_GetSubType(field) == OFSTBoolean)
       other = "Boolean";
+    else if (type_ == OFTIntegerList || type_ == OFTInteger64List || type_ == OFTRealList)
+      type_ = OFTRealList;  // one feature is enough to make it that
     else if (type_ != OFTInteger && type_ != OFTInteger64 && type_ != OFTReal && type_ != OFTString)
       other = OGR_GetFieldTypeName(type_);
     if (other != nullptr)
@@ -126,6 +129,9 @@ class HeightReader {
       value = metres_of(text);
       if (std::isnan(value) && others_++ == 0)
         first_ = fmt::format("feature {}: '{}'", id, first_bytes(text, 40));
+    } else if (type_ == OFTRealList) {
+      value = only_number(feature);
+      if (std::isnan(value) && others_++ == 0) first_ = fmt::format("feature {}: a list", id);
     } else {
       value = OGR_F_GetFieldAsDouble(feature, field_);
     }
@@ -151,6 +157,28 @@ class HeightReader {
   }
 
  private:
+  /// Of a list: a number where the file has one, and others have lists. NaN for a longer one.
+  double only_number(OGRFeatureH feature) const {
+    int size = 0;
+    switch (OGR_Fld_GetType(OGR_F_GetFieldDefnRef(feature, field_))) {
+      case OFTIntegerList: {
+        const int* list = OGR_F_GetFieldAsIntegerList(feature, field_, &size);
+        if (size == 1) return list[0];
+        break;
+      }
+      case OFTInteger64List: {
+        const GIntBig* list = OGR_F_GetFieldAsInteger64List(feature, field_, &size);
+        if (size == 1) return static_cast<double>(list[0]);
+        break;
+      }
+      default: {
+        const double* list = OGR_F_GetFieldAsDoubleList(feature, field_, &size);
+        if (size == 1) return list[0];
+      }
+    }
+    return std::numeric_limits<double>::quiet_NaN();
+  }
+
   const fs::path& path_;
   std::string attribute_;
   int field_ = kNoField;
@@ -260,13 +288,22 @@ class LayerReader {
     if (errors.failures() > 0)
       fail_input(path_, "cannot be read whole" + errors.reason() + kGetAgain);
     OGR_L_ResetReading(layer_);
-    while (const gdal::Feature feature{OGR_L_GetNextFeature(layer_)}) {
+    // Of features that are passed over, which have their own account.
+    std::int64_t accounted = 0;
+    for (std::int64_t before = 0;; before = errors.failures()) {
+      const std::size_t known = errors.passed_over().size();
+      const gdal::Feature feature{OGR_L_GetNextFeature(layer_)};
+      for (std::size_t k = known; k < errors.passed_over().size(); ++k)
+        drop_passed_over(errors.passed_over()[k]);
+      if (errors.passed_over().size() > known) accounted += errors.failures() - before;
+      if (feature == nullptr) break;
       ++result_.features_read;
       add(feature.get());
     }
+    const std::int64_t failures = errors.failures() - accounted;
     // Lines that are not JSON are passed over, and counted by nobody.
     const bool lost = errors.first().find("JSON parsing error") != std::string::npos;
-    const bool is_short = errors.failures() == 0 && result_.features_read < expected;
+    const bool is_short = failures == 0 && result_.features_read < expected;
     if (count == Count::kCertain && is_short)
       fail_input(path_, fmt::format("reading ends after {} features of {}{}", result_.features_read,
                                     expected, kGetAgain));
@@ -275,7 +312,7 @@ class LayerReader {
            fmt::format("has {} features, but its own table of contents says {}; if some are "
                        "missing, get the file again",
                        result_.features_read, expected));
-    if (errors.failures() > 0 && (lost || expected < 0 || result_.features_read < expected))
+    if (failures > 0 && (lost || expected < 0 || result_.features_read < expected))
       fail_input(path_, fmt::format("reading ends after {} features{}{}{}", result_.features_read,
                                     expected < 0 ? "" : fmt::format(" of {}", expected),
                                     errors.reason(), kGetAgain));
@@ -290,6 +327,22 @@ class LayerReader {
   }
 
  private:
+  /// `message`: "Geometry of feature NUMBER NAME cannot be parsed: WHY. Skipping to next feature."
+  void drop_passed_over(const std::string& message) {
+    constexpr std::string_view kBegin = "Geometry of feature ", kWhy = " cannot be parsed: ";
+    std::string_view text = message;
+    if (text.starts_with(kBegin)) text.remove_prefix(kBegin.size());
+    std::string reason = "geometry that cannot be read";
+    const std::string_view number = text.substr(0, text.find(' '));
+    if (const std::size_t why = text.find(kWhy); why != text.npos) {
+      const std::string_view name = text.substr(0, why);
+      text = text.substr(why + kWhy.size());
+      reason += fmt::format(" (feature {}: {})", name, text.substr(0, text.find(". Skipping")));
+    }
+    ++result_.features_read;
+    result_.dropped.push_back({ids_.unique(std::string(number)), std::move(reason)});
+  }
+
   void add(OGRFeatureH feature) {
     const std::string id = feature_id(feature);
     FlatGeometry flat = flatten(source_.geometry_of(feature), units_);
@@ -475,7 +528,8 @@ FootprintsInput read_footprints(const fs::path& path, const ReadFootprintsOption
   gdal::QuietErrors errors;
   const gdal::ThreadOption by_layer("OGR_INTERLEAVED_READING", "NO");
   const gdal::ThreadOption nothing_beside("CPL_VSIL_GZIP_WRITE_PROPERTIES", "NO");
-  const VectorFile file = open_vector(path, errors);
+  const gdal::ThreadOption on("GML_SKIP_CORRUPTED_FEATURES", "YES");
+  const VectorFile file = open_vector(path, errors, !options.source_crs.empty());
   const FootprintLayer source(path, file.dataset.get(), options.layer);
   FootprintsInput result;
   result.layer = gdal::utf8(OGR_L_GetName(source.get()));
@@ -483,8 +537,10 @@ FootprintsInput read_footprints(const fs::path& path, const ReadFootprintsOption
                      is_of_format(file.dataset.get(), "ESRI Shapefile"));
   reader.read(errors, count_of(file.dataset.get()));
   // Where features are parsed again as they are read, that has told of them.
-  if (file.unread_geometries > 0 && errors.failures() == 0)
-    reader.warn_of_errors(file.unread_geometries, file.first_unread);
+  if (file.opening_errors > 0 && errors.failures() == 0)
+    reader.warn_of_errors(file.opening_errors, file.first_error);
+  if (const std::string why = why_incomplete(path); !why.empty())
+    result.warnings.push_back({"footprints_fewer", 1, one_line(path.string() + ": " + why)});
   result.bounds = bounds_of(result.features);
   result.crs = gdal::canonical_name(source.reference_system());
   settle_crs(path, options, is_of_format(file.dataset.get(), "GeoJSON"), result);

@@ -12,6 +12,7 @@
 #include "tetropolis/io/crs.h"
 #include "tetropolis/io/las.h"
 
+#include "footprint_extent.h"
 #include "memory.h"
 #include "require_metres.h"
 #include "require_room.h"
@@ -124,6 +125,12 @@ FootprintsInput read_all_footprints(const Config& config, const std::string& poi
   options.target_crs = points_crs;
   return clock.run("1.2", "read footprints",
                    [&](const Progress&) { return read_footprints(config.footprints, options); });
+}
+
+/// From the box of the footprints; where none is usable it stays, and they are told of later.
+void leave_out_unusable(const Config& config, FootprintsInput& footprints) {
+  const Bounds2 usable = footprint_extent(footprints.features, config.parallel_tolerance);
+  if (!usable.empty()) footprints.bounds = usable;
 }
 
 /// The box in which points can matter, CRS coordinates.
@@ -377,6 +384,7 @@ InputData read_input(const Config& config, Next next, StepClock& clock, Report& 
 
   InputData input;
   input.footprints = read_all_footprints(config, points_crs, clock);
+  if (config.bounds.empty()) leave_out_unusable(config, input.footprints);
   input.crs = common_crs(config, points_crs, input.footprints);
   if (input.crs.empty() || input.footprints.crs.empty())
     refuse_unmarked_degrees(input.footprints.bounds, config.footprints, "--footprints-crs");

@@ -998,6 +998,141 @@ TEST(Vector, GeometriesThatCannotBeReadAreThoseOfTheirFeatures) {
   }
 }
 
+/// Three features "a.0" to "a.2" of GML, of which the middle one has these corners.
+std::string gml(const std::string& corners, const std::string& root = "",
+                const std::string& system = "urn:ogc:def:crs:EPSG::28992") {
+  std::string members;
+  for (const auto& [k, text] : {std::pair{0, std::string("0 0 9 0 9 9 0 0")}, std::pair{1, corners},
+                                std::pair{2, std::string("20 0 29 0 29 9 20 0")}})
+    members += fmt::format(
+        "<gml:featureMember><a gml:id=\"a.{}\"><name>n{}</name><g><gml:Polygon srsName=\"{}\">"
+        "<gml:exterior><gml:LinearRing><gml:posList>{}</gml:posList></gml:LinearRing>"
+        "</gml:exterior></gml:Polygon></g></a></gml:featureMember>\n",
+        k, k, system, text);
+  return fmt::format(
+      "<?xml version=\"1.0\"?>\n<FeatureCollection xmlns:gml=\"http://www.opengis.net/gml/3.2\" "
+      "{}>\n"
+      "{}</FeatureCollection>\n",
+      root, members);
+}
+
+TEST(Vector, OfGmlOnlyTheFeatureIsLostThatCannotBeRead) {
+  const TemporaryFolder folder;
+  for (const char* corners : {"10 0 19 0 19 9 10", "10 0 19", "10"}) {
+    SCOPED_TRACE(corners);
+    const fs::path path = write_text(folder / "a.gml", gml(corners));
+    const FootprintsInput input = read_footprints(path);
+    EXPECT_EQ(input.features_read, 3);
+    ASSERT_EQ(input.features.size(), 2U);
+    EXPECT_EQ(input.features[1].polygon.outer.front().x, 20);
+    ASSERT_EQ(input.dropped.size(), 1U);
+    EXPECT_EQ(input.dropped[0].source_id, "1");
+    EXPECT_NE(input.dropped[0].reason.find("a.1"), std::string::npos) << input.dropped[0].reason;
+  }
+  const std::string whole = gml("10 0 19 0 19 9 10 0");
+  const fs::path sound = write_text(folder / "b.gml", whole);
+  EXPECT_EQ(read_footprints(sound).features.size(), 3U);
+  for (const std::size_t cut : {std::size_t{30}, whole.size() / 2}) {
+    const fs::path path = write_text(folder / "c.gml", whole.substr(0, whole.size() - cut));
+    EXPECT_NE(input_error(path).find("cut or broken"), std::string::npos);
+  }
+}
+
+TEST(Vector, AnUnknownSystemDoesNotMatterWhereAnotherIsGiven) {
+  const TemporaryFolder folder;
+  const fs::path path =
+      write_text(folder / "a.gml", gml("10 0 19 0 19 9 10 0", "", "urn:ogc:def:crs:EPSG::99999"));
+  EXPECT_NE(input_error(path).find("--footprints-crs"), std::string::npos);
+  ReadFootprintsOptions options;
+  options.source_crs = "EPSG:28992";
+  const FootprintsInput input = read_footprints(path, options);
+  EXPECT_EQ(input.features.size(), 3U);
+  EXPECT_EQ(input.crs, "EPSG:28992");
+}
+
+TEST(Vector, PagesOfServersAreToldAsSuch) {
+  const TemporaryFolder folder;
+  const auto json = [](const std::string& members) {
+    return R"({"type":"FeatureCollection","features":[{"type":"Feature","properties":{},)"
+           R"("geometry":{"type":"Polygon","coordinates":[[[0,0],[9,0],[9,9],[0,0]]]}}])" +
+           members + "}";
+  };
+  const std::string corners = "10 0 19 0 19 9 10 0";
+  struct Answer {
+    const char* name;
+    std::string text;
+    const char* told;  ///< Null: nothing is missing.
+  };
+  const std::vector<Answer> answers{
+      {"a.geojson", json(R"(,"exceededTransferLimit":true)"), "exceededTransferLimit"},
+      {"b.geojson", json(R"(,"properties": {"exceededTransferLimit" : true})"),
+       "exceededTransferLimit"},
+      {"c.geojson", json(R"(,"exceededTransferLimit":false)"), nullptr},
+      {"d.geojson", json(R"(,"numberMatched":1000,"numberReturned":1)"), "1 features of 1000"},
+      {"e.geojson", json(R"(,"numberMatched":1,"numberReturned":1,"links":[{"rel":"self"}])"),
+       nullptr},
+      {"f.geojson", json(R"(,"links":[{"rel":"self"},{"href":"x","rel": "next"}])"),
+       "link to the next"},
+      {"g.geojson", json("," + std::string(200000, ' ') + R"("exceededTransferLimit":true)"),
+       "exceededTransferLimit"},
+      {"h.json",
+       R"({"geometryType":"esriGeometryPolygon","fields":[{"name":"a","type":"esriFieldTypeString"}],)"
+       R"("features":[{"attributes":{"a":"x"},"geometry":{"rings":[[[0,0],[0,9],[9,9],[0,0]]]}}],)"
+       R"("exceededTransferLimit":true})",
+       "exceededTransferLimit"},
+      {"i.gml", gml(corners, "numberMatched='1000' numberReturned=\"3\""), "3 features of 1000"},
+      {"j.gml", gml(corners, "numberMatched='unknown' numberReturned='3'"), nullptr},
+  };
+  for (const Answer& answer : answers) {
+    SCOPED_TRACE(answer.name);
+    const FootprintsInput input = read_footprints(write_text(folder / answer.name, answer.text));
+    EXPECT_FALSE(input.features.empty());
+    std::string told;
+    for (const Warning& warning : input.warnings)
+      if (warning.code == "footprints_fewer") told = warning.message;
+    if (answer.told == nullptr)
+      EXPECT_EQ(told, "");
+    else
+      EXPECT_NE(told.find(answer.told), std::string::npos) << told;
+  }
+}
+
+TEST(Vector, HeightsMayBeListsOfOneNumber) {
+  const TemporaryFolder folder;
+  const auto features = [](const std::vector<const char*>& heights) {
+    std::string text;
+    for (const char* height : heights)
+      text += fmt::format(
+          "{}{{\"type\":\"Feature\",\"properties\":{{\"h\":{}}},\"geometry\":{{\"type\":"
+          "\"Polygon\",\"coordinates\":[[[0,0],[9,0],[9,9],[0,0]]]}}}}",
+          text.empty() ? "" : ",", height);
+    return R"({"type":"FeatureCollection","features":[)" + text + "]}";
+  };
+  ReadFootprintsOptions options;
+  options.height_attribute = "h";
+  for (const char* one : {"[8]", "[8.0]", "[8000000000]"}) {
+    SCOPED_TRACE(one);
+    const fs::path path = write_text(folder / "a.geojson", features({"7", one, "[1,2]", "null"}));
+    const FootprintsInput input = read_footprints(path, options);
+    ASSERT_EQ(input.features.size(), 4U);
+    EXPECT_EQ(input.features[0].height, 7);
+    const bool is_height = std::string_view(one).size() < 6;
+    if (is_height) {
+      EXPECT_EQ(input.features[1].height, 8);
+    }
+    EXPECT_TRUE(std::isnan(input.features[2].height));
+    EXPECT_TRUE(std::isnan(input.features[3].height));
+    const auto told =
+        std::find_if(input.warnings.begin(), input.warnings.end(),
+                     [](const Warning& w) { return w.code == "height_not_a_number"; });
+    ASSERT_NE(told, input.warnings.end());
+    EXPECT_EQ(told->count, is_height ? 1 : 2);
+  }
+  EXPECT_NE(input_error(write_text(folder / "b.geojson", features({"[1,2]"})), options)
+                .find("holds no heights"),
+            std::string::npos);
+}
+
 TEST(Vector, OfOpenStreetMapOnlyBuildingsAreRead) {
   const TemporaryFolder folder;
   std::string nodes, ways;
