@@ -89,7 +89,7 @@ void info_points(const std::string& path) {
 
 void info_city(const std::string& path) {
   std::vector<Warning> warnings;
-  const CityModel city = read_city(path, &warnings);
+  const CityModel city = read_city(path, &warnings, BrokenObjects::kDrop);
   double total = 0, lowest = 0, highest = 0;
   for (const Building& building : city.buildings) {
     total += area(building.footprint);

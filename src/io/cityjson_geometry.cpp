@@ -4,6 +4,7 @@
 #include <charconv>
 #include <cmath>
 #include <cstdint>
+#include <limits>
 #include <optional>
 #include <system_error>
 #include <utility>
@@ -20,6 +21,12 @@ Point3 read_triple(const Place& place) {
   if (place.size() != 3) place.fail("is not an array of three numbers");
   return {place.at(0).number(), place.at(1).number(), place.at(2).number()};
 }
+
+bool is_finite(const Point3& p) {
+  return std::isfinite(p[0]) && std::isfinite(p[1]) && std::isfinite(p[2]);
+}
+
+constexpr double kMostMetres = 1e12;  ///< Of coordinates.
 
 bool is_whole(double value) { return std::floor(value) == value && std::abs(value) < 1e15; }
 
@@ -89,7 +96,9 @@ class FaceReader {
     const auto index = value.get<std::uint64_t>();
     if (index >= frame_.vertices.size())
       ring.at(i).fail(fmt::format("is vertex {} of {}", index, frame_.vertices.size()));
-    return frame_.vertices[static_cast<std::size_t>(index)];
+    const Point3& point = frame_.vertices[static_cast<std::size_t>(index)];
+    if (!is_finite(point)) ring.at(i).fail(fmt::format("is vertex {}, which is broken", index));
+    return point;
   }
 
   const CityFrame& frame_;
@@ -119,7 +128,8 @@ std::optional<double> level_of_detail(const Place& geometry) {
 
 }  // namespace
 
-CityFrame read_vertices(const Place& root) {
+CityFrame read_vertices(const Place& root, bool keep_broken) {
+  constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
   Point3 scale{1, 1, 1};
   Point3 translate{0, 0, 0};
   const bool transformed = root.has("transform");
@@ -139,12 +149,17 @@ CityFrame read_vertices(const Place& root) {
     const Json& v = list.value()[i];
     const bool good =
         v.is_array() && v.size() == 3 && v[0].is_number() && v[1].is_number() && v[2].is_number();
-    if (!good) list.at(i).fail("is not an array of three numbers");
-    frame.vertices.push_back({v[0].get<double>(), v[1].get<double>(), v[2].get<double>()});
+    if (!good && !keep_broken) list.at(i).fail("is not an array of three numbers");
+    frame.vertices.push_back(
+        good ? Point3{v[0].get<double>(), v[1].get<double>(), v[2].get<double>()}
+             : Point3{kNaN, kNaN, kNaN});
   }
   Bounds2 box = Bounds2::nothing();
-  for (const Point3& v : frame.vertices)
-    box.extend(Point2{translate[0] + v[0] * scale[0], translate[1] + v[1] * scale[1]});
+  const auto is_near_earth = [](double v) { return std::abs(v) <= kMostMetres; };
+  for (const Point3& v : frame.vertices) {
+    const Point2 p{translate[0] + v[0] * scale[0], translate[1] + v[1] * scale[1]};
+    if (!keep_broken || (is_near_earth(p.x) && is_near_earth(p.y))) box.extend(p);
+  }
   const Point2 origin{translate[0], translate[1]};
   if (transformed && is_whole(origin.x) && is_whole(origin.y) &&
       (root.has("tetropolis") || is_near(origin, box)))
@@ -156,8 +171,9 @@ CityFrame read_vertices(const Place& root) {
     for (std::size_t axis = 0; axis < 3; ++axis) {
       double& v = frame.vertices[i][axis];
       v = snap_coordinate(v * scale[axis] + shift[axis]);
-      if (!std::isfinite(v) || std::abs(v) > 1e12)
-        list.at(i).fail("is not finite or beyond 1e12 m");
+      if (is_near_earth(v)) continue;
+      if (!keep_broken) list.at(i).fail("is not finite or beyond 1e12 m");
+      v = kNaN;
     }
   return frame;
 }

@@ -229,6 +229,16 @@ class CityReader {
       add_foreign(key, geometry.faces, std::move(footprint));
   }
 
+  /// The same; an object that contradicts the format is dropped.
+  void add_or_drop(const Place& object, const std::string& key) {
+    try {
+      add(object, key);
+    } catch (const Error& error) {
+      if (error.kind() != ErrorKind::kInput) throw;
+      model_.dropped.push_back({key, object.without_file(error.what())});
+    }
+  }
+
   /// Ids of buildings of ours whose solid is not what their ground and attributes make.
   const std::vector<std::string>& other_solids() const { return other_solids_; }
 
@@ -378,16 +388,18 @@ bool states_its_extent(const Place& root, const CityFrame& frame) {
   return true;
 }
 
-/// What became of objects otherwise than one might think; `dropped` of them are no buildings.
-void warn_of_objects(const fs::path& path, const CityReader& reader, std::size_t dropped,
-                     std::vector<Warning>& warnings) {
+/// What became of objects otherwise than one might think; `dropped` are no buildings.
+void warn_of_objects(const fs::path& path, const CityReader& reader,
+                     std::span<const Dropped> dropped, std::vector<Warning>& warnings) {
   const auto warn = [&](const char* code, std::size_t count, std::string message) {
     if (count > 0)
       warnings.push_back({code, static_cast<std::int64_t>(count),
                           fmt::format("{}: {}", path.string(), std::move(message))});
   };
-  warn("city_objects_dropped", dropped,
-       fmt::format("{} buildings or parts have no usable geometry", dropped));
+  if (!dropped.empty())
+    warn("city_objects_dropped", dropped.size(),
+         fmt::format("{} buildings or parts have no usable geometry, the first, {}: {}",
+                     dropped.size(), dropped.front().source_id, dropped.front().reason));
   warn("city_roofs_flattened", reader.flattened(),
        "parts of roofs are left out that reach higher than nine tenths of the roof's area");
   const std::vector<std::string>& unknown = reader.unknown_types();
@@ -405,11 +417,13 @@ void warn_of_objects(const fs::path& path, const CityReader& reader, std::size_t
 
 }  // namespace
 
-CityModel read_city(const fs::path& path, std::vector<Warning>* warnings) {
+CityModel read_city(const fs::path& path, std::vector<Warning>* warnings, BrokenObjects broken) {
   const Document document = parse(path);
   const Place root(path, document.root);
   check_type(root);
-  const CityFrame frame = read_vertices(root);
+  // A file of ours that contradicts itself has been damaged, and who knows where else.
+  const bool drop_broken = broken == BrokenObjects::kDrop && !root.has("tetropolis");
+  const CityFrame frame = read_vertices(root, drop_broken);
   CityModel model;
   model.origin = frame.origin;
   model.crs = read_crs(root);
@@ -418,10 +432,15 @@ CityModel read_city(const fs::path& path, std::vector<Warning>* warnings) {
   const Place objects = root.at("CityObjects");
   if (!objects.value().is_object()) objects.fail("is not an object");
   CityReader reader(frame, model);
-  for (const std::string& key : document.keys) reader.add(objects.at(key), key);
+  for (const std::string& key : document.keys) {
+    if (drop_broken)
+      reader.add_or_drop(objects.at(key), key);
+    else
+      reader.add(objects.at(key), key);
+  }
   reader.finish();
   if (warnings != nullptr) {
-    warn_of_objects(path, reader, model.dropped.size() - dropped_before, *warnings);
+    warn_of_objects(path, reader, std::span(model.dropped).subspan(dropped_before), *warnings);
     if (!states_its_extent(root, frame))
       warnings->push_back({"city_extent_differs", 1,
                            path.string() +

@@ -13,6 +13,11 @@ void Place::fail(std::string_view what) const {
                                              where_.empty() ? "the document" : where_, what));
 }
 
+std::string Place::without_file(std::string_view message) const {
+  const std::string begin = file_->string() + ": ";
+  return std::string(message.starts_with(begin) ? message.substr(begin.size()) : message);
+}
+
 Place Place::at(const std::string& key) const {
   if (!value_->is_object()) fail("is not an object");
   const auto found = value_->find(key);

@@ -22,6 +22,9 @@ class Place {
 
   [[noreturn]] void fail(std::string_view what) const;
 
+  /// What `fail` says, without the name of the file.
+  std::string without_file(std::string_view message) const;
+
   bool has(const char* key) const { return value_->is_object() && value_->contains(key); }
 
   Place at(const std::string& key) const;

@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <iterator>
+#include <map>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -320,6 +321,18 @@ void add_unread(const fs::path& folder, std::vector<CheckedFile>& files) {
         {"other formats", {fmt::format("not read: {}", fmt::join(there, ", "))}, {}, {}});
 }
 
+/// Of a model that `mesh` has read: buildings that it says it left out, which the mesh is without.
+void leave_out_dropped(const ReportedCity& reported, CityModel& city) {
+  const std::map<std::string, std::string> reasons(reported.dropped.begin(),
+                                                   reported.dropped.end());
+  std::erase_if(city.buildings, [&](const Building& building) {
+    const auto reason = reasons.find(building.source_ids.front());
+    if (reason == reasons.end()) return false;
+    for (const std::string& id : building.source_ids) city.dropped.push_back({id, reason->second});
+    return true;
+  });
+}
+
 void note_members(const CityModel& raw, const CityModel& city, double max_distance,
                   CheckedFile& file) {
   constexpr double kSearched = 0.02;  // metres: distances are searched to one centimetre
@@ -338,8 +351,10 @@ std::vector<CheckedFile> check_folder(const fs::path& folder, std::optional<doub
     const fs::path path = name == results::kCity ? sources.city : folder / name;
     if (path.empty() || !is_there(path)) continue;
     std::vector<Warning> warnings;
-    city = read_city(path, &warnings);
     const bool is_raw = name == results::kRawCity;
+    const bool was_read = !is_raw && report && !report->city_model.empty();
+    city = read_city(path, &warnings, was_read ? BrokenObjects::kDrop : BrokenObjects::kRefuse);
+    if (was_read && report->city) leave_out_dropped(*report->city, city);
     const std::optional<double> distance =
         distance_asked(name, is_raw ? std::nullopt : min_distance, report);
     const CityCheck check = check_city(city, distance);

@@ -11,6 +11,7 @@
 #include <fmt/format.h>
 
 #include "tetropolis/city/clearance.h"
+#include "tetropolis/city/clip.h"
 #include "tetropolis/city/heights.h"
 #include "tetropolis/core/error.h"
 #include "tetropolis/geometry/polygon.h"
@@ -111,6 +112,53 @@ std::string name_of(const Building& building) {
                      building.source_ids.empty() ? "?" : building.source_ids.front());
 }
 
+/// Why a building of another program, or beside the --bounds given, is left out; empty if it is
+/// not.
+std::string reason_to_leave_out(const Building& building, const Bounds2& domain, double distance) {
+  for (const double height : {building.h_ground, building.h_roof})
+    if (!is_elevation(height))
+      return fmt::format("reaches from {:.6g} to {:.6g} m, which are no elevations",
+                         building.h_ground, building.h_roof);
+  switch (position_in_domain(building.footprint, domain)) {
+    case DomainPosition::kOutside:
+      return "outside the domain";
+    case DomainPosition::kCrossing:
+      return "crosses the domain boundary";
+    case DomainPosition::kInside:
+      break;
+  }
+  // As cities are made: what is that close to the boundary leaves no room for cells.
+  const Bounds2 box = bounds(building.footprint);
+  const double room = std::min({box.xmin - domain.xmin, box.ymin - domain.ymin,
+                                domain.xmax - box.xmax, domain.ymax - box.ymax});
+  if (!is_clear(room, distance))
+    return "closer than --min-building-distance to the domain boundary";
+  return {};
+}
+
+/// Of a model that comes from elsewhere, or for another domain.
+void leave_out_unmeshable(const Config& config, CityModel& city, Report& report) {
+  const std::size_t before = city.dropped.size();
+  std::vector<Building> kept;
+  kept.reserve(city.buildings.size());
+  for (Building& building : city.buildings) {
+    std::string reason = reason_to_leave_out(building, city.domain, config.min_building_distance);
+    if (reason.empty()) {
+      kept.push_back(std::move(building));
+      continue;
+    }
+    for (const std::string& id : building.source_ids) city.dropped.push_back({id, reason});
+  }
+  city.buildings = std::move(kept);
+  const std::size_t left_out = city.dropped.size() - before;
+  if (left_out == 0) return;
+  const Dropped& first = city.dropped[before];
+  report.warnings.push_back(
+      {"city_buildings_left_out", static_cast<std::int64_t>(left_out),
+       fmt::format("{}: {} features are left out, the first, {}: {}; the domain is {}", config.city,
+                   left_out, first.source_id, first.reason, domain_text(city))});
+}
+
 /// A city model may come from anywhere; a mesh needs footprints that are valid and apart. Returns
 /// their clearance.
 double require_meshable(const Config& config, const CityModel& city) {
@@ -134,10 +182,8 @@ double require_meshable(const Config& config, const CityModel& city) {
   for (const Building& building : city.buildings)
     if (!city.domain.covers(bounds(building.footprint)))
       throw Error(ErrorKind::kInput,
-                  fmt::format("{}: building {} is not wholly in the domain, which is {}; give "
-                              "larger --bounds, or make the city with these ('tetropolis city "
-                              "--bounds ...')",
-                              config.city, building.id, domain_text(city)));
+                  fmt::format("{}: {} is not wholly in the domain, which is {}; give --bounds",
+                              config.city, name_of(building), domain_text(city)));
   const auto defects = footprint_defects(footprints, 1);
   if (!defects.empty()) {
     const auto first = static_cast<std::size_t>(std::max(defects.front().first.polygon, 0));
@@ -148,9 +194,9 @@ double require_meshable(const Config& config, const CityModel& city) {
   const Clearance clearance = joint_clearance(footprints, city.domain);
   if (!is_clear(clearance.distance, config.min_building_distance))
     fail(fmt::format(
-        "footprints come as close as {:.4f} m ({} m required) at building {}", clearance.distance,
+        "footprints come as close as {:.4f} m ({} m required) at {}", clearance.distance,
         config.min_building_distance,
-        city.buildings[static_cast<std::size_t>(std::max(clearance.vertex.polygon, 0))].id));
+        name_of(city.buildings[static_cast<std::size_t>(std::max(clearance.vertex.polygon, 0))])));
   return clearance.distance;
 }
 
@@ -169,7 +215,7 @@ void require_buildings(const Config& config, const CityModel& city) {
 }  // namespace
 
 CityAndTerrain read_meshable(const Config& config, Report& report) {
-  CityModel city = read_city(config.city, &report.warnings);
+  CityModel city = read_city(config.city, &report.warnings, BrokenObjects::kDrop);
   require_metres(city.crs, config.city);
   RasterInput terrain = read_raster(config.dtm, city.origin);
   report.warnings.insert(report.warnings.end(), terrain.warnings.begin(), terrain.warnings.end());
@@ -181,6 +227,7 @@ CityAndTerrain read_meshable(const Config& config, Report& report) {
   require_room(config, city.domain, source);
   require_terrain_under(config, city, terrain);
   if (city.crs.empty()) city.crs = terrain.crs;
+  if (source != config.city) leave_out_unmeshable(config, city, report);
   require_buildings(config, city);
   CityReport& city_report = report.city.emplace();
   city_report.min_clearance = require_meshable(config, city);

@@ -786,6 +786,69 @@ TEST(CityJson, BrokenDocumentsNameThePlace) {
   mentions(std::string(100000, '['), "byte");
 }
 
+TEST(CityJson, BrokenObjectsOfOthersCostNothingElse) {
+  const TemporaryFolder folder;
+  const fs::path path = folder / "a.json";
+  const CityModel sound = read_city(write_text(path, kTwoParts));
+  const auto expect_dropped = [&](const Json& file, const char* place) {
+    SCOPED_TRACE(place);
+    write_text(path, file.dump());
+    std::vector<Warning> warnings;
+    const CityModel model = read_city(path, &warnings, BrokenObjects::kDrop);
+    ASSERT_EQ(model.buildings.size(), 1U);
+    EXPECT_EQ(model.buildings[0].source_ids, (std::vector<std::string>{"a"}));
+    EXPECT_EQ(model.buildings[0].footprint.outer, sound.buildings[1].footprint.outer);
+    EXPECT_EQ(model.buildings[0].h_roof, sound.buildings[1].h_roof);
+    EXPECT_EQ(model.origin, sound.origin);
+    ASSERT_EQ(model.dropped.size(), 3U);
+    EXPECT_EQ(model.dropped[2].source_id, "y");
+    EXPECT_TRUE(model.dropped[2].reason.starts_with(place)) << model.dropped[2].reason;
+    ASSERT_FALSE(warnings.empty());
+    EXPECT_EQ(warnings[0].code, "city_objects_dropped");
+    EXPECT_EQ(warnings[0].count, 3);
+    // In a file of ours it is damage.
+    Json ours = file;
+    ours["tetropolis"] = Json::object();
+    write_text(path, ours.dump());
+    EXPECT_THROW(read_city(path, nullptr, BrokenObjects::kDrop), Error);
+  };
+  const Json whole = Json::parse(kTwoParts);
+  const auto changed = [&](const char* where, const Json& value) {
+    Json file = whole;
+    file[Json::json_pointer(where)] = value;
+    return file;
+  };
+  expect_dropped(changed("/CityObjects/y", nullptr), "/CityObjects/y is not an object");
+  expect_dropped(changed("/CityObjects/y/geometry", "x"),
+                 "/CityObjects/y/geometry is not an array");
+  const char* const solid = "/CityObjects/y/geometry/1/boundaries";
+  expect_dropped(changed(solid, 1), solid);
+  for (const Json& index : {Json(99), Json(-1), Json(1.5), Json(nullptr), Json("x")})
+    expect_dropped(changed("/CityObjects/y/geometry/1/boundaries/0/0/0/3", index), solid);
+  // Vertices that only the one has, which are told where it uses them.
+  Json apart = whole;
+  Json& boundaries = apart["CityObjects"]["y"]["geometry"][1]["boundaries"];
+  const std::size_t first = apart["vertices"].size();
+  for (Json& shell : boundaries)
+    for (Json& surface : shell)
+      for (Json& ring : surface)
+        for (Json& index : ring) {
+          const Json vertex = apart["vertices"][index.get<std::size_t>()];
+          index = apart["vertices"].size();
+          apart["vertices"].push_back(vertex);
+        }
+  for (const Json& vertex : {Json(nullptr), Json({1, 2}), Json({1, 2, "x"}), Json({1e300, 0, 0})}) {
+    Json file = apart;
+    file["vertices"][first] = vertex;
+    expect_dropped(file, solid);
+    // And where nobody does, nowhere.
+    file = whole;
+    file["vertices"].push_back(vertex);
+    write_text(path, file.dump());
+    EXPECT_EQ(read_city(path, nullptr, BrokenObjects::kDrop).buildings.size(), 2U);
+  }
+}
+
 TEST(CityJson, FilesThatCannotBeReadAreNamed) {
   const TemporaryFolder folder;
   // An ordinary file by its looks, whose first byte cannot be read.

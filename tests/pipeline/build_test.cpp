@@ -283,6 +283,71 @@ TEST_F(Build, MeshesJoinTheCityModelInItsFolder) {
   EXPECT_THROW(run_mesh(mesh), Error);
 }
 
+TEST_F(Build, MeshLeavesOutBuildingsOfOthersThatDoNotFit) {
+  run_city(city(SynthKind::kRandom, 10, 150, 4));
+  const RasterInput terrain = read_raster(scratch / "out/dtm.tif", {0, 0});
+  write_raster(scratch / "foreign.tif", terrain.raster, {0, 0}, terrain.crs);
+  nlohmann::json model = nlohmann::json::parse(bytes_of(scratch / "out/city.city.json"));
+  model.erase("tetropolis");
+  ASSERT_GE(model["CityObjects"].size(), 5U);
+  std::vector<std::string> keys;
+  for (auto& [key, object] : model["CityObjects"].items()) {
+    object.erase("attributes");
+    keys.push_back(key);
+  }
+  // The first is a kilometre to the east, the second a hundred high, the third broken.
+  const auto move = [&](const std::string& key, int axis, int by) {
+    std::set<std::size_t> moved;
+    for (const auto& surface : model["CityObjects"][key]["geometry"][0]["boundaries"][0])
+      for (const auto& ring : surface)
+        for (const auto& index : ring) moved.insert(index.get<std::size_t>());
+    for (const std::size_t v : moved) {
+      nlohmann::json& value = model["vertices"][v][static_cast<std::size_t>(axis)];
+      if (axis == 0 || value > model["vertices"][*moved.begin()][2]) value = value.get<int>() + by;
+    }
+  };
+  const double step = model["transform"]["scale"][0];
+  move(keys[0], 0, static_cast<int>(1000 / step));
+  move(keys[1], 2, static_cast<int>(100'000 / step));
+  model["CityObjects"][keys[2]]["geometry"][0]["boundaries"] = "x";
+  std::ofstream(scratch / "foreign.city.json") << model.dump();
+  Config mesh;
+  mesh.city = (scratch / "foreign.city.json").string();
+  mesh.dtm = (scratch / "foreign.tif").string();
+  mesh.mesh_size = 20;
+  mesh.out = (scratch / "mesh").string();
+  const Report report = run_mesh(mesh);
+  ASSERT_TRUE(report.city.has_value());
+  EXPECT_EQ(report.city->buildings, std::ssize(keys) - 3);
+  std::map<std::string, std::string> reasons;
+  for (const Dropped& dropped : report.city->dropped) reasons[dropped.source_id] = dropped.reason;
+  EXPECT_EQ(reasons.size(), 3U);
+  EXPECT_EQ(reasons[keys[0]], "outside the domain");
+  EXPECT_NE(reasons[keys[1]].find("no elevations"), std::string::npos) << reasons[keys[1]];
+  EXPECT_NE(reasons[keys[2]].find("is not an array"), std::string::npos) << reasons[keys[2]];
+  const auto left_out =
+      std::find_if(report.warnings.begin(), report.warnings.end(),
+                   [](const Warning& w) { return w.code == "city_buildings_left_out"; });
+  ASSERT_NE(left_out, report.warnings.end());
+  EXPECT_EQ(left_out->count, 2);
+  for (const CheckedFile& file : check_path(mesh.out, std::nullopt))
+    for (const Violation& violation : file.violations)
+      ADD_FAILURE() << file.name << ": " << violation.what << ": " << violation.first;
+  // Of our own for a part of the domain: the ones that are in it.
+  mesh.city = (scratch / "out/city.city.json").string();
+  mesh.dtm = (scratch / "out/dtm.tif").string();
+  const CityModel ours = read_city(mesh.city);
+  const Bounds2 whole = ours.domain.moved(ours.origin);
+  mesh.bounds = {whole.xmin, whole.ymin, (whole.xmin + whole.xmax) / 2, whole.ymax};
+  mesh.out = (scratch / "half").string();
+  const Report half = run_mesh(mesh);
+  EXPECT_GT(half.city->buildings, 0);
+  EXPECT_LT(half.city->buildings, std::ssize(ours.buildings));
+  for (const CheckedFile& file : check_path(mesh.out, std::nullopt))
+    for (const Violation& violation : file.violations)
+      ADD_FAILURE() << file.name << ": " << violation.what << ": " << violation.first;
+}
+
 /// Ellipsoidal heights under a city of orthometric ones, for instance.
 TEST_F(Build, ATerrainThatIsNotTheCitysIsNamed) {
   run_city(city(SynthKind::kRandom, 10, 150, 4));

@@ -32,6 +32,9 @@ namespace tetropolis {
 void write_city(const std::filesystem::path& path, const CityModel& model,
                 const std::string& title = "");
 
+/// What becomes of objects that contradict the format in files of other programs.
+enum class BrokenObjects { kRefuse, kDrop };
+
 /// Reads a city model.
 ///
 /// Files of write_city come back as they were: same order, same bits in coordinates and heights
@@ -60,7 +63,10 @@ void write_city(const std::filesystem::path& path, const CityModel& model,
 ///
 /// Errors, kInput with the path and the place in it ("/CityObjects/a/geometry/0/boundaries"):
 /// missing, not JSON (with the byte), not CityJSON, unknown version, wrong types, indices out of
-/// range, two objects with the same key, coordinates that are not finite.
-CityModel read_city(const std::filesystem::path& path, std::vector<Warning>* warnings = nullptr);
+/// range, two objects with the same key, coordinates that are not finite. With
+/// BrokenObjects::kDrop an object of another file that is one of these (or has a vertex that is)
+/// goes to `dropped`, with the place in its reason, and costs nothing else.
+CityModel read_city(const std::filesystem::path& path, std::vector<Warning>* warnings = nullptr,
+                    BrokenObjects broken = BrokenObjects::kRefuse);
 
 }  // namespace tetropolis
