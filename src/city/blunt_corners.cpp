@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstddef>
 #include <utility>
+#include <vector>
 
 #include "tetropolis/geometry/polygon.h"
 
@@ -58,17 +59,23 @@ class CornerBlunter {
   struct Walls {
     double la, lb;     ///< Lengths: to the vertex before, and to the one after.
     double sine;       ///< Of the angle between them.
-    double ring_area;  ///< Of the ring.
+    double ring_area;  ///< Of the ring, as it was when it was first asked for.
     /// Whether twice_area of a triangle at the corner is more than half of the ring's.
     bool is_most(double twice_area) const { return twice_area > ring_area; }
   };
+
+  double ring_area(std::int32_t v) {
+    ring_areas_.resize(o_.first.size(), -1);
+    double& area = ring_areas_[static_cast<std::size_t>(o_.ring_of(v))];
+    if (area < 0) area = std::abs(signed_area(ring_through(o_, v)));
+    return area;
+  }
 
   bool blunt(std::int32_t v) {
     const OutlineChange all = vertex_change(o_, v, ChangeKind::kMove);
     const Point2 tip = o_.at(v), a = o_.at(all.first), b = o_.at(all.last);
     const double la = distance(tip, a), lb = distance(tip, b);
-    const Walls walls{la, lb, grid::twice_area(tip, a, b) / (la * lb),
-                      std::abs(signed_area(ring_through(o_, v)))};
+    const Walls walls{la, lb, grid::twice_area(tip, a, b) / (la * lb), ring_area(v)};
     if (!(walls.sine > 0)) return false;
     // The width at the same distance from the tip along both walls is 2 sin(angle / 2) of it.
     const double half_sine =
@@ -160,6 +167,7 @@ class CornerBlunter {
 
   Outline& o_;
   const BluntOptions& options_;
+  std::vector<double> ring_areas_;  ///< Below 0 where unknown.
   double cosine_;
   ChangeJudge judge_;
 };

@@ -61,7 +61,10 @@ PlanarGraph make_graph(std::span<const Polygon> footprints, const Bounds2& domai
   const HilbertCurve curve(domain);
   std::vector<std::uint32_t> keys(footprints.size(), 0);
   for (std::size_t f = 0; f < footprints.size(); ++f)
-    if (!footprints[f].outer.empty()) keys[f] = curve(footprints[f].outer[0]);
+    // What is not finite is refused with its ring.
+    if (const Ring& outer = footprints[f].outer;
+        !outer.empty() && std::isfinite(outer[0].x) && std::isfinite(outer[0].y))
+      keys[f] = curve(outer[0]);
   for (const std::int32_t building : sorted_order(keys)) {
     const Polygon& footprint = footprints[static_cast<std::size_t>(building)];
     add_ring(footprint.outer, false, building, domain, options, graph);

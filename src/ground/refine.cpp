@@ -142,8 +142,8 @@ int Refiner::oversized_bucket(const TriMesh::Triangle& x, const Shape& s, int ed
 
 void Refiner::consider(std::int32_t t) {
   TriMesh::Triangle& x = mesh_.tri(t);
-  if (x.v[0] == TriMesh::kDead || x.spare != 0) return;
-  x.spare = 1;
+  if (x.v[0] == TriMesh::kDead || x.considered != 0) return;
+  x.considered = 1;
   for (int i = 0; i < 3; ++i) {
     if (x.n[i] >= 0) continue;
     const TriMesh::Subsegment& s = mesh_.sub(~x.n[i]);
@@ -323,7 +323,7 @@ void Refiner::improve(const BadTriangle& bad) {
   const auto again = [&] {
     TriMesh::Triangle& now = mesh_.tri(bad.t);
     if (now.v[0] != bad.v[0] || now.v[1] != bad.v[1] || now.v[2] != bad.v[2]) return;
-    now.spare = 0;
+    now.considered = 0;
     consider(bad.t);
   };
   if (const int edge = oversized_edge(x, s); edge >= 0 && x.n[edge] < 0) {
@@ -360,7 +360,7 @@ void Refiner::improve(const BadTriangle& bad) {
 // fetch nearly every triangle from far memory, for a thousandth fewer of them in the end.
 void Refiner::run(const std::vector<std::int32_t>& ends, const Progress& progress) {
   mesh_.touched.clear();
-  for (TriMesh::Triangle& x : mesh_.triangles) x.spare = 0;
+  for (TriMesh::Triangle& x : mesh_.triangles) x.considered = 0;
   const double share = 1 / static_cast<double>(std::max<std::size_t>(ends.size(), 1));
   patches_.reserve(ends.size());
   std::int32_t first = 0;

@@ -28,7 +28,7 @@ class TriMesh {
     std::int32_t v[3];
     std::int32_t n[3];
     std::int32_t region;
-    std::int32_t spare;
+    std::int32_t considered;  ///< The refiner's mark; 0 in every triangle that an operation makes.
   };
 
   /// side[0] is the half-edge that runs from v[0] to v[1], side[1] the one back; or kNothing.

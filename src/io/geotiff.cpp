@@ -134,7 +134,9 @@ Grid check_grid(const fs::path& path, GDALDatasetH dataset) {
   const auto& t = grid.transform;
   if (!std::all_of(t.begin(), t.end(), [](double v) { return std::isfinite(v); }) || !(t[1] > 0))
     fail_input(path, "has an invalid georeference; rewrite it with gdalwarp");
-  if (t[2] != 0 || t[4] != 0 || t[5] >= 0)
+  // What rounding leaves of a rotation moves no pixel by a thousandth.
+  const double pixels = std::max(grid.nx, grid.ny);
+  if (std::max(std::abs(t[2]), std::abs(t[4])) * pixels > 1e-3 * t[1] || t[5] >= 0)
     fail_input(path, "is rotated or south up; make it north up with gdalwarp");
   if (std::abs(t[1] + t[5]) > 1e-6 * t[1])
     fail_input(path, fmt::format("has pixels of {} x {}; make them square with gdalwarp -tr", t[1],
@@ -174,8 +176,9 @@ std::vector<double> read_values(const fs::path& path, GDALDatasetH dataset, cons
       outcome = GDALRasterIO(GDALGetMaskBand(band), GF_Read, 0, line, grid.nx, 1, mask.data(),
                              grid.nx, 1, GDT_Byte, 0, 0);
     if (outcome != CE_None)
-      fail_input(path, fmt::format("row {} cannot be read{}; the file is cut or broken", line,
-                                   errors.reason()));
+      fail_input(path,
+                 fmt::format("row {} cannot be read{}; the file is cut or broken, get it again",
+                             line, errors.reason()));
     for (std::size_t i = 0; i < nx; ++i) {
       const bool missing = (has_nodata != 0 && (row[i] == nodata || row[i] == nodata_stored)) ||
                            (masked && mask[i] == 0);

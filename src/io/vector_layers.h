@@ -24,6 +24,8 @@ class FootprintLayer {
   OGRGeometryH geometry_of(OGRFeatureH feature) const {
     return OGR_F_GetGeomFieldRef(feature, field_);
   }
+  /// Whether it is a query for OpenStreetMap's buildings.
+  bool is_of_osm() const { return selected_ != nullptr; }
   /// Null if the layer states none.
   OGRSpatialReferenceH reference_system() const;
 

@@ -5,6 +5,7 @@
 #include <cstring>
 #include <memory>
 #include <optional>
+#include <set>
 #include <string_view>
 #include <system_error>
 #include <type_traits>
@@ -25,6 +26,7 @@
 #include "gdal_support.h"
 #include "incomplete_file.h"
 #include "input_file.h"
+#include "osm_account.h"
 #include "shapefile_members.h"
 #include "vector_geometry.h"
 #include "vector_layers.h"
@@ -279,7 +281,12 @@ class LayerReader {
         id_name_(options.id_attribute),
         units_(units_of(source.reference_system(), options.source_crs)),
         shells_by_turn_(shells_by_turn),
-        result_(result) {}
+        result_(result) {
+    if (!source.is_of_osm()) return;
+    OGRFeatureDefnH columns = OGR_L_GetLayerDefn(layer_);
+    osm_relation_ = OGR_FD_GetFieldIndex(columns, "osm_id");
+    osm_way_ = OGR_FD_GetFieldIndex(columns, "osm_way_id");
+  }
 
   /// `count`: whether the format tells how many features there are.
   void read(gdal::QuietErrors& errors, Count count) {
@@ -320,6 +327,20 @@ class LayerReader {
     report();
   }
 
+  /// Of the buildings of an OpenStreetMap file in XML that GDAL has made no area of, or not all.
+  void account_for_osm() {
+    if (osm_relation_ < 0 || osm_way_ < 0 || lower_case(path_.extension().string()) != ".osm")
+      return;
+    OsmAccount account = account_of_osm(path_, osm_read_);
+    result_.features_read += std::ssize(account.lost);
+    for (Dropped& lost : account.lost) result_.dropped.push_back(std::move(lost));
+    if (const std::vector<std::string>& ways = account.cornered; !ways.empty())
+      warn("osm_nodes_missing", std::ssize(ways),
+           fmt::format("{} buildings lack corners whose nodes are not in the file, the first: {}; "
+                       "get an extract with whole ways",
+                       ways.size(), ways.front()));
+  }
+
   /// Of what was read with errors.
   void warn_of_errors(std::int64_t count, const std::string& first) {
     warn("footprints_read_errors", count,
@@ -343,8 +364,16 @@ class LayerReader {
     result_.dropped.push_back({ids_.unique(std::string(number)), std::move(reason)});
   }
 
+  void note_osm(OGRFeatureH feature) {
+    for (const auto& [is_relation, field] :
+         {std::pair{true, osm_relation_}, std::pair{false, osm_way_}})
+      if (field >= 0 && OGR_F_IsFieldSetAndNotNull(feature, field) != 0)
+        osm_read_.insert({is_relation, OGR_F_GetFieldAsInteger64(feature, field)});
+  }
+
   void add(OGRFeatureH feature) {
     const std::string id = feature_id(feature);
+    note_osm(feature);
     FlatGeometry flat = flatten(source_.geometry_of(feature), units_);
     if (flat.is_body)
       ++bodies_;
@@ -433,6 +462,9 @@ class LayerReader {
   std::int64_t mixed_ = 0;
   std::int64_t yards_ = 0;
   std::int64_t bodies_ = 0;
+  int osm_relation_ = kNoField;  ///< Columns of OpenStreetMap's numbers.
+  int osm_way_ = kNoField;
+  std::set<OsmId> osm_read_;
 };
 
 Bounds2 bounds_of(std::vector<Footprint>& features) {
@@ -536,6 +568,7 @@ FootprintsInput read_footprints(const fs::path& path, const ReadFootprintsOption
   LayerReader reader(path, source, options, result,
                      is_of_format(file.dataset.get(), "ESRI Shapefile"));
   reader.read(errors, count_of(file.dataset.get()));
+  reader.account_for_osm();
   // Where features are parsed again as they are read, that has told of them.
   if (file.opening_errors > 0 && errors.failures() == 0)
     reader.warn_of_errors(file.opening_errors, file.first_error);

@@ -91,7 +91,7 @@ class MeshImprover {
   void look_again(std::span<const VertexIndex> columns);
   std::vector<VertexIndex> search(const char* name, ImproveOptions options);
   void move_nodes();
-  void straighten_faces();
+  void straighten_faces(std::vector<VertexIndex>& improved);
 
   void make_room();
   ColumnPlanOptions cut_terrain_back();
@@ -139,21 +139,24 @@ std::vector<VertexIndex> MeshImprover::search(const char* name, ImproveOptions o
 
 /// Makes thin cells and faces beyond kMostNonOrthogonal better if there are any.
 void MeshImprover::move_nodes() {
-  volume_.columns_improved = 0;
+  std::vector<VertexIndex> improved;
   if (faults_.counts().cells_outside(Asked::kGood) > 0) {
     const std::vector<VertexIndex> changed = search("improve cells", {});
     if (!changed.empty()) {
-      volume_.columns_improved = static_cast<std::int64_t>(changed.size());
+      improved = changed;
       volume_.min_vertical_gap = valid_gap();
       look_again(changed);
     }
   }
-  straighten_faces();
+  straighten_faces(improved);
+  std::sort(improved.begin(), improved.end());
+  volume_.columns_improved = std::unique(improved.begin(), improved.end()) - improved.begin();
 }
 
 /// Works on faces beyond kMostNonOrthogonal, asking more and more of the cells there, too: better
-/// cells have better faces. Keeps what leaves fewer of these faces and no worse cells.
-void MeshImprover::straighten_faces() {
+/// cells have better faces. Keeps what leaves fewer of these faces and no worse cells, and adds its
+/// columns to `improved`.
+void MeshImprover::straighten_faces(std::vector<VertexIndex>& improved) {
   constexpr double kStraight = 68;  // degrees, a little less than is allowed
   constexpr std::array kTargets{AngleBounds{12, 157}, AngleBounds{16, 152}, AngleBounds{20, 148}};
   ColumnMesh& mesh = columns_.mesh;
@@ -176,7 +179,7 @@ void MeshImprover::straighten_faces() {
         now.cells_outside(Asked::kFloor) <= then.cells_outside(Asked::kFloor) &&
         (has_many_thin_cells(then) || !has_many_thin_cells(now))) {
       volume_.min_vertical_gap = valid_gap();
-      volume_.columns_improved += static_cast<std::int64_t>(changed.size());
+      improved.insert(improved.end(), changed.begin(), changed.end());
       continue;
     }
     std::tie(mesh.first, mesh.roof, mesh.z) = std::move(before);
@@ -185,14 +188,14 @@ void MeshImprover::straighten_faces() {
 }
 
 /// Makes the columns anew with the terrain cut back as `options` say; they were `before`. Leaves
-/// all as it is, with the result false, if that lowers nothing or takes too much memory.
+/// all as it is, with the result false, if that lowers nothing. Too many cells for the memory are
+/// an error: else the mesh would depend on the machine.
 bool MeshImprover::make_cut_columns(const ColumnPlanOptions& options, Columns& before) {
   const GroundMesh& ground = columns_.mesh.ground;
   ColumnPlan plan = plan_columns(ground, dtm_, columns_.plan.roofs, columns_.plan.spacing, options);
-  if (plan.ground == columns_.plan.ground ||
-      !cells_fit(config_, size_, static_cast<double>(ground.triangles.size()),
-                 estimate_cells(plan)))
-    return false;
+  if (plan.ground == columns_.plan.ground) return false;
+  require_cells_fit(config_, size_, static_cast<double>(ground.triangles.size()),
+                    estimate_cells(plan));
   plan.top = columns_.plan.top;
   before = std::exchange(columns_, {});
   columns_.plan = std::move(plan);

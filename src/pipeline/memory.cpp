@@ -58,7 +58,11 @@ std::string in_words(double bytes) {
                      : fmt::format("{:.1f} GB", bytes / 1e9);
 }
 
-/// What the bytes and cells of an estimate are multiplied by.
+double bytes_without_mesh(const Config& config, const CitySize& city) {
+  return bytes_of(config, 0, 0, city.terrain_nodes);
+}
+
+/// What the bytes of the mesh and the cells of an estimate are multiplied by.
 struct Correction {
   double bytes, cells;
 };
@@ -66,14 +70,14 @@ struct Correction {
 /// Throws what `begin` says, and the least mesh size that fits.
 [[noreturn]] void refuse(const Config& config, const CitySize& city, const Correction& correction,
                          const std::string& begin) {
-  const double limit = memory_limit(config);
+  const double limit = memory_limit(config), fixed = bytes_without_mesh(config, city);
   Config coarse = config;
   constexpr double kCoarsest = 1e4;  // as the setting allows
   while (coarse.mesh_size < kCoarsest) {
     // A fiftieth more, rounded up to the next five centimetres.
     coarse.mesh_size = std::min(std::ceil(1.02 * coarse.mesh_size * 20) / 20, kCoarsest);
     const MeshEstimate fits = estimate_mesh(coarse, city);
-    if (correction.bytes * fits.bytes > limit) continue;
+    if (fixed + correction.bytes * (fits.bytes - fixed) > limit) continue;
     throw Error(ErrorKind::kUsage,
                 fmt::format("{}; about {:.2g} cells fit, with --mesh-size {:.2f}", begin,
                             correction.cells * fits.cells, coarse.mesh_size));
@@ -138,16 +142,14 @@ void require_mesh_fits(const Config& config, const CitySize& city) {
                      in_words(estimate.bytes), in_words(limit)));
 }
 
-bool cells_fit(const Config& config, const CitySize& city, double triangles, double cells) {
-  return bytes_of(config, triangles, cells, city.terrain_nodes) <= memory_limit(config);
-}
-
 void require_cells_fit(const Config& config, const CitySize& city, double triangles, double cells) {
-  if (cells_fit(config, city, triangles, cells)) return;
   const double limit = memory_limit(config);
   const double bytes = bytes_of(config, triangles, cells, city.terrain_nodes);
+  if (bytes <= limit) return;
   const MeshEstimate estimate = estimate_mesh(config, city);
-  refuse(config, city, {kScalingError * bytes / estimate.bytes, cells / estimate.cells},
+  const double fixed = bytes_without_mesh(config, city);
+  refuse(config, city,
+         {kScalingError * (bytes - fixed) / (estimate.bytes - fixed), cells / estimate.cells},
          fmt::format("the mesh would have {:.3g} cells and need {} of {}", cells, in_words(bytes),
                      in_words(limit)));
 }

@@ -42,9 +42,6 @@ void require_mesh_fits(const Config& config, const CitySize& city);
 /// The same for counts that are known by now.
 void require_cells_fit(const Config& config, const CitySize& city, double triangles, double cells);
 
-/// Whether require_cells_fit would return.
-bool cells_fit(const Config& config, const CitySize& city, double triangles, double cells);
-
 /// Throws Error(kUsage) that tells the memory of the points of the domain and its terrain, once
 /// these are counted, unless it is below the limit.
 void require_points_fit(const Config& config, double points, double terrain_nodes);

@@ -15,7 +15,7 @@ namespace {
 constexpr double kLeastGap = 100;       // metres
 constexpr double kLeastGapShare = 0.1;  // of the extent
 constexpr std::size_t kFew = 10;        // points; a tile's corner has more
-constexpr std::size_t kMany = 100;      // times that, of the rest
+constexpr std::size_t kMany = 100;      // points in all; a twentieth of a small cloud
 constexpr std::size_t kBins = 1000;     // a hundred in the least gap of a wide domain
 constexpr std::size_t kGrain = std::size_t{1} << 20;
 

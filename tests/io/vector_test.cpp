@@ -1177,6 +1177,60 @@ TEST(Vector, OfOpenStreetMapOnlyBuildingsAreRead) {
   EXPECT_EQ(input.features_read, 2);
 }
 
+TEST(Vector, BuildingsThatOpenStreetMapExtractsLackPartsOfAreAccountedFor) {
+  const TemporaryFolder folder;
+  std::string nodes;
+  for (int k = 0; k < 40; ++k) {
+    const double dx = k % 4 == 1 || k % 4 == 2 ? 0.001 : 0, dy = k % 4 >= 2 ? 0.001 : 0;
+    nodes += fmt::format("<node id=\"{}\" lat=\"{}\" lon=\"{}\"/>\n", 100 + k, 50 + dy,
+                         7 + 0.01 * (k / 4) + dx);
+  }
+  const auto way = [](int id, const std::vector<int>& refs, const char* tags) {
+    std::string text = fmt::format("<way id='{}' version=\"1\">", id);
+    for (const int ref : refs) text += fmt::format("<nd ref=\"{}\"/>", ref);
+    return text + tags + "</way>\n";
+  };
+  const auto relation = [](int id, const std::vector<int>& members, const char* tags) {
+    std::string text = fmt::format("<relation id=\"{}\" version=\"1\">", id);
+    for (std::size_t k = 0; k < members.size(); ++k)
+      text += fmt::format("<member type=\"way\" ref=\"{}\" role=\"{}\"/>", members[k],
+                          k == 0 ? "outer" : "inner");
+    return text + tags + "</relation>\n";
+  };
+  constexpr const char* kHouse = "<tag k=\"building\" v=\"yes\"/>";
+  constexpr const char* kArea = "<tag k=\"building\" v=\"yes\"/><tag k=\"type\" v=\"multipolygon\"/>";
+  const std::string text =
+      "<?xml version=\"1.0\"?>\n<!-- <way id=\"9\"> > <tag k=\"building\" v=\"yes\"/></way> -->\n"
+      "<osm version=\"0.6\">\n" +
+      nodes + way(1, {100, 101, 102, 103, 100}, kHouse) +
+      way(2, {104, 105, 106, 107}, kHouse) +                                  // not closed
+      way(3, {108, 109, 999, 111, 108}, kHouse) +                             // lacks a corner
+      way(4, {990, 991, 992, 990}, kHouse) +                                  // lacks all
+      way(5, {112, 113, 114, 115, 112}, "<tag k=\"note\" v=\"a > b\"/>") +   // of the relations
+      way(6, {116, 117, 118, 119, 116}, "<tag k=\"building\" v=\"no\"/>") +
+      way(7, {120, 121, 122, 123, 120}, "<tag k=\"landuse\" v=\"grass\"/>") +
+      way(8, {124, 125, 126, 127}, "<tag k=\"barrier\" v=\"wall\"/>") +
+      relation(20, {5, 999}, kArea) + relation(21, {7}, kArea) +
+      relation(22, {7}, "<tag k=\"building\" v=\"yes\"/><tag k=\"type\" v=\"route\"/>") +
+      relation(23, {7}, "<tag k=\"building\" v=\"yes\"/><tag k=\"type\" v=\"building\"/>") +
+      "<way id=\"10\" action=\"delete\"><nd ref=\"100\"/>" + kHouse + "</way>\n</osm>\n";
+  const FootprintsInput input = read_footprints(write_text(folder / "a.osm", text));
+  std::map<std::string, std::string> lost;
+  for (const Dropped& dropped : input.dropped) lost[dropped.source_id] = dropped.reason;
+  EXPECT_EQ(lost, (std::map<std::string, std::string>{
+                      {"way/2", "a way that is not closed"},
+                      {"way/4", "4 of its 4 nodes are not in the file"},
+                      {"relation/20", "1 of its 2 ways are not in the file"},
+                      {"relation/22", "a relation of type 'route', which is no area"}}));
+  EXPECT_EQ(input.features.size(), 3U);  // ways 1 and 3, relation 21
+  EXPECT_EQ(input.features_read, 7);
+  const auto told = std::find_if(input.warnings.begin(), input.warnings.end(),
+                                 [](const Warning& w) { return w.code == "osm_nodes_missing"; });
+  ASSERT_NE(told, input.warnings.end());
+  EXPECT_EQ(told->count, 1);
+  EXPECT_NE(told->message.find("way/3"), std::string::npos) << told->message;
+}
+
 /// A few broken coordinates do not make the others metres; metres are none of degrees even where
 /// many would do.
 TEST(Vector, BrokenFeaturesAreDroppedFromFilesInDegrees) {
