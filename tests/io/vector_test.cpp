@@ -1198,15 +1198,16 @@ TEST(Vector, BuildingsThatOpenStreetMapExtractsLackPartsOfAreAccountedFor) {
     return text + tags + "</relation>\n";
   };
   constexpr const char* kHouse = "<tag k=\"building\" v=\"yes\"/>";
-  constexpr const char* kArea = "<tag k=\"building\" v=\"yes\"/><tag k=\"type\" v=\"multipolygon\"/>";
+  constexpr const char* kArea =
+      "<tag k=\"building\" v=\"yes\"/><tag k=\"type\" v=\"multipolygon\"/>";
   const std::string text =
       "<?xml version=\"1.0\"?>\n<!-- <way id=\"9\"> > <tag k=\"building\" v=\"yes\"/></way> -->\n"
       "<osm version=\"0.6\">\n" +
       nodes + way(1, {100, 101, 102, 103, 100}, kHouse) +
-      way(2, {104, 105, 106, 107}, kHouse) +                                  // not closed
-      way(3, {108, 109, 999, 111, 108}, kHouse) +                             // lacks a corner
-      way(4, {990, 991, 992, 990}, kHouse) +                                  // lacks all
-      way(5, {112, 113, 114, 115, 112}, "<tag k=\"note\" v=\"a > b\"/>") +   // of the relations
+      way(2, {104, 105, 106, 107}, kHouse) +                                // not closed
+      way(3, {108, 109, 999, 111, 108}, kHouse) +                           // lacks a corner
+      way(4, {990, 991, 992, 990}, kHouse) +                                // lacks all
+      way(5, {112, 113, 114, 115, 112}, "<tag k=\"note\" v=\"a > b\"/>") +  // of the relations
       way(6, {116, 117, 118, 119, 116}, "<tag k=\"building\" v=\"no\"/>") +
       way(7, {120, 121, 122, 123, 120}, "<tag k=\"landuse\" v=\"grass\"/>") +
       way(8, {124, 125, 126, 127}, "<tag k=\"barrier\" v=\"wall\"/>") +
