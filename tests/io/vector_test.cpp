@@ -12,6 +12,7 @@
 #include <memory>
 #include <random>
 #include <set>
+#include <string_view>
 
 #include <fmt/format.h>
 #include <gtest/gtest.h>
