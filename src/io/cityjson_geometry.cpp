@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
+#include <cstddef>
 #include <cstdint>
 #include <limits>
 #include <optional>
@@ -126,6 +127,23 @@ std::optional<double> level_of_detail(const Place& geometry) {
   return error == std::errc() ? std::optional(level) : std::nullopt;
 }
 
+/// Makes vertices not finite that are so far from most that no city reaches there: one such would
+/// take the origin with it.
+void drop_wild(std::vector<Point3>& vertices, const Point3& scale) {
+  constexpr double kFarthest = 1e6;  // metres
+  constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+  for (std::size_t axis = 0; axis < 2; ++axis) {
+    std::vector<double> values;
+    for (const Point3& v : vertices)
+      if (std::isfinite(v[axis])) values.push_back(v[axis]);
+    if (values.empty()) return;
+    const auto median = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+    std::nth_element(values.begin(), median, values.end());
+    for (Point3& v : vertices)
+      if (std::abs(v[axis] - *median) * std::abs(scale[axis]) > kFarthest) v = {kNaN, kNaN, kNaN};
+  }
+}
+
 }  // namespace
 
 CityFrame read_vertices(const Place& root, bool keep_broken) {
@@ -155,6 +173,7 @@ CityFrame read_vertices(const Place& root, bool keep_broken) {
              : Point3{kNaN, kNaN, kNaN});
   }
   Bounds2 box = Bounds2::nothing();
+  if (keep_broken) drop_wild(frame.vertices, scale);
   const auto is_near_earth = [](double v) { return std::abs(v) <= kMostMetres; };
   for (const Point3& v : frame.vertices) {
     const Point2 p{translate[0] + v[0] * scale[0], translate[1] + v[1] * scale[1]};

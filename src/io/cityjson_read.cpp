@@ -203,7 +203,9 @@ Heights heights_of(std::span<const Face> faces, std::span<const Polygon> footpri
 
 class CityReader {
  public:
-  CityReader(const CityFrame& frame, CityModel& model) : frame_(frame), model_(model) {}
+  /// `keys`: of all objects of the file.
+  CityReader(const CityFrame& frame, std::span<const std::string> keys, CityModel& model)
+      : frame_(frame), keys_(keys.begin(), keys.end()), model_(model) {}
 
   void add(const Place& object, const std::string& key) {
     const std::string& type = object.at("type").text();
@@ -284,6 +286,7 @@ class CityReader {
     std::vector<std::vector<Face>> parts;
     if (footprint.polygons.size() > 1) parts = share_out(faces, footprint.polygons);
     bool is_flattened = false;
+    std::size_t number = 1;
     for (std::size_t k = 0; k < footprint.polygons.size(); ++k) {
       Heights heights = whole;
       if (!parts.empty()) heights = heights_of(parts[k], {&footprint.polygons[k], 1});
@@ -291,7 +294,9 @@ class CityReader {
       if (heights.high - heights.low < kLeastHeight) heights = whole;
       is_flattened = is_flattened || heights.is_flattened;
       Building building;
-      building.source_ids = {k == 0 ? key : fmt::format("{}#{}", key, k + 1)};
+      std::string id = key;
+      while (k > 0 && keys_.contains(id)) id = fmt::format("{}#{}", key, ++number);
+      building.source_ids = {std::move(id)};
       building.footprint = std::move(footprint.polygons[k]);
       building.h_ground = heights.low;
       building.h_roof = heights.high;
@@ -301,6 +306,7 @@ class CityReader {
   }
 
   const CityFrame& frame_;
+  std::unordered_set<std::string> keys_;
   CityModel& model_;
   std::vector<std::string> other_solids_;
   std::vector<std::string> unknown_types_;
@@ -431,7 +437,7 @@ CityModel read_city(const fs::path& path, std::vector<Warning>* warnings, Broken
   const std::size_t dropped_before = model.dropped.size();
   const Place objects = root.at("CityObjects");
   if (!objects.value().is_object()) objects.fail("is not an object");
-  CityReader reader(frame, model);
+  CityReader reader(frame, document.keys, model);
   for (const std::string& key : document.keys) {
     if (drop_broken)
       reader.add_or_drop(objects.at(key), key);

@@ -31,6 +31,22 @@ void require_proj_database() {
                           : "unset " + folders)));
 }
 
+/// By the texts of GDAL 3.6. What is not known here is about anything.
+About about(std::string_view text) {
+  const auto has = [&](std::string_view part) { return text.find(part) != text.npos; };
+  if (has("crs not found")) return About::kSystem;
+  if (has("FeatureCollection")) return About::kAnything;
+  if (text.starts_with("Invalid '") && has("coordinate")) return About::kGeometry;
+  if (text.starts_with("Invalid ") && has(" object. Missing '")) return About::kGeometry;
+  if (has("Got NULL geometry as Member")) return About::kGeometry;
+  for (const std::string_view begin :
+       {"Did not get at least", "Did not get 2+ values", "Corrupt <", "Invalid exterior ring",
+        "Invalid interior ring", "Invalid surfaceMember", "Invalid polygonMember",
+        "Invalid LinearRing", "Invalid Polygon", "Invalid patch", "Invalid curve"})
+    if (text.starts_with(begin)) return About::kGeometry;
+  return About::kAnything;
+}
+
 }  // namespace
 
 void initialise() {
@@ -68,6 +84,8 @@ void CPL_STDCALL QuietErrors::collect(CPLErr kind, CPLErrorNum, const char* mess
     std::string line = one_line(message);
     while (!line.empty() && (line.back() == ' ' || line.back() == '.')) line.pop_back();
     if (is_first) self->first_ = line;
+    Some& some = self->by_about_[static_cast<std::size_t>(about(line))];
+    if (some.count++ == 0) some.first = line;
     self->last_ = std::move(line);
   } catch (...) {  // No memory for the text. GDAL, which calls this, is C.
   }
@@ -79,6 +97,7 @@ void QuietErrors::reset() {
   failures_ = 0;
   first_.clear();
   last_.clear();
+  by_about_ = {};
   passed_over_.clear();
 }
 

@@ -1,6 +1,8 @@
 // Thin ownership around the GDAL C API: registration, quiet errors, handles. Private to src/io.
 #pragma once
 
+#include <array>
+#include <cstddef>
 #include <cstdint>
 #include <memory>
 #include <string>
@@ -23,6 +25,14 @@ void initialise();
 /// Text that GDAL hands over, in UTF-8: what is not is taken for Latin-1.
 std::string utf8(const char* text);
 
+/// What a failure of GDAL's readers is about, as far as its text tells.
+enum class About {
+  kGeometry,  ///< That of one feature, in JSON or GML: a coordinate that is text, an odd number of
+              ///< them, a member that is missing.
+  kSystem,    ///< A reference system that PROJ does not know.
+  kAnything,  ///< Else, such as a file that is cut.
+};
+
 /// While it lives, GDAL's messages on this thread are collected here and printed nowhere.
 class QuietErrors {
  public:
@@ -37,17 +47,27 @@ class QuietErrors {
   const std::string& last() const { return last_; }
   /// ": " and the last failure, or nothing: to end an error message with.
   std::string reason() const;
+  /// The same of some of them.
+  std::int64_t failures(About about) const { return of(about).count; }
+  const std::string& first(About about) const { return of(about).first; }
   void reset();
 
   /// What GDAL says of features that it passes over, because their geometry cannot be read.
   const std::vector<std::string>& passed_over() const { return passed_over_; }
 
  private:
+  struct Some {
+    std::int64_t count = 0;
+    std::string first;
+  };
+  const Some& of(About about) const { return by_about_[static_cast<std::size_t>(about)]; }
+
   static void CPL_STDCALL collect(CPLErr kind, CPLErrorNum number, const char* message) noexcept;
 
   std::int64_t failures_ = 0;
   std::string first_;
   std::string last_;
+  std::array<Some, 3> by_about_;
   std::vector<std::string> passed_over_;
 };
 

@@ -8,6 +8,8 @@
 
 #include <fmt/format.h>
 
+#include "tetropolis/core/text.h"
+
 #include "positioned_file.h"
 
 namespace tetropolis {
@@ -27,12 +29,11 @@ class TagReader {
     for (;;) {
       if (!skip_to('<')) return false;
       if (!read_tag(tag)) return false;
-      if (!tag.starts_with("!--")) return true;
-      // A comment, which may hold anything.
-      while (!tag.ends_with("--")) {
+      if (tag != kComment) return true;
+      // It may hold anything.
+      while (!tag.ends_with("-->")) {
         const int c = get();
         if (c < 0) return false;
-        if (c == '>' && tag.ends_with("--")) break;
         tag += static_cast<char>(c);
       }
       tag.clear();
@@ -46,7 +47,9 @@ class TagReader {
     return false;
   }
 
-  /// Up to the bracket that is in no attribute.
+  static constexpr std::string_view kComment = "!--";
+
+  /// Up to the bracket that is in no attribute, or the beginning of a comment.
   bool read_tag(std::string& tag) {
     char quote = 0;
     for (int c = get(); c >= 0; c = get()) {
@@ -57,6 +60,7 @@ class TagReader {
       else if (quote == character)
         quote = 0;
       tag += character;
+      if (tag == kComment) return true;
     }
     return false;
   }
@@ -141,10 +145,12 @@ class OsmReader {
       if (element.id.first && read.contains(element.id))
         of_relations.insert(element.parts.begin(), element.parts.end());
     OsmAccount account;
+    std::set<OsmId> seen;  // merged extracts may hold one twice
     for (const Element& element : elements_) {
       if (!element.is_building || element.is_deleted || is_group(element)) continue;
       const auto [is_relation, id] = element.id;
       if (!is_relation && of_relations.contains(id)) continue;
+      if (!seen.insert(element.id).second) continue;
       const std::string name = fmt::format("{}/{}", is_relation ? "relation" : "way", id);
       if (!read.contains(element.id))
         account.lost.push_back({name, why_lost(element)});
@@ -165,12 +171,13 @@ class OsmReader {
       current_.is_deleted =
           attribute(tag, "action") == "delete" || attribute(tag, "visible") == "false";
     } else if (name == "nd") {
+      if (current_.id.first) return;  // of a member's geometry
       current_.parts.push_back(number(tag, "ref"));
     } else if (name == "member") {
       if (attribute(tag, "type") == "way") current_.parts.push_back(number(tag, "ref"));
     } else if (name == "tag") {
       const std::string_view key = attribute(tag, "k"), value = attribute(tag, "v");
-      if (key == "building") current_.is_building = value != "no";
+      if (key == "building") current_.is_building = lower_case(std::string(value)) != "no";
       if (key == "type") current_.type = value;
     } else if (name == "/way") {
       ways_.insert(current_.id.second);

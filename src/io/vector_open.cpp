@@ -144,16 +144,15 @@ void require_no_pipes_in(const fs::path& folder) {
       require_ordinary_file(entry->path());
 }
 
-/// Whether an error of GDAL's readers of JSON is about the geometry of one feature, which they then
-/// leave out: of a coordinate that is text, a member that is missing.
-bool is_of_one_geometry(std::string_view error) {
-  return error.starts_with("Invalid ") && error.find("FeatureCollection") == error.npos;
-}
-
 }  // namespace
 
 bool is_of_format(GDALDatasetH dataset, std::string_view begin) {
   return std::string_view(GDALGetDriverShortName(GDALGetDatasetDriver(dataset))).starts_with(begin);
+}
+
+bool drops_geometries(GDALDatasetH dataset) {
+  return is_of_format(dataset, "GeoJSON") || is_of_format(dataset, "ESRIJSON") ||
+         is_of_format(dataset, "GML");
 }
 
 VectorFile open_vector(const fs::path& path, const gdal::QuietErrors& errors, bool any_crs) {
@@ -195,22 +194,18 @@ VectorFile open_vector(const fs::path& path, const gdal::QuietErrors& errors, bo
   if (format == "GeoJSON" || format == "GeoJSONSeq")
     require_single_objects(path, name, format == "GeoJSONSeq");
   // Some formats are read when they are opened, as far as they go.
-  const auto is_unknown_crs = [](const std::string& text) {
-    return text.find("crs not found") != std::string::npos;
-  };
-  if (!any_crs && (is_unknown_crs(errors.first()) || is_unknown_crs(errors.last())))
+  if (!any_crs && errors.failures(gdal::About::kSystem) > 0)
     fail_input(path,
                "states a coordinate reference system that PROJ does not know; correct it in the "
                "file, or take it out and give --footprints-crs");
-  const bool is_json = format.starts_with("GeoJSON") || format == "ESRIJSON";
-  const auto is_harmless = [&](const std::string& text) {
-    // Of GML the features are counted here, and read from the file once more.
-    return (is_json && is_of_one_geometry(text)) || (any_crs && is_unknown_crs(text)) ||
-           (format == "GML" && text.find("XML parsing") == std::string::npos);
-  };
-  if (errors.failures() > 0 && !(is_harmless(errors.first()) && is_harmless(errors.last())))
-    fail_input(path, "cannot be read whole" + errors.reason() +
+  const std::int64_t harmless =
+      errors.failures(gdal::About::kSystem) +
+      (drops_geometries(file.dataset.get()) ? errors.failures(gdal::About::kGeometry) : 0);
+  if (errors.failures() > harmless) {
+    const std::string& why = errors.first(gdal::About::kAnything);
+    fail_input(path, "cannot be read whole: " + (why.empty() ? errors.last() : why) +
                          "; the file is cut or broken, get it again");
+  }
   file.opening_errors = errors.failures();
   file.first_error = errors.first();
   return file;

@@ -24,6 +24,10 @@ struct VectorFile {
 /// Whether the short name of the data set's format begins like this ("GeoJSON": GeoJSONSeq, too).
 bool is_of_format(GDALDatasetH dataset, std::string_view begin);
 
+/// Whether GDAL reads all features of the format but for the geometry of those where that is broken
+/// (with GML_SKIP_CORRUPTED_FEATURES: but for such features).
+bool drops_geometries(GDALDatasetH dataset);
+
 /// Opens a vector file or folder for reading; a shapefile also without its index, of a ZIP archive
 /// the one vector file that it holds, and what gzip has packed. Leaves the file's folder as it is.
 /// `any_crs`: its reference system will not be used, and may be any. Throws Error(kInput).

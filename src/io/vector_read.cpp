@@ -289,27 +289,27 @@ class LayerReader {
   }
 
   /// `count`: whether the format tells how many features there are.
-  void read(gdal::QuietErrors& errors, Count count) {
+  /// `geometries`: whether failures at these cost nothing but their feature.
+  void read(gdal::QuietErrors& errors, Count count, bool geometries) {
     errors.reset();
     const std::int64_t expected = OGR_L_GetFeatureCount(layer_, FALSE);
     if (errors.failures() > 0)
       fail_input(path_, "cannot be read whole" + errors.reason() + kGetAgain);
     OGR_L_ResetReading(layer_);
-    // Of features that are passed over, which have their own account.
-    std::int64_t accounted = 0;
-    for (std::int64_t before = 0;; before = errors.failures()) {
+    for (;;) {
       const std::size_t known = errors.passed_over().size();
       const gdal::Feature feature{OGR_L_GetNextFeature(layer_)};
       for (std::size_t k = known; k < errors.passed_over().size(); ++k)
         drop_passed_over(errors.passed_over()[k]);
-      if (errors.passed_over().size() > known) accounted += errors.failures() - before;
       if (feature == nullptr) break;
       ++result_.features_read;
       add(feature.get());
     }
-    const std::int64_t failures = errors.failures() - accounted;
+    const std::int64_t failures =
+        geometries ? errors.failures(gdal::About::kAnything) : errors.failures();
     // Lines that are not JSON are passed over, and counted by nobody.
-    const bool lost = errors.first().find("JSON parsing error") != std::string::npos;
+    const bool lost =
+        errors.first(gdal::About::kAnything).find("JSON parsing error") != std::string::npos;
     const bool is_short = failures == 0 && result_.features_read < expected;
     if (count == Count::kCertain && is_short)
       fail_input(path_, fmt::format("reading ends after {} features of {}{}", result_.features_read,
@@ -333,7 +333,8 @@ class LayerReader {
       return;
     OsmAccount account = account_of_osm(path_, osm_read_);
     result_.features_read += std::ssize(account.lost);
-    for (Dropped& lost : account.lost) result_.dropped.push_back(std::move(lost));
+    for (Dropped& lost : account.lost)
+      result_.dropped.push_back({ids_.unique(lost.source_id), std::move(lost.reason)});
     if (const std::vector<std::string>& ways = account.cornered; !ways.empty())
       warn("osm_nodes_missing", std::ssize(ways),
            fmt::format("{} buildings lack corners whose nodes are not in the file, the first: {}; "
@@ -567,7 +568,7 @@ FootprintsInput read_footprints(const fs::path& path, const ReadFootprintsOption
   result.layer = gdal::utf8(OGR_L_GetName(source.get()));
   LayerReader reader(path, source, options, result,
                      is_of_format(file.dataset.get(), "ESRI Shapefile"));
-  reader.read(errors, count_of(file.dataset.get()));
+  reader.read(errors, count_of(file.dataset.get()), drops_geometries(file.dataset.get()));
   reader.account_for_osm();
   // Where features are parsed again as they are read, that has told of them.
   if (file.opening_errors > 0 && errors.failures() == 0)

@@ -682,6 +682,12 @@ TEST(CityJson, PiecesOfOneObjectHaveHeightsOfTheirOwn) {
   ASSERT_EQ(model.buildings.size(), 3U);
   const Building &first = model.buildings[1], &second = model.buildings[2];
   EXPECT_EQ(second.source_ids, (std::vector<std::string>{"y#2"}));
+  // Not the key of another object.
+  file["CityObjects"]["y#2"] = file["CityObjects"]["a"];
+  std::set<std::string> ids;
+  for (const Building& building : read_city(write_text(folder / "b.json", file.dump())).buildings)
+    EXPECT_TRUE(ids.insert(building.source_ids.front()).second) << building.source_ids.front();
+  EXPECT_EQ(ids, (std::set<std::string>{"a", "y", "y#2", "y#3"}));
   EXPECT_EQ(second.footprint.outer[0].x, first.footprint.outer[0].x + 40);
   EXPECT_EQ(second.h_ground, first.h_ground + 3);
   EXPECT_EQ(second.h_roof, first.h_roof + 3);
@@ -846,6 +852,21 @@ TEST(CityJson, BrokenObjectsOfOthersCostNothingElse) {
     file["vertices"].push_back(vertex);
     write_text(path, file.dump());
     EXPECT_EQ(read_city(path, nullptr, BrokenObjects::kDrop).buildings.size(), 2U);
+  }
+}
+
+TEST(CityJson, WildVerticesDoNotMoveTheOrigin) {
+  const TemporaryFolder folder;
+  const fs::path path = folder / "a.json";
+  for (const double far : {-1e7, 1e9, -1e12}) {
+    SCOPED_TRACE(far);
+    Json file = Json::parse(kTwoParts);
+    file["transform"]["translate"] = {100.5, 200.5, 0};
+    const Point2 origin = read_city(write_text(path, file.dump())).origin;
+    const double scale = file["transform"]["scale"][0];
+    file["vertices"].push_back({far / scale, 0, 0});
+    write_text(path, file.dump());
+    EXPECT_EQ(read_city(path, nullptr, BrokenObjects::kDrop).origin, origin);
   }
 }
 

@@ -1039,6 +1039,42 @@ TEST(Vector, OfGmlOnlyTheFeatureIsLostThatCannotBeRead) {
   }
 }
 
+/// What is wrong with a file is told even between and after features that are broken.
+TEST(Vector, BrokenGeometriesDoNotHideThatAFileIsCut) {
+  const TemporaryFolder folder;
+  const std::string broken = gml("10 0 19 0 19 9 10");
+  // With a schema beside it the file is read once only.
+  write_text(folder / "a.xsd",
+             "<?xml version=\"1.0\"?>\n<xs:schema xmlns:xs=\"http://www.w3.org/2001/XMLSchema\" "
+             "xmlns:gml=\"http://www.opengis.net/gml/3.2\"><xs:element name=\"a\" "
+             "substitutionGroup=\"gml:AbstractFeature\"><xs:complexType><xs:complexContent>"
+             "<xs:extension base=\"gml:AbstractFeatureType\"><xs:sequence>"
+             "<xs:element name=\"g\" type=\"gml:SurfacePropertyType\"/>"
+             "<xs:element name=\"name\" type=\"xs:string\"/></xs:sequence></xs:extension>"
+             "</xs:complexContent></xs:complexType></xs:element></xs:schema>\n");
+  EXPECT_EQ(read_footprints(write_text(folder / "a.gml", broken)).features.size(), 2U);
+  const std::size_t last = broken.find("a.2");
+  for (const std::size_t size : {last, broken.find("posList", last), broken.size() - 20})
+    EXPECT_NE(
+        input_error(write_text(folder / "a.gml", broken.substr(0, size))).find("cut or broken"),
+        std::string::npos)
+        << size;
+  const fs::path packed = write_text(folder / "b.gml", broken);
+  ASSERT_EQ(std::system(fmt::format("gzip '{}'", packed.string()).c_str()), 0);
+  std::string bytes = bytes_of(folder / "b.gml.gz");
+  EXPECT_EQ(read_footprints(folder / "b.gml.gz").features.size(), 2U);
+  bytes[bytes.size() - 6] = static_cast<char>(bytes[bytes.size() - 6] + 1);  // of the check sum
+  input_error(write_text(folder / "c.gml.gz", bytes));
+  const std::string line = R"({"type":"Feature","properties":{},"geometry":{"type":"Polygon")";
+  const std::string good = line + R"(,"coordinates":[[[0,0],[9,0],[9,9],[0,0]]]}})" + "\n";
+  const std::string odd = line + R"(,"coordinates":[[[0,0],["a",0],[9,9],[0,0]]]}})" + "\n";
+  EXPECT_EQ(read_footprints(write_text(folder / "d.geojsonl", good + odd + good)).features.size(),
+            2U);
+  EXPECT_NE(input_error(write_text(folder / "d.geojsonl", good + odd + line + "\n" + odd + good))
+                .find("cut or broken"),
+            std::string::npos);
+}
+
 TEST(Vector, AnUnknownSystemDoesNotMatterWhereAnotherIsGiven) {
   const TemporaryFolder folder;
   const fs::path path =
@@ -1202,14 +1238,16 @@ TEST(Vector, BuildingsThatOpenStreetMapExtractsLackPartsOfAreAccountedFor) {
   constexpr const char* kArea =
       "<tag k=\"building\" v=\"yes\"/><tag k=\"type\" v=\"multipolygon\"/>";
   const std::string text =
-      "<?xml version=\"1.0\"?>\n<!-- <way id=\"9\"> > <tag k=\"building\" v=\"yes\"/></way> -->\n"
+      "<?xml version=\"1.0\"?>\n<!-- it's <way id=\"9\"> > <tag k=\"building\" v=\"yes\"/></way> "
+      "-->\n"
       "<osm version=\"0.6\">\n" +
       nodes + way(1, {100, 101, 102, 103, 100}, kHouse) +
       way(2, {104, 105, 106, 107}, kHouse) +                                // not closed
       way(3, {108, 109, 999, 111, 108}, kHouse) +                           // lacks a corner
       way(4, {990, 991, 992, 990}, kHouse) +                                // lacks all
       way(5, {112, 113, 114, 115, 112}, "<tag k=\"note\" v=\"a > b\"/>") +  // of the relations
-      way(6, {116, 117, 118, 119, 116}, "<tag k=\"building\" v=\"no\"/>") +
+way(4, {990, 991, 992, 990}, kHouse) +  // of a merged extract
+      way(6, {116, 117, 118, 119, 116}, "<tag k=\"building\" v=\"No\"/>") +
       way(7, {120, 121, 122, 123, 120}, "<tag k=\"landuse\" v=\"grass\"/>") +
       way(8, {124, 125, 126, 127}, "<tag k=\"barrier\" v=\"wall\"/>") +
       relation(20, {5, 999}, kArea) + relation(21, {7}, kArea) +
