@@ -1246,7 +1246,7 @@ TEST(Vector, BuildingsThatOpenStreetMapExtractsLackPartsOfAreAccountedFor) {
       way(3, {108, 109, 999, 111, 108}, kHouse) +                           // lacks a corner
       way(4, {990, 991, 992, 990}, kHouse) +                                // lacks all
       way(5, {112, 113, 114, 115, 112}, "<tag k=\"note\" v=\"a > b\"/>") +  // of the relations
-way(4, {990, 991, 992, 990}, kHouse) +  // of a merged extract
+      way(4, {990, 991, 992, 990}, kHouse) +                                // of a merged extract
       way(6, {116, 117, 118, 119, 116}, "<tag k=\"building\" v=\"No\"/>") +
       way(7, {120, 121, 122, 123, 120}, "<tag k=\"landuse\" v=\"grass\"/>") +
       way(8, {124, 125, 126, 127}, "<tag k=\"barrier\" v=\"wall\"/>") +
