@@ -14,6 +14,8 @@
 
 #include "tetropolis/city/city_model.h"
 
+#include "core/median.h"
+
 namespace tetropolis {
 
 namespace {
@@ -137,10 +139,9 @@ void drop_wild(std::vector<Point3>& vertices, const Point3& scale) {
     for (const Point3& v : vertices)
       if (std::isfinite(v[axis])) values.push_back(v[axis]);
     if (values.empty()) return;
-    const auto median = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-    std::nth_element(values.begin(), median, values.end());
+    const double middle = median(values);
     for (Point3& v : vertices)
-      if (std::abs(v[axis] - *median) * std::abs(scale[axis]) > kFarthest) v = {kNaN, kNaN, kNaN};
+      if (std::abs(v[axis] - middle) * std::abs(scale[axis]) > kFarthest) v = {kNaN, kNaN, kNaN};
   }
 }
 

@@ -112,8 +112,7 @@ std::string name_of(const Building& building) {
                      building.source_ids.empty() ? "?" : building.source_ids.front());
 }
 
-/// Why a building of another program, or beside the --bounds given, is left out; empty if it is
-/// not.
+/// Why there can be no mesh around a building by itself; empty if there can.
 std::string reason_to_leave_out(const Building& building, const Bounds2& domain, double distance) {
   for (const double height : {building.h_ground, building.h_roof})
     if (!is_elevation(height))
@@ -172,18 +171,10 @@ double require_meshable(const Config& config, const CityModel& city) {
                     config.city, what));
   };
   for (const Building& building : city.buildings)
-    for (const double height : {building.h_ground, building.h_roof})
-      if (!is_elevation(height))
-        throw Error(
-            ErrorKind::kInput,
-            fmt::format("{}: {} reaches from {:.6g} to {:.6g} m, which are no elevations; correct "
-                        "or remove it",
-                        config.city, name_of(building), building.h_ground, building.h_roof));
-  for (const Building& building : city.buildings)
-    if (!city.domain.covers(bounds(building.footprint)))
-      throw Error(ErrorKind::kInput,
-                  fmt::format("{}: {} is not wholly in the domain, which is {}; give --bounds",
-                              config.city, name_of(building), domain_text(city)));
+    if (const std::string reason =
+            reason_to_leave_out(building, city.domain, config.min_building_distance);
+        !reason.empty())
+      fail(fmt::format("{}: {}; the domain is {}", name_of(building), reason, domain_text(city)));
   const auto defects = footprint_defects(footprints, 1);
   if (!defects.empty()) {
     const auto first = static_cast<std::size_t>(std::max(defects.front().first.polygon, 0));

@@ -14,7 +14,7 @@
 #include "tetropolis/core/parallel.h"
 
 #include "core/infinity.h"
-#include "median.h"
+#include "core/median.h"
 
 namespace tetropolis {
 

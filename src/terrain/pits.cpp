@@ -8,7 +8,7 @@
 
 #include "tetropolis/core/parallel.h"
 
-#include "median.h"
+#include "core/median.h"
 
 namespace tetropolis {
 

@@ -1,4 +1,4 @@
-// The median. Private to src/terrain.
+// The median. Private to the library.
 #pragma once
 
 #include <algorithm>
