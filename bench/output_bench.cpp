@@ -12,12 +12,12 @@
 #include <unistd.h>
 
 #include "tetropolis/core/parallel.h"
-#include "tetropolis/io/stl.h"
-#include "tetropolis/io/vtk.h"
-#include "tetropolis/io/xdmf.h"
-#include "tetropolis/volume/boundary.h"
-#include "tetropolis/volume/cell_quality.h"
-#include "tetropolis/volume/face_quality.h"
+#include "tetropolis/io/mesh/stl.h"
+#include "tetropolis/io/mesh/vtk.h"
+#include "tetropolis/io/mesh/xdmf.h"
+#include "tetropolis/volume/column/boundary.h"
+#include "tetropolis/volume/quality/cell_quality.h"
+#include "tetropolis/volume/quality/face_quality.h"
 
 #include "random_city.h"
 

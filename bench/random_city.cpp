@@ -5,12 +5,13 @@
 #include <utility>
 
 #include "tetropolis/city/clean.h"
-#include "tetropolis/city/simplify.h"
+#include "tetropolis/city/simplify/simplify.h"
 #include "tetropolis/ground/mesh_ground.h"
 #include "tetropolis/synth/synthetic_city.h"
 #include "tetropolis/terrain/dtm.h"
-#include "tetropolis/volume/fill_columns.h"
-#include "tetropolis/volume/smooth.h"
+
+#include "volume/column/fill_columns.h"
+#include "volume/layered/smooth.h"
 
 namespace tetropolis {
 

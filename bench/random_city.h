@@ -7,7 +7,7 @@
 
 #include "tetropolis/geometry/types.h"
 #include "tetropolis/terrain/raster.h"
-#include "tetropolis/volume/column_mesh.h"
+#include "tetropolis/volume/column/column_mesh.h"
 
 namespace tetropolis {
 

@@ -16,11 +16,11 @@
 
 #include "tetropolis/city/city_model.h"
 #include "tetropolis/city/clean.h"
-#include "tetropolis/city/simplify.h"
+#include "tetropolis/city/simplify/simplify.h"
 #include "tetropolis/core/error.h"
 #include "tetropolis/core/parallel.h"
 #include "tetropolis/geometry/polygon.h"
-#include "tetropolis/io/vector.h"
+#include "tetropolis/io/vector/vector.h"
 
 namespace tetropolis {
 namespace {

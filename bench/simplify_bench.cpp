@@ -10,8 +10,8 @@
 #include <benchmark/benchmark.h>
 
 #include "tetropolis/city/clean.h"
-#include "tetropolis/city/clearance.h"
-#include "tetropolis/city/simplify.h"
+#include "tetropolis/city/simplify/clearance.h"
+#include "tetropolis/city/simplify/simplify.h"
 #include "tetropolis/core/parallel.h"
 #include "tetropolis/geometry/polygon.h"
 

@@ -5,7 +5,7 @@
 #include <set>
 #include <string>
 
-#include "tetropolis/io/cityjson.h"
+#include "tetropolis/io/cityjson/cityjson.h"
 
 #include "fuzz_input.h"
 

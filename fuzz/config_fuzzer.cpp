@@ -7,7 +7,7 @@
 
 #include <toml++/toml.h>
 
-#include "tetropolis/pipeline/config.h"
+#include "tetropolis/run/config.h"
 
 #include "fuzz_input.h"
 

@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "tetropolis/core/parallel.h"
-#include "tetropolis/io/las.h"
+#include "tetropolis/io/las/las.h"
 
 #include "fuzz_input.h"
 

@@ -3,12 +3,12 @@
 #include <vector>
 
 #include "tetropolis/city/clean.h"
-#include "tetropolis/city/simplify.h"
+#include "tetropolis/city/simplify/simplify.h"
 #include "tetropolis/core/parallel.h"
 #include "tetropolis/ground/mesh_ground.h"
-#include "tetropolis/ground/validate.h"
 
 #include "fuzz_input.h"
+#include "ground/validate.h"
 
 namespace {
 

@@ -3,9 +3,9 @@
 #include <cmath>
 
 #include "tetropolis/ground/triangulation.h"
-#include "tetropolis/ground/validate.h"
 
 #include "fuzz_input.h"
+#include "ground/validate.h"
 
 namespace {
 

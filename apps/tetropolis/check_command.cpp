@@ -2,7 +2,7 @@
 
 #include <fmt/format.h>
 
-#include "tetropolis/pipeline/check_results.h"
+#include "tetropolis/check/check_results.h"
 
 #include "commands.h"
 #include "interrupts.h"

@@ -5,7 +5,7 @@
 #include <set>
 #include <string>
 
-#include "tetropolis/pipeline/run.h"
+#include "tetropolis/run/run.h"
 
 namespace tetropolis::app {
 

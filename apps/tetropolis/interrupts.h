@@ -5,7 +5,7 @@
 #include <functional>
 #include <string>
 
-#include "tetropolis/pipeline/output_folder.h"
+#include "tetropolis/run/output_folder.h"
 
 namespace tetropolis::app {
 

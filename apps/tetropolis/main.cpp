@@ -26,9 +26,9 @@
 #include "tetropolis/core/system_memory.h"
 #include "tetropolis/core/text.h"
 #include "tetropolis/core/version.h"
-#include "tetropolis/io/atomic_file.h"
-#include "tetropolis/pipeline/output_folder.h"
-#include "tetropolis/pipeline/run.h"
+#include "tetropolis/io/file/atomic_file.h"
+#include "tetropolis/run/output_folder.h"
+#include "tetropolis/run/run.h"
 
 #include "commands.h"
 #include "console.h"

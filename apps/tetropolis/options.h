@@ -7,7 +7,7 @@
 
 #include <CLI/CLI.hpp>
 
-#include "tetropolis/pipeline/config.h"
+#include "tetropolis/run/config.h"
 
 namespace tetropolis::app {
 

@@ -6,7 +6,7 @@
 
 #include <fmt/format.h>
 
-#include "tetropolis/city/clearance.h"
+#include "tetropolis/city/simplify/clearance.h"
 
 #include "city_parts.h"
 #include "violations.h"

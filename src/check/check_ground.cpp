@@ -1,4 +1,4 @@
-#include "tetropolis/check/check_ground.h"
+#include "check_ground.h"
 
 #include <algorithm>
 #include <cmath>
@@ -11,9 +11,9 @@
 
 #include "tetropolis/core/parallel.h"
 #include "tetropolis/core/units.h"
-#include "tetropolis/ground/validate.h"
 
 #include "core/infinity.h"
+#include "ground/validate.h"
 #include "rows.h"
 #include "violations.h"
 

@@ -1,4 +1,4 @@
-#include "tetropolis/check/check_heights.h"
+#include "check_heights.h"
 
 #include <algorithm>
 #include <cmath>

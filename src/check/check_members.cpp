@@ -1,4 +1,4 @@
-#include "tetropolis/check/check_members.h"
+#include "check_members.h"
 
 #include <cstddef>
 #include <string_view>
@@ -7,8 +7,8 @@
 #include <fmt/format.h>
 
 #include "tetropolis/geometry/polygon.h"
-#include "tetropolis/geometry/predicates.h"
 
+#include "geometry/predicates.h"
 #include "violations.h"
 
 namespace tetropolis {

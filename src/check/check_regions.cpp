@@ -1,4 +1,4 @@
-#include "tetropolis/check/check_regions.h"
+#include "check_regions.h"
 
 #include <cmath>
 #include <cstddef>

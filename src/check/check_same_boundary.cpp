@@ -1,4 +1,4 @@
-#include "tetropolis/check/check_same_boundary.h"
+#include "check_same_boundary.h"
 
 #include <algorithm>
 #include <array>

@@ -11,18 +11,18 @@
 
 #include <fmt/format.h>
 
-#include "tetropolis/city/clearance.h"
+#include "tetropolis/city/simplify/clearance.h"
 #include "tetropolis/core/error.h"
 #include "tetropolis/geometry/polygon.h"
-#include "tetropolis/geometry/predicates.h"
 
-#include "city/clean_ring.h"
-#include "city/grid_geometry.h"
-#include "city/group.h"
-#include "city/outline.h"
-#include "city/overlay.h"
-#include "city/repair.h"
+#include "city/simplify/grid_geometry.h"
+#include "city/simplify/group.h"
+#include "city/simplify/outline.h"
+#include "city/simplify/overlay.h"
+#include "city/simplify/repair.h"
+#include "clean_ring.h"
 #include "geometry/geos.h"
+#include "geometry/predicates.h"
 
 namespace tetropolis {
 

@@ -1,4 +1,4 @@
-#include "city/clean_ring.h"
+#include "clean_ring.h"
 
 #include <algorithm>
 #include <cmath>
@@ -9,7 +9,7 @@
 
 #include "tetropolis/city/clean.h"
 
-#include "city/grid_geometry.h"
+#include "city/simplify/grid_geometry.h"
 #include "core/infinity.h"
 
 namespace tetropolis {

@@ -1,4 +1,4 @@
-#include "tetropolis/city/clip.h"
+#include "clip.h"
 
 #include <algorithm>
 #include <array>

@@ -1,4 +1,4 @@
-#include "tetropolis/city/crowns.h"
+#include "crowns.h"
 
 #include <algorithm>
 #include <cassert>
@@ -10,9 +10,9 @@
 
 #include "tetropolis/core/parallel.h"
 
-#include "city/disks.h"
-#include "city/point_lists.h"
+#include "city/simplify/disks.h"
 #include "core/infinity.h"
+#include "point_lists.h"
 
 namespace tetropolis {
 

@@ -8,14 +8,14 @@
 
 #include <fmt/format.h>
 
-#include "tetropolis/city/crowns.h"
 #include "tetropolis/city/heights.h"
 #include "tetropolis/core/error.h"
 #include "tetropolis/core/parallel.h"
 #include "tetropolis/geometry/polygon.h"
 
-#include "city/footprint_index.h"
-#include "city/point_lists.h"
+#include "crowns.h"
+#include "footprint_index.h"
+#include "point_lists.h"
 
 namespace tetropolis {
 

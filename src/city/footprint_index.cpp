@@ -1,4 +1,4 @@
-#include "city/footprint_index.h"
+#include "footprint_index.h"
 
 #include "core/infinity.h"
 

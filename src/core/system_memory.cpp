@@ -8,7 +8,7 @@
 #include <sys/resource.h>
 #include <unistd.h>
 
-#include "core/infinity.h"
+#include "infinity.h"
 
 namespace tetropolis {
 

@@ -1,4 +1,4 @@
-#include "geometry/geos.h"
+#include "geos.h"
 
 #include <algorithm>
 #include <cstddef>

@@ -1,4 +1,4 @@
-#include "tetropolis/geometry/predicates.h"
+#include "predicates.h"
 
 #include <algorithm>
 #include <array>

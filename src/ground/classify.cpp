@@ -2,8 +2,8 @@
 
 #include "tetropolis/geometry/polygon.h"
 
-#include "ground/construct.h"
-#include "ground/hilbert.h"
+#include "construct.h"
+#include "hilbert.h"
 
 namespace tetropolis {
 

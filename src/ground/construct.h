@@ -6,7 +6,7 @@
 
 #include "tetropolis/ground/triangulation.h"
 
-#include "ground/tri_mesh.h"
+#include "tri_mesh.h"
 
 namespace tetropolis {
 

@@ -1,4 +1,4 @@
-#include "ground/hilbert.h"
+#include "hilbert.h"
 
 #include <algorithm>
 #include <array>

@@ -13,10 +13,10 @@
 #include "tetropolis/core/error.h"
 #include "tetropolis/geometry/polygon.h"
 
+#include "construct.h"
 #include "core/infinity.h"
 #include "core/mix64.h"
-#include "ground/construct.h"
-#include "ground/hilbert.h"
+#include "hilbert.h"
 
 namespace tetropolis {
 

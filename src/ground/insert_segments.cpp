@@ -8,7 +8,7 @@
 
 #include "tetropolis/core/error.h"
 
-#include "ground/construct.h"
+#include "construct.h"
 
 namespace tetropolis {
 

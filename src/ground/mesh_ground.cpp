@@ -12,7 +12,7 @@
 #include "tetropolis/geometry/polygon.h"
 #include "tetropolis/ground/refine.h"
 
-#include "ground/hilbert.h"
+#include "hilbert.h"
 
 namespace tetropolis {
 

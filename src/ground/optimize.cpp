@@ -11,7 +11,7 @@
 #include "tetropolis/core/units.h"
 
 #include "geometry/slope.h"
-#include "ground/refiner.h"
+#include "refiner.h"
 
 namespace tetropolis {
 

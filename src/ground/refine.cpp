@@ -7,9 +7,9 @@
 #include <fmt/format.h>
 
 #include "tetropolis/core/units.h"
-#include "tetropolis/ground/validate.h"
 
-#include "ground/refiner.h"
+#include "refiner.h"
+#include "validate.h"
 
 namespace tetropolis {
 

@@ -7,8 +7,8 @@
 
 #include "core/infinity.h"
 #include "core/mix64.h"
-#include "ground/hilbert.h"
-#include "ground/refiner.h"
+#include "hilbert.h"
+#include "refiner.h"
 
 namespace tetropolis {
 

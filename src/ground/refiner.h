@@ -10,9 +10,9 @@
 #include "tetropolis/core/progress.h"
 #include "tetropolis/ground/refine.h"
 
+#include "construct.h"
 #include "core/infinity.h"
-#include "ground/construct.h"
-#include "ground/tri_mesh.h"
+#include "tri_mesh.h"
 
 namespace tetropolis {
 

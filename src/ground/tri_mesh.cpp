@@ -1,4 +1,4 @@
-#include "ground/tri_mesh.h"
+#include "tri_mesh.h"
 
 #include <algorithm>
 #include <cassert>

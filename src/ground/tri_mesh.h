@@ -10,8 +10,9 @@
 #include <cstdint>
 #include <vector>
 
-#include "tetropolis/geometry/predicates.h"
 #include "tetropolis/geometry/types.h"
+
+#include "geometry/predicates.h"
 
 namespace tetropolis {
 

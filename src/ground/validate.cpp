@@ -1,4 +1,4 @@
-#include "tetropolis/ground/validate.h"
+#include "validate.h"
 
 #include <algorithm>
 #include <cmath>
@@ -10,10 +10,10 @@
 
 #include "tetropolis/core/units.h"
 #include "tetropolis/geometry/polygon.h"
-#include "tetropolis/geometry/predicates.h"
 
 #include "core/infinity.h"
-#include "ground/edge_table.h"
+#include "edge_table.h"
+#include "geometry/predicates.h"
 
 namespace tetropolis {
 

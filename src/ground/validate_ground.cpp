@@ -7,10 +7,10 @@
 #include <fmt/format.h>
 
 #include "tetropolis/geometry/polygon.h"
-#include "tetropolis/ground/validate.h"
 
 #include "core/infinity.h"
-#include "ground/edge_table.h"
+#include "edge_table.h"
+#include "validate.h"
 
 namespace tetropolis {
 

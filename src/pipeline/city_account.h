@@ -2,8 +2,8 @@
 #pragma once
 
 #include "tetropolis/city/city_model.h"
-#include "tetropolis/city/simplify.h"
-#include "tetropolis/io/vector.h"
+#include "tetropolis/city/simplify/simplify.h"
+#include "tetropolis/io/vector/vector.h"
 
 namespace tetropolis {
 

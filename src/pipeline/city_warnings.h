@@ -5,8 +5,8 @@
 
 #include "tetropolis/city/city_model.h"
 #include "tetropolis/city/extract.h"
-#include "tetropolis/city/simplify.h"
-#include "tetropolis/pipeline/run.h"
+#include "tetropolis/city/simplify/simplify.h"
+#include "tetropolis/run/run.h"
 #include "tetropolis/terrain/dtm.h"
 
 namespace tetropolis {

@@ -9,8 +9,9 @@
 #include <fmt/format.h>
 
 #include "tetropolis/city/clean.h"
-#include "tetropolis/city/clip.h"
 #include "tetropolis/core/parallel.h"
+
+#include "city/clip.h"
 
 namespace tetropolis {
 

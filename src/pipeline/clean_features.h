@@ -6,9 +6,9 @@
 
 #include "tetropolis/city/city_model.h"
 #include "tetropolis/core/progress.h"
-#include "tetropolis/io/vector.h"
-#include "tetropolis/pipeline/config.h"
-#include "tetropolis/pipeline/run.h"
+#include "tetropolis/io/vector/vector.h"
+#include "tetropolis/run/config.h"
+#include "tetropolis/run/run.h"
 
 namespace tetropolis {
 

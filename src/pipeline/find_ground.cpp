@@ -9,8 +9,8 @@
 #include <fmt/ranges.h>
 
 #include "tetropolis/terrain/ground_filter.h"
-#include "tetropolis/terrain/outliers.h"
 
+#include "terrain/outliers.h"
 #include "unclassified_files.h"
 
 namespace tetropolis {

@@ -1,10 +1,10 @@
 // What makes the ground points of a cloud fit for use, before step 1.3.
 #pragma once
 
-#include "tetropolis/pipeline/run.h"
+#include "tetropolis/run/run.h"
 
-#include "read_input.h"
-#include "step_clock.h"
+#include "run/read_input.h"
+#include "run/step_clock.h"
 
 namespace tetropolis {
 

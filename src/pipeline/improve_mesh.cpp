@@ -14,12 +14,12 @@
 #include <fmt/format.h>
 
 #include "tetropolis/core/units.h"
-#include "tetropolis/volume/cut_back.h"
-#include "tetropolis/volume/find_cuts.h"
-#include "tetropolis/volume/improve_columns.h"
-#include "tetropolis/volume/mesh_faults.h"
 
 #include "core/infinity.h"
+#include "volume/excavate/cut_back.h"
+#include "volume/excavate/find_cuts.h"
+#include "volume/quality/improve_columns.h"
+#include "volume/quality/mesh_faults.h"
 
 namespace tetropolis {
 

@@ -3,15 +3,15 @@
 
 #include <cstdint>
 
-#include "tetropolis/pipeline/config.h"
-#include "tetropolis/pipeline/report.h"
+#include "tetropolis/run/config.h"
+#include "tetropolis/run/report.h"
 #include "tetropolis/terrain/raster.h"
-#include "tetropolis/volume/cell_quality.h"
-#include "tetropolis/volume/face_quality.h"
+#include "tetropolis/volume/quality/cell_quality.h"
+#include "tetropolis/volume/quality/face_quality.h"
 
 #include "make_columns.h"
-#include "memory.h"
-#include "step_clock.h"
+#include "run/memory.h"
+#include "run/step_clock.h"
 
 namespace tetropolis {
 

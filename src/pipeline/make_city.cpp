@@ -11,10 +11,10 @@
 
 #include "tetropolis/city/extract.h"
 #include "tetropolis/city/heights.h"
-#include "tetropolis/city/simplify.h"
+#include "tetropolis/city/simplify/simplify.h"
 #include "tetropolis/geometry/polygon.h"
-#include "tetropolis/io/cityjson.h"
-#include "tetropolis/io/geotiff.h"
+#include "tetropolis/io/cityjson/cityjson.h"
+#include "tetropolis/io/raster/geotiff.h"
 #include "tetropolis/terrain/dtm.h"
 
 #include "city_account.h"
@@ -22,8 +22,8 @@
 #include "clean_features.h"
 #include "elevations.h"
 #include "find_ground.h"
-#include "read_input.h"
-#include "result_files.h"
+#include "run/read_input.h"
+#include "run/result_files.h"
 #include "stages.h"
 
 namespace tetropolis {

@@ -10,8 +10,9 @@
 #include <fmt/format.h>
 
 #include "tetropolis/core/units.h"
-#include "tetropolis/volume/free_top.h"
-#include "tetropolis/volume/smooth.h"
+
+#include "volume/layered/free_top.h"
+#include "volume/layered/smooth.h"
 
 namespace tetropolis {
 

@@ -2,13 +2,13 @@
 #pragma once
 
 #include "tetropolis/city/city_model.h"
-#include "tetropolis/pipeline/config.h"
-#include "tetropolis/pipeline/report.h"
+#include "tetropolis/run/config.h"
+#include "tetropolis/run/report.h"
 #include "tetropolis/terrain/raster.h"
-#include "tetropolis/volume/fill_columns.h"
 
-#include "memory.h"
-#include "step_clock.h"
+#include "run/memory.h"
+#include "run/step_clock.h"
+#include "volume/column/fill_columns.h"
 
 namespace tetropolis {
 

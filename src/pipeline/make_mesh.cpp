@@ -8,15 +8,15 @@
 #include <fmt/format.h>
 
 #include "tetropolis/ground/mesh_ground.h"
-#include "tetropolis/ground/validate.h"
-#include "tetropolis/volume/boundary.h"
-#include "tetropolis/volume/ground_heights.h"
+#include "tetropolis/volume/column/boundary.h"
 
+#include "ground/validate.h"
 #include "improve_mesh.h"
 #include "make_columns.h"
-#include "memory.h"
+#include "run/memory.h"
+#include "run/write_mesh.h"
 #include "stages.h"
-#include "write_mesh.h"
+#include "volume/column/ground_heights.h"
 
 namespace tetropolis {
 

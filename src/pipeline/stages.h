@@ -2,10 +2,10 @@
 #pragma once
 
 #include "tetropolis/city/city_model.h"
-#include "tetropolis/pipeline/output_folder.h"
+#include "tetropolis/run/output_folder.h"
 #include "tetropolis/terrain/raster.h"
 
-#include "step_clock.h"
+#include "run/step_clock.h"
 
 namespace tetropolis {
 

@@ -9,7 +9,7 @@
 
 #include "tetropolis/core/progress.h"
 
-#include "read_input.h"
+#include "run/read_input.h"
 
 namespace tetropolis {
 

@@ -8,10 +8,10 @@
 
 #include "tetropolis/core/error.h"
 
-#include "synth/defects.h"
-#include "synth/scan.h"
-#include "synth/seeded_random.h"
-#include "synth/village.h"
+#include "defects.h"
+#include "scan.h"
+#include "seeded_random.h"
+#include "village.h"
 
 namespace tetropolis {
 

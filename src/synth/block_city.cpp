@@ -9,11 +9,11 @@
 #include "tetropolis/core/error.h"
 #include "tetropolis/synth/synthetic_city.h"
 
-#include "synth/blocks.h"
-#include "synth/greenery.h"
-#include "synth/layout.h"
-#include "synth/scan.h"
-#include "synth/seeded_random.h"
+#include "blocks.h"
+#include "greenery.h"
+#include "layout.h"
+#include "scan.h"
+#include "seeded_random.h"
 
 namespace tetropolis {
 

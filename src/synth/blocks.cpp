@@ -1,4 +1,4 @@
-#include "synth/blocks.h"
+#include "blocks.h"
 
 #include <algorithm>
 #include <cmath>
@@ -7,7 +7,7 @@
 
 #include "tetropolis/geometry/polygon.h"
 
-#include "synth/convex.h"
+#include "convex.h"
 
 namespace tetropolis {
 

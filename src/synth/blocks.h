@@ -3,9 +3,9 @@
 
 #include <vector>
 
-#include "synth/layout.h"
-#include "synth/scan.h"
-#include "synth/seeded_random.h"
+#include "layout.h"
+#include "scan.h"
+#include "seeded_random.h"
 
 namespace tetropolis {
 

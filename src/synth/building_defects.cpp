@@ -3,7 +3,7 @@
 #include <cstddef>
 #include <utility>
 
-#include "synth/defects.h"
+#include "defects.h"
 
 namespace tetropolis {
 

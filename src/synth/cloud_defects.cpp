@@ -6,7 +6,7 @@
 
 #include "tetropolis/geometry/polygon.h"
 
-#include "synth/defects.h"
+#include "defects.h"
 
 namespace tetropolis {
 

@@ -7,8 +7,8 @@
 
 #include "tetropolis/synth/adversarial_city.h"
 
-#include "synth/seeded_random.h"
-#include "synth/village.h"
+#include "seeded_random.h"
+#include "village.h"
 
 namespace tetropolis {
 

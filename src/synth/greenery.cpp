@@ -1,4 +1,4 @@
-#include "synth/greenery.h"
+#include "greenery.h"
 
 #include <algorithm>
 #include <cmath>
@@ -8,7 +8,7 @@
 #include "tetropolis/geometry/polygon.h"
 
 #include "city/footprint_index.h"
-#include "synth/convex.h"
+#include "convex.h"
 
 namespace tetropolis {
 

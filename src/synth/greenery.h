@@ -1,9 +1,9 @@
 // Trees and parked cars of the synthetic block city.
 #pragma once
 
-#include "synth/layout.h"
-#include "synth/scan.h"
-#include "synth/seeded_random.h"
+#include "layout.h"
+#include "scan.h"
+#include "seeded_random.h"
 
 namespace tetropolis {
 

@@ -1,4 +1,4 @@
-#include "synth/layout.h"
+#include "layout.h"
 
 #include <algorithm>
 #include <array>
@@ -7,8 +7,8 @@
 
 #include "tetropolis/geometry/polygon.h"
 
-#include "synth/convex.h"
-#include "synth/seeded_random.h"
+#include "convex.h"
+#include "seeded_random.h"
 
 namespace tetropolis {
 

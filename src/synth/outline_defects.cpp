@@ -7,7 +7,7 @@
 #include <fmt/format.h>
 
 #include "core/infinity.h"
-#include "synth/defects.h"
+#include "defects.h"
 
 namespace tetropolis {
 

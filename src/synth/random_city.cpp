@@ -8,8 +8,8 @@
 #include "tetropolis/core/error.h"
 #include "tetropolis/synth/synthetic_city.h"
 
-#include "synth/scan.h"
-#include "synth/seeded_random.h"
+#include "scan.h"
+#include "seeded_random.h"
 
 namespace tetropolis {
 

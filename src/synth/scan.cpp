@@ -1,4 +1,4 @@
-#include "synth/scan.h"
+#include "scan.h"
 
 #include <algorithm>
 #include <cmath>
@@ -10,7 +10,7 @@
 #include "tetropolis/geometry/polygon.h"
 
 #include "city/footprint_index.h"
-#include "synth/seeded_random.h"
+#include "seeded_random.h"
 
 namespace tetropolis {
 

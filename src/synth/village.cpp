@@ -1,4 +1,4 @@
-#include "synth/village.h"
+#include "village.h"
 
 #include <algorithm>
 #include <array>

@@ -5,8 +5,8 @@
 
 #include "tetropolis/geometry/types.h"
 
-#include "synth/scan.h"
-#include "synth/seeded_random.h"
+#include "scan.h"
+#include "seeded_random.h"
 
 namespace tetropolis {
 

@@ -1,4 +1,4 @@
-#include "tetropolis/terrain/outliers.h"
+#include "outliers.h"
 
 #include <algorithm>
 #include <array>

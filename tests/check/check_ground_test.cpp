@@ -1,6 +1,6 @@
 // Guarantee 3 from the boundary and the footprints: good meshes pass, and each way to break one is
 // seen.
-#include "tetropolis/check/check_ground.h"
+#include "check/check_ground.h"
 
 #include <algorithm>
 #include <cmath>
@@ -11,8 +11,8 @@
 #include <gtest/gtest.h>
 
 #include "tetropolis/ground/mesh_ground.h"
-#include "tetropolis/ground/validate.h"
 
+#include "ground/validate.h"
 #include "support/small_city.h"
 
 namespace tetropolis {

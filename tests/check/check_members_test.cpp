@@ -1,4 +1,4 @@
-#include "tetropolis/check/check_members.h"
+#include "check/check_members.h"
 
 #include <string>
 #include <utility>

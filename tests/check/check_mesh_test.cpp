@@ -7,15 +7,15 @@
 
 #include <gtest/gtest.h>
 
-#include "tetropolis/check/check_ground.h"
-#include "tetropolis/check/check_heights.h"
-#include "tetropolis/check/check_regions.h"
-#include "tetropolis/check/check_same_boundary.h"
 #include "tetropolis/check/check_surface.h"
 #include "tetropolis/check/check_volume.h"
-#include "tetropolis/io/vtk.h"
-#include "tetropolis/volume/cell_quality.h"
+#include "tetropolis/io/mesh/vtk.h"
+#include "tetropolis/volume/quality/cell_quality.h"
 
+#include "check/check_ground.h"
+#include "check/check_heights.h"
+#include "check/check_regions.h"
+#include "check/check_same_boundary.h"
 #include "support/small_city.h"
 #include "support/test_data.h"
 

@@ -12,14 +12,14 @@
 
 #include <gtest/gtest.h>
 
-#include "tetropolis/check/check_same_boundary.h"
 #include "tetropolis/core/parallel.h"
-#include "tetropolis/volume/face_quality.h"
-#include "tetropolis/volume/tet_shape.h"
+#include "tetropolis/volume/quality/face_quality.h"
 
+#include "check/check_same_boundary.h"
 #include "support/explicit_mesh.h"
 #include "support/small_city.h"
 #include "support/test_data.h"
+#include "volume/quality/tet_shape.h"
 
 namespace tetropolis {
 namespace {

@@ -7,9 +7,9 @@
 
 #include <gtest/gtest.h>
 
-#include "tetropolis/check/check_regions.h"
 #include "tetropolis/geometry/polygon.h"
 
+#include "check/check_regions.h"
 #include "support/shapes.h"
 #include "support/test_data.h"
 

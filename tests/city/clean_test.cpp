@@ -9,10 +9,10 @@
 #include <gtest/gtest.h>
 
 #include "tetropolis/city/city_model.h"
-#include "tetropolis/city/clearance.h"
-#include "tetropolis/io/vector.h"
+#include "tetropolis/city/simplify/clearance.h"
+#include "tetropolis/io/vector/vector.h"
 
-#include "city/footprint_checks.h"
+#include "footprint_checks.h"
 #include "support/test_data.h"
 
 namespace tetropolis {

@@ -1,4 +1,4 @@
-#include "tetropolis/city/clip.h"
+#include "city/clip.h"
 
 #include <cmath>
 #include <limits>
@@ -8,7 +8,7 @@
 
 #include "tetropolis/geometry/polygon.h"
 
-#include "city/footprint_checks.h"
+#include "footprint_checks.h"
 
 namespace tetropolis {
 namespace {

@@ -1,4 +1,4 @@
-#include "tetropolis/city/crowns.h"
+#include "city/crowns.h"
 
 #include <algorithm>
 #include <cmath>

@@ -14,8 +14,8 @@
 
 #include "tetropolis/city/city_model.h"
 #include "tetropolis/city/clean.h"
-#include "tetropolis/city/clearance.h"
-#include "tetropolis/city/simplify.h"
+#include "tetropolis/city/simplify/clearance.h"
+#include "tetropolis/city/simplify/simplify.h"
 #include "tetropolis/geometry/polygon.h"
 
 namespace tetropolis::testing {

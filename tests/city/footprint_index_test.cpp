@@ -9,7 +9,7 @@
 
 #include <gtest/gtest.h>
 
-#include "city/footprint_checks.h"
+#include "footprint_checks.h"
 #include "support/test_data.h"
 
 namespace tetropolis {

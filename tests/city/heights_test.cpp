@@ -15,8 +15,8 @@
 
 #include "tetropolis/core/parallel.h"
 #include "tetropolis/geometry/polygon.h"
-#include "tetropolis/io/las.h"
-#include "tetropolis/io/vector.h"
+#include "tetropolis/io/las/las.h"
+#include "tetropolis/io/vector/vector.h"
 #include "tetropolis/terrain/dtm.h"
 
 #include "support/test_data.h"

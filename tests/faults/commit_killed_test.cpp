@@ -11,7 +11,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
-#include "tetropolis/pipeline/output_folder.h"
+#include "tetropolis/run/output_folder.h"
 
 #include "program.h"
 #include "support/test_data.h"

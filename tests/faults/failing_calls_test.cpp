@@ -13,9 +13,9 @@
 #include <gtest/gtest.h>
 
 #include "tetropolis/core/error.h"
-#include "tetropolis/io/atomic_file.h"
-#include "tetropolis/pipeline/output_folder.h"
-#include "tetropolis/pipeline/run.h"
+#include "tetropolis/io/file/atomic_file.h"
+#include "tetropolis/run/output_folder.h"
+#include "tetropolis/run/run.h"
 
 #include "program.h"
 #include "support/test_data.h"

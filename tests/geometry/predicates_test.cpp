@@ -1,4 +1,4 @@
-#include "tetropolis/geometry/predicates.h"
+#include "geometry/predicates.h"
 
 #include <array>
 #include <cmath>

@@ -13,8 +13,8 @@
 
 #include "tetropolis/geometry/types.h"
 #include "tetropolis/ground/triangulation.h"
-#include "tetropolis/ground/validate.h"
 
+#include "ground/validate.h"
 #include "support/test_data.h"
 
 namespace tetropolis::testing {

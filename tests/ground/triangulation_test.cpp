@@ -7,8 +7,8 @@
 #include <string>
 
 #include "tetropolis/core/error.h"
-#include "tetropolis/geometry/predicates.h"
 
+#include "geometry/predicates.h"
 #include "ground_cases.h"
 
 namespace tetropolis {

@@ -1,14 +1,14 @@
-#include "robustness/cloud_city.h"
+#include "cloud_city.h"
 
 #include <algorithm>
 #include <fstream>
 #include <random>
 
 #include "tetropolis/geometry/polygon.h"
-#include "tetropolis/io/cityjson.h"
-#include "tetropolis/io/geotiff.h"
-#include "tetropolis/io/las.h"
-#include "tetropolis/io/vector.h"
+#include "tetropolis/io/cityjson/cityjson.h"
+#include "tetropolis/io/las/las.h"
+#include "tetropolis/io/raster/geotiff.h"
+#include "tetropolis/io/vector/vector.h"
 
 #include "support/bytes.h"
 #include "support/shapes.h"

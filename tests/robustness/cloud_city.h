@@ -9,7 +9,7 @@
 #include "tetropolis/city/city_model.h"
 #include "tetropolis/core/error.h"
 #include "tetropolis/geometry/point_cloud.h"
-#include "tetropolis/pipeline/run.h"
+#include "tetropolis/run/run.h"
 #include "tetropolis/terrain/raster.h"
 
 #include "support/test_data.h"

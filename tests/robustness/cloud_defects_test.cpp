@@ -16,7 +16,7 @@
 
 #include "tetropolis/terrain/raster.h"
 
-#include "robustness/cloud_city.h"
+#include "cloud_city.h"
 
 namespace tetropolis {
 namespace {

@@ -13,9 +13,9 @@
 
 #include "tetropolis/core/error.h"
 #include "tetropolis/geometry/polygon.h"
-#include "tetropolis/io/cityjson.h"
-#include "tetropolis/io/las.h"
-#include "tetropolis/pipeline/run.h"
+#include "tetropolis/io/cityjson/cityjson.h"
+#include "tetropolis/io/las/las.h"
+#include "tetropolis/run/run.h"
 
 #include "support/guarantees.h"
 

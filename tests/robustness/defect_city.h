@@ -9,8 +9,8 @@
 
 #include "tetropolis/city/city_model.h"
 #include "tetropolis/geometry/point_cloud.h"
-#include "tetropolis/pipeline/config.h"
-#include "tetropolis/pipeline/report.h"
+#include "tetropolis/run/config.h"
+#include "tetropolis/run/report.h"
 
 #include "support/shapes.h"
 

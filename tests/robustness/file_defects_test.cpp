@@ -11,7 +11,7 @@
 #include <gtest/gtest.h>
 
 #include "tetropolis/geometry/polygon.h"
-#include "tetropolis/io/vector.h"
+#include "tetropolis/io/vector/vector.h"
 
 #include "defect_city.h"
 #include "support/bytes.h"

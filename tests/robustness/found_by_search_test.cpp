@@ -5,12 +5,12 @@
 #include <gtest/gtest.h>
 
 #include "tetropolis/city/clean.h"
-#include "tetropolis/city/clearance.h"
-#include "tetropolis/city/clip.h"
-#include "tetropolis/city/simplify.h"
+#include "tetropolis/city/simplify/clearance.h"
+#include "tetropolis/city/simplify/simplify.h"
 #include "tetropolis/geometry/polygon.h"
-#include "tetropolis/pipeline/run.h"
+#include "tetropolis/run/run.h"
 
+#include "city/clip.h"
 #include "defect_city.h"
 #include "support/test_data.h"
 

@@ -8,9 +8,9 @@
 
 #include <gtest/gtest.h>
 
-#include "tetropolis/io/cityjson.h"
-#include "tetropolis/io/las.h"
-#include "tetropolis/pipeline/run.h"
+#include "tetropolis/io/cityjson/cityjson.h"
+#include "tetropolis/io/las/las.h"
+#include "tetropolis/run/run.h"
 
 #include "support/test_data.h"
 

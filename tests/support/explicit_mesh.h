@@ -7,7 +7,7 @@
 #include <tuple>
 #include <vector>
 
-#include "tetropolis/volume/column_mesh.h"
+#include "tetropolis/volume/column/column_mesh.h"
 
 namespace tetropolis::testing {
 

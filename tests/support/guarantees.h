@@ -7,7 +7,7 @@
 
 #include <gtest/gtest.h>
 
-#include "tetropolis/pipeline/check_results.h"
+#include "tetropolis/check/check_results.h"
 
 namespace tetropolis::testing {
 

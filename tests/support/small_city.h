@@ -9,11 +9,11 @@
 
 #include "tetropolis/ground/mesh_ground.h"
 #include "tetropolis/terrain/raster.h"
-#include "tetropolis/volume/column_mesh.h"
-#include "tetropolis/volume/fill_columns.h"
-#include "tetropolis/volume/smooth.h"
+#include "tetropolis/volume/column/column_mesh.h"
 
-#include "support/shapes.h"
+#include "shapes.h"
+#include "volume/column/fill_columns.h"
+#include "volume/layered/smooth.h"
 
 namespace tetropolis::testing {
 

@@ -1,4 +1,4 @@
-#include "tetropolis/terrain/outliers.h"
+#include "terrain/outliers.h"
 
 #include <algorithm>
 #include <cmath>

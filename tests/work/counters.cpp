@@ -8,7 +8,7 @@
 #include <geos_c.h>
 #include <malloc.h>
 
-#include "tetropolis/geometry/predicates.h"
+#include "geometry/predicates.h"
 
 // The linker leads calls of NAME to __wrap_NAME, and calls of __real_NAME to NAME.
 extern "C" void* __real_calloc(std::size_t count, std::size_t size);

@@ -10,12 +10,13 @@
 
 #include "tetropolis/city/clean.h"
 #include "tetropolis/ground/mesh_ground.h"
-#include "tetropolis/io/stl.h"
-#include "tetropolis/io/vtk.h"
+#include "tetropolis/io/mesh/stl.h"
+#include "tetropolis/io/mesh/vtk.h"
 #include "tetropolis/synth/synthetic_city.h"
-#include "tetropolis/volume/cell_quality.h"
-#include "tetropolis/volume/face_quality.h"
-#include "tetropolis/volume/fill_columns.h"
+#include "tetropolis/volume/quality/cell_quality.h"
+#include "tetropolis/volume/quality/face_quality.h"
+
+#include "volume/column/fill_columns.h"
 
 namespace tetropolis::testing {
 

@@ -6,12 +6,12 @@
 #include <string>
 #include <vector>
 
-#include "tetropolis/city/simplify.h"
-#include "tetropolis/volume/boundary.h"
-#include "tetropolis/volume/column_mesh.h"
-#include "tetropolis/volume/smooth.h"
+#include "tetropolis/city/simplify/simplify.h"
+#include "tetropolis/volume/column/boundary.h"
+#include "tetropolis/volume/column/column_mesh.h"
 
 #include "random_city.h"
+#include "volume/layered/smooth.h"
 
 namespace tetropolis::testing {
 

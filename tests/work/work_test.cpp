@@ -9,9 +9,9 @@
 
 #include "tetropolis/core/parallel.h"
 #include "tetropolis/core/units.h"
-#include "tetropolis/geometry/predicates.h"
 
 #include "counters.h"
+#include "geometry/predicates.h"
 #include "stages.h"
 #include "support/test_data.h"
 #include "work_limits.h"

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "tetropolis/check/violation.h"
-#include "tetropolis/volume/boundary.h"
+#include "tetropolis/volume/column/boundary.h"
 
 namespace tetropolis {
 

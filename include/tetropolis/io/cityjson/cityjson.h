@@ -1,0 +1,72 @@
+// City models as CityJSON (paper steps 1.7 and 2.4): version 2.0 out, 1.0, 1.1 and 2.0 in.
+//
+// Source: Ledoux, Ohori, Kumar, Dukai, Labetski, Vitalis: CityJSON: a compact and easy-to-use
+// encoding of the CityGML data model, Open Geospatial Data, Software and Standards 4(4), 2019; the
+// specification 2.0 of OGC, 2023.
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "tetropolis/city/city_model.h"
+#include "tetropolis/core/warning.h"
+
+namespace tetropolis {
+
+/// Writes one CityObject of type Building per building, in the model's order, keyed by its id, with
+/// one Solid of LoD 1.2: outward faces with semantics, holes as inner rings and inner walls.
+///
+/// Attributes: tetropolis_id, source_ids, h_ground, h_roof, n_ground_points, n_roof_points, flags
+/// (names), and attribute_height where it is positive. Numbers read back as the same doubles.
+/// Vertices are integers in steps of 0.1 mm from the model's origin and not repeated.
+/// metadata.referenceSystem is set if the system has an EPSG code. The model's domain (CRS
+/// coordinates), origin, crs and dropped features go into the root member "tetropolis": the schema
+/// lets other root members pass and validators mention them, while one with a leading "+" would be
+/// an error without a published extension.
+///
+/// Precondition: unique ids; coordinates of footprints and domain are multiples of kCoordinateStep,
+/// origin in whole metres; h_ground < h_roof; rings of >= 3 vertices.
+/// Guarantees: the same model gives the same bytes; the file appears complete or not at all.
+/// Errors: kInput if it cannot be written.
+void write_city(const std::filesystem::path& path, const CityModel& model,
+                const std::string& title = "");
+
+/// What becomes of objects that contradict the format in files of other programs.
+enum class BrokenObjects { kRefuse, kDrop };
+
+/// Reads a city model.
+///
+/// Files of write_city come back as they were: same order, same bits in coordinates and heights
+/// (outer rings counter-clockwise, holes clockwise, first vertex kept; crs as normalise_crs has
+/// it). Heights are those of the attributes h_ground and h_roof, outlines those of the ground
+/// faces; `warnings`, if given, gets "city_solids_differ" where a solid is not closed or is more
+/// than a centimetre off them.
+///
+/// Of other files every Building and BuildingPart with a surface or solid becomes a building of its
+/// own, in the order of the file: id "b1", "b2", ..., its key as source id, footprint = union of
+/// the GroundSurfaces of its most detailed geometry (without semantics: of the faces that look
+/// down in the lower half of the body, or up at its very bottom; where these are less than 0.6 of
+/// what is above them, and walls do not stand around them: of all that are not vertical), h_ground
+/// = lowest vertex, h_roof = the height that nine tenths of the area of its RoofSurfaces do not
+/// exceed, seen from above (without such semantics over most of the footprint: above which surfaces
+/// that look up have a tenth of the footprint's area; highest vertex where these are not known
+/// either, or where that is less than 2 m up). A footprint in k pieces becomes k buildings with the
+/// source ids KEY, KEY#2, ... and heights of their own, from the surfaces that are in the plan of
+/// each, or nearest to it. Objects without usable geometry go to `dropped` (a solid without a level
+/// of detail counts as LoD 1); Buildings that only hold parts and other types of object are no
+/// input features. Origin: `translate` if that is whole metres and no more than 100 km away, else
+/// the south-west corner of the vertices, rounded down. Domain: as stored, or empty (xmin > xmax)
+/// if there is none. `warnings`, if given, gets "city_objects_dropped", "city_types_unknown" where
+/// objects have types that are none of CityJSON's own, and "city_roofs_flattened" where roofs reach
+/// more than half a metre above that height.
+///
+/// Errors, kInput with the path and the place in it ("/CityObjects/a/geometry/0/boundaries"):
+/// missing, not JSON (with the byte), not CityJSON, unknown version, wrong types, indices out of
+/// range, two objects with the same key, coordinates that are not finite. With
+/// BrokenObjects::kDrop an object of another file that is one of these (or has a vertex that is)
+/// goes to `dropped`, with the place in its reason, and costs nothing else.
+CityModel read_city(const std::filesystem::path& path, std::vector<Warning>* warnings = nullptr,
+                    BrokenObjects broken = BrokenObjects::kRefuse);
+
+}  // namespace tetropolis

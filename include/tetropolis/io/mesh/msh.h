@@ -1,0 +1,30 @@
+// Gmsh's mesh format, MSH 4.1, binary, little endian.
+// Format: Geuzaine & Remacle, Gmsh Reference Manual, "MSH file format".
+#pragma once
+
+#include <filesystem>
+
+#include "tetropolis/core/progress.h"
+#include "tetropolis/io/file/placement.h"
+#include "tetropolis/volume/column/boundary.h"
+#include "tetropolis/volume/column/column_mesh.h"
+
+namespace tetropolis {
+
+/// Number of the physical volume "air", behind those of the patches.
+inline constexpr int kAirPhysicalGroup = kPatchCount + 1;
+
+/// Writes the tets as physical volume 9, "air", and the faces of `surface` as physical surfaces 1
+/// to 8 named by patch_name; patches without faces are left out. Each group is one discrete entity
+/// of the same number. Nodes are numbered from 1 in the order of write_vtu; elements from 1: first
+/// the triangles in the order of `surface` (normals leave the air), then the tets in the order of
+/// write_vtu. Placement::origin is in a $Comments section.
+///
+/// Precondition: `surface` is extract_boundary of `mesh`, else Error(kGuarantee). Streams as
+/// write_xdmf does. The file appears complete or not at all. Throws Error(kInput) if it cannot be
+/// written, Cancelled.
+void write_msh(const std::filesystem::path& path, const ColumnMesh& mesh,
+               const SurfaceMesh& surface, const Placement& placement,
+               const Progress& progress = {});
+
+}  // namespace tetropolis

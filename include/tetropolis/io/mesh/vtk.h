@@ -1,0 +1,48 @@
+// VTK XML files: volume.vtu and boundary.vtp, raw appended data, little endian, 64-bit headers.
+// Format: VTK File Formats (Kitware), "XML File Formats".
+#pragma once
+
+#include <filesystem>
+#include <optional>
+
+#include "tetropolis/core/progress.h"
+#include "tetropolis/geometry/types.h"
+#include "tetropolis/io/file/compression.h"
+#include "tetropolis/io/file/placement.h"
+#include "tetropolis/volume/column/boundary.h"
+#include "tetropolis/volume/column/column_mesh.h"
+#include "tetropolis/volume/tet_mesh.h"
+
+namespace tetropolis {
+
+/// Writes the tets of `mesh`: points in double precision column by column and upwards, cells
+/// triangle by triangle and upwards, and the cell data `region` (Int32: the building whose
+/// footprint the cell stands over, by position in the city model, or -1). Streams: needs little
+/// memory beside the mesh, compressed or not. The file appears complete or not at all. Throws
+/// Error(kInput) if it cannot be written, Cancelled.
+void write_vtu(const std::filesystem::path& path, const ColumnMesh& mesh,
+               const Placement& placement, const Progress& progress = {},
+               Compression compression = Compression::kNone);
+
+/// Writes a surface with the cell data `patch` (Int32, 1 to 8, see Patch) and `building` (Int32: by
+/// position in the city model, or -1); points and triangles as they are numbered in `surface`. The
+/// file appears complete or not at all. Throws Error(kInput) if it cannot be written.
+void write_vtp(const std::filesystem::path& path, const SurfaceMesh& surface,
+               const Placement& placement, Compression compression = Compression::kNone);
+
+/// Reads the tets of a VTU file with raw appended arrays, uncompressed or compressed by
+/// vtkZLibDataCompressor (as write_vtu, and ParaView with these settings, write them). Headers,
+/// connectivity and points of 32 or 64 bits.
+/// Throws Error(kInput) naming the file and what is wrong or not supported, also if the machine has
+/// not the memory to read and check so many cells.
+TetMesh read_vtu(const std::filesystem::path& path);
+
+/// Likewise the triangles of a VTP file with the cell data `patch` and `building`.
+SurfaceMesh read_vtp(const std::filesystem::path& path);
+
+/// Where the zero of a VTU or VTP file lies in the reference system: the field data `origin`, if it
+/// is three numbers as text (as write_vtu and write_vtp put it there). Throws Error(kInput) if the
+/// file cannot be read.
+std::optional<Point3> read_vtk_origin(const std::filesystem::path& path);
+
+}  // namespace tetropolis

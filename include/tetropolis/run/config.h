@@ -1,0 +1,165 @@
+// The settings of a run and the one list that describes them: options of the command line, keys of
+// the TOML file, defaults, validation, help and the table in the documentation all come from it.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <filesystem>
+#include <limits>
+#include <span>
+#include <string>
+#include <string_view>
+#include <variant>
+#include <vector>
+
+#include "tetropolis/io/file/compression.h"
+
+namespace tetropolis {
+
+// Settings that are one of a few words; what each means is told in config_fields().
+enum class Coordinates { kLocal, kAbsolute };
+enum class GroundFilter { kAuto, kNever, kAlways };
+enum class BoundaryBuildings { kDrop, kClip };
+enum class Layering { kGraded, kUniform };
+enum class Top { kFlat, kFree };
+enum class SynthKind { kRandom, kBlocks, kAdversarial };
+
+/// Lengths in metres, angles in degrees. Empty strings and lists mean "not given".
+struct Config {
+  // Input.
+  std::string footprints;
+  std::vector<std::string> points;
+  std::string city;
+  std::string dtm;
+  std::vector<double> bounds;
+  std::string points_crs;
+  std::string footprints_crs;
+  std::string layer;
+  std::string id_attribute;
+  std::string height_attribute;
+  bool terrain_only = false;
+
+  // Output.
+  std::string out;
+  std::vector<std::string> formats{"vtu"};
+  Coordinates coordinates = Coordinates::kLocal;
+  Compression compression = Compression::kNone;
+
+  // City model.
+  double domain_margin = 40;
+  double dtm_step = 1;
+  GroundFilter ground_filter = GroundFilter::kAuto;
+  double ground_filter_window = 20;
+  double ground_filter_slope = 0.15;
+  double parallel_tolerance = 0.01;
+  double ground_margin = 1;
+  double outlier_sigma = 2;
+  double ground_percentile = 10;
+  double roof_percentile = 90;
+  double min_building_height = 2.5;
+  double min_building_distance = 1;
+  int merge_growths = 3;
+  double min_building_area = 15;
+  BoundaryBuildings boundary_buildings = BoundaryBuildings::kDrop;
+
+  // Mesh.
+  double mesh_size = 10;
+  double min_angle = 25;
+  double domain_height = 100;
+  Layering layering = Layering::kGraded;
+  double layer_height = 0;
+  Top top = Top::kFlat;
+  double min_wall_height = 1;
+  double cut_slope = 56;
+  double min_gap_share = 0.25;
+  double solver_tolerance = 1e-3;
+  int solver_iterations = 1000;
+
+  // Synthetic city.
+  SynthKind kind = SynthKind::kRandom;
+  int buildings = 0;
+  double size = 0;
+  int seed = 1;
+  double point_density = 2;
+  double relief = -1;
+  std::vector<std::string> defects;
+
+  // Run.
+  std::string max_memory;  ///< As "8G"; empty: nine tenths of what the process may use.
+  int threads = 0;
+  bool quiet = false;
+  std::string log;
+};
+
+/// Whether nodes are placed by Laplace problems: in graded columns under a flat top there are none.
+inline bool solves_laplace(const Config& config) {
+  return config.layering == Layering::kUniform || config.top == Top::kFree;
+}
+
+/// The commands that take settings, as bits.
+enum Command : unsigned {
+  kBuild = 1U << 0,
+  kCity = 1U << 1,
+  kMesh = 1U << 2,
+  kSynth = 1U << 3,
+  kCheck = 1U << 4,
+};
+
+/// A setting that is one of a few words: an enumeration that counts the words of the field.
+struct ChoiceMember {
+  std::size_t (*get)(const Config&);
+  void (*set)(Config&, std::size_t);
+};
+
+/// One setting.
+struct ConfigField {
+  using Member =
+      std::variant<bool Config::*, int Config::*, double Config::*, std::string Config::*,
+                   std::vector<std::string> Config::*, std::vector<double> Config::*, ChoiceMember>;
+
+  std::string_view name;   ///< Key in TOML; the option is "--" with '-' for '_'.
+  std::string_view group;  ///< Heading in help and documentation.
+  Member member;
+  unsigned commands;      ///< Command bits that take it.
+  std::string_view help;  ///< One line without a full stop.
+  std::string_view unit = "";
+  double min = -std::numeric_limits<double>::infinity();  ///< Of numbers, inclusive
+  double max = std::numeric_limits<double>::infinity();
+  bool above_min = false;                      ///< unless only greater ones are allowed.
+  std::vector<std::string_view> choices = {};  ///< Of texts; empty: anything.
+  /// Of texts: throws an Error for one that is none; nullptr: nothing to ask.
+  void (*require)(const std::string& text) = nullptr;
+};
+
+/// All settings, in the order in which they are documented.
+std::span<const ConfigField> config_fields();
+
+/// The option's spelling: "--mesh-size".
+std::string option_name(const ConfigField& field);
+
+/// The value as TOML text: 10.0, "flat", ["vtu"].
+std::string value_text(const ConfigField& field, const Config& config);
+
+/// Sets one field from texts (one per list element). `origin` names where they come from in errors
+/// ("--mesh-size", "city.toml:7"). Throws Error(kUsage): not a number, out of range, not a choice.
+void set_field(Config& config, const ConfigField& field, std::span<const std::string> values,
+               const std::string& origin);
+
+/// That every setting that `commands` take is one that set_field would take: in its range, among
+/// its choices. Throws Error(kUsage) naming the option.
+void require_in_range(const Config& config, unsigned commands);
+
+/// Sets every field that the TOML file has. Throws Error(kUsage) naming file and line: not TOML, an
+/// unknown key (with the nearest known one), a wrong type or value.
+void load_config(Config& config, const std::filesystem::path& path);
+
+/// A TOML file with every setting of `commands`, its default and meaning, commented out.
+std::string config_template(unsigned commands);
+
+/// All settings as one Markdown table per group.
+std::string config_markdown();
+
+/// The name among `known` closest to `name` by edit distance, or an empty string if none is close.
+std::string nearest_name(std::string_view name, std::span<const std::string> known);
+
+}  // namespace tetropolis

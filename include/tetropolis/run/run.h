@@ -1,0 +1,39 @@
+// The commands: steps strung together, from files to a folder of results.
+#pragma once
+
+#include <functional>
+
+#include "tetropolis/run/config.h"
+#include "tetropolis/run/output_folder.h"
+#include "tetropolis/run/report.h"
+
+namespace tetropolis {
+
+/// How a run tells its caller what it does. All may be empty.
+struct RunHooks {
+  std::function<void(const StepReport& step)> step_begins;  ///< id and name are set.
+  std::function<void(double fraction)> step_progress;       ///< Of the current step, in [0, 1].
+  std::function<void(const StepReport& step)> step_ends;
+  std::function<bool()> cancelled;  ///< Polled; true ends the run with Cancelled.
+  OutputWatcher output;             ///< For callers that may have to end the process.
+};
+
+/// Each writes the files of docs/files.md into config.out and returns what report.json says, and a
+/// warning "hidden_folder_left" if a hidden folder could not be removed when the results were in
+/// place. The folder appears complete or, after an exception, is as it was before.
+/// Throw Error (see error.h for the kinds; kUsage as require_in_range for settings out of their
+/// range) and Cancelled.
+
+/// Steps 1.1 to 3.6.
+Report run_build(const Config& config, const RunHooks& hooks = {});
+/// Steps 1.1 to 2.4.
+Report run_city(const Config& config, const RunHooks& hooks = {});
+/// Steps 3.1 to 3.6 on a written city model and terrain: the same mesh as run_build's.
+Report run_mesh(const Config& config, const RunHooks& hooks = {});
+/// Writes footprints.shp and points.laz of a synthetic city; of the kind "adversarial"
+/// footprints.shp or footprints.geojson, points.laz or points_1.laz, points_2.laz..., and
+/// manifest.json, which lists them. The same bytes for the same settings. Files that a synthetic
+/// city of any kind has left in the folder go, so that two do not mix.
+Report run_synth(const Config& config, const RunHooks& hooks = {});
+
+}  // namespace tetropolis

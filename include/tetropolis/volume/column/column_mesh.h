@@ -1,0 +1,149 @@
+// The volume mesh as columns over the ground mesh: never a list of tets.
+//
+// Over every vertex of the ground mesh stands a column of nodes with increasing elevations, as many
+// as its surroundings need; over every triangle stands a stack of tets. Starting from the floor
+// (the ground, or a roof), a front of one node per corner climbs to the top: the corner whose next
+// segment has the lowest midpoint goes first, and each step leaves one tet behind:
+//
+//            a'        front (a, b, c), next segment a-a':  tet (a, b, c, a'),
+//           /|\        and the front becomes (a', b, c).
+//          / | \                                                                            .
+//         b--|--c      Each tet has exactly one vertical edge, and its volume is a third of the
+//          \ | /       triangle's area times that edge's length: the mesh is valid if and only if
+//            a         every column increases, whatever the elevations.
+//
+// The order of two columns' segments depends on these two columns alone, so the triangles on both
+// sides of an edge cut the vertical strip over it in the same way: the mesh is conforming. Ties go
+// to the higher vertex number; with layers of equal height this is the split of prisms by sorted
+// vertex numbers of Naserentin & Logg, step 3.2. Because lower segments go first, fronts follow the
+// horizontal wherever floors are not: the tets of neighbouring columns stay well-shaped when the
+// columns have different spacings or are shifted against each other on a slope.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <limits>
+#include <vector>
+
+#include "tetropolis/ground/ground_mesh.h"
+#include "tetropolis/volume/column/edge_graph.h"
+
+namespace tetropolis {
+
+/// Number of a 3D vertex or cell.
+using NodeIndex = std::int64_t;
+
+inline constexpr std::int32_t kNoRoof = -1;
+
+/// Nodes are numbered column by column and upwards. A column has the nodes that belong to cells
+/// only: from the ground, or from the roof where all triangles around are inside a building.
+struct ColumnMesh {
+  GroundMesh ground;
+  EdgeGraph edges;
+  std::vector<NodeIndex> first;  ///< V + 1 offsets: column v has the nodes [first[v], first[v+1]).
+  std::vector<double> z;         ///< Per node: elevation in metres; increasing in each column, at
+                                 ///< least two a column.
+  std::vector<std::int32_t>
+      roof;  ///< Per vertex: position of the roof in its column, counted from
+             ///< the column's first node, if it belongs to a building (0 inside,
+             ///< more on its outline), else kNoRoof. Roofs are horizontal.
+
+  std::size_t vertex_count() const { return ground.vertices.size(); }
+  std::size_t triangle_count() const { return ground.triangles.size(); }
+  NodeIndex node_count() const { return first.back(); }
+  NodeIndex top(VertexIndex v) const { return first[static_cast<std::size_t>(v) + 1] - 1; }
+  bool inside_building(std::size_t t) const { return ground.region[t] != kNoBuilding; }
+  /// The node that triangle t's stack starts at over its corner v.
+  NodeIndex floor(std::size_t t, VertexIndex v) const {
+    const auto i = static_cast<std::size_t>(v);
+    return first[i] + (inside_building(t) ? roof[i] : 0);
+  }
+};
+
+/// T + 1 offsets: the cells over triangle t are [offsets[t], offsets[t + 1]), upwards.
+std::vector<NodeIndex> cell_offsets(const ColumnMesh& mesh);
+
+/// Whether a segment over vertex v goes before one over w; `a`, `b`: twice the elevations of their
+/// midpoints.
+constexpr bool climbs_first(double a, VertexIndex v, double b, VertexIndex w) {
+  return a < b || (a == b && v > w);
+}
+
+/// A front of N columns that climbs in the order drawn above.
+template <std::size_t N>
+class Climb {
+ public:
+  /// Column i goes from node from[i] to the column's top.
+  Climb(const ColumnMesh& mesh, const std::array<VertexIndex, N>& vertices,
+        const std::array<NodeIndex, N>& from)
+      : vertex_(vertices), at_(from) {
+    z_.fill(mesh.z.data());
+    for (std::size_t i = 0; i < N; ++i) last_[i] = mesh.top(vertex_[i]);
+    for (std::size_t i = 0; i < N; ++i) set_key(i);
+  }
+  /// Columns of no mesh: the elevations of column i are z[i][0 .. last[i]].
+  Climb(const std::array<const double*, N>& z, const std::array<VertexIndex, N>& vertices,
+        const std::array<NodeIndex, N>& from, const std::array<NodeIndex, N>& last)
+      : z_(z), vertex_(vertices), at_(from), last_(last) {
+    for (std::size_t i = 0; i < N; ++i) set_key(i);
+  }
+  /// The position (0 .. N - 1) of the column that goes next; N when all are at their last node.
+  std::size_t next() const {
+    std::size_t best = 0;
+    for (std::size_t i = 1; i < N; ++i)
+      if (climbs_first(key_[i], vertex_[i], key_[best], vertex_[best])) best = i;
+    return key_[best] < kDone ? best : N;
+  }
+  void advance(std::size_t i) {
+    ++at_[i];
+    set_key(i);
+  }
+  /// The front: node numbers of the mesh, or positions in the columns if they are of none.
+  const std::array<NodeIndex, N>& at() const { return at_; }
+  NodeIndex at(std::size_t i) const { return at_[i]; }
+
+ private:
+  static constexpr double kDone = std::numeric_limits<double>::infinity();
+  /// Twice the elevation of the next segment's midpoint.
+  void set_key(std::size_t i) {
+    key_[i] = at_[i] < last_[i] ? z_[i][at_[i]] + z_[i][at_[i] + 1] : kDone;
+  }
+
+  std::array<const double*, N> z_{};
+  std::array<VertexIndex, N> vertex_;
+  std::array<NodeIndex, N> at_;
+  std::array<NodeIndex, N> last_{};
+  std::array<double, N> key_{};
+};
+
+/// The front at the floor of triangle t, in the order of its corners.
+inline Climb<3> climb_triangle(const ColumnMesh& mesh, std::size_t t) {
+  const auto& v = mesh.ground.triangles[t];
+  return {mesh, v, {mesh.floor(t, v[0]), mesh.floor(t, v[1]), mesh.floor(t, v[2])}};
+}
+
+/// Calls visit(nodes) for the tets over triangle t, upwards. The first three nodes are over the
+/// triangle's corners in their order, the fourth is the upper end of the vertical edge:
+/// (p1 - p0) x (p2 - p0) . (p3 - p0) > 0.
+template <typename Visit>
+void for_each_tet_over(const ColumnMesh& mesh, std::size_t t, const Visit& visit) {
+  Climb<3> front = climb_triangle(mesh, t);
+  for (std::size_t i; (i = front.next()) < 3; front.advance(i)) {
+    const auto& at = front.at();
+    visit(std::array<NodeIndex, 4>{at[0], at[1], at[2], at[i] + 1});
+  }
+}
+
+/// Position of a node over ground vertex v.
+inline std::array<double, 3> position(const ColumnMesh& mesh, VertexIndex v, NodeIndex node) {
+  const Point2 p = mesh.ground.vertices[static_cast<std::size_t>(v)];
+  return {p.x, p.y, mesh.z[static_cast<std::size_t>(node)]};
+}
+
+/// What makes the mesh valid (guarantee 4): every column has at least two nodes and increases, and
+/// all nodes at the roof of a building have the same elevation. Throws Error(kGuarantee) naming the
+/// ground vertex otherwise. Returns the shortest vertical edge in metres.
+double require_valid(const ColumnMesh& mesh);
+
+}  // namespace tetropolis

@@ -1,0 +1,47 @@
+// Guarantee 6 on a written boundary, its terrain and its city model.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+#include "tetropolis/check/violation.h"
+#include "tetropolis/city/city_model.h"
+#include "tetropolis/terrain/raster.h"
+#include "tetropolis/volume/column/boundary.h"
+
+#include "volume/excavate/cut_back.h"
+
+namespace tetropolis {
+
+struct HeightsCheck {
+  std::int64_t ground_vertices = 0;
+  std::int64_t roof_vertices = 0;
+  std::int64_t lowered = 0;  ///< Ground vertices below the DTM by more than the tolerance.
+  /// Those at a wall of just `minimum_wall` (to 1e-6 m) and on the DTM within the tolerance:
+  /// whether they were lowered by a rounding error, nobody can tell.
+  std::int64_t perhaps_lowered = 0;
+  std::vector<Violation> violations;
+};
+
+/// From where the terrain was cut back (see cut_back), and how steeply it may rise there.
+struct CutsCheck {
+  std::optional<CutSources> from;  ///< In the local frame. Nothing: not known.
+  /// Of cuts from there. If it is not known from where, any up to the gentlest (30 degrees) will
+  /// do.
+  CutSlopes slopes;
+};
+
+/// |z - DTM| <= 1e-9 m at ground vertices, |z - h_roof| <= 1e-9 m at roof vertices. On walls ground
+/// may lie below the DTM where that, at the vertex or at one next to it, is higher than the roof
+/// less `minimum_wall`, metres; and anywhere where `cuts` take it: exactly so far (to 1e-5 m), or,
+/// if it is not known from where, no further than from a roof beside it or from the ground at its
+/// neighbours; walls, which may be feet, are then taken for sound. `shift` is added to the
+/// surface's coordinates to get to the local frame of `dtm` and `city`. Ground vertices that are
+/// not finite are violations.
+HeightsCheck check_heights(const SurfaceMesh& surface, std::array<double, 3> shift,
+                           const Raster& dtm, const CityModel& city, double minimum_wall,
+                           const CutsCheck& cuts);
+
+}  // namespace tetropolis

@@ -1,0 +1,441 @@
+#include "tetropolis/check/check_results.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <iterator>
+#include <map>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <system_error>
+#include <utility>
+#include <vector>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include "tetropolis/check/check_city.h"
+#include "tetropolis/check/check_surface.h"
+#include "tetropolis/check/check_volume.h"
+#include "tetropolis/core/error.h"
+#include "tetropolis/core/files.h"
+#include "tetropolis/core/text.h"
+#include "tetropolis/io/cityjson/cityjson.h"
+#include "tetropolis/io/crs/crs.h"
+#include "tetropolis/io/mesh/vtk.h"
+#include "tetropolis/io/mesh/xdmf.h"
+#include "tetropolis/io/raster/geotiff.h"
+#include "tetropolis/run/config.h"
+
+#include "check_ground.h"
+#include "check_heights.h"
+#include "check_members.h"
+#include "check_regions.h"
+#include "check_same_boundary.h"
+#include "compare_report.h"
+#include "describe_checks.h"
+#include "reported_facts.h"
+#include "run/result_files.h"
+
+namespace tetropolis {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+/// A mesh of a file, what it is called in what is printed, and the origin that the file gives.
+template <typename Mesh>
+struct Named {
+  std::string name;
+  Mesh mesh;
+  std::optional<Point3> origin;
+};
+using NamedVolume = Named<TetMesh>;
+using NamedSurface = Named<SurfaceMesh>;
+
+std::string grid_name(const std::string& file, const char* grid) {
+  return fmt::format("{}, grid '{}'", file, grid);
+}
+
+CheckedFile check_one_volume(const fs::path& path, const Progress& progress) {
+  CheckedFile file = describe(path.filename().string(), check_volume(read_vtu(path), progress));
+  file.not_checked = {
+      "the boundary's tags, regions, footprints in the mesh, heights and the "
+      "report (check the folder that has the other results)"};
+  return file;
+}
+
+CheckedFile check_one_surface(const fs::path& path) {
+  CheckedFile file = describe(path.filename().string(), check_surface(read_vtp(path)));
+  file.not_checked = {
+      "the volume behind it, footprints in the mesh, heights and the report (check "
+      "the folder that has the other results)"};
+  return file;
+}
+
+/// The clearance that the model must have: what `min_distance` says or else the report, of the raw
+/// model nothing.
+std::optional<double> distance_asked(const std::string& name, std::optional<double> min_distance,
+                                     const std::optional<ReportedFacts>& report) {
+  if (min_distance || name == results::kRawCity) return min_distance;
+  return report ? report->min_distance : Config{}.min_building_distance;
+}
+
+/// Of what the reader of a model noticed, what is wrong in a model of ours: as a violation if it is
+/// a result, and in words if it is only what `mesh` has read, which uses the attributes.
+void note_changes(const std::vector<Warning>& warnings, bool is_result, CheckedFile& file) {
+  for (const Warning& warning : warnings) {
+    const bool solids = warning.code == "city_solids_differ";
+    if (!solids && warning.code != "city_extent_differs") continue;
+    if (!is_result)
+      file.facts.push_back(warning.message);
+    else if (solids)
+      file.violations.push_back({"solids that are not what their ground, h_ground and h_roof make",
+                                 warning.count, warning.message});
+    else
+      file.violations.push_back({"wrong extent", warning.count, warning.message});
+  }
+}
+
+/// Guarantee 3: footprints in the mesh, and its angles if the report says what was asked for.
+void check_ground_mesh(const SurfaceMesh& surface, std::array<double, 3> shift,
+                       const CityModel& city, const std::optional<ReportedFacts>& report,
+                       CheckedFile& file) {
+  const bool known = report && report->mesh && report->min_angle;
+  const GroundCheck check = check_ground(surface, shift, city, known ? *report->min_angle : 0);
+  file.violations.insert(file.violations.end(), check.violations.begin(), check.violations.end());
+  file.facts.push_back(
+      fmt::format("{} triangles in the plan, least angle {:.2f} degrees; outlines of roofs "
+                  "compared with the footprints",
+                  check.triangles, check.least_angle_deg));
+  if (!known) {
+    file.not_checked.emplace_back(
+        "the least angle of the ground mesh (no report.json that says what was asked for)");
+    return;
+  }
+  const ReportedGround& ground = report->ground;
+  const auto triangles = static_cast<double>(check.triangles);
+  compare("number of ground triangles", ground.triangles, triangles, triangles, triangles, file);
+  compare("least angle of the ground mesh", ground.least_angle, check.least_angle_bounds_deg[0],
+          check.least_angle_deg, check.least_angle_bounds_deg[1], file);
+  compare("number of triangles below the minimum angle", ground.below_min_angle,
+          static_cast<double>(check.below_bounds[0]), static_cast<double>(check.below),
+          static_cast<double>(check.below_bounds[1]), file);
+  file.facts.push_back(
+      fmt::format("{} triangles below {} degrees", check.below, *report->min_angle));
+}
+
+void check_heights_of(const Raster& terrain, const SurfaceMesh& surface,
+                      std::array<double, 3> shift, const CityModel& city,
+                      const std::optional<ReportedFacts>& report, CheckedFile& file) {
+  const ReportedFacts facts = report.value_or(ReportedFacts{});
+  const HeightsCheck check =
+      check_heights(surface, shift, terrain, city, facts.min_wall, facts.cuts);
+  file.violations.insert(file.violations.end(), check.violations.begin(), check.violations.end());
+  file.facts.push_back(fmt::format(
+      "{} ground vertices on the terrain ({} lowered at walls, around roofs and at feet), {} "
+      "roof vertices at their roof's height",
+      check.ground_vertices, check.lowered, check.roof_vertices));
+  if (report && report->mesh)
+    compare("number of lowered ground vertices", report->mesh->ground_lowered,
+            static_cast<double>(check.lowered), static_cast<double>(check.lowered),
+            static_cast<double>(check.lowered + check.perhaps_lowered), file);
+}
+
+/// What a mesh was made from. Empty paths where it is not to be found.
+struct Sources {
+  fs::path city, terrain;
+  fs::path city_wanted, terrain_wanted;     ///< Where they were to be.
+  std::optional<RasterInput> read_terrain;  ///< Where there is a city, too.
+};
+
+/// In the folder, if its report tells of it; where `mesh` has read it; or else in the folder.
+Sources find_sources(const fs::path& folder, const std::optional<ReportedFacts>& report) {
+  const auto find = [&](const char* name, const fs::path& read) {
+    const bool told = report && std::find(report->files.begin(), report->files.end(), name) !=
+                                    report->files.end();
+    if (!told && !read.empty() && is_there(read)) return read;
+    return is_there(folder / name) ? folder / name : fs::path();
+  };
+  const ReportedFacts facts = report.value_or(ReportedFacts{});
+  return {find(results::kCity, facts.city_model), find(results::kTerrain, facts.terrain),
+          facts.city_model.empty() ? results::kCity : facts.city_model,
+          facts.terrain.empty() ? results::kTerrain : facts.terrain, std::nullopt};
+}
+
+CheckedFile check_against_city(const std::string& name, const Sources& sources, const TetMesh& mesh,
+                               const SurfaceMesh& surface, const CityModel& city,
+                               const std::optional<ReportedFacts>& report) {
+  std::array<double, 3> shift{0, 0, 0};
+  if (report && report->absolute) shift = {-city.origin.x, -city.origin.y, 0};
+  CheckedFile file{name, {}, check_regions(mesh, shift, city), {}};
+  file.facts.emplace_back("regions of cells compared with the footprints");
+  check_ground_mesh(surface, shift, city, report, file);
+  if (sources.read_terrain)
+    check_heights_of(sources.read_terrain->raster, surface, shift, city, report, file);
+  else
+    file.not_checked.push_back(
+        fmt::format("heights (there is no {})", sources.terrain_wanted.string()));
+  return file;
+}
+
+/// What a file of the folder, or one from elsewhere, is called in what is printed.
+std::string shown_name(const fs::path& path, const fs::path& folder) {
+  return path.parent_path() == folder ? path.filename().string() : path.string();
+}
+
+CheckedFile check_terrain(const std::string& name, const RasterInput& terrain,
+                          const CityModel& city, const std::optional<ReportedFacts>& report) {
+  const auto [low, high] =
+      std::minmax_element(terrain.raster.values.begin(), terrain.raster.values.end());
+  CheckedFile file{name,
+                   {fmt::format("{} x {} nodes, {} m apart, {:.2f} to {:.2f} m", terrain.raster.nx,
+                                terrain.raster.ny, terrain.raster.step, *low, *high)},
+                   {},
+                   {}};
+  compare_terrain(terrain, city, report, file);
+  return file;
+}
+
+/// The volume, and each of the boundaries, which are all to be that of the volume, against it.
+std::vector<CheckedFile> check_volume_and_boundaries(const NamedVolume& volume,
+                                                     const std::vector<NamedSurface>& boundaries,
+                                                     const std::optional<ReportedFacts>& report,
+                                                     const Progress& progress) {
+  const VolumeCheck volume_check = check_volume(volume.mesh, progress);
+  std::vector<CheckedFile> files{describe(volume.name, volume_check)};
+  compare_origin(volume.origin, report, files.back());
+  for (const NamedSurface& boundary : boundaries) {
+    const SurfaceCheck surface_check = check_surface(boundary.mesh);
+    files.push_back(describe(boundary.name, surface_check));
+    compare_origin(boundary.origin, report, files.back());
+    compare_domain(surface_check, report, files.back());
+    CheckedFile both{fmt::format("{} and {}", volume.name, boundary.name),
+                     {"faces of one compared with faces of the other"},
+                     check_same_boundary(volume.mesh, volume_check, boundary.mesh),
+                     {}};
+    if (report && report->mesh)
+      compare_mesh(*report->mesh, volume_check, surface_check, both);
+    else
+      both.not_checked.emplace_back("numbers of the run (no report.json that has them)");
+    files.push_back(both);
+  }
+  return files;
+}
+
+/// A mesh of the folder; `city` is city.city.json if that is there.
+void add_mesh(const NamedVolume& volume, const std::vector<NamedSurface>& boundaries,
+              const Sources& sources, const CityModel& city,
+              const std::optional<ReportedFacts>& report, const Progress& progress,
+              std::vector<CheckedFile>& files) {
+  for (CheckedFile& file : check_volume_and_boundaries(volume, boundaries, report, progress))
+    files.push_back(std::move(file));
+  if (sources.city.empty()) {
+    files.back().not_checked.push_back(
+        fmt::format("regions, footprints in the mesh and heights (there is no {})",
+                    sources.city_wanted.string()));
+    return;
+  }
+  for (const NamedSurface& boundary : boundaries)
+    files.push_back(check_against_city(
+        fmt::format("{}, {}, city model and terrain", volume.name, boundary.name), sources,
+        volume.mesh, boundary.mesh, city, report));
+}
+
+/// What is in the folder of volume and boundary, one format after the other.
+void add_meshes(const fs::path& folder, const Sources& sources, const CityModel& city,
+                const std::optional<ReportedFacts>& report, const Progress& progress,
+                std::vector<CheckedFile>& files) {
+  const auto there = [&](const char* name) { return is_there(folder / name); };
+  const bool vtu = there("volume.vtu"), vtp = there("boundary.vtp"), xdmf = there("volume.xdmf");
+  std::vector<NamedSurface> vtp_boundary;
+  if (vtp && (vtu || xdmf))
+    vtp_boundary.push_back({"boundary.vtp", read_vtp(folder / "boundary.vtp"),
+                            read_vtk_origin(folder / "boundary.vtp")});
+  if (vtu && vtp)
+    add_mesh(
+        {"volume.vtu", read_vtu(folder / "volume.vtu"), read_vtk_origin(folder / "volume.vtu")},
+        vtp_boundary, sources, city, report, progress, files);
+  else if (vtu)
+    files.push_back(check_one_volume(folder / "volume.vtu", progress));
+  else if (vtp && !xdmf)
+    files.push_back(check_one_surface(folder / "boundary.vtp"));
+  if (xdmf) {
+    XdmfMesh mesh = read_xdmf(folder / "volume.xdmf");
+    std::vector<NamedSurface> boundaries = vtu ? std::vector<NamedSurface>() : vtp_boundary;
+    boundaries.push_back(
+        {grid_name("volume.xdmf", "boundary"), std::move(mesh.boundary), mesh.origin});
+    add_mesh({grid_name("volume.xdmf", "mesh"), std::move(mesh.volume), mesh.origin}, boundaries,
+             sources, city, report, progress, files);
+  } else if (report && report->mesh && !(vtu && vtp)) {
+    files.push_back(
+        {"meshes", {}, {}, {"there is neither volume.vtu with boundary.vtp nor volume.xdmf"}});
+  }
+}
+
+std::vector<CheckedFile> check_one_xdmf(const fs::path& path, const Progress& progress) {
+  XdmfMesh mesh = read_xdmf(path);
+  const std::string name = path.filename().string();
+  std::vector<CheckedFile> files = check_volume_and_boundaries(
+      {grid_name(name, "mesh"), std::move(mesh.volume), mesh.origin},
+      {{grid_name(name, "boundary"), std::move(mesh.boundary), std::nullopt}}, std::nullopt,
+      progress);
+  files.back().not_checked = {
+      "regions, footprints in the mesh, heights and the report (check the folder that has the "
+      "other results)"};
+  return files;
+}
+
+bool is_whole(const fs::path& path) {
+  std::error_code error;
+  return fs::is_regular_file(path, error) && fs::file_size(path, error) > 0;
+}
+
+/// A result that was lost or moved away since the run, or emptied. Beside a model, the data of
+/// `synth` that it was made from are none.
+void require_listed(const fs::path& folder, const ReportedFacts& report,
+                    std::vector<CheckedFile>& files) {
+  const std::vector<std::string> of_models = results::all_names();
+  const bool has_model = report.city || report.mesh;
+  std::vector<std::string> missing;
+  for (const std::string& name : report.files)
+    if ((!has_model || std::find(of_models.begin(), of_models.end(), name) != of_models.end()) &&
+        !is_whole(folder / name))
+      missing.push_back(name);
+  if (!missing.empty())
+    files.push_back({results::kReport,
+                     {fmt::format("missing: {}", fmt::join(missing, ", "))},
+                     {{"results that report.json lists and that are not here, or empty",
+                       std::ssize(missing), missing[0]}},
+                     {}});
+}
+
+/// Whoever hands on one of these files is to know that nobody has looked into it.
+void add_unread(const fs::path& folder, std::vector<CheckedFile>& files) {
+  std::vector<std::string_view> there;
+  for (const char* name : results::kUnread)
+    if (is_there(folder / name)) there.emplace_back(name);
+  if (!there.empty())
+    files.push_back(
+        {"other formats", {fmt::format("not read: {}", fmt::join(there, ", "))}, {}, {}});
+}
+
+/// Of a model that `mesh` has read: buildings that it says it left out, which the mesh is without.
+void leave_out_dropped(const ReportedCity& reported, CityModel& city) {
+  const std::map<std::string, std::string> reasons(reported.dropped.begin(),
+                                                   reported.dropped.end());
+  std::erase_if(city.buildings, [&](const Building& building) {
+    const auto reason = reasons.find(building.source_ids.front());
+    if (reason == reasons.end()) return false;
+    for (const std::string& id : building.source_ids) city.dropped.push_back({id, reason->second});
+    return true;
+  });
+}
+
+void note_members(const CityModel& raw, const CityModel& city, double max_distance,
+                  CheckedFile& file) {
+  constexpr double kSearched = 0.02;  // metres: distances are searched to one centimetre
+  const std::vector<Violation> found = check_members(raw, city, max_distance + kSearched);
+  file.violations.insert(file.violations.end(), found.begin(), found.end());
+}
+
+std::vector<CheckedFile> check_folder(const fs::path& folder, std::optional<double> min_distance,
+                                      const Progress& progress) {
+  const std::optional<ReportedFacts> report = read_report(folder);
+  Sources sources = find_sources(folder, report);
+  std::vector<CheckedFile> files;
+  CityModel city;
+  std::optional<CityModel> raw;
+  for (const std::string name : {results::kRawCity, results::kCity}) {
+    const fs::path path = name == results::kCity ? sources.city : folder / name;
+    if (path.empty() || !is_there(path)) continue;
+    std::vector<Warning> warnings;
+    const bool is_raw = name == results::kRawCity;
+    const bool was_read = !is_raw && report && !report->city_model.empty();
+    city = read_city(path, &warnings, was_read ? BrokenObjects::kDrop : BrokenObjects::kRefuse);
+    if (was_read && report->city) leave_out_dropped(*report->city, city);
+    const std::optional<double> distance =
+        distance_asked(name, is_raw ? std::nullopt : min_distance, report);
+    const CityCheck check = check_city(city, distance);
+    files.push_back(describe(shown_name(path, folder), check, distance));
+    std::error_code ignored;
+    note_changes(warnings, fs::equivalent(path, folder / name, ignored), files.back());
+    compare_account(city, report, files.back());
+    if (is_raw) {
+      raw = city;
+      if (report && report->city && report->footprint_parts)
+        compare_count("number of raw buildings", report->city->raw_buildings, city.buildings.size(),
+                      files.back());
+      continue;
+    }
+    // A model that was meshed by itself may be another one than the raw model beside it.
+    if (raw && report && report->footprint_parts) {
+      compare_features(*raw, city, files.back());
+      if (report->city && report->city->max_distance)
+        note_members(*raw, city, *report->city->max_distance, files.back());
+    }
+    if (report) compare_city(city, check, *report, files.back());
+  }
+  if (!sources.city.empty() && !sources.terrain.empty()) {
+    sources.read_terrain = read_raster(sources.terrain, city.origin);
+    files.push_back(
+        check_terrain(shown_name(sources.terrain, folder), *sources.read_terrain, city, report));
+  }
+  add_meshes(folder, sources, city, report, progress, files);
+  if (files.empty())
+    throw Error(
+        ErrorKind::kInput,
+        folder.string() +
+            ": holds no result of tetropolis (no city.city.json, no volume.vtu or volume.xdmf)");
+  if (report) require_listed(folder, *report, files);
+  if (report && !report->missing.empty())
+    files.push_back({results::kReport,
+                     {},
+                     {{"members that the report of a run has and this one has not",
+                       std::ssize(report->missing), report->missing[0]}},
+                     {}});
+  add_unread(folder, files);
+  return files;
+}
+
+/// By itself, so a report beside it that is another program's is no reason to give up.
+CheckedFile check_one_city(const fs::path& path, std::optional<double> min_distance) {
+  std::optional<ReportedFacts> report;
+  std::vector<std::string> not_checked{
+      "that every input feature is accounted for, and the meshes (check the "
+      "folder that has the other results)"};
+  try {
+    report = read_report(path.parent_path());
+  } catch (const Error& error) {
+    not_checked.push_back(fmt::format("what report.json asks for ({})", error.what()));
+  }
+  const std::string name = path.filename().string();
+  const std::optional<double> distance = distance_asked(name, min_distance, report);
+  std::vector<Warning> warnings;
+  CheckedFile file = describe(name, check_city(read_city(path, &warnings), distance), distance);
+  note_changes(warnings, true, file);
+  file.not_checked = std::move(not_checked);
+  return file;
+}
+
+}  // namespace
+
+std::vector<CheckedFile> check_path(const fs::path& given, std::optional<double> min_distance,
+                                    const Progress& progress) {
+  fs::path path = given;
+  while (!path.has_filename() && path.has_relative_path()) path = path.parent_path();  // "r/"
+  if (!is_there(path)) throw Error(ErrorKind::kInput, path.string() + ": no such file or folder");
+  std::error_code ignored;
+  if (fs::is_directory(path, ignored)) return check_folder(path, min_distance, progress);
+  const std::string extension = lower_case(path.extension().string());
+  if (extension == ".vtu") return {check_one_volume(path, progress)};
+  if (extension == ".vtp") return {check_one_surface(path)};
+  if (extension == ".xdmf") return check_one_xdmf(path, progress);
+  if (extension == ".json" || extension == ".cityjson") return {check_one_city(path, min_distance)};
+  throw Error(
+      ErrorKind::kInput,
+      path.string() + ": is not a .vtu, .vtp, .xdmf or .city.json file or a folder of results");
+}
+
+}  // namespace tetropolis

@@ -1,0 +1,459 @@
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <string_view>
+#include <unordered_set>
+#include <utility>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "tetropolis/core/error.h"
+#include "tetropolis/geometry/polygon.h"
+#include "tetropolis/io/cityjson/cityjson.h"
+#include "tetropolis/io/crs/crs.h"
+
+#include "body_footprint.h"
+#include "cityjson_geometry.h"
+#include "core/infinity.h"
+#include "io/file/input_file.h"
+#include "io/file/json_place.h"
+#include "io/file/positioned_file.h"
+#include "is_prism.h"
+
+namespace tetropolis {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+/// Notes the keys of CityObjects in the order of the file, which the parsed document forgets, and
+/// where the text stops to be JSON. (The parser's own call-backs take time quadratic in the length
+/// of an array.)
+class KeyScan : public nlohmann::json_sax<Json> {
+ public:
+  std::vector<std::string> keys;
+  std::size_t error_byte = 0;
+  bool out_of_range = false;
+
+  bool null() override { return true; }
+  bool boolean(bool) override { return true; }
+  bool number_integer(number_integer_t) override { return true; }
+  bool number_unsigned(number_unsigned_t) override { return true; }
+  bool number_float(number_float_t, const string_t&) override { return true; }
+  bool string(string_t&) override { return true; }
+  bool binary(binary_t&) override { return true; }
+  bool start_object(std::size_t) override { return enter(); }
+  bool end_object() override { return leave(); }
+  bool start_array(std::size_t) override { return enter(); }
+  bool end_array() override { return leave(); }
+  bool key(string_t& name) override {
+    if (depth_ == 1) in_objects_ = name == "CityObjects";
+    if (depth_ == 2 && in_objects_) keys.push_back(name);
+    return true;
+  }
+  bool parse_error(std::size_t byte, const std::string&,
+                   const nlohmann::detail::exception& error) override {
+    error_byte = byte;
+    out_of_range = dynamic_cast<const Json::out_of_range*>(&error) != nullptr;
+    return false;
+  }
+
+ private:
+  bool enter() {
+    ++depth_;
+    return true;
+  }
+  bool leave() {
+    --depth_;
+    return true;
+  }
+  int depth_ = 0;
+  bool in_objects_ = false;
+};
+
+/// The document, and the keys of its CityObjects in the order of the file.
+struct Document {
+  Json root;
+  std::vector<std::string> keys;
+};
+
+std::string read_text(const fs::path& path) {
+  const PositionedFile file(path);
+  return file.head(file.size());
+}
+
+Document parse(const fs::path& path) {
+  const std::string text = read_text(path);
+  KeyScan scan;
+  if (!Json::sax_parse(text, &scan))
+    fail_input(path,
+               text.find("\"CityJSONFeature\"") != std::string::npos
+                   ? "is a sequence of city objects, which is not read; make one CityJSON of it "
+                     "(the program cjseq does that: cjseq collect)"
+               : scan.out_of_range
+                   ? fmt::format("holds a number out of range at byte {}; the file is broken",
+                                 scan.error_byte)
+                   : fmt::format("is not valid JSON after byte {}; the file is cut or not CityJSON",
+                                 scan.error_byte));
+  std::unordered_set<std::string> seen;
+  for (const std::string& key : scan.keys)
+    if (!seen.insert(key).second)
+      fail_input(path, fmt::format("/CityObjects has two members '{}'", key));
+  return {Json::parse(text), std::move(scan.keys)};
+}
+
+/// The types of objects of CityJSON 1.0 to 2.0 that are no buildings.
+constexpr std::array<std::string_view, 35> kOtherTypes = {"Bridge",
+                                                          "BridgePart",
+                                                          "BridgeInstallation",
+                                                          "BridgeConstructionElement",
+                                                          "BridgeConstructiveElement",
+                                                          "BridgeRoom",
+                                                          "BridgeFurniture",
+                                                          "BuildingInstallation",
+                                                          "BuildingConstructiveElement",
+                                                          "BuildingFurniture",
+                                                          "BuildingStorey",
+                                                          "BuildingRoom",
+                                                          "BuildingUnit",
+                                                          "CityFurniture",
+                                                          "CityObjectGroup",
+                                                          "GenericCityObject",
+                                                          "LandUse",
+                                                          "OtherConstruction",
+                                                          "PlantCover",
+                                                          "Railway",
+                                                          "Road",
+                                                          "SolitaryVegetationObject",
+                                                          "Square",
+                                                          "TINRelief",
+                                                          "TransportSquare",
+                                                          "TransportationComplex",
+                                                          "Track",
+                                                          "Tunnel",
+                                                          "TunnelPart",
+                                                          "TunnelInstallation",
+                                                          "TunnelConstructiveElement",
+                                                          "TunnelHollowSpace",
+                                                          "TunnelFurniture",
+                                                          "WaterBody",
+                                                          "Waterway"};
+
+/// Attributes of our own files; members that are missing keep their defaults.
+void read_attributes(const Place& attributes, Building& building) {
+  const auto integer = [&](const char* key) -> std::int64_t {
+    return attributes.has(key) ? std::llround(std::clamp(attributes.at(key).number(), 0.0, 9e15))
+                               : 0;
+  };
+  building.id = attributes.at("tetropolis_id").text();
+  building.source_ids.clear();
+  const Place ids = attributes.at("source_ids");
+  for (std::size_t i = 0; i < ids.size(); ++i) building.source_ids.push_back(ids.at(i).text());
+  if (ids.size() == 0) ids.fail("is empty");
+  building.h_ground = attributes.at("h_ground").number();
+  building.h_roof = attributes.at("h_roof").number();
+  building.n_ground_points = integer("n_ground_points");
+  building.n_roof_points = integer("n_roof_points");
+  if (attributes.has("attribute_height"))
+    building.attribute_height = attributes.at("attribute_height").number();
+  if (!attributes.has("flags")) return;
+  std::vector<std::string> names;
+  const Place flags = attributes.at("flags");
+  for (std::size_t i = 0; i < flags.size(); ++i) names.push_back(flags.at(i).text());
+  building.flags = flags_from_names(names);
+}
+
+bool is_ours(const Place& object, const std::string& key) {
+  if (!object.has("attributes")) return false;
+  const Json& attributes = object.at("attributes").value();
+  if (!attributes.is_object()) return false;
+  const auto id = attributes.find("tetropolis_id");
+  return id != attributes.end() && id->is_string() && *id == key;
+}
+
+constexpr double kLeastHeight = 2;  ///< Metres: a roof lower than that is a floor.
+
+struct Heights {
+  double low = kInfinity, high = -kInfinity;  ///< Of ground and roof.
+  bool is_flattened = false;                  ///< The roof reaches higher.
+};
+
+/// Of a body of another program, whose footprint these are.
+Heights heights_of(std::span<const Face> faces, std::span<const Polygon> footprint) {
+  constexpr double kFlat = 0.5;  // metres: as far as roofs are flat anyway
+  Heights heights;
+  for (const Face& face : faces) {
+    const auto [low, high] = elevations(face);
+    heights.low = std::min(heights.low, low);
+    heights.high = std::max(heights.high, high);
+  }
+  double whole = 0;
+  for (const Polygon& polygon : footprint) whole += area(polygon);
+  const std::optional<double> roof = roof_height_of(faces, whole);
+  if (roof && *roof >= heights.low + kLeastHeight) {
+    heights.is_flattened = heights.high - *roof > kFlat;
+    heights.high = *roof;
+  }
+  return heights;
+}
+
+class CityReader {
+ public:
+  /// `keys`: of all objects of the file.
+  CityReader(const CityFrame& frame, std::span<const std::string> keys, CityModel& model)
+      : frame_(frame), keys_(keys.begin(), keys.end()), model_(model) {}
+
+  void add(const Place& object, const std::string& key) {
+    const std::string& type = object.at("type").text();
+    if (type != "Building" && type != "BuildingPart") {
+      if (std::find(kOtherTypes.begin(), kOtherTypes.end(), type) == kOtherTypes.end())
+        unknown_types_.push_back(type);
+      return;
+    }
+    ObjectFaces geometry = read_faces(object, frame_);
+    if (geometry.faces.empty()) {
+      const bool holds_parts = object.has("children") && object.at("children").size() > 0;
+      if (!holds_parts) model_.dropped.push_back({key, geometry.reason});
+      return;
+    }
+    FootprintResult footprint = footprint_of(geometry.faces);
+    if (footprint.polygons.empty()) {
+      model_.dropped.push_back({key, footprint.reason});
+      return;
+    }
+    if (is_ours(object, key))
+      add_ours(object, geometry.faces, std::move(footprint));
+    else
+      add_foreign(key, geometry.faces, std::move(footprint));
+  }
+
+  /// The same; an object that contradicts the format is dropped.
+  void add_or_drop(const Place& object, const std::string& key) {
+    try {
+      add(object, key);
+    } catch (const Error& error) {
+      if (error.kind() != ErrorKind::kInput) throw;
+      model_.dropped.push_back({key, object.without_file(error.what())});
+    }
+  }
+
+  /// Ids of buildings of ours whose solid is not what their ground and attributes make.
+  const std::vector<std::string>& other_solids() const { return other_solids_; }
+
+  /// Of objects whose type is none of CityJSON's own.
+  const std::vector<std::string>& unknown_types() const { return unknown_types_; }
+
+  /// How many roofs of others reach higher than the height they get.
+  std::size_t flattened() const { return flattened_; }
+
+  /// Foreign buildings get their numbers last, apart from the ids that files of ours brought.
+  void finish() {
+    std::unordered_set<std::string> taken;
+    for (const Building& building : model_.buildings)
+      if (!building.id.empty()) taken.insert(building.id);
+    std::size_t number = 1;
+    for (Building& building : model_.buildings) {
+      while (building.id.empty()) {
+        std::string id = "b" + std::to_string(number++);
+        if (taken.insert(id).second) building.id = std::move(id);
+      }
+    }
+  }
+
+ private:
+  void add_ours(const Place& object, const std::vector<Face>& faces, FootprintResult footprint) {
+    const Place attributes = object.at("attributes");
+    Building building;
+    read_attributes(attributes, building);
+    if (footprint.polygons.size() != 1) object.at("geometry").fail("has several ground faces");
+    if (!(building.h_ground < building.h_roof)) attributes.fail("has h_roof below h_ground");
+    building.footprint = std::move(footprint.polygons[0]);
+    if (!is_prism(faces, building)) other_solids_.push_back(building.id);
+    model_.buildings.push_back(std::move(building));
+  }
+
+  void add_foreign(const std::string& key, const std::vector<Face>& faces,
+                   FootprintResult footprint) {
+    const Heights whole = heights_of(faces, footprint.polygons);
+    if (!(whole.low < whole.high)) {
+      model_.dropped.push_back({key, "a geometry without height"});
+      return;
+    }
+    std::vector<std::vector<Face>> parts;
+    if (footprint.polygons.size() > 1) parts = share_out(faces, footprint.polygons);
+    bool is_flattened = false;
+    std::size_t number = 1;
+    for (std::size_t k = 0; k < footprint.polygons.size(); ++k) {
+      Heights heights = whole;
+      if (!parts.empty()) heights = heights_of(parts[k], {&footprint.polygons[k], 1});
+      // What is lower than a storey has lost its roof to another piece.
+      if (heights.high - heights.low < kLeastHeight) heights = whole;
+      is_flattened = is_flattened || heights.is_flattened;
+      Building building;
+      std::string id = key;
+      while (k > 0 && keys_.contains(id)) id = fmt::format("{}#{}", key, ++number);
+      building.source_ids = {std::move(id)};
+      building.footprint = std::move(footprint.polygons[k]);
+      building.h_ground = heights.low;
+      building.h_roof = heights.high;
+      model_.buildings.push_back(std::move(building));
+    }
+    if (is_flattened) ++flattened_;
+  }
+
+  const CityFrame& frame_;
+  std::unordered_set<std::string> keys_;
+  CityModel& model_;
+  std::vector<std::string> other_solids_;
+  std::vector<std::string> unknown_types_;
+  std::size_t flattened_ = 0;
+};
+
+void check_type(const Place& root) {
+  if (root.value().is_object() && !root.has("type"))
+    root.fail("has no member 'type', so it is not CityJSON; give a .city.json");
+  if (root.at("type").text() != "CityJSON") root.at("type").fail("is not \"CityJSON\"");
+  const std::string& version = root.at("version").text();
+  for (const std::string_view known : {"1.0", "1.1", "2.0"})
+    if (version.starts_with(known)) return;
+  root.at("version").fail(fmt::format("is \"{}\"; only 1.0, 1.1 and 2.0 can be read", version));
+}
+
+std::string crs_at(const Place& system) {
+  const double unit = vertical_unit_metres(system.text());
+  if (unit < 0) system.fail("has heights that count downwards; convert them to heights in metres");
+  if (!is_metre(unit))
+    system.fail(fmt::format("has heights in units of {} m; convert them to metres", unit));
+  try {
+    return normalise_crs(system.text());
+  } catch (const Error& error) {
+    system.fail(error.what());
+  }
+}
+
+/// What write_city puts beside the objects.
+void read_account(const Place& root, CityModel& model) {
+  model.domain = Bounds2::nothing();
+  if (!root.has("tetropolis")) return;
+  const Place account = root.at("tetropolis");
+  if (account.has("crs") && !account.at("crs").text().empty()) {
+    const std::string crs = crs_at(account.at("crs"));
+    if (model.crs.empty())
+      model.crs = crs;
+    else if (crs != model.crs && !same_horizontal_crs(crs, model.crs))
+      account.at("crs").fail(fmt::format(
+          "is {}, but /metadata/referenceSystem {}; correct one, or remove the member 'tetropolis' "
+          "if another program has moved the model",
+          crs_name(crs), crs_name(model.crs)));
+  }
+  if (account.has("domain")) {
+    const Place box = account.at("domain");
+    if (box.size() != 4) box.fail("is not an array of four numbers");
+    const auto side = [&](std::size_t i) {
+      return snap_coordinate(box.at(i).number() - (i % 2 == 0 ? model.origin.x : model.origin.y));
+    };
+    model.domain = {side(0), side(1), side(2), side(3)};
+    if (model.domain.empty())
+      box.fail("is not XMIN, YMIN, XMAX, YMAX with XMIN < XMAX, YMIN < YMAX");
+  }
+  if (!account.has("dropped")) return;
+  const Place dropped = account.at("dropped");
+  for (std::size_t i = 0; i < dropped.size(); ++i)
+    model.dropped.push_back(
+        {dropped.at(i).at("source_id").text(), dropped.at(i).at("reason").text()});
+}
+
+std::string read_crs(const Place& root) {
+  if (!root.has("metadata")) return "";
+  const Place metadata = root.at("metadata");
+  if (!metadata.has("referenceSystem")) return "";
+  return crs_at(metadata.at("referenceSystem"));
+}
+
+/// Of our own files: whether the extent stated is that of the vertices, to a centimetre.
+bool states_its_extent(const Place& root, const CityFrame& frame) {
+  constexpr double kRounding = 0.01;  // metres
+  if (!root.has("tetropolis") || !root.has("metadata") || frame.vertices.empty()) return true;
+  const Place metadata = root.at("metadata");
+  if (!metadata.has("geographicalExtent")) return true;
+  const Place extent = metadata.at("geographicalExtent");
+  if (extent.size() != 6) return false;
+  const std::array<double, 3> origin{frame.origin.x, frame.origin.y, 0};
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    const auto below = [axis](const Point3& p, const Point3& q) { return p[axis] < q[axis]; };
+    const auto [low, high] =
+        std::minmax_element(frame.vertices.begin(), frame.vertices.end(), below);
+    if (!(std::abs(extent.at(axis).number() - origin[axis] - (*low)[axis]) <= kRounding &&
+          std::abs(extent.at(axis + 3).number() - origin[axis] - (*high)[axis]) <= kRounding))
+      return false;
+  }
+  return true;
+}
+
+/// What became of objects otherwise than one might think; `dropped` are no buildings.
+void warn_of_objects(const fs::path& path, const CityReader& reader,
+                     std::span<const Dropped> dropped, std::vector<Warning>& warnings) {
+  const auto warn = [&](const char* code, std::size_t count, std::string message) {
+    if (count > 0)
+      warnings.push_back({code, static_cast<std::int64_t>(count),
+                          fmt::format("{}: {}", path.string(), std::move(message))});
+  };
+  if (!dropped.empty())
+    warn("city_objects_dropped", dropped.size(),
+         fmt::format("{} buildings or parts have no usable geometry, the first, {}: {}",
+                     dropped.size(), dropped.front().source_id, dropped.front().reason));
+  warn("city_roofs_flattened", reader.flattened(),
+       "parts of roofs are left out that reach higher than nine tenths of the roof's area");
+  const std::vector<std::string>& unknown = reader.unknown_types();
+  warn("city_types_unknown", unknown.size(),
+       fmt::format("{} objects are left out that have a type which is none of CityJSON's own "
+                   "(the first: {}); make them Buildings if they are",
+                   unknown.size(), unknown.empty() ? "" : unknown.front()));
+  const std::vector<std::string>& other = reader.other_solids();
+  warn(
+      "city_solids_differ", other.size(),
+      fmt::format("the solids of {} buildings (the first: {}) are not what their ground faces make "
+                  "from h_ground to h_roof; the ground faces and these attributes are used",
+                  other.size(), other.empty() ? "" : other.front()));
+}
+
+}  // namespace
+
+CityModel read_city(const fs::path& path, std::vector<Warning>* warnings, BrokenObjects broken) {
+  const Document document = parse(path);
+  const Place root(path, document.root);
+  check_type(root);
+  // A file of ours that contradicts itself has been damaged, and who knows where else.
+  const bool drop_broken = broken == BrokenObjects::kDrop && !root.has("tetropolis");
+  const CityFrame frame = read_vertices(root, drop_broken);
+  CityModel model;
+  model.origin = frame.origin;
+  model.crs = read_crs(root);
+  read_account(root, model);
+  const std::size_t dropped_before = model.dropped.size();
+  const Place objects = root.at("CityObjects");
+  if (!objects.value().is_object()) objects.fail("is not an object");
+  CityReader reader(frame, document.keys, model);
+  for (const std::string& key : document.keys) {
+    if (drop_broken)
+      reader.add_or_drop(objects.at(key), key);
+    else
+      reader.add(objects.at(key), key);
+  }
+  reader.finish();
+  if (warnings != nullptr) {
+    warn_of_objects(path, reader, std::span(model.dropped).subspan(dropped_before), *warnings);
+    if (!states_its_extent(root, frame))
+      warnings->push_back({"city_extent_differs", 1,
+                           path.string() +
+                               ": metadata.geographicalExtent is not that of the vertices, and is "
+                               "not used"});
+  }
+  return model;
+}
+
+}  // namespace tetropolis

@@ -1,0 +1,284 @@
+#include <algorithm>
+#include <array>
+#include <cassert>
+#include <charconv>
+#include <cmath>
+#include <cstdint>
+#include <iterator>
+#include <string_view>
+#include <unordered_map>
+
+#include <fmt/format.h>
+
+#include "tetropolis/geometry/polygon.h"
+#include "tetropolis/io/cityjson/cityjson.h"
+#include "tetropolis/io/crs/crs.h"
+#include "tetropolis/io/file/atomic_file.h"
+
+namespace tetropolis {
+
+namespace {
+
+using Buffer = fmt::memory_buffer;
+
+void put(Buffer& out, std::string_view text) { out.append(text.data(), text.data() + text.size()); }
+
+/// The shortest text that reads back as the same double. Precondition: finite.
+void put_number(Buffer& out, double value) {
+  assert(std::isfinite(value));
+  std::array<char, 32> text{};
+  const auto [end, error] = std::to_chars(text.data(), text.data() + text.size(), value);
+  assert(error == std::errc{});
+  put(out, {text.data(), static_cast<std::size_t>(end - text.data())});
+}
+
+/// Length of the well-formed UTF-8 sequence at `at` (Unicode 15, table 3-7), 0 if it is none.
+std::size_t utf8_length(std::string_view s, std::size_t at) {
+  const auto byte = [&](std::size_t i) {
+    return i < s.size() ? static_cast<unsigned char>(s[i]) : static_cast<unsigned char>(0);
+  };
+  const unsigned char first = byte(at);
+  if (first < 0x80) return 1;
+  const std::size_t length = first >= 0xF0 ? 4 : first >= 0xE0 ? 3 : 2;
+  if (first < 0xC2 || first > 0xF4) return 0;
+  const unsigned char second = byte(at + 1);
+  const unsigned char low = first == 0xE0 ? 0xA0 : first == 0xF0 ? 0x90 : 0x80;
+  const unsigned char high = first == 0xED ? 0x9F : first == 0xF4 ? 0x8F : 0xBF;
+  if (second < low || second > high) return 0;
+  for (std::size_t k = 2; k < length; ++k)
+    if ((byte(at + k) & 0xC0) != 0x80) return 0;
+  return length;
+}
+
+void put_string(Buffer& out, std::string_view text) {
+  out.push_back('"');
+  for (std::size_t i = 0; i < text.size();) {
+    const char c = text[i];
+    const std::size_t length = utf8_length(text, i);
+    if (c == '"' || c == '\\') {
+      out.push_back('\\');
+      out.push_back(c);
+    } else if (static_cast<unsigned char>(c) < 0x20) {
+      fmt::format_to(std::back_inserter(out), "\\u{:04x}", static_cast<unsigned>(c));
+    } else if (length == 0) {
+      put(out, "\xEF\xBF\xBD");  // The replacement character.
+    } else {
+      put(out, text.substr(i, length));
+    }
+    i += std::max<std::size_t>(length, 1);
+  }
+  out.push_back('"');
+}
+
+template <typename List, typename Put>
+void put_list(Buffer& out, const List& list, const Put& put_item) {
+  out.push_back('[');
+  bool first = true;
+  for (const auto& item : list) {
+    if (!first) out.push_back(',');
+    first = false;
+    put_item(item);
+  }
+  out.push_back(']');
+}
+
+/// Numbers vertices in the order of their first use.
+class VertexTable {
+ public:
+  std::int64_t index(double x, double y, double z) {
+    const Key key = {steps(x), steps(y), steps(z)};
+    const auto [at, is_new] =
+        indices_.try_emplace(key, static_cast<std::int64_t>(vertices_.size()));
+    if (is_new) {
+      vertices_.push_back(key);
+      for (std::size_t axis = 0; axis < 3; ++axis) {
+        min_[axis] = std::min(min_[axis], key[axis]);
+        max_[axis] = std::max(max_[axis], key[axis]);
+      }
+    }
+    return at->second;
+  }
+  using Key = std::array<std::int64_t, 3>;
+  const std::vector<Key>& vertices() const { return vertices_; }
+  const Key& min() const { return min_; }
+  const Key& max() const { return max_; }
+
+ private:
+  static std::int64_t steps(double metres) { return std::llround(metres * kStepsPerMetre); }
+  struct Hash {
+    std::size_t operator()(const Key& key) const {
+      std::uint64_t h = 0;
+      for (const std::int64_t v : key)
+        h = (h ^ static_cast<std::uint64_t>(v)) * 0x9E3779B97F4A7C15ULL + (h >> 29);
+      return static_cast<std::size_t>(h ^ (h >> 32));
+    }
+  };
+  std::unordered_map<Key, std::int64_t, Hash> indices_;
+  std::vector<Key> vertices_;
+  Key min_{INT64_MAX, INT64_MAX, INT64_MAX};
+  Key max_{INT64_MIN, INT64_MIN, INT64_MIN};
+};
+
+/// Vertex numbers of one ring at the two heights, in the direction of a cleaned footprint.
+struct RingIndices {
+  std::vector<std::int64_t> ground;
+  std::vector<std::int64_t> roof;
+};
+
+RingIndices index_ring(VertexTable& vertices, const Ring& ring, bool counter_clockwise,
+                       const Building& building) {
+  // The first vertex stays the first when a ring is turned around.
+  const bool turn = (signed_area(ring) > 0) != counter_clockwise;
+  RingIndices result;
+  for (std::size_t i = 0; i < ring.size(); ++i) {
+    const Point2& p = ring[turn && i > 0 ? ring.size() - i : i];
+    result.ground.push_back(vertices.index(p.x, p.y, building.h_ground));
+  }
+  for (std::size_t i = 0; i < ring.size(); ++i) {
+    const Point2& p = ring[turn && i > 0 ? ring.size() - i : i];
+    result.roof.push_back(vertices.index(p.x, p.y, building.h_roof));
+  }
+  return result;
+}
+
+void put_geometry(Buffer& out, const Building& building, VertexTable& vertices) {
+  std::vector<RingIndices> rings = {index_ring(vertices, building.footprint.outer, true, building)};
+  for (const Ring& hole : building.footprint.holes)
+    rings.push_back(index_ring(vertices, hole, false, building));
+  const auto put_index = [&](std::int64_t v) { fmt::format_to(std::back_inserter(out), "{}", v); };
+  put(out, "[{\"type\":\"Solid\",\"lod\":\"1.2\",\"boundaries\":[[");
+  put_list(out, rings, [&](const RingIndices& ring) {  // Looks down: the other way round.
+    std::vector<std::int64_t> reversed(ring.ground.rbegin(), ring.ground.rend());
+    std::rotate(reversed.begin(), reversed.end() - 1, reversed.end());
+    put_list(out, reversed, put_index);
+  });
+  out.push_back(',');
+  put_list(out, rings, [&](const RingIndices& ring) { put_list(out, ring.roof, put_index); });
+  std::size_t walls = 0;
+  for (const RingIndices& ring : rings)
+    for (std::size_t i = 0; i < ring.ground.size(); ++i, ++walls) {
+      const std::size_t next = (i + 1) % ring.ground.size();
+      fmt::format_to(std::back_inserter(out), ",[[{},{},{},{}]]", ring.ground[i], ring.ground[next],
+                     ring.roof[next], ring.roof[i]);
+    }
+  put(out,
+      "]],\"semantics\":{\"surfaces\":[{\"type\":\"GroundSurface\"},{\"type\":\"RoofSurface\"},"
+      "{\"type\":\"WallSurface\"}],\"values\":[[0,1");
+  for (std::size_t i = 0; i < walls; ++i) put(out, ",2");
+  put(out, "]]}}]");
+}
+
+void put_building(Buffer& out, const Building& building, VertexTable& vertices) {
+  const auto put_text = [&](const std::string& text) { put_string(out, text); };
+  put_string(out, building.id);
+  put(out, ":{\"type\":\"Building\",\"attributes\":{\"tetropolis_id\":");
+  put_string(out, building.id);
+  put(out, ",\"source_ids\":");
+  put_list(out, building.source_ids, put_text);
+  put(out, ",\"h_ground\":");
+  put_number(out, building.h_ground);
+  put(out, ",\"h_roof\":");
+  put_number(out, building.h_roof);
+  fmt::format_to(std::back_inserter(out), ",\"n_ground_points\":{},\"n_roof_points\":{},\"flags\":",
+                 building.n_ground_points, building.n_roof_points);
+  put_list(out, flag_names(building.flags), put_text);
+  if (building.attribute_height > 0 && std::isfinite(building.attribute_height)) {
+    put(out, ",\"attribute_height\":");
+    put_number(out, building.attribute_height);
+  }
+  put(out, "},\"geometry\":");
+  put_geometry(out, building, vertices);
+  out.push_back('}');
+}
+
+void put_metadata(Buffer& out, const CityModel& model, const std::string& title,
+                  const std::string& crs, const VertexTable& vertices) {
+  std::vector<std::string> members;
+  const auto member = [&](std::string_view name, const auto& put_value) {
+    Buffer text;
+    put_string(text, name);
+    text.push_back(':');
+    put_value(text);
+    members.push_back(fmt::to_string(text));
+  };
+  if (!title.empty()) member("title", [&](Buffer& text) { put_string(text, title); });
+  if (crs.starts_with("EPSG:"))
+    member("referenceSystem", [&](Buffer& text) {
+      put_string(text, "https://www.opengis.net/def/crs/EPSG/0/" + crs.substr(5));
+    });
+  if (!vertices.vertices().empty())
+    member("geographicalExtent", [&](Buffer& text) {
+      const std::array<double, 3> origin = {model.origin.x, model.origin.y, 0};
+      std::vector<double> extent;
+      for (const VertexTable::Key& corner : {vertices.min(), vertices.max()})
+        for (std::size_t axis = 0; axis < 3; ++axis)
+          extent.push_back(origin[axis] + static_cast<double>(corner[axis]) / kStepsPerMetre);
+      put_list(text, extent, [&](double v) { put_number(text, v); });
+    });
+  put(out, "\"metadata\":{");
+  for (std::size_t i = 0; i < members.size(); ++i) {
+    if (i > 0) out.push_back(',');
+    put(out, members[i]);
+  }
+  put(out, "},\n");
+}
+
+void put_account(Buffer& out, const CityModel& model, const std::string& crs) {
+  const auto put_value = [&](double v) { put_number(out, v); };
+  put(out, "\"tetropolis\":{\"origin\":");
+  put_list(out, std::array{model.origin.x, model.origin.y, 0.0}, put_value);
+  put(out, ",\"crs\":");
+  put_string(out, crs);
+  if (!model.domain.empty()) {
+    put(out, ",\"domain\":");
+    put_list(out,
+             std::array{model.origin.x + model.domain.xmin, model.origin.y + model.domain.ymin,
+                        model.origin.x + model.domain.xmax, model.origin.y + model.domain.ymax},
+             put_value);
+  }
+  put(out, ",\"dropped\":");
+  put_list(out, model.dropped, [&](const Dropped& dropped) {
+    put(out, "{\"source_id\":");
+    put_string(out, dropped.source_id);
+    put(out, ",\"reason\":");
+    put_string(out, dropped.reason);
+    out.push_back('}');
+  });
+  put(out, "},\n");
+}
+
+}  // namespace
+
+void write_city(const std::filesystem::path& path, const CityModel& model,
+                const std::string& title) {
+  const std::string crs = normalise_crs(model.crs);
+  VertexTable vertices;
+  Buffer objects;
+  for (const Building& building : model.buildings) {
+    if (objects.size() > 0) put(objects, ",\n");
+    put_building(objects, building, vertices);
+  }
+  Buffer out;
+  put(out, "{\"type\":\"CityJSON\",\"version\":\"2.0\",\n");
+  put(out, "\"transform\":{\"scale\":[0.0001,0.0001,0.0001],\"translate\":");
+  put_list(out, std::array{model.origin.x, model.origin.y, 0.0},
+           [&](double v) { put_number(out, v); });
+  put(out, "},\n");
+  put_metadata(out, model, title, crs, vertices);
+  put_account(out, model, crs);
+  put(out, "\"CityObjects\":{\n");
+  AtomicFile file(path);
+  file.write({out.data(), out.size()});
+  file.write({objects.data(), objects.size()});
+  out.clear();
+  put(out, "\n},\n\"vertices\":[\n");
+  for (std::size_t i = 0; i < vertices.vertices().size(); ++i) {
+    const VertexTable::Key& v = vertices.vertices()[i];
+    fmt::format_to(std::back_inserter(out), "{}[{},{},{}]", i == 0 ? "" : ",\n", v[0], v[1], v[2]);
+  }
+  put(out, "\n]}\n");
+  file.write({out.data(), out.size()});
+  file.commit();
+}
+
+}  // namespace tetropolis

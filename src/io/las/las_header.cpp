@@ -1,0 +1,469 @@
+#include "las_header.h"
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <cmath>
+#include <cstring>
+#include <limits>
+#include <optional>
+#include <span>
+
+#include <fmt/format.h>
+
+#include "tetropolis/core/foreign_code.h"
+#include "tetropolis/core/parallel.h"
+
+#include "io/file/input_file.h"
+#include "io/file/positioned_file.h"
+
+namespace tetropolis {
+
+namespace fs = std::filesystem;
+
+static_assert(std::endian::native == std::endian::little, "LAS is read as it lies in memory");
+
+namespace {
+
+constexpr std::array<int, 11> kRecordLengths = {20, 28, 26, 34, 57, 63, 30, 36, 38, 59, 67};
+/// Beyond these a header is broken: nothing on Earth is so far from the origin of its coordinates.
+constexpr double kLargestScale = 1e3;
+/// With a smaller scale all numbers of 32 bits lie within half a unit.
+constexpr double kLeastScale = 1e-10;
+constexpr double kLargestOffset = 1e9;
+constexpr double kLargestElevation = 1e6;
+constexpr std::size_t kVlrHeader = 54;
+constexpr std::int64_t kEvlrHeader = 60;
+
+/// The number stored at byte `at`. Precondition: it lies inside.
+template <typename Number>
+Number number_at(std::string_view bytes, std::size_t at) {
+  Number value;
+  std::memcpy(&value, bytes.data() + at, sizeof(Number));
+  return value;
+}
+
+/// Text of a fixed field, up to its first zero, without bytes that would upset a terminal.
+std::string text_at(std::string_view bytes, std::size_t at, std::size_t size) {
+  std::string text(bytes.substr(at, size));
+  text.resize(std::min(text.size(), text.find('\0')));
+  for (char& c : text)
+    if (c < ' ' || c > '~') c = '?';
+  while (!text.empty() && text.back() == ' ') text.pop_back();
+  return text;
+}
+
+std::string read_front(const fs::path& path, const PositionedFile& file) {
+  std::string bytes = file.head(375);
+  if (bytes.empty()) fail_input(path, "the file is empty; get it again");
+  if (bytes.starts_with("PK\3\4"))
+    fail_input(path, "is a ZIP archive; unpack it and name the .las or .laz files that it holds");
+  if (bytes.substr(0, 4) != "LASF")
+    fail_input(path, "is not a LAS or LAZ file (it does not start with LASF); give a point cloud");
+  if (bytes.size() < 227)
+    fail_input(path, fmt::format("ends at byte {} within its header; the file is cut, get it again",
+                                 bytes.size()));
+  return bytes;
+}
+
+void parse_fixed(const fs::path& path, std::string_view h, LasLayout& layout) {
+  LasInfo& info = layout.info;
+  info.version_major = number_at<std::uint8_t>(h, 24);
+  info.version_minor = number_at<std::uint8_t>(h, 25);
+  if (info.version_major != 1 || info.version_minor > 4)
+    fail_input(path, fmt::format("byte 24 says LAS {}.{}; only 1.0 to 1.4 exist",
+                                 info.version_major, info.version_minor));
+  const int header_size = number_at<std::uint16_t>(h, 94);
+  const int smallest = info.version_minor == 4 ? 375 : info.version_minor == 3 ? 235 : 227;
+  if (header_size < smallest)
+    fail_input(path,
+               fmt::format("byte 94 gives a header of {} bytes where LAS 1.{} needs {}; the file "
+                           "is broken",
+                           header_size, info.version_minor, smallest));
+  if (h.size() < static_cast<std::size_t>(smallest))
+    fail_input(path, fmt::format("ends at byte {} within its header; the file is cut, get it again",
+                                 h.size()));
+  layout.first_point = number_at<std::uint32_t>(h, 96);
+  if (layout.first_point < header_size)
+    fail_input(path,
+               fmt::format("byte 96 says that points start at byte {}, inside the header of {} "
+                           "bytes; the file is broken, get it again",
+                           layout.first_point, header_size));
+  if (layout.first_point > layout.file_size)
+    fail_input(path, fmt::format("ends at byte {}, before its points start at byte {}; the file is "
+                                 "cut, get it again",
+                                 layout.file_size, layout.first_point));
+  const int format = number_at<std::uint8_t>(h, 104);
+  info.compressed = (format & 0x80) != 0;
+  info.point_format = format & 0x3F;
+  if (info.point_format > 10 || (format & 0x40) != 0)
+    fail_input(path, fmt::format("byte 104 gives point format {}; only 0 to 10 are known", format));
+  info.record_length = number_at<std::uint16_t>(h, 105);
+  const int needed = kRecordLengths[static_cast<std::size_t>(info.point_format)];
+  if (info.record_length < needed)
+    fail_input(path,
+               fmt::format("byte 105 gives records of {} bytes where point format {} needs {}; "
+                           "the file is broken, get it again",
+                           info.record_length, info.point_format, needed));
+}
+
+void parse_numbers(const fs::path& path, std::string_view h, LasInfo& info) {
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    info.scale[axis] = number_at<double>(h, 131 + 8 * axis);
+    info.offset[axis] = number_at<double>(h, 155 + 8 * axis);
+    info.max[axis] = number_at<double>(h, 179 + 16 * axis);
+    info.min[axis] = number_at<double>(h, 187 + 16 * axis);
+    // Written so that NaN fails as well.
+    const double scale = std::abs(info.scale[axis]);
+    if (!(scale >= kLeastScale && scale <= kLargestScale &&
+          std::abs(info.offset[axis]) <= (axis < 2 ? kLargestOffset : kLargestElevation)))
+      fail_input(
+          path, fmt::format(
+                    "byte {} gives scale {} and offset {} for {}; the file is broken, get it again",
+                    131 + 8 * axis, info.scale[axis], info.offset[axis], "xyz"[axis]));
+    if (info.scale[axis] < 0)
+      info.warnings.push_back(
+          {"las_scale_negative", 1,
+           fmt::format("{}: byte {} gives a scale of {} for {}, which no known program writes; the "
+                       "points may be mirrored",
+                       path.string(), 131 + 8 * axis, info.scale[axis], "xyz"[axis])});
+  }
+  const auto legacy = number_at<std::uint32_t>(h, 107);
+  const std::uint64_t extended = info.version_minor == 4 ? number_at<std::uint64_t>(h, 247) : 0;
+  const std::uint64_t count = extended != 0 ? extended : legacy;
+  if (count > (std::uint64_t{1} << 62))
+    fail_input(path,
+               fmt::format("byte 247 gives {} points; the file is broken, get it again", count));
+  info.point_count = static_cast<std::int64_t>(count);
+}
+
+/// The records between header and points. Stops with a warning where they make no sense.
+std::vector<Vlr> read_vlrs(const fs::path& path, const PositionedFile& file, std::string_view h,
+                           LasLayout& layout) {
+  const auto claimed = number_at<std::uint32_t>(h, 100);
+  const std::size_t header_size = number_at<std::uint16_t>(h, 94);
+  const auto end = static_cast<std::size_t>(layout.first_point);
+  std::vector<Vlr> vlrs;
+  std::size_t at = header_size;
+  std::string head(kVlrHeader, '\0');
+  for (std::uint32_t i = 0; i < claimed; ++i) {
+    if (end - at < kVlrHeader ||
+        file.read(static_cast<std::int64_t>(at), head.data(), head.size()) < head.size())
+      break;
+    const std::size_t length = number_at<std::uint16_t>(head, 20);
+    if (end - at - kVlrHeader < length) break;
+    Vlr vlr{text_at(head, 2, 16), number_at<std::uint16_t>(head, 18), std::string(length, '\0')};
+    at += kVlrHeader;
+    if (file.read(static_cast<std::int64_t>(at), vlr.data.data(), length) < length) break;
+    at += length;
+    vlrs.push_back(std::move(vlr));
+  }
+  if (vlrs.size() < claimed) {
+    const std::string what = fmt::format(
+        "byte 100 gives {} variable length records, but only {} fit before the points at byte {}",
+        claimed, vlrs.size(), end);
+    if (layout.info.compressed) fail_input(path, what + "; the file is broken, get it again");
+    layout.info.warnings.push_back({"las_vlrs_broken", 1, path.string() + ": " + what});
+  }
+  return vlrs;
+}
+
+/// The records behind the points, as the header has them.
+struct EvlrPlace {
+  std::uint64_t start = 0;
+  std::uint32_t count = 0;
+};
+
+EvlrPlace evlr_place(std::string_view h, const LasLayout& layout) {
+  if (layout.info.version_minor < 4) return {};
+  return {number_at<std::uint64_t>(h, 235), number_at<std::uint32_t>(h, 243)};
+}
+
+/// Whether a record behind the points is there: its name is text, which some writers end with a
+/// zero and whatever was in memory, and it fits into the file.
+bool read_evlr_head(const PositionedFile& file, std::int64_t at, std::string& head) {
+  head.resize(static_cast<std::size_t>(kEvlrHeader));
+  if (file.read(at, head.data(), head.size()) < head.size()) return false;
+  const std::string_view field = std::string_view(head).substr(2, 16);
+  const std::string_view name = field.substr(0, field.find('\0'));
+  const bool is_text =
+      std::all_of(name.begin(), name.end(), [](char c) { return c >= ' ' && c <= '~'; });
+  const bool is_blank = name.empty() && field.find_first_not_of('\0') == field.npos;
+  return is_text && (is_blank || !name.empty()) &&
+         number_at<std::uint64_t>(head, 20) <=
+             static_cast<std::uint64_t>(file.size() - at - kEvlrHeader);
+}
+
+/// The records behind the points, as far as they may tell the reference system. Stops with a
+/// warning where there is none.
+void read_evlrs(const fs::path& path, const PositionedFile& file, std::string_view h,
+                LasLayout& layout, std::vector<Vlr>& vlrs) {
+  const EvlrPlace place = evlr_place(h, layout);
+  constexpr std::uint32_t kMost = 1000;
+  const std::uint32_t wanted = std::min(place.count, kMost);
+  std::uint32_t found = 0;
+  if (place.start <= static_cast<std::uint64_t>(layout.file_size)) {
+    auto at = static_cast<std::int64_t>(place.start);
+    for (std::string head; found < wanted && read_evlr_head(file, at, head); ++found) {
+      const auto length = number_at<std::uint64_t>(head, 20);
+      Vlr vlr{text_at(head, 2, 16), number_at<std::uint16_t>(head, 18), ""};
+      constexpr std::uint64_t kLongestWkt = 1U << 20;
+      if (vlr.user_id == "LASF_Projection" && length <= kLongestWkt) {
+        vlr.data.resize(static_cast<std::size_t>(length));
+        if (file.read(at + kEvlrHeader, vlr.data.data(), vlr.data.size()) < vlr.data.size()) break;
+        vlrs.push_back(std::move(vlr));
+      }
+      at += kEvlrHeader + static_cast<std::int64_t>(length);
+    }
+  }
+  if (found < wanted)
+    layout.info.warnings.push_back(
+        {"las_vlrs_broken", 1,
+         fmt::format("{}: byte 243 gives {} extended variable length records from byte {} on, but "
+                     "only {} are there, and the file ends at byte {}",
+                     path.string(), place.count, place.start, found, layout.file_size)});
+}
+
+/// Byte where what follows the points of an uncompressed file starts: where its header says, if a
+/// record is there, or if that is behind the points that it counts: records may have been cut off.
+std::int64_t end_of_records(const PositionedFile& file, const EvlrPlace& place,
+                            const LasLayout& layout) {
+  const std::int64_t size = layout.file_size;
+  if (place.count == 0 || place.start < static_cast<std::uint64_t>(layout.first_point) ||
+      place.start >= static_cast<std::uint64_t>(size))
+    return size;
+  const auto start = static_cast<std::int64_t>(place.start);
+  const std::int64_t bytes = start - layout.first_point;
+  const std::int64_t count = layout.info.point_count;
+  const std::int64_t length = layout.info.record_length;
+  const bool behind_points = count > 0 ? bytes / length >= count : bytes % length == 0;
+  std::string head;
+  return behind_points || read_evlr_head(file, start, head) ? start : size;
+}
+
+/// Uncompressed files: where the records may end, and the count if the header has none.
+void settle_records(const fs::path& path, const PositionedFile& file, std::string_view h,
+                    LasLayout& layout) {
+  LasInfo& info = layout.info;
+  const EvlrPlace evlrs = evlr_place(h, layout);
+  layout.points_end = end_of_records(file, evlrs, layout);
+  if (info.compressed) return;
+  const std::int64_t fit = (layout.points_end - layout.first_point) / info.record_length;
+  const bool has_waveforms = info.point_format == 4 || info.point_format == 5 ||
+                             info.point_format == 9 || info.point_format == 10;
+  // Records that are not where they should be are likely to be what is behind the points.
+  const bool evlrs_elsewhere = evlrs.count > 0 && layout.points_end == layout.file_size;
+  if (info.point_count != 0 && fit > info.point_count && !has_waveforms && !evlrs_elsewhere)
+    info.warnings.push_back(
+        {"las_count_small", fit - info.point_count,
+         fmt::format("{}: the header counts {} points but there is room for {} more behind them; "
+                     "these are not read",
+                     path.string(), info.point_count, fit - info.point_count)});
+  if (fit == 0 || info.point_count != 0) return;
+  info.point_count = fit;
+  info.warnings.push_back(
+      {"las_count_missing", 1,
+       fmt::format("{}: the header counts 0 points but there is room for {}; they are read",
+                   path.string(), fit)});
+}
+
+/// Notes that the table of chunks is not where the file says (`table`) or cut, or fails with that:
+/// chunks of equal size can be decoded one after the other until the file ends, to say how far it
+/// reaches.
+void note_no_table(const fs::path& path, std::int64_t table, bool place_at_end, bool variable,
+                   LasLayout& layout) {
+  const std::int64_t size = layout.file_size;
+  if (variable)
+    fail_input(path,
+               fmt::format("ends at byte {} without its table of chunks: the file is cut; get it "
+                           "again",
+                           size));
+  layout.chunk_table_missing = true;
+  if (place_at_end)
+    layout.table_cut = fmt::format(
+        "ends at byte {} without the place of its table of chunks: the file is cut; get it again",
+        size);
+  else if (table > size - 8)
+    layout.table_cut = fmt::format(
+        "ends at byte {} {} its table of chunks, which starts at byte "
+        "{}: the file is cut; get it again",
+        size, table < size ? "within" : "before", table);
+  // A file that is cut before its table has to be decoded to say how far it reaches.
+  const bool is_within = table >= layout.first_point + 8 && table <= size;
+  if (!place_at_end && is_within) fail_input(path, layout.table_cut);
+}
+
+/// Nothing if there is none, which `layout` then says.
+std::optional<LazTablePlace> find_chunk_table(const fs::path& path, const PositionedFile& file,
+                                              std::uint32_t chunk_size, LasLayout& layout) {
+  const std::int64_t points = layout.info.point_count, first_chunk = layout.first_point + 8;
+  std::int64_t table = -1;
+  if (file.read(layout.first_point, &table, sizeof table) < sizeof table) {
+    if (points == 0) return std::nullopt;
+    fail_input(path, fmt::format("ends at point 0 of {}: the file is cut; get it again", points));
+  }
+  // Who writes into a pipe puts the place of the table behind it.
+  const bool place_at_end = table == -1;
+  const std::int64_t end = place_at_end ? layout.file_size - 8 : layout.file_size;
+  if (place_at_end) file.read(end, &table, sizeof table);
+  std::array<std::uint32_t, 2> head{};  // Version and number of chunks.
+  if (table < first_chunk || table > end - 8 ||
+      file.read(table, head.data(), sizeof head) < sizeof head) {
+    if (points > 0) note_no_table(path, table, place_at_end, chunk_size == UINT32_MAX, layout);
+    return std::nullopt;
+  }
+  // A chunk takes bytes; the decoder reserves memory for as many as are claimed.
+  if (head[0] != 0 || head[1] > layout.file_size - layout.first_point)
+    fail_input(path,
+               fmt::format("the chunk table at byte {} has {} chunks; the file is broken, get "
+                           "it again",
+                           table, head[1]));
+  return LazTablePlace{table, end, first_chunk, head[1], chunk_size, points};
+}
+
+/// LAZ: where chunks are, as the table behind them says.
+void settle_chunks(const fs::path& path, const PositionedFile& file, std::uint32_t chunk_size,
+                   LasLayout& layout) {
+  const bool variable = chunk_size == UINT32_MAX;
+  const std::optional<LazTablePlace> table = find_chunk_table(path, file, chunk_size, layout);
+  if (!table) return;
+  const std::int64_t points = table->points, chunks = table->chunks;
+  const std::int64_t packed = table->at - table->first_chunk;  // bytes
+  const std::int64_t expected = variable ? chunks : (points + chunk_size - 1) / chunk_size;
+  // Some writers end with an empty chunk.
+  if (points == 0 && chunks > 0 && packed >= layout.info.record_length)
+    fail_input(path, fmt::format("the header counts 0 points, but {} bytes of compressed points "
+                                 "follow; the count is wrong, get the file again or repair it",
+                                 packed));
+  if (points > 0) layout.chunks = read_chunk_table(path, file, *table);
+  layout.chunk_table = table->at;
+  layout.variable_chunks = variable;
+  if (!variable && chunks > expected + 1)
+    layout.info.warnings.push_back(
+        {"las_count_small", (chunks - 1) * chunk_size - points,
+         fmt::format("{}: the header counts {} points, but {} chunks of {} follow; what is behind "
+                     "the count is not read",
+                     path.string(), points, chunks, chunk_size)});
+  if (!variable && chunks == expected && points > 0) layout.chunk_size = chunk_size;
+}
+
+/// LAZ: checks what the decoder takes for granted.
+void settle_compression(const fs::path& path, const PositionedFile& file,
+                        const std::vector<Vlr>& vlrs, LasLayout& layout) {
+  LaszipRecord record;
+  int found = 0;
+  for (const Vlr& vlr : vlrs) {
+    if (vlr.user_id != "laszip encoded" || vlr.record_id != 22204) continue;
+    ++found;
+    const std::string problem = check_laszip_record(vlr.data, layout.info.record_length, record);
+    if (!problem.empty()) fail_input(path, problem + "; get the file again or convert it to LAS");
+  }
+  if (found != 1)
+    fail_input(
+        path,
+        fmt::format("is compressed but has {} LASzip records; the file is broken, get it again",
+                    found));
+  if (layout.info.point_count > std::numeric_limits<std::uint32_t>::max())
+    fail_input(path,
+               fmt::format("has {} points; LASzip finds no more than {} in one file, split it",
+                           layout.info.point_count, std::numeric_limits<std::uint32_t>::max()));
+  if (record.compressor == 1) return;
+  layout.layers = record.layers;
+  settle_chunks(path, file, record.chunk_size, layout);
+}
+
+}  // namespace
+
+std::string check_laszip_record(std::string_view data, int record_length, LaszipRecord& record) {
+  // LASzip record: compressor, coder, version, options, chunk size, two 64-bit numbers, number of
+  // items, then type, size and version of each (Isenburg, LASzip: lossless compression of LiDAR
+  // data, PE&RS 79(2), 2013, and the record's description in its distribution).
+  if (data.size() < 34) return "the LASzip record is too short";
+  record.compressor = number_at<std::uint16_t>(data, 0);
+  const int coder = number_at<std::uint16_t>(data, 2);
+  record.chunk_size = number_at<std::uint32_t>(data, 12);
+  const std::size_t items = number_at<std::uint16_t>(data, 32);
+  if (record.compressor < 1 || record.compressor > 3)
+    return fmt::format("LASzip compressor {} is not supported", record.compressor);
+  if (coder != 0) return fmt::format("LASzip coder {} is not supported", coder);
+  if (record.compressor != 1 && record.chunk_size == 0)
+    return "the LASzip record gives chunks of 0 points";
+  if (items == 0 || data.size() < 34 + 6 * items) return "the LASzip record's items are cut";
+  // Sizes by item type: BYTE (any), POINT10, GPSTIME11, RGB12, WAVEPACKET13, POINT14, RGB14,
+  // RGBNIR14, WAVEPACKET14, BYTE14 (any); the numbers between are not in use.
+  constexpr std::array<int, 15> kSizes = {0, -1, -1, -1, -1, -1, 20, 8, 6, 29, 30, 6, 8, 29, 0};
+  // From POINT14 on they are packed in so many layers each, BYTE14 in one per byte; the decoder
+  // mixes up the two kinds if the compressor is not of theirs.
+  constexpr std::size_t kFirstLayered = 10;
+  constexpr std::array<int, 4> kLayers = {9, 1, 2, 1};
+  int total = 0;
+  for (std::size_t i = 0; i < items; ++i) {
+    const std::size_t type = number_at<std::uint16_t>(data, 34 + 6 * i);
+    const int size = number_at<std::uint16_t>(data, 36 + 6 * i);
+    const int version = number_at<std::uint16_t>(data, 38 + 6 * i);
+    if (type >= kSizes.size() || kSizes[type] < 0 || (kSizes[type] > 0 && size != kSizes[type]))
+      return fmt::format("LASzip item type {} of {} bytes is not supported", type, size);
+    if (version > 4) return fmt::format("LASzip item version {} is not supported", version);
+    if ((type >= kFirstLayered) != (record.compressor == 3))
+      return fmt::format("LASzip compressor {} does not go with items of type {}",
+                         record.compressor, type);
+    total += size;
+    if (type < kFirstLayered) continue;
+    const std::size_t kind = type - kFirstLayered;
+    record.layers += kind < kLayers.size() ? kLayers[kind] : size;
+  }
+  if (total != record_length)
+    return fmt::format("LASzip items of {} bytes do not make records of {}", total, record_length);
+  return "";
+}
+
+LasLayout read_las_layout(const fs::path& path, LasSystems& systems, bool crs_matters) {
+  const PositionedFile file(path);
+  LasLayout layout;
+  layout.file_size = file.size();
+  const std::string front = read_front(path, file);
+  parse_fixed(path, front, layout);
+  parse_numbers(path, front, layout.info);
+  std::vector<Vlr> vlrs = read_vlrs(path, file, front, layout);
+  settle_records(path, file, front, layout);
+  if (layout.info.compressed) settle_compression(path, file, vlrs, layout);
+  read_evlrs(path, file, front, layout, vlrs);
+  bool stated = false;
+  for (const Vlr& vlr : vlrs) {
+    layout.info.copc = layout.info.copc || (vlr.user_id == "copc" && vlr.record_id == 1);
+    stated = stated || (vlr.user_id == "LASF_Projection" &&
+                        (vlr.record_id == 34735 || vlr.record_id == 2112));
+  }
+  const bool wkt =
+      layout.info.point_format >= 6 || (number_at<std::uint16_t>(front, 6) & 0x10) != 0;
+  const LasSystems::System system = [&] {
+    const ForeignCode gdal_and_proj(path.c_str());
+    return systems.of(vlrs, wkt);
+  }();
+  layout.info.crs = system.crs;
+  layout.info.vertical_unit = system.vertical_unit;
+  layout.info.vertical_crs = system.vertical_crs;
+  if (!crs_matters || !layout.info.crs.empty()) return layout;
+  for (Warning& warning : layout.info.warnings)
+    if (warning.code == "las_vlrs_broken")
+      warning.message +=
+          "; its coordinate reference system may be lost with the others: get the file again, or "
+          "name the system with --points-crs";
+  if (stated)
+    layout.info.warnings.push_back({"las_crs_unknown", 1,
+                                    path.string() + ": its coordinate reference system is not "
+                                                    "understood; it is treated as unknown"});
+  return layout;
+}
+
+std::vector<LasInfo> inspect_las(std::span<const fs::path> paths) {
+  std::vector<LasInfo> infos(paths.size());
+  LasSystems systems;
+  parallel_in_order(paths.size(),
+                    [&](std::size_t f) { infos[f] = read_las_layout(paths[f], systems).info; });
+  return infos;
+}
+
+LasInfo inspect_las(const fs::path& path) { return inspect_las(std::span(&path, 1)).front(); }
+
+}  // namespace tetropolis

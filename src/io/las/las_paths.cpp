@@ -1,0 +1,148 @@
+#include <algorithm>
+#include <cstdint>
+#include <span>
+#include <system_error>
+#include <utility>
+
+#include <fmt/format.h>
+#include <glob.h>
+
+#include "tetropolis/core/text.h"
+#include "tetropolis/io/las/las.h"
+
+#include "io/file/input_file.h"
+
+namespace tetropolis {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+bool has_las_extension(const fs::path& path) {
+  const std::string extension = lower_case(path.extension().string());
+  return extension == ".las" || extension == ".laz";
+}
+
+bool is_cloud(const fs::directory_entry& entry) {
+  // Hidden ones are what other systems keep beside a file ("._a.laz"), or parts of a download.
+  std::error_code error;
+  return has_las_extension(entry.path()) && !entry.is_directory(error) &&
+         !entry.path().filename().string().starts_with('.');
+}
+
+/// Point files in folders below `folder`, but for hidden ones; not all where there are very many.
+/// What cannot be read is passed over.
+std::vector<fs::path> clouds_below(const fs::path& folder) {
+  constexpr int kDeepest = 3, kMostEntries = 100'000;
+  constexpr auto kOptions = fs::directory_options::skip_permission_denied;
+  std::vector<fs::path> files;
+  std::error_code error;
+  int seen = 0;
+  for (fs::recursive_directory_iterator entry(folder, kOptions, error), end;
+       !error && entry != end && seen < kMostEntries; entry.increment(error), ++seen) {
+    if (entry.depth() >= kDeepest || entry->path().filename().string().starts_with('.'))
+      entry.disable_recursion_pending();
+    if (entry.depth() > 0 && is_cloud(*entry)) files.push_back(entry->path());
+  }
+  std::sort(files.begin(), files.end());
+  return files;
+}
+
+std::vector<fs::path> clouds_in(const fs::path& folder) {
+  std::vector<fs::path> files;
+  std::error_code error;
+  for (fs::directory_iterator entry(folder, error), end; !error && entry != end;
+       entry.increment(error))
+    if (is_cloud(*entry)) files.push_back(entry->path());
+  if (error) fail_input(folder, "the folder cannot be read: " + error.message());
+  if (!files.empty()) return files;
+  const std::vector<fs::path> below = clouds_below(folder);
+  fail_input(folder, below.empty()
+                         ? std::string("the folder holds no .las or .laz files")
+                         : fmt::format("the folder holds no .las or .laz files, but folders in "
+                                       "it do; name these ({})",
+                                       below.front().parent_path().string()));
+}
+
+std::vector<fs::path> matches_of(const std::string& pattern) {
+  glob_t matches{};
+  std::vector<fs::path> paths;
+  if (::glob(pattern.c_str(), GLOB_NOSORT, nullptr, &matches) == 0)
+    for (std::size_t i = 0; i < matches.gl_pathc; ++i) paths.emplace_back(matches.gl_pathv[i]);
+  ::globfree(&matches);
+  return paths;
+}
+
+/// What the arguments name.
+struct Named {
+  std::vector<fs::path> files, folders;
+};
+
+void add(const fs::path& path, Named& named) {
+  std::error_code error;
+  if (!fs::is_directory(path, error)) {
+    named.files.push_back(path);
+    return;
+  }
+  const std::vector<fs::path> files = clouds_in(path);
+  named.files.insert(named.files.end(), files.begin(), files.end());
+  named.folders.push_back(path);
+}
+
+/// `keys`: canonical paths of all files that are read, ascending.
+void warn_of_files_below(const fs::path& folder, const std::vector<fs::path>& keys,
+                         std::vector<Warning>& warnings) {
+  std::int64_t count = 0;
+  fs::path first;
+  for (const fs::path& file : clouds_below(folder)) {
+    std::error_code error;
+    const fs::path key = fs::canonical(file, error);
+    if (error || std::binary_search(keys.begin(), keys.end(), key)) continue;
+    if (count++ == 0) first = file.parent_path();
+  }
+  if (count > 0)
+    warnings.push_back(
+        {"points_in_subfolders", count,
+         fmt::format("{}: {} point files in folders below it are not read; name these folders if "
+                     "they belong to the cloud (the first: {})",
+                     folder.string(), count, first.string())});
+}
+
+}  // namespace
+
+std::vector<fs::path> expand_point_paths(std::span<const std::string> arguments,
+                                         std::vector<Warning>* warnings) {
+  Named named;
+  for (const std::string& argument : arguments) {
+    std::error_code error;
+    if (fs::exists(argument, error)) {
+      add(argument, named);
+      continue;
+    }
+    if (argument.find_first_of("*?[") == std::string::npos)
+      fail_input(argument, error ? "cannot be opened: " + error.message() + "; check the path"
+                                 : "no such file or folder; check the path");
+    const std::vector<fs::path> matches = matches_of(argument);
+    if (matches.empty()) fail_input(argument, "matches no file; check the pattern");
+    for (const fs::path& match : matches) add(match, named);
+  }
+  std::vector<std::pair<fs::path, fs::path>> keyed;
+  for (fs::path& path : named.files) {
+    std::error_code error;
+    fs::path key = fs::canonical(path, error);
+    if (error) fail_input(path, "no such file; check the path");
+    keyed.emplace_back(std::move(key), std::move(path));
+  }
+  std::sort(keyed.begin(), keyed.end());
+  std::vector<fs::path> result, keys;
+  for (std::size_t i = 0; i < keyed.size(); ++i) {
+    if (i > 0 && keyed[i].first == keyed[i - 1].first) continue;
+    result.push_back(std::move(keyed[i].second));
+    keys.push_back(keyed[i].first);
+  }
+  if (warnings != nullptr)
+    for (const fs::path& folder : named.folders) warn_of_files_below(folder, keys, *warnings);
+  return result;
+}
+
+}  // namespace tetropolis

@@ -1,0 +1,36 @@
+// What is to be read of each point file, before its points are. Private to src/io.
+#pragma once
+
+#include <filesystem>
+#include <span>
+#include <vector>
+
+#include "tetropolis/core/warning.h"
+#include "tetropolis/io/las/las.h"
+
+#include "las_header.h"
+
+namespace tetropolis {
+
+struct LasPlan {
+  LasLayout layout;
+  bool skip = false;       ///< Its box misses the crop.
+  bool is_twin = false;    ///< The same points as in a file before.
+  bool check_box = false;  ///< Points outside of its box are to be counted.
+  std::vector<Warning> warnings;
+};
+
+/// The header's box, grown by what rounding may have cut off.
+Bounds2 header_box(const LasInfo& info);
+
+/// One plan per file: its header and chunks are sound; it is passed over if its box, which some of
+/// its points confirm, misses the crop. Throws Error(kInput) naming the first file that is not
+/// sound.
+std::vector<LasPlan> plan_files(std::span<const std::filesystem::path> paths,
+                                const ReadPointsOptions& options);
+
+/// Marks files that state the same count and box as another and have the same points: a cloud that
+/// lies there twice, as .las and as .laz, or before and after its points were classified.
+void find_twins(std::span<const std::filesystem::path> paths, std::vector<LasPlan>& plans);
+
+}  // namespace tetropolis

@@ -1,0 +1,42 @@
+// What the readers of meshes share.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "tetropolis/geometry/types.h"
+#include "tetropolis/volume/column/boundary.h"
+
+namespace tetropolis {
+
+/// Throws Error(kInput) if the machine has not the memory for so many points and tets and for what
+/// checking them takes.
+void require_room_for_mesh(const std::filesystem::path& path, std::uint64_t points,
+                           std::uint64_t cells);
+
+/// The same for a surface, without checking it.
+void require_room_for_surface(const std::filesystem::path& path, std::uint64_t points,
+                              std::uint64_t triangles);
+
+/// Three numbers as text with blanks between; nothing if that is not what it is.
+std::optional<Point3> point_from_text(const std::string& text);
+
+/// One patch per face. fail(what) is called for the first number that is none, and must throw.
+template <typename Fail>
+std::vector<Patch> patches_of(const std::vector<std::int32_t>& numbers, const Fail& fail) {
+  std::vector<Patch> patches;
+  patches.reserve(numbers.size());
+  for (std::size_t f = 0; f < numbers.size(); ++f) {
+    if (numbers[f] < 1 || numbers[f] > kPatchCount)
+      fail("face " + std::to_string(f) + " has the patch " + std::to_string(numbers[f]) +
+           "; 1 to 8 expected");
+    patches.push_back(static_cast<Patch>(numbers[f]));
+  }
+  return patches;
+}
+
+}  // namespace tetropolis

@@ -1,0 +1,206 @@
+#include "tetropolis/io/mesh/openfoam.h"
+
+#include <bit>
+#include <cstdint>
+#include <limits>
+#include <string>
+#include <string_view>
+#include <system_error>
+#include <vector>
+
+#include <fmt/format.h>
+
+#include "tetropolis/core/error.h"
+#include "tetropolis/io/file/atomic_file.h"
+
+#include "column_output.h"
+#include "internal_faces.h"
+#include "io/file/chunked_output.h"
+
+namespace tetropolis {
+
+namespace {
+
+static_assert(std::endian::native == std::endian::little,
+              "OpenFOAM output writes native byte order");
+
+// Rows formatted at a time by a thread: some hundred kilobytes of output.
+constexpr std::size_t kRows = 32768;
+
+using Label = std::int32_t;
+
+struct Sizes {
+  std::size_t internal;
+  std::size_t boundary;
+  std::size_t faces() const { return internal + boundary; }
+};
+
+std::string header(std::string_view format, std::string_view type, std::string_view object,
+                   const std::string& note) {
+  std::string text =
+      fmt::format("FoamFile\n{{\n    version     2.0;\n    format      {};\n", format);
+  if (format == "binary") text += "    arch        \"LSB;label=32;scalar=64\";\n";
+  text += fmt::format("    class       {};\n", type);
+  if (!note.empty()) text += fmt::format("    note        \"{}\";\n", note);
+  return text +
+         fmt::format("    location    \"constant/polyMesh\";\n    object      {};\n}}\n\n", object);
+}
+
+/// A binary list is its length, "(", the raw values and ")".
+void begin_list(AtomicFile& file, std::size_t size) { file.write(fmt::format("{}\n(", size)); }
+void end_list(AtomicFile& file) { file.write(")\n"); }
+
+void write_points(AtomicFile& file, const ColumnMesh& mesh, const Placement& placement) {
+  const std::string note =
+      fmt::format("origin {} {} {}", placement.origin[0], placement.origin[1], placement.origin[2]);
+  file.write(header("binary", "vectorField", "points", note));
+  begin_list(file, static_cast<std::size_t>(mesh.node_count()));
+  const auto bytes = static_cast<std::uint64_t>(mesh.node_count()) * 3 * sizeof(double);
+  write_chunked(file, mesh.vertex_count(), grain_for(mesh.vertex_count(), bytes),
+                [&](std::size_t begin, std::size_t end, std::string& buffer) {
+                  append_points(mesh, placement, begin, end, buffer);
+                });
+  end_list(file);
+}
+
+/// Appends what append(face, buffer) does for the internal faces in their order: `bytes` in all.
+template <typename Append>
+void write_internal(AtomicFile& file, const ColumnMesh& mesh, const std::vector<NodeIndex>& cells,
+                    std::uint64_t bytes, const Append& append, const Progress& progress) {
+  write_chunked(
+      file, mesh.triangle_count(), grain_for(mesh.triangle_count(), bytes),
+      [&](std::size_t begin, std::size_t end, std::string& buffer) {
+        InternalFaces faces(mesh, cells);
+        for (std::size_t t = begin; t < end; ++t)
+          for (const InternalFace& face : faces.owned_over(t)) append(face, buffer);
+      },
+      progress);
+}
+
+/// Likewise for the boundary faces; append(f, buffer) gets their number.
+template <typename Append>
+void write_outer(AtomicFile& file, const SurfaceMesh& surface, const Append& append) {
+  write_chunked(file, surface.triangles.size(), kRows,
+                [&](std::size_t begin, std::size_t end, std::string& buffer) {
+                  for (std::size_t f = begin; f < end; ++f) append(f, buffer);
+                });
+}
+
+/// A "compact" list of faces: offsets into the list of corners that follows, and that list.
+void write_faces(AtomicFile& file, const ColumnMesh& mesh, const std::vector<NodeIndex>& cells,
+                 const SurfaceMesh& surface, const Sizes& sizes, const Progress& progress) {
+  file.write(header("binary", "faceCompactList", "faces", ""));
+  begin_list(file, sizes.faces() + 1);
+  write_chunked(file, sizes.faces() + 1, kRows,
+                [&](std::size_t begin, std::size_t end, std::string& buffer) {
+                  for (std::size_t f = begin; f < end; ++f)
+                    append_raw(buffer, static_cast<Label>(3 * f));
+                });
+  end_list(file);
+  begin_list(file, 3 * sizes.faces());
+  write_internal(
+      file, mesh, cells, sizes.internal * 3 * sizeof(Label),
+      [](const InternalFace& face, std::string& buffer) {
+        for (const NodeIndex node : face.nodes) append_raw(buffer, static_cast<Label>(node));
+      },
+      progress);
+  write_outer(file, surface, [&](std::size_t f, std::string& buffer) {
+    for (const std::int32_t p : surface.triangles[f])
+      append_raw(buffer, static_cast<Label>(surface.node[static_cast<std::size_t>(p)]));
+  });
+  end_list(file);
+}
+
+std::string size_note(const ColumnMesh& mesh, const std::vector<NodeIndex>& cells,
+                      const Sizes& sizes) {
+  return fmt::format("nPoints:{}  nCells:{}  nFaces:{}  nInternalFaces:{}", mesh.node_count(),
+                     cells.back(), sizes.faces(), sizes.internal);
+}
+
+void write_owner(AtomicFile& file, const ColumnMesh& mesh, const std::vector<NodeIndex>& cells,
+                 const SurfaceMesh& surface, const Sizes& sizes, const Progress& progress) {
+  file.write(header("binary", "labelList", "owner", size_note(mesh, cells, sizes)));
+  begin_list(file, sizes.faces());
+  write_internal(
+      file, mesh, cells, sizes.internal * sizeof(Label),
+      [](const InternalFace& face, std::string& buffer) {
+        append_raw(buffer, static_cast<Label>(face.owner));
+      },
+      progress);
+  write_outer(file, surface, [&](std::size_t f, std::string& buffer) {
+    append_raw(buffer, static_cast<Label>(surface.cell[f]));
+  });
+  end_list(file);
+}
+
+void write_neighbour(AtomicFile& file, const ColumnMesh& mesh, const std::vector<NodeIndex>& cells,
+                     const Sizes& sizes, const Progress& progress) {
+  file.write(header("binary", "labelList", "neighbour", size_note(mesh, cells, sizes)));
+  begin_list(file, sizes.internal);
+  write_internal(
+      file, mesh, cells, sizes.internal * sizeof(Label),
+      [](const InternalFace& face, std::string& buffer) {
+        append_raw(buffer, static_cast<Label>(face.neighbour));
+      },
+      progress);
+  end_list(file);
+}
+
+void write_patches(AtomicFile& file, const SurfaceMesh& surface, const Sizes& sizes) {
+  file.write(header("ascii", "polyBoundaryMesh", "boundary", ""));
+  const auto counts = count_by_patch(surface);
+  std::string text = fmt::format("{}\n(\n", kPatchCount);
+  std::size_t start = sizes.internal;
+  for (int i = 0; i < kPatchCount; ++i) {
+    const auto patch = static_cast<Patch>(i + 1);
+    const auto count = static_cast<std::size_t>(counts[static_cast<std::size_t>(i)]);
+    const bool solid = patch == Patch::kGround || patch == Patch::kRoof || patch == Patch::kWall;
+    text += fmt::format(
+        "    {}\n    {{\n        type            {};\n{}        nFaces          {};\n"
+        "        startFace       {};\n    }}\n",
+        patch_name(patch), solid ? "wall" : "patch",
+        solid ? "        inGroups        1(wall);\n" : "", count, start);
+    start += count;
+  }
+  file.write(text + ")\n");
+}
+
+Sizes count_faces(const std::filesystem::path& folder, NodeIndex cells,
+                  const SurfaceMesh& surface) {
+  const std::size_t boundary = surface.triangles.size();
+  const std::size_t sides = 4 * static_cast<std::size_t>(cells);
+  const Sizes sizes{(sides - boundary) / 2, boundary};
+  if (3 * sizes.faces() > static_cast<std::size_t>(std::numeric_limits<Label>::max()))
+    throw Error(ErrorKind::kInput,
+                fmt::format("{}: {} cells are too many for OpenFOAM's 32-bit labels; use a larger "
+                            "mesh size or another format",
+                            final_path(folder).string(), cells));
+  return sizes;
+}
+
+}  // namespace
+
+void write_openfoam(const std::filesystem::path& folder, const ColumnMesh& mesh,
+                    const SurfaceMesh& surface, const Placement& placement,
+                    const Progress& progress) {
+  require_boundary_of(mesh, surface);
+  const std::vector<NodeIndex> cells = cell_offsets(mesh);
+  const Sizes sizes = count_faces(folder, cells.back(), surface);
+  std::error_code error;
+  std::filesystem::create_directories(folder, error);
+  if (error) throw_cannot_write(folder, error.message());
+
+  AtomicFile points(folder / "points");
+  AtomicFile faces(folder / "faces");
+  AtomicFile owner(folder / "owner");
+  AtomicFile neighbour(folder / "neighbour");
+  AtomicFile boundary(folder / "boundary");
+  write_points(points, mesh, placement);
+  write_faces(faces, mesh, cells, surface, sizes, portion(progress, 0.1, 0.5));
+  write_owner(owner, mesh, cells, surface, sizes, portion(progress, 0.5, 0.75));
+  write_neighbour(neighbour, mesh, cells, sizes, portion(progress, 0.75, 1));
+  write_patches(boundary, surface, sizes);
+  for (AtomicFile* file : {&points, &faces, &owner, &neighbour, &boundary}) file->commit();
+}
+
+}  // namespace tetropolis

@@ -1,0 +1,147 @@
+#include <bit>
+#include <cstdint>
+#include <limits>
+#include <string>
+#include <string_view>
+
+#include <fmt/format.h>
+
+#include "tetropolis/io/mesh/vtk.h"
+
+#include "column_output.h"
+#include "io/file/chunked_output.h"
+#include "vtk_output.h"
+
+namespace tetropolis {
+
+namespace {
+
+static_assert(std::endian::native == std::endian::little, "VTK output writes native byte order");
+
+constexpr std::uint8_t kVtkTetra = 10;
+
+std::string file_head(std::string_view type, std::string_view attributes,
+                      const Placement& placement) {
+  return fmt::format(
+      "<?xml version=\"1.0\"?>\n"
+      "<VTKFile type=\"{0}\" {4}>\n"
+      "<{0}>\n<FieldData>\n<DataArray type=\"Float64\" Name=\"origin\" NumberOfComponents=\"3\" "
+      "NumberOfTuples=\"1\" format=\"ascii\">{1} {2} {3}</DataArray>\n</FieldData>\n",
+      type, placement.origin[0], placement.origin[1], placement.origin[2], attributes);
+}
+
+std::string file_middle(std::string_view type) {
+  return fmt::format("</Piece>\n</{}>\n<AppendedData encoding=\"raw\">\n_", type);
+}
+
+constexpr std::string_view kFileTail = "\n</AppendedData>\n</VTKFile>\n";
+
+template <typename Integer>
+void write_cells(VtkOutput& file, const ColumnMesh& mesh, const std::vector<NodeIndex>& offsets,
+                 const Progress& progress) {
+  const auto cells = static_cast<std::size_t>(offsets.back());
+  file.write_next(
+      mesh.triangle_count(),
+      [&](std::size_t begin, std::size_t end, std::string& buffer) {
+        append_cells<Integer>(mesh, offsets, begin, end, buffer);
+      },
+      portion(progress, 0, 0.75));
+  file.write_next(
+      cells,
+      [&](std::size_t begin, std::size_t end, std::string& buffer) {
+        RawNumbers ends(buffer, (end - begin) * sizeof(Integer));
+        for (std::size_t c = begin; c < end; ++c) ends.put(static_cast<Integer>(4 * (c + 1)));
+      },
+      portion(progress, 0.75, 0.95));
+  file.write_next(
+      cells,
+      [&](std::size_t begin, std::size_t end, std::string& buffer) {
+        buffer.append(end - begin, static_cast<char>(kVtkTetra));
+      },
+      portion(progress, 0.95, 1));
+}
+
+}  // namespace
+
+void write_vtu(const std::filesystem::path& path, const ColumnMesh& mesh,
+               const Placement& placement, const Progress& progress, Compression compression) {
+  const std::vector<NodeIndex> offsets = cell_offsets(mesh);
+  const auto nodes = static_cast<std::uint64_t>(mesh.node_count());
+  const auto cells = static_cast<std::uint64_t>(offsets.back());
+  const bool small = cells * 4 < std::numeric_limits<std::int32_t>::max();
+  const std::string_view integer = small ? "Int32" : "Int64";
+  const std::uint64_t width = small ? 4 : 8;
+
+  VtkOutput file(path, compression);
+  std::string head = file_head("UnstructuredGrid", file.file_attributes(), placement);
+  head += fmt::format("<Piece NumberOfPoints=\"{}\" NumberOfCells=\"{}\">\n", nodes, cells);
+  head += "<Points>\n" + file.tag({"Float64", "Points", 3, nodes * 24}) + "</Points>\n<Cells>\n";
+  head += file.tag({integer, "connectivity", 0, cells * 4 * width});
+  head += file.tag({integer, "offsets", 0, cells * width});
+  head += file.tag({"UInt8", "types", 0, cells});
+  head += "</Cells>\n<CellData Scalars=\"region\">\n";
+  head += file.tag({"Int32", "region", 0, cells * 4}) + "</CellData>\n";
+  file.write_head(head + file_middle("UnstructuredGrid"));
+  file.write_next(
+      mesh.vertex_count(),
+      [&](std::size_t begin, std::size_t end, std::string& buffer) {
+        append_points(mesh, placement, begin, end, buffer);
+      },
+      portion(progress, 0, 0.2));
+  const Progress of_cells = portion(progress, 0.2, 0.9);
+  if (small)
+    write_cells<std::int32_t>(file, mesh, offsets, of_cells);
+  else
+    write_cells<std::int64_t>(file, mesh, offsets, of_cells);
+  file.write_next(
+      mesh.triangle_count(),
+      [&](std::size_t begin, std::size_t end, std::string& buffer) {
+        append_regions(mesh, offsets, begin, end, buffer);
+      },
+      portion(progress, 0.9, 1));
+  file.commit(kFileTail);
+}
+
+void write_vtp(const std::filesystem::path& path, const SurfaceMesh& surface,
+               const Placement& placement, Compression compression) {
+  const std::uint64_t points = surface.points.size();
+  const std::uint64_t faces = surface.triangles.size();
+  VtkOutput file(path, compression);
+  std::string head = file_head("PolyData", file.file_attributes(), placement);
+  head += fmt::format(
+      "<Piece NumberOfPoints=\"{}\" NumberOfVerts=\"0\" NumberOfLines=\"0\" NumberOfStrips=\"0\" "
+      "NumberOfPolys=\"{}\">\n",
+      points, faces);
+  head += "<Points>\n" + file.tag({"Float64", "Points", 3, points * 24}) + "</Points>\n<Polys>\n";
+  head += file.tag({"Int32", "connectivity", 0, faces * 12});
+  head += file.tag({"Int32", "offsets", 0, faces * 4});
+  head += "</Polys>\n<CellData Scalars=\"patch\">\n";
+  head += file.tag({"Int32", "patch", 0, faces * 4});
+  head += file.tag({"Int32", "building", 0, faces * 4}) + "</CellData>\n";
+  file.write_head(head + file_middle("PolyData"));
+
+  const auto write_array = [&](std::size_t size, const auto& append) {
+    file.write_next(size, [&](std::size_t begin, std::size_t end, std::string& buffer) {
+      for (std::size_t i = begin; i < end; ++i) append(i, buffer);
+    });
+  };
+  write_array(points, [&](std::size_t i, std::string& buffer) {
+    for (std::size_t c = 0; c < 3; ++c)
+      append_raw(buffer, surface.points[i][c] + placement.shift[c]);
+  });
+  write_array(faces, [&](std::size_t i, std::string& buffer) {
+    for (const std::int32_t v : surface.triangles[i]) append_raw(buffer, v);
+  });
+  write_array(faces, [&](std::size_t i, std::string& buffer) {
+    append_raw(buffer, static_cast<std::int32_t>(3 * (i + 1)));
+  });
+  write_array(faces, [&](std::size_t i, std::string& buffer) {
+    append_raw(buffer, static_cast<std::int32_t>(surface.patch[i]));
+  });
+  write_array(faces, [&](std::size_t i, std::string& buffer) {
+    append_raw(buffer, static_cast<std::int32_t>(surface.building[i]));
+  });
+  file.commit(kFileTail);
+}
+
+}  // namespace tetropolis

@@ -1,0 +1,214 @@
+#include "vector_open.h"
+
+#include <algorithm>
+#include <array>
+#include <string>
+#include <string_view>
+#include <system_error>
+#include <vector>
+
+#include <cpl_vsi.h>
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include "tetropolis/core/text.h"
+
+#include "io/file/input_file.h"
+#include "io/file/text_records.h"
+#include "io/vector/quirks/shapefile_members.h"
+#include "vector_geometry.h"
+
+namespace tetropolis {
+
+namespace fs = std::filesystem;
+
+/// Copies of a shapefile's members in memory, so that GDAL can make the missing index there;
+/// without a table that has no columns.
+class ShapefileCopy {
+ public:
+  explicit ShapefileCopy(const fs::path& shp)
+      : folder_(fmt::format("/vsimem/tetropolis-{}", static_cast<const void*>(this))),
+        stem_(folder_ + "/" + shp.stem().string()) {
+    const fs::path stem = fs::path(shp).replace_extension();
+    const bool without_table = has_empty_table(shp);
+    for (const char* extension : {".dbf", ".prj", ".cpg", ".DBF", ".PRJ", ".CPG"}) {
+      const fs::path member = stem.string() + extension;
+      std::error_code error;
+      if (without_table && lower_case(extension) == ".dbf") continue;
+      if (fs::exists(member, error))
+        CPLCopyFile((stem_ + lower_case(extension)).c_str(), member.c_str());
+    }
+    complete_ = CPLCopyFile(path().c_str(), shp.c_str()) == 0;
+  }
+  ~ShapefileCopy() { VSIRmdirRecursive(folder_.c_str()); }
+  ShapefileCopy(const ShapefileCopy&) = delete;
+  ShapefileCopy& operator=(const ShapefileCopy&) = delete;
+  std::string path() const { return stem_ + ".shp"; }
+  bool complete() const { return complete_; }
+
+ private:
+  std::string folder_;
+  std::string stem_;
+  bool complete_ = false;
+};
+
+namespace {
+
+bool lacks_index(const fs::path& path) {
+  if (lower_case(path.extension().string()) != ".shp") return false;
+  std::error_code error;
+  return !fs::exists(fs::path(path).replace_extension(".shx"), error) &&
+         !fs::exists(fs::path(path).replace_extension(".SHX"), error);
+}
+
+/// What a member of an archive is by its name: 0 for a vector file, 1 and 2 for what may be one or
+/// describe one, 3 for neither.
+int rank_of_member(const std::string& name) {
+  constexpr std::array<std::string_view, 14> kVector{
+      ".shp", ".gpkg", ".geojson", ".geojsonl", ".geojsons", ".fgb", ".gdb",
+      ".gml", ".kml",  ".sqlite",  ".tab",      ".mif",      ".osm", ".pbf"};
+  constexpr std::array<std::string_view, 5> kPerhaps{".xml", ".csv", ".tsv", ".dxf", ".ndjson"};
+  const std::string extension = lower_case(fs::path(name).extension().string());
+  const auto is_among = [&](const auto& list) {
+    return std::find(list.begin(), list.end(), extension) != list.end();
+  };
+  if (is_among(kVector)) return 0;
+  if (extension == ".json") return 1;
+  return is_among(kPerhaps) ? 2 : 3;
+}
+
+/// The name for GDAL of the only vector file in a ZIP archive, wherever it lies in there.
+std::string vector_in_archive(const fs::path& path, const gdal::QuietErrors& errors) {
+  const std::string archive = "/vsizip/" + path.string();
+  char** const members = VSIReadDirRecursive(archive.c_str());
+  std::vector<std::string> found;
+  bool holds_points = false;
+  int best = 2;
+  for (char** member = members; member != nullptr && *member != nullptr; ++member) {
+    std::string name = *member;
+    // What macOS adds to archives bears the names of real members.
+    if (name.starts_with("__MACOSX/")) continue;
+    // A geodatabase is a folder, which archives may list or not.
+    if (const std::size_t end = lower_case(name).find(".gdb/"); end != std::string::npos)
+      name.resize(end + 4);
+    const std::string extension = lower_case(fs::path(name).extension().string());
+    holds_points = holds_points || extension == ".las" || extension == ".laz";
+    const int rank = rank_of_member(name);
+    if (rank > best) continue;
+    if (rank < best) found.clear();
+    best = rank;
+    if (std::find(found.begin(), found.end(), name) == found.end()) found.push_back(name);
+  }
+  CSLDestroy(members);
+  if (members == nullptr)
+    fail_input(path, "cannot be read as a ZIP archive" + errors.reason() + "; get it again");
+  if (found.empty())
+    fail_input(path, holds_points ? "holds point files, which are not read from archives; unpack it"
+                                  : "holds no vector file; give one that does, or the file itself");
+  if (found.size() > 1)
+    fail_input(path, fmt::format("holds several vector files ({}); unpack it and name one of them",
+                                 fmt::join(found, ", ")));
+  return archive + "/" + found.front();
+}
+
+bool first_layer_holds_polygons(GDALDatasetH dataset) {
+  OGRLayerH layer = GDALDatasetGetLayer(dataset, 0);
+  return layer != nullptr && polygon_field(layer) >= 0;
+}
+
+/// Opens a CSV file by the column of polygons, if it has one of the usual names; GDAL itself knows
+/// only those that begin with WKT. Columns of these names may hold anything. Or else as lines of
+/// GeoJSON, which Microsoft's building footprints are by the name of .csv.gz.
+void find_polygons(const std::string& name, gdal::StringList& options, gdal::Dataset& dataset) {
+  for (const char* column : {"geometry", "geom", "the_geom", "wkb_geometry", "geom_wkt",
+                             "geometry_wkt", "wkb", ".geo", "shape", "polygon", "footprint"}) {
+    options.set("GEOM_POSSIBLE_NAMES", column);
+    const gdal::QuietErrors errors;
+    gdal::Dataset other(GDALOpenEx(name.c_str(), GDAL_OF_VECTOR, nullptr, options.get(), nullptr));
+    if (other == nullptr || !first_layer_holds_polygons(other.get())) continue;
+    dataset = std::move(other);
+    return;
+  }
+  const gdal::QuietErrors errors;
+  gdal::Dataset lines(
+      GDALOpenEx(("GeoJSONSeq:" + name).c_str(), GDAL_OF_VECTOR, nullptr, nullptr, nullptr));
+  if (lines != nullptr && first_layer_holds_polygons(lines.get())) dataset = std::move(lines);
+}
+
+/// GDAL opens whatever it finds in a folder, and would wait for a pipe or a terminal.
+void require_no_pipes_in(const fs::path& folder) {
+  std::error_code error, ignored;
+  for (fs::directory_iterator entry(folder, error), end; !error && entry != end;
+       entry.increment(error))
+    if (entry->is_fifo(ignored) || entry->is_character_file(ignored))
+      require_ordinary_file(entry->path());
+}
+
+}  // namespace
+
+bool is_of_format(GDALDatasetH dataset, std::string_view begin) {
+  return std::string_view(GDALGetDriverShortName(GDALGetDatasetDriver(dataset))).starts_with(begin);
+}
+
+bool drops_geometries(GDALDatasetH dataset) {
+  return is_of_format(dataset, "GeoJSON") || is_of_format(dataset, "ESRIJSON") ||
+         is_of_format(dataset, "GML");
+}
+
+VectorFile open_vector(const fs::path& path, const gdal::QuietErrors& errors, bool any_crs) {
+  std::error_code error;
+  if (fs::is_directory(path, error)) {
+    require_no_pipes_in(path);
+  } else {
+    require_ordinary_file(path);
+    if (fs::file_size(path, error) == 0) fail_input(path, "the file is empty; get it again");
+  }
+  require_whole_shapefile(path);
+  VectorFile file;
+  std::string name = path.string();
+  if (lower_case(path.extension().string()) == ".zip") {
+    name = vector_in_archive(path, errors);
+  } else if (lower_case(path.extension().string()) == ".gz") {
+    name = "/vsigzip/" + path.string();
+  } else if (lacks_index(path) || has_empty_table(path)) {
+    file.copy = std::make_shared<const ShapefileCopy>(path);
+    if (!file.copy->complete()) fail_input(path, "cannot be read" + errors.reason());
+    name = file.copy->path();
+  }
+  const gdal::ThreadOption restore("SHAPE_RESTORE_SHX", file.copy ? "YES" : "NO");
+  gdal::StringList options;
+  options.set("WRITE_GFS", "NO");
+  // JOSM numbers what is new below 0, and nodes not in ascending order.
+  const bool packed = lower_case(path.extension().string()) == ".pbf";
+  const gdal::ThreadOption any_order("OSM_USE_CUSTOM_INDEXING", packed ? "YES" : "NO");
+  file.dataset.reset(GDALOpenEx(name.c_str(), GDAL_OF_VECTOR | GDAL_OF_VERBOSE_ERROR, nullptr,
+                                options.get(), nullptr));
+  const bool unknown = errors.last().find("not recognized as") != std::string::npos;
+  if (file.dataset == nullptr)
+    fail_input(path, "not a vector file that can be read" + (unknown ? "" : errors.reason()) +
+                         "; give a shapefile, GeoPackage, GeoJSON or other OGR format");
+  if (is_of_format(file.dataset.get(), "CSV") && !first_layer_holds_polygons(file.dataset.get()))
+    find_polygons(name, options, file.dataset);
+  const std::string_view format = GDALGetDriverShortName(GDALGetDatasetDriver(file.dataset.get()));
+  if (format == "CSV") require_closed_quotes(path, name);
+  if (format == "GeoJSON" || format == "GeoJSONSeq")
+    require_single_objects(path, name, format == "GeoJSONSeq");
+  // Some formats are read when they are opened, as far as they go.
+  if (!any_crs && errors.failures(gdal::About::kSystem) > 0)
+    fail_input(path,
+               "states a coordinate reference system that PROJ does not know; correct it in the "
+               "file, or take it out and give --footprints-crs");
+  const std::int64_t harmless =
+      errors.failures(gdal::About::kSystem) +
+      (drops_geometries(file.dataset.get()) ? errors.failures(gdal::About::kGeometry) : 0);
+  if (errors.failures() > harmless) {
+    const std::string& why = errors.first(gdal::About::kAnything);
+    fail_input(path, "cannot be read whole: " + (why.empty() ? errors.last() : why) +
+                         "; the file is cut or broken, get it again");
+  }
+  file.opening_errors = errors.failures();
+  file.first_error = errors.first();
+  return file;
+}
+
+}  // namespace tetropolis

@@ -1,0 +1,590 @@
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <cstdlib>
+#include <cstring>
+#include <memory>
+#include <optional>
+#include <set>
+#include <string_view>
+#include <system_error>
+#include <type_traits>
+#include <unordered_map>
+#include <unordered_set>
+#include <utility>
+
+#include <cpl_vsi.h>
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include "tetropolis/core/error.h"
+#include "tetropolis/core/foreign_code.h"
+#include "tetropolis/core/text.h"
+#include "tetropolis/io/crs/crs.h"
+#include "tetropolis/io/vector/vector.h"
+
+#include "io/crs/gdal_support.h"
+#include "io/file/input_file.h"
+#include "io/vector/quirks/incomplete_file.h"
+#include "io/vector/quirks/osm_account.h"
+#include "io/vector/quirks/shapefile_members.h"
+#include "vector_geometry.h"
+#include "vector_layers.h"
+#include "vector_open.h"
+
+namespace tetropolis {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+constexpr const char* kGetAgain = "; the file is cut or broken, get it again";
+
+constexpr int kNoField = -1;
+constexpr int kFidField = -2;
+
+int find_attribute(const fs::path& path, OGRLayerH layer, const std::string& wanted) {
+  if (wanted.empty()) return kNoField;
+  OGRFeatureDefnH definition = OGR_L_GetLayerDefn(layer);
+  // The very name before others that differ in case, which GDAL takes for the same. Names in tables
+  // that do not state their encoding are not in UTF-8.
+  std::vector<std::string> names;
+  for (int i = 0; i < OGR_FD_GetFieldCount(definition); ++i) {
+    names.push_back(gdal::utf8(OGR_Fld_GetNameRef(OGR_FD_GetFieldDefn(definition, i))));
+    if (names.back() == wanted) return i;
+  }
+  if (const int field = OGR_FD_GetFieldIndex(definition, wanted.c_str()); field >= 0) return field;
+  if (const char* fid = OGR_L_GetFIDColumn(layer); fid != nullptr && wanted == fid)
+    return kFidField;
+  fail_input(path, fmt::format("has no attribute '{}'; it has: {}", wanted,
+                               names.empty() ? std::string("none")
+                                             : fmt::format("{}", fmt::join(names, ", "))));
+}
+
+/// Text as a number of metres: "12.5", also with a unit as OpenStreetMap writes it ("12.5 m").
+double metres_of(std::string_view text) {
+  constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+  const auto trim = [&] {
+    while (!text.empty() && text.front() == ' ') text.remove_prefix(1);
+    while (!text.empty() && text.back() == ' ') text.remove_suffix(1);
+  };
+  trim();
+  if (text.ends_with('m')) text.remove_suffix(1);
+  trim();
+  double value = kNaN;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+  const bool whole = error == std::errc{} && end == text.data() + text.size();
+  return whole && std::isfinite(value) ? value : kNaN;
+}
+
+/// The column in which GDAL keeps the tags of OpenStreetMap that have none of their own, as
+/// `"key"=>"value","key"=>"value"`, with a backslash before quotes in either.
+constexpr const char* kOtherTags = "other_tags";
+
+/// The value of a tag there; empty if there is none.
+std::string value_of_tag(const std::string& tags, const std::string& key) {
+  const std::string begin = '"' + key + "\"=>\"";
+  std::size_t at = tags.find(begin);
+  if (at == std::string::npos) return {};
+  at += begin.size();
+  return tags.substr(at, tags.find('"', at) - at);
+}
+
+/// The heights of a layer's features, and what kept others from being one.
+class HeightReader {
+ public:
+  HeightReader(const fs::path& path, OGRLayerH layer, std::string attribute)
+      : path_(path), attribute_(std::move(attribute)) {
+    OGRFeatureDefnH columns = OGR_L_GetLayerDefn(layer);
+    is_tag_ = !attribute_.empty() && OGR_FD_GetFieldIndex(columns, attribute_.c_str()) < 0 &&
+              OGR_FD_GetFieldIndex(columns, kOtherTags) >= 0;
+    field_ = find_attribute(path, layer, is_tag_ ? kOtherTags : attribute_);
+    if (field_ == kNoField) return;
+    // The feature number is no height, and neither is a date, a list, or yes and no.
+    OGRFieldDefnH field =
+        field_ == kFidField ? nullptr : OGR_FD_GetFieldDefn(OGR_L_GetLayerDefn(layer), field_);
+    type_ = field == nullptr ? OFTBinary : OGR_Fld_GetType(field);
+    const char* other = nullptr;
+    if (field == nullptr)
+      other = "the feature number";
+    else if (OGR_Fld_GetSubType(field) == OFSTBoolean)
+      other = "Boolean";
+    else if (type_ == OFTIntegerList || type_ == OFTInteger64List || type_ == OFTRealList)
+      type_ = OFTRealList;  // one feature is enough to make it that
+    else if (type_ != OFTInteger && type_ != OFTInteger64 && type_ != OFTReal && type_ != OFTString)
+      other = OGR_GetFieldTypeName(type_);
+    if (other != nullptr)
+      fail_input(path_, fmt::format("attribute '{}' is {}, not a height; name a numeric one",
+                                    attribute_, other));
+  }
+
+  double read(OGRFeatureH feature, const std::string& id) {
+    constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+    if (field_ == kNoField || OGR_F_IsFieldSetAndNotNull(feature, field_) == 0) return kNaN;
+    constexpr double kMost = 1100;  // metres: no building is that high
+    constexpr double kMark = 999;   // stands for a height that nobody knows
+    double value = kNaN;
+    if (type_ == OFTString) {
+      std::string text = gdal::utf8(OGR_F_GetFieldAsString(feature, field_));
+      if (is_tag_) text = value_of_tag(text, attribute_);
+      if (text.find_first_not_of(' ') == std::string::npos) return kNaN;  // as good as null
+      value = metres_of(text);
+      if (std::isnan(value) && others_++ == 0)
+        first_ = fmt::format("feature {}: '{}'", id, first_bytes(text, 40));
+    } else if (type_ == OFTRealList) {
+      value = only_number(feature);
+      if (std::isnan(value) && others_++ == 0) first_ = fmt::format("feature {}: a list", id);
+    } else {
+      value = OGR_F_GetFieldAsDouble(feature, field_);
+    }
+    const bool none = value > kMost || value == kMark;
+    if (!none && !std::isnan(value)) ++numbers_;
+    if (none) {
+      if (others_++ == 0) first_ = fmt::format("feature {}: {:.6g} m", id, value);
+      return kNaN;
+    }
+    return value;
+  }
+
+  /// After all features: a warning where some have what is no height. Throws where all have.
+  std::optional<Warning> warning() const {
+    if (others_ == 0) return std::nullopt;
+    if (numbers_ == 0)
+      fail_input(path_,
+                 fmt::format("attribute '{}' holds no heights ({}); name one that holds heights",
+                             attribute_, first_));
+    return Warning{"height_not_a_number", others_,
+                   one_line(fmt::format("{}: {} features have what is no height in '{}', first {}",
+                                        path_.string(), others_, attribute_, first_))};
+  }
+
+ private:
+  /// Of a list: a number where the file has one, and others have lists. NaN for a longer one.
+  double only_number(OGRFeatureH feature) const {
+    int size = 0;
+    switch (OGR_Fld_GetType(OGR_F_GetFieldDefnRef(feature, field_))) {
+      case OFTIntegerList: {
+        const int* list = OGR_F_GetFieldAsIntegerList(feature, field_, &size);
+        if (size == 1) return list[0];
+        break;
+      }
+      case OFTInteger64List: {
+        const GIntBig* list = OGR_F_GetFieldAsInteger64List(feature, field_, &size);
+        if (size == 1) return static_cast<double>(list[0]);
+        break;
+      }
+      default: {
+        const double* list = OGR_F_GetFieldAsDoubleList(feature, field_, &size);
+        if (size == 1) return list[0];
+      }
+    }
+    return std::numeric_limits<double>::quiet_NaN();
+  }
+
+  const fs::path& path_;
+  std::string attribute_;
+  int field_ = kNoField;
+  bool is_tag_ = false;  ///< The attribute is one of OpenStreetMap's other tags.
+  OGRFieldType type_ = OFTReal;
+  std::int64_t numbers_ = 0;
+  std::int64_t others_ = 0;
+  std::string first_;
+};
+
+OGRFieldDefnH definition(OGRLayerH layer, int field) {
+  return OGR_FD_GetFieldDefn(OGR_L_GetLayerDefn(layer), field);
+}
+
+bool is_real(OGRLayerH layer, int field) {
+  return field >= 0 && OGR_Fld_GetType(definition(layer, field)) == OFTReal;
+}
+
+/// A number as an id: whole ones without decimals (numbers in tables have some), and with all their
+/// digits, which GDAL cuts to 15.
+std::string number_id(double value, bool is_single) {
+  if (std::trunc(value) == value) return fmt::format("{:.0f}", value + 0.0);  // no -0
+  return is_single ? fmt::format("{}", static_cast<float>(value)) : fmt::format("{}", value);
+}
+
+/// Hands out ids that were not handed out before.
+class UniqueIds {
+ public:
+  std::string unique(const std::string& wanted) {
+    if (used_.insert(wanted).second) return wanted;
+    ++duplicates_;
+    int& number = next_[wanted];
+    if (number == 0) number = 2;
+    for (;; ++number) {
+      std::string id = fmt::format("{}~{}", wanted, number);
+      if (used_.insert(id).second) return id;
+    }
+  }
+  std::int64_t duplicates() const { return duplicates_; }
+
+ private:
+  std::unordered_set<std::string> used_;
+  std::unordered_map<std::string, int> next_;
+  std::int64_t duplicates_ = 0;
+};
+
+/// Whether the layer's first coordinate is the northing or latitude.
+bool is_north_first(OGRSpatialReferenceH srs) {
+  if (srs == nullptr) return false;
+  int count = 0;
+  const int* mapping = OSRGetDataAxisToSRSAxisMapping(srs, &count);
+  if (mapping == nullptr || count < 2) return false;
+  const int first = mapping[0];
+  const gdal::Srs usual(OSRClone(srs));
+  OSRSetAxisMappingStrategy(usual.get(), OAMS_TRADITIONAL_GIS_ORDER);
+  mapping = OSRGetDataAxisToSRSAxisMapping(usual.get(), &count);
+  return mapping != nullptr && count >= 2 && mapping[0] != first;
+}
+
+/// `source_crs`: what coordinates are in whatever the layer says; empty: what it says.
+PlanUnits units_of(OGRSpatialReferenceH srs, const std::string& source_crs) {
+  constexpr double kMetresPerDegree = 111'000;
+  const bool degrees = source_crs.empty() ? srs != nullptr && OSRIsGeographic(srs) != 0
+                                          : is_geographic(normalise_crs(source_crs));
+  if (degrees) return {is_north_first(srs), kMetresPerDegree, 1};
+  double length = !source_crs.empty() ? linear_unit_metres(normalise_crs(source_crs))
+                  : srs == nullptr    ? 1
+                                      : OSRGetLinearUnits(srs, nullptr);
+  if (!(length > 0)) length = 1;  // unknown
+  return {is_north_first(srs), length, length};
+}
+
+/// How far a file can be trusted in how many features it has.
+enum class Count {
+  kNone,     ///< GDAL counts what it can read.
+  kTold,     ///< It is told, but other programs may have forgotten to tell.
+  kCertain,  ///< It is part of the format.
+};
+
+Count count_of(GDALDatasetH dataset) {
+  if (is_of_format(dataset, "FlatGeobuf")) return Count::kCertain;
+  return is_of_format(dataset, "GPKG") ? Count::kTold : Count::kNone;
+}
+
+/// Reads all features of one layer.
+class LayerReader {
+ public:
+  /// `shells_by_turn`: the format tells shells from holes by their turn.
+  LayerReader(const fs::path& path, const FootprintLayer& source,
+              const ReadFootprintsOptions& options, FootprintsInput& result, bool shells_by_turn)
+      : path_(path),
+        source_(source),
+        layer_(source.get()),
+        id_field_(find_attribute(path, layer_, options.id_attribute)),
+        real_ids_(is_real(layer_, id_field_)),
+        single_ids_(real_ids_ && OGR_Fld_GetSubType(definition(layer_, id_field_)) == OFSTFloat32),
+        heights_(path, layer_, options.height_attribute),
+        id_name_(options.id_attribute),
+        units_(units_of(source.reference_system(), options.source_crs)),
+        shells_by_turn_(shells_by_turn),
+        result_(result) {
+    if (!source.is_of_osm()) return;
+    OGRFeatureDefnH columns = OGR_L_GetLayerDefn(layer_);
+    osm_relation_ = OGR_FD_GetFieldIndex(columns, "osm_id");
+    osm_way_ = OGR_FD_GetFieldIndex(columns, "osm_way_id");
+  }
+
+  /// `count`: whether the format tells how many features there are.
+  /// `geometries`: whether failures at these cost nothing but their feature.
+  void read(gdal::QuietErrors& errors, Count count, bool geometries) {
+    errors.reset();
+    const std::int64_t expected = OGR_L_GetFeatureCount(layer_, FALSE);
+    if (errors.failures() > 0)
+      fail_input(path_, "cannot be read whole" + errors.reason() + kGetAgain);
+    OGR_L_ResetReading(layer_);
+    for (;;) {
+      const std::size_t known = errors.passed_over().size();
+      const gdal::Feature feature{OGR_L_GetNextFeature(layer_)};
+      for (std::size_t k = known; k < errors.passed_over().size(); ++k)
+        drop_passed_over(errors.passed_over()[k]);
+      if (feature == nullptr) break;
+      ++result_.features_read;
+      add(feature.get());
+    }
+    const std::int64_t failures =
+        geometries ? errors.failures(gdal::About::kAnything) : errors.failures();
+    // Lines that are not JSON are passed over, and counted by nobody.
+    const bool lost =
+        errors.first(gdal::About::kAnything).find("JSON parsing error") != std::string::npos;
+    const bool is_short = failures == 0 && result_.features_read < expected;
+    if (count == Count::kCertain && is_short)
+      fail_input(path_, fmt::format("reading ends after {} features of {}{}", result_.features_read,
+                                    expected, kGetAgain));
+    if (count == Count::kTold && is_short)
+      warn("footprints_fewer", expected - result_.features_read,
+           fmt::format("has {} features, but its own table of contents says {}; if some are "
+                       "missing, get the file again",
+                       result_.features_read, expected));
+    if (failures > 0 && (lost || expected < 0 || result_.features_read < expected))
+      fail_input(path_, fmt::format("reading ends after {} features{}{}{}", result_.features_read,
+                                    expected < 0 ? "" : fmt::format(" of {}", expected),
+                                    errors.reason(), kGetAgain));
+    if (errors.failures() > 0) warn_of_errors(errors.failures(), errors.first());
+    report();
+  }
+
+  /// Of the buildings of an OpenStreetMap file in XML that GDAL has made no area of, or not all.
+  void account_for_osm() {
+    if (osm_relation_ < 0 || osm_way_ < 0 || lower_case(path_.extension().string()) != ".osm")
+      return;
+    OsmAccount account = account_of_osm(path_, osm_read_);
+    result_.features_read += std::ssize(account.lost);
+    for (Dropped& lost : account.lost)
+      result_.dropped.push_back({ids_.unique(lost.source_id), std::move(lost.reason)});
+    if (const std::vector<std::string>& ways = account.cornered; !ways.empty())
+      warn("osm_nodes_missing", std::ssize(ways),
+           fmt::format("{} buildings lack corners whose nodes are not in the file, the first: {}; "
+                       "get an extract with whole ways",
+                       ways.size(), ways.front()));
+  }
+
+  /// Of what was read with errors.
+  void warn_of_errors(std::int64_t count, const std::string& first) {
+    warn("footprints_read_errors", count,
+         fmt::format("{} errors while reading, the first: {}", count, first));
+  }
+
+ private:
+  /// `message`: "Geometry of feature NUMBER NAME cannot be parsed: WHY. Skipping to next feature."
+  void drop_passed_over(const std::string& message) {
+    constexpr std::string_view kBegin = "Geometry of feature ", kWhy = " cannot be parsed: ";
+    std::string_view text = message;
+    if (text.starts_with(kBegin)) text.remove_prefix(kBegin.size());
+    std::string reason = "geometry that cannot be read";
+    const std::string_view number = text.substr(0, text.find(' '));
+    if (const std::size_t why = text.find(kWhy); why != text.npos) {
+      const std::string_view name = text.substr(0, why);
+      text = text.substr(why + kWhy.size());
+      reason += fmt::format(" (feature {}: {})", name, text.substr(0, text.find(". Skipping")));
+    }
+    ++result_.features_read;
+    result_.dropped.push_back({ids_.unique(std::string(number)), std::move(reason)});
+  }
+
+  void note_osm(OGRFeatureH feature) {
+    for (const auto& [is_relation, field] :
+         {std::pair{true, osm_relation_}, std::pair{false, osm_way_}})
+      if (field >= 0 && OGR_F_IsFieldSetAndNotNull(feature, field) != 0)
+        osm_read_.insert({is_relation, OGR_F_GetFieldAsInteger64(feature, field)});
+  }
+
+  void add(OGRFeatureH feature) {
+    const std::string id = feature_id(feature);
+    note_osm(feature);
+    FlatGeometry flat = flatten(source_.geometry_of(feature), units_);
+    if (flat.is_body)
+      ++bodies_;
+    else if (shells_by_turn_)
+      mend_turned_rings(flat);
+    else
+      mend_order_of_rings(flat);
+    if (flat.parts.empty()) {
+      result_.dropped.push_back({ids_.unique(id), std::move(flat.reason)});
+      return;
+    }
+    if (flat.other_parts > 0) ++mixed_;
+    yards_ += flat.yards;
+    const double height = heights_.read(feature, id);
+    for (std::size_t k = 0; k < flat.parts.size(); ++k) {
+      PolygonPart& part = flat.parts[k];
+      std::string part_id = ids_.unique(k == 0 ? id : fmt::format("{}#{}", id, k + 1));
+      if (!part.reason.empty()) {
+        result_.dropped.push_back({std::move(part_id), std::move(part.reason)});
+        continue;
+      }
+      if (units_.north_first) for_each_vertex(part.polygon, [](Point2& p) { std::swap(p.x, p.y); });
+      result_.features.push_back({std::move(part_id), std::move(part.polygon), height});
+    }
+  }
+
+  std::string feature_id(OGRFeatureH feature) {
+    if (id_field_ >= 0) {
+      if (OGR_F_IsFieldSetAndNotNull(feature, id_field_) != 0) {
+        std::string id = real_ids_
+                             ? number_id(OGR_F_GetFieldAsDouble(feature, id_field_), single_ids_)
+                             : gdal::utf8(OGR_F_GetFieldAsString(feature, id_field_));
+        if (!id.empty()) return id;
+      }
+      ++without_id_;
+    }
+    return std::to_string(OGR_F_GetFID(feature));
+  }
+
+  void report() {
+    if (ids_.duplicates() > 0)
+      warn("duplicate_ids", ids_.duplicates(),
+           fmt::format(
+               "{} features or parts have an id that was used before{}; they get the suffixes "
+               "'~2', '~3', ...",
+               ids_.duplicates(), id_name_.empty() ? "" : " (attribute '" + id_name_ + "')"));
+    if (without_id_ > 0)
+      warn("missing_ids", without_id_,
+           fmt::format("{} features have no value in '{}' and take their feature number as id",
+                       without_id_, id_name_));
+    if (mixed_ > 0)
+      warn("mixed_geometry", mixed_,
+           fmt::format("{} features have points, lines or collections nested too deep besides "
+                       "polygons; these are ignored",
+                       mixed_));
+    if (yards_ > 0)
+      warn("parts_as_yards", yards_,
+           fmt::format("{} parts of features lie within another part and are turned against it; "
+                       "they are taken for its courtyards",
+                       yards_));
+    if (bodies_ > 0)
+      warn("footprints_from_bodies", bodies_,
+           fmt::format("{} features are bodies in space; the outlines of their ground faces are "
+                       "taken for footprints; choose a layer of footprints if there is one",
+                       bodies_));
+    if (const auto warning = heights_.warning()) result_.warnings.push_back(*warning);
+  }
+
+  void warn(const char* code, std::int64_t count, const std::string& message) {
+    result_.warnings.push_back({code, count, one_line(path_.string() + ": " + message)});
+  }
+
+  const fs::path& path_;
+  const FootprintLayer& source_;
+  OGRLayerH layer_;
+  int id_field_;
+  bool real_ids_;
+  bool single_ids_;
+  HeightReader heights_;
+  std::string id_name_;
+  PlanUnits units_;
+  bool shells_by_turn_;
+  FootprintsInput& result_;
+  UniqueIds ids_;
+  std::int64_t without_id_ = 0;
+  std::int64_t mixed_ = 0;
+  std::int64_t yards_ = 0;
+  std::int64_t bodies_ = 0;
+  int osm_relation_ = kNoField;  ///< Columns of OpenStreetMap's numbers.
+  int osm_way_ = kNoField;
+  std::set<OsmId> osm_read_;
+};
+
+Bounds2 bounds_of(std::vector<Footprint>& features) {
+  Bounds2 box = Bounds2::nothing();
+  for (Footprint& feature : features)
+    for_each_vertex(feature.polygon, [&](const Point2& p) { box.extend(p); });
+  return box;
+}
+
+/// Whether a file that says degrees holds numbers that are none, other than a few broken ones.
+bool implausible_degrees(const std::string& crs, const std::vector<Footprint>& features,
+                         bool geojson) {
+  if (crs.empty() || !is_geographic(crs)) return false;
+  // RFC 7946 allows -180 to 180, which some exceed a little at that meridian; elsewhere 0 to 360 is
+  // in use too.
+  const double limit = geojson ? 181.0 : 360.0;
+  const Bounds2 globe{-limit, -90, limit, 90};
+  std::vector<double> widths;
+  std::size_t others = 0;
+  for (const Footprint& feature : features) {
+    Bounds2 box = Bounds2::nothing();
+    for (const Point2& p : feature.polygon.outer) box.extend(p);
+    if (box.empty()) continue;
+    if (!globe.covers(box)) ++others;
+    widths.push_back(std::max(box.width(), box.height()));
+  }
+  if (others == 0) return false;
+  // Metres of a local frame may be within these limits, too, but buildings are wider than half a
+  // metre, and not half a degree wide.
+  constexpr double kWidest = 0.5;
+  const auto median = widths.begin() + static_cast<std::ptrdiff_t>((widths.size() - 1) / 2);
+  std::nth_element(widths.begin(), median, widths.end());
+  return 2 * others > widths.size() || *median > kWidest;
+}
+
+void settle_crs(const fs::path& path, const ReadFootprintsOptions& options, bool geojson,
+                FootprintsInput& result) {
+  if (!options.source_crs.empty()) {
+    result.crs = normalise_crs(options.source_crs);
+  } else if (implausible_degrees(result.crs, result.features, geojson)) {
+    result.warnings.push_back(
+        {"footprints_crs_implausible", 1,
+         fmt::format("{}: in {}, but x {} .. {}, y {} .. {} are not degrees; its reference system "
+                     "is treated as unknown",
+                     path.string(), crs_name(result.crs), result.bounds.xmin, result.bounds.xmax,
+                     result.bounds.ymin, result.bounds.ymax)});
+    result.crs.clear();
+    return;
+  }
+  if (result.crs.empty())
+    result.warnings.push_back({"footprints_crs_unknown", 1,
+                               path.string() + ": does not state its coordinate reference system"});
+}
+
+void reproject_features(const fs::path& path, const std::string& target, FootprintsInput& result) {
+  std::vector<Point2> points;
+  for (Footprint& feature : result.features)
+    for_each_vertex(feature.polygon, [&](const Point2& p) { points.push_back(p); });
+  try {
+    points = reproject(points, result.crs, target);
+  } catch (const Error& error) {
+    fail_input(path, fmt::format("{}; give the system of the footprints by --footprints-crs, that "
+                                 "of the points by --points-crs",
+                                 error.what()));
+  }
+  std::size_t next = 0;
+  std::vector<Footprint> kept;
+  kept.reserve(result.features.size());
+  for (Footprint& feature : result.features) {
+    bool good = true;
+    for_each_vertex(feature.polygon, [&](Point2& p) {
+      p = points[next++];
+      good = good && std::isfinite(p.x);
+    });
+    if (good)
+      kept.push_back(std::move(feature));
+    else
+      result.dropped.push_back(
+          {std::move(feature.source_id), "coordinates that cannot be reprojected"});
+  }
+  result.features = std::move(kept);
+  result.crs = target;
+  result.bounds = bounds_of(result.features);
+}
+
+}  // namespace
+
+FootprintsInput read_footprints(const fs::path& path, const ReadFootprintsOptions& options) {
+  // GDAL ends the program where a small allocation of its own fails.
+  const ForeignCode gdal_code(path.c_str());
+  gdal::initialise();
+  const std::string target = normalise_crs(options.target_crs);
+  gdal::QuietErrors errors;
+  const gdal::ThreadOption by_layer("OGR_INTERLEAVED_READING", "NO");
+  const gdal::ThreadOption nothing_beside("CPL_VSIL_GZIP_WRITE_PROPERTIES", "NO");
+  const gdal::ThreadOption on("GML_SKIP_CORRUPTED_FEATURES", "YES");
+  const VectorFile file = open_vector(path, errors, !options.source_crs.empty());
+  const FootprintLayer source(path, file.dataset.get(), options.layer);
+  FootprintsInput result;
+  result.layer = gdal::utf8(OGR_L_GetName(source.get()));
+  LayerReader reader(path, source, options, result,
+                     is_of_format(file.dataset.get(), "ESRI Shapefile"));
+  reader.read(errors, count_of(file.dataset.get()), drops_geometries(file.dataset.get()));
+  reader.account_for_osm();
+  // Where features are parsed again as they are read, that has told of them.
+  if (file.opening_errors > 0 && errors.failures() == 0)
+    reader.warn_of_errors(file.opening_errors, file.first_error);
+  if (const std::string why = why_incomplete(path); !why.empty())
+    result.warnings.push_back({"footprints_fewer", 1, one_line(path.string() + ": " + why)});
+  result.bounds = bounds_of(result.features);
+  result.crs = gdal::canonical_name(source.reference_system());
+  settle_crs(path, options, is_of_format(file.dataset.get(), "GeoJSON"), result);
+  if (!target.empty() && !result.crs.empty()) {
+    if (same_horizontal_crs(result.crs, target))
+      result.crs = target;
+    else
+      reproject_features(path, target, result);
+  }
+  return result;
+}
+
+}  // namespace tetropolis

@@ -1,0 +1,84 @@
+#include "write_mesh.h"
+
+#include <algorithm>
+#include <array>
+#include <functional>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "tetropolis/io/mesh/gltf.h"
+#include "tetropolis/io/mesh/msh.h"
+#include "tetropolis/io/mesh/obj.h"
+#include "tetropolis/io/mesh/openfoam.h"
+#include "tetropolis/io/mesh/ply.h"
+#include "tetropolis/io/mesh/stl.h"
+#include "tetropolis/io/mesh/vtk.h"
+#include "tetropolis/io/mesh/xdmf.h"
+
+#include "result_files.h"
+
+namespace tetropolis {
+
+namespace {
+
+bool is_wanted(const Config& config, std::string_view format) {
+  return std::find(config.formats.begin(), config.formats.end(), format) != config.formats.end();
+}
+
+/// The volume in each format asked for.
+void write_volume(const Config& config, const ColumnMesh& mesh, const SurfaceMesh& boundary,
+                  const Placement& placement, OutputFolder& out, const Progress& progress) {
+  using Write = std::function<void(const Progress&)>;
+  const std::array<std::pair<std::string_view, Write>, 4> writers{{
+      {"vtu",
+       [&](const Progress& p) {
+         write_vtu(out.result("volume.vtu"), mesh, placement, p, config.compression);
+       }},
+      {"xdmf",
+       [&](const Progress& p) {
+         write_xdmf(out.result("volume.xdmf", {"volume.h5"}), mesh, boundary, placement, p,
+                    config.compression);
+       }},
+      {"msh",
+       [&](const Progress& p) {
+         write_msh(out.result("volume.msh"), mesh, boundary, placement, p);
+       }},
+      {"openfoam",
+       [&](const Progress& p) {
+         write_openfoam(out.result("constant/polyMesh", results::of_format("openfoam")), mesh,
+                        boundary, placement, p);
+       }},
+  }};
+  std::vector<const Write*> wanted;
+  for (const auto& [format, write] : writers)
+    if (is_wanted(config, format)) wanted.push_back(&write);
+  const double share = 1.0 / static_cast<double>(std::max<std::size_t>(wanted.size(), 1));
+  for (std::size_t i = 0; i < wanted.size(); ++i) {
+    const double begin = static_cast<double>(i) * share;
+    (*wanted[i])(portion(progress, begin, begin + share));
+  }
+}
+
+/// Ground, roofs and walls as STL and in each format asked for.
+void write_surface(const Config& config, const SurfaceMesh& boundary, const Placement& placement,
+                   OutputFolder& out) {
+  const std::array land{Patch::kGround, Patch::kRoof, Patch::kWall};
+  const SurfaceMesh surface = select_patches(boundary, land);
+  write_stl(out.result("surface.stl"), surface, placement);
+  if (is_wanted(config, "obj")) write_obj(out.result("surface.obj"), surface, placement);
+  if (is_wanted(config, "ply")) write_ply(out.result("surface.ply"), surface, placement);
+  if (is_wanted(config, "glb")) write_glb(out.result("surface.glb"), surface, placement);
+}
+
+}  // namespace
+
+void write_mesh(const Config& config, const ColumnMesh& mesh, const SurfaceMesh& boundary,
+                const Placement& placement, OutputFolder& out, const Progress& progress) {
+  write_volume(config, mesh, boundary, placement, out, progress);
+  write_vtp(out.result("boundary.vtp"), boundary, placement, config.compression);
+  write_surface(config, boundary, placement, out);
+}
+
+}  // namespace tetropolis

@@ -1,0 +1,215 @@
+#include "tetropolis/volume/column/boundary.h"
+
+#include <algorithm>
+#include <string>
+
+#include "tetropolis/core/error.h"
+#include "tetropolis/core/parallel.h"
+
+namespace tetropolis {
+
+namespace {
+
+constexpr std::array<std::string_view, kPatchCount> kNames = {"ground", "roof", "wall", "top",
+                                                              "xmin",   "xmax", "ymin", "ymax"};
+
+struct Face {
+  std::array<NodeIndex, 3> nodes;
+  NodeIndex cell;
+  BuildingIndex building;
+};
+
+/// Collects faces, one list a patch.
+struct FaceLists {
+  std::array<std::vector<Face>, kPatchCount> lists;
+  void add(Patch patch, const Face& face) {
+    lists[static_cast<std::size_t>(patch) - 1].push_back(face);
+  }
+};
+
+void add_floor_and_top(const ColumnMesh& mesh, const std::vector<NodeIndex>& cells,
+                       FaceLists& faces) {
+  for (std::size_t t = 0; t < mesh.triangle_count(); ++t) {
+    const auto& v = mesh.ground.triangles[t];
+    const BuildingIndex building = mesh.ground.region[t];
+    faces.add(
+        building == kNoBuilding ? Patch::kGround : Patch::kRoof,
+        {{mesh.floor(t, v[0]), mesh.floor(t, v[2]), mesh.floor(t, v[1])}, cells[t], building});
+    faces.add(Patch::kTop,
+              {{mesh.top(v[0]), mesh.top(v[1]), mesh.top(v[2])}, cells[t + 1] - 1, kNoBuilding});
+  }
+}
+
+Patch side_of_domain(const ColumnMesh& mesh, const Bounds2& domain, std::size_t e) {
+  const Point2 a = mesh.ground.vertices[static_cast<std::size_t>(mesh.edges.vertices[e][0])];
+  const Point2 b = mesh.ground.vertices[static_cast<std::size_t>(mesh.edges.vertices[e][1])];
+  if (a.x == domain.xmin && b.x == domain.xmin) return Patch::kXMin;
+  if (a.x == domain.xmax && b.x == domain.xmax) return Patch::kXMax;
+  if (a.y == domain.ymin && b.y == domain.ymin) return Patch::kYMin;
+  if (a.y == domain.ymax && b.y == domain.ymax) return Patch::kYMax;
+  throw Error(ErrorKind::kGuarantee, "ground mesh: the rim edge between vertices " +
+                                         std::to_string(mesh.edges.vertices[e][0]) + " and " +
+                                         std::to_string(mesh.edges.vertices[e][1]) +
+                                         " is not on a side of the domain");
+}
+
+/// What the faces over an edge are tagged with.
+struct Side {
+  Patch patch;
+  BuildingIndex building;
+};
+
+/// Faces of the cells over triangle t on the vertical side over edge e: up to the roof if there is
+/// a building on the other side, else up to the top.
+void add_side(const ColumnMesh& mesh, NodeIndex first_cell, std::size_t t, std::size_t e,
+              const Side& side, FaceLists& faces) {
+  const auto& corners = mesh.ground.triangles[t];
+  const auto [a, b] = mesh.edges.vertices[e];
+  // The edge from corner i to the next one, in the direction that has the triangle on its left.
+  std::size_t i = 0;
+  while (std::min(corners[i], corners[(i + 1) % 3]) != a ||
+         std::max(corners[i], corners[(i + 1) % 3]) != b)
+    ++i;
+  const std::size_t j = (i + 1) % 3;
+  const auto end_of = [&](VertexIndex v) {
+    const auto at = static_cast<std::size_t>(v);
+    return side.building == kNoBuilding ? mesh.top(v) : mesh.first[at] + mesh.roof[at];
+  };
+  const NodeIndex end_i = end_of(corners[i]), end_j = end_of(corners[j]);
+  NodeIndex cell = first_cell;
+  Climb<3> front = climb_triangle(mesh, t);
+  while (front.at(i) < end_i || front.at(j) < end_j) {
+    const std::size_t c = front.next();
+    if (c == i || c == j)
+      faces.add(side.patch, {{front.at(i), front.at(j), front.at(c) + 1}, cell, side.building});
+    front.advance(c);
+    ++cell;
+  }
+}
+
+void add_sides(const ColumnMesh& mesh, const std::vector<NodeIndex>& cells, const Bounds2& domain,
+               FaceLists& faces) {
+  for (std::size_t e = 0; e < mesh.edges.size(); ++e) {
+    const auto [first, second] = mesh.edges.triangles[e];
+    const auto t0 = static_cast<std::size_t>(first), t1 = static_cast<std::size_t>(second);
+    if (second == kNoTriangle) {
+      add_side(mesh, cells[t0], t0, e, {side_of_domain(mesh, domain, e), kNoBuilding}, faces);
+      continue;
+    }
+    if (mesh.inside_building(t0) == mesh.inside_building(t1)) continue;
+    const std::size_t air = mesh.inside_building(t0) ? t1 : t0;
+    const std::size_t inside = mesh.inside_building(t0) ? t0 : t1;
+    add_side(mesh, cells[air], air, e, {Patch::kWall, mesh.ground.region[inside]}, faces);
+  }
+}
+
+/// Numbers the boundary's nodes in column order.
+SurfaceMesh number_faces(const ColumnMesh& mesh, const FaceLists& faces) {
+  constexpr std::int32_t unused = -1;
+  std::vector<std::int32_t> number(static_cast<std::size_t>(mesh.node_count()), unused);
+  std::size_t count = 0;
+  for (const auto& list : faces.lists) {
+    count += list.size();
+    for (const Face& face : list)
+      for (const NodeIndex node : face.nodes) number[static_cast<std::size_t>(node)] = 0;
+  }
+  SurfaceMesh surface;
+  for (std::size_t v = 0; v < mesh.vertex_count(); ++v)
+    for (NodeIndex node = mesh.first[v]; node < mesh.first[v + 1]; ++node) {
+      auto& own = number[static_cast<std::size_t>(node)];
+      if (own == unused) continue;
+      own = static_cast<std::int32_t>(surface.points.size());
+      surface.points.push_back(position(mesh, static_cast<VertexIndex>(v), node));
+      surface.node.push_back(node);
+    }
+  surface.triangles.reserve(count);
+  surface.patch.reserve(count);
+  surface.building.reserve(count);
+  surface.cell.reserve(count);
+  const auto numbered = [&](NodeIndex node) { return number[static_cast<std::size_t>(node)]; };
+  for (std::size_t i = 0; i < faces.lists.size(); ++i) {
+    for (const Face& face : faces.lists[i]) {
+      surface.triangles.push_back(
+          {numbered(face.nodes[0]), numbered(face.nodes[1]), numbered(face.nodes[2])});
+      surface.patch.push_back(static_cast<Patch>(i + 1));
+      surface.building.push_back(face.building);
+      surface.cell.push_back(face.cell);
+    }
+  }
+  return surface;
+}
+
+}  // namespace
+
+std::string_view patch_name(Patch patch) { return kNames[static_cast<std::size_t>(patch) - 1]; }
+
+SurfaceMesh extract_boundary(const ColumnMesh& mesh, const Bounds2& domain) {
+  const std::vector<NodeIndex> cells = cell_offsets(mesh);
+  FaceLists faces;
+  add_floor_and_top(mesh, cells, faces);
+  add_sides(mesh, cells, domain, faces);
+  return number_faces(mesh, faces);
+}
+
+SurfaceMesh select_patches(const SurfaceMesh& surface, std::span<const Patch> patches) {
+  constexpr std::int32_t unused = -1;
+  std::vector<std::int32_t> number(surface.points.size(), unused);
+  SurfaceMesh result;
+  for (std::size_t f = 0; f < surface.triangles.size(); ++f) {
+    if (std::find(patches.begin(), patches.end(), surface.patch[f]) == patches.end()) continue;
+    auto triangle = surface.triangles[f];
+    for (auto& v : triangle) {
+      auto& renumbered = number[static_cast<std::size_t>(v)];
+      if (renumbered == unused) {
+        renumbered = static_cast<std::int32_t>(result.points.size());
+        result.points.push_back(surface.points[static_cast<std::size_t>(v)]);
+        if (!surface.node.empty()) result.node.push_back(surface.node[static_cast<std::size_t>(v)]);
+      }
+      v = renumbered;
+    }
+    result.triangles.push_back(triangle);
+    result.patch.push_back(surface.patch[f]);
+    result.building.push_back(surface.building[f]);
+    if (!surface.cell.empty()) result.cell.push_back(surface.cell[f]);
+  }
+  return result;
+}
+
+std::array<std::int64_t, kPatchCount> count_by_patch(const SurfaceMesh& surface) {
+  std::array<std::int64_t, kPatchCount> counts{};
+  for (const Patch patch : surface.patch) ++counts[static_cast<std::size_t>(patch) - 1];
+  return counts;
+}
+
+SurfaceTopology check_topology(const SurfaceMesh& surface) {
+  struct HalfEdge {
+    std::int32_t low, high;
+    bool forward;
+  };
+  std::vector<HalfEdge> halves;
+  halves.reserve(surface.triangles.size() * 3);
+  for (const auto& triangle : surface.triangles)
+    for (std::size_t i = 0; i < 3; ++i) {
+      const std::int32_t a = triangle[i], b = triangle[(i + 1) % 3];
+      halves.push_back({std::min(a, b), std::max(a, b), a < b});
+    }
+  parallel_sort(halves.begin(), halves.end(), [](const HalfEdge& a, const HalfEdge& b) {
+    if (a.low != b.low) return a.low < b.low;
+    if (a.high != b.high) return a.high < b.high;
+    return a.forward < b.forward;
+  });
+  SurfaceTopology result;
+  for (std::size_t i = 0, j = 0; i < halves.size(); i = j) {
+    while (j < halves.size() && halves[j].low == halves[i].low && halves[j].high == halves[i].high)
+      ++j;
+    if (j - i == 1)
+      ++result.open_edges;
+    else if (j - i > 2)
+      ++result.non_manifold_edges;
+    else if (halves[i].forward == halves[i + 1].forward)
+      ++result.misoriented_edges;
+  }
+  return result;
+}
+
+}  // namespace tetropolis

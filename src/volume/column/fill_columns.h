@@ -1,0 +1,96 @@
+// From the ground mesh to the column mesh: how far apart nodes are, and where they go.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "tetropolis/ground/ground_mesh.h"
+#include "tetropolis/terrain/raster.h"
+#include "tetropolis/volume/column/column_mesh.h"
+
+#include "volume/excavate/cut_back.h"
+#include "volume/layered/layered_mesh.h"
+#include "volume/layered/smooth.h"
+
+namespace tetropolis {
+
+/// Tangent of 15 degrees: what a wall is to be seen under from the ground beside it. Distance is
+/// told from the spacing, or the longest edge, so this is more than the 8 degrees that cells are to
+/// have.
+inline constexpr double kWallTangent = 0.2679491924311227;
+
+/// Per vertex, the distance between nodes of its column, in metres, that fits the triangles around
+/// it: 1.2 times the geometric mean of the longest edge at the vertex and of the edge of an
+/// equilateral triangle as high as the flattest triangle there. Tets of a column are flat where
+/// this is too small for the longest edge (least dihedral angle about atan(spacing / edge)) and
+/// steep where it is too large for the least altitude a (about atan(a / spacing)); the mean keeps
+/// both away from the extremes. The factor trades cells (fewer by its inverse) against angles.
+/// Precondition: every vertex belongs to a triangle.
+std::vector<double> column_spacing(const GroundMesh& ground);
+
+/// Per vertex, how far the ground of a neighbour (across an edge of a triangle outside buildings)
+/// lies above its own at most, in metres, >= 0. `ground`: elevation per vertex.
+std::vector<double> ground_rise(const GroundMesh& mesh, std::span<const double> ground);
+
+/// What the columns are made from: per vertex of the ground mesh, in metres.
+struct ColumnPlan {
+  std::vector<double> ground;           ///< Elevation: the terrain, lowered at buried walls and
+                                        ///< cut back where marked.
+  std::vector<BuildingIndex> building;  ///< As from vertex_buildings.
+  std::vector<double> roofs;            ///< Elevation of the roof, per building.
+  std::vector<double> top;              ///< Elevation of the top.
+  std::vector<double> spacing;          ///< Distance between nodes asked for, > 0.
+  std::vector<double> rise;             ///< As from ground_rise.
+  LayerPlan layers;                     ///< Height of the domain, and layers of uniform columns.
+  std::int64_t lowered =
+      0;               ///< Vertices outside buildings or on walls with ground below the terrain.
+  double deepest = 0;  ///< How far, at most, in metres.
+  std::int64_t undermined = 0;    ///< Buildings with ground at a wall below the lowest terrain that
+                                  ///< was at their walls.
+  double deepest_undermined = 0;  ///< How far, at most, in metres.
+  CutSources cut_from;            ///< From where the terrain was cut back.
+};
+
+struct ColumnPlanOptions {
+  double domain_height = 100;     ///< Of the top above the highest terrain under the mesh,
+                                  ///< metres, > 0.
+  double layer_height = 10;       ///< Of uniform layers, metres, > 0.
+  double minimum_wall = 1;        ///< Metres, > 0: where a wall would be lower, the ground beside
+                                  ///< it is lowered (see lower_at_walls).
+  bool fit_lowered_walls = true;  ///< Where the terrain beside a wall is above its roof, walls that
+                                  ///< would be seen from there under less than 15 degrees (or half
+                                  ///< of what is left to the vertical) count as too low, too; and
+                                  ///< where the ground is lowered, they become so high, and at
+                                  ///< least 0.6 of the spacing; but not higher than the building's
+                                  ///< walls are somewhere, unless marked (cut.walls). Otherwise
+                                  ///< they have the minimum.
+  CutMarks cut;                   ///< From where the terrain is cut back (see cut_back), and which
+                                  ///< walls are dug out.
+  CutSlopes cut_slopes;           ///< How steeply it rises from there.
+};
+
+/// `roofs`: elevation per building of `mesh`; `spacing`: per vertex, > 0. Throws as
+/// vertex_buildings.
+ColumnPlan plan_columns(const GroundMesh& mesh, const Raster& dtm, std::vector<double> roofs,
+                        std::vector<double> spacing, const ColumnPlanOptions& options);
+
+/// How many nodes each column gets, and which of them is at the roof; z has its size and no values.
+/// Columns go from the ground (inside buildings: from the roof) to the top, with a node at the roof
+/// where a wall stands. Each piece between two of these elevations is divided into the number of
+/// segments that comes closest to the spacing, at least one. A piece that begins at the foot of a
+/// cliff (the spacing is less than 0.6 of what the highest ground beside rises above it) has two
+/// segments of 0.6 and 0.4 of that rise first, as far as it reaches: the tets between its column
+/// and the edge of the cliff would otherwise be slivers, as atan(r) - atan(r - s / d) with
+/// r = rise / d at distance d falls with r squared for a fixed spacing s. Throws Error(kGuarantee)
+/// naming the vertex if the elevations do not increase.
+ColumnMesh divide_columns(GroundMesh ground, EdgeGraph edges, const ColumnPlan& plan);
+
+/// Sets z: exact at ground, roof and top. `mesh` as made by divide_columns with the same plan.
+void place_nodes(ColumnMesh& mesh, const ColumnPlan& plan);
+
+/// The nodes of a layered mesh that belong to cells, where they are. Precondition: it is trimmed
+/// (trim) and its columns increase (make_monotone). Takes its ground mesh; leaves it empty.
+ColumnMesh columns_of_layers(LayeredMesh&& layered);
+
+}  // namespace tetropolis

@@ -1,0 +1,74 @@
+#include "ground_heights.h"
+
+#include <algorithm>
+#include <cmath>
+#include <string>
+
+#include "tetropolis/core/error.h"
+#include "tetropolis/core/parallel.h"
+
+#include "core/infinity.h"
+
+namespace tetropolis {
+
+std::vector<BuildingIndex> vertex_buildings(const GroundMesh& mesh) {
+  std::vector<BuildingIndex> building(mesh.vertices.size(), kNoBuilding);
+  for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
+    if (mesh.region[t] == kNoBuilding) continue;
+    for (const VertexIndex v : mesh.triangles[t]) {
+      BuildingIndex& owner = building[static_cast<std::size_t>(v)];
+      if (owner != kNoBuilding && owner != mesh.region[t])
+        throw Error(ErrorKind::kGuarantee, "ground mesh: vertex " + std::to_string(v) +
+                                               " belongs to buildings " + std::to_string(owner) +
+                                               " and " + std::to_string(mesh.region[t]));
+      owner = mesh.region[t];
+    }
+  }
+  return building;
+}
+
+std::vector<std::uint8_t> outside_vertices(const GroundMesh& mesh) {
+  std::vector<std::uint8_t> outside(mesh.vertices.size(), 0);
+  for (std::size_t t = 0; t < mesh.triangles.size(); ++t)
+    if (mesh.region[t] == kNoBuilding)
+      for (const VertexIndex v : mesh.triangles[t]) outside[static_cast<std::size_t>(v)] = 1;
+  return outside;
+}
+
+double longest_wall_edge(const Raster& dtm, double roof, Point2 a, Point2 b, double minimum_wall) {
+  // Found by trial, on the survey's cities below the floor of quality and on random hillsides.
+  constexpr double kEdgesPerHeight = 4, kEdgesPerDepth = 3, kLeastHeight = 1, kGentle = 0.25;
+  const double length = std::hypot(b.x - a.x, b.y - a.y);
+  const double steps = std::ceil(std::max(1.0, length / dtm.step));
+  double lowest = kInfinity, highest = -kInfinity;
+  double least = kInfinity;  // of the part where the ground stays
+  for (double i = 0; i <= steps; ++i) {
+    const double t = i / steps;
+    const double height = roof - sample(dtm, {a.x + t * (b.x - a.x), a.y + t * (b.y - a.y)});
+    lowest = std::min(lowest, height);
+    highest = std::max(highest, height);
+    if (height >= minimum_wall) least = std::min(least, height);
+  }
+  if (lowest < minimum_wall && highest - lowest > kGentle * length) return kInfinity;
+  return std::max(kEdgesPerHeight * std::max(least, kLeastHeight), kEdgesPerDepth * -lowest);
+}
+
+std::vector<double> terrain_under(const GroundMesh& mesh, const Raster& dtm) {
+  std::vector<double> terrain(mesh.vertices.size());
+  parallel_chunks(mesh.vertices.size(), 4096, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t v = begin; v < end; ++v) terrain[v] = sample(dtm, mesh.vertices[v]);
+  });
+  return terrain;
+}
+
+void lower_at_walls(const GroundMesh& mesh, std::span<const BuildingIndex> building,
+                    std::span<const double> roofs, std::span<const double> least,
+                    std::span<const double> wall, std::vector<double>& ground) {
+  for (std::size_t v = 0; v < mesh.vertices.size(); ++v) {
+    if (building[v] == kNoBuilding) continue;
+    const double roof = roofs[static_cast<std::size_t>(building[v])];
+    if (ground[v] > roof - least[v]) ground[v] = std::min(ground[v], roof - wall[v]);
+  }
+}
+
+}  // namespace tetropolis

@@ -1,0 +1,80 @@
+#include "monotone.h"
+
+#include <algorithm>
+#include <string>
+
+#include "tetropolis/core/error.h"
+#include "tetropolis/core/parallel.h"
+
+#include "core/infinity.h"
+
+namespace tetropolis {
+
+namespace {
+
+/// Nodes [first, last] of one column; z[first] is fixed, z[last] too if `fixed_end`.
+std::int64_t spread_piece(double* z, std::int32_t first, std::int32_t last, bool fixed_end,
+                          double gap) {
+  std::int64_t moved = 0;
+  const std::int32_t end = fixed_end ? last - 1 : last;
+  for (std::int32_t k = first + 1; k <= end; ++k) {
+    if (z[k] >= z[k - 1] + gap) continue;
+    z[k] = z[k - 1] + gap;
+    ++moved;
+  }
+  for (std::int32_t k = end; k > first && fixed_end; --k) {
+    if (z[k] <= z[k + 1] - gap) continue;
+    z[k] = z[k + 1] - gap;
+    ++moved;
+  }
+  return moved;
+}
+
+MonotoneReport guard_column(LayeredMesh& mesh, std::size_t v, const MonotoneOptions& options) {
+  double* z = mesh.column(v);
+  MonotoneReport report;
+  std::int32_t first = mesh.first_node[v];
+  // Outside walls a column of the building's own has its roof as lowest node: one piece only.
+  const std::int32_t roof = mesh.roof_layer[v] > first ? mesh.roof_layer[v] : mesh.layers;
+  for (const std::int32_t last : {roof, mesh.layers}) {
+    if (last == first) continue;
+    const bool fixed_end = last < mesh.layers || options.fixed_top;
+    const double spacing = fixed_end ? (z[last] - z[first]) / (last - first) : options.layer_height;
+    if (!(spacing > 0))
+      throw Error(ErrorKind::kGuarantee,
+                  "column mesh: fixed heights do not increase at ground vertex " +
+                      std::to_string(v) + " between layers " + std::to_string(first) + " and " +
+                      std::to_string(last));
+    report.moved += spread_piece(z, first, last, fixed_end, options.gap_share * spacing);
+    first = last;
+  }
+  report.min_gap = kInfinity;
+  for (std::int32_t k = mesh.first_node[v]; k < mesh.layers; ++k) {
+    if (!(z[k + 1] > z[k]))  // so that NaN fails as well
+      throw Error(ErrorKind::kGuarantee, "column mesh: the column at ground vertex " +
+                                             std::to_string(v) + " could not be made monotone");
+    report.min_gap = std::min(report.min_gap, z[k + 1] - z[k]);
+  }
+  return report;
+}
+
+MonotoneReport combined(const MonotoneReport& a, const MonotoneReport& b) {
+  return {a.moved + b.moved, std::min(a.min_gap, b.min_gap)};
+}
+
+}  // namespace
+
+MonotoneReport make_monotone(LayeredMesh& mesh, const MonotoneOptions& options) {
+  const MonotoneReport none{0, kInfinity};
+  return parallel_reduce_ordered(
+      mesh.vertex_count(), 512, none,
+      [&](std::size_t begin, std::size_t end) {
+        MonotoneReport chunk = none;
+        for (std::size_t v = begin; v < end; ++v)
+          chunk = combined(chunk, guard_column(mesh, v, options));
+        return chunk;
+      },
+      combined);
+}
+
+}  // namespace tetropolis

@@ -1,0 +1,159 @@
+#include "smooth.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "tetropolis/core/parallel.h"
+
+#include "core/infinity.h"
+
+namespace tetropolis {
+
+namespace {
+
+constexpr std::size_t kColumnsPerChunk = 512;
+
+MonotoneReport guard(LayeredMesh& mesh, const SmoothOptions& options, double layer_height) {
+  return make_monotone(mesh, {options.gap_share, options.laplace.fixed_top, layer_height});
+}
+
+/// Adds the displacement to every node that has cells.
+void displace(LayeredMesh& mesh, const std::vector<float>& u) {
+  parallel_chunks(mesh.vertex_count(), kColumnsPerChunk, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t v = begin; v < end; ++v)
+      for (std::int32_t k = mesh.first_node[v]; k <= mesh.layers; ++k)
+        mesh.column(v)[k] +=
+            static_cast<double>(u[v * mesh.stride() + static_cast<std::size_t>(k)]);
+  });
+}
+
+/// Position of elevation `z` in a column, in layers above its ground.
+double position_in_layers(const double* column, std::int32_t layers, double z) {
+  std::int32_t k = 0;
+  while (k + 1 < layers && column[k + 1] < z) ++k;
+  return k + (z - column[k]) / (column[k + 1] - column[k]);
+}
+
+/// The whole number p is nearest to in ratio.
+std::int32_t nearest_in_ratio(double p) {
+  const double below = std::floor(p);
+  return static_cast<std::int32_t>(p * p > below * (below + 1) ? below + 1 : below);
+}
+
+/// Over all columns, each from its lowest node up.
+double mean_layer_height(const LayeredMesh& mesh) {
+  double height = 0, layers = 0;
+  for (std::size_t v = 0; v < mesh.vertex_count(); ++v) {
+    height += mesh.column(v)[mesh.layers] - mesh.column(v)[mesh.first_node[v]];
+    layers += mesh.layers - mesh.first_node[v];
+  }
+  return height / layers;
+}
+
+}  // namespace
+
+LayerPlan plan_layers(std::span<const double> ground, std::span<const double> roofs,
+                      double highest_ground, double domain_height, double layer_height) {
+  LayerPlan plan;
+  double sum = 0;
+  for (const double z : ground) sum += z;
+  plan.bottom = sum / static_cast<double>(ground.size());
+  plan.highest_ground = highest_ground;
+  plan.top = highest_ground + domain_height;
+  for (const double roof : roofs) {
+    if (roof + 2 * layer_height <= plan.top) continue;
+    plan.top = roof + 2 * layer_height;
+    plan.raised = true;
+  }
+  // Clamped so that absurd layer heights stay absurd numbers instead of overflowing.
+  plan.layers = static_cast<std::int32_t>(
+      std::clamp(std::round((plan.top - plan.bottom) / layer_height), 2.0, 1e9));
+  return plan;
+}
+
+SmoothReport smooth_to_ground(LayeredMesh& mesh, std::span<const double> ground,
+                              const SmoothOptions& options, const Progress& progress) {
+  const double layer_height = mean_layer_height(mesh);
+  const std::size_t n = mesh.stride();
+  // First guess: the ground's displacement, fading linearly towards the top.
+  std::vector<float> u(mesh.z.size());
+  parallel_chunks(mesh.vertex_count(), kColumnsPerChunk, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t v = begin; v < end; ++v) {
+      const double shift = ground[v] - mesh.column(v)[0];
+      for (std::size_t k = 0; k < n; ++k)
+        u[v * n + k] = static_cast<float>(
+            options.laplace.fixed_top ? shift * (1 - static_cast<double>(k) / mesh.layers) : shift);
+    }
+  });
+  SmoothReport report;
+  report.solver = solve_laplace(mesh, u, options.laplace, progress);
+  displace(mesh, u);
+  for (std::size_t v = 0; v < mesh.vertex_count(); ++v) mesh.column(v)[0] = ground[v];
+  report.guard = guard(mesh, options, layer_height);
+  return report;
+}
+
+void trim(LayeredMesh& mesh, std::span<const BuildingIndex> building,
+          std::span<const double> roofs) {
+  std::vector<double> least(roofs.size(), kInfinity);
+  std::vector<double> most(roofs.size(), 0.0);
+  for (std::size_t v = 0; v < mesh.vertex_count(); ++v) {
+    if (building[v] == kNoBuilding) continue;
+    const auto b = static_cast<std::size_t>(building[v]);
+    const double p = position_in_layers(mesh.column(v), mesh.layers, roofs[b]);
+    least[b] = std::min(least[b], p);
+    most[b] = std::max(most[b], p);
+  }
+  std::vector<std::int32_t> roof_layer(roofs.size(), kNoRoof);
+  for (std::size_t b = 0; b < roofs.size(); ++b)
+    if (least[b] < kInfinity)
+      roof_layer[b] =
+          std::clamp(nearest_in_ratio(std::sqrt(least[b] * most[b])), 1, mesh.layers - 1);
+
+  std::fill(mesh.first_node.begin(), mesh.first_node.end(), mesh.layers);
+  for (std::size_t t = 0; t < mesh.triangle_count(); ++t) {
+    const BuildingIndex b = mesh.ground.region[t];
+    mesh.first_layer[t] = b == kNoBuilding ? 0 : roof_layer[static_cast<std::size_t>(b)];
+    for (const VertexIndex v : mesh.ground.triangles[t]) {
+      auto& first = mesh.first_node[static_cast<std::size_t>(v)];
+      first = std::min(first, mesh.first_layer[t]);
+    }
+  }
+  for (std::size_t v = 0; v < mesh.vertex_count(); ++v)
+    mesh.roof_layer[v] =
+        building[v] == kNoBuilding ? kNoRoof : roof_layer[static_cast<std::size_t>(building[v])];
+}
+
+SmoothReport smooth_to_roofs(LayeredMesh& mesh, std::span<const BuildingIndex> building,
+                             std::span<const double> roofs, const SmoothOptions& options,
+                             const Progress& progress) {
+  const double layer_height = mean_layer_height(mesh);
+  const std::size_t n = mesh.stride();
+  // First guess: the roof's displacement, fading linearly towards the top and down the wall.
+  std::vector<float> u(mesh.z.size(), 0.0F);
+  const auto guess_column = [&](std::size_t v) {
+    if (building[v] == kNoBuilding) return;
+    const std::int32_t roof = mesh.roof_layer[v];
+    const double shift = roofs[static_cast<std::size_t>(building[v])] - mesh.column(v)[roof];
+    for (std::int32_t k = mesh.first_node[v] == roof ? roof : 0; k <= mesh.layers; ++k) {
+      const double share = k <= roof ? static_cast<double>(k) / roof
+                           : options.laplace.fixed_top
+                               ? static_cast<double>(mesh.layers - k) / (mesh.layers - roof)
+                               : 1.0;
+      u[v * n + static_cast<std::size_t>(k)] = static_cast<float>(shift * share);
+    }
+  };
+  parallel_chunks(mesh.vertex_count(), kColumnsPerChunk, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t v = begin; v < end; ++v) guess_column(v);
+  });
+  SmoothReport report;
+  report.solver = solve_laplace(mesh, u, options.laplace, progress);
+  displace(mesh, u);
+  for (std::size_t v = 0; v < mesh.vertex_count(); ++v)
+    if (building[v] != kNoBuilding)
+      mesh.column(v)[mesh.roof_layer[v]] = roofs[static_cast<std::size_t>(building[v])];
+  report.guard = guard(mesh, options, layer_height);
+  return report;
+}
+
+}  // namespace tetropolis

@@ -1,0 +1,58 @@
+// Steps 3.2 to 3.5: layering, smoothing to the ground, trimming, smoothing to the roofs.
+#pragma once
+
+#include <cstdint>
+#include <span>
+
+#include "tetropolis/core/progress.h"
+
+#include "laplace.h"
+#include "layered_mesh.h"
+#include "monotone.h"
+
+namespace tetropolis {
+
+struct LayerPlan {
+  std::int32_t layers = 0;
+  double bottom = 0;  ///< Mean ground elevation: where the untransformed ground layer lies.
+  double top = 0;     ///< Elevation of the flat top.
+  double highest_ground = 0;
+  bool raised = false;  ///< The top had to be raised to clear a roof.
+};
+
+/// The top is `domain_height` above `highest_ground`, or two layers above the highest roof where
+/// that is higher; the layers are as many as make their mean height closest to `layer_height`, at
+/// least two. Metres; domain_height, layer_height > 0; `ground` not empty.
+LayerPlan plan_layers(std::span<const double> ground, std::span<const double> roofs,
+                      double highest_ground, double domain_height, double layer_height);
+
+struct SmoothOptions {
+  LaplaceOptions laplace;
+  double gap_share = 0.25;  ///< See MonotoneOptions.
+};
+
+struct SmoothReport {
+  SolverReport solver;
+  MonotoneReport guard;
+};
+
+/// Step 3.3. Moves the evenly layered, untrimmed `mesh` so that layer 0 is at `ground` (per vertex)
+/// and the displacement in between is harmonic; afterwards every column is monotone.
+SmoothReport smooth_to_ground(LayeredMesh& mesh, std::span<const double> ground,
+                              const SmoothOptions& options, const Progress& progress = {});
+
+/// Step 3.4. Gives every building the layer its roof is cut at, and with it first_layer, first_node
+/// and roof_layer. The layer is the one nearest to the roof, in the sense that the least and the
+/// greatest wall height both come closest to whole layers (in ratio); at least 1, at most K - 1.
+/// `building` as from vertex_buildings; `roofs`: elevation per building.
+/// Precondition: roofs are above the ground layer at all their vertices.
+void trim(LayeredMesh& mesh, std::span<const BuildingIndex> building,
+          std::span<const double> roofs);
+
+/// Step 3.5. Moves the trimmed mesh so that every roof is at its exact elevation, ground and top
+/// stay where they are, and the displacement is harmonic; afterwards every column is monotone.
+SmoothReport smooth_to_roofs(LayeredMesh& mesh, std::span<const BuildingIndex> building,
+                             std::span<const double> roofs, const SmoothOptions& options,
+                             const Progress& progress = {});
+
+}  // namespace tetropolis

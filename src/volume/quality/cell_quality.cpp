@@ -1,0 +1,132 @@
+#include "tetropolis/volume/quality/cell_quality.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <tuple>
+
+#include "tetropolis/core/parallel.h"
+#include "tetropolis/core/units.h"
+
+#include "core/infinity.h"
+#include "shapes_over.h"
+#include "tet_cosines.h"
+
+namespace tetropolis {
+
+namespace {
+
+constexpr std::size_t kTrianglesPerChunk = 4096;
+
+constexpr double kFlattest = 180 - kQualityFloor.greatest;
+
+double share_of_floor(double least_deg, double greatest_deg) {
+  return std::min(least_deg / kLeastOfMost, (180 - greatest_deg) / kFlattest);
+}
+
+/// The bounds that cells of this share of the floor keep to.
+AngleBounds angles_at(double share) { return {share * kLeastOfMost, 180 - share * kFlattest}; }
+
+/// Keeps the `count` worst, worst first; ties by place, so that the order of adding is irrelevant.
+void keep_worst(std::vector<WorstCell>& cells, std::size_t count) {
+  std::sort(cells.begin(), cells.end(), [](const WorstCell& a, const WorstCell& b) {
+    return std::tie(a.share_of_floor, a.triangle, a.centre) <
+           std::tie(b.share_of_floor, b.triangle, b.centre);
+  });
+  if (cells.size() > count) cells.resize(count);
+}
+
+/// Ground that rises above a roof by more than this times the triangle's altitude leaves the cells
+/// between them no good shape: the roof's edge has one cell on that side, however columns are cut.
+constexpr double kBuried = 2;
+
+double altitude(const Point3& a, const Point3& b, const Point3& c) {
+  const Point3 e0 = minus(b, a), e1 = minus(c, a), e2 = minus(c, b);
+  const double longest =
+      std::sqrt(std::max({e0[0] * e0[0] + e0[1] * e0[1], e1[0] * e1[0] + e1[1] * e1[1],
+                          e2[0] * e2[0] + e2[1] * e2[1]}));
+  return std::abs(e0[0] * e1[1] - e0[1] * e1[0]) / longest;
+}
+
+/// What makes a bad cell over triangle t, from its nodes: p[3] is above one of the others.
+std::string_view cause_of(const ColumnMesh& mesh, std::size_t t,
+                          const std::array<NodeIndex, 4>& nodes, const std::array<Point3, 4>& p) {
+  const auto& v = mesh.ground.triangles[t];
+  const double least = altitude(p[0], p[1], p[2]);
+  double low = kInfinity, high = -low, roof = low;
+  bool at_floor = true, at_building = false;
+  for (std::size_t i = 0; i < 3; ++i) {
+    const NodeIndex floor = mesh.floor(t, v[i]);
+    low = std::min(low, mesh.z[static_cast<std::size_t>(floor)]);
+    high = std::max(high, mesh.z[static_cast<std::size_t>(floor)]);
+    at_floor = at_floor && nodes[i] <= floor + 1;
+    const auto corner = static_cast<std::size_t>(v[i]);
+    if (mesh.roof[corner] == kNoRoof) continue;
+    at_building = true;
+    roof = std::min(roof, mesh.z[static_cast<std::size_t>(mesh.first[corner] + mesh.roof[corner])]);
+  }
+  const auto below =
+      static_cast<std::size_t>(std::find(nodes.begin(), nodes.end(), nodes[3] - 1) - nodes.begin());
+  const double edge = p[3][2] - p[below][2];
+  const double bottom = std::min({p[0][2], p[1][2], p[2][2]});
+  if (at_building && bottom < high && high - roof > kBuried * least) return "buried roof";
+  if (at_floor && high - low > least) return "steep ground";
+  if (at_floor && at_building && edge < least) return "low wall";
+  if (edge > 2 * least) return "small detail";
+  return "change of size";
+}
+
+}  // namespace
+
+CellQuality measure_cells(const ColumnMesh& mesh, std::size_t worst) {
+  const std::size_t grain = grain_of_chunks(mesh.triangle_count());
+  std::vector<CellQuality> partial((mesh.triangle_count() + grain - 1) / grain);
+  parallel_chunks(mesh.triangle_count(), grain, [&](std::size_t begin, std::size_t end) {
+    CellQuality& quality = partial[begin / grain];
+    // Cells whose cosines stay within these are not among the worst.
+    double greatest_cosine = -2, least_cosine = 2;
+    for (std::size_t t = begin; t < end; ++t) {
+      for_each_shape_over(
+          mesh, t,
+          [&](const std::array<NodeIndex, 4>& nodes, const std::array<Point3, 4>& p,
+              const TetCosines& shape) {
+            quality.histogram.add(shape.volume, shape.greatest, shape.least, shape.aspect_ratio);
+            if (worst == 0 || (shape.greatest < greatest_cosine && shape.least > least_cosine))
+              return;
+            const double least = angle_deg(shape.greatest), greatest = angle_deg(shape.least);
+            quality.worst.push_back({share_of_floor(least, greatest), least, greatest, centre_of(p),
+                                     static_cast<TriangleIndex>(t), cause_of(mesh, t, nodes, p)});
+            if (quality.worst.size() < 2 * worst) return;
+            keep_worst(quality.worst, worst);
+            const AngleBounds limits = angles_at(quality.worst.back().share_of_floor);
+            greatest_cosine = std::cos(to_radians(limits.least)) - 1e-12;
+            least_cosine = std::cos(to_radians(limits.greatest)) + 1e-12;
+          });
+    }
+  });
+  CellQuality result;
+  for (CellQuality& part : partial) {
+    result.histogram.merge(part.histogram);
+    result.worst.insert(result.worst.end(), part.worst.begin(), part.worst.end());
+  }
+  keep_worst(result.worst, worst);
+  return result;
+}
+
+std::int64_t count_bad_cells(const ColumnMesh& mesh, const AngleBounds& bounds) {
+  const double greatest_cosine = std::cos(to_radians(bounds.least));
+  const double least_cosine = std::cos(to_radians(bounds.greatest));
+  return parallel_reduce_ordered(
+      mesh.triangle_count(), kTrianglesPerChunk, std::int64_t{0},
+      [&](std::size_t begin, std::size_t end) {
+        std::int64_t bad = 0;
+        for (std::size_t t = begin; t < end; ++t)
+          for_each_shape_over(mesh, t, [&](const auto&, const auto&, const TetCosines& shape) {
+            bad += shape.greatest > greatest_cosine || shape.least < least_cosine ? 1 : 0;
+          });
+        return bad;
+      },
+      [](std::int64_t a, std::int64_t b) { return a + b; });
+}
+
+}  // namespace tetropolis

@@ -1,0 +1,197 @@
+#include <map>
+#include <set>
+#include <sstream>
+
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include "tetropolis/io/mesh/gltf.h"
+#include "tetropolis/io/mesh/obj.h"
+#include "tetropolis/io/mesh/ply.h"
+
+#include "mesh_bytes.h"
+#include "support/test_data.h"
+
+namespace tetropolis {
+namespace {
+
+using testing::Cursor;
+using testing::Point3;
+
+class SurfaceFormats : public ::testing::Test {
+ protected:
+  SurfaceFormats() {
+    const std::array land{Patch::kGround, Patch::kRoof, Patch::kWall};
+    surface = select_patches(city.boundary, land);
+  }
+  testing::TemporaryFolder folder;
+  const testing::FormatsCity& city = testing::formats_city();
+  SurfaceMesh surface;
+};
+
+TEST_F(SurfaceFormats, PlyComesBackAsItWas) {
+  write_ply(folder / "surface.ply", surface, city.placement);
+  Cursor file(folder / "surface.ply");
+  file.expect("ply\nformat binary_little_endian 1.0\ncomment origin 319000 6396000 0\n");
+  file.expect("element vertex " + std::to_string(surface.points.size()) + "\n");
+  file.expect("property double x\nproperty double y\nproperty double z\n");
+  file.expect("element face " + std::to_string(surface.triangles.size()) + "\n");
+  file.expect(
+      "property list uchar int vertex_indices\nproperty int patch\nproperty int building\n");
+  file.expect("end_header\n");
+  for (const Point3& point : surface.points) {
+    const auto p = file.take<Point3>();
+    ASSERT_EQ(p, (Point3{point[0] + 1000, point[1] + 2000, point[2]}));
+  }
+  for (std::size_t f = 0; f < surface.triangles.size(); ++f) {
+    ASSERT_EQ(file.take<std::uint8_t>(), 3);
+    ASSERT_EQ((file.take<std::array<std::int32_t, 3>>()), surface.triangles[f]);
+    ASSERT_EQ(file.take<std::int32_t>(), static_cast<std::int32_t>(surface.patch[f]));
+    ASSERT_EQ(file.take<std::int32_t>(), surface.building[f]);
+  }
+  EXPECT_EQ(file.left(), 0U);
+}
+
+/// Triangles by patch and building, sorted.
+using Groups = std::map<std::pair<std::string, int>, std::vector<std::array<int, 3>>>;
+
+TEST_F(SurfaceFormats, ObjGroupsFacesByPatchAndBuilding) {
+  write_obj(folder / "surface.obj", surface, city.placement);
+  std::istringstream file(testing::bytes_of(folder / "surface.obj"));
+  std::string line;
+  std::getline(file, line);
+  EXPECT_EQ(line, "# origin 319000 6396000 0");
+  std::size_t points = 0;
+  Groups groups;
+  std::pair<std::string, int> group;
+  while (std::getline(file, line)) {
+    std::istringstream words(line);
+    std::string kind;
+    words >> kind;
+    if (kind == "v") {
+      for (std::size_t c = 0; c < 3; ++c) {
+        double x = 0;
+        words >> x;
+        ASSERT_NEAR(x, surface.points[points][c] + city.placement.shift[c], 0.51e-6);
+      }
+      ++points;
+    } else if (kind == "g") {
+      std::string building;
+      group.second = kNoBuilding;
+      words >> group.first;
+      if (words >> building) {
+        ASSERT_EQ(building.rfind("building_", 0), 0U);
+        group.second = std::stoi(building.substr(9));
+      }
+      ASSERT_FALSE(groups.contains(group)) << "a group is in one piece: " << line;
+    } else {
+      ASSERT_EQ(kind, "f");
+      std::array<int, 3> face{};
+      words >> face[0] >> face[1] >> face[2];
+      groups[group].push_back(face);
+    }
+  }
+  EXPECT_EQ(points, surface.points.size());
+  Groups expected;
+  for (std::size_t f = 0; f < surface.triangles.size(); ++f) {
+    const auto& t = surface.triangles[f];
+    expected[{std::string(patch_name(surface.patch[f])), surface.building[f]}].push_back(
+        {t[0] + 1, t[1] + 1, t[2] + 1});
+  }
+  EXPECT_EQ(groups, expected);
+  EXPECT_EQ(groups.size(), 11U);  // the ground, and roof and walls of five buildings
+}
+
+struct Glb {
+  nlohmann::json json;
+  std::string data;
+};
+
+Glb read_glb(const std::filesystem::path& path) {
+  Cursor file(path);
+  const std::size_t size = file.left();
+  file.expect("glTF");
+  EXPECT_EQ(file.take<std::uint32_t>(), 2U);
+  EXPECT_EQ(file.take<std::uint32_t>(), size);
+  Glb glb;
+  const auto json_size = file.take<std::uint32_t>();
+  EXPECT_EQ(json_size % 4, 0U);
+  file.expect("JSON");
+  glb.json = nlohmann::json::parse(file.text(json_size));
+  if (file.left() == 0) return glb;
+  const auto data_size = file.take<std::uint32_t>();
+  EXPECT_EQ(data_size % 4, 0U);
+  file.expect(std::string("BIN\0", 4));
+  glb.data = file.text(data_size);
+  EXPECT_EQ(file.left(), 0U);
+  return glb;
+}
+
+/// The numbers of an accessor, after checking that it lies in the buffer.
+template <typename Number>
+std::vector<Number> accessor_values(const Glb& glb, std::size_t index, std::size_t components) {
+  const auto& accessor = glb.json["accessors"].at(index);
+  const auto& view = glb.json["bufferViews"].at(accessor["bufferView"].get<std::size_t>());
+  const std::size_t count = accessor["count"].get<std::size_t>() * components;
+  EXPECT_EQ(view["byteLength"].get<std::size_t>(), count * sizeof(Number));
+  EXPECT_EQ(view["byteOffset"].get<std::size_t>() % 4, 0U);
+  Cursor data(glb.data);
+  data.text(view["byteOffset"].get<std::size_t>());
+  return data.take<Number>(count);
+}
+
+TEST_F(SurfaceFormats, GlbShowsEachPatchWithItsFrontToTheAir) {
+  write_glb(folder / "surface.glb", surface, city.placement);
+  const Glb glb = read_glb(folder / "surface.glb");
+  EXPECT_EQ(glb.json["asset"]["version"], "2.0");
+  EXPECT_EQ(glb.json["asset"]["extras"]["origin"], (std::vector<double>{320000, 6398000, 0}));
+  EXPECT_EQ(glb.json["buffers"].size(), 1U);
+  EXPECT_EQ(glb.json["buffers"][0]["byteLength"].get<std::size_t>(), glb.data.size());
+  EXPECT_EQ(glb.json["scenes"][0]["nodes"], (std::vector<int>{0, 1, 2}));
+  std::set<std::vector<double>> colours;
+  std::size_t face = 0;
+  for (std::size_t n = 0; n < 3; ++n) {
+    const auto& node = glb.json["nodes"][n];
+    EXPECT_EQ(node["name"], patch_name(static_cast<Patch>(n + 1)));
+    const auto& primitives = glb.json["meshes"][node["mesh"].get<std::size_t>()]["primitives"];
+    ASSERT_EQ(primitives.size(), 1U);
+    const auto at = primitives[0]["attributes"]["POSITION"].get<std::size_t>();
+    const auto points = accessor_values<float>(glb, at, 3);
+    const auto corners =
+        accessor_values<std::uint32_t>(glb, primitives[0]["indices"].get<std::size_t>(), 1);
+    const auto& material = glb.json["materials"][primitives[0]["material"].get<std::size_t>()];
+    colours.insert(material["pbrMetallicRoughness"]["baseColorFactor"].get<std::vector<double>>());
+    for (std::size_t c = 0; c < 3; ++c) {
+      float low = points[c], high = points[c];
+      for (std::size_t i = c; i < points.size(); i += 3) {
+        low = std::min(low, points[i]);
+        high = std::max(high, points[i]);
+      }
+      EXPECT_EQ(glb.json["accessors"][at]["min"][c].get<double>(), static_cast<double>(low));
+      EXPECT_EQ(glb.json["accessors"][at]["max"][c].get<double>(), static_cast<double>(high));
+    }
+    for (std::size_t i = 0; i < corners.size(); i += 3, ++face) {
+      ASSERT_EQ(surface.patch[face], static_cast<Patch>(n + 1));
+      for (std::size_t j = 0; j < 3; ++j) {
+        const std::size_t corner = corners[i + (3 - j) % 3];  // turned round
+        const Point3& p = surface.points[static_cast<std::size_t>(surface.triangles[face][j])];
+        ASSERT_EQ(points.at(3 * corner), static_cast<float>(p[0]));
+        ASSERT_EQ(points.at(3 * corner + 1), static_cast<float>(p[2]));
+        ASSERT_EQ(points.at(3 * corner + 2), static_cast<float>(-p[1]));
+      }
+    }
+  }
+  EXPECT_EQ(face, surface.triangles.size());
+  EXPECT_EQ(colours.size(), 3U);
+}
+
+TEST_F(SurfaceFormats, GlbOfNothingIsStillAScene) {
+  write_glb(folder / "surface.glb", {}, {});
+  const Glb glb = read_glb(folder / "surface.glb");
+  EXPECT_EQ(glb.json["scenes"].size(), 1U);
+  EXPECT_FALSE(glb.json.contains("buffers"));
+  EXPECT_TRUE(glb.data.empty());
+}
+
+}  // namespace
+}  // namespace tetropolis

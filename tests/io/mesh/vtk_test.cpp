@@ -1,0 +1,342 @@
+#include "tetropolis/io/mesh/vtk.h"
+
+#include <cmath>
+#include <cstdio>
+#include <cstring>
+#include <fstream>
+#include <map>
+#include <random>
+#include <sstream>
+
+#include <gtest/gtest.h>
+#include <zlib.h>
+
+#include "tetropolis/core/error.h"
+#include "tetropolis/core/parallel.h"
+#include "tetropolis/io/mesh/stl.h"
+
+#include "io/limited_memory.h"
+#include "io/mesh/mesh_input.h"
+#include "support/bytes.h"
+#include "support/explicit_mesh.h"
+#include "support/sanitized.h"
+#include "support/small_city.h"
+#include "support/test_data.h"
+
+namespace tetropolis {
+namespace {
+
+using testing::bytes_of;
+using testing::write_bytes;
+
+/// The message of the Error that `call` throws.
+template <typename Call>
+std::string error_of(const Call& call) {
+  try {
+    call();
+  } catch (const Error& error) {
+    EXPECT_EQ(error.kind(), ErrorKind::kInput);
+    return error.what();
+  }
+  return "no error";
+}
+
+class Vtk : public ::testing::Test {
+ protected:
+  testing::TemporaryFolder folder;
+  testing::MeshedCity city = testing::meshed(testing::small_city(testing::hills));
+};
+
+TEST_F(Vtk, VolumeComesBackAsItWas) {
+  const Placement placement{{1000, 2000, 0}, {0, 0, 0}};
+  write_vtu(folder / "volume.vtu", city.mesh, placement);
+  const TetMesh mesh = read_vtu(folder / "volume.vtu");
+  const auto expected = testing::explicit_mesh(city.mesh, {1000, 2000, 0});
+  EXPECT_EQ(mesh.points, expected.points);
+  EXPECT_EQ(mesh.cells, expected.cells);
+  EXPECT_EQ(mesh.region, expected.region);
+}
+
+TEST_F(Vtk, SurfaceComesBackAsItWas) {
+  const SurfaceMesh surface = extract_boundary(city.mesh, city.city.domain);
+  write_vtp(folder / "boundary.vtp", surface, {});
+  const SurfaceMesh read = read_vtp(folder / "boundary.vtp");
+  EXPECT_EQ(read.points, surface.points);
+  EXPECT_EQ(read.triangles, surface.triangles);
+  EXPECT_EQ(read.patch, surface.patch);
+  EXPECT_EQ(read.building, surface.building);
+}
+
+TEST_F(Vtk, CompressedFilesComeBackAsTheyWereAndDoNotDependOnThreads) {
+  const Placement placement{{1000, 2000, 0}, {0, 0, 0}};
+  const SurfaceMesh surface = extract_boundary(city.mesh, city.city.domain);
+  std::string volume, boundary;
+  for (const int threads : {1, 2}) {
+    const ThreadLimit limit(threads);
+    write_vtu(folder / "z.vtu", city.mesh, placement, {}, Compression::kZlib);
+    write_vtp(folder / "z.vtp", surface, placement, Compression::kZlib);
+    if (threads == 1) {
+      volume = bytes_of(folder / "z.vtu");
+      boundary = bytes_of(folder / "z.vtp");
+    }
+  }
+  EXPECT_TRUE(bytes_of(folder / "z.vtu") == volume);
+  EXPECT_TRUE(bytes_of(folder / "z.vtp") == boundary);
+  EXPECT_NE(volume.find("compressor=\"vtkZLibDataCompressor\""), std::string::npos);
+  write_vtu(folder / "plain.vtu", city.mesh, placement);
+  EXPECT_LT(2 * volume.size(), std::filesystem::file_size(folder / "plain.vtu"));
+  const TetMesh mesh = read_vtu(folder / "z.vtu");
+  const auto expected = testing::explicit_mesh(city.mesh, placement.shift);
+  EXPECT_EQ(mesh.points, expected.points);
+  EXPECT_EQ(mesh.cells, expected.cells);
+  EXPECT_EQ(mesh.region, expected.region);
+  const SurfaceMesh read = read_vtp(folder / "z.vtp");
+  EXPECT_EQ(read.triangles, surface.triangles);
+  EXPECT_EQ(read.patch, surface.patch);
+  EXPECT_EQ(read.building, surface.building);
+}
+
+/// The first array of a file written here with compression: where its header begins.
+std::size_t first_array(const std::string& bytes) {
+  return bytes.find('_', bytes.find("<AppendedData")) + 1;
+}
+
+TEST_F(Vtk, BlocksOfCompressedArraysUnpackToTheirBytes) {
+  // Several blocks and a shorter last one, by the format's description and zlib alone.
+  const SurfaceMesh surface =
+      extract_boundary(testing::meshed(city.city, 1.5).mesh, city.city.domain);
+  write_vtp(folder / "z.vtp", surface, {}, Compression::kZlib);
+  const std::string bytes = bytes_of(folder / "z.vtp");
+  std::size_t at = first_array(bytes);
+  const auto word = [&] {
+    std::uint64_t value = 0;
+    std::memcpy(&value, bytes.data() + at, sizeof value);
+    at += sizeof value;
+    return value;
+  };
+  const std::uint64_t blocks = word(), size = word(), last = word();
+  ASSERT_GE(blocks, 2U);
+  ASSERT_GT(last, 0U);
+  ASSERT_EQ((blocks - 1) * size + last, surface.points.size() * 24);
+  std::vector<std::uint64_t> stored;
+  for (std::uint64_t b = 0; b < blocks; ++b) stored.push_back(word());
+  std::vector<char> unpacked;
+  for (std::uint64_t b = 0; b < blocks; ++b) {
+    std::vector<char> block(size);
+    uLongf length = size;
+    ASSERT_EQ(uncompress(reinterpret_cast<Bytef*>(block.data()), &length,
+                         reinterpret_cast<const Bytef*>(bytes.data()) + at, stored[b]),
+              Z_OK);
+    ASSERT_EQ(length, b + 1 == blocks ? last : size);
+    unpacked.insert(unpacked.end(), block.begin(), block.begin() + static_cast<long>(length));
+    at += stored[b];
+  }
+  EXPECT_EQ(std::memcmp(unpacked.data(), surface.points.data(), unpacked.size()), 0);
+  // The offset in the second tag leads to the array behind it.
+  const std::size_t tag = bytes.find("Name=\"connectivity\"");
+  const auto offset = std::stoull(bytes.substr(bytes.find("offset=\"", tag) + 8));
+  EXPECT_EQ(first_array(bytes) + offset, at);
+}
+
+TEST_F(Vtk, BrokenCompressedFilesAreRefused) {
+  write_vtu(folder / "z.vtu", city.mesh, {}, {}, Compression::kZlib);
+  const std::string good = bytes_of(folder / "z.vtu");
+  const auto message = [&](const std::string& bytes) {
+    write_bytes(folder / "bad.vtu", bytes);
+    return error_of([&] { read_vtu(folder / "bad.vtu"); });
+  };
+  for (std::size_t cut = 100; cut < good.size(); cut += good.size() / 23)
+    EXPECT_NE(message(good.substr(0, cut)).find("bad.vtu"), std::string::npos) << cut;
+  std::string lying = good;
+  const std::uint64_t much = std::uint64_t{1} << 60;
+  for (const std::size_t word : {0, 2, 3}) {  // number, size of the last, stored size of the first
+    lying = good;
+    std::memcpy(lying.data() + first_array(good) + 8 * word, &much, sizeof much);
+    EXPECT_NE(message(lying).find("array Points"), std::string::npos) << word << message(lying);
+  }
+  std::string damaged = good;
+  for (std::size_t i = 0; i < 50; ++i) damaged[first_array(good) + 1000 + i] ^= 0x55;
+  EXPECT_NE(message(damaged).find("cannot be decompressed: the file"), std::string::npos);
+  std::string other = good;
+  other.replace(other.find("vtkZLib"), 7, "vtkLZMA");
+  EXPECT_NE(message(other).find("vtkLZMADataCompressor"), std::string::npos);
+}
+
+TEST_F(Vtk, HeaderIsTheFormatsXmlAndOffsetsFitTheData) {
+  write_vtu(folder / "volume.vtu", city.mesh, {{0, 0, 0}, {319000, 6396000, 0}});
+  const std::string bytes = bytes_of(folder / "volume.vtu");
+  EXPECT_NE(bytes.find("NumberOfTuples=\"1\" format=\"ascii\">319000 6396000 0</DataArray>"),
+            std::string::npos);
+  EXPECT_EQ(bytes.substr(bytes.size() - 28), "\n</AppendedData>\n</VTKFile>\n");
+  // Following each array's byte count leads to the next offset and finally to the closing tag.
+  const std::size_t data = bytes.find('_', bytes.find("<AppendedData")) + 1;
+  std::size_t at = bytes.find(" offset=\"");
+  std::uint64_t expected = 0;
+  int arrays = 0;
+  for (; at != std::string::npos && at < data; at = bytes.find(" offset=\"", at + 1), ++arrays) {
+    EXPECT_EQ(std::stoull(bytes.substr(at + 9)), expected);
+    std::uint64_t size = 0;
+    std::memcpy(&size, bytes.data() + data + expected, sizeof size);
+    expected += sizeof size + size;
+  }
+  EXPECT_EQ(arrays, 5);
+  EXPECT_EQ(data + expected + 28, bytes.size());
+}
+
+TEST_F(Vtk, BrokenFilesAreRefusedWithTheirName) {
+  write_vtu(folder / "volume.vtu", city.mesh, {});
+  const std::string good = bytes_of(folder / "volume.vtu");
+  const auto message = [&](const std::string& bytes) {
+    write_bytes(folder / "bad.vtu", bytes);
+    return error_of([&] { read_vtu(folder / "bad.vtu"); });
+  };
+  EXPECT_NE(message("").find("bad.vtu: is not a VTK XML file"), std::string::npos);
+  EXPECT_NE(message("solid x").find("is not a VTK XML file"), std::string::npos);
+  for (std::size_t cut = 100; cut < good.size(); cut += good.size() / 23) {
+    const std::string text = message(good.substr(0, cut));
+    EXPECT_NE(text.find("bad.vtu"), std::string::npos) << cut << ": " << text;
+  }
+  std::string lying = good;
+  const std::size_t count = lying.find("NumberOfCells=\"") + 15;
+  lying.replace(count, lying.find('"', count) - count, "999999999999");
+  EXPECT_NE(message(lying).find("the file is cut"), std::string::npos);
+  std::string outside = good;
+  const std::size_t data = outside.find('_', outside.find("<AppendedData")) + 1;
+  const std::size_t tag = outside.find("Name=\"connectivity\"");
+  const auto offset = std::stoull(outside.substr(outside.find("offset=\"", tag) + 8));
+  const std::int32_t wrong = 0x7fffffff;
+  std::memcpy(outside.data() + data + offset + 8, &wrong, sizeof wrong);
+  EXPECT_NE(message(outside).find("cell 0 has the vertex 2147483647"), std::string::npos);
+  EXPECT_NE(error_of([&] { read_vtu(folder / "missing.vtu"); }).find("missing.vtu"),
+            std::string::npos);
+}
+
+TEST_F(Vtk, FilesOfSeveralPiecesAreRefused) {
+  write_vtu(folder / "volume.vtu", city.mesh, {});
+  std::string bytes = bytes_of(folder / "volume.vtu");
+  bytes.insert(bytes.find("</Piece>") + 8,
+               "<Piece NumberOfPoints=\"0\" NumberOfCells=\"0\"></Piece>");
+  write_bytes(folder / "two.vtu", bytes);
+  EXPECT_NE(error_of([&] { read_vtu(folder / "two.vtu"); }).find("two.vtu: has several pieces"),
+            std::string::npos);
+}
+
+TEST(VtkMemory, SurfacesLargerThanTheMemoryAreRefused) {
+  if (TETROPOLIS_SANITIZED) GTEST_SKIP() << "the sanitizers need more address space than any limit";
+  ::testing::GTEST_FLAG(death_test_style) = "threadsafe";
+  const testing::TemporaryFolder scratch;
+  const auto path = scratch / "large.vtp";
+  constexpr std::uint64_t kPoints = 200'000'000;
+  const std::uint64_t bytes = kPoints * 24;
+  std::string head =
+      R"(<VTKFile type="PolyData" byte_order="LittleEndian" header_type="UInt64"><PolyData>)"
+      R"(<Piece NumberOfPoints="200000000" NumberOfPolys="0"><Points>)"
+      R"(<DataArray type="Float64" Name="Points" format="appended" offset="0"/></Points></Piece>)"
+      R"(</PolyData><AppendedData encoding="raw">_)";
+  head.append(reinterpret_cast<const char*>(&bytes), sizeof bytes);
+  write_bytes(path, head);
+  std::filesystem::resize_file(path, head.size() + bytes);  // a hole, which takes no room
+  EXPECT_EXIT(testing::read_in_four_gigabytes([&] { read_vtp(path); }),
+              ::testing::ExitedWithCode(3), "large.vtp: to read its 200000000 points");
+}
+
+TEST_F(Vtk, StlHasTheTextOfPrintf) {
+  std::mt19937_64 random(testing::test_seed());
+  SurfaceMesh surface;
+  std::uniform_real_distribution<double> size(-8, 8), sign(-1, 1);
+  for (std::int32_t i = 0; i < 30000; ++i) {
+    std::array<double, 3> p{};
+    for (double& x : p) x = std::copysign(std::pow(10, size(random)), sign(random));
+    if (i % 3 == 0) p[2] = std::round(p[2] * 4) / 4 + 0.5e-6;  // near ties
+    if (i % 5 == 0) p[1] = -0.0;
+    surface.points.push_back(p);
+    if (i % 3 != 2) continue;
+    surface.triangles.push_back({i - 2, i - 1, i});
+    surface.patch.push_back(Patch::kGround);
+    surface.building.push_back(-1);
+  }
+  write_stl(folder / "surface.stl", surface, {});
+  std::ifstream file(folder / "surface.stl");
+  std::string line;
+  std::getline(file, line);
+  std::array<char, 1000> text{};
+  for (const auto& triangle : surface.triangles) {
+    std::getline(file, line);
+    const auto side = [&](std::size_t corner, std::size_t axis) {
+      return surface.points[static_cast<std::size_t>(triangle[corner])][axis] -
+             surface.points[static_cast<std::size_t>(triangle[0])][axis];
+    };
+    std::array<double, 3> normal{};
+    for (std::size_t i = 0; i < 3; ++i) {
+      const std::size_t j = (i + 1) % 3, k = (i + 2) % 3;
+      normal[i] = side(1, j) * side(2, k) - side(1, k) * side(2, j);
+    }
+    const double length =
+        std::sqrt(normal[0] * normal[0] + normal[1] * normal[1] + normal[2] * normal[2]);
+    ASSERT_GT(length, 0);
+    std::snprintf(text.data(), text.size(), "facet normal %.6g %.6g %.6g", normal[0] / length,
+                  normal[1] / length, normal[2] / length);
+    ASSERT_EQ(line, text.data()) << testing::test_seed();
+    std::getline(file, line);
+    for (const std::int32_t v : triangle) {
+      const auto& p = surface.points[static_cast<std::size_t>(v)];
+      std::snprintf(text.data(), text.size(), "vertex %.6f %.6f %.6f", p[0], p[1] + 0.0, p[2]);
+      std::getline(file, line);
+      ASSERT_EQ(line, text.data()) << testing::test_seed();
+    }
+    std::getline(file, line);
+    std::getline(file, line);
+  }
+}
+
+TEST_F(Vtk, StlHasOneClosedTaggedSolidPerPatch) {
+  const SurfaceMesh surface = extract_boundary(city.mesh, city.city.domain);
+  write_stl(folder / "surface.stl", surface, {});
+  std::ifstream file(folder / "surface.stl");
+  std::string word;
+  std::vector<std::string> solids;
+  std::map<std::pair<std::string, std::string>, int> directed;
+  std::vector<std::string> corners;
+  std::size_t facets = 0;
+  for (std::string line; std::getline(file, line);) {
+    std::istringstream words(line);
+    words >> word;
+    if (word == "solid") {
+      words >> word;
+      solids.push_back(word);
+    } else if (word == "vertex") {
+      corners.push_back(line);
+    } else if (word == "endfacet") {
+      ASSERT_EQ(corners.size(), 3U);
+      for (std::size_t i = 0; i < 3; ++i) ++directed[{corners[i], corners[(i + 1) % 3]}];
+      corners.clear();
+      ++facets;
+    }
+  }
+  EXPECT_EQ(facets, surface.triangles.size());
+  EXPECT_EQ(solids, (std::vector<std::string>{"ground", "roof", "wall", "top", "xmin", "xmax",
+                                              "ymin", "ymax"}));
+  // Watertight in the printed coordinates: every directed edge once, and its reverse too.
+  for (const auto& [edge, count] : directed) {
+    EXPECT_EQ(count, 1);
+    EXPECT_TRUE(directed.contains({edge.second, edge.first}));
+  }
+}
+
+TEST(MeshInput, MeshesLargerThanTheMemoryAreRefused) {
+  EXPECT_NO_THROW(require_room_for_mesh("small.vtu", 1000, 5000));
+  try {
+    require_room_for_mesh("large.vtu", 200'000'000'000, 1'000'000'000'000);
+    FAIL() << "no error";
+  } catch (const Error& error) {
+    EXPECT_EQ(error.kind(), ErrorKind::kInput);
+    EXPECT_EQ(
+        std::string(error.what())
+            .find("large.vtu: to read and check its 1000000000000 cells takes about 61600.0 GB"),
+        0U)
+        << error.what();
+  }
+}
+
+}  // namespace
+}  // namespace tetropolis

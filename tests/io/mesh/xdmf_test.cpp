@@ -1,0 +1,382 @@
+#include "tetropolis/io/mesh/xdmf.h"
+
+#include <chrono>
+#include <csignal>
+#include <cstdlib>
+#include <fstream>
+#include <string>
+#include <thread>
+
+#include <gtest/gtest.h>
+#include <hdf5.h>
+#include <sys/resource.h>
+#include <sys/stat.h>
+
+#include "tetropolis/core/parallel.h"
+
+#include "mesh_bytes.h"
+#include "support/test_data.h"
+
+namespace tetropolis {
+namespace {
+
+using testing::bytes_of;
+
+/// An HDF5 dataset as it lies in the file.
+template <typename Number>
+struct Dataset {
+  std::vector<hsize_t> shape;
+  std::vector<Number> values;
+};
+
+template <typename Number>
+Dataset<Number> read_dataset(const std::filesystem::path& path, const std::string& name,
+                             hid_t type) {
+  Dataset<Number> result;
+  const hid_t file = H5Fopen(path.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT);
+  const hid_t set = H5Dopen2(file, name.c_str(), H5P_DEFAULT);
+  EXPECT_GE(set, 0) << name;
+  if (set < 0) return result;
+  const hid_t space = H5Dget_space(set);
+  const hid_t stored = H5Dget_type(set);
+  EXPECT_GT(H5Tequal(stored, type), 0) << name;
+  result.shape.resize(static_cast<std::size_t>(H5Sget_simple_extent_ndims(space)));
+  H5Sget_simple_extent_dims(space, result.shape.data(), nullptr);
+  result.values.resize(static_cast<std::size_t>(H5Sget_simple_extent_npoints(space)));
+  EXPECT_GE(H5Dread(set, type, H5S_ALL, H5S_ALL, H5P_DEFAULT, result.values.data()), 0);
+  H5Tclose(stored);
+  H5Sclose(space);
+  H5Dclose(set);
+  H5Fclose(file);
+  return result;
+}
+
+class Xdmf : public ::testing::Test {
+ protected:
+  testing::TemporaryFolder folder;
+  const testing::FormatsCity& city = testing::formats_city();
+
+  void SetUp() override {
+    write_xdmf(folder / "volume.xdmf", city.city.mesh, city.boundary, city.placement);
+  }
+  Dataset<double> doubles(const std::string& name) {
+    return read_dataset<double>(folder / "volume.h5", name, H5T_IEEE_F64LE);
+  }
+  Dataset<std::int64_t> longs(const std::string& name) {
+    return read_dataset<std::int64_t>(folder / "volume.h5", name, H5T_STD_I64LE);
+  }
+  Dataset<std::int32_t> ints(const std::string& name) {
+    return read_dataset<std::int32_t>(folder / "volume.h5", name, H5T_STD_I32LE);
+  }
+};
+
+TEST_F(Xdmf, VolumeComesBackThroughHdf5) {
+  const auto reference = testing::explicit_mesh(city.city.mesh, city.placement.shift);
+  const auto points = doubles("/Mesh/mesh/geometry");
+  EXPECT_EQ(points.shape, (std::vector<hsize_t>{reference.points.size(), 3}));
+  std::vector<double> expected_points;
+  for (const auto& p : reference.points)
+    expected_points.insert(expected_points.end(), p.begin(), p.end());
+  EXPECT_EQ(points.values, expected_points);
+  const auto cells = longs("/Mesh/mesh/topology");
+  EXPECT_EQ(cells.shape, (std::vector<hsize_t>{reference.cells.size(), 4}));
+  std::vector<std::int64_t> expected_cells;
+  for (const auto& c : reference.cells)
+    expected_cells.insert(expected_cells.end(), c.begin(), c.end());
+  EXPECT_EQ(cells.values, expected_cells);
+  const auto region = ints("/Mesh/mesh/region");
+  EXPECT_EQ(region.shape, (std::vector<hsize_t>{reference.cells.size()}));
+  EXPECT_EQ(region.values, reference.region);
+}
+
+TEST_F(Xdmf, BoundaryIsOverTheNodesOfTheVolume) {
+  const auto points = doubles("/Mesh/mesh/geometry").values;
+  const auto faces = longs("/MeshTags/boundary/topology");
+  const auto patch = ints("/MeshTags/boundary/patch").values;
+  const auto building = ints("/MeshTags/boundary/building").values;
+  const auto corners = testing::corners_of(city.boundary, city.placement.shift);
+  ASSERT_EQ(faces.shape, (std::vector<hsize_t>{corners.size(), 3}));
+  ASSERT_EQ(patch.size(), corners.size());
+  ASSERT_EQ(building, city.boundary.building);
+  for (std::size_t f = 0; f < corners.size(); ++f) {
+    ASSERT_EQ(patch[f], static_cast<std::int32_t>(city.boundary.patch[f]));
+    for (std::size_t i = 0; i < 3; ++i)
+      for (std::size_t c = 0; c < 3; ++c)
+        ASSERT_EQ(points.at(static_cast<std::size_t>(faces.values[3 * f + i]) * 3 + c),
+                  corners[f][i][c]);
+  }
+}
+
+TEST_F(Xdmf, DescriptionFitsTheData) {
+  const std::string text = bytes_of(folder / "volume.xdmf");
+  EXPECT_NE(text.find("<Information Name=\"origin\" Value=\"319000 6396000 0\"/>"),
+            std::string::npos);
+  // DOLFINx looks for the grid "mesh" and takes the first attribute of the grid it reads tags from.
+  const std::size_t mesh = text.find("<Grid Name=\"mesh\" GridType=\"Uniform\">");
+  const std::size_t boundary = text.find("<Grid Name=\"boundary\" GridType=\"Uniform\">");
+  ASSERT_NE(mesh, std::string::npos);
+  ASSERT_NE(boundary, std::string::npos);
+  EXPECT_LT(mesh, text.find("Name=\"region\"", mesh));
+  EXPECT_LT(text.find("Name=\"region\"", mesh), boundary);
+  EXPECT_LT(text.find("Name=\"patch\"", boundary), text.find("Name=\"building\"", boundary));
+
+  testing::Cursor rest(text);
+  int items = 0;
+  for (; text.find("<DataItem", text.size() - rest.left()) != std::string::npos; ++items) {
+    rest.until("<DataItem NumberType=\"");
+    const std::string number = rest.until("\" Precision=\"");
+    const std::string precision = rest.until("\" Dimensions=\"");
+    const std::string dimensions = rest.until("\" Format=\"HDF\">volume.h5:");
+    const std::string name = rest.until("</DataItem>");
+    std::vector<hsize_t> shape;
+    if (number == "Float")
+      shape = doubles(name).shape;
+    else
+      shape = precision == "8" ? longs(name).shape : ints(name).shape;
+    std::string expected;
+    for (const hsize_t n : shape) expected += (expected.empty() ? "" : " ") + std::to_string(n);
+    EXPECT_EQ(dimensions, expected) << name;
+  }
+  EXPECT_EQ(items, 7);  // the points serve both grids
+}
+
+TEST_F(Xdmf, CompressedDataAreTheSame) {
+  // Fine enough for several chunks.
+  const auto fine = testing::meshed(testing::small_city(testing::hills), 3);
+  const SurfaceMesh boundary = extract_boundary(fine.mesh, fine.city.domain);
+  ASSERT_GT(cell_offsets(fine.mesh).back(), 100000);
+  write_xdmf(folder / "plain.xdmf", fine.mesh, boundary, city.placement);
+  std::string bytes;
+  for (const int threads : {1, 2}) {
+    const ThreadLimit limit(threads);
+    write_xdmf(folder / "z.xdmf", fine.mesh, boundary, city.placement, {}, Compression::kZlib);
+    if (threads == 1) bytes = bytes_of(folder / "z.h5");
+  }
+  EXPECT_TRUE(bytes_of(folder / "z.h5") == bytes);
+  EXPECT_LT(3 * bytes.size(), std::filesystem::file_size(folder / "plain.h5"));
+  const auto same = [&](auto number, const char* name, hid_t type) {
+    using Number = decltype(number);
+    const auto a = read_dataset<Number>(folder / "plain.h5", name, type);
+    const auto b = read_dataset<Number>(folder / "z.h5", name, type);
+    EXPECT_EQ(a.shape, b.shape) << name;
+    EXPECT_TRUE(a.values == b.values) << name;
+  };
+  same(0.0, "/Mesh/mesh/geometry", H5T_IEEE_F64LE);
+  same(std::int64_t{0}, "/Mesh/mesh/topology", H5T_STD_I64LE);
+  same(std::int32_t{0}, "/Mesh/mesh/region", H5T_STD_I32LE);
+  same(std::int64_t{0}, "/MeshTags/boundary/topology", H5T_STD_I64LE);
+  same(std::int32_t{0}, "/MeshTags/boundary/patch", H5T_STD_I32LE);
+  same(std::int32_t{0}, "/MeshTags/boundary/building", H5T_STD_I32LE);
+}
+
+TEST_F(Xdmf, SameBytesAtAnotherTime) {
+  const std::string before = bytes_of(folder / "volume.h5");
+  std::this_thread::sleep_for(std::chrono::milliseconds(1100));  // HDF5 would store seconds
+  SetUp();
+  EXPECT_TRUE(bytes_of(folder / "volume.h5") == before);
+}
+
+TEST_F(Xdmf, NameThatLeavesNoneForTheDataIsRefused) {
+  try {
+    write_xdmf(folder / "mesh.h5", city.city.mesh, city.boundary, {});
+    FAIL() << "no error";
+  } catch (const Error& error) {
+    EXPECT_EQ(error.kind(), ErrorKind::kInput);
+    EXPECT_NE(std::string(error.what()).find("mesh.h5: that name is for the"), std::string::npos);
+  }
+}
+
+TEST_F(Xdmf, SmallMeshesComeBackToo) {
+  for (const double size : {15.0, 25.0, 40.0, 80.0}) {
+    testing::SmallCity terrain = testing::small_city(testing::hills);
+    terrain.footprints.clear();
+    terrain.roofs.clear();
+    const ColumnMesh mesh = testing::meshed(terrain, size).mesh;
+    write_xdmf(folder / "volume.xdmf", mesh, extract_boundary(mesh, terrain.domain), {});
+    const auto reference = testing::explicit_mesh(mesh, {});
+    EXPECT_EQ(doubles("/Mesh/mesh/geometry").values.size(), 3 * reference.points.size());
+    EXPECT_EQ(ints("/Mesh/mesh/region").values, reference.region);
+    const auto patch = ints("/MeshTags/boundary/patch").values;
+    EXPECT_EQ(patch.front(), static_cast<std::int32_t>(Patch::kGround));
+    EXPECT_EQ(patch.back(), static_cast<std::int32_t>(Patch::kYMax));
+  }
+}
+
+/// Writes where no file may be larger than `bytes`; leaves with 3 if that was told as it should be.
+[[noreturn]] void write_limited(const std::filesystem::path& path, rlim_t bytes,
+                                Compression compression) {
+  std::signal(SIGXFSZ, SIG_IGN);
+  const rlimit limit{bytes, bytes};
+  setrlimit(RLIMIT_FSIZE, &limit);
+  const testing::FormatsCity& city = testing::formats_city();
+  try {
+    write_xdmf(path, city.city.mesh, city.boundary, {}, {}, compression);
+  } catch (const Error& error) {
+    const bool named =
+        std::string(error.what()).find("full.h5: File too large") != std::string::npos;
+    std::exit(named && !std::filesystem::exists(path) ? 3 : 1);
+  }
+  std::exit(0);
+}
+
+TEST_F(Xdmf, NoRoomForTheDataIsAnErrorAndNoCrashAtExit) {
+  ::testing::GTEST_FLAG(death_test_style) = "threadsafe";
+  for (const Compression compression : {Compression::kNone, Compression::kZlib}) {
+    write_xdmf(folder / "whole.xdmf", city.city.mesh, city.boundary, {}, {}, compression);
+    const rlim_t needed = std::filesystem::file_size(folder / "whole.h5");
+    for (rlim_t part = 0; part < 4; ++part) {
+      SCOPED_TRACE(part);
+      EXPECT_EXIT(write_limited(folder / "full.xdmf", 100 + part * (needed - 101) / 3, compression),
+                  ::testing::ExitedWithCode(3), "");
+    }
+  }
+}
+
+TEST_F(Xdmf, EmptyBoundaryIsNoTrouble) {
+  for (const Compression compression : {Compression::kNone, Compression::kZlib}) {
+    write_xdmf(folder / "open.xdmf", city.city.mesh, {}, {}, {}, compression);
+    const auto faces = read_dataset<std::int64_t>(folder / "open.h5", "/MeshTags/boundary/topology",
+                                                  H5T_STD_I64LE);
+    EXPECT_EQ(faces.shape, (std::vector<hsize_t>{0, 3}));
+  }
+}
+
+TEST_F(Xdmf, WhatIsReadIsWhatWasWritten) {
+  const auto reference = testing::explicit_mesh(city.city.mesh, city.placement.shift);
+  const auto corners = testing::corners_of(city.boundary, city.placement.shift);
+  for (const Compression compression : {Compression::kNone, Compression::kZlib}) {
+    write_xdmf(folder / "read.xdmf", city.city.mesh, city.boundary, city.placement, {},
+               compression);
+    const XdmfMesh mesh = read_xdmf(folder / "read.xdmf");
+    EXPECT_EQ(mesh.volume.points, reference.points);
+    EXPECT_EQ(mesh.volume.cells, reference.cells);
+    EXPECT_EQ(mesh.volume.region, reference.region);
+    EXPECT_EQ(mesh.boundary.patch, city.boundary.patch);
+    EXPECT_EQ(mesh.boundary.building, city.boundary.building);
+    EXPECT_EQ(testing::corners_of(mesh.boundary, {0, 0, 0}), corners);
+    EXPECT_EQ(mesh.boundary.points.size(), city.boundary.points.size());
+  }
+}
+
+/// What read_xdmf says of `path`; empty if it reads it.
+std::string refusal(const std::filesystem::path& path) {
+  try {
+    read_xdmf(path);
+  } catch (const Error& error) {
+    EXPECT_EQ(error.kind(), ErrorKind::kInput);
+    return error.what();
+  }
+  return "";
+}
+
+TEST_F(Xdmf, CutFilesAreRefused) {
+  const std::string data = bytes_of(folder / "volume.h5");
+  const auto path = folder / "volume.xdmf";
+  ASSERT_EQ(refusal(path), "");
+  for (std::size_t k = 0; k < 40; ++k) {
+    const std::size_t bytes = data.size() * k / 40;
+    std::ofstream(folder / "volume.h5", std::ios::binary) << data.substr(0, bytes);
+    EXPECT_NE(refusal(path).find("volume.h5: "), std::string::npos) << bytes << " bytes";
+  }
+  std::filesystem::remove(folder / "volume.h5");
+  EXPECT_NE(refusal(path).find("volume.h5: no such file"), std::string::npos);
+}
+
+TEST_F(Xdmf, PipesAreRefused) {
+  const auto pipe = folder / "pipe.xdmf";  // nobody ever writes to it
+  ASSERT_EQ(::mkfifo(pipe.c_str(), 0600), 0);
+  EXPECT_NE(refusal(pipe).find("pipe.xdmf: is not an ordinary file"), std::string::npos);
+  std::filesystem::remove(folder / "volume.h5");
+  ASSERT_EQ(::mkfifo((folder / "volume.h5").c_str(), 0600), 0);
+  EXPECT_NE(refusal(folder / "volume.xdmf").find("volume.h5: is not an ordinary file"),
+            std::string::npos);
+}
+
+TEST_F(Xdmf, ForeignDescriptionsAreRefused) {
+  const auto path = folder / "volume.xdmf";
+  const std::string text = bytes_of(path);
+  const auto with = [&](const std::string& what, const std::string& instead) {
+    std::string changed = text;
+    const std::size_t at = changed.find(what);
+    EXPECT_NE(at, std::string::npos) << what;
+    changed.replace(at, what.size(), instead);
+    std::ofstream(path, std::ios::binary) << changed;
+    return refusal(path);
+  };
+  const auto says = [](const std::string& message, const char* what) {
+    return message.find(what) != std::string::npos &&
+           message.find("volume.xdmf: ") != std::string::npos;
+  };
+  const std::string cells = std::to_string(longs("/Mesh/mesh/topology").shape[0]);
+  for (const auto& [what, instead] :
+       {std::pair<std::string, std::string>{"Dimensions=\"" + cells + " 4\"", "Dimensions=\"1 4\""},
+        {"NumberOfElements=\"" + cells + "\"", "NumberOfElements=\"1\""},
+        {"Tetrahedron", "Hexahedron"},
+        {"XYZ", "XY"},
+        {"Center=\"Cell\"", "Center=\"Node\""},
+        {"Precision=\"8\"", "Precision=\"4\""},
+        {"/MeshTags/boundary/patch", "/MeshTags/boundary/building"}})
+    EXPECT_TRUE(
+        says(with(what, instead), "does not describe the data that volume.h5 has, from line"))
+        << what;
+  EXPECT_TRUE(says(with("Name=\"origin\"", "Name=\"start\""), "does not state its origin"));
+  EXPECT_TRUE(says(with("volume.h5:/Mesh/mesh/geometry", "../volume.h5:/Mesh/mesh/geometry"),
+                   "another folder"));
+  EXPECT_TRUE(says(with(text, ""), "does not refer to"));
+  EXPECT_EQ(with("mesh", "mesh"), "");
+}
+
+TEST_F(Xdmf, NumbersOutOfRangeAreRefused) {
+  const auto path = folder / "volume.xdmf";
+  const auto with = [&](const char* name, hid_t type, const auto& change) {
+    SetUp();
+    const hid_t file = H5Fopen((folder / "volume.h5").c_str(), H5F_ACC_RDWR, H5P_DEFAULT);
+    const hid_t set = H5Dopen2(file, name, H5P_DEFAULT);
+    std::vector<std::int64_t> values(4 * static_cast<std::size_t>(city.city.mesh.node_count()) * 8);
+    H5Dread(set, type, H5S_ALL, H5S_ALL, H5P_DEFAULT, values.data());
+    change(values.data());
+    H5Dwrite(set, type, H5S_ALL, H5S_ALL, H5P_DEFAULT, values.data());
+    H5Dclose(set);
+    H5Fclose(file);
+    return refusal(path);
+  };
+  const auto nodes = static_cast<std::int64_t>(city.city.mesh.node_count());
+  EXPECT_NE(with("/Mesh/mesh/topology", H5T_STD_I64LE, [&](std::int64_t* v) { v[5] = nodes; })
+                .find("row 1 of /Mesh/mesh/topology has the vertex " + std::to_string(nodes)),
+            std::string::npos);
+  EXPECT_NE(with("/MeshTags/boundary/topology", H5T_STD_I64LE, [](std::int64_t* v) { v[0] = -1; })
+                .find("row 0 of /MeshTags/boundary/topology has the vertex -1"),
+            std::string::npos);
+  EXPECT_NE(with("/MeshTags/boundary/patch", H5T_STD_I64LE, [](std::int64_t* v) { v[2] = 9; })
+                .find("face 2 has the patch 9"),
+            std::string::npos);
+}
+
+TEST_F(Xdmf, DataOfAnotherLayoutAreRefused) {
+  const auto path = folder / "volume.xdmf";
+  const auto with = [&](const char* name, hid_t type, std::vector<hsize_t> shape) {
+    SetUp();
+    const hid_t file = H5Fopen((folder / "volume.h5").c_str(), H5F_ACC_RDWR, H5P_DEFAULT);
+    H5Ldelete(file, name, H5P_DEFAULT);
+    if (!shape.empty()) {
+      const hid_t space = H5Screate_simple(static_cast<int>(shape.size()), shape.data(), nullptr);
+      H5Dclose(H5Dcreate2(file, name, type, space, H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT));
+      H5Sclose(space);
+    }
+    H5Fclose(file);
+    return refusal(path);
+  };
+  const char* kRegion = "/Mesh/mesh/region";
+  EXPECT_NE(with(kRegion, H5T_STD_I32LE, {}).find("has no dataset /Mesh/mesh/region"),
+            std::string::npos);
+  EXPECT_NE(with(kRegion, H5T_STD_I16LE, {10}).find("has another type"), std::string::npos);
+  EXPECT_NE(with(kRegion, H5T_STD_I32LE, {10, 2}).find("has another shape"), std::string::npos);
+  EXPECT_NE(with(kRegion, H5T_STD_I32LE, {10}).find("not as many regions as cells"),
+            std::string::npos);
+  // Rows by the trillion that were never written: no room is made for them.
+  EXPECT_NE(with(kRegion, H5T_STD_I32LE, {hsize_t{1} << 42}).find("has fewer bytes in the file"),
+            std::string::npos);
+}
+
+}  // namespace
+}  // namespace tetropolis

@@ -1,0 +1,139 @@
+#include "tetropolis/volume/column/boundary.h"
+
+#include <algorithm>
+#include <array>
+
+#include <gtest/gtest.h>
+
+#include "tetropolis/check/check_surface.h"
+#include "tetropolis/check/check_volume.h"
+#include "tetropolis/core/error.h"
+
+#include "check/check_same_boundary.h"
+#include "support/explicit_mesh.h"
+#include "support/small_city.h"
+
+namespace tetropolis {
+namespace {
+
+TEST(Boundary, IsExactlyTheFacesOfOneCellAndPassesEveryCheck) {
+  const auto result = testing::meshed(testing::small_city(testing::hills));
+  const SurfaceMesh surface = extract_boundary(result.mesh, result.city.domain);
+  const SurfaceTopology topology = check_topology(surface);
+  EXPECT_TRUE(topology.closed());
+  EXPECT_TRUE(topology.manifold());
+
+  auto lists = testing::explicit_mesh(result.mesh);
+  const TetMesh mesh{std::move(lists.points), std::move(lists.cells), {}};
+  const VolumeCheck volume = check_volume(mesh);
+  EXPECT_TRUE(volume.violations.empty()) << volume.violations[0].what;
+  const auto differences = check_same_boundary(mesh, volume, surface);
+  EXPECT_TRUE(differences.empty()) << differences[0].first;
+  const SurfaceCheck check = check_surface(surface);
+  EXPECT_TRUE(check.violations.empty()) << check.violations[0].what << check.violations[0].first;
+  EXPECT_NEAR(check.enclosed_volume, volume.volume, 1e-9 * volume.volume);
+  for (const std::int64_t count : check.faces_by_patch) EXPECT_GT(count, 0);
+  EXPECT_EQ(count_by_patch(surface), check.faces_by_patch);
+  EXPECT_TRUE(std::is_sorted(surface.patch.begin(), surface.patch.end()));
+}
+
+TEST(Boundary, KnowsItsNodesAndTheCellsBehind) {
+  const auto result = testing::meshed(testing::small_city(testing::hills));
+  const auto lists = testing::explicit_mesh(result.mesh);
+  const SurfaceMesh surface = extract_boundary(result.mesh, result.city.domain);
+  ASSERT_EQ(surface.node.size(), surface.points.size());
+  for (std::size_t i = 0; i < surface.points.size(); ++i)
+    ASSERT_EQ(lists.points[static_cast<std::size_t>(surface.node[i])], surface.points[i]);
+  ASSERT_EQ(surface.cell.size(), surface.triangles.size());
+  for (std::size_t f = 0; f < surface.triangles.size(); ++f) {
+    const auto& cell = lists.cells[static_cast<std::size_t>(surface.cell[f])];
+    for (const std::int32_t p : surface.triangles[f])
+      ASSERT_EQ(std::count(cell.begin(), cell.end(), surface.node[static_cast<std::size_t>(p)]), 1);
+  }
+}
+
+TEST(Boundary, EveryBuildingHasRoofAndWallsOfItsOwn) {
+  const auto result = testing::meshed(testing::small_city(testing::hills));
+  const SurfaceMesh surface = extract_boundary(result.mesh, result.city.domain);
+  for (std::size_t b = 0; b < result.city.footprints.size(); ++b) {
+    double roof = 0;
+    std::int64_t walls = 0;
+    for (std::size_t f = 0; f < surface.triangles.size(); ++f) {
+      if (surface.building[f] != static_cast<BuildingIndex>(b)) continue;
+      if (surface.patch[f] == Patch::kWall) ++walls;
+      if (surface.patch[f] != Patch::kRoof) continue;
+      const auto& t = surface.triangles[f];
+      const auto &p = surface.points[static_cast<std::size_t>(t[0])],
+                 &q = surface.points[static_cast<std::size_t>(t[1])],
+                 &r = surface.points[static_cast<std::size_t>(t[2])];
+      EXPECT_EQ(p[2], result.city.roofs[b]);
+      roof -= ((q[0] - p[0]) * (r[1] - p[1]) - (r[0] - p[0]) * (q[1] - p[1])) / 2;  // faces down
+    }
+    EXPECT_GT(walls, 0);
+    double footprint = 0;
+    for (const Ring* ring : [&] {
+           std::vector<const Ring*> rings{&result.city.footprints[b].outer};
+           for (const Ring& hole : result.city.footprints[b].holes) rings.push_back(&hole);
+           return rings;
+         }())
+      for (std::size_t i = 0; i < ring->size(); ++i) {
+        const Point2 u = (*ring)[i], v = (*ring)[(i + 1) % ring->size()];
+        footprint += (u.x * v.y - v.x * u.y) / 2;
+      }
+    EXPECT_NEAR(roof, footprint, 1e-6);
+  }
+}
+
+TEST(Boundary, SelectsPatches) {
+  const auto result = testing::meshed(testing::small_city(testing::hills));
+  const SurfaceMesh surface = extract_boundary(result.mesh, result.city.domain);
+  const std::array wanted{Patch::kRoof, Patch::kWall};
+  const SurfaceMesh part = select_patches(surface, wanted);
+  const auto all = count_by_patch(surface), some = count_by_patch(part);
+  EXPECT_EQ(some[1], all[1]);
+  EXPECT_EQ(some[2], all[2]);
+  ASSERT_EQ(part.triangles.size(), static_cast<std::size_t>(all[1] + all[2]));
+  // The same faces in the same order, with the same corners.
+  std::size_t next = 0;
+  for (std::size_t f = 0; f < surface.triangles.size(); ++f) {
+    if (surface.patch[f] != Patch::kRoof && surface.patch[f] != Patch::kWall) continue;
+    EXPECT_EQ(part.patch[next], surface.patch[f]);
+    EXPECT_EQ(part.building[next], surface.building[f]);
+    EXPECT_EQ(part.cell[next], surface.cell[f]);
+    for (std::size_t i = 0; i < 3; ++i) {
+      const auto v = static_cast<std::size_t>(part.triangles[next][i]);
+      const auto w = static_cast<std::size_t>(surface.triangles[f][i]);
+      EXPECT_EQ(part.points.at(v), surface.points[w]);
+      EXPECT_EQ(part.node.at(v), surface.node[w]);
+    }
+    ++next;
+  }
+  std::vector<char> used(part.points.size(), 0);
+  for (const auto& t : part.triangles)
+    for (const std::int32_t v : t) used[static_cast<std::size_t>(v)] = 1;
+  EXPECT_EQ(std::count(used.begin(), used.end(), 0), 0);
+}
+
+TEST(Boundary, RefusesARimOffTheDomain) {
+  const auto result = testing::meshed(testing::small_city(testing::hills));
+  EXPECT_THROW(extract_boundary(result.mesh, {0, 0, 121, 90}), Error);
+}
+
+TEST(Boundary, CountsBrokenEdges) {
+  SurfaceMesh surface;
+  surface.points = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
+  surface.triangles = {{0, 2, 1}, {0, 1, 3}, {1, 2, 3}, {0, 3, 2}};
+  EXPECT_TRUE(check_topology(surface).closed() && check_topology(surface).manifold());
+  auto turned = surface;
+  std::swap(turned.triangles[0][0], turned.triangles[0][1]);
+  EXPECT_EQ(check_topology(turned).misoriented_edges, 3);
+  auto open = surface;
+  open.triangles.pop_back();
+  EXPECT_EQ(check_topology(open).open_edges, 3);
+  auto doubled = surface;
+  doubled.triangles.push_back({0, 2, 1});
+  EXPECT_EQ(check_topology(doubled).non_manifold_edges, 3);
+}
+
+}  // namespace
+}  // namespace tetropolis

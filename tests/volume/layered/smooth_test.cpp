@@ -1,0 +1,92 @@
+#include "volume/layered/smooth.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include <gtest/gtest.h>
+
+#include "tetropolis/core/parallel.h"
+
+#include "support/small_city.h"
+
+namespace tetropolis {
+namespace {
+
+TEST(Smooth, MeshIsValidAndHeightsAreExactOnAnyTerrain) {
+  for (const auto& [name, terrain] : testing::kHardTerrains)
+    for (const double size : {12.0, 5.0})
+      for (const bool fixed_top : {true, false}) {
+        SCOPED_TRACE(std::string(name) + " " + std::to_string(size) +
+                     (fixed_top ? " flat top" : " free top"));
+        auto city = testing::small_city(terrain);
+        const auto result = testing::layered(city, size, fixed_top);
+        const LayeredMesh& mesh = result.mesh;
+        for (std::size_t v = 0; v < mesh.vertex_count(); ++v) {
+          for (std::int32_t k = mesh.first_node[v]; k < mesh.layers; ++k)
+            ASSERT_GT(mesh.column(v)[k + 1], mesh.column(v)[k]);
+          if (mesh.first_node[v] == 0) {
+            ASSERT_EQ(mesh.column(v)[0], result.plan.ground[v]);
+          }
+          if (result.plan.building[v] != kNoBuilding) {
+            ASSERT_EQ(mesh.column(v)[mesh.roof_layer[v]],
+                      city.roofs[static_cast<std::size_t>(result.plan.building[v])]);
+          }
+        }
+      }
+}
+
+TEST(Smooth, TopStaysFlatWhenFixed) {
+  const auto result = testing::layered(testing::small_city(testing::hills));
+  double top = 0;
+  for (const double z : result.city.dtm.values) top = std::max(top, z + 80);
+  for (const double roof : result.city.roofs) top = std::max(top, roof + 2 * 8);
+  for (std::size_t v = 0; v < result.mesh.vertex_count(); ++v)
+    EXPECT_EQ(result.mesh.column(v)[result.mesh.layers], top);
+}
+
+TEST(Smooth, FlatTerrainWithRoofsOnLayersNeedsNoChange) {
+  auto city = testing::small_city([](double, double) { return 0.0; });
+  city.roofs = {16, 32, 16, 8, 64};
+  const auto result = testing::layered(city, 8);
+  for (std::size_t v = 0; v < result.mesh.vertex_count(); ++v)
+    for (std::int32_t k = result.mesh.first_node[v]; k <= result.mesh.layers; ++k)
+      EXPECT_NEAR(result.mesh.column(v)[k], 8.0 * k, 1e-4);
+}
+
+TEST(Smooth, PlansLayersForTheDomainAndItsRoofs) {
+  const std::vector<double> ground{0, 10};
+  const LayerPlan plan = plan_layers(ground, std::vector<double>{50.0}, 10, 100, 10);
+  EXPECT_EQ(plan.top, 110);
+  EXPECT_EQ(plan.bottom, 5);
+  EXPECT_EQ(plan.layers, 11);  // 105 m in layers of about 10 m
+  EXPECT_FALSE(plan.raised);
+  const LayerPlan tower = plan_layers(ground, std::vector<double>{300.0}, 10, 100, 10);
+  EXPECT_EQ(tower.top, 320);
+  EXPECT_TRUE(tower.raised);
+}
+
+TEST(Smooth, CutsEachBuildingAtTheLayerNearestItsRoof) {
+  auto city = testing::small_city([](double, double) { return 0.0; });
+  city.roofs = {3, 9, 13, 20.5, 75};  // layers of 91 m / 11
+  const auto result = testing::layered(city, 8);
+  const std::vector<std::int32_t> nearest{1, 1, 2, 3,
+                                          9};  // 20.5 m: 2.48 layers, in ratio closer to 3
+  for (std::size_t t = 0; t < result.mesh.triangle_count(); ++t) {
+    const BuildingIndex b = result.mesh.ground.region[t];
+    EXPECT_EQ(result.mesh.first_layer[t],
+              b == kNoBuilding ? 0 : nearest[static_cast<std::size_t>(b)]);
+  }
+}
+
+TEST(Smooth, SameBitsForAnyNumberOfThreads) {
+  std::vector<std::vector<double>> results;
+  for (const int threads : {1, 2, 5}) {
+    const ThreadLimit limit(threads);
+    results.push_back(testing::layered(testing::small_city(testing::hills), 3).mesh.z);
+  }
+  EXPECT_EQ(results[0], results[1]);
+  EXPECT_EQ(results[0], results[2]);
+}
+
+}  // namespace
+}  // namespace tetropolis
