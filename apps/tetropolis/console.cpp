@@ -102,7 +102,7 @@ RunHooks Console::hooks() {
   RunHooks hooks;
   hooks.cancelled = interrupted;
   hooks.output = watch_output();
-  hooks.step_begins = [this](const StepReport& step) {
+  hooks.step_begins = [this](const StepTime& step) {
     step_ = fmt::format("{}  {}", step.id, step.name);
     last_percent_ = -1;
   };
@@ -117,7 +117,7 @@ RunHooks Console::hooks() {
     std::fflush(stderr);
     bar_ = true;
   };
-  hooks.step_ends = [this](const StepReport& step) {
+  hooks.step_ends = [this](const StepTime& step) {
     const std::string text = fmt::format("{:<34} {:6.2f} s", step_, step.seconds);
     const bool is_again = !steps_.insert(step_).second;
     if (is_again && step.seconds < kBrief)

@@ -60,7 +60,7 @@ void print_summary(const Report& report, Console& console) {
     console.line(fmt::format("ground     {} triangles, least angle {:.1f} degrees",
                              report.ground_mesh->triangles, report.ground_mesh->min_angle_deg));
   if (report.volume_mesh) {
-    const VolumeMeshReport& mesh = *report.volume_mesh;
+    const VolumeMeshFacts& mesh = *report.volume_mesh;
     console.line(fmt::format(
         "volume     {} tets, {} inverted; dihedral angles {:.1f} .. "
         "{:.1f} degrees, median of least {:.1f}",
@@ -71,17 +71,17 @@ void print_summary(const Report& report, Console& console) {
                              report.surface_mesh->closed ? "closed" : "open",
                              report.surface_mesh->manifold ? "manifold" : "not manifold"));
   for (const Warning& warning : report.warnings)
-    console.line(
-        fmt::format("note       {}: {} ({})", warning.code, warning.message, warning.count));
+    console.line(fmt::format("note       {}: {} ({})", warning.code, with_options(warning.message),
+                             warning.count));
   double seconds = 0;
-  for (const StepReport& step : report.steps) seconds += step.seconds;
+  for (const StepTime& step : report.steps) seconds += step.seconds;
   console.line(fmt::format("done       {:.1f} s, {:.0f} MB at most; results in {}", seconds,
                            static_cast<double>(report.peak_rss_bytes) / 1e6, report.config.out));
 }
 
 using Say = std::function<void(const std::string&)>;
 
-constexpr const char* kOutOfMemory = "out of memory; free some, or give it less to work on";
+constexpr const char* kOutOfMemory = "out of memory; free memory or use a smaller domain";
 constexpr const char* kOutOfMemoryMeshing =
     "out of memory; use a smaller domain or a larger --mesh-size";
 
@@ -108,10 +108,10 @@ int guarded(const std::function<int()>& action, const Say& say,
     static bool told = false;  // calls are nested
     if ((std::fflush(stdout) != 0 || std::ferror(stdout) != 0) && !std::exchange(told, true) &&
         !reader_is_gone())
-      return tell("what was to be printed could not be written; make room", 3);
+      return tell("cannot write to standard output: disk full?", 3);
     return code;
   } catch (const Error& error) {
-    return fail(error.what(), static_cast<int>(error.kind()));
+    return fail(with_options(error.what()), static_cast<int>(error.kind()));
   } catch (const Cancelled&) {
     return say_interrupted(say);
   } catch (const std::bad_alloc&) {
@@ -342,6 +342,14 @@ void add_settings(CommandLine& line) {
               put(stdout, config_markdown());
               return 0;
             });
+  on_choice(
+      line,
+      *line.app.add_subcommand(
+          "report-keys", "All keys of report.json as a Markdown table, for the documentation"),
+      [] {
+        put(stdout, report_markdown());
+        return 0;
+      });
 }
 
 void declare(CommandLine& line) {
@@ -424,7 +432,7 @@ int main(int argc, char** argv) {
     require_values(line.app, argc, argv);
     line.app.parse(argc, argv);
   } catch (const Error& error) {
-    put(stderr, fmt::format("tetropolis: {}\n", one_line(error.what())));
+    put(stderr, fmt::format("tetropolis: {}\n", with_options(one_line(error.what()))));
     return static_cast<int>(error.kind());
   } catch (const CLI::Success& success) {
     return guarded(

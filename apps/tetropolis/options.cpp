@@ -83,4 +83,50 @@ Config ConfigOptions::config() const {
   return config;
 }
 
+std::string with_options(const std::string& message) {
+  const auto is_letter = [](char c) { return (c >= 'a' && c <= 'z') || c == '_'; };
+  const auto field_of = [](std::string_view name) {
+    const auto fields = config_fields();
+    const auto found = std::find_if(fields.begin(), fields.end(),
+                                    [&](const ConfigField& field) { return field.name == name; });
+    return found == fields.end() ? nullptr : &*found;
+  };
+  constexpr std::string_view kBefore = " (`,;:", kAfter = " )`,;:.", kEquals = " = ";
+  std::string text;
+  for (std::size_t i = 0; i < message.size();) {
+    std::size_t end = i;
+    while (end < message.size() && is_letter(message[end])) ++end;
+    if (end == i) {
+      text += message[i++];
+      continue;
+    }
+    const std::string_view name = std::string_view(message).substr(i, end - i);
+    const bool quoted =
+        i > 0 && message[i - 1] == '`' && end < message.size() && message[end] == '`';
+    const bool alone =
+        (i == 0 || kBefore.find(message[i - 1]) != std::string_view::npos) &&
+        (end == message.size() || kAfter.find(message[end]) != std::string_view::npos);
+    const ConfigField* field =
+        quoted || (alone && name.find('_') != std::string_view::npos) ? field_of(name) : nullptr;
+    i = end;
+    if (field == nullptr) {
+      text += name;
+      while (i < message.size() && !is_letter(message[i]) && message[i] != '`' &&
+             kBefore.find(message[i]) == std::string_view::npos)
+        text += message[i++];
+      continue;
+    }
+    if (quoted) {
+      text.pop_back();
+      ++i;
+    }
+    text += option_name(*field);
+    if (std::string_view(message).substr(i).starts_with(kEquals)) {
+      text += ' ';
+      i += kEquals.size();
+    }
+  }
+  return text;
+}
+
 }  // namespace tetropolis::app

@@ -35,4 +35,10 @@ class ConfigOptions {
   std::map<const ConfigField*, Switch> switches_;
 };
 
+/// A message of the library as the command line says it: settings by the spelling of their options.
+/// Settings are told by their names, those of a single word in backquotes: "raise mesh_size, or give
+/// smaller `bounds`" becomes "raise --mesh-size, or give smaller --bounds"; "ground_filter = always"
+/// becomes "--ground-filter always".
+std::string with_options(const std::string& message);
+
 }  // namespace tetropolis::app

@@ -35,7 +35,7 @@
 #include "check_same_boundary.h"
 #include "compare_report.h"
 #include "describe_checks.h"
-#include "reported_facts.h"
+#include "reported_run.h"
 #include "run/result_files.h"
 
 namespace tetropolis {
@@ -77,9 +77,9 @@ CheckedFile check_one_surface(const fs::path& path) {
 /// The clearance that the model must have: what `min_distance` says or else the report, of the raw
 /// model nothing.
 std::optional<double> distance_asked(const std::string& name, std::optional<double> min_distance,
-                                     const std::optional<ReportedFacts>& report) {
+                                     const std::optional<ReportedRun>& report) {
   if (min_distance || name == results::kRawCity) return min_distance;
-  return report ? report->min_distance : Config{}.min_building_distance;
+  return report ? report->report.config.min_building_distance : Config{}.min_building_distance;
 }
 
 /// Of what the reader of a model noticed, what is wrong in a model of ours: as a violation if it is
@@ -100,10 +100,11 @@ void note_changes(const std::vector<Warning>& warnings, bool is_result, CheckedF
 
 /// Guarantee 3: footprints in the mesh, and its angles if the report says what was asked for.
 void check_ground_mesh(const SurfaceMesh& surface, std::array<double, 3> shift,
-                       const CityModel& city, const std::optional<ReportedFacts>& report,
+                       const CityModel& city, const std::optional<ReportedRun>& report,
                        CheckedFile& file) {
-  const bool known = report && report->mesh && report->min_angle;
-  const GroundCheck check = check_ground(surface, shift, city, known ? *report->min_angle : 0);
+  const bool known = report && report->report.ground_mesh;
+  const double min_angle = known ? report->report.config.min_angle : 0;
+  const GroundCheck check = check_ground(surface, shift, city, min_angle);
   file.violations.insert(file.violations.end(), check.violations.begin(), check.violations.end());
   file.facts.push_back(
       fmt::format("{} triangles in the plan, least angle {:.2f} degrees; outlines of roofs "
@@ -114,31 +115,33 @@ void check_ground_mesh(const SurfaceMesh& surface, std::array<double, 3> shift,
         "the least angle of the ground mesh (no report.json that says what was asked for)");
     return;
   }
-  const ReportedGround& ground = report->ground;
+  const GroundMeshFacts& ground = *report->report.ground_mesh;
   const auto triangles = static_cast<double>(check.triangles);
-  compare("number of ground triangles", ground.triangles, triangles, triangles, triangles, file);
-  compare("least angle of the ground mesh", ground.least_angle, check.least_angle_bounds_deg[0],
+  compare("number of ground triangles", static_cast<double>(ground.triangles), triangles, triangles,
+          triangles, file);
+  compare("least angle of the ground mesh", ground.min_angle_deg, check.least_angle_bounds_deg[0],
           check.least_angle_deg, check.least_angle_bounds_deg[1], file);
-  compare("number of triangles below the minimum angle", ground.below_min_angle,
+  compare("number of triangles below the minimum angle",
+          static_cast<double>(ground.triangles_below_min_angle),
           static_cast<double>(check.below_bounds[0]), static_cast<double>(check.below),
           static_cast<double>(check.below_bounds[1]), file);
-  file.facts.push_back(
-      fmt::format("{} triangles below {} degrees", check.below, *report->min_angle));
+  file.facts.push_back(fmt::format("{} triangles below {} degrees", check.below, min_angle));
 }
 
 void check_heights_of(const Raster& terrain, const SurfaceMesh& surface,
                       std::array<double, 3> shift, const CityModel& city,
-                      const std::optional<ReportedFacts>& report, CheckedFile& file) {
-  const ReportedFacts facts = report.value_or(ReportedFacts{});
+                      const std::optional<ReportedRun>& report, CheckedFile& file) {
+  const double min_wall = report ? report->report.config.min_wall_height : Config{}.min_wall_height;
   const HeightsCheck check =
-      check_heights(surface, shift, terrain, city, facts.min_wall, facts.cuts);
+      check_heights(surface, shift, terrain, city, min_wall, report ? report->cuts : CutsCheck{});
   file.violations.insert(file.violations.end(), check.violations.begin(), check.violations.end());
   file.facts.push_back(fmt::format(
       "{} ground vertices on the terrain ({} lowered at walls, around roofs and at feet), {} "
       "roof vertices at their roof's height",
       check.ground_vertices, check.lowered, check.roof_vertices));
-  if (report && report->mesh)
-    compare("number of lowered ground vertices", report->mesh->ground_lowered,
+  if (report && report->has_mesh())
+    compare("number of lowered ground vertices",
+            static_cast<double>(report->report.volume_mesh->ground_lowered),
             static_cast<double>(check.lowered), static_cast<double>(check.lowered),
             static_cast<double>(check.lowered + check.perhaps_lowered), file);
 }
@@ -151,24 +154,25 @@ struct Sources {
 };
 
 /// In the folder, if its report tells of it; where `mesh` has read it; or else in the folder.
-Sources find_sources(const fs::path& folder, const std::optional<ReportedFacts>& report) {
+Sources find_sources(const fs::path& folder, const std::optional<ReportedRun>& report) {
   const auto find = [&](const char* name, const fs::path& read) {
-    const bool told = report && std::find(report->files.begin(), report->files.end(), name) !=
-                                    report->files.end();
+    const bool told = report && std::find(report->report.files.begin(), report->report.files.end(),
+                                          name) != report->report.files.end();
     if (!told && !read.empty() && is_there(read)) return read;
     return is_there(folder / name) ? folder / name : fs::path();
   };
-  const ReportedFacts facts = report.value_or(ReportedFacts{});
-  return {find(results::kCity, facts.city_model), find(results::kTerrain, facts.terrain),
-          facts.city_model.empty() ? results::kCity : facts.city_model,
-          facts.terrain.empty() ? results::kTerrain : facts.terrain, std::nullopt};
+  const fs::path city = report ? report->city_model : fs::path();
+  const fs::path terrain = report ? report->terrain : fs::path();
+  return {find(results::kCity, city), find(results::kTerrain, terrain),
+          city.empty() ? results::kCity : city, terrain.empty() ? results::kTerrain : terrain,
+          std::nullopt};
 }
 
 CheckedFile check_against_city(const std::string& name, const Sources& sources, const TetMesh& mesh,
                                const SurfaceMesh& surface, const CityModel& city,
-                               const std::optional<ReportedFacts>& report) {
+                               const std::optional<ReportedRun>& report) {
   std::array<double, 3> shift{0, 0, 0};
-  if (report && report->absolute) shift = {-city.origin.x, -city.origin.y, 0};
+  if (report && report->is_absolute()) shift = {-city.origin.x, -city.origin.y, 0};
   CheckedFile file{name, {}, check_regions(mesh, shift, city), {}};
   file.facts.emplace_back("regions of cells compared with the footprints");
   check_ground_mesh(surface, shift, city, report, file);
@@ -186,7 +190,7 @@ std::string shown_name(const fs::path& path, const fs::path& folder) {
 }
 
 CheckedFile check_terrain(const std::string& name, const RasterInput& terrain,
-                          const CityModel& city, const std::optional<ReportedFacts>& report) {
+                          const CityModel& city, const std::optional<ReportedRun>& report) {
   const auto [low, high] =
       std::minmax_element(terrain.raster.values.begin(), terrain.raster.values.end());
   CheckedFile file{name,
@@ -201,7 +205,7 @@ CheckedFile check_terrain(const std::string& name, const RasterInput& terrain,
 /// The volume, and each of the boundaries, which are all to be that of the volume, against it.
 std::vector<CheckedFile> check_volume_and_boundaries(const NamedVolume& volume,
                                                      const std::vector<NamedSurface>& boundaries,
-                                                     const std::optional<ReportedFacts>& report,
+                                                     const std::optional<ReportedRun>& report,
                                                      const Progress& progress) {
   const VolumeCheck volume_check = check_volume(volume.mesh, progress);
   std::vector<CheckedFile> files{describe(volume.name, volume_check)};
@@ -215,8 +219,8 @@ std::vector<CheckedFile> check_volume_and_boundaries(const NamedVolume& volume,
                      {"faces of one compared with faces of the other"},
                      check_same_boundary(volume.mesh, volume_check, boundary.mesh),
                      {}};
-    if (report && report->mesh)
-      compare_mesh(*report->mesh, volume_check, surface_check, both);
+    if (report && report->has_mesh())
+      compare_mesh(report->report, volume_check, surface_check, both);
     else
       both.not_checked.emplace_back("numbers of the run (no report.json that has them)");
     files.push_back(both);
@@ -227,7 +231,7 @@ std::vector<CheckedFile> check_volume_and_boundaries(const NamedVolume& volume,
 /// A mesh of the folder; `city` is city.city.json if that is there.
 void add_mesh(const NamedVolume& volume, const std::vector<NamedSurface>& boundaries,
               const Sources& sources, const CityModel& city,
-              const std::optional<ReportedFacts>& report, const Progress& progress,
+              const std::optional<ReportedRun>& report, const Progress& progress,
               std::vector<CheckedFile>& files) {
   for (CheckedFile& file : check_volume_and_boundaries(volume, boundaries, report, progress))
     files.push_back(std::move(file));
@@ -245,7 +249,7 @@ void add_mesh(const NamedVolume& volume, const std::vector<NamedSurface>& bounda
 
 /// What is in the folder of volume and boundary, one format after the other.
 void add_meshes(const fs::path& folder, const Sources& sources, const CityModel& city,
-                const std::optional<ReportedFacts>& report, const Progress& progress,
+                const std::optional<ReportedRun>& report, const Progress& progress,
                 std::vector<CheckedFile>& files) {
   const auto there = [&](const char* name) { return is_there(folder / name); };
   const bool vtu = there("volume.vtu"), vtp = there("boundary.vtp"), xdmf = there("volume.xdmf");
@@ -268,7 +272,7 @@ void add_meshes(const fs::path& folder, const Sources& sources, const CityModel&
         {grid_name("volume.xdmf", "boundary"), std::move(mesh.boundary), mesh.origin});
     add_mesh({grid_name("volume.xdmf", "mesh"), std::move(mesh.volume), mesh.origin}, boundaries,
              sources, city, report, progress, files);
-  } else if (report && report->mesh && !(vtu && vtp)) {
+  } else if (report && report->has_mesh() && !(vtu && vtp)) {
     files.push_back(
         {"meshes", {}, {}, {"there is neither volume.vtu with boundary.vtp nor volume.xdmf"}});
   }
@@ -294,12 +298,12 @@ bool is_whole(const fs::path& path) {
 
 /// A result that was lost or moved away since the run, or emptied. Beside a model, the data of
 /// `synth` that it was made from are none.
-void require_listed(const fs::path& folder, const ReportedFacts& report,
+void require_listed(const fs::path& folder, const ReportedRun& report,
                     std::vector<CheckedFile>& files) {
   const std::vector<std::string> of_models = results::all_names();
-  const bool has_model = report.city || report.mesh;
+  const bool has_model = report.report.city || report.report.volume_mesh;
   std::vector<std::string> missing;
-  for (const std::string& name : report.files)
+  for (const std::string& name : report.report.files)
     if ((!has_model || std::find(of_models.begin(), of_models.end(), name) != of_models.end()) &&
         !is_whole(folder / name))
       missing.push_back(name);
@@ -322,9 +326,9 @@ void add_unread(const fs::path& folder, std::vector<CheckedFile>& files) {
 }
 
 /// Of a model that `mesh` has read: buildings that it says it left out, which the mesh is without.
-void leave_out_dropped(const ReportedCity& reported, CityModel& city) {
-  const std::map<std::string, std::string> reasons(reported.dropped.begin(),
-                                                   reported.dropped.end());
+void leave_out_dropped(const CityFacts& reported, CityModel& city) {
+  std::map<std::string, std::string> reasons;
+  for (const Dropped& feature : reported.dropped) reasons[feature.source_id] = feature.reason;
   std::erase_if(city.buildings, [&](const Building& building) {
     const auto reason = reasons.find(building.source_ids.front());
     if (reason == reasons.end()) return false;
@@ -342,7 +346,7 @@ void note_members(const CityModel& raw, const CityModel& city, double max_distan
 
 std::vector<CheckedFile> check_folder(const fs::path& folder, std::optional<double> min_distance,
                                       const Progress& progress) {
-  const std::optional<ReportedFacts> report = read_report(folder);
+  const std::optional<ReportedRun> report = read_reported_run(folder);
   Sources sources = find_sources(folder, report);
   std::vector<CheckedFile> files;
   CityModel city;
@@ -354,7 +358,7 @@ std::vector<CheckedFile> check_folder(const fs::path& folder, std::optional<doub
     const bool is_raw = name == results::kRawCity;
     const bool was_read = !is_raw && report && !report->city_model.empty();
     city = read_city(path, &warnings, was_read ? BrokenObjects::kDrop : BrokenObjects::kRefuse);
-    if (was_read && report->city) leave_out_dropped(*report->city, city);
+    if (was_read && report->report.city) leave_out_dropped(*report->report.city, city);
     const std::optional<double> distance =
         distance_asked(name, is_raw ? std::nullopt : min_distance, report);
     const CityCheck check = check_city(city, distance);
@@ -364,16 +368,16 @@ std::vector<CheckedFile> check_folder(const fs::path& folder, std::optional<doub
     compare_account(city, report, files.back());
     if (is_raw) {
       raw = city;
-      if (report && report->city && report->footprint_parts)
-        compare_count("number of raw buildings", report->city->raw_buildings, city.buildings.size(),
-                      files.back());
+      if (report && report->report.city && report->made_city())
+        compare_count("number of raw buildings", report->report.city->raw_buildings,
+                      city.buildings.size(), files.back());
       continue;
     }
     // A model that was meshed by itself may be another one than the raw model beside it.
-    if (raw && report && report->footprint_parts) {
+    if (raw && report && report->made_city()) {
       compare_features(*raw, city, files.back());
-      if (report->city && report->city->max_distance)
-        note_members(*raw, city, *report->city->max_distance, files.back());
+      if (report->report.city)
+        note_members(*raw, city, report->report.city->max_distance, files.back());
     }
     if (report) compare_city(city, check, *report, files.back());
   }
@@ -401,12 +405,12 @@ std::vector<CheckedFile> check_folder(const fs::path& folder, std::optional<doub
 
 /// By itself, so a report beside it that is another program's is no reason to give up.
 CheckedFile check_one_city(const fs::path& path, std::optional<double> min_distance) {
-  std::optional<ReportedFacts> report;
+  std::optional<ReportedRun> report;
   std::vector<std::string> not_checked{
       "that every input feature is accounted for, and the meshes (check the "
       "folder that has the other results)"};
   try {
-    report = read_report(path.parent_path());
+    report = read_reported_run(path.parent_path());
   } catch (const Error& error) {
     not_checked.push_back(fmt::format("what report.json asks for ({})", error.what()));
   }

@@ -41,15 +41,20 @@ std::string list_of(const std::map<std::string, std::int64_t>& counts) {
   return parts.empty() ? "none" : fmt::format("{}", fmt::join(parts, ", "));
 }
 
+/// Ids and reasons.
+std::vector<std::pair<std::string, std::string>> sorted_pairs(const std::vector<Dropped>& dropped) {
+  std::vector<std::pair<std::string, std::string>> pairs;
+  for (const Dropped& feature : dropped) pairs.emplace_back(feature.source_id, feature.reason);
+  std::sort(pairs.begin(), pairs.end());
+  return pairs;
+}
+
 /// `check` is that of the city; `made`: the run that reports made it, and did not only read it.
-void compare_buildings(const CityModel& city, const CityCheck& check, const ReportedCity& report,
+void compare_buildings(const CityModel& city, const CityCheck& check, const CityFacts& report,
                        bool made, CheckedFile& file) {
   compare_count("number of buildings", report.buildings, city.buildings.size(), file);
-  std::vector<std::pair<std::string, std::string>> dropped;
-  for (const Dropped& feature : city.dropped)
-    dropped.emplace_back(feature.source_id, feature.reason);
-  std::sort(dropped.begin(), dropped.end());
-  if (report.dropped != dropped)
+  const std::vector<std::pair<std::string, std::string>> dropped = sorted_pairs(city.dropped);
+  if (sorted_pairs(report.dropped) != dropped)
     differs("list of dropped features", std::to_string(report.dropped.size()),
             std::to_string(dropped.size()), file);
   for (const auto& [id, reason] : dropped)
@@ -58,14 +63,13 @@ void compare_buildings(const CityModel& city, const CityCheck& check, const Repo
   for (const Building& building : city.buildings) merged += building.source_ids.size() > 1 ? 1 : 0;
   compare_count("number of merged groups", report.merged_groups, merged, file);
   if (!made) return;
-  compare("area of footprints", report.area, check.area * (1 - 1e-9) - 1e-6, check.area,
+  compare("area of footprints", report.area_after, check.area * (1 - 1e-9) - 1e-6, check.area,
           check.area * (1 + 1e-9) + 1e-6, file);
   const double clearance = joint_clearance_of(check);
-  if (!report.min_clearance && !city.buildings.empty())
+  if (!std::isfinite(report.min_clearance) && !city.buildings.empty())
     differs("clearance", "none", fmt::format("{}", clearance), file);
-  if (report.min_clearance)
-    compare("clearance", *report.min_clearance, clearance - 1e-6, clearance, clearance + 1e-6,
-            file);
+  if (std::isfinite(report.min_clearance))
+    compare("clearance", report.min_clearance, clearance - 1e-6, clearance, clearance + 1e-6, file);
   std::map<std::string, std::int64_t> flags;
   for (const Building& building : city.buildings)
     for (const std::string& name : flag_names(building.flags)) ++flags[name];
@@ -73,9 +77,12 @@ void compare_buildings(const CityModel& city, const CityCheck& check, const Repo
     differs("number of flags", list_of(report.flags), list_of(flags), file);
 }
 
-void compare_boxes(const std::array<double, 4>& reported, const Bounds2& found, CheckedFile& file) {
+void compare_boxes(const Bounds2& reported_box, const Bounds2& found, CheckedFile& file) {
   constexpr double kSame = 1e-6;  // metres
-  const std::array sides{found.xmin, found.ymin, found.xmax, found.ymax};
+  const auto sides_of = [](const Bounds2& box) {
+    return std::array{box.xmin, box.ymin, box.xmax, box.ymax};
+  };
+  const auto sides = sides_of(found), reported = sides_of(reported_box);
   const auto text = [](const std::array<double, 4>& box) {
     return fmt::format("x {} .. {}, y {} .. {}", box[0], box[2], box[1], box[3]);
   };
@@ -98,64 +105,58 @@ void compare_count(const std::string& what, std::int64_t reported, std::size_t f
   compare(what, static_cast<double>(reported), count, count, count, file);
 }
 
-void compare_mesh(const ReportedMesh& mesh, const VolumeCheck& volume, const SurfaceCheck& surface,
+void compare_mesh(const Report& report, const VolumeCheck& volume, const SurfaceCheck& surface,
                   CheckedFile& file) {
+  const VolumeMeshFacts& mesh = *report.volume_mesh;
+  const SurfaceMeshFacts boundary = report.surface_mesh.value_or(SurfaceMeshFacts{});
+  const auto number = [](std::int64_t count) { return static_cast<double>(count); };
   const auto near = [&](const std::string& what, double reported, double found, double tolerance) {
     compare(what, reported, found - tolerance, found, found + tolerance, file);
   };
-  near("number of cells", mesh.cells, static_cast<double>(volume.cells), 0);
-  near("number of vertices", mesh.vertices, static_cast<double>(volume.vertices), 0);
-  near("inverted cells", mesh.inverted, static_cast<double>(volume.inverted), 0);
+  near("number of cells", number(mesh.cells), static_cast<double>(volume.cells), 0);
+  near("number of vertices", number(mesh.vertices), static_cast<double>(volume.vertices), 0);
+  near("inverted cells", number(mesh.inverted), static_cast<double>(volume.inverted), 0);
   near("volume", mesh.volume, volume.volume, 1e-9 * volume.volume);
   near("enclosed volume", volume.volume, surface.enclosed_volume, 1e-7 * volume.volume);
-  near("boundary triangles", mesh.triangles, static_cast<double>(surface.triangles), 0);
-  near("greatest non-orthogonality", mesh.non_orthogonality, volume.faces.max_non_orthogonality_deg,
-       0.01);
-  near("greatest skewness", mesh.skewness, volume.faces.max_skewness, 0.01);
-  near("faces above 70 degrees", mesh.faces_above_70, static_cast<double>(volume.faces.above_70),
-       0);
-  const auto near_one = [&](const std::map<std::string, double>& reported, const char* name,
-                            const std::string& what, double found, double tolerance) {
-    const auto value = reported.find(name);
-    near(what, value == reported.end() ? -1 : value->second, found, tolerance);
-  };
+  near("boundary triangles", number(boundary.triangles), static_cast<double>(surface.triangles), 0);
+  near("greatest non-orthogonality", mesh.faces.worst.non_orthogonality_deg,
+       volume.faces.max_non_orthogonality_deg, 0.01);
+  near("greatest skewness", mesh.faces.worst.skewness, volume.faces.max_skewness, 0.01);
+  near("faces above 70 degrees", number(mesh.faces.above_70),
+       static_cast<double>(volume.faces.above_70), 0);
   const Distribution &angle = volume.min_dihedral_deg, &aspect = volume.aspect_ratio;
-  near_one(mesh.angles, "min", "least dihedral angle", angle.min, 0.01);
-  near_one(mesh.angles, "max", "greatest dihedral angle", volume.max_dihedral_deg, 0.01);
-  near_one(mesh.angles, "p0_01", "0.01 % quantile of dihedral angles", angle.p0_01, 0.1);
-  near_one(mesh.angles, "p0_1", "0.1 % quantile of dihedral angles", angle.p0_1, 0.1);
-  near_one(mesh.angles, "p1", "1 % quantile of dihedral angles", angle.p1, 0.1);
-  near_one(mesh.angles, "median", "median of dihedral angles", angle.median, 0.1);
-  near_one(mesh.aspects, "median", "median of aspect ratios", aspect.median, 0.01 * aspect.median);
-  near_one(mesh.aspects, "p99", "99 % quantile of aspect ratios", aspect.p99, 0.01 * aspect.p99);
-  near_one(mesh.aspects, "max", "greatest aspect ratio", aspect.max, 1e-4 * aspect.max);
+  near("least dihedral angle", mesh.dihedral_min, angle.min, 0.01);
+  near("greatest dihedral angle", mesh.dihedral_max, volume.max_dihedral_deg, 0.01);
+  near("0.01 % quantile of dihedral angles", mesh.dihedral_p0_01, angle.p0_01, 0.1);
+  near("0.1 % quantile of dihedral angles", mesh.dihedral_p0_1, angle.p0_1, 0.1);
+  near("1 % quantile of dihedral angles", mesh.dihedral_p1, angle.p1, 0.1);
+  near("median of dihedral angles", mesh.dihedral_median, angle.median, 0.1);
+  near("median of aspect ratios", mesh.aspect_median, aspect.median, 0.01 * aspect.median);
+  near("99 % quantile of aspect ratios", mesh.aspect_p99, aspect.p99, 0.01 * aspect.p99);
+  near("greatest aspect ratio", mesh.aspect_max, aspect.max, 1e-4 * aspect.max);
   near("least vertical edge", mesh.min_vertical_gap, volume.least_vertical_edge, 1e-6);
-  if (mesh.top) {
-    near("elevation of the top", *mesh.top, surface.highest, 1e-6);
-    near("lowest vertex of the flat top", *mesh.top, surface.lowest_top, 1e-6);
+  if (report.config.top == Top::kFlat) {
+    near("elevation of the top", mesh.top, surface.highest, 1e-6);
+    near("lowest vertex of the flat top", mesh.top, surface.lowest_top, 1e-6);
   }
-  near("closed boundary", mesh.closed ? 1 : 0, surface.closed ? 1 : 0, 0);
-  near("manifold boundary", mesh.manifold ? 1 : 0, surface.manifold ? 1 : 0, 0);
-  for (int i = 0; i < kPatchCount; ++i) {
-    const std::string name(patch_name(static_cast<Patch>(i + 1)));
-    const auto reported = mesh.faces_by_patch.find(name);
-    near("number of faces of " + name,
-         reported == mesh.faces_by_patch.end() ? 0 : static_cast<double>(reported->second),
-         static_cast<double>(surface.faces_by_patch[static_cast<std::size_t>(i)]), 0);
-  }
+  near("closed boundary", boundary.closed ? 1 : 0, surface.closed ? 1 : 0, 0);
+  near("manifold boundary", boundary.manifold ? 1 : 0, surface.manifold ? 1 : 0, 0);
+  for (std::size_t i = 0; i < surface.faces_by_patch.size(); ++i)
+    near(fmt::format("number of faces of {}", patch_name(static_cast<Patch>(i + 1))),
+         number(boundary.faces_by_patch[i]), number(surface.faces_by_patch[i]), 0);
 }
 
-void compare_account(const CityModel& city, const std::optional<ReportedFacts>& report,
+void compare_account(const CityModel& city, const std::optional<ReportedRun>& report,
                      CheckedFile& file) {
-  if (!report || !report->footprint_parts) {
+  if (!report || !report->made_city()) {
     file.not_checked.emplace_back(
         "that every input feature is accounted for (no report.json of the run that made the city)");
     return;
   }
   std::size_t accounted = city.dropped.size();
   for (const Building& building : city.buildings) accounted += building.source_ids.size();
-  const std::size_t parts = *report->footprint_parts;
-  if (parts != accounted)
+  const std::int64_t parts = report->report.input->footprint_parts;
+  if (parts != static_cast<std::int64_t>(accounted))
     file.violations.push_back(
         {"input features not accounted for", 1,
          fmt::format("{} in the input, {} in buildings or dropped", parts, accounted)});
@@ -178,57 +179,59 @@ void compare_features(const CityModel& raw, const CityModel& city, CheckedFile& 
                                static_cast<std::int64_t>(new_ids.size()), new_ids.front()});
 }
 
-void compare_city(const CityModel& city, const CityCheck& check, const ReportedFacts& report,
+void compare_city(const CityModel& city, const CityCheck& check, const ReportedRun& report,
                   CheckedFile& file) {
-  if (report.city)
-    compare_buildings(city, check, *report.city, report.footprint_parts.has_value(), file);
-  if (report.origin && *report.origin != city.origin)
-    differs("origin", fmt::format("({}, {})", report.origin->x, report.origin->y),
+  const Report& run = report.report;
+  if (run.city) compare_buildings(city, check, *run.city, report.made_city(), file);
+  if (report.has_origin && run.origin != city.origin)
+    differs("origin", fmt::format("({}, {})", run.origin.x, run.origin.y),
             fmt::format("({}, {})", city.origin.x, city.origin.y), file);
   // `mesh` takes models without a system, which the terrain may have.
-  const bool is_unknown = city.crs.empty() && !report.footprint_parts;
-  if (report.crs && *report.crs != city.crs && !is_unknown &&
-      !same_horizontal_crs(*report.crs, city.crs))
-    differs("reference system", crs_name(*report.crs), crs_name(city.crs), file);
+  const bool is_unknown = city.crs.empty() && !report.made_city();
+  if (report.has_crs && run.crs != city.crs && !is_unknown &&
+      !same_horizontal_crs(run.crs, city.crs))
+    differs("reference system", crs_name(run.crs), crs_name(city.crs), file);
   // `mesh --bounds` leaves the model with its own domain.
-  if (report.domain && report.footprint_parts)
-    compare_boxes(*report.domain, city.domain.moved(city.origin), file);
+  if (report.has_domain && report.made_city())
+    compare_boxes(run.domain, city.domain.moved(city.origin), file);
 }
 
 void compare_terrain(const RasterInput& terrain, const CityModel& city,
-                     const std::optional<ReportedFacts>& report, CheckedFile& file) {
-  const bool is_result = report && report->dtm_step;  // `mesh` takes terrains without a system
-  if (is_result && report->crs && !report->crs->empty() && terrain.crs.empty())
-    differs("reference system", crs_name(*report->crs), "none", file);
-  if (report && report->crs && !report->crs->empty() && city.crs.empty() && !terrain.crs.empty() &&
-      !same_horizontal_crs(*report->crs, terrain.crs))
-    differs("reference system", crs_name(*report->crs), crs_name(terrain.crs), file);
+                     const std::optional<ReportedRun>& report, CheckedFile& file) {
+  const bool is_result = report && report->made_city();  // `mesh` takes terrains without a system
+  const std::string crs = report ? report->report.crs : std::string();
+  if (is_result && !crs.empty() && terrain.crs.empty())
+    differs("reference system", crs_name(crs), "none", file);
+  if (!crs.empty() && city.crs.empty() && !terrain.crs.empty() &&
+      !same_horizontal_crs(crs, terrain.crs))
+    differs("reference system", crs_name(crs), crs_name(terrain.crs), file);
   if (!terrain.crs.empty() && !city.crs.empty() && !same_horizontal_crs(terrain.crs, city.crs))
     file.violations.push_back(
         {"terrain and city model in different reference systems", 1,
          fmt::format("{} and {}", crs_name(terrain.crs), crs_name(city.crs))});
   const double step = terrain.raster.step;
-  if (report && report->dtm_step)
-    compare("step of the terrain", *report->dtm_step, step * (1 - 1e-9), step, step * (1 + 1e-9),
-            file);
+  if (is_result)
+    compare("step of the terrain", report->report.config.dtm_step, step * (1 - 1e-9), step,
+            step * (1 + 1e-9), file);
 }
 
-void compare_domain(const SurfaceCheck& surface, const std::optional<ReportedFacts>& report,
+void compare_domain(const SurfaceCheck& surface, const std::optional<ReportedRun>& report,
                     CheckedFile& file) {
-  if (!report || !report->domain || !report->mesh) return;
-  const Point2 origin = report->absolute ? Point2{0, 0} : report->origin.value_or(Point2{0, 0});
-  compare_boxes(*report->domain, surface.box.moved(origin), file);
+  if (!report || !report->has_domain || !report->has_mesh()) return;
+  const Point2 origin = report->is_absolute() ? Point2{0, 0} : report->report.origin;
+  compare_boxes(report->report.domain, surface.box.moved(origin), file);
 }
 
-void compare_origin(const std::optional<Point3>& origin, const std::optional<ReportedFacts>& report,
+void compare_origin(const std::optional<Point3>& origin, const std::optional<ReportedRun>& report,
                     CheckedFile& file) {
-  if (!report || !report->origin || !report->mesh) return;
+  if (!report || !report->has_origin || !report->has_mesh()) return;
   if (!origin) {
     file.not_checked.emplace_back("the origin (the file does not state it, or not as text)");
     return;
   }
-  const Point3 expected =
-      report->absolute ? Point3{0, 0, 0} : Point3{report->origin->x, report->origin->y, 0};
+  const Point3 expected = report->is_absolute()
+                              ? Point3{0, 0, 0}
+                              : Point3{report->report.origin.x, report->report.origin.y, 0};
   if (*origin != expected)
     differs("origin", fmt::format("{}", fmt::join(expected, ", ")),
             fmt::format("{}", fmt::join(*origin, ", ")), file);

@@ -26,31 +26,30 @@ constexpr double kManyRoofless = 0.1;
 
 }  // namespace
 
-void warn_of_terrain(const DtmReport& dtm, Report& report) {
+void warn_of_terrain(const DtmReport& dtm, bool filtered, std::vector<Warning>& warnings) {
   const char* const advice =
-      report.input->ground_filtered > 0
-          ? "raise --ground-filter-slope or lower --ground-filter-window if the filter took "
-            "terrain "
-            "for objects"
-          : "use --ground-filter always if part of the cloud is not classified";
+      filtered ? "raise ground_filter_slope or lower ground_filter_window if the filter took "
+                 "terrain for "
+                 "objects"
+               : "use ground_filter = always if part of the cloud is not classified";
   if (dtm.empty_share > kMostlyEmpty)
-    report.warnings.push_back(
+    warnings.push_back(
         {"terrain_mostly_filled",
          static_cast<std::int64_t>(dtm.empty_share * static_cast<double>(dtm.nodes)),
          fmt::format(
              "{:.0f} % of the terrain's nodes have no ground point nearby; they were filled from "
-             "their neighbours; check --bounds, raise --dtm-step, or {}",
+             "their neighbours; check `bounds`, raise dtm_step, or {}",
              100 * dtm.empty_share, advice)});
   else if (dtm.void_share > kManyVoids)
-    report.warnings.push_back(
+    warnings.push_back(
         {"terrain_voids", dtm.voids,
          fmt::format(
              "{:.0f} % of the domain's squares of 20 m have no ground point; the terrain there is "
-             "filled from around; check --bounds, or {}",
+             "filled from around; check `bounds`, or {}",
              100 * dtm.void_share, advice)});
 }
 
-void warn_of_giants(const CityModel& raw, Report& report) {
+void warn_of_giants(const CityModel& raw, std::vector<Warning>& warnings) {
   constexpr double kMost = 0.5;
   const double domain = raw.domain.width() * raw.domain.height();
   Warning warning{"building_covers_domain", 0, {}};
@@ -63,23 +62,24 @@ void warn_of_giants(const CityModel& raw, Report& report) {
           "it is not a building",
           building.source_ids.front(), 100 * share);
   }
-  if (warning.count > 0) report.warnings.push_back(warning);
+  if (warning.count > 0) warnings.push_back(warning);
 }
 
-void warn_of_missing_roofs(const CityModel& raw, Report& report) {
+void warn_of_missing_roofs(const CityModel& raw, std::vector<Warning>& warnings) {
   const auto roofless =
       std::count_if(raw.buildings.begin(), raw.buildings.end(),
                     [](const Building& building) { return (building.flags & kNoRoofPoints) != 0; });
   const auto all = static_cast<double>(raw.buildings.size());
   if (static_cast<double>(roofless) <= kManyRoofless * all) return;
-  report.warnings.push_back(
+  warnings.push_back(
       {"no_roof_points", roofless,
        fmt::format("{} of {} buildings have no roof points and get the minimum height; is part of "
                    "the cloud not classified, or missing?",
                    roofless, raw.buildings.size())});
 }
 
-void warn_of_exclusion(const BuildingPoints& points, Report& report) {
+void warn_of_exclusion(const BuildingPoints& points, std::int64_t all_points,
+                       std::vector<Warning>& warnings) {
   const std::vector<std::uint8_t>& marks = points.by_exclusion;
   const auto count = std::count(marks.begin(), marks.end(), 1);
   if (count == 0) return;
@@ -88,16 +88,17 @@ void warn_of_exclusion(const BuildingPoints& points, Report& report) {
       "roof points are those inside footprints that are neither ground, water, vegetation, noise, "
       "wires nor bridge decks";
   if (everywhere)
-    report.warnings.push_back(
-        {"no_building_class", report.input->points_kept,
+    warnings.push_back(
+        {"no_building_class", all_points,
          fmt::format("the cloud has no class 6 (building), or stray points of it; {}", taken)});
   else
-    report.warnings.push_back(
+    warnings.push_back(
         {"building_class_partly", count,
          fmt::format("buildings are in files without class 6 (building); their {}", taken)});
 }
 
-void warn_of_lost_area(const CityModel& raw, const Simplification& simple, Report& report) {
+void warn_of_lost_area(const CityModel& raw, const Simplification& simple,
+                       std::vector<Warning>& warnings) {
   Warning warning{"footprint_mostly_lost", 0, {}};
   for (std::size_t i = 0; i < simple.footprints.size(); ++i) {
     const double left = area(simple.footprints[i]);
@@ -107,11 +108,11 @@ void warn_of_lost_area(const CityModel& raw, const Simplification& simple, Repor
     const auto first = static_cast<std::size_t>(simple.members[i].front());
     warning.message = fmt::format(
         "footprints lost more than half of their area where they are narrower than "
-        "--min-building-distance; the first is feature {}, of which {:.0f} m2 are left ({:.0f} m2 "
+        "min_building_distance; the first is feature {}, of which {:.0f} m2 are left ({:.0f} m2 "
         "changed)",
         raw.buildings[first].source_ids.front(), left, changed);
   }
-  if (warning.count > 0) report.warnings.push_back(warning);
+  if (warning.count > 0) warnings.push_back(warning);
 }
 
 }  // namespace tetropolis

@@ -1,33 +1,37 @@
 // What a run warns of when it has made a city model: data that is odd or seems to be missing.
 #pragma once
 
-#include <cstddef>
+#include <cstdint>
+#include <vector>
 
 #include "tetropolis/city/city_model.h"
 #include "tetropolis/city/extract.h"
 #include "tetropolis/city/simplify/simplify.h"
-#include "tetropolis/run/run.h"
+#include "tetropolis/pipeline/build_city.h"
 #include "tetropolis/terrain/dtm.h"
 
 namespace tetropolis {
 
-// Each adds at most one warning to report.warnings, and none where all is as it should be.
+// Each adds at most one warning to `warnings`, and none where all is as it should be.
 
-/// Of nodes without ground points nearby, and of voids. Reads report.input.
-void warn_of_terrain(const DtmReport& dtm, Report& report);
+/// Of nodes without ground points nearby, and of voids. `filtered`: the ground was found by the
+/// filter.
+void warn_of_terrain(const DtmReport& dtm, bool filtered, std::vector<Warning>& warnings);
 
 /// A polygon that covers most of the domain is hardly a building, and swallows those in it.
-void warn_of_giants(const CityModel& raw, Report& report);
+void warn_of_giants(const CityModel& raw, std::vector<Warning>& warnings);
 
 /// Where so many buildings have no roof points that it is not the buildings that are odd. `raw` has
 /// heights.
-void warn_of_missing_roofs(const CityModel& raw, Report& report);
+void warn_of_missing_roofs(const CityModel& raw, std::vector<Warning>& warnings);
 
-/// Where roof points were told by what they are not. Reads report.input.
-void warn_of_exclusion(const BuildingPoints& points, Report& report);
+/// Where roof points were told by what they are not. `all_points`: of the cloud.
+void warn_of_exclusion(const BuildingPoints& points, std::int64_t all_points,
+                       std::vector<Warning>& warnings);
 
 /// Footprints of which little is as wide as the distance that they have to keep. `simple` is made
 /// of those of `raw`.
-void warn_of_lost_area(const CityModel& raw, const Simplification& simple, Report& report);
+void warn_of_lost_area(const CityModel& raw, const Simplification& simple,
+                       std::vector<Warning>& warnings);
 
 }  // namespace tetropolis

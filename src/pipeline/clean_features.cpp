@@ -47,14 +47,15 @@ void count_lost_parts(const std::string& source_id, double lost_area, Warning& w
   if (!(lost_area > kNoSliver) || warning.count++ > 0) return;
   warning.message = fmt::format(
       "where a footprint falls into parts as its rings are repaired, only the largest is kept, and "
-      "where the domain cuts it, only those of --min-building-area; the first is feature {}, which "
+      "where the domain cuts it, only those of min_building_area; the first is feature {}, which "
       "loses parts of {:.0f} m2",
       source_id, lost_area);
 }
 
 /// Those outside the domain stay as they are made: nothing looks at them again.
-std::vector<CleanedFootprint> clean_all(const Config& config, const FootprintsInput& input,
-                                        const Bounds2& domain, const Progress& progress) {
+std::vector<CleanedFootprint> clean_all(const BuildCityOptions& options,
+                                        const FootprintsInput& input, const Bounds2& domain,
+                                        const Progress& progress) {
   const std::size_t size = input.features.size();
   std::vector<CleanedFootprint> clean(size);
   SharedProgress shared(progress, static_cast<std::int64_t>(size));
@@ -62,7 +63,7 @@ std::vector<CleanedFootprint> clean_all(const Config& config, const FootprintsIn
     for (std::size_t i = begin; i < end; ++i) {
       const Polygon& polygon = input.features[i].polygon;
       if (position_in_domain(polygon, domain) != DomainPosition::kOutside)
-        clean[i] = clean_footprint(polygon, {config.parallel_tolerance});
+        clean[i] = clean_footprint(polygon, {options.simplify.parallel_tolerance});
     }
     shared.add(static_cast<std::int64_t>(end - begin));
   });
@@ -79,7 +80,7 @@ struct Kept {
 Kept dropped(const char* reason) { return {{}, 0, reason}; }
 
 /// `cleaned.lost_area` grows by what the boundary cuts off and is left out.
-Kept keep_inside(const Config& config, const Polygon& feature, const Bounds2& domain,
+Kept keep_inside(const BuildCityOptions& options, const Polygon& feature, const Bounds2& domain,
                  CleanedFootprint& cleaned, std::vector<Polygon>& crossing) {
   const char* const outside = "outside the domain";
   if (position_in_domain(feature, domain) == DomainPosition::kOutside) return dropped(outside);
@@ -97,15 +98,15 @@ Kept keep_inside(const Config& config, const Polygon& feature, const Bounds2& do
   // The box of what lies around a corner of the domain crosses it, too.
   std::vector<Polygon> inside = parts_in_box(cleaned.polygon, domain);
   if (inside.empty()) return dropped(outside);
-  if (config.boundary_buildings == BoundaryBuildings::kDrop) {
+  if (options.boundary_buildings == BoundaryBuildings::kDrop) {
     for (Polygon& part : inside) crossing.push_back(std::move(part));
     return dropped("crosses the domain boundary");
   }
   // Cut back by the merge distance, so that the strip left is wide enough to mesh.
-  const Bounds2 room = domain.grown(-config.min_building_distance - kCoordinateStep * 4);
+  const Bounds2 room = domain.grown(-options.simplify.min_distance - kCoordinateStep * 4);
   double cut_off = 0;
   std::vector<Polygon> parts =
-      clip_to_box(cleaned.polygon, room, config.min_building_area, &cut_off);
+      clip_to_box(cleaned.polygon, room, options.simplify.min_area, &cut_off);
   if (parts.empty()) return dropped("crosses the domain boundary, with nothing left inside");
   cleaned.lost_area += cut_off;
   return {std::move(parts), flags | kClipped, {}};
@@ -113,16 +114,17 @@ Kept keep_inside(const Config& config, const Polygon& feature, const Bounds2& do
 
 }  // namespace
 
-CleanFeatures clean_features(const Config& config, const FootprintsInput& input,
-                             const Bounds2& domain, Report& report, const Progress& progress) {
-  std::vector<CleanedFootprint> clean = clean_all(config, input, domain, progress);
+CleanFeatures clean_features(const BuildCityOptions& options, const FootprintsInput& input,
+                             const Bounds2& domain, std::vector<Warning>& warnings,
+                             const Progress& progress) {
+  std::vector<CleanedFootprint> clean = clean_all(options, input, domain, progress);
   CleanFeatures result;
   result.dropped = input.dropped;
   Warning lost_parts{"parts_lost", 0, {}};
   PartIds part_ids(input);
   for (std::size_t i = 0; i < clean.size(); ++i) {
     const Footprint& feature = input.features[i];
-    Kept kept = keep_inside(config, feature.polygon, domain, clean[i], result.crossing);
+    Kept kept = keep_inside(options, feature.polygon, domain, clean[i], result.crossing);
     if (kept.parts.empty()) {
       result.dropped.push_back({feature.source_id, std::move(kept.reason)});
       continue;
@@ -139,7 +141,7 @@ CleanFeatures clean_features(const Config& config, const FootprintsInput& input,
       result.buildings.push_back(std::move(building));
     }
   }
-  if (lost_parts.count > 0) report.warnings.push_back(lost_parts);
+  if (lost_parts.count > 0) warnings.push_back(lost_parts);
   return result;
 }
 

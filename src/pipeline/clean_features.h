@@ -7,8 +7,7 @@
 #include "tetropolis/city/city_model.h"
 #include "tetropolis/core/progress.h"
 #include "tetropolis/io/vector/vector.h"
-#include "tetropolis/run/config.h"
-#include "tetropolis/run/run.h"
+#include "tetropolis/pipeline/build_city.h"
 
 namespace tetropolis {
 
@@ -21,9 +20,10 @@ struct CleanFeatures {
 };
 
 /// Cleans the features that meet `domain`, and clips or drops those across its boundary, as
-/// config.boundary_buildings says. Every feature ends in `buildings` or in `dropped`. Features that
-/// have lost parts are one warning of the report.
-CleanFeatures clean_features(const Config& config, const FootprintsInput& input,
-                             const Bounds2& domain, Report& report, const Progress& progress);
+/// options.boundary_buildings says. Every feature ends in `buildings` or in `dropped`. Features
+/// that have lost parts are one warning.
+CleanFeatures clean_features(const BuildCityOptions& options, const FootprintsInput& input,
+                             const Bounds2& domain, std::vector<Warning>& warnings,
+                             const Progress& progress);
 
 }  // namespace tetropolis

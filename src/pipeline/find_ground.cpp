@@ -18,19 +18,19 @@ namespace tetropolis {
 namespace {
 
 /// Of all points.
-bool is_wanted(const Config& config, const std::map<int, std::int64_t>& by_class) {
-  if (config.ground_filter != GroundFilter::kAuto)
-    return config.ground_filter == GroundFilter::kAlways;
+bool is_wanted(const BuildCityOptions& options, const std::map<int, std::int64_t>& by_class) {
+  if (options.ground_filter != GroundFilter::kAuto)
+    return options.ground_filter == GroundFilter::kAlways;
   return !has_class(by_class, kGround, kStrayGround) && has_unclassified(by_class);
 }
 
-std::string describe(std::span<const PointFile> files) {
+std::string describe(std::span<const FilePoints> files) {
   return files.size() == 1 ? fmt::format("{} has", files[0].path)
                            : fmt::format("{} and {} more have", files[0].path, files.size() - 1);
 }
 
 /// Of the points near the files only: what else there is may be large.
-std::vector<std::uint8_t> filter_around(const InputData& input, std::span<const PointFile> files,
+std::vector<std::uint8_t> filter_around(const CityInput& input, std::span<const FilePoints> files,
                                         std::span<const Polygon> footprints,
                                         const GroundFilterOptions& options,
                                         const Progress& progress) {
@@ -45,29 +45,26 @@ std::vector<std::uint8_t> filter_around(const InputData& input, std::span<const 
   cloud.z.reserve(near.size());
   cloud.classification.reserve(near.size());
   for (const std::size_t p : near) {
-    cloud.x.push_back(input.points.x[p]);
-    cloud.y.push_back(input.points.y[p]);
-    cloud.z.push_back(input.points.z[p]);
-    cloud.classification.push_back(input.points.classification[p]);
+    cloud.x.push_back(input.points.points.x[p]);
+    cloud.y.push_back(input.points.points.y[p]);
+    cloud.z.push_back(input.points.points.z[p]);
+    cloud.classification.push_back(input.points.points.classification[p]);
   }
   const std::vector<std::uint8_t> found =
       filter_ground(cloud, footprints, options, portion(progress, 0.2, 1));
-  std::vector<std::uint8_t> ground(input.points.size(), 0);
+  std::vector<std::uint8_t> ground(input.points.points.size(), 0);
   for (std::size_t k = 0; k < near.size(); ++k) ground[near[k]] = found[k];
   return ground;
 }
 
 /// Of all points, or of the files given.
-void run_filter(const Config& config, InputData& input, std::span<const PointFile> files,
-                StepClock& clock, Report& report) {
-  GroundFilterOptions options;
-  options.window = config.ground_filter_window;
-  options.slope = config.ground_filter_slope;
+void run_filter(GroundFilterOptions options, CityInput& input, std::span<const FilePoints> files,
+                StepClock& clock, InputFacts& facts, std::vector<Warning>& warnings) {
   options.classes.push_back(kGround);
   const ClassTable candidates = class_table(options.classes);
-  std::span<std::uint8_t> classes = input.points.classification;
+  std::span<std::uint8_t> classes = input.points.points.classification;
   std::vector<PointRange> ranges;
-  for (const PointFile& file : files) ranges.push_back(file.points.kept);
+  for (const FilePoints& file : files) ranges.push_back(file.kept);
   if (files.empty()) ranges.push_back({0, classes.size()});
   std::int64_t before = 0, after = 0, all = 0;
   clock.run("1.3", "find ground points", [&](const Progress& progress) {
@@ -75,7 +72,7 @@ void run_filter(const Config& config, InputData& input, std::span<const PointFil
     for (const Footprint& feature : input.footprints.features)
       footprints.push_back(feature.polygon);
     const std::vector<std::uint8_t> ground =
-        files.empty() ? filter_ground(input.points, footprints, options, progress)
+        files.empty() ? filter_ground(input.points.points, footprints, options, progress)
                       : filter_around(input, files, footprints, options, progress);
     for (const PointRange& range : ranges)
       for (std::size_t p = range.begin; p < range.end; ++p) {
@@ -88,63 +85,64 @@ void run_filter(const Config& config, InputData& input, std::span<const PointFil
           classes[p] = kUnclassified;
       }
   });
-  report.input->ground_filtered = after;
+  facts.ground_filtered = after;
   std::string why = "the cloud has no class 2 (ground)";
   if (!files.empty())
     why = describe(files) + " no class 2 (ground)";
   else if (before > 0)
     why = fmt::format("the class of {} ground points was ignored", before);
-  report.warnings.push_back(
-      {"ground_filtered", after,
-       fmt::format("{}; a filter found {} of {} unclassified points on the ground", why, after,
-                   all)});
+  warnings.push_back({"ground_filtered", after,
+                      fmt::format("{}; a filter found {} of {} unclassified points on the ground",
+                                  why, after, all)});
 }
 
 /// Ground points that cannot be ground become noise.
-void drop_ground_outliers(InputData& input, StepClock& clock, Report& report) {
-  PointCloud& cloud = input.points;
+void drop_ground_outliers(CityInput& input, StepClock& clock, InputFacts& facts,
+                          std::vector<Warning>& warnings) {
+  PointCloud& cloud = input.points.points;
   const std::vector<std::uint32_t> outliers = clock.run(
       "1.3", "ground outliers",
       [&](const Progress& progress) { return find_ground_outliers(cloud, {}, progress); });
   if (outliers.empty()) return;
   // Any of the two serves: nothing looks at noise. High noise says less about the depth.
   for (const std::uint32_t p : outliers) cloud.classification[p] = kHighNoise;
-  report.input->ground_outliers = static_cast<std::int64_t>(outliers.size());
+  facts.ground_outliers = static_cast<std::int64_t>(outliers.size());
   const std::uint32_t first = outliers.front();
-  report.warnings.push_back(
-      {"ground_outliers", report.input->ground_outliers,
+  warnings.push_back(
+      {"ground_outliers", facts.ground_outliers,
        fmt::format("ground points far above or below all others around them were left out, the "
                    "first at ({:.2f}, {:.2f}) with elevation {:.2f}",
-                   cloud.x[first] + input.origin.x, cloud.y[first] + input.origin.y,
+                   cloud.x[first] + input.points.origin.x, cloud.y[first] + input.points.origin.y,
                    cloud.z[first])});
 }
 
 /// Names the file, which the terrain does not know.
-void require_ground(const Config& config, const PointCloud& cloud, const Report& report) {
-  const auto& codes = cloud.classification;
+void require_ground(const PointsInput& points) {
+  const auto& codes = points.points.classification;
   if (std::any_of(codes.begin(), codes.end(), is_ground)) return;
   std::vector<std::string> parts;
-  for (const auto& [code, count] : report.input->points_by_class)
+  for (const auto& [code, count] : points.points_by_class)
     parts.push_back(fmt::format("class {} ({} points)", code, count));
   throw Error(ErrorKind::kInput,
               fmt::format("{}: no ground among the points, only {}; classify the ground (class 2), "
-                          "or give unclassified points (0 or 1) to --ground-filter auto",
-                          points_given(config), fmt::join(parts, ", ")));
+                          "or give unclassified points (0 or 1) to ground_filter = auto",
+                          points.source, fmt::join(parts, ", ")));
 }
 
 }  // namespace
 
-void find_ground(const Config& config, InputData& input, StepClock& clock, Report& report) {
-  const std::vector<PointFile> files = clock.run(
+void find_ground(const BuildCityOptions& options, CityInput& input, StepClock& clock,
+                 InputFacts& facts, std::vector<Warning>& warnings) {
+  const std::vector<FilePoints> files = clock.run(
       "1.3", "find files without ground",
       [&](const Progress& progress) { return find_files_without_ground(input, progress); });
   input.no_buildings = find_ranges_without_buildings(input, files);
-  if (is_wanted(config, report.input->points_by_class))
-    run_filter(config, input, {}, clock, report);
-  else if (!files.empty() && config.ground_filter == GroundFilter::kAuto)
-    run_filter(config, input, files, clock, report);
-  drop_ground_outliers(input, clock, report);
-  require_ground(config, input.points, report);
+  if (is_wanted(options, input.points.points_by_class))
+    run_filter(options.filter, input, {}, clock, facts, warnings);
+  else if (!files.empty() && options.ground_filter == GroundFilter::kAuto)
+    run_filter(options.filter, input, files, clock, facts, warnings);
+  drop_ground_outliers(input, clock, facts, warnings);
+  require_ground(input.points);
 }
 
 }  // namespace tetropolis

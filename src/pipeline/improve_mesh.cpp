@@ -68,8 +68,8 @@ std::vector<VertexIndex> different_columns(const ColumnMesh& a, const ColumnMesh
 
 class MeshImprover {
  public:
-  MeshImprover(const Config& config, const Raster& dtm, const CitySize& size, Columns& columns,
-               StepClock& clock, VolumeMeshReport& volume)
+  MeshImprover(const MeshCityOptions& config, const Raster& dtm, const CitySize& size,
+               Columns& columns, StepClock& clock, VolumeMeshFacts& volume)
       : config_(config),
         dtm_(dtm),
         size_(size),
@@ -105,12 +105,12 @@ class MeshImprover {
                 std::span<const std::uint8_t> bad_before);
   bool make_cut_columns(const ColumnPlanOptions& options, Columns& before);
 
-  const Config& config_;
+  const MeshCityOptions& config_;
   const Raster& dtm_;
   const CitySize& size_;
   Columns& columns_;
   StepClock& clock_;
-  VolumeMeshReport& volume_;
+  VolumeMeshFacts& volume_;
   MeshFaults faults_;
   const std::int64_t work_;
   std::int64_t work_left_;
@@ -220,7 +220,7 @@ bool MeshImprover::cut_back(ColumnPlanOptions& options, Asked asked, const CutMa
                       counts.steep_faces, counts.triangles_outside(asked), counts.worst_face_deg);
   };
   const auto bad_then = bad();
-  const VolumeMeshReport volume_before = volume_;
+  const VolumeMeshFacts volume_before = volume_;
   Columns before;
   if (!clock_.run("3.3", "cut terrain back",
                   [&](const Progress&) { return make_cut_columns(options, before); }))
@@ -276,19 +276,19 @@ void MeshImprover::make_room() {
 
 /// As steeply as leaves the mesh above the floor, or as the settings say; returns what was done.
 ColumnPlanOptions MeshImprover::cut_terrain_back() {
-  Config config = config_;
-  if (config_.cut_slope >= 90 || !missed(faults_.counts())) return plan_options(config);
+  MeshCityOptions config = config_;
+  if (config_.cut_slope_deg >= 90 || !missed(faults_.counts())) return plan_options(config);
   const std::int64_t work_left = work_left_;
   for (const double degrees : kSteepCuts) {
-    if (config_.cut_slope >= degrees) continue;
-    config.cut_slope = volume_.cut_slope = degrees;
+    if (config_.cut_slope_deg >= degrees) continue;
+    config.cut_slope_deg = volume_.cut_slope_deg = degrees;
     ColumnPlanOptions steep = plan_options(config);
     try_cuts(steep);
     if (!missed(faults_.counts())) return steep;
     take_cuts_back();
     work_left_ = work_left;
   }
-  volume_.cut_slope = config_.cut_slope;
+  volume_.cut_slope_deg = config_.cut_slope_deg;
   ColumnPlanOptions options = plan_options(config_);
   try_cuts(options);
   return options;
@@ -337,8 +337,8 @@ void MeshImprover::try_cuts(ColumnPlanOptions& options) {
 
 }  // namespace
 
-MeshQuality improve_mesh(const Config& config, const Raster& dtm, const CitySize& size,
-                         Columns& columns, StepClock& clock, VolumeMeshReport& volume) {
+MeshQuality improve_mesh(const MeshCityOptions& config, const Raster& dtm, const CitySize& size,
+                         Columns& columns, StepClock& clock, VolumeMeshFacts& volume) {
   if (config.layering != Layering::kUniform)
     MeshImprover(config, dtm, size, columns, clock, volume).run();
   MeshQuality quality;
@@ -364,34 +364,34 @@ std::optional<AngleBounds> missed_bounds(const MeshQuality& quality) {
 }
 
 /// The settings that alone make bad cells, if there are any.
-std::string unusual_settings(const Config& config) {
+std::string unusual_settings(const MeshCityOptions& config) {
   std::string text;
-  if (config.layering == Layering::kUniform) text += "; --layering graded gives better ones";
-  if (config.min_angle < 20) text += fmt::format("; --min-angle {:g} is small", config.min_angle);
+  if (config.layering == Layering::kUniform) text += "; layering = \"graded\" gives better ones";
+  if (config.min_angle_deg < 20)
+    text += fmt::format("; min_angle {:g} is small", config.min_angle_deg);
   const double share = config.layer_height / config.mesh_size;
   // Graded layers take a large height as an upper limit only.
   const bool tall = share > 2 && config.layering == Layering::kUniform;
   if (config.layer_height > 0 && (share < 0.5 || tall))
-    text += fmt::format("; --layer-height {:g} is far from --mesh-size {:g}", config.layer_height,
+    text += fmt::format("; layer_height {:g} is far from mesh_size {:g}", config.layer_height,
                         config.mesh_size);
   return text;
 }
 
 }  // namespace
 
-void warn_below_floor(const Config& config, const ColumnMesh& mesh, const MeshQuality& quality,
-                      Report& report) {
+void warn_below_floor(const MeshCityOptions& config, const ColumnMesh& mesh,
+                      const MeshQuality& quality, std::vector<Warning>& warnings) {
   const std::optional<AngleBounds> bounds = missed_bounds(quality);
   if (const double skewness = quality.faces.worst.skewness; skewness >= kMostSkewed)
-    report.warnings.push_back(
-        {"faces_skewed", 1,
-         fmt::format("a face, or more, has a skewness of {:.2f}, where less than {} "
-                     "is meant for all; a smaller --mesh-size may help",
-                     skewness, kMostSkewed)});
+    warnings.push_back({"faces_skewed", 1,
+                        fmt::format("a face, or more, has a skewness of {:.2f}, where less than {} "
+                                    "is meant for all; a smaller mesh_size may help",
+                                    skewness, kMostSkewed)});
   if (!bounds) return;
   const QualityHistogram& angles = quality.cells.histogram;
   if (const std::int64_t bad = count_bad_cells(mesh, *bounds); bad > 0)
-    report.warnings.push_back(
+    warnings.push_back(
         {"below_quality_floor", bad,
          fmt::format(
              "cells have dihedral angles outside of {} to {} degrees (least {:.2f}, greatest "
@@ -400,12 +400,12 @@ void warn_below_floor(const Config& config, const ColumnMesh& mesh, const MeshQu
              bounds->least, bounds->greatest, angles.min_dihedral_deg(), angles.max_dihedral_deg(),
              kQualityFloor.least, kQualityFloor.greatest, kLeastOfMost, unusual_settings(config))});
   if (quality.faces.above_70 > 0)
-    report.warnings.push_back(
+    warnings.push_back(
         {"faces_non_orthogonal", quality.faces.above_70,
          fmt::format(
              "faces between cells are more than {} degrees non-orthogonal (the worst "
              "{:.2f}), at steep ground, buried roofs or, in uniform layers, low walls; a smaller "
-             "--mesh-size may help{}",
+             "mesh_size may help{}",
              kMostNonOrthogonal, quality.faces.worst.non_orthogonality_deg,
              unusual_settings(config))});
 }

@@ -2,16 +2,15 @@
 #pragma once
 
 #include <cstdint>
+#include <vector>
 
-#include "tetropolis/run/config.h"
-#include "tetropolis/run/report.h"
+#include "tetropolis/pipeline/mesh_city.h"
 #include "tetropolis/terrain/raster.h"
 #include "tetropolis/volume/quality/cell_quality.h"
 #include "tetropolis/volume/quality/face_quality.h"
 
 #include "make_columns.h"
-#include "run/memory.h"
-#include "run/step_clock.h"
+#include "memory.h"
 
 namespace tetropolis {
 
@@ -24,11 +23,11 @@ struct MeshQuality {
 /// terrain back: exact terrain comes first, so nothing is cut where the floor is met without. Keeps
 /// only what makes it better; the columns of uniform layers are as asked for and stay. `volume` is
 /// told of columns improved and of the least gap. Work is bounded, so the floor may stay missed.
-MeshQuality improve_mesh(const Config& config, const Raster& dtm, const CitySize& size,
-                         Columns& columns, StepClock& clock, VolumeMeshReport& volume);
+MeshQuality improve_mesh(const MeshCityOptions& options, const Raster& dtm, const CitySize& size,
+                         Columns& columns, StepClock& clock, VolumeMeshFacts& volume);
 
 /// Adds warnings of what is below the floor.
-void warn_below_floor(const Config& config, const ColumnMesh& mesh, const MeshQuality& quality,
-                      Report& report);
+void warn_below_floor(const MeshCityOptions& options, const ColumnMesh& mesh,
+                      const MeshQuality& quality, std::vector<Warning>& warnings);
 
 }  // namespace tetropolis

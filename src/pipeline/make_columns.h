@@ -2,12 +2,11 @@
 #pragma once
 
 #include "tetropolis/city/city_model.h"
-#include "tetropolis/run/config.h"
-#include "tetropolis/run/report.h"
+#include "tetropolis/pipeline/mesh_city.h"
 #include "tetropolis/terrain/raster.h"
 
-#include "run/memory.h"
-#include "run/step_clock.h"
+#include "core/step_clock.h"
+#include "memory.h"
 #include "volume/column/fill_columns.h"
 
 namespace tetropolis {
@@ -18,17 +17,17 @@ struct Columns {
   ColumnMesh mesh;
 };
 
-/// How `config` wants columns to be planned; nothing is cut back.
-ColumnPlanOptions plan_options(const Config& config);
+/// How `options` want columns to be planned; nothing is cut back.
+ColumnPlanOptions plan_options(const MeshCityOptions& options);
 
 /// About the cells that graded columns will have, before they are made: every segment makes a tet
 /// in each of the about six triangles around it.
 double estimate_cells(const ColumnPlan& plan);
 
-/// Valid columns, over terrain that is cut back nowhere. Fills the report's volume_mesh as far as
-/// the columns are known by then, and its solver. Throws Error(kUsage) for a mesh that is too high
-/// or too large, Error(kGuarantee) as require_valid.
-Columns make_columns(const Config& config, const CityModel& city, const Raster& dtm,
-                     const CitySize& size, GroundMesh ground, StepClock& clock, Report& report);
+/// Valid columns, over terrain that is cut back nowhere. Fills the volume facts of `result` as far
+/// as the columns are known by then, its solver and its warnings. Throws Error(kUsage) for a mesh
+/// that is too high or too large, Error(kGuarantee) as require_valid.
+Columns make_columns(const MeshCityOptions& options, const CityModel& city, const Raster& dtm,
+                     const CitySize& size, GroundMesh ground, StepClock& clock, CityMesh& result);
 
 }  // namespace tetropolis

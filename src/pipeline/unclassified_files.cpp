@@ -77,16 +77,16 @@ void for_each_point(const PointRange& range, const Progress& progress, double fr
 }
 
 /// The share of the squares with points of the file that have ground.
-double share_with_ground(const PointFile& file, const PointCloud& cloud, SquareMarks& squares,
+double share_with_ground(const FilePoints& file, const PointCloud& cloud, SquareMarks& squares,
                          const Progress& progress) {
   std::int64_t seen = 0, with_ground = 0;
-  for_each_point(file.points.kept, progress, 0.5, [&](std::size_t p) {
+  for_each_point(file.kept, progress, 0.5, [&](std::size_t p) {
     std::uint8_t& mark = squares.at(cloud, p);
     seen += (mark & SquareMarks::kSeen) == 0 ? 1 : 0;
     with_ground += mark == SquareMarks::kHasGround ? 1 : 0;
     mark |= SquareMarks::kSeen;
   });
-  for_each_point(file.points.kept, progress, 0.5, [&](std::size_t p) {
+  for_each_point(file.kept, progress, 0.5, [&](std::size_t p) {
     squares.at(cloud, p) &= static_cast<std::uint8_t>(~SquareMarks::kSeen);
   });
   return static_cast<double>(with_ground) / static_cast<double>(seen);
@@ -115,51 +115,51 @@ bool has_unclassified(const std::map<int, std::int64_t>& by_class) {
                      [&](std::uint8_t code) { return by_class.contains(code); });
 }
 
-std::vector<PointFile> find_files_without_ground(const InputData& input, const Progress& progress) {
-  std::vector<PointFile> found;
+std::vector<FilePoints> find_files_without_ground(const CityInput& input,
+                                                  const Progress& progress) {
+  std::vector<FilePoints> found;
   bool some_have = false;
-  for (const PointFile& file : input.files) {
-    const bool ground = has_class(file.points.by_class, kGround, kStrayGround);
+  for (const FilePoints& file : input.points.files) {
+    const bool ground = has_class(file.by_class, kGround, kStrayGround);
     some_have = some_have || ground;
-    if (!ground && file.points.kept.begin != file.points.kept.end &&
-        has_unclassified(file.points.by_class))
+    if (!ground && file.kept.begin != file.kept.end && has_unclassified(file.by_class))
       found.push_back(file);
   }
   if (found.empty() || !some_have) return {};
-  const PointCloud& cloud = input.points;
-  SquareMarks squares(input.extent);
+  const PointCloud& cloud = input.points.points;
+  SquareMarks squares(input.points.extent);
   for_each_point({0, cloud.size()}, progress, 0, [&](std::size_t p) {
     if (is_ground(cloud.classification[p])) squares.at(cloud, p) = SquareMarks::kHasGround;
   });
-  std::erase_if(found, [&](const PointFile& file) {
+  std::erase_if(found, [&](const FilePoints& file) {
     return share_with_ground(file, cloud, squares, progress) > kMostWithGround;
   });
   return found;
 }
 
-std::vector<PointRange> find_ranges_without_buildings(const InputData& input,
-                                                      std::span<const PointFile> without_ground) {
+std::vector<PointRange> find_ranges_without_buildings(const CityInput& input,
+                                                      std::span<const FilePoints> without_ground) {
   std::vector<PointRange> ranges;
-  for (const PointFile& file : input.files) {
-    const PointRange& kept = file.points.kept;
-    if (kept.begin == kept.end || has_class(file.points.by_class, kBuildingClass, kStrayBuildings))
+  for (const FilePoints& file : input.points.files) {
+    const PointRange& kept = file.kept;
+    if (kept.begin == kept.end || has_class(file.by_class, kBuildingClass, kStrayBuildings))
       continue;
     const bool chosen =
         std::any_of(without_ground.begin(), without_ground.end(),
-                    [&](const PointFile& other) { return other.path == file.path; });
-    if (chosen || (has_class(file.points.by_class, kGround, kStrayGround) &&
-                   has_roofs_by_exclusion(file.points.by_class)))
+                    [&](const FilePoints& other) { return other.path == file.path; });
+    if (chosen ||
+        (has_class(file.by_class, kGround, kStrayGround) && has_roofs_by_exclusion(file.by_class)))
       ranges.push_back(kept);
   }
   return ranges;
 }
 
-std::vector<std::size_t> find_points_near(const InputData& input, std::span<const PointFile> files,
+std::vector<std::size_t> find_points_near(const CityInput& input, std::span<const FilePoints> files,
                                           double reach, const Progress& progress) {
-  const PointCloud& cloud = input.points;
-  SquareMarks squares(input.extent);
-  for (const PointFile& file : files)
-    for_each_point(file.points.kept, progress, 0,
+  const PointCloud& cloud = input.points.points;
+  SquareMarks squares(input.points.extent);
+  for (const FilePoints& file : files)
+    for_each_point(file.kept, progress, 0,
                    [&](std::size_t p) { squares.at(cloud, p) = SquareMarks::kSeen; });
   squares.grow(static_cast<std::size_t>(std::ceil(reach / kSide)));
   std::vector<std::size_t> near;

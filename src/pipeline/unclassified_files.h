@@ -9,7 +9,7 @@
 
 #include "tetropolis/core/progress.h"
 
-#include "run/read_input.h"
+#include "city_input.h"
 
 namespace tetropolis {
 
@@ -28,16 +28,16 @@ bool has_unclassified(const std::map<int, std::int64_t>& by_class);
 /// is in another file, as where each class has a file of its own or a strip without classes lies
 /// over classified ones: more than half of the squares of 20 m that such a file has points in have
 /// ground points.
-std::vector<PointFile> find_files_without_ground(const InputData& input, const Progress& progress);
+std::vector<FilePoints> find_files_without_ground(const CityInput& input, const Progress& progress);
 
 /// The points of files without class 6 (or strays: fewer than one in 10,000) that either are
 /// `without_ground` or have class 2 themselves: these are not the rest of others.
-std::vector<PointRange> find_ranges_without_buildings(const InputData& input,
-                                                      std::span<const PointFile> without_ground);
+std::vector<PointRange> find_ranges_without_buildings(const CityInput& input,
+                                                      std::span<const FilePoints> without_ground);
 
 /// The points in squares of 20 m at most `reach` metres (and a square) from points of the files,
 /// ascending.
-std::vector<std::size_t> find_points_near(const InputData& input, std::span<const PointFile> files,
+std::vector<std::size_t> find_points_near(const CityInput& input, std::span<const FilePoints> files,
                                           double reach, const Progress& progress);
 
 }  // namespace tetropolis

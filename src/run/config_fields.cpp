@@ -6,7 +6,7 @@
 #include "tetropolis/io/crs/crs.h"
 #include "tetropolis/run/config.h"
 
-#include "memory.h"
+#include "memory_limit.h"
 
 namespace tetropolis {
 

@@ -12,11 +12,12 @@
 #include "tetropolis/io/crs/crs.h"
 #include "tetropolis/io/las/las.h"
 
-#include "footprint_extent.h"
-#include "memory.h"
-#include "require_metres.h"
-#include "require_room.h"
-#include "stray_points.h"
+#include "memory_limit.h"
+#include "options_of.h"
+#include "pipeline/common_crs.h"
+#include "pipeline/footprint_extent.h"
+#include "pipeline/memory.h"
+#include "pipeline/require_metres.h"
 
 namespace tetropolis {
 
@@ -36,6 +37,14 @@ std::string box_text(const Bounds2& box) {
 Bounds2 intersection(const Bounds2& a, const Bounds2& b) {
   return {std::max(a.xmin, b.xmin), std::max(a.ymin, b.ymin), std::min(a.xmax, b.xmax),
           std::min(a.ymax, b.ymax)};
+}
+
+/// The points as they were given, for messages about all of them: "tiles, and 3 more".
+std::string points_given(const Config& config) {
+  const std::string& first = config.points.front();
+  return config.points.size() == 1
+             ? first
+             : fmt::format("{}, and {} more", first, config.points.size() - 1);
 }
 
 /// What the headers of all clouds say together.
@@ -77,43 +86,6 @@ CloudHeaders read_headers(std::span<const std::filesystem::path> paths) {
   return headers;
 }
 
-/// Without any statement about the system, coordinates that all fit on the globe and span less than
-/// a few degrees are taken for what they almost certainly are.
-void refuse_unmarked_degrees(const Bounds2& box, const std::string& file, const char* option) {
-  constexpr Bounds2 kGlobe{-180, -90, 180, 90}, kSwapped{-90, -180, 90, 180};
-  if (box.empty() || std::max(box.width(), box.height()) > 2) return;
-  const bool on_globe = kGlobe.covers(box);
-  if (!on_globe && !kSwapped.covers(box)) return;
-  throw Error(ErrorKind::kInput,
-              fmt::format("{}: coordinates look like degrees ({:.5f}, {:.5f}) - ({:.5f}, {:.5f}){}",
-                          file, box.xmin, box.ymin, box.xmax, box.ymax,
-                          on_globe ? fmt::format("; name their CRS with {}", option)
-                                   : ", latitude first; exchange the two"));
-}
-
-/// The points' reference system after the footprints have been read.
-std::string common_crs(const Config& config, const std::string& points_crs,
-                       const FootprintsInput& footprints) {
-  if (!points_crs.empty()) return points_crs;
-  if (footprints.crs.empty()) return {};
-  // GeoJSON without a word about it is in degrees; without a footprint it says nothing.
-  if (is_geographic(footprints.crs) && footprints.features.empty()) return {};
-  if (is_geographic(footprints.crs))
-    throw Error(
-        ErrorKind::kInput,
-        fmt::format(
-            "{}: footprints are in degrees ({}) and the point cloud has no CRS of its own; name it "
-            "with --points-crs (or that of the footprints with --footprints-crs, if they are not)",
-            config.footprints, crs_name(footprints.crs)));
-  if (const double unit = linear_unit_metres(footprints.crs); !is_metre(unit))
-    throw Error(
-        ErrorKind::kInput,
-        fmt::format("{}: footprints are in units of {} m ({}) and the point cloud has no CRS of "
-                    "its own; name it with --points-crs",
-                    config.footprints, unit, crs_name(footprints.crs)));
-  return footprints.crs;
-}
-
 FootprintsInput read_all_footprints(const Config& config, const std::string& points_crs,
                                     StepClock& clock) {
   if (config.footprints.empty()) return {};
@@ -125,12 +97,6 @@ FootprintsInput read_all_footprints(const Config& config, const std::string& poi
   options.target_crs = points_crs;
   return clock.run("1.2", "read footprints",
                    [&](const Progress&) { return read_footprints(config.footprints, options); });
-}
-
-/// From the box of the footprints; where none is usable it stays, and they are told of later.
-void leave_out_unusable(const Config& config, FootprintsInput& footprints) {
-  const Bounds2 usable = footprint_extent(footprints.features, config.parallel_tolerance);
-  if (!usable.empty()) footprints.bounds = usable;
 }
 
 /// The box in which points can matter, CRS coordinates.
@@ -145,9 +111,9 @@ Bounds2 reading_box(const Config& config, const FootprintsInput& footprints) {
   throw Error(
       ErrorKind::kInput,
       fmt::format("{}: holds no footprint ({}); {}give a file with the buildings' outlines as "
-                  "polygons, or add --terrain-only for a mesh of the terrain alone",
+                  "polygons, or add terrain_only for a mesh of the terrain alone",
                   config.footprints, why,
-                  config.footprints_crs.empty() ? "" : "correct --footprints-crs, or "));
+                  config.footprints_crs.empty() ? "" : "correct footprints_crs, or "));
 }
 
 /// About how many points are in `box`, CRS coordinates, as far as headers tell.
@@ -172,58 +138,13 @@ void require_fits(const Config& config, const FootprintsInput& footprints, doubl
   size.area = area;
   size.height = config.domain_height;
   size.terrain_nodes = area / (config.dtm_step * config.dtm_step);
-  require_points_fit(config, points, size.terrain_nodes);
+  require_points_fit({points, size.terrain_nodes, config.ground_margin}, memory_limit(config));
   if (next != Next::kMesh) return;
   for (const Footprint& feature : footprints.features) {
     const Ring& outer = feature.polygon.outer;
     if (!outer.empty() && box.contains(outer.front())) size.add(feature.polygon);
   }
-  require_mesh_fits(config, size);
-}
-
-void shift(FootprintsInput& footprints, Point2 origin) {
-  const auto shift_ring = [&](Ring& ring) {
-    for (Point2& p : ring) p = {p.x - origin.x, p.y - origin.y};
-  };
-  for (Footprint& feature : footprints.features) {
-    shift_ring(feature.polygon.outer);
-    for (Ring& hole : feature.polygon.holes) shift_ring(hole);
-  }
-}
-
-/// Whole steps of the coordinate grid, rounded inwards.
-Bounds2 snapped_inwards(const Bounds2& box) {
-  const auto up = [](double x) {
-    const double s = snap_coordinate(x);
-    return s < x - kCoordinateStep / 1000 ? snap_coordinate(s + kCoordinateStep) : s;
-  };
-  const auto down = [](double x) {
-    const double s = snap_coordinate(x);
-    return s > x + kCoordinateStep / 1000 ? snap_coordinate(s - kCoordinateStep) : s;
-  };
-  return {up(box.xmin), up(box.ymin), down(box.xmax), down(box.ymax)};
-}
-
-/// The meshed rectangle, local frame.
-Bounds2 find_domain(const Config& config, const FootprintsInput& footprints,
-                    const PointsInput& points, Point2 origin) {
-  Bounds2 domain;
-  if (!config.bounds.empty()) {
-    domain = {config.bounds[0] - origin.x, config.bounds[1] - origin.y, config.bounds[2] - origin.x,
-              config.bounds[3] - origin.y};
-  } else {
-    domain = points.extent;
-    if (!footprints.bounds.empty()) {
-      const Bounds2 box{footprints.bounds.xmin - origin.x, footprints.bounds.ymin - origin.y,
-                        footprints.bounds.xmax - origin.x, footprints.bounds.ymax - origin.y};
-      domain =
-          intersection(intersection(box, points.extent).grown(config.domain_margin), points.extent);
-    }
-  }
-  domain = snapped_inwards(domain);
-  require_room(config, domain, points_given(config),
-               fmt::format(" (points in it: {})", points.points_kept));
-  return domain;
+  require_mesh_fits(mesh_options(config), size);
 }
 
 /// The points' reference system as far as files and settings name it, in metres; "" if they do not.
@@ -231,35 +152,12 @@ std::string stated_points_crs(const Config& config, const CloudHeaders& headers,
                               const std::string& first_file) {
   const bool is_set = !config.points_crs.empty();
   std::string crs = normalise_crs(is_set ? config.points_crs : headers.crs);
-  require_metres(crs, headers.crs_file.empty() ? first_file : headers.crs_file, "--points-crs");
+  require_metres(crs, headers.crs_file.empty() ? first_file : headers.crs_file, "points_crs");
   if (is_set)
-    require_heights_in_metres(vertical_unit_metres(config.points_crs), "--points-crs",
-                              "--points-crs");
+    require_heights_in_metres(vertical_unit_metres(config.points_crs), "points_crs", "points_crs");
   else
-    require_heights_in_metres(headers.vertical_unit, headers.vertical_file, "--points-crs");
+    require_heights_in_metres(headers.vertical_unit, headers.vertical_file, "points_crs");
   return crs;
-}
-
-void fill_report(const Config& config, const FootprintsInput& footprints, const PointsInput& points,
-                 std::size_t files, Report& report) {
-  for (const std::vector<Warning>* warnings : {&footprints.warnings, &points.warnings})
-    report.warnings.insert(report.warnings.end(), warnings->begin(), warnings->end());
-  const auto has_height = [](const Footprint& feature) { return feature.height > 0; };
-  if (!config.height_attribute.empty() &&
-      std::none_of(footprints.features.begin(), footprints.features.end(), has_height))
-    report.warnings.push_back({"height_attribute_empty",
-                               static_cast<std::int64_t>(footprints.features.size()),
-                               fmt::format("{}: attribute {} holds no number above 0",
-                                           config.footprints, config.height_attribute)});
-  InputReport& out = report.input.emplace();
-  out.point_files = static_cast<std::int64_t>(files);
-  out.point_files_skipped = points.files_skipped;
-  out.points_read = points.points_read;
-  out.points_kept = points.points_kept;
-  out.points_by_class = points.points_by_class;
-  out.footprints_read = footprints.features_read;
-  out.footprint_parts =
-      static_cast<std::int64_t>(footprints.features.size() + footprints.dropped.size());
 }
 
 [[noreturn]] void throw_no_points(const Config& config, const CloudHeaders& headers,
@@ -283,7 +181,7 @@ void fill_report(const Config& config, const FootprintsInput& footprints, const 
       ErrorKind::kInput,
       fmt::format(
           "{}: points and domain do not overlap: the domain is {}, the points are {} by {}; check "
-          "the CRS of both (--points-crs, --footprints-crs)",
+          "the CRS of both (points_crs, footprints_crs)",
           points_given(config), box_text(box), box_text(headers.box),
           config.points.size() == 1 ? "its header" : "the headers of all files"));
 }
@@ -303,7 +201,7 @@ ReadPointsOptions place_by_headers(const Config& config, const FootprintsInput& 
   const Bounds2& near = common.empty() ? box : common;
   const double points = expected_points(headers, common);
   if (config.bounds.empty() && !(points > kSparse * common.width() * common.height()))
-    require_points_fit(config, points, 0);
+    require_points_fit({points, 0, config.ground_margin}, memory_limit(config));
   else
     require_fits(config, footprints, points, common, next);
   options.crop = box;
@@ -316,108 +214,69 @@ ReadPointsOptions place_by_headers(const Config& config, const FootprintsInput& 
 ReadPointsOptions read_everything(const Config& config, const CloudHeaders& headers) {
   double points = 0;
   for (const auto& [file, count] : headers.points) points += static_cast<double>(count);
-  require_points_fit(config, points, 0);
+  require_points_fit({points, 0, config.ground_margin}, memory_limit(config));
   ReadPointsOptions options;
   options.crs = config.points_crs;
   return options;
 }
 
-/// Points far from all others do not tell where there are points: they become noise.
-void leave_out_strays(const FootprintsInput& footprints, PointsInput& input, Report& report) {
-  const auto [strays, rest] = find_stray_points(input.points, input.extent);
-  PointCloud& cloud = input.points;
-  // Where a building is, they are no strays.
-  const auto is_at_building = [&](std::size_t p) {
-    const Point2 at{cloud.x[p] + input.origin.x, cloud.y[p] + input.origin.y};
-    return std::any_of(
-        footprints.features.begin(), footprints.features.end(),
-        [&](const Footprint& feature) { return bounds(feature.polygon).contains(at); });
-  };
-  if (strays.empty() || std::any_of(strays.begin(), strays.end(), is_at_building)) return;
-  const std::size_t first = strays.front();
-  report.warnings.push_back(
-      {"stray_points", static_cast<std::int64_t>(strays.size()),
-       fmt::format("points far from all others are left out, the first at ({:.2f}, {:.2f}); to "
-                   "keep them, give --bounds",
-                   cloud.x[first] + input.origin.x, cloud.y[first] + input.origin.y)});
-  for (const std::size_t p : strays) cloud.classification[p] = kHighNoise;
-  input.extent = rest;
+/// Points of which none is usable lead to an error here, as misread ones do to one later.
+void require_points(const Config& config, const CloudHeaders& headers, const PointsInput& points,
+                    const std::optional<Bounds2>& crop) {
+  if (points.points_kept > 0) return;
+  try {
+    throw_no_points(config, headers, points, crop);
+  } catch (const Error& error) {
+    if (points.misread.empty()) throw;
+    throw Error(error.kind(), std::string(error.what()) + "; " + points.misread);
+  }
 }
 
-/// Moves the origin, which is whole metres, to the south-western corner of the points.
-void move_origin_to_corner(PointsInput& input) {
-  const Point2 by{std::floor(input.extent.xmin), std::floor(input.extent.ymin)};
-  for (PointCoordinate& x : input.points.x) x = x - by.x;
-  for (PointCoordinate& y : input.points.y) y = y - by.y;
-  input.extent = input.extent.moved({-by.x, -by.y});
-  input.origin = {input.origin.x + by.x, input.origin.y + by.y};
-}
-
-/// Web Mercator and the like, in which a metre is no metre.
-void warn_of_scale(const std::string& crs, const Bounds2& domain, Report& report) {
-  constexpr double kMost = 0.01;  // ten times what usual systems have
-  const double scale =
-      length_scale(crs, {(domain.xmin + domain.xmax) / 2, (domain.ymin + domain.ymax) / 2});
-  if (!(std::abs(scale - 1) > kMost)) return;
-  report.warnings.push_back(
-      {"crs_scale", 1,
-       fmt::format("a metre of {} is {:.3f} m on the ground here, heights aside: footprints, "
-                   "distances and the mesh are that much too {}; reproject to a national or UTM "
-                   "system",
-                   crs_name(crs), 1 / scale, scale > 1 ? "wide" : "narrow")});
+void warn_of_heights(const Config& config, const FootprintsInput& footprints,
+                     std::vector<Warning>& warnings) {
+  const auto has_height = [](const Footprint& feature) { return feature.height > 0; };
+  if (config.height_attribute.empty() ||
+      std::any_of(footprints.features.begin(), footprints.features.end(), has_height))
+    return;
+  warnings.push_back({"height_attribute_empty",
+                      static_cast<std::int64_t>(footprints.features.size()),
+                      fmt::format("{}: attribute {} holds no number above 0", config.footprints,
+                                  config.height_attribute)});
 }
 
 }  // namespace
 
-std::string points_given(const Config& config) {
-  const std::string& first = config.points.front();
-  return config.points.size() == 1
-             ? first
-             : fmt::format("{}, and {} more", first, config.points.size() - 1);
-}
-
-InputData read_input(const Config& config, Next next, StepClock& clock, Report& report,
-                     std::string& misread) {
-  const auto paths = expand_point_paths(config.points, &report.warnings);
+RunInput read_input(const Config& config, Next next, StepClock& clock,
+                    std::vector<Warning>& warnings) {
+  const auto paths = expand_point_paths(config.points, &warnings);
   const CloudHeaders headers = read_headers(paths);
   const std::string points_crs = stated_points_crs(config, headers, paths.front().string());
 
-  InputData input;
+  RunInput input;
   input.footprints = read_all_footprints(config, points_crs, clock);
-  if (config.bounds.empty()) leave_out_unusable(config, input.footprints);
-  input.crs = common_crs(config, points_crs, input.footprints);
-  if (input.crs.empty() || input.footprints.crs.empty())
-    refuse_unmarked_degrees(input.footprints.bounds, config.footprints, "--footprints-crs");
-  if (input.crs.empty())
-    refuse_unmarked_degrees(headers.box, paths.front().string(), "--points-crs");
+  warn_of_heights(config, input.footprints, warnings);
+  if (config.bounds.empty()) {
+    const Bounds2 usable = footprint_extent(input.footprints.features, config.parallel_tolerance);
+    // Where none is usable the box stays, and they are told of later.
+    if (!usable.empty()) input.footprints.bounds = usable;
+  }
+  const std::string crs = common_crs(points_crs, input.footprints);
+  if (crs.empty() || input.footprints.crs.empty())
+    refuse_unmarked_degrees(input.footprints.bounds, config.footprints, "footprints_crs");
+  if (crs.empty()) refuse_unmarked_degrees(headers.box, paths.front().string(), "points_crs");
 
   const bool only_points_tell =
       config.terrain_only && config.bounds.empty() && input.footprints.bounds.empty();
   const ReadPointsOptions options = only_points_tell
                                         ? read_everything(config, headers)
                                         : place_by_headers(config, input.footprints, headers, next);
-  PointsInput points = clock.run("1.1", "read points", [&](const Progress& progress) {
+  input.points = clock.run("1.1", "read points", [&](const Progress& progress) {
     return read_points(paths, options, progress);
   });
-  misread = points.misread;
-  fill_report(config, input.footprints, points, paths.size(), report);
-  if (points.points_kept == 0) throw_no_points(config, headers, points, options.crop);
-  if (config.bounds.empty()) leave_out_strays(input.footprints, points, report);
-  constexpr double kFar = 10'000;  // metres: headers told of points where there are none
-  const bool far = config.bounds.empty() && std::max(points.extent.xmin, points.extent.ymin) > kFar;
-  if (only_points_tell || far) move_origin_to_corner(points);
-  input.origin = points.origin;
-  input.domain = find_domain(config, input.footprints, points, input.origin);
-  report.domain = input.domain.moved(input.origin);
-  if (config.bounds.empty())
-    require_fits(config, input.footprints, static_cast<double>(points.points_kept), report.domain,
-                 next);
-  warn_of_scale(input.crs, report.domain, report);
-  shift(input.footprints, input.origin);
-  input.points = std::move(points.points);
-  input.extent = points.extent;
-  for (std::size_t f = 0; f < paths.size(); ++f)
-    input.files.push_back({paths[f].string(), points.files[f]});
+  require_points(config, headers, input.points, options.crop);
+  input.points.crs = points_crs;
+  input.points.source = points_given(config);
+  for (std::size_t f = 0; f < paths.size(); ++f) input.points.files[f].path = paths[f].string();
   return input;
 }
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <cstdint>
 #include <string>
 #include <tuple>
 #include <utility>
@@ -11,17 +12,16 @@
 #include <fmt/format.h>
 
 #include "tetropolis/city/heights.h"
-#include "tetropolis/city/simplify/clearance.h"
 #include "tetropolis/core/error.h"
 #include "tetropolis/geometry/polygon.h"
 #include "tetropolis/io/cityjson/cityjson.h"
 #include "tetropolis/io/crs/crs.h"
 #include "tetropolis/io/raster/geotiff.h"
+#include "tetropolis/pipeline/meshable.h"
 
-#include "city/clip.h"
 #include "pipeline/elevations.h"
-#include "require_metres.h"
-#include "require_room.h"
+#include "pipeline/require_metres.h"
+#include "pipeline/require_room.h"
 
 namespace tetropolis {
 
@@ -36,16 +36,9 @@ std::pair<Bounds2, std::string> domain_of(const Config& config, const CityModel&
              snap_coordinate(config.bounds[1] - city.origin.y),
              snap_coordinate(config.bounds[2] - city.origin.x),
              snap_coordinate(config.bounds[3] - city.origin.y)},
-            "--bounds"};
+            "`bounds`"};
   if (!city.domain.empty() && city.domain.width() > 0) return {city.domain, config.city};
   return {terrain.domain.value_or(terrain.raster.bounds()), config.dtm};
-}
-
-/// Where a city's domain is, in its reference system, for messages.
-std::string domain_text(const CityModel& city) {
-  const Bounds2 domain = city.domain.moved(city.origin);
-  return fmt::format("x {:.1f} .. {:.1f}, y {:.1f} .. {:.1f}", domain.xmin, domain.xmax,
-                     domain.ymin, domain.ymax);
 }
 
 /// Whether the terrain is the city's: same reference system, and under all of the domain but for a
@@ -62,14 +55,14 @@ void require_terrain_under(const Config& config, const CityModel& city,
       !covered.contains({city.domain.xmax, city.domain.ymax}))
     throw Error(ErrorKind::kInput,
                 fmt::format("{}: the terrain does not cover the domain, which is {}; give smaller "
-                            "--bounds or another terrain",
+                            "`bounds` or another terrain",
                             config.dtm, domain_text(city)));
 }
 
 /// Warns where the terrain is not what the buildings stand on: heights of two vertical systems are
 /// tens of metres apart. What the terrain rises and falls by under a building is no difference.
 void warn_off_terrain(const Config& config, const CityModel& city, const Raster& terrain,
-                      Report& report) {
+                      std::vector<Warning>& warnings) {
   constexpr double kMostOff = 3;  // metres, of the median
   if (city.buildings.empty()) return;
   std::vector<double> above;
@@ -86,7 +79,7 @@ void warn_off_terrain(const Config& config, const CityModel& city, const Raster&
                                  [](double height) { return std::abs(height) > kMostOff; });
   const double median = percentile(above, 50);
   if (std::abs(median) <= kMostOff) return;
-  report.warnings.push_back(
+  warnings.push_back(
       {"city_off_terrain", off,
        fmt::format(
            "{}: most buildings stand {:.1f} m {} this terrain (median of h_ground); are its "
@@ -107,88 +100,16 @@ void require_elevations(const Config& config, const RasterInput& terrain) {
                           config.dtm));
 }
 
-std::string name_of(const Building& building) {
-  return fmt::format("building {} (feature {})", building.id,
-                     building.source_ids.empty() ? "?" : building.source_ids.front());
-}
-
-/// Why there can be no mesh around a building by itself; empty if there can.
-std::string reason_to_leave_out(const Building& building, const Bounds2& domain, double distance) {
-  for (const double height : {building.h_ground, building.h_roof})
-    if (!is_elevation(height))
-      return fmt::format("reaches from {:.6g} to {:.6g} m, which are no elevations",
-                         building.h_ground, building.h_roof);
-  switch (position_in_domain(building.footprint, domain)) {
-    case DomainPosition::kOutside:
-      return "outside the domain";
-    case DomainPosition::kCrossing:
-      return "crosses the domain boundary";
-    case DomainPosition::kInside:
-      break;
-  }
-  // As cities are made: what is that close to the boundary leaves no room for cells.
-  const Bounds2 box = bounds(building.footprint);
-  const double room = std::min({box.xmin - domain.xmin, box.ymin - domain.ymin,
-                                domain.xmax - box.xmax, domain.ymax - box.ymax});
-  if (!is_clear(room, distance))
-    return "closer than --min-building-distance to the domain boundary";
-  return {};
-}
-
 /// Of a model that comes from elsewhere, or for another domain.
-void leave_out_unmeshable(const Config& config, CityModel& city, Report& report) {
+void leave_out_unmeshable(const Config& config, CityModel& city, std::vector<Warning>& warnings) {
   const std::size_t before = city.dropped.size();
-  std::vector<Building> kept;
-  kept.reserve(city.buildings.size());
-  for (Building& building : city.buildings) {
-    std::string reason = reason_to_leave_out(building, city.domain, config.min_building_distance);
-    if (reason.empty()) {
-      kept.push_back(std::move(building));
-      continue;
-    }
-    for (const std::string& id : building.source_ids) city.dropped.push_back({id, reason});
-  }
-  city.buildings = std::move(kept);
-  const std::size_t left_out = city.dropped.size() - before;
+  const std::size_t left_out = drop_unmeshable(city, config.min_building_distance);
   if (left_out == 0) return;
   const Dropped& first = city.dropped[before];
-  report.warnings.push_back(
+  warnings.push_back(
       {"city_buildings_left_out", static_cast<std::int64_t>(left_out),
        fmt::format("{}: {} features are left out, the first, {}: {}; the domain is {}", config.city,
                    left_out, first.source_id, first.reason, domain_text(city))});
-}
-
-/// A city model may come from anywhere; a mesh needs footprints that are valid and apart. Returns
-/// their clearance.
-double require_meshable(const Config& config, const CityModel& city) {
-  std::vector<Polygon> footprints;
-  for (const Building& building : city.buildings) footprints.push_back(building.footprint);
-  const auto fail = [&](const std::string& what) {
-    throw Error(
-        ErrorKind::kInput,
-        fmt::format("{}: {}; mesh the city.city.json that 'tetropolis city' makes, or lower "
-                    "--min-building-distance",
-                    config.city, what));
-  };
-  for (const Building& building : city.buildings)
-    if (const std::string reason =
-            reason_to_leave_out(building, city.domain, config.min_building_distance);
-        !reason.empty())
-      fail(fmt::format("{}: {}; the domain is {}", name_of(building), reason, domain_text(city)));
-  const auto defects = footprint_defects(footprints, 1);
-  if (!defects.empty()) {
-    const auto first = static_cast<std::size_t>(std::max(defects.front().first.polygon, 0));
-    throw Error(ErrorKind::kInput,
-                fmt::format("{}: {}: {}; mesh the city.city.json that 'tetropolis city' makes",
-                            config.city, name_of(city.buildings[first]), defects.front().message));
-  }
-  const Clearance clearance = joint_clearance(footprints, city.domain);
-  if (!is_clear(clearance.distance, config.min_building_distance))
-    fail(fmt::format(
-        "footprints come as close as {:.4f} m ({} m required) at {}", clearance.distance,
-        config.min_building_distance,
-        name_of(city.buildings[static_cast<std::size_t>(std::max(clearance.vertex.polygon, 0))])));
-  return clearance.distance;
 }
 
 /// An empty city needs to be asked for.
@@ -200,35 +121,36 @@ void require_buildings(const Config& config, const CityModel& city) {
           : fmt::format(" ({} dropped, the first, {}: {})", city.dropped.size(),
                         city.dropped.front().source_id, city.dropped.front().reason);
   throw Error(ErrorKind::kInput, config.city + ": holds no building" + why +
-                                     "; add --terrain-only for a mesh of the terrain");
+                                     "; add terrain_only for a mesh of the terrain");
 }
 
 }  // namespace
 
-CityAndTerrain read_meshable(const Config& config, Report& report) {
-  CityModel city = read_city(config.city, &report.warnings, BrokenObjects::kDrop);
+MeshableInput read_meshable(const Config& config, std::vector<Warning>& warnings) {
+  MeshableInput input;
+  CityModel& city = input.city = read_city(config.city, &warnings, BrokenObjects::kDrop);
   require_metres(city.crs, config.city);
   RasterInput terrain = read_raster(config.dtm, city.origin);
-  report.warnings.insert(report.warnings.end(), terrain.warnings.begin(), terrain.warnings.end());
+  warnings.insert(warnings.end(), terrain.warnings.begin(), terrain.warnings.end());
   require_metres(terrain.crs, config.dtm);
   require_heights_in_metres(terrain.height_unit, config.dtm, nullptr);
   require_elevations(config, terrain);
   std::string source;
   std::tie(city.domain, source) = domain_of(config, city, terrain);
-  require_room(config, city.domain, source);
+  require_room(config.min_building_distance, city.domain, source);
   require_terrain_under(config, city, terrain);
   if (city.crs.empty()) city.crs = terrain.crs;
-  if (source != config.city) leave_out_unmeshable(config, city, report);
+  if (source != config.city) leave_out_unmeshable(config, city, warnings);
   require_buildings(config, city);
-  CityReport& city_report = report.city.emplace();
-  city_report.min_clearance = require_meshable(config, city);
-  warn_off_terrain(config, city, terrain.raster, report);
-  city_report.raw_buildings = city_report.buildings =
-      static_cast<std::int64_t>(city.buildings.size());
+  CityFacts& facts = input.facts;
+  facts.min_clearance = require_meshable(city, config.min_building_distance, config.city);
+  warn_off_terrain(config, city, terrain.raster, warnings);
+  facts.raw_buildings = facts.buildings = static_cast<std::int64_t>(city.buildings.size());
   for (const Building& building : city.buildings)
-    city_report.merged_groups += building.source_ids.size() > 1 ? 1 : 0;
-  city_report.dropped = city.dropped;
-  return {std::move(city), std::move(terrain.raster)};
+    facts.merged_groups += building.source_ids.size() > 1 ? 1 : 0;
+  facts.dropped = city.dropped;
+  input.terrain = std::move(terrain.raster);
+  return input;
 }
 
 }  // namespace tetropolis

@@ -1,16 +1,65 @@
 #include "tetropolis/run/report.h"
 
+#include <algorithm>
+#include <array>
+#include <cerrno>
+#include <cstring>
+#include <fstream>
+#include <iterator>
+#include <limits>
+#include <string_view>
+#include <system_error>
+#include <type_traits>
 #include <variant>
 
+#include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include "tetropolis/core/version.h"
+#include "tetropolis/core/error.h"
+
+#include "report_fields.h"
+#include "result_files.h"
 
 namespace tetropolis {
 
 namespace {
 
+namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
+
+template <typename T>
+struct IsOptional : std::false_type {};
+template <typename T>
+struct IsOptional<std::optional<T>> : std::true_type {};
+template <typename T>
+struct IsVector : std::false_type {};
+template <typename T>
+struct IsVector<std::vector<T>> : std::true_type {};
+
+/// Whether fields_of has a list of the type's members.
+struct NoField {
+  template <typename... Arguments>
+  void operator()(Arguments&&...) const {}
+};
+template <typename T>
+concept HasFields = requires(T& value) {
+  fields_of(value, NoField{});
+};
+
+/// Calls visit(json, last part of the key) in the object that a key with dots is a member of;
+/// `descend(json, part)` returns the member of an object, or nullptr.
+template <typename Node, typename Descend, typename Visit>
+void at_key(Node* json, std::string_view key, const Descend& descend, const Visit& visit) {
+  for (std::size_t dot; json != nullptr && (dot = key.find('.')) != std::string_view::npos;
+       key.remove_prefix(dot + 1))
+    json = descend(*json, std::string(key.substr(0, dot)));
+  visit(json, std::string(key));
+}
+
+// Writing.
+
+template <typename T>
+Json json_of(T& value);
 
 Json config_json(const Config& config) {
   Json json = Json::object();
@@ -27,143 +76,233 @@ Json config_json(const Config& config) {
   return json;
 }
 
-Json input_json(const InputReport& input) {
-  Json by_class = Json::object();
-  for (const auto& [code, count] : input.points_by_class) by_class[std::to_string(code)] = count;
-  return {{"point_files", input.point_files},
-          {"point_files_skipped", input.point_files_skipped},
-          {"points_read", input.points_read},
-          {"points_kept", input.points_kept},
-          {"points_by_class", by_class},
-          {"ground_filtered", input.ground_filtered},
-          {"ground_outliers", input.ground_outliers},
-          {"footprints_read", input.footprints_read},
-          {"footprint_parts", input.footprint_parts}};
+/// Adds members to an object.
+struct Writer {
+  Json& json;
+
+  template <typename T>
+  void operator()(std::string_view key, T& value, std::string_view, std::string_view) const {
+    if constexpr (IsOptional<T>::value) {
+      if (value) json[std::string(key)] = json_of(*value);
+    } else {
+      at_key(
+          &json, key, [](Json& object, const std::string& part) { return &object[part]; },
+          [&](Json* object, const std::string& last) { (*object)[last] = json_of(value); });
+    }
+  }
+};
+
+template <typename T>
+Json json_of(T& value) {
+  if constexpr (std::is_same_v<T, Config>) {
+    return config_json(value);
+  } else if constexpr (std::is_same_v<T, Point2>) {
+    return {value.x, value.y, 0.0};
+  } else if constexpr (std::is_same_v<T, Bounds2>) {
+    return {value.xmin, value.ymin, value.xmax, value.ymax};
+  } else if constexpr (std::is_same_v<T, std::map<int, std::int64_t>>) {
+    Json json = Json::object();
+    for (const auto& [code, count] : value) json[std::to_string(code)] = count;
+    return json;
+  } else if constexpr (std::is_same_v<T, std::array<std::int64_t, kPatchCount>>) {
+    Json json = Json::object();
+    for (std::size_t i = 0; i < value.size(); ++i)
+      json[std::string(patch_name(static_cast<Patch>(i + 1)))] = value[i];
+    return json;
+  } else if constexpr (IsVector<T>::value) {
+    Json json = Json::array();
+    for (auto& element : value) json.push_back(json_of(element));
+    return json;
+  } else if constexpr (HasFields<T>) {
+    Json json = Json::object();
+    fields_of(value, Writer{json});
+    return json;
+  } else {
+    return value;
+  }
 }
 
-Json city_json(const CityReport& city) {
-  Json dropped = Json::array();
-  for (const Dropped& feature : city.dropped)
-    dropped.push_back({{"source_id", feature.source_id}, {"reason", feature.reason}});
-  return {{"raw_buildings", city.raw_buildings},
-          {"buildings", city.buildings},
-          {"merged_groups", city.merged_groups},
-          {"min_clearance", city.min_clearance},
-          {"area_before", city.area_before},
-          {"area_after", city.area_after},
-          {"area_moved", city.area_moved},
-          {"area_changed_share", city.area_changed_share},
-          {"max_distance", city.max_distance},
-          {"hulls", city.hulls},
-          {"resorts", city.resorts},
-          {"flags", city.flags},
-          {"dtm_empty_share", city.dtm_empty_share},
-          {"dtm_void_share", city.dtm_void_share},
-          {"dropped", dropped}};
+// Reading.
+
+/// Sets members from an object, and notes those that it lacks.
+struct Reader {
+  const Json& json;
+  std::string path;
+  std::vector<std::string>& missing;
+
+  template <typename T>
+  void operator()(std::string_view key, T& value, std::string_view, std::string_view) const {
+    const auto descend = [](const Json& object, const std::string& part) -> const Json* {
+      const auto member = object.find(part);
+      return member == object.end() ? nullptr : &*member;
+    };
+    at_key(&json, key, descend, [&](const Json* object, const std::string& last) {
+      const Json* member = object == nullptr ? nullptr : descend(*object, last);
+      std::string place = path + '/' + std::string(key);
+      std::replace(place.begin() + std::ssize(path), place.end(), '.', '/');
+      if (member == nullptr)
+        missing.push_back(place);
+      else
+        read(*member, value, place);
+    });
+  }
+
+  template <typename T>
+  void read(const Json& from, T& value, const std::string& place) const {
+    if constexpr (IsOptional<T>::value) {
+      read(from, value.emplace(), place);
+    } else if constexpr (std::is_same_v<T, Config>) {
+      read_config(from, value, place);
+    } else if constexpr (std::is_same_v<T, Point2>) {
+      value = {from.at(0).template get<double>(), from.at(1).template get<double>()};
+    } else if constexpr (std::is_same_v<T, Bounds2>) {
+      const auto box = from.template get<std::array<double, 4>>();
+      value = {box[0], box[1], box[2], box[3]};
+    } else if constexpr (std::is_same_v<T, std::map<int, std::int64_t>>) {
+      for (const auto& [code, count] : from.items())
+        value[std::stoi(code)] = count.template get<std::int64_t>();
+    } else if constexpr (std::is_same_v<T, std::array<std::int64_t, kPatchCount>>) {
+      for (std::size_t i = 0; i < value.size(); ++i)
+        value[i] = from.value(std::string(patch_name(static_cast<Patch>(i + 1))), std::int64_t{0});
+    } else if constexpr (IsVector<T>::value) {
+      if constexpr (HasFields<typename T::value_type>) {
+        for (const Json& element : from)
+          read(element, value.emplace_back(), fmt::format("{}/{}", place, value.size() - 1));
+      } else {
+        value = from.template get<T>();
+      }
+    } else if constexpr (HasFields<T>) {
+      if (!from.is_object()) throw Json::type_error::create(302, "no object", &from);
+      fields_of(value, Reader{from, place, missing});
+    } else if constexpr (std::is_same_v<T, std::string_view>) {
+      // A literal of the writer; nobody asks for it.
+    } else if constexpr (std::is_same_v<T, double>) {
+      value = from.is_null() ? std::numeric_limits<double>::infinity() : from.get<double>();
+    } else {
+      value = from.template get<T>();
+    }
+  }
+
+  void read_config(const Json& from, Config& config, const std::string& place) const {
+    for (const ConfigField& field : config_fields()) {
+      const auto member = from.find(std::string(field.name));
+      if (member == from.end()) {
+        missing.push_back(place + '/' + std::string(field.name));
+        continue;
+      }
+      std::visit(
+          [&](auto target) {
+            if constexpr (std::is_same_v<decltype(target), ChoiceMember>) {
+              const auto choice =
+                  std::find(field.choices.begin(), field.choices.end(), member->get<std::string>());
+              if (choice != field.choices.end())
+                target.set(config,
+                           static_cast<std::size_t>(std::distance(field.choices.begin(), choice)));
+            } else {
+              member->get_to(config.*target);
+            }
+          },
+          field.member);
+    }
+  }
+};
+
+/// What reports of a command have not: it is no loss.
+bool is_optional(const std::string& command, std::string_view pointer) {
+  const bool makes_city = command == "build" || command == "city";
+  const bool makes_mesh = command == "build" || command == "mesh";
+  if (pointer == "/sources") return command != "mesh";
+  if (pointer == "/input") return command == "mesh";
+  if (pointer == "/city") return command == "synth";
+  if (pointer == "/ground_mesh" || pointer == "/volume_mesh" || pointer == "/surface_mesh")
+    return !makes_mesh;
+  return !makes_city && !makes_mesh;  // of `synth`, or of no run at all
 }
 
-/// Places are in the coordinates of the CRS, to look up in a map.
-Json worst_json(const std::vector<WorstCell>& worst, Point2 origin) {
-  Json cells = Json::array();
-  for (const WorstCell& cell : worst)
-    cells.push_back(
-        {{"position", {cell.centre[0] + origin.x, cell.centre[1] + origin.y, cell.centre[2]}},
-         {"min_dihedral_deg", cell.min_dihedral_deg},
-         {"max_dihedral_deg", cell.max_dihedral_deg},
-         {"cause", cell.cause}});
-  return cells;
-}
+// Documentation.
 
-/// Likewise.
-Json points_json(const std::vector<Point3>& points, Point2 origin) {
-  Json places = Json::array();
-  for (const Point3& p : points) places.push_back({p[0] + origin.x, p[1] + origin.y, p[2]});
-  return places;
-}
+template <typename T>
+struct Inner {
+  using Type = T;
+};
+template <typename T>
+struct Inner<std::optional<T>> : Inner<T> {};
+template <typename T>
+struct Inner<std::vector<T>> {
+  using Type = T;
+};
 
-Json volume_json(const VolumeMeshReport& mesh, Point2 origin) {
-  return {{"vertices", mesh.vertices},
-          {"cells", mesh.cells},
-          {"layers", mesh.layers},
-          {"volume", mesh.volume},
-          {"inverted", mesh.inverted},
-          {"min_vertical_gap", mesh.min_vertical_gap},
-          {"ground_lowered", mesh.ground_lowered},
-          {"cut_slope_deg", mesh.cut_slope},
-          {"roofs_cut_back", mesh.roofs_cut_back},
-          {"feet_cut_back", points_json(mesh.feet_cut_back, origin)},
-          {"moved_by_guard", mesh.moved_by_guard},
-          {"columns_improved", mesh.columns_improved},
-          {"top", mesh.top},
-          {"dihedral_deg",
-           {{"min", mesh.dihedral_min},
-            {"p0_01", mesh.dihedral_p0_01},
-            {"p0_1", mesh.dihedral_p0_1},
-            {"p1", mesh.dihedral_p1},
-            {"median", mesh.dihedral_median},
-            {"max", mesh.dihedral_max}}},
-          {"aspect_ratio",
-           {{"median", mesh.aspect_median}, {"p99", mesh.aspect_p99}, {"max", mesh.aspect_max}}},
-          {"non_orthogonality_deg", {{"max", mesh.faces.worst.non_orthogonality_deg}}},
-          {"faces_above_70_deg", mesh.faces.above_70},
-          {"skewness", {{"max", mesh.faces.worst.skewness}}},
-          {"worst_cells", worst_json(mesh.worst, origin)}};
-}
+struct Table {
+  std::string& text;
+  std::string prefix;
 
-Json surface_json(const SurfaceMeshReport& surface) {
-  Json by_patch = Json::object();
-  for (int i = 0; i < kPatchCount; ++i)
-    by_patch[std::string(patch_name(static_cast<Patch>(i + 1)))] =
-        surface.faces_by_patch[static_cast<std::size_t>(i)];
-  return {{"triangles", surface.triangles},
-          {"closed", surface.closed},
-          {"manifold", surface.manifold},
-          {"faces_by_patch", by_patch}};
-}
+  template <typename T>
+  void operator()(std::string_view key, T&, std::string_view type, std::string_view meaning) const {
+    const std::string whole = prefix + std::string(key);
+    using Element = typename Inner<T>::Type;
+    if constexpr (HasFields<Element>) {
+      Element example{};
+      fields_of(example, Table{text, whole + (IsVector<T>::value ? "[]." : ".")});
+    } else {
+      text += fmt::format("| `{}` | {} | {} |\n", whole, type, meaning);
+    }
+  }
+};
 
 }  // namespace
 
-std::string to_json(const Report& report) {
-  Json json;
-  json["version"] = kVersion;
-  json["command"] = report.command;
-  json["config"] = config_json(report.config);
-  json["origin"] = {report.origin.x, report.origin.y, 0.0};
-  json["crs"] = report.crs;
-  json["domain"] = {report.domain.xmin, report.domain.ymin, report.domain.xmax, report.domain.ymax};
-  json["steps"] = Json::array();
-  for (const StepReport& step : report.steps)
-    json["steps"].push_back({{"id", step.id},
-                             {"name", step.name},
-                             {"seconds", step.seconds},
-                             {"cpu_seconds", step.cpu_seconds}});
-  json["peak_rss_bytes"] = report.peak_rss_bytes;
-  json["threads"] = report.threads;
-  if (!report.sources.empty()) json["sources"] = report.sources;
-  if (report.input) json["input"] = input_json(*report.input);
-  if (report.city) json["city"] = city_json(*report.city);
-  if (report.ground_mesh)
-    json["ground_mesh"] = {
-        {"vertices", report.ground_mesh->vertices},
-        {"triangles", report.ground_mesh->triangles},
-        {"min_angle_deg", report.ground_mesh->min_angle_deg},
-        {"small_input_angles", report.ground_mesh->small_input_angles},
-        {"triangles_below_min_angle", report.ground_mesh->triangles_below_min_angle}};
-  if (report.volume_mesh) json["volume_mesh"] = volume_json(*report.volume_mesh, report.origin);
-  if (report.surface_mesh) json["surface_mesh"] = surface_json(*report.surface_mesh);
-  json["solver"] = Json::array();
-  for (const SolverStepReport& solve : report.solver)
-    json["solver"].push_back({{"step", solve.step},
-                              {"unknowns", solve.unknowns},
-                              {"iterations", solve.iterations},
-                              {"relative_residual", solve.relative_residual},
-                              {"converged", solve.converged}});
-  json["files"] = report.files;
-  json["warnings"] = Json::array();
-  for (const Warning& warning : report.warnings)
-    json["warnings"].push_back(
-        {{"code", warning.code}, {"count", warning.count}, {"message", warning.message}});
+std::string to_json(Report report) {
+  Json json = Json::object();
+  report_fields(report, Writer{json});
+  if (report.sources.empty()) json.erase("sources");
   return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
+}
+
+ReadReport report_from_json(const std::string& text, const std::string& source) {
+  try {
+    const Json json = Json::parse(text);
+    ReadReport result;
+    if (json.is_object()) {
+      report_fields(result.report, Reader{json, "", result.missing});
+      std::erase_if(result.missing, [&](const std::string& pointer) {
+        return is_optional(result.report.command, pointer);
+      });
+      result.has_origin = json.contains("origin");
+      result.has_domain = json.contains("domain");
+      result.has_crs = json.contains("crs");
+      return result;
+    }
+  } catch (const Json::exception&) {        // no JSON, or members of other types than a report's
+  } catch (const std::invalid_argument&) {  // a class that is no number
+  } catch (const std::out_of_range&) {
+  }
+  throw Error(ErrorKind::kInput, source + ": not a report of tetropolis");
+}
+
+std::optional<ReadReport> read_report(const fs::path& folder) {
+  const fs::path path = folder / results::kReport;
+  std::error_code error;
+  if (fs::is_fifo(path, error))  // which would be waited for
+    throw Error(ErrorKind::kInput, path.string() + ": is not an ordinary file");
+  std::ifstream file(path, std::ios::binary);
+  if (!file) {
+    const int reason = errno;
+    if (!fs::exists(path, error)) return std::nullopt;
+    throw Error(ErrorKind::kInput, path.string() + ": cannot be read: " + std::strerror(reason));
+  }
+  std::string text;
+  try {
+    text.assign(std::istreambuf_iterator<char>(file), {});
+  } catch (const std::ios_base::failure&) {  // not even a file
+  }
+  return report_from_json(text, path.string());
+}
+
+std::string report_markdown() {
+  std::string text = "| key | type, unit | meaning |\n|---|---|---|\n";
+  Report report;
+  report_fields(report, Table{text, ""});
+  return text;
 }
 
 }  // namespace tetropolis

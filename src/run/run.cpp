@@ -1,16 +1,23 @@
 #include "tetropolis/run/run.h"
 
+#include <array>
 #include <filesystem>
 #include <string>
 #include <utility>
+#include <vector>
 
 #include "tetropolis/core/parallel.h"
+#include "tetropolis/io/cityjson/cityjson.h"
+#include "tetropolis/io/raster/geotiff.h"
 
+#include "core/step_clock.h"
 #include "folders.h"
-#include "pipeline/stages.h"
+#include "options_of.h"
+#include "read_input.h"
 #include "read_meshable.h"
 #include "result_files.h"
 #include "run_frame.h"
+#include "write_mesh.h"
 
 namespace tetropolis {
 
@@ -18,10 +25,10 @@ namespace {
 
 void require_input(const Config& config, Command command) {
   require_in_range(config, command);
-  require_given(!config.points.empty(), "--points", "name LAS or LAZ files or a folder of them");
-  require_given(!config.footprints.empty() || config.terrain_only, "--footprints",
-                "name a vector file with building footprints, or add --terrain-only");
-  require_given(!config.out.empty(), "--out", "name a folder for the results");
+  require_given(!config.points.empty(), "points", "name LAS or LAZ files or a folder of them");
+  require_given(!config.footprints.empty() || config.terrain_only, "footprints",
+                "name a vector file with building footprints, or add terrain_only");
+  require_given(!config.out.empty(), "out", "name a folder for the results");
 }
 
 /// Results never replace what the run reads.
@@ -36,18 +43,70 @@ std::string relative_to_results(const Config& config, const std::string& source)
   return real_path(source).lexically_relative(real_path(config.out)).string();
 }
 
+void add_warnings(const std::vector<Warning>& warnings, Report& report) {
+  report.warnings.insert(report.warnings.end(), warnings.begin(), warnings.end());
+}
+
+void add_steps(const std::vector<StepTime>& steps, Report& report) {
+  for (const StepTime& step : steps) add_time(step, report.steps);
+}
+
+/// Steps 1.1 to 2.4: reads the input, writes city models and terrain.
+BuiltCity make_city(const Config& config, Next next, const RunHooks& hooks, OutputFolder& out,
+                    Report& report) {
+  StepClock clock(hooks, report.steps);
+  RunInput input = read_input(config, next, clock, report.warnings);
+  BuiltCity built =
+      build_city(std::move(input.points), std::move(input.footprints), city_options(config), hooks);
+  add_steps(built.steps, report);
+  add_warnings(built.warnings, report);
+  report.input = built.input;
+  report.city = built.facts;
+  keep_domain(built.city, report);
+  const CityModel& raw = built.raw;
+  clock.run("1.7", "write city model", [&](const Progress&) {
+    write_raster(out.result(results::kTerrain), built.terrain, raw.origin, raw.crs, raw.domain);
+    write_city(out.result(results::kRawCity), raw, "City model before simplification");
+  });
+  built.raw = {};
+  clock.run("2.4", "write merged city model", [&](const Progress&) {
+    write_city(out.result(results::kCity), built.city, "City model after simplification");
+  });
+  return built;
+}
+
+/// Steps 3.1 to 3.6: writes volume, boundary and surface.
+void make_mesh(const Config& config, const CityModel& city, Raster terrain, const RunHooks& hooks,
+               OutputFolder& out, Report& report) {
+  CityMesh mesh = mesh_city(city, std::move(terrain), mesh_options(config), hooks);
+  add_steps(mesh.steps, report);
+  add_warnings(mesh.warnings, report);
+  report.ground_mesh = mesh.ground_facts;
+  report.volume_mesh = std::move(mesh.volume_facts);
+  for (WorstCell& cell : report.volume_mesh->worst)
+    cell.centre = {cell.centre[0] + city.origin.x, cell.centre[1] + city.origin.y, cell.centre[2]};
+  for (Point3& toe : report.volume_mesh->feet_cut_back)
+    toe = {toe[0] + city.origin.x, toe[1] + city.origin.y, toe[2]};
+  report.surface_mesh = mesh.surface_facts;
+  report.solver = std::move(mesh.solver);
+  if (config.coordinates == Coordinates::kAbsolute)
+    mesh.placement = {{city.origin.x, city.origin.y, 0}, {0, 0, 0}};
+  StepClock clock(hooks, report.steps);
+  clock.run("3.6", "write meshes", [&](const Progress& progress) {
+    write_mesh(config, mesh.volume, mesh.boundary, mesh.placement, out, progress);
+  });
+}
+
 }  // namespace
 
 Report run_build(const Config& config, const RunHooks& hooks) {
   require_input(config, kBuild);
   const ThreadLimit limit(config.threads);
   Report report = begin_report("build", config);
-  StepClock clock(hooks, report);
   OutputFolder out(config.out, hooks.output, Replaces::kModels);
   keep_inputs(config, out);
-  CityAndTerrain stage = make_city(config, Next::kMesh, out, clock, report);
-  keep_domain(stage.city, report);
-  make_mesh(config, stage.city, std::move(stage.dtm), out, clock, report);
+  BuiltCity built = make_city(config, Next::kMesh, hooks, out, report);
+  make_mesh(config, built.city, std::move(built.terrain), hooks, out, report);
   finish(report, out);
   return report;
 }
@@ -56,33 +115,33 @@ Report run_city(const Config& config, const RunHooks& hooks) {
   require_input(config, kCity);
   const ThreadLimit limit(config.threads);
   Report report = begin_report("city", config);
-  StepClock clock(hooks, report);
   OutputFolder out(config.out, hooks.output, Replaces::kModels);
   keep_inputs(config, out);
-  const CityAndTerrain stage = make_city(config, Next::kNothing, out, clock, report);
-  keep_domain(stage.city, report);
+  make_city(config, Next::kNothing, hooks, out, report);
   finish(report, out);
   return report;
 }
 
 Report run_mesh(const Config& config, const RunHooks& hooks) {
   require_in_range(config, kMesh);
-  require_given(!config.city.empty(), "--city", "name a city model (.city.json)");
-  require_given(!config.dtm.empty(), "--dtm", "name a terrain raster (.tif)");
-  require_given(!config.out.empty(), "--out", "name a folder for the results");
+  require_given(!config.city.empty(), "city", "name a city model (.city.json)");
+  require_given(!config.dtm.empty(), "dtm", "name a terrain raster (.tif)");
+  require_given(!config.out.empty(), "out", "name a folder for the results");
   const ThreadLimit limit(config.threads);
   Report report = begin_report("mesh", config);
   report.sources = {{"city", relative_to_results(config, config.city)},
                     {"dtm", relative_to_results(config, config.dtm)}};
-  StepClock clock(hooks, report);
   OutputFolder out(config.out, hooks.output, Replaces::kModels);
   keep_inputs(config, out);
   // Beside the city model that is meshed, the one it was made from is no leftover.
   out.keep(std::filesystem::path(config.city).parent_path() / results::kRawCity);
-  CityAndTerrain stage = clock.run("1.2", "read city and terrain",
-                                   [&](const Progress&) { return read_meshable(config, report); });
-  keep_domain(stage.city, report);
-  make_mesh(config, stage.city, std::move(stage.dtm), out, clock, report);
+  StepClock clock(hooks, report.steps);
+  MeshableInput input = clock.run("1.2", "read city and terrain", [&](const Progress&) {
+    return read_meshable(config, report.warnings);
+  });
+  report.city = std::move(input.facts);
+  keep_domain(input.city, report);
+  make_mesh(config, input.city, std::move(input.terrain), hooks, out, report);
   finish(report, out);
   return report;
 }

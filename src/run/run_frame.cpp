@@ -10,6 +10,7 @@
 
 #include "tetropolis/core/error.h"
 #include "tetropolis/core/parallel.h"
+#include "tetropolis/core/version.h"
 #include "tetropolis/io/file/atomic_file.h"
 
 #include "result_files.h"
@@ -30,12 +31,13 @@ std::int64_t peak_rss_bytes() {
 
 }  // namespace
 
-void require_given(bool given, const char* option, const char* what) {
-  if (!given) throw Error(ErrorKind::kUsage, fmt::format("{} is missing: {}", option, what));
+void require_given(bool given, const char* setting, const char* what) {
+  if (!given) throw Error(ErrorKind::kUsage, fmt::format("`{}` is missing: {}", setting, what));
 }
 
 Report begin_report(const char* command, const Config& config) {
   Report report;
+  report.version = kVersion;
   report.command = command;
   report.config = config;
   report.threads = thread_count();

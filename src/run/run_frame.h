@@ -8,8 +8,8 @@
 
 namespace tetropolis {
 
-/// Throws Error(kUsage) that `option` is missing, and what it is for, if it is not given.
-void require_given(bool given, const char* option, const char* what);
+/// Throws Error(kUsage) that `setting` is missing, and what it is for, if it is not given.
+void require_given(bool given, const char* setting, const char* what);
 
 Report begin_report(const char* command, const Config& config);
 

@@ -5,15 +5,16 @@
 #include <fmt/format.h>
 
 #include "tetropolis/core/parallel.h"
+#include "tetropolis/core/system_memory.h"
 #include "tetropolis/io/las/las.h"
 #include "tetropolis/io/vector/vector.h"
 #include "tetropolis/run/run.h"
 #include "tetropolis/synth/adversarial_city.h"
 #include "tetropolis/synth/synthetic_city.h"
 
-#include "memory.h"
+#include "core/step_clock.h"
+#include "pipeline/memory.h"
 #include "run_frame.h"
-#include "step_clock.h"
 #include "synth_adversarial.h"
 
 namespace tetropolis {
@@ -35,17 +36,17 @@ void require_room(const Config& config) {
   const bool village = config.kind == SynthKind::kAdversarial;
   if (!village && !config.defects.empty())
     throw Error(ErrorKind::kUsage,
-                "--defects: cities of this kind have none; add --kind adversarial");
+                "`defects`: cities of this kind have none; add `kind` adversarial");
   const double least = village                             ? kLeastVillageSize
                        : config.kind == SynthKind::kBlocks ? kLeastBlockSize
                                                            : kLeastRandomSize;
   if (config.size > 0 && config.size < least)
     throw Error(ErrorKind::kUsage,
-                fmt::format("--size: {} m is too small for a city of this kind; give {} or more",
+                fmt::format("`size`: {} m is too small for a city of this kind; give {} or more",
                             config.size, least));
   if (village && config.size > kGreatestVillageSize)
     throw Error(ErrorKind::kUsage,
-                fmt::format("--size: {} m is too large for a city of this kind; give {} or less",
+                fmt::format("`size`: {} m is too large for a city of this kind; give {} or less",
                             config.size, kGreatestVillageSize));
 }
 
@@ -92,13 +93,13 @@ void warn_of_number(const Config& config, std::int64_t found, Report& report) {
   if (config.buildings == 0) return;
   if (static_cast<double>(found) < (1 - kAbout) * config.buildings)
     report.warnings.push_back({"fewer_buildings", config.buildings - found,
-                               fmt::format("only {} of {} buildings fit; give a larger --size",
+                               fmt::format("only {} of {} buildings fit; give a larger `size`",
                                            found, config.buildings)});
   if (static_cast<double>(found) > (1 + kAbout) * config.buildings)
     report.warnings.push_back(
         {"more_buildings", found - config.buildings,
          fmt::format(
-             "{} buildings, not {}: blocks of this --size have no fewer; give a smaller one", found,
+             "{} buildings, not {}: blocks of this `size` have no fewer; give a smaller one", found,
              config.buildings)});
 }
 
@@ -118,7 +119,7 @@ void synth_plain(const Config& config, double size, OutputFolder& out, StepClock
   report.origin = city.origin;
   report.crs = city.crs;
   report.domain = city.domain.moved(city.origin);
-  InputReport& input = report.input.emplace();
+  InputFacts& input = report.input.emplace();
   input.points_kept = input.points_read = static_cast<std::int64_t>(city.points.size());
   for (const std::uint8_t code : city.points.classification) ++input.points_by_class[code];
   input.footprints_read = static_cast<std::int64_t>(city.footprints.size());
@@ -129,13 +130,13 @@ void synth_plain(const Config& config, double size, OutputFolder& out, StepClock
 
 Report run_synth(const Config& config, const RunHooks& hooks) {
   require_in_range(config, kSynth);
-  require_given(!config.out.empty(), "--out", "name a folder for the results");
+  require_given(!config.out.empty(), "out", "name a folder for the results");
   require_room(config);
   const double size = size_of(config);
-  require_scan_fits(size * size * config.point_density);
+  require_scan_fits(size * size * config.point_density, usable_memory());
   const ThreadLimit limit(config.threads);
   Report report = begin_report("synth", config);
-  StepClock clock(hooks, report);
+  StepClock clock(hooks, report.steps);
   OutputFolder out(config.out, hooks.output);
   const auto synth = config.kind == SynthKind::kAdversarial ? synth_adversarial : synth_plain;
   synth(config, size, out, clock, report);

@@ -87,7 +87,7 @@ void synth_adversarial(const Config& config, double size, OutputFolder& out, Ste
   report.origin = city.origin;
   report.crs = city.crs;
   report.domain = city.domain.moved(city.origin);
-  InputReport& input = report.input.emplace();
+  InputFacts& input = report.input.emplace();
   for (const PointTile& tile : city.tiles) {
     input.points_kept += static_cast<std::int64_t>(tile.points.size());
     for (const std::uint8_t code : tile.points.classification) ++input.points_by_class[code];

@@ -2,8 +2,9 @@
 #pragma once
 
 #include "tetropolis/run/output_folder.h"
+#include "tetropolis/run/report.h"
 
-#include "step_clock.h"
+#include "core/step_clock.h"
 
 namespace tetropolis {
 

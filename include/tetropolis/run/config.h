@@ -13,15 +13,13 @@
 #include <vector>
 
 #include "tetropolis/io/file/compression.h"
+#include "tetropolis/pipeline/build_city.h"
+#include "tetropolis/pipeline/mesh_city.h"
 
 namespace tetropolis {
 
 // Settings that are one of a few words; what each means is told in config_fields().
 enum class Coordinates { kLocal, kAbsolute };
-enum class GroundFilter { kAuto, kNever, kAlways };
-enum class BoundaryBuildings { kDrop, kClip };
-enum class Layering { kGraded, kUniform };
-enum class Top { kFlat, kFree };
 enum class SynthKind { kRandom, kBlocks, kAdversarial };
 
 /// Lengths in metres, angles in degrees. Empty strings and lists mean "not given".
@@ -90,11 +88,6 @@ struct Config {
   bool quiet = false;
   std::string log;
 };
-
-/// Whether nodes are placed by Laplace problems: in graded columns under a flat top there are none.
-inline bool solves_laplace(const Config& config) {
-  return config.layering == Layering::kUniform || config.top == Top::kFree;
-}
 
 /// The commands that take settings, as bits.
 enum Command : unsigned {

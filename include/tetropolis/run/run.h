@@ -1,8 +1,7 @@
 // The commands: steps strung together, from files to a folder of results.
 #pragma once
 
-#include <functional>
-
+#include "tetropolis/core/steps.h"
 #include "tetropolis/run/config.h"
 #include "tetropolis/run/output_folder.h"
 #include "tetropolis/run/report.h"
@@ -10,12 +9,8 @@
 namespace tetropolis {
 
 /// How a run tells its caller what it does. All may be empty.
-struct RunHooks {
-  std::function<void(const StepReport& step)> step_begins;  ///< id and name are set.
-  std::function<void(double fraction)> step_progress;       ///< Of the current step, in [0, 1].
-  std::function<void(const StepReport& step)> step_ends;
-  std::function<bool()> cancelled;  ///< Polled; true ends the run with Cancelled.
-  OutputWatcher output;             ///< For callers that may have to end the process.
+struct RunHooks : StepHooks {
+  OutputWatcher output;  ///< For callers that may have to end the process.
 };
 
 /// Each writes the files of docs/files.md into config.out and returns what report.json says, and a

@@ -75,11 +75,13 @@ struct ReadPointsOptions {
 
 /// The points of one file.
 struct FilePoints {
+  std::string path;                      ///< As it was given.
   PointRange kept;                       ///< Where they are in the cloud.
   std::map<int, std::int64_t> by_class;  ///< Counts of all of them, kept or not.
 };
 
 struct PointsInput {
+  std::string source = "points";  ///< What messages call all of them: "a.laz, and 3 more".
   PointCloud points;              ///< Order: files as given, points as stored.
   std::vector<FilePoints> files;  ///< Of each file; of those not read, none.
   std::int64_t points_read = 0;   ///< Points looked at (files passed over do not count).

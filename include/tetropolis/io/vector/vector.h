@@ -33,12 +33,13 @@ struct Footprint {
 };
 
 struct FootprintsInput {
-  std::vector<Footprint> features;  ///< In the order of the file.
-  std::vector<Dropped> dropped;     ///< Features and parts that are no footprint, and why.
-  std::int64_t features_read = 0;   ///< Features of the file, before multipolygons are split.
-  std::string crs;                  ///< Of the coordinates (canonical, crs.h); "" if unknown.
-  Bounds2 bounds{1, 1, 0, 0};       ///< Of all vertices kept; empty if there are none.
-  std::string layer;                ///< The layer that was read.
+  std::string source = "footprints";    ///< What messages call them: the path that was read.
+  std::vector<Footprint> features;      ///< In the order of the file.
+  std::vector<Dropped> dropped;         ///< Features and parts that are no footprint, and why.
+  std::int64_t features_read = 0;       ///< Features of the file, before multipolygons are split.
+  std::string crs;                      ///< Of the coordinates (canonical, crs.h); "" if unknown.
+  Bounds2 bounds = Bounds2::nothing();  ///< Of all vertices kept; empty if there are none.
+  std::string layer;                    ///< The layer that was read.
   std::vector<Warning> warnings;
 };
 

@@ -1,3 +1,5 @@
+#include "tetropolis/pipeline/mesh_city.h"
+
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
@@ -13,54 +15,52 @@
 #include "ground/validate.h"
 #include "improve_mesh.h"
 #include "make_columns.h"
-#include "run/memory.h"
-#include "run/write_mesh.h"
-#include "stages.h"
+#include "memory.h"
 #include "volume/column/ground_heights.h"
 
 namespace tetropolis {
 
 namespace {
 
-CitySize size_of(const Config& config, const CityModel& city, const Raster& dtm) {
+CitySize size_of(const MeshCityOptions& options, const CityModel& city, const Raster& dtm) {
   CitySize size;
   size.area = city.domain.width() * city.domain.height();
   for (const Building& building : city.buildings) size.add(building.footprint);
   double sum = 0;
   for (const double z : dtm.values) sum += z;
-  size.height = highest_under(dtm, city.domain) + config.domain_height -
+  size.height = highest_under(dtm, city.domain) + options.domain_height -
                 sum / static_cast<double>(dtm.values.size());
   size.terrain_nodes = static_cast<double>(dtm.values.size());
   return size;
 }
 
-GroundMesh make_ground(const Config& config, const CityModel& city, const Raster& dtm,
-                       StepClock& clock, Report& report) {
+GroundMesh make_ground(const MeshCityOptions& options, const CityModel& city, const Raster& dtm,
+                       StepClock& clock, CityMesh& result) {
   std::vector<Polygon> footprints;
   for (const Building& building : city.buildings) footprints.push_back(building.footprint);
-  GroundMeshOptions options{config.mesh_size, config.min_angle};
-  if (config.layering != Layering::kUniform) {
-    options.wall_edge = [&](BuildingIndex building, Point2 a, Point2 b) {
+  GroundMeshOptions meshing{options.mesh_size, options.min_angle_deg};
+  if (options.layering != Layering::kUniform) {
+    meshing.wall_edge = [&](BuildingIndex building, Point2 a, Point2 b) {
       const double roof = city.buildings[static_cast<std::size_t>(building)].h_roof;
-      return longest_wall_edge(dtm, roof, a, b, config.min_wall_height);
+      return longest_wall_edge(dtm, roof, a, b, options.min_wall_height);
     };
-    options.elevation = [&](Point2 p) { return sample(dtm, p); };
+    meshing.elevation = [&](Point2 p) { return sample(dtm, p); };
   }
   GroundMesh ground = clock.run("3.1", "ground mesh", [&](const Progress& progress) {
-    return mesh_ground(footprints, city.domain, options, progress);
+    return mesh_ground(footprints, city.domain, meshing, progress);
   });
-  report.ground_mesh =
-      GroundMeshReport{static_cast<std::int64_t>(ground.vertices.size()),
-                       static_cast<std::int64_t>(ground.triangles.size()),
-                       angle_statistics(ground.vertices, ground.triangles).min_deg,
-                       ground.small_input_angles, ground.triangles_below_min_angle};
+  result.ground_facts =
+      GroundMeshFacts{static_cast<std::int64_t>(ground.vertices.size()),
+                      static_cast<std::int64_t>(ground.triangles.size()),
+                      angle_statistics(ground.vertices, ground.triangles).min_deg,
+                      ground.small_input_angles, ground.triangles_below_min_angle};
   return ground;
 }
 
-void report_lowered(const ColumnPlan& plan, Report& report) {
-  report.volume_mesh->ground_lowered = plan.lowered;
-  report.volume_mesh->roofs_cut_back = plan.cut_from.roofs;
-  report.volume_mesh->feet_cut_back = plan.cut_from.feet;
+void tell_lowered(const ColumnPlan& plan, CityMesh& result) {
+  result.volume_facts.ground_lowered = plan.lowered;
+  result.volume_facts.roofs_cut_back = plan.cut_from.roofs;
+  result.volume_facts.feet_cut_back = plan.cut_from.feet;
   if (plan.lowered == 0) return;
   std::string where = "at walls that would be too low otherwise";
   if (const std::size_t roofs = plan.cut_from.roofs.size(); roofs > 0)
@@ -74,14 +74,14 @@ void report_lowered(const ColumnPlan& plan, Report& report) {
                                               : "s have their foot above the ground that is now",
                          plan.deepest_undermined);
   if (!plan.cut_from.roofs.empty() || !plan.cut_from.feet.empty())
-    where += "; --cut-slope 90 keeps the terrain, with worse cells instead";
-  report.warnings.push_back(
+    where += "; cut_slope = 90 keeps the terrain, with worse cells instead";
+  result.warnings.push_back(
       {"ground_lowered", plan.lowered,
        fmt::format("ground vertices were lowered, by up to {:.1f} m: {}", plan.deepest, where)});
 }
 
 /// Guarantee 4, too: throws if a cell is inverted.
-void report_quality(const ColumnMesh& mesh, MeshQuality measured, VolumeMeshReport& volume) {
+void tell_quality(const ColumnMesh& mesh, MeshQuality measured, VolumeMeshFacts& volume) {
   const QualityHistogram& quality = measured.cells.histogram;
   volume.worst = std::move(measured.cells.worst);
   volume.faces = measured.faces;
@@ -104,12 +104,12 @@ void report_quality(const ColumnMesh& mesh, MeshQuality measured, VolumeMeshRepo
 }
 
 /// The boundary, closed and manifold (guarantee 5).
-SurfaceMesh checked_boundary(const ColumnMesh& mesh, const Bounds2& domain, Report& report) {
+SurfaceMesh checked_boundary(const ColumnMesh& mesh, const Bounds2& domain, CityMesh& result) {
   SurfaceMesh surface = extract_boundary(mesh, domain);
   const SurfaceTopology topology = check_topology(surface);
-  report.surface_mesh =
-      SurfaceMeshReport{static_cast<std::int64_t>(surface.triangles.size()), topology.closed(),
-                        topology.manifold(), count_by_patch(surface)};
+  result.surface_facts =
+      SurfaceMeshFacts{static_cast<std::int64_t>(surface.triangles.size()), topology.closed(),
+                       topology.manifold(), count_by_patch(surface)};
   if (!topology.closed() || !topology.manifold())
     throw Error(
         ErrorKind::kGuarantee,
@@ -131,31 +131,31 @@ void move_into_crs(GroundMesh& ground, Point2 origin) {
 
 }  // namespace
 
-void make_mesh(const Config& config, const CityModel& city, Raster dtm, OutputFolder& out,
-               StepClock& clock, Report& report) {
+CityMesh mesh_city(const CityModel& city, Raster terrain, const MeshCityOptions& options,
+                   const StepHooks& hooks) {
+  CityMesh result;
+  StepClock clock(hooks, result.steps);
   const Point2 origin = city.origin;
-  const CitySize size = size_of(config, city, dtm);
-  require_mesh_fits(config, size);
-  GroundMesh ground = make_ground(config, city, dtm, clock, report);
+  const CitySize size = size_of(options, city, terrain);
+  require_mesh_fits(options, size);
+  GroundMesh ground = make_ground(options, city, terrain, clock, result);
   move_into_crs(ground, origin);
-  dtm.x0 = in_crs(dtm.x0, origin.x);
-  dtm.y0 = in_crs(dtm.y0, origin.y);
+  terrain.x0 = in_crs(terrain.x0, origin.x);
+  terrain.y0 = in_crs(terrain.y0, origin.y);
   const Bounds2 domain{in_crs(city.domain.xmin, origin.x), in_crs(city.domain.ymin, origin.y),
                        in_crs(city.domain.xmax, origin.x), in_crs(city.domain.ymax, origin.y)};
-  Columns columns = make_columns(config, city, dtm, size, std::move(ground), clock, report);
-  MeshQuality quality = improve_mesh(config, dtm, size, columns, clock, *report.volume_mesh);
-  report_lowered(columns.plan, report);
-  const ColumnMesh mesh = std::move(columns.mesh);
+  Columns columns = make_columns(options, city, terrain, size, std::move(ground), clock, result);
+  MeshQuality quality = improve_mesh(options, terrain, size, columns, clock, result.volume_facts);
+  tell_lowered(columns.plan, result);
+  result.volume = std::move(columns.mesh);
   columns.plan = {};
-  clock.run("3.6", "check and write meshes", [&](const Progress& progress) {
-    warn_below_floor(config, mesh, quality, report);
-    report_quality(mesh, std::move(quality), *report.volume_mesh);
-    const SurfaceMesh boundary = checked_boundary(mesh, domain, report);
-    Placement placement{{0, 0, 0}, {city.origin.x, city.origin.y, 0}};
-    if (config.coordinates == Coordinates::kAbsolute)
-      placement = {{city.origin.x, city.origin.y, 0}, {0, 0, 0}};
-    write_mesh(config, mesh, boundary, placement, out, progress);
+  clock.run("3.6", "boundary", [&](const Progress&) {
+    warn_below_floor(options, result.volume, quality, result.warnings);
+    tell_quality(result.volume, std::move(quality), result.volume_facts);
+    result.boundary = checked_boundary(result.volume, domain, result);
   });
+  result.placement.origin = {origin.x, origin.y, 0};
+  return result;
 }
 
 }  // namespace tetropolis

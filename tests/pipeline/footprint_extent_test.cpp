@@ -1,4 +1,4 @@
-#include "run/footprint_extent.h"
+#include "pipeline/footprint_extent.h"
 
 #include <utility>
 #include <vector>

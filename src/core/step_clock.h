@@ -1,15 +1,16 @@
-// Runs the steps of a pipeline, timing them and passing progress on.
+// Runs the steps of an operation, timing them and passing progress on.
 #pragma once
 
 #include <chrono>
 #include <string>
 #include <type_traits>
 #include <utility>
+#include <vector>
 
 #include <sys/resource.h>
 
 #include "tetropolis/core/progress.h"
-#include "tetropolis/run/run.h"
+#include "tetropolis/core/steps.h"
 
 namespace tetropolis {
 
@@ -23,16 +24,26 @@ inline double cpu_seconds() {
   return seconds(usage.ru_utime) + seconds(usage.ru_stime);
 }
 
+/// Adds `step` to `times`: to the entry of the same id and name if there is one.
+inline void add_time(const StepTime& step, std::vector<StepTime>& times) {
+  for (StepTime& earlier : times)
+    if (earlier.id == step.id && earlier.name == step.name) {
+      earlier.seconds += step.seconds;
+      earlier.cpu_seconds += step.cpu_seconds;
+      return;
+    }
+  times.push_back(step);
+}
+
 class StepClock {
  public:
-  StepClock(const RunHooks& hooks, Report& report) : hooks_(hooks), report_(report) {}
+  /// Keeps references to both.
+  StepClock(const StepHooks& hooks, std::vector<StepTime>& times) : hooks_(hooks), times_(times) {}
 
-  /// Calls body(progress) as the step `id` and adds its time to the report: to the entry of the
-  /// same id and name if there is one. Parts of a step that have names of their own have entries of
-  /// their own, with the step's id.
+  /// Calls body(progress) as the step `id` and adds its time (add_time).
   template <typename Body>
   auto run(const std::string& id, const std::string& name, const Body& body) {
-    StepReport step{id, name, 0, 0};
+    StepTime step{id, name, 0, 0};
     if (hooks_.cancelled && hooks_.cancelled()) throw Cancelled();
     if (hooks_.step_begins) hooks_.step_begins(step);
     const auto wall = std::chrono::steady_clock::now();
@@ -40,7 +51,7 @@ class StepClock {
     const auto finish = [&] {
       step.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - wall).count();
       step.cpu_seconds = cpu_seconds() - cpu;
-      add(step);
+      add_time(step, times_);
       if (hooks_.step_ends) hooks_.step_ends(step);
     };
     const Progress progress{hooks_.step_progress, hooks_.cancelled};
@@ -55,18 +66,8 @@ class StepClock {
   }
 
  private:
-  void add(const StepReport& step) {
-    for (StepReport& earlier : report_.steps)
-      if (earlier.id == step.id && earlier.name == step.name) {
-        earlier.seconds += step.seconds;
-        earlier.cpu_seconds += step.cpu_seconds;
-        return;
-      }
-    report_.steps.push_back(step);
-  }
-
-  const RunHooks& hooks_;
-  Report& report_;
+  const StepHooks& hooks_;
+  std::vector<StepTime>& times_;
 };
 
 }  // namespace tetropolis

@@ -1,4 +1,4 @@
-// What `build`, `city` and `mesh` ask of a domain. Private to src/pipeline.
+// What footprints ask of a domain.
 #pragma once
 
 #include <algorithm>
@@ -6,24 +6,31 @@
 
 #include <fmt/format.h>
 
+#include "tetropolis/city/city_model.h"
 #include "tetropolis/core/error.h"
 #include "tetropolis/geometry/types.h"
-#include "tetropolis/run/config.h"
 
 namespace tetropolis {
 
 /// Throws Error(kInput) unless footprints have room between the domain's sides. For the message:
 /// `source`, what the domain comes from, and `in_it`, what is there.
-inline void require_room(const Config& config, const Bounds2& domain, const std::string& source,
+inline void require_room(double min_distance, const Bounds2& domain, const std::string& source,
                          const std::string& in_it = "") {
-  const double least = 2 * config.min_building_distance;
+  const double least = 2 * min_distance;
   if (domain.width() >= least && domain.height() >= least) return;
   throw Error(
       ErrorKind::kInput,
       fmt::format("{}: the domain is {:.3f} m x {:.3f} m{}, too small for footprints {} m apart; "
-                  "give more data, larger --bounds or lower --min-building-distance",
+                  "give more data, larger `bounds` or lower min_building_distance",
                   source, std::max(domain.width(), 0.0), std::max(domain.height(), 0.0), in_it,
-                  config.min_building_distance));
+                  min_distance));
+}
+
+/// Where a city's domain is, in its reference system, for messages.
+inline std::string domain_text(const CityModel& city) {
+  const Bounds2 domain = city.domain.moved(city.origin);
+  return fmt::format("x {:.1f} .. {:.1f}, y {:.1f} .. {:.1f}", domain.xmin, domain.xmax,
+                     domain.ymin, domain.ymax);
 }
 
 }  // namespace tetropolis

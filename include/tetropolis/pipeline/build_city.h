@@ -1,0 +1,111 @@
+// Steps 1.3 to 2.3 in memory: from points and footprints to terrain and city models.
+#pragma once
+
+#include <cstdint>
+#include <limits>
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "tetropolis/city/city_model.h"
+#include "tetropolis/city/extract.h"
+#include "tetropolis/city/heights.h"
+#include "tetropolis/city/simplify/simplify.h"
+#include "tetropolis/core/steps.h"
+#include "tetropolis/core/warning.h"
+#include "tetropolis/io/las/las.h"
+#include "tetropolis/io/vector/vector.h"
+#include "tetropolis/terrain/dtm.h"
+#include "tetropolis/terrain/ground_filter.h"
+#include "tetropolis/terrain/raster.h"
+
+namespace tetropolis {
+
+/// Whether ground points are found by filter_ground: where no point of the cloud, or of some of its
+/// files, has the ground class; never; always.
+enum class GroundFilter { kAuto, kNever, kAlways };
+
+/// What becomes of footprints that cross the domain's boundary.
+enum class BoundaryBuildings { kDrop, kClip };
+
+struct BuildCityOptions {
+  /// The domain, CRS coordinates. None: the box of the footprints within that of the points, grown
+  /// by `domain_margin` as far as there are points; without footprints the box of the points.
+  std::optional<Bounds2> bounds;
+  double domain_margin = 40;  ///< Metres, >= 0.
+  bool terrain_only = false;  ///< A city without buildings is no error.
+  BoundaryBuildings boundary_buildings = BoundaryBuildings::kDrop;
+  GroundFilter ground_filter = GroundFilter::kAuto;
+  GroundFilterOptions filter;
+  DtmOptions dtm;
+  ExtractOptions extract;  ///< `no_buildings` is found, not taken from here.
+  HeightOptions heights;
+  SimplifyOptions simplify;  ///< min_distance, min_area and parallel_tolerance hold for 1.4, too.
+  double max_bytes = std::numeric_limits<double>::infinity();  ///< Memory of the process.
+};
+
+/// What went in.
+struct InputFacts {
+  std::int64_t point_files = 0;
+  std::int64_t point_files_skipped = 0;
+  std::int64_t points_read = 0;
+  std::int64_t points_kept = 0;
+  std::map<int, std::int64_t> points_by_class;
+  std::int64_t ground_filtered = 0;  ///< Points that the ground filter found to be ground.
+  std::int64_t ground_outliers = 0;  ///< Ground points left out as birds or pits.
+  std::int64_t footprints_read = 0;  ///< Features of the file.
+  std::int64_t footprint_parts = 0;  ///< The same with multipolygons, and what the domain
+                                     ///< cuts into parts, split: what is accounted for.
+};
+
+/// What the city is.
+struct CityFacts {
+  std::int64_t raw_buildings = 0;
+  std::int64_t buildings = 0;
+  std::int64_t merged_groups = 0;  ///< Buildings made of more than one input feature.
+  double min_clearance = std::numeric_limits<double>::infinity();  ///< Metres; between all rings.
+  double area_before = 0;  ///< Of the union of the footprints, square metres.
+  double area_after = 0;
+  double area_moved = 0;          ///< Of the symmetric difference of both unions.
+  double area_changed_share = 0;  ///< area_moved / area_before.
+  double max_distance = 0;        ///< Between the input and output of one building, metres.
+  std::int64_t hulls = 0;         ///< Buildings that are convex hulls.
+  std::map<std::string, std::int64_t> resorts;  ///< Simplification: how often each was needed.
+  std::map<std::string, std::int64_t> flags;    ///< Buildings with each flag.
+  double dtm_empty_share = 0;  ///< Share of the terrain's nodes without a point of their own.
+  double dtm_void_share = 0;   ///< Share of the domain's squares of 20 m without a ground point.
+  std::vector<Dropped> dropped;
+};
+
+struct BuiltCity {
+  CityModel raw;   ///< After step 1: one building per footprint.
+  CityModel city;  ///< After step 2: merged, with the clearance asked for.
+  Raster terrain;  ///< Covers the domain; local frame of both models.
+  InputFacts input;
+  CityFacts facts;
+  std::vector<Warning> warnings;  ///< Those of the input first.
+  std::vector<StepTime> steps;
+};
+
+/// Builds terrain and city models (paper steps 1.3 to 2.3).
+///
+/// `points`: as read_points returns them, or made of arrays: `points` and `origin` are needed, and
+/// `extent` (the box of the points); `files` names ranges of the cloud that were classified apart.
+/// `footprints`: as read_footprints returns them, CRS coordinates. Where both state a reference
+/// system it has to be the same one (ReadFootprintsOptions::target_crs); the city's is that of the
+/// points, else that of the footprints. The local frame has its zero at `points.origin`, or, where
+/// that is far from the points, at their south-western corner.
+///
+/// Guarantees: every footprint is in one building or in `dropped` with a reason, in either model;
+/// the footprints of `city` keep options.simplify.min_distance from each other and the domain's
+/// boundary; the same bytes for any number of threads.
+///
+/// Throws Error(kInput), naming `points.source` or `footprints.source`: no points, degrees, units
+/// other than metres, no overlap, no ground, no usable footprint (unless terrain_only).
+/// Error(kUsage): the points need more than max_bytes. Error(kGuarantee): an account that does not
+/// add up. Cancelled.
+BuiltCity build_city(PointsInput points, FootprintsInput footprints,
+                     const BuildCityOptions& options = {}, const StepHooks& hooks = {});
+
+}  // namespace tetropolis

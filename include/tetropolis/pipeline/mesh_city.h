@@ -1,0 +1,122 @@
+// Steps 3.1 to 3.5 in memory: from a city model and its terrain to a volume mesh and its boundary.
+#pragma once
+
+#include <cstdint>
+#include <limits>
+#include <string>
+#include <vector>
+
+#include "tetropolis/city/city_model.h"
+#include "tetropolis/core/steps.h"
+#include "tetropolis/core/warning.h"
+#include "tetropolis/io/file/placement.h"
+#include "tetropolis/terrain/raster.h"
+#include "tetropolis/volume/column/boundary.h"
+#include "tetropolis/volume/column/column_mesh.h"
+#include "tetropolis/volume/quality/cell_quality.h"
+#include "tetropolis/volume/quality/face_quality.h"
+
+namespace tetropolis {
+
+/// Columns spaced by the triangles around them, or the paper's layers of equal height.
+enum class Layering { kGraded, kUniform };
+
+/// A horizontal top, or one that follows the terrain.
+enum class Top { kFlat, kFree };
+
+struct MeshCityOptions {
+  double mesh_size = 10;       ///< Longest edge of the ground mesh, metres, > 0.
+  double min_angle_deg = 25;   ///< Of the ground mesh; 0 to 33.
+  double domain_height = 100;  ///< Of the top above the highest terrain, metres, > 0.
+  Layering layering = Layering::kGraded;
+  double layer_height = 0;  ///< Greatest distance between nodes of a column; of uniform layers
+                            ///< their height; metres. 0: follows from the mesh size.
+  Top top = Top::kFlat;
+  double min_wall_height = 1;  ///< Metres, > 0: lower walls have the ground beside them lowered.
+  double cut_slope_deg = 56;  ///< Gentlest slope to excavate terrain to where cells would otherwise
+                              ///< be poor; 90: never.
+  double min_gap_share = 0.25;     ///< See MonotoneOptions; where Laplace problems are solved.
+  double solver_tolerance = 1e-3;  ///< See LaplaceOptions.
+  int solver_iterations = 1000;    ///< See LaplaceOptions.
+  double max_bytes = std::numeric_limits<double>::infinity();  ///< Memory of the process.
+};
+
+/// Whether nodes are placed by Laplace problems: in graded columns under a flat top there are none.
+inline bool solves_laplace(const MeshCityOptions& options) {
+  return options.layering == Layering::kUniform || options.top == Top::kFree;
+}
+
+struct GroundMeshFacts {
+  std::int64_t vertices = 0;
+  std::int64_t triangles = 0;
+  double min_angle_deg = 0;
+  std::int64_t small_input_angles = 0;
+  std::int64_t triangles_below_min_angle = 0;
+};
+
+struct VolumeMeshFacts {
+  std::int64_t vertices = 0;
+  std::int64_t cells = 0;
+  std::int32_t layers = 0;  ///< Of uniform layering; else what it would have.
+  double volume = 0;
+  std::int64_t inverted = 0;
+  double min_vertical_gap = 0;
+  std::int64_t ground_lowered = 0;
+  double cut_slope_deg = 0;                   ///< Of cuts, if there are any.
+  std::vector<BuildingIndex> roofs_cut_back;  ///< Around which the terrain was, ascending.
+  std::vector<Point3> feet_cut_back;          ///< Feet from which it was; local frame.
+  std::int64_t moved_by_guard = 0;
+  std::int64_t columns_improved = 0;  ///< By improve_columns.
+  double top = 0;
+  double dihedral_min = 0, dihedral_p0_01 = 0, dihedral_p0_1 = 0, dihedral_p1 = 0,
+         dihedral_median = 0, dihedral_max = 0;  ///< Degrees; quantiles of the least in each cell.
+  double aspect_median = 0, aspect_p99 = 0, aspect_max = 0;
+  FaceQuality faces;
+  std::vector<WorstCell> worst;  ///< Centres in the local frame.
+};
+
+struct SurfaceMeshFacts {
+  std::int64_t triangles = 0;
+  bool closed = false;
+  bool manifold = false;
+  std::array<std::int64_t, kPatchCount> faces_by_patch{};
+};
+
+struct SolverFacts {
+  std::string step;
+  std::int64_t unknowns = 0;
+  int iterations = 0;
+  double relative_residual = 0;
+  bool converged = false;
+};
+
+struct CityMesh {
+  ColumnMesh volume;
+  SurfaceMesh boundary;
+  Placement placement;  ///< For writers: local coordinates, with the origin beside them.
+  GroundMeshFacts ground_facts;
+  VolumeMeshFacts volume_facts;
+  SurfaceMeshFacts surface_facts;
+  std::vector<SolverFacts>
+      solver;  ///< Steps 3.3 and 3.5; without unknowns where nothing is solved.
+  std::vector<Warning> warnings;
+  std::vector<StepTime> steps;
+};
+
+/// Meshes the domain of `city` above `terrain` and the buildings' roofs, and improves the mesh
+/// until it keeps the floor of quality where that can be reached (cell_quality.h).
+///
+/// Preconditions: footprints are valid, and keep a clearance between each other and the domain's
+/// boundary (build_city's `city` does; for others see require_meshable); `terrain` covers the
+/// domain, in the city's local frame, without NaN.
+///
+/// Guarantees 3 to 6 of DESIGN.md: footprints are unions of mesh edges, every cell is positive, the
+/// boundary is closed, manifold and tagged, heights are exact at vertices. `boundary` is that of
+/// `volume`. The same bytes for any number of threads.
+///
+/// Throws Error(kUsage): options out of range, a mesh of too many layers or of more than max_bytes.
+/// Error(kGuarantee): one cannot be met. Cancelled.
+CityMesh mesh_city(const CityModel& city, Raster terrain, const MeshCityOptions& options = {},
+                   const StepHooks& hooks = {});
+
+}  // namespace tetropolis

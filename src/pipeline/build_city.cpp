@@ -1,0 +1,275 @@
+#include "tetropolis/pipeline/build_city.h"
+
+#include <algorithm>
+#include <cstddef>
+#include <cstdint>
+#include <limits>
+#include <map>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include <fmt/format.h>
+
+#include "tetropolis/city/extract.h"
+#include "tetropolis/city/heights.h"
+#include "tetropolis/city/simplify/simplify.h"
+#include "tetropolis/geometry/polygon.h"
+#include "tetropolis/terrain/dtm.h"
+
+#include "city_account.h"
+#include "city_input.h"
+#include "city_warnings.h"
+#include "clean_features.h"
+#include "elevations.h"
+#include "find_ground.h"
+#include "memory.h"
+
+namespace tetropolis {
+
+namespace {
+
+[[noreturn]] void throw_no_footprint(const CityModel& raw, const std::string& source) {
+  const std::string why =
+      raw.dropped.empty() ? "the file has none"
+                          : fmt::format("the first of {}: feature {}: {}", raw.dropped.size(),
+                                        raw.dropped.front().source_id, raw.dropped.front().reason);
+  const Bounds2 domain = raw.domain.moved(raw.origin);
+  throw Error(ErrorKind::kInput,
+              fmt::format("{}: no usable footprint lies in the domain ({}, {}) - ({}, {}) ({}); "
+                          "check `bounds`, domain_margin and the CRS, or add terrain_only",
+                          source, domain.xmin, domain.ymin, domain.xmax, domain.ymax, why));
+}
+
+/// Mean of the members' attribute heights, weighted by area; NaN where none has one.
+double merged_attribute_height(const CityModel& raw, const std::vector<BuildingIndex>& members) {
+  double weight = 0, sum = 0;
+  for (const BuildingIndex m : members) {
+    const Building& member = raw.buildings[static_cast<std::size_t>(m)];
+    if (!(member.attribute_height > 0)) continue;
+    const double share = area(member.footprint);
+    weight += share;
+    sum += share * member.attribute_height;
+  }
+  return weight > 0 ? sum / weight : std::numeric_limits<double>::quiet_NaN();
+}
+
+/// The simplified model without heights.
+CityModel merged_model(const CityModel& raw, const Simplification& simple) {
+  constexpr std::uint32_t inherited = kRepaired | kClipped;
+  CityModel model;
+  model.origin = raw.origin;
+  model.domain = raw.domain;
+  model.crs = raw.crs;
+  model.dropped = raw.dropped;
+  for (std::size_t i = 0; i < simple.footprints.size(); ++i) {
+    Building building;
+    building.id = fmt::format("b{}", i);
+    building.footprint = simple.footprints[i];
+    building.flags = simple.flags[i];
+    for (const BuildingIndex m : simple.members[i]) {
+      const Building& member = raw.buildings[static_cast<std::size_t>(m)];
+      building.source_ids.insert(building.source_ids.end(), member.source_ids.begin(),
+                                 member.source_ids.end());
+      building.flags |= member.flags & inherited;
+    }
+    building.attribute_height = merged_attribute_height(raw, simple.members[i]);
+    model.buildings.push_back(std::move(building));
+  }
+  for (const DroppedFootprint& dropped : simple.dropped)
+    for (const std::string& id : raw.buildings[static_cast<std::size_t>(dropped.index)].source_ids)
+      model.dropped.push_back({id, dropped.reason});
+  return model;
+}
+
+std::vector<Polygon> footprints_of(const CityModel& model) {
+  std::vector<Polygon> footprints;
+  for (const Building& building : model.buildings) footprints.push_back(building.footprint);
+  return footprints;
+}
+
+std::map<std::string, std::int64_t> resorts_by_name(const SimplifyStats& stats) {
+  std::map<std::string, std::int64_t> resorts{{"merged_by_union", stats.merged_by_union},
+                                              {"merged_by_bridge", stats.merged_by_bridge},
+                                              {"merged_by_hulls", stats.merged_by_hulls},
+                                              {"merged_by_hull", stats.merged_by_hull},
+                                              {"merged_late", stats.merged_late},
+                                              {"vertices_dropped", stats.vertices_dropped},
+                                              {"edges_merged", stats.edges_merged},
+                                              {"edges_slid", stats.edges_slid},
+                                              {"vertices_moved", stats.vertices_moved},
+                                              {"holes_filled", stats.holes_filled},
+                                              {"gaps_filled", stats.gaps_filled},
+                                              {"arms_cut", stats.arms_cut},
+                                              {"necks_widened", stats.necks_widened},
+                                              {"corners_blunted", stats.corners_blunted},
+                                              {"local_hulls", stats.local_hulls},
+                                              {"hull_repairs", stats.hull_repairs},
+                                              {"clipped", stats.clipped}};
+  for (std::size_t k = 1; k < stats.merged_by_patch.size(); ++k)
+    resorts[fmt::format("merged_by_patch_{}", k)] = stats.merged_by_patch[k];
+  return resorts;
+}
+
+void fill_facts(const CityModel& raw, const CityModel& city, const Simplification& simple,
+                CityFacts& facts) {
+  facts.raw_buildings = static_cast<std::int64_t>(raw.buildings.size());
+  facts.buildings = static_cast<std::int64_t>(city.buildings.size());
+  facts.min_clearance = simple.stats.min_clearance;
+  facts.area_before = simple.stats.area_before;
+  facts.area_after = simple.stats.area_after;
+  facts.area_moved = simple.stats.area_changed;
+  if (facts.area_before > 0) facts.area_changed_share = facts.area_moved / facts.area_before;
+  facts.max_distance = simple.stats.max_distance;
+  facts.hulls = simple.stats.hulls;
+  facts.resorts = resorts_by_name(simple.stats);
+  facts.dropped = city.dropped;
+  for (const Building& building : city.buildings) {
+    if (building.source_ids.size() > 1) ++facts.merged_groups;
+    for (const std::string& name : flag_names(building.flags)) ++facts.flags[name];
+  }
+}
+
+/// What was read: the points, and the footprints before the domain cuts them.
+InputFacts facts_of(const PointsInput& points, const FootprintsInput& footprints) {
+  InputFacts facts;
+  facts.point_files = static_cast<std::int64_t>(points.files.size());
+  facts.point_files_skipped = points.files_skipped;
+  facts.points_read = points.points_read;
+  facts.points_kept = points.points_kept;
+  facts.points_by_class = points.points_by_class;
+  facts.footprints_read = footprints.features_read;
+  facts.footprint_parts =
+      static_cast<std::int64_t>(footprints.features.size() + footprints.dropped.size());
+  return facts;
+}
+
+/// The first file with a ground point that lies at no elevation, as a header that is off or rotten
+/// bytes make them.
+std::string file_off_earth(const PointsInput& points) {
+  const PointCloud& cloud = points.points;
+  for (const FilePoints& file : points.files)
+    for (std::size_t p = file.kept.begin; p < file.kept.end; ++p)
+      if (is_ground(cloud.classification[p]) && !is_elevation(cloud.z[p])) return file.path;
+  return {};
+}
+
+void require_elevations(const Raster& dtm, const PointsInput& points) {
+  const auto wrong = find_no_elevation(dtm.values);
+  if (wrong == dtm.values.end()) return;
+  const std::string file = file_off_earth(points);
+  throw Error(ErrorKind::kInput,
+              fmt::format("{}: ground points lie at elevations such as {:.6g} m; get the file "
+                          "again, or check scale and offset of z in its header ('tetropolis info')",
+                          file.empty() ? points.source : file, *wrong));
+}
+
+Raster make_terrain(const BuildCityOptions& options, const CityInput& input, StepClock& clock,
+                    BuiltCity& result) {
+  DtmReport dtm_report;
+  Raster dtm = clock.run("1.3", "terrain", [&](const Progress& progress) {
+    return build_dtm(input.points.points, input.domain, options.dtm, progress, &dtm_report);
+  });
+  require_elevations(dtm, input.points);
+  result.facts.dtm_empty_share = dtm_report.empty_share;
+  result.facts.dtm_void_share = dtm_report.void_share;
+  warn_of_terrain(dtm_report, result.input.ground_filtered > 0, result.warnings);
+  return dtm;
+}
+
+/// Refuses points and terrain that will not fit into memory, now that they are counted.
+void require_fits(const BuildCityOptions& options, const CityInput& input) {
+  const double nodes =
+      input.domain.width() * input.domain.height() / (options.dtm.step * options.dtm.step);
+  require_points_fit(
+      {static_cast<double>(input.points.points.size()), nodes, options.extract.margin},
+      options.max_bytes);
+}
+
+/// Steps 1.3 to 1.6: `result.raw` and `result.terrain`. Returns the points of its buildings.
+BuildingPoints make_raw_city(const BuildCityOptions& options, CityInput& input, StepClock& clock,
+                             BuiltCity& result) {
+  find_ground(options, input, clock, result.input, result.warnings);
+  CityModel& raw = result.raw;
+  raw.origin = input.points.origin;
+  raw.domain = input.domain;
+  raw.crs = input.crs;
+  result.terrain = make_terrain(options, input, clock, result);
+  CleanFeatures clean = clock.run("1.4", "clean footprints", [&](const Progress& progress) {
+    return clean_features(options, input.footprints, raw.domain, result.warnings, progress);
+  });
+  result.input.footprint_parts += clean.parts;
+  raw.buildings = std::move(clean.buildings);
+  raw.dropped = std::move(clean.dropped);
+  if (raw.buildings.empty() && !options.terrain_only)
+    throw_no_footprint(raw, input.footprints.source);
+  warn_of_giants(raw, result.warnings);
+  const PointCloud& cloud = input.points.points;
+  BuildingPoints points = clock.run("1.5", "extract points", [&](const Progress& progress) {
+    ExtractOptions extract = options.extract;
+    extract.no_buildings = input.no_buildings;
+    return extract_building_points(raw.buildings, clean.crossing, cloud, extract, progress);
+  });
+  clock.run("1.6", "building heights", [&](const Progress&) {
+    compute_heights(raw.buildings, points, cloud, result.terrain, options.heights);
+  });
+  warn_of_missing_roofs(raw, result.warnings);
+  return points;
+}
+
+/// Steps 2.1 to 2.3: `result.city`.
+void merge_buildings(const BuildCityOptions& options, const CityInput& input,
+                     const BuildingPoints& points, StepClock& clock, BuiltCity& result) {
+  const CityModel& raw = result.raw;
+  CityModel& city = result.city;
+  const Simplification simple = clock.run("2.1", "merge footprints", [&](const Progress& progress) {
+    Simplification merged =
+        simplify_footprints(footprints_of(raw), raw.domain, options.simplify, progress);
+    require_each_once(raw, merged);
+    return merged;
+  });
+  clock.run("2.2", "clean merged footprints", [&](const Progress&) {
+    city = merged_model(raw, simple);
+    require_all_accounted(input.footprints, city);
+  });
+  if (city.buildings.empty() && !options.terrain_only)
+    throw Error(ErrorKind::kInput,
+                fmt::format("{}: all {} buildings were dropped (the last, feature {}: {}); lower "
+                            "min_building_area or min_building_distance, or add terrain_only",
+                            input.footprints.source, raw.buildings.size(),
+                            city.dropped.back().source_id, city.dropped.back().reason));
+  warn_of_lost_area(raw, simple, result.warnings);
+  clock.run("2.3", "heights of merged buildings", [&](const Progress&) {
+    compute_heights(city.buildings, merge_building_points(points, simple.members),
+                    input.points.points, result.terrain, options.heights);
+  });
+  fill_facts(raw, city, simple, result.facts);
+}
+
+}  // namespace
+
+BuiltCity build_city(PointsInput points, FootprintsInput footprints,
+                     const BuildCityOptions& options, const StepHooks& hooks) {
+  BuiltCity result;
+  StepClock clock(hooks, result.steps);
+  for (const std::vector<Warning>* warnings : {&footprints.warnings, &points.warnings})
+    result.warnings.insert(result.warnings.end(), warnings->begin(), warnings->end());
+  result.input = facts_of(points, footprints);
+  const std::string misread = points.misread;
+  BuildingPoints found;
+  CityInput input;
+  try {
+    input = place_input(std::move(points), std::move(footprints), options, result.warnings);
+    require_fits(options, input);
+    found = make_raw_city(options, input, clock, result);
+  } catch (const Error& error) {
+    // Points that are misread lead to errors of any kind, and all of them say so.
+    if (misread.empty()) throw;
+    throw Error(error.kind(), std::string(error.what()) + "; " + misread);
+  }
+  merge_buildings(options, input, found, clock, result);
+  warn_of_exclusion(found, result.input.points_kept, result.warnings);
+  return result;
+}
+
+}  // namespace tetropolis

@@ -1,0 +1,32 @@
+// What the steps of build_city work on. Private to src/pipeline.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "tetropolis/geometry/point_cloud.h"
+#include "tetropolis/geometry/types.h"
+#include "tetropolis/io/las/las.h"
+#include "tetropolis/io/vector/vector.h"
+#include "tetropolis/pipeline/build_city.h"
+
+namespace tetropolis {
+
+struct CityInput {
+  PointsInput points;  ///< Local frame.
+  /// Points of files in which those of buildings have no class of their own (find_ground).
+  std::vector<PointRange> no_buildings;
+  FootprintsInput footprints;  ///< Local frame.
+  Bounds2 domain;              ///< Local frame.
+  std::string crs;             ///< Of points and footprints; empty if nobody says.
+};
+
+/// Brings both into one frame and finds the domain: as options.bounds says, or the box of the
+/// footprints within that of the points, grown by the margin as far as there are points, or without
+/// either the box of the points. Without bounds, points far from all others become noise
+/// (find_stray_points; "stray_points"). Adds warnings. Throws Error(kInput): no points, degrees,
+/// units other than metres, no overlap.
+CityInput place_input(PointsInput points, FootprintsInput footprints,
+                      const BuildCityOptions& options, std::vector<Warning>& warnings);
+
+}  // namespace tetropolis

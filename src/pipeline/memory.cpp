@@ -1,0 +1,167 @@
+#include "memory.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <string>
+
+#include <fmt/format.h>
+
+#include "tetropolis/core/error.h"
+
+namespace tetropolis {
+
+namespace {
+
+// Measured: peak resident sizes of `mesh` on 0.4 to 100 million cells.
+constexpr double kProgram = 65e6;
+constexpr double kPerTriangle = 600;
+constexpr double kPerCell = 2;
+/// Points while they are sorted into the terrain: besides its nodes 18 to 20 bytes on 12 and 6
+/// million, with classes and without, and some room.
+constexpr double kPerPoint = 26;
+/// Points while those of each building are found: the cloud, and, for each building that a point is
+/// near, what extract.h needs of it while lists are made and in them.
+constexpr double kPerCloudPoint = 13;
+constexpr double kPerPointAtBuilding = 12;
+/// Terrain while it is made and written, of sparse points: 20 measured on 16 and 64 million nodes.
+constexpr double kPerTerrainNode = 20;
+/// Points of a synthetic city: their own 13, twice while their arrays grow.
+constexpr double kPerSyntheticPoint = 26;
+/// Of the solver, with uniform layers (uniform.peak_bytes_per_node in tests/work/limits.txt).
+constexpr double kPerSolverNode = 100;
+
+/// How far estimate_mesh may be off; and how far, if it is corrected by what is known at one mesh
+/// size, at another.
+constexpr double kEstimateError = 4.0 / 3;
+constexpr double kScalingError = 1.1;
+
+double bytes_of(const MeshCityOptions& options, double triangles, double cells,
+                double terrain_nodes) {
+  double bytes = kProgram + 8 * terrain_nodes + kPerTriangle * triangles + kPerCell * cells;
+  if (solves_laplace(options)) bytes += kPerSolverNode * cells / 6;
+  return bytes;
+}
+
+/// Buildings that a point has within the margin, in rows of houses of 10 m x 10 m with as much open
+/// ground between them: as dense as cities are.
+double buildings_near(double margin) {
+  constexpr double kSide = 10, kPerBuilding = 2 * kSide * kSide;  // metres, square metres
+  return (4 * kSide * margin + std::numbers::pi * margin * margin) / kPerBuilding;
+}
+
+std::string in_words(double bytes) {
+  if (bytes >= 1e15) return fmt::format("{:.2g} GB", bytes / 1e9);
+  return bytes < 1e9 ? fmt::format("{:.0f} MB", bytes / 1e6)
+                     : fmt::format("{:.1f} GB", bytes / 1e9);
+}
+
+double bytes_without_mesh(const MeshCityOptions& options, const CitySize& city) {
+  return bytes_of(options, 0, 0, city.terrain_nodes);
+}
+
+/// What the bytes of the mesh and the cells of an estimate are multiplied by.
+struct Correction {
+  double bytes, cells;
+};
+
+/// Throws what `begin` says, and the least mesh size that fits.
+[[noreturn]] void refuse(const MeshCityOptions& options, const CitySize& city,
+                         const Correction& correction, const std::string& begin) {
+  const double fixed = bytes_without_mesh(options, city);
+  MeshCityOptions coarse = options;
+  constexpr double kCoarsest = 1e4;  // as the setting allows
+  while (coarse.mesh_size < kCoarsest) {
+    // A fiftieth more, rounded up to the next five centimetres.
+    coarse.mesh_size = std::min(std::ceil(1.02 * coarse.mesh_size * 20) / 20, kCoarsest);
+    const MeshEstimate fits = estimate_mesh(coarse, city);
+    if (fixed + correction.bytes * (fits.bytes - fixed) > options.max_bytes) continue;
+    throw Error(ErrorKind::kUsage,
+                fmt::format("{}; about {:.2g} cells fit, with mesh_size {:.2f}", begin,
+                            correction.cells * fits.cells, coarse.mesh_size));
+  }
+  throw Error(ErrorKind::kUsage, begin +
+                                     "; no mesh size fits: raise max_memory or layer_height, "
+                                     "or lower `bounds` or domain_height");
+}
+
+}  // namespace
+
+void CitySize::add(const Polygon& footprint) {
+  footprint_vertices += static_cast<double>(footprint.outer.size());
+  for (const Ring& hole : footprint.holes) footprint_vertices += static_cast<double>(hole.size());
+}
+
+MeshEstimate estimate_mesh(const MeshCityOptions& options, const CitySize& city) {
+  MeshEstimate estimate;
+  const double h = options.mesh_size;
+  estimate.triangles = city.area / (0.4 * h * h) + 7 * city.footprint_vertices;
+  double spacing = 0.7 * h;
+  if (options.layering == Layering::kUniform)
+    spacing = options.layer_height > 0 ? options.layer_height : h;
+  else if (options.layer_height > 0)
+    spacing = std::min(spacing, options.layer_height);
+  estimate.cells = 3 * estimate.triangles * std::max(1.0, city.height / spacing);
+  estimate.bytes = bytes_of(options, estimate.triangles, estimate.cells, city.terrain_nodes);
+  return estimate;
+}
+
+void require_mesh_fits(const MeshCityOptions& options, const CitySize& city) {
+  const double limit = options.max_bytes;
+  const MeshEstimate estimate = estimate_mesh(options, city);
+  if (estimate.bytes <= limit) return;
+  refuse(options, city, {kEstimateError, 1},
+         fmt::format("the mesh would have about {:.2g} cells and need {} of {}", estimate.cells,
+                     in_words(estimate.bytes), in_words(limit)));
+}
+
+void require_cells_fit(const MeshCityOptions& options, const CitySize& city, double triangles,
+                       double cells) {
+  const double limit = options.max_bytes;
+  const double bytes = bytes_of(options, triangles, cells, city.terrain_nodes);
+  if (bytes <= limit) return;
+  const MeshEstimate estimate = estimate_mesh(options, city);
+  const double fixed = bytes_without_mesh(options, city);
+  refuse(options, city,
+         {kScalingError * (bytes - fixed) / (estimate.bytes - fixed), cells / estimate.cells},
+         fmt::format("the mesh would have {:.3g} cells and need {} of {}", cells, in_words(bytes),
+                     in_words(limit)));
+}
+
+void require_points_fit(const PointsSize& size, double max_bytes) {
+  const double of_terrain = kPerTerrainNode * size.terrain_nodes;
+  const double at_buildings =
+      kPerCloudPoint + kPerPointAtBuilding * buildings_near(size.ground_margin);
+  const double per_point = std::max(kPerPoint, at_buildings);
+  const double bytes = kProgram + per_point * size.points + of_terrain;
+  if (bytes <= max_bytes) return;
+  const std::string need = in_words(bytes), limit = in_words(max_bytes);
+  if (at_buildings > kPerPoint && kProgram + kPerPoint * size.points + of_terrain <= max_bytes)
+    throw Error(ErrorKind::kUsage,
+                fmt::format("about {:.2g} points, each within ground_margin of {:.0f} buildings "
+                            "where these are dense, need {} of {}: lower ground_margin, or raise "
+                            "max_memory",
+                            size.points, buildings_near(size.ground_margin), need, limit));
+  if (of_terrain > per_point * size.points)
+    throw Error(ErrorKind::kUsage,
+                fmt::format("the terrain would have about {:.2g} nodes and need {} of {}: raise "
+                            "dtm_step or max_memory, or give smaller `bounds`",
+                            size.terrain_nodes, need, limit));
+  throw Error(ErrorKind::kUsage,
+              fmt::format("the domain has about {:.2g} points, which need {} of {}; about {:.2g} "
+                          "points fit: give smaller `bounds`, a thinner cloud, or a higher "
+                          "max_memory",
+                          size.points, need, limit,
+                          std::max(0.0, (max_bytes - kProgram - of_terrain) / per_point)));
+}
+
+void require_scan_fits(double points, double max_bytes) {
+  const double bytes = kProgram + kPerSyntheticPoint * points;
+  if (bytes <= max_bytes) return;
+  throw Error(ErrorKind::kUsage,
+              fmt::format("the city would have about {:.2g} points and need {} of {}; give a "
+                          "smaller `size` or a lower point_density",
+                          points, in_words(bytes), in_words(max_bytes)));
+}
+
+}  // namespace tetropolis

@@ -1,0 +1,158 @@
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <string>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "tetropolis/core/error.h"
+#include "tetropolis/geometry/polygon.h"
+#include "tetropolis/io/crs/crs.h"
+
+#include "city_input.h"
+#include "common_crs.h"
+#include "footprint_extent.h"
+#include "require_room.h"
+#include "stray_points.h"
+
+namespace tetropolis {
+
+namespace {
+
+Bounds2 intersection(const Bounds2& a, const Bounds2& b) {
+  return {std::max(a.xmin, b.xmin), std::max(a.ymin, b.ymin), std::min(a.xmax, b.xmax),
+          std::min(a.ymax, b.ymax)};
+}
+
+/// From the box of the footprints; where none is usable it stays, and they are told of later.
+void leave_out_unusable(const BuildCityOptions& options, FootprintsInput& footprints) {
+  const Bounds2 usable = footprint_extent(footprints.features, options.simplify.parallel_tolerance);
+  if (!usable.empty()) footprints.bounds = usable;
+}
+
+void shift(FootprintsInput& footprints, Point2 origin) {
+  const auto shift_ring = [&](Ring& ring) {
+    for (Point2& p : ring) p = {p.x - origin.x, p.y - origin.y};
+  };
+  for (Footprint& feature : footprints.features) {
+    shift_ring(feature.polygon.outer);
+    for (Ring& hole : feature.polygon.holes) shift_ring(hole);
+  }
+}
+
+/// Whole steps of the coordinate grid, rounded inwards.
+Bounds2 snapped_inwards(const Bounds2& box) {
+  const auto up = [](double x) {
+    const double s = snap_coordinate(x);
+    return s < x - kCoordinateStep / 1000 ? snap_coordinate(s + kCoordinateStep) : s;
+  };
+  const auto down = [](double x) {
+    const double s = snap_coordinate(x);
+    return s > x + kCoordinateStep / 1000 ? snap_coordinate(s - kCoordinateStep) : s;
+  };
+  return {up(box.xmin), up(box.ymin), down(box.xmax), down(box.ymax)};
+}
+
+/// The meshed rectangle, local frame.
+Bounds2 find_domain(const BuildCityOptions& options, const FootprintsInput& footprints,
+                    const PointsInput& points) {
+  const Point2 to_local{-points.origin.x, -points.origin.y};
+  Bounds2 domain = points.extent;
+  if (options.bounds) {
+    domain = options.bounds->moved(to_local);
+  } else if (!footprints.bounds.empty()) {
+    const Bounds2 box = footprints.bounds.moved(to_local);
+    domain =
+        intersection(intersection(box, points.extent).grown(options.domain_margin), points.extent);
+  }
+  domain = snapped_inwards(domain);
+  require_room(options.simplify.min_distance, domain, points.source,
+               fmt::format(" (points in it: {})", points.points.size()));
+  return domain;
+}
+
+/// Points far from all others do not tell where there are points: they become noise.
+void leave_out_strays(const FootprintsInput& footprints, PointsInput& input,
+                      std::vector<Warning>& warnings) {
+  const auto [strays, rest] = find_stray_points(input.points, input.extent);
+  PointCloud& cloud = input.points;
+  // Where a building is, they are no strays.
+  const auto is_at_building = [&](std::size_t p) {
+    const Point2 at{cloud.x[p] + input.origin.x, cloud.y[p] + input.origin.y};
+    return std::any_of(
+        footprints.features.begin(), footprints.features.end(),
+        [&](const Footprint& feature) { return bounds(feature.polygon).contains(at); });
+  };
+  if (strays.empty() || std::any_of(strays.begin(), strays.end(), is_at_building)) return;
+  const std::size_t first = strays.front();
+  warnings.push_back(
+      {"stray_points", static_cast<std::int64_t>(strays.size()),
+       fmt::format("points far from all others are left out, the first at ({:.2f}, {:.2f}); to "
+                   "keep them, give `bounds`",
+                   cloud.x[first] + input.origin.x, cloud.y[first] + input.origin.y)});
+  for (const std::size_t p : strays) cloud.classification[p] = kHighNoise;
+  input.extent = rest;
+}
+
+/// Moves the origin, which is whole metres, to the south-western corner of the points.
+void move_origin_to_corner(PointsInput& input) {
+  const Point2 by{std::floor(input.extent.xmin), std::floor(input.extent.ymin)};
+  for (PointCoordinate& x : input.points.x) x = x - by.x;
+  for (PointCoordinate& y : input.points.y) y = y - by.y;
+  input.extent = input.extent.moved({-by.x, -by.y});
+  input.origin = {input.origin.x + by.x, input.origin.y + by.y};
+}
+
+/// Web Mercator and the like, in which a metre is no metre.
+void warn_of_scale(const std::string& crs, const Bounds2& domain, std::vector<Warning>& warnings) {
+  constexpr double kMost = 0.01;  // ten times what usual systems have
+  const double scale =
+      length_scale(crs, {(domain.xmin + domain.xmax) / 2, (domain.ymin + domain.ymax) / 2});
+  if (!(std::abs(scale - 1) > kMost)) return;
+  warnings.push_back(
+      {"crs_scale", 1,
+       fmt::format(
+           "{} distorts lengths here: 1 unit = {:.3f} m on the ground, so footprints, distances "
+           "and the mesh are too {} by that; reproject to a national or UTM system",
+           crs_name(crs), 1 / scale, scale > 1 ? "wide" : "narrow")});
+}
+
+/// Counts and box, where a caller that has made the cloud of arrays gives none.
+void complete(PointsInput& points) {
+  const PointCloud& cloud = points.points;
+  points.points_kept = static_cast<std::int64_t>(cloud.size());
+  if (points.points_by_class.empty())
+    for (const std::uint8_t code : cloud.classification) ++points.points_by_class[code];
+  if (!points.extent.empty()) return;
+  for (std::size_t p = 0; p < cloud.size(); ++p)
+    points.extent.extend(Point2{cloud.x[p], cloud.y[p]});
+}
+
+}  // namespace
+
+CityInput place_input(PointsInput points, FootprintsInput footprints,
+                      const BuildCityOptions& options, std::vector<Warning>& warnings) {
+  if (points.points.size() == 0)
+    throw Error(ErrorKind::kInput, points.source + ": the point cloud has no points");
+  complete(points);
+  CityInput input;
+  input.crs = common_crs(points, footprints);
+  if (!options.bounds) {
+    leave_out_unusable(options, footprints);
+    leave_out_strays(footprints, points, warnings);
+  }
+  const bool only_points_tell = !options.bounds && footprints.bounds.empty();
+  constexpr double kFar = 10'000;  // metres: headers told of points where there are none
+  const bool far = !options.bounds && std::max(points.extent.xmin, points.extent.ymin) > kFar;
+  if (only_points_tell || far) move_origin_to_corner(points);
+  input.domain = find_domain(options, footprints, points);
+  warn_of_scale(input.crs, input.domain.moved(points.origin), warnings);
+  shift(footprints, points.origin);
+  input.points = std::move(points);
+  input.footprints = std::move(footprints);
+  return input;
+}
+
+}  // namespace tetropolis
