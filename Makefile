@@ -36,7 +36,7 @@ simplification-report: build
 	@scripts/simplification-report --update
 
 docs: build
-	@scripts/write-settings-page
+	@scripts/write-reference-pages
 
 format:
 	@scripts/format

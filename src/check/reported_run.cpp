@@ -33,7 +33,7 @@ CutsCheck cuts_of(const Report& report, const fs::path& folder) {
   CutSources& from = cuts.from.emplace();
   double slope = report.config.cut_slope;
   if (report.volume_mesh) {
-    slope = report.volume_mesh->cut_slope_deg;
+    if (report.volume_mesh->cut_slope_deg != 0) slope = report.volume_mesh->cut_slope_deg;
     from.roofs = report.volume_mesh->roofs_cut_back;
     for (const Point3& toe : report.volume_mesh->feet_cut_back)
       from.feet.push_back({toe[0] - report.origin.x, toe[1] - report.origin.y, toe[2]});

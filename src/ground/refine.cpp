@@ -264,8 +264,8 @@ std::int32_t Refiner::add_vertex(Point2 p, std::int32_t kind) {
         ErrorKind::kGuarantee,
         fmt::format(
             "ground mesh: more than {} vertices, the last at ({:.6f}, {:.6f}); remove "
-            "the tiny gap or corner there, or ask for wider gaps (--min-building-distance) or "
-            "a larger --mesh-size",
+            "the tiny gap or corner there, or ask for wider gaps (min_building_distance) or "
+            "a larger mesh_size",
             max_vertices_, p.x, p.y));
   kinds_.push_back(kind);
   return mesh_.add_point(p);

@@ -226,7 +226,7 @@ void set_field(Config& config, const ConfigField& field, std::span<const std::st
 void require_in_range(const Config& config, unsigned commands) {
   for (const ConfigField& field : config_fields()) {
     if ((field.commands & commands) == 0) continue;
-    const std::string origin = option_name(field);
+    const std::string origin = fmt::format("`{}`", field.name);
     std::visit(
         [&](auto member) {
           if constexpr (std::is_same_v<decltype(member), ChoiceMember>) {

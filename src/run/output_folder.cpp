@@ -30,7 +30,7 @@ namespace {
 
 [[noreturn]] void fail(const fs::path& target, const std::string& reason) {
   throw Error(ErrorKind::kUsage, target.string() + ": cannot be written: " + reason +
-                                     "; choose another folder with --out");
+                                     "; choose another folder with `out`");
 }
 
 /// Removes the folders made for a run, of which only some may have been.
@@ -88,7 +88,7 @@ void OutputFolder::create_staging(const fs::path& named) {
 
 OutputFolder::OutputFolder(const fs::path& target, OutputWatcher watcher, Replaces replaces)
     : watcher_(std::move(watcher)), replaces_(replaces) {
-  if (target.empty()) fail("--out", "no folder given");
+  if (target.empty()) fail("`out`", "no folder given");
   // Of a link, the folder it leads to.
   target_ = real_path(target);
   if (!target_.has_filename()) target_ = target_.parent_path();

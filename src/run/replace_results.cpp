@@ -135,7 +135,7 @@ std::vector<fs::path> new_results(const fs::path& staging, const fs::path& targe
     if (is_among(name, kept))
       throw Error(ErrorKind::kUsage, (target / name).string() +
                                          ": is an input of this run, which would replace it; "
-                                         "choose another folder with --out");
+                                         "choose another folder with `out`");
   for (const fs::path& name : names) require_no_folder(target, name);
   return names;
 }
@@ -176,7 +176,7 @@ void require_no_folder(const fs::path& target, const fs::path& name) {
   if (fs::is_directory(fs::symlink_status(target / name, error)))
     throw Error(ErrorKind::kUsage, (target / name).string() +
                                        ": cannot be written: it is a folder, not a result; choose "
-                                       "another folder with --out");
+                                       "another folder with `out`");
 }
 
 void replace_results(const fs::path& staging, const fs::path& target,
@@ -210,7 +210,7 @@ void replace_results(const fs::path& staging, const fs::path& target,
     throw Error(ErrorKind::kInput,
                 failed.shown.string() + ": cannot be replaced: " + failed.reason.message() + "; " +
                     (torn ? "part of the earlier result is in " + staging.string() +
-                                ": keep that, the next run with this --out puts it back"
+                                ": keep that, the next run with this `out` puts it back"
                           : left));
   }
 }

@@ -166,8 +166,10 @@ struct Reader {
         value[i] = from.value(std::string(patch_name(static_cast<Patch>(i + 1))), std::int64_t{0});
     } else if constexpr (IsVector<T>::value) {
       if constexpr (HasFields<typename T::value_type>) {
-        for (const Json& element : from)
-          read(element, value.emplace_back(), fmt::format("{}/{}", place, value.size() - 1));
+        for (const Json& element : from) {
+          const std::string number = std::to_string(value.size());
+          read(element, value.emplace_back(), place + '/' + number);
+        }
       } else {
         value = from.template get<T>();
       }
@@ -216,7 +218,7 @@ bool is_optional(const std::string& command, std::string_view pointer) {
   if (pointer == "/city") return command == "synth";
   if (pointer == "/ground_mesh" || pointer == "/volume_mesh" || pointer == "/surface_mesh")
     return !makes_mesh;
-  return !makes_city && !makes_mesh;  // of `synth`, or of no run at all
+  return !makes_city && !makes_mesh;  // `synth`: nothing is compared
 }
 
 // Documentation.
@@ -262,7 +264,7 @@ ReadReport report_from_json(const std::string& text, const std::string& source) 
   try {
     const Json json = Json::parse(text);
     ReadReport result;
-    if (json.is_object()) {
+    if (json.is_object() && json.contains("command")) {
       report_fields(result.report, Reader{json, "", result.missing});
       std::erase_if(result.missing, [&](const std::string& pointer) {
         return is_optional(result.report.command, pointer);

@@ -96,7 +96,7 @@ SyntheticBuilding random_building(const RandomCityOptions& options, Centres& cen
   }
   throw Error(ErrorKind::kUsage,
               fmt::format("{} buildings with centres {} m apart do not fit into {} x {} m: give "
-                          "fewer --buildings or a larger --size",
+                          "fewer `buildings` or a larger `size`",
                           options.buildings, options.min_distance, options.size, options.size));
 }
 

@@ -191,7 +191,7 @@ TEST_F(DomainDefects, NoBuildingWithoutSayingSoIsAnError) {
   set_bounds(85, 90, 105, 118);
   const Outcome outcome = run();
   EXPECT_EQ(outcome.exit_code, 3);
-  EXPECT_NE(outcome.error.find("--terrain-only"), std::string::npos) << outcome.error;
+  EXPECT_NE(outcome.error.find("terrain_only"), std::string::npos) << outcome.error;
 }
 
 TEST_F(DomainDefects, HalfOfTheDomainWithoutGround) {

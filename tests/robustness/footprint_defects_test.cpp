@@ -533,7 +533,7 @@ TEST(FootprintDefects, NothingUsableIsAnError) {
   EXPECT_NE(flat.error.find("no usable footprint"), std::string::npos) << flat.error;
   const Outcome specks = build_in("specks", {{"a", wkt(rectangle(60, 50, 60.02, 50.02))}}, {"a"});
   EXPECT_EQ(specks.exit_code, 3);
-  EXPECT_NE(specks.error.find("--terrain-only"), std::string::npos) << specks.error;
+  EXPECT_NE(specks.error.find("terrain_only"), std::string::npos) << specks.error;
 }
 
 INSTANTIATE_TEST_SUITE_P(Rings, FootprintDefect, ::testing::ValuesIn(rings()), name_of);

@@ -104,7 +104,7 @@ TEST_P(TerrainDefect, GivesASoundMeshWithTheHeightsOfTheScan) {
   // LAS rounds to millimetres.
   EXPECT_NEAR(patient->h_roof,
               std::max(row.ground(60, 50) + row.roof_above, patient->h_ground + 2.5), 0.001);
-  for (const SolverStepReport& step : outcome.report.solver) EXPECT_TRUE(step.converged);
+  for (const SolverFacts& step : outcome.report.solver) EXPECT_TRUE(step.converged);
 }
 
 std::string name_of(const ::testing::TestParamInfo<Row>& info) { return info.param.name; }

@@ -185,19 +185,19 @@ TEST(Config, SettingsOutOfTheirRangeAreRefusedWhereverTheyComeFrom) {
   EXPECT_EQ(error_with([](Config& c) {
               c.bounds = {0, 0, 2};
             }),
-            "--bounds: four numbers expected: XMIN,YMIN,XMAX,YMAX");
+            "`bounds`: four numbers expected: XMIN,YMIN,XMAX,YMAX");
   EXPECT_EQ(error_with([](Config& c) {
               c.bounds = {0, 5, 2, 5};
             }),
-            "--bounds: XMIN < XMAX and YMIN < YMAX expected");
+            "`bounds`: XMIN < XMAX and YMIN < YMAX expected");
   EXPECT_EQ(error_with([](Config& c) { c.ground_percentile = 400; }),
-            "--ground-percentile: 400.0 is greater than 100");
-  EXPECT_EQ(error_with([](Config& c) { c.dtm_step = kNaN; }), "--dtm-step: 'nan' is not finite");
+            "`ground_percentile`: 400.0 is greater than 100");
+  EXPECT_EQ(error_with([](Config& c) { c.dtm_step = kNaN; }), "`dtm_step`: 'nan' is not finite");
   EXPECT_NE(error_with([](Config& c) {
               c.formats = {"vtu", "doc"};
             }).find("'doc' is not one of"),
             std::string::npos);
-  EXPECT_NE(error_with([](Config& c) { c.top = static_cast<Top>(7); }).find("--top: is not one of"),
+  EXPECT_NE(error_with([](Config& c) { c.top = static_cast<Top>(7); }).find("`top`: is not one of"),
             std::string::npos);
   // Another command's.
   EXPECT_EQ(error_with([](Config& c) { c.point_density = -1; }), "");

@@ -109,7 +109,7 @@ TEST_F(ReferenceSystems, PointsWithoutOneAndFootprintsInDegreesNeedAnOption) {
   village.footprints_crs = kDegrees;
   village.footprints_file = "footprints.geojson";
   write();
-  expect_refusal("footprints.geojson", "footprints are in degrees", "--points-crs");
+  expect_refusal("footprints.geojson", "footprints are in degrees", "points_crs");
   config.points_crs = kMetres;
   expect_village(kMetres);
 }
@@ -119,7 +119,7 @@ TEST_F(ReferenceSystems, FootprintsWithoutOneThatLookLikeDegreesAreRefused) {
   for (const std::string& points_crs : {std::string(), kMetres}) {
     village.points_crs = points_crs;
     write();
-    expect_refusal("footprints.shp", "coordinates look like degrees", "--footprints-crs");
+    expect_refusal("footprints.shp", "coordinates look like degrees", "footprints_crs");
   }
   config.footprints_crs = kDegrees;
   expect_village(kMetres);
@@ -149,21 +149,21 @@ TEST_F(ReferenceSystems, WithoutAnyMetresAreBelieved) {
 TEST_F(ReferenceSystems, PointsWithoutOneThatLookLikeDegreesAreRefused) {
   points_in_degrees();
   write();
-  expect_refusal("points.las", "coordinates look like degrees", "--points-crs");
+  expect_refusal("points.las", "coordinates look like degrees", "points_crs");
   // Taken for metres by the word of the footprints, they lie elsewhere.
   village.footprints_crs = kMetres;
   write();
-  expect_refusal("points and domain do not overlap", "the points are x 4.4", "--points-crs");
+  expect_refusal("points and domain do not overlap", "the points are x 4.4", "points_crs");
   // There is no system in which degrees are meshed.
   config.points_crs = kDegrees;
-  expect_refusal("points.las", "coordinates are degrees", "--points-crs");
+  expect_refusal("points.las", "coordinates are degrees", "points_crs");
 }
 
 TEST_F(ReferenceSystems, PointsThatClaimDegreesAreReadAsTheOptionSays) {
   village.points_crs = kDegrees;
   village.footprints_crs = kMetres;
   write();
-  expect_refusal("points.las", "coordinates are degrees", "--points-crs");
+  expect_refusal("points.las", "coordinates are degrees", "points_crs");
   config.points_crs = kMetres;
   expect_village(kMetres);
 }
@@ -171,7 +171,7 @@ TEST_F(ReferenceSystems, PointsThatClaimDegreesAreReadAsTheOptionSays) {
 TEST_F(ReferenceSystems, FootprintsInFeetAreNotTakenForThePointsSystem) {
   village.footprints_crs = "EPSG:2263";
   write();
-  expect_refusal("footprints.shp", "in units of 0.3048", "--points-crs");
+  expect_refusal("footprints.shp", "in units of 0.3048", "points_crs");
   config.footprints_crs = kMetres;
   expect_village(kMetres);
 }
@@ -181,9 +181,9 @@ const std::string kSiteInFeet = R"(LOCAL_CS["site",UNIT["foot",0.3048]])";
 TEST_F(ReferenceSystems, FootprintsOfASiteInFeetAreNotTakenForMetres) {
   village.footprints_crs = kSiteInFeet;
   write();
-  expect_refusal("footprints.shp", "in units of 0.3048 m (site)", "--points-crs");
+  expect_refusal("footprints.shp", "in units of 0.3048 m (site)", "points_crs");
   config.points_crs = kMetres;
-  expect_refusal("footprints.shp", "no transformation from site to EPSG:28992", "--footprints-crs");
+  expect_refusal("footprints.shp", "no transformation from site to EPSG:28992", "footprints_crs");
   config.footprints_crs = kMetres;
   expect_village(kMetres);
 }

@@ -33,7 +33,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-void expect_good_angles(const VolumeMeshReport& mesh) {
+void expect_good_angles(const VolumeMeshFacts& mesh) {
   EXPECT_GE(mesh.dihedral_min, 8);
   EXPECT_GE(mesh.dihedral_p0_01, 12);
   EXPECT_LE(mesh.dihedral_max, 160);
@@ -42,7 +42,7 @@ void expect_good_angles(const VolumeMeshReport& mesh) {
 }
 
 void expect_above_the_floor(const Report& report) {
-  const VolumeMeshReport& mesh = *report.volume_mesh;
+  const VolumeMeshFacts& mesh = *report.volume_mesh;
   EXPECT_EQ(mesh.inverted, 0);
   expect_good_angles(mesh);
   EXPECT_LT(mesh.faces.worst.skewness, 4);
@@ -429,7 +429,7 @@ TEST(QualityFloor, ASharpCornerKeepsNoTerrainElsewhereFromBeingCut) {
     add({{98, 40}, {112, 40}, {98 + 14 * std::cos(angle), 40 + 14 * std::sin(angle)}}, 12);
     write_city(folder / "city.city.json", city);
     write_raster(folder / "dtm.tif", dtm, {}, "EPSG:28992");
-    const VolumeMeshReport mesh = *mesh_at(folder.path(), 10).volume_mesh;
+    const VolumeMeshFacts mesh = *mesh_at(folder.path(), 10).volume_mesh;
     EXPECT_FALSE(mesh.feet_cut_back.empty());
     EXPECT_EQ(mesh.faces.above_70, 0);
   }

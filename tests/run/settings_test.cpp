@@ -57,8 +57,8 @@ struct Result {
 
   CityModel raw() const { return read_city(out / "city_raw.city.json"); }
   Raster dtm() const { return read_raster(out / "dtm.tif", report.origin).raster; }
-  const VolumeMeshReport& volume() const { return report.volume_mesh.value(); }
-  const CityReport& city() const { return report.city.value(); }
+  const VolumeMeshFacts& volume() const { return report.volume_mesh.value(); }
+  const CityFacts& city() const { return report.city.value(); }
   /// The building of step 1 made of this feature alone.
   Building building(const std::string& id) const {
     for (const Building& building : raw().buildings)
@@ -67,12 +67,12 @@ struct Result {
   }
   int iterations() const {
     int sum = 0;
-    for (const SolverStepReport& step : report.solver) sum += step.iterations;
+    for (const SolverFacts& step : report.solver) sum += step.iterations;
     return sum;
   }
   std::int64_t unknowns() const {
     std::int64_t sum = 0;
-    for (const SolverStepReport& step : report.solver) sum += step.unknowns;
+    for (const SolverFacts& step : report.solver) sum += step.unknowns;
     return sum;
   }
 };
@@ -246,7 +246,7 @@ const std::vector<Setting>& table() {
        {"true"},
        run_city,
        [](R plain, R changed) {
-         EXPECT_TRUE(says(plain, ErrorKind::kInput, "--terrain-only")) << plain.error;
+         EXPECT_TRUE(says(plain, ErrorKind::kInput, "terrain_only")) << plain.error;
          EXPECT_EQ(changed.error, "");
        },
        [](Village&, Config& config) {
@@ -516,9 +516,9 @@ const std::vector<Setting>& table() {
        {"1e-6"},
        run_build,
        [](R plain, R changed) {
-         for (const SolverStepReport& step : plain.report.solver)
+         for (const SolverFacts& step : plain.report.solver)
            EXPECT_LE(step.relative_residual, 1e-3);
-         for (const SolverStepReport& step : changed.report.solver)
+         for (const SolverFacts& step : changed.report.solver)
            EXPECT_LE(step.relative_residual, 1e-6);
          EXPECT_GT(changed.iterations(), plain.iterations());
        },
@@ -528,7 +528,7 @@ const std::vector<Setting>& table() {
        run_build,
        [](R plain, R changed) {
          EXPECT_GT(plain.iterations(), 2);
-         for (const SolverStepReport& step : changed.report.solver) {
+         for (const SolverFacts& step : changed.report.solver) {
            EXPECT_LE(step.iterations, 1) << step.step;
            EXPECT_FALSE(step.converged) << step.step;
          }
@@ -609,7 +609,7 @@ const std::vector<Setting>& table() {
        run_city,
        [](R plain, R changed) {
          EXPECT_EQ(plain.error, "");
-         EXPECT_TRUE(says(changed, ErrorKind::kUsage, "--max-memory")) << changed.error;
+         EXPECT_TRUE(says(changed, ErrorKind::kUsage, "max_memory")) << changed.error;
        }},
       {"threads",
        {"1"},

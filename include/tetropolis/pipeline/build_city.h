@@ -32,16 +32,17 @@ enum class BoundaryBuildings { kDrop, kClip };
 struct BuildCityOptions {
   /// The domain, CRS coordinates. None: the box of the footprints within that of the points, grown
   /// by `domain_margin` as far as there are points; without footprints the box of the points.
-  std::optional<Bounds2> bounds;
+  std::optional<Bounds2> bounds = {};
   double domain_margin = 40;  ///< Metres, >= 0.
   bool terrain_only = false;  ///< A city without buildings is no error.
   BoundaryBuildings boundary_buildings = BoundaryBuildings::kDrop;
   GroundFilter ground_filter = GroundFilter::kAuto;
-  GroundFilterOptions filter;
-  DtmOptions dtm;
-  ExtractOptions extract;  ///< `no_buildings` is found, not taken from here.
-  HeightOptions heights;
-  SimplifyOptions simplify;  ///< min_distance, min_area and parallel_tolerance hold for 1.4, too.
+  GroundFilterOptions filter = {};
+  DtmOptions dtm = {};
+  ExtractOptions extract = {};  ///< `no_buildings` is found, not taken from here.
+  HeightOptions heights = {};
+  SimplifyOptions simplify =
+      {};  ///< min_distance, min_area and parallel_tolerance hold for 1.4, too.
   double max_bytes = std::numeric_limits<double>::infinity();  ///< Memory of the process.
 };
 

@@ -53,7 +53,7 @@ struct ReadReport {
 };
 
 /// Of the text of a report.json. Throws Error(kInput) naming `source` if it is none of ours: no
-/// JSON, members of other types, no `command`.
+/// JSON, members of other types.
 ReadReport report_from_json(const std::string& text, const std::string& source);
 
 /// Of the report.json in the folder, if there is one. Throws Error(kInput) if it cannot be read or

@@ -64,7 +64,7 @@ bool round_to_grid(std::vector<Polygon>& polygons) {
   const Point2 corner = polygons.empty() ? Point2{} : grid::to_metres(polygons[0].outer[0]);
   throw Error(ErrorKind::kGuarantee,
               fmt::format("footprints: GEOS cannot overlay those at ({:.2f}, {:.2f}) from the "
-                          "origin; change --min-building-distance or leave them out, and report it",
+                          "origin; change min_building_distance or leave them out, and report it",
                           corner.x, corner.y));
 }
 

@@ -66,11 +66,11 @@ std::vector<std::filesystem::path> expand_point_paths(std::span<const std::strin
 std::vector<std::uint8_t> noise_classes();
 
 struct ReadPointsOptions {
-  std::optional<Bounds2> crop;   ///< Keep points inside or on it; CRS coordinates. None: all.
-  std::optional<Point2> origin;  ///< Subtracted from x and y. None: near the points.
+  std::optional<Bounds2> crop = {};   ///< Keep points inside or on it; CRS coordinates. None: all.
+  std::optional<Point2> origin = {};  ///< Subtracted from x and y. None: near the points.
   std::vector<std::uint8_t> skipped_classes = noise_classes();
   bool keep_withheld = false;  ///< Keep points with the withheld bit.
-  std::string crs;             ///< What the files are in, whatever they say; empty: what they say.
+  std::string crs = {};        ///< What the files are in, whatever they say; empty: what they say.
 };
 
 /// The points of one file.

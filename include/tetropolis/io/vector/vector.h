@@ -15,12 +15,12 @@
 namespace tetropolis {
 
 struct ReadFootprintsOptions {
-  std::string layer;             ///< Name; empty: the only layer with polygons.
-  std::string id_attribute;      ///< Attribute that becomes source_id; empty: the feature number.
-  std::string height_attribute;  ///< Attribute with heights above ground; empty: none.
-  std::string source_crs;        ///< What the coordinates are in, whatever the file says; empty:
-                                 ///< what the file says.
-  std::string target_crs;        ///< Reproject to this; empty: leave as they are.
+  std::string layer = {};         ///< Name; empty: the only layer with polygons.
+  std::string id_attribute = {};  ///< Attribute that becomes source_id; empty: the feature number.
+  std::string height_attribute = {};  ///< Attribute with heights above ground; empty: none.
+  std::string source_crs = {};  ///< What the coordinates are in, whatever the file says; empty:
+                                ///< what the file says.
+  std::string target_crs = {};  ///< Reproject to this; empty: leave as they are.
 };
 
 /// One polygon of the input.
