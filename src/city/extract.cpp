@@ -13,9 +13,9 @@
 #include "tetropolis/core/parallel.h"
 #include "tetropolis/geometry/polygon.h"
 
-#include "crowns.h"
 #include "footprint_index.h"
 #include "point_lists.h"
+#include "tree_crowns.h"
 
 namespace tetropolis {
 
@@ -225,7 +225,7 @@ BuildingPoints find_points(std::span<const Polygon* const> footprints, std::size
                            const ExtractOptions& options, const Progress& progress) {
   const FootprintIndex index(footprints.first(buildings), options.margin);
   const Classes classes = classes_of(by_exclusion);
-  const bool find_crowns = by_exclusion && options.drop_crowns;
+  const bool find_crowns = by_exclusion && options.drop_tree_crowns;
   std::vector<Hits> hits =
       find_all_hits(index, cloud, classes, portion(progress, 0, find_crowns ? 0.4 : 0.9));
   BuildingPoints points;
@@ -236,11 +236,11 @@ BuildingPoints find_points(std::span<const Polygon* const> footprints, std::size
   if (find_crowns) {
     std::vector<Surroundings> found =
         find_surroundings(footprints, buildings, cloud, classes, portion(progress, 0.4, 0.7));
-    drop_crowns(points.roof,
-                {take_lists(hits, &Hits::ground_inside, buildings),
-                 take_lists(found, &Surroundings::around, buildings),
-                 take_lists(found, &Surroundings::beside, buildings)},
-                cloud, {}, portion(progress, 0.7, 0.9));
+    drop_tree_crowns(points.roof,
+                     {take_lists(hits, &Hits::ground_inside, buildings),
+                      take_lists(found, &Surroundings::around, buildings),
+                      take_lists(found, &Surroundings::beside, buildings)},
+                     cloud, {}, portion(progress, 0.7, 0.9));
   }
   drop_outliers(points.roof, cloud, options.sigma);
   drop_outliers(points.ground, cloud, options.sigma);

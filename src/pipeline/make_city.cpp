@@ -115,12 +115,12 @@ std::map<std::string, std::int64_t> resorts_by_name(const SimplifyStats& stats) 
                                               {"gaps_filled", stats.gaps_filled},
                                               {"arms_cut", stats.arms_cut},
                                               {"necks_widened", stats.necks_widened},
-                                              {"corners_blunted", stats.corners_blunted},
+                                              {"corners_blunted", stats.corners_chamfered},
                                               {"local_hulls", stats.local_hulls},
                                               {"hull_repairs", stats.hull_repairs},
                                               {"clipped", stats.clipped}};
-  for (std::size_t k = 1; k < stats.merged_by_patch.size(); ++k)
-    resorts[fmt::format("merged_by_patch_{}", k)] = stats.merged_by_patch[k];
+  for (std::size_t k = 1; k < stats.merged_by_gap_fill.size(); ++k)
+    resorts[fmt::format("merged_by_patch_{}", k)] = stats.merged_by_gap_fill[k];
   return resorts;
 }
 
@@ -132,9 +132,9 @@ void fill_city_report(const CityModel& raw, const CityModel& city, const Simplif
   out.min_clearance = simple.stats.min_clearance;
   out.area_before = simple.stats.area_before;
   out.area_after = simple.stats.area_after;
-  out.area_moved = simple.stats.area_changed;
+  out.area_moved = simple.stats.symmetric_difference;
   if (out.area_before > 0) out.area_changed_share = out.area_moved / out.area_before;
-  out.max_distance = simple.stats.max_distance;
+  out.max_distance = simple.stats.max_hausdorff_distance;
   out.hulls = simple.stats.hulls;
   out.resorts = resorts_by_name(simple.stats);
   out.dropped = city.dropped;

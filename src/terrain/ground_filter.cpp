@@ -12,11 +12,11 @@
 #include "tetropolis/terrain/raster.h"
 
 #include "cells.h"
-#include "hollows.h"
-#include "opening.h"
-#include "pits.h"
+#include "depressions.h"
+#include "ground_segments.h"
+#include "low_outliers.h"
+#include "morphology.h"
 #include "plane.h"
-#include "segments.h"
 
 namespace tetropolis {
 
@@ -247,7 +247,7 @@ std::vector<std::uint8_t> lowered_by_openings(HeightGrid surface, const Frame& f
                                               const GroundFilterOptions& options,
                                               const Progress& progress) {
   std::vector<float> original = surface.values;
-  fill_hollows(surface, frame, options.window);
+  fill_depressions(surface, frame, options.window);
   fill_low(surface, options.slope * frame.cell);
   for (std::size_t c = 0; c < original.size(); ++c)
     if (std::isnan(original[c])) original[c] = surface.values[c];
@@ -350,11 +350,11 @@ std::vector<std::uint8_t> filter_ground(const PointCloud& cloud,
       if (covered[c] != 0) lowest.values[c] = kNanF;
     if (is_empty(lowest)) lowest = all;
     HeightGrid believed = lowest;
-    counts.pit_cells = remove_pits(believed, std::move(all), frame.cell, spacing);
+    counts.low_outlier_cells = remove_low_outliers(believed, std::move(all), frame.cell, spacing);
     if (!is_empty(believed)) lowest = std::move(believed);
     auto object = find_objects(lowest, frame, options, portion(progress, 0.2, 0.8));
-    keep_gentle_rises(lowest, frame, object, progress);
-    drop_scraps(lowest, std::move(covered), frame, object, progress);
+    restore_gentle_rises(lowest, frame, object, progress);
+    reject_fragments(lowest, std::move(covered), frame, object, progress);
     const Raster terrain = terrain_between(lowest, object, frame, progress);
     counts.ground_points = keep_near(cloud, terrain, options, mask);
   }

@@ -43,7 +43,8 @@ struct ExtractOptions {
   double margin = 1.0;  ///< Metres around a footprint in which ground points are taken, >= 0.
   double sigma = 2.0;   ///< Points further from the mean height than this many standard deviations
                         ///< of their list are dropped; infinity keeps all.
-  bool drop_crowns = true;  ///< Remove crowns of trees (crowns.h) from roof points by exclusion.
+  bool drop_tree_crowns =
+      true;  ///< Remove crowns of trees (tree_crowns.h) from roof points by exclusion.
   /// Points among which those of buildings have no class of their own.
   std::vector<PointRange> no_buildings{};
 };
@@ -65,7 +66,7 @@ struct ExtractOptions {
 ///
 /// Memory: the result has 4 bytes for each point of each of its lists; beside it, a grid over the
 /// footprints and their edges, at most 24 bytes for each pair of a building and a point found at it
-/// (by exclusion: found within 3 m of it, too), and what drop_crowns needs of one building per
+/// (by exclusion: found within 3 m of it, too), and what drop_tree_crowns needs of one building per
 /// thread. The number of pairs grows with the square of the margin, and nothing bounds it.
 ///
 /// Throws Error(kInput) for clouds of 2^32 points or more.

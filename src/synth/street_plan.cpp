@@ -1,4 +1,4 @@
-#include "layout.h"
+#include "street_plan.h"
 
 #include <algorithm>
 #include <array>

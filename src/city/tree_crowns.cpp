@@ -1,4 +1,4 @@
-#include "crowns.h"
+#include "tree_crowns.h"
 
 #include <algorithm>
 #include <cassert>
@@ -10,7 +10,7 @@
 
 #include "tetropolis/core/parallel.h"
 
-#include "city/simplify/disks.h"
+#include "city/radius_search.h"
 #include "core/infinity.h"
 #include "point_lists.h"
 
@@ -27,12 +27,12 @@ constexpr double kOpenRemainder = 0.5;  // the same where much ground is seen in
 constexpr double kOpenGround = 0.2;     // share of points that is much
 
 /// Per point, the quantile `share` of the heights around it.
-std::vector<double> levels(const Disks& disks, double share) {
-  std::vector<double> result(disks.size());
+std::vector<double> levels(const RadiusSearch& search, double share) {
+  std::vector<double> result(search.size());
   std::vector<double> heights;
-  for (std::size_t k = 0; k < disks.size(); ++k) {
+  for (std::size_t k = 0; k < search.size(); ++k) {
     heights.clear();
-    disks.in_disk(k, [&](std::size_t other) { heights.push_back(disks.z(other)); });
+    search.in_radius(k, [&](std::size_t other) { heights.push_back(search.z(other)); });
     const auto rank = static_cast<std::size_t>(static_cast<double>(heights.size()) * share);
     const auto nth = heights.begin() + static_cast<std::ptrdiff_t>(rank);
     std::nth_element(heights.begin(), nth, heights.end());
@@ -53,54 +53,54 @@ bool is_mostly_ground(std::span<const PointIndex> roof, std::span<const PointInd
 
 /// How far each roof point is above the highest level around it; minus infinity where something
 /// says that it belongs to a building.
-std::vector<double> overhangs(const Scene& scene, const Disks& disks, const PointCloud& cloud,
-                              const CrownOptions& options) {
+std::vector<double> overhangs(const Scene& scene, const RadiusSearch& search,
+                              const PointCloud& cloud, const CrownOptions& options) {
   constexpr double kNone = -kInfinity;
   // Trees in an open outline need not have others beside it.
   double treetops = is_mostly_ground(scene.roof, scene.below) ? -kNone : kNone;
   for (const PointIndex p : scene.around) treetops = std::max<double>(treetops, cloud.z[p]);
-  const std::vector<double> level = levels(disks, options.share);
-  std::vector<std::uint8_t> surface(disks.size());
-  for (std::size_t k = 0; k < disks.size(); ++k)
-    surface[k] = disks.on_surface(k, options.thickness) ? 1 : 0;
+  const std::vector<double> level = levels(search, options.share);
+  std::vector<std::uint8_t> surface(search.size());
+  for (std::size_t k = 0; k < search.size(); ++k)
+    surface[k] = search.on_surface(k, options.thickness) ? 1 : 0;
   const std::size_t first_beside = scene.roof.size() + scene.below.size();
   std::vector<double> result(scene.roof.size(), kNone);
   for (std::size_t k = 0; k < result.size(); ++k) {
-    if (disks.z(k) > treetops + kTallerTree) continue;
+    if (search.z(k) > treetops + kTallerTree) continue;
     double highest = level[k];
     int as_high = 0, on_roofs = 0;  // of points of roofs beside
-    disks.in_disk(k, [&](std::size_t other) {
+    search.in_radius(k, [&](std::size_t other) {
       highest = std::max(highest, level[other]);
-      if (other < first_beside || disks.z(other) < disks.z(k) - options.height) return;
+      if (other < first_beside || search.z(other) < search.z(k) - options.height) return;
       ++as_high;
       on_roofs += surface[other];
     });
     if (on_roofs > kSurfaceShare * as_high) continue;
     int near = 0, on_surfaces = 0;
-    disks.near(k, [&](std::size_t other) {
+    search.near(k, [&](std::size_t other) {
       ++near;
       on_surfaces += surface[other];
     });
-    if (on_surfaces <= kSurfaceShare * near) result[k] = disks.z(k) - highest;
+    if (on_surfaces <= kSurfaceShare * near) result[k] = search.z(k) - highest;
   }
   return result;
 }
 
-std::vector<PointIndex> without_crowns(const Scene& scene, const PointCloud& cloud,
-                                       const CrownOptions& options) {
+std::vector<PointIndex> without_tree_crowns(const Scene& scene, const PointCloud& cloud,
+                                            const CrownOptions& options) {
   const std::span<const PointIndex> roof = scene.roof, below = scene.below;
   std::vector<PointIndex> all(roof.begin(), roof.end());
   all.insert(all.end(), below.begin(), below.end());
   all.insert(all.end(), scene.beside.begin(), scene.beside.end());
-  const Disks disks(std::move(all), cloud, options.radius);
-  const std::vector<double> overhang = overhangs(scene, disks, cloud, options);
+  const RadiusSearch search(std::move(all), cloud, options.radius);
+  const std::vector<double> overhang = overhangs(scene, search, cloud, options);
   const auto is_crown = [&](std::size_t k) {
     return k < roof.size() && overhang[k] > options.height;
   };
   const auto is_fringe = [&](std::size_t k) {
     bool found = false;
     if (overhang[k] > options.fringe)
-      disks.in_disk(k, [&](std::size_t other) { found = found || is_crown(other); });
+      search.in_radius(k, [&](std::size_t other) { found = found || is_crown(other); });
     return found;
   };
   std::vector<PointIndex> kept;
@@ -126,8 +126,8 @@ bool has_trees_around(std::span<const PointIndex> roof, std::span<const PointInd
 
 }  // namespace
 
-void drop_crowns(PointLists& roof, const CrownEvidence& evidence, const PointCloud& cloud,
-                 const CrownOptions& options, const Progress& progress) {
+void drop_tree_crowns(PointLists& roof, const CrownEvidence& evidence, const PointCloud& cloud,
+                      const CrownOptions& options, const Progress& progress) {
   assert(roof.size() == evidence.below.size() && roof.size() == evidence.around.size() &&
          roof.size() == evidence.beside.size());
   std::vector<std::vector<PointIndex>> kept(roof.size());
@@ -136,7 +136,7 @@ void drop_crowns(PointLists& roof, const CrownEvidence& evidence, const PointClo
     for (std::size_t b = begin; b < end; ++b)
       if (is_mostly_ground(roof[b], evidence.below[b]) ||
           has_trees_around(roof[b], evidence.around[b], cloud, options.clearing))
-        kept[b] = without_crowns(
+        kept[b] = without_tree_crowns(
             {roof[b], evidence.below[b], evidence.around[b], evidence.beside[b]}, cloud, options);
       else
         kept[b].assign(roof[b].begin(), roof[b].end());

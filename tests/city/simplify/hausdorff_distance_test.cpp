@@ -1,4 +1,4 @@
-#include "city/simplify/largest_distance.h"
+#include "city/simplify/hausdorff_distance.h"
 
 #include <algorithm>
 #include <cmath>
@@ -10,8 +10,8 @@
 #include "tetropolis/geometry/polygon.h"
 
 #include "city/footprint_checks.h"
-#include "city/simplify/changed_area.h"
 #include "city/simplify/grid_geometry.h"
+#include "city/simplify/symmetric_difference.h"
 
 namespace tetropolis {
 namespace {
@@ -32,8 +32,8 @@ Difference difference(const std::vector<Polygon>& before, const std::vector<Poly
   for (const Polygon& polygon : before) from.push_back(grid::to_steps(polygon));
   for (const Polygon& polygon : after) to.push_back(grid::to_steps(polygon));
   std::vector<DifferenceStrip> strips;
-  const double area = changed_area(from, to, &strips);
-  const FarPoint far = largest_distance(from, to, strips, 0.01 * grid::kSteps);
+  const double area = symmetric_difference_area(from, to, &strips);
+  const HausdorffDistance far = hausdorff_distance(from, to, strips, 0.01 * grid::kSteps);
   return {area / (grid::kSteps * grid::kSteps), far.distance / grid::kSteps,
           grid::to_metres(far.at)};
 }
@@ -83,11 +83,11 @@ TEST(LargestDistance, StripsOfRingsInsideEachOtherAreTheDifference) {
   }
   const std::vector<Polygon> disc{{rings[0].outer, {}}};
   std::vector<DifferenceStrip> strips;
-  EXPECT_NEAR(changed_area(rings, disc, &strips), gaps, 1e-9 * gaps);
+  EXPECT_NEAR(symmetric_difference_area(rings, disc, &strips), gaps, 1e-9 * gaps);
   double sum = 0;
   for (const DifferenceStrip& strip : strips) sum += strip_area(strip);
   EXPECT_NEAR(sum, gaps, 1e-9 * gaps);
-  const FarPoint far = largest_distance(rings, disc, strips, 0.01 * grid::kSteps);
+  const HausdorffDistance far = hausdorff_distance(rings, disc, strips, 0.01 * grid::kSteps);
   EXPECT_NEAR(far.distance / grid::kSteps, (91 - 2 * kRings) * std::cos(std::acos(-1) / 60), 0.011);
 }
 

@@ -1,4 +1,4 @@
-#include "city/crowns.h"
+#include "city/tree_crowns.h"
 
 #include <algorithm>
 #include <cmath>
@@ -62,7 +62,7 @@ class Crowns : public ::testing::Test {
   std::vector<PointIndex> kept() {
     scene_.close();
     PointLists roof = scene_.roof;
-    drop_crowns(roof, {scene_.below, scene_.around, scene_.beside}, scene_.cloud);
+    drop_tree_crowns(roof, {scene_.below, scene_.around, scene_.beside}, scene_.cloud);
     EXPECT_TRUE(std::is_sorted(roof.indices.begin(), roof.indices.end()));
     return roof.indices;
   }
@@ -208,7 +208,7 @@ TEST_F(Crowns, TheSameForAnyNumberOfThreads) {
   const auto kept_by = [&](int threads) {
     const ThreadLimit limit(threads);
     PointLists roof = all.roof;
-    drop_crowns(roof, {all.below, all.around, all.beside}, all.cloud);
+    drop_tree_crowns(roof, {all.below, all.around, all.beside}, all.cloud);
     return roof;
   };
   const PointLists one = kept_by(1), four = kept_by(4);

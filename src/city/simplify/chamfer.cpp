@@ -1,4 +1,4 @@
-#include "blunt_corners.h"
+#include "chamfer.h"
 
 #include <algorithm>
 #include <cmath>
@@ -25,21 +25,21 @@ bool is_sharper(Point2 a, Point2 tip, Point2 b, double cosine) {
   return grid::dot(tip, a, b) > cosine * distance(tip, a) * distance(tip, b);
 }
 
-class CornerBlunter {
+class CornerChamfer {
  public:
-  CornerBlunter(Outline& outline, const BluntOptions& options)
+  CornerChamfer(Outline& outline, const ChamferOptions& options)
       : o_(outline),
         options_(options),
         cosine_(std::cos(options.least_angle)),
         judge_(outline, options.epsilon, options.keep_inside) {}
 
   std::int64_t run() {
-    std::int64_t blunted = 0;
+    std::int64_t chamfered = 0;
     const std::int32_t vertices = o_.vertex_count();
     for (std::int32_t v = 0; v < vertices; ++v)
-      if (o_.alive(v) && is_sharp(o_.at(o_.before(v)), o_.at(v), o_.at(o_.after(v))) && blunt(v))
-        ++blunted;
-    return blunted;
+      if (o_.alive(v) && is_sharp(o_.at(o_.before(v)), o_.at(v), o_.at(o_.after(v))) && chamfer(v))
+        ++chamfered;
+    return chamfered;
   }
 
  private:
@@ -71,7 +71,7 @@ class CornerBlunter {
     return area;
   }
 
-  bool blunt(std::int32_t v) {
+  bool chamfer(std::int32_t v) {
     const OutlineChange all = vertex_change(o_, v, ChangeKind::kMove);
     const Point2 tip = o_.at(v), a = o_.at(all.first), b = o_.at(all.last);
     const double la = distance(tip, a), lb = distance(tip, b);
@@ -166,7 +166,7 @@ class CornerBlunter {
   }
 
   Outline& o_;
-  const BluntOptions& options_;
+  const ChamferOptions& options_;
   std::vector<double> ring_areas_;  ///< Below 0 where unknown.
   double cosine_;
   ChangeJudge judge_;
@@ -186,8 +186,8 @@ bool has_sharp_corner(const Polygon& polygon, double least_angle) {
   return in_ring(polygon.outer) || std::any_of(polygon.holes.begin(), polygon.holes.end(), in_ring);
 }
 
-std::int64_t blunt_corners(Outline& outline, const BluntOptions& options) {
-  return CornerBlunter(outline, options).run();
+std::int64_t chamfer_corners(Outline& outline, const ChamferOptions& options) {
+  return CornerChamfer(outline, options).run();
 }
 
 }  // namespace tetropolis

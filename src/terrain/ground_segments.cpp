@@ -1,4 +1,4 @@
-#include "segments.h"
+#include "ground_segments.h"
 
 #include <algorithm>
 #include <cmath>
@@ -52,7 +52,7 @@ float rise_behind(const HeightGrid& lowest, const Frame& frame, std::size_t c, s
                     static_cast<float>(kSteepest * frame.cell));
 }
 
-constexpr double kLeastArea = 50;  // square metres that are more than a scrap
+constexpr double kLeastArea = 50;  // square metres that are more than a fragment
 constexpr std::size_t kCellsPerPoll = std::size_t{1} << 20;
 
 /// At least `most` cells with ground (all within `reach`, if these are fewer), the nearest to the
@@ -110,8 +110,8 @@ double quantile_above(const std::vector<std::uint32_t>& cells, const Plane& plan
 
 }  // namespace
 
-void keep_gentle_rises(const HeightGrid& lowest, const Frame& frame,
-                       std::vector<std::uint8_t>& object, const Progress& progress) {
+void restore_gentle_rises(const HeightGrid& lowest, const Frame& frame,
+                          std::vector<std::uint8_t>& object, const Progress& progress) {
   constexpr std::int64_t kStepsPerWall = 9;  // one in ten is a wall
   constexpr double kStepsWithin = 2;         // mean steps of the rim
   constexpr std::uint8_t kSeen = 1, kKept = 2;
@@ -156,12 +156,13 @@ void keep_gentle_rises(const HeightGrid& lowest, const Frame& frame,
     if (state[c] == kKept) object[c] = 0;
 }
 
-void drop_scraps(const HeightGrid& lowest, std::vector<std::uint8_t> barred, const Frame& frame,
-                 std::vector<std::uint8_t>& object, const Progress& progress) {
+void reject_fragments(const HeightGrid& lowest, std::vector<std::uint8_t> barred,
+                      const Frame& frame, std::vector<std::uint8_t>& object,
+                      const Progress& progress) {
   constexpr double kRaised = 1;         // metres: a podium; kerbs and garden walls are lower
   constexpr double kReach = 30;         // metres: across a street and the yards beside it
   constexpr double kLeastSlope = 0.08;  // steeper than streets are drained; less is chance
-  // Quantiles, of the scrap and of the ground: a few points of either lie on something else.
+  // Quantiles, of the fragment and of the ground: a few points of either lie on something else.
   constexpr double kLow = 0.1, kMostGround = 0.75;
   constexpr std::size_t kNearest = 200;  // cells: enough for a plane
   constexpr std::size_t kTooFew = 30;    // cells: a plane through fewer is chance
@@ -172,7 +173,7 @@ void drop_scraps(const HeightGrid& lowest, std::vector<std::uint8_t> barred, con
   HeightGrid full = lowest;
   spread(full, barred, frame);
   std::vector<std::uint32_t> seen(object.size(), 0), segment;
-  std::vector<std::uint32_t> scraps;
+  std::vector<std::uint32_t> fragments;
   std::uint32_t stamp = 0;
   for (std::size_t seed = 0; seed < object.size(); ++seed) {
     if (seed % kCellsPerPoll == 0) progress.update(0.8);
@@ -197,9 +198,9 @@ void drop_scraps(const HeightGrid& lowest, std::vector<std::uint8_t> barred, con
     if (quantile_above(segment, plane, lowest, kLow) <
         quantile_above(around, plane, lowest, kMostGround) + kRaised)
       continue;
-    scraps.insert(scraps.end(), segment.begin(), segment.end());
+    fragments.insert(fragments.end(), segment.begin(), segment.end());
   }
-  for (const std::uint32_t c : scraps) object[c] = 1;
+  for (const std::uint32_t c : fragments) object[c] = 1;
 }
 
 }  // namespace tetropolis

@@ -1,4 +1,4 @@
-#include "opening.h"
+#include "morphology.h"
 
 #include <algorithm>
 #include <cmath>

@@ -49,13 +49,13 @@ struct Moments {
 /// points crowd (on facades that a vehicle has scanned), the radius is too large, and all disks
 /// together would have the square of them: of the points of a cell every so-manieth, kMostInCell in
 /// all, is seen by the others. That is far above the ten that a cell has on average.
-class Disks {
+class RadiusSearch {
  public:
   static constexpr double kEnoughPoints = 30;
   static constexpr std::size_t kMostInCell = 256;
 
   /// Precondition: at least one point; radius > 0, metres.
-  Disks(std::vector<PointIndex> points, const PointCloud& cloud, double radius)
+  RadiusSearch(std::vector<PointIndex> points, const PointCloud& cloud, double radius)
       : points_(std::move(points)), cloud_(cloud) {
     const auto [west, east] = range(cloud.x);
     const auto [south, north] = range(cloud.y);
@@ -83,7 +83,7 @@ class Disks {
   /// Calls visit(number) for the points within the radius of number `k` seen from above, itself
   /// among them: at most nine cells of kMostInCell, and itself.
   template <typename Visit>
-  void in_disk(std::size_t k, const Visit& visit) const {
+  void in_radius(std::size_t k, const Visit& visit) const {
     const PointIndex p = points_[k];
     const std::int64_t ci = column(p), cj = row(p);
     for (std::int64_t j = std::max<std::int64_t>(cj - 1, 0); j <= std::min(cj + 1, rows_ - 1); ++j)
@@ -103,7 +103,7 @@ class Disks {
   /// The same for those that are no further in height either.
   template <typename Visit>
   void near(std::size_t k, const Visit& visit) const {
-    in_disk(k, [&](std::size_t other) {
+    in_radius(k, [&](std::size_t other) {
       if (std::abs(z(other) - z(k)) <= radius_) visit(other);
     });
   }

@@ -1,4 +1,4 @@
-#include "offcuts.h"
+#include "assign_members.h"
 
 #include <utility>
 
@@ -22,10 +22,10 @@ double overlap(const Polygon& a, const Polygon& b) {
 
 }  // namespace
 
-std::vector<Offcut> share_out(const std::vector<Polygon>& parts, std::size_t kept, double least,
-                              std::span<const Polygon> cleaned,
-                              std::vector<BuildingIndex>& members) {
-  std::vector<Offcut> result;
+std::vector<SplitPart> assign_members(const std::vector<Polygon>& parts, std::size_t kept,
+                                      double least, std::span<const Polygon> cleaned,
+                                      std::vector<BuildingIndex>& members) {
+  std::vector<SplitPart> result;
   std::vector<std::vector<BuildingIndex>> of_part(parts.size());
   std::vector<Bounds2> boxes;
   std::vector<std::size_t> candidates;

@@ -1,5 +1,5 @@
-// Patches of outlines, and how many they are.
-#include "city/simplify/patches.h"
+// Gap fills of outlines, and how many they are.
+#include "city/simplify/gap_fill.h"
 
 #include <gtest/gtest.h>
 
@@ -19,19 +19,19 @@ Polygon comb(int teeth, double pitch) {
   return grid::to_steps(polygon);
 }
 
-TEST(Patches, DoNotGrowWithTheSquareOfTheWallsThatCrowd) {
+TEST(GapFill, DoNotGrowWithTheSquareOfTheWallsThatCrowd) {
   const double epsilon = 1.0 * grid::kSteps;
   for (const double pitch : {0.4, 0.1, 0.05}) {
     SCOPED_TRACE(pitch);
     const Polygon crowd = comb(100, pitch);
     const Outline outline = make_outline({&crowd}, 4 * epsilon);
     const std::vector<NearPair> pairs = near_pairs(outline, epsilon);
-    const std::vector<Patches> patches = patches_for(outline, pairs, epsilon, epsilon);
+    const std::vector<FillsAndCuts> repairs = fills_and_cuts(outline, pairs, epsilon, epsilon);
     const auto vertices = static_cast<std::size_t>(outline.vertex_count());
-    ASSERT_EQ(patches.size(), 1u);
-    EXPECT_FALSE(patches[0].fill.empty());
-    // Every pair may give a patch for both walls at its vertex.
-    EXPECT_LE(patches[0].fill.size() + patches[0].cut.size(), 30 * vertices);
+    ASSERT_EQ(repairs.size(), 1u);
+    EXPECT_FALSE(repairs[0].fill.empty());
+    // Every pair may give a gap fill for both walls at its vertex.
+    EXPECT_LE(repairs[0].fill.size() + repairs[0].cut.size(), 30 * vertices);
     if (pitch < 0.1) {
       EXPECT_GT(pairs.size(), 40 * vertices);
     }

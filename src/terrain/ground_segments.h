@@ -8,7 +8,7 @@
 #include "tetropolis/core/progress.h"
 
 #include "cells.h"
-#include "opening.h"
+#include "morphology.h"
 
 namespace tetropolis {
 
@@ -19,15 +19,16 @@ namespace tetropolis {
 /// slope has; of the steps from a segment down, at most one in ten may be one that only a wall has
 /// (and no slope that goes on behind it), and it has to rise by more than two of the others within:
 /// a hedge or a terrace does not. `lowest`: NaN where there is no point.
-void keep_gentle_rises(const HeightGrid& lowest, const Frame& frame,
-                       std::vector<std::uint8_t>& object, const Progress& progress);
+void restore_gentle_rises(const HeightGrid& lowest, const Frame& frame,
+                          std::vector<std::uint8_t>& object, const Progress& progress);
 
-/// Makes objects of scraps: what openings left of podiums and halls that are in no footprint but
-/// between them, where the voids of the footprints hold them up. A scrap is cells joined by steps
-/// that a slope has, cut off by objects, footprints and walls, and a metre above most of the ground
-/// nearby, after that ground's slope. All are judged before any goes.
-/// `barred`: 1 for cells in footprints.
-void drop_scraps(const HeightGrid& lowest, std::vector<std::uint8_t> barred, const Frame& frame,
-                 std::vector<std::uint8_t>& object, const Progress& progress);
+/// Makes objects of fragments: what openings left of podiums and halls that are in no footprint but
+/// between them, where the voids of the footprints hold them up. A fragment is cells joined by
+/// steps that a slope has, cut off by objects, footprints and walls, and a metre above most of the
+/// ground nearby, after that ground's slope. All are judged before any goes. `barred`: 1 for cells
+/// in footprints.
+void reject_fragments(const HeightGrid& lowest, std::vector<std::uint8_t> barred,
+                      const Frame& frame, std::vector<std::uint8_t>& object,
+                      const Progress& progress);
 
 }  // namespace tetropolis

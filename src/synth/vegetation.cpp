@@ -1,4 +1,4 @@
-#include "greenery.h"
+#include "vegetation.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,9 +1,9 @@
 // Trees and parked cars of the synthetic block city.
 #pragma once
 
-#include "layout.h"
 #include "scan.h"
 #include "seeded_random.h"
+#include "street_plan.h"
 
 namespace tetropolis {
 

@@ -1,4 +1,4 @@
-#include "patches.h"
+#include "gap_fill.h"
 
 #include <algorithm>
 #include <array>
@@ -21,7 +21,7 @@ namespace tetropolis {
 namespace {
 
 constexpr std::ptrdiff_t kMostPairs = 12;  // of one vertex
-/// Pairs of one polygon from which on it gets no more patches than it needs.
+/// Pairs of one polygon from which on it gets no more gap fills than it needs.
 constexpr std::int32_t kCrowd = 50'000;
 
 /// Whether leaving vertex v towards q one is inside the polygon.
@@ -73,16 +73,16 @@ bool face(const Outline& o, std::int32_t e, std::int32_t f, double epsilon) {
   return edges_face(o.at(e), o.at(o.after(e)), o.at(f), o.at(o.after(f)), epsilon);
 }
 
-void add_patch(const Outline& o, const NearPair& pair, std::int32_t f, double epsilon, double reach,
-               Patches& patches) {
+void add_fill_or_cut(const Outline& o, const NearPair& pair, std::int32_t f, double epsilon,
+                     double reach, FillsAndCuts& repairs) {
   const std::int32_t e = pair.edge;
   if (f == e) return;
   const Point2 a = o.at(e), b = o.at(o.after(e));
-  Ring hull = gap_patch(o.at(f), o.at(o.after(f)), a, b, reach);
+  Ring hull = gap_fill(o.at(f), o.at(o.after(f)), a, b, reach);
   if (hull.empty()) return;
   const Point2 p = o.at(pair.vertex), q = grid::nearest_on_segment(p, a, b);
   if (p == q || !leads_inside(o, pair.vertex, q)) {
-    patches.fill.push_back({std::move(hull), {}});
+    repairs.fill.push_back({std::move(hull), {}});
     return;
   }
   Polygon wider = widening(o, hull, e, f, p, q, epsilon);
@@ -90,11 +90,11 @@ void add_patch(const Outline& o, const NearPair& pair, std::int32_t f, double ep
   const double cost_of_cutting = std::max(thin, smaller_part(o, pair.vertex, e));
   const double cost_of_widening = signed_area(wider.outer) - thin;
   if (wider.outer.empty() || cost_of_cutting <= cost_of_widening) {
-    patches.widen.push_back(wider.outer.empty() ? Polygon{hull, {}} : std::move(wider));
-    patches.cut.push_back({std::move(hull), {}});
+    repairs.widen.push_back(wider.outer.empty() ? Polygon{hull, {}} : std::move(wider));
+    repairs.cut.push_back({std::move(hull), {}});
   } else {
-    patches.fill.push_back(std::move(wider));
-    ++patches.widened;
+    repairs.fill.push_back(std::move(wider));
+    ++repairs.widened;
   }
 }
 
@@ -165,20 +165,20 @@ class Fillings {
 
 /// Puts off cuts that meet a filling: what is thin may be so no longer then, and where teeth and
 /// gaps alternate they would only change places.
-void put_off_cuts(Patches& patches, double epsilon) {
-  if (patches.fill.empty() || patches.cut.empty()) return;
-  Fillings fillings(patches.fill, epsilon);
+void put_off_cuts(FillsAndCuts& repairs, double epsilon) {
+  if (repairs.fill.empty() || repairs.cut.empty()) return;
+  Fillings fillings(repairs.fill, epsilon);
   std::size_t kept = 0;
-  for (std::size_t i = 0; i < patches.cut.size(); ++i) {
-    if (fillings.meet(patches.cut[i])) continue;
+  for (std::size_t i = 0; i < repairs.cut.size(); ++i) {
+    if (fillings.meet(repairs.cut[i])) continue;
     if (kept != i) {
-      patches.cut[kept] = std::move(patches.cut[i]);
-      patches.widen[kept] = std::move(patches.widen[i]);
+      repairs.cut[kept] = std::move(repairs.cut[i]);
+      repairs.widen[kept] = std::move(repairs.widen[i]);
     }
     ++kept;
   }
-  patches.cut.resize(kept);
-  patches.widen.resize(kept);
+  repairs.cut.resize(kept);
+  repairs.widen.resize(kept);
 }
 
 /// The pairs of which no more than kMostPairs of the same vertex are nearer: where walls crowd, the
@@ -204,8 +204,8 @@ std::vector<NearPair> nearest_pairs(const std::vector<NearPair>& pairs) {
   return nearest;
 }
 
-/// Polygons with very many pairs, and which walls of them have a patch already: every patch would
-/// come from both ends of both walls.
+/// Polygons with very many pairs, and which walls of them have a gap fill already: every gap fill
+/// would come from both ends of both walls.
 class Crowds {
  public:
   Crowds(const Outline& o, const std::vector<NearPair>& pairs) : o_(o), pairs_(o.changed.size()) {
@@ -224,7 +224,8 @@ class Crowds {
 };
 
 /// Whether q, the point of wall e nearest to vertex v, is an end of e from which another wall goes
-/// that faces one of v's: that one's patch closes the gap, and e's would round off a corner only.
+/// that faces one of v's: that one's gap fill closes the gap, and e's would round off a corner
+/// only.
 bool is_next_to_facing(const Outline& o, std::int32_t v, std::int32_t e, Point2 q, double epsilon) {
   const bool at_start = q == o.at(e);
   if (!at_start && q != o.at(o.after(e))) return false;
@@ -234,9 +235,9 @@ bool is_next_to_facing(const Outline& o, std::int32_t v, std::int32_t e, Point2 
 
 }  // namespace
 
-std::vector<Patches> patches_for(const Outline& o, const std::vector<NearPair>& pairs,
-                                 double epsilon, double reach) {
-  std::vector<Patches> result(o.changed.size());
+std::vector<FillsAndCuts> fills_and_cuts(const Outline& o, const std::vector<NearPair>& pairs,
+                                         double epsilon, double reach) {
+  std::vector<FillsAndCuts> result(o.changed.size());
   const std::vector<NearPair> nearest = nearest_pairs(pairs);
   Crowds crowds(o, nearest);
   for (const NearPair& pair : nearest) {
@@ -245,23 +246,24 @@ std::vector<Patches> patches_for(const Outline& o, const std::vector<NearPair>& 
     const Point2 q = grid::nearest_on_segment(o.at(v), o.at(e), o.at(o.after(e)));
     if (q != o.at(v) && (q == o.at(o.before(v)) || q == o.at(o.after(v)))) continue;
     if (crowds.has(v) && is_next_to_facing(o, v, e, q, epsilon)) continue;
-    Patches& patches = result[static_cast<std::size_t>(o.group_of(v))];
+    FillsAndCuts& repairs = result[static_cast<std::size_t>(o.group_of(v))];
     const auto add = [&](std::int32_t f) {
-      if (!crowds.has(v) || crowds.is_new(e, f)) add_patch(o, pair, f, epsilon, reach, patches);
+      if (!crowds.has(v) || crowds.is_new(e, f))
+        add_fill_or_cut(o, pair, f, epsilon, reach, repairs);
     };
-    // Where one of the two walls at the vertex faces the edge, the other's patch would round off
+    // Where one of the two walls at the vertex faces the edge, the other's gap fill would round off
     // its corner only.
     const bool before = face(o, o.before(v), e, epsilon), after = face(o, v, e, epsilon);
     if (before || !after) add(o.before(v));
     if (after || !before) add(v);
   }
-  for (Patches& patches : result) put_off_cuts(patches, epsilon);
+  for (FillsAndCuts& repairs : result) put_off_cuts(repairs, epsilon);
   return result;
 }
 
-std::vector<Patches> hulls_around(const Outline& o, const std::vector<NearPair>& pairs,
-                                  double radius) {
-  std::vector<Patches> result(o.changed.size());
+std::vector<FillsAndCuts> hulls_around(const Outline& o, const std::vector<NearPair>& pairs,
+                                       double radius) {
+  std::vector<FillsAndCuts> result(o.changed.size());
   for (const NearPair& pair : pairs) {
     const Point2 p = o.at(pair.vertex);
     Ring points{p, o.at(o.before(pair.vertex)), o.at(o.after(pair.vertex))};
@@ -278,9 +280,9 @@ std::vector<Patches> hulls_around(const Outline& o, const std::vector<NearPair>&
     });
     Ring hull = grid::convex_hull(std::move(points));
     if (hull.size() < 3) continue;
-    Patches& patches = result[static_cast<std::size_t>(o.group_of(pair.vertex))];
-    patches.fill.push_back({std::move(hull), {}});
-    patches.are_hulls = true;
+    FillsAndCuts& repairs = result[static_cast<std::size_t>(o.group_of(pair.vertex))];
+    repairs.fill.push_back({std::move(hull), {}});
+    repairs.are_hulls = true;
   }
   return result;
 }

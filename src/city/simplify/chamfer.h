@@ -10,10 +10,10 @@
 namespace tetropolis {
 
 /// Lengths in steps, areas in square steps, angles in radians.
-struct BluntOptions {
+struct ChamferOptions {
   double epsilon = 0;      ///< Width that an end of a corner gets; features stay so far apart.
   Bounds2 keep_inside;     ///< New vertices stay in this box.
-  double least_angle = 0;  ///< Corners sharper than this are blunted.
+  double least_angle = 0;  ///< Corners sharper than this are chamfered.
   double most_beyond = 0;  ///< Area that may go besides what is narrower than epsilon.
 };
 
@@ -28,8 +28,8 @@ bool has_sharp_corner(const Polygon& polygon, double least_angle);
 /// its ring's area, or leave as many sharp corners as there were, all of a needle that is hardly
 /// wider than epsilon goes instead, or else the tip gets a width of epsilon, or else it is cut off
 /// (or filled) further, by up to most_beyond; and where none of that can be done, the corner is
-/// left as it is. Returns how many were blunted: each call ends, and a call that returns 0 has
+/// left as it is. Returns how many were chamfered: each call ends, and a call that returns 0 has
 /// changed nothing. Precondition: no two edges cross.
-std::int64_t blunt_corners(Outline& outline, const BluntOptions& options);
+std::int64_t chamfer_corners(Outline& outline, const ChamferOptions& options);
 
 }  // namespace tetropolis

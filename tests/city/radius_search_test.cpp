@@ -1,5 +1,5 @@
-// Disks around points, and how many points are looked at.
-#include "city/simplify/disks.h"
+// RadiusSearch around points, and how many points are looked at.
+#include "city/radius_search.h"
 
 #include <algorithm>
 #include <cmath>
@@ -39,21 +39,21 @@ struct Scan {
   }
 };
 
-TEST(Disks, EvenPointsAreAllSeen) {
+TEST(RadiusSearch, EvenPointsAreAllSeen) {
   SCOPED_TRACE(test_seed());
   for (const int n : {1, 300, 3000}) {
     Scan scan;
     scan.add(n, 12, 8);
     const double spacing = std::sqrt(std::max(96.0, 1.0) / n);
     const double radius = std::min(1.0, spacing * std::sqrt(30 / std::numbers::pi));
-    const Disks disks(scan.points, scan.cloud, 1);
+    const RadiusSearch search(scan.points, scan.cloud, 1);
     std::size_t wrong = 0;
-    for (std::size_t k = 0; k < disks.size(); ++k) {
+    for (std::size_t k = 0; k < search.size(); ++k) {
       std::set<std::size_t> found;
-      disks.in_disk(k, [&](std::size_t other) { found.insert(other); });
+      search.in_radius(k, [&](std::size_t other) { found.insert(other); });
       EXPECT_TRUE(found.contains(k));
       // The box of the points is a little smaller than the one they are in, and so is the radius.
-      for (std::size_t other = 0; other < disks.size(); ++other) {
+      for (std::size_t other = 0; other < search.size(); ++other) {
         const double d = scan.distance(k, other);
         if (d <= 0.9 * radius ? !found.contains(other) : d > radius && found.contains(other))
           ++wrong;
@@ -64,19 +64,19 @@ TEST(Disks, EvenPointsAreAllSeen) {
 }
 
 /// A facade as a vehicle scans it, and a roof as an aeroplane does.
-TEST(Disks, PointsThatCrowdDoNotMakeThemQuadratic) {
+TEST(RadiusSearch, PointsThatCrowdDoNotMakeThemQuadratic) {
   Scan scan;
   scan.add(1000, 20, 20);
   scan.add(30000, 20, 0.05);
   scan.add(20000, 0, 0);
-  const Disks disks(scan.points, scan.cloud, 1);
-  for (std::size_t k = 0; k < disks.size(); ++k) {
+  const RadiusSearch search(scan.points, scan.cloud, 1);
+  for (std::size_t k = 0; k < search.size(); ++k) {
     std::size_t seen = 0, itself = 0;
-    disks.in_disk(k, [&](std::size_t other) {
+    search.in_radius(k, [&](std::size_t other) {
       ++seen;
       itself += other == k ? 1 : 0;
     });
-    ASSERT_LE(seen, 9 * Disks::kMostInCell + 1);
+    ASSERT_LE(seen, 9 * RadiusSearch::kMostInCell + 1);
     ASSERT_EQ(itself, 1U);
   }
 }

@@ -1,4 +1,5 @@
-// What differs between two nearly equal regions, from the edges that their outlines do not share.
+// The symmetric difference of two nearly equal regions, from the edges that their outlines do not
+// share.
 #pragma once
 
 #include <array>
@@ -32,7 +33,7 @@ struct DifferenceStrip {
 /// which bounds, by the even-odd rule and with the pieces that lie inside it, a part of the
 /// difference. The time is near-linear in the number of edges where the regions differ in many
 /// small places. If asked for, `strips` gets the parts the area is made of.
-double changed_area(std::span<const Polygon> before, std::span<const Polygon> after,
-                    std::vector<DifferenceStrip>* strips = nullptr);
+double symmetric_difference_area(std::span<const Polygon> before, std::span<const Polygon> after,
+                                 std::vector<DifferenceStrip>* strips = nullptr);
 
 }  // namespace tetropolis

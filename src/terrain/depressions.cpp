@@ -1,4 +1,4 @@
-#include "hollows.h"
+#include "depressions.h"
 
 #include <algorithm>
 #include <cmath>
@@ -11,14 +11,14 @@ namespace tetropolis {
 
 namespace {
 
-constexpr double kHalfWidth = 3.0;  // metres, of hollows
-constexpr double kHalfWide = 4.0;   // metres to the next hollow; greenhouses are 8 m wide
+constexpr double kHalfWidth = 3.0;  // metres, of depressions
+constexpr double kHalfWide = 4.0;   // metres to the next depression; greenhouses are 8 m wide
 constexpr float kDeepest = 1.2F * static_cast<float>(kStorey);
 constexpr float kShallowest = 0.3F;  // metres, less than objects and more than noise
 
-/// Cells of hollows for each one that is wide, at most. Ditches 4 m wide at a pitch of 17 m have as
-/// many of both, garages, sheds, hedges and greenhouses hardly any that are wide.
-constexpr std::int32_t kMostHollow = 2;
+/// Cells of depressions for each one that is wide, at most. Ditches 4 m wide at a pitch of 17 m
+/// have as many of both, garages, sheds, hedges and greenhouses hardly any that are wide.
+constexpr std::int32_t kMostDepression = 2;
 
 /// Cells without a value that are next to one with a value get the lowest of these: where points
 /// are sparse, many cells are empty by chance.
@@ -71,7 +71,7 @@ class CellCounts {
 
 }  // namespace
 
-void fill_hollows(HeightGrid& grid, const Frame& frame, double window) {
+void fill_depressions(HeightGrid& grid, const Frame& frame, double window) {
   const auto cells = [&](double metres) {
     return std::max(static_cast<std::int32_t>(std::lround(metres / frame.cell)), 1);
   };
@@ -80,19 +80,19 @@ void fill_hollows(HeightGrid& grid, const Frame& frame, double window) {
     if (std::isnan(z)) z = std::numeric_limits<float>::infinity();
   close_with_octagon(closed, cells(kHalfWidth));
   const auto depth = [&](std::size_t c) { return closed.values[c] - grid.values[c]; };
-  const CellCounts hollow(frame, [&](std::size_t c, std::int32_t, std::int32_t) {
+  const CellCounts depression(frame, [&](std::size_t c, std::int32_t, std::int32_t) {
     return depth(c) > kShallowest && depth(c) <= kDeepest;
   });
   const std::int32_t half_wide = cells(kHalfWide);
   const CellCounts wide(frame, [&](std::size_t c, std::int32_t i, std::int32_t j) {
-    return !std::isnan(grid.values[c]) && hollow.around(i, j, half_wide) == 0;
+    return !std::isnan(grid.values[c]) && depression.around(i, j, half_wide) == 0;
   });
   const std::int32_t reach = cells(window);
   std::size_t c = 0;
   for (std::int32_t j = 0; j < frame.ny; ++j)
     for (std::int32_t i = 0; i < frame.nx; ++i, ++c)
       if (depth(c) <= kDeepest &&
-          hollow.around(i, j, reach) <= kMostHollow * wide.around(i, j, reach))
+          depression.around(i, j, reach) <= kMostDepression * wide.around(i, j, reach))
         grid.values[c] = closed.values[c];
 }
 

@@ -53,7 +53,7 @@ struct CrownEvidence {
 /// order; the same for any number of threads. So time is proportional to the points at most.
 /// Memory, for the building of each thread: some 40 bytes per point of its lists, and 16 MB at
 /// most.
-void drop_crowns(PointLists& roof, const CrownEvidence& evidence, const PointCloud& cloud,
-                 const CrownOptions& options = {}, const Progress& progress = {});
+void drop_tree_crowns(PointLists& roof, const CrownEvidence& evidence, const PointCloud& cloud,
+                      const CrownOptions& options = {}, const Progress& progress = {});
 
 }  // namespace tetropolis

@@ -1,4 +1,4 @@
-#include "changed_area.h"
+#include "symmetric_difference.h"
 
 #include <algorithm>
 #include <cmath>
@@ -242,8 +242,8 @@ void join_nested(const std::vector<Segment>& segments, const EdgeGrid& index, co
 
 }  // namespace
 
-double changed_area(std::span<const Polygon> before, std::span<const Polygon> after,
-                    std::vector<DifferenceStrip>* strips) {
+double symmetric_difference_area(std::span<const Polygon> before, std::span<const Polygon> after,
+                                 std::vector<DifferenceStrip>* strips) {
   const std::vector<Segment> segments = unshared(before, after);
   if (segments.empty()) return 0;
   Bounds2 box = Bounds2::nothing();

@@ -1,4 +1,4 @@
-#include "terrain/outliers.h"
+#include "terrain/ground_outliers.h"
 
 #include <algorithm>
 #include <cmath>

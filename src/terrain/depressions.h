@@ -2,7 +2,7 @@
 #pragma once
 
 #include "cells.h"
-#include "opening.h"
+#include "morphology.h"
 
 namespace tetropolis {
 
@@ -12,6 +12,6 @@ namespace tetropolis {
 /// narrow as if that were high. Where much is low and little wide within `window` metres it is the
 /// ground between rows of low objects (garages, sheds, hedges, greenhouses) that is low; it stays.
 /// Cells without a value are NaN, before and after. Linear in the cells.
-void fill_hollows(HeightGrid& grid, const Frame& frame, double window);
+void fill_depressions(HeightGrid& grid, const Frame& frame, double window);
 
 }  // namespace tetropolis

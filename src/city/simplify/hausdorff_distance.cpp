@@ -1,4 +1,4 @@
-#include "largest_distance.h"
+#include "hausdorff_distance.h"
 
 #include <algorithm>
 #include <array>
@@ -185,7 +185,7 @@ double bound_by_sides(const DifferenceStrip& s) {
 /// Looks for the point of region `own` that is farthest from region `other`.
 class Search {
  public:
-  Search(const Region& own, const Region& other, double tolerance, FarPoint& best)
+  Search(const Region& own, const Region& other, double tolerance, HausdorffDistance& best)
       : own_(own), other_(other), tolerance_(tolerance), best_(best) {}
 
   void strip(const DifferenceStrip& s) {
@@ -211,7 +211,7 @@ class Search {
   const Region& own_;
   const Region& other_;
   double tolerance_;
-  FarPoint& best_;
+  HausdorffDistance& best_;
   std::vector<Quad> stack_;
 };
 
@@ -269,9 +269,10 @@ void Search::divide(const Quad& quad) {
 
 }  // namespace
 
-FarPoint largest_distance(std::span<const Polygon> before, std::span<const Polygon> after,
-                          std::span<const DifferenceStrip> strips, double tolerance) {
-  FarPoint best;
+HausdorffDistance hausdorff_distance(std::span<const Polygon> before,
+                                     std::span<const Polygon> after,
+                                     std::span<const DifferenceStrip> strips, double tolerance) {
+  HausdorffDistance best;
   if (strips.empty() || before.empty() || after.empty()) return best;
   std::vector<std::pair<double, std::size_t>> order;
   for (std::size_t i = 0; i < strips.size(); ++i) order.emplace_back(-bound_by_sides(strips[i]), i);

@@ -1,4 +1,4 @@
-#include "pits.h"
+#include "low_outliers.h"
 
 #include <algorithm>
 #include <cmath>
@@ -17,41 +17,43 @@ namespace {
 constexpr float kNanF = std::numeric_limits<float>::quiet_NaN();
 constexpr std::size_t kRowGrain = 32;
 
-/// A lowest point is a pit unless this many cells, itself among them, hold one at most kPitRise
-/// higher within kPitReach.
-constexpr int kPitSupport = 4;
-constexpr double kPitRise = 1.0;
-constexpr double kPitReach = 10.0;
+/// A lowest point is a low outlier unless this many cells, itself among them, hold one at most
+/// kOutlierRise higher within kOutlierReach.
+constexpr int kOutlierSupport = 4;
+constexpr double kOutlierRise = 1.0;
+constexpr double kOutlierReach = 10.0;
 
-/// Where pits are many they support each other. So a pit is, too, what has higher points all around
-/// and hardly any at its level, kPitRise up and down: in at most kMostAlone of the 25 cells around,
-/// and in less than this area in square metres, if one of two holds:
+/// Where low outliers are many they support each other. So a low outlier is, too, what has higher
+/// points all around and hardly any at its level, kOutlierRise up and down: in at most kMostAlone
+/// of the 25 cells around, and in less than this area in square metres, if one of two holds:
 constexpr std::int32_t kRing = 2;
 constexpr int kMostAlone = 4;
 constexpr double kMostAloneArea = 5;
 /// - what is around is smooth, within this of a plane, as crowns are not;
 constexpr double kRough = 0.5;
-/// - within kPitReach its level has less than this share of the cells of the commonest one above.
-constexpr double kPitShare = 0.06;
+/// - within kOutlierReach its level has less than this share of the cells of the commonest one
+/// above.
+constexpr double kOutlierShare = 0.06;
 
 /// Where there are points in nearly all cells, what is left is looked at again, this often at most:
-/// with its neighbours gone, one more pit may be alone. In sparse clouds yards would go that way.
-constexpr int kPitRounds = 3;
+/// with its neighbours gone, one more low outlier may be alone. In sparse clouds yards would go
+/// that way.
+constexpr int kOutlierRounds = 3;
 
 /// Points are around if this share of the 24 cells has higher ones (or smooth ones), as far as they
 /// can be expected to hold any: at water that returns little it is voids that are around.
 constexpr double kSurrounded = 0.6;
 
-/// Whether enough cells around (i, j) hold points at most kPitRise higher. Rings from the inside
-/// out: almost always the first one settles it.
+/// Whether enough cells around (i, j) hold points at most kOutlierRise higher. Rings from the
+/// inside out: almost always the first one settles it.
 bool is_supported(const HeightGrid& grid, std::int32_t i, std::int32_t j, std::int32_t reach) {
-  const float most = grid.values[grid.index(i, j)] + static_cast<float>(kPitRise);
+  const float most = grid.values[grid.index(i, j)] + static_cast<float>(kOutlierRise);
   int support = 1;
   const auto look = [&](std::int32_t ni, std::int32_t nj) {
     if (ni < 0 || nj < 0 || ni >= grid.nx || nj >= grid.ny) return;
     if (grid.values[grid.index(ni, nj)] <= most) ++support;
   };
-  for (std::int32_t ring = 1; ring <= reach && support < kPitSupport; ++ring) {
+  for (std::int32_t ring = 1; ring <= reach && support < kOutlierSupport; ++ring) {
     for (std::int32_t k = -ring; k <= ring; ++k) {
       look(i + k, j - ring);
       look(i + k, j + ring);
@@ -61,17 +63,17 @@ bool is_supported(const HeightGrid& grid, std::int32_t i, std::int32_t j, std::i
       look(i + ring, j + k);
     }
   }
-  return support >= kPitSupport;
+  return support >= kOutlierSupport;
 }
 
-/// What pits that are many are told by.
-struct PitLimits {
+/// What low outliers that are many are told by.
+struct OutlierLimits {
   double higher = 0;   ///< Share of the cells around that have to hold higher points.
   int most_alone = 0;  ///< Cells that may share the level, at most.
 };
 
 /// Cells that are expected to hold points are 1 - exp(-cell^2 / spacing^2) of all.
-PitLimits pit_limits(double cell, double spacing) {
+OutlierLimits outlier_limits(double cell, double spacing) {
   return {kSurrounded * (1 - std::exp(-(cell * cell) / (spacing * spacing))),
           static_cast<int>(std::min<double>(kMostAlone, kMostAloneArea / (cell * cell)))};
 }
@@ -107,9 +109,9 @@ Block block_with_points(const HeightGrid& grid) {
 
 /// Whether the cells around (i, j) hold higher points and next to none at its level.
 bool is_surrounded(const HeightGrid& grid, std::int32_t i, std::int32_t j, const Block& around,
-                   const PitLimits& limits) {
+                   const OutlierLimits& limits) {
   const float z = grid.values[grid.index(i, j)];
-  const auto rise = static_cast<float>(kPitRise);
+  const auto rise = static_cast<float>(kOutlierRise);
   const int needed = around.share(limits.higher);
   int left = around.cells();
   int higher = 0, level = 0;
@@ -126,9 +128,9 @@ bool is_surrounded(const HeightGrid& grid, std::int32_t i, std::int32_t j, const
 }
 
 /// Whether the cells around (i, j) lie in one plane above it, as many as are needed. The plane is
-/// that of the medians, which other pits and roofs do not tilt. `room` is to work in.
+/// that of the medians, which other low outliers and roofs do not tilt. `room` is to work in.
 bool is_under_plane(const HeightGrid& grid, std::int32_t i, std::int32_t j, const Block& around,
-                    const PitLimits& limits, std::vector<float>& room) {
+                    const OutlierLimits& limits, std::vector<float>& room) {
   const auto at = [&](std::int32_t ni, std::int32_t nj) { return grid.values[grid.index(ni, nj)]; };
   const auto rise_along = [&](std::int32_t di, std::int32_t dj) {
     room.clear();
@@ -148,7 +150,7 @@ bool is_under_plane(const HeightGrid& grid, std::int32_t i, std::int32_t j, cons
       if (!std::isnan(level)) room.push_back(level);
     }
   const float plane = median(room);
-  if (plane - at(i, j) <= static_cast<float>(kPitRise)) return false;
+  if (plane - at(i, j) <= static_cast<float>(kOutlierRise)) return false;
   const auto smooth = std::count_if(room.begin(), room.end(), [&](float level) {
     return std::abs(level - plane) <= static_cast<float>(kRough);
   });
@@ -160,7 +162,7 @@ bool is_under_plane(const HeightGrid& grid, std::int32_t i, std::int32_t j, cons
 bool is_rare(const HeightGrid& grid, std::int32_t i, std::int32_t j, std::int32_t reach,
              std::vector<float>& higher) {
   const float z = grid.values[grid.index(i, j)];
-  const auto rise = static_cast<float>(kPitRise);
+  const auto rise = static_cast<float>(kOutlierRise);
   higher.clear();
   int level = 0;
   for (std::int32_t nj = std::max(j - reach, 0); nj <= std::min(j + reach, grid.ny - 1); ++nj)
@@ -171,8 +173,8 @@ bool is_rare(const HeightGrid& grid, std::int32_t i, std::int32_t j, std::int32_
       else if (other >= z - rise)
         ++level;
     }
-  if (level < kPitSupport) return true;
-  const double most = static_cast<double>(level) / kPitShare;
+  if (level < kOutlierSupport) return true;
+  const double most = static_cast<double>(level) / kOutlierShare;
   if (static_cast<double>(higher.size()) <= most) return false;
   std::sort(higher.begin(), higher.end());
   std::size_t commonest = 0;
@@ -202,15 +204,15 @@ std::vector<std::uint8_t> cells_near(const std::vector<std::uint8_t>& chosen,
 
 }  // namespace
 
-std::int64_t remove_pits(HeightGrid& grid, HeightGrid all, double cell, double spacing) {
-  const auto reach = static_cast<std::int32_t>(std::max(std::ceil(kPitReach / cell), 2.0));
-  const PitLimits limits = pit_limits(cell, spacing);
+std::int64_t remove_low_outliers(HeightGrid& grid, HeightGrid all, double cell, double spacing) {
+  const auto reach = static_cast<std::int32_t>(std::max(std::ceil(kOutlierReach / cell), 2.0));
+  const OutlierLimits limits = outlier_limits(cell, spacing);
   const Block block = block_with_points(all);
-  const int rounds = limits.most_alone == kMostAlone ? kPitRounds : 1;
+  const int rounds = limits.most_alone == kMostAlone ? kOutlierRounds : 1;
   std::vector<std::uint8_t> open(grid.values.size(), 1);
-  std::int64_t pits = 0;
+  std::int64_t outliers = 0;
   for (int round = 0; round < rounds; ++round) {
-    std::vector<std::uint8_t> pit(grid.values.size(), 0);
+    std::vector<std::uint8_t> outlier(grid.values.size(), 0);
     parallel_chunks(
         static_cast<std::size_t>(grid.ny), kRowGrain, [&](std::size_t begin, std::size_t end) {
           std::vector<float> room;
@@ -223,20 +225,20 @@ std::int64_t remove_pits(HeightGrid& grid, HeightGrid all, double cell, double s
                   (is_surrounded(all, i, j, around, limits) &&
                    (is_under_plane(all, i, j, around, limits, room) ||
                     is_rare(grid, i, j, reach, room))))
-                pit[c] = 1;
+                outlier[c] = 1;
             }
         });
     std::int64_t found = 0;
-    for (std::size_t c = 0; c < pit.size(); ++c) {
-      if (pit[c] == 0) continue;
+    for (std::size_t c = 0; c < outlier.size(); ++c) {
+      if (outlier[c] == 0) continue;
       grid.values[c] = all.values[c] = kNanF;
       ++found;
     }
-    pits += found;
+    outliers += found;
     if (found == 0) break;
-    if (round + 1 < rounds) open = cells_near(pit, grid);
+    if (round + 1 < rounds) open = cells_near(outlier, grid);
   }
-  return pits;
+  return outliers;
 }
 
 }  // namespace tetropolis

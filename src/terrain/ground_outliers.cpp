@@ -1,4 +1,4 @@
-#include "outliers.h"
+#include "ground_outliers.h"
 
 #include <algorithm>
 #include <array>
