@@ -18,7 +18,6 @@
 #include "tetropolis/city/clean.h"
 #include "tetropolis/city/simplify/simplify.h"
 #include "tetropolis/core/error.h"
-#include "tetropolis/core/parallel.h"
 #include "tetropolis/geometry/polygon.h"
 #include "tetropolis/io/vector/vector.h"
 

@@ -2,9 +2,8 @@
 #include <cmath>
 #include <utility>
 
-#include "tetropolis/core/parallel.h"
-#include "tetropolis/core/units.h"
-
+#include "core/parallel.h"
+#include "core/units.h"
 #include "rows.h"
 #include "vector3.h"
 #include "violations.h"

@@ -9,10 +9,9 @@
 
 #include <fmt/format.h>
 
-#include "tetropolis/core/parallel.h"
-#include "tetropolis/core/units.h"
-
 #include "core/infinity.h"
+#include "core/parallel.h"
+#include "core/units.h"
 #include "ground/validate.h"
 #include "rows.h"
 #include "violations.h"

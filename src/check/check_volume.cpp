@@ -8,8 +8,8 @@
 #include <fmt/format.h>
 
 #include "tetropolis/core/error.h"
-#include "tetropolis/core/parallel.h"
 
+#include "core/parallel.h"
 #include "edges.h"
 #include "rows.h"
 #include "squares.h"

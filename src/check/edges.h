@@ -8,8 +8,6 @@
 #include <tuple>
 #include <vector>
 
-#include "tetropolis/core/parallel.h"
-
 #include "rows.h"
 #include "violations.h"
 

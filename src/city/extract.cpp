@@ -10,9 +10,10 @@
 
 #include "tetropolis/city/heights.h"
 #include "tetropolis/core/error.h"
-#include "tetropolis/core/parallel.h"
 #include "tetropolis/geometry/polygon.h"
 
+#include "core/parallel.h"
+#include "core/shared_progress.h"
 #include "footprint_index.h"
 #include "point_lists.h"
 #include "tree_crowns.h"

@@ -8,10 +8,10 @@
 #include <utility>
 #include <vector>
 
-#include "tetropolis/core/parallel.h"
-
 #include "city/radius_search.h"
 #include "core/infinity.h"
+#include "core/parallel.h"
+#include "core/shared_progress.h"
 #include "point_lists.h"
 
 namespace tetropolis {

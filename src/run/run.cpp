@@ -4,7 +4,7 @@
 #include <string>
 #include <utility>
 
-#include "tetropolis/core/parallel.h"
+#include "tetropolis/core/threads.h"
 
 #include "folders.h"
 #include "pipeline/stages.h"

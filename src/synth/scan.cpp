@@ -6,10 +6,10 @@
 
 #include <fmt/format.h>
 
-#include "tetropolis/core/parallel.h"
 #include "tetropolis/geometry/polygon.h"
 
 #include "city/footprint_index.h"
+#include "core/parallel.h"
 #include "seeded_random.h"
 
 namespace tetropolis {

@@ -6,12 +6,12 @@
 #include <cstddef>
 #include <limits>
 
-#include "tetropolis/core/parallel.h"
 #include "tetropolis/geometry/polygon.h"
 #include "tetropolis/terrain/dtm.h"
 #include "tetropolis/terrain/raster.h"
 
 #include "cells.h"
+#include "core/parallel.h"
 #include "depressions.h"
 #include "ground_segments.h"
 #include "low_outliers.h"

@@ -11,10 +11,11 @@
 #include <fmt/format.h>
 
 #include "tetropolis/core/error.h"
-#include "tetropolis/core/parallel.h"
 
 #include "core/infinity.h"
 #include "core/median.h"
+#include "core/parallel.h"
+#include "core/shared_progress.h"
 
 namespace tetropolis {
 

@@ -6,9 +6,8 @@
 #include <limits>
 #include <vector>
 
-#include "tetropolis/core/parallel.h"
-
 #include "core/median.h"
+#include "core/parallel.h"
 
 namespace tetropolis {
 

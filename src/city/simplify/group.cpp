@@ -3,10 +3,10 @@
 #include <utility>
 
 #include "tetropolis/city/city_model.h"
-#include "tetropolis/core/parallel.h"
 #include "tetropolis/geometry/polygon.h"
 
 #include "assign_members.h"
+#include "core/parallel.h"
 #include "grid_geometry.h"
 #include "overlay.h"
 

@@ -3,9 +3,10 @@
 #include <algorithm>
 #include <cstddef>
 
-#include "tetropolis/core/parallel.h"
 #include "tetropolis/geometry/polygon.h"
 
+#include "core/parallel.h"
+#include "core/shared_progress.h"
 #include "grid_geometry.h"
 #include "hausdorff_distance.h"
 #include "symmetric_difference.h"

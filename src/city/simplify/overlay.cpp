@@ -12,12 +12,12 @@
 
 #include "tetropolis/city/simplify/clearance.h"
 #include "tetropolis/core/error.h"
-#include "tetropolis/core/parallel.h"
 #include "tetropolis/geometry/polygon.h"
 
 #include "city/clean_ring.h"
 #include "city/footprint_index.h"
 #include "cluster_polygons.h"
+#include "core/parallel.h"
 #include "core/sort_once.h"
 #include "geometry/geos.h"
 #include "grid_geometry.h"

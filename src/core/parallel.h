@@ -1,5 +1,6 @@
 // The one place where loops become parallel. Results never depend on the number of threads: ranges
 // are cut into chunks whose size is fixed by the caller, and partial results are combined in order.
+// Private to the library; the number of threads is limited by tetropolis/core/threads.h.
 #pragma once
 
 #include <atomic>
@@ -11,7 +12,6 @@
 #include <vector>
 
 #include <tbb/blocked_range.h>
-#include <tbb/global_control.h>
 #include <tbb/parallel_for.h>
 #include <tbb/parallel_pipeline.h>
 #include <tbb/parallel_sort.h>
@@ -19,23 +19,12 @@
 #ifdef TETROPOLIS_PLAIN_THREADS  // under the thread sanitizer
 #include <algorithm>
 
-#include "tetropolis/core/plain_threads.h"
+#include "tetropolis/core/threads.h"
+
+#include "plain_threads.h"
 #endif
 
 namespace tetropolis {
-
-/// While it lives, at most `threads` threads work in the parallel loops (0: as many as there are
-/// cores).
-class ThreadLimit {
- public:
-  explicit ThreadLimit(int threads);
-
- private:
-  tbb::global_control control_;
-};
-
-/// The number of threads the parallel loops may use now.
-int thread_count();
 
 /// The grain that cuts [0, size) into `chunks` at most: for chunks with large temporary data.
 inline std::size_t grain_of_chunks(std::size_t size, std::size_t chunks = 64) {

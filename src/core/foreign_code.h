@@ -1,4 +1,5 @@
 // Calls into libraries that broken input may crash: what input they read, and a stack to say so.
+// Private to the library.
 #pragma once
 
 #include <memory>
@@ -8,8 +9,7 @@
 namespace tetropolis {
 
 /// As long as it lives, foreign_input() in this thread is `input`, and the thread has a second
-/// stack for signal handlers, so that one can run when the first is full. The library installs no
-/// handler; a program may (apps/tetropolis/interrupts.h).
+/// stack for signal handlers, so that one can run when the first is full.
 class ForeignCode {
  public:
   /// `input`: what the library is reading; must outlive this. Throws std::bad_alloc.
@@ -23,8 +23,5 @@ class ForeignCode {
   stack_t stack_before_{};
   const char* input_before_;
 };
-
-/// What foreign code is reading in this thread, or nullptr. May be called from signal handlers.
-const char* foreign_input();
 
 }  // namespace tetropolis
