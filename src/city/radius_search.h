@@ -11,7 +11,10 @@
 #include <vector>
 
 #include "tetropolis/city/extract.h"
+#include "tetropolis/core/ragged_array.h"
 #include "tetropolis/geometry/point_cloud.h"
+
+#include "core/ragged_builder.h"
 
 namespace tetropolis {
 
@@ -68,12 +71,11 @@ class RadiusSearch {
                        std::sqrt(area / kMostCells));
     columns_ = static_cast<std::int64_t>((east - west) / radius_) + 1;
     rows_ = static_cast<std::int64_t>((north - south) / radius_) + 1;
-    offsets_.assign(static_cast<std::size_t>(columns_ * rows_ + 1), 0);
-    for (const PointIndex p : points_) ++offsets_[cell_of(p) + 1];
-    for (std::size_t c = 1; c < offsets_.size(); ++c) offsets_[c] += offsets_[c - 1];
-    numbers_.resize(points_.size());
-    std::vector<std::size_t> next(offsets_.begin(), offsets_.end() - 1);
-    for (std::size_t k = 0; k < points_.size(); ++k) numbers_[next[cell_of(points_[k])]++] = k;
+    cells_ = ragged_from_pairs<std::size_t>(static_cast<std::size_t>(columns_ * rows_),
+                                            [&](const auto& use) {
+                                              for (std::size_t k = 0; k < points_.size(); ++k)
+                                                use(cell_of(points_[k]), k);
+                                            });
     thin();
   }
 
@@ -89,12 +91,11 @@ class RadiusSearch {
     for (std::int64_t j = std::max<std::int64_t>(cj - 1, 0); j <= std::min(cj + 1, rows_ - 1); ++j)
       for (std::int64_t i = std::max<std::int64_t>(ci - 1, 0); i <= std::min(ci + 1, columns_ - 1);
            ++i) {
-        const auto cell = static_cast<std::size_t>(j * columns_ + i);
-        for (std::size_t n = offsets_[cell]; n < offsets_[cell + 1]; ++n) {
-          const PointIndex q = points_[numbers_[n]];
+        for (const std::size_t other : cells_[static_cast<std::size_t>(j * columns_ + i)]) {
+          const PointIndex q = points_[other];
           const double dx = cloud_.x[q] - cloud_.x[p];
           const double dy = cloud_.y[q] - cloud_.y[p];
-          if (dx * dx + dy * dy <= radius_ * radius_) visit(numbers_[n]);
+          if (dx * dx + dy * dy <= radius_ * radius_) visit(other);
         }
       }
     if (unseen_[k] != 0) visit(k);
@@ -125,20 +126,19 @@ class RadiusSearch {
   /// Leaves at most kMostInCell in each cell.
   void thin() {
     unseen_.assign(points_.size(), 0);
-    std::size_t kept = 0;
-    for (std::size_t c = 0; c + 1 < offsets_.size(); ++c) {
-      const std::size_t begin = offsets_[c], size = offsets_[c + 1] - begin;
-      const std::size_t left = std::min(size, kMostInCell);
-      if (left < size)
-        for (std::size_t n = 0; n < size; ++n) unseen_[numbers_[begin + n]] = 1;
-      offsets_[c] = kept;
-      for (std::size_t n = 0; n < left; ++n) {
-        numbers_[kept] = numbers_[begin + n * size / left];
-        unseen_[numbers_[kept++]] = 0;
-      }
+    RaggedArray<std::size_t> thinned;
+    std::vector<std::size_t> some;
+    for (std::size_t c = 0; c < cells_.size(); ++c) {
+      const std::span<const std::size_t> all = std::as_const(cells_)[c];
+      const std::size_t left = std::min(all.size(), kMostInCell);
+      if (left < all.size())
+        for (const std::size_t k : all) unseen_[k] = 1;
+      some.clear();
+      for (std::size_t n = 0; n < left; ++n) some.push_back(all[n * all.size() / left]);
+      for (const std::size_t k : some) unseen_[k] = 0;
+      thinned.push_back(some);
     }
-    offsets_.back() = kept;
-    numbers_.resize(kept);
+    cells_ = std::move(thinned);
   }
 
   std::pair<double, double> range(std::span<const PointCoordinate> values) const {
@@ -166,8 +166,7 @@ class RadiusSearch {
   double y0_ = 0;
   std::int64_t columns_ = 0;
   std::int64_t rows_ = 0;
-  std::vector<std::size_t> offsets_;
-  std::vector<std::size_t> numbers_;  ///< Of points that others see, cell by cell.
+  RaggedArray<std::size_t> cells_;    ///< The numbers of points that others see, by cell.
   std::vector<std::uint8_t> unseen_;  ///< Per point: whether others do not see it.
 };
 

@@ -11,8 +11,8 @@
 #include "city/radius_search.h"
 #include "core/infinity.h"
 #include "core/parallel.h"
+#include "core/ragged_builder.h"
 #include "core/shared_progress.h"
-#include "point_lists.h"
 
 namespace tetropolis {
 
@@ -142,7 +142,7 @@ void drop_tree_crowns(PointLists& roof, const CrownEvidence& evidence, const Poi
         kept[b].assign(roof[b].begin(), roof[b].end());
     shared.add(static_cast<std::int64_t>(end - begin));
   });
-  roof = to_rows(kept);
+  roof = ragged_from_lists(kept);
 }
 
 }  // namespace tetropolis

@@ -24,7 +24,7 @@ struct Scene {
   PointLists roof, below, around, beside;
 
   void add(PointLists& list, double x, double y, double z) {
-    list.indices.push_back(static_cast<PointIndex>(cloud.size()));
+    list.values.push_back(static_cast<PointIndex>(cloud.size()));
     cloud.x.push_back(x);
     cloud.y.push_back(y);
     cloud.z.push_back(z);
@@ -32,7 +32,7 @@ struct Scene {
   }
   void close() {
     for (PointLists* list : {&roof, &below, &around, &beside})
-      list->offsets = {0, static_cast<std::int64_t>(list->indices.size())};
+      list->offsets = {0, static_cast<std::int64_t>(list->values.size())};
   }
 };
 
@@ -63,8 +63,8 @@ class Crowns : public ::testing::Test {
     scene_.close();
     PointLists roof = scene_.roof;
     drop_tree_crowns(roof, {scene_.below, scene_.around, scene_.beside}, scene_.cloud);
-    EXPECT_TRUE(std::is_sorted(roof.indices.begin(), roof.indices.end()));
-    return roof.indices;
+    EXPECT_TRUE(std::is_sorted(roof.values.begin(), roof.values.end()));
+    return roof.values;
   }
   /// How many of the points numbered [first, last) were kept.
   static std::ptrdiff_t among(const std::vector<PointIndex>& kept, PointIndex first,
@@ -201,8 +201,8 @@ TEST_F(Crowns, TheSameForAnyNumberOfThreads) {
                                    {&scene_.below, &all.below},
                                    {&scene_.around, &all.around},
                                    {&scene_.beside, &all.beside}}) {
-      for (const PointIndex p : from->indices) to->indices.push_back(first + p);
-      to->offsets.push_back(static_cast<std::int64_t>(to->indices.size()));
+      for (const PointIndex p : from->values) to->values.push_back(first + p);
+      to->offsets.push_back(static_cast<std::int64_t>(to->values.size()));
     }
   }
   const auto kept_by = [&](int threads) {
@@ -213,8 +213,8 @@ TEST_F(Crowns, TheSameForAnyNumberOfThreads) {
   };
   const PointLists one = kept_by(1), four = kept_by(4);
   EXPECT_EQ(one.offsets, four.offsets);
-  EXPECT_EQ(one.indices, four.indices);
-  EXPECT_LT(one.indices.size(), all.roof.indices.size() - 500);
+  EXPECT_EQ(one.values, four.values);
+  EXPECT_LT(one.values.size(), all.roof.values.size() - 500);
   EXPECT_EQ(one.offsets.size(), kBuildings + 1U);
 }
 

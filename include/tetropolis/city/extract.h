@@ -1,13 +1,13 @@
 // Step 1.5: the points that a building's roof and ground heights are computed from.
 #pragma once
 
-#include <cstddef>
 #include <cstdint>
 #include <span>
 #include <vector>
 
 #include "tetropolis/city/city_model.h"
 #include "tetropolis/core/progress.h"
+#include "tetropolis/core/ragged_array.h"
 #include "tetropolis/geometry/point_cloud.h"
 #include "tetropolis/geometry/types.h"
 
@@ -16,20 +16,8 @@ namespace tetropolis {
 /// Index into a PointCloud. 32 bits: the arrays of 2^32 points would fill 56 GB.
 using PointIndex = std::uint32_t;
 
-/// One list of points per building, in compressed rows: those of building b are
-/// indices[offsets[b]] to indices[offsets[b + 1] - 1], ascending, each point once per building.
-struct PointLists {
-  std::vector<std::int64_t> offsets{0};  ///< One more than there are buildings.
-  std::vector<PointIndex> indices;
-
-  std::size_t size() const { return offsets.size() - 1; }
-  std::span<const PointIndex> operator[](std::size_t building) const {
-    return std::span(indices).subspan(
-        static_cast<std::size_t>(offsets[building]),
-        static_cast<std::size_t>(offsets[building + 1] - offsets[building]));
-  }
-  friend bool operator==(const PointLists&, const PointLists&) = default;
-};
+/// One list of points per building: ascending, each point once.
+using PointLists = RaggedArray<PointIndex>;
 
 struct BuildingPoints {
   PointLists roof;
