@@ -15,6 +15,7 @@
 #include "core/infinity.h"
 #include "core/median.h"
 #include "core/parallel.h"
+#include "core/ragged_builder.h"
 #include "core/shared_progress.h"
 
 namespace tetropolis {
@@ -48,33 +49,29 @@ std::vector<PointNumber> ground_points(const PointCloud& cloud,
 /// Ground points sorted into square cells.
 class Cells {
  public:
-  Cells(const PointCloud& cloud, std::span<const PointNumber> points, double cell)
+  Cells(const PointCloud& cloud, std::span<const PointNumber> points, double cell,
+        const std::optional<Point2>& anchor)
       : cloud_(cloud), cell_(cell) {
-    double x1 = x0_ = cloud.x[points[0]], y1 = y0_ = cloud.y[points[0]];
-    for (const PointNumber p : points) {
-      x0_ = std::min<double>(x0_, cloud.x[p]);
-      x1 = std::max<double>(x1, cloud.x[p]);
-      y0_ = std::min<double>(y0_, cloud.y[p]);
-      y1 = std::max<double>(y1, cloud.y[p]);
-    }
-    cell_ = std::max(cell_, std::sqrt((x1 - x0_) * (y1 - y0_) / kMostCells));
-    cell_ = std::max(cell_, std::max(x1 - x0_, y1 - y0_) / kMostCells);
-    columns_ = static_cast<std::int64_t>((x1 - x0_) / cell_) + 1;
-    rows_ = static_cast<std::int64_t>((y1 - y0_) / cell_) + 1;
-    offsets_.assign(static_cast<std::size_t>(columns_ * rows_) + 1, 0);
-    for (const PointNumber p : points) ++offsets_[cell_of(p) + 1];
-    for (std::size_t c = 1; c < offsets_.size(); ++c) offsets_[c] += offsets_[c - 1];
-    std::vector<std::uint32_t> next(offsets_.begin(), offsets_.end() - 1);
-    points_.resize(points.size());
-    for (const PointNumber p : points) points_[next[cell_of(p)]++] = p;
+    Bounds2 box = Bounds2::nothing();
+    for (const PointNumber p : points) box.extend(Point2{cloud.x[p], cloud.y[p]});
+    cell_ = std::max(cell_, std::sqrt(box.width() * box.height() / kMostCells));
+    cell_ = std::max(cell_, std::max(box.width(), box.height()) / kMostCells);
+    anchor_ = anchor.value_or(Point2{box.xmin, box.ymin});
+    first_column_ = whole_cells(box.xmin - anchor_.x);
+    first_row_ = whole_cells(box.ymin - anchor_.y);
+    columns_ = whole_cells(box.xmax - anchor_.x) - first_column_ + 1;
+    rows_ = whole_cells(box.ymax - anchor_.y) - first_row_ + 1;
+    cells_ = ragged_from_pairs<PointNumber, std::uint32_t>(
+        static_cast<std::size_t>(columns_ * rows_), [&](const auto& use) {
+          for (const PointNumber p : points) use(cell_of(p), p);
+        });
   }
 
   std::int64_t rows() const { return rows_; }
   std::int64_t columns() const { return columns_; }
 
   std::span<const PointNumber> at(std::int64_t i, std::int64_t j) const {
-    const auto c = static_cast<std::size_t>(j * columns_ + i);
-    return std::span(points_).subspan(offsets_[c], offsets_[c + 1] - offsets_[c]);
+    return cells_[static_cast<std::size_t>(j * columns_ + i)];
   }
 
   /// Calls visit(points) for the cell and the 8 around it.
@@ -88,30 +85,33 @@ class Cells {
 
   /// The square of point `p` among the 12 x 12 around cell (i, j).
   std::size_t square(PointNumber p, std::int64_t i, std::int64_t j) const {
-    const auto along = [&](double offset, std::int64_t cell) {
+    const auto along = [&](double offset, std::int64_t cell) {  // from the anchor
       const auto square = static_cast<std::int64_t>(
           std::floor((offset / cell_ - static_cast<double>(cell - 1)) * kSquares));
       return std::clamp<std::int64_t>(square, 0, 3 * kSquares - 1);
     };
-    return static_cast<std::size_t>(along(cloud_.y[p] - y0_, j) * 3 * kSquares +
-                                    along(cloud_.x[p] - x0_, i));
+    return static_cast<std::size_t>(along(cloud_.y[p] - anchor_.y, j + first_row_) * 3 * kSquares +
+                                    along(cloud_.x[p] - anchor_.x, i + first_column_));
   }
 
  private:
+  std::int64_t whole_cells(double length) const {
+    return static_cast<std::int64_t>(std::floor(length / cell_));
+  }
   std::size_t cell_of(PointNumber p) const {
-    const auto i = static_cast<std::int64_t>((cloud_.x[p] - x0_) / cell_);
-    const auto j = static_cast<std::int64_t>((cloud_.y[p] - y0_) / cell_);
-    return static_cast<std::size_t>(std::min(j, rows_ - 1) * columns_ + std::min(i, columns_ - 1));
+    const std::int64_t i = whole_cells(cloud_.x[p] - anchor_.x) - first_column_;
+    const std::int64_t j = whole_cells(cloud_.y[p] - anchor_.y) - first_row_;
+    return static_cast<std::size_t>(j * columns_ + i);
   }
 
   const PointCloud& cloud_;
   double cell_;
-  double x0_ = 0;
-  double y0_ = 0;
+  Point2 anchor_;
+  std::int64_t first_column_ = 0;  ///< From the anchor.
+  std::int64_t first_row_ = 0;
   std::int64_t columns_ = 0;
   std::int64_t rows_ = 0;
-  std::vector<std::uint32_t> offsets_;
-  std::vector<PointNumber> points_;
+  RaggedArray<PointNumber, std::uint32_t> cells_;
 };
 
 /// What one chunk of rows found.
@@ -240,7 +240,7 @@ std::vector<std::uint32_t> find_ground_outliers(const PointCloud& cloud,
     const Progress at_level = portion(progress, number / kLevels, (number + 1) / kLevels);
     at_level.update(0);
     for (const PointNumber p : open) is_open[p] = 1;
-    const Cells cells(cloud, points, kCells[level]);
+    const Cells cells(cloud, points, kCells[level], options.anchor);
     const auto rows = static_cast<std::size_t>(cells.rows());
     std::vector<Findings> chunks((rows + kRowGrain - 1) / kRowGrain);
     SharedProgress shared(at_level, cells.rows());

@@ -3,17 +3,21 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include "tetropolis/core/progress.h"
 #include "tetropolis/geometry/point_cloud.h"
+#include "tetropolis/geometry/types.h"
 
 namespace tetropolis {
 
 struct GroundOutlierOptions {
   std::vector<std::uint8_t> classes{2, 9};  ///< Classes that count as ground.
-  double height = 3.0;   ///< Metres above or below the surroundings from which on, > 0.
-  double spreads = 6.0;  ///< And how many times the median deviation there, >= 0.
+  double height = 3.0;             ///< Metres above or below the surroundings from which on, > 0.
+  double spreads = 6.0;            ///< And how many times the median deviation there, >= 0.
+  std::optional<Point2> anchor{};  ///< A corner of the cells, local frame; without one, that of the
+                                   ///< box around the ground points.
 };
 
 /// Indices of single ground points far above or below their neighbourhood, ascending.
@@ -29,6 +33,11 @@ struct GroundOutlierOptions {
 /// So quays, cliffs and quarry walls stay, however high: what is below them, and above, is not
 /// alone, and what is alone lies between. Copies of a point are as alone as the point itself; where
 /// points are counted, they count. A point without 8 others within 3 km of it is never an outlier.
+///
+/// Locality: with an anchor, whether a point is an outlier depends on the points in its
+/// neighbourhood only: within 8 m, and where these are fewer than 9 further, up to 2 km. Without
+/// one, also on how far the ground points reach, since cells begin there. Where they reach so far
+/// that cells have to grow (more than 32 km across), on that, too.
 ///
 /// The same for any number of threads. Linear in points where the ground is dense, but for sorting
 /// the few neighbourhoods in which something is far from the median; each coarser size of cells

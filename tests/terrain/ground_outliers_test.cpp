@@ -95,6 +95,23 @@ TEST(GroundOutliers, AgreeWithTheDefinition) {
   }
 }
 
+TEST(GroundOutliers, WithAnAnchorDoNotDependOnFarPoints) {
+  SCOPED_TRACE(test_seed());
+  PointCloud cloud = terrain(60, 1, [](double x, double) { return 0.1 * x; });
+  std::mt19937 random(test_seed());
+  std::uniform_real_distribution<double> along(1, 59), z(-30, 40);
+  for (int k = 0; k < 80; ++k) add(cloud, along(random), along(random), z(random));
+  GroundOutlierOptions options;
+  options.anchor = Point2{101.3, -40.7};
+  const Numbers alone = find_ground_outliers(cloud, options);
+  EXPECT_EQ(alone, by_definition(cloud, 101.3 - 4 * 40, -40.7 - 4 * 5));
+  const auto n = static_cast<std::uint32_t>(cloud.size());
+  for (int k = 0; k < 100; ++k) add(cloud, -333.7 - k, -771.9, 100);
+  Numbers beside = find_ground_outliers(cloud, options);
+  std::erase_if(beside, [&](std::uint32_t p) { return p >= n; });
+  EXPECT_EQ(beside, alone);
+}
+
 TEST(GroundOutliers, BirdsAndPitsAreFoundAndNothingElse) {
   for (const double per_m2 : {0.05, 0.5, 5.0}) {
     PointCloud cloud = terrain(120, per_m2, [](double x, double y) {

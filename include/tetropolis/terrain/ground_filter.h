@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -21,6 +22,10 @@ struct GroundFilterOptions {
   double slope = 0.15;     ///< Rise over run that is still terrain, > 0.
   double tolerance = 0.5;  ///< Metres between a ground point and the surface, where that is level.
   double tolerance_per_slope = 1.25;  ///< And more by this where it slopes, metres.
+  /// What is measured over all points where it is not given; see Locality below.
+  std::optional<Point2> anchor{};   ///< A corner of the cells, local frame.
+  std::optional<double> spacing{};  ///< Mean distance of neighbouring points, metres, > 0.
+  std::optional<Point2> tilt{};     ///< Rise per metre of the whole terrain, to east and north.
 };
 
 struct GroundFilterReport {
@@ -79,6 +84,13 @@ struct GroundFilterReport {
 /// for objects. Shafts and light wells below 5 square metres are low outliers. More low outliers
 /// than said above, as many of one depth, or one per 100 square metres where there are only 50
 /// points, pull the terrain down.
+///
+/// Locality: without the last three options, far points have a say in where cells begin, how wide
+/// they are, how many points are to be expected in them and how the terrain slopes as a whole. With
+/// them (fewer than 2^27 cells, and some candidate outside of footprints), what is far away matters
+/// only where it hangs together with what is here: a void, or one object or piece of terrain, each
+/// judged as a whole; and within 2 cells of the sides of the box around the candidates. Everything
+/// else is decided within three times the window.
 ///
 /// Guarantees: the same for any number of threads. Linear in points, footprints (their edges, and
 /// the rows of cells these span) and cells, logarithmic in the window; but filling voids takes one
