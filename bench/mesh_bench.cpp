@@ -1,7 +1,7 @@
 // Steps 3.1 to 3.5 on the paper's random city: tets per second.
 #include <benchmark/benchmark.h>
 
-#include "tetropolis/core/parallel.h"
+#include "tetropolis/core/threads.h"
 
 #include "random_city.h"
 

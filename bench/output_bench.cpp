@@ -11,7 +11,7 @@
 #include <fcntl.h>
 #include <unistd.h>
 
-#include "tetropolis/core/parallel.h"
+#include "tetropolis/core/threads.h"
 #include "tetropolis/io/mesh/stl.h"
 #include "tetropolis/io/mesh/vtk.h"
 #include "tetropolis/io/mesh/xdmf.h"

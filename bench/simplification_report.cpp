@@ -18,7 +18,6 @@
 #include "tetropolis/city/clean.h"
 #include "tetropolis/city/simplify/simplify.h"
 #include "tetropolis/core/error.h"
-#include "tetropolis/core/parallel.h"
 #include "tetropolis/geometry/polygon.h"
 #include "tetropolis/io/vector/vector.h"
 
@@ -105,8 +104,8 @@ Json place_json(const std::string& why, Point2 at, const Bounds2& window, const 
   return {{"why", why},
           {"at", {at.x, at.y}},
           {"window", {window.xmin, window.ymin, window.xmax, window.ymax}},
-          {"area_changed", result.changes[k].area},
-          {"distance", result.changes[k].distance},
+          {"area_changed", result.changes[k].symmetric_difference},
+          {"distance", result.changes[k].hausdorff_distance},
           {"members", result.members[k].size()},
           {"before", before},
           {"after", after}};
@@ -136,16 +135,16 @@ Json places_json(const Input& input, const Simplification& result, std::size_t w
   for (std::size_t k = 0; k < result.footprints.size(); ++k)
     if ((result.flags[k] & kConvexHull) != 0)
       places.push_back(place_json("hull", result.changes[k].at, whole(k), input, result, k));
-  const auto distance = [&](std::size_t k) { return result.changes[k].distance; };
+  const auto distance = [&](std::size_t k) { return result.changes[k].hausdorff_distance; };
   for (const std::size_t k : largest(result, worst, distance))
     places.push_back(place_json("distance", result.changes[k].at,
                                 window_around(result.changes[k].at, 15 + 2 * distance(k)), input,
                                 result, k));
-  const auto changed = [&](std::size_t k) { return result.changes[k].area; };
+  const auto changed = [&](std::size_t k) { return result.changes[k].symmetric_difference; };
   for (const std::size_t k : largest(result, worst, changed))
     places.push_back(place_json("area", result.changes[k].at, whole(k), input, result, k));
   const auto share = [&](std::size_t k) {
-    return result.changes[k].area / area(result.footprints[k]);
+    return result.changes[k].symmetric_difference / area(result.footprints[k]);
   };
   for (const std::size_t k : largest(result, worst, share))
     places.push_back(place_json("share", result.changes[k].at, whole(k), input, result, k));
@@ -163,7 +162,8 @@ Json places_json(const Input& input, const Simplification& result, std::size_t w
 Json stats_json(const Input& input, const Simplification& result) {
   const SimplifyStats& s = result.stats;
   std::vector<double> distances;
-  for (const FootprintChange& change : result.changes) distances.push_back(change.distance);
+  for (const FootprintChange& change : result.changes)
+    distances.push_back(change.hausdorff_distance);
   std::sort(distances.begin(), distances.end());
   const double p99 = distances.empty() ? 0 : distances[distances.size() * 99 / 100];
   return {{"read", input.read},
@@ -171,9 +171,9 @@ Json stats_json(const Input& input, const Simplification& result) {
           {"buildings", result.footprints.size()},
           {"dropped", result.dropped.size()},
           {"area", s.area_before},
-          {"area_changed_share", s.area_before > 0 ? s.area_changed / s.area_before : 0},
+          {"area_changed_share", s.area_before > 0 ? s.symmetric_difference / s.area_before : 0},
           {"area_dropped_share", s.area_before > 0 ? s.area_dropped / s.area_before : 0},
-          {"max_distance", s.max_distance},
+          {"max_distance", s.max_hausdorff_distance},
           {"p99_distance", p99},
           {"hulls", s.hulls},
           {"local_hulls", s.local_hulls},

@@ -12,7 +12,7 @@
 #include "tetropolis/city/clean.h"
 #include "tetropolis/city/simplify/clearance.h"
 #include "tetropolis/city/simplify/simplify.h"
-#include "tetropolis/core/parallel.h"
+#include "tetropolis/core/threads.h"
 #include "tetropolis/geometry/polygon.h"
 
 namespace tetropolis {
@@ -141,7 +141,8 @@ void simplify(benchmark::State& state, std::vector<Polygon> (*make)(std::int64_t
   for (auto _ : state) result = simplify_footprints(input, domain, {});
   state.SetItemsProcessed(state.iterations() * state.range(0));
   state.counters["footprints"] = static_cast<double>(result.footprints.size());
-  state.counters["changed_percent"] = 100 * result.stats.area_changed / result.stats.area_before;
+  state.counters["changed_percent"] =
+      100 * result.stats.symmetric_difference / result.stats.area_before;
   state.counters["rounds"] = result.stats.rounds;
   state.counters["hulls"] = static_cast<double>(result.stats.hulls);
 }

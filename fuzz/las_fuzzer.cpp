@@ -3,7 +3,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "tetropolis/core/parallel.h"
+#include "tetropolis/core/threads.h"
 #include "tetropolis/io/las/las.h"
 
 #include "fuzz_input.h"

@@ -4,7 +4,7 @@
 
 #include "tetropolis/city/clean.h"
 #include "tetropolis/city/simplify/simplify.h"
-#include "tetropolis/core/parallel.h"
+#include "tetropolis/core/threads.h"
 #include "tetropolis/ground/mesh_ground.h"
 
 #include "fuzz_input.h"

@@ -6,7 +6,7 @@
 #include "tetropolis/city/clean.h"
 #include "tetropolis/city/simplify/clearance.h"
 #include "tetropolis/city/simplify/simplify.h"
-#include "tetropolis/core/parallel.h"
+#include "tetropolis/core/threads.h"
 #include "tetropolis/geometry/polygon.h"
 
 #include "fuzz_input.h"

@@ -128,4 +128,10 @@ RunHooks Console::hooks() {
   return hooks;
 }
 
+std::string lower_case(std::string text) {
+  for (char& c : text)
+    if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
+  return text;
+}
+
 }  // namespace tetropolis::app

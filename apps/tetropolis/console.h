@@ -44,4 +44,7 @@ class Console {
 /// Writes `text`; a stream that takes nothing (closed, full) is no reason to fail.
 void put(std::FILE* stream, const std::string& text);
 
+/// With small letters for the capital ones of ASCII.
+std::string lower_case(std::string text);
+
 }  // namespace tetropolis::app

@@ -9,8 +9,6 @@
 #include <nlohmann/json.hpp>
 
 #include "tetropolis/core/error.h"
-#include "tetropolis/core/files.h"
-#include "tetropolis/core/text.h"
 #include "tetropolis/geometry/polygon.h"
 #include "tetropolis/io/cityjson/cityjson.h"
 #include "tetropolis/io/crs/crs.h"
@@ -22,6 +20,7 @@
 #include "tetropolis/run/output_folder.h"
 
 #include "commands.h"
+#include "console.h"
 
 namespace tetropolis::app {
 
@@ -348,8 +347,10 @@ void refuse_written_formats(const std::string& path, const std::string& name) {
 }
 
 void info_file(const std::string& path) {
-  if (!is_there(path)) throw Error(ErrorKind::kInput, path + ": no such file");
   std::error_code error;
+  if (!std::filesystem::exists(path, error))
+    throw Error(ErrorKind::kInput,
+                path + (error ? ": cannot be read: " + error.message() : ": no such file"));
   if (std::filesystem::is_directory(path, error)) return info_folder(path);
   if (!std::filesystem::is_regular_file(path, error))
     throw Error(ErrorKind::kInput, path + ": is not an ordinary file");

@@ -17,7 +17,7 @@
 #include <unistd.h>
 
 #include "tetropolis/core/error.h"
-#include "tetropolis/core/foreign_code.h"
+#include "tetropolis/core/foreign_input.h"
 
 // No thread waits for signals: in a program of one thread stdio takes no locks, for which LASzip
 // (it reads bytes one by one) needs a tenth of its time. So whatever ends a run here does it within

@@ -22,9 +22,8 @@
 #include <unistd.h>
 
 #include "tetropolis/core/error.h"
-#include "tetropolis/core/parallel.h"
 #include "tetropolis/core/system_memory.h"
-#include "tetropolis/core/text.h"
+#include "tetropolis/core/threads.h"
 #include "tetropolis/core/version.h"
 #include "tetropolis/io/file/atomic_file.h"
 #include "tetropolis/run/output_folder.h"

@@ -5,10 +5,9 @@
 
 #include <fmt/format.h>
 
-#include "tetropolis/core/parallel.h"
-#include "tetropolis/core/units.h"
-
 #include "core/infinity.h"
+#include "core/parallel.h"
+#include "core/units.h"
 #include "vector3.h"
 #include "violations.h"
 #include "volume_parts.h"

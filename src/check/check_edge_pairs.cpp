@@ -8,10 +8,9 @@
 
 #include <fmt/format.h>
 
-#include "tetropolis/core/parallel.h"
-
 #include "city_parts.h"
 #include "core/infinity.h"
+#include "core/parallel.h"
 #include "filed_squares.h"
 #include "violations.h"
 

@@ -2,10 +2,9 @@
 #include <cmath>
 #include <utility>
 
-#include "tetropolis/core/parallel.h"
-#include "tetropolis/core/units.h"
-
-#include "rows.h"
+#include "core/parallel.h"
+#include "core/ragged_builder.h"
+#include "core/units.h"
 #include "vector3.h"
 #include "violations.h"
 #include "volume_parts.h"
@@ -113,7 +112,8 @@ struct Matched {
 /// Matches the faces of one lowest vertex after another; keeps its buffers.
 class FaceMatcher {
  public:
-  FaceMatcher(const TetMesh& mesh, const Rows& rows) : mesh_(mesh), rows_(rows) {}
+  FaceMatcher(const TetMesh& mesh, const RaggedArray<std::uint32_t>& rows)
+      : mesh_(mesh), rows_(rows) {}
 
   void match(std::int64_t low, Matched& matched) {
     collect(low);
@@ -176,7 +176,7 @@ class FaceMatcher {
   const Vector3& point(std::int64_t v) const { return mesh_.points[static_cast<std::size_t>(v)]; }
 
   const TetMesh& mesh_;
-  const Rows& rows_;
+  const RaggedArray<std::uint32_t>& rows_;
   std::vector<FaceUse> faces_;
   std::vector<Vector3> centres_;
 };
@@ -195,7 +195,7 @@ double degrees_of(double cosine) { return to_degrees(std::acos(std::clamp(cosine
 
 void match_faces(const TetMesh& mesh, VolumeCheck& check, const Progress& progress) {
   // A cell is filed under its two lowest vertices: one of them is the lowest of each of its faces.
-  const Rows rows =
+  const RaggedArray<std::uint32_t> rows =
       file_under_rows(mesh.cells.size(), mesh.points.size(), [&](std::size_t c, const auto& use) {
         const SortedCell cell(mesh.cells[c]);
         use(static_cast<std::size_t>(cell.v[0]));

@@ -9,12 +9,11 @@
 
 #include <fmt/format.h>
 
-#include "tetropolis/core/parallel.h"
-#include "tetropolis/core/units.h"
-
 #include "core/infinity.h"
+#include "core/parallel.h"
+#include "core/ragged_builder.h"
+#include "core/units.h"
 #include "ground/validate.h"
-#include "rows.h"
 #include "violations.h"
 
 namespace tetropolis {
@@ -93,13 +92,13 @@ class GroundChecker {
   }
 
   void check_outlines(std::vector<Violation>& violations) const {
-    const Rows roofs = file_under_rows(surface_.triangles.size(), city_.buildings.size(),
-                                       [&](std::size_t f, const auto& use) {
-                                         const BuildingIndex b = surface_.building[f];
-                                         if (surface_.patch[f] == Patch::kRoof && b >= 0 &&
-                                             static_cast<std::size_t>(b) < city_.buildings.size())
-                                           use(static_cast<std::size_t>(b));
-                                       });
+    const RaggedArray<std::uint32_t> roofs = file_under_rows(
+        surface_.triangles.size(), city_.buildings.size(), [&](std::size_t f, const auto& use) {
+          const BuildingIndex b = surface_.building[f];
+          if (surface_.patch[f] == Patch::kRoof && b >= 0 &&
+              static_cast<std::size_t>(b) < city_.buildings.size())
+            use(static_cast<std::size_t>(b));
+        });
     add_violations(violations,
                    sum_of_violations(roofs.size(), [&](std::size_t begin, std::size_t end,
                                                        std::vector<Violation>& found) {

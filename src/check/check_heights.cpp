@@ -12,9 +12,8 @@
 
 #include <fmt/format.h>
 
-#include "tetropolis/core/units.h"
-
 #include "core/infinity.h"
+#include "core/units.h"
 #include "vector3.h"
 #include "violations.h"
 

@@ -8,10 +8,10 @@
 #include <fmt/format.h>
 
 #include "tetropolis/core/error.h"
-#include "tetropolis/core/parallel.h"
 
+#include "core/parallel.h"
+#include "core/ragged_builder.h"
 #include "edges.h"
-#include "rows.h"
 #include "squares.h"
 #include "vector3.h"
 #include "violations.h"
@@ -26,7 +26,7 @@ constexpr std::size_t kGrain = 16384;
 /// Pairs of vertices at the same place, the second of each ascending.
 std::vector<std::pair<std::int64_t, std::int64_t>> coincident_vertices(const TetMesh& mesh) {
   const Squares squares(box_of(mesh.points), mesh.points.size() / 8);
-  const Rows filed =
+  const RaggedArray<std::uint32_t> filed =
       file_under_rows(mesh.points.size(), squares.size(), [&](std::size_t v, const auto& use) {
         if (is_finite(mesh.points[v])) use(squares.at(mesh.points[v]));
       });

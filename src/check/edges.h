@@ -8,9 +8,7 @@
 #include <tuple>
 #include <vector>
 
-#include "tetropolis/core/parallel.h"
-
-#include "rows.h"
+#include "core/ragged_builder.h"
 #include "violations.h"
 
 namespace tetropolis {
@@ -32,7 +30,7 @@ std::vector<Violation> look_at_edges(const std::vector<Triangle>& triangles, std
     const Triangle& t = triangles[side / 3];
     return std::pair<std::int64_t, std::int64_t>(t[side % 3], t[(side + 1) % 3]);
   };
-  const Rows rows =
+  const RaggedArray<std::uint32_t> rows =
       file_under_rows(3 * triangles.size(), vertices, [&](std::size_t side, const auto& use) {
         const auto [a, b] = ends_of(side);
         use(static_cast<std::size_t>(std::min(a, b)));

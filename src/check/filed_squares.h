@@ -5,14 +5,14 @@
 
 #include "tetropolis/geometry/types.h"
 
-#include "rows.h"
+#include "core/ragged_builder.h"
 #include "squares.h"
 
 namespace tetropolis {
 
 struct FiledSquares {
   Squares squares;
-  Rows rows;  ///< One for each square.
+  RaggedArray<std::uint32_t> rows;  ///< One for each square.
 };
 
 /// Files each item i of [0, items) under every square for which cover(squares, i, use) calls

@@ -30,9 +30,9 @@ class FootprintGrid {
 
   /// What it takes: squares, and footprints filed under them.
   std::size_t squares() const { return filed_.squares.size(); }
-  std::size_t entries() const { return filed_.rows.items.size(); }
+  std::size_t entries() const { return filed_.rows.values.size(); }
   /// Edges filed under bands.
-  std::size_t edge_entries() const { return edges_of_.items.size(); }
+  std::size_t edge_entries() const { return edges_of_.values.size(); }
 
  private:
   struct Edge {
@@ -56,8 +56,8 @@ class FootprintGrid {
   FiledSquares filed_;
   std::vector<Edge> edges_;  ///< Of all rings, footprint by footprint.
   std::vector<Bands> bands_;
-  std::vector<std::uint32_t> owners_;  ///< Footprint of each edge.
-  Rows edges_of_;                      ///< Of each band.
+  std::vector<std::uint32_t> owners_;    ///< Footprint of each edge.
+  RaggedArray<std::uint32_t> edges_of_;  ///< Of each band.
 };
 
 }  // namespace tetropolis

@@ -4,9 +4,9 @@
 #include <utility>
 
 #include "tetropolis/core/error.h"
-#include "tetropolis/core/units.h"
 #include "tetropolis/io/crs/crs.h"
 
+#include "core/units.h"
 #include "run/earlier_results.h"
 #include "run/folders.h"
 #include "run/result_files.h"

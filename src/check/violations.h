@@ -7,7 +7,8 @@
 #include <vector>
 
 #include "tetropolis/check/violation.h"
-#include "tetropolis/core/parallel.h"
+
+#include "core/parallel.h"
 
 namespace tetropolis {
 

@@ -10,12 +10,13 @@
 
 #include "tetropolis/city/heights.h"
 #include "tetropolis/core/error.h"
-#include "tetropolis/core/parallel.h"
 #include "tetropolis/geometry/polygon.h"
 
-#include "crowns.h"
+#include "core/parallel.h"
+#include "core/ragged_builder.h"
+#include "core/shared_progress.h"
 #include "footprint_index.h"
-#include "point_lists.h"
+#include "tree_crowns.h"
 
 namespace tetropolis {
 
@@ -116,25 +117,20 @@ std::vector<Hits> find_all_hits(const FootprintIndex& index, const PointCloud& c
   return chunks;
 }
 
-/// One kind of the hits of all chunks, which lose them. Counting sort by building; stable, so that
-/// points stay ascending.
+/// One kind of the hits of all chunks, which lose them. Points stay ascending.
 template <typename Chunk>
 PointLists take_lists(std::vector<Chunk>& chunks, std::vector<Hit> Chunk::*kind,
                       std::size_t buildings) {
-  PointLists lists;
-  lists.offsets.assign(buildings + 1, 0);
+  RaggedBuilder<PointIndex> lists(buildings);
   for (const Chunk& chunk : chunks)
-    for (const Hit& hit : chunk.*kind) ++lists.offsets[static_cast<std::size_t>(hit.building) + 1];
-  for (std::size_t b = 0; b < buildings; ++b) lists.offsets[b + 1] += lists.offsets[b];
-  std::vector<std::int64_t> next(lists.offsets.begin(), lists.offsets.end() - 1);
-  lists.indices.resize(static_cast<std::size_t>(lists.offsets.back()));
+    for (const Hit& hit : chunk.*kind) lists.count(static_cast<std::size_t>(hit.building));
+  lists.start();
   for (Chunk& chunk : chunks) {
     for (const Hit& hit : chunk.*kind)
-      lists.indices[static_cast<std::size_t>(next[static_cast<std::size_t>(hit.building)]++)] =
-          hit.point;
+      lists.place(static_cast<std::size_t>(hit.building), hit.point);
     std::vector<Hit>().swap(chunk.*kind);
   }
-  return lists;
+  return lists.take();
 }
 
 /// Moves the points to keep to the front of a list, in order, and returns how many they are.
@@ -216,7 +212,7 @@ void drop_low_points(PointLists& roof, const PointLists& ground, const PointClou
   parallel_chunks(kept.size(), kBuildingGrain, [&](std::size_t begin, std::size_t end) {
     for (std::size_t b = begin; b < end; ++b) kept[b] = above_ground(roof[b], ground[b], cloud);
   });
-  roof = to_rows(kept);
+  roof = ragged_from_lists(kept);
 }
 
 /// Of the first `buildings` of the footprints.
@@ -225,7 +221,7 @@ BuildingPoints find_points(std::span<const Polygon* const> footprints, std::size
                            const ExtractOptions& options, const Progress& progress) {
   const FootprintIndex index(footprints.first(buildings), options.margin);
   const Classes classes = classes_of(by_exclusion);
-  const bool find_crowns = by_exclusion && options.drop_crowns;
+  const bool find_crowns = by_exclusion && options.drop_tree_crowns;
   std::vector<Hits> hits =
       find_all_hits(index, cloud, classes, portion(progress, 0, find_crowns ? 0.4 : 0.9));
   BuildingPoints points;
@@ -236,11 +232,11 @@ BuildingPoints find_points(std::span<const Polygon* const> footprints, std::size
   if (find_crowns) {
     std::vector<Surroundings> found =
         find_surroundings(footprints, buildings, cloud, classes, portion(progress, 0.4, 0.7));
-    drop_crowns(points.roof,
-                {take_lists(hits, &Hits::ground_inside, buildings),
-                 take_lists(found, &Surroundings::around, buildings),
-                 take_lists(found, &Surroundings::beside, buildings)},
-                cloud, {}, portion(progress, 0.7, 0.9));
+    drop_tree_crowns(points.roof,
+                     {take_lists(hits, &Hits::ground_inside, buildings),
+                      take_lists(found, &Surroundings::around, buildings),
+                      take_lists(found, &Surroundings::beside, buildings)},
+                     cloud, {}, portion(progress, 0.7, 0.9));
   }
   drop_outliers(points.roof, cloud, options.sigma);
   drop_outliers(points.ground, cloud, options.sigma);
@@ -296,8 +292,7 @@ void take_by_exclusion(std::span<const Polygon* const> footprints,
       points.by_exclusion[b] = other.empty() ? 0 : 1;
       if (!other.empty()) row = other;
     }
-    roof.indices.insert(roof.indices.end(), row.begin(), row.end());
-    roof.offsets.push_back(static_cast<std::int64_t>(roof.indices.size()));
+    roof.push_back(row);
   }
   points.roof = std::move(roof);
 }
@@ -339,7 +334,7 @@ PointLists merge_lists(const PointLists& lists,
       list.erase(std::unique(list.begin(), list.end()), list.end());
     }
   });
-  return to_rows(merged);
+  return ragged_from_lists(merged);
 }
 
 }  // namespace
@@ -363,21 +358,17 @@ void drop_outliers(PointLists& lists, const PointCloud& cloud, double sigma) {
   const std::size_t buildings = lists.size();
   std::vector<std::size_t> kept(buildings);
   parallel_chunks(buildings, kBuildingGrain, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t b = begin; b < end; ++b) {
-      const auto first = static_cast<std::size_t>(lists.offsets[b]);
-      const auto last = static_cast<std::size_t>(lists.offsets[b + 1]);
-      kept[b] = keep_inliers(std::span(lists.indices).subspan(first, last - first), cloud, sigma);
-    }
+    for (std::size_t b = begin; b < end; ++b) kept[b] = keep_inliers(lists[b], cloud, sigma);
   });
   std::int64_t end = 0;
   for (std::size_t b = 0; b < buildings; ++b) {
-    const auto first = lists.indices.begin() + lists.offsets[b];
+    const auto first = lists.values.begin() + lists.offsets[b];
     lists.offsets[b] = end;
-    std::copy(first, first + static_cast<std::ptrdiff_t>(kept[b]), lists.indices.begin() + end);
+    std::copy(first, first + static_cast<std::ptrdiff_t>(kept[b]), lists.values.begin() + end);
     end += static_cast<std::int64_t>(kept[b]);
   }
   lists.offsets.back() = end;
-  lists.indices.resize(static_cast<std::size_t>(end));
+  lists.values.resize(static_cast<std::size_t>(end));
 }
 
 BuildingPoints merge_building_points(const BuildingPoints& points,

@@ -1,6 +1,7 @@
 #include "footprint_index.h"
 
 #include "core/infinity.h"
+#include "core/ragged_builder.h"
 
 namespace tetropolis {
 
@@ -37,17 +38,14 @@ void FootprintIndex::add_outline(const Polygon& footprint) {
   // The narrower the bands, the more of them an edge is in. With one band, each is in that.
   outline.bands = static_cast<std::int32_t>(std::max<std::size_t>(edges.size() / kEdgesPerBand, 1));
   while (count_entries(outline, edges) > kEntriesPerEdge * edges.size()) outline.bands /= 2;
-  outline.first_band = band_offsets_.size() - 1;
+  outline.first_band = bands_.size();
   std::vector<std::vector<Edge>> bands(static_cast<std::size_t>(outline.bands));
   for (const Edge& edge : edges) {
     const auto [low, high] = std::minmax(edge.a.y, edge.b.y);
     for (std::int32_t band = band_of(outline, low); band <= band_of(outline, high); ++band)
       bands[static_cast<std::size_t>(band)].push_back(edge);
   }
-  for (const std::vector<Edge>& band : bands) {
-    edges_.insert(edges_.end(), band.begin(), band.end());
-    band_offsets_.push_back(edges_.size());
-  }
+  for (const std::vector<Edge>& band : bands) bands_.push_back(band);
   if (!edges.empty()) box_.extend(outline.box);
   outlines_.push_back(outline);
 }
@@ -67,24 +65,18 @@ void FootprintIndex::build_cells() {
   while (entries_with(cell_) > most) cell_ *= 2;
   columns_ = static_cast<std::int32_t>(box_.width() / cell_) + 1;
   rows_ = static_cast<std::int32_t>(box_.height() / cell_) + 1;
-  cell_offsets_.assign(static_cast<std::size_t>(columns_) * static_cast<std::size_t>(rows_) + 1, 0);
-  const auto for_each_cell = [&](const Bounds2& box, const auto& visit) {
-    if (box.empty()) return;
-    for (std::int32_t j = row(box.ymin); j <= row(box.ymax); ++j)
-      for (std::int32_t i = column(box.xmin); i <= column(box.xmax); ++i)
-        visit(static_cast<std::size_t>(j) * static_cast<std::size_t>(columns_) +
-              static_cast<std::size_t>(i));
-  };
-  for (const Outline& outline : outlines_)
-    for_each_cell(outline.box, [&](std::size_t cell) { ++cell_offsets_[cell + 1]; });
-  for (std::size_t cell = 1; cell < cell_offsets_.size(); ++cell)
-    cell_offsets_[cell] += cell_offsets_[cell - 1];
-  cell_footprints_.resize(static_cast<std::size_t>(cell_offsets_.back()));
-  std::vector<std::int64_t> next(cell_offsets_.begin(), cell_offsets_.end() - 1);
-  for (std::size_t f = 0; f < outlines_.size(); ++f)
-    for_each_cell(outlines_[f].box, [&](std::size_t cell) {
-      cell_footprints_[static_cast<std::size_t>(next[cell]++)] = static_cast<std::int32_t>(f);
-    });
+  cells_ = ragged_from_pairs<std::int32_t>(
+      static_cast<std::size_t>(columns_) * static_cast<std::size_t>(rows_), [&](const auto& use) {
+        for (std::size_t f = 0; f < outlines_.size(); ++f) {
+          const Bounds2& box = outlines_[f].box;
+          if (box.empty()) continue;
+          for (std::int32_t j = row(box.ymin); j <= row(box.ymax); ++j)
+            for (std::int32_t i = column(box.xmin); i <= column(box.xmax); ++i)
+              use(static_cast<std::size_t>(j) * static_cast<std::size_t>(columns_) +
+                      static_cast<std::size_t>(i),
+                  static_cast<std::int32_t>(f));
+        }
+      });
 }
 
 double FootprintIndex::squared_distance(std::int32_t footprint, Point2 p) const {

@@ -8,6 +8,7 @@
 #include <span>
 #include <vector>
 
+#include "tetropolis/core/ragged_array.h"
 #include "tetropolis/geometry/polygon.h"
 #include "tetropolis/geometry/types.h"
 
@@ -32,9 +33,7 @@ class FootprintIndex {
   template <typename Visit>
   void at(Point2 p, const Visit& visit) const {
     if (!box_.contains(p)) return;
-    const std::size_t cell = cell_at(p);
-    for (std::int64_t k = cell_offsets_[cell]; k < cell_offsets_[cell + 1]; ++k) {
-      const std::int32_t footprint = cell_footprints_[static_cast<std::size_t>(k)];
+    for (const std::int32_t footprint : cells_[cell_at(p)]) {
       const Outline& outline = outlines_[static_cast<std::size_t>(footprint)];
       if (!outline.box.contains(p)) continue;
       if (inside(bands_at(outline, p.y, p.y), p)) {
@@ -55,7 +54,7 @@ class FootprintIndex {
   }
 
   /// How many edges there are in all bands.
-  std::size_t entries() const { return edges_.size(); }
+  std::size_t entries() const { return bands_.values.size(); }
 
  private:
   struct Edge {
@@ -68,7 +67,7 @@ class FootprintIndex {
   struct Outline {
     Bounds2 box;  ///< Grown by the margin and a hair.
     std::int32_t bands = 0;
-    std::size_t first_band = 0;  ///< Index into band_offsets_.
+    std::size_t first_band = 0;  ///< Row of bands_.
   };
 
   void add_outline(const Polygon& footprint);
@@ -94,11 +93,10 @@ class FootprintIndex {
 
   /// The edges of the bands from `low` to `high`; those that are in several come as often.
   std::span<const Edge> bands_at(const Outline& outline, double low, double high) const {
-    const auto offset = [&](std::int32_t band) {
-      return band_offsets_[outline.first_band + static_cast<std::size_t>(band)];
+    const auto row = [&](double y) {
+      return outline.first_band + static_cast<std::size_t>(band_of(outline, y));
     };
-    const std::size_t begin = offset(band_of(outline, low));
-    return std::span(edges_).subspan(begin, offset(band_of(outline, high) + 1) - begin);
+    return bands_.rows(row(low), row(high) + 1);
   }
 
   /// The edges that may be within the margin of positions of ordinate y. Rounding in band_of is
@@ -125,13 +123,11 @@ class FootprintIndex {
   double margin_;
   Bounds2 box_;
   std::vector<Outline> outlines_;
-  std::vector<std::size_t> band_offsets_{0};
-  std::vector<Edge> edges_;
+  RaggedArray<Edge> bands_;  ///< The edges of all bands of all outlines.
   double cell_ = 1;
   std::int32_t columns_ = 0;
   std::int32_t rows_ = 0;
-  std::vector<std::int64_t> cell_offsets_;
-  std::vector<std::int32_t> cell_footprints_;
+  RaggedArray<std::int32_t> cells_;  ///< Footprints, row by row of the grid.
 };
 
 }  // namespace tetropolis

@@ -7,8 +7,9 @@
 #include <cstdint>
 #include <vector>
 
-#include "tetropolis/core/parallel.h"
 #include "tetropolis/geometry/polygon.h"
+
+#include "core/parallel.h"
 
 namespace tetropolis {
 

@@ -1,6 +1,8 @@
-#include "tetropolis/core/foreign_code.h"
+#include "foreign_code.h"
 
 #include <cstddef>
+
+#include "tetropolis/core/foreign_input.h"
 
 namespace tetropolis {
 

@@ -7,9 +7,8 @@
 #include <utility>
 #include <vector>
 
-#include "tetropolis/core/parallel.h"
-#include "tetropolis/core/units.h"
-
+#include "core/parallel.h"
+#include "core/units.h"
 #include "geometry/slope.h"
 #include "refiner.h"
 

@@ -6,8 +6,7 @@
 
 #include <fmt/format.h>
 
-#include "tetropolis/core/units.h"
-
+#include "core/units.h"
 #include "refiner.h"
 #include "validate.h"
 

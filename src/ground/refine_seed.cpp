@@ -2,11 +2,11 @@
 #include <cmath>
 #include <numbers>
 
-#include "tetropolis/core/units.h"
 #include "tetropolis/geometry/polygon.h"
 
 #include "core/infinity.h"
 #include "core/mix64.h"
+#include "core/units.h"
 #include "hilbert.h"
 #include "refiner.h"
 

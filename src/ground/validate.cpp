@@ -8,10 +8,10 @@
 
 #include <fmt/format.h>
 
-#include "tetropolis/core/units.h"
 #include "tetropolis/geometry/polygon.h"
 
 #include "core/infinity.h"
+#include "core/units.h"
 #include "edge_table.h"
 #include "geometry/predicates.h"
 

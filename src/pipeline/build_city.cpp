@@ -102,12 +102,12 @@ std::map<std::string, std::int64_t> resorts_by_name(const SimplifyStats& stats) 
                                               {"gaps_filled", stats.gaps_filled},
                                               {"arms_cut", stats.arms_cut},
                                               {"necks_widened", stats.necks_widened},
-                                              {"corners_blunted", stats.corners_blunted},
+                                              {"corners_blunted", stats.corners_chamfered},
                                               {"local_hulls", stats.local_hulls},
                                               {"hull_repairs", stats.hull_repairs},
                                               {"clipped", stats.clipped}};
-  for (std::size_t k = 1; k < stats.merged_by_patch.size(); ++k)
-    resorts[fmt::format("merged_by_patch_{}", k)] = stats.merged_by_patch[k];
+  for (std::size_t k = 1; k < stats.merged_by_gap_fill.size(); ++k)
+    resorts[fmt::format("merged_by_patch_{}", k)] = stats.merged_by_gap_fill[k];
   return resorts;
 }
 
@@ -118,9 +118,9 @@ void fill_facts(const CityModel& raw, const CityModel& city, const Simplificatio
   facts.min_clearance = simple.stats.min_clearance;
   facts.area_before = simple.stats.area_before;
   facts.area_after = simple.stats.area_after;
-  facts.area_moved = simple.stats.area_changed;
+  facts.area_moved = simple.stats.symmetric_difference;
   if (facts.area_before > 0) facts.area_changed_share = facts.area_moved / facts.area_before;
-  facts.max_distance = simple.stats.max_distance;
+  facts.max_distance = simple.stats.max_hausdorff_distance;
   facts.hulls = simple.stats.hulls;
   facts.resorts = resorts_by_name(simple.stats);
   facts.dropped = city.dropped;

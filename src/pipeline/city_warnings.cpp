@@ -102,7 +102,7 @@ void warn_of_lost_area(const CityModel& raw, const Simplification& simple,
   Warning warning{"footprint_mostly_lost", 0, {}};
   for (std::size_t i = 0; i < simple.footprints.size(); ++i) {
     const double left = area(simple.footprints[i]);
-    const double changed = simple.changes[i].area;
+    const double changed = simple.changes[i].symmetric_difference;
     if (changed <= left) continue;  // what was filled is part of what is left
     if (warning.count++ > 0) continue;
     const auto first = static_cast<std::size_t>(simple.members[i].front());

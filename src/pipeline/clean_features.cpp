@@ -9,9 +9,10 @@
 #include <fmt/format.h>
 
 #include "tetropolis/city/clean.h"
-#include "tetropolis/core/parallel.h"
 
 #include "city/clip.h"
+#include "core/parallel.h"
+#include "core/shared_progress.h"
 
 namespace tetropolis {
 

@@ -10,7 +10,7 @@
 
 #include "tetropolis/terrain/ground_filter.h"
 
-#include "terrain/outliers.h"
+#include "terrain/ground_outliers.h"
 #include "unclassified_files.h"
 
 namespace tetropolis {

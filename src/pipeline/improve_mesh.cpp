@@ -13,9 +13,8 @@
 
 #include <fmt/format.h>
 
-#include "tetropolis/core/units.h"
-
 #include "core/infinity.h"
+#include "core/units.h"
 #include "volume/excavate/cut_back.h"
 #include "volume/excavate/find_cuts.h"
 #include "volume/quality/improve_columns.h"

@@ -9,8 +9,7 @@
 
 #include <fmt/format.h>
 
-#include "tetropolis/core/units.h"
-
+#include "core/units.h"
 #include "volume/layered/free_top.h"
 #include "volume/layered/smooth.h"
 

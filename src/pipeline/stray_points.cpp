@@ -5,7 +5,7 @@
 #include <cmath>
 #include <cstdint>
 
-#include "tetropolis/core/parallel.h"
+#include "core/parallel.h"
 
 namespace tetropolis {
 

@@ -6,7 +6,7 @@
 #include <utility>
 #include <vector>
 
-#include "tetropolis/core/parallel.h"
+#include "tetropolis/core/threads.h"
 #include "tetropolis/io/cityjson/cityjson.h"
 #include "tetropolis/io/raster/geotiff.h"
 

@@ -9,7 +9,7 @@
 #include <sys/resource.h>
 
 #include "tetropolis/core/error.h"
-#include "tetropolis/core/parallel.h"
+#include "tetropolis/core/threads.h"
 #include "tetropolis/core/version.h"
 #include "tetropolis/io/file/atomic_file.h"
 

@@ -4,8 +4,8 @@
 
 #include <fmt/format.h>
 
-#include "tetropolis/core/parallel.h"
 #include "tetropolis/core/system_memory.h"
+#include "tetropolis/core/threads.h"
 #include "tetropolis/io/las/las.h"
 #include "tetropolis/io/vector/vector.h"
 #include "tetropolis/run/run.h"

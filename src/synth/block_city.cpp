@@ -10,10 +10,10 @@
 #include "tetropolis/synth/synthetic_city.h"
 
 #include "blocks.h"
-#include "greenery.h"
-#include "layout.h"
 #include "scan.h"
 #include "seeded_random.h"
+#include "street_plan.h"
+#include "vegetation.h"
 
 namespace tetropolis {
 
@@ -45,10 +45,10 @@ std::vector<SyntheticBuilding> build(const StreetPlan& plan, std::uint64_t seed,
   for (std::size_t b = 0; b < plan.blocks.size(); ++b) {
     SeededRandom random(seed, kBlockStream + b);
     // The second block that is large enough, and then a few more.
-    const bool room = has_room_for_yard(plan.blocks[b]);
-    const bool around_a_yard = room && (roomy == 1 || (roomy > 1 && random.chance(0.07)));
+    const bool room = has_room_for_courtyard(plan.blocks[b]);
+    const bool around_a_courtyard = room && (roomy == 1 || (roomy > 1 && random.chance(0.07)));
     if (room) ++roomy;
-    build_on_block(plan.blocks[b], {scale, around_a_yard}, random, buildings);
+    build_on_block(plan.blocks[b], {scale, around_a_courtyard}, random, buildings);
   }
   return buildings;
 }

@@ -310,8 +310,8 @@ void build_rows(const Ring& ring, Point2 axis, double scale, SeededRandom& rando
 }
 
 /// One large building around a yard of its own.
-bool build_around_yard(const Ring& ring, SeededRandom& random,
-                       std::vector<SyntheticBuilding>& buildings) {
+bool build_around_courtyard(const Ring& ring, SeededRandom& random,
+                            std::vector<SyntheticBuilding>& buildings) {
   Ring outer;
   Ring hole;
   for (const Point2 p : inset(ring, 4)) push(outer, p);
@@ -445,7 +445,7 @@ void build_detached(const Block& block, double scale, SeededRandom& random,
 
 }  // namespace
 
-bool has_room_for_yard(const Block& block) {
+bool has_room_for_courtyard(const Block& block) {
   const Ring yard = inset(block.ring, 18);
   return block.kind == QuarterKind::kPerimeter && !yard.empty() && area({yard, {}}) > 250;
 }
@@ -461,7 +461,7 @@ void build_on_block(const Block& block, const PlotOptions& options, SeededRandom
   const Ring blunt = without_sharp_corners(without_short_edges(block.ring, kShortestEdge));
   const Ring ring = without_short_edges(blunt, kShortestEdge);
   if (ring.empty() || area({ring, {}}) < 150) return;
-  if (options.around_a_yard && build_around_yard(ring, random, buildings)) return;
+  if (options.around_a_courtyard && build_around_courtyard(ring, random, buildings)) return;
   const Ring yard = inset(ring, kGreatestDepth + 3);
   if (!yard.empty() && area({yard, {}}) > 30 &&
       build_perimeter(ring, block.axis, options.scale, random, buildings))

@@ -3,15 +3,15 @@
 
 #include <vector>
 
-#include "layout.h"
 #include "scan.h"
 #include "seeded_random.h"
+#include "street_plan.h"
 
 namespace tetropolis {
 
 struct PlotOptions {
-  double scale = 1;            ///< Of the plots' frontages: wider plots give fewer buildings.
-  bool around_a_yard = false;  ///< One building with a hole instead of a perimeter block.
+  double scale = 1;                 ///< Of the plots' frontages: wider plots give fewer buildings.
+  bool around_a_courtyard = false;  ///< One building with a hole instead of a perimeter block.
 };
 
 /// Appends the buildings of one block. Vertices are whole millimetres; adjoining buildings share
@@ -20,6 +20,6 @@ void build_on_block(const Block& block, const PlotOptions& options, SeededRandom
                     std::vector<SyntheticBuilding>& buildings);
 
 /// Whether a perimeter block is large enough for a courtyard.
-bool has_room_for_yard(const Block& block);
+bool has_room_for_courtyard(const Block& block);
 
 }  // namespace tetropolis

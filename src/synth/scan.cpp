@@ -6,10 +6,11 @@
 
 #include <fmt/format.h>
 
-#include "tetropolis/core/parallel.h"
 #include "tetropolis/geometry/polygon.h"
 
 #include "city/footprint_index.h"
+#include "core/parallel.h"
+#include "core/ragged_builder.h"
 #include "seeded_random.h"
 
 namespace tetropolis {
@@ -24,42 +25,32 @@ class DiscIndex {
  public:
   template <typename Things, typename Radius>
   DiscIndex(double size, const Things& things, const Radius& radius)
-      : cells_(static_cast<std::int32_t>(size / kCell) + 1),
-        offsets_(static_cast<std::size_t>(cells_) * static_cast<std::size_t>(cells_) + 1, 0) {
-    const auto for_each_cell = [&](const auto& thing, const auto& visit) {
-      for (std::int32_t j = slot(thing.at.y - radius(thing)); j <= slot(thing.at.y + radius(thing));
-           ++j)
-        for (std::int32_t i = slot(thing.at.x - radius(thing));
-             i <= slot(thing.at.x + radius(thing)); ++i)
-          visit(index(i, j));
-    };
-    for (const auto& thing : things)
-      for_each_cell(thing, [&](std::size_t cell) { ++offsets_[cell + 1]; });
-    for (std::size_t c = 1; c < offsets_.size(); ++c) offsets_[c] += offsets_[c - 1];
-    entries_.resize(offsets_.back());
-    std::vector<std::size_t> next(offsets_.begin(), offsets_.end() - 1);
-    for (std::size_t t = 0; t < things.size(); ++t)
-      for_each_cell(things[t], [&](std::size_t cell) { entries_[next[cell]++] = t; });
+      : side_(static_cast<std::int32_t>(size / kCell) + 1) {
+    cells_ = ragged_from_pairs<std::size_t>(
+        static_cast<std::size_t>(side_) * static_cast<std::size_t>(side_), [&](const auto& use) {
+          for (std::size_t t = 0; t < things.size(); ++t) {
+            const Point2 at = things[t].at;
+            const double r = radius(things[t]);
+            for (std::int32_t j = slot(at.y - r); j <= slot(at.y + r); ++j)
+              for (std::int32_t i = slot(at.x - r); i <= slot(at.x + r); ++i) use(index(i, j), t);
+          }
+        });
   }
 
-  std::span<const std::size_t> at(Point2 p) const {
-    const std::size_t cell = index(slot(p.x), slot(p.y));
-    return std::span(entries_).subspan(offsets_[cell], offsets_[cell + 1] - offsets_[cell]);
-  }
+  std::span<const std::size_t> at(Point2 p) const { return cells_[index(slot(p.x), slot(p.y))]; }
 
  private:
   static constexpr double kCell = 8;
   std::int32_t slot(double v) const {
-    return std::clamp(static_cast<std::int32_t>(v / kCell), 0, cells_ - 1);
+    return std::clamp(static_cast<std::int32_t>(v / kCell), 0, side_ - 1);
   }
   std::size_t index(std::int32_t i, std::int32_t j) const {
-    return static_cast<std::size_t>(j) * static_cast<std::size_t>(cells_) +
+    return static_cast<std::size_t>(j) * static_cast<std::size_t>(side_) +
            static_cast<std::size_t>(i);
   }
 
-  std::int32_t cells_;
-  std::vector<std::size_t> offsets_;
-  std::vector<std::size_t> entries_;
+  std::int32_t side_;
+  RaggedArray<std::size_t> cells_;
 };
 
 /// A return: no point if the class is kNothing.

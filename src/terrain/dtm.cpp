@@ -6,6 +6,7 @@
 #include <cmath>
 #include <cstddef>
 #include <limits>
+#include <optional>
 #include <string>
 
 #include <fmt/format.h>
@@ -31,12 +32,38 @@ std::string describe_classes(const PointCloud& cloud) {
   return parts.empty() ? "no points" : fmt::format("{}", fmt::join(parts, ", "));
 }
 
-/// Index of the node nearest to a coordinate given in steps from node 0; ties go up. -1 if there is
-/// no such node.
-std::int64_t nearest_node(double position, std::int32_t nodes) {
-  if (!(position >= -0.5 && position < nodes - 0.5)) return -1;
-  // The sum may round up to the next integer; the cast is floor() for what is not negative.
-  return std::min<std::int64_t>(static_cast<std::int64_t>(position + 0.5), nodes - 1);
+/// Nodes along one axis: at anchor + (first + i) * step for i in [0, count), all whole numbers.
+/// What is nearest is told from the anchor, so that grids of one anchor agree to the last bit.
+struct Axis {
+  double anchor;
+  double step;
+  double first;
+  double count;
+
+  double start() const { return anchor + first * step; }
+
+  /// Index of the node nearest to a coordinate; ties go up. -1 if there is no such node.
+  std::int64_t nearest(double x) const {
+    const double node = std::floor((x - anchor) / step + 0.5) - first;
+    return node >= 0 && node < count ? static_cast<std::int64_t>(node) : -1;
+  }
+};
+
+struct Axes {
+  Axis x;
+  Axis y;
+};
+
+/// Just enough nodes to cover the domain.
+Axes axes_over(const Bounds2& domain, double step, const std::optional<Point2>& given) {
+  const Point2 anchor = given.value_or(Point2{domain.xmin, domain.ymin});
+  const auto cover = [&](double from, double low, double high) {
+    constexpr double kRounding = 1e-9;  // steps
+    const double first = std::floor((low - from) / step + kRounding);
+    const double last = std::ceil((high - from) / step - kRounding);
+    return Axis{from, step, first, std::max(last - first + 1, 1.0)};
+  };
+  return {cover(anchor.x, domain.xmin, domain.xmax), cover(anchor.y, domain.ymin, domain.ymax)};
 }
 
 /// Adds heights and counts of the ground points to the nodes and returns how many there were. One
@@ -44,7 +71,7 @@ std::int64_t nearest_node(double position, std::int32_t nodes) {
 /// points. (Points first shared out to bands of rows, and those binned by two threads in the same
 /// order, took as long for 10 million in flight order, and twice as long in random order.)
 std::int64_t bin_points(const PointCloud& cloud, const std::array<bool, 256>& is_ground,
-                        Raster& sums, std::vector<std::uint32_t>& counts,
+                        const Axes& axes, Raster& sums, std::vector<std::uint32_t>& counts,
                         const Progress& progress) {
   constexpr std::size_t kPointsPerPoll = std::size_t{1} << 20;
   std::int64_t binned = 0;
@@ -52,8 +79,8 @@ std::int64_t bin_points(const PointCloud& cloud, const std::array<bool, 256>& is
     if (p % kPointsPerPoll == 0)
       progress.update(static_cast<double>(p) / static_cast<double>(cloud.size()));
     if (!is_ground[cloud.classification[p]]) continue;
-    const std::int64_t i = nearest_node((cloud.x[p] - sums.x0) / sums.step, sums.nx);
-    const std::int64_t j = nearest_node((cloud.y[p] - sums.y0) / sums.step, sums.ny);
+    const std::int64_t i = axes.x.nearest(cloud.x[p]);
+    const std::int64_t j = axes.y.nearest(cloud.y[p]);
     if (i < 0 || j < 0) continue;
     const auto node = static_cast<std::size_t>(j * sums.nx + i);
     sums.values[node] += cloud.z[p];
@@ -156,24 +183,23 @@ Voids count_voids(const Raster& raster) {
 
 }  // namespace
 
-Raster dtm_grid(const Bounds2& domain, double step) {
-  const double columns = std::ceil(domain.width() / step - 1e-9) + 1;
-  const double rows = std::ceil(domain.height() / step - 1e-9) + 1;
-  if (!(step > 0) || domain.empty() || !std::isfinite(columns * rows))
+Raster dtm_grid(const Bounds2& domain, double step, const std::optional<Point2>& anchor) {
+  const auto [x, y] = axes_over(domain, step, anchor);
+  if (!(step > 0) || domain.empty() || !std::isfinite(x.count * y.count))
     throw Error(ErrorKind::kUsage,
                 fmt::format("no DTM of the domain {},{},{},{} with step {}: choose bounds with "
                             "xmin <= xmax and ymin <= ymax and a positive step",
                             domain.xmin, domain.ymin, domain.xmax, domain.ymax, step));
-  if (columns * rows > kMaxNodes)
+  if (x.count * y.count > kMaxNodes)
     throw Error(ErrorKind::kUsage,
                 fmt::format("a DTM of {} x {} nodes is too large: choose a step above {} m or a "
                             "smaller domain",
-                            columns, rows, step));
+                            x.count, y.count, step));
   Raster raster;
-  raster.nx = static_cast<std::int32_t>(std::max(columns, 1.0));
-  raster.ny = static_cast<std::int32_t>(std::max(rows, 1.0));
-  raster.x0 = domain.xmin;
-  raster.y0 = domain.ymin;
+  raster.nx = static_cast<std::int32_t>(x.count);
+  raster.ny = static_cast<std::int32_t>(y.count);
+  raster.x0 = x.start();
+  raster.y0 = y.start();
   raster.step = step;
   raster.values.assign(static_cast<std::size_t>(raster.nx) * static_cast<std::size_t>(raster.ny),
                        0);
@@ -182,15 +208,16 @@ Raster dtm_grid(const Bounds2& domain, double step) {
 
 Raster build_dtm(const PointCloud& cloud, const Bounds2& domain, const DtmOptions& options,
                  const Progress& progress, DtmReport* report) {
-  Raster raster = dtm_grid(domain, options.step);
+  Raster raster = dtm_grid(domain, options.step, options.anchor);
   const std::size_t nodes = raster.values.size();
   progress.update(0);
   std::int64_t ground_points = 0;
   std::int64_t empty = 0;
   {
     std::vector<std::uint32_t> counts(nodes, 0);
-    ground_points =
-        bin_points(cloud, class_table(options.classes), raster, counts, portion(progress, 0, 0.4));
+    ground_points = bin_points(cloud, class_table(options.classes),
+                               axes_over(domain, options.step, options.anchor), raster, counts,
+                               portion(progress, 0, 0.4));
     if (ground_points == 0)
       throw Error(ErrorKind::kInput,
                   fmt::format("the point cloud has no ground points (class {}) in the domain; all "

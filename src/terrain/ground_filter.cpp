@@ -5,18 +5,19 @@
 #include <cmath>
 #include <cstddef>
 #include <limits>
+#include <optional>
 
-#include "tetropolis/core/parallel.h"
 #include "tetropolis/geometry/polygon.h"
 #include "tetropolis/terrain/dtm.h"
 #include "tetropolis/terrain/raster.h"
 
 #include "cells.h"
-#include "hollows.h"
-#include "opening.h"
-#include "pits.h"
+#include "core/parallel.h"
+#include "depressions.h"
+#include "ground_segments.h"
+#include "low_outliers.h"
+#include "morphology.h"
 #include "plane.h"
-#include "segments.h"
 
 namespace tetropolis {
 
@@ -60,14 +61,17 @@ Bounds2 extent_of(const PointCloud& cloud, const Candidates& mask) {
       });
 }
 
-Frame make_frame(const Bounds2& box, double cell, double window) {
+Frame make_frame(const Bounds2& box, double cell, double window,
+                 const std::optional<Point2>& anchor = {}) {
   const Bounds2 grown = box.grown(window + cell);
   Frame frame;
   frame.cell = std::max(cell, std::sqrt(grown.width() * grown.height() / kMostCells));
-  frame.x0 = grown.xmin;
-  frame.y0 = grown.ymin;
-  frame.nx = static_cast<std::int32_t>(grown.width() / frame.cell) + 1;
-  frame.ny = static_cast<std::int32_t>(grown.height() / frame.cell) + 1;
+  frame.anchor = anchor.value_or(Point2{grown.xmin, grown.ymin});
+  const auto cells = [&](double offset) { return std::floor(offset / frame.cell); };
+  frame.first_i = cells(grown.xmin - frame.anchor.x);
+  frame.first_j = cells(grown.ymin - frame.anchor.y);
+  frame.nx = static_cast<std::int32_t>(cells(grown.xmax - frame.anchor.x) - frame.first_i) + 1;
+  frame.ny = static_cast<std::int32_t>(cells(grown.ymax - frame.anchor.y) - frame.first_j) + 1;
   return frame;
 }
 
@@ -104,9 +108,15 @@ HeightGrid lowest_points(const PointCloud& cloud, const Candidates& mask, const 
 /// Sets to 1 the cells whose centres lie in a footprint, by the even-odd rule along each row;
 /// broken rings do no harm, nor do coordinates that are no positions.
 void cover(const Polygon& footprint, const Frame& frame, std::vector<std::uint8_t>& covered) {
-  const auto first_centre = [&](double position, double start, std::int32_t cells) {
-    return static_cast<std::int32_t>(std::clamp(std::ceil((position - start) / frame.cell - 0.5),
-                                                0.0, static_cast<double>(cells)));
+  const auto first_centre = [&](double offset, double first, std::int32_t cells) {
+    return static_cast<std::int32_t>(
+        std::clamp(std::ceil(offset / frame.cell - 0.5) - first, 0.0, static_cast<double>(cells)));
+  };
+  const auto first_column = [&](double x) {
+    return first_centre(x - frame.anchor.x, frame.first_i, frame.nx);
+  };
+  const auto first_row = [&](double y) {
+    return first_centre(y - frame.anchor.y, frame.first_j, frame.ny);
   };
   const auto is_position = [](Point2 p) {
     return std::abs(p.x) <= kMostCoordinate && std::abs(p.y) <= kMostCoordinate;
@@ -120,10 +130,10 @@ void cover(const Polygon& footprint, const Frame& frame, std::vector<std::uint8_
     if (!is_position(a) || !is_position(b)) return;
     // One row more to either side than the edge spans, against rounding.
     const auto [low, high] = std::minmax({a.y, b.y});
-    const std::int32_t begin = std::max(first_centre(low, frame.y0, frame.ny) - 1, 0);
-    const std::int32_t end = std::min(first_centre(high, frame.y0, frame.ny) + 1, frame.ny);
+    const std::int32_t begin = std::max(first_row(low) - 1, 0);
+    const std::int32_t end = std::min(first_row(high) + 1, frame.ny);
     for (std::int32_t j = begin; j < end; ++j) {
-      const double y = frame.y0 + (j + 0.5) * frame.cell;
+      const double y = frame.centre(0, j).y;
       if ((a.y <= y) != (b.y <= y))
         crossings.push_back({j, a.x + (y - a.y) / (b.y - a.y) * (b.x - a.x)});
     }
@@ -138,8 +148,8 @@ void cover(const Polygon& footprint, const Frame& frame, std::vector<std::uint8_
     }
     std::uint8_t* row = covered.data() + static_cast<std::size_t>(crossings[k].row) *
                                              static_cast<std::size_t>(frame.nx);
-    std::fill(row + first_centre(crossings[k].x, frame.x0, frame.nx),
-              row + first_centre(crossings[k + 1].x, frame.x0, frame.nx), std::uint8_t{1});
+    std::fill(row + first_column(crossings[k].x), row + first_column(crossings[k + 1].x),
+              std::uint8_t{1});
     k += 2;
   }
 }
@@ -227,11 +237,15 @@ Plane fit_plane(const HeightGrid& grid, const Frame& frame) {
 }
 
 /// Takes the slope of the whole terrain out of it where that is steep; whether it is.
-bool level(HeightGrid& grid, const Frame& frame, double slope) {
-  const Plane plane = fit_plane(grid, frame);
+bool level(HeightGrid& grid, const Frame& frame, const GroundFilterOptions& options) {
+  Plane plane;
+  if (options.tilt)
+    plane = {options.tilt->x * frame.cell, options.tilt->y * frame.cell, 0};
+  else
+    plane = fit_plane(grid, frame);
   // Less leaves the filter most of the slope that it allows for.
   constexpr double kShare = 0.3;
-  if (std::hypot(plane.rise_x, plane.rise_y) < kShare * slope * frame.cell) return false;
+  if (std::hypot(plane.rise_x, plane.rise_y) < kShare * options.slope * frame.cell) return false;
   std::size_t c = 0;
   for (std::int32_t j = 0; j < frame.ny; ++j)
     for (std::int32_t i = 0; i < frame.nx; ++i, ++c)
@@ -247,7 +261,7 @@ std::vector<std::uint8_t> lowered_by_openings(HeightGrid surface, const Frame& f
                                               const GroundFilterOptions& options,
                                               const Progress& progress) {
   std::vector<float> original = surface.values;
-  fill_hollows(surface, frame, options.window);
+  fill_depressions(surface, frame, options.window);
   fill_low(surface, options.slope * frame.cell);
   for (std::size_t c = 0; c < original.size(); ++c)
     if (std::isnan(original[c])) original[c] = surface.values[c];
@@ -270,7 +284,7 @@ std::vector<std::uint8_t> find_objects(const HeightGrid& lowest, const Frame& fr
                                        const GroundFilterOptions& options,
                                        const Progress& progress) {
   HeightGrid levelled = lowest;
-  if (!level(levelled, frame, options.slope))
+  if (!level(levelled, frame, options))
     return lowered_by_openings(std::move(levelled), frame, options, progress);
   std::vector<std::uint8_t> object =
       lowered_by_openings(std::move(levelled), frame, options, portion(progress, 0, 0.5));
@@ -283,8 +297,8 @@ std::vector<std::uint8_t> find_objects(const HeightGrid& lowest, const Frame& fr
 /// The terrain through the cells that have points and are no objects.
 Raster terrain_between(const HeightGrid& lowest, const std::vector<std::uint8_t>& object,
                        const Frame& frame, const Progress& progress) {
-  Raster terrain{frame.nx,   frame.ny, frame.x0 + frame.cell / 2, frame.y0 + frame.cell / 2,
-                 frame.cell, {}};
+  const Point2 first = frame.centre(0, 0);
+  Raster terrain{frame.nx, frame.ny, first.x, first.y, frame.cell, {}};
   terrain.values.resize(lowest.values.size());
   for (std::size_t c = 0; c < terrain.values.size(); ++c)
     terrain.values[c] = object[c] != 0 ? std::numeric_limits<double>::quiet_NaN()
@@ -337,9 +351,9 @@ std::vector<std::uint8_t> filter_ground(const PointCloud& cloud,
   if (counts.candidates > 0) {
     const Bounds2 box = extent_of(cloud, mask);
     // With many empty cells slopes would fall to pieces.
-    const double spacing = mean_spacing(cloud, mask, box);
+    const double spacing = options.spacing ? *options.spacing : mean_spacing(cloud, mask, box);
     const double cell = std::max(options.cell, std::min(spacing, kCoarsest));
-    const Frame frame = make_frame(box, cell, options.window);
+    const Frame frame = make_frame(box, cell, options.window, options.anchor);
     HeightGrid all = lowest_points(cloud, mask, frame);
     counts.cells = static_cast<std::int64_t>(all.values.size());
     progress.update(0.1);
@@ -350,11 +364,11 @@ std::vector<std::uint8_t> filter_ground(const PointCloud& cloud,
       if (covered[c] != 0) lowest.values[c] = kNanF;
     if (is_empty(lowest)) lowest = all;
     HeightGrid believed = lowest;
-    counts.pit_cells = remove_pits(believed, std::move(all), frame.cell, spacing);
+    counts.low_outlier_cells = remove_low_outliers(believed, std::move(all), frame.cell, spacing);
     if (!is_empty(believed)) lowest = std::move(believed);
     auto object = find_objects(lowest, frame, options, portion(progress, 0.2, 0.8));
-    keep_gentle_rises(lowest, frame, object, progress);
-    drop_scraps(lowest, std::move(covered), frame, object, progress);
+    restore_gentle_rises(lowest, frame, object, progress);
+    reject_fragments(lowest, std::move(covered), frame, object, progress);
     const Raster terrain = terrain_between(lowest, object, frame, progress);
     counts.ground_points = keep_near(cloud, terrain, options, mask);
   }

@@ -12,10 +12,11 @@
 
 #include <gtest/gtest.h>
 
-#include "tetropolis/core/parallel.h"
+#include "tetropolis/core/threads.h"
 #include "tetropolis/volume/quality/face_quality.h"
 
 #include "check/check_same_boundary.h"
+#include "core/parallel.h"
 #include "support/explicit_mesh.h"
 #include "support/small_city.h"
 #include "support/test_data.h"

@@ -10,7 +10,7 @@
 #include <gtest/gtest.h>
 
 #include "tetropolis/core/error.h"
-#include "tetropolis/core/parallel.h"
+#include "tetropolis/core/threads.h"
 #include "tetropolis/geometry/polygon.h"
 
 #include "support/test_data.h"
@@ -263,8 +263,8 @@ TEST(Extract, AdjoiningBuildingsShareNoRoofPoint) {
   }
   for (int k = 0; k < 10000; ++k) add(scene.cloud, 73.0 * k / 10000, 4 + (k % 80) * 0.1, 10, 6);
   const BuildingPoints points = extract_building_points(scene.footprints, scene.cloud);
-  EXPECT_EQ(std::set<PointIndex>(points.roof.indices.begin(), points.roof.indices.end()).size(),
-            points.roof.indices.size());
+  EXPECT_EQ(std::set<PointIndex>(points.roof.values.begin(), points.roof.values.end()).size(),
+            points.roof.values.size());
 }
 
 TEST(Extract, SameForAnyNumberOfThreads) {
@@ -291,10 +291,10 @@ TEST(Extract, NothingFromNothing) {
   EXPECT_EQ(extract_building_points(std::vector<Polygon>{}, scene.cloud).roof.size(), 0U);
   const BuildingPoints points = extract_building_points(scene.footprints, PointCloud{});
   EXPECT_EQ(points.roof.size(), 3U);
-  EXPECT_TRUE(points.roof.indices.empty());
+  EXPECT_TRUE(points.roof.values.empty());
   EXPECT_EQ(count_by_exclusion(points), 3);
   const std::vector<Polygon> empty(2);
-  EXPECT_TRUE(extract_building_points(empty, scene.cloud).ground.indices.empty());
+  EXPECT_TRUE(extract_building_points(empty, scene.cloud).ground.values.empty());
 }
 
 TEST(Extract, ManyHugeFootprintsKeepTheGridSmall) {
@@ -306,7 +306,7 @@ TEST(Extract, ManyHugeFootprintsKeepTheGridSmall) {
   }
   const BuildingPoints points =
       extract_building_points(scene.footprints, scene.cloud, {1, kInfinity});
-  EXPECT_EQ(points.roof.indices.size(), 300000U);
+  EXPECT_EQ(points.roof.values.size(), 300000U);
 }
 
 TEST(Extract, CanBeStopped) {
@@ -323,10 +323,10 @@ TEST(DropOutliers, AgreesWithTheDefinition) {
   PointLists lists;
   for (int b = 0; b < 200; ++b) {
     for (int k = 0; k < b % 37; ++k) {
-      lists.indices.push_back(static_cast<PointIndex>(cloud.size()));
+      lists.values.push_back(static_cast<PointIndex>(cloud.size()));
       add(cloud, 0, 0, k % 11 == 0 ? 500 * height(random) : height(random), 6);
     }
-    lists.offsets.push_back(static_cast<std::int64_t>(lists.indices.size()));
+    lists.offsets.push_back(static_cast<std::int64_t>(lists.values.size()));
   }
   for (const double sigma : {0.5, 2.0, kInfinity}) {
     PointLists filtered = lists;
@@ -361,11 +361,11 @@ TEST(DropOutliers, KeepsEqualHeights) {
     PointLists lists;
     for (int k = 0; k < 7; ++k) {
       add(cloud, 0, 0, z, 6);
-      lists.indices.push_back(static_cast<PointIndex>(k));
+      lists.values.push_back(static_cast<PointIndex>(k));
     }
     lists.offsets.push_back(7);
     drop_outliers(lists, cloud, 2);
-    EXPECT_EQ(lists.indices.size(), 7U) << z;
+    EXPECT_EQ(lists.values.size(), 7U) << z;
   }
 }
 
@@ -376,11 +376,11 @@ TEST(DropOutliers, KeepsWhatIsAtTheLimit) {
     PointLists lists;
     for (int i = 0; i < 5; ++i) {
       add(cloud, 0, 0, 0.01 * (i == k % 5 ? 700 + k : 431 + 3 * k), 6);
-      lists.indices.push_back(static_cast<PointIndex>(i));
+      lists.values.push_back(static_cast<PointIndex>(i));
     }
     lists.offsets.push_back(5);
     drop_outliers(lists, cloud, 2);
-    EXPECT_EQ(lists.indices.size(), 5U) << k;
+    EXPECT_EQ(lists.values.size(), 5U) << k;
   }
 }
 

@@ -13,7 +13,7 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
-#include "tetropolis/core/parallel.h"
+#include "tetropolis/core/threads.h"
 #include "tetropolis/geometry/polygon.h"
 #include "tetropolis/io/las/las.h"
 #include "tetropolis/io/vector/vector.h"
@@ -46,13 +46,13 @@ struct Case {
 
   void fill(PointLists& lists, const std::vector<double>& heights) {
     for (const double z : heights) {
-      lists.indices.push_back(static_cast<PointIndex>(cloud.z.size()));
+      lists.values.push_back(static_cast<PointIndex>(cloud.z.size()));
       cloud.z.push_back(z);
     }
     cloud.x.resize(cloud.z.size());
     cloud.y.resize(cloud.z.size());
     cloud.classification.resize(cloud.z.size());
-    lists.offsets.push_back(static_cast<std::int64_t>(lists.indices.size()));
+    lists.offsets.push_back(static_cast<std::int64_t>(lists.values.size()));
   }
 
   Building compute(const HeightOptions& options = {}) {

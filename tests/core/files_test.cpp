@@ -1,4 +1,4 @@
-#include "tetropolis/core/files.h"
+#include "core/files.h"
 
 #include <filesystem>
 #include <fstream>

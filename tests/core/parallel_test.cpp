@@ -1,4 +1,4 @@
-#include "tetropolis/core/parallel.h"
+#include "core/parallel.h"
 
 #include <algorithm>
 #include <atomic>
@@ -9,6 +9,8 @@
 #include <vector>
 
 #include <gtest/gtest.h>
+
+#include "tetropolis/core/threads.h"
 
 #include "support/test_data.h"
 

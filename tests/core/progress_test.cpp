@@ -10,7 +10,10 @@
 
 #include <gtest/gtest.h>
 
-#include "tetropolis/core/parallel.h"
+#include "tetropolis/core/threads.h"
+
+#include "core/parallel.h"
+#include "core/shared_progress.h"
 
 namespace tetropolis {
 namespace {

@@ -1,4 +1,4 @@
-#include "tetropolis/core/text.h"
+#include "core/text.h"
 
 #include <algorithm>
 #include <cstddef>

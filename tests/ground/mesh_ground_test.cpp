@@ -3,7 +3,7 @@
 #include <cmath>
 
 #include "tetropolis/core/error.h"
-#include "tetropolis/core/parallel.h"
+#include "tetropolis/core/threads.h"
 #include "tetropolis/geometry/polygon.h"
 
 #include "ground_cases.h"

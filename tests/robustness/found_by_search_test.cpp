@@ -98,7 +98,7 @@ TEST(FoundBySearch, NoBuildingVanishesWithTheWallThatJoinsItToAnother) {
   }
   EXPECT_GE(joint_clearance(simple.footprints).distance, 1);
   const Simplification again = simplify_footprints(simple.footprints, Bounds2{0, 0, 100, 100}, {});
-  EXPECT_EQ(again.stats.area_changed, 0);
+  EXPECT_EQ(again.stats.symmetric_difference, 0);
 }
 
 // Where the slivers came from: needles of which the domain's boundary leaves the tip.

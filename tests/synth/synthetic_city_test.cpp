@@ -15,7 +15,7 @@
 #include "tetropolis/city/extract.h"
 #include "tetropolis/city/heights.h"
 #include "tetropolis/core/error.h"
-#include "tetropolis/core/parallel.h"
+#include "tetropolis/core/threads.h"
 #include "tetropolis/geometry/polygon.h"
 #include "tetropolis/terrain/dtm.h"
 

@@ -2,9 +2,13 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstddef>
+#include <cstdint>
 #include <limits>
 #include <random>
 #include <string>
+#include <utility>
+#include <vector>
 
 #include <gtest/gtest.h>
 
@@ -92,6 +96,77 @@ TEST(DtmGrid, RefusesNonsense) {
   EXPECT_THROW(dtm_grid({10, 0, 0, 10}, 1), Error);
   EXPECT_THROW(dtm_grid({0, 0, inf, 10}, 1), Error);
   EXPECT_THROW(dtm_grid({0, 0, 1e6, 1e6}, 0.5), Error);
+}
+
+TEST(DtmGrid, HasNodesWholeStepsFromTheAnchor) {
+  const Raster raster = dtm_grid({3, 7, 9, 8}, 2, Point2{100.5, -0.5});
+  EXPECT_EQ(raster.bounds(), (Bounds2{2.5, 5.5, 10.5, 9.5}));
+  // Nodes at the corners, but for rounding: no node to spare.
+  const Raster even = dtm_grid({0.3, 0, 0.7, 1}, 0.1, Point2{-0.6, 0});
+  EXPECT_EQ(even.nx, 5);
+  EXPECT_NEAR(even.x0, 0.3, 1e-15);
+  EXPECT_THROW(dtm_grid({0, 0, 10, 10}, 1, Point2{kNan, 0}), Error);
+}
+
+/// As dtm.h has it: heights depend on what is within as many steps as the next point is away.
+TEST(BuildDtm, OverlappingDomainsWithOneAnchorAgreeAwayFromTheirRims) {
+  std::mt19937 random(test_seed());
+  std::uniform_real_distribution<double> share(0, 1);
+  std::size_t compared = 0, filled = 0;
+  for (int round = 0; round < 50; ++round) {
+    const double step = 0.3 + share(random);
+    const Point2 anchor{1000 * share(random) - 500, 1000 * share(random) - 500};
+    const Bounds2 whole{-60, -40, 90, 70};
+    PointCloud cloud = random_cloud(4000, whole);
+    for (std::size_t p = 0; p < cloud.size(); ++p) {  // a pond without points
+      const double dx = cloud.x[p] - 12, dy = cloud.y[p] - 17;
+      cloud.classification[p] = dx * dx + dy * dy < 64 ? kBuildingClass : kGround;
+    }
+    const auto domain = [&] {
+      return Bounds2{whole.xmin + 50 * share(random), whole.ymin + 40 * share(random),
+                     whole.xmax - 50 * share(random), whole.ymax - 40 * share(random)};
+    };
+    const auto node_of = [&](double x, double from) {
+      return static_cast<std::int64_t>(std::floor((x - from) / step + 0.5));
+    };
+    struct Grid {
+      Raster dtm;
+      std::int64_t i0, j0;  ///< Of its first node, from the anchor.
+    };
+    const auto build = [&](const Bounds2& box) {
+      DtmOptions options;
+      options.step = step;
+      options.anchor = anchor;
+      Raster dtm = build_dtm(cloud, box, options);
+      return Grid{dtm, node_of(dtm.x0, anchor.x), node_of(dtm.y0, anchor.y)};
+    };
+    const Grid a = build(domain()), b = build(domain());
+    std::vector<std::pair<std::int64_t, std::int64_t>> with_points;
+    for (std::size_t p = 0; p < cloud.size(); ++p)
+      if (is_ground(cloud.classification[p]))
+        with_points.emplace_back(node_of(cloud.x[p], anchor.x), node_of(cloud.y[p], anchor.y));
+    const auto depth_in = [](const Grid& grid, std::int64_t i, std::int64_t j) {
+      return std::min(
+          {i - grid.i0, j - grid.j0, grid.i0 + grid.dtm.nx - 1 - i, grid.j0 + grid.dtm.ny - 1 - j});
+    };
+    const auto height = [](const Grid& grid, std::int64_t i, std::int64_t j) {
+      return grid.dtm.at(static_cast<std::int32_t>(i - grid.i0),
+                         static_cast<std::int32_t>(j - grid.j0));
+    };
+    for (std::int64_t k = 0; k < 400; ++k) {
+      const std::int64_t i = a.i0 + static_cast<std::int64_t>(share(random) * a.dtm.nx);
+      const std::int64_t j = a.j0 + static_cast<std::int64_t>(share(random) * a.dtm.ny);
+      std::int64_t away = std::numeric_limits<std::int64_t>::max();
+      for (const auto& [pi, pj] : with_points)
+        away = std::min(away, std::max(std::abs(pi - i), std::abs(pj - j)));
+      if (std::min(depth_in(a, i, j), depth_in(b, i, j)) < away) continue;
+      ++compared;
+      filled += away > 0 ? 1 : 0;
+      ASSERT_EQ(height(a, i, j), height(b, i, j)) << round << " seed " << test_seed();
+    }
+  }
+  EXPECT_GT(compared, 1000u);
+  EXPECT_GT(filled, 500u);
 }
 
 TEST(BuildDtm, NodesHaveTheMeanOfTheirNearestGroundPoints) {

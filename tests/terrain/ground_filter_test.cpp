@@ -11,7 +11,7 @@
 #include <gtest/gtest.h>
 
 #include "tetropolis/core/error.h"
-#include "tetropolis/core/parallel.h"
+#include "tetropolis/core/threads.h"
 #include "tetropolis/geometry/polygon.h"
 #include "tetropolis/synth/synthetic_city.h"
 
@@ -65,6 +65,36 @@ Mistakes mistakes(const PointCloud& cloud, const std::vector<std::uint8_t>& foun
     if (!is_ground(p) && found[p] != 0) taken += 1;
   }
   return {missed / std::max(ground, 1.0), taken / std::max(other, 1.0)};
+}
+
+/// A rock wall far away neither moves nor shrinks the cells, nor tilts the terrain here.
+TEST(GroundFilter, WithMeasuresGivenDoesNotDependOnFarPoints) {
+  SCOPED_TRACE(test_seed());
+  std::vector<Polygon> houses;
+  for (double x = 10; x < 230; x += 40)
+    for (double y = 10; y < 110; y += 40) houses.push_back(box(x, y, x + 15, y + 12));
+  const auto hill = [](double x, double y) { return 0.02 * x + 2 * std::sin(0.05 * y); };
+  PointCloud here = scan(240, 0.3, houses, 6, hill);
+  std::mt19937 random(test_seed());
+  std::uniform_real_distribution<double> bush(0, 2);
+  for (std::size_t p = 0; p < here.size(); p += 3) here.z[p] = here.z[p] + bush(random);
+  PointCloud whole = here;
+  const PointCloud there = scan(240, 3, {}, 0, [](double x, double) { return x > 60 ? 60.0 : 4; });
+  for (std::size_t p = 0; p < there.size(); ++p)
+    add(whole, there.x[p] + 240, there.y[p] - 30.3, there.z[p]);
+  GroundFilterOptions options;
+  options.anchor = Point2{1000, -1000};
+  options.spacing = 1.8;
+  options.tilt = Point2{0.02, 0};
+  const auto differing = [&](const GroundFilterOptions& with) {
+    const auto alone = filter_ground(here, {}, with), beside = filter_ground(whole, {}, with);
+    std::size_t count = 0;
+    for (std::size_t p = 0; p < here.size(); ++p)
+      if (here.x[p] < 140 && alone[p] != beside[p]) ++count;
+    return count;
+  };
+  EXPECT_EQ(differing(options), 0u);
+  EXPECT_GT(differing({}), 0u) << "this far wall would not have mattered anyway";
 }
 
 TEST(GroundFilter, FindsTheGroundOfACityOfBlocks) {

@@ -4,7 +4,7 @@
 #include <cstdio>
 #include <cstdlib>
 
-#include "tetropolis/core/parallel.h"
+#include "tetropolis/core/threads.h"
 
 #include "stages.h"
 

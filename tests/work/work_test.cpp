@@ -7,9 +7,9 @@
 
 #include <gtest/gtest.h>
 
-#include "tetropolis/core/parallel.h"
-#include "tetropolis/core/units.h"
+#include "tetropolis/core/threads.h"
 
+#include "core/units.h"
 #include "counters.h"
 #include "geometry/predicates.h"
 #include "stages.h"

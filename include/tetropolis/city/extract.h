@@ -1,13 +1,13 @@
 // Step 1.5: the points that a building's roof and ground heights are computed from.
 #pragma once
 
-#include <cstddef>
 #include <cstdint>
 #include <span>
 #include <vector>
 
 #include "tetropolis/city/city_model.h"
 #include "tetropolis/core/progress.h"
+#include "tetropolis/core/ragged_array.h"
 #include "tetropolis/geometry/point_cloud.h"
 #include "tetropolis/geometry/types.h"
 
@@ -16,20 +16,8 @@ namespace tetropolis {
 /// Index into a PointCloud. 32 bits: the arrays of 2^32 points would fill 56 GB.
 using PointIndex = std::uint32_t;
 
-/// One list of points per building, in compressed rows: those of building b are
-/// indices[offsets[b]] to indices[offsets[b + 1] - 1], ascending, each point once per building.
-struct PointLists {
-  std::vector<std::int64_t> offsets{0};  ///< One more than there are buildings.
-  std::vector<PointIndex> indices;
-
-  std::size_t size() const { return offsets.size() - 1; }
-  std::span<const PointIndex> operator[](std::size_t building) const {
-    return std::span(indices).subspan(
-        static_cast<std::size_t>(offsets[building]),
-        static_cast<std::size_t>(offsets[building + 1] - offsets[building]));
-  }
-  friend bool operator==(const PointLists&, const PointLists&) = default;
-};
+/// One list of points per building: ascending, each point once.
+using PointLists = RaggedArray<PointIndex>;
 
 struct BuildingPoints {
   PointLists roof;
@@ -43,7 +31,8 @@ struct ExtractOptions {
   double margin = 1.0;  ///< Metres around a footprint in which ground points are taken, >= 0.
   double sigma = 2.0;   ///< Points further from the mean height than this many standard deviations
                         ///< of their list are dropped; infinity keeps all.
-  bool drop_crowns = true;  ///< Remove crowns of trees (crowns.h) from roof points by exclusion.
+  bool drop_tree_crowns =
+      true;  ///< Remove crowns of trees (tree_crowns.h) from roof points by exclusion.
   /// Points among which those of buildings have no class of their own.
   std::vector<PointRange> no_buildings{};
 };
@@ -65,7 +54,7 @@ struct ExtractOptions {
 ///
 /// Memory: the result has 4 bytes for each point of each of its lists; beside it, a grid over the
 /// footprints and their edges, at most 24 bytes for each pair of a building and a point found at it
-/// (by exclusion: found within 3 m of it, too), and what drop_crowns needs of one building per
+/// (by exclusion: found within 3 m of it, too), and what drop_tree_crowns needs of one building per
 /// thread. The number of pairs grows with the square of the margin, and nothing bounds it.
 ///
 /// Throws Error(kInput) for clouds of 2^32 points or more.

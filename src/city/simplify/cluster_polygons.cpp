@@ -4,10 +4,10 @@
 #include <cstddef>
 #include <utility>
 
-#include "tetropolis/core/parallel.h"
 #include "tetropolis/geometry/polygon.h"
 
 #include "core/disjoint_sets.h"
+#include "core/parallel.h"
 #include "grid_geometry.h"
 #include "outline.h"
 

@@ -3,11 +3,11 @@
 #include <utility>
 
 #include "tetropolis/city/city_model.h"
-#include "tetropolis/core/parallel.h"
 #include "tetropolis/geometry/polygon.h"
 
+#include "assign_members.h"
+#include "core/parallel.h"
 #include "grid_geometry.h"
-#include "offcuts.h"
 #include "overlay.h"
 
 namespace tetropolis {
@@ -117,13 +117,13 @@ std::vector<Group> GroupInput::split(const std::vector<Polygon>& parts, double l
   for (std::size_t i = 1; i < parts.size(); ++i)
     if (area(parts[i]) > area(parts[kept])) kept = i;
   std::vector<Group> groups;
-  for (Offcut& offcut : share_out(parts, kept, least_area, cleaned_, group.members)) {
+  for (SplitPart& split : assign_members(parts, kept, least_area, cleaned_, group.members)) {
     Group& part = groups.emplace_back();
-    part.flags = flags_of(offcut.members) | kRepaired | (group.flags & kConvexHull);
-    part.polygon = std::move(offcut.polygon);
+    part.flags = flags_of(split.members) | kRepaired | (group.flags & kConvexHull);
+    part.polygon = std::move(split.polygon);
     if (!is_inside(part.polygon))
       part.polygon = largest_of(inside(part.polygon)).value_or(Polygon{});
-    part.members = std::move(offcut.members);
+    part.members = std::move(split.members);
   }
   if (groups.empty()) return groups;
   share_input(group, groups);

@@ -20,7 +20,7 @@ struct Group {
   std::vector<BuildingIndex> members;  ///< Indices of footprints, ascending.
   std::uint32_t flags = 0;             ///< Of BuildingFlag.
   bool shares_input = false;           ///< Other groups have some of the union of its members.
-  bool yards_filled = false;           ///< It was lost and had its courtyards filled.
+  bool courtyards_filled = false;      ///< It was lost and had its courtyards filled.
 };
 
 double total_area(std::span<const Polygon> polygons);
@@ -44,8 +44,8 @@ class GroupInput {
 
   /// Groups of their own from the parts that a cut has left of a group beside the largest, which
   /// stays `group`: those of at least `least_area` square steps that members belong to (see
-  /// share_out). Its input is shared out, too: where members overlap, the first part has what they
-  /// have in common; but nobody goes without.
+  /// assign_members). Its input is shared out, too: where members overlap, the first part has what
+  /// they have in common; but nobody goes without.
   std::vector<Group> split(const std::vector<Polygon>& parts, double least_area,
                            Group& group) const;
 

@@ -3,12 +3,13 @@
 #include <algorithm>
 #include <cstddef>
 
-#include "tetropolis/core/parallel.h"
 #include "tetropolis/geometry/polygon.h"
 
-#include "changed_area.h"
+#include "core/parallel.h"
+#include "core/shared_progress.h"
 #include "grid_geometry.h"
-#include "largest_distance.h"
+#include "hausdorff_distance.h"
+#include "symmetric_difference.h"
 
 namespace tetropolis {
 
@@ -20,8 +21,8 @@ FootprintChange change_of(const Group& group) {
   const std::vector<Polygon> output{group.polygon};
   if (output == group.input) return {};
   std::vector<DifferenceStrip> strips;
-  const double changed = changed_area(group.input, output, &strips);
-  const FarPoint far = largest_distance(group.input, output, strips, kDistanceTolerance);
+  const double changed = symmetric_difference_area(group.input, output, &strips);
+  const HausdorffDistance far = hausdorff_distance(group.input, output, strips, kDistanceTolerance);
   return {changed / grid::kSquareMetre, far.distance / grid::kSteps, grid::to_metres(far.at)};
 }
 
@@ -35,14 +36,15 @@ std::vector<FootprintChange> measure_changes(std::span<const Group> groups, Simp
     for (std::size_t k = begin; k < end; ++k) changes[k] = change_of(groups[k]);
     shared.add(static_cast<std::int64_t>(end - begin));
   });
-  stats.area_changed = stats.area_dropped;
+  stats.symmetric_difference = stats.area_dropped;
   for (const Group& group : groups) {
     stats.area_before += total_area(group.input) / grid::kSquareMetre;
     stats.area_after += area(group.polygon) / grid::kSquareMetre;
   }
   for (const FootprintChange& change : changes) {
-    stats.area_changed += change.area;
-    stats.max_distance = std::max(stats.max_distance, change.distance);
+    stats.symmetric_difference += change.symmetric_difference;
+    stats.max_hausdorff_distance =
+        std::max(stats.max_hausdorff_distance, change.hausdorff_distance);
   }
   return changes;
 }

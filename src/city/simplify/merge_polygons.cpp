@@ -61,8 +61,8 @@ std::pair<double, double> part_within(Point2 a, Point2 b, Point2 c, Point2 d, do
 
 using EdgePair = std::pair<std::int32_t, std::int32_t>;
 
-/// Whether e is near f only with one end, from which another edge faces f: the patch between that
-/// one and f closes the gap, and one between e and f would round off the corner only.
+/// Whether e is near f only with one end, from which another edge faces f: the gap fill between
+/// that one and f closes the gap, and one between e and f would round off the corner only.
 bool passed_over(const Outline& o, const std::vector<EdgePair>& pairs, std::int32_t e,
                  std::int32_t f, double distance) {
   const Point2 a = o.at(e), b = o.at(o.after(e)), c = o.at(f), d = o.at(o.after(f));
@@ -137,9 +137,9 @@ void keep_next_at_corners(const Outline& o, std::vector<EdgePair>& pairs) {
   });
 }
 
-/// The polygons with patches in the gaps between them that are narrower than `distance`. Where each
-/// is near very many others, narrower gaps are closed first, so that most of these pairs, which
-/// others lie between, never get a patch.
+/// The polygons with gap fills in the gaps between them that are narrower than `distance`. Where
+/// each is near very many others, narrower gaps are closed first, so that most of these pairs,
+/// which others lie between, never get a gap fill.
 std::vector<Polygon> with_gaps_closed(std::vector<Polygon> parts, double distance, double reach,
                                       const Poll& poll) {
   // Edges of ordinary cities have one or two near others; few pairs are quick in any case.
@@ -157,13 +157,13 @@ std::vector<Polygon> with_gaps_closed(std::vector<Polygon> parts, double distanc
     pairs = pairs_between(o, distance);
     keep_next_at_corners(o, *pairs);
   }
-  std::vector<Polygon> patches;
+  std::vector<Polygon> fills;
   for (const auto& [e, f] : *pairs) {
     if (passed_over(o, *pairs, e, f, distance) || passed_over(o, *pairs, f, e, distance)) continue;
-    Ring patch = gap_patch(o.at(e), o.at(o.after(e)), o.at(f), o.at(o.after(f)), reach);
-    if (!patch.empty()) patches.push_back({std::move(patch), {}});
+    Ring fill = gap_fill(o.at(e), o.at(o.after(e)), o.at(f), o.at(o.after(f)), reach);
+    if (!fill.empty()) fills.push_back({std::move(fill), {}});
   }
-  return patches.empty() ? parts : add_on_grid(parts, patches);
+  return fills.empty() ? parts : add_on_grid(parts, fills);
 }
 
 /// The shortest way between two segments.
@@ -246,7 +246,7 @@ Polygon box_along(std::span<const Point2> points, Point2 from, Point2 to, double
       {}};
 }
 
-Ring gap_patch(Point2 a, Point2 b, Point2 c, Point2 d, double reach) {
+Ring gap_fill(Point2 a, Point2 b, Point2 c, Point2 d, double reach) {
   const auto [s0, s1] = part_within(a, b, c, d, reach);
   const auto [t0, t1] = part_within(c, d, a, b, reach);
   if (s0 > s1 || t0 > t1) return {};
@@ -281,10 +281,10 @@ MergedPolygon merge_polygons(std::span<const Polygon> cluster, double distance, 
   result.input.assign(cluster.begin(), cluster.end());
   if (cluster.size() > 1) result.input = unite_or_largest(cluster, poll);
   std::vector<Polygon> parts = result.input;
-  double reach = distance * (1 + 1e-3);  // so that the ends of patches are not at the limit
+  double reach = distance * (1 + 1e-3);  // so that the ends of gap fills are not at the limit
   for (int k = 1; k <= std::max(growths, 1) && parts.size() > 1; ++k, reach *= 2) {
     parts = with_gaps_closed(std::move(parts), distance, reach, poll);
-    result.method = MergeMethod::kPatch;
+    result.method = MergeMethod::kGapFill;
     result.growths = k;
   }
   if (parts.size() > 1) {

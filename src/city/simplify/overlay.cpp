@@ -12,12 +12,12 @@
 
 #include "tetropolis/city/simplify/clearance.h"
 #include "tetropolis/core/error.h"
-#include "tetropolis/core/parallel.h"
 #include "tetropolis/geometry/polygon.h"
 
 #include "city/clean_ring.h"
 #include "city/footprint_index.h"
 #include "cluster_polygons.h"
+#include "core/parallel.h"
 #include "core/sort_once.h"
 #include "geometry/geos.h"
 #include "grid_geometry.h"
@@ -269,14 +269,14 @@ geos::Result checked(geos::Result result, const Second& second) {
   return result && are_valid(*result) ? std::move(result) : second();
 }
 
-/// Patches, to be asked which of them meet a hole. Boxes of long slanted ones meet nearly all
+/// Gap fills, to be asked which of them meet a hole. Boxes of long slanted ones meet nearly all
 /// others.
-class PatchFinder {
+class FillFinder {
  public:
-  explicit PatchFinder(std::span<const Polygon> patches)
-      : patches_(patches),
-        boxes_(boxes_of(patches)),
-        outline_(outline_for(pointers_to(patches), kMargin)) {}
+  explicit FillFinder(std::span<const Polygon> fills)
+      : fills_(fills),
+        boxes_(boxes_of(fills)),
+        outline_(outline_for(pointers_to(fills), kMargin)) {}
 
   /// Those that meet the hole, up to a margin, or stand within it, or it within them; in order.
   std::vector<Polygon> meeting(const Ring& hole) const {
@@ -292,28 +292,27 @@ class PatchFinder {
       });
     }
     for (const std::size_t i : boxes_.meeting(box)) {
-      const Bounds2 other = bounds(patches_[i]);
-      if ((box.covers(other) && grid::is_inside(hole, patches_[i].outer[0])) ||
-          (other.covers(box) && contains(patches_[i], hole[0])))
+      const Bounds2 other = bounds(fills_[i]);
+      if ((box.covers(other) && grid::is_inside(hole, fills_[i].outer[0])) ||
+          (other.covers(box) && contains(fills_[i], hole[0])))
         found.push_back(i);
     }
     sort_once(found);
     std::vector<Polygon> meeting;
-    for (const std::size_t i : found) meeting.push_back(patches_[i]);
+    for (const std::size_t i : found) meeting.push_back(fills_[i]);
     return meeting;
   }
 
  private:
-  std::span<const Polygon> patches_;
+  std::span<const Polygon> fills_;
   Boxes boxes_;
   Outline outline_;
 };
 
-/// What `patches` leave of the holes of `whole`: hole by hole, at the same time. None where GEOS
-/// gives up, or where a patch stands free in a hole.
-std::optional<std::vector<Ring>> holes_left(const Polygon& whole,
-                                            std::span<const Polygon> patches) {
-  const PatchFinder finder(patches);
+/// What `fills` leave of the holes of `whole`: hole by hole, at the same time. None where GEOS
+/// gives up, or where a fill stands free in a hole.
+std::optional<std::vector<Ring>> holes_left(const Polygon& whole, std::span<const Polygon> fills) {
+  const FillFinder finder(fills);
   std::vector<std::vector<Ring>> left(whole.holes.size());
   std::vector<char> simple(whole.holes.size(), 1);
   parallel_chunks(whole.holes.size(), 16, [&](std::size_t begin, std::size_t end) {
@@ -345,8 +344,8 @@ std::optional<std::vector<Ring>> holes_left(const Polygon& whole,
   return holes;
 }
 
-/// The patches that are not wholly within `shell`, a polygon without holes.
-std::vector<Polygon> patches_at(const Polygon& shell, std::span<const Polygon> patches) {
+/// The fills that are not wholly within `shell`, a polygon without holes.
+std::vector<Polygon> fills_at(const Polygon& shell, std::span<const Polygon> fills) {
   std::vector<Bounds2> edges;
   for_each_edge(shell, [&](Point2 a, Point2 b) { edges.push_back(grid::box_of(a, b)); });
   const Boxes boxes(std::move(edges));
@@ -358,23 +357,23 @@ std::vector<Polygon> patches_at(const Polygon& shell, std::span<const Polygon> p
     return inside;
   };
   std::vector<Polygon> at;
-  for (const Polygon& patch : patches)
-    if (boxes.any_meets(bounds(patch)) || !is_inside(patch.outer[0])) at.push_back(patch);
+  for (const Polygon& fill : fills)
+    if (boxes.any_meets(bounds(fill)) || !is_inside(fill.outer[0])) at.push_back(fill);
   return at;
 }
 
 constexpr std::size_t kManyHoles = 32;
 
-/// Union of one polygon with many holes, and patches, of which `united` is the union: the holes
-/// less the patches (as they were given: united they may be one polygon, which every hole would
+/// Union of one polygon with many holes, and fills, of which `united` is the union: the holes
+/// less the fills (as they were given: united they may be one polygon, which every hole would
 /// meet), and the outer ring with what of the union leaves it.
-geos::Result patch_up(const Polygon& whole, std::span<const Polygon> patches,
-                      std::span<const Polygon> united) {
+geos::Result join_with_fills(const Polygon& whole, std::span<const Polygon> fills,
+                             std::span<const Polygon> united) {
   if (whole.holes.size() < kManyHoles) return std::nullopt;
-  std::optional<std::vector<Ring>> holes = holes_left(whole, patches);
+  std::optional<std::vector<Ring>> holes = holes_left(whole, fills);
   if (!holes) return std::nullopt;
   const Polygon shell{whole.outer, {}};
-  geos::Result result = join({shell}, patches_at(shell, united));
+  geos::Result result = join({shell}, fills_at(shell, united));
   if (!result) return std::nullopt;
   Polygon* owner = covering(*result, interior_point({whole.holes[0], {}}));
   if (owner == nullptr) return std::nullopt;
@@ -470,7 +469,7 @@ std::vector<Polygon> unite_or_largest(std::span<const Polygon> polygons, const P
 
 std::vector<Polygon> add_on_grid(std::span<const Polygon> a, std::span<const Polygon> b) {
   const std::vector<Polygon> united = unite_on_grid(b);
-  geos::Result sum = a.size() == 1 ? patch_up(a[0], b, united) : std::nullopt;
+  geos::Result sum = a.size() == 1 ? join_with_fills(a[0], b, united) : std::nullopt;
   if (!sum) sum = join({a.begin(), a.end()}, united);
   sum = checked(std::move(sum), [&] { return geos::join(a, united, 1.0); });
   return or_else(a, rounded(sum), [&] { return rounded(geos::join(a, united, 0)); });

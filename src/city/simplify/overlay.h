@@ -24,7 +24,7 @@ std::vector<Polygon> unite_on_grid(std::span<const Polygon> polygons, const Poll
 std::vector<Polygon> unite_or_largest(std::span<const Polygon> polygons, const Poll& poll = {});
 
 /// `a`, which is such a result, and `b`, on the grid, as above: faster than uniting all where `b`
-/// are many small patches.
+/// are many small fills.
 std::vector<Polygon> add_on_grid(std::span<const Polygon> a, std::span<const Polygon> b);
 
 /// `a`, which is such a result, without `b`: noded on the grid, or in floating point and rounded

@@ -43,7 +43,8 @@ constexpr double kFarthestMeeting = 3;
 /// A vertex slides along a wall only if that takes it away from what it is near at this rate (17
 /// degrees) or more; else it would have to go far for little.
 constexpr double kLeastRate = 0.3;
-/// Holes of more vertices or, but for triangles, more area (in epsilon squared) are yards to keep.
+/// Holes of more vertices or, but for triangles, more area (in epsilon squared) are courtyards to
+/// keep.
 constexpr std::int32_t kMostHoleVertices = 12;
 constexpr double kMostHoleArea = 4;
 /// Where a change touches more vertices than this, those with a change in the queue are rated anew
@@ -92,7 +93,7 @@ class Repairer {
   void consider_move(std::int32_t v, Point2 q);
   void consider_moves_from(std::int32_t v, Point2 p);
   void consider_fill(std::int32_t v);
-  bool is_empty_yard(const Ring& hole, std::int32_t group) const;
+  bool is_empty_courtyard(const Ring& hole, std::int32_t group) const;
   bool rate(std::int32_t v);
   void queue(std::int32_t v);
   void put_off(std::int32_t v);
@@ -248,7 +249,7 @@ void Repairer::consider_moves_from(std::int32_t v, Point2 p) {
 
 /// Whether no other polygon stands in a hole of this one: no edges cross, so any of its vertices
 /// would be inside.
-bool Repairer::is_empty_yard(const Ring& hole, std::int32_t group) const {
+bool Repairer::is_empty_courtyard(const Ring& hole, std::int32_t group) const {
   bool empty = true;
   o_.grid.visit(bounds(hole), [&](std::int32_t e) {
     if (empty && o_.group_of(e) != group) empty = !grid::is_inside(hole, o_.at(e));
@@ -268,7 +269,7 @@ void Repairer::consider_fill(std::int32_t v) {
   if (hole.size() > 3 && c.cost > kMostHoleArea * epsilon2_) return;
   // Its gain is not computed: it is taken as that of two pairs.
   const double score = (c.cost + kBaseCost * epsilon2_) / 2;
-  if (score < best_.score && is_empty_yard(hole, o_.group_of(v))) best_ = {c, score};
+  if (score < best_.score && is_empty_courtyard(hole, o_.group_of(v))) best_ = {c, score};
 }
 
 bool Repairer::rate(std::int32_t v) {

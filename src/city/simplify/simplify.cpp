@@ -12,29 +12,30 @@
 #include "tetropolis/city/city_model.h"
 #include "tetropolis/city/simplify/clearance.h"
 #include "tetropolis/core/error.h"
-#include "tetropolis/core/parallel.h"
-#include "tetropolis/core/units.h"
 #include "tetropolis/geometry/polygon.h"
 
-#include "blunt_corners.h"
+#include "chamfer.h"
 #include "cluster_polygons.h"
 #include "core/infinity.h"
+#include "core/parallel.h"
+#include "core/shared_progress.h"
+#include "core/units.h"
+#include "gap_fill.h"
 #include "grid_geometry.h"
 #include "group.h"
 #include "measure_changes.h"
 #include "merge_polygons.h"
 #include "outline.h"
 #include "overlay.h"
-#include "patches.h"
 #include "repair.h"
 
 namespace tetropolis {
 
 namespace {
 
-constexpr int kGentleRounds = 5;     ///< Patches whose reach doubles.
+constexpr int kGentleRounds = 5;     ///< Gap fills whose reach doubles.
 constexpr int kLocalHullRounds = 6;  ///< Hulls of surroundings whose radius doubles.
-constexpr int kBluntRounds = 8;      ///< Corners whose neighbours change; two do nearly always.
+constexpr int kChamferRounds = 8;    ///< Corners whose neighbours change; two do nearly always.
 /// Corners of footprints stay angles of cells, of which few are to be below 12 degrees.
 constexpr double kSharpDegrees = 13.5;
 /// What sharp corners without room for anything else may take with them; little of a building.
@@ -61,18 +62,18 @@ class Simplifier {
   void merge_clusters();
   Outline repaired_outline(int round);
   void take_back(const Outline& outline);
-  void apply_patches(std::vector<Patches> patches);
-  bool apply(const Patches& patches, Group& group, std::vector<Group>& offcuts) const;
+  void apply_fills_and_cuts(std::vector<FillsAndCuts> repairs);
+  bool apply(const FillsAndCuts& repairs, Group& group, std::vector<Group>& split_off) const;
   bool unite_close_groups(bool hulls);
   Group united(const std::vector<std::size_t>& parts, bool hulls);
   void repair_in_rounds();
   void repair_with_hulls();
   bool make_hull(Group& group);
-  bool fill_yards_of_lost();
+  bool fill_courtyards_of_lost();
   void drop_vanished();
   void flag_moved();
-  bool blunt_corners();
-  std::int64_t fill_sharp_yards(double least_angle);
+  bool chamfer_corners();
+  std::int64_t fill_sharp_courtyards(double least_angle);
   void drop_small();
   void drop(const Group& group, const std::string& reason);
   void finish();
@@ -154,8 +155,8 @@ void Simplifier::count(const MergedPolygon& how) {
     case MergeMethod::kUnion:
       ++stats.merged_by_union;
       break;
-    case MergeMethod::kPatch:
-      ++stats.merged_by_patch[static_cast<std::size_t>(how.growths)];
+    case MergeMethod::kGapFill:
+      ++stats.merged_by_gap_fill[static_cast<std::size_t>(how.growths)];
       break;
     case MergeMethod::kBridge:
       ++stats.merged_by_bridge;
@@ -172,7 +173,7 @@ void Simplifier::count(const MergedPolygon& how) {
 void Simplifier::merge_clusters() {
   const std::vector<std::vector<std::size_t>> parts = clusters();
   result_.stats.groups = std::ssize(parts);
-  result_.stats.merged_by_patch.assign(static_cast<std::size_t>(options_.growths) + 1, 0);
+  result_.stats.merged_by_gap_fill.assign(static_cast<std::size_t>(options_.growths) + 1, 0);
   std::vector<MergedPolygon> how(parts.size());
   const Progress merging = portion(progress_, 0.05, 0.35);
   SharedProgress shared(merging, std::ssize(parts));
@@ -211,7 +212,7 @@ Outline Simplifier::repaired_outline(int round) {
   polygons.reserve(groups_.size());
   for (const Group& group : groups_) polygons.push_back(&group.polygon);
   Outline outline = outline_for(polygons, epsilon_);
-  // Gentle changes first, so that patches come before changes that cost more than they.
+  // Gentle changes first, so that gap fills come before changes that cost more than they.
   constexpr std::array<double, 4> kCosts{0.5, 2, 8, kInfinity};
   RepairOptions options;
   options.epsilon = epsilon_;
@@ -245,36 +246,37 @@ void Simplifier::take_back(const Outline& outline) {
   }
 }
 
-/// False if nothing is left of the group. Parts that a cut has made independent go to `offcuts`.
-bool Simplifier::apply(const Patches& patches, Group& group, std::vector<Group>& offcuts) const {
-  if (patches.are_hulls) group.flags |= kConvexHull;
+/// False if nothing is left of the group. Parts that a cut has made independent go to `split_off`.
+bool Simplifier::apply(const FillsAndCuts& repairs, Group& group,
+                       std::vector<Group>& split_off) const {
+  if (repairs.are_hulls) group.flags |= kConvexHull;
   std::vector<Polygon> parts{group.polygon};
-  if (!patches.fill.empty()) parts = add_on_grid(parts, patches.fill);
+  if (!repairs.fill.empty()) parts = add_on_grid(parts, repairs.fill);
   std::optional<Polygon> next = largest_of(parts);
   if (!next) return false;
-  if (!patches.cut.empty()) {
+  if (!repairs.cut.empty()) {
     const double before = area(*next);
     double taken = 0;
-    for (const Polygon& cut : patches.cut) taken += area(cut);
+    for (const Polygon& cut : repairs.cut) taken += area(cut);
     const std::vector<Polygon> whole{*next};
-    std::vector<Polygon> cut = subtract_on_grid(whole, patches.cut);
+    std::vector<Polygon> cut = subtract_on_grid(whole, repairs.cut);
     std::optional<Polygon> left = largest_of(cut);
     const double lost = before - (left ? area(*left) : 0.0) - taken;
     // Cutting may part what was not expected to part: then widen instead.
-    if (lost > epsilon_ * epsilon_ && !patches.widen.empty()) {
-      std::optional<Polygon> wider = largest_of(add_on_grid(whole, patches.widen));
+    if (lost > epsilon_ * epsilon_ && !repairs.widen.empty()) {
+      std::optional<Polygon> wider = largest_of(add_on_grid(whole, repairs.widen));
       if (wider && area(*wider) - before < lost + taken) {
         left = std::move(wider);
         cut.clear();
       }
     }
-    if (cut.size() > 1) offcuts = input_.split(cut, least_area(), group);
+    if (cut.size() > 1) split_off = input_.split(cut, least_area(), group);
     next = std::move(left);
   }
   if (next && !keep_inside_.covers(bounds(*next))) {
     const std::vector<Polygon> inside = input_.inside(*next);
     for (Group& part : input_.split(inside, least_area(), group))
-      offcuts.push_back(std::move(part));
+      split_off.push_back(std::move(part));
     next = largest_of(inside);
   }
   if (!next) return false;
@@ -283,29 +285,29 @@ bool Simplifier::apply(const Patches& patches, Group& group, std::vector<Group>&
   return true;
 }
 
-void Simplifier::apply_patches(std::vector<Patches> patches) {
+void Simplifier::apply_fills_and_cuts(std::vector<FillsAndCuts> repairs) {
   std::vector<std::size_t> work;
-  for (std::size_t k = 0; k < patches.size(); ++k)
-    if (!patches[k].fill.empty() || !patches[k].cut.empty()) work.push_back(k);
-  std::vector<std::vector<Group>> offcuts(work.size());
+  for (std::size_t k = 0; k < repairs.size(); ++k)
+    if (!repairs[k].fill.empty() || !repairs[k].cut.empty()) work.push_back(k);
+  std::vector<std::vector<Group>> split_off(work.size());
   parallel_chunks(work.size(), 1, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i)
-      if (!apply(patches[work[i]], groups_[work[i]], offcuts[i])) groups_[work[i]].polygon = {};
+      if (!apply(repairs[work[i]], groups_[work[i]], split_off[i])) groups_[work[i]].polygon = {};
   });
-  for (std::vector<Group>& parts : offcuts)
+  for (std::vector<Group>& parts : split_off)
     for (Group& part : parts) groups_.push_back(std::move(part));
   for (const std::size_t k : work) {
-    if (!patches[k].are_hulls)
+    if (!repairs[k].are_hulls)
       result_.stats.gaps_filled +=
-          static_cast<std::int64_t>(patches[k].fill.size()) - patches[k].widened;
-    result_.stats.necks_widened += patches[k].widened;
-    result_.stats.arms_cut += static_cast<std::int64_t>(patches[k].cut.size());
+          static_cast<std::int64_t>(repairs[k].fill.size()) - repairs[k].widened;
+    result_.stats.necks_widened += repairs[k].widened;
+    result_.stats.arms_cut += static_cast<std::int64_t>(repairs[k].cut.size());
   }
 }
 
 /// Unites groups that overlap or are closer than epsilon, with their convex hull if `hulls`, until
-/// none are; each pass leaves fewer groups. Patches and hulls may reach across other groups, which
-/// pairs of near vertices and edges would not show.
+/// none are; each pass leaves fewer groups. Gap fills and hulls may reach across other groups,
+/// which pairs of near vertices and edges would not show.
 bool Simplifier::unite_close_groups(bool hulls) {
   for (bool any = false;; any = true) {
     if (progress_.cancelled && progress_.cancelled()) throw Cancelled();
@@ -329,7 +331,7 @@ Group Simplifier::united(const std::vector<std::size_t>& parts, bool hulls) {
     Group& group = groups_[k];
     merged.flags |= group.flags;
     merged.shares_input = merged.shares_input || group.shares_input;
-    merged.yards_filled = merged.yards_filled || group.yards_filled;
+    merged.courtyards_filled = merged.courtyards_filled || group.courtyards_filled;
     merged.members.insert(merged.members.end(), group.members.begin(), group.members.end());
     merged.input.insert(merged.input.end(), group.input.begin(), group.input.end());
     polygons.push_back(std::move(group.polygon));
@@ -352,22 +354,22 @@ Group Simplifier::united(const std::vector<std::size_t>& parts, bool hulls) {
 /// Houses around small courtyards that have lost most of their area, or all of it, since neither
 /// wings nor courtyards are wide enough, get another chance as one block. Each once, and only where
 /// that changes less and the courtyards are large enough to be the reason. Whether there are any.
-bool Simplifier::fill_yards_of_lost() {
+bool Simplifier::fill_courtyards_of_lost() {
   constexpr double kLeastShare = 0.1;
   bool any = false;
   for (Group& group : groups_) {
     const double whole = total_area(group.input), left = area(group.polygon);
-    if (group.yards_filled || left >= 0.5 * whole) continue;
+    if (group.courtyards_filled || left >= 0.5 * whole) continue;
     std::vector<Polygon> blocks;
     for (const Polygon& polygon : group.input) blocks.push_back({polygon.outer, {}});
     if (blocks.size() > 1) blocks = unite_on_grid(blocks);
     for (Polygon& block : blocks) block.holes.clear();
-    const double yards = total_area(blocks) - whole;
+    const double courtyards = total_area(blocks) - whole;
     std::optional<Polygon> block = largest_of(blocks);
-    if (!block || !(yards >= kLeastShare * whole && yards < whole - left)) continue;
+    if (!block || !(courtyards >= kLeastShare * whole && courtyards < whole - left)) continue;
     group.polygon = std::move(*block);
     group.flags |= kRepaired;
-    group.yards_filled = any = true;
+    group.courtyards_filled = any = true;
   }
   return any;
 }
@@ -388,20 +390,20 @@ void Simplifier::repair_in_rounds() {
     const std::vector<NearPair> pairs = near_pairs(outline, epsilon_);
     result_.stats.rounds = round + 1;
     if (pairs.empty()) {
-      if (!fill_yards_of_lost()) return;
+      if (!fill_courtyards_of_lost()) return;
       drop_vanished();
       unite_close_groups(false);
       continue;
     }
     if (round < kGentleRounds) {
-      apply_patches(patches_for(outline, pairs, epsilon_, reach));
+      apply_fills_and_cuts(fills_and_cuts(outline, pairs, epsilon_, reach));
       if (round > 0) reach *= 2;
     } else {
       result_.stats.local_hulls += static_cast<std::int64_t>(pairs.size());
-      apply_patches(hulls_around(outline, pairs, radius));
+      apply_fills_and_cuts(hulls_around(outline, pairs, radius));
       radius *= 2;
     }
-    fill_yards_of_lost();
+    fill_courtyards_of_lost();
     drop_vanished();
     unite_close_groups(false);
   }
@@ -440,38 +442,38 @@ void Simplifier::repair_with_hulls() {
   }
 }
 
-/// Whether any corner was blunted. Tidies what that leaves, and so on: a second run is idle.
-bool Simplifier::blunt_corners() {
-  const BluntOptions options{epsilon_, keep_inside_, to_radians(kSharpDegrees), kSmallArea};
+/// Whether any corner was chamfered. Tidies what that leaves, and so on: a second run is idle.
+bool Simplifier::chamfer_corners() {
+  const ChamferOptions options{epsilon_, keep_inside_, to_radians(kSharpDegrees), kSmallArea};
   const auto is_sharp = [&](const Group& group) {
     return has_sharp_corner(group.polygon, options.least_angle);
   };
   if (std::none_of(groups_.begin(), groups_.end(), is_sharp)) return false;
-  std::int64_t blunted = 0;
-  for (int round = 0; round < kBluntRounds; ++round) {
+  std::int64_t chamfered = 0;
+  for (int round = 0; round < kChamferRounds; ++round) {
     progress_.update(0.82);
     Outline outline = repaired_outline(0);
-    const std::int64_t now = tetropolis::blunt_corners(outline, options);
-    blunted += now;
+    const std::int64_t now = tetropolis::chamfer_corners(outline, options);
+    chamfered += now;
     take_back(outline);
     if (now == 0) break;
   }
-  blunted += fill_sharp_yards(options.least_angle);
-  result_.stats.corners_blunted += blunted;
-  return blunted > 0;
+  chamfered += fill_sharp_courtyards(options.least_angle);
+  result_.stats.corners_chamfered += chamfered;
+  return chamfered > 0;
 }
 
-/// Fills small courtyards whose sharp corners could not be blunted, if nothing stands in them;
+/// Fills small courtyards whose sharp corners could not be chamfered, if nothing stands in them;
 /// returns how many.
-std::int64_t Simplifier::fill_sharp_yards(double least_angle) {
+std::int64_t Simplifier::fill_sharp_courtyards(double least_angle) {
   std::int64_t filled = 0;
   for (Group& group : groups_)
     filled += static_cast<std::int64_t>(std::erase_if(group.polygon.holes, [&](const Ring& hole) {
-      const Polygon yard{hole, {}};
-      if (std::abs(signed_area(hole)) > kSmallArea || !has_sharp_corner(yard, least_angle))
+      const Polygon courtyard{hole, {}};
+      if (std::abs(signed_area(hole)) > kSmallArea || !has_sharp_corner(courtyard, least_angle))
         return false;
       const bool is_empty = std::none_of(groups_.begin(), groups_.end(), [&](const Group& other) {
-        return &other != &group && contains(yard, other.polygon.outer.front());
+        return &other != &group && contains(courtyard, other.polygon.outer.front());
       });
       if (is_empty) group.flags |= kRepaired;
       return is_empty;
@@ -550,7 +552,8 @@ void Simplifier::flag_moved() {
   for (std::size_t k = 0; k < groups_.size(); ++k) {
     if (groups_[k].shares_input) continue;
     groups_[k].flags &= ~std::uint32_t{kRepaired};
-    if (result_.changes[k].distance > kMaxShift / grid::kSteps) groups_[k].flags |= kRepaired;
+    if (result_.changes[k].hausdorff_distance > kMaxShift / grid::kSteps)
+      groups_[k].flags |= kRepaired;
   }
 }
 
@@ -562,12 +565,12 @@ Simplification Simplifier::run() {
   progress_.update(0.4);
   repair_in_rounds();
   repair_with_hulls();
-  blunt_corners();
-  for (int round = 0; round < kBluntRounds; ++round) {
+  chamfer_corners();
+  for (int round = 0; round < kChamferRounds; ++round) {
     drop_small();
-    if (!blunt_corners()) break;
+    if (!chamfer_corners()) break;
   }
-  drop_small();  // what blunting, or the tidying before it, has left smaller
+  drop_small();  // what chamfering, or the tidying before it, has left smaller
   progress_.update(0.85);
   std::sort(groups_.begin(), groups_.end(),
             [](const Group& a, const Group& b) { return a.members[0] < b.members[0]; });

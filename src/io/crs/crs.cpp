@@ -12,8 +12,8 @@
 #include <nlohmann/json.hpp>
 
 #include "tetropolis/core/error.h"
-#include "tetropolis/core/text.h"
 
+#include "core/text.h"
 #include "gdal_support.h"
 
 namespace tetropolis {

@@ -8,8 +8,9 @@
 #include <string>
 #include <vector>
 
-#include "tetropolis/core/parallel.h"
 #include "tetropolis/core/progress.h"
+
+#include "core/parallel.h"
 
 namespace tetropolis {
 

@@ -6,7 +6,7 @@
 
 #include <zlib.h>
 
-#include "tetropolis/core/parallel.h"
+#include "core/parallel.h"
 
 namespace tetropolis {
 

@@ -6,8 +6,7 @@
 
 #include <hdf5.h>
 
-#include "tetropolis/core/foreign_code.h"
-
+#include "core/foreign_code.h"
 #include "input_file.h"
 
 namespace tetropolis {

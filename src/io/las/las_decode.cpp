@@ -14,8 +14,7 @@
 #include <fmt/format.h>
 #include <laszip/laszip_api.h>
 
-#include "tetropolis/core/foreign_code.h"
-
+#include "core/foreign_code.h"
 #include "io/file/input_file.h"
 #include "io/file/positioned_file.h"
 

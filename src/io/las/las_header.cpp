@@ -11,9 +11,8 @@
 
 #include <fmt/format.h>
 
-#include "tetropolis/core/foreign_code.h"
-#include "tetropolis/core/parallel.h"
-
+#include "core/foreign_code.h"
+#include "core/parallel.h"
 #include "io/file/input_file.h"
 #include "io/file/positioned_file.h"
 

@@ -7,9 +7,9 @@
 #include <fmt/format.h>
 #include <glob.h>
 
-#include "tetropolis/core/text.h"
 #include "tetropolis/io/las/las.h"
 
+#include "core/text.h"
 #include "io/file/input_file.h"
 
 namespace tetropolis {

@@ -10,8 +10,7 @@
 
 #include <fmt/format.h>
 
-#include "tetropolis/core/parallel.h"
-
+#include "core/parallel.h"
 #include "io/file/input_file.h"
 #include "io/las/quirks/las_twins.h"
 #include "las_decode.h"

@@ -9,9 +9,10 @@
 #include <fmt/format.h>
 
 #include "tetropolis/core/error.h"
-#include "tetropolis/core/parallel.h"
 #include "tetropolis/io/crs/crs.h"
 
+#include "core/parallel.h"
+#include "core/shared_progress.h"
 #include "io/file/input_file.h"
 #include "las_agreement.h"
 #include "las_decode.h"

@@ -8,7 +8,7 @@
 #include <sys/mman.h>
 #include <unistd.h>
 
-#include "tetropolis/core/parallel.h"
+#include "tetropolis/core/threads.h"
 
 namespace tetropolis {
 

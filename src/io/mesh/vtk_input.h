@@ -9,8 +9,7 @@
 #include <string>
 #include <vector>
 
-#include "tetropolis/core/parallel.h"
-
+#include "core/parallel.h"
 #include "io/file/positioned_file.h"
 
 namespace tetropolis {

@@ -8,7 +8,6 @@
 #include <utility>
 #include <vector>
 
-#include "tetropolis/core/parallel.h"
 #include "tetropolis/io/mesh/vtk.h"
 
 #include "mesh_input.h"

@@ -17,11 +17,11 @@
 #include <fmt/format.h>
 
 #include "tetropolis/city/city_model.h"
-#include "tetropolis/core/foreign_code.h"
-#include "tetropolis/core/text.h"
 #include "tetropolis/io/crs/crs.h"
 #include "tetropolis/io/file/atomic_file.h"
 
+#include "core/foreign_code.h"
+#include "core/text.h"
 #include "io/crs/gdal_support.h"
 #include "io/file/input_file.h"
 

@@ -6,9 +6,9 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include "tetropolis/core/foreign_code.h"
 #include "tetropolis/io/vector/vector.h"
 
+#include "core/foreign_code.h"
 #include "io/file/input_file.h"
 #include "vector_geometry.h"
 #include "vector_open.h"

@@ -11,8 +11,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include "tetropolis/core/text.h"
-
+#include "core/text.h"
 #include "io/file/input_file.h"
 #include "io/file/text_records.h"
 #include "io/vector/quirks/shapefile_members.h"

@@ -18,11 +18,11 @@
 #include <fmt/ranges.h>
 
 #include "tetropolis/core/error.h"
-#include "tetropolis/core/foreign_code.h"
-#include "tetropolis/core/text.h"
 #include "tetropolis/io/crs/crs.h"
 #include "tetropolis/io/vector/vector.h"
 
+#include "core/foreign_code.h"
+#include "core/text.h"
 #include "io/crs/gdal_support.h"
 #include "io/file/input_file.h"
 #include "io/vector/quirks/incomplete_file.h"

@@ -11,11 +11,11 @@
 #include <unistd.h>
 
 #include "tetropolis/core/error.h"
-#include "tetropolis/core/text.h"
 #include "tetropolis/io/crs/crs.h"
 #include "tetropolis/io/file/atomic_file.h"
 #include "tetropolis/io/vector/vector.h"
 
+#include "core/text.h"
 #include "io/crs/gdal_support.h"
 
 namespace tetropolis {

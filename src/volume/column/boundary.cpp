@@ -4,7 +4,8 @@
 #include <string>
 
 #include "tetropolis/core/error.h"
-#include "tetropolis/core/parallel.h"
+
+#include "core/parallel.h"
 
 namespace tetropolis {
 

@@ -8,10 +8,10 @@
 #include <utility>
 
 #include "tetropolis/core/error.h"
-#include "tetropolis/core/parallel.h"
 #include "tetropolis/geometry/polygon.h"
 
 #include "core/infinity.h"
+#include "core/parallel.h"
 #include "ground_heights.h"
 #include "volume/excavate/cut_back.h"
 

@@ -4,8 +4,7 @@
 #include <cmath>
 #include <utility>
 
-#include "tetropolis/core/parallel.h"
-
+#include "core/parallel.h"
 #include "laplace_bands.h"
 #include "laplace_galerkin.h"
 #include "laplace_multigrid.h"

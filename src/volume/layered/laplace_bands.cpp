@@ -5,8 +5,7 @@
 #include <cmath>
 #include <cstdint>
 
-#include "tetropolis/core/parallel.h"
-
+#include "core/parallel.h"
 #include "laplace_wide.h"
 
 namespace tetropolis {

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <utility>
 
-#include "tetropolis/core/parallel.h"
+#include "core/parallel.h"
 
 namespace tetropolis {
 

@@ -4,8 +4,7 @@
 #include <cstring>
 #include <vector>
 
-#include "tetropolis/core/parallel.h"
-
+#include "core/parallel.h"
 #include "laplace_wide.h"
 
 namespace tetropolis {

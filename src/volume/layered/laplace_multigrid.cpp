@@ -3,8 +3,7 @@
 #include <algorithm>
 #include <utility>
 
-#include "tetropolis/core/parallel.h"
-
+#include "core/parallel.h"
 #include "laplace_coarsen.h"
 #include "laplace_galerkin.h"
 

@@ -3,7 +3,8 @@
 #include <utility>
 
 #include "tetropolis/core/error.h"
-#include "tetropolis/core/parallel.h"
+
+#include "core/parallel.h"
 
 namespace tetropolis {
 

@@ -4,9 +4,9 @@
 #include <string>
 
 #include "tetropolis/core/error.h"
-#include "tetropolis/core/parallel.h"
 
 #include "core/infinity.h"
+#include "core/parallel.h"
 
 namespace tetropolis {
 

@@ -3,9 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "tetropolis/core/parallel.h"
-
 #include "core/infinity.h"
+#include "core/parallel.h"
 
 namespace tetropolis {
 

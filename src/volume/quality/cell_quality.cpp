@@ -5,10 +5,9 @@
 #include <cmath>
 #include <tuple>
 
-#include "tetropolis/core/parallel.h"
-#include "tetropolis/core/units.h"
-
 #include "core/infinity.h"
+#include "core/parallel.h"
+#include "core/units.h"
 #include "shapes_over.h"
 #include "tet_cosines.h"
 

@@ -4,9 +4,8 @@
 #include <cmath>
 #include <cstddef>
 
-#include "tetropolis/core/parallel.h"
-#include "tetropolis/core/units.h"
-
+#include "core/parallel.h"
+#include "core/units.h"
 #include "tet_cosines.h"
 
 namespace tetropolis {

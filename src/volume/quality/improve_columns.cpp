@@ -8,12 +8,12 @@
 #include <utility>
 #include <vector>
 
-#include "tetropolis/core/parallel.h"
-#include "tetropolis/core/units.h"
 #include "tetropolis/volume/quality/cell_quality.h"
 
 #include "core/infinity.h"
+#include "core/parallel.h"
 #include "core/sort_once.h"
+#include "core/units.h"
 #include "tet_cosines.h"
 
 namespace tetropolis {

@@ -3,10 +3,9 @@
 #include <algorithm>
 #include <cmath>
 
-#include "tetropolis/core/parallel.h"
-#include "tetropolis/core/units.h"
-
+#include "core/parallel.h"
 #include "core/sort_once.h"
+#include "core/units.h"
 #include "shapes_over.h"
 
 namespace tetropolis {

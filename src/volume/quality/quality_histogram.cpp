@@ -5,9 +5,8 @@
 #include <cstddef>
 #include <utility>
 
-#include "tetropolis/core/units.h"
-
 #include "core/infinity.h"
+#include "core/units.h"
 #include "tet_cosines.h"
 
 namespace tetropolis {

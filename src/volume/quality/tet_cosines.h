@@ -6,10 +6,10 @@
 #include <cmath>
 #include <cstddef>
 
-#include "tetropolis/core/units.h"
 #include "tetropolis/geometry/types.h"
 
 #include "core/infinity.h"
+#include "core/units.h"
 #include "vec3.h"
 
 namespace tetropolis {

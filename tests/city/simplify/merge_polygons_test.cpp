@@ -21,7 +21,7 @@ namespace {
 
 using testing::box;
 
-/// The first reach of patches, in distances (merge_polygons).
+/// The first reach of gap fills, in distances (merge_polygons).
 constexpr double kReach = 1 + 1e-3;
 
 struct MergeCase {
@@ -30,7 +30,7 @@ struct MergeCase {
   double distance = 1;           ///< Metres.
   int growths = 3;
   MergeMethod method;
-  int growths_needed = 0;    ///< For kPatch.
+  int growths_needed = 0;    ///< For kGapFill.
   std::size_t parts = 2;     ///< Of the union.
   double area = 0;           ///< Square metres.
   double tolerance = 1e-7;   ///< Of the area: ten steps by ten.
@@ -48,7 +48,7 @@ TEST_P(MergeMethods, JoinAClusterThatTheOnesBeforeDoNot) {
   const MergedPolygon merged =
       merge_polygons(cluster, merge.distance * grid::kSteps, merge.growths);
   EXPECT_EQ(merged.method, merge.method);
-  if (merge.method == MergeMethod::kPatch) {
+  if (merge.method == MergeMethod::kGapFill) {
     EXPECT_EQ(merged.growths, merge.growths_needed);
   }
   const Polygon result = grid::to_metres(merged.polygon);
@@ -70,7 +70,7 @@ std::vector<Polygon> corner_to_corner(double gap) {
 
 /// Between those, the walls as far as they are within `reach` of the other corner span two
 /// triangles with legs of sqrt(reach^2 - gap^2), less the corners of the square of the gap.
-double corner_patches(double reach, double gap) { return reach * reach - 2 * gap * gap; }
+double corner_fills(double reach, double gap) { return reach * reach - 2 * gap * gap; }
 
 /// A sliver of 202 m that starts a millimetre wide and is a hundredth of that where it leaves what
 /// ends at x = 200: its tip goes flat on the grid, and with it what joined this to what is next to
@@ -96,34 +96,34 @@ INSTANTIATE_TEST_SUITE_P(
                   .parts = 1,
                   .area = 175,
                   .vertices = 8},
-        MergeCase{.name = "PatchBetweenFacingWalls",
+        MergeCase{.name = "GapFillBetweenFacingWalls",
                   .cluster = {box(0, 0, 10, 10), box(10.5, 0, 10, 10)},
-                  .method = MergeMethod::kPatch,
+                  .method = MergeMethod::kGapFill,
                   .growths_needed = 1,
                   .area = 205,
                   .vertices = 8},
         // They touch in a point, which is no union yet.
-        MergeCase{.name = "PatchesAtACommonCorner",
+        MergeCase{.name = "GapFillsAtACommonCorner",
                   .cluster = corner_to_corner(0),
-                  .method = MergeMethod::kPatch,
+                  .method = MergeMethod::kGapFill,
                   .growths_needed = 1,
-                  .area = 200 + corner_patches(kReach, 0),
+                  .area = 200 + corner_fills(kReach, 0),
                   .vertices = 10},
-        // At the first reach both patches are smaller than a square centimetre.
-        MergeCase{.name = "PatchesOfTwiceTheReach",
+        // At the first reach both gap fills are smaller than a square centimetre.
+        MergeCase{.name = "GapFillsOfTwiceTheReach",
                   .cluster = corner_to_corner(0.0707),
                   .distance = 0.1,
-                  .method = MergeMethod::kPatch,
+                  .method = MergeMethod::kGapFill,
                   .growths_needed = 2,
-                  .area = 200 + corner_patches(2 * 0.1 * kReach, 0.0707),
+                  .area = 200 + corner_fills(2 * 0.1 * kReach, 0.0707),
                   .tolerance = 2e-5,
                   .vertices = 10},
         // And that of two needles, 5 mm wide at a metre from their tips, at the second, too.
-        MergeCase{.name = "PatchesOfFourTimesTheReach",
+        MergeCase{.name = "GapFillsOfFourTimesTheReach",
                   .cluster = {{{{0, 9.9}, {40, 10}, {0, 10.1}}, {}},
                               {{{80.0999, 10.1}, {40.0999, 10}, {80.0999, 9.9}}, {}}},
                   .distance = 0.1,
-                  .method = MergeMethod::kPatch,
+                  .method = MergeMethod::kGapFill,
                   .growths_needed = 3,
                   .area = 8,
                   .tolerance = 0.01,

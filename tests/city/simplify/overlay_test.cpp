@@ -7,7 +7,7 @@
 
 #include <gtest/gtest.h>
 
-#include "tetropolis/core/parallel.h"
+#include "tetropolis/core/threads.h"
 #include "tetropolis/geometry/polygon.h"
 
 #include "city/simplify/grid_geometry.h"
@@ -137,12 +137,12 @@ TEST(Overlay, WhatStandsInCourtyardsStays) {
   EXPECT_GT(united.size(), 100U);
 }
 
-TEST(Overlay, AHouseInACourtyardFarFromThePatchStays) {
+TEST(Overlay, AHouseInACourtyardFarFromTheFillStays) {
   const std::vector<Polygon> houses{{square(0, 0, 1e6), {reversed(square(2e5, 2e5, 6e5))}},
                                     {square(4e5, 4e5, 2e5), {}}};
-  const std::vector<Polygon> patch{{square(9.5e5, 4e5, 1e5), {}}};
-  const std::vector<Polygon> got = add_on_grid(houses, patch);
-  expect_same_area(got, geos::join(houses, patch, 1.0));
+  const std::vector<Polygon> fill{{square(9.5e5, 4e5, 1e5), {}}};
+  const std::vector<Polygon> got = add_on_grid(houses, fill);
+  expect_same_area(got, geos::join(houses, fill, 1.0));
   EXPECT_EQ(got.size(), 2U);
 }
 
@@ -155,10 +155,10 @@ Polygon plate() {
   return plate;
 }
 
-TEST(Overlay, PatchesInAndAroundAPlateWithManyHoles) {
-  std::vector<Polygon> patches;
+TEST(Overlay, FillsInAndAroundAPlateWithManyHoles) {
+  std::vector<Polygon> fills;
   const auto add = [&](double x, double y, double w, double h) {
-    patches.push_back({{{x, y}, {x + w, y}, {x + w, y + h}, {x, y + h}}, {}});
+    fills.push_back({{{x, y}, {x + w, y}, {x + w, y + h}, {x, y + h}}, {}});
   };
   add(1e5, 1e5, 1e5, 1e5);          // exactly a hole
   add(2.9e5, 2.9e5, 1.2e5, 1.2e5);  // more than one
@@ -172,38 +172,38 @@ TEST(Overlay, PatchesInAndAroundAPlateWithManyHoles) {
   add(5e6, 5e6, 1e5, 1e5);        // apart
   add(1.72e6, 1.02e6, 1e3, 1e3);  // wholly within the plate
   const std::vector<Polygon> whole{plate()};
-  const std::vector<Polygon> united = *geos::unite(patches, 1.0);
-  expect_same_area(add_on_grid(whole, patches), geos::join(whole, united, 1.0));
+  const std::vector<Polygon> united = *geos::unite(fills, 1.0);
+  expect_same_area(add_on_grid(whole, fills), geos::join(whole, united, 1.0));
   // Free in a hole: it is a polygon of its own.
   add(1.32e6, 1.32e6, 1e4, 1e4);
-  const std::vector<Polygon> more = *geos::unite(patches, 1.0);
-  const std::vector<Polygon> got = add_on_grid(whole, patches);
+  const std::vector<Polygon> more = *geos::unite(fills, 1.0);
+  const std::vector<Polygon> got = add_on_grid(whole, fills);
   expect_same_area(got, geos::join(whole, more, 1.0));
   EXPECT_EQ(got.size(), 3U);
 }
 
-TEST(Overlay, RandomPatchesOnAPlate) {
+TEST(Overlay, RandomFillsOnAPlate) {
   std::mt19937 random(testing::test_seed());
   for (int round = 0; round < 20; ++round) {
     SCOPED_TRACE(round);
-    std::vector<Polygon> patches;
-    for (Polygon& patch : turned_rectangles(60, 4.4e6, random)) {
-      for (Point2& p : patch.outer) {
-        const Point2 centre = patch.outer[0];
+    std::vector<Polygon> fills;
+    for (Polygon& fill : turned_rectangles(60, 4.4e6, random)) {
+      for (Point2& p : fill.outer) {
+        const Point2 centre = fill.outer[0];
         p = {std::round(centre.x + (p.x - centre.x) / 20),
              std::round(centre.y + (p.y - centre.y) / 20)};
       }
-      patches.push_back(patch);
+      fills.push_back(fill);
     }
     const std::vector<Polygon> whole{plate()};
-    const geos::Result united = geos::unite(patches, 1.0);
+    const geos::Result united = geos::unite(fills, 1.0);
     ASSERT_TRUE(united);
-    expect_same_area(add_on_grid(whole, patches), geos::join(whole, *united, 1.0));
+    expect_same_area(add_on_grid(whole, fills), geos::join(whole, *united, 1.0));
   }
 }
 
-/// Long slanted holes and patches, whose boxes nearly all meet, wherever they are.
-TEST(Overlay, PatchesOnSlantedSlits) {
+/// Long slanted holes and fills, whose boxes nearly all meet, wherever they are.
+TEST(Overlay, FillsOnSlantedSlits) {
   std::mt19937 random(testing::test_seed());
   const auto at = [](double along, double across) {  // turned by 30 degrees
     const double c = std::cos(std::numbers::pi / 6), s = std::sin(std::numbers::pi / 6);
@@ -218,18 +218,18 @@ TEST(Overlay, PatchesOnSlantedSlits) {
     slab.holes.push_back(reversed(strip(1e5, k * kPitch, 1.8e6, kPitch / 2)));
   for (int round = 0; round < 20; ++round) {
     SCOPED_TRACE(round);
-    std::vector<Polygon> patches;
+    std::vector<Polygon> fills;
     for (int k = 0; k < 40; ++k)  // within a slit, across one, over it, within the slab
-      patches.push_back(
+      fills.push_back(
           {strip(static_cast<double>(random() % 2'000'000), static_cast<double>(random() % 400'000),
                  static_cast<double>(1000 + random() % 1'900'000),
                  static_cast<double>(100 + random() % 4000)),
            {}});
-    patches.push_back({strip(9e4, kPitch * (round + 3) - 1000, 1.82e6, kPitch), {}});
+    fills.push_back({strip(9e4, kPitch * (round + 3) - 1000, 1.82e6, kPitch), {}});
     const std::vector<Polygon> whole{slab};
-    const geos::Result united = geos::unite(patches, 1.0);
+    const geos::Result united = geos::unite(fills, 1.0);
     ASSERT_TRUE(united);
-    expect_same_area(add_on_grid(whole, patches), geos::join(whole, *united, 1.0));
+    expect_same_area(add_on_grid(whole, fills), geos::join(whole, *united, 1.0));
   }
 }
 

@@ -25,8 +25,8 @@ using testing::simplified;
 
 using Counter = std::function<std::int64_t(const SimplifyStats&)>;
 
-Counter patches_of_reach(std::size_t k) {
-  return [k](const SimplifyStats& stats) { return stats.merged_by_patch.at(k); };
+Counter fills_of_reach(std::size_t k) {
+  return [k](const SimplifyStats& stats) { return stats.merged_by_gap_fill.at(k); };
 }
 
 struct CounterCase {
@@ -57,7 +57,7 @@ TEST_P(SimplifyCounters, CountWhatWasDone) {
                                            : simplified(row.input, options);
   if (row.domain) testing::expect_sound(result, input.size(), *row.domain, options);
   EXPECT_EQ(row.counter(result.stats), row.value);
-  ASSERT_EQ(result.stats.merged_by_patch.size(), static_cast<std::size_t>(options.growths) + 1);
+  ASSERT_EQ(result.stats.merged_by_gap_fill.size(), static_cast<std::size_t>(options.growths) + 1);
   EXPECT_EQ(result.footprints.size(), row.footprints);
   double sum = 0;
   for (const Polygon& polygon : result.footprints) sum += area(polygon);
@@ -111,14 +111,14 @@ INSTANTIATE_TEST_SUITE_P(
                     .input = {box(0, 0, 10, 10), box(15, 0, 10, 10)},
                     .area = 200,
                     .footprints = 2},
-        CounterCase{.name = "merged_by_patch_1",
-                    .counter = patches_of_reach(1),
+        CounterCase{.name = "merged_by_gap_fill_1",
+                    .counter = fills_of_reach(1),
                     .value = 1,
                     .input = {box(0, 0, 10, 10), box(10.5, 0, 10, 10)},
                     .area = 205},
-        // At the first reach both patches are smaller than a square centimetre.
-        CounterCase{.name = "merged_by_patch_2",
-                    .counter = patches_of_reach(2),
+        // At the first reach both gap fills are smaller than a square centimetre.
+        CounterCase{.name = "merged_by_gap_fill_2",
+                    .counter = fills_of_reach(2),
                     .value = 1,
                     .input = kCorners,
                     .area = 200 + 0.2002 * 0.2002 - 2 * 0.0707 * 0.0707,
@@ -155,8 +155,8 @@ INSTANTIATE_TEST_SUITE_P(
                     .area = kFunnelArea + 28 + 3.3,
                     .tolerance = 0.5},
         // Two squares that meet in a corner; between their walls, 1.1 m from either, the corner of
-        // a third, which is 0.85 m from the patch that joins them.
-        CounterCase{.name = "merged_late_by_patch",
+        // a third, which is 0.85 m from the gap fill that joins them.
+        CounterCase{.name = "merged_late_by_gap_fill",
                     .counter = &SimplifyStats::merged_late,
                     .value = 1,
                     .input = {box(0, 0, 10, 10), box(10, 10, 10, 10), box(-1.1, 11.1, 10, 10)},
@@ -268,9 +268,9 @@ TEST(Simplify, CountersOfFootprintsThatAreFineAreZero) {
   const std::vector<Counter> counters{&SimplifyStats::hulls,
                                       &SimplifyStats::clipped,
                                       &SimplifyStats::merged_by_union,
-                                      patches_of_reach(1),
-                                      patches_of_reach(2),
-                                      patches_of_reach(3),
+                                      fills_of_reach(1),
+                                      fills_of_reach(2),
+                                      fills_of_reach(3),
                                       &SimplifyStats::merged_by_bridge,
                                       &SimplifyStats::merged_by_hulls,
                                       &SimplifyStats::merged_by_hull,
@@ -283,7 +283,7 @@ TEST(Simplify, CountersOfFootprintsThatAreFineAreZero) {
                                       &SimplifyStats::gaps_filled,
                                       &SimplifyStats::arms_cut,
                                       &SimplifyStats::necks_widened,
-                                      &SimplifyStats::corners_blunted,
+                                      &SimplifyStats::corners_chamfered,
                                       &SimplifyStats::local_hulls,
                                       &SimplifyStats::hull_repairs};
   for (std::size_t k = 0; k < counters.size(); ++k) EXPECT_EQ(counters[k](stats), 0) << k;

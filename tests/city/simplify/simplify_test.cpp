@@ -13,7 +13,7 @@
 #include <gtest/gtest.h>
 
 #include "tetropolis/core/error.h"
-#include "tetropolis/core/parallel.h"
+#include "tetropolis/core/threads.h"
 #include "tetropolis/io/vector/vector.h"
 
 #include "city/footprint_checks.h"
@@ -32,7 +32,9 @@ using testing::random_star;
 using testing::simplified;
 using testing::turned;
 
-double kept_change(const Simplification& s) { return s.stats.area_changed - s.stats.area_dropped; }
+double kept_change(const Simplification& s) {
+  return s.stats.symmetric_difference - s.stats.area_dropped;
+}
 
 // --- pairs -----------------------------------------------------------------------------------
 
@@ -41,7 +43,7 @@ TEST(Simplify, LeavesFootprintsThatAreFine) {
   const Simplification result = simplified(input);
   EXPECT_EQ(result.footprints, input);
   EXPECT_EQ(result.flags, (std::vector<std::uint32_t>{0, 0}));
-  EXPECT_EQ(result.stats.area_changed, 0);
+  EXPECT_EQ(result.stats.symmetric_difference, 0);
 }
 
 TEST(Simplify, FillsTheGapBetweenTwoWalls) {
@@ -179,7 +181,7 @@ TEST(Simplify, JoinsBlocksMillimetresApartWithoutHulls) {
                  options);
   ASSERT_EQ(result.footprints.size(), 1U);
   EXPECT_EQ(result.stats.hulls, 0);
-  EXPECT_LT(result.changes[0].distance, 0.5);
+  EXPECT_LT(result.changes[0].hausdorff_distance, 0.5);
 }
 
 TEST(Simplify, WidensCorridorsAlongTheirWalls) {
@@ -200,7 +202,7 @@ TEST(Simplify, WidensCorridorsAlongTheirWalls) {
                                                {}}});
     ASSERT_EQ(result.footprints.size(), 1U) << slope;
     EXPECT_GT(area(result.footprints[0]), 1200) << slope;
-    EXPECT_LT(result.stats.max_distance, 1.0) << slope;
+    EXPECT_LT(result.stats.max_hausdorff_distance, 1.0) << slope;
     EXPECT_LT(kept_change(result), 12) << slope;
   }
 }
@@ -387,15 +389,15 @@ TEST(Simplify, SharpEndsAreCutWhereTheyAreNarrow) {
     const Polygon sharp{{{0, 0}, {60, 0}, {60, base}}, {}};
     const Simplification result = simplified({sharp});
     ASSERT_EQ(result.footprints.size(), 1U);
-    EXPECT_EQ(result.stats.corners_blunted, 1);
+    EXPECT_EQ(result.stats.corners_chamfered, 1);
     EXPECT_GE(sharpest_corner(result), 13);
     EXPECT_NEAR(kept_change(result), 0.5 * length, 0.1);
-    EXPECT_NEAR(result.stats.max_distance, length, 0.1);
+    EXPECT_NEAR(result.stats.max_hausdorff_distance, length, 0.1);
     // As the yard of a block, turned round.
     Polygon block{box(-20, -20, 100, 60).outer, {}};
     block.holes.push_back({sharp.outer.rbegin(), sharp.outer.rend()});
     const Simplification yard = simplified({block});
-    EXPECT_EQ(yard.stats.corners_blunted, 1);
+    EXPECT_EQ(yard.stats.corners_chamfered, 1);
     EXPECT_GE(sharpest_corner(yard), 13);
   }
   // 14 degrees stay.
@@ -556,7 +558,8 @@ TEST(Simplify, StopsWhenAsked) {
   }
 }
 
-/// A corner of a yard that cannot be blunted: it is tried before small ones are dropped, and after.
+/// A corner of a yard that cannot be chamfered: it is tried before small ones are dropped, and
+/// after.
 TEST(Simplify, ProgressNeverGoesBack) {
   const Polygon block{{{0, 0}, {73, 0.6009}, {73, 2.6217}, {0, 3.2227}},
                       {{{1.0004, 1.0804}, {1.0004, 2.1423}, {69, 1.6113}}}};
@@ -603,18 +606,18 @@ TEST(Simplify, StatesHowFarItWent) {
   const Simplification slot =
       simplified({{box(0, 0, 20, 20).outer, {clockwise_box(5, 5, 10, 0.8)}}});
   ASSERT_EQ(slot.changes.size(), 1U);
-  EXPECT_NEAR(slot.changes[0].distance, 0.4, 0.011);
+  EXPECT_NEAR(slot.changes[0].hausdorff_distance, 0.4, 0.011);
   EXPECT_NEAR(slot.changes[0].at.y, 5.4, 0.02);
-  EXPECT_NEAR(slot.changes[0].area, 8, 1e-9);
+  EXPECT_NEAR(slot.changes[0].symmetric_difference, 8, 1e-9);
   // A garden wall of 5 cm and 15 m is cut off.
   const Simplification cut =
       simplified({{{{0, 0}, {10, 0}, {10, 9.95}, {25, 9.95}, {25, 10}, {0, 10}}, {}}});
   ASSERT_EQ(cut.changes.size(), 1U);
-  EXPECT_NEAR(cut.stats.max_distance, 15, 0.02);
+  EXPECT_NEAR(cut.stats.max_hausdorff_distance, 15, 0.02);
   EXPECT_NEAR(cut.changes[0].at.x, 25, 0.02);
   const Simplification nothing = simplified({box(0, 0, 20, 20)});
   ASSERT_EQ(nothing.changes.size(), 1U);
-  EXPECT_EQ(nothing.stats.max_distance, 0);
+  EXPECT_EQ(nothing.stats.max_hausdorff_distance, 0);
 }
 
 /// The largest distance between points of one list of polygons and the other list, over samples.
@@ -655,8 +658,8 @@ TEST(Simplify, WhatTheDomainCutsOffIsNoChange) {
     EXPECT_NE(result.flags[0] & kClipped, 0U);
     EXPECT_NEAR(area(result.footprints[0]), 98 * 98, 0.2);
     EXPECT_NEAR(result.stats.area_before, area(result.footprints[0]), 1e-6);
-    EXPECT_EQ(result.changes[0].distance, 0);
-    EXPECT_NEAR(result.stats.area_changed, 0, 1e-6);
+    EXPECT_EQ(result.changes[0].hausdorff_distance, 0);
+    EXPECT_NEAR(result.stats.symmetric_difference, 0, 1e-6);
   }
 }
 
@@ -692,7 +695,7 @@ TEST(Simplify, AMemberInsideAnotherMayGetAllOfAHouse) {
   EXPECT_NEAR(area(result.footprints[0]), 100, 3);
   EXPECT_NEAR(area(result.footprints[1]), 104, 3);
   EXPECT_NEAR(result.stats.area_before, area(first), 0.01);
-  EXPECT_NEAR(result.changes[1].area, 104 - 16, 3);
+  EXPECT_NEAR(result.changes[1].symmetric_difference, 104 - 16, 3);
 }
 
 TEST(Simplify, OverlappingMembersThatArePartedCountOnce) {
@@ -709,7 +712,7 @@ TEST(Simplify, OverlappingMembersThatArePartedCountOnce) {
   EXPECT_EQ(result.flags, (std::vector<std::uint32_t>{kRepaired | kClipped, kRepaired, kRepaired}));
   EXPECT_NEAR(result.stats.area_before, 95 + 40 + 100 + 40 + 120, 0.02);
   // The two walls, and what of the second house is the first one's.
-  EXPECT_NEAR(result.stats.area_changed, 40 + 40 + 2 * 40, 10);
+  EXPECT_NEAR(result.stats.symmetric_difference, 40 + 40 + 2 * 40, 10);
 }
 
 // --- random and real cities -------------------------------------------------------------------
@@ -794,7 +797,7 @@ TEST(Simplify, StatesHowMuchItChanged) {
   const Simplification result = simplify_footprints(input, domain, options);
   const double sampled = sampled_change(input, result.footprints, domain, 0.1);
   EXPECT_GT(sampled, 50);
-  EXPECT_NEAR(result.stats.area_changed, sampled, 0.03 * sampled);
+  EXPECT_NEAR(result.stats.symmetric_difference, sampled, 0.03 * sampled);
   double after = 0;
   for (const Polygon& polygon : result.footprints) after += area(polygon);
   EXPECT_NEAR(result.stats.area_after, after, 1e-6 * after);
@@ -817,11 +820,11 @@ TEST(Simplify, StatesTheLargestDistance) {
     const double sampled = sampled_distance(before, {result.footprints[k]}, 0.1);
     // Samples miss the tips; edges of members inside their union make the sampled distance of what
     // is filled too low, never too high.
-    EXPECT_LE(sampled, result.changes[k].distance + 0.02) << k;
-    EXPECT_GE(sampled, result.changes[k].distance - 0.4) << k;
-    largest = std::max(largest, result.changes[k].distance);
+    EXPECT_LE(sampled, result.changes[k].hausdorff_distance + 0.02) << k;
+    EXPECT_GE(sampled, result.changes[k].hausdorff_distance - 0.4) << k;
+    largest = std::max(largest, result.changes[k].hausdorff_distance);
   }
-  EXPECT_EQ(result.stats.max_distance, largest);
+  EXPECT_EQ(result.stats.max_hausdorff_distance, largest);
   EXPECT_GT(largest, 0.5);
 }
 
@@ -880,7 +883,8 @@ TEST_P(RealFootprints, KeepTheirShape) {
   }
   EXPECT_LT(kept_change(result), GetParam().largest_change * result.stats.area_before);
   std::vector<double> distances;
-  for (const FootprintChange& change : result.changes) distances.push_back(change.distance);
+  for (const FootprintChange& change : result.changes)
+    distances.push_back(change.hausdorff_distance);
   std::sort(distances.begin(), distances.end());
   EXPECT_LT(distances[(distances.size() * 99 + 99) / 100 - 1], GetParam().distance);
   const auto hulls = std::count_if(result.flags.begin(), result.flags.end(),
@@ -923,7 +927,7 @@ TEST(Simplify, DoesNotDependOnThreads) {
   EXPECT_EQ(one.footprints, four.footprints);
   EXPECT_EQ(one.members, four.members);
   EXPECT_EQ(one.flags, four.flags);
-  EXPECT_EQ(one.stats.area_changed, four.stats.area_changed);
+  EXPECT_EQ(one.stats.symmetric_difference, four.stats.symmetric_difference);
 }
 
 }  // namespace

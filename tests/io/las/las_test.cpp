@@ -16,7 +16,7 @@
 #include <gtest/gtest.h>
 #include <laszip/laszip_api.h>
 
-#include "tetropolis/core/parallel.h"
+#include "tetropolis/core/threads.h"
 #include "tetropolis/io/crs/crs.h"
 
 #include "io/las/las_decode.h"

@@ -5,7 +5,7 @@
 
 #include <gtest/gtest.h>
 
-#include "tetropolis/core/parallel.h"
+#include "tetropolis/core/threads.h"
 #include "tetropolis/io/mesh/gltf.h"
 #include "tetropolis/io/mesh/msh.h"
 #include "tetropolis/io/mesh/obj.h"

@@ -12,7 +12,7 @@
 #include <zlib.h>
 
 #include "tetropolis/core/error.h"
-#include "tetropolis/core/parallel.h"
+#include "tetropolis/core/threads.h"
 #include "tetropolis/io/mesh/stl.h"
 
 #include "io/limited_memory.h"

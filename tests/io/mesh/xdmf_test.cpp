@@ -12,7 +12,7 @@
 #include <sys/resource.h>
 #include <sys/stat.h>
 
-#include "tetropolis/core/parallel.h"
+#include "tetropolis/core/threads.h"
 
 #include "mesh_bytes.h"
 #include "support/test_data.h"

@@ -7,7 +7,7 @@
 
 #include <gtest/gtest.h>
 
-#include "tetropolis/core/parallel.h"
+#include "tetropolis/core/threads.h"
 
 #include "support/small_city.h"
 #include "support/test_data.h"

@@ -5,7 +5,7 @@
 
 #include <gtest/gtest.h>
 
-#include "tetropolis/core/parallel.h"
+#include "tetropolis/core/threads.h"
 
 #include "support/small_city.h"
 

@@ -14,7 +14,7 @@ namespace tetropolis {
 
 struct SimplifyOptions {
   double min_distance = 1.0;  ///< Epsilon, metres; 0.01 to 1000.
-  int growths = 3;            ///< How many reaches are tried for patches that join polygons:
+  int growths = 3;            ///< How many reaches are tried for gap fills that join polygons:
                               ///< the distance, twice that, and so on; >= 1.
   double min_area = 15;       ///< Square metres; smaller results are dropped.
   double parallel_tolerance =
@@ -25,9 +25,9 @@ struct SimplifyOptions {
 /// boundary (what lies outside is no error of the simplification). Where a repair has parted
 /// members that overlap, what they have in common counts for one of them.
 struct FootprintChange {
-  double area = 0;      ///< Of the symmetric difference, square metres.
-  double distance = 0;  ///< Hausdorff distance of the two regions, metres, to a centimetre.
-  Point2 at;            ///< Where that is: a point of one, farthest from the other.
+  double symmetric_difference = 0;  ///< Its area, square metres.
+  double hausdorff_distance = 0;    ///< Of the two regions, symmetric; metres, to a centimetre.
+  Point2 at;                        ///< Where that is: a point of one, farthest from the other.
 };
 
 /// An input footprint that is in no output, and why (one short clause).
@@ -37,32 +37,33 @@ struct DroppedFootprint {
 };
 
 struct SimplifyStats {
-  double area_before = 0;   ///< Of the union of all members and of what is dropped, square metres.
-  double area_after = 0;    ///< Of all output footprints.
-  double area_changed = 0;  ///< Symmetric difference between the two, dropped ones included.
-  double area_dropped = 0;  ///< Part of area_changed: of input that is in no output.
-  double max_distance = 0;  ///< Largest FootprintChange::distance.
-  std::int64_t hulls = 0;   ///< Outputs with the flag kConvexHull.
+  double area_before = 0;  ///< Of the union of all members and of what is dropped, square metres.
+  double area_after = 0;   ///< Of all output footprints.
+  double symmetric_difference = 0;  ///< Between the two, dropped ones included.
+  double area_dropped = 0;  ///< Part of symmetric_difference: of input that is in no output.
+  double max_hausdorff_distance = 0;  ///< Largest of all footprints.
+  std::int64_t hulls = 0;             ///< Outputs with the flag kConvexHull.
 
   std::int64_t groups = 0;           ///< Groups closer than epsilon in the input, single ones too.
   std::int64_t merged_by_union = 0;  ///< Groups of several, by the resort that joined them.
-  std::vector<std::int64_t> merged_by_patch;  ///< Index k: with patches of the k-th reach, from 1.
-  std::int64_t merged_by_bridge = 0;          ///< By boxes across the narrowest places.
-  std::int64_t merged_by_hulls = 0;           ///< By the union of the parts' convex hulls.
-  std::int64_t merged_by_hull = 0;            ///< By the convex hull of all.
-  std::int64_t merged_late = 0;  ///< Groups fewer, by joining what patches and repairs had brought
-                                 ///< close.
+  std::vector<std::int64_t>
+      merged_by_gap_fill;             ///< Index k: with gap fills of the k-th reach, from 1.
+  std::int64_t merged_by_bridge = 0;  ///< By boxes across the narrowest places.
+  std::int64_t merged_by_hulls = 0;   ///< By the union of the parts' convex hulls.
+  std::int64_t merged_by_hull = 0;    ///< By the convex hull of all.
+  std::int64_t merged_late = 0;       ///< Groups fewer, by joining what gap fills and repairs had
+                                      ///< brought close.
 
   std::int64_t vertices_dropped = 0;
   std::int64_t edges_merged = 0;  ///< Short edges replaced by one vertex.
   std::int64_t edges_slid = 0;    ///< Short edges lengthened along the adjoining walls.
   std::int64_t vertices_moved = 0;
   std::int64_t holes_filled = 0;  ///< Courtyards filled by repairs of vertices.
-  std::int64_t gaps_filled = 0;   ///< Patches put into gaps, notches and slots.
-  std::int64_t arms_cut = 0;      ///< Patches taken out of necks and thin arms.
+  std::int64_t gaps_filled = 0;   ///< Gap fills put into gaps, notches and slots.
+  std::int64_t arms_cut = 0;      ///< Gap fills taken out of necks and thin arms.
   std::int64_t necks_widened = 0;
-  std::int64_t corners_blunted = 0;  ///< Sharp corners that lost the tip that is too narrow.
-  std::int64_t local_hulls = 0;      ///< Close pairs covered by the hull of their surroundings.
+  std::int64_t corners_chamfered = 0;  ///< Sharp corners that lost the tip that is too narrow.
+  std::int64_t local_hulls = 0;        ///< Close pairs covered by the hull of their surroundings.
   std::int64_t hull_repairs = 0;  ///< Times that a whole outline was replaced by its convex hull.
   std::int64_t clipped = 0;       ///< Footprints cut back from the domain's boundary.
   int rounds = 0;                 ///< Rounds of repair until nothing was too close.
@@ -99,17 +100,17 @@ struct Simplification {
 /// it would be left). What is cut off so is not counted as changed.
 ///
 /// The method goes beyond Naserentin and Logg (2022), Algorithms 1 to 3, by taking two concerns
-/// apart: polygons closer than min_distance are joined by union and patches (merge_polygons.h);
+/// apart: polygons closer than min_distance are joined by union and gap fills (merge_polygons.h);
 /// then features too close within one outline are repaired where they are (repair.h), and what that
-/// leaves is filled, cut or widened by patches. A building that loses more than half of its area
+/// leaves is filled, cut or widened by gap fills. A building that loses more than half of its area
 /// so, because neither its wings nor its courtyards are wide enough, becomes a block without
 /// courtyards, where that changes less. It ends because rounds are bounded: in the first
-/// rounds patches reach twice as far each time; then places are covered by the hull of everything
+/// rounds gap fills reach twice as far each time; then places are covered by the hull of everything
 /// within a distance that doubles; at last every group that still has too close features becomes
 /// its convex hull, whose short edges drop away until it is clear or vanishes, and hulls that come
 /// close to others unite with them to one hull, which lowers the number of groups each time. Last,
 /// corners sharper than 13.5 degrees are filled or cut where they are narrower than min_distance
-/// (blunt_corners.h), as far as clearance allows.
+/// (chamfer.h), as far as clearance allows.
 /// Throws Error(kUsage) for options out of range, Cancelled through `progress`.
 Simplification simplify_footprints(std::span<const Polygon> cleaned, const Bounds2& domain,
                                    const SimplifyOptions& options, const Progress& progress = {});

@@ -10,8 +10,7 @@
 
 #include <fmt/format.h>
 
-#include "tetropolis/core/text.h"
-
+#include "core/text.h"
 #include "io/file/positioned_file.h"
 
 namespace tetropolis {

@@ -1,0 +1,53 @@
+// Ground points that cannot be ground: birds, pits, multiple echoes.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+#include "tetropolis/core/progress.h"
+#include "tetropolis/geometry/point_cloud.h"
+#include "tetropolis/geometry/types.h"
+
+namespace tetropolis {
+
+struct GroundOutlierOptions {
+  std::vector<std::uint8_t> classes{2, 9};  ///< Classes that count as ground.
+  double height = 3.0;             ///< Metres above or below the surroundings from which on, > 0.
+  double spreads = 6.0;            ///< And how many times the median deviation there, >= 0.
+  std::optional<Point2> anchor{};  ///< A corner of the cells, local frame; without one, that of the
+                                   ///< box around the ground points.
+};
+
+/// Indices of single ground points far above or below their neighbourhood, ascending.
+///
+/// The neighbourhood of a point are the ground points in its cell of 4 m and the 8 around it; if
+/// these hold fewer than 9, cells of 16, 64, 256, 1024 m. A point is an outlier if all hold:
+/// - it is further than `height` and than `spreads` median absolute deviations from the median
+///   height there (Hampel, "The influence curve and its role in robust estimation", 1974);
+/// - it is alone: points at most 1 m higher or lower, itself included, occupy at most 3 of the
+///   144 squares, a quarter of the cell wide, that the neighbourhood consists of; only one, if
+///   there are fewer points than squares;
+/// - no point that is not alone lies even further from the median on the same side.
+/// So quays, cliffs and quarry walls stay, however high: what is below them, and above, is not
+/// alone, and what is alone lies between. Copies of a point are as alone as the point itself; where
+/// points are counted, they count. A point without 8 others within 3 km of it is never an outlier.
+///
+/// Locality: with an anchor, whether a point is an outlier depends on the points in its
+/// neighbourhood only: within 8 m, and where these are fewer than 9 further, up to 2 km. Without
+/// one, also on how far the ground points reach, since cells begin there. Where they reach so far
+/// that cells have to grow (more than 32 km across), on that, too.
+///
+/// The same for any number of threads. Linear in points where the ground is dense, but for sorting
+/// the few neighbourhoods in which something is far from the median; each coarser size of cells
+/// that is needed is one more pass. Memory: 12 bytes per ground point, 1 per point and 8 per cell
+/// (as many as the extent holds, at most 2^26: cells grow where there would be more); and, per
+/// thread, up to 50 for each point of a neighbourhood, which around points that lie far apart from
+/// all others may be most of the cloud.
+/// Throws Error(kInput) for 2^32 points or more, and Cancelled.
+std::vector<std::uint32_t> find_ground_outliers(const PointCloud& cloud,
+                                                const GroundOutlierOptions& options = {},
+                                                const Progress& progress = {});
+
+}  // namespace tetropolis
