@@ -19,8 +19,8 @@ namespace tetropolis {
 namespace {
 
 // Adds a ring, directed so that the building lies on the left of its segments.
-void add_ring(const Ring& ring, bool is_hole, std::int32_t building, const Bounds2& domain,
-              const GroundMeshOptions& options, PlanarGraph& graph) {
+void add_ring(const Ring& ring, bool is_hole, RegionIndex building, RegionIndex outside,
+              const Bounds2& domain, const GroundMeshOptions& options, PlanarGraph& graph) {
   const auto first = static_cast<VertexIndex>(graph.points.size());
   const auto n = static_cast<VertexIndex>(ring.size());
   const bool turn = (signed_area(ring) > 0) == is_hole;
@@ -36,8 +36,7 @@ void add_ring(const Ring& ring, bool is_hole, std::int32_t building, const Bound
     graph.points.push_back(p);
     const VertexIndex a = first + i, b = first + (i + 1 == n ? 0 : i + 1);
     graph.segments.push_back(turn ? std::array{b, a} : std::array{a, b});
-    graph.segment_markers.push_back(building);
-    graph.segment_sides.push_back({building, kNoBuilding});
+    graph.segment_sides.push_back({building, outside});
     if (options.wall_edge)
       graph.segment_max_edge.push_back(
           options.wall_edge(building, p, ring[static_cast<std::size_t>(i + 1 == n ? 0 : i + 1)]));
@@ -46,6 +45,7 @@ void add_ring(const Ring& ring, bool is_hole, std::int32_t building, const Bound
 
 PlanarGraph make_graph(std::span<const Polygon> footprints, const Bounds2& domain,
                        const GroundMeshOptions& options) {
+  const auto open_ground = static_cast<RegionIndex>(footprints.size());
   PlanarGraph graph;
   graph.points = {{domain.xmin, domain.ymin},
                   {domain.xmax, domain.ymin},
@@ -53,8 +53,7 @@ PlanarGraph make_graph(std::span<const Polygon> footprints, const Bounds2& domai
                   {domain.xmin, domain.ymax}};
   for (VertexIndex i = 0; i < 4; ++i) {
     graph.segments.push_back({i, (i + 1) % 4});
-    graph.segment_markers.push_back(kNoBuilding);
-    graph.segment_sides.push_back({kNoBuilding, kUnmarkedSide});
+    graph.segment_sides.push_back({open_ground, kUnmarkedSide});
     if (options.wall_edge) graph.segment_max_edge.push_back(options.mesh_size);
   }
   // Along the curve, whatever the order of the input: what is near is meshed soon after.
@@ -67,8 +66,9 @@ PlanarGraph make_graph(std::span<const Polygon> footprints, const Bounds2& domai
       keys[f] = curve(outer[0]);
   for (const std::int32_t building : sorted_order(keys)) {
     const Polygon& footprint = footprints[static_cast<std::size_t>(building)];
-    add_ring(footprint.outer, false, building, domain, options, graph);
-    for (const Ring& hole : footprint.holes) add_ring(hole, true, building, domain, options, graph);
+    add_ring(footprint.outer, false, building, open_ground, domain, options, graph);
+    for (const Ring& hole : footprint.holes)
+      add_ring(hole, true, building, open_ground, domain, options, graph);
   }
   return graph;
 }
@@ -133,7 +133,13 @@ GroundMesh mesh_ground(std::span<const Polygon> footprints, const Bounds2& domai
   refinement.min_angle_deg = options.min_angle_deg;
   refinement.max_edge = options.mesh_size;
   refinement.elevation = options.elevation;
-  return renumber(refine(make_graph(footprints, domain, options), refinement, progress), domain);
+  std::vector<Region> regions = regions_of_buildings(footprints.size());
+  for (const Region& region : regions)
+    refinement.off_terrain.push_back(region.is_building() ? 1 : 0);
+  GroundMesh mesh =
+      renumber(refine(make_graph(footprints, domain, options), refinement, progress), domain);
+  mesh.regions = std::move(regions);
+  return mesh;
 }
 
 }  // namespace tetropolis

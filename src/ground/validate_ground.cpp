@@ -67,8 +67,8 @@ void check_domain(const GroundMesh& mesh, const Bounds2& domain, Violations& fou
 void check_areas(const GroundMesh& mesh, std::span<const Polygon> footprints, Violations& found) {
   std::vector<double> covered(footprints.size(), 0);
   for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
-    const BuildingIndex b = mesh.region[t];
-    if (b == kNoBuilding) continue;
+    if (!mesh.inside_building(t)) continue;
+    const BuildingIndex b = mesh.region_of(t).building;
     if (b < 0 || b >= static_cast<BuildingIndex>(footprints.size())) {
       found.push_back(fmt::format("triangle {}: there is no building {}", t, b));
       return;
@@ -145,6 +145,11 @@ Violations validate(const GroundMesh& mesh, std::span<const Polygon> footprints,
                     const Bounds2& domain, const GroundMeshOptions& options) {
   Violations found = check_topology(mesh.vertices, mesh.triangles);
   if (mesh.region.size() != mesh.triangles.size()) found.push_back("not one region per triangle");
+  for (const RegionIndex r : mesh.region)
+    if (r < 0 || static_cast<std::size_t>(r) >= mesh.regions.size()) {
+      found.push_back(fmt::format("there is no region {}", r));
+      break;
+    }
   if (!found.empty()) return found;
   const Segments segments = region_boundaries(mesh);
   check_domain(mesh, domain, found);

@@ -2,10 +2,12 @@
 #pragma once
 
 #include <array>
+#include <cstddef>
 #include <cstdint>
 #include <vector>
 
 #include "tetropolis/geometry/types.h"
+#include "tetropolis/ground/region.h"
 
 namespace tetropolis {
 
@@ -13,11 +15,17 @@ namespace tetropolis {
 struct GroundMesh {
   std::vector<Point2> vertices;                       ///< Local frame, metres.
   std::vector<std::array<VertexIndex, 3>> triangles;  ///< Counter-clockwise.
-  std::vector<BuildingIndex> region;                  ///< Per triangle: the building whose
-                                                      ///< footprint it lies in, or kNoBuilding.
+  std::vector<RegionIndex> region;                    ///< Per triangle: index in `regions`.
+  std::vector<Region> regions;          ///< Building parts first, by building; then the others.
   std::int64_t small_input_angles = 0;  ///< Corners of the input sharper than the minimum angle.
   /// Triangles below it: at such corners, and across from them (see refine.h).
   std::int64_t triangles_below_min_angle = 0;
+
+  const Region& region_of(std::size_t t) const {
+    return regions[static_cast<std::size_t>(region[t])];
+  }
+  /// Whether triangle t lies in a footprint.
+  bool inside_building(std::size_t t) const { return region_of(t).is_building(); }
 };
 
 }  // namespace tetropolis

@@ -20,8 +20,8 @@ struct GroundMeshOptions {
   std::function<double(Point2)> elevation = {};
 };
 
-/// Meshes the rectangle `domain`, inside and outside of the footprints. `region` holds the index in
-/// `footprints`, and kNoBuilding outside of them and in their courtyards.
+/// Meshes the rectangle `domain`, inside and outside of the footprints. Region b is footprint b,
+/// the last one the open ground around them and in their courtyards (regions_of_buildings).
 ///
 /// Precondition: rings are simple; footprints do not overlap, best with some clearance (the gap
 /// sets the edge length in it), and lie strictly inside of the domain. Orientation is free.

@@ -31,10 +31,10 @@ void add_floor_and_top(const ColumnMesh& mesh, const std::vector<NodeIndex>& cel
                        FaceLists& faces) {
   for (std::size_t t = 0; t < mesh.triangle_count(); ++t) {
     const auto& v = mesh.ground.triangles[t];
-    const BuildingIndex building = mesh.ground.region[t];
-    faces.add(
-        building == kNoBuilding ? Patch::kGround : Patch::kRoof,
-        {{mesh.floor(t, v[0]), mesh.floor(t, v[2]), mesh.floor(t, v[1])}, cells[t], building});
+    const Region& region = mesh.ground.region_of(t);
+    faces.add(region.floor, {{mesh.floor(t, v[0]), mesh.floor(t, v[2]), mesh.floor(t, v[1])},
+                             cells[t],
+                             region.building});
     faces.add(Patch::kTop,
               {{mesh.top(v[0]), mesh.top(v[1]), mesh.top(v[2])}, cells[t + 1] - 1, kNoBuilding});
   }
@@ -99,7 +99,8 @@ void add_sides(const ColumnMesh& mesh, const std::vector<NodeIndex>& cells, cons
     if (mesh.inside_building(t0) == mesh.inside_building(t1)) continue;
     const std::size_t air = mesh.inside_building(t0) ? t1 : t0;
     const std::size_t inside = mesh.inside_building(t0) ? t0 : t1;
-    add_side(mesh, cells[air], air, e, {Patch::kWall, mesh.ground.region[inside]}, faces);
+    add_side(mesh, cells[air], air, e, {Patch::kWall, mesh.ground.region_of(inside).building},
+             faces);
   }
 }
 

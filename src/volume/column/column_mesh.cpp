@@ -36,7 +36,7 @@ void require_flat_roofs(const ColumnMesh& mesh) {
   std::vector<double> roofs;
   for (std::size_t t = 0; t < mesh.triangle_count(); ++t) {
     if (!mesh.inside_building(t)) continue;
-    const auto b = static_cast<std::size_t>(mesh.ground.region[t]);
+    const auto b = static_cast<std::size_t>(mesh.ground.region_of(t).building);
     if (b >= roofs.size()) roofs.resize(b + 1, std::numeric_limits<double>::quiet_NaN());
     for (const VertexIndex v : mesh.ground.triangles[t]) {
       const double z = mesh.z[static_cast<std::size_t>(mesh.floor(t, v))];

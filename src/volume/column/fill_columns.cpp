@@ -153,7 +153,7 @@ double wall_below(double buried, double distance) {
 std::vector<double> ground_rise(const GroundMesh& mesh, std::span<const double> ground) {
   std::vector<double> rise(mesh.vertices.size(), 0.0);
   for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
-    if (mesh.region[t] != kNoBuilding) continue;
+    if (mesh.inside_building(t)) continue;
     double highest = -kInfinity;
     for (const VertexIndex v : mesh.triangles[t])
       highest = std::max(highest, ground[static_cast<std::size_t>(v)]);

@@ -14,14 +14,15 @@ namespace tetropolis {
 std::vector<BuildingIndex> vertex_buildings(const GroundMesh& mesh) {
   std::vector<BuildingIndex> building(mesh.vertices.size(), kNoBuilding);
   for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
-    if (mesh.region[t] == kNoBuilding) continue;
+    if (!mesh.inside_building(t)) continue;
+    const BuildingIndex own = mesh.region_of(t).building;
     for (const VertexIndex v : mesh.triangles[t]) {
       BuildingIndex& owner = building[static_cast<std::size_t>(v)];
-      if (owner != kNoBuilding && owner != mesh.region[t])
+      if (owner != kNoBuilding && owner != own)
         throw Error(ErrorKind::kGuarantee, "ground mesh: vertex " + std::to_string(v) +
                                                " belongs to buildings " + std::to_string(owner) +
-                                               " and " + std::to_string(mesh.region[t]));
-      owner = mesh.region[t];
+                                               " and " + std::to_string(own));
+      owner = own;
     }
   }
   return building;
@@ -30,7 +31,7 @@ std::vector<BuildingIndex> vertex_buildings(const GroundMesh& mesh) {
 std::vector<std::uint8_t> outside_vertices(const GroundMesh& mesh) {
   std::vector<std::uint8_t> outside(mesh.vertices.size(), 0);
   for (std::size_t t = 0; t < mesh.triangles.size(); ++t)
-    if (mesh.region[t] == kNoBuilding)
+    if (!mesh.inside_building(t))
       for (const VertexIndex v : mesh.triangles[t]) outside[static_cast<std::size_t>(v)] = 1;
   return outside;
 }

@@ -112,7 +112,7 @@ void trim(LayeredMesh& mesh, std::span<const BuildingIndex> building,
 
   std::fill(mesh.first_node.begin(), mesh.first_node.end(), mesh.layers);
   for (std::size_t t = 0; t < mesh.triangle_count(); ++t) {
-    const BuildingIndex b = mesh.ground.region[t];
+    const BuildingIndex b = mesh.ground.region_of(t).building;
     mesh.first_layer[t] = b == kNoBuilding ? 0 : roof_layer[static_cast<std::size_t>(b)];
     for (const VertexIndex v : mesh.ground.triangles[t]) {
       auto& first = mesh.first_node[static_cast<std::size_t>(v)];

@@ -75,6 +75,7 @@ TEST(GroundHeights, RefuseBuildingsThatTouch) {
   mesh.vertices = {{0, 0}, {1, 0}, {0, 1}, {1, 1}};
   mesh.triangles = {{0, 1, 2}, {1, 3, 2}};
   mesh.region = {0, 1};
+  mesh.regions = regions_of_buildings(2);
   EXPECT_THROW(vertex_buildings(mesh), Error);
 }
 

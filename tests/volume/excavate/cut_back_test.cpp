@@ -87,7 +87,7 @@ TEST(CutBack, GroundRisesFromTheRoofAsAsked) {
       int beside = 0;
       // No triangle outside is steeper than asked between what was lowered and what it came from.
       for (std::size_t t = 0; t < basin.mesh.triangles.size(); ++t) {
-        if (basin.mesh.region[t] != kNoBuilding) continue;
+        if (basin.mesh.inside_building(t)) continue;
         for (const VertexIndex a : basin.mesh.triangles[t])
           for (const VertexIndex b : basin.mesh.triangles[t]) {
             const auto u = static_cast<std::size_t>(a), v = static_cast<std::size_t>(b);
@@ -259,7 +259,7 @@ TEST(CutBack, GroundRisesFromTheFootOfACliffAsAsked) {
     }
     EXPECT_GT(lowered, 20);
     for (std::size_t t = 0; t < cliff.mesh.triangles.size(); ++t)
-      for (std::size_t i = 0; i < 3 && cliff.mesh.region[t] == kNoBuilding; ++i) {
+      for (std::size_t i = 0; i < 3 && !cliff.mesh.inside_building(t); ++i) {
         auto u = static_cast<std::size_t>(cliff.mesh.triangles[t][i]);
         auto v = static_cast<std::size_t>(cliff.mesh.triangles[t][(i + 1) % 3]);
         if (ground[u] > ground[v]) std::swap(u, v);
@@ -289,7 +289,7 @@ TEST(CutBack, MarksTheFeetOfCliffsWithBadCells) {
         ++bad;
         const auto t = static_cast<std::size_t>(cell.triangle);
         bad_triangles[t] = 1;
-        if (result.mesh.ground.region[t] != kNoBuilding) continue;
+        if (result.mesh.ground.inside_building(t)) continue;
         // The steepest direction, by looking into all of them.
         std::array<Point3, 3> p;
         for (std::size_t i = 0; i < 3; ++i) {
@@ -338,7 +338,8 @@ TEST(CutBack, CutsBackWhatRisesBeforeTheMiddleOfASunkenWall) {
   GroundMesh mesh;
   mesh.vertices = {{0, 0}, {2.4, 0}, {1.2, 0.6}, {1.2, -2}};
   mesh.triangles = {{0, 1, 2}, {1, 0, 3}};
-  mesh.region = {kNoBuilding, 0};
+  mesh.region = {1, 0};
+  mesh.regions = regions_of_buildings(1);
   ColumnPlan plan;
   plan.ground = {-1.7, -1.7, 0, -1.7};
   plan.roofs = {-0.7};
@@ -409,7 +410,7 @@ TEST(CutBack, MarksTheRoofsWithBadCellsBesideThem) {
       if (cell.min_dihedral_deg >= least && cell.max_dihedral_deg <= 159.5) continue;
       const auto t = static_cast<std::size_t>(cell.triangle);
       bad[t] = 1;
-      if (result.mesh.ground.region[t] != kNoBuilding) continue;
+      if (result.mesh.ground.inside_building(t)) continue;
       const auto& corners = result.mesh.ground.triangles[t];
       for (const VertexIndex v : corners) {
         const BuildingIndex b = result.plan.building[static_cast<std::size_t>(v)];

@@ -7,22 +7,12 @@
 #include <string_view>
 #include <vector>
 
+#include "tetropolis/geometry/patch.h"
 #include "tetropolis/geometry/types.h"
 #include "tetropolis/volume/column/column_mesh.h"
 
 namespace tetropolis {
 
-/// What a boundary face belongs to. The numbers are those written to files.
-enum class Patch : std::int32_t {
-  kGround = 1,
-  kRoof = 2,
-  kWall = 3,
-  kTop = 4,
-  kXMin = 5,
-  kXMax = 6,
-  kYMin = 7,
-  kYMax = 8,
-};
 inline constexpr int kPatchCount = 8;
 
 /// "ground", "roof", "wall", "top", "xmin", "xmax", "ymin", "ymax".

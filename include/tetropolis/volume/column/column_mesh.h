@@ -53,7 +53,7 @@ struct ColumnMesh {
   std::size_t triangle_count() const { return ground.triangles.size(); }
   NodeIndex node_count() const { return first.back(); }
   NodeIndex top(VertexIndex v) const { return first[static_cast<std::size_t>(v) + 1] - 1; }
-  bool inside_building(std::size_t t) const { return ground.region[t] != kNoBuilding; }
+  bool inside_building(std::size_t t) const { return ground.inside_building(t); }
   /// The node that triangle t's stack starts at over its corner v.
   NodeIndex floor(std::size_t t, VertexIndex v) const {
     const auto i = static_cast<std::size_t>(v);
