@@ -97,9 +97,9 @@ Columns smooth_columns(const Config& config, const CityModel& city, const Raster
       });
   keep_solver("3.3", to_ground, report);
   clock.run("3.4", "trim buildings",
-            [&](const Progress&) { trim(layered, plan.building, plan.roofs); });
+            [&](const Progress&) { trim(layered, plan.lowest_roof, plan.roofs); });
   const SmoothReport to_roofs = clock.run("3.5", "smooth to roofs", [&](const Progress& progress) {
-    return smooth_to_roofs(layered, plan.building, plan.roofs, options, progress);
+    return smooth_to_roofs(layered, plan.lowest_roof, plan.roofs, options, progress);
   });
   keep_solver("3.5", to_roofs, report);
   if (config.layering == Layering::kUniform)

@@ -4,6 +4,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include "tetropolis/geometry/types.h"
@@ -27,5 +28,27 @@ struct GroundMesh {
   /// Whether triangle t lies in a footprint.
   bool inside_building(std::size_t t) const { return region_of(t).is_building(); }
 };
+
+/// The regions around each vertex: those of the triangles it is a corner of.
+struct VertexRegions {
+  std::vector<std::int32_t> first;   ///< V + 1 offsets into `regions`.
+  std::vector<RegionIndex> regions;  ///< Ascending at each vertex.
+
+  std::span<const RegionIndex> at(std::size_t v) const {
+    return std::span(regions).subspan(static_cast<std::size_t>(first[v]), count(v));
+  }
+  std::size_t count(std::size_t v) const {
+    return static_cast<std::size_t>(first[v + 1] - first[v]);
+  }
+  /// Where `region` stands in `regions` for vertex v. Precondition: it is around v.
+  std::size_t find(RegionIndex region, std::size_t v) const {
+    auto i = static_cast<std::size_t>(first[v]);
+    while (regions[i] != region) ++i;
+    return i;
+  }
+};
+
+/// Time and memory linear in the mesh.
+VertexRegions regions_at_vertices(const GroundMesh& mesh);
 
 }  // namespace tetropolis

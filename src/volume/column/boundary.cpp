@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <string>
+#include <utility>
 
 #include "tetropolis/core/error.h"
 #include "tetropolis/core/parallel.h"
@@ -32,9 +33,10 @@ void add_floor_and_top(const ColumnMesh& mesh, const std::vector<NodeIndex>& cel
   for (std::size_t t = 0; t < mesh.triangle_count(); ++t) {
     const auto& v = mesh.ground.triangles[t];
     const Region& region = mesh.ground.region_of(t);
-    faces.add(region.floor, {{mesh.floor(t, v[0]), mesh.floor(t, v[2]), mesh.floor(t, v[1])},
-                             cells[t],
-                             region.building});
+    faces.add(region.floor,
+              {{mesh.floor_over(t, v[0]), mesh.floor_over(t, v[2]), mesh.floor_over(t, v[1])},
+               cells[t],
+               region.building});
     faces.add(Patch::kTop,
               {{mesh.top(v[0]), mesh.top(v[1]), mesh.top(v[2])}, cells[t + 1] - 1, kNoBuilding});
   }
@@ -53,14 +55,15 @@ Patch side_of_domain(const ColumnMesh& mesh, const Bounds2& domain, std::size_t 
                                          " is not on a side of the domain");
 }
 
-/// What the faces over an edge are tagged with.
+/// What the faces over an edge are tagged with, and the nodes they end at over its two vertices.
 struct Side {
   Patch patch;
   BuildingIndex building;
+  std::array<NodeIndex, 2> end;
 };
 
-/// Faces of the cells over triangle t on the vertical side over edge e: up to the roof if there is
-/// a building on the other side, else up to the top.
+/// Faces of the cells over triangle t on the vertical side over edge e; none where the triangle's
+/// floor is not below the side's end.
 void add_side(const ColumnMesh& mesh, NodeIndex first_cell, std::size_t t, std::size_t e,
               const Side& side, FaceLists& faces) {
   const auto& corners = mesh.ground.triangles[t];
@@ -71,11 +74,8 @@ void add_side(const ColumnMesh& mesh, NodeIndex first_cell, std::size_t t, std::
          std::max(corners[i], corners[(i + 1) % 3]) != b)
     ++i;
   const std::size_t j = (i + 1) % 3;
-  const auto end_of = [&](VertexIndex v) {
-    const auto at = static_cast<std::size_t>(v);
-    return side.building == kNoBuilding ? mesh.top(v) : mesh.first[at] + mesh.roof[at];
-  };
-  const NodeIndex end_i = end_of(corners[i]), end_j = end_of(corners[j]);
+  const NodeIndex end_i = side.end[corners[i] == a ? 0 : 1];
+  const NodeIndex end_j = side.end[corners[j] == a ? 0 : 1];
   NodeIndex cell = first_cell;
   Climb<3> front = climb_triangle(mesh, t);
   while (front.at(i) < end_i || front.at(j) < end_j) {
@@ -91,16 +91,21 @@ void add_sides(const ColumnMesh& mesh, const std::vector<NodeIndex>& cells, cons
                FaceLists& faces) {
   for (std::size_t e = 0; e < mesh.edges.size(); ++e) {
     const auto [first, second] = mesh.edges.triangles[e];
+    const auto [a, b] = mesh.edges.vertices[e];
     const auto t0 = static_cast<std::size_t>(first), t1 = static_cast<std::size_t>(second);
     if (second == kNoTriangle) {
-      add_side(mesh, cells[t0], t0, e, {side_of_domain(mesh, domain, e), kNoBuilding}, faces);
+      const std::array top{mesh.top(a), mesh.top(b)};
+      add_side(mesh, cells[t0], t0, e, {side_of_domain(mesh, domain, e), kNoBuilding, top}, faces);
       continue;
     }
-    if (mesh.inside_building(t0) == mesh.inside_building(t1)) continue;
-    const std::size_t air = mesh.inside_building(t0) ? t1 : t0;
-    const std::size_t inside = mesh.inside_building(t0) ? t0 : t1;
-    add_side(mesh, cells[air], air, e, {Patch::kWall, mesh.ground.region_of(inside).building},
-             faces);
+    if (mesh.ground.region[t0] == mesh.ground.region[t1]) continue;
+    // A wall belongs to the building whose floor is the higher one.
+    for (const auto& [air, behind] : {std::pair(t0, t1), std::pair(t1, t0)})
+      add_side(mesh, cells[air], air, e,
+               {Patch::kWall,
+                mesh.ground.region_of(behind).building,
+                {mesh.floor_over(behind, a), mesh.floor_over(behind, b)}},
+               faces);
   }
 }
 

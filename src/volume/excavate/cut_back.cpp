@@ -169,7 +169,8 @@ CutSources Cut::sources() const {
     if (has_lowered_[v] == 0) continue;
     if (is_foot(v))
       sources.feet.push_back({mesh_.vertices[v].x, mesh_.vertices[v].y, marks_.feet[v]});
-    if (is_at_marked_roof(v)) sources.roofs.push_back(building_[v]);
+    if (is_at_marked_roof(v))
+      sources.roofs.push_back(mesh_.regions[static_cast<std::size_t>(building_[v])].building);
   }
   sort_once(sources.roofs);
   return sources;

@@ -2,6 +2,10 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
+#include <string>
+#include <utility>
+#include <vector>
 
 #include <gtest/gtest.h>
 
@@ -12,6 +16,8 @@
 #include "check/check_same_boundary.h"
 #include "support/explicit_mesh.h"
 #include "support/small_city.h"
+#include "volume/column/fill_columns.h"
+#include "volume/column/ground_heights.h"
 
 namespace tetropolis {
 namespace {
@@ -81,6 +87,95 @@ TEST(Boundary, EveryBuildingHasRoofAndWallsOfItsOwn) {
         footprint += (u.x * v.y - v.x * u.y) / 2;
       }
     EXPECT_NEAR(roof, footprint, 1e-6);
+  }
+}
+
+/// A grid of squares of 4 m on a slope. The letters are building parts (`roofs`: elevations), the
+/// dots open ground. Rows go south.
+struct PartyWalls {
+  ColumnMesh mesh;
+  ColumnPlan plan;
+
+  PartyWalls(const std::vector<std::string>& rows, std::vector<double> roofs) {
+    GroundMesh ground;
+    ground.regions = regions_of_buildings(roofs.size());
+    const auto nx = static_cast<VertexIndex>(rows[0].size());
+    const auto ny = static_cast<VertexIndex>(rows.size());
+    for (VertexIndex j = 0; j <= ny; ++j)
+      for (VertexIndex i = 0; i <= nx; ++i) ground.vertices.push_back({4.0 * i, 4.0 * (ny - j)});
+    for (VertexIndex j = 0; j < ny; ++j)
+      for (VertexIndex i = 0; i < nx; ++i) {
+        const char letter = rows[static_cast<std::size_t>(j)][static_cast<std::size_t>(i)];
+        const VertexIndex north = j * (nx + 1) + i, south = north + nx + 1;
+        ground.triangles.insert(ground.triangles.end(),
+                                {{south, south + 1, north + 1}, {south, north + 1, north}});
+        ground.region.insert(ground.region.end(), 2,
+                             letter == '.' ? static_cast<RegionIndex>(roofs.size()) : letter - 'A');
+      }
+    for (const Point2 p : ground.vertices) plan.ground.push_back(0.2 * p.x - 0.1 * p.y);
+    plan.roofs = std::move(roofs);
+    plan.lowest_roof = lowest_roofs(ground, plan.roofs);
+    plan.top.assign(ground.vertices.size(), 40);
+    plan.spacing = column_spacing(ground);
+    plan.rise = ground_rise(ground, plan.ground);
+    EdgeGraph edges = build_edge_graph(ground);
+    mesh = divide_columns(std::move(ground), std::move(edges), plan);
+    place_nodes(mesh, plan);
+  }
+};
+
+TEST(Boundary, StepsBetweenRoofsThatShareAnEdgeAreWallsOfTheHigherOne) {
+  // With corners where two roofs meet the street, where three roofs meet, and a yard.
+  const std::vector<std::string> rows{"........", "..AAB...", ".AAABBC.", ".A.ABBC.",
+                                      ".AAADDC.", "...DDD..", "........"};
+  for (const std::vector<double>& roofs :
+       {std::vector{9.0, 14.0, 11.5, 21.0}, std::vector{14.0, 9.0, 9.0, 9.5},
+        std::vector{12.0, 12.0, 12.0, 12.0}, std::vector{30.0, 7.25, 30.0, 7.0}}) {
+    SCOPED_TRACE(::testing::PrintToString(roofs));
+    const PartyWalls city(rows, roofs);
+    const ColumnMesh& mesh = city.mesh;
+    EXPECT_GT(require_valid(mesh), 0);
+    for (std::size_t v = 0; v < mesh.vertex_count(); ++v) {
+      EXPECT_EQ(std::ranges::min(mesh.floors_at(v)), 0);
+      for (const RegionIndex region : mesh.regions.at(v))
+        EXPECT_EQ(mesh.z[static_cast<std::size_t>(mesh.floor(region, static_cast<VertexIndex>(v)))],
+                  city.plan.floor(mesh.ground, region, v));
+    }
+    const SurfaceMesh surface = extract_boundary(mesh, {0, 0, 32, 28});
+    const SurfaceTopology topology = check_topology(surface);
+    EXPECT_TRUE(topology.closed());
+    EXPECT_TRUE(topology.manifold()) << topology.non_manifold_edges;
+    auto lists = testing::explicit_mesh(mesh);
+    const TetMesh tets{std::move(lists.points), std::move(lists.cells), {}};
+    const auto differences = check_same_boundary(tets, check_volume(tets), surface);
+    EXPECT_TRUE(differences.empty()) << differences[0].first;
+    // The walls of each part, in square metres: down to the ground beside it, or to a lower roof.
+    std::vector<double> walls(roofs.size(), 0), expected(roofs.size(), 0);
+    for (std::size_t f = 0; f < surface.triangles.size(); ++f) {
+      if (surface.patch[f] != Patch::kWall) continue;
+      std::array<Point3, 3> p;
+      for (std::size_t i = 0; i < 3; ++i)
+        p[i] = surface.points[static_cast<std::size_t>(surface.triangles[f][i])];
+      const double x1 = std::hypot(p[1][0] - p[0][0], p[1][1] - p[0][1]);
+      const double along =
+          (p[1][0] - p[0][0]) * (p[2][0] - p[0][0]) + (p[1][1] - p[0][1]) * (p[2][1] - p[0][1]);
+      const double x2 = x1 > 0 ? along / x1 : std::hypot(p[2][0] - p[0][0], p[2][1] - p[0][1]);
+      walls[static_cast<std::size_t>(surface.building[f])] +=
+          std::abs(x1 * (p[2][2] - p[0][2]) - x2 * (p[1][2] - p[0][2])) / 2;
+    }
+    for (std::size_t e = 0; e < mesh.edges.size(); ++e) {
+      const auto [t0, t1] = mesh.edges.triangles[e];
+      if (t1 == kNoTriangle) continue;
+      const RegionIndex r0 = mesh.ground.region[static_cast<std::size_t>(t0)];
+      const RegionIndex r1 = mesh.ground.region[static_cast<std::size_t>(t1)];
+      double step = 0;
+      for (const VertexIndex v : mesh.edges.vertices[e])
+        step += (city.plan.floor(mesh.ground, r0, static_cast<std::size_t>(v)) -
+                 city.plan.floor(mesh.ground, r1, static_cast<std::size_t>(v))) /
+                2;
+      if (step != 0) expected[static_cast<std::size_t>(step > 0 ? r0 : r1)] += 4 * std::abs(step);
+    }
+    for (std::size_t b = 0; b < roofs.size(); ++b) EXPECT_NEAR(walls[b], expected[b], 1e-9) << b;
   }
 }
 

@@ -27,9 +27,9 @@ TEST(Smooth, MeshIsValidAndHeightsAreExactOnAnyTerrain) {
           if (mesh.first_node[v] == 0) {
             ASSERT_EQ(mesh.column(v)[0], result.plan.ground[v]);
           }
-          if (result.plan.building[v] != kNoBuilding) {
+          if (result.plan.lowest_roof[v] != kNoBuilding) {
             ASSERT_EQ(mesh.column(v)[mesh.roof_layer[v]],
-                      city.roofs[static_cast<std::size_t>(result.plan.building[v])]);
+                      city.roofs[static_cast<std::size_t>(result.plan.lowest_roof[v])]);
           }
         }
       }
