@@ -1,9 +1,12 @@
 #include "tetropolis/ground/mesh_ground.h"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstdint>
 #include <numeric>
+#include <tuple>
+#include <utility>
 #include <vector>
 
 #include <fmt/format.h>
@@ -18,9 +21,17 @@ namespace tetropolis {
 
 namespace {
 
+// What is to be triangulated, and what its segments are: TaggedEdge without vertices.
+struct Input {
+  PlanarGraph graph;
+  std::vector<TaggedEdge> segments;
+};
+
 // Adds a ring, directed so that the building lies on the left of its segments.
 void add_ring(const Ring& ring, bool is_hole, RegionIndex building, RegionIndex outside,
-              const Bounds2& domain, const GroundMeshOptions& options, PlanarGraph& graph) {
+              const Bounds2& domain, const GroundMeshOptions& options, std::int32_t number,
+              Input& input) {
+  PlanarGraph& graph = input.graph;
   const auto first = static_cast<VertexIndex>(graph.points.size());
   const auto n = static_cast<VertexIndex>(ring.size());
   const bool turn = (signed_area(ring) > 0) == is_hole;
@@ -37,16 +48,18 @@ void add_ring(const Ring& ring, bool is_hole, RegionIndex building, RegionIndex 
     const VertexIndex a = first + i, b = first + (i + 1 == n ? 0 : i + 1);
     graph.segments.push_back(turn ? std::array{b, a} : std::array{a, b});
     graph.segment_sides.push_back({building, outside});
+    input.segments.push_back({0, 0, building, number + i});
     if (options.wall_edge)
       graph.segment_max_edge.push_back(
           options.wall_edge(building, p, ring[static_cast<std::size_t>(i + 1 == n ? 0 : i + 1)]));
   }
 }
 
-PlanarGraph make_graph(std::span<const Polygon> footprints, const Bounds2& domain,
-                       const GroundMeshOptions& options) {
+Input make_input(std::span<const Polygon> footprints, const Bounds2& domain,
+                 const GroundMeshOptions& options) {
   const auto open_ground = static_cast<RegionIndex>(footprints.size());
-  PlanarGraph graph;
+  Input input;
+  PlanarGraph& graph = input.graph;
   graph.points = {{domain.xmin, domain.ymin},
                   {domain.xmax, domain.ymin},
                   {domain.xmax, domain.ymax},
@@ -54,6 +67,7 @@ PlanarGraph make_graph(std::span<const Polygon> footprints, const Bounds2& domai
   for (VertexIndex i = 0; i < 4; ++i) {
     graph.segments.push_back({i, (i + 1) % 4});
     graph.segment_sides.push_back({open_ground, kUnmarkedSide});
+    input.segments.push_back({0, 0, kNoRegion, i});
     if (options.wall_edge) graph.segment_max_edge.push_back(options.mesh_size);
   }
   // Along the curve, whatever the order of the input: what is near is meshed soon after.
@@ -66,16 +80,19 @@ PlanarGraph make_graph(std::span<const Polygon> footprints, const Bounds2& domai
       keys[f] = curve(outer[0]);
   for (const std::int32_t building : sorted_order(keys)) {
     const Polygon& footprint = footprints[static_cast<std::size_t>(building)];
-    add_ring(footprint.outer, false, building, open_ground, domain, options, graph);
+    const auto first = static_cast<std::int32_t>(graph.segments.size());
+    const auto number = [&] { return static_cast<std::int32_t>(graph.segments.size()) - first; };
+    add_ring(footprint.outer, false, building, open_ground, domain, options, number(), input);
     for (const Ring& hole : footprint.holes)
-      add_ring(hole, true, building, open_ground, domain, options, graph);
+      add_ring(hole, true, building, open_ground, domain, options, number(), input);
   }
-  return graph;
+  return input;
 }
 
 // Vertices along the curve, those of no triangle left out; triangles by the sum of their vertices'
-// new numbers.
-GroundMesh renumber(const Triangulation& source, const Bounds2& domain) {
+// new numbers. `segments`: what the input's segments are.
+GroundMesh renumber(const Triangulation& source, const std::vector<TaggedEdge>& segments,
+                    const Bounds2& domain) {
   const HilbertCurve curve(domain);
   std::vector<char> used(source.points.size(), 0);
   for (const auto& t : source.triangles)
@@ -111,6 +128,18 @@ GroundMesh renumber(const Triangulation& source, const Bounds2& domain) {
       mesh.triangles[to][i] = number[static_cast<std::size_t>(old[i])];
     mesh.region[to] = source.triangle_regions[t];
   }
+  mesh.tagged_edges.reserve(source.segments.size());
+  for (std::size_t s = 0; s < source.segments.size(); ++s) {
+    TaggedEdge edge = segments[static_cast<std::size_t>(source.segment_inputs[s])];
+    std::tie(edge.low, edge.high) =
+        std::minmax({number[static_cast<std::size_t>(source.segments[s][0])],
+                     number[static_cast<std::size_t>(source.segments[s][1])]});
+    mesh.tagged_edges.push_back(edge);
+  }
+  std::sort(mesh.tagged_edges.begin(), mesh.tagged_edges.end(),
+            [](const TaggedEdge& a, const TaggedEdge& b) {
+              return std::pair(a.low, a.high) < std::pair(b.low, b.high);
+            });
   mesh.small_input_angles = source.small_input_angles;
   mesh.triangles_below_min_angle = source.triangles_below_min_angle;
   return mesh;
@@ -136,9 +165,10 @@ GroundMesh mesh_ground(std::span<const Polygon> footprints, const Bounds2& domai
   std::vector<Region> regions = regions_of_buildings(footprints.size());
   for (const Region& region : regions)
     refinement.off_terrain.push_back(region.is_building() ? 1 : 0);
-  GroundMesh mesh =
-      renumber(refine(make_graph(footprints, domain, options), refinement, progress), domain);
+  const Input input = make_input(footprints, domain, options);
+  GroundMesh mesh = renumber(refine(input.graph, refinement, progress), input.segments, domain);
   mesh.regions = std::move(regions);
+  mesh.sides = {Patch::kYMin, Patch::kXMax, Patch::kYMax, Patch::kXMin};
   return mesh;
 }
 

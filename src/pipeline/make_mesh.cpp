@@ -104,8 +104,8 @@ void report_quality(const ColumnMesh& mesh, MeshQuality measured, VolumeMeshRepo
 }
 
 /// The boundary, closed and manifold (guarantee 5).
-SurfaceMesh checked_boundary(const ColumnMesh& mesh, const Bounds2& domain, Report& report) {
-  SurfaceMesh surface = extract_boundary(mesh, domain);
+SurfaceMesh checked_boundary(const ColumnMesh& mesh, Report& report) {
+  SurfaceMesh surface = extract_boundary(mesh);
   const SurfaceTopology topology = check_topology(surface);
   report.surface_mesh =
       SurfaceMeshReport{static_cast<std::int64_t>(surface.triangles.size()), topology.closed(),
@@ -140,8 +140,6 @@ void make_mesh(const Config& config, const CityModel& city, Raster dtm, OutputFo
   move_into_crs(ground, origin);
   dtm.x0 = in_crs(dtm.x0, origin.x);
   dtm.y0 = in_crs(dtm.y0, origin.y);
-  const Bounds2 domain{in_crs(city.domain.xmin, origin.x), in_crs(city.domain.ymin, origin.y),
-                       in_crs(city.domain.xmax, origin.x), in_crs(city.domain.ymax, origin.y)};
   Columns columns = make_columns(config, city, dtm, size, std::move(ground), clock, report);
   MeshQuality quality = improve_mesh(config, dtm, size, columns, clock, *report.volume_mesh);
   report_lowered(columns.plan, report);
@@ -150,7 +148,7 @@ void make_mesh(const Config& config, const CityModel& city, Raster dtm, OutputFo
   clock.run("3.6", "check and write meshes", [&](const Progress& progress) {
     warn_below_floor(config, mesh, quality, report);
     report_quality(mesh, std::move(quality), *report.volume_mesh);
-    const SurfaceMesh boundary = checked_boundary(mesh, domain, report);
+    const SurfaceMesh boundary = checked_boundary(mesh, report);
     Placement placement{{0, 0, 0}, {city.origin.x, city.origin.y, 0}};
     if (config.coordinates == Coordinates::kAbsolute)
       placement = {{city.origin.x, city.origin.y, 0}, {0, 0, 0}};

@@ -174,6 +174,15 @@ TEST(MeshGround, ChecksNoticeDamage) {
   };
   EXPECT_TRUE(damaged([](GroundMesh& m) { m.region[0] = 0; }));
   EXPECT_TRUE(damaged([](GroundMesh& m) { m.regions.pop_back(); }));
+  EXPECT_TRUE(damaged([](GroundMesh& m) { m.tagged_edges.pop_back(); }));
+  for (const bool on_side : {false, true})
+    EXPECT_TRUE(damaged([&](GroundMesh& m) {
+      for (TaggedEdge& edge : m.tagged_edges)
+        if ((edge.region == kNoRegion) == on_side) {
+          edge.segment = (edge.segment + 1) % 4;
+          return;
+        }
+    }));
   EXPECT_TRUE(damaged([](GroundMesh& m) { m.triangles.pop_back(), m.region.pop_back(); }));
   EXPECT_TRUE(damaged([](GroundMesh& m) { m.vertices.push_back({1, 1}); }));
   EXPECT_TRUE(damaged([](GroundMesh& m) {

@@ -89,7 +89,7 @@ WorkCity work_city(std::int64_t buildings) {
 }
 
 [[gnu::noinline]] SurfaceMesh work_boundary(const WorkCity& city, const ColumnMesh& mesh) {
-  SurfaceMesh boundary = extract_boundary(mesh, city.input->domain);
+  SurfaceMesh boundary = extract_boundary(mesh);
   if (!check_topology(boundary).closed()) throw std::logic_error("open boundary");
   return boundary;
 }

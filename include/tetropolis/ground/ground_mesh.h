@@ -12,13 +12,24 @@
 
 namespace tetropolis {
 
+/// An edge of the mesh on a segment of the input: on a side of the domain or on the outline of a
+/// region.
+struct TaggedEdge {
+  VertexIndex low, high;           ///< Its vertices, low < high.
+  RegionIndex region = kNoRegion;  ///< Whose outline it lies on; kNoRegion: the domain's.
+  std::int32_t segment = 0;        ///< Number of the outline's edge, ring by ring; of the side.
+  friend bool operator==(const TaggedEdge&, const TaggedEdge&) = default;
+};
+
 /// Vertices and triangles are numbered so that neighbours in the plane are near in memory.
 struct GroundMesh {
   std::vector<Point2> vertices;                       ///< Local frame, metres.
   std::vector<std::array<VertexIndex, 3>> triangles;  ///< Counter-clockwise.
   std::vector<RegionIndex> region;                    ///< Per triangle: index in `regions`.
-  std::vector<Region> regions;          ///< Building parts first, by building; then the others.
-  std::int64_t small_input_angles = 0;  ///< Corners of the input sharper than the minimum angle.
+  std::vector<Region> regions;           ///< Building parts first, by building; then the others.
+  std::vector<TaggedEdge> tagged_edges;  ///< All there are, ascending by (low, high).
+  std::vector<Patch> sides;              ///< Patch of each side of the domain.
+  std::int64_t small_input_angles = 0;   ///< Corners of the input sharper than the minimum angle.
   /// Triangles below it: at such corners, and across from them (see refine.h).
   std::int64_t triangles_below_min_angle = 0;
 

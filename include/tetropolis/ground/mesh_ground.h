@@ -26,9 +26,10 @@ struct GroundMeshOptions {
 /// Precondition: rings are simple; footprints do not overlap, best with some clearance (the gap
 /// sets the edge length in it), and lie strictly inside of the domain. Orientation is free.
 /// Guarantees: footprint vertices and domain corners keep their coordinates bit for bit; vertices
-/// on the domain's sides lie exactly on them; every footprint edge is a union of mesh edges; every
-/// vertex belongs to a triangle; the edge lengths and angles of refine(); vertices and triangles
-/// are numbered along a Hilbert curve. The same input gives the same bytes.
+/// on the domain's sides lie exactly on them; every footprint edge is a union of mesh edges, which
+/// are tagged with it, as those on the domain's sides are; every vertex belongs to a triangle; the
+/// edge lengths and angles of refine(); vertices and triangles are numbered along a Hilbert curve.
+/// The same input gives the same bytes.
 ///
 /// Throws Error(kInput) for an empty domain and for a footprint that leaves the domain or has
 /// coordinates that are not finite (named by index), Error(kUsage) for options out of range,

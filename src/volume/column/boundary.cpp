@@ -42,18 +42,25 @@ void add_floor_and_top(const ColumnMesh& mesh, const std::vector<NodeIndex>& cel
   }
 }
 
-Patch side_of_domain(const ColumnMesh& mesh, const Bounds2& domain, std::size_t e) {
-  const Point2 a = mesh.ground.vertices[static_cast<std::size_t>(mesh.edges.vertices[e][0])];
-  const Point2 b = mesh.ground.vertices[static_cast<std::size_t>(mesh.edges.vertices[e][1])];
-  if (a.x == domain.xmin && b.x == domain.xmin) return Patch::kXMin;
-  if (a.x == domain.xmax && b.x == domain.xmax) return Patch::kXMax;
-  if (a.y == domain.ymin && b.y == domain.ymin) return Patch::kYMin;
-  if (a.y == domain.ymax && b.y == domain.ymax) return Patch::kYMax;
-  throw Error(ErrorKind::kGuarantee, "ground mesh: the rim edge between vertices " +
-                                         std::to_string(mesh.edges.vertices[e][0]) + " and " +
-                                         std::to_string(mesh.edges.vertices[e][1]) +
-                                         " is not on a side of the domain");
-}
+/// Goes through the tags of edges, which are asked for in their order.
+class SidesOfDomain {
+ public:
+  explicit SidesOfDomain(const GroundMesh& mesh) : mesh_(mesh), next_(mesh.tagged_edges.begin()) {}
+
+  Patch at(const std::array<VertexIndex, 2>& edge) {
+    const auto vertices = [&] { return std::array{next_->low, next_->high}; };
+    while (next_ != mesh_.tagged_edges.end() && vertices() < edge) ++next_;
+    if (next_ == mesh_.tagged_edges.end() || vertices() != edge || next_->region != kNoRegion)
+      throw Error(ErrorKind::kGuarantee,
+                  "ground mesh: the rim edge between vertices " + std::to_string(edge[0]) +
+                      " and " + std::to_string(edge[1]) + " is not on a side of the domain");
+    return mesh_.sides[static_cast<std::size_t>(next_->segment)];
+  }
+
+ private:
+  const GroundMesh& mesh_;
+  std::vector<TaggedEdge>::const_iterator next_;
+};
 
 /// What the faces over an edge are tagged with, and the nodes they end at over its two vertices.
 struct Side {
@@ -87,15 +94,15 @@ void add_side(const ColumnMesh& mesh, NodeIndex first_cell, std::size_t t, std::
   }
 }
 
-void add_sides(const ColumnMesh& mesh, const std::vector<NodeIndex>& cells, const Bounds2& domain,
-               FaceLists& faces) {
+void add_sides(const ColumnMesh& mesh, const std::vector<NodeIndex>& cells, FaceLists& faces) {
+  SidesOfDomain sides(mesh.ground);
   for (std::size_t e = 0; e < mesh.edges.size(); ++e) {
     const auto [first, second] = mesh.edges.triangles[e];
     const auto [a, b] = mesh.edges.vertices[e];
     const auto t0 = static_cast<std::size_t>(first), t1 = static_cast<std::size_t>(second);
     if (second == kNoTriangle) {
       const std::array top{mesh.top(a), mesh.top(b)};
-      add_side(mesh, cells[t0], t0, e, {side_of_domain(mesh, domain, e), kNoBuilding, top}, faces);
+      add_side(mesh, cells[t0], t0, e, {sides.at({a, b}), kNoBuilding, top}, faces);
       continue;
     }
     if (mesh.ground.region[t0] == mesh.ground.region[t1]) continue;
@@ -149,11 +156,11 @@ SurfaceMesh number_faces(const ColumnMesh& mesh, const FaceLists& faces) {
 
 std::string_view patch_name(Patch patch) { return kNames[static_cast<std::size_t>(patch) - 1]; }
 
-SurfaceMesh extract_boundary(const ColumnMesh& mesh, const Bounds2& domain) {
+SurfaceMesh extract_boundary(const ColumnMesh& mesh) {
   const std::vector<NodeIndex> cells = cell_offsets(mesh);
   FaceLists faces;
   add_floor_and_top(mesh, cells, faces);
-  add_sides(mesh, cells, domain, faces);
+  add_sides(mesh, cells, faces);
   return number_faces(mesh, faces);
 }
 

@@ -24,7 +24,7 @@ namespace {
 
 TEST(Boundary, IsExactlyTheFacesOfOneCellAndPassesEveryCheck) {
   const auto result = testing::meshed(testing::small_city(testing::hills));
-  const SurfaceMesh surface = extract_boundary(result.mesh, result.city.domain);
+  const SurfaceMesh surface = extract_boundary(result.mesh);
   const SurfaceTopology topology = check_topology(surface);
   EXPECT_TRUE(topology.closed());
   EXPECT_TRUE(topology.manifold());
@@ -46,7 +46,7 @@ TEST(Boundary, IsExactlyTheFacesOfOneCellAndPassesEveryCheck) {
 TEST(Boundary, KnowsItsNodesAndTheCellsBehind) {
   const auto result = testing::meshed(testing::small_city(testing::hills));
   const auto lists = testing::explicit_mesh(result.mesh);
-  const SurfaceMesh surface = extract_boundary(result.mesh, result.city.domain);
+  const SurfaceMesh surface = extract_boundary(result.mesh);
   ASSERT_EQ(surface.node.size(), surface.points.size());
   for (std::size_t i = 0; i < surface.points.size(); ++i)
     ASSERT_EQ(lists.points[static_cast<std::size_t>(surface.node[i])], surface.points[i]);
@@ -60,7 +60,7 @@ TEST(Boundary, KnowsItsNodesAndTheCellsBehind) {
 
 TEST(Boundary, EveryBuildingHasRoofAndWallsOfItsOwn) {
   const auto result = testing::meshed(testing::small_city(testing::hills));
-  const SurfaceMesh surface = extract_boundary(result.mesh, result.city.domain);
+  const SurfaceMesh surface = extract_boundary(result.mesh);
   for (std::size_t b = 0; b < result.city.footprints.size(); ++b) {
     double roof = 0;
     std::int64_t walls = 0;
@@ -119,6 +119,15 @@ struct PartyWalls {
     plan.spacing = column_spacing(ground);
     plan.rise = ground_rise(ground, plan.ground);
     EdgeGraph edges = build_edge_graph(ground);
+    ground.sides = {Patch::kYMin, Patch::kXMax, Patch::kYMax, Patch::kXMin};
+    for (std::size_t e = 0; e < edges.size(); ++e) {
+      if (edges.triangles[e][1] != kNoTriangle) continue;
+      const auto [a, b] = edges.vertices[e];
+      const Point2 p = ground.vertices[static_cast<std::size_t>(a)];
+      const Point2 q = ground.vertices[static_cast<std::size_t>(b)];
+      const std::int32_t side = p.x != q.x ? (p.y == 0 ? 0 : 2) : (p.x == 0 ? 3 : 1);
+      ground.tagged_edges.push_back({a, b, kNoRegion, side});
+    }
     mesh = divide_columns(std::move(ground), std::move(edges), plan);
     place_nodes(mesh, plan);
   }
@@ -141,7 +150,7 @@ TEST(Boundary, StepsBetweenRoofsThatShareAnEdgeAreWallsOfTheHigherOne) {
         EXPECT_EQ(mesh.z[static_cast<std::size_t>(mesh.floor(region, static_cast<VertexIndex>(v)))],
                   city.plan.floor(mesh.ground, region, v));
     }
-    const SurfaceMesh surface = extract_boundary(mesh, {0, 0, 32, 28});
+    const SurfaceMesh surface = extract_boundary(mesh);
     const SurfaceTopology topology = check_topology(surface);
     EXPECT_TRUE(topology.closed());
     EXPECT_TRUE(topology.manifold()) << topology.non_manifold_edges;
@@ -181,7 +190,7 @@ TEST(Boundary, StepsBetweenRoofsThatShareAnEdgeAreWallsOfTheHigherOne) {
 
 TEST(Boundary, SelectsPatches) {
   const auto result = testing::meshed(testing::small_city(testing::hills));
-  const SurfaceMesh surface = extract_boundary(result.mesh, result.city.domain);
+  const SurfaceMesh surface = extract_boundary(result.mesh);
   const std::array wanted{Patch::kRoof, Patch::kWall};
   const SurfaceMesh part = select_patches(surface, wanted);
   const auto all = count_by_patch(surface), some = count_by_patch(part);
@@ -209,9 +218,25 @@ TEST(Boundary, SelectsPatches) {
   EXPECT_EQ(std::count(used.begin(), used.end(), 0), 0);
 }
 
-TEST(Boundary, RefusesARimOffTheDomain) {
-  const auto result = testing::meshed(testing::small_city(testing::hills));
-  EXPECT_THROW(extract_boundary(result.mesh, {0, 0, 121, 90}), Error);
+TEST(Boundary, RefusesARimThatIsNotTagged) {
+  ColumnMesh mesh = testing::meshed(testing::small_city(testing::hills)).mesh;
+  EXPECT_NO_THROW(extract_boundary(mesh));
+  std::vector<TaggedEdge>& edges = mesh.ground.tagged_edges;
+  const auto on_rim = std::find_if(edges.begin(), edges.end(),
+                                   [](const TaggedEdge& edge) { return edge.region == kNoRegion; });
+  const TaggedEdge edge = *on_rim;
+  on_rim->region = 0;
+  EXPECT_THROW(extract_boundary(mesh), Error);
+  edges.erase(on_rim);
+  try {
+    extract_boundary(mesh);
+    FAIL() << "no error";
+  } catch (const Error& error) {
+    EXPECT_NE(std::string(error.what())
+                  .find(std::to_string(edge.low) + " and " + std::to_string(edge.high)),
+              std::string::npos)
+        << error.what();
+  }
 }
 
 TEST(Boundary, CountsBrokenEdges) {

@@ -31,10 +31,10 @@ struct SurfaceMesh {
   std::vector<NodeIndex> cell;          ///< Per triangle: the cell behind it; likewise.
 };
 
-/// The boundary of `mesh` in the rectangle `domain`. Every face that belongs to one cell only is
-/// there once. Throws Error(kGuarantee) naming the edge if a rim edge of the ground mesh does not
-/// lie on a side of the domain.
-SurfaceMesh extract_boundary(const ColumnMesh& mesh, const Bounds2& domain);
+/// The boundary of `mesh`. Every face that belongs to one cell only is there once. Throws
+/// Error(kGuarantee) naming the edge if one on the rim of the ground mesh is not tagged with a side
+/// of the domain.
+SurfaceMesh extract_boundary(const ColumnMesh& mesh);
 
 /// The faces of some patches only, renumbered.
 SurfaceMesh select_patches(const SurfaceMesh& surface, std::span<const Patch> patches);
