@@ -192,7 +192,7 @@ void compare_city(const CityModel& city, const CityCheck& check, const ReportedF
     differs("reference system", crs_name(*report.crs), crs_name(city.crs), file);
   // `mesh --bounds` leaves the model with its own domain.
   if (report.domain && report.footprint_parts)
-    compare_boxes(*report.domain, city.domain.moved(city.origin), file);
+    compare_boxes(*report.domain, city.domain.moved(city.origin).bounds(), file);
 }
 
 void compare_terrain(const RasterInput& terrain, const CityModel& city,

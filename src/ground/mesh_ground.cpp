@@ -29,7 +29,7 @@ struct Input {
 
 // Adds a ring, directed so that the building lies on the left of its segments.
 void add_ring(const Ring& ring, bool is_hole, RegionIndex building, RegionIndex outside,
-              const Bounds2& domain, const GroundMeshOptions& options, std::int32_t number,
+              const Domain& domain, const GroundMeshOptions& options, std::int32_t number,
               Input& input) {
   PlanarGraph& graph = input.graph;
   const auto first = static_cast<VertexIndex>(graph.points.size());
@@ -37,8 +37,7 @@ void add_ring(const Ring& ring, bool is_hole, RegionIndex building, RegionIndex 
   const bool turn = (signed_area(ring) > 0) == is_hole;
   for (VertexIndex i = 0; i < n; ++i) {
     const Point2 p = ring[static_cast<std::size_t>(i)];
-    // Written so that NaN fails as well.
-    if (!(p.x > domain.xmin && p.x < domain.xmax && p.y > domain.ymin && p.y < domain.ymax))
+    if (!domain.encloses(p))
       throw Error(
           ErrorKind::kInput,
           fmt::format("footprint {}: vertex ({}, {}) is not inside the domain; drop or clip "
@@ -55,23 +54,21 @@ void add_ring(const Ring& ring, bool is_hole, RegionIndex building, RegionIndex 
   }
 }
 
-Input make_input(std::span<const Polygon> footprints, const Bounds2& domain,
+Input make_input(std::span<const Polygon> footprints, const Domain& domain,
                  const GroundMeshOptions& options) {
   const auto open_ground = static_cast<RegionIndex>(footprints.size());
   Input input;
   PlanarGraph& graph = input.graph;
-  graph.points = {{domain.xmin, domain.ymin},
-                  {domain.xmax, domain.ymin},
-                  {domain.xmax, domain.ymax},
-                  {domain.xmin, domain.ymax}};
-  for (VertexIndex i = 0; i < 4; ++i) {
-    graph.segments.push_back({i, (i + 1) % 4});
+  graph.points = domain.outline().outer;
+  const auto corners = static_cast<VertexIndex>(graph.points.size());
+  for (VertexIndex i = 0; i < corners; ++i) {
+    graph.segments.push_back({i, (i + 1) % corners});
     graph.segment_sides.push_back({open_ground, kUnmarkedSide});
     input.segments.push_back({0, 0, kNoRegion, i});
     if (options.wall_edge) graph.segment_max_edge.push_back(options.mesh_size);
   }
   // Along the curve, whatever the order of the input: what is near is meshed soon after.
-  const HilbertCurve curve(domain);
+  const HilbertCurve curve(domain.bounds());
   std::vector<std::uint32_t> keys(footprints.size(), 0);
   for (std::size_t f = 0; f < footprints.size(); ++f)
     // What is not finite is refused with its ring.
@@ -92,8 +89,8 @@ Input make_input(std::span<const Polygon> footprints, const Bounds2& domain,
 // Vertices along the curve, those of no triangle left out; triangles by the sum of their vertices'
 // new numbers. `segments`: what the input's segments are.
 GroundMesh renumber(const Triangulation& source, const std::vector<TaggedEdge>& segments,
-                    const Bounds2& domain) {
-  const HilbertCurve curve(domain);
+                    const Domain& domain) {
+  const HilbertCurve curve(domain.bounds());
   std::vector<char> used(source.points.size(), 0);
   for (const auto& t : source.triangles)
     for (const VertexIndex v : t) used[static_cast<std::size_t>(v)] = 1;
@@ -147,14 +144,13 @@ GroundMesh renumber(const Triangulation& source, const std::vector<TaggedEdge>& 
 
 }  // namespace
 
-GroundMesh mesh_ground(std::span<const Polygon> footprints, const Bounds2& domain,
+GroundMesh mesh_ground(std::span<const Polygon> footprints, const Domain& domain,
                        const GroundMeshOptions& options, const Progress& progress) {
-  const bool finite = std::isfinite(domain.xmin) && std::isfinite(domain.ymin) &&
-                      std::isfinite(domain.xmax) && std::isfinite(domain.ymax);
-  if (!finite || !(domain.xmin < domain.xmax && domain.ymin < domain.ymax))
-    throw Error(ErrorKind::kInput,
-                fmt::format("domain ({}, {}, {}, {}) is empty; give other bounds", domain.xmin,
-                            domain.ymin, domain.xmax, domain.ymax));
+  if (!domain.is_meshable())
+    throw Error(
+        ErrorKind::kInput,
+        fmt::format("domain ({}, {}, {}, {}) is empty; give other bounds", domain.bounds().xmin,
+                    domain.bounds().ymin, domain.bounds().xmax, domain.bounds().ymax));
   if (!(options.mesh_size > 0 && std::isfinite(options.mesh_size)))
     throw Error(ErrorKind::kUsage,
                 fmt::format("mesh size {}: must be positive", options.mesh_size));
@@ -168,7 +164,7 @@ GroundMesh mesh_ground(std::span<const Polygon> footprints, const Bounds2& domai
   const Input input = make_input(footprints, domain, options);
   GroundMesh mesh = renumber(refine(input.graph, refinement, progress), input.segments, domain);
   mesh.regions = std::move(regions);
-  mesh.sides = {Patch::kYMin, Patch::kXMax, Patch::kYMax, Patch::kXMin};
+  for (const Domain::Side& side : domain.sides()) mesh.sides.push_back(side.patch);
   return mesh;
 }
 

@@ -36,7 +36,7 @@ Segments region_boundaries(const GroundMesh& mesh) {
 
 // The tagged edges are those where regions change and those of the boundary, and lie where they
 // say.
-void check_tags(const GroundMesh& mesh, std::span<const Polygon> footprints, const Bounds2& domain,
+void check_tags(const GroundMesh& mesh, std::span<const Polygon> footprints, const Domain& domain,
                 const Segments& segments, Violations& found) {
   const bool complete = std::equal(
       segments.begin(), segments.end(), mesh.tagged_edges.begin(), mesh.tagged_edges.end(),
@@ -47,7 +47,7 @@ void check_tags(const GroundMesh& mesh, std::span<const Polygon> footprints, con
     for_each_edge(polygon, [&](Point2 p, Point2 q) { outline.push_back({p, q}); });
   };
   for (std::size_t b = 0; b < footprints.size(); ++b) note_edges(footprints[b], outlines[b]);
-  note_edges(rectangle(domain), outlines.back());
+  note_edges(domain.outline(), outlines.back());
   for (const TaggedEdge& edge : mesh.tagged_edges) {
     if (found.size() >= kMaxViolations) return;
     const bool on_side = edge.region == kNoRegion;
@@ -68,14 +68,16 @@ void check_tags(const GroundMesh& mesh, std::span<const Polygon> footprints, con
   }
 }
 
-void check_domain(const GroundMesh& mesh, const Bounds2& domain, Violations& found) {
+void check_domain(const GroundMesh& mesh, const Domain& domain, Violations& found) {
   double length = 0;
   for (const TaggedEdge& edge : mesh.tagged_edges) {
     if (edge.region != kNoRegion) continue;
     const Point2 a = at(mesh, edge.low), b = at(mesh, edge.high);
     length += std::hypot(a.x - b.x, a.y - b.y);
   }
-  const double perimeter = 2 * (domain.width() + domain.height());
+  double perimeter = 0;
+  for (const auto& [from, to, patch] : domain.sides())
+    perimeter += std::hypot(to.x - from.x, to.y - from.y);
   if (std::abs(length - perimeter) > 1e-9 * perimeter)
     found.push_back(fmt::format("boundary of length {} for a perimeter of {}", length, perimeter));
   double total = 0;
@@ -85,7 +87,7 @@ void check_domain(const GroundMesh& mesh, const Bounds2& domain, Violations& fou
     total += 0.5 * ((b.x - a.x) * (c.y - a.y) - (b.y - a.y) * (c.x - a.x));
     for (const VertexIndex v : t) used[static_cast<std::size_t>(v)] = 1;
   }
-  const double expected = domain.width() * domain.height();
+  const double expected = domain.area();
   if (std::abs(total - expected) > 1e-9 * expected)
     found.push_back(fmt::format("triangles cover {} of {} square metres", total, expected));
   const auto unused = std::count(used.begin(), used.end(), 0);
@@ -171,7 +173,7 @@ void check_footprints(const GroundMesh& mesh, std::span<const Polygon> footprint
 }  // namespace
 
 Violations validate(const GroundMesh& mesh, std::span<const Polygon> footprints,
-                    const Bounds2& domain, const GroundMeshOptions& options) {
+                    const Domain& domain, const GroundMeshOptions& options) {
   Violations found = check_topology(mesh.vertices, mesh.triangles);
   if (mesh.region.size() != mesh.triangles.size()) found.push_back("not one region per triangle");
   for (const RegionIndex r : mesh.region)

@@ -52,7 +52,7 @@ void warn_of_terrain(const DtmReport& dtm, Report& report) {
 
 void warn_of_giants(const CityModel& raw, Report& report) {
   constexpr double kMost = 0.5;
-  const double domain = raw.domain.width() * raw.domain.height();
+  const double domain = raw.domain.area();
   Warning warning{"building_covers_domain", 0, {}};
   for (const Building& building : raw.buildings) {
     const double share = area(building.footprint) / domain;

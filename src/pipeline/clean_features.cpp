@@ -54,14 +54,14 @@ void count_lost_parts(const std::string& source_id, double lost_area, Warning& w
 
 /// Those outside the domain stay as they are made: nothing looks at them again.
 std::vector<CleanedFootprint> clean_all(const Config& config, const FootprintsInput& input,
-                                        const Bounds2& domain, const Progress& progress) {
+                                        const Domain& domain, const Progress& progress) {
   const std::size_t size = input.features.size();
   std::vector<CleanedFootprint> clean(size);
   SharedProgress shared(progress, static_cast<std::int64_t>(size));
   parallel_chunks(size, 64, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i) {
       const Polygon& polygon = input.features[i].polygon;
-      if (position_in_domain(polygon, domain) != DomainPosition::kOutside)
+      if (domain.position_of(polygon) != DomainPosition::kOutside)
         clean[i] = clean_footprint(polygon, {config.parallel_tolerance});
     }
     shared.add(static_cast<std::int64_t>(end - begin));
@@ -79,14 +79,14 @@ struct Kept {
 Kept dropped(const char* reason) { return {{}, 0, reason}; }
 
 /// `cleaned.lost_area` grows by what the boundary cuts off and is left out.
-Kept keep_inside(const Config& config, const Polygon& feature, const Bounds2& domain,
+Kept keep_inside(const Config& config, const Polygon& feature, const Domain& domain,
                  CleanedFootprint& cleaned, std::vector<Polygon>& crossing) {
   const char* const outside = "outside the domain";
-  if (position_in_domain(feature, domain) == DomainPosition::kOutside) return dropped(outside);
+  if (domain.position_of(feature) == DomainPosition::kOutside) return dropped(outside);
   if (!cleaned.usable()) return {{}, 0, cleaned.reason};
   const std::uint32_t flags = cleaned.repaired ? kRepaired : 0U;
   // Of what is left: a spike without width may have reached across the boundary.
-  switch (position_in_domain(cleaned.polygon, domain)) {
+  switch (domain.position_of(cleaned.polygon)) {
     case DomainPosition::kOutside:
       return dropped(outside);
     case DomainPosition::kInside:
@@ -95,17 +95,17 @@ Kept keep_inside(const Config& config, const Polygon& feature, const Bounds2& do
       break;
   }
   // The box of what lies around a corner of the domain crosses it, too.
-  std::vector<Polygon> inside = parts_in_box(cleaned.polygon, domain);
+  std::vector<Polygon> inside = parts_in_domain(cleaned.polygon, domain);
   if (inside.empty()) return dropped(outside);
   if (config.boundary_buildings == BoundaryBuildings::kDrop) {
     for (Polygon& part : inside) crossing.push_back(std::move(part));
     return dropped("crosses the domain boundary");
   }
   // Cut back by the merge distance, so that the strip left is wide enough to mesh.
-  const Bounds2 room = domain.grown(-config.min_building_distance - kCoordinateStep * 4);
+  const Domain room = domain.inset(config.min_building_distance + kCoordinateStep * 4);
   double cut_off = 0;
   std::vector<Polygon> parts =
-      clip_to_box(cleaned.polygon, room, config.min_building_area, &cut_off);
+      clip_to_domain(cleaned.polygon, room, config.min_building_area, &cut_off);
   if (parts.empty()) return dropped("crosses the domain boundary, with nothing left inside");
   cleaned.lost_area += cut_off;
   return {std::move(parts), flags | kClipped, {}};
@@ -114,7 +114,7 @@ Kept keep_inside(const Config& config, const Polygon& feature, const Bounds2& do
 }  // namespace
 
 CleanFeatures clean_features(const Config& config, const FootprintsInput& input,
-                             const Bounds2& domain, Report& report, const Progress& progress) {
+                             const Domain& domain, Report& report, const Progress& progress) {
   std::vector<CleanedFootprint> clean = clean_all(config, input, domain, progress);
   CleanFeatures result;
   result.dropped = input.dropped;

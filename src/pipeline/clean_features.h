@@ -24,6 +24,6 @@ struct CleanFeatures {
 /// config.boundary_buildings says. Every feature ends in `buildings` or in `dropped`. Features that
 /// have lost parts are one warning of the report.
 CleanFeatures clean_features(const Config& config, const FootprintsInput& input,
-                             const Bounds2& domain, Report& report, const Progress& progress);
+                             const Domain& domain, Report& report, const Progress& progress);
 
 }  // namespace tetropolis

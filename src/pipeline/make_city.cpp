@@ -239,7 +239,7 @@ CityAndTerrain make_city(const Config& config, Next next, OutputFolder& out, Ste
             [&](const Progress&) { compute_heights(raw.buildings, points, cloud, dtm, heights); });
   warn_of_missing_roofs(raw, report);
   clock.run("1.7", "write city model", [&](const Progress&) {
-    write_raster(out.result(results::kTerrain), dtm, raw.origin, raw.crs, raw.domain);
+    write_raster(out.result(results::kTerrain), dtm, raw.origin, raw.crs, raw.domain.bounds());
     write_city(out.result(results::kRawCity), raw, "City model before simplification");
   });
 

@@ -24,11 +24,11 @@ namespace {
 
 CitySize size_of(const Config& config, const CityModel& city, const Raster& dtm) {
   CitySize size;
-  size.area = city.domain.width() * city.domain.height();
+  size.area = city.domain.area();
   for (const Building& building : city.buildings) size.add(building.footprint);
   double sum = 0;
   for (const double z : dtm.values) sum += z;
-  size.height = highest_under(dtm, city.domain) + config.domain_height -
+  size.height = highest_under(dtm, city.domain.bounds()) + config.domain_height -
                 sum / static_cast<double>(dtm.values.size());
   size.terrain_nodes = static_cast<double>(dtm.values.size());
   return size;

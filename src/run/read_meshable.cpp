@@ -29,21 +29,21 @@ namespace {
 
 /// The domain of a written city model and terrain, local frame, and what it comes from: as given,
 /// as the model says, as the terrain's file says, or all of the terrain.
-std::pair<Bounds2, std::string> domain_of(const Config& config, const CityModel& city,
-                                          const RasterInput& terrain) {
+std::pair<Domain, std::string> domain_of(const Config& config, const CityModel& city,
+                                         const RasterInput& terrain) {
   if (!config.bounds.empty())
-    return {{snap_coordinate(config.bounds[0] - city.origin.x),
-             snap_coordinate(config.bounds[1] - city.origin.y),
-             snap_coordinate(config.bounds[2] - city.origin.x),
-             snap_coordinate(config.bounds[3] - city.origin.y)},
+    return {Bounds2{snap_coordinate(config.bounds[0] - city.origin.x),
+                    snap_coordinate(config.bounds[1] - city.origin.y),
+                    snap_coordinate(config.bounds[2] - city.origin.x),
+                    snap_coordinate(config.bounds[3] - city.origin.y)},
             "--bounds"};
-  if (!city.domain.empty() && city.domain.width() > 0) return {city.domain, config.city};
+  if (!city.domain.empty() && city.domain.bounds().width() > 0) return {city.domain, config.city};
   return {terrain.domain.value_or(terrain.raster.bounds()), config.dtm};
 }
 
 /// Where a city's domain is, in its reference system, for messages.
 std::string domain_text(const CityModel& city) {
-  const Bounds2 domain = city.domain.moved(city.origin);
+  const Bounds2 domain = city.domain.moved(city.origin).bounds();
   return fmt::format("x {:.1f} .. {:.1f}, y {:.1f} .. {:.1f}", domain.xmin, domain.xmax,
                      domain.ymin, domain.ymax);
 }
@@ -58,8 +58,7 @@ void require_terrain_under(const Config& config, const CityModel& city,
                             "made with the city, or reproject one of them",
                             config.dtm, crs_name(terrain.crs), config.city, crs_name(city.crs)));
   const Bounds2 covered = terrain.raster.bounds().grown(terrain.raster.step);
-  if (!covered.contains({city.domain.xmin, city.domain.ymin}) ||
-      !covered.contains({city.domain.xmax, city.domain.ymax}))
+  if (!covered.covers(city.domain.bounds()))
     throw Error(ErrorKind::kInput,
                 fmt::format("{}: the terrain does not cover the domain, which is {}; give smaller "
                             "--bounds or another terrain",
@@ -113,12 +112,12 @@ std::string name_of(const Building& building) {
 }
 
 /// Why there can be no mesh around a building by itself; empty if there can.
-std::string reason_to_leave_out(const Building& building, const Bounds2& domain, double distance) {
+std::string reason_to_leave_out(const Building& building, const Domain& domain, double distance) {
   for (const double height : {building.h_ground, building.h_roof})
     if (!is_elevation(height))
       return fmt::format("reaches from {:.6g} to {:.6g} m, which are no elevations",
                          building.h_ground, building.h_roof);
-  switch (position_in_domain(building.footprint, domain)) {
+  switch (domain.position_of(building.footprint)) {
     case DomainPosition::kOutside:
       return "outside the domain";
     case DomainPosition::kCrossing:
@@ -127,11 +126,9 @@ std::string reason_to_leave_out(const Building& building, const Bounds2& domain,
       break;
   }
   // As cities are made: what is that close to the boundary leaves no room for cells.
-  const Bounds2 box = bounds(building.footprint);
-  const double room = std::min({box.xmin - domain.xmin, box.ymin - domain.ymin,
-                                domain.xmax - box.xmax, domain.ymax - box.ymax});
-  if (!is_clear(room, distance))
-    return "closer than --min-building-distance to the domain boundary";
+  for (const Point2 p : building.footprint.outer)
+    if (!is_clear(domain.distance_to_boundary(p), distance))
+      return "closer than --min-building-distance to the domain boundary";
   return {};
 }
 
@@ -215,7 +212,7 @@ CityAndTerrain read_meshable(const Config& config, Report& report) {
   require_elevations(config, terrain);
   std::string source;
   std::tie(city.domain, source) = domain_of(config, city, terrain);
-  require_room(config, city.domain, source);
+  require_room(config, city.domain.bounds(), source);
   require_terrain_under(config, city, terrain);
   if (city.crs.empty()) city.crs = terrain.crs;
   if (source != config.city) leave_out_unmeshable(config, city, report);

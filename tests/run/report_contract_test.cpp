@@ -219,7 +219,7 @@ double quantile(const std::vector<double>& sorted, double share) {
 
 /// The least distance between vertices, and from vertices to edges that are not theirs.
 double clearance_of(const CityModel& model) {
-  const Bounds2& box = model.domain;
+  const Bounds2& box = model.domain.bounds();
   std::vector<Ring> rings{
       {{box.xmin, box.ymin}, {box.xmax, box.ymin}, {box.xmax, box.ymax}, {box.xmin, box.ymax}}};
   for (const Building& building : model.buildings) {

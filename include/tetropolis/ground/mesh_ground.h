@@ -5,6 +5,7 @@
 #include <span>
 
 #include "tetropolis/core/progress.h"
+#include "tetropolis/geometry/domain.h"
 #include "tetropolis/geometry/types.h"
 #include "tetropolis/ground/ground_mesh.h"
 
@@ -20,7 +21,7 @@ struct GroundMeshOptions {
   std::function<double(Point2)> elevation = {};
 };
 
-/// Meshes the rectangle `domain`, inside and outside of the footprints. Region b is footprint b,
+/// Meshes `domain`, inside and outside of the footprints. Region b is footprint b,
 /// the last one the open ground around them and in their courtyards (regions_of_buildings).
 ///
 /// Precondition: rings are simple; footprints do not overlap, best with some clearance (the gap
@@ -34,7 +35,7 @@ struct GroundMeshOptions {
 /// Throws Error(kInput) for an empty domain and for a footprint that leaves the domain or has
 /// coordinates that are not finite (named by index), Error(kUsage) for options out of range,
 /// Error(kGuarantee) as refine().
-GroundMesh mesh_ground(std::span<const Polygon> footprints, const Bounds2& domain,
+GroundMesh mesh_ground(std::span<const Polygon> footprints, const Domain& domain,
                        const GroundMeshOptions& options = {}, const Progress& progress = {});
 
 }  // namespace tetropolis
