@@ -136,12 +136,11 @@ void compare_mesh(const ReportedMesh& mesh, const VolumeCheck& volume, const Sur
   }
   near("closed boundary", mesh.closed ? 1 : 0, surface.closed ? 1 : 0, 0);
   near("manifold boundary", mesh.manifold ? 1 : 0, surface.manifold ? 1 : 0, 0);
-  for (int i = 0; i < kPatchCount; ++i) {
-    const std::string name(patch_name(static_cast<Patch>(i + 1)));
+  for (const auto& [name, faces] : surface.faces_by_patch) {
     const auto reported = mesh.faces_by_patch.find(name);
     near("number of faces of " + name,
          reported == mesh.faces_by_patch.end() ? 0 : static_cast<double>(reported->second),
-         static_cast<double>(surface.faces_by_patch[static_cast<std::size_t>(i)]), 0);
+         static_cast<double>(faces), 0);
   }
 }
 

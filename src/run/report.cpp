@@ -112,9 +112,7 @@ Json volume_json(const VolumeMeshReport& mesh, Point2 origin) {
 
 Json surface_json(const SurfaceMeshReport& surface) {
   Json by_patch = Json::object();
-  for (int i = 0; i < kPatchCount; ++i)
-    by_patch[std::string(patch_name(static_cast<Patch>(i + 1)))] =
-        surface.faces_by_patch[static_cast<std::size_t>(i)];
+  for (const auto& [name, faces] : surface.faces_by_patch) by_patch[name] = faces;
   return {{"triangles", surface.triangles},
           {"closed", surface.closed},
           {"manifold", surface.manifold},

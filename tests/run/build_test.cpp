@@ -767,6 +767,15 @@ TEST_F(Build, StopsWhenAskedAndLeavesNothing) {
   }
 }
 
+TEST(Docs, NameThePatches) {
+  std::string list;
+  for (const PatchInfo& info : PatchTable())
+    list += fmt::format("{}{} {}", list.empty() ? "Patches: " : ", ", static_cast<int>(info.patch),
+                        info.name);
+  const std::string text = bytes_of(std::string(TETROPOLIS_SOURCE) + "/docs/files.md");
+  EXPECT_NE(text.find(list + ".\n"), std::string::npos) << list;
+}
+
 /// Keys of a report as docs/files.md writes them: "a.b[].c"; members of maps are left out.
 void collect_keys(const nlohmann::json& value, const std::string& path,
                   std::set<std::string>& keys) {

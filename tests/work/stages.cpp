@@ -1,7 +1,6 @@
 #include "stages.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <filesystem>
 #include <numbers>
@@ -99,8 +98,7 @@ WorkCity work_city(std::int64_t buildings) {
   const std::filesystem::path path(folder);
   write_vtu(path / "volume.vtu", mesh, {});
   write_vtp(path / "boundary.vtp", boundary, {});
-  const std::array land{Patch::kGround, Patch::kRoof, Patch::kWall};
-  write_stl(path / "surface.stl", select_patches(boundary, land), {});
+  write_stl(path / "surface.stl", select_patches(boundary, boundary.patches.solid()), {});
   std::uintmax_t bytes = 0;
   for (const auto& file : std::filesystem::directory_iterator(path)) bytes += file.file_size();
   return static_cast<std::int64_t>(bytes);

@@ -29,6 +29,7 @@ struct GroundMesh {
   std::vector<Region> regions;           ///< Building parts first, by building; then the others.
   std::vector<TaggedEdge> tagged_edges;  ///< All there are, ascending by (low, high).
   std::vector<Patch> sides;              ///< Patch of each side of the domain.
+  PatchTable patches;                    ///< Those of floors and sides, and of what is to be built.
   std::int64_t small_input_angles = 0;   ///< Corners of the input sharper than the minimum angle.
   /// Triangles below it: at such corners, and across from them (see refine.h).
   std::int64_t triangles_below_min_angle = 0;

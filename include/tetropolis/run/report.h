@@ -1,7 +1,6 @@
 // What a run did: the content of report.json.
 #pragma once
 
-#include <array>
 #include <cstdint>
 #include <map>
 #include <optional>
@@ -89,7 +88,7 @@ struct SurfaceMeshReport {
   std::int64_t triangles = 0;
   bool closed = false;
   bool manifold = false;
-  std::array<std::int64_t, kPatchCount> faces_by_patch{};
+  std::vector<PatchCount> faces_by_patch;
 };
 
 struct SolverStepReport {

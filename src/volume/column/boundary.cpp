@@ -11,9 +11,6 @@ namespace tetropolis {
 
 namespace {
 
-constexpr std::array<std::string_view, kPatchCount> kNames = {"ground", "roof", "wall", "top",
-                                                              "xmin",   "xmax", "ymin", "ymax"};
-
 struct Face {
   std::array<NodeIndex, 3> nodes;
   NodeIndex cell;
@@ -22,10 +19,9 @@ struct Face {
 
 /// Collects faces, one list a patch.
 struct FaceLists {
-  std::array<std::vector<Face>, kPatchCount> lists;
-  void add(Patch patch, const Face& face) {
-    lists[static_cast<std::size_t>(patch) - 1].push_back(face);
-  }
+  const PatchTable& patches;
+  std::vector<std::vector<Face>> lists = std::vector<std::vector<Face>>(patches.size());
+  void add(Patch patch, const Face& face) { lists[patches.position(patch)].push_back(face); }
 };
 
 void add_floor_and_top(const ColumnMesh& mesh, const std::vector<NodeIndex>& cells,
@@ -127,6 +123,7 @@ SurfaceMesh number_faces(const ColumnMesh& mesh, const FaceLists& faces) {
       for (const NodeIndex node : face.nodes) number[static_cast<std::size_t>(node)] = 0;
   }
   SurfaceMesh surface;
+  surface.patches = faces.patches;
   for (std::size_t v = 0; v < mesh.vertex_count(); ++v)
     for (NodeIndex node = mesh.first[v]; node < mesh.first[v + 1]; ++node) {
       auto& own = number[static_cast<std::size_t>(node)];
@@ -144,7 +141,7 @@ SurfaceMesh number_faces(const ColumnMesh& mesh, const FaceLists& faces) {
     for (const Face& face : faces.lists[i]) {
       surface.triangles.push_back(
           {numbered(face.nodes[0]), numbered(face.nodes[1]), numbered(face.nodes[2])});
-      surface.patch.push_back(static_cast<Patch>(i + 1));
+      surface.patch.push_back(faces.patches[i].patch);
       surface.building.push_back(face.building);
       surface.cell.push_back(face.cell);
     }
@@ -154,11 +151,9 @@ SurfaceMesh number_faces(const ColumnMesh& mesh, const FaceLists& faces) {
 
 }  // namespace
 
-std::string_view patch_name(Patch patch) { return kNames[static_cast<std::size_t>(patch) - 1]; }
-
 SurfaceMesh extract_boundary(const ColumnMesh& mesh) {
   const std::vector<NodeIndex> cells = cell_offsets(mesh);
-  FaceLists faces;
+  FaceLists faces{mesh.ground.patches};
   add_floor_and_top(mesh, cells, faces);
   add_sides(mesh, cells, faces);
   return number_faces(mesh, faces);
@@ -168,6 +163,7 @@ SurfaceMesh select_patches(const SurfaceMesh& surface, std::span<const Patch> pa
   constexpr std::int32_t unused = -1;
   std::vector<std::int32_t> number(surface.points.size(), unused);
   SurfaceMesh result;
+  result.patches = surface.patches;
   for (std::size_t f = 0; f < surface.triangles.size(); ++f) {
     if (std::find(patches.begin(), patches.end(), surface.patch[f]) == patches.end()) continue;
     auto triangle = surface.triangles[f];
@@ -188,9 +184,10 @@ SurfaceMesh select_patches(const SurfaceMesh& surface, std::span<const Patch> pa
   return result;
 }
 
-std::array<std::int64_t, kPatchCount> count_by_patch(const SurfaceMesh& surface) {
-  std::array<std::int64_t, kPatchCount> counts{};
-  for (const Patch patch : surface.patch) ++counts[static_cast<std::size_t>(patch) - 1];
+std::vector<PatchCount> count_by_patch(const SurfaceMesh& surface) {
+  std::vector<PatchCount> counts;
+  for (const PatchInfo& info : surface.patches) counts.push_back({info.name, 0});
+  for (const Patch patch : surface.patch) ++counts[surface.patches.position(patch)].faces;
   return counts;
 }
 

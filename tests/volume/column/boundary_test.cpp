@@ -38,7 +38,7 @@ TEST(Boundary, IsExactlyTheFacesOfOneCellAndPassesEveryCheck) {
   const SurfaceCheck check = check_surface(surface);
   EXPECT_TRUE(check.violations.empty()) << check.violations[0].what << check.violations[0].first;
   EXPECT_NEAR(check.enclosed_volume, volume.volume, 1e-9 * volume.volume);
-  for (const std::int64_t count : check.faces_by_patch) EXPECT_GT(count, 0);
+  for (const auto& [name, faces] : check.faces_by_patch) EXPECT_GT(faces, 0) << name;
   EXPECT_EQ(count_by_patch(surface), check.faces_by_patch);
   EXPECT_TRUE(std::is_sorted(surface.patch.begin(), surface.patch.end()));
 }
@@ -196,7 +196,7 @@ TEST(Boundary, SelectsPatches) {
   const auto all = count_by_patch(surface), some = count_by_patch(part);
   EXPECT_EQ(some[1], all[1]);
   EXPECT_EQ(some[2], all[2]);
-  ASSERT_EQ(part.triangles.size(), static_cast<std::size_t>(all[1] + all[2]));
+  ASSERT_EQ(part.triangles.size(), static_cast<std::size_t>(all[1].faces + all[2].faces));
   // The same faces in the same order, with the same corners.
   std::size_t next = 0;
   for (std::size_t f = 0; f < surface.triangles.size(); ++f) {

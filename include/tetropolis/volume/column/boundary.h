@@ -4,7 +4,7 @@
 #include <array>
 #include <cstdint>
 #include <span>
-#include <string_view>
+#include <string>
 #include <vector>
 
 #include "tetropolis/geometry/patch.h"
@@ -13,22 +13,20 @@
 
 namespace tetropolis {
 
-inline constexpr int kPatchCount = 8;
-
-/// "ground", "roof", "wall", "top", "xmin", "xmax", "ymin", "ymax".
-std::string_view patch_name(Patch patch);
-
 /// A triangle surface with its own, gapless vertex numbering.
 struct SurfaceMesh {
   std::vector<std::array<double, 3>> points;           ///< Local frame, metres.
   std::vector<std::array<std::int32_t, 3>> triangles;  ///< Counter-clockwise seen from outside the
                                                        ///< meshed volume: normals leave the air.
   std::vector<Patch> patch;             ///< Per triangle; ascending, so patches are consecutive.
+  PatchTable patches;                   ///< All that `patch` may have.
   std::vector<BuildingIndex> building;  ///< Per triangle: for roofs and walls the building, else
                                         ///< kNoBuilding.
   std::vector<NodeIndex> node;          ///< Per point: its number in the volume mesh; empty if the
                                         ///< surface was read from a file.
   std::vector<NodeIndex> cell;          ///< Per triangle: the cell behind it; likewise.
+
+  const PatchInfo& patch_of(std::size_t f) const { return patches.of(patch[f]); }
 };
 
 /// The boundary of `mesh`. Every face that belongs to one cell only is there once. Throws
@@ -39,8 +37,14 @@ SurfaceMesh extract_boundary(const ColumnMesh& mesh);
 /// The faces of some patches only, renumbered.
 SurfaceMesh select_patches(const SurfaceMesh& surface, std::span<const Patch> patches);
 
-/// Number of faces of each patch; element i is the patch with number i + 1.
-std::array<std::int64_t, kPatchCount> count_by_patch(const SurfaceMesh& surface);
+struct PatchCount {
+  std::string name;
+  std::int64_t faces = 0;
+  friend bool operator==(const PatchCount&, const PatchCount&) = default;
+};
+
+/// Number of faces of each patch of `surface.patches`, also of those without faces.
+std::vector<PatchCount> count_by_patch(const SurfaceMesh& surface);
 
 /// Whether every edge has exactly two faces that run along it in opposite directions (closed,
 /// oriented, edge-manifold); otherwise the number of edges that break it.
