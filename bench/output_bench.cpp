@@ -2,7 +2,6 @@
 // boundary, and the files. On the random city of 3,096 buildings with a mesh size of 10 m.
 //
 // Files go to a folder in TMPDIR (default /tmp) and are removed.
-#include <array>
 #include <filesystem>
 #include <functional>
 #include <string>
@@ -36,8 +35,7 @@ const ColumnMesh& city_mesh() {
 }
 
 const SurfaceMesh& city_boundary() {
-  static const SurfaceMesh boundary =
-      extract_boundary(city_mesh(), random_city_input(kBuildings).domain);
+  static const SurfaceMesh boundary = extract_boundary(city_mesh());
   return boundary;
 }
 
@@ -110,8 +108,7 @@ void step_3_6_measure_faces(benchmark::State& state) {
 }
 
 void step_3_6_extract_boundary(benchmark::State& state) {
-  const Bounds2 domain = random_city_input(kBuildings).domain;
-  run(state, [&] { benchmark::DoNotOptimize(extract_boundary(city_mesh(), domain)); });
+  run(state, [] { benchmark::DoNotOptimize(extract_boundary(city_mesh())); });
 }
 
 void step_3_6_check_topology(benchmark::State& state) {
@@ -134,8 +131,7 @@ void step_3_6_write_vtp(benchmark::State& state) {
 
 void step_3_6_write_stl(benchmark::State& state) {
   run_writer(state, "boundary.stl", [](const fs::path& path) {
-    const std::array land{Patch::kGround, Patch::kRoof, Patch::kWall};
-    write_stl(path, select_patches(city_boundary(), land), {});
+    write_stl(path, select_patches(city_boundary(), city_boundary().patches.solid()), {});
   });
 }
 

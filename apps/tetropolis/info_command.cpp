@@ -188,10 +188,8 @@ void print_volume(const TetMesh& mesh) {
 }
 
 void print_faces(const SurfaceMesh& surface) {
-  const auto counts = count_by_patch(surface);
-  for (int i = 0; i < kPatchCount; ++i)
-    put(stdout, fmt::format("  {}: {}\n", patch_name(static_cast<Patch>(i + 1)),
-                            counts[static_cast<std::size_t>(i)]));
+  for (const auto& [name, faces] : count_by_patch(surface))
+    put(stdout, fmt::format("  {}: {}\n", name, faces));
 }
 
 void info_volume(const std::string& path) {

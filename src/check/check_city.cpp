@@ -70,8 +70,7 @@ void check_account(const CityModel& city, CityCheck& check) {
 void check_domain_distance(const CityModel& city, double min_distance, CityCheck& check) {
   for (const Building& building : city.buildings)
     for (const Point2 p : building.footprint.outer) {
-      const Bounds2& d = city.domain;
-      const double distance = std::min({p.x - d.xmin, d.xmax - p.x, p.y - d.ymin, d.ymax - p.y});
+      const double distance = city.domain.distance_to_boundary(p);
       check.domain_distance = std::min(check.domain_distance, distance);
       if (!is_clear(distance, min_distance))
         note_violation(check.violations, "footprints too close to the domain's boundary",

@@ -47,7 +47,8 @@ class GroundChecker {
     const auto measure = [&](std::size_t begin, std::size_t end) {
       GroundCheck part;
       for (std::size_t f = begin; f < end; ++f)
-        if (surface_.patch[f] == Patch::kGround || surface_.patch[f] == Patch::kRoof)
+        if (surface_.patch_of(f).kind == PatchKind::kGround ||
+            surface_.patch_of(f).kind == PatchKind::kRoof)
           add_triangle(f, min_angle_deg, part);
       return part;
     };
@@ -70,7 +71,7 @@ class GroundChecker {
   void check_small_angles(double min_angle_deg, std::vector<Violation>& violations) const {
     std::vector<Point2> points(surface_.points.size());
     for (std::size_t v = 0; v < points.size(); ++v) points[v] = at(static_cast<std::int32_t>(v));
-    for (const Patch patch : {Patch::kGround, Patch::kRoof}) {
+    for (const PatchKind kind : {PatchKind::kGround, PatchKind::kRoof}) {
       std::vector<std::uint32_t> faces;
       std::vector<std::array<VertexIndex, 3>> triangles;
       for (std::size_t f = 0; f < surface_.triangles.size(); ++f) {
@@ -78,7 +79,7 @@ class GroundChecker {
         const auto finite = [&](std::int32_t v) {
           return std::isfinite(at(v).x) && std::isfinite(at(v).y);
         };
-        if (surface_.patch[f] != patch || !std::all_of(t.begin(), t.end(), finite)) continue;
+        if (surface_.patch_of(f).kind != kind || !std::all_of(t.begin(), t.end(), finite)) continue;
         faces.push_back(static_cast<std::uint32_t>(f));
         triangles.push_back(t);
       }
@@ -95,7 +96,7 @@ class GroundChecker {
     const RaggedArray<std::uint32_t> roofs = file_under_rows(
         surface_.triangles.size(), city_.buildings.size(), [&](std::size_t f, const auto& use) {
           const BuildingIndex b = surface_.building[f];
-          if (surface_.patch[f] == Patch::kRoof && b >= 0 &&
+          if (surface_.patch_of(f).kind == PatchKind::kRoof && b >= 0 &&
               static_cast<std::size_t>(b) < city_.buildings.size())
             use(static_cast<std::size_t>(b));
         });

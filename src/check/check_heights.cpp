@@ -56,7 +56,7 @@ Terrain terrain_of(const SurfaceMesh& surface, std::array<double, 3> shift, cons
   Terrain terrain{std::vector<double>(surface.points.size(), std::nan("")),
                   std::vector<double>(surface.points.size(), -kInfinity)};
   for (std::size_t f = 0; f < surface.triangles.size(); ++f) {
-    if (surface.patch[f] != Patch::kGround) continue;
+    if (surface.patch_of(f).kind != PatchKind::kGround) continue;
     double highest = -kInfinity;
     for (const std::int32_t v : surface.triangles[f]) {
       double& height = terrain.at[static_cast<std::size_t>(v)];
@@ -83,7 +83,7 @@ std::vector<double> roofs_over_walls(const SurfaceMesh& surface, const CityModel
       is_wanted[static_cast<std::size_t>(b)] = true;
   for (std::size_t f = 0; f < surface.triangles.size(); ++f) {
     const BuildingIndex b = surface.building[f];
-    if (surface.patch[f] != Patch::kWall || b < 0 ||
+    if (surface.patch_of(f).kind != PatchKind::kWall || b < 0 ||
         static_cast<std::size_t>(b) >= city.buildings.size() ||
         !is_wanted[static_cast<std::size_t>(b)])
       continue;
@@ -131,7 +131,8 @@ void cut_depths(const SurfaceMesh& surface, double z_shift, const Terrain& terra
   for (std::size_t f = 0; f < surface.triangles.size(); ++f) {
     const auto& corners = surface.triangles[f];
     const auto below = [&](std::int32_t v) { return is_below(static_cast<std::size_t>(v)); };
-    if (surface.patch[f] != Patch::kGround || std::none_of(corners.begin(), corners.end(), below))
+    if (surface.patch_of(f).kind != PatchKind::kGround ||
+        std::none_of(corners.begin(), corners.end(), below))
       continue;
     faces.push_back(f);
     for (const std::int32_t v : corners) faces_at[static_cast<std::size_t>(v)].push_back(f);
@@ -278,8 +279,9 @@ HeightsCheck HeightChecker::check() {
   std::map<std::int32_t, BuildingIndex> roof_building;
   for (std::size_t f = 0; f < surface_.triangles.size(); ++f)
     for (const std::int32_t v : surface_.triangles[f]) {
-      if (surface_.patch[f] == Patch::kGround) on_ground[static_cast<std::size_t>(v)] = true;
-      if (surface_.patch[f] == Patch::kRoof) roof_building[v] = surface_.building[f];
+      if (surface_.patch_of(f).kind == PatchKind::kGround)
+        on_ground[static_cast<std::size_t>(v)] = true;
+      if (surface_.patch_of(f).kind == PatchKind::kRoof) roof_building[v] = surface_.building[f];
     }
   for (std::size_t v = 0; v < on_ground.size(); ++v)
     if (on_ground[v]) check_ground(v);

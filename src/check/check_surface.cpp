@@ -4,9 +4,13 @@
 #include <cmath>
 #include <map>
 #include <span>
+#include <string>
 #include <string_view>
+#include <vector>
 
 #include <fmt/format.h>
+
+#include "tetropolis/geometry/domain.h"
 
 #include "core/infinity.h"
 #include "edges.h"
@@ -40,44 +44,56 @@ Box bounding_box(const SurfaceMesh& surface) {
   return box;
 }
 
-/// What is wrong with one face's tags, or nullptr.
-const char* tag_violation(const std::array<Vector3, 3>& p, const Vector3& normal, Patch patch,
-                          BuildingIndex building, const Box& box) {
-  const auto all_at = [&](std::size_t axis, double value) {
-    return p[0][axis] == value && p[1][axis] == value && p[2][axis] == value;
-  };
-  const double steepness = std::hypot(normal[0], normal[1]);
-  const bool has_building = patch == Patch::kRoof || patch == Patch::kWall;
-  if (has_building != (building >= 0))
-    return has_building ? "roof or wall faces without building"
-                        : "faces with a building that are neither roof nor wall";
-  switch (patch) {
-    case Patch::kGround:
-      return normal[2] < 0 ? nullptr : "ground faces that do not face down";
-    case Patch::kRoof:
-      if (!(normal[2] < 0)) return "roof faces that do not face down";
-      return p[0][2] == p[1][2] && p[0][2] == p[2][2] ? nullptr : "roof faces that are not level";
-    case Patch::kWall:
-      return std::abs(normal[2]) <= 1e-9 * steepness ? nullptr : "wall faces that are not vertical";
-    case Patch::kTop:
-      return normal[2] > 0 ? nullptr : "top faces that do not face up";
-    case Patch::kXMin:
-      return all_at(0, box.low[0]) && normal[0] < 0 ? nullptr : "faces of xmin off that side";
-    case Patch::kXMax:
-      return all_at(0, box.high[0]) && normal[0] > 0 ? nullptr : "faces of xmax off that side";
-    case Patch::kYMin:
-      return all_at(1, box.low[1]) && normal[1] < 0 ? nullptr : "faces of ymin off that side";
-    case Patch::kYMax:
-      return all_at(1, box.high[1]) && normal[1] > 0 ? nullptr : "faces of ymax off that side";
+/// Whether a face with this normal lies on the side of the domain that the patch is, facing out.
+bool is_on_side(const std::array<Vector3, 3>& p, const Vector3& normal, Patch patch,
+                const Domain& domain) {
+  const std::vector<Domain::Side> sides = domain.sides();
+  for (std::size_t i = 0; i < sides.size(); ++i) {
+    if (sides[i].patch != patch) continue;
+    const auto is_off = [&](const Vector3& corner) {
+      return domain.distance_to_side(i, {corner[0], corner[1]}) != 0;
+    };
+    const auto& [from, to, own] = sides[i];
+    return std::none_of(p.begin(), p.end(), is_off) &&
+           normal[0] * (to.y - from.y) - normal[1] * (to.x - from.x) > 0;
   }
-  return "faces without a patch";
+  return false;
+}
+
+/// What is wrong with one face's tags; nothing if it is empty.
+std::string tag_violation(const std::array<Vector3, 3>& p, const Vector3& normal,
+                          const PatchInfo& patch, BuildingIndex building, const Domain& domain) {
+  const double steepness = std::hypot(normal[0], normal[1]);
+  if (patch.kind == PatchKind::kOther) return {};
+  if (patch.of_building() != (building >= 0))
+    return patch.of_building() ? "roof or wall faces without building"
+                               : "faces with a building that are neither roof nor wall";
+  const auto unless = [&](bool holds, fmt::format_string<const std::string&> what) {
+    return holds ? std::string() : fmt::format(what, patch.name);
+  };
+  switch (patch.kind) {
+    case PatchKind::kGround:
+      return unless(normal[2] < 0, "{} faces that do not face down");
+    case PatchKind::kRoof:
+      if (!(normal[2] < 0)) return patch.name + " faces that do not face down";
+      return unless(p[0][2] == p[1][2] && p[0][2] == p[2][2], "{} faces that are not level");
+    case PatchKind::kWall:
+      return unless(std::abs(normal[2]) <= 1e-9 * steepness, "{} faces that are not vertical");
+    case PatchKind::kTop:
+      return unless(normal[2] > 0, "{} faces that do not face up");
+    case PatchKind::kSide:
+      return unless(is_on_side(p, normal, patch.patch, domain), "faces of {} off that side");
+    case PatchKind::kOther:
+      break;
+  }
+  return {};
 }
 
 /// Two faces along every edge, in opposite directions; and buildings stand apart, so faces of two
 /// of them share no edge.
 void check_edges(const SurfaceMesh& surface, SurfaceCheck& check) {
   const auto of_building = [&](const EdgeUse& use) {
-    return surface.patch[use.face] == Patch::kRoof || surface.patch[use.face] == Patch::kWall;
+    return surface.patch_of(use.face).of_building();
   };
   const auto look = [&](std::int64_t low, std::span<const EdgeUse> uses,
                         std::vector<Violation>& violations) {
@@ -127,6 +143,8 @@ SurfaceCheck check_surface(const SurfaceMesh& surface) {
   const Box box = bounding_box(surface);
   check.highest = box.high[2];
   check.box = {box.low[0], box.low[1], box.high[0], box.high[1]};
+  const Domain domain(check.box);
+  for (const PatchInfo& info : surface.patches) check.faces_by_patch.push_back({info.name, 0});
   std::map<BuildingIndex, double> roof;
   for (std::size_t f = 0; f < surface.triangles.size(); ++f) {
     const auto p = corners(surface, f);
@@ -139,13 +157,14 @@ SurfaceCheck check_surface(const SurfaceMesh& surface) {
     if (!(size > 0)) note_violation(check.violations, "faces without area", place);
     for (std::size_t d = 0; d < 3; ++d)
       check.enclosed_volume += normal[d] * (p[0][d] - box.low[d]) / 3;
-    const Patch patch = surface.patch[f];
-    ++check.faces_by_patch[static_cast<std::size_t>(patch) - 1];
-    if (const char* what = tag_violation(p, normal, patch, surface.building[f], box))
-      note_violation(check.violations, what, place);
-    if (patch == Patch::kTop)
+    const PatchInfo& patch = surface.patch_of(f);
+    ++check.faces_by_patch[surface.patches.position(patch.patch)].faces;
+    if (const std::string what = tag_violation(p, normal, patch, surface.building[f], domain);
+        !what.empty())
+      note_violation(check.violations, what.c_str(), place);
+    if (patch.kind == PatchKind::kTop)
       for (const Vector3& corner : p) check.lowest_top = std::min(check.lowest_top, corner[2]);
-    if (patch == Patch::kRoof &&
+    if (patch.kind == PatchKind::kRoof &&
         roof.try_emplace(surface.building[f], p[0][2]).first->second != p[0][2])
       note_violation(check.violations, "roofs of one building at different heights", place);
   }

@@ -141,9 +141,10 @@ void compare_mesh(const Report& report, const VolumeCheck& volume, const Surface
   }
   near("closed boundary", boundary.closed ? 1 : 0, surface.closed ? 1 : 0, 0);
   near("manifold boundary", boundary.manifold ? 1 : 0, surface.manifold ? 1 : 0, 0);
-  for (std::size_t i = 0; i < surface.faces_by_patch.size(); ++i)
-    near(fmt::format("number of faces of {}", patch_name(static_cast<Patch>(i + 1))),
-         number(boundary.faces_by_patch[i]), number(surface.faces_by_patch[i]), 0);
+  std::map<std::string, std::int64_t> reported;
+  for (const auto& [name, faces] : boundary.faces_by_patch) reported[name] = faces;
+  for (const auto& [name, faces] : surface.faces_by_patch)
+    near("number of faces of " + name, number(reported[name]), number(faces), 0);
 }
 
 void compare_account(const CityModel& city, const std::optional<ReportedRun>& report,
@@ -193,7 +194,7 @@ void compare_city(const CityModel& city, const CityCheck& check, const ReportedR
     differs("reference system", crs_name(run.crs), crs_name(city.crs), file);
   // `mesh --bounds` leaves the model with its own domain.
   if (report.has_domain && report.made_city())
-    compare_boxes(run.domain, city.domain.moved(city.origin), file);
+    compare_boxes(run.domain, city.domain.moved(city.origin).bounds(), file);
 }
 
 void compare_terrain(const RasterInput& terrain, const CityModel& city,

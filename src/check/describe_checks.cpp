@@ -42,9 +42,8 @@ CheckedFile describe(const std::string& name, const VolumeCheck& check) {
 CheckedFile describe(const std::string& name, const SurfaceCheck& check) {
   CheckedFile file{name, {}, check.violations, {}};
   std::string patches;
-  for (int i = 0; i < kPatchCount; ++i)
-    patches += fmt::format("{}{} {}", i == 0 ? "" : ", ", patch_name(static_cast<Patch>(i + 1)),
-                           check.faces_by_patch[static_cast<std::size_t>(i)]);
+  for (const auto& [name, faces] : check.faces_by_patch)
+    patches += fmt::format("{}{} {}", patches.empty() ? "" : ", ", name, faces);
   file.facts = {
       fmt::format("{} triangles, {}, {}", check.triangles, check.closed ? "closed" : "open",
                   check.manifold ? "manifold" : "not manifold"),

@@ -18,23 +18,14 @@ constexpr double kCrumb = 1;  // square metres: no building, whatever it was cut
 
 }  // namespace
 
-DomainPosition position_in_domain(const Polygon& polygon, const Bounds2& domain) {
-  const Bounds2 box = bounds(polygon);
-  if (box.empty()) return DomainPosition::kInside;
-  if (!box.intersects(domain)) return DomainPosition::kOutside;
-  const bool inside =
-      domain.contains({box.xmin, box.ymin}) && domain.contains({box.xmax, box.ymax});
-  return inside ? DomainPosition::kInside : DomainPosition::kCrossing;
-}
-
-std::vector<Polygon> parts_in_box(const Polygon& polygon, const Bounds2& box) {
-  return geos::intersect(std::array{polygon}, std::array{rectangle(box)}, kCoordinateStep)
+std::vector<Polygon> parts_in_domain(const Polygon& polygon, const Domain& domain) {
+  return geos::intersect(std::array{polygon}, std::array{domain.outline()}, kCoordinateStep)
       .value_or(std::vector<Polygon>());
 }
 
-std::vector<Polygon> clip_to_box(const Polygon& polygon, const Bounds2& box, double least_area,
-                                 double* lost_area) {
-  std::vector<Polygon> parts = parts_in_box(polygon, box);
+std::vector<Polygon> clip_to_domain(const Polygon& polygon, const Domain& domain, double least_area,
+                                    double* lost_area) {
+  std::vector<Polygon> parts = parts_in_domain(polygon, domain);
   std::stable_sort(parts.begin(), parts.end(),
                    [](const Polygon& a, const Polygon& b) { return area(a) > area(b); });
   std::vector<Polygon> clipped;
@@ -47,7 +38,7 @@ std::vector<Polygon> clip_to_box(const Polygon& polygon, const Bounds2& box, dou
     for (Point2& p : part.outer) p = snap_coordinate(p);
     for (Ring& hole : part.holes)
       for (Point2& p : hole) p = snap_coordinate(p);
-    // The box may have cut off all but a sliver, or left vertices a hair apart.
+    // The domain may have cut off all but a sliver, or left vertices a hair apart.
     CleanedFootprint clean = clean_footprint(part, {.parallel_tolerance = 0});
     lost += clean.polygon.outer.empty() ? area(part) : clean.lost_area;
     if (!clean.polygon.outer.empty()) clipped.push_back(std::move(clean.polygon));

@@ -1,9 +1,12 @@
 #include "tetropolis/ground/mesh_ground.h"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstdint>
 #include <numeric>
+#include <tuple>
+#include <utility>
 #include <vector>
 
 #include <fmt/format.h>
@@ -18,16 +21,23 @@ namespace tetropolis {
 
 namespace {
 
+// What is to be triangulated, and what its segments are: TaggedEdge without vertices.
+struct Input {
+  PlanarGraph graph;
+  std::vector<TaggedEdge> segments;
+};
+
 // Adds a ring, directed so that the building lies on the left of its segments.
-void add_ring(const Ring& ring, bool is_hole, std::int32_t building, const Bounds2& domain,
-              const GroundMeshOptions& options, PlanarGraph& graph) {
+void add_ring(const Ring& ring, bool is_hole, RegionIndex building, RegionIndex outside,
+              const Domain& domain, const GroundMeshOptions& options, std::int32_t number,
+              Input& input) {
+  PlanarGraph& graph = input.graph;
   const auto first = static_cast<VertexIndex>(graph.points.size());
   const auto n = static_cast<VertexIndex>(ring.size());
   const bool turn = (signed_area(ring) > 0) == is_hole;
   for (VertexIndex i = 0; i < n; ++i) {
     const Point2 p = ring[static_cast<std::size_t>(i)];
-    // Written so that NaN fails as well.
-    if (!(p.x > domain.xmin && p.x < domain.xmax && p.y > domain.ymin && p.y < domain.ymax))
+    if (!domain.encloses(p))
       throw Error(
           ErrorKind::kInput,
           fmt::format("footprint {}: vertex ({}, {}) is not inside the domain; drop or clip "
@@ -36,29 +46,29 @@ void add_ring(const Ring& ring, bool is_hole, std::int32_t building, const Bound
     graph.points.push_back(p);
     const VertexIndex a = first + i, b = first + (i + 1 == n ? 0 : i + 1);
     graph.segments.push_back(turn ? std::array{b, a} : std::array{a, b});
-    graph.segment_markers.push_back(building);
-    graph.segment_sides.push_back({building, kNoBuilding});
+    graph.segment_sides.push_back({building, outside});
+    input.segments.push_back({0, 0, building, number + i});
     if (options.wall_edge)
       graph.segment_max_edge.push_back(
           options.wall_edge(building, p, ring[static_cast<std::size_t>(i + 1 == n ? 0 : i + 1)]));
   }
 }
 
-PlanarGraph make_graph(std::span<const Polygon> footprints, const Bounds2& domain,
-                       const GroundMeshOptions& options) {
-  PlanarGraph graph;
-  graph.points = {{domain.xmin, domain.ymin},
-                  {domain.xmax, domain.ymin},
-                  {domain.xmax, domain.ymax},
-                  {domain.xmin, domain.ymax}};
-  for (VertexIndex i = 0; i < 4; ++i) {
-    graph.segments.push_back({i, (i + 1) % 4});
-    graph.segment_markers.push_back(kNoBuilding);
-    graph.segment_sides.push_back({kNoBuilding, kUnmarkedSide});
+Input make_input(std::span<const Polygon> footprints, const Domain& domain,
+                 const GroundMeshOptions& options) {
+  const auto open_ground = static_cast<RegionIndex>(footprints.size());
+  Input input;
+  PlanarGraph& graph = input.graph;
+  graph.points = domain.outline().outer;
+  const auto corners = static_cast<VertexIndex>(graph.points.size());
+  for (VertexIndex i = 0; i < corners; ++i) {
+    graph.segments.push_back({i, (i + 1) % corners});
+    graph.segment_sides.push_back({open_ground, kUnmarkedSide});
+    input.segments.push_back({0, 0, kNoRegion, i});
     if (options.wall_edge) graph.segment_max_edge.push_back(options.mesh_size);
   }
   // Along the curve, whatever the order of the input: what is near is meshed soon after.
-  const HilbertCurve curve(domain);
+  const HilbertCurve curve(domain.bounds());
   std::vector<std::uint32_t> keys(footprints.size(), 0);
   for (std::size_t f = 0; f < footprints.size(); ++f)
     // What is not finite is refused with its ring.
@@ -67,16 +77,20 @@ PlanarGraph make_graph(std::span<const Polygon> footprints, const Bounds2& domai
       keys[f] = curve(outer[0]);
   for (const std::int32_t building : sorted_order(keys)) {
     const Polygon& footprint = footprints[static_cast<std::size_t>(building)];
-    add_ring(footprint.outer, false, building, domain, options, graph);
-    for (const Ring& hole : footprint.holes) add_ring(hole, true, building, domain, options, graph);
+    const auto first = static_cast<std::int32_t>(graph.segments.size());
+    const auto number = [&] { return static_cast<std::int32_t>(graph.segments.size()) - first; };
+    add_ring(footprint.outer, false, building, open_ground, domain, options, number(), input);
+    for (const Ring& hole : footprint.holes)
+      add_ring(hole, true, building, open_ground, domain, options, number(), input);
   }
-  return graph;
+  return input;
 }
 
 // Vertices along the curve, those of no triangle left out; triangles by the sum of their vertices'
-// new numbers.
-GroundMesh renumber(const Triangulation& source, const Bounds2& domain) {
-  const HilbertCurve curve(domain);
+// new numbers. `segments`: what the input's segments are.
+GroundMesh renumber(const Triangulation& source, const std::vector<TaggedEdge>& segments,
+                    const Domain& domain) {
+  const HilbertCurve curve(domain.bounds());
   std::vector<char> used(source.points.size(), 0);
   for (const auto& t : source.triangles)
     for (const VertexIndex v : t) used[static_cast<std::size_t>(v)] = 1;
@@ -111,6 +125,18 @@ GroundMesh renumber(const Triangulation& source, const Bounds2& domain) {
       mesh.triangles[to][i] = number[static_cast<std::size_t>(old[i])];
     mesh.region[to] = source.triangle_regions[t];
   }
+  mesh.tagged_edges.reserve(source.segments.size());
+  for (std::size_t s = 0; s < source.segments.size(); ++s) {
+    TaggedEdge edge = segments[static_cast<std::size_t>(source.segment_inputs[s])];
+    std::tie(edge.low, edge.high) =
+        std::minmax({number[static_cast<std::size_t>(source.segments[s][0])],
+                     number[static_cast<std::size_t>(source.segments[s][1])]});
+    mesh.tagged_edges.push_back(edge);
+  }
+  std::sort(mesh.tagged_edges.begin(), mesh.tagged_edges.end(),
+            [](const TaggedEdge& a, const TaggedEdge& b) {
+              return std::pair(a.low, a.high) < std::pair(b.low, b.high);
+            });
   mesh.small_input_angles = source.small_input_angles;
   mesh.triangles_below_min_angle = source.triangles_below_min_angle;
   return mesh;
@@ -118,14 +144,13 @@ GroundMesh renumber(const Triangulation& source, const Bounds2& domain) {
 
 }  // namespace
 
-GroundMesh mesh_ground(std::span<const Polygon> footprints, const Bounds2& domain,
+GroundMesh mesh_ground(std::span<const Polygon> footprints, const Domain& domain,
                        const GroundMeshOptions& options, const Progress& progress) {
-  const bool finite = std::isfinite(domain.xmin) && std::isfinite(domain.ymin) &&
-                      std::isfinite(domain.xmax) && std::isfinite(domain.ymax);
-  if (!finite || !(domain.xmin < domain.xmax && domain.ymin < domain.ymax))
-    throw Error(ErrorKind::kInput,
-                fmt::format("domain ({}, {}, {}, {}) is empty; give other bounds", domain.xmin,
-                            domain.ymin, domain.xmax, domain.ymax));
+  if (!domain.is_meshable())
+    throw Error(
+        ErrorKind::kInput,
+        fmt::format("domain ({}, {}, {}, {}) is empty; give other bounds", domain.bounds().xmin,
+                    domain.bounds().ymin, domain.bounds().xmax, domain.bounds().ymax));
   if (!(options.mesh_size > 0 && std::isfinite(options.mesh_size)))
     throw Error(ErrorKind::kUsage,
                 fmt::format("mesh size {}: must be positive", options.mesh_size));
@@ -133,7 +158,14 @@ GroundMesh mesh_ground(std::span<const Polygon> footprints, const Bounds2& domai
   refinement.min_angle_deg = options.min_angle_deg;
   refinement.max_edge = options.mesh_size;
   refinement.elevation = options.elevation;
-  return renumber(refine(make_graph(footprints, domain, options), refinement, progress), domain);
+  std::vector<Region> regions = regions_of_buildings(footprints.size());
+  for (const Region& region : regions)
+    refinement.off_terrain.push_back(region.is_building() ? 1 : 0);
+  const Input input = make_input(footprints, domain, options);
+  GroundMesh mesh = renumber(refine(input.graph, refinement, progress), input.segments, domain);
+  mesh.regions = std::move(regions);
+  for (const Domain::Side& side : domain.sides()) mesh.sides.push_back(side.patch);
+  return mesh;
 }
 
 }  // namespace tetropolis

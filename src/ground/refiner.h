@@ -158,8 +158,10 @@ class Refiner {
     return (piece.v[0] == vertex && piece.acute[0]) || (piece.v[1] == vertex && piece.acute[1]);
   }
   /// Whether the terrain is seen there, not the roof of a building.
-  static bool is_open(const TriMesh::Triangle& x) {
-    return x.v[0] != TriMesh::kDead && x.region < 0;
+  bool is_open(const TriMesh::Triangle& x) const {
+    if (x.v[0] == TriMesh::kDead) return false;
+    const auto region = static_cast<std::size_t>(x.region);  // a negative one is beyond the list
+    return region >= options_.off_terrain.size() || options_.off_terrain[region] == 0;
   }
   double flatness(const TriMesh::Triangle& x) const;
   bool flatten_around(std::int32_t v, std::int32_t he, double content);

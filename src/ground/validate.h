@@ -72,7 +72,7 @@ Violations validate(const PlanarGraph& graph, const RefineOptions& options,
 /// Everything mesh_ground() guarantees, but for the order of vertices and triangles: also that the
 /// boundary is that of the domain, and that regions are bounded by the footprints and only by them.
 Violations validate(const GroundMesh& mesh, std::span<const Polygon> footprints,
-                    const Bounds2& domain, const GroundMeshOptions& options);
+                    const Domain& domain, const GroundMeshOptions& options);
 
 /// The angles of a mesh, for reports.
 struct AngleStatistics {

@@ -1,4 +1,4 @@
-// The checks of a GroundMesh: it has no list of segments, they are where regions change.
+// The checks of a GroundMesh.
 #include <algorithm>
 #include <cmath>
 #include <map>
@@ -22,7 +22,7 @@ Point2 at(const GroundMesh& mesh, VertexIndex v) {
   return mesh.vertices[static_cast<std::size_t>(v)];
 }
 
-// Edges of the boundary and edges between two regions.
+// Edges of the boundary and edges between two regions, ascending.
 Segments region_boundaries(const GroundMesh& mesh) {
   Segments segments;
   EdgeTable(mesh.triangles).for_each([&](std::span<const EdgeTable::Use> uses) {
@@ -34,19 +34,50 @@ Segments region_boundaries(const GroundMesh& mesh) {
   return segments;
 }
 
-void check_domain(const GroundMesh& mesh, const Bounds2& domain, Violations& found) {
+// The tagged edges are those where regions change and those of the boundary, and lie where they
+// say.
+void check_tags(const GroundMesh& mesh, std::span<const Polygon> footprints, const Domain& domain,
+                const Segments& segments, Violations& found) {
+  const bool complete = std::equal(
+      segments.begin(), segments.end(), mesh.tagged_edges.begin(), mesh.tagged_edges.end(),
+      [](const auto& s, const TaggedEdge& e) { return s[0] == e.low && s[1] == e.high; });
+  if (!complete) found.push_back("the tagged edges are not those that separate regions");
+  std::vector<std::vector<std::array<Point2, 2>>> outlines(footprints.size() + 1);
+  const auto note_edges = [](const Polygon& polygon, std::vector<std::array<Point2, 2>>& outline) {
+    for_each_edge(polygon, [&](Point2 p, Point2 q) { outline.push_back({p, q}); });
+  };
+  for (std::size_t b = 0; b < footprints.size(); ++b) note_edges(footprints[b], outlines[b]);
+  note_edges(domain.outline(), outlines.back());
+  for (const TaggedEdge& edge : mesh.tagged_edges) {
+    if (found.size() >= kMaxViolations) return;
+    const bool on_side = edge.region == kNoRegion;
+    const std::size_t r = on_side ? footprints.size() : static_cast<std::size_t>(edge.region);
+    const auto s = static_cast<std::size_t>(edge.segment);
+    if (r >= outlines.size() || s >= outlines[r].size() || (on_side && s >= mesh.sides.size())) {
+      found.push_back(fmt::format("edge {}-{}: there is no such segment", edge.low, edge.high));
+      continue;
+    }
+    const auto& [p, q] = outlines[r][s];
+    double off = 0, largest = 0;
+    for (const VertexIndex v : {edge.low, edge.high}) {
+      off = std::max(off, distance_to_segment(at(mesh, v), p, q));
+      largest = std::max({largest, std::abs(at(mesh, v).x), std::abs(at(mesh, v).y)});
+    }
+    if (off > (on_side ? 0 : kOnSegmentTolerance * largest))
+      found.push_back(fmt::format("edge {}-{}: not on the segment it names", edge.low, edge.high));
+  }
+}
+
+void check_domain(const GroundMesh& mesh, const Domain& domain, Violations& found) {
   double length = 0;
-  EdgeTable(mesh.triangles).for_each([&](std::span<const EdgeTable::Use> uses) {
-    if (uses.size() != 1 || found.size() >= kMaxViolations) return;
-    const Point2 a = at(mesh, uses[0].low), b = at(mesh, uses[0].high);
-    const bool on_side = (a.x == b.x && (a.x == domain.xmin || a.x == domain.xmax)) ||
-                         (a.y == b.y && (a.y == domain.ymin || a.y == domain.ymax));
-    if (!on_side || !domain.contains(a) || !domain.contains(b))
-      found.push_back(fmt::format("boundary edge {}-{}: not on a side of the domain", uses[0].low,
-                                  uses[0].high));
+  for (const TaggedEdge& edge : mesh.tagged_edges) {
+    if (edge.region != kNoRegion) continue;
+    const Point2 a = at(mesh, edge.low), b = at(mesh, edge.high);
     length += std::hypot(a.x - b.x, a.y - b.y);
-  });
-  const double perimeter = 2 * (domain.width() + domain.height());
+  }
+  double perimeter = 0;
+  for (const auto& [from, to, patch] : domain.sides())
+    perimeter += std::hypot(to.x - from.x, to.y - from.y);
   if (std::abs(length - perimeter) > 1e-9 * perimeter)
     found.push_back(fmt::format("boundary of length {} for a perimeter of {}", length, perimeter));
   double total = 0;
@@ -56,7 +87,7 @@ void check_domain(const GroundMesh& mesh, const Bounds2& domain, Violations& fou
     total += 0.5 * ((b.x - a.x) * (c.y - a.y) - (b.y - a.y) * (c.x - a.x));
     for (const VertexIndex v : t) used[static_cast<std::size_t>(v)] = 1;
   }
-  const double expected = domain.width() * domain.height();
+  const double expected = domain.area();
   if (std::abs(total - expected) > 1e-9 * expected)
     found.push_back(fmt::format("triangles cover {} of {} square metres", total, expected));
   const auto unused = std::count(used.begin(), used.end(), 0);
@@ -67,8 +98,8 @@ void check_domain(const GroundMesh& mesh, const Bounds2& domain, Violations& fou
 void check_areas(const GroundMesh& mesh, std::span<const Polygon> footprints, Violations& found) {
   std::vector<double> covered(footprints.size(), 0);
   for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
-    const BuildingIndex b = mesh.region[t];
-    if (b == kNoBuilding) continue;
+    if (!mesh.inside_building(t)) continue;
+    const BuildingIndex b = mesh.region_of(t).building;
     if (b < 0 || b >= static_cast<BuildingIndex>(footprints.size())) {
       found.push_back(fmt::format("triangle {}: there is no building {}", t, b));
       return;
@@ -142,11 +173,17 @@ void check_footprints(const GroundMesh& mesh, std::span<const Polygon> footprint
 }  // namespace
 
 Violations validate(const GroundMesh& mesh, std::span<const Polygon> footprints,
-                    const Bounds2& domain, const GroundMeshOptions& options) {
+                    const Domain& domain, const GroundMeshOptions& options) {
   Violations found = check_topology(mesh.vertices, mesh.triangles);
   if (mesh.region.size() != mesh.triangles.size()) found.push_back("not one region per triangle");
+  for (const RegionIndex r : mesh.region)
+    if (r < 0 || static_cast<std::size_t>(r) >= mesh.regions.size()) {
+      found.push_back(fmt::format("there is no region {}", r));
+      break;
+    }
   if (!found.empty()) return found;
   const Segments segments = region_boundaries(mesh);
+  check_tags(mesh, footprints, domain, segments, found);
   check_domain(mesh, domain, found);
   check_areas(mesh, footprints, found);
   std::vector<double> bounds(mesh.vertices.size(), kInfinity);

@@ -34,7 +34,7 @@ namespace {
       raw.dropped.empty() ? "the file has none"
                           : fmt::format("the first of {}: feature {}: {}", raw.dropped.size(),
                                         raw.dropped.front().source_id, raw.dropped.front().reason);
-  const Bounds2 domain = raw.domain.moved(raw.origin);
+  const Bounds2 domain = raw.domain.moved(raw.origin).bounds();
   throw Error(ErrorKind::kInput,
               fmt::format("{}: no usable footprint lies in the domain ({}, {}) - ({}, {}) ({}); "
                           "check `bounds`, domain_margin and the CRS, or add terrain_only",

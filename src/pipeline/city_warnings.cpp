@@ -51,7 +51,7 @@ void warn_of_terrain(const DtmReport& dtm, bool filtered, std::vector<Warning>& 
 
 void warn_of_giants(const CityModel& raw, std::vector<Warning>& warnings) {
   constexpr double kMost = 0.5;
-  const double domain = raw.domain.width() * raw.domain.height();
+  const double domain = raw.domain.area();
   Warning warning{"building_covers_domain", 0, {}};
   for (const Building& building : raw.buildings) {
     const double share = area(building.footprint) / domain;

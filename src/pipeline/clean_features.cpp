@@ -55,7 +55,7 @@ void count_lost_parts(const std::string& source_id, double lost_area, Warning& w
 
 /// Those outside the domain stay as they are made: nothing looks at them again.
 std::vector<CleanedFootprint> clean_all(const BuildCityOptions& options,
-                                        const FootprintsInput& input, const Bounds2& domain,
+                                        const FootprintsInput& input, const Domain& domain,
                                         const Progress& progress) {
   const std::size_t size = input.features.size();
   std::vector<CleanedFootprint> clean(size);
@@ -63,7 +63,7 @@ std::vector<CleanedFootprint> clean_all(const BuildCityOptions& options,
   parallel_chunks(size, 64, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i) {
       const Polygon& polygon = input.features[i].polygon;
-      if (position_in_domain(polygon, domain) != DomainPosition::kOutside)
+      if (domain.position_of(polygon) != DomainPosition::kOutside)
         clean[i] = clean_footprint(polygon, {options.simplify.parallel_tolerance});
     }
     shared.add(static_cast<std::int64_t>(end - begin));
@@ -81,14 +81,14 @@ struct Kept {
 Kept dropped(const char* reason) { return {{}, 0, reason}; }
 
 /// `cleaned.lost_area` grows by what the boundary cuts off and is left out.
-Kept keep_inside(const BuildCityOptions& options, const Polygon& feature, const Bounds2& domain,
+Kept keep_inside(const BuildCityOptions& options, const Polygon& feature, const Domain& domain,
                  CleanedFootprint& cleaned, std::vector<Polygon>& crossing) {
   const char* const outside = "outside the domain";
-  if (position_in_domain(feature, domain) == DomainPosition::kOutside) return dropped(outside);
+  if (domain.position_of(feature) == DomainPosition::kOutside) return dropped(outside);
   if (!cleaned.usable()) return {{}, 0, cleaned.reason};
   const std::uint32_t flags = cleaned.repaired ? kRepaired : 0U;
   // Of what is left: a spike without width may have reached across the boundary.
-  switch (position_in_domain(cleaned.polygon, domain)) {
+  switch (domain.position_of(cleaned.polygon)) {
     case DomainPosition::kOutside:
       return dropped(outside);
     case DomainPosition::kInside:
@@ -97,17 +97,17 @@ Kept keep_inside(const BuildCityOptions& options, const Polygon& feature, const 
       break;
   }
   // The box of what lies around a corner of the domain crosses it, too.
-  std::vector<Polygon> inside = parts_in_box(cleaned.polygon, domain);
+  std::vector<Polygon> inside = parts_in_domain(cleaned.polygon, domain);
   if (inside.empty()) return dropped(outside);
   if (options.boundary_buildings == BoundaryBuildings::kDrop) {
     for (Polygon& part : inside) crossing.push_back(std::move(part));
     return dropped("crosses the domain boundary");
   }
   // Cut back by the merge distance, so that the strip left is wide enough to mesh.
-  const Bounds2 room = domain.grown(-options.simplify.min_distance - kCoordinateStep * 4);
+  const Domain room = domain.inset(options.simplify.min_distance + kCoordinateStep * 4);
   double cut_off = 0;
   std::vector<Polygon> parts =
-      clip_to_box(cleaned.polygon, room, options.simplify.min_area, &cut_off);
+      clip_to_domain(cleaned.polygon, room, options.simplify.min_area, &cut_off);
   if (parts.empty()) return dropped("crosses the domain boundary, with nothing left inside");
   cleaned.lost_area += cut_off;
   return {std::move(parts), flags | kClipped, {}};
@@ -116,7 +116,7 @@ Kept keep_inside(const BuildCityOptions& options, const Polygon& feature, const 
 }  // namespace
 
 CleanFeatures clean_features(const BuildCityOptions& options, const FootprintsInput& input,
-                             const Bounds2& domain, std::vector<Warning>& warnings,
+                             const Domain& domain, std::vector<Warning>& warnings,
                              const Progress& progress) {
   std::vector<CleanedFootprint> clean = clean_all(options, input, domain, progress);
   CleanFeatures result;

@@ -23,7 +23,7 @@ struct CleanFeatures {
 /// options.boundary_buildings says. Every feature ends in `buildings` or in `dropped`. Features
 /// that have lost parts are one warning.
 CleanFeatures clean_features(const BuildCityOptions& options, const FootprintsInput& input,
-                             const Bounds2& domain, std::vector<Warning>& warnings,
+                             const Domain& domain, std::vector<Warning>& warnings,
                              const Progress& progress);
 
 }  // namespace tetropolis

@@ -57,8 +57,9 @@ std::optional<Asked> missed(const FaultCounts& counts) {
 /// Columns that are not alike in two meshes over the same ground mesh.
 std::vector<VertexIndex> different_columns(const ColumnMesh& a, const ColumnMesh& b) {
   std::vector<VertexIndex> different;
-  for (std::size_t v = 0; v < a.roof.size(); ++v)
-    if (a.roof[v] != b.roof[v] || a.first[v + 1] - a.first[v] != b.first[v + 1] - b.first[v] ||
+  for (std::size_t v = 0; v < a.vertex_count(); ++v)
+    if (!std::ranges::equal(a.floors_at(v), b.floors_at(v)) ||
+        a.first[v + 1] - a.first[v] != b.first[v + 1] - b.first[v] ||
         !std::equal(a.z.begin() + a.first[v], a.z.begin() + a.first[v + 1],
                     b.z.begin() + b.first[v]))
       different.push_back(static_cast<VertexIndex>(v));
@@ -163,7 +164,7 @@ void MeshImprover::straighten_faces(std::vector<VertexIndex>& improved) {
     const FaultCounts then = faults_.counts();
     if (then.steep_faces == 0) return;
     // All that improve_columns changes.
-    auto before = std::tuple(mesh.first, mesh.roof, mesh.z);
+    auto before = std::tuple(mesh.first, mesh.floors, mesh.z);
     ImproveOptions options;
     options.least_deg = target.least;
     options.greatest_deg = target.greatest;
@@ -181,7 +182,7 @@ void MeshImprover::straighten_faces(std::vector<VertexIndex>& improved) {
       improved.insert(improved.end(), changed.begin(), changed.end());
       continue;
     }
-    std::tie(mesh.first, mesh.roof, mesh.z) = std::move(before);
+    std::tie(mesh.first, mesh.floors, mesh.z) = std::move(before);
     look_again(changed);
   }
 }
@@ -228,7 +229,7 @@ bool MeshImprover::cut_back(ColumnPlanOptions& options, Asked asked, const CutMa
   volume_.min_vertical_gap = valid_gap();
   move_nodes();
   if (bad() < bad_then) return true;
-  keep_helpful_marks(columns_.mesh, columns_.plan.building,
+  keep_helpful_marks(columns_.mesh, columns_.plan.lowest_roof,
                      {before.plan.ground, columns_.plan.ground, bad_before,
                       faults_.bad_triangles(columns_.mesh, asked)},
                      marks_before, options.cut);

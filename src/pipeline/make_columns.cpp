@@ -97,9 +97,9 @@ Columns smooth_columns(const MeshCityOptions& options, const CityModel& city, co
       });
   keep_solver("3.3", to_ground, result);
   clock.run("3.4", "trim buildings",
-            [&](const Progress&) { trim(layered, plan.building, plan.roofs); });
+            [&](const Progress&) { trim(layered, plan.lowest_roof, plan.roofs); });
   const SmoothReport to_roofs = clock.run("3.5", "smooth to roofs", [&](const Progress& progress) {
-    return smooth_to_roofs(layered, plan.building, plan.roofs, smooth, progress);
+    return smooth_to_roofs(layered, plan.lowest_roof, plan.roofs, smooth, progress);
   });
   keep_solver("3.5", to_roofs, result);
   if (options.layering == Layering::kUniform)

@@ -24,11 +24,11 @@ namespace {
 
 CitySize size_of(const MeshCityOptions& options, const CityModel& city, const Raster& dtm) {
   CitySize size;
-  size.area = city.domain.width() * city.domain.height();
+  size.area = city.domain.area();
   for (const Building& building : city.buildings) size.add(building.footprint);
   double sum = 0;
   for (const double z : dtm.values) sum += z;
-  size.height = highest_under(dtm, city.domain) + options.domain_height -
+  size.height = highest_under(dtm, city.domain.bounds()) + options.domain_height -
                 sum / static_cast<double>(dtm.values.size());
   size.terrain_nodes = static_cast<double>(dtm.values.size());
   return size;
@@ -104,8 +104,8 @@ void tell_quality(const ColumnMesh& mesh, MeshQuality measured, VolumeMeshFacts&
 }
 
 /// The boundary, closed and manifold (guarantee 5).
-SurfaceMesh checked_boundary(const ColumnMesh& mesh, const Bounds2& domain, CityMesh& result) {
-  SurfaceMesh surface = extract_boundary(mesh, domain);
+SurfaceMesh checked_boundary(const ColumnMesh& mesh, CityMesh& result) {
+  SurfaceMesh surface = extract_boundary(mesh);
   const SurfaceTopology topology = check_topology(surface);
   result.surface_facts =
       SurfaceMeshFacts{static_cast<std::int64_t>(surface.triangles.size()), topology.closed(),
@@ -142,8 +142,6 @@ CityMesh mesh_city(const CityModel& city, Raster terrain, const MeshCityOptions&
   move_into_crs(ground, origin);
   terrain.x0 = in_crs(terrain.x0, origin.x);
   terrain.y0 = in_crs(terrain.y0, origin.y);
-  const Bounds2 domain{in_crs(city.domain.xmin, origin.x), in_crs(city.domain.ymin, origin.y),
-                       in_crs(city.domain.xmax, origin.x), in_crs(city.domain.ymax, origin.y)};
   Columns columns = make_columns(options, city, terrain, size, std::move(ground), clock, result);
   MeshQuality quality = improve_mesh(options, terrain, size, columns, clock, result.volume_facts);
   tell_lowered(columns.plan, result);
@@ -152,7 +150,7 @@ CityMesh mesh_city(const CityModel& city, Raster terrain, const MeshCityOptions&
   clock.run("3.6", "boundary", [&](const Progress&) {
     warn_below_floor(options, result.volume, quality, result.warnings);
     tell_quality(result.volume, std::move(quality), result.volume_facts);
-    result.boundary = checked_boundary(result.volume, domain, result);
+    result.boundary = checked_boundary(result.volume, result);
   });
   result.placement.origin = {origin.x, origin.y, 0};
   return result;

@@ -25,12 +25,12 @@ std::string name_of(const Building& building) {
 }
 
 /// Why there can be no mesh around a building by itself; empty if there can.
-std::string reason_to_leave_out(const Building& building, const Bounds2& domain, double distance) {
+std::string reason_to_leave_out(const Building& building, const Domain& domain, double distance) {
   for (const double height : {building.h_ground, building.h_roof})
     if (!is_elevation(height))
       return fmt::format("reaches from {:.6g} to {:.6g} m, which are no elevations",
                          building.h_ground, building.h_roof);
-  switch (position_in_domain(building.footprint, domain)) {
+  switch (domain.position_of(building.footprint)) {
     case DomainPosition::kOutside:
       return "outside the domain";
     case DomainPosition::kCrossing:
@@ -39,10 +39,9 @@ std::string reason_to_leave_out(const Building& building, const Bounds2& domain,
       break;
   }
   // As cities are made: what is that close to the boundary leaves no room for cells.
-  const Bounds2 box = bounds(building.footprint);
-  const double room = std::min({box.xmin - domain.xmin, box.ymin - domain.ymin,
-                                domain.xmax - box.xmax, domain.ymax - box.ymax});
-  if (!is_clear(room, distance)) return "closer than min_building_distance to the domain boundary";
+  for (const Point2 p : building.footprint.outer)
+    if (!is_clear(domain.distance_to_boundary(p), distance))
+      return "closer than min_building_distance to the domain boundary";
   return {};
 }
 

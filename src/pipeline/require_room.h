@@ -28,7 +28,7 @@ inline void require_room(double min_distance, const Bounds2& domain, const std::
 
 /// Where a city's domain is, in its reference system, for messages.
 inline std::string domain_text(const CityModel& city) {
-  const Bounds2 domain = city.domain.moved(city.origin);
+  const Bounds2 domain = city.domain.moved(city.origin).bounds();
   return fmt::format("x {:.1f} .. {:.1f}, y {:.1f} .. {:.1f}", domain.xmin, domain.xmax,
                      domain.ymin, domain.ymax);
 }

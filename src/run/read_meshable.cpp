@@ -29,15 +29,15 @@ namespace {
 
 /// The domain of a written city model and terrain, local frame, and what it comes from: as given,
 /// as the model says, as the terrain's file says, or all of the terrain.
-std::pair<Bounds2, std::string> domain_of(const Config& config, const CityModel& city,
-                                          const RasterInput& terrain) {
+std::pair<Domain, std::string> domain_of(const Config& config, const CityModel& city,
+                                         const RasterInput& terrain) {
   if (!config.bounds.empty())
-    return {{snap_coordinate(config.bounds[0] - city.origin.x),
-             snap_coordinate(config.bounds[1] - city.origin.y),
-             snap_coordinate(config.bounds[2] - city.origin.x),
-             snap_coordinate(config.bounds[3] - city.origin.y)},
+    return {Bounds2{snap_coordinate(config.bounds[0] - city.origin.x),
+                    snap_coordinate(config.bounds[1] - city.origin.y),
+                    snap_coordinate(config.bounds[2] - city.origin.x),
+                    snap_coordinate(config.bounds[3] - city.origin.y)},
             "`bounds`"};
-  if (!city.domain.empty() && city.domain.width() > 0) return {city.domain, config.city};
+  if (!city.domain.empty() && city.domain.bounds().width() > 0) return {city.domain, config.city};
   return {terrain.domain.value_or(terrain.raster.bounds()), config.dtm};
 }
 
@@ -51,8 +51,7 @@ void require_terrain_under(const Config& config, const CityModel& city,
                             "made with the city, or reproject one of them",
                             config.dtm, crs_name(terrain.crs), config.city, crs_name(city.crs)));
   const Bounds2 covered = terrain.raster.bounds().grown(terrain.raster.step);
-  if (!covered.contains({city.domain.xmin, city.domain.ymin}) ||
-      !covered.contains({city.domain.xmax, city.domain.ymax}))
+  if (!covered.covers(city.domain.bounds()))
     throw Error(ErrorKind::kInput,
                 fmt::format("{}: the terrain does not cover the domain, which is {}; give smaller "
                             "`bounds` or another terrain",
@@ -137,7 +136,7 @@ MeshableInput read_meshable(const Config& config, std::vector<Warning>& warnings
   require_elevations(config, terrain);
   std::string source;
   std::tie(city.domain, source) = domain_of(config, city, terrain);
-  require_room(config.min_building_distance, city.domain, source);
+  require_room(config.min_building_distance, city.domain.bounds(), source);
   require_terrain_under(config, city, terrain);
   if (city.crs.empty()) city.crs = terrain.crs;
   if (source != config.city) leave_out_unmeshable(config, city, warnings);

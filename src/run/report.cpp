@@ -104,10 +104,9 @@ Json json_of(T& value) {
     Json json = Json::object();
     for (const auto& [code, count] : value) json[std::to_string(code)] = count;
     return json;
-  } else if constexpr (std::is_same_v<T, std::array<std::int64_t, kPatchCount>>) {
+  } else if constexpr (std::is_same_v<T, std::vector<PatchCount>>) {
     Json json = Json::object();
-    for (std::size_t i = 0; i < value.size(); ++i)
-      json[std::string(patch_name(static_cast<Patch>(i + 1)))] = value[i];
+    for (const auto& [name, faces] : value) json[name] = faces;
     return json;
   } else if constexpr (IsVector<T>::value) {
     Json json = Json::array();
@@ -161,9 +160,9 @@ struct Reader {
     } else if constexpr (std::is_same_v<T, std::map<int, std::int64_t>>) {
       for (const auto& [code, count] : from.items())
         value[std::stoi(code)] = count.template get<std::int64_t>();
-    } else if constexpr (std::is_same_v<T, std::array<std::int64_t, kPatchCount>>) {
-      for (std::size_t i = 0; i < value.size(); ++i)
-        value[i] = from.value(std::string(patch_name(static_cast<Patch>(i + 1))), std::int64_t{0});
+    } else if constexpr (std::is_same_v<T, std::vector<PatchCount>>) {
+      for (const auto& [name, faces] : from.items())
+        value.push_back({name, faces.template get<std::int64_t>()});
     } else if constexpr (IsVector<T>::value) {
       if constexpr (HasFields<typename T::value_type>) {
         for (const Json& element : from) {

@@ -47,7 +47,7 @@ Report begin_report(const char* command, const Config& config) {
 void keep_domain(const CityModel& city, Report& report) {
   report.origin = city.origin;
   report.crs = city.crs;
-  report.domain = city.domain.moved(city.origin);
+  report.domain = city.domain.moved(city.origin).bounds();
 }
 
 void finish(Report& report, OutputFolder& out) {

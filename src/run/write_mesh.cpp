@@ -64,8 +64,7 @@ void write_volume(const Config& config, const ColumnMesh& mesh, const SurfaceMes
 /// Ground, roofs and walls as STL and in each format asked for.
 void write_surface(const Config& config, const SurfaceMesh& boundary, const Placement& placement,
                    OutputFolder& out) {
-  const std::array land{Patch::kGround, Patch::kRoof, Patch::kWall};
-  const SurfaceMesh surface = select_patches(boundary, land);
+  const SurfaceMesh surface = select_patches(boundary, boundary.patches.solid());
   write_stl(out.result("surface.stl"), surface, placement);
   if (is_wanted(config, "obj")) write_obj(out.result("surface.obj"), surface, placement);
   if (is_wanted(config, "ply")) write_ply(out.result("surface.ply"), surface, placement);

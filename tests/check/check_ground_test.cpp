@@ -26,7 +26,7 @@ class CheckGround : public ::testing::Test {
   void SetUp() override {
     const testing::MeshedCity meshed = testing::meshed(testing::small_city(testing::hills), 12);
     ground = meshed.mesh.ground;
-    surface = extract_boundary(meshed.mesh, meshed.city.domain);
+    surface = extract_boundary(meshed.mesh);
     for (std::size_t b = 0; b < meshed.city.footprints.size(); ++b) {
       Building& building = model.buildings.emplace_back();
       building.id = "b" + std::to_string(b);
@@ -88,7 +88,7 @@ TEST_F(CheckGround, AnglesAreSmallOnlyAtSharpCorners) {
   testing::SmallCity city = testing::small_city(testing::hills);
   city.footprints[3] = Polygon{{{10, 45}, {30, 45}, {30, 41}}, {}};  // 11.3 degrees
   const testing::MeshedCity sharp = testing::meshed(city, 12);
-  surface = extract_boundary(sharp.mesh, city.domain);
+  surface = extract_boundary(sharp.mesh);
   model.buildings[3].footprint = city.footprints[3];
   const GroundCheck found = check();
   EXPECT_NEAR(found.least_angle_deg, std::atan2(4, 20) * 180 / std::numbers::pi, 1e-6);

@@ -43,7 +43,7 @@ class CheckMesh : public ::testing::Test {
     city = testing::meshed(testing::small_city(testing::hills), 12);
     write_vtu(folder / "v.vtu", city.mesh, {});
     mesh = read_vtu(folder / "v.vtu");
-    surface = extract_boundary(city.mesh, city.city.domain);
+    surface = extract_boundary(city.mesh);
     model.domain = city.city.domain;
     for (std::size_t b = 0; b < city.city.footprints.size(); ++b) {
       Building building;
@@ -279,7 +279,7 @@ TEST(CheckHeights, WhetherGroundWasLoweredByARoundingErrorIsLeftOpen) {
   model.buildings.resize(1);
   model.buildings[0].footprint = city.footprints[0];
   model.buildings[0].h_roof = city.roofs[0];
-  const SurfaceMesh surface = extract_boundary(mesh, city.domain);
+  const SurfaceMesh surface = extract_boundary(mesh);
   const auto check = [&](double minimum_wall) {
     return check_heights(surface, {0, 0, 0}, city.dtm, model, minimum_wall, kNoCuts);
   };
@@ -316,7 +316,7 @@ struct CutCity {
     EdgeGraph edges = build_edge_graph(ground);
     ColumnMesh mesh = divide_columns(std::move(ground), std::move(edges), plan);
     place_nodes(mesh, plan);
-    surface = extract_boundary(mesh, city.domain);
+    surface = extract_boundary(mesh);
     model.buildings.resize(1);
     model.buildings[0].footprint = city.footprints[0];
     model.buildings[0].h_roof = city.roofs[0];

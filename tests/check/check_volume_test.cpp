@@ -233,7 +233,7 @@ TEST_F(CheckVolume, CoincidentVerticesAreCountedWhereverTheyAre) {
 
 TEST_F(CheckVolume, FacesMissingFromOneSideOnlyAreCounted) {
   const VolumeCheck check = check_volume(mesh);
-  SurfaceMesh surface = extract_boundary(city.mesh, city.city.domain);
+  SurfaceMesh surface = extract_boundary(city.mesh);
   const auto odd = [&](const SurfaceMesh& other) {
     std::int64_t sum = 0;
     for (const Violation& v : check_same_boundary(mesh, check, other)) sum += v.count;

@@ -52,7 +52,8 @@ TEST(MeshGround, CourtyardsAndAnyOrientation) {
       c.y += mesh.vertices[static_cast<std::size_t>(v)].y / 3;
     }
     const BuildingIndex expected = contains(inner, c) ? 1 : contains(block, c) ? 0 : kNoBuilding;
-    EXPECT_EQ(mesh.region[t], expected);
+    EXPECT_EQ(mesh.region_of(t).building, expected);
+    EXPECT_EQ(mesh.inside_building(t), expected != kNoBuilding);
   }
 }
 
@@ -172,6 +173,16 @@ TEST(MeshGround, ChecksNoticeDamage) {
     return !validate(bad, city, domain, {}).empty();
   };
   EXPECT_TRUE(damaged([](GroundMesh& m) { m.region[0] = 0; }));
+  EXPECT_TRUE(damaged([](GroundMesh& m) { m.regions.pop_back(); }));
+  EXPECT_TRUE(damaged([](GroundMesh& m) { m.tagged_edges.pop_back(); }));
+  for (const bool on_side : {false, true})
+    EXPECT_TRUE(damaged([&](GroundMesh& m) {
+      for (TaggedEdge& edge : m.tagged_edges)
+        if ((edge.region == kNoRegion) == on_side) {
+          edge.segment = (edge.segment + 1) % 4;
+          return;
+        }
+    }));
   EXPECT_TRUE(damaged([](GroundMesh& m) { m.triangles.pop_back(), m.region.pop_back(); }));
   EXPECT_TRUE(damaged([](GroundMesh& m) { m.vertices.push_back({1, 1}); }));
   EXPECT_TRUE(damaged([](GroundMesh& m) {

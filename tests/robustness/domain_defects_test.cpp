@@ -184,7 +184,7 @@ TEST_F(DomainDefects, TerrainOnly) {
   };
   outcome = run({});
   ASSERT_EQ(outcome.error, "");
-  EXPECT_NEAR(outcome.city.domain.width(), 159, 1e-9);
+  EXPECT_NEAR(outcome.city.domain.bounds().width(), 159, 1e-9);
 }
 
 TEST_F(DomainDefects, NoBuildingWithoutSayingSoIsAnError) {
@@ -265,7 +265,7 @@ TEST_F(DomainDefects, StrayPointsDoNotStretchTheDomain) {
   outcome = run(features);
   ASSERT_EQ(outcome.error, "");
   EXPECT_FALSE(outcome.has_warning("stray_points"));
-  EXPECT_GT(outcome.city.domain.width(), 900);
+  EXPECT_GT(outcome.city.domain.bounds().width(), 900);
 }
 
 TEST_F(DomainDefects, StrayFootprintsFarAwayDoNotStretchTheDomain) {
@@ -275,7 +275,7 @@ TEST_F(DomainDefects, StrayFootprintsFarAwayDoNotStretchTheDomain) {
   };
   Outcome outcome = run();
   ASSERT_EQ(outcome.error, "");
-  const Bounds2 usual = outcome.city.domain;
+  const Bounds2 usual = outcome.city.domain.bounds();
   std::vector<Feature> features = sound_features(city);
   features.push_back({"null_island",
                       "POLYGON((-319000 -6398000,-318990 -6398000,-318990 -6397990,"
@@ -287,8 +287,8 @@ TEST_F(DomainDefects, StrayFootprintsFarAwayDoNotStretchTheDomain) {
   EXPECT_NE(outcome.reason_of("overflow"), "");
   EXPECT_EQ(outcome.city.buildings.size(), 6U);
   // As far as there are points, at most.
-  EXPECT_GE(outcome.city.domain.width(), usual.width());
-  EXPECT_LE(outcome.city.domain.width(), 160);
+  EXPECT_GE(outcome.city.domain.bounds().width(), usual.width());
+  EXPECT_LE(outcome.city.domain.bounds().width(), 160);
 }
 
 TEST_F(DomainDefects, ShiftsOfCentimetresShiftTheResult) {

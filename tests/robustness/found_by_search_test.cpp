@@ -104,10 +104,10 @@ TEST(FoundBySearch, NoBuildingVanishesWithTheWallThatJoinsItToAnother) {
 // Where the slivers came from: needles of which the domain's boundary leaves the tip.
 TEST(FoundBySearch, ATipCutOffByTheDomainIsClean) {
   const Polygon needle{{{18, 10}, {48, 10}, {48, 10.0025}}, {}};
-  for (const Polygon& tip : clip_to_box(needle, Bounds2{1, 1, 25.2, 25.2}, 0))
+  for (const Polygon& tip : clip_to_domain(needle, Bounds2{1, 1, 25.2, 25.2}, 0))
     EXPECT_EQ(clean_footprint(tip).polygon.outer, tip.outer);
   const std::vector<Polygon> kept =
-      clip_to_box(rectangle(10, 10, 40, 20), Bounds2{1, 1, 25.2, 25.2}, 0);
+      clip_to_domain(rectangle(10, 10, 40, 20), Bounds2{1, 1, 25.2, 25.2}, 0);
   ASSERT_EQ(kept.size(), 1U);
   EXPECT_EQ(kept[0].outer.size(), 4U);
   EXPECT_NEAR(area(kept[0]), 15.2 * 10, 1e-9);

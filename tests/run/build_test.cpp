@@ -590,7 +590,7 @@ TEST_F(Build, MeshTakesTheDomainOfTheCityModel) {
   Config config = city(SynthKind::kRandom, 30, 250, 6);
   run_city(config);
   const CityModel model = read_city(scratch / "out/city.city.json");
-  const Bounds2 domain = model.domain.moved(model.origin);
+  const Bounds2 domain = model.domain.moved(model.origin).bounds();
   const RasterInput terrain = read_raster(scratch / "out/dtm.tif", {0, 0});
   const Bounds2 other{domain.xmin - 20, domain.ymin, domain.xmax + 5, domain.ymax + 9};
   write_raster(scratch / "other.tif", terrain.raster, {0, 0}, "EPSG:3006", other);
@@ -763,6 +763,15 @@ TEST_F(Build, StopsWhenAskedAndLeavesNothing) {
       left.insert(entry.path().filename().string());
     EXPECT_EQ(left, (std::set<std::string>{"input"})) << last;
   }
+}
+
+TEST(Docs, NameThePatches) {
+  std::string list;
+  for (const PatchInfo& info : PatchTable())
+    list += fmt::format("{}{} {}", list.empty() ? "Patches: " : ", ", static_cast<int>(info.patch),
+                        info.name);
+  const std::string text = bytes_of(std::string(TETROPOLIS_SOURCE) + "/docs/files.md");
+  EXPECT_NE(text.find(list + ".\n"), std::string::npos) << list;
 }
 
 /// Keys of a report as docs/report.md writes them: "a.b[].c"; members of maps are left out.

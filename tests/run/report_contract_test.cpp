@@ -219,7 +219,7 @@ double quantile(const std::vector<double>& sorted, double share) {
 
 /// The least distance between vertices, and from vertices to edges that are not theirs.
 double clearance_of(const CityModel& model) {
-  const Bounds2& box = model.domain;
+  const Bounds2& box = model.domain.bounds();
   std::vector<Ring> rings{
       {{box.xmin, box.ymin}, {box.xmax, box.ymin}, {box.xmax, box.ymax}, {box.xmin, box.ymax}}};
   for (const Building& building : model.buildings) {
@@ -416,7 +416,7 @@ TEST_P(ReportContract, SurfaceMeshIsTheOneWritten) {
   std::map<std::string, std::int64_t> by_patch;
   std::map<std::pair<std::int32_t, std::int32_t>, int> edges;  // directed
   for (std::size_t t = 0; t < surface.triangles.size(); ++t) {
-    ++by_patch[std::string(patch_name(surface.patch[t]))];
+    ++by_patch[surface.patch_of(t).name];
     const auto& triangle = surface.triangles[t];
     for (std::size_t i = 0; i < 3; ++i) ++edges[{triangle[i], triangle[(i + 1) % 3]}];
   }

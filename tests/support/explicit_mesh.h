@@ -40,8 +40,7 @@ inline ExplicitMesh explicit_mesh(const ColumnMesh& mesh,
     for (std::size_t i = 0; i < 3; ++i) {
       const VertexIndex v = mesh.ground.triangles[t][i];
       const auto at = static_cast<std::size_t>(v);
-      const bool inside = mesh.ground.region[t] != kNoBuilding;
-      cell[i] = mesh.first[at] + (inside ? mesh.roof[at] : 0);
+      cell[i] = mesh.floor_over(t, v);
       for (auto n = cell[i]; n + 1 < mesh.first[at + 1]; ++n)
         segments.push_back(
             {(mesh.z[static_cast<std::size_t>(n)] + mesh.z[static_cast<std::size_t>(n) + 1]) / 2, v,
@@ -53,7 +52,7 @@ inline ExplicitMesh explicit_mesh(const ColumnMesh& mesh,
     for (const Segment& segment : segments) {
       cell[3] = segment.node + 1;
       result.cells.push_back(cell);
-      result.region.push_back(mesh.ground.region[t]);
+      result.region.push_back(mesh.ground.region_of(t).building);
       result.triangle.push_back(t);
       cell[segment.corner] = segment.node + 1;
     }

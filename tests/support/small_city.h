@@ -94,8 +94,8 @@ inline LayeredCity layered(const SmallCity& city, double mesh_size = 8, bool fix
   SmoothOptions options;
   options.laplace.fixed_top = fixed_top;
   smooth_to_ground(result.mesh, result.plan.ground, options);
-  trim(result.mesh, result.plan.building, city.roofs);
-  smooth_to_roofs(result.mesh, result.plan.building, city.roofs, options);
+  trim(result.mesh, result.plan.lowest_roof, city.roofs);
+  smooth_to_roofs(result.mesh, result.plan.lowest_roof, city.roofs, options);
   return result;
 }
 

@@ -1,7 +1,6 @@
 #include "stages.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <filesystem>
 #include <numbers>
@@ -78,8 +77,8 @@ WorkCity work_city(std::int64_t buildings) {
   UniformResult result;
   result.nodes = mesh.z.size();
   result.ground = smooth_to_ground(mesh, plan.ground, {}).solver;
-  trim(mesh, plan.building, plan.roofs);
-  result.roofs = smooth_to_roofs(mesh, plan.building, plan.roofs, {}).solver;
+  trim(mesh, plan.lowest_roof, plan.roofs);
+  result.roofs = smooth_to_roofs(mesh, plan.lowest_roof, plan.roofs, {}).solver;
   return result;
 }
 
@@ -89,7 +88,7 @@ WorkCity work_city(std::int64_t buildings) {
 }
 
 [[gnu::noinline]] SurfaceMesh work_boundary(const WorkCity& city, const ColumnMesh& mesh) {
-  SurfaceMesh boundary = extract_boundary(mesh, city.input->domain);
+  SurfaceMesh boundary = extract_boundary(mesh);
   if (!check_topology(boundary).closed()) throw std::logic_error("open boundary");
   return boundary;
 }
@@ -99,8 +98,7 @@ WorkCity work_city(std::int64_t buildings) {
   const std::filesystem::path path(folder);
   write_vtu(path / "volume.vtu", mesh, {});
   write_vtp(path / "boundary.vtp", boundary, {});
-  const std::array land{Patch::kGround, Patch::kRoof, Patch::kWall};
-  write_stl(path / "surface.stl", select_patches(boundary, land), {});
+  write_stl(path / "surface.stl", select_patches(boundary, boundary.patches.solid()), {});
   std::uintmax_t bytes = 0;
   for (const auto& file : std::filesystem::directory_iterator(path)) bytes += file.file_size();
   return static_cast<std::int64_t>(bytes);

@@ -1,7 +1,6 @@
 // Guarantee 5 on a written boundary.
 #pragma once
 
-#include <array>
 #include <cstdint>
 #include <limits>
 #include <vector>
@@ -21,7 +20,7 @@ struct SurfaceCheck {
   double highest = 0;  ///< Greatest elevation of its vertices, in the file's coordinates.
   double lowest_top = std::numeric_limits<double>::infinity();  ///< Least of the top's.
   Bounds2 box;  ///< Of its vertices in the plan, in the file's coordinates.
-  std::array<std::int64_t, kPatchCount> faces_by_patch{};
+  std::vector<PatchCount> faces_by_patch;
   std::vector<Violation> violations;
 };
 

@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "tetropolis/geometry/domain.h"
 #include "tetropolis/geometry/types.h"
 
 namespace tetropolis {
@@ -53,7 +54,7 @@ struct CityModel {
   std::vector<Building> buildings;
   std::vector<Dropped> dropped;
   Point2 origin;    ///< Local frame's origin in the CRS; whole metres.
-  Bounds2 domain;   ///< The meshed rectangle, local frame.
+  Domain domain;    ///< Local frame.
   std::string crs;  ///< "EPSG:28992", or WKT where there is no code, or empty if unknown.
 };
 

@@ -15,8 +15,10 @@ namespace tetropolis {
 using VertexIndex = std::int32_t;
 using TriangleIndex = std::int32_t;
 using BuildingIndex = std::int32_t;
+using RegionIndex = std::int32_t;
 
 inline constexpr BuildingIndex kNoBuilding = -1;
+inline constexpr RegionIndex kNoRegion = -1;
 
 struct Point2 {
   double x = 0;

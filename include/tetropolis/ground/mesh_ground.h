@@ -5,6 +5,7 @@
 #include <span>
 
 #include "tetropolis/core/progress.h"
+#include "tetropolis/geometry/domain.h"
 #include "tetropolis/geometry/types.h"
 #include "tetropolis/ground/ground_mesh.h"
 
@@ -20,20 +21,21 @@ struct GroundMeshOptions {
   std::function<double(Point2)> elevation = {};
 };
 
-/// Meshes the rectangle `domain`, inside and outside of the footprints. `region` holds the index in
-/// `footprints`, and kNoBuilding outside of them and in their courtyards.
+/// Meshes `domain`, inside and outside of the footprints. Region b is footprint b,
+/// the last one the open ground around them and in their courtyards (regions_of_buildings).
 ///
 /// Precondition: rings are simple; footprints do not overlap, best with some clearance (the gap
 /// sets the edge length in it), and lie strictly inside of the domain. Orientation is free.
 /// Guarantees: footprint vertices and domain corners keep their coordinates bit for bit; vertices
-/// on the domain's sides lie exactly on them; every footprint edge is a union of mesh edges; every
-/// vertex belongs to a triangle; the edge lengths and angles of refine(); vertices and triangles
-/// are numbered along a Hilbert curve. The same input gives the same bytes.
+/// on the domain's sides lie exactly on them; every footprint edge is a union of mesh edges, which
+/// are tagged with it, as those on the domain's sides are; every vertex belongs to a triangle; the
+/// edge lengths and angles of refine(); vertices and triangles are numbered along a Hilbert curve.
+/// The same input gives the same bytes.
 ///
 /// Throws Error(kInput) for an empty domain and for a footprint that leaves the domain or has
 /// coordinates that are not finite (named by index), Error(kUsage) for options out of range,
 /// Error(kGuarantee) as refine().
-GroundMesh mesh_ground(std::span<const Polygon> footprints, const Bounds2& domain,
+GroundMesh mesh_ground(std::span<const Polygon> footprints, const Domain& domain,
                        const GroundMeshOptions& options = {}, const Progress& progress = {});
 
 }  // namespace tetropolis

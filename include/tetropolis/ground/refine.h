@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <functional>
+#include <vector>
 
 #include "tetropolis/core/progress.h"
 #include "tetropolis/ground/triangulation.h"
@@ -21,9 +22,11 @@ struct RefineOptions {
   bool optimize = true;
   /// Elevation of the terrain at a place, called by several threads at a time. Last of all, added
   /// vertices that are on no segment move by up to half an edge where triangles around are steeper
-  /// than 72 degrees and that makes the steepest of them less steep. Triangles with a region >= 0
-  /// (buildings) do not count. Empty: the terrain is not looked at.
+  /// than 72 degrees and that makes the steepest of them less steep. Empty: the terrain is not
+  /// looked at.
   std::function<double(Point2)> elevation = {};
+  /// Per region from 0: 1 if its floor is not the terrain, so that its triangles do not count.
+  std::vector<std::uint8_t> off_terrain = {};
   bool convex_hull = false;  ///< As in TriangulationOptions.
   /// Give up beyond, and beyond 250 million in any case. 0: a bound from area, size and input.
   std::int64_t max_vertices = 0;

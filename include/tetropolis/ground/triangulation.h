@@ -10,9 +10,6 @@
 
 namespace tetropolis {
 
-/// Region of triangles that nothing marks.
-inline constexpr std::int32_t kNoRegion = -1;
-
 /// For one side of a segment: it marks no region.
 inline constexpr std::int32_t kUnmarkedSide = std::numeric_limits<std::int32_t>::min();
 
@@ -59,7 +56,7 @@ struct PlanarGraph {
 struct Triangulation {
   std::vector<Point2> points;
   std::vector<std::array<VertexIndex, 3>> triangles;  ///< Counter-clockwise, positive area.
-  std::vector<std::int32_t> triangle_regions;         ///< Per triangle.
+  std::vector<std::int32_t> triangle_regions;         ///< Per triangle; kNoRegion: not marked.
   /// The edges that input segments consist of, each once, directed as its segment. Where segments
   /// overlap, the first one is named. The boundary of the triangulated area always belongs to them.
   std::vector<std::array<VertexIndex, 2>> segments;

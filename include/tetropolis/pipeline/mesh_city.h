@@ -79,7 +79,7 @@ struct SurfaceMeshFacts {
   std::int64_t triangles = 0;
   bool closed = false;
   bool manifold = false;
-  std::array<std::int64_t, kPatchCount> faces_by_patch{};
+  std::vector<PatchCount> faces_by_patch;
 };
 
 struct SolverFacts {

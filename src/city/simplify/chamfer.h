@@ -12,7 +12,7 @@ namespace tetropolis {
 /// Lengths in steps, areas in square steps, angles in radians.
 struct ChamferOptions {
   double epsilon = 0;      ///< Width that an end of a corner gets; features stay so far apart.
-  Bounds2 keep_inside;     ///< New vertices stay in this box.
+  Domain keep_inside;      ///< New vertices stay in it.
   double least_angle = 0;  ///< Corners sharper than this are chamfered.
   double most_beyond = 0;  ///< Area that may go besides what is narrower than epsilon.
 };

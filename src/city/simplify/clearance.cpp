@@ -1,7 +1,6 @@
 #include "tetropolis/city/simplify/clearance.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <cstddef>
 #include <string_view>
@@ -64,13 +63,12 @@ EdgeGrid grid_of(const Edges& edges) {
   return index;
 }
 
-void clear_of_domain(const Edges& edges, const Bounds2& domain, Clearance& best) {
+void clear_of_domain(const Edges& edges, const Domain& domain, Clearance& best) {
+  const std::size_t sides = domain.sides().size();
   for (std::int32_t v = 0; v < edges.size(); ++v) {
     const Point2 p = edges.start[Edges::at(v)];
-    const std::array<double, 4> sides{p.y - domain.ymin, domain.xmax - p.x, domain.ymax - p.y,
-                                      p.x - domain.xmin};
-    for (std::size_t side = 0; side < sides.size(); ++side) {
-      const double d = std::max(0.0, sides[side]);
+    for (std::size_t side = 0; side < sides; ++side) {
+      const double d = std::max(0.0, domain.distance_to_side(side, p));
       if (d >= best.distance) continue;
       best = {d, edges.feature[Edges::at(v)], RingFeature{-1, 0, static_cast<std::int32_t>(side)},
               p};
@@ -80,7 +78,7 @@ void clear_of_domain(const Edges& edges, const Bounds2& domain, Clearance& best)
 
 }  // namespace
 
-Clearance joint_clearance(std::span<const Polygon> polygons, const std::optional<Bounds2>& domain) {
+Clearance joint_clearance(std::span<const Polygon> polygons, const std::optional<Domain>& domain) {
   const Edges edges = edges_of(polygons);
   Clearance best;
   if (domain) clear_of_domain(edges, *domain, best);

@@ -23,9 +23,7 @@ std::optional<Polygon> largest_of(const std::vector<Polygon>& polygons) {
   return largest(polygons);
 }
 
-bool GroupInput::is_inside(const Polygon& polygon) const {
-  return keep_inside_.covers(bounds(polygon));
-}
+bool GroupInput::is_inside(const Polygon& polygon) const { return keep_inside_.covers(polygon); }
 
 /// What is left of a footprint far enough inside the domain; empty if that is less than half of it.
 Polygon GroupInput::usable_part(const Polygon& polygon) const {
@@ -60,7 +58,7 @@ std::vector<Group> GroupInput::single_groups() const {
 }
 
 std::vector<Polygon> GroupInput::inside(const Polygon& polygon) const {
-  return intersect_on_grid(std::vector{polygon}, std::vector{rectangle(keep_inside_)});
+  return intersect_on_grid(std::vector{polygon}, std::vector{keep_inside_.outline()});
 }
 
 std::vector<Polygon> GroupInput::input_of(const std::vector<BuildingIndex>& members) const {

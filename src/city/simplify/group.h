@@ -32,7 +32,7 @@ std::optional<Polygon> largest_of(const std::vector<Polygon>& polygons);
 class GroupInput {
  public:
   /// `cleaned`: in metres; it outlives this. `keep_inside`: where groups may be, in steps.
-  GroupInput(std::span<const Polygon> cleaned, const Bounds2& keep_inside)
+  GroupInput(std::span<const Polygon> cleaned, const Domain& keep_inside)
       : cleaned_(cleaned), keep_inside_(keep_inside) {}
 
   /// A group of each footprint by itself, in their order. Its polygon is empty if the footprint has
@@ -57,7 +57,7 @@ class GroupInput {
   void share_input(Group& group, std::span<Group> parts) const;
 
   std::span<const Polygon> cleaned_;
-  Bounds2 keep_inside_;  ///< Steps.
+  Domain keep_inside_;  ///< Steps.
 };
 
 }  // namespace tetropolis

@@ -65,7 +65,7 @@ void replace_vertices(Outline& outline, const OutlineChange& change);
 class ChangeJudge {
  public:
   /// Coordinates are steps. New vertices have to be within `keep_inside`.
-  ChangeJudge(const Outline& outline, double epsilon, const Bounds2& keep_inside)
+  ChangeJudge(const Outline& outline, double epsilon, const Domain& keep_inside)
       : o_(outline),
         epsilon_(epsilon),
         epsilon2_(epsilon * epsilon),
@@ -113,7 +113,7 @@ class ChangeJudge {
   const Outline& o_;
   double epsilon_;
   double epsilon2_;
-  Bounds2 keep_inside_;
+  Domain keep_inside_;
   std::vector<std::uint32_t> edge_seen_;  ///< Per edge: the gathering it was last met in.
   std::vector<std::uint32_t> cell_seen_;  ///< Per cell: the last in which all its edges were met.
   std::uint32_t gathering_ = 0;

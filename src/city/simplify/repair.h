@@ -15,7 +15,7 @@ namespace tetropolis {
 struct RepairOptions {
   double epsilon = 0;             ///< Features closer than this are repaired.
   double max_cost = 0;            ///< Largest area one change may add and remove.
-  Bounds2 keep_inside;            ///< New vertices stay in this box.
+  Domain keep_inside;             ///< New vertices stay in it.
   double parallel_tolerance = 0;  ///< Radians; see tidy_vertices.
   double max_shift = 0;           ///< See tidy_vertices.
 };

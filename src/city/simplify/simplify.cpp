@@ -51,8 +51,8 @@ bool is_hull(MergeMethod method) {
 
 class Simplifier {
  public:
-  Simplifier(std::span<const Polygon> cleaned, const Bounds2& domain,
-             const SimplifyOptions& options, const Progress& progress);
+  Simplifier(std::span<const Polygon> cleaned, const Domain& domain, const SimplifyOptions& options,
+             const Progress& progress);
   Simplification run();
 
  private:
@@ -80,11 +80,11 @@ class Simplifier {
 
   double least_area() const { return options_.min_area * grid::kSquareMetre; }
 
-  Bounds2 domain_;
+  Domain domain_;
   SimplifyOptions options_;
   const Progress& progress_;
-  double epsilon_;       ///< Steps.
-  Bounds2 keep_inside_;  ///< Steps; a little less than allowed.
+  double epsilon_;      ///< Steps.
+  Domain keep_inside_;  ///< Steps; a little less than allowed.
   GroupInput input_;
   std::vector<Group> groups_;
   RepairCounts counts_;
@@ -106,20 +106,21 @@ void require_sensible(const SimplifyOptions& options) {
 }
 
 /// The domain in steps less a margin.
-Bounds2 inner_box(const Bounds2& domain, double margin) {
-  const Point2 low = grid::to_steps(Point2{domain.xmin, domain.ymin});
-  const Point2 high = grid::to_steps(Point2{domain.xmax, domain.ymax});
-  return Bounds2{low.x, low.y, high.x, high.y}.grown(-margin);
+Domain in_steps(const Domain& domain) {
+  const Bounds2& box = domain.bounds();
+  const Point2 low = grid::to_steps(Point2{box.xmin, box.ymin});
+  const Point2 high = grid::to_steps(Point2{box.xmax, box.ymax});
+  return {low.x, low.y, high.x, high.y};
 }
 
-Simplifier::Simplifier(std::span<const Polygon> cleaned, const Bounds2& domain,
+Simplifier::Simplifier(std::span<const Polygon> cleaned, const Domain& domain,
                        const SimplifyOptions& options, const Progress& progress)
     : domain_(domain),
       options_(options),
       progress_(progress),
       // Not a step more where the product is a little above a whole number.
       epsilon_(std::ceil(options.min_distance * grid::kSteps - 1e-6)),
-      keep_inside_(inner_box(domain, epsilon_ + kMargin)),
+      keep_inside_(in_steps(domain).inset(epsilon_ + kMargin)),
       input_(cleaned, keep_inside_) {}
 
 void Simplifier::clip_to_domain() {
@@ -273,7 +274,7 @@ bool Simplifier::apply(const FillsAndCuts& repairs, Group& group,
     if (cut.size() > 1) split_off = input_.split(cut, least_area(), group);
     next = std::move(left);
   }
-  if (next && !keep_inside_.covers(bounds(*next))) {
+  if (next && !keep_inside_.covers(*next)) {
     const std::vector<Polygon> inside = input_.inside(*next);
     for (Group& part : input_.split(inside, least_area(), group))
       split_off.push_back(std::move(part));
@@ -583,7 +584,7 @@ Simplification Simplifier::run() {
 
 }  // namespace
 
-Simplification simplify_footprints(std::span<const Polygon> cleaned, const Bounds2& domain,
+Simplification simplify_footprints(std::span<const Polygon> cleaned, const Domain& domain,
                                    const SimplifyOptions& options, const Progress& progress) {
   require_sensible(options);
   return Simplifier(cleaned, domain, options, progress).run();

@@ -231,10 +231,8 @@ void put_account(Buffer& out, const CityModel& model, const std::string& crs) {
   put_string(out, crs);
   if (!model.domain.empty()) {
     put(out, ",\"domain\":");
-    put_list(out,
-             std::array{model.origin.x + model.domain.xmin, model.origin.y + model.domain.ymin,
-                        model.origin.x + model.domain.xmax, model.origin.y + model.domain.ymax},
-             put_value);
+    const Bounds2 box = model.domain.moved(model.origin).bounds();
+    put_list(out, std::array{box.xmin, box.ymin, box.xmax, box.ymax}, put_value);
   }
   put(out, ",\"dropped\":");
   put_list(out, model.dropped, [&](const Dropped& dropped) {

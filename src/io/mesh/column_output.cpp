@@ -22,9 +22,10 @@ void append_regions(const ColumnMesh& mesh, const std::vector<NodeIndex>& offset
                     std::size_t begin, std::size_t end, std::string& buffer) {
   const auto cells = static_cast<std::size_t>(offsets[end] - offsets[begin]);
   RawNumbers regions(buffer, cells * sizeof(std::int32_t));
-  for (std::size_t t = begin; t < end; ++t)
-    for (NodeIndex c = offsets[t]; c < offsets[t + 1]; ++c)
-      regions.put(static_cast<std::int32_t>(mesh.ground.region[t]));
+  for (std::size_t t = begin; t < end; ++t) {
+    const BuildingIndex building = mesh.ground.region_of(t).building;
+    for (NodeIndex c = offsets[t]; c < offsets[t + 1]; ++c) regions.put(building);
+  }
 }
 
 void require_boundary_of(const ColumnMesh& mesh, const SurfaceMesh& surface) {

@@ -31,15 +31,23 @@ constexpr int kFloat = 5126;
 constexpr int kArrayBuffer = 34962;
 constexpr int kElementArrayBuffer = 34963;
 
-/// Linear base colours by patch number less one.
-constexpr std::array<std::array<double, 3>, kPatchCount> kColours = {{{0.33, 0.36, 0.27},
-                                                                      {0.50, 0.14, 0.08},
-                                                                      {0.65, 0.58, 0.46},
-                                                                      {0.40, 0.60, 0.80},
-                                                                      {0.45, 0.50, 0.55},
-                                                                      {0.45, 0.50, 0.55},
-                                                                      {0.45, 0.50, 0.55},
-                                                                      {0.45, 0.50, 0.55}}};
+/// Linear base colour.
+std::array<double, 3> colour_of(PatchKind kind) {
+  switch (kind) {
+    case PatchKind::kGround:
+      return {0.33, 0.36, 0.27};
+    case PatchKind::kRoof:
+      return {0.50, 0.14, 0.08};
+    case PatchKind::kWall:
+      return {0.65, 0.58, 0.46};
+    case PatchKind::kTop:
+      return {0.40, 0.60, 0.80};
+    case PatchKind::kSide:
+    case PatchKind::kOther:
+      break;
+  }
+  return {0.45, 0.50, 0.55};
+}
 
 std::array<float, 3> to_gltf(const std::array<double, 3>& p) {
   return {static_cast<float>(p[0]), static_cast<float>(p[2]), static_cast<float>(-p[1])};
@@ -72,9 +80,8 @@ void add_patch(Json& gltf, std::size_t& offset, const SurfaceMesh& part) {
       high[c] = std::max(high[c], p[c]);
     }
   }
-  const Patch patch = part.patch[0];
-  const std::string name(patch_name(patch));
-  const auto& colour = kColours[static_cast<std::size_t>(patch) - 1];
+  const std::string& name = part.patch_of(0).name;
+  const std::array<double, 3> colour = colour_of(part.patch_of(0).kind);
   const std::size_t number = gltf["meshes"].size();
   const std::size_t accessor = gltf["accessors"].size();
   Json& points = add_accessor(gltf, offset, part.points.size(), 12, kArrayBuffer);
@@ -97,9 +104,8 @@ void add_patch(Json& gltf, std::size_t& offset, const SurfaceMesh& part) {
 
 std::vector<SurfaceMesh> split_by_patch(const SurfaceMesh& surface) {
   std::vector<SurfaceMesh> parts;
-  for (int i = 1; i <= kPatchCount; ++i) {
-    const std::array patch{static_cast<Patch>(i)};
-    SurfaceMesh part = select_patches(surface, patch);
+  for (const PatchInfo& info : surface.patches) {
+    SurfaceMesh part = select_patches(surface, {&info.patch, 1});
     if (!part.triangles.empty()) parts.push_back(std::move(part));
   }
   return parts;

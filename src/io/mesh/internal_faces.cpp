@@ -31,7 +31,7 @@ void InternalFaces::look_beyond(std::size_t t, std::size_t i) {
   const auto& corners = mesh_.ground.triangles[o];
   std::array<std::size_t, 3> end_of_corner{2, 2, 2};  // 2: the corner off the edge
   for (std::size_t e = 0; e < 2; ++e) {
-    beyond.from[e] = mesh_.floor(o, ends[e]);
+    beyond.from[e] = mesh_.floor_over(o, ends[e]);
     beyond.behind[e].clear();
     end_of_corner[static_cast<std::size_t>(std::find(corners.begin(), corners.end(), ends[e]) -
                                            corners.begin())] = e;

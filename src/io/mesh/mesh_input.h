@@ -25,18 +25,20 @@ void require_room_for_surface(const std::filesystem::path& path, std::uint64_t p
 /// Three numbers as text with blanks between; nothing if that is not what it is.
 std::optional<Point3> point_from_text(const std::string& text);
 
-/// One patch per face. fail(what) is called for the first number that is none, and must throw.
+/// Sets the patch of each face. What no city has by itself becomes "patch9" or the like, of no
+/// known kind. fail(what) is called for the first number that is none, and must throw.
 template <typename Fail>
-std::vector<Patch> patches_of(const std::vector<std::int32_t>& numbers, const Fail& fail) {
-  std::vector<Patch> patches;
-  patches.reserve(numbers.size());
+void set_patches(const std::vector<std::int32_t>& numbers, SurfaceMesh& surface, const Fail& fail) {
+  surface.patch.reserve(numbers.size());
   for (std::size_t f = 0; f < numbers.size(); ++f) {
-    if (numbers[f] < 1 || numbers[f] > kPatchCount)
-      fail("face " + std::to_string(f) + " has the patch " + std::to_string(numbers[f]) +
-           "; 1 to 8 expected");
-    patches.push_back(static_cast<Patch>(numbers[f]));
+    const std::string number = std::to_string(numbers[f]);
+    if (numbers[f] < 1)
+      fail("face " + std::to_string(f) + " has the patch " + number + "; 1 or more expected");
+    const auto patch = static_cast<Patch>(numbers[f]);
+    if (!surface.patches.contains(patch))
+      surface.patches.add({patch, "patch" + number, PatchKind::kOther});
+    surface.patch.push_back(patch);
   }
-  return patches;
 }
 
 }  // namespace tetropolis

@@ -83,7 +83,8 @@ std::string head(const std::vector<PatchRange>& patches, const SurfaceMesh& surf
                       placement.origin[0], placement.origin[1], placement.origin[2]);
   text += fmt::format("$PhysicalNames\n{}\n", patches.size() + 1);
   for (const PatchRange& range : patches)
-    text += fmt::format("2 {} \"{}\"\n", static_cast<int>(range.patch), patch_name(range.patch));
+    text += fmt::format("2 {} \"{}\"\n", static_cast<int>(range.patch),
+                        surface.patches.of(range.patch).name);
   text += fmt::format("3 {} \"air\"\n$EndPhysicalNames\n$Entities\n", kAirPhysicalGroup);
   for (const std::size_t count : {std::size_t{0}, std::size_t{0}, patches.size(), std::size_t{1}})
     append_size(text, count);

@@ -19,9 +19,11 @@ namespace {
 
 constexpr std::size_t kGrain = 8192;
 
-std::string group_line(Patch patch, BuildingIndex building) {
-  return building == kNoBuilding ? fmt::format("g {}\n", patch_name(patch))
-                                 : fmt::format("g {} building_{}\n", patch_name(patch), building);
+std::string group_line(const SurfaceMesh& surface, std::size_t f) {
+  const BuildingIndex building = surface.building[f];
+  const std::string& patch = surface.patch_of(f).name;
+  return building == kNoBuilding ? fmt::format("g {}\n", patch)
+                                 : fmt::format("g {} building_{}\n", patch, building);
 }
 
 }  // namespace
@@ -54,8 +56,7 @@ void write_obj(const std::filesystem::path& path, const SurfaceMesh& surface,
                   auto out = std::back_inserter(buffer);
                   for (std::size_t i = begin; i < end; ++i) {
                     const std::size_t f = order[i];
-                    if (i == 0 || group(f) != group(order[i - 1]))
-                      buffer += group_line(surface.patch[f], surface.building[f]);
+                    if (i == 0 || group(f) != group(order[i - 1])) buffer += group_line(surface, f);
                     const auto& t = surface.triangles[f];
                     fmt::format_to(out, "f {} {} {}\n", t[0] + 1, t[1] + 1, t[2] + 1);
                   }

@@ -149,17 +149,16 @@ void write_neighbour(AtomicFile& file, const ColumnMesh& mesh, const std::vector
 void write_patches(AtomicFile& file, const SurfaceMesh& surface, const Sizes& sizes) {
   file.write(header("ascii", "polyBoundaryMesh", "boundary", ""));
   const auto counts = count_by_patch(surface);
-  std::string text = fmt::format("{}\n(\n", kPatchCount);
+  std::string text = fmt::format("{}\n(\n", counts.size());
   std::size_t start = sizes.internal;
-  for (int i = 0; i < kPatchCount; ++i) {
-    const auto patch = static_cast<Patch>(i + 1);
-    const auto count = static_cast<std::size_t>(counts[static_cast<std::size_t>(i)]);
-    const bool solid = patch == Patch::kGround || patch == Patch::kRoof || patch == Patch::kWall;
+  for (std::size_t i = 0; i < counts.size(); ++i) {
+    const auto count = static_cast<std::size_t>(counts[i].faces);
+    const bool solid = surface.patches[i].is_solid();
     text += fmt::format(
         "    {}\n    {{\n        type            {};\n{}        nFaces          {};\n"
         "        startFace       {};\n    }}\n",
-        patch_name(patch), solid ? "wall" : "patch",
-        solid ? "        inGroups        1(wall);\n" : "", count, start);
+        counts[i].name, solid ? "wall" : "patch", solid ? "        inGroups        1(wall);\n" : "",
+        count, start);
     start += count;
   }
   file.write(text + ")\n");

@@ -57,7 +57,7 @@ void write_stl(const std::filesystem::path& path, const SurfaceMesh& surface,
   for (std::size_t begin = 0; begin < surface.patch.size();) {
     std::size_t end = begin;
     while (end < surface.patch.size() && surface.patch[end] == surface.patch[begin]) ++end;
-    const std::string_view name = patch_name(surface.patch[begin]);
+    const std::string& name = surface.patch_of(begin).name;
     file.write(fmt::format("solid {}\n", name));
     write_chunked(file, end - begin, 8192,
                   [&](std::size_t first, std::size_t last, std::string& buffer) {

@@ -152,8 +152,8 @@ SurfaceMesh read_vtp(const std::filesystem::path& path) {
   SurfaceMesh surface;
   surface.points = read_points(file);
   surface.triangles = read_cells<3, std::int32_t>(file);
-  surface.patch =
-      patches_of(read_numbers(file, "patch"), [&](const std::string& what) { file.fail(what); });
+  set_patches(read_numbers(file, "patch"), surface,
+              [&](const std::string& what) { file.fail(what); });
   surface.building = read_numbers(file, "building");
   return surface;
 }

@@ -135,7 +135,7 @@ XdmfMesh read_xdmf(const fs::path& path) {
   require_corners(file, kFaces, faces, volume.points.size());
 
   mesh.boundary = compact(volume.points, faces);
-  mesh.boundary.patch = patches_of(patches, [&](const std::string& what) { file.fail(what); });
+  set_patches(patches, mesh.boundary, [&](const std::string& what) { file.fail(what); });
   mesh.boundary.building = std::move(buildings);
   return mesh;
 }

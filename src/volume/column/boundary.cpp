@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <string>
+#include <utility>
 
 #include "tetropolis/core/error.h"
 
@@ -11,9 +12,6 @@ namespace tetropolis {
 
 namespace {
 
-constexpr std::array<std::string_view, kPatchCount> kNames = {"ground", "roof", "wall", "top",
-                                                              "xmin",   "xmax", "ymin", "ymax"};
-
 struct Face {
   std::array<NodeIndex, 3> nodes;
   NodeIndex cell;
@@ -22,46 +20,54 @@ struct Face {
 
 /// Collects faces, one list a patch.
 struct FaceLists {
-  std::array<std::vector<Face>, kPatchCount> lists;
-  void add(Patch patch, const Face& face) {
-    lists[static_cast<std::size_t>(patch) - 1].push_back(face);
-  }
+  const PatchTable& patches;
+  std::vector<std::vector<Face>> lists = std::vector<std::vector<Face>>(patches.size());
+  void add(Patch patch, const Face& face) { lists[patches.position(patch)].push_back(face); }
 };
 
 void add_floor_and_top(const ColumnMesh& mesh, const std::vector<NodeIndex>& cells,
                        FaceLists& faces) {
   for (std::size_t t = 0; t < mesh.triangle_count(); ++t) {
     const auto& v = mesh.ground.triangles[t];
-    const BuildingIndex building = mesh.ground.region[t];
-    faces.add(
-        building == kNoBuilding ? Patch::kGround : Patch::kRoof,
-        {{mesh.floor(t, v[0]), mesh.floor(t, v[2]), mesh.floor(t, v[1])}, cells[t], building});
+    const Region& region = mesh.ground.region_of(t);
+    faces.add(region.floor,
+              {{mesh.floor_over(t, v[0]), mesh.floor_over(t, v[2]), mesh.floor_over(t, v[1])},
+               cells[t],
+               region.building});
     faces.add(Patch::kTop,
               {{mesh.top(v[0]), mesh.top(v[1]), mesh.top(v[2])}, cells[t + 1] - 1, kNoBuilding});
   }
 }
 
-Patch side_of_domain(const ColumnMesh& mesh, const Bounds2& domain, std::size_t e) {
-  const Point2 a = mesh.ground.vertices[static_cast<std::size_t>(mesh.edges.vertices[e][0])];
-  const Point2 b = mesh.ground.vertices[static_cast<std::size_t>(mesh.edges.vertices[e][1])];
-  if (a.x == domain.xmin && b.x == domain.xmin) return Patch::kXMin;
-  if (a.x == domain.xmax && b.x == domain.xmax) return Patch::kXMax;
-  if (a.y == domain.ymin && b.y == domain.ymin) return Patch::kYMin;
-  if (a.y == domain.ymax && b.y == domain.ymax) return Patch::kYMax;
-  throw Error(ErrorKind::kGuarantee, "ground mesh: the rim edge between vertices " +
-                                         std::to_string(mesh.edges.vertices[e][0]) + " and " +
-                                         std::to_string(mesh.edges.vertices[e][1]) +
-                                         " is not on a side of the domain");
-}
+/// Goes through the tags of edges, which are asked for in their order.
+class SidesOfDomain {
+ public:
+  explicit SidesOfDomain(const GroundMesh& mesh) : mesh_(mesh), next_(mesh.tagged_edges.begin()) {}
 
-/// What the faces over an edge are tagged with.
+  Patch at(const std::array<VertexIndex, 2>& edge) {
+    const auto vertices = [&] { return std::array{next_->low, next_->high}; };
+    while (next_ != mesh_.tagged_edges.end() && vertices() < edge) ++next_;
+    if (next_ == mesh_.tagged_edges.end() || vertices() != edge || next_->region != kNoRegion)
+      throw Error(ErrorKind::kGuarantee,
+                  "ground mesh: the rim edge between vertices " + std::to_string(edge[0]) +
+                      " and " + std::to_string(edge[1]) + " is not on a side of the domain");
+    return mesh_.sides[static_cast<std::size_t>(next_->segment)];
+  }
+
+ private:
+  const GroundMesh& mesh_;
+  std::vector<TaggedEdge>::const_iterator next_;
+};
+
+/// What the faces over an edge are tagged with, and the nodes they end at over its two vertices.
 struct Side {
   Patch patch;
   BuildingIndex building;
+  std::array<NodeIndex, 2> end;
 };
 
-/// Faces of the cells over triangle t on the vertical side over edge e: up to the roof if there is
-/// a building on the other side, else up to the top.
+/// Faces of the cells over triangle t on the vertical side over edge e; none where the triangle's
+/// floor is not below the side's end.
 void add_side(const ColumnMesh& mesh, NodeIndex first_cell, std::size_t t, std::size_t e,
               const Side& side, FaceLists& faces) {
   const auto& corners = mesh.ground.triangles[t];
@@ -72,11 +78,8 @@ void add_side(const ColumnMesh& mesh, NodeIndex first_cell, std::size_t t, std::
          std::max(corners[i], corners[(i + 1) % 3]) != b)
     ++i;
   const std::size_t j = (i + 1) % 3;
-  const auto end_of = [&](VertexIndex v) {
-    const auto at = static_cast<std::size_t>(v);
-    return side.building == kNoBuilding ? mesh.top(v) : mesh.first[at] + mesh.roof[at];
-  };
-  const NodeIndex end_i = end_of(corners[i]), end_j = end_of(corners[j]);
+  const NodeIndex end_i = side.end[corners[i] == a ? 0 : 1];
+  const NodeIndex end_j = side.end[corners[j] == a ? 0 : 1];
   NodeIndex cell = first_cell;
   Climb<3> front = climb_triangle(mesh, t);
   while (front.at(i) < end_i || front.at(j) < end_j) {
@@ -88,19 +91,25 @@ void add_side(const ColumnMesh& mesh, NodeIndex first_cell, std::size_t t, std::
   }
 }
 
-void add_sides(const ColumnMesh& mesh, const std::vector<NodeIndex>& cells, const Bounds2& domain,
-               FaceLists& faces) {
+void add_sides(const ColumnMesh& mesh, const std::vector<NodeIndex>& cells, FaceLists& faces) {
+  SidesOfDomain sides(mesh.ground);
   for (std::size_t e = 0; e < mesh.edges.size(); ++e) {
     const auto [first, second] = mesh.edges.triangles[e];
+    const auto [a, b] = mesh.edges.vertices[e];
     const auto t0 = static_cast<std::size_t>(first), t1 = static_cast<std::size_t>(second);
     if (second == kNoTriangle) {
-      add_side(mesh, cells[t0], t0, e, {side_of_domain(mesh, domain, e), kNoBuilding}, faces);
+      const std::array top{mesh.top(a), mesh.top(b)};
+      add_side(mesh, cells[t0], t0, e, {sides.at({a, b}), kNoBuilding, top}, faces);
       continue;
     }
-    if (mesh.inside_building(t0) == mesh.inside_building(t1)) continue;
-    const std::size_t air = mesh.inside_building(t0) ? t1 : t0;
-    const std::size_t inside = mesh.inside_building(t0) ? t0 : t1;
-    add_side(mesh, cells[air], air, e, {Patch::kWall, mesh.ground.region[inside]}, faces);
+    if (mesh.ground.region[t0] == mesh.ground.region[t1]) continue;
+    // A wall belongs to the building whose floor is the higher one.
+    for (const auto& [air, behind] : {std::pair(t0, t1), std::pair(t1, t0)})
+      add_side(mesh, cells[air], air, e,
+               {Patch::kWall,
+                mesh.ground.region_of(behind).building,
+                {mesh.floor_over(behind, a), mesh.floor_over(behind, b)}},
+               faces);
   }
 }
 
@@ -115,6 +124,7 @@ SurfaceMesh number_faces(const ColumnMesh& mesh, const FaceLists& faces) {
       for (const NodeIndex node : face.nodes) number[static_cast<std::size_t>(node)] = 0;
   }
   SurfaceMesh surface;
+  surface.patches = faces.patches;
   for (std::size_t v = 0; v < mesh.vertex_count(); ++v)
     for (NodeIndex node = mesh.first[v]; node < mesh.first[v + 1]; ++node) {
       auto& own = number[static_cast<std::size_t>(node)];
@@ -132,7 +142,7 @@ SurfaceMesh number_faces(const ColumnMesh& mesh, const FaceLists& faces) {
     for (const Face& face : faces.lists[i]) {
       surface.triangles.push_back(
           {numbered(face.nodes[0]), numbered(face.nodes[1]), numbered(face.nodes[2])});
-      surface.patch.push_back(static_cast<Patch>(i + 1));
+      surface.patch.push_back(faces.patches[i].patch);
       surface.building.push_back(face.building);
       surface.cell.push_back(face.cell);
     }
@@ -142,13 +152,11 @@ SurfaceMesh number_faces(const ColumnMesh& mesh, const FaceLists& faces) {
 
 }  // namespace
 
-std::string_view patch_name(Patch patch) { return kNames[static_cast<std::size_t>(patch) - 1]; }
-
-SurfaceMesh extract_boundary(const ColumnMesh& mesh, const Bounds2& domain) {
+SurfaceMesh extract_boundary(const ColumnMesh& mesh) {
   const std::vector<NodeIndex> cells = cell_offsets(mesh);
-  FaceLists faces;
+  FaceLists faces{mesh.ground.patches};
   add_floor_and_top(mesh, cells, faces);
-  add_sides(mesh, cells, domain, faces);
+  add_sides(mesh, cells, faces);
   return number_faces(mesh, faces);
 }
 
@@ -156,6 +164,7 @@ SurfaceMesh select_patches(const SurfaceMesh& surface, std::span<const Patch> pa
   constexpr std::int32_t unused = -1;
   std::vector<std::int32_t> number(surface.points.size(), unused);
   SurfaceMesh result;
+  result.patches = surface.patches;
   for (std::size_t f = 0; f < surface.triangles.size(); ++f) {
     if (std::find(patches.begin(), patches.end(), surface.patch[f]) == patches.end()) continue;
     auto triangle = surface.triangles[f];
@@ -176,9 +185,10 @@ SurfaceMesh select_patches(const SurfaceMesh& surface, std::span<const Patch> pa
   return result;
 }
 
-std::array<std::int64_t, kPatchCount> count_by_patch(const SurfaceMesh& surface) {
-  std::array<std::int64_t, kPatchCount> counts{};
-  for (const Patch patch : surface.patch) ++counts[static_cast<std::size_t>(patch) - 1];
+std::vector<PatchCount> count_by_patch(const SurfaceMesh& surface) {
+  std::vector<PatchCount> counts;
+  for (const PatchInfo& info : surface.patches) counts.push_back({info.name, 0});
+  for (const Patch patch : surface.patch) ++counts[surface.patches.position(patch)].faces;
   return counts;
 }
 

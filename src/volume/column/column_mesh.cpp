@@ -33,15 +33,14 @@ double shortest_edge(const ColumnMesh& mesh, std::size_t v) {
 }
 
 void require_flat_roofs(const ColumnMesh& mesh) {
-  std::vector<double> roofs;
+  std::vector<double> roofs(mesh.ground.regions.size(), std::numeric_limits<double>::quiet_NaN());
   for (std::size_t t = 0; t < mesh.triangle_count(); ++t) {
     if (!mesh.inside_building(t)) continue;
-    const auto b = static_cast<std::size_t>(mesh.ground.region[t]);
-    if (b >= roofs.size()) roofs.resize(b + 1, std::numeric_limits<double>::quiet_NaN());
+    double& roof = roofs[static_cast<std::size_t>(mesh.ground.region[t])];
     for (const VertexIndex v : mesh.ground.triangles[t]) {
-      const double z = mesh.z[static_cast<std::size_t>(mesh.floor(t, v))];
-      if (roofs[b] != roofs[b]) roofs[b] = z;
-      if (z != roofs[b]) throw_invalid(static_cast<std::size_t>(v), "the roof is not horizontal");
+      const double z = mesh.z[static_cast<std::size_t>(mesh.floor_over(t, v))];
+      if (roof != roof) roof = z;
+      if (z != roof) throw_invalid(static_cast<std::size_t>(v), "the roof is not horizontal");
     }
   }
 }
@@ -53,7 +52,7 @@ std::vector<NodeIndex> cell_offsets(const ColumnMesh& mesh) {
   for (std::size_t t = 0; t < mesh.triangle_count(); ++t) {
     offsets[t + 1] = offsets[t];
     for (const VertexIndex v : mesh.ground.triangles[t])
-      offsets[t + 1] += mesh.top(v) - mesh.floor(t, v);
+      offsets[t + 1] += mesh.top(v) - mesh.floor_over(t, v);
   }
   return offsets;
 }

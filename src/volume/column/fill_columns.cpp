@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
+#include <span>
 #include <string>
 #include <utility>
 
@@ -12,6 +13,7 @@
 
 #include "core/infinity.h"
 #include "core/parallel.h"
+#include "core/sort_once.h"
 #include "ground_heights.h"
 #include "volume/excavate/cut_back.h"
 
@@ -34,12 +36,6 @@ constexpr double kWholeShare = 0.8;
 
 /// Share of the spacing that a wall is high where the ground was lowered for it.
 constexpr double kLoweredWallShare = 0.6;
-
-/// How one column is divided.
-struct Division {
-  std::int32_t below_roof = 0;  ///< Segments from the ground to the roof.
-  std::int32_t above = 0;       ///< Segments from there (or from the ground) to the top.
-};
 
 void require_rise(double low, double high, std::size_t v, const char* what) {
   if (low < high) return;
@@ -82,22 +78,47 @@ std::int32_t segments(const ColumnPlan& plan, std::size_t v, double low, double 
   return piece.steep_count + piece.even_count;
 }
 
-Division divide(const ColumnPlan& plan, std::size_t v, bool outside) {
-  Division division;
-  const double ground = plan.ground[v], top = plan.top[v];
-  if (plan.building[v] == kNoBuilding) {
-    require_rise(ground, top, v, "the top is not above the ground");
-    division.above = segments(plan, v, ground, top);
-    return division;
+/// Elevations that column v has a node at, whatever its spacing: its floors from the lowest up, and
+/// its top.
+void find_levels(const ColumnMesh& mesh, const ColumnPlan& plan, std::size_t v,
+                 std::vector<double>& levels) {
+  levels.clear();
+  for (const RegionIndex region : mesh.regions.at(v))
+    levels.push_back(plan.floor(mesh.ground, region, v));
+  sort_once(levels);
+  levels.push_back(plan.top[v]);
+}
+
+void require_rising_floors(const ColumnMesh& mesh, const ColumnPlan& plan, std::size_t v) {
+  const std::span<const RegionIndex> around = mesh.regions.at(v);
+  const auto is_building = [&](RegionIndex region) {
+    return mesh.ground.regions[static_cast<std::size_t>(region)].is_building();
+  };
+  const bool outside = !std::all_of(around.begin(), around.end(), is_building);
+  for (const RegionIndex region : around) {
+    const double floor = plan.floor(mesh.ground, region, v);
+    const bool is_roof = is_building(region);
+    if (is_roof && outside)
+      require_rise(plan.ground[v], floor, v, "the roof is not above the ground");
+    require_rise(floor, plan.top[v], v,
+                 is_roof ? "the top is not above the roof" : "the top is not above the ground");
   }
-  const double roof = plan.roofs[static_cast<std::size_t>(plan.building[v])];
-  if (outside) {
-    require_rise(ground, roof, v, "the roof is not above the ground");
-    division.below_roof = segments(plan, v, ground, roof);
+}
+
+/// Sets the positions of the column's floors; returns its number of nodes. `positions`: of levels.
+std::int32_t divide(const ColumnPlan& plan, std::size_t v, std::span<const double> levels,
+                    std::vector<std::int32_t>& positions, ColumnMesh& mesh) {
+  positions.assign(1, 0);
+  for (std::size_t i = 1; i < levels.size(); ++i)
+    positions.push_back(positions.back() + segments(plan, v, levels[i - 1], levels[i]));
+  const std::span<const RegionIndex> around = mesh.regions.at(v);
+  for (std::size_t i = 0; i < around.size(); ++i) {
+    const double floor = plan.floor(mesh.ground, around[i], v);
+    const auto level = std::find(levels.begin(), levels.end(), floor) - levels.begin();
+    mesh.floors[static_cast<std::size_t>(mesh.regions.first[v]) + i] =
+        positions[static_cast<std::size_t>(level)];
   }
-  require_rise(roof, top, v, "the top is not above the roof");
-  division.above = segments(plan, v, roof, top);
-  return division;
+  return positions.back() + 1;
 }
 
 /// Writes the nodes from `low` towards, but without, `high`; returns the place after them.
@@ -112,22 +133,24 @@ double* spread(double* z, const ColumnPlan& plan, std::size_t v, double low, dou
   return z;
 }
 
-/// Per building: the lowest of `ground`, per vertex, at its walls (and inside of it).
-std::vector<double> lowest_at_walls(const ColumnPlan& plan, std::span<const double> ground) {
-  std::vector<double> lowest(plan.roofs.size(), kInfinity);
-  for (std::size_t v = 0; v < ground.size(); ++v)
-    if (plan.building[v] != kNoBuilding) {
-      double& low = lowest[static_cast<std::size_t>(plan.building[v])];
-      low = std::min(low, ground[v]);
-    }
+/// Per building part: the lowest of `ground`, per vertex, at its walls (and inside of it).
+std::vector<double> lowest_at_walls(const GroundMesh& mesh, std::size_t parts,
+                                    std::span<const double> ground) {
+  std::vector<double> lowest(parts, kInfinity);
+  for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
+    if (!mesh.inside_building(t)) continue;
+    double& low = lowest[static_cast<std::size_t>(mesh.region[t])];
+    for (const VertexIndex v : mesh.triangles[t])
+      low = std::min(low, ground[static_cast<std::size_t>(v)]);
+  }
   return lowest;
 }
 
-/// `foot`: the lowest terrain at each building's walls. A wall that is too low by itself does not
-/// count.
-void count_undermined(const std::vector<double>& foot, double minimum_wall, ColumnPlan& plan) {
+/// `foot`: the lowest terrain at each building's walls; `now`: the lowest ground. A wall that is
+/// too low by itself does not count.
+void count_undermined(const std::vector<double>& foot, const std::vector<double>& now,
+                      double minimum_wall, ColumnPlan& plan) {
   constexpr double kNothing = 0.01;  // metres
-  const std::vector<double> now = lowest_at_walls(plan, plan.ground);
   for (std::size_t b = 0; b < foot.size(); ++b) {
     const double deep = std::min(foot[b], plan.roofs[b] - minimum_wall) - now[b];
     if (!(deep > kNothing)) continue;
@@ -153,7 +176,7 @@ double wall_below(double buried, double distance) {
 std::vector<double> ground_rise(const GroundMesh& mesh, std::span<const double> ground) {
   std::vector<double> rise(mesh.vertices.size(), 0.0);
   for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
-    if (mesh.region[t] != kNoBuilding) continue;
+    if (mesh.inside_building(t)) continue;
     double highest = -kInfinity;
     for (const VertexIndex v : mesh.triangles[t])
       highest = std::max(highest, ground[static_cast<std::size_t>(v)]);
@@ -198,22 +221,22 @@ ColumnPlan plan_columns(const GroundMesh& mesh, const Raster& dtm, std::vector<d
   ColumnPlan plan;
   plan.roofs = std::move(roofs);
   plan.spacing = std::move(spacing);
-  plan.building = vertex_buildings(mesh);
+  plan.lowest_roof = lowest_roofs(mesh, plan.roofs);
   const std::vector<double> terrain = terrain_under(mesh, dtm);
   plan.ground = terrain;
   if (options.cut.any())
     plan.cut_from =
-        cut_back(mesh, plan.building, plan.roofs, options.cut, options.cut_slopes, plan.ground);
+        cut_back(mesh, plan.lowest_roof, plan.roofs, options.cut, options.cut_slopes, plan.ground);
   std::vector<double> least(plan.spacing.size(), options.minimum_wall);
   std::vector<double> wall(least);
   // What rises beside a wall, but for walls that sink themselves.
   std::vector<double> around = plan.ground;
-  lower_at_walls(mesh, plan.building, plan.roofs, least, wall, around);
+  lower_at_walls(mesh, plan.lowest_roof, plan.roofs, least, wall, around);
   plan.rise = ground_rise(mesh, around);
-  const std::vector<double> foot = lowest_at_walls(plan, plan.ground);
+  const std::vector<double> foot = lowest_at_walls(mesh, plan.roofs.size(), plan.ground);
   for (std::size_t v = 0; v < wall.size(); ++v) {
-    if (plan.building[v] == kNoBuilding || !options.fit_lowered_walls) continue;
-    const auto b = static_cast<std::size_t>(plan.building[v]);
+    if (plan.lowest_roof[v] == kNoRegion || !options.fit_lowered_walls) continue;
+    const auto b = static_cast<std::size_t>(plan.lowest_roof[v]);
     const double buried = around[v] + plan.rise[v] - plan.roofs[b];
     const double fits = wall_below(buried, plan.spacing[v]);
     // No deeper than the building stands somewhere, which beside a rock wall would be a pit. (Less
@@ -223,8 +246,10 @@ ColumnPlan plan_columns(const GroundMesh& mesh, const Raster& dtm, std::vector<d
     least[v] = std::max(least[v], std::min(fits, deepest));
     wall[v] = std::max(least[v], std::min(deepest, kLoweredWallShare * plan.spacing[v]));
   }
-  lower_at_walls(mesh, plan.building, plan.roofs, least, wall, plan.ground);
-  count_undermined(lowest_at_walls(plan, terrain), options.minimum_wall, plan);
+  lower_at_walls(mesh, plan.lowest_roof, plan.roofs, least, wall, plan.ground);
+  count_undermined(lowest_at_walls(mesh, plan.roofs.size(), terrain),
+                   lowest_at_walls(mesh, plan.roofs.size(), plan.ground), options.minimum_wall,
+                   plan);
   plan.rise = ground_rise(mesh, plan.ground);
   const std::vector<std::uint8_t> outside = outside_vertices(mesh);
   for (std::size_t v = 0; v < terrain.size(); ++v) {
@@ -243,14 +268,16 @@ ColumnMesh divide_columns(GroundMesh ground, EdgeGraph edges, const ColumnPlan& 
   mesh.ground = std::move(ground);
   mesh.edges = std::move(edges);
   const std::size_t vertices = mesh.vertex_count();
-  const std::vector<std::uint8_t> outside = outside_vertices(mesh.ground);
-  mesh.roof.assign(vertices, kNoRoof);
+  mesh.regions = regions_at_vertices(mesh.ground);
+  mesh.floors.resize(mesh.regions.regions.size());
   mesh.first.assign(vertices + 1, 0);
   parallel_chunks(vertices, kColumnsPerChunk, [&](std::size_t begin, std::size_t end) {
+    std::vector<double> levels;
+    std::vector<std::int32_t> positions;
     for (std::size_t v = begin; v < end; ++v) {
-      const Division division = divide(plan, v, outside[v] != 0);
-      if (plan.building[v] != kNoBuilding) mesh.roof[v] = division.below_roof;
-      mesh.first[v + 1] = division.below_roof + division.above + 1;
+      require_rising_floors(mesh, plan, v);
+      find_levels(mesh, plan, v, levels);
+      mesh.first[v + 1] = divide(plan, v, levels, positions, mesh);
     }
   });
   for (std::size_t v = 0; v < vertices; ++v) mesh.first[v + 1] += mesh.first[v];
@@ -260,16 +287,13 @@ ColumnMesh divide_columns(GroundMesh ground, EdgeGraph edges, const ColumnPlan& 
 
 void place_nodes(ColumnMesh& mesh, const ColumnPlan& plan) {
   parallel_chunks(mesh.vertex_count(), kColumnsPerChunk, [&](std::size_t begin, std::size_t end) {
+    std::vector<double> levels;
     for (std::size_t v = begin; v < end; ++v) {
+      find_levels(mesh, plan, v, levels);
       double* z = mesh.z.data() + mesh.first[v];
-      double low = plan.ground[v];
-      if (plan.building[v] != kNoBuilding) {
-        const double roof = plan.roofs[static_cast<std::size_t>(plan.building[v])];
-        if (mesh.roof[v] > 0) z = spread(z, plan, v, low, roof);
-        low = roof;
-      }
-      z = spread(z, plan, v, low, plan.top[v]);
-      *z = plan.top[v];
+      for (std::size_t i = 1; i < levels.size(); ++i)
+        z = spread(z, plan, v, levels[i - 1], levels[i]);
+      *z = levels.back();
     }
   });
 }
@@ -278,11 +302,13 @@ ColumnMesh columns_of_layers(LayeredMesh&& layered) {
   ColumnMesh mesh;
   const std::size_t vertices = layered.vertex_count();
   mesh.first.assign(vertices + 1, 0);
-  mesh.roof.assign(vertices, kNoRoof);
+  mesh.regions = regions_at_vertices(layered.ground);
   for (std::size_t v = 0; v < vertices; ++v) {
     mesh.first[v + 1] = mesh.first[v] + layered.layers + 1 - layered.first_node[v];
-    if (layered.roof_layer[v] != kNoRoof)
-      mesh.roof[v] = layered.roof_layer[v] - layered.first_node[v];
+    for (const RegionIndex region : mesh.regions.at(v))
+      mesh.floors.push_back(layered.ground.regions[static_cast<std::size_t>(region)].is_building()
+                                ? layered.roof_layer[v] - layered.first_node[v]
+                                : 0);
   }
   mesh.z.resize(static_cast<std::size_t>(mesh.node_count()));
   parallel_chunks(vertices, kColumnsPerChunk, [&](std::size_t begin, std::size_t end) {

@@ -35,14 +35,14 @@ std::vector<double> ground_rise(const GroundMesh& mesh, std::span<const double> 
 
 /// What the columns are made from: per vertex of the ground mesh, in metres.
 struct ColumnPlan {
-  std::vector<double> ground;           ///< Elevation: the terrain, lowered at buried walls and
-                                        ///< cut back where marked.
-  std::vector<BuildingIndex> building;  ///< As from vertex_buildings.
-  std::vector<double> roofs;            ///< Elevation of the roof, per building.
-  std::vector<double> top;              ///< Elevation of the top.
-  std::vector<double> spacing;          ///< Distance between nodes asked for, > 0.
-  std::vector<double> rise;             ///< As from ground_rise.
-  LayerPlan layers;                     ///< Height of the domain, and layers of uniform columns.
+  std::vector<double> ground;            ///< Elevation: the terrain, lowered at buried walls and
+                                         ///< cut back where marked.
+  std::vector<RegionIndex> lowest_roof;  ///< As from lowest_roofs.
+  std::vector<double> roofs;             ///< Elevation of the roof, per building part (region).
+  std::vector<double> top;               ///< Elevation of the top.
+  std::vector<double> spacing;           ///< Distance between nodes asked for, > 0.
+  std::vector<double> rise;              ///< As from ground_rise.
+  LayerPlan layers;                      ///< Height of the domain, and layers of uniform columns.
   std::int64_t lowered =
       0;               ///< Vertices outside buildings or on walls with ground below the terrain.
   double deepest = 0;  ///< How far, at most, in metres.
@@ -50,6 +50,12 @@ struct ColumnPlan {
                                   ///< was at their walls.
   double deepest_undermined = 0;  ///< How far, at most, in metres.
   CutSources cut_from;            ///< From where the terrain was cut back.
+
+  /// Elevation of the floor of `region` of `mesh` at vertex v.
+  double floor(const GroundMesh& mesh, RegionIndex region, std::size_t v) const {
+    const auto r = static_cast<std::size_t>(region);
+    return mesh.regions[r].is_building() ? roofs[r] : ground[v];
+  }
 };
 
 struct ColumnPlanOptions {
@@ -70,14 +76,14 @@ struct ColumnPlanOptions {
   CutSlopes cut_slopes;           ///< How steeply it rises from there.
 };
 
-/// `roofs`: elevation per building of `mesh`; `spacing`: per vertex, > 0. Throws as
-/// vertex_buildings.
+/// `roofs`: elevation per building part of `mesh`; `spacing`: per vertex, > 0.
 ColumnPlan plan_columns(const GroundMesh& mesh, const Raster& dtm, std::vector<double> roofs,
                         std::vector<double> spacing, const ColumnPlanOptions& options);
 
-/// How many nodes each column gets, and which of them is at the roof; z has its size and no values.
-/// Columns go from the ground (inside buildings: from the roof) to the top, with a node at the roof
-/// where a wall stands. Each piece between two of these elevations is divided into the number of
+/// How many nodes each column gets, and which of them are at floors; z has its size and no values.
+/// Columns go from the lowest floor of the regions around them to the top, with a node at each
+/// floor; floors of the same elevation share it. Each piece between two of these elevations is
+/// divided into the number of
 /// segments that comes closest to the spacing, at least one. A piece that begins at the foot of a
 /// cliff (the spacing is less than 0.6 of what the highest ground beside rises above it) has two
 /// segments of 0.6 and 0.4 of that rise first, as far as it reaches: the tets between its column
@@ -86,7 +92,7 @@ ColumnPlan plan_columns(const GroundMesh& mesh, const Raster& dtm, std::vector<d
 /// naming the vertex if the elevations do not increase.
 ColumnMesh divide_columns(GroundMesh ground, EdgeGraph edges, const ColumnPlan& plan);
 
-/// Sets z: exact at ground, roof and top. `mesh` as made by divide_columns with the same plan.
+/// Sets z: exact at floors and top. `mesh` as made by divide_columns with the same plan.
 void place_nodes(ColumnMesh& mesh, const ColumnPlan& plan);
 
 /// The nodes of a layered mesh that belong to cells, where they are. Precondition: it is trimmed

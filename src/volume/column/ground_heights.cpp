@@ -2,35 +2,33 @@
 
 #include <algorithm>
 #include <cmath>
-#include <string>
+#include <utility>
 
-#include "tetropolis/core/error.h"
 
 #include "core/infinity.h"
 #include "core/parallel.h"
 
 namespace tetropolis {
 
-std::vector<BuildingIndex> vertex_buildings(const GroundMesh& mesh) {
-  std::vector<BuildingIndex> building(mesh.vertices.size(), kNoBuilding);
+std::vector<RegionIndex> lowest_roofs(const GroundMesh& mesh, std::span<const double> roofs) {
+  std::vector<RegionIndex> lowest(mesh.vertices.size(), kNoRegion);
   for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
-    if (mesh.region[t] == kNoBuilding) continue;
+    if (!mesh.inside_building(t)) continue;
+    const RegionIndex own = mesh.region[t];
+    const auto height = [&](RegionIndex r) { return roofs[static_cast<std::size_t>(r)]; };
     for (const VertexIndex v : mesh.triangles[t]) {
-      BuildingIndex& owner = building[static_cast<std::size_t>(v)];
-      if (owner != kNoBuilding && owner != mesh.region[t])
-        throw Error(ErrorKind::kGuarantee, "ground mesh: vertex " + std::to_string(v) +
-                                               " belongs to buildings " + std::to_string(owner) +
-                                               " and " + std::to_string(mesh.region[t]));
-      owner = mesh.region[t];
+      RegionIndex& least = lowest[static_cast<std::size_t>(v)];
+      if (least == kNoRegion || std::pair(height(own), own) < std::pair(height(least), least))
+        least = own;
     }
   }
-  return building;
+  return lowest;
 }
 
 std::vector<std::uint8_t> outside_vertices(const GroundMesh& mesh) {
   std::vector<std::uint8_t> outside(mesh.vertices.size(), 0);
   for (std::size_t t = 0; t < mesh.triangles.size(); ++t)
-    if (mesh.region[t] == kNoBuilding)
+    if (!mesh.inside_building(t))
       for (const VertexIndex v : mesh.triangles[t]) outside[static_cast<std::size_t>(v)] = 1;
   return outside;
 }
@@ -61,12 +59,12 @@ std::vector<double> terrain_under(const GroundMesh& mesh, const Raster& dtm) {
   return terrain;
 }
 
-void lower_at_walls(const GroundMesh& mesh, std::span<const BuildingIndex> building,
+void lower_at_walls(const GroundMesh& mesh, std::span<const RegionIndex> lowest_roof,
                     std::span<const double> roofs, std::span<const double> least,
                     std::span<const double> wall, std::vector<double>& ground) {
   for (std::size_t v = 0; v < mesh.vertices.size(); ++v) {
-    if (building[v] == kNoBuilding) continue;
-    const double roof = roofs[static_cast<std::size_t>(building[v])];
+    if (lowest_roof[v] == kNoRegion) continue;
+    const double roof = roofs[static_cast<std::size_t>(lowest_roof[v])];
     if (ground[v] > roof - least[v]) ground[v] = std::min(ground[v], roof - wall[v]);
   }
 }

@@ -10,10 +10,10 @@
 
 namespace tetropolis {
 
-/// Per vertex: the building it belongs to (inside its footprint or on its outline), or kNoBuilding.
-/// Throws Error(kGuarantee) naming the vertex if two buildings share it: simplification keeps
-/// footprints apart.
-std::vector<BuildingIndex> vertex_buildings(const GroundMesh& mesh);
+/// Per vertex: of the building parts around it, the one with the lowest roof, or kNoRegion.
+/// `roofs`: elevation per part. What holds for the wall below that roof holds for those of higher
+/// ones.
+std::vector<RegionIndex> lowest_roofs(const GroundMesh& mesh, std::span<const double> roofs);
 
 /// Per vertex: 1 if a triangle outside buildings has it.
 std::vector<std::uint8_t> outside_vertices(const GroundMesh& mesh);
@@ -32,10 +32,10 @@ std::vector<double> terrain_under(const GroundMesh& mesh, const Raster& dtm);
 
 /// Lowers `ground` at vertices of buildings whose roof is less than least[v] above it (a building
 /// set into a slope) to roof - wall[v], so that every wall has a positive height (guarantee 4) and,
-/// where the ground has to be lowered anyway, one that cells fit. `building` as from
-/// vertex_buildings; `roofs`: elevation per building; `least`, `wall`: per vertex, metres,
+/// where the ground has to be lowered anyway, one that cells fit. `lowest_roof` as
+/// from lowest_roofs; `roofs`: elevation per building part; `least`, `wall`: per vertex, metres,
 /// 0 < least <= wall.
-void lower_at_walls(const GroundMesh& mesh, std::span<const BuildingIndex> building,
+void lower_at_walls(const GroundMesh& mesh, std::span<const RegionIndex> lowest_roof,
                     std::span<const double> roofs, std::span<const double> least,
                     std::span<const double> wall, std::vector<double>& ground);
 

@@ -24,7 +24,7 @@ class TrianglesAt {
   explicit TrianglesAt(const GroundMesh& mesh) : ends_(mesh.vertices.size() + 1, 0) {
     const auto for_each_corner = [&](const auto& visit) {
       for (std::size_t t = 0; t < mesh.triangles.size(); ++t)
-        if (mesh.region[t] == kNoBuilding)
+        if (!mesh.inside_building(t))
           for (const VertexIndex v : mesh.triangles[t]) visit(static_cast<std::size_t>(v), t);
     };
     for_each_corner([&](std::size_t v, std::size_t) { ++ends_[v + 1]; });
@@ -169,7 +169,8 @@ CutSources Cut::sources() const {
     if (has_lowered_[v] == 0) continue;
     if (is_foot(v))
       sources.feet.push_back({mesh_.vertices[v].x, mesh_.vertices[v].y, marks_.feet[v]});
-    if (is_at_marked_roof(v)) sources.roofs.push_back(building_[v]);
+    if (is_at_marked_roof(v))
+      sources.roofs.push_back(mesh_.regions[static_cast<std::size_t>(building_[v])].building);
   }
   sort_once(sources.roofs);
   return sources;

@@ -18,10 +18,10 @@ struct CutSlopes {
 
 /// From where the terrain is to be cut back, and which walls may be dug out.
 struct CutMarks {
-  std::vector<std::uint8_t> roofs;  ///< Per building, 1: from the edge of its roof.
+  std::vector<std::uint8_t> roofs;  ///< Per building part, 1: from the edge of its roof.
   std::vector<double> feet;         ///< Per vertex, elevation of the foot of a cliff or of a wall;
                                     ///< infinity: none.
-  std::vector<std::uint8_t> walls = {};  ///< Per building, 1: the ground at its walls may be
+  std::vector<std::uint8_t> walls = {};  ///< Per building part, 1: the ground at its walls may be
                                          ///< lowered below the lowest that is there (plan_columns).
 
   bool any() const { return !roofs.empty() || !feet.empty(); }
@@ -39,7 +39,7 @@ struct CutSources {
 /// most at its elevation), or from ground that was lowered so (to a nanometre). Distances are
 /// those in the triangles outside buildings. Where the terrain dips below that, nothing beyond is
 /// touched; a hillside steeper than the steeper of `slopes` is cut back to its crest. `ground`:
-/// elevation per vertex; `building` as from vertex_buildings; `roofs`: elevation per building;
+/// elevation per vertex; `building` as from lowest_roofs; `roofs`: elevation per building part;
 /// `marks`: each list of its size, or empty; `walls` are not looked at.
 CutSources cut_back(const GroundMesh& mesh, std::span<const BuildingIndex> building,
                     std::span<const double> roofs, const CutMarks& marks, const CutSlopes& slopes,

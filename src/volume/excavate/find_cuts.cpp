@@ -78,13 +78,13 @@ std::int64_t mark_buried_roofs(const ColumnMesh& mesh, const ColumnPlan& plan,
     for (const VertexIndex v : mesh.ground.triangles[t])
       highest = std::max(highest, plan.ground[static_cast<std::size_t>(v)]);
     const auto is_buried = [&](VertexIndex v) {
-      const BuildingIndex b = plan.building[static_cast<std::size_t>(v)];
+      const BuildingIndex b = plan.lowest_roof[static_cast<std::size_t>(v)];
       return b != kNoBuilding && marks.roofs[static_cast<std::size_t>(b)] == 0 &&
              highest > plan.roofs[static_cast<std::size_t>(b)];
     };
     for (const VertexIndex v : mesh.ground.triangles[t]) {
       if (!is_buried(v)) continue;
-      marks.roofs[static_cast<std::size_t>(plan.building[static_cast<std::size_t>(v)])] = 1;
+      marks.roofs[static_cast<std::size_t>(plan.lowest_roof[static_cast<std::size_t>(v)])] = 1;
       ++marked;
     }
   }
@@ -109,14 +109,14 @@ std::int64_t mark_feet(const ColumnMesh& mesh, const ColumnPlan& plan,
     }
     for (std::size_t i = 0; i < 3; ++i) {
       const std::size_t v = corner(i);
-      if (plan.building[v] == kNoBuilding) continue;
+      if (plan.lowest_roof[v] == kNoBuilding) continue;
       const Point2 p = mesh.ground.vertices[v];
       double edge = 0;
       for (const std::size_t u : {corner(i + 1), corner(i + 2)})
         edge = std::max(
             edge, std::hypot(mesh.ground.vertices[u].x - p.x, mesh.ground.vertices[u].y - p.y));
       const double below =
-          plan.roofs[static_cast<std::size_t>(plan.building[v])] - kWallTangent * edge;
+          plan.roofs[static_cast<std::size_t>(plan.lowest_roof[v])] - kWallTangent * edge;
       if (below < plan.ground[v]) foot[i] = below;
     }
     for (std::size_t i = 0; i < 3; ++i) {
@@ -134,8 +134,8 @@ std::int64_t mark_gentle(const ColumnMesh& mesh, const ColumnPlan& plan,
   std::int64_t marked = 0;
   // From the roof, if `high` is above it.
   const auto start_at = [&](std::size_t v, double high) {
-    if (plan.building[v] == kNoBuilding) return plan.ground[v];
-    const double roof = plan.roofs[static_cast<std::size_t>(plan.building[v])];
+    if (plan.lowest_roof[v] == kNoBuilding) return plan.ground[v];
+    const double roof = plan.roofs[static_cast<std::size_t>(plan.lowest_roof[v])];
     return roof < high ? roof : plan.ground[v];
   };
   for (std::size_t t = 0; t < mesh.triangle_count(); ++t) {
@@ -163,7 +163,7 @@ std::int64_t mark_deep_walls(const ColumnMesh& mesh, const ColumnPlan& plan,
   for (std::size_t t = 0; t < mesh.triangle_count(); ++t) {
     if (bad[t] == 0 || mesh.inside_building(t)) continue;
     for (const VertexIndex v : mesh.ground.triangles[t]) {
-      const BuildingIndex b = plan.building[static_cast<std::size_t>(v)];
+      const BuildingIndex b = plan.lowest_roof[static_cast<std::size_t>(v)];
       if (b == kNoBuilding || marks.walls[static_cast<std::size_t>(b)] != 0) continue;
       marks.walls[static_cast<std::size_t>(b)] = 1;
       ++marked;

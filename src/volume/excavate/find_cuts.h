@@ -59,7 +59,7 @@ struct TriedCut {
 
 /// Puts back as they were `before` the marks that did not help: those not at, nor next to, a
 /// connected piece of lowered ground with fewer bad triangles after than before. `building` as from
-/// vertex_buildings; `marks` are those of the cut, each list of its size or empty; the lists of
+/// lowest_roofs; `marks` are those of the cut, each list of its size or empty; the lists of
 /// `before` are the same or empty.
 void keep_helpful_marks(const ColumnMesh& mesh, std::span<const BuildingIndex> building,
                         const TriedCut& cut, const CutMarks& before, CutMarks& marks);

@@ -18,6 +18,8 @@
 
 namespace tetropolis {
 
+inline constexpr std::int32_t kNoRoof = -1;
+
 /// Layers are 0 (ground) to `layers` (top). A prism of triangle t exists in the layers
 /// first_layer[t] .. layers - 1: from the ground outside buildings, from the roof inside.
 struct LayeredMesh {

@@ -2,6 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <string>
+
+#include "tetropolis/core/error.h"
 
 #include "core/infinity.h"
 #include "core/parallel.h"
@@ -92,13 +95,13 @@ SmoothReport smooth_to_ground(LayeredMesh& mesh, std::span<const double> ground,
   return report;
 }
 
-void trim(LayeredMesh& mesh, std::span<const BuildingIndex> building,
+void trim(LayeredMesh& mesh, std::span<const RegionIndex> lowest_roof,
           std::span<const double> roofs) {
   std::vector<double> least(roofs.size(), kInfinity);
   std::vector<double> most(roofs.size(), 0.0);
   for (std::size_t v = 0; v < mesh.vertex_count(); ++v) {
-    if (building[v] == kNoBuilding) continue;
-    const auto b = static_cast<std::size_t>(building[v]);
+    if (lowest_roof[v] == kNoRegion) continue;
+    const auto b = static_cast<std::size_t>(lowest_roof[v]);
     const double p = position_in_layers(mesh.column(v), mesh.layers, roofs[b]);
     least[b] = std::min(least[b], p);
     most[b] = std::max(most[b], p);
@@ -111,19 +114,24 @@ void trim(LayeredMesh& mesh, std::span<const BuildingIndex> building,
 
   std::fill(mesh.first_node.begin(), mesh.first_node.end(), mesh.layers);
   for (std::size_t t = 0; t < mesh.triangle_count(); ++t) {
-    const BuildingIndex b = mesh.ground.region[t];
-    mesh.first_layer[t] = b == kNoBuilding ? 0 : roof_layer[static_cast<std::size_t>(b)];
+    const RegionIndex region = mesh.ground.region[t];
+    const bool is_roof = mesh.ground.inside_building(t);
+    mesh.first_layer[t] = is_roof ? roof_layer[static_cast<std::size_t>(region)] : 0;
     for (const VertexIndex v : mesh.ground.triangles[t]) {
+      if (is_roof && lowest_roof[static_cast<std::size_t>(v)] != region)
+        throw Error(ErrorKind::kGuarantee,
+                    "uniform layers: two roofs end at ground vertex " + std::to_string(v));
       auto& first = mesh.first_node[static_cast<std::size_t>(v)];
       first = std::min(first, mesh.first_layer[t]);
     }
   }
   for (std::size_t v = 0; v < mesh.vertex_count(); ++v)
-    mesh.roof_layer[v] =
-        building[v] == kNoBuilding ? kNoRoof : roof_layer[static_cast<std::size_t>(building[v])];
+    mesh.roof_layer[v] = lowest_roof[v] == kNoRegion
+                             ? kNoRoof
+                             : roof_layer[static_cast<std::size_t>(lowest_roof[v])];
 }
 
-SmoothReport smooth_to_roofs(LayeredMesh& mesh, std::span<const BuildingIndex> building,
+SmoothReport smooth_to_roofs(LayeredMesh& mesh, std::span<const RegionIndex> lowest_roof,
                              std::span<const double> roofs, const SmoothOptions& options,
                              const Progress& progress) {
   const double layer_height = mean_layer_height(mesh);
@@ -131,9 +139,9 @@ SmoothReport smooth_to_roofs(LayeredMesh& mesh, std::span<const BuildingIndex> b
   // First guess: the roof's displacement, fading linearly towards the top and down the wall.
   std::vector<float> u(mesh.z.size(), 0.0F);
   const auto guess_column = [&](std::size_t v) {
-    if (building[v] == kNoBuilding) return;
+    if (lowest_roof[v] == kNoRegion) return;
     const std::int32_t roof = mesh.roof_layer[v];
-    const double shift = roofs[static_cast<std::size_t>(building[v])] - mesh.column(v)[roof];
+    const double shift = roofs[static_cast<std::size_t>(lowest_roof[v])] - mesh.column(v)[roof];
     for (std::int32_t k = mesh.first_node[v] == roof ? roof : 0; k <= mesh.layers; ++k) {
       const double share = k <= roof ? static_cast<double>(k) / roof
                            : options.laplace.fixed_top
@@ -149,8 +157,8 @@ SmoothReport smooth_to_roofs(LayeredMesh& mesh, std::span<const BuildingIndex> b
   report.solver = solve_laplace(mesh, u, options.laplace, progress);
   displace(mesh, u);
   for (std::size_t v = 0; v < mesh.vertex_count(); ++v)
-    if (building[v] != kNoBuilding)
-      mesh.column(v)[mesh.roof_layer[v]] = roofs[static_cast<std::size_t>(building[v])];
+    if (lowest_roof[v] != kNoRegion)
+      mesh.column(v)[mesh.roof_layer[v]] = roofs[static_cast<std::size_t>(lowest_roof[v])];
   report.guard = guard(mesh, options, layer_height);
   return report;
 }

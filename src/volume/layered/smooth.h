@@ -44,14 +44,15 @@ SmoothReport smooth_to_ground(LayeredMesh& mesh, std::span<const double> ground,
 /// Step 3.4. Gives every building the layer its roof is cut at, and with it first_layer, first_node
 /// and roof_layer. The layer is the one nearest to the roof, in the sense that the least and the
 /// greatest wall height both come closest to whole layers (in ratio); at least 1, at most K - 1.
-/// `building` as from vertex_buildings; `roofs`: elevation per building.
-/// Precondition: roofs are above the ground layer at all their vertices.
-void trim(LayeredMesh& mesh, std::span<const BuildingIndex> building,
+/// `lowest_roof` as from lowest_roofs; `roofs`: elevation per building part. Precondition: roofs
+/// are above the ground layer at all their vertices. Throws Error(kGuarantee) naming the vertex if
+/// two roofs end at one: a column of layers has one.
+void trim(LayeredMesh& mesh, std::span<const RegionIndex> lowest_roof,
           std::span<const double> roofs);
 
 /// Step 3.5. Moves the trimmed mesh so that every roof is at its exact elevation, ground and top
 /// stay where they are, and the displacement is harmonic; afterwards every column is monotone.
-SmoothReport smooth_to_roofs(LayeredMesh& mesh, std::span<const BuildingIndex> building,
+SmoothReport smooth_to_roofs(LayeredMesh& mesh, std::span<const RegionIndex> lowest_roof,
                              std::span<const double> roofs, const SmoothOptions& options,
                              const Progress& progress = {});
 

@@ -55,14 +55,15 @@ std::string_view cause_of(const ColumnMesh& mesh, std::size_t t,
   double low = kInfinity, high = -low, roof = low;
   bool at_floor = true, at_building = false;
   for (std::size_t i = 0; i < 3; ++i) {
-    const NodeIndex floor = mesh.floor(t, v[i]);
+    const NodeIndex floor = mesh.floor_over(t, v[i]);
     low = std::min(low, mesh.z[static_cast<std::size_t>(floor)]);
     high = std::max(high, mesh.z[static_cast<std::size_t>(floor)]);
     at_floor = at_floor && nodes[i] <= floor + 1;
-    const auto corner = static_cast<std::size_t>(v[i]);
-    if (mesh.roof[corner] == kNoRoof) continue;
-    at_building = true;
-    roof = std::min(roof, mesh.z[static_cast<std::size_t>(mesh.first[corner] + mesh.roof[corner])]);
+    for (const RegionIndex region : mesh.regions.at(static_cast<std::size_t>(v[i]))) {
+      if (!mesh.ground.regions[static_cast<std::size_t>(region)].is_building()) continue;
+      at_building = true;
+      roof = std::min(roof, mesh.z[static_cast<std::size_t>(mesh.floor(region, v[i]))]);
+    }
   }
   const auto below =
       static_cast<std::size_t>(std::find(nodes.begin(), nodes.end(), nodes[3] - 1) - nodes.begin());

@@ -125,7 +125,7 @@ void add_faces_on_boundary(const ColumnMesh& mesh, std::size_t t, VertexIndex a,
   std::array<VertexIndex, 3> v{a, b, 0};
   for (const VertexIndex corner : mesh.ground.triangles[t])
     if (corner != a && corner != b) v[2] = corner;
-  Climb<3> front(mesh, v, {mesh.floor(t, a), mesh.floor(t, b), mesh.floor(t, v[2])});
+  Climb<3> front(mesh, v, {mesh.floor_over(t, a), mesh.floor_over(t, b), mesh.floor_over(t, v[2])});
   std::array<Point3, 3> p;
   for (std::size_t i = 0; i < 3; ++i) p[i] = position(mesh, v[i], front.at(i));
   while (front.at(0) < end[0] || front.at(1) < end[1]) {
@@ -156,12 +156,12 @@ void add_faces_beside(const ColumnMesh& mesh, std::size_t e, Faces& faces) {
     for (const VertexIndex corner : mesh.ground.triangles[sides[s]])
       if (corner != a && corner != b) {
         v[2 + s] = corner;
-        from[2 + s] = mesh.floor(sides[s], corner);
+        from[2 + s] = mesh.floor_over(sides[s], corner);
       }
   // Under a roof there are cells on one side only: the front climbs that side up to the roof first,
   // where the columns of the edge begin.
   for (std::size_t i = 0; i < 2; ++i)
-    from[i] = std::max(mesh.floor(sides[0], v[i]), mesh.floor(sides[1], v[i]));
+    from[i] = std::max(mesh.floor_over(sides[0], v[i]), mesh.floor_over(sides[1], v[i]));
   for (const std::size_t t : sides) add_faces_on_boundary(mesh, t, a, b, {from[0], from[1]}, faces);
   Climb<4> front(mesh, v, from);
   std::array<Point3, 4> p;

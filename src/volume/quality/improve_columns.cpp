@@ -95,15 +95,17 @@ class Cost {
 /// A column on trial.
 struct Column {
   std::vector<double> z;
-  std::int32_t roof = kNoRoof;
+  std::vector<std::int32_t> floors;
 };
 
 struct ColumnView {
   std::span<const double> z;
-  std::int32_t roof = kNoRoof;
+  std::span<const std::int32_t> floors;  ///< Positions, as in ColumnMesh.
 
-  ColumnView(std::span<const double> nodes, std::int32_t at) : z(nodes), roof(at) {}
-  ColumnView(const Column& column) : z(column.z), roof(column.roof) {}  // NOLINT: as a string_view
+  ColumnView(std::span<const double> nodes, std::span<const std::int32_t> at)
+      : z(nodes), floors(at) {}
+  ColumnView(const Column& column)  // NOLINT: as a string_view
+      : z(column.z), floors(column.floors) {}
 };
 
 class Improver {
@@ -128,12 +130,18 @@ class Improver {
   Improvement done() const;
 
  private:
-  bool inside(TriangleIndex t) const { return mesh_->inside_building(static_cast<std::size_t>(t)); }
   const std::array<VertexIndex, 3>& corners(TriangleIndex t) const {
     return mesh_->ground.triangles[static_cast<std::size_t>(t)];
   }
   ColumnView column(VertexIndex v) const;
   std::vector<TriangleIndex> around(VertexIndex v) const;
+  /// Position of triangle t's floor in `own`, a column over its corner v.
+  std::int32_t floor(TriangleIndex t, VertexIndex v, ColumnView own) const {
+    const auto i = static_cast<std::size_t>(v);
+    const RegionIndex region = mesh_->ground.region[static_cast<std::size_t>(t)];
+    return own
+        .floors[mesh_->regions.find(region, i) - static_cast<std::size_t>(mesh_->regions.first[i])];
+  }
 
   /// Goes through the cells over t that have one of v's nodes first .. last, as if v's column were
   /// `own`. Calls visit(cost, node, rises) with the node of v's column that the cell stands on, and
@@ -170,7 +178,7 @@ ColumnView Improver::column(VertexIndex v) const {
   if (slot_[i] >= 0) return changed_[static_cast<std::size_t>(slot_[i])];
   const auto first = static_cast<std::size_t>(mesh_->first[i]);
   const auto size = static_cast<std::size_t>(mesh_->first[i + 1]) - first;
-  return {std::span(mesh_->z).subspan(first, size), mesh_->roof[i]};
+  return {std::span(mesh_->z).subspan(first, size), mesh_->floors_at(i)};
 }
 
 std::vector<TriangleIndex> Improver::around(VertexIndex v) const {
@@ -188,19 +196,19 @@ bool Improver::visit_cells(TriangleIndex t, VertexIndex v, ColumnView own, std::
     if (vertices[i] == v) mine = i;
     const ColumnView here = vertices[i] == v ? own : column(vertices[i]);
     z[i] = here.z.data();
-    at[i] = inside(t) ? here.roof : 0;
+    at[i] = floor(t, vertices[i], here);
     top[i] = static_cast<NodeIndex>(here.z.size()) - 1;
   }
   if (first > at[mine]) {
     // The front when v's column is about to reach node `first`.
     at[mine] = first - 1;
-    const double key = z[mine][first - 1] + z[mine][first];
+    const double key = climbing_key(z[mine], first - 1);
     for (std::size_t i = 0; i < 3; ++i) {
       if (i == mine) continue;
       NodeIndex above = top[i];
       while (at[i] < above) {
         const NodeIndex middle = at[i] + (above - at[i]) / 2;
-        if (climbs_first(z[i][middle] + z[i][middle + 1], vertices[i], key, v))
+        if (climbs_first(climbing_key(z[i], middle), vertices[i], key, v))
           at[i] = middle + 1;
         else
           above = middle;
@@ -236,7 +244,7 @@ double Improver::cost(std::span<const TriangleIndex> triangles, VertexIndex v, C
                       std::int64_t& left) const {
   double sum = 0;
   for (const TriangleIndex t : triangles) {
-    if (inside(t) && last < own.roof) continue;  // there are no cells below a roof
+    if (last < floor(t, v, own)) continue;  // there are no cells below
     const bool within = visit_cells(t, v, own, first, last, [&](double cell, std::int32_t, bool) {
       sum += cell;
       --left;
@@ -340,7 +348,8 @@ bool Improver::improve_between(VertexIndex v, std::span<const TriangleIndex> tri
                    column.z.end());
     const auto change =
         static_cast<std::int32_t>(trial.z.size()) - static_cast<std::int32_t>(column.z.size());
-    trial.roof = column.roof + (column.roof >= high ? change : 0);
+    trial.floors = column.floors;
+    for (std::int32_t& floor : trial.floors) floor += floor >= high ? change : 0;
     const double cost_then = cost(triangles, v, trial, low, high + change, least, left);
     if (!(cost_then < least)) return;
     least = cost_then;
@@ -381,7 +390,9 @@ bool Improver::improve_once(VertexIndex v, std::span<const TriangleIndex> triang
       return true;
     });
   const auto fixed_between = [&](std::int32_t low, std::int32_t high) {
-    return low < 0 || high > last || (column.roof > low && column.roof < high);
+    const auto between = [&](std::int32_t floor) { return floor > low && floor < high; };
+    return low < 0 || high > last ||
+           std::any_of(column.floors.begin(), column.floors.end(), between);
   };
   for (std::int32_t node = 0; node <= last; ++node) {
     if (bad[static_cast<std::size_t>(node)] == 0) continue;
@@ -398,7 +409,7 @@ bool Improver::improve_once(VertexIndex v, std::span<const TriangleIndex> triang
 Column Improver::improved(VertexIndex v, std::int64_t& left) const {
   const std::vector<TriangleIndex> triangles = around(v);
   const ColumnView now = column(v);
-  Column better{{now.z.begin(), now.z.end()}, now.roof};
+  Column better{{now.z.begin(), now.z.end()}, {now.floors.begin(), now.floors.end()}};
   bool changed = false;
   for (int i = 0; i < kChangesPerSweep && improve_once(v, triangles, better, left); ++i)
     changed = true;
@@ -473,11 +484,12 @@ void Improver::store(ColumnMesh& mesh) const {
   if (changed_.empty()) return;
   const std::size_t vertices = mesh.vertex_count();
   std::vector<NodeIndex> first(vertices + 1, 0);
-  std::vector<std::int32_t> roof(vertices);
+  std::vector<std::int32_t> floors;
+  floors.reserve(mesh.floors.size());
   for (std::size_t v = 0; v < vertices; ++v) {
     const ColumnView own = column(static_cast<VertexIndex>(v));
     first[v + 1] = first[v] + static_cast<NodeIndex>(own.z.size());
-    roof[v] = own.roof;
+    floors.insert(floors.end(), own.floors.begin(), own.floors.end());
   }
   std::vector<double> z;
   z.reserve(static_cast<std::size_t>(first[vertices]));
@@ -487,7 +499,7 @@ void Improver::store(ColumnMesh& mesh) const {
   }
   mesh.first = std::move(first);
   mesh.z = std::move(z);
-  mesh.roof = std::move(roof);
+  mesh.floors = std::move(floors);
 }
 
 }  // namespace

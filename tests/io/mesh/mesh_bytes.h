@@ -94,7 +94,7 @@ inline std::vector<std::array<Point3, 3>> corners_of(const SurfaceMesh& surface,
 /// A city fine enough for writers to work in several pieces, made once.
 struct FormatsCity {
   MeshedCity city = meshed(small_city(hills), 3);
-  SurfaceMesh boundary = extract_boundary(city.mesh, city.city.domain);
+  SurfaceMesh boundary = extract_boundary(city.mesh);
   Placement placement{{1000, 2000, 0}, {319000, 6396000, 0}};
 };
 
@@ -110,7 +110,7 @@ inline const FormatsCity& formats_terrain() {
     city.footprints.clear();
     city.roofs.clear();
     MeshedCity mesh = meshed(city, 20);
-    SurfaceMesh boundary = extract_boundary(mesh.mesh, city.domain);
+    SurfaceMesh boundary = extract_boundary(mesh.mesh);
     return FormatsCity{std::move(mesh), std::move(boundary), {}};
   }();
   return terrain;

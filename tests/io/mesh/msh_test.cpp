@@ -140,7 +140,7 @@ TEST_F(MshFormat, GroupsAreNamedAndBounded) {
   ASSERT_EQ(msh.names.size(), 9U);
   ASSERT_EQ(msh.entities.size(), 9U);
   for (int i = 1; i <= 8; ++i) {
-    EXPECT_EQ(msh.names.at({2, i}), patch_name(static_cast<Patch>(i)));
+    EXPECT_EQ(msh.names.at({2, i}), city.boundary.patches.of(Patch{i}).name);
     EXPECT_EQ(msh.entities.at({2, i}).groups, std::vector<std::int32_t>{i});
     EXPECT_TRUE(msh.entities.at({2, i}).boundary.empty());
   }

@@ -20,10 +20,7 @@ using testing::Point3;
 
 class SurfaceFormats : public ::testing::Test {
  protected:
-  SurfaceFormats() {
-    const std::array land{Patch::kGround, Patch::kRoof, Patch::kWall};
-    surface = select_patches(city.boundary, land);
-  }
+  SurfaceFormats() { surface = select_patches(city.boundary, city.boundary.patches.solid()); }
   testing::TemporaryFolder folder;
   const testing::FormatsCity& city = testing::formats_city();
   SurfaceMesh surface;
@@ -95,7 +92,7 @@ TEST_F(SurfaceFormats, ObjGroupsFacesByPatchAndBuilding) {
   Groups expected;
   for (std::size_t f = 0; f < surface.triangles.size(); ++f) {
     const auto& t = surface.triangles[f];
-    expected[{std::string(patch_name(surface.patch[f])), surface.building[f]}].push_back(
+    expected[{surface.patch_of(f).name, surface.building[f]}].push_back(
         {t[0] + 1, t[1] + 1, t[2] + 1});
   }
   EXPECT_EQ(groups, expected);
@@ -152,7 +149,7 @@ TEST_F(SurfaceFormats, GlbShowsEachPatchWithItsFrontToTheAir) {
   std::size_t face = 0;
   for (std::size_t n = 0; n < 3; ++n) {
     const auto& node = glb.json["nodes"][n];
-    EXPECT_EQ(node["name"], patch_name(static_cast<Patch>(n + 1)));
+    EXPECT_EQ(node["name"], surface.patches[n].name);
     const auto& primitives = glb.json["meshes"][node["mesh"].get<std::size_t>()]["primitives"];
     ASSERT_EQ(primitives.size(), 1U);
     const auto at = primitives[0]["attributes"]["POSITION"].get<std::size_t>();

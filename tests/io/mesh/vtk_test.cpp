@@ -58,7 +58,7 @@ TEST_F(Vtk, VolumeComesBackAsItWas) {
 }
 
 TEST_F(Vtk, SurfaceComesBackAsItWas) {
-  const SurfaceMesh surface = extract_boundary(city.mesh, city.city.domain);
+  const SurfaceMesh surface = extract_boundary(city.mesh);
   write_vtp(folder / "boundary.vtp", surface, {});
   const SurfaceMesh read = read_vtp(folder / "boundary.vtp");
   EXPECT_EQ(read.points, surface.points);
@@ -69,7 +69,7 @@ TEST_F(Vtk, SurfaceComesBackAsItWas) {
 
 TEST_F(Vtk, CompressedFilesComeBackAsTheyWereAndDoNotDependOnThreads) {
   const Placement placement{{1000, 2000, 0}, {0, 0, 0}};
-  const SurfaceMesh surface = extract_boundary(city.mesh, city.city.domain);
+  const SurfaceMesh surface = extract_boundary(city.mesh);
   std::string volume, boundary;
   for (const int threads : {1, 2}) {
     const ThreadLimit limit(threads);
@@ -103,8 +103,7 @@ std::size_t first_array(const std::string& bytes) {
 
 TEST_F(Vtk, BlocksOfCompressedArraysUnpackToTheirBytes) {
   // Several blocks and a shorter last one, by the format's description and zlib alone.
-  const SurfaceMesh surface =
-      extract_boundary(testing::meshed(city.city, 1.5).mesh, city.city.domain);
+  const SurfaceMesh surface = extract_boundary(testing::meshed(city.city, 1.5).mesh);
   write_vtp(folder / "z.vtp", surface, {}, Compression::kZlib);
   const std::string bytes = bytes_of(folder / "z.vtp");
   std::size_t at = first_array(bytes);
@@ -290,7 +289,7 @@ TEST_F(Vtk, StlHasTheTextOfPrintf) {
 }
 
 TEST_F(Vtk, StlHasOneClosedTaggedSolidPerPatch) {
-  const SurfaceMesh surface = extract_boundary(city.mesh, city.city.domain);
+  const SurfaceMesh surface = extract_boundary(city.mesh);
   write_stl(folder / "surface.stl", surface, {});
   std::ifstream file(folder / "surface.stl");
   std::string word;

@@ -143,7 +143,7 @@ TEST_F(Xdmf, DescriptionFitsTheData) {
 TEST_F(Xdmf, CompressedDataAreTheSame) {
   // Fine enough for several chunks.
   const auto fine = testing::meshed(testing::small_city(testing::hills), 3);
-  const SurfaceMesh boundary = extract_boundary(fine.mesh, fine.city.domain);
+  const SurfaceMesh boundary = extract_boundary(fine.mesh);
   ASSERT_GT(cell_offsets(fine.mesh).back(), 100000);
   write_xdmf(folder / "plain.xdmf", fine.mesh, boundary, city.placement);
   std::string bytes;
@@ -192,7 +192,7 @@ TEST_F(Xdmf, SmallMeshesComeBackToo) {
     terrain.footprints.clear();
     terrain.roofs.clear();
     const ColumnMesh mesh = testing::meshed(terrain, size).mesh;
-    write_xdmf(folder / "volume.xdmf", mesh, extract_boundary(mesh, terrain.domain), {});
+    write_xdmf(folder / "volume.xdmf", mesh, extract_boundary(mesh), {});
     const auto reference = testing::explicit_mesh(mesh, {});
     EXPECT_EQ(doubles("/Mesh/mesh/geometry").values.size(), 3 * reference.points.size());
     EXPECT_EQ(ints("/Mesh/mesh/region").values, reference.region);

@@ -2,6 +2,10 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
+#include <string>
+#include <utility>
+#include <vector>
 
 #include <gtest/gtest.h>
 
@@ -12,13 +16,15 @@
 #include "check/check_same_boundary.h"
 #include "support/explicit_mesh.h"
 #include "support/small_city.h"
+#include "volume/column/fill_columns.h"
+#include "volume/column/ground_heights.h"
 
 namespace tetropolis {
 namespace {
 
 TEST(Boundary, IsExactlyTheFacesOfOneCellAndPassesEveryCheck) {
   const auto result = testing::meshed(testing::small_city(testing::hills));
-  const SurfaceMesh surface = extract_boundary(result.mesh, result.city.domain);
+  const SurfaceMesh surface = extract_boundary(result.mesh);
   const SurfaceTopology topology = check_topology(surface);
   EXPECT_TRUE(topology.closed());
   EXPECT_TRUE(topology.manifold());
@@ -32,7 +38,7 @@ TEST(Boundary, IsExactlyTheFacesOfOneCellAndPassesEveryCheck) {
   const SurfaceCheck check = check_surface(surface);
   EXPECT_TRUE(check.violations.empty()) << check.violations[0].what << check.violations[0].first;
   EXPECT_NEAR(check.enclosed_volume, volume.volume, 1e-9 * volume.volume);
-  for (const std::int64_t count : check.faces_by_patch) EXPECT_GT(count, 0);
+  for (const auto& [name, faces] : check.faces_by_patch) EXPECT_GT(faces, 0) << name;
   EXPECT_EQ(count_by_patch(surface), check.faces_by_patch);
   EXPECT_TRUE(std::is_sorted(surface.patch.begin(), surface.patch.end()));
 }
@@ -40,7 +46,7 @@ TEST(Boundary, IsExactlyTheFacesOfOneCellAndPassesEveryCheck) {
 TEST(Boundary, KnowsItsNodesAndTheCellsBehind) {
   const auto result = testing::meshed(testing::small_city(testing::hills));
   const auto lists = testing::explicit_mesh(result.mesh);
-  const SurfaceMesh surface = extract_boundary(result.mesh, result.city.domain);
+  const SurfaceMesh surface = extract_boundary(result.mesh);
   ASSERT_EQ(surface.node.size(), surface.points.size());
   for (std::size_t i = 0; i < surface.points.size(); ++i)
     ASSERT_EQ(lists.points[static_cast<std::size_t>(surface.node[i])], surface.points[i]);
@@ -54,7 +60,7 @@ TEST(Boundary, KnowsItsNodesAndTheCellsBehind) {
 
 TEST(Boundary, EveryBuildingHasRoofAndWallsOfItsOwn) {
   const auto result = testing::meshed(testing::small_city(testing::hills));
-  const SurfaceMesh surface = extract_boundary(result.mesh, result.city.domain);
+  const SurfaceMesh surface = extract_boundary(result.mesh);
   for (std::size_t b = 0; b < result.city.footprints.size(); ++b) {
     double roof = 0;
     std::int64_t walls = 0;
@@ -84,15 +90,113 @@ TEST(Boundary, EveryBuildingHasRoofAndWallsOfItsOwn) {
   }
 }
 
+/// A grid of squares of 4 m on a slope. The letters are building parts (`roofs`: elevations), the
+/// dots open ground. Rows go south.
+struct PartyWalls {
+  ColumnMesh mesh;
+  ColumnPlan plan;
+
+  PartyWalls(const std::vector<std::string>& rows, std::vector<double> roofs) {
+    GroundMesh ground;
+    ground.regions = regions_of_buildings(roofs.size());
+    const auto nx = static_cast<VertexIndex>(rows[0].size());
+    const auto ny = static_cast<VertexIndex>(rows.size());
+    for (VertexIndex j = 0; j <= ny; ++j)
+      for (VertexIndex i = 0; i <= nx; ++i) ground.vertices.push_back({4.0 * i, 4.0 * (ny - j)});
+    for (VertexIndex j = 0; j < ny; ++j)
+      for (VertexIndex i = 0; i < nx; ++i) {
+        const char letter = rows[static_cast<std::size_t>(j)][static_cast<std::size_t>(i)];
+        const VertexIndex north = j * (nx + 1) + i, south = north + nx + 1;
+        ground.triangles.insert(ground.triangles.end(),
+                                {{south, south + 1, north + 1}, {south, north + 1, north}});
+        ground.region.insert(ground.region.end(), 2,
+                             letter == '.' ? static_cast<RegionIndex>(roofs.size()) : letter - 'A');
+      }
+    for (const Point2 p : ground.vertices) plan.ground.push_back(0.2 * p.x - 0.1 * p.y);
+    plan.roofs = std::move(roofs);
+    plan.lowest_roof = lowest_roofs(ground, plan.roofs);
+    plan.top.assign(ground.vertices.size(), 40);
+    plan.spacing = column_spacing(ground);
+    plan.rise = ground_rise(ground, plan.ground);
+    EdgeGraph edges = build_edge_graph(ground);
+    ground.sides = {Patch::kYMin, Patch::kXMax, Patch::kYMax, Patch::kXMin};
+    for (std::size_t e = 0; e < edges.size(); ++e) {
+      if (edges.triangles[e][1] != kNoTriangle) continue;
+      const auto [a, b] = edges.vertices[e];
+      const Point2 p = ground.vertices[static_cast<std::size_t>(a)];
+      const Point2 q = ground.vertices[static_cast<std::size_t>(b)];
+      const std::int32_t side = p.x != q.x ? (p.y == 0 ? 0 : 2) : (p.x == 0 ? 3 : 1);
+      ground.tagged_edges.push_back({a, b, kNoRegion, side});
+    }
+    mesh = divide_columns(std::move(ground), std::move(edges), plan);
+    place_nodes(mesh, plan);
+  }
+};
+
+TEST(Boundary, StepsBetweenRoofsThatShareAnEdgeAreWallsOfTheHigherOne) {
+  // With corners where two roofs meet the street, where three roofs meet, and a yard.
+  const std::vector<std::string> rows{"........", "..AAB...", ".AAABBC.", ".A.ABBC.",
+                                      ".AAADDC.", "...DDD..", "........"};
+  for (const std::vector<double>& roofs :
+       {std::vector{9.0, 14.0, 11.5, 21.0}, std::vector{14.0, 9.0, 9.0, 9.5},
+        std::vector{12.0, 12.0, 12.0, 12.0}, std::vector{30.0, 7.25, 30.0, 7.0}}) {
+    SCOPED_TRACE(::testing::PrintToString(roofs));
+    const PartyWalls city(rows, roofs);
+    const ColumnMesh& mesh = city.mesh;
+    EXPECT_GT(require_valid(mesh), 0);
+    for (std::size_t v = 0; v < mesh.vertex_count(); ++v) {
+      EXPECT_EQ(std::ranges::min(mesh.floors_at(v)), 0);
+      for (const RegionIndex region : mesh.regions.at(v))
+        EXPECT_EQ(mesh.z[static_cast<std::size_t>(mesh.floor(region, static_cast<VertexIndex>(v)))],
+                  city.plan.floor(mesh.ground, region, v));
+    }
+    const SurfaceMesh surface = extract_boundary(mesh);
+    const SurfaceTopology topology = check_topology(surface);
+    EXPECT_TRUE(topology.closed());
+    EXPECT_TRUE(topology.manifold()) << topology.non_manifold_edges;
+    auto lists = testing::explicit_mesh(mesh);
+    const TetMesh tets{std::move(lists.points), std::move(lists.cells), {}};
+    const auto differences = check_same_boundary(tets, check_volume(tets), surface);
+    EXPECT_TRUE(differences.empty()) << differences[0].first;
+    // The walls of each part, in square metres: down to the ground beside it, or to a lower roof.
+    std::vector<double> walls(roofs.size(), 0), expected(roofs.size(), 0);
+    for (std::size_t f = 0; f < surface.triangles.size(); ++f) {
+      if (surface.patch[f] != Patch::kWall) continue;
+      std::array<Point3, 3> p;
+      for (std::size_t i = 0; i < 3; ++i)
+        p[i] = surface.points[static_cast<std::size_t>(surface.triangles[f][i])];
+      const double x1 = std::hypot(p[1][0] - p[0][0], p[1][1] - p[0][1]);
+      const double along =
+          (p[1][0] - p[0][0]) * (p[2][0] - p[0][0]) + (p[1][1] - p[0][1]) * (p[2][1] - p[0][1]);
+      const double x2 = x1 > 0 ? along / x1 : std::hypot(p[2][0] - p[0][0], p[2][1] - p[0][1]);
+      walls[static_cast<std::size_t>(surface.building[f])] +=
+          std::abs(x1 * (p[2][2] - p[0][2]) - x2 * (p[1][2] - p[0][2])) / 2;
+    }
+    for (std::size_t e = 0; e < mesh.edges.size(); ++e) {
+      const auto [t0, t1] = mesh.edges.triangles[e];
+      if (t1 == kNoTriangle) continue;
+      const RegionIndex r0 = mesh.ground.region[static_cast<std::size_t>(t0)];
+      const RegionIndex r1 = mesh.ground.region[static_cast<std::size_t>(t1)];
+      double step = 0;
+      for (const VertexIndex v : mesh.edges.vertices[e])
+        step += (city.plan.floor(mesh.ground, r0, static_cast<std::size_t>(v)) -
+                 city.plan.floor(mesh.ground, r1, static_cast<std::size_t>(v))) /
+                2;
+      if (step != 0) expected[static_cast<std::size_t>(step > 0 ? r0 : r1)] += 4 * std::abs(step);
+    }
+    for (std::size_t b = 0; b < roofs.size(); ++b) EXPECT_NEAR(walls[b], expected[b], 1e-9) << b;
+  }
+}
+
 TEST(Boundary, SelectsPatches) {
   const auto result = testing::meshed(testing::small_city(testing::hills));
-  const SurfaceMesh surface = extract_boundary(result.mesh, result.city.domain);
+  const SurfaceMesh surface = extract_boundary(result.mesh);
   const std::array wanted{Patch::kRoof, Patch::kWall};
   const SurfaceMesh part = select_patches(surface, wanted);
   const auto all = count_by_patch(surface), some = count_by_patch(part);
   EXPECT_EQ(some[1], all[1]);
   EXPECT_EQ(some[2], all[2]);
-  ASSERT_EQ(part.triangles.size(), static_cast<std::size_t>(all[1] + all[2]));
+  ASSERT_EQ(part.triangles.size(), static_cast<std::size_t>(all[1].faces + all[2].faces));
   // The same faces in the same order, with the same corners.
   std::size_t next = 0;
   for (std::size_t f = 0; f < surface.triangles.size(); ++f) {
@@ -114,9 +218,25 @@ TEST(Boundary, SelectsPatches) {
   EXPECT_EQ(std::count(used.begin(), used.end(), 0), 0);
 }
 
-TEST(Boundary, RefusesARimOffTheDomain) {
-  const auto result = testing::meshed(testing::small_city(testing::hills));
-  EXPECT_THROW(extract_boundary(result.mesh, {0, 0, 121, 90}), Error);
+TEST(Boundary, RefusesARimThatIsNotTagged) {
+  ColumnMesh mesh = testing::meshed(testing::small_city(testing::hills)).mesh;
+  EXPECT_NO_THROW(extract_boundary(mesh));
+  std::vector<TaggedEdge>& edges = mesh.ground.tagged_edges;
+  const auto on_rim = std::find_if(edges.begin(), edges.end(),
+                                   [](const TaggedEdge& edge) { return edge.region == kNoRegion; });
+  const TaggedEdge edge = *on_rim;
+  on_rim->region = 0;
+  EXPECT_THROW(extract_boundary(mesh), Error);
+  edges.erase(on_rim);
+  try {
+    extract_boundary(mesh);
+    FAIL() << "no error";
+  } catch (const Error& error) {
+    EXPECT_NE(std::string(error.what())
+                  .find(std::to_string(edge.low) + " and " + std::to_string(edge.high)),
+              std::string::npos)
+        << error.what();
+  }
 }
 
 TEST(Boundary, CountsBrokenEdges) {

@@ -24,7 +24,8 @@ ColumnMesh random_columns(unsigned seed, bool equal_spacing = false) {
   ColumnMesh mesh;
   mesh.ground = mesh_ground({}, city.domain, {20, 25});
   mesh.edges = build_edge_graph(mesh.ground);
-  mesh.roof.assign(mesh.vertex_count(), kNoRoof);
+  mesh.regions = regions_at_vertices(mesh.ground);
+  mesh.floors.assign(mesh.regions.regions.size(), 0);
   mesh.first = {0};
   std::mt19937 random(seed);
   std::uniform_real_distribution<double> step(0.01, 20);
@@ -152,8 +153,9 @@ TEST(ColumnMesh, RefusesColumnsThatDoNotIncreaseAndRoofsThatAreNotFlat) {
   EXPECT_THROW(require_valid(folded), Error);
   ColumnMesh tilted = city.mesh;
   for (std::size_t v = 0; v < tilted.vertex_count(); ++v)
-    if (tilted.roof[v] != kNoRoof) {
-      tilted.z[static_cast<std::size_t>(tilted.first[v] + tilted.roof[v])] += 1e-3;
+    if (city.plan.lowest_roof[v] != kNoRegion) {
+      tilted.z[static_cast<std::size_t>(
+          tilted.floor(city.plan.lowest_roof[v], static_cast<VertexIndex>(v)))] += 1e-3;
       break;
     }
   EXPECT_THROW(require_valid(tilted), Error);

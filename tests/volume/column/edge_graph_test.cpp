@@ -57,7 +57,6 @@ TEST(EdgeGraph, RefusesThreeTrianglesAtAnEdge) {
   GroundMesh mesh;
   mesh.vertices = {{0, 0}, {1, 0}, {0, 1}, {0, -1}, {1, 1}};
   mesh.triangles = {{0, 1, 2}, {1, 0, 3}, {0, 1, 4}};
-  mesh.region.assign(3, kNoBuilding);
   EXPECT_THROW(build_edge_graph(mesh), Error);
 }
 

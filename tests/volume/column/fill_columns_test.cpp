@@ -36,12 +36,16 @@ TEST(FillColumns, HeightsAreExactAndCellsValidOnAnyTerrain) {
         if (outside[v]) {
           ASSERT_EQ(z[0], result.plan.ground[v]);
         }
-        if (result.plan.building[v] == kNoBuilding) {
-          ASSERT_EQ(mesh.roof[v], kNoRoof);
-        } else {
-          ASSERT_EQ(mesh.roof[v] > 0, outside[v]);
-          ASSERT_EQ(z[mesh.roof[v]],
-                    result.city.roofs[static_cast<std::size_t>(result.plan.building[v])]);
+        const bool at_building = result.plan.lowest_roof[v] != kNoRegion;
+        ASSERT_EQ(mesh.regions.count(v), (outside[v] ? 1U : 0U) + (at_building ? 1U : 0U));
+        for (const RegionIndex r : mesh.regions.at(v)) {
+          const Region& region = mesh.ground.regions[static_cast<std::size_t>(r)];
+          const NodeIndex floor = mesh.floor(r, static_cast<VertexIndex>(v));
+          ASSERT_EQ(floor > mesh.first[v], region.is_building() && outside[v]);
+          ASSERT_EQ(mesh.z[static_cast<std::size_t>(floor)],
+                    region.is_building()
+                        ? result.city.roofs[static_cast<std::size_t>(region.building)]
+                        : result.plan.ground[v]);
         }
       }
     }
@@ -56,7 +60,7 @@ TEST(FillColumns, SpacingComesClosestToWhatWasAskedFor) {
     const double* z = result.mesh.z.data() + result.mesh.first[v];
     const auto last = static_cast<std::int32_t>(result.mesh.top(static_cast<VertexIndex>(v)) -
                                                 result.mesh.first[v]);
-    const std::int32_t roof = std::max(result.mesh.roof[v], 0);
+    const std::int32_t roof = std::ranges::max(result.mesh.floors_at(v));
     for (const auto& [begin, end] : {std::pair(0, roof), std::pair(roof, last)}) {
       if (begin == end) continue;
       const double height = z[end] - z[begin];
@@ -155,7 +159,7 @@ TEST(FillColumns, LayersKeepTheirHeights) {
       ASSERT_EQ(mesh.z[static_cast<std::size_t>(mesh.first[v] + k - from.first_node[v])],
                 from.column(v)[k]);
     if (from.roof_layer[v] != kNoRoof) {
-      ASSERT_EQ(mesh.roof[v], from.roof_layer[v] - from.first_node[v]);
+      ASSERT_EQ(std::ranges::max(mesh.floors_at(v)), from.roof_layer[v] - from.first_node[v]);
     }
   }
   EXPECT_EQ(measure_cells(mesh).histogram.inverted(), 0);
@@ -199,7 +203,7 @@ TEST(FillColumns, ThePlanTellsGroundRoofsAndTop) {
     for (std::size_t v = 0; v < ground.vertices.size(); ++v) {
       const Point2 p = ground.vertices[v];
       const bool at_house = p.x >= 20 && p.x <= 40 && p.y >= 10 && p.y <= 30;
-      EXPECT_EQ(plan.building[v], at_house ? 0 : kNoBuilding);
+      EXPECT_EQ(plan.lowest_roof[v], at_house ? 0 : kNoRegion);
       EXPECT_EQ(plan.top[v], 56);
       // Inside the raster's cell of the step the ground is in between.
       if (p.x > 29 && p.x < 30) continue;

@@ -17,7 +17,7 @@ TEST(GroundHeights, FollowTheTerrainExceptUnderLowRoofs) {
   auto city = testing::small_city([](double x, double) { return x; });
   city.roofs = {30, 1000, 1000, 1000, 1000};
   const GroundMesh mesh = mesh_ground(city.footprints, city.domain, {8, 25});
-  const auto owner = vertex_buildings(mesh);
+  const auto owner = lowest_roofs(mesh, city.roofs);
   std::vector<double> ground = terrain_under(mesh, city.dtm);
   const std::vector<double> least(ground.size(), 1.5), wall(ground.size(), 4.0);
   lower_at_walls(mesh, owner, city.roofs, least, wall, ground);
@@ -58,24 +58,26 @@ TEST(GroundHeights, LowWallsAskForShortEdges) {
 TEST(GroundHeights, VerticesKnowTheirBuilding) {
   const auto city = testing::small_city(testing::hills);
   const GroundMesh mesh = mesh_ground(city.footprints, city.domain, {8, 25});
-  const auto owner = vertex_buildings(mesh);
+  const auto owner = lowest_roofs(mesh, city.roofs);
   for (std::size_t v = 0; v < mesh.vertices.size(); ++v) {
     const Point2 p = mesh.vertices[v];
     const bool in_first = p.x >= 20 && p.x <= 38 && p.y >= 15 && p.y <= 27;
     EXPECT_EQ(owner[v] == 0, in_first);
     const bool in_yard = p.x > 80 && p.x < 95 && p.y > 30 && p.y < 50;
     if (in_yard) {
-      EXPECT_EQ(owner[v], kNoBuilding);
+      EXPECT_EQ(owner[v], kNoRegion);
     }
   }
 }
 
-TEST(GroundHeights, RefuseBuildingsThatTouch) {
+TEST(GroundHeights, OfRoofsThatTouchTheLowestCounts) {
   GroundMesh mesh;
   mesh.vertices = {{0, 0}, {1, 0}, {0, 1}, {1, 1}};
   mesh.triangles = {{0, 1, 2}, {1, 3, 2}};
   mesh.region = {0, 1};
-  EXPECT_THROW(vertex_buildings(mesh), Error);
+  mesh.regions = regions_of_buildings(2);
+  EXPECT_EQ(lowest_roofs(mesh, std::vector{7.0, 5.0}), (std::vector<RegionIndex>{0, 1, 1, 1}));
+  EXPECT_EQ(lowest_roofs(mesh, std::vector{5.0, 7.0}), (std::vector<RegionIndex>{0, 0, 0, 1}));
 }
 
 }  // namespace

@@ -49,7 +49,7 @@ struct Basin {
     city.dtm =
         testing::raster_of(city.domain, [](double x, double) { return x < 90 ? 20.0 : -100.0; });
     mesh = mesh_ground(city.footprints, city.domain, {size, 25});
-    owner = vertex_buildings(mesh);
+    owner = lowest_roofs(mesh, city.roofs);
     terrain = terrain_under(mesh, city.dtm);
   }
 };
@@ -87,7 +87,7 @@ TEST(CutBack, GroundRisesFromTheRoofAsAsked) {
       int beside = 0;
       // No triangle outside is steeper than asked between what was lowered and what it came from.
       for (std::size_t t = 0; t < basin.mesh.triangles.size(); ++t) {
-        if (basin.mesh.region[t] != kNoBuilding) continue;
+        if (basin.mesh.inside_building(t)) continue;
         for (const VertexIndex a : basin.mesh.triangles[t])
           for (const VertexIndex b : basin.mesh.triangles[t]) {
             const auto u = static_cast<std::size_t>(a), v = static_cast<std::size_t>(b);
@@ -129,7 +129,7 @@ TEST(CutBack, DoesNotDependOnTheOrderOfTriangles) {
   testing::SmallCity city;
   city.dtm = testing::raster_of(city.domain, [](double x, double y) { return 3 * x + y; });
   GroundMesh mesh = mesh_ground({}, city.domain, {0.7, 25});
-  const std::vector<BuildingIndex> owner = vertex_buildings(mesh);
+  const std::vector<RegionIndex> owner = lowest_roofs(mesh, city.roofs);
   std::vector<double> there = terrain_under(mesh, city.dtm), back = there;
   CutMarks marks;
   marks.feet.assign(there.size(), std::numeric_limits<double>::infinity());
@@ -169,7 +169,7 @@ struct Cliff {
     city.dtm =
         testing::raster_of(city.domain, [](double x, double) { return x < 60 ? 0.0 : 20.0; });
     mesh = mesh_ground(city.footprints, city.domain, {size, 25});
-    owner = vertex_buildings(mesh);
+    owner = lowest_roofs(mesh, city.roofs);
     terrain = terrain_under(mesh, city.dtm);
   }
 };
@@ -190,9 +190,9 @@ TEST(CutBack, GentleMarksAreOfBadTrianglesOnly) {
     const std::int64_t marked = mark_gentle(mesh, plan, bad, slope, marks);
     EXPECT_GT(marked, 10);
     const auto start = [&](std::size_t v, double high) {
-      const double roof = plan.building[v] == kNoBuilding
+      const double roof = plan.lowest_roof[v] == kNoBuilding
                               ? kInfinity
-                              : plan.roofs[static_cast<std::size_t>(plan.building[v])];
+                              : plan.roofs[static_cast<std::size_t>(plan.lowest_roof[v])];
       return roof < high ? roof : plan.ground[v];
     };
     std::vector<double> expected(plan.ground.size(), kInfinity);
@@ -259,7 +259,7 @@ TEST(CutBack, GroundRisesFromTheFootOfACliffAsAsked) {
     }
     EXPECT_GT(lowered, 20);
     for (std::size_t t = 0; t < cliff.mesh.triangles.size(); ++t)
-      for (std::size_t i = 0; i < 3 && cliff.mesh.region[t] == kNoBuilding; ++i) {
+      for (std::size_t i = 0; i < 3 && !cliff.mesh.inside_building(t); ++i) {
         auto u = static_cast<std::size_t>(cliff.mesh.triangles[t][i]);
         auto v = static_cast<std::size_t>(cliff.mesh.triangles[t][(i + 1) % 3]);
         if (ground[u] > ground[v]) std::swap(u, v);
@@ -289,7 +289,7 @@ TEST(CutBack, MarksTheFeetOfCliffsWithBadCells) {
         ++bad;
         const auto t = static_cast<std::size_t>(cell.triangle);
         bad_triangles[t] = 1;
-        if (result.mesh.ground.region[t] != kNoBuilding) continue;
+        if (result.mesh.ground.inside_building(t)) continue;
         // The steepest direction, by looking into all of them.
         std::array<Point3, 3> p;
         for (std::size_t i = 0; i < 3; ++i) {
@@ -338,11 +338,12 @@ TEST(CutBack, CutsBackWhatRisesBeforeTheMiddleOfASunkenWall) {
   GroundMesh mesh;
   mesh.vertices = {{0, 0}, {2.4, 0}, {1.2, 0.6}, {1.2, -2}};
   mesh.triangles = {{0, 1, 2}, {1, 0, 3}};
-  mesh.region = {kNoBuilding, 0};
+  mesh.region = {1, 0};
+  mesh.regions = regions_of_buildings(1);
   ColumnPlan plan;
   plan.ground = {-1.7, -1.7, 0, -1.7};
   plan.roofs = {-0.7};
-  plan.building = vertex_buildings(mesh);
+  plan.lowest_roof = lowest_roofs(mesh, plan.roofs);
   ColumnMesh columns;
   columns.ground = mesh;
   CutMarks marks;
@@ -351,7 +352,7 @@ TEST(CutBack, CutsBackWhatRisesBeforeTheMiddleOfASunkenWall) {
   const CutSlopes slopes;
   EXPECT_EQ(mark_feet(columns, plan, bad, {slopes.at_start, 0.5}, marks), 2);
   std::vector<double> ground = plan.ground;
-  cut_back(mesh, plan.building, plan.roofs, marks, slopes, ground);
+  cut_back(mesh, plan.lowest_roof, plan.roofs, marks, slopes, ground);
   EXPECT_NEAR(ground[2], -1.7 + 0.6 * slopes.at_start, 1e-12);
 }
 
@@ -381,7 +382,7 @@ TEST(CutBack, MarksTheFeetOfWallsTooLowForTheEdgesBesideThem) {
         longest = std::max(longest, std::hypot(p.x - q.x, p.y - q.y));
       }
     }
-    const bool is_low = result.plan.building[v] == 0 && 1.2 < tangent * longest;
+    const bool is_low = result.plan.lowest_roof[v] == 0 && 1.2 < tangent * longest;
     EXPECT_EQ(marks.feet[v] < 1e9, is_low);
     if (is_low) {
       EXPECT_NEAR(marks.feet[v], 1.2 - tangent * longest, 1e-9);
@@ -409,10 +410,10 @@ TEST(CutBack, MarksTheRoofsWithBadCellsBesideThem) {
       if (cell.min_dihedral_deg >= least && cell.max_dihedral_deg <= 159.5) continue;
       const auto t = static_cast<std::size_t>(cell.triangle);
       bad[t] = 1;
-      if (result.mesh.ground.region[t] != kNoBuilding) continue;
+      if (result.mesh.ground.inside_building(t)) continue;
       const auto& corners = result.mesh.ground.triangles[t];
       for (const VertexIndex v : corners) {
-        const BuildingIndex b = result.plan.building[static_cast<std::size_t>(v)];
+        const BuildingIndex b = result.plan.lowest_roof[static_cast<std::size_t>(v)];
         if (b == kNoBuilding) continue;
         for (const VertexIndex u : corners)
           if (result.plan.ground[static_cast<std::size_t>(u)] >
@@ -472,7 +473,7 @@ TEST(CutBack, MarksStayWhereTheyHelp) {
   CutMarks expected = before;
   expected.roofs = {1, 0};
   expected.feet[first] = -1;
-  keep_helpful_marks(result.mesh, result.plan.building,
+  keep_helpful_marks(result.mesh, result.plan.lowest_roof,
                      {result.plan.ground, after, bad_before, bad_after}, before, marks);
   EXPECT_EQ(marks, expected);
 }

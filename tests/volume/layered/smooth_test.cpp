@@ -27,9 +27,9 @@ TEST(Smooth, MeshIsValidAndHeightsAreExactOnAnyTerrain) {
           if (mesh.first_node[v] == 0) {
             ASSERT_EQ(mesh.column(v)[0], result.plan.ground[v]);
           }
-          if (result.plan.building[v] != kNoBuilding) {
+          if (result.plan.lowest_roof[v] != kNoBuilding) {
             ASSERT_EQ(mesh.column(v)[mesh.roof_layer[v]],
-                      city.roofs[static_cast<std::size_t>(result.plan.building[v])]);
+                      city.roofs[static_cast<std::size_t>(result.plan.lowest_roof[v])]);
           }
         }
       }
@@ -72,7 +72,7 @@ TEST(Smooth, CutsEachBuildingAtTheLayerNearestItsRoof) {
   const std::vector<std::int32_t> nearest{1, 1, 2, 3,
                                           9};  // 20.5 m: 2.48 layers, in ratio closer to 3
   for (std::size_t t = 0; t < result.mesh.triangle_count(); ++t) {
-    const BuildingIndex b = result.mesh.ground.region[t];
+    const BuildingIndex b = result.mesh.ground.region_of(t).building;
     EXPECT_EQ(result.mesh.first_layer[t],
               b == kNoBuilding ? 0 : nearest[static_cast<std::size_t>(b)]);
   }

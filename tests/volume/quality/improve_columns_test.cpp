@@ -64,8 +64,7 @@ std::vector<std::array<double, 3>> fixed_heights(const ColumnMesh& mesh) {
   std::vector<std::array<double, 3>> heights;
   for (std::size_t v = 0; v < mesh.vertex_count(); ++v) {
     const auto at = [&](NodeIndex n) { return mesh.z[static_cast<std::size_t>(n)]; };
-    heights.push_back({at(mesh.first[v]),
-                       mesh.roof[v] == kNoRoof ? -1 : at(mesh.first[v] + mesh.roof[v]),
+    heights.push_back({at(mesh.first[v]), at(mesh.first[v] + std::ranges::max(mesh.floors_at(v))),
                        at(mesh.first[v + 1] - 1)});
   }
   return heights;
@@ -87,10 +86,13 @@ ColumnMesh spoilt(const ColumnMesh& mesh, double share) {
     const std::vector<double> z = column(mesh, v);
     const bool spoil = chosen(random);
     for (std::size_t n = 0; n < z.size(); ++n) {
-      const bool fixed =
-          n == 0 || n + 1 == z.size() || static_cast<std::int32_t>(n) == mesh.roof[v];
-      if (static_cast<std::int32_t>(n) == mesh.roof[v])
-        result.roof[v] = static_cast<std::int32_t>(result.z.size() - result.first[v]);
+      bool fixed = n == 0 || n + 1 == z.size();
+      for (std::size_t i = 0; i < mesh.regions.count(v); ++i) {
+        if (mesh.floors_at(v)[i] != static_cast<std::int32_t>(n)) continue;
+        fixed = true;
+        result.floors[static_cast<std::size_t>(mesh.regions.first[v]) + i] =
+            static_cast<std::int32_t>(result.z.size()) - static_cast<std::int32_t>(result.first[v]);
+      }
       if (!spoil || fixed) {
         result.z.push_back(z[n]);
       } else if (!lost(random)) {
@@ -254,7 +256,7 @@ TEST(ImproveColumns, LeavesWhatIsGoodAlone) {
   EXPECT_TRUE(improve_columns(after, options).columns.empty());
   EXPECT_EQ(after.z, before.z);
   EXPECT_EQ(after.first, before.first);
-  EXPECT_EQ(after.roof, before.roof);
+  EXPECT_EQ(after.floors, before.floors);
 }
 
 TEST(ImproveColumns, ColumnsFarFromBadCellsStay) {

@@ -39,7 +39,7 @@ struct Clearance {
 /// coordinates. Near-linear time. Minimum clearance is defined in Thompson and van Oosterom (2006),
 /// "Interchange of spatial data: inhibiting factors", for one geometry.
 Clearance joint_clearance(std::span<const Polygon> polygons,
-                          const std::optional<Bounds2>& domain = std::nullopt);
+                          const std::optional<Domain>& domain = std::nullopt);
 
 /// Whether a distance between features is at least `threshold` metres, up to a nanometre: alleys as
 /// wide as the threshold, between coordinates that binary numbers only come close to, are clear.

@@ -112,7 +112,7 @@ struct Simplification {
 /// corners sharper than 13.5 degrees are filled or cut where they are narrower than min_distance
 /// (chamfer.h), as far as clearance allows.
 /// Throws Error(kUsage) for options out of range, Cancelled through `progress`.
-Simplification simplify_footprints(std::span<const Polygon> cleaned, const Bounds2& domain,
+Simplification simplify_footprints(std::span<const Polygon> cleaned, const Domain& domain,
                                    const SimplifyOptions& options, const Progress& progress = {});
 
 }  // namespace tetropolis

@@ -9,7 +9,7 @@
 
 namespace tetropolis {
 
-/// Writes `surface` as one node, mesh and material per patch that has faces, named by patch_name,
+/// Writes `surface` as one node, mesh and material per patch that has faces, named after it,
 /// each with its own vertices: positions in single precision (x, z, -y), as glTF's y axis points
 /// up, always in the local frame, since the numbers of a CRS do not fit into single precision.
 /// Faces are turned to show their front to the air; there are no normals, for which viewers shade

@@ -11,14 +11,14 @@
 
 namespace tetropolis {
 
-/// Number of the physical volume "air", behind those of the patches.
-inline constexpr int kAirPhysicalGroup = kPatchCount + 1;
+/// Number of the physical volume "air". Volumes and surfaces are numbered apart.
+inline constexpr int kAirPhysicalGroup = 9;
 
-/// Writes the tets as physical volume 9, "air", and the faces of `surface` as physical surfaces 1
-/// to 8 named by patch_name; patches without faces are left out. Each group is one discrete entity
-/// of the same number. Nodes are numbered from 1 in the order of write_vtu; elements from 1: first
-/// the triangles in the order of `surface` (normals leave the air), then the tets in the order of
-/// write_vtu. Placement::origin is in a $Comments section.
+/// Writes the tets as physical volume 9, "air", and the faces of `surface` as physical surfaces
+/// with the numbers and names of their patches; patches without faces are left out. Each group is
+/// one discrete entity of the same number. Nodes are numbered from 1 in the order of write_vtu;
+/// elements from 1: first the triangles in the order of `surface` (normals leave the air), then the
+/// tets in the order of write_vtu. Placement::origin is in a $Comments section.
 ///
 /// Precondition: `surface` is extract_boundary of `mesh`, else Error(kGuarantee). Streams as
 /// write_xdmf does. The file appears complete or not at all. Throws Error(kInput) if it cannot be

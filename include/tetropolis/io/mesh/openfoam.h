@@ -19,9 +19,10 @@ namespace tetropolis {
 ///
 /// Faces are triangles: internal ones in upper-triangular order (by owner, then neighbour, owner <
 /// neighbour, normals from owner to neighbour), then those of `surface`, patch by patch in its
-/// order, normals leaving the air. All eight patches are there, in the order of Patch and even
-/// without faces, so one set of boundary conditions serves every city; ground, roof and wall have
-/// the type `wall`, the others `patch`. Placement::origin is the `note` in the header of points.
+/// order, normals leaving the air. All of surface.patches are there, in their order and
+/// even without faces, so one set of boundary conditions serves every city; solid ones (ground,
+/// roof, wall) have the type `wall`, the others `patch`. Placement::origin is the `note` in the
+/// header of points.
 ///
 /// Precondition: `surface` is extract_boundary of `mesh`, else Error(kGuarantee). Streams: memory
 /// beside mesh and surface is a few numbers per ground vertex, triangle and boundary point. The

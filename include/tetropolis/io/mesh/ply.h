@@ -10,7 +10,7 @@
 namespace tetropolis {
 
 /// Writes `surface` in its order and orientation: vertices x, y, z in double precision,
-/// Placement::shift added; faces as vertex_indices (a list of three ints), patch (int, 1 to 8, see
+/// Placement::shift added; faces as vertex_indices (a list of three ints), patch (int, see
 /// Patch) and building (int, -1 where none). Placement::origin is in a comment.
 /// The file appears complete or not at all. Throws Error(kInput) if it cannot be written.
 void write_ply(const std::filesystem::path& path, const SurfaceMesh& surface,

@@ -8,7 +8,7 @@
 
 namespace tetropolis {
 
-/// Writes `surface` as ASCII STL with one solid per patch that has faces, named as patch_name.
+/// Writes `surface` as ASCII STL with one solid per patch that has faces, named after it.
 /// Metres with six decimals; equal vertices are written equally, so the surface stays watertight.
 /// The file appears complete or not at all. Throws Error(kInput) if it cannot be written.
 void write_stl(const std::filesystem::path& path, const SurfaceMesh& surface,

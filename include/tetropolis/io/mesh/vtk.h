@@ -24,7 +24,7 @@ void write_vtu(const std::filesystem::path& path, const ColumnMesh& mesh,
                const Placement& placement, const Progress& progress = {},
                Compression compression = Compression::kNone);
 
-/// Writes a surface with the cell data `patch` (Int32, 1 to 8, see Patch) and `building` (Int32: by
+/// Writes a surface with the cell data `patch` (Int32, see Patch) and `building` (Int32: by
 /// position in the city model, or -1); points and triangles as they are numbered in `surface`. The
 /// file appears complete or not at all. Throws Error(kInput) if it cannot be written.
 void write_vtp(const std::filesystem::path& path, const SurfaceMesh& surface,

@@ -29,7 +29,7 @@ namespace tetropolis {
 /// /Mesh/mesh/geometry (n x 3, float64, Placement::shift added), /Mesh/mesh/topology (m x 4,
 /// int64), /Mesh/mesh/region (m, int32: building the cell stands over, or -1). Grid "boundary": the
 /// faces of `surface` over the same nodes. /MeshTags/boundary/topology (f x 3, int64, normals
-/// leaving the air), /patch (f, int32, 1 to 8, see Patch) and /building (f, int32, -1 where none).
+/// leaving the air), /patch (f, int32, see Patch) and /building (f, int32, -1 where none).
 /// Placement::origin is the Information element "origin" of the Domain.
 ///
 /// Compressed, the datasets have chunks with the filters deflate and, for whole numbers, shuffle;

@@ -4,29 +4,14 @@
 #include <array>
 #include <cstdint>
 #include <span>
-#include <string_view>
+#include <string>
 #include <vector>
 
+#include "tetropolis/geometry/patch.h"
 #include "tetropolis/geometry/types.h"
 #include "tetropolis/volume/column/column_mesh.h"
 
 namespace tetropolis {
-
-/// What a boundary face belongs to. The numbers are those written to files.
-enum class Patch : std::int32_t {
-  kGround = 1,
-  kRoof = 2,
-  kWall = 3,
-  kTop = 4,
-  kXMin = 5,
-  kXMax = 6,
-  kYMin = 7,
-  kYMax = 8,
-};
-inline constexpr int kPatchCount = 8;
-
-/// "ground", "roof", "wall", "top", "xmin", "xmax", "ymin", "ymax".
-std::string_view patch_name(Patch patch);
 
 /// A triangle surface with its own, gapless vertex numbering.
 struct SurfaceMesh {
@@ -34,23 +19,32 @@ struct SurfaceMesh {
   std::vector<std::array<std::int32_t, 3>> triangles;  ///< Counter-clockwise seen from outside the
                                                        ///< meshed volume: normals leave the air.
   std::vector<Patch> patch;             ///< Per triangle; ascending, so patches are consecutive.
+  PatchTable patches;                   ///< All that `patch` may have.
   std::vector<BuildingIndex> building;  ///< Per triangle: for roofs and walls the building, else
                                         ///< kNoBuilding.
   std::vector<NodeIndex> node;          ///< Per point: its number in the volume mesh; empty if the
                                         ///< surface was read from a file.
   std::vector<NodeIndex> cell;          ///< Per triangle: the cell behind it; likewise.
+
+  const PatchInfo& patch_of(std::size_t f) const { return patches.of(patch[f]); }
 };
 
-/// The boundary of `mesh` in the rectangle `domain`. Every face that belongs to one cell only is
-/// there once. Throws Error(kGuarantee) naming the edge if a rim edge of the ground mesh does not
-/// lie on a side of the domain.
-SurfaceMesh extract_boundary(const ColumnMesh& mesh, const Bounds2& domain);
+/// The boundary of `mesh`. Every face that belongs to one cell only is there once. Throws
+/// Error(kGuarantee) naming the edge if one on the rim of the ground mesh is not tagged with a side
+/// of the domain.
+SurfaceMesh extract_boundary(const ColumnMesh& mesh);
 
 /// The faces of some patches only, renumbered.
 SurfaceMesh select_patches(const SurfaceMesh& surface, std::span<const Patch> patches);
 
-/// Number of faces of each patch; element i is the patch with number i + 1.
-std::array<std::int64_t, kPatchCount> count_by_patch(const SurfaceMesh& surface);
+struct PatchCount {
+  std::string name;
+  std::int64_t faces = 0;
+  friend bool operator==(const PatchCount&, const PatchCount&) = default;
+};
+
+/// Number of faces of each patch of `surface.patches`, also of those without faces.
+std::vector<PatchCount> count_by_patch(const SurfaceMesh& surface);
 
 /// Whether every edge has exactly two faces that run along it in opposite directions (closed,
 /// oriented, edge-manifold); otherwise the number of edges that break it.

@@ -24,6 +24,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <limits>
+#include <span>
 #include <vector>
 
 #include "tetropolis/ground/ground_mesh.h"
@@ -34,38 +35,44 @@ namespace tetropolis {
 /// Number of a 3D vertex or cell.
 using NodeIndex = std::int64_t;
 
-inline constexpr std::int32_t kNoRoof = -1;
-
 /// Nodes are numbered column by column and upwards. A column has the nodes that belong to cells
-/// only: from the ground, or from the roof where all triangles around are inside a building.
+/// only: from the lowest floor of the regions around it to the top, with a node at each floor.
 struct ColumnMesh {
   GroundMesh ground;
   EdgeGraph edges;
+  VertexRegions regions;         ///< Of `ground`.
   std::vector<NodeIndex> first;  ///< V + 1 offsets: column v has the nodes [first[v], first[v+1]).
   std::vector<double> z;         ///< Per node: elevation in metres; increasing in each column, at
                                  ///< least two a column.
-  std::vector<std::int32_t>
-      roof;  ///< Per vertex: position of the roof in its column, counted from
-             ///< the column's first node, if it belongs to a building (0 inside,
-             ///< more on its outline), else kNoRoof. Roofs are horizontal.
+  std::vector<std::int32_t> floors;  ///< Per entry of `regions`: position of the region's floor in
+                                     ///< the column, from its first node. Roofs are horizontal.
 
   std::size_t vertex_count() const { return ground.vertices.size(); }
   std::size_t triangle_count() const { return ground.triangles.size(); }
   NodeIndex node_count() const { return first.back(); }
   NodeIndex top(VertexIndex v) const { return first[static_cast<std::size_t>(v) + 1] - 1; }
-  bool inside_building(std::size_t t) const { return ground.region[t] != kNoBuilding; }
-  /// The node that triangle t's stack starts at over its corner v.
-  NodeIndex floor(std::size_t t, VertexIndex v) const {
+  bool inside_building(std::size_t t) const { return ground.inside_building(t); }
+  /// The node at the floor of `region` over vertex v. Precondition: the region is around v.
+  NodeIndex floor(RegionIndex region, VertexIndex v) const {
     const auto i = static_cast<std::size_t>(v);
-    return first[i] + (inside_building(t) ? roof[i] : 0);
+    return first[i] + floors[regions.find(region, i)];
+  }
+  /// The node that triangle t's stack starts at over its corner v.
+  NodeIndex floor_over(std::size_t t, VertexIndex v) const { return floor(ground.region[t], v); }
+  /// Positions of the floors in the column of vertex v, in the order of `regions`.
+  std::span<const std::int32_t> floors_at(std::size_t v) const {
+    return std::span(floors).subspan(static_cast<std::size_t>(regions.first[v]), regions.count(v));
   }
 };
 
 /// T + 1 offsets: the cells over triangle t are [offsets[t], offsets[t + 1]), upwards.
 std::vector<NodeIndex> cell_offsets(const ColumnMesh& mesh);
 
-/// Whether a segment over vertex v goes before one over w; `a`, `b`: twice the elevations of their
-/// midpoints.
+/// What fronts order a column's segments by, here the one from node n up: twice the elevation of
+/// its midpoint. `z`: elevations of the column.
+inline double climbing_key(const double* z, NodeIndex n) { return z[n] + z[n + 1]; }
+
+/// Whether a segment over vertex v with the key `a` goes before one over w with the key `b`.
 constexpr bool climbs_first(double a, VertexIndex v, double b, VertexIndex w) {
   return a < b || (a == b && v > w);
 }
@@ -105,10 +112,7 @@ class Climb {
 
  private:
   static constexpr double kDone = std::numeric_limits<double>::infinity();
-  /// Twice the elevation of the next segment's midpoint.
-  void set_key(std::size_t i) {
-    key_[i] = at_[i] < last_[i] ? z_[i][at_[i]] + z_[i][at_[i] + 1] : kDone;
-  }
+  void set_key(std::size_t i) { key_[i] = at_[i] < last_[i] ? climbing_key(z_[i], at_[i]) : kDone; }
 
   std::array<const double*, N> z_{};
   std::array<VertexIndex, N> vertex_;
@@ -120,7 +124,7 @@ class Climb {
 /// The front at the floor of triangle t, in the order of its corners.
 inline Climb<3> climb_triangle(const ColumnMesh& mesh, std::size_t t) {
   const auto& v = mesh.ground.triangles[t];
-  return {mesh, v, {mesh.floor(t, v[0]), mesh.floor(t, v[1]), mesh.floor(t, v[2])}};
+  return {mesh, v, {mesh.floor_over(t, v[0]), mesh.floor_over(t, v[1]), mesh.floor_over(t, v[2])}};
 }
 
 /// Calls visit(nodes) for the tets over triangle t, upwards. The first three nodes are over the

@@ -1,0 +1,34 @@
+// What the triangles of the ground mesh stand for.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+#include "tetropolis/geometry/patch.h"
+#include "tetropolis/geometry/types.h"
+
+namespace tetropolis {
+
+enum class RegionKind : std::uint8_t { kOpenGround, kBuildingPart };
+
+/// A set of triangles with one floor: what the air over them stands on.
+struct Region {
+  RegionKind kind = RegionKind::kOpenGround;
+  BuildingIndex building = kNoBuilding;  ///< Whose part it is.
+  std::int32_t part = 0;                 ///< Number of the part within its building.
+  Patch floor = Patch::kGround;          ///< Patch of the floor's faces.
+
+  bool is_building() const { return kind == RegionKind::kBuildingPart; }
+  friend bool operator==(const Region&, const Region&) = default;
+};
+
+/// The table for buildings of one part each: region b is building b, the last one open ground.
+inline std::vector<Region> regions_of_buildings(std::size_t buildings) {
+  std::vector<Region> regions(buildings + 1);
+  for (std::size_t b = 0; b < buildings; ++b)
+    regions[b] = {RegionKind::kBuildingPart, static_cast<BuildingIndex>(b), 0, Patch::kRoof};
+  return regions;
+}
+
+}  // namespace tetropolis
