@@ -10,8 +10,8 @@
 
 #include "tetropolis/core/error.h"
 #include "tetropolis/core/parallel.h"
-#include "tetropolis/io/file/atomic_file.h"
 
+#include "io/file/atomic_file.h"
 #include "result_files.h"
 
 namespace tetropolis {

@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <memory>
 #include <string>
+#include <string_view>
 #include <type_traits>
 #include <vector>
 
@@ -105,6 +106,24 @@ struct FeatureDeleter {
   void operator()(OGRFeatureH feature) const { OGR_F_Destroy(feature); }
 };
 using Feature = std::unique_ptr<std::remove_pointer_t<OGRFeatureH>, FeatureDeleter>;
+
+/// A folder of GDAL's in memory while it lives.
+class MemoryFolder {
+ public:
+  MemoryFolder();
+  ~MemoryFolder();
+  MemoryFolder(const MemoryFolder&) = delete;
+  MemoryFolder& operator=(const MemoryFolder&) = delete;
+
+  /// The name for GDAL of a file in it.
+  std::string path(const std::string& name) const { return path_ + "/" + name; }
+  std::vector<std::string> names() const;
+  /// Of a file, while nobody writes it; empty if there is none.
+  std::string_view bytes(const std::string& name) const;
+
+ private:
+  std::string path_;
+};
 
 /// A list of "KEY=value" strings.
 class StringList {

@@ -141,19 +141,13 @@ std::string crs_of_keys(const std::vector<Vlr>& vlrs) {
   if (const Vlr* ascii = find(vlrs, kGeoAscii); ascii != nullptr && !ascii->data.empty())
     tiff.add(kGeoAscii, 2, ascii->data.size(), ascii->data);
   std::string bytes = tiff.finish();
-  const std::string name =
-      fmt::format("/vsimem/tetropolis-{}.tif", static_cast<const void*>(&tiff));
+  const gdal::MemoryFolder folder;
+  const std::string name = folder.path("keys.tif");
   VSIFCloseL(VSIFileFromMemBuffer(name.c_str(), reinterpret_cast<GByte*>(bytes.data()),
                                   bytes.size(), FALSE));
-  std::string crs;
-  {
-    constexpr const char* kDrivers[] = {"GTiff", nullptr};
-    const gdal::Dataset dataset(
-        GDALOpenEx(name.c_str(), GDAL_OF_RASTER, kDrivers, nullptr, nullptr));
-    if (dataset != nullptr) crs = gdal::canonical_name(GDALGetSpatialRef(dataset.get()));
-  }
-  VSIUnlink(name.c_str());
-  return crs;
+  constexpr const char* kDrivers[] = {"GTiff", nullptr};
+  const gdal::Dataset dataset(GDALOpenEx(name.c_str(), GDAL_OF_RASTER, kDrivers, nullptr, nullptr));
+  return dataset == nullptr ? "" : gdal::canonical_name(GDALGetSpatialRef(dataset.get()));
 }
 
 std::string crs_of_wkt(const std::vector<Vlr>& vlrs) {

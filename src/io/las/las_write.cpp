@@ -15,10 +15,10 @@
 #include "tetropolis/core/error.h"
 #include "tetropolis/core/text.h"
 #include "tetropolis/io/crs/crs.h"
-#include "tetropolis/io/file/atomic_file.h"
 #include "tetropolis/io/las/las.h"
 
 #include "io/crs/gdal_support.h"
+#include "io/file/atomic_file.h"
 
 namespace tetropolis {
 

@@ -13,16 +13,15 @@
 #include <system_error>
 #include <utility>
 
-#include <cpl_vsi.h>
 #include <fmt/format.h>
 
 #include "tetropolis/city/city_model.h"
 #include "tetropolis/core/foreign_code.h"
 #include "tetropolis/core/text.h"
 #include "tetropolis/io/crs/crs.h"
-#include "tetropolis/io/file/atomic_file.h"
 
 #include "io/crs/gdal_support.h"
+#include "io/file/atomic_file.h"
 #include "io/file/input_file.h"
 
 namespace tetropolis {
@@ -79,27 +78,6 @@ bool write_values(GDALDatasetH dataset, const Raster& raster) {
   }
   return true;
 }
-
-/// A file in memory. GDAL's own writing to disk leaves some failures to libtiff, which prints them.
-class MemoryFile {
- public:
-  MemoryFile() : path_(fmt::format("/vsimem/tetropolis-{}.tif", static_cast<const void*>(this))) {}
-  ~MemoryFile() { VSIUnlink(path_.c_str()); }
-  MemoryFile(const MemoryFile&) = delete;
-  MemoryFile& operator=(const MemoryFile&) = delete;
-
-  const std::string& path() const { return path_; }
-  std::string_view bytes() const {
-    vsi_l_offset size = 0;
-    const auto* data =
-        reinterpret_cast<const char*>(VSIGetMemFileBuffer(path_.c_str(), &size, FALSE));
-    return data == nullptr ? std::string_view()
-                           : std::string_view(data, static_cast<std::size_t>(size));
-  }
-
- private:
-  std::string path_;
-};
 
 // --- reading ---
 
@@ -280,21 +258,22 @@ void write_raster(const fs::path& path, const Raster& raster, Point2 origin, con
   const std::string canonical = normalise_crs(crs);
   gdal::initialise();
   AtomicFile file(path);
-  const MemoryFile tiff;
+  // GDAL's own writing to disk leaves some failures to libtiff, which prints them.
+  const gdal::MemoryFolder memory;
   gdal::QuietErrors errors;
   // No side-car file, and one spelling of the keys whatever the machine's configuration.
   const gdal::ThreadOption no_side_car("GDAL_PAM_ENABLED", "NO");
   gdal::StringList options;
   options.set("COMPRESS", "DEFLATE").set("PREDICTOR", "3").set("ZLEVEL", "6");
   options.set("BIGTIFF", "IF_SAFER").set("GEOTIFF_VERSION", "1.1").set("NUM_THREADS", "1");
-  gdal::Dataset dataset(GDALCreate(GDALGetDriverByName("GTiff"), tiff.path().c_str(), raster.nx,
-                                   raster.ny, 1, GDT_Float64, options.get()));
+  gdal::Dataset dataset(GDALCreate(GDALGetDriverByName("GTiff"), memory.path("a.tif").c_str(),
+                                   raster.nx, raster.ny, 1, GDT_Float64, options.get()));
   if (dataset == nullptr) throw_cannot_write(path, errors.last());
   describe(dataset.get(), raster, origin, canonical, domain);
   const bool written = write_values(dataset.get(), raster);
   dataset.reset();  // Closing writes what is left, and may fail.
   if (!written || errors.failures() > 0) throw_cannot_write(path, errors.last());
-  file.write(tiff.bytes());
+  file.write(memory.bytes("a.tif"));
   file.commit();
 }
 

@@ -109,8 +109,6 @@ class HeightReader {
       other = "the feature number";
     else if (OGR_Fld_GetSubType(field) == OFSTBoolean)
       other = "Boolean";
-    else if (type_ == OFTIntegerList || type_ == OFTInteger64List || type_ == OFTRealList)
-      type_ = OFTRealList;  // one feature is enough to make it that
     else if (type_ != OFTInteger && type_ != OFTInteger64 && type_ != OFTReal && type_ != OFTString)
       other = OGR_GetFieldTypeName(type_);
     if (other != nullptr)
@@ -131,9 +129,6 @@ class HeightReader {
       value = metres_of(text);
       if (std::isnan(value) && others_++ == 0)
         first_ = fmt::format("feature {}: '{}'", id, first_bytes(text, 40));
-    } else if (type_ == OFTRealList) {
-      value = only_number(feature);
-      if (std::isnan(value) && others_++ == 0) first_ = fmt::format("feature {}: a list", id);
     } else {
       value = OGR_F_GetFieldAsDouble(feature, field_);
     }
@@ -159,28 +154,6 @@ class HeightReader {
   }
 
  private:
-  /// Of a list: a number where the file has one, and others have lists. NaN for a longer one.
-  double only_number(OGRFeatureH feature) const {
-    int size = 0;
-    switch (OGR_Fld_GetType(OGR_F_GetFieldDefnRef(feature, field_))) {
-      case OFTIntegerList: {
-        const int* list = OGR_F_GetFieldAsIntegerList(feature, field_, &size);
-        if (size == 1) return list[0];
-        break;
-      }
-      case OFTInteger64List: {
-        const GIntBig* list = OGR_F_GetFieldAsInteger64List(feature, field_, &size);
-        if (size == 1) return static_cast<double>(list[0]);
-        break;
-      }
-      default: {
-        const double* list = OGR_F_GetFieldAsDoubleList(feature, field_, &size);
-        if (size == 1) return list[0];
-      }
-    }
-    return std::numeric_limits<double>::quiet_NaN();
-  }
-
   const fs::path& path_;
   std::string attribute_;
   int field_ = kNoField;
@@ -253,18 +226,6 @@ PlanUnits units_of(OGRSpatialReferenceH srs, const std::string& source_crs) {
   return {is_north_first(srs), length, length};
 }
 
-/// How far a file can be trusted in how many features it has.
-enum class Count {
-  kNone,     ///< GDAL counts what it can read.
-  kTold,     ///< It is told, but other programs may have forgotten to tell.
-  kCertain,  ///< It is part of the format.
-};
-
-Count count_of(GDALDatasetH dataset) {
-  if (is_of_format(dataset, "FlatGeobuf")) return Count::kCertain;
-  return is_of_format(dataset, "GPKG") ? Count::kTold : Count::kNone;
-}
-
 /// Reads all features of one layer.
 class LayerReader {
  public:
@@ -288,9 +249,9 @@ class LayerReader {
     osm_way_ = OGR_FD_GetFieldIndex(columns, "osm_way_id");
   }
 
-  /// `count`: whether the format tells how many features there are.
+  /// `counted`: whether the format tells how many features there are.
   /// `geometries`: whether failures at these cost nothing but their feature.
-  void read(gdal::QuietErrors& errors, Count count, bool geometries) {
+  void read(gdal::QuietErrors& errors, bool counted, bool geometries) {
     errors.reset();
     const std::int64_t expected = OGR_L_GetFeatureCount(layer_, FALSE);
     if (errors.failures() > 0)
@@ -310,16 +271,8 @@ class LayerReader {
     // Lines that are not JSON are passed over, and counted by nobody.
     const bool lost =
         errors.first(gdal::About::kAnything).find("JSON parsing error") != std::string::npos;
-    const bool is_short = failures == 0 && result_.features_read < expected;
-    if (count == Count::kCertain && is_short)
-      fail_input(path_, fmt::format("reading ends after {} features of {}{}", result_.features_read,
-                                    expected, kGetAgain));
-    if (count == Count::kTold && is_short)
-      warn("footprints_fewer", expected - result_.features_read,
-           fmt::format("has {} features, but its own table of contents says {}; if some are "
-                       "missing, get the file again",
-                       result_.features_read, expected));
-    if (failures > 0 && (lost || expected < 0 || result_.features_read < expected))
+    const bool is_short = result_.features_read < expected;
+    if ((counted && is_short) || (failures > 0 && (lost || expected < 0 || is_short)))
       fail_input(path_, fmt::format("reading ends after {} features{}{}{}", result_.features_read,
                                     expected < 0 ? "" : fmt::format(" of {}", expected),
                                     errors.reason(), kGetAgain));
@@ -483,22 +436,17 @@ bool implausible_degrees(const std::string& crs, const std::vector<Footprint>& f
   // in use too.
   const double limit = geojson ? 181.0 : 360.0;
   const Bounds2 globe{-limit, -90, limit, 90};
-  std::vector<double> widths;
-  std::size_t others = 0;
+  constexpr double kWidest = 0.5;  // degrees: no building is so wide, but many are so many metres
+  std::size_t outside = 0, others = 0, all = 0;
   for (const Footprint& feature : features) {
     Bounds2 box = Bounds2::nothing();
     for (const Point2& p : feature.polygon.outer) box.extend(p);
     if (box.empty()) continue;
-    if (!globe.covers(box)) ++others;
-    widths.push_back(std::max(box.width(), box.height()));
+    ++all;
+    if (!globe.covers(box)) ++outside;
+    if (!globe.covers(box) || std::max(box.width(), box.height()) > kWidest) ++others;
   }
-  if (others == 0) return false;
-  // Metres of a local frame may be within these limits, too, but buildings are wider than half a
-  // metre, and not half a degree wide.
-  constexpr double kWidest = 0.5;
-  const auto median = widths.begin() + static_cast<std::ptrdiff_t>((widths.size() - 1) / 2);
-  std::nth_element(widths.begin(), median, widths.end());
-  return 2 * others > widths.size() || *median > kWidest;
+  return outside > 0 && 2 * others > all;
 }
 
 void settle_crs(const fs::path& path, const ReadFootprintsOptions& options, bool geojson,
@@ -568,7 +516,8 @@ FootprintsInput read_footprints(const fs::path& path, const ReadFootprintsOption
   result.layer = gdal::utf8(OGR_L_GetName(source.get()));
   LayerReader reader(path, source, options, result,
                      is_of_format(file.dataset.get(), "ESRI Shapefile"));
-  reader.read(errors, count_of(file.dataset.get()), drops_geometries(file.dataset.get()));
+  reader.read(errors, is_of_format(file.dataset.get(), "FlatGeobuf"),
+              drops_geometries(file.dataset.get()));
   reader.account_for_osm();
   // Where features are parsed again as they are read, that has told of them.
   if (file.opening_errors > 0 && errors.failures() == 0)

@@ -37,7 +37,7 @@ struct FootprintsInput {
   std::vector<Dropped> dropped;     ///< Features and parts that are no footprint, and why.
   std::int64_t features_read = 0;   ///< Features of the file, before multipolygons are split.
   std::string crs;                  ///< Of the coordinates (canonical, crs.h); "" if unknown.
-  Bounds2 bounds{1, 1, 0, 0};       ///< Of all vertices kept; empty if there are none.
+  Bounds2 bounds = Bounds2::nothing();  ///< Of all vertices kept; empty if there are none.
   std::string layer;                ///< The layer that was read.
   std::vector<Warning> warnings;
 };

@@ -1,5 +1,6 @@
-// What an OpenStreetMap file says of its buildings, and GDAL does not when it makes no area of one.
-// Private to src/io.
+// Buildings of OpenStreetMap XML that GDAL drops without a word: clipped extracts (osmium,
+// Overpass, the API) lack nodes of ways and ways of relations, and JOSM keeps what was deleted. See
+// also tudelft3d/OSM2World#158 and eclipse/sumo#14598. Private to src/io.
 #pragma once
 
 #include <cstdint>

@@ -4,6 +4,7 @@
 #include <array>
 #include <cstddef>
 #include <string>
+#include <vector>
 
 #include <fmt/format.h>
 
@@ -206,34 +207,31 @@ class NumberDecoder {
 
 }  // namespace
 
-std::vector<LazChunk> read_chunk_table(const fs::path& path, const PositionedFile& file,
-                                       const LazTablePlace& place) {
+void check_chunk_table(const fs::path& path, const PositionedFile& file,
+                       const LazTablePlace& place) {
   const bool states_points = place.chunk_size == UINT32_MAX;
-  std::vector<LazChunk> chunks;
-  if (place.chunks == 0) return chunks;
   CodedBytes bytes(file, place.at + 8, place.end);
   NumberDecoder numbers(bytes);
-  LazChunk next{0, place.first_chunk};
   std::int32_t points = 0, length = 0;
+  std::int64_t at = place.first_chunk, counted = 0;
   for (std::uint32_t k = 0; k < place.chunks; ++k) {
     if (states_points) points = numbers.next(points, 0);
     length = numbers.next(length, 1);
     if (bytes.ran_out())
-      fail_input(path, fmt::format("ends at byte {} within its table of chunks, which starts at "
-                                   "byte {}: the file is cut; get it again",
-                                   file.size(), place.at));
-    if (points < 0 || length < 0 || length > place.at - next.at)
+      fail_input(path, fmt::format("ends at byte {} within its table of chunks; the file is cut, "
+                                   "get it again",
+                                   file.size()));
+    if (points < 0 || length < 0 || length > place.at - at)
       fail_input(path, fmt::format("the table of chunks at byte {} gives {} bytes to chunk {}, "
-                                   "which starts at byte {}: the file is broken; get it again",
-                                   place.at, length, k, next.at));
-    if (length > 0) chunks.push_back(next);
-    next.first_point += states_points ? points : std::int64_t{place.chunk_size};
-    next.at += length;
+                                   "which starts at byte {}; the file is broken, get it again",
+                                   place.at, length, k, at));
+    counted += points;
+    at += length;
   }
-  if (states_points && next.first_point < place.points)
-    fail_input(path, fmt::format("the header counts {} points, but only {} are there; get it again",
-                                 place.points, next.first_point));
-  return chunks;
+  if (states_points && counted < place.points)
+    fail_input(path, fmt::format("the header counts {} points, but the table of chunks {}; get the "
+                                 "file again",
+                                 place.points, counted));
 }
 
 }  // namespace tetropolis

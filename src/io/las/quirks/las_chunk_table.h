@@ -1,19 +1,14 @@
-// The table of chunks of a LAZ file. Private to src/io.
+// Broken tables of chunks in LAZ files, as downloads that were cut or disks that rotted leave them
+// (potree/PotreeConverter#692, LASzip/LASzip#81, PDAL/PDAL#4431): LASzip takes what it makes of one
+// for positions, and recurses until its stack ends. Private to src/io.
 #pragma once
 
 #include <cstdint>
 #include <filesystem>
-#include <vector>
 
 #include "io/file/positioned_file.h"
 
 namespace tetropolis {
-
-/// A run of points that is compressed on its own.
-struct LazChunk {
-  std::int64_t first_point = 0;
-  std::int64_t at = 0;  ///< Byte of the file.
-};
 
 /// What is known of a table before it is read.
 struct LazTablePlace {
@@ -25,15 +20,13 @@ struct LazTablePlace {
   std::int64_t points = 0;       ///< Of the file, by its header.
 };
 
-/// The chunks that have bytes. LASzip takes what it makes of a broken table for positions, and on
-/// one that is cut it crashes; so tables are read here before it sees them. Throws Error(kInput) if
-/// the file ends within the table, chunks reach beyond it, or, where it states their points, these
-/// are fewer than place.points.
+/// Throws Error(kInput) if the file ends within the table, chunks reach beyond the table's place,
+/// or the points that it states are fewer than place.points.
 ///
 /// Source: the layout is that of LASzip (Isenburg, LASzip: lossless compression of LiDAR data,
 /// PE&RS 79(2), 2013), the coder that of A. Said (Introduction to Arithmetic Coding - Theory and
 /// Practice, HP Labs report HPL-2004-76, 2004).
-std::vector<LazChunk> read_chunk_table(const std::filesystem::path& path,
-                                       const PositionedFile& file, const LazTablePlace& place);
+void check_chunk_table(const std::filesystem::path& path, const PositionedFile& file,
+                       const LazTablePlace& place);
 
 }  // namespace tetropolis
