@@ -194,7 +194,7 @@ TEST_F(FileDefects, GeoPackageWithSeveralLayers) {
   copy_layer(folder / "old.gpkg", path, "town_1990");
   expect_input_error(
       run(path), path,
-      "has several layers of polygons; name one of these by --layer: town, town_1990");
+      "has several layers of polygons; set layer to one of: town, town_1990");
   layer = "town_1990";
   expect_all_buildings(run(path));
   layer = "lamps";
@@ -249,7 +249,7 @@ TEST_F(FileDefects, NoVectorFileAtAll) {
 TEST_F(FileDefects, HeightsThatAreNoNumbers) {
   height_attribute = "id";
   const fs::path path = write("a.gpkg");
-  expect_input_error(run(path), path, "attribute 'id' holds no heights (feature west: 'west')");
+  expect_input_error(run(path), path, "attribute 'id' has no usable height (feature west: 'west')");
   height_attribute = "hieght";
   expect_input_error(run(path), path, "it has: id, height");
   height_attribute = "height";

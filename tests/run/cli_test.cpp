@@ -984,7 +984,7 @@ TEST_F(Cli, NotesStayOneLineWhateverTheNames) {
       run("city --footprints 'two\nlines/footprints.shp' --points two* --out result --log run.log");
   EXPECT_EQ(outcome.code, 0) << outcome.err;
   for (const std::string& text : {outcome.err, bytes_of(scratch / "run.log")})
-    EXPECT_NE(text.find(": two lines/footprints.shp: does not state its coordinate"),
+    EXPECT_NE(text.find(": two lines/footprints.shp: states no CRS"),
               std::string::npos)
         << text;
 }

@@ -162,34 +162,31 @@ void put_building(Buffer& out, const Building& building, VertexTable& vertices) 
 
 void put_metadata(Buffer& out, const CityModel& model, const std::string& title,
                   const std::string& crs, const VertexTable& vertices) {
-  std::vector<std::string> members;
-  const auto member = [&](const std::string& name, const auto& put_value) {
-    Buffer text;
-    put_string(text, name);
-    text.push_back(':');
-    put_value(text);
-    members.push_back(fmt::to_string(text));
+  const char* separator = "\"metadata\":{";
+  const auto name = [&](const std::string& key) {
+    put(out, separator);
+    put_string(out, key);
+    out.push_back(':');
+    separator = ",";
   };
-  if (!title.empty()) member("title", [&](Buffer& text) { put_string(text, title); });
-  if (crs.starts_with("EPSG:"))
-    member("referenceSystem", [&](Buffer& text) {
-      put_string(text, "https://www.opengis.net/def/crs/EPSG/0/" + crs.substr(5));
-    });
-  if (!vertices.vertices().empty())
-    member("geographicalExtent", [&](Buffer& text) {
-      const std::array<double, 3> origin = {model.origin.x, model.origin.y, 0};
-      std::vector<double> extent;
-      for (const VertexTable::Key& corner : {vertices.min(), vertices.max()})
-        for (std::size_t axis = 0; axis < 3; ++axis)
-          extent.push_back(origin[axis] + static_cast<double>(corner[axis]) / kStepsPerMetre);
-      put_list(text, extent, [&](double v) { put_number(text, v); });
-    });
-  put(out, "\"metadata\":{");
-  for (std::size_t i = 0; i < members.size(); ++i) {
-    if (i > 0) out.push_back(',');
-    put(out, members[i]);
+  if (!title.empty()) {
+    name("title");
+    put_string(out, title);
   }
-  put(out, "},\n");
+  if (crs.starts_with("EPSG:")) {
+    name("referenceSystem");
+    put_string(out, "https://www.opengis.net/def/crs/EPSG/0/" + crs.substr(5));
+  }
+  if (!vertices.vertices().empty()) {
+    name("geographicalExtent");
+    const std::array<double, 3> origin = {model.origin.x, model.origin.y, 0};
+    std::vector<double> extent;
+    for (const VertexTable::Key& corner : {vertices.min(), vertices.max()})
+      for (std::size_t axis = 0; axis < 3; ++axis)
+        extent.push_back(origin[axis] + static_cast<double>(corner[axis]) / kStepsPerMetre);
+    put_list(out, extent, [&](double v) { put_number(out, v); });
+  }
+  put(out, *separator == ',' ? "},\n" : "\"metadata\":{},\n");
 }
 
 void put_account(Buffer& out, const CityModel& model, const std::string& crs) {

@@ -102,18 +102,6 @@ void QuietErrors::reset() {
   passed_over_.clear();
 }
 
-ThreadOption::ThreadOption(const char* key, const char* value) : key_(key) {
-  if (const char* previous = CPLGetThreadLocalConfigOption(key, nullptr)) {
-    previous_ = previous;
-    had_previous_ = true;
-  }
-  CPLSetThreadLocalConfigOption(key, value);
-}
-
-ThreadOption::~ThreadOption() {
-  CPLSetThreadLocalConfigOption(key_.c_str(), had_previous_ ? previous_.c_str() : nullptr);
-}
-
 MemoryFolder::MemoryFolder()
     : path_(fmt::format("/vsimem/tetropolis-{}", static_cast<const void*>(this))) {}
 

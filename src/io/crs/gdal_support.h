@@ -72,20 +72,6 @@ class QuietErrors {
   std::vector<std::string> passed_over_;
 };
 
-/// Sets a configuration option of this thread while it lives.
-class ThreadOption {
- public:
-  ThreadOption(const char* key, const char* value);
-  ~ThreadOption();
-  ThreadOption(const ThreadOption&) = delete;
-  ThreadOption& operator=(const ThreadOption&) = delete;
-
- private:
-  std::string key_;
-  std::string previous_;
-  bool had_previous_ = false;
-};
-
 struct SrsDeleter {
   void operator()(OGRSpatialReferenceH srs) const { OSRDestroySpatialReference(srs); }
 };
@@ -123,23 +109,6 @@ class MemoryFolder {
 
  private:
   std::string path_;
-};
-
-/// A list of "KEY=value" strings.
-class StringList {
- public:
-  StringList& set(const char* key, const char* value) {
-    list_ = CSLSetNameValue(list_, key, value);
-    return *this;
-  }
-  StringList() = default;
-  ~StringList() { CSLDestroy(list_); }
-  StringList(const StringList&) = delete;
-  StringList& operator=(const StringList&) = delete;
-  char** get() const { return list_; }
-
- private:
-  char** list_ = nullptr;
 };
 
 /// Parses what normalise_crs accepts, and vertical systems. Null as below.

@@ -162,7 +162,7 @@ std::string crs_of(const std::vector<Vlr>& vlrs, bool prefer_wkt) {
   if (find(vlrs, kGeoKeys) == nullptr && find(vlrs, kWkt) == nullptr) return "";
   gdal::initialise();
   const gdal::QuietErrors errors;
-  const gdal::ThreadOption no_side_car("GDAL_PAM_ENABLED", "NO");
+  const CPLConfigOptionSetter no_side_car("GDAL_PAM_ENABLED", "NO", false);
   const std::string first = prefer_wkt ? crs_of_wkt(vlrs) : crs_of_keys(vlrs);
   if (!first.empty()) return first;
   return prefer_wkt ? crs_of_keys(vlrs) : crs_of_wkt(vlrs);

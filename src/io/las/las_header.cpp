@@ -15,7 +15,6 @@
 
 #include "io/file/input_file.h"
 #include "io/file/positioned_file.h"
-#include "io/las/quirks/las_chunk_table.h"
 
 namespace tetropolis {
 
@@ -57,9 +56,9 @@ std::string read_front(const fs::path& path, const PositionedFile& file) {
   std::string bytes = file.head(375);
   if (bytes.empty()) fail_input(path, "the file is empty; get it again");
   if (bytes.starts_with("PK\3\4"))
-    fail_input(path, "is a ZIP archive; unpack it and name the .las or .laz files that it holds");
+    fail_input(path, "is a ZIP archive; unpack it and name its .las or .laz files");
   if (bytes.substr(0, 4) != "LASF")
-    fail_input(path, "is not a LAS or LAZ file (it does not start with LASF); give a point cloud");
+    fail_input(path, "is not a LAS or LAZ file (it does not start with LASF); name a point cloud");
   if (bytes.size() < 227)
     fail_input(path, fmt::format("ends at byte {} within its header; the file is cut, get it again",
                                  bytes.size()));
@@ -77,8 +76,8 @@ void parse_fixed(const fs::path& path, std::string_view h, LasLayout& layout) {
   const int smallest = info.version_minor == 4 ? 375 : info.version_minor == 3 ? 235 : 227;
   if (header_size < smallest)
     fail_input(path,
-               fmt::format("byte 94 gives a header of {} bytes where LAS 1.{} needs {}; the file "
-                           "is broken",
+               fmt::format("byte 94 gives a header of {} bytes, but LAS 1.{} needs {}; the file is "
+                           "broken, get it again",
                            header_size, info.version_minor, smallest));
   if (h.size() < static_cast<std::size_t>(smallest))
     fail_input(path, fmt::format("ends at byte {} within its header; the file is cut, get it again",
@@ -102,7 +101,7 @@ void parse_fixed(const fs::path& path, std::string_view h, LasLayout& layout) {
   const int needed = kRecordLengths[static_cast<std::size_t>(info.point_format)];
   if (info.record_length < needed)
     fail_input(path,
-               fmt::format("byte 105 gives records of {} bytes where point format {} needs {}; "
+               fmt::format("byte 105 gives records of {} bytes, but point format {} needs {}; "
                            "the file is broken, get it again",
                            info.record_length, info.point_format, needed));
 }
@@ -238,18 +237,19 @@ void settle_records(const fs::path& path, std::string_view h, LasLayout& layout)
   info.point_count = fit;
   info.warnings.push_back(
       {"las_count_missing", 1,
-       fmt::format("{}: the header counts 0 points but there is room for {}; they are read",
+       fmt::format("{}: the header counts 0 points; the {} that fit into the file are read",
                    path.string(), fit)});
 }
 
-/// LAZ: where chunks are, as the table behind them says. The table's place is at the first point,
-/// or, from writers into pipes, at the file's end.
+/// LAZ: finds the table of chunks. LASzip recurses until its stack ends where the table is zeroed,
+/// cut off or not one (potree/PotreeConverter#692, LASzip/LASzip#81, PDAL/PDAL#4431).
 void settle_chunks(const fs::path& path, const PositionedFile& file, std::uint32_t chunk_size,
                    LasLayout& layout) {
   const std::int64_t points = layout.info.point_count, first_chunk = layout.first_point + 8;
   std::int64_t table = 0, end = layout.file_size;
   std::array<std::uint32_t, 2> head{};  // Version and number of chunks.
   const bool has_place = file.read(layout.first_point, &table, sizeof table) == sizeof table;
+  // Writers into pipes put the place at the file's end.
   if (table == -1) {
     end -= 8;
     file.read(end, &table, sizeof table);
@@ -262,23 +262,21 @@ void settle_chunks(const fs::path& path, const PositionedFile& file, std::uint32
                                  layout.file_size));
   }
   const std::int64_t chunks = head[1];
-  // A chunk takes bytes; LASzip reserves memory for as many as are claimed.
-  if (head[0] != 0 || chunks > layout.file_size - layout.first_point)
-    fail_input(path,
-               fmt::format("the table of chunks at byte {} is broken; get the file again", table));
   // Writers into pipes cannot go back to the header; some writers end with an empty chunk.
   if (points == 0 && chunks > 0 && table - first_chunk >= layout.info.record_length)
     fail_input(path, fmt::format("the header counts 0 points, but {} bytes of points follow; get "
                                  "the file again or repair it",
                                  table - first_chunk));
   layout.variable_chunks = chunk_size == UINT32_MAX;
-  if (points == 0) return;
-  if (!layout.variable_chunks && chunks * chunk_size < points)
-    fail_input(path, fmt::format("the header counts {} points, but there are {} chunks of {}; get "
-                                 "the file again",
-                                 points, chunks, chunk_size));
-  check_chunk_table(path, file, {table, end, first_chunk, head[1], chunk_size, points});
-  if (!layout.variable_chunks) layout.chunk_size = chunk_size;
+  // A chunk takes bytes; LASzip reserves memory for as many as are claimed.
+  const std::int64_t least =
+      layout.variable_chunks ? std::min<std::int64_t>(points, 1) : (points - 1) / chunk_size + 1;
+  if (head[0] != 0 || chunks > layout.file_size - layout.first_point ||
+      (points > 0 && chunks < least))
+    fail_input(path, fmt::format("the table at byte {} has {} chunks for {} points; the file is "
+                                 "broken, get it again",
+                                 table, chunks, points));
+  if (!layout.variable_chunks && points > 0) layout.chunk_size = chunk_size;
 }
 
 /// LAZ: checks what the decoder takes for granted.
@@ -295,11 +293,11 @@ void settle_compression(const fs::path& path, const PositionedFile& file,
   if (found != 1)
     fail_input(
         path,
-        fmt::format("is compressed but has {} LASzip records; the file is broken, get it again",
+        fmt::format("is compressed, but has {} LASzip records; the file is broken, get it again",
                     found));
   if (layout.info.point_count > std::numeric_limits<std::uint32_t>::max())
     fail_input(path,
-               fmt::format("has {} points; LASzip finds no more than {} in one file, split it",
+               fmt::format("has {} points, but LASzip reads only {}; split it",
                            layout.info.point_count, std::numeric_limits<std::uint32_t>::max()));
   if (record.compressor == 1) return;
   settle_chunks(path, file, record.chunk_size, layout);
@@ -376,12 +374,11 @@ LasLayout read_las_layout(const fs::path& path, LasSystems& systems, bool crs_ma
   for (Warning& warning : layout.info.warnings)
     if (warning.code == "las_vlrs_broken")
       warning.message +=
-          "; its coordinate reference system may be lost with the others: get the file again, or "
-          "name the system with --points-crs";
+          "; its CRS may be lost: get the file again, or name the CRS with points_crs";
   if (stated)
     layout.info.warnings.push_back({"las_crs_unknown", 1,
-                                    path.string() + ": its coordinate reference system is not "
-                                                    "understood; it is treated as unknown"});
+                                    path.string() + ": states a CRS that is not understood; "
+                                                    "name it with points_crs"});
   return layout;
 }
 

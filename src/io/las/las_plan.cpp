@@ -54,8 +54,8 @@ LasPlan plan_file(const fs::path& path, const ReadPointsOptions& options, LasSys
   }
   plan.check_box = false;
   plan.warnings.push_back({"las_box_untrusted", 1,
-                           path.string() + ": points lie outside the box that its header states; "
-                                           "the whole file is read"});
+                           path.string() + ": points lie outside the header's box; the whole "
+                                           "file is read"});
   return plan;
 }
 

@@ -159,8 +159,7 @@ std::string warn_of_points_outside(std::span<const fs::path> paths,
     if (counts[f] == 0) continue;
     const std::int64_t points = plans[f].layout.info.point_count;
     const std::string message = fmt::format(
-        "{}: {} of {} points lie outside the box that its header states; the header is wrong or "
-        "the file damaged",
+        "{}: {} of {} points lie outside the header's box; the header is wrong or the file damaged",
         paths[f].string(), counts[f], points);
     if (plans[f].check_box) warnings.push_back({"las_points_outside_box", counts[f], message});
     if (misread.empty() && counts[f] > points / 2) misread = message;
@@ -240,10 +239,11 @@ void require_room(const Bounds2& extent, Point2 origin, const fs::path& path,
                   const std::string& misread) {
   const double farthest = std::max({-extent.xmin, -extent.ymin, extent.xmax, extent.ymax});
   if (farthest > PointCoordinate::kMost)
-    fail_input(path, fmt::format("points lie {:.0f} km from ({:.0f}, {:.0f}), and no more than "
-                                 "{:.0f} km can be stored; give smaller bounds{}{}",
-                                 farthest / 1000, origin.x, origin.y, PointCoordinate::kMost / 1000,
-                                 misread.empty() ? "" : "; ", misread));
+    fail_input(path,
+               fmt::format("points lie {:.0f} km from ({:.0f}, {:.0f}), but only {:.0f} km can be "
+                           "stored; set smaller bounds{}{}",
+                           farthest / 1000, origin.x, origin.y, PointCoordinate::kMost / 1000,
+                           misread.empty() ? "" : "; ", misread));
 }
 
 /// As asked for, or as the files state it.

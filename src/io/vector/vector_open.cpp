@@ -66,10 +66,10 @@ std::string vector_in_archive(const fs::path& path, const gdal::QuietErrors& err
   if (members == nullptr)
     fail_input(path, "cannot be read as a ZIP archive" + errors.reason() + "; get it again");
   if (found.empty())
-    fail_input(path, holds_points ? "holds point files, which are not read from archives; unpack it"
-                                  : "holds no vector file; give one that does, or the file itself");
+    fail_input(path, holds_points ? "has point files, which are not read from archives; unpack it"
+                                  : "has no vector file; name another archive, or a file");
   if (found.size() > 1)
-    fail_input(path, fmt::format("holds several vector files ({}); unpack it and name one of them",
+    fail_input(path, fmt::format("has several vector files ({}); unpack it and name one",
                                  fmt::join(found, ", ")));
   return archive + "/" + found.front();
 }
@@ -118,32 +118,31 @@ VectorFile open_vector(const fs::path& path, const gdal::QuietErrors& errors, bo
     file.copy = std::make_shared<const gdal::MemoryFolder>();
     name = copy_shapefile(path, *file.copy);
   }
-  const gdal::ThreadOption restore("SHAPE_RESTORE_SHX", file.copy ? "YES" : "NO");
-  gdal::StringList options;
-  options.set("WRITE_GFS", "NO");
+  const CPLConfigOptionSetter restore("SHAPE_RESTORE_SHX", file.copy ? "YES" : "NO", false);
+  CPLStringList options;
+  options.SetNameValue("WRITE_GFS", "NO");
   // JOSM numbers what is new below 0, and nodes not in ascending order.
   const bool packed = lower_case(path.extension().string()) == ".pbf";
-  const gdal::ThreadOption any_order("OSM_USE_CUSTOM_INDEXING", packed ? "YES" : "NO");
+  const CPLConfigOptionSetter any_order("OSM_USE_CUSTOM_INDEXING", packed ? "YES" : "NO", false);
   file.dataset.reset(GDALOpenEx(name.c_str(), GDAL_OF_VECTOR | GDAL_OF_VERBOSE_ERROR, nullptr,
-                                options.get(), nullptr));
+                                options.List(), nullptr));
   const bool unknown = errors.last().find("not recognized as") != std::string::npos;
   if (file.dataset == nullptr)
-    fail_input(path, "not a vector file that can be read" + (unknown ? "" : errors.reason()) +
-                         "; give a shapefile, GeoPackage, GeoJSON or other OGR format");
+    fail_input(path, "not a vector file" + (unknown ? "" : errors.reason()) +
+                         "; name a shapefile, GeoPackage, GeoJSON or another OGR format");
   if (is_of_format(file.dataset.get(), "CSV") && !first_layer_holds_polygons(file.dataset.get()))
     find_polygons(name, options, file.dataset);
   if (is_of_format(file.dataset.get(), "CSV")) require_closed_quotes(path, name);
   // Some formats are read when they are opened, as far as they go.
   if (!any_crs && errors.failures(gdal::About::kSystem) > 0)
     fail_input(path,
-               "states a coordinate reference system that PROJ does not know; correct it in the "
-               "file, or take it out and give --footprints-crs");
+               "states a CRS that PROJ does not know; name the right one with footprints_crs");
   const std::int64_t harmless =
       errors.failures(gdal::About::kSystem) +
       (drops_geometries(file.dataset.get()) ? errors.failures(gdal::About::kGeometry) : 0);
   if (errors.failures() > harmless) {
     const std::string& why = errors.first(gdal::About::kAnything);
-    fail_input(path, "cannot be read whole: " + (why.empty() ? errors.last() : why) +
+    fail_input(path, "cannot be read to its end: " + (why.empty() ? errors.last() : why) +
                          "; the file is cut or broken, get it again");
   }
   file.opening_errors = errors.failures();

@@ -570,7 +570,7 @@ TEST(Las, ExpandsFoldersPatternsAndDuplicates) {
   EXPECT_NE(input_error(root + "/no.las", [&] { expand({root + "/no.las"}); }).find("no such file"),
             std::string::npos);
   EXPECT_NE(input_error(root + "/empty", [&] { expand({root + "/empty"}); })
-                .find("holds no .las or .laz files"),
+                .find("has no .las or .laz files"),
             std::string::npos);
   EXPECT_NE(
       input_error(root + "/*.laz", [&] { expand({root + "/*.laz"}); }).find("matches no file"),
@@ -585,7 +585,7 @@ TEST(Las, PointFilesInSubfoldersAreNotReadWithoutAWord) {
   const std::vector<std::string> tiles = {(folder / "tiles").string()};
   const std::string north = (folder / "tiles/north").string();
   EXPECT_NE(input_error(folder / "tiles", [&] { expand_point_paths(tiles); })
-                .find("folders in it do; name these (" + north + ")"),
+                .find("folders in it do; name those (" + north + ")"),
             std::string::npos);
   write_bytes(folder / "tiles/c.las", "LASF");
   std::vector<Warning> warnings;

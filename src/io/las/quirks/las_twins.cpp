@@ -121,11 +121,9 @@ void find_twins(std::span<const fs::path> paths, std::vector<LasPlan>& plans) {
     plans[dropped].is_twin = true;
     plans[dropped].warnings = {
         {"las_twin", info.point_count,
-         fmt::format(
-             "{}: has the number of points, the box and the first points of {}{}; taken "
-             "for a copy of it and not read",
-             paths[dropped].string(), paths[entry->second].string(),
-             likeness == Likeness::kCopies ? "" : ", but other classes, which tell no more")}};
+         fmt::format("{}: has the same points as {}{}; it is not read", paths[dropped].string(),
+                     paths[entry->second].string(),
+                     likeness == Likeness::kCopies ? "" : ", with classes that tell no more")}};
   }
 }
 

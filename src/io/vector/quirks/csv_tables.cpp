@@ -60,9 +60,10 @@ class QuoteScan {
   }
 
   [[noreturn]] void fail() const {
-    fail_input(path_, fmt::format("line {}: has a quote that is not closed, so that further lines "
-                                  "are part of it; close it, or write quotes within a field twice",
-                                  first_ + 1));
+    fail_input(path_,
+               fmt::format("line {}: a quote is not closed and swallows further lines; close "
+                           "it, or double quotes within a field",
+                           first_ + 1));
   }
 
   const std::filesystem::path& path_;
@@ -76,12 +77,12 @@ class QuoteScan {
 
 }  // namespace
 
-void find_polygons(const std::string& name, gdal::StringList& options, gdal::Dataset& dataset) {
+void find_polygons(const std::string& name, CPLStringList& options, gdal::Dataset& dataset) {
   for (const char* column : {"geometry", "geom", "the_geom", "wkb_geometry", "geom_wkt",
                              "geometry_wkt", "wkb", ".geo", "shape", "polygon", "footprint"}) {
-    options.set("GEOM_POSSIBLE_NAMES", column);
+    options.SetNameValue("GEOM_POSSIBLE_NAMES", column);
     const gdal::QuietErrors errors;
-    gdal::Dataset other(GDALOpenEx(name.c_str(), GDAL_OF_VECTOR, nullptr, options.get(), nullptr));
+    gdal::Dataset other(GDALOpenEx(name.c_str(), GDAL_OF_VECTOR, nullptr, options.List(), nullptr));
     if (other == nullptr || !first_layer_holds_polygons(other.get())) continue;
     dataset = std::move(other);
     return;

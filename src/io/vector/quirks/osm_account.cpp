@@ -97,7 +97,7 @@ class OsmReader {
       if (!read.contains(element.id))
         account.lost.push_back({name, why_lost(element)});
       else if (!is_relation && missing(element) > 0)
-        account.cornered.push_back(name);
+        account.incomplete.push_back(name);
     }
     return account;
   }
@@ -160,13 +160,13 @@ class OsmReader {
   std::string why_lost(const Element& element) const {
     const auto parts = std::ssize(element.parts), lacking = missing(element);
     if (element.id.first && element.type != "multipolygon" && element.type != "boundary")
-      return fmt::format("a relation of type '{}', which is no area", element.type);
+      return fmt::format("a relation of type '{}', not an area", element.type);
     if (lacking > 0)
-      return fmt::format("{} of its {} {} are not in the file", lacking, parts,
+      return fmt::format("the file lacks {} of its {} {}", lacking, parts,
                          element.id.first ? "ways" : "nodes");
-    if (element.id.first) return "its ways make no outline";
+    if (element.id.first) return "its ways form no outline";
     if (parts < 4) return "a way of fewer than three corners";
-    return element.parts.front() == element.parts.back() ? "no area can be made of it"
+    return element.parts.front() == element.parts.back() ? "it forms no area"
                                                          : "a way that is not closed";
   }
 

@@ -18,8 +18,8 @@ namespace tetropolis {
 using OsmId = std::pair<bool, std::int64_t>;
 
 struct OsmAccount {
-  std::vector<Dropped> lost;          ///< "way/204", "relation/300", in the order of the file.
-  std::vector<std::string> cornered;  ///< Ways read, of which nodes are not in the file.
+  std::vector<Dropped> lost;            ///< "way/204", "relation/300", in the order of the file.
+  std::vector<std::string> incomplete;  ///< Ways read, of which nodes are not in the file.
 };
 
 /// Compares the ways and relations of an OSM XML file that are tagged as buildings with those that
