@@ -528,14 +528,15 @@ TEST(CloudDefect, ErrorsOfMisreadPointsNameTheirFile) {
   inserted.insert(kHeader, "abc");
   const CloudCity city;
   for (const std::string& bytes :
-       {scaled(1), scaled(-0.001), scaled(1000), inserted, patched(undamaged().las, 155, 5e5)}) {
+       {scaled(1), scaled(1000), inserted, patched(undamaged().las, 155, 5e5)}) {
     city.write_bytes("a.las", bytes);
     for (const std::function<void(Config&)>& change :
          {std::function<void(Config&)>(no_bounds), std::function<void(Config&)>(terrain_only)}) {
       const CloudOutcome outcome = city.run(change);
       if (!outcome.failed) continue;  // the terrain of wrong points, with a warning
-      const std::size_t hint = outcome.message.find((city.folder() / "a.las").string() +
-                                                    ": 10000 of 10000 points lie outside the header's box");
+      const std::size_t hint =
+          outcome.message.find((city.folder() / "a.las").string() +
+                               ": 10000 of 10000 points lie outside the header's box");
       EXPECT_NE(hint, std::string::npos) << outcome.message;
     }
     EXPECT_TRUE(city.run(no_bounds).failed);
@@ -547,7 +548,8 @@ TEST(CloudDefect, ErrorsOfMisreadPointsNameTheirFile) {
   city.write_bytes("a.las", few);
   const CloudOutcome outcome = city.run([](Config& config) { config.bounds = {0, 0, 10, 10}; });
   ASSERT_TRUE(outcome.failed);
-  EXPECT_EQ(outcome.message.find("lie outside the header's box"), std::string::npos) << outcome.message;
+  EXPECT_EQ(outcome.message.find("lie outside the header's box"), std::string::npos)
+      << outcome.message;
 }
 
 /// Without bounds and footprints only the points themselves tell where the terrain is.
