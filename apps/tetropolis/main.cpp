@@ -25,7 +25,7 @@
 #include "tetropolis/core/system_memory.h"
 #include "tetropolis/core/threads.h"
 #include "tetropolis/core/version.h"
-#include "tetropolis/io/file/atomic_file.h"
+#include "tetropolis/io/file/write_file.h"
 #include "tetropolis/run/output_folder.h"
 #include "tetropolis/run/run.h"
 
@@ -208,7 +208,7 @@ void init(const std::string& path) {
     put(stdout, text);
     return;
   }
-  // AtomicFile says what is wrong with the path. Links to nothing are in the way, too.
+  // write_file says what is wrong with the path. Links to nothing are in the way, too.
   std::error_code ignored;
   if (fs::exists(fs::symlink_status(path, ignored)))
     throw Error(ErrorKind::kUsage, fmt::format("{}: exists already; choose another name", path));
@@ -216,9 +216,7 @@ void init(const std::string& path) {
   if (!folder.empty() && !fs::is_directory(folder, ignored))
     throw Error(ErrorKind::kUsage,
                 fmt::format("{}: there is no folder {}; make it first", path, folder.string()));
-  AtomicFile file(path);
-  file.write(text);
-  file.commit();
+  write_file(path, text);
 }
 
 /// One line for what CLI11 could not parse, with the nearest option.

@@ -12,10 +12,10 @@
 #include <unistd.h>
 
 #include "tetropolis/core/error.h"
-#include "tetropolis/io/file/atomic_file.h"
 
 #include "earlier_results.h"
 #include "folders.h"
+#include "io/file/atomic_file.h"
 #include "result_files.h"
 
 namespace tetropolis {

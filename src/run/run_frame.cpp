@@ -11,8 +11,9 @@
 #include "tetropolis/core/error.h"
 #include "tetropolis/core/threads.h"
 #include "tetropolis/core/version.h"
-#include "tetropolis/io/file/atomic_file.h"
 
+
+#include "io/file/atomic_file.h"
 #include "result_files.h"
 
 namespace tetropolis {

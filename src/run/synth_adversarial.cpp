@@ -6,10 +6,10 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include "tetropolis/io/file/atomic_file.h"
 #include "tetropolis/io/las/las.h"
 #include "tetropolis/synth/adversarial_city.h"
 
+#include "io/file/atomic_file.h"
 #include "io/vector/raw_vector.h"
 #include "result_files.h"
 

@@ -13,10 +13,10 @@
 #include <gtest/gtest.h>
 
 #include "tetropolis/core/error.h"
-#include "tetropolis/io/file/atomic_file.h"
 #include "tetropolis/run/output_folder.h"
 #include "tetropolis/run/run.h"
 
+#include "io/file/atomic_file.h"
 #include "program.h"
 #include "support/test_data.h"
 

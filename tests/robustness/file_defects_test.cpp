@@ -120,15 +120,16 @@ TEST_F(FileDefects, ShapefileCutOrWithWrongCounts) {
     for (int k = 0; k < 4; ++k)
       index[24 + static_cast<std::size_t>(k)] = static_cast<char>(words >> (24 - 8 * k));
     write_bytes(folder / "a.shx", index);
-    expect_input_error(run(path), path,
-                       std::to_string(records) + " shapes by its index, but 6 attribute records");
+    expect_input_error(
+        run(path), path,
+        "its index has " + std::to_string(records) + " shapes, but a.dbf has 6 records");
   }
   restore();
   // Attributes for three of six: the others have none.
   std::string table = sound["dbf"];
   table[4] = 3;
   write_bytes(folder / "a.dbf", table);
-  expect_input_error(run(path), path, "6 shapes by its index, but 3 attribute records");
+  expect_input_error(run(path), path, "its index has 6 shapes, but a.dbf has 3 records");
   for (const std::size_t size : {20UL, 100UL, sound["dbf"].size() - 20}) {
     write_bytes(folder / "a.dbf", sound["dbf"].substr(0, size));
     expect_input_error(run(path), folder / "a.dbf", "the file is cut");
@@ -192,9 +193,8 @@ TEST_F(FileDefects, GeoPackageWithSeveralLayers) {
   copy_layer(folder / "lamps.csv", path, "lamps");
   expect_all_buildings(run(path));  // one layer of polygons only
   copy_layer(folder / "old.gpkg", path, "town_1990");
-  expect_input_error(
-      run(path), path,
-      "has several layers of polygons; name one of these by --layer: town, town_1990");
+  expect_input_error(run(path), path,
+                     "has several layers of polygons; set layer to one of: town, town_1990");
   layer = "town_1990";
   expect_all_buildings(run(path));
   layer = "lamps";
@@ -249,7 +249,7 @@ TEST_F(FileDefects, NoVectorFileAtAll) {
 TEST_F(FileDefects, HeightsThatAreNoNumbers) {
   height_attribute = "id";
   const fs::path path = write("a.gpkg");
-  expect_input_error(run(path), path, "attribute 'id' holds no heights (feature west: 'west')");
+  expect_input_error(run(path), path, "attribute 'id' has no usable height (feature west: 'west')");
   height_attribute = "hieght";
   expect_input_error(run(path), path, "it has: id, height");
   height_attribute = "height";

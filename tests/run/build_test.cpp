@@ -570,7 +570,7 @@ TEST_F(Build, MeshRefusesWhatIsNotInMetres) {
     EXPECT_TRUE(file.violations.empty()) << file.name << ": " << file.violations[0].what;
   fs::remove_all(scratch / "mesh");
   said = refusal("EPSG:3006+5715", "EPSG:3006");
-  EXPECT_TRUE(says(said, "foreign.city.json", "heights that count downwards")) << said;
+  EXPECT_TRUE(says(said, "foreign.city.json", "depths instead of heights")) << said;
   // GDAL gives the band of a terrain in depths the unit of its system, without the direction.
   said = refusal("EPSG:3006", "EPSG:3006+5715", "metre");
   EXPECT_TRUE(says(said, "foreign.vrt", "counted downwards")) << said;

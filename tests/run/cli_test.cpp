@@ -986,9 +986,7 @@ TEST_F(Cli, NotesStayOneLineWhateverTheNames) {
       run("city --footprints 'two\nlines/footprints.shp' --points two* --out result --log run.log");
   EXPECT_EQ(outcome.code, 0) << outcome.err;
   for (const std::string& text : {outcome.err, bytes_of(scratch / "run.log")})
-    EXPECT_NE(text.find(": two lines/footprints.shp: does not state its coordinate"),
-              std::string::npos)
-        << text;
+    EXPECT_NE(text.find(": two lines/footprints.shp: states no CRS"), std::string::npos) << text;
 }
 
 /// As a shell makes them of `--footprints *.shp`, or of a folder's name with a blank in it.
@@ -1022,8 +1020,7 @@ TEST_F(Cli, AReferenceSystemThatNobodyKnowsIsNamedAsTheReason) {
          {"type": "Polygon", "coordinates": [[[0, 0], [9, 0], [9, 9], [0, 0]]]}}]})";
   const Outcome outcome = run("info a.geojson");
   EXPECT_EQ(outcome.code, 3);
-  EXPECT_NE(outcome.err.find("a.geojson: states a coordinate reference system that PROJ does not"),
-            std::string::npos)
+  EXPECT_NE(outcome.err.find("a.geojson: states a CRS that PROJ does not"), std::string::npos)
       << outcome.err;
 }
 

@@ -5,7 +5,6 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
-#include <limits>
 #include <optional>
 #include <system_error>
 #include <utility>
@@ -14,8 +13,6 @@
 
 #include "tetropolis/city/city_model.h"
 
-#include "core/median.h"
-
 namespace tetropolis {
 
 namespace {
@@ -23,10 +20,6 @@ namespace {
 Point3 read_triple(const Place& place) {
   if (place.size() != 3) place.fail("is not an array of three numbers");
   return {place.at(0).number(), place.at(1).number(), place.at(2).number()};
-}
-
-bool is_finite(const Point3& p) {
-  return std::isfinite(p[0]) && std::isfinite(p[1]) && std::isfinite(p[2]);
 }
 
 constexpr double kMostMetres = 1e12;  ///< Of coordinates.
@@ -99,9 +92,7 @@ class FaceReader {
     const auto index = value.get<std::uint64_t>();
     if (index >= frame_.vertices.size())
       ring.at(i).fail(fmt::format("is vertex {} of {}", index, frame_.vertices.size()));
-    const Point3& point = frame_.vertices[static_cast<std::size_t>(index)];
-    if (!is_finite(point)) ring.at(i).fail(fmt::format("is vertex {}, which is broken", index));
-    return point;
+    return frame_.vertices[static_cast<std::size_t>(index)];
   }
 
   const CityFrame& frame_;
@@ -129,26 +120,9 @@ std::optional<double> level_of_detail(const Place& geometry) {
   return error == std::errc() ? std::optional(level) : std::nullopt;
 }
 
-/// Makes vertices not finite that are so far from most that no city reaches there: one such would
-/// take the origin with it.
-void drop_wild(std::vector<Point3>& vertices, const Point3& scale) {
-  constexpr double kFarthest = 1e6;  // metres
-  constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
-  for (std::size_t axis = 0; axis < 2; ++axis) {
-    std::vector<double> values;
-    for (const Point3& v : vertices)
-      if (std::isfinite(v[axis])) values.push_back(v[axis]);
-    if (values.empty()) return;
-    const double middle = median(values);
-    for (Point3& v : vertices)
-      if (std::abs(v[axis] - middle) * std::abs(scale[axis]) > kFarthest) v = {kNaN, kNaN, kNaN};
-  }
-}
-
 }  // namespace
 
-CityFrame read_vertices(const Place& root, bool keep_broken) {
-  constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+CityFrame read_vertices(const Place& root) {
   Point3 scale{1, 1, 1};
   Point3 translate{0, 0, 0};
   const bool transformed = root.has("transform");
@@ -163,22 +137,16 @@ CityFrame read_vertices(const Place& root, bool keep_broken) {
   const Place list = root.at("vertices");
   const std::size_t size = list.size();
   frame.vertices.reserve(size);
+  Bounds2 box = Bounds2::nothing();
   for (std::size_t i = 0; i < size; ++i) {
     // The long list of the document: the way to an item is spelt out only where it is wrong.
     const Json& v = list.value()[i];
-    const bool good =
-        v.is_array() && v.size() == 3 && v[0].is_number() && v[1].is_number() && v[2].is_number();
-    if (!good && !keep_broken) list.at(i).fail("is not an array of three numbers");
-    frame.vertices.push_back(
-        good ? Point3{v[0].get<double>(), v[1].get<double>(), v[2].get<double>()}
-             : Point3{kNaN, kNaN, kNaN});
-  }
-  Bounds2 box = Bounds2::nothing();
-  if (keep_broken) drop_wild(frame.vertices, scale);
-  const auto is_near_earth = [](double v) { return std::abs(v) <= kMostMetres; };
-  for (const Point3& v : frame.vertices) {
-    const Point2 p{translate[0] + v[0] * scale[0], translate[1] + v[1] * scale[1]};
-    if (!keep_broken || (is_near_earth(p.x) && is_near_earth(p.y))) box.extend(p);
+    if (!v.is_array() || v.size() != 3 || !v[0].is_number() || !v[1].is_number() ||
+        !v[2].is_number())
+      list.at(i).fail("is not an array of three numbers");
+    const Point3 point{v[0].get<double>(), v[1].get<double>(), v[2].get<double>()};
+    frame.vertices.push_back(point);
+    box.extend(Point2{translate[0] + point[0] * scale[0], translate[1] + point[1] * scale[1]});
   }
   const Point2 origin{translate[0], translate[1]};
   if (transformed && is_whole(origin.x) && is_whole(origin.y) &&
@@ -191,9 +159,7 @@ CityFrame read_vertices(const Place& root, bool keep_broken) {
     for (std::size_t axis = 0; axis < 3; ++axis) {
       double& v = frame.vertices[i][axis];
       v = snap_coordinate(v * scale[axis] + shift[axis]);
-      if (is_near_earth(v)) continue;
-      if (!keep_broken) list.at(i).fail("is not finite or beyond 1e12 m");
-      v = kNaN;
+      if (!(std::abs(v) <= kMostMetres)) list.at(i).fail("is not finite or beyond 1e12 m");
     }
   return frame;
 }

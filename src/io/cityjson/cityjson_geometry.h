@@ -11,16 +11,15 @@
 
 namespace tetropolis {
 
-/// Vertices of the file in the local frame. Not finite where the file has no such vertex.
+/// Vertices of the file in the local frame.
 struct CityFrame {
   std::vector<Point3> vertices;
   Point2 origin;
 };
 
 /// Of the document's `vertices` and `transform`, on the grid of coordinates. The origin is the
-/// translation if that is in whole metres, else at the lowest vertex. What is no vertex is an error
-/// that names it; if `keep_broken`, a vertex that is not finite.
-CityFrame read_vertices(const Place& root, bool keep_broken);
+/// translation if that is in whole metres, else at the lowest vertex.
+CityFrame read_vertices(const Place& root);
 
 /// Why an object has no faces, or its faces.
 struct ObjectFaces {
@@ -28,8 +27,7 @@ struct ObjectFaces {
   std::string reason;
 };
 
-/// The faces of a city object at its highest level of detail from 1 on. Vertices that are not
-/// finite are errors.
+/// The faces of a city object at its highest level of detail from 1 on.
 ObjectFaces read_faces(const Place& object, const CityFrame& frame);
 
 }  // namespace tetropolis

@@ -92,10 +92,9 @@ Document parse(const fs::path& path) {
   if (!Json::sax_parse(text, &scan))
     fail_input(path,
                text.find("\"CityJSONFeature\"") != std::string::npos
-                   ? "is a sequence of city objects, which is not read; make one CityJSON of it "
-                     "(the program cjseq does that: cjseq collect)"
+                   ? "is a CityJSON sequence, which cannot be read; convert it with 'cjseq collect'"
                : scan.out_of_range
-                   ? fmt::format("holds a number out of range at byte {}; the file is broken",
+                   ? fmt::format("has a number out of range at byte {}; get the file again",
                                  scan.error_byte)
                    : fmt::format("is not valid JSON after byte {}; the file is cut or not CityJSON",
                                  scan.error_byte));
@@ -105,43 +104,6 @@ Document parse(const fs::path& path) {
       fail_input(path, fmt::format("/CityObjects has two members '{}'", key));
   return {Json::parse(text), std::move(scan.keys)};
 }
-
-/// The types of objects of CityJSON 1.0 to 2.0 that are no buildings.
-constexpr std::array<std::string_view, 35> kOtherTypes = {"Bridge",
-                                                          "BridgePart",
-                                                          "BridgeInstallation",
-                                                          "BridgeConstructionElement",
-                                                          "BridgeConstructiveElement",
-                                                          "BridgeRoom",
-                                                          "BridgeFurniture",
-                                                          "BuildingInstallation",
-                                                          "BuildingConstructiveElement",
-                                                          "BuildingFurniture",
-                                                          "BuildingStorey",
-                                                          "BuildingRoom",
-                                                          "BuildingUnit",
-                                                          "CityFurniture",
-                                                          "CityObjectGroup",
-                                                          "GenericCityObject",
-                                                          "LandUse",
-                                                          "OtherConstruction",
-                                                          "PlantCover",
-                                                          "Railway",
-                                                          "Road",
-                                                          "SolitaryVegetationObject",
-                                                          "Square",
-                                                          "TINRelief",
-                                                          "TransportSquare",
-                                                          "TransportationComplex",
-                                                          "Track",
-                                                          "Tunnel",
-                                                          "TunnelPart",
-                                                          "TunnelInstallation",
-                                                          "TunnelConstructiveElement",
-                                                          "TunnelHollowSpace",
-                                                          "TunnelFurniture",
-                                                          "WaterBody",
-                                                          "Waterway"};
 
 /// Attributes of our own files; members that are missing keep their defaults.
 void read_attributes(const Place& attributes, Building& building) {
@@ -210,8 +172,7 @@ class CityReader {
   void add(const Place& object, const std::string& key) {
     const std::string& type = object.at("type").text();
     if (type != "Building" && type != "BuildingPart") {
-      if (std::find(kOtherTypes.begin(), kOtherTypes.end(), type) == kOtherTypes.end())
-        unknown_types_.push_back(type);
+      if (type.starts_with('+')) extension_types_.push_back(type);
       return;
     }
     ObjectFaces geometry = read_faces(object, frame_);
@@ -244,8 +205,8 @@ class CityReader {
   /// Ids of buildings of ours whose solid is not what their ground and attributes make.
   const std::vector<std::string>& other_solids() const { return other_solids_; }
 
-  /// Of objects whose type is none of CityJSON's own.
-  const std::vector<std::string>& unknown_types() const { return unknown_types_; }
+  /// Of objects of extensions.
+  const std::vector<std::string>& extension_types() const { return extension_types_; }
 
   /// How many roofs of others reach higher than the height they get.
   std::size_t flattened() const { return flattened_; }
@@ -309,7 +270,7 @@ class CityReader {
   std::unordered_set<std::string> keys_;
   CityModel& model_;
   std::vector<std::string> other_solids_;
-  std::vector<std::string> unknown_types_;
+  std::vector<std::string> extension_types_;
   std::size_t flattened_ = 0;
 };
 
@@ -325,9 +286,9 @@ void check_type(const Place& root) {
 
 std::string crs_at(const Place& system) {
   const double unit = vertical_unit_metres(system.text());
-  if (unit < 0) system.fail("has heights that count downwards; convert them to heights in metres");
+  if (unit < 0) system.fail("has depths instead of heights; convert them to heights in metres");
   if (!is_metre(unit))
-    system.fail(fmt::format("has heights in units of {} m; convert them to metres", unit));
+    system.fail(fmt::format("has heights in units of {} m; convert the model to metres", unit));
   try {
     return normalise_crs(system.text());
   } catch (const Error& error) {
@@ -404,21 +365,23 @@ void warn_of_objects(const fs::path& path, const CityReader& reader,
   };
   if (!dropped.empty())
     warn("city_objects_dropped", dropped.size(),
-         fmt::format("{} buildings or parts have no usable geometry, the first, {}: {}",
+         fmt::format("{} buildings or parts without usable geometry were dropped (first: {}, {})",
                      dropped.size(), dropped.front().source_id, dropped.front().reason));
-  warn("city_roofs_flattened", reader.flattened(),
-       "parts of roofs are left out that reach higher than nine tenths of the roof's area");
-  const std::vector<std::string>& unknown = reader.unknown_types();
+  warn(
+      "city_roofs_flattened", reader.flattened(),
+      fmt::format("{} roofs became flat at the height that nine tenths of their area do not exceed",
+                  reader.flattened()));
+  const std::vector<std::string>& unknown = reader.extension_types();
   warn("city_types_unknown", unknown.size(),
-       fmt::format("{} objects are left out that have a type which is none of CityJSON's own "
-                   "(the first: {}); make them Buildings if they are",
+       fmt::format("{} objects of extension types were left out (first: {}); change their type to "
+                   "Building if they are buildings",
                    unknown.size(), unknown.empty() ? "" : unknown.front()));
   const std::vector<std::string>& other = reader.other_solids();
-  warn(
-      "city_solids_differ", other.size(),
-      fmt::format("the solids of {} buildings (the first: {}) are not what their ground faces make "
-                  "from h_ground to h_roof; the ground faces and these attributes are used",
-                  other.size(), other.empty() ? "" : other.front()));
+  warn("city_solids_differ", other.size(),
+       fmt::format(
+           "{} solids differ from their ground extruded from h_ground to h_roof (first: {}); "
+           "the ground and these attributes are used",
+           other.size(), other.empty() ? "" : other.front()));
 }
 
 }  // namespace
@@ -429,7 +392,7 @@ CityModel read_city(const fs::path& path, std::vector<Warning>* warnings, Broken
   check_type(root);
   // A file of ours that contradicts itself has been damaged, and who knows where else.
   const bool drop_broken = broken == BrokenObjects::kDrop && !root.has("tetropolis");
-  const CityFrame frame = read_vertices(root, drop_broken);
+  const CityFrame frame = read_vertices(root);
   CityModel model;
   model.origin = frame.origin;
   model.crs = read_crs(root);
@@ -448,10 +411,10 @@ CityModel read_city(const fs::path& path, std::vector<Warning>* warnings, Broken
   if (warnings != nullptr) {
     warn_of_objects(path, reader, std::span(model.dropped).subspan(dropped_before), *warnings);
     if (!states_its_extent(root, frame))
-      warnings->push_back({"city_extent_differs", 1,
-                           path.string() +
-                               ": metadata.geographicalExtent is not that of the vertices, and is "
-                               "not used"});
+      warnings->push_back(
+          {"city_extent_differs", 1,
+           path.string() + ": metadata.geographicalExtent is not the extent of the vertices; it "
+                           "is ignored"});
   }
   return model;
 }

@@ -9,11 +9,13 @@
 #include <unordered_map>
 
 #include <fmt/format.h>
+#include <nlohmann/json.hpp>
 
 #include "tetropolis/geometry/polygon.h"
 #include "tetropolis/io/cityjson/cityjson.h"
 #include "tetropolis/io/crs/crs.h"
-#include "tetropolis/io/file/atomic_file.h"
+
+#include "io/file/atomic_file.h"
 
 namespace tetropolis {
 
@@ -32,42 +34,9 @@ void put_number(Buffer& out, double value) {
   put(out, {text.data(), static_cast<std::size_t>(end - text.data())});
 }
 
-/// Length of the well-formed UTF-8 sequence at `at` (Unicode 15, table 3-7), 0 if it is none.
-std::size_t utf8_length(std::string_view s, std::size_t at) {
-  const auto byte = [&](std::size_t i) {
-    return i < s.size() ? static_cast<unsigned char>(s[i]) : static_cast<unsigned char>(0);
-  };
-  const unsigned char first = byte(at);
-  if (first < 0x80) return 1;
-  const std::size_t length = first >= 0xF0 ? 4 : first >= 0xE0 ? 3 : 2;
-  if (first < 0xC2 || first > 0xF4) return 0;
-  const unsigned char second = byte(at + 1);
-  const unsigned char low = first == 0xE0 ? 0xA0 : first == 0xF0 ? 0x90 : 0x80;
-  const unsigned char high = first == 0xED ? 0x9F : first == 0xF4 ? 0x8F : 0xBF;
-  if (second < low || second > high) return 0;
-  for (std::size_t k = 2; k < length; ++k)
-    if ((byte(at + k) & 0xC0) != 0x80) return 0;
-  return length;
-}
-
-void put_string(Buffer& out, std::string_view text) {
-  out.push_back('"');
-  for (std::size_t i = 0; i < text.size();) {
-    const char c = text[i];
-    const std::size_t length = utf8_length(text, i);
-    if (c == '"' || c == '\\') {
-      out.push_back('\\');
-      out.push_back(c);
-    } else if (static_cast<unsigned char>(c) < 0x20) {
-      fmt::format_to(std::back_inserter(out), "\\u{:04x}", static_cast<unsigned>(c));
-    } else if (length == 0) {
-      put(out, "\xEF\xBF\xBD");  // The replacement character.
-    } else {
-      put(out, text.substr(i, length));
-    }
-    i += std::max<std::size_t>(length, 1);
-  }
-  out.push_back('"');
+/// Bytes that are no UTF-8 become the replacement character.
+void put_string(Buffer& out, const std::string& text) {
+  put(out, nlohmann::json(text).dump(-1, ' ', false, nlohmann::json::error_handler_t::replace));
 }
 
 template <typename List, typename Put>
@@ -193,34 +162,31 @@ void put_building(Buffer& out, const Building& building, VertexTable& vertices) 
 
 void put_metadata(Buffer& out, const CityModel& model, const std::string& title,
                   const std::string& crs, const VertexTable& vertices) {
-  std::vector<std::string> members;
-  const auto member = [&](std::string_view name, const auto& put_value) {
-    Buffer text;
-    put_string(text, name);
-    text.push_back(':');
-    put_value(text);
-    members.push_back(fmt::to_string(text));
+  const char* separator = "\"metadata\":{";
+  const auto name = [&](const std::string& key) {
+    put(out, separator);
+    put_string(out, key);
+    out.push_back(':');
+    separator = ",";
   };
-  if (!title.empty()) member("title", [&](Buffer& text) { put_string(text, title); });
-  if (crs.starts_with("EPSG:"))
-    member("referenceSystem", [&](Buffer& text) {
-      put_string(text, "https://www.opengis.net/def/crs/EPSG/0/" + crs.substr(5));
-    });
-  if (!vertices.vertices().empty())
-    member("geographicalExtent", [&](Buffer& text) {
-      const std::array<double, 3> origin = {model.origin.x, model.origin.y, 0};
-      std::vector<double> extent;
-      for (const VertexTable::Key& corner : {vertices.min(), vertices.max()})
-        for (std::size_t axis = 0; axis < 3; ++axis)
-          extent.push_back(origin[axis] + static_cast<double>(corner[axis]) / kStepsPerMetre);
-      put_list(text, extent, [&](double v) { put_number(text, v); });
-    });
-  put(out, "\"metadata\":{");
-  for (std::size_t i = 0; i < members.size(); ++i) {
-    if (i > 0) out.push_back(',');
-    put(out, members[i]);
+  if (!title.empty()) {
+    name("title");
+    put_string(out, title);
   }
-  put(out, "},\n");
+  if (crs.starts_with("EPSG:")) {
+    name("referenceSystem");
+    put_string(out, "https://www.opengis.net/def/crs/EPSG/0/" + crs.substr(5));
+  }
+  if (!vertices.vertices().empty()) {
+    name("geographicalExtent");
+    const std::array<double, 3> origin = {model.origin.x, model.origin.y, 0};
+    std::vector<double> extent;
+    for (const VertexTable::Key& corner : {vertices.min(), vertices.max()})
+      for (std::size_t axis = 0; axis < 3; ++axis)
+        extent.push_back(origin[axis] + static_cast<double>(corner[axis]) / kStepsPerMetre);
+    put_list(out, extent, [&](double v) { put_number(out, v); });
+  }
+  put(out, *separator == ',' ? "},\n" : "\"metadata\":{},\n");
 }
 
 void put_account(Buffer& out, const CityModel& model, const std::string& crs) {

@@ -27,37 +27,13 @@ bool is_code(std::string_view text) {
          std::all_of(text.begin(), text.end(), [](char c) { return c >= '0' && c <= '9'; });
 }
 
-/// The code in an address of the OGC; "" if it is none of EPSG's.
-std::string code_in_url(const std::string& url) {
-  // Behind it the version of the database, 0 for any, and the code.
-  constexpr std::string_view kUrl = "opengis.net/def/crs/EPSG/";
-  const std::size_t at = url.find(kUrl);
-  const std::size_t slash = at == std::string::npos ? at : url.find('/', at + kUrl.size());
-  if (slash == std::string::npos) return "";
-  const std::string code = url.substr(slash + 1);
-  return is_code(code) ? code : "";
-}
-
-/// Turns the shorthands that GDAL does not know into ones it does.
+/// A bare code is one of EPSG's.
 std::string expand_shorthand(const std::string& text) {
   const std::size_t first = text.find_first_not_of(" \t\r\n");
   if (first == std::string::npos) return "";
   const std::size_t last = text.find_last_not_of(" \t\r\n");
   const std::string trimmed = text.substr(first, last - first + 1);
-  if (is_code(trimmed)) return "EPSG:" + trimmed;
-  // A compound system as two addresses.
-  constexpr std::string_view kCompound = "opengis.net/def/crs-compound?1=";
-  const std::size_t compound = trimmed.find(kCompound);
-  const std::size_t second = trimmed.find("&2=");
-  if (compound != std::string::npos && second != std::string::npos) {
-    const std::size_t begin = compound + kCompound.size();
-    const std::string horizontal =
-        code_in_url(trimmed.substr(begin, std::max(second, begin) - begin));
-    const std::string vertical = code_in_url(trimmed.substr(second + 3));
-    if (!horizontal.empty() && !vertical.empty()) return "EPSG:" + horizontal + "+" + vertical;
-  }
-  const std::string code = code_in_url(trimmed);
-  return code.empty() ? trimmed : "EPSG:" + code;
+  return is_code(trimmed) ? "EPSG:" + trimmed : trimmed;
 }
 
 /// GDAL would also take file names and addresses, and read them; a definition has a mark of its
@@ -65,7 +41,11 @@ std::string expand_shorthand(const std::string& text) {
 bool is_definition(std::string_view text) {
   constexpr std::array<std::string_view, 4> kNames = {"WGS84", "WGS72", "NAD83", "NAD27"};
   if (text.empty() || text[0] == '/' || text[0] == '.') return false;
-  if (text.find("://") < text.find_first_of("[{")) return false;
+  // Of addresses PROJ reads OGC's itself, without a network.
+  const std::size_t address = text.find("://");
+  if (address < text.find_first_of("[{") &&
+      text.find("opengis.net/def/crs") > address + std::string_view("://www.").size())
+    return false;
   return text.find_first_of(":[{=") != std::string_view::npos ||
          std::find(kNames.begin(), kNames.end(), text) != kNames.end();
 }
@@ -225,7 +205,7 @@ gdal::Srs require_srs(const std::string& text) {
   if (srs == nullptr)
     throw Error(ErrorKind::kUsage, "'" + first_bytes(text, 200) +
                                        "' is not a horizontal coordinate reference system" +
-                                       errors.reason() + "; give it as EPSG:code, for example");
+                                       errors.reason() + "; give an EPSG code or WKT");
   return srs;
 }
 

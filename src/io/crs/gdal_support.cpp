@@ -5,6 +5,7 @@
 #include <string>
 #include <string_view>
 
+#include <cpl_vsi.h>
 #include <fmt/format.h>
 
 #include "tetropolis/core/error.h"
@@ -101,16 +102,24 @@ void QuietErrors::reset() {
   passed_over_.clear();
 }
 
-ThreadOption::ThreadOption(const char* key, const char* value) : key_(key) {
-  if (const char* previous = CPLGetThreadLocalConfigOption(key, nullptr)) {
-    previous_ = previous;
-    had_previous_ = true;
-  }
-  CPLSetThreadLocalConfigOption(key, value);
+MemoryFolder::MemoryFolder()
+    : path_(fmt::format("/vsimem/tetropolis-{}", static_cast<const void*>(this))) {}
+
+MemoryFolder::~MemoryFolder() { VSIRmdirRecursive(path_.c_str()); }
+
+std::vector<std::string> MemoryFolder::names() const {
+  char** const list = VSIReadDir(path_.c_str());
+  std::vector<std::string> names;
+  for (char** name = list; name != nullptr && *name != nullptr; ++name) names.emplace_back(*name);
+  CSLDestroy(list);
+  return names;
 }
 
-ThreadOption::~ThreadOption() {
-  CPLSetThreadLocalConfigOption(key_.c_str(), had_previous_ ? previous_.c_str() : nullptr);
+std::string_view MemoryFolder::bytes(const std::string& name) const {
+  vsi_l_offset size = 0;
+  const GByte* data = VSIGetMemFileBuffer(path(name).c_str(), &size, FALSE);
+  if (data == nullptr) return {};
+  return {reinterpret_cast<const char*>(data), static_cast<std::size_t>(size)};
 }
 
 }  // namespace tetropolis::gdal

@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <memory>
 #include <string>
+#include <string_view>
 #include <type_traits>
 #include <vector>
 
@@ -71,20 +72,6 @@ class QuietErrors {
   std::vector<std::string> passed_over_;
 };
 
-/// Sets a configuration option of this thread while it lives.
-class ThreadOption {
- public:
-  ThreadOption(const char* key, const char* value);
-  ~ThreadOption();
-  ThreadOption(const ThreadOption&) = delete;
-  ThreadOption& operator=(const ThreadOption&) = delete;
-
- private:
-  std::string key_;
-  std::string previous_;
-  bool had_previous_ = false;
-};
-
 struct SrsDeleter {
   void operator()(OGRSpatialReferenceH srs) const { OSRDestroySpatialReference(srs); }
 };
@@ -106,21 +93,22 @@ struct FeatureDeleter {
 };
 using Feature = std::unique_ptr<std::remove_pointer_t<OGRFeatureH>, FeatureDeleter>;
 
-/// A list of "KEY=value" strings.
-class StringList {
+/// A folder of GDAL's in memory while it lives.
+class MemoryFolder {
  public:
-  StringList& set(const char* key, const char* value) {
-    list_ = CSLSetNameValue(list_, key, value);
-    return *this;
-  }
-  StringList() = default;
-  ~StringList() { CSLDestroy(list_); }
-  StringList(const StringList&) = delete;
-  StringList& operator=(const StringList&) = delete;
-  char** get() const { return list_; }
+  MemoryFolder();
+  ~MemoryFolder();
+  MemoryFolder(const MemoryFolder&) = delete;
+  MemoryFolder& operator=(const MemoryFolder&) = delete;
+
+  /// The name for GDAL of a file in it.
+  std::string path(const std::string& name) const { return path_ + "/" + name; }
+  std::vector<std::string> names() const;
+  /// Of a file, while nobody writes it; empty if there is none.
+  std::string_view bytes(const std::string& name) const;
 
  private:
-  char** list_ = nullptr;
+  std::string path_;
 };
 
 /// Parses what normalise_crs accepts, and vertical systems. Null as below.

@@ -1,4 +1,4 @@
-#include "tetropolis/io/file/atomic_file.h"
+#include "atomic_file.h"
 
 #include <algorithm>
 #include <cassert>
@@ -11,6 +11,7 @@
 #include <unistd.h>
 
 #include "tetropolis/core/error.h"
+#include "tetropolis/io/file/write_file.h"
 
 namespace tetropolis {
 
@@ -152,6 +153,12 @@ void AtomicFile::commit() {
   fs::rename(temporary_, target_, error);
   if (error) throw_cannot_write(target_, error.message());
   committed_ = true;
+}
+
+void write_file(const fs::path& path, std::string_view bytes) {
+  AtomicFile file(path);
+  file.write(bytes);
+  file.commit();
 }
 
 }  // namespace tetropolis

@@ -11,8 +11,8 @@
 #include <vector>
 
 #include "tetropolis/core/progress.h"
-#include "tetropolis/io/file/atomic_file.h"
 
+#include "atomic_file.h"
 #include "chunked_output.h"
 #include "compressed_blocks.h"
 #include "hdf5_output.h"

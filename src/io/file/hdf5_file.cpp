@@ -16,7 +16,7 @@
 #include <H5FDdevelop.h>
 #endif
 
-#include "tetropolis/io/file/atomic_file.h"
+#include "atomic_file.h"
 
 namespace tetropolis {
 

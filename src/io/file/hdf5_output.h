@@ -9,8 +9,8 @@
 #include <vector>
 
 #include "tetropolis/core/progress.h"
-#include "tetropolis/io/file/atomic_file.h"
 
+#include "atomic_file.h"
 #include "chunked_output.h"
 
 namespace tetropolis {

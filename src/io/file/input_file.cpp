@@ -27,7 +27,7 @@ void require_ordinary_file(const fs::path& path) {
     case fs::file_type::directory:
       fail_input(path, "is a folder; name a file");
     default:
-      fail_input(path, "is not an ordinary file; name one that is");
+      fail_input(path, "is not an ordinary file; name one");
   }
 }
 
@@ -35,7 +35,7 @@ void require_memory(const fs::path& path, double bytes, const std::string& task,
                     const std::string& remedy) {
   const double room = usable_memory();
   if (bytes <= room) return;
-  fail_input(path, fmt::format("to {} takes about {:.1f} GB, and {:.1f} GB are there; {}", task,
+  fail_input(path, fmt::format("to {} takes about {:.1f} GB, but {:.1f} GB are free; {}", task,
                                bytes / 1e9, room / 1e9, remedy));
 }
 

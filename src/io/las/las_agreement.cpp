@@ -17,12 +17,11 @@ std::string common_crs(std::span<const LasSystemOfFile> files) {
     if (first == nullptr)
       first = &file;
     else if (!same_horizontal_crs(first->info->crs, crs))
-      throw Error(
-          ErrorKind::kInput,
-          fmt::format("{} is in {} but {} is in {}; convert one of them or state the system "
-                      "of all (--points-crs)",
-                      first->path->string(), first->info->crs.substr(0, 80), file.path->string(),
-                      crs.substr(0, 80)));
+      throw Error(ErrorKind::kInput,
+                  fmt::format("{} is in {}, but {} in {}; convert one, or name the CRS of all with "
+                              "points_crs",
+                              first->path->string(), first->info->crs.substr(0, 80),
+                              file.path->string(), crs.substr(0, 80)));
   }
   return first == nullptr ? "" : first->info->crs;
 }
@@ -41,11 +40,11 @@ std::optional<Warning> mixed_heights(std::span<const LasSystemOfFile> files) {
   if (other == nullptr) return std::nullopt;
   return Warning{
       "las_heights_mixed", count,
-      fmt::format("point files give their heights in another system than {} ({}), the first {} "
-                  "({}); heights are not converted: if the names do not mean the same, convert "
-                  "the files",
-                  first->path->string(), first->info->vertical_crs, other->path->string(),
-                  other->info->vertical_crs)};
+      fmt::format(
+          "{} has heights in {}, but {} in {}; heights are not converted, convert the files "
+          "if these differ",
+          first->path->string(), first->info->vertical_crs, other->path->string(),
+          other->info->vertical_crs)};
 }
 
 }  // namespace tetropolis

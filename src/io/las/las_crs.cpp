@@ -141,19 +141,13 @@ std::string crs_of_keys(const std::vector<Vlr>& vlrs) {
   if (const Vlr* ascii = find(vlrs, kGeoAscii); ascii != nullptr && !ascii->data.empty())
     tiff.add(kGeoAscii, 2, ascii->data.size(), ascii->data);
   std::string bytes = tiff.finish();
-  const std::string name =
-      fmt::format("/vsimem/tetropolis-{}.tif", static_cast<const void*>(&tiff));
+  const gdal::MemoryFolder folder;
+  const std::string name = folder.path("keys.tif");
   VSIFCloseL(VSIFileFromMemBuffer(name.c_str(), reinterpret_cast<GByte*>(bytes.data()),
                                   bytes.size(), FALSE));
-  std::string crs;
-  {
-    constexpr const char* kDrivers[] = {"GTiff", nullptr};
-    const gdal::Dataset dataset(
-        GDALOpenEx(name.c_str(), GDAL_OF_RASTER, kDrivers, nullptr, nullptr));
-    if (dataset != nullptr) crs = gdal::canonical_name(GDALGetSpatialRef(dataset.get()));
-  }
-  VSIUnlink(name.c_str());
-  return crs;
+  constexpr const char* kDrivers[] = {"GTiff", nullptr};
+  const gdal::Dataset dataset(GDALOpenEx(name.c_str(), GDAL_OF_RASTER, kDrivers, nullptr, nullptr));
+  return dataset == nullptr ? "" : gdal::canonical_name(GDALGetSpatialRef(dataset.get()));
 }
 
 std::string crs_of_wkt(const std::vector<Vlr>& vlrs) {
@@ -168,7 +162,7 @@ std::string crs_of(const std::vector<Vlr>& vlrs, bool prefer_wkt) {
   if (find(vlrs, kGeoKeys) == nullptr && find(vlrs, kWkt) == nullptr) return "";
   gdal::initialise();
   const gdal::QuietErrors errors;
-  const gdal::ThreadOption no_side_car("GDAL_PAM_ENABLED", "NO");
+  const CPLConfigOptionSetter no_side_car("GDAL_PAM_ENABLED", "NO", false);
   const std::string first = prefer_wkt ? crs_of_wkt(vlrs) : crs_of_keys(vlrs);
   if (!first.empty()) return first;
   return prefer_wkt ? crs_of_keys(vlrs) : crs_of_wkt(vlrs);

@@ -56,18 +56,10 @@ using LasVisitor = std::function<void(const LasBlock& block)>;
 /// Decodes `count` records from number `first` on and hands them over in blocks of
 /// at most LasBlockBuffer::kMost.
 /// Precondition: first + count <= point count; for LAZ, first is a multiple of layout.chunk_size,
-/// or layout.variable_chunks, or 0. Returns, after the last point of a LAZ file, how many bytes of
-/// compressed points are left before its chunk table, if that is known; otherwise 0. Throws
-/// Error(kInput) with the point number if the file ends before or cannot be decoded.
-std::int64_t decode_points(const std::filesystem::path& path, const LasLayout& layout,
-                           std::int64_t first, std::int64_t count, const LasVisitor& visit);
-
-/// Throws Error(kInput) unless the chunks of a layered LAZ file lie one behind the other as the
-/// sizes of their layers and the table of chunks say: LASzip adds these sizes in 32 bits and trusts
-/// them. What is missing at the end of a cut file is left to decode_points. Returns how many points
-/// the last chunk with points that count states, if chunks are of equal size; -1 for other files,
-/// for which it does nothing if they have no layers.
-std::int64_t check_layers(const std::filesystem::path& path, const LasLayout& layout);
+/// or layout.variable_chunks, or 0. Throws Error(kInput) with the point number if the file ends
+/// before or cannot be decoded.
+void decode_points(const std::filesystem::path& path, const LasLayout& layout, std::int64_t first,
+                   std::int64_t count, const LasVisitor& visit);
 
 /// Throws if an uncompressed file has no room for its count before what follows the points.
 void check_las_length(const std::filesystem::path& path, const LasLayout& layout);

@@ -9,28 +9,21 @@ namespace tetropolis {
 namespace {
 
 /// The numbers whose coordinates, number * scale + offset as it is rounded, lie in [low, high].
-/// These do not decrease with the number (or, with a negative scale, increase), so that the ends
-/// are found by bisection.
+/// These do not decrease with the number, so that the ends are found by bisection.
 NumberRange numbers_within(double scale, double offset, double low, double high) {
-  const auto least_where = [](const auto& holds) {
+  const auto least_where = [&](const auto& holds) {
     std::int64_t below = kAllNumbers.first - std::int64_t{1};
     std::int64_t above = kAllNumbers.last + std::int64_t{1};
     while (above - below > 1) {
       const std::int64_t middle = below + (above - below) / 2;
-      (holds(static_cast<double>(middle)) ? above : below) = middle;
+      (holds(static_cast<double>(middle) * scale + offset) ? above : below) = middle;
     }
     return above;
   };
-  const auto between = [](std::int64_t first, std::int64_t behind) {
-    return first < behind ? NumberRange{static_cast<std::int32_t>(first),
-                                        static_cast<std::int32_t>(behind - 1)}
-                          : NumberRange{};
-  };
-  if (scale > 0)
-    return between(least_where([&](double number) { return number * scale + offset >= low; }),
-                   least_where([&](double number) { return number * scale + offset > high; }));
-  return between(least_where([&](double number) { return number * scale + offset <= high; }),
-                 least_where([&](double number) { return number * scale + offset < low; }));
+  const std::int64_t first = least_where([&](double value) { return value >= low; });
+  const std::int64_t behind = least_where([&](double value) { return value > high; });
+  if (first >= behind) return {};
+  return {static_cast<std::int32_t>(first), static_cast<std::int32_t>(behind - 1)};
 }
 
 }  // namespace
@@ -76,7 +69,7 @@ BoxCheck::BoxCheck(const LasInfo& info) {
     if (std::isnan(info.min[axis] + info.max[axis])) continue;  // it says nothing
     const auto [low, high] = std::minmax(info.min[axis], info.max[axis]);
     // Two steps for what rounding may have cut off.
-    const double margin = 2 * std::abs(info.scale[axis]);
+    const double margin = 2 * info.scale[axis];
     inside_[axis] =
         numbers_within(info.scale[axis], info.offset[axis], low - margin, high + margin);
   }

@@ -6,7 +6,6 @@
 #include <cmath>
 #include <cstring>
 #include <limits>
-#include <optional>
 #include <span>
 
 #include <fmt/format.h>
@@ -56,9 +55,9 @@ std::string read_front(const fs::path& path, const PositionedFile& file) {
   std::string bytes = file.head(375);
   if (bytes.empty()) fail_input(path, "the file is empty; get it again");
   if (bytes.starts_with("PK\3\4"))
-    fail_input(path, "is a ZIP archive; unpack it and name the .las or .laz files that it holds");
+    fail_input(path, "is a ZIP archive; unpack it and name its .las or .laz files");
   if (bytes.substr(0, 4) != "LASF")
-    fail_input(path, "is not a LAS or LAZ file (it does not start with LASF); give a point cloud");
+    fail_input(path, "is not a LAS or LAZ file (it does not start with LASF); name a point cloud");
   if (bytes.size() < 227)
     fail_input(path, fmt::format("ends at byte {} within its header; the file is cut, get it again",
                                  bytes.size()));
@@ -76,8 +75,8 @@ void parse_fixed(const fs::path& path, std::string_view h, LasLayout& layout) {
   const int smallest = info.version_minor == 4 ? 375 : info.version_minor == 3 ? 235 : 227;
   if (header_size < smallest)
     fail_input(path,
-               fmt::format("byte 94 gives a header of {} bytes where LAS 1.{} needs {}; the file "
-                           "is broken",
+               fmt::format("byte 94 gives a header of {} bytes, but LAS 1.{} needs {}; the file is "
+                           "broken, get it again",
                            header_size, info.version_minor, smallest));
   if (h.size() < static_cast<std::size_t>(smallest))
     fail_input(path, fmt::format("ends at byte {} within its header; the file is cut, get it again",
@@ -101,7 +100,7 @@ void parse_fixed(const fs::path& path, std::string_view h, LasLayout& layout) {
   const int needed = kRecordLengths[static_cast<std::size_t>(info.point_format)];
   if (info.record_length < needed)
     fail_input(path,
-               fmt::format("byte 105 gives records of {} bytes where point format {} needs {}; "
+               fmt::format("byte 105 gives records of {} bytes, but point format {} needs {}; "
                            "the file is broken, get it again",
                            info.record_length, info.point_format, needed));
 }
@@ -113,19 +112,12 @@ void parse_numbers(const fs::path& path, std::string_view h, LasInfo& info) {
     info.max[axis] = number_at<double>(h, 179 + 16 * axis);
     info.min[axis] = number_at<double>(h, 187 + 16 * axis);
     // Written so that NaN fails as well.
-    const double scale = std::abs(info.scale[axis]);
-    if (!(scale >= kLeastScale && scale <= kLargestScale &&
+    if (!(info.scale[axis] >= kLeastScale && info.scale[axis] <= kLargestScale &&
           std::abs(info.offset[axis]) <= (axis < 2 ? kLargestOffset : kLargestElevation)))
       fail_input(
           path, fmt::format(
                     "byte {} gives scale {} and offset {} for {}; the file is broken, get it again",
                     131 + 8 * axis, info.scale[axis], info.offset[axis], "xyz"[axis]));
-    if (info.scale[axis] < 0)
-      info.warnings.push_back(
-          {"las_scale_negative", 1,
-           fmt::format("{}: byte {} gives a scale of {} for {}, which no known program writes; the "
-                       "points may be mirrored",
-                       path.string(), 131 + 8 * axis, info.scale[axis], "xyz"[axis])});
   }
   const auto legacy = number_at<std::uint32_t>(h, 107);
   const std::uint64_t extended = info.version_minor == 4 ? number_at<std::uint64_t>(h, 247) : 0;
@@ -223,127 +215,67 @@ void read_evlrs(const fs::path& path, const PositionedFile& file, std::string_vi
                      path.string(), place.count, place.start, found, layout.file_size)});
 }
 
-/// Byte where what follows the points of an uncompressed file starts: where its header says, if a
-/// record is there, or if that is behind the points that it counts: records may have been cut off.
-std::int64_t end_of_records(const PositionedFile& file, const EvlrPlace& place,
-                            const LasLayout& layout) {
-  const std::int64_t size = layout.file_size;
-  if (place.count == 0 || place.start < static_cast<std::uint64_t>(layout.first_point) ||
-      place.start >= static_cast<std::uint64_t>(size))
-    return size;
-  const auto start = static_cast<std::int64_t>(place.start);
-  const std::int64_t bytes = start - layout.first_point;
-  const std::int64_t count = layout.info.point_count;
-  const std::int64_t length = layout.info.record_length;
-  const bool behind_points = count > 0 ? bytes / length >= count : bytes % length == 0;
-  std::string head;
-  return behind_points || read_evlr_head(file, start, head) ? start : size;
-}
-
 /// Uncompressed files: where the records may end, and the count if the header has none.
-void settle_records(const fs::path& path, const PositionedFile& file, std::string_view h,
-                    LasLayout& layout) {
+void settle_records(const fs::path& path, std::string_view h, LasLayout& layout) {
   LasInfo& info = layout.info;
   const EvlrPlace evlrs = evlr_place(h, layout);
-  layout.points_end = end_of_records(file, evlrs, layout);
+  const bool ends_before = evlrs.count > 0 &&
+                           evlrs.start >= static_cast<std::uint64_t>(layout.first_point) &&
+                           evlrs.start < static_cast<std::uint64_t>(layout.file_size);
+  layout.points_end = ends_before ? static_cast<std::int64_t>(evlrs.start) : layout.file_size;
   if (info.compressed) return;
   const std::int64_t fit = (layout.points_end - layout.first_point) / info.record_length;
   const bool has_waveforms = info.point_format == 4 || info.point_format == 5 ||
                              info.point_format == 9 || info.point_format == 10;
-  // Records that are not where they should be are likely to be what is behind the points.
-  const bool evlrs_elsewhere = evlrs.count > 0 && layout.points_end == layout.file_size;
-  if (info.point_count != 0 && fit > info.point_count && !has_waveforms && !evlrs_elsewhere)
+  if (info.point_count != 0 && fit > info.point_count && !has_waveforms)
     info.warnings.push_back(
         {"las_count_small", fit - info.point_count,
-         fmt::format("{}: the header counts {} points but there is room for {} more behind them; "
-                     "these are not read",
+         fmt::format("{}: the header counts {} points, but {} more follow; they are not read",
                      path.string(), info.point_count, fit - info.point_count)});
   if (fit == 0 || info.point_count != 0) return;
   info.point_count = fit;
   info.warnings.push_back(
       {"las_count_missing", 1,
-       fmt::format("{}: the header counts 0 points but there is room for {}; they are read",
+       fmt::format("{}: the header counts 0 points; the {} that fit into the file are read",
                    path.string(), fit)});
 }
 
-/// Notes that the table of chunks is not where the file says (`table`) or cut, or fails with that:
-/// chunks of equal size can be decoded one after the other until the file ends, to say how far it
-/// reaches.
-void note_no_table(const fs::path& path, std::int64_t table, bool place_at_end, bool variable,
-                   LasLayout& layout) {
-  const std::int64_t size = layout.file_size;
-  if (variable)
-    fail_input(path,
-               fmt::format("ends at byte {} without its table of chunks: the file is cut; get it "
-                           "again",
-                           size));
-  layout.chunk_table_missing = true;
-  if (place_at_end)
-    layout.table_cut = fmt::format(
-        "ends at byte {} without the place of its table of chunks: the file is cut; get it again",
-        size);
-  else if (table > size - 8)
-    layout.table_cut = fmt::format(
-        "ends at byte {} {} its table of chunks, which starts at byte "
-        "{}: the file is cut; get it again",
-        size, table < size ? "within" : "before", table);
-  // A file that is cut before its table has to be decoded to say how far it reaches.
-  const bool is_within = table >= layout.first_point + 8 && table <= size;
-  if (!place_at_end && is_within) fail_input(path, layout.table_cut);
-}
-
-/// Nothing if there is none, which `layout` then says.
-std::optional<LazTablePlace> find_chunk_table(const fs::path& path, const PositionedFile& file,
-                                              std::uint32_t chunk_size, LasLayout& layout) {
-  const std::int64_t points = layout.info.point_count, first_chunk = layout.first_point + 8;
-  std::int64_t table = -1;
-  if (file.read(layout.first_point, &table, sizeof table) < sizeof table) {
-    if (points == 0) return std::nullopt;
-    fail_input(path, fmt::format("ends at point 0 of {}: the file is cut; get it again", points));
-  }
-  // Who writes into a pipe puts the place of the table behind it.
-  const bool place_at_end = table == -1;
-  const std::int64_t end = place_at_end ? layout.file_size - 8 : layout.file_size;
-  if (place_at_end) file.read(end, &table, sizeof table);
-  std::array<std::uint32_t, 2> head{};  // Version and number of chunks.
-  if (table < first_chunk || table > end - 8 ||
-      file.read(table, head.data(), sizeof head) < sizeof head) {
-    if (points > 0) note_no_table(path, table, place_at_end, chunk_size == UINT32_MAX, layout);
-    return std::nullopt;
-  }
-  // A chunk takes bytes; the decoder reserves memory for as many as are claimed.
-  if (head[0] != 0 || head[1] > layout.file_size - layout.first_point)
-    fail_input(path,
-               fmt::format("the chunk table at byte {} has {} chunks; the file is broken, get "
-                           "it again",
-                           table, head[1]));
-  return LazTablePlace{table, end, first_chunk, head[1], chunk_size, points};
-}
-
-/// LAZ: where chunks are, as the table behind them says.
+/// LAZ: finds the table of chunks. LASzip recurses until its stack ends where the table is zeroed,
+/// cut off or not one (potree/PotreeConverter#692, LASzip/LASzip#81, PDAL/PDAL#4431).
 void settle_chunks(const fs::path& path, const PositionedFile& file, std::uint32_t chunk_size,
                    LasLayout& layout) {
-  const bool variable = chunk_size == UINT32_MAX;
-  const std::optional<LazTablePlace> table = find_chunk_table(path, file, chunk_size, layout);
-  if (!table) return;
-  const std::int64_t points = table->points, chunks = table->chunks;
-  const std::int64_t packed = table->at - table->first_chunk;  // bytes
-  const std::int64_t expected = variable ? chunks : (points + chunk_size - 1) / chunk_size;
-  // Some writers end with an empty chunk.
-  if (points == 0 && chunks > 0 && packed >= layout.info.record_length)
-    fail_input(path, fmt::format("the header counts 0 points, but {} bytes of compressed points "
-                                 "follow; the count is wrong, get the file again or repair it",
-                                 packed));
-  if (points > 0) layout.chunks = read_chunk_table(path, file, *table);
-  layout.chunk_table = table->at;
-  layout.variable_chunks = variable;
-  if (!variable && chunks > expected + 1)
-    layout.info.warnings.push_back(
-        {"las_count_small", (chunks - 1) * chunk_size - points,
-         fmt::format("{}: the header counts {} points, but {} chunks of {} follow; what is behind "
-                     "the count is not read",
-                     path.string(), points, chunks, chunk_size)});
-  if (!variable && chunks == expected && points > 0) layout.chunk_size = chunk_size;
+  const std::int64_t points = layout.info.point_count, first_chunk = layout.first_point + 8;
+  std::int64_t table = 0, end = layout.file_size;
+  std::array<std::uint32_t, 2> head{};  // Version and number of chunks.
+  const bool has_place = file.read(layout.first_point, &table, sizeof table) == sizeof table;
+  // Writers into pipes put the place at the file's end.
+  if (table == -1) {
+    end -= 8;
+    file.read(end, &table, sizeof table);
+  }
+  if (!has_place || table < first_chunk || table > end - 8 ||
+      file.read(table, head.data(), sizeof head) < sizeof head) {
+    if (points == 0) return;  // laz-perf places the table of no points wrongly
+    fail_input(path, fmt::format("ends at byte {} without its table of chunks; the file is cut, "
+                                 "get it again",
+                                 layout.file_size));
+  }
+  const std::int64_t chunks = head[1];
+  // Writers into pipes cannot go back to the header; some writers end with an empty chunk.
+  if (points == 0 && chunks > 0 && table - first_chunk >= layout.info.record_length)
+    fail_input(path, fmt::format("the header counts 0 points, but {} bytes of points follow; get "
+                                 "the file again or repair it",
+                                 table - first_chunk));
+  layout.variable_chunks = chunk_size == UINT32_MAX;
+  // A chunk takes bytes; LASzip reserves memory for as many as are claimed.
+  const std::int64_t least =
+      layout.variable_chunks ? std::min<std::int64_t>(points, 1) : (points - 1) / chunk_size + 1;
+  if (head[0] != 0 || chunks > layout.file_size - layout.first_point ||
+      (points > 0 && chunks < least))
+    fail_input(path, fmt::format("the table at byte {} has {} chunks for {} points; the file is "
+                                 "broken, get it again",
+                                 table, chunks, points));
+  if (!layout.variable_chunks && points > 0) layout.chunk_size = chunk_size;
 }
 
 /// LAZ: checks what the decoder takes for granted.
@@ -360,14 +292,13 @@ void settle_compression(const fs::path& path, const PositionedFile& file,
   if (found != 1)
     fail_input(
         path,
-        fmt::format("is compressed but has {} LASzip records; the file is broken, get it again",
+        fmt::format("is compressed, but has {} LASzip records; the file is broken, get it again",
                     found));
   if (layout.info.point_count > std::numeric_limits<std::uint32_t>::max())
     fail_input(path,
-               fmt::format("has {} points; LASzip finds no more than {} in one file, split it",
+               fmt::format("has {} points, but LASzip reads only {}; split it",
                            layout.info.point_count, std::numeric_limits<std::uint32_t>::max()));
   if (record.compressor == 1) return;
-  layout.layers = record.layers;
   settle_chunks(path, file, record.chunk_size, layout);
 }
 
@@ -391,10 +322,9 @@ std::string check_laszip_record(std::string_view data, int record_length, Laszip
   // Sizes by item type: BYTE (any), POINT10, GPSTIME11, RGB12, WAVEPACKET13, POINT14, RGB14,
   // RGBNIR14, WAVEPACKET14, BYTE14 (any); the numbers between are not in use.
   constexpr std::array<int, 15> kSizes = {0, -1, -1, -1, -1, -1, 20, 8, 6, 29, 30, 6, 8, 29, 0};
-  // From POINT14 on they are packed in so many layers each, BYTE14 in one per byte; the decoder
-  // mixes up the two kinds if the compressor is not of theirs.
+  // From POINT14 on they are packed in layers; the decoder mixes up the two kinds if the compressor
+  // is not of theirs.
   constexpr std::size_t kFirstLayered = 10;
-  constexpr std::array<int, 4> kLayers = {9, 1, 2, 1};
   int total = 0;
   for (std::size_t i = 0; i < items; ++i) {
     const std::size_t type = number_at<std::uint16_t>(data, 34 + 6 * i);
@@ -407,9 +337,6 @@ std::string check_laszip_record(std::string_view data, int record_length, Laszip
       return fmt::format("LASzip compressor {} does not go with items of type {}",
                          record.compressor, type);
     total += size;
-    if (type < kFirstLayered) continue;
-    const std::size_t kind = type - kFirstLayered;
-    record.layers += kind < kLayers.size() ? kLayers[kind] : size;
   }
   if (total != record_length)
     return fmt::format("LASzip items of {} bytes do not make records of {}", total, record_length);
@@ -424,7 +351,7 @@ LasLayout read_las_layout(const fs::path& path, LasSystems& systems, bool crs_ma
   parse_fixed(path, front, layout);
   parse_numbers(path, front, layout.info);
   std::vector<Vlr> vlrs = read_vlrs(path, file, front, layout);
-  settle_records(path, file, front, layout);
+  settle_records(path, front, layout);
   if (layout.info.compressed) settle_compression(path, file, vlrs, layout);
   read_evlrs(path, file, front, layout, vlrs);
   bool stated = false;
@@ -446,12 +373,11 @@ LasLayout read_las_layout(const fs::path& path, LasSystems& systems, bool crs_ma
   for (Warning& warning : layout.info.warnings)
     if (warning.code == "las_vlrs_broken")
       warning.message +=
-          "; its coordinate reference system may be lost with the others: get the file again, or "
-          "name the system with --points-crs";
+          "; its CRS may be lost: get the file again, or name the CRS with points_crs";
   if (stated)
     layout.info.warnings.push_back({"las_crs_unknown", 1,
-                                    path.string() + ": its coordinate reference system is not "
-                                                    "understood; it is treated as unknown"});
+                                    path.string() + ": states a CRS that is not understood; "
+                                                    "name it with points_crs"});
   return layout;
 }
 

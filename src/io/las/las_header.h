@@ -12,8 +12,6 @@
 #include "tetropolis/geometry/types.h"
 #include "tetropolis/io/las/las.h"
 
-#include "las_chunk_table.h"
-
 namespace tetropolis {
 
 /// Where points are, as far as it was checked.
@@ -27,18 +25,6 @@ struct LasLayout {
   std::int64_t chunk_size = 0;
   /// LAZ: whether chunks differ in size, as in COPC; LASzip knows where each begins.
   bool variable_chunks = false;
-  /// LAZ: byte of the chunk table, where the compressed points end; 0 if not known.
-  std::int64_t chunk_table = 0;
-  /// LAZ: what that table says, if there are points.
-  std::vector<LazChunk> chunks;
-  /// LAZ: layers of a chunk (point formats 6 and above), which states its count and their sizes; 0
-  /// if chunks are not in layers.
-  int layers = 0;
-  /// LAZ: whether the table at the end of the file is missing, as it is in a cut file, and in one
-  /// whose writer did not finish.
-  bool chunk_table_missing = false;
-  /// LAZ: what is wrong with a file without a table of which all points are there; "" if nothing.
-  std::string table_cut;
 };
 
 /// In CRS coordinates.
@@ -79,7 +65,6 @@ LasLayout read_las_layout(const std::filesystem::path& path, LasSystems& systems
 /// Record of the LASzip compressor: how the points are packed.
 struct LaszipRecord {
   int compressor = 0;  ///< 1 point-wise, 2 chunked, 3 chunked in layers.
-  int layers = 0;      ///< Of a chunk, if in layers.
   std::uint32_t chunk_size = 0;
 };
 

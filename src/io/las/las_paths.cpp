@@ -57,11 +57,12 @@ std::vector<fs::path> clouds_in(const fs::path& folder) {
   if (error) fail_input(folder, "the folder cannot be read: " + error.message());
   if (!files.empty()) return files;
   const std::vector<fs::path> below = clouds_below(folder);
-  fail_input(folder, below.empty()
-                         ? std::string("the folder holds no .las or .laz files")
-                         : fmt::format("the folder holds no .las or .laz files, but folders in "
-                                       "it do; name these ({})",
-                                       below.front().parent_path().string()));
+  fail_input(folder,
+             below.empty()
+                 ? std::string("the folder has no .las or .laz files")
+                 : fmt::format("the folder has no .las or .laz files, but folders in it do; "
+                               "name those ({})",
+                               below.front().parent_path().string()));
 }
 
 std::vector<fs::path> matches_of(const std::string& pattern) {
@@ -103,9 +104,10 @@ void warn_of_files_below(const fs::path& folder, const std::vector<fs::path>& ke
   if (count > 0)
     warnings.push_back(
         {"points_in_subfolders", count,
-         fmt::format("{}: {} point files in folders below it are not read; name these folders if "
-                     "they belong to the cloud (the first: {})",
-                     folder.string(), count, first.string())});
+         fmt::format(
+             "{}: {} point files in its subfolders are not read; name the subfolders to read "
+             "them (first: {})",
+             folder.string(), count, first.string())});
 }
 
 }  // namespace

@@ -15,10 +15,13 @@ namespace tetropolis {
 struct LasPlan {
   LasLayout layout;
   bool skip = false;       ///< Its box misses the crop.
-  bool is_twin = false;    ///< The same points as in a file before.
+  bool is_twin = false;    ///< Another file has the same points (quirks/las_twins.h).
   bool check_box = false;  ///< Points outside of its box are to be counted.
   std::vector<Warning> warnings;
 };
+
+/// Whether the header states a box.
+bool is_sound(const LasInfo& info);
 
 /// The header's box, grown by what rounding may have cut off.
 Bounds2 header_box(const LasInfo& info);
@@ -28,9 +31,5 @@ Bounds2 header_box(const LasInfo& info);
 /// sound.
 std::vector<LasPlan> plan_files(std::span<const std::filesystem::path> paths,
                                 const ReadPointsOptions& options);
-
-/// Marks files that state the same count and box as another and have the same points: a cloud that
-/// lies there twice, as .las and as .laz, or before and after its points were classified.
-void find_twins(std::span<const std::filesystem::path> paths, std::vector<LasPlan>& plans);
 
 }  // namespace tetropolis

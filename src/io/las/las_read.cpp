@@ -14,6 +14,7 @@
 #include "core/parallel.h"
 #include "core/shared_progress.h"
 #include "io/file/input_file.h"
+#include "io/las/quirks/las_twins.h"
 #include "las_agreement.h"
 #include "las_decode.h"
 #include "las_filter.h"
@@ -29,8 +30,6 @@ namespace {
 constexpr std::int64_t kPointsPerTask = 250'000;
 /// Where chunks differ in size, a task begins by passing over the points of a chunk before its own.
 constexpr std::int64_t kPointsPerVariableTask = 1'000'000;
-/// Bytes behind the last point counted that are points, where an empty chunk may follow.
-constexpr std::int64_t kLeastLeftOver = 64;
 
 /// What is told of points.
 struct PointTally {
@@ -161,8 +160,7 @@ std::string warn_of_points_outside(std::span<const fs::path> paths,
     if (counts[f] == 0) continue;
     const std::int64_t points = plans[f].layout.info.point_count;
     const std::string message = fmt::format(
-        "{}: {} of {} points lie outside the box that its header states; the header is wrong or "
-        "the file damaged",
+        "{}: {} of {} points lie outside the header's box; the header is wrong or the file damaged",
         paths[f].string(), counts[f], points);
     if (plans[f].check_box) warnings.push_back({"las_points_outside_box", counts[f], message});
     if (misread.empty() && counts[f] > points / 2) misread = message;
@@ -180,30 +178,21 @@ std::string decode_tasks(std::span<const fs::path> paths, const std::vector<LasP
   std::int64_t total = 0;
   for (const Task& task : tasks) total += task.count;
   SharedProgress shared(progress, total);
-  std::vector<std::int64_t> outside(tasks.size(), 0), left_over(tasks.size(), 0);
+  std::vector<std::int64_t> outside(tasks.size(), 0);
   parallel_in_order(tasks.size(), [&](std::size_t t) {
     const Task& task = tasks[t];
     const LasLayout& layout = plans[task.file].layout;
     const BoxCheck box(layout.info);
     std::int64_t strays = 0;
-    left_over[t] =
-        decode_points(paths[task.file], layout, task.first, task.count, [&](const LasBlock& block) {
-          visit(t, block);
-          strays += box.count_outside(block);
-          shared.add(static_cast<std::int64_t>(block.size()));
-        });
+    decode_points(paths[task.file], layout, task.first, task.count, [&](const LasBlock& block) {
+      visit(t, block);
+      strays += box.count_outside(block);
+      shared.add(static_cast<std::int64_t>(block.size()));
+    });
     end(t);
     outside[t] = strays;
   });
-  std::string misread = warn_of_points_outside(paths, plans, tasks, outside, warnings);
-  for (std::size_t t = 0; t < tasks.size(); ++t)
-    if (left_over[t] >= (plans[tasks[t].file].layout.chunk_size > 0 ? 1 : kLeastLeftOver))
-      warnings.push_back({"las_count_small", 1,
-                          fmt::format("{}: the header counts {} points, but {} bytes of compressed "
-                                      "points are left behind them; these are not read",
-                                      paths[tasks[t].file].string(),
-                                      plans[tasks[t].file].layout.info.point_count, left_over[t])});
-  return misread;
+  return warn_of_points_outside(paths, plans, tasks, outside, warnings);
 }
 
 /// About how many points of the files will be kept; too many or too few does no harm.
@@ -251,10 +240,11 @@ void require_room(const Bounds2& extent, Point2 origin, const fs::path& path,
                   const std::string& misread) {
   const double farthest = std::max({-extent.xmin, -extent.ymin, extent.xmax, extent.ymax});
   if (farthest > PointCoordinate::kMost)
-    fail_input(path, fmt::format("points lie {:.0f} km from ({:.0f}, {:.0f}), and no more than "
-                                 "{:.0f} km can be stored; give smaller bounds{}{}",
-                                 farthest / 1000, origin.x, origin.y, PointCoordinate::kMost / 1000,
-                                 misread.empty() ? "" : "; ", misread));
+    fail_input(path,
+               fmt::format("points lie {:.0f} km from ({:.0f}, {:.0f}), but only {:.0f} km can be "
+                           "stored; set smaller bounds{}{}",
+                           farthest / 1000, origin.x, origin.y, PointCoordinate::kMost / 1000,
+                           misread.empty() ? "" : "; ", misread));
 }
 
 /// As asked for, or as the files state it.
@@ -334,7 +324,7 @@ PointsInput read_points(std::span<const fs::path> paths, const ReadPointsOptions
     if (block.size() == 0) return;
     tallies[t].add(frames[file].box(block), block.classification);
     frames[file].add(block, points);
-    // A file without a table of chunks is one task, however many points it has.
+    // A file that is not chunked is one task, however many points it has.
     if (points.size() >= 2 * kPointsPerTask) collector.take_some(t, points);
   };
   const auto collect = [&](std::size_t t) { collector.take(t, std::move(kept[t])); };

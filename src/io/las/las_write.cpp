@@ -14,11 +14,11 @@
 
 #include "tetropolis/core/error.h"
 #include "tetropolis/io/crs/crs.h"
-#include "tetropolis/io/file/atomic_file.h"
 #include "tetropolis/io/las/las.h"
 
 #include "core/text.h"
 #include "io/crs/gdal_support.h"
+#include "io/file/atomic_file.h"
 
 namespace tetropolis {
 

@@ -10,8 +10,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include "tetropolis/io/file/atomic_file.h"
-
+#include "io/file/atomic_file.h"
 #include "io/file/chunked_output.h"
 
 namespace tetropolis {

@@ -9,10 +9,9 @@
 
 #include <fmt/format.h>
 
-#include "tetropolis/io/file/atomic_file.h"
-
 #include "column_output.h"
 #include "core/infinity.h"
+#include "io/file/atomic_file.h"
 #include "io/file/chunked_output.h"
 
 namespace tetropolis {

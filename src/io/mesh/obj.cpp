@@ -9,8 +9,7 @@
 
 #include <fmt/format.h>
 
-#include "tetropolis/io/file/atomic_file.h"
-
+#include "io/file/atomic_file.h"
 #include "io/file/chunked_output.h"
 
 namespace tetropolis {

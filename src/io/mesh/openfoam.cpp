@@ -11,10 +11,10 @@
 #include <fmt/format.h>
 
 #include "tetropolis/core/error.h"
-#include "tetropolis/io/file/atomic_file.h"
 
 #include "column_output.h"
 #include "internal_faces.h"
+#include "io/file/atomic_file.h"
 #include "io/file/chunked_output.h"
 
 namespace tetropolis {

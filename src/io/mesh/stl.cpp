@@ -1,15 +1,14 @@
 #include "tetropolis/io/mesh/stl.h"
 
 #include <array>
+#include <charconv>
 #include <cmath>
 #include <string>
 
 #include <fmt/format.h>
 
-#include "tetropolis/io/file/atomic_file.h"
-
+#include "io/file/atomic_file.h"
 #include "io/file/chunked_output.h"
-#include "io/file/decimal_text.h"
 
 namespace tetropolis {
 
@@ -30,19 +29,28 @@ std::array<double, 3> unit_normal(const SurfaceMesh& surface,
   return n;
 }
 
+/// As "%.6f" or "%.6g" has it.
+void append(std::string& text, double value, std::chars_format format) {
+  std::array<char, 400> digits;
+  const auto [end, error] =
+      std::to_chars(digits.data(), digits.data() + digits.size(), value, format, 6);
+  text.append(digits.data(), end);
+}
+
 void append_facet(const SurfaceMesh& surface, std::size_t f, const Placement& placement,
                   std::string& buffer) {
   buffer += "facet normal";
   for (const double x : unit_normal(surface, surface.triangles[f])) {
     buffer += ' ';
-    append_general(buffer, x);
+    append(buffer, x, std::chars_format::general);
   }
   buffer += "\nouter loop\n";
   for (const std::int32_t v : surface.triangles[f]) {
     buffer += "vertex";
     for (std::size_t c = 0; c < 3; ++c) {
       buffer += ' ';
-      append_fixed(buffer, surface.points[static_cast<std::size_t>(v)][c] + placement.shift[c]);
+      append(buffer, surface.points[static_cast<std::size_t>(v)][c] + placement.shift[c],
+             std::chars_format::fixed);
     }
     buffer += '\n';
   }

@@ -9,9 +9,9 @@
 #include <vector>
 
 #include "tetropolis/core/progress.h"
-#include "tetropolis/io/file/atomic_file.h"
 #include "tetropolis/io/file/compression.h"
 
+#include "io/file/atomic_file.h"
 #include "io/file/chunked_output.h"
 #include "io/file/compressed_blocks.h"
 

@@ -7,10 +7,10 @@
 #include <fmt/format.h>
 
 #include "tetropolis/core/error.h"
-#include "tetropolis/io/file/atomic_file.h"
 #include "tetropolis/io/mesh/xdmf.h"
 
 #include "column_output.h"
+#include "io/file/atomic_file.h"
 #include "io/file/chunked_output.h"
 #include "io/file/hdf5_compressed.h"
 #include "io/file/hdf5_output.h"

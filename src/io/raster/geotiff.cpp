@@ -13,16 +13,15 @@
 #include <system_error>
 #include <utility>
 
-#include <cpl_vsi.h>
 #include <fmt/format.h>
 
 #include "tetropolis/city/city_model.h"
 #include "tetropolis/io/crs/crs.h"
-#include "tetropolis/io/file/atomic_file.h"
 
 #include "core/foreign_code.h"
 #include "core/text.h"
 #include "io/crs/gdal_support.h"
+#include "io/file/atomic_file.h"
 #include "io/file/input_file.h"
 
 namespace tetropolis {
@@ -80,27 +79,6 @@ bool write_values(GDALDatasetH dataset, const Raster& raster) {
   return true;
 }
 
-/// A file in memory. GDAL's own writing to disk leaves some failures to libtiff, which prints them.
-class MemoryFile {
- public:
-  MemoryFile() : path_(fmt::format("/vsimem/tetropolis-{}.tif", static_cast<const void*>(this))) {}
-  ~MemoryFile() { VSIUnlink(path_.c_str()); }
-  MemoryFile(const MemoryFile&) = delete;
-  MemoryFile& operator=(const MemoryFile&) = delete;
-
-  const std::string& path() const { return path_; }
-  std::string_view bytes() const {
-    vsi_l_offset size = 0;
-    const auto* data =
-        reinterpret_cast<const char*>(VSIGetMemFileBuffer(path_.c_str(), &size, FALSE));
-    return data == nullptr ? std::string_view()
-                           : std::string_view(data, static_cast<std::size_t>(size));
-  }
-
- private:
-  std::string path_;
-};
-
 // --- reading ---
 
 struct Grid {
@@ -113,8 +91,7 @@ gdal::Dataset open_raster(const fs::path& path, const gdal::QuietErrors& errors)
   require_ordinary_file(path);
   gdal::Dataset dataset(
       GDALOpenEx(path.c_str(), GDAL_OF_RASTER | GDAL_OF_VERBOSE_ERROR, nullptr, nullptr, nullptr));
-  if (dataset == nullptr)
-    fail_input(path, "not a readable raster" + errors.reason() + "; give a GeoTIFF");
+  if (dataset == nullptr) fail_input(path, "not a raster" + errors.reason() + "; name a GeoTIFF");
   return dataset;
 }
 
@@ -124,13 +101,13 @@ Grid check_grid(const fs::path& path, GDALDatasetH dataset) {
   grid.ny = GDALGetRasterYSize(dataset);
   if (const int bands = GDALGetRasterCount(dataset); bands != 1)
     fail_input(path,
-               fmt::format("has {} bands; give a raster with the heights as its only band", bands));
+               fmt::format("has {} bands; name a raster whose only band is the elevation", bands));
   if (grid.nx < 1 || grid.ny < 1) fail_input(path, "has no pixels");
   if (static_cast<std::int64_t>(grid.nx) * grid.ny > (std::int64_t{1} << 31))
-    fail_input(path,
-               fmt::format("{} x {} pixels are too many; cut it to the domain", grid.nx, grid.ny));
+    fail_input(
+        path, fmt::format("has too many pixels ({} x {}); cut it to the domain", grid.nx, grid.ny));
   if (GDALGetGeoTransform(dataset, grid.transform.data()) != CE_None)
-    fail_input(path, "has no georeference; give a georeferenced GeoTIFF");
+    fail_input(path, "has no georeference; name a georeferenced GeoTIFF");
   const auto& t = grid.transform;
   if (!std::all_of(t.begin(), t.end(), [](double v) { return std::isfinite(v); }) || !(t[1] > 0))
     fail_input(path, "has an invalid georeference; rewrite it with gdalwarp");
@@ -249,9 +226,8 @@ double height_unit(const fs::path& path, GDALDatasetH dataset) {
   // A band has no word for depths.
   for (const auto& [unit, metres] : kUnits)
     if (name == unit) return std::copysign(metres, of_system);
-  fail_input(path,
-             fmt::format("heights are in '{}', which is no known unit; convert them to metres",
-                         first_bytes(name, 40)));
+  fail_input(path, fmt::format("heights are in '{}', an unknown unit; convert them to metres",
+                               first_bytes(name, 40)));
 }
 
 std::optional<Bounds2> parse_domain(const char* text, Point2 origin) {
@@ -280,21 +256,26 @@ void write_raster(const fs::path& path, const Raster& raster, Point2 origin, con
   const std::string canonical = normalise_crs(crs);
   gdal::initialise();
   AtomicFile file(path);
-  const MemoryFile tiff;
+  // GDAL's own writing to disk leaves some failures to libtiff, which prints them.
+  const gdal::MemoryFolder memory;
   gdal::QuietErrors errors;
   // No side-car file, and one spelling of the keys whatever the machine's configuration.
-  const gdal::ThreadOption no_side_car("GDAL_PAM_ENABLED", "NO");
-  gdal::StringList options;
-  options.set("COMPRESS", "DEFLATE").set("PREDICTOR", "3").set("ZLEVEL", "6");
-  options.set("BIGTIFF", "IF_SAFER").set("GEOTIFF_VERSION", "1.1").set("NUM_THREADS", "1");
-  gdal::Dataset dataset(GDALCreate(GDALGetDriverByName("GTiff"), tiff.path().c_str(), raster.nx,
-                                   raster.ny, 1, GDT_Float64, options.get()));
+  const CPLConfigOptionSetter no_side_car("GDAL_PAM_ENABLED", "NO", false);
+  CPLStringList options;
+  options.SetNameValue("COMPRESS", "DEFLATE")
+      .SetNameValue("PREDICTOR", "3")
+      .SetNameValue("ZLEVEL", "6");
+  options.SetNameValue("BIGTIFF", "IF_SAFER")
+      .SetNameValue("GEOTIFF_VERSION", "1.1")
+      .SetNameValue("NUM_THREADS", "1");
+  gdal::Dataset dataset(GDALCreate(GDALGetDriverByName("GTiff"), memory.path("a.tif").c_str(),
+                                   raster.nx, raster.ny, 1, GDT_Float64, options.List()));
   if (dataset == nullptr) throw_cannot_write(path, errors.last());
   describe(dataset.get(), raster, origin, canonical, domain);
   const bool written = write_values(dataset.get(), raster);
   dataset.reset();  // Closing writes what is left, and may fail.
   if (!written || errors.failures() > 0) throw_cannot_write(path, errors.last());
-  file.write(tiff.bytes());
+  file.write(memory.bytes("a.tif"));
   file.commit();
 }
 
@@ -320,11 +301,11 @@ RasterInput read_raster(const fs::path& path, Point2 origin) {
   result.filled = fill_missing(raster);
   if (result.filled == static_cast<std::int64_t>(raster.values.size()))
     fail_input(
-        path, fmt::format("none of its {} pixels has a value; give another raster", result.filled));
+        path, fmt::format("none of its {} pixels has a value; name another raster", result.filled));
   if (result.filled > 0)
     result.warnings.push_back(
         {"raster_filled", result.filled,
-         fmt::format("{}: {} of {} pixels have no value and get the nearest one", path.string(),
+         fmt::format("{}: {} of {} pixels have no value; they take the nearest one", path.string(),
                      result.filled, raster.values.size())});
   result.crs = gdal::canonical_name(GDALGetSpatialRef(dataset.get()));
   result.height_unit = height_unit(path, dataset.get());

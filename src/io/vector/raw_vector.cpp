@@ -12,7 +12,7 @@
 
 #include "tetropolis/core/error.h"
 #include "tetropolis/io/crs/crs.h"
-#include "tetropolis/io/file/atomic_file.h"
+#include "tetropolis/io/file/write_file.h"
 
 #include "core/infinity.h"
 #include "io/crs/gdal_support.h"
@@ -79,9 +79,7 @@ void write_geojson(const fs::path& path, const Content& content, const std::stri
                         std::isfinite(feature.height) ? json_number(feature.height) : "null");
     text += json_geometry(feature, content) + "}";
   }
-  AtomicFile file(path);
-  file.write(text + "\n]}\n");
-  file.commit();
+  write_file(path, text + "\n]}\n");
 }
 
 // --- Shapefile ---
@@ -254,9 +252,7 @@ void write_shapefile(const fs::path& path, const Content& content, const std::st
     shapes.text(record, record.size(), ' ');
   }
   const auto put = [&](const char* extension, const std::string& text) {
-    AtomicFile file(fs::path(path).replace_extension(extension));
-    file.write(text);
-    file.commit();
+    write_file(fs::path(path).replace_extension(extension), text);
   };
   put(".shx", shape_header(box, kHeaderWords + index.words(), content) + index.str());
   put(".dbf", attribute_table(content));

@@ -9,20 +9,14 @@
 
 #include "tetropolis/geometry/types.h"
 
-#include "io/cityjson/body_footprint.h"
+#include "io/vector/quirks/turned_rings.h"
 
 namespace tetropolis {
-
-/// One polygon of a feature: usable if `reason` is empty, else to be dropped for it.
-struct PolygonPart {
-  Polygon polygon;
-  std::string reason;
-};
 
 struct FlatGeometry {
   std::vector<PolygonPart> parts;  ///< The polygons in their order.
   bool is_body = false;            ///< They are the footprint of a body in space.
-  std::int64_t yards = 0;          ///< Parts that became holes of others.
+  std::int64_t courtyards = 0;     ///< Parts that became holes of others.
   int other_parts = 0;             ///< Points, lines and what is nested too deep beside them.
   std::string reason;              ///< Why there are no parts, if there are none.
 };
@@ -41,23 +35,11 @@ struct PlanUnits {
   double metres_per_height = 1;  ///< Of elevations.
 };
 
-/// Splits collections, straightens curves, drops Z and M. A part within a part and turned against
-/// it becomes a hole of that, and its own holes parts; one that stands in a hole of the other is
-/// not within it and stays, and so does one that leaves less than a wall of it, or lies above or
-/// below it. Surfaces in space, and polygons of which several are vertical, are faces of a body:
-/// the parts are its footprint then (footprint_of). `geometry` may be null. The order of
-/// coordinates stays as it is.
+/// Splits collections, straightens curves, drops Z and M, makes holes of courtyards
+/// (take_courtyards_for_holes). Surfaces in space, and polygons of which several are vertical, are
+/// faces of a body: the parts are its footprint then (footprint_of). `geometry` may be null. The
+/// order of coordinates stays as it is.
 FlatGeometry flatten(OGRGeometryH geometry, const PlanUnits& units = {});
-
-/// Where the yard comes first and its building second, as their turns say too (holes clockwise),
-/// the building becomes the shell.
-void mend_order_of_rings(FlatGeometry& geometry);
-
-/// For shapefiles, which tell shells from holes by their turn. Where all rings turn the wrong way,
-/// GDAL takes the yard for the shell: the widest ring of each part becomes its shell again. Where
-/// all turn as holes do, each is a polygon for GDAL: every other one of those within each other
-/// becomes a hole.
-void mend_turned_rings(FlatGeometry& geometry);
 
 /// The first of a layer's geometry fields that holds polygons, as far as their declared types or
 /// else the first features tell; -1 if none does. Reading begins anew.

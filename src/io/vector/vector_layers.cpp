@@ -35,16 +35,16 @@ OGRLayerH find_layer(const fs::path& path, GDALDatasetH dataset, const std::stri
   if (!wanted.empty())
     fail_input(path, fmt::format("has no layer '{}'; it has: {}", wanted, fmt::join(all, ", ")));
   if (names.size() > 1)
-    fail_input(path, fmt::format("has several layers of polygons; name one of these by --layer: {}",
+    fail_input(path, fmt::format("has several layers of polygons; set layer to one of: {}",
                                  fmt::join(names, ", ")));
   if (found != nullptr) return found;
   if (all.size() == 1 &&
       OGR_FD_GetGeomFieldCount(OGR_L_GetLayerDefn(GDALDatasetGetLayer(dataset, 0))) > 0)
     return GDALDatasetGetLayer(dataset, 0);
   if (is_of_format(dataset, "CSV"))
-    fail_input(path, "has no column of polygons; name it WKT, and write them as POLYGON((...))");
-  fail_input(path, all.empty() ? std::string("has no layers; give a file with building polygons")
-                               : fmt::format("has no layer of polygons, only: {}; give a file with "
+    fail_input(path, "has no column of polygons; call it WKT and write them as POLYGON((...))");
+  fail_input(path, all.empty() ? std::string("has no layers; name a file with building polygons")
+                               : fmt::format("has no layer of polygons, only {}; name a file with "
                                              "building polygons",
                                              fmt::join(all, ", ")));
 }
@@ -85,7 +85,7 @@ std::vector<VectorLayer> list_layers(const fs::path& path) {
   const ForeignCode gdal_code(path.c_str());
   gdal::initialise();
   gdal::QuietErrors errors;
-  const gdal::ThreadOption nothing_beside("CPL_VSIL_GZIP_WRITE_PROPERTIES", "NO");
+  const CPLConfigOptionSetter nothing_beside("CPL_VSIL_GZIP_WRITE_PROPERTIES", "NO", false);
   const VectorFile file = open_vector(path, errors);
   std::vector<VectorLayer> layers;
   for (int i = 0; i < GDALDatasetGetLayerCount(file.dataset.get()); ++i) {

@@ -13,7 +13,7 @@
 
 #include "core/text.h"
 #include "io/file/input_file.h"
-#include "io/file/text_records.h"
+#include "io/vector/quirks/csv_tables.h"
 #include "io/vector/quirks/shapefile_members.h"
 #include "vector_geometry.h"
 
@@ -21,44 +21,7 @@ namespace tetropolis {
 
 namespace fs = std::filesystem;
 
-/// Copies of a shapefile's members in memory, so that GDAL can make the missing index there;
-/// without a table that has no columns.
-class ShapefileCopy {
- public:
-  explicit ShapefileCopy(const fs::path& shp)
-      : folder_(fmt::format("/vsimem/tetropolis-{}", static_cast<const void*>(this))),
-        stem_(folder_ + "/" + shp.stem().string()) {
-    const fs::path stem = fs::path(shp).replace_extension();
-    const bool without_table = has_empty_table(shp);
-    for (const char* extension : {".dbf", ".prj", ".cpg", ".DBF", ".PRJ", ".CPG"}) {
-      const fs::path member = stem.string() + extension;
-      std::error_code error;
-      if (without_table && lower_case(extension) == ".dbf") continue;
-      if (fs::exists(member, error))
-        CPLCopyFile((stem_ + lower_case(extension)).c_str(), member.c_str());
-    }
-    complete_ = CPLCopyFile(path().c_str(), shp.c_str()) == 0;
-  }
-  ~ShapefileCopy() { VSIRmdirRecursive(folder_.c_str()); }
-  ShapefileCopy(const ShapefileCopy&) = delete;
-  ShapefileCopy& operator=(const ShapefileCopy&) = delete;
-  std::string path() const { return stem_ + ".shp"; }
-  bool complete() const { return complete_; }
-
- private:
-  std::string folder_;
-  std::string stem_;
-  bool complete_ = false;
-};
-
 namespace {
-
-bool lacks_index(const fs::path& path) {
-  if (lower_case(path.extension().string()) != ".shp") return false;
-  std::error_code error;
-  return !fs::exists(fs::path(path).replace_extension(".shx"), error) &&
-         !fs::exists(fs::path(path).replace_extension(".SHX"), error);
-}
 
 /// What a member of an archive is by its name: 0 for a vector file, 1 and 2 for what may be one or
 /// describe one, 3 for neither.
@@ -102,36 +65,12 @@ std::string vector_in_archive(const fs::path& path, const gdal::QuietErrors& err
   if (members == nullptr)
     fail_input(path, "cannot be read as a ZIP archive" + errors.reason() + "; get it again");
   if (found.empty())
-    fail_input(path, holds_points ? "holds point files, which are not read from archives; unpack it"
-                                  : "holds no vector file; give one that does, or the file itself");
+    fail_input(path, holds_points ? "has point files, which are not read from archives; unpack it"
+                                  : "has no vector file; name another archive, or a file");
   if (found.size() > 1)
-    fail_input(path, fmt::format("holds several vector files ({}); unpack it and name one of them",
+    fail_input(path, fmt::format("has several vector files ({}); unpack it and name one",
                                  fmt::join(found, ", ")));
   return archive + "/" + found.front();
-}
-
-bool first_layer_holds_polygons(GDALDatasetH dataset) {
-  OGRLayerH layer = GDALDatasetGetLayer(dataset, 0);
-  return layer != nullptr && polygon_field(layer) >= 0;
-}
-
-/// Opens a CSV file by the column of polygons, if it has one of the usual names; GDAL itself knows
-/// only those that begin with WKT. Columns of these names may hold anything. Or else as lines of
-/// GeoJSON, which Microsoft's building footprints are by the name of .csv.gz.
-void find_polygons(const std::string& name, gdal::StringList& options, gdal::Dataset& dataset) {
-  for (const char* column : {"geometry", "geom", "the_geom", "wkb_geometry", "geom_wkt",
-                             "geometry_wkt", "wkb", ".geo", "shape", "polygon", "footprint"}) {
-    options.set("GEOM_POSSIBLE_NAMES", column);
-    const gdal::QuietErrors errors;
-    gdal::Dataset other(GDALOpenEx(name.c_str(), GDAL_OF_VECTOR, nullptr, options.get(), nullptr));
-    if (other == nullptr || !first_layer_holds_polygons(other.get())) continue;
-    dataset = std::move(other);
-    return;
-  }
-  const gdal::QuietErrors errors;
-  gdal::Dataset lines(
-      GDALOpenEx(("GeoJSONSeq:" + name).c_str(), GDAL_OF_VECTOR, nullptr, nullptr, nullptr));
-  if (lines != nullptr && first_layer_holds_polygons(lines.get())) dataset = std::move(lines);
 }
 
 /// GDAL opens whatever it finds in a folder, and would wait for a pipe or a terminal.
@@ -144,6 +83,11 @@ void require_no_pipes_in(const fs::path& folder) {
 }
 
 }  // namespace
+
+bool first_layer_holds_polygons(GDALDatasetH dataset) {
+  OGRLayerH layer = GDALDatasetGetLayer(dataset, 0);
+  return layer != nullptr && polygon_field(layer) >= 0;
+}
 
 bool is_of_format(GDALDatasetH dataset, std::string_view begin) {
   return std::string_view(GDALGetDriverShortName(GDALGetDatasetDriver(dataset))).starts_with(begin);
@@ -169,40 +113,35 @@ VectorFile open_vector(const fs::path& path, const gdal::QuietErrors& errors, bo
     name = vector_in_archive(path, errors);
   } else if (lower_case(path.extension().string()) == ".gz") {
     name = "/vsigzip/" + path.string();
-  } else if (lacks_index(path) || has_empty_table(path)) {
-    file.copy = std::make_shared<const ShapefileCopy>(path);
-    if (!file.copy->complete()) fail_input(path, "cannot be read" + errors.reason());
-    name = file.copy->path();
+  } else if (needs_copy(path)) {
+    file.copy = std::make_shared<const gdal::MemoryFolder>();
+    name = copy_shapefile(path, *file.copy);
   }
-  const gdal::ThreadOption restore("SHAPE_RESTORE_SHX", file.copy ? "YES" : "NO");
-  gdal::StringList options;
-  options.set("WRITE_GFS", "NO");
+  const CPLConfigOptionSetter restore("SHAPE_RESTORE_SHX", file.copy ? "YES" : "NO", false);
+  CPLStringList options;
+  options.SetNameValue("WRITE_GFS", "NO");
   // JOSM numbers what is new below 0, and nodes not in ascending order.
   const bool packed = lower_case(path.extension().string()) == ".pbf";
-  const gdal::ThreadOption any_order("OSM_USE_CUSTOM_INDEXING", packed ? "YES" : "NO");
+  const CPLConfigOptionSetter any_order("OSM_USE_CUSTOM_INDEXING", packed ? "YES" : "NO", false);
   file.dataset.reset(GDALOpenEx(name.c_str(), GDAL_OF_VECTOR | GDAL_OF_VERBOSE_ERROR, nullptr,
-                                options.get(), nullptr));
+                                options.List(), nullptr));
   const bool unknown = errors.last().find("not recognized as") != std::string::npos;
   if (file.dataset == nullptr)
-    fail_input(path, "not a vector file that can be read" + (unknown ? "" : errors.reason()) +
-                         "; give a shapefile, GeoPackage, GeoJSON or other OGR format");
+    fail_input(path, "not a vector file" + (unknown ? "" : errors.reason()) +
+                         "; name a shapefile, GeoPackage, GeoJSON or another OGR format");
   if (is_of_format(file.dataset.get(), "CSV") && !first_layer_holds_polygons(file.dataset.get()))
     find_polygons(name, options, file.dataset);
-  const std::string_view format = GDALGetDriverShortName(GDALGetDatasetDriver(file.dataset.get()));
-  if (format == "CSV") require_closed_quotes(path, name);
-  if (format == "GeoJSON" || format == "GeoJSONSeq")
-    require_single_objects(path, name, format == "GeoJSONSeq");
+  if (is_of_format(file.dataset.get(), "CSV")) require_closed_quotes(path, name);
   // Some formats are read when they are opened, as far as they go.
   if (!any_crs && errors.failures(gdal::About::kSystem) > 0)
     fail_input(path,
-               "states a coordinate reference system that PROJ does not know; correct it in the "
-               "file, or take it out and give --footprints-crs");
+               "states a CRS that PROJ does not know; name the right one with footprints_crs");
   const std::int64_t harmless =
       errors.failures(gdal::About::kSystem) +
       (drops_geometries(file.dataset.get()) ? errors.failures(gdal::About::kGeometry) : 0);
   if (errors.failures() > harmless) {
     const std::string& why = errors.first(gdal::About::kAnything);
-    fail_input(path, "cannot be read whole: " + (why.empty() ? errors.last() : why) +
+    fail_input(path, "cannot be read to its end: " + (why.empty() ? errors.last() : why) +
                          "; the file is cut or broken, get it again");
   }
   file.opening_errors = errors.failures();

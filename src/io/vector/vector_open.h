@@ -11,11 +11,9 @@
 
 namespace tetropolis {
 
-class ShapefileCopy;
-
 /// An open vector file and what must outlive it.
 struct VectorFile {
-  std::shared_ptr<const ShapefileCopy> copy;  ///< In memory; null if the file itself is open.
+  std::shared_ptr<const gdal::MemoryFolder> copy;  ///< In memory; null if the file itself is open.
   gdal::Dataset dataset;
   std::int64_t opening_errors = 0;  ///< Of single features: all can be read.
   std::string first_error;
@@ -27,6 +25,8 @@ bool is_of_format(GDALDatasetH dataset, std::string_view begin);
 /// Whether GDAL reads all features of the format but for the geometry of those where that is broken
 /// (with GML_SKIP_CORRUPTED_FEATURES: but for such features).
 bool drops_geometries(GDALDatasetH dataset);
+
+bool first_layer_holds_polygons(GDALDatasetH dataset);
 
 /// Opens a vector file or folder for reading; a shapefile also without its index, of a ZIP archive
 /// the one vector file that it holds, and what gzip has packed. Leaves the file's folder as it is.

@@ -1,10 +1,8 @@
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 #include <cstdlib>
 #include <cstring>
 #include <memory>
-#include <optional>
 #include <set>
 #include <string_view>
 #include <system_error>
@@ -23,11 +21,11 @@
 
 #include "core/foreign_code.h"
 #include "core/text.h"
+#include "feature_heights.h"
 #include "io/crs/gdal_support.h"
 #include "io/file/input_file.h"
 #include "io/vector/quirks/incomplete_file.h"
 #include "io/vector/quirks/osm_account.h"
-#include "io/vector/quirks/shapefile_members.h"
 #include "vector_geometry.h"
 #include "vector_layers.h"
 #include "vector_open.h"
@@ -39,157 +37,6 @@ namespace fs = std::filesystem;
 namespace {
 
 constexpr const char* kGetAgain = "; the file is cut or broken, get it again";
-
-constexpr int kNoField = -1;
-constexpr int kFidField = -2;
-
-int find_attribute(const fs::path& path, OGRLayerH layer, const std::string& wanted) {
-  if (wanted.empty()) return kNoField;
-  OGRFeatureDefnH definition = OGR_L_GetLayerDefn(layer);
-  // The very name before others that differ in case, which GDAL takes for the same. Names in tables
-  // that do not state their encoding are not in UTF-8.
-  std::vector<std::string> names;
-  for (int i = 0; i < OGR_FD_GetFieldCount(definition); ++i) {
-    names.push_back(gdal::utf8(OGR_Fld_GetNameRef(OGR_FD_GetFieldDefn(definition, i))));
-    if (names.back() == wanted) return i;
-  }
-  if (const int field = OGR_FD_GetFieldIndex(definition, wanted.c_str()); field >= 0) return field;
-  if (const char* fid = OGR_L_GetFIDColumn(layer); fid != nullptr && wanted == fid)
-    return kFidField;
-  fail_input(path, fmt::format("has no attribute '{}'; it has: {}", wanted,
-                               names.empty() ? std::string("none")
-                                             : fmt::format("{}", fmt::join(names, ", "))));
-}
-
-/// Text as a number of metres: "12.5", also with a unit as OpenStreetMap writes it ("12.5 m").
-double metres_of(std::string_view text) {
-  constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
-  const auto trim = [&] {
-    while (!text.empty() && text.front() == ' ') text.remove_prefix(1);
-    while (!text.empty() && text.back() == ' ') text.remove_suffix(1);
-  };
-  trim();
-  if (text.ends_with('m')) text.remove_suffix(1);
-  trim();
-  double value = kNaN;
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-  const bool whole = error == std::errc{} && end == text.data() + text.size();
-  return whole && std::isfinite(value) ? value : kNaN;
-}
-
-/// The column in which GDAL keeps the tags of OpenStreetMap that have none of their own, as
-/// `"key"=>"value","key"=>"value"`, with a backslash before quotes in either.
-constexpr const char* kOtherTags = "other_tags";
-
-/// The value of a tag there; empty if there is none.
-std::string value_of_tag(const std::string& tags, const std::string& key) {
-  const std::string begin = '"' + key + "\"=>\"";
-  std::size_t at = tags.find(begin);
-  if (at == std::string::npos) return {};
-  at += begin.size();
-  return tags.substr(at, tags.find('"', at) - at);
-}
-
-/// The heights of a layer's features, and what kept others from being one.
-class HeightReader {
- public:
-  HeightReader(const fs::path& path, OGRLayerH layer, std::string attribute)
-      : path_(path), attribute_(std::move(attribute)) {
-    OGRFeatureDefnH columns = OGR_L_GetLayerDefn(layer);
-    is_tag_ = !attribute_.empty() && OGR_FD_GetFieldIndex(columns, attribute_.c_str()) < 0 &&
-              OGR_FD_GetFieldIndex(columns, kOtherTags) >= 0;
-    field_ = find_attribute(path, layer, is_tag_ ? kOtherTags : attribute_);
-    if (field_ == kNoField) return;
-    // The feature number is no height, and neither is a date, a list, or yes and no.
-    OGRFieldDefnH field =
-        field_ == kFidField ? nullptr : OGR_FD_GetFieldDefn(OGR_L_GetLayerDefn(layer), field_);
-    type_ = field == nullptr ? OFTBinary : OGR_Fld_GetType(field);
-    const char* other = nullptr;
-    if (field == nullptr)
-      other = "the feature number";
-    else if (OGR_Fld_GetSubType(field) == OFSTBoolean)
-      other = "Boolean";
-    else if (type_ == OFTIntegerList || type_ == OFTInteger64List || type_ == OFTRealList)
-      type_ = OFTRealList;  // one feature is enough to make it that
-    else if (type_ != OFTInteger && type_ != OFTInteger64 && type_ != OFTReal && type_ != OFTString)
-      other = OGR_GetFieldTypeName(type_);
-    if (other != nullptr)
-      fail_input(path_, fmt::format("attribute '{}' is {}, not a height; name a numeric one",
-                                    attribute_, other));
-  }
-
-  double read(OGRFeatureH feature, const std::string& id) {
-    constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
-    if (field_ == kNoField || OGR_F_IsFieldSetAndNotNull(feature, field_) == 0) return kNaN;
-    constexpr double kMost = 1100;  // metres: no building is that high
-    constexpr double kMark = 999;   // stands for a height that nobody knows
-    double value = kNaN;
-    if (type_ == OFTString) {
-      std::string text = gdal::utf8(OGR_F_GetFieldAsString(feature, field_));
-      if (is_tag_) text = value_of_tag(text, attribute_);
-      if (text.find_first_not_of(' ') == std::string::npos) return kNaN;  // as good as null
-      value = metres_of(text);
-      if (std::isnan(value) && others_++ == 0)
-        first_ = fmt::format("feature {}: '{}'", id, first_bytes(text, 40));
-    } else if (type_ == OFTRealList) {
-      value = only_number(feature);
-      if (std::isnan(value) && others_++ == 0) first_ = fmt::format("feature {}: a list", id);
-    } else {
-      value = OGR_F_GetFieldAsDouble(feature, field_);
-    }
-    const bool none = value > kMost || value == kMark;
-    if (!none && !std::isnan(value)) ++numbers_;
-    if (none) {
-      if (others_++ == 0) first_ = fmt::format("feature {}: {:.6g} m", id, value);
-      return kNaN;
-    }
-    return value;
-  }
-
-  /// After all features: a warning where some have what is no height. Throws where all have.
-  std::optional<Warning> warning() const {
-    if (others_ == 0) return std::nullopt;
-    if (numbers_ == 0)
-      fail_input(path_,
-                 fmt::format("attribute '{}' holds no heights ({}); name one that holds heights",
-                             attribute_, first_));
-    return Warning{"height_not_a_number", others_,
-                   one_line(fmt::format("{}: {} features have what is no height in '{}', first {}",
-                                        path_.string(), others_, attribute_, first_))};
-  }
-
- private:
-  /// Of a list: a number where the file has one, and others have lists. NaN for a longer one.
-  double only_number(OGRFeatureH feature) const {
-    int size = 0;
-    switch (OGR_Fld_GetType(OGR_F_GetFieldDefnRef(feature, field_))) {
-      case OFTIntegerList: {
-        const int* list = OGR_F_GetFieldAsIntegerList(feature, field_, &size);
-        if (size == 1) return list[0];
-        break;
-      }
-      case OFTInteger64List: {
-        const GIntBig* list = OGR_F_GetFieldAsInteger64List(feature, field_, &size);
-        if (size == 1) return static_cast<double>(list[0]);
-        break;
-      }
-      default: {
-        const double* list = OGR_F_GetFieldAsDoubleList(feature, field_, &size);
-        if (size == 1) return list[0];
-      }
-    }
-    return std::numeric_limits<double>::quiet_NaN();
-  }
-
-  const fs::path& path_;
-  std::string attribute_;
-  int field_ = kNoField;
-  bool is_tag_ = false;  ///< The attribute is one of OpenStreetMap's other tags.
-  OGRFieldType type_ = OFTReal;
-  std::int64_t numbers_ = 0;
-  std::int64_t others_ = 0;
-  std::string first_;
-};
 
 OGRFieldDefnH definition(OGRLayerH layer, int field) {
   return OGR_FD_GetFieldDefn(OGR_L_GetLayerDefn(layer), field);
@@ -253,18 +100,6 @@ PlanUnits units_of(OGRSpatialReferenceH srs, const std::string& source_crs) {
   return {is_north_first(srs), length, length};
 }
 
-/// How far a file can be trusted in how many features it has.
-enum class Count {
-  kNone,     ///< GDAL counts what it can read.
-  kTold,     ///< It is told, but other programs may have forgotten to tell.
-  kCertain,  ///< It is part of the format.
-};
-
-Count count_of(GDALDatasetH dataset) {
-  if (is_of_format(dataset, "FlatGeobuf")) return Count::kCertain;
-  return is_of_format(dataset, "GPKG") ? Count::kTold : Count::kNone;
-}
-
 /// Reads all features of one layer.
 class LayerReader {
  public:
@@ -288,13 +123,13 @@ class LayerReader {
     osm_way_ = OGR_FD_GetFieldIndex(columns, "osm_way_id");
   }
 
-  /// `count`: whether the format tells how many features there are.
+  /// `counted`: whether the format tells how many features there are.
   /// `geometries`: whether failures at these cost nothing but their feature.
-  void read(gdal::QuietErrors& errors, Count count, bool geometries) {
+  void read(gdal::QuietErrors& errors, bool counted, bool geometries) {
     errors.reset();
     const std::int64_t expected = OGR_L_GetFeatureCount(layer_, FALSE);
     if (errors.failures() > 0)
-      fail_input(path_, "cannot be read whole" + errors.reason() + kGetAgain);
+      fail_input(path_, "cannot be read to its end" + errors.reason() + kGetAgain);
     OGR_L_ResetReading(layer_);
     for (;;) {
       const std::size_t known = errors.passed_over().size();
@@ -310,16 +145,8 @@ class LayerReader {
     // Lines that are not JSON are passed over, and counted by nobody.
     const bool lost =
         errors.first(gdal::About::kAnything).find("JSON parsing error") != std::string::npos;
-    const bool is_short = failures == 0 && result_.features_read < expected;
-    if (count == Count::kCertain && is_short)
-      fail_input(path_, fmt::format("reading ends after {} features of {}{}", result_.features_read,
-                                    expected, kGetAgain));
-    if (count == Count::kTold && is_short)
-      warn("footprints_fewer", expected - result_.features_read,
-           fmt::format("has {} features, but its own table of contents says {}; if some are "
-                       "missing, get the file again",
-                       result_.features_read, expected));
-    if (failures > 0 && (lost || expected < 0 || result_.features_read < expected))
+    const bool is_short = result_.features_read < expected;
+    if ((counted && is_short) || (failures > 0 && (lost || expected < 0 || is_short)))
       fail_input(path_, fmt::format("reading ends after {} features{}{}{}", result_.features_read,
                                     expected < 0 ? "" : fmt::format(" of {}", expected),
                                     errors.reason(), kGetAgain));
@@ -335,17 +162,18 @@ class LayerReader {
     result_.features_read += std::ssize(account.lost);
     for (Dropped& lost : account.lost)
       result_.dropped.push_back({ids_.unique(lost.source_id), std::move(lost.reason)});
-    if (const std::vector<std::string>& ways = account.cornered; !ways.empty())
+    if (const std::vector<std::string>& ways = account.incomplete; !ways.empty())
       warn("osm_nodes_missing", std::ssize(ways),
-           fmt::format("{} buildings lack corners whose nodes are not in the file, the first: {}; "
-                       "get an extract with whole ways",
-                       ways.size(), ways.front()));
+           fmt::format(
+               "{} buildings lack corners, as the file lacks their nodes (first: {}); get an "
+               "extract with complete ways",
+               ways.size(), ways.front()));
   }
 
   /// Of what was read with errors.
   void warn_of_errors(std::int64_t count, const std::string& first) {
     warn("footprints_read_errors", count,
-         fmt::format("{} errors while reading, the first: {}", count, first));
+         fmt::format("{} errors while reading (first: {})", count, first));
   }
 
  private:
@@ -379,15 +207,15 @@ class LayerReader {
     if (flat.is_body)
       ++bodies_;
     else if (shells_by_turn_)
-      mend_turned_rings(flat);
+      mend_turned_rings(flat.parts);
     else
-      mend_order_of_rings(flat);
+      mend_order_of_rings(flat.parts);
     if (flat.parts.empty()) {
       result_.dropped.push_back({ids_.unique(id), std::move(flat.reason)});
       return;
     }
     if (flat.other_parts > 0) ++mixed_;
-    yards_ += flat.yards;
+    courtyards_ += flat.courtyards;
     const double height = heights_.read(feature, id);
     for (std::size_t k = 0; k < flat.parts.size(); ++k) {
       PolygonPart& part = flat.parts[k];
@@ -417,29 +245,21 @@ class LayerReader {
   void report() {
     if (ids_.duplicates() > 0)
       warn("duplicate_ids", ids_.duplicates(),
-           fmt::format(
-               "{} features or parts have an id that was used before{}; they get the suffixes "
-               "'~2', '~3', ...",
-               ids_.duplicates(), id_name_.empty() ? "" : " (attribute '" + id_name_ + "')"));
-    if (without_id_ > 0)
-      warn("missing_ids", without_id_,
-           fmt::format("{} features have no value in '{}' and take their feature number as id",
-                       without_id_, id_name_));
-    if (mixed_ > 0)
-      warn("mixed_geometry", mixed_,
-           fmt::format("{} features have points, lines or collections nested too deep besides "
-                       "polygons; these are ignored",
-                       mixed_));
-    if (yards_ > 0)
-      warn("parts_as_yards", yards_,
-           fmt::format("{} parts of features lie within another part and are turned against it; "
-                       "they are taken for its courtyards",
-                       yards_));
-    if (bodies_ > 0)
-      warn("footprints_from_bodies", bodies_,
-           fmt::format("{} features are bodies in space; the outlines of their ground faces are "
-                       "taken for footprints; choose a layer of footprints if there is one",
-                       bodies_));
+           fmt::format("{} ids are repeated{}; further ones get the suffixes '~2', '~3', ...",
+                       ids_.duplicates(),
+                       id_name_.empty() ? "" : " (attribute '" + id_name_ + "')"));
+    const auto tell = [&](const char* code, std::int64_t count, const std::string& what) {
+      if (count > 0) warn(code, count, fmt::format("{} {}", count, what));
+    };
+    tell("missing_ids", without_id_,
+         "features have no value in '" + id_name_ + "'; their ids are feature numbers");
+    tell("mixed_geometry", mixed_,
+         "features have points or lines beside their polygons; only the polygons are read");
+    tell("parts_as_yards", courtyards_,
+         "parts lie within another part and turn against it; they became its courtyards");
+    tell("footprints_from_bodies", bodies_,
+         "features are 3D bodies; their footprints are the outlines of their ground faces; set "
+         "layer to one of footprints if there is one");
     if (const auto warning = heights_.warning()) result_.warnings.push_back(*warning);
   }
 
@@ -461,7 +281,7 @@ class LayerReader {
   UniqueIds ids_;
   std::int64_t without_id_ = 0;
   std::int64_t mixed_ = 0;
-  std::int64_t yards_ = 0;
+  std::int64_t courtyards_ = 0;
   std::int64_t bodies_ = 0;
   int osm_relation_ = kNoField;  ///< Columns of OpenStreetMap's numbers.
   int osm_way_ = kNoField;
@@ -483,22 +303,17 @@ bool implausible_degrees(const std::string& crs, const std::vector<Footprint>& f
   // in use too.
   const double limit = geojson ? 181.0 : 360.0;
   const Bounds2 globe{-limit, -90, limit, 90};
-  std::vector<double> widths;
-  std::size_t others = 0;
+  constexpr double kWidest = 0.5;  // degrees: no building is so wide, but many are so many metres
+  std::size_t outside = 0, others = 0, all = 0;
   for (const Footprint& feature : features) {
     Bounds2 box = Bounds2::nothing();
     for (const Point2& p : feature.polygon.outer) box.extend(p);
     if (box.empty()) continue;
-    if (!globe.covers(box)) ++others;
-    widths.push_back(std::max(box.width(), box.height()));
+    ++all;
+    if (!globe.covers(box)) ++outside;
+    if (!globe.covers(box) || std::max(box.width(), box.height()) > kWidest) ++others;
   }
-  if (others == 0) return false;
-  // Metres of a local frame may be within these limits, too, but buildings are wider than half a
-  // metre, and not half a degree wide.
-  constexpr double kWidest = 0.5;
-  const auto median = widths.begin() + static_cast<std::ptrdiff_t>((widths.size() - 1) / 2);
-  std::nth_element(widths.begin(), median, widths.end());
-  return 2 * others > widths.size() || *median > kWidest;
+  return outside > 0 && 2 * others > all;
 }
 
 void settle_crs(const fs::path& path, const ReadFootprintsOptions& options, bool geojson,
@@ -508,16 +323,17 @@ void settle_crs(const fs::path& path, const ReadFootprintsOptions& options, bool
   } else if (implausible_degrees(result.crs, result.features, geojson)) {
     result.warnings.push_back(
         {"footprints_crs_implausible", 1,
-         fmt::format("{}: in {}, but x {} .. {}, y {} .. {} are not degrees; its reference system "
-                     "is treated as unknown",
-                     path.string(), crs_name(result.crs), result.bounds.xmin, result.bounds.xmax,
-                     result.bounds.ymin, result.bounds.ymax)});
+         fmt::format(
+             "{}: says {}, but x {} .. {}, y {} .. {} are not degrees; its CRS is ignored, name "
+             "it with footprints_crs",
+             path.string(), crs_name(result.crs), result.bounds.xmin, result.bounds.xmax,
+             result.bounds.ymin, result.bounds.ymax)});
     result.crs.clear();
     return;
   }
   if (result.crs.empty())
     result.warnings.push_back({"footprints_crs_unknown", 1,
-                               path.string() + ": does not state its coordinate reference system"});
+                               path.string() + ": states no CRS; name it with footprints_crs"});
 }
 
 void reproject_features(const fs::path& path, const std::string& target, FootprintsInput& result) {
@@ -527,9 +343,10 @@ void reproject_features(const fs::path& path, const std::string& target, Footpri
   try {
     points = reproject(points, result.crs, target);
   } catch (const Error& error) {
-    fail_input(path, fmt::format("{}; give the system of the footprints by --footprints-crs, that "
-                                 "of the points by --points-crs",
-                                 error.what()));
+    fail_input(path,
+               fmt::format("{}; name the CRS of the footprints with footprints_crs, that of the "
+                           "points with points_crs",
+                           error.what()));
   }
   std::size_t next = 0;
   std::vector<Footprint> kept;
@@ -559,16 +376,17 @@ FootprintsInput read_footprints(const fs::path& path, const ReadFootprintsOption
   gdal::initialise();
   const std::string target = normalise_crs(options.target_crs);
   gdal::QuietErrors errors;
-  const gdal::ThreadOption by_layer("OGR_INTERLEAVED_READING", "NO");
-  const gdal::ThreadOption nothing_beside("CPL_VSIL_GZIP_WRITE_PROPERTIES", "NO");
-  const gdal::ThreadOption on("GML_SKIP_CORRUPTED_FEATURES", "YES");
+  const CPLConfigOptionSetter by_layer("OGR_INTERLEAVED_READING", "NO", false);
+  const CPLConfigOptionSetter nothing_beside("CPL_VSIL_GZIP_WRITE_PROPERTIES", "NO", false);
+  const CPLConfigOptionSetter on("GML_SKIP_CORRUPTED_FEATURES", "YES", false);
   const VectorFile file = open_vector(path, errors, !options.source_crs.empty());
   const FootprintLayer source(path, file.dataset.get(), options.layer);
   FootprintsInput result;
   result.layer = gdal::utf8(OGR_L_GetName(source.get()));
   LayerReader reader(path, source, options, result,
                      is_of_format(file.dataset.get(), "ESRI Shapefile"));
-  reader.read(errors, count_of(file.dataset.get()), drops_geometries(file.dataset.get()));
+  reader.read(errors, is_of_format(file.dataset.get(), "FlatGeobuf"),
+              drops_geometries(file.dataset.get()));
   reader.account_for_osm();
   // Where features are parsed again as they are read, that has told of them.
   if (file.opening_errors > 0 && errors.failures() == 0)

@@ -3,51 +3,24 @@
 #include <span>
 #include <string>
 #include <string_view>
-#include <system_error>
 #include <utility>
-#include <vector>
 
 #include <fmt/format.h>
-#include <unistd.h>
 
 #include "tetropolis/core/error.h"
 #include "tetropolis/io/crs/crs.h"
-#include "tetropolis/io/file/atomic_file.h"
+#include "tetropolis/io/file/write_file.h"
 #include "tetropolis/io/vector/vector.h"
 
 #include "core/text.h"
 #include "io/crs/gdal_support.h"
+#include "io/file/atomic_file.h"
 
 namespace tetropolis {
 
 namespace fs = std::filesystem;
 
 namespace {
-
-/// A hidden folder beside the target in which a format of several files grows.
-class StagingFolder {
- public:
-  explicit StagingFolder(const fs::path& target) {
-    const fs::path parent = target.parent_path();
-    for (int attempt = 0;; ++attempt) {
-      path_ =
-          parent / fmt::format(".{}.part-{}-{}", target.filename().string(), ::getpid(), attempt);
-      std::error_code error;
-      if (fs::create_directory(path_, error)) return;
-      if (error) throw_cannot_write(target, error.message());
-    }
-  }
-  ~StagingFolder() {
-    std::error_code ignored;
-    fs::remove_all(path_, ignored);
-  }
-  StagingFolder(const StagingFolder&) = delete;
-  StagingFolder& operator=(const StagingFolder&) = delete;
-  const fs::path& path() const { return path_; }
-
- private:
-  fs::path path_;
-};
 
 const char* driver_of(const fs::path& path) {
   const std::string extension = lower_case(path.extension().string());
@@ -102,14 +75,14 @@ bool add_features(OGRLayerH layer, const Content& content) {
 
 bool write_layer(GDALDatasetH dataset, const fs::path& path, const Content& content,
                  const std::string& crs) {
-  gdal::StringList options;
+  CPLStringList options;
   const std::string_view driver = driver_of(path);
   if (driver == "ESRI Shapefile")
-    options.set("DBF_DATE_LAST_UPDATE", "1970-01-01").set("ENCODING", "UTF-8");
-  if (driver == "GeoJSON") options.set("COORDINATE_PRECISION", "10");
+    options.SetNameValue("DBF_DATE_LAST_UPDATE", "1970-01-01").SetNameValue("ENCODING", "UTF-8");
+  if (driver == "GeoJSON") options.SetNameValue("COORDINATE_PRECISION", "10");
   const gdal::Srs srs = crs.empty() ? nullptr : gdal::parse_srs(crs);
   OGRLayerH layer =
-      GDALDatasetCreateLayer(dataset, path.stem().c_str(), srs.get(), wkbPolygon, options.get());
+      GDALDatasetCreateLayer(dataset, path.stem().c_str(), srs.get(), wkbPolygon, options.List());
   if (layer == nullptr) return false;
   std::size_t longest = 1;
   for (const std::string& id : content.ids) longest = std::max(longest, id.size());
@@ -124,22 +97,13 @@ bool write_layer(GDALDatasetH dataset, const fs::path& path, const Content& cont
   return add_features(layer, content) && OGR_L_CommitTransaction(layer) == OGRERR_NONE;
 }
 
-/// Moves the finished files into place one by one, by name, the one that makes the others a result
-/// last. If it fails midway, a shapefile that was there before has some members of the new one.
-void publish(const fs::path& folder, const fs::path& target) {
-  std::vector<fs::path> files;
-  for (const fs::directory_entry& entry : fs::directory_iterator(folder))
-    files.push_back(entry.path());
-  std::sort(files.begin(), files.end(), [&](const fs::path& a, const fs::path& b) {
-    const bool a_last = a.filename() == target.filename();
-    const bool b_last = b.filename() == target.filename();
-    return a_last != b_last ? b_last : a < b;
-  });
-  for (const fs::path& file : files) {
-    std::error_code error;
-    fs::rename(file, target.parent_path() / file.filename(), error);
-    if (error) throw_cannot_write(target, error.message());
-  }
+/// Puts the finished files into place, the one that makes the others a result last. If it fails
+/// midway, a shapefile that was there before has some members of the new one.
+void publish(const gdal::MemoryFolder& folder, const fs::path& target) {
+  const std::string last = target.filename().string();
+  for (const std::string& name : folder.names())
+    if (name != last) write_file(target.parent_path() / name, folder.bytes(name));
+  write_file(target, folder.bytes(last));
 }
 
 }  // namespace
@@ -154,18 +118,18 @@ void write_footprints(const fs::path& path, std::span<const Polygon> polygons,
   gdal::initialise();
   const char* driver = driver_of(path);
   const std::string canonical = normalise_crs(crs);
-  const StagingFolder staging(path);
+  const gdal::MemoryFolder folder;
   gdal::QuietErrors errors;
-  const gdal::ThreadOption fixed_date("OGR_CURRENT_DATE", "1970-01-01T00:00:00Z");
+  const CPLConfigOptionSetter fixed_date("OGR_CURRENT_DATE", "1970-01-01T00:00:00Z", false);
   gdal::Dataset dataset(GDALCreate(GDALGetDriverByName(driver),
-                                   (staging.path() / path.filename()).c_str(), 0, 0, 0, GDT_Unknown,
-                                   nullptr));
+                                   folder.path(path.filename().string()).c_str(), 0, 0, 0,
+                                   GDT_Unknown, nullptr));
   if (dataset == nullptr) throw_cannot_write(path, errors.last());
   const bool written =
       write_layer(dataset.get(), path, {polygons, ids, heights, origin}, canonical);
   dataset.reset();  // Closing writes what is left, and may fail.
   if (!written || errors.failures() > 0) throw_cannot_write(path, errors.last());
-  publish(staging.path(), path);
+  publish(folder, path);
 }
 
 }  // namespace tetropolis

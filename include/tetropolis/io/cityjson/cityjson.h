@@ -58,14 +58,13 @@ enum class BrokenObjects { kRefuse, kDrop };
 /// input features. Origin: `translate` if that is whole metres and no more than 100 km away, else
 /// the south-west corner of the vertices, rounded down. Domain: as stored, or empty (xmin > xmax)
 /// if there is none. `warnings`, if given, gets "city_objects_dropped", "city_types_unknown" where
-/// objects have types that are none of CityJSON's own, and "city_roofs_flattened" where roofs reach
+/// objects have types of an extension, and "city_roofs_flattened" where roofs reach
 /// more than half a metre above that height.
 ///
 /// Errors, kInput with the path and the place in it ("/CityObjects/a/geometry/0/boundaries"):
 /// missing, not JSON (with the byte), not CityJSON, unknown version, wrong types, indices out of
 /// range, two objects with the same key, coordinates that are not finite. With
-/// BrokenObjects::kDrop an object of another file that is one of these (or has a vertex that is)
-/// goes to `dropped`, with the place in its reason, and costs nothing else.
+/// BrokenObjects::kDrop an object of another file that is one of these goes to `dropped`, with the place in its reason, and costs nothing else.
 CityModel read_city(const std::filesystem::path& path, std::vector<Warning>* warnings = nullptr,
                     BrokenObjects broken = BrokenObjects::kRefuse);
 

@@ -40,14 +40,14 @@ struct LasInfo {
   std::string vertical_crs;  ///< Name of the vertical system; "" if none is stated or understood.
   std::vector<Warning> warnings;  ///< "las_vlrs_broken" (extended ones, too), "las_crs_unknown",
                                   ///< "las_count_missing", "las_count_small" (more room than the
-                                  ///< count says), "las_scale_negative".
+                                  ///< count says).
 };
 
 /// Reads the header and the variable length records, not the points.
 /// Errors, kInput with the path and byte: missing, unreadable, empty, no LAS file, cut within the
-/// header, invalid sizes or offsets, scale 0 or beyond 1000, coordinates offset by more than 1e9 or
+/// header, invalid sizes or offsets, scale not above 0 or beyond 1000, coordinates offset by more than 1e9 or
 /// elevations by more than 1e6, unknown version or point format, record shorter than its format,
-/// LAZ without or with an unsupported LASzip record.
+/// LAZ without a table of chunks, or without a supported LASzip record.
 LasInfo inspect_las(const std::filesystem::path& path);
 
 /// The same of several files, in parallel; the first broken file in order is reported.
@@ -112,7 +112,7 @@ struct PointsInput {
 /// box of their header are kept but counted ("las_points_outside_box"): damage inside a file shows
 /// only there.
 /// Parallel over blocks of a quarter of a million points (of a million in LAZ with chunks of
-/// different sizes, such as COPC; a LAZ file without a table of chunks is one block); the result
+/// different sizes, such as COPC; a LAZ file without chunks is one block); the result
 /// does not depend on the number of threads. Memory follows the points kept, never the counts that
 /// headers claim.
 ///

@@ -6,9 +6,13 @@
 #include <cstddef>
 #include <cstdint>
 #include <iterator>
+#include <map>
 #include <set>
+#include <tuple>
 #include <utility>
 #include <vector>
+
+#include <fmt/format.h>
 
 #include "io/las/las_decode.h"
 
@@ -17,6 +21,8 @@ namespace tetropolis {
 namespace {
 
 namespace fs = std::filesystem;
+
+constexpr std::int64_t kLeastTwin = 100;  // points of which two equal boxes are no coincidence
 
 /// Points compared in one place; enough that they hardly all have one class.
 constexpr std::int64_t kSampled = 1000;
@@ -56,8 +62,7 @@ std::int64_t common_step(const LasLayout& a, const LasLayout& b) {
 bool are_alike(const Sample& a, const LasInfo& in_a, const Sample& b, const LasInfo& in_b) {
   for (std::size_t i = 0; i < a.points.size(); ++i)
     for (std::size_t axis = 0; axis < 3; ++axis)
-      if (std::abs(a.points[i][axis] - b.points[i][axis]) >
-          std::abs(in_a.scale[axis]) + std::abs(in_b.scale[axis]))
+      if (std::abs(a.points[i][axis] - b.points[i][axis]) > in_a.scale[axis] + in_b.scale[axis])
         return false;
   return true;
 }
@@ -70,8 +75,14 @@ std::pair<std::ptrdiff_t, std::ptrdiff_t> count_classes(const Sample& sample) {
   return {std::ssize(different), std::ssize(classes)};
 }
 
-}  // namespace
+enum class Likeness {
+  kDifferent,
+  kCopies,
+  kOtherClasses,  // which tell no more in the second file
+  kMoreClasses,
+};
 
+/// Compares two files of the same count of points, which is not 0.
 Likeness compare_files(const fs::path& a, const LasLayout& in_a, const fs::path& b,
                        const LasLayout& in_b) {
   const std::int64_t step = common_step(in_a, in_b);
@@ -88,6 +99,32 @@ Likeness compare_files(const fs::path& a, const LasLayout& in_a, const fs::path&
   if (of_a.classes == of_b.classes) return Likeness::kCopies;
   return count_classes(of_b) > count_classes(of_a) ? Likeness::kMoreClasses
                                                    : Likeness::kOtherClasses;
+}
+
+}  // namespace
+
+void find_twins(std::span<const fs::path> paths, std::vector<LasPlan>& plans) {
+  using Key = std::tuple<std::int64_t, std::array<double, 3>, std::array<double, 3>>;
+  std::map<Key, std::size_t> kept;
+  for (std::size_t f = 0; f < plans.size(); ++f) {
+    const LasInfo& info = plans[f].layout.info;
+    if (info.point_count < kLeastTwin || !is_sound(info)) continue;
+    const auto [entry, is_new] = kept.try_emplace({info.point_count, info.min, info.max}, f);
+    if (is_new) continue;
+    const std::size_t earlier = entry->second;
+    const Likeness likeness =
+        compare_files(paths[earlier], plans[earlier].layout, paths[f], plans[f].layout);
+    if (likeness == Likeness::kDifferent) continue;
+    const bool drops_earlier = likeness == Likeness::kMoreClasses;
+    const std::size_t dropped = drops_earlier ? earlier : f;
+    entry->second = drops_earlier ? f : earlier;
+    plans[dropped].is_twin = true;
+    plans[dropped].warnings = {
+        {"las_twin", info.point_count,
+         fmt::format("{}: has the same points as {}{}; it is not read", paths[dropped].string(),
+                     paths[entry->second].string(),
+                     likeness == Likeness::kCopies ? "" : ", with classes that tell no more")}};
+  }
 }
 
 }  // namespace tetropolis

@@ -1,23 +1,19 @@
-// Whether two point files are the same cloud. Private to src/io.
+// Clouds that lie in a folder twice: as .las and as .laz (as in the test data of laspy and PDAL),
+// or before and after their points were classified. Read twice, they double the density and mix
+// classes. Private to src/io.
 #pragma once
 
 #include <filesystem>
+#include <span>
+#include <vector>
 
-#include "io/las/las_header.h"
+#include "io/las/las_plan.h"
 
 namespace tetropolis {
 
-enum class Likeness {
-  kDifferent,
-  kCopies,
-  kOtherClasses,  ///< The same points of other classes, which tell no more in the second file,
-  kMoreClasses,   ///< or tell more.
-};
-
-/// Compares two files of the same count of points, which is not 0, at their beginning and, where
-/// both can be entered, in some other places. Throws Error(kInput) naming the file for points that
-/// cannot be decoded.
-Likeness compare_files(const std::filesystem::path& a, const LasLayout& in_a,
-                       const std::filesystem::path& b, const LasLayout& in_b);
+/// Marks files that state the count and the box of another one and have the same points in a few
+/// places: all but the first of those whose classes tell most there. Throws Error(kInput) naming
+/// the file for points that cannot be decoded.
+void find_twins(std::span<const std::filesystem::path> paths, std::vector<LasPlan>& plans);
 
 }  // namespace tetropolis

@@ -69,7 +69,7 @@ std::string why_incomplete(const fs::path& path) {
         file.read(file.size() - static_cast<std::int64_t>(end.size()), end.data(), end.size()));
     text += '\n' + end;
   }
-  constexpr std::string_view kMend = "is one page of what the server has; get the others, too";
+  constexpr std::string_view kMend = "is one page of the server's features; get the others, too";
   if (is_json && has_value(text, "\"exceededTransferLimit\"", "true"))
     return fmt::format("{} (exceededTransferLimit is true)", kMend);
   const auto matched = number_of(text, "numberMatched");
@@ -77,7 +77,7 @@ std::string why_incomplete(const fs::path& path) {
   if (matched && returned && *matched > *returned)
     return fmt::format("{} (it returned {} features of {})", kMend, *returned, *matched);
   if (is_json && has_value(text, "\"rel\"", "next\""))
-    return fmt::format("{} (it holds a link to the next)", kMend);
+    return fmt::format("{} (it links to the next)", kMend);
   return {};
 }
 

@@ -3,12 +3,17 @@
 #include <algorithm>
 #include <charconv>
 #include <cstddef>
+#include <exception>
+#include <memory>
+#include <new>
 #include <string_view>
 #include <unordered_set>
 
+#include <expat.h>
 #include <fmt/format.h>
 
 #include "core/text.h"
+#include "io/file/input_file.h"
 #include "io/file/positioned_file.h"
 
 namespace tetropolis {
@@ -17,99 +22,15 @@ namespace fs = std::filesystem;
 
 namespace {
 
-/// The tags of an XML file one after the other, without their angle brackets.
-class TagReader {
- public:
-  explicit TagReader(const fs::path& path) : file_(path) {}
-
-  /// False at the end of the file.
-  bool next(std::string& tag) {
-    tag.clear();
-    for (;;) {
-      if (!skip_to('<')) return false;
-      if (!read_tag(tag)) return false;
-      if (tag != kComment) return true;
-      // It may hold anything.
-      while (!tag.ends_with("-->")) {
-        const int c = get();
-        if (c < 0) return false;
-        tag += static_cast<char>(c);
-      }
-      tag.clear();
-    }
-  }
-
- private:
-  bool skip_to(char wanted) {
-    for (int c = get(); c >= 0; c = get())
-      if (c == wanted) return true;
-    return false;
-  }
-
-  static constexpr std::string_view kComment = "!--";
-
-  /// Up to the bracket that is in no attribute, or the beginning of a comment.
-  bool read_tag(std::string& tag) {
-    char quote = 0;
-    for (int c = get(); c >= 0; c = get()) {
-      const char character = static_cast<char>(c);
-      if (quote == 0 && character == '>') return true;
-      if (quote == 0 && (character == '"' || character == '\''))
-        quote = character;
-      else if (quote == character)
-        quote = 0;
-      tag += character;
-      if (tag == kComment) return true;
-    }
-    return false;
-  }
-
-  int get() {
-    if (at_ == buffer_.size()) {
-      constexpr std::size_t kChunk = std::size_t{1} << 20;
-      buffer_.resize(kChunk);
-      buffer_.resize(file_.read(position_, buffer_.data(), kChunk));
-      position_ += static_cast<std::int64_t>(buffer_.size());
-      at_ = 0;
-      if (buffer_.empty()) return -1;
-    }
-    return static_cast<unsigned char>(buffer_[at_++]);
-  }
-
-  PositionedFile file_;
-  std::string buffer_;
-  std::size_t at_ = 0;
-  std::int64_t position_ = 0;
-};
-
-bool is_space(char c) { return c == ' ' || c == '\t' || c == '\r' || c == '\n'; }
-
-std::string_view name_of(std::string_view tag) {
-  std::size_t end = 0;
-  while (end < tag.size() && !is_space(tag[end]) && (end == 0 || tag[end] != '/')) ++end;
-  return tag.substr(0, end);
-}
-
 /// The value of an attribute; empty if it is not there.
-std::string_view attribute(std::string_view tag, std::string_view name) {
-  tag.remove_prefix(name_of(tag).size());
-  for (;;) {
-    const std::size_t equals = tag.find('=');
-    if (equals == tag.npos) return {};
-    std::string_view key = tag.substr(0, equals);
-    while (!key.empty() && is_space(key.front())) key.remove_prefix(1);
-    while (!key.empty() && is_space(key.back())) key.remove_suffix(1);
-    const std::size_t begin = tag.find_first_of("\"'", equals);
-    if (begin == tag.npos) return {};
-    const std::size_t end = tag.find(tag[begin], begin + 1);
-    if (end == tag.npos) return {};
-    if (key == name) return tag.substr(begin + 1, end - begin - 1);
-    tag.remove_prefix(end + 1);
-  }
+std::string_view attribute(const XML_Char** attributes, std::string_view name) {
+  for (; *attributes != nullptr; attributes += 2)
+    if (attributes[0] == name) return attributes[1];
+  return {};
 }
 
-std::int64_t number(std::string_view tag, std::string_view name) {
-  const std::string_view text = attribute(tag, name);
+std::int64_t number(const XML_Char** attributes, std::string_view name) {
+  const std::string_view text = attribute(attributes, name);
   std::int64_t value = 0;
   std::from_chars(text.data(), text.data() + text.size(), value);
   return value;
@@ -132,9 +53,30 @@ bool is_group(const Element& element) {
 
 class OsmReader {
  public:
-  explicit OsmReader(const fs::path& path) {
-    TagReader tags(path);
-    for (std::string tag; tags.next(tag);) read(tag);
+  explicit OsmReader(const fs::path& path) : parser_(XML_ParserCreate(nullptr)) {
+    if (parser_ == nullptr) throw std::bad_alloc();
+    XML_SetUserData(parser_.get(), this);
+    XML_SetElementHandler(
+        parser_.get(),
+        [](void* reader, const XML_Char* name, const XML_Char** attributes) {
+          static_cast<OsmReader*>(reader)->guarded(&OsmReader::start, name, attributes);
+        },
+        [](void* reader, const XML_Char* name) {
+          static_cast<OsmReader*>(reader)->guarded(&OsmReader::end, name);
+        });
+    const PositionedFile file(path);
+    std::string block(std::size_t{1} << 20, '\0');
+    std::size_t size = block.size();
+    for (std::int64_t at = 0; size > 0; at += static_cast<std::int64_t>(size)) {
+      size = file.read(at, block.data(), block.size());
+      const XML_Status status =
+          XML_Parse(parser_.get(), block.data(), static_cast<int>(size), size == 0 ? 1 : 0);
+      if (thrown_) std::rethrow_exception(thrown_);
+      if (status != XML_STATUS_OK)
+        fail_input(path, fmt::format("line {}: {}; get the file again",
+                                     XML_GetCurrentLineNumber(parser_.get()),
+                                     XML_ErrorString(XML_GetErrorCode(parser_.get()))));
+    }
     std::sort(nodes_.begin(), nodes_.end());
   }
 
@@ -154,36 +96,50 @@ class OsmReader {
       if (!read.contains(element.id))
         account.lost.push_back({name, why_lost(element)});
       else if (!is_relation && missing(element) > 0)
-        account.cornered.push_back(name);
+        account.incomplete.push_back(name);
     }
     return account;
   }
 
  private:
-  void read(const std::string& tag) {
-    const std::string_view name = name_of(tag);
+  /// Expat is C: no exception may pass it.
+  template <typename Handle, typename... Arguments>
+  void guarded(Handle handle, Arguments... arguments) noexcept {
+    try {
+      (this->*handle)(arguments...);
+    } catch (...) {
+      thrown_ = std::current_exception();
+      XML_StopParser(parser_.get(), XML_FALSE);
+    }
+  }
+
+  void start(const XML_Char* element, const XML_Char** attributes) {
+    const std::string_view name = element;
     if (name == "node") {
-      nodes_.push_back(number(tag, "id"));
+      nodes_.push_back(number(attributes, "id"));
     } else if (name == "way" || name == "relation") {
       current_ = {};
-      current_.id = {name == "relation", number(tag, "id")};
-      current_.is_deleted =
-          attribute(tag, "action") == "delete" || attribute(tag, "visible") == "false";
+      current_.id = {name == "relation", number(attributes, "id")};
+      current_.is_deleted = attribute(attributes, "action") == "delete" ||
+                            attribute(attributes, "visible") == "false";
     } else if (name == "nd") {
-      if (current_.id.first) return;  // of a member's geometry
-      current_.parts.push_back(number(tag, "ref"));
+      // Overpass gives relations the geometry of their members.
+      if (!current_.id.first) current_.parts.push_back(number(attributes, "ref"));
     } else if (name == "member") {
-      if (attribute(tag, "type") == "way") current_.parts.push_back(number(tag, "ref"));
+      if (attribute(attributes, "type") == "way")
+        current_.parts.push_back(number(attributes, "ref"));
     } else if (name == "tag") {
-      const std::string_view key = attribute(tag, "k"), value = attribute(tag, "v");
+      const std::string_view key = attribute(attributes, "k"), value = attribute(attributes, "v");
       if (key == "building") current_.is_building = lower_case(std::string(value)) != "no";
       if (key == "type") current_.type = value;
-    } else if (name == "/way") {
-      ways_.insert(current_.id.second);
-      keep();
-    } else if (name == "/relation") {
-      keep();
     }
+  }
+
+  void end(const XML_Char* element) {
+    const std::string_view name = element;
+    if (name != "way" && name != "relation") return;
+    if (name == "way") ways_.insert(current_.id.second);
+    keep();
   }
 
   /// Relations without the tag may have it from their outer way.
@@ -203,16 +159,22 @@ class OsmReader {
   std::string why_lost(const Element& element) const {
     const auto parts = std::ssize(element.parts), lacking = missing(element);
     if (element.id.first && element.type != "multipolygon" && element.type != "boundary")
-      return fmt::format("a relation of type '{}', which is no area", element.type);
+      return fmt::format("a relation of type '{}', not an area", element.type);
     if (lacking > 0)
-      return fmt::format("{} of its {} {} are not in the file", lacking, parts,
+      return fmt::format("the file lacks {} of its {} {}", lacking, parts,
                          element.id.first ? "ways" : "nodes");
-    if (element.id.first) return "its ways make no outline";
+    if (element.id.first) return "its ways form no outline";
     if (parts < 4) return "a way of fewer than three corners";
-    return element.parts.front() == element.parts.back() ? "no area can be made of it"
+    return element.parts.front() == element.parts.back() ? "it forms no area"
                                                          : "a way that is not closed";
   }
 
+  struct FreeParser {
+    void operator()(XML_Parser parser) const { XML_ParserFree(parser); }
+  };
+
+  std::unique_ptr<XML_ParserStruct, FreeParser> parser_;
+  std::exception_ptr thrown_;
   Element current_;
   std::vector<Element> elements_;
   std::vector<std::int64_t> nodes_;

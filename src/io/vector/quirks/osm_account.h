@@ -1,5 +1,6 @@
-// What an OpenStreetMap file says of its buildings, and GDAL does not when it makes no area of one.
-// Private to src/io.
+// Buildings of OpenStreetMap XML that GDAL drops without a word: clipped extracts (osmium,
+// Overpass, the API) lack nodes of ways and ways of relations, and JOSM keeps what was deleted. See
+// also tudelft3d/OSM2World#158 and eclipse/sumo#14598. Private to src/io.
 #pragma once
 
 #include <cstdint>
@@ -17,8 +18,8 @@ namespace tetropolis {
 using OsmId = std::pair<bool, std::int64_t>;
 
 struct OsmAccount {
-  std::vector<Dropped> lost;          ///< "way/204", "relation/300", in the order of the file.
-  std::vector<std::string> cornered;  ///< Ways read, of which nodes are not in the file.
+  std::vector<Dropped> lost;            ///< "way/204", "relation/300", in the order of the file.
+  std::vector<std::string> incomplete;  ///< Ways read, of which nodes are not in the file.
 };
 
 /// Compares the ways and relations of an OSM XML file that are tagged as buildings with those that

@@ -9,11 +9,10 @@
 #include <optional>
 #include <string>
 #include <system_error>
-#include <vector>
 
 #include <fmt/format.h>
 
-#include "tetropolis/core/error.h"
+#include "tetropolis/core/text.h"
 
 #include "io/file/input_file.h"
 
@@ -52,14 +51,10 @@ std::optional<Member> find_member(const fs::path& shp, const char* small, const 
   return std::nullopt;
 }
 
-std::int64_t big_endian(const unsigned char* bytes) {
-  std::int64_t value = 0;
-  for (std::size_t i = 0; i < 4; ++i) value = value * 256 + bytes[i];
-  return value;
-}
-
 std::int64_t big_endian(const Member& member, std::size_t at) {
-  return big_endian(member.head.data() + at);
+  std::int64_t value = 0;
+  for (std::size_t i = at; i < at + 4; ++i) value = value * 256 + member.head[i];
+  return value;
 }
 
 /// By the header of an index, which GDAL believes, and not its size.
@@ -86,45 +81,9 @@ bool lacks_columns(const Member& table) {
 
 void require_size(const Member& member, std::int64_t stated) {
   if (member.size >= stated) return;
-  throw Error(ErrorKind::kInput,
-              fmt::format("{}: the file is cut: {} bytes of the {} its header states; get it again",
-                          member.path.string(), member.size, stated));
-}
-
-/// Every entry of the index has to name the place of a record of the length that the record itself
-/// states, and no two the same: a stale index gives shapes to the wrong attributes.
-void require_index_of(const Member& shapes, const Member& index) {
-  std::ifstream entries(index.path, std::ios::binary), records;
-  entries.seekg(kShapeHeader);
-  records.rdbuf()->pubsetbuf(nullptr, 0);  // every head is elsewhere
-  records.open(shapes.path, std::ios::binary);
-  const std::int64_t count = shapes_of(index);
-  std::vector<std::int64_t> places;
-  std::array<unsigned char, kIndexRecord> entry{}, head{};
-  const auto read = [](std::ifstream& file, std::array<unsigned char, kIndexRecord>& to) {
-    return static_cast<bool>(
-        file.read(reinterpret_cast<char*>(to.data()), static_cast<std::streamsize>(to.size())));
-  };
-  const auto fail = [&](std::int64_t i, const char* what) {
-    throw Error(ErrorKind::kInput,
-                fmt::format("{}: entry {} of its index (.shx) {}; the files do not belong "
-                            "together or one is broken, export them again",
-                            shapes.path.string(), i, what));
-  };
-  for (std::int64_t i = 0; i < count && read(entries, entry); ++i) {
-    const std::int64_t place = 2 * big_endian(entry.data());
-    const std::int64_t length = big_endian(entry.data() + 4);
-    if (length == 0) continue;  // deleted
-    places.push_back(place);
-    records.clear();
-    records.seekg(place);
-    if (!read(records, head)) continue;  // GDAL says where the file ends
-    if (big_endian(head.data() + 4) != length) fail(i, "states another length than the shape has");
-  }
-  std::sort(places.begin(), places.end());
-  const auto twice = std::adjacent_find(places.begin(), places.end());
-  if (twice != places.end())
-    fail(twice - places.begin(), "(in the order of the shapes) names the same shape as the next");
+  fail_input(member.path, fmt::format("the file is cut: {} bytes of the {} its header states; get "
+                                      "it again",
+                                      member.size, stated));
 }
 
 }  // namespace
@@ -142,12 +101,6 @@ void require_whole_shapefile(const fs::path& path) {
   if (!shapes || big_endian(*shapes, 0) != kMagic) return;  // GDAL says what it is not
   // Lengths count words of 16 bits.
   require_size(*shapes, 2 * big_endian(*shapes, 24));
-  // Without an index nothing else tells of records behind the length that the header states.
-  if (!index && shapes->size > 2 * big_endian(*shapes, 24))
-    throw Error(ErrorKind::kInput,
-                fmt::format("{}: {} bytes are more than the {} its header states, and no index "
-                            "(.shx) tells which is right; get the file again",
-                            shapes->path.string(), shapes->size, 2 * big_endian(*shapes, 24)));
   if (index) require_size(*index, std::max(kShapeHeader, 2 * big_endian(*index, 24)));
   if (table)
     require_size(*table, little_endian(*table, 8, 2) +
@@ -156,18 +109,29 @@ void require_whole_shapefile(const fs::path& path) {
   const std::int64_t shape_count = shapes_of(*index);
   const std::int64_t record_count = table ? little_endian(*table, 4, 4) : shape_count;
   if (shape_count != record_count)
-    throw Error(
-        ErrorKind::kInput,
-        fmt::format("{}: {} shapes by its index, but {} attribute records in {}; the files "
-                    "do not belong together, export them again",
-                    path.string(), shape_count, record_count, table->path.filename().string()));
-  require_index_of(*shapes, *index);
+    fail_input(path, fmt::format("its index has {} shapes, but {} has {} records; the files do not "
+                                 "belong together, export them again",
+                                 shape_count, table->path.filename().string(), record_count));
 }
 
-bool has_empty_table(const fs::path& path) {
+bool needs_copy(const fs::path& path) {
   if (!is_shapefile(path)) return false;
   const auto table = find_member(path, ".dbf", ".DBF");
-  return table && lacks_columns(*table);
+  return !find_member(path, ".shx", ".SHX") || (table && lacks_columns(*table));
+}
+
+std::string copy_shapefile(const fs::path& path, const gdal::MemoryFolder& folder) {
+  const auto table = find_member(path, ".dbf", ".DBF");
+  const auto copy = [&](const fs::path& member) {
+    std::string name = path.stem().string() + lower_case(member.extension().string());
+    if (CPLCopyFile(folder.path(name).c_str(), member.c_str()) != 0)
+      fail_input(member, "cannot be read; check its permissions");
+    return folder.path(name);
+  };
+  if (table && !lacks_columns(*table)) copy(table->path);
+  if (const auto system = find_member(path, ".prj", ".PRJ")) copy(system->path);
+  if (const auto encoding = find_member(path, ".cpg", ".CPG")) copy(encoding->path);
+  return copy(path);
 }
 
 }  // namespace tetropolis

@@ -1,4 +1,4 @@
-// Files that appear complete or not at all (guarantee 8).
+// Files that appear complete or not at all (guarantee 8). Private to the library.
 #pragma once
 
 #include <cstdint>
