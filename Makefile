@@ -1,5 +1,6 @@
 # The two commands a newcomer needs are `make demo` and `make test`.
-.PHONY: demo test build deps bench microbench survey simplification-report docs format check-format clean
+.PHONY: demo test test-quick test-asan fuzz build deps bench microbench survey simplification-report docs format \
+  check-format clean
 
 # Only what it needs: the tests take most of a full build.
 demo: deps
@@ -14,6 +15,19 @@ demo: deps
 
 test: build
 	@scripts/run-tests build
+
+# Two minutes after a build: without whole runs of the program, faults from outside and counts of work.
+test-quick: build
+	@scripts/run-tests build -E '^(faults|work)\.|^run\.(Cli|QualityFloor|Fenicsx|survey|CheckMesh|Cities|same_bytes_random|install)'
+
+# Everything under address and undefined-behaviour sanitizers. .ci/run does the suites that find most.
+test-asan:
+	@scripts/build asan
+	@scripts/run-tests build-asan
+
+# make fuzz SECONDS=600 TARGETS="las cityjson"
+fuzz:
+	@scripts/run-fuzzers $(or $(SECONDS),600) $(TARGETS)
 
 build: deps
 	@scripts/build release
@@ -44,6 +58,7 @@ format:
 check-format:
 	@scripts/format --check
 	@scripts/check-includes
+	@scripts/check-links
 
 clean:
 	rm -rf build build-* out

@@ -151,23 +151,21 @@ def output_section(rows):
 INTRODUCTION = """\
 # Benchmarks
 
-The two studies of Naserentin and Logg (arXiv 2210.05250) and some more, on their synthetic city: axis-aligned
-rectangles at random places on 2.5 km x 2.5 km, here with rolling hills. This page is written by
-`scripts/bench --docs` from the results of
+Time and memory on the synthetic city of Naserentin and Logg (arXiv 2210.05250): axis-aligned rectangles at random
+places on 2.5 km x 2.5 km, here with rolling hills.
 
 ```sh
 {command}
+scripts/bench --docs       # writes this page from the results
 ```
 
-which takes five to eleven minutes on an idle machine with two cores (`scripts/bench --quick`: two), needs 15 GB
-of disk for the finest mesh (left out where there is less), and writes `out/bench/`: a CSV file for each study, the
-charts, and this page as `summary.md`. `scripts/bench --only cells,threads` repeats single studies, `--help` lists the rest.
+`make bench` takes five to eleven minutes on an idle machine with two cores (`scripts/bench --quick`: two) and 15 GB of
+disk for the finest mesh, which is left out where there is less. It writes CSV files, charts and this page to
+`out/bench/`. `scripts/bench --only cells,threads` repeats single studies.
 
-Every figure is from runs of the program and the `report.json` they write (times per step, peak resident memory):
-the median of three runs, or of fewer where they would take more than 25 s in all. Results are written into new
-folders: over an older result it takes longer, since ext4 begins at once to put files that replace others on the
-disk. Charts show processor seconds (all threads together, as the paper does), tables seconds on the clock with all
-cores. Lines are power laws fitted to the points.
+Figures are medians of three runs of the program (fewer above 25 s), from their `report.json`. Results go into new
+folders; replacing files is slower on ext4. Charts show CPU seconds of all threads, as the paper does; tables show wall
+seconds on all cores. Lines are fitted power laws.
 """
 CELLS = """\
 ## (a) Time per step against cells
@@ -179,14 +177,13 @@ UNIFORM = "Uniform layers (`--layering uniform`), moved by the paper's two Lapla
 MEMORY = """\
 ## (d) Memory against cells
 
-The peak of the whole run. The mesh is stored as columns, so it is the ground mesh that counts first, and files
-are streamed.
+The peak of the whole run. The mesh is stored as columns and files are streamed; the ground mesh counts most.
 """
 BUILDINGS = """\
 ## (b) Time per step against buildings
 
 100 to 20,000 buildings on the same area, mesh size 10 m; `tetropolis build` from footprints and points (1 per
-square metre). Beyond about 10,000 most rectangles overlap others. Exponents are those from 2,000 buildings on.
+square metre). Beyond about 10,000 most rectangles overlap others. Exponents hold from 2,000 buildings on.
 """
 THREADS = "## (c) Threads\n"
 OUTPUT = """\
@@ -197,9 +194,7 @@ OUTPUT = """\
 WORK = """\
 ## Guard against regressions
 
-Seconds differ between machines, so no test looks at them. `tests/work` counts work instead, on a fixed small
-city: triangles and added vertices, calls of the exact predicates, cells, solver iterations, GEOS calls,
-allocations and bytes, and instructions (under Valgrind, where it is installed). Limits are in
-`tests/work/limits.txt`; `scripts/update-work-limits` writes them anew after a change that is meant to cost more,
-or that saves work.
+Seconds differ between machines; tests count work instead (`tests/work`): triangles, calls of the exact predicates and
+of GEOS, cells, solver iterations, allocations, and instructions under Valgrind. `scripts/update-work-limits` renews the
+limits in `tests/work/limits.txt` after a change that is meant to cost more, or that saves work.
 """

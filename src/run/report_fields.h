@@ -13,40 +13,39 @@ namespace tetropolis {
 
 template <typename Field>
 void fields_of(Dropped& dropped, const Field& field) {
-  field("source_id", dropped.source_id, "text", "input feature that is in no building");
+  field("source_id", dropped.source_id, "text", "input feature in no building");
   field("reason", dropped.reason, "text", "why");
 }
 
 template <typename Field>
 void fields_of(Warning& warning, const Field& field) {
-  field("code", warning.code, "text", "name of the warning, for programs");
-  field("count", warning.count, "integer", "how many points, features, ... it is about");
+  field("code", warning.code, "text", "name for programs: below");
+  field("count", warning.count, "integer", "number of points, features, ... concerned");
   field("message", warning.message, "text", "one line");
 }
 
 template <typename Field>
 void fields_of(StepTime& step, const Field& field) {
   field("id", step.id, "text", "number of the step; `0.1` and `0.2` in `synth`");
-  field("name", step.name, "text",
-        "parts of a step with names of their own have entries of their own");
-  field("seconds", step.seconds, "number, s", "time on the clock");
-  field("cpu_seconds", step.cpu_seconds, "number, s", "processor time of all threads together");
+  field("name", step.name, "text", "part of the step");
+  field("seconds", step.seconds, "number, s", "wall time");
+  field("cpu_seconds", step.cpu_seconds, "number, s", "CPU time of all threads");
 }
 
 template <typename Field>
 void fields_of(SolverFacts& solver, const Field& field) {
-  field("step", solver.step, "text", "`3.3` or `3.5`");
-  field("unknowns", solver.unknowns, "integer",
-        "0 where nothing is solved (graded columns, flat top)");
+  field("step", solver.step, "text", "`3.3` or `3.5`; no entries in `city` and `synth`");
+  field("unknowns", solver.unknowns, "integer", "0 without solving (graded columns, flat top)");
   field("iterations", solver.iterations, "integer", "");
   field("relative_residual", solver.relative_residual, "number",
         "estimated energy norm of the error over that of the first guess");
-  field("converged", solver.converged, "true or false", "whether it fell to `solver_tolerance`");
+  field("converged", solver.converged, "Boolean", "the residual fell to `solver_tolerance`");
 }
 
 template <typename Field>
 void fields_of(WorstCell& cell, const Field& field) {
-  field("position", cell.centre, "list of 3 numbers, m", "centre of the cell, in the CRS");
+  field("position", cell.centre, "list of 3 numbers, m",
+        "centre of one of the ten worst cells, in the CRS");
   field("min_dihedral_deg", cell.min_dihedral_deg, "number, degrees", "its least dihedral angle");
   field("max_dihedral_deg", cell.max_dihedral_deg, "number, degrees", "its greatest");
   field("cause", cell.cause, "text",
@@ -57,15 +56,15 @@ template <typename Field>
 void fields_of(InputFacts& input, const Field& field) {
   field("point_files", input.point_files, "integer", "point files given; 0 in `synth`");
   field("point_files_skipped", input.point_files_skipped, "integer",
-        "files not read: by their headers they lie outside the domain");
+        "files outside the domain by their headers, not read");
   field("points_read", input.points_read, "integer",
         "points in the files that were read; in `synth`, written");
   field("points_kept", input.points_kept, "integer",
-        "points in the domain, not noise and not withheld; in `synth`, all");
+        "points in the domain, neither noise nor withheld; in `synth`, all");
   field("points_by_class", input.points_by_class, "map of integers",
-        "points kept by class (`2`, `6`, ...), as classified in the files");
+        "points kept by class (`2`, `6`, ...) of the files");
   field("ground_filtered", input.ground_filtered, "integer",
-        "points that the ground filter found to be ground");
+        "points that the ground filter called ground");
   field("ground_outliers", input.ground_outliers, "integer",
         "ground points left out as birds or pits");
   field("footprints_read", input.footprints_read, "integer",
@@ -81,12 +80,10 @@ void fields_of(CityFacts& city, const Field& field) {
   field("raw_buildings", city.raw_buildings, "integer",
         "buildings before merging; in `mesh`, those of the city model");
   field("buildings", city.buildings, "integer", "buildings after merging");
-  field("merged_groups", city.merged_groups, "integer",
-        "buildings made of more than one input feature");
+  field("merged_groups", city.merged_groups, "integer", "buildings made of more than one feature");
   field("min_clearance", city.min_clearance, "number, m",
-        "least distance between two vertices, or a vertex and an edge it does not belong to, over "
-        "all "
-        "footprints and the domain's boundary; null without buildings");
+        "least distance of two vertices, or of a vertex and an edge it does not belong to, over "
+        "all footprints and the boundary; null without buildings");
   field(
       "area_before", city.area_before, "number, m²",
       "area of the union of the footprints before merging, without what the domain's boundary cuts "
@@ -96,18 +93,18 @@ void fields_of(CityFacts& city, const Field& field) {
   field("area_moved", city.area_moved, "number, m²",
         "area of the symmetric difference of the two, dropped buildings included; 0 in `mesh`");
   field("area_changed_share", city.area_changed_share, "number",
-        "`area_moved` over `area_before`; 0 in `mesh`");
+        "`city.area_moved` over `city.area_before`; 0 in `mesh`");
   field("max_distance", city.max_distance, "number, m",
         "largest Hausdorff distance between a building and the union of its members; 0 in `mesh`");
   field("hulls", city.hulls, "integer", "buildings with the flag `convex_hull`; 0 in `mesh`");
-  field("resorts", city.resorts, "map of integers",
-        "how often each way of simplifying was used; empty in `mesh`");
+  field("resorts", city.resorts, "object",
+        "uses of each way to simplify: the members below; empty in `mesh`");
   field("flags", city.flags, "map of integers",
         "buildings after merging with each flag; empty in `mesh`");
   field("dtm_empty_share", city.dtm_empty_share, "number",
-        "share of the terrain's nodes that no ground point is nearest to; 0 in `mesh`");
+        "share of terrain nodes without ground points, filled from their neighbours; 0 in `mesh`");
   field("dtm_void_share", city.dtm_void_share, "number",
-        "share of the domain's squares of 20 m without a ground point; 0 in `mesh`");
+        "share of squares of 20 m without ground points; 0 in `mesh`");
   field("dropped", city.dropped, "list", "");
 }
 
@@ -119,7 +116,7 @@ void fields_of(GroundMeshFacts& mesh, const Field& field) {
   field("small_input_angles", mesh.small_input_angles, "integer",
         "corners of the input sharper than `min_angle`");
   field("triangles_below_min_angle", mesh.triangles_below_min_angle, "integer",
-        "triangles with an angle below `min_angle`: at such corners, and across from them");
+        "triangles below `min_angle`, at such corners and across from them");
 }
 
 template <typename Field>
@@ -127,34 +124,33 @@ void fields_of(VolumeMeshFacts& mesh, const Field& field) {
   field("vertices", mesh.vertices, "integer", "");
   field("cells", mesh.cells, "integer", "tetrahedra");
   field("layers", mesh.layers, "integer",
-        "layers of uniform layering; with graded columns, the number it would have");
+        "uniform layers; with graded columns, the number there would be");
   field("volume", mesh.volume, "number, m³", "");
   field("inverted", mesh.inverted, "integer",
-        "cells whose volume is not positive; always 0 in files that were written");
+        "cells without positive volume; always 0 in a written mesh");
   field("min_vertical_gap", mesh.min_vertical_gap, "number, m", "shortest vertical edge");
   field(
       "ground_lowered", mesh.ground_lowered, "integer",
       "ground vertices below the terrain: on walls that it would bury, and where it was excavated");
   field("cut_slope_deg", mesh.cut_slope_deg, "number, degrees",
-        "slope of excavated terrain: 75 or 66 where that is enough, else `cut_slope`");
+        "slope of terrain that was cut back: 75 or 66 where enough, else `cut_slope`");
   field("roofs_cut_back", mesh.roofs_cut_back, "list of integers",
         "buildings of `city.city.json`, from 0, around whose roof the terrain was excavated");
   field("feet_cut_back", mesh.feet_cut_back, "list of lists of 3 numbers, m",
         "x, y (CRS) and z of the slope toes from which the terrain was excavated");
   field("moved_by_guard", mesh.moved_by_guard, "integer",
-        "nodes moved to make columns monotone after solving; 0 where nothing is solved");
+        "nodes moved to make columns monotone after solving; 0 without solving");
   field("columns_improved", mesh.columns_improved, "integer",
-        "columns that the local search for better cells changed");
+        "columns changed by the local search for better cells");
   field("top", mesh.top, "number, m",
         "elevation of the flat top; of a free top, before it follows the terrain");
   field("dihedral_deg.min", mesh.dihedral_min, "number, degrees",
         "least dihedral angle of any cell");
   field("dihedral_deg.p0_01", mesh.dihedral_p0_01, "number, degrees",
-        "0.01 % of the cells have a least dihedral angle up to this; to 0.01 degrees");
-  field("dihedral_deg.p0_1", mesh.dihedral_p0_1, "number, degrees", "the same for 0.1 %");
-  field("dihedral_deg.p1", mesh.dihedral_p1, "number, degrees", "the same for 1 %");
-  field("dihedral_deg.median", mesh.dihedral_median, "number, degrees",
-        "the same for half of the cells");
+        "0.01 % of cells have a least dihedral angle up to this; to 0.01 degrees");
+  field("dihedral_deg.p0_1", mesh.dihedral_p0_1, "number, degrees", "0.1 %");
+  field("dihedral_deg.p1", mesh.dihedral_p1, "number, degrees", "1 %");
+  field("dihedral_deg.median", mesh.dihedral_median, "number, degrees", "half of the cells");
   field("dihedral_deg.max", mesh.dihedral_max, "number, degrees",
         "greatest dihedral angle of any cell");
   field("aspect_ratio.median", mesh.aspect_median, "number",
@@ -162,12 +158,12 @@ void fields_of(VolumeMeshFacts& mesh, const Field& field) {
   field("aspect_ratio.p99", mesh.aspect_p99, "number", "99 % of the cells have at most this");
   field("aspect_ratio.max", mesh.aspect_max, "number", "");
   field("non_orthogonality_deg.max", mesh.faces.worst.non_orthogonality_deg, "number, degrees",
-        "greatest angle between a face's normal and the line between the centres of its two cells, "
-        "as OpenFOAM's `checkMesh` measures it");
+        "greatest angle between a face's normal and the line between its two cells' centres, as in "
+        "`checkMesh`");
   field("faces_above_70_deg", mesh.faces.above_70, "integer",
-        "faces between cells with more than 70 degrees of non-orthogonality");
+        "faces above 70 degrees of non-orthogonality");
   field("skewness.max", mesh.faces.worst.skewness, "number",
-        "greatest skewness of a face, on the boundary too, as `checkMesh` measures it");
+        "greatest skewness of a face, boundary included, as in `checkMesh`");
   field("worst_cells", mesh.worst, "list", "the ten worst cells");
 }
 
@@ -175,8 +171,10 @@ template <typename Field>
 void fields_of(SurfaceMeshFacts& mesh, const Field& field) {
   field("triangles", mesh.triangles, "integer",
         "faces of the whole boundary, top and sides included");
-  field("closed", mesh.closed, "true or false", "always true in files that were written");
-  field("manifold", mesh.manifold, "true or false", "always true in files that were written");
+  field("closed", mesh.closed, "Boolean",
+        "every edge has at least two faces; always true in a written mesh");
+  field("manifold", mesh.manifold, "Boolean",
+        "no edge has more than two faces, or two of one direction; always true in a written mesh");
   field("faces_by_patch", mesh.faces_by_patch, "map of integers", "faces of each patch, by name");
 }
 
@@ -184,18 +182,18 @@ template <typename Field>
 void report_fields(Report& report, const Field& field) {
   field("version", report.version, "text", "of Tetropolis");
   field("command", report.command, "text", "`build`, `city`, `mesh` or `synth`");
-  field("config", report.config, "map", "all [settings](settings.md) by name, defaults included");
+  field("config", report.config, "map",
+        "all [settings](settings.md) of the run by name, defaults included");
   field("origin", report.origin, "list of 3 numbers, m",
-        "origin of the local frame in the CRS: x and y, whole metres unless the city model says "
-        "otherwise, and 0");
-  field("crs", report.crs, "text",
-        "`EPSG:` and a code, WKT where there is no code, empty if unknown");
+        "corner of the local frame in the CRS: x and y in whole metres (unless the city model says "
+        "otherwise), 0");
+  field("crs", report.crs, "text", "`EPSG:` and a code, WKT without a code, empty if unknown");
   field("domain", report.domain, "list of 4 numbers, m",
         "xmin, ymin, xmax, ymax of the domain in the CRS");
   field("steps", report.steps, "list", "");
   field("peak_rss_bytes", report.peak_rss_bytes, "integer, bytes",
-        "largest resident memory of the process before it writes the report");
-  field("threads", report.threads, "integer", "threads the run could use");
+        "largest resident memory before the report is written");
+  field("threads", report.threads, "integer", "threads available to the run");
   field("sources", report.sources, "map of texts",
         "`city` and `dtm` that `mesh` has read, relative to the folder of the results");
   field("input", report.input, "object", "of `build`, `city` and `synth`");
@@ -205,9 +203,8 @@ void report_fields(Report& report, const Field& field) {
   field("surface_mesh", report.surface_mesh, "object", "of `build` and `mesh`");
   field("solver", report.solver, "list", "steps that solve Laplace problems");
   field("files", report.files, "list of texts",
-        "results in the folder, without the report; a later run removes those that it does not "
-        "write, "
-        "but for data of `synth`");
+        "results in the folder, report excluded: of this run, and what stays of an earlier one; a "
+        "later run removes those it does not write, `synth` data excepted");
   field("warnings", report.warnings, "list", "");
 }
 

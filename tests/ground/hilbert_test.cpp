@@ -8,6 +8,8 @@
 
 #include <gtest/gtest.h>
 
+#include "support/test_data.h"
+
 namespace tetropolis {
 namespace {
 
@@ -15,7 +17,7 @@ namespace {
 // each cell to one beside it.
 TEST(Hilbert, PassesThroughSquaresFromCellToCell) {
   constexpr std::uint32_t kSide = 64;
-  std::mt19937 engine(7);
+  std::mt19937 engine(testing::test_seed());
   std::vector<std::pair<std::uint32_t, std::uint32_t>> squares{{0, 0}, {1023, 1023}, {0, 1023}};
   for (int i = 0; i < 50; ++i) squares.emplace_back(engine() % 1024, engine() % 1024);
   for (const auto& [i, j] : squares) {

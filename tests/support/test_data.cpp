@@ -2,6 +2,7 @@
 
 #include <cstdio>
 #include <cstdlib>
+#include <random>
 #include <stdexcept>
 
 #include <gtest/gtest.h>
@@ -35,16 +36,10 @@ TemporaryFolder::~TemporaryFolder() {
 
 namespace {
 
-unsigned seed_of_environment() {
-  const char* text = std::getenv("TETROPOLIS_TEST_SEED");
-  return text == nullptr ? 1U : static_cast<unsigned>(std::strtoul(text, nullptr, 10));
-}
-
 /// Tells the seed with every test that fails.
 class SeedTeller : public ::testing::EmptyTestEventListener {
   void OnTestEnd(const ::testing::TestInfo& test) override {
-    if (test.result()->Failed())
-      std::printf("repeat with TETROPOLIS_TEST_SEED=%u\n", seed_of_environment());
+    if (test.result()->Failed()) std::printf("repeat with TETROPOLIS_TEST_SEED=%u\n", test_seed());
   }
 };
 
@@ -55,6 +50,13 @@ const bool told = [] {
 
 }  // namespace
 
-unsigned test_seed() { return seed_of_environment(); }
+unsigned test_seed() {
+  static const unsigned seed = [] {
+    const char* text = std::getenv("TETROPOLIS_TEST_SEED");
+    return text == nullptr ? std::random_device{}() % 1000000U
+                           : static_cast<unsigned>(std::strtoul(text, nullptr, 10));
+  }();
+  return seed;
+}
 
 }  // namespace tetropolis::testing

@@ -27,7 +27,8 @@ class TemporaryFolder {
   std::filesystem::path path_;
 };
 
-/// The seed of this run's random tests: TETROPOLIS_TEST_SEED, or 1. Print it in failure messages.
+/// The seed of this process' random tests: TETROPOLIS_TEST_SEED, or below a million, drawn anew for
+/// each process. A test that fails prints it.
 unsigned test_seed();
 
 }  // namespace tetropolis::testing

@@ -12,7 +12,7 @@
 
 #include <fmt/format.h>
 
-#include "tetropolis/core/text.h"
+#include "core/text.h"
 
 #include "io/file/input_file.h"
 
