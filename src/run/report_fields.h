@@ -97,8 +97,8 @@ void fields_of(CityFacts& city, const Field& field) {
   field("max_distance", city.max_distance, "number, m",
         "largest Hausdorff distance between a building and the union of its members; 0 in `mesh`");
   field("hulls", city.hulls, "integer", "buildings with the flag `convex_hull`; 0 in `mesh`");
-  field("resorts", city.resorts, "object",
-        "uses of each way to simplify: the members below; empty in `mesh`");
+  field("resorts", city.resorts, "map of integers",
+        "uses of each way to simplify; empty in `mesh`");
   field("flags", city.flags, "map of integers",
         "buildings after merging with each flag; empty in `mesh`");
   field("dtm_empty_share", city.dtm_empty_share, "number",
