@@ -42,8 +42,8 @@ CheckedFile describe(const std::string& name, const VolumeCheck& check) {
 CheckedFile describe(const std::string& name, const SurfaceCheck& check) {
   CheckedFile file{name, {}, check.violations, {}};
   std::string patches;
-  for (const auto& [name, faces] : check.faces_by_patch)
-    patches += fmt::format("{}{} {}", patches.empty() ? "" : ", ", name, faces);
+  for (const auto& [patch, faces] : check.faces_by_patch)
+    patches += fmt::format("{}{} {}", patches.empty() ? "" : ", ", patch, faces);
   file.facts = {
       fmt::format("{} triangles, {}, {}", check.triangles, check.closed ? "closed" : "open",
                   check.manifold ? "manifold" : "not manifold"),

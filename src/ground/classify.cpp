@@ -12,7 +12,9 @@ namespace {
 // Of a patch and what lies around it, so that they fit a core's own cache.
 constexpr std::size_t kPatchTriangles = 4096;
 
-bool inside(const TriMesh::Triangle& x) { return x.v[0] != TriMesh::kDead && x.region != kOutside; }
+bool inside(const TriMesh::Triangle& x) {
+  return x.v[0] != TriMesh::kDead && x.region != kOutsideRegion;
+}
 
 // Neither outside nor marked yet.
 constexpr std::int32_t kUnvisited = kUnmarkedSide;
@@ -55,14 +57,14 @@ void classify(const PlanarGraph& graph, bool convex_hull, Construction& result) 
   if (convex_hull || mesh.subsegments.empty()) close_hull(mesh);
   const auto count = static_cast<std::int32_t>(mesh.triangles.size());
   for (std::int32_t t = 0; t < count; ++t)
-    if (mesh.ghost(t)) flood(mesh, t, kOutside, stack);
+    if (mesh.ghost(t)) flood(mesh, t, kOutsideRegion, stack);
   std::int32_t hint = 0;
   const auto locate = [&](Point2 p) {
     const std::int32_t t = mesh.locate(p, hint).triangle;
     hint = t;
     return t;
   };
-  for (const Point2& hole : graph.holes) flood(mesh, locate(hole), kOutside, stack);
+  for (const Point2& hole : graph.holes) flood(mesh, locate(hole), kOutsideRegion, stack);
   if (!graph.segment_sides.empty()) {
     for (const TriMesh::Subsegment& s : mesh.subsegments) {
       if (s.v[0] == TriMesh::kDead || s.piece < 0) continue;

@@ -11,7 +11,7 @@
 namespace tetropolis {
 
 /// Region of what lies outside of the domain or in a hole.
-inline constexpr std::int32_t kOutside = std::numeric_limits<std::int32_t>::min() + 1;
+inline constexpr std::int32_t kOutsideRegion = std::numeric_limits<std::int32_t>::min() + 1;
 
 /// A triangulated graph. Subsegments' `piece` is the index of their input segment, or kHullSegment.
 struct Construction {
@@ -30,7 +30,7 @@ void insert_points(const PlanarGraph& graph, Construction& result);
 /// Makes every input segment a chain of subsegments.
 void insert_segments(const PlanarGraph& graph, Construction& result);
 
-/// Sets the triangles' regions, kOutside for those to be left out and for ghosts. With
+/// Sets the triangles' regions, kOutsideRegion for those to be left out and for ghosts. With
 /// `convex_hull` (or no segments) hull edges become subsegments. The region is written as the
 /// marker.
 void classify(const PlanarGraph& graph, bool convex_hull, Construction& result);

@@ -113,7 +113,7 @@ void Refiner::find_corners() {
     if (mesh_.sub(s).v[0] == TriMesh::kDead) continue;
     for (int end = 0; end < 2; ++end) {
       std::int32_t he = mesh_.sub(s).side[end];
-      if (mesh_.tri(he >> 2).region == kOutside) continue;
+      if (mesh_.tri(he >> 2).region == kOutsideRegion) continue;
       const std::int32_t corner = mesh_.origin(he);
       const Point2 c = mesh_.point(corner), from = mesh_.point(mesh_.target(he));
       while (mesh_.link(TriMesh::prev(he)) >= 0) he = mesh_.link(TriMesh::prev(he));
@@ -139,7 +139,7 @@ void Refiner::cut_pieces() {
     for (const std::int32_t he : mesh_.sub(s).side) {
       const std::int32_t region = mesh_.tri(he >> 2).region;
       // Where there is a size field, the main loop halves what is too long for it.
-      if (region != kOutside && !options_.size_field)
+      if (region != kOutsideRegion && !options_.size_field)
         size = std::min(size, size_.in_region(region));
     }
     if (std::isfinite(size)) cut_piece(s, size);
@@ -256,7 +256,7 @@ void Refiner::insert_lattice(const Progress& progress) {
     const TriMesh::Location where = mesh_.locate(p, hint);
     hint = where.triangle;
     const std::int32_t region = mesh_.tri(where.triangle).region;
-    if (region == kOutside || size_.in_region(region) < h || where.vertex >= 0) continue;
+    if (region == kOutsideRegion || size_.in_region(region) < h || where.vertex >= 0) continue;
     if (where.edge >= 0 && mesh_.link(4 * where.triangle + where.edge) < 0) continue;
     mesh_.find_cavity(p, where.triangle);
     mesh_.touched.clear();

@@ -20,9 +20,10 @@ TEST(Patches, AreSmallTogetherAndLinkedAsBefore) {
   for (int i = 0; i < 60'000; ++i) graph.points.push_back({1000 * real(), 1000 * real()});
   Construction construction = construct(graph, true);
   TriMesh& mesh = construction.mesh;
-  const auto inside = std::count_if(
-      mesh.triangles.begin(), mesh.triangles.end(),
-      [](const TriMesh::Triangle& x) { return x.v[0] != TriMesh::kDead && x.region != kOutside; });
+  const auto inside =
+      std::count_if(mesh.triangles.begin(), mesh.triangles.end(), [](const TriMesh::Triangle& x) {
+        return x.v[0] != TriMesh::kDead && x.region != kOutsideRegion;
+      });
   const std::vector<std::int32_t> ends = carve_into_patches(mesh);
   ASSERT_EQ(static_cast<std::ptrdiff_t>(mesh.triangles.size()), inside);
   ASSERT_GE(ends.size(), 16U);

@@ -3,6 +3,7 @@
 
 #include <cstdint>
 
+#include "tetropolis/geometry/domain.h"
 #include "tetropolis/geometry/types.h"
 
 #include "outline.h"

@@ -7,6 +7,7 @@
 #include <span>
 #include <vector>
 
+#include "tetropolis/geometry/domain.h"
 #include "tetropolis/geometry/types.h"
 
 namespace tetropolis {

@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "tetropolis/geometry/domain.h"
 #include "tetropolis/geometry/types.h"
 
 #include "outline.h"

@@ -10,6 +10,7 @@
 #include <string>
 #include <vector>
 
+#include "tetropolis/geometry/domain.h"
 #include "tetropolis/geometry/types.h"
 
 namespace tetropolis {

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "tetropolis/core/progress.h"
+#include "tetropolis/geometry/domain.h"
 #include "tetropolis/geometry/types.h"
 
 namespace tetropolis {
