@@ -7,6 +7,7 @@
 #include <optional>
 #include <vector>
 
+#include "tetropolis/geometry/domain.h"
 #include "tetropolis/geometry/types.h"
 
 #include "core/infinity.h"

@@ -85,7 +85,7 @@ void find_levels(const ColumnMesh& mesh, const ColumnPlan& plan, std::size_t v,
   levels.clear();
   for (const RegionIndex region : mesh.regions.at(v))
     levels.push_back(plan.floor(mesh.ground, region, v));
-  sort_once(levels);
+  if (levels.size() > 1) sort_once(levels);
   levels.push_back(plan.top[v]);
 }
 
@@ -105,20 +105,18 @@ void require_rising_floors(const ColumnMesh& mesh, const ColumnPlan& plan, std::
   }
 }
 
-/// Sets the positions of the column's floors; returns its number of nodes. `positions`: of levels.
+/// Sets the positions of the column's floors; returns its number of nodes.
 std::int32_t divide(const ColumnPlan& plan, std::size_t v, std::span<const double> levels,
-                    std::vector<std::int32_t>& positions, ColumnMesh& mesh) {
-  positions.assign(1, 0);
-  for (std::size_t i = 1; i < levels.size(); ++i)
-    positions.push_back(positions.back() + segments(plan, v, levels[i - 1], levels[i]));
+                    ColumnMesh& mesh) {
   const std::span<const RegionIndex> around = mesh.regions.at(v);
-  for (std::size_t i = 0; i < around.size(); ++i) {
-    const double floor = plan.floor(mesh.ground, around[i], v);
-    const auto level = std::find(levels.begin(), levels.end(), floor) - levels.begin();
-    mesh.floors[static_cast<std::size_t>(mesh.regions.first[v]) + i] =
-        positions[static_cast<std::size_t>(level)];
+  std::int32_t* const floors = mesh.floors.data() + mesh.regions.first[v];
+  std::int32_t position = 0;
+  for (std::size_t i = 0; i + 1 < levels.size(); ++i) {
+    for (std::size_t k = 0; k < around.size(); ++k)
+      if (plan.floor(mesh.ground, around[k], v) == levels[i]) floors[k] = position;
+    position += segments(plan, v, levels[i], levels[i + 1]);
   }
-  return positions.back() + 1;
+  return position + 1;
 }
 
 /// Writes the nodes from `low` towards, but without, `high`; returns the place after them.
@@ -273,11 +271,10 @@ ColumnMesh divide_columns(GroundMesh ground, EdgeGraph edges, const ColumnPlan& 
   mesh.first.assign(vertices + 1, 0);
   parallel_chunks(vertices, kColumnsPerChunk, [&](std::size_t begin, std::size_t end) {
     std::vector<double> levels;
-    std::vector<std::int32_t> positions;
     for (std::size_t v = begin; v < end; ++v) {
       require_rising_floors(mesh, plan, v);
       find_levels(mesh, plan, v, levels);
-      mesh.first[v + 1] = divide(plan, v, levels, positions, mesh);
+      mesh.first[v + 1] = divide(plan, v, levels, mesh);
     }
   });
   for (std::size_t v = 0; v < vertices; ++v) mesh.first[v + 1] += mesh.first[v];

@@ -1,8 +1,5 @@
 // A mesh with a patch that not every city has, through all formats.
 #include <algorithm>
-#include <array>
-#include <map>
-#include <sstream>
 #include <string>
 #include <utility>
 

@@ -55,6 +55,7 @@ struct ColumnMesh {
   /// The node at the floor of `region` over vertex v. Precondition: the region is around v.
   NodeIndex floor(RegionIndex region, VertexIndex v) const {
     const auto i = static_cast<std::size_t>(v);
+    if (regions.count(i) == 1) return first[i];
     return first[i] + floors[regions.find(region, i)];
   }
   /// The node that triangle t's stack starts at over its corner v.
