@@ -15,7 +15,6 @@
 #include "core/shared_progress.h"
 #include "io/file/input_file.h"
 #include "io/las/quirks/las_twins.h"
-#include "las_agreement.h"
 #include "las_decode.h"
 #include "las_filter.h"
 #include "las_plan.h"
@@ -247,18 +246,38 @@ void require_room(const Bounds2& extent, Point2 origin, const fs::path& path,
                            misread.empty() ? "" : "; ", misread));
 }
 
-/// As asked for, or as the files state it.
+/// As asked for, or as the files state it. Error, kInput with two files: they differ. Adds a
+/// warning where files state vertical systems of different names: nothing converts heights, and
+/// names may differ for one system.
 std::string crs_of(const ReadPointsOptions& options, std::span<const fs::path> paths,
                    const std::vector<LasPlan>& plans, std::vector<Warning>& warnings) {
   if (!options.crs.empty()) return normalise_crs(options.crs);
-  std::vector<LasSystemOfFile> stated, read;
+  const auto info_of = [&](std::size_t f) -> const LasInfo& { return plans[f].layout.info; };
+  std::optional<std::size_t> stated, vertical, other;  // the first files with these
+  std::int64_t others = 0;
   for (std::size_t f = 0; f < plans.size(); ++f) {
-    stated.push_back({&paths[f], &plans[f].layout.info});
-    if (!plans[f].skip && !plans[f].is_twin) read.push_back(stated.back());
+    const LasInfo& info = info_of(f);
+    if (!info.crs.empty() && !stated) stated = f;
+    if (!info.crs.empty() && !same_horizontal_crs(info_of(*stated).crs, info.crs))
+      fail_input(
+          paths[*stated],
+          fmt::format("is in {}, but {} in {}; convert one, or name the CRS of all with "
+                      "points_crs",
+                      crs_name(info_of(*stated).crs), paths[f].string(), crs_name(info.crs)));
+    if (plans[f].skip || plans[f].is_twin || info.vertical_crs.empty()) continue;
+    if (!vertical) vertical = f;
+    if (info.vertical_crs == info_of(*vertical).vertical_crs) continue;
+    if (!other) other = f;
+    ++others;
   }
-  std::string crs = common_crs(stated);
-  if (std::optional<Warning> mixed = mixed_heights(read)) warnings.push_back(std::move(*mixed));
-  return crs;
+  if (other)
+    warnings.push_back(
+        {"las_heights_mixed", others,
+         fmt::format("{}: has heights in {}, but {} in {}; heights are not converted, convert the "
+                     "files if these differ",
+                     paths[*vertical].string(), info_of(*vertical).vertical_crs,
+                     paths[*other].string(), info_of(*other).vertical_crs)});
+  return stated ? info_of(*stated).crs : "";
 }
 
 /// What is told of all points and of those of each file, from those `kept` and those there are

@@ -64,7 +64,8 @@ enum class BrokenObjects { kRefuse, kDrop };
 /// Errors, kInput with the path and the place in it ("/CityObjects/a/geometry/0/boundaries"):
 /// missing, not JSON (with the byte), not CityJSON, unknown version, wrong types, indices out of
 /// range, two objects with the same key, coordinates that are not finite. With
-/// BrokenObjects::kDrop an object of another file that is one of these goes to `dropped`, with the place in its reason, and costs nothing else.
+/// BrokenObjects::kDrop an object of another file that is one of these goes to `dropped`, with the
+/// place in its reason, and costs nothing else.
 CityModel read_city(const std::filesystem::path& path, std::vector<Warning>* warnings = nullptr,
                     BrokenObjects broken = BrokenObjects::kRefuse);
 

@@ -45,9 +45,9 @@ struct LasInfo {
 
 /// Reads the header and the variable length records, not the points.
 /// Errors, kInput with the path and byte: missing, unreadable, empty, no LAS file, cut within the
-/// header, invalid sizes or offsets, scale not above 0 or beyond 1000, coordinates offset by more than 1e9 or
-/// elevations by more than 1e6, unknown version or point format, record shorter than its format,
-/// LAZ without a table of chunks, or without a supported LASzip record.
+/// header, invalid sizes or offsets, scale not above 0 or beyond 1000, coordinates offset by more
+/// than 1e9 or elevations by more than 1e6, unknown version or point format, record shorter than
+/// its format, LAZ without a table of chunks, or without a supported LASzip record.
 LasInfo inspect_las(const std::filesystem::path& path);
 
 /// The same of several files, in parallel; the first broken file in order is reported.

@@ -70,9 +70,10 @@ struct FootprintsInput {
 /// Z and M are ignored, curves become chords of 4 degrees. Null, empty and other geometries are
 /// dropped. Reprojection happens if the file's system and target_crs are both known and differ.
 /// An unknown system is left alone: crs is then "" whatever the target, with the warning
-/// "footprints_crs_unknown". A file in degrees whose features mostly cannot be is of unknown system,
-/// too ("footprints_crs_implausible"; GeoJSON without a crs member means WGS 84 by RFC 7946, but
-/// many files hold metres). Nothing is written anywhere, not even beside a .shp without its .shx.
+/// "footprints_crs_unknown". A file in degrees whose features mostly cannot be is of unknown
+/// system, too ("footprints_crs_implausible"; GeoJSON without a crs member means WGS 84 by RFC
+/// 7946, but many files hold metres). Nothing is written anywhere, not even beside a .shp without
+/// its .shx.
 ///
 /// Errors, kInput with the path: missing, not a vector file, no polygon layer, several and none
 /// named, unknown layer or attribute (the message lists what there is), a height attribute without

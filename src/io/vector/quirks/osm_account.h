@@ -1,6 +1,6 @@
 // Buildings of OpenStreetMap XML that GDAL drops without a word: clipped extracts (osmium,
 // Overpass, the API) lack nodes of ways and ways of relations, and JOSM keeps what was deleted. See
-// also tudelft3d/OSM2World#158 and eclipse/sumo#14598. Private to src/io.
+// also OSM2World#158, sumo#14598. Private to src/io.
 #pragma once
 
 #include <cstdint>
