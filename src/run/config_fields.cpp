@@ -387,8 +387,9 @@ std::vector<ConfigField> make_fields() {
        .group = "Synthetic city",
        .member = &C::defects,
        .commands = kSynth,
-       .help = "Exactly these defects (adversarial; see docs/survey.md); default: a mix drawn from "
-               "the seed"},
+       .help =
+           "Exactly these defects (adversarial; see docs/quality.md); default: a mix drawn from "
+           "the seed"},
 
       {.name = "max_memory",
        .group = "Run",

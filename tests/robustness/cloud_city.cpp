@@ -1,6 +1,7 @@
 #include "cloud_city.h"
 
 #include <algorithm>
+#include <cmath>
 #include <fstream>
 #include <random>
 
@@ -30,9 +31,11 @@ PointCloud filtered(const PointCloud& cloud, const std::function<bool(std::size_
 }
 
 void append(PointCloud& cloud, double x, double y, double z, int code) {
-  cloud.x.push_back(x);
-  cloud.y.push_back(y);
-  cloud.z.push_back(z);
+  // Whole millimetres, as files hold them: halves would be rounded up or down by the file's offset.
+  const auto rounded = [](double metres) { return std::round(1000 * metres) / 1000; };
+  cloud.x.push_back(rounded(x));
+  cloud.y.push_back(rounded(y));
+  cloud.z.push_back(rounded(z));
   cloud.classification.push_back(static_cast<std::uint8_t>(code));
 }
 
