@@ -148,7 +148,7 @@ std::vector<double> values_at(const std::vector<float>& values, const std::vecto
 std::vector<std::uint8_t> measure_cells(const TetMesh& mesh, VolumeCheck& check) {
   std::vector<std::uint8_t> used(mesh.points.size(), 0);
   std::vector<float> tangents(mesh.cells.size()), aspects(mesh.cells.size());
-  const double sliver = 1 / std::tan(to_radians(kSliverDegrees));
+  const double sliver = 1 / std::tan(to_radians(kSliverDihedralDeg));
   const Sums sums = parallel_reduce_ordered(
       mesh.cells.size(), kGrain, Sums{},
       [&](std::size_t begin, std::size_t end) {

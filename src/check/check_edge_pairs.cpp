@@ -11,7 +11,8 @@
 #include "city_parts.h"
 #include "core/infinity.h"
 #include "core/parallel.h"
-#include "filed_squares.h"
+#include "grid_index.h"
+#include "segment_distance.h"
 #include "violations.h"
 
 namespace tetropolis {
@@ -38,13 +39,6 @@ bool adjacent(const Edge& e, const Edge& f) {
   return d <= 1 || d + 1 == e.ring_size;
 }
 
-double point_segment(Point2 p, Point2 a, Point2 b) {
-  const double ux = b.x - a.x, uy = b.y - a.y, wx = p.x - a.x, wy = p.y - a.y;
-  const double c = ux * ux + uy * uy;
-  const double t = c > 0 ? std::min(1.0, std::max(0.0, (wx * ux + wy * uy) / c)) : 0;
-  return std::hypot(wx - t * ux, wy - t * uy);
-}
-
 double turn(Point2 a, Point2 b, Point2 c) {
   return (b.x - a.x) * (c.y - a.y) - (b.y - a.y) * (c.x - a.x);
 }
@@ -61,7 +55,7 @@ double clearance_of(const Edge& e, const Edge& f) {
   double least = kInfinity;
   for (const auto& [p, s] : {std::pair{e.a, &f}, {e.b, &f}, {f.a, &e}, {f.b, &e}}) {
     if (p != s->a && p != s->b)
-      least = std::min(least, point_segment(p, s->a, s->b));
+      least = std::min(least, segment_distance(p, s->a, s->b));
     else if (!adjacent(e, f))
       least = 0;
   }
@@ -105,9 +99,9 @@ class PairChecker {
     Bounds2 box = Bounds2::nothing();
     for (const Edge& edge : edges_)
       box.extend({edge.xmin(), edge.ymin(), edge.xmax(), edge.ymax()});
-    const FiledSquares filed = file_under_squares(
-        edges_.size(), box, [&](const Squares& squares, std::size_t e, const auto& use) {
-          squares.for_each_along(edges_[e].a, edges_[e].b, kMargin, use);
+    const GridIndex filed = index_on_grid(
+        edges_.size(), box, [&](const SquareGrid& grid, std::size_t e, const auto& use) {
+          grid.for_each_along(edges_[e].a, edges_[e].b, kMargin, use);
         });
     Found found = parallel_reduce_ordered(
         edges_.size(), 4096, Found{},
@@ -131,10 +125,10 @@ class PairChecker {
 
  private:
   /// The edges before edge e that come near it, ascending.
-  void collect(const FiledSquares& filed, std::size_t e, std::vector<std::uint32_t>& others) const {
+  void collect(const GridIndex& filed, std::size_t e, std::vector<std::uint32_t>& others) const {
     others.clear();
     const Edge& edge = edges_[e];
-    filed.squares.for_each_along(edge.a, edge.b, reach_ + kMargin, [&](std::size_t square) {
+    filed.grid.for_each_along(edge.a, edge.b, reach_ + kMargin, [&](std::size_t square) {
       for (const std::uint32_t f : filed.rows[square]) {
         if (f >= e) break;
         if (!far(edge, edges_[f])) others.push_back(f);

@@ -67,13 +67,10 @@ void measure_face(const Vector3& p, const Vector3& q, const Vector3& r, const Ve
   sums.cosines += cosine;
   sums.least_cosine = std::min(sums.least_cosine, cosine);
   if (!(cosine >= cosine_of_70)) ++sums.above_70;
-  constexpr double third = 1.0 / 3;
-  const Vector3 centre{(p[0] + q[0] + r[0]) * third, (p[1] + q[1] + r[1]) * third,
-                       (p[2] + q[2] + r[2]) * third};
+  const Vector3 centre = centre_of(p, q, r);
   const Vector3 to_centre = difference(centre, a);
   const double share = dot(normal, to_centre) / along;
-  const Vector3 skew{to_centre[0] - share * line[0], to_centre[1] - share * line[1],
-                     to_centre[2] - share * line[2]};
+  const Vector3 skew = less(to_centre, share, line);
   // The face's extent from its centre along the skewness vector, times that vector's length.
   const double offset = dot(skew, centre), skew2 = dot(skew, skew);
   const double extent =
@@ -88,18 +85,16 @@ void measure_boundary_face(const Vector3& p, const Vector3& q, const Vector3& r,
                            FaceSums& sums) {
   const Vector3 normal = cross(difference(q, p), difference(r, p));
   const double normal2 = dot(normal, normal);
-  const Vector3 centre{(p[0] + q[0] + r[0]) / 3, (p[1] + q[1] + r[1]) / 3,
-                       (p[2] + q[2] + r[2]) / 3};
+  const Vector3 centre = centre_of(p, q, r);
   const Vector3 to_centre = difference(centre, a);
   const double height = dot(normal, to_centre) / normal2;
-  const Vector3 skew{to_centre[0] - height * normal[0], to_centre[1] - height * normal[1],
-                     to_centre[2] - height * normal[2]};
-  const double length = std::sqrt(dot(skew, skew));
-  if (!(length > 0)) return;
+  const Vector3 skew = less(to_centre, height, normal);
+  const double off = length(skew);
+  if (!(off > 0)) return;
   double extent = 0.4 * std::abs(height) * std::sqrt(normal2);
   for (const Vector3& corner : {p, q, r})
-    extent = std::max(extent, std::abs(dot(skew, difference(corner, centre))) / length);
-  sums.skewness = std::max(sums.skewness, length / extent);
+    extent = std::max(extent, std::abs(dot(skew, difference(corner, centre))) / off);
+  sums.skewness = std::max(sums.skewness, off / extent);
 }
 
 /// What a range of lowest vertices brings.
@@ -158,9 +153,7 @@ class FaceMatcher {
       } else {
         faces_.push_back({pair_of(v[2], v[3]), own, cell.even});
       }
-      const Vector3 &p = point(v[0]), &q = point(v[1]), &r = point(v[2]), &s = point(v[3]);
-      centres_.push_back({(p[0] + q[0] + r[0] + s[0]) / 4, (p[1] + q[1] + r[1] + s[1]) / 4,
-                          (p[2] + q[2] + r[2] + s[2]) / 4});
+      centres_.push_back(centre_of(point(v[0]), point(v[1]), point(v[2]), point(v[3])));
     }
   }
 
@@ -189,7 +182,7 @@ void add(FaceSums& a, const FaceSums& b) {
   a.skewness = std::max(a.skewness, b.skewness);
 }
 
-double degrees_of(double cosine) { return to_degrees(std::acos(std::clamp(cosine, -1.0, 1.0))); }
+double acos_deg(double cosine) { return to_degrees(std::acos(std::clamp(cosine, -1.0, 1.0))); }
 
 }  // namespace
 
@@ -223,9 +216,8 @@ void match_faces(const TetMesh& mesh, VolumeCheck& check, const Progress& progre
   check.faces.max_skewness = sums.skewness;
   if (sums.faces == 0) return;
   check.faces.above_70 = sums.above_70;
-  check.faces.max_non_orthogonality_deg = degrees_of(sums.least_cosine);
-  check.faces.mean_non_orthogonality_deg =
-      degrees_of(sums.cosines / static_cast<double>(sums.faces));
+  check.faces.max_non_orthogonality_deg = acos_deg(sums.least_cosine);
+  check.faces.mean_non_orthogonality_deg = acos_deg(sums.cosines / static_cast<double>(sums.faces));
 }
 
 }  // namespace tetropolis

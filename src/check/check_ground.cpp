@@ -21,12 +21,12 @@ namespace tetropolis {
 namespace {
 
 /// Of the arithmetic here, for what is measured from exact coordinates.
-constexpr double kAngleRounding = 1e-9;    // degrees
+constexpr double kAngleRoundingDeg = 1e-9;
 constexpr double kLengthRounding = 1e-11;  // of the length
 /// Triangles this little below the minimum angle may be there and may be counted or not.
-constexpr double kAngleSlack = 1e-6;  // degrees
+constexpr double kAngleSlackDeg = 1e-6;
 /// More than rounding in the reference system turns edges of centimetres by.
-constexpr double kPlanSlack = 1e-4;  // degrees
+constexpr double kPlanSlackDeg = 1e-4;
 
 double distance(Point2 p, Point2 q) { return std::hypot(p.x - q.x, p.y - q.y); }
 
@@ -86,7 +86,7 @@ class GroundChecker {
       std::vector<std::array<VertexIndex, 2>> segments;
       for (const auto& [v, w] : outline(faces)) segments.push_back({v, w});
       for (const std::string& found :
-           check_angles(points, triangles, segments, min_angle_deg - kPlanSlack))
+           check_angles(points, triangles, segments, min_angle_deg - kPlanSlackDeg))
         note_violation(violations, "angles below the minimum where no input corner is sharper",
                        [&] { return found; });
     }
@@ -128,15 +128,17 @@ class GroundChecker {
     }
     // A vertex is off by less than `rounding_`, so an edge turns by less than twice that over its
     // length.
-    const double angle = to_degrees(least);
-    const double error = to_degrees(4 * rounding_ / shortest) + kAngleRounding;
+    const double angle_deg = to_degrees(least);
+    const double error_deg = to_degrees(4 * rounding_ / shortest) + kAngleRoundingDeg;
     ++check.triangles;
-    check.least_angle_deg = std::min(check.least_angle_deg, angle);
-    check.least_angle_bounds_deg[0] = std::min(check.least_angle_bounds_deg[0], angle - error);
-    check.least_angle_bounds_deg[1] = std::min(check.least_angle_bounds_deg[1], angle + error);
-    if (angle < min_angle_deg - kAngleSlack) ++check.below;
-    if (angle + error < min_angle_deg - kAngleSlack) ++check.below_bounds[0];
-    if (angle - error < min_angle_deg) ++check.below_bounds[1];
+    check.least_angle_deg = std::min(check.least_angle_deg, angle_deg);
+    check.least_angle_bounds_deg[0] =
+        std::min(check.least_angle_bounds_deg[0], angle_deg - error_deg);
+    check.least_angle_bounds_deg[1] =
+        std::min(check.least_angle_bounds_deg[1], angle_deg + error_deg);
+    if (angle_deg < min_angle_deg - kAngleSlackDeg) ++check.below;
+    if (angle_deg + error_deg < min_angle_deg - kAngleSlackDeg) ++check.below_bounds[0];
+    if (angle_deg - error_deg < min_angle_deg) ++check.below_bounds[1];
   }
 
   /// The edges with a roof face of the building on one side only.

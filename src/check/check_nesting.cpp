@@ -1,12 +1,14 @@
-#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <vector>
 
 #include <fmt/format.h>
 
+#include "tetropolis/geometry/polygon.h"
+
 #include "city_parts.h"
 #include "footprint_grid.h"
+#include "segment_distance.h"
 #include "violations.h"
 
 namespace tetropolis {
@@ -19,11 +21,9 @@ int side_of(const Ring& ring, Point2 p) {
   bool odd = false;
   for (std::size_t i = 0; i < ring.size(); ++i) {
     const Point2 a = ring[i], b = ring[(i + 1) % ring.size()];
-    const double ux = b.x - a.x, uy = b.y - a.y, wx = p.x - a.x, wy = p.y - a.y;
-    const double square = ux * ux + uy * uy;
-    const double t = square > 0 ? std::fmin(1.0, std::fmax(0.0, (wx * ux + wy * uy) / square)) : 0;
-    if (std::hypot(wx - t * ux, wy - t * uy) <= kCoordinateStep) return 0;
-    if ((a.y <= p.y) != (b.y <= p.y) && wx < ux * wy / uy) odd = !odd;
+    if (segment_distance(p, a, b) <= kCoordinateStep) return 0;
+    if ((a.y <= p.y) != (b.y <= p.y) && p.x - a.x < (b.x - a.x) * (p.y - a.y) / (b.y - a.y))
+      odd = !odd;
   }
   return odd ? 1 : -1;
 }
@@ -47,18 +47,12 @@ int side_of(const Shape& shape, const Ring& ring) {
   return 0;
 }
 
-Bounds2 box_of(const Ring& ring) {
-  Bounds2 box = Bounds2::nothing();
-  for (const Point2 p : ring) box.extend(p);
-  return box;
-}
-
 void check_holes(const Building& building, std::vector<Violation>& violations) {
   const Polygon& polygon = building.footprint;
   const auto place = [&] { return "building " + building.id; };
   std::vector<Bounds2> boxes;
   for (const Ring& hole : polygon.holes) {
-    boxes.push_back(box_of(hole));
+    boxes.push_back(bounds(hole));
     if (side_of(polygon.outer, hole) < 0)
       note_violation(violations, "holes outside their footprint", place);
   }

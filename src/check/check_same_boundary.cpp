@@ -9,7 +9,7 @@
 #include <fmt/format.h>
 
 #include "core/ragged_builder.h"
-#include "squares.h"
+#include "square_grid.h"
 #include "vector3.h"
 #include "violations.h"
 
@@ -40,10 +40,10 @@ std::vector<Violation> check_same_boundary(const TetMesh& mesh, const VolumeChec
     return Vector3{std::bit_cast<double>(key[0][0]), std::bit_cast<double>(key[0][1]),
                    std::bit_cast<double>(key[0][2])};
   };
-  const Squares squares(box_of(surface.points), faces / 8);
+  const SquareGrid grid(box_of(surface.points), faces / 8);
   const RaggedArray<std::uint32_t> filed = file_under_rows(
-      faces, squares.size(),
-      [&](std::size_t f, const auto& use) { use(squares.at(first_corner(key_of(f)))); });
+      faces, grid.size(),
+      [&](std::size_t f, const auto& use) { use(grid.at(first_corner(key_of(f)))); });
   const auto look = [&](std::size_t begin, std::size_t end, std::vector<Violation>& violations) {
     struct Face {
       std::uint64_t sum;  // of elevations' bits: tells most faces apart

@@ -12,7 +12,7 @@
 #include "core/parallel.h"
 #include "core/ragged_builder.h"
 #include "edges.h"
-#include "squares.h"
+#include "square_grid.h"
 #include "vector3.h"
 #include "violations.h"
 #include "volume_parts.h"
@@ -25,10 +25,10 @@ constexpr std::size_t kGrain = 16384;
 
 /// Pairs of vertices at the same place, the second of each ascending.
 std::vector<std::pair<std::int64_t, std::int64_t>> coincident_vertices(const TetMesh& mesh) {
-  const Squares squares(box_of(mesh.points), mesh.points.size() / 8);
+  const SquareGrid grid(box_of(mesh.points), mesh.points.size() / 8);
   const RaggedArray<std::uint32_t> filed =
-      file_under_rows(mesh.points.size(), squares.size(), [&](std::size_t v, const auto& use) {
-        if (is_finite(mesh.points[v])) use(squares.at(mesh.points[v]));
+      file_under_rows(mesh.points.size(), grid.size(), [&](std::size_t v, const auto& use) {
+        if (is_finite(mesh.points[v])) use(grid.at(mesh.points[v]));
       });
   using Pairs = std::vector<std::pair<std::int64_t, std::int64_t>>;
   Pairs pairs = parallel_reduce_ordered(

@@ -27,7 +27,7 @@ CheckedFile describe(const std::string& name, const VolumeCheck& check) {
                   "greatest {:.2f} degrees",
                   angle.min, angle.p0_01, angle.p0_1, angle.p1, angle.median,
                   check.max_dihedral_deg),
-      fmt::format("cells below {} degrees: {} ({:.4f} %)", kSliverDegrees, check.slivers,
+      fmt::format("cells below {} degrees: {} ({:.4f} %)", kSliverDihedralDeg, check.slivers,
                   percent(check.slivers, check.cells)),
       fmt::format("{} faces between cells: non-orthogonality mean {:.2f}, greatest {:.2f} degrees, "
                   "{} above 70; skewness of all faces at most {:.2f}",

@@ -10,18 +10,17 @@ namespace tetropolis {
 
 namespace {
 
-FiledSquares file_footprints(const CityModel& city) {
+GridIndex file_footprints(const CityModel& city) {
   std::vector<Bounds2> boxes;
   Bounds2 all = Bounds2::nothing();
   for (const Building& building : city.buildings) {
-    Bounds2& box = boxes.emplace_back(Bounds2::nothing());
-    for (const Point2 p : building.footprint.outer) box.extend(p);
-    all.extend(box);
+    boxes.push_back(bounds(building.footprint.outer));
+    all.extend(boxes.back());
   }
-  return file_under_squares(boxes.size(), all,
-                            [&](const Squares& squares, std::size_t b, const auto& use) {
-                              if (!boxes[b].empty()) squares.for_each_in(boxes[b], use);
-                            });
+  return index_on_grid(boxes.size(), all,
+                       [&](const SquareGrid& grid, std::size_t b, const auto& use) {
+                         if (!boxes[b].empty()) grid.for_each_in(boxes[b], use);
+                       });
 }
 
 }  // namespace
@@ -31,7 +30,7 @@ std::size_t FootprintGrid::Bands::at(double y) const {
   return std::min(static_cast<std::size_t>(share * static_cast<double>(count)), count - 1);
 }
 
-FootprintGrid::FootprintGrid(const CityModel& city) : filed_(file_footprints(city)) {
+FootprintGrid::FootprintGrid(const CityModel& city) : index_(file_footprints(city)) {
   for (const Building& building : city.buildings) {
     const std::size_t first = edges_.size();
     for_each_edge(building.footprint, [&](Point2 a, Point2 b) { edges_.push_back({a, b}); });

@@ -8,7 +8,7 @@
 
 #include "tetropolis/city/city_model.h"
 
-#include "filed_squares.h"
+#include "grid_index.h"
 
 namespace tetropolis {
 
@@ -25,12 +25,12 @@ class FootprintGrid {
 
   /// Every building whose footprint's box contains the point is among these; ascending.
   std::span<const std::uint32_t> near(double x, double y) const {
-    return filed_.rows[filed_.squares.at(x, y)];
+    return index_.rows[index_.grid.at(x, y)];
   }
 
   /// What it takes: squares, and footprints filed under them.
-  std::size_t squares() const { return filed_.squares.size(); }
-  std::size_t entries() const { return filed_.rows.values.size(); }
+  std::size_t squares() const { return index_.grid.size(); }
+  std::size_t entries() const { return index_.rows.values.size(); }
   /// Edges filed under bands.
   std::size_t edge_entries() const { return edges_of_.values.size(); }
 
@@ -53,7 +53,7 @@ class FootprintGrid {
   void file_edges();
   bool is_inside(const Bands& bands, double x, double y) const;
 
-  FiledSquares filed_;
+  GridIndex index_;
   std::vector<Edge> edges_;  ///< Of all rings, footprint by footprint.
   std::vector<Bands> bands_;
   std::vector<std::uint32_t> owners_;    ///< Footprint of each edge.

@@ -1,5 +1,5 @@
-// Degrees, in which angles are asked for and reported, and radians, in which they are computed
-// with.
+// Angles are radians in code. Where they are asked for and reported they are degrees, and their
+// names end in _deg (constants: Deg).
 #pragma once
 
 #include <numbers>

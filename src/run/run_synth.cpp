@@ -9,12 +9,12 @@
 #include "tetropolis/io/las/las.h"
 #include "tetropolis/io/vector/vector.h"
 #include "tetropolis/run/run.h"
-#include "tetropolis/synth/adversarial_city.h"
 #include "tetropolis/synth/synthetic_city.h"
 
 #include "core/step_clock.h"
 #include "pipeline/memory.h"
 #include "run_frame.h"
+#include "synth/adversarial_city.h"
 #include "synth_adversarial.h"
 
 namespace tetropolis {

@@ -7,11 +7,11 @@
 #include <nlohmann/json.hpp>
 
 #include "tetropolis/io/las/las.h"
-#include "tetropolis/synth/adversarial_city.h"
 
 #include "io/file/atomic_file.h"
 #include "io/vector/raw_vector.h"
 #include "result_files.h"
+#include "synth/adversarial_city.h"
 
 namespace tetropolis {
 

@@ -1,4 +1,4 @@
-#include "tetropolis/synth/adversarial_city.h"
+#include "adversarial_city.h"
 
 #include <algorithm>
 #include <string_view>

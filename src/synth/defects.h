@@ -5,8 +5,7 @@
 #include <string_view>
 #include <vector>
 
-#include "tetropolis/synth/adversarial_city.h"
-
+#include "adversarial_city.h"
 #include "seeded_random.h"
 #include "village.h"
 

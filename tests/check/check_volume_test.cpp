@@ -80,7 +80,7 @@ TEST_F(CheckVolume, QuantilesAreThoseOfTheSortedCells) {
   for (std::size_t c = 0; c < mesh.cells.size(); ++c) {
     angles.push_back(shape(c).min_dihedral_deg);
     aspects.push_back(shape(c).aspect_ratio);
-    slivers += angles.back() < kSliverDegrees ? 1 : 0;
+    slivers += angles.back() < kSliverDihedralDeg ? 1 : 0;
   }
   std::sort(angles.begin(), angles.end());
   std::sort(aspects.begin(), aspects.end());
@@ -106,7 +106,7 @@ TEST_F(CheckVolume, QuantilesAreThoseOfTheSortedCells) {
   for (auto& p : mesh.points) p[2] /= 10;
   slivers = 0;
   for (std::size_t c = 0; c < mesh.cells.size(); ++c)
-    slivers += shape(c).min_dihedral_deg < kSliverDegrees ? 1 : 0;
+    slivers += shape(c).min_dihedral_deg < kSliverDihedralDeg ? 1 : 0;
   EXPECT_GT(slivers, 100);
   EXPECT_EQ(check_volume(mesh).slivers, slivers);
 }

@@ -92,13 +92,8 @@ inline std::vector<Polygon> cleaned(const std::vector<Polygon>& raw) {
 }
 
 inline Bounds2 domain_around(const std::vector<Polygon>& polygons, double margin = 20) {
-  constexpr double inf = std::numeric_limits<double>::infinity();
-  Bounds2 domain{inf, inf, -inf, -inf};
-  for (const Polygon& polygon : polygons) {
-    const Bounds2 b = bounds(polygon);
-    domain = {std::min(domain.xmin, b.xmin), std::min(domain.ymin, b.ymin),
-              std::max(domain.xmax, b.xmax), std::max(domain.ymax, b.ymax)};
-  }
+  Bounds2 domain = Bounds2::nothing();
+  for (const Polygon& polygon : polygons) domain.extend(bounds(polygon));
   if (domain.empty()) domain = {0, 0, 1, 1};
   return {std::floor(domain.xmin - margin), std::floor(domain.ymin - margin),
           std::ceil(domain.xmax + margin), std::ceil(domain.ymax + margin)};

@@ -1,4 +1,4 @@
-#include "tetropolis/synth/adversarial_city.h"
+#include "synth/adversarial_city.h"
 
 #include <algorithm>
 #include <cmath>

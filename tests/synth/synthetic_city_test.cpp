@@ -106,7 +106,7 @@ void expect_sound(const SyntheticCity& city, double size, double margin) {
 void expect_points_match_footprints(const SyntheticCity& city) {
   const BuildingPoints found = extract_building_points(city.footprints, city.points, {0, 1e9});
   std::vector<bool> covered(city.points.size(), false);
-  for (const PointIndex p : found.roof.indices) covered[p] = true;
+  for (const PointIndex p : found.roof.values) covered[p] = true;
   PointCloud ground = city.points;  // Ground and water as class 6, to look for them under roofs.
   std::size_t bare_roofs = 0;
   for (std::size_t p = 0; p < city.points.size(); ++p) {
@@ -115,7 +115,7 @@ void expect_points_match_footprints(const SyntheticCity& city) {
     ground.classification[p] = code == kGround || code == kWater ? kBuildingClass : kUnclassified;
   }
   EXPECT_EQ(bare_roofs, 0U);
-  EXPECT_TRUE(extract_building_points(city.footprints, ground, {0, 1e9}).roof.indices.empty());
+  EXPECT_TRUE(extract_building_points(city.footprints, ground, {0, 1e9}).roof.values.empty());
 }
 
 /// The DTM of the cloud is the terrain, and heights from it are the heights it was made of.

@@ -17,7 +17,7 @@ struct Distribution {
 };
 
 /// Cells whose least dihedral angle is smaller are counted as slivers.
-inline constexpr double kSliverDegrees = 12;
+inline constexpr double kSliverDihedralDeg = 12;
 
 /// Shape of the faces as OpenFOAM's checkMesh measures it. Between two cells, non-orthogonality is
 /// the angle between a face's normal and the line between the centres of its cells; skewness the
@@ -41,7 +41,7 @@ struct VolumeCheck {
   std::int64_t boundary_faces = 0;  ///< Faces of one cell only.
   Distribution min_dihedral_deg;    ///< Of the least dihedral angle of each cell.
   double max_dihedral_deg = 0;
-  std::int64_t slivers = 0;        ///< Cells below kSliverDegrees.
+  std::int64_t slivers = 0;        ///< Cells below kSliverDihedralDeg.
   double least_vertical_edge = 0;  ///< Metres; infinite if no cell has such an edge.
   FaceMeasures faces;
   Distribution aspect_ratio;                          ///< Longest edge over 2 sqrt(6) inradii.

@@ -1,10 +1,10 @@
 // What the checks of written files return. Topology is derived anew from the cells, geometry from
 // the coordinates. With what made the files the checks share only plain types, parallel loops,
-// ragged arrays and errors (core), the walk along the edges of a footprint (geometry/polygon.h),
-// the angles of the ground mesh (check_angles in ground/validate.h), a check itself, and what the
-// guarantees are measured by: the step of coordinates (kCoordinateStep), the rounding that a
-// clearance may lose (is_clear) and the slopes of cuts (volume/excavate/cut_back.h). The files are
-// read by the readers of io.
+// ragged arrays and errors (core), elementary geometry of footprints (geometry/), the angles of the
+// ground mesh (check_angles in ground/validate.h), a check itself, and what the guarantees are
+// measured by: the step of coordinates (kCoordinateStep), the rounding that a clearance may lose
+// (is_clear) and the slopes of cuts (volume/excavate/cut_back.h). The files are read by the readers
+// of io.
 #pragma once
 
 #include <cstdint>

@@ -37,7 +37,7 @@ constexpr int kGentleRounds = 5;     ///< Gap fills whose reach doubles.
 constexpr int kLocalHullRounds = 6;  ///< Hulls of surroundings whose radius doubles.
 constexpr int kChamferRounds = 8;    ///< Corners whose neighbours change; two do nearly always.
 /// Corners of footprints stay angles of cells, of which few are to be below 12 degrees.
-constexpr double kSharpDegrees = 13.5;
+constexpr double kSharpCornerDeg = 13.5;
 /// What sharp corners without room for anything else may take with them; little of a building.
 constexpr double kSmallArea = 25 * grid::kSquareMetre;
 constexpr double kMargin = 3;  ///< Steps, at the domain's boundary.
@@ -445,7 +445,7 @@ void Simplifier::repair_with_hulls() {
 
 /// Whether any corner was chamfered. Tidies what that leaves, and so on: a second run is idle.
 bool Simplifier::chamfer_corners() {
-  const ChamferOptions options{epsilon_, keep_inside_, to_radians(kSharpDegrees), kSmallArea};
+  const ChamferOptions options{epsilon_, keep_inside_, to_radians(kSharpCornerDeg), kSmallArea};
   const auto is_sharp = [&](const Group& group) {
     return has_sharp_corner(group.polygon, options.least_angle);
   };

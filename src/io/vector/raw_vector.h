@@ -6,7 +6,8 @@
 #include <string>
 
 #include "tetropolis/geometry/types.h"
-#include "tetropolis/synth/raw_feature.h"
+
+#include "synth/raw_feature.h"
 
 namespace tetropolis {
 

@@ -21,9 +21,9 @@ inline Bounds2 box_of(const std::vector<std::array<double, 3>>& points) {
 }
 
 /// About `wanted` squares over a box, however large or empty that is: at most 3 wanted + 4.
-class Squares {
+class SquareGrid {
  public:
-  Squares(const Bounds2& box, std::size_t wanted) : west_(box.xmin), south_(box.ymin) {
+  SquareGrid(const Bounds2& box, std::size_t wanted) : west_(box.xmin), south_(box.ymin) {
     const double width = std::max(box.width(), 0.0), height = std::max(box.height(), 0.0);
     const double side = std::max(std::sqrt(width * height / static_cast<double>(wanted + 1)),
                                  std::max(width, height) / static_cast<double>(wanted + 1));

@@ -12,8 +12,9 @@
 #include "tetropolis/core/progress.h"
 #include "tetropolis/geometry/point_cloud.h"
 #include "tetropolis/geometry/types.h"
-#include "tetropolis/synth/raw_feature.h"
 #include "tetropolis/synth/synthetic_city.h"
+
+#include "raw_feature.h"
 
 namespace tetropolis {
 
