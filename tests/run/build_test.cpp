@@ -337,7 +337,7 @@ TEST_F(Build, MeshLeavesOutBuildingsOfOthersThatDoNotFit) {
   mesh.city = (scratch / "out/city.city.json").string();
   mesh.dtm = (scratch / "out/dtm.tif").string();
   const CityModel ours = read_city(mesh.city);
-  const Bounds2 whole = ours.domain.moved(ours.origin);
+  const Bounds2 whole = ours.domain.moved(ours.origin).bounds();
   mesh.bounds = {whole.xmin, whole.ymin, (whole.xmin + whole.xmax) / 2, whole.ymax};
   mesh.out = (scratch / "half").string();
   const Report half = run_mesh(mesh);

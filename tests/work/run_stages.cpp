@@ -23,7 +23,7 @@ int main(int argc, char** argv) {
   const ColumnMesh mesh = work_columns(city, ground);
   work_uniform(city, ground);
   const std::int64_t faces = work_quality(mesh);
-  const SurfaceMesh boundary = work_boundary(city, mesh);
+  const SurfaceMesh boundary = work_boundary(mesh);
   work_write(mesh, boundary, argv[2]);
   std::printf("%zu triangles, %lld cells, %lld faces\n", ground.triangles.size(),
               static_cast<long long>(cell_offsets(mesh).back()), static_cast<long long>(faces));

@@ -87,7 +87,7 @@ WorkCity work_city(std::int64_t buildings) {
   return measure_faces(mesh).faces;
 }
 
-[[gnu::noinline]] SurfaceMesh work_boundary(const WorkCity& city, const ColumnMesh& mesh) {
+[[gnu::noinline]] SurfaceMesh work_boundary(const ColumnMesh& mesh) {
   SurfaceMesh boundary = extract_boundary(mesh);
   if (!check_topology(boundary).closed()) throw std::logic_error("open boundary");
   return boundary;

@@ -42,7 +42,7 @@ ColumnMesh work_columns(const WorkCity& city, const GroundMesh& ground);
 UniformResult work_uniform(const WorkCity& city, const GroundMesh& ground);
 /// Shapes of cells and faces. The number of faces.
 std::int64_t work_quality(const ColumnMesh& mesh);
-SurfaceMesh work_boundary(const WorkCity& city, const ColumnMesh& mesh);
+SurfaceMesh work_boundary(const ColumnMesh& mesh);
 /// volume.vtu, boundary.vtp, surface.stl. Bytes written.
 std::int64_t work_write(const ColumnMesh& mesh, const SurfaceMesh& boundary,
                         const std::string& folder);

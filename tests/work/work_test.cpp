@@ -125,7 +125,7 @@ TEST_F(Work, Quality) {
 
 TEST_F(Work, Boundary) {
   const ColumnMesh mesh = work_columns(city, ground);
-  const SurfaceMesh boundary = count([&] { return work_boundary(city, mesh); });
+  const SurfaceMesh boundary = count([&] { return work_boundary(mesh); });
   expect_work("boundary.triangles", static_cast<double>(boundary.triangles.size()));
   expect_allocations("boundary");
   expect_bytes_per("boundary", "triangle", static_cast<double>(boundary.triangles.size()));
@@ -133,7 +133,7 @@ TEST_F(Work, Boundary) {
 
 TEST_F(Work, Writing) {
   const ColumnMesh mesh = work_columns(city, ground);
-  const SurfaceMesh boundary = work_boundary(city, mesh);
+  const SurfaceMesh boundary = work_boundary(mesh);
   const TemporaryFolder folder;
   const std::int64_t bytes =
       count([&] { return work_write(mesh, boundary, folder.path().string()); });
