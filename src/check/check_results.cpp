@@ -131,10 +131,10 @@ void check_heights_of(const Raster& terrain, const SurfaceMesh& surface,
                       const std::optional<ReportedFacts>& report, CheckedFile& file) {
   const ReportedFacts facts = report.value_or(ReportedFacts{});
   const HeightsCheck check =
-      check_heights(surface, shift, terrain, city, facts.min_wall, facts.cuts);
+      check_heights(surface, shift, terrain, city, facts.min_wall, facts.excavated);
   file.violations.insert(file.violations.end(), check.violations.begin(), check.violations.end());
   file.facts.push_back(fmt::format(
-      "{} ground vertices on the terrain ({} lowered at walls, around roofs and at feet), {} "
+      "{} ground vertices on the terrain ({} lowered at walls, around roofs and at slope toes), {} "
       "roof vertices at their roof's height",
       check.ground_vertices, check.lowered, check.roof_vertices));
   if (report && report->mesh)

@@ -27,16 +27,30 @@ namespace {
 
 using Json = nlohmann::json;
 
-/// In the local frame.
-CutSources cuts_of(const Json& report) {
-  CutSources cuts;
+/// In the local frame. Earlier versions had one slope for all.
+ExcavationSources excavated_of(const Json& report) {
+  ExcavationSources excavated;
   const Json volume = report.value("volume_mesh", Json::object());
-  cuts.roofs = volume.value("roofs_cut_back", std::vector<BuildingIndex>());
-  for (const Point3& foot : volume.value("feet_cut_back", std::vector<Point3>())) {
+  const Json config = report.value("config", Json::object());
+  const double slope = volume.value("cut_slope_deg", config.value("cut_slope", Config{}.cut_slope));
+  const auto slopes_of = [&](const char* name, std::size_t sources) {
+    auto slopes = volume.value(name, std::vector<double>(sources, slope));
+    if (slopes.size() != sources) throw std::out_of_range(name);
+    return slopes;
+  };
+  excavated.roofs = volume.value("roofs_cut_back", std::vector<BuildingIndex>());
+  excavated.roof_slopes_deg = slopes_of("roof_cut_slopes_deg", excavated.roofs.size());
+  for (const Point3& toe : volume.value("feet_cut_back", std::vector<Point3>())) {
     const auto origin = report.at("origin").get<std::array<double, 2>>();
-    cuts.feet.push_back({foot[0] - origin[0], foot[1] - origin[1], foot[2]});
+    excavated.toes.push_back({toe[0] - origin[0], toe[1] - origin[1], toe[2]});
   }
-  return cuts;
+  excavated.toe_slopes_deg = slopes_of("foot_cut_slopes_deg", excavated.toes.size());
+  std::vector<double> slopes{slope};
+  for (const auto* own : {&excavated.roof_slopes_deg, &excavated.toe_slopes_deg})
+    slopes.insert(slopes.end(), own->begin(), own->end());
+  for (const double degrees : slopes)
+    if (!(degrees > 0 && degrees <= 90)) throw std::out_of_range("cut_slope");
+  return excavated;
 }
 
 ReportedCity city_of(const Json& report) {
@@ -102,12 +116,7 @@ ReportedFacts facts_of(const Json& report, const fs::path& folder) {
   facts.absolute = config.value("coordinates", std::string("local")) == "absolute";
   if (config.contains("min_angle")) facts.min_angle = config["min_angle"].get<double>();
   facts.min_wall = config.value("min_wall_height", facts.min_wall);
-  const double cut_slope =
-      report.value("volume_mesh", Json::object())
-          .value("cut_slope_deg", config.value("cut_slope", Config{}.cut_slope));
-  if (!(cut_slope > 0 && cut_slope <= 90)) throw std::out_of_range("cut_slope");
-  facts.cuts.slopes.at_start = std::tan(to_radians(cut_slope));
-  facts.cuts.from = cuts_of(report);
+  facts.excavated = excavated_of(report);
   const Json ground = report.value("ground_mesh", Json::object());
   facts.ground = {ground.value("triangles", -1.0), ground.value("min_angle_deg", -1.0),
                   ground.value("triangles_below_min_angle", -1.0)};

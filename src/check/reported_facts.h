@@ -59,7 +59,7 @@ struct ReportedFacts {
   std::optional<double> dtm_step;             ///< Of the run that made the terrain.
   std::optional<double> min_angle;
   double min_wall = Config{}.min_wall_height;
-  CutsCheck cuts;
+  std::optional<ExcavationSources> excavated;  ///< In the local frame; nothing: not known.
   ReportedGround ground{};
 };
 

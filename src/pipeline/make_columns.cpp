@@ -9,8 +9,6 @@
 
 #include <fmt/format.h>
 
-#include "tetropolis/core/units.h"
-
 #include "volume/layered/free_top.h"
 #include "volume/layered/smooth.h"
 
@@ -66,7 +64,6 @@ ColumnPlan plan_of(const Config& config, const CityModel& city, const Raster& dt
   VolumeMeshReport& volume = report.volume_mesh.emplace();
   volume.layers = plan.layers.layers;
   volume.top = plan.layers.top;
-  volume.cut_slope = config.cut_slope;
   if (plan.layers.raised)
     report.warnings.push_back(
         {"domain_raised", 1,
@@ -143,15 +140,7 @@ ColumnPlanOptions plan_options(const Config& config) {
       uniform && config.layer_height > 0 ? config.layer_height : config.mesh_size;
   options.minimum_wall = config.min_wall_height;
   options.fit_lowered_walls = !uniform;
-  options.cut_slopes.at_start = std::tan(to_radians(config.cut_slope));
   return options;
-}
-
-double estimate_cells(const ColumnPlan& plan) {
-  double cells = 0;
-  for (std::size_t v = 0; v < plan.top.size(); ++v)
-    cells += 6 * std::max(1.0, (plan.top[v] - plan.ground[v]) / plan.spacing[v]);
-  return cells;
 }
 
 Columns make_columns(const Config& config, const CityModel& city, const Raster& dtm,

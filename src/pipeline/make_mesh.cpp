@@ -11,8 +11,8 @@
 #include "tetropolis/volume/column/boundary.h"
 
 #include "ground/validate.h"
-#include "improve_mesh.h"
 #include "make_columns.h"
+#include "mesh_warnings.h"
 #include "run/memory.h"
 #include "run/write_mesh.h"
 #include "stages.h"
@@ -57,27 +57,18 @@ GroundMesh make_ground(const Config& config, const CityModel& city, const Raster
   return ground;
 }
 
-void report_lowered(const ColumnPlan& plan, Report& report) {
-  report.volume_mesh->ground_lowered = plan.lowered;
-  report.volume_mesh->roofs_cut_back = plan.cut_from.roofs;
-  report.volume_mesh->feet_cut_back = plan.cut_from.feet;
-  if (plan.lowered == 0) return;
-  std::string where = "at walls that would be too low otherwise";
-  if (const std::size_t roofs = plan.cut_from.roofs.size(); roofs > 0)
-    where += fmt::format("; around {} roof{} below the terrain", roofs, roofs == 1 ? "" : "s");
-  if (const std::size_t feet = plan.cut_from.feet.size(); feet > 0)
-    where += fmt::format("; at the feet of cliffs or low walls, in {} place{}", feet,
-                         feet == 1 ? "" : "s");
-  if (plan.undermined > 0)
-    where += fmt::format("; {} building{} there, by up to {:.1f} m", plan.undermined,
-                         plan.undermined == 1 ? " has its foot above the ground that is now"
-                                              : "s have their foot above the ground that is now",
-                         plan.deepest_undermined);
-  if (!plan.cut_from.roofs.empty() || !plan.cut_from.feet.empty())
-    where += "; --cut-slope 90 keeps the terrain, with worse cells instead";
-  report.warnings.push_back(
-      {"ground_lowered", plan.lowered,
-       fmt::format("ground vertices were lowered, by up to {:.1f} m: {}", plan.deepest, where)});
+void report_excavation(const Config& config, const ColumnPlan& plan, ExcavationSources excavated,
+                       VolumeMeshReport& volume) {
+  volume.ground_lowered = plan.lowered;
+  volume.cut_slope = config.cut_slope;
+  double gentlest = 90;
+  for (const auto* slopes : {&excavated.roof_slopes_deg, &excavated.toe_slopes_deg})
+    for (const double slope : *slopes) gentlest = std::min(gentlest, slope);
+  if (gentlest < 90) volume.cut_slope = gentlest;
+  volume.roofs_cut_back = std::move(excavated.roofs);
+  volume.roof_cut_slopes = std::move(excavated.roof_slopes_deg);
+  volume.feet_cut_back = std::move(excavated.toes);
+  volume.foot_cut_slopes = std::move(excavated.toe_slopes_deg);
 }
 
 /// Guarantee 4, too: throws if a cell is inverted.
@@ -143,8 +134,22 @@ void make_mesh(const Config& config, const CityModel& city, Raster dtm, OutputFo
   const Bounds2 domain{in_crs(city.domain.xmin, origin.x), in_crs(city.domain.ymin, origin.y),
                        in_crs(city.domain.xmax, origin.x), in_crs(city.domain.ymax, origin.y)};
   Columns columns = make_columns(config, city, dtm, size, std::move(ground), clock, report);
-  MeshQuality quality = improve_mesh(config, dtm, size, columns, clock, *report.volume_mesh);
-  report_lowered(columns.plan, report);
+  ExcavationSources excavated;
+  if (config.layering != Layering::kUniform) {
+    QualityFloorOptions floor;
+    floor.plan = plan_options(config);
+    floor.gentlest_deg = config.cut_slope;
+    floor.require_fits = [&, triangles = static_cast<double>(columns.mesh.triangle_count())](
+                             double cells) { require_cells_fit(config, size, triangles, cells); };
+    ImprovedColumns improved = reach_quality_floor(std::move(columns), dtm, floor, clock);
+    columns = std::move(improved.columns);
+    excavated = std::move(improved.excavated);
+    report.volume_mesh->columns_improved = improved.columns_improved;
+    report.volume_mesh->min_vertical_gap = improved.min_vertical_gap;
+  }
+  MeshQuality quality = measure_quality(columns.mesh, clock);
+  warn_of_lowered_ground(columns.plan, excavated, report);
+  report_excavation(config, columns.plan, std::move(excavated), *report.volume_mesh);
   const ColumnMesh mesh = std::move(columns.mesh);
   columns.plan = {};
   clock.run("3.6", "check and write meshes", [&](const Progress& progress) {

@@ -313,7 +313,9 @@ TEST_F(Cli, CheckSaysWhatIsNoReport) {
         "{\"config\": {\"cut_slope\": -30}}", "{\"config\": {\"cut_slope\": 120}}",
         "{\"config\": {\"cut_slope\": 0}}", "{\"volume_mesh\": {\"roofs_cut_back\": 3}}",
         "{\"volume_mesh\": {\"feet_cut_back\": [[1, 2, 3]]}}",
-        "{\"origin\": [0, 0], \"volume_mesh\": {\"feet_cut_back\": [[1, 2]]}}"}) {
+        "{\"origin\": [0, 0], \"volume_mesh\": {\"feet_cut_back\": [[1, 2]]}}",
+        "{\"volume_mesh\": {\"roofs_cut_back\": [0], \"roof_cut_slopes_deg\": []}}",
+        "{\"volume_mesh\": {\"roofs_cut_back\": [0], \"roof_cut_slopes_deg\": [95]}}"}) {
     SCOPED_TRACE(text);
     std::ofstream(scratch / "result/report.json") << text;
     const Outcome outcome = run("check result");

@@ -3,7 +3,8 @@
 // errors (core), the walk along the edges of a footprint (geometry/polygon.h), the angles of the
 // ground mesh (check_angles in ground/validate.h), a check itself, and what the guarantees are
 // measured by: the step of coordinates (kCoordinateStep), the rounding that a clearance may lose
-// (is_clear) and the slopes of cuts (volume/cut_back.h). The files are read by the readers of io.
+// (is_clear) and the slopes of cuts (volume/excavate/excavate.h). The files are read by the readers
+// of io.
 #pragma once
 
 #include <cstdint>

@@ -1,4 +1,4 @@
-#include "find_cuts.h"
+#include "find_sources.h"
 
 #include <algorithm>
 #include <array>
@@ -26,12 +26,12 @@ bool is_steeper(const GroundMesh& mesh, std::size_t t, std::span<const double> g
          1;
 }
 
-/// 1 for the vertices at and beside ground that the cut lowered for the better.
-std::vector<std::uint8_t> find_helped(const ColumnMesh& mesh, const TriedCut& cut) {
+/// 1 for the vertices at and beside ground that the excavation lowered for the better.
+std::vector<std::uint8_t> find_helped(const ColumnMesh& mesh, const TriedExcavation& tried) {
   const std::size_t n = mesh.vertex_count();
   const auto is_lowered = [&](VertexIndex v) {
     const auto i = static_cast<std::size_t>(v);
-    return cut.ground_after[i] != cut.ground_before[i];
+    return tried.ground_after[i] != tried.ground_before[i];
   };
   DisjointSets places(n);
   for (const auto& [a, b] : mesh.edges.vertices)
@@ -44,7 +44,7 @@ std::vector<std::uint8_t> find_helped(const ColumnMesh& mesh, const TriedCut& cu
     // Lowered corners of a triangle are joined, so they are of one place.
     const auto& corners = mesh.ground.triangles[t];
     if (const auto v = std::find_if(corners.begin(), corners.end(), is_lowered); v != corners.end())
-      gain_at(*v) += std::int64_t{cut.bad_before[t]} - std::int64_t{cut.bad_after[t]};
+      gain_at(*v) += std::int64_t{tried.bad_before[t]} - std::int64_t{tried.bad_after[t]};
   }
   std::vector<std::uint8_t> helped(n, 0);
   for (const auto& [a, b] : mesh.edges.vertices)
@@ -70,7 +70,7 @@ std::vector<std::uint8_t> with_neighbours(const ColumnMesh& mesh,
 }
 
 std::int64_t mark_buried_roofs(const ColumnMesh& mesh, const ColumnPlan& plan,
-                               std::span<const std::uint8_t> bad, CutMarks& marks) {
+                               std::span<const std::uint8_t> bad, ExcavationMarks& marks) {
   std::int64_t marked = 0;
   for (std::size_t t = 0; t < mesh.triangle_count(); ++t) {
     if (bad[t] == 0 || mesh.inside_building(t)) continue;
@@ -91,21 +91,22 @@ std::int64_t mark_buried_roofs(const ColumnMesh& mesh, const ColumnPlan& plan,
   return marked;
 }
 
-std::int64_t mark_feet(const ColumnMesh& mesh, const ColumnPlan& plan,
-                       std::span<const std::uint8_t> bad, const FootRule& rule, CutMarks& marks) {
+std::int64_t mark_slope_toes(const ColumnMesh& mesh, const ColumnPlan& plan,
+                             std::span<const std::uint8_t> bad, const ToeRule& rule,
+                             ExcavationMarks& marks) {
   std::int64_t marked = 0;
   for (std::size_t t = 0; t < mesh.triangle_count(); ++t) {
     if (bad[t] == 0 || mesh.inside_building(t)) continue;
     const auto corner = [&](std::size_t k) {
       return static_cast<std::size_t>(mesh.ground.triangles[t][k % 3]);
     };
-    std::array<double, 3> foot{kInfinity, kInfinity, kInfinity};
+    std::array<double, 3> toe{kInfinity, kInfinity, kInfinity};
     if (is_steeper(mesh.ground, t, plan.ground, rule.slope)) {
       const auto [low, high] =
           std::minmax({plan.ground[corner(0)], plan.ground[corner(1)], plan.ground[corner(2)]});
       for (std::size_t i = 0; i < 3; ++i)
         if (const double z = plan.ground[corner(i)]; z <= low + rule.share * (high - low))
-          foot[i] = z;
+          toe[i] = z;
     }
     for (std::size_t i = 0; i < 3; ++i) {
       const std::size_t v = corner(i);
@@ -117,11 +118,11 @@ std::int64_t mark_feet(const ColumnMesh& mesh, const ColumnPlan& plan,
             edge, std::hypot(mesh.ground.vertices[u].x - p.x, mesh.ground.vertices[u].y - p.y));
       const double below =
           plan.roofs[static_cast<std::size_t>(plan.building[v])] - kWallTangent * edge;
-      if (below < plan.ground[v]) foot[i] = below;
+      if (below < plan.ground[v]) toe[i] = below;
     }
     for (std::size_t i = 0; i < 3; ++i) {
-      if (!(foot[i] < marks.feet[corner(i)])) continue;
-      marks.feet[corner(i)] = foot[i];
+      if (!(toe[i] < marks.toes[corner(i)])) continue;
+      marks.toes[corner(i)] = toe[i];
       ++marked;
     }
   }
@@ -129,7 +130,7 @@ std::int64_t mark_feet(const ColumnMesh& mesh, const ColumnPlan& plan,
 }
 
 std::int64_t mark_gentle(const ColumnMesh& mesh, const ColumnPlan& plan,
-                         std::span<const std::uint8_t> bad, double slope, CutMarks& marks) {
+                         std::span<const std::uint8_t> bad, double slope, ExcavationMarks& marks) {
   constexpr double kWorthwhile = 0.01;  // metres
   std::int64_t marked = 0;
   // From the roof, if `high` is above it.
@@ -149,8 +150,8 @@ std::int64_t mark_gentle(const ColumnMesh& mesh, const ColumnPlan& plan,
       const double most =
           highest_at(mesh.ground.vertices[v], mesh.ground.vertices[a], start_at(a, high),
                      mesh.ground.vertices[b], start_at(b, high), slope);
-      if (!(most < std::min(high, marks.feet[v]) - kWorthwhile)) continue;
-      marks.feet[v] = most;
+      if (!(most < std::min(high, marks.toes[v]) - kWorthwhile)) continue;
+      marks.toes[v] = most;
       ++marked;
     }
   }
@@ -158,7 +159,7 @@ std::int64_t mark_gentle(const ColumnMesh& mesh, const ColumnPlan& plan,
 }
 
 std::int64_t mark_deep_walls(const ColumnMesh& mesh, const ColumnPlan& plan,
-                             std::span<const std::uint8_t> bad, CutMarks& marks) {
+                             std::span<const std::uint8_t> bad, ExcavationMarks& marks) {
   std::int64_t marked = 0;
   for (std::size_t t = 0; t < mesh.triangle_count(); ++t) {
     if (bad[t] == 0 || mesh.inside_building(t)) continue;
@@ -173,10 +174,11 @@ std::int64_t mark_deep_walls(const ColumnMesh& mesh, const ColumnPlan& plan,
 }
 
 void keep_helpful_marks(const ColumnMesh& mesh, std::span<const BuildingIndex> building,
-                        const TriedCut& cut, const CutMarks& before, CutMarks& marks) {
-  const std::vector<std::uint8_t> helped = find_helped(mesh, cut);
-  for (std::size_t v = 0; v < marks.feet.size(); ++v)
-    if (helped[v] == 0) marks.feet[v] = before.feet.empty() ? kInfinity : before.feet[v];
+                        const TriedExcavation& tried, const ExcavationMarks& before,
+                        ExcavationMarks& marks) {
+  const std::vector<std::uint8_t> helped = find_helped(mesh, tried);
+  for (std::size_t v = 0; v < marks.toes.size(); ++v)
+    if (helped[v] == 0) marks.toes[v] = before.toes.empty() ? kInfinity : before.toes[v];
   const auto keep = [&](const std::vector<std::uint8_t>& old, std::vector<std::uint8_t>& now) {
     std::vector<std::uint8_t> kept = old;
     kept.resize(now.size(), 0);

@@ -1,0 +1,92 @@
+#include "mesh_warnings.h"
+
+#include <cstdint>
+#include <optional>
+#include <string>
+
+#include <fmt/format.h>
+
+namespace tetropolis {
+
+namespace {
+
+/// The bounds that cells of the mesh miss; nothing if it is above the floor.
+std::optional<AngleBounds> missed_bounds(const MeshQuality& quality) {
+  const QualityHistogram& angles = quality.cells.histogram;
+  if (angles.dihedral_quantile_deg(kShareOfFew) < kLeastOfMost)
+    return AngleBounds{kLeastOfMost, kQualityFloor.greatest};
+  if (angles.min_dihedral_deg() < kQualityFloor.least ||
+      angles.max_dihedral_deg() > kQualityFloor.greatest || quality.faces.above_70 > 0)
+    return kQualityFloor;
+  return std::nullopt;
+}
+
+/// The settings that alone make bad cells, if there are any.
+std::string unusual_settings(const Config& config) {
+  std::string text;
+  if (config.layering == Layering::kUniform) text += "; --layering graded gives better ones";
+  if (config.min_angle < 20) text += fmt::format("; --min-angle {:g} is small", config.min_angle);
+  const double share = config.layer_height / config.mesh_size;
+  // Graded layers take a large height as an upper limit only.
+  const bool tall = share > 2 && config.layering == Layering::kUniform;
+  if (config.layer_height > 0 && (share < 0.5 || tall))
+    text += fmt::format("; --layer-height {:g} is far from --mesh-size {:g}", config.layer_height,
+                        config.mesh_size);
+  return text;
+}
+
+}  // namespace
+
+void warn_of_lowered_ground(const ColumnPlan& plan, const ExcavationSources& excavated,
+                            Report& report) {
+  if (plan.lowered == 0) return;
+  std::string where = "at walls that would be too low otherwise";
+  if (const std::size_t roofs = excavated.roofs.size(); roofs > 0)
+    where += fmt::format("; around {} roof{} below the terrain", roofs, roofs == 1 ? "" : "s");
+  if (const std::size_t toes = excavated.toes.size(); toes > 0)
+    where += fmt::format("; at the toes of cliffs or low walls, in {} place{}", toes,
+                         toes == 1 ? "" : "s");
+  if (plan.undermined > 0)
+    where += fmt::format("; {} building{} there, by up to {:.1f} m", plan.undermined,
+                         plan.undermined == 1 ? " has its foot above the ground that is now"
+                                              : "s have their foot above the ground that is now",
+                         plan.deepest_undermined);
+  if (!excavated.roofs.empty() || !excavated.toes.empty())
+    where += "; --cut-slope 90 keeps the terrain, with worse cells instead";
+  report.warnings.push_back(
+      {"ground_lowered", plan.lowered,
+       fmt::format("ground vertices were lowered, by up to {:.1f} m: {}", plan.deepest, where)});
+}
+
+void warn_below_floor(const Config& config, const ColumnMesh& mesh, const MeshQuality& quality,
+                      Report& report) {
+  const std::optional<AngleBounds> bounds = missed_bounds(quality);
+  if (const double skewness = quality.faces.worst.skewness; skewness >= kMostSkewed)
+    report.warnings.push_back(
+        {"faces_skewed", 1,
+         fmt::format("a face, or more, has a skewness of {:.2f}, where less than {} "
+                     "is meant for all; a smaller --mesh-size may help",
+                     skewness, kMostSkewed)});
+  if (!bounds) return;
+  const QualityHistogram& angles = quality.cells.histogram;
+  if (const std::int64_t bad = count_bad_cells(mesh, *bounds); bad > 0)
+    report.warnings.push_back(
+        {"below_quality_floor", bad,
+         fmt::format(
+             "cells have dihedral angles outside of {} to {} degrees (least {:.2f}, greatest "
+             "{:.2f}), where {} to {} are meant for all and {} for all but one in ten thousand; "
+             "worst_cells in the report has the worst and why{}",
+             bounds->least, bounds->greatest, angles.min_dihedral_deg(), angles.max_dihedral_deg(),
+             kQualityFloor.least, kQualityFloor.greatest, kLeastOfMost, unusual_settings(config))});
+  if (quality.faces.above_70 > 0)
+    report.warnings.push_back(
+        {"faces_non_orthogonal", quality.faces.above_70,
+         fmt::format(
+             "faces between cells are more than {} degrees non-orthogonal (the worst "
+             "{:.2f}), at steep ground, buried roofs or, in uniform layers, low walls; a smaller "
+             "--mesh-size may help{}",
+             kMostNonOrthogonal, quality.faces.worst.non_orthogonality_deg,
+             unusual_settings(config))});
+}
+
+}  // namespace tetropolis
