@@ -22,8 +22,8 @@ namespace tetropolis {
 namespace {
 
 constexpr double kHeightTolerance = 1e-9;
-constexpr double kCutTolerance = 1e-5;   // metres; cuts are good to a nanometre a triangle
-constexpr double kNeedTolerance = 1e-6;  // metres; whether ground had to be lowered
+constexpr double kExcavationTolerance = 1e-5;  // metres; good to a nanometre a triangle
+constexpr double kNeedTolerance = 1e-6;        // metres; whether ground had to be lowered
 constexpr const char* kNotFinite = "coordinates that are not finite";
 
 /// Bilinear interpolation, written out anew, in the coordinates of the reference system: those are
@@ -73,23 +73,23 @@ Terrain terrain_of(const SurfaceMesh& surface, std::array<double, 3> shift, cons
   return terrain;
 }
 
-/// Per vertex of a wall, its building's roof, if that is among those asked for; infinity elsewhere.
-std::vector<double> roofs_over_walls(const SurfaceMesh& surface, const CityModel& city,
-                                     const std::vector<BuildingIndex>* wanted = nullptr) {
-  std::vector<double> roofs(surface.points.size(), kInfinity);
-  std::vector<bool> is_wanted(city.buildings.size(), wanted == nullptr);
-  for (const BuildingIndex b : wanted == nullptr ? std::vector<BuildingIndex>{} : *wanted)
-    if (b >= 0 && static_cast<std::size_t>(b) < is_wanted.size())
-      is_wanted[static_cast<std::size_t>(b)] = true;
+/// Per vertex of a wall, what `of_building` says for its building; infinity elsewhere.
+std::vector<double> at_walls(const SurfaceMesh& surface, std::span<const double> of_building) {
+  std::vector<double> values(surface.points.size(), kInfinity);
   for (std::size_t f = 0; f < surface.triangles.size(); ++f) {
     const BuildingIndex b = surface.building[f];
     if (surface.patch_of(f).kind != PatchKind::kWall || b < 0 ||
-        static_cast<std::size_t>(b) >= city.buildings.size() ||
-        !is_wanted[static_cast<std::size_t>(b)])
+        static_cast<std::size_t>(b) >= of_building.size())
       continue;
     for (const std::int32_t v : surface.triangles[f])
-      roofs[static_cast<std::size_t>(v)] = city.buildings[static_cast<std::size_t>(b)].h_roof;
+      values[static_cast<std::size_t>(v)] = of_building[static_cast<std::size_t>(b)];
   }
+  return values;
+}
+
+std::vector<double> roofs_of(const CityModel& city) {
+  std::vector<double> roofs;
+  for (const Building& building : city.buildings) roofs.push_back(building.h_roof);
   return roofs;
 }
 
@@ -116,13 +116,17 @@ double least_along(Point2 p, Point2 a, double at_a, Point2 b, double at_b, doubl
   return std::min(ends, value((low + high) / 2));
 }
 
+/// From where terrain was excavated, per vertex.
+struct Starts {
+  std::vector<double> z;      ///< Elevation; infinity: not from there.
+  std::vector<double> slope;  ///< Tangent; infinity: not from there.
+};
+
 /// Lowers `depth` (elevation per vertex, infinity: none) of vertices below the terrain to where
-/// they would be if it were cut back from where `starts` are finite, and from what was cut before.
-/// Goes from vertex to vertex until nothing changes.
-void cut_depths(const SurfaceMesh& surface, double z_shift, const Terrain& terrain,
-                std::span<const double> starts, const CutSlopes& slopes,
-                std::vector<double>& depth) {
-  const double slope_beyond = std::max(slopes.at_start, slopes.beyond);
+/// they would be if it were excavated from `starts`, and from what was excavated before, to the
+/// slope that belongs to it. Goes from vertex to vertex until nothing changes.
+void excavate_depths(const SurfaceMesh& surface, double z_shift, const Terrain& terrain,
+                     Starts starts, std::vector<double>& depth) {
   const auto is_below = [&](std::size_t v) {
     return surface.points[v][2] + z_shift < terrain.at[v] - kHeightTolerance;
   };
@@ -137,7 +141,7 @@ void cut_depths(const SurfaceMesh& surface, double z_shift, const Terrain& terra
     faces.push_back(f);
     for (const std::int32_t v : corners) faces_at[static_cast<std::size_t>(v)].push_back(f);
   }
-  const auto start = [&](std::size_t u) { return std::min(depth[u], starts[u]); };
+  const auto start = [&](std::size_t u) { return std::min(depth[u], starts.z[u]); };
   const auto place = [&](std::size_t v) {
     return Point2{surface.points[v][0], surface.points[v][1]};
   };
@@ -150,49 +154,64 @@ void cut_depths(const SurfaceMesh& surface, double z_shift, const Terrain& terra
         };
         const std::size_t v = corner(i), a = corner(i + 1), b = corner(i + 2);
         if (!is_below(v)) continue;
-        const bool at_start = starts[a] < kInfinity || starts[b] < kInfinity;
         const double now = std::min(depth[v], terrain.at[v]);
         if (!(std::min(start(a), start(b)) < now)) continue;
-        const double most = least_along(place(v), place(a), start(a), place(b), start(b),
-                                        at_start ? slopes.at_start : slope_beyond);
+        const double own = std::min(starts.slope[a], starts.slope[b]);
+        const bool at_source = starts.z[a] < kInfinity || starts.z[b] < kInfinity;
+        const double slope = at_source ? own : std::max(own, ExcavationSlopes{}.beyond);
+        const double most = least_along(place(v), place(a), start(a), place(b), start(b), slope);
         if (!(most < now - kHeightTolerance)) continue;
         depth[v] = most;
+        starts.slope[v] = std::min(starts.slope[v], own);
         next.insert(faces_at[v].begin(), faces_at[v].end());
       }
     faces.assign(next.begin(), next.end());
   }
 }
 
-/// Per vertex, how far down ground below the terrain may be because it was cut back; infinity where
-/// it was not.
-std::vector<double> depths_of_cuts(const SurfaceMesh& surface, std::array<double, 3> shift,
-                                   const Terrain& terrain, const CityModel& city,
-                                   const CutsCheck& cuts) {
+/// Per vertex, how far down ground below the terrain may be because it was excavated; infinity
+/// where it was not.
+std::vector<double> depths_of(const SurfaceMesh& surface, std::array<double, 3> shift,
+                              const Terrain& terrain, const CityModel& city,
+                              const std::optional<ExcavationSources>& excavated) {
   constexpr double kSamePlace = 1e-6;  // metres
+  const double gentlest = std::tan(to_radians(30));
   std::vector<double> depth(surface.points.size(), kInfinity);
-  std::vector<double> starts =
-      roofs_over_walls(surface, city, cuts.from ? &cuts.from->roofs : nullptr);
+  if (!excavated) {  // from anywhere
+    Starts starts{at_walls(surface, roofs_of(city)), std::vector(depth.size(), gentlest)};
+    for (std::size_t v = 0; v < depth.size(); ++v)
+      if (!std::isnan(terrain.at[v]))
+        starts.z[v] = std::min(starts.z[v], surface.points[v][2] + shift[2]);
+    excavate_depths(surface, shift[2], terrain, std::move(starts), depth);
+    return depth;
+  }
+  const std::size_t buildings = city.buildings.size();
+  std::vector<double> roofs(buildings, kInfinity), slopes(buildings, kInfinity);
+  for (std::size_t i = 0; i < excavated->roofs.size(); ++i) {
+    const auto b = static_cast<std::size_t>(excavated->roofs[i]);  // one beyond all, if negative
+    if (b >= buildings) continue;
+    roofs[b] = city.buildings[b].h_roof;
+    slopes[b] = std::tan(to_radians(excavated->roof_slopes_deg[i]));
+  }
+  Starts starts{at_walls(surface, roofs), at_walls(surface, slopes)};
   std::vector<std::pair<double, std::size_t>> by_x;
   for (std::size_t v = 0; v < surface.points.size(); ++v)
     if (!std::isnan(terrain.at[v])) by_x.emplace_back(surface.points[v][0] + shift[0], v);
   std::sort(by_x.begin(), by_x.end());
-  if (cuts.from) {
-    for (const Point3& foot : cuts.from->feet)
-      for (auto it = std::lower_bound(by_x.begin(), by_x.end(),
-                                      std::pair(foot[0] - kSamePlace, std::size_t{0}));
-           it != by_x.end() && it->first <= foot[0] + kSamePlace; ++it) {
-        const std::size_t v = it->second;
-        if (std::abs(surface.points[v][1] + shift[1] - foot[1]) > kSamePlace) continue;
-        starts[v] = std::min(starts[v], foot[2]);
-        depth[v] = std::min(depth[v], foot[2]);
-      }
-  } else {  // from anywhere
-    for (const auto& [x, v] : by_x)
-      starts[v] = std::min(starts[v], surface.points[v][2] + shift[2]);
+  for (std::size_t i = 0; i < excavated->toes.size(); ++i) {
+    const Point3& toe = excavated->toes[i];
+    for (auto it = std::lower_bound(by_x.begin(), by_x.end(),
+                                    std::pair(toe[0] - kSamePlace, std::size_t{0}));
+         it != by_x.end() && it->first <= toe[0] + kSamePlace; ++it) {
+      const std::size_t v = it->second;
+      if (std::abs(surface.points[v][1] + shift[1] - toe[1]) > kSamePlace) continue;
+      starts.z[v] = std::min(starts.z[v], toe[2]);
+      starts.slope[v] =
+          std::min(starts.slope[v], std::tan(to_radians(excavated->toe_slopes_deg[i])));
+      depth[v] = std::min(depth[v], toe[2]);
+    }
   }
-  const double gentlest = std::tan(to_radians(30));  // that any cut is
-  const CutSlopes anywhere{gentlest, gentlest};
-  cut_depths(surface, shift[2], terrain, starts, cuts.from ? cuts.slopes : anywhere, depth);
+  excavate_depths(surface, shift[2], terrain, std::move(starts), depth);
   return depth;
 }
 
@@ -200,15 +219,16 @@ std::vector<double> depths_of_cuts(const SurfaceMesh& surface, std::array<double
 class HeightChecker {
  public:
   HeightChecker(const SurfaceMesh& surface, std::array<double, 3> shift, const Raster& dtm,
-                const CityModel& city, double minimum_wall, const CutsCheck& cuts)
+                const CityModel& city, double minimum_wall,
+                const std::optional<ExcavationSources>& excavated)
       : surface_(surface),
         shift_(shift),
         city_(city),
         minimum_wall_(minimum_wall),
-        cuts_known_(cuts.from.has_value()),
+        sources_known_(excavated.has_value()),
         terrain_(terrain_of(surface, shift, dtm, city)),
-        roofs_(roofs_over_walls(surface, city)),
-        depth_(depths_of_cuts(surface, shift, terrain_, city, cuts)) {}
+        roofs_(at_walls(surface, roofs_of(city))),
+        depth_(depths_of(surface, shift, terrain_, city, excavated)) {}
 
   HeightsCheck check();
 
@@ -222,7 +242,7 @@ class HeightChecker {
   std::array<double, 3> shift_;
   const CityModel& city_;
   double minimum_wall_;
-  bool cuts_known_;  ///< The report says where the terrain was cut back from.
+  bool sources_known_;  ///< From where the terrain was excavated.
   Terrain terrain_;
   std::vector<double> roofs_, depth_;
   HeightsCheck result_;
@@ -247,16 +267,18 @@ void HeightChecker::check_ground(std::size_t v) {
     result_.perhaps_lowered += std::abs(wall - minimum_wall_) <= kNeedTolerance ? 1 : 0;
     return;
   }
-  const double above_cut = elevation(v) - depth_[v];
-  const bool is_cut = above_cut >= -kCutTolerance && (!cuts_known_ || above_cut <= kCutTolerance);
-  if (error > 0 || (roofs_[v] == kInfinity && !is_cut)) {
+  const double above_depth = elevation(v) - depth_[v];
+  const bool is_excavated = above_depth >= -kExcavationTolerance &&
+                            (!sources_known_ || above_depth <= kExcavationTolerance);
+  if (error > 0 || (roofs_[v] == kInfinity && !is_excavated)) {
     note_violation(result_.violations, "ground vertices off the terrain",
                    [&] { return place(v, wanted); });
     return;
   }
   ++result_.lowered;
-  // Low walls are feet, too, and without a report nobody knows which.
-  if (cuts_known_ && !is_cut && terrain_.highest[v] <= roofs_[v] - minimum_wall_ - kNeedTolerance)
+  // Low walls are toes, too, and without a report nobody knows which.
+  if (sources_known_ && !is_excavated &&
+      terrain_.highest[v] <= roofs_[v] - minimum_wall_ - kNeedTolerance)
     note_violation(result_.violations, "ground vertices lowered at walls that are high enough",
                    [&] { return place(v, wanted); });
 }
@@ -294,8 +316,8 @@ HeightsCheck HeightChecker::check() {
 
 HeightsCheck check_heights(const SurfaceMesh& surface, std::array<double, 3> shift,
                            const Raster& dtm, const CityModel& city, double minimum_wall,
-                           const CutsCheck& cuts) {
-  return HeightChecker(surface, shift, dtm, city, minimum_wall, cuts).check();
+                           const std::optional<ExcavationSources>& excavated) {
+  return HeightChecker(surface, shift, dtm, city, minimum_wall, excavated).check();
 }
 
 }  // namespace tetropolis

@@ -11,7 +11,7 @@
 #include "tetropolis/terrain/raster.h"
 #include "tetropolis/volume/column/boundary.h"
 
-#include "volume/excavate/cut_back.h"
+#include "volume/excavate/excavate.h"
 
 namespace tetropolis {
 
@@ -25,23 +25,15 @@ struct HeightsCheck {
   std::vector<Violation> violations;
 };
 
-/// From where the terrain was cut back (see cut_back), and how steeply it may rise there.
-struct CutsCheck {
-  std::optional<CutSources> from;  ///< In the local frame. Nothing: not known.
-  /// Of cuts from there. If it is not known from where, any up to the gentlest (30 degrees) will
-  /// do.
-  CutSlopes slopes;
-};
-
 /// |z - DTM| <= 1e-9 m at ground vertices, |z - h_roof| <= 1e-9 m at roof vertices. On walls ground
 /// may lie below the DTM where that, at the vertex or at one next to it, is higher than the roof
-/// less `minimum_wall`, metres; and anywhere where `cuts` take it: exactly so far (to 1e-5 m), or,
-/// if it is not known from where, no further than from a roof beside it or from the ground at its
-/// neighbours; walls, which may be feet, are then taken for sound. `shift` is added to the
-/// surface's coordinates to get to the local frame of `dtm` and `city`. Ground vertices that are
-/// not finite are violations.
+/// less `minimum_wall`, metres; and anywhere where it was excavated (see excavate): exactly so far
+/// (to 1e-5 m) from the sources, in the local frame; or, if these are not known, no further than
+/// slopes of 30 degrees from a roof beside it or from the ground at its neighbours; walls, which
+/// may be toes, are then taken for sound. `shift` is added to the surface's coordinates to get to
+/// the local frame of `dtm` and `city`. Ground vertices that are not finite are violations.
 HeightsCheck check_heights(const SurfaceMesh& surface, std::array<double, 3> shift,
                            const Raster& dtm, const CityModel& city, double minimum_wall,
-                           const CutsCheck& cuts);
+                           const std::optional<ExcavationSources>& excavated);
 
 }  // namespace tetropolis

@@ -133,10 +133,11 @@ void check_heights_of(const Raster& terrain, const SurfaceMesh& surface,
                       const std::optional<ReportedRun>& report, CheckedFile& file) {
   const double min_wall = report ? report->report.config.min_wall_height : Config{}.min_wall_height;
   const HeightsCheck check =
-      check_heights(surface, shift, terrain, city, min_wall, report ? report->cuts : CutsCheck{});
+      check_heights(surface, shift, terrain, city, min_wall,
+                    report ? std::optional(report->excavated) : std::nullopt);
   file.violations.insert(file.violations.end(), check.violations.begin(), check.violations.end());
   file.facts.push_back(fmt::format(
-      "{} ground vertices on the terrain ({} lowered at walls, around roofs and at feet), {} "
+      "{} ground vertices on the terrain ({} lowered at walls, around roofs and at slope toes), {} "
       "roof vertices at their roof's height",
       check.ground_vertices, check.lowered, check.roof_vertices));
   if (report && report->has_mesh())

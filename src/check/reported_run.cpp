@@ -1,12 +1,10 @@
 #include "reported_run.h"
 
-#include <cmath>
 #include <utility>
 
 #include "tetropolis/core/error.h"
 #include "tetropolis/io/crs/crs.h"
 
-#include "core/units.h"
 #include "run/earlier_results.h"
 #include "run/folders.h"
 #include "run/result_files.h"
@@ -28,19 +26,25 @@ fs::path shortened(const fs::path& path) {
               (folder / results::kReport).string() + ": not a report of tetropolis");
 }
 
-CutsCheck cuts_of(const Report& report, const fs::path& folder) {
-  CutsCheck cuts;
-  CutSources& from = cuts.from.emplace();
-  double slope = report.config.cut_slope;
+/// In the local frame.
+ExcavationSources excavated_of(const Report& report, const fs::path& folder) {
+  ExcavationSources excavated;
+  std::vector<double> slopes{report.config.cut_slope};
   if (report.volume_mesh) {
-    if (report.volume_mesh->cut_slope_deg != 0) slope = report.volume_mesh->cut_slope_deg;
-    from.roofs = report.volume_mesh->roofs_cut_back;
-    for (const Point3& toe : report.volume_mesh->feet_cut_back)
-      from.feet.push_back({toe[0] - report.origin.x, toe[1] - report.origin.y, toe[2]});
+    const VolumeMeshFacts& volume = *report.volume_mesh;
+    excavated = {volume.roofs_cut_back, volume.feet_cut_back, volume.roof_cut_slopes_deg,
+                 volume.foot_cut_slopes_deg};
+    for (Point3& toe : excavated.toes)
+      toe = {toe[0] - report.origin.x, toe[1] - report.origin.y, toe[2]};
   }
-  if (!(slope > 0 && slope <= 90)) throw_not_ours(folder);
-  cuts.slopes.at_start = std::tan(to_radians(slope));
-  return cuts;
+  if (excavated.roofs.size() != excavated.roof_slopes_deg.size() ||
+      excavated.toes.size() != excavated.toe_slopes_deg.size())
+    throw_not_ours(folder);
+  for (const auto* own : {&excavated.roof_slopes_deg, &excavated.toe_slopes_deg})
+    slopes.insert(slopes.end(), own->begin(), own->end());
+  for (const double degrees : slopes)
+    if (!(degrees > 0 && degrees <= 90)) throw_not_ours(folder);
+  return excavated;
 }
 
 }  // namespace
@@ -68,7 +72,7 @@ std::optional<ReportedRun> read_reported_run(const fs::path& folder) {
     run.city_model = shortened(folder / city->second);
   if (const auto terrain = report.sources.find("dtm"); terrain != report.sources.end())
     run.terrain = shortened(folder / terrain->second);
-  run.cuts = cuts_of(report, folder);
+  run.excavated = excavated_of(report, folder);
   return run;
 }
 

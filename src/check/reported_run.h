@@ -9,7 +9,7 @@
 
 #include "tetropolis/run/report.h"
 
-#include "check_heights.h"
+#include "volume/excavate/excavate.h"
 
 namespace tetropolis {
 
@@ -19,7 +19,7 @@ struct ReportedRun {
   std::vector<std::string> missing;  ///< As in ReadReport.
   bool has_origin = false, has_domain = false, has_crs = false;
   std::filesystem::path city_model, terrain;  ///< What `mesh` has read; empty for other commands.
-  CutsCheck cuts;                             ///< Local frame.
+  ExcavationSources excavated;                ///< Local frame.
 
   bool is_absolute() const { return report.config.coordinates == Coordinates::kAbsolute; }
   bool has_mesh() const { return report.volume_mesh.has_value(); }

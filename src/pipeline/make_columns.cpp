@@ -9,7 +9,6 @@
 
 #include <fmt/format.h>
 
-#include "core/units.h"
 #include "volume/layered/free_top.h"
 #include "volume/layered/smooth.h"
 
@@ -65,7 +64,6 @@ ColumnPlan plan_of(const MeshCityOptions& options, const CityModel& city, const 
   VolumeMeshFacts& volume = result.volume_facts;
   volume.layers = plan.layers.layers;
   volume.top = plan.layers.top;
-  volume.cut_slope_deg = options.cut_slope_deg;
   if (plan.layers.raised)
     result.warnings.push_back(
         {"domain_raised", 1,
@@ -143,15 +141,7 @@ ColumnPlanOptions plan_options(const MeshCityOptions& options) {
       uniform && options.layer_height > 0 ? options.layer_height : options.mesh_size;
   plan.minimum_wall = options.min_wall_height;
   plan.fit_lowered_walls = !uniform;
-  plan.cut_slopes.at_start = std::tan(to_radians(options.cut_slope_deg));
   return plan;
-}
-
-double estimate_cells(const ColumnPlan& plan) {
-  double cells = 0;
-  for (std::size_t v = 0; v < plan.top.size(); ++v)
-    cells += 6 * std::max(1.0, (plan.top[v] - plan.ground[v]) / plan.spacing[v]);
-  return cells;
 }
 
 Columns make_columns(const MeshCityOptions& options, const CityModel& city, const Raster& dtm,

@@ -11,20 +11,10 @@
 
 namespace tetropolis {
 
-/// The mesh, and what it was made from.
-struct Columns {
-  ColumnPlan plan;
-  ColumnMesh mesh;
-};
-
-/// How `options` want columns to be planned; nothing is cut back.
+/// How `options` want columns to be planned.
 ColumnPlanOptions plan_options(const MeshCityOptions& options);
 
-/// About the cells that graded columns will have, before they are made: every segment makes a tet
-/// in each of the about six triangles around it.
-double estimate_cells(const ColumnPlan& plan);
-
-/// Valid columns, over terrain that is cut back nowhere. Fills the volume facts of `result` as far
+/// Valid columns, over terrain that is excavated nowhere. Fills the volume facts of `result` as far
 /// as the columns are known by then, its solver and its warnings. Throws Error(kUsage) for a mesh
 /// that is too high or too large, Error(kGuarantee) as require_valid.
 Columns make_columns(const MeshCityOptions& options, const CityModel& city, const Raster& dtm,

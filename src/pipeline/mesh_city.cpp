@@ -13,9 +13,9 @@
 #include "tetropolis/volume/column/boundary.h"
 
 #include "ground/validate.h"
-#include "improve_mesh.h"
 #include "make_columns.h"
 #include "memory.h"
+#include "mesh_warnings.h"
 #include "volume/column/ground_heights.h"
 
 namespace tetropolis {
@@ -57,27 +57,18 @@ GroundMesh make_ground(const MeshCityOptions& options, const CityModel& city, co
   return ground;
 }
 
-void tell_lowered(const ColumnPlan& plan, CityMesh& result) {
-  result.volume_facts.ground_lowered = plan.lowered;
-  result.volume_facts.roofs_cut_back = plan.cut_from.roofs;
-  result.volume_facts.feet_cut_back = plan.cut_from.feet;
-  if (plan.lowered == 0) return;
-  std::string where = "at walls that would be too low otherwise";
-  if (const std::size_t roofs = plan.cut_from.roofs.size(); roofs > 0)
-    where += fmt::format("; around {} roof{} below the terrain", roofs, roofs == 1 ? "" : "s");
-  if (const std::size_t feet = plan.cut_from.feet.size(); feet > 0)
-    where += fmt::format("; at the feet of cliffs or low walls, in {} place{}", feet,
-                         feet == 1 ? "" : "s");
-  if (plan.undermined > 0)
-    where += fmt::format("; {} building{} there, by up to {:.1f} m", plan.undermined,
-                         plan.undermined == 1 ? " has its foot above the ground that is now"
-                                              : "s have their foot above the ground that is now",
-                         plan.deepest_undermined);
-  if (!plan.cut_from.roofs.empty() || !plan.cut_from.feet.empty())
-    where += "; cut_slope = 90 keeps the terrain, with worse cells instead";
-  result.warnings.push_back(
-      {"ground_lowered", plan.lowered,
-       fmt::format("ground vertices were lowered, by up to {:.1f} m: {}", plan.deepest, where)});
+void tell_excavation(const MeshCityOptions& options, const ColumnPlan& plan,
+                     ExcavationSources excavated, VolumeMeshFacts& volume) {
+  volume.ground_lowered = plan.lowered;
+  volume.cut_slope_deg = options.cut_slope_deg;
+  double gentlest = 90;
+  for (const auto* slopes : {&excavated.roof_slopes_deg, &excavated.toe_slopes_deg})
+    for (const double slope : *slopes) gentlest = std::min(gentlest, slope);
+  if (gentlest < 90) volume.cut_slope_deg = gentlest;
+  volume.roofs_cut_back = std::move(excavated.roofs);
+  volume.roof_cut_slopes_deg = std::move(excavated.roof_slopes_deg);
+  volume.feet_cut_back = std::move(excavated.toes);
+  volume.foot_cut_slopes_deg = std::move(excavated.toe_slopes_deg);
 }
 
 /// Guarantee 4, too: throws if a cell is inverted.
@@ -143,8 +134,22 @@ CityMesh mesh_city(const CityModel& city, Raster terrain, const MeshCityOptions&
   terrain.x0 = in_crs(terrain.x0, origin.x);
   terrain.y0 = in_crs(terrain.y0, origin.y);
   Columns columns = make_columns(options, city, terrain, size, std::move(ground), clock, result);
-  MeshQuality quality = improve_mesh(options, terrain, size, columns, clock, result.volume_facts);
-  tell_lowered(columns.plan, result);
+  ExcavationSources excavated;
+  if (options.layering != Layering::kUniform) {
+    QualityFloorOptions floor;
+    floor.plan = plan_options(options);
+    floor.gentlest_deg = options.cut_slope_deg;
+    floor.require_fits = [&, triangles = static_cast<double>(columns.mesh.triangle_count())](
+                             double cells) { require_cells_fit(options, size, triangles, cells); };
+    ImprovedColumns improved = reach_quality_floor(std::move(columns), terrain, floor, clock);
+    columns = std::move(improved.columns);
+    excavated = std::move(improved.excavated);
+    result.volume_facts.columns_improved = improved.columns_improved;
+    result.volume_facts.min_vertical_gap = improved.min_vertical_gap;
+  }
+  MeshQuality quality = measure_quality(columns.mesh, clock);
+  warn_of_lowered_ground(columns.plan, excavated, result.warnings);
+  tell_excavation(options, columns.plan, std::move(excavated), result.volume_facts);
   result.volume = std::move(columns.mesh);
   columns.plan = {};
   clock.run("3.6", "boundary", [&](const Progress&) {

@@ -133,11 +133,15 @@ void fields_of(VolumeMeshFacts& mesh, const Field& field) {
       "ground_lowered", mesh.ground_lowered, "integer",
       "ground vertices below the terrain: on walls that it would bury, and where it was excavated");
   field("cut_slope_deg", mesh.cut_slope_deg, "number, degrees",
-        "slope of terrain that was cut back: 75 or 66 where enough, else `cut_slope`");
+        "gentlest slope to which terrain was excavated; `cut_slope` without any");
   field("roofs_cut_back", mesh.roofs_cut_back, "list of integers",
         "buildings of `city.city.json`, from 0, around whose roof the terrain was excavated");
+  field("roof_cut_slopes_deg", mesh.roof_cut_slopes_deg, "list of numbers, degrees",
+        "slopes to which it was, in the order of `roofs_cut_back`");
   field("feet_cut_back", mesh.feet_cut_back, "list of lists of 3 numbers, m",
         "x, y (CRS) and z of the slope toes from which the terrain was excavated");
+  field("foot_cut_slopes_deg", mesh.foot_cut_slopes_deg, "list of numbers, degrees",
+        "slopes to which it was, in the order of `feet_cut_back`");
   field("moved_by_guard", mesh.moved_by_guard, "integer",
         "nodes moved to make columns monotone after solving; 0 without solving");
   field("columns_improved", mesh.columns_improved, "integer",

@@ -3,6 +3,8 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <numbers>
+#include <optional>
 #include <stdexcept>
 
 #include <gtest/gtest.h>
@@ -18,6 +20,8 @@
 #include "check/check_same_boundary.h"
 #include "support/small_city.h"
 #include "support/test_data.h"
+#include "volume/column/ground_heights.h"
+#include "volume/excavate/excavate.h"
 
 namespace tetropolis {
 namespace {
@@ -34,7 +38,7 @@ std::string names(const std::vector<Violation>& violations) {
 }
 
 constexpr double kMinimumWall = ColumnPlanOptions{}.minimum_wall;
-const CutsCheck kNoCuts{CutSources{}, {}};
+const ExcavationSources kNotExcavated;
 
 class CheckMesh : public ::testing::Test {
  protected:
@@ -75,7 +79,7 @@ TEST_F(CheckMesh, PassesAGoodMeshAndAgreesWithTheGeneratorsMeasures) {
       << names(check_surface(surface).violations);
   EXPECT_TRUE(check_same_boundary(mesh, check, surface).empty());
   const HeightsCheck heights =
-      check_heights(surface, {0, 0, 0}, city.city.dtm, model, kMinimumWall, kNoCuts);
+      check_heights(surface, {0, 0, 0}, city.city.dtm, model, kMinimumWall, kNotExcavated);
   EXPECT_TRUE(heights.violations.empty()) << names(heights.violations);
   EXPECT_EQ(heights.lowered, city.plan.lowered);
 }
@@ -120,7 +124,8 @@ TEST_F(CheckMesh, EndsOnNonFiniteVerticesWhereverTheyAre) {
       odd.points[static_cast<std::size_t>(odd.triangles[ground][0])][d] = value;
       EXPECT_TRUE(has(check_surface(odd).violations, "coordinates that are not finite"));
       EXPECT_TRUE(
-          has(check_heights(odd, {0, 0, 0}, city.city.dtm, model, kMinimumWall, kNoCuts).violations,
+          has(check_heights(odd, {0, 0, 0}, city.city.dtm, model, kMinimumWall, kNotExcavated)
+                  .violations,
               "coordinates that are not finite"));
       const VolumeCheck check = check_volume(mesh);
       EXPECT_FALSE(check_same_boundary(mesh, check, odd).empty());
@@ -215,25 +220,26 @@ TEST_F(CheckMesh, SeesHeightsOffByAMillimetre) {
   SurfaceMesh moved = surface;
   for (auto& p : moved.points)
     if (p[2] == city.city.roofs[2]) p[2] += 0.001;
-  EXPECT_TRUE(
-      has(check_heights(moved, {0, 0, 0}, city.city.dtm, model, kMinimumWall, kNoCuts).violations,
-          "roof vertices off the roof height"));
+  EXPECT_TRUE(has(
+      check_heights(moved, {0, 0, 0}, city.city.dtm, model, kMinimumWall, kNotExcavated).violations,
+      "roof vertices off the roof height"));
   Raster higher = city.city.dtm;
   for (double& z : higher.values) z -= 0.001;
   EXPECT_TRUE(
-      has(check_heights(surface, {0, 0, 0}, higher, model, kMinimumWall, kNoCuts).violations,
+      has(check_heights(surface, {0, 0, 0}, higher, model, kMinimumWall, kNotExcavated).violations,
           "ground vertices off the terrain"));
   model.buildings.pop_back();
   EXPECT_TRUE(
-      has(check_heights(surface, {0, 0, 0}, city.city.dtm, model, kMinimumWall, kNoCuts).violations,
+      has(check_heights(surface, {0, 0, 0}, city.city.dtm, model, kMinimumWall, kNotExcavated)
+              .violations,
           "roofs of buildings that the city model lacks"));
 }
 
 TEST_F(CheckMesh, GroundIsLoweredAtWallsOnlyAndOnlyWhereTheyNeedIt) {
   const auto found = [&](const char* what) {
-    return has(
-        check_heights(surface, {0, 0, 0}, city.city.dtm, model, kMinimumWall, kNoCuts).violations,
-        what);
+    return has(check_heights(surface, {0, 0, 0}, city.city.dtm, model, kMinimumWall, kNotExcavated)
+                   .violations,
+               what);
   };
   const auto first_on = [&](Patch patch) -> std::array<double, 3>& {
     for (std::size_t f = 0; f < surface.triangles.size(); ++f)
@@ -248,10 +254,9 @@ TEST_F(CheckMesh, GroundIsLoweredAtWallsOnlyAndOnlyWhereTheyNeedIt) {
   foot[2] -= 0.5;
   EXPECT_TRUE(found("ground vertices lowered at walls that are high enough"));
   EXPECT_FALSE(found("ground vertices off the terrain"));
-  EXPECT_TRUE(check_heights(surface, {0, 0, 0}, city.city.dtm, model, kMinimumWall,
-                            {std::nullopt, CutSlopes{}})
+  EXPECT_TRUE(check_heights(surface, {0, 0, 0}, city.city.dtm, model, kMinimumWall, std::nullopt)
                   .violations.empty())
-      << "walls may be feet, if it is not known which are";
+      << "walls may be toes, if it is not known which are";
   for (Building& building : model.buildings) building.h_roof = foot[2] + 1;
   EXPECT_FALSE(found("ground vertices lowered at walls that are high enough"));
   foot[2] += 1;
@@ -281,7 +286,7 @@ TEST(CheckHeights, WhetherGroundWasLoweredByARoundingErrorIsLeftOpen) {
   model.buildings[0].h_roof = city.roofs[0];
   const SurfaceMesh surface = extract_boundary(mesh);
   const auto check = [&](double minimum_wall) {
-    return check_heights(surface, {0, 0, 0}, city.dtm, model, minimum_wall, kNoCuts);
+    return check_heights(surface, {0, 0, 0}, city.dtm, model, minimum_wall, kNotExcavated);
   };
   EXPECT_EQ(check(kMinimumWall).lowered, 0);
   EXPECT_GE(check(kMinimumWall).perhaps_lowered, plan.lowered);
@@ -289,29 +294,43 @@ TEST(CheckHeights, WhetherGroundWasLoweredByARoundingErrorIsLeftOpen) {
   EXPECT_EQ(check(kMinimumWall - 1e-5).perhaps_lowered, 0);
 }
 
-/// A house of 6 m with its roof 10 m below the terrain around it, cut back from its roof, or, with
-/// no house near, from one vertex.
-struct CutCity {
+/// Terrain excavated from the roof of a house of 6 m, 10 m below the terrain around it, or, with no
+/// house near, from one vertex; and, more steeply, from another vertex far off.
+struct ExcavatedCity {
   testing::SmallCity city;
-  ColumnPlanOptions options;
   ColumnPlan plan;
+  ExcavationSources from;
   SurfaceMesh surface;
   CityModel model;
 
-  explicit CutCity(bool at_roof) {
+  explicit ExcavatedCity(bool at_roof) {
     city.footprints = {at_roof ? testing::rectangle(50, 40, 62, 52)
                                : testing::rectangle(5, 5, 12, 12)};
     city.roofs = {at_roof ? 6.0 : 30.0};
     city.dtm = testing::raster_of(city.domain, [](double, double) { return 16.0; });
     GroundMesh ground = mesh_ground(city.footprints, city.domain, {6, 25});
-    options.domain_height = 60;
+    ExcavationMarks marks, steep_marks;
+    const std::vector<double> none(ground.vertices.size(), std::numeric_limits<double>::infinity());
     if (at_roof) {
-      options.cut.roofs = {1};
+      marks.roofs = {1};
     } else {
-      const std::size_t centre = nearest(ground, {56, 46});
-      options.cut.feet.assign(ground.vertices.size(), std::numeric_limits<double>::infinity());
-      options.cut.feet[centre] = 4;
+      marks.toes = none;
+      marks.toes[nearest(ground, {56, 46})] = 4;
     }
+    steep_marks.toes = none;
+    steep_marks.toes[nearest(ground, {104, 74})] = -8;
+    const std::vector<BuildingIndex> building = vertex_buildings(ground);
+    std::vector<double> excavated = terrain_under(ground, city.dtm);
+    from = excavate(ground, building, city.roofs, marks, {}, excavated);
+    const ExcavationSources steep =
+        excavate(ground, building, city.roofs, steep_marks, {std::tan(75 * kDegree)}, excavated);
+    from.roof_slopes_deg.assign(from.roofs.size(), 56);
+    from.toe_slopes_deg.assign(from.toes.size(), 56);
+    from.toes.push_back(steep.toes.at(0));
+    from.toe_slopes_deg.push_back(75);
+    ColumnPlanOptions options;
+    options.domain_height = 60;
+    options.excavated = excavated;
     plan = plan_columns(ground, city.dtm, city.roofs, column_spacing(ground), options);
     EdgeGraph edges = build_edge_graph(ground);
     ColumnMesh mesh = divide_columns(std::move(ground), std::move(edges), plan);
@@ -322,6 +341,8 @@ struct CutCity {
     model.buildings[0].h_roof = city.roofs[0];
   }
 
+  static constexpr double kDegree = std::numbers::pi / 180;
+
   static std::size_t nearest(const GroundMesh& ground, Point2 p) {
     std::size_t best = 0;
     const auto off = [&](std::size_t v) {
@@ -331,55 +352,80 @@ struct CutCity {
       if (off(v) < off(best)) best = v;
     return best;
   }
-  HeightsCheck check(const CutsCheck& with, std::array<double, 3> shift = {0, 0, 0}) const {
-    return check_heights(surface, shift, city.dtm, model, kMinimumWall, with);
+  HeightsCheck check(const std::optional<ExcavationSources>& with) const {
+    return check_heights(surface, {0, 0, 0}, city.dtm, model, kMinimumWall, with);
   }
-  bool is_off(const CutsCheck& with) const {
+  bool is_off(const std::optional<ExcavationSources>& with) const {
     return has(check(with).violations, "ground vertices off the terrain");
+  }
+  /// With other slopes, for the gentle source and the steep one.
+  bool is_off(double gentle_deg, double steep_deg) const {
+    ExcavationSources other = from;
+    other.roof_slopes_deg.assign(other.roofs.size(), gentle_deg);
+    other.toe_slopes_deg.assign(other.toes.size(), gentle_deg);
+    other.toe_slopes_deg.back() = steep_deg;
+    return is_off(other);
   }
 };
 
-TEST(CheckHeights, GroundIsCutBackAsFarAsAskedAndNoFurther) {
+TEST(CheckHeights, GroundIsExcavatedAsFarAsReportedAndNoFurther) {
   for (const bool at_roof : {true, false}) {
-    SCOPED_TRACE(at_roof ? "roof" : "foot");
-    CutCity cut(at_roof);
-    const CutSlopes slopes = cut.options.cut_slopes;
-    const CutSources& from = cut.plan.cut_from;
-    EXPECT_EQ(from.roofs.size(), at_roof ? 1U : 0U);
-    EXPECT_EQ(from.feet.size(), at_roof ? 0U : 1U);
-    const CutsCheck cuts{from, slopes};
-    const CutsCheck from_anywhere{std::nullopt, slopes};
-    const HeightsCheck sound = cut.check(cuts);
+    SCOPED_TRACE(at_roof ? "roof" : "toe");
+    ExcavatedCity city(at_roof);
+    EXPECT_EQ(city.from.roofs.size(), at_roof ? 1U : 0U);
+    EXPECT_EQ(city.from.toes.size(), at_roof ? 1U : 2U);
+    const HeightsCheck sound = city.check(city.from);
     EXPECT_TRUE(sound.violations.empty()) << names(sound.violations);
-    EXPECT_EQ(sound.lowered, cut.plan.lowered);
+    EXPECT_EQ(sound.lowered, city.plan.lowered);
     EXPECT_GT(sound.lowered, 5);
-    EXPECT_TRUE(cut.is_off({from, {2 * slopes.at_start, slopes.beyond}}))
-        << "deeper than a steeper cut";
-    EXPECT_TRUE(cut.is_off({from, {slopes.at_start / 2, slopes.beyond}}))
-        << "not as deep as a gentler cut";
-    EXPECT_TRUE(cut.is_off(kNoCuts));
-    EXPECT_TRUE(cut.is_off({CutSources{{-1, 7}, {{56, 46.5, 4}}}, slopes})) << "from elsewhere";
-    // A single vertex that is lower than all around it could be the foot of nothing.
-    EXPECT_EQ(cut.is_off(from_anywhere), !at_roof);
+    EXPECT_FALSE(city.is_off(56, 75));
+    EXPECT_TRUE(city.is_off(71, 75)) << "deeper than from a steeper slope";
+    EXPECT_TRUE(city.is_off(36, 75)) << "not as deep as from a gentler one";
+    EXPECT_TRUE(city.is_off(56, 56)) << "each source has its own slope";
+    EXPECT_TRUE(city.is_off(75, 75));
+    EXPECT_TRUE(city.is_off(ExcavationSources{}));
+    EXPECT_TRUE(city.is_off(ExcavationSources{{-1, 7}, {{56, 46.5, 4}}, {56, 56}, {56}}))
+        << "from elsewhere";
+    // A single vertex that is lower than all around it could be the toe of nothing.
+    EXPECT_TRUE(city.is_off(std::nullopt));
     int changed = 0;
-    for (auto& p : cut.surface.points) {
+    for (auto& p : city.surface.points) {
       const bool on_wall = at_roof && p[0] >= 50 && p[0] <= 62 && p[1] >= 40 && p[1] <= 52;
-      if (on_wall || p[2] < 4.5 || p[2] > 15) continue;
+      if (on_wall || p[2] < 5.5 || p[2] > 15 || p[0] > 85) continue;
       const double z = p[2];
       p[2] = z - 0.001;
-      EXPECT_TRUE(cut.is_off(cuts));
+      EXPECT_TRUE(city.is_off(city.from));
       p[2] = z + 0.001;
-      EXPECT_TRUE(cut.is_off(cuts)) << "too little";
-      p[2] = z - 12;
-      EXPECT_TRUE(cut.is_off(from_anywhere));
-      p[2] = 16.001;
-      EXPECT_TRUE(cut.is_off(from_anywhere)) << "raised";
+      EXPECT_TRUE(city.is_off(city.from)) << "too little";
       p[2] = z;
       ++changed;
       break;
     }
     EXPECT_EQ(changed, 1);
   }
+}
+
+/// From a roof, without a report.
+TEST(CheckHeights, GroundIsExcavatedFromAnywhereIfNobodyKnows) {
+  ExcavatedCity city(true);
+  // Fills the other pit.
+  for (auto& p : city.surface.points)
+    if (p[0] > 85 && p[2] < 16) p[2] = 16;
+  EXPECT_FALSE(city.is_off(std::nullopt));
+  int changed = 0;
+  for (auto& p : city.surface.points) {
+    const bool on_wall = p[0] >= 50 && p[0] <= 62 && p[1] >= 40 && p[1] <= 52;
+    if (on_wall || p[2] < 4.5 || p[2] > 15) continue;
+    const double z = p[2];
+    p[2] = z - 12;
+    EXPECT_TRUE(city.is_off(std::nullopt));
+    p[2] = 16.001;
+    EXPECT_TRUE(city.is_off(std::nullopt)) << "raised";
+    p[2] = z;
+    ++changed;
+    break;
+  }
+  EXPECT_EQ(changed, 1);
 }
 
 }  // namespace

@@ -317,7 +317,11 @@ TEST_F(Cli, CheckSaysWhatIsNoReport) {
         "{\"command\": \"build\", \"config\": {\"cut_slope\": 120}}",
         "{\"command\": \"build\", \"config\": {\"cut_slope\": 0}}",
         "{\"command\": \"build\", \"volume_mesh\": {\"roofs_cut_back\": 3}}",
-        "{\"command\": \"build\", \"volume_mesh\": {\"feet_cut_back\": [[1, 2]]}}"}) {
+        "{\"command\": \"build\", \"volume_mesh\": {\"feet_cut_back\": [[1, 2]]}}",
+        "{\"command\": \"build\", \"volume_mesh\": {\"roofs_cut_back\": [0], "
+        "\"roof_cut_slopes_deg\": []}}",
+        "{\"command\": \"build\", \"volume_mesh\": {\"roofs_cut_back\": [0], "
+        "\"roof_cut_slopes_deg\": [95]}}"}) {
     SCOPED_TRACE(text);
     std::ofstream(scratch / "result/report.json") << text;
     const Outcome outcome = run("check result");

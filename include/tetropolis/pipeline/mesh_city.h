@@ -62,9 +62,12 @@ struct VolumeMeshFacts {
   std::int64_t inverted = 0;
   double min_vertical_gap = 0;
   std::int64_t ground_lowered = 0;
-  double cut_slope_deg = 0;                   ///< Of cuts, if there are any.
-  std::vector<BuildingIndex> roofs_cut_back;  ///< Around which the terrain was, ascending.
-  std::vector<Point3> feet_cut_back;          ///< Feet from which it was; local frame.
+  double cut_slope_deg = 0;                   ///< The gentlest to which terrain was excavated;
+                                              ///< without any, the option.
+  std::vector<BuildingIndex> roofs_cut_back;  ///< From which it was, ascending,
+  std::vector<double> roof_cut_slopes_deg;    ///< and to which slopes.
+  std::vector<Point3> feet_cut_back;          ///< Slope toes from which it was; local frame,
+  std::vector<double> foot_cut_slopes_deg;    ///< and to which slopes.
   std::int64_t moved_by_guard = 0;
   std::int64_t columns_improved = 0;  ///< By improve_columns.
   double top = 0;

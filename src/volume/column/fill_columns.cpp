@@ -15,7 +15,6 @@
 #include "core/parallel.h"
 #include "core/sort_once.h"
 #include "ground_heights.h"
-#include "volume/excavate/cut_back.h"
 
 namespace tetropolis {
 
@@ -144,19 +143,6 @@ std::vector<double> lowest_at_walls(const GroundMesh& mesh, std::size_t parts,
   return lowest;
 }
 
-/// `foot`: the lowest terrain at each building's walls; `now`: the lowest ground. A wall that is
-/// too low by itself does not count.
-void count_undermined(const std::vector<double>& foot, const std::vector<double>& now,
-                      double minimum_wall, ColumnPlan& plan) {
-  constexpr double kNothing = 0.01;  // metres
-  for (std::size_t b = 0; b < foot.size(); ++b) {
-    const double deep = std::min(foot[b], plan.roofs[b] - minimum_wall) - now[b];
-    if (!(deep > kNothing)) continue;
-    ++plan.undermined;
-    plan.deepest_undermined = std::max(plan.deepest_undermined, deep);
-  }
-}
-
 /// Height of a wall whose roof lies `buried` below the terrain at `distance`, so that it is seen
 /// from there under 15 degrees; or, where that would leave less between the ground below the wall
 /// and the vertical, under half of what the roof leaves.
@@ -222,9 +208,8 @@ ColumnPlan plan_columns(const GroundMesh& mesh, const Raster& dtm, std::vector<d
   plan.lowest_roof = lowest_roofs(mesh, plan.roofs);
   const std::vector<double> terrain = terrain_under(mesh, dtm);
   plan.ground = terrain;
-  if (options.cut.any())
-    plan.cut_from =
-        cut_back(mesh, plan.lowest_roof, plan.roofs, options.cut, options.cut_slopes, plan.ground);
+  if (!options.excavated.empty())
+    plan.ground.assign(options.excavated.begin(), options.excavated.end());
   std::vector<double> least(plan.spacing.size(), options.minimum_wall);
   std::vector<double> wall(least);
   // What rises beside a wall, but for walls that sink themselves.
@@ -240,25 +225,46 @@ ColumnPlan plan_columns(const GroundMesh& mesh, const Raster& dtm, std::vector<d
     // No deeper than the building stands somewhere, which beside a rock wall would be a pit. (Less
     // a micrometre, so that rounding does not lower what is there.)
     double deepest = std::max(plan.roofs[b] - foot[b] - 1e-6, options.minimum_wall);
-    if (!options.cut.walls.empty() && options.cut.walls[b] != 0) deepest = kInfinity;
+    if (!options.deep_walls.empty() && options.deep_walls[b] != 0) deepest = kInfinity;
     least[v] = std::max(least[v], std::min(fits, deepest));
     wall[v] = std::max(least[v], std::min(deepest, kLoweredWallShare * plan.spacing[v]));
   }
   lower_at_walls(mesh, plan.lowest_roof, plan.roofs, least, wall, plan.ground);
-  count_undermined(lowest_at_walls(mesh, plan.roofs.size(), terrain),
-                   lowest_at_walls(mesh, plan.roofs.size(), plan.ground), options.minimum_wall,
-                   plan);
   plan.rise = ground_rise(mesh, plan.ground);
+  count_lowered(mesh, terrain, options.minimum_wall, plan);
+  plan.layers = plan_layers(plan.ground, plan.roofs, highest_under(dtm, bounds(mesh.vertices)),
+                            options.domain_height, options.layer_height);
+  plan.top.assign(mesh.vertices.size(), plan.layers.top);
+  return plan;
+}
+
+void count_lowered(const GroundMesh& mesh, std::span<const double> terrain, double minimum_wall,
+                   ColumnPlan& plan) {
+  plan.lowered = plan.undermined = 0;
+  plan.deepest = plan.deepest_undermined = 0;
   const std::vector<std::uint8_t> outside = outside_vertices(mesh);
   for (std::size_t v = 0; v < terrain.size(); ++v) {
     if (outside[v] == 0 || !(plan.ground[v] < terrain[v])) continue;
     ++plan.lowered;
     plan.deepest = std::max(plan.deepest, terrain[v] - plan.ground[v]);
   }
-  plan.layers = plan_layers(plan.ground, plan.roofs, highest_under(dtm, bounds(mesh.vertices)),
-                            options.domain_height, options.layer_height);
-  plan.top.assign(mesh.vertices.size(), plan.layers.top);
-  return plan;
+  constexpr double kNothing = 0.01;  // metres
+  const std::vector<double> then = lowest_at_walls(plan, terrain);
+  const std::vector<double> now = lowest_at_walls(plan, plan.ground);
+  for (std::size_t b = 0; b < plan.roofs.size(); ++b) {
+    // A wall that is too low by itself does not count.
+    const double deep = std::min(then[b], plan.roofs[b] - minimum_wall) - now[b];
+    if (!(deep > kNothing)) continue;
+    ++plan.undermined;
+    plan.deepest_undermined = std::max(plan.deepest_undermined, deep);
+  }
+}
+
+double estimate_cells(const ColumnPlan& plan) {
+  double cells = 0;
+  for (std::size_t v = 0; v < plan.top.size(); ++v)
+    cells += 6 * std::max(1.0, (plan.top[v] - plan.ground[v]) / plan.spacing[v]);
+  return cells;
 }
 
 ColumnMesh divide_columns(GroundMesh ground, EdgeGraph edges, const ColumnPlan& plan) {

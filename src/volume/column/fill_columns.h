@@ -9,7 +9,6 @@
 #include "tetropolis/terrain/raster.h"
 #include "tetropolis/volume/column/column_mesh.h"
 
-#include "volume/excavate/cut_back.h"
 #include "volume/layered/layered_mesh.h"
 #include "volume/layered/smooth.h"
 
@@ -36,7 +35,7 @@ std::vector<double> ground_rise(const GroundMesh& mesh, std::span<const double> 
 /// What the columns are made from: per vertex of the ground mesh, in metres.
 struct ColumnPlan {
   std::vector<double> ground;            ///< Elevation: the terrain, lowered at buried walls and
-                                         ///< cut back where marked.
+                                         ///< where it was excavated.
   std::vector<RegionIndex> lowest_roof;  ///< As from lowest_roofs.
   std::vector<double> roofs;             ///< Elevation of the roof, per building part (region).
   std::vector<double> top;               ///< Elevation of the top.
@@ -49,13 +48,18 @@ struct ColumnPlan {
   std::int64_t undermined = 0;    ///< Buildings with ground at a wall below the lowest terrain that
                                   ///< was at their walls.
   double deepest_undermined = 0;  ///< How far, at most, in metres.
-  CutSources cut_from;            ///< From where the terrain was cut back.
 
   /// Elevation of the floor of `region` of `mesh` at vertex v.
   double floor(const GroundMesh& mesh, RegionIndex region, std::size_t v) const {
     const auto r = static_cast<std::size_t>(region);
     return mesh.regions[r].is_building() ? roofs[r] : ground[v];
   }
+};
+
+/// A mesh, and what it was made from.
+struct Columns {
+  ColumnPlan plan;
+  ColumnMesh mesh;
 };
 
 struct ColumnPlanOptions {
@@ -69,16 +73,26 @@ struct ColumnPlanOptions {
                                   ///< of what is left to the vertical) count as too low, too; and
                                   ///< where the ground is lowered, they become so high, and at
                                   ///< least 0.6 of the spacing; but not higher than the building's
-                                  ///< walls are somewhere, unless marked (cut.walls). Otherwise
+                                  ///< walls are somewhere, unless they are deep_walls. Otherwise
                                   ///< they have the minimum.
-  CutMarks cut;                   ///< From where the terrain is cut back (see cut_back), and which
-                                  ///< walls are dug out.
-  CutSlopes cut_slopes;           ///< How steeply it rises from there.
+  std::span<const double> excavated = {};         ///< Per vertex, elevation of the terrain as
+                                                  ///< excavate() leaves it; empty: as in the DTM.
+  std::span<const std::uint8_t> deep_walls = {};  ///< Per building, 1: walls may become higher
+                                                  ///< than they are anywhere. Empty: none may.
 };
 
 /// `roofs`: elevation per building part of `mesh`; `spacing`: per vertex, > 0.
 ColumnPlan plan_columns(const GroundMesh& mesh, const Raster& dtm, std::vector<double> roofs,
                         std::vector<double> spacing, const ColumnPlanOptions& options);
+
+/// Sets what the plan tells of vertices lowered and buildings undermined, from its elevations and
+/// the `terrain` (per vertex; terrain_under).
+void count_lowered(const GroundMesh& mesh, std::span<const double> terrain, double minimum_wall,
+                   ColumnPlan& plan);
+
+/// About the cells that graded columns will have, before they are made: every segment makes a tet
+/// in each of the about six triangles around it.
+double estimate_cells(const ColumnPlan& plan);
 
 /// How many nodes each column gets, and which of them are at floors; z has its size and no values.
 /// Columns go from the lowest floor of the regions around them to the top, with a node at each

@@ -5,11 +5,13 @@
 #include <cmath>
 #include <cstddef>
 #include <span>
+#include <tuple>
 #include <utility>
 #include <vector>
 
 #include "tetropolis/volume/quality/cell_quality.h"
 
+#include "core/disjoint_sets.h"
 #include "core/infinity.h"
 #include "core/parallel.h"
 #include "core/sort_once.h"
@@ -29,10 +31,8 @@ constexpr double kWorthwhile = 1e-3;
 /// Changes made to one column in one sweep, at most.
 constexpr int kChangesPerSweep = 8;
 
-/// Stacks that one sweep works on, at most: those with the worst cells.
-std::size_t most_stacks(std::size_t triangles) {
-  return std::max<std::size_t>(2000, triangles / 200);
-}
+/// Connected stacks that one sweep works on, at most: those with the worst cells.
+constexpr std::size_t kMostStacks = 2000;
 
 // These, the windows and the pairs below were found by trial: by how many cities of the survey
 // (scripts/survey 2000) are below the floor of quality.
@@ -113,7 +113,9 @@ class Improver {
   Improver(const ColumnMesh& mesh, const ImproveOptions& options)
       : mesh_(&mesh),
         cost_(options),
+        cells_per_column_(options.most_cells_per_column),
         cells_per_sweep_(options.most_cells / std::max(options.sweeps, 1)),
+        fixed_(options.fixed),
         least_tangent_(std::tan(to_radians(kHopeless * options.least_deg))),
         slot_(mesh.vertex_count(), -1) {}
 
@@ -166,7 +168,8 @@ class Improver {
 
   const ColumnMesh* mesh_;
   Cost cost_;
-  std::int64_t cells_per_sweep_;
+  std::int64_t cells_per_column_, cells_per_sweep_;
+  std::span<const std::uint8_t> fixed_;
   double least_tangent_;            ///< Of the angle below which a corner is hopeless.
   std::vector<std::int32_t> slot_;  ///< Per vertex: its place in changed_, or -1.
   std::vector<Column> changed_;
@@ -293,18 +296,27 @@ std::vector<VertexIndex> Improver::worst_of(std::size_t count,
   std::vector<std::size_t> bad;
   for (std::size_t i = 0; i < count; ++i)
     if (cost[i] > 0) bad.push_back(i);
-  const std::size_t most = most_stacks(mesh_->triangle_count());
-  if (bad.size() > most) {
-    const auto worse = [&](std::size_t i, std::size_t j) {
-      return cost[i] != cost[j] ? cost[i] > cost[j] : i < j;
-    };
-    std::nth_element(bad.begin(), bad.begin() + static_cast<std::ptrdiff_t>(most), bad.end(),
-                     worse);
-    bad.resize(most);
+  if (bad.size() > kMostStacks) {
+    DisjointSets places(mesh_->vertex_count());
+    for (const std::size_t i : bad)
+      for (const VertexIndex v : corners(triangle_at(i)))
+        places.join(corners(triangle_at(i))[0], v);
+    std::vector<std::tuple<std::int32_t, double, std::size_t>> worst;  // first of each place
+    for (const std::size_t i : bad)
+      worst.emplace_back(places.root(corners(triangle_at(i))[0]), -cost[i], i);
+    std::sort(worst.begin(), worst.end());
+    bad.clear();
+    std::int32_t place = -1;
+    std::size_t rank = 0;
+    for (const auto& [root, minus_cost, i] : worst) {
+      rank = root == std::exchange(place, root) ? rank + 1 : 0;
+      if (rank < kMostStacks) bad.push_back(i);
+    }
   }
   std::vector<VertexIndex> vertices;
   for (const std::size_t i : bad)
-    for (const VertexIndex v : corners(triangle_at(i))) vertices.push_back(v);
+    for (const VertexIndex v : corners(triangle_at(i)))
+      if (fixed_.empty() || fixed_[static_cast<std::size_t>(v)] == 0) vertices.push_back(v);
   sort_once(vertices);
   return vertices;
 }
@@ -442,7 +454,8 @@ std::vector<VertexIndex> Improver::sweep(const std::vector<VertexIndex>& vertice
                                          const Progress& progress) {
   const std::vector<std::int32_t> colour = colours_of(vertices);
   const std::int32_t colours = 1 + *std::max_element(colour.begin(), colour.end());
-  const std::int64_t share = cells_per_sweep_ / static_cast<std::int64_t>(vertices.size());
+  const std::int64_t share =
+      std::min(cells_per_column_, cells_per_sweep_ / static_cast<std::int64_t>(vertices.size()));
   std::vector<VertexIndex> changed;
   for (std::int32_t c = 0; c < colours; ++c) {
     std::vector<VertexIndex> members;

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <limits>
 #include <span>
 #include <vector>
 
@@ -15,10 +16,13 @@ struct ImproveOptions {
   double greatest_deg = 157;  ///< and those with a greater one.
   double straight_deg = 90;   ///< And those on a face that is more non-orthogonal; 90: none are.
   int sweeps = 3;             ///< Over the columns of such cells, at most.
-  std::int64_t most_cells = 300'000'000;    ///< Looked at, shared by the sweeps alike.
-  std::span<const std::uint8_t> near = {};  ///< Per triangle: the first sweep works on stacks over
-                                            ///< those that share a vertex with one that has 1 here,
-                                            ///< the others around what changed. Empty: on all.
+  std::int64_t most_cells_per_column = 50'000;  ///< Looked at in each sweep.
+  /// Looked at by all sweeps; shared by them and their columns alike.
+  std::int64_t most_cells = std::numeric_limits<std::int64_t>::max();
+  /// Per triangle: the first sweep works on stacks over those that share a vertex with one that has
+  /// 1 here, the others around what changed. Empty: on all.
+  std::span<const std::uint8_t> near = {};
+  std::span<const std::uint8_t> fixed = {};  ///< Per vertex, 1: the column stays. Empty: none does.
 };
 
 struct Improvement {
@@ -40,9 +44,11 @@ struct Improvement {
 /// it touches. Columns that share no triangle do not touch the same cells and are worked on at the
 /// same time.
 ///
-/// Where very many cells are bad, a sweep takes only the worst stacks: two thousand, or one in two
-/// hundred of all if that is more. Stacks over triangles with an angle below two thirds of
-/// `least_deg` are left alone: some of their cells have that angle, too, whatever is done.
+/// Where very many cells are bad, a sweep takes only the two thousand worst stacks of each
+/// connected place. With most_cells unlimited, columns therefore depend on connected bad stacks and
+/// on what is around these, and on nothing else. Stacks over triangles with an angle below two
+/// thirds of `least_deg` are left alone: some of their cells have that angle, too, whatever is
+/// done.
 ///
 /// The same bits for any number of threads. Precondition: `mesh` is valid (require_valid). Throws
 /// Cancelled.

@@ -19,8 +19,9 @@ struct AngleBounds {
 
 /// What all cells of a good mesh keep to.
 inline constexpr AngleBounds kQualityFloor{8, 160};
-/// And the least angle of all but one in ten thousand, degrees.
+/// And the least angle, degrees, of all but so small a share of them.
 inline constexpr double kLeastOfMost = 12;
+inline constexpr double kShareOfFew = 1e-4;
 
 /// A cell that is far from regular, and why.
 struct WorstCell {

@@ -1,4 +1,4 @@
-#include "find_cuts.h"
+#include "find_sources.h"
 
 #include <algorithm>
 #include <array>
@@ -26,12 +26,12 @@ bool is_steeper(const GroundMesh& mesh, std::size_t t, std::span<const double> g
          1;
 }
 
-/// 1 for the vertices at and beside ground that the cut lowered for the better.
-std::vector<std::uint8_t> find_helped(const ColumnMesh& mesh, const TriedCut& cut) {
+/// 1 for the vertices at and beside ground that the excavation lowered for the better.
+std::vector<std::uint8_t> find_helped(const ColumnMesh& mesh, const TriedExcavation& tried) {
   const std::size_t n = mesh.vertex_count();
   const auto is_lowered = [&](VertexIndex v) {
     const auto i = static_cast<std::size_t>(v);
-    return cut.ground_after[i] != cut.ground_before[i];
+    return tried.ground_after[i] != tried.ground_before[i];
   };
   DisjointSets places(n);
   for (const auto& [a, b] : mesh.edges.vertices)
@@ -44,7 +44,7 @@ std::vector<std::uint8_t> find_helped(const ColumnMesh& mesh, const TriedCut& cu
     // Lowered corners of a triangle are joined, so they are of one place.
     const auto& corners = mesh.ground.triangles[t];
     if (const auto v = std::find_if(corners.begin(), corners.end(), is_lowered); v != corners.end())
-      gain_at(*v) += std::int64_t{cut.bad_before[t]} - std::int64_t{cut.bad_after[t]};
+      gain_at(*v) += std::int64_t{tried.bad_before[t]} - std::int64_t{tried.bad_after[t]};
   }
   std::vector<std::uint8_t> helped(n, 0);
   for (const auto& [a, b] : mesh.edges.vertices)
@@ -70,7 +70,7 @@ std::vector<std::uint8_t> with_neighbours(const ColumnMesh& mesh,
 }
 
 std::int64_t mark_buried_roofs(const ColumnMesh& mesh, const ColumnPlan& plan,
-                               std::span<const std::uint8_t> bad, CutMarks& marks) {
+                               std::span<const std::uint8_t> bad, ExcavationMarks& marks) {
   std::int64_t marked = 0;
   for (std::size_t t = 0; t < mesh.triangle_count(); ++t) {
     if (bad[t] == 0 || mesh.inside_building(t)) continue;
@@ -79,7 +79,7 @@ std::int64_t mark_buried_roofs(const ColumnMesh& mesh, const ColumnPlan& plan,
       highest = std::max(highest, plan.ground[static_cast<std::size_t>(v)]);
     const auto is_buried = [&](VertexIndex v) {
       const BuildingIndex b = plan.lowest_roof[static_cast<std::size_t>(v)];
-      return b != kNoBuilding && marks.roofs[static_cast<std::size_t>(b)] == 0 &&
+      return b != kNoRegion && marks.roofs[static_cast<std::size_t>(b)] == 0 &&
              highest > plan.roofs[static_cast<std::size_t>(b)];
     };
     for (const VertexIndex v : mesh.ground.triangles[t]) {
@@ -91,25 +91,26 @@ std::int64_t mark_buried_roofs(const ColumnMesh& mesh, const ColumnPlan& plan,
   return marked;
 }
 
-std::int64_t mark_feet(const ColumnMesh& mesh, const ColumnPlan& plan,
-                       std::span<const std::uint8_t> bad, const FootRule& rule, CutMarks& marks) {
+std::int64_t mark_slope_toes(const ColumnMesh& mesh, const ColumnPlan& plan,
+                             std::span<const std::uint8_t> bad, const ToeRule& rule,
+                             ExcavationMarks& marks) {
   std::int64_t marked = 0;
   for (std::size_t t = 0; t < mesh.triangle_count(); ++t) {
     if (bad[t] == 0 || mesh.inside_building(t)) continue;
     const auto corner = [&](std::size_t k) {
       return static_cast<std::size_t>(mesh.ground.triangles[t][k % 3]);
     };
-    std::array<double, 3> foot{kInfinity, kInfinity, kInfinity};
+    std::array<double, 3> toe{kInfinity, kInfinity, kInfinity};
     if (is_steeper(mesh.ground, t, plan.ground, rule.slope)) {
       const auto [low, high] =
           std::minmax({plan.ground[corner(0)], plan.ground[corner(1)], plan.ground[corner(2)]});
       for (std::size_t i = 0; i < 3; ++i)
         if (const double z = plan.ground[corner(i)]; z <= low + rule.share * (high - low))
-          foot[i] = z;
+          toe[i] = z;
     }
     for (std::size_t i = 0; i < 3; ++i) {
       const std::size_t v = corner(i);
-      if (plan.lowest_roof[v] == kNoBuilding) continue;
+      if (plan.lowest_roof[v] == kNoRegion) continue;
       const Point2 p = mesh.ground.vertices[v];
       double edge = 0;
       for (const std::size_t u : {corner(i + 1), corner(i + 2)})
@@ -117,11 +118,11 @@ std::int64_t mark_feet(const ColumnMesh& mesh, const ColumnPlan& plan,
             edge, std::hypot(mesh.ground.vertices[u].x - p.x, mesh.ground.vertices[u].y - p.y));
       const double below =
           plan.roofs[static_cast<std::size_t>(plan.lowest_roof[v])] - kWallTangent * edge;
-      if (below < plan.ground[v]) foot[i] = below;
+      if (below < plan.ground[v]) toe[i] = below;
     }
     for (std::size_t i = 0; i < 3; ++i) {
-      if (!(foot[i] < marks.feet[corner(i)])) continue;
-      marks.feet[corner(i)] = foot[i];
+      if (!(toe[i] < marks.toes[corner(i)])) continue;
+      marks.toes[corner(i)] = toe[i];
       ++marked;
     }
   }
@@ -129,12 +130,12 @@ std::int64_t mark_feet(const ColumnMesh& mesh, const ColumnPlan& plan,
 }
 
 std::int64_t mark_gentle(const ColumnMesh& mesh, const ColumnPlan& plan,
-                         std::span<const std::uint8_t> bad, double slope, CutMarks& marks) {
+                         std::span<const std::uint8_t> bad, double slope, ExcavationMarks& marks) {
   constexpr double kWorthwhile = 0.01;  // metres
   std::int64_t marked = 0;
   // From the roof, if `high` is above it.
   const auto start_at = [&](std::size_t v, double high) {
-    if (plan.lowest_roof[v] == kNoBuilding) return plan.ground[v];
+    if (plan.lowest_roof[v] == kNoRegion) return plan.ground[v];
     const double roof = plan.roofs[static_cast<std::size_t>(plan.lowest_roof[v])];
     return roof < high ? roof : plan.ground[v];
   };
@@ -149,8 +150,8 @@ std::int64_t mark_gentle(const ColumnMesh& mesh, const ColumnPlan& plan,
       const double most =
           highest_at(mesh.ground.vertices[v], mesh.ground.vertices[a], start_at(a, high),
                      mesh.ground.vertices[b], start_at(b, high), slope);
-      if (!(most < std::min(high, marks.feet[v]) - kWorthwhile)) continue;
-      marks.feet[v] = most;
+      if (!(most < std::min(high, marks.toes[v]) - kWorthwhile)) continue;
+      marks.toes[v] = most;
       ++marked;
     }
   }
@@ -158,13 +159,13 @@ std::int64_t mark_gentle(const ColumnMesh& mesh, const ColumnPlan& plan,
 }
 
 std::int64_t mark_deep_walls(const ColumnMesh& mesh, const ColumnPlan& plan,
-                             std::span<const std::uint8_t> bad, CutMarks& marks) {
+                             std::span<const std::uint8_t> bad, ExcavationMarks& marks) {
   std::int64_t marked = 0;
   for (std::size_t t = 0; t < mesh.triangle_count(); ++t) {
     if (bad[t] == 0 || mesh.inside_building(t)) continue;
     for (const VertexIndex v : mesh.ground.triangles[t]) {
       const BuildingIndex b = plan.lowest_roof[static_cast<std::size_t>(v)];
-      if (b == kNoBuilding || marks.walls[static_cast<std::size_t>(b)] != 0) continue;
+      if (b == kNoRegion || marks.walls[static_cast<std::size_t>(b)] != 0) continue;
       marks.walls[static_cast<std::size_t>(b)] = 1;
       ++marked;
     }
@@ -172,16 +173,17 @@ std::int64_t mark_deep_walls(const ColumnMesh& mesh, const ColumnPlan& plan,
   return marked;
 }
 
-void keep_helpful_marks(const ColumnMesh& mesh, std::span<const BuildingIndex> building,
-                        const TriedCut& cut, const CutMarks& before, CutMarks& marks) {
-  const std::vector<std::uint8_t> helped = find_helped(mesh, cut);
-  for (std::size_t v = 0; v < marks.feet.size(); ++v)
-    if (helped[v] == 0) marks.feet[v] = before.feet.empty() ? kInfinity : before.feet[v];
+void keep_helpful_marks(const ColumnMesh& mesh, std::span<const RegionIndex> building,
+                        const TriedExcavation& tried, const ExcavationMarks& before,
+                        ExcavationMarks& marks) {
+  const std::vector<std::uint8_t> helped = find_helped(mesh, tried);
+  for (std::size_t v = 0; v < marks.toes.size(); ++v)
+    if (helped[v] == 0) marks.toes[v] = before.toes.empty() ? kInfinity : before.toes[v];
   const auto keep = [&](const std::vector<std::uint8_t>& old, std::vector<std::uint8_t>& now) {
     std::vector<std::uint8_t> kept = old;
     kept.resize(now.size(), 0);
     for (std::size_t v = 0; v < helped.size(); ++v)
-      if (helped[v] != 0 && building[v] != kNoBuilding && !now.empty()) {
+      if (helped[v] != 0 && building[v] != kNoRegion && !now.empty()) {
         const auto b = static_cast<std::size_t>(building[v]);
         kept[b] = now[b];
       }

@@ -1,4 +1,4 @@
-#include "volume/excavate/cut_back.h"
+#include "volume/excavate/excavate.h"
 
 #include <algorithm>
 #include <array>
@@ -20,7 +20,7 @@
 #include "support/small_city.h"
 #include "volume/column/fill_columns.h"
 #include "volume/column/ground_heights.h"
-#include "volume/excavate/find_cuts.h"
+#include "volume/excavate/find_sources.h"
 #include "volume/quality/improve_columns.h"
 
 namespace tetropolis {
@@ -54,16 +54,16 @@ struct Basin {
   }
 };
 
-TEST(CutBack, GroundRisesFromTheRoofAsAsked) {
+TEST(Excavate, GroundRisesFromTheRoofAsAsked) {
   for (const double slope : {1.0, 1.5, 3.0})
     for (const double size : {3.0, 8.0}) {
       SCOPED_TRACE(::testing::Message() << slope << " " << size);
       const Basin basin(size);
       std::vector<double> ground = basin.terrain;
-      const CutSources from = cut_back(basin.mesh, basin.owner, basin.city.roofs, {{1, 0}, {}},
-                                       {slope, 2 * slope}, ground);
+      const ExcavationSources from = excavate(basin.mesh, basin.owner, basin.city.roofs,
+                                              {{1, 0}, {}}, {slope, 2 * slope}, ground);
       EXPECT_EQ(from.roofs, std::vector<BuildingIndex>{0});
-      EXPECT_TRUE(from.feet.empty());
+      EXPECT_TRUE(from.toes.empty());
       int lowered = 0, at_the_other = 0;
       for (std::size_t v = 0; v < ground.size(); ++v) {
         const Point2 p = basin.mesh.vertices[v];
@@ -107,10 +107,10 @@ TEST(CutBack, GroundRisesFromTheRoofAsAsked) {
 }
 
 /// The same slope everywhere: the height is that over the distance from the wall.
-TEST(CutBack, AgreesWithDistances) {
+TEST(Excavate, AgreesWithDistances) {
   const Basin basin(3);
   std::vector<double> ground = basin.terrain;
-  cut_back(basin.mesh, basin.owner, basin.city.roofs, {{1, 0}, {}}, {1.5, 0.1}, ground);
+  excavate(basin.mesh, basin.owner, basin.city.roofs, {{1, 0}, {}}, {1.5, 0.1}, ground);
   int compared = 0;
   for (std::size_t v = 0; v < ground.size(); ++v) {
     const Point2 p = basin.mesh.vertices[v];
@@ -125,33 +125,34 @@ TEST(CutBack, AgreesWithDistances) {
 
 /// What a sweep does not think worth the while would add up over a long hillside, and `check` goes
 /// through the triangles in another order.
-TEST(CutBack, DoesNotDependOnTheOrderOfTriangles) {
+TEST(Excavate, DoesNotDependOnTheOrderOfTriangles) {
   testing::SmallCity city;
   city.dtm = testing::raster_of(city.domain, [](double x, double y) { return 3 * x + y; });
   GroundMesh mesh = mesh_ground({}, city.domain, {0.7, 25});
   const std::vector<RegionIndex> owner = lowest_roofs(mesh, city.roofs);
   std::vector<double> there = terrain_under(mesh, city.dtm), back = there;
-  CutMarks marks;
-  marks.feet.assign(there.size(), std::numeric_limits<double>::infinity());
-  for (std::size_t v = 0; v < there.size(); v += 397) marks.feet[v] = 0.4 * there[v];
-  cut_back(mesh, owner, {}, marks, CutSlopes{}, there);
+  ExcavationMarks marks;
+  marks.toes.assign(there.size(), std::numeric_limits<double>::infinity());
+  for (std::size_t v = 0; v < there.size(); v += 397) marks.toes[v] = 0.4 * there[v];
+  excavate(mesh, owner, {}, marks, ExcavationSlopes{}, there);
   std::reverse(mesh.triangles.begin(), mesh.triangles.end());
-  cut_back(mesh, owner, {}, marks, CutSlopes{}, back);
+  excavate(mesh, owner, {}, marks, ExcavationSlopes{}, back);
   double most = 0;
   for (std::size_t v = 0; v < there.size(); ++v)
     most = std::max(most, std::abs(there[v] - back[v]));
   EXPECT_LE(most, 1e-7);
 }
 
-TEST(CutBack, NothingChangesWithoutAMarkOrAboveTheTerrain) {
+TEST(Excavate, NothingChangesWithoutAMarkOrAboveTheTerrain) {
   const Basin basin(5);
   std::vector<double> ground = basin.terrain;
-  const std::vector<double> no_feet(ground.size(), std::numeric_limits<double>::infinity());
-  for (const CutMarks& marks : {CutMarks{}, {{0, 0}, {}}, {{0, 1}, {}}, {{}, no_feet}}) {
-    const CutSources from =
-        cut_back(basin.mesh, basin.owner, basin.city.roofs, marks, CutSlopes{}, ground);
+  const std::vector<double> no_toes(ground.size(), std::numeric_limits<double>::infinity());
+  for (const ExcavationMarks& marks :
+       {ExcavationMarks{}, {{0, 0}, {}}, {{0, 1}, {}}, {{}, no_toes}}) {
+    const ExcavationSources from =
+        excavate(basin.mesh, basin.owner, basin.city.roofs, marks, ExcavationSlopes{}, ground);
     EXPECT_TRUE(from.roofs.empty());
-    EXPECT_TRUE(from.feet.empty());
+    EXPECT_TRUE(from.toes.empty());
     EXPECT_EQ(ground, basin.terrain);
   }
 }
@@ -174,23 +175,23 @@ struct Cliff {
   }
 };
 
-/// Feet that make the bad triangles as gentle as asked, and no others.
-TEST(CutBack, GentleMarksAreOfBadTrianglesOnly) {
+/// Toes that make the bad triangles as gentle as asked, and no others.
+TEST(Excavate, GentleMarksAreOfBadTrianglesOnly) {
   const Basin basin(6);
   ColumnPlan plan =
       plan_columns(basin.mesh, basin.city.dtm, basin.city.roofs, column_spacing(basin.mesh), {});
   ColumnMesh mesh = divide_columns(basin.mesh, build_edge_graph(basin.mesh), plan);
   constexpr double kInfinity = std::numeric_limits<double>::infinity();
   for (const double slope : {1.0, 0.5}) {
-    CutMarks marks;
-    marks.feet.assign(plan.ground.size(), kInfinity);
+    ExcavationMarks marks;
+    marks.toes.assign(plan.ground.size(), kInfinity);
     std::vector<std::uint8_t> bad(mesh.triangle_count(), 0);
     EXPECT_EQ(mark_gentle(mesh, plan, bad, slope, marks), 0);
     for (std::size_t t = 0; t < bad.size(); t += 3) bad[t] = 1;
     const std::int64_t marked = mark_gentle(mesh, plan, bad, slope, marks);
     EXPECT_GT(marked, 10);
     const auto start = [&](std::size_t v, double high) {
-      const double roof = plan.lowest_roof[v] == kNoBuilding
+      const double roof = plan.lowest_roof[v] == kNoRegion
                               ? kInfinity
                               : plan.roofs[static_cast<std::size_t>(plan.lowest_roof[v])];
       return roof < high ? roof : plan.ground[v];
@@ -217,45 +218,45 @@ TEST(CutBack, GentleMarksAreOfBadTrianglesOnly) {
     }
     for (std::size_t v = 0; v < expected.size(); ++v) {
       if (expected[v] == kInfinity) {
-        EXPECT_TRUE(marks.feet[v] == kInfinity || marks.feet[v] > plan.ground[v] - 0.02);
+        EXPECT_TRUE(marks.toes[v] == kInfinity || marks.toes[v] > plan.ground[v] - 0.02);
       } else {
-        EXPECT_NEAR(marks.feet[v], expected[v], 0.011);
+        EXPECT_NEAR(marks.toes[v], expected[v], 0.011);
       }
     }
     EXPECT_EQ(mark_gentle(mesh, plan, bad, slope, marks), 0);  // once
   }
 }
 
-TEST(CutBack, GroundRisesFromTheFootOfACliffAsAsked) {
+TEST(Excavate, GroundRisesFromTheToeOfACliffAsAsked) {
   const Cliff cliff(4);
-  std::size_t foot = 0;
+  std::size_t toe = 0;
   for (std::size_t v = 0; v < cliff.mesh.vertices.size(); ++v) {
     const auto off = [&](std::size_t u) {
       return std::hypot(cliff.mesh.vertices[u].x - 57, cliff.mesh.vertices[u].y - 50);
     };
-    if (off(v) < off(foot)) foot = v;
+    if (off(v) < off(toe)) toe = v;
   }
-  const Point2 at = cliff.mesh.vertices[foot];
+  const Point2 at = cliff.mesh.vertices[toe];
   for (const double below : {0.0, 0.5}) {
     std::vector<double> ground = cliff.terrain;
-    CutMarks marks;
-    marks.feet.assign(ground.size(), std::numeric_limits<double>::infinity());
-    marks.feet[foot] = cliff.terrain[foot] - below;
-    const CutSources from =
-        cut_back(cliff.mesh, cliff.owner, cliff.city.roofs, marks, {1, 1}, ground);
+    ExcavationMarks marks;
+    marks.toes.assign(ground.size(), std::numeric_limits<double>::infinity());
+    marks.toes[toe] = cliff.terrain[toe] - below;
+    const ExcavationSources from =
+        excavate(cliff.mesh, cliff.owner, cliff.city.roofs, marks, {1, 1}, ground);
     EXPECT_TRUE(from.roofs.empty());
-    ASSERT_EQ(from.feet.size(), 1U);
-    EXPECT_EQ(from.feet[0], (Point3{at.x, at.y, marks.feet[foot]}));
-    EXPECT_EQ(ground[foot], marks.feet[foot]);
-    const auto is_cut = [&](std::size_t v) { return v == foot || ground[v] < cliff.terrain[v]; };
+    ASSERT_EQ(from.toes.size(), 1U);
+    EXPECT_EQ(from.toes[0], (Point3{at.x, at.y, marks.toes[toe]}));
+    EXPECT_EQ(ground[toe], marks.toes[toe]);
+    const auto is_cut = [&](std::size_t v) { return v == toe || ground[v] < cliff.terrain[v]; };
     int lowered = 0;
     for (std::size_t v = 0; v < ground.size(); ++v) {
       const Point2 p = cliff.mesh.vertices[v];
       EXPECT_LE(ground[v], cliff.terrain[v]);
       // Never deeper than the straight distance asks for.
-      const double most = marks.feet[foot] + std::hypot(p.x - at.x, p.y - at.y);
+      const double most = marks.toes[toe] + std::hypot(p.x - at.x, p.y - at.y);
       EXPECT_GE(ground[v], std::min(cliff.terrain[v], most) - 1e-9);
-      if (v != foot && is_cut(v)) ++lowered;
+      if (v != toe && is_cut(v)) ++lowered;
     }
     EXPECT_GT(lowered, 20);
     for (std::size_t t = 0; t < cliff.mesh.triangles.size(); ++t)
@@ -271,19 +272,19 @@ TEST(CutBack, GroundRisesFromTheFootOfACliffAsAsked) {
   }
 }
 
-TEST(CutBack, MarksTheFeetOfCliffsWithBadCells) {
+TEST(Excavate, MarksTheToesOfCliffsWithBadCells) {
   const Cliff cliff(4);
   const auto result = testing::meshed(cliff.city, 4);
   const double infinity = std::numeric_limits<double>::infinity();
   const CellQuality cells = measure_cells(result.mesh, 10'000'000);
   std::size_t most = 0;
   for (const double least : {0.5, 14.0, 60.0})
-    for (const FootRule rule :
-         {FootRule{0.5, 0.0}, {0.5, 0.5}, {3.0, 0.0}, {3.0, 0.5}, {100.0, 0.5}}) {
+    for (const ToeRule rule :
+         {ToeRule{0.5, 0.0}, {0.5, 0.5}, {3.0, 0.0}, {3.0, 0.5}, {100.0, 0.5}}) {
       const AngleBounds bounds{least, 159.5};
       std::int64_t bad = 0;
       std::vector<std::uint8_t> bad_triangles(result.mesh.triangle_count(), 0);
-      std::vector<std::pair<std::size_t, double>> steep;  // triangles and where feet end
+      std::vector<std::pair<std::size_t, double>> steep;  // triangles and where toes end
       for (const WorstCell& cell : cells.worst) {
         if (cell.min_dihedral_deg >= least && cell.max_dihedral_deg <= 159.5) continue;
         ++bad;
@@ -308,33 +309,34 @@ TEST(CutBack, MarksTheFeetOfCliffsWithBadCells) {
         steep.emplace_back(t, p[0][2] + rule.share * (p[2][2] - p[0][2]));
       }
       EXPECT_EQ(count_bad_cells(result.mesh, bounds), bad);
-      CutMarks marks;
-      marks.feet.assign(result.plan.ground.size(), infinity);
-      const std::int64_t marked = mark_feet(result.mesh, result.plan, bad_triangles, rule, marks);
+      ExcavationMarks marks;
+      marks.toes.assign(result.plan.ground.size(), infinity);
+      const std::int64_t marked =
+          mark_slope_toes(result.mesh, result.plan, bad_triangles, rule, marks);
       std::set<std::size_t> allowed;
       for (const auto& [t, end] : steep)
         for (const VertexIndex c : result.mesh.ground.triangles[t]) {
           const auto v = static_cast<std::size_t>(c);
           if (result.plan.ground[v] > end) continue;
           allowed.insert(v);
-          EXPECT_EQ(marks.feet[v], result.plan.ground[v]) << "triangle " << t;
+          EXPECT_EQ(marks.toes[v], result.plan.ground[v]) << "triangle " << t;
         }
-      std::int64_t feet = 0;
-      for (std::size_t v = 0; v < marks.feet.size(); ++v) {
-        if (marks.feet[v] == infinity) continue;
-        ++feet;
-        EXPECT_TRUE(allowed.count(v) == 1 && marks.feet[v] == result.plan.ground[v]) << v;
+      std::int64_t toes = 0;
+      for (std::size_t v = 0; v < marks.toes.size(); ++v) {
+        if (marks.toes[v] == infinity) continue;
+        ++toes;
+        EXPECT_TRUE(allowed.count(v) == 1 && marks.toes[v] == result.plan.ground[v]) << v;
       }
-      EXPECT_EQ(feet, marked);
-      EXPECT_EQ(mark_feet(result.mesh, result.plan, bad_triangles, rule, marks), 0)
+      EXPECT_EQ(toes, marked);
+      EXPECT_EQ(mark_slope_toes(result.mesh, result.plan, bad_triangles, rule, marks), 0)
           << "marked twice";
-      most = std::max(most, static_cast<std::size_t>(feet));
+      most = std::max(most, static_cast<std::size_t>(toes));
     }
   EXPECT_GT(most, 10U);
 }
 
 /// Seen from either end of the wall, the vertex before its middle is no steep rise.
-TEST(CutBack, CutsBackWhatRisesBeforeTheMiddleOfASunkenWall) {
+TEST(Excavate, ExcavatesWhatRisesBeforeTheMiddleOfASunkenWall) {
   GroundMesh mesh;
   mesh.vertices = {{0, 0}, {2.4, 0}, {1.2, 0.6}, {1.2, -2}};
   mesh.triangles = {{0, 1, 2}, {1, 0, 3}};
@@ -346,30 +348,31 @@ TEST(CutBack, CutsBackWhatRisesBeforeTheMiddleOfASunkenWall) {
   plan.lowest_roof = lowest_roofs(mesh, plan.roofs);
   ColumnMesh columns;
   columns.ground = mesh;
-  CutMarks marks;
-  marks.feet.assign(4, std::numeric_limits<double>::infinity());
+  ExcavationMarks marks;
+  marks.toes.assign(4, std::numeric_limits<double>::infinity());
   const std::vector<std::uint8_t> bad{1, 0};
-  const CutSlopes slopes;
-  EXPECT_EQ(mark_feet(columns, plan, bad, {slopes.at_start, 0.5}, marks), 2);
+  const ExcavationSlopes slopes;
+  EXPECT_EQ(mark_slope_toes(columns, plan, bad, {slopes.at_source, 0.5}, marks), 2);
   std::vector<double> ground = plan.ground;
-  cut_back(mesh, plan.lowest_roof, plan.roofs, marks, slopes, ground);
-  EXPECT_NEAR(ground[2], -1.7 + 0.6 * slopes.at_start, 1e-12);
+  excavate(mesh, plan.lowest_roof, plan.roofs, marks, slopes, ground);
+  EXPECT_NEAR(ground[2], -1.7 + 0.6 * slopes.at_source, 1e-12);
 }
 
-TEST(CutBack, MarksTheFeetOfWallsTooLowForTheEdgesBesideThem) {
+TEST(Excavate, MarksTheToesOfWallsTooLowForTheEdgesBesideThem) {
   testing::SmallCity city;
   city.footprints = {testing::rectangle(30, 30, 50, 44), testing::rectangle(80, 30, 90, 40)};
   city.roofs = {1.2, 9};
   city.dtm = testing::raster_of(city.domain, [](double, double) { return 0.0; });
   const auto result = testing::meshed(city, 10);
-  CutMarks marks;
-  marks.feet.assign(result.plan.ground.size(), std::numeric_limits<double>::infinity());
+  ExcavationMarks marks;
+  marks.toes.assign(result.plan.ground.size(), std::numeric_limits<double>::infinity());
   const std::vector<std::uint8_t> all_triangles(result.mesh.triangle_count(), 1);
-  const std::int64_t marked = mark_feet(result.mesh, result.plan, all_triangles, {0.5, 0}, marks);
+  const std::int64_t marked =
+      mark_slope_toes(result.mesh, result.plan, all_triangles, {0.5, 0}, marks);
   EXPECT_GT(marked, 5);
   const double tangent = std::tan(15 * std::numbers::pi / 180);
-  int feet = 0;
-  for (std::size_t v = 0; v < marks.feet.size(); ++v) {
+  int toes = 0;
+  for (std::size_t v = 0; v < marks.toes.size(); ++v) {
     double longest = 0;
     for (std::size_t t = 0; t < result.mesh.triangle_count(); ++t) {
       const auto& corners = result.mesh.ground.triangles[t];
@@ -383,16 +386,16 @@ TEST(CutBack, MarksTheFeetOfWallsTooLowForTheEdgesBesideThem) {
       }
     }
     const bool is_low = result.plan.lowest_roof[v] == 0 && 1.2 < tangent * longest;
-    EXPECT_EQ(marks.feet[v] < 1e9, is_low);
+    EXPECT_EQ(marks.toes[v] < 1e9, is_low);
     if (is_low) {
-      EXPECT_NEAR(marks.feet[v], 1.2 - tangent * longest, 1e-9);
-      ++feet;
+      EXPECT_NEAR(marks.toes[v], 1.2 - tangent * longest, 1e-9);
+      ++toes;
     }
   }
-  EXPECT_GT(feet, 5);
+  EXPECT_GT(toes, 5);
 }
 
-TEST(CutBack, MarksTheRoofsWithBadCellsBesideThem) {
+TEST(Excavate, MarksTheRoofsWithBadCellsBesideThem) {
   // On a slope of 60 degrees, and a house on a plain.
   testing::SmallCity city;
   city.footprints = {testing::rectangle(20, 30, 34, 44), testing::rectangle(90, 30, 104, 44)};
@@ -414,14 +417,14 @@ TEST(CutBack, MarksTheRoofsWithBadCellsBesideThem) {
       const auto& corners = result.mesh.ground.triangles[t];
       for (const VertexIndex v : corners) {
         const BuildingIndex b = result.plan.lowest_roof[static_cast<std::size_t>(v)];
-        if (b == kNoBuilding) continue;
+        if (b == kNoRegion) continue;
         for (const VertexIndex u : corners)
           if (result.plan.ground[static_cast<std::size_t>(u)] >
               city.roofs[static_cast<std::size_t>(b)])
             expected.insert(b);
       }
     }
-    CutMarks marks{{0, 0}, {}};
+    ExcavationMarks marks{{0, 0}, {}};
     const std::vector<std::uint8_t>& cut = marks.roofs;
     const std::int64_t marked = mark_buried_roofs(result.mesh, result.plan, bad, marks);
     EXPECT_EQ(marked, static_cast<std::int64_t>(expected.size()));
@@ -435,7 +438,7 @@ TEST(CutBack, MarksTheRoofsWithBadCellsBesideThem) {
 
 /// Two pieces of lowered ground, far apart: in one are fewer bad triangles than before, in the
 /// other more. Only the marks of the first stay, and those made before.
-TEST(CutBack, MarksStayWhereTheyHelp) {
+TEST(Excavate, MarksStayWhereTheyHelp) {
   testing::SmallCity city;
   city.footprints = {testing::rectangle(20, 30, 30, 50), testing::rectangle(90, 30, 100, 50)};
   city.roofs = {12, 12};
@@ -465,20 +468,20 @@ TEST(CutBack, MarksStayWhereTheyHelp) {
       far = v;
   }
   ASSERT_LT(std::max({first, second, far}), n);
-  CutMarks before{{0, 0}, std::vector<double>(n, none)};
-  before.feet[far] = -3;
-  CutMarks marks = before;
+  ExcavationMarks before{{0, 0}, std::vector<double>(n, none)};
+  before.toes[far] = -3;
+  ExcavationMarks marks = before;
   marks.roofs = {1, 1};
-  marks.feet[first] = marks.feet[second] = -1;
-  CutMarks expected = before;
+  marks.toes[first] = marks.toes[second] = -1;
+  ExcavationMarks expected = before;
   expected.roofs = {1, 0};
-  expected.feet[first] = -1;
+  expected.toes[first] = -1;
   keep_helpful_marks(result.mesh, result.plan.lowest_roof,
                      {result.plan.ground, after, bad_before, bad_after}, before, marks);
   EXPECT_EQ(marks, expected);
 }
 
-TEST(CutBack, CellsAtDeeplyBuriedRoofsGetRoom) {
+TEST(Excavate, CellsAtDeeplyBuriedRoofsGetRoom) {
   testing::SmallCity city;
   city.footprints = {testing::rectangle(40, 30, 50, 50)};
   city.roofs = {38};
@@ -486,8 +489,11 @@ TEST(CutBack, CellsAtDeeplyBuriedRoofsGetRoom) {
   auto result = testing::meshed(city, 4);
   ColumnPlanOptions options;
   options.domain_height = 80;
-  options.cut.roofs = {1};
-  options.cut.walls = {1};
+  std::vector<double> excavated = terrain_under(result.mesh.ground, city.dtm);
+  excavate(result.mesh.ground, result.plan.lowest_roof, city.roofs, {{1}, {}}, {}, excavated);
+  const std::vector<std::uint8_t> deep_walls{1};
+  options.excavated = excavated;
+  options.deep_walls = deep_walls;
   const ColumnPlan plan = plan_columns(result.mesh.ground, city.dtm, city.roofs,
                                        column_spacing(result.mesh.ground), options);
   EXPECT_GT(plan.lowered, result.plan.lowered);

@@ -1,4 +1,4 @@
-#include "cut_back.h"
+#include "excavate.h"
 
 #include <algorithm>
 #include <bit>
@@ -69,18 +69,18 @@ class OrderedSet {
   std::vector<std::uint64_t> words_;
 };
 
-/// The state of one call of cut_back: what is where, and where slopes start.
-class Cut {
+/// The state of one call of excavate: what is where, and where slopes start.
+class Excavation {
  public:
-  Cut(const GroundMesh& mesh, std::span<const BuildingIndex> building,
-      std::span<const double> roofs, const CutMarks& marks, const CutSlopes& slopes,
-      std::vector<double>& ground)
+  Excavation(const GroundMesh& mesh, std::span<const RegionIndex> building,
+             std::span<const double> roofs, const ExcavationMarks& marks,
+             const ExcavationSlopes& slopes, std::vector<double>& ground)
       : mesh_(mesh),
         building_(building),
         roofs_(roofs),
         marks_(marks),
-        at_start_(slopes.at_start),
-        beyond_(std::max(slopes.at_start, slopes.beyond)),
+        at_source_(slopes.at_source),
+        beyond_(std::max(slopes.at_source, slopes.beyond)),
         ground_(ground),
         start_(ground.size(), kInfinity),
         is_source_(ground.size(), 0),
@@ -88,33 +88,33 @@ class Cut {
 
   void start_from_marks();
   void spread();
-  CutSources sources() const;
+  ExcavationSources sources() const;
 
  private:
   bool is_at_marked_roof(std::size_t v) const {
-    return building_[v] != kNoBuilding && !marks_.roofs.empty() &&
+    return building_[v] != kNoRegion && !marks_.roofs.empty() &&
            marks_.roofs[static_cast<std::size_t>(building_[v])] != 0;
   }
-  bool is_foot(std::size_t v) const { return !marks_.feet.empty() && marks_.feet[v] < kInfinity; }
+  bool is_toe(std::size_t v) const { return !marks_.toes.empty() && marks_.toes[v] < kInfinity; }
   bool lower(std::size_t v, std::size_t a, std::size_t b);
 
   const GroundMesh& mesh_;
-  std::span<const BuildingIndex> building_;
+  std::span<const RegionIndex> building_;
   std::span<const double> roofs_;
-  const CutMarks& marks_;
-  double at_start_, beyond_;  ///< Slopes.
+  const ExcavationMarks& marks_;
+  double at_source_, beyond_;  ///< Slopes.
   std::vector<double>& ground_;
-  std::vector<double> start_;  ///< Of slopes: where marked, or cut already.
+  std::vector<double> start_;  ///< Of slopes: where marked, or excavated already.
   std::vector<std::uint8_t> is_source_, has_lowered_;
 };
 
-void Cut::start_from_marks() {
+void Excavation::start_from_marks() {
   for (std::size_t v = 0; v < start_.size(); ++v) {
     if (is_at_marked_roof(v)) start_[v] = roofs_[static_cast<std::size_t>(building_[v])];
-    if (is_foot(v)) {
-      if (marks_.feet[v] < ground_[v] - kWorthwhile) {
+    if (is_toe(v)) {
+      if (marks_.toes[v] < ground_[v] - kWorthwhile) {
         has_lowered_[v] = 1;
-        ground_[v] = marks_.feet[v];
+        ground_[v] = marks_.toes[v];
       }
       start_[v] = std::min(start_[v], ground_[v]);
     }
@@ -124,8 +124,8 @@ void Cut::start_from_marks() {
 }
 
 /// Lowers v to the slope from the edge from a to b; whether it was above.
-bool Cut::lower(std::size_t v, std::size_t a, std::size_t b) {
-  const double slope = is_source_[a] != 0 || is_source_[b] != 0 ? at_start_ : beyond_;
+bool Excavation::lower(std::size_t v, std::size_t a, std::size_t b) {
+  const double slope = is_source_[a] != 0 || is_source_[b] != 0 ? at_source_ : beyond_;
   const double most = highest_at(mesh_.vertices[v], mesh_.vertices[a], start_[a], mesh_.vertices[b],
                                  start_[b], slope);
   if (!(most < ground_[v] - kWorthwhile)) return false;
@@ -137,7 +137,7 @@ bool Cut::lower(std::size_t v, std::size_t a, std::size_t b) {
 
 /// Sweeps over the triangles beside what this sweep or the one before has changed, until none
 /// changes.
-void Cut::spread() {
+void Excavation::spread() {
   const TrianglesAt triangles_at(mesh_);
   OrderedSet now(mesh_.triangles.size()), next(mesh_.triangles.size());
   for (std::size_t v = 0; v < is_source_.size(); ++v)
@@ -163,12 +163,12 @@ void Cut::spread() {
   }
 }
 
-CutSources Cut::sources() const {
-  CutSources sources;
+ExcavationSources Excavation::sources() const {
+  ExcavationSources sources;
   for (std::size_t v = 0; v < ground_.size(); ++v) {
     if (has_lowered_[v] == 0) continue;
-    if (is_foot(v))
-      sources.feet.push_back({mesh_.vertices[v].x, mesh_.vertices[v].y, marks_.feet[v]});
+    if (is_toe(v))
+      sources.toes.push_back({mesh_.vertices[v].x, mesh_.vertices[v].y, marks_.toes[v]});
     if (is_at_marked_roof(v))
       sources.roofs.push_back(mesh_.regions[static_cast<std::size_t>(building_[v])].building);
   }
@@ -178,13 +178,13 @@ CutSources Cut::sources() const {
 
 }  // namespace
 
-CutSources cut_back(const GroundMesh& mesh, std::span<const BuildingIndex> building,
-                    std::span<const double> roofs, const CutMarks& marks, const CutSlopes& slopes,
-                    std::vector<double>& ground) {
-  Cut cut(mesh, building, roofs, marks, slopes, ground);
-  cut.start_from_marks();
-  cut.spread();
-  return cut.sources();
+ExcavationSources excavate(const GroundMesh& mesh, std::span<const RegionIndex> building,
+                           std::span<const double> roofs, const ExcavationMarks& marks,
+                           const ExcavationSlopes& slopes, std::vector<double>& ground) {
+  Excavation excavation(mesh, building, roofs, marks, slopes, ground);
+  excavation.start_from_marks();
+  excavation.spread();
+  return excavation.sources();
 }
 
 }  // namespace tetropolis

@@ -1,0 +1,93 @@
+#include "mesh_warnings.h"
+
+#include <cstdint>
+#include <optional>
+#include <string>
+
+#include <fmt/format.h>
+
+namespace tetropolis {
+
+namespace {
+
+/// The bounds that cells of the mesh miss; nothing if it is above the floor.
+std::optional<AngleBounds> missed_bounds(const MeshQuality& quality) {
+  const QualityHistogram& angles = quality.cells.histogram;
+  if (angles.dihedral_quantile_deg(kShareOfFew) < kLeastOfMost)
+    return AngleBounds{kLeastOfMost, kQualityFloor.greatest};
+  if (angles.min_dihedral_deg() < kQualityFloor.least ||
+      angles.max_dihedral_deg() > kQualityFloor.greatest || quality.faces.above_70 > 0)
+    return kQualityFloor;
+  return std::nullopt;
+}
+
+/// The settings that alone make bad cells, if there are any.
+std::string unusual_settings(const MeshCityOptions& options) {
+  std::string text;
+  if (options.layering == Layering::kUniform) text += "; layering = \"graded\" gives better ones";
+  if (options.min_angle_deg < 20)
+    text += fmt::format("; min_angle {:g} is small", options.min_angle_deg);
+  const double share = options.layer_height / options.mesh_size;
+  // Graded layers take a large height as an upper limit only.
+  const bool tall = share > 2 && options.layering == Layering::kUniform;
+  if (options.layer_height > 0 && (share < 0.5 || tall))
+    text += fmt::format("; layer_height {:g} is far from mesh_size {:g}", options.layer_height,
+                        options.mesh_size);
+  return text;
+}
+
+}  // namespace
+
+void warn_of_lowered_ground(const ColumnPlan& plan, const ExcavationSources& excavated,
+                            std::vector<Warning>& warnings) {
+  if (plan.lowered == 0) return;
+  std::string where = "at walls that would be too low otherwise";
+  if (const std::size_t roofs = excavated.roofs.size(); roofs > 0)
+    where += fmt::format("; around {} roof{} below the terrain", roofs, roofs == 1 ? "" : "s");
+  if (const std::size_t toes = excavated.toes.size(); toes > 0)
+    where += fmt::format("; at the toes of cliffs or low walls, in {} place{}", toes,
+                         toes == 1 ? "" : "s");
+  if (plan.undermined > 0)
+    where += fmt::format("; {} building{} there, by up to {:.1f} m", plan.undermined,
+                         plan.undermined == 1 ? " has its foot above the ground that is now"
+                                              : "s have their foot above the ground that is now",
+                         plan.deepest_undermined);
+  if (!excavated.roofs.empty() || !excavated.toes.empty())
+    where += "; cut_slope = 90 keeps the terrain, with worse cells instead";
+  warnings.push_back(
+      {"ground_lowered", plan.lowered,
+       fmt::format("ground vertices were lowered, by up to {:.1f} m: {}", plan.deepest, where)});
+}
+
+void warn_below_floor(const MeshCityOptions& options, const ColumnMesh& mesh,
+                      const MeshQuality& quality, std::vector<Warning>& warnings) {
+  const std::optional<AngleBounds> bounds = missed_bounds(quality);
+  if (const double skewness = quality.faces.worst.skewness; skewness >= kMostSkewed)
+    warnings.push_back({"faces_skewed", 1,
+                        fmt::format("a face, or more, has a skewness of {:.2f}, where less than {} "
+                                    "is meant for all; a smaller mesh_size may help",
+                                    skewness, kMostSkewed)});
+  if (!bounds) return;
+  const QualityHistogram& angles = quality.cells.histogram;
+  if (const std::int64_t bad = count_bad_cells(mesh, *bounds); bad > 0)
+    warnings.push_back(
+        {"below_quality_floor", bad,
+         fmt::format(
+             "cells have dihedral angles outside of {} to {} degrees (least {:.2f}, greatest "
+             "{:.2f}), where {} to {} are meant for all and {} for all but one in ten thousand; "
+             "worst_cells in the report has the worst and why{}",
+             bounds->least, bounds->greatest, angles.min_dihedral_deg(), angles.max_dihedral_deg(),
+             kQualityFloor.least, kQualityFloor.greatest, kLeastOfMost,
+             unusual_settings(options))});
+  if (quality.faces.above_70 > 0)
+    warnings.push_back(
+        {"faces_non_orthogonal", quality.faces.above_70,
+         fmt::format(
+             "faces between cells are more than {} degrees non-orthogonal (the worst "
+             "{:.2f}), at steep ground, buried roofs or, in uniform layers, low walls; a smaller "
+             "mesh_size may help{}",
+             kMostNonOrthogonal, quality.faces.worst.non_orthogonality_deg,
+             unusual_settings(options))});
+}
+
+}  // namespace tetropolis

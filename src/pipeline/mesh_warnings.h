@@ -1,0 +1,21 @@
+// What a run warns of when it has made a mesh.
+#pragma once
+
+#include <vector>
+
+#include "tetropolis/core/warning.h"
+#include "tetropolis/pipeline/mesh_city.h"
+
+#include "volume/excavate/reach_quality_floor.h"
+
+namespace tetropolis {
+
+/// Warns of terrain that was lowered, at walls or by excavation.
+void warn_of_lowered_ground(const ColumnPlan& plan, const ExcavationSources& excavated,
+                            std::vector<Warning>& warnings);
+
+/// Warns of cells and faces below the floor of quality.
+void warn_below_floor(const MeshCityOptions& options, const ColumnMesh& mesh,
+                      const MeshQuality& quality, std::vector<Warning>& warnings);
+
+}  // namespace tetropolis
