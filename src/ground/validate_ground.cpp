@@ -44,7 +44,12 @@ void check_tags(const GroundMesh& mesh, std::span<const Polygon> footprints, con
   if (!complete) found.push_back("the tagged edges are not those that separate regions");
   std::vector<std::vector<std::array<Point2, 2>>> outlines(footprints.size() + 1);
   const auto note_edges = [](const Polygon& polygon, std::vector<std::array<Point2, 2>>& outline) {
-    for_each_edge(polygon, [&](Point2 p, Point2 q) { outline.push_back({p, q}); });
+    const auto note_ring = [&](const Ring& ring) {  // edge i begins at vertex i
+      for (std::size_t i = 0; i < ring.size(); ++i)
+        outline.push_back({ring[i], ring[(i + 1) % ring.size()]});
+    };
+    note_ring(polygon.outer);
+    for (const Ring& hole : polygon.holes) note_ring(hole);
   };
   for (std::size_t b = 0; b < footprints.size(); ++b) note_edges(footprints[b], outlines[b]);
   note_edges(domain.outline(), outlines.back());
