@@ -65,7 +65,8 @@ void check_tags(const GroundMesh& mesh, std::span<const Polygon> footprints, con
     const auto& [p, q] = outlines[r][s];
     double off = 0, largest = 0;
     for (const VertexIndex v : {edge.low, edge.high}) {
-      off = std::max(off, distance_to_segment(at(mesh, v), p, q));
+      off = std::max(off, on_side ? std::abs(domain.distance_to_side(s, at(mesh, v)))
+                                  : distance_to_segment(at(mesh, v), p, q));
       largest = std::max({largest, std::abs(at(mesh, v).x), std::abs(at(mesh, v).y)});
     }
     if (off > (on_side ? 0 : kOnSegmentTolerance * largest))
