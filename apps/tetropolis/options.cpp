@@ -1,5 +1,7 @@
 #include "options.h"
 
+#include <algorithm>
+#include <string_view>
 #include <variant>
 
 #include <fmt/format.h>

@@ -36,9 +36,9 @@ class ConfigOptions {
 };
 
 /// A message of the library as the command line says it: settings by the spelling of their options.
-/// Settings are told by their names, those of a single word in backquotes: "raise mesh_size, or give
-/// smaller `bounds`" becomes "raise --mesh-size, or give smaller --bounds"; "ground_filter = always"
-/// becomes "--ground-filter always".
+/// Settings are told by their names, those of a single word in backquotes: "raise mesh_size, or
+/// give smaller `bounds`" becomes "raise --mesh-size, or give smaller --bounds"; "ground_filter =
+/// always" becomes "--ground-filter always".
 std::string with_options(const std::string& message);
 
 }  // namespace tetropolis::app

@@ -1,6 +1,5 @@
 #include "tetropolis/run/run.h"
 
-#include <array>
 #include <filesystem>
 #include <string>
 #include <utility>
@@ -65,7 +64,8 @@ BuiltCity make_city(const Config& config, Next next, const RunHooks& hooks, Outp
   keep_domain(built.city, report);
   const CityModel& raw = built.raw;
   clock.run("1.7", "write city model", [&](const Progress&) {
-    write_raster(out.result(results::kTerrain), built.terrain, raw.origin, raw.crs, raw.domain.bounds());
+    write_raster(out.result(results::kTerrain), built.terrain, raw.origin, raw.crs,
+                 raw.domain.bounds());
     write_city(out.result(results::kRawCity), raw, "City model before simplification");
   });
   built.raw = {};

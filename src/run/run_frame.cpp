@@ -12,7 +12,6 @@
 #include "tetropolis/core/threads.h"
 #include "tetropolis/core/version.h"
 
-
 #include "io/file/atomic_file.h"
 #include "result_files.h"
 

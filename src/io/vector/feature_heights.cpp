@@ -12,8 +12,8 @@
 #include <fmt/ranges.h>
 
 #include "tetropolis/core/error.h"
-#include "core/text.h"
 
+#include "core/text.h"
 #include "io/file/input_file.h"
 
 namespace tetropolis {

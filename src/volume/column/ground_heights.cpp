@@ -4,7 +4,6 @@
 #include <cmath>
 #include <utility>
 
-
 #include "core/infinity.h"
 #include "core/parallel.h"
 

@@ -13,7 +13,6 @@
 #include <fmt/format.h>
 
 #include "core/text.h"
-
 #include "io/file/input_file.h"
 
 namespace tetropolis {
