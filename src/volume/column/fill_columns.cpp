@@ -249,8 +249,8 @@ void count_lowered(const GroundMesh& mesh, std::span<const double> terrain, doub
     plan.deepest = std::max(plan.deepest, terrain[v] - plan.ground[v]);
   }
   constexpr double kNothing = 0.01;  // metres
-  const std::vector<double> then = lowest_at_walls(plan, terrain);
-  const std::vector<double> now = lowest_at_walls(plan, plan.ground);
+  const std::vector<double> then = lowest_at_walls(mesh, plan.roofs.size(), terrain);
+  const std::vector<double> now = lowest_at_walls(mesh, plan.roofs.size(), plan.ground);
   for (std::size_t b = 0; b < plan.roofs.size(); ++b) {
     // A wall that is too low by itself does not count.
     const double deep = std::min(then[b], plan.roofs[b] - minimum_wall) - now[b];
