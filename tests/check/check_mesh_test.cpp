@@ -319,7 +319,7 @@ struct ExcavatedCity {
     }
     steep_marks.toes = none;
     steep_marks.toes[nearest(ground, {104, 74})] = -8;
-    const std::vector<BuildingIndex> building = vertex_buildings(ground);
+    const std::vector<RegionIndex> building = lowest_roofs(ground, city.roofs);
     std::vector<double> excavated = terrain_under(ground, city.dtm);
     from = excavate(ground, building, city.roofs, marks, {}, excavated);
     const ExcavationSources steep =

@@ -18,10 +18,10 @@ struct ExcavationSlopes {
 
 /// From where terrain is to be excavated, and which walls may be dug out.
 struct ExcavationMarks {
-  std::vector<std::uint8_t> roofs;  ///< Per building, 1: from the edge of its roof.
+  std::vector<std::uint8_t> roofs;  ///< Per building part, 1: from the edge of its roof.
   std::vector<double> toes;         ///< Per vertex, elevation of the toe of a slope or of a low
                                     ///< wall; infinity: none.
-  std::vector<std::uint8_t> walls = {};  ///< Per building, 1: the ground at its walls may be
+  std::vector<std::uint8_t> walls = {};  ///< Per building part, 1: the ground at its walls may be
                                          ///< lowered below the lowest that is there (plan_columns).
 
   bool operator==(const ExcavationMarks&) const = default;

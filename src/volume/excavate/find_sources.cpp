@@ -78,7 +78,7 @@ std::int64_t mark_buried_roofs(const ColumnMesh& mesh, const ColumnPlan& plan,
     for (const VertexIndex v : mesh.ground.triangles[t])
       highest = std::max(highest, plan.ground[static_cast<std::size_t>(v)]);
     const auto is_buried = [&](VertexIndex v) {
-      const BuildingIndex b = plan.lowest_roof[static_cast<std::size_t>(v)];
+      const RegionIndex b = plan.lowest_roof[static_cast<std::size_t>(v)];
       return b != kNoRegion && marks.roofs[static_cast<std::size_t>(b)] == 0 &&
              highest > plan.roofs[static_cast<std::size_t>(b)];
     };
@@ -164,7 +164,7 @@ std::int64_t mark_deep_walls(const ColumnMesh& mesh, const ColumnPlan& plan,
   for (std::size_t t = 0; t < mesh.triangle_count(); ++t) {
     if (bad[t] == 0 || mesh.inside_building(t)) continue;
     for (const VertexIndex v : mesh.ground.triangles[t]) {
-      const BuildingIndex b = plan.lowest_roof[static_cast<std::size_t>(v)];
+      const RegionIndex b = plan.lowest_roof[static_cast<std::size_t>(v)];
       if (b == kNoRegion || marks.walls[static_cast<std::size_t>(b)] != 0) continue;
       marks.walls[static_cast<std::size_t>(b)] = 1;
       ++marked;

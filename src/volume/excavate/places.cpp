@@ -29,12 +29,13 @@ void for_each_neighbour(const EdgeGraph& edges, VertexIndex v, const Visit& visi
 class Flood {
  public:
   explicit Flood(const Columns& columns)
-      : edges_(columns.mesh.edges),
-        building_(columns.plan.lowest_roof),
-        ring_(building_.size(), kFar),
-        place_(building_.size()) {
+      : edges_(columns.mesh.edges), ring_(columns.mesh.vertex_count(), kFar), place_(ring_.size()) {
+    for (const RegionIndex part : columns.plan.lowest_roof)
+      building_.push_back(
+          part == kNoRegion ? kNoBuilding
+                            : columns.mesh.ground.regions[static_cast<std::size_t>(part)].building);
     for (std::size_t v = 0; v < building_.size(); ++v)
-      if (building_[v] != kNoRegion)
+      if (building_[v] != kNoBuilding)
         at_building_.emplace_back(building_[v], static_cast<VertexIndex>(v));
     std::sort(at_building_.begin(), at_building_.end());
   }
@@ -70,8 +71,8 @@ class Flood {
       return;
     }
     take(v, by);
-    const RegionIndex b = building_[static_cast<std::size_t>(v)];
-    if (b == kNoRegion) return;
+    const BuildingIndex b = building_[static_cast<std::size_t>(v)];
+    if (b == kNoBuilding) return;
     for (auto at = std::lower_bound(at_building_.begin(), at_building_.end(),
                                     std::pair(b, VertexIndex{0}));
          at != at_building_.end() && at->first == b; ++at)
@@ -85,8 +86,8 @@ class Flood {
   }
 
   const EdgeGraph& edges_;
-  std::span<const RegionIndex> building_;
-  std::vector<std::pair<RegionIndex, VertexIndex>> at_building_;  // ascending
+  std::vector<BuildingIndex> building_;                             // per vertex, or kNoBuilding
+  std::vector<std::pair<BuildingIndex, VertexIndex>> at_building_;  // ascending
   std::int32_t now_ = 0;
   std::vector<std::int32_t> ring_;  // per vertex: edges from the nearest seed
   DisjointSets place_;
@@ -155,7 +156,7 @@ Cutout cut_out(const Columns& columns, std::span<const VertexIndex> vertices) {
 
 std::vector<VertexIndex> different_columns(const ColumnMesh& a, const ColumnMesh& b) {
   std::vector<VertexIndex> different;
-  for (std::size_t v = 0; v < a.vertex_count(); ++v)
+  for (std::size_t v = 0; v + 1 < a.first.size(); ++v)
     if (!std::ranges::equal(a.floors_at(v), b.floors_at(v)) ||
         a.first[v + 1] - a.first[v] != b.first[v + 1] - b.first[v] ||
         !std::equal(a.z.begin() + a.first[v], a.z.begin() + a.first[v + 1],

@@ -20,7 +20,7 @@ namespace tetropolis {
 std::vector<std::vector<VertexIndex>> find_places(const Columns& columns,
                                                   std::span<const std::uint8_t> seeds);
 
-/// A part of a mesh: the triangles between some of its vertices. These keep their order; buildings
+/// A part of a mesh: the triangles between some of its vertices. These keep their order; regions
 /// keep their numbers.
 struct Cutout {
   Columns columns;
@@ -58,7 +58,7 @@ ColumnMesh gather_columns(std::size_t vertices, const Of& of) {
   return mesh;
 }
 
-/// The columns that are not alike in two meshes over the same ground mesh.
+/// The columns that are not alike in two meshes over the same ground mesh, which they may lack.
 std::vector<VertexIndex> different_columns(const ColumnMesh& a, const ColumnMesh& b);
 
 }  // namespace tetropolis

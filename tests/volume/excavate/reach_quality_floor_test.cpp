@@ -13,8 +13,6 @@
 
 #include <gtest/gtest.h>
 
-#include "tetropolis/run/run.h"
-
 #include "support/small_city.h"
 #include "support/test_data.h"
 #include "volume/column/ground_heights.h"
@@ -29,9 +27,9 @@ ImprovedColumns improved(const testing::SmallCity& city, const GroundMesh& groun
   columns.plan = plan_columns(ground, city.dtm, city.roofs, std::move(spacing), options.plan);
   columns.mesh = divide_columns(ground, build_edge_graph(ground), columns.plan);
   place_nodes(columns.mesh, columns.plan);
-  const RunHooks hooks;
-  Report report;
-  Steps steps(hooks, report);
+  const StepHooks hooks;
+  std::vector<StepTime> times;
+  Steps steps(hooks, times);
   return reach_quality_floor(std::move(columns), city.dtm, options, steps);
 }
 
