@@ -643,6 +643,15 @@ double sampled_distance(const std::vector<Polygon>& before, const std::vector<Po
       if (in_before != in_after)
         largest = std::max(largest, distance(in_before ? after : before, {x, y}));
     }
+  // Tips are narrower than the step.
+  const auto corners = [&](const std::vector<Polygon>& of, const std::vector<Polygon>& others) {
+    for (const Polygon& polygon : of)
+      for_each_edge(polygon, [&](Point2 a, Point2) {
+        if (!inside(others, a)) largest = std::max(largest, distance(others, a));
+      });
+  };
+  corners(before, after);
+  corners(after, before);
   return largest;
 }
 
