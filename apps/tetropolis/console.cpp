@@ -19,9 +19,6 @@ void put(std::FILE* stream, const std::string& text) { std::fputs(text.c_str(), 
 
 namespace {
 
-/// Seconds below which a step that comes again, as steps of a search do, is for the log only.
-constexpr double kBrief = 0.1;
-
 /// Whether a file is there that is no text, or text of a format of data (JSON, XML).
 bool holds_data(const std::string& path) {
   std::error_code error;
@@ -118,12 +115,7 @@ RunHooks Console::hooks() {
     bar_ = true;
   };
   hooks.step_ends = [this](const StepTime& step) {
-    const std::string text = fmt::format("{:<34} {:6.2f} s", step_, step.seconds);
-    const bool is_again = !steps_.insert(step_).second;
-    if (is_again && step.seconds < kBrief)
-      log_line(text);
-    else
-      line(text);
+    line(fmt::format("{:<34} {:6.2f} s", step_, step.seconds));
   };
   return hooks;
 }

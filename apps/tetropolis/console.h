@@ -2,7 +2,6 @@
 #pragma once
 
 #include <cstdio>
-#include <set>
 #include <string>
 
 #include "tetropolis/run/run.h"
@@ -36,7 +35,6 @@ class Console {
   bool bar_ = false;
   int last_percent_ = -1;
   std::string step_;
-  std::set<std::string> steps_;  ///< That have ended.
   std::string log_name_;
   std::FILE* log_ = nullptr;
 };

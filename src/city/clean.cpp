@@ -15,14 +15,13 @@
 #include "tetropolis/core/error.h"
 #include "tetropolis/geometry/polygon.h"
 
-#include "city/simplify/grid_geometry.h"
-#include "city/simplify/group.h"
-#include "city/simplify/outline.h"
 #include "city/simplify/overlay.h"
 #include "city/simplify/repair.h"
 #include "clean_ring.h"
 #include "geometry/geos.h"
 #include "geometry/predicates.h"
+#include "grid_geometry.h"
+#include "outline.h"
 
 namespace tetropolis {
 

@@ -9,8 +9,8 @@
 
 #include "tetropolis/city/clean.h"
 
-#include "city/simplify/grid_geometry.h"
 #include "core/infinity.h"
+#include "grid_geometry.h"
 
 namespace tetropolis {
 

@@ -26,6 +26,12 @@ double area(const Polygon& polygon) {
   return result;
 }
 
+double total_area(std::span<const Polygon> polygons) {
+  double sum = 0;
+  for (const Polygon& polygon : polygons) sum += area(polygon);
+  return sum;
+}
+
 Bounds2 bounds(std::span<const Point2> points) {
   Bounds2 box = Bounds2::nothing();
   for (const Point2 p : points) box.extend(p);

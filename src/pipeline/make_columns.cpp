@@ -10,6 +10,7 @@
 #include <fmt/format.h>
 
 #include "volume/layered/free_top.h"
+#include "volume/layered/layered_mesh.h"
 #include "volume/layered/smooth.h"
 
 namespace tetropolis {

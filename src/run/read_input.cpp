@@ -276,7 +276,6 @@ RunInput read_input(const Config& config, Next next, StepClock& clock,
   require_points(config, headers, input.points, options.crop);
   input.points.crs = points_crs;
   input.points.source = points_given(config);
-  for (std::size_t f = 0; f < paths.size(); ++f) input.points.files[f].path = paths[f].string();
   return input;
 }
 

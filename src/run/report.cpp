@@ -185,6 +185,7 @@ struct Reader {
   }
 
   void read_config(const Json& from, Config& config, const std::string& place) const {
+    if (!from.is_object()) throw Json::type_error::create(302, "no object", &from);
     for (const ConfigField& field : config_fields()) {
       const auto member = from.find(std::string(field.name));
       if (member == from.end()) {

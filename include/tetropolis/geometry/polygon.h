@@ -16,6 +16,9 @@ double signed_area(const Ring& ring);
 /// Area of the outer ring less its holes, whatever their orientation.
 double area(const Polygon& polygon);
 
+/// The sum of their areas; what several cover counts for each.
+double total_area(std::span<const Polygon> polygons);
+
 /// Bounding box of the points of a ring, or of any others; Bounds2::nothing() without any.
 Bounds2 bounds(std::span<const Point2> points);
 Bounds2 bounds(const Polygon& polygon);

@@ -4,8 +4,8 @@
 
 #include "tetropolis/geometry/polygon.h"
 
+#include "city/grid_geometry.h"
 #include "geometry/geos.h"
-#include "grid_geometry.h"
 
 namespace tetropolis {
 

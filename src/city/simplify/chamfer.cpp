@@ -8,7 +8,7 @@
 
 #include "tetropolis/geometry/polygon.h"
 
-#include "grid_geometry.h"
+#include "city/grid_geometry.h"
 #include "outline_change.h"
 
 namespace tetropolis {

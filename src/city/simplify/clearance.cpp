@@ -11,8 +11,8 @@
 #include "tetropolis/city/city_model.h"
 #include "tetropolis/geometry/polygon.h"
 
-#include "edge_grid.h"
-#include "grid_geometry.h"
+#include "city/edge_grid.h"
+#include "city/grid_geometry.h"
 
 namespace tetropolis {
 

@@ -6,10 +6,10 @@
 
 #include "tetropolis/geometry/polygon.h"
 
+#include "city/grid_geometry.h"
+#include "city/outline.h"
 #include "core/disjoint_sets.h"
 #include "core/parallel.h"
-#include "grid_geometry.h"
-#include "outline.h"
 
 namespace tetropolis {
 

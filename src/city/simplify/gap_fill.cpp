@@ -11,9 +11,9 @@
 
 #include "tetropolis/geometry/polygon.h"
 
+#include "city/edge_grid.h"
+#include "city/grid_geometry.h"
 #include "core/infinity.h"
-#include "edge_grid.h"
-#include "grid_geometry.h"
 #include "merge_polygons.h"
 
 namespace tetropolis {

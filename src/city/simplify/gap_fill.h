@@ -7,7 +7,7 @@
 
 #include "tetropolis/geometry/types.h"
 
-#include "outline.h"
+#include "city/outline.h"
 #include "repair.h"
 
 namespace tetropolis {

@@ -6,17 +6,11 @@
 #include "tetropolis/geometry/polygon.h"
 
 #include "assign_members.h"
+#include "city/grid_geometry.h"
 #include "core/parallel.h"
-#include "grid_geometry.h"
 #include "overlay.h"
 
 namespace tetropolis {
-
-double total_area(std::span<const Polygon> polygons) {
-  double sum = 0;
-  for (const Polygon& polygon : polygons) sum += area(polygon);
-  return sum;
-}
 
 std::optional<Polygon> largest_of(const std::vector<Polygon>& polygons) {
   if (polygons.empty()) return std::nullopt;

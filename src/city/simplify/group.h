@@ -24,8 +24,6 @@ struct Group {
   bool courtyards_filled = false;      ///< It was lost and had its courtyards filled.
 };
 
-double total_area(std::span<const Polygon> polygons);
-
 /// The largest polygon (the first of equals), or none.
 std::optional<Polygon> largest_of(const std::vector<Polygon>& polygons);
 

@@ -9,9 +9,9 @@
 #include <utility>
 #include <vector>
 
+#include "city/edge_grid.h"
+#include "city/grid_geometry.h"
 #include "core/infinity.h"
-#include "edge_grid.h"
-#include "grid_geometry.h"
 
 namespace tetropolis {
 

@@ -5,9 +5,9 @@
 
 #include "tetropolis/geometry/polygon.h"
 
+#include "city/grid_geometry.h"
 #include "core/parallel.h"
 #include "core/shared_progress.h"
-#include "grid_geometry.h"
 #include "hausdorff_distance.h"
 #include "symmetric_difference.h"
 

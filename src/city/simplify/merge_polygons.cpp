@@ -13,8 +13,8 @@
 #include "tetropolis/core/error.h"
 #include "tetropolis/geometry/polygon.h"
 
-#include "grid_geometry.h"
-#include "outline.h"
+#include "city/grid_geometry.h"
+#include "city/outline.h"
 #include "overlay.h"
 
 namespace tetropolis {

@@ -5,7 +5,7 @@
 #include <cstddef>
 #include <utility>
 
-#include "grid_geometry.h"
+#include "city/grid_geometry.h"
 
 namespace tetropolis {
 

@@ -10,9 +10,9 @@
 #include "tetropolis/geometry/domain.h"
 #include "tetropolis/geometry/types.h"
 
+#include "city/grid_geometry.h"
+#include "city/outline.h"
 #include "core/infinity.h"
-#include "grid_geometry.h"
-#include "outline.h"
 
 namespace tetropolis {
 

@@ -16,12 +16,12 @@
 
 #include "city/clean_ring.h"
 #include "city/footprint_index.h"
+#include "city/grid_geometry.h"
+#include "city/outline.h"
 #include "cluster_polygons.h"
 #include "core/parallel.h"
 #include "core/sort_once.h"
 #include "geometry/geos.h"
-#include "grid_geometry.h"
-#include "outline.h"
 
 namespace tetropolis {
 

@@ -12,8 +12,8 @@
 
 #include "tetropolis/geometry/polygon.h"
 
+#include "city/grid_geometry.h"
 #include "core/infinity.h"
-#include "grid_geometry.h"
 #include "outline_change.h"
 
 namespace tetropolis {

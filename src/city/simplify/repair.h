@@ -8,7 +8,7 @@
 #include "tetropolis/geometry/domain.h"
 #include "tetropolis/geometry/types.h"
 
-#include "outline.h"
+#include "city/outline.h"
 
 namespace tetropolis {
 

@@ -10,9 +10,9 @@
 
 #include "tetropolis/geometry/polygon.h"
 
+#include "city/edge_grid.h"
+#include "city/grid_geometry.h"
 #include "core/disjoint_sets.h"
-#include "edge_grid.h"
-#include "grid_geometry.h"
 
 namespace tetropolis {
 

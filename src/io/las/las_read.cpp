@@ -287,6 +287,7 @@ void tell_files(std::span<const fs::path> paths, const std::vector<Task>& tasks,
                 PointsInput& result) {
   PointTally tally;
   result.files.resize(paths.size());
+  for (std::size_t f = 0; f < paths.size(); ++f) result.files[f].path = paths[f].string();
   std::size_t end = 0;
   for (std::size_t t = 0; t < tasks.size(); ++t) {
     FilePoints& file = result.files[tasks[t].file];
@@ -314,6 +315,8 @@ PointsInput read_points(std::span<const fs::path> paths, const ReadPointsOptions
   std::vector<LasPlan> plans = plan_files(paths, options);
   find_twins(paths, plans);
   PointsInput result;
+  if (!paths.empty()) result.source = paths.front().string();
+  if (paths.size() > 1) result.source += fmt::format(", and {} more", paths.size() - 1);
   result.crs = crs_of(options, paths, plans, result.warnings);
   const std::vector<Task> tasks = make_tasks(plans);
   for (const Task& task : tasks) result.points_read += task.count;

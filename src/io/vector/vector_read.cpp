@@ -382,6 +382,7 @@ FootprintsInput read_footprints(const fs::path& path, const ReadFootprintsOption
   const VectorFile file = open_vector(path, errors, !options.source_crs.empty());
   const FootprintLayer source(path, file.dataset.get(), options.layer);
   FootprintsInput result;
+  result.source = path.string();
   result.layer = gdal::utf8(OGR_L_GetName(source.get()));
   LayerReader reader(path, source, options, result,
                      is_of_format(file.dataset.get(), "ESRI Shapefile"));

@@ -200,6 +200,25 @@ std::vector<double> column_spacing(const GroundMesh& ground) {
   return spacing;
 }
 
+LayerPlan plan_layers(std::span<const double> ground, std::span<const double> roofs,
+                      double highest_ground, double domain_height, double layer_height) {
+  LayerPlan plan;
+  double sum = 0;
+  for (const double z : ground) sum += z;
+  plan.bottom = sum / static_cast<double>(ground.size());
+  plan.highest_ground = highest_ground;
+  plan.top = highest_ground + domain_height;
+  for (const double roof : roofs) {
+    if (roof + 2 * layer_height <= plan.top) continue;
+    plan.top = roof + 2 * layer_height;
+    plan.raised = true;
+  }
+  // Clamped so that absurd layer heights stay absurd numbers instead of overflowing.
+  plan.layers = static_cast<std::int32_t>(
+      std::clamp(std::round((plan.top - plan.bottom) / layer_height), 2.0, 1e9));
+  return plan;
+}
+
 ColumnPlan plan_columns(const GroundMesh& mesh, const Raster& dtm, std::vector<double> roofs,
                         std::vector<double> spacing, const ColumnPlanOptions& options) {
   ColumnPlan plan;
@@ -299,30 +318,6 @@ void place_nodes(ColumnMesh& mesh, const ColumnPlan& plan) {
       *z = levels.back();
     }
   });
-}
-
-ColumnMesh columns_of_layers(LayeredMesh&& layered) {
-  ColumnMesh mesh;
-  const std::size_t vertices = layered.vertex_count();
-  mesh.first.assign(vertices + 1, 0);
-  mesh.regions = regions_at_vertices(layered.ground);
-  for (std::size_t v = 0; v < vertices; ++v) {
-    mesh.first[v + 1] = mesh.first[v] + layered.layers + 1 - layered.first_node[v];
-    for (const RegionIndex region : mesh.regions.at(v))
-      mesh.floors.push_back(layered.ground.regions[static_cast<std::size_t>(region)].is_building()
-                                ? layered.roof_layer[v] - layered.first_node[v]
-                                : 0);
-  }
-  mesh.z.resize(static_cast<std::size_t>(mesh.node_count()));
-  parallel_chunks(vertices, kColumnsPerChunk, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t v = begin; v < end; ++v)
-      std::copy(layered.column(v) + layered.first_node[v], layered.column(v) + layered.layers + 1,
-                mesh.z.begin() + mesh.first[v]);
-  });
-  mesh.ground = std::move(layered.ground);
-  mesh.edges = std::move(layered.edges);
-  layered = {};
-  return mesh;
 }
 
 }  // namespace tetropolis

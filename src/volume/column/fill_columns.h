@@ -9,9 +9,6 @@
 #include "tetropolis/terrain/raster.h"
 #include "tetropolis/volume/column/column_mesh.h"
 
-#include "volume/layered/layered_mesh.h"
-#include "volume/layered/smooth.h"
-
 namespace tetropolis {
 
 /// Tangent of 15 degrees: what a wall is to be seen under from the ground beside it. Distance is
@@ -31,6 +28,20 @@ std::vector<double> column_spacing(const GroundMesh& ground);
 /// Per vertex, how far the ground of a neighbour (across an edge of a triangle outside buildings)
 /// lies above its own at most, in metres, >= 0. `ground`: elevation per vertex.
 std::vector<double> ground_rise(const GroundMesh& mesh, std::span<const double> ground);
+
+struct LayerPlan {
+  std::int32_t layers = 0;
+  double bottom = 0;  ///< Mean ground elevation: where the untransformed ground layer lies.
+  double top = 0;     ///< Elevation of the flat top.
+  double highest_ground = 0;
+  bool raised = false;  ///< The top had to be raised to clear a roof.
+};
+
+/// The top is `domain_height` above `highest_ground`, or two layers above the highest roof where
+/// that is higher; the layers are as many as make their mean height closest to `layer_height`, at
+/// least two. Metres; domain_height, layer_height > 0; `ground` not empty.
+LayerPlan plan_layers(std::span<const double> ground, std::span<const double> roofs,
+                      double highest_ground, double domain_height, double layer_height);
 
 /// What the columns are made from: per vertex of the ground mesh, in metres.
 struct ColumnPlan {
@@ -108,9 +119,5 @@ ColumnMesh divide_columns(GroundMesh ground, EdgeGraph edges, const ColumnPlan& 
 
 /// Sets z: exact at floors and top. `mesh` as made by divide_columns with the same plan.
 void place_nodes(ColumnMesh& mesh, const ColumnPlan& plan);
-
-/// The nodes of a layered mesh that belong to cells, where they are. Precondition: it is trimmed
-/// (trim) and its columns increase (make_monotone). Takes its ground mesh; leaves it empty.
-ColumnMesh columns_of_layers(LayeredMesh&& layered);
 
 }  // namespace tetropolis

@@ -1,5 +1,7 @@
 #include "layered_mesh.h"
 
+#include <algorithm>
+#include <cstddef>
 #include <utility>
 
 #include "tetropolis/core/error.h"
@@ -7,6 +9,12 @@
 #include "core/parallel.h"
 
 namespace tetropolis {
+
+namespace {
+
+constexpr std::size_t kColumnsPerChunk = 4096;
+
+}  // namespace
 
 LayeredMesh make_layers(GroundMesh ground, std::int32_t layers, double bottom, double top) {
   if (layers < 1 || !(bottom < top))
@@ -25,6 +33,30 @@ LayeredMesh make_layers(GroundMesh ground, std::int32_t layers, double bottom, d
       for (std::int32_t k = 0; k <= layers; ++k)
         mesh.column(v)[k] = k == layers ? top : bottom + (top - bottom) * k / layers;
   });
+  return mesh;
+}
+
+ColumnMesh columns_of_layers(LayeredMesh&& layered) {
+  ColumnMesh mesh;
+  const std::size_t vertices = layered.vertex_count();
+  mesh.first.assign(vertices + 1, 0);
+  mesh.regions = regions_at_vertices(layered.ground);
+  for (std::size_t v = 0; v < vertices; ++v) {
+    mesh.first[v + 1] = mesh.first[v] + layered.layers + 1 - layered.first_node[v];
+    for (const RegionIndex region : mesh.regions.at(v))
+      mesh.floors.push_back(layered.ground.regions[static_cast<std::size_t>(region)].is_building()
+                                ? layered.roof_layer[v] - layered.first_node[v]
+                                : 0);
+  }
+  mesh.z.resize(static_cast<std::size_t>(mesh.node_count()));
+  parallel_chunks(vertices, kColumnsPerChunk, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t v = begin; v < end; ++v)
+      std::copy(layered.column(v) + layered.first_node[v], layered.column(v) + layered.layers + 1,
+                mesh.z.begin() + mesh.first[v]);
+  });
+  mesh.ground = std::move(layered.ground);
+  mesh.edges = std::move(layered.edges);
+  layered = {};
   return mesh;
 }
 

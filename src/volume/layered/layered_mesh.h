@@ -44,4 +44,8 @@ struct LayeredMesh {
 /// `top` evenly. Throws Error(kGuarantee) unless layers > 0 and bottom < top.
 LayeredMesh make_layers(GroundMesh ground, std::int32_t layers, double bottom, double top);
 
+/// The nodes of a layered mesh that belong to cells, where they are. Precondition: it is trimmed
+/// (trim) and its columns increase (make_monotone). Takes its ground mesh; leaves it empty.
+ColumnMesh columns_of_layers(LayeredMesh&& layered);
+
 }  // namespace tetropolis

@@ -54,25 +54,6 @@ double mean_layer_height(const LayeredMesh& mesh) {
 
 }  // namespace
 
-LayerPlan plan_layers(std::span<const double> ground, std::span<const double> roofs,
-                      double highest_ground, double domain_height, double layer_height) {
-  LayerPlan plan;
-  double sum = 0;
-  for (const double z : ground) sum += z;
-  plan.bottom = sum / static_cast<double>(ground.size());
-  plan.highest_ground = highest_ground;
-  plan.top = highest_ground + domain_height;
-  for (const double roof : roofs) {
-    if (roof + 2 * layer_height <= plan.top) continue;
-    plan.top = roof + 2 * layer_height;
-    plan.raised = true;
-  }
-  // Clamped so that absurd layer heights stay absurd numbers instead of overflowing.
-  plan.layers = static_cast<std::int32_t>(
-      std::clamp(std::round((plan.top - plan.bottom) / layer_height), 2.0, 1e9));
-  return plan;
-}
-
 SmoothReport smooth_to_ground(LayeredMesh& mesh, std::span<const double> ground,
                               const SmoothOptions& options, const Progress& progress) {
   const double layer_height = mean_layer_height(mesh);

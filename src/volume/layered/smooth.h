@@ -12,20 +12,6 @@
 
 namespace tetropolis {
 
-struct LayerPlan {
-  std::int32_t layers = 0;
-  double bottom = 0;  ///< Mean ground elevation: where the untransformed ground layer lies.
-  double top = 0;     ///< Elevation of the flat top.
-  double highest_ground = 0;
-  bool raised = false;  ///< The top had to be raised to clear a roof.
-};
-
-/// The top is `domain_height` above `highest_ground`, or two layers above the highest roof where
-/// that is higher; the layers are as many as make their mean height closest to `layer_height`, at
-/// least two. Metres; domain_height, layer_height > 0; `ground` not empty.
-LayerPlan plan_layers(std::span<const double> ground, std::span<const double> roofs,
-                      double highest_ground, double domain_height, double layer_height);
-
 struct SmoothOptions {
   LaplaceOptions laplace;
   double gap_share = 0.25;  ///< See MonotoneOptions.

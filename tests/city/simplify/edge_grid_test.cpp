@@ -1,4 +1,4 @@
-#include "city/simplify/edge_grid.h"
+#include "city/edge_grid.h"
 
 #include <cstdint>
 #include <random>
@@ -7,7 +7,7 @@
 
 #include <gtest/gtest.h>
 
-#include "city/simplify/grid_geometry.h"
+#include "city/grid_geometry.h"
 #include "support/test_data.h"
 
 namespace tetropolis {

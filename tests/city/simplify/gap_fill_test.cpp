@@ -3,7 +3,7 @@
 
 #include <gtest/gtest.h>
 
-#include "city/simplify/grid_geometry.h"
+#include "city/grid_geometry.h"
 
 namespace tetropolis {
 namespace {

@@ -10,7 +10,7 @@
 #include "tetropolis/geometry/polygon.h"
 
 #include "city/footprint_checks.h"
-#include "city/simplify/grid_geometry.h"
+#include "city/grid_geometry.h"
 #include "city/simplify/symmetric_difference.h"
 
 namespace tetropolis {

@@ -8,7 +8,7 @@
 
 #include <gtest/gtest.h>
 
-#include "city/simplify/grid_geometry.h"
+#include "city/grid_geometry.h"
 #include "support/test_data.h"
 
 namespace tetropolis {

@@ -10,7 +10,7 @@
 #include "tetropolis/core/threads.h"
 #include "tetropolis/geometry/polygon.h"
 
-#include "city/simplify/grid_geometry.h"
+#include "city/grid_geometry.h"
 #include "geometry/geos.h"
 #include "support/test_data.h"
 
