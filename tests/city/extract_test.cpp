@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numeric>
 #include <random>
 #include <set>
 #include <string>
@@ -387,7 +388,10 @@ TEST(DropOutliers, KeepsWhatIsAtTheLimit) {
 TEST(MergeBuildingPoints, IsTheUnionOfTheMembers) {
   const Scene scene = random_scene(50, 20000, {2, 6});
   const BuildingPoints points = extract_building_points(scene.footprints, scene.cloud);
-  const std::vector<std::vector<BuildingIndex>> members{{3}, {10, 0, 20}, {}, {5, 6, 7, 8, 9}, {3}};
+  std::vector<std::vector<BuildingIndex>> members{{3}, {10, 0, 20}, {}, {5, 6, 7, 8, 9}, {3}};
+  std::vector<BuildingIndex> all(scene.footprints.size());
+  std::iota(all.begin(), all.end(), 0);
+  members.push_back(all);
   const BuildingPoints merged = merge_building_points(points, members);
   ASSERT_EQ(merged.roof.size(), members.size());
   ASSERT_EQ(merged.ground.size(), members.size());
