@@ -48,7 +48,7 @@ class Region {
   std::size_t nearest(Point2 p) const {
     std::int32_t best = -1;
     double least = kInfinity;
-    for (double reach = cell_ / 2; !(least <= reach); reach *= 2)
+    for (double reach = cell_ / 2;; reach = std::min(2 * reach, least)) {
       index_.visit(Bounds2{p.x, p.y, p.x, p.y}.grown(reach), [&](std::int32_t e) {
         const double d = walls_[static_cast<std::size_t>(e)].distance_to(p);
         if (d < least || (d == least && e < best)) {
@@ -56,7 +56,8 @@ class Region {
           best = e;
         }
       });
-    return static_cast<std::size_t>(best);
+      if (least <= reach) return static_cast<std::size_t>(best);
+    }
   }
   const Wall& wall(std::size_t e) const { return walls_[e]; }
 
