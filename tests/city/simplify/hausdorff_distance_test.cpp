@@ -143,6 +143,18 @@ TEST(LargestDistance, PolygonsThatTouchInAPoint) {
                   std::sqrt(18.0));
 }
 
+/// From the tip of the arm that was cut off, the wall found first is not the nearest one.
+TEST(LargestDistance, ToTheNearestWallFromOutsideOfTheBox) {
+  const Polygon house{
+      {{84.0738, 87.7960}, {90.4578, 96.3888}, {76.7018, 106.6087}, {70.3178, 98.0159}}, {}};
+  const Polygon arm{
+      {{81.8848, 85.6719}, {81.7804, 86.9262}, {68.2220, 85.7981}, {68.3264, 84.5438}}, {}};
+  Polygon joined = house;
+  joined.outer.insert(joined.outer.begin(), {81.8168, 85.6139});
+  joined.outer.insert(joined.outer.end(), {{81.2482, 89.8953}, {78.8783, 86.6847}});
+  EXPECT_NEAR(difference({house, arm}, {joined}).distance, 10.767, 0.01);
+}
+
 TEST(LargestDistance, NothingIsFarFromNothing) {
   EXPECT_EQ(difference({}, {box(0, 0, 10, 10)}).distance, 0);
   EXPECT_EQ(difference({box(0, 0, 10, 10)}, {}).distance, 0);
