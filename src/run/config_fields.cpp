@@ -56,10 +56,9 @@ std::vector<ConfigField> make_fields() {
        .group = "Input",
        .member = &C::bounds,
        .commands = kBuild | kCity | kMesh,
-       .help =
-           "Domain XMIN,YMIN,XMAX,YMAX in the CRS of the points or the terrain; default: where "
-           "footprints and points overlap, plus a margin (mesh: that of the city model or, if it "
-           "has none, of the terrain)",
+       .help = "Domain XMIN,YMIN,XMAX,YMAX in the CRS of the points or the terrain; default: where "
+               "footprints and points overlap, plus a margin (mesh: the domain of the city model, "
+               "or the terrain)",
        .unit = "m",
        .min = -1e9,
        .max = 1e9},
@@ -105,13 +104,13 @@ std::vector<ConfigField> make_fields() {
        .group = "Output",
        .member = &C::formats,
        .commands = kMeshing,
-       .help = "Formats of the meshes, comma separated",
+       .help = "Formats of the meshes, comma separated; replaces the default: list vtu to keep it",
        .choices = {"vtu", "xdmf", "msh", "openfoam", "obj", "ply", "glb"}},
       {.name = "coordinates",
        .group = "Output",
        .member = choice<&C::coordinates>(),
        .commands = kMeshing,
-       .help = "Coordinates of meshes: relative to the origin in report.json, or those of the CRS",
+       .help = "Coordinates of meshes: relative to the origin in report.json, or of the CRS",
        .choices = {"local", "absolute"}},
       {.name = "compression",
        .group = "Output",
@@ -142,8 +141,8 @@ std::vector<ConfigField> make_fields() {
        .group = "City model",
        .member = choice<&C::ground_filter>(),
        .commands = kData,
-       .help = "Find ground points by a morphological filter: where no point of the cloud, or of "
-               "some of its files, has the ground class, never, or always",
+       .help = "Find ground points by a morphological filter: where the cloud or a file lacks the "
+               "ground class, never, or always",
        .choices = {"auto", "never", "always"}},
       {.name = "ground_filter_window",
        .group = "City model",
@@ -165,8 +164,8 @@ std::vector<ConfigField> make_fields() {
        .group = "City model",
        .member = &C::parallel_tolerance,
        .commands = kData,
-       .help = "Consecutive edges whose directions differ by less are joined, where that moves "
-               "the outline by no more than 2 cm at a vertex",
+       .help = "Consecutive edges that differ less in direction are joined, where that moves the "
+               "outline by at most 2 cm",
        .unit = "rad",
        .min = 0,
        .max = 0.5},
@@ -214,8 +213,8 @@ std::vector<ConfigField> make_fields() {
        .group = "City model",
        .member = &C::min_building_distance,
        .commands = kData | kMesh,
-       .help = "Footprints closer than this are merged, and no detail is smaller (mesh: nothing is "
-               "merged, what is closer is refused)",
+       .help = "Footprints closer than this are merged, and no detail is smaller (mesh: closer "
+               "ones are refused)",
        .unit = "m",
        .min = 0.05,
        .max = 1000},
@@ -223,9 +222,8 @@ std::vector<ConfigField> make_fields() {
        .group = "City model",
        .member = &C::merge_growths,
        .commands = kData,
-       .help =
-           "How far pieces that join footprints may reach: the distance, twice that, four times "
-           "that, ...; how many of these are tried",
+       .help = "Reaches tried for pieces that join footprints: the distance, twice that, four "
+               "times that, ...",
        .min = 1,
        .max = 10},
       {.name = "min_building_area",
@@ -262,8 +260,8 @@ std::vector<ConfigField> make_fields() {
        .group = "Mesh",
        .member = &C::domain_height,
        .commands = kMeshing,
-       .help = "Height of the domain above the highest ground; two mesh sizes (uniform layering: "
-               "layers) above the highest roof at least",
+       .help = "Height of the domain above the highest ground; at least two mesh sizes (uniform: "
+               "layers) above the highest roof",
        .unit = "m",
        .min = 0.1,
        .max = 1e5},
@@ -271,16 +269,15 @@ std::vector<ConfigField> make_fields() {
        .group = "Mesh",
        .member = choice<&C::layering>(),
        .commands = kMeshing,
-       .help = "Spacing of nodes: as wide as the triangles around each column, or equal layers "
+       .help = "Spacing of nodes: graded by the triangles around each column, or equal layers "
                "moved by two Laplace problems",
        .choices = {"graded", "uniform"}},
       {.name = "layer_height",
        .group = "Mesh",
        .member = &C::layer_height,
        .commands = kMeshing,
-       .help =
-           "Uniform: mean height of layers, 0: the mesh size; graded: largest spacing asked for "
-           "(cells may be half as high again, where that divides a column better), 0: no limit",
+       .help = "Uniform: mean height of layers, 0: the mesh size. Graded: largest spacing (cells "
+               "may be half as high again), 0: no limit",
        .unit = "m",
        .min = 0,
        .max = 1e5},
@@ -288,7 +285,7 @@ std::vector<ConfigField> make_fields() {
        .group = "Mesh",
        .member = choice<&C::top>(),
        .commands = kMeshing,
-       .help = "Top of the domain: kept flat, or free to follow the terrain",
+       .help = "Top of the domain: flat, or free to follow the terrain",
        .choices = {"flat", "free"}},
       {.name = "min_wall_height",
        .group = "Mesh",
@@ -303,10 +300,8 @@ std::vector<ConfigField> make_fields() {
        .group = "Mesh",
        .member = &C::cut_slope,
        .commands = kMeshing,
-       .help = "Graded: how steeply the terrain may rise from a roof below it, or from the foot of "
-               "a rock wall, where there would be no well-shaped cells otherwise and neither 75 "
-               "nor 66 is enough "
-               "(above 60 some may be left that are not); 90: it stays as it is",
+       .help = "Gentlest slope to excavate terrain to where cells would otherwise be poor (75 and "
+               "66 degrees are tried first); 90: never",
        .unit = "degrees",
        .min = 30,
        .max = 90},
@@ -314,23 +309,22 @@ std::vector<ConfigField> make_fields() {
        .group = "Mesh",
        .member = &C::min_gap_share,
        .commands = kMeshing,
-       .help = "Uniform layering: minimum height of a cell's vertical edge, as a share of the even "
-               "spacing from ground to roof, or from there to the top",
+       .help = "Uniform: minimum vertical edge of a cell, as a share of the even spacing",
        .min = 0.001,
        .max = 0.9},
       {.name = "solver_tolerance",
        .group = "Mesh",
        .member = &C::solver_tolerance,
        .commands = kMeshing,
-       .help = "Uniform layering, free top: error, relative to the first guess, at which smoothing "
-               "stops",
+       .help = "Uniform layering or free top: error, relative to the first guess, at which "
+               "smoothing stops",
        .min = 1e-6,
        .max = 0.5},
       {.name = "solver_iterations",
        .group = "Mesh",
        .member = &C::solver_iterations,
        .commands = kMeshing,
-       .help = "Uniform layering, free top: maximum number of iterations per smoothing",
+       .help = "Uniform layering or free top: maximum number of iterations per smoothing",
        .min = 1,
        .max = 100000},
 
@@ -338,16 +332,15 @@ std::vector<ConfigField> make_fields() {
        .group = "Synthetic city",
        .member = choice<&C::kind>(),
        .commands = kSynth,
-       .help = "The paper's random rectangles, a street grid with blocks, park and river, or a "
+       .help = "Random rectangles as in the paper, a street grid with blocks, park and river, or a "
                "village with a mix of defects",
        .choices = {"random", "blocks", "adversarial"}},
       {.name = "buildings",
        .group = "Synthetic city",
        .member = &C::buildings,
        .commands = kSynth,
-       .help = "Number of buildings; 0: as dense as 3096 on 2500 m (random) or as many as come "
-               "(blocks, whose number depends on their streets; nearer to the asked one where "
-               "plots can be made larger or smaller); not of adversarial cities",
+       .help = "Number of buildings; 0: as dense as 3096 on 2500 m (random), or as many as fit "
+               "(blocks); not for adversarial cities",
        .min = 0,
        .max = 1e7},
       {.name = "size",

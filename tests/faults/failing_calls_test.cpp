@@ -78,7 +78,7 @@ TEST(FailingCalls, MovesThatFailAreUndoneOrTheMessageSaysWhereTheEarlierResultIs
         } else {
           ++torn;
           EXPECT_TRUE(message.ends_with("; part of the earlier result is in " + staging.string() +
-                                        ": keep that, the next run with this --out puts it back"))
+                                        ": keep that, the next run with this `out` puts it back"))
               << message;
           EXPECT_TRUE(fs::exists(staging));
           EXPECT_FALSE(snapshot(scratch.path()) == before);
