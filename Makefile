@@ -58,6 +58,7 @@ format:
 check-format:
 	@scripts/format --check
 	@scripts/check-includes
+	@scripts/check-layers
 	@scripts/check-links
 
 clean:
