@@ -305,7 +305,9 @@ BuildingPoints extract(std::span<const Polygon* const> footprints, std::size_t b
                 fmt::format("the point cloud has {} points, more than 2^32 - 1: choose a smaller "
                             "domain",
                             cloud.size()));
-  const bool by_exclusion = !has_building_class(cloud, buildings);
+  const bool by_exclusion = options.roof_points == RoofPoints::kAuto
+                                ? !has_building_class(cloud, buildings)
+                                : options.roof_points == RoofPoints::kExclusion;
   BuildingPoints points = find_points(footprints, buildings, cloud, by_exclusion, options,
                                       portion(progress, 0, by_exclusion ? 1 : 0.6));
   if (!by_exclusion && !options.no_buildings.empty()) {

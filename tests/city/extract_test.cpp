@@ -14,6 +14,7 @@
 #include "tetropolis/core/threads.h"
 #include "tetropolis/geometry/polygon.h"
 
+#include "support/shapes.h"
 #include "support/test_data.h"
 
 namespace tetropolis {
@@ -240,6 +241,34 @@ TEST(Extract, RoofsInFilesWithoutTheClassAreByExclusion) {
     EXPECT_EQ(points.ground[b].size(), 5U) << b;
   }
   EXPECT_EQ(count_by_exclusion(extract_building_points(scene.footprints, scene.cloud)), 0);
+}
+
+TEST(Extract, WithAWordOnClassesAFarPlaceChangesNothing) {
+  const std::vector<Polygon> here{testing::rectangle(0, 0, 10, 10)};
+  PointCloud cloud;
+  const auto add = [&](double x, double y, double z, std::uint8_t code) {
+    cloud.x.push_back(x);
+    cloud.y.push_back(y);
+    cloud.z.push_back(z);
+    cloud.classification.push_back(code);
+  };
+  for (double x = -0.75; x < 11; x += 0.5)
+    for (double y = -0.75; y < 11; y += 0.5) {
+      const bool inside = x > 0 && x < 10 && y > 0 && y < 10;
+      add(x, y, inside ? 8 : 0, inside ? kUnclassified : kGround);
+    }
+  const PointCloud alone = cloud;
+  for (int k = 0; k < 2000; ++k) add(5000 + k % 50, 5000 + k / 50, 9, kBuildingClass);
+  for (const RoofPoints said : {RoofPoints::kClassified, RoofPoints::kExclusion}) {
+    ExtractOptions options;
+    options.roof_points = said;
+    EXPECT_EQ(extract_building_points(here, alone, options),
+              extract_building_points(here, cloud, options));
+    EXPECT_EQ(extract_building_points(here, cloud, options).roof[0].empty(),
+              said == RoofPoints::kClassified);
+  }
+  // Without, the far place decides.
+  EXPECT_NE(extract_building_points(here, alone), extract_building_points(here, cloud));
 }
 
 TEST(Extract, CourtyardIsOutside) {

@@ -27,6 +27,14 @@ struct BuildingPoints {
   friend bool operator==(const BuildingPoints&, const BuildingPoints&) = default;
 };
 
+/// Which points are of roofs. kAuto looks at the whole cloud; with one of the others, what a
+/// building gets depends on the points at it alone, as tiles of one city need it.
+enum class RoofPoints {
+  kAuto,        ///< By class 6, or by exclusion if the cloud has none.
+  kClassified,  ///< By class 6.
+  kExclusion,
+};
+
 struct ExtractOptions {
   double margin = 1.0;  ///< Metres around a footprint in which ground points are taken, >= 0.
   double sigma = 2.0;   ///< Points further from the mean height than this many standard deviations
@@ -35,13 +43,15 @@ struct ExtractOptions {
       true;  ///< Remove crowns of trees (tree_crowns.h) from roof points by exclusion.
   /// Points among which those of buildings have no class of their own.
   std::vector<PointRange> no_buildings{};
+  RoofPoints roof_points = RoofPoints::kAuto;
 };
 
 /// Roof points lie inside the footprint (contains()) and have class 6; ground points lie outside
 /// it, at most `margin` from its boundary (squared_distance_to_segment), and have class 2 or 9.
 /// Points in a hole are outside. Roof points are by exclusion, instead,
-/// - of all buildings, if the whole cloud has no point of class 6 (or a few strays: fewer than one
-///   in 1000 points, and fewer than eight or, if that is more, than buildings);
+/// - of all buildings, if options.roof_points says so: kAuto, if the whole cloud has no point of
+///   class 6 (or a few strays: fewer than one in 1000 points, and fewer than eight or, if that is
+///   more, than buildings);
 /// - of a building with more points of options.no_buildings inside, whatever their class, than it
 ///   has roof points of class 6, unless none are left.
 /// By exclusion, roof points are the points inside of classes that may_be_roof; these lose what is
