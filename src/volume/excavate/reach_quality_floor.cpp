@@ -385,7 +385,8 @@ Outcomes improve_places(const Columns& columns, std::vector<std::uint8_t> seeds,
 /// Gives the mesh what became of its places.
 void take_outcomes(const Outcomes& outcomes, std::vector<std::uint8_t>& moved,
                    ImprovedColumns& result) {
-  auto& [plan, mesh] = result.columns;
+  ColumnPlan& plan = result.columns.plan;
+  ColumnMesh& mesh = result.columns.mesh;
   std::vector<ColumnOf> columns;
   for (std::size_t v = 0; v < moved.size(); ++v) columns.push_back({&mesh, v});
   std::vector<std::pair<BuildingIndex, double>> roofs;
@@ -422,7 +423,8 @@ ImprovedColumns reach_quality_floor(Columns columns, const Raster& dtm,
                                     const QualityFloorOptions& options, Steps& steps) {
   ImprovedColumns result;
   result.columns = std::move(columns);
-  auto& [plan, mesh] = result.columns;
+  ColumnPlan& plan = result.columns.plan;
+  ColumnMesh& mesh = result.columns.mesh;
   std::vector<std::uint8_t> moved(mesh.vertex_count(), 0);
   MeshFaults faults =
       steps.run("3.6", "find bad cells", [&](const Progress&) { return MeshFaults(mesh); });
