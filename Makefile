@@ -11,7 +11,7 @@ demo: deps
 	@build/tetropolis build --footprints out/demo-input/footprints.shp --points out/demo-input \
 	  --id-attribute id --mesh-size 10 --out out/demo
 	@build/tetropolis check out/demo
-	@echo "demo: open out/demo/boundary.vtp or out/demo/volume.vtu in ParaView, out/demo/surface.stl anywhere"
+	@echo "demo: open out/demo/surface.vtp in ParaView, or out/demo/surface.stl in any 3D viewer"
 
 test: build
 	@scripts/run-tests build

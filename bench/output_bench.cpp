@@ -130,9 +130,8 @@ void step_3_6_write_vtp(benchmark::State& state) {
 }
 
 void step_3_6_write_stl(benchmark::State& state) {
-  run_writer(state, "boundary.stl", [](const fs::path& path) {
-    write_stl(path, select_patches(city_boundary(), city_boundary().patches.solid()), {});
-  });
+  run_writer(state, "boundary.stl",
+             [](const fs::path& path) { write_stl(path, city_surface(city_boundary()), {}); });
 }
 
 /// One thread, then two.

@@ -1,8 +1,10 @@
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdio>
 #include <filesystem>
 #include <fstream>
+#include <limits>
 #include <map>
 
 #include <fmt/format.h>
@@ -13,6 +15,7 @@
 #include "tetropolis/io/cityjson/cityjson.h"
 #include "tetropolis/io/crs/crs.h"
 #include "tetropolis/io/las/las.h"
+#include "tetropolis/io/mesh/stl.h"
 #include "tetropolis/io/mesh/vtk.h"
 #include "tetropolis/io/mesh/xdmf.h"
 #include "tetropolis/io/raster/geotiff.h"
@@ -200,9 +203,30 @@ void info_volume(const std::string& path) {
 
 void info_surface(const std::string& path) {
   const SurfaceMesh surface = read_vtp(path);
-  put(stdout, fmt::format("{}: boundary\n  vertices: {}, triangles: {}\n", path,
+  put(stdout, fmt::format("{}: surface\n  vertices: {}, triangles: {}\n", path,
                           surface.points.size(), surface.triangles.size()));
   print_faces(surface);
+}
+
+void info_stl(const std::string& path) {
+  const StlMesh surface = read_stl(path);
+  std::array<double, 3> low, high;
+  low.fill(std::numeric_limits<double>::infinity());
+  high.fill(-std::numeric_limits<double>::infinity());
+  for (const auto& corners : surface.triangles)
+    for (const auto& corner : corners)
+      for (std::size_t c = 0; c < 3; ++c) {
+        low[c] = std::min(low[c], static_cast<double>(corner[c]));
+        high[c] = std::max(high[c], static_cast<double>(corner[c]));
+      }
+  put(stdout,
+      fmt::format("{}: surface, binary STL\n  triangles: {}\n", path, surface.triangles.size()));
+  if (!surface.triangles.empty())
+    put(stdout, fmt::format("  box: x {:.3f} .. {:.3f}, y {:.3f} .. {:.3f}, z {:.3f} .. {:.3f}\n",
+                            low[0], high[0], low[1], high[1], low[2], high[2]));
+  if (surface.origin)
+    put(stdout, fmt::format("  origin: {} {} {}\n", (*surface.origin)[0], (*surface.origin)[1],
+                            (*surface.origin)[2]));
 }
 
 void info_xdmf(const std::string& path) {
@@ -336,11 +360,11 @@ void info_folder(const std::string& path) {
 
 /// Results of ours in formats that are not read back.
 void refuse_written_formats(const std::string& path, const std::string& name) {
-  for (const char* extension : {".stl", ".msh", ".obj", ".ply", ".glb", ".h5"})
+  for (const char* extension : {".msh", ".obj", ".ply", ".glb", ".h5"})
     if (name.ends_with(extension))
       throw Error(ErrorKind::kInput,
                   fmt::format("{}: {} files are written but not read; give the folder, or a .vtu, "
-                              ".vtp or .xdmf file",
+                              ".vtp, .stl or .xdmf file",
                               path, extension));
 }
 
@@ -366,6 +390,8 @@ void info_file(const std::string& path) {
     info_volume(path);
   else if (name.ends_with(".vtp"))
     info_surface(path);
+  else if (name.ends_with(".stl"))
+    info_stl(path);
   else if (name.ends_with(".xdmf"))
     info_xdmf(path);
   else

@@ -21,6 +21,7 @@
 #include "tetropolis/core/error.h"
 #include "tetropolis/io/cityjson/cityjson.h"
 #include "tetropolis/io/crs/crs.h"
+#include "tetropolis/io/mesh/stl.h"
 #include "tetropolis/io/mesh/vtk.h"
 #include "tetropolis/io/mesh/xdmf.h"
 #include "tetropolis/io/raster/geotiff.h"
@@ -31,12 +32,14 @@
 #include "check_members.h"
 #include "check_regions.h"
 #include "check_same_boundary.h"
+#include "check_same_surface.h"
 #include "compare_report.h"
 #include "core/files.h"
 #include "core/text.h"
 #include "describe_checks.h"
 #include "reported_run.h"
 #include "run/result_files.h"
+#include "violations.h"
 
 namespace tetropolis {
 
@@ -66,8 +69,19 @@ CheckedFile check_one_volume(const fs::path& path, const Progress& progress) {
   return file;
 }
 
+/// surface.vtp, whatever its name, and not a boundary.
+bool is_city_surface(const SurfaceMesh& surface) {
+  return std::none_of(surface.patch.begin(), surface.patch.end(), [&](Patch patch) {
+    const PatchKind kind = surface.patches.of(patch).kind;
+    return kind == PatchKind::kTop || kind == PatchKind::kSide;
+  });
+}
+
 CheckedFile check_one_surface(const fs::path& path) {
-  CheckedFile file = describe(path.filename().string(), check_surface(read_vtp(path)));
+  const SurfaceMesh surface = read_vtp(path);
+  CheckedFile file =
+      describe(path.filename().string(),
+               is_city_surface(surface) ? check_city_surface(surface) : check_surface(surface));
   file.not_checked = {
       "the volume behind it, footprints in the mesh, heights and the report (check "
       "the folder that has the other results)"};
@@ -248,6 +262,37 @@ void add_mesh(const NamedVolume& volume, const std::vector<NamedSurface>& bounda
         volume.mesh, boundary.mesh, city, report));
 }
 
+/// What is in the folder to look at, against the boundary if there is one.
+void add_surfaces(const fs::path& folder, const std::vector<NamedSurface>& boundaries,
+                  const std::optional<ReportedRun>& report, std::vector<CheckedFile>& files) {
+  const auto add = [&](const char* name, CheckedFile file, const auto& compare_with) {
+    if (boundaries.empty()) {
+      file.not_checked.emplace_back("whether its faces are those of the boundary");
+    } else {
+      file.facts.push_back(fmt::format("faces compared with those of {}", boundaries[0].name));
+      add_violations(file.violations, compare_with(boundaries[0]));
+    }
+    file.name = name;
+    files.push_back(std::move(file));
+  };
+  if (const fs::path path = folder / "surface.vtp"; is_there(path)) {
+    const SurfaceMesh surface = read_vtp(path);
+    CheckedFile file = describe("", check_city_surface(surface));
+    compare_origin(read_vtk_origin(path), report, file);
+    add("surface.vtp", std::move(file),
+        [&](const NamedSurface& boundary) { return check_same_surface(boundary.mesh, surface); });
+  }
+  if (const fs::path path = folder / "surface.stl"; is_there(path)) {
+    const StlMesh surface = read_stl(path);
+    CheckedFile file{"", {fmt::format("{} triangles", surface.triangles.size())}, {}, {}};
+    add("surface.stl", std::move(file), [&](const NamedSurface& boundary) {
+      const Point3 to = surface.origin.value_or(Point3{}), from = boundary.origin.value_or(to);
+      return check_same_surface(boundary.mesh, {from[0] - to[0], from[1] - to[1], from[2] - to[2]},
+                                surface);
+    });
+  }
+}
+
 /// What is in the folder of volume and boundary, one format after the other.
 void add_meshes(const fs::path& folder, const Sources& sources, const CityModel& city,
                 const std::optional<ReportedRun>& report, const Progress& progress,
@@ -273,10 +318,12 @@ void add_meshes(const fs::path& folder, const Sources& sources, const CityModel&
         {grid_name("volume.xdmf", "boundary"), std::move(mesh.boundary), mesh.origin});
     add_mesh({grid_name("volume.xdmf", "mesh"), std::move(mesh.volume), mesh.origin}, boundaries,
              sources, city, report, progress, files);
+    if (!vtp) vtp_boundary = std::move(boundaries);
   } else if (report && report->has_mesh() && !(vtu && vtp)) {
     files.push_back(
         {"meshes", {}, {}, {"there is neither volume.vtu with boundary.vtp nor volume.xdmf"}});
   }
+  add_surfaces(folder, vtp_boundary, report, files);
 }
 
 std::vector<CheckedFile> check_one_xdmf(const fs::path& path, const Progress& progress) {

@@ -6,6 +6,7 @@
 #include <span>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include <fmt/format.h>
@@ -89,9 +90,22 @@ std::string tag_violation(const std::array<Vector3, 3>& p, const Vector3& normal
   return {};
 }
 
-/// Two faces along every edge, in opposite directions; and buildings stand apart, so faces of two
-/// of them share no edge.
-void check_edges(const SurfaceMesh& surface, SurfaceCheck& check) {
+enum class Rim { kNone, kOnSides };
+
+/// Two faces along every edge, in opposite directions, but for a rim on the sides of the domain;
+/// and buildings stand apart, so faces of two of them share no edge.
+void check_edges(const SurfaceMesh& surface, Rim rim, const Domain& domain, SurfaceCheck& check) {
+  const std::size_t sides = domain.sides().size();
+  const auto is_on_rim = [&](std::int64_t low, const EdgeUse& use) {
+    if (rim == Rim::kNone) return false;
+    const auto& a = surface.points[static_cast<std::size_t>(low)];
+    const auto& b = surface.points[static_cast<std::size_t>(use.high)];
+    for (std::size_t i = 0; i < sides; ++i)
+      if (domain.distance_to_side(i, {a[0], a[1]}) == 0 &&
+          domain.distance_to_side(i, {b[0], b[1]}) == 0)
+        return true;
+    return false;
+  };
   const auto of_building = [&](const EdgeUse& use) {
     return surface.patch_of(use.face).of_building();
   };
@@ -109,7 +123,7 @@ void check_edges(const SurfaceMesh& surface, SurfaceCheck& check) {
                        [&] { return fmt::format("buildings {} and {}", a, b); });
     }
     // Forward uses come first.
-    if (uses.front().forward == uses.back().forward)
+    if (uses.front().forward == uses.back().forward && !is_on_rim(low, uses.front()))
       for (std::size_t i = 0; i < uses.size(); ++i) note_violation(violations, kOpen, place);
   };
   const auto found = look_at_edges(surface.triangles, surface.points.size(), look);
@@ -129,9 +143,7 @@ std::array<Vector3, 3> corners(const SurfaceMesh& surface, std::size_t f) {
           surface.points[static_cast<std::size_t>(t[2])]};
 }
 
-}  // namespace
-
-SurfaceCheck check_surface(const SurfaceMesh& surface) {
+SurfaceCheck check(const SurfaceMesh& surface, Rim rim) {
   SurfaceCheck check;
   check.vertices = static_cast<std::int64_t>(surface.points.size());
   check.triangles = static_cast<std::int64_t>(surface.triangles.size());
@@ -168,8 +180,26 @@ SurfaceCheck check_surface(const SurfaceMesh& surface) {
         roof.try_emplace(surface.building[f], p[0][2]).first->second != p[0][2])
       note_violation(check.violations, "roofs of one building at different heights", place);
   }
-  check_edges(surface, check);
+  check_edges(surface, rim, domain, check);
   return check;
+}
+
+}  // namespace
+
+SurfaceCheck check_surface(const SurfaceMesh& surface) { return check(surface, Rim::kNone); }
+
+SurfaceCheck check_city_surface(const SurfaceMesh& surface) {
+  SurfaceMesh turned = surface;
+  for (auto& triangle : turned.triangles) std::swap(triangle[1], triangle[2]);
+  SurfaceCheck result = check(turned, Rim::kOnSides);
+  result.closed = false;
+  result.enclosed_volume = 0;
+  const auto up = [](Violation& violation) {
+    const std::size_t down = violation.what.find("face down");
+    if (down != std::string::npos) violation.what.replace(down, 9, "face up");
+  };
+  std::for_each(result.violations.begin(), result.violations.end(), up);
+  return result;
 }
 
 }  // namespace tetropolis

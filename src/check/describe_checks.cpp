@@ -47,7 +47,9 @@ CheckedFile describe(const std::string& name, const SurfaceCheck& check) {
   file.facts = {
       fmt::format("{} triangles, {}, {}", check.triangles, check.closed ? "closed" : "open",
                   check.manifold ? "manifold" : "not manifold"),
-      fmt::format("encloses {:.3f} m3", check.enclosed_volume), "faces: " + patches};
+      check.enclosed_volume == 0 ? fmt::format("area {:.3f} m2", check.area)
+                                 : fmt::format("encloses {:.3f} m3", check.enclosed_volume),
+      "faces: " + patches};
   return file;
 }
 

@@ -116,9 +116,7 @@ std::vector<ConfigField> make_fields() {
        .group = "Output",
        .member = choice<&C::compression>(),
        .commands = kMeshing,
-       .help =
-           "Compression of volume.vtu, boundary.vtp and volume.h5: about a quarter of the size, "
-           "slower to write",
+       .help = "Compression of VTK and XDMF files: about a quarter of the size, slower to write",
        .choices = {"none", "zlib"}},
 
       {.name = "domain_margin",

@@ -26,7 +26,7 @@ inline constexpr const char* kManifest = "manifest.json";
 inline constexpr std::array kOfCity = {kRawCity, kCity, kTerrain};
 
 /// Of runs that make meshes.
-inline constexpr std::array<ResultFile, 14> kOfMesh = {{
+inline constexpr std::array<ResultFile, 15> kOfMesh = {{
     {"volume.vtu", "vtu"},
     {"volume.xdmf", "xdmf"},
     {"volume.h5", "xdmf"},
@@ -37,6 +37,7 @@ inline constexpr std::array<ResultFile, 14> kOfMesh = {{
     {"constant/polyMesh/neighbour", "openfoam"},
     {"constant/polyMesh/boundary", "openfoam"},
     {"boundary.vtp", ""},
+    {"surface.vtp", ""},
     {"surface.stl", ""},
     {"surface.obj", "obj"},
     {"surface.ply", "ply"},
@@ -44,8 +45,8 @@ inline constexpr std::array<ResultFile, 14> kOfMesh = {{
 }};
 
 /// What `check` does not read, as it tells users: a folder stands for its files.
-inline constexpr std::array kUnread = {"surface.stl", "volume.msh",  "constant/polyMesh",
-                                       "surface.obj", "surface.ply", "surface.glb"};
+inline constexpr std::array kUnread = {"volume.msh", "constant/polyMesh", "surface.obj",
+                                       "surface.ply", "surface.glb"};
 
 /// Of `synth`. Points in tiles are points_1.laz and so on.
 inline constexpr std::array kOfSynth = {"footprints.shp", "footprints.shx", "footprints.dbf",

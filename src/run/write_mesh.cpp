@@ -61,10 +61,11 @@ void write_volume(const Config& config, const ColumnMesh& mesh, const SurfaceMes
   }
 }
 
-/// Ground, roofs and walls as STL and in each format asked for.
+/// Ground, roofs and walls, to look at, and in each format asked for.
 void write_surface(const Config& config, const SurfaceMesh& boundary, const Placement& placement,
                    OutputFolder& out) {
-  const SurfaceMesh surface = select_patches(boundary, boundary.patches.solid());
+  const SurfaceMesh surface = city_surface(boundary);
+  write_vtp(out.result("surface.vtp"), surface, placement, config.compression);
   write_stl(out.result("surface.stl"), surface, placement);
   if (is_wanted(config, "obj")) write_obj(out.result("surface.obj"), surface, placement);
   if (is_wanted(config, "ply")) write_ply(out.result("surface.ply"), surface, placement);

@@ -18,6 +18,7 @@
 #include "check/check_heights.h"
 #include "check/check_regions.h"
 #include "check/check_same_boundary.h"
+#include "check/check_same_surface.h"
 #include "support/small_city.h"
 #include "support/test_data.h"
 #include "volume/column/ground_heights.h"
@@ -82,6 +83,35 @@ TEST_F(CheckMesh, PassesAGoodMeshAndAgreesWithTheGeneratorsMeasures) {
       check_heights(surface, {0, 0, 0}, city.city.dtm, model, kMinimumWall, kNotExcavated);
   EXPECT_TRUE(heights.violations.empty()) << names(heights.violations);
   EXPECT_EQ(heights.lowered, city.plan.lowered);
+}
+
+TEST_F(CheckMesh, CitySurfaceIsOpenAtTheSidesAlone) {
+  const SurfaceMesh land = city_surface(surface);
+  const SurfaceCheck check = check_city_surface(land);
+  EXPECT_TRUE(check.violations.empty()) << names(check.violations);
+  EXPECT_FALSE(check.closed);
+  EXPECT_TRUE(check.manifold);
+  EXPECT_TRUE(check_same_surface(surface, land).empty());
+  EXPECT_TRUE(has(check_city_surface(surface).violations, "ground faces that do not face up"));
+  EXPECT_TRUE(has(check_surface(land).violations, "ground faces that do not face down"));
+  EXPECT_TRUE(has(check_surface(land).violations, "open edges"));
+
+  SurfaceMesh holed = land;
+  holed.triangles.erase(holed.triangles.begin());
+  holed.patch.erase(holed.patch.begin());
+  holed.building.erase(holed.building.begin());
+  EXPECT_TRUE(has(check_city_surface(holed).violations, "open edges"));
+  EXPECT_TRUE(has(check_same_surface(surface, holed),
+                  "another number of faces than ground, roofs "
+                  "and walls have"));
+  const char* other = "faces that are not those of ground, roofs and walls";
+  EXPECT_TRUE(has(check_same_surface(surface, holed), other));
+  SurfaceMesh turned = land;
+  std::swap(turned.triangles[5][0], turned.triangles[5][1]);
+  EXPECT_TRUE(has(check_same_surface(surface, turned), other));
+  SurfaceMesh moved = land;
+  moved.building.back() += 1;
+  EXPECT_TRUE(has(check_same_surface(surface, moved), other));
 }
 
 TEST_F(CheckMesh, SeesInvertedCells) {

@@ -335,7 +335,7 @@ TEST_F(Faults, ResultFolderThatIsAMount) {
   EXPECT_EQ(ending.code, 0) << ending.err;
   EXPECT_EQ(ending.err,
             "boundary.vtp city.city.json city_raw.city.json dtm.tif report.json "
-            "surface.stl volume.vtu ");
+            "surface.stl surface.vtp volume.vtu ");
 }
 
 TEST_F(Faults, InterruptEndsAStepThatWaitsForEver) {

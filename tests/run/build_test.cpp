@@ -80,7 +80,7 @@ TEST_F(Build, CheckFindsAReportThatTellsSomethingElse) {
   EXPECT_EQ(violations_with("/city/buildings", 55), 1U);
   EXPECT_EQ(violations_with("/city/dropped/0/source_id", "nobody"), 1U);
   EXPECT_EQ(violations_with("/city/dropped/0/reason", "too old"), 1U);
-  EXPECT_EQ(violations_with("/origin/0", 0), 4U);  // model, volume, boundary and its box
+  EXPECT_EQ(violations_with("/origin/0", 0), 5U);  // model, volume, boundary, its box, surface
   EXPECT_EQ(violations_with("/domain/0", truth["domain"][0].get<double>() - 0.001), 2U);
   EXPECT_EQ(violations_with("/input/footprint_parts", 99), 2U);  // both models
   EXPECT_EQ(violations_with("/volume_mesh/cells", 1), 1U);
@@ -224,6 +224,34 @@ TEST_F(Build, CheckSaysWhatItHasNotLookedAt) {
   fs::remove(out / "report.json");
   EXPECT_TRUE(says(without("boundary.vtp"), "the boundary's tags"));
   EXPECT_TRUE(says(without("volume.vtu"), "the volume behind it"));
+  EXPECT_TRUE(says(not_checked(out / "surface.vtp"), "the volume behind it"));
+}
+
+TEST_F(Build, SurfacesAreComparedWithTheBoundary) {
+  for (const Coordinates coordinates : {Coordinates::kLocal, Coordinates::kAbsolute}) {
+    Config config = city(SynthKind::kRandom, 10, 150, 4);
+    config.mesh_size = 20;
+    config.coordinates = coordinates;
+    run_build(config);
+    const fs::path out = config.out;
+    const auto violated = [&] {
+      std::set<std::string> files;
+      for (const CheckedFile& file : check_path(out, std::nullopt))
+        if (!file.violations.empty()) files.insert(file.name);
+      return files;
+    };
+    ASSERT_EQ(violated(), std::set<std::string>());
+    // A byte of a coordinate, in the middle of the data.
+    for (const char* name : {"surface.stl", "surface.vtp"}) {
+      const std::string bytes = bytes_of(out / name);
+      std::string changed = bytes;
+      changed[name == std::string("surface.stl") ? 84 + 50 * 7 + 12 + 6
+                                                 : bytes.find("\n_") + 10 + 6] ^= 0x10;
+      std::ofstream(out / name, std::ios::binary) << changed;
+      EXPECT_EQ(violated(), std::set<std::string>{name});
+      std::ofstream(out / name, std::ios::binary) << bytes;
+    }
+  }
 }
 
 TEST_F(Build, XdmfIsCheckedLikeVtk) {
@@ -407,8 +435,8 @@ TEST_F(Build, BlocksPassEveryCheckAndTheReportTellsTheTruth) {
   const Report report = run_build(config);
   expect_guarantees(config.out);
   const std::set<std::string> expected{"city_raw.city.json", "city.city.json", "dtm.tif",
-                                       "volume.vtu",         "boundary.vtp",   "surface.stl",
-                                       "report.json"};
+                                       "volume.vtu",         "boundary.vtp",   "surface.vtp",
+                                       "surface.stl",        "report.json"};
   std::set<std::string> found;
   for (const auto& entry : fs::directory_iterator(config.out))
     found.insert(entry.path().filename().string());
@@ -459,7 +487,7 @@ TEST_F(Build, SameBytesForAnyNumberOfThreads) {
   again.out = (scratch / "again").string();
   run_build(again);
   for (const char* name : {"city_raw.city.json", "city.city.json", "dtm.tif", "volume.vtu",
-                           "boundary.vtp", "surface.stl"})
+                           "boundary.vtp", "surface.vtp", "surface.stl"})
     EXPECT_TRUE(bytes_of(scratch / "out" / name) == bytes_of(scratch / "again" / name)) << name;
 }
 
@@ -480,7 +508,7 @@ TEST_F(Build, CityAndMeshInTwoStepsGiveTheSameMesh) {
   EXPECT_EQ(meshing, std::set<std::string>{"ground mesh"});
   for (const char* name : {"city_raw.city.json", "city.city.json", "dtm.tif"})
     EXPECT_TRUE(bytes_of(scratch / "out" / name) == bytes_of(scratch / "city" / name)) << name;
-  for (const char* name : {"volume.vtu", "boundary.vtp", "surface.stl"})
+  for (const char* name : {"volume.vtu", "boundary.vtp", "surface.vtp", "surface.stl"})
     EXPECT_TRUE(bytes_of(scratch / "out" / name) == bytes_of(scratch / "mesh" / name)) << name;
   EXPECT_FALSE(fs::exists(scratch / "city/volume.vtu"));
 }

@@ -179,7 +179,7 @@ TEST_F(Cli, CheckNamesTheFilesItDoesNotRead) {
   const Outcome checked = run("check result");
   EXPECT_EQ(checked.code, 0) << checked.err;
   EXPECT_TRUE(
-      checked.out.ends_with("  not read: surface.stl, volume.msh, constant/polyMesh, "
+      checked.out.ends_with("  not read: volume.msh, constant/polyMesh, "
                             "surface.glb\nevery guarantee holds\n"))
       << checked.out;
 }
@@ -582,10 +582,10 @@ TEST_F(Cli, InfoOfFoldersAndOfFormatsThatAreNotRead) {
   EXPECT_EQ(cloud.code, 0);
   for (const char* name : {"cloud/a.laz: LAZ", "cloud/b.laz: LAZ"})
     EXPECT_NE(cloud.out.find(name), std::string::npos) << cloud.out;
-  std::ofstream(scratch / "a.stl") << "solid a\n";
-  const Outcome written = run("info a.stl");
+  std::ofstream(scratch / "a.obj") << "v 0 0 0\n";
+  const Outcome written = run("info a.obj");
   EXPECT_EQ(written.code, 3);
-  EXPECT_NE(written.err.find(".stl files are written but not read"), std::string::npos);
+  EXPECT_NE(written.err.find(".obj files are written but not read"), std::string::npos);
 }
 
 TEST_F(Cli, InfoTellsOfEveryLayer) {

@@ -98,7 +98,7 @@ WorkCity work_city(std::int64_t buildings) {
   const std::filesystem::path path(folder);
   write_vtu(path / "volume.vtu", mesh, {});
   write_vtp(path / "boundary.vtp", boundary, {});
-  write_stl(path / "surface.stl", select_patches(boundary, boundary.patches.solid()), {});
+  write_stl(path / "surface.stl", city_surface(boundary), {});
   std::uintmax_t bytes = 0;
   for (const auto& file : std::filesystem::directory_iterator(path)) bytes += file.file_size();
   return static_cast<std::int64_t>(bytes);

@@ -19,12 +19,13 @@ struct CheckedFile {
   std::vector<std::string> not_checked;  ///< What it takes other files to see.
 };
 
-/// Checks a volume (.vtu), a boundary (.vtp), both in one (.xdmf), a city model (.json), or a
-/// folder of results: all of these that are in it, and in addition that the boundary is that of the
-/// volume, that footprints are in the mesh, that heights are those of the city model and the
-/// terrain, and that numbers agree with report.json. Of the guarantees 1 to 6 of the README, one
+/// Checks a volume (.vtu), a boundary or a city_surface() (.vtp), volume and boundary in one
+/// (.xdmf), a city model (.json), or a folder of results: all of these that are in it, and in
+/// addition that the boundary is that of the volume, that surface.vtp and surface.stl are made of
+/// it, that footprints are in the mesh, that heights are those of the city model and the terrain,
+/// and that numbers agree with report.json. Of the guarantees 1 to 6 of the README, one
 /// that is neither among the violations nor in `not_checked` holds in these files; the others are
-/// about runs. Results of the folder in formats that are not read (surface.stl, volume.msh, ...)
+/// about runs. Results of the folder in formats that are not read (volume.msh, surface.obj, ...)
 /// are named in the facts of a last entry.
 ///
 /// `min_distance`: clearance to ask of a city model, finite and not negative. Without it: of a file

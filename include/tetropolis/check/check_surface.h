@@ -1,4 +1,4 @@
-// Guarantee 5 on a written boundary.
+// Guarantee 5 on a written boundary, and on what is written of it to look at.
 #pragma once
 
 #include <cstdint>
@@ -29,5 +29,9 @@ struct SurfaceCheck {
 /// where they must be and nowhere else, and roof and wall faces that share an edge name the same
 /// one.
 SurfaceCheck check_surface(const SurfaceMesh& surface);
+
+/// The same of a city_surface(): ground and roofs face up, and edges with one face lie on the sides
+/// of the bounding box. Encloses nothing.
+SurfaceCheck check_city_surface(const SurfaceMesh& surface);
 
 }  // namespace tetropolis

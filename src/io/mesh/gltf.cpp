@@ -133,11 +133,9 @@ void write_part(AtomicFile& file, const SurfaceMesh& part) {
                 });
   write_chunked(file, part.triangles.size(), kGrain,
                 [&](std::size_t begin, std::size_t end, std::string& buffer) {
-                  for (std::size_t f = begin; f < end; ++f) {
-                    const auto& t = part.triangles[f];
-                    for (const std::int32_t v : {t[0], t[2], t[1]})
+                  for (std::size_t f = begin; f < end; ++f)
+                    for (const std::int32_t v : part.triangles[f])
                       append_raw(buffer, static_cast<std::uint32_t>(v));
-                  }
                 });
 }
 

@@ -185,6 +185,12 @@ SurfaceMesh select_patches(const SurfaceMesh& surface, std::span<const Patch> pa
   return result;
 }
 
+SurfaceMesh city_surface(const SurfaceMesh& boundary) {
+  SurfaceMesh surface = select_patches(boundary, boundary.patches.solid());
+  for (auto& triangle : surface.triangles) std::swap(triangle[1], triangle[2]);
+  return surface;
+}
+
 std::vector<PatchCount> count_by_patch(const SurfaceMesh& surface) {
   std::vector<PatchCount> counts;
   for (const PatchInfo& info : surface.patches) counts.push_back({info.name, 0});

@@ -1,3 +1,4 @@
+#include <fstream>
 #include <map>
 #include <set>
 #include <sstream>
@@ -8,6 +9,7 @@
 #include "tetropolis/io/mesh/gltf.h"
 #include "tetropolis/io/mesh/obj.h"
 #include "tetropolis/io/mesh/ply.h"
+#include "tetropolis/io/mesh/stl.h"
 
 #include "mesh_bytes.h"
 #include "support/test_data.h"
@@ -20,7 +22,7 @@ using testing::Point3;
 
 class SurfaceFormats : public ::testing::Test {
  protected:
-  SurfaceFormats() { surface = select_patches(city.boundary, city.boundary.patches.solid()); }
+  SurfaceFormats() { surface = city_surface(city.boundary); }
   testing::TemporaryFolder folder;
   const testing::FormatsCity& city = testing::formats_city();
   SurfaceMesh surface;
@@ -47,6 +49,83 @@ TEST_F(SurfaceFormats, PlyComesBackAsItWas) {
     ASSERT_EQ(file.take<std::int32_t>(), surface.building[f]);
   }
   EXPECT_EQ(file.left(), 0U);
+}
+
+TEST_F(SurfaceFormats, StlComesBackInSinglePrecision) {
+  write_stl(folder / "surface.stl", surface, city.placement);
+  const StlMesh read = read_stl(folder / "surface.stl");
+  EXPECT_EQ(read.origin, (Point3{320000, 6398000, 0}));  // whatever the shift
+  ASSERT_EQ(read.triangles.size(), surface.triangles.size());
+  for (std::size_t f = 0; f < surface.triangles.size(); ++f) {
+    ASSERT_EQ(read.attribute[f], static_cast<std::uint16_t>(surface.patch[f]));
+    for (std::size_t i = 0; i < 3; ++i)
+      for (std::size_t c = 0; c < 3; ++c)
+        ASSERT_EQ(read.triangles[f][i][c],
+                  static_cast<float>(
+                      surface.points[static_cast<std::size_t>(surface.triangles[f][i])][c]));
+  }
+}
+
+TEST_F(SurfaceFormats, StlHasUnitNormalsAndIsAsWatertightAsTheSurface) {
+  write_stl(folder / "boundary.stl", city.boundary, {});
+  Cursor file(folder / "boundary.stl");
+  file.expect("tetropolis origin 0 0 0");
+  file.text(80 - 23);
+  ASSERT_EQ(file.take<std::uint32_t>(), city.boundary.triangles.size());
+  using Corner = std::array<float, 3>;
+  std::map<std::pair<Corner, Corner>, int> directed;
+  while (file.left() > 0) {
+    const auto normal = file.take<Corner>();
+    const auto p = file.take<std::array<Corner, 3>>();
+    file.take<std::uint16_t>();
+    const auto dot = [&](std::size_t from, std::size_t to) {
+      double sum = 0;
+      for (std::size_t c = 0; c < 3; ++c)
+        sum += static_cast<double>(normal[c]) *
+               (static_cast<double>(p[to][c]) - static_cast<double>(p[from][c]));
+      return sum;
+    };
+    ASSERT_NEAR(dot(0, 1), 0, 1e-5);
+    ASSERT_NEAR(dot(0, 2), 0, 1e-5);
+    double length = 0;
+    for (const float x : normal) length += static_cast<double>(x) * static_cast<double>(x);
+    ASSERT_NEAR(length, 1, 1e-6);
+    for (std::size_t i = 0; i < 3; ++i) ++directed[{p[i], p[(i + 1) % 3]}];
+  }
+  for (const auto& [edge, count] : directed) {
+    ASSERT_EQ(count, 1);
+    ASSERT_TRUE(directed.contains({edge.second, edge.first}));
+  }
+}
+
+/// What read_stl says of a file with these bytes; empty if it reads it.
+std::string refusal(const std::filesystem::path& path, const std::string& bytes) {
+  std::ofstream(path, std::ios::binary) << bytes;
+  try {
+    read_stl(path);
+  } catch (const Error& error) {
+    EXPECT_EQ(error.kind(), ErrorKind::kInput);
+    return error.what();
+  }
+  return "";
+}
+
+TEST_F(SurfaceFormats, StlThatIsNotBinaryOrCutIsRefused) {
+  const auto path = folder / "some.stl";
+  const auto says = [&](const std::string& bytes, const char* what) {
+    return refusal(path, bytes).find("some.stl: " + std::string(what)) != std::string::npos;
+  };
+  write_stl(path, surface, {});
+  const std::string bytes = testing::bytes_of(path);
+  EXPECT_EQ(refusal(path, bytes), "");
+  EXPECT_TRUE(says("", "is too short for binary STL"));
+  EXPECT_TRUE(says("solid ground\n", "is ASCII STL; only binary STL can be read"));
+  EXPECT_TRUE(says("solid ground\n" + std::string(1000, ' '), "is ASCII STL"));
+  EXPECT_TRUE(says(bytes.substr(0, bytes.size() - 1),
+                   ("has " + std::to_string(bytes.size() - 1) + " bytes; with its").c_str()));
+  // Of another program: no origin, and a header that begins like ASCII.
+  EXPECT_EQ(refusal(path, "solid" + bytes.substr(5)), "");
+  EXPECT_FALSE(read_stl(path).origin);
 }
 
 /// Triangles by patch and building, sorted.
@@ -137,7 +216,7 @@ std::vector<Number> accessor_values(const Glb& glb, std::size_t index, std::size
   return data.take<Number>(count);
 }
 
-TEST_F(SurfaceFormats, GlbShowsEachPatchWithItsFrontToTheAir) {
+TEST_F(SurfaceFormats, GlbShowsEachPatch) {
   write_glb(folder / "surface.glb", surface, city.placement);
   const Glb glb = read_glb(folder / "surface.glb");
   EXPECT_EQ(glb.json["asset"]["version"], "2.0");
@@ -170,7 +249,7 @@ TEST_F(SurfaceFormats, GlbShowsEachPatchWithItsFrontToTheAir) {
     for (std::size_t i = 0; i < corners.size(); i += 3, ++face) {
       ASSERT_EQ(surface.patch[face], static_cast<Patch>(n + 1));
       for (std::size_t j = 0; j < 3; ++j) {
-        const std::size_t corner = corners[i + (3 - j) % 3];  // turned round
+        const std::size_t corner = corners[i + j];
         const Point3& p = surface.points[static_cast<std::size_t>(surface.triangles[face][j])];
         ASSERT_EQ(points.at(3 * corner), static_cast<float>(p[0]));
         ASSERT_EQ(points.at(3 * corner + 1), static_cast<float>(p[2]));

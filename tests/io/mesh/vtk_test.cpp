@@ -3,17 +3,12 @@
 #include <cmath>
 #include <cstdio>
 #include <cstring>
-#include <fstream>
-#include <map>
-#include <random>
-#include <sstream>
 
 #include <gtest/gtest.h>
 #include <zlib.h>
 
 #include "tetropolis/core/error.h"
 #include "tetropolis/core/threads.h"
-#include "tetropolis/io/mesh/stl.h"
 
 #include "io/limited_memory.h"
 #include "io/mesh/mesh_input.h"
@@ -237,89 +232,6 @@ TEST(VtkMemory, SurfacesLargerThanTheMemoryAreRefused) {
   std::filesystem::resize_file(path, head.size() + bytes);  // a hole, which takes no room
   EXPECT_EXIT(testing::read_in_four_gigabytes([&] { read_vtp(path); }),
               ::testing::ExitedWithCode(3), "large.vtp: to read its 200000000 points");
-}
-
-TEST_F(Vtk, StlHasTheTextOfPrintf) {
-  std::mt19937_64 random(testing::test_seed());
-  SurfaceMesh surface;
-  std::uniform_real_distribution<double> size(-8, 8), sign(-1, 1);
-  for (std::int32_t i = 0; i < 30000; ++i) {
-    std::array<double, 3> p{};
-    for (double& x : p) x = std::copysign(std::pow(10, size(random)), sign(random));
-    if (i % 3 == 0) p[2] = std::round(p[2] * 4) / 4 + 0.5e-6;  // near ties
-    if (i % 5 == 0) p[1] = -0.0;
-    surface.points.push_back(p);
-    if (i % 3 != 2) continue;
-    surface.triangles.push_back({i - 2, i - 1, i});
-    surface.patch.push_back(Patch::kGround);
-    surface.building.push_back(-1);
-  }
-  write_stl(folder / "surface.stl", surface, {});
-  std::ifstream file(folder / "surface.stl");
-  std::string line;
-  std::getline(file, line);
-  std::array<char, 1000> text{};
-  for (const auto& triangle : surface.triangles) {
-    std::getline(file, line);
-    const auto side = [&](std::size_t corner, std::size_t axis) {
-      return surface.points[static_cast<std::size_t>(triangle[corner])][axis] -
-             surface.points[static_cast<std::size_t>(triangle[0])][axis];
-    };
-    std::array<double, 3> normal{};
-    for (std::size_t i = 0; i < 3; ++i) {
-      const std::size_t j = (i + 1) % 3, k = (i + 2) % 3;
-      normal[i] = side(1, j) * side(2, k) - side(1, k) * side(2, j);
-    }
-    const double length =
-        std::sqrt(normal[0] * normal[0] + normal[1] * normal[1] + normal[2] * normal[2]);
-    ASSERT_GT(length, 0);
-    std::snprintf(text.data(), text.size(), "facet normal %.6g %.6g %.6g", normal[0] / length,
-                  normal[1] / length, normal[2] / length);
-    ASSERT_EQ(line, text.data()) << testing::test_seed();
-    std::getline(file, line);
-    for (const std::int32_t v : triangle) {
-      const auto& p = surface.points[static_cast<std::size_t>(v)];
-      std::snprintf(text.data(), text.size(), "vertex %.6f %.6f %.6f", p[0], p[1] + 0.0, p[2]);
-      std::getline(file, line);
-      ASSERT_EQ(line, text.data()) << testing::test_seed();
-    }
-    std::getline(file, line);
-    std::getline(file, line);
-  }
-}
-
-TEST_F(Vtk, StlHasOneClosedTaggedSolidPerPatch) {
-  const SurfaceMesh surface = extract_boundary(city.mesh);
-  write_stl(folder / "surface.stl", surface, {});
-  std::ifstream file(folder / "surface.stl");
-  std::string word;
-  std::vector<std::string> solids;
-  std::map<std::pair<std::string, std::string>, int> directed;
-  std::vector<std::string> corners;
-  std::size_t facets = 0;
-  for (std::string line; std::getline(file, line);) {
-    std::istringstream words(line);
-    words >> word;
-    if (word == "solid") {
-      words >> word;
-      solids.push_back(word);
-    } else if (word == "vertex") {
-      corners.push_back(line);
-    } else if (word == "endfacet") {
-      ASSERT_EQ(corners.size(), 3U);
-      for (std::size_t i = 0; i < 3; ++i) ++directed[{corners[i], corners[(i + 1) % 3]}];
-      corners.clear();
-      ++facets;
-    }
-  }
-  EXPECT_EQ(facets, surface.triangles.size());
-  EXPECT_EQ(solids, (std::vector<std::string>{"ground", "roof", "wall", "top", "xmin", "xmax",
-                                              "ymin", "ymax"}));
-  // Watertight in the printed coordinates: every directed edge once, and its reverse too.
-  for (const auto& [edge, count] : directed) {
-    EXPECT_EQ(count, 1);
-    EXPECT_TRUE(directed.contains({edge.second, edge.first}));
-  }
 }
 
 TEST(MeshInput, MeshesLargerThanTheMemoryAreRefused) {

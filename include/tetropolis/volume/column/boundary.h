@@ -16,8 +16,9 @@ namespace tetropolis {
 /// A triangle surface with its own, gapless vertex numbering.
 struct SurfaceMesh {
   std::vector<std::array<double, 3>> points;           ///< Local frame, metres.
-  std::vector<std::array<std::int32_t, 3>> triangles;  ///< Counter-clockwise seen from outside the
-                                                       ///< meshed volume: normals leave the air.
+  std::vector<std::array<std::int32_t, 3>> triangles;  ///< Of a boundary: counter-clockwise seen
+                                                       ///< from outside the meshed volume, normals
+                                                       ///< leave the air.
   std::vector<Patch> patch;             ///< Per triangle; ascending, so patches are consecutive.
   PatchTable patches;                   ///< All that `patch` may have.
   std::vector<BuildingIndex> building;  ///< Per triangle: for roofs and walls the building, else
@@ -36,6 +37,10 @@ SurfaceMesh extract_boundary(const ColumnMesh& mesh);
 
 /// The faces of some patches only, renumbered.
 SurfaceMesh select_patches(const SurfaceMesh& surface, std::span<const Patch> patches);
+
+/// Ground, roofs and walls of a boundary as people look at them: its solid patches, renumbered, and
+/// turned round, so normals point into the air.
+SurfaceMesh city_surface(const SurfaceMesh& boundary);
 
 struct PatchCount {
   std::string name;
