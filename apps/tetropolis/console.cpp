@@ -1,17 +1,22 @@
 #include "console.h"
 
+#include <algorithm>
 #include <cerrno>
+#include <cstdlib>
 #include <cstring>
 #include <filesystem>
 #include <fstream>
 #include <system_error>
+#include <utility>
 
 #include <fmt/format.h>
 #include <unistd.h>
 
 #include "tetropolis/core/error.h"
 
+#include "help.h"
 #include "interrupts.h"
+#include "options.h"
 
 namespace tetropolis::app {
 
@@ -32,10 +37,20 @@ bool holds_data(const std::string& path) {
          (first != std::string::npos && std::strchr("{[<", start[first]) != nullptr);
 }
 
+/// Whether stderr is a terminal on which a line can be drawn again.
+bool draws_on_terminal() {
+  const char* kind = std::getenv("TERM");
+  return isatty(STDERR_FILENO) == 1 && (kind == nullptr || std::strcmp(kind, "dumb") != 0);
+}
+
 }  // namespace
 
-Console::Console(bool quiet, const std::string& log)
-    : quiet_(quiet), terminal_(isatty(STDERR_FILENO) == 1), log_name_(log) {
+Console::Console(const Config& config)
+    : quiet_(config.quiet),
+      verbose_(config.verbose),
+      terminal_(draws_on_terminal()),
+      log_name_(config.log) {
+  const std::string& log = config.log;
   if (log.empty()) return;
   if (holds_data(log))
     throw Error(
@@ -60,8 +75,8 @@ Console::~Console() {
 }
 
 void Console::clear_bar() {
-  if (bar_) put(stderr, "\r\033[K");
-  bar_ = false;
+  if (!bar_.empty()) put(stderr, "\r\033[K");
+  bar_.clear();
 }
 
 void Console::log_line(const std::string& line) {
@@ -95,27 +110,47 @@ void Console::important_result(const std::string& text) {
   put(stdout, line + "\n");
 }
 
-RunHooks Console::hooks() {
+void Console::draw_bar(const RunProgress& progress) {
+  if (quiet_ || !terminal_) return;
+  // One column stays free: in the last one some terminals go to the next line.
+  constexpr int kWidest = 40, kAround = 38;
+  const int width = std::clamp(terminal_width(STDERR_FILENO) - 1 - kAround, 1, kWidest);
+  const int percent = static_cast<int>(progress.share() * 100);
+  const int filled = percent * width / 100;
+  const std::string left = progress.time_left();
+  std::string bar = fmt::format("{:<10} [{:=<{}}{:{}}] {:3d} %{}{}", progress.stage(), "", filled,
+                                "", width - filled, percent, left.empty() ? "" : ", ", left);
+  if (bar == bar_) return;
+  put(stderr, "\r\033[K" + bar);
+  std::fflush(stderr);
+  bar_ = std::move(bar);
+}
+
+void Console::stage_line(const RunProgress::Ended& stage) {
+  if (!stage.name.empty() && !verbose_)
+    line(fmt::format("{:<10} {:6.2f} s", stage.name, stage.seconds));
+}
+
+RunHooks Console::hooks(RunProgress& progress) {
   RunHooks hooks;
   hooks.cancelled = interrupted;
   hooks.output = watch_output();
-  hooks.step_begins = [this](const StepTime& step) {
-    step_ = fmt::format("{}  {}", step.id, step.name);
-    last_percent_ = -1;
+  hooks.tell = [this](const std::string& text) { line(with_options(text)); };
+  hooks.step_begins = [this, &progress](const StepTime& step) {
+    stage_line(progress.begin(step));
+    draw_bar(progress);
   };
-  hooks.step_progress = [this](double fraction) {
-    const int percent = static_cast<int>(fraction * 100);
-    if (quiet_ || !terminal_ || percent == last_percent_) return;
-    last_percent_ = percent;
-    constexpr int width = 30;
-    const int filled = percent * width / 100;
-    put(stderr, fmt::format("\r\033[K{:<32} [{:=<{}}{:{}}] {:3d} %", step_, "", filled, "",
-                            width - filled, percent));
-    std::fflush(stderr);
-    bar_ = true;
+  hooks.step_progress = [this, &progress](double fraction) {
+    progress.update(fraction);
+    draw_bar(progress);
   };
-  hooks.step_ends = [this](const StepTime& step) {
-    line(fmt::format("{:<34} {:6.2f} s", step_, step.seconds));
+  hooks.step_ends = [this, &progress](const StepTime& step) {
+    progress.end(step);
+    const std::string text = fmt::format("{}  {:<30} {:6.2f} s", step.id, step.name, step.seconds);
+    if (verbose_)
+      line(text);
+    else
+      log_line(text);
   };
   return hooks;
 }

@@ -1,4 +1,4 @@
-// What the user sees on stderr: a progress bar on a terminal, plain lines otherwise.
+// What the user sees on stderr: stages, with a bar for the whole run on a terminal.
 #pragma once
 
 #include <cstdio>
@@ -6,13 +6,15 @@
 
 #include "tetropolis/run/run.h"
 
+#include "progress.h"
+
 namespace tetropolis::app {
 
 class Console {
  public:
-  /// Throws Error(kUsage) if the log cannot be opened, or is a file of data (binary, JSON or
-  /// XML), which would be lost. Empty `log`: none.
-  Console(bool quiet, const std::string& log);
+  /// By quiet, verbose and log of the settings. Throws Error(kUsage) if the log cannot be opened,
+  /// or is a file of data (binary, JSON or XML), which would be lost. Empty `log`: none.
+  explicit Console(const Config& config);
   ~Console();
   Console(const Console&) = delete;
   Console& operator=(const Console&) = delete;
@@ -24,17 +26,19 @@ class Console {
   void result(const std::string& text);
   /// The same, quiet or not.
   void important_result(const std::string& text);
-  RunHooks hooks();
+  /// Of one run; `progress` is used as long as they are.
+  RunHooks hooks(RunProgress& progress);
+  void stage_line(const RunProgress::Ended& stage);
 
  private:
+  void draw_bar(const RunProgress& progress);
   void clear_bar();
   void log_line(const std::string& line);
 
   bool quiet_;
+  bool verbose_;
   bool terminal_;
-  bool bar_ = false;
-  int last_percent_ = -1;
-  std::string step_;
+  std::string bar_;  ///< As it stands on the terminal; empty if there is none.
   std::string log_name_;
   std::FILE* log_ = nullptr;
 };

@@ -31,52 +31,18 @@
 
 #include "commands.h"
 #include "console.h"
+#include "help.h"
 #include "interrupts.h"
 #include "options.h"
+#include "progress.h"
+#include "reference.h"
+#include "summary.h"
 
 namespace {
 
 namespace fs = std::filesystem;
 using namespace tetropolis;
 using namespace tetropolis::app;
-
-/// The lines after a run: what came out, in one screen.
-void print_summary(const Report& report, Console& console) {
-  if (report.input && report.command != "synth")
-    console.line(fmt::format("points     {} read, {} kept", report.input->points_read,
-                             report.input->points_kept));
-  if (report.command == "synth")
-    console.line(fmt::format("city       {} footprints, {} points", report.input->footprints_read,
-                             report.input->points_kept));
-  if (report.city)
-    console.line(fmt::format("buildings  {} cleaned, {} after merging, {} features dropped{}",
-                             report.city->raw_buildings, report.city->buildings,
-                             report.city->dropped.size(),
-                             std::isfinite(report.city->min_clearance)
-                                 ? fmt::format("; clearance {:.3f} m", report.city->min_clearance)
-                                 : ""));
-  if (report.ground_mesh)
-    console.line(fmt::format("ground     {} triangles, least angle {:.1f} degrees",
-                             report.ground_mesh->triangles, report.ground_mesh->min_angle_deg));
-  if (report.volume_mesh) {
-    const VolumeMeshFacts& mesh = *report.volume_mesh;
-    console.line(fmt::format(
-        "volume     {} tets, {} inverted; dihedral angles {:.1f} .. "
-        "{:.1f} degrees, median of least {:.1f}",
-        mesh.cells, mesh.inverted, mesh.dihedral_min, mesh.dihedral_max, mesh.dihedral_median));
-  }
-  if (report.surface_mesh)
-    console.line(fmt::format("surface    {} triangles, {}, {}", report.surface_mesh->triangles,
-                             report.surface_mesh->closed ? "closed" : "open",
-                             report.surface_mesh->manifold ? "manifold" : "not manifold"));
-  for (const Warning& warning : report.warnings)
-    console.line(fmt::format("note       {}: {} ({})", warning.code, with_options(warning.message),
-                             warning.count));
-  double seconds = 0;
-  for (const StepTime& step : report.steps) seconds += step.seconds;
-  console.line(fmt::format("done       {:.1f} s, {:.0f} MB at most; results in {}", seconds,
-                           static_cast<double>(report.peak_rss_bytes) / 1e6, report.config.out));
-}
 
 using Say = std::function<void(const std::string&)>;
 
@@ -175,7 +141,7 @@ int with_console(const Config& config, const std::string& other,
                  const std::function<int(Console&)>& action,
                  const char* out_of_memory = kOutOfMemory) {
   require_log_apart(config, other);
-  Console console(config.quiet, config.log);
+  Console console(config);
   return guarded([&] { return action(console); },
                  [&](const std::string& line) { console.error(line); }, out_of_memory);
 }
@@ -187,7 +153,10 @@ int run(const ConfigOptions& options, Command command, RunFunction function) {
   return with_console(
       config, options.file(),
       [&](Console& console) {
-        print_summary(function(config, console.hooks()), console);
+        RunProgress progress(command, config);
+        const Report report = function(config, console.hooks(progress));
+        console.stage_line(progress.finish());
+        for (const std::string& text : summary(report)) console.line(text);
         return 0;
       },
       (command & (kBuild | kMesh)) != 0 ? kOutOfMemoryMeshing : kOutOfMemory);
@@ -219,6 +188,18 @@ void init(const std::string& path) {
   write_file(path, text);
 }
 
+std::string unknown_command(const CLI::App& app, const std::string& word) {
+  std::vector<std::string> known;
+  for (const CLI::App* command : app.get_subcommands({})) known.push_back(command->get_name());
+  const std::string nearest = nearest_name(word, known);
+  std::error_code ignored;
+  return fmt::format("there is no command '{}'; {}", one_line(word),
+                     !nearest.empty() ? fmt::format("did you mean '{}'?", nearest)
+                     : fs::exists(word, ignored)
+                         ? fmt::format("write it after one: tetropolis build {} ...", word)
+                         : "see 'tetropolis help'");
+}
+
 /// One line for what CLI11 could not parse, with the nearest option.
 std::string usage_message(const CLI::App& app, const CLI::ParseError& error) {
   const CLI::App* command = &app;
@@ -239,11 +220,11 @@ std::string usage_message(const CLI::App& app, const CLI::ParseError& error) {
     return error.what();
   }
   const std::string& unknown = leftover.front();
+  if (command == &app && !unknown.starts_with('-')) return unknown_command(app, unknown);
   if (std::error_code ignored; fs::exists(unknown, ignored))
     return fmt::format("unknown argument '{}'; an option before it takes one file only", unknown);
   std::vector<std::string> known;
   for (const CLI::Option* option : command->get_options()) known.push_back(option->get_name());
-  for (const CLI::App* sub : command->get_subcommands({})) known.push_back(sub->get_name());
   const std::string nearest = nearest_name(unknown, known);
   return fmt::format("unknown argument '{}'{}", unknown,
                      nearest.empty() ? fmt::format("; see 'tetropolis {}--help'",
@@ -260,6 +241,7 @@ struct CommandLine {
   std::string checked;                 ///< Of check.
   std::optional<double> min_distance;  ///< Of check.
   std::string settings{"tetropolis.toml"};  ///< Of init.
+  std::string topic;                        ///< Of help and completions.
 
   CommandLine() = default;
   CommandLine(const CommandLine&) = delete;
@@ -272,8 +254,9 @@ void on_choice(CommandLine& line, CLI::App& command, std::function<int()> act) {
 }
 
 void add_run(CommandLine& line, const std::string& name, const std::string& help, Command command,
-             RunFunction function) {
+             RunFunction function, const std::string& example) {
   CLI::App& added = *line.app.add_subcommand(name, help);
+  added.footer(example);
   const auto options = std::make_shared<ConfigOptions>(added, command);
   on_choice(line, added, [options, command, function] { return run(*options, command, function); });
 }
@@ -331,63 +314,114 @@ void add_init(CommandLine& line) {
   });
 }
 
-void add_settings(CommandLine& line) {
-  on_choice(line,
-            *line.app.add_subcommand("settings",
-                                     "All settings as Markdown tables, for the documentation"),
-            [] {
-              put(stdout, config_markdown());
-              return 0;
-            });
-  on_choice(
-      line,
-      *line.app.add_subcommand(
-          "report-keys", "All keys of report.json as a Markdown table, for the documentation"),
-      [] {
-        put(stdout, report_markdown());
-        return 0;
-      });
+/// Commands that print a text about the command line itself.
+void add_text(CommandLine& line, const std::string& name, const std::string& help,
+              std::function<std::string()> text) {
+  CLI::App& added = *line.app.add_subcommand(name, help);
+  added.group("");
+  on_choice(line, added, [text = std::move(text)] {
+    put(stdout, text());
+    return 0;
+  });
+}
+
+void add_help(CommandLine& line) {
+  CLI::App& added = *line.app.add_subcommand("help", "What a command does, and its options");
+  added.add_option("command", line.topic)->type_name("[COMMAND]");
+  on_choice(line, added, [&line] {
+    const CLI::App* topic = line.topic.empty() ? &line.app : nullptr;
+    for (const CLI::App* command : line.app.get_subcommands({}))
+      if (command->get_name() == line.topic) topic = command;
+    if (topic == nullptr) throw Error(ErrorKind::kUsage, unknown_command(line.app, line.topic));
+    put(stdout, help_text(*topic, CLI::AppFormatMode::Normal, terminal_width(STDOUT_FILENO)));
+    return 0;
+  });
+}
+
+void add_completions(CommandLine& line) {
+  CLI::App& added =
+      *line.app.add_subcommand("completions", "Completions for a shell: bash, zsh or fish");
+  added.add_option("shell", line.topic)->required()->type_name("SHELL");
+  added.footer("source <(tetropolis completions bash)");
+  on_choice(line, added, [&line] {
+    put(stdout, completions(line.app, line.topic));
+    return 0;
+  });
 }
 
 void declare(CommandLine& line) {
-  line.app.set_version_flag("--version", std::string("tetropolis ") + kVersion);
+  line.app.set_version_flag("-V,--version", std::string("tetropolis ") + kVersion);
+  line.app.set_help_all_flag("--help-all", "Print all options and exit");
+  line.app.formatter_fn([](const CLI::App* app, const std::string&, CLI::AppFormatMode mode) {
+    return help_text(*app, mode, terminal_width(STDOUT_FILENO));
+  });
   line.app.require_subcommand(1);
+  line.app.footer(
+      "First steps:\n"
+      "  tetropolis synth input                 # a synthetic city to try things on\n"
+      "  tetropolis build input/footprints.shp input city\n"
+      "  tetropolis check city\n"
+      "\n'tetropolis help COMMAND' lists the options of a command.\n");
   add_run(line, "build", "Footprints and points to a city model, a volume mesh and a surface",
-          kBuild, run_build);
+          kBuild, run_build, "tetropolis build footprints.gpkg points/ city --mesh-size 5");
   add_run(line, "city", "Footprints and points to a city model and a terrain (steps 1 and 2)",
-          kCity, run_city);
-  add_run(line, "mesh", "A city model and a terrain to meshes (step 3)", kMesh, run_mesh);
-  add_run(line, "synth", "Invent a city: footprints and points", kSynth, run_synth);
+          kCity, run_city, "tetropolis city footprints.gpkg points/ model");
+  add_run(line, "mesh", "A city model and a terrain to meshes (step 3)", kMesh, run_mesh,
+          "tetropolis mesh model/city.city.json model/dtm.tif mesh --mesh-size 5");
+  add_run(line, "synth", "Invent a city: footprints and points", kSynth, run_synth,
+          "tetropolis synth invented --kind blocks --size 500");
   add_info(line);
   add_check(line);
   add_init(line);
-  add_settings(line);
+  add_help(line);
+  add_completions(line);
+  add_text(line, "man", "The manual page", [&line] { return man_page(line.app); });
+  add_text(line, "settings", "All settings as Markdown tables", config_markdown);
+  add_text(line, "report-keys", "All keys of report.json as a Markdown table", report_markdown);
 }
 
-/// CLI11 takes what comes after "--option=", or after an option with a value, as that value, be it
-/// the next option.
-void require_values(const CLI::App& app, int argc, char** argv) {
+/// "84800", "-1e3,", "1, 2": as sides of a box are written.
+bool is_numbers(std::string_view word) {
+  return word.find_first_of("0123456789") != std::string_view::npos &&
+         word.find_first_not_of("0123456789+-.eE, ") == std::string_view::npos;
+}
+
+/// What CLI11 is to parse, last word first. It takes what comes after "--option=", or after an
+/// option with a value, as that value, be it the next option: those are refused. Sides of a box are
+/// given with commas or, as GDAL's programs have them, without, which become one word.
+std::vector<std::string> arguments(const CLI::App& app, int argc, char** argv) {
   const CLI::App* command = &app;
-  const auto takes_value = [&](std::string_view word) {
-    const CLI::Option* option = command->get_option_no_throw(std::string(word));
-    return option != nullptr && option->get_items_expected_min() > 0;
+  const auto find = [&](std::string_view word) {
+    return command->get_option_no_throw(std::string(word));
   };
+  std::vector<std::string> words;
   for (int i = 1; i < argc; ++i) {
     std::string_view word = argv[i];
-    if (word == "--") return;
+    words.emplace_back(word);
     if (command == &app)
       for (const CLI::App* sub : app.get_subcommands({}))
         if (sub->get_name() == word) command = sub;
-    if (!word.starts_with("--")) continue;
-    const bool is_next_option = i + 1 < argc && std::string_view(argv[i + 1]).starts_with("--") &&
-                                command->get_option_no_throw(argv[i + 1]) != nullptr;
-    if (word.find('=') == word.size() - 1)
+    if (!word.starts_with("-")) continue;
+    const std::string_view next = i + 1 < argc ? argv[i + 1] : "";
+    if (word == "--bounds" && is_numbers(next)) {
+      std::string& sides = words.back();
+      sides += '=';
+      const bool is_whole = std::count(next.begin(), next.end(), ',') == 3;
+      do sides += std::string(argv[++i]) + ',';
+      while (!is_whole && i + 1 < argc && is_numbers(argv[i + 1]));
+      continue;
+    }
+    const CLI::Option* option = find(word);
+    const bool takes_value = option != nullptr && option->get_items_expected_min() > 0;
+    if (word.starts_with("--") && word.find('=') == word.size() - 1)
       word.remove_suffix(1);
-    else if (!(is_next_option && takes_value(word)))
+    else if (!(takes_value && next.starts_with("-") && find(next) != nullptr))
       continue;
     throw Error(ErrorKind::kUsage,
                 fmt::format("{} has no value; write one, or leave the option out", word));
   }
+  std::reverse(words.begin(), words.end());
+  return words;
 }
 
 /// Libraries end in many ways where they do not get the little memory that they begin with.
@@ -402,19 +436,6 @@ void require_address_space() {
                     std::max(left, 0.0) / kMegabyte, (kLeast - left) / kMegabyte));
 }
 
-/// For whoever types nothing but the program's name: what to type next.
-std::string guidance(const CLI::App& app) {
-  std::string text = fmt::format("{}\n\nCommands:\n", app.get_description());
-  for (const CLI::App* sub : app.get_subcommands({}))
-    text += fmt::format("  {:<10} {}\n", sub->get_name(), sub->get_description());
-  return text +
-         "\nFirst steps:\n"
-         "  tetropolis synth --out input                 # a synthetic city to try things on\n"
-         "  tetropolis build --footprints input/footprints.shp --points input --out city\n"
-         "  tetropolis check city\n"
-         "\n'tetropolis COMMAND --help' lists the options of a command.\n";
-}
-
 }  // namespace
 
 int main(int argc, char** argv) {
@@ -422,12 +443,11 @@ int main(int argc, char** argv) {
   CommandLine line;
   declare(line);
   if (argc <= 1) {
-    put(stderr, guidance(line.app));
+    put(stderr, help_text(line.app, CLI::AppFormatMode::Normal, terminal_width(STDERR_FILENO)));
     return static_cast<int>(ErrorKind::kUsage);
   }
   try {
-    require_values(line.app, argc, argv);
-    line.app.parse(argc, argv);
+    line.app.parse(arguments(line.app, argc, argv));
   } catch (const Error& error) {
     put(stderr, fmt::format("tetropolis: {}\n", with_options(one_line(error.what()))));
     return static_cast<int>(error.kind());

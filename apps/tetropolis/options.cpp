@@ -1,10 +1,14 @@
 #include "options.h"
 
 #include <algorithm>
+#include <cstddef>
+#include <span>
 #include <string_view>
 #include <variant>
 
 #include <fmt/format.h>
+
+#include "tetropolis/core/error.h"
 
 namespace tetropolis::app {
 
@@ -18,16 +22,11 @@ bool is_text_list(const ConfigField& field) {
   return std::holds_alternative<std::vector<std::string> Config::*>(field.member);
 }
 
-bool is_box(const ConfigField& field) {
-  return std::holds_alternative<std::vector<double> Config::*>(field.member);
-}
-
-/// "TEXT", "{a,b}", "M" ... shown behind the option's name.
+/// "FILE", "{a,b}", "NUMBER" ... shown behind the option's name.
 std::string type_name(const ConfigField& field) {
   if (!field.choices.empty()) return fmt::format("{{{}}}", fmt::join(field.choices, ","));
-  if (is_box(field)) return "XMIN,YMIN,XMAX,YMAX";
-  if (field.name == "defects") return "NAME,...";
-  if (is_text_list(field)) return "PATH...";
+  if (field.name == "points") return "PATH...";
+  if (!field.value.empty()) return std::string(field.value);
   if (std::holds_alternative<int Config::*>(field.member)) return "INT";
   if (std::holds_alternative<double Config::*>(field.member)) return "NUMBER";
   return "TEXT";
@@ -36,16 +35,50 @@ std::string type_name(const ConfigField& field) {
 std::string description(const ConfigField& field) {
   static const Config defaults;
   std::string text(field.help);
-  if (!field.unit.empty() && !is_box(field)) text += fmt::format(" [{}]", field.unit);
-  const std::string value = value_text(field, defaults);
-  if (!is_switch(field) && value != "\"\"" && value != "[]")
-    text += fmt::format(" (default {})", value);
+  if (!field.unit.empty() && field.value.empty()) text += fmt::format(" [{}]", field.unit);
+  std::string value = value_text(field, defaults);
+  std::erase_if(value, [](char c) { return c == '"' || c == '[' || c == ']'; });
+  if (!is_switch(field) && !value.empty()) text += fmt::format(" (default {})", value);
   return text;
+}
+
+/// What words without an option stand for. Of `points` there may be many.
+std::vector<std::string_view> names_of_words(Command command) {
+  if (command == kBuild || command == kCity) return {"footprints", "points", "out"};
+  if (command == kMesh) return {"city", "dtm", "out"};
+  return command == kSynth ? std::vector<std::string_view>{"out"} : std::vector<std::string_view>{};
+}
+
+std::string usage_of_words(Command command) {
+  std::string text;
+  for (const std::string_view name : names_of_words(command)) {
+    if (!text.empty()) text += ' ';
+    for (const char c : name) text += static_cast<char>(c - 'a' + 'A');
+    if (name == "points") text += "...";
+  }
+  return text;
+}
+
+const ConfigField& field_named(std::string_view name) {
+  const auto fields = config_fields();
+  return *std::find_if(fields.begin(), fields.end(),
+                       [&](const ConfigField& field) { return field.name == name; });
+}
+
+bool is_given(const ConfigField& field, const Config& config) {
+  if (const auto* text = std::get_if<std::string Config::*>(&field.member))
+    return !(config.**text).empty();
+  return !config.points.empty();
+}
+
+/// "-o,--out".
+std::string spellings(const ConfigField& field) {
+  return (field.letter == 0 ? "" : fmt::format("-{},", field.letter)) + option_name(field);
 }
 
 }  // namespace
 
-ConfigOptions::ConfigOptions(CLI::App& app, Command command) {
+ConfigOptions::ConfigOptions(CLI::App& app, Command command) : command_(command) {
   // What was made tells `check` its settings.
   if (command != kCheck)
     app.add_option("--config", file_, "TOML file with settings; 'tetropolis init' writes one")
@@ -56,20 +89,57 @@ ConfigOptions::ConfigOptions(CLI::App& app, Command command) {
     const std::string group(field.group);
     if (is_switch(field)) {
       Switch& given = switches_[&field];
-      given.option = app.add_flag(option_name(field), given.on, description(field))->group(group);
+      given.option = app.add_flag(spellings(field), given.on, description(field))->group(group);
       continue;
     }
     CLI::Option* option =
-        app.add_option(option_name(field), values_[&field], description(field))->group(group);
+        app.add_option(spellings(field), values_[&field], description(field))->group(group);
     option->type_name(type_name(field));
-    // Sides of a box are given with commas or, as GDAL's programs have them, without.
-    if ((is_text_list(field) && field.choices.empty()) || is_box(field))
+    if (is_text_list(field) && field.choices.empty())
       option->expected(1, -1);
     else
       // A word too many is a mistake, not a better value.
       option->expected(1)->allow_extra_args(false)->multi_option_policy(
           CLI::MultiOptionPolicy::Throw);
   }
+  if (!names_of_words(command).empty())
+    app.add_option("words", words_)->type_name(usage_of_words(command))->expected(0, -1);
+}
+
+/// Words stand for what is not given otherwise, the last for the last of it.
+void ConfigOptions::place_words(Config& config) const {
+  if (words_.empty()) return;
+  std::vector<const ConfigField*> fields;
+  std::vector<std::string> given;
+  for (const std::string_view name : names_of_words(command_)) {
+    const ConfigField& field = field_named(name);
+    if (is_given(field, config))
+      given.push_back(option_name(field));
+    else if (!(name == "footprints" && config.terrain_only && words_.size() < 3))
+      fields.push_back(&field);
+  }
+  const auto many = std::find_if(fields.begin(), fields.end(),
+                                 [](const ConfigField* field) { return field->name == "points"; });
+  const std::size_t spare = words_.size() - std::min(words_.size(), fields.size());
+  if (spare > 0 && many == fields.end())
+    throw Error(
+        ErrorKind::kUsage,
+        fmt::format("unknown argument '{}'; {}", words_[fields.size()],
+                    given.empty() ? "the words of this command are " + usage_of_words(command_)
+                                  : fmt::format("given already: {}", fmt::join(given, ", "))));
+  std::size_t next = 0;
+  for (const ConfigField* field : fields) {
+    if (next == words_.size()) return;
+    const std::size_t count = field->name == "points" ? spare + 1 : 1;
+    set_field(config, *field, std::span(words_).subspan(next, count), option_name(*field));
+    next += count;
+  }
+}
+
+const ConfigField* field_of(const CLI::Option& option) {
+  for (const ConfigField& field : config_fields())
+    if (option.check_lname(option_name(field).substr(2))) return &field;
+  return nullptr;
 }
 
 Config ConfigOptions::config() const {
@@ -82,6 +152,7 @@ Config ConfigOptions::config() const {
     if (given.option->count() > 0)
       set_field(config, *field, std::vector<std::string>{given.on ? "true" : "false"},
                 option_name(*field));
+  place_words(config);
   return config;
 }
 

@@ -11,21 +11,27 @@
 
 namespace tetropolis::app {
 
-/// The settings one command takes from its options and from --config.
+/// The settings one command takes from its options, from words without one, and from --config.
 class ConfigOptions {
  public:
-  /// Adds --config (not to `check`) and an option for every setting of `command` to `app`.
+  /// Adds --config (not to `check`), an option for every setting of `command`, and what words
+  /// without an option stand for ("FOOTPRINTS POINTS... OUT") to `app`.
   ConfigOptions(CLI::App& app, Command command);
   ConfigOptions(const ConfigOptions&) = delete;
   ConfigOptions& operator=(const ConfigOptions&) = delete;
 
-  /// Defaults, then the file, then the options. Throws Error(kUsage).
+  /// Defaults, then the file, then the options, then the words for what these do not give. Throws
+  /// Error(kUsage).
   Config config() const;
   /// That of --config; empty if there is none.
   const std::string& file() const { return file_; }
 
  private:
+  void place_words(Config& config) const;
+
+  Command command_;
   std::string file_;
+  std::vector<std::string> words_;
   std::map<const ConfigField*, std::vector<std::string>> values_;
 
   struct Switch {
@@ -34,6 +40,9 @@ class ConfigOptions {
   };
   std::map<const ConfigField*, Switch> switches_;
 };
+
+/// The field of an option of CLI11; null if it is no setting.
+const ConfigField* field_of(const CLI::Option& option);
 
 /// A message of the library as the command line says it: settings by the spelling of their options.
 /// Settings are told by their names, those of a single word in backquotes: "raise mesh_size, or

@@ -10,6 +10,7 @@
 #include "tetropolis/core/error.h"
 #include "tetropolis/geometry/polygon.h"
 #include "tetropolis/io/crs/crs.h"
+#include "tetropolis/io/crs/geo_place.h"
 
 #include "city_input.h"
 #include "common_crs.h"
@@ -119,6 +120,16 @@ void warn_of_scale(const std::string& crs, const Bounds2& domain, std::vector<Wa
            crs_name(crs), 1 / scale, scale > 1 ? "wide" : "narrow")});
 }
 
+/// A wrong CRS shows as a place where it is not used.
+void warn_of_place(const std::string& crs, const Bounds2& domain, std::vector<Warning>& warnings) {
+  const auto place = place_of(crs, domain);
+  if (!place || place->is_in_area) return;
+  warnings.push_back({"crs_elsewhere", 1,
+                      fmt::format("in {} the data lie at {}, where it is not used; is it another "
+                                  "one? (points_crs, footprints_crs)",
+                                  crs_name(crs), position_text(*place))});
+}
+
 /// Counts and box, where a caller that has made the cloud of arrays gives none.
 void complete(PointsInput& points) {
   const PointCloud& cloud = points.points;
@@ -139,6 +150,15 @@ CityInput place_input(PointsInput points, FootprintsInput footprints,
   complete(points);
   CityInput input;
   input.crs = common_crs(points, footprints);
+  if (points.crs.empty())
+    warnings.push_back(
+        {"points_crs_unknown", 1,
+         points.source + ": states no CRS" +
+             (input.crs.empty()
+                  ? "; its coordinates are taken for metres; name it with points_crs"
+                  : fmt::format(": taken from the footprints ({}); if it is another, name it with "
+                                "points_crs",
+                                crs_name(input.crs)))});
   if (!options.bounds) {
     leave_out_unusable(options, footprints);
     leave_out_strays(footprints, points, warnings);
@@ -149,6 +169,7 @@ CityInput place_input(PointsInput points, FootprintsInput footprints,
   if (only_points_tell || far) move_origin_to_corner(points);
   input.domain = find_domain(options, footprints, points);
   warn_of_scale(input.crs, input.domain.moved(points.origin), warnings);
+  warn_of_place(input.crs, input.domain.moved(points.origin), warnings);
   shift(footprints, points.origin);
   input.points = std::move(points);
   input.footprints = std::move(footprints);

@@ -23,7 +23,7 @@ std::vector<std::string> names_below(const std::vector<std::string>& listed) {
   return names;
 }
 
-std::vector<std::string> earlier_results(const fs::path& folder) {
+EarlierRun earlier_run(const fs::path& folder) {
   using Json = nlohmann::json;
   std::error_code error;
   // A pipe would be waited for.
@@ -32,18 +32,19 @@ std::vector<std::string> earlier_results(const fs::path& folder) {
   constexpr std::array kOurs = {"version", "command", "steps"};
   const auto keep = [&](int depth, Json::parse_event_t event, Json& part) {
     return depth != 1 || event != Json::parse_event_t::key || part == "files" ||
-           std::find(kOurs.begin(), kOurs.end(), part) != kOurs.end();
+           part == "started" || std::find(kOurs.begin(), kOurs.end(), part) != kOurs.end();
   };
   const Json report = Json::parse(file, keep, false);
   const auto has = [&](const char* name) { return report.contains(name); };
   if (!report.is_object() || !std::all_of(kOurs.begin(), kOurs.end(), has)) return {};
-  std::vector<std::string> names;
+  EarlierRun run;
   try {
-    names = names_below(report.value("files", names));
+    run.files = names_below(report.value("files", run.files));
+    run.started = report.value("started", run.started);
   } catch (const Json::exception&) {  // changed by hand
   }
-  names.emplace_back(results::kReport);
-  return names;
+  run.files.emplace_back(results::kReport);
+  return run;
 }
 
 }  // namespace tetropolis

@@ -11,9 +11,14 @@ namespace tetropolis {
 /// believed.
 std::vector<std::string> names_below(const std::vector<std::string>& listed);
 
-/// The results of an earlier run in the folder, by its report, and that report. None without a
-/// report of ours: files of their names are the user's then. Of the report, however large, only
-/// these names, and what makes it ours, are kept in memory.
-std::vector<std::string> earlier_results(const std::filesystem::path& folder);
+struct EarlierRun {
+  std::vector<std::string> files;  ///< Its results, and its report.
+  std::string started;             ///< As Report::started; "" if the report does not say.
+};
+
+/// The earlier run in the folder, by its report. No files without a report of ours: those of their
+/// names are the user's then. Of the report, however large, only these members, and what makes it
+/// ours, are kept in memory.
+EarlierRun earlier_run(const std::filesystem::path& folder);
 
 }  // namespace tetropolis

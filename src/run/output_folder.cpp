@@ -86,8 +86,9 @@ void OutputFolder::create_staging(const fs::path& named) {
   }
 }
 
-OutputFolder::OutputFolder(const fs::path& target, OutputWatcher watcher, Replaces replaces)
-    : watcher_(std::move(watcher)), replaces_(replaces) {
+OutputFolder::OutputFolder(const fs::path& target, OutputWatcher watcher, Replaces replaces,
+                           bool overwrite)
+    : watcher_(std::move(watcher)), replaces_(replaces), overwrite_(overwrite) {
   if (target.empty()) fail("`out`", "no folder given");
   // Of a link, the folder it leads to.
   target_ = real_path(target);
@@ -143,7 +144,7 @@ std::vector<std::string> OutputFolder::files() const {
   std::vector<std::string> names;
   for (const fs::path& name : results_below(staging_)) names.push_back(name.string());
   const std::vector<fs::path> stay = staying();
-  for (const std::string& name : earlier_results(target_))
+  for (const std::string& name : earlier_run(target_).files)
     if (std::find(stay.begin(), stay.end(), name) != stay.end() && exists_itself(target_ / name))
       names.push_back(name);
   sort_once(names);
@@ -155,9 +156,13 @@ std::vector<fs::path> OutputFolder::staying() const {
   std::vector<fs::path> names = kept_;
   if (replaces_ == Replaces::kAll) return names;
   const std::vector<std::string> models = results::all_names();
-  for (const std::string& name : earlier_results(target_))
+  for (const std::string& name : earlier_run(target_).files)
     if (std::find(models.begin(), models.end(), name) == models.end()) names.emplace_back(name);
   return names;
+}
+
+void OutputFolder::require_free(const std::vector<std::string>& names) const {
+  if (!overwrite_) require_ours(target_, {names.begin(), names.end()});
 }
 
 /// A cleaner of hidden files may have come by.
@@ -197,7 +202,7 @@ void OutputFolder::commit() {
                   target_.string() + ": cannot be written: " + error.message() +
                       "; was the folder around it moved or locked during the run?");
   } else {
-    replace_results(staging_, target_, staying(), torn_);
+    replace_results(staging_, target_, staying(), overwrite_, torn_);
   }
   committed_ = true;
   // Of results that came by one rename, nothing is left there.
@@ -218,7 +223,7 @@ bool is_result(const fs::path& file, const fs::path& out) {
   constexpr int kDeepest = 3;  // constant/polyMesh/points
   fs::path folder = real.parent_path();
   for (int k = 0; k < kDeepest; ++k, folder = folder.parent_path())
-    if (is_among(real.lexically_relative(folder), earlier_results(folder))) return true;
+    if (is_among(real.lexically_relative(folder), earlier_run(folder).files)) return true;
   return false;
 }
 

@@ -13,6 +13,7 @@
 #include "tetropolis/io/las/las.h"
 
 #include "memory_limit.h"
+#include "mistaken_input.h"
 #include "options_of.h"
 #include "pipeline/common_crs.h"
 #include "pipeline/footprint_extent.h"
@@ -265,6 +266,7 @@ RunInput read_input(const Config& config, Next next, StepClock& clock,
     refuse_unmarked_degrees(input.footprints.bounds, config.footprints, "footprints_crs");
   if (crs.empty()) refuse_unmarked_degrees(headers.box, paths.front().string(), "points_crs");
 
+  refuse_degree_bounds(config, crs, headers.box);
   const bool only_points_tell =
       config.terrain_only && config.bounds.empty() && input.footprints.bounds.empty();
   const ReadPointsOptions options = only_points_tell

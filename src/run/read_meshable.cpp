@@ -19,6 +19,7 @@
 #include "tetropolis/io/raster/geotiff.h"
 #include "tetropolis/pipeline/meshable.h"
 
+#include "mistaken_input.h"
 #include "pipeline/elevations.h"
 #include "pipeline/require_metres.h"
 #include "pipeline/require_room.h"
@@ -134,6 +135,8 @@ MeshableInput read_meshable(const Config& config, std::vector<Warning>& warnings
   require_metres(terrain.crs, config.dtm);
   require_heights_in_metres(terrain.height_unit, config.dtm, nullptr);
   require_elevations(config, terrain);
+  refuse_degree_bounds(config, city.crs.empty() ? terrain.crs : city.crs,
+                       terrain.raster.bounds().moved(city.origin));
   std::string source;
   std::tie(city.domain, source) = domain_of(config, city, terrain);
   require_room(config.min_building_distance, city.domain.bounds(), source);

@@ -179,16 +179,28 @@ void require_no_folder(const fs::path& target, const fs::path& name) {
                                        "another folder with `out`");
 }
 
+void require_ours(const fs::path& target, const std::vector<fs::path>& names) {
+  const std::vector<std::string> ours = earlier_run(target).files;
+  for (const fs::path& name : names)
+    if (exists_itself(target / name) &&
+        std::find(ours.begin(), ours.end(), name.string()) == ours.end())
+      throw Error(ErrorKind::kUsage, (target / name).string() +
+                                         ": would be replaced, and no earlier run has written "
+                                         "it; choose another folder with `out`, or add "
+                                         "`overwrite`");
+}
+
 void replace_results(const fs::path& staging, const fs::path& target,
-                     std::span<const fs::path> kept, bool& torn) {
+                     std::span<const fs::path> kept, bool overwrite, bool& torn) {
   const std::vector<fs::path> names = new_results(staging, target, kept);
+  if (!overwrite) require_ours(target, names);
   const fs::path moving = staging / kBeingMoved, moved = staging / kMovedAside;
   write_names(staging, target, names);
   // There whether or not anything is moved aside: it tells that new results have begun to come.
   std::error_code error;
   fs::create_directory(moving, error);
   if (error) throw_cannot_write(target, error.message());
-  const std::vector<std::string> earlier = earlier_results(target);
+  const std::vector<std::string> earlier = earlier_run(target).files;
   Moves moves;
   const auto move_aside = [&](const fs::path& name) {
     if (!exists_itself(target / name) || is_among(name, kept)) return;

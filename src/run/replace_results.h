@@ -11,6 +11,11 @@ namespace tetropolis {
 /// all in it.
 void require_no_folder(const std::filesystem::path& target, const std::filesystem::path& name);
 
+/// Throws Error(kUsage) naming a file in `target` that has one of these names and that no report of
+/// ours there lists.
+void require_ours(const std::filesystem::path& target,
+                  const std::vector<std::filesystem::path>& names);
+
 /// The files that were written, relative to the folder: a folder in it (constant/polyMesh) may hold
 /// files of the user in the target. The report comes last.
 std::vector<std::filesystem::path> results_below(const std::filesystem::path& folder);
@@ -19,9 +24,10 @@ std::vector<std::filesystem::path> results_below(const std::filesystem::path& fo
 /// `kept` (relative to it), which stay. Earlier results are moved aside first, the report before
 /// all others; the new report comes last. Throws Error(kInput) if one is gone or cannot be moved:
 /// then all moves are undone, or `torn` is true and part of the earlier results in `staging`;
-/// Error(kUsage), before anything is moved, for a result that would replace what is kept.
+/// Error(kUsage), before anything is moved, for a result that would replace what is kept or, unless
+/// `overwrite` is set, a file that is no earlier result.
 void replace_results(const std::filesystem::path& staging, const std::filesystem::path& target,
-                     std::span<const std::filesystem::path> kept, bool& torn);
+                     std::span<const std::filesystem::path> kept, bool overwrite, bool& torn);
 
 /// Puts back what a killed replace_results() had moved aside; false if something is in the way, or
 /// there are no handles or memory for it. May itself be killed and run again. Waits for other runs

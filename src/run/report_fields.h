@@ -53,6 +53,24 @@ void fields_of(WorstCell& cell, const Field& field) {
 }
 
 template <typename Field>
+void fields_of(GeoPlace& place, const Field& field) {
+  field("longitude", place.longitude, "number, degrees", "middle of the domain, WGS 84");
+  field("latitude", place.latitude, "number, degrees", "");
+  field("area", place.area, "text",
+        "what the CRS is made for, such as `Netherlands`; may be empty");
+}
+
+template <typename Field>
+void fields_of(Preflight& preflight, const Field& field) {
+  field("overlap", preflight.overlap, "number",
+        "share of the footprints' box, within the bounds, that the box of the points covers");
+  field("points_per_m2", preflight.points_per_m2, "number, 1/m²", "points kept over their box");
+  field("footprints", preflight.footprints, "integer", "footprints within the bounds, if given");
+  field("footprints_with_points", preflight.footprints_with_points, "integer",
+        "those with a point inside");
+}
+
+template <typename Field>
 void fields_of(InputFacts& input, const Field& field) {
   field("point_files", input.point_files, "integer", "point files given; 0 in `synth`");
   field("point_files_skipped", input.point_files_skipped, "integer",
@@ -186,6 +204,7 @@ template <typename Field>
 void report_fields(Report& report, const Field& field) {
   field("version", report.version, "text", "of Tetropolis");
   field("command", report.command, "text", "`build`, `city`, `mesh` or `synth`");
+  field("started", report.started, "text", "when, UTC: `2026-11-26T09:14:05Z`");
   field("config", report.config, "map",
         "all [settings](settings.md) of the run by name, defaults included");
   field("origin", report.origin, "list of 3 numbers, m",
@@ -194,12 +213,14 @@ void report_fields(Report& report, const Field& field) {
   field("crs", report.crs, "text", "`EPSG:` and a code, WKT without a code, empty if unknown");
   field("domain", report.domain, "list of 4 numbers, m",
         "xmin, ymin, xmax, ymax of the domain in the CRS");
+  field("place", report.place, "object", "absent if the CRS is unknown");
   field("steps", report.steps, "list", "");
   field("peak_rss_bytes", report.peak_rss_bytes, "integer, bytes",
         "largest resident memory before the report is written");
   field("threads", report.threads, "integer", "threads available to the run");
   field("sources", report.sources, "map of texts",
         "`city` and `dtm` that `mesh` has read, relative to the folder of the results");
+  field("preflight", report.preflight, "object", "of `build` and `city`: how the input fits");
   field("input", report.input, "object", "of `build`, `city` and `synth`");
   field("city", report.city, "object", "of `build`, `city` and `mesh`");
   field("ground_mesh", report.ground_mesh, "object", "of `build` and `mesh`");

@@ -67,6 +67,18 @@ inline std::vector<std::string> all_names() {
   return names;
 }
 
+/// What a run writes: its report, a city model, meshes in these formats.
+inline std::vector<std::string> of_run(bool city, bool mesh,
+                                       const std::vector<std::string>& formats) {
+  std::vector<std::string> names{std::string(kReport)};
+  if (city) names.insert(names.end(), kOfCity.begin(), kOfCity.end());
+  for (const ResultFile& file : kOfMesh)
+    if (mesh && (file.format.empty() ||
+                 std::find(formats.begin(), formats.end(), file.format) != formats.end()))
+      names.emplace_back(file.name);
+  return names;
+}
+
 /// The files of one format.
 inline std::vector<std::string> of_format(std::string_view format) {
   std::vector<std::string> names;

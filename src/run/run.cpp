@@ -11,7 +11,9 @@
 
 #include "core/step_clock.h"
 #include "folders.h"
+#include "mistaken_input.h"
 #include "options_of.h"
+#include "preflight_line.h"
 #include "read_input.h"
 #include "read_meshable.h"
 #include "result_files.h"
@@ -24,10 +26,11 @@ namespace {
 
 void require_input(const Config& config, Command command) {
   require_in_range(config, command);
-  require_given(!config.points.empty(), "points", "name LAS or LAZ files or a folder of them");
-  require_given(!config.footprints.empty() || config.terrain_only, "footprints",
-                "name a vector file with building footprints, or add terrain_only");
-  require_given(!config.out.empty(), "out", "name a folder for the results");
+  require_given({{!config.footprints.empty() || config.terrain_only, "footprints",
+                  "a vector file with building footprints, or add terrain_only"},
+                 {!config.points.empty(), "points", "LAS or LAZ files or a folder of them"},
+                 {!config.out.empty(), "out", "a folder for the results"}});
+  refuse_swapped_input(config);
 }
 
 /// Results never replace what the run reads.
@@ -55,8 +58,11 @@ BuiltCity make_city(const Config& config, Next next, const RunHooks& hooks, Outp
                     Report& report) {
   StepClock clock(hooks, report.steps);
   RunInput input = read_input(config, next, clock, report.warnings);
+  const BuildCityOptions options = city_options(config);
+  report.preflight = preflight(input.points, input.footprints, options.bounds);
+  if (hooks.tell) hooks.tell(preflight_line(*report.preflight, input));
   BuiltCity built =
-      build_city(std::move(input.points), std::move(input.footprints), city_options(config), hooks);
+      build_city(std::move(input.points), std::move(input.footprints), options, hooks);
   add_steps(built.steps, report);
   add_warnings(built.warnings, report);
   report.input = built.input;
@@ -103,8 +109,9 @@ Report run_build(const Config& config, const RunHooks& hooks) {
   require_input(config, kBuild);
   const ThreadLimit limit(config.threads);
   Report report = begin_report("build", config);
-  OutputFolder out(config.out, hooks.output, Replaces::kModels);
+  OutputFolder out(config.out, hooks.output, Replaces::kModels, config.overwrite);
   keep_inputs(config, out);
+  claim(out, results::of_run(true, true, config.formats), config, hooks);
   BuiltCity built = make_city(config, Next::kMesh, hooks, out, report);
   make_mesh(config, built.city, std::move(built.terrain), hooks, out, report);
   finish(report, out);
@@ -115,8 +122,9 @@ Report run_city(const Config& config, const RunHooks& hooks) {
   require_input(config, kCity);
   const ThreadLimit limit(config.threads);
   Report report = begin_report("city", config);
-  OutputFolder out(config.out, hooks.output, Replaces::kModels);
+  OutputFolder out(config.out, hooks.output, Replaces::kModels, config.overwrite);
   keep_inputs(config, out);
+  claim(out, results::of_run(true, false, {}), config, hooks);
   make_city(config, Next::kNothing, hooks, out, report);
   finish(report, out);
   return report;
@@ -124,17 +132,19 @@ Report run_city(const Config& config, const RunHooks& hooks) {
 
 Report run_mesh(const Config& config, const RunHooks& hooks) {
   require_in_range(config, kMesh);
-  require_given(!config.city.empty(), "city", "name a city model (.city.json)");
-  require_given(!config.dtm.empty(), "dtm", "name a terrain raster (.tif)");
-  require_given(!config.out.empty(), "out", "name a folder for the results");
+  require_given({{!config.city.empty(), "city", "a city model (.city.json)"},
+                 {!config.dtm.empty(), "dtm", "a terrain raster (.tif)"},
+                 {!config.out.empty(), "out", "a folder for the results"}});
+  refuse_swapped_input(config);
   const ThreadLimit limit(config.threads);
   Report report = begin_report("mesh", config);
   report.sources = {{"city", relative_to_results(config, config.city)},
                     {"dtm", relative_to_results(config, config.dtm)}};
-  OutputFolder out(config.out, hooks.output, Replaces::kModels);
+  OutputFolder out(config.out, hooks.output, Replaces::kModels, config.overwrite);
   keep_inputs(config, out);
   // Beside the city model that is meshed, the one it was made from is no leftover.
   out.keep(std::filesystem::path(config.city).parent_path() / results::kRawCity);
+  claim(out, results::of_run(false, true, config.formats), config, hooks);
   StepClock clock(hooks, report.steps);
   MeshableInput input = clock.run("1.2", "read city and terrain", [&](const Progress&) {
     return read_meshable(config, report.warnings);

@@ -2,9 +2,12 @@
 
 #include <cstdint>
 #include <cstdlib>
+#include <ctime>
 #include <fstream>
 #include <string>
+#include <vector>
 
+#include <fmt/chrono.h>
 #include <fmt/format.h>
 #include <sys/resource.h>
 
@@ -12,6 +15,7 @@
 #include "tetropolis/core/threads.h"
 #include "tetropolis/core/version.h"
 
+#include "earlier_results.h"
 #include "io/file/atomic_file.h"
 #include "result_files.h"
 
@@ -29,25 +33,51 @@ std::int64_t peak_rss_bytes() {
   return static_cast<std::int64_t>(usage.ru_maxrss) * 1024;
 }
 
+/// Of Report::started.
+constexpr const char* kTime = "{:%Y-%m-%dT%H:%M:%SZ}";
+
+/// "2026-11-26 10:14" where the user is; "" for what is no time.
+std::string local_time(const std::string& utc) {
+  std::tm time{};
+  if (::strptime(utc.c_str(), "%Y-%m-%dT%H:%M:%SZ", &time) == nullptr) return "";
+  return fmt::format("{:%Y-%m-%d %H:%M}", fmt::localtime(::timegm(&time)));
+}
+
 }  // namespace
 
-void require_given(bool given, const char* setting, const char* what) {
-  if (!given) throw Error(ErrorKind::kUsage, fmt::format("`{}` is missing: {}", setting, what));
+void require_given(std::initializer_list<Needed> settings) {
+  std::vector<std::string> missing;
+  for (const Needed& needed : settings)
+    if (!needed.given) missing.push_back(fmt::format("`{}` ({})", needed.setting, needed.what));
+  if (!missing.empty())
+    throw Error(ErrorKind::kUsage, fmt::format("missing: {}", fmt::join(missing, ", ")));
 }
 
 Report begin_report(const char* command, const Config& config) {
   Report report;
   report.version = kVersion;
   report.command = command;
+  report.started = fmt::format(kTime, fmt::gmtime(std::time(nullptr)));
   report.config = config;
   report.threads = thread_count();
   return report;
+}
+
+void claim(const OutputFolder& out, const std::vector<std::string>& names, const Config& config,
+           const RunHooks& hooks) {
+  out.require_free(names);
+  const EarlierRun earlier = earlier_run(config.out);
+  if (earlier.files.empty() || !hooks.tell) return;
+  const std::string when = local_time(earlier.started);
+  hooks.tell(fmt::format("{}: replaces {}", config.out,
+                         when.empty() ? "an earlier run" : "the run of " + when));
 }
 
 void keep_domain(const CityModel& city, Report& report) {
   report.origin = city.origin;
   report.crs = city.crs;
   report.domain = city.domain.moved(city.origin).bounds();
+  report.place = place_of(city.crs, report.domain);
 }
 
 void finish(Report& report, OutputFolder& out) {

@@ -1,17 +1,34 @@
 // What all commands begin and end with.
 #pragma once
 
+#include <initializer_list>
+#include <string>
+#include <vector>
+
 #include "tetropolis/city/city_model.h"
 #include "tetropolis/run/config.h"
 #include "tetropolis/run/output_folder.h"
 #include "tetropolis/run/report.h"
+#include "tetropolis/run/run.h"
 
 namespace tetropolis {
 
-/// Throws Error(kUsage) that `setting` is missing, and what it is for, if it is not given.
-void require_given(bool given, const char* setting, const char* what);
+/// A setting that a command cannot do without.
+struct Needed {
+  bool given;
+  const char* setting;
+  const char* what;  ///< What to give.
+};
+
+/// Throws Error(kUsage) that names all of them that are not given.
+void require_given(std::initializer_list<Needed> settings);
 
 Report begin_report(const char* command, const Config& config);
+
+/// That the run may write results of these names to `out`. Tells whose it replaces. Throws
+/// Error(kUsage).
+void claim(const OutputFolder& out, const std::vector<std::string>& names, const Config& config,
+           const RunHooks& hooks);
 
 /// Tells the report where the city is.
 void keep_domain(const CityModel& city, Report& report);

@@ -6,6 +6,7 @@
 
 #include "tetropolis/core/system_memory.h"
 #include "tetropolis/core/threads.h"
+#include "tetropolis/io/crs/geo_place.h"
 #include "tetropolis/io/las/las.h"
 #include "tetropolis/io/vector/vector.h"
 #include "tetropolis/run/run.h"
@@ -13,6 +14,7 @@
 
 #include "core/step_clock.h"
 #include "pipeline/memory.h"
+#include "result_files.h"
 #include "run_frame.h"
 #include "synth/adversarial_city.h"
 #include "synth_adversarial.h"
@@ -130,16 +132,20 @@ void synth_plain(const Config& config, double size, OutputFolder& out, StepClock
 
 Report run_synth(const Config& config, const RunHooks& hooks) {
   require_in_range(config, kSynth);
-  require_given(!config.out.empty(), "out", "name a folder for the results");
+  require_given({{!config.out.empty(), "out", "a folder for the results"}});
   require_room(config);
   const double size = size_of(config);
   require_scan_fits(size * size * config.point_density, usable_memory());
   const ThreadLimit limit(config.threads);
   Report report = begin_report("synth", config);
   StepClock clock(hooks, report.steps);
-  OutputFolder out(config.out, hooks.output);
+  OutputFolder out(config.out, hooks.output, Replaces::kAll, config.overwrite);
+  std::vector<std::string> names{results::kReport};
+  names.insert(names.end(), results::kOfSynth.begin(), results::kOfSynth.end());
+  claim(out, names, config, hooks);
   const auto synth = config.kind == SynthKind::kAdversarial ? synth_adversarial : synth_plain;
   synth(config, size, out, clock, report);
+  report.place = place_of(report.crs, report.domain);
   finish(report, out);
   return report;
 }

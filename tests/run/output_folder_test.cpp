@@ -56,7 +56,7 @@ TEST(OutputFolder, KeepsAnEarlierResultUntilCommit) {
   }
   EXPECT_EQ(bytes_of(scratch / "result/x.txt"), "old");
   {
-    OutputFolder out(scratch / "result/");
+    OutputFolder out(scratch / "result/", {}, Replaces::kAll, true);
     std::ofstream(out / "x.txt") << "new";
     std::ofstream(out / "report.json") << "{}";
     out.commit();
@@ -144,7 +144,7 @@ TEST(OutputFolder, OnlyAnEarlierRunLeavesLeftovers) {
     write(scratch / "result/volume.msh", "old");
     write(scratch / "result/constant/polyMesh/points", "old");
     write(scratch / "result/constant/polyMesh/notes", "mine");
-    OutputFolder out(scratch / "result");
+    OutputFolder out(scratch / "result", {}, Replaces::kAll, !ours);
     write(out / "surface.stl", "new");
     write(out / "report.json", kReport);
     out.commit();
@@ -153,6 +153,48 @@ TEST(OutputFolder, OnlyAnEarlierRunLeavesLeftovers) {
     if (!ours) expected.insert({"volume.msh", "constant/polyMesh/points"});
     EXPECT_EQ(everything(scratch / "result"), expected);
   }
+}
+
+/// Neither before the work nor, if they come during it, after it.
+TEST(OutputFolder, ReplacesNobodysFiles) {
+  for (const char* name : {"report.json", "surface.stl", "constant/polyMesh/points"})
+    for (const bool reported : {false, true}) {
+      SCOPED_TRACE(name);
+      const testing::TemporaryFolder scratch;
+      const bool is_report = name == std::string("report.json");
+      if (reported && !is_report)
+        write(scratch / "result/report.json",
+              R"({"version": "0", "command": "build", "steps": [], "files": ["dtm.tif"]})");
+      write(scratch / "result" / name, "mine");
+      const auto before = everything(scratch.path());
+      const auto refused = [&](const auto& act) {
+        try {
+          act();
+          ADD_FAILURE() << "not refused";
+        } catch (const Error& error) {
+          EXPECT_EQ(error.kind(), ErrorKind::kUsage);
+          const std::string message = error.what();
+          EXPECT_NE(message.find(std::string("result/") + name + ": "), std::string::npos);
+          EXPECT_NE(message.find("`overwrite`"), std::string::npos) << message;
+        }
+      };
+      {
+        OutputFolder out(scratch / "result");
+        out.require_free({"volume.vtu"});
+        refused([&] { out.require_free({"volume.vtu", name}); });
+        write(out / name, "new");
+        if (!is_report) write(out / "report.json", kReport);
+        refused([&] { out.commit(); });
+      }
+      EXPECT_EQ(everything(scratch.path()), before);
+      EXPECT_EQ(bytes_of(scratch / "result" / name), "mine");
+      OutputFolder out(scratch / "result", {}, Replaces::kAll, true);
+      out.require_free({name});
+      write(out / name, "new");
+      if (!is_report) write(out / "report.json", kReport);
+      out.commit();
+      EXPECT_EQ(bytes_of(scratch / "result" / name), "new");
+    }
 }
 
 /// Made by another program from a result of ours, say.

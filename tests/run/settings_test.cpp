@@ -632,7 +632,9 @@ const std::map<std::string_view, std::string_view>& elsewhere_tested() {
       {"dtm", "Build.CityAndMeshInTwoStepsGiveTheSameMesh"},
       {"layer", "robustness: file_defects_test"},
       {"out", "every test looks there for results"},
+      {"overwrite", "OutputFolder.ReplacesNobodysFiles; of the program: cli_test"},
       {"quiet", "of the program, not of the library: cli_test"},
+      {"verbose", "of the program, not of the library: cli_test"},
       {"log", "of the program, not of the library: cli_test"},
   };
   return names;

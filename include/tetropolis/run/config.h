@@ -39,6 +39,7 @@ struct Config {
 
   // Output.
   std::string out;
+  bool overwrite = false;
   std::vector<std::string> formats{"vtu"};
   Coordinates coordinates = Coordinates::kLocal;
   Compression compression = Compression::kNone;
@@ -86,6 +87,7 @@ struct Config {
   std::string max_memory;  ///< As "8G"; empty: nine tenths of what the process may use.
   int threads = 0;
   bool quiet = false;
+  bool verbose = false;
   std::string log;
 };
 
@@ -116,6 +118,9 @@ struct ConfigField {
   unsigned commands;      ///< Command bits that take it.
   std::string_view help;  ///< One line without a full stop.
   std::string_view unit = "";
+  std::string_view value = "";  ///< Of texts: what its value is called: "FILE", "DIR", "CRS".
+  char letter = 0;              ///< The option's short form is "-" with it; 0: none.
+  bool common = false;          ///< Shown by --help, not only by --help-all.
   double min = -std::numeric_limits<double>::infinity();  ///< Of numbers, inclusive
   double max = std::numeric_limits<double>::infinity();
   bool above_min = false;                      ///< unless only greater ones are allowed.

@@ -27,11 +27,11 @@ enum class Replaces {
 /// Results are written to a hidden folder beside the target (".NAME.part-..."), or inside of it
 /// where it is a mount of its own or nothing can be made beside it; commit() moves them in. A
 /// target that did not exist appears by one rename. In one that did, the results of the earlier run
-/// (what its report says it wrote, as `replaces` says, and files of the new ones' names) are moved
-/// aside, the report first, then the new ones in, the report last: no moment shows a report beside
-/// files that it does not describe. All other files stay, and those that were given to keep(). If a
-/// move fails, all of them are undone. Without commit() the destructor removes everything, the
-/// target is as it was.
+/// (what its report says it wrote, as `replaces` says) are moved aside, the report first, then the
+/// new ones in, the report last: no moment shows a report beside files that it does not describe.
+/// All other files stay, and those that were given to keep(); one that has the name of a new result
+/// is replaced only if `overwrite` is set. If a move fails, all of them are undone. Without
+/// commit() the destructor removes everything, the target is as it was.
 ///
 /// A process that is killed leaves its hidden folder behind, and so does one that cannot undo its
 /// moves. The next OutputFolder for the same target removes it, and puts the earlier results back
@@ -43,7 +43,7 @@ class OutputFolder {
   /// Creates the hidden folder. Throws Error(kUsage) if the target is a file, holds a folder with
   /// the name of a result, or nothing can be created beside it.
   explicit OutputFolder(const std::filesystem::path& target, OutputWatcher watcher = {},
-                        Replaces replaces = Replaces::kAll);
+                        Replaces replaces = Replaces::kAll, bool overwrite = false);
   ~OutputFolder();
   OutputFolder(const OutputFolder&) = delete;
   OutputFolder& operator=(const OutputFolder&) = delete;
@@ -59,13 +59,17 @@ class OutputFolder {
   /// run that stay.
   std::vector<std::string> files() const;
 
+  /// Before the work, what commit() asks again: that results of these names replace no file but
+  /// those of an earlier run. Throws Error(kUsage) naming the file.
+  void require_free(const std::vector<std::string>& names) const;
+
   /// An input of this run, or what belongs to it: it stays even if it is a result of an earlier
   /// run. Of a link, both the link and the file.
   void keep(const std::filesystem::path& file);
 
   /// Throws Error(kInput) naming a result that is gone or could not be moved, Error(kUsage) naming
-  /// a file to be kept that a result would replace; the target is as it was, or the message says
-  /// that part of it is in the hidden folder.
+  /// a file to be kept, or of nobody's run, that a result would replace; the target is as it was,
+  /// or the message says that part of it is in the hidden folder.
   void commit();
 
   /// The hidden folder that commit() could not remove, and why. It holds no result that counts.
@@ -83,6 +87,7 @@ class OutputFolder {
 
   OutputWatcher watcher_;
   Replaces replaces_;
+  bool overwrite_;
   std::filesystem::path target_;
   std::filesystem::path home_;  // of staging_: beside the target, or the target itself
   std::filesystem::path staging_;

@@ -12,8 +12,10 @@
 #include "tetropolis/core/steps.h"
 #include "tetropolis/core/warning.h"
 #include "tetropolis/geometry/types.h"
+#include "tetropolis/io/crs/geo_place.h"
 #include "tetropolis/pipeline/build_city.h"
 #include "tetropolis/pipeline/mesh_city.h"
+#include "tetropolis/pipeline/preflight.h"
 #include "tetropolis/run/config.h"
 
 namespace tetropolis {
@@ -21,6 +23,7 @@ namespace tetropolis {
 struct Report {
   std::string version;  ///< Of the program that wrote it.
   std::string command;
+  std::string started;  ///< When: UTC, "2026-11-26T09:14:05Z".
   Config config;
   Point2 origin;
   std::string crs;
@@ -30,6 +33,8 @@ struct Report {
   int threads = 0;
   std::map<std::string, std::string> sources;  ///< What `mesh` has read, by setting: paths relative
                                                ///< to the folder of the results.
+  std::optional<GeoPlace> place;  ///< The middle of the domain; none if the CRS is unknown.
+  std::optional<Preflight> preflight;
   std::optional<InputFacts> input;
   std::optional<CityFacts> city;
   std::optional<GroundMeshFacts> ground_mesh;

@@ -1,6 +1,9 @@
 // The commands: steps strung together, from files to a folder of results.
 #pragma once
 
+#include <functional>
+#include <string>
+
 #include "tetropolis/core/steps.h"
 #include "tetropolis/run/config.h"
 #include "tetropolis/run/output_folder.h"
@@ -11,6 +14,8 @@ namespace tetropolis {
 /// How a run tells its caller what it does. All may be empty.
 struct RunHooks : StepHooks {
   OutputWatcher output;  ///< For callers that may have to end the process.
+  /// One line each, before the work: which results the run replaces, what the input is.
+  std::function<void(const std::string& line)> tell;
 };
 
 /// Each writes the files of docs/files.md into config.out and returns what report.json says, and a

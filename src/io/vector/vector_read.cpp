@@ -332,8 +332,13 @@ void settle_crs(const fs::path& path, const ReadFootprintsOptions& options, bool
     return;
   }
   if (result.crs.empty())
-    result.warnings.push_back({"footprints_crs_unknown", 1,
-                               path.string() + ": states no CRS; name it with footprints_crs"});
+    result.warnings.push_back(
+        {"footprints_crs_unknown", 1,
+         path.string() + ": states no CRS" +
+             (options.target_crs.empty() ? "; name it with footprints_crs"
+                                         : fmt::format(": taken from the points ({}); if it is "
+                                                       "another, name it with footprints_crs",
+                                                       crs_name(options.target_crs)))});
 }
 
 void reproject_features(const fs::path& path, const std::string& target, FootprintsInput& result) {
