@@ -109,7 +109,7 @@ void info_city(const std::string& path) {
 }
 
 /// The first of them, which are enough to see what is wrong.
-void print_dropped(const std::vector<Dropped>& dropped) {
+void print_dropped(const std::vector<UnusableFootprint>& dropped) {
   constexpr std::size_t kMost = 10;
   for (std::size_t i = 0; i < std::min(kMost, dropped.size()); ++i)
     print_line(fmt::format("  dropped: {}: {}", dropped[i].source_id, dropped[i].reason));

@@ -55,7 +55,7 @@ class City:
     def __init__(self, file):
         model = json.loads(file.read_text())
         scale, move = (np.array(model["transform"][k]) for k in ("scale", "translate"))
-        vertices = np.array(model["vertices"]) * scale + move - model["tetropolis"]["origin"]
+        vertices = np.array(model["vertices"]) * scale + move - model["+tetropolis"]["origin"]
         self.buildings = []
         for thing in model["CityObjects"].values():
             faces = thing["geometry"][0]["boundaries"][0]

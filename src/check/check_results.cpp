@@ -25,6 +25,7 @@
 #include "tetropolis/io/mesh/vtk.h"
 #include "tetropolis/io/mesh/xdmf.h"
 #include "tetropolis/io/raster/geotiff.h"
+#include "tetropolis/io/vector/vector.h"
 #include "tetropolis/run/config.h"
 
 #include "check_ground.h"
@@ -214,6 +215,15 @@ CheckedFile check_terrain(const std::string& name, const RasterInput& terrain,
                    {},
                    {}};
   compare_terrain(terrain, city, report, file);
+  return file;
+}
+
+CheckedFile check_layers(const fs::path& folder, const ReportedRun& report) {
+  const std::vector<VectorLayer> layers = list_layers(folder / results::kLayers);
+  CheckedFile file{results::kLayers, {}, {}, {}};
+  for (const VectorLayer& layer : layers)
+    file.facts.push_back(fmt::format("{} {}", layer.features, layer.name));
+  if (report.report.city) compare_layers(layers, report.report, file);
   return file;
 }
 
@@ -434,6 +444,8 @@ std::vector<CheckedFile> check_folder(const fs::path& folder, std::optional<doub
     files.push_back(
         check_terrain(shown_name(sources.terrain, folder), *sources.read_terrain, city, report));
   }
+  if (report && report->made_city() && is_there(folder / results::kLayers))
+    files.push_back(check_layers(folder, *report));
   add_meshes(folder, sources, city, report, progress, files);
   if (files.empty())
     throw Error(

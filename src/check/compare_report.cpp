@@ -63,6 +63,15 @@ void compare_buildings(const CityModel& city, const CityCheck& check, const City
   for (const Building& building : city.buildings) merged += building.source_ids.size() > 1 ? 1 : 0;
   compare_count("number of merged groups", report.merged_groups, merged, file);
   if (!made) return;
+  const FootprintAccount& account = report.account;
+  const std::size_t alone = city.buildings.size() - merged;
+  compare_count("number of footprints that are a building alone", account.kept, alone, file);
+  compare_count("number of merged footprints", account.merged,
+                all_source_ids(city).size() - city.dropped.size() - alone, file);
+  compare_count("number of dropped footprints",
+                account.unusable + account.outside + account.boundary + account.too_small +
+                    account.too_narrow,
+                city.dropped.size(), file);
   compare("area of footprints", report.area_after, check.area * (1 - 1e-9) - 1e-6, check.area,
           check.area * (1 + 1e-9) + 1e-6, file);
   const double clearance = joint_clearance_of(check);
@@ -214,6 +223,24 @@ void compare_terrain(const RasterInput& terrain, const CityModel& city,
   if (is_result)
     compare("step of the terrain", report->report.config.dtm_step, step * (1 - 1e-9), step,
             step * (1 + 1e-9), file);
+}
+
+void compare_layers(const std::vector<VectorLayer>& layers, const Report& report,
+                    CheckedFile& file) {
+  const auto compare_layer = [&](const char* name, std::int64_t reported) {
+    const auto found = std::find_if(layers.begin(), layers.end(),
+                                    [&](const VectorLayer& layer) { return layer.name == name; });
+    const std::int64_t count = found == layers.end() ? 0 : found->features;
+    compare_count(fmt::format("number of {}", name), reported, static_cast<std::size_t>(count),
+                  file);
+  };
+  const FootprintAccount& account = report.city->account;
+  compare_layer("buildings", report.city->buildings);
+  compare_layer("dropped",
+                account.unusable + account.boundary + account.too_small + account.too_narrow);
+  // What the domain cuts into parts is one footprint there.
+  if (report.config.boundary_buildings == BoundaryBuildings::kDrop)
+    compare_layer("footprints", account.features + account.further_parts - account.outside);
 }
 
 void compare_domain(const SurfaceCheck& surface, const std::optional<ReportedRun>& report,

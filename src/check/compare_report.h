@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "tetropolis/check/check_city.h"
 #include "tetropolis/check/check_results.h"
@@ -13,6 +14,7 @@
 #include "tetropolis/check/check_volume.h"
 #include "tetropolis/city/city_model.h"
 #include "tetropolis/io/raster/geotiff.h"
+#include "tetropolis/io/vector/vector.h"
 
 #include "reported_run.h"
 
@@ -45,6 +47,11 @@ void compare_city(const CityModel& city, const CityCheck& check, const ReportedR
 /// was asked for.
 void compare_terrain(const RasterInput& terrain, const CityModel& city,
                      const std::optional<ReportedRun>& report, CheckedFile& file);
+
+/// Whether the layers of a city (city_layers.h) have a feature for each building and footprint.
+/// Precondition: the report has a city.
+void compare_layers(const std::vector<VectorLayer>& layers, const Report& report,
+                    CheckedFile& file);
 
 /// Whether the boundary reaches to the sides of the domain.
 void compare_domain(const SurfaceCheck& surface, const std::optional<ReportedRun>& report,

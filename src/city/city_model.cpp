@@ -34,6 +34,16 @@ std::uint32_t flags_from_names(const std::vector<std::string>& names) {
   return flags;
 }
 
+const char* name_of(DropCause cause) {
+  constexpr std::array kNames = {"unusable", "outside", "boundary", "too_small", "too_narrow"};
+  return kNames[static_cast<std::size_t>(cause)];
+}
+
+double snap_height(double value) {
+  constexpr double kPerMetre = 1000;
+  return std::nearbyint(value * kPerMetre) / kPerMetre;
+}
+
 double snap_coordinate(double value) {
   // Division by an integer rounds once, so that n steps read from a file as n / kStepsPerMetre give
   // the same double as here; n * 1e-4 would not.

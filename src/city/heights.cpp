@@ -31,10 +31,10 @@ void set_ground(Building& building, std::span<double> heights, const Raster& dtm
                 const HeightOptions& options) {
   building.n_ground_points = static_cast<std::int64_t>(heights.size());
   if (heights.empty()) {
-    building.h_ground = sample(dtm, interior_point(building.footprint));
+    building.h_ground = snap_height(sample(dtm, interior_point(building.footprint)));
     building.flags |= kGroundFromDtm;
   } else {
-    building.h_ground = percentile(heights, options.ground_percentile);
+    building.h_ground = snap_height(percentile(heights, options.ground_percentile));
   }
 }
 
@@ -57,6 +57,7 @@ void set_roof(Building& building, std::span<double> heights, bool unclassified,
     building.h_roof = lowest;
     building.flags |= kMinimumHeight;
   }
+  building.h_roof = snap_height(building.h_roof);
 }
 
 }  // namespace

@@ -73,12 +73,12 @@ CityModel merged_model(const CityModel& raw, const Simplification& simple) {
                                  member.source_ids.end());
       building.flags |= member.flags & inherited;
     }
-    building.attribute_height = merged_attribute_height(raw, simple.members[i]);
+    building.attribute_height = snap_height(merged_attribute_height(raw, simple.members[i]));
     model.buildings.push_back(std::move(building));
   }
   for (const DroppedFootprint& dropped : simple.dropped)
     for (const std::string& id : raw.buildings[static_cast<std::size_t>(dropped.index)].source_ids)
-      model.dropped.push_back({id, dropped.reason});
+      model.dropped.push_back({id, dropped.reason, dropped.cause});
   return model;
 }
 
@@ -138,9 +138,11 @@ InputFacts facts_of(const PointsInput& points, const FootprintsInput& footprints
   facts.points_read = points.points_read;
   facts.points_kept = points.points_kept;
   facts.points_by_class = points.points_by_class;
-  facts.footprints_read = footprints.features_read;
   facts.footprint_parts =
       static_cast<std::int64_t>(footprints.features.size() + footprints.dropped.size());
+  // A caller that has made the footprints of arrays need not count them.
+  facts.footprints_read =
+      footprints.features_read > 0 ? footprints.features_read : facts.footprint_parts;
   return facts;
 }
 
@@ -196,8 +198,11 @@ BuildingPoints make_raw_city(const BuildCityOptions& options, CityInput& input, 
   raw.crs = input.crs;
   result.terrain = make_terrain(options, input, clock, result);
   CleanFeatures clean = clock.run("1.4", "clean footprints", [&](const Progress& progress) {
-    return clean_features(options, input.footprints, raw.domain, result.warnings, progress);
+    return clean_features(options, input.footprints, raw.domain, input.covered, result.warnings,
+                          progress);
   });
+  result.facts.area_at_boundary = clean.area_lost;
+  warn_of_boundary(clean, result.warnings);
   result.input.footprint_parts += clean.parts;
   raw.buildings = std::move(clean.buildings);
   raw.dropped = std::move(clean.dropped);
@@ -244,6 +249,7 @@ void merge_buildings(const BuildCityOptions& options, const CityInput& input,
                     input.points.points, result.terrain, options.heights);
   });
   fill_facts(raw, city, simple, result.facts);
+  result.facts.account = account_of(result.input, city);
 }
 
 }  // namespace
@@ -268,6 +274,7 @@ BuiltCity build_city(PointsInput points, FootprintsInput footprints,
     throw Error(error.kind(), std::string(error.what()) + "; " + misread);
   }
   merge_buildings(options, input, found, clock, result);
+  result.footprints = std::move(input.footprints);
   warn_of_exclusion(found, result.input.points_kept, result.warnings);
   return result;
 }

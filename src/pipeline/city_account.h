@@ -4,6 +4,7 @@
 #include "tetropolis/city/city_model.h"
 #include "tetropolis/city/simplify/simplify.h"
 #include "tetropolis/io/vector/vector.h"
+#include "tetropolis/pipeline/build_city.h"
 
 namespace tetropolis {
 
@@ -14,5 +15,8 @@ void require_all_accounted(const FootprintsInput& input, const CityModel& model)
 /// That simplification has put every building of `raw` into one footprint, or dropped it. Throws
 /// Error(kGuarantee) naming the feature.
 void require_each_once(const CityModel& raw, const Simplification& simple);
+
+/// What became of the footprints of which `model` is made.
+FootprintAccount account_of(const InputFacts& input, const CityModel& model);
 
 }  // namespace tetropolis

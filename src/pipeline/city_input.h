@@ -1,6 +1,7 @@
 // What the steps of build_city work on. Private to src/pipeline.
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -16,16 +17,16 @@ struct CityInput {
   PointsInput points;  ///< Local frame.
   /// Points of files in which those of buildings have no class of their own (find_ground).
   std::vector<PointRange> no_buildings;
-  FootprintsInput footprints;  ///< Local frame.
-  Bounds2 domain;              ///< Local frame.
-  std::string crs;             ///< Of points and footprints; empty if nobody says.
+  FootprintsInput footprints;      ///< Local frame.
+  Bounds2 domain;                  ///< Local frame.
+  std::optional<Bounds2> covered;  ///< Of default_domain: the box of the points, local frame.
+  std::string crs;                 ///< Of points and footprints; empty if nobody says.
 };
 
-/// Brings both into one frame and finds the domain: as options.bounds says, or the box of the
-/// footprints within that of the points, grown by the margin as far as there are points, or without
-/// either the box of the points. Without bounds, points far from all others become noise
-/// (find_stray_points; "stray_points"). Adds warnings. Throws Error(kInput): no points, degrees,
-/// units other than metres, no overlap.
+/// Brings both into one frame and finds the domain: as options.bounds says, or default_domain, or
+/// without footprints the box of the points. Without bounds, points far from all others become
+/// noise (find_stray_points; "stray_points"). Adds warnings. Throws Error(kInput): no points,
+/// degrees, units other than metres, no overlap.
 CityInput place_input(PointsInput points, FootprintsInput footprints,
                       const BuildCityOptions& options, std::vector<Warning>& warnings);
 

@@ -49,6 +49,20 @@ void warn_of_terrain(const DtmReport& dtm, bool filtered, std::vector<Warning>& 
              100 * dtm.void_share, advice)});
 }
 
+void warn_of_boundary(const CleanFeatures& clean, std::vector<Warning>& warnings) {
+  constexpr double kMost = 0.05;
+  if (!(clean.area_lost > kMost * clean.area)) return;
+  const auto lost = std::count_if(clean.dropped.begin(), clean.dropped.end(),
+                                  [](const Dropped& d) { return d.cause == DropCause::kBoundary; });
+  warnings.push_back(
+      {"boundary_loss", lost,
+       fmt::format(
+           "{:.0f} % of the footprint area with points is dropped at the domain's boundary; give "
+           "points around these buildings or `bounds` that hold them whole, or keep their "
+           "parts inside by `boundary_buildings` = clip",
+           100 * clean.area_lost / clean.area)});
+}
+
 void warn_of_giants(const CityModel& raw, std::vector<Warning>& warnings) {
   constexpr double kMost = 0.5;
   const double domain = raw.domain.area();

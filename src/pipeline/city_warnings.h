@@ -10,6 +10,8 @@
 #include "tetropolis/pipeline/build_city.h"
 #include "tetropolis/terrain/dtm.h"
 
+#include "clean_features.h"
+
 namespace tetropolis {
 
 // Each adds at most one warning to `warnings`, and none where all is as it should be.
@@ -17,6 +19,9 @@ namespace tetropolis {
 /// Of nodes without ground points nearby, and of voids. `filtered`: the ground was found by the
 /// filter.
 void warn_of_terrain(const DtmReport& dtm, bool filtered, std::vector<Warning>& warnings);
+
+/// Of footprints dropped at the domain's boundary that are more than 5 % of the area in it.
+void warn_of_boundary(const CleanFeatures& clean, std::vector<Warning>& warnings);
 
 /// A polygon that covers most of the domain is hardly a building, and swallows those in it.
 void warn_of_giants(const CityModel& raw, std::vector<Warning>& warnings);

@@ -9,10 +9,12 @@
 #include <fmt/format.h>
 
 #include "tetropolis/city/clean.h"
+#include "tetropolis/geometry/polygon.h"
 
 #include "city/clip.h"
 #include "core/parallel.h"
 #include "core/shared_progress.h"
+#include "default_domain.h"
 
 namespace tetropolis {
 
@@ -76,39 +78,45 @@ struct Kept {
   std::vector<Polygon> parts;
   std::uint32_t flags = 0;
   std::string reason;  ///< Empty where there are parts.
+  DropCause cause = DropCause::kUnusable;
 };
 
-Kept dropped(const char* reason) { return {{}, 0, reason}; }
+Kept outside() { return {{}, 0, "outside the domain", DropCause::kOutside}; }
+Kept at_boundary(const char* reason) { return {{}, 0, reason, DropCause::kBoundary}; }
 
 /// `cleaned.lost_area` grows by what the boundary cuts off and is left out.
 Kept keep_inside(const BuildCityOptions& options, const Polygon& feature, const Domain& domain,
-                 CleanedFootprint& cleaned, std::vector<Polygon>& crossing) {
-  const char* const outside = "outside the domain";
-  if (domain.position_of(feature) == DomainPosition::kOutside) return dropped(outside);
+                 const std::optional<Bounds2>& covered, CleanedFootprint& cleaned,
+                 std::vector<Polygon>& crossing) {
+  if (domain.position_of(feature) == DomainPosition::kOutside) return outside();
   if (!cleaned.usable()) return {{}, 0, cleaned.reason};
   const std::uint32_t flags = cleaned.repaired ? kRepaired : 0U;
+  const bool is_dropped = options.boundary_buildings == BoundaryBuildings::kDrop;
   // Of what is left: a spike without width may have reached across the boundary.
   switch (domain.position_of(cleaned.polygon)) {
     case DomainPosition::kOutside:
-      return dropped(outside);
+      return outside();
     case DomainPosition::kInside:
-      return {{std::move(cleaned.polygon)}, flags, {}};
+      if (!is_dropped || !covered || is_mostly_within(cleaned.polygon, *covered))
+        return {{std::move(cleaned.polygon)}, flags, {}};
+      crossing.push_back(std::move(cleaned.polygon));
+      return at_boundary("lies mostly beyond the points");
     case DomainPosition::kCrossing:
       break;
   }
   // The box of what lies around a corner of the domain crosses it, too.
   std::vector<Polygon> inside = parts_in_domain(cleaned.polygon, domain);
-  if (inside.empty()) return dropped(outside);
-  if (options.boundary_buildings == BoundaryBuildings::kDrop) {
+  if (inside.empty()) return outside();
+  if (is_dropped) {
     for (Polygon& part : inside) crossing.push_back(std::move(part));
-    return dropped("crosses the domain boundary");
+    return at_boundary("crosses the domain boundary");
   }
   // Cut back by the merge distance, so that the strip left is wide enough to mesh.
   const Domain room = domain.inset(options.simplify.min_distance + kCoordinateStep * 4);
   double cut_off = 0;
   std::vector<Polygon> parts =
       clip_to_domain(cleaned.polygon, room, options.simplify.min_area, &cut_off);
-  if (parts.empty()) return dropped("crosses the domain boundary, with nothing left inside");
+  if (parts.empty()) return at_boundary("crosses the domain boundary, with nothing left inside");
   cleaned.lost_area += cut_off;
   return {std::move(parts), flags | kClipped, {}};
 }
@@ -116,18 +124,19 @@ Kept keep_inside(const BuildCityOptions& options, const Polygon& feature, const 
 }  // namespace
 
 CleanFeatures clean_features(const BuildCityOptions& options, const FootprintsInput& input,
-                             const Domain& domain, std::vector<Warning>& warnings,
-                             const Progress& progress) {
+                             const Domain& domain, const std::optional<Bounds2>& covered,
+                             std::vector<Warning>& warnings, const Progress& progress) {
   std::vector<CleanedFootprint> clean = clean_all(options, input, domain, progress);
   CleanFeatures result;
-  result.dropped = input.dropped;
+  result.dropped.assign(input.dropped.begin(), input.dropped.end());
   Warning lost_parts{"parts_lost", 0, {}};
   PartIds part_ids(input);
   for (std::size_t i = 0; i < clean.size(); ++i) {
     const Footprint& feature = input.features[i];
-    Kept kept = keep_inside(options, feature.polygon, domain, clean[i], result.crossing);
+    Kept kept = keep_inside(options, feature.polygon, domain, covered, clean[i], result.crossing);
+    result.area += total_area(kept.parts);
     if (kept.parts.empty()) {
-      result.dropped.push_back({feature.source_id, std::move(kept.reason)});
+      result.dropped.push_back({feature.source_id, std::move(kept.reason), kept.cause});
       continue;
     }
     count_lost_parts(feature.source_id, clean[i].lost_area, lost_parts);
@@ -138,10 +147,13 @@ CleanFeatures clean_features(const BuildCityOptions& options, const FootprintsIn
       building.id = fmt::format("b{}", result.buildings.size());
       building.source_ids = {k == 0 ? feature.source_id : part_ids.next(feature.source_id)};
       building.footprint = std::move(kept.parts[k]);
-      building.attribute_height = feature.height;
+      building.attribute_height = snap_height(feature.height);
       result.buildings.push_back(std::move(building));
     }
   }
+  for (const Polygon& part : result.crossing)
+    result.area_lost += covered ? total_area(parts_in_domain(part, *covered)) : area(part);
+  result.area += result.area_lost;
   if (lost_parts.count > 0) warnings.push_back(lost_parts);
   return result;
 }

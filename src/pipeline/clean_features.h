@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include "tetropolis/city/city_model.h"
@@ -17,13 +18,17 @@ struct CleanFeatures {
   /// What the footprints that are dropped for crossing the boundary have within the domain.
   std::vector<Polygon> crossing;
   std::int64_t parts = 0;  ///< That the boundary cut features into, beyond the first of each.
+  double area = 0;         ///< Of all features, where there are points, square metres.
+  double area_lost = 0;    ///< Of those dropped at the boundary, where there are points.
 };
 
 /// Cleans the features that meet `domain`, and clips or drops those across its boundary, as
-/// options.boundary_buildings says. Every feature ends in `buildings` or in `dropped`. Features
+/// options.boundary_buildings says. `covered`, if the domain is the default one: the box of the
+/// points; features of which it holds less than half are dropped, too, unless they are clipped.
+/// Every feature ends in `buildings` or in `dropped`. Features
 /// that have lost parts are one warning.
 CleanFeatures clean_features(const BuildCityOptions& options, const FootprintsInput& input,
-                             const Domain& domain, std::vector<Warning>& warnings,
-                             const Progress& progress);
+                             const Domain& domain, const std::optional<Bounds2>& covered,
+                             std::vector<Warning>& warnings, const Progress& progress);
 
 }  // namespace tetropolis

@@ -52,7 +52,8 @@ std::size_t drop_unmeshable(CityModel& city, double min_distance) {
   std::erase_if(city.buildings, [&](const Building& building) {
     const std::string reason = reason_to_leave_out(building, city.domain, min_distance);
     if (reason.empty()) return false;
-    for (const std::string& id : building.source_ids) city.dropped.push_back({id, reason});
+    for (const std::string& id : building.source_ids)
+      city.dropped.push_back({id, reason, DropCause::kBoundary});
     return true;
   });
   return city.dropped.size() - before;

@@ -14,6 +14,7 @@
 
 #include "city_input.h"
 #include "common_crs.h"
+#include "default_domain.h"
 #include "footprint_extent.h"
 #include "require_room.h"
 #include "stray_points.h"
@@ -21,11 +22,6 @@
 namespace tetropolis {
 
 namespace {
-
-Bounds2 intersection(const Bounds2& a, const Bounds2& b) {
-  return {std::max(a.xmin, b.xmin), std::max(a.ymin, b.ymin), std::min(a.xmax, b.xmax),
-          std::min(a.ymax, b.ymax)};
-}
 
 /// From the box of the footprints; where none is usable it stays, and they are told of later.
 void leave_out_unusable(const BuildCityOptions& options, FootprintsInput& footprints) {
@@ -59,14 +55,11 @@ Bounds2 snapped_inwards(const Bounds2& box) {
 /// The meshed rectangle, local frame.
 Bounds2 find_domain(const BuildCityOptions& options, const FootprintsInput& footprints,
                     const PointsInput& points) {
-  const Point2 to_local{-points.origin.x, -points.origin.y};
   Bounds2 domain = points.extent;
   if (options.bounds) {
-    domain = options.bounds->moved(to_local);
+    domain = options.bounds->moved({-points.origin.x, -points.origin.y});
   } else if (!footprints.bounds.empty()) {
-    const Bounds2 box = footprints.bounds.moved(to_local);
-    domain =
-        intersection(intersection(box, points.extent).grown(options.domain_margin), points.extent);
+    domain = default_domain(options, footprints, points.extent, points.origin);
   }
   domain = snapped_inwards(domain);
   require_room(options.simplify.min_distance, domain, points.source,
@@ -168,6 +161,7 @@ CityInput place_input(PointsInput points, FootprintsInput footprints,
   const bool far = !options.bounds && std::max(points.extent.xmin, points.extent.ymin) > kFar;
   if (only_points_tell || far) move_origin_to_corner(points);
   input.domain = find_domain(options, footprints, points);
+  if (!options.bounds) input.covered = points.extent;
   warn_of_scale(input.crs, input.domain.moved(points.origin), warnings);
   warn_of_place(input.crs, input.domain.moved(points.origin), warnings);
   shift(footprints, points.origin);

@@ -148,7 +148,8 @@ std::vector<ConfigField> make_fields() {
        .group = "City model",
        .member = &C::domain_margin,
        .commands = kData,
-       .help = "Margin around the footprints when no bounds are given",
+       .help = "Margin around the footprints without `bounds`, as far as there are points; also how "
+               "far the domain may reach beyond them to keep a building whole",
        .unit = "m",
        .min = 0,
        .max = 1e5},
@@ -261,7 +262,8 @@ std::vector<ConfigField> make_fields() {
        .group = "City model",
        .member = choice<&C::boundary_buildings>(),
        .commands = kData,
-       .help = "What to do with buildings that cross the domain's boundary",
+       .help = "What to do with buildings that cross the domain's boundary; without `bounds`, drop "
+               "lets the domain reach beyond the points for buildings mostly within them",
        .choices = {"drop", "clip"}},
 
       {.name = "mesh_size",

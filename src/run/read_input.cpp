@@ -96,6 +96,7 @@ FootprintsInput read_all_footprints(const Config& config, const std::string& poi
   options.height_attribute = config.height_attribute;
   options.source_crs = config.footprints_crs;
   options.target_crs = points_crs;
+  options.attributes = true;
   return clock.run("1.2", "read footprints",
                    [&](const Progress&) { return read_footprints(config.footprints, options); });
 }

@@ -17,6 +17,7 @@
 
 #include "tetropolis/core/error.h"
 
+#include "options_of.h"
 #include "report_fields.h"
 #include "result_files.h"
 
@@ -259,6 +260,10 @@ std::string to_json(Report report) {
   report_fields(report, Writer{json});
   if (report.sources.empty()) json.erase("sources");
   return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
+}
+
+std::string account_line(const Report& report) {
+  return report.city ? account_in_words(*report.city, city_options(report.config)) : std::string();
 }
 
 ReadReport report_from_json(const std::string& text, const std::string& source) {

@@ -94,11 +94,32 @@ void fields_of(InputFacts& input, const Field& field) {
 }
 
 template <typename Field>
+void fields_of(FootprintAccount& account, const Field& field) {
+  field("features", account.features, "integer",
+        "features in the footprint file; all counts of the account are 0 in `mesh`");
+  field("further_parts", account.further_parts, "integer",
+        "polygons beyond the first of a feature; the counts below add up to both");
+  field("kept", account.kept, "integer", "footprints that are a building alone");
+  field("merged", account.merged, "integer", "footprints in buildings of several");
+  field("unusable", account.unusable, "integer", "dropped: no polygon, or beyond repair");
+  field("outside", account.outside, "integer", "dropped: outside the domain");
+  field("boundary", account.boundary, "integer",
+        "dropped: across the domain's boundary, or mostly beyond the points");
+  field("too_small", account.too_small, "integer", "dropped: below `min_building_area`");
+  field("too_narrow", account.too_narrow, "integer",
+        "dropped: nowhere as wide as `min_building_distance`");
+}
+
+template <typename Field>
 void fields_of(CityFacts& city, const Field& field) {
   field("raw_buildings", city.raw_buildings, "integer",
         "buildings before merging; in `mesh`, those of the city model");
   field("buildings", city.buildings, "integer", "buildings after merging");
   field("merged_groups", city.merged_groups, "integer", "buildings made of more than one feature");
+  field("account", city.account, "object", "");
+  field("area_at_boundary", city.area_at_boundary, "number, m²",
+        "area of the footprints that are dropped at the domain's boundary, where the domain and "
+        "points are; 0 in `mesh`");
   field("min_clearance", city.min_clearance, "number, m",
         "least distance of two vertices, or of a vertex and an edge it does not belong to, over "
         "all footprints and the boundary; null without buildings");

@@ -20,10 +20,11 @@ inline constexpr const char* kReport = "report.json";
 inline constexpr const char* kRawCity = "city_raw.city.json";
 inline constexpr const char* kCity = "city.city.json";
 inline constexpr const char* kTerrain = "dtm.tif";
+inline constexpr const char* kLayers = "buildings.gpkg";
 inline constexpr const char* kManifest = "manifest.json";
 
 /// Of runs that make a city model.
-inline constexpr std::array kOfCity = {kRawCity, kCity, kTerrain};
+inline constexpr std::array kOfCity = {kRawCity, kCity, kTerrain, kLayers};
 
 /// Of runs that make meshes.
 inline constexpr std::array<ResultFile, 15> kOfMesh = {{

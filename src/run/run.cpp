@@ -8,6 +8,7 @@
 #include "tetropolis/core/threads.h"
 #include "tetropolis/io/cityjson/cityjson.h"
 #include "tetropolis/io/raster/geotiff.h"
+#include "tetropolis/io/vector/city_layers.h"
 
 #include "core/step_clock.h"
 #include "folders.h"
@@ -74,10 +75,12 @@ BuiltCity make_city(const Config& config, Next next, const RunHooks& hooks, Outp
                  raw.domain.bounds());
     write_city(out.result(results::kRawCity), raw, "City model before simplification");
   });
-  built.raw = {};
   clock.run("2.4", "write merged city model", [&](const Progress&) {
     write_city(out.result(results::kCity), built.city, "City model after simplification");
+    write_city_layers(out.result(results::kLayers), raw, built.city, built.footprints);
   });
+  built.raw = {};
+  built.footprints = {};
   return built;
 }
 
@@ -142,8 +145,9 @@ Report run_mesh(const Config& config, const RunHooks& hooks) {
                     {"dtm", relative_to_results(config, config.dtm)}};
   OutputFolder out(config.out, hooks.output, Replaces::kModels, config.overwrite);
   keep_inputs(config, out);
-  // Beside the city model that is meshed, the one it was made from is no leftover.
-  out.keep(std::filesystem::path(config.city).parent_path() / results::kRawCity);
+  // Beside the city model that is meshed, what was made with it is no leftover.
+  for (const char* name : {results::kRawCity, results::kLayers})
+    out.keep(std::filesystem::path(config.city).parent_path() / name);
   claim(out, results::of_run(false, true, config.formats), config, hooks);
   StepClock clock(hooks, report.steps);
   MeshableInput input = clock.run("1.2", "read city and terrain", [&](const Progress&) {

@@ -1,9 +1,13 @@
 // The verbs in memory make what the commands write; a report survives its file.
+#include <algorithm>
 #include <cmath>
+#include <cstdint>
+#include <map>
 #include <string>
 #include <utility>
 #include <vector>
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
@@ -84,6 +88,78 @@ TEST_F(InMemory, PointsOfArraysNeedNoCounts) {
   ASSERT_EQ(with.city.buildings.size(), without.city.buildings.size());
   for (std::size_t b = 0; b < with.city.buildings.size(); ++b)
     EXPECT_EQ(with.city.buildings[b].h_roof, without.city.buildings[b].h_roof);
+}
+
+TEST_F(InMemory, AccountCountsEveryFootprintOnce) {
+  // So narrow that the boundary cuts some and leaves others outside.
+  const Bounds2 narrow{bounds.xmin, bounds.ymin, (bounds.xmin + bounds.xmax) / 2, bounds.ymax};
+  for (const BoundaryBuildings boundary : {BoundaryBuildings::kDrop, BoundaryBuildings::kClip}) {
+    BuildCityOptions options;
+    options.bounds = narrow;
+    options.boundary_buildings = boundary;
+    options.simplify.min_area = 60;
+    FootprintsInput input = footprints();
+    input.dropped.push_back({{"lost", "no geometry"}, -1});
+    ++input.features_read;
+    const BuiltCity built = build_city(points(), std::move(input), options);
+    const FootprintAccount& account = built.facts.account;
+    EXPECT_EQ(account.features, built.input.footprints_read);
+    EXPECT_EQ(account.features + account.further_parts,
+              account.kept + account.merged + account.unusable + account.outside +
+                  account.boundary + account.too_small + account.too_narrow);
+    std::map<DropCause, std::int64_t> dropped;
+    for (const Dropped& feature : built.city.dropped) ++dropped[feature.cause];
+    EXPECT_EQ(account.unusable, 1);
+    EXPECT_GT(account.outside, 0);
+    EXPECT_EQ(account.outside, dropped[DropCause::kOutside]);
+    EXPECT_EQ(account.boundary, dropped[DropCause::kBoundary]);
+    EXPECT_EQ(account.boundary > 0, boundary == BoundaryBuildings::kDrop);
+    EXPECT_EQ(account.too_small, dropped[DropCause::kTooSmall]);
+    std::int64_t alone = 0;
+    for (const Building& building : built.city.buildings)
+      alone += building.source_ids.size() == 1 ? 1 : 0;
+    EXPECT_EQ(account.kept, alone);
+    const bool warned =
+        std::any_of(built.warnings.begin(), built.warnings.end(),
+                    [](const Warning& warning) { return warning.code == "boundary_loss"; });
+    EXPECT_EQ(warned, boundary == BoundaryBuildings::kDrop);
+    EXPECT_EQ(built.facts.area_at_boundary > 0, boundary == BoundaryBuildings::kDrop);
+  }
+}
+
+TEST(Account, IsOneLine) {
+  CityFacts facts;
+  BuildCityOptions options;
+  EXPECT_EQ(account_in_words(facts, options), "");
+  facts.buildings = 46;
+  facts.merged_groups = 34;
+  facts.account = {.features = 800, .kept = 12, .merged = 751, .boundary = 22, .too_small = 15};
+  EXPECT_EQ(
+      account_in_words(facts, options),
+      "800 footprints make 46 buildings: 751 in 34 blocks, closer than 1 m, 12 alone; dropped: "
+      "22 at the boundary (`boundary_buildings` clip keeps them), 15 smaller than 15 m2");
+  options.boundary_buildings = BoundaryBuildings::kClip;
+  facts.buildings = 1;
+  facts.account = {.features = 1,
+                   .further_parts = 5,
+                   .kept = 1,
+                   .unusable = 1,
+                   .outside = 1,
+                   .boundary = 1,
+                   .too_small = 1,
+                   .too_narrow = 1};
+  EXPECT_EQ(account_in_words(facts, options),
+            "1 footprint with 6 polygons makes 1 building: 1 alone; dropped: 1 at the boundary, 1 "
+            "outside the domain, 1 smaller than 15 m2, 1 narrower than 1 m, 1 without a usable "
+            "outline");
+}
+
+TEST_F(InMemory, HeightsAreWholeMillimetres) {
+  const BuiltCity built = build_city(points(), footprints(), {.bounds = bounds});
+  for (const CityModel* model : {&built.raw, &built.city})
+    for (const Building& building : model->buildings)
+      for (const double height : {building.h_ground, building.h_roof})
+        EXPECT_EQ(height, std::stod(fmt::format("{:.3f}", height))) << building.id;
 }
 
 TEST_F(InMemory, EditedCitiesMeshAgain) {

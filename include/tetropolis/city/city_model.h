@@ -34,8 +34,8 @@ struct Building {
   std::string id;                       ///< "b" and a number, unique in the model (tetropolis_id).
   std::vector<std::string> source_ids;  ///< The input features it is made of; never empty.
   Polygon footprint;                    ///< Local frame, metres.
-  double h_ground = 0;                  ///< Elevation, metres.
-  double h_roof = 0;                    ///< Elevation, metres.
+  double h_ground = 0;                  ///< Elevation, metres; see snap_height.
+  double h_roof = 0;                    ///< Elevation, metres; see snap_height.
   std::int64_t n_ground_points = 0;     ///< Points h_ground was computed from (after outliers).
   std::int64_t n_roof_points = 0;       ///< Points h_roof was computed from (after outliers).
   std::uint32_t flags = 0;              ///< BuildingFlag bits.
@@ -43,10 +43,23 @@ struct Building {
                                         ///< <= 0 where there is none.
 };
 
+/// Why an input feature ended in no building, for counts and maps.
+enum class DropCause : std::uint8_t {
+  kUnusable,   ///< No polygon, or one that cannot be repaired.
+  kOutside,    ///< Outside the domain.
+  kBoundary,   ///< Across the domain's boundary, or mostly beyond the points.
+  kTooSmall,   ///< Smaller than the minimum area.
+  kTooNarrow,  ///< Nowhere as wide as the distance that walls have to keep.
+};
+
+/// The name in files: "unusable", "outside", "boundary", "too_small", "too_narrow".
+const char* name_of(DropCause cause);
+
 /// An input feature that ended in no building, and why (one short clause, lower case).
 struct Dropped {
   std::string source_id;
   std::string reason;
+  DropCause cause = DropCause::kUnusable;  ///< Files of city models do not keep it.
 };
 
 /// Guarantee 1: every input feature is in the source_ids of exactly one building or in `dropped`.
@@ -67,5 +80,10 @@ inline constexpr double kStepsPerMetre = 10000;
 /// multiple.
 double snap_coordinate(double value);
 inline Point2 snap_coordinate(Point2 p) { return {snap_coordinate(p.x), snap_coordinate(p.y)}; }
+
+/// The elevation in whole millimetres nearest to `value`, in metres: heights that build_city
+/// computes are such, so that files hold what they mean and a mesh stands on what files say. NaN
+/// stays NaN.
+double snap_height(double value);
 
 }  // namespace tetropolis

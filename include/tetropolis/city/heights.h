@@ -31,10 +31,11 @@ double percentile(std::span<double> values, double p);
 ///   without any, h_ground plus attribute_height where that is finite and positive
 ///   (kRoofFromAttribute), otherwise h_ground plus min_height (kNoRoofPoints).
 /// - h_roof below h_ground + min_height is raised to it (kMinimumHeight).
+/// Both are whole millimetres (snap_height).
 /// Preconditions: points.roof and points.ground have one list per building, in the same order, with
 /// indices into `cloud`; the DTM has no NaN.
-/// Guarantees: h_roof >= h_ground + min_height; the same bytes for any number of threads.
-/// Source: Naserentin & Logg 2022 (arXiv 2210.05250), step 1.6.
+/// Guarantees: h_roof >= h_ground + min_height, up to rounding to millimetres; the same bytes for
+/// any number of threads. Source: Naserentin & Logg 2022 (arXiv 2210.05250), step 1.6.
 void compute_heights(std::span<Building> buildings, const BuildingPoints& points,
                      const PointCloud& cloud, const Raster& dtm, const HeightOptions& options = {});
 

@@ -49,6 +49,9 @@ struct Report {
 /// The report as JSON text, UTF-8, ending with a newline.
 std::string to_json(Report report);
 
+/// What became of all footprints in one line (account_in_words); "" where the run made no city.
+std::string account_line(const Report& report);
+
 /// A report as it was read.
 struct ReadReport {
   Report report;                     ///< Members that the file lacks have their defaults.

@@ -75,7 +75,7 @@ class Simplifier {
   bool chamfer_corners();
   std::int64_t fill_sharp_courtyards(double least_angle);
   void drop_small();
-  void drop(const Group& group, const std::string& reason);
+  void drop(const Group& group, DropCause cause, const std::string& reason);
   void finish();
 
   double least_area() const { return options_.min_area * grid::kSquareMetre; }
@@ -127,7 +127,8 @@ void Simplifier::clip_to_domain() {
   for (Group& group : input_.single_groups()) {
     const bool is_clipped = (group.flags & kClipped) != 0;
     if (group.polygon.outer.empty()) {
-      drop(group, is_clipped ? kAtBoundary : "fewer than 3 distinct vertices");
+      drop(group, is_clipped ? DropCause::kBoundary : DropCause::kUnusable,
+           is_clipped ? kAtBoundary : "fewer than 3 distinct vertices");
       continue;
     }
     if (is_clipped) ++result_.stats.clipped;
@@ -377,7 +378,7 @@ bool Simplifier::fill_courtyards_of_lost() {
 
 void Simplifier::drop_vanished() {
   for (const Group& group : groups_)
-    if (group.polygon.outer.size() < 3) drop(group, kTooThin);
+    if (group.polygon.outer.size() < 3) drop(group, DropCause::kTooNarrow, kTooThin);
   std::erase_if(groups_, [](const Group& group) { return group.polygon.outer.size() < 3; });
 }
 
@@ -482,8 +483,9 @@ std::int64_t Simplifier::fill_sharp_courtyards(double least_angle) {
   return filled;
 }
 
-void Simplifier::drop(const Group& group, const std::string& reason) {
-  for (const BuildingIndex member : group.members) result_.dropped.push_back({member, reason});
+void Simplifier::drop(const Group& group, DropCause cause, const std::string& reason) {
+  for (const BuildingIndex member : group.members)
+    result_.dropped.push_back({member, reason, cause});
   result_.stats.area_before += total_area(group.input) / grid::kSquareMetre;
   result_.stats.area_dropped += total_area(group.input) / grid::kSquareMetre;
 }
@@ -496,7 +498,7 @@ void Simplifier::drop_small() {
       const double size = area(group.polygon) / grid::kSquareMetre;
       if (size >= options_.min_area) continue;
       const double shown = std::floor(size * 10) / 10;  // 14.98 would be 15.0
-      drop(group,
+      drop(group, DropCause::kTooSmall,
            fmt::format("area {:.1f} m2 below the minimum of {:g} m2", shown, options_.min_area));
       group.members.clear();
       any = true;

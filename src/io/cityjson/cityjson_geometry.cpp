@@ -13,6 +13,8 @@
 
 #include "tetropolis/city/city_model.h"
 
+#include "extension.h"
+
 namespace tetropolis {
 
 namespace {
@@ -150,7 +152,7 @@ CityFrame read_vertices(const Place& root) {
   }
   const Point2 origin{translate[0], translate[1]};
   if (transformed && is_whole(origin.x) && is_whole(origin.y) &&
-      (root.has("tetropolis") || is_near(origin, box)))
+      (root.has(kExtensionMember) || is_near(origin, box)))
     frame.origin = origin;
   else if (!box.empty())
     frame.origin = {std::floor(box.xmin), std::floor(box.ymin)};

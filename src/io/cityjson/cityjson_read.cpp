@@ -19,6 +19,7 @@
 #include "body_footprint.h"
 #include "cityjson_geometry.h"
 #include "core/infinity.h"
+#include "extension.h"
 #include "io/file/input_file.h"
 #include "io/file/json_place.h"
 #include "io/file/positioned_file.h"
@@ -299,17 +300,18 @@ std::string crs_at(const Place& system) {
 /// What write_city puts beside the objects.
 void read_account(const Place& root, CityModel& model) {
   model.domain = Bounds2::nothing();
-  if (!root.has("tetropolis")) return;
-  const Place account = root.at("tetropolis");
+  if (!root.has(kExtensionMember)) return;
+  const Place account = root.at(kExtensionMember);
   if (account.has("crs") && !account.at("crs").text().empty()) {
     const std::string crs = crs_at(account.at("crs"));
     if (model.crs.empty())
       model.crs = crs;
     else if (crs != model.crs && !same_horizontal_crs(crs, model.crs))
-      account.at("crs").fail(fmt::format(
-          "is {}, but /metadata/referenceSystem {}; correct one, or remove the member 'tetropolis' "
-          "if another program has moved the model",
-          crs_name(crs), crs_name(model.crs)));
+      account.at("crs").fail(
+          fmt::format("is {}, but /metadata/referenceSystem {}; correct one, or remove the member "
+                      "'+tetropolis' "
+                      "if another program has moved the model",
+                      crs_name(crs), crs_name(model.crs)));
   }
   if (account.has("domain")) {
     const Place box = account.at("domain");
@@ -338,7 +340,7 @@ std::string read_crs(const Place& root) {
 /// Of our own files: whether the extent stated is that of the vertices, to a centimetre.
 bool states_its_extent(const Place& root, const CityFrame& frame) {
   constexpr double kRounding = 0.01;  // metres
-  if (!root.has("tetropolis") || !root.has("metadata") || frame.vertices.empty()) return true;
+  if (!root.has(kExtensionMember) || !root.has("metadata") || frame.vertices.empty()) return true;
   const Place metadata = root.at("metadata");
   if (!metadata.has("geographicalExtent")) return true;
   const Place extent = metadata.at("geographicalExtent");
@@ -391,7 +393,7 @@ CityModel read_city(const fs::path& path, std::vector<Warning>* warnings, Broken
   const Place root(path, document.root);
   check_type(root);
   // A file of ours that contradicts itself has been damaged, and who knows where else.
-  const bool drop_broken = broken == BrokenObjects::kDrop && !root.has("tetropolis");
+  const bool drop_broken = broken == BrokenObjects::kDrop && !root.has(kExtensionMember);
   const CityFrame frame = read_vertices(root);
   CityModel model;
   model.origin = frame.origin;

@@ -15,6 +15,7 @@
 #include "tetropolis/io/cityjson/cityjson.h"
 #include "tetropolis/io/crs/crs.h"
 
+#include "extension.h"
 #include "io/file/atomic_file.h"
 
 namespace tetropolis {
@@ -191,7 +192,8 @@ void put_metadata(Buffer& out, const CityModel& model, const std::string& title,
 
 void put_account(Buffer& out, const CityModel& model, const std::string& crs) {
   const auto put_value = [&](double v) { put_number(out, v); };
-  put(out, "\"tetropolis\":{\"origin\":");
+  put_string(out, kExtensionMember);
+  put(out, ":{\"origin\":");
   put_list(out, std::array{model.origin.x, model.origin.y, 0.0}, put_value);
   put(out, ",\"crs\":");
   put_string(out, crs);
@@ -224,6 +226,8 @@ void write_city(const std::filesystem::path& path, const CityModel& model,
   }
   Buffer out;
   put(out, "{\"type\":\"CityJSON\",\"version\":\"2.0\",\n");
+  put(out, fmt::format("\"extensions\":{{\"Tetropolis\":{{\"url\":\"{}\",\"version\":\"{}\"}}}},\n",
+                       kExtensionUrl, kExtensionVersion));
   put(out, "\"transform\":{\"scale\":[0.0001,0.0001,0.0001],\"translate\":");
   put_list(out, std::array{model.origin.x, model.origin.y, 0.0},
            [&](double v) { put_number(out, v); });

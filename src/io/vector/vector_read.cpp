@@ -21,6 +21,7 @@
 
 #include "core/foreign_code.h"
 #include "core/text.h"
+#include "feature_attributes.h"
 #include "feature_heights.h"
 #include "io/crs/gdal_support.h"
 #include "io/file/input_file.h"
@@ -113,6 +114,7 @@ class LayerReader {
         real_ids_(is_real(layer_, id_field_)),
         single_ids_(real_ids_ && OGR_Fld_GetSubType(definition(layer_, id_field_)) == OFSTFloat32),
         heights_(path, layer_, options.height_attribute),
+        attributes_(layer_, options.attributes, result.attributes),
         id_name_(options.id_attribute),
         units_(units_of(source.reference_system(), options.source_crs)),
         shells_by_turn_(shells_by_turn),
@@ -160,8 +162,7 @@ class LayerReader {
       return;
     OsmAccount account = account_of_osm(path_, osm_read_);
     result_.features_read += std::ssize(account.lost);
-    for (Dropped& lost : account.lost)
-      result_.dropped.push_back({ids_.unique(lost.source_id), std::move(lost.reason)});
+    for (Dropped& lost : account.lost) drop(ids_.unique(lost.source_id), std::move(lost.reason));
     if (const std::vector<std::string>& ways = account.incomplete; !ways.empty())
       warn("osm_nodes_missing", std::ssize(ways),
            fmt::format(
@@ -190,7 +191,11 @@ class LayerReader {
       reason += fmt::format(" (feature {}: {})", name, text.substr(0, text.find(". Skipping")));
     }
     ++result_.features_read;
-    result_.dropped.push_back({ids_.unique(std::string(number)), std::move(reason)});
+    drop(ids_.unique(std::string(number)), std::move(reason));
+  }
+
+  void drop(std::string id, std::string reason, std::int64_t row = -1) {
+    result_.dropped.push_back({{std::move(id), std::move(reason)}, row});
   }
 
   void note_osm(OGRFeatureH feature) {
@@ -202,6 +207,8 @@ class LayerReader {
 
   void add(OGRFeatureH feature) {
     const std::string id = feature_id(feature);
+    const std::int64_t row = rows_++;
+    attributes_.read(feature);
     note_osm(feature);
     FlatGeometry flat = flatten(source_.geometry_of(feature), units_);
     if (flat.is_body)
@@ -211,7 +218,7 @@ class LayerReader {
     else
       mend_order_of_rings(flat.parts);
     if (flat.parts.empty()) {
-      result_.dropped.push_back({ids_.unique(id), std::move(flat.reason)});
+      drop(ids_.unique(id), std::move(flat.reason), row);
       return;
     }
     if (flat.other_parts > 0) ++mixed_;
@@ -221,11 +228,11 @@ class LayerReader {
       PolygonPart& part = flat.parts[k];
       std::string part_id = ids_.unique(k == 0 ? id : fmt::format("{}#{}", id, k + 1));
       if (!part.reason.empty()) {
-        result_.dropped.push_back({std::move(part_id), std::move(part.reason)});
+        drop(std::move(part_id), std::move(part.reason), row);
         continue;
       }
       if (units_.north_first) for_each_vertex(part.polygon, [](Point2& p) { std::swap(p.x, p.y); });
-      result_.features.push_back({std::move(part_id), std::move(part.polygon), height});
+      result_.features.push_back({std::move(part_id), std::move(part.polygon), height, row});
     }
   }
 
@@ -274,6 +281,8 @@ class LayerReader {
   bool real_ids_;
   bool single_ids_;
   HeightReader heights_;
+  AttributeReader attributes_;
+  std::int64_t rows_ = 0;  ///< Of the attributes.
   std::string id_name_;
   PlanUnits units_;
   bool shells_by_turn_;
@@ -366,7 +375,8 @@ void reproject_features(const fs::path& path, const std::string& target, Footpri
       kept.push_back(std::move(feature));
     else
       result.dropped.push_back(
-          {std::move(feature.source_id), "coordinates that cannot be reprojected"});
+          {{std::move(feature.source_id), "coordinates that cannot be reprojected"},
+           feature.feature});
   }
   result.features = std::move(kept);
   result.crs = target;

@@ -15,6 +15,7 @@
 #include "core/text.h"
 #include "io/crs/gdal_support.h"
 #include "io/file/atomic_file.h"
+#include "polygon_geometry.h"
 
 namespace tetropolis {
 
@@ -30,13 +31,6 @@ const char* driver_of(const fs::path& path) {
   throw Error(ErrorKind::kUsage, path.string() +
                                      ": footprints are written as .shp, .gpkg or "
                                      ".geojson; choose one of these");
-}
-
-void add_ring(OGRGeometryH polygon, const Ring& ring, Point2 origin) {
-  OGRGeometryH line = OGR_G_CreateGeometry(wkbLinearRing);
-  for (const Point2& p : ring) OGR_G_AddPoint_2D(line, origin.x + p.x, origin.y + p.y);
-  OGR_G_CloseRings(line);
-  OGR_G_AddGeometryDirectly(polygon, line);
 }
 
 /// Adds one field to the layer; the names are ours, so the drivers keep them.
@@ -59,10 +53,7 @@ struct Content {
 bool add_features(OGRLayerH layer, const Content& content) {
   for (std::size_t i = 0; i < content.polygons.size(); ++i) {
     OGRFeatureH feature = OGR_F_Create(OGR_L_GetLayerDefn(layer));
-    OGRGeometryH polygon = OGR_G_CreateGeometry(wkbPolygon);
-    add_ring(polygon, content.polygons[i].outer, content.origin);
-    for (const Ring& hole : content.polygons[i].holes) add_ring(polygon, hole, content.origin);
-    OGR_F_SetGeometryDirectly(feature, polygon);
+    OGR_F_SetGeometryDirectly(feature, polygon_geometry(content.polygons[i], content.origin));
     OGR_F_SetFieldString(feature, 0, content.ids[i].c_str());
     if (!content.heights.empty() && std::isfinite(content.heights[i]))
       OGR_F_SetFieldDouble(feature, 1, content.heights[i]);

@@ -257,8 +257,8 @@ TEST(CityJson, DocumentFollowsTheSpecification) {
   EXPECT_NEAR(extent[5], top, 5.1e-5);
   for (const auto& [key, value] : file.items())
     EXPECT_NE(key.front(), '+') << "undeclared extension";
-  EXPECT_EQ(file["tetropolis"]["domain"][0].get<double>(), 84800 - 10.1234);
-  EXPECT_EQ(file["tetropolis"]["dropped"][0]["source_id"], "17#2");
+  EXPECT_EQ(file["+tetropolis"]["domain"][0].get<double>(), 84800 - 10.1234);
+  EXPECT_EQ(file["+tetropolis"]["dropped"][0]["source_id"], "17#2");
 }
 
 TEST(CityJson, TextThatIsNoUtf8StaysReadable) {
@@ -559,14 +559,14 @@ TEST(CityJson, WhatOurFilesSayTwiceHasToAgree) {
   };
   EXPECT_EQ(error_of(file), "");
   Json crs = file;
-  crs["tetropolis"]["crs"] = "EPSG:28992";
-  EXPECT_NE(error_of(crs).find("/tetropolis/crs is EPSG:28992, but /metadata/referenceSystem "
+  crs["+tetropolis"]["crs"] = "EPSG:28992";
+  EXPECT_NE(error_of(crs).find("/+tetropolis/crs is EPSG:28992, but /metadata/referenceSystem "
                                "EPSG:3006"),
             std::string::npos)
       << error_of(crs);
   Json box = file;
-  std::swap(box["tetropolis"]["domain"][0], box["tetropolis"]["domain"][2]);
-  EXPECT_NE(error_of(box).find("/tetropolis/domain is not XMIN, YMIN, XMAX, YMAX"),
+  std::swap(box["+tetropolis"]["domain"][0], box["+tetropolis"]["domain"][2]);
+  EXPECT_NE(error_of(box).find("/+tetropolis/domain is not XMIN, YMIN, XMAX, YMAX"),
             std::string::npos)
       << error_of(box);
   for (std::size_t side = 0; side < 6; ++side) {
@@ -815,7 +815,7 @@ TEST(CityJson, BrokenObjectsOfOthersCostNothingElse) {
     EXPECT_EQ(warnings[0].count, 3);
     // In a file of ours it is damage.
     Json ours = file;
-    ours["tetropolis"] = Json::object();
+    ours["+tetropolis"] = Json::object();
     write_text(path, ours.dump());
     EXPECT_THROW(read_city(path, nullptr, BrokenObjects::kDrop), Error);
   };

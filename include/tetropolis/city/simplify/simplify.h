@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "tetropolis/city/city_model.h"
 #include "tetropolis/core/progress.h"
 #include "tetropolis/geometry/domain.h"
 #include "tetropolis/geometry/types.h"
@@ -35,6 +36,7 @@ struct FootprintChange {
 struct DroppedFootprint {
   BuildingIndex index;
   std::string reason;
+  DropCause cause = DropCause::kUnusable;
 };
 
 struct SimplifyStats {

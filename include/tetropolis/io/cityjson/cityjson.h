@@ -21,9 +21,8 @@ namespace tetropolis {
 /// (names), and attribute_height where it is positive. Numbers read back as the same doubles.
 /// Vertices are integers in steps of 0.1 mm from the model's origin and not repeated.
 /// metadata.referenceSystem is set if the system has an EPSG code. The model's domain (CRS
-/// coordinates), origin, crs and dropped features go into the root member "tetropolis": the schema
-/// lets other root members pass and validators mention them, while one with a leading "+" would be
-/// an error without a published extension.
+/// coordinates), origin, crs and dropped features go into the root member "+tetropolis" of the
+/// extension Tetropolis, which the file declares and docs/tetropolis.ext.json describes.
 ///
 /// Precondition: unique ids; coordinates of footprints and domain are multiples of kCoordinateStep,
 /// origin in whole metres; h_ground < h_roof; rings of >= 3 vertices.

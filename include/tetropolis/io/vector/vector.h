@@ -6,6 +6,7 @@
 #include <limits>
 #include <span>
 #include <string>
+#include <variant>
 #include <vector>
 
 #include "tetropolis/city/city_model.h"
@@ -21,6 +22,25 @@ struct ReadFootprintsOptions {
   std::string source_crs = {};  ///< What the coordinates are in, whatever the file says; empty:
                                 ///< what the file says.
   std::string target_crs = {};  ///< Reproject to this; empty: leave as they are.
+  bool attributes = false;      ///< Keep all attributes of the features.
+};
+
+enum class AttributeType : std::uint8_t {
+  kInteger,
+  kBoolean,  ///< Integers 0 and 1.
+  kReal,
+  kText,
+  kDate,      ///< Text: "2019-03-05".
+  kDateTime,  ///< Text: "2019-03-05T12:30:00.000", then "Z", an offset like "+01:00", or nothing.
+};
+
+/// One attribute of all features: a value per feature in their order, of the kind that `type` says.
+struct AttributeColumn {
+  std::string name;  ///< As in the file, UTF-8; may be empty or the same as another.
+  AttributeType type = AttributeType::kText;
+  std::variant<std::vector<std::int64_t>, std::vector<double>, std::vector<std::string>> values =
+      {};
+  std::vector<bool> known = {};  ///< False where the feature has none.
 };
 
 /// One polygon of the input.
@@ -30,12 +50,20 @@ struct Footprint {
                           ///< oriented; the repeated last vertex is gone, outer has >= 3 vertices.
   double height = std::numeric_limits<double>::quiet_NaN();  ///< Above ground, in the unit of the
                                                              ///< attribute; NaN if there is none.
+  std::int64_t feature = -1;  ///< Row of FootprintsInput::attributes; -1 if there is none.
+};
+
+/// A feature, or a polygon of one, that is no footprint.
+struct UnusableFootprint : Dropped {
+  std::int64_t feature = -1;  ///< As for Footprint.
 };
 
 struct FootprintsInput {
-  std::string source = "footprints";    ///< What messages call them: the path that was read.
-  std::vector<Footprint> features;      ///< In the order of the file.
-  std::vector<Dropped> dropped;         ///< Features and parts that are no footprint, and why.
+  std::string source = "footprints";        ///< What messages call them: the path that was read.
+  std::vector<Footprint> features;          ///< In the order of the file.
+  std::vector<UnusableFootprint> dropped;   ///< Features and parts that are no footprint, and why.
+  std::vector<AttributeColumn> attributes;  ///< In the order of the file, if asked for. Binary ones
+                                            ///< are left out, lists are text.
   std::int64_t features_read = 0;       ///< Features of the file, before multipolygons are split.
   std::string crs;                      ///< Of the coordinates (canonical, crs.h); "" if unknown.
   Bounds2 bounds = Bounds2::nothing();  ///< Of all vertices kept; empty if there are none.
