@@ -135,6 +135,7 @@ CityMesh mesh_city(const CityModel& city, Raster terrain, const MeshCityOptions&
   terrain.y0 = in_crs(terrain.y0, origin.y);
   Columns columns = make_columns(options, city, terrain, size, std::move(ground), clock, result);
   ExcavationSources excavated;
+  MeshQuality quality;
   if (options.layering != Layering::kUniform) {
     QualityFloorOptions floor;
     floor.plan = plan_options(options);
@@ -146,14 +147,16 @@ CityMesh mesh_city(const CityModel& city, Raster terrain, const MeshCityOptions&
     excavated = std::move(improved.excavated);
     result.volume_facts.columns_improved = improved.columns_improved;
     result.volume_facts.min_vertical_gap = improved.min_vertical_gap;
+    quality = std::move(improved.quality);
+  } else {
+    quality = measure_quality(columns.mesh, clock);
   }
-  MeshQuality quality = measure_quality(columns.mesh, clock);
   warn_of_lowered_ground(columns.plan, excavated, result.warnings);
   tell_excavation(options, columns.plan, std::move(excavated), result.volume_facts);
   result.volume = std::move(columns.mesh);
   columns.plan = {};
   clock.run("3.6", "boundary", [&](const Progress&) {
-    warn_below_floor(options, result.volume, quality, result.warnings);
+    warn_below_floor(options, quality, result.warnings);
     tell_quality(result.volume, std::move(quality), result.volume_facts);
     result.boundary = checked_boundary(result.volume, result);
   });

@@ -10,14 +10,13 @@ namespace tetropolis {
 
 namespace {
 
-/// The bounds that cells of the mesh miss; nothing if it is above the floor.
-std::optional<AngleBounds> missed_bounds(const MeshQuality& quality) {
+/// What cells of the mesh miss; nothing if it is above the floor.
+std::optional<Asked> missed(const MeshQuality& quality) {
   const QualityHistogram& angles = quality.cells.histogram;
-  if (angles.dihedral_quantile_deg(kShareOfFew) < kLeastOfMost)
-    return AngleBounds{kLeastOfMost, kQualityFloor.greatest};
+  if (angles.dihedral_quantile_deg(kShareOfFew) < kLeastOfMost) return Asked::kOfMost;
   if (angles.min_dihedral_deg() < kQualityFloor.least ||
       angles.max_dihedral_deg() > kQualityFloor.greatest || quality.faces.above_70 > 0)
-    return kQualityFloor;
+    return Asked::kFloor;
   return std::nullopt;
 }
 
@@ -59,24 +58,25 @@ void warn_of_lowered_ground(const ColumnPlan& plan, const ExcavationSources& exc
        fmt::format("ground vertices were lowered, by up to {:.1f} m: {}", plan.deepest, where)});
 }
 
-void warn_below_floor(const MeshCityOptions& options, const ColumnMesh& mesh,
-                      const MeshQuality& quality, std::vector<Warning>& warnings) {
-  const std::optional<AngleBounds> bounds = missed_bounds(quality);
+void warn_below_floor(const MeshCityOptions& options, const MeshQuality& quality,
+                      std::vector<Warning>& warnings) {
+  const std::optional<Asked> asked = missed(quality);
   if (const double skewness = quality.faces.worst.skewness; skewness >= kMostSkewed)
     warnings.push_back({"faces_skewed", 1,
                         fmt::format("a face, or more, has a skewness of {:.2f}, where less than {} "
                                     "is meant for all; a smaller mesh_size may help",
                                     skewness, kMostSkewed)});
-  if (!bounds) return;
+  if (!asked) return;
   const QualityHistogram& angles = quality.cells.histogram;
-  if (const std::int64_t bad = count_bad_cells(mesh, *bounds); bad > 0)
+  const AngleBounds& bounds = kAskedBounds[static_cast<std::size_t>(*asked)];
+  if (const std::int64_t bad = quality.faults.cells_outside(*asked); bad > 0)
     warnings.push_back(
         {"below_quality_floor", bad,
          fmt::format(
              "cells have dihedral angles outside of {} to {} degrees (least {:.2f}, greatest "
              "{:.2f}), where {} to {} are meant for all and {} for all but one in ten thousand; "
              "worst_cells in the report has the worst and why{}",
-             bounds->least, bounds->greatest, angles.min_dihedral_deg(), angles.max_dihedral_deg(),
+             bounds.least, bounds.greatest, angles.min_dihedral_deg(), angles.max_dihedral_deg(),
              kQualityFloor.least, kQualityFloor.greatest, kLeastOfMost,
              unusual_settings(options))});
   if (quality.faces.above_70 > 0)

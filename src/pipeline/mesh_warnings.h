@@ -15,7 +15,7 @@ void warn_of_lowered_ground(const ColumnPlan& plan, const ExcavationSources& exc
                             std::vector<Warning>& warnings);
 
 /// Warns of cells and faces below the floor of quality.
-void warn_below_floor(const MeshCityOptions& options, const ColumnMesh& mesh,
-                      const MeshQuality& quality, std::vector<Warning>& warnings);
+void warn_below_floor(const MeshCityOptions& options, const MeshQuality& quality,
+                      std::vector<Warning>& warnings);
 
 }  // namespace tetropolis

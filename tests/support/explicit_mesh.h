@@ -3,11 +3,15 @@
 
 #include <algorithm>
 #include <array>
+#include <cstddef>
 #include <cstdint>
 #include <tuple>
 #include <vector>
 
 #include "tetropolis/volume/column/column_mesh.h"
+#include "tetropolis/volume/quality/cell_quality.h"
+
+#include "volume/quality/tet_shape.h"
 
 namespace tetropolis::testing {
 
@@ -58,6 +62,16 @@ inline ExplicitMesh explicit_mesh(const ColumnMesh& mesh,
     }
   }
   return result;
+}
+
+/// How many cells have a dihedral angle outside the bounds.
+inline std::int64_t count_bad_cells(const ColumnMesh& mesh, const AngleBounds& bounds) {
+  const ExplicitMesh lists = explicit_mesh(mesh);
+  return std::count_if(lists.cells.begin(), lists.cells.end(), [&](const auto& cell) {
+    const auto p = [&](std::size_t i) { return lists.points[static_cast<std::size_t>(cell[i])]; };
+    const TetShape shape = tet_shape(p(0), p(1), p(2), p(3));
+    return shape.min_dihedral_deg < bounds.least || shape.max_dihedral_deg > bounds.greatest;
+  });
 }
 
 }  // namespace tetropolis::testing

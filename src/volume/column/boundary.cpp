@@ -1,12 +1,11 @@
 #include "tetropolis/volume/column/boundary.h"
 
 #include <algorithm>
+#include <numeric>
 #include <string>
 #include <utility>
 
 #include "tetropolis/core/error.h"
-
-#include "core/parallel.h"
 
 namespace tetropolis {
 
@@ -199,32 +198,34 @@ std::vector<PatchCount> count_by_patch(const SurfaceMesh& surface) {
 }
 
 SurfaceTopology check_topology(const SurfaceMesh& surface) {
-  struct HalfEdge {
-    std::int32_t low, high;
-    bool forward;
+  // Half-edges by their lower vertex; each as twice the upper one, plus 1 if it runs there.
+  std::vector<std::size_t> end(surface.points.size(), 0);
+  const auto for_each_half_edge = [&](const auto& visit) {
+    for (const auto& triangle : surface.triangles)
+      for (std::size_t i = 0; i < 3; ++i) {
+        const std::int32_t a = triangle[i], b = triangle[(i + 1) % 3];
+        visit(end[static_cast<std::size_t>(std::min(a, b))],
+              2 * std::int64_t{std::max(a, b)} + (a < b ? 1 : 0));
+      }
   };
-  std::vector<HalfEdge> halves;
-  halves.reserve(surface.triangles.size() * 3);
-  for (const auto& triangle : surface.triangles)
-    for (std::size_t i = 0; i < 3; ++i) {
-      const std::int32_t a = triangle[i], b = triangle[(i + 1) % 3];
-      halves.push_back({std::min(a, b), std::max(a, b), a < b});
-    }
-  parallel_sort(halves.begin(), halves.end(), [](const HalfEdge& a, const HalfEdge& b) {
-    if (a.low != b.low) return a.low < b.low;
-    if (a.high != b.high) return a.high < b.high;
-    return a.forward < b.forward;
-  });
+  for_each_half_edge([](std::size_t& count, std::int64_t) { ++count; });
+  std::exclusive_scan(end.begin(), end.end(), end.begin(), std::size_t{0});
+  std::vector<std::int64_t> halves(3 * surface.triangles.size());
+  for_each_half_edge([&](std::size_t& next, std::int64_t half) { halves[next++] = half; });
   SurfaceTopology result;
-  for (std::size_t i = 0, j = 0; i < halves.size(); i = j) {
-    while (j < halves.size() && halves[j].low == halves[i].low && halves[j].high == halves[i].high)
-      ++j;
-    if (j - i == 1)
-      ++result.open_edges;
-    else if (j - i > 2)
-      ++result.non_manifold_edges;
-    else if (halves[i].forward == halves[i + 1].forward)
-      ++result.misoriented_edges;
+  std::size_t i = 0;
+  for (const std::size_t last : end) {
+    std::sort(halves.begin() + static_cast<std::ptrdiff_t>(i),
+              halves.begin() + static_cast<std::ptrdiff_t>(last));
+    for (std::size_t j = i; i < last; i = j) {
+      while (j < last && halves[j] / 2 == halves[i] / 2) ++j;
+      if (j - i == 1)
+        ++result.open_edges;
+      else if (j - i > 2)
+        ++result.non_manifold_edges;
+      else if (halves[i] == halves[i + 1])
+        ++result.misoriented_edges;
+    }
   }
   return result;
 }

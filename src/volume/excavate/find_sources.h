@@ -52,7 +52,7 @@ std::int64_t mark_deep_walls(const ColumnMesh& mesh, const ColumnPlan& plan,
                              std::span<const std::uint8_t> bad, ExcavationMarks& marks);
 
 /// An excavation that was tried on a mesh: per vertex the elevation of the ground, per triangle
-/// whether it was bad (MeshFaults::bad_triangles).
+/// whether it was bad (MeasuredMesh::bad_triangles).
 struct TriedExcavation {
   std::span<const double> ground_before, ground_after;
   std::span<const std::uint8_t> bad_before, bad_after;

@@ -19,7 +19,7 @@
 #include "places.h"
 #include "volume/column/ground_heights.h"
 #include "volume/quality/improve_columns.h"
-#include "volume/quality/mesh_faults.h"
+#include "volume/quality/measured_mesh.h"
 
 namespace tetropolis {
 
@@ -102,7 +102,7 @@ class Place {
   double cells_elsewhere_;
   const Progress& progress_;
   std::vector<double> terrain_;
-  MeshFaults faults_;
+  MeasuredMesh faults_;
   std::int64_t work_left_;
   bool is_outgrown_ = false;
 
@@ -382,9 +382,9 @@ Outcomes improve_places(const Columns& columns, std::vector<std::uint8_t> seeds,
   return outcomes;
 }
 
-/// Gives the mesh what became of its places.
+/// Gives the mesh what became of its places, and measures that.
 void take_outcomes(const Outcomes& outcomes, std::vector<std::uint8_t>& moved,
-                   ImprovedColumns& result) {
+                   MeasuredMesh& measured, ImprovedColumns& result) {
   ColumnPlan& plan = result.columns.plan;
   ColumnMesh& mesh = result.columns.mesh;
   std::vector<ColumnOf> columns;
@@ -412,9 +412,12 @@ void take_outcomes(const Outcomes& outcomes, std::vector<std::uint8_t>& moved,
     result.excavated.roof_slopes_deg.push_back(slope);
   }
   ColumnMesh improved = gather_columns(columns.size(), [&](std::size_t v) { return columns[v]; });
+  const std::vector<VertexIndex> changed = different_columns(mesh, improved);
+  measured.forget(mesh, changed);
   improved.ground = std::move(mesh.ground);
   improved.edges = std::move(mesh.edges);
   mesh = std::move(improved);
+  measured.look_again(mesh, changed);
 }
 
 }  // namespace
@@ -426,15 +429,20 @@ ImprovedColumns reach_quality_floor(Columns columns, const Raster& dtm,
   ColumnPlan& plan = result.columns.plan;
   ColumnMesh& mesh = result.columns.mesh;
   std::vector<std::uint8_t> moved(mesh.vertex_count(), 0);
-  MeshFaults faults =
-      steps.run("3.6", "find bad cells", [&](const Progress&) { return MeshFaults(mesh); });
-  if (faults.counts().cells_outside(Asked::kGood) > 0)
+  MeasuredMesh measured = steps.run("3.6", "measure cells and faces", [&](const Progress&) {
+    return MeasuredMesh(mesh, MeasuredMesh::Counting::kHistogram);
+  });
+  if (measured.counts().cells_outside(Asked::kGood) > 0)
     steps.run("3.5", "improve cells", [&](const Progress& progress) {
-      const Improvement done = improve_columns(mesh, {}, progress);
+      ImproveOptions improve;
+      improve.before_change = [&](std::span<const VertexIndex> changing) {
+        measured.forget(mesh, changing);
+      };
+      const Improvement done = improve_columns(mesh, improve, progress);
       for (const VertexIndex v : done.columns) moved[static_cast<std::size_t>(v)] = 1;
-      faults.look_again(mesh, done.columns);
+      measured.look_again(mesh, done.columns);
     });
-  const std::vector<std::uint8_t> bad = faults.bad_triangles(mesh, Asked::kOfMost);
+  const std::vector<std::uint8_t> bad = measured.bad_triangles(mesh, Asked::kOfMost);
   if (std::find(bad.begin(), bad.end(), 1) != bad.end())
     steps.run("3.5", "improve bad places", [&](const Progress& progress) {
       std::vector<std::uint8_t> seeds(moved.size(), 0);
@@ -442,23 +450,22 @@ ImprovedColumns reach_quality_floor(Columns columns, const Raster& dtm,
         for (const VertexIndex v : mesh.ground.triangles[t])
           seeds[static_cast<std::size_t>(v)] |= bad[t];
       take_outcomes(improve_places(result.columns, std::move(seeds), moved, dtm, options, progress),
-                    moved, result);
+                    moved, measured, result);
       count_lowered(mesh.ground, terrain_under(mesh.ground, dtm), options.plan.minimum_wall, plan);
       if (options.require_fits) options.require_fits(estimate_cells(plan));
     });
   result.columns_improved = std::count(moved.begin(), moved.end(), 1);
-  result.min_vertical_gap =
-      steps.run("3.6", "check columns", [&](const Progress&) { return require_valid(mesh); });
+  result.min_vertical_gap = steps.run("3.6", "check columns", [&](const Progress&) {
+    const double gap = require_valid(mesh);
+    result.quality = measured.quality(mesh, kWorstCells);
+    return gap;
+  });
   return result;
 }
 
 MeshQuality measure_quality(const ColumnMesh& mesh, Steps& steps) {
-  MeshQuality quality;
-  quality.cells = steps.run("3.6", "measure cells",
-                            [&](const Progress&) { return measure_cells(mesh, kWorstCells); });
-  quality.faces =
-      steps.run("3.6", "measure faces", [&](const Progress&) { return measure_faces(mesh); });
-  return quality;
+  return steps.run("3.6", "measure cells and faces",
+                   [&](const Progress&) { return measure_quality(mesh, kWorstCells); });
 }
 
 }  // namespace tetropolis

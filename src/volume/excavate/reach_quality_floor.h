@@ -5,12 +5,11 @@
 #include <functional>
 
 #include "tetropolis/terrain/raster.h"
-#include "tetropolis/volume/quality/cell_quality.h"
-#include "tetropolis/volume/quality/face_quality.h"
 
 #include "core/step_clock.h"
 #include "excavate.h"
 #include "volume/column/fill_columns.h"
+#include "volume/quality/measured_mesh.h"
 
 namespace tetropolis {
 
@@ -24,16 +23,12 @@ struct QualityFloorOptions {
   std::function<void(double cells)> require_fits;
 };
 
-struct MeshQuality {
-  CellQuality cells;
-  FaceQuality faces;
-};
-
 struct ImprovedColumns {
   Columns columns;
   ExcavationSources excavated;
   std::int64_t columns_improved = 0;  ///< Whose nodes have moved.
   double min_vertical_gap = 0;        ///< As from require_valid.
+  MeshQuality quality;
 };
 
 /// What runs the steps: run(id, name, body) calls body(progress) and times it.

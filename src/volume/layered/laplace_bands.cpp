@@ -6,7 +6,7 @@
 #include <cstdint>
 
 #include "core/parallel.h"
-#include "laplace_wide.h"
+#include "core/wide.h"
 
 namespace tetropolis {
 

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "core/parallel.h"
-#include "laplace_wide.h"
+#include "core/wide.h"
 
 namespace tetropolis {
 

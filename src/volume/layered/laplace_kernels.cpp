@@ -2,8 +2,8 @@
 #include <cstddef>
 #include <cstring>
 
+#include "core/wide.h"
 #include "laplace_level.h"
-#include "laplace_wide.h"
 
 namespace tetropolis {
 

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <tuple>
 
+#include "cells_of.h"
 #include "core/infinity.h"
 #include "core/parallel.h"
 #include "core/units.h"
@@ -15,16 +16,7 @@ namespace tetropolis {
 
 namespace {
 
-constexpr std::size_t kTrianglesPerChunk = 4096;
-
 constexpr double kFlattest = 180 - kQualityFloor.greatest;
-
-double share_of_floor(double least_deg, double greatest_deg) {
-  return std::min(least_deg / kLeastOfMost, (180 - greatest_deg) / kFlattest);
-}
-
-/// The bounds that cells of this share of the floor keep to.
-AngleBounds angles_at(double share) { return {share * kLeastOfMost, 180 - share * kFlattest}; }
 
 /// Keeps the `count` worst, worst first; ties by place, so that the order of adding is irrelevant.
 void keep_worst(std::vector<WorstCell>& cells, std::size_t count) {
@@ -78,55 +70,52 @@ std::string_view cause_of(const ColumnMesh& mesh, std::size_t t,
 
 }  // namespace
 
-CellQuality measure_cells(const ColumnMesh& mesh, std::size_t worst) {
-  const std::size_t grain = grain_of_chunks(mesh.triangle_count());
-  std::vector<CellQuality> partial((mesh.triangle_count() + grain - 1) / grain);
-  parallel_chunks(mesh.triangle_count(), grain, [&](std::size_t begin, std::size_t end) {
-    CellQuality& quality = partial[begin / grain];
+double share_of_floor(double least_deg, double greatest_deg) {
+  return std::min(least_deg / kLeastOfMost, (180 - greatest_deg) / kFlattest);
+}
+
+AngleBounds angles_at(double share) { return {share * kLeastOfMost, 180 - share * kFlattest}; }
+
+CellExtremes cells_over(const ColumnMesh& mesh, std::span<const TriangleIndex> triangles,
+                        std::size_t worst) {
+  const std::size_t grain = grain_of_chunks(triangles.size());
+  std::vector<CellExtremes> partial((triangles.size() + grain - 1) / grain);
+  const auto widen = [](CellExtremes& all, double greatest, double least, double aspect_ratio) {
+    all.greatest_cosine = std::max(all.greatest_cosine, greatest);
+    all.least_cosine = std::min(all.least_cosine, least);
+    all.aspect_ratio = std::max(all.aspect_ratio, aspect_ratio);
+  };
+  parallel_chunks(triangles.size(), grain, [&](std::size_t begin, std::size_t end) {
+    CellExtremes& part = partial[begin / grain];
     // Cells whose cosines stay within these are not among the worst.
     double greatest_cosine = -2, least_cosine = 2;
-    for (std::size_t t = begin; t < end; ++t) {
-      for_each_shape_over(
-          mesh, t,
-          [&](const std::array<NodeIndex, 4>& nodes, const std::array<Point3, 4>& p,
-              const TetCosines& shape) {
-            quality.histogram.add(shape.volume, shape.greatest, shape.least, shape.aspect_ratio);
-            if (worst == 0 || (shape.greatest < greatest_cosine && shape.least > least_cosine))
-              return;
-            const double least = angle_deg(shape.greatest), greatest = angle_deg(shape.least);
-            quality.worst.push_back({share_of_floor(least, greatest), least, greatest, centre_of(p),
-                                     static_cast<TriangleIndex>(t), cause_of(mesh, t, nodes, p)});
-            if (quality.worst.size() < 2 * worst) return;
-            keep_worst(quality.worst, worst);
-            const AngleBounds limits = angles_at(quality.worst.back().share_of_floor);
-            greatest_cosine = std::cos(to_radians(limits.least)) - 1e-12;
-            least_cosine = std::cos(to_radians(limits.greatest)) + 1e-12;
-          });
+    const auto add = [&](std::size_t t, const std::array<NodeIndex, 4>& nodes,
+                         const std::array<Point3, 4>& p, const TetCosines& shape) {
+      widen(part, shape.greatest, shape.least, shape.aspect_ratio);
+      if (worst == 0 || (shape.greatest < greatest_cosine && shape.least > least_cosine)) return;
+      const double least = angle_deg(shape.greatest), greatest = angle_deg(shape.least);
+      part.worst.push_back({share_of_floor(least, greatest), least, greatest, centre_of(p),
+                            static_cast<TriangleIndex>(t), cause_of(mesh, t, nodes, p)});
+      if (part.worst.size() < 2 * worst) return;
+      keep_worst(part.worst, worst);
+      const AngleBounds limits = angles_at(part.worst.back().share_of_floor);
+      greatest_cosine = std::cos(to_radians(limits.least)) - 1e-12;
+      least_cosine = std::cos(to_radians(limits.greatest)) + 1e-12;
+    };
+    for (std::size_t i = begin; i < end; ++i) {
+      const auto t = static_cast<std::size_t>(triangles[i]);
+      for_each_shape_over(mesh, t, [&](const auto& nodes, const auto& p, const auto& shape) {
+        add(t, nodes, p, shape);
+      });
     }
   });
-  CellQuality result;
-  for (CellQuality& part : partial) {
-    result.histogram.merge(part.histogram);
+  CellExtremes result;
+  for (const CellExtremes& part : partial) {
+    widen(result, part.greatest_cosine, part.least_cosine, part.aspect_ratio);
     result.worst.insert(result.worst.end(), part.worst.begin(), part.worst.end());
   }
   keep_worst(result.worst, worst);
   return result;
-}
-
-std::int64_t count_bad_cells(const ColumnMesh& mesh, const AngleBounds& bounds) {
-  const double greatest_cosine = std::cos(to_radians(bounds.least));
-  const double least_cosine = std::cos(to_radians(bounds.greatest));
-  return parallel_reduce_ordered(
-      mesh.triangle_count(), kTrianglesPerChunk, std::int64_t{0},
-      [&](std::size_t begin, std::size_t end) {
-        std::int64_t bad = 0;
-        for (std::size_t t = begin; t < end; ++t)
-          for_each_shape_over(mesh, t, [&](const auto&, const auto&, const TetCosines& shape) {
-            bad += shape.greatest > greatest_cosine || shape.least < least_cosine ? 1 : 0;
-          });
-        return bad;
-      },
-      [](std::int64_t a, std::int64_t b) { return a + b; });
 }
 
 }  // namespace tetropolis

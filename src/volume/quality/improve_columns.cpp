@@ -524,8 +524,10 @@ Improvement improve_columns(ColumnMesh& mesh, const ImproveOptions& options,
   std::vector<VertexIndex> vertices = improver.bad_vertices(options.near);
   for (int i = 0; i < options.sweeps && !vertices.empty(); ++i)
     vertices = improver.bad_around(improver.sweep(vertices, progress));
+  Improvement done = improver.done();
+  if (options.before_change) options.before_change(done.columns);
   improver.store(mesh);
-  return improver.done();
+  return done;
 }
 
 }  // namespace tetropolis

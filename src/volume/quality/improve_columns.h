@@ -2,20 +2,25 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <limits>
 #include <span>
 #include <vector>
 
 #include "tetropolis/core/progress.h"
 #include "tetropolis/volume/column/column_mesh.h"
+#include "tetropolis/volume/quality/cell_quality.h"
 
 namespace tetropolis {
 
+/// What columns are improved for.
+inline constexpr AngleBounds kGoodAngles{12, 157};
+
 struct ImproveOptions {
-  double least_deg = 12;      ///< Cells with a smaller dihedral angle are worked on,
-  double greatest_deg = 157;  ///< and those with a greater one.
-  double straight_deg = 90;   ///< And those on a face that is more non-orthogonal; 90: none are.
-  int sweeps = 3;             ///< Over the columns of such cells, at most.
+  double least_deg = kGoodAngles.least;  ///< Cells with a smaller dihedral angle are worked on,
+  double greatest_deg = kGoodAngles.greatest;  ///< and those with a greater one.
+  double straight_deg = 90;  ///< And those on a face that is more non-orthogonal; 90: none are.
+  int sweeps = 3;            ///< Over the columns of such cells, at most.
   std::int64_t most_cells_per_column = 50'000;  ///< Looked at in each sweep.
   /// Looked at by all sweeps; shared by them and their columns alike.
   std::int64_t most_cells = std::numeric_limits<std::int64_t>::max();
@@ -23,6 +28,8 @@ struct ImproveOptions {
   /// 1 here, the others around what changed. Empty: on all.
   std::span<const std::uint8_t> near = {};
   std::span<const std::uint8_t> fixed = {};  ///< Per vertex, 1: the column stays. Empty: none does.
+  /// Called once with the columns that change, ascending, when the mesh still is as it was.
+  std::function<void(std::span<const VertexIndex> columns)> before_change = {};
 };
 
 struct Improvement {

@@ -35,15 +35,16 @@ std::size_t quantile_bin(const std::vector<std::int64_t>& bins, std::int64_t tot
 class BinFinder {
  public:
   /// Bin i is [bounds[i], bounds[i + 1]), ascending; the last one has no end. The guide covers
-  /// values up to `guided` in steps of 1 / `per_unit`.
+  /// values up to `guided`, below the last bound, in steps of 1 / `per_unit`.
   BinFinder(std::vector<double> bounds, double guided, double per_unit)
       : bounds_(std::move(bounds)), per_unit_(per_unit) {
+    bounds_.push_back(kInfinity);
     const auto steps = static_cast<std::size_t>((guided - bounds_.front()) * per_unit);
     guide_.resize(steps);
     std::size_t bin = 0;
     for (std::size_t i = 0; i < steps; ++i) {
       const double value = bounds_.front() + (static_cast<double>(i) - 0.01) / per_unit;
-      while (bin + 1 < bounds_.size() && bounds_[bin + 1] <= value) ++bin;
+      while (bounds_[bin + 1] <= value) ++bin;
       guide_[i] = static_cast<std::uint16_t>(bin);
     }
   }
@@ -51,11 +52,12 @@ class BinFinder {
     const double step = (value - bounds_.front()) * per_unit_;
     if (!(step > 0)) return 0;
     if (!(step < static_cast<double>(guide_.size())))
-      return static_cast<std::size_t>(std::upper_bound(bounds_.begin(), bounds_.end(), value) -
+      return static_cast<std::size_t>(std::upper_bound(bounds_.begin(), bounds_.end() - 1, value) -
                                       bounds_.begin()) -
              1;
     std::size_t bin = guide_[static_cast<std::size_t>(step)];
-    while (bin + 1 < bounds_.size() && bounds_[bin + 1] <= value) ++bin;
+    bin += bounds_[bin + 1] <= value ? 1 : 0;  // mostly enough, and no branch
+    while (bounds_[bin + 1] <= value) ++bin;
     return bin;
   }
 
@@ -78,12 +80,13 @@ const BinFinder& dihedral_bins() {
   return finder;
 }
 
+/// Bins of aspect ratios by their squares.
 const BinFinder& aspect_bins() {
   static const BinFinder finder = [] {
     std::vector<double> bounds;
     for (std::size_t i = 0; i < kAspectBins; ++i)
-      bounds.push_back(std::pow(kAspectBase, static_cast<double>(i)));
-    return BinFinder(std::move(bounds), 9, 2048);
+      bounds.push_back(std::pow(kAspectBase, 2 * static_cast<double>(i)));
+    return BinFinder(std::move(bounds), 17, 1024);
   }();
   return finder;
 }
@@ -93,16 +96,20 @@ const BinFinder& aspect_bins() {
 QualityHistogram::QualityHistogram()
     : dihedral_bins_(kDihedralBins, 0), aspect_bins_(kAspectBins, 0) {}
 
-void QualityHistogram::add(double volume, double greatest_cosine, double least_cosine,
-                           double aspect_ratio) {
-  ++cells_;
-  if (!(volume > 0)) ++inverted_;
-  volume_ += volume;
+void QualityHistogram::add(std::span<const double> greatest_cosines,
+                           std::span<const double> squared_aspect_ratios, std::int64_t inverted,
+                           int times) {
+  const BinFinder &by_angle = dihedral_bins(), &by_aspect = aspect_bins();
+  for (const double cosine : greatest_cosines) dihedral_bins_[by_angle(1 - cosine)] += times;
+  for (const double square : squared_aspect_ratios) aspect_bins_[by_aspect(square)] += times;
+  cells_ += times * static_cast<std::int64_t>(greatest_cosines.size());
+  inverted_ += times * inverted;
+}
+
+void QualityHistogram::widen(double greatest_cosine, double least_cosine, double aspect_ratio) {
   greatest_cosine_ = std::max(greatest_cosine_, greatest_cosine);
   least_cosine_ = std::min(least_cosine_, least_cosine);
   max_aspect_ = std::max(max_aspect_, aspect_ratio);
-  ++dihedral_bins_[dihedral_bins()(1 - greatest_cosine)];
-  ++aspect_bins_[aspect_bins()(aspect_ratio)];
 }
 
 double QualityHistogram::min_dihedral_deg() const {
@@ -119,9 +126,7 @@ void QualityHistogram::merge(const QualityHistogram& other) {
   cells_ += other.cells_;
   inverted_ += other.inverted_;
   volume_ += other.volume_;
-  greatest_cosine_ = std::max(greatest_cosine_, other.greatest_cosine_);
-  least_cosine_ = std::min(least_cosine_, other.least_cosine_);
-  max_aspect_ = std::max(max_aspect_, other.max_aspect_);
+  widen(other.greatest_cosine_, other.least_cosine_, other.max_aspect_);
 }
 
 double QualityHistogram::dihedral_quantile_deg(double fraction) const {

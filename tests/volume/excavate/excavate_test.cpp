@@ -17,6 +17,7 @@
 #include "tetropolis/volume/quality/cell_quality.h"
 #include "tetropolis/volume/quality/face_quality.h"
 
+#include "support/explicit_mesh.h"
 #include "support/small_city.h"
 #include "volume/column/fill_columns.h"
 #include "volume/column/ground_heights.h"
@@ -308,7 +309,7 @@ TEST(Excavate, MarksTheToesOfCliffsWithBadCells) {
         if (!((p[2][2] - p[0][2]) / across > rule.slope)) continue;
         steep.emplace_back(t, p[0][2] + rule.share * (p[2][2] - p[0][2]));
       }
-      EXPECT_EQ(count_bad_cells(result.mesh, bounds), bad);
+      EXPECT_EQ(testing::count_bad_cells(result.mesh, bounds), bad);
       ExcavationMarks marks;
       marks.toes.assign(result.plan.ground.size(), infinity);
       const std::int64_t marked =

@@ -13,6 +13,7 @@
 
 #include <gtest/gtest.h>
 
+#include "support/explicit_mesh.h"
 #include "support/small_city.h"
 #include "support/test_data.h"
 #include "volume/column/ground_heights.h"
@@ -131,7 +132,7 @@ TEST(ReachQualityFloor, WhatIsFarAwayChangesNothingHere) {
     EXPECT_EQ(slopes(both, true), c.slopes);
     expect_excavated_as_told(both, city.city);
     const CellQuality cells = measure_cells(both.columns.mesh);
-    const std::int64_t thin = count_bad_cells(both.columns.mesh, {kLeastOfMost, 180});
+    const std::int64_t thin = testing::count_bad_cells(both.columns.mesh, {kLeastOfMost, 180});
     EXPECT_GE(static_cast<double>(thin),
               c.thin_share * static_cast<double>(cells.histogram.cells()));
     const ColumnMesh &a = alone.columns.mesh, &b = both.columns.mesh;

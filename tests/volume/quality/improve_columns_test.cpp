@@ -16,8 +16,8 @@
 
 #include "support/explicit_mesh.h"
 #include "support/small_city.h"
+#include "support/spoilt_mesh.h"
 #include "support/test_data.h"
-#include "volume/quality/mesh_faults.h"
 #include "volume/quality/tet_shape.h"
 
 namespace tetropolis {
@@ -70,114 +70,13 @@ std::vector<std::array<double, 3>> fixed_heights(const ColumnMesh& mesh) {
   return heights;
 }
 
-std::vector<double> column(const ColumnMesh& mesh, std::size_t v) {
-  return {mesh.z.begin() + mesh.first[v], mesh.z.begin() + mesh.first[v + 1]};
-}
-
-/// A mesh in which a share of the columns lost most of their nodes, and the others stand anywhere.
-ColumnMesh spoilt(const ColumnMesh& mesh, double share) {
-  std::mt19937 random(testing::test_seed());
-  std::uniform_real_distribution<double> step(-0.9, 0.9);
-  std::bernoulli_distribution chosen(share), lost(0.6);
-  ColumnMesh result = mesh;
-  result.z.clear();
-  for (std::size_t v = 0; v < mesh.vertex_count(); ++v) {
-    result.first[v] = static_cast<NodeIndex>(result.z.size());
-    const std::vector<double> z = column(mesh, v);
-    const bool spoil = chosen(random);
-    for (std::size_t n = 0; n < z.size(); ++n) {
-      bool fixed = n == 0 || n + 1 == z.size();
-      for (std::size_t i = 0; i < mesh.regions.count(v); ++i) {
-        if (mesh.floors_at(v)[i] != static_cast<std::int32_t>(n)) continue;
-        fixed = true;
-        result.floors[static_cast<std::size_t>(mesh.regions.first[v]) + i] =
-            static_cast<std::int32_t>(result.z.size()) - static_cast<std::int32_t>(result.first[v]);
-      }
-      if (!spoil || fixed) {
-        result.z.push_back(z[n]);
-      } else if (!lost(random)) {
-        const double shift = step(random);
-        const double to = z[n] + shift * (shift > 0 ? z[n + 1] - z[n] : z[n] - z[n - 1]);
-        if (to > result.z.back()) result.z.push_back(to);
-      }
-    }
-  }
-  result.first.back() = static_cast<NodeIndex>(result.z.size());
-  require_valid(result);
-  return result;
-}
-
-void expect_same(const FaultCounts& found, const FaultCounts& expected) {
-  EXPECT_EQ(found.cells, expected.cells);
-  EXPECT_EQ(found.thin, expected.thin);
-  EXPECT_EQ(found.outside, expected.outside);
-  EXPECT_EQ(found.triangles, expected.triangles);
-  EXPECT_EQ(found.steep_faces, expected.steep_faces);
-  EXPECT_EQ(found.worst_face_deg, expected.worst_face_deg);
-}
-
-TEST(MeshFaults, CountWhatTheWholeMeshHas) {
-  for (const auto& [name, terrain] : testing::kHardTerrains) {
-    SCOPED_TRACE(name);
-    const ColumnMesh mesh = spoilt(testing::meshed(testing::small_city(terrain)).mesh, 0.3);
-    const MeshFaults faults(mesh);
-    const FaultCounts counts = faults.counts();
-    const CellQuality cells = measure_cells(mesh, 10'000'000);
-    EXPECT_EQ(counts.cells, cells.histogram.cells());
-    std::int64_t thin = 0;
-    for (const WorstCell& cell : cells.worst) thin += cell.min_dihedral_deg < 12 ? 1 : 0;
-    EXPECT_EQ(counts.thin, thin);
-    EXPECT_GT(thin, 0);
-    for (std::size_t i = 0; i < kAskedBounds.size(); ++i) {
-      EXPECT_EQ(counts.outside[i], count_bad_cells(mesh, kAskedBounds[i]));
-      std::vector<std::uint8_t> bad = faults.steep_triangles(mesh);
-      std::set<TriangleIndex> over;
-      for (const WorstCell& cell : cells.worst)
-        if (cell.min_dihedral_deg < kAskedBounds[i].least ||
-            cell.max_dihedral_deg > kAskedBounds[i].greatest) {
-          over.insert(cell.triangle);
-          bad[static_cast<std::size_t>(cell.triangle)] = 1;
-        }
-      EXPECT_EQ(counts.triangles[i], static_cast<std::int64_t>(over.size()));
-      EXPECT_EQ(faults.bad_triangles(mesh, static_cast<Asked>(i)), bad);
-    }
-    EXPECT_EQ(counts.steep_faces, measure_faces(mesh).above_70);
-  }
-}
-
-/// After a search, and back again.
-TEST(MeshFaults, LookingAgainWhereColumnsChangedIsEnough) {
-  for (const auto& [name, terrain] : testing::kHardTerrains) {
-    SCOPED_TRACE(name);
-    const ColumnMesh before = spoilt(testing::meshed(testing::small_city(terrain)).mesh, 0.1);
-    ColumnMesh after = before;
-    MeshFaults faults(before);
-    const FaultCounts counts_before = faults.counts();
-    const std::vector<VertexIndex> changed = improve_columns(after).columns;
-    ASSERT_FALSE(changed.empty());
-    for (std::size_t v = 0; v < before.vertex_count(); ++v)
-      if (column(before, v) != column(after, v)) {
-        EXPECT_TRUE(
-            std::binary_search(changed.begin(), changed.end(), static_cast<VertexIndex>(v)));
-      }
-    faults.look_again(after, changed);
-    const FaultCounts counts_after = MeshFaults(after).counts();
-    EXPECT_LT(counts_after.thin, counts_before.thin);
-    expect_same(faults.counts(), counts_after);
-    EXPECT_EQ(faults.bad_triangles(after, Asked::kGood),
-              MeshFaults(after).bad_triangles(after, Asked::kGood));
-    faults.look_again(before, changed);
-    expect_same(faults.counts(), counts_before);
-  }
-}
-
 TEST(ImproveColumns, RepairsSpoiltColumnsAndKeepsSurfaces) {
   for (const auto& [name, terrain] : testing::kHardTerrains) {
     SCOPED_TRACE(name);
     const ColumnMesh good = testing::meshed(testing::small_city(terrain)).mesh;
     for (const double share : {0.02, 0.3}) {
       SCOPED_TRACE(share);
-      const ColumnMesh before = spoilt(good, share);
+      const ColumnMesh before = testing::spoilt(good, share);
       ColumnMesh after = before;
       const auto changed = static_cast<std::int64_t>(improve_columns(after).columns.size());
       EXPECT_GT(changed, 0) << "seed " << testing::test_seed();
@@ -194,7 +93,7 @@ TEST(ImproveColumns, RepairsSpoiltColumnsAndKeepsSurfaces) {
                 measure_cells(before).histogram.min_dihedral_deg());
       std::int64_t differ = 0;
       for (std::size_t v = 0; v < before.vertex_count(); ++v)
-        differ += column(before, v) != column(after, v);
+        differ += testing::column(before, v) != testing::column(after, v);
       EXPECT_LE(differ, changed);
       EXPECT_GT(differ, 0);
     }
@@ -209,7 +108,7 @@ TEST(ImproveColumns, EverySweepLowersTheTotal) {
   options.sweeps = 1;
   for (const auto& [name, terrain] : testing::kHardTerrains) {
     SCOPED_TRACE(name);
-    ColumnMesh mesh = spoilt(testing::meshed(testing::small_city(terrain)).mesh, 0.5);
+    ColumnMesh mesh = testing::spoilt(testing::meshed(testing::small_city(terrain)).mesh, 0.5);
     double total = total_cost(mesh, options);
     std::int64_t changed = 1;
     for (int sweep = 0; changed > 0 && sweep < 25; ++sweep) {
@@ -229,7 +128,8 @@ TEST(ImproveColumns, StraightensFacesWhereAsked) {
   std::int64_t before = 0, without = 0, with = 0;
   for (const auto& [name, terrain] : testing::kHardTerrains) {
     SCOPED_TRACE(name);
-    const ColumnMesh mesh = spoilt(testing::meshed(testing::small_city(terrain)).mesh, 0.3);
+    const ColumnMesh mesh =
+        testing::spoilt(testing::meshed(testing::small_city(terrain)).mesh, 0.3);
     before += measure_faces(mesh).above_70;
     for (const double straight : {90.0, 68.0}) {
       ImproveOptions options;
@@ -272,12 +172,12 @@ TEST(ImproveColumns, ColumnsFarFromBadCellsStay) {
   z[2] = z[1] + 0.05 * (z[3] - z[1]);
   ColumnMesh after = before;
   EXPECT_FALSE(improve_columns(after).columns.empty());
-  EXPECT_NE(column(after, moved), column(before, moved));
+  EXPECT_NE(testing::column(after, moved), testing::column(before, moved));
   const Point2 at = before.ground.vertices[moved];
   for (std::size_t v = 0; v < before.vertex_count(); ++v) {
     const Point2 p = before.ground.vertices[v];
     if (std::hypot(p.x - at.x, p.y - at.y) < 25) continue;
-    EXPECT_EQ(column(after, v), column(before, v));
+    EXPECT_EQ(testing::column(after, v), testing::column(before, v));
   }
 }
 
@@ -291,14 +191,15 @@ TEST(ImproveColumns, NothingIsGainedAtThePriceOfTheFloor) {
   for (const auto& [name, terrain] : testing::kHardTerrains) {
     SCOPED_TRACE(name);
     ColumnMesh mesh = testing::meshed(testing::small_city(terrain)).mesh;
-    const std::int64_t bad = count_bad_cells(mesh, kQualityFloor);
+    const std::int64_t bad = testing::count_bad_cells(mesh, kQualityFloor);
     EXPECT_FALSE(improve_columns(mesh, options).columns.empty());
-    EXPECT_LE(count_bad_cells(mesh, kQualityFloor), bad);
+    EXPECT_LE(testing::count_bad_cells(mesh, kQualityFloor), bad);
   }
 }
 
 TEST(ImproveColumns, WorksNearTheTrianglesItIsGiven) {
-  const ColumnMesh before = spoilt(testing::meshed(testing::small_city(testing::hills)).mesh, 0.5);
+  const ColumnMesh before =
+      testing::spoilt(testing::meshed(testing::small_city(testing::hills)).mesh, 0.5);
   std::vector<std::uint8_t> west(before.triangle_count(), 0);
   const auto is_west = [&](VertexIndex v) {
     return before.ground.vertices[static_cast<std::size_t>(v)].x < 30;
@@ -314,7 +215,7 @@ TEST(ImproveColumns, WorksNearTheTrianglesItIsGiven) {
   EXPECT_FALSE(improve_columns(after, options).columns.empty());
   std::int64_t changed_in_the_west = 0;
   for (std::size_t v = 0; v < before.vertex_count(); ++v) {
-    if (column(before, v) == column(after, v)) continue;
+    if (testing::column(before, v) == testing::column(after, v)) continue;
     EXPECT_LT(before.ground.vertices[v].x, 30 + 2 * 8);
     changed_in_the_west += before.ground.vertices[v].x < 30 ? 1 : 0;
   }
@@ -322,7 +223,8 @@ TEST(ImproveColumns, WorksNearTheTrianglesItIsGiven) {
 }
 
 TEST(ImproveColumns, LooksAtNoMoreCellsThanItMay) {
-  const ColumnMesh before = spoilt(testing::meshed(testing::small_city(testing::hills)).mesh, 0.5);
+  const ColumnMesh before =
+      testing::spoilt(testing::meshed(testing::small_city(testing::hills)).mesh, 0.5);
   ImproveOptions options;
   ColumnMesh after = before;
   const Improvement all = improve_columns(after, options);
@@ -340,7 +242,8 @@ TEST(ImproveColumns, LooksAtNoMoreCellsThanItMay) {
 }
 
 TEST(ImproveColumns, GivesTheSameBitsForAnyNumberOfThreads) {
-  const ColumnMesh before = spoilt(testing::meshed(testing::small_city(testing::hills)).mesh, 0.5);
+  const ColumnMesh before =
+      testing::spoilt(testing::meshed(testing::small_city(testing::hills)).mesh, 0.5);
   std::vector<ColumnMesh> meshes;
   for (const int threads : {1, 2, 4}) {
     const ThreadLimit limit(threads);
@@ -354,7 +257,7 @@ TEST(ImproveColumns, GivesTheSameBitsForAnyNumberOfThreads) {
 }
 
 TEST(ImproveColumns, StopsWhenAsked) {
-  ColumnMesh mesh = spoilt(testing::meshed(testing::small_city(testing::hills)).mesh, 0.5);
+  ColumnMesh mesh = testing::spoilt(testing::meshed(testing::small_city(testing::hills)).mesh, 0.5);
   const std::vector<double> before = mesh.z;
   Progress progress;
   progress.cancelled = [] { return true; };

@@ -13,7 +13,7 @@
 #include "support/explicit_mesh.h"
 #include "support/small_city.h"
 #include "support/test_data.h"
-#include "volume/quality/mesh_faults.h"
+#include "volume/quality/measured_mesh.h"
 #include "volume/quality/tet_shape.h"
 
 namespace tetropolis {
@@ -51,8 +51,10 @@ TEST(Quality, QuantilesAreThoseOfTheSortedValues) {
       return Point3{coordinate(random), coordinate(random), coordinate(random)};
     };
     const TetShape shape = tet_shape(p(), p(), p(), p());
-    histogram.add(shape.volume, std::cos(shape.min_dihedral_deg / kDegrees),
-                  std::cos(shape.max_dihedral_deg / kDegrees), shape.aspect_ratio);
+    const double cosine = std::cos(shape.min_dihedral_deg / kDegrees);
+    const double square = shape.aspect_ratio * shape.aspect_ratio;
+    histogram.add({&cosine, 1}, {&square, 1}, 0);
+    histogram.widen(cosine, std::cos(shape.max_dihedral_deg / kDegrees), shape.aspect_ratio);
     angles.push_back(shape.min_dihedral_deg);
     aspects.push_back(shape.aspect_ratio);
   }
@@ -142,7 +144,7 @@ TEST_P(FacesOf, CellsAreThoseSharedByTwo) {
   EXPECT_EQ(measured.above_70, expected.above_70);
   EXPECT_NEAR(measured.worst.non_orthogonality_deg, expected.worst.non_orthogonality_deg, 1e-6);
   EXPECT_NEAR(measured.worst.skewness, expected.worst.skewness, 1e-9);
-  const MeshFaults faults(result.mesh);
+  const MeasuredMesh faults(result.mesh);
   EXPECT_EQ(faults.steep_triangles(result.mesh), above);
   EXPECT_EQ(faults.counts().steep_faces, expected.above_70);
   EXPECT_NEAR(faults.counts().worst_face_deg,

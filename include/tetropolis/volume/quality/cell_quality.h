@@ -49,7 +49,4 @@ struct CellQuality {
 /// threads.
 CellQuality measure_cells(const ColumnMesh& mesh, std::size_t worst = 0);
 
-/// How many cells of the mesh have a dihedral angle outside the bounds.
-std::int64_t count_bad_cells(const ColumnMesh& mesh, const AngleBounds& bounds);
-
 }  // namespace tetropolis

@@ -42,16 +42,4 @@ struct FaceQuality {
 /// Over all faces of the mesh. The same bits for any number of threads.
 FaceQuality measure_faces(const ColumnMesh& mesh);
 
-/// Faces that are more than kMostNonOrthogonal.
-struct SteepFaces {
-  std::int32_t count = 0;
-  float worst_deg = 0;  ///< The greatest non-orthogonality of these; 0 without any.
-};
-
-/// Those between the cells over triangle t.
-SteepFaces steep_faces_over(const ColumnMesh& mesh, std::size_t t);
-
-/// Those between the cells on the two sides of edge e.
-SteepFaces steep_faces_beside(const ColumnMesh& mesh, std::size_t e);
-
 }  // namespace tetropolis

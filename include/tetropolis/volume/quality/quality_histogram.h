@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <span>
 #include <vector>
 
 namespace tetropolis {
@@ -10,9 +11,13 @@ namespace tetropolis {
 class QualityHistogram {
  public:
   QualityHistogram();
-  /// Adds a tet by its volume, the cosines of its least and greatest dihedral angle and its aspect
-  /// ratio.
-  void add(double volume, double greatest_cosine, double least_cosine, double aspect_ratio);
+  /// Counts tets by the cosine of their least dihedral angle and their squared aspect ratio, and
+  /// how many of them are inverted; takes them away again if `times` is -1.
+  void add(std::span<const double> greatest_cosines, std::span<const double> squared_aspect_ratios,
+           std::int64_t inverted, int times = 1);
+  void add_volume(double volume) { volume_ += volume; }
+  /// Tells the extremes: those of tets with these figures.
+  void widen(double greatest_cosine, double least_cosine, double aspect_ratio);
   void merge(const QualityHistogram& other);
 
   std::int64_t cells() const { return cells_; }
@@ -26,6 +31,8 @@ class QualityHistogram {
   double dihedral_quantile_deg(double fraction) const;
   /// Likewise for the aspect ratio, to 0.1 %.
   double aspect_quantile(double fraction) const;
+
+  friend bool operator==(const QualityHistogram&, const QualityHistogram&) = default;
 
  private:
   std::vector<std::int64_t> dihedral_bins_;

@@ -1,7 +1,7 @@
-// Marks the solver's hot loops.
+// Marks hot loops that are compiled for wider vectors as well.
 //
-// They are compiled for wider vectors as well; products are never fused with sums, so every version
-// rounds the same way. Sanitizers do not support resolving such functions at load time.
+// Products are never fused with sums, so every version rounds the same way. Sanitizers do not
+// support resolving such functions at load time.
 #pragma once
 
 #if defined(__x86_64__) && defined(__GNUC__) && !defined(__clang__) && \
