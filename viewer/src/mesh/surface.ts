@@ -8,13 +8,16 @@ import {type BorderEdges, borderEdges, nextCorner} from './edges.js';
 
 export const enum Kind { ground, roof, wall, soil }
 
+/** Where parts of a feature begin. Of an outline the bit is that of the corner opposite to it. */
+export const kOutlineBit = 2, kBuildingBit = 5;
+
 /** Triangles without shared vertices: three entries of all arrays each. */
 export interface Surface {
   /** x, y, z in metres, from `centre`. */
   position: Float32Array;
-  /** Unit vectors times 127, and 0. */
+  /** Unit vectors times 127, and the height above the foot of the building in half metres, to 127. */
   normal: Int8Array;
-  /** Kind, and from bit 2 on the building plus one. */
+  /** Kind, from kOutlineBit on which of the triangle's edges are outlines, from kBuildingBit on the building plus one. */
   feature: Int32Array;
   /** Per triangle: the ground triangle that its cell stands over. */
   over: Int32Array;
@@ -34,7 +37,9 @@ class SurfaceBuilder {
   private triangles = 0;
   private readonly surface: Surface;
 
-  constructor(private readonly mesh: ColumnMesh, private readonly frame: Frame, capacity: number) {
+  /** `foot`: per building, steps. */
+  constructor(private readonly mesh: ColumnMesh, private readonly frame: Frame,
+              private readonly foot: Int32Array, capacity: number) {
     this.surface = {
       position: new Float32Array(9 * capacity), normal: new Int8Array(12 * capacity),
       feature: new Int32Array(3 * capacity), over: new Int32Array(capacity), triangles: 0,
@@ -60,14 +65,35 @@ class SurfaceBuilder {
     const wx = x[vc] - x[va], wy = y[vc] - y[va], wz = zc - za;
     const nx = uy * wz - uz * wy, ny = uz * wx - ux * wz, nz = ux * wy - uy * wx;
     const scale = 127 / Math.max(Math.hypot(nx, ny, nz), 1e-9);
+    const foot = building === kNoBuilding ? za : this.foot[building];
     for (let i = 0; i < 3; ++i) {
       const n = 4 * (3 * this.triangles + i);
       normal[n] = Math.round(nx * scale);
       normal[n + 1] = Math.round(ny * scale);
       normal[n + 2] = Math.round(nz * scale);
-      feature[3 * this.triangles + i] = ((building + 1) << 2) | kind;
+      normal[n + 3] = Math.min(127, Math.max(0, Math.round(((i === 0 ? za : i === 1 ? zb : zc) - foot) * step * 2)));
+      feature[3 * this.triangles + i] = ((building + 1) << kBuildingBit) | kind;
     }
     this.surface.over[this.triangles++] = over;
+  }
+
+  /** Draws the edge from corner k of triangle f to the next as an outline. */
+  outline(f: number, k: number): void {
+    for (let i = 0; i < 3; ++i) this.surface.feature[3 * f + i] |= 1 << (kOutlineBit + (k + 2) % 3);
+  }
+
+  /** Makes the first `floors` triangles round where they are ground. */
+  smoothGround(floors: number): void {
+    const {normal, feature} = this.surface, {corners} = this.mesh;
+    const sum = new Float32Array(3 * this.mesh.x.length);
+    const isGround = (c: number): boolean => (feature[c] & 3) === Kind.ground;
+    for (let c = 0; c < 3 * floors; ++c)
+      if (isGround(c)) for (let k = 0; k < 3; ++k) sum[3 * corners[c] + k] += normal[4 * c + k];
+    for (let c = 0; c < 3 * floors; ++c) {
+      if (!isGround(c)) continue;
+      const v = 3 * corners[c], scale = 127 / Math.hypot(sum[v], sum[v + 1], sum[v + 2]);
+      for (let k = 0; k < 3; ++k) normal[4 * c + k] = Math.round(sum[v + k] * scale);
+    }
   }
 
   /** Views of what was added. */
@@ -131,8 +157,8 @@ function addSoil(mesh: ColumnMesh, edges: BorderEdges, base: number, builder: Su
   }
 }
 
-/** `base`: elevation of the bottom of the soil, steps. */
-export function makeSurface(mesh: ColumnMesh, frame: Frame, base: number): Surface {
+/** `base`: elevation of the bottom of the soil, `foot`: of each building's ground; steps. */
+export function makeSurface(mesh: ColumnMesh, frame: Frame, base: number, foot: Int32Array): Surface {
   const edges = borderEdges(mesh);
   let capacity = triangleCount(mesh) + 2 * edges.rim.length;
   for (let e = 0; e < edges.between.length; ++e) {
@@ -140,8 +166,10 @@ export function makeSurface(mesh: ColumnMesh, frame: Frame, base: number): Surfa
     capacity += Math.max(0, mesh.floor[nextCorner(behind)] - mesh.floor[c]) +
         Math.max(0, mesh.floor[behind] - mesh.floor[nextCorner(c)]);
   }
-  const builder = new SurfaceBuilder(mesh, frame, capacity);
+  const builder = new SurfaceBuilder(mesh, frame, foot, capacity);
   addFloors(mesh, builder);
+  builder.smoothGround(triangleCount(mesh));
+  for (const c of edges.between) builder.outline((c / 3) | 0, c % 3);
   addWalls(mesh, edges, builder);
   addSoil(mesh, edges, base, builder);
   return builder.finish();
