@@ -143,6 +143,11 @@ std::vector<ConfigField> make_fields() {
        .commands = kMeshing,
        .help = "Compression of VTK and XDMF files: about a quarter of the size, slower to write",
        .choices = {"none", "zlib"}},
+      {.name = "no_html",
+       .group = "Output",
+       .member = &C::no_html,
+       .commands = kMeshing,
+       .help = "Leave out index.html, the page that shows the run"},
 
       {.name = "domain_margin",
        .group = "City model",

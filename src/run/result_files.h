@@ -21,13 +21,14 @@ inline constexpr const char* kRawCity = "city_raw.city.json";
 inline constexpr const char* kCity = "city.city.json";
 inline constexpr const char* kTerrain = "dtm.tif";
 inline constexpr const char* kLayers = "buildings.gpkg";
+inline constexpr const char* kPage = "index.html";
 inline constexpr const char* kManifest = "manifest.json";
 
 /// Of runs that make a city model.
 inline constexpr std::array kOfCity = {kRawCity, kCity, kTerrain, kLayers};
 
 /// Of runs that make meshes.
-inline constexpr std::array<ResultFile, 15> kOfMesh = {{
+inline constexpr std::array<ResultFile, 16> kOfMesh = {{
     {"volume.vtu", "vtu"},
     {"volume.xdmf", "xdmf"},
     {"volume.h5", "xdmf"},
@@ -37,6 +38,7 @@ inline constexpr std::array<ResultFile, 15> kOfMesh = {{
     {"constant/polyMesh/owner", "openfoam"},
     {"constant/polyMesh/neighbour", "openfoam"},
     {"constant/polyMesh/boundary", "openfoam"},
+    {kPage, ""},
     {"boundary.vtp", ""},
     {"surface.vtp", ""},
     {"surface.stl", ""},

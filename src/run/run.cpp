@@ -1,6 +1,7 @@
 #include "tetropolis/run/run.h"
 
 #include <filesystem>
+#include <span>
 #include <string>
 #include <utility>
 #include <vector>
@@ -20,6 +21,7 @@
 #include "result_files.h"
 #include "run_frame.h"
 #include "write_mesh.h"
+#include "write_page.h"
 
 namespace tetropolis {
 
@@ -55,13 +57,17 @@ void add_steps(const std::vector<StepTime>& steps, Report& report) {
 }
 
 /// Steps 1.1 to 2.4: reads the input, writes city models and terrain.
+/// Fills `footprints` if there is to be a page.
 BuiltCity make_city(const Config& config, Next next, const RunHooks& hooks, OutputFolder& out,
-                    Report& report) {
+                    Report& report, std::vector<PageFootprint>& footprints) {
   StepClock clock(hooks, report.steps);
   RunInput input = read_input(config, next, clock, report.warnings);
   const BuildCityOptions options = city_options(config);
   report.preflight = preflight(input.points, input.footprints, options.bounds);
   if (hooks.tell) hooks.tell(preflight_line(*report.preflight, input));
+  const bool has_page = next == Next::kMesh && !config.no_html;
+  std::vector<Footprint> features;
+  if (has_page) features = features_near(input.footprints, input.points);
   BuiltCity built =
       build_city(std::move(input.points), std::move(input.footprints), options, hooks);
   add_steps(built.steps, report);
@@ -75,6 +81,7 @@ BuiltCity make_city(const Config& config, Next next, const RunHooks& hooks, Outp
                  raw.domain.bounds());
     write_city(out.result(results::kRawCity), raw, "City model before simplification");
   });
+  if (has_page) footprints = page_footprints(raw, built.city, std::move(features));
   clock.run("2.4", "write merged city model", [&](const Progress&) {
     write_city(out.result(results::kCity), built.city, "City model after simplification");
     write_city_layers(out.result(results::kLayers), raw, built.city, built.footprints);
@@ -84,9 +91,10 @@ BuiltCity make_city(const Config& config, Next next, const RunHooks& hooks, Outp
   return built;
 }
 
-/// Steps 3.1 to 3.6: writes volume, boundary and surface.
-void make_mesh(const Config& config, const CityModel& city, Raster terrain, const RunHooks& hooks,
-               OutputFolder& out, Report& report) {
+/// Steps 3.1 to 3.6: writes volume, boundary and surface, and the page that shows them.
+void make_mesh(const Config& config, const CityModel& city, Raster terrain,
+               std::span<const PageFootprint> footprints, const RunHooks& hooks, OutputFolder& out,
+               Report& report) {
   CityMesh mesh = mesh_city(city, std::move(terrain), mesh_options(config), hooks);
   add_steps(mesh.steps, report);
   add_warnings(mesh.warnings, report);
@@ -104,6 +112,11 @@ void make_mesh(const Config& config, const CityModel& city, Raster terrain, cons
   clock.run("3.6", "write meshes", [&](const Progress& progress) {
     write_mesh(config, mesh.volume, mesh.boundary, mesh.placement, out, progress);
   });
+  if (config.no_html) return;
+  tell_process(report, out);
+  clock.run("3.6", "write page", [&](const Progress&) {
+    write_page(config, city, mesh.volume, footprints, report, out);
+  });
 }
 
 }  // namespace
@@ -115,8 +128,9 @@ Report run_build(const Config& config, const RunHooks& hooks) {
   OutputFolder out(config.out, hooks.output, Replaces::kModels, config.overwrite);
   keep_inputs(config, out);
   claim(out, results::of_run(true, true, config.formats), config, hooks);
-  BuiltCity built = make_city(config, Next::kMesh, hooks, out, report);
-  make_mesh(config, built.city, std::move(built.terrain), hooks, out, report);
+  std::vector<PageFootprint> footprints;
+  BuiltCity built = make_city(config, Next::kMesh, hooks, out, report, footprints);
+  make_mesh(config, built.city, std::move(built.terrain), footprints, hooks, out, report);
   finish(report, out);
   return report;
 }
@@ -128,7 +142,8 @@ Report run_city(const Config& config, const RunHooks& hooks) {
   OutputFolder out(config.out, hooks.output, Replaces::kModels, config.overwrite);
   keep_inputs(config, out);
   claim(out, results::of_run(true, false, {}), config, hooks);
-  make_city(config, Next::kNothing, hooks, out, report);
+  std::vector<PageFootprint> none;
+  make_city(config, Next::kNothing, hooks, out, report, none);
   finish(report, out);
   return report;
 }
@@ -155,7 +170,7 @@ Report run_mesh(const Config& config, const RunHooks& hooks) {
   });
   report.city = std::move(input.facts);
   keep_domain(input.city, report);
-  make_mesh(config, input.city, std::move(input.terrain), hooks, out, report);
+  make_mesh(config, input.city, std::move(input.terrain), {}, hooks, out, report);
   finish(report, out);
   return report;
 }

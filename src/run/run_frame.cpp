@@ -80,9 +80,13 @@ void keep_domain(const CityModel& city, Report& report) {
   report.place = place_of(city.crs, report.domain);
 }
 
-void finish(Report& report, OutputFolder& out) {
+void tell_process(Report& report, const OutputFolder& out) {
   report.peak_rss_bytes = peak_rss_bytes();
   report.files = out.files();
+}
+
+void finish(Report& report, OutputFolder& out) {
+  tell_process(report, out);
   AtomicFile file(out.result(results::kReport));
   file.write(to_json(report));
   file.commit();

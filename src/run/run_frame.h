@@ -33,6 +33,9 @@ void claim(const OutputFolder& out, const std::vector<std::string>& names, const
 /// Tells the report where the city is.
 void keep_domain(const CityModel& city, Report& report);
 
+/// Tells the report how much memory the process has needed so far, and the files there are.
+void tell_process(Report& report, const OutputFolder& out);
+
 /// Writes the report as the last file and makes the results appear. What goes wrong after that is
 /// told by the report that is returned only.
 void finish(Report& report, OutputFolder& out);

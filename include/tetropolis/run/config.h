@@ -43,6 +43,7 @@ struct Config {
   std::vector<std::string> formats{"vtu"};
   Coordinates coordinates = Coordinates::kLocal;
   Compression compression = Compression::kNone;
+  bool no_html = false;
 
   // City model.
   double domain_margin = 40;

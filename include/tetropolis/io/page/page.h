@@ -1,0 +1,46 @@
+// One page that shows a city and its mesh: HTML that needs no network and no other file.
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <span>
+#include <string>
+
+#include "tetropolis/city/city_model.h"
+#include "tetropolis/geometry/types.h"
+#include "tetropolis/volume/column/column_mesh.h"
+
+namespace tetropolis {
+
+/// An input feature on the map, and what became of it.
+struct PageFootprint {
+  std::string source_id;
+  Polygon polygon;                       ///< Local frame, metres.
+  BuildingIndex building = kNoBuilding;  ///< It is part of this one of the city's; kNoBuilding:
+  std::string reason = {};               ///< it was dropped, and why.
+};
+
+/// What a page shows. All but the city may be missing; nothing is copied.
+struct PageContents {
+  const CityModel& city;
+  const ColumnMesh* mesh = nullptr;                  ///< Of `city`, local frame.
+  std::span<const PageFootprint> footprints = {};    ///< Before merging, in any order.
+  std::map<std::string, std::int64_t> dropped = {};  ///< Number of features dropped, by reason.
+  std::string report = {};  ///< Text of report.json (run/report.h): numbers, times, warnings.
+  std::string repeat = {};  ///< The command line that makes the same again.
+};
+
+/// Cells up to which a page has the volume mesh, unless told otherwise: some 5 MB and a second in
+/// the browser. Beyond, it shows the surface (ground, roofs and walls), and says so.
+inline constexpr std::int64_t kMostPageCells = 20'000'000;
+
+/// Plan coordinates and elevations in a page are within this of the mesh's, metres.
+inline constexpr double kPageTolerance = 0.002;
+
+/// The page as HTML, UTF-8. The volume mesh is stored as its columns, from which the page climbs
+/// (column_mesh.h) to the same cells, in the same order. Works from file:// and as an iframe's
+/// srcdoc, in browsers with WebGL 2 and DecompressionStream (Chrome 80, Firefox 113, Safari 16.4).
+/// Of the reports's numbers none is computed anew: without `report` the page has none.
+std::string page_html(const PageContents& contents, std::int64_t most_cells = kMostPageCells);
+
+}  // namespace tetropolis

@@ -1,0 +1,186 @@
+#include "page_columns.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <span>
+#include <utility>
+
+#include "core/parallel.h"
+
+namespace tetropolis {
+
+namespace {
+
+std::int32_t steps_of(double metres) {
+  return static_cast<std::int32_t>(std::llround(metres / kPageStep));
+}
+
+/// Returns the value less the last one, which becomes the value.
+std::int32_t difference(std::int32_t value, std::int32_t& last) {
+  return value - std::exchange(last, value);
+}
+
+void add_ground(const GroundMesh& ground, PageColumns& columns) {
+  std::int32_t x = 0, y = 0, corner = 0, region = 0;
+  for (const Point2 p : ground.vertices) {
+    columns.x.push_back(difference(steps_of(p.x), x));
+    columns.y.push_back(difference(steps_of(p.y), y));
+  }
+  for (const auto& triangle : ground.triangles) {
+    const auto first = static_cast<std::int32_t>(triangle[0]);
+    columns.corners.push_back(difference(first, corner));
+    columns.corners.push_back(static_cast<std::int32_t>(triangle[1]) - first);
+    columns.corners.push_back(static_cast<std::int32_t>(triangle[2]) - first);
+  }
+  for (const RegionIndex r : ground.region)
+    columns.region.push_back(difference(static_cast<std::int32_t>(r), region));
+  for (const Region& r : ground.regions) {
+    columns.building.push_back(static_cast<std::int32_t>(r.building));
+    columns.patch.push_back(static_cast<std::int32_t>(r.floor));
+  }
+}
+
+/// Per region of a building its elevation in steps, at any of its vertices.
+std::vector<std::int32_t> roof_steps(const ColumnMesh& mesh) {
+  std::vector<std::int32_t> roofs(mesh.ground.regions.size(), 0);
+  for (std::size_t t = 0; t < mesh.triangle_count(); ++t)
+    if (mesh.inside_building(t))
+      roofs[static_cast<std::size_t>(mesh.ground.region[t])] = steps_of(
+          mesh.z[static_cast<std::size_t>(mesh.floor_over(t, mesh.ground.triangles[t][0]))]);
+  return roofs;
+}
+
+/// Writes the elevations of columns, and keeps what a reader will make of them.
+class ElevationWriter {
+ public:
+  ElevationWriter(const ColumnMesh& mesh, bool floors_only, PageColumns& columns)
+      : mesh_(mesh), floors_only_(floors_only), columns_(columns), roofs_(roof_steps(mesh)) {
+    std::int32_t roof = 0;
+    for (const std::int32_t z : roofs_) columns_.roof.push_back(z == 0 ? 0 : difference(z, roof));
+    if (!floors_only) read_.resize(mesh.z.size());
+  }
+
+  void add(std::size_t v) {
+    const std::span<const std::int32_t> floors = mesh_.floors_at(v);
+    anchors_.assign(floors.begin(), floors.end());
+    const auto last = static_cast<std::int32_t>(mesh_.first[v + 1] - mesh_.first[v]) - 1;
+    if (!floors_only_) anchors_.push_back(last);
+    std::sort(anchors_.begin(), anchors_.end());
+    anchors_.erase(std::unique(anchors_.begin(), anchors_.end()), anchors_.end());
+    const auto nodes = floors_only_ ? static_cast<std::int32_t>(anchors_.size()) : last + 1;
+    columns_.count.push_back(difference(nodes, count_));
+    if (floors.size() > 1)
+      for (const std::int32_t floor : floors) columns_.floor.push_back(position_of(floor));
+    values_.clear();
+    for (const std::int32_t anchor : anchors_) values_.push_back(anchor_residual(v, anchor));
+    for (std::size_t i = 0; i < anchors_.size(); ++i) {
+      columns_.z.push_back(values_[i].second);
+      keep(v, anchors_[i], values_[i].first);
+      if (!floors_only_ && i + 1 < anchors_.size()) add_between(v, i);
+    }
+  }
+
+  /// Per node the elevation that a reader has, in steps.
+  const std::vector<double>& read() const { return read_; }
+
+ private:
+  std::int32_t position_of(std::int32_t floor) const {
+    if (!floors_only_) return floor;
+    return static_cast<std::int32_t>(std::lower_bound(anchors_.begin(), anchors_.end(), floor) -
+                                     anchors_.begin());
+  }
+
+  std::int32_t elevation(std::size_t v, std::int32_t position) const {
+    return steps_of(mesh_.z[static_cast<std::size_t>(mesh_.first[v] + position)]);
+  }
+
+  void keep(std::size_t v, std::int32_t position, std::int32_t z) {
+    if (!floors_only_) read_[static_cast<std::size_t>(mesh_.first[v] + position)] = z;
+  }
+
+  /// Elevation and what is left of it.
+  std::pair<std::int32_t, std::int32_t> anchor_residual(std::size_t v, std::int32_t anchor) {
+    const std::int32_t z = elevation(v, anchor);
+    const std::span<const RegionIndex> regions = mesh_.regions.at(v);
+    const std::span<const std::int32_t> floors = mesh_.floors_at(v);
+    bool is_floor = false;
+    for (std::size_t k = 0; k < floors.size(); ++k) {
+      if (floors[k] != anchor) continue;
+      const auto region = static_cast<std::size_t>(regions[k]);
+      if (mesh_.ground.regions[region].is_building()) return {z, z - roofs_[region]};
+      is_floor = true;
+    }
+    return {z, difference(z, is_floor ? ground_ : top_)};
+  }
+
+  /// The nodes between anchors number i and i + 1. A step more or less is not told: ends that are
+  /// rounded shift what lies between them by as much.
+  void add_between(std::size_t v, std::size_t i) {
+    const std::int64_t n = anchors_[i + 1] - anchors_[i];
+    const std::int64_t low = values_[i].first, rise = values_[i + 1].first - low;
+    for (std::int64_t k = 1; k < n; ++k) {
+      const auto even = static_cast<std::int32_t>(low + (2 * rise * k + n) / (2 * n));
+      const std::int32_t position = anchors_[i] + static_cast<std::int32_t>(k);
+      const std::int32_t residual = elevation(v, position) - even;
+      const std::int32_t told = std::abs(residual) <= 1 ? 0 : residual;
+      columns_.z.push_back(told);
+      keep(v, position, even + told);
+    }
+  }
+
+  const ColumnMesh& mesh_;
+  bool floors_only_;
+  PageColumns& columns_;
+  std::vector<std::int32_t> roofs_;
+  std::vector<double> read_;
+  std::vector<std::int32_t> anchors_;                          // positions, ascending
+  std::vector<std::pair<std::int32_t, std::int32_t>> values_;  // of the anchors
+  std::int32_t count_ = 0, ground_ = 0, top_ = 0;
+};
+
+/// The front over triangle t as the elevations `z` of its nodes make it climb.
+Climb<3> climb_by(const ColumnMesh& mesh, const std::vector<double>& z, std::size_t t) {
+  const auto& v = mesh.ground.triangles[t];
+  return {{z.data(), z.data(), z.data()},
+          v,
+          {mesh.floor_over(t, v[0]), mesh.floor_over(t, v[1]), mesh.floor_over(t, v[2])},
+          {mesh.top(v[0]), mesh.top(v[1]), mesh.top(v[2])}};
+}
+
+bool climb_alike(Climb<3> a, Climb<3> b) {
+  for (std::size_t i; (i = a.next()) < 3; a.advance(i), b.advance(i))
+    if (b.next() != i) return false;
+  return true;
+}
+
+/// Triangles and their steps: a mesh is the same whichever elevations tell the order.
+void add_odd(const ColumnMesh& mesh, const std::vector<double>& read, PageColumns& columns) {
+  std::vector<std::uint8_t> is_odd(mesh.triangle_count());
+  parallel_chunks(mesh.triangle_count(), 1024, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t t = begin; t < end; ++t)
+      is_odd[t] = climb_alike(climb_by(mesh, mesh.z, t), climb_by(mesh, read, t)) ? 0 : 1;
+  });
+  std::int32_t last = 0;
+  for (std::size_t t = 0; t < mesh.triangle_count(); ++t) {
+    if (is_odd[t] == 0) continue;
+    columns.odd.push_back(difference(static_cast<std::int32_t>(t), last));
+    Climb<3> front = climb_by(mesh, mesh.z, t);
+    for (std::size_t i; (i = front.next()) < 3; front.advance(i))
+      columns.steps.push_back(static_cast<std::uint8_t>(i));
+  }
+}
+
+}  // namespace
+
+PageColumns page_columns(const ColumnMesh& mesh, bool floors_only) {
+  PageColumns columns;
+  add_ground(mesh.ground, columns);
+  ElevationWriter elevations(mesh, floors_only, columns);
+  for (std::size_t v = 0; v < mesh.vertex_count(); ++v) elevations.add(v);
+  if (!floors_only) add_odd(mesh, elevations.read(), columns);
+  return columns;
+}
+
+}  // namespace tetropolis

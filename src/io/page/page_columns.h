@@ -1,0 +1,41 @@
+// The numbers that a page rebuilds a mesh from. Private to src/io/page.
+//
+// Lengths are whole multiples of kPageStep. Numbers are what is left of them when those that the
+// reader knows already have been taken off, mostly 0: viewer/src/mesh/columns.ts adds them again.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "tetropolis/volume/column/column_mesh.h"
+
+namespace tetropolis {
+
+/// Metres.
+inline constexpr double kPageStep = 0.001;
+
+/// Each array in the order of the mesh.
+struct PageColumns {
+  std::vector<std::int32_t> x, y;      ///< Per vertex: less that of the one before.
+  std::vector<std::int32_t> corners;   ///< Three per triangle: the first less that of the triangle
+                                       ///< before, the others less the first.
+  std::vector<std::int32_t> region;    ///< Per triangle: less that of the one before.
+  std::vector<std::int32_t> building;  ///< Per region; kNoBuilding: open ground.
+  std::vector<std::int32_t> patch;     ///< Per region: number of its floor's patch.
+  std::vector<std::int32_t> roof;      ///< Per region of a building: elevation, less that of the
+                                       ///< region before; 0 for others.
+  std::vector<std::int32_t> count;     ///< Per vertex: nodes, less those of the one before.
+  std::vector<std::int32_t> floor;     ///< Per region (ascending) of the vertices with several:
+                                       ///< position in the column.
+  std::vector<std::int32_t> z;         ///< Per node. At a floor less the roof there, or less the
+                                       ///< ground last met; at a top less the top last met; between
+                                       ///< these less the elevation that even spacing gives.
+  std::vector<std::int32_t> odd;       ///< Triangles whose columns, rounded, climb in another order
+                                       ///< than the mesh's: less the one before.
+  std::vector<std::uint8_t> steps;     ///< For each of these, upwards, the corner that goes next.
+};
+
+/// All columns, or with `floors_only` those nodes alone that are floors of their regions.
+PageColumns page_columns(const ColumnMesh& mesh, bool floors_only);
+
+}  // namespace tetropolis

@@ -1,0 +1,91 @@
+// What the page knows of the run besides the mesh: the block "facts" (src/io/page/page.cpp).
+
+export interface Building {
+  id: string;
+  sources: string[];
+  ground: number;
+  roof: number;
+  groundPoints: number;
+  roofPoints: number;
+  flags: string[];
+  area: number;
+}
+
+/** An input feature: part of a building, or dropped for a reason. */
+export interface Footprint {
+  source: string;
+  building: number;
+  reason?: string;
+}
+
+export interface PatchInfo {
+  number: number;
+  name: string;
+  kind: 'ground' | 'roof' | 'wall' | 'top' | 'side' | 'other';
+}
+
+export interface StepTime {
+  id: string;
+  name: string;
+  seconds: number;
+  cpu_seconds: number;
+  peak_rss_bytes?: number;
+}
+
+export interface WorstCell {
+  position: [number, number, number];
+  min_dihedral_deg: number;
+  max_dihedral_deg: number;
+  cause: string;
+}
+
+export interface Warning {
+  code: string;
+  count: number;
+  message: string;
+}
+
+/** The part of report.json that is shown; docs/report.md describes it. */
+export interface Report {
+  version: string;
+  command: string;
+  config: Record<string, unknown>;
+  steps: StepTime[];
+  peak_rss_bytes: number;
+  threads: number;
+  input?: {points_read: number; points_kept: number; footprints_read: number};
+  city?: {raw_buildings: number; buildings: number; merged_groups: number; min_clearance: number | null};
+  ground_mesh?: {vertices: number; triangles: number; min_angle_deg: number};
+  volume_mesh?: {
+    vertices: number; cells: number; volume: number; inverted: number; top: number;
+    dihedral_deg: {min: number; p0_01: number; p1: number; median: number; max: number;
+                   counts?: number[]};
+    aspect_ratio: {median: number; p99: number; max: number};
+    worst_cells: WorstCell[];
+  };
+  surface_mesh?: {triangles: number; closed: boolean; manifold: boolean;
+                  faces_by_patch: Record<string, number>};
+  files?: string[];
+  warnings: Warning[];
+}
+
+export interface Facts {
+  version: string;
+  /** Metres in one of the whole numbers that coordinates are. */
+  step: number;
+  /** Of the local frame, in the CRS. */
+  origin: [number, number];
+  crs: string;
+  /** xmin, ymin, xmax, ymax; local frame, metres. */
+  domain: [number, number, number, number];
+  mesh: boolean;
+  volume: boolean;
+  cells: number;
+  patches: PatchInfo[];
+  buildings: Building[];
+  footprints: Footprint[];
+  /** Features dropped, by reason. */
+  dropped: Record<string, number>;
+  repeat: string;
+  report?: Report;
+}

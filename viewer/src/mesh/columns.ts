@@ -1,0 +1,165 @@
+// The mesh as columns over ground triangles: include/tetropolis/volume/column/column_mesh.h,
+// rebuilt from the blocks that src/io/page/page_columns.h describes.
+
+import {addUp, type Blocks, inflate, readIntegers} from '../payload.js';
+
+/** Lengths are whole numbers of steps (millimetres), local frame. */
+export interface ColumnMesh {
+  x: Int32Array;
+  y: Int32Array;
+  /** Three per triangle, counter-clockwise. */
+  corners: Int32Array;
+  /** Per triangle. */
+  region: Int32Array;
+  /** Per region: its building, -1 for open ground. */
+  regionBuilding: Int32Array;
+  /** Per vertex, and one more: its column has the nodes first[v] to first[v + 1] - 1. */
+  first: Int32Array;
+  /** Per node, upwards in each column. */
+  z: Int32Array;
+  /** Per corner of each triangle: the node that the triangle's stack starts at. */
+  floor: Int32Array;
+  /** Per triangle: where its steps are, -1 where elevations tell them. */
+  oddStart: Int32Array | null;
+  steps: Uint8Array;
+}
+
+export const triangleCount = (mesh: ColumnMesh): number => mesh.region.length;
+
+/** The regions around each vertex: those of its triangles, ascending. */
+interface VertexRegions {
+  first: Int32Array;
+  regions: Int32Array;
+}
+
+function regionsAtVertices(vertices: number, corners: Int32Array, region: Int32Array): VertexRegions {
+  const one = new Int32Array(vertices).fill(-1);
+  const several = new Map<number, number[]>();
+  for (let c = 0; c < corners.length; ++c) {
+    const v = corners[c], r = region[(c / 3) | 0];
+    if (one[v] === -1) {
+      one[v] = r;
+    } else if (one[v] !== r) {
+      const list = several.get(v);
+      if (list === undefined) several.set(v, [one[v], r]);
+      else if (!list.includes(r)) list.push(r);
+    }
+  }
+  const first = new Int32Array(vertices + 1);
+  for (let v = 0; v < vertices; ++v) first[v + 1] = first[v] + (several.get(v)?.length ?? 1);
+  const regions = new Int32Array(first[vertices]);
+  for (let v = 0; v < vertices; ++v) regions[first[v]] = one[v];
+  for (const [v, list] of several) regions.set(list.sort((a, b) => a - b), first[v]);
+  return {first, regions};
+}
+
+/** Position of each region's floor in the column, in the order of `around`. */
+function floorPositions(around: VertexRegions, told: Int32Array): Int32Array {
+  const floors = new Int32Array(around.regions.length);
+  for (let v = 0, next = 0; v + 1 < around.first.length; ++v)
+    if (around.first[v + 1] - around.first[v] > 1)
+      for (let i = around.first[v]; i < around.first[v + 1]; ++i) floors[i] = told[next++];
+  return floors;
+}
+
+/** Elevations from what is left of them, in place. `withTop`: columns end at a top. */
+function addElevations(mesh: ColumnMesh, around: VertexRegions, floors: Int32Array, roof: Int32Array,
+                       withTop: boolean): void {
+  const {first, z, regionBuilding} = mesh;
+  let ground = 0, top = 0;
+  const anchors: number[] = [];
+  for (let v = 0; v + 1 < first.length; ++v) {
+    const begin = first[v], last = first[v + 1] - 1 - begin;
+    const low = around.first[v], high = around.first[v + 1];
+    anchors.length = 0;
+    for (let i = low; i < high; ++i) if (!anchors.includes(floors[i])) anchors.push(floors[i]);
+    if (withTop && !anchors.includes(last)) anchors.push(last);
+    anchors.sort((a, b) => a - b);
+    for (const anchor of anchors) {
+      let roofRegion = -1, isFloor = false;
+      for (let i = low; i < high && roofRegion < 0; ++i) {
+        if (floors[i] !== anchor) continue;
+        isFloor = true;
+        if (regionBuilding[around.regions[i]] >= 0) roofRegion = around.regions[i];
+      }
+      const node = begin + anchor;
+      if (roofRegion >= 0) z[node] += roof[roofRegion];
+      else if (isFloor) ground = z[node] += ground;
+      else top = z[node] += top;
+    }
+    for (let a = 0; a + 1 < anchors.length; ++a) {
+      const n = anchors[a + 1] - anchors[a];
+      const from = z[begin + anchors[a]], rise = z[begin + anchors[a + 1]] - from;
+      for (let k = 1; k < n; ++k)
+        z[begin + anchors[a] + k] += from + Math.floor((2 * rise * k + n) / (2 * n));
+    }
+  }
+}
+
+function floorNodes(mesh: ColumnMesh, around: VertexRegions, floors: Int32Array): Int32Array {
+  const {corners, region, first} = mesh;
+  const nodes = new Int32Array(corners.length);
+  for (let c = 0; c < corners.length; ++c) {
+    const v = corners[c];
+    let i = around.first[v];
+    if (around.first[v + 1] - i > 1)
+      while (around.regions[i] !== region[(c / 3) | 0]) ++i;
+    nodes[c] = first[v] + floors[i];
+  }
+  return nodes;
+}
+
+/** Elevations of roofs, of which those that are not 0 were told one less the other. */
+function addRoofs(roof: Int32Array): Int32Array {
+  let last = 0;
+  for (let r = 0; r < roof.length; ++r) if (roof[r] !== 0) last = roof[r] += last;
+  return roof;
+}
+
+const kArrays = ['x', 'y', 'corners', 'region', 'regionBuilding', 'roof', 'count', 'floor', 'z',
+                 'odd'] as const;
+
+/** `withTop`: whether the page has whole columns, or their floors alone. */
+export async function readColumns(blocks: Blocks, withTop: boolean): Promise<ColumnMesh> {
+  const [a, steps] = await Promise.all([readIntegers(blocks, kArrays), inflate(blocks['steps'])]);
+  const {corners} = a;
+  for (let c = 0, before = 0; c < corners.length; c += 3) {
+    before = corners[c] += before;
+    corners[c + 1] += before;
+    corners[c + 2] += before;
+  }
+  const vertices = a.x.length;
+  const first = new Int32Array(vertices + 1);
+  first.set(addUp(a.count), 1);
+  addUp(first);
+  const mesh: ColumnMesh = {
+    x: addUp(a.x), y: addUp(a.y), corners, region: addUp(a.region), regionBuilding: a.regionBuilding,
+    first, z: a.z, floor: new Int32Array(0), oddStart: null, steps,
+  };
+  const around = regionsAtVertices(vertices, corners, mesh.region);
+  const floors = floorPositions(around, a.floor);
+  addElevations(mesh, around, floors, addRoofs(a.roof), withTop);
+  mesh.floor = floorNodes(mesh, around, floors);
+  if (a.odd.length > 0) {
+    mesh.oddStart = new Int32Array(triangleCount(mesh)).fill(-1);
+    let start = 0;
+    for (const t of addUp(a.odd)) {
+      mesh.oddStart[t] = start;
+      start += stackSize(mesh, t);
+    }
+  }
+  return mesh;
+}
+
+/** Cells over triangle t. */
+export function stackSize(mesh: ColumnMesh, t: number): number {
+  let size = 0;
+  for (let c = 3 * t; c < 3 * t + 3; ++c) size += mesh.first[mesh.corners[c] + 1] - 1 - mesh.floor[c];
+  return size;
+}
+
+export function cellCount(mesh: ColumnMesh): number {
+  let cells = 0;
+  for (let t = 0; t < triangleCount(mesh); ++t) cells += stackSize(mesh, t);
+  return cells;
+}

@@ -1,0 +1,371 @@
+// The city in 3D: camera, light, and what is drawn. Frames are drawn when something has changed.
+
+import {
+  AmbientLight, Box2, BufferAttribute, BufferGeometry, CircleGeometry, Color, DataTexture, DirectionalLight, FloatType,
+  HemisphereLight, LineBasicMaterial, LineSegments, Mesh, MeshBasicMaterial, PCFShadowMap,
+  PerspectiveCamera, Plane, RGBAFormat, Scene, ShadowMaterial, Vector2, Vector3, WebGLRenderer,
+  WebGLRenderTarget, DoubleSide,
+} from 'three';
+import {OrbitControls} from 'three/examples/jsm/controls/OrbitControls.js';
+import type {SkyMap} from '../mesh/sky.js';
+import type {CutCells, CutSolids} from '../mesh/section.js';
+import type {Surface} from '../mesh/surface.js';
+import {kAccent, kClassColours, kQualityRamp, kQuietGround, type Rgb, type Theme} from './colours.js';
+import {CutView} from './cut_view.js';
+import {
+  buildingTexture, Colouring, linear, pickMaterial, rampTexture, skyTexture, surfaceGeometry, surfaceMaterial,
+  type SurfaceUniforms,
+} from './surface_material.js';
+
+export interface Picked {
+  /** -1: ground. */
+  building: number;
+  place: Vector3;
+}
+
+const kFieldOfView = 32;
+/** Of the sun: azimuth clockwise from north, elevation. */
+const kSun = {azimuth: 222, elevation: 42};
+
+/** From a place to one that is seen from there at an azimuth and elevation, degrees. */
+function away(distance: number, azimuth: number, elevation: number): Vector3 {
+  const a = azimuth * Math.PI / 180, e = elevation * Math.PI / 180;
+  return new Vector3(Math.sin(a) * Math.cos(e), Math.cos(a) * Math.cos(e), Math.sin(e)).multiplyScalar(distance);
+}
+
+export class CityView {
+  /** Called after each frame. */
+  onFrame: () => void = () => {};
+  readonly camera = new PerspectiveCamera(kFieldOfView, 1, 1, 10000);
+  readonly controls: OrbitControls;
+
+  private readonly renderer: WebGLRenderer;
+  private readonly scene = new Scene();
+  private readonly pickScene = new Scene();
+  private readonly pickTarget = new WebGLRenderTarget(1, 1, {format: RGBAFormat, type: FloatType});
+  private readonly sun = new DirectionalLight('#fff0d9', 2.6);
+  private readonly skyLight = new HemisphereLight('#dbe8ff', '#b3a48f', 1.7);
+  private readonly uniforms: SurfaceUniforms;
+  private readonly surface: Mesh;
+  private readonly table: Mesh;
+  private readonly cutView = new CutView();
+  private readonly clip = new Plane(new Vector3(1, 0, 0), 0);
+  private readonly marker: LineSegments;
+  private readonly markerFill: Mesh;
+  private frame = 0;
+  private flight: {from: [Vector3, Vector3]; to: [Vector3, Vector3]; start: number; time: number} | null = null;
+  private readonly sunDirection = away(1, kSun.azimuth, kSun.elevation);
+  private shadowAt = {centre: new Vector3(Infinity, 0, 0), radius: 0};
+
+  /**
+   * `size`: of the domain in x, y and of what stands on it in z, metres; the scene's origin is in the
+   * middle of its floor. `base`: elevation of the bottom of the soil.
+   */
+  constructor(private readonly canvas: HTMLCanvasElement, surface: Surface, buildings: number,
+              private readonly size: Vector3, base: number) {
+    this.renderer = new WebGLRenderer({canvas, antialias: true, alpha: true, powerPreference: 'high-performance'});
+    this.renderer.setPixelRatio(Math.min(window.devicePixelRatio, 2));
+    this.renderer.shadowMap.enabled = true;
+    this.renderer.shadowMap.type = PCFShadowMap;
+    this.renderer.shadowMap.autoUpdate = false;
+
+    this.uniforms = {
+      colouring: {value: Colouring.byClass},
+      groundColour: {value: linear(kClassColours.ground)}, roofColour: {value: linear(kClassColours.roof)},
+      wallColour: {value: linear(kClassColours.wall)}, soilColour: {value: linear(kClassColours.soil)},
+      accent: {value: linear(kAccent)}, buildings: {value: buildingTexture(buildings)},
+      ramp: {value: rampTexture(kQualityRamp.texels())}, selected: {value: -1}, hovered: {value: -1},
+      edges: {value: 0}, edgeColour: {value: new Color(0.02, 0.025, 0.035)}, sky: {value: null},
+      skyShare: {value: 0}, skyOrigin: {value: new Vector2()}, skySize: {value: new Vector2(1, 1)},
+      skyCell: {value: 1},
+    };
+    const radius = size.length();
+    const geometry = surfaceGeometry(surface, radius);
+    this.surface = new Mesh(geometry, surfaceMaterial(this.uniforms));
+    this.surface.castShadow = this.surface.receiveShadow = true;
+    this.surface.frustumCulled = false;
+    const picked = new Mesh(geometry, pickMaterial());
+    picked.frustumCulled = false;
+    this.pickScene.add(picked);
+
+    // What the block of soil stands on: nothing but its shadow is seen.
+    this.table = new Mesh(new CircleGeometry(6 * radius, 64), new ShadowMaterial({opacity: 0.16}));
+    this.table.position.z = base;
+    this.table.receiveShadow = true;
+
+    const markerColour = linear(kAccent);
+    this.marker = new LineSegments(new BufferGeometry(), new LineBasicMaterial({color: markerColour, depthTest: false}));
+    this.markerFill = new Mesh(new BufferGeometry(), new MeshBasicMaterial(
+        {color: markerColour, depthTest: false, transparent: true, opacity: 0.45, side: DoubleSide}));
+    for (const object of [this.marker, this.markerFill]) {
+      object.visible = object.frustumCulled = false;
+      object.renderOrder = 10;
+    }
+    this.scene.add(this.surface, this.table, this.cutView.group, this.sun, this.sun.target, this.skyLight,
+                   new AmbientLight('#ffffff', 0.12), this.marker, this.markerFill);
+    this.skyLight.position.set(0, 0, 1);
+    this.sun.castShadow = true;
+    const most = Math.min(4096, this.renderer.capabilities.maxTextureSize);
+    this.sun.shadow.mapSize.set(most, most);
+    this.sun.shadow.radius = 2.5;
+
+    this.camera.up.set(0, 0, 1);
+    this.controls = new OrbitControls(this.camera, canvas);
+    this.controls.enableDamping = true;
+    this.controls.dampingFactor = 0.12;
+    this.controls.zoomToCursor = true;
+    this.controls.screenSpacePanning = false;
+    this.controls.maxPolarAngle = Math.PI / 2 - 0.02;
+    this.controls.minDistance = 2;
+    this.controls.maxDistance = 8 * radius;
+    this.controls.addEventListener('change', () => this.invalidate());
+    this.controls.addEventListener('start', () => { this.flight = null; });
+    new ResizeObserver(() => this.resize()).observe(canvas.parentElement!);
+    this.resize();
+    this.home(false);
+  }
+
+  /** The whole city from the south-south-west, as large as it fits between the controls. */
+  home(animated = true): void {
+    const azimuth = 205, elevation = 36;
+    const probe = this.camera.clone();
+    const target = new Vector3(0, 0, this.size.z / 3);
+    let distance = this.size.length() * 2;
+    for (let i = 0; i < 12; ++i) {
+      probe.position.copy(target).add(away(distance, azimuth, elevation));
+      probe.lookAt(target);
+      probe.updateMatrixWorld();
+      const box = new Box2();
+      for (let corner = 0; corner < 8; ++corner) {
+        const p = new Vector3((corner & 1 ? 0.5 : -0.5) * this.size.x, (corner & 2 ? 0.5 : -0.5) * this.size.y,
+                              corner & 4 ? this.size.z : 0).project(probe);
+        box.expandByPoint(new Vector2(p.x, p.y));
+      }
+      const centre = box.getCenter(new Vector2()), extent = box.getSize(new Vector2());
+      // Half of what is seen at the target, in metres.
+      const half = distance * Math.tan(kFieldOfView * Math.PI / 360);
+      target.addScaledVector(new Vector3().setFromMatrixColumn(probe.matrixWorld, 0), centre.x * half * probe.aspect);
+      const forward = new Vector3(-probe.position.x + target.x, -probe.position.y + target.y, 0).normalize();
+      target.addScaledVector(forward, (centre.y + 0.02) * half / Math.sin(elevation * Math.PI / 180));
+      distance *= Math.max(extent.x / 1.86, extent.y / 1.62);
+    }
+    this.flyTo(target, distance, azimuth, elevation, animated);
+  }
+
+  /** Looks at a place from a distance: from an azimuth (degrees clockwise from north) and elevation. */
+  flyTo(target: Vector3, distance: number, azimuth: number | null, elevation: number, animated = true): void {
+    const offset = this.camera.position.clone().sub(this.controls.target);
+    const from = azimuth ?? Math.atan2(offset.x, offset.y) * 180 / Math.PI;
+    const position = target.clone().add(away(distance, from, elevation));
+    if (!animated || window.matchMedia('(prefers-reduced-motion: reduce)').matches) {
+      this.controls.target.copy(target);
+      this.camera.position.copy(position);
+      this.controls.update();
+    } else {
+      this.flight = {from: [this.controls.target.clone(), this.camera.position.clone()], to: [target, position],
+                     start: performance.now(), time: 900};
+    }
+    this.invalidate();
+  }
+
+  setTheme(theme: Theme): void {
+    const dark = theme === 'dark';
+    this.sun.intensity = dark ? 2.0 : 2.6;
+    this.skyLight.intensity = dark ? 1.15 : 1.7;
+    this.skyLight.color.set(dark ? '#b9ccf2' : '#dbe8ff');
+    (this.table.material as ShadowMaterial).opacity = dark ? 0.45 : 0.16;
+    this.cutView.setLineColour(new Color(dark ? '#0b1020' : '#1a2233'));
+    this.invalidate();
+  }
+
+  /** `colours`: per building, where they are shown. */
+  setColouring(colouring: Colouring, colours?: readonly Rgb[]): void {
+    this.uniforms.colouring.value = colouring;
+    this.uniforms.groundColour.value =
+        linear(colouring === Colouring.byClass ? kClassColours.ground : kQuietGround);
+    if (colours !== undefined) {
+      const texture = this.uniforms.buildings.value as DataTexture;
+      const texels = texture.image.data as Uint8Array;
+      colours.forEach((c, b) => texels.set([...c.map(Math.round), 255], 4 * b));
+      texture.needsUpdate = true;
+    }
+    this.invalidate();
+  }
+
+  /** Per triangle of the surface, in [0, 1] of the ramp. */
+  setAngles(shares: (triangle: number) => number, triangles: number): void {
+    const attribute = this.surface.geometry.getAttribute('angle') as BufferAttribute;
+    for (let f = 0; f < triangles; ++f)
+      (attribute.array as Uint8Array).fill(Math.round(255 * Math.min(1, Math.max(0, shares(f)))), 3 * f, 3 * f + 3);
+    attribute.needsUpdate = true;
+    this.invalidate();
+  }
+
+  setEdges(on: boolean): void {
+    this.uniforms.edges.value = on ? 0.55 : 0;
+    this.invalidate();
+  }
+
+  setSky(sky: SkyMap): void {
+    const {grid} = sky;
+    this.uniforms.sky.value = skyTexture(sky);
+    this.uniforms.skyOrigin.value.set(grid.x - grid.cell / 2, grid.y - grid.cell / 2);
+    this.uniforms.skySize.value.set(grid.width * grid.cell, grid.height * grid.cell);
+    this.uniforms.skyCell.value = grid.cell;
+    this.uniforms.skyShare.value = 1;
+    this.invalidate();
+  }
+
+  setSelected(building: number): void {
+    this.uniforms.selected.value = building;
+    this.invalidate();
+  }
+
+  setHovered(building: number): void {
+    if (this.uniforms.hovered.value === building) return;
+    this.uniforms.hovered.value = building;
+    this.invalidate();
+  }
+
+  /** What lies on the side that `normal` points away from stays; null: all stays. */
+  setClip(normal: Vector3 | null, at: number): void {
+    const planes = normal === null ? null : [this.clip];
+    if (normal !== null) this.clip.set(normal.clone().negate(), at * (normal.x + normal.y + normal.z));
+    this.renderer.localClippingEnabled = normal !== null;
+    const materials = [this.surface.material, (this.pickScene.children[0] as Mesh).material];
+    for (const material of materials as {clippingPlanes: Plane[] | null; needsUpdate: boolean}[]) {
+      if ((material.clippingPlanes === null) !== (planes === null)) material.needsUpdate = true;
+      material.clippingPlanes = planes;
+    }
+    this.updateShadow(true);
+    this.invalidate();
+  }
+
+  setCut(cells: CutCells | null, solids: CutSolids | null, whole: boolean): void {
+    this.cutView.set(cells, solids, whole);
+    this.invalidate();
+  }
+
+  /** A tet, twelve numbers; null: none. */
+  setMarker(corners: readonly number[] | null): void {
+    this.marker.visible = this.markerFill.visible = corners !== null;
+    if (corners !== null) {
+      const points = new BufferAttribute(Float32Array.from(corners), 3);
+      const geometries = [this.marker.geometry, this.markerFill.geometry];
+      const indices = [[0, 1, 1, 2, 2, 0, 0, 3, 1, 3, 2, 3], [0, 1, 2, 0, 1, 3, 1, 2, 3, 2, 0, 3]];
+      geometries.forEach((geometry, i) => {
+        geometry.setAttribute('position', points);
+        geometry.setIndex(indices[i]);
+      });
+    }
+    this.invalidate();
+  }
+
+  /** What is drawn at a place of the window; null: nothing. */
+  pick(clientX: number, clientY: number): Picked | null {
+    const box = this.canvas.getBoundingClientRect();
+    const x = Math.floor(clientX - box.left), y = Math.floor(clientY - box.top);
+    this.camera.setViewOffset(box.width, box.height, x, y, 1, 1);
+    const background = this.renderer.getClearAlpha();
+    this.renderer.setRenderTarget(this.pickTarget);
+    this.renderer.setClearAlpha(0);
+    this.renderer.render(this.pickScene, this.camera);
+    this.renderer.setClearAlpha(background);
+    const found = new Float32Array(4);
+    this.renderer.readRenderTargetPixels(this.pickTarget, 0, 0, 1, 1, found);
+    this.renderer.setRenderTarget(null);
+    this.camera.clearViewOffset();
+    if (found[3] === 0) return null;
+    return {building: found[3] - 2, place: new Vector3(found[0], found[1], found[2])};
+  }
+
+  /** Metres that a CSS pixel spans at the target. */
+  metresPerPixel(): number {
+    const distance = this.camera.position.distanceTo(this.controls.target);
+    return 2 * distance * Math.tan(kFieldOfView * Math.PI / 360) / Math.max(1, this.canvas.clientHeight);
+  }
+
+  /** Clockwise from north, radians: where the camera looks. */
+  heading(): number {
+    const d = this.controls.target.clone().sub(this.camera.position);
+    return Math.atan2(d.x, d.y);
+  }
+
+  zoom(factor: number): void {
+    const offset = this.camera.position.clone().sub(this.controls.target);
+    this.camera.position.copy(this.controls.target).addScaledVector(offset, factor);
+    this.controls.update();
+    this.invalidate();
+  }
+
+  /** Degrees. */
+  turn(azimuth: number, elevation: number): void {
+    const offset = this.camera.position.clone().sub(this.controls.target);
+    const distance = offset.length();
+    const from = Math.atan2(offset.x, offset.y) * 180 / Math.PI, up = Math.asin(offset.z / distance) * 180 / Math.PI;
+    this.camera.position.copy(this.controls.target)
+        .add(away(distance, from + azimuth, Math.min(88, Math.max(2, up + elevation))));
+    this.controls.update();
+    this.invalidate();
+  }
+
+  invalidate(): void {
+    if (this.frame === 0) this.frame = requestAnimationFrame((now) => this.draw(now));
+  }
+
+  private resize(): void {
+    const box = this.canvas.parentElement!.getBoundingClientRect();
+    if (box.width === 0 || box.height === 0) return;
+    this.renderer.setSize(box.width, box.height, false);
+    this.camera.aspect = box.width / box.height;
+    this.camera.updateProjectionMatrix();
+    this.invalidate();
+  }
+
+  private draw(now: number): void {
+    this.frame = 0;
+    if (this.flight !== null) {
+      const {from, to, start, time} = this.flight;
+      const t = Math.min(1, (now - start) / time), s = t * t * (3 - 2 * t);
+      this.controls.target.lerpVectors(from[0], to[0], s);
+      this.camera.position.lerpVectors(from[1], to[1], s);
+      if (t === 1) this.flight = null;
+      this.invalidate();
+    }
+    this.controls.update();
+    const distance = this.camera.position.length();
+    this.camera.near = Math.max(0.2, this.camera.position.distanceTo(this.controls.target) / 200);
+    this.camera.far = distance + 7 * this.size.length();
+    this.camera.updateProjectionMatrix();
+    this.updateShadow(false);
+    this.renderer.render(this.scene, this.camera);
+    this.onFrame();
+  }
+
+  /** The shadow map covers what is looked at: near places have finer shadows. */
+  private updateShadow(force: boolean): void {
+    const whole = this.size.length() / 2 * 1.02;
+    const seen = this.camera.position.distanceTo(this.controls.target) * 1.1;
+    // Rounded, so that small movements leave it as it is.
+    const radius = Math.min(whole, 2 ** Math.ceil(Math.log2(seen)));
+    const centre = radius >= whole * 0.99 ? new Vector3() : this.controls.target.clone();
+    if (radius < whole * 0.99) centre.set(Math.round(centre.x / radius * 4) * radius / 4,
+                                          Math.round(centre.y / radius * 4) * radius / 4, 0);
+    if (!force && this.shadowAt.radius === radius && this.shadowAt.centre.equals(centre)) return;
+    this.shadowAt = {centre, radius};
+    const {shadow} = this.sun;
+    const away = this.size.length() + radius;
+    this.sun.target.position.copy(centre);
+    this.sun.position.copy(centre).addScaledVector(this.sunDirection, away);
+    const box = shadow.camera;
+    box.left = box.bottom = -radius;
+    box.right = box.top = radius;
+    box.near = 1;
+    box.far = 2 * away;
+    box.updateProjectionMatrix();
+    const texel = 2 * radius / shadow.mapSize.x;
+    shadow.normalBias = texel * 1.2;
+    shadow.bias = -texel / box.far;
+    this.renderer.shadowMap.needsUpdate = true;
+  }
+}

@@ -1,0 +1,62 @@
+// What a plane cuts, as objects of the scene.
+
+import {
+  BufferAttribute, BufferGeometry, Color, DoubleSide, Group, LineBasicMaterial, LineSegments, Mesh,
+  MeshBasicMaterial, MeshLambertMaterial, SRGBColorSpace,
+} from 'three';
+import {type CutCells, type CutSolids, Solid} from '../mesh/section.js';
+import {kBestAngle, kQualityRamp, kSolidColours, type Rgb} from './colours.js';
+
+function coloured(position: Float32Array, colourOf: (vertex: number) => Rgb): BufferGeometry {
+  const geometry = new BufferGeometry();
+  const colours = new Uint8Array(position.length);
+  for (let v = 0; v < position.length / 3; ++v) colours.set(colourOf(v), 3 * v);
+  geometry.setAttribute('position', new BufferAttribute(position, 3));
+  geometry.setAttribute('color', new BufferAttribute(srgbToLinear(colours), 3, true));
+  return geometry;
+}
+
+/** Colours of vertices are linear. */
+function srgbToLinear(bytes: Uint8Array): Uint16Array {
+  const table = Uint16Array.from({length: 256}, (_, i) =>
+      Math.round(65535 * new Color().setRGB(i / 255, 0, 0, SRGBColorSpace).r));
+  return Uint16Array.from(bytes, (b) => table[b]);
+}
+
+/** Holds one cut at a time. */
+export class CutView {
+  readonly group = new Group();
+  private readonly lineMaterial = new LineBasicMaterial({transparent: true, opacity: 0.45});
+  private readonly flat = new MeshBasicMaterial({vertexColors: true, side: DoubleSide, polygonOffset: true,
+                                                 polygonOffsetFactor: 1, polygonOffsetUnits: 1});
+  private readonly lit = new MeshLambertMaterial({vertexColors: true, flatShading: true, side: DoubleSide,
+                                                  polygonOffset: true, polygonOffsetFactor: 1,
+                                                  polygonOffsetUnits: 1});
+
+  set(cells: CutCells | null, solids: CutSolids | null, whole: boolean): void {
+    this.clear();
+    if (cells !== null) {
+      const geometry = coloured(cells.position, (v) => [...kQualityRamp.at(cells.angle[v] / kBestAngle)].map(Math.round) as unknown as Rgb);
+      if (whole) geometry.computeVertexNormals();
+      const mesh = new Mesh(geometry, whole ? this.lit : this.flat);
+      mesh.receiveShadow = whole;
+      const lines = new BufferGeometry();
+      lines.setAttribute('position', new BufferAttribute(cells.lines, 3));
+      this.group.add(mesh, new LineSegments(lines, this.lineMaterial));
+    }
+    if (solids !== null)
+      this.group.add(new Mesh(
+          coloured(solids.position, (v) => solids.solid[v] === Solid.soil ? kSolidColours.soil : kSolidColours.building),
+          this.flat));
+    for (const object of this.group.children) object.frustumCulled = false;
+  }
+
+  setLineColour(colour: Color): void { this.lineMaterial.color.copy(colour); }
+
+  private clear(): void {
+    for (const object of [...this.group.children]) {
+      (object as Mesh).geometry.dispose();
+      this.group.remove(object);
+    }
+  }
+}
