@@ -1,17 +1,11 @@
 # The two commands a newcomer needs are `make demo` and `make test`.
-.PHONY: demo test test-quick test-asan fuzz build deps bench microbench survey simplification-report docs format \
-  check-format clean
+.PHONY: demo test test-quick test-asan fuzz build deps bench microbench survey simplification-report docs site \
+  format check-format package clean
 
-# Only what it needs: the tests take most of a full build.
-demo: deps
-	@scripts/build release tetropolis_cli
-	@echo "demo: a synthetic city of 500 m x 500 m, its LiDAR points, and a mesh of both, in out/demo"
-	@rm -rf out/demo out/demo-input
-	@build/tetropolis synth --kind blocks --size 500 --seed 7 --out out/demo-input --quiet
-	@build/tetropolis build --footprints out/demo-input/footprints.shp --points out/demo-input \
-	  --id-attribute id --mesh-size 10 --out out/demo
-	@build/tetropolis check out/demo
-	@echo "demo: open out/demo/surface.vtp in ParaView, or out/demo/surface.stl in any 3D viewer"
+# CITY=synthetic meshes an invented city instead.
+CITY = delft
+demo:
+	@scripts/demo $(CITY)
 
 test: build
 	@scripts/run-tests build
@@ -51,6 +45,14 @@ simplification-report: build
 
 docs: build
 	@scripts/write-reference-pages
+
+site:
+	@scripts/site
+
+# A Debian package of the program, and one of the library.
+package: deps
+	@scripts/build package
+	@cd build-package && cpack -G DEB >/dev/null && ls $$PWD/*.deb
 
 format:
 	@scripts/format

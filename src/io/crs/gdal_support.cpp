@@ -10,6 +10,8 @@
 
 #include "tetropolis/core/error.h"
 
+#include "data_folders.h"
+
 namespace tetropolis::gdal {
 
 namespace {
@@ -53,6 +55,7 @@ About about(std::string_view text) {
 void initialise() {
   static std::once_flag once;
   std::call_once(once, [] {
+    use_own_data();
     GDALAllRegister();
     require_proj_database();
   });

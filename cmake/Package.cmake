@@ -1,0 +1,45 @@
+# cpack -G DEB (or TGZ) in the build folder: the packages `tetropolis`, program and documents, and
+# `libtetropolis-dev`, static library, headers and CMake package, as Debian wants them.
+set(CPACK_PACKAGE_NAME tetropolis)
+set(CPACK_PACKAGE_VENDOR "the Tetropolis authors")
+set(CPACK_PACKAGE_CONTACT "the Tetropolis authors <tetropolis@localhost>" CACHE STRING "Maintainer of packages")
+set(CPACK_PACKAGE_DESCRIPTION_SUMMARY "city meshes for simulation from footprints and LiDAR")
+set(CPACK_RESOURCE_FILE_LICENSE ${PROJECT_SOURCE_DIR}/LICENSE)
+set(CPACK_PACKAGING_INSTALL_PREFIX /usr)
+set(CPACK_STRIP_FILES ON)
+set(CPACK_COMPONENTS_ALL program development)
+set(CPACK_COMPONENTS_GROUPING IGNORE)
+
+set(CPACK_DEB_COMPONENT_INSTALL ON)
+set(CPACK_DEBIAN_FILE_NAME DEB-DEFAULT)
+set(CPACK_DEBIAN_PACKAGE_SECTION science)
+set(CPACK_DEBIAN_PACKAGE_SHLIBDEPS ON)
+set(CPACK_DEBIAN_PROGRAM_PACKAGE_NAME tetropolis)
+set(CPACK_DEBIAN_PROGRAM_DESCRIPTION
+"city meshes for simulation from footprints and LiDAR
+Tetropolis turns building footprints and airborne LiDAR into a conforming
+tetrahedral mesh of the air of a city, a watertight surface with tagged
+ground, roofs and walls, a city model and the terrain. It runs unattended,
+and every mesh that it writes is valid.")
+set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_NAME libtetropolis-dev)
+set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_SECTION libdevel)
+set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_SHLIBDEPS OFF)
+# What find_package(tetropolis) finds and links.
+set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_DEPENDS "libgdal-dev, libgeos-dev, libhdf5-dev, liblaszip-dev, libtbb-dev, \
+zlib1g-dev, libexpat1-dev, libfmt-dev, libtomlplusplus-dev, nlohmann-json3-dev")
+set(CPACK_DEBIAN_DEVELOPMENT_DESCRIPTION
+"city meshes for simulation, C++ library
+The library behind the program of the package tetropolis, as static library
+with headers and a CMake package.")
+
+# Changelogs and copyright of both packages, where Debian looks for them.
+file(ARCHIVE_CREATE OUTPUT ${PROJECT_BINARY_DIR}/changelog.gz PATHS ${PROJECT_SOURCE_DIR}/CHANGELOG.md
+  FORMAT raw COMPRESSION GZip COMPRESSION_LEVEL 9)
+foreach(pair program:tetropolis development:libtetropolis-dev)
+  string(REPLACE ":" ";" pair ${pair})
+  list(GET pair 0 component)
+  list(GET pair 1 package)
+  install(FILES packaging/debian/copyright ${PROJECT_BINARY_DIR}/changelog.gz
+    DESTINATION ${CMAKE_INSTALL_DATADIR}/doc/${package} COMPONENT ${component} EXCLUDE_FROM_ALL)
+endforeach()
+include(CPack)
