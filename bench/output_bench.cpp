@@ -120,8 +120,9 @@ void step_3_6_write_vtu(benchmark::State& state) {
 }
 
 void step_3_6_write_xdmf(benchmark::State& state) {
-  run_writer(state, "volume.xdmf",
-             [](const fs::path& path) { write_xdmf(path, city_mesh(), city_boundary(), {}); });
+  run_writer(state, "volume.xdmf", [](const fs::path& path) {
+    write_xdmf(path, path.parent_path() / "boundary.xdmf", city_mesh(), city_boundary(), {});
+  });
 }
 
 void step_3_6_write_vtp(benchmark::State& state) {

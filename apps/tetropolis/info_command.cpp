@@ -181,7 +181,8 @@ void info_raster(const std::string& path) {
   print_warnings(input.warnings);
 }
 
-void print_volume(const TetMesh& mesh) {
+void print_volume(const std::string& path, const TetMesh& mesh) {
+  put(stdout, path + ": volume mesh\n");
   std::map<std::int32_t, std::int64_t> over;
   for (const std::int32_t region : mesh.region) ++over[region];
   put(stdout, fmt::format("  vertices: {}, tets: {}\n  cells over {} buildings: {}\n",
@@ -190,22 +191,11 @@ void print_volume(const TetMesh& mesh) {
                               (over.contains(-1) ? over[-1] : 0)));
 }
 
-void print_faces(const SurfaceMesh& surface) {
-  for (const auto& [name, faces] : count_by_patch(surface))
-    put(stdout, fmt::format("  {}: {}\n", name, faces));
-}
-
-void info_volume(const std::string& path) {
-  const TetMesh mesh = read_vtu(path);
-  put(stdout, path + ": volume mesh\n");
-  print_volume(mesh);
-}
-
-void info_surface(const std::string& path) {
-  const SurfaceMesh surface = read_vtp(path);
+void print_surface(const std::string& path, const SurfaceMesh& surface) {
   put(stdout, fmt::format("{}: surface\n  vertices: {}, triangles: {}\n", path,
                           surface.points.size(), surface.triangles.size()));
-  print_faces(surface);
+  for (const auto& [name, faces] : count_by_patch(surface))
+    put(stdout, fmt::format("  {}: {}\n", name, faces));
 }
 
 void info_stl(const std::string& path) {
@@ -230,11 +220,11 @@ void info_stl(const std::string& path) {
 }
 
 void info_xdmf(const std::string& path) {
-  const XdmfMesh mesh = read_xdmf(path);
-  put(stdout, path + ": volume mesh and its boundary\n");
-  print_volume(mesh.volume);
-  put(stdout, fmt::format("  boundary triangles: {}\n", mesh.boundary.triangles.size()));
-  print_faces(mesh.boundary);
+  const auto mesh = read_xdmf(path);
+  if (const auto* volume = std::get_if<TetMesh>(&mesh))
+    print_volume(path, *volume);
+  else
+    print_surface(path, std::get<SurfaceMesh>(mesh));
 }
 
 using Json = nlohmann::json;
@@ -387,9 +377,9 @@ void info_file(const std::string& path) {
   else if (name.ends_with(".tif") || name.ends_with(".tiff"))
     info_raster(path);
   else if (name.ends_with(".vtu"))
-    info_volume(path);
+    print_volume(path, read_vtu(path));
   else if (name.ends_with(".vtp"))
-    info_surface(path);
+    print_surface(path, read_vtp(path));
   else if (name.ends_with(".stl"))
     info_stl(path);
   else if (name.ends_with(".xdmf"))

@@ -58,12 +58,8 @@ struct Named {
 using NamedVolume = Named<TetMesh>;
 using NamedSurface = Named<SurfaceMesh>;
 
-std::string grid_name(const std::string& file, const char* grid) {
-  return fmt::format("{}, grid '{}'", file, grid);
-}
-
-CheckedFile check_one_volume(const fs::path& path, const Progress& progress) {
-  CheckedFile file = describe(path.filename().string(), check_volume(read_vtu(path), progress));
+CheckedFile check_one_volume(const fs::path& path, const TetMesh& mesh, const Progress& progress) {
+  CheckedFile file = describe(path.filename().string(), check_volume(mesh, progress));
   file.not_checked = {
       "the boundary's tags, regions, footprints in the mesh, heights and the "
       "report (check the folder that has the other results)"};
@@ -78,8 +74,7 @@ bool is_city_surface(const SurfaceMesh& surface) {
   });
 }
 
-CheckedFile check_one_surface(const fs::path& path) {
-  const SurfaceMesh surface = read_vtp(path);
+CheckedFile check_one_surface(const fs::path& path, const SurfaceMesh& surface) {
   CheckedFile file =
       describe(path.filename().string(),
                is_city_surface(surface) ? check_city_surface(surface) : check_surface(surface));
@@ -87,6 +82,22 @@ CheckedFile check_one_surface(const fs::path& path) {
       "the volume behind it, footprints in the mesh, heights and the report (check "
       "the folder that has the other results)"};
   return file;
+}
+
+/// Of a file of the folder, whose name says which part it is.
+template <typename Mesh>
+Mesh read_xdmf_as(const fs::path& path) {
+  auto mesh = read_xdmf(path);
+  if (auto* wanted = std::get_if<Mesh>(&mesh)) return std::move(*wanted);
+  throw Error(ErrorKind::kInput,
+              path.string() + ": holds another part of the mesh than its name says");
+}
+
+CheckedFile check_one_xdmf(const fs::path& path, const Progress& progress) {
+  const auto mesh = read_xdmf(path);
+  if (const auto* volume = std::get_if<TetMesh>(&mesh))
+    return check_one_volume(path, *volume, progress);
+  return check_one_surface(path, std::get<SurfaceMesh>(mesh));
 }
 
 /// The clearance that the model must have: what `min_distance` says or else the report, of the raw
@@ -308,45 +319,39 @@ void add_meshes(const fs::path& folder, const Sources& sources, const CityModel&
                 const std::optional<ReportedRun>& report, const Progress& progress,
                 std::vector<CheckedFile>& files) {
   const auto there = [&](const char* name) { return is_there(folder / name); };
-  const bool vtu = there("volume.vtu"), vtp = there("boundary.vtp"), xdmf = there("volume.xdmf");
-  std::vector<NamedSurface> vtp_boundary;
-  if (vtp && (vtu || xdmf))
-    vtp_boundary.push_back({"boundary.vtp", read_vtp(folder / "boundary.vtp"),
-                            read_vtk_origin(folder / "boundary.vtp")});
+  const bool vtu = there("volume.vtu"), vtp = there("boundary.vtp");
+  const bool xdmf_volume = there("volume.xdmf"), xdmf_boundary = there("boundary.xdmf");
+  std::vector<NamedSurface> boundaries;
+  if (vtp && (vtu || xdmf_volume))
+    boundaries.push_back({"boundary.vtp", read_vtp(folder / "boundary.vtp"),
+                          read_vtk_origin(folder / "boundary.vtp")});
   if (vtu && vtp)
     add_mesh(
         {"volume.vtu", read_vtu(folder / "volume.vtu"), read_vtk_origin(folder / "volume.vtu")},
-        vtp_boundary, sources, city, report, progress, files);
+        boundaries, sources, city, report, progress, files);
   else if (vtu)
-    files.push_back(check_one_volume(folder / "volume.vtu", progress));
-  else if (vtp && !xdmf)
-    files.push_back(check_one_surface(folder / "boundary.vtp"));
-  if (xdmf) {
-    XdmfMesh mesh = read_xdmf(folder / "volume.xdmf");
-    std::vector<NamedSurface> boundaries = vtu ? std::vector<NamedSurface>() : vtp_boundary;
-    boundaries.push_back(
-        {grid_name("volume.xdmf", "boundary"), std::move(mesh.boundary), mesh.origin});
-    add_mesh({grid_name("volume.xdmf", "mesh"), std::move(mesh.volume), mesh.origin}, boundaries,
-             sources, city, report, progress, files);
-    if (!vtp) vtp_boundary = std::move(boundaries);
-  } else if (report && report->has_mesh() && !(vtu && vtp)) {
     files.push_back(
-        {"meshes", {}, {}, {"there is neither volume.vtu with boundary.vtp nor volume.xdmf"}});
+        check_one_volume(folder / "volume.vtu", read_vtu(folder / "volume.vtu"), progress));
+  else if (vtp && !xdmf_volume)
+    files.push_back(check_one_surface(folder / "boundary.vtp", read_vtp(folder / "boundary.vtp")));
+  if (xdmf_volume && xdmf_boundary) {
+    if (vtu) boundaries.clear();  // the one of VTK has been compared
+    boundaries.push_back({"boundary.xdmf", read_xdmf_as<SurfaceMesh>(folder / "boundary.xdmf"),
+                          read_xdmf_origin(folder / "boundary.xdmf")});
+    add_mesh({"volume.xdmf", read_xdmf_as<TetMesh>(folder / "volume.xdmf"),
+              read_xdmf_origin(folder / "volume.xdmf")},
+             boundaries, sources, city, report, progress, files);
+  } else if (xdmf_volume || xdmf_boundary) {
+    files.push_back(
+        check_one_xdmf(folder / (xdmf_volume ? "volume.xdmf" : "boundary.xdmf"), progress));
   }
-  add_surfaces(folder, vtp_boundary, report, files);
-}
-
-std::vector<CheckedFile> check_one_xdmf(const fs::path& path, const Progress& progress) {
-  XdmfMesh mesh = read_xdmf(path);
-  const std::string name = path.filename().string();
-  std::vector<CheckedFile> files = check_volume_and_boundaries(
-      {grid_name(name, "mesh"), std::move(mesh.volume), mesh.origin},
-      {{grid_name(name, "boundary"), std::move(mesh.boundary), std::nullopt}}, std::nullopt,
-      progress);
-  files.back().not_checked = {
-      "regions, footprints in the mesh, heights and the report (check the folder that has the "
-      "other results)"};
-  return files;
+  if (report && report->has_mesh() && !(vtu && vtp) && !(xdmf_volume && xdmf_boundary))
+    files.push_back({"meshes",
+                     {},
+                     {},
+                     {"there is neither volume.vtu with boundary.vtp nor volume.xdmf with "
+                      "boundary.xdmf"}});
+  add_surfaces(folder, boundaries, report, files);
 }
 
 bool is_whole(const fs::path& path) {
@@ -493,9 +498,9 @@ std::vector<CheckedFile> check_path(const fs::path& given, std::optional<double>
   std::error_code ignored;
   if (fs::is_directory(path, ignored)) return check_folder(path, min_distance, progress);
   const std::string extension = lower_case(path.extension().string());
-  if (extension == ".vtu") return {check_one_volume(path, progress)};
-  if (extension == ".vtp") return {check_one_surface(path)};
-  if (extension == ".xdmf") return check_one_xdmf(path, progress);
+  if (extension == ".vtu") return {check_one_volume(path, read_vtu(path), progress)};
+  if (extension == ".vtp") return {check_one_surface(path, read_vtp(path))};
+  if (extension == ".xdmf") return {check_one_xdmf(path, progress)};
   if (extension == ".json" || extension == ".cityjson") return {check_one_city(path, min_distance)};
   throw Error(
       ErrorKind::kInput,

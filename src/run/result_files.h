@@ -28,10 +28,12 @@ inline constexpr const char* kManifest = "manifest.json";
 inline constexpr std::array kOfCity = {kRawCity, kCity, kTerrain, kLayers};
 
 /// Of runs that make meshes.
-inline constexpr std::array<ResultFile, 16> kOfMesh = {{
+inline constexpr std::array<ResultFile, 18> kOfMesh = {{
     {"volume.vtu", "vtu"},
     {"volume.xdmf", "xdmf"},
     {"volume.h5", "xdmf"},
+    {"boundary.xdmf", "xdmf"},
+    {"boundary.h5", "xdmf"},
     {"volume.msh", "msh"},
     {"constant/polyMesh/points", "openfoam"},
     {"constant/polyMesh/faces", "openfoam"},

@@ -110,7 +110,7 @@ void make_mesh(const Config& config, const CityModel& city, Raster terrain,
     mesh.placement = {{city.origin.x, city.origin.y, 0}, {0, 0, 0}};
   StepClock clock(hooks, report.steps);
   clock.run("3.6", "write meshes", [&](const Progress& progress) {
-    write_mesh(config, mesh.volume, mesh.boundary, mesh.placement, out, progress);
+    write_mesh(config, mesh.volume, mesh.boundary, city.buildings, mesh.placement, out, progress);
   });
   if (config.no_html) return;
   tell_process(report, out);

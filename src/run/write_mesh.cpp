@@ -29,16 +29,18 @@ bool is_wanted(const Config& config, std::string_view format) {
 
 /// The volume in each format asked for.
 void write_volume(const Config& config, const ColumnMesh& mesh, const SurfaceMesh& boundary,
-                  const Placement& placement, OutputFolder& out, const Progress& progress) {
+                  std::span<const Building> buildings, const Placement& placement,
+                  OutputFolder& out, const Progress& progress) {
   using Write = std::function<void(const Progress&)>;
   const std::array<std::pair<std::string_view, Write>, 4> writers{{
       {"vtu",
        [&](const Progress& p) {
-         write_vtu(out.result("volume.vtu"), mesh, placement, p, config.compression);
+         write_vtu(out.result("volume.vtu"), mesh, placement, p, config.compression, buildings);
        }},
       {"xdmf",
        [&](const Progress& p) {
-         write_xdmf(out.result("volume.xdmf", {"volume.h5"}), mesh, boundary, placement, p,
+         write_xdmf(out.result("volume.xdmf", {"volume.h5"}),
+                    out.result("boundary.xdmf", {"boundary.h5"}), mesh, boundary, placement, p,
                     config.compression);
        }},
       {"msh",
@@ -62,10 +64,11 @@ void write_volume(const Config& config, const ColumnMesh& mesh, const SurfaceMes
 }
 
 /// Ground, roofs and walls, to look at, and in each format asked for.
-void write_surface(const Config& config, const SurfaceMesh& boundary, const Placement& placement,
+void write_surface(const Config& config, const SurfaceMesh& boundary,
+                   std::span<const Building> buildings, const Placement& placement,
                    OutputFolder& out) {
   const SurfaceMesh surface = city_surface(boundary);
-  write_vtp(out.result("surface.vtp"), surface, placement, config.compression);
+  write_vtp(out.result("surface.vtp"), surface, placement, config.compression, buildings);
   write_stl(out.result("surface.stl"), surface, placement);
   if (is_wanted(config, "obj")) write_obj(out.result("surface.obj"), surface, placement);
   if (is_wanted(config, "ply")) write_ply(out.result("surface.ply"), surface, placement);
@@ -75,10 +78,11 @@ void write_surface(const Config& config, const SurfaceMesh& boundary, const Plac
 }  // namespace
 
 void write_mesh(const Config& config, const ColumnMesh& mesh, const SurfaceMesh& boundary,
-                const Placement& placement, OutputFolder& out, const Progress& progress) {
-  write_volume(config, mesh, boundary, placement, out, progress);
-  write_vtp(out.result("boundary.vtp"), boundary, placement, config.compression);
-  write_surface(config, boundary, placement, out);
+                std::span<const Building> buildings, const Placement& placement, OutputFolder& out,
+                const Progress& progress) {
+  write_volume(config, mesh, boundary, buildings, placement, out, progress);
+  write_vtp(out.result("boundary.vtp"), boundary, placement, config.compression, buildings);
+  write_surface(config, boundary, buildings, placement, out);
 }
 
 }  // namespace tetropolis

@@ -411,10 +411,10 @@ TEST_F(Cli, CheckKnowsWhereTheMeshLies) {
                   .code,
               0);
     ASSERT_EQ(run("check result").code, 0);
-    const fs::path path = scratch / "result/volume.xdmf";
+    const fs::path path = scratch / "result/volume.vtu";
     std::string text = bytes_of(path);
-    const std::string_view origin = "Name=\"origin\" Value=\"";
-    text.insert(text.find(origin) + origin.size(), "9");
+    const std::string_view tuple = "NumberOfTuples=\"1\" format=\"ascii\">";
+    text.replace(text.find(tuple) + tuple.size(), 1, "9");
     std::ofstream(path) << text;
     const Outcome outcome = run("check result");
     EXPECT_EQ(outcome.code, 1);

@@ -1,4 +1,4 @@
-"""Reads volume.xdmf with DOLFINx and solves a Laplace problem whose solution is known: u = z.
+"""Reads volume.xdmf and boundary.xdmf with DOLFINx, and solves a problem with a known solution: u = z.
 
 Values are given on the patches alone, so the solution is z in every vertex if and only if the mesh
 is conforming and the tags cover its boundary. Prints one JSON object.
@@ -23,7 +23,8 @@ PATCHES = range(1, 9)
 with io.XDMFFile(MPI.COMM_WORLD, sys.argv[1], "r") as file:
     mesh = file.read_mesh()
     regions = file.read_meshtags(mesh, name="mesh")
-    mesh.topology.create_connectivity(2, 3)
+mesh.topology.create_connectivity(2, 3)
+with io.XDMFFile(MPI.COMM_WORLD, sys.argv[2], "r") as file:
     boundary = file.read_meshtags(mesh, name="boundary")
 
 make_space = getattr(fem, "functionspace", None) or fem.FunctionSpace

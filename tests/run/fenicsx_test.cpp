@@ -32,7 +32,7 @@ TEST(Fenicsx, SolvesAProblemWithAKnownSolution) {
   const std::string run = "cd " + folder.path().string() + " && " + python +
                           " " TETROPOLIS_SOURCE
                           "/tests/run/fenicsx_solve.py "
-                          "result/volume.xdmf >" +
+                          "result/volume.xdmf result/boundary.xdmf >" +
                           output + " 2>" + errors;
   ASSERT_EQ(std::system(run.c_str()), 0) << std::ifstream(errors).rdbuf();
   const auto found = nlohmann::json::parse(std::ifstream(output));

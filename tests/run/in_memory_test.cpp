@@ -66,8 +66,10 @@ TEST_F(InMemory, VerbsMakeTheBytesOfTheCommand) {
 
   const BuiltCity built = build_city(points(), footprints(), {.bounds = bounds});
   const CityMesh mesh = mesh_city(built.city, built.terrain);
-  write_vtu(scratch / "volume.vtu", mesh.volume, mesh.placement);
-  write_vtp(scratch / "boundary.vtp", mesh.boundary, mesh.placement);
+  write_vtu(scratch / "volume.vtu", mesh.volume, mesh.placement, {}, Compression::kNone,
+            built.city.buildings);
+  write_vtp(scratch / "boundary.vtp", mesh.boundary, mesh.placement, Compression::kNone,
+            built.city.buildings);
   for (const char* name : {"volume.vtu", "boundary.vtp"}) {
     ASSERT_FALSE(bytes_of(scratch / name).empty());
     EXPECT_TRUE(bytes_of(scratch / name) == bytes_of(scratch / "out" / name)) << name;

@@ -19,8 +19,8 @@ struct CheckedFile {
   std::vector<std::string> not_checked;  ///< What it takes other files to see.
 };
 
-/// Checks a volume (.vtu), a boundary or a city_surface() (.vtp), volume and boundary in one
-/// (.xdmf), a city model (.json), or a folder of results: all of these that are in it, and in
+/// Checks a volume (.vtu, .xdmf), a boundary (.vtp, .xdmf) or a city_surface() (.vtp), a city model
+/// (.json), or a folder of results: all of these that are in it, and in
 /// addition that the boundary is that of the volume, that surface.vtp and surface.stl are made of
 /// it, that footprints are in the mesh, that heights are those of the city model and the terrain,
 /// and that numbers agree with report.json. Of the guarantees 1 to 6 of the README, one

@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
+#include <map>
 #include <optional>
 #include <string>
 #include <vector>
@@ -25,18 +26,25 @@ void require_room_for_surface(const std::filesystem::path& path, std::uint64_t p
 /// Three numbers as text with blanks between; nothing if that is not what it is.
 std::optional<Point3> point_from_text(const std::string& text);
 
-/// Sets the patch of each face. What no city has by itself becomes "patch9" or the like, of no
-/// known kind. fail(what) is called for the first number that is none, and must throw.
+using PatchNames = std::map<std::int32_t, std::string>;
+
+/// Sets the patch of each face. What no city has by itself is named by `names`, else "patch9" or
+/// the like, of no known kind. fail(what) is called for the first number that is none, and must
+/// throw.
 template <typename Fail>
-void set_patches(const std::vector<std::int32_t>& numbers, SurfaceMesh& surface, const Fail& fail) {
+void set_patches(const std::vector<std::int32_t>& numbers, const PatchNames& names,
+                 SurfaceMesh& surface, const Fail& fail) {
   surface.patch.reserve(numbers.size());
   for (std::size_t f = 0; f < numbers.size(); ++f) {
     const std::string number = std::to_string(numbers[f]);
     if (numbers[f] < 1)
       fail("face " + std::to_string(f) + " has the patch " + number + "; 1 or more expected");
     const auto patch = static_cast<Patch>(numbers[f]);
-    if (!surface.patches.contains(patch))
-      surface.patches.add({patch, "patch" + number, PatchKind::kOther});
+    if (!surface.patches.contains(patch)) {
+      const auto name = names.find(numbers[f]);
+      surface.patches.add(
+          {patch, name == names.end() ? "patch" + number : name->second, PatchKind::kOther});
+    }
     surface.patch.push_back(patch);
   }
 }

@@ -44,6 +44,13 @@ std::optional<std::pair<VtkType, std::uint64_t>> type_and_width(const std::strin
 
 void VtkInput::fail(const std::string& what) const { fail_input(path_, what); }
 
+void VtkInput::require_end() const {
+  std::string tail(std::min<std::uint64_t>(size_, 256), '\0');
+  read_bytes(size_ - tail.size(), tail);
+  if (tail.find("</VTKFile>") == std::string::npos)
+    fail("ends without its closing tag: the file is cut");
+}
+
 VtkInput::VtkInput(std::filesystem::path path, const std::string& type,
                    const std::string& cell_count)
     : path_(std::move(path)), file_(path_), size_(static_cast<std::uint64_t>(file_.size())) {
@@ -94,15 +101,23 @@ void VtkInput::read_appended_tag(const std::string& head, std::size_t appended) 
     fail("has big-endian data; write it again on a little-endian machine");
 }
 
+void VtkInput::read_field_tags(const std::string& head, std::size_t piece) {
+  for (const char* element : {"<DataArray", "<Array"})
+    for (std::size_t at = head.find(element); at < piece; at = head.find(element, at + 1)) {
+      const std::size_t text = head.find('>', at) + 1;
+      const std::string tag = head.substr(at, text - at);
+      const std::string name = attribute(tag, "Name"), format = attribute(tag, "format");
+      if (name == "origin" && format == "ascii")
+        origin_ = head.substr(text, head.find('<', text) - text);
+      if (format == "appended")
+        fields_[name] = {attribute(tag, "type"), number(attribute(tag, "offset"), "offset")};
+    }
+}
+
 void VtkInput::read_tags(const std::string& head, const std::string& cell_count) {
   const std::size_t piece = head.find("<Piece");
   if (piece == std::string::npos) fail("has no <Piece>");
-  for (std::size_t at = head.find("<DataArray"); at < piece; at = head.find("<DataArray", at + 1)) {
-    const std::size_t text = head.find('>', at) + 1;
-    const std::string tag = head.substr(at, text - at);
-    if (attribute(tag, "Name") == "origin" && attribute(tag, "format") == "ascii")
-      origin_ = head.substr(text, head.find('<', text) - text);
-  }
+  read_field_tags(head, piece);
   // Each piece has arrays of its own by the same names.
   if (head.find("<Piece", piece + 1) != std::string::npos)
     fail("has several pieces; write it again as one piece");
@@ -182,6 +197,48 @@ VtkArray VtkInput::array(const std::string& name, std::uint64_t count) const {
   else
     add_plain_pieces(at, count * width, width, array);
   return array;
+}
+
+std::string VtkInput::field_bytes(const std::string& name, const std::string& type) const {
+  const auto found = fields_.find(name);
+  if (found == fields_.end() || found->second.type != type) return {};
+  VtkArray array{name, VtkType::kUInt8, {}};
+  const std::uint64_t at = data_ + found->second.offset;
+  std::uint64_t bytes = 0;
+  if (compressed_) {
+    const auto head = read_words(at, 3);
+    if (head[0] > size_ || head[1] > kMostExpansion * size_ || head[2] > head[1])
+      fail("array " + name + " has blocks that do not make up its size");
+    if (head[0] > 0) bytes = (head[0] - 1) * head[1] + (head[2] == 0 ? head[1] : head[2]);
+    add_blocks(at, bytes, 1, array);
+  } else {
+    bytes = read_words(at, 1)[0];
+    add_plain_pieces(at, bytes, 1, array);
+  }
+  std::string all;
+  std::vector<char> part;
+  for (const VtkPiece& piece : array.pieces) {
+    read_piece(piece, part);
+    all.append(part.data(), part.size());
+  }
+  return all;
+}
+
+std::vector<std::string> VtkInput::texts(const std::string& name) const {
+  const std::string bytes = field_bytes(name, "String");
+  std::vector<std::string> texts;
+  for (std::size_t begin = 0, end = 0; (end = bytes.find('\0', begin)) != std::string::npos;
+       begin = end + 1)
+    texts.push_back(bytes.substr(begin, end - begin));
+  return texts;
+}
+
+std::vector<std::int32_t> VtkInput::field_numbers(const std::string& name) const {
+  const std::string bytes = field_bytes(name, "Int32");
+  std::vector<std::int32_t> numbers(bytes.size() / sizeof(std::int32_t));
+  if (!numbers.empty())
+    std::memcpy(numbers.data(), bytes.data(), numbers.size() * sizeof(std::int32_t));
+  return numbers;
 }
 
 void VtkInput::read_piece(const VtkPiece& piece, std::vector<char>& bytes) const {

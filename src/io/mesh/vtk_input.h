@@ -41,6 +41,10 @@ class VtkInput {
   std::uint64_t points() const { return points_; }
   std::uint64_t cells() const { return cells_; }
   bool has(const std::string& name) const { return arrays_.contains(name); }
+  /// The texts of an array of the type String in the field data; none if there is no such array.
+  std::vector<std::string> texts(const std::string& name) const;
+  /// The values of an array of the type Int32 in the field data.
+  std::vector<std::int32_t> field_numbers(const std::string& name) const;
   /// The text of the field data `origin`; empty if there is none as text.
   const std::string& origin() const { return origin_; }
 
@@ -82,6 +86,8 @@ class VtkInput {
     });
   }
 
+  /// Throws unless the closing tag is there: what is cut may have all arrays that are read.
+  void require_end() const;
   [[noreturn]] void fail(const std::string& what) const;
 
  private:
@@ -98,6 +104,8 @@ class VtkInput {
   void read_head(const std::string& type, const std::string& cell_count);
   void read_appended_tag(const std::string& head, std::size_t appended);
   void read_tags(const std::string& head, const std::string& cell_count);
+  void read_field_tags(const std::string& head, std::size_t piece);
+  std::string field_bytes(const std::string& name, const std::string& type) const;
   std::uint64_t number(const std::string& text, const std::string& what) const;
   void read_bytes(std::uint64_t offset, std::span<char> bytes) const;
   std::vector<std::uint64_t> read_words(std::uint64_t offset, std::uint64_t count) const;
@@ -116,6 +124,7 @@ class VtkInput {
   std::uint64_t points_ = 0;
   std::uint64_t cells_ = 0;
   std::map<std::string, Tag> arrays_;
+  std::map<std::string, Tag> fields_;
   std::string origin_;
 };
 

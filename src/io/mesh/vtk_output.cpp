@@ -30,13 +30,15 @@ std::string_view VtkOutput::file_attributes() const {
 }
 
 std::string VtkOutput::tag(const VtkArraySpec& array) {
-  const std::string components =
+  std::string shape =
       array.components > 0 ? fmt::format(" NumberOfComponents=\"{}\"", array.components) : "";
+  if (array.tuples > 0) shape += fmt::format(" NumberOfTuples=\"{}\"", array.tuples);
   // Until the offset is known, the array's number stands for it.
   const std::string offset = offset_attribute(arrays_.size());
   arrays_.emplace_back().bytes = array.bytes;
-  return fmt::format("<DataArray type=\"{}\" Name=\"{}\"{} format=\"appended\" {}/>\n", array.type,
-                     array.name, components, offset);
+  return fmt::format("<{} type=\"{}\" Name=\"{}\"{} format=\"appended\" {}/>\n",
+                     array.type == "String" ? "Array" : "DataArray", array.type, array.name, shape,
+                     offset);
 }
 
 void VtkOutput::write(std::string_view bytes) {

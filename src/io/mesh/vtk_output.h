@@ -17,12 +17,14 @@
 
 namespace tetropolis {
 
-/// One array of the appended section. `components` 0: left out of the tag.
+/// One array of the appended section. `components` 0 and `tuples` 0: left out of the tag. The type
+/// "String" has texts of any length, with a zero byte behind each.
 struct VtkArraySpec {
   std::string_view type;
   std::string_view name;
   int components;
   std::uint64_t bytes;
+  std::uint64_t tuples = 0;  ///< Field data alone need their number.
 };
 
 /// A file with raw appended data, plain or compressed by vtkZLibDataCompressor. Streams: compressed

@@ -125,6 +125,14 @@ std::vector<std::array<Index, Corners>> read_cells(const VtkInput& file) {
   return cells;
 }
 
+PatchNames patch_names(const VtkInput& file) {
+  const auto numbers = file.field_numbers("patch_number");
+  const auto texts = file.texts("patch_name");
+  PatchNames names;
+  for (std::size_t i = 0; i < numbers.size() && i < texts.size(); ++i) names[numbers[i]] = texts[i];
+  return names;
+}
+
 }  // namespace
 
 TetMesh read_vtu(const std::filesystem::path& path) {
@@ -141,6 +149,7 @@ TetMesh read_vtu(const std::filesystem::path& path) {
   mesh.points = read_points(file);
   mesh.cells = read_cells<4, std::int64_t>(file);
   if (file.has("region")) mesh.region = read_numbers(file, "region");
+  file.require_end();
   return mesh;
 }
 
@@ -152,9 +161,10 @@ SurfaceMesh read_vtp(const std::filesystem::path& path) {
   SurfaceMesh surface;
   surface.points = read_points(file);
   surface.triangles = read_cells<3, std::int32_t>(file);
-  set_patches(read_numbers(file, "patch"), surface,
+  set_patches(read_numbers(file, "patch"), patch_names(file), surface,
               [&](const std::string& what) { file.fail(what); });
   surface.building = read_numbers(file, "building");
+  file.require_end();
   return surface;
 }
 

@@ -1,10 +1,14 @@
 #include <bit>
 #include <cstdint>
 #include <limits>
+#include <span>
 #include <string>
 #include <string_view>
+#include <utility>
+#include <vector>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include "tetropolis/io/mesh/vtk.h"
 
@@ -20,14 +24,75 @@ static_assert(std::endian::native == std::endian::little, "VTK output writes nat
 
 constexpr std::uint8_t kVtkTetra = 10;
 
-std::string file_head(std::string_view type, std::string_view attributes,
-                      const Placement& placement) {
-  return fmt::format(
+/// An array of the field data.
+struct Field {
+  std::string_view type;
+  std::string_view name;
+  std::uint64_t tuples;
+  std::string bytes;
+};
+
+/// meshio ends the program at a file for it, a VTU, that has texts; there they are bytes.
+enum class Texts { kStrings, kBytes };
+
+Field text_field(std::string_view name, const std::vector<std::string>& texts, Texts as) {
+  std::string bytes;
+  for (const std::string& text : texts) {
+    for (const char c : text)
+      if (c != '\0') bytes += c;
+    bytes += '\0';
+  }
+  const bool strings = as == Texts::kStrings;
+  return {strings ? "String" : "UInt8", name, strings ? texts.size() : bytes.size(), bytes};
+}
+
+/// Of each building, in the order of their numbers in the cell data.
+std::vector<Field> building_fields(std::span<const Building> buildings, Texts as) {
+  if (buildings.empty()) return {};
+  std::vector<std::string> ids, sources;
+  Field ground{"Float64", "building_h_ground", buildings.size(), {}};
+  Field roof{"Float64", "building_h_roof", buildings.size(), {}};
+  for (const Building& building : buildings) {
+    ids.push_back(building.id);
+    sources.push_back(fmt::format("{}", fmt::join(building.source_ids, ",")));
+    append_raw(ground.bytes, building.h_ground);
+    append_raw(roof.bytes, building.h_roof);
+  }
+  return {text_field("building_id", ids, as), text_field("building_source_ids", sources, as),
+          std::move(ground), std::move(roof)};
+}
+
+std::vector<Field> patch_fields(const PatchTable& patches) {
+  std::vector<std::string> names;
+  Field numbers{"Int32", "patch_number", patches.size(), {}};
+  for (const PatchInfo& info : patches) {
+    names.push_back(info.name);
+    append_raw(numbers.bytes, static_cast<std::int32_t>(info.patch));
+  }
+  return {std::move(numbers), text_field("patch_name", names, Texts::kStrings)};
+}
+
+/// The file up to its piece. Call after the tags of the piece's arrays are made: fields lie behind
+/// those.
+std::string file_head(std::string_view type, const Placement& placement,
+                      const std::vector<Field>& fields, VtkOutput& file) {
+  std::string head = fmt::format(
       "<?xml version=\"1.0\"?>\n"
       "<VTKFile type=\"{0}\" {4}>\n"
       "<{0}>\n<FieldData>\n<DataArray type=\"Float64\" Name=\"origin\" NumberOfComponents=\"3\" "
-      "NumberOfTuples=\"1\" format=\"ascii\">{1} {2} {3}</DataArray>\n</FieldData>\n",
-      type, placement.origin[0], placement.origin[1], placement.origin[2], attributes);
+      "NumberOfTuples=\"1\" format=\"ascii\">{1} {2} {3}</DataArray>\n",
+      type, placement.origin[0], placement.origin[1], placement.origin[2], file.file_attributes());
+  for (const Field& field : fields)
+    head += file.tag({field.type, field.name, 0, field.bytes.size(), field.tuples});
+  return head + "</FieldData>\n";
+}
+
+void write_fields(VtkOutput& file, const std::vector<Field>& fields) {
+  for (const Field& field : fields)
+    file.write_next(field.bytes.size(),
+                    [&](std::size_t begin, std::size_t end, std::string& buffer) {
+                      buffer.append(field.bytes, begin, end - begin);
+                    });
 }
 
 std::string file_middle(std::string_view type) {
@@ -64,7 +129,8 @@ void write_cells(VtkOutput& file, const ColumnMesh& mesh, const std::vector<Node
 }  // namespace
 
 void write_vtu(const std::filesystem::path& path, const ColumnMesh& mesh,
-               const Placement& placement, const Progress& progress, Compression compression) {
+               const Placement& placement, const Progress& progress, Compression compression,
+               std::span<const Building> buildings) {
   const std::vector<NodeIndex> offsets = cell_offsets(mesh);
   const auto nodes = static_cast<std::uint64_t>(mesh.node_count());
   const auto cells = static_cast<std::uint64_t>(offsets.back());
@@ -73,15 +139,17 @@ void write_vtu(const std::filesystem::path& path, const ColumnMesh& mesh,
   const std::uint64_t width = small ? 4 : 8;
 
   VtkOutput file(path, compression);
-  std::string head = file_head("UnstructuredGrid", file.file_attributes(), placement);
-  head += fmt::format("<Piece NumberOfPoints=\"{}\" NumberOfCells=\"{}\">\n", nodes, cells);
-  head += "<Points>\n" + file.tag({"Float64", "Points", 3, nodes * 24}) + "</Points>\n<Cells>\n";
-  head += file.tag({integer, "connectivity", 0, cells * 4 * width});
-  head += file.tag({integer, "offsets", 0, cells * width});
-  head += file.tag({"UInt8", "types", 0, cells});
-  head += "</Cells>\n<CellData Scalars=\"region\">\n";
-  head += file.tag({"Int32", "region", 0, cells * 4}) + "</CellData>\n";
-  file.write_head(head + file_middle("UnstructuredGrid"));
+  const std::vector<Field> fields = building_fields(buildings, Texts::kBytes);
+  std::string piece =
+      fmt::format("<Piece NumberOfPoints=\"{}\" NumberOfCells=\"{}\">\n", nodes, cells);
+  piece += "<Points>\n" + file.tag({"Float64", "Points", 3, nodes * 24}) + "</Points>\n<Cells>\n";
+  piece += file.tag({integer, "connectivity", 0, cells * 4 * width});
+  piece += file.tag({integer, "offsets", 0, cells * width});
+  piece += file.tag({"UInt8", "types", 0, cells});
+  piece += "</Cells>\n<CellData Scalars=\"region\">\n";
+  piece += file.tag({"Int32", "region", 0, cells * 4}) + "</CellData>\n";
+  file.write_head(file_head("UnstructuredGrid", placement, fields, file) + piece +
+                  file_middle("UnstructuredGrid"));
   file.write_next(
       mesh.vertex_count(),
       [&](std::size_t begin, std::size_t end, std::string& buffer) {
@@ -99,26 +167,30 @@ void write_vtu(const std::filesystem::path& path, const ColumnMesh& mesh,
         append_regions(mesh, offsets, begin, end, buffer);
       },
       portion(progress, 0.9, 1));
+  write_fields(file, fields);
   file.commit(kFileTail);
 }
 
 void write_vtp(const std::filesystem::path& path, const SurfaceMesh& surface,
-               const Placement& placement, Compression compression) {
+               const Placement& placement, Compression compression,
+               std::span<const Building> buildings) {
   const std::uint64_t points = surface.points.size();
   const std::uint64_t faces = surface.triangles.size();
   VtkOutput file(path, compression);
-  std::string head = file_head("PolyData", file.file_attributes(), placement);
-  head += fmt::format(
+  std::vector<Field> fields = patch_fields(surface.patches);
+  for (Field& field : building_fields(buildings, Texts::kStrings))
+    fields.push_back(std::move(field));
+  std::string piece = fmt::format(
       "<Piece NumberOfPoints=\"{}\" NumberOfVerts=\"0\" NumberOfLines=\"0\" NumberOfStrips=\"0\" "
       "NumberOfPolys=\"{}\">\n",
       points, faces);
-  head += "<Points>\n" + file.tag({"Float64", "Points", 3, points * 24}) + "</Points>\n<Polys>\n";
-  head += file.tag({"Int32", "connectivity", 0, faces * 12});
-  head += file.tag({"Int32", "offsets", 0, faces * 4});
-  head += "</Polys>\n<CellData Scalars=\"patch\">\n";
-  head += file.tag({"Int32", "patch", 0, faces * 4});
-  head += file.tag({"Int32", "building", 0, faces * 4}) + "</CellData>\n";
-  file.write_head(head + file_middle("PolyData"));
+  piece += "<Points>\n" + file.tag({"Float64", "Points", 3, points * 24}) + "</Points>\n<Polys>\n";
+  piece += file.tag({"Int32", "connectivity", 0, faces * 12});
+  piece += file.tag({"Int32", "offsets", 0, faces * 4});
+  piece += "</Polys>\n<CellData Scalars=\"patch\">\n";
+  piece += file.tag({"Int32", "patch", 0, faces * 4});
+  piece += file.tag({"Int32", "building", 0, faces * 4}) + "</CellData>\n";
+  file.write_head(file_head("PolyData", placement, fields, file) + piece + file_middle("PolyData"));
 
   const auto write_array = [&](std::size_t size, const auto& append) {
     file.write_next(size, [&](std::size_t begin, std::size_t end, std::string& buffer) {
@@ -141,6 +213,7 @@ void write_vtp(const std::filesystem::path& path, const SurfaceMesh& surface,
   write_array(faces, [&](std::size_t i, std::string& buffer) {
     append_raw(buffer, static_cast<std::int32_t>(surface.building[i]));
   });
+  write_fields(file, fields);
   file.commit(kFileTail);
 }
 

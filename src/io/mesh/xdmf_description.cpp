@@ -1,5 +1,6 @@
 #include "xdmf_description.h"
 
+#include <cstdlib>
 #include <string_view>
 
 #include <fmt/format.h>
@@ -9,6 +10,8 @@
 namespace tetropolis::xdmf {
 
 namespace {
+
+constexpr std::string_view kKey = "<map key=\"";
 
 std::string data_item(std::string_view number, int precision, const std::string& dimensions,
                       const std::string& file, std::string_view path) {
@@ -27,6 +30,11 @@ std::string topology(std::string_view type, std::int64_t elements, int nodes,
       data_item("Int", 8, fmt::format("{} {}", elements, nodes), file, path));
 }
 
+std::string geometry(std::int64_t nodes, const std::string& file) {
+  return fmt::format("<Geometry GeometryType=\"XYZ\">\n{}\n</Geometry>\n",
+                     data_item("Float", 8, fmt::format("{} 3", nodes), file, kGeometry));
+}
+
 std::string attribute(std::string_view name, std::int64_t elements, const std::string& file,
                       std::string_view path) {
   return fmt::format(
@@ -34,27 +42,51 @@ std::string attribute(std::string_view name, std::int64_t elements, const std::s
       data_item("Int", 4, std::to_string(elements), file, path));
 }
 
+/// One grid in the domain and nothing beside it: meshio ends the program at anything else.
+std::string with_grid(std::string_view name, const Point3& origin, const std::string& content) {
+  return fmt::format(
+      "<?xml version=\"1.0\"?>\n<!DOCTYPE Xdmf SYSTEM \"Xdmf.dtd\" []>\n"
+      "<!-- origin {} {} {} -->\n<Xdmf Version=\"3.0\">\n<Domain>\n"
+      "<Grid Name=\"{}\" GridType=\"Uniform\">\n{}</Grid>\n</Domain>\n</Xdmf>\n",
+      origin[0], origin[1], origin[2], name, content);
+}
+
 }  // namespace
 
-/// DOLFINx finds grids by name and takes a grid's first attribute unless told its name.
-std::string description(const Sizes& sizes, const Point3& origin, const std::string& file) {
-  const auto [nodes, cells, faces] = sizes;
-  const std::string points = fmt::format("{} 3", nodes);
-  const std::string geometry = fmt::format("<Geometry GeometryType=\"XYZ\">\n{}\n</Geometry>\n",
-                                           data_item("Float", 8, points, file, kGeometry));
-  std::string text =
-      "<?xml version=\"1.0\"?>\n<!DOCTYPE Xdmf SYSTEM \"Xdmf.dtd\" []>\n"
-      "<Xdmf Version=\"3.0\">\n<Domain>\n";
-  text += fmt::format("<Information Name=\"origin\" Value=\"{} {} {}\"/>\n", origin[0], origin[1],
-                      origin[2]);
-  text += "<Grid Name=\"mesh\" GridType=\"Uniform\">\n";
-  text += topology("Tetrahedron", cells, 4, file, kTopology) + geometry;
-  text += attribute("region", cells, file, kRegion) + "</Grid>\n";
-  text += "<Grid Name=\"boundary\" GridType=\"Uniform\">\n";
-  text += topology("Triangle", faces, 3, file, kFaces) + geometry;
-  text += attribute("patch", faces, file, kPatch);
-  text += attribute("building", faces, file, kBuilding) + "</Grid>\n";
-  return text + "</Domain>\n</Xdmf>\n";
+// DOLFINx finds grids by name and takes a grid's first attribute unless told its name.
+
+std::string volume_description(std::int64_t nodes, std::int64_t cells, const Point3& origin,
+                               const std::string& file) {
+  return with_grid("mesh", origin,
+                   topology("Tetrahedron", cells, 4, file, kTopology) + geometry(nodes, file) +
+                       attribute("region", cells, file, kRegion));
+}
+
+/// The names are where meshio puts its own `field_data`: numbers and dimensions by name.
+std::string boundary_description(std::int64_t nodes, std::int64_t faces, const PatchNames& patches,
+                                 const Point3& origin, const std::string& volume_file,
+                                 const std::string& file) {
+  std::string names =
+      fmt::format("<Information Name=\"patches\" Value=\"{}\"><![CDATA[<main>\n", patches.size());
+  for (const auto& [number, name] : patches)
+    names += fmt::format("{}{}\" dim=\"2\">{}</map>\n", kKey, name, number);
+  names += "</main>]]></Information>\n";
+  return with_grid("boundary", origin,
+                   topology("Triangle", faces, 3, file, kFaces) + geometry(nodes, volume_file) +
+                       attribute("patch", faces, file, kPatch) +
+                       attribute("building", faces, file, kBuilding) + names);
+}
+
+PatchNames names_in(const std::string& description) {
+  PatchNames names;
+  for (std::size_t at = description.find(kKey); at != std::string::npos;
+       at = description.find(kKey, at)) {
+    at += kKey.size();
+    const std::size_t end = description.find('"', at), number = description.find('>', at);
+    if (number == std::string::npos) break;
+    names[std::atoi(description.c_str() + number + 1)] = description.substr(at, end - at);
+  }
+  return names;
 }
 
 }  // namespace tetropolis::xdmf

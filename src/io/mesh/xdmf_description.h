@@ -6,15 +6,21 @@
 
 #include "tetropolis/geometry/types.h"
 
+#include "mesh_input.h"
+
 namespace tetropolis::xdmf {
 
-/// Of the mesh and its boundary.
-struct Sizes {
-  std::int64_t nodes, cells, faces;
-};
+/// What refers other programs to the volume's datasets (xdmf_layout.h) in the HDF5 file `file`
+/// beside it.
+std::string volume_description(std::int64_t nodes, std::int64_t cells, const Point3& origin,
+                               const std::string& file);
 
-/// What refers other programs to the datasets (xdmf_layout.h) in the HDF5 file of that name beside
-/// it.
-std::string description(const Sizes& sizes, const Point3& origin, const std::string& file);
+/// The same of the boundary, whose points are those of `volume_file`.
+std::string boundary_description(std::int64_t nodes, std::int64_t faces, const PatchNames& patches,
+                                 const Point3& origin, const std::string& volume_file,
+                                 const std::string& file);
+
+/// The patches of a boundary_description().
+PatchNames names_in(const std::string& description);
 
 }  // namespace tetropolis::xdmf

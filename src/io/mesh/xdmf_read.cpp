@@ -2,10 +2,10 @@
 #include <array>
 #include <cstdint>
 #include <limits>
-#include <optional>
 #include <string>
 #include <string_view>
 #include <utility>
+#include <variant>
 #include <vector>
 
 #include <fmt/format.h>
@@ -26,46 +26,51 @@ namespace {
 using namespace xdmf;
 namespace fs = std::filesystem;
 
-/// The description: XML, a few lines.
+/// A description: XML, a few lines.
 class Description {
  public:
   explicit Description(const fs::path& path)
       : path_(path), text_(PositionedFile(path).head(kLongest)) {
-    const std::string after = fmt::format(":{}</DataItem>", kGeometry);
-    constexpr std::string_view kBefore = "Format=\"HDF\">";
-    const std::size_t end = text_.find(after);
-    const std::size_t begin = end == std::string::npos ? end : text_.rfind(kBefore, end);
-    if (begin == std::string::npos) fail(fmt::format("does not refer to {}", kGeometry));
-    data_name_ = text_.substr(begin + kBefore.size(), end - begin - kBefore.size());
-    if (fs::path(data_name_) != fs::path(data_name_).filename())
-      fail("refers to data in another folder");
+    is_boundary_ = text_.find(fmt::format(":{}</DataItem>", kFaces)) != std::string::npos;
+    data_ = name_before(is_boundary_ ? kFaces : kTopology);
+    volume_data_ = name_before(kGeometry);
   }
 
-  /// The HDF5 file that it refers to, which is beside it.
-  fs::path data_path() const { return path_.parent_path() / data_name_; }
+  bool is_boundary() const { return is_boundary_; }
+  /// The HDF5 file that it refers to, which is beside it, and that of the volume, which has the
+  /// points.
+  fs::path data() const { return path_.parent_path() / data_; }
+  fs::path volume_data() const { return path_.parent_path() / volume_data_; }
+  PatchNames patches() const { return names_in(text_); }
 
-  /// Throws unless that is how data of these sizes are described.
-  void require(const Sizes& sizes) const {
-    const std::optional<Point3> stated = origin();
-    if (!stated) fail("does not state its origin");
-    const std::string expected = description(sizes, *stated, data_name_);
+  /// Throws unless that is how data of these sizes are described: `elements` are cells or faces.
+  void require(std::size_t nodes, std::size_t elements, const Point3& origin) const {
+    const auto rows = static_cast<std::int64_t>(elements),
+               points = static_cast<std::int64_t>(nodes);
+    const std::string expected =
+        is_boundary_ ? boundary_description(points, rows, patches(), origin, volume_data_, data_)
+                     : volume_description(points, rows, origin, data_);
     if (text_ == expected) return;
     const auto [is, should_be] =
         std::mismatch(text_.begin(), text_.end(), expected.begin(), expected.end());
     const auto line = 1 + std::count(text_.begin(), is, '\n');
-    fail(fmt::format("does not describe the data that {} has, from line {} on", data_name_, line));
-  }
-
-  std::optional<Point3> origin() const {
-    constexpr std::string_view kBefore = "<Information Name=\"origin\" Value=\"";
-    const std::size_t begin = text_.find(kBefore);
-    if (begin == std::string::npos) return std::nullopt;
-    const std::size_t value = begin + kBefore.size();
-    return point_from_text(text_.substr(value, text_.find('"', value) - value));
+    fail(fmt::format("does not describe the data that {} has, from line {} on", data_, line));
   }
 
  private:
   static constexpr std::int64_t kLongest = 1 << 16;
+
+  /// The file in which it says that the dataset is.
+  std::string name_before(const char* dataset) const {
+    const std::string after = fmt::format(":{}</DataItem>", dataset);
+    constexpr std::string_view kBefore = "Format=\"HDF\">";
+    const std::size_t end = text_.find(after);
+    const std::size_t begin = end == std::string::npos ? end : text_.rfind(kBefore, end);
+    if (begin == std::string::npos) fail(fmt::format("does not refer to {}", dataset));
+    std::string name = text_.substr(begin + kBefore.size(), end - begin - kBefore.size());
+    if (fs::path(name) != fs::path(name).filename()) fail("refers to data in another folder");
+    return name;
+  }
 
   [[noreturn]] void fail(const std::string& what) const {
     fail_input(path_, what + "; only XDMF as tetropolis writes it can be read");
@@ -73,8 +78,17 @@ class Description {
 
   fs::path path_;
   std::string text_;
-  std::string data_name_;
+  bool is_boundary_ = false;
+  std::string data_, volume_data_;
 };
+
+Point3 read_origin(const Hdf5Input& file) {
+  const auto numbers = file.read<double>(kOrigin);
+  Point3 origin{};
+  if (numbers.size() != origin.size()) file.fail("has an origin that is no point");
+  std::copy(numbers.begin(), numbers.end(), origin.begin());
+  return origin;
+}
 
 template <typename Row>
 void require_corners(const Hdf5Input& file, const char* dataset, const std::vector<Row>& rows,
@@ -106,38 +120,52 @@ SurfaceMesh compact(const std::vector<std::array<double, 3>>& points,
   return surface;
 }
 
-}  // namespace
-
-XdmfMesh read_xdmf(const fs::path& path) {
-  const Description description(path);
-  const Hdf5Input file(description.data_path());
-  XdmfMesh mesh;
-  mesh.origin = description.origin();
-  TetMesh& volume = mesh.volume;
+TetMesh read_volume(const fs::path& path, const Description& description) {
+  const Hdf5Input file(description.data());
   require_room_for_mesh(path, file.rows<std::array<double, 3>>(kGeometry),
                         file.rows<std::array<std::int64_t, 4>>(kTopology));
+  TetMesh volume;
   volume.points = file.read<std::array<double, 3>>(kGeometry);
   volume.cells = file.read<std::array<std::int64_t, 4>>(kTopology);
   volume.region = file.read<std::int32_t>(kRegion);
+  if (volume.region.size() != volume.cells.size()) file.fail("has not as many regions as cells");
+  description.require(volume.points.size(), volume.cells.size(), read_origin(file));
+  require_corners(file, kTopology, volume.cells, volume.points.size());
+  return volume;
+}
+
+SurfaceMesh read_boundary(const fs::path& path, const Description& description) {
+  const Hdf5Input file(description.data()), volume(description.volume_data());
+  require_room_for_surface(path, volume.rows<std::array<double, 3>>(kGeometry),
+                           file.rows<std::array<std::int64_t, 3>>(kFaces));
+  const auto points = volume.read<std::array<double, 3>>(kGeometry);
   const auto faces = file.read<std::array<std::int64_t, 3>>(kFaces);
   const auto patches = file.read<std::int32_t>(kPatch);
   auto buildings = file.read<std::int32_t>(kBuilding);
-
-  const std::size_t cells = volume.cells.size();
-  if (volume.region.size() != cells) file.fail("has not as many regions as cells");
   if (patches.size() != faces.size() || buildings.size() != faces.size())
     file.fail("has not as many tags as boundary faces");
   if (faces.size() > std::numeric_limits<std::int32_t>::max() / 3)
     file.fail("has more boundary faces than can be read");
-  description.require({static_cast<std::int64_t>(volume.points.size()),
-                       static_cast<std::int64_t>(cells), static_cast<std::int64_t>(faces.size())});
-  require_corners(file, kTopology, volume.cells, volume.points.size());
-  require_corners(file, kFaces, faces, volume.points.size());
+  description.require(points.size(), faces.size(), read_origin(file));
+  require_corners(file, kFaces, faces, points.size());
 
-  mesh.boundary = compact(volume.points, faces);
-  set_patches(patches, mesh.boundary, [&](const std::string& what) { file.fail(what); });
-  mesh.boundary.building = std::move(buildings);
-  return mesh;
+  SurfaceMesh surface = compact(points, faces);
+  set_patches(patches, description.patches(), surface,
+              [&](const std::string& what) { file.fail(what); });
+  surface.building = std::move(buildings);
+  return surface;
+}
+
+}  // namespace
+
+std::variant<TetMesh, SurfaceMesh> read_xdmf(const fs::path& path) {
+  const Description description(path);
+  if (description.is_boundary()) return read_boundary(path, description);
+  return read_volume(path, description);
+}
+
+Point3 read_xdmf_origin(const fs::path& path) {
+  return read_origin(Hdf5Input(Description(path).data()));
 }
 
 }  // namespace tetropolis

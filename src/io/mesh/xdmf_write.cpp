@@ -2,6 +2,7 @@
 #include <bit>
 #include <cstdint>
 #include <string>
+#include <tuple>
 #include <vector>
 
 #include <fmt/format.h>
@@ -25,20 +26,32 @@ using namespace xdmf;
 
 static_assert(std::endian::native == std::endian::little, "XDMF output writes native byte order");
 
-std::array<Hdf5Dataset, 6> datasets_of(const ColumnMesh& mesh, NodeIndex cell_count,
-                                       const SurfaceMesh& surface) {
+constexpr std::size_t kPointNumbers = std::tuple_size_v<Point3>;
+
+std::array<Hdf5Dataset, 4> datasets_of(const ColumnMesh& mesh, NodeIndex cell_count) {
   const auto nodes = static_cast<std::uint64_t>(mesh.node_count());
   const auto cells = static_cast<std::uint64_t>(cell_count);
-  const std::uint64_t faces = surface.triangles.size();
   return {{{kGeometry, Hdf5Type::kFloat64, nodes, 3},
            {kTopology, Hdf5Type::kInt64, cells, 4},
            {kRegion, Hdf5Type::kInt32, cells, 0},
-           {kFaces, Hdf5Type::kInt64, faces, 3},
-           {kPatch, Hdf5Type::kInt32, faces, 0},
-           {kBuilding, Hdf5Type::kInt32, faces, 0}}};
+           {kOrigin, Hdf5Type::kFloat64, kPointNumbers, 0}}};
 }
 
-/// The first three datasets.
+std::array<Hdf5Dataset, 4> datasets_of(const SurfaceMesh& surface) {
+  const std::uint64_t faces = surface.triangles.size();
+  return {{{kFaces, Hdf5Type::kInt64, faces, 3},
+           {kPatch, Hdf5Type::kInt32, faces, 0},
+           {kBuilding, Hdf5Type::kInt32, faces, 0},
+           {kOrigin, Hdf5Type::kFloat64, kPointNumbers, 0}}};
+}
+
+template <typename Output>
+void write_origin(Output& file, const Point3& origin) {
+  file.write_next(origin.size(), [&](std::size_t begin, std::size_t end, std::string& buffer) {
+    for (std::size_t i = begin; i < end; ++i) append_raw(buffer, origin[i]);
+  });
+}
+
 template <typename Output>
 void write_volume(Output& file, const ColumnMesh& mesh, const std::vector<NodeIndex>& cells,
                   const Placement& placement, const Progress& progress) {
@@ -60,11 +73,11 @@ void write_volume(Output& file, const ColumnMesh& mesh, const std::vector<NodeIn
         append_regions(mesh, cells, begin, end, buffer);
       },
       portion(progress, 0.9, 1));
+  write_origin(file, placement.origin);
 }
 
-/// The last three.
 template <typename Output>
-void write_boundary(Output& file, const SurfaceMesh& surface) {
+void write_boundary(Output& file, const SurfaceMesh& surface, const Point3& origin) {
   const auto write_rows = [&](const auto& append) {
     file.write_next(surface.triangles.size(),
                     [&](std::size_t begin, std::size_t end, std::string& buffer) {
@@ -79,39 +92,58 @@ void write_boundary(Output& file, const SurfaceMesh& surface) {
     append_raw(buffer, static_cast<std::int32_t>(surface.patch[f]));
   });
   write_rows([&](std::size_t f, std::string& buffer) { append_raw(buffer, surface.building[f]); });
+  write_origin(file, origin);
 }
 
-/// The description appears after the data it refers to.
+/// DOLFINx derives the name of the data file from that of the description in the same way.
+std::filesystem::path data_path_of(const std::filesystem::path& path) {
+  std::filesystem::path data = path;
+  data.replace_extension(".h5");
+  if (data == path)
+    throw_cannot_write(path, "that name is for the data file; give one that ends in .xdmf");
+  return data;
+}
+
+/// The descriptions appear after the data they refer to.
 template <typename Output>
-void write_both(const std::filesystem::path& path, const std::filesystem::path& data_path,
-                const ColumnMesh& mesh, const SurfaceMesh& surface, const Placement& placement,
-                const Progress& progress) {
+void write_all(const std::filesystem::path& volume_path, const std::filesystem::path& boundary_path,
+               const ColumnMesh& mesh, const SurfaceMesh& surface, const Placement& placement,
+               const Progress& progress) {
   const std::vector<NodeIndex> cells = cell_offsets(mesh);
-  Output data(data_path, datasets_of(mesh, cells.back(), surface));
-  write_volume(data, mesh, cells, placement, progress);
-  write_boundary(data, surface);
-  AtomicFile file(path);
-  file.write(description(
-      {mesh.node_count(), cells.back(), static_cast<std::int64_t>(surface.triangles.size())},
-      placement.origin, data_path.filename().string()));
-  data.commit();
-  file.commit();
+  const std::filesystem::path volume_data = data_path_of(volume_path);
+  const std::filesystem::path boundary_data = data_path_of(boundary_path);
+  Output volume(volume_data, datasets_of(mesh, cells.back()));
+  write_volume(volume, mesh, cells, placement, progress);
+  Output boundary(boundary_data, datasets_of(surface));
+  write_boundary(boundary, surface, placement.origin);
+
+  PatchNames names;
+  for (const PatchInfo& info : surface.patches)
+    names[static_cast<std::int32_t>(info.patch)] = info.name;
+  AtomicFile of_volume(volume_path), of_boundary(boundary_path);
+  of_volume.write(volume_description(mesh.node_count(), cells.back(), placement.origin,
+                                     volume_data.filename().string()));
+  of_boundary.write(boundary_description(
+      mesh.node_count(), static_cast<std::int64_t>(surface.triangles.size()), names,
+      placement.origin, volume_data.filename().string(), boundary_data.filename().string()));
+  volume.commit();
+  boundary.commit();
+  of_volume.commit();
+  of_boundary.commit();
 }
 
 }  // namespace
 
-void write_xdmf(const std::filesystem::path& path, const ColumnMesh& mesh,
-                const SurfaceMesh& surface, const Placement& placement, const Progress& progress,
-                Compression compression) {
-  // DOLFINx derives the name of the data file from that of the description in the same way.
-  const std::filesystem::path data_path = std::filesystem::path(path).replace_extension(".h5");
-  if (data_path == path)
-    throw_cannot_write(path, "that name is for the data file; give one that ends in .xdmf");
+void write_xdmf(const std::filesystem::path& volume, const std::filesystem::path& boundary,
+                const ColumnMesh& mesh, const SurfaceMesh& surface, const Placement& placement,
+                const Progress& progress, Compression compression) {
+  if (volume.parent_path() != boundary.parent_path() || volume.stem() == boundary.stem())
+    throw_cannot_write(boundary, "it needs another name than the volume, in the same folder");
   require_boundary_of(mesh, surface);
   if (compression == Compression::kNone)
-    write_both<Hdf5Output>(path, data_path, mesh, surface, placement, progress);
+    write_all<Hdf5Output>(volume, boundary, mesh, surface, placement, progress);
   else
-    write_both<Hdf5CompressedOutput>(path, data_path, mesh, surface, placement, progress);
+    write_all<Hdf5CompressedOutput>(volume, boundary, mesh, surface, placement, progress);
 }
 
 }  // namespace tetropolis

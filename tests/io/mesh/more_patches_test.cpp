@@ -74,17 +74,26 @@ TEST_F(MorePatches, AreClosedAndCheckedByTheirKind) {
   EXPECT_EQ(check_surface(turned).violations.at(0).what, "street faces that do not face down");
 }
 
-TEST_F(MorePatches, ComeBackByNumber) {
+TEST_F(MorePatches, ComeBackByNumberAndName) {
   write_vtp(folder / "boundary.vtp", surface, {});
-  write_xdmf(folder / "volume.xdmf", mesh, surface, {});
-  for (const SurfaceMesh& back :
-       {read_vtp(folder / "boundary.vtp"), read_xdmf(folder / "volume.xdmf").boundary}) {
+  write_vtp(folder / "z.vtp", surface, {}, Compression::kZlib);
+  write_xdmf(folder / "volume.xdmf", folder / "boundary.xdmf", mesh, surface, {});
+  for (const SurfaceMesh& back : {read_vtp(folder / "boundary.vtp"), read_vtp(folder / "z.vtp"),
+                                  std::get<SurfaceMesh>(read_xdmf(folder / "boundary.xdmf"))}) {
     EXPECT_EQ(back.patch, surface.patch);
     ASSERT_TRUE(back.patches.contains(kStreet));
     EXPECT_EQ(back.patches.size(), 9U);
-    EXPECT_EQ(back.patches.of(kStreet), (PatchInfo{kStreet, "patch9", PatchKind::kOther}));
+    EXPECT_EQ(back.patches.of(kStreet), (PatchInfo{kStreet, "street", PatchKind::kOther}));
     EXPECT_TRUE(check_surface(back).violations.empty());
   }
+}
+
+TEST_F(MorePatches, WithoutNamesComeBackByNumber) {
+  write_vtp(folder / "boundary.vtp", surface, {});
+  std::string bytes = text_of("boundary.vtp");
+  bytes.replace(bytes.find("patch_name"), 10, "patch_kind");
+  testing::write_bytes(folder / "boundary.vtp", bytes);
+  EXPECT_EQ(read_vtp(folder / "boundary.vtp").patches.of(kStreet).name, "patch9");
 }
 
 TEST_F(MorePatches, AreInEveryFormat) {

@@ -91,6 +91,64 @@ TEST_F(Vtk, CompressedFilesComeBackAsTheyWereAndDoNotDependOnThreads) {
   EXPECT_EQ(read.building, surface.building);
 }
 
+/// The bytes of an array of a file without compression.
+std::string array_of(const std::string& bytes, const std::string& name) {
+  const std::size_t tag = bytes.find(" Name=\"" + name + "\"");
+  if (tag == std::string::npos) return "none";
+  const auto offset = std::stoull(bytes.substr(bytes.find("offset=\"", tag) + 8));
+  const std::size_t at = bytes.find('_', bytes.find("<AppendedData")) + 1 + offset;
+  std::uint64_t size = 0;
+  std::memcpy(&size, bytes.data() + at, sizeof size);
+  return bytes.substr(at + sizeof size, size);
+}
+
+template <typename Number>
+std::string raw(const std::vector<Number>& numbers) {
+  return {reinterpret_cast<const char*>(numbers.data()), numbers.size() * sizeof(Number)};
+}
+
+TEST_F(Vtk, PatchesAndBuildingsAreNamedInTheFieldData) {
+  std::vector<Building> buildings(2);
+  buildings[0].id = "b0";
+  buildings[0].source_ids = {"a", "b~2", std::string("\0c", 2)};
+  buildings[0].h_ground = 1.5;
+  buildings[0].h_roof = 9;
+  buildings[1].id = "b7";
+  buildings[1].source_ids = {"\u00e5"};
+  buildings[1].h_ground = -2;
+  buildings[1].h_roof = 4;
+  const std::string ids("b0\0b7\0", 6), sources("a,b~2,c\0\u00e5\0", 11);
+  const SurfaceMesh surface = extract_boundary(city.mesh);
+  write_vtp(folder / "boundary.vtp", surface, {}, Compression::kNone, buildings);
+  write_vtu(folder / "volume.vtu", city.mesh, {}, {}, Compression::kNone, buildings);
+  const std::string vtp = bytes_of(folder / "boundary.vtp"), vtu = bytes_of(folder / "volume.vtu");
+  EXPECT_EQ(array_of(vtp, "patch_number"), raw<std::int32_t>({1, 2, 3, 4, 5, 6, 7, 8}));
+  EXPECT_EQ(array_of(vtp, "patch_name"),
+            std::string("ground\0roof\0wall\0top\0xmin\0xmax\0ymin\0ymax\0", 41));
+  for (const std::string& file : {vtp, vtu}) {
+    EXPECT_EQ(array_of(file, "building_id"), ids);
+    EXPECT_EQ(array_of(file, "building_source_ids"), sources);
+    EXPECT_EQ(array_of(file, "building_h_ground"), raw<double>({1.5, -2}));
+    EXPECT_EQ(array_of(file, "building_h_roof"), raw<double>({9, 4}));
+  }
+  EXPECT_NE(vtp.find("<Array type=\"String\" Name=\"building_id\" NumberOfTuples=\"2\""),
+            std::string::npos);
+  // For meshio, which knows no texts.
+  EXPECT_EQ(vtu.find("String"), std::string::npos);
+  EXPECT_NE(vtu.find("<DataArray type=\"UInt8\" Name=\"building_id\" NumberOfTuples=\"6\""),
+            std::string::npos);
+  // All other arrays lie where they do without.
+  write_vtu(folder / "bare.vtu", city.mesh, {});
+  const std::string bare = bytes_of(folder / "bare.vtu");
+  const std::size_t data = bare.find("<AppendedData");
+  EXPECT_EQ(vtu.substr(vtu.find("<AppendedData"), bare.size() - 28 - data),
+            bare.substr(data, bare.size() - 28 - data));
+  // A file cut in the field data, which is not read.
+  write_bytes(folder / "cut.vtu", vtu.substr(0, vtu.size() - 30));
+  EXPECT_NE(error_of([&] { read_vtu(folder / "cut.vtu"); }).find("closing tag: the file is cut"),
+            std::string::npos);
+}
+
 /// The first array of a file written here with compression: where its header begins.
 std::size_t first_array(const std::string& bytes) {
   return bytes.find('_', bytes.find("<AppendedData")) + 1;

@@ -1,10 +1,13 @@
-// VTK XML files: volume.vtu and boundary.vtp, raw appended data, little endian, 64-bit headers.
+// VTK XML files: volume.vtu, boundary.vtp and surface.vtp, raw appended data, little endian, 64-bit
+// headers.
 // Format: VTK File Formats (Kitware), "XML File Formats".
 #pragma once
 
 #include <filesystem>
 #include <optional>
+#include <span>
 
+#include "tetropolis/city/city_model.h"
 #include "tetropolis/core/progress.h"
 #include "tetropolis/geometry/types.h"
 #include "tetropolis/io/file/compression.h"
@@ -20,15 +23,24 @@ namespace tetropolis {
 /// footprint the cell stands over, by position in the city model, or -1). Streams: needs little
 /// memory beside the mesh, compressed or not. The file appears complete or not at all. Throws
 /// Error(kInput) if it cannot be written, Cancelled.
+///
+/// `buildings`, those of the city model, become field data, one value a building in that order:
+/// `building_id` and `building_source_ids` (UTF-8 in UInt8, a zero byte behind each building's,
+/// commas between source ids; arrays of type String end meshio), `building_h_ground` and
+/// `building_h_roof` (Float64, elevations in metres).
 void write_vtu(const std::filesystem::path& path, const ColumnMesh& mesh,
                const Placement& placement, const Progress& progress = {},
-               Compression compression = Compression::kNone);
+               Compression compression = Compression::kNone,
+               std::span<const Building> buildings = {});
 
 /// Writes a surface with the cell data `patch` (Int32, see Patch) and `building` (Int32: by
-/// position in the city model, or -1); points and triangles as they are numbered in `surface`. The
-/// file appears complete or not at all. Throws Error(kInput) if it cannot be written.
+/// position in the city model, or -1); points and triangles as they are numbered in `surface`.
+/// Field data: `patch_number` (Int32) and `patch_name` (String), one value a patch of
+/// `surface.patches`; of `buildings` as write_vtu, but in arrays of type String. The file appears
+/// complete or not at all. Throws Error(kInput) if it cannot be written.
 void write_vtp(const std::filesystem::path& path, const SurfaceMesh& surface,
-               const Placement& placement, Compression compression = Compression::kNone);
+               const Placement& placement, Compression compression = Compression::kNone,
+               std::span<const Building> buildings = {});
 
 /// Reads the tets of a VTU file with raw appended arrays, uncompressed or compressed by
 /// vtkZLibDataCompressor (as write_vtu, and ParaView with these settings, write them). Headers,
@@ -37,7 +49,9 @@ void write_vtp(const std::filesystem::path& path, const SurfaceMesh& surface,
 /// not the memory to read and check so many cells.
 TetMesh read_vtu(const std::filesystem::path& path);
 
-/// Likewise the triangles of a VTP file with the cell data `patch` and `building`.
+/// The same of the triangles of a VTP file with the cell data `patch` and `building`. Patches that
+/// not every city has are named by its field data, else "patch9" or the like, and are of no known
+/// kind.
 SurfaceMesh read_vtp(const std::filesystem::path& path);
 
 /// Where the zero of a VTU or VTP file lies in the reference system: the field data `origin`, if it
