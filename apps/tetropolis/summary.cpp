@@ -41,8 +41,9 @@ std::string where(const Report& report) {
                      report.place ? " at " + place_text(*report.place) : ", of unknown place");
 }
 
-/// What became of all features: one line.
+/// What became of all footprints: one line.
 std::string account(const Report& report) {
+  if (const std::string line = account_line(report); !line.empty()) return with_options(line);
   const auto dropped = std::ssize(report.city->dropped);
   return dropped == 0 ? ""
                       : fmt::format("{} left out; city.dropped in {} says why",

@@ -77,7 +77,11 @@ TEST_F(Build, CheckFindsAReportThatTellsSomethingElse) {
     return count;
   };
   EXPECT_EQ(violations_with("/version", "another"), 0U);
-  EXPECT_EQ(violations_with("/city/buildings", 55), 1U);
+  EXPECT_EQ(violations_with("/city/buildings", 55), 2U);  // model, layers
+  EXPECT_EQ(violations_with("/city/account/kept", 55), 1U);
+  EXPECT_EQ(violations_with("/city/account/merged", 55), 1U);
+  EXPECT_EQ(violations_with("/city/account/too_small", 55), 2U);
+  EXPECT_EQ(violations_with("/city/account/features", 55), 1U);  // of the layers
   EXPECT_EQ(violations_with("/city/dropped/0/source_id", "nobody"), 1U);
   EXPECT_EQ(violations_with("/city/dropped/0/reason", "too old"), 1U);
   EXPECT_EQ(violations_with("/origin/0", 0), 5U);  // model, volume, boundary, its box, surface
@@ -295,7 +299,8 @@ TEST_F(Build, MeshesJoinTheCityModelInItsFolder) {
     run_mesh(mesh);
     // The report of `mesh` does not know the input of `city`.
     expect_guarantees(config.out, "that every input feature is accounted for");
-    for (const char* name : {"city_raw.city.json", "dtm.tif", "volume.vtu", "report.json"})
+    for (const char* name :
+         {"city_raw.city.json", "dtm.tif", "buildings.gpkg", "volume.vtu", "report.json"})
       EXPECT_TRUE(fs::exists(scratch / "out" / name)) << name;
     EXPECT_EQ(bytes_of(scratch / "out/city.city.json"), model);
   }
@@ -435,8 +440,8 @@ TEST_F(Build, BlocksPassEveryCheckAndTheReportTellsTheTruth) {
   const Report report = run_build(config);
   expect_guarantees(config.out);
   const std::set<std::string> expected{"city_raw.city.json", "city.city.json", "dtm.tif",
-                                       "volume.vtu",         "boundary.vtp",   "surface.vtp",
-                                       "surface.stl",        "report.json"};
+                                       "buildings.gpkg",     "volume.vtu",     "boundary.vtp",
+                                       "surface.vtp",        "surface.stl",    "report.json"};
   std::set<std::string> found;
   for (const auto& entry : fs::directory_iterator(config.out))
     found.insert(entry.path().filename().string());
@@ -486,8 +491,8 @@ TEST_F(Build, SameBytesForAnyNumberOfThreads) {
   again.threads = 2;
   again.out = (scratch / "again").string();
   run_build(again);
-  for (const char* name : {"city_raw.city.json", "city.city.json", "dtm.tif", "volume.vtu",
-                           "boundary.vtp", "surface.vtp", "surface.stl"})
+  for (const char* name : {"city_raw.city.json", "city.city.json", "dtm.tif", "buildings.gpkg",
+                           "volume.vtu", "boundary.vtp", "surface.vtp", "surface.stl"})
     EXPECT_TRUE(bytes_of(scratch / "out" / name) == bytes_of(scratch / "again" / name)) << name;
 }
 
@@ -506,7 +511,7 @@ TEST_F(Build, CityAndMeshInTwoStepsGiveTheSameMesh) {
   for (const StepTime& step : run_mesh(second).steps)
     if (step.id == "3.1") meshing.insert(step.name);
   EXPECT_EQ(meshing, std::set<std::string>{"ground mesh"});
-  for (const char* name : {"city_raw.city.json", "city.city.json", "dtm.tif"})
+  for (const char* name : {"city_raw.city.json", "city.city.json", "dtm.tif", "buildings.gpkg"})
     EXPECT_TRUE(bytes_of(scratch / "out" / name) == bytes_of(scratch / "city" / name)) << name;
   for (const char* name : {"volume.vtu", "boundary.vtp", "surface.vtp", "surface.stl"})
     EXPECT_TRUE(bytes_of(scratch / "out" / name) == bytes_of(scratch / "mesh" / name)) << name;
