@@ -52,7 +52,7 @@ bool is_common(const CLI::Option& option) {
 }
 
 std::string program_help(const CLI::App& program, std::size_t width) {
-  std::string text = program.get_description() + "\n\nCommands:\n";
+  std::string text = wrapped(program.get_description(), 0, 0, width) + "\n\nCommands:\n";
   for (const CLI::App* command : visible_commands(program))
     text += entry(command->get_name(), command->get_description(), 15, width);
   return text + "\n" + program.get_footer();

@@ -186,6 +186,7 @@ void init(const std::string& path) {
     throw Error(ErrorKind::kUsage,
                 fmt::format("{}: there is no folder {}; make it first", path, folder.string()));
   write_file(path, text);
+  put(stderr, fmt::format("wrote {}; use it with --config {}\n", path, path));
 }
 
 std::string unknown_command(const CLI::App& app, const std::string& word) {
@@ -198,6 +199,22 @@ std::string unknown_command(const CLI::App& app, const std::string& word) {
                      : fs::exists(word, ignored)
                          ? fmt::format("write it after one: tetropolis build {} ...", word)
                          : "see 'tetropolis help'");
+}
+
+/// What may have been meant by an option that is none.
+std::string advice_for(const std::string& unknown, const std::vector<std::string>& known,
+                       const CLI::App& command) {
+  std::string meant = nearest_name(unknown, known);
+  if (meant.empty()) {
+    const std::string word =
+        unknown.substr(std::min(unknown.find_first_not_of('-'), unknown.size()));
+    for (const std::string& name : known)  // --crs, --output
+      if (word.size() > 2 && (name.ends_with('-' + word) || unknown.starts_with(name)))
+        meant += (meant.empty() ? "" : "' or '") + name;
+  }
+  if (!meant.empty()) return fmt::format("; did you mean '{}'?", meant);
+  return fmt::format("; see 'tetropolis {}--help'",
+                     command.get_parent() == nullptr ? "" : command.get_name() + " ");
 }
 
 /// One line for what CLI11 could not parse, with the nearest option.
@@ -217,7 +234,12 @@ std::string usage_message(const CLI::App& app, const CLI::ParseError& error) {
                            option->get_name() == "--footprints"
                                ? ", with one file (ogrmerge.py -single makes one of several)"
                                : "");
-    return error.what();
+    const std::string what = error.what();
+    if (error.get_name() == "ArgumentMismatch")
+      return what.substr(0, what.find(':')) + " has no value; write one, or leave the option out";
+    if (error.get_name() == "RequiredError" && command != &app)
+      return "a word is missing; usage: " + usage_text(*command);
+    return what;
   }
   const std::string& unknown = leftover.front();
   if (command == &app && !unknown.starts_with('-')) return unknown_command(app, unknown);
@@ -225,11 +247,7 @@ std::string usage_message(const CLI::App& app, const CLI::ParseError& error) {
     return fmt::format("unknown argument '{}'; an option before it takes one file only", unknown);
   std::vector<std::string> known;
   for (const CLI::Option* option : command->get_options()) known.push_back(option->get_name());
-  const std::string nearest = nearest_name(unknown, known);
-  return fmt::format("unknown argument '{}'{}", unknown,
-                     nearest.empty() ? fmt::format("; see 'tetropolis {}--help'",
-                                                   command == &app ? "" : command->get_name() + " ")
-                                     : fmt::format("; did you mean '{}'?", nearest));
+  return fmt::format("unknown argument '{}'{}", unknown, advice_for(unknown, known, *command));
 }
 
 /// The commands, and where CLI11 puts what it finds. It keeps addresses of all of this.
@@ -397,6 +415,10 @@ std::vector<std::string> arguments(const CLI::App& app, int argc, char** argv) {
   std::vector<std::string> words;
   for (int i = 1; i < argc; ++i) {
     std::string_view word = argv[i];
+    if (word == "--") {  // what follows are words, and all of them name files
+      while (++i < argc) words.push_back((argv[i][0] == '-' ? "./" : "") + std::string(argv[i]));
+      break;
+    }
     words.emplace_back(word);
     if (command == &app)
       for (const CLI::App* sub : app.get_subcommands({}))

@@ -2,8 +2,10 @@
 
 #include <algorithm>
 #include <cstddef>
+#include <filesystem>
 #include <span>
 #include <string_view>
+#include <system_error>
 #include <variant>
 
 #include <fmt/format.h>
@@ -71,6 +73,12 @@ bool is_given(const ConfigField& field, const Config& config) {
   return !config.points.empty();
 }
 
+/// Whether there is no file or folder of this name, and it is no pattern.
+bool is_nowhere(const std::string& word) {
+  std::error_code error;
+  return !std::filesystem::exists(word, error) && word.find_first_of("*?[") == std::string::npos;
+}
+
 /// "-o,--out".
 std::string spellings(const ConfigField& field) {
   return (field.letter == 0 ? "" : fmt::format("-{},", field.letter)) + option_name(field);
@@ -118,20 +126,30 @@ void ConfigOptions::place_words(Config& config) const {
     else if (!(name == "footprints" && config.terrain_only && words_.size() < 3))
       fields.push_back(&field);
   }
-  const auto many = std::find_if(fields.begin(), fields.end(),
-                                 [](const ConfigField* field) { return field->name == "points"; });
-  const std::size_t spare = words_.size() - std::min(words_.size(), fields.size());
-  if (spare > 0 && many == fields.end())
+  const auto is_many = [](const ConfigField* field) { return field->name == "points"; };
+  const bool has_many = std::any_of(fields.begin(), fields.end(), is_many);
+  if (words_.size() > fields.size() && !has_many)
     throw Error(
         ErrorKind::kUsage,
         fmt::format("unknown argument '{}'; {}", words_[fields.size()],
                     given.empty() ? "the words of this command are " + usage_of_words(command_)
                                   : fmt::format("given already: {}", fmt::join(given, ", "))));
+  // Of too few, one that is nowhere is the folder to come.
+  if (words_.size() < fields.size() && fields.back()->name == "out" && is_nowhere(words_.back()))
+    fields.erase(fields.begin() + std::ssize(words_) - 1, fields.end() - 1);
   std::size_t next = 0;
   for (const ConfigField* field : fields) {
     if (next == words_.size()) return;
-    const std::size_t count = field->name == "points" ? spare + 1 : 1;
-    set_field(config, *field, std::span(words_).subspan(next, count), option_name(*field));
+    const std::size_t count =
+        is_many(field) ? words_.size() - std::min(words_.size(), fields.size()) + 1 : 1;
+    const auto words = std::span(words_).subspan(next, count);
+    if (const auto lost = std::find_if(words.begin(), words.end(), is_nowhere);
+        count > 1 && lost != words.end())
+      throw Error(ErrorKind::kInput,
+                  fmt::format("{}: no such file or folder; all words but the first and the last, "
+                              "which is the folder for the results ({}), are points",
+                              *lost, words_.back()));
+    set_field(config, *field, words, option_name(*field));
     next += count;
   }
 }

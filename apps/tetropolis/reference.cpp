@@ -46,8 +46,10 @@ std::string escaped(std::string_view text, std::string_view marked, std::string_
 }
 
 std::string for_man(std::string_view text) {
-  std::string escape = escaped(text, "\\-'", "\\");
-  return escape.starts_with('.') ? "\\&" + escape : escape;
+  std::string result = escaped(text, "\\-", "\\");
+  for (std::size_t at = 0; (at = result.find('\'', at)) != std::string::npos;)
+    result.replace(at, 1, "\\(aq");
+  return result.starts_with('.') ? "\\&" + result : result;
 }
 
 std::string man_entry(const CLI::Option& option) {
@@ -60,34 +62,38 @@ std::string bash(const CLI::App& program) {
   std::set<std::string> seen;
   for (const CLI::App* command : visible_commands(program)) {
     commands += (commands.empty() ? "" : " ") + command->get_name();
-    options += fmt::format("    {}) words='", command->get_name());
+    options += fmt::format("      {}) words='", command->get_name());
     for (const CLI::Option* option : options_of(*command)) {
       const std::string name = "--" + option->get_lnames().front();
       options += name + ' ';
       if (!seen.insert(name).second) continue;
       if (value_of(*option) == Value::kChoice)
-        values += fmt::format("    {}) words='{}' ;;\n", name, choices_of(*option));
+        values += fmt::format("  {}) words='{}' ;;\n", name, choices_of(*option));
       else if (value_of(*option) != Value::kNothing)
-        values += fmt::format("    {}) return ;;\n", name);
+        values += fmt::format("  {}) return ;;\n", name);
     }
     options += "' ;;\n";
   }
   return fmt::format(R"(# Completions of tetropolis for bash.
 _tetropolis() {{
-  local current=${{COMP_WORDS[COMP_CWORD]}} words=
+  local current=${{COMP_WORDS[COMP_CWORD]}} command=${{COMP_WORDS[1]}} words=
   COMPREPLY=()
   case ${{COMP_WORDS[COMP_CWORD-1]}} in
-{}    *)
-  case ${{COMP_WORDS[1]}} in
-{}  esac
-  [ "$COMP_CWORD" -eq 1 ] || [ "${{COMP_WORDS[1]}}" = help ] && words='{}'
-  [ "$COMP_CWORD" -eq 1 ] || [ "${{COMP_WORDS[1]}}" = help ] || [[ $current == -* ]] || return ;;
+{}  *)
+    if [[ $COMP_CWORD -eq 1 || $command == help ]]; then
+      words='{}'
+    elif [[ $current == -* ]]; then
+      case $command in
+{}      esac
+    else
+      return
+    fi ;;
   esac
   COMPREPLY=($(compgen -W "$words" -- "$current"))
 }}
 complete -o default -F _tetropolis tetropolis
 )",
-                     values, options, commands);
+                     values, commands, options);
 }
 
 std::string zsh(const CLI::App& program) {
@@ -188,12 +194,15 @@ std::string man_page(const CLI::App& program) {
   for (const CLI::App* command : visible_commands(program)) {
     text += fmt::format(".SS {}\n{}.\n", command->get_name(), for_man(command->get_description()));
     for (const CLI::Option* option : options_of(*command))
-      if (field_of(*option) == nullptr && option->get_group() != "Options")
+      if (field_of(*option) == nullptr && option->get_group() != "Options" &&
+          !option->check_lname("config"))
         text += man_entry(*option);
     if (!command->get_footer().empty())
       text += fmt::format(".PP\nExample:\n.PP\n.nf\n  {}\n.fi\n", for_man(command->get_footer()));
   }
-  text += ".SH OPTIONS\nEach is a key of the file given by\n.B \\-\\-config\ntoo.\n";
+  text +=
+      ".SH OPTIONS\nEach is a key of the TOML file that\n.B \\-\\-config FILE\nnames, too "
+      "(\\(aqtetropolis init\\(aq writes one).\n";
   std::string_view group;
   for (const ConfigField& field : config_fields()) {
     if (field.group != group) text += fmt::format(".SS {}\n", field.group);

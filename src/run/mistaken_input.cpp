@@ -41,6 +41,10 @@ bool has_vector_name(const fs::path& path) {
                               ".sqlite", ".json"});
 }
 
+bool has_model_name(const fs::path& path) {
+  return ends_with_any(path, {".city.json", ".cityjson"});
+}
+
 bool is_cloud(const fs::path& path) {
   std::array<char, 4> start{};
   std::ifstream file(path, std::ios::binary);
@@ -61,7 +65,26 @@ bool holds_points_only(const fs::path& path) {
 }
 
 bool is_vector(const fs::path& path) {
-  return is_file(path) && has_vector_name(path) && !is_cloud(path);
+  return is_file(path) && has_vector_name(path) && !has_model_name(path) && !is_cloud(path);
+}
+
+void refuse_model(const fs::path& path) {
+  if (is_file(path) && has_model_name(path))
+    throw Error(
+        ErrorKind::kUsage,
+        fmt::format("{}: is a city model; 'tetropolis mesh' makes a mesh of it", path.string()));
+}
+
+/// The box of a box in degrees, in a projected system.
+Bounds2 transformed(const Bounds2& degrees, const std::string& crs) {
+  std::vector<Point2> grid;
+  for (const double x : {0.0, 0.5, 1.0})
+    for (const double y : {0.0, 0.5, 1.0})
+      grid.push_back({degrees.xmin + x * degrees.width(), degrees.ymin + y * degrees.height()});
+  Bounds2 box = Bounds2::nothing();
+  for (const Point2 p : reproject(grid, "EPSG:4326", crs))
+    if (!std::isnan(p.x)) box.extend(p);
+  return box;
 }
 
 [[noreturn]] void fail(const std::string& path, const char* what, const char* setting, bool swapped,
@@ -74,7 +97,9 @@ bool is_vector(const fs::path& path) {
 
 }  // namespace
 
-void refuse_swapped_input(const Config& config) {
+void refuse_mistaken_files(const Config& config) {
+  for (const std::string& path : config.points) refuse_model(path);
+  refuse_model(config.footprints);
   const auto vector = std::find_if(config.points.begin(), config.points.end(),
                                    [](const std::string& path) { return is_vector(path); });
   const bool has_vector = vector != config.points.end();
@@ -90,6 +115,14 @@ void refuse_swapped_input(const Config& config) {
   };
   if (is_terrain(config.city)) fail(config.city, "raster", "city", is_model(config.dtm), "dtm");
   if (is_model(config.dtm)) fail(config.dtm, "JSON file", "dtm", false, "city");
+  std::error_code error;
+  const bool is_file_name = has_points_name(config.out) || has_vector_name(config.out) ||
+                            ends_with_any(config.out, {".tif", ".vtu", ".vtp", ".xdmf", ".msh",
+                                                       ".stl", ".obj", ".ply", ".glb", ".html"});
+  if (is_file_name && !fs::is_directory(config.out, error))
+    throw Error(ErrorKind::kUsage,
+                fmt::format("{}: is given as `out`, the folder for the results; name a folder",
+                            config.out));
 }
 
 void refuse_degree_bounds(const Config& config, const std::string& crs, const Bounds2& data) {
@@ -97,24 +130,34 @@ void refuse_degree_bounds(const Config& config, const std::string& crs, const Bo
   const Bounds2 given{config.bounds[0], config.bounds[1], config.bounds[2], config.bounds[3]};
   if (given.intersects(data)) return;
   constexpr Bounds2 kGlobe{-180, -90, 180, 90};
+  std::string elsewhere;
   for (const Bounds2& degrees : {given, Bounds2{given.ymin, given.xmin, given.ymax, given.xmax}}) {
     if (!kGlobe.covers(degrees)) continue;
-    std::vector<Point2> rim;
-    for (const double x : {0.0, 0.5, 1.0})
-      for (const double y : {0.0, 0.5, 1.0})
-        rim.push_back({degrees.xmin + x * degrees.width(), degrees.ymin + y * degrees.height()});
-    Bounds2 box = Bounds2::nothing();
-    for (const Point2 p : reproject(rim, "EPSG:4326", crs))
-      if (!std::isnan(p.x)) box.extend(p);
-    if (box.empty() || !box.intersects(data)) continue;
+    const Bounds2 box = transformed(degrees, crs);
+    if (box.empty()) continue;
+    const std::string sides =
+        fmt::format("{:.0f},{:.0f},{:.0f},{:.0f}", std::floor(box.xmin), std::floor(box.ymin),
+                    std::ceil(box.xmax), std::ceil(box.ymax));
+    if (!box.intersects(data)) {
+      if (elsewhere.empty()) elsewhere = sides;
+      continue;
+    }
     throw Error(ErrorKind::kUsage,
-                fmt::format("`bounds`: {}, {}, {}, {} look like degrees{}, but the data are in {}; "
-                            "give `bounds` = {:.0f},{:.0f},{:.0f},{:.0f}",
-                            given.xmin, given.ymin, given.xmax, given.ymax,
-                            degrees == given ? "" : " (latitude first)", crs_name(crs),
-                            std::floor(box.xmin), std::floor(box.ymin), std::ceil(box.xmax),
-                            std::ceil(box.ymax)));
+                fmt::format("`bounds`: {} look like degrees{}, but the data are in {}; give "
+                            "`bounds` = {}",
+                            fmt::join(config.bounds, ","),
+                            degrees == given ? "" : " (latitude first)", crs_name(crs), sides));
   }
+  // Of another place than that of the data. Whole numbers may be metres of a small model.
+  const bool whole = std::all_of(config.bounds.begin(), config.bounds.end(),
+                                 [](double side) { return side == std::floor(side); });
+  if (!elsewhere.empty() && !whole)
+    throw Error(
+        ErrorKind::kUsage,
+        fmt::format("`bounds`: {} look like degrees; in {} they are {}, but the data are at "
+                    "{:.0f},{:.0f},{:.0f},{:.0f}",
+                    fmt::join(config.bounds, ","), crs_name(crs), elsewhere, data.xmin, data.ymin,
+                    data.xmax, data.ymax));
 }
 
 }  // namespace tetropolis

@@ -9,9 +9,10 @@
 namespace tetropolis {
 
 /// Throws Error(kUsage) for a point cloud given as footprints, a vector file given as points, a
-/// terrain given as a city model or the other way round, saying that they may be swapped. What
-/// cannot be looked at is left to those who read it.
-void refuse_swapped_input(const Config& config);
+/// terrain given as a city model or the other way round, saying that they may be swapped, and for
+/// the name of a file given as the folder for the results. What cannot be looked at is left to
+/// those who read it.
+void refuse_mistaken_files(const Config& config);
 
 /// Throws Error(kUsage) if the bounds are longitudes and latitudes of a place in `data`, in the
 /// projected system `crs` and in its coordinates; the message has the bounds to give.

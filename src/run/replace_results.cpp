@@ -185,7 +185,7 @@ void require_ours(const fs::path& target, const std::vector<fs::path>& names) {
     if (exists_itself(target / name) &&
         std::find(ours.begin(), ours.end(), name.string()) == ours.end())
       throw Error(ErrorKind::kUsage, (target / name).string() +
-                                         ": would be replaced, and no earlier run has written "
+                                         ": is in the way, and no earlier run has written "
                                          "it; choose another folder with `out`, or add "
                                          "`overwrite`");
 }

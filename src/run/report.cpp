@@ -214,7 +214,8 @@ struct Reader {
 bool is_optional(const std::string& command, std::string_view pointer) {
   const bool makes_city = command == "build" || command == "city";
   const bool makes_mesh = command == "build" || command == "mesh";
-  if (pointer == "/started" || pointer == "/place" || pointer == "/preflight") return true;
+  if (pointer == "/place") return true;
+  if (pointer == "/preflight") return !makes_city;
   if (pointer == "/sources") return command != "mesh";
   if (pointer == "/input") return command == "mesh";
   if (pointer == "/city") return command == "synth";

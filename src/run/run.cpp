@@ -29,11 +29,11 @@ namespace {
 
 void require_input(const Config& config, Command command) {
   require_in_range(config, command);
+  refuse_mistaken_files(config);
   require_given({{!config.footprints.empty() || config.terrain_only, "footprints",
                   "a vector file with building footprints, or add terrain_only"},
                  {!config.points.empty(), "points", "LAS or LAZ files or a folder of them"},
                  {!config.out.empty(), "out", "a folder for the results"}});
-  refuse_swapped_input(config);
 }
 
 /// Results never replace what the run reads.
@@ -150,10 +150,10 @@ Report run_city(const Config& config, const RunHooks& hooks) {
 
 Report run_mesh(const Config& config, const RunHooks& hooks) {
   require_in_range(config, kMesh);
+  refuse_mistaken_files(config);
   require_given({{!config.city.empty(), "city", "a city model (.city.json)"},
                  {!config.dtm.empty(), "dtm", "a terrain raster (.tif)"},
                  {!config.out.empty(), "out", "a folder for the results"}});
-  refuse_swapped_input(config);
   const ThreadLimit limit(config.threads);
   Report report = begin_report("mesh", config);
   report.sources = {{"city", relative_to_results(config, config.city)},

@@ -83,9 +83,10 @@ void make_earlier(const fs::path& result) {
   put(result / "constant/g", "mine");
 }
 
-/// A run that makes some names again, one anew, and leaves some away.
+/// A run that makes some names again, one anew, and leaves some away. It may replace files of
+/// others.
 void write_and_commit(const fs::path& result) {
-  OutputFolder out(result);
+  OutputFolder out(result, {}, Replaces::kAll, true);
   for (const char* name :
        {"volume.vtu", "boundary.vtp", "report.json", "constant/polyMesh/points", "volume.msh"})
     put(out / name, "new");

@@ -1,7 +1,8 @@
-// What a user sees on a terminal: a bar while a step runs, and nothing of it afterwards.
+// What a user sees on a terminal: a bar while the run goes on, and nothing of it afterwards.
 #include <algorithm>
 #include <chrono>
 #include <csignal>
+#include <cstdlib>
 #include <regex>
 #include <string>
 #include <thread>
@@ -41,9 +42,10 @@ std::vector<std::string> shown(const std::string& bytes) {
   return lines;
 }
 
-/// With N for what is measured: seconds and megabytes.
+/// With N for what is measured: seconds, megabytes, and when an earlier run was.
 std::string without_measures(const std::string& line) {
-  return std::regex_replace(line, std::regex(" +[0-9.]+ (s|MB)"), " N $1");
+  return std::regex_replace(std::regex_replace(line, std::regex(" +[0-9.]+ (s|MB)"), " N $1"),
+                            std::regex("run of [-0-9: ]+"), "run of N");
 }
 
 class Terminal : public ::testing::Test {
@@ -71,36 +73,74 @@ class Terminal : public ::testing::Test {
   testing::TemporaryFolder folder;
 };
 
-TEST_F(Terminal, ShowsABarWhileAStepRunsAndLeavesTheLinesOfAPipe) {
-  const Ending piped = run(build("result"));
-  const Ending seen = run(build("result"), true);
-  ASSERT_EQ(piped.code, 0) << piped.err;
-  ASSERT_EQ(seen.code, 0) << seen.err;
-  EXPECT_EQ(piped.err.find('\r'), std::string::npos);
-  EXPECT_EQ(piped.err.find('%'), std::string::npos);
-  EXPECT_GT(std::count(seen.err.begin(), seen.err.end(), '%'), 100);
-  const std::vector<std::string> lines = shown(seen.err), expected = shown(piped.err);
-  ASSERT_EQ(lines.size(), expected.size()) << seen.err;
-  for (std::size_t i = 0; i < lines.size(); ++i)
-    EXPECT_EQ(without_measures(lines[i]), without_measures(expected[i]));
+TEST_F(Terminal, ShowsABarWhileItRunsAndLeavesTheLinesOfAPipe) {
+  ASSERT_EQ(run(build("result")).code, 0);  // which the others replace
+  for (const char* more : {"--quiet=false", "--verbose"}) {
+    SCOPED_TRACE(more);
+    std::vector<std::string> arguments = build("result");
+    arguments.emplace_back(more);
+    const Ending piped = run(arguments);
+    const Ending seen = run(arguments, true);
+    ASSERT_EQ(piped.code, 0) << piped.err;
+    ASSERT_EQ(seen.code, 0) << seen.err;
+    EXPECT_EQ(piped.err.find('\r'), std::string::npos);
+    EXPECT_FALSE(std::regex_search(piped.err, std::regex("[0-9] %, "))) << piped.err;
+    EXPECT_GT(std::count(seen.err.begin(), seen.err.end(), '%'), 20);
+    const std::vector<std::string> lines = shown(seen.err), expected = shown(piped.err);
+    ASSERT_EQ(lines.size(), expected.size()) << seen.err;
+    for (std::size_t i = 0; i < lines.size(); ++i)
+      EXPECT_EQ(without_measures(lines[i]), without_measures(expected[i]));
+  }
 }
 
-TEST_F(Terminal, BarsNeverRunBackwards) {
+/// One bar as it is drawn.
+const std::regex kBar("\r\033\\[K(\\S+) +\\[(=*)( *)\\] +([0-9]+) %(?:, [0-9]+ (?:s|min) left)?");
+
+TEST_F(Terminal, OneBarRunsThroughFiveStagesAndNeverBackwards) {
   const Ending seen = run(build("result"), true);
   ASSERT_EQ(seen.code, 0) << seen.err;
-  const std::regex bar("\r\033\\[K([^\\[]*)\\[(=*)( *)\\] +([0-9]+) %");
-  std::string step;
+  std::vector<std::string> stages;
   int percent = 0, bars = 0;
-  for (std::sregex_iterator it(seen.err.begin(), seen.err.end(), bar), end; it != end; ++it) {
+  for (std::sregex_iterator it(seen.err.begin(), seen.err.end(), kBar), end; it != end; ++it) {
     ++bars;
-    EXPECT_EQ((*it)[2].length() + (*it)[3].length(), 30) << it->str();
-    if ((*it)[1] != step) percent = 0;
-    step = (*it)[1];
-    EXPECT_GE(std::stoi((*it)[4]), percent) << step;
+    EXPECT_EQ((*it)[2].length() + (*it)[3].length(), 40) << it->str();
+    EXPECT_LT(it->length(), 80 + 4) << it->str();
+    if (stages.empty() || (*it)[1] != stages.back()) stages.push_back((*it)[1]);
+    EXPECT_GE(std::stoi((*it)[4]), percent) << it->str();
     percent = std::stoi((*it)[4]);
     EXPECT_LE(percent, 100);
   }
-  EXPECT_GT(bars, 100);
+  EXPECT_EQ(stages,
+            (std::vector<std::string>{"Reading", "Terrain", "Buildings", "Meshing", "Writing"}));
+  EXPECT_GT(bars, 20);
+  EXPECT_GE(percent, 90);
+}
+
+TEST_F(Terminal, TellsTheTimeLeftOfLongRuns) {
+  std::vector<std::string> arguments = build("result");
+  arguments.back() = "1.2";  // metres: a second or more
+  const Ending seen = run(arguments, true);
+  ASSERT_EQ(seen.code, 0) << seen.err;
+  EXPECT_NE(seen.err.find(" s left"), std::string::npos) << seen.err;
+}
+
+TEST_F(Terminal, BarsFitNarrowTerminalsAndDumbOnesHaveNone) {
+  setenv("COLUMNS", "50", 1);
+  const Ending narrow = run(build("result"), true);
+  unsetenv("COLUMNS");
+  int bars = 0;
+  for (std::sregex_iterator it(narrow.err.begin(), narrow.err.end(), kBar), end; it != end; ++it) {
+    ++bars;
+    EXPECT_LT(it->length(), 50 + 4) << it->str();
+  }
+  EXPECT_GT(bars, 20);
+  const char* kind = std::getenv("TERM");
+  const std::string before = kind == nullptr ? "" : kind;
+  setenv("TERM", "dumb", 1);
+  const Ending dumb = run(build("result"), true);
+  before.empty() ? unsetenv("TERM") : setenv("TERM", before.c_str(), 1);
+  EXPECT_EQ(dumb.err.find('\033'), std::string::npos) << dumb.err;
+  EXPECT_EQ(dumb.err.find('%', dumb.err.find("\nReading")), std::string::npos) << dumb.err;
 }
 
 TEST_F(Terminal, AnInterruptedRunLeavesItsLastLineByItself) {

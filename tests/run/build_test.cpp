@@ -431,6 +431,8 @@ TEST_F(Build, APipeInThePlaceOfTheReportHoldsNobodyUp) {
   fs::create_directories(config.out);
   ASSERT_EQ(::mkfifo((fs::path(config.out) / "report.json").c_str(), 0600), 0);
   EXPECT_THROW(check_path(config.out, std::nullopt), Error);
+  EXPECT_THROW(run_city(config), Error);
+  config.overwrite = true;
   run_city(config);
   EXPECT_TRUE(fs::is_regular_file(fs::path(config.out) / "report.json"));
 }

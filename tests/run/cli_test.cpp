@@ -1,11 +1,13 @@
 // The program from outside: exit codes, one clear line per error, nothing left behind.
 #include <algorithm>
+#include <array>
 #include <cstdlib>
 #include <fstream>
 #include <limits>
 #include <map>
 #include <regex>
 #include <set>
+#include <sstream>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -16,7 +18,9 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include "tetropolis/io/las/las.h"
 #include "tetropolis/io/vector/vector.h"
+#include "tetropolis/run/config.h"
 
 #include "support/bytes.h"
 #include "support/sanitized.h"
@@ -86,7 +90,6 @@ TEST_F(Cli, BuildsChecksAndTells) {
   const Outcome built = run("build --footprints input/footprints.shp --points input --out result");
   EXPECT_EQ(built.code, 0) << built.err;
   EXPECT_EQ(built.out, "");
-  EXPECT_NE(built.err.find("3.5  place nodes"), std::string::npos);
   EXPECT_NE(built.err.find("0 inverted"), std::string::npos);
   EXPECT_EQ(built.err.find('\r'), std::string::npos);  // no progress bar off a terminal
   const Outcome checked = run("check result");
@@ -835,10 +838,10 @@ TEST_F(Cli, WrongOptionsExitWithTwo) {
   synth("--buildings 20 --size 250");
   const std::string input =
       "build --footprints input/footprints.shp --points input/points.laz --out result ";
-  expect_error("build --points input/points.laz --out result", 2, "--footprints is missing");
-  expect_error("build --footprints input/footprints.shp --out result", 2, "--points is missing");
+  expect_error("build --points input/points.laz --out result", 2, "missing: --footprints (");
+  expect_error("build --footprints input/footprints.shp --out result", 2, "missing: --points (");
   expect_error("build --footprints input/footprints.shp --points input/points.laz", 2,
-               "--out is missing");
+               "missing: --out (");
   expect_error(input + "--mesh-sise 5", 2, "did you mean '--mesh-size'?");
   expect_error(input + "--mesh-size five", 2, "--mesh-size: 'five' is not a number");
   expect_error(input + "--mesh-size -3", 2, "less than 0.05");
@@ -854,7 +857,7 @@ TEST_F(Cli, WrongOptionsExitWithTwo) {
   std::ofstream(scratch / "c.toml") << "# settings\nmesh_sise = 5\n";
   expect_error(input + "--config c.toml", 2,
                "c.toml:2: unknown key 'mesh_sise'; did you mean 'mesh_size'?");
-  expect_error("mesh --city input/x.city.json --out result", 2, "--dtm is missing");
+  expect_error("mesh --city input/x.city.json --out result", 2, "missing: --dtm (");
   std::ofstream(scratch / "file") << "x";
   expect_error("build --footprints input/footprints.shp --points input/points.laz --out file", 2,
                "file: cannot be written");
@@ -869,7 +872,7 @@ TEST_F(Cli, WithoutArgumentsTellsWhatToTypeNext) {
   const Outcome bare = run("");
   EXPECT_EQ(bare.code, 2);
   EXPECT_EQ(bare.out, "");
-  for (const char* part : {"build ", "synth ", "check ", "info ", "First steps:", "--help"})
+  for (const char* part : {"build ", "synth ", "check ", "info ", "First steps:", "help COMMAND"})
     EXPECT_NE(bare.err.find(part), std::string::npos) << part << " in " << bare.err;
   EXPECT_EQ(bare.err.find("subcommand"), std::string::npos) << bare.err;
 }
@@ -878,7 +881,7 @@ TEST_F(Cli, EmptyAndTooSmallValuesAreNamed) {
   synth("--buildings 20 --size 250");
   expect_error("build --footprints input/footprints.shp --points '' --out result", 2,
                "--points: one of the values is empty");
-  expect_error("build --footprints '' --points input --out result", 2, "--footprints is missing");
+  expect_error("build --footprints '' --points input --out result", 2, "missing: --footprints (");
   std::ofstream(scratch / "c.toml") << "points = [\"\"]\n";
   expect_error("build --footprints input/footprints.shp --config c.toml --out result", 2,
                "c.toml:1: points: one of the values is empty");
@@ -956,7 +959,7 @@ TEST_F(Cli, ErrorsStayOneLineWhateverTheNames) {
   expect_error("build --footprints x.shp --points 'two\nlines.laz' --out result", 3,
                "two lines.laz");
   expect_error("build --mesh-size '1\n2'", 2, "is not a number");
-  expect_error("'bu\nild'", 2, "unknown argument");
+  expect_error("'bu\nild'", 2, "there is no command 'bu ild'");
 }
 
 TEST_F(Cli, NotesStayOneLineWhateverTheNames) {
@@ -1056,6 +1059,8 @@ TEST_F(Cli, ShapefileWithoutPrjTakesThePointsSystem) {
       run("build --footprints input/footprints.shp --points input/points.laz --out result");
   EXPECT_EQ(outcome.code, 0) << outcome.err;
   EXPECT_NE(outcome.err.find("footprints_crs_unknown"), std::string::npos) << outcome.err;
+  EXPECT_NE(outcome.err.find("states no CRS: taken from the points (EPSG:3006)"), std::string::npos)
+      << outcome.err;
   EXPECT_NE(bytes_of(scratch / "result/report.json").find("\"crs\": \"EPSG:3006\""),
             std::string::npos);
 }
@@ -1156,15 +1161,252 @@ TEST_F(Cli, OptionsTakeSwitchesOfTheFileBack) {
   EXPECT_NE(loud.err.find("results in result"), std::string::npos) << loud.err;
 }
 
-TEST_F(Cli, HelpNamesEveryOption) {
-  const Outcome help = run("build --help");
-  EXPECT_EQ(help.code, 0);
-  for (const char* option : {"--footprints", "--points", "--out", "--bounds", "--config",
-                             "--mesh-size", "--domain-height", "--threads", "--quiet", "--log",
-                             "--points-crs", "--footprints-crs", "--id-attribute"})
-    EXPECT_NE(help.out.find(option), std::string::npos) << option;
-  EXPECT_NE(run("synth --help").out.find("--defects NAME,..."), std::string::npos);
-  EXPECT_EQ(run("--version").out.substr(0, 11), "tetropolis ");
+TEST_F(Cli, HelpNamesWhatMattersAndHelpAllEveryOption) {
+  const std::string help = run("build --help").out, all = run("build --help-all").out;
+  EXPECT_EQ(run("help build").out, help);
+  const auto options_in = [](const std::string& text) {
+    const std::regex option("\n  (-.,)?--");
+    return std::distance(std::sregex_iterator(text.begin(), text.end(), option), {});
+  };
+  EXPECT_EQ(options_in(help), 12 + 2);  // and those of help itself
+  for (const char* part : {"--footprints FILE", "--points PATH...", "-o,--out DIR", "--mesh-size",
+                           "FOOTPRINTS POINTS... OUT", "Example:\n", "--help-all"})
+    EXPECT_NE(help.find(part), std::string::npos) << part;
+  for (const ConfigField& field : config_fields())
+    EXPECT_EQ(all.find(option_name(field) + ' ') != std::string::npos ||
+                  all.find(option_name(field) + '\n') != std::string::npos,
+              (field.commands & kBuild) != 0)
+        << field.name;
+  EXPECT_NE(run("synth --help-all").out.find("--defects NAME,..."), std::string::npos);
+  for (const char* asked : {"--version", "-V"})
+    EXPECT_EQ(run(asked).out.substr(0, 11), "tetropolis ");
+  EXPECT_EQ(run("help").out, run("--help").out);
+  EXPECT_NE(run("help biuld").err.find("did you mean 'build'?"), std::string::npos);
+}
+
+TEST_F(Cli, HelpFitsTheTerminal) {
+  for (const char* columns : {"40", "60", "80", "133"}) {
+    for (const char* asked : {"build --help-all", "--help", "check --help"}) {
+      const Outcome help =
+          shell(std::string("COLUMNS=") + columns + " '" TETROPOLIS_PROGRAM "' " + asked);
+      std::istringstream lines(help.out);
+      std::size_t widest = 0;
+      for (std::string line; std::getline(lines, line);)
+        // Names of options, usage and examples are copied, not wrapped.
+        if (line.find("--") == std::string::npos && line.find("tetropolis") == std::string::npos)
+          widest = std::max(widest, line.size());
+      EXPECT_LE(widest, std::stoul(columns)) << help.out;
+      if (asked == std::string("build --help-all")) {
+        EXPECT_GT(widest + 12, std::stoul(columns)) << help.out;
+      }
+    }
+  }
+}
+
+/// Words without an option stand for what is not given otherwise.
+TEST_F(Cli, WordsStandForInputAndOutput) {
+  synth("--buildings 20 --size 250");
+  const auto same_as = [&](const std::string& arguments) {
+    SCOPED_TRACE(arguments);
+    const Outcome outcome = run(arguments + " --quiet");
+    EXPECT_EQ(outcome.code, 0) << outcome.err;
+    const Json report = Json::parse(bytes_of(scratch / "two/report.json"));
+    EXPECT_EQ(report["config"]["out"], "two");
+    EXPECT_EQ(report["config"]["footprints"], "input/footprints.shp");
+    EXPECT_TRUE(bytes_of(scratch / "two/city.city.json") ==
+                bytes_of(scratch / "one/city.city.json"));
+    fs::remove_all(scratch / "two");
+  };
+  ASSERT_EQ(
+      run("city --quiet --footprints input/footprints.shp --points input/points.laz --out one")
+          .code,
+      0);
+  same_as("city input/footprints.shp input/points.laz two");
+  same_as("city input/footprints.shp input/points.laz input two");
+  same_as("city input/footprints.shp input/points.laz -o two");
+  same_as("city two --footprints input/footprints.shp --points input");
+  EXPECT_EQ(run("city -q -- input/footprints.shp input dashes").code, 0);
+  same_as("city --dtm-step 1 input/footprints.shp input/points.laz two --threads 1");
+  std::ofstream(scratch / "c.toml") << "points = [\"input\"]\n";
+  same_as("city --config c.toml input/footprints.shp two");
+  ASSERT_EQ(run("mesh one/city.city.json one/dtm.tif mesh --quiet --mesh-size 20").code, 0);
+  EXPECT_EQ(run("check mesh").code, 0);
+  EXPECT_EQ(run("city --quiet --terrain-only input bare").code, 0);
+  EXPECT_EQ(run("synth other --quiet --buildings 2 --size 60").code, 0);
+  expect_error("city input/footprints.shp input", 2, "missing: --out (");
+  // A word that is nowhere is the folder to come.
+  expect_error("city input/footprints.shp new", 2,
+               "missing: --points (LAS or LAZ files or a folder of them)\n");
+  expect_error("mesh one/city.city.json new", 2, "missing: --dtm (a terrain raster (.tif))\n");
+  expect_error("city input/footprints.shp input new extra", 3,
+               "new: no such file or folder; all words but the first and the last");
+  expect_error("city", 2, "missing: --footprints (");
+  expect_error("city", 2, "--points (LAS or LAZ files or a folder of them), --out (");
+  expect_error("mesh a b c d", 2, "unknown argument 'd'; the words of this command are CITY DTM");
+  // Sides without commas are not words.
+  expect_error("city --bounds 1 2 3 4 input/footprints.shp input two", 3, "do not overlap");
+  expect_error("city --bounds 1,2,3,4 input/footprints.shp input two", 3, "do not overlap");
+}
+
+TEST_F(Cli, SwappedArgumentsAreRecognised) {
+  synth("--buildings 20 --size 250");
+  expect_error("city input/points.laz input/footprints.shp out", 2,
+               "input/points.laz: is a point cloud, but given as --footprints; swap --footprints "
+               "and --points");
+  fs::create_directory(scratch / "tiles");
+  fs::copy(scratch / "input/points.laz", scratch / "tiles/a.laz");
+  expect_error("city tiles input/footprints.shp out", 2,
+               "tiles: is a folder of point clouds, but given as --footprints; swap");
+  expect_error("city --footprints tiles --out out", 2, "name it as --points");
+  expect_error("city input/footprints.shp input/footprints.shp tiles out", 2,
+               "input/footprints.shp: is a vector file, but given as --points");
+  ASSERT_EQ(run("city input/footprints.shp tiles one --quiet").code, 0);
+  expect_error("mesh one/dtm.tif one/city.city.json out", 2,
+               "one/dtm.tif: is a raster, but given as --city; swap --city and --dtm");
+  // The folder is forgotten.
+  expect_error("city input/footprints.shp tiles/a.laz tiles/a.laz", 2,
+               "tiles/a.laz: is given as --out, the folder for the results");
+  expect_error("city input/footprints.shp tiles --out result.vtu", 2, "result.vtu: is given as");
+  expect_error("city one/city.city.json tiles out", 2,
+               "one/city.city.json: is a city model; 'tetropolis mesh' makes a mesh of it");
+  expect_error("one", 2, "there is no command 'one'; write it after one: tetropolis build one");
+}
+
+TEST_F(Cli, BoundsInDegreesAreRecognised) {
+  synth("--buildings 20 --size 250");
+  for (const char* bounds : {"11.95,57.66,11.97,57.68", "57.66,11.95,57.68,11.97"}) {
+    const Outcome outcome =
+        run(std::string("city input/footprints.shp input out --quiet ") + "--bounds " + bounds);
+    EXPECT_EQ(outcome.code, 2);
+    const std::regex message(
+        "tetropolis: --bounds: [0-9.,]+ look like degrees( \\(latitude first\\))?, but the data "
+        "are in EPSG:3006; give (--bounds [0-9,]+)\n");
+    std::smatch match;
+    ASSERT_TRUE(std::regex_match(outcome.err, match, message)) << outcome.err;
+    EXPECT_EQ(match[1].matched, bounds[0] == '5') << outcome.err;
+    // What it proposes has the city in it.
+    const Outcome proposed =
+        run("city input/footprints.shp input out --quiet " + std::string(match[2]));
+    EXPECT_EQ(proposed.code, 0) << proposed.err;
+    EXPECT_EQ(Json::parse(bytes_of(scratch / "out/report.json"))["preflight"]["footprints"], 20);
+  }
+  expect_error("city input/footprints.shp input out --bounds 4.35,52.0,4.36,52.01", 2,
+               "look like degrees; in EPSG:3006 they are ");
+  ASSERT_EQ(run("city input/footprints.shp input one --quiet").code, 0);
+  expect_error("mesh one/city.city.json one/dtm.tif two --bounds 11.95,57.66,11.97,57.68", 2,
+               "look like degrees");
+}
+
+TEST_F(Cli, NobodysFilesAreReplaced) {
+  synth("--buildings 20 --size 250");
+  fs::create_directory(scratch / "mine");
+  std::ofstream(scratch / "mine/dtm.tif") << "mine";
+  const std::string city = "city input/footprints.shp input mine ";
+  expect_error(city, 2,
+               "mine/dtm.tif: is in the way, and no earlier run has written it; choose another "
+               "folder with --out, or add --overwrite");
+  EXPECT_EQ(bytes_of(scratch / "mine/dtm.tif"), "mine");
+  EXPECT_EQ(run("mesh --quiet nowhere.json nowhere.tif mine").code, 3);  // it writes no dtm.tif
+  // Before anything is read.
+  expect_error("city nowhere.shp nowhere.laz mine", 2, "mine/dtm.tif");
+  ASSERT_EQ(run(city + "--overwrite --quiet").code, 0);
+  EXPECT_NE(bytes_of(scratch / "mine/dtm.tif"), "mine");
+  const Outcome again = run(city);
+  EXPECT_EQ(again.code, 0) << again.err;
+  EXPECT_TRUE(std::regex_search(
+      again.err,
+      std::regex("^mine: replaces the run of 20[0-9]{2}-[01][0-9]-[0-3][0-9] [012][0-9]:[0-5]")))
+      << again.err;
+  std::ofstream(scratch / "mine/volume.vtu") << "mine";
+  expect_error("build input/footprints.shp input mine", 2, "mine/volume.vtu: is in the way");
+  fs::remove(scratch / "mine/report.json");
+  expect_error("city input/footprints.shp input mine", 2, "mine/city_raw.city.json: is in the way");
+}
+
+TEST_F(Cli, SaysWhatTheInputIsAndWhatWasAssumed) {
+  synth("--buildings 20 --size 250");
+  const Outcome outcome = run("city input/footprints.shp input out");
+  EXPECT_TRUE(std::regex_search(
+      outcome.err,
+      std::regex("input: 57\\.[0-9]+ N, 11\\.[0-9]+ E \\(Sweden\\), EPSG:3006; 2 points per m2, "
+                 "classes 2 6; they cover 100 % of the footprints' box, 20 of 20 footprints have "
+                 "some\n")))
+      << outcome.err;
+  const Json report = Json::parse(bytes_of(scratch / "out/report.json"));
+  EXPECT_EQ(report["preflight"]["footprints_with_points"], 20);
+  EXPECT_EQ(report["place"]["area"], "Sweden");
+  // Points that state no system: the same cloud without its records.
+  write_points(scratch / "plain.las", read_points(std::array{scratch / "input/points.laz"}).points,
+               read_points(std::array{scratch / "input/points.laz"}).origin);
+  const Outcome assumed = run("city input/footprints.shp plain.las out");
+  EXPECT_EQ(assumed.code, 0) << assumed.err;
+  EXPECT_NE(assumed.err.find("EPSG:3006 (of the footprints: the points state none)"),
+            std::string::npos)
+      << assumed.err;
+  EXPECT_NE(assumed.err.find("plain.las: states no CRS: taken from the footprints (EPSG:3006)"),
+            std::string::npos)
+      << assumed.err;
+  EXPECT_EQ(run("city --quiet input/footprints.shp input out").err, "");
+  // A system that is made for another place.
+  const Outcome elsewhere =
+      run("city input/footprints.shp input out --points-crs 28992 --footprints-crs 28992");
+  EXPECT_NE(elsewhere.err.find("crs_elsewhere"), std::string::npos) << elsewhere.err;
+}
+
+TEST_F(Cli, StepsHaveTheNumbersOfThePaperWhenAskedFor) {
+  synth("--buildings 20 --size 250");
+  const std::string build = "build input/footprints.shp input out --mesh-size 20 ";
+  const Outcome plain = run(build + "--log plain.log");
+  const Outcome verbose = run(build + "-v");
+  EXPECT_EQ(plain.err.find("3.5  place nodes"), std::string::npos) << plain.err;
+  EXPECT_NE(verbose.err.find("3.5  place nodes"), std::string::npos) << verbose.err;
+  EXPECT_NE(bytes_of(scratch / "plain.log").find("3.5  place nodes"), std::string::npos);
+  std::size_t at = 0;
+  for (const char* stage : {"\nReading ", "\nTerrain ", "\nBuildings ", "\nMeshing ", "\nWriting ",
+                            "\nBuilt 1", "\nMeshed ", "\nOpen out/", "\ncells ", "\ndone "}) {
+    at = plain.err.find(stage, at);
+    ASSERT_NE(at, std::string::npos) << stage << " in " << plain.err;
+  }
+}
+
+TEST_F(Cli, ShellsCompleteCommandsOptionsAndChoices) {
+  for (const char* sh : {"bash", "zsh", "fish"}) {
+    const Outcome text = run(std::string("completions ") + sh);
+    EXPECT_EQ(text.code, 0);
+    for (const ConfigField& field : config_fields())
+      EXPECT_NE(text.out.find(option_name(field).substr(2)), std::string::npos) << field.name;
+    std::ofstream(scratch / sh) << text.out;
+    if (shell(std::string(sh) + " --version").code == 0) {
+      EXPECT_EQ(shell(std::string(sh) + " -n " + sh).code, 0) << sh;
+    }
+  }
+  EXPECT_NE(run("completions tcsh").err.find("name bash, zsh or fish"), std::string::npos);
+  if (shell("bash --version").code != 0) GTEST_SKIP() << "needs bash";
+  const auto completed = [&](const std::string& line) {
+    return shell("bash -c '. ./bash; COMP_WORDS=(" + line +
+                 "); COMP_CWORD=$((${#COMP_WORDS[@]} - 1)); _tetropolis; echo \"${COMPREPLY[*]}\"'")
+        .out;
+  };
+  EXPECT_EQ(completed("tetropolis bu"), "build\n");
+  EXPECT_EQ(completed("tetropolis build --mesh"), "--mesh-size\n");
+  EXPECT_EQ(completed("tetropolis city --mesh"), "\n");
+  EXPECT_EQ(completed("tetropolis build --formats o"), "openfoam obj\n");
+  EXPECT_EQ(completed("tetropolis help ch"), "check\n");
+  EXPECT_EQ(completed("tetropolis build --footprints f"), "\n");  // the shell's own: files
+}
+
+TEST_F(Cli, TheManualNamesCommandsAndSettings) {
+  const Outcome man = run("man");
+  EXPECT_EQ(man.code, 0);
+  EXPECT_TRUE(man.out.starts_with(".TH TETROPOLIS 1 ")) << man.out.substr(0, 80);
+  for (const ConfigField& field : config_fields()) {
+    const std::string name = std::regex_replace(option_name(field), std::regex("-"), "\\-");
+    EXPECT_NE(man.out.find(name), std::string::npos) << field.name;
+  }
+  if (shell("groff --version").code != 0) GTEST_SKIP() << "needs groff";
+  std::ofstream(scratch / "tetropolis.1") << man.out;
+  const Outcome set = shell("groff -man -Tutf8 -ww tetropolis.1");
+  EXPECT_EQ(set.err, "");
 }
 
 TEST_F(Cli, ReferencePagesAreThisPrograms) {

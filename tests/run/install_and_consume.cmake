@@ -10,6 +10,13 @@ function(run)
   endif()
 endfunction()
 run(${CMAKE_COMMAND} --install ${BINARY_DIR} --prefix ${prefix})
+foreach(text man/man1/tetropolis.1 bash-completion/completions/tetropolis
+    zsh/site-functions/_tetropolis fish/vendor_completions.d/tetropolis.fish)
+  file(SIZE ${prefix}/share/${text} size)
+  if(size LESS 1000)
+    message(FATAL_ERROR "${text} is cut")
+  endif()
+endforeach()
 foreach(example consumer build_and_mesh)
   set(build ${BINARY_DIR}/consume/${example})
   run(${CMAKE_COMMAND} -S ${SOURCE_DIR}/examples/${example} -B ${build} -G ${GENERATOR}
