@@ -55,9 +55,6 @@ export class MapView {
     this.listen();
   }
 
-  /** xmin, ymin, xmax, ymax of a building, metres. */
-  boxOf(building: number): Outline['box'] { return this.after[building].box; }
-
   count(fate: Fate): number { return this.fates.filter((f) => f === fate).length; }
 
   setDark(dark: boolean): void {
