@@ -14,7 +14,7 @@ import {CityView} from './view/city_view.js';
 async function lightSky({mesh, frame, size}: Model, view: CityView): Promise<void> {
   if (mesh === null) return;
   const grid = makeHeightGrid(mesh, frame, [-size.x / 2, -size.y / 2, size.x / 2, size.y / 2], size.x * size.y > 4e6 ? 2048 : 1024);
-  const sweeps = lookAtSky(grid, 24);
+  const sweeps = lookAtSky(grid, 16);
   for (let next = sweeps.next();; next = sweeps.next()) {
     if (next.done === true) return view.setSky(next.value);
     await pause();

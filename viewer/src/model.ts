@@ -50,7 +50,7 @@ export async function readModel(blocks: Blocks): Promise<Model> {
   const top = mesh === null ? high : extremes(mesh.z)[1];
   const frame: Frame = {step, centre: [Math.round((xmin + xmax) / 2 / step), Math.round((ymin + ymax) / 2 / step), low]};
   const size = new Vector3(xmax - xmin, ymax - ymin, (high - low) * step);
-  const base = low - Math.round(Math.max(3, 0.014 * Math.hypot(size.x, size.y)) / step);
+  const base = low - Math.round(Math.min(60, Math.max(3, 0.014 * Math.hypot(size.x, size.y))) / step);
   const surface = mesh !== null ? makeSurface(mesh, frame, base, foot) : makePrisms(after, facts.buildings, facts.domain, frame, base);
   return {facts, mesh, surface, frame, base, foot, size, before, after,
           range: {x: [xmin, xmax], y: [ymin, ymax], z: [low * step, top * step]}};

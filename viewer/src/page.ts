@@ -50,7 +50,7 @@ export class Page {
     const middles = facts.buildings.map((b) => (b.ground + b.roof) / 2).sort((a, b) => a - b);
     this.places = {x: (range.x[0] + range.x[1]) / 2, y: (range.y[0] + range.y[1]) / 2,
                    z: middles[middles.length >> 1] ?? range.z[0] + 5};
-    this.panel = new Panel(facts, {select: (b) => this.select(b, true), showCell: (n) => this.showCell(n)});
+    this.panel = new Panel(facts, model.before, {select: (b) => this.select(b, true), showCell: (n) => this.showCell(n)});
     this.views = choice(byId('views'), '', [['city', 'City'], ['map', 'Map']], 'city', (v) => this.setView(v === 'map'));
     choice<Colours>(byId('colours'), 'Colour', [
       ['class', 'Class'], ['height', 'Height'], ...(facts.volume ? [['quality', 'Quality'] as const] : []), ['flags', 'Flags'],
@@ -253,7 +253,7 @@ export class Page {
     if (!fly || building < 0 || this.showsMap) return;
     const {box} = this.model.after[building], b = this.model.facts.buildings[building];
     const size = Math.hypot(box[2] - box[0], box[3] - box[1], b.roof - b.ground);
-    this.view.flyTo(toScene(this.model, (box[0] + box[2]) / 2, (box[1] + box[3]) / 2, (b.ground + b.roof) / 2), Math.max(40, 2.6 * size), null, 38);
+    this.view.flyTo(toScene(this.model, (box[0] + box[2]) / 2, (box[1] + box[3]) / 2, (b.ground + b.roof) / 2), Math.max(60, 3.4 * size), null, 38);
   }
 
   /** Flies to one of the worst cells and marks it; -1: none is marked. */
@@ -266,7 +266,7 @@ export class Page {
     const tet = facts.volume && mesh !== null ? findCell(mesh, place.map((v) => v / step)) : null;
     this.view.setMarker(tet === null ? null : tet.map((v, i) => (v - centre[i % 3]) * step));
     if (this.showsMap) this.setView(false);
-    this.view.flyTo(toScene(this.model, place[0], place[1], place[2]), 55, null, 35);
+    this.view.flyTo(toScene(this.model, place[0], place[1], place[2]), 70, null, 35);
   }
 
   private hover(event: PointerEvent): void {

@@ -141,8 +141,8 @@ TEST(Page, LeavesOutTheVolumeBeyondItsBudget) {
     const auto at = c.mesh.floors_at(v);
     std::vector<std::int32_t> different(at.begin(), at.end());
     std::sort(different.begin(), different.end());
-    floors += static_cast<std::size_t>(
-        std::unique(different.begin(), different.end()) - different.begin());
+    floors += static_cast<std::size_t>(std::unique(different.begin(), different.end()) -
+                                       different.begin());
   }
   EXPECT_EQ(page.numbers("z").size(), floors);
   EXPECT_TRUE(page.numbers("odd").empty());
