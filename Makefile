@@ -1,6 +1,6 @@
 # The two commands a newcomer needs are `make demo` and `make test`.
 .PHONY: demo test test-quick test-asan fuzz build deps bench microbench survey simplification-report docs site \
-  format check-format package clean
+  format check-format check-viewer viewer package clean
 
 # CITY=synthetic meshes an invented city instead.
 CITY = delft
@@ -42,6 +42,13 @@ survey: build
 # Needs TETROPOLIS_DATA, the folder of real data.
 simplification-report: build
 	@scripts/simplification-report --update
+
+# The page of src/io/page. check-viewer: what is in the repository is what its sources make.
+viewer:
+	@scripts/build-viewer
+
+check-viewer:
+	@scripts/build-viewer --check
 
 docs: build
 	@scripts/write-reference-pages

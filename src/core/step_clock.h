@@ -11,6 +11,7 @@
 
 #include "tetropolis/core/progress.h"
 #include "tetropolis/core/steps.h"
+#include "tetropolis/core/system_memory.h"
 
 namespace tetropolis {
 
@@ -30,6 +31,7 @@ inline void add_time(const StepTime& step, std::vector<StepTime>& times) {
     if (earlier.id == step.id && earlier.name == step.name) {
       earlier.seconds += step.seconds;
       earlier.cpu_seconds += step.cpu_seconds;
+      earlier.peak_rss_bytes = step.peak_rss_bytes;
       return;
     }
   times.push_back(step);
@@ -43,7 +45,7 @@ class StepClock {
   /// Calls body(progress) as the step `id` and adds its time (add_time).
   template <typename Body>
   auto run(const std::string& id, const std::string& name, const Body& body) {
-    StepTime step{id, name, 0, 0};
+    StepTime step{id, name};
     if (hooks_.cancelled && hooks_.cancelled()) throw Cancelled();
     if (hooks_.step_begins) hooks_.step_begins(step);
     const auto wall = std::chrono::steady_clock::now();
@@ -51,6 +53,7 @@ class StepClock {
     const auto finish = [&] {
       step.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - wall).count();
       step.cpu_seconds = cpu_seconds() - cpu;
+      step.peak_rss_bytes = peak_rss_bytes();
       add_time(step, times_);
       if (hooks_.step_ends) hooks_.step_ends(step);
     };

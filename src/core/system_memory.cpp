@@ -1,6 +1,7 @@
 #include "tetropolis/core/system_memory.h"
 
 #include <algorithm>
+#include <cstdlib>
 #include <filesystem>
 #include <fstream>
 #include <string>
@@ -69,6 +70,16 @@ double address_space_left() {
   double pages = 0;  // of the process, the first number of its statm
   if (limit == kNoLimit || !(std::ifstream("/proc/self/statm") >> pages)) return kNoLimit;
   return limit - pages * static_cast<double>(sysconf(_SC_PAGESIZE));
+}
+
+std::int64_t peak_rss_bytes() {
+  // Of this program: what getrusage tells includes the caller's until it started this one.
+  std::ifstream status("/proc/self/status");
+  for (std::string line; std::getline(status, line);)
+    if (line.starts_with("VmHWM:")) return std::strtoll(line.c_str() + 6, nullptr, 10) * 1024;
+  rusage usage{};
+  getrusage(RUSAGE_SELF, &usage);
+  return static_cast<std::int64_t>(usage.ru_maxrss) * 1024;
 }
 
 }  // namespace tetropolis

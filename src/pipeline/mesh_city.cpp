@@ -86,6 +86,7 @@ void tell_quality(const ColumnMesh& mesh, MeshQuality measured, VolumeMeshFacts&
   volume.dihedral_p1 = quality.dihedral_quantile_deg(1e-2);
   volume.dihedral_median = quality.dihedral_quantile_deg(0.5);
   volume.dihedral_max = quality.max_dihedral_deg();
+  volume.dihedral_counts = quality.dihedral_counts();
   volume.aspect_median = quality.aspect_quantile(0.5);
   volume.aspect_p99 = quality.aspect_quantile(0.99);
   volume.aspect_max = quality.max_aspect_ratio();

@@ -30,6 +30,8 @@ void fields_of(StepTime& step, const Field& field) {
   field("name", step.name, "text", "part of the step");
   field("seconds", step.seconds, "number, s", "wall time");
   field("cpu_seconds", step.cpu_seconds, "number, s", "CPU time of all threads");
+  field("peak_rss_bytes", step.peak_rss_bytes, "integer, bytes",
+        "largest resident memory of the run until the step's end");
 }
 
 template <typename Field>
@@ -196,6 +198,8 @@ void fields_of(VolumeMeshFacts& mesh, const Field& field) {
   field("dihedral_deg.median", mesh.dihedral_median, "number, degrees", "half of the cells");
   field("dihedral_deg.max", mesh.dihedral_max, "number, degrees",
         "greatest dihedral angle of any cell");
+  field("dihedral_deg.counts", mesh.dihedral_counts, "list of integers",
+        "cells by their least dihedral angle: of 0 to 1 degrees, 1 to 2, ..., 71 to 72");
   field("aspect_ratio.median", mesh.aspect_median, "number",
         "longest edge over 2√6 inradii; 1 for the regular tetrahedron");
   field("aspect_ratio.p99", mesh.aspect_p99, "number", "99 % of the cells have at most this");

@@ -11,7 +11,8 @@ namespace tetropolis {
 
 struct ResultFile {
   std::string_view name;    ///< Below the folder.
-  std::string_view format;  ///< The one of the setting `formats` that asks for it; empty: always.
+  std::string_view format;  ///< The one of the setting `formats` that asks for it; empty: always;
+                            ///< "html": unless the setting `no_html` is on.
 };
 
 namespace results {
@@ -40,7 +41,7 @@ inline constexpr std::array<ResultFile, 18> kOfMesh = {{
     {"constant/polyMesh/owner", "openfoam"},
     {"constant/polyMesh/neighbour", "openfoam"},
     {"constant/polyMesh/boundary", "openfoam"},
-    {kPage, ""},
+    {kPage, "html"},
     {"boundary.vtp", ""},
     {"surface.vtp", ""},
     {"surface.stl", ""},

@@ -48,6 +48,12 @@ std::string relative_to_results(const Config& config, const std::string& source)
   return real_path(source).lexically_relative(real_path(config.out)).string();
 }
 
+std::vector<std::string> formats_of(const Config& config) {
+  std::vector<std::string> formats = config.formats;
+  if (!config.no_html) formats.emplace_back("html");
+  return formats;
+}
+
 void add_warnings(const std::vector<Warning>& warnings, Report& report) {
   report.warnings.insert(report.warnings.end(), warnings.begin(), warnings.end());
 }
@@ -127,7 +133,7 @@ Report run_build(const Config& config, const RunHooks& hooks) {
   Report report = begin_report("build", config);
   OutputFolder out(config.out, hooks.output, Replaces::kModels, config.overwrite);
   keep_inputs(config, out);
-  claim(out, results::of_run(true, true, config.formats), config, hooks);
+  claim(out, results::of_run(true, true, formats_of(config)), config, hooks);
   std::vector<PageFootprint> footprints;
   BuiltCity built = make_city(config, Next::kMesh, hooks, out, report, footprints);
   make_mesh(config, built.city, std::move(built.terrain), footprints, hooks, out, report);
@@ -163,7 +169,7 @@ Report run_mesh(const Config& config, const RunHooks& hooks) {
   // Beside the city model that is meshed, what was made with it is no leftover.
   for (const char* name : {results::kRawCity, results::kLayers})
     out.keep(std::filesystem::path(config.city).parent_path() / name);
-  claim(out, results::of_run(false, true, config.formats), config, hooks);
+  claim(out, results::of_run(false, true, formats_of(config)), config, hooks);
   StepClock clock(hooks, report.steps);
   MeshableInput input = clock.run("1.2", "read city and terrain", [&](const Progress&) {
     return read_meshable(config, report.warnings);

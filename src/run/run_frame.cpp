@@ -1,17 +1,15 @@
 #include "run_frame.h"
 
 #include <cstdint>
-#include <cstdlib>
 #include <ctime>
-#include <fstream>
 #include <string>
 #include <vector>
 
 #include <fmt/chrono.h>
 #include <fmt/format.h>
-#include <sys/resource.h>
 
 #include "tetropolis/core/error.h"
+#include "tetropolis/core/system_memory.h"
 #include "tetropolis/core/threads.h"
 #include "tetropolis/core/version.h"
 
@@ -22,16 +20,6 @@
 namespace tetropolis {
 
 namespace {
-
-std::int64_t peak_rss_bytes() {
-  // Of this program: what getrusage tells includes the caller's until it started this one.
-  std::ifstream status("/proc/self/status");
-  for (std::string line; std::getline(status, line);)
-    if (line.starts_with("VmHWM:")) return std::strtoll(line.c_str() + 6, nullptr, 10) * 1024;
-  rusage usage{};
-  getrusage(RUSAGE_SELF, &usage);
-  return static_cast<std::int64_t>(usage.ru_maxrss) * 1024;
-}
 
 /// Of Report::started.
 constexpr const char* kTime = "{:%Y-%m-%dT%H:%M:%SZ}";

@@ -277,6 +277,13 @@ const std::vector<Setting>& table() {
          EXPECT_LT(2 * size_of(changed, "volume.vtu"), size_of(plain, "volume.vtu"));
          EXPECT_LT(size_of(changed, "boundary.vtp"), size_of(plain, "boundary.vtp"));
        }},
+      {"no_html",
+       {"true"},
+       run_build,
+       [](R plain, R changed) {
+         EXPECT_TRUE(fs::exists(plain.out / "index.html"));
+         EXPECT_FALSE(fs::exists(changed.out / "index.html"));
+       }},
 
       // City model.
       {"domain_margin",

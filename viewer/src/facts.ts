@@ -18,12 +18,6 @@ export interface Footprint {
   reason?: string;
 }
 
-export interface PatchInfo {
-  number: number;
-  name: string;
-  kind: 'ground' | 'roof' | 'wall' | 'top' | 'side' | 'other';
-}
-
 export interface StepTime {
   id: string;
   name: string;
@@ -78,10 +72,11 @@ export interface Facts {
   crs: string;
   /** xmin, ymin, xmax, ymax; local frame, metres. */
   domain: [number, number, number, number];
+  /** Whether the page has the surface, and the cells. */
   mesh: boolean;
   volume: boolean;
+  /** That there are, in the page or not. */
   cells: number;
-  patches: PatchInfo[];
   buildings: Building[];
   footprints: Footprint[];
   /** Features dropped, by reason. */

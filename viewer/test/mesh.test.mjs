@@ -44,5 +44,33 @@ for (const [name, options] of Object.entries(cities)) {
       }
     }
     assert.equal(next, vtu.cells.length);
+
+    // The surface has the faces of the boundary.
+    const {makeSurface} = await load(folder, 'mesh/surface.ts');
+    const frame = {step: 0.001, centre: [0, 0, 0]};
+    const surface = makeSurface(mesh, frame, -10000, new Int32Array(report.city.buildings));
+    const kinds = [0, 0, 0, 0];
+    for (let f = 0; f < surface.triangles; ++f) ++kinds[surface.feature[3 * f] & 3];
+    const faces = report.surface_mesh.faces_by_patch;
+    assert.deepEqual(kinds.slice(0, 3), [faces.ground, faces.roof, faces.wall]);
+
+    // A section and the solids below it have the area of what they cut.
+    const {cutCells, cutSolids} = await load(folder, 'mesh/section.ts');
+    const areaOf = ({position: p}) => {
+      let sum = 0;
+      for (let i = 0; i < p.length; i += 9) {
+        const [u, v] = [0, 1, 2].map((k) => [p[i + 3 + k] - p[i + k], p[i + 6 + k] - p[i + k]]).reduce(([a, b], [c, d]) => [[...a, c], [...b, d]], [[], []]);
+        sum += Math.hypot(u[1] * v[2] - u[2] * v[1], u[2] * v[0] - u[0] * v[2], u[0] * v[1] - u[1] * v[0]) / 2;
+      }
+      return sum;
+    };
+    const [width, depth] = [report.domain[2] - report.domain[0], report.domain[3] - report.domain[1]];
+    const low = -20, top = report.volume_mesh.top;
+    for (const [axis, at, area] of [['x', width / 3, depth * (top - low)], ['y', depth / 3, width * (top - low)], ['z', 12.3, width * depth]]) {
+      const cells = cutCells(mesh, frame, {axis, at}, false);
+      const whole = areaOf(cells) + areaOf(cutSolids(mesh, frame, {axis, at}, low / frame.step, new Int32Array(report.city.buildings)));
+      assert.ok(Math.abs(whole - area) < 1e-4 * area, `${axis}: ${whole} m² of ${area}`);
+      assert.equal(cutCells(mesh, frame, {axis, at}, true).cells, cells.cells);
+    }
   });
 }

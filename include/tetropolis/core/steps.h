@@ -2,6 +2,7 @@
 // caller follows and ends them.
 #pragma once
 
+#include <cstdint>
 #include <functional>
 #include <string>
 
@@ -11,8 +12,9 @@ namespace tetropolis {
 struct StepTime {
   std::string id;  ///< The paper's number: "1.1" to "3.6"; "0.1" and "0.2" of a synthetic city.
   std::string name;
-  double seconds = 0;      ///< Wall time; of all calls together.
-  double cpu_seconds = 0;  ///< Processor time of the process, all threads together.
+  double seconds = 0;               ///< Wall time; of all calls together.
+  double cpu_seconds = 0;           ///< Processor time of the process, all threads together.
+  std::int64_t peak_rss_bytes = 0;  ///< Largest resident memory of the process until its end.
 };
 
 /// Callbacks of an operation of several steps. All may be empty. `progress` may come from any

@@ -1,6 +1,8 @@
 // How much memory this process may use.
 #pragma once
 
+#include <cstdint>
+
 namespace tetropolis {
 
 /// Bytes: the least of the machine's memory, the limits of the process's control groups
@@ -10,5 +12,8 @@ double usable_memory();
 /// Bytes of address space that the process may still take under its limit (ulimit -v); infinity
 /// without one.
 double address_space_left();
+
+/// Largest resident memory that this program has had so far.
+std::int64_t peak_rss_bytes();
 
 }  // namespace tetropolis

@@ -73,6 +73,7 @@ struct VolumeMeshFacts {
   double top = 0;
   double dihedral_min = 0, dihedral_p0_01 = 0, dihedral_p0_1 = 0, dihedral_p1 = 0,
          dihedral_median = 0, dihedral_max = 0;  ///< Degrees; quantiles of the least in each cell.
+  std::vector<std::int64_t> dihedral_counts;     ///< QualityHistogram::dihedral_counts.
   double aspect_median = 0, aspect_p99 = 0, aspect_max = 0;
   FaceQuality faces;
   std::vector<WorstCell> worst;  ///< Centres in the local frame.

@@ -36,10 +36,8 @@ void add_ground(const GroundMesh& ground, PageColumns& columns) {
   }
   for (const RegionIndex r : ground.region)
     columns.region.push_back(difference(static_cast<std::int32_t>(r), region));
-  for (const Region& r : ground.regions) {
+  for (const Region& r : ground.regions)
     columns.building.push_back(static_cast<std::int32_t>(r.building));
-    columns.patch.push_back(static_cast<std::int32_t>(r.floor));
-  }
 }
 
 /// Per region of a building its elevation in steps, at any of its vertices.

@@ -129,6 +129,13 @@ void QualityHistogram::merge(const QualityHistogram& other) {
   widen(other.greatest_cosine_, other.least_cosine_, other.max_aspect_);
 }
 
+std::vector<std::int64_t> QualityHistogram::dihedral_counts() const {
+  std::vector<std::int64_t> counts(kDihedralBins / static_cast<std::size_t>(kBinsPerDegree), 0);
+  for (std::size_t i = 0; i < kDihedralBins; ++i)
+    counts[i / static_cast<std::size_t>(kBinsPerDegree)] += dihedral_bins_[i];
+  return counts;
+}
+
 double QualityHistogram::dihedral_quantile_deg(double fraction) const {
   const auto bin = static_cast<double>(quantile_bin(dihedral_bins_, cells_, fraction));
   return std::max(min_dihedral_deg(), (bin + 0.5) / kBinsPerDegree);

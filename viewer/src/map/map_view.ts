@@ -55,9 +55,6 @@ export class MapView {
     this.listen();
   }
 
-  /** xmin, ymin, xmax, ymax of a building, metres. */
-  boxOf(building: number): Outline['box'] { return this.after[building].box; }
-
   count(fate: Fate): number { return this.fates.filter((f) => f === fate).length; }
 
   setDark(dark: boolean): void {
@@ -198,18 +195,18 @@ export class MapView {
         context.closePath();
       }
     };
-    /** All of them in one path, which is much faster than one each. */
-    const paint = (outlines: readonly Outline[], fillStyle: string | null, strokeStyle: string | null): void => {
+    // Lines would hide what is small.
+    const hasLines = this.scale > 0.3;
+    /** All of them in one path, which is much faster than one each; overlaps are filled, holes run the other way. */
+    const paint = (outlines: readonly Outline[], fillStyle: string | null, strokeStyle: string): void => {
       context.beginPath();
       for (const outline of outlines) if (isSeen(outline)) trace(outline);
       if (fillStyle !== null) {
         context.fillStyle = fillStyle;
-        context.fill('evenodd');
+        context.fill();
       }
-      if (strokeStyle !== null) {
-        context.strokeStyle = strokeStyle;
-        context.stroke();
-      }
+      context.strokeStyle = strokeStyle;
+      if (hasLines || fillStyle === null) context.stroke();
     };
     const within = (from: number, to: number, body: () => void): void => {
       context.save();
@@ -222,9 +219,8 @@ export class MapView {
     const border = this.border();
     context.lineWidth = Math.min(1.2, Math.max(0.35, this.scale / 2));
     within(0, border, () => {
-      for (const fate of ['kept', 'merged', 'dropped'] as const)
-        for (const outline of this.before.filter((o, i) => this.fates[i] === fate && isSeen(o)))
-          paint([outline], colours[fate], colours.edge);
+      for (const fate of ['dropped', 'kept', 'merged'] as const)
+        paint(this.before.filter((_, i) => this.fates[i] === fate), colours[fate], colours.edge);
     });
     within(border, width, () => {
       paint(this.before.filter((_, i) => this.fates[i] === 'dropped'), null, colours.dropped);

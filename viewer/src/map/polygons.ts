@@ -31,6 +31,14 @@ export async function readOutlines(blocks: Blocks, prefix: 'before' | 'after', s
   return outlines;
 }
 
+/** Square metres; holes run the other way. */
+export function areaOf({rings}: Outline): number {
+  let twice = 0;
+  for (const ring of rings)
+    for (let i = 0, j = ring.length - 2; i < ring.length; j = i, i += 2) twice += ring[j] * ring[i + 1] - ring[i] * ring[j + 1];
+  return Math.abs(twice) / 2;
+}
+
 /** Even-odd over all rings. */
 export function contains(outline: Outline, x: number, y: number): boolean {
   const {rings, box} = outline;

@@ -33,12 +33,12 @@ export interface Frame {
 
 const kNoBuilding = -1;
 
-class SurfaceBuilder {
+export class SurfaceBuilder {
   private triangles = 0;
   private readonly surface: Surface;
 
   /** `foot`: per building, steps. */
-  constructor(private readonly mesh: ColumnMesh, private readonly frame: Frame,
+  constructor(private readonly mesh: Pick<ColumnMesh, 'x' | 'y'>, private readonly frame: Frame,
               private readonly foot: Int32Array, capacity: number) {
     this.surface = {
       position: new Float32Array(9 * capacity), normal: new Int8Array(12 * capacity),
@@ -82,9 +82,10 @@ class SurfaceBuilder {
     for (let i = 0; i < 3; ++i) this.surface.feature[3 * f + i] |= 1 << (kOutlineBit + (k + 2) % 3);
   }
 
-  /** Makes the first `floors` triangles round where they are ground. */
-  smoothGround(floors: number): void {
-    const {normal, feature} = this.surface, {corners} = this.mesh;
+  /** Makes the ground round: the first triangles have these corners. */
+  smoothGround(corners: Int32Array): void {
+    const {normal, feature} = this.surface;
+    const floors = corners.length / 3;
     const sum = new Float32Array(3 * this.mesh.x.length);
     const isGround = (c: number): boolean => (feature[c] & 3) === Kind.ground;
     for (let c = 0; c < 3 * floors; ++c)
@@ -168,7 +169,7 @@ export function makeSurface(mesh: ColumnMesh, frame: Frame, base: number, foot: 
   }
   const builder = new SurfaceBuilder(mesh, frame, foot, capacity);
   addFloors(mesh, builder);
-  builder.smoothGround(triangleCount(mesh));
+  builder.smoothGround(mesh.corners);
   for (const c of edges.between) builder.outline((c / 3) | 0, c % 3);
   addWalls(mesh, edges, builder);
   addSoil(mesh, edges, base, builder);

@@ -1,6 +1,7 @@
 // What is beside the picture: numbers, histograms, warnings, times, the command.
 
 import type {Building, Facts, Report, WorstCell} from '../facts.js';
+import {areaOf, type Outline} from '../map/polygons.js';
 import {byId, el, fixed, megabytes, plural, seconds, whole} from '../ui/dom.js';
 import {css, flagStyle, kBestAngle, kFlagStyles, kHeightRamp, kQualityRamp} from '../view/colours.js';
 import {type Bar, histogram, niceStep} from './charts.js';
@@ -53,8 +54,12 @@ const totalSeconds = (report: Report): number => report.steps.reduce((sum, step)
 class BuildingSection {
   readonly element = section('building', 'Building');
   private readonly body = el('div', {'aria-live': 'polite'});
+  /** Of footprints by their ids. */
+  private readonly numbers: ReadonlyMap<string, number>;
 
-  constructor(private readonly facts: Facts, private readonly actions: PanelActions) {
+  constructor(private readonly facts: Facts, private readonly before: readonly Outline[],
+              private readonly actions: PanelActions) {
+    this.numbers = new Map(facts.footprints.map((f, i) => [f.source, i]));
     const input = el('input', {type: 'search', placeholder: 'Id of a building or a footprint', 'aria-label': 'Id of a building or a footprint'});
     const find = (event: Event): void => {
       event.preventDefault();
@@ -68,6 +73,11 @@ class BuildingSection {
     this.show(-1);
   }
 
+  private area(source: string): string {
+    const i = this.numbers.get(source);
+    return i === undefined ? '' : `${whole(areaOf(this.before[i]))} m²`;
+  }
+
   private tell(wanted: string): void {
     const dropped = this.facts.footprints.find((f) => f.source === wanted && f.building < 0);
     this.body.replaceChildren(el('p', {class: 'soft'}, dropped === undefined ? `Nothing has the id ${wanted}.` :
@@ -79,12 +89,13 @@ class BuildingSection {
       this.body.replaceChildren(el('p', {class: 'soft'}, 'Click a building to see its heights, flags and footprints.'));
       return;
     }
-    this.body.replaceChildren(...describeBuilding(this.facts.buildings[building]),
+    this.body.replaceChildren(...describeBuilding(this.facts.buildings[building], (source) => this.area(source)),
                               el('button', {class: 'copy', onclick: () => this.actions.select(-1)}, 'Let go'));
   }
 }
 
-function describeBuilding(b: Building): Node[] {
+/** `area`: of a footprint as text, as far as it is known. */
+function describeBuilding(b: Building, area: (source: string) => string): Node[] {
   const height = b.roof - b.ground;
   const pair = (name: string, value: string): Node[] => [el('dt', {}, name), el('dd', {}, value)];
   const flags = b.flags.map((flag) => {
@@ -95,11 +106,11 @@ function describeBuilding(b: Building): Node[] {
     el('p', {}, el('b', {}, b.id), ' · ', `${fixed(height, 1)} m high, ${whole(b.area)} m²`),
     el('div', {}, ...flags),
     el('dl', {class: 'pairs'},
-       ...pair('Roof', `${fixed(b.roof, 2)} m`), ...pair('from', plural(b.roofPoints, 'point')),
-       ...pair('Ground', `${fixed(b.ground, 2)} m`), ...pair('from', plural(b.groundPoints, 'point'))),
+       ...pair('Roof', `${fixed(b.roof, 2)} m, of ${plural(b.roofPoints, 'point')}`),
+       ...pair('Ground', `${fixed(b.ground, 2)} m, of ${plural(b.groundPoints, 'point')}`)),
     el('p', {class: 'soft'}, b.sources.length > 1 ? `Merged from ${whole(b.sources.length)} footprints` : 'One footprint'),
     el('ul', {class: 'members'}, ...b.sources.slice(0, 500).map((source) =>
-        el('li', {}, el('span', {}, source), el('span', {}, b.sources.length > 1 ? 'merged' : 'kept')))),
+        el('li', {}, el('span', {}, source), el('span', {}, area(source))))),
     ...(b.sources.length > 500 ? [el('p', {class: 'soft'}, `and ${whole(b.sources.length - 500)} more`)] : []),
   ];
 }
@@ -242,9 +253,9 @@ export class Panel {
   private readonly building: BuildingSection;
   private readonly worst: WorstCells | null = null;
 
-  constructor(facts: Facts, actions: PanelActions) {
+  constructor(facts: Facts, before: readonly Outline[], actions: PanelActions) {
     const {report} = facts;
-    this.building = new BuildingSection(facts, actions);
+    this.building = new BuildingSection(facts, before, actions);
     const cells = report?.volume_mesh?.worst_cells ?? [];
     if (cells.length > 0) this.worst = new WorstCells(cells, actions);
     const parts: (HTMLElement | null | undefined)[] = [

@@ -154,7 +154,7 @@ export class CityView {
 
   /** Looks at a place from a distance: from an azimuth (degrees clockwise from north) and elevation. */
   flyTo(target: Vector3, distance: number, azimuth: number | null, elevation: number, animated = true): void {
-    const offset = this.camera.position.clone().sub(this.controls.target);
+    const offset = this.offset();
     const from = azimuth ?? Math.atan2(offset.x, offset.y) * 180 / Math.PI;
     const position = target.clone().add(away(distance, from, elevation));
     if (!animated || window.matchMedia('(prefers-reduced-motion: reduce)').matches) {
@@ -167,6 +167,15 @@ export class CityView {
     }
     this.invalidate();
   }
+
+  lookNorth(): void {
+    const offset = this.offset();
+    this.flyTo(this.controls.target.clone(), offset.length(), 180, Math.asin(offset.z / offset.length()) * 180 / Math.PI);
+  }
+
+  /** From what is looked at to the camera. */
+  offset(): Vector3 { return this.camera.position.clone().sub(this.controls.target); }
+  distance(): number { return this.offset().length(); }
 
   setTheme(theme: Theme): void {
     const dark = theme === 'dark';
@@ -261,6 +270,11 @@ export class CityView {
     this.invalidate();
   }
 
+  /** What setMarker has been given. */
+  marked(): number[] {
+    return this.marker.visible ? [...this.marker.geometry.getAttribute('position').array] : [];
+  }
+
   /** What is drawn at a place of the window; null: nothing. */
   pick(clientX: number, clientY: number): Picked | null {
     const box = this.canvas.getBoundingClientRect();
@@ -281,18 +295,17 @@ export class CityView {
 
   /** Metres that a CSS pixel spans at the target. */
   metresPerPixel(): number {
-    const distance = this.camera.position.distanceTo(this.controls.target);
-    return 2 * distance * Math.tan(kFieldOfView * Math.PI / 360) / Math.max(1, this.canvas.clientHeight);
+    return 2 * this.distance() * Math.tan(kFieldOfView * Math.PI / 360) / Math.max(1, this.canvas.clientHeight);
   }
 
   /** Clockwise from north, radians: where the camera looks. */
   heading(): number {
-    const d = this.controls.target.clone().sub(this.camera.position);
-    return Math.atan2(d.x, d.y);
+    const offset = this.offset();
+    return Math.atan2(-offset.x, -offset.y);
   }
 
   zoom(factor: number): void {
-    const offset = this.camera.position.clone().sub(this.controls.target);
+    const offset = this.offset();
     this.camera.position.copy(this.controls.target).addScaledVector(offset, factor);
     this.controls.update();
     this.invalidate();
@@ -300,7 +313,7 @@ export class CityView {
 
   /** Degrees. */
   turn(azimuth: number, elevation: number): void {
-    const offset = this.camera.position.clone().sub(this.controls.target);
+    const offset = this.offset();
     const distance = offset.length();
     const from = Math.atan2(offset.x, offset.y) * 180 / Math.PI, up = Math.asin(offset.z / distance) * 180 / Math.PI;
     this.camera.position.copy(this.controls.target)
@@ -334,7 +347,7 @@ export class CityView {
     }
     this.controls.update();
     const distance = this.camera.position.length();
-    this.camera.near = Math.max(0.2, this.camera.position.distanceTo(this.controls.target) / 200);
+    this.camera.near = Math.max(0.2, this.distance() / 200);
     this.camera.far = distance + 7 * this.size.length();
     this.camera.updateProjectionMatrix();
     this.updateShadow(false);
@@ -345,7 +358,7 @@ export class CityView {
   /** The shadow map covers what is looked at: near places have finer shadows. */
   private updateShadow(force: boolean): void {
     const whole = this.size.length() / 2 * 1.02;
-    const seen = this.camera.position.distanceTo(this.controls.target) * 1.1;
+    const seen = this.distance() * 1.1;
     // Rounded, so that small movements leave it as it is.
     const radius = Math.min(whole, 2 ** Math.ceil(Math.log2(seen)));
     const centre = radius >= whole * 0.99 ? new Vector3() : this.controls.target.clone();

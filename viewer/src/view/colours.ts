@@ -7,7 +7,7 @@ export const rgb = (hex: string): Rgb =>
     [1, 3, 5].map((i) => parseInt(hex.slice(i, i + 2), 16)) as unknown as Rgb;
 export const css = (c: Rgb): string => `rgb(${c.map((v) => Math.round(v)).join(' ')})`;
 
-export const kClassColours = {ground: rgb('#b9bfa9'), roof: rgb('#c9705a'), wall: rgb('#efe6d6'), soil: rgb('#9a8a78')};
+export const kClassColours = {ground: rgb('#b9bfa9'), roof: rgb('#c17b63'), wall: rgb('#efe6d6'), soil: rgb('#9a8a78')};
 /** Of the ground, where buildings have the colours. */
 export const kQuietGround = rgb('#c3c6c4');
 export const kAccent = rgb('#ffb224');
@@ -34,7 +34,7 @@ export class Ramp {
 }
 
 /** Heights of buildings. */
-export const kHeightRamp = new Ramp(['#f4e3b5', '#e3b778', '#d0825f', '#ab5462', '#733a6b', '#3b2a5e'].map(rgb));
+export const kHeightRamp = new Ramp(['#f4e3b5', '#e3b778', '#d0825f', '#ab5462', '#733a6b', '#45327a'].map(rgb));
 
 /** Least dihedral angles, 0 to kBestAngle degrees: what is poor stands out, what is good is calm. */
 export const kBestAngle = 60;

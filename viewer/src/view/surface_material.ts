@@ -123,7 +123,7 @@ vec3 surfaceColour() {
   colour = mix(colour, edgeColour, edges * line * (1.0 - smoothstep(0.15, 0.6, fine)));
   bvec3 isOutline = bvec3((ivec3(vFeature) >> ivec3(${kOutlineBit}, ${kOutlineBit + 1}, ${kOutlineBit + 2})) & 1);
   vec3 far = mix(vec3(1.0), smoothstep(vec3(0.0), width * 1.4, vCorner), isOutline);
-  return mix(colour, edgeColour, 0.3 * (1.0 - min(far.x, min(far.y, far.z))) * (1.0 - smoothstep(0.3, 0.9, fine)));
+  return mix(colour, edgeColour, 0.5 * (1.0 - min(far.x, min(far.y, far.z))) * (1.0 - smoothstep(0.3, 0.9, fine)));
 }
 
 /** Share of the light of the whole sky that arrives. */

@@ -26,6 +26,8 @@ class QualityHistogram {
   double min_dihedral_deg() const;
   double max_dihedral_deg() const;
   double max_aspect_ratio() const { return max_aspect_; }
+  /// Cells by their least dihedral angle: of 0 to 1 degrees, 1 to 2, ..., 71 to 72.
+  std::vector<std::int64_t> dihedral_counts() const;
   /// The angle that a share `fraction` in [0, 1] of the cells has as least dihedral angle or less;
   /// exact to 0.01 degrees.
   double dihedral_quantile_deg(double fraction) const;

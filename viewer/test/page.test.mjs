@@ -1,0 +1,216 @@
+// The page in headless Chromium: it opens from a file, asks for nothing, and does what its controls say.
+import assert from 'node:assert/strict';
+import {join} from 'node:path';
+import {after, before, test} from 'node:test';
+import {mkdtempSync, rmSync} from 'node:fs';
+import {tmpdir} from 'node:os';
+import puppeteer from 'puppeteer-core';
+import {makeCity, readReport, readVtu} from './support.mjs';
+
+const folder = mkdtempSync(join(tmpdir(), 'tetropolis-page-'));
+const out = makeCity(folder);
+const report = readReport(out);
+const said = [], asked = [];
+let browser, page;
+
+before(async () => {
+  browser = await puppeteer.launch({
+    executablePath: process.env.CHROMIUM ?? '/usr/bin/chromium', protocolTimeout: 300_000,
+    args: ['--no-sandbox', '--use-gl=angle', '--use-angle=swiftshader', '--enable-unsafe-swiftshader'],
+  });
+  page = await browser.newPage();
+  await page.setViewport({width: 1200, height: 800});
+  await page.emulateMediaFeatures([{name: 'prefers-reduced-motion', value: 'reduce'}]);
+  page.on('console', (message) => { if (['error', 'warn'].includes(message.type())) said.push(message.text()); });
+  page.on('pageerror', (error) => said.push(error.message));
+  page.on('request', (request) => { if (!/^(file|data|blob):/.test(request.url())) asked.push(request.url()); });
+  await page.goto(`file://${join(out, 'index.html')}`);
+  await page.waitForFunction('window.tetropolis', {timeout: 120_000});
+});
+
+after(async () => {
+  await browser?.close();
+  rmSync(folder, {recursive: true, force: true});
+});
+
+const text = (selector) => page.$eval(selector, (element) => element.textContent);
+/** Lets what was asked for be drawn. */
+const settle = () => page.evaluate(() => new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(() => setTimeout(done, 50)))));
+
+/** Of the picture of the city: how many colours, and the mean of red, green and blue. */
+async function look() {
+  await settle();
+  const box = await page.$eval('#stage', (e) => { const {x, y, width, height} = e.getBoundingClientRect(); return {x, y, width, height}; });
+  const png = await page.screenshot({encoding: 'base64', clip: {x: box.x + 100, y: box.y + 150, width: box.width - 200, height: box.height - 300}});
+  return page.evaluate(async (encoded) => {
+    const bytes = Uint8Array.from(atob(encoded), (c) => c.charCodeAt(0));
+    const bitmap = await createImageBitmap(new Blob([bytes], {type: 'image/png'}));
+    const context = new OffscreenCanvas(bitmap.width, bitmap.height).getContext('2d');
+    context.drawImage(bitmap, 0, 0);
+    const {data} = context.getImageData(0, 0, bitmap.width, bitmap.height);
+    const colours = new Set(), mean = [0, 0, 0];
+    for (let i = 0; i < data.length; i += 4) {
+      colours.add((data[i] << 16) | (data[i + 1] << 8) | data[i + 2]);
+      for (let k = 0; k < 3; ++k) mean[k] += data[i + k] / (data.length / 4);
+    }
+    return {colours: colours.size, mean};
+  }, png);
+}
+
+const difference = (a, b) => Math.hypot(...a.mean.map((v, k) => v - b.mean[k]));
+
+/** Where a place of the scene (metres) is on the screen. */
+const toScreen = (place) => page.evaluate(([x, y, z]) => {
+  const {view} = window.tetropolis, box = document.getElementById('city').getBoundingClientRect();
+  const p = view.camera.position.clone().set(x, y, z).project(view.camera);
+  return [box.x + (p.x + 1) / 2 * box.width, box.y + (1 - p.y) / 2 * box.height];
+}, place);
+
+test('opens without a word and without a request', () => {
+  assert.deepEqual(said, []);
+  assert.deepEqual(asked, []);
+});
+
+test('has the mesh of the report', async () => {
+  assert.equal(await page.evaluate(() => tetropolis.cells), report.volume_mesh.cells);
+  const shown = await text('#panel');
+  assert.ok(shown.includes(report.volume_mesh.cells.toLocaleString('en')));
+  assert.ok(shown.includes(`${report.volume_mesh.dihedral_deg.min.toFixed(1)}°`));
+});
+
+test('shows a city', async () => {
+  const {colours} = await look();
+  assert.ok(colours > 300, `${colours} colours`);
+});
+
+test('picks the building under the pointer', async () => {
+  const roofs = await page.evaluate(() => {
+    const {view, model} = tetropolis;
+    view.flyTo(view.controls.target.clone().set(0, 0, 0), 700, 180, 88, false);
+    // The middle of the largest triangle of each roof.
+    const {position: p, feature, triangles} = model.surface;
+    const best = new Map();
+    for (let f = 0; f < triangles; ++f) {
+      if ((feature[3 * f] & 3) !== 1) continue;
+      const i = 9 * f, building = (feature[3 * f] >> 5) - 1;
+      const area = (p[i + 3] - p[i]) * (p[i + 7] - p[i + 1]) - (p[i + 6] - p[i]) * (p[i + 4] - p[i + 1]);
+      if (area > (best.get(building)?.area ?? 0))
+        best.set(building, {area, building, place: [0, 1, 2].map((k) => (p[i + k] + p[i + 3 + k] + p[i + 6 + k]) / 3)});
+    }
+    return [...best.values()];
+  });
+  await settle();
+  assert.ok(roofs.length > 20);
+  for (const {building, place} of roofs.filter((_, i) => i % 8 === 0)) {
+    await page.mouse.click(...(await toScreen(place)));
+    assert.match(await text('#building'), new RegExp(`b${building} · `));
+  }
+  // Beside the city there is nothing.
+  await page.mouse.click(...(await toScreen([-200, 0, 0])));
+  assert.match(await text('#building'), /Click a building/);
+});
+
+test('finds a building by the id of a footprint', async () => {
+  await page.type('.find input', '17');
+  await page.keyboard.press('Enter');
+  assert.match(await text('#building'), /b\d+ · |dropped/);
+});
+
+test('cuts the cells that are at the plane', async () => {
+  const {points, cells} = readVtu(join(out, 'volume.vtu'));
+  for (const [axis, name] of ['x', 'y', 'z'].entries()) {
+    await page.click(`#cuts [data-value=${name}]`);
+    await settle();
+    const shown = Number((await text('#cut-count')).replace(/\D/g, ''));
+    // Moved a little off nodes, as the page does.
+    const at = Math.floor(await page.$eval('#place', (e) => Number(e.value)) * 1000) / 1000 + 0.0005;
+    let cut = 0;
+    for (let c = 0; c < cells.length; c += 4) {
+      const along = [0, 1, 2, 3].map((k) => Math.round(points[3 * Number(cells[c + k]) + axis] * 1000) / 1000);
+      if (Math.min(...along) < at && Math.max(...along) > at) ++cut;
+    }
+    assert.ok(Math.abs(shown - cut) <= 0.002 * cut, `${name}: ${shown} shown, ${cut} cut`);
+    assert.ok(cut > 100);
+  }
+  const whole = await look();
+  await page.click('#whole');
+  const section = await look();
+  assert.ok(whole.colours !== section.colours);
+  await page.click('#cuts [data-value=off]');
+});
+
+test('changes colours', async () => {
+  await page.click('#home');
+  const looks = {};
+  for (const colours of ['class', 'height', 'quality', 'flags']) {
+    await page.click(`#colours [data-value=${colours}]`);
+    await new Promise((done) => setTimeout(done, 500));
+    looks[colours] = await look();
+  }
+  for (const [a, b] of [['class', 'height'], ['height', 'quality'], ['quality', 'flags'], ['flags', 'class']])
+    assert.ok(difference(looks[a], looks[b]) > 1, `${a} and ${b} look alike`);
+  await page.click('#edges');
+  assert.ok(difference(looks.flags, await look()) > 0.5, 'no edges');
+  await page.click('#edges');
+  await page.click('#theme');
+  const dark = await look();
+  assert.ok(difference(looks.flags, dark) > 3 && dark.mean[1] < looks.flags.mean[1], 'no dark theme');
+  await page.click('#theme');
+});
+
+test('flies to the worst cells', async () => {
+  await page.click('#worst button');
+  await settle();
+  const [x, y] = report.volume_mesh.worst_cells[0].position;
+  const found = await page.evaluate(() => {
+    const {view} = tetropolis;
+    return {marked: view.marked(), target: view.controls.target.toArray()};
+  });
+  // The mark is the cell: its centre is the one reported.
+  const domain = report.domain;
+  const centre = [0, 1, 2].map((k) => found.marked.filter((_, i) => i % 3 === k).reduce((a, b) => a + b) / 4);
+  assert.ok(Math.abs(centre[0] - (x - (domain[0] + domain[2]) / 2)) < 0.01);
+  assert.ok(Math.abs(centre[1] - (y - (domain[1] + domain[3]) / 2)) < 0.01);
+  centre.forEach((v, k) => assert.ok(Math.abs(v - found.target[k]) < 0.01));
+});
+
+test('tells on the map what became of footprints', async () => {
+  await page.click('#views [data-value=map]');
+  await settle();
+  const box = await page.$eval('#map', (e) => { const {x, y, width, height} = e.getBoundingClientRect(); return {x, y, width, height}; });
+  const told = new Set();
+  for (let i = 1; i < 12; ++i)
+    for (let j = 2; j < 11; ++j) {
+      await page.mouse.move(box.x + (i * box.width) / 12, box.y + (j * box.height) / 12);
+      if (!(await page.$eval('#tip', (e) => e.hidden))) told.add((await text('#tip')).replace(/[\d.]+/g, '').trim().slice(0, 12));
+    }
+  assert.ok(told.size > 1, [...told].join('; '));
+  await page.click('#views [data-value=city]');
+});
+
+test('can be used without a mouse', async () => {
+  await page.focus('#city');
+  const before = await look();
+  for (let i = 0; i < 5; ++i) await page.keyboard.press('ArrowLeft');
+  await page.keyboard.press('-');
+  assert.ok(difference(before, await look()) > 0.2);
+  await page.keyboard.press('e');
+  assert.equal(await page.$eval('#edges', (e) => e.getAttribute('aria-pressed')), 'true');
+  await page.focus('#colours [data-value=flags]');
+  await page.keyboard.press('ArrowRight');
+  assert.equal(await page.$eval('#colours [aria-checked=true]', (e) => e.dataset.value), 'class');
+});
+
+test('fits on a telephone', async () => {
+  await page.setViewport({width: 390, height: 844, hasTouch: true, isMobile: true});
+  await page.reload();
+  await page.waitForFunction('window.tetropolis', {timeout: 120_000});
+  const {scroll, client} = await page.evaluate(() => ({scroll: document.documentElement.scrollWidth, client: document.documentElement.clientWidth}));
+  assert.ok(scroll <= client, `${scroll} wide on ${client}`);
+  assert.ok((await look()).colours > 100);
+});
+
+test('has said nothing all the while', () => {
+  assert.deepEqual(said, []);
+  assert.deepEqual(asked, []);
+});
