@@ -87,8 +87,19 @@ CloudHeaders read_headers(std::span<const std::filesystem::path> paths) {
   return headers;
 }
 
-FootprintsInput read_all_footprints(const Config& config, const std::string& points_crs,
-                                    StepClock& clock) {
+/// The same of points in memory.
+CloudHeaders headers_of(const PointArrays& points) {
+  CloudHeaders headers;
+  headers.crs = points.crs;
+  headers.crs_file = points.source;
+  for (const auto& [x, y, z] : points.xyz)
+    if (std::isfinite(x) && std::isfinite(y)) headers.box.extend(Point2{x, y});
+  headers.points.emplace_back(headers.box, static_cast<std::int64_t>(points.xyz.size()));
+  return headers;
+}
+
+FootprintsInput read_all_footprints(const Config& config, const InputInMemory& given,
+                                    const std::string& points_crs, StepClock& clock) {
   if (config.footprints.empty()) return {};
   ReadFootprintsOptions options;
   options.layer = config.layer;
@@ -97,8 +108,10 @@ FootprintsInput read_all_footprints(const Config& config, const std::string& poi
   options.source_crs = config.footprints_crs;
   options.target_crs = points_crs;
   options.attributes = true;
-  return clock.run("1.2", "read footprints",
-                   [&](const Progress&) { return read_footprints(config.footprints, options); });
+  return clock.run("1.2", "read footprints", [&](const Progress&) {
+    return given.footprints ? take_footprints(*given.footprints, options)
+                            : read_footprints(config.footprints, options);
+  });
 }
 
 /// The box in which points can matter, CRS coordinates.
@@ -249,13 +262,14 @@ void warn_of_heights(const Config& config, const FootprintsInput& footprints,
 }  // namespace
 
 RunInput read_input(const Config& config, Next next, StepClock& clock,
-                    std::vector<Warning>& warnings) {
-  const auto paths = expand_point_paths(config.points, &warnings);
-  const CloudHeaders headers = read_headers(paths);
+                    std::vector<Warning>& warnings, const InputInMemory& given) {
+  const auto paths = given.points ? std::vector<std::filesystem::path>{given.points->source}
+                                  : expand_point_paths(config.points, &warnings);
+  const CloudHeaders headers = given.points ? headers_of(*given.points) : read_headers(paths);
   const std::string points_crs = stated_points_crs(config, headers, paths.front().string());
 
   RunInput input;
-  input.footprints = read_all_footprints(config, points_crs, clock);
+  input.footprints = read_all_footprints(config, given, points_crs, clock);
   warn_of_heights(config, input.footprints, warnings);
   if (config.bounds.empty()) {
     const Bounds2 usable = footprint_extent(input.footprints.features, config.parallel_tolerance);
@@ -274,7 +288,8 @@ RunInput read_input(const Config& config, Next next, StepClock& clock,
                                         ? read_everything(config, headers)
                                         : place_by_headers(config, input.footprints, headers, next);
   input.points = clock.run("1.1", "read points", [&](const Progress& progress) {
-    return read_points(paths, options, progress);
+    return given.points ? take_points(*given.points, options)
+                        : read_points(paths, options, progress);
   });
   require_points(config, headers, input.points, options.crop);
   input.points.crs = points_crs;

@@ -7,6 +7,7 @@
 #include "tetropolis/io/las/las.h"
 #include "tetropolis/io/vector/vector.h"
 #include "tetropolis/run/config.h"
+#include "tetropolis/run/in_memory.h"
 
 #include "core/step_clock.h"
 
@@ -20,11 +21,11 @@ struct RunInput {
   FootprintsInput footprints;  ///< In the reference system of the points.
 };
 
-/// Reads both; points only where the domain may be, by the headers and the footprints. Adds
+/// Reads both, but for what is `given` in memory; points only where the domain may be, by the headers and the footprints. Adds
 /// warnings. Throws Error(kInput): unusable files, degrees, units other than metres, no overlap.
 /// Throws Error(kUsage) before it reads points if by the headers they, or the mesh that is to
 /// follow, will not fit into memory.
 RunInput read_input(const Config& config, Next next, StepClock& clock,
-                    std::vector<Warning>& warnings);
+                    std::vector<Warning>& warnings, const InputInMemory& given = {});
 
 }  // namespace tetropolis

@@ -13,11 +13,8 @@
 
 #include "core/step_clock.h"
 #include "folders.h"
+#include "make_in_memory.h"
 #include "mistaken_input.h"
-#include "options_of.h"
-#include "preflight_line.h"
-#include "read_input.h"
-#include "read_meshable.h"
 #include "result_files.h"
 #include "run_frame.h"
 #include "write_mesh.h"
@@ -54,40 +51,19 @@ std::vector<std::string> formats_of(const Config& config) {
   return formats;
 }
 
-void add_warnings(const std::vector<Warning>& warnings, Report& report) {
-  report.warnings.insert(report.warnings.end(), warnings.begin(), warnings.end());
-}
-
-void add_steps(const std::vector<StepTime>& steps, Report& report) {
-  for (const StepTime& step : steps) add_time(step, report.steps);
-}
-
 /// Steps 1.1 to 2.4: reads the input, writes city models and terrain.
 /// Fills `footprints` if there is to be a page.
-BuiltCity make_city(const Config& config, Next next, const RunHooks& hooks, OutputFolder& out,
-                    Report& report, std::vector<PageFootprint>& footprints) {
+BuiltCity write_out_city(const Config& config, Next next, const RunHooks& hooks, OutputFolder& out,
+                         Report& report, std::vector<PageFootprint>& footprints) {
+  BuiltCity built = make_city(config, next, {}, hooks, report);
   StepClock clock(hooks, report.steps);
-  RunInput input = read_input(config, next, clock, report.warnings);
-  const BuildCityOptions options = city_options(config);
-  report.preflight = preflight(input.points, input.footprints, options.bounds);
-  if (hooks.tell) hooks.tell(preflight_line(*report.preflight, input));
-  const bool has_page = next == Next::kMesh && !config.no_html;
-  std::vector<Footprint> features;
-  if (has_page) features = features_near(input.footprints, input.points);
-  BuiltCity built =
-      build_city(std::move(input.points), std::move(input.footprints), options, hooks);
-  add_steps(built.steps, report);
-  add_warnings(built.warnings, report);
-  report.input = built.input;
-  report.city = built.facts;
-  keep_domain(built.city, report);
   const CityModel& raw = built.raw;
   clock.run("1.7", "write city model", [&](const Progress&) {
     write_raster(out.result(results::kTerrain), built.terrain, raw.origin, raw.crs,
                  raw.domain.bounds());
     write_city(out.result(results::kRawCity), raw, "City model before simplification");
   });
-  if (has_page) footprints = page_footprints(raw, built.city, std::move(features));
+  if (next == Next::kMesh && !config.no_html) footprints = page_footprints(built);
   clock.run("2.4", "write merged city model", [&](const Progress&) {
     write_city(out.result(results::kCity), built.city, "City model after simplification");
     write_city_layers(out.result(results::kLayers), raw, built.city, built.footprints);
@@ -98,20 +74,10 @@ BuiltCity make_city(const Config& config, Next next, const RunHooks& hooks, Outp
 }
 
 /// Steps 3.1 to 3.6: writes volume, boundary and surface, and the page that shows them.
-void make_mesh(const Config& config, const CityModel& city, Raster terrain,
-               std::span<const PageFootprint> footprints, const RunHooks& hooks, OutputFolder& out,
-               Report& report) {
-  CityMesh mesh = mesh_city(city, std::move(terrain), mesh_options(config), hooks);
-  add_steps(mesh.steps, report);
-  add_warnings(mesh.warnings, report);
-  report.ground_mesh = mesh.ground_facts;
-  report.volume_mesh = std::move(mesh.volume_facts);
-  for (WorstCell& cell : report.volume_mesh->worst)
-    cell.centre = {cell.centre[0] + city.origin.x, cell.centre[1] + city.origin.y, cell.centre[2]};
-  for (Point3& toe : report.volume_mesh->feet_cut_back)
-    toe = {toe[0] + city.origin.x, toe[1] + city.origin.y, toe[2]};
-  report.surface_mesh = mesh.surface_facts;
-  report.solver = std::move(mesh.solver);
+void write_out_mesh(const Config& config, const CityModel& city, Raster terrain,
+                    std::span<const PageFootprint> footprints, const RunHooks& hooks,
+                    OutputFolder& out, Report& report) {
+  CityMesh mesh = make_mesh(config, city, std::move(terrain), hooks, report);
   if (config.coordinates == Coordinates::kAbsolute)
     mesh.placement = {{city.origin.x, city.origin.y, 0}, {0, 0, 0}};
   StepClock clock(hooks, report.steps);
@@ -135,8 +101,8 @@ Report run_build(const Config& config, const RunHooks& hooks) {
   keep_inputs(config, out);
   claim(out, results::of_run(true, true, formats_of(config)), config, hooks);
   std::vector<PageFootprint> footprints;
-  BuiltCity built = make_city(config, Next::kMesh, hooks, out, report, footprints);
-  make_mesh(config, built.city, std::move(built.terrain), footprints, hooks, out, report);
+  BuiltCity built = write_out_city(config, Next::kMesh, hooks, out, report, footprints);
+  write_out_mesh(config, built.city, std::move(built.terrain), footprints, hooks, out, report);
   finish(report, out);
   return report;
 }
@@ -149,7 +115,7 @@ Report run_city(const Config& config, const RunHooks& hooks) {
   keep_inputs(config, out);
   claim(out, results::of_run(true, false, {}), config, hooks);
   std::vector<PageFootprint> none;
-  make_city(config, Next::kNothing, hooks, out, report, none);
+  write_out_city(config, Next::kNothing, hooks, out, report, none);
   finish(report, out);
   return report;
 }
@@ -170,13 +136,8 @@ Report run_mesh(const Config& config, const RunHooks& hooks) {
   for (const char* name : {results::kRawCity, results::kLayers})
     out.keep(std::filesystem::path(config.city).parent_path() / name);
   claim(out, results::of_run(false, true, formats_of(config)), config, hooks);
-  StepClock clock(hooks, report.steps);
-  MeshableInput input = clock.run("1.2", "read city and terrain", [&](const Progress&) {
-    return read_meshable(config, report.warnings);
-  });
-  report.city = std::move(input.facts);
-  keep_domain(input.city, report);
-  make_mesh(config, input.city, std::move(input.terrain), {}, hooks, out, report);
+  BuiltCity city = load_city(config, hooks, report);
+  write_out_mesh(config, city.city, std::move(city.terrain), {}, hooks, out, report);
   finish(report, out);
   return report;
 }

@@ -15,31 +15,9 @@
 
 namespace tetropolis {
 
-namespace {
-
-Ring moved(Ring ring, Point2 by) {
-  for (Point2& p : ring) p = {p.x + by.x, p.y + by.y};
-  return ring;
-}
-
-Polygon moved(Polygon polygon, Point2 by) {
-  polygon.outer = moved(std::move(polygon.outer), by);
-  for (Ring& hole : polygon.holes) hole = moved(std::move(hole), by);
-  return polygon;
-}
-
-}  // namespace
-
-std::vector<Footprint> features_near(const FootprintsInput& footprints, const PointsInput& points) {
-  const Bounds2 box = points.extent.moved(points.origin);
-  std::vector<Footprint> near;
-  for (const Footprint& feature : footprints.features)
-    if (bounds(feature.polygon).intersects(box)) near.push_back(feature);
-  return near;
-}
-
-std::vector<PageFootprint> page_footprints(const CityModel& raw, const CityModel& city,
-                                           std::vector<Footprint> features) {
+std::vector<PageFootprint> page_footprints(const BuiltCity& built) {
+  const CityModel& raw = built.raw;
+  const CityModel& city = built.city;
   std::unordered_map<std::string, BuildingIndex> building;
   for (std::size_t b = 0; b < city.buildings.size(); ++b)
     for (const std::string& id : city.buildings[b].source_ids)
@@ -59,28 +37,32 @@ std::vector<PageFootprint> page_footprints(const CityModel& raw, const CityModel
       is_raw[id] = true;
       add(id, member.footprint);
     }
-  for (Footprint& feature : features) {
-    if (is_raw.contains(feature.source_id)) continue;
-    Polygon polygon = moved(std::move(feature.polygon), {-raw.origin.x, -raw.origin.y});
-    if (raw.domain.position_of(polygon) != DomainPosition::kOutside)
-      add(feature.source_id, std::move(polygon));
-  }
+  for (const Footprint& feature : built.footprints.features)
+    if (!is_raw.contains(feature.source_id) &&
+        raw.domain.position_of(feature.polygon) != DomainPosition::kOutside)
+      add(feature.source_id, feature.polygon);
   return footprints;
 }
 
-void write_page(const Config& config, const CityModel& city, const ColumnMesh& mesh,
-                std::span<const PageFootprint> footprints, Report report, OutputFolder& out) {
+std::string page_of(const CityModel& city, const ColumnMesh* mesh,
+                    std::span<const PageFootprint> footprints, Report report, std::string repeat) {
   std::map<std::string, std::int64_t> dropped;
   for (const Dropped& feature : city.dropped) ++dropped[feature.reason];
   // Of a country's footprints most are outside the domain: the page counts them.
   if (report.city) report.city->dropped.clear();
+  return page_html({.city = city,
+                    .mesh = mesh,
+                    .footprints = footprints,
+                    .dropped = std::move(dropped),
+                    .report = to_json(report),
+                    .repeat = std::move(repeat)});
+}
+
+void write_page(const Config& config, const CityModel& city, const ColumnMesh& mesh,
+                std::span<const PageFootprint> footprints, Report report, OutputFolder& out) {
+  std::string repeat = command_line(config, report.command);
   write_file(out.result(results::kPage),
-             page_html({.city = city,
-                        .mesh = &mesh,
-                        .footprints = footprints,
-                        .dropped = std::move(dropped),
-                        .report = to_json(report),
-                        .repeat = command_line(config, report.command)}));
+             page_of(city, &mesh, footprints, std::move(report), std::move(repeat)));
 }
 
 }  // namespace tetropolis

@@ -1,6 +1,8 @@
 // The page that shows a run.
 #pragma once
 
+#include <span>
+#include <string>
 #include <vector>
 
 #include "tetropolis/city/city_model.h"
@@ -13,13 +15,13 @@
 
 namespace tetropolis {
 
-/// Features that have a place on the map; CRS coordinates.
-std::vector<Footprint> features_near(const FootprintsInput& footprints, const PointsInput& points);
+/// The buildings of `built.raw`, and those of `built.footprints` that did not become one though they
+/// meet the domain, with what became of them in `built.city`.
+std::vector<PageFootprint> page_footprints(const BuiltCity& built);
 
-/// The buildings of `raw`, and those of `features` that did not become one though they meet the
-/// domain, with what became of them in `city`.
-std::vector<PageFootprint> page_footprints(const CityModel& raw, const CityModel& city,
-                                           std::vector<Footprint> features);
+/// The page of a run. `mesh` may be nullptr. `repeat`: PageContents::repeat.
+std::string page_of(const CityModel& city, const ColumnMesh* mesh,
+                    std::span<const PageFootprint> footprints, Report report, std::string repeat);
 
 /// Writes index.html. `report`: as it is so far.
 void write_page(const Config& config, const CityModel& city, const ColumnMesh& mesh,

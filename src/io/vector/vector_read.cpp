@@ -30,6 +30,7 @@
 #include "vector_geometry.h"
 #include "vector_layers.h"
 #include "vector_open.h"
+#include "vector_read.h"
 
 namespace tetropolis {
 
@@ -385,16 +386,9 @@ void reproject_features(const fs::path& path, const std::string& target, Footpri
 
 }  // namespace
 
-FootprintsInput read_footprints(const fs::path& path, const ReadFootprintsOptions& options) {
-  // GDAL ends the program where a small allocation of its own fails.
-  const ForeignCode gdal_code(path.c_str());
-  gdal::initialise();
+FootprintsInput read_open_vector(const fs::path& path, const VectorFile& file,
+                                 gdal::QuietErrors& errors, const ReadFootprintsOptions& options) {
   const std::string target = normalise_crs(options.target_crs);
-  gdal::QuietErrors errors;
-  const CPLConfigOptionSetter by_layer("OGR_INTERLEAVED_READING", "NO", false);
-  const CPLConfigOptionSetter nothing_beside("CPL_VSIL_GZIP_WRITE_PROPERTIES", "NO", false);
-  const CPLConfigOptionSetter on("GML_SKIP_CORRUPTED_FEATURES", "YES", false);
-  const VectorFile file = open_vector(path, errors, !options.source_crs.empty());
   const FootprintLayer source(path, file.dataset.get(), options.layer);
   FootprintsInput result;
   result.source = path.string();
@@ -419,6 +413,19 @@ FootprintsInput read_footprints(const fs::path& path, const ReadFootprintsOption
       reproject_features(path, target, result);
   }
   return result;
+}
+
+FootprintsInput read_footprints(const fs::path& path, const ReadFootprintsOptions& options) {
+  // GDAL ends the program where a small allocation of its own fails.
+  const ForeignCode gdal_code(path.c_str());
+  gdal::initialise();
+  normalise_crs(options.target_crs);  // what is wrong with a setting is told before files are read
+  gdal::QuietErrors errors;
+  const CPLConfigOptionSetter by_layer("OGR_INTERLEAVED_READING", "NO", false);
+  const CPLConfigOptionSetter nothing_beside("CPL_VSIL_GZIP_WRITE_PROPERTIES", "NO", false);
+  const CPLConfigOptionSetter on("GML_SKIP_CORRUPTED_FEATURES", "YES", false);
+  const VectorFile file = open_vector(path, errors, !options.source_crs.empty());
+  return read_open_vector(path, file, errors, options);
 }
 
 }  // namespace tetropolis

@@ -1,0 +1,29 @@
+// The volume mesh as plain arrays, for callers that need them: nodes, cells and regions in the order
+// of write_vtu. A mesh is read part by part where the arrays of all would be too large.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "tetropolis/geometry/types.h"
+#include "tetropolis/volume/column/column_mesh.h"
+
+namespace tetropolis {
+
+/// Positions of all nodes plus `shift`. Precondition: `points` has mesh.node_count() of them.
+void fill_points(const ColumnMesh& mesh, const Point3& shift,
+                 std::span<std::array<double, 3>> points);
+
+/// Nodes of the cells over the triangles [begin, end), as for_each_tet_over has them.
+/// Precondition: `offsets` is cell_offsets(mesh); `cells` has offsets[end] - offsets[begin].
+void fill_cells(const ColumnMesh& mesh, const std::vector<NodeIndex>& offsets, std::size_t begin,
+                std::size_t end, std::span<std::array<NodeIndex, 4>> cells);
+
+/// The building that each of these cells stands over, or kNoBuilding. Preconditions likewise.
+void fill_regions(const ColumnMesh& mesh, const std::vector<NodeIndex>& offsets, std::size_t begin,
+                  std::size_t end, std::span<BuildingIndex> regions);
+
+}  // namespace tetropolis

@@ -1,0 +1,15 @@
+// The parts of the extension `_core`.
+#pragma once
+
+#include <nanobind/nanobind.h>
+
+namespace tetropolis::python {
+
+/// Errors of the library become exceptions of tetropolis._errors.
+void bind_errors(nanobind::module_& module);
+void bind_city(nanobind::module_& module);
+void bind_mesh(nanobind::module_& module);
+/// Commands on files: synth, check.
+void bind_files(nanobind::module_& module);
+
+}  // namespace tetropolis::python

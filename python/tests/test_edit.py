@@ -1,0 +1,55 @@
+"""Edited cities mesh again."""
+import numpy as np
+import pytest
+
+import tetropolis as tp
+
+
+def test_edit_and_rebuild(city, mesh):
+    city.h_roof[3] += 10
+    taller = tp.build_mesh(city)
+    area = city.footprints[3].area
+    assert mesh.quality["volume"] - taller.quality["volume"] == pytest.approx(10 * area, rel=1e-6)
+    roof = (taller.boundary.patch == 2) & (taller.boundary.building == 3)
+    heights = taller.boundary.points[taller.boundary.triangles[roof].ravel(), 2]
+    assert set(heights) == {city.h_roof[3]}
+    city.h_roof -= 1
+    city.h_roof = city.h_roof + 1
+    assert np.array_equal(tp.build_mesh(city).points, taller.points)
+
+
+def test_edited_terrain(city, mesh):
+    city.terrain.values += 100
+    city.h_roof += 100
+    city.h_ground += 100
+    lifted = tp.build_mesh(city)
+    assert np.allclose(lifted.boundary.points[:, 2].min(), mesh.boundary.points[:, 2].min() + 100)
+
+
+def test_edits_are_saved(city, tmp_path):
+    city.h_roof[0] = 77.25
+    city.save(tmp_path / "a.city.json")
+    city.save(tmp_path / "dtm.tif")
+    again = tp.read_city(tmp_path / "a.city.json")
+    assert again.h_roof[0] == 77.25
+    assert np.array_equal(again.terrain.values, city.terrain.values)
+    with pytest.raises(tp.UsageError, match="end it in .city.json"):
+        city.save(tmp_path / "city.obj")
+
+
+@pytest.mark.parametrize("edit, words", [
+    (lambda city: city.h_roof.__setitem__(2, city.h_ground[2] - 1), "building b2 has its roof at"),
+    (lambda city: city.h_roof.__setitem__(2, np.nan), "building b2 reaches from"),
+    (lambda city: city.h_roof.__setitem__(2, 1e6), "building b2 reaches from"),
+    (lambda city: city.terrain.values.__setitem__((4, 5), -9999), "terrain: -9999 is not an elevation"),
+])
+def test_wrong_edits_are_told(city, edit, words):
+    edit(city)
+    with pytest.raises(tp.InputError, match=words):
+        tp.build_mesh(city)
+
+
+def test_other_things_are_no_city(mesh):
+    for wrong in (None, 3, mesh, mesh.boundary):
+        with pytest.raises(tp.UsageError, match="build_city"):
+            tp.build_mesh(wrong)

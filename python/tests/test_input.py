@@ -1,0 +1,135 @@
+"""Footprints and points in every form give the city of the files."""
+import pathlib
+
+import geopandas
+import laspy
+import numpy as np
+import pytest
+import shapely
+
+import tetropolis as tp
+
+
+def same(a, b):
+    return (a.source_ids == b.source_ids and np.array_equal(a.h_roof, b.h_roof) and
+            np.array_equal(a.terrain.values, b.terrain.values) and a.crs == b.crs and
+            [f.wkb for f in a.footprints] == [f.wkb for f in b.footprints])
+
+
+@pytest.fixture(scope="module")
+def frame(data):
+    return geopandas.read_file(data / "footprints.shp")
+
+
+@pytest.fixture(scope="module")
+def las(data):
+    return laspy.read(data / "points.laz")
+
+
+def test_paths(data, shared_city):
+    for footprints, points in [(str(data / "footprints.shp"), str(data)),
+                               (data / "footprints.shp", [data / "points.laz"]),
+                               (pathlib.Path(data), str(data / "*.laz"))]:
+        assert same(tp.build_city(footprints, points, id_attribute="id"), shared_city)
+
+
+def test_geodataframe(frame, data, shared_city):
+    assert same(tp.build_city(frame, data, id_attribute="id"), shared_city)
+
+
+def test_geodataframe_in_degrees(frame, data, shared_city):
+    city = tp.build_city(frame.to_crs(4326), data, id_attribute="id")
+    assert city.crs == shared_city.crs
+    assert city.source_ids == shared_city.source_ids
+    assert np.allclose(city.h_roof, shared_city.h_roof, atol=0.05)
+
+
+def test_index_names_features(frame, data, shared_city):
+    renamed = frame.set_index("h" + frame["id"].astype(str))
+    city = tp.build_city(renamed, data)
+    assert city.source_ids == [["h" + name for name in names] for names in shared_city.source_ids]
+
+
+def test_series_and_geometries(frame, data, shared_city):
+    numbers = [[str(frame.index[frame["id"] == name][0]) for name in names] for names in shared_city.source_ids]
+    for footprints in (frame.geometry, list(frame.geometry), frame.geometry.to_numpy(),
+                       shapely.GeometryCollection(list(frame.geometry))):
+        city = tp.build_city(footprints, data, footprints_crs=shared_city.crs)
+        assert np.array_equal(city.h_roof, shared_city.h_roof)
+        if not isinstance(footprints, shapely.GeometryCollection):
+            assert city.source_ids == numbers
+
+
+def test_heights_of_a_column(frame, data):
+    frame = frame.assign(tall="40 m")
+    frame.loc[0, "tall"] = None
+    heights = tp.build_city(frame, data, height_attribute="tall").raw._model.attribute_height
+    assert set(heights[1:]) == {40} and np.isnan(heights[0])
+
+
+def test_missing_and_empty_geometries_are_dropped(frame, data):
+    frame = frame.copy()
+    frame.loc[0, "geometry"] = None
+    frame.loc[1, "geometry"] = shapely.Polygon()
+    dropped = tp.build_city(frame, data).dropped.set_index("source_id")["reason"]
+    assert {"0", "1"} <= set(dropped.index)
+
+
+def test_las_data(las, data, shared_city):
+    assert same(tp.build_city(data / "footprints.shp", las, id_attribute="id"), shared_city)
+
+
+def test_arrays(las, data, shared_city):
+    for xyz in (las.xyz, np.asfortranarray(las.xyz), las.xyz.tolist()):
+        city = tp.build_city(data / "footprints.shp", xyz, classification=las.classification, id_attribute="id")
+        assert same(city, shared_city)
+
+
+def test_unclassified_arrays_find_their_ground(las, data, shared_city):
+    city = tp.build_city(data / "footprints.shp", las.xyz, id_attribute="id")
+    assert "ground_filtered" in [notice.code for notice in city.warnings]
+    assert city.source_ids == shared_city.source_ids
+    assert np.allclose(city.h_roof, shared_city.h_roof, atol=0.5)
+
+
+def test_withheld_noise_and_nan_are_left_out(las, data, shared_city):
+    extra = np.array([[*las.xyz[0, :2], 500.0], [*las.xyz[1, :2], -50.0], [np.nan, 0, 0]])
+    classes = np.concatenate([np.asarray(las.classification), [18, 7, 2]]).astype(np.uint8)
+    city = tp.build_city(data / "footprints.shp", np.vstack([las.xyz, extra]), classification=classes,
+                         id_attribute="id")
+    assert same(city, shared_city)
+    assert [(n.code, n.count) for n in city.warnings] == [("points_not_finite", 1)]
+
+
+def test_terrain_only(data):
+    city = tp.build_city(None, data, terrain_only=True)
+    assert len(city) == 0
+    assert tp.build_mesh(city, mesh_size=50).n_cells > 0
+
+
+@pytest.mark.parametrize("footprints, points, settings, kind, words", [
+    ("nothing.shp", "points", {}, tp.InputError, "nothing.shp"),
+    ("frame", "nothing", {}, tp.InputError, "nothing"),
+    ("frame", "points", {"id_attribute": "idd"}, tp.InputError, "has no attribute 'idd'; it has: id"),
+    ("frame", "points", {"classification": [1]}, tp.UsageError, "classification"),
+    ("frame", np.zeros((5, 2)), {}, tp.UsageError, "(5, 2)"),
+    ("frame", np.zeros((5, 3)), {"classification": [1, 2]}, tp.UsageError, "classification"),
+    ("frame", np.zeros((2, 3)), {"classification": [1, 300]}, tp.UsageError, "0 to 255"),
+    ("frame", "abc".split, {}, tp.UsageError, "points"),
+    (17, "points", {}, tp.UsageError, "footprints"),
+    (None, "points", {}, tp.UsageError, "footprints= is missing"),
+    ("frame", None, {}, tp.UsageError, "points= is missing"),
+    ("frame", "points", {"id_atribute": "id"}, tp.UsageError, "did you mean 'id_attribute'?"),
+    ("frame", "points", {"dtm_step": -1}, tp.UsageError, "dtm_step: -1 is less than 0.01"),
+    ("frame", "points", {"bounds": (0, 0, 1)}, tp.UsageError, "bounds: four numbers expected"),
+    ("frame", "points", {"points_crs": "EPSG:4326"}, tp.InputError, "degrees"),
+    ("frame", np.zeros((0, 3)), {}, tp.InputError, "no points"),
+])
+def test_mistakes(frame, data, footprints, points, settings, kind, words):
+    footprints = frame if isinstance(footprints, str) and footprints == "frame" else footprints
+    points = data if isinstance(points, str) and points == "points" else points
+    with pytest.raises(kind) as error:
+        tp.build_city(footprints, points, **settings)
+    assert words in str(error.value)
+    assert "\n" not in str(error.value)
+    assert isinstance(error.value, ValueError) == (kind is tp.UsageError)

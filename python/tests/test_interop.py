@@ -1,0 +1,49 @@
+"""Other packages take the results."""
+import meshio
+import numpy as np
+import pytest
+import pyvista
+
+
+def test_pyvista(mesh):
+    grid = mesh.to_pyvista()
+    assert grid.n_cells == mesh.n_cells and grid.n_points == mesh.n_points
+    assert grid.volume == pytest.approx(mesh.quality["volume"])
+    assert tuple(grid.field_data["origin"]) == mesh.origin
+    assert np.array_equal(grid["region"], mesh.region)
+    absolute = mesh.to_pyvista("absolute")
+    assert np.allclose(absolute.points, mesh.points + mesh.origin)
+    surface = mesh.boundary.to_pyvista()
+    assert surface.is_manifold and surface.n_open_edges == 0
+    assert surface.volume == pytest.approx(mesh.quality["volume"])
+    with pytest.raises(ValueError, match="local, absolute"):
+        mesh.to_pyvista("global")
+
+
+def test_meshio(mesh, tmp_path):
+    ours = mesh.to_meshio()
+    mesh.save(tmp_path / "city.vtu")
+    read = meshio.read(tmp_path / "city.vtu")
+    assert np.array_equal(read.points, ours.points)
+    assert np.array_equal(read.cells_dict["tetra"], ours.cells_dict["tetra"])
+    assert np.array_equal(read.cell_data["region"][0], ours.cell_data["region"][0])
+    ours.write(tmp_path / "again.vtk")
+    assert len(meshio.read(tmp_path / "again.vtk").cells_dict["tetra"]) == mesh.n_cells
+    assert len(mesh.boundary.to_meshio().cells_dict["triangle"]) == len(mesh.boundary.triangles)
+
+
+def test_coordinates_and_compression_of_files(mesh, tmp_path):
+    mesh.save(tmp_path / "local.vtu")
+    mesh.save(tmp_path / "crs.vtu", coordinates="absolute", compression="zlib")
+    local, absolute = pyvista.read(tmp_path / "local.vtu"), pyvista.read(tmp_path / "crs.vtu")
+    assert np.allclose(absolute.points, local.points + mesh.origin)
+    assert (tmp_path / "crs.vtu").stat().st_size < 0.7 * (tmp_path / "local.vtu").stat().st_size
+    with pytest.raises(ValueError, match="end it in .vtu"):
+        mesh.save(tmp_path / "city.doc")
+    with pytest.raises(ValueError, match="coordinates: 'global' is not one of local, absolute"):
+        mesh.save(tmp_path / "city.vtu", coordinates="global")
+
+
+def test_explore(shared_city):
+    page = shared_city.to_geopandas().explore("h_roof").get_root().render()
+    assert "h_roof" in page and shared_city.ids[0] in page

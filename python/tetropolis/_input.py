@@ -1,0 +1,98 @@
+"""Footprints and points in the forms in which Python has them, as the core takes them."""
+from __future__ import annotations
+
+import os
+from typing import Any
+
+import numpy as np
+
+from . import _core
+from ._errors import InputError, UsageError
+
+
+def is_path(value: Any) -> bool:
+    return isinstance(value, (str, os.PathLike))
+
+
+def crs_text(crs: Any) -> str:
+    """A CRS of GeoPandas or laspy as text: its code where it is nothing but that."""
+    if crs is None:
+        return ""
+    if isinstance(crs, str):
+        return crs
+    return crs.srs if getattr(crs, "srs", "").upper().startswith("EPSG:") else crs.to_wkt()
+
+
+def _column(frame: Any, name: str) -> list[str]:
+    if name not in frame.columns:
+        columns = ", ".join(str(column) for column in frame.columns if column != frame.geometry.name)
+        raise InputError(f"footprints: has no attribute '{name}'; it has: {columns or 'none'}")
+    column = frame[name]
+    return ["" if missing else str(value) for value, missing in zip(column, column.isna())]
+
+
+def footprint_table(footprints: Any, id_attribute: str | None, height_attribute: str | None) -> _core.FootprintTable:
+    """Of a GeoDataFrame, a GeoSeries, a geometry of shapely or several of these."""
+    import shapely
+
+    ids: list[str] = []
+    heights: list[str] = []
+    if hasattr(footprints, "geometry") and hasattr(footprints, "crs"):
+        geometries = np.asarray(footprints.geometry.array)
+        ids = [str(label) for label in footprints.index]
+        if id_attribute:
+            ids = _column(footprints, id_attribute)
+        if height_attribute:
+            heights = _column(footprints, height_attribute)
+        crs = crs_text(footprints.crs)
+    else:
+        geometries = np.atleast_1d(np.asarray(footprints, dtype=object))
+        crs = ""
+        for name, attribute in (("id_attribute", id_attribute), ("height_attribute", height_attribute)):
+            if attribute:
+                raise UsageError(f"{name}: geometries have no attributes; give a GeoDataFrame")
+    try:
+        wkb = shapely.to_wkb(geometries)
+    except TypeError:
+        raise UsageError("footprints: give a file, a GeoDataFrame, or geometries of shapely, not "
+                         f"{type(footprints).__name__}") from None
+    return _core.FootprintTable([bytes(b) if b is not None else b"" for b in wkb], ids, heights, crs)
+
+
+def _codes(codes: Any, name: str, count: int) -> np.ndarray | None:
+    if codes is None:
+        return None
+    array = np.asarray(codes)
+    if array.shape != (count,):
+        raise UsageError(f"{name}: has the shape {array.shape}; give one value for each of {count} points")
+    if array.dtype != np.uint8 and array.size and not (0 <= array.min() and array.max() <= 255):
+        raise UsageError(f"{name}: holds values that are no class; give 0 to 255")
+    return np.ascontiguousarray(array, dtype=np.uint8)
+
+
+def points_in_memory(points: Any, classification: Any) -> _core.Points:
+    """Of an array (N, 3), or of what laspy reads."""
+    withheld, crs = None, ""
+    if hasattr(points, "xyz") and hasattr(points, "header"):  # laspy.LasData
+        las, points = points, points.xyz
+        classification = las.classification if classification is None else classification
+        withheld = las.withheld
+        crs = crs_text(las.header.parse_crs())
+    try:
+        xyz = np.ascontiguousarray(points, dtype=np.float64)
+    except (TypeError, ValueError):
+        raise UsageError("points: give files, an array (N, 3), or what laspy.read() returns, not "
+                         f"{type(points).__name__}") from None
+    if xyz.ndim != 2 or xyz.shape[1] != 3:
+        raise UsageError(f"points: has the shape {xyz.shape}; give (N, 3): x, y, z of each point")
+    count = len(xyz)
+    return _core.Points(xyz, _codes(classification, "classification", count), _codes(withheld, "withheld", count), crs)
+
+
+def paths_of(points: Any) -> list[str] | None:
+    """The files that `points` names; None if it is points itself."""
+    if is_path(points):
+        return [os.fspath(points)]
+    if isinstance(points, (list, tuple)) and points and all(is_path(path) for path in points):
+        return [os.fspath(path) for path in points]
+    return None

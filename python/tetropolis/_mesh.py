@@ -1,0 +1,298 @@
+"""Volume meshes and their boundary."""
+from __future__ import annotations
+
+import os
+from collections.abc import Iterator
+from functools import cached_property
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Literal
+
+import numpy as np
+import numpy.typing as npt
+
+from . import _core
+from ._city import City
+from ._errors import UsageError
+from ._report import Progress, Reported, following
+from ._settings import takes_settings
+
+if TYPE_CHECKING:
+    import meshio
+    import pyvista
+    from typing_extensions import Unpack
+
+    from ._settings import BuildMesh, Save
+
+Coordinates = Literal["local", "absolute"]
+Floats = npt.NDArray[np.float64]
+Ints = npt.NDArray[np.int32]
+Longs = npt.NDArray[np.int64]
+
+
+def _shift(origin: tuple[float, float, float], coordinates: str) -> Floats:
+    if coordinates not in ("local", "absolute"):
+        raise UsageError(f"coordinates: '{coordinates}' is not one of local, absolute")
+    return np.array(origin if coordinates == "absolute" else (0.0, 0.0, 0.0))
+
+
+class Surface:
+    """Tagged triangles. All arrays are the library's own memory, read-only."""
+
+    def __init__(self, core: _core.Surface, origin: tuple[float, float, float], crs: str) -> None:
+        self._core = core
+        self.origin = origin  #: Zero of `points` in the CRS: x, y, elevation.
+        self.crs = crs  #: "EPSG:28992", or WKT, or "" if unknown.
+
+    @property
+    def points(self) -> Floats:
+        """Metres in the local frame, shape (n, 3)."""
+        return self._core.points
+
+    @property
+    def triangles(self) -> Ints:
+        """Positions in `points`, shape (m, 3); normals leave the meshed volume."""
+        return self._core.triangles
+
+    @property
+    def patch(self) -> Ints:
+        """Number of each triangle's patch, shape (m,), ascending; `patches` has the names."""
+        return self._core.patch
+
+    @property
+    def building(self) -> Ints:
+        """For roofs and walls the building, by position in the city, else -1; shape (m,)."""
+        return self._core.building
+
+    @property
+    def node(self) -> Longs:
+        """Position of each point in the volume's `points`, shape (n,)."""
+        return self._core.node
+
+    @property
+    def cell(self) -> Longs:
+        """The volume's cell behind each triangle, shape (m,)."""
+        return self._core.cell
+
+    @property
+    def patches(self) -> dict[int, str]:
+        """Names of the patches by number: 1 "ground", 2 "roof", 3 "wall", 4 "top", ..."""
+        return self._core.patches
+
+    def to_pyvista(self, coordinates: Coordinates = "local") -> pyvista.PolyData:
+        """With the cell data `patch` and `building`, and the field data `origin`."""
+        import pyvista
+
+        mesh = pyvista.PolyData.from_regular_faces(self.points + _shift(self.origin, coordinates), self.triangles)
+        mesh.cell_data["patch"] = self.patch
+        mesh.cell_data["building"] = self.building
+        mesh.field_data["origin"] = self.origin if coordinates == "local" else (0.0, 0.0, 0.0)
+        return mesh
+
+    def to_meshio(self, coordinates: Coordinates = "local") -> meshio.Mesh:
+        """With the cell data `patch` and `building`."""
+        import meshio
+
+        return meshio.Mesh(self.points + _shift(self.origin, coordinates), [("triangle", self.triangles)],
+                           cell_data={"patch": [self.patch], "building": [self.building]})
+
+    def __repr__(self) -> str:
+        return f"<tetropolis.Surface: {len(self.triangles)} triangles, {len(self.points)} points>"
+
+
+class GroundMesh:
+    """The triangles over which the volume is built. Arrays are the library's own memory, read-only."""
+
+    def __init__(self, core: _core.Mesh) -> None:
+        self._core = core
+
+    @property
+    def vertices(self) -> Floats:
+        """x, y in the local frame, metres, shape (v, 2)."""
+        return self._core.ground_vertices
+
+    @property
+    def triangles(self) -> Ints:
+        """Positions in `vertices`, counter-clockwise, shape (t, 3)."""
+        return self._core.ground_triangles
+
+    @property
+    def building(self) -> Ints:
+        """The building that each triangle lies in, by position in the city, or -1; shape (t,). A copy."""
+        return self._core.region_building[self._core.ground_region]
+
+    @property
+    def column_first(self) -> Longs:
+        """Column v has the nodes from column_first[v] to column_first[v + 1] - 1; shape (v + 1,)."""
+        return self._core.column_first
+
+    @property
+    def column_z(self) -> Floats:
+        """Elevation of each node, column by column and upwards, metres; shape (`mesh.n_points`,)."""
+        return self._core.column_z
+
+
+class Mesh(Reported):
+    """Tetrahedra of the air over a city; made by `build_mesh`.
+
+    The library keeps columns of nodes, about 8 bytes a node. `points`, `cells` and `region` are made of them when
+    they are first asked for, and kept: some 40 bytes a cell. `cell_blocks` hands out large meshes part by part.
+
+    Attributes
+    ----------
+    boundary : Surface
+        The whole boundary of the volume.
+    ground : GroundMesh
+        The triangles and columns that the volume is made of.
+    crs : str
+        "EPSG:28992", or WKT, or "" if unknown.
+    """
+
+    def __init__(self, core: _core.Mesh, crs: str) -> None:
+        self._core = core
+        self._text = core.report
+        self.crs = crs
+        self.boundary = Surface(core.boundary, self.origin, crs)
+        self.ground = GroundMesh(core)
+
+    @property
+    def origin(self) -> tuple[float, float, float]:
+        """Zero of `points` in the CRS: x, y, elevation."""
+        return self._core.origin
+
+    @property
+    def n_points(self) -> int:
+        return self._core.n_points
+
+    @property
+    def n_cells(self) -> int:
+        return self._core.n_cells
+
+    @cached_property
+    def points(self) -> Floats:
+        """Nodes, metres in the local frame, shape (n_points, 3); column by column and upwards."""
+        return self._core.points()
+
+    @cached_property
+    def cells(self) -> Longs:
+        """Positions in `points`, shape (n_cells, 4): (p1 - p0) x (p2 - p0) . (p3 - p0) > 0."""
+        return self._core.cells(0, self._core.n_triangles)
+
+    @cached_property
+    def region(self) -> Ints:
+        """The building whose footprint each cell stands over, by position in the city, or -1; shape (n_cells,)."""
+        return self._core.regions(0, self._core.n_triangles)
+
+    def cell_blocks(self, size: int = 1_000_000) -> Iterator[tuple[int, Longs, Ints]]:
+        """`cells` and `region` in consecutive parts, for meshes that are too large as a whole.
+
+        Parameters
+        ----------
+        size : int
+            Cells in a part, at most (but all cells over one triangle at least).
+
+        Yields
+        ------
+        first : int
+            Number of the part's first cell.
+        cells : ndarray of shape (k, 4)
+        region : ndarray of shape (k,)
+        """
+        begin = first = 0
+        while begin < self._core.n_triangles:
+            end = self._core.end_of_block(begin, size)
+            cells = self._core.cells(begin, end)
+            yield first, cells, self._core.regions(begin, end)
+            begin, first = end, first + len(cells)
+
+    @cached_property
+    def surface(self) -> Surface:
+        """Ground, roofs and walls: the boundary without the domain's top and sides."""
+        return Surface(self._core.boundary.solid(), self.origin, self.crs)
+
+    @property
+    def quality(self) -> dict[str, Any]:
+        """Angles, aspect ratios, the worst cells: `volume_mesh` of the report."""
+        return self.report["volume_mesh"]
+
+    def to_pyvista(self, coordinates: Coordinates = "local") -> pyvista.UnstructuredGrid:
+        """With the cell data `region`, and the field data `origin`.
+
+        Parameters
+        ----------
+        coordinates : {'local', 'absolute'}
+            Relative to `origin`, or of the CRS.
+        """
+        import pyvista
+
+        grid = pyvista.UnstructuredGrid({pyvista.CellType.TETRA: self.cells},
+                                        self.points + _shift(self.origin, coordinates))
+        grid.cell_data["region"] = self.region
+        grid.field_data["origin"] = self.origin if coordinates == "local" else (0.0, 0.0, 0.0)
+        return grid
+
+    def to_meshio(self, coordinates: Coordinates = "local") -> meshio.Mesh:
+        """With the cell data `region`. `coordinates` as for `to_pyvista`."""
+        import meshio
+
+        return meshio.Mesh(self.points + _shift(self.origin, coordinates), [("tetra", self.cells)],
+                           cell_data={"region": [self.region]})
+
+    @takes_settings("save")
+    def save(self, path: str | os.PathLike[str], *, progress: Progress = None, **settings: Unpack[Save]) -> None:
+        """Writes a file, as the command line does; the name's end says which.
+
+        ``.vtu``, ``.xdmf`` (with ``.h5``), ``.msh`` and a folder ``constant/polyMesh`` hold the volume, ``.vtp`` its
+        boundary; ``.stl``, ``.obj``, ``.ply`` and ``.glb`` ground, roofs and walls.
+
+        Parameters
+        ----------
+        path : path
+            File, or OpenFOAM's folder.
+        progress : bool or callable, optional
+            As for `build_city`.
+
+        Raises
+        ------
+        UsageError
+            No format has this name.
+        InputError
+            The file cannot be written.
+        """
+        with following(progress) as follow:
+            self._core.save(Path(path), dict(settings), follow)
+
+    def __repr__(self) -> str:
+        return f"<tetropolis.Mesh: {self.n_cells} tetrahedra, {self.n_points} points, {self.crs or 'no CRS'}>"
+
+
+@takes_settings("build_mesh")
+def build_mesh(city: City, *, progress: Progress = None, **settings: Unpack[BuildMesh]) -> Mesh:
+    """Meshes the air over a city.
+
+    Parameters
+    ----------
+    city : City
+        Its heights and terrain may have been edited.
+    progress : bool or callable, optional
+        As for `build_city`.
+
+    Returns
+    -------
+    Mesh
+        Does not depend on the city any more.
+
+    Raises
+    ------
+    UsageError
+        A keyword that does not exist or has no such value; a mesh of more than `max_memory`.
+    InputError
+        An edited height that is no elevation, or a roof that is not above its ground.
+    GuaranteeError
+        A guarantee cannot be met.
+    """
+    if not isinstance(city, City):
+        raise UsageError(f"city: give what build_city() or read_city() returns, not {type(city).__name__}")
+    with following(progress) as follow:
+        mesh = Mesh(_core.build_mesh(dict(settings), city._core, follow), city.crs)
+    mesh._warn()
+    return mesh

@@ -1,0 +1,59 @@
+"""What a call tells beside its result: the report, warnings, progress."""
+from __future__ import annotations
+
+import contextlib
+import json
+import warnings
+from collections.abc import Callable, Iterator
+from typing import Any, NamedTuple, Union
+
+from ._errors import DataWarning
+
+Progress = Union[bool, Callable[[str, float], object], None]
+
+
+class Notice(NamedTuple):
+    """One kind of oddity of the input, or of what was made of it."""
+
+    code: str  #: Stable, such as "stray_points".
+    count: int  #: How many points, features or cells it concerns.
+    message: str
+
+
+class Reported:
+    """Has a report, as the command line writes it."""
+
+    _text: str
+
+    @property
+    def report(self) -> dict[str, Any]:
+        """What happened, with the keys of ``report.json`` (docs/report.md)."""
+        if "_report" not in self.__dict__:
+            self.__dict__["_report"] = json.loads(self._text)
+        return self.__dict__["_report"]
+
+    @property
+    def warnings(self) -> list[Notice]:
+        """What was odd; each was a Python warning (`DataWarning`) too, when this was made."""
+        return [Notice(w["code"], w["count"], w["message"]) for w in self.report["warnings"]]
+
+    def _warn(self) -> None:
+        """At the line of user code that called the function that calls this."""
+        for notice in self.warnings:
+            warnings.warn(f"{notice.message} ({notice.code})", DataWarning, stacklevel=3)
+
+
+@contextlib.contextmanager
+def following(progress: Progress) -> Iterator[Callable[[str, float], object] | None]:
+    """The callable that the core takes for an argument `progress`."""
+    if progress is not True:
+        yield progress or None
+        return
+    from tqdm.auto import tqdm
+
+    with tqdm(total=100, bar_format="{desc:<28}{percentage:3.0f}% |{bar}| {elapsed}") as bar:
+        def update(step: str, fraction: float) -> None:
+            bar.set_description_str(step, refresh=False)
+            bar.n = round(100 * fraction)
+            bar.refresh()
+        yield update
