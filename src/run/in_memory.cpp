@@ -106,7 +106,7 @@ CityInMemory make_city(Config config, InputInMemory input, const StepHooks& hook
   require_given({{!config.footprints.empty() || config.terrain_only, "footprints",
                   "a vector file with building footprints, or add terrain_only"},
                  {!config.points.empty(), "points", "LAS or LAZ files or a folder of them"}});
-  if (!input.footprints && !input.points) refuse_swapped_input(config);
+  if (!input.footprints && !input.points) refuse_mistaken_files(config);
   const ThreadLimit limit(config.threads);
   CityInMemory city{{}, begin_report("city", config)};
   city.built = make_city(config, Next::kNothing, input, {hooks, {}, {}}, city.report);
@@ -117,7 +117,7 @@ CityInMemory load_city(const Config& config, const StepHooks& hooks) {
   require_in_range(config, kMesh);
   require_given({{!config.city.empty(), "city", "a city model (.city.json)"},
                  {!config.dtm.empty(), "dtm", "a terrain raster (.tif)"}});
-  refuse_swapped_input(config);
+  refuse_mistaken_files(config);
   const ThreadLimit limit(config.threads);
   CityInMemory city{{}, begin_report("mesh", config)};
   city.built = load_city(config, hooks, city.report);
