@@ -16,7 +16,7 @@ void steps_3_1_to_3_5(benchmark::State& state) {
   double cells = 0;
   for (auto _ : state)
     cells = static_cast<double>(
-        cell_offsets(mesh_of(input, static_cast<double>(state.range(1)))).back());
+        cell_offsets(mesh_of(input, static_cast<double>(state.range(1)))).back().value());
   state.counters["tets"] = cells;
   state.counters["tets/s"] =
       benchmark::Counter(cells, benchmark::Counter::kIsIterationInvariantRate);

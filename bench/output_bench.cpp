@@ -43,7 +43,7 @@ const SurfaceMesh& city_boundary() {
 /// `prepare` runs before each time and is not timed.
 template <typename Body, typename Prepare>
 void run(benchmark::State& state, const Body& body, const Prepare& prepare) {
-  const auto cells = static_cast<double>(cell_offsets(city_mesh()).back());
+  const auto cells = static_cast<double>(cell_offsets(city_mesh()).back().value());
   city_boundary();
   const ThreadLimit limit(static_cast<int>(state.range(0)));
   for (auto _ : state) {

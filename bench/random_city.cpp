@@ -6,6 +6,7 @@
 
 #include "tetropolis/city/clean.h"
 #include "tetropolis/city/simplify/simplify.h"
+#include "tetropolis/core/row_major.h"
 #include "tetropolis/ground/mesh_ground.h"
 #include "tetropolis/synth/synthetic_city.h"
 #include "tetropolis/terrain/dtm.h"
@@ -28,8 +29,7 @@ CityInput make_input(std::int64_t buildings, double size) {
   input.dtm = dtm_grid(city.domain, 1);
   for (std::int32_t j = 0; j < input.dtm.ny; ++j)
     for (std::int32_t i = 0; i < input.dtm.nx; ++i)
-      input.dtm.values[static_cast<std::size_t>(j) * static_cast<std::size_t>(input.dtm.nx) +
-                       static_cast<std::size_t>(i)] = synthetic_ground(city.terrain, i, j);
+      input.dtm.values[row_major(i, j, input.dtm.nx)] = synthetic_ground(city.terrain, i, j);
   std::vector<Polygon> cleaned;
   for (const Polygon& footprint : city.footprints)
     cleaned.push_back(clean_footprint(footprint).polygon);

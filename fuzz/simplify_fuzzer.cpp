@@ -76,7 +76,7 @@ std::vector<Polygon> claim_cleaned(const std::vector<Polygon>& raw) {
 /// Every input is in one output or dropped, in order.
 void claim_account(const Simplification& result, std::size_t inputs) {
   std::vector<int> seen(inputs, 0);
-  BuildingIndex previous = -1;
+  BuildingIndex previous = kNoBuilding;
   claim(result.members.size() == result.footprints.size() &&
             result.flags.size() == result.footprints.size(),
         "members and flags for every footprint");
@@ -84,11 +84,11 @@ void claim_account(const Simplification& result, std::size_t inputs) {
     claim(!members.empty() && std::is_sorted(members.begin(), members.end()), "members sorted");
     claim(members[0] > previous, "footprints sorted by first member");
     previous = members[0];
-    for (const BuildingIndex m : members) ++seen.at(static_cast<std::size_t>(m));
+    for (const BuildingIndex m : members) ++seen.at(m);
   }
   for (const DroppedFootprint& dropped : result.dropped) {
     claim(!dropped.reason.empty(), "a reason for what is dropped");
-    ++seen.at(static_cast<std::size_t>(dropped.index));
+    ++seen.at(dropped.index);
   }
   claim(std::all_of(seen.begin(), seen.end(), [](int n) { return n == 1; }),
         "every footprint is accounted for once");

@@ -78,8 +78,8 @@ PlanarGraph graph_from(ByteReader& bytes, Scale scale) {
   }
   if (points == 0) return graph;
   for (int i = 0; i < segments && !bytes.empty(); ++i) {
-    const VertexIndex a = bytes.between(0, points - 1);
-    graph.segments.push_back({a, bytes.between(0, points - 1)});
+    const VertexIndex a(bytes.between(0, points - 1));
+    graph.segments.push_back({a, VertexIndex(bytes.between(0, points - 1))});
   }
   for (int i = 0; i < holes; ++i) {
     const double x = coordinate(bytes, scale);

@@ -41,7 +41,7 @@ namespace {
 /// A mesh and where the cells over each triangle are.
 struct Mesh {
   MeshInMemory made;
-  std::vector<NodeIndex> offsets;
+  std::vector<CellIndex> offsets;
 
   const CityMesh& mesh() const { return made.mesh; }
   const ColumnMesh& volume() const { return made.mesh.volume; }

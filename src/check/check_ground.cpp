@@ -81,10 +81,11 @@ class GroundChecker {
         };
         if (surface_.patch_of(f).kind != kind || !std::all_of(t.begin(), t.end(), finite)) continue;
         faces.push_back(static_cast<std::uint32_t>(f));
-        triangles.push_back(t);
+        triangles.push_back({VertexIndex(t[0]), VertexIndex(t[1]), VertexIndex(t[2])});
       }
       std::vector<std::array<VertexIndex, 2>> segments;
-      for (const auto& [v, w] : outline(faces)) segments.push_back({v, w});
+      for (const auto& [v, w] : outline(faces))
+        segments.push_back({VertexIndex(v), VertexIndex(w)});
       for (const std::string& found :
            check_angles(points, triangles, segments, min_angle_deg - kPlanSlackDeg))
         note_violation(violations, "angles below the minimum where no input corner is sharper",
@@ -96,9 +97,7 @@ class GroundChecker {
     const RaggedArray<std::uint32_t> roofs = file_under_rows(
         surface_.triangles.size(), city_.buildings.size(), [&](std::size_t f, const auto& use) {
           const BuildingIndex b = surface_.building[f];
-          if (surface_.patch_of(f).kind == PatchKind::kRoof && b >= 0 &&
-              static_cast<std::size_t>(b) < city_.buildings.size())
-            use(static_cast<std::size_t>(b));
+          if (surface_.patch_of(f).kind == PatchKind::kRoof && b < city_.buildings.size()) use(b);
         });
     add_violations(violations,
                    sum_of_violations(roofs.size(), [&](std::size_t begin, std::size_t end,

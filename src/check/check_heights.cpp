@@ -285,7 +285,7 @@ void HeightChecker::check_ground(std::size_t v) {
 
 void HeightChecker::check_roof(std::size_t v, BuildingIndex building) {
   ++result_.roof_vertices;
-  if (building < 0 || building >= static_cast<BuildingIndex>(city_.buildings.size())) {
+  if (building < 0 || building >= BuildingIndex(city_.buildings.size())) {
     note_violation(result_.violations, "roofs of buildings that the city model lacks",
                    [&] { return fmt::format("building {}", building); });
     return;

@@ -86,7 +86,7 @@ bool FootprintGrid::is_inside(const Bands& bands, double x, double y) const {
 
 BuildingIndex FootprintGrid::at(double x, double y) const {
   for (const std::uint32_t b : near(x, y))
-    if (is_inside(bands_[b], x, y)) return static_cast<BuildingIndex>(b);
+    if (is_inside(bands_[b], x, y)) return BuildingIndex(b);
   return kNoBuilding;
 }
 

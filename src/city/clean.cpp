@@ -130,8 +130,7 @@ void fill_touching_holes(std::vector<Polygon>& parts) {
   const Outline outline = make_outline(pointers_to(parts), 4 * kBridge);
   std::vector<std::uint8_t> touching(outline.first.size(), 0);
   for (const NearPair& pair : near_pairs(outline, 2))
-    for (const std::int32_t at : {pair.vertex, pair.edge})
-      touching[static_cast<std::size_t>(outline.ring_of(at))] = 1;
+    for (const OutlineVertex at : {pair.vertex, pair.edge}) touching[outline.ring_of(at)] = 1;
   std::size_t ring = 0;
   for (Polygon& part : parts) {
     ++ring;  // the outer one

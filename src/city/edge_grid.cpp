@@ -18,31 +18,30 @@ EdgeGrid::EdgeGrid(const Bounds2& box, double cell, std::size_t expected_segment
   pool_.reserve(2 * expected_segments);
 }
 
-void EdgeGrid::insert(std::int32_t id, Point2 a, Point2 b) {
+void EdgeGrid::insert(LineIndex id, Point2 a, Point2 b) {
   visit_cells_near(a, b, 0, [&](std::size_t cell) {
-    std::int32_t entry = free_;
-    if (entry >= 0) {
-      free_ = pool_[static_cast<std::size_t>(entry)].next;
+    std::int32_t e = free_;
+    if (e >= 0) {
+      free_ = entry(e).next;
     } else {
-      entry = static_cast<std::int32_t>(pool_.size());
+      e = static_cast<std::int32_t>(pool_.size());
       pool_.emplace_back();
     }
-    pool_[static_cast<std::size_t>(entry)] = {id, head_[cell]};
-    head_[cell] = entry;
+    entry(e) = {id, head_[cell]};
+    head_[cell] = e;
   });
 }
 
-void EdgeGrid::remove(std::int32_t id, Point2 a, Point2 b) {
+void EdgeGrid::remove(LineIndex id, Point2 a, Point2 b) {
   visit_cells_near(a, b, 0, [&](std::size_t cell) {
     std::int32_t* link = &head_[cell];
-    while (*link >= 0 && pool_[static_cast<std::size_t>(*link)].id != id)
-      link = &pool_[static_cast<std::size_t>(*link)].next;
+    while (*link >= 0 && entry(*link).id != id) link = &entry(*link).next;
     assert(*link >= 0);
     if (*link < 0) return;
-    const std::int32_t entry = *link;
-    *link = pool_[static_cast<std::size_t>(entry)].next;
-    pool_[static_cast<std::size_t>(entry)].next = free_;
-    free_ = entry;
+    const std::int32_t e = *link;
+    *link = entry(e).next;
+    entry(e).next = free_;
+    free_ = e;
   });
 }
 

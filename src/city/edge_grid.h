@@ -8,9 +8,13 @@
 #include <utility>
 #include <vector>
 
+#include "tetropolis/core/row_major.h"
 #include "tetropolis/geometry/types.h"
 
 namespace tetropolis {
+
+/// Number of a segment in its list.
+using LineIndex = Index<struct LineTag>;
 
 /// A good size of cells for `count` segments of `length` in all: their mean length, or less where
 /// segments are long and close to each other, but so that each is in a few dozen cells at most.
@@ -31,10 +35,10 @@ class EdgeGrid {
   /// Cells of about `cell` (made larger if there would be more than 4 per expected segment).
   EdgeGrid(const Bounds2& box, double cell, std::size_t expected_segments);
 
-  void insert(std::int32_t id, Point2 a, Point2 b);
+  void insert(LineIndex id, Point2 a, Point2 b);
 
   /// Precondition: `id` was inserted with the same a and b.
-  void remove(std::int32_t id, Point2 a, Point2 b);
+  void remove(LineIndex id, Point2 a, Point2 b);
 
   /// Calls visit(id) for every segment whose cells overlap `box`: a superset of those that meet it.
   /// The same id may come several times. The order depends on the history of calls only.
@@ -51,9 +55,8 @@ class EdgeGrid {
     const std::int32_t y0 = row(box.ymin), y1 = row(box.ymax);
     for (std::int32_t y = y0; y <= y1; ++y)
       for (std::int32_t x = x0; x <= x1; ++x)
-        for (std::int32_t e = head_[index(x, y)]; e >= 0;
-             e = pool_[static_cast<std::size_t>(e)].next)
-          if (is_wanted(pool_[static_cast<std::size_t>(e)].id)) return true;
+        for (std::int32_t e = head_[index(x, y)]; e >= 0; e = entry(e).next)
+          if (is_wanted(entry(e).id)) return true;
     return false;
   }
 
@@ -96,22 +99,20 @@ class EdgeGrid {
   /// Calls visit_id(id) for every segment listed in the cell.
   template <typename Visit>
   void visit_cell(std::size_t cell, const Visit& visit_id) const {
-    for (std::int32_t e = head_[cell]; e >= 0; e = pool_[static_cast<std::size_t>(e)].next)
-      visit_id(pool_[static_cast<std::size_t>(e)].id);
+    for (std::int32_t e = head_[cell]; e >= 0; e = entry(e).next) visit_id(entry(e).id);
   }
 
  private:
   static constexpr double kSlack = 1e-6;  ///< Of a cell, against rounding.
 
   struct Entry {
-    std::int32_t id;
+    LineIndex id;
     std::int32_t next;
   };
 
-  std::size_t index(std::int32_t x, std::int32_t y) const {
-    return static_cast<std::size_t>(y) * static_cast<std::size_t>(columns_) +
-           static_cast<std::size_t>(x);
-  }
+  Entry& entry(std::int32_t e) { return pool_[static_cast<std::size_t>(e)]; }
+  const Entry& entry(std::int32_t e) const { return pool_[static_cast<std::size_t>(e)]; }
+  std::size_t index(std::int32_t x, std::int32_t y) const { return row_major(x, y, columns_); }
   std::int32_t column(double x) const {
     return static_cast<std::int32_t>(
         std::clamp(std::floor((x - box_.xmin) / cell_), 0.0, static_cast<double>(columns_ - 1)));

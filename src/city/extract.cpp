@@ -123,11 +123,10 @@ PointLists take_lists(std::vector<Chunk>& chunks, std::vector<Hit> Chunk::*kind,
                       std::size_t buildings) {
   RaggedBuilder<PointIndex> lists(buildings);
   for (const Chunk& chunk : chunks)
-    for (const Hit& hit : chunk.*kind) lists.count(static_cast<std::size_t>(hit.building));
+    for (const Hit& hit : chunk.*kind) lists.count(hit.building);
   lists.start();
   for (Chunk& chunk : chunks) {
-    for (const Hit& hit : chunk.*kind)
-      lists.place(static_cast<std::size_t>(hit.building), hit.point);
+    for (const Hit& hit : chunk.*kind) lists.place(hit.building, hit.point);
     std::vector<Hit>().swap(chunk.*kind);
   }
   return lists.take();
@@ -175,7 +174,7 @@ std::vector<Surroundings> find_surroundings(std::span<const Polygon* const> foot
       index.at(position, [&](BuildingIndex building, bool inside) {
         covered = covered || inside;
         open = open && !inside && index.squared_distance(building, position) > kWall * kWall;
-        if (!inside && static_cast<std::size_t>(building) < buildings) near.push_back(building);
+        if (!inside && building < buildings) near.push_back(building);
       });
       for (const BuildingIndex building : near) {
         const Hit hit{building, static_cast<PointIndex>(p)};
@@ -257,15 +256,13 @@ std::vector<BuildingIndex> find_unclassified(std::span<const Polygon* const> foo
     parallel_chunks(range.end - range.begin, kPointGrain, [&](std::size_t begin, std::size_t end) {
       for (std::size_t p = range.begin + begin; p < range.begin + end; ++p)
         index.at({cloud.x[p], cloud.y[p]}, [&](BuildingIndex building, bool inside) {
-          if (inside)
-            std::atomic_ref(inside_of[static_cast<std::size_t>(building)])
-                .fetch_add(1, std::memory_order_relaxed);
+          if (inside) std::atomic_ref(inside_of[building]).fetch_add(1, std::memory_order_relaxed);
         });
       shared.add(static_cast<std::int64_t>(end - begin));
     });
   std::vector<BuildingIndex> result;
   for (std::size_t b = 0; b < footprints.size(); ++b)
-    if (inside_of[b] > roof[b].size()) result.push_back(static_cast<BuildingIndex>(b));
+    if (inside_of[b] > roof[b].size()) result.push_back(BuildingIndex(b));
   return result;
 }
 
@@ -275,10 +272,10 @@ void take_by_exclusion(std::span<const Polygon* const> footprints,
                        const ExtractOptions& options, const Progress& progress,
                        BuildingPoints& points) {
   std::vector<const Polygon*> order;
-  for (const BuildingIndex b : which) order.push_back(footprints[static_cast<std::size_t>(b)]);
+  for (const BuildingIndex b : which) order.push_back(footprints[b]);
   std::size_t next = 0;
   for (std::size_t f = 0; f < footprints.size(); ++f)
-    if (next < which.size() && static_cast<std::size_t>(which[next]) == f)
+    if (next < which.size() && which[next] == f)
       ++next;
     else
       order.push_back(footprints[f]);
@@ -287,7 +284,7 @@ void take_by_exclusion(std::span<const Polygon* const> footprints,
   next = 0;
   for (std::size_t b = 0; b < points.roof.size(); ++b) {
     std::span<const PointIndex> row = points.roof[b];
-    if (next < which.size() && static_cast<std::size_t>(which[next]) == b) {
+    if (next < which.size() && which[next] == b) {
       const std::span<const PointIndex> other = found.roof[next++];
       points.by_exclusion[b] = other.empty() ? 0 : 1;
       if (!other.empty()) row = other;
@@ -329,7 +326,7 @@ PointLists merge_lists(const PointLists& lists,
     for (std::size_t m = begin; m < end; ++m) {
       std::vector<PointIndex>& list = merged[m];
       for (const BuildingIndex member : members[m]) {
-        const std::span<const PointIndex> more = lists[static_cast<std::size_t>(member)];
+        const std::span<const PointIndex> more = lists[member];
         list.insert(list.end(), more.begin(), more.end());
       }
       std::sort(list.begin(), list.end());

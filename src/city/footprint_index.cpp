@@ -65,22 +65,22 @@ void FootprintIndex::build_cells() {
   while (entries_with(cell_) > most) cell_ *= 2;
   columns_ = static_cast<std::int32_t>(box_.width() / cell_) + 1;
   rows_ = static_cast<std::int32_t>(box_.height() / cell_) + 1;
-  cells_ = ragged_from_pairs<std::int32_t>(
+  cells_ = ragged_from_pairs<BuildingIndex>(
       static_cast<std::size_t>(columns_) * static_cast<std::size_t>(rows_), [&](const auto& use) {
-        for (std::size_t f = 0; f < outlines_.size(); ++f) {
+        for (const BuildingIndex f : indices<BuildingIndex>(outlines_.size())) {
           const Bounds2& box = outlines_[f].box;
           if (box.empty()) continue;
           for (std::int32_t j = row(box.ymin); j <= row(box.ymax); ++j)
             for (std::int32_t i = column(box.xmin); i <= column(box.xmax); ++i)
               use(static_cast<std::size_t>(j) * static_cast<std::size_t>(columns_) +
                       static_cast<std::size_t>(i),
-                  static_cast<std::int32_t>(f));
+                  f);
         }
       });
 }
 
-double FootprintIndex::squared_distance(std::int32_t footprint, Point2 p) const {
-  const Outline& outline = outlines_[static_cast<std::size_t>(footprint)];
+double FootprintIndex::squared_distance(BuildingIndex footprint, Point2 p) const {
+  const Outline& outline = outlines_[footprint];
   double result = kInfinity;
   if (!outline.box.contains(p)) return result;
   for (const Edge& edge : near_bands(outline, p.y))

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "tetropolis/core/ragged_array.h"
+#include "tetropolis/core/row_major.h"
 #include "tetropolis/geometry/polygon.h"
 #include "tetropolis/geometry/types.h"
 
@@ -33,8 +34,8 @@ class FootprintIndex {
   template <typename Visit>
   void at(Point2 p, const Visit& visit) const {
     if (!box_.contains(p)) return;
-    for (const std::int32_t footprint : cells_[cell_at(p)]) {
-      const Outline& outline = outlines_[static_cast<std::size_t>(footprint)];
+    for (const BuildingIndex footprint : cells_[cell_at(p)]) {
+      const Outline& outline = outlines_[footprint];
       if (!outline.box.contains(p)) continue;
       if (inside(bands_at(outline, p.y, p.y), p)) {
         visit(footprint, true);
@@ -46,11 +47,11 @@ class FootprintIndex {
 
   /// Square of the distance from `p` to the boundary of a footprint, if that is at most the margin;
   /// otherwise some number above the square of the margin.
-  double squared_distance(std::int32_t footprint, Point2 p) const;
+  double squared_distance(BuildingIndex footprint, Point2 p) const;
 
   /// How many edges tell whether a position of ordinate y is inside a footprint.
-  std::size_t edges_at(std::int32_t footprint, double y) const {
-    return bands_at(outlines_[static_cast<std::size_t>(footprint)], y, y).size();
+  std::size_t edges_at(BuildingIndex footprint, double y) const {
+    return bands_at(outlines_[footprint], y, y).size();
   }
 
   /// How many edges there are in all bands.
@@ -81,10 +82,7 @@ class FootprintIndex {
     return std::clamp(static_cast<std::int32_t>(offset / cell_), 0, count - 1);
   }
 
-  std::size_t cell_at(Point2 p) const {
-    return static_cast<std::size_t>(row(p.y)) * static_cast<std::size_t>(columns_) +
-           static_cast<std::size_t>(column(p.x));
-  }
+  std::size_t cell_at(Point2 p) const { return row_major(column(p.x), row(p.y), columns_); }
 
   static std::int32_t band_of(const Outline& outline, double y) {
     const double share = (y - outline.box.ymin) / outline.box.height();
@@ -127,7 +125,7 @@ class FootprintIndex {
   double cell_ = 1;
   std::int32_t columns_ = 0;
   std::int32_t rows_ = 0;
-  RaggedArray<std::int32_t> cells_;  ///< Footprints, row by row of the grid.
+  RaggedArray<BuildingIndex> cells_;  ///< Footprints, row by row of the grid.
 };
 
 }  // namespace tetropolis

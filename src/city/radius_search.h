@@ -12,6 +12,7 @@
 
 #include "tetropolis/city/extract.h"
 #include "tetropolis/core/ragged_array.h"
+#include "tetropolis/core/row_major.h"
 #include "tetropolis/geometry/point_cloud.h"
 
 #include "core/ragged_builder.h"
@@ -91,7 +92,7 @@ class RadiusSearch {
     for (std::int64_t j = std::max<std::int64_t>(cj - 1, 0); j <= std::min(cj + 1, rows_ - 1); ++j)
       for (std::int64_t i = std::max<std::int64_t>(ci - 1, 0); i <= std::min(ci + 1, columns_ - 1);
            ++i) {
-        for (const std::size_t other : cells_[static_cast<std::size_t>(j * columns_ + i)]) {
+        for (const std::size_t other : cells_[row_major(i, j, columns_)]) {
           const PointIndex q = points_[other];
           const double dx = cloud_.x[q] - cloud_.x[p];
           const double dy = cloud_.y[q] - cloud_.y[p];
@@ -155,9 +156,7 @@ class RadiusSearch {
   std::int64_t row(PointIndex p) const {
     return static_cast<std::int64_t>((cloud_.y[p] - y0_) / radius_);
   }
-  std::size_t cell_of(PointIndex p) const {
-    return static_cast<std::size_t>(row(p) * columns_ + column(p));
-  }
+  std::size_t cell_of(PointIndex p) const { return row_major(column(p), row(p), columns_); }
 
   std::vector<PointIndex> points_;
   const PointCloud& cloud_;

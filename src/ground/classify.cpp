@@ -76,7 +76,7 @@ void classify(const PlanarGraph& graph, bool convex_hull, Construction& result) 
   for (const RegionSeed& region : graph.regions)
     flood(mesh, locate(region.seed), region.marker, stack);
   for (TriMesh::Triangle& t : mesh.triangles)
-    if (t.region == kUnvisited) t.region = kNoRegion;
+    if (t.region == kUnvisited) t.region = kNoRegion.value();
 }
 
 void carve_outside(TriMesh& mesh) {
@@ -133,14 +133,14 @@ Triangulation export_triangulation(const PlanarGraph& graph, const Construction&
   out.triangle_regions.reserve(mesh.triangles.size());
   for (const TriMesh::Triangle& t : mesh.triangles) {
     if (t.v[0] == TriMesh::kDead) continue;
-    out.triangles.push_back({t.v[0], t.v[1], t.v[2]});
+    out.triangles.push_back({VertexIndex(t.v[0]), VertexIndex(t.v[1]), VertexIndex(t.v[2])});
     out.triangle_regions.push_back(t.region);
   }
   for (const TriMesh::Subsegment& s : mesh.subsegments) {
     if (s.v[0] == TriMesh::kDead) continue;
     const std::int32_t input =
         piece_input.empty() ? s.piece : piece_input[static_cast<std::size_t>(s.piece)];
-    out.segments.push_back({s.v[0], s.v[1]});
+    out.segments.push_back({VertexIndex(s.v[0]), VertexIndex(s.v[1])});
     out.segment_inputs.push_back(input);
     out.segment_markers.push_back(input < 0 ? kHullSegment
                                   : graph.segment_markers.empty()

@@ -16,7 +16,7 @@ inline constexpr std::int32_t kOutsideRegion = std::numeric_limits<std::int32_t>
 /// A triangulated graph. Subsegments' `piece` is the index of their input segment, or kHullSegment.
 struct Construction {
   TriMesh mesh;
-  std::vector<std::int32_t> input_vertex;
+  std::vector<VertexIndex> input_vertex;
   std::int64_t crossings = 0;
 };
 

@@ -10,6 +10,8 @@
 
 #include "tetropolis/geometry/types.h"
 
+#include "core/ragged_builder.h"
+
 namespace tetropolis {
 
 /// Groups the edges of triangles by their two vertices.
@@ -19,18 +21,17 @@ class EdgeTable {
   struct Use {
     VertexIndex low;
     VertexIndex high;
-    std::int32_t triangle;
-    std::int32_t edge;
+    TriangleIndex triangle;
+    std::uint8_t edge;
     bool forward;
   };
 
   explicit EdgeTable(std::span<const std::array<VertexIndex, 3>> triangles) {
     uses_.reserve(3 * triangles.size());
-    for (std::size_t t = 0; t < triangles.size(); ++t) {
-      for (std::size_t e = 0; e < 3; ++e) {
+    for (const TriangleIndex t : indices<TriangleIndex>(triangles.size())) {
+      for (std::uint8_t e = 0; e < 3; ++e) {
         const VertexIndex a = triangles[t][(e + 1) % 3], b = triangles[t][(e + 2) % 3];
-        uses_.push_back({std::min(a, b), std::max(a, b), static_cast<std::int32_t>(t),
-                         static_cast<std::int32_t>(e), a < b});
+        uses_.push_back({std::min(a, b), std::max(a, b), t, e, a < b});
       }
     }
     std::sort(uses_.begin(), uses_.end(), [](const Use& x, const Use& y) {
@@ -74,27 +75,14 @@ class EdgeSet {
 };
 
 /// The vertices joined to each vertex by edges of a list.
-class Neighbours {
- public:
-  Neighbours(std::size_t vertices, std::span<const std::array<VertexIndex, 2>> edges)
-      : starts_(vertices + 1, 0), others_(2 * edges.size()) {
-    for (const auto& e : edges)
-      for (const VertexIndex v : e) ++starts_[static_cast<std::size_t>(v) + 1];
-    for (std::size_t v = 0; v < vertices; ++v) starts_[v + 1] += starts_[v];
-    std::vector<std::size_t> next(starts_.begin(), starts_.end() - 1);
+inline RaggedArray<VertexIndex> neighbours(std::size_t vertices,
+                                           std::span<const std::array<VertexIndex, 2>> edges) {
+  return ragged_from_pairs<VertexIndex>(vertices, [&](const auto& use) {
     for (const auto& e : edges) {
-      others_[next[static_cast<std::size_t>(e[0])]++] = e[1];
-      others_[next[static_cast<std::size_t>(e[1])]++] = e[0];
+      use(e[0], e[1]);
+      use(e[1], e[0]);
     }
-  }
-  std::span<const VertexIndex> of(VertexIndex v) const {
-    const auto i = static_cast<std::size_t>(v);
-    return std::span<const VertexIndex>(others_).subspan(starts_[i], starts_[i + 1] - starts_[i]);
-  }
-
- private:
-  std::vector<std::size_t> starts_;
-  std::vector<VertexIndex> others_;
-};
+  });
+}
 
 }  // namespace tetropolis

@@ -10,28 +10,26 @@ VertexRegions regions_at_vertices(const GroundMesh& mesh) {
   const std::size_t vertices = mesh.vertices.size();
   std::vector<RegionIndex> one(vertices, kNoRegion);
   std::vector<std::pair<VertexIndex, RegionIndex>> others;  // few vertices have more
-  for (std::size_t t = 0; t < mesh.triangles.size(); ++t)
+  for (const TriangleIndex t : mesh.triangles.indices())
     for (const VertexIndex v : mesh.triangles[t]) {
-      RegionIndex& own = one[static_cast<std::size_t>(v)];
+      RegionIndex& own = one[v];
       if (own == kNoRegion) own = mesh.region[t];
       if (own != mesh.region[t]) others.emplace_back(v, mesh.region[t]);
     }
-  for (const auto& [v, region] : std::vector(others))
-    others.emplace_back(v, one[static_cast<std::size_t>(v)]);
+  for (const auto& [v, region] : std::vector(others)) others.emplace_back(v, one[v]);
   sort_once(others);
   VertexRegions result;
-  result.first.reserve(vertices + 1);
-  result.regions.reserve(vertices + others.size());
-  result.first.push_back(0);
+  result.offsets.reserve(vertices + 1);
+  result.values.reserve(vertices + others.size());
   auto other = others.begin();
-  for (std::size_t v = 0; v < vertices; ++v) {
-    if (other == others.end() || other->first != static_cast<VertexIndex>(v)) {
-      if (one[v] != kNoRegion) result.regions.push_back(one[v]);
+  for (const VertexIndex v : mesh.vertices.indices()) {
+    if (other == others.end() || other->first != v) {
+      if (one[v] != kNoRegion) result.values.push_back(one[v]);
     } else {
-      for (; other != others.end() && other->first == static_cast<VertexIndex>(v); ++other)
-        result.regions.push_back(other->second);
+      for (; other != others.end() && other->first == v; ++other)
+        result.values.push_back(other->second);
     }
-    result.first.push_back(static_cast<std::int32_t>(result.regions.size()));
+    result.offsets.push_back(static_cast<std::int32_t>(result.values.size()));
   }
   return result;
 }

@@ -74,6 +74,7 @@ struct Insertion {
   std::vector<std::int32_t> same;
 
   Point2 at(std::int32_t i) const { return points[static_cast<std::size_t>(i)]; }
+  std::int32_t& same_as(std::int32_t i) { return same[static_cast<std::size_t>(i)]; }
 };
 
 /// Places in `order` of the first point, and of the next that make a triangle with it; nothing if
@@ -101,7 +102,7 @@ void triangulate(Insertion& in, const std::array<std::size_t, 3>& first, TriMesh
     const TriMesh::Location where = mesh.locate(in.at(v), hint);
     hint = where.triangle;
     if (where.vertex >= 0) {
-      in.same[static_cast<std::size_t>(v)] = where.vertex;
+      in.same_as(v) = where.vertex;
       continue;
     }
     mesh.touched.clear();
@@ -119,9 +120,7 @@ void find_equal(Insertion& in) {
     return p.x != q.x ? p.x < q.x : p.y != q.y ? p.y < q.y : i < j;
   });
   for (std::size_t k = 1; k < sorted.size(); ++k)
-    if (in.at(sorted[k]) == in.at(sorted[k - 1]))
-      in.same[static_cast<std::size_t>(sorted[k])] =
-          in.same[static_cast<std::size_t>(sorted[k - 1])];
+    if (in.at(sorted[k]) == in.at(sorted[k - 1])) in.same_as(sorted[k]) = in.same_as(sorted[k - 1]);
 }
 
 /// Numbers distinct points by their first mention; `same` may name a later one of a group.
@@ -135,9 +134,9 @@ void number_distinct(const Insertion& in, Construction& result) {
     std::int32_t& n = number[static_cast<std::size_t>(in.same[i])];
     if (n < 0) {
       n = count++;
-      mesh.points[static_cast<std::size_t>(n)] = points[i];
+      mesh.point(n) = points[i];
     }
-    result.input_vertex[i] = n;
+    result.input_vertex[i] = VertexIndex(n);
   }
   mesh.points.resize(static_cast<std::size_t>(count));
   for (TriMesh::Triangle& t : mesh.triangles)
@@ -149,7 +148,7 @@ void find_some_triangles(TriMesh& mesh) {
   mesh.some_triangle.assign(mesh.points.size(), TriMesh::kNothing);
   for (std::size_t t = 0; t < mesh.triangles.size(); ++t)
     for (const std::int32_t v : mesh.triangles[t].v)
-      if (v >= 0) mesh.some_triangle[static_cast<std::size_t>(v)] = static_cast<std::int32_t>(t);
+      if (v >= 0) mesh.some_triangle_at(v) = static_cast<std::int32_t>(t);
 }
 
 }  // namespace
@@ -163,14 +162,14 @@ void check_graph(const PlanarGraph& graph) {
   for (std::size_t i = 0; i < graph.regions.size(); ++i)
     check_point(graph.regions[i].seed, "region", i);
   check_spread(graph);
-  const auto n = static_cast<std::int64_t>(graph.points.size());
+  const std::size_t n = graph.points.size();
   for (std::size_t i = 0; i < graph.segments.size(); ++i) {
     for (const VertexIndex v : graph.segments[i]) {
-      if (v >= 0 && v < n) continue;
+      if (v < n) continue;
       throw Error(ErrorKind::kInput,
                   fmt::format("segment {}: there is no point {} (of {}); correct "
                               "the index",
-                              i, v, n));
+                              i, v.value(), n));
     }
   }
   const auto check_size = [&](std::size_t size, const char* name) {

@@ -78,20 +78,18 @@ class SegmentInserter {
     const Corridor corridor(a, b);
     std::int32_t direct = TriMesh::kNothing;   // an edge that starts along the segment
     std::int32_t crossed = TriMesh::kNothing;  // an edge opposite to a that the segment crosses
-    mesh_.around(
-        mesh_.opposite(mesh_.some_triangle[static_cast<std::size_t>(task.a)], task.a),
-        [&](std::int32_t he) {
-          const std::int32_t u = mesh_.origin(he);
-          if (u < 0) return false;
-          if (u == task.b || corridor.contains(mesh_.point(u))) {
-            direct = TriMesh::prev(he);
-            return true;
-          }
-          const std::int32_t w = mesh_.target(he);
-          if (w >= 0 && orient2d(a, mesh_.point(u), b) > 0 && orient2d(a, mesh_.point(w), b) < 0)
-            crossed = he;
-          return false;
-        });
+    mesh_.around(mesh_.opposite(mesh_.some_triangle_at(task.a), task.a), [&](std::int32_t he) {
+      const std::int32_t u = mesh_.origin(he);
+      if (u < 0) return false;
+      if (u == task.b || corridor.contains(mesh_.point(u))) {
+        direct = TriMesh::prev(he);
+        return true;
+      }
+      const std::int32_t w = mesh_.target(he);
+      if (w >= 0 && orient2d(a, mesh_.point(u), b) > 0 && orient2d(a, mesh_.point(w), b) < 0)
+        crossed = he;
+      return false;
+    });
     if (direct >= 0) {
       const std::int32_t u = mesh_.target(direct);
       mesh_.constrain(direct, task.input);
@@ -288,10 +286,7 @@ void insert_collinear(const PlanarGraph& graph, Construction& result) {
   for (std::size_t i = 0; i < sorted.size(); ++i) rank[static_cast<std::size_t>(sorted[i])] = i;
   std::vector<char> covered(sorted.size(), 0);  // [i]: between ranks i and i + 1
   for (std::size_t s = 0; s < graph.segments.size(); ++s) {
-    const auto end = [&](std::size_t k) {
-      const auto v = static_cast<std::size_t>(graph.segments[s][k]);
-      return rank[static_cast<std::size_t>(result.input_vertex[v])];
-    };
+    const auto end = [&](std::size_t k) { return rank[result.input_vertex[graph.segments[s][k]]]; };
     const std::size_t from = end(0), to = end(1);
     const bool forward = from < to;
     for (std::size_t i = std::min(from, to); i < std::max(from, to); ++i) {
@@ -316,7 +311,7 @@ void insert_segments(const PlanarGraph& graph, Construction& result) {
                            static_cast<std::int64_t>(graph.segments.size()));
   for (std::size_t s = 0; s < graph.segments.size(); ++s) {
     const auto vertex = [&](std::size_t k) {
-      return result.input_vertex[static_cast<std::size_t>(graph.segments[s][k])];
+      return result.input_vertex[graph.segments[s][k]].value();
     };
     inserter.insert(vertex(0), vertex(1), static_cast<std::int32_t>(s));
   }

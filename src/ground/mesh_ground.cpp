@@ -28,43 +28,43 @@ struct Input {
 };
 
 // Adds a ring, directed so that the building lies on the left of its segments.
-void add_ring(const Ring& ring, bool is_hole, RegionIndex building, RegionIndex outside,
+void add_ring(const Ring& ring, bool is_hole, BuildingIndex building, RegionIndex outside,
               const Domain& domain, const GroundMeshOptions& options, std::int32_t number,
               Input& input) {
   PlanarGraph& graph = input.graph;
-  const auto first = static_cast<VertexIndex>(graph.points.size());
-  const auto n = static_cast<VertexIndex>(ring.size());
+  const VertexIndex first(graph.points.size());
+  const RegionIndex inside(building.value());
   const bool turn = (signed_area(ring) > 0) == is_hole;
-  for (VertexIndex i = 0; i < n; ++i) {
-    const Point2 p = ring[static_cast<std::size_t>(i)];
+  for (std::size_t i = 0; i < ring.size(); ++i) {
+    const std::size_t j = i + 1 == ring.size() ? 0 : i + 1;
+    const Point2 p = ring[i];
     if (!domain.encloses(p))
       throw Error(
           ErrorKind::kInput,
           fmt::format("footprint {}: vertex ({}, {}) is not inside the domain; drop or clip "
                       "the footprint",
-                      building, p.x, p.y));
+                      building.value(), p.x, p.y));
     graph.points.push_back(p);
-    const VertexIndex a = first + i, b = first + (i + 1 == n ? 0 : i + 1);
+    const VertexIndex a = first + i, b = first + j;
     graph.segments.push_back(turn ? std::array{b, a} : std::array{a, b});
-    graph.segment_sides.push_back({building, outside});
-    input.segments.push_back({0, 0, building, number + i});
+    graph.segment_sides.push_back({inside.value(), outside.value()});
+    input.segments.push_back({{}, {}, inside, number++});
     if (options.wall_edge)
-      graph.segment_max_edge.push_back(
-          options.wall_edge(building, p, ring[static_cast<std::size_t>(i + 1 == n ? 0 : i + 1)]));
+      graph.segment_max_edge.push_back(options.wall_edge(building, p, ring[j]));
   }
 }
 
 Input make_input(std::span<const Polygon> footprints, const Domain& domain,
                  const GroundMeshOptions& options) {
-  const auto open_ground = static_cast<RegionIndex>(footprints.size());
+  const RegionIndex open_ground(footprints.size());
   Input input;
   PlanarGraph& graph = input.graph;
   graph.points = domain.outline().outer;
-  const auto corners = static_cast<VertexIndex>(graph.points.size());
-  for (VertexIndex i = 0; i < corners; ++i) {
-    graph.segments.push_back({i, (i + 1) % corners});
-    graph.segment_sides.push_back({open_ground, kUnmarkedSide});
-    input.segments.push_back({0, 0, kNoRegion, i});
+  for (const VertexIndex v : indices<VertexIndex>(graph.points.size())) {
+    const VertexIndex next = v + 1;
+    graph.segments.push_back({v, next < graph.points.size() ? next : VertexIndex(0)});
+    graph.segment_sides.push_back({open_ground.value(), kUnmarkedSide});
+    input.segments.push_back({{}, {}, kNoRegion, v.value()});
     if (options.wall_edge) graph.segment_max_edge.push_back(options.mesh_size);
   }
   // Along the curve, whatever the order of the input: what is near is meshed soon after.
@@ -75,8 +75,9 @@ Input make_input(std::span<const Polygon> footprints, const Domain& domain,
     if (const Ring& outer = footprints[f].outer;
         !outer.empty() && std::isfinite(outer[0].x) && std::isfinite(outer[0].y))
       keys[f] = curve(outer[0]);
-  for (const std::int32_t building : sorted_order(keys)) {
-    const Polygon& footprint = footprints[static_cast<std::size_t>(building)];
+  for (const std::int32_t f : sorted_order(keys)) {
+    const BuildingIndex building(f);
+    const Polygon& footprint = footprints[building];
     const auto first = static_cast<std::int32_t>(graph.segments.size());
     const auto number = [&] { return static_cast<std::int32_t>(graph.segments.size()) - first; };
     add_ring(footprint.outer, false, building, open_ground, domain, options, number(), input);
@@ -93,24 +94,24 @@ GroundMesh renumber(const Triangulation& source, const std::vector<TaggedEdge>& 
   const HilbertCurve curve(domain.bounds());
   std::vector<char> used(source.points.size(), 0);
   for (const auto& t : source.triangles)
-    for (const VertexIndex v : t) used[static_cast<std::size_t>(v)] = 1;
+    for (const VertexIndex v : t) used[v] = 1;
   std::vector<std::uint32_t> keys(source.points.size());
   for (std::size_t v = 0; v < keys.size(); ++v) keys[v] = curve(source.points[v]);
 
   GroundMesh mesh;
   mesh.vertices.reserve(source.points.size());
-  std::vector<VertexIndex> number(source.points.size(), -1);
-  for (const std::int32_t v : sorted_order(keys)) {
-    const auto i = static_cast<std::size_t>(v);
-    if (used[i] == 0) continue;
-    number[i] = static_cast<VertexIndex>(mesh.vertices.size());
-    mesh.vertices.push_back(source.points[i]);
+  std::vector<VertexIndex> number(source.points.size(), kNoVertex);
+  for (const std::int32_t i : sorted_order(keys)) {
+    const VertexIndex v(i);
+    if (used[v] == 0) continue;
+    number[v] = mesh.vertices.next();
+    mesh.vertices.push_back(source.points[v]);
   }
   // By the sum of a triangle's vertex numbers, to be near all three. They come in patches already,
   // so counting and placing stay near as well. A place for about each triangle is fine enough.
   const auto place = [&](const std::array<VertexIndex, 3>& t) {
     std::int64_t sum = 0;
-    for (const VertexIndex v : t) sum += number[static_cast<std::size_t>(v)];
+    for (const VertexIndex v : t) sum += number[v].value();
     return static_cast<std::size_t>(sum / 4);
   };
   std::vector<std::int32_t> starts(mesh.vertices.size() * 3 / 4 + 2, 0);
@@ -120,17 +121,15 @@ GroundMesh renumber(const Triangulation& source, const std::vector<TaggedEdge>& 
   mesh.region.resize(source.triangles.size());
   for (std::size_t t = 0; t < source.triangles.size(); ++t) {
     const auto& old = source.triangles[t];
-    const auto to = static_cast<std::size_t>(starts[place(old)]++);
-    for (std::size_t i = 0; i < 3; ++i)
-      mesh.triangles[to][i] = number[static_cast<std::size_t>(old[i])];
-    mesh.region[to] = source.triangle_regions[t];
+    const TriangleIndex to(starts[place(old)]++);
+    for (std::size_t i = 0; i < 3; ++i) mesh.triangles[to][i] = number[old[i]];
+    mesh.region[to] = RegionIndex(source.triangle_regions[t]);
   }
   mesh.tagged_edges.reserve(source.segments.size());
   for (std::size_t s = 0; s < source.segments.size(); ++s) {
     TaggedEdge edge = segments[static_cast<std::size_t>(source.segment_inputs[s])];
     std::tie(edge.low, edge.high) =
-        std::minmax({number[static_cast<std::size_t>(source.segments[s][0])],
-                     number[static_cast<std::size_t>(source.segments[s][1])]});
+        std::minmax({number[source.segments[s][0]], number[source.segments[s][1]]});
     mesh.tagged_edges.push_back(edge);
   }
   std::sort(mesh.tagged_edges.begin(), mesh.tagged_edges.end(),
@@ -158,7 +157,7 @@ GroundMesh mesh_ground(std::span<const Polygon> footprints, const Domain& domain
   refinement.min_angle_deg = options.min_angle_deg;
   refinement.max_edge = options.mesh_size;
   refinement.elevation = options.elevation;
-  std::vector<Region> regions = regions_of_buildings(footprints.size());
+  IndexedVector<RegionIndex, Region> regions = regions_of_buildings(footprints.size());
   for (const Region& region : regions)
     refinement.off_terrain.push_back(region.is_building() ? 1 : 0);
   const Input input = make_input(footprints, domain, options);

@@ -147,7 +147,7 @@ bool Refiner::move_vertex(std::int32_t v, std::int32_t he, double content) {
     const double better = star.worst(q, quality);
     if (better <= quality || !edges_fit(star.rim.data(), star.size, q)) continue;
     if (!stays_delaunay(mesh_, star, q)) continue;
-    mesh_.points[static_cast<std::size_t>(v)] = q;
+    mesh_.point(v) = q;
     quality = better;
     moved = true;
   }
@@ -192,7 +192,7 @@ void Refiner::flatten(const Progress& progress) {
 }
 
 double Refiner::flatness(const TriMesh::Triangle& x) const {
-  const auto z = [&](int i) { return elevations_[static_cast<std::size_t>(x.v[i])]; };
+  const auto z = [&](int i) { return elevation(x.v[i]); };
   return squared_cosine_of_slope(mesh_.point(x.v[0]), z(0), mesh_.point(x.v[1]), z(1),
                                  mesh_.point(x.v[2]), z(2));
 }
@@ -206,7 +206,7 @@ bool Refiner::flatten_around(std::int32_t v, std::int32_t he, double content) {
   std::array<double, kMaxDegree> z{};
   double edges = 0;
   for (std::size_t i = 0; i < star.size; ++i) {
-    z[i] = elevations_[static_cast<std::size_t>(mesh_.origin(star.rim[i]))];
+    z[i] = elevation(mesh_.origin(star.rim[i]));
     edges += std::hypot(star.ring[i].x - p.x, star.ring[i].y - p.y);
   }
   const double mean = edges / static_cast<double>(star.size);
@@ -217,7 +217,7 @@ bool Refiner::flatten_around(std::int32_t v, std::int32_t he, double content) {
                                                       z[i + 1 == star.size ? 0 : i + 1]));
     return least;
   };
-  double best = steepest_with(p, elevations_[static_cast<std::size_t>(v)], 0);
+  double best = steepest_with(p, elevation(v), 0);
   if (best >= content) return false;
   best *= kGain;
   bool moved = false;
@@ -233,8 +233,8 @@ bool Refiner::flatten_around(std::int32_t v, std::int32_t he, double content) {
           !stays_delaunay(mesh_, star, q))
         continue;
       best = flat;
-      mesh_.points[static_cast<std::size_t>(v)] = q;
-      elevations_[static_cast<std::size_t>(v)] = zq;
+      mesh_.point(v) = q;
+      elevation(v) = zq;
       moved = true;
     }
   return moved;

@@ -254,7 +254,7 @@ std::int32_t Refiner::add_vertex(Point2 p, std::int32_t kind) {
   if (!unused_vertices_.empty()) {
     const std::int32_t v = unused_vertices_.back();
     unused_vertices_.pop_back();
-    mesh_.points[static_cast<std::size_t>(v)] = p;
+    mesh_.point(v) = p;
     kinds_[static_cast<std::size_t>(v)] = kind;
     return v;
   }

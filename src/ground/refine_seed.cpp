@@ -2,6 +2,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "tetropolis/core/row_major.h"
 #include "tetropolis/geometry/polygon.h"
 
 #include "core/infinity.h"
@@ -124,8 +125,8 @@ void Refiner::find_corners() {
       const double cross = ux * vy - uy * vx, dot = ux * vx + uy * vy;
       if (!(cross >= 0 && dot > 0 && cross < std::numbers::sqrt3 * dot)) continue;
       if (cross < small_tangent * dot) ++small_input_angles_;
-      pieces_[static_cast<std::size_t>(mesh_.sub(s).piece)].acute[end] = true;
-      Piece& p = pieces_[static_cast<std::size_t>(mesh_.sub(other).piece)];
+      piece(mesh_.sub(s).piece).acute[end] = true;
+      Piece& p = piece(mesh_.sub(other).piece);
       p.acute[p.v[0] == corner ? 0 : 1] = true;
     }
   }
@@ -228,7 +229,7 @@ std::vector<Point2> Refiner::lattice_nodes() const {
       const auto i1 =
           std::min<std::int64_t>(nx - 1, std::llround(std::ceil((right - box.xmin) / dx)));
       for (std::int64_t i = i0; i <= i1; ++i) {
-        char& cell = taken[static_cast<std::size_t>(j * nx + i)];
+        char& cell = taken[row_major(i, j, nx)];
         if (cell == 0 && squared_distance_to_segment(node(i, j), a, b) < clearance * clearance)
           cell = 1;
       }
@@ -237,8 +238,7 @@ std::vector<Point2> Refiner::lattice_nodes() const {
   std::vector<Point2> nodes;
   for (std::int64_t j = 0; j < ny; ++j)
     for (std::int64_t i = 0; i < nx; ++i)
-      if (taken[static_cast<std::size_t>(j * nx + i)] == 0 && box.contains(node(i, j)))
-        nodes.push_back(node(i, j));
+      if (taken[row_major(i, j, nx)] == 0 && box.contains(node(i, j))) nodes.push_back(node(i, j));
   return nodes;
 }
 

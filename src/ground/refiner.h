@@ -168,7 +168,11 @@ class Refiner {
   bool move_vertex(std::int32_t v, std::int32_t he, double content);
   bool edges_fit(const std::int32_t* rim, std::size_t count, Point2 p) const;
   std::int32_t add_vertex(Point2 p, std::int32_t kind);
+  std::int32_t& kind(std::int32_t v) { return kinds_[static_cast<std::size_t>(v)]; }
   std::int32_t kind(std::int32_t v) const { return kinds_[static_cast<std::size_t>(v)]; }
+  double& elevation(std::int32_t v) { return elevations_[static_cast<std::size_t>(v)]; }
+  double elevation(std::int32_t v) const { return elevations_[static_cast<std::size_t>(v)]; }
+  Piece& piece(std::int32_t p) { return pieces_[static_cast<std::size_t>(p)]; }
   const Piece& piece(std::int32_t p) const { return pieces_[static_cast<std::size_t>(p)]; }
 
   const RefineOptions& options_;

@@ -73,7 +73,12 @@ class TriMesh {
   const Triangle& tri(std::int32_t t) const { return triangles[static_cast<std::size_t>(t)]; }
   Subsegment& sub(std::int32_t s) { return subsegments[static_cast<std::size_t>(s)]; }
   const Subsegment& sub(std::int32_t s) const { return subsegments[static_cast<std::size_t>(s)]; }
+  Point2& point(std::int32_t v) { return points[static_cast<std::size_t>(v)]; }
   Point2 point(std::int32_t v) const { return points[static_cast<std::size_t>(v)]; }
+
+  std::int32_t& some_triangle_at(std::int32_t v) {
+    return some_triangle[static_cast<std::size_t>(v)];
+  }
 
   std::int32_t apex(std::int32_t he) const { return tri(he >> 2).v[he & 3]; }
   std::int32_t origin(std::int32_t he) const { return apex(next(he)); }
@@ -190,14 +195,14 @@ class TriMesh {
   /// Makes whatever `link` names point back to `he`, whose origin is `from`.
   void attach(std::int32_t link, std::int32_t he, std::int32_t from) {
     if (link >= 0) {
-      triangles[static_cast<std::size_t>(link >> 2)].n[link & 3] = he;
+      tri(link >> 2).n[link & 3] = he;
     } else {
       Subsegment& s = sub(~link);
       s.side[s.v[0] == from ? 0 : 1] = he;
     }
   }
   void track(std::int32_t vertex, std::int32_t t) {
-    if (vertex >= 0) some_triangle[static_cast<std::size_t>(vertex)] = t;
+    if (vertex >= 0) some_triangle_at(vertex) = t;
   }
 
   std::vector<std::int32_t> cavity_dead_;

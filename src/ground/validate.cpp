@@ -25,9 +25,7 @@ void append(Violations& to, Violations from) {
   to.insert(to.end(), std::make_move_iterator(from.begin()), std::make_move_iterator(from.end()));
 }
 
-Point2 at(std::span<const Point2> points, VertexIndex v) {
-  return points[static_cast<std::size_t>(v)];
-}
+Point2 at(std::span<const Point2> points, VertexIndex v) { return points[v]; }
 
 std::array<Point2, 3> corners(std::span<const Point2> points, const std::array<VertexIndex, 3>& t) {
   return {at(points, t[0]), at(points, t[1]), at(points, t[2])};
@@ -55,12 +53,12 @@ struct SharpCorner {
 
 std::vector<SharpCorner> sharp_corners(std::span<const Point2> points, SegmentSpan segments,
                                        double limit) {
-  const Neighbours neighbours(points.size(), segments);
+  const RaggedArray<VertexIndex> joined = neighbours(points.size(), segments);
   std::vector<SharpCorner> found;
   std::vector<std::pair<double, VertexIndex>> around;
   for (std::size_t v = 0; v < points.size(); ++v) {
     around.clear();
-    for (const VertexIndex w : neighbours.of(static_cast<VertexIndex>(v)))
+    for (const VertexIndex w : joined[v])
       around.emplace_back(std::atan2(at(points, w).y - points[v].y, at(points, w).x - points[v].x),
                           w);
     if (around.size() < 2) continue;
@@ -99,10 +97,9 @@ bool across(const std::vector<SharpCorner>& sharp, Point2 x, Point2 y, double se
 
 Violations check_topology(std::span<const Point2> points, TriangleSpan triangles) {
   Violations found;
-  const auto n = static_cast<VertexIndex>(points.size());
   for (std::size_t t = 0; t < triangles.size() && !full(found); ++t) {
     const auto& v = triangles[t];
-    if (std::any_of(v.begin(), v.end(), [&](VertexIndex i) { return i < 0 || i >= n; })) {
+    if (std::any_of(v.begin(), v.end(), [&](VertexIndex i) { return i >= points.size(); })) {
       found.push_back(fmt::format("triangle {}: vertex out of range", t));
       return found;
     }
@@ -116,10 +113,10 @@ Violations check_topology(std::span<const Point2> points, TriangleSpan triangles
     if (full(found)) return;
     if (uses.size() > 2 || (uses.size() == 2 && uses[0].forward == uses[1].forward))
       found.push_back(fmt::format("edge {}-{}: used {} times, or twice in one direction",
-                                  uses[0].low, uses[0].high, uses.size()));
+                                  uses[0].low.value(), uses[0].high.value(), uses.size()));
     if (uses.size() == 1) {
-      balance[static_cast<std::size_t>(uses[0].low)] += uses[0].forward ? 1 : -1;
-      balance[static_cast<std::size_t>(uses[0].high)] += uses[0].forward ? -1 : 1;
+      balance[uses[0].low] += uses[0].forward ? 1 : -1;
+      balance[uses[0].high] += uses[0].forward ? -1 : 1;
     }
   });
   for (std::size_t v = 0; v < balance.size() && !full(found); ++v)
@@ -139,16 +136,17 @@ Violations check_constrained_delaunay(std::span<const Point2> points, TriangleSp
     }
     if (full(found)) return;
     if (uses.size() != 2) {
-      found.push_back(
-          fmt::format("edge {}-{}: on the boundary, but not a segment", uses[0].low, uses[0].high));
+      found.push_back(fmt::format("edge {}-{}: on the boundary, but not a segment",
+                                  uses[0].low.value(), uses[0].high.value()));
       return;
     }
-    const auto& t = triangles[static_cast<std::size_t>(uses[0].triangle)];
-    const auto& u = triangles[static_cast<std::size_t>(uses[1].triangle)];
-    const VertexIndex apex = u[static_cast<std::size_t>(uses[1].edge)];
+    const auto& t = triangles[uses[0].triangle];
+    const auto& u = triangles[uses[1].triangle];
+    const VertexIndex apex = u[uses[1].edge];
     const auto [a, b, c] = corners(points, t);
     if (incircle(a, b, c, at(points, apex)) > 0)
-      found.push_back(fmt::format("edge {}-{}: not locally Delaunay", uses[0].low, uses[0].high));
+      found.push_back(fmt::format("edge {}-{}: not locally Delaunay", uses[0].low.value(),
+                                  uses[0].high.value()));
   });
   if (seen != constrained.size())
     found.push_back(fmt::format("{} segments, but {} edges of triangles are segments",
@@ -166,12 +164,12 @@ Violations check_regions(TriangleSpan triangles, std::span<const std::int32_t> r
   const EdgeSet constrained(segments);
   EdgeTable(triangles).for_each([&](std::span<const EdgeTable::Use> uses) {
     if (uses.size() != 2 || full(found) || constrained.contains(uses[0].low, uses[0].high)) return;
-    const std::int32_t r = regions[static_cast<std::size_t>(uses[0].triangle)];
-    const std::int32_t s = regions[static_cast<std::size_t>(uses[1].triangle)];
+    const std::int32_t r = regions[uses[0].triangle];
+    const std::int32_t s = regions[uses[1].triangle];
     if (r != s)
       found.push_back(
           fmt::format("triangles {} and {}: regions {} and {} without a segment between",
-                      uses[0].triangle, uses[1].triangle, r, s));
+                      uses[0].triangle.value(), uses[1].triangle.value(), r, s));
   });
   return found;
 }
@@ -220,13 +218,12 @@ Violations check_edge_lengths_at(std::span<const Point2> points, TriangleSpan tr
     for (std::size_t i = 0; i < 3; ++i) {
       const VertexIndex v = triangles[t][i], w = triangles[t][(i + 1) % 3];
       const double length = distance(at(points, v), at(points, w));
-      const double bound =
-          std::min(bounds[static_cast<std::size_t>(v)], bounds[static_cast<std::size_t>(w)]);
+      const double bound = std::min(bounds[v], bounds[w]);
       if (length > bound * (1 + 1e-9))
         found.push_back(
             fmt::format("triangle {}: edge {}-{} of length {} at a segment that bounds "
                         "it to {}",
-                        t, v, w, length, bound));
+                        t, v.value(), w.value(), length, bound));
     }
   return found;
 }
@@ -269,7 +266,7 @@ std::vector<double> bounds_at_segments(const PlanarGraph& graph, const Triangula
     const std::int32_t input = mesh.segment_inputs[s];
     if (input < 0) continue;
     for (const VertexIndex v : mesh.segments[s]) {
-      double& bound = bounds[static_cast<std::size_t>(v)];
+      double& bound = bounds[v];
       bound = std::min(bound, graph.segment_max_edge[static_cast<std::size_t>(input)]);
     }
   }
@@ -278,7 +275,7 @@ std::vector<double> bounds_at_segments(const PlanarGraph& graph, const Triangula
 
 // Whether segments lead from `a` to `b` along the line, never back by more than the tolerance. All
 // branches are tried: near a crossing several vertices may be within the tolerance.
-bool follows(std::span<const Point2> points, const Neighbours& neighbours, VertexIndex a,
+bool follows(std::span<const Point2> points, const RaggedArray<VertexIndex>& joined, VertexIndex a,
              VertexIndex b, double tolerance) {
   const Point2 from = at(points, a), to = at(points, b);
   const double length = distance(from, to);
@@ -291,7 +288,7 @@ bool follows(std::span<const Point2> points, const Neighbours& neighbours, Verte
     const VertexIndex v = open.back();
     open.pop_back();
     if (v == b) return true;
-    for (const VertexIndex w : neighbours.of(v)) {
+    for (const VertexIndex w : joined[v]) {
       const Point2 p = at(points, w);
       if (along(p) >= along(at(points, v)) - tolerance &&
           distance_to_segment(p, from, to) <= tolerance && seen.insert(w).second)
@@ -313,18 +310,16 @@ Violations check_input(const PlanarGraph& graph, const Triangulation& triangulat
       found.push_back(fmt::format("point {}: has moved", i));
   std::vector<char> used(points.size(), 0);
   for (const auto& t : triangulation.triangles)
-    for (const VertexIndex v : t) used[static_cast<std::size_t>(v)] = 1;
+    for (const VertexIndex v : t) used[v] = 1;
   for (const auto& s : triangulation.segments)
-    for (const VertexIndex v : s) used[static_cast<std::size_t>(v)] = 1;
-  const Neighbours neighbours(points.size(), triangulation.segments);
+    for (const VertexIndex v : s) used[v] = 1;
+  const RaggedArray<VertexIndex> joined = neighbours(points.size(), triangulation.segments);
   const double tolerance = kOnSegmentTolerance * largest_coordinate(points);
   for (std::size_t s = 0; s < graph.segments.size() && !full(found); ++s) {
-    const VertexIndex a =
-        triangulation.input_vertex[static_cast<std::size_t>(graph.segments[s][0])];
-    const VertexIndex b =
-        triangulation.input_vertex[static_cast<std::size_t>(graph.segments[s][1])];
-    if (used[static_cast<std::size_t>(a)] == 0 || used[static_cast<std::size_t>(b)] == 0) continue;
-    if (!follows(points, neighbours, a, b, tolerance))
+    const VertexIndex a = triangulation.input_vertex[graph.segments[s][0]];
+    const VertexIndex b = triangulation.input_vertex[graph.segments[s][1]];
+    if (used[a] == 0 || used[b] == 0) continue;
+    if (!follows(points, joined, a, b, tolerance))
       found.push_back(fmt::format("segment {}: not a chain of edges", s));
   }
   return found;

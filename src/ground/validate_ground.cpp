@@ -18,17 +18,13 @@ namespace {
 
 using Segments = std::vector<std::array<VertexIndex, 2>>;
 
-Point2 at(const GroundMesh& mesh, VertexIndex v) {
-  return mesh.vertices[static_cast<std::size_t>(v)];
-}
+Point2 at(const GroundMesh& mesh, VertexIndex v) { return mesh.vertices[v]; }
 
 // Edges of the boundary and edges between two regions, ascending.
 Segments region_boundaries(const GroundMesh& mesh) {
   Segments segments;
   EdgeTable(mesh.triangles).for_each([&](std::span<const EdgeTable::Use> uses) {
-    const auto region = [&](std::size_t i) {
-      return mesh.region[static_cast<std::size_t>(uses[i].triangle)];
-    };
+    const auto region = [&](std::size_t i) { return mesh.region[uses[i].triangle]; };
     if (uses.size() == 1 || region(0) != region(1)) segments.push_back({uses[0].low, uses[0].high});
   });
   return segments;
@@ -56,10 +52,11 @@ void check_tags(const GroundMesh& mesh, std::span<const Polygon> footprints, con
   for (const TaggedEdge& edge : mesh.tagged_edges) {
     if (found.size() >= kMaxViolations) return;
     const bool on_side = edge.region == kNoRegion;
-    const std::size_t r = on_side ? footprints.size() : static_cast<std::size_t>(edge.region);
+    const std::size_t r = on_side ? footprints.size() : edge.region;
     const auto s = static_cast<std::size_t>(edge.segment);
     if (r >= outlines.size() || s >= outlines[r].size() || (on_side && s >= mesh.sides.size())) {
-      found.push_back(fmt::format("edge {}-{}: there is no such segment", edge.low, edge.high));
+      found.push_back(
+          fmt::format("edge {}-{}: there is no such segment", edge.low.value(), edge.high.value()));
       continue;
     }
     const auto& [p, q] = outlines[r][s];
@@ -70,7 +67,8 @@ void check_tags(const GroundMesh& mesh, std::span<const Polygon> footprints, con
       largest = std::max({largest, std::abs(at(mesh, v).x), std::abs(at(mesh, v).y)});
     }
     if (off > (on_side ? 0 : kOnSegmentTolerance * largest))
-      found.push_back(fmt::format("edge {}-{}: not on the segment it names", edge.low, edge.high));
+      found.push_back(fmt::format("edge {}-{}: not on the segment it names", edge.low.value(),
+                                  edge.high.value()));
   }
 }
 
@@ -91,7 +89,7 @@ void check_domain(const GroundMesh& mesh, const Domain& domain, Violations& foun
   for (const auto& t : mesh.triangles) {
     const Point2 a = at(mesh, t[0]), b = at(mesh, t[1]), c = at(mesh, t[2]);
     total += 0.5 * ((b.x - a.x) * (c.y - a.y) - (b.y - a.y) * (c.x - a.x));
-    for (const VertexIndex v : t) used[static_cast<std::size_t>(v)] = 1;
+    for (const VertexIndex v : t) used[v] = 1;
   }
   const double expected = domain.area();
   if (std::abs(total - expected) > 1e-9 * expected)
@@ -103,16 +101,15 @@ void check_domain(const GroundMesh& mesh, const Domain& domain, Violations& foun
 // The triangles of each building add up to its footprint's area.
 void check_areas(const GroundMesh& mesh, std::span<const Polygon> footprints, Violations& found) {
   std::vector<double> covered(footprints.size(), 0);
-  for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
+  for (const TriangleIndex t : mesh.triangles.indices()) {
     if (!mesh.inside_building(t)) continue;
     const BuildingIndex b = mesh.region_of(t).building;
-    if (b < 0 || b >= static_cast<BuildingIndex>(footprints.size())) {
-      found.push_back(fmt::format("triangle {}: there is no building {}", t, b));
+    if (b >= footprints.size()) {
+      found.push_back(fmt::format("triangle {}: there is no building {}", t.value(), b.value()));
       return;
     }
     const auto& v = mesh.triangles[t];
-    covered[static_cast<std::size_t>(b)] +=
-        signed_area({at(mesh, v[0]), at(mesh, v[1]), at(mesh, v[2])});
+    covered[b] += signed_area({at(mesh, v[0]), at(mesh, v[1]), at(mesh, v[2])});
   }
   for (std::size_t b = 0; b < footprints.size() && found.size() < kMaxViolations; ++b) {
     const double expected = area(footprints[b]);
@@ -132,41 +129,37 @@ void check_footprints(const GroundMesh& mesh, std::span<const Polygon> footprint
                       std::vector<double>& bounds, Violations& found) {
   std::map<Point2, VertexIndex, PointLess> vertices;
   double largest = 0;
-  for (std::size_t v = 0; v < mesh.vertices.size(); ++v) {
+  for (const VertexIndex v : mesh.vertices.indices()) {
     const Point2 p = mesh.vertices[v];
-    vertices[p] = static_cast<VertexIndex>(v);
+    vertices[p] = v;
     largest = std::max({largest, std::abs(p.x), std::abs(p.y)});
   }
   const double tolerance = kOnSegmentTolerance * largest;
-  const Neighbours neighbours(mesh.vertices.size(), segments);
-  for (std::size_t b = 0; b < footprints.size(); ++b) {
+  const RaggedArray<VertexIndex> joined = neighbours(mesh.vertices.size(), segments);
+  for (const BuildingIndex b : indices<BuildingIndex>(footprints.size())) {
     for_each_edge(footprints[b], [&](Point2 p, Point2 q) {
       if (found.size() >= kMaxViolations) return;
       const auto from = vertices.find(p), to = vertices.find(q);
       if (from == vertices.end() || to == vertices.end()) {
-        found.push_back(fmt::format("building {}: a corner is not a vertex", b));
+        found.push_back(fmt::format("building {}: a corner is not a vertex", b.value()));
         return;
       }
       VertexIndex v = from->second;
-      const double longest =
-          options.wall_edge ? options.wall_edge(static_cast<BuildingIndex>(b), p, q) : kInfinity;
-      const auto note = [&](VertexIndex w) {
-        double& bound = bounds[static_cast<std::size_t>(w)];
-        bound = std::min(bound, longest);
-      };
+      const double longest = options.wall_edge ? options.wall_edge(b, p, q) : kInfinity;
+      const auto note = [&](VertexIndex w) { bounds[w] = std::min(bounds[w], longest); };
       note(v);
       while (v != to->second) {
-        VertexIndex step = -1;
+        VertexIndex step = kNoVertex;
         double left = std::hypot(at(mesh, v).x - q.x, at(mesh, v).y - q.y);
-        for (const VertexIndex w : neighbours.of(v)) {
+        for (const VertexIndex w : joined[v]) {
           const double rest = std::hypot(at(mesh, w).x - q.x, at(mesh, w).y - q.y);
           if (rest >= left || distance_to_segment(at(mesh, w), p, q) > tolerance) continue;
           left = rest;
           step = w;
         }
-        if (step < 0) {
-          found.push_back(
-              fmt::format("building {}: edge from ({}, {}) is not in the mesh", b, p.x, p.y));
+        if (step == kNoVertex) {
+          found.push_back(fmt::format("building {}: edge from ({}, {}) is not in the mesh",
+                                      b.value(), p.x, p.y));
           return;
         }
         v = step;
@@ -183,8 +176,8 @@ Violations validate(const GroundMesh& mesh, std::span<const Polygon> footprints,
   Violations found = check_topology(mesh.vertices, mesh.triangles);
   if (mesh.region.size() != mesh.triangles.size()) found.push_back("not one region per triangle");
   for (const RegionIndex r : mesh.region)
-    if (r < 0 || static_cast<std::size_t>(r) >= mesh.regions.size()) {
-      found.push_back(fmt::format("there is no region {}", r));
+    if (r >= mesh.regions.size()) {
+      found.push_back(fmt::format("there is no region {}", r.value()));
       break;
     }
   if (!found.empty()) return found;

@@ -45,7 +45,7 @@ namespace {
 double merged_attribute_height(const CityModel& raw, const std::vector<BuildingIndex>& members) {
   double weight = 0, sum = 0;
   for (const BuildingIndex m : members) {
-    const Building& member = raw.buildings[static_cast<std::size_t>(m)];
+    const Building& member = raw.buildings[m];
     if (!(member.attribute_height > 0)) continue;
     const double share = area(member.footprint);
     weight += share;
@@ -68,7 +68,7 @@ CityModel merged_model(const CityModel& raw, const Simplification& simple) {
     building.footprint = simple.footprints[i];
     building.flags = simple.flags[i];
     for (const BuildingIndex m : simple.members[i]) {
-      const Building& member = raw.buildings[static_cast<std::size_t>(m)];
+      const Building& member = raw.buildings[m];
       building.source_ids.insert(building.source_ids.end(), member.source_ids.begin(),
                                  member.source_ids.end());
       building.flags |= member.flags & inherited;
@@ -77,7 +77,7 @@ CityModel merged_model(const CityModel& raw, const Simplification& simple) {
     model.buildings.push_back(std::move(building));
   }
   for (const DroppedFootprint& dropped : simple.dropped)
-    for (const std::string& id : raw.buildings[static_cast<std::size_t>(dropped.index)].source_ids)
+    for (const std::string& id : raw.buildings[dropped.index].source_ids)
       model.dropped.push_back({id, dropped.reason, dropped.cause});
   return model;
 }

@@ -46,9 +46,8 @@ void require_all_accounted(const FootprintsInput& input, const CityModel& model)
 void require_each_once(const CityModel& raw, const Simplification& simple) {
   std::vector<int> times(raw.buildings.size(), 0);
   for (const std::vector<BuildingIndex>& members : simple.members)
-    for (const BuildingIndex m : members) ++times[static_cast<std::size_t>(m)];
-  for (const DroppedFootprint& dropped : simple.dropped)
-    ++times[static_cast<std::size_t>(dropped.index)];
+    for (const BuildingIndex m : members) ++times[m];
+  for (const DroppedFootprint& dropped : simple.dropped) ++times[dropped.index];
   for (std::size_t i = 0; i < times.size(); ++i)
     if (times[i] != 1)
       throw Error(ErrorKind::kGuarantee,

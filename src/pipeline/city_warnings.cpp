@@ -119,7 +119,7 @@ void warn_of_lost_area(const CityModel& raw, const Simplification& simple,
     const double changed = simple.changes[i].symmetric_difference;
     if (changed <= left) continue;  // what was filled is part of what is left
     if (warning.count++ > 0) continue;
-    const auto first = static_cast<std::size_t>(simple.members[i].front());
+    const BuildingIndex first = simple.members[i].front();
     warning.message = fmt::format(
         "footprints lost more than half of their area where they are narrower than "
         "min_building_distance; the first is feature {}, of which {:.0f} m2 are left ({:.0f} m2 "

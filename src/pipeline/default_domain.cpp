@@ -14,11 +14,6 @@ namespace {
 /// Metres between a building and the boundary where there are no points: about a cell.
 constexpr double kLeastMargin = 10;
 
-Bounds2 intersection(const Bounds2& a, const Bounds2& b) {
-  return {std::max(a.xmin, b.xmin), std::max(a.ymin, b.ymin), std::min(a.xmax, b.xmax),
-          std::min(a.ymax, b.ymax)};
-}
-
 }  // namespace
 
 bool is_mostly_within(const Polygon& polygon, const Bounds2& box) {
@@ -29,7 +24,7 @@ bool is_mostly_within(const Polygon& polygon, const Bounds2& box) {
 Bounds2 default_domain(const BuildCityOptions& options, const FootprintsInput& footprints,
                        const Bounds2& points, Point2 origin) {
   const Bounds2 box = footprints.bounds.moved({-origin.x, -origin.y});
-  Bounds2 domain = intersection(intersection(box, points).grown(options.domain_margin), points);
+  Bounds2 domain = box.intersection(points).grown(options.domain_margin).intersection(points);
   if (options.boundary_buildings == BoundaryBuildings::kClip || domain.empty()) return domain;
   const double margin = std::min(kLeastMargin, options.domain_margin);
   // Closer to the boundary, buildings are cut back from it.

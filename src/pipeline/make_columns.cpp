@@ -103,7 +103,8 @@ Columns smooth_columns(const MeshCityOptions& options, const CityModel& city, co
   keep_solver("3.5", to_roofs, result);
   if (options.layering == Layering::kUniform)
     return {std::move(plan), columns_of_layers(std::move(layered))};
-  for (std::size_t v = 0; v < plan.top.size(); ++v) plan.top[v] = layered.column(v)[layered.layers];
+  for (const VertexIndex v : layered.ground.vertices.indices())
+    plan.top[v] = layered.column(v)[layered.layers];
   limit_slope(layered.ground, layered.edges, kSteepestTop, plan.top);
   require_cells_fit(options, size, static_cast<double>(layered.ground.triangles.size()),
                     estimate_cells(plan));

@@ -41,7 +41,7 @@ GroundMesh make_ground(const MeshCityOptions& options, const CityModel& city, co
   GroundMeshOptions meshing{options.mesh_size, options.min_angle_deg};
   if (options.layering != Layering::kUniform) {
     meshing.wall_edge = [&](BuildingIndex building, Point2 a, Point2 b) {
-      const double roof = city.buildings[static_cast<std::size_t>(building)].h_roof;
+      const double roof = city.buildings[building].h_roof;
       return longest_wall_edge(dtm, roof, a, b, options.min_wall_height);
     };
     meshing.elevation = [&](Point2 p) { return sample(dtm, p); };

@@ -15,11 +15,6 @@ namespace tetropolis {
 
 namespace {
 
-Bounds2 intersection(const Bounds2& a, const Bounds2& b) {
-  return {std::max(a.xmin, b.xmin), std::max(a.ymin, b.ymin), std::min(a.xmax, b.xmax),
-          std::min(a.ymax, b.ymax)};
-}
-
 /// Those of the footprints that have no point inside among every `stride`-th of the cloud.
 std::vector<Polygon> without_points(std::vector<Polygon> footprints, const PointCloud& cloud,
                                     std::size_t stride) {
@@ -50,8 +45,8 @@ Preflight preflight(const PointsInput& points, const FootprintsInput& footprints
   if (covered.empty()) return found;
   const double area = covered.width() * covered.height();
   if (area > 0) found.points_per_m2 = static_cast<double>(points.points.size()) / area;
-  const Bounds2 wanted = bounds ? intersection(footprints.bounds, *bounds) : footprints.bounds;
-  const Bounds2 common = intersection(wanted, covered);
+  const Bounds2 wanted = bounds ? footprints.bounds.intersection(*bounds) : footprints.bounds;
+  const Bounds2 common = wanted.intersection(covered);
   const double wanted_area = wanted.width() * wanted.height();
   if (!wanted.empty() && !common.empty() && wanted_area > 0)
     found.overlap = common.width() * common.height() / wanted_area;

@@ -35,11 +35,6 @@ std::string box_text(const Bounds2& box) {
                      rounded(box.xmax), rounded(box.ymin), rounded(box.ymax));
 }
 
-Bounds2 intersection(const Bounds2& a, const Bounds2& b) {
-  return {std::max(a.xmin, b.xmin), std::max(a.ymin, b.ymin), std::min(a.xmax, b.xmax),
-          std::min(a.ymax, b.ymax)};
-}
-
 /// The points as they were given, for messages about all of them: "tiles, and 3 more".
 std::string points_given(const Config& config) {
   const std::string& first = config.points.front();
@@ -135,7 +130,7 @@ Bounds2 reading_box(const Config& config, const FootprintsInput& footprints) {
 double expected_points(const CloudHeaders& headers, const Bounds2& box) {
   double points = 0;
   for (const auto& [file, count] : headers.points) {
-    const Bounds2 common = intersection(file, box);
+    const Bounds2 common = file.intersection(box);
     const double whole = file.width() * file.height();
     if (!common.empty() && whole > 0)
       points += static_cast<double>(count) * common.width() * common.height() / whole;
@@ -212,7 +207,7 @@ ReadPointsOptions place_by_headers(const Config& config, const FootprintsInput& 
   options.crs = config.points_crs;
   const Bounds2 box = reading_box(config, footprints);
   // Near the points even if a stray footprint lies on another continent: local numbers stay small.
-  const Bounds2 common = headers.box.empty() ? box : intersection(box, headers.box);
+  const Bounds2 common = headers.box.empty() ? box : box.intersection(headers.box);
   const Bounds2& near = common.empty() ? box : common;
   const double points = expected_points(headers, common);
   if (config.bounds.empty() && !(points > kSparse * common.width() * common.height()))

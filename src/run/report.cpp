@@ -23,6 +23,16 @@
 
 namespace tetropolis {
 
+template <typename Json, typename Tag, typename Number>
+void to_json(Json& json, Index<Tag, Number> index) {
+  json = index.value();
+}
+
+template <typename Json, typename Tag, typename Number>
+void from_json(const Json& json, Index<Tag, Number>& index) {
+  index = Index<Tag, Number>(json.template get<Number>());
+}
+
 namespace {
 
 namespace fs = std::filesystem;

@@ -19,9 +19,9 @@ std::vector<PageFootprint> page_footprints(const BuiltCity& built) {
   const CityModel& raw = built.raw;
   const CityModel& city = built.city;
   std::unordered_map<std::string, BuildingIndex> building;
-  for (std::size_t b = 0; b < city.buildings.size(); ++b)
+  for (const BuildingIndex b : city.buildings.indices())
     for (const std::string& id : city.buildings[b].source_ids)
-      building.emplace(id, static_cast<BuildingIndex>(b));
+      building.emplace(id, b);
   std::unordered_map<std::string, std::string> reason;
   for (const Dropped& feature : city.dropped) reason.emplace(feature.source_id, feature.reason);
 

@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 
 #include "tetropolis/core/error.h"
+#include "tetropolis/core/row_major.h"
 #include "tetropolis/synth/synthetic_city.h"
 
 #include "scan.h"
@@ -51,7 +52,7 @@ class Centres {
          ++nj)
       for (std::int64_t ni = std::max<std::int64_t>(i - 1, 0); ni <= std::min(i + 1, columns_ - 1);
            ++ni)
-        for (const Point2 q : cells_[static_cast<std::size_t>(nj * columns_ + ni)]) {
+        for (const Point2 q : cells_[row_major(ni, nj, columns_)]) {
           const double dx = p.x - q.x;
           const double dy = p.y - q.y;
           if (dx * dx + dy * dy < min_distance_ * min_distance_) return false;
@@ -59,9 +60,7 @@ class Centres {
     return true;
   }
 
-  void add(Point2 p) {
-    cells_[static_cast<std::size_t>(slot(p.y) * columns_ + slot(p.x))].push_back(p);
-  }
+  void add(Point2 p) { cells_[row_major(slot(p.x), slot(p.y), columns_)].push_back(p); }
 
  private:
   std::int64_t slot(double v) const { return static_cast<std::int64_t>(v / cell_); }

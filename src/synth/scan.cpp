@@ -6,6 +6,7 @@
 
 #include <fmt/format.h>
 
+#include "tetropolis/core/row_major.h"
 #include "tetropolis/geometry/polygon.h"
 
 #include "city/footprint_index.h"
@@ -44,10 +45,7 @@ class DiscIndex {
   std::int32_t slot(double v) const {
     return std::clamp(static_cast<std::int32_t>(v / kCell), 0, side_ - 1);
   }
-  std::size_t index(std::int32_t i, std::int32_t j) const {
-    return static_cast<std::size_t>(j) * static_cast<std::size_t>(side_) +
-           static_cast<std::size_t>(i);
-  }
+  std::size_t index(std::int32_t i, std::int32_t j) const { return row_major(i, j, side_); }
 
   std::int32_t side_;
   RaggedArray<std::size_t> cells_;
@@ -70,16 +68,15 @@ class Scanner {
         cars_(scene.size, scene.cars, [](const SyntheticCar&) { return 3.0; }) {}
 
   Return look_down(Point2 p, SeededRandom& random) const {
-    std::int32_t roof = -1;
-    std::int32_t wall = -1;
-    footprints_.at(p, [&](std::int32_t b, bool inside) {
+    BuildingIndex roof = kNoBuilding, wall = kNoBuilding;
+    footprints_.at(p, [&](BuildingIndex b, bool inside) {
       if (!inside) {
         wall = b;
-      } else if (roof < 0 || scene_.roofs[index(b)] > scene_.roofs[index(roof)]) {
+      } else if (roof == kNoBuilding || scene_.roofs[b] > scene_.roofs[roof]) {
         roof = b;
       }
     });
-    if (roof >= 0) return {roof_height(p, roof, random), kBuildingClass};
+    if (roof != kNoBuilding) return {roof_height(p, roof, random), kBuildingClass};
     const double ground = synthetic_ground(scene_.terrain, p.x, p.y);
     if (const Return seen = bridge(p, random); seen.code != kNothing) return seen;
     if (synthetic_water(scene_.terrain, p.x, p.y)) {
@@ -88,8 +85,8 @@ class Scanner {
       return {ground + noise, random.chance(0.3) ? std::uint8_t{kWater} : kNothing};
     }
     if (const Return seen = tree(p, ground, random); seen.code != kNothing) return seen;
-    if (scene_.details && wall >= 0 && random.chance(0.2))
-      return {random.uniform(ground, scene_.roofs[index(wall)]), kUnclassified};
+    if (scene_.details && wall != kNoBuilding && random.chance(0.2))
+      return {random.uniform(ground, scene_.roofs[wall]), kUnclassified};
     if (const Return seen = car(p, ground, random); seen.code != kNothing) return seen;
     const double noise = 0.02 * random.bell();
     const bool missed = scene_.details && random.chance(0.02);
@@ -97,24 +94,22 @@ class Scanner {
   }
 
  private:
-  static std::size_t index(std::int32_t b) { return static_cast<std::size_t>(b); }
-
   static std::vector<const Polygon*> pointers(const std::vector<SyntheticBuilding>& buildings) {
     std::vector<const Polygon*> result;
     for (const SyntheticBuilding& building : buildings) result.push_back(&building.footprint);
     return result;
   }
 
-  double roof_height(Point2 p, std::int32_t b, SeededRandom& random) const {
-    const double z = scene_.roofs[index(b)] + 0.03 * random.bell();
+  double roof_height(Point2 p, BuildingIndex b, SeededRandom& random) const {
+    const double z = scene_.roofs[b] + 0.03 * random.bell();
     if (!scene_.details) return z;
-    const SyntheticKind kind = scene_.buildings[index(b)].kind;
+    const SyntheticKind kind = scene_.buildings[b].kind;
     if (kind == SyntheticKind::kShed) return z;
     constexpr double kChimney = 1.5;
     const double chimney = cell_hash(seed_, static_cast<std::int64_t>(p.x / kChimney),
                                      static_cast<std::int64_t>(p.y / kChimney));
     if (chimney < 0.004) return z + 1.2;
-    const bool parapet = kind == SyntheticKind::kTower || b % 4 == 0;
+    const bool parapet = kind == SyntheticKind::kTower || b.value() % 4 == 0;
     if (parapet && footprints_.squared_distance(b, p) < 0.3 * 0.3) return z + 0.7;
     return z;
   }

@@ -85,7 +85,7 @@ class Gardener {
 
   bool free(Point2 at, double clearance) const {
     bool result = true;
-    footprints_.at(at, [&](std::int32_t building, bool inside) {
+    footprints_.at(at, [&](BuildingIndex building, bool inside) {
       if (inside || footprints_.squared_distance(building, at) < clearance * clearance)
         result = false;
     });
@@ -117,7 +117,7 @@ void plant_outskirts(const StreetPlan& plan, double size, Gardener& gardener,
     for (double x = 0; x < size; x += kSpacing) {
       const Point2 at = gardener.jitter({x, y}, kSpacing);
       bool built = false;
-      index.at(at, [&](std::int32_t, bool) { built = true; });
+      index.at(at, [&](BuildingIndex, bool) { built = true; });
       if (random.chance(built ? 0.01 : 0.4)) gardener.plant(at);
     }
 }

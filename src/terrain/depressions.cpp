@@ -7,6 +7,8 @@
 #include <limits>
 #include <vector>
 
+#include "tetropolis/core/row_major.h"
+
 namespace tetropolis {
 
 namespace {
@@ -59,10 +61,7 @@ class CellCounts {
   }
 
  private:
-  std::size_t at(std::int32_t i, std::int32_t j) const {
-    return static_cast<std::size_t>(j) * static_cast<std::size_t>(columns_) +
-           static_cast<std::size_t>(i);
-  }
+  std::size_t at(std::int32_t i, std::int32_t j) const { return row_major(i, j, columns_); }
 
   std::int32_t columns_;
   std::int32_t rows_;

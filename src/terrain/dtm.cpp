@@ -13,6 +13,7 @@
 #include <fmt/ranges.h>
 
 #include "tetropolis/core/error.h"
+#include "tetropolis/core/row_major.h"
 
 namespace tetropolis {
 
@@ -82,7 +83,7 @@ std::int64_t bin_points(const PointCloud& cloud, const std::array<bool, 256>& is
     const std::int64_t i = axes.x.nearest(cloud.x[p]);
     const std::int64_t j = axes.y.nearest(cloud.y[p]);
     if (i < 0 || j < 0) continue;
-    const auto node = static_cast<std::size_t>(j * sums.nx + i);
+    const std::size_t node = row_major(i, j, sums.nx);
     sums.values[node] += cloud.z[p];
     ++counts[node];
     ++binned;
@@ -171,9 +172,7 @@ Voids count_voids(const Raster& raster) {
       bool is_void = true;
       for (std::int32_t j = rows[r]; is_void && j < rows[r + 1]; ++j)
         for (std::int32_t i = columns[c]; is_void && i < columns[c + 1]; ++i)
-          is_void = std::isnan(
-              raster.values[static_cast<std::size_t>(j) * static_cast<std::size_t>(raster.nx) +
-                            static_cast<std::size_t>(i)]);
+          is_void = std::isnan(raster.at(i, j));
       ++result.squares;
       result.voids += is_void ? 1 : 0;
     }

@@ -11,6 +11,7 @@
 #include <fmt/format.h>
 
 #include "tetropolis/core/error.h"
+#include "tetropolis/core/row_major.h"
 
 #include "core/infinity.h"
 #include "core/median.h"
@@ -71,7 +72,7 @@ class Cells {
   std::int64_t columns() const { return columns_; }
 
   std::span<const PointNumber> at(std::int64_t i, std::int64_t j) const {
-    return cells_[static_cast<std::size_t>(j * columns_ + i)];
+    return cells_[row_major(i, j, columns_)];
   }
 
   /// Calls visit(points) for the cell and the 8 around it.
@@ -101,7 +102,7 @@ class Cells {
   std::size_t cell_of(PointNumber p) const {
     const std::int64_t i = whole_cells(cloud_.x[p] - anchor_.x) - first_column_;
     const std::int64_t j = whole_cells(cloud_.y[p] - anchor_.y) - first_row_;
-    return static_cast<std::size_t>(j * columns_ + i);
+    return row_major(i, j, columns_);
   }
 
   const PointCloud& cloud_;

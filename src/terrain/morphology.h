@@ -5,6 +5,8 @@
 #include <cstdint>
 #include <vector>
 
+#include "tetropolis/core/row_major.h"
+
 namespace tetropolis {
 
 /// nx x ny cells in rows, values[j * nx + i].
@@ -13,9 +15,7 @@ struct HeightGrid {
   std::int32_t ny = 0;
   std::vector<float> values;
 
-  std::size_t index(std::int32_t i, std::int32_t j) const {
-    return static_cast<std::size_t>(j) * static_cast<std::size_t>(nx) + static_cast<std::size_t>(i);
-  }
+  std::size_t index(std::int32_t i, std::int32_t j) const { return row_major(i, j, nx); }
 };
 
 /// Opens the grid with an octagon that reaches `radius` cells along the axes: each cell gets the

@@ -211,10 +211,10 @@ TEST_F(CheckMesh, SeesWrongTags) {
     return static_cast<std::size_t>(std::find(surface.patch.begin(), surface.patch.end(), patch) -
                                     surface.patch.begin());
   };
-  const auto violated = [&](std::size_t face, Patch patch, BuildingIndex building) {
+  const auto violated = [&](std::size_t face, Patch patch, int building) {
     SurfaceMesh wrong = surface;
     wrong.patch[face] = patch;
-    wrong.building[face] = building;
+    wrong.building[face] = BuildingIndex(building);
     return names(check_surface(wrong).violations);
   };
   EXPECT_NE(violated(first(Patch::kWall), Patch::kGround, -1), "");
@@ -224,7 +224,7 @@ TEST_F(CheckMesh, SeesWrongTags) {
   EXPECT_NE(violated(first(Patch::kTop), Patch::kGround, -1), "");
   EXPECT_NE(violated(first(Patch::kXMin), Patch::kXMax, -1), "");
   EXPECT_NE(violated(first(Patch::kYMin), Patch::kYMax, -1), "");
-  const BuildingIndex other = surface.building[first(Patch::kRoof)] == 0 ? 1 : 0;
+  const int other = surface.building[first(Patch::kRoof)] == 0 ? 1 : 0;
   EXPECT_NE(violated(first(Patch::kRoof), Patch::kRoof, other), "");
 }
 
@@ -241,7 +241,7 @@ TEST_F(CheckMesh, SeesWrongRegionsAndWallsOfAnotherBuilding) {
   SurfaceMesh other = surface;
   const auto wall = static_cast<std::size_t>(
       std::find(surface.patch.begin(), surface.patch.end(), Patch::kWall) - surface.patch.begin());
-  other.building[wall] = other.building[wall] == 0 ? 1 : 0;
+  other.building[wall] = BuildingIndex(other.building[wall] == 0 ? 1 : 0);
   EXPECT_TRUE(has(check_surface(other).violations,
                   "neighbouring roof and wall faces of different buildings"));
 }
@@ -414,7 +414,8 @@ TEST(CheckHeights, GroundIsExcavatedAsFarAsReportedAndNoFurther) {
     EXPECT_TRUE(city.is_off(56, 56)) << "each source has its own slope";
     EXPECT_TRUE(city.is_off(75, 75));
     EXPECT_TRUE(city.is_off(ExcavationSources{}));
-    EXPECT_TRUE(city.is_off(ExcavationSources{{-1, 7}, {{56, 46.5, 4}}, {56, 56}, {56}}))
+    EXPECT_TRUE(city.is_off(
+        ExcavationSources{{kNoBuilding, BuildingIndex(7)}, {{56, 46.5, 4}}, {56, 56}, {56}}))
         << "from elsewhere";
     // A single vertex that is lower than all around it could be the toe of nothing.
     EXPECT_TRUE(city.is_off(std::nullopt));

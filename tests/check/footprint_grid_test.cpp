@@ -48,7 +48,7 @@ TEST(FootprintGrid, FindsTheBuildingOfAnyPointWhateverTheDomain) {
       const double x = uniform(-50, 2050), y = uniform(-50, 650);
       BuildingIndex expected = kNoBuilding;
       for (std::size_t b = 0; b < footprints.size(); ++b)
-        if (contains(footprints[b], {x, y})) expected = static_cast<BuildingIndex>(b);
+        if (contains(footprints[b], {x, y})) expected = BuildingIndex(b);
       EXPECT_EQ(grid.at(x, y), expected) << x << " " << y << ", seed " << testing::test_seed();
     }
     EXPECT_EQ(grid.at(-1e6 + 1, 1.5e6), 401);
@@ -64,7 +64,7 @@ TEST(FootprintGrid, EmptyCitiesAndEmptyRingsHaveNoBuildings) {
   TetMesh mesh;
   mesh.points = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
   mesh.cells = {{0, 1, 2, 3}};
-  mesh.region = {kNoBuilding};
+  mesh.region = {kNoBuilding.value()};
   EXPECT_TRUE(check_regions(mesh, {0, 0, 0}, city).empty());
 }
 
@@ -93,7 +93,7 @@ TEST(FootprintGrid, OutlinesOfManyVerticesAreLookedAtInParts) {
     const double x = uniform(-110, 290), y = uniform(-210, 110);
     EXPECT_EQ(grid.at(x, y), contains(star, {x, y})   ? 0
                              : contains(comb, {x, y}) ? 1
-                                                      : kNoBuilding)
+                                                      : -1)
         << x << " " << y << ", seed " << testing::test_seed();
   }
 }

@@ -14,12 +14,14 @@
 #include "tetropolis/core/threads.h"
 #include "tetropolis/geometry/polygon.h"
 
+#include "support/indices.h"
 #include "support/shapes.h"
 #include "support/test_data.h"
 
 namespace tetropolis {
 namespace {
 
+using testing::indices_of;
 using testing::test_seed;
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
@@ -417,9 +419,13 @@ TEST(DropOutliers, KeepsWhatIsAtTheLimit) {
 TEST(MergeBuildingPoints, IsTheUnionOfTheMembers) {
   const Scene scene = random_scene(50, 20000, {2, 6});
   const BuildingPoints points = extract_building_points(scene.footprints, scene.cloud);
-  std::vector<std::vector<BuildingIndex>> members{{3}, {10, 0, 20}, {}, {5, 6, 7, 8, 9}, {3}};
+  std::vector<std::vector<BuildingIndex>> members{indices_of<BuildingIndex>({3}),
+                                                  indices_of<BuildingIndex>({10, 0, 20}),
+                                                  {},
+                                                  indices_of<BuildingIndex>({5, 6, 7, 8, 9}),
+                                                  indices_of<BuildingIndex>({3})};
   std::vector<BuildingIndex> all(scene.footprints.size());
-  std::iota(all.begin(), all.end(), 0);
+  std::iota(all.begin(), all.end(), BuildingIndex(0));
   members.push_back(all);
   const BuildingPoints merged = merge_building_points(points, members);
   ASSERT_EQ(merged.roof.size(), members.size());

@@ -53,12 +53,12 @@ TEST(FootprintIndex, LargeOutlinesAgreeWithTheDefinition) {
       EXPECT_LE(index.entries(), FootprintIndex::kEntriesPerEdge * edges);
       for (const Point2 p : positions(footprint, 300, random)) {
         int found = 0;  // 1 near, 2 inside
-        index.at(p, [&](std::int32_t, bool inside) { found = inside ? 2 : 1; });
+        index.at(p, [&](BuildingIndex, bool inside) { found = inside ? 2 : 1; });
         const double distance = distance_to_boundary(footprint, p);
         ASSERT_EQ(found, contains(footprint, p) ? 2 : (distance <= margin ? 1 : 0))
             << p.x << " " << p.y << " margin " << margin;
         if (distance <= margin) {
-          ASSERT_DOUBLE_EQ(std::sqrt(index.squared_distance(0, p)), distance);
+          ASSERT_DOUBLE_EQ(std::sqrt(index.squared_distance(BuildingIndex(0), p)), distance);
         }
       }
     }
@@ -74,7 +74,7 @@ TEST(FootprintIndex, TakesAFewEdgesOfLargeOutlines) {
     const FootprintIndex index(one, 1);
     double sum = 0;
     for (int k = 0; k < 1000; ++k)
-      sum += static_cast<double>(index.edges_at(0, -499.5 + 0.999 * k));
+      sum += static_cast<double>(index.edges_at(BuildingIndex(0), -499.5 + 0.999 * k));
     EXPECT_LE(sum / 1000, 24) << vertices;
   }
 }

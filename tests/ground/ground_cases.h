@@ -45,10 +45,10 @@ inline std::string lines(const Violations& violations) {
 
 /// Appends a closed ring of segments.
 inline void add_ring(PlanarGraph& graph, const std::vector<Point2>& ring) {
-  const auto first = static_cast<VertexIndex>(graph.points.size());
-  const auto n = static_cast<VertexIndex>(ring.size());
+  const VertexIndex first(graph.points.size());
+  const std::size_t n = ring.size();
   graph.points.insert(graph.points.end(), ring.begin(), ring.end());
-  for (VertexIndex i = 0; i < n; ++i) graph.segments.push_back({first + i, first + (i + 1) % n});
+  for (std::size_t i = 0; i < n; ++i) graph.segments.push_back({first + i, first + (i + 1) % n});
 }
 
 inline std::vector<Point2> rectangle_ring(double x0, double y0, double x1, double y1) {
@@ -97,10 +97,10 @@ inline PlanarGraph read_pslg(const std::filesystem::path& path) {
   while (text >> word >> n) {
     for (std::size_t i = 0; i < n; ++i) {
       Point2 p;
-      std::array<VertexIndex, 2> s;
+      std::array<int, 2> s;
       if (word == "segments") {
         text >> s[0] >> s[1];
-        graph.segments.push_back(s);
+        graph.segments.push_back({VertexIndex(s[0]), VertexIndex(s[1])});
       } else {
         text >> p.x >> p.y;
         (word == "holes" ? graph.holes : graph.points).push_back(p);

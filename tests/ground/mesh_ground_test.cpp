@@ -45,13 +45,15 @@ TEST(MeshGround, CourtyardsAndAnyOrientation) {
   const Polygon inner{{{35, 35}, {45, 35}, {45, 45}, {35, 45}}, {}};  // a building in the courtyard
   const std::vector<Polygon> city = {block, inner};
   const GroundMesh mesh = expect_valid(city, {0, 0, 80, 80});
-  for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
+  for (const TriangleIndex t : mesh.triangles.indices()) {
     Point2 c;
     for (const VertexIndex v : mesh.triangles[t]) {
       c.x += mesh.vertices[static_cast<std::size_t>(v)].x / 3;
       c.y += mesh.vertices[static_cast<std::size_t>(v)].y / 3;
     }
-    const BuildingIndex expected = contains(inner, c) ? 1 : contains(block, c) ? 0 : kNoBuilding;
+    const BuildingIndex expected = contains(inner, c)   ? BuildingIndex(1)
+                                   : contains(block, c) ? BuildingIndex(0)
+                                                        : kNoBuilding;
     EXPECT_EQ(mesh.region_of(t).building, expected);
     EXPECT_EQ(mesh.inside_building(t), expected != kNoBuilding);
   }
@@ -66,7 +68,7 @@ TEST(MeshGround, WallsWithABoundOfTheirOwn) {
   GroundMeshOptions options{12, 25};
   // Differs between buildings, and between the walls of one.
   options.wall_edge = [](BuildingIndex building, Point2 a, Point2 b) {
-    return 0.8 + 3 * (building % 4) + (a.x == b.x ? 1.5 : 0);
+    return 0.8 + 3 * (building.value() % 4) + (a.x == b.x ? 1.5 : 0);
   };
   const GroundMesh mesh = expect_valid(city, domain, options);
   EXPECT_GT(mesh.triangles.size(), 2 * expect_valid(city, domain, {12, 25}).triangles.size());
@@ -172,7 +174,7 @@ TEST(MeshGround, ChecksNoticeDamage) {
     change(bad);
     return !validate(bad, city, domain, {}).empty();
   };
-  EXPECT_TRUE(damaged([](GroundMesh& m) { m.region[0] = 0; }));
+  EXPECT_TRUE(damaged([](GroundMesh& m) { m.region[0] = RegionIndex(0); }));
   EXPECT_TRUE(damaged([](GroundMesh& m) { m.regions.pop_back(); }));
   EXPECT_TRUE(damaged([](GroundMesh& m) { m.tagged_edges.pop_back(); }));
   for (const bool on_side : {false, true})

@@ -9,9 +9,14 @@
 #include "tetropolis/core/error.h"
 
 #include "ground_cases.h"
+#include "support/indices.h"
 
 namespace tetropolis {
 namespace {
+
+using testing::edges_of;
+using testing::indices_of;
+using testing::triangles_of;
 
 using testing::add_ring;
 using testing::lines;
@@ -63,7 +68,7 @@ TEST(Refine, RandomSegmentsThatCrossAtAnyAngle) {
     add_ring(graph, rectangle_ring(-1, -1, 11, 11));
     const int n = random.integer(1, 6);
     for (int k = 0; k < n; ++k) {
-      const auto first = static_cast<VertexIndex>(graph.points.size());
+      const auto first = VertexIndex(graph.points.size());
       graph.points.push_back(i % 2 == 0 ? random.grid_point(10) : random.point(10));
       graph.points.push_back(i % 2 == 0 ? random.grid_point(10) : random.point(10));
       graph.segments.push_back({first, first + 1});
@@ -84,7 +89,7 @@ TEST(Refine, CornersSharperThanTheBoundAreCountedAndRefinementEnds) {
         graph.points = {{0, 0},     {10, 0},   {7 * std::cos(a), 7 * std::sin(a)},
                         {-10, -10}, {20, -10}, {20, 20},
                         {-10, 20}};
-        graph.segments = {{0, 1}, {0, 2}, {3, 4}, {4, 5}, {5, 6}, {6, 3}};
+        graph.segments = edges_of({{0, 1}, {0, 2}, {3, 4}, {4, 5}, {5, 6}, {6, 3}});
         const RefineOptions options{.min_angle_deg = angle, .max_edge = size};
         expect_refined(graph, options, std::to_string(corner) + " " + std::to_string(angle));
         const Triangulation t = refine(graph, options);
@@ -124,7 +129,7 @@ TEST(Refine, FansOfSharpCorners) {
     PlanarGraph graph;
     add_ring(graph, rectangle_ring(-10, -10, 10, 10));
     graph.points.push_back({0.5, 0.25});
-    const auto hub = static_cast<VertexIndex>(graph.points.size()) - 1;
+    const auto hub = VertexIndex(graph.points.size()) - 1;
     for (int k = 0; k < blades; ++k) {
       const double a = 2 * std::numbers::pi * k / blades, r = 3 + 4.0 * ((k * 7) % 5) / 5;
       graph.points.push_back({0.5 + r * std::cos(a), 0.25 + r * std::sin(a)});
@@ -155,7 +160,8 @@ TEST(Refine, SegmentsInNoRelationToTheDomain) {
   add_ring(graph, rectangle_ring(0, 0, 10, 10));
   graph.points.insert(graph.points.end(),
                       {{3, 3}, {7, 3}, {5, 5}, {5, 9}, {2, 0}, {2, 4}, {8, 8}, {8, 8}});
-  graph.segments.insert(graph.segments.end(), {{4, 5}, {6, 7}, {8, 9}, {10, 11}, {6, 6}});
+  for (const auto& segment : edges_of({{4, 5}, {6, 7}, {8, 9}, {10, 11}, {6, 6}}))
+    graph.segments.push_back(segment);
   expect_refined(graph, {.min_angle_deg = 30, .max_edge = 1}, "dangling");
 }
 
@@ -227,7 +233,7 @@ TEST(Refine, BoundsOfSegmentsThatCross) {
     add_ring(graph, rectangle_ring(-10, -10, 110, 110));
     graph.segment_max_edge.assign(4, 50);
     const auto add = [&](Point2 a, Point2 b) {
-      const auto n = static_cast<VertexIndex>(graph.points.size());
+      const auto n = VertexIndex(graph.points.size());
       graph.points.insert(graph.points.end(), {a, b});
       graph.segments.push_back({n, n + 1});
       graph.segment_max_edge.push_back(20);

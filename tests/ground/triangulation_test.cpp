@@ -10,9 +10,14 @@
 
 #include "geometry/predicates.h"
 #include "ground_cases.h"
+#include "support/indices.h"
 
 namespace tetropolis {
 namespace {
+
+using testing::edges_of;
+using testing::indices_of;
+using testing::triangles_of;
 
 using testing::add_ring;
 using testing::lines;
@@ -157,7 +162,7 @@ TEST(Triangulation, CollinearAndFewPointsHaveNoTriangles) {
     PlanarGraph graph;
     for (int k = 0; k < n; ++k) graph.points.push_back({1.0 * (k * 7 % 10), 3.0 * (k * 7 % 10)});
     graph.points.insert(graph.points.end(), graph.points.begin(), graph.points.end());
-    if (n == 10) graph.segments = {{0, 1}, {1, 0}, {12, 5}, {3, 3}};
+    if (n == 10) graph.segments = edges_of({{0, 1}, {1, 0}, {12, 5}, {3, 3}});
     const Triangulation t = constrained_delaunay(graph);
     EXPECT_TRUE(t.triangles.empty());
     EXPECT_EQ(static_cast<int>(t.points.size()), n);
@@ -171,7 +176,7 @@ TEST(Triangulation, DuplicatePointsShareAVertexAndKeepTheirOrder) {
   PlanarGraph graph;
   graph.points = {{5, 5}, {0, 0}, {5, 5}, {1, 0}, {0, 0}, {0, 1}};
   const Triangulation t = constrained_delaunay(graph);
-  EXPECT_EQ(t.input_vertex, (std::vector<VertexIndex>{0, 1, 0, 2, 1, 3}));
+  EXPECT_EQ(t.input_vertex, (indices_of<VertexIndex>({0, 1, 0, 2, 1, 3})));
   EXPECT_EQ(t.points, (std::vector<Point2>{{5, 5}, {0, 0}, {1, 0}, {0, 1}}));
   EXPECT_EQ(t.triangles.size(), 2U);
 }
@@ -183,7 +188,8 @@ PlanarGraph random_segments(Random& random, int points, int segments, bool grid,
     graph.points.push_back({p.x + offset, p.y + offset});
   }
   for (int k = 0; k < segments; ++k)
-    graph.segments.push_back({random.integer(0, points - 1), random.integer(0, points - 1)});
+    graph.segments.push_back(
+        {VertexIndex(random.integer(0, points - 1)), VertexIndex(random.integer(0, points - 1))});
   return graph;
 }
 
@@ -201,8 +207,8 @@ TEST(Triangulation, SegmentsThatCrossOverlapAndTouch) {
 TEST(Triangulation, ManySegmentsThroughOneAnother) {
   Random random(6);
   PlanarGraph graph = random_segments(random, 400, 200, false, 0);
-  for (VertexIndex s = 0; s < 200; ++s)
-    graph.segments[static_cast<std::size_t>(s)] = {2 * s, 2 * s + 1};
+  for (std::size_t s = 0; s < 200; ++s)
+    graph.segments[s] = {VertexIndex(2 * s), VertexIndex(2 * s + 1)};
   const Triangulation t = constrained_delaunay(graph, {.convex_hull = true});
   EXPECT_EQ(lines(validate(graph, t)), "");
   std::int64_t pairs = 0;
@@ -226,7 +232,7 @@ TEST(Triangulation, SegmentsAlmostThroughOnePointAndAlmostParallel) {
       const Point2 u{std::cos(a), std::sin(a)};
       graph.points.push_back({offset + 3 * u.x, offset + 3 * u.y});
       graph.points.push_back({offset - 4 * u.x, offset - 4 * u.y});
-      graph.segments.push_back({2 * k, 2 * k + 1});
+      graph.segments.push_back({VertexIndex(2 * k), VertexIndex(2 * k + 1)});
     }
     graph.points.push_back({offset, offset + 9});
     const Triangulation t = constrained_delaunay(graph, {.convex_hull = true});
@@ -240,7 +246,7 @@ TEST(Triangulation, VerticesOnASegmentAtTheLastBitOfItsEnds) {
   graph.points = {{0, 0},      {1e6, 0},   {end, 0}, {std::nextafter(end, 0.0), 0},
                   {1e-90, 0},  {1e-12, 0}, {5, 7},   {5, -9},
                   {1e6, 1e-7}, {0, -1e-9}};
-  graph.segments = {{0, 1}, {9, 8}, {1, 0}, {3, 5}};
+  graph.segments = edges_of({{0, 1}, {9, 8}, {1, 0}, {3, 5}});
   const Triangulation t = constrained_delaunay(graph, {.convex_hull = true});
   EXPECT_EQ(lines(validate(graph, t)), "");
 }
@@ -251,7 +257,7 @@ TEST(Triangulation, BruteForceWithSegmentsThatDoNotCross) {
     PlanarGraph graph;
     for (int k = 0; k < 30; ++k) graph.points.push_back(random.point(10));
     for (int k = 0; k < 60; ++k) {
-      const VertexIndex a = random.integer(0, 29), b = random.integer(0, 29);
+      const VertexIndex a(random.integer(0, 29)), b(random.integer(0, 29));
       const auto at = [&](VertexIndex v) { return graph.points[static_cast<std::size_t>(v)]; };
       const bool free =
           std::none_of(graph.segments.begin(), graph.segments.end(),
@@ -293,7 +299,7 @@ TEST(Triangulation, CarvesOutsideHolesAndFloodsRegions) {
 TEST(Triangulation, CarvesWhatAnOpenChainDoesNotEnclose) {
   PlanarGraph graph;
   graph.points = {{0, 0}, {1, 0}, {1, 1}, {0, 1}};
-  graph.segments = {{0, 1}, {1, 2}, {2, 3}};
+  graph.segments = edges_of({{0, 1}, {1, 2}, {2, 3}});
   EXPECT_TRUE(constrained_delaunay(graph).triangles.empty());
   EXPECT_EQ(constrained_delaunay(graph, {.convex_hull = true}).triangles.size(), 2U);
 }
@@ -301,7 +307,7 @@ TEST(Triangulation, CarvesWhatAnOpenChainDoesNotEnclose) {
 TEST(Triangulation, MarkersAndInputsOfSubsegments) {
   PlanarGraph graph;
   graph.points = {{0, 0}, {4, 0}, {4, 4}, {0, 4}, {1, 0}, {2, 0}};
-  graph.segments = {{0, 1}, {1, 2}, {2, 3}, {3, 0}, {0, 2}, {1, 3}};
+  graph.segments = edges_of({{0, 1}, {1, 2}, {2, 3}, {3, 0}, {0, 2}, {1, 3}});
   graph.segment_markers = {10, 11, 12, 13, 14, 15};
   const Triangulation t = constrained_delaunay(graph);
   EXPECT_EQ(lines(validate(graph, t)), "");
@@ -333,9 +339,9 @@ TEST(Triangulation, RefusesUnusableInputByName) {
     EXPECT_NE(message(graph).find("point 2"), std::string::npos);
   }
   graph.points = {{0, 0}, {1, 0}, {1, 1}};
-  graph.segments = {{0, 1}, {1, 3}};
+  graph.segments = edges_of({{0, 1}, {1, 3}});
   EXPECT_NE(message(graph).find("segment 1"), std::string::npos);
-  graph.segments = {{0, 1}};
+  graph.segments = edges_of({{0, 1}});
   graph.segment_markers = {1, 2};
   EXPECT_NE(message(graph).find("segment_markers"), std::string::npos);
   graph.segment_markers.clear();
@@ -365,11 +371,11 @@ TEST(Triangulation, GivesUpWherePointsAreNearerThanTheirPrecision) {
   for (const Point2 p : {Point2{0, 2}, {1, 2}, {1, 1}, {1, 0}, {0, 3}, {902, 0}})
     map.points.push_back({6.4e6 + p.x * u, 6.4e6 + p.y * u});
   map.points.push_back({12800001, 0x1.24f800c3a7f8fp+23});
-  map.segments = {{3, 6}};
+  map.segments = edges_of({{3, 6}});
   for (const Point2 p : {Point2{2, 1}, {1, 6}, {0, 2}, {2, 2}, {958, 0}})
     unit.points.push_back({1 + p.x * v, 1 + p.y * v});
   unit.points.push_back({3, 0x1.3e7b6d0ep+1});
-  unit.segments = {{0, 5}};
+  unit.segments = edges_of({{0, 5}});
   for (const PlanarGraph* graph : {&map, &unit}) {
     try {
       constrained_delaunay(*graph, {.convex_hull = true});
@@ -427,8 +433,8 @@ TEST(Triangulation, ChecksNoticeDamage) {
   // The other diagonal of a kite.
   Triangulation kite;
   kite.points = {{0, 0}, {2, -0.5}, {4, 0}, {2, 0.5}};
-  kite.triangles = {{0, 1, 2}, {0, 2, 3}};
-  const std::vector<std::array<VertexIndex, 2>> rim = {{0, 1}, {1, 2}, {2, 3}, {3, 0}};
+  kite.triangles = triangles_of({{0, 1, 2}, {0, 2, 3}});
+  const auto rim = edges_of({{0, 1}, {1, 2}, {2, 3}, {3, 0}});
   EXPECT_EQ(check_constrained_delaunay(kite.points, kite.triangles, rim).size(), 1U);
   EXPECT_NE(lines(check_angles(kite.points, kite.triangles, rim, 25)), "");
 }

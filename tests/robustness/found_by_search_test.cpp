@@ -92,7 +92,7 @@ TEST(FoundBySearch, NoBuildingVanishesWithTheWallThatJoinsItToAnother) {
     for (std::size_t k = 0; k < simple.footprints.size(); ++k) {
       const auto& members = simple.members[k];
       const bool member =
-          std::find(members.begin(), members.end(), static_cast<BuildingIndex>(i)) != members.end();
+          std::find(members.begin(), members.end(), BuildingIndex(i)) != members.end();
       EXPECT_EQ(contains(simple.footprints[k], middle), member) << "house " << i;
     }
   }

@@ -19,7 +19,7 @@ struct ExplicitMesh {
   std::vector<std::array<double, 3>> points;
   std::vector<std::array<std::int64_t, 4>> cells;
   std::vector<std::int32_t> region;
-  std::vector<std::size_t> triangle;  ///< That each cell stands over.
+  std::vector<TriangleIndex> triangle;  ///< That each cell stands over.
 };
 
 /// Each triangle's segments are sorted by midpoint (ties: higher vertex first); each makes one tet
@@ -27,38 +27,35 @@ struct ExplicitMesh {
 inline ExplicitMesh explicit_mesh(const ColumnMesh& mesh,
                                   const std::array<double, 3>& shift = {0, 0, 0}) {
   ExplicitMesh result;
-  for (std::size_t v = 0; v < mesh.vertex_count(); ++v)
-    for (auto n = mesh.first[v]; n < mesh.first[v + 1]; ++n)
+  for (const VertexIndex v : mesh.ground.vertices.indices())
+    for (const NodeIndex n : mesh.nodes(v))
       result.points.push_back({mesh.ground.vertices[v].x + shift[0],
-                               mesh.ground.vertices[v].y + shift[1],
-                               mesh.z[static_cast<std::size_t>(n)] + shift[2]});
-  for (std::size_t t = 0; t < mesh.triangle_count(); ++t) {
+                               mesh.ground.vertices[v].y + shift[1], mesh.z[n] + shift[2]});
+  for (const TriangleIndex t : mesh.ground.triangles.indices()) {
     struct Segment {
       double midpoint;
       VertexIndex vertex;
       std::size_t corner;
-      std::int64_t node;
+      NodeIndex node;
     };
     std::vector<Segment> segments;
     std::array<std::int64_t, 4> cell{};
     for (std::size_t i = 0; i < 3; ++i) {
       const VertexIndex v = mesh.ground.triangles[t][i];
-      const auto at = static_cast<std::size_t>(v);
-      cell[i] = mesh.floor_over(t, v);
-      for (auto n = cell[i]; n + 1 < mesh.first[at + 1]; ++n)
-        segments.push_back(
-            {(mesh.z[static_cast<std::size_t>(n)] + mesh.z[static_cast<std::size_t>(n) + 1]) / 2, v,
-             i, n});
+      const NodeIndex floor = mesh.floor_over(t, v);
+      cell[i] = floor.value();
+      for (const NodeIndex n : indices(floor, mesh.top(v)))
+        segments.push_back({(mesh.z[n] + mesh.z[n + 1]) / 2, v, i, n});
     }
     std::sort(segments.begin(), segments.end(), [](const Segment& a, const Segment& b) {
-      return std::tuple(a.midpoint, -a.vertex, a.node) < std::tuple(b.midpoint, -b.vertex, b.node);
+      return std::tuple(a.midpoint, b.vertex, a.node) < std::tuple(b.midpoint, a.vertex, b.node);
     });
     for (const Segment& segment : segments) {
-      cell[3] = segment.node + 1;
+      cell[3] = segment.node.value() + 1;
       result.cells.push_back(cell);
-      result.region.push_back(mesh.ground.region_of(t).building);
+      result.region.push_back(mesh.ground.region_of(t).building.value());
       result.triangle.push_back(t);
-      cell[segment.corner] = segment.node + 1;
+      cell[segment.corner] = cell[3];
     }
   }
   return result;

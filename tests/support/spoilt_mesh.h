@@ -12,8 +12,8 @@
 
 namespace tetropolis::testing {
 
-inline std::vector<double> column(const ColumnMesh& mesh, std::size_t v) {
-  return {mesh.z.begin() + mesh.first[v], mesh.z.begin() + mesh.first[v + 1]};
+inline std::vector<double> column(const ColumnMesh& mesh, VertexIndex v) {
+  return {mesh.z.data() + mesh.first[v], mesh.z.data() + mesh.first[v + 1]};
 }
 
 /// A mesh in which a share of the columns lost most of their nodes, and the others stand anywhere.
@@ -23,17 +23,17 @@ inline ColumnMesh spoilt(const ColumnMesh& mesh, double share) {
   std::bernoulli_distribution chosen(share), lost(0.6);
   ColumnMesh result = mesh;
   result.z.clear();
-  for (std::size_t v = 0; v < mesh.vertex_count(); ++v) {
-    result.first[v] = static_cast<NodeIndex>(result.z.size());
+  for (const VertexIndex v : mesh.ground.vertices.indices()) {
+    result.first[v] = NodeIndex(result.z.size());
     const std::vector<double> z = column(mesh, v);
     const bool spoil = chosen(random);
     for (std::size_t n = 0; n < z.size(); ++n) {
       bool fixed = n == 0 || n + 1 == z.size();
-      for (std::size_t i = 0; i < mesh.regions.count(v); ++i) {
+      for (std::size_t i = 0; i < mesh.regions[v].size(); ++i) {
         if (mesh.floors_at(v)[i] != static_cast<std::int32_t>(n)) continue;
         fixed = true;
-        result.floors[static_cast<std::size_t>(mesh.regions.first[v]) + i] =
-            static_cast<std::int32_t>(result.z.size()) - static_cast<std::int32_t>(result.first[v]);
+        result.floors_at(v)[i] =
+            static_cast<std::int32_t>(result.z.size() - std::size_t{result.first[v]});
       }
       if (!spoil || fixed) {
         result.z.push_back(z[n]);
@@ -44,7 +44,7 @@ inline ColumnMesh spoilt(const ColumnMesh& mesh, double share) {
       }
     }
   }
-  result.first.back() = static_cast<NodeIndex>(result.z.size());
+  result.first.back() = NodeIndex(result.z.size());
   require_valid(result);
   return result;
 }

@@ -26,6 +26,7 @@ int main(int argc, char** argv) {
   const SurfaceMesh boundary = work_boundary(mesh);
   work_write(mesh, boundary, argv[2]);
   std::printf("%zu triangles, %lld cells, %lld faces\n", ground.triangles.size(),
-              static_cast<long long>(cell_offsets(mesh).back()), static_cast<long long>(faces));
+              static_cast<long long>(cell_offsets(mesh).back().value()),
+              static_cast<long long>(faces));
   return 0;
 }

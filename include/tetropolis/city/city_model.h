@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "tetropolis/core/indexed_vector.h"
 #include "tetropolis/geometry/domain.h"
 #include "tetropolis/geometry/types.h"
 
@@ -64,7 +65,7 @@ struct Dropped {
 
 /// Guarantee 1: every input feature is in the source_ids of exactly one building or in `dropped`.
 struct CityModel {
-  std::vector<Building> buildings;
+  IndexedVector<BuildingIndex, Building> buildings;
   std::vector<Dropped> dropped;
   Point2 origin;    ///< Local frame's origin in the CRS; whole metres.
   Domain domain;    ///< Local frame.

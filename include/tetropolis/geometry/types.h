@@ -4,21 +4,23 @@
 
 #include <algorithm>
 #include <array>
-#include <cstdint>
 #include <limits>
 #include <vector>
 
+#include "tetropolis/core/index.h"
+
 namespace tetropolis {
 
-/// Indices by role. 32 bits suffice for everything two-dimensional; counts of 3D vertices and cells
-/// are 64 bits.
-using VertexIndex = std::int32_t;
-using TriangleIndex = std::int32_t;
-using BuildingIndex = std::int32_t;
-using RegionIndex = std::int32_t;
+/// 32 bits suffice for everything two-dimensional; nodes and cells have 64.
+using VertexIndex = Index<struct VertexTag>;
+using TriangleIndex = Index<struct TriangleTag>;
+using BuildingIndex = Index<struct BuildingTag>;
+using RegionIndex = Index<struct RegionTag>;
 
-inline constexpr BuildingIndex kNoBuilding = -1;
-inline constexpr RegionIndex kNoRegion = -1;
+inline constexpr auto kNoVertex = VertexIndex::none();
+inline constexpr auto kNoTriangle = TriangleIndex::none();
+inline constexpr auto kNoBuilding = BuildingIndex::none();
+inline constexpr auto kNoRegion = RegionIndex::none();
 
 struct Point2 {
   double x = 0;
@@ -55,6 +57,11 @@ struct Bounds2 {
   bool contains(Point2 p) const { return p.x >= xmin && p.x <= xmax && p.y >= ymin && p.y <= ymax; }
   bool covers(const Bounds2& other) const {
     return other.xmin >= xmin && other.ymin >= ymin && other.xmax <= xmax && other.ymax <= ymax;
+  }
+  /// Empty where they do not intersect.
+  Bounds2 intersection(const Bounds2& other) const {
+    return {std::max(xmin, other.xmin), std::max(ymin, other.ymin), std::min(xmax, other.xmax),
+            std::min(ymax, other.ymax)};
   }
   bool intersects(const Bounds2& other) const {
     return xmin <= other.xmax && other.xmin <= xmax && ymin <= other.ymax && other.ymin <= ymax;

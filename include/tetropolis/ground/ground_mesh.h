@@ -2,11 +2,11 @@
 #pragma once
 
 #include <array>
-#include <cstddef>
 #include <cstdint>
-#include <span>
 #include <vector>
 
+#include "tetropolis/core/indexed_vector.h"
+#include "tetropolis/core/ragged_array.h"
 #include "tetropolis/geometry/types.h"
 #include "tetropolis/ground/region.h"
 
@@ -23,42 +23,24 @@ struct TaggedEdge {
 
 /// Vertices and triangles are numbered so that neighbours in the plane are near in memory.
 struct GroundMesh {
-  std::vector<Point2> vertices;                       ///< Local frame, metres.
-  std::vector<std::array<VertexIndex, 3>> triangles;  ///< Counter-clockwise.
-  std::vector<RegionIndex> region;                    ///< Per triangle: index in `regions`.
-  std::vector<Region> regions;           ///< Building parts first, by building; then the others.
-  std::vector<TaggedEdge> tagged_edges;  ///< All there are, ascending by (low, high).
-  std::vector<Patch> sides;              ///< Patch of each side of the domain.
-  PatchTable patches;                    ///< Those of floors and sides, and of what is to be built.
-  std::int64_t small_input_angles = 0;   ///< Corners of the input sharper than the minimum angle.
+  IndexedVector<VertexIndex, Point2> vertices;                         ///< Local frame, metres.
+  IndexedVector<TriangleIndex, std::array<VertexIndex, 3>> triangles;  ///< Counter-clockwise.
+  IndexedVector<TriangleIndex, RegionIndex> region;  ///< Per triangle: index in `regions`.
+  IndexedVector<RegionIndex, Region> regions;  ///< Building parts first, by building; then others.
+  std::vector<TaggedEdge> tagged_edges;        ///< All there are, ascending by (low, high).
+  std::vector<Patch> sides;                    ///< Patch of each side of the domain.
+  PatchTable patches;                   ///< Those of floors and sides, and of what is to be built.
+  std::int64_t small_input_angles = 0;  ///< Corners of the input sharper than the minimum angle.
   /// Triangles below it: at such corners, and across from them (see refine.h).
   std::int64_t triangles_below_min_angle = 0;
 
-  const Region& region_of(std::size_t t) const {
-    return regions[static_cast<std::size_t>(region[t])];
-  }
+  const Region& region_of(TriangleIndex t) const { return regions[region[t]]; }
   /// Whether triangle t lies in a footprint.
-  bool inside_building(std::size_t t) const { return region_of(t).is_building(); }
+  bool inside_building(TriangleIndex t) const { return region_of(t).is_building(); }
 };
 
-/// The regions around each vertex: those of the triangles it is a corner of.
-struct VertexRegions {
-  std::vector<std::int32_t> first;   ///< V + 1 offsets into `regions`.
-  std::vector<RegionIndex> regions;  ///< Ascending at each vertex.
-
-  std::span<const RegionIndex> at(std::size_t v) const {
-    return std::span(regions).subspan(static_cast<std::size_t>(first[v]), count(v));
-  }
-  std::size_t count(std::size_t v) const {
-    return static_cast<std::size_t>(first[v + 1] - first[v]);
-  }
-  /// Where `region` stands in `regions` for vertex v. Precondition: it is around v.
-  std::size_t find(RegionIndex region, std::size_t v) const {
-    auto i = static_cast<std::size_t>(first[v]);
-    while (regions[i] != region) ++i;
-    return i;
-  }
-};
+/// The regions around each vertex, ascending: those of the triangles it is a corner of.
+using VertexRegions = RaggedArray<RegionIndex, std::int32_t>;
 
 /// Time and memory linear in the mesh.
 VertexRegions regions_at_vertices(const GroundMesh& mesh);

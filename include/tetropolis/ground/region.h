@@ -3,8 +3,8 @@
 
 #include <cstddef>
 #include <cstdint>
-#include <vector>
 
+#include "tetropolis/core/indexed_vector.h"
 #include "tetropolis/geometry/patch.h"
 #include "tetropolis/geometry/types.h"
 
@@ -24,10 +24,10 @@ struct Region {
 };
 
 /// The table for buildings of one part each: region b is building b, the last one open ground.
-inline std::vector<Region> regions_of_buildings(std::size_t buildings) {
-  std::vector<Region> regions(buildings + 1);
-  for (std::size_t b = 0; b < buildings; ++b)
-    regions[b] = {RegionKind::kBuildingPart, static_cast<BuildingIndex>(b), 0, Patch::kRoof};
+inline IndexedVector<RegionIndex, Region> regions_of_buildings(std::size_t buildings) {
+  IndexedVector<RegionIndex, Region> regions(buildings + 1);
+  for (const BuildingIndex b : indices<BuildingIndex>(buildings))
+    regions[std::size_t{b}] = {RegionKind::kBuildingPart, b, 0, Patch::kRoof};
   return regions;
 }
 

@@ -1,10 +1,10 @@
 // A regular grid of heights (the DTM), with values at its nodes.
 #pragma once
 
-#include <cstddef>
 #include <cstdint>
 #include <vector>
 
+#include "tetropolis/core/row_major.h"
 #include "tetropolis/geometry/types.h"
 
 namespace tetropolis {
@@ -19,10 +19,7 @@ struct Raster {
   double step = 1;  ///< Metres between neighbouring nodes, > 0.
   std::vector<double> values;
 
-  double at(std::int32_t i, std::int32_t j) const {
-    return values[static_cast<std::size_t>(j) * static_cast<std::size_t>(nx) +
-                  static_cast<std::size_t>(i)];
-  }
+  double at(std::int32_t i, std::int32_t j) const { return values[row_major(i, j, nx)]; }
   Bounds2 bounds() const { return {x0, y0, x0 + (nx - 1) * step, y0 + (ny - 1) * step}; }
 };
 

@@ -35,7 +35,7 @@ std::vector<SplitPart> assign_members(const std::vector<Polygon>& parts, std::si
   }
   if (candidates.empty()) return result;
   for (const BuildingIndex m : members) {
-    const Polygon member = grid::to_steps(cleaned[static_cast<std::size_t>(m)]);
+    const Polygon member = grid::to_steps(cleaned[m]);
     const Bounds2 box = bounds(member);
     std::size_t best = kept;
     double most = 0;

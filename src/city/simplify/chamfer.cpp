@@ -35,8 +35,7 @@ class CornerChamfer {
 
   std::int64_t run() {
     std::int64_t chamfered = 0;
-    const std::int32_t vertices = o_.vertex_count();
-    for (std::int32_t v = 0; v < vertices; ++v)
+    for (const OutlineVertex v : o_.vertices())  // as they are now
       if (o_.alive(v) && is_sharp(o_.at(o_.before(v)), o_.at(v), o_.at(o_.after(v))) && chamfer(v))
         ++chamfered;
     return chamfered;
@@ -64,14 +63,14 @@ class CornerChamfer {
     bool is_most(double twice_area) const { return twice_area > ring_area; }
   };
 
-  double ring_area(std::int32_t v) {
+  double ring_area(OutlineVertex v) {
     ring_areas_.resize(o_.first.size(), -1);
-    double& area = ring_areas_[static_cast<std::size_t>(o_.ring_of(v))];
+    double& area = ring_areas_[o_.ring_of(v)];
     if (area < 0) area = std::abs(signed_area(ring_through(o_, v)));
     return area;
   }
 
-  bool chamfer(std::int32_t v) {
+  bool chamfer(OutlineVertex v) {
     const OutlineChange all = vertex_change(o_, v, ChangeKind::kMove);
     const Point2 tip = o_.at(v), a = o_.at(all.first), b = o_.at(all.last);
     const double la = distance(tip, a), lb = distance(tip, b);
@@ -98,7 +97,7 @@ class CornerChamfer {
   }
 
   /// Cuts off, or fills, as far as `reach` from the tip along both walls.
-  bool cut_off(std::int32_t v, const Walls& walls, double reach) {
+  bool cut_off(OutlineVertex v, const Walls& walls, double reach) {
     OutlineChange c = vertex_change(o_, v, ChangeKind::kMove);
     const Point2 tip = o_.at(v), a = o_.at(c.first), b = o_.at(c.last);
     const double la = walls.la, lb = walls.lb;
@@ -112,8 +111,7 @@ class CornerChamfer {
     if (walls.is_most(reach * reach * walls.sine)) return false;
     const auto add = [&](Point2 end, double length, double share) {
       const double t = share * reach / length;
-      c.fresh[static_cast<std::size_t>(c.fresh_count++)] =
-          grid::rounded({tip.x + t * (end.x - tip.x), tip.y + t * (end.y - tip.y)});
+      c.add(grid::rounded({tip.x + t * (end.x - tip.x), tip.y + t * (end.y - tip.y)}));
     };
     // Where one wall goes, what follows it has a direction of its own: the end may have to turn.
     for (const double share : {1.0, 0.97, 0.94, 0.9}) {
@@ -128,7 +126,7 @@ class CornerChamfer {
 
   /// Gives the tip the width that an end has to have: to both sides or to one, there or nearer to
   /// its foot, whichever first leaves room for what is around.
-  bool widen(std::int32_t v, const Walls& walls) {
+  bool widen(OutlineVertex v, const Walls& walls) {
     OutlineChange c = vertex_change(o_, v, ChangeKind::kMove);
     const Point2 tip = o_.at(v), a = o_.at(c.first), b = o_.at(c.last);
     const double la = walls.la, lb = walls.lb;
@@ -151,8 +149,7 @@ class CornerChamfer {
         const double y = tip.y + shorter * std::min(la, lb) * dy;
         c.fresh_count = 0;
         for (const double across : {side * width, (side - 1) * width})
-          c.fresh[static_cast<std::size_t>(c.fresh_count++)] =
-              grid::rounded({x + turn * across * dy, y - turn * across * dx});
+          c.add(grid::rounded({x + turn * across * dy, y - turn * across * dx}));
         if (replace_if_better(c, old_path(o_, c), new_path(o_, c))) return true;
       }
     }

@@ -23,19 +23,19 @@ struct Edges {
   std::vector<Point2> start;
   std::vector<Point2> end;
   std::vector<RingFeature> feature;
-  std::vector<std::int32_t> next;  ///< The edge that starts where this one ends.
+  std::vector<LineIndex> next;  ///< The edge that starts where this one ends.
   Bounds2 box = Bounds2::nothing();
 
-  std::int32_t size() const { return static_cast<std::int32_t>(start.size()); }
-  static std::size_t at(std::int32_t e) { return static_cast<std::size_t>(e); }
+  std::size_t size() const { return start.size(); }
+  IndexRange<LineIndex> all() const { return indices<LineIndex>(size()); }
   void add(const Ring& ring, std::int32_t polygon, std::int32_t number) {
-    const std::int32_t base = size();
-    const auto n = static_cast<std::int32_t>(ring.size());
-    for (std::int32_t i = 0; i < n; ++i) {
-      start.push_back(ring[at(i)]);
-      end.push_back(ring[at((i + 1) % n)]);
-      feature.push_back({polygon, number, i});
-      next.push_back(base + (i + 1) % n);
+    const LineIndex base(size());
+    for (std::size_t i = 0; i < ring.size(); ++i) {
+      const std::size_t after = (i + 1) % ring.size();
+      start.push_back(ring[i]);
+      end.push_back(ring[after]);
+      feature.push_back({polygon, number, static_cast<std::int32_t>(i)});
+      next.push_back(base + after);
       box.extend(start.back());
     }
   }
@@ -54,24 +54,22 @@ Edges edges_of(std::span<const Polygon> polygons) {
 
 EdgeGrid grid_of(const Edges& edges) {
   double sum = 0;
-  for (std::int32_t e = 0; e < edges.size(); ++e)
-    sum += grid::distance(edges.start[Edges::at(e)], edges.end[Edges::at(e)]);
-  const double cell = std::max(sum / std::max(1, edges.size()), 1e-3 * edges.box.width());
-  EdgeGrid index(edges.box, cell > 0 ? cell : 1.0, Edges::at(edges.size()));
-  for (std::int32_t e = 0; e < edges.size(); ++e)
-    index.insert(e, edges.start[Edges::at(e)], edges.end[Edges::at(e)]);
+  for (const LineIndex e : edges.all()) sum += grid::distance(edges.start[e], edges.end[e]);
+  const double cell =
+      std::max(sum / std::max(1.0, static_cast<double>(edges.size())), 1e-3 * edges.box.width());
+  EdgeGrid index(edges.box, cell > 0 ? cell : 1.0, edges.size());
+  for (const LineIndex e : edges.all()) index.insert(e, edges.start[e], edges.end[e]);
   return index;
 }
 
 void clear_of_domain(const Edges& edges, const Domain& domain, Clearance& best) {
   const std::size_t sides = domain.sides().size();
-  for (std::int32_t v = 0; v < edges.size(); ++v) {
-    const Point2 p = edges.start[Edges::at(v)];
+  for (const LineIndex v : edges.all()) {
+    const Point2 p = edges.start[v];
     for (std::size_t side = 0; side < sides; ++side) {
       const double d = std::max(0.0, domain.distance_to_side(side, p));
       if (d >= best.distance) continue;
-      best = {d, edges.feature[Edges::at(v)], RingFeature{-1, 0, static_cast<std::int32_t>(side)},
-              p};
+      best = {d, edges.feature[v], RingFeature{-1, 0, static_cast<std::int32_t>(side)}, p};
     }
   }
 }
@@ -85,24 +83,24 @@ Clearance joint_clearance(std::span<const Polygon> polygons, const std::optional
   if (edges.size() == 0) return best;
   // No ring has a clearance above its shortest edge: that bounds the search from the start.
   double reach = std::min(best.distance, std::hypot(edges.box.width(), edges.box.height()));
-  for (std::int32_t e = 0; e < edges.size(); ++e)
-    if (edges.next[Edges::at(e)] != e)
-      reach = std::min(reach, std::hypot(edges.start[Edges::at(e)].x - edges.end[Edges::at(e)].x,
-                                         edges.start[Edges::at(e)].y - edges.end[Edges::at(e)].y));
+  for (const LineIndex e : edges.all())
+    if (edges.next[e] != e)
+      reach = std::min(
+          reach, std::hypot(edges.start[e].x - edges.end[e].x, edges.start[e].y - edges.end[e].y));
   const EdgeGrid index = grid_of(edges);
-  for (std::int32_t v = 0; v < edges.size(); ++v) {
-    const Point2 p = edges.start[Edges::at(v)];
-    std::int32_t best_edge = -1;
-    index.visit(Bounds2{p.x, p.y, p.x, p.y}.grown(reach), [&](std::int32_t e) {
-      if (e == v || edges.next[Edges::at(e)] == v) return;
-      const double d = distance_to_segment(p, edges.start[Edges::at(e)], edges.end[Edges::at(e)]);
-      const bool same_vertex = best.vertex == edges.feature[Edges::at(v)] && best_edge >= 0;
+  for (const LineIndex v : edges.all()) {
+    const Point2 p = edges.start[v];
+    LineIndex best_edge = LineIndex::none();
+    index.visit(Bounds2{p.x, p.y, p.x, p.y}.grown(reach), [&](LineIndex e) {
+      if (e == v || edges.next[e] == v) return;
+      const double d = distance_to_segment(p, edges.start[e], edges.end[e]);
+      const bool same_vertex = best.vertex == edges.feature[v] && best_edge.valid();
       if (d < best.distance || (d == best.distance && same_vertex && e < best_edge)) {
-        best = {d, edges.feature[Edges::at(v)], edges.feature[Edges::at(e)], p};
+        best = {d, edges.feature[v], edges.feature[e], p};
         best_edge = e;
       }
     });
-    if (best_edge >= 0) reach = std::min(reach, best.distance);
+    if (best_edge.valid()) reach = std::min(reach, best.distance);
   }
   return best;
 }
@@ -135,10 +133,10 @@ class DefectFinder {
   bool check_ring(const Ring& ring, std::int32_t polygon, std::int32_t number);
   void check_rings();
   void check_crossings();
-  void check_pair(std::int32_t e, std::int32_t f);
+  void check_pair(LineIndex e, LineIndex f);
   void check_nesting();
-  bool right_of(std::int32_t e, std::int32_t f) const;
-  std::int32_t edge_left_of(std::int32_t v) const;
+  bool right_of(LineIndex e, LineIndex f) const;
+  LineIndex edge_left_of(LineIndex v) const;
 
   std::span<const Polygon> polygons_;
   std::size_t limit_;
@@ -182,32 +180,32 @@ void DefectFinder::check_rings() {
   }
 }
 
-void DefectFinder::check_pair(std::int32_t e, std::int32_t f) {
-  const Point2 a = edges_.start[Edges::at(e)], b = edges_.end[Edges::at(e)];
-  const Point2 c = edges_.start[Edges::at(f)], d = edges_.end[Edges::at(f)];
+void DefectFinder::check_pair(LineIndex e, LineIndex f) {
+  const Point2 a = edges_.start[e], b = edges_.end[e];
+  const Point2 c = edges_.start[f], d = edges_.end[f];
   bool bad = false;
-  if (edges_.next[Edges::at(e)] == f) {
+  if (edges_.next[e] == f) {
     bad = a == b || c == d || grid::folds_back(b, a, d);
-  } else if (edges_.next[Edges::at(f)] == e) {
+  } else if (edges_.next[f] == e) {
     bad = a == b || c == d || grid::folds_back(a, b, c);
   } else {
     bad = grid::segments_touch(a, b, c, d);
   }
   if (bad)
-    report(FootprintDefectKind::kRingsTouch, edges_.feature[Edges::at(e)],
-           edges_.feature[Edges::at(f)], grid::to_metres(a),
+    report(FootprintDefectKind::kRingsTouch, edges_.feature[e], edges_.feature[f],
+           grid::to_metres(a),
            fmt::format("its edge crosses or touches the edge of polygon {}, ring {}, vertex {}",
-                       edges_.feature[Edges::at(f)].polygon, edges_.feature[Edges::at(f)].ring,
-                       edges_.feature[Edges::at(f)].index));
+                       edges_.feature[f].polygon, edges_.feature[f].ring, edges_.feature[f].index));
 }
 
 void DefectFinder::check_crossings() {
-  std::vector<std::int32_t> seen(Edges::at(edges_.size()), -1);
-  for (std::int32_t e = 0; e < edges_.size() && defects_.size() < limit_; ++e) {
-    const Bounds2 box = grid::box_of(edges_.start[Edges::at(e)], edges_.end[Edges::at(e)]);
-    index_.visit(box, [&](std::int32_t f) {
-      if (f <= e || seen[Edges::at(f)] == e) return;
-      seen[Edges::at(f)] = e;
+  std::vector<LineIndex> seen(edges_.size(), LineIndex::none());
+  for (const LineIndex e : edges_.all()) {
+    if (defects_.size() >= limit_) return;
+    const Bounds2 box = grid::box_of(edges_.start[e], edges_.end[e]);
+    index_.visit(box, [&](LineIndex f) {
+      if (f <= e || seen[f] == e) return;
+      seen[f] = e;
       check_pair(e, f);
     });
   }
@@ -215,9 +213,9 @@ void DefectFinder::check_crossings() {
 
 /// Whether edge e is right of edge f at a height that both span, their lower ends included. Exact.
 /// Precondition: they do not cross, but may have an end in common.
-bool DefectFinder::right_of(std::int32_t e, std::int32_t f) const {
-  Point2 e0 = edges_.start[Edges::at(e)], e1 = edges_.end[Edges::at(e)];
-  Point2 f0 = edges_.start[Edges::at(f)], f1 = edges_.end[Edges::at(f)];
+bool DefectFinder::right_of(LineIndex e, LineIndex f) const {
+  Point2 e0 = edges_.start[e], e1 = edges_.end[e];
+  Point2 f0 = edges_.start[f], f1 = edges_.end[f];
   if (e0.y > e1.y) std::swap(e0, e1);
   if (f0.y > f1.y) std::swap(f0, f1);
   const int lower = e0.y >= f0.y ? -grid::orientation(f0, f1, e0) : grid::orientation(e0, e1, f0);
@@ -227,45 +225,45 @@ bool DefectFinder::right_of(std::int32_t e, std::int32_t f) const {
 
 /// The edge of another ring that is nearest to the left of vertex v (which is a leftmost vertex of
 /// its ring), or -1. Precondition: no edges touch.
-std::int32_t DefectFinder::edge_left_of(std::int32_t v) const {
-  const Point2 p = edges_.start[Edges::at(v)];
-  const RingFeature own = edges_.feature[Edges::at(v)];
-  std::int32_t nearest = -1;
-  const auto look = [&](std::int32_t e) {
-    const Point2 a = edges_.start[Edges::at(e)], b = edges_.end[Edges::at(e)];
-    const RingFeature other = edges_.feature[Edges::at(e)];
+LineIndex DefectFinder::edge_left_of(LineIndex v) const {
+  const Point2 p = edges_.start[v];
+  const RingFeature own = edges_.feature[v];
+  LineIndex nearest = LineIndex::none();
+  const auto look = [&](LineIndex e) {
+    const Point2 a = edges_.start[e], b = edges_.end[e];
+    const RingFeature other = edges_.feature[e];
     if (other.polygon == own.polygon && other.ring == own.ring) return;
     if (grid::crossing_side(a, b, p) >= 0) return;
-    if (nearest < 0 || (e != nearest && right_of(e, nearest))) nearest = e;
+    if (!nearest.valid() || (e != nearest && right_of(e, nearest))) nearest = e;
   };
   // Further and further to the west: nothing nearer comes once an edge crosses within the window.
   for (double west = p.x, width = edges_.box.width() / 256; west > edges_.box.xmin; width *= 4) {
     west = p.x - width;
     index_.visit({west, p.y, p.x, p.y}, look);
-    if (nearest < 0) continue;
-    const Point2 a = edges_.start[Edges::at(nearest)], b = edges_.end[Edges::at(nearest)];
+    if (!nearest.valid()) continue;
+    const Point2 a = edges_.start[nearest], b = edges_.end[nearest];
     if (a.x + (b.x - a.x) * (p.y - a.y) / (b.y - a.y) > west + 1) break;
   }
   return nearest;
 }
 
 void DefectFinder::check_nesting() {
-  std::int32_t begin = 0;
+  LineIndex begin(0);
   while (begin < edges_.size()) {
-    const RingFeature ring = edges_.feature[Edges::at(begin)];
-    std::int32_t end = begin, leftmost = begin;
-    while (end < edges_.size() && edges_.feature[Edges::at(end)].polygon == ring.polygon &&
-           edges_.feature[Edges::at(end)].ring == ring.ring) {
-      if (edges_.start[Edges::at(end)].x < edges_.start[Edges::at(leftmost)].x) leftmost = end;
+    const RingFeature ring = edges_.feature[begin];
+    LineIndex end = begin, leftmost = begin;
+    while (end < edges_.size() && edges_.feature[end].polygon == ring.polygon &&
+           edges_.feature[end].ring == ring.ring) {
+      if (edges_.start[end].x < edges_.start[leftmost].x) leftmost = end;
       ++end;
     }
     begin = end;
-    const std::int32_t e = edge_left_of(leftmost);
+    const LineIndex e = edge_left_of(leftmost);
     // The interior is on the left of an edge: it is on our side of edges that run down.
-    const bool enclosed = e >= 0 && edges_.start[Edges::at(e)].y > edges_.end[Edges::at(e)].y;
-    const RingFeature first = edges_.feature[Edges::at(leftmost)];
-    const RingFeature around = e >= 0 ? edges_.feature[Edges::at(e)] : RingFeature{};
-    const Point2 at = grid::to_metres(edges_.start[Edges::at(leftmost)]);
+    const bool enclosed = e.valid() && edges_.start[e].y > edges_.end[e].y;
+    const RingFeature first = edges_.feature[leftmost];
+    const RingFeature around = e.valid() ? edges_.feature[e] : RingFeature{};
+    const Point2 at = grid::to_metres(edges_.start[leftmost]);
     if (ring.ring == 0 && enclosed)
       report(FootprintDefectKind::kPolygonsOverlap, first, around, at,
              fmt::format("inside polygon {}", around.polygon));

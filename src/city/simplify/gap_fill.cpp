@@ -25,7 +25,7 @@ constexpr std::ptrdiff_t kMostPairs = 12;  // of one vertex
 constexpr std::int32_t kCrowd = 50'000;
 
 /// Whether leaving vertex v towards q one is inside the polygon.
-bool leads_inside(const Outline& o, std::int32_t v, Point2 q) {
+bool leads_inside(const Outline& o, OutlineVertex v, Point2 q) {
   const Point2 p = o.at(v), u = o.at(o.before(v)), w = o.at(o.after(v));
   const auto side = [](Point2 a, Point2 b, Point2 c) {
     return (b.x - a.x) * (c.y - a.y) - (b.y - a.y) * (c.x - a.x);
@@ -37,13 +37,13 @@ bool leads_inside(const Outline& o, std::int32_t v, Point2 q) {
 /// Area of the smaller of the two parts into which the segment from v to a point of edge e would
 /// cut a ring; infinity if the ring is long (it is then not worth the walk), 0 if v and e belong to
 /// different rings.
-double smaller_part(const Outline& o, std::int32_t v, std::int32_t e) {
+double smaller_part(const Outline& o, OutlineVertex v, OutlineVertex e) {
   if (o.ring_of(v) != o.ring_of(e)) return 0;
-  const auto walk = [&](std::int32_t from, std::int32_t to) {
+  const auto walk = [&](OutlineVertex from, OutlineVertex to) {
     const Point2 origin = o.at(v);
     double twice = 0;
     int steps = 0;
-    for (std::int32_t i = from; i != to; i = o.after(i)) {
+    for (OutlineVertex i = from; i != to; i = o.after(i)) {
       const Point2 a = o.at(i), b = o.at(o.after(i));
       twice += (a.x - origin.x) * (b.y - origin.y) - (b.x - origin.x) * (a.y - origin.y);
       if (++steps > 2000) return kInfinity;
@@ -55,7 +55,7 @@ double smaller_part(const Outline& o, std::int32_t v, std::int32_t e) {
 
 /// The smallest box around the thin place between walls e and f that is a little wider than
 /// epsilon: along either wall, or across the shortest way p-q between them.
-Polygon widening(const Outline& o, const Ring& thin, std::int32_t e, std::int32_t f, Point2 p,
+Polygon widening(const Outline& o, const Ring& thin, OutlineVertex e, OutlineVertex f, Point2 p,
                  Point2 q, double epsilon) {
   Polygon best;
   const std::array<std::pair<Point2, Point2>, 3> directions{
@@ -69,13 +69,13 @@ Polygon widening(const Outline& o, const Ring& thin, std::int32_t e, std::int32_
   return best;
 }
 
-bool face(const Outline& o, std::int32_t e, std::int32_t f, double epsilon) {
+bool face(const Outline& o, OutlineVertex e, OutlineVertex f, double epsilon) {
   return edges_face(o.at(e), o.at(o.after(e)), o.at(f), o.at(o.after(f)), epsilon);
 }
 
-void add_fill_or_cut(const Outline& o, const NearPair& pair, std::int32_t f, double epsilon,
+void add_fill_or_cut(const Outline& o, const NearPair& pair, OutlineVertex f, double epsilon,
                      double reach, FillsAndCuts& repairs) {
-  const std::int32_t e = pair.edge;
+  const OutlineVertex e = pair.edge;
   if (f == e) return;
   const Point2 a = o.at(e), b = o.at(o.after(e));
   Ring hull = gap_fill(o.at(f), o.at(o.after(f)), a, b, reach);
@@ -111,16 +111,16 @@ class Fillings {
       });
     }
     index_ = EdgeGrid(box, 4 * epsilon, edges_.size());
-    for (std::size_t i = 0; i < edges_.size(); ++i)
-      index_.insert(static_cast<std::int32_t>(i), edges_[i].a, edges_[i].b);
+    for (const LineIndex e : indices<LineIndex>(edges_.size()))
+      index_.insert(e, edges_[e].a, edges_[e].b);
   }
 
   /// Whether one of them has a point in common with the polygon, unless it lies inside that.
   bool meet(const Polygon& polygon) {
     bool touches = false;
     for_each_edge(polygon, [&](Point2 a, Point2 b) {
-      touches = touches || index_.any(grid::box_of(a, b), [&](std::int32_t e) {
-        const Edge& edge = edges_[static_cast<std::size_t>(e)];
+      touches = touches || index_.any(grid::box_of(a, b), [&](LineIndex e) {
+        const Edge& edge = edges_[e];
         return grid::segments_touch(a, b, edge.a, edge.b);
       });
     });
@@ -137,8 +137,8 @@ class Fillings {
   /// Whether one of them contains the point: the edges left of it, by the even-odd rule.
   bool contain(Point2 p) {
     crossed_.clear();
-    index_.visit({p.x - widest_, p.y, p.x, p.y}, [&](std::int32_t e) {
-      const Edge& edge = edges_[static_cast<std::size_t>(e)];
+    index_.visit({p.x - widest_, p.y, p.x, p.y}, [&](LineIndex e) {
+      const Edge& edge = edges_[e];
       if (grid::crossing_side(edge.a, edge.b, p) < 0) crossed_.push_back(e);
     });
     std::sort(crossed_.begin(), crossed_.end());
@@ -153,14 +153,12 @@ class Fillings {
     }
     return false;
   }
-  std::size_t filling(std::size_t i) const {
-    return edges_[static_cast<std::size_t>(crossed_[i])].filling;
-  }
+  std::size_t filling(std::size_t i) const { return edges_[crossed_[i]].filling; }
 
   std::vector<Edge> edges_;
   double widest_ = 0;
   EdgeGrid index_;
-  std::vector<std::int32_t> crossed_;
+  std::vector<LineIndex> crossed_;
 };
 
 /// Puts off cuts that meet a filling: what is thin may be so no longer then, and where teeth and
@@ -209,27 +207,26 @@ std::vector<NearPair> nearest_pairs(const std::vector<NearPair>& pairs) {
 class Crowds {
  public:
   Crowds(const Outline& o, const std::vector<NearPair>& pairs) : o_(o), pairs_(o.changed.size()) {
-    for (const NearPair& pair : pairs) ++pairs_[group(pair.vertex)];
+    for (const NearPair& pair : pairs) ++pairs_[o.polygon_of(pair.vertex)];
   }
-  bool has(std::int32_t v) const { return pairs_[group(v)] >= kCrowd; }
+  bool has(OutlineVertex v) const { return pairs_[o_.polygon_of(v)] >= kCrowd; }
   /// Whether it is asked about these two walls for the first time.
-  bool is_new(std::int32_t e, std::int32_t f) { return seen_.insert(std::minmax(e, f)).second; }
+  bool is_new(OutlineVertex e, OutlineVertex f) { return seen_.insert(std::minmax(e, f)).second; }
 
  private:
-  std::size_t group(std::int32_t v) const { return static_cast<std::size_t>(o_.group_of(v)); }
-
   const Outline& o_;
   std::vector<std::int32_t> pairs_;
-  std::set<std::pair<std::int32_t, std::int32_t>> seen_;
+  std::set<std::pair<OutlineVertex, OutlineVertex>> seen_;
 };
 
 /// Whether q, the point of wall e nearest to vertex v, is an end of e from which another wall goes
 /// that faces one of v's: that one's gap fill closes the gap, and e's would round off a corner
 /// only.
-bool is_next_to_facing(const Outline& o, std::int32_t v, std::int32_t e, Point2 q, double epsilon) {
+bool is_next_to_facing(const Outline& o, OutlineVertex v, OutlineVertex e, Point2 q,
+                       double epsilon) {
   const bool at_start = q == o.at(e);
   if (!at_start && q != o.at(o.after(e))) return false;
-  const std::int32_t other = at_start ? o.before(e) : o.after(e);
+  const OutlineVertex other = at_start ? o.before(e) : o.after(e);
   return face(o, o.before(v), other, epsilon) || face(o, v, other, epsilon);
 }
 
@@ -241,13 +238,13 @@ std::vector<FillsAndCuts> fills_and_cuts(const Outline& o, const std::vector<Nea
   const std::vector<NearPair> nearest = nearest_pairs(pairs);
   Crowds crowds(o, nearest);
   for (const NearPair& pair : nearest) {
-    const std::int32_t v = pair.vertex, e = pair.edge;
-    if (o.group_of(v) != o.group_of(e)) continue;
+    const OutlineVertex v = pair.vertex, e = pair.edge;
+    if (o.polygon_of(v) != o.polygon_of(e)) continue;
     const Point2 q = grid::nearest_on_segment(o.at(v), o.at(e), o.at(o.after(e)));
     if (q != o.at(v) && (q == o.at(o.before(v)) || q == o.at(o.after(v)))) continue;
     if (crowds.has(v) && is_next_to_facing(o, v, e, q, epsilon)) continue;
-    FillsAndCuts& repairs = result[static_cast<std::size_t>(o.group_of(v))];
-    const auto add = [&](std::int32_t f) {
+    FillsAndCuts& repairs = result[o.polygon_of(v)];
+    const auto add = [&](OutlineVertex f) {
       if (!crowds.has(v) || crowds.is_new(e, f))
         add_fill_or_cut(o, pair, f, epsilon, reach, repairs);
     };
@@ -274,13 +271,13 @@ std::vector<FillsAndCuts> hulls_around(const Outline& o, const std::vector<NearP
         points[i] = grid::rounded(
             {p.x + (points[i].x - p.x) * radius / d, p.y + (points[i].y - p.y) * radius / d});
     }
-    o.grid.visit(Bounds2{p.x, p.y, p.x, p.y}.grown(radius), [&](std::int32_t w) {
-      if (o.group_of(w) == o.group_of(pair.vertex) && grid::distance(o.at(w), p) <= radius)
+    o.grid.visit(Bounds2{p.x, p.y, p.x, p.y}.grown(radius), [&](OutlineVertex w) {
+      if (o.polygon_of(w) == o.polygon_of(pair.vertex) && grid::distance(o.at(w), p) <= radius)
         points.push_back(o.at(w));
     });
     Ring hull = grid::convex_hull(std::move(points));
     if (hull.size() < 3) continue;
-    FillsAndCuts& repairs = result[static_cast<std::size_t>(o.group_of(pair.vertex))];
+    FillsAndCuts& repairs = result[o.polygon_of(pair.vertex)];
     repairs.fill.push_back({std::move(hull), {}});
     repairs.are_hulls = true;
   }

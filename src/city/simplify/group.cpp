@@ -33,7 +33,7 @@ std::vector<Group> GroupInput::single_groups() const {
   parallel_chunks(groups.size(), 256, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i) {
       Group& group = groups[i];
-      group.members = {static_cast<BuildingIndex>(i)};
+      group.members = {BuildingIndex(i)};
       group.polygon = grid::to_steps(cleaned_[i]);
       if (group.polygon.outer.size() < 3) group.polygon = {};
       group.input = {group.polygon};
@@ -57,8 +57,7 @@ std::vector<Polygon> GroupInput::inside(const Polygon& polygon) const {
 
 std::vector<Polygon> GroupInput::input_of(const std::vector<BuildingIndex>& members) const {
   std::vector<Polygon> input;
-  for (const BuildingIndex m : members)
-    input.push_back(usable_part(grid::to_steps(cleaned_[static_cast<std::size_t>(m)])));
+  for (const BuildingIndex m : members) input.push_back(usable_part(grid::to_steps(cleaned_[m])));
   return input.size() > 1 ? unite_or_largest(input) : input;
 }
 
@@ -67,7 +66,7 @@ std::uint32_t GroupInput::flags_of(const std::vector<BuildingIndex>& members) co
   std::uint32_t flags = 0;
   if (members.size() > 1) flags |= kMerged;
   for (const BuildingIndex m : members)
-    if (!is_inside(grid::to_steps(cleaned_[static_cast<std::size_t>(m)]))) flags |= kClipped;
+    if (!is_inside(grid::to_steps(cleaned_[m]))) flags |= kClipped;
   return flags;
 }
 

@@ -40,23 +40,23 @@ class Region {
     for (const Wall& wall : walls_) length += grid::distance(wall.a, wall.b);
     cell_ = cell_size(box_, length, walls_.size()) + 1;
     index_ = EdgeGrid(box_, cell_, walls_.size());
-    for (std::size_t i = 0; i < walls_.size(); ++i)
-      index_.insert(static_cast<std::int32_t>(i), walls_[i].a, walls_[i].b);
+    for (const LineIndex e : indices<LineIndex>(walls_.size()))
+      index_.insert(e, walls_[e].a, walls_[e].b);
   }
 
   /// Precondition: there are edges.
   std::size_t nearest(Point2 p) const {
-    std::int32_t best = -1;
+    LineIndex best = LineIndex::none();
     double least = kInfinity;
     for (double reach = cell_ / 2;; reach = std::min(2 * reach, least)) {
-      index_.visit(Bounds2{p.x, p.y, p.x, p.y}.grown(reach), [&](std::int32_t e) {
-        const double d = walls_[static_cast<std::size_t>(e)].distance_to(p);
+      index_.visit(Bounds2{p.x, p.y, p.x, p.y}.grown(reach), [&](LineIndex e) {
+        const double d = walls_[e].distance_to(p);
         if (d < least || (d == least && e < best)) {
           least = d;
           best = e;
         }
       });
-      if (least <= reach) return static_cast<std::size_t>(best);
+      if (least <= reach) return best;
     }
   }
   const Wall& wall(std::size_t e) const { return walls_[e]; }
@@ -64,9 +64,7 @@ class Region {
   /// Whether a wall, or part of one, lies in the inside of a box.
   bool has_walls_in(const Bounds2& box) const {
     bool found = false;
-    index_.visit(box, [&](std::int32_t e) {
-      found = found || crosses(walls_[static_cast<std::size_t>(e)], box);
-    });
+    index_.visit(box, [&](LineIndex e) { found = found || crosses(walls_[e], box); });
     return found;
   }
 
@@ -113,8 +111,8 @@ class Region {
       least = std::abs(turn);
       inside = leaves == (turn <= 0);
     };
-    index_.visit(grid::box_of(v, v), [&](std::int32_t k) {
-      const Wall& wall = walls_[static_cast<std::size_t>(k)];
+    index_.visit(grid::box_of(v, v), [&](LineIndex k) {
+      const Wall& wall = walls_[k];
       if (grid::orientation(wall.a, wall.b, v) != 0 || !grid::within_box(v, wall.a, wall.b)) return;
       look_along(wall.b, true);
       look_along(wall.a, false);

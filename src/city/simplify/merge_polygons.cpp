@@ -59,17 +59,17 @@ std::pair<double, double> part_within(Point2 a, Point2 b, Point2 c, Point2 d, do
   return {end(best, 0), end(best, 1)};
 }
 
-using EdgePair = std::pair<std::int32_t, std::int32_t>;
+using EdgePair = std::pair<OutlineVertex, OutlineVertex>;
 
 /// Whether e is near f only with one end, from which another edge faces f: the gap fill between
 /// that one and f closes the gap, and one between e and f would round off the corner only.
-bool passed_over(const Outline& o, const std::vector<EdgePair>& pairs, std::int32_t e,
-                 std::int32_t f, double distance) {
+bool passed_over(const Outline& o, const std::vector<EdgePair>& pairs, OutlineVertex e,
+                 OutlineVertex f, double distance) {
   const Point2 a = o.at(e), b = o.at(o.after(e)), c = o.at(f), d = o.at(o.after(f));
   if (edges_face(a, b, c, d, distance)) return false;
   const bool at_start =
       grid::point_segment_distance(a, c, d) <= grid::point_segment_distance(b, c, d);
-  const std::int32_t other = at_start ? o.before(e) : o.after(e);
+  const OutlineVertex other = at_start ? o.before(e) : o.after(e);
   return std::binary_search(pairs.begin(), pairs.end(),
                             EdgePair{std::min(other, f), std::max(other, f)}) &&
          edges_face(o.at(other), o.at(o.after(other)), c, d, distance);
@@ -80,12 +80,12 @@ bool passed_over(const Outline& o, const std::vector<EdgePair>& pairs, std::int3
 std::optional<std::vector<EdgePair>> pairs_between(
     const Outline& o, double distance, std::size_t most = std::numeric_limits<std::size_t>::max()) {
   std::vector<EdgePair> pairs;
-  for (std::int32_t e = 0; e < o.vertex_count(); ++e) {
+  for (const OutlineVertex e : o.vertices()) {
     const Point2 a = o.at(e), b = o.at(o.after(e));
     const auto own = static_cast<std::ptrdiff_t>(pairs.size());
     o.grid.visit_cells_near(a, b, distance, [&](std::size_t cell) {
-      o.grid.visit_cell(cell, [&](std::int32_t f) {
-        if (f <= e || o.group_of(e) == o.group_of(f)) return;
+      o.grid.visit_cell(cell, [&](OutlineVertex f) {
+        if (f <= e || o.polygon_of(e) == o.polygon_of(f)) return;
         if (grid::are_near(a, b, o.at(f), o.at(o.after(f)), distance)) pairs.emplace_back(e, f);
       });
     });
@@ -107,11 +107,11 @@ bool share_a_corner(const Outline& o, const EdgePair& pair) {
 void keep_next_at_corners(const Outline& o, std::vector<EdgePair>& pairs) {
   struct Spoke {
     Point2 corner, tip;
-    std::int32_t edge;
+    OutlineVertex edge;
     bool is_upper() const { return tip.y > corner.y || (tip.y == corner.y && tip.x > corner.x); }
   };
   std::vector<Spoke> spokes;
-  for (std::int32_t e = 0; e < o.vertex_count(); ++e) {
+  for (const OutlineVertex e : o.vertices()) {
     spokes.push_back({o.at(e), o.at(o.after(e)), e});
     spokes.push_back({o.at(o.after(e)), o.at(e), e});
   }
@@ -183,14 +183,14 @@ std::pair<Point2, Point2> shortest_way(Point2 a, Point2 b, Point2 c, Point2 d) {
 std::vector<Polygon> bridges_between(std::span<const Polygon> parts, double distance) {
   const Outline o = outline_for(pointers_to(parts), distance);
   struct Bridge {
-    std::int32_t i, j;  ///< Parts.
+    OutlinePolygon i, j;  ///< Parts.
     double length;
-    std::int32_t e, f;
+    OutlineVertex e, f;
   };
   std::vector<Bridge> bridges;
   const auto pairs = pairs_between(o, distance);
   for (const auto& [e, f] : *pairs) {
-    const auto [i, j] = std::minmax({o.group_of(e), o.group_of(f)});
+    const auto [i, j] = std::minmax({o.polygon_of(e), o.polygon_of(f)});
     bridges.push_back(
         {i, j, grid::segment_distance(o.at(e), o.at(o.after(e)), o.at(f), o.at(o.after(f))), e, f});
   }

@@ -50,12 +50,12 @@ double most_inradius(const Ring& loop) {
 
 }  // namespace
 
-OutlineChange vertex_change(const Outline& o, std::int32_t v, ChangeKind kind) {
+OutlineChange vertex_change(const Outline& o, OutlineVertex v, ChangeKind kind) {
   OutlineChange c;
   c.kind = kind;
   c.first = o.before(v);
   c.last = o.after(v);
-  c.old = {v, -1};
+  c.old = {v, kNoOutlineVertex};
   c.old_count = 1;
   return c;
 }
@@ -63,7 +63,7 @@ OutlineChange vertex_change(const Outline& o, std::int32_t v, ChangeKind kind) {
 ShortPath old_path(const Outline& o, const OutlineChange& c) {
   ShortPath path;
   path.add(o.at(c.first));
-  for (int i = 0; i < c.old_count; ++i) path.add(o.at(c.old[static_cast<std::size_t>(i)]));
+  for (const OutlineVertex v : c.old_vertices()) path.add(o.at(v));
   path.add(o.at(c.last));
   return path;
 }
@@ -71,43 +71,43 @@ ShortPath old_path(const Outline& o, const OutlineChange& c) {
 ShortPath new_path(const Outline& o, const OutlineChange& c) {
   ShortPath path;
   path.add(o.at(c.first));
-  for (int i = 0; i < c.fresh_count; ++i) path.add(c.fresh[static_cast<std::size_t>(i)]);
+  for (const Point2 p : c.fresh_points()) path.add(p);
   path.add(o.at(c.last));
   return path;
 }
 
 void replace_vertices(Outline& o, const OutlineChange& c) {
-  const auto index = [](std::int32_t v) { return static_cast<std::size_t>(v); };
   const ShortPath before = old_path(o, c), after = new_path(o, c);
-  o.changed[index(o.group_of(c.first))] = 1;
+  o.changed[o.polygon_of(c.first)] = 1;
   ++o.edits;
-  std::int32_t v = c.first;
+  OutlineVertex v = c.first;
   for (int j = 0; j < before.edges; ++j) {
     o.grid.remove(v, before.at(j), before.at(j + 1));
     v = o.after(v);
   }
-  const std::int32_t ring = o.ring_of(c.first);
-  for (int i = 0; i < c.old_count; ++i) o.next[index(c.old[index(i)])] = -1;
+  const OutlineRing ring = o.ring_of(c.first);
+  const std::span<const OutlineVertex> old = c.old_vertices();
+  for (const OutlineVertex gone : old) o.next[gone] = kNoOutlineVertex;
   v = c.first;
-  for (int i = 0; i < c.fresh_count; ++i) {
-    std::int32_t w = o.vertex_count();
-    if (i < c.old_count) {
-      w = c.old[index(i)];
-      o.point[index(w)] = c.fresh[index(i)];
+  for (std::size_t i = 0; const Point2 p : c.fresh_points()) {
+    OutlineVertex w = o.point.next();
+    if (i < old.size()) {
+      w = old[i++];
+      o.point[w] = p;
     } else {
-      o.point.push_back(c.fresh[index(i)]);
-      o.next.push_back(-1);
-      o.prev.push_back(-1);
+      o.point.push_back(p);
+      o.next.push_back(kNoOutlineVertex);
+      o.prev.push_back(kNoOutlineVertex);
       o.ring.push_back(ring);
     }
-    o.next[index(v)] = w;
-    o.prev[index(w)] = v;
+    o.next[v] = w;
+    o.prev[w] = v;
     v = w;
   }
-  o.next[index(v)] = c.last;
-  o.prev[index(c.last)] = v;
-  o.size[index(ring)] += c.fresh_count - c.old_count;
-  if (!o.alive(o.first[index(ring)])) o.first[index(ring)] = c.last;
+  o.next[v] = c.last;
+  o.prev[c.last] = v;
+  o.size[ring] += c.fresh_count - c.old_count;
+  if (!o.alive(o.first[ring])) o.first[ring] = c.last;
   v = c.first;
   for (int j = 0; j < after.edges; ++j) {
     o.grid.insert(v, after.at(j), after.at(j + 1));
@@ -130,9 +130,8 @@ void ChangeJudge::gather_before(const ShortPath& before, const OutlineChange& c)
   near_.clear();
   gathering_before_ = ++gathering_;
   edge_seen_.resize(o_.point.size(), 0);
-  const auto mark = [&](std::int32_t e) { edge_seen_[static_cast<std::size_t>(e)] = gathering_; };
-  mark(c.first);
-  for (int i = 0; i < c.old_count; ++i) mark(c.old[static_cast<std::size_t>(i)]);
+  edge_seen_[c.first] = gathering_;
+  for (const OutlineVertex e : c.old_vertices()) edge_seen_[e] = gathering_;
   gather_along(before, epsilon_);
   before_ = {c.first, c.old, o_.edits, near_.size(), potential(before, c, ShortPath::kNowhere)};
   ++gathering_;
@@ -158,8 +157,8 @@ void ChangeJudge::gather_in(const Bounds2& box) {
   o_.grid.visit_cells(box, [&](std::size_t cell) {
     if (is_seen(cell_seen_[cell])) return;
     bool all = true;
-    o_.grid.visit_cell(cell, [&](std::int32_t e) {
-      std::uint32_t& seen = edge_seen_[static_cast<std::size_t>(e)];
+    o_.grid.visit_cell(cell, [&](OutlineVertex e) {
+      std::uint32_t& seen = edge_seen_[e];
       if (is_seen(seen)) return;
       if (!grid::box_of(o_.at(e), o_.at(o_.after(e))).intersects(box)) {
         all = false;
@@ -180,11 +179,11 @@ double ChangeJudge::potential(const ShortPath& path, const OutlineChange& c, dou
     for (int i = 0; i < path.count; ++i)
       if (i != j && i != j + 1) sum += weight(path.at(i), path.at(j), path.at(j + 1));
   }
-  const std::int32_t group = o_.group_of(c.first);
+  const OutlinePolygon polygon = o_.polygon_of(c.first);
   std::array<Bounds2, 3> boxes;
   for (int j = 0; j < path.edges; ++j)
     boxes[static_cast<std::size_t>(j)] = grid::box_of(path.at(j), path.at(j + 1)).grown(epsilon_);
-  for (const std::int32_t e : near_) {
+  for (const OutlineVertex e : near_) {
     const Point2 a = o_.at(e), b = o_.at(o_.after(e));
     double pair = 0;
     if (e != c.last)
@@ -194,7 +193,7 @@ double ChangeJudge::potential(const ShortPath& path, const OutlineChange& c, dou
     const Bounds2 edge_box = grid::box_of(a, b).grown(epsilon_);
     for (int i = 1; i + 1 < path.count; ++i)
       if (edge_box.contains(path.at(i))) pair += weight(path.at(i), a, b);
-    sum += o_.group_of(e) == group ? pair : kOtherPolygon * pair;
+    sum += o_.polygon_of(e) == polygon ? pair : kOtherPolygon * pair;
     if (sum > most) break;
   }
   return sum;
@@ -208,8 +207,8 @@ bool ChangeJudge::crosses(const ShortPath& path, const OutlineChange& c) const {
     if (j + 3 <= path.edges && grid::segments_touch(a, b, path.at(j + 2), path.at(j + 3)))
       return true;
   }
-  for (const std::int32_t e : near_) {
-    const std::int32_t f = o_.after(e);
+  for (const OutlineVertex e : near_) {
+    const OutlineVertex f = o_.after(e);
     const Point2 p = o_.at(e), q = o_.at(f);
     for (int j = 0; j < path.edges; ++j) {
       const bool at_first = j == 0 && f == c.first;
@@ -236,17 +235,17 @@ bool ChangeJudge::sweeps_a_vertex(const ShortPath& before, const ShortPath& afte
     if (radius > epsilon_) gather_along(before, std::min(reach, radius));
     if (radius > epsilon_ && radius < reach) gather_along(after, radius);
   }
-  return std::any_of(near_.begin(), near_.end(), [&](std::int32_t e) {
+  return std::any_of(near_.begin(), near_.end(), [&](OutlineVertex e) {
     return e != c.last && e != c.first && grid::is_inside(loop, o_.at(e));
   });
 }
 
 std::optional<double> ChangeJudge::gain(const OutlineChange& c, double least) {
-  const auto ring = static_cast<std::size_t>(o_.ring_of(c.first));
+  const OutlineRing ring = o_.ring_of(c.first);
   if (o_.size[ring] < c.old_count + 2 || o_.size[ring] - c.old_count + c.fresh_count < 3)
     return std::nullopt;
-  for (int i = 0; i < c.fresh_count; ++i)
-    if (!keep_inside_.contains(c.fresh[static_cast<std::size_t>(i)])) return std::nullopt;
+  for (const Point2 p : c.fresh_points())
+    if (!keep_inside_.contains(p)) return std::nullopt;
   const ShortPath before = old_path(o_, c), after = new_path(o_, c);
   gather_before(before, c);
   if (before_.potential < least) return std::nullopt;

@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <optional>
+#include <span>
 #include <vector>
 
 #include "tetropolis/geometry/domain.h"
@@ -27,18 +28,26 @@ enum class ChangeKind : std::uint8_t {
 /// The vertices between `first` and `last` (both stay) are replaced by `fresh`.
 struct OutlineChange {
   ChangeKind kind = ChangeKind::kDrop;
-  std::int32_t first = -1;
-  std::int32_t last = -1;
-  std::array<std::int32_t, 2> old{-1, -1};
+  OutlineVertex first = kNoOutlineVertex;
+  OutlineVertex last = kNoOutlineVertex;
+  std::array<OutlineVertex, 2> old{kNoOutlineVertex, kNoOutlineVertex};
   int old_count = 0;
   std::array<Point2, 2> fresh{};
   int fresh_count = 0;
   double cost = 0;                   ///< Area added and removed, square steps.
   std::array<Point2, 4> made_for{};  ///< The points from first to last when it was considered.
+
+  std::span<const OutlineVertex> old_vertices() const {
+    return std::span(old).first(static_cast<std::size_t>(old_count));
+  }
+  std::span<const Point2> fresh_points() const {
+    return std::span(fresh).first(static_cast<std::size_t>(fresh_count));
+  }
+  void add(Point2 q) { fresh[static_cast<std::size_t>(fresh_count++)] = q; }
 };
 
 /// The change that replaces v, without fresh points.
-OutlineChange vertex_change(const Outline& outline, std::int32_t v, ChangeKind kind);
+OutlineChange vertex_change(const Outline& outline, OutlineVertex v, ChangeKind kind);
 
 /// At most four points: fixed, up to two free, fixed.
 struct ShortPath {
@@ -82,14 +91,14 @@ class ChangeJudge {
   /// Collects, as near(), the edges within epsilon of either path, without those the change
   /// removes.
   void gather(const ShortPath& before, const ShortPath& after, const OutlineChange& change);
-  const std::vector<std::int32_t>& near() const { return near_; }
+  const std::vector<OutlineVertex>& near() const { return near_; }
 
  private:
   static constexpr double kRounding = 1e-9;  // of Phi
   /// The vertices whose neighbourhood was gathered last, and when.
   struct Gathered {
-    std::int32_t first = -1;
-    std::array<std::int32_t, 2> old{-1, -1};
+    OutlineVertex first = kNoOutlineVertex;
+    std::array<OutlineVertex, 2> old{kNoOutlineVertex, kNoOutlineVertex};
     std::uint64_t edits = 0;
     std::size_t near_count = 0;
     double potential = 0;
@@ -120,7 +129,7 @@ class ChangeJudge {
   std::uint32_t gathering_ = 0;
   std::uint32_t gathering_before_ = 0;  ///< Around the old path.
   Gathered before_;
-  std::vector<std::int32_t> near_;
+  std::vector<OutlineVertex> near_;
 };
 
 }  // namespace tetropolis

@@ -285,9 +285,9 @@ class FillFinder {
     for (std::size_t k = 0; k < hole.size(); ++k) {
       const Point2 a = hole[k], b = hole[(k + 1) % hole.size()];
       outline_.grid.visit_cells_near(a, b, kMargin, [&](std::size_t cell) {
-        outline_.grid.visit_cell(cell, [&](std::int32_t e) {
+        outline_.grid.visit_cell(cell, [&](OutlineVertex e) {
           if (grid::are_near(a, b, outline_.at(e), outline_.at(outline_.after(e)), kMargin))
-            found.push_back(static_cast<std::size_t>(outline_.group_of(e)));
+            found.push_back(outline_.polygon_of(e));
         });
       });
     }

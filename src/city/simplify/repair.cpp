@@ -77,7 +77,7 @@ class Repairer {
  private:
   struct Entry {
     double score;
-    std::int32_t vertex;
+    OutlineVertex vertex;
     std::uint32_t version;
     bool operator<(const Entry& other) const {  // std::priority_queue keeps the largest on top
       return std::tie(other.score, other.vertex) < std::tie(score, vertex);
@@ -85,18 +85,18 @@ class Repairer {
   };
 
   void consider(const OutlineChange& c);
-  void consider_drop(std::int32_t v);
-  void consider_drop_pair(std::int32_t v);
-  void consider_merge(std::int32_t v);
-  void consider_slides(std::int32_t v);
+  void consider_drop(OutlineVertex v);
+  void consider_drop_pair(OutlineVertex v);
+  void consider_merge(OutlineVertex v);
+  void consider_slides(OutlineVertex v);
   void consider_slide(const OutlineChange& base, Point2 v, Point2 w);
-  void consider_move(std::int32_t v, Point2 q);
-  void consider_moves_from(std::int32_t v, Point2 p);
-  void consider_fill(std::int32_t v);
-  bool is_empty_courtyard(const Ring& hole, std::int32_t group) const;
-  bool rate(std::int32_t v);
-  void queue(std::int32_t v);
-  void put_off(std::int32_t v);
+  void consider_move(OutlineVertex v, Point2 q);
+  void consider_moves_from(OutlineVertex v, Point2 p);
+  void consider_fill(OutlineVertex v);
+  bool is_empty_courtyard(const Ring& hole, OutlinePolygon polygon) const;
+  bool rate(OutlineVertex v);
+  void queue(OutlineVertex v);
+  void put_off(OutlineVertex v);
   void queue_put_off();
   void queue_touched();
   bool still_good(const Rated& rated);
@@ -113,11 +113,11 @@ class Repairer {
   std::vector<std::uint32_t> version_;
   std::vector<std::uint8_t> waits_;       ///< Per vertex: whether its change is in the queue.
   std::vector<std::uint8_t> is_put_off_;  ///< Per vertex.
-  std::vector<std::int32_t> put_off_;
+  std::vector<OutlineVertex> put_off_;
   /// Of vertices whose change is in the queue: the best when they were last rated. Few have one.
   std::unordered_map<std::int32_t, Rated> rated_;
   std::priority_queue<Entry> queue_;
-  std::vector<std::int32_t> touched_;
+  std::vector<OutlineVertex> touched_;
   Rated best_;
 };
 
@@ -135,14 +135,14 @@ void Repairer::consider(const OutlineChange& c) {
   best_.change.made_for = old_path(o_, c).p;
 }
 
-void Repairer::consider_drop(std::int32_t v) {
+void Repairer::consider_drop(OutlineVertex v) {
   OutlineChange c = vertex_change(o_, v, ChangeKind::kDrop);
   c.cost = twice_area(o_.at(c.first), o_.at(v), o_.at(c.last)) / 2;
   consider(c);
 }
 
 /// The change that replaces v and its successor, without fresh points.
-OutlineChange pair_change(const Outline& o, std::int32_t v, ChangeKind kind) {
+OutlineChange pair_change(const Outline& o, OutlineVertex v, ChangeKind kind) {
   OutlineChange c;
   c.kind = kind;
   c.first = o.before(v);
@@ -152,7 +152,7 @@ OutlineChange pair_change(const Outline& o, std::int32_t v, ChangeKind kind) {
   return c;
 }
 
-void Repairer::consider_drop_pair(std::int32_t v) {
+void Repairer::consider_drop_pair(OutlineVertex v) {
   OutlineChange c = pair_change(o_, v, ChangeKind::kDrop);
   const Point2 u = o_.at(c.first), a = o_.at(v), b = o_.at(c.old[1]), x = o_.at(c.last);
   // Two triangles that add up, or partly cancel where the chain crosses u-x.
@@ -160,7 +160,7 @@ void Repairer::consider_drop_pair(std::int32_t v) {
   consider(c);
 }
 
-void Repairer::consider_merge(std::int32_t v) {
+void Repairer::consider_merge(OutlineVertex v) {
   OutlineChange c = pair_change(o_, v, ChangeKind::kMerge);
   c.fresh_count = 1;
   const Point2 u = o_.at(c.first), a = o_.at(v), b = o_.at(c.old[1]), x = o_.at(c.last);
@@ -192,7 +192,7 @@ void Repairer::consider_slide(const OutlineChange& base, Point2 v, Point2 w) {
   consider(c);
 }
 
-void Repairer::consider_slides(std::int32_t v) {
+void Repairer::consider_slides(OutlineVertex v) {
   OutlineChange c = pair_change(o_, v, ChangeKind::kSlide);
   c.fresh_count = 2;
   const Point2 u = o_.at(c.first), a = o_.at(v), b = o_.at(c.old[1]), x = o_.at(c.last);
@@ -218,7 +218,7 @@ void Repairer::consider_slides(std::int32_t v) {
   if (right > 0 && right < lx) consider_slide(c, a, along_x(right));
 }
 
-void Repairer::consider_move(std::int32_t v, Point2 q) {
+void Repairer::consider_move(OutlineVertex v, Point2 q) {
   OutlineChange c = vertex_change(o_, v, ChangeKind::kMove);
   c.fresh[0] = grid::rounded(q);
   c.fresh_count = 1;
@@ -228,14 +228,14 @@ void Repairer::consider_move(std::int32_t v, Point2 q) {
   consider(c);
 }
 
-void Repairer::consider_moves_from(std::int32_t v, Point2 p) {
+void Repairer::consider_moves_from(OutlineVertex v, Point2 p) {
   const Point2 a = o_.at(v);
   const double d = distance(a, p);
   if (!(d > 0)) return;
   const double shift = options_.epsilon + kRoundingRoom - d;
   const double nx = (a.x - p.x) / d, ny = (a.y - p.y) / d;
   consider_move(v, {a.x + nx * shift, a.y + ny * shift});
-  for (const std::int32_t w : {o_.before(v), o_.after(v)}) {
+  for (const OutlineVertex w : {o_.before(v), o_.after(v)}) {
     const Point2 b = o_.at(w);
     const double length = distance(a, b);
     if (!(length > 0)) continue;
@@ -249,16 +249,16 @@ void Repairer::consider_moves_from(std::int32_t v, Point2 p) {
 
 /// Whether no other polygon stands in a hole of this one: no edges cross, so any of its vertices
 /// would be inside.
-bool Repairer::is_empty_courtyard(const Ring& hole, std::int32_t group) const {
+bool Repairer::is_empty_courtyard(const Ring& hole, OutlinePolygon polygon) const {
   bool empty = true;
-  o_.grid.visit(bounds(hole), [&](std::int32_t e) {
-    if (empty && o_.group_of(e) != group) empty = !grid::is_inside(hole, o_.at(e));
+  o_.grid.visit(bounds(hole), [&](OutlineVertex e) {
+    if (empty && o_.polygon_of(e) != polygon) empty = !grid::is_inside(hole, o_.at(e));
   });
   return empty;
 }
 
-void Repairer::consider_fill(std::int32_t v) {
-  const auto ring = static_cast<std::size_t>(o_.ring_of(v));
+void Repairer::consider_fill(OutlineVertex v) {
+  const OutlineRing ring = o_.ring_of(v);
   if (o_.is_hole[ring] == 0 || o_.size[ring] > kMostHoleVertices) return;
   const Ring hole = ring_through(o_, v);
   OutlineChange c;
@@ -269,18 +269,18 @@ void Repairer::consider_fill(std::int32_t v) {
   if (hole.size() > 3 && c.cost > kMostHoleArea * epsilon2_) return;
   // Its gain is not computed: it is taken as that of two pairs.
   const double score = (c.cost + kBaseCost * epsilon2_) / 2;
-  if (score < best_.score && is_empty_courtyard(hole, o_.group_of(v))) best_ = {c, score};
+  if (score < best_.score && is_empty_courtyard(hole, o_.polygon_of(v))) best_ = {c, score};
 }
 
-bool Repairer::rate(std::int32_t v) {
+bool Repairer::rate(OutlineVertex v) {
   best_ = {};
   const Point2 p = o_.at(v);
-  const std::int32_t u = o_.before(v), w = o_.after(v);
+  const OutlineVertex u = o_.before(v), w = o_.after(v);
   const double eps = options_.epsilon;
   const bool short_before = distance(o_.at(u), p) < eps, short_after = distance(p, o_.at(w)) < eps;
-  std::int32_t nearest = -1;
+  OutlineVertex nearest = kNoOutlineVertex;
   double nearest_distance = eps;
-  o_.grid.visit(Bounds2{p.x, p.y, p.x, p.y}.grown(eps), [&](std::int32_t e) {
+  o_.grid.visit(Bounds2{p.x, p.y, p.x, p.y}.grown(eps), [&](OutlineVertex e) {
     if (e == v || e == u) return;
     // A neighbour on a short edge is not news.
     if ((e == w && short_after) || (o_.after(e) == u && short_before)) return;
@@ -290,7 +290,7 @@ bool Repairer::rate(std::int32_t v) {
       nearest = e;
     }
   });
-  if (nearest < 0 && !short_before && !short_after) return false;
+  if (!nearest.valid() && !short_before && !short_after) return false;
   consider_drop(v);
   consider_fill(v);
   if (short_before) {
@@ -305,8 +305,8 @@ bool Repairer::rate(std::int32_t v) {
     consider_merge(v);
     consider_slides(v);
   }
-  if (nearest >= 0) {
-    const std::int32_t end = o_.after(nearest);
+  if (nearest.valid()) {
+    const OutlineVertex end = o_.after(nearest);
     const Point2 a = o_.at(nearest), b = o_.at(end);
     const Point2 q = grid::nearest_on_segment(p, a, b);
     consider_drop(nearest);
@@ -318,12 +318,12 @@ bool Repairer::rate(std::int32_t v) {
   return best_.score < kInfinity;
 }
 
-void Repairer::queue(std::int32_t v) {
-  const std::uint32_t version = ++version_[static_cast<std::size_t>(v)];
+void Repairer::queue(OutlineVertex v) {
+  const std::uint32_t version = ++version_[v];
   const bool found = rate(v);
-  waits_[static_cast<std::size_t>(v)] = found ? 1 : 0;
+  waits_[v] = found ? 1 : 0;
   if (!found) return;
-  rated_[v] = best_;
+  rated_[v.value()] = best_;
   queue_.push({best_.score, v, version});
 }
 
@@ -335,10 +335,10 @@ bool Repairer::still_good(const Rated& rated) {
     if (o_.alive(c.first)) consider_fill(c.first);
     return best_.score <= rated.score;
   }
-  std::int32_t v = c.first;
+  OutlineVertex v = c.first;
   if (!o_.alive(v)) return false;
-  for (int i = 0; i < c.old_count; ++i)
-    if ((v = o_.after(v)) != c.old[static_cast<std::size_t>(i)]) return false;
+  for (const OutlineVertex old : c.old_vertices())
+    if ((v = o_.after(v)) != old) return false;
   if (o_.after(v) != c.last) return false;
   const ShortPath path = old_path(o_, c);
   if (path.p != c.made_for) return false;
@@ -346,15 +346,15 @@ bool Repairer::still_good(const Rated& rated) {
   return g && (c.cost + kBaseCost * epsilon2_) / std::min(*g, kMaxGain) <= rated.score * (1 + 1e-9);
 }
 
-void Repairer::put_off(std::int32_t v) {
-  std::uint8_t& is_put_off = is_put_off_[static_cast<std::size_t>(v)];
+void Repairer::put_off(OutlineVertex v) {
+  std::uint8_t& is_put_off = is_put_off_[v];
   if (is_put_off == 0) put_off_.push_back(v);
   is_put_off = 1;
 }
 
 void Repairer::queue_put_off() {
-  for (const std::int32_t v : put_off_) {
-    is_put_off_[static_cast<std::size_t>(v)] = 0;
+  for (const OutlineVertex v : put_off_) {
+    is_put_off_[v] = 0;
     if (o_.alive(v)) queue(v);
   }
   put_off_.clear();
@@ -363,12 +363,12 @@ void Repairer::queue_put_off() {
 void Repairer::queue_touched() {
   std::sort(touched_.begin(), touched_.end());
   touched_.erase(std::unique(touched_.begin(), touched_.end()), touched_.end());
-  const std::vector<std::int32_t> again = std::move(touched_);
+  const std::vector<OutlineVertex> again = std::move(touched_);
   touched_.clear();
   const bool is_crowd = again.size() > kCrowd, is_throng = again.size() > kThrong;
-  for (const std::int32_t v : again) {
+  for (const OutlineVertex v : again) {
     if (!o_.alive(v)) continue;
-    const bool waits = waits_[static_cast<std::size_t>(v)] != 0;
+    const bool waits = waits_[v] != 0;
     if (is_throng && !waits) {
       put_off(v);
     } else if (!(is_crowd && waits)) {
@@ -378,21 +378,21 @@ void Repairer::queue_touched() {
 }
 
 void Repairer::repair() {
-  for (std::int32_t v = 0; v < o_.vertex_count(); ++v)
+  for (const OutlineVertex v : o_.vertices())
     if (o_.alive(v)) queue(v);
   while (!queue_.empty()) {
     const Entry top = queue_.top();
     queue_.pop();
-    const auto v = static_cast<std::size_t>(top.vertex);
-    if (o_.alive(top.vertex) && version_[v] == top.version) {
+    const OutlineVertex v = top.vertex;
+    if (o_.alive(v) && version_[v] == top.version) {
       waits_[v] = 0;
-      const Rated rated = std::move(rated_.at(top.vertex));
-      rated_.erase(top.vertex);
+      const Rated rated = std::move(rated_.at(v.value()));
+      rated_.erase(v.value());
       if (still_good(rated)) {
         apply(rated.change);
         queue_touched();
       } else {
-        queue(top.vertex);
+        queue(v);
       }
     }
     if (queue_.empty()) queue_put_off();
@@ -401,11 +401,11 @@ void Repairer::repair() {
 
 void Repairer::touch_around(const ShortPath& before, const ShortPath& after,
                             const OutlineChange& c) {
-  for (const std::int32_t v : {c.first, c.last, o_.before(c.first), o_.after(c.last)})
+  for (const OutlineVertex v : {c.first, c.last, o_.before(c.first), o_.after(c.last)})
     touched_.push_back(v);
-  for (int i = 0; i < c.old_count; ++i) touched_.push_back(c.old[static_cast<std::size_t>(i)]);
-  for (const std::int32_t e : judge_.near()) {
-    const std::int32_t f = o_.after(e);
+  for (const OutlineVertex v : c.old_vertices()) touched_.push_back(v);
+  for (const OutlineVertex e : judge_.near()) {
+    const OutlineVertex f = o_.after(e);
     bool near = false;
     for (const ShortPath* path : {&before, &after}) {
       for (int j = 0; j < path->edges; ++j)
@@ -421,24 +421,24 @@ void Repairer::touch_around(const ShortPath& before, const ShortPath& after,
 }
 
 void Repairer::fill(const OutlineChange& c) {
-  const auto ring = static_cast<std::size_t>(o_.ring_of(c.first));
-  std::vector<std::int32_t> vertices;
-  std::int32_t v = c.first;
+  const OutlineRing ring = o_.ring_of(c.first);
+  std::vector<OutlineVertex> vertices;
+  OutlineVertex v = c.first;
   do {
     vertices.push_back(v);
     v = o_.after(v);
   } while (v != c.first);
   Bounds2 box = Bounds2::nothing();
-  for (const std::int32_t w : vertices) {
+  for (const OutlineVertex w : vertices) {
     box.extend(o_.at(w));
     o_.grid.remove(w, o_.at(w), o_.at(o_.after(w)));
   }
-  for (const std::int32_t w : vertices) o_.next[static_cast<std::size_t>(w)] = -1;
+  for (const OutlineVertex w : vertices) o_.next[w] = kNoOutlineVertex;
   ++o_.edits;
-  o_.first[ring] = -1;
+  o_.first[ring] = kNoOutlineVertex;
   o_.size[ring] = 0;
   ++counts_.filled;
-  o_.grid.visit(box.grown(options_.epsilon), [&](std::int32_t e) {
+  o_.grid.visit(box.grown(options_.epsilon), [&](OutlineVertex e) {
     touched_.push_back(e);
     touched_.push_back(o_.after(e));
   });
@@ -446,7 +446,7 @@ void Repairer::fill(const OutlineChange& c) {
 
 void Repairer::apply(const OutlineChange& c) {
   if (c.kind == ChangeKind::kFill) {
-    o_.changed[static_cast<std::size_t>(o_.group_of(c.first))] = 1;
+    o_.changed[o_.polygon_of(c.first)] = 1;
     fill(c);
     return;
   }
@@ -474,7 +474,7 @@ void Repairer::apply(const OutlineChange& c) {
 
 void Repairer::tidy() {
   const double tolerance = std::tan(options_.parallel_tolerance);
-  const auto candidate = [&](std::int32_t v, OutlineChange& c) {
+  const auto candidate = [&](OutlineVertex v, OutlineChange& c) {
     c = vertex_change(o_, v, ChangeKind::kDrop);
     const Point2 u = o_.at(c.first), p = o_.at(v), w = o_.at(c.last);
     const double twice = twice_area(u, p, w), base = distance(u, w);
@@ -483,9 +483,9 @@ void Repairer::tidy() {
       return kInfinity;
     return base > 0 ? twice / base : kInfinity;
   };
-  std::vector<std::pair<double, std::int32_t>> order;
+  std::vector<std::pair<double, OutlineVertex>> order;
   OutlineChange c;
-  for (std::int32_t v = 0; v < o_.vertex_count(); ++v)
+  for (const OutlineVertex v : o_.vertices())
     if (o_.alive(v))
       if (const double height = candidate(v, c); height < kInfinity) order.emplace_back(height, v);
   while (!order.empty()) {
@@ -499,7 +499,7 @@ void Repairer::tidy() {
     std::sort(touched_.begin(), touched_.end());
     touched_.erase(std::unique(touched_.begin(), touched_.end()), touched_.end());
     order.clear();
-    for (const std::int32_t v : touched_)
+    for (const OutlineVertex v : touched_)
       if (o_.alive(v))
         if (const double height = candidate(v, c); height < kInfinity && judge_.gain(c))
           order.emplace_back(height, v);
@@ -519,11 +519,11 @@ void repair_vertices(Outline& outline, const RepairOptions& options, RepairCount
 
 std::vector<NearPair> near_pairs(const Outline& o, double epsilon) {
   std::vector<NearPair> pairs;
-  for (std::int32_t v = 0; v < o.vertex_count(); ++v) {
+  for (const OutlineVertex v : o.vertices()) {
     if (!o.alive(v)) continue;
     const std::size_t begin = pairs.size();
     const Point2 p = o.at(v);
-    o.grid.visit(Bounds2{p.x, p.y, p.x, p.y}.grown(epsilon), [&](std::int32_t e) {
+    o.grid.visit(Bounds2{p.x, p.y, p.x, p.y}.grown(epsilon), [&](OutlineVertex e) {
       if (e == v || o.after(e) == v) return;
       const double d = point_segment_distance(p, o.at(e), o.at(o.after(e)));
       if (d < epsilon) pairs.push_back({v, e, d});

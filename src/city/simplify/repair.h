@@ -32,8 +32,8 @@ struct RepairCounts {
 /// A vertex closer than epsilon to an edge it does not belong to (or, where that edge starts or
 /// ends at a neighbour of the vertex, possibly a short edge).
 struct NearPair {
-  std::int32_t vertex;
-  std::int32_t edge;
+  OutlineVertex vertex;
+  OutlineVertex edge;
   double distance;
 };
 

@@ -237,9 +237,9 @@ Outline Simplifier::repaired_outline(int round) {
 }
 
 void Simplifier::take_back(const Outline& outline) {
-  std::int32_t ring = 0;
+  OutlineRing ring(0);
   for (std::size_t k = 0; k < groups_.size(); ++k) {
-    const auto rings = static_cast<std::int32_t>(1 + groups_[k].polygon.holes.size());
+    const std::size_t rings = 1 + groups_[k].polygon.holes.size();
     if (outline.changed[k] != 0) {
       groups_[k].polygon = extract_polygon(outline, ring, rings);
       groups_[k].flags |= kRepaired;
@@ -423,7 +423,7 @@ bool Simplifier::make_hull(Group& group) {
   options.max_cost = kInfinity;
   options.keep_inside = keep_inside_;
   repair_vertices(alone, options, counts_);
-  group.polygon = extract_polygon(alone, 0, 1);
+  group.polygon = extract_polygon(alone, OutlineRing(0), 1);
   return near_pairs(alone, epsilon_).empty();
 }
 
@@ -435,8 +435,7 @@ void Simplifier::repair_with_hulls() {
     const Outline outline = make_outline(polygons, 4 * epsilon_);
     const std::vector<NearPair> pairs = near_pairs(outline, epsilon_);
     std::vector<std::uint8_t> bad(groups_.size(), 0);
-    for (const NearPair& pair : pairs)
-      bad[static_cast<std::size_t>(outline.group_of(pair.vertex))] = 1;
+    for (const NearPair& pair : pairs) bad[outline.polygon_of(pair.vertex)] = 1;
     for (std::size_t k = 0; k < groups_.size(); ++k)
       if (bad[k] != 0 && !make_hull(groups_[k])) groups_[k].polygon = {};
     drop_vanished();

@@ -194,13 +194,12 @@ double piece_area(std::vector<Segment> piece, std::vector<DifferenceStrip>* stri
   return sum;
 }
 
-using Member = std::pair<std::int32_t, std::int32_t>;  // the root of a set, and what is in it
+using Member = std::pair<LineIndex, LineIndex>;  // the root of a set, and what is in it
 
 /// Set by set, each in order.
-std::vector<Member> by_root(DisjointSets& sets, std::size_t size) {
+std::vector<Member> by_root(DisjointSets<LineIndex>& sets, std::size_t size) {
   std::vector<Member> order;
-  for (std::int32_t i = 0; i < static_cast<std::int32_t>(size); ++i)
-    order.emplace_back(sets.root(i), i);
+  for (const LineIndex i : indices<LineIndex>(size)) order.emplace_back(sets.root(i), i);
   std::sort(order.begin(), order.end());
   return order;
 }
@@ -208,27 +207,27 @@ std::vector<Member> by_root(DisjointSets& sets, std::size_t size) {
 /// Joins pieces, the sets of segments that touch each other, to those that they lie inside: that
 /// is not part of the difference twice, nor is what a strip covers, then.
 void join_nested(const std::vector<Segment>& segments, const EdgeGrid& index, const Bounds2& box,
-                 DisjointSets& sets) {
+                 DisjointSets<LineIndex>& sets) {
   std::vector<Member> inside;  // pieces, and others around them
-  std::vector<std::int32_t> crossed;
+  std::vector<LineIndex> crossed;
   const std::vector<Member> order = by_root(sets, segments.size());
   for (std::size_t i = 0; i < order.size();) {
-    const std::int32_t root = order[i].first;
+    const LineIndex root = order[i].first;
     // Other pieces do not touch this one, so all of it lies inside the same of them.
-    Point2 p = segments[static_cast<std::size_t>(order[i].second)].a;
+    Point2 p = segments[order[i].second].a;
     for (; i < order.size() && order[i].first == root; ++i) {
-      const Segment& s = segments[static_cast<std::size_t>(order[i].second)];
+      const Segment& s = segments[order[i].second];
       for (const Point2 q : {s.a, s.b})
         if (q.x < p.x) p = q;
     }
     crossed.clear();
-    index.visit({box.xmin, p.y, p.x, p.y}, [&](std::int32_t k) {
-      const Segment& s = segments[static_cast<std::size_t>(k)];
+    index.visit({box.xmin, p.y, p.x, p.y}, [&](LineIndex k) {
+      const Segment& s = segments[k];
       if (s.a.y <= p.y && s.b.y > p.y && grid::orientation(s.a, s.b, p) < 0) crossed.push_back(k);
     });
     std::sort(crossed.begin(), crossed.end());
     crossed.erase(std::unique(crossed.begin(), crossed.end()), crossed.end());
-    for (std::int32_t& k : crossed) k = sets.root(k);
+    for (LineIndex& k : crossed) k = sets.root(k);
     std::sort(crossed.begin(), crossed.end());
     for (std::size_t k = 0; k < crossed.size();) {
       const auto [first, last] = std::equal_range(crossed.begin() + static_cast<std::ptrdiff_t>(k),
@@ -254,12 +253,11 @@ double symmetric_difference_area(std::span<const Polygon> before, std::span<cons
     length += grid::distance(s.a, s.b);
   }
   EdgeGrid index(box, cell_size(box, length, segments.size()) + 1, segments.size());
-  DisjointSets sets(segments.size());
-  for (std::size_t i = 0; i < segments.size(); ++i) {
-    const Segment& s = segments[i];
-    const auto id = static_cast<std::int32_t>(i);
-    index.visit(grid::box_of(s.a, s.b), [&](std::int32_t k) {
-      const Segment& t = segments[static_cast<std::size_t>(k)];
+  DisjointSets<LineIndex> sets(segments.size());
+  for (const LineIndex id : indices<LineIndex>(segments.size())) {
+    const Segment& s = segments[id];
+    index.visit(grid::box_of(s.a, s.b), [&](LineIndex k) {
+      const Segment& t = segments[k];
       if (!sets.joined(id, k) && grid::segments_touch(s.a, s.b, t.a, t.b)) sets.join(id, k);
     });
     index.insert(id, s.a, s.b);
@@ -269,9 +267,9 @@ double symmetric_difference_area(std::span<const Polygon> before, std::span<cons
   const std::vector<Member> order = by_root(sets, segments.size());
   for (std::size_t i = 0; i < order.size();) {
     std::vector<Segment> piece;
-    const std::int32_t root = order[i].first;
+    const LineIndex root = order[i].first;
     for (; i < order.size() && order[i].first == root; ++i)
-      piece.push_back(segments[static_cast<std::size_t>(order[i].second)]);
+      piece.push_back(segments[order[i].second]);
     sum += piece_area(std::move(piece), strips);
   }
   return sum;

@@ -174,7 +174,7 @@ bool is_walled(const std::vector<Polygon>& grounds, double level, const std::vec
       if ((a[2] + b[2]) / 2 > foot) continue;
       const Point2 middle{(a[0] + b[0]) / 2, (a[1] + b[1]) / 2};
       bool is_near = false;
-      index.at(middle, [&](std::int32_t ground, bool) {
+      index.at(middle, [&](BuildingIndex ground, bool) {
         is_near = is_near || index.squared_distance(ground, middle) <= kNear * kNear;
       });
       (is_near ? around : apart) += std::hypot(b[0] - a[0], b[1] - a[1]);
@@ -352,8 +352,8 @@ std::vector<std::vector<Face>> share_out(const std::vector<Face>& faces,
     if (face.rings.empty() || face.rings[0].empty()) continue;
     const Point2 middle = middle_of(face);
     std::optional<std::size_t> part;
-    index.at(middle, [&](std::int32_t footprint, bool inside) {
-      if (inside || !part) part = static_cast<std::size_t>(footprint);
+    index.at(middle, [&](BuildingIndex footprint, bool inside) {
+      if (inside || !part) part = footprint;
     });
     if (!part) part = nearest(footprints, boxes, middle);
     parts[*part].push_back(face);

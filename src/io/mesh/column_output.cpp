@@ -10,21 +10,21 @@ void append_points(const ColumnMesh& mesh, const Placement& placement, std::size
                    std::size_t end, std::string& buffer) {
   const auto nodes = static_cast<std::size_t>(mesh.first[end] - mesh.first[begin]);
   RawNumbers points(buffer, nodes * 3 * sizeof(double));
-  for (std::size_t v = begin; v < end; ++v)
-    for (NodeIndex n = mesh.first[v]; n < mesh.first[v + 1]; ++n) {
+  for (const VertexIndex v : indices<VertexIndex>(begin, end))
+    for (const NodeIndex n : mesh.nodes(v)) {
       points.put(mesh.ground.vertices[v].x + placement.shift[0]);
       points.put(mesh.ground.vertices[v].y + placement.shift[1]);
-      points.put(mesh.z[static_cast<std::size_t>(n)] + placement.shift[2]);
+      points.put(mesh.z[n] + placement.shift[2]);
     }
 }
 
-void append_regions(const ColumnMesh& mesh, const std::vector<NodeIndex>& offsets,
+void append_regions(const ColumnMesh& mesh, const std::vector<CellIndex>& offsets,
                     std::size_t begin, std::size_t end, std::string& buffer) {
   const auto cells = static_cast<std::size_t>(offsets[end] - offsets[begin]);
   RawNumbers regions(buffer, cells * sizeof(std::int32_t));
-  for (std::size_t t = begin; t < end; ++t) {
+  for (const TriangleIndex t : indices<TriangleIndex>(begin, end)) {
     const BuildingIndex building = mesh.ground.region_of(t).building;
-    for (NodeIndex c = offsets[t]; c < offsets[t + 1]; ++c) regions.put(building);
+    for (CellIndex c = offsets[t]; c < offsets[t + 1]; ++c) regions.put(building.value());
   }
 }
 
@@ -34,8 +34,7 @@ void require_boundary_of(const ColumnMesh& mesh, const SurfaceMesh& surface) {
   bool matches = numbered;
   for (std::size_t i = 0; matches && i < surface.node.size(); ++i) {
     const NodeIndex n = surface.node[i];
-    matches = n >= 0 && n < mesh.node_count() &&
-              mesh.z[static_cast<std::size_t>(n)] == surface.points[i][2];
+    matches = n >= 0 && n < mesh.node_count() && mesh.z[n] == surface.points[i][2];
   }
   if (!matches)
     throw Error(ErrorKind::kGuarantee, "the surface is not the boundary of the volume mesh");

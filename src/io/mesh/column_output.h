@@ -22,18 +22,18 @@ void append_points(const ColumnMesh& mesh, const Placement& placement, std::size
 /// Appends the nodes of the cells over the triangles [begin, end), in the order of
 /// for_each_tet_over(), as raw numbers. `offsets`: of cell_offsets().
 template <typename Integer>
-void append_cells(const ColumnMesh& mesh, const std::vector<NodeIndex>& offsets, std::size_t begin,
+void append_cells(const ColumnMesh& mesh, const std::vector<CellIndex>& offsets, std::size_t begin,
                   std::size_t end, std::string& buffer) {
   const auto cells = static_cast<std::size_t>(offsets[end] - offsets[begin]);
   RawNumbers nodes(buffer, cells * 4 * sizeof(Integer));
-  for (std::size_t t = begin; t < end; ++t)
+  for (const TriangleIndex t : indices<TriangleIndex>(begin, end))
     for_each_tet_over(mesh, t, [&](const std::array<NodeIndex, 4>& tet) {
-      for (const NodeIndex node : tet) nodes.put(static_cast<Integer>(node));
+      for (const NodeIndex node : tet) nodes.put(static_cast<Integer>(node.value()));
     });
 }
 
 /// Appends the building of each of these cells (or kNoBuilding) as raw 32-bit numbers.
-void append_regions(const ColumnMesh& mesh, const std::vector<NodeIndex>& offsets,
+void append_regions(const ColumnMesh& mesh, const std::vector<CellIndex>& offsets,
                     std::size_t begin, std::size_t end, std::string& buffer);
 
 /// Throws Error(kGuarantee) unless `surface` has node and cell numbers of `mesh`, and at each point

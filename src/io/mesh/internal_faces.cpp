@@ -7,27 +7,26 @@ namespace tetropolis {
 namespace {
 
 /// The triangle that shares the vertices a and b with triangle t, or kNoTriangle.
-TriangleIndex triangle_across(const ColumnMesh& mesh, std::size_t t, VertexIndex a, VertexIndex b) {
+TriangleIndex triangle_across(const ColumnMesh& mesh, TriangleIndex t, VertexIndex a,
+                              VertexIndex b) {
   const std::array<VertexIndex, 2> ends{std::min(a, b), std::max(a, b)};
   for (const EdgeIndex e : mesh.edges.of_triangle[t]) {
-    const auto i = static_cast<std::size_t>(e);
-    if (mesh.edges.vertices[i] != ends) continue;
-    const auto& pair = mesh.edges.triangles[i];
-    return pair[0] == static_cast<TriangleIndex>(t) ? pair[1] : pair[0];
+    if (mesh.edges.vertices[e] != ends) continue;
+    const auto& pair = mesh.edges.triangles[e];
+    return pair[0] == t ? pair[1] : pair[0];
   }
   return kNoTriangle;
 }
 
 }  // namespace
 
-void InternalFaces::look_beyond(std::size_t t, std::size_t i) {
+void InternalFaces::look_beyond(TriangleIndex t, std::size_t i) {
   const auto& own = mesh_.ground.triangles[t];
   const std::array<VertexIndex, 2> ends{own[i], own[(i + 1) % 3]};
   Beyond& beyond = beyond_[i];
-  const TriangleIndex other = triangle_across(mesh_, t, ends[0], ends[1]);
-  beyond.exists = other > static_cast<TriangleIndex>(t);
+  const TriangleIndex o = triangle_across(mesh_, t, ends[0], ends[1]);
+  beyond.exists = o > t;
   if (!beyond.exists) return;
-  const auto o = static_cast<std::size_t>(other);
   const auto& corners = mesh_.ground.triangles[o];
   std::array<std::size_t, 3> end_of_corner{2, 2, 2};  // 2: the corner off the edge
   for (std::size_t e = 0; e < 2; ++e) {
@@ -36,16 +35,16 @@ void InternalFaces::look_beyond(std::size_t t, std::size_t i) {
     end_of_corner[static_cast<std::size_t>(std::find(corners.begin(), corners.end(), ends[e]) -
                                            corners.begin())] = e;
   }
-  NodeIndex cell = cells_[o];
+  CellIndex cell = cells_[o];
   Climb<3> front = climb_triangle(mesh_, o);
   for (std::size_t c; (c = front.next()) < 3; front.advance(c), ++cell)
     if (end_of_corner[c] < 2) beyond.behind[end_of_corner[c]].push_back(cell);
 }
 
-const std::vector<InternalFace>& InternalFaces::owned_over(std::size_t t) {
+const std::vector<InternalFace>& InternalFaces::owned_over(TriangleIndex t) {
   for (std::size_t i = 0; i < 3; ++i) look_beyond(t, i);
   faces_.clear();
-  NodeIndex cell = cells_[t];
+  CellIndex cell = cells_[t];
   Climb<3> front = climb_triangle(mesh_, t);
   for (std::size_t c; (c = front.next()) < 3; ++cell) {
     const NodeIndex low = front.at(c), high = low + 1;

@@ -12,8 +12,8 @@ namespace tetropolis {
 /// A face between two cells: its normal (right-hand rule) leaves `owner` for `neighbour`, and
 /// owner < neighbour.
 struct InternalFace {
-  NodeIndex owner;
-  NodeIndex neighbour;
+  CellIndex owner;
+  CellIndex neighbour;
   std::array<NodeIndex, 3> nodes;
 };
 
@@ -22,11 +22,11 @@ struct InternalFace {
 class InternalFaces {
  public:
   /// `cells` is cell_offsets(mesh) and must outlive this.
-  InternalFaces(const ColumnMesh& mesh, const std::vector<NodeIndex>& cells)
+  InternalFaces(const ColumnMesh& mesh, const std::vector<CellIndex>& cells)
       : mesh_(mesh), cells_(cells) {}
 
   /// The faces whose owner is a cell over triangle t. Valid until the next call.
-  const std::vector<InternalFace>& owned_over(std::size_t t);
+  const std::vector<InternalFace>& owned_over(TriangleIndex t);
 
  private:
   /// The triangle on the other side of an edge of triangle t, if its cells have higher numbers,
@@ -34,12 +34,12 @@ class InternalFaces {
   struct Beyond {
     bool exists = false;
     std::array<NodeIndex, 2> from{};                 ///< First node with cells beyond.
-    std::array<std::vector<NodeIndex>, 2> behind{};  ///< By node above `from`.
+    std::array<std::vector<CellIndex>, 2> behind{};  ///< By node above `from`.
   };
-  void look_beyond(std::size_t t, std::size_t i);
+  void look_beyond(TriangleIndex t, std::size_t i);
 
   const ColumnMesh& mesh_;
-  const std::vector<NodeIndex>& cells_;
+  const std::vector<CellIndex>& cells_;
   std::array<Beyond, 3> beyond_;  ///< Over the edge from corner i to corner i + 1.
   std::vector<InternalFace> faces_;
 };

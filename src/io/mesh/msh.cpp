@@ -144,7 +144,7 @@ void write_triangles(AtomicFile& file, const std::vector<PatchRange>& patches,
   }
 }
 
-void write_tets(AtomicFile& file, const ColumnMesh& mesh, const std::vector<NodeIndex>& cells,
+void write_tets(AtomicFile& file, const ColumnMesh& mesh, const std::vector<CellIndex>& cells,
                 std::size_t triangles, const Progress& progress) {
   const auto count = static_cast<std::size_t>(cells.back());
   file.write(begin_elements(3, kAirPhysicalGroup, kTetType, count));
@@ -152,7 +152,7 @@ void write_tets(AtomicFile& file, const ColumnMesh& mesh, const std::vector<Node
   write_chunked(
       file, mesh.triangle_count(), grain_for(mesh.triangle_count(), bytes),
       [&](std::size_t begin, std::size_t end, std::string& buffer) {
-        for (std::size_t t = begin; t < end; ++t) {
+        for (const TriangleIndex t : indices<TriangleIndex>(begin, end)) {
           std::size_t element = triangles + static_cast<std::size_t>(cells[t]);
           for_each_tet_over(mesh, t, [&](const std::array<NodeIndex, 4>& tet) {
             append_size(buffer, ++element);
@@ -168,7 +168,7 @@ void write_tets(AtomicFile& file, const ColumnMesh& mesh, const std::vector<Node
 void write_msh(const std::filesystem::path& path, const ColumnMesh& mesh,
                const SurfaceMesh& surface, const Placement& placement, const Progress& progress) {
   require_boundary_of(mesh, surface);
-  const std::vector<NodeIndex> cells = cell_offsets(mesh);
+  const std::vector<CellIndex> cells = cell_offsets(mesh);
   const std::vector<PatchRange> patches = patch_ranges(surface);
   const std::size_t elements = surface.triangles.size() + static_cast<std::size_t>(cells.back());
   AtomicFile file(path);

@@ -65,13 +65,13 @@ void write_points(AtomicFile& file, const ColumnMesh& mesh, const Placement& pla
 
 /// Appends what append(face, buffer) does for the internal faces in their order: `bytes` in all.
 template <typename Append>
-void write_internal(AtomicFile& file, const ColumnMesh& mesh, const std::vector<NodeIndex>& cells,
+void write_internal(AtomicFile& file, const ColumnMesh& mesh, const std::vector<CellIndex>& cells,
                     std::uint64_t bytes, const Append& append, const Progress& progress) {
   write_chunked(
       file, mesh.triangle_count(), grain_for(mesh.triangle_count(), bytes),
       [&](std::size_t begin, std::size_t end, std::string& buffer) {
         InternalFaces faces(mesh, cells);
-        for (std::size_t t = begin; t < end; ++t)
+        for (const TriangleIndex t : indices<TriangleIndex>(begin, end))
           for (const InternalFace& face : faces.owned_over(t)) append(face, buffer);
       },
       progress);
@@ -87,7 +87,7 @@ void write_outer(AtomicFile& file, const SurfaceMesh& surface, const Append& app
 }
 
 /// A "compact" list of faces: offsets into the list of corners that follows, and that list.
-void write_faces(AtomicFile& file, const ColumnMesh& mesh, const std::vector<NodeIndex>& cells,
+void write_faces(AtomicFile& file, const ColumnMesh& mesh, const std::vector<CellIndex>& cells,
                  const SurfaceMesh& surface, const Sizes& sizes, const Progress& progress) {
   file.write(header("binary", "faceCompactList", "faces", ""));
   begin_list(file, sizes.faces() + 1);
@@ -101,46 +101,47 @@ void write_faces(AtomicFile& file, const ColumnMesh& mesh, const std::vector<Nod
   write_internal(
       file, mesh, cells, sizes.internal * 3 * sizeof(Label),
       [](const InternalFace& face, std::string& buffer) {
-        for (const NodeIndex node : face.nodes) append_raw(buffer, static_cast<Label>(node));
+        for (const NodeIndex node : face.nodes)
+          append_raw(buffer, static_cast<Label>(node.value()));
       },
       progress);
   write_outer(file, surface, [&](std::size_t f, std::string& buffer) {
     for (const std::int32_t p : surface.triangles[f])
-      append_raw(buffer, static_cast<Label>(surface.node[static_cast<std::size_t>(p)]));
+      append_raw(buffer, static_cast<Label>(surface.node[static_cast<std::size_t>(p)].value()));
   });
   end_list(file);
 }
 
-std::string size_note(const ColumnMesh& mesh, const std::vector<NodeIndex>& cells,
+std::string size_note(const ColumnMesh& mesh, const std::vector<CellIndex>& cells,
                       const Sizes& sizes) {
   return fmt::format("nPoints:{}  nCells:{}  nFaces:{}  nInternalFaces:{}", mesh.node_count(),
-                     cells.back(), sizes.faces(), sizes.internal);
+                     cells.back().value(), sizes.faces(), sizes.internal);
 }
 
-void write_owner(AtomicFile& file, const ColumnMesh& mesh, const std::vector<NodeIndex>& cells,
+void write_owner(AtomicFile& file, const ColumnMesh& mesh, const std::vector<CellIndex>& cells,
                  const SurfaceMesh& surface, const Sizes& sizes, const Progress& progress) {
   file.write(header("binary", "labelList", "owner", size_note(mesh, cells, sizes)));
   begin_list(file, sizes.faces());
   write_internal(
       file, mesh, cells, sizes.internal * sizeof(Label),
       [](const InternalFace& face, std::string& buffer) {
-        append_raw(buffer, static_cast<Label>(face.owner));
+        append_raw(buffer, static_cast<Label>(face.owner.value()));
       },
       progress);
   write_outer(file, surface, [&](std::size_t f, std::string& buffer) {
-    append_raw(buffer, static_cast<Label>(surface.cell[f]));
+    append_raw(buffer, static_cast<Label>(surface.cell[f].value()));
   });
   end_list(file);
 }
 
-void write_neighbour(AtomicFile& file, const ColumnMesh& mesh, const std::vector<NodeIndex>& cells,
+void write_neighbour(AtomicFile& file, const ColumnMesh& mesh, const std::vector<CellIndex>& cells,
                      const Sizes& sizes, const Progress& progress) {
   file.write(header("binary", "labelList", "neighbour", size_note(mesh, cells, sizes)));
   begin_list(file, sizes.internal);
   write_internal(
       file, mesh, cells, sizes.internal * sizeof(Label),
       [](const InternalFace& face, std::string& buffer) {
-        append_raw(buffer, static_cast<Label>(face.neighbour));
+        append_raw(buffer, static_cast<Label>(face.neighbour.value()));
       },
       progress);
   end_list(file);
@@ -164,7 +165,7 @@ void write_patches(AtomicFile& file, const SurfaceMesh& surface, const Sizes& si
   file.write(text + ")\n");
 }
 
-Sizes count_faces(const std::filesystem::path& folder, NodeIndex cells,
+Sizes count_faces(const std::filesystem::path& folder, std::int64_t cells,
                   const SurfaceMesh& surface) {
   const std::size_t boundary = surface.triangles.size();
   const std::size_t sides = 4 * static_cast<std::size_t>(cells);
@@ -183,8 +184,8 @@ void write_openfoam(const std::filesystem::path& folder, const ColumnMesh& mesh,
                     const SurfaceMesh& surface, const Placement& placement,
                     const Progress& progress) {
   require_boundary_of(mesh, surface);
-  const std::vector<NodeIndex> cells = cell_offsets(mesh);
-  const Sizes sizes = count_faces(folder, cells.back(), surface);
+  const std::vector<CellIndex> cells = cell_offsets(mesh);
+  const Sizes sizes = count_faces(folder, cells.back().value(), surface);
   std::error_code error;
   std::filesystem::create_directories(folder, error);
   if (error) throw_cannot_write(folder, error.message());

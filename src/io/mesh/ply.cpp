@@ -41,7 +41,7 @@ void write_ply(const std::filesystem::path& path, const SurfaceMesh& surface,
                     append_raw(buffer, std::uint8_t{3});
                     for (const std::int32_t v : surface.triangles[f]) append_raw(buffer, v);
                     append_raw(buffer, static_cast<std::int32_t>(surface.patch[f]));
-                    append_raw(buffer, static_cast<std::int32_t>(surface.building[f]));
+                    append_raw(buffer, surface.building[f]);
                   }
                 });
   file.commit();

@@ -163,7 +163,8 @@ SurfaceMesh read_vtp(const std::filesystem::path& path) {
   surface.triangles = read_cells<3, std::int32_t>(file);
   set_patches(read_numbers(file, "patch"), patch_names(file), surface,
               [&](const std::string& what) { file.fail(what); });
-  surface.building = read_numbers(file, "building");
+  const auto buildings = read_numbers(file, "building");
+  surface.building = {buildings.begin(), buildings.end()};
   file.require_end();
   return surface;
 }

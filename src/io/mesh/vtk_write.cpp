@@ -102,7 +102,7 @@ std::string file_middle(std::string_view type) {
 constexpr std::string_view kFileTail = "\n</AppendedData>\n</VTKFile>\n";
 
 template <typename Integer>
-void write_cells(VtkOutput& file, const ColumnMesh& mesh, const std::vector<NodeIndex>& offsets,
+void write_cells(VtkOutput& file, const ColumnMesh& mesh, const std::vector<CellIndex>& offsets,
                  const Progress& progress) {
   const auto cells = static_cast<std::size_t>(offsets.back());
   file.write_next(
@@ -131,9 +131,9 @@ void write_cells(VtkOutput& file, const ColumnMesh& mesh, const std::vector<Node
 void write_vtu(const std::filesystem::path& path, const ColumnMesh& mesh,
                const Placement& placement, const Progress& progress, Compression compression,
                std::span<const Building> buildings) {
-  const std::vector<NodeIndex> offsets = cell_offsets(mesh);
+  const std::vector<CellIndex> offsets = cell_offsets(mesh);
   const auto nodes = static_cast<std::uint64_t>(mesh.node_count());
-  const auto cells = static_cast<std::uint64_t>(offsets.back());
+  const auto cells = std::size_t{offsets.back()};
   const bool small = cells * 4 < std::numeric_limits<std::int32_t>::max();
   const std::string_view integer = small ? "Int32" : "Int64";
   const std::uint64_t width = small ? 4 : 8;
@@ -211,7 +211,7 @@ void write_vtp(const std::filesystem::path& path, const SurfaceMesh& surface,
     append_raw(buffer, static_cast<std::int32_t>(surface.patch[i]));
   });
   write_array(faces, [&](std::size_t i, std::string& buffer) {
-    append_raw(buffer, static_cast<std::int32_t>(surface.building[i]));
+    append_raw(buffer, surface.building[i]);
   });
   write_fields(file, fields);
   file.commit(kFileTail);

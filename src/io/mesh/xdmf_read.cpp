@@ -141,7 +141,7 @@ SurfaceMesh read_boundary(const fs::path& path, const Description& description) 
   const auto points = volume.read<std::array<double, 3>>(kGeometry);
   const auto faces = file.read<std::array<std::int64_t, 3>>(kFaces);
   const auto patches = file.read<std::int32_t>(kPatch);
-  auto buildings = file.read<std::int32_t>(kBuilding);
+  const auto buildings = file.read<std::int32_t>(kBuilding);
   if (patches.size() != faces.size() || buildings.size() != faces.size())
     file.fail("has not as many tags as boundary faces");
   if (faces.size() > std::numeric_limits<std::int32_t>::max() / 3)
@@ -152,7 +152,7 @@ SurfaceMesh read_boundary(const fs::path& path, const Description& description) 
   SurfaceMesh surface = compact(points, faces);
   set_patches(patches, description.patches(), surface,
               [&](const std::string& what) { file.fail(what); });
-  surface.building = std::move(buildings);
+  surface.building = {buildings.begin(), buildings.end()};
   return surface;
 }
 

@@ -28,7 +28,7 @@ static_assert(std::endian::native == std::endian::little, "XDMF output writes na
 
 constexpr std::size_t kPointNumbers = std::tuple_size_v<Point3>;
 
-std::array<Hdf5Dataset, 4> datasets_of(const ColumnMesh& mesh, NodeIndex cell_count) {
+std::array<Hdf5Dataset, 4> datasets_of(const ColumnMesh& mesh, std::int64_t cell_count) {
   const auto nodes = static_cast<std::uint64_t>(mesh.node_count());
   const auto cells = static_cast<std::uint64_t>(cell_count);
   return {{{kGeometry, Hdf5Type::kFloat64, nodes, 3},
@@ -53,7 +53,7 @@ void write_origin(Output& file, const Point3& origin) {
 }
 
 template <typename Output>
-void write_volume(Output& file, const ColumnMesh& mesh, const std::vector<NodeIndex>& cells,
+void write_volume(Output& file, const ColumnMesh& mesh, const std::vector<CellIndex>& cells,
                   const Placement& placement, const Progress& progress) {
   file.write_next(
       mesh.vertex_count(),
@@ -64,7 +64,7 @@ void write_volume(Output& file, const ColumnMesh& mesh, const std::vector<NodeIn
   file.write_next(
       mesh.triangle_count(),
       [&](std::size_t begin, std::size_t end, std::string& buffer) {
-        append_cells<NodeIndex>(mesh, cells, begin, end, buffer);
+        append_cells<std::int64_t>(mesh, cells, begin, end, buffer);
       },
       portion(progress, 0.2, 0.9));
   file.write_next(
@@ -109,10 +109,10 @@ template <typename Output>
 void write_all(const std::filesystem::path& volume_path, const std::filesystem::path& boundary_path,
                const ColumnMesh& mesh, const SurfaceMesh& surface, const Placement& placement,
                const Progress& progress) {
-  const std::vector<NodeIndex> cells = cell_offsets(mesh);
+  const std::vector<CellIndex> cells = cell_offsets(mesh);
   const std::filesystem::path volume_data = data_path_of(volume_path);
   const std::filesystem::path boundary_data = data_path_of(boundary_path);
-  Output volume(volume_data, datasets_of(mesh, cells.back()));
+  Output volume(volume_data, datasets_of(mesh, cells.back().value()));
   write_volume(volume, mesh, cells, placement, progress);
   Output boundary(boundary_data, datasets_of(surface));
   write_boundary(boundary, surface, placement.origin);
@@ -121,7 +121,7 @@ void write_all(const std::filesystem::path& volume_path, const std::filesystem::
   for (const PatchInfo& info : surface.patches)
     names[static_cast<std::int32_t>(info.patch)] = info.name;
   AtomicFile of_volume(volume_path), of_boundary(boundary_path);
-  of_volume.write(volume_description(mesh.node_count(), cells.back(), placement.origin,
+  of_volume.write(volume_description(mesh.node_count(), cells.back().value(), placement.origin,
                                      volume_data.filename().string()));
   of_boundary.write(boundary_description(
       mesh.node_count(), static_cast<std::int64_t>(surface.triangles.size()), names,

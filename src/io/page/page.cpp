@@ -145,14 +145,14 @@ Json buildings_json(const CityModel& city) {
 Json footprints_json(std::span<const PageFootprint> footprints) {
   Json list = Json::array();
   for (const PageFootprint& f : footprints) {
-    list.push_back({{"source", f.source_id}, {"building", static_cast<std::int32_t>(f.building)}});
+    list.push_back({{"source", f.source_id}, {"building", f.building.value()}});
     if (!f.reason.empty()) list.back()["reason"] = f.reason;
   }
   return list;
 }
 
 /// `shown`: what the page has of the mesh. `cells`: what there are.
-std::string facts_text(const PageContents& contents, const ColumnMesh* shown, NodeIndex cells,
+std::string facts_text(const PageContents& contents, const ColumnMesh* shown, std::int64_t cells,
                        bool has_volume) {
   const CityModel& city = contents.city;
   const Bounds2& domain = city.domain.bounds();
@@ -193,7 +193,7 @@ void add_columns(const ColumnMesh& mesh, bool floors_only, Payload& payload) {
 
 std::string page_html(const PageContents& contents, std::int64_t most_cells) {
   const ColumnMesh* mesh = contents.mesh;
-  const NodeIndex cells = mesh == nullptr ? 0 : cell_offsets(*mesh).back();
+  const std::int64_t cells = mesh == nullptr ? 0 : cell_offsets(*mesh).back().value();
   if (mesh != nullptr && std::ssize(mesh->ground.triangles) > kMostPageTriangles) mesh = nullptr;
   const bool has_volume = mesh != nullptr && cells <= most_cells;
   Payload payload;

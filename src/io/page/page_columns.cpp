@@ -29,24 +29,23 @@ void add_ground(const GroundMesh& ground, PageColumns& columns) {
     columns.y.push_back(difference(steps_of(p.y), y));
   }
   for (const auto& triangle : ground.triangles) {
-    const auto first = static_cast<std::int32_t>(triangle[0]);
-    columns.corners.push_back(difference(first, corner));
-    columns.corners.push_back(static_cast<std::int32_t>(triangle[1]) - first);
-    columns.corners.push_back(static_cast<std::int32_t>(triangle[2]) - first);
+    columns.corners.push_back(difference(triangle[0].value(), corner));
+    columns.corners.push_back(triangle[1] - triangle[0]);
+    columns.corners.push_back(triangle[2] - triangle[0]);
   }
   for (const RegionIndex r : ground.region)
-    columns.region.push_back(difference(static_cast<std::int32_t>(r), region));
+    columns.region.push_back(difference(r.value(), region));
   for (const Region& r : ground.regions)
-    columns.building.push_back(static_cast<std::int32_t>(r.building));
+    columns.building.push_back(r.building.value());
 }
 
 /// Per region of a building its elevation in steps, at any of its vertices.
 std::vector<std::int32_t> roof_steps(const ColumnMesh& mesh) {
   std::vector<std::int32_t> roofs(mesh.ground.regions.size(), 0);
-  for (std::size_t t = 0; t < mesh.triangle_count(); ++t)
+  for (const TriangleIndex t : mesh.ground.triangles.indices())
     if (mesh.inside_building(t))
-      roofs[static_cast<std::size_t>(mesh.ground.region[t])] = steps_of(
-          mesh.z[static_cast<std::size_t>(mesh.floor_over(t, mesh.ground.triangles[t][0]))]);
+      roofs[mesh.ground.region[t]] =
+          steps_of(mesh.z[mesh.floor_over(t, mesh.ground.triangles[t][0])]);
   return roofs;
 }
 
@@ -60,7 +59,7 @@ class ElevationWriter {
     if (!floors_only) read_.resize(mesh.z.size());
   }
 
-  void add(std::size_t v) {
+  void add(VertexIndex v) {
     const std::span<const std::int32_t> floors = mesh_.floors_at(v);
     anchors_.assign(floors.begin(), floors.end());
     const auto last = static_cast<std::int32_t>(mesh_.first[v + 1] - mesh_.first[v]) - 1;
@@ -90,23 +89,23 @@ class ElevationWriter {
                                      anchors_.begin());
   }
 
-  std::int32_t elevation(std::size_t v, std::int32_t position) const {
-    return steps_of(mesh_.z[static_cast<std::size_t>(mesh_.first[v] + position)]);
+  std::int32_t elevation(VertexIndex v, std::int32_t position) const {
+    return steps_of(mesh_.z[mesh_.first[v] + position]);
   }
 
-  void keep(std::size_t v, std::int32_t position, std::int32_t z) {
-    if (!floors_only_) read_[static_cast<std::size_t>(mesh_.first[v] + position)] = z;
+  void keep(VertexIndex v, std::int32_t position, std::int32_t z) {
+    if (!floors_only_) read_[mesh_.first[v] + position] = z;
   }
 
   /// Elevation and what is left of it.
-  std::pair<std::int32_t, std::int32_t> anchor_residual(std::size_t v, std::int32_t anchor) {
+  std::pair<std::int32_t, std::int32_t> anchor_residual(VertexIndex v, std::int32_t anchor) {
     const std::int32_t z = elevation(v, anchor);
-    const std::span<const RegionIndex> regions = mesh_.regions.at(v);
+    const std::span<const RegionIndex> regions = mesh_.regions[v];
     const std::span<const std::int32_t> floors = mesh_.floors_at(v);
     bool is_floor = false;
     for (std::size_t k = 0; k < floors.size(); ++k) {
       if (floors[k] != anchor) continue;
-      const auto region = static_cast<std::size_t>(regions[k]);
+      const RegionIndex region = regions[k];
       if (mesh_.ground.regions[region].is_building()) return {z, z - roofs_[region]};
       is_floor = true;
     }
@@ -115,7 +114,7 @@ class ElevationWriter {
 
   /// The nodes between anchors number i and i + 1. A step more or less is not told: ends that are
   /// rounded shift what lies between them by as much.
-  void add_between(std::size_t v, std::size_t i) {
+  void add_between(VertexIndex v, std::size_t i) {
     const std::int64_t n = anchors_[i + 1] - anchors_[i];
     const std::int64_t low = values_[i].first, rise = values_[i + 1].first - low;
     for (std::int64_t k = 1; k < n; ++k) {
@@ -139,7 +138,7 @@ class ElevationWriter {
 };
 
 /// The front over triangle t as the elevations `z` of its nodes make it climb.
-Climb<3> climb_by(const ColumnMesh& mesh, const std::vector<double>& z, std::size_t t) {
+Climb<3> climb_by(const ColumnMesh& mesh, const std::vector<double>& z, TriangleIndex t) {
   const auto& v = mesh.ground.triangles[t];
   return {{z.data(), z.data(), z.data()},
           v,
@@ -157,13 +156,13 @@ bool climb_alike(Climb<3> a, Climb<3> b) {
 void add_odd(const ColumnMesh& mesh, const std::vector<double>& read, PageColumns& columns) {
   std::vector<std::uint8_t> is_odd(mesh.triangle_count());
   parallel_chunks(mesh.triangle_count(), 1024, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t t = begin; t < end; ++t)
+    for (const TriangleIndex t : indices<TriangleIndex>(begin, end))
       is_odd[t] = climb_alike(climb_by(mesh, mesh.z, t), climb_by(mesh, read, t)) ? 0 : 1;
   });
   std::int32_t last = 0;
-  for (std::size_t t = 0; t < mesh.triangle_count(); ++t) {
+  for (const TriangleIndex t : mesh.ground.triangles.indices()) {
     if (is_odd[t] == 0) continue;
-    columns.odd.push_back(difference(static_cast<std::int32_t>(t), last));
+    columns.odd.push_back(difference(t.value(), last));
     Climb<3> front = climb_by(mesh, mesh.z, t);
     for (std::size_t i; (i = front.next()) < 3; front.advance(i))
       columns.steps.push_back(static_cast<std::uint8_t>(i));
@@ -176,7 +175,7 @@ PageColumns page_columns(const ColumnMesh& mesh, bool floors_only) {
   PageColumns columns;
   add_ground(mesh.ground, columns);
   ElevationWriter elevations(mesh, floors_only, columns);
-  for (std::size_t v = 0; v < mesh.vertex_count(); ++v) elevations.add(v);
+  for (const VertexIndex v : mesh.ground.vertices.indices()) elevations.add(v);
   if (!floors_only) add_odd(mesh, elevations.read(), columns);
   return columns;
 }

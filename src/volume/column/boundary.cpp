@@ -13,7 +13,7 @@ namespace {
 
 struct Face {
   std::array<NodeIndex, 3> nodes;
-  NodeIndex cell;
+  CellIndex cell;
   BuildingIndex building;
 };
 
@@ -24,9 +24,9 @@ struct FaceLists {
   void add(Patch patch, const Face& face) { lists[patches.position(patch)].push_back(face); }
 };
 
-void add_floor_and_top(const ColumnMesh& mesh, const std::vector<NodeIndex>& cells,
+void add_floor_and_top(const ColumnMesh& mesh, const std::vector<CellIndex>& cells,
                        FaceLists& faces) {
-  for (std::size_t t = 0; t < mesh.triangle_count(); ++t) {
+  for (const TriangleIndex t : mesh.ground.triangles.indices()) {
     const auto& v = mesh.ground.triangles[t];
     const Region& region = mesh.ground.region_of(t);
     faces.add(region.floor,
@@ -67,7 +67,7 @@ struct Side {
 
 /// Faces of the cells over triangle t on the vertical side over edge e; none where the triangle's
 /// floor is not below the side's end.
-void add_side(const ColumnMesh& mesh, NodeIndex first_cell, std::size_t t, std::size_t e,
+void add_side(const ColumnMesh& mesh, CellIndex first_cell, TriangleIndex t, EdgeIndex e,
               const Side& side, FaceLists& faces) {
   const auto& corners = mesh.ground.triangles[t];
   const auto [a, b] = mesh.edges.vertices[e];
@@ -79,7 +79,7 @@ void add_side(const ColumnMesh& mesh, NodeIndex first_cell, std::size_t t, std::
   const std::size_t j = (i + 1) % 3;
   const NodeIndex end_i = side.end[corners[i] == a ? 0 : 1];
   const NodeIndex end_j = side.end[corners[j] == a ? 0 : 1];
-  NodeIndex cell = first_cell;
+  CellIndex cell = first_cell;
   Climb<3> front = climb_triangle(mesh, t);
   while (front.at(i) < end_i || front.at(j) < end_j) {
     const std::size_t c = front.next();
@@ -90,13 +90,12 @@ void add_side(const ColumnMesh& mesh, NodeIndex first_cell, std::size_t t, std::
   }
 }
 
-void add_sides(const ColumnMesh& mesh, const std::vector<NodeIndex>& cells, FaceLists& faces) {
+void add_sides(const ColumnMesh& mesh, const std::vector<CellIndex>& cells, FaceLists& faces) {
   SidesOfDomain sides(mesh.ground);
-  for (std::size_t e = 0; e < mesh.edges.size(); ++e) {
-    const auto [first, second] = mesh.edges.triangles[e];
+  for (const EdgeIndex e : mesh.edges.vertices.indices()) {
+    const auto [t0, t1] = mesh.edges.triangles[e];
     const auto [a, b] = mesh.edges.vertices[e];
-    const auto t0 = static_cast<std::size_t>(first), t1 = static_cast<std::size_t>(second);
-    if (second == kNoTriangle) {
+    if (t1 == kNoTriangle) {
       const std::array top{mesh.top(a), mesh.top(b)};
       add_side(mesh, cells[t0], t0, e, {sides.at({a, b}), kNoBuilding, top}, faces);
       continue;
@@ -120,23 +119,23 @@ SurfaceMesh number_faces(const ColumnMesh& mesh, const FaceLists& faces) {
   for (const auto& list : faces.lists) {
     count += list.size();
     for (const Face& face : list)
-      for (const NodeIndex node : face.nodes) number[static_cast<std::size_t>(node)] = 0;
+      for (const NodeIndex node : face.nodes) number[node] = 0;
   }
   SurfaceMesh surface;
   surface.patches = faces.patches;
-  for (std::size_t v = 0; v < mesh.vertex_count(); ++v)
-    for (NodeIndex node = mesh.first[v]; node < mesh.first[v + 1]; ++node) {
-      auto& own = number[static_cast<std::size_t>(node)];
+  for (const VertexIndex v : mesh.ground.vertices.indices())
+    for (const NodeIndex node : mesh.nodes(v)) {
+      auto& own = number[node];
       if (own == unused) continue;
       own = static_cast<std::int32_t>(surface.points.size());
-      surface.points.push_back(position(mesh, static_cast<VertexIndex>(v), node));
+      surface.points.push_back(position(mesh, v, node));
       surface.node.push_back(node);
     }
   surface.triangles.reserve(count);
   surface.patch.reserve(count);
   surface.building.reserve(count);
   surface.cell.reserve(count);
-  const auto numbered = [&](NodeIndex node) { return number[static_cast<std::size_t>(node)]; };
+  const auto numbered = [&](NodeIndex node) { return number[node]; };
   for (std::size_t i = 0; i < faces.lists.size(); ++i) {
     for (const Face& face : faces.lists[i]) {
       surface.triangles.push_back(
@@ -152,7 +151,7 @@ SurfaceMesh number_faces(const ColumnMesh& mesh, const FaceLists& faces) {
 }  // namespace
 
 SurfaceMesh extract_boundary(const ColumnMesh& mesh) {
-  const std::vector<NodeIndex> cells = cell_offsets(mesh);
+  const std::vector<CellIndex> cells = cell_offsets(mesh);
   FaceLists faces{mesh.ground.patches};
   add_floor_and_top(mesh, cells, faces);
   add_sides(mesh, cells, faces);

@@ -36,7 +36,7 @@ constexpr double kWholeShare = 0.8;
 /// Share of the spacing that a wall is high where the ground was lowered for it.
 constexpr double kLoweredWallShare = 0.6;
 
-void require_rise(double low, double high, std::size_t v, const char* what) {
+void require_rise(double low, double high, VertexIndex v, const char* what) {
   if (low < high) return;
   throw Error(ErrorKind::kGuarantee, "column mesh: at ground vertex " + std::to_string(v) + " " +
                                          what + " (" + std::to_string(low) + " m to " +
@@ -51,7 +51,7 @@ struct Piece {
   std::int32_t even_count = 0;
 };
 
-Piece divide_piece(const ColumnPlan& plan, std::size_t v, double low, double high) {
+Piece divide_piece(const ColumnPlan& plan, VertexIndex v, double low, double high) {
   const double spacing = plan.spacing[v];
   const double edge = plan.ground[v] + plan.rise[v], rise = edge - low;
   Piece piece;
@@ -72,26 +72,26 @@ Piece divide_piece(const ColumnPlan& plan, std::size_t v, double low, double hig
   return piece;
 }
 
-std::int32_t segments(const ColumnPlan& plan, std::size_t v, double low, double high) {
+std::int32_t segments(const ColumnPlan& plan, VertexIndex v, double low, double high) {
   const Piece piece = divide_piece(plan, v, low, high);
   return piece.steep_count + piece.even_count;
 }
 
 /// Elevations that column v has a node at, whatever its spacing: its floors from the lowest up, and
 /// its top.
-void find_levels(const ColumnMesh& mesh, const ColumnPlan& plan, std::size_t v,
+void find_levels(const ColumnMesh& mesh, const ColumnPlan& plan, VertexIndex v,
                  std::vector<double>& levels) {
   levels.clear();
-  for (const RegionIndex region : mesh.regions.at(v))
+  for (const RegionIndex region : mesh.regions[v])
     levels.push_back(plan.floor(mesh.ground, region, v));
   if (levels.size() > 1) sort_once(levels);
   levels.push_back(plan.top[v]);
 }
 
-void require_rising_floors(const ColumnMesh& mesh, const ColumnPlan& plan, std::size_t v) {
-  const std::span<const RegionIndex> around = mesh.regions.at(v);
+void require_rising_floors(const ColumnMesh& mesh, const ColumnPlan& plan, VertexIndex v) {
+  const std::span<const RegionIndex> around = mesh.regions[v];
   const auto is_building = [&](RegionIndex region) {
-    return mesh.ground.regions[static_cast<std::size_t>(region)].is_building();
+    return mesh.ground.regions[region].is_building();
   };
   const bool outside = !std::all_of(around.begin(), around.end(), is_building);
   for (const RegionIndex region : around) {
@@ -105,10 +105,10 @@ void require_rising_floors(const ColumnMesh& mesh, const ColumnPlan& plan, std::
 }
 
 /// Sets the positions of the column's floors; returns its number of nodes.
-std::int32_t divide(const ColumnPlan& plan, std::size_t v, std::span<const double> levels,
+std::int32_t divide(const ColumnPlan& plan, VertexIndex v, std::span<const double> levels,
                     ColumnMesh& mesh) {
-  const std::span<const RegionIndex> around = mesh.regions.at(v);
-  std::int32_t* const floors = mesh.floors.data() + mesh.regions.first[v];
+  const std::span<const RegionIndex> around = mesh.regions[v];
+  const std::span<std::int32_t> floors = mesh.floors_at(v);
   std::int32_t position = 0;
   for (std::size_t i = 0; i + 1 < levels.size(); ++i) {
     for (std::size_t k = 0; k < around.size(); ++k)
@@ -119,7 +119,7 @@ std::int32_t divide(const ColumnPlan& plan, std::size_t v, std::span<const doubl
 }
 
 /// Writes the nodes from `low` towards, but without, `high`; returns the place after them.
-double* spread(double* z, const ColumnPlan& plan, std::size_t v, double low, double high) {
+double* spread(double* z, const ColumnPlan& plan, VertexIndex v, double low, double high) {
   const Piece piece = divide_piece(plan, v, low, high);
   for (std::int32_t i = 0; i < piece.steep_count; ++i) {
     *z++ = low;
@@ -134,11 +134,10 @@ double* spread(double* z, const ColumnPlan& plan, std::size_t v, double low, dou
 std::vector<double> lowest_at_walls(const GroundMesh& mesh, std::size_t parts,
                                     std::span<const double> ground) {
   std::vector<double> lowest(parts, kInfinity);
-  for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
+  for (const TriangleIndex t : mesh.triangles.indices()) {
     if (!mesh.inside_building(t)) continue;
-    double& low = lowest[static_cast<std::size_t>(mesh.region[t])];
-    for (const VertexIndex v : mesh.triangles[t])
-      low = std::min(low, ground[static_cast<std::size_t>(v)]);
+    double& low = lowest[mesh.region[t]];
+    for (const VertexIndex v : mesh.triangles[t]) low = std::min(low, ground[v]);
   }
   return lowest;
 }
@@ -159,15 +158,11 @@ double wall_below(double buried, double distance) {
 
 std::vector<double> ground_rise(const GroundMesh& mesh, std::span<const double> ground) {
   std::vector<double> rise(mesh.vertices.size(), 0.0);
-  for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
+  for (const TriangleIndex t : mesh.triangles.indices()) {
     if (mesh.inside_building(t)) continue;
     double highest = -kInfinity;
-    for (const VertexIndex v : mesh.triangles[t])
-      highest = std::max(highest, ground[static_cast<std::size_t>(v)]);
-    for (const VertexIndex v : mesh.triangles[t]) {
-      const auto i = static_cast<std::size_t>(v);
-      rise[i] = std::max(rise[i], highest - ground[i]);
-    }
+    for (const VertexIndex v : mesh.triangles[t]) highest = std::max(highest, ground[v]);
+    for (const VertexIndex v : mesh.triangles[t]) rise[v] = std::max(rise[v], highest - ground[v]);
   }
   return rise;
 }
@@ -177,8 +172,7 @@ std::vector<double> column_spacing(const GroundMesh& ground) {
   std::vector<double> altitude(ground.vertices.size(), kInfinity);
   for (const auto& triangle : ground.triangles) {
     std::array<Point2, 3> p;
-    for (std::size_t i = 0; i < 3; ++i)
-      p[i] = ground.vertices[static_cast<std::size_t>(triangle[i])];
+    for (std::size_t i = 0; i < 3; ++i) p[i] = ground.vertices[triangle[i]];
     std::array<double, 3> length2{};  // of the edge opposite to corner i
     for (std::size_t i = 0; i < 3; ++i) {
       const Point2 a = p[(i + 1) % 3], b = p[(i + 2) % 3];
@@ -188,13 +182,13 @@ std::vector<double> column_spacing(const GroundMesh& ground) {
         (p[1].x - p[0].x) * (p[2].y - p[0].y) - (p[1].y - p[0].y) * (p[2].x - p[0].x);
     const double least = twice_area / std::sqrt(std::max({length2[0], length2[1], length2[2]}));
     for (std::size_t i = 0; i < 3; ++i) {
-      const auto v = static_cast<std::size_t>(triangle[i]);
+      const VertexIndex v = triangle[i];
       altitude[v] = std::min(altitude[v], least);
       longest[v] = std::max({longest[v], length2[(i + 1) % 3], length2[(i + 2) % 3]});
     }
   }
   std::vector<double> spacing(ground.vertices.size());
-  for (std::size_t v = 0; v < spacing.size(); ++v)
+  for (const VertexIndex v : indices<VertexIndex>(spacing.size()))
     spacing[v] =
         kSpacingFactor * std::sqrt(2 / std::sqrt(3.0) * altitude[v] * std::sqrt(longest[v]));
   return spacing;
@@ -236,9 +230,9 @@ ColumnPlan plan_columns(const GroundMesh& mesh, const Raster& dtm, std::vector<d
   lower_at_walls(mesh, plan.lowest_roof, plan.roofs, least, wall, around);
   plan.rise = ground_rise(mesh, around);
   const std::vector<double> foot = lowest_at_walls(mesh, plan.roofs.size(), plan.ground);
-  for (std::size_t v = 0; v < wall.size(); ++v) {
-    if (plan.lowest_roof[v] == kNoRegion || !options.fit_lowered_walls) continue;
-    const auto b = static_cast<std::size_t>(plan.lowest_roof[v]);
+  for (const VertexIndex v : indices<VertexIndex>(wall.size())) {
+    const RegionIndex b = plan.lowest_roof[v];
+    if (b == kNoRegion || !options.fit_lowered_walls) continue;
     const double buried = around[v] + plan.rise[v] - plan.roofs[b];
     const double fits = wall_below(buried, plan.spacing[v]);
     // No deeper than the building stands somewhere, which beside a rock wall would be a pit. (Less
@@ -262,7 +256,7 @@ void count_lowered(const GroundMesh& mesh, std::span<const double> terrain, doub
   plan.lowered = plan.undermined = 0;
   plan.deepest = plan.deepest_undermined = 0;
   const std::vector<std::uint8_t> outside = outside_vertices(mesh);
-  for (std::size_t v = 0; v < terrain.size(); ++v) {
+  for (const VertexIndex v : indices<VertexIndex>(terrain.size())) {
     if (outside[v] == 0 || !(plan.ground[v] < terrain[v])) continue;
     ++plan.lowered;
     plan.deepest = std::max(plan.deepest, terrain[v] - plan.ground[v]);
@@ -281,7 +275,7 @@ void count_lowered(const GroundMesh& mesh, std::span<const double> terrain, doub
 
 double estimate_cells(const ColumnPlan& plan) {
   double cells = 0;
-  for (std::size_t v = 0; v < plan.top.size(); ++v)
+  for (const VertexIndex v : indices<VertexIndex>(plan.top.size()))
     cells += 6 * std::max(1.0, (plan.top[v] - plan.ground[v]) / plan.spacing[v]);
   return cells;
 }
@@ -292,17 +286,17 @@ ColumnMesh divide_columns(GroundMesh ground, EdgeGraph edges, const ColumnPlan& 
   mesh.edges = std::move(edges);
   const std::size_t vertices = mesh.vertex_count();
   mesh.regions = regions_at_vertices(mesh.ground);
-  mesh.floors.resize(mesh.regions.regions.size());
-  mesh.first.assign(vertices + 1, 0);
+  mesh.floors.resize(mesh.regions.values.size());
+  mesh.first.resize(vertices + 1);
   parallel_chunks(vertices, kColumnsPerChunk, [&](std::size_t begin, std::size_t end) {
     std::vector<double> levels;
-    for (std::size_t v = begin; v < end; ++v) {
+    for (const VertexIndex v : indices<VertexIndex>(begin, end)) {
       require_rising_floors(mesh, plan, v);
       find_levels(mesh, plan, v, levels);
-      mesh.first[v + 1] = divide(plan, v, levels, mesh);
+      mesh.first[v + 1] = NodeIndex(divide(plan, v, levels, mesh));
     }
   });
-  for (std::size_t v = 0; v < vertices; ++v) mesh.first[v + 1] += mesh.first[v];
+  for (std::size_t v = 0; v < vertices; ++v) mesh.first[v + 1] += mesh.first[v].value();
   mesh.z.resize(static_cast<std::size_t>(mesh.node_count()));
   return mesh;
 }
@@ -310,7 +304,7 @@ ColumnMesh divide_columns(GroundMesh ground, EdgeGraph edges, const ColumnPlan& 
 void place_nodes(ColumnMesh& mesh, const ColumnPlan& plan) {
   parallel_chunks(mesh.vertex_count(), kColumnsPerChunk, [&](std::size_t begin, std::size_t end) {
     std::vector<double> levels;
-    for (std::size_t v = begin; v < end; ++v) {
+    for (const VertexIndex v : indices<VertexIndex>(begin, end)) {
       find_levels(mesh, plan, v, levels);
       double* z = mesh.z.data() + mesh.first[v];
       for (std::size_t i = 1; i < levels.size(); ++i)

@@ -61,9 +61,8 @@ struct ColumnPlan {
   double deepest_undermined = 0;  ///< How far, at most, in metres.
 
   /// Elevation of the floor of `region` of `mesh` at vertex v.
-  double floor(const GroundMesh& mesh, RegionIndex region, std::size_t v) const {
-    const auto r = static_cast<std::size_t>(region);
-    return mesh.regions[r].is_building() ? roofs[r] : ground[v];
+  double floor(const GroundMesh& mesh, RegionIndex region, VertexIndex v) const {
+    return mesh.regions[region].is_building() ? roofs[region] : ground[v];
   }
 };
 

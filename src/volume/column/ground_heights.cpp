@@ -11,12 +11,12 @@ namespace tetropolis {
 
 std::vector<RegionIndex> lowest_roofs(const GroundMesh& mesh, std::span<const double> roofs) {
   std::vector<RegionIndex> lowest(mesh.vertices.size(), kNoRegion);
-  for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
+  for (const TriangleIndex t : mesh.triangles.indices()) {
     if (!mesh.inside_building(t)) continue;
     const RegionIndex own = mesh.region[t];
     const auto height = [&](RegionIndex r) { return roofs[static_cast<std::size_t>(r)]; };
     for (const VertexIndex v : mesh.triangles[t]) {
-      RegionIndex& least = lowest[static_cast<std::size_t>(v)];
+      RegionIndex& least = lowest[v];
       if (least == kNoRegion || std::pair(height(own), own) < std::pair(height(least), least))
         least = own;
     }
@@ -26,9 +26,9 @@ std::vector<RegionIndex> lowest_roofs(const GroundMesh& mesh, std::span<const do
 
 std::vector<std::uint8_t> outside_vertices(const GroundMesh& mesh) {
   std::vector<std::uint8_t> outside(mesh.vertices.size(), 0);
-  for (std::size_t t = 0; t < mesh.triangles.size(); ++t)
+  for (const TriangleIndex t : mesh.triangles.indices())
     if (!mesh.inside_building(t))
-      for (const VertexIndex v : mesh.triangles[t]) outside[static_cast<std::size_t>(v)] = 1;
+      for (const VertexIndex v : mesh.triangles[t]) outside[v] = 1;
   return outside;
 }
 
@@ -53,7 +53,8 @@ double longest_wall_edge(const Raster& dtm, double roof, Point2 a, Point2 b, dou
 std::vector<double> terrain_under(const GroundMesh& mesh, const Raster& dtm) {
   std::vector<double> terrain(mesh.vertices.size());
   parallel_chunks(mesh.vertices.size(), 4096, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t v = begin; v < end; ++v) terrain[v] = sample(dtm, mesh.vertices[v]);
+    for (const VertexIndex v : indices<VertexIndex>(begin, end))
+      terrain[v] = sample(dtm, mesh.vertices[v]);
   });
   return terrain;
 }
@@ -61,9 +62,9 @@ std::vector<double> terrain_under(const GroundMesh& mesh, const Raster& dtm) {
 void lower_at_walls(const GroundMesh& mesh, std::span<const RegionIndex> lowest_roof,
                     std::span<const double> roofs, std::span<const double> least,
                     std::span<const double> wall, std::vector<double>& ground) {
-  for (std::size_t v = 0; v < mesh.vertices.size(); ++v) {
+  for (const VertexIndex v : mesh.vertices.indices()) {
     if (lowest_roof[v] == kNoRegion) continue;
-    const double roof = roofs[static_cast<std::size_t>(lowest_roof[v])];
+    const double roof = roofs[lowest_roof[v]];
     if (ground[v] > roof - least[v]) ground[v] = std::min(ground[v], roof - wall[v]);
   }
 }

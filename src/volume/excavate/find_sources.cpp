@@ -16,11 +16,11 @@ namespace tetropolis {
 namespace {
 
 /// Whether the ground over triangle t is steeper than `slope` (tangent).
-bool is_steeper(const GroundMesh& mesh, std::size_t t, std::span<const double> ground,
+bool is_steeper(const GroundMesh& mesh, TriangleIndex t, std::span<const double> ground,
                 double slope) {
   const auto& v = mesh.triangles[t];
-  const auto at = [&](std::size_t k) { return mesh.vertices[static_cast<std::size_t>(v[k])]; };
-  const auto height = [&](std::size_t k) { return ground[static_cast<std::size_t>(v[k])]; };
+  const auto at = [&](std::size_t k) { return mesh.vertices[v[k]]; };
+  const auto height = [&](std::size_t k) { return ground[v[k]]; };
   return squared_cosine_of_slope(at(0), height(0), at(1), height(1), at(2), height(2)) *
              (1 + slope * slope) <
          1;
@@ -30,17 +30,14 @@ bool is_steeper(const GroundMesh& mesh, std::size_t t, std::span<const double> g
 std::vector<std::uint8_t> find_helped(const ColumnMesh& mesh, const TriedExcavation& tried) {
   const std::size_t n = mesh.vertex_count();
   const auto is_lowered = [&](VertexIndex v) {
-    const auto i = static_cast<std::size_t>(v);
-    return tried.ground_after[i] != tried.ground_before[i];
+    return tried.ground_after[v] != tried.ground_before[v];
   };
-  DisjointSets places(n);
+  DisjointSets<VertexIndex> places(n);
   for (const auto& [a, b] : mesh.edges.vertices)
     if (is_lowered(a) && is_lowered(b)) places.join(a, b);
   std::vector<std::int64_t> gain(n, 0);  // of the place of each vertex, at its root
-  const auto gain_at = [&](VertexIndex v) -> std::int64_t& {
-    return gain[static_cast<std::size_t>(places.root(v))];
-  };
-  for (std::size_t t = 0; t < mesh.triangle_count(); ++t) {
+  const auto gain_at = [&](VertexIndex v) -> std::int64_t& { return gain[places.root(v)]; };
+  for (const TriangleIndex t : mesh.ground.triangles.indices()) {
     // Lowered corners of a triangle are joined, so they are of one place.
     const auto& corners = mesh.ground.triangles[t];
     if (const auto v = std::find_if(corners.begin(), corners.end(), is_lowered); v != corners.end())
@@ -49,8 +46,7 @@ std::vector<std::uint8_t> find_helped(const ColumnMesh& mesh, const TriedExcavat
   std::vector<std::uint8_t> helped(n, 0);
   for (const auto& [a, b] : mesh.edges.vertices)
     for (const VertexIndex v : {a, b})
-      if (is_lowered(v) && gain_at(v) > 0)
-        helped[static_cast<std::size_t>(a)] = helped[static_cast<std::size_t>(b)] = 1;
+      if (is_lowered(v) && gain_at(v) > 0) helped[a] = helped[b] = 1;
   return helped;
 }
 
@@ -60,31 +56,30 @@ std::vector<std::uint8_t> with_neighbours(const ColumnMesh& mesh,
                                           std::span<const std::uint8_t> marked) {
   std::vector<std::uint8_t> touched(mesh.vertex_count(), 0), all(marked.begin(), marked.end());
   const auto& triangles = mesh.ground.triangles;
-  for (std::size_t t = 0; t < triangles.size(); ++t)
+  for (const TriangleIndex t : triangles.indices())
     if (marked[t] != 0)
-      for (const VertexIndex v : triangles[t]) touched[static_cast<std::size_t>(v)] = 1;
-  for (std::size_t t = 0; t < triangles.size(); ++t)
+      for (const VertexIndex v : triangles[t]) touched[v] = 1;
+  for (const TriangleIndex t : triangles.indices())
     for (const VertexIndex v : triangles[t])
-      if (touched[static_cast<std::size_t>(v)] != 0) all[t] = 1;
+      if (touched[v] != 0) all[t] = 1;
   return all;
 }
 
 std::int64_t mark_buried_roofs(const ColumnMesh& mesh, const ColumnPlan& plan,
                                std::span<const std::uint8_t> bad, ExcavationMarks& marks) {
   std::int64_t marked = 0;
-  for (std::size_t t = 0; t < mesh.triangle_count(); ++t) {
+  for (const TriangleIndex t : mesh.ground.triangles.indices()) {
     if (bad[t] == 0 || mesh.inside_building(t)) continue;
     double highest = -kInfinity;
     for (const VertexIndex v : mesh.ground.triangles[t])
-      highest = std::max(highest, plan.ground[static_cast<std::size_t>(v)]);
+      highest = std::max(highest, plan.ground[v]);
     const auto is_buried = [&](VertexIndex v) {
-      const RegionIndex b = plan.lowest_roof[static_cast<std::size_t>(v)];
-      return b != kNoRegion && marks.roofs[static_cast<std::size_t>(b)] == 0 &&
-             highest > plan.roofs[static_cast<std::size_t>(b)];
+      const RegionIndex b = plan.lowest_roof[v];
+      return b != kNoRegion && marks.roofs[b] == 0 && highest > plan.roofs[b];
     };
     for (const VertexIndex v : mesh.ground.triangles[t]) {
       if (!is_buried(v)) continue;
-      marks.roofs[static_cast<std::size_t>(plan.lowest_roof[static_cast<std::size_t>(v)])] = 1;
+      marks.roofs[plan.lowest_roof[v]] = 1;
       ++marked;
     }
   }
@@ -95,11 +90,9 @@ std::int64_t mark_slope_toes(const ColumnMesh& mesh, const ColumnPlan& plan,
                              std::span<const std::uint8_t> bad, const ToeRule& rule,
                              ExcavationMarks& marks) {
   std::int64_t marked = 0;
-  for (std::size_t t = 0; t < mesh.triangle_count(); ++t) {
+  for (const TriangleIndex t : mesh.ground.triangles.indices()) {
     if (bad[t] == 0 || mesh.inside_building(t)) continue;
-    const auto corner = [&](std::size_t k) {
-      return static_cast<std::size_t>(mesh.ground.triangles[t][k % 3]);
-    };
+    const auto corner = [&](std::size_t k) { return mesh.ground.triangles[t][k % 3]; };
     std::array<double, 3> toe{kInfinity, kInfinity, kInfinity};
     if (is_steeper(mesh.ground, t, plan.ground, rule.slope)) {
       const auto [low, high] =
@@ -109,15 +102,14 @@ std::int64_t mark_slope_toes(const ColumnMesh& mesh, const ColumnPlan& plan,
           toe[i] = z;
     }
     for (std::size_t i = 0; i < 3; ++i) {
-      const std::size_t v = corner(i);
+      const VertexIndex v = corner(i);
       if (plan.lowest_roof[v] == kNoRegion) continue;
       const Point2 p = mesh.ground.vertices[v];
       double edge = 0;
-      for (const std::size_t u : {corner(i + 1), corner(i + 2)})
+      for (const VertexIndex u : {corner(i + 1), corner(i + 2)})
         edge = std::max(
             edge, std::hypot(mesh.ground.vertices[u].x - p.x, mesh.ground.vertices[u].y - p.y));
-      const double below =
-          plan.roofs[static_cast<std::size_t>(plan.lowest_roof[v])] - kWallTangent * edge;
+      const double below = plan.roofs[plan.lowest_roof[v]] - kWallTangent * edge;
       if (below < plan.ground[v]) toe[i] = below;
     }
     for (std::size_t i = 0; i < 3; ++i) {
@@ -134,18 +126,16 @@ std::int64_t mark_gentle(const ColumnMesh& mesh, const ColumnPlan& plan,
   constexpr double kWorthwhile = 0.01;  // metres
   std::int64_t marked = 0;
   // From the roof, if `high` is above it.
-  const auto start_at = [&](std::size_t v, double high) {
+  const auto start_at = [&](VertexIndex v, double high) {
     if (plan.lowest_roof[v] == kNoRegion) return plan.ground[v];
-    const double roof = plan.roofs[static_cast<std::size_t>(plan.lowest_roof[v])];
+    const double roof = plan.roofs[plan.lowest_roof[v]];
     return roof < high ? roof : plan.ground[v];
   };
-  for (std::size_t t = 0; t < mesh.triangle_count(); ++t) {
+  for (const TriangleIndex t : mesh.ground.triangles.indices()) {
     if (bad[t] == 0 || mesh.inside_building(t)) continue;
-    const auto corner = [&](std::size_t k) {
-      return static_cast<std::size_t>(mesh.ground.triangles[t][k % 3]);
-    };
+    const auto corner = [&](std::size_t k) { return mesh.ground.triangles[t][k % 3]; };
     for (std::size_t i = 0; i < 3; ++i) {
-      const std::size_t v = corner(i), a = corner(i + 1), b = corner(i + 2);
+      const VertexIndex v = corner(i), a = corner(i + 1), b = corner(i + 2);
       const double high = plan.ground[v];
       const double most =
           highest_at(mesh.ground.vertices[v], mesh.ground.vertices[a], start_at(a, high),
@@ -161,12 +151,12 @@ std::int64_t mark_gentle(const ColumnMesh& mesh, const ColumnPlan& plan,
 std::int64_t mark_deep_walls(const ColumnMesh& mesh, const ColumnPlan& plan,
                              std::span<const std::uint8_t> bad, ExcavationMarks& marks) {
   std::int64_t marked = 0;
-  for (std::size_t t = 0; t < mesh.triangle_count(); ++t) {
+  for (const TriangleIndex t : mesh.ground.triangles.indices()) {
     if (bad[t] == 0 || mesh.inside_building(t)) continue;
     for (const VertexIndex v : mesh.ground.triangles[t]) {
-      const RegionIndex b = plan.lowest_roof[static_cast<std::size_t>(v)];
-      if (b == kNoRegion || marks.walls[static_cast<std::size_t>(b)] != 0) continue;
-      marks.walls[static_cast<std::size_t>(b)] = 1;
+      const RegionIndex b = plan.lowest_roof[v];
+      if (b == kNoRegion || marks.walls[b] != 0) continue;
+      marks.walls[b] = 1;
       ++marked;
     }
   }
@@ -177,15 +167,14 @@ void keep_helpful_marks(const ColumnMesh& mesh, std::span<const RegionIndex> bui
                         const TriedExcavation& tried, const ExcavationMarks& before,
                         ExcavationMarks& marks) {
   const std::vector<std::uint8_t> helped = find_helped(mesh, tried);
-  for (std::size_t v = 0; v < marks.toes.size(); ++v)
+  for (const VertexIndex v : indices<VertexIndex>(marks.toes.size()))
     if (helped[v] == 0) marks.toes[v] = before.toes.empty() ? kInfinity : before.toes[v];
   const auto keep = [&](const std::vector<std::uint8_t>& old, std::vector<std::uint8_t>& now) {
     std::vector<std::uint8_t> kept = old;
     kept.resize(now.size(), 0);
-    for (std::size_t v = 0; v < helped.size(); ++v)
+    for (const VertexIndex v : indices<VertexIndex>(helped.size()))
       if (helped[v] != 0 && building[v] != kNoRegion && !now.empty()) {
-        const auto b = static_cast<std::size_t>(building[v]);
-        kept[b] = now[b];
+        kept[building[v]] = now[building[v]];
       }
     now = std::move(kept);
   };

@@ -18,11 +18,8 @@ constexpr std::int32_t kJoined = 4;  // edges from two seeds to where they meet,
 /// Calls visit(u) for the vertices with an edge to v.
 template <typename Visit>
 void for_each_neighbour(const EdgeGraph& edges, VertexIndex v, const Visit& visit) {
-  const auto i = static_cast<std::size_t>(v);
-  for (EdgeIndex e = edges.starts[i]; e < edges.starts[i + 1]; ++e)
-    visit(edges.vertices[static_cast<std::size_t>(e)][1]);
-  for (std::int32_t k = edges.end_offsets[i]; k < edges.end_offsets[i + 1]; ++k)
-    visit(edges.vertices[static_cast<std::size_t>(edges.ends[static_cast<std::size_t>(k)])][0]);
+  for (const EdgeIndex e : edges.starting_at(v)) visit(edges.vertices[e][1]);
+  for (const EdgeIndex e : edges.ends[v]) visit(edges.vertices[e][0]);
 }
 
 /// Grows places from their seeds, edge by edge, all at once.
@@ -31,12 +28,10 @@ class Flood {
   explicit Flood(const Columns& columns)
       : edges_(columns.mesh.edges), ring_(columns.mesh.vertex_count(), kFar), place_(ring_.size()) {
     for (const RegionIndex part : columns.plan.lowest_roof)
-      building_.push_back(
-          part == kNoRegion ? kNoBuilding
-                            : columns.mesh.ground.regions[static_cast<std::size_t>(part)].building);
-    for (std::size_t v = 0; v < building_.size(); ++v)
-      if (building_[v] != kNoBuilding)
-        at_building_.emplace_back(building_[v], static_cast<VertexIndex>(v));
+      building_.push_back(part == kNoRegion ? kNoBuilding
+                                            : columns.mesh.ground.regions[part].building);
+    for (const VertexIndex v : indices<VertexIndex>(building_.size()))
+      if (building_[v] != kNoBuilding) at_building_.emplace_back(building_[v], v);
     std::sort(at_building_.begin(), at_building_.end());
   }
 
@@ -49,12 +44,9 @@ class Flood {
   }
 
   std::vector<std::vector<VertexIndex>> places() {
-    std::map<std::int32_t, std::vector<VertexIndex>> by_root;
-    for (std::size_t v = 0; v < ring_.size(); ++v)
-      if (ring_[v] < kFar) {
-        const auto vertex = static_cast<VertexIndex>(v);
-        by_root[place_.root(vertex)].push_back(vertex);
-      }
+    std::map<VertexIndex, std::vector<VertexIndex>> by_root;
+    for (const VertexIndex v : indices<VertexIndex>(ring_.size()))
+      if (ring_[v] < kFar) by_root[place_.root(v)].push_back(v);
     std::vector<std::vector<VertexIndex>> places;
     for (auto& [root, vertices] : by_root) places.push_back(std::move(vertices));
     return places;
@@ -65,13 +57,13 @@ class Flood {
 
   /// Takes v, and the building it belongs to, for the place of `by`; or joins the two places.
   void claim(VertexIndex v, VertexIndex by) {
-    const std::int32_t ring = ring_[static_cast<std::size_t>(v)];
+    const std::int32_t ring = ring_[v];
     if (ring < kFar) {
       if (ring <= kJoined && now_ <= kJoined) place_.join(v, by);
       return;
     }
     take(v, by);
-    const BuildingIndex b = building_[static_cast<std::size_t>(v)];
+    const BuildingIndex b = building_[v];
     if (b == kNoBuilding) return;
     for (auto at = std::lower_bound(at_building_.begin(), at_building_.end(),
                                     std::pair(b, VertexIndex{0}));
@@ -80,7 +72,7 @@ class Flood {
   }
 
   void take(VertexIndex v, VertexIndex by) {
-    ring_[static_cast<std::size_t>(v)] = now_;
+    ring_[v] = now_;
     place_.join(v, by);
     front_.push_back(v);
   }
@@ -90,7 +82,7 @@ class Flood {
   std::vector<std::pair<BuildingIndex, VertexIndex>> at_building_;  // ascending
   std::int32_t now_ = 0;
   std::vector<std::int32_t> ring_;  // per vertex: edges from the nearest seed
-  DisjointSets place_;
+  DisjointSets<VertexIndex> place_;
   std::vector<VertexIndex> front_;  // of the ring that grows
 };
 
@@ -99,46 +91,43 @@ class Flood {
 std::vector<std::vector<VertexIndex>> find_places(const Columns& columns,
                                                   std::span<const std::uint8_t> seeds) {
   Flood flood(columns);
-  for (std::size_t v = 0; v < seeds.size(); ++v)
-    if (seeds[v] != 0) flood.start(static_cast<VertexIndex>(v));
+  for (const VertexIndex v : indices<VertexIndex>(seeds.size()))
+    if (seeds[v] != 0) flood.start(v);
   flood.spread();
   return flood.places();
 }
 
 Cutout cut_out(const Columns& columns, std::span<const VertexIndex> vertices) {
   const GroundMesh& whole = columns.mesh.ground;
-  constexpr VertexIndex kNotHere = -1;
   const auto local = [&](VertexIndex v) {
     const auto found = std::lower_bound(vertices.begin(), vertices.end(), v);
-    return found != vertices.end() && *found == v
-               ? static_cast<VertexIndex>(found - vertices.begin())
-               : kNotHere;
+    return found != vertices.end() && *found == v ? VertexIndex(found - vertices.begin())
+                                                  : kNoVertex;
   };
   Cutout cutout;
   GroundMesh ground;
   ground.regions = whole.regions;
   std::vector<std::uint8_t> on_rim(vertices.size(), 0);
   for (const TriangleIndex t : triangles_around(columns.mesh.edges, vertices)) {
-    std::array<VertexIndex, 3> corners = whole.triangles[static_cast<std::size_t>(t)];
+    std::array<VertexIndex, 3> corners = whole.triangles[t];
     for (VertexIndex& v : corners) v = local(v);
-    if (std::find(corners.begin(), corners.end(), kNotHere) == corners.end()) {
+    if (std::find(corners.begin(), corners.end(), kNoVertex) == corners.end()) {
       ground.triangles.push_back(corners);
-      ground.region.push_back(whole.region[static_cast<std::size_t>(t)]);
+      ground.region.push_back(whole.region[t]);
     } else {
       for (const VertexIndex v : corners)
-        if (v != kNotHere) on_rim[static_cast<std::size_t>(v)] = 1;
+        if (v != kNoVertex) on_rim[v] = 1;
     }
   }
   cutout.fixed = on_rim;
   for (const auto& corners : ground.triangles)
     for (const VertexIndex v : corners)
-      if (on_rim[static_cast<std::size_t>(v)] != 0)
-        for (const VertexIndex u : corners) cutout.fixed[static_cast<std::size_t>(u)] = 1;
+      if (on_rim[v] != 0)
+        for (const VertexIndex u : corners) cutout.fixed[u] = 1;
   ColumnPlan& plan = cutout.columns.plan;
   plan.roofs = columns.plan.roofs;
   plan.layers = columns.plan.layers;
-  for (const VertexIndex vertex : vertices) {
-    const auto v = static_cast<std::size_t>(vertex);
+  for (const VertexIndex v : vertices) {
     ground.vertices.push_back(whole.vertices[v]);
     plan.ground.push_back(columns.plan.ground[v]);
     plan.lowest_roof.push_back(columns.plan.lowest_roof[v]);
@@ -146,8 +135,8 @@ Cutout cut_out(const Columns& columns, std::span<const VertexIndex> vertices) {
     plan.spacing.push_back(columns.plan.spacing[v]);
     plan.rise.push_back(columns.plan.rise[v]);
   }
-  cutout.columns.mesh = gather_columns(vertices.size(), [&](std::size_t v) {
-    return ColumnOf{&columns.mesh, static_cast<std::size_t>(vertices[v])};
+  cutout.columns.mesh = gather_columns(vertices.size(), [&](VertexIndex v) {
+    return ColumnOf{&columns.mesh, vertices[v]};
   });
   cutout.columns.mesh.edges = build_edge_graph(ground);
   cutout.columns.mesh.ground = std::move(ground);
@@ -156,12 +145,11 @@ Cutout cut_out(const Columns& columns, std::span<const VertexIndex> vertices) {
 
 std::vector<VertexIndex> different_columns(const ColumnMesh& a, const ColumnMesh& b) {
   std::vector<VertexIndex> different;
-  for (std::size_t v = 0; v + 1 < a.first.size(); ++v)
+  for (const VertexIndex v : indices<VertexIndex>(a.first.size() - 1))
     if (!std::ranges::equal(a.floors_at(v), b.floors_at(v)) ||
         a.first[v + 1] - a.first[v] != b.first[v + 1] - b.first[v] ||
-        !std::equal(a.z.begin() + a.first[v], a.z.begin() + a.first[v + 1],
-                    b.z.begin() + b.first[v]))
-      different.push_back(static_cast<VertexIndex>(v));
+        !std::equal(a.z.data() + a.first[v], a.z.data() + a.first[v + 1], b.z.data() + b.first[v]))
+      different.push_back(v);
   return different;
 }
 

@@ -34,26 +34,23 @@ Cutout cut_out(const Columns& columns, std::span<const VertexIndex> vertices);
 /// A column of a mesh.
 struct ColumnOf {
   const ColumnMesh* mesh;
-  std::size_t vertex;
+  VertexIndex vertex;
 };
 
 /// The columns that of(v) names for v = 0 .. vertices - 1: a mesh without ground mesh and edges.
 template <typename Of>
 ColumnMesh gather_columns(std::size_t vertices, const Of& of) {
   ColumnMesh mesh;
-  mesh.first.assign(1, 0);
-  mesh.regions.first.assign(1, 0);
-  for (std::size_t v = 0; v < vertices; ++v) {
+  mesh.first.push_back({});
+  for (const VertexIndex v : indices<VertexIndex>(vertices)) {
     const ColumnOf own = of(v);
     const auto& first = own.mesh->first;
-    mesh.z.insert(mesh.z.end(), own.mesh->z.begin() + first[own.vertex],
-                  own.mesh->z.begin() + first[own.vertex + 1]);
-    const auto regions = own.mesh->regions.at(own.vertex);
-    mesh.regions.regions.insert(mesh.regions.regions.end(), regions.begin(), regions.end());
-    mesh.regions.first.push_back(static_cast<std::int32_t>(mesh.regions.regions.size()));
+    mesh.z.insert(mesh.z.end(), own.mesh->z.data() + first[own.vertex],
+                  own.mesh->z.data() + first[own.vertex + 1]);
+    mesh.regions.push_back(own.mesh->regions[own.vertex]);
     const auto floors = own.mesh->floors_at(own.vertex);
     mesh.floors.insert(mesh.floors.end(), floors.begin(), floors.end());
-    mesh.first.push_back(static_cast<NodeIndex>(mesh.z.size()));
+    mesh.first.push_back(NodeIndex(mesh.z.size()));
   }
   return mesh;
 }

@@ -114,7 +114,7 @@ class Place {
 Outcome Place::copy() const {
   return {now_.plan,
           gather_columns(fixed_.size(),
-                         [&](std::size_t v) {
+                         [&](VertexIndex v) {
                            return ColumnOf{&now_.mesh, v};
                          }),
           now_.moved, now_.sources};
@@ -135,7 +135,7 @@ bool Place::search(ImproveOptions options) {
   options.fixed = fixed_;
   const Improvement done = improve_columns(now_.mesh, options, progress_);
   work_left_ -= done.cells;
-  for (const VertexIndex v : done.columns) now_.moved[static_cast<std::size_t>(v)] = 1;
+  for (const VertexIndex v : done.columns) now_.moved[v] = 1;
   faults_.look_again(now_.mesh, done.columns);
   return !done.columns.empty();
 }
@@ -166,11 +166,11 @@ void Place::straighten_faces() {
 
 /// Whether the cutout is too small for what is marked, or for what was excavated from there.
 bool Place::is_at_rim(std::span<const double> excavated) const {
-  const auto is_marked = [&](const std::vector<std::uint8_t>& buildings, std::size_t v) {
+  const auto is_marked = [&](const std::vector<std::uint8_t>& buildings, VertexIndex v) {
     const RegionIndex b = now_.plan.lowest_roof[v];
-    return !buildings.empty() && b != kNoRegion && buildings[static_cast<std::size_t>(b)] != 0;
+    return !buildings.empty() && b != kNoRegion && buildings[b] != 0;
   };
-  for (std::size_t v = 0; v < fixed_.size(); ++v)
+  for (const VertexIndex v : indices<VertexIndex>(fixed_.size()))
     if (fixed_[v] != 0 &&
         (excavated[v] < terrain_[v] || is_marked(marks_.roofs, v) || is_marked(marks_.walls, v) ||
          (!marks_.toes.empty() && marks_.toes[v] < kInfinity)))
@@ -197,7 +197,7 @@ bool Place::excavate_marked() {
       plan_columns(now_.mesh.ground, dtm_, now_.plan.roofs, now_.plan.spacing, options);
   const ColumnPlan& old = unexcavated_.plan;
   plan.top = old.top;
-  for (std::size_t v = 0; v < fixed_.size(); ++v)
+  for (const VertexIndex v : indices<VertexIndex>(fixed_.size()))
     if (fixed_[v] != 0) {
       plan.ground[v] = old.ground[v];
       plan.rise[v] = old.rise[v];
@@ -214,21 +214,18 @@ bool Place::excavate_marked() {
   // Those beside them, too: they are moved for what was there.
   const auto& triangles = now_.mesh.ground.triangles;
   std::vector<std::uint8_t> near(triangles.size(), 0);
-  for (std::size_t t = 0; t < near.size(); ++t)
-    for (const VertexIndex corner : triangles[t]) {
-      const auto v = static_cast<std::size_t>(corner);
+  for (const TriangleIndex t : indices<TriangleIndex>(near.size()))
+    for (const VertexIndex v : triangles[t])
       if (plan.ground[v] != old.ground[v] || plan.rise[v] != old.rise[v]) near[t] = 1;
-    }
   near = with_neighbours(now_.mesh, near);
   std::vector<std::uint8_t> is_fresh(fixed_.size(), 0), moved = unexcavated_.moved;
-  for (std::size_t t = 0; t < near.size(); ++t)
-    for (const VertexIndex corner : triangles[t]) {
-      const auto v = static_cast<std::size_t>(corner);
+  for (const TriangleIndex t : indices<TriangleIndex>(near.size()))
+    for (const VertexIndex v : triangles[t]) {
       if (near[t] == 0 || fixed_[v] != 0) continue;
       is_fresh[v] = 1;
       moved[v] = 0;
     }
-  ColumnMesh mesh = gather_columns(is_fresh.size(), [&](std::size_t v) {
+  ColumnMesh mesh = gather_columns(is_fresh.size(), [&](VertexIndex v) {
     return ColumnOf{is_fresh[v] != 0 ? &fresh : &unexcavated_.mesh, v};
   });
   become({std::move(plan), std::move(mesh), std::move(moved), std::move(sources)});
@@ -366,7 +363,7 @@ Outcomes improve_places(const Columns& columns, std::vector<std::uint8_t> seeds,
       auto& [vertices, outcome] = *jobs[i];
       Cutout cutout = cut_out(columns, vertices);
       std::vector<std::uint8_t> own_moved;
-      for (const VertexIndex v : vertices) own_moved.push_back(moved[static_cast<std::size_t>(v)]);
+      for (const VertexIndex v : vertices) own_moved.push_back(moved[v]);
       const double elsewhere = cells - estimate_cells(cutout.columns.plan);
       Place place(std::move(cutout), std::move(own_moved), dtm, options, elsewhere, cancellation);
       place.run();
@@ -376,7 +373,7 @@ Outcomes improve_places(const Columns& columns, std::vector<std::uint8_t> seeds,
     for (const auto* job : jobs) {
       if (job->second) continue;
       is_outgrown = true;
-      for (const VertexIndex v : job->first) seeds[static_cast<std::size_t>(v)] = 1;
+      for (const VertexIndex v : job->first) seeds[v] = 1;
     }
   }
   return outcomes;
@@ -388,12 +385,12 @@ void take_outcomes(const Outcomes& outcomes, std::vector<std::uint8_t>& moved,
   ColumnPlan& plan = result.columns.plan;
   ColumnMesh& mesh = result.columns.mesh;
   std::vector<ColumnOf> columns;
-  for (std::size_t v = 0; v < moved.size(); ++v) columns.push_back({&mesh, v});
+  for (const VertexIndex v : indices<VertexIndex>(moved.size())) columns.push_back({&mesh, v});
   std::vector<std::pair<BuildingIndex, double>> roofs;
   for (const auto& [vertices, outcome] : outcomes) {
     for (std::size_t i = 0; i < vertices.size(); ++i) {
-      const auto v = static_cast<std::size_t>(vertices[i]);
-      columns[v] = {&outcome->mesh, i};
+      const VertexIndex v = vertices[i];
+      columns[v] = {&outcome->mesh, VertexIndex(i)};
       plan.ground[v] = outcome->plan.ground[i];
       plan.rise[v] = outcome->plan.rise[i];
       moved[v] = outcome->moved[i];
@@ -411,7 +408,7 @@ void take_outcomes(const Outcomes& outcomes, std::vector<std::uint8_t>& moved,
     result.excavated.roofs.push_back(roof);
     result.excavated.roof_slopes_deg.push_back(slope);
   }
-  ColumnMesh improved = gather_columns(columns.size(), [&](std::size_t v) { return columns[v]; });
+  ColumnMesh improved = gather_columns(columns.size(), [&](VertexIndex v) { return columns[v]; });
   const std::vector<VertexIndex> changed = different_columns(mesh, improved);
   measured.forget(mesh, changed);
   improved.ground = std::move(mesh.ground);
@@ -439,16 +436,15 @@ ImprovedColumns reach_quality_floor(Columns columns, const Raster& dtm,
         measured.forget(mesh, changing);
       };
       const Improvement done = improve_columns(mesh, improve, progress);
-      for (const VertexIndex v : done.columns) moved[static_cast<std::size_t>(v)] = 1;
+      for (const VertexIndex v : done.columns) moved[v] = 1;
       measured.look_again(mesh, done.columns);
     });
   const std::vector<std::uint8_t> bad = measured.bad_triangles(mesh, Asked::kOfMost);
   if (std::find(bad.begin(), bad.end(), 1) != bad.end())
     steps.run("3.5", "improve bad places", [&](const Progress& progress) {
       std::vector<std::uint8_t> seeds(moved.size(), 0);
-      for (std::size_t t = 0; t < bad.size(); ++t)
-        for (const VertexIndex v : mesh.ground.triangles[t])
-          seeds[static_cast<std::size_t>(v)] |= bad[t];
+      for (const TriangleIndex t : indices<TriangleIndex>(bad.size()))
+        for (const VertexIndex v : mesh.ground.triangles[t]) seeds[v] |= bad[t];
       take_outcomes(improve_places(result.columns, std::move(seeds), moved, dtm, options, progress),
                     moved, measured, result);
       count_lowered(mesh.ground, terrain_under(mesh.ground, dtm), options.plan.minimum_wall, plan);

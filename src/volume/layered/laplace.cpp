@@ -19,7 +19,7 @@ constexpr std::size_t kColumnsPerChunk = 256;
 constexpr int kPatience = 40;
 
 /// Clears the row of node (v, k) in the bands of v's column.
-void clear_own(LevelMatrix& matrix, std::size_t v, std::size_t k) {
+void clear_own(LevelMatrix& matrix, VertexIndex v, std::size_t k) {
   matrix.diagonal[v * matrix.stride + k] = 0;
   matrix.vertical[v * matrix.stride + k] = 0;
   if (k > 0) matrix.vertical[v * matrix.stride + k - 1] = 0;
@@ -32,13 +32,13 @@ std::int64_t impose_given(const LayeredMesh& mesh, bool fixed_top, LevelMatrix& 
   const std::size_t stride = matrix.stride;
   const auto layers = static_cast<std::size_t>(mesh.layers);
   // Given layers of a column other than 0 and a fixed top.
-  const auto for_inner = [&](std::size_t v, const auto& body) {
+  const auto for_inner = [&](VertexIndex v, const auto& body) {
     for (std::int32_t k = 1; k <= mesh.first_node[v]; ++k) body(static_cast<std::size_t>(k));
     if (mesh.roof_layer[v] > mesh.first_node[v]) body(static_cast<std::size_t>(mesh.roof_layer[v]));
   };
   const auto impose = [&](std::size_t begin, std::size_t end) {
     std::int64_t unknowns = 0;
-    for (std::size_t v = begin; v < end; ++v) {
+    for (const VertexIndex v : indices<VertexIndex>(begin, end)) {
       std::size_t given = fixed_top ? 2 : 1;
       r[v * stride] = 0;
       if (fixed_top) r[v * stride + layers] = 0;
@@ -48,10 +48,9 @@ std::int64_t impose_given(const LayeredMesh& mesh, bool fixed_top, LevelMatrix& 
         clear_own(matrix, v, k);
       });
       unknowns += static_cast<std::int64_t>(layers + 1 - given);
-      for (EdgeIndex e = mesh.edges.starts[v]; e < mesh.edges.starts[v + 1]; ++e) {
-        const auto i = static_cast<std::size_t>(e);
-        const auto b = static_cast<std::size_t>(mesh.edges.vertices[i][1]);
-        float* level = matrix.edge.data() + 2 * i * stride;
+      for (const EdgeIndex e : mesh.edges.starting_at(v)) {
+        const VertexIndex b = mesh.edges.vertices[e][1];
+        float* level = matrix.edge.data() + 2 * e * stride;
         float* rising = level + stride;
         for_inner(v, [&](std::size_t k) { level[k] = rising[k] = 0; });
         for_inner(b, [&](std::size_t k) { level[k] = rising[k - 1] = 0; });
@@ -65,7 +64,7 @@ std::int64_t impose_given(const LayeredMesh& mesh, bool fixed_top, LevelMatrix& 
 
 double mean_height(const LayeredMesh& mesh) {
   double sum = 0;
-  for (std::size_t v = 0; v < mesh.vertex_count(); ++v)
+  for (const VertexIndex v : mesh.ground.vertices.indices())
     sum += mesh.column(v)[mesh.layers] - mesh.column(v)[0];
   return sum / static_cast<double>(mesh.vertex_count());
 }
@@ -73,9 +72,9 @@ double mean_height(const LayeredMesh& mesh) {
 double plan_area(const GroundMesh& ground) {
   double sum = 0;
   for (const auto& t : ground.triangles) {
-    const Point2 a = ground.vertices[static_cast<std::size_t>(t[0])];
-    const Point2 b = ground.vertices[static_cast<std::size_t>(t[1])];
-    const Point2 c = ground.vertices[static_cast<std::size_t>(t[2])];
+    const Point2 a = ground.vertices[t[0]];
+    const Point2 b = ground.vertices[t[1]];
+    const Point2 c = ground.vertices[t[2]];
     sum += std::abs((b.x - a.x) * (c.y - a.y) - (c.x - a.x) * (b.y - a.y)) / 2;
   }
   return sum;
@@ -90,8 +89,7 @@ class ConjugateGradients {
                      EdgeWeights weights)
       : mesh_(mesh),
         matrix_(matrix),
-        graph_{mesh.vertex_count(), mesh.edges.vertices.data(), mesh.edges.starts.data(),
-               mesh.edges.end_offsets.data(), mesh.edges.ends.data()},
+        graph_(mesh.edges),
         preconditioner_(matrix_, graph_, std::move(weights), mean_height(mesh),
                         plan_area(mesh.ground)),
         r_(std::move(r)),

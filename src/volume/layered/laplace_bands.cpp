@@ -27,16 +27,16 @@ std::vector<std::vector<std::size_t>> independent_blocks(const GroundMesh& groun
     const std::size_t begin = block * kTrianglesPerBlock;
     const std::size_t end = std::min(begin + kTrianglesPerBlock, ground.triangles.size());
     std::uint64_t taken = 0;
-    for (std::size_t t = begin; t < end; ++t)
-      for (const VertexIndex v : ground.triangles[t]) taken |= used[static_cast<std::size_t>(v)];
+    const auto triangles = indices<TriangleIndex>(begin, end);
+    for (const TriangleIndex t : triangles)
+      for (const VertexIndex v : ground.triangles[t]) taken |= used[v];
     const auto group = static_cast<std::size_t>(std::countr_one(taken));
     if (group == 64) {
       alone.push_back({block});
       continue;
     }
-    for (std::size_t t = begin; t < end; ++t)
-      for (const VertexIndex v : ground.triangles[t])
-        used[static_cast<std::size_t>(v)] |= std::uint64_t{1} << group;
+    for (const TriangleIndex t : triangles)
+      for (const VertexIndex v : ground.triangles[t]) used[v] |= std::uint64_t{1} << group;
     if (groups.size() <= group) groups.resize(group + 1);
     groups[group].push_back(block);
   }
@@ -55,9 +55,9 @@ struct FlatTriangle {
 };
 
 FlatTriangle flat_triangle(const GroundMesh& ground, const std::array<VertexIndex, 3>& sorted) {
-  const Point2 p1 = ground.vertices[static_cast<std::size_t>(sorted[0])];
-  const Point2 p2 = ground.vertices[static_cast<std::size_t>(sorted[1])];
-  const Point2 p3 = ground.vertices[static_cast<std::size_t>(sorted[2])];
+  const Point2 p1 = ground.vertices[sorted[0]];
+  const Point2 p2 = ground.vertices[sorted[1]];
+  const Point2 p3 = ground.vertices[sorted[2]];
   const double x12 = p2.x - p1.x, y12 = p2.y - p1.y, x13 = p3.x - p1.x, y13 = p3.y - p1.y;
   const double twice_area = x12 * y13 - x13 * y12;
   // gradients (y13, -x13), (-y12, x12) over twice the area; area / 3 is left once.
@@ -143,17 +143,15 @@ TETROPOLIS_WIDE void add_verticals(const FlatTriangle& f, const PrismColumn& p,
 std::vector<FlatTriangle> flat_triangles(const GroundMesh& ground) {
   std::vector<FlatTriangle> flat(ground.triangles.size());
   parallel_chunks(flat.size(), 4096, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t t = begin; t < end; ++t)
+    for (const TriangleIndex t : indices<TriangleIndex>(begin, end))
       flat[t] = flat_triangle(ground, sorted_vertices(ground.triangles[t]));
   });
   return flat;
 }
 
-PrismColumn prism_column(const LayeredMesh& mesh, std::size_t t, const FlatTriangle& flat) {
-  return {mesh.column(static_cast<std::size_t>(flat.vertices[0])),
-          mesh.column(static_cast<std::size_t>(flat.vertices[1])),
-          mesh.column(static_cast<std::size_t>(flat.vertices[2])), mesh.first_layer[t],
-          mesh.layers};
+PrismColumn prism_column(const LayeredMesh& mesh, TriangleIndex t, const FlatTriangle& flat) {
+  return {mesh.column(flat.vertices[0]), mesh.column(flat.vertices[1]),
+          mesh.column(flat.vertices[2]), mesh.first_layer[t], mesh.layers};
 }
 
 /// Calls body(first, last) for runs of triangles, those of one call never sharing a vertex with
@@ -171,18 +169,17 @@ void over_independent_triangles(const GroundMesh& ground, const Body& body) {
 }
 
 /// Position of the edge in its triangle's of_triangle.
-int slot_of(const EdgeGraph& edges, TriangleIndex t, std::size_t e) {
-  const auto& of = edges.of_triangle[static_cast<std::size_t>(t)];
-  return of[0] == static_cast<EdgeIndex>(e) ? 0 : of[1] == static_cast<EdgeIndex>(e) ? 1 : 2;
+int slot_of(const EdgeGraph& edges, TriangleIndex t, EdgeIndex e) {
+  const auto& of = edges.of_triangle[t];
+  return of[0] == e ? 0 : of[1] == e ? 1 : 2;
 }
 
-void assemble_edge(const LayeredMesh& mesh, const std::vector<FlatTriangle>& flat, std::size_t e,
+void assemble_edge(const LayeredMesh& mesh, const std::vector<FlatTriangle>& flat, EdgeIndex e,
                    LevelMatrix& matrix) {
   float* level = matrix.edge.data() + e * 2 * matrix.stride;
   for (const TriangleIndex t : mesh.edges.triangles[e]) {
     if (t == kNoTriangle) continue;
-    const auto i = static_cast<std::size_t>(t);
-    add_side(flat[i], prism_column(mesh, i, flat[i]), slot_of(mesh.edges, t, e), level,
+    add_side(flat[t], prism_column(mesh, t, flat[t]), slot_of(mesh.edges, t, e), level,
              level + matrix.stride);
   }
 }
@@ -195,25 +192,23 @@ struct UniformPrism {
 };
 
 void assemble_uniform_edge(const EdgeGraph& edges, const std::vector<FlatTriangle>& flat,
-                           const UniformPrism& prism, std::size_t e, LevelMatrix& matrix) {
+                           const UniformPrism& prism, EdgeIndex e, LevelMatrix& matrix) {
   std::array<float, 3> level{}, rising{};
   for (const TriangleIndex t : edges.triangles[e])
     if (t != kNoTriangle)
-      add_side(flat[static_cast<std::size_t>(t)], prism.columns(), slot_of(edges, t, e),
-               level.data(), rising.data());
+      add_side(flat[t], prism.columns(), slot_of(edges, t, e), level.data(), rising.data());
   matrix.edge[2 * e] = level[1];
   matrix.edge[2 * e + 1] = rising[1];
 }
 
 /// The edge's cotangent weight in the plan, less the share of the height that is trimmed.
-float plan_weight(const LayeredMesh& mesh, const std::vector<FlatTriangle>& flat, std::size_t e) {
+float plan_weight(const LayeredMesh& mesh, const std::vector<FlatTriangle>& flat, EdgeIndex e) {
   double sum = 0;
   for (const TriangleIndex t : mesh.edges.triangles[e]) {
     if (t == kNoTriangle) continue;
-    const auto i = static_cast<std::size_t>(t);
     const int slot = slot_of(mesh.edges, t, e);
-    const double share = 1 - static_cast<double>(mesh.first_layer[i]) / mesh.layers;
-    sum -= share * (slot == 0 ? flat[i].g12 : slot == 1 ? flat[i].g13 : flat[i].g23);
+    const double share = 1 - static_cast<double>(mesh.first_layer[t]) / mesh.layers;
+    sum -= share * (slot == 0 ? flat[t].g12 : slot == 1 ? flat[t].g13 : flat[t].g23);
   }
   return static_cast<float>(std::max(sum, 0.0));
 }
@@ -243,14 +238,14 @@ TETROPOLIS_WIDE void add_band(const RowSums& sums, const float* band, bool unifo
 
 bool is_uniform(const LayeredMesh& mesh) {
   constexpr double kEven = 1e-9;
-  const double* first = mesh.column(0);
+  const double* first = mesh.column(VertexIndex(0));
   const double spacing = (first[mesh.layers] - first[0]) / mesh.layers;
   for (std::int32_t k = 0; k < mesh.layers; ++k)
     if (std::abs(first[k + 1] - first[k] - spacing) > kEven * spacing) return false;
   return parallel_reduce_ordered(
       mesh.vertex_count(), 4096, true,
       [&](std::size_t begin, std::size_t end) {
-        for (std::size_t v = begin; v < end; ++v)
+        for (const VertexIndex v : indices<VertexIndex>(begin, end))
           if (mesh.first_node[v] != 0 || mesh.roof_layer[v] != kNoRoof ||
               !std::equal(first, first + mesh.stride(), mesh.column(v)))
             return false;
@@ -271,9 +266,10 @@ Stiffness assemble_stiffness(const LayeredMesh& mesh, bool uniform) {
   matrix.vertical = PaddedFloats(mesh.vertex_count() * m);
   result.weights.resize(mesh.edges.size());
   const std::vector<FlatTriangle> flat = flat_triangles(mesh.ground);
-  const UniformPrism prism((mesh.column(0)[mesh.layers] - mesh.column(0)[0]) / mesh.layers);
+  const UniformPrism prism(
+      (mesh.column(VertexIndex(0))[mesh.layers] - mesh.column(VertexIndex(0))[0]) / mesh.layers);
   parallel_chunks(mesh.edges.size(), 1024, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t e = begin; e < end; ++e) {
+    for (const EdgeIndex e : indices<EdgeIndex>(begin, end)) {
       if (uniform) {
         assemble_uniform_edge(mesh.edges, flat, prism, e, matrix);
       } else {
@@ -283,10 +279,9 @@ Stiffness assemble_stiffness(const LayeredMesh& mesh, bool uniform) {
     }
   });
   over_independent_triangles(mesh.ground, [&](std::size_t first, std::size_t last) {
-    for (std::size_t t = first; t < last; ++t) {
+    for (const TriangleIndex t : indices<TriangleIndex>(first, last)) {
       std::array<float*, 3> up;
-      for (std::size_t i = 0; i < 3; ++i)
-        up[i] = matrix.vertical.data() + static_cast<std::size_t>(flat[t].vertices[i]) * m;
+      for (std::size_t i = 0; i < 3; ++i) up[i] = matrix.vertical.data() + flat[t].vertices[i] * m;
       if (!uniform) {
         add_verticals(flat[t], prism_column(mesh, t, flat[t]), up[0], up[1], up[2]);
         continue;
@@ -307,7 +302,7 @@ PaddedFloats complete_diagonal(const LayeredMesh& mesh, const std::vector<float>
   PaddedFloats r(mesh.vertex_count() * stride);
   parallel_chunks(mesh.vertex_count(), 256, [&](std::size_t begin, std::size_t end) {
     std::vector<float> couplings(n), product(n);
-    for (std::size_t v = begin; v < end; ++v) {
+    for (const VertexIndex v : indices<VertexIndex>(begin, end)) {
       std::fill(couplings.begin(), couplings.end(), 0.0F);
       std::fill(product.begin(), product.end(), 0.0F);
       const float* own = u.data() + v * n;
@@ -320,17 +315,15 @@ PaddedFloats complete_diagonal(const LayeredMesh& mesh, const std::vector<float>
       const float* vertical = matrix.vertical.data() + v * m;
       add(vertical, own, 1);
       add(vertical, own, -1);
-      for (EdgeIndex e = mesh.edges.starts[v]; e < mesh.edges.starts[v + 1]; ++e) {
-        const auto i = static_cast<std::size_t>(e);
-        const float* other = u.data() + static_cast<std::size_t>(mesh.edges.vertices[i][1]) * n;
-        add(matrix.edge.data() + 2 * i * m, other, 0);
-        add(matrix.edge.data() + (2 * i + 1) * m, other, 1);
+      for (const EdgeIndex e : mesh.edges.starting_at(v)) {
+        const float* other = u.data() + mesh.edges.vertices[e][1] * n;
+        add(matrix.edge.data() + 2 * e * m, other, 0);
+        add(matrix.edge.data() + (2 * e + 1) * m, other, 1);
       }
-      for (std::int32_t j = mesh.edges.end_offsets[v]; j < mesh.edges.end_offsets[v + 1]; ++j) {
-        const auto i = static_cast<std::size_t>(mesh.edges.ends[static_cast<std::size_t>(j)]);
-        const float* other = u.data() + static_cast<std::size_t>(mesh.edges.vertices[i][0]) * n;
-        add(matrix.edge.data() + 2 * i * m, other, 0);
-        add(matrix.edge.data() + (2 * i + 1) * m, other, -1);
+      for (const EdgeIndex e : mesh.edges.ends[v]) {
+        const float* other = u.data() + mesh.edges.vertices[e][0] * n;
+        add(matrix.edge.data() + 2 * e * m, other, 0);
+        add(matrix.edge.data() + (2 * e + 1) * m, other, -1);
       }
       float* diagonal = matrix.diagonal.data() + v * m;
       if (matrix.uniform) {

@@ -5,18 +5,19 @@
 #include <vector>
 
 #include "core/parallel.h"
+#include "core/ragged_builder.h"
 #include "core/wide.h"
 
 namespace tetropolis {
 
 namespace {
 
-constexpr EdgeIndex kNone = -1;
+constexpr auto kNone = EdgeIndex::none();
 
 /// Rows of consecutive coarse columns, edges by lower column in the order they were met.
 struct Rows {
   struct Edge {
-    std::int32_t upper;
+    VertexIndex upper;
     EdgeIndex met;  ///< Position of its bands.
   };
   std::size_t begin = 0;
@@ -36,17 +37,13 @@ class RowBuilder {
         coarse_(coarse),
         rows_(rows),
         m_(fine.uniform ? 1 : fine.stride),
-        met_(p.fine_starts.size() - 1, kNone) {}
+        met_(p.fine.size(), kNone) {}
 
   void build(std::size_t row) {
     const std::size_t first = rows_.edges.size();
-    for (std::int32_t i = p_.fine_starts[row]; i < p_.fine_starts[row + 1]; ++i) {
-      const auto& entry = p_.fine[static_cast<std::size_t>(i)];
-      add_column(*this, row, static_cast<std::size_t>(entry.column), entry.weight);
-    }
+    for (const auto& entry : p_.fine[row]) add_column(*this, row, entry.column, entry.weight);
     const auto begin = rows_.edges.begin() + static_cast<std::ptrdiff_t>(first);
-    for (auto edge = begin; edge != rows_.edges.end(); ++edge)
-      met_[static_cast<std::size_t>(edge->upper)] = kNone;
+    for (auto edge = begin; edge != rows_.edges.end(); ++edge) met_[edge->upper] = kNone;
     std::sort(begin, rows_.edges.end(),
               [](const Rows::Edge& a, const Rows::Edge& b) { return a.upper < b.upper; });
     rows_.counts.push_back(static_cast<std::int32_t>(rows_.edges.size() - first));
@@ -54,9 +51,9 @@ class RowBuilder {
 
  private:
   /// The first coupling of the row with coarse column c.
-  __attribute__((noinline)) void meet(std::size_t c) {
-    met_[c] = static_cast<EdgeIndex>(rows_.edges.size());
-    rows_.edges.push_back({static_cast<std::int32_t>(c), met_[c]});
+  __attribute__((noinline)) void meet(VertexIndex c) {
+    met_[c] = EdgeIndex(rows_.edges.size());
+    rows_.edges.push_back({c, met_[c]});
     rows_.bands.resize(rows_.edges.size() * 3 * m_, 0.0F);
   }
 
@@ -77,17 +74,17 @@ class RowBuilder {
                                     float weight) {
     const std::size_t m = b.m_;
     // Lower columns have the coupling in their row.
-    for (std::int32_t i = b.p_.coarse_starts[x + 1]; i-- > b.p_.coarse_starts[x];) {
-      const auto& entry = b.p_.coarse[static_cast<std::size_t>(i)];
-      const auto c = static_cast<std::size_t>(entry.column);
+    const auto shares = b.p_.coarse[x];
+    for (std::size_t i = shares.size(); i-- > 0;) {
+      const VertexIndex c = shares[i].column;
       if (c < row) break;
-      const float w = weight * entry.weight;
+      const float w = weight * shares[i].weight;
       if (c == row) {
         add_scaled(b.coarse_.diagonal.data() + row * m, level, w, m);
         if (rising != nullptr) add_scaled(b.coarse_.vertical.data() + row * m, rising, w, m);
       } else {
         if (b.met_[c] == kNone) b.meet(c);
-        float* bands = b.rows_.bands.data() + static_cast<std::size_t>(b.met_[c]) * 3 * m;
+        float* bands = b.rows_.bands.data() + b.met_[c] * 3 * m;
         add_scaled(bands, level, w, m);
         if (rising != nullptr) add_scaled(bands + m, rising, w, m);
         if (falling != nullptr) add_scaled(bands + 2 * m, falling, w, m);
@@ -101,16 +98,15 @@ class RowBuilder {
     const std::size_t m = b.m_;
     const LevelGraph& graph = b.graph_;
     const auto count = static_cast<std::size_t>(b.fine_.bands);
-    for (EdgeIndex e = graph.starts[v]; e < graph.starts[v + 1]; ++e) {
-      const float* bands = b.fine_.edge.data() + static_cast<std::size_t>(e) * count * m;
-      add(b, row, static_cast<std::size_t>(graph.edges[e][1]), bands, bands + m,
-          count == 3 ? bands + 2 * m : nullptr, weight);
+    for (const EdgeIndex e : graph.starting_at(v)) {
+      const float* bands = b.fine_.edge.data() + e * count * m;
+      add(b, row, graph.edges[e][1], bands, bands + m, count == 3 ? bands + 2 * m : nullptr,
+          weight);
     }
-    for (std::int32_t i = graph.end_offsets[v]; i < graph.end_offsets[v + 1]; ++i) {
-      const EdgeIndex e = graph.ends[i];
-      const float* bands = b.fine_.edge.data() + static_cast<std::size_t>(e) * count * m;
-      add(b, row, static_cast<std::size_t>(graph.edges[e][0]), bands,
-          count == 3 ? bands + 2 * m : nullptr, bands + m, weight);
+    for (const EdgeIndex e : graph.ending_at(v)) {
+      const float* bands = b.fine_.edge.data() + e * count * m;
+      add(b, row, graph.edges[e][0], bands, count == 3 ? bands + 2 * m : nullptr, bands + m,
+          weight);
     }
     const float* vertical = b.fine_.vertical.data() + v * m;
     add(b, row, v, b.fine_.diagonal.data() + v * m, vertical, vertical, weight);
@@ -125,47 +121,38 @@ class RowBuilder {
   std::vector<EdgeIndex> met_;  ///< Position in rows_.edges of this row's, by upper column.
 };
 
-void file_ends(CoarseGraph& graph) {
-  const std::size_t columns = graph.starts.size() - 1;
-  graph.end_offsets.assign(columns + 1, 0);
-  for (const auto& edge : graph.edges) ++graph.end_offsets[static_cast<std::size_t>(edge[1]) + 1];
-  for (std::size_t c = 0; c < columns; ++c) graph.end_offsets[c + 1] += graph.end_offsets[c];
-  graph.ends.resize(graph.edges.size());
-  std::vector<std::int32_t> next(graph.end_offsets.begin(), graph.end_offsets.end() - 1);
-  for (std::size_t e = 0; e < graph.edges.size(); ++e)
-    graph.ends[static_cast<std::size_t>(next[static_cast<std::size_t>(graph.edges[e][1])]++)] =
-        static_cast<EdgeIndex>(e);
-}
-
 /// Puts the rows one after the other.
 void join(const std::vector<Rows>& parts, std::size_t m, CoarseLevel& level) {
   CoarseGraph& graph = level.graph;
-  graph.starts.assign(1, 0);
+  graph.starts.push_back({});
   for (const Rows& rows : parts)
     for (const std::int32_t count : rows.counts)
       graph.starts.push_back(graph.starts.back() + count);
-  const auto edges = static_cast<std::size_t>(graph.starts.back());
+  const std::size_t edges = graph.starts.back();
   graph.edges.resize(edges);
   level.weights.resize(edges);
   level.matrix.edge = PaddedFloats(edges * 3 * m);
   parallel_chunks(parts.size(), 1, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i) {
       const Rows& rows = parts[i];
-      auto e = static_cast<std::size_t>(graph.starts[rows.begin]);
+      EdgeIndex e = graph.starts[rows.begin];
       std::size_t row = 0, left = 0;
       for (const Rows::Edge& edge : rows.edges) {
         for (; left == 0; ++row) left = static_cast<std::size_t>(rows.counts[row]);
         --left;
-        const float* from = rows.bands.data() + static_cast<std::size_t>(edge.met) * 3 * m;
+        const float* from = rows.bands.data() + edge.met * 3 * m;
         std::memcpy(level.matrix.edge.data() + e * 3 * m, from, 3 * m * sizeof(float));
         float sum = 0;
         for (std::size_t k = 0; k < 3 * m; ++k) sum -= from[k];
         level.weights[e] = std::max(sum, 0.0F);
-        graph.edges[e++] = {static_cast<VertexIndex>(rows.begin + row - 1), edge.upper};
+        graph.edges[e++] = {VertexIndex(rows.begin + row - 1), edge.upper};
       }
     }
   });
-  file_ends(graph);
+  graph.ends =
+      ragged_from_pairs<EdgeIndex, std::int32_t>(graph.starts.size() - 1, [&](const auto& use) {
+        for (const EdgeIndex e : indices<EdgeIndex>(edges)) use(graph.edges[e][1], e);
+      });
 }
 
 }  // namespace
@@ -191,7 +178,7 @@ void invert_pivots(LevelMatrix& matrix, std::size_t columns) {
 }
 
 CoarseLevel coarse_level(const LevelMatrix& fine, const LevelGraph& graph, const Interpolation& p) {
-  const std::size_t columns = p.fine_starts.size() - 1;
+  const std::size_t columns = p.fine.size();
   const std::size_t m = fine.uniform ? 1 : fine.stride;
   CoarseLevel level;
   level.matrix.rows = fine.rows;

@@ -49,19 +49,18 @@ TETROPOLIS_INLINE void product_rows(const LevelMatrix& a, const LevelGraph& grap
     add(sum[i], vertical, i, 0, xv + 1);
     add(sum[i], vertical, i, -1, xv - 1);
   }
-  for (EdgeIndex e = graph.starts[v]; e < graph.starts[v + 1]; ++e) {
-    const float* level = a.edge.data() + static_cast<std::size_t>(e) * kBands * band + k_band;
-    const float* xb = x + static_cast<std::size_t>(graph.edges[e][1]) * stride + k0;
+  for (const EdgeIndex e : graph.starting_at(v)) {
+    const float* level = a.edge.data() + e * kBands * band + k_band;
+    const float* xb = x + graph.edges[e][1] * stride + k0;
     for (int i = 0; i < kCount; ++i) {
       add(sum[i], level, i, 0, xb);
       add(sum[i], level + band, i, 0, xb + 1);
       if constexpr (kBands == 3) add(sum[i], level + 2 * band, i, -1, xb - 1);
     }
   }
-  for (std::int32_t j = graph.end_offsets[v]; j < graph.end_offsets[v + 1]; ++j) {
-    const EdgeIndex e = graph.ends[j];
-    const float* level = a.edge.data() + static_cast<std::size_t>(e) * kBands * band + k_band;
-    const float* xa = x + static_cast<std::size_t>(graph.edges[e][0]) * stride + k0;
+  for (const EdgeIndex e : graph.ending_at(v)) {
+    const float* level = a.edge.data() + e * kBands * band + k_band;
+    const float* xa = x + graph.edges[e][0] * stride + k0;
     for (int i = 0; i < kCount; ++i) {
       add(sum[i], level, i, 0, xa);
       add(sum[i], level + band, i, -1, xa - 1);
@@ -207,9 +206,8 @@ TETROPOLIS_WIDE void restrict_columns(const Interpolation& p, std::size_t stride
   for (std::size_t c = range.begin; c < range.end; ++c) {
     float* __restrict to = coarse + c * stride;
     for (std::size_t k = 0; k < stride; ++k) to[k] = 0;
-    for (std::int32_t i = p.fine_starts[c]; i < p.fine_starts[c + 1]; ++i) {
-      const auto& entry = p.fine[static_cast<std::size_t>(i)];
-      const float* from = fine + static_cast<std::size_t>(entry.column) * stride;
+    for (const auto& entry : p.fine[c]) {
+      const float* from = fine + entry.column * stride;
       for (std::size_t k = 0; k < stride; ++k) to[k] += entry.weight * from[k];
     }
   }
@@ -219,9 +217,8 @@ TETROPOLIS_WIDE void add_interpolated(const Interpolation& p, std::size_t stride
                                       const float* coarse, float* fine, ColumnRange range) {
   for (std::size_t v = range.begin; v < range.end; ++v) {
     float* __restrict to = fine + v * stride;
-    for (std::int32_t i = p.coarse_starts[v]; i < p.coarse_starts[v + 1]; ++i) {
-      const auto& entry = p.coarse[static_cast<std::size_t>(i)];
-      const float* from = coarse + static_cast<std::size_t>(entry.column) * stride;
+    for (const auto& entry : p.coarse[v]) {
+      const float* from = coarse + entry.column * stride;
       for (std::size_t k = 0; k < stride; ++k) to[k] += entry.weight * from[k];
     }
   }

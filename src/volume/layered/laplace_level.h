@@ -11,6 +11,7 @@
 #include <cstdlib>
 #include <memory>
 #include <new>
+#include <span>
 #include <vector>
 
 #include "tetropolis/volume/column/edge_graph.h"
@@ -64,25 +65,38 @@ struct LevelMatrix {
   PaddedFloats edge, vertical, diagonal, inverse_pivots;
 };
 
-/// The graph of a level by plain pointers, numbered as EdgeGraph.
+/// The graph of a level, numbered as EdgeGraph, which belongs to somebody else.
 struct LevelGraph {
   std::size_t columns = 0;
-  const std::array<VertexIndex, 2>* edges = nullptr;
-  const EdgeIndex* starts = nullptr;
-  const std::int32_t* end_offsets = nullptr;
-  const EdgeIndex* ends = nullptr;
+  std::span<const std::array<VertexIndex, 2>> edges;
+  std::span<const EdgeIndex> starts;
+  std::span<const std::int32_t> end_offsets;
+  std::span<const EdgeIndex> ends;
+
+  LevelGraph(std::span<const std::array<VertexIndex, 2>> vertices_of_edges,
+             std::span<const EdgeIndex> starts_of_rows,
+             const RaggedArray<EdgeIndex, std::int32_t>& edges_that_end)
+      : columns(edges_that_end.size()),
+        edges(vertices_of_edges),
+        starts(starts_of_rows),
+        end_offsets(edges_that_end.offsets),
+        ends(edges_that_end.values) {}
+  explicit LevelGraph(const EdgeGraph& graph)
+      : LevelGraph(graph.vertices, graph.starts, graph.ends) {}
+
+  IndexRange<EdgeIndex> starting_at(std::size_t v) const { return {starts[v], starts[v + 1]}; }
+  std::span<const EdgeIndex> ending_at(std::size_t v) const {
+    return {ends.data() + end_offsets[v], ends.data() + end_offsets[v + 1]};
+  }
 };
 
 /// A coarse level's own graph.
 struct CoarseGraph {
   std::vector<std::array<VertexIndex, 2>> edges;
   std::vector<EdgeIndex> starts;
-  std::vector<std::int32_t> end_offsets;
-  std::vector<EdgeIndex> ends;
+  RaggedArray<EdgeIndex, std::int32_t> ends;
 
-  LevelGraph view() const {
-    return {starts.size() - 1, edges.data(), starts.data(), end_offsets.data(), ends.data()};
-  }
+  LevelGraph view() const { return {edges, starts, ends}; }
 };
 
 /// How strongly the edges of a graph couple its columns in the plan; at least 0.
@@ -91,13 +105,11 @@ using EdgeWeights = std::vector<float>;
 /// Weights (coarse column, weight) of the columns of a finer level, and the same transposed.
 struct Interpolation {
   struct Entry {
-    std::int32_t column;
+    VertexIndex column;
     float weight;
   };
-  std::vector<std::int32_t> coarse_starts;  ///< Fine columns + 1 offsets into `coarse`.
-  std::vector<Entry> coarse;                ///< By fine column: coarse columns, ascending.
-  std::vector<std::int32_t> fine_starts;    ///< Coarse columns + 1 offsets into `fine`.
-  std::vector<Entry> fine;                  ///< By coarse column: fine columns, ascending.
+  RaggedArray<Entry, std::int32_t> coarse;  ///< Per fine column: coarse columns, ascending.
+  RaggedArray<Entry, std::int32_t> fine;    ///< Per coarse column: fine columns, ascending.
 };
 
 struct ColumnRange {

@@ -34,7 +34,7 @@ Multigrid::Multigrid(const LevelMatrix& matrix, const LevelGraph& graph, EdgeWei
   while (finer_graph.columns > kFewestColumns && levels_.size() < kMostLevels &&
          area / static_cast<double>(finer_graph.columns) < height * height) {
     Interpolation p = coarsen(finer_graph, weights);
-    const std::size_t columns = p.fine_starts.size() - 1;
+    const std::size_t columns = p.fine.size();
     if (columns * 4 > finer_graph.columns * 3) break;  // too little coarser to be worth it
     CoarseLevel coarse = coarse_level(*finer, finer_graph, p);
     const std::size_t size = columns * matrix.stride;

@@ -29,7 +29,7 @@ LayeredMesh make_layers(GroundMesh ground, std::int32_t layers, double bottom, d
   mesh.roof_layer.assign(mesh.vertex_count(), kNoRoof);
   mesh.z.resize(mesh.vertex_count() * mesh.stride());
   parallel_chunks(mesh.vertex_count(), 1024, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t v = begin; v < end; ++v)
+    for (const VertexIndex v : indices<VertexIndex>(begin, end))
       for (std::int32_t k = 0; k <= layers; ++k)
         mesh.column(v)[k] = k == layers ? top : bottom + (top - bottom) * k / layers;
   });
@@ -39,20 +39,20 @@ LayeredMesh make_layers(GroundMesh ground, std::int32_t layers, double bottom, d
 ColumnMesh columns_of_layers(LayeredMesh&& layered) {
   ColumnMesh mesh;
   const std::size_t vertices = layered.vertex_count();
-  mesh.first.assign(vertices + 1, 0);
+  mesh.first.resize(vertices + 1);
   mesh.regions = regions_at_vertices(layered.ground);
-  for (std::size_t v = 0; v < vertices; ++v) {
+  for (const VertexIndex v : indices<VertexIndex>(vertices)) {
     mesh.first[v + 1] = mesh.first[v] + layered.layers + 1 - layered.first_node[v];
-    for (const RegionIndex region : mesh.regions.at(v))
-      mesh.floors.push_back(layered.ground.regions[static_cast<std::size_t>(region)].is_building()
+    for (const RegionIndex region : mesh.regions[v])
+      mesh.floors.push_back(layered.ground.regions[region].is_building()
                                 ? layered.roof_layer[v] - layered.first_node[v]
                                 : 0);
   }
   mesh.z.resize(static_cast<std::size_t>(mesh.node_count()));
   parallel_chunks(vertices, kColumnsPerChunk, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t v = begin; v < end; ++v)
+    for (const VertexIndex v : indices<VertexIndex>(begin, end))
       std::copy(layered.column(v) + layered.first_node[v], layered.column(v) + layered.layers + 1,
-                mesh.z.begin() + mesh.first[v]);
+                mesh.z.data() + mesh.first[v]);
   });
   mesh.ground = std::move(layered.ground);
   mesh.edges = std::move(layered.edges);

@@ -36,8 +36,8 @@ struct LayeredMesh {
   std::size_t vertex_count() const { return ground.vertices.size(); }
   std::size_t triangle_count() const { return ground.triangles.size(); }
   std::size_t stride() const { return static_cast<std::size_t>(layers) + 1; }
-  double* column(std::size_t v) { return z.data() + v * stride(); }
-  const double* column(std::size_t v) const { return z.data() + v * stride(); }
+  double* column(VertexIndex v) { return z.data() + v * stride(); }
+  const double* column(VertexIndex v) const { return z.data() + v * stride(); }
 };
 
 /// Untrimmed columns (all first layers 0, no roofs) whose layers divide the height from `bottom` to

@@ -30,7 +30,7 @@ std::int64_t spread_piece(double* z, std::int32_t first, std::int32_t last, bool
   return moved;
 }
 
-MonotoneReport guard_column(LayeredMesh& mesh, std::size_t v, const MonotoneOptions& options) {
+MonotoneReport guard_column(LayeredMesh& mesh, VertexIndex v, const MonotoneOptions& options) {
   double* z = mesh.column(v);
   MonotoneReport report;
   std::int32_t first = mesh.first_node[v];
@@ -70,7 +70,7 @@ MonotoneReport make_monotone(LayeredMesh& mesh, const MonotoneOptions& options) 
       mesh.vertex_count(), 512, none,
       [&](std::size_t begin, std::size_t end) {
         MonotoneReport chunk = none;
-        for (std::size_t v = begin; v < end; ++v)
+        for (const VertexIndex v : indices<VertexIndex>(begin, end))
           chunk = combined(chunk, guard_column(mesh, v, options));
         return chunk;
       },

@@ -22,7 +22,7 @@ MonotoneReport guard(LayeredMesh& mesh, const SmoothOptions& options, double lay
 /// Adds the displacement to every node that has cells.
 void displace(LayeredMesh& mesh, const std::vector<float>& u) {
   parallel_chunks(mesh.vertex_count(), kColumnsPerChunk, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t v = begin; v < end; ++v)
+    for (const VertexIndex v : indices<VertexIndex>(begin, end))
       for (std::int32_t k = mesh.first_node[v]; k <= mesh.layers; ++k)
         mesh.column(v)[k] +=
             static_cast<double>(u[v * mesh.stride() + static_cast<std::size_t>(k)]);
@@ -45,7 +45,7 @@ std::int32_t nearest_in_ratio(double p) {
 /// Over all columns, each from its lowest node up.
 double mean_layer_height(const LayeredMesh& mesh) {
   double height = 0, layers = 0;
-  for (std::size_t v = 0; v < mesh.vertex_count(); ++v) {
+  for (const VertexIndex v : mesh.ground.vertices.indices()) {
     height += mesh.column(v)[mesh.layers] - mesh.column(v)[mesh.first_node[v]];
     layers += mesh.layers - mesh.first_node[v];
   }
@@ -61,7 +61,7 @@ SmoothReport smooth_to_ground(LayeredMesh& mesh, std::span<const double> ground,
   // First guess: the ground's displacement, fading linearly towards the top.
   std::vector<float> u(mesh.z.size());
   parallel_chunks(mesh.vertex_count(), kColumnsPerChunk, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t v = begin; v < end; ++v) {
+    for (const VertexIndex v : indices<VertexIndex>(begin, end)) {
       const double shift = ground[v] - mesh.column(v)[0];
       for (std::size_t k = 0; k < n; ++k)
         u[v * n + k] = static_cast<float>(
@@ -71,7 +71,7 @@ SmoothReport smooth_to_ground(LayeredMesh& mesh, std::span<const double> ground,
   SmoothReport report;
   report.solver = solve_laplace(mesh, u, options.laplace, progress);
   displace(mesh, u);
-  for (std::size_t v = 0; v < mesh.vertex_count(); ++v) mesh.column(v)[0] = ground[v];
+  for (const VertexIndex v : mesh.ground.vertices.indices()) mesh.column(v)[0] = ground[v];
   report.guard = guard(mesh, options, layer_height);
   return report;
 }
@@ -80,9 +80,9 @@ void trim(LayeredMesh& mesh, std::span<const RegionIndex> lowest_roof,
           std::span<const double> roofs) {
   std::vector<double> least(roofs.size(), kInfinity);
   std::vector<double> most(roofs.size(), 0.0);
-  for (std::size_t v = 0; v < mesh.vertex_count(); ++v) {
-    if (lowest_roof[v] == kNoRegion) continue;
-    const auto b = static_cast<std::size_t>(lowest_roof[v]);
+  for (const VertexIndex v : mesh.ground.vertices.indices()) {
+    const RegionIndex b = lowest_roof[v];
+    if (b == kNoRegion) continue;
     const double p = position_in_layers(mesh.column(v), mesh.layers, roofs[b]);
     least[b] = std::min(least[b], p);
     most[b] = std::max(most[b], p);
@@ -94,22 +94,20 @@ void trim(LayeredMesh& mesh, std::span<const RegionIndex> lowest_roof,
           std::clamp(nearest_in_ratio(std::sqrt(least[b] * most[b])), 1, mesh.layers - 1);
 
   std::fill(mesh.first_node.begin(), mesh.first_node.end(), mesh.layers);
-  for (std::size_t t = 0; t < mesh.triangle_count(); ++t) {
+  for (const TriangleIndex t : mesh.ground.triangles.indices()) {
     const RegionIndex region = mesh.ground.region[t];
     const bool is_roof = mesh.ground.inside_building(t);
-    mesh.first_layer[t] = is_roof ? roof_layer[static_cast<std::size_t>(region)] : 0;
+    mesh.first_layer[t] = is_roof ? roof_layer[region] : 0;
     for (const VertexIndex v : mesh.ground.triangles[t]) {
-      if (is_roof && lowest_roof[static_cast<std::size_t>(v)] != region)
+      if (is_roof && lowest_roof[v] != region)
         throw Error(ErrorKind::kGuarantee,
                     "uniform layers: two roofs end at ground vertex " + std::to_string(v));
-      auto& first = mesh.first_node[static_cast<std::size_t>(v)];
+      auto& first = mesh.first_node[v];
       first = std::min(first, mesh.first_layer[t]);
     }
   }
-  for (std::size_t v = 0; v < mesh.vertex_count(); ++v)
-    mesh.roof_layer[v] = lowest_roof[v] == kNoRegion
-                             ? kNoRoof
-                             : roof_layer[static_cast<std::size_t>(lowest_roof[v])];
+  for (const VertexIndex v : mesh.ground.vertices.indices())
+    mesh.roof_layer[v] = lowest_roof[v] == kNoRegion ? kNoRoof : roof_layer[lowest_roof[v]];
 }
 
 SmoothReport smooth_to_roofs(LayeredMesh& mesh, std::span<const RegionIndex> lowest_roof,
@@ -119,10 +117,10 @@ SmoothReport smooth_to_roofs(LayeredMesh& mesh, std::span<const RegionIndex> low
   const std::size_t n = mesh.stride();
   // First guess: the roof's displacement, fading linearly towards the top and down the wall.
   std::vector<float> u(mesh.z.size(), 0.0F);
-  const auto guess_column = [&](std::size_t v) {
+  const auto guess_column = [&](VertexIndex v) {
     if (lowest_roof[v] == kNoRegion) return;
     const std::int32_t roof = mesh.roof_layer[v];
-    const double shift = roofs[static_cast<std::size_t>(lowest_roof[v])] - mesh.column(v)[roof];
+    const double shift = roofs[lowest_roof[v]] - mesh.column(v)[roof];
     for (std::int32_t k = mesh.first_node[v] == roof ? roof : 0; k <= mesh.layers; ++k) {
       const double share = k <= roof ? static_cast<double>(k) / roof
                            : options.laplace.fixed_top
@@ -132,14 +130,13 @@ SmoothReport smooth_to_roofs(LayeredMesh& mesh, std::span<const RegionIndex> low
     }
   };
   parallel_chunks(mesh.vertex_count(), kColumnsPerChunk, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t v = begin; v < end; ++v) guess_column(v);
+    for (const VertexIndex v : indices<VertexIndex>(begin, end)) guess_column(v);
   });
   SmoothReport report;
   report.solver = solve_laplace(mesh, u, options.laplace, progress);
   displace(mesh, u);
-  for (std::size_t v = 0; v < mesh.vertex_count(); ++v)
-    if (lowest_roof[v] != kNoRegion)
-      mesh.column(v)[mesh.roof_layer[v]] = roofs[static_cast<std::size_t>(lowest_roof[v])];
+  for (const VertexIndex v : mesh.ground.vertices.indices())
+    if (lowest_roof[v] != kNoRegion) mesh.column(v)[mesh.roof_layer[v]] = roofs[lowest_roof[v]];
   report.guard = guard(mesh, options, layer_height);
   return report;
 }

@@ -40,7 +40,7 @@ double altitude(const Point3& a, const Point3& b, const Point3& c) {
 }
 
 /// What makes a bad cell over triangle t, from its nodes: p[3] is above one of the others.
-std::string_view cause_of(const ColumnMesh& mesh, std::size_t t,
+std::string_view cause_of(const ColumnMesh& mesh, TriangleIndex t,
                           const std::array<NodeIndex, 4>& nodes, const std::array<Point3, 4>& p) {
   const auto& v = mesh.ground.triangles[t];
   const double least = altitude(p[0], p[1], p[2]);
@@ -48,13 +48,13 @@ std::string_view cause_of(const ColumnMesh& mesh, std::size_t t,
   bool at_floor = true, at_building = false;
   for (std::size_t i = 0; i < 3; ++i) {
     const NodeIndex floor = mesh.floor_over(t, v[i]);
-    low = std::min(low, mesh.z[static_cast<std::size_t>(floor)]);
-    high = std::max(high, mesh.z[static_cast<std::size_t>(floor)]);
+    low = std::min(low, mesh.z[floor]);
+    high = std::max(high, mesh.z[floor]);
     at_floor = at_floor && nodes[i] <= floor + 1;
-    for (const RegionIndex region : mesh.regions.at(static_cast<std::size_t>(v[i]))) {
-      if (!mesh.ground.regions[static_cast<std::size_t>(region)].is_building()) continue;
+    for (const RegionIndex region : mesh.regions[v[i]]) {
+      if (!mesh.ground.regions[region].is_building()) continue;
       at_building = true;
-      roof = std::min(roof, mesh.z[static_cast<std::size_t>(mesh.floor(region, v[i]))]);
+      roof = std::min(roof, mesh.z[mesh.floor(region, v[i])]);
     }
   }
   const auto below =
@@ -89,13 +89,13 @@ CellExtremes cells_over(const ColumnMesh& mesh, std::span<const TriangleIndex> t
     CellExtremes& part = partial[begin / grain];
     // Cells whose cosines stay within these are not among the worst.
     double greatest_cosine = -2, least_cosine = 2;
-    const auto add = [&](std::size_t t, const std::array<NodeIndex, 4>& nodes,
+    const auto add = [&](TriangleIndex t, const std::array<NodeIndex, 4>& nodes,
                          const std::array<Point3, 4>& p, const TetCosines& shape) {
       widen(part, shape.greatest, shape.least, shape.aspect_ratio);
       if (worst == 0 || (shape.greatest < greatest_cosine && shape.least > least_cosine)) return;
       const double least = angle_deg(shape.greatest), greatest = angle_deg(shape.least);
       part.worst.push_back({share_of_floor(least, greatest), least, greatest, centre_of(p),
-                            static_cast<TriangleIndex>(t), cause_of(mesh, t, nodes, p)});
+                            t, cause_of(mesh, t, nodes, p)});
       if (part.worst.size() < 2 * worst) return;
       keep_worst(part.worst, worst);
       const AngleBounds limits = angles_at(part.worst.back().share_of_floor);
@@ -103,7 +103,7 @@ CellExtremes cells_over(const ColumnMesh& mesh, std::span<const TriangleIndex> t
       least_cosine = std::cos(to_radians(limits.greatest)) + 1e-12;
     };
     for (std::size_t i = begin; i < end; ++i) {
-      const auto t = static_cast<std::size_t>(triangles[i]);
+      const TriangleIndex t = triangles[i];
       for_each_shape_over(mesh, t, [&](const auto& nodes, const auto& p, const auto& shape) {
         add(t, nodes, p, shape);
       });

@@ -33,9 +33,9 @@ class Collector {
 };
 
 /// Faces over edge a-b of triangle t on the boundary: those below the nodes `end` of its columns.
-void add_faces_on_boundary(const ColumnMesh& mesh, std::size_t t, VertexIndex a, VertexIndex b,
+void add_faces_on_boundary(const ColumnMesh& mesh, TriangleIndex t, VertexIndex a, VertexIndex b,
                            const std::array<NodeIndex, 2>& end, Collector& faces) {
-  std::array<VertexIndex, 3> v{a, b, 0};
+  std::array<VertexIndex, 3> v{a, b, {}};
   for (const VertexIndex corner : mesh.ground.triangles[t])
     if (corner != a && corner != b) v[2] = corner;
   Climb<3> front(mesh, v, {mesh.floor_over(t, a), mesh.floor_over(t, b), mesh.floor_over(t, v[2])});
@@ -87,7 +87,7 @@ double boundary_skewness(const std::array<Point3, 3>& face, const Point3& cell_c
   return distance / extent;
 }
 
-FaceQuality faces_over(const ColumnMesh& mesh, std::size_t t) {
+FaceQuality faces_over(const ColumnMesh& mesh, TriangleIndex t) {
   Collector faces;
   const auto& v = mesh.ground.triangles[t];
   Climb<3> front = climb_triangle(mesh, t);
@@ -109,18 +109,16 @@ FaceQuality faces_over(const ColumnMesh& mesh, std::size_t t) {
   return faces.quality();
 }
 
-FaceQuality faces_beside(const ColumnMesh& mesh, std::size_t e) {
+FaceQuality faces_beside(const ColumnMesh& mesh, EdgeIndex e) {
   Collector faces;
-  const auto [t0, t1] = mesh.edges.triangles[e];
+  const std::array<TriangleIndex, 2>& sides = mesh.edges.triangles[e];
   const auto [a, b] = mesh.edges.vertices[e];
-  if (t1 == kNoTriangle) {
-    add_faces_on_boundary(mesh, static_cast<std::size_t>(t0), a, b, {mesh.top(a), mesh.top(b)},
+  if (sides[1] == kNoTriangle) {
+    add_faces_on_boundary(mesh, sides[0], a, b, {mesh.top(a), mesh.top(b)},
                           faces);
     return faces.quality();
   }
-  const std::array<std::size_t, 2> sides{static_cast<std::size_t>(t0),
-                                         static_cast<std::size_t>(t1)};
-  std::array<VertexIndex, 4> v{a, b, 0, 0};
+  std::array<VertexIndex, 4> v{a, b, {}, {}};
   std::array<NodeIndex, 4> from{};
   for (std::size_t s = 0; s < 2; ++s)
     for (const VertexIndex corner : mesh.ground.triangles[sides[s]])
@@ -132,7 +130,7 @@ FaceQuality faces_beside(const ColumnMesh& mesh, std::size_t e) {
   // where the columns of the edge begin.
   for (std::size_t i = 0; i < 2; ++i)
     from[i] = std::max(mesh.floor_over(sides[0], v[i]), mesh.floor_over(sides[1], v[i]));
-  for (const std::size_t t : sides) add_faces_on_boundary(mesh, t, a, b, {from[0], from[1]}, faces);
+  for (const TriangleIndex t : sides) add_faces_on_boundary(mesh, t, a, b, {from[0], from[1]}, faces);
   Climb<4> front(mesh, v, from);
   std::array<Point3, 4> p;
   for (std::size_t i = 0; i < 4; ++i) p[i] = position(mesh, v[i], front.at(i));

@@ -9,10 +9,10 @@
 namespace tetropolis {
 
 /// Those between the cells over triangle t, and on the boundary at their two ends.
-FaceQuality faces_over(const ColumnMesh& mesh, std::size_t t);
+FaceQuality faces_over(const ColumnMesh& mesh, TriangleIndex t);
 
 /// Those over edge e, between the cells on its two sides and, where there are none on one side, on
 /// the boundary.
-FaceQuality faces_beside(const ColumnMesh& mesh, std::size_t e);
+FaceQuality faces_beside(const ColumnMesh& mesh, EdgeIndex e);
 
 }  // namespace tetropolis

@@ -133,16 +133,13 @@ class Improver {
 
  private:
   const std::array<VertexIndex, 3>& corners(TriangleIndex t) const {
-    return mesh_->ground.triangles[static_cast<std::size_t>(t)];
+    return mesh_->ground.triangles[t];
   }
   ColumnView column(VertexIndex v) const;
   std::vector<TriangleIndex> around(VertexIndex v) const;
   /// Position of triangle t's floor in `own`, a column over its corner v.
   std::int32_t floor(TriangleIndex t, VertexIndex v, ColumnView own) const {
-    const auto i = static_cast<std::size_t>(v);
-    const RegionIndex region = mesh_->ground.region[static_cast<std::size_t>(t)];
-    return own
-        .floors[mesh_->regions.find(region, i) - static_cast<std::size_t>(mesh_->regions.first[i])];
+    return own.floors[mesh_->place(mesh_->ground.region[t], v)];
   }
 
   /// Goes through the cells over t that have one of v's nodes first .. last, as if v's column were
@@ -177,11 +174,9 @@ class Improver {
 };
 
 ColumnView Improver::column(VertexIndex v) const {
-  const auto i = static_cast<std::size_t>(v);
-  if (slot_[i] >= 0) return changed_[static_cast<std::size_t>(slot_[i])];
-  const auto first = static_cast<std::size_t>(mesh_->first[i]);
-  const auto size = static_cast<std::size_t>(mesh_->first[i + 1]) - first;
-  return {std::span(mesh_->z).subspan(first, size), mesh_->floors_at(i)};
+  if (slot_[v] >= 0) return changed_[static_cast<std::size_t>(slot_[v])];
+  const double* const z = mesh_->z.data();
+  return {{z + mesh_->first[v], z + mesh_->first[v + 1]}, mesh_->floors_at(v)};
 }
 
 std::vector<TriangleIndex> Improver::around(VertexIndex v) const {
@@ -199,13 +194,13 @@ bool Improver::visit_cells(TriangleIndex t, VertexIndex v, ColumnView own, std::
     if (vertices[i] == v) mine = i;
     const ColumnView here = vertices[i] == v ? own : column(vertices[i]);
     z[i] = here.z.data();
-    at[i] = floor(t, vertices[i], here);
-    top[i] = static_cast<NodeIndex>(here.z.size()) - 1;
+    at[i] = NodeIndex(floor(t, vertices[i], here));
+    top[i] = NodeIndex(here.z.size()) - 1;
   }
   if (first > at[mine]) {
     // The front when v's column is about to reach node `first`.
-    at[mine] = first - 1;
-    const double key = climbing_key(z[mine], first - 1);
+    at[mine] = NodeIndex(first - 1);
+    const double key = climbing_key(z[mine], at[mine]);
     for (std::size_t i = 0; i < 3; ++i) {
       if (i == mine) continue;
       NodeIndex above = top[i];
@@ -221,14 +216,14 @@ bool Improver::visit_cells(TriangleIndex t, VertexIndex v, ColumnView own, std::
   Climb<3> front(z, vertices, at, top);
   std::array<Point3, 3> p;
   for (std::size_t i = 0; i < 3; ++i) {
-    const Point2 place = mesh_->ground.vertices[static_cast<std::size_t>(vertices[i])];
-    p[i] = {place.x, place.y, z[i][at[i]]};
+    const Point2 place = mesh_->ground.vertices[vertices[i]];
+    p[i] = {place.x, place.y, *(z[i] + at[i])};
   }
   Point3 below{};
   bool is_first = true;
   for (std::size_t next; (next = front.next()) < 3; front.advance(next)) {
-    const Point3 apex{p[next][0], p[next][1], z[next][front.at(next) + 1]};
-    const auto node = static_cast<std::int32_t>(front.at(mine));
+    const Point3 apex{p[next][0], p[next][1], *(z[next] + (front.at(next) + 1))};
+    const auto node = static_cast<std::int32_t>(front.at(mine).value());
     double cost = cost_.of(p[0], p[1], p[2], apex);
     if (cost_.has_faces()) {
       const Point3 centre = centre_of({p[0], p[1], p[2], apex});
@@ -263,9 +258,9 @@ double Improver::cost(std::span<const TriangleIndex> triangles, VertexIndex v, C
 bool Improver::is_hopeless(TriangleIndex t) const {
   const std::array<VertexIndex, 3>& v = corners(t);
   for (std::size_t i = 0; i < 3; ++i) {
-    const Point2 p = mesh_->ground.vertices[static_cast<std::size_t>(v[i])];
-    const Point2 q = mesh_->ground.vertices[static_cast<std::size_t>(v[(i + 1) % 3])];
-    const Point2 r = mesh_->ground.vertices[static_cast<std::size_t>(v[(i + 2) % 3])];
+    const Point2 p = mesh_->ground.vertices[v[i]];
+    const Point2 q = mesh_->ground.vertices[v[(i + 1) % 3]];
+    const Point2 r = mesh_->ground.vertices[v[(i + 2) % 3]];
     const double along = (q.x - p.x) * (r.x - p.x) + (q.y - p.y) * (r.y - p.y);
     const double across = (q.x - p.x) * (r.y - p.y) - (q.y - p.y) * (r.x - p.x);
     if (across < least_tangent_ * along) return true;
@@ -297,16 +292,16 @@ std::vector<VertexIndex> Improver::worst_of(std::size_t count,
   for (std::size_t i = 0; i < count; ++i)
     if (cost[i] > 0) bad.push_back(i);
   if (bad.size() > kMostStacks) {
-    DisjointSets places(mesh_->vertex_count());
+    DisjointSets<VertexIndex> places(mesh_->vertex_count());
     for (const std::size_t i : bad)
       for (const VertexIndex v : corners(triangle_at(i)))
         places.join(corners(triangle_at(i))[0], v);
-    std::vector<std::tuple<std::int32_t, double, std::size_t>> worst;  // first of each place
+    std::vector<std::tuple<VertexIndex, double, std::size_t>> worst;  // first of each place
     for (const std::size_t i : bad)
       worst.emplace_back(places.root(corners(triangle_at(i))[0]), -cost[i], i);
     std::sort(worst.begin(), worst.end());
     bad.clear();
-    std::int32_t place = -1;
+    VertexIndex place = kNoVertex;
     std::size_t rank = 0;
     for (const auto& [root, minus_cost, i] : worst) {
       rank = root == std::exchange(place, root) ? rank + 1 : 0;
@@ -316,7 +311,7 @@ std::vector<VertexIndex> Improver::worst_of(std::size_t count,
   std::vector<VertexIndex> vertices;
   for (const std::size_t i : bad)
     for (const VertexIndex v : corners(triangle_at(i)))
-      if (fixed_.empty() || fixed_[static_cast<std::size_t>(v)] == 0) vertices.push_back(v);
+      if (fixed_.empty() || fixed_[v] == 0) vertices.push_back(v);
   sort_once(vertices);
   return vertices;
 }
@@ -324,14 +319,13 @@ std::vector<VertexIndex> Improver::worst_of(std::size_t count,
 std::vector<VertexIndex> Improver::bad_vertices(std::span<const std::uint8_t> near) const {
   if (!near.empty()) {
     std::vector<VertexIndex> vertices;
-    for (std::size_t t = 0; t < near.size(); ++t)
+    for (const TriangleIndex t : indices<TriangleIndex>(near.size()))
       if (near[t] != 0)
-        for (const VertexIndex v : corners(static_cast<TriangleIndex>(t))) vertices.push_back(v);
+        for (const VertexIndex v : corners(t)) vertices.push_back(v);
     sort_once(vertices);
     return bad_around(vertices);
   }
-  return worst_of(mesh_->triangle_count(),
-                  [](std::size_t i) { return static_cast<TriangleIndex>(i); });
+  return worst_of(mesh_->triangle_count(), [](std::size_t i) { return TriangleIndex(i); });
 }
 
 std::vector<VertexIndex> Improver::bad_around(const std::vector<VertexIndex>& vertices) const {
@@ -473,7 +467,7 @@ std::vector<VertexIndex> Improver::sweep(const std::vector<VertexIndex>& vertice
     for (std::size_t i = 0; i < members.size(); ++i) {
       cells_ += share - left[i];
       if (columns[i].z.empty()) continue;
-      std::int32_t& slot = slot_[static_cast<std::size_t>(members[i])];
+      std::int32_t& slot = slot_[members[i]];
       if (slot < 0) {
         slot = static_cast<std::int32_t>(changed_.size());
         changed_.emplace_back();
@@ -488,26 +482,26 @@ std::vector<VertexIndex> Improver::sweep(const std::vector<VertexIndex>& vertice
 
 Improvement Improver::done() const {
   Improvement improvement{{}, cells_};
-  for (std::size_t v = 0; v < slot_.size(); ++v)
-    if (slot_[v] >= 0) improvement.columns.push_back(static_cast<VertexIndex>(v));
+  for (const VertexIndex v : indices<VertexIndex>(slot_.size()))
+    if (slot_[v] >= 0) improvement.columns.push_back(v);
   return improvement;
 }
 
 void Improver::store(ColumnMesh& mesh) const {
   if (changed_.empty()) return;
-  const std::size_t vertices = mesh.vertex_count();
-  std::vector<NodeIndex> first(vertices + 1, 0);
+  std::vector<NodeIndex> first{NodeIndex(0)};
+  first.reserve(mesh.first.size());
   std::vector<std::int32_t> floors;
   floors.reserve(mesh.floors.size());
-  for (std::size_t v = 0; v < vertices; ++v) {
-    const ColumnView own = column(static_cast<VertexIndex>(v));
-    first[v + 1] = first[v] + static_cast<NodeIndex>(own.z.size());
+  for (const VertexIndex v : mesh.ground.vertices.indices()) {
+    const ColumnView own = column(v);
+    first.push_back(first.back() + own.z.size());
     floors.insert(floors.end(), own.floors.begin(), own.floors.end());
   }
   std::vector<double> z;
-  z.reserve(static_cast<std::size_t>(first[vertices]));
-  for (std::size_t v = 0; v < vertices; ++v) {
-    const ColumnView own = column(static_cast<VertexIndex>(v));
+  z.reserve(first.back());
+  for (const VertexIndex v : mesh.ground.vertices.indices()) {
+    const ColumnView own = column(v);
     z.insert(z.end(), own.z.begin(), own.z.end());
   }
   mesh.first = std::move(first);

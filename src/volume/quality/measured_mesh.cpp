@@ -94,17 +94,14 @@ double volume_of(const ColumnMesh& mesh) {
       mesh.triangle_count(), 4096, 0.0,
       [&](std::size_t begin, std::size_t end) {
         double volume = 0;
-        for (std::size_t t = begin; t < end; ++t) {
+        for (const TriangleIndex t : indices<TriangleIndex>(begin, end)) {
           const auto& v = mesh.ground.triangles[t];
-          const auto at = [&](std::size_t i) {
-            return mesh.ground.vertices[static_cast<std::size_t>(v[i])];
-          };
+          const auto at = [&](std::size_t i) { return mesh.ground.vertices[v[i]]; };
           const Point2 a = at(0), b = at(1), c = at(2);
           const double area = (b.x - a.x) * (c.y - a.y) - (b.y - a.y) * (c.x - a.x);
           double height = 0;  // of all three corners
           for (const VertexIndex i : v)
-            height += mesh.z[static_cast<std::size_t>(mesh.top(i))] -
-                      mesh.z[static_cast<std::size_t>(mesh.floor_over(t, i))];
+            height += mesh.z[mesh.top(i)] - mesh.z[mesh.floor_over(t, i)];
           volume += area * height / 6;
         }
         return volume;
@@ -126,14 +123,14 @@ class MeasuredMesh::Sweep {
   void go_over(std::span<const TriangleIndex> block, QualityHistogram* histogram, int times);
 
  private:
-  Stack stack_over(std::size_t t) const;
+  Stack stack_over(TriangleIndex t) const;
   /// Of the faces that the kernels have measured; exact() tells more where some are steep.
   template <typename Exact>
   static Faces faces_of(const FaceFigures& figures, std::size_t count, const Exact& exact);
-  Faces faces_over_edge(std::size_t e, std::span<const TriangleIndex> block);
+  Faces faces_over_edge(EdgeIndex e, std::span<const TriangleIndex> block);
   /// The strip over edge e as its triangle t sees it; returns the corner opposite to the edge.
-  Point2 gather(std::size_t e, TriangleIndex t, std::span<const TriangleIndex> block, Strip& strip);
-  bool is_measured_with(TriangleIndex t, std::size_t e) const;
+  Point2 gather(EdgeIndex e, TriangleIndex t, std::span<const TriangleIndex> block, Strip& strip);
+  bool is_measured_with(TriangleIndex t, EdgeIndex e) const;
 
   MeasuredMesh& measured_;
   const ColumnMesh& mesh_;
@@ -159,7 +156,7 @@ MeasuredMesh::Faces MeasuredMesh::Sweep::faces_of(const FaceFigures& figures, st
   return faces;
 }
 
-MeasuredMesh::Stack MeasuredMesh::Sweep::stack_over(std::size_t t) const {
+MeasuredMesh::Stack MeasuredMesh::Sweep::stack_over(TriangleIndex t) const {
   Stack stack;
   const CellFigures& cells = kernels_.cells();
   stack.least = static_cast<float>(1 - cells.greatest);
@@ -181,7 +178,7 @@ MeasuredMesh::Stack MeasuredMesh::Sweep::stack_over(std::size_t t) const {
   return stack;
 }
 
-Point2 MeasuredMesh::Sweep::gather(std::size_t e, TriangleIndex t,
+Point2 MeasuredMesh::Sweep::gather(EdgeIndex e, TriangleIndex t,
                                    std::span<const TriangleIndex> block, Strip& strip) {
   // Where triangles are consecutive.
   std::ptrdiff_t i = t - block.front(), size = std::ssize(block);
@@ -192,22 +189,19 @@ Point2 MeasuredMesh::Sweep::gather(std::size_t e, TriangleIndex t,
     fronts = block_[static_cast<std::size_t>(i)];
   } else {
     other_.clear();
-    other_.add(mesh_, static_cast<std::size_t>(t));
+    other_.add(mesh_, t);
     fronts = other_[0];
   }
-  const auto& own = mesh_.edges.of_triangle[static_cast<std::size_t>(t)];
-  const std::size_t corner = static_cast<std::size_t>(own[2]) == e   ? 0
-                             : static_cast<std::size_t>(own[1]) == e ? 1
-                                                                     : 2;
+  const auto& own = mesh_.edges.of_triangle[t];
+  const std::size_t corner = own[2] == e ? 0 : own[1] == e ? 1 : 2;
   gather_strip(fronts, corner, strip);
   return fronts.corner[corner];
 }
 
-MeasuredMesh::Faces MeasuredMesh::Sweep::faces_over_edge(std::size_t e,
+MeasuredMesh::Faces MeasuredMesh::Sweep::faces_over_edge(EdgeIndex e,
                                                          std::span<const TriangleIndex> block) {
   const auto [a, b] = mesh_.edges.vertices[e];
-  const Point2 pa = mesh_.ground.vertices[static_cast<std::size_t>(a)];
-  const Point2 pb = mesh_.ground.vertices[static_cast<std::size_t>(b)];
+  const Point2 pa = mesh_.ground.vertices[a], pb = mesh_.ground.vertices[b];
   std::array<Point2, 2> opposite;
   for (std::size_t s = 0; s < 2; ++s) {
     const TriangleIndex t = mesh_.edges.triangles[e][s];
@@ -226,7 +220,7 @@ MeasuredMesh::Faces MeasuredMesh::Sweep::faces_over_edge(std::size_t e,
 }
 
 /// Edges are measured with the last of their triangles.
-bool MeasuredMesh::Sweep::is_measured_with(TriangleIndex t, std::size_t e) const {
+bool MeasuredMesh::Sweep::is_measured_with(TriangleIndex t, EdgeIndex e) const {
   const TriangleIndex last = mesh_.edges.triangles[e][1];
   return t == last || last == kNoTriangle ||
          (all_.size() < mesh_.triangle_count() &&
@@ -236,18 +230,16 @@ bool MeasuredMesh::Sweep::is_measured_with(TriangleIndex t, std::size_t e) const
 void MeasuredMesh::Sweep::go_over(std::span<const TriangleIndex> block, QualityHistogram* histogram,
                                   int times) {
   block_.clear();
-  for (const TriangleIndex t : block) block_.add(mesh_, static_cast<std::size_t>(t));
+  for (const TriangleIndex t : block) block_.add(mesh_, t);
   for (std::size_t i = 0; i < block.size(); ++i) {
-    const auto t = static_cast<std::size_t>(block[i]);
+    const TriangleIndex t = block[i];
     kernels_.measure(block_[i]);
     if (histogram != nullptr)
       histogram->add(kernels_.greatest(), kernels_.aspect2(), kernels_.cells().inverted, times);
     if (times < 0) continue;
     measured_.stacks_[t] = stack_over(t);
-    for (const EdgeIndex edge : mesh_.edges.of_triangle[t]) {
-      const auto e = static_cast<std::size_t>(edge);
-      if (is_measured_with(block[i], e)) measured_.beside_[e] = faces_over_edge(e, block);
-    }
+    for (const EdgeIndex e : mesh_.edges.of_triangle[t])
+      if (is_measured_with(t, e)) measured_.beside_[e] = faces_over_edge(e, block);
   }
 }
 
@@ -272,7 +264,7 @@ MeasuredMesh::MeasuredMesh(const ColumnMesh& mesh, Counting counting)
     : stacks_(mesh.triangle_count()), beside_(mesh.edges.size()) {
   if (counting == Counting::kHistogram) histogram_.emplace();
   std::vector<TriangleIndex> all(mesh.triangle_count());
-  std::iota(all.begin(), all.end(), 0);
+  std::iota(all.begin(), all.end(), TriangleIndex(0));
   sweep(mesh, all, 1);
 }
 
@@ -307,10 +299,10 @@ FaultCounts MeasuredMesh::counts() const {
 std::vector<std::uint8_t> MeasuredMesh::steep_triangles(const ColumnMesh& mesh) const {
   std::vector<std::uint8_t> steep(stacks_.size());
   for (std::size_t t = 0; t < steep.size(); ++t) steep[t] = stacks_[t].faces.steep > 0 ? 1 : 0;
-  for (std::size_t e = 0; e < beside_.size(); ++e)
+  for (const EdgeIndex e : mesh.edges.vertices.indices())
     if (beside_[e].steep > 0)
       for (const TriangleIndex t : mesh.edges.triangles[e])
-        if (t != kNoTriangle) steep[static_cast<std::size_t>(t)] = 1;
+        if (t != kNoTriangle) steep[t] = 1;
   return steep;
 }
 
@@ -347,10 +339,10 @@ std::vector<TriangleIndex> MeasuredMesh::suspects(std::size_t worst) const {
   limit.least = std::max(limit.least, double{extreme.least});
   limit.greatest = std::max(limit.greatest, double{extreme.greatest});
   std::vector<TriangleIndex> triangles;
-  for (std::size_t t = 0; t < stacks_.size(); ++t)
+  for (const TriangleIndex t : indices<TriangleIndex>(stacks_.size()))
     if (at_most(stacks_[t].least, limit.least) || at_most(stacks_[t].greatest, limit.greatest) ||
         at_least(stacks_[t].aspect2, extreme.aspect2))
-      triangles.push_back(static_cast<TriangleIndex>(t));
+      triangles.push_back(t);
   return triangles;
 }
 
@@ -358,16 +350,17 @@ FaceQuality MeasuredMesh::face_quality(const ColumnMesh& mesh) const {
   FaceQuality quality;
   Faces extreme;
   const auto for_all = [&](const auto& visit) {
-    for (std::size_t t = 0; t < stacks_.size(); ++t) visit(stacks_[t].faces, t, faces_over);
-    for (std::size_t e = 0; e < beside_.size(); ++e) visit(beside_[e], e, faces_beside);
+    for (const TriangleIndex t : mesh.ground.triangles.indices())
+      visit(stacks_[t].faces, t, faces_over);
+    for (const EdgeIndex e : mesh.edges.vertices.indices()) visit(beside_[e], e, faces_beside);
   };
-  for_all([&](const Faces& faces, std::size_t, auto) {
+  for_all([&](const Faces& faces, auto, auto) {
     quality.faces += faces.count;
     quality.above_70 += faces.steep;
     extreme.straight2 = std::min(extreme.straight2, faces.straight2);
     extreme.skewness2 = std::max(extreme.skewness2, faces.skewness2);
   });
-  for_all([&](const Faces& faces, std::size_t i, auto measure) {
+  for_all([&](const Faces& faces, auto i, auto measure) {
     if (!at_most(faces.straight2, extreme.straight2) &&
         !at_least(faces.skewness2, extreme.skewness2))
       return;

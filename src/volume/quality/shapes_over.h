@@ -12,7 +12,7 @@ namespace tetropolis {
 
 /// for_each_tet_over() with positions and shapes: calls visit(nodes, positions, shape).
 template <typename Visit>
-void for_each_shape_over(const ColumnMesh& mesh, std::size_t t, const Visit& visit) {
+void for_each_shape_over(const ColumnMesh& mesh, TriangleIndex t, const Visit& visit) {
   const auto& v = mesh.ground.triangles[t];
   Climb<3> front = climb_triangle(mesh, t);
   std::array<Point3, 4> p;

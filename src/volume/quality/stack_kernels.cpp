@@ -173,7 +173,7 @@ TETROPOLIS_WIDE void measure_strip(std::size_t faces, const Gate s, const double
 
 }  // namespace
 
-void FrontStore::add(const ColumnMesh& mesh, std::size_t t) {
+void FrontStore::add(const ColumnMesh& mesh, TriangleIndex t) {
   const auto& triangle = mesh.ground.triangles[t];
   const std::array<VertexIndex, 3> v = sorted_vertices(triangle);
   const auto [a, b, c] = triangle;
@@ -182,7 +182,7 @@ void FrontStore::add(const ColumnMesh& mesh, std::size_t t) {
   fronts.turn = int{a < b} + int{b < c} + int{c < a} == 2 ? 1 : -1;
   std::array<const double*, 3> at{}, last{};
   for (std::size_t i = 0; i < 3; ++i) {
-    fronts.corner[i] = mesh.ground.vertices[static_cast<std::size_t>(v[i])];
+    fronts.corner[i] = mesh.ground.vertices[v[i]];
     at[i] = mesh.z.data() + mesh.floor_over(t, v[i]);
     last[i] = mesh.z.data() + mesh.top(v[i]);
     fronts.cells += static_cast<std::size_t>(last[i] - at[i]);

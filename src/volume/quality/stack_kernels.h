@@ -29,7 +29,7 @@ struct Fronts {
 class FrontStore {
  public:
   void clear() { places_.clear(), used_ = 0; }
-  void add(const ColumnMesh& mesh, std::size_t t);
+  void add(const ColumnMesh& mesh, TriangleIndex t);
   /// Over the i-th triangle added; until the next is.
   Fronts operator[](std::size_t i) const;
 

@@ -48,21 +48,20 @@ TEST_F(EdgeGrids, AllThatIsNearASegmentIsInTheCellsNearIt) {
     std::vector<Segment> segments(100);
     for (Segment& s : segments) s = segment();
     EdgeGrid grid({-100, -100, 100, 100}, 0.5 + 0.5 * round, segments.size());
-    for (std::size_t i = 0; i < segments.size(); ++i)
-      grid.insert(static_cast<std::int32_t>(i), segments[i].a, segments[i].b);
+    for (const LineIndex i : indices<LineIndex>(segments.size()))
+      grid.insert(i, segments[i].a, segments[i].b);
     for (const double reach : {0.0, 1.0, 20.0})
       for (int k = 0; k < 50; ++k) {
         const Segment s = segment();
-        std::set<std::int32_t> seen;
+        std::set<LineIndex> seen;
         grid.visit_cells_near(s.a, s.b, reach, [&](std::size_t cell) {
           ASSERT_LT(cell, grid.cell_count());
-          grid.visit_cell(cell, [&](std::int32_t i) { seen.insert(i); });
+          grid.visit_cell(cell, [&](LineIndex i) { seen.insert(i); });
         });
-        for (std::size_t i = 0; i < segments.size(); ++i) {
+        for (const LineIndex i : indices<LineIndex>(segments.size())) {
           const auto [a, b] = segments[i];
-          EXPECT_TRUE(grid::segment_distance(s.a, s.b, a, b) > reach ||
-                      seen.contains(static_cast<std::int32_t>(i)))
-              << i;
+          EXPECT_TRUE(grid::segment_distance(s.a, s.b, a, b) > reach || seen.contains(i))
+              << i.value();
         }
       }
   }

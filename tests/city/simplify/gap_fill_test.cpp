@@ -27,7 +27,7 @@ TEST(GapFill, DoNotGrowWithTheSquareOfTheWallsThatCrowd) {
     const Outline outline = make_outline({&crowd}, 4 * epsilon);
     const std::vector<NearPair> pairs = near_pairs(outline, epsilon);
     const std::vector<FillsAndCuts> repairs = fills_and_cuts(outline, pairs, epsilon, epsilon);
-    const auto vertices = static_cast<std::size_t>(outline.vertex_count());
+    const auto vertices = outline.point.size();
     ASSERT_EQ(repairs.size(), 1u);
     EXPECT_FALSE(repairs[0].fill.empty());
     // Every pair may give a gap fill for both walls at its vertex.

@@ -41,10 +41,10 @@ std::vector<Polygon> star_among_triangles(std::mt19937& random) {
 }
 
 /// Whether dropping v makes the new edge touch another, or sweeps over a vertex: by looking at all.
-bool is_harmful(const Outline& o, std::int32_t v) {
-  const std::int32_t u = o.before(v), w = o.after(v);
+bool is_harmful(const Outline& o, OutlineVertex v) {
+  const OutlineVertex u = o.before(v), w = o.after(v);
   const Ring swept{o.at(u), o.at(v), o.at(w)};
-  for (std::int32_t e = 0; e < o.vertex_count(); ++e) {
+  for (const OutlineVertex e : o.vertices()) {
     if (e != u && e != v && e != w && grid::is_inside(swept, o.at(e))) return true;
     const bool is_beside = e == u || e == v || e == w || o.after(e) == u;
     if (!is_beside && grid::segments_touch(o.at(u), o.at(w), o.at(e), o.at(o.after(e))))
@@ -63,12 +63,12 @@ TEST(OutlineChange, DropsAreRefusedWhereTheyTouchOrSweepOverSomethingHoweverLong
     for (const Polygon& polygon : polygons) pointers.push_back(&polygon);
     const Outline outline = outline_for(pointers, kEpsilon);
     ChangeJudge judge(outline, kEpsilon, Bounds2{-1e9, -1e9, 1e9, 1e9});
-    for (std::int32_t v = 0; v < static_cast<std::int32_t>(polygons[0].outer.size()); ++v) {
+    for (const OutlineVertex v : indices<OutlineVertex>(polygons[0].outer.size())) {
       const bool expected = is_harmful(outline, v);
       (expected ? harmful : harmless) += 1;
       EXPECT_EQ(judge.gain(vertex_change(outline, v, ChangeKind::kDrop), -1e9).has_value(),
                 !expected)
-          << "vertex " << v << " in round " << round;
+          << "vertex " << v.value() << " in round " << round;
     }
   }
   EXPECT_GT(harmful, 100);

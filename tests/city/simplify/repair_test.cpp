@@ -37,7 +37,7 @@ TEST(Repair, YardsWithSomethingInThemAreNotFilled) {
     RepairCounts counts;
     repair_vertices(outline, options, counts);
     EXPECT_EQ(counts.filled, 0);
-    EXPECT_EQ(extract_polygon(outline, 0, 2).holes.size(), 1U);
+    EXPECT_EQ(extract_polygon(outline, OutlineRing(0), 2).holes.size(), 1U);
     EXPECT_EQ(counts.moved > 0, !occupied);
   }
 }

@@ -17,6 +17,7 @@
 #include "tetropolis/io/vector/vector.h"
 
 #include "city/footprint_checks.h"
+#include "support/indices.h"
 #include "support/test_data.h"
 
 namespace tetropolis {
@@ -28,6 +29,7 @@ using testing::cleaned;
 using testing::clockwise_box;
 using testing::domain_around;
 using testing::expect_sound;
+using testing::indices_of;
 using testing::random_star;
 using testing::simplified;
 using testing::turned;
@@ -85,7 +87,7 @@ TEST(Simplify, UnitesOverlappingContainedAndIdenticalOnes) {
   const Simplification twice = simplified({box(0, 0, 20, 20), box(0, 0, 20, 20)});
   ASSERT_EQ(twice.footprints.size(), 1U);
   EXPECT_NEAR(area(twice.footprints[0]), 400, 1e-9);
-  EXPECT_EQ(twice.members[0], (std::vector<BuildingIndex>{0, 1}));
+  EXPECT_EQ(twice.members[0], (indices_of<BuildingIndex>({0, 1})));
 }
 
 TEST(Simplify, JoinsLShapes) {
@@ -698,7 +700,8 @@ TEST(Simplify, AMemberInsideAnotherMayGetAllOfAHouse) {
   Polygon first = walled_houses(0, 10, 210, 220.4);
   first.holes.push_back(clockwise_box(212, 1.5, 0.8, 7));
   const Simplification result = simplified({first, box(214, 2, 4, 4)});
-  ASSERT_EQ(result.members, (std::vector<std::vector<BuildingIndex>>{{0}, {1}}));
+  ASSERT_EQ(result.members,
+            (std::vector{indices_of<BuildingIndex>({0}), indices_of<BuildingIndex>({1})}));
   EXPECT_EQ(result.flags, (std::vector<std::uint32_t>{kRepaired, kRepaired}));
   // A little of the wall's ends stays with each.
   EXPECT_NEAR(area(result.footprints[0]), 100, 3);
@@ -717,7 +720,9 @@ TEST(Simplify, OverlappingMembersThatArePartedCountOnce) {
   const SimplifyOptions options;
   const Simplification result = simplify_footprints(input, domain, options);
   expect_sound(result, input.size(), domain, options);
-  ASSERT_EQ(result.members, (std::vector<std::vector<BuildingIndex>>{{0}, {1}, {2}}));
+  ASSERT_EQ(result.members,
+            (std::vector{indices_of<BuildingIndex>({0}), indices_of<BuildingIndex>({1}),
+                         indices_of<BuildingIndex>({2})}));
   EXPECT_EQ(result.flags, (std::vector<std::uint32_t>{kRepaired | kClipped, kRepaired, kRepaired}));
   EXPECT_NEAR(result.stats.area_before, 95 + 40 + 100 + 40 + 120, 0.02);
   // The two walls, and what of the second house is the first one's.

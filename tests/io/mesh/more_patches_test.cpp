@@ -30,7 +30,7 @@ class MorePatches : public ::testing::Test {
   MorePatches() {
     const testing::SmallCity city = testing::small_city(testing::hills);
     GroundMesh ground = mesh_ground(city.footprints, city.domain, {8, 25});
-    const auto street = static_cast<RegionIndex>(ground.regions.size());
+    const auto street = RegionIndex(ground.regions.size());
     ground.regions.push_back({RegionKind::kOpenGround, kNoBuilding, 0, kStreet});
     ground.patches.add({kStreet, "street", PatchKind::kGround});
     for (std::size_t t = 0; t < ground.triangles.size(); ++t) {

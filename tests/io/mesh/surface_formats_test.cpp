@@ -153,7 +153,7 @@ TEST_F(SurfaceFormats, ObjGroupsFacesByPatchAndBuilding) {
       ++points;
     } else if (kind == "g") {
       std::string building;
-      group.second = kNoBuilding;
+      group.second = kNoBuilding.value();
       words >> group.first;
       if (words >> building) {
         ASSERT_EQ(building.rfind("building_", 0), 0U);
@@ -171,7 +171,7 @@ TEST_F(SurfaceFormats, ObjGroupsFacesByPatchAndBuilding) {
   Groups expected;
   for (std::size_t f = 0; f < surface.triangles.size(); ++f) {
     const auto& t = surface.triangles[f];
-    expected[{surface.patch_of(f).name, surface.building[f]}].push_back(
+    expected[{surface.patch_of(f).name, surface.building[f].value()}].push_back(
         {t[0] + 1, t[1] + 1, t[2] + 1});
   }
   EXPECT_EQ(groups, expected);

@@ -65,7 +65,7 @@ TEST(Boundary, EveryBuildingHasRoofAndWallsOfItsOwn) {
     double roof = 0;
     std::int64_t walls = 0;
     for (std::size_t f = 0; f < surface.triangles.size(); ++f) {
-      if (surface.building[f] != static_cast<BuildingIndex>(b)) continue;
+      if (surface.building[f] != BuildingIndex(b)) continue;
       if (surface.patch[f] == Patch::kWall) ++walls;
       if (surface.patch[f] != Patch::kRoof) continue;
       const auto& t = surface.triangles[f];
@@ -99,18 +99,19 @@ struct PartyWalls {
   PartyWalls(const std::vector<std::string>& rows, std::vector<double> roofs) {
     GroundMesh ground;
     ground.regions = regions_of_buildings(roofs.size());
-    const auto nx = static_cast<VertexIndex>(rows[0].size());
-    const auto ny = static_cast<VertexIndex>(rows.size());
-    for (VertexIndex j = 0; j <= ny; ++j)
-      for (VertexIndex i = 0; i <= nx; ++i) ground.vertices.push_back({4.0 * i, 4.0 * (ny - j)});
-    for (VertexIndex j = 0; j < ny; ++j)
-      for (VertexIndex i = 0; i < nx; ++i) {
-        const char letter = rows[static_cast<std::size_t>(j)][static_cast<std::size_t>(i)];
-        const VertexIndex north = j * (nx + 1) + i, south = north + nx + 1;
+    const std::size_t nx = rows[0].size(), ny = rows.size();
+    for (std::size_t j = 0; j <= ny; ++j)
+      for (std::size_t i = 0; i <= nx; ++i)
+        ground.vertices.push_back({4 * static_cast<double>(i), 4 * static_cast<double>(ny - j)});
+    for (std::size_t j = 0; j < ny; ++j)
+      for (std::size_t i = 0; i < nx; ++i) {
+        const char letter = rows[j][i];
+        const VertexIndex north(j * (nx + 1) + i), south = north + nx + 1;
         ground.triangles.insert(ground.triangles.end(),
                                 {{south, south + 1, north + 1}, {south, north + 1, north}});
-        ground.region.insert(ground.region.end(), 2,
-                             letter == '.' ? static_cast<RegionIndex>(roofs.size()) : letter - 'A');
+        ground.region.insert(
+            ground.region.end(), 2,
+            RegionIndex(letter == '.' ? static_cast<int>(roofs.size()) : letter - 'A'));
       }
     for (const Point2 p : ground.vertices) plan.ground.push_back(0.2 * p.x - 0.1 * p.y);
     plan.roofs = std::move(roofs);
@@ -144,11 +145,10 @@ TEST(Boundary, StepsBetweenRoofsThatShareAnEdgeAreWallsOfTheHigherOne) {
     const PartyWalls city(rows, roofs);
     const ColumnMesh& mesh = city.mesh;
     EXPECT_GT(require_valid(mesh), 0);
-    for (std::size_t v = 0; v < mesh.vertex_count(); ++v) {
+    for (const VertexIndex v : mesh.ground.vertices.indices()) {
       EXPECT_EQ(std::ranges::min(mesh.floors_at(v)), 0);
-      for (const RegionIndex region : mesh.regions.at(v))
-        EXPECT_EQ(mesh.z[static_cast<std::size_t>(mesh.floor(region, static_cast<VertexIndex>(v)))],
-                  city.plan.floor(mesh.ground, region, v));
+      for (const RegionIndex region : mesh.regions[v])
+        EXPECT_EQ(mesh.z[mesh.floor(region, v)], city.plan.floor(mesh.ground, region, v));
     }
     const SurfaceMesh surface = extract_boundary(mesh);
     const SurfaceTopology topology = check_topology(surface);
@@ -175,14 +175,11 @@ TEST(Boundary, StepsBetweenRoofsThatShareAnEdgeAreWallsOfTheHigherOne) {
     for (std::size_t e = 0; e < mesh.edges.size(); ++e) {
       const auto [t0, t1] = mesh.edges.triangles[e];
       if (t1 == kNoTriangle) continue;
-      const RegionIndex r0 = mesh.ground.region[static_cast<std::size_t>(t0)];
-      const RegionIndex r1 = mesh.ground.region[static_cast<std::size_t>(t1)];
+      const RegionIndex r0 = mesh.ground.region[t0], r1 = mesh.ground.region[t1];
       double step = 0;
       for (const VertexIndex v : mesh.edges.vertices[e])
-        step += (city.plan.floor(mesh.ground, r0, static_cast<std::size_t>(v)) -
-                 city.plan.floor(mesh.ground, r1, static_cast<std::size_t>(v))) /
-                2;
-      if (step != 0) expected[static_cast<std::size_t>(step > 0 ? r0 : r1)] += 4 * std::abs(step);
+        step += (city.plan.floor(mesh.ground, r0, v) - city.plan.floor(mesh.ground, r1, v)) / 2;
+      if (step != 0) expected[step > 0 ? r0 : r1] += 4 * std::abs(step);
     }
     for (std::size_t b = 0; b < roofs.size(); ++b) EXPECT_NEAR(walls[b], expected[b], 1e-9) << b;
   }
@@ -225,7 +222,7 @@ TEST(Boundary, RefusesARimThatIsNotTagged) {
   const auto on_rim = std::find_if(edges.begin(), edges.end(),
                                    [](const TaggedEdge& edge) { return edge.region == kNoRegion; });
   const TaggedEdge edge = *on_rim;
-  on_rim->region = 0;
+  on_rim->region = RegionIndex(0);
   EXPECT_THROW(extract_boundary(mesh), Error);
   edges.erase(on_rim);
   try {

@@ -25,8 +25,8 @@ ColumnMesh random_columns(unsigned seed, bool equal_spacing = false) {
   mesh.ground = mesh_ground({}, city.domain, {20, 25});
   mesh.edges = build_edge_graph(mesh.ground);
   mesh.regions = regions_at_vertices(mesh.ground);
-  mesh.floors.assign(mesh.regions.regions.size(), 0);
-  mesh.first = {0};
+  mesh.floors.assign(mesh.regions.values.size(), 0);
+  mesh.first = {NodeIndex(0)};
   std::mt19937 random(seed);
   std::uniform_real_distribution<double> step(0.01, 20);
   std::uniform_int_distribution<int> count(2, 12);
@@ -34,12 +34,12 @@ ColumnMesh random_columns(unsigned seed, bool equal_spacing = false) {
     double z = equal_spacing ? 0 : step(random);
     const int nodes = equal_spacing ? 6 : count(random);
     for (int i = 0; i < nodes; ++i) mesh.z.push_back(z += equal_spacing ? 10 : step(random));
-    mesh.first.push_back(static_cast<NodeIndex>(mesh.z.size()));
+    mesh.first.push_back(NodeIndex(mesh.z.size()));
   }
   return mesh;
 }
 
-double triangle_area(const ColumnMesh& mesh, std::size_t t) {
+double triangle_area(const ColumnMesh& mesh, TriangleIndex t) {
   const auto& v = mesh.ground.triangles[t];
   const Point2 a = mesh.ground.vertices[static_cast<std::size_t>(v[0])],
                b = mesh.ground.vertices[static_cast<std::size_t>(v[1])],
@@ -50,7 +50,7 @@ double triangle_area(const ColumnMesh& mesh, std::size_t t) {
 /// How many cells each face has.
 std::map<std::array<NodeIndex, 3>, int> count_faces(const ColumnMesh& mesh) {
   std::map<std::array<NodeIndex, 3>, int> faces;
-  for (std::size_t t = 0; t < mesh.triangle_count(); ++t)
+  for (const TriangleIndex t : mesh.ground.triangles.indices())
     for_each_tet_over(mesh, t, [&](const std::array<NodeIndex, 4>& tet) {
       for (std::size_t skip = 0; skip < 4; ++skip) {
         std::array<NodeIndex, 3> face{};
@@ -69,7 +69,7 @@ TEST(ColumnMesh, VolumeOfATetIsAThirdOfBaseTimesVerticalEdge) {
   const ColumnMesh mesh = random_columns(seed);
   const auto points = testing::explicit_mesh(mesh).points;
   const auto at = [&](NodeIndex n) { return points[static_cast<std::size_t>(n)]; };
-  for (std::size_t t = 0; t < mesh.triangle_count(); ++t)
+  for (const TriangleIndex t : mesh.ground.triangles.indices())
     for_each_tet_over(mesh, t, [&](const std::array<NodeIndex, 4>& tet) {
       const double edge = at(tet[3])[2] - at(tet[3] - 1)[2];
       ASSERT_EQ(std::count(tet.begin(), tet.end(), tet[3] - 1), 1);
@@ -94,8 +94,7 @@ TEST(ColumnMesh, RandomColumnsConformAndFillTheirSpace) {
     for (std::size_t e = 0; e < mesh.edges.size(); ++e)
       if (mesh.edges.triangles[e][1] == kNoTriangle)
         for (const VertexIndex v : mesh.edges.vertices[e])
-          expected +=
-              static_cast<std::size_t>(mesh.top(v) - mesh.first[static_cast<std::size_t>(v)]);
+          expected += static_cast<std::size_t>(mesh.top(v) - mesh.first[v]);
     EXPECT_EQ(single, expected);
     EXPECT_GT(require_valid(mesh), 0);
   }
@@ -105,25 +104,26 @@ TEST(ColumnMesh, ClimbsAsTheSortedSegmentsSay) {
   const auto city = testing::meshed(testing::small_city(testing::hills));
   for (const ColumnMesh& mesh : {random_columns(testing::test_seed()), city.mesh}) {
     const auto reference = testing::explicit_mesh(mesh);
-    std::vector<std::array<NodeIndex, 4>> cells;
-    const std::vector<NodeIndex> offsets = cell_offsets(mesh);
-    for (std::size_t t = 0; t < mesh.triangle_count(); ++t) {
-      ASSERT_EQ(offsets[t], static_cast<NodeIndex>(cells.size()));
-      for_each_tet_over(mesh, t,
-                        [&](const std::array<NodeIndex, 4>& tet) { cells.push_back(tet); });
+    std::vector<std::array<std::int64_t, 4>> cells;
+    const std::vector<CellIndex> offsets = cell_offsets(mesh);
+    for (const TriangleIndex t : mesh.ground.triangles.indices()) {
+      ASSERT_EQ(offsets[t], cells.size());
+      for_each_tet_over(mesh, t, [&](const std::array<NodeIndex, 4>& tet) {
+        cells.push_back({tet[0].value(), tet[1].value(), tet[2].value(), tet[3].value()});
+      });
     }
-    EXPECT_EQ(offsets.back(), static_cast<NodeIndex>(cells.size()));
+    EXPECT_EQ(offsets.back(), cells.size());
     EXPECT_EQ(cells, reference.cells);
     std::vector<int> used(mesh.z.size(), 0);
     for (const auto& cell : cells)
-      for (const NodeIndex n : cell) used[static_cast<std::size_t>(n)] = 1;
+      for (const std::int64_t n : cell) used[static_cast<std::size_t>(n)] = 1;
     EXPECT_EQ(std::count(used.begin(), used.end(), 0), 0);
   }
 }
 
 TEST(ColumnMesh, EqualLayersAreThePapersPrisms) {
   const ColumnMesh mesh = random_columns(1, true);
-  for (std::size_t t = 0; t < mesh.triangle_count(); ++t) {
+  for (const TriangleIndex t : mesh.ground.triangles.indices()) {
     const auto v = sorted_vertices(mesh.ground.triangles[t]);
     std::vector<std::array<NodeIndex, 4>> cells;
     for_each_tet_over(mesh, t, [&](std::array<NodeIndex, 4> tet) {
@@ -131,15 +131,15 @@ TEST(ColumnMesh, EqualLayersAreThePapersPrisms) {
       cells.push_back(tet);
     });
     ASSERT_EQ(cells.size(), 15U);
-    for (NodeIndex k = 0; k < 5; ++k) {
-      const auto u = [&](std::size_t i) { return mesh.first[static_cast<std::size_t>(v[i])] + k; };
+    for (std::size_t k = 0; k < 5; ++k) {
+      const auto u = [&](std::size_t i) { return mesh.first[v[i]] + k; };
       const auto w = [&](std::size_t i) { return u(i) + 1; };
       const std::array<std::array<NodeIndex, 4>, 3> paper{
           {{u(0), u(1), u(2), w(2)}, {u(0), u(1), w(1), w(2)}, {u(0), w(0), w(1), w(2)}}};
       for (std::size_t i = 0; i < 3; ++i) {
         auto expected = paper[i];
         std::sort(expected.begin(), expected.end());
-        ASSERT_EQ(cells[static_cast<std::size_t>(k) * 3 + i], expected);
+        ASSERT_EQ(cells[k * 3 + i], expected);
       }
     }
   }
@@ -154,8 +154,8 @@ TEST(ColumnMesh, RefusesColumnsThatDoNotIncreaseAndRoofsThatAreNotFlat) {
   ColumnMesh tilted = city.mesh;
   for (std::size_t v = 0; v < tilted.vertex_count(); ++v)
     if (city.plan.lowest_roof[v] != kNoRegion) {
-      tilted.z[static_cast<std::size_t>(
-          tilted.floor(city.plan.lowest_roof[v], static_cast<VertexIndex>(v)))] += 1e-3;
+      tilted.z[static_cast<std::size_t>(tilted.floor(city.plan.lowest_roof[v], VertexIndex(v)))] +=
+          1e-3;
       break;
     }
   EXPECT_THROW(require_valid(tilted), Error);

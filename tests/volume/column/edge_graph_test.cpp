@@ -8,6 +8,7 @@
 
 #include "tetropolis/core/error.h"
 
+#include "support/indices.h"
 #include "support/small_city.h"
 
 namespace tetropolis {
@@ -22,7 +23,7 @@ TEST(EdgeGraph, HoldsEveryEdgeOnceWithItsTriangles) {
   for (std::size_t t = 0; t < mesh.triangles.size(); ++t)
     for (std::size_t i = 0; i < 3; ++i) {
       const VertexIndex a = mesh.triangles[t][i], b = mesh.triangles[t][(i + 1) % 3];
-      expected[{std::min(a, b), std::max(a, b)}].insert(static_cast<TriangleIndex>(t));
+      expected[{std::min(a, b), std::max(a, b)}].insert(TriangleIndex(t));
     }
   ASSERT_EQ(graph.size(), expected.size());
   std::size_t e = 0;
@@ -42,13 +43,10 @@ TEST(EdgeGraph, HoldsEveryEdgeOnceWithItsTriangles) {
     EXPECT_EQ(graph.vertices[static_cast<std::size_t>(edges[2])], (std::array{v[1], v[2]}));
   }
   std::size_t filed = 0;
-  for (std::size_t v = 0; v < mesh.vertices.size(); ++v) {
-    for (EdgeIndex i = graph.starts[v]; i < graph.starts[v + 1]; ++i, ++filed)
-      EXPECT_EQ(graph.vertices[static_cast<std::size_t>(i)][0], static_cast<VertexIndex>(v));
-    for (std::int32_t i = graph.end_offsets[v]; i < graph.end_offsets[v + 1]; ++i, ++filed)
-      EXPECT_EQ(
-          graph.vertices[static_cast<std::size_t>(graph.ends[static_cast<std::size_t>(i)])][1],
-          static_cast<VertexIndex>(v));
+  for (const VertexIndex v : mesh.vertices.indices()) {
+    for (const EdgeIndex i : graph.starting_at(v)) EXPECT_EQ(graph.vertices[i][0], v);
+    for (const EdgeIndex i : graph.ends[v]) EXPECT_EQ(graph.vertices[i][1], v);
+    filed += static_cast<std::size_t>(graph.starts[v + 1] - graph.starts[v]) + graph.ends[v].size();
   }
   EXPECT_EQ(filed, 2 * graph.size());
 }
@@ -56,7 +54,7 @@ TEST(EdgeGraph, HoldsEveryEdgeOnceWithItsTriangles) {
 TEST(EdgeGraph, RefusesThreeTrianglesAtAnEdge) {
   GroundMesh mesh;
   mesh.vertices = {{0, 0}, {1, 0}, {0, 1}, {0, -1}, {1, 1}};
-  mesh.triangles = {{0, 1, 2}, {1, 0, 3}, {0, 1, 4}};
+  mesh.triangles = testing::triangles_of({{0, 1, 2}, {1, 0, 3}, {0, 1, 4}});
   EXPECT_THROW(build_edge_graph(mesh), Error);
 }
 

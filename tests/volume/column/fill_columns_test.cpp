@@ -25,22 +25,21 @@ TEST(FillColumns, HeightsAreExactAndCellsValidOnAnyTerrain) {
       EXPECT_EQ(measure_cells(mesh).histogram.inverted(), 0);
       EXPECT_GT(require_valid(mesh), 0);
       std::vector<bool> outside(mesh.vertex_count(), false);
-      for (std::size_t t = 0; t < mesh.triangle_count(); ++t)
+      for (const TriangleIndex t : mesh.ground.triangles.indices())
         if (!mesh.inside_building(t))
           for (const VertexIndex v : mesh.ground.triangles[t])
             outside[static_cast<std::size_t>(v)] = true;
-      for (std::size_t v = 0; v < mesh.vertex_count(); ++v) {
+      for (const VertexIndex v : mesh.ground.vertices.indices()) {
         const double* z = mesh.z.data() + mesh.first[v];
-        EXPECT_EQ(mesh.z[static_cast<std::size_t>(mesh.top(static_cast<VertexIndex>(v)))],
-                  result.plan.layers.top);
+        EXPECT_EQ(mesh.z[mesh.top(v)], result.plan.layers.top);
         if (outside[v]) {
           ASSERT_EQ(z[0], result.plan.ground[v]);
         }
         const bool at_building = result.plan.lowest_roof[v] != kNoRegion;
-        ASSERT_EQ(mesh.regions.count(v), (outside[v] ? 1U : 0U) + (at_building ? 1U : 0U));
-        for (const RegionIndex r : mesh.regions.at(v)) {
+        ASSERT_EQ(mesh.regions[v].size(), (outside[v] ? 1U : 0U) + (at_building ? 1U : 0U));
+        for (const RegionIndex r : mesh.regions[v]) {
           const Region& region = mesh.ground.regions[static_cast<std::size_t>(r)];
-          const NodeIndex floor = mesh.floor(r, static_cast<VertexIndex>(v));
+          const NodeIndex floor = mesh.floor(r, v);
           ASSERT_EQ(floor > mesh.first[v], region.is_building() && outside[v]);
           ASSERT_EQ(mesh.z[static_cast<std::size_t>(floor)],
                     region.is_building()
@@ -55,11 +54,10 @@ TEST(FillColumns, SpacingComesClosestToWhatWasAskedFor) {
   const auto result = testing::meshed(testing::small_city(testing::hills));
   const std::vector<double>& spacing = result.plan.spacing;
   const std::vector<double>& rise = result.plan.rise;
-  for (std::size_t v = 0; v < result.mesh.vertex_count(); ++v) {
+  for (const VertexIndex v : result.mesh.ground.vertices.indices()) {
     if (0.6 * rise[v] > spacing[v]) continue;  // the foot of a cliff
     const double* z = result.mesh.z.data() + result.mesh.first[v];
-    const auto last = static_cast<std::int32_t>(result.mesh.top(static_cast<VertexIndex>(v)) -
-                                                result.mesh.first[v]);
+    const auto last = static_cast<std::int32_t>(result.mesh.top(v) - result.mesh.first[v]);
     const std::int32_t roof = std::ranges::max(result.mesh.floors_at(v));
     for (const auto& [begin, end] : {std::pair(0, roof), std::pair(roof, last)}) {
       if (begin == end) continue;
@@ -83,10 +81,10 @@ TEST(FillColumns, FirstSegmentsAtTheFootOfACliffReachItsEdge) {
   const auto result = testing::meshed(city, 4);
   const std::vector<double>& rise = result.plan.rise;
   int feet = 0;
-  for (std::size_t v = 0; v < result.mesh.vertex_count(); ++v) {
+  for (const VertexIndex v : result.mesh.ground.vertices.indices()) {
     double highest = 0;  // of the neighbours, by brute force
     for (const auto& t : result.mesh.ground.triangles)
-      if (std::find(t.begin(), t.end(), static_cast<VertexIndex>(v)) != t.end())
+      if (std::find(t.begin(), t.end(), VertexIndex(v)) != t.end())
         for (const VertexIndex u : t)
           highest = std::max(highest, result.plan.ground[static_cast<std::size_t>(u)]);
     EXPECT_EQ(rise[v], highest - result.plan.ground[v]);
@@ -153,11 +151,10 @@ TEST(FillColumns, LayersKeepTheirHeights) {
   const LayeredMesh& from = layered.mesh;
   const ColumnMesh mesh = columns_of_layers(LayeredMesh(from));
   EXPECT_GT(require_valid(mesh), 0);
-  for (std::size_t v = 0; v < from.vertex_count(); ++v) {
+  for (const VertexIndex v : from.ground.vertices.indices()) {
     ASSERT_EQ(mesh.first[v + 1] - mesh.first[v], from.layers + 1 - from.first_node[v]);
     for (std::int32_t k = from.first_node[v]; k <= from.layers; ++k)
-      ASSERT_EQ(mesh.z[static_cast<std::size_t>(mesh.first[v] + k - from.first_node[v])],
-                from.column(v)[k]);
+      ASSERT_EQ(mesh.z[mesh.first[v] + k - from.first_node[v]], from.column(v)[k]);
     if (from.roof_layer[v] != kNoRoof) {
       ASSERT_EQ(std::ranges::max(mesh.floors_at(v)), from.roof_layer[v] - from.first_node[v]);
     }
@@ -203,7 +200,7 @@ TEST(FillColumns, ThePlanTellsGroundRoofsAndTop) {
     for (std::size_t v = 0; v < ground.vertices.size(); ++v) {
       const Point2 p = ground.vertices[v];
       const bool at_house = p.x >= 20 && p.x <= 40 && p.y >= 10 && p.y <= 30;
-      EXPECT_EQ(plan.lowest_roof[v], at_house ? 0 : kNoRegion);
+      EXPECT_EQ(plan.lowest_roof[v], at_house ? RegionIndex(0) : kNoRegion);
       EXPECT_EQ(plan.top[v], 56);
       // Inside the raster's cell of the step the ground is in between.
       if (p.x > 29 && p.x < 30) continue;

@@ -7,6 +7,7 @@
 
 #include "tetropolis/core/error.h"
 
+#include "support/indices.h"
 #include "support/small_city.h"
 
 namespace tetropolis {
@@ -73,11 +74,13 @@ TEST(GroundHeights, VerticesKnowTheirBuilding) {
 TEST(GroundHeights, OfRoofsThatTouchTheLowestCounts) {
   GroundMesh mesh;
   mesh.vertices = {{0, 0}, {1, 0}, {0, 1}, {1, 1}};
-  mesh.triangles = {{0, 1, 2}, {1, 3, 2}};
-  mesh.region = {0, 1};
+  mesh.triangles = testing::triangles_of({{0, 1, 2}, {1, 3, 2}});
+  mesh.region = testing::indices_of<RegionIndex>({0, 1});
   mesh.regions = regions_of_buildings(2);
-  EXPECT_EQ(lowest_roofs(mesh, std::vector{7.0, 5.0}), (std::vector<RegionIndex>{0, 1, 1, 1}));
-  EXPECT_EQ(lowest_roofs(mesh, std::vector{5.0, 7.0}), (std::vector<RegionIndex>{0, 0, 0, 1}));
+  EXPECT_EQ(lowest_roofs(mesh, std::vector{7.0, 5.0}),
+            (testing::indices_of<RegionIndex>({0, 1, 1, 1})));
+  EXPECT_EQ(lowest_roofs(mesh, std::vector{5.0, 7.0}),
+            (testing::indices_of<RegionIndex>({0, 0, 0, 1})));
 }
 
 }  // namespace

@@ -18,6 +18,7 @@
 #include "tetropolis/volume/quality/face_quality.h"
 
 #include "support/explicit_mesh.h"
+#include "support/indices.h"
 #include "support/small_city.h"
 #include "volume/column/fill_columns.h"
 #include "volume/column/ground_heights.h"
@@ -40,7 +41,7 @@ struct Basin {
   testing::SmallCity city;
   Bounds2 low{30, 30, 45, 45}, high{49, 30, 60, 45};
   GroundMesh mesh;
-  std::vector<BuildingIndex> owner;
+  std::vector<RegionIndex> owner;
   std::vector<double> terrain;
 
   explicit Basin(double size) {
@@ -63,7 +64,7 @@ TEST(Excavate, GroundRisesFromTheRoofAsAsked) {
       std::vector<double> ground = basin.terrain;
       const ExcavationSources from = excavate(basin.mesh, basin.owner, basin.city.roofs,
                                               {{1, 0}, {}}, {slope, 2 * slope}, ground);
-      EXPECT_EQ(from.roofs, std::vector<BuildingIndex>{0});
+      EXPECT_EQ(from.roofs, testing::indices_of<BuildingIndex>({0}));
       EXPECT_TRUE(from.toes.empty());
       int lowered = 0, at_the_other = 0;
       for (std::size_t v = 0; v < ground.size(); ++v) {
@@ -87,11 +88,10 @@ TEST(Excavate, GroundRisesFromTheRoofAsAsked) {
       EXPECT_GT(at_the_other, 0);
       int beside = 0;
       // No triangle outside is steeper than asked between what was lowered and what it came from.
-      for (std::size_t t = 0; t < basin.mesh.triangles.size(); ++t) {
+      for (const TriangleIndex t : basin.mesh.triangles.indices()) {
         if (basin.mesh.inside_building(t)) continue;
-        for (const VertexIndex a : basin.mesh.triangles[t])
-          for (const VertexIndex b : basin.mesh.triangles[t]) {
-            const auto u = static_cast<std::size_t>(a), v = static_cast<std::size_t>(b);
+        for (const VertexIndex u : basin.mesh.triangles[t])
+          for (const VertexIndex v : basin.mesh.triangles[t]) {
             if (basin.owner[v] == 0 || u == v) continue;
             const bool starts = basin.owner[u] == 0 || ground[u] < basin.terrain[u];
             if (!starts) continue;
@@ -162,7 +162,7 @@ TEST(Excavate, NothingChangesWithoutAMarkOrAboveTheTerrain) {
 struct Cliff {
   testing::SmallCity city;
   GroundMesh mesh;
-  std::vector<BuildingIndex> owner;
+  std::vector<RegionIndex> owner;
   std::vector<double> terrain;
 
   explicit Cliff(double size) {
@@ -191,20 +191,17 @@ TEST(Excavate, GentleMarksAreOfBadTrianglesOnly) {
     for (std::size_t t = 0; t < bad.size(); t += 3) bad[t] = 1;
     const std::int64_t marked = mark_gentle(mesh, plan, bad, slope, marks);
     EXPECT_GT(marked, 10);
-    const auto start = [&](std::size_t v, double high) {
-      const double roof = plan.lowest_roof[v] == kNoRegion
-                              ? kInfinity
-                              : plan.roofs[static_cast<std::size_t>(plan.lowest_roof[v])];
+    const auto start = [&](VertexIndex v, double high) {
+      const double roof =
+          plan.lowest_roof[v] == kNoRegion ? kInfinity : plan.roofs[plan.lowest_roof[v]];
       return roof < high ? roof : plan.ground[v];
     };
     std::vector<double> expected(plan.ground.size(), kInfinity);
-    for (std::size_t t = 0; t < bad.size(); ++t) {
+    for (const TriangleIndex t : indices<TriangleIndex>(bad.size())) {
       if (bad[t] == 0 || mesh.inside_building(t)) continue;
       for (std::size_t i = 0; i < 3; ++i) {
-        const auto corner = [&](std::size_t k) {
-          return static_cast<std::size_t>(mesh.ground.triangles[t][(i + k) % 3]);
-        };
-        const std::size_t v = corner(0), a = corner(1), b = corner(2);
+        const auto corner = [&](std::size_t k) { return mesh.ground.triangles[t][(i + k) % 3]; };
+        const VertexIndex v = corner(0), a = corner(1), b = corner(2);
         const Point2 p = mesh.ground.vertices[v], q = mesh.ground.vertices[a],
                      r = mesh.ground.vertices[b];
         double most = kInfinity;  // along the edge opposite, in small steps
@@ -260,10 +257,9 @@ TEST(Excavate, GroundRisesFromTheToeOfACliffAsAsked) {
       if (v != toe && is_cut(v)) ++lowered;
     }
     EXPECT_GT(lowered, 20);
-    for (std::size_t t = 0; t < cliff.mesh.triangles.size(); ++t)
+    for (const TriangleIndex t : cliff.mesh.triangles.indices())
       for (std::size_t i = 0; i < 3 && !cliff.mesh.inside_building(t); ++i) {
-        auto u = static_cast<std::size_t>(cliff.mesh.triangles[t][i]);
-        auto v = static_cast<std::size_t>(cliff.mesh.triangles[t][(i + 1) % 3]);
+        VertexIndex u = cliff.mesh.triangles[t][i], v = cliff.mesh.triangles[t][(i + 1) % 3];
         if (ground[u] > ground[v]) std::swap(u, v);
         const Point2 p = cliff.mesh.vertices[u], q = cliff.mesh.vertices[v];
         if (is_cut(u)) {
@@ -285,17 +281,17 @@ TEST(Excavate, MarksTheToesOfCliffsWithBadCells) {
       const AngleBounds bounds{least, 159.5};
       std::int64_t bad = 0;
       std::vector<std::uint8_t> bad_triangles(result.mesh.triangle_count(), 0);
-      std::vector<std::pair<std::size_t, double>> steep;  // triangles and where toes end
+      std::vector<std::pair<TriangleIndex, double>> steep;  // triangles and where toes end
       for (const WorstCell& cell : cells.worst) {
         if (cell.min_dihedral_deg >= least && cell.max_dihedral_deg <= 159.5) continue;
         ++bad;
-        const auto t = static_cast<std::size_t>(cell.triangle);
+        const TriangleIndex t = cell.triangle;
         bad_triangles[t] = 1;
         if (result.mesh.ground.inside_building(t)) continue;
         // The steepest direction, by looking into all of them.
         std::array<Point3, 3> p;
         for (std::size_t i = 0; i < 3; ++i) {
-          const auto v = static_cast<std::size_t>(result.mesh.ground.triangles[t][i]);
+          const VertexIndex v = result.mesh.ground.triangles[t][i];
           const Point2 q = result.mesh.ground.vertices[v];
           p[i] = {q.x, q.y, result.plan.ground[v]};
         }
@@ -340,8 +336,8 @@ TEST(Excavate, MarksTheToesOfCliffsWithBadCells) {
 TEST(Excavate, ExcavatesWhatRisesBeforeTheMiddleOfASunkenWall) {
   GroundMesh mesh;
   mesh.vertices = {{0, 0}, {2.4, 0}, {1.2, 0.6}, {1.2, -2}};
-  mesh.triangles = {{0, 1, 2}, {1, 0, 3}};
-  mesh.region = {1, 0};
+  mesh.triangles = testing::triangles_of({{0, 1, 2}, {1, 0, 3}});
+  mesh.region = testing::indices_of<RegionIndex>({1, 0});
   mesh.regions = regions_of_buildings(1);
   ColumnPlan plan;
   plan.ground = {-1.7, -1.7, 0, -1.7};
@@ -373,12 +369,12 @@ TEST(Excavate, MarksTheToesOfWallsTooLowForTheEdgesBesideThem) {
   EXPECT_GT(marked, 5);
   const double tangent = std::tan(15 * std::numbers::pi / 180);
   int toes = 0;
-  for (std::size_t v = 0; v < marks.toes.size(); ++v) {
+  for (const VertexIndex v : indices<VertexIndex>(marks.toes.size())) {
     double longest = 0;
-    for (std::size_t t = 0; t < result.mesh.triangle_count(); ++t) {
+    for (const TriangleIndex t : result.mesh.ground.triangles.indices()) {
       const auto& corners = result.mesh.ground.triangles[t];
       if (result.mesh.inside_building(t) ||
-          std::find(corners.begin(), corners.end(), static_cast<VertexIndex>(v)) == corners.end())
+          std::find(corners.begin(), corners.end(), v) == corners.end())
         continue;
       for (const VertexIndex u : corners) {
         const Point2 p = result.mesh.ground.vertices[v];
@@ -406,30 +402,28 @@ TEST(Excavate, MarksTheRoofsWithBadCellsBesideThem) {
   const auto result = testing::meshed(city, 4);
   int all = 0;
   for (const double least : {0.5, 8.5, 60.0}) {
-    std::set<BuildingIndex> expected;
+    std::set<RegionIndex> expected;
     std::vector<std::uint8_t> bad(result.mesh.triangle_count(), 0);
     const CellQuality cells = measure_cells(result.mesh, 10'000'000);
     ASSERT_EQ(static_cast<std::int64_t>(cells.worst.size()), cells.histogram.cells());
     for (const WorstCell& cell : cells.worst) {
       if (cell.min_dihedral_deg >= least && cell.max_dihedral_deg <= 159.5) continue;
-      const auto t = static_cast<std::size_t>(cell.triangle);
+      const TriangleIndex t = cell.triangle;
       bad[t] = 1;
       if (result.mesh.ground.inside_building(t)) continue;
       const auto& corners = result.mesh.ground.triangles[t];
       for (const VertexIndex v : corners) {
-        const BuildingIndex b = result.plan.lowest_roof[static_cast<std::size_t>(v)];
+        const RegionIndex b = result.plan.lowest_roof[v];
         if (b == kNoRegion) continue;
         for (const VertexIndex u : corners)
-          if (result.plan.ground[static_cast<std::size_t>(u)] >
-              city.roofs[static_cast<std::size_t>(b)])
-            expected.insert(b);
+          if (result.plan.ground[u] > city.roofs[b]) expected.insert(b);
       }
     }
     ExcavationMarks marks{{0, 0}, {}};
     const std::vector<std::uint8_t>& cut = marks.roofs;
     const std::int64_t marked = mark_buried_roofs(result.mesh, result.plan, bad, marks);
     EXPECT_EQ(marked, static_cast<std::int64_t>(expected.size()));
-    EXPECT_EQ(cut[0], expected.count(0));
+    EXPECT_EQ(cut[0], expected.count(RegionIndex(0)));
     EXPECT_EQ(cut[1], 0);
     EXPECT_EQ(mark_buried_roofs(result.mesh, result.plan, bad, marks), 0) << "marked twice";
     all += cut[0];

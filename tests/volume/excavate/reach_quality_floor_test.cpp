@@ -14,6 +14,7 @@
 #include <gtest/gtest.h>
 
 #include "support/explicit_mesh.h"
+#include "support/indices.h"
 #include "support/small_city.h"
 #include "support/test_data.h"
 #include "volume/column/ground_heights.h"
@@ -154,7 +155,7 @@ TEST(ReachQualityFloor, PlacesGrowWhereExcavationsReachFurther) {
   options.plan.domain_height = 30;
   options.plan.layer_height = 2.5;
   const ImprovedColumns result = improved(city, ground, column_spacing(ground), options);
-  EXPECT_EQ(result.excavated.roofs, (std::vector<BuildingIndex>{0, 1}));
+  EXPECT_EQ(result.excavated.roofs, (testing::indices_of<BuildingIndex>({0, 1})));
   expect_excavated_as_told(result, city);
 }
 
@@ -192,8 +193,7 @@ TEST_F(PlacesTest, HaveWhatIsNearTheirSeeds) {
     std::vector<std::uint8_t> seeds(n, 0);
     std::vector<VertexIndex> seeded;
     for (int i = 0; i < 6; ++i) {
-      seeded.push_back(
-          std::uniform_int_distribution<VertexIndex>(0, static_cast<VertexIndex>(n) - 1)(random));
+      seeded.push_back(VertexIndex(std::uniform_int_distribution<std::size_t>(0, n - 1)(random)));
       seeds[static_cast<std::size_t>(seeded.back())] = 1;
     }
     std::vector<std::vector<int>> edges;
@@ -248,7 +248,7 @@ TEST_F(PlacesTest, PartsAreRimmed) {
     EXPECT_EQ(part.columns.mesh.ground.vertices[v].x, columns.mesh.ground.vertices[whole].x);
     if (part.fixed[v] != 0) continue;
     ++free;
-    const auto own = static_cast<VertexIndex>(v);
+    const auto own = VertexIndex(v);
     const auto around = triangles_around(edges, {&own, 1});
     EXPECT_EQ(around.size(), triangles_around(columns.mesh.edges, {&vertices[v], 1}).size());
     for (const TriangleIndex t : around)

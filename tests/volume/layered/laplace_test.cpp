@@ -33,7 +33,7 @@ using TetMatrix = std::array<std::array<double, 4>, 4>;
 TetMatrix tet_stiffness(const LayeredMesh& mesh, const std::array<Node, 4>& tet) {
   std::array<std::array<double, 3>, 4> p;
   for (std::size_t i = 0; i < 4; ++i) {
-    const auto v = static_cast<std::size_t>(tet[i].first);
+    const VertexIndex v = tet[i].first;
     p[i] = {mesh.ground.vertices[v].x, mesh.ground.vertices[v].y, mesh.column(v)[tet[i].second]};
   }
   std::array<std::array<double, 3>, 3> e;
@@ -100,9 +100,9 @@ Matrix dense_matrix(const LevelMatrix& a, const LevelGraph& graph) {
       couple(v, k, v, k + 1, a.vertical[i]);
       dense[v * n + k][v * n + k] += static_cast<double>(a.diagonal[i]);
     }
-    for (EdgeIndex e = graph.starts[v]; e < graph.starts[v + 1]; ++e) {
-      const auto x = static_cast<std::size_t>(graph.edges[e][1]);
-      const float* bands = a.edge.data() + static_cast<std::size_t>(e * a.bands) * m;
+    for (const EdgeIndex e : graph.starting_at(v)) {
+      const VertexIndex x = graph.edges[e][1];
+      const float* bands = a.edge.data() + e * a.bands * m;
       for (std::size_t k = 0; k < n; ++k) {
         const std::size_t i = a.uniform ? 0 : k;
         couple(v, k, x, k, bands[i]);
@@ -114,10 +114,7 @@ Matrix dense_matrix(const LevelMatrix& a, const LevelGraph& graph) {
   return dense;
 }
 
-LevelGraph graph_of(const LayeredMesh& mesh) {
-  return {mesh.vertex_count(), mesh.edges.vertices.data(), mesh.edges.starts.data(),
-          mesh.edges.end_offsets.data(), mesh.edges.ends.data()};
-}
+LevelGraph graph_of(const LayeredMesh& mesh) { return LevelGraph(mesh.edges); }
 
 /// Evenly layered and untrimmed, as the first solve finds it.
 LayeredMesh even_mesh(double mesh_size) {
@@ -187,30 +184,28 @@ TEST(Laplace, CoarseLevelsAreGalerkinProducts) {
     for (int step = 0; step < 2; ++step) {  // from two bands an edge to three, and on
       const LevelMatrix& fine = step == 0 ? matrix : levels.back().matrix;
       const Interpolation p = coarsen(graph, step == 0 ? weights : levels.back().weights);
-      const std::size_t columns = p.fine_starts.size() - 1, n = matrix.rows;
+      const std::size_t columns = p.fine.size(), n = matrix.rows;
       EXPECT_LT(columns * 3, graph.columns);
       const Matrix a = dense_matrix(fine, graph);
       Matrix ap(a.size(), std::vector<double>(columns * n, 0.0));
       Matrix expected(columns * n, std::vector<double>(columns * n, 0.0));
       for (std::size_t x = 0; x < graph.columns; ++x) {
         float sum = 0;
-        for (std::int32_t i = p.coarse_starts[x]; i < p.coarse_starts[x + 1]; ++i) {
-          const auto& entry = p.coarse[static_cast<std::size_t>(i)];
+        for (const auto& entry : p.coarse[x]) {
           sum += entry.weight;
           for (std::size_t row = 0; row < a.size(); ++row)
             for (std::size_t k = 0; k < n; ++k)
-              ap[row][static_cast<std::size_t>(entry.column) * n + k] +=
+              ap[row][entry.column * n + k] +=
                   a[row][x * n + k] * static_cast<double>(entry.weight);
         }
         EXPECT_NEAR(sum, 1, 1e-5) << "constants";
       }
       for (std::size_t c = 0; c < columns; ++c)
-        for (std::int32_t i = p.fine_starts[c]; i < p.fine_starts[c + 1]; ++i) {
-          const auto& entry = p.fine[static_cast<std::size_t>(i)];
+        for (const auto& entry : p.fine[c]) {
           for (std::size_t k = 0; k < n; ++k)
             for (std::size_t j = 0; j < columns * n; ++j)
-              expected[c * n + k][j] += ap[static_cast<std::size_t>(entry.column) * n + k][j] *
-                                        static_cast<double>(entry.weight);
+              expected[c * n + k][j] +=
+                  ap[entry.column * n + k][j] * static_cast<double>(entry.weight);
         }
       levels.push_back(coarse_level(fine, graph, p));
       graph = levels.back().graph.view();

@@ -11,7 +11,7 @@ namespace {
 
 TEST(LayeredMesh, DividesTheHeightEvenly) {
   const LayeredMesh mesh = make_layers(mesh_ground({}, {0, 0, 10, 10}, {5, 25}), 4, -10, 30);
-  for (std::size_t v = 0; v < mesh.vertex_count(); ++v)
+  for (const VertexIndex v : mesh.ground.vertices.indices())
     for (std::int32_t k = 0; k <= 4; ++k) EXPECT_EQ(mesh.column(v)[k], -10 + 10 * k);
 }
 

@@ -18,7 +18,7 @@ namespace {
 LayeredMesh tangled_columns(std::mt19937& random) {
   LayeredMesh mesh = make_layers(mesh_ground({}, {0, 0, 60, 60}, {10, 25}), 7, 0, 70);
   std::uniform_real_distribution<double> height(-200, 200), rise(0.5, 40);
-  for (std::size_t v = 0; v < mesh.vertex_count(); ++v) {
+  for (const VertexIndex v : mesh.ground.vertices.indices()) {
     for (std::size_t k = 0; k < mesh.stride(); ++k) mesh.column(v)[k] = height(random);
     const int kind = static_cast<int>(random() % 3);
     const auto roof = static_cast<std::int32_t>(1 + random() % 6);
@@ -42,7 +42,7 @@ TEST(Monotone, LiftsEveryColumnAndKeepsFixedHeightsExactly) {
     const MonotoneReport report = make_monotone(mesh, {share, true, 10});
     double least = 1e300;
     std::int64_t moved = 0;
-    for (std::size_t v = 0; v < mesh.vertex_count(); ++v) {
+    for (const VertexIndex v : mesh.ground.vertices.indices()) {
       const double* z = mesh.column(v);
       const double* old = before.column(v);
       const std::int32_t first = mesh.first_node[v], top = mesh.layers;
@@ -74,16 +74,16 @@ TEST(Monotone, LeavesGoodColumnsAlone) {
 
 TEST(Monotone, FreeTopMayMove) {
   LayeredMesh mesh = make_layers(mesh_ground({}, {0, 0, 60, 60}, {10, 25}), 4, 0, 40);
-  for (std::size_t v = 0; v < mesh.vertex_count(); ++v) mesh.column(v)[4] = -5;
+  for (const VertexIndex v : mesh.ground.vertices.indices()) mesh.column(v)[4] = -5;
   const MonotoneReport report = make_monotone(mesh, {0.25, false, 10});
   EXPECT_EQ(report.min_gap, 2.5);
-  for (std::size_t v = 0; v < mesh.vertex_count(); ++v) EXPECT_EQ(mesh.column(v)[4], 32.5);
+  for (const VertexIndex v : mesh.ground.vertices.indices()) EXPECT_EQ(mesh.column(v)[4], 32.5);
 }
 
 TEST(Monotone, RefusesRoofsBelowTheGround) {
   LayeredMesh mesh = make_layers(mesh_ground({}, {0, 0, 60, 60}, {10, 25}), 7, 0, 70);
   mesh.roof_layer[3] = 2;
-  mesh.column(3)[2] = -1;
+  mesh.column(VertexIndex(3))[2] = -1;
   EXPECT_THROW(make_monotone(mesh, {0.25, true, 10}), Error);
 }
 
@@ -91,7 +91,7 @@ TEST(Monotone, HeightsThatAreNoNumbersAreRefused) {
   for (const bool fixed_top : {true, false}) {
     LayeredMesh mesh = make_layers(mesh_ground({}, {0, 0, 60, 60}, {10, 25}), 7, 0, 70);
     for (std::int32_t k = 0; k <= mesh.layers; ++k)
-      mesh.column(3)[k] = std::numeric_limits<double>::quiet_NaN();
+      mesh.column(VertexIndex(3))[k] = std::numeric_limits<double>::quiet_NaN();
     EXPECT_THROW(make_monotone(mesh, {0.25, fixed_top, 10}), Error);
   }
 }

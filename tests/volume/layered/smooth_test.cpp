@@ -21,15 +21,14 @@ TEST(Smooth, MeshIsValidAndHeightsAreExactOnAnyTerrain) {
         auto city = testing::small_city(terrain);
         const auto result = testing::layered(city, size, fixed_top);
         const LayeredMesh& mesh = result.mesh;
-        for (std::size_t v = 0; v < mesh.vertex_count(); ++v) {
+        for (const VertexIndex v : mesh.ground.vertices.indices()) {
           for (std::int32_t k = mesh.first_node[v]; k < mesh.layers; ++k)
             ASSERT_GT(mesh.column(v)[k + 1], mesh.column(v)[k]);
           if (mesh.first_node[v] == 0) {
             ASSERT_EQ(mesh.column(v)[0], result.plan.ground[v]);
           }
-          if (result.plan.lowest_roof[v] != kNoBuilding) {
-            ASSERT_EQ(mesh.column(v)[mesh.roof_layer[v]],
-                      city.roofs[static_cast<std::size_t>(result.plan.lowest_roof[v])]);
+          if (result.plan.lowest_roof[v] != kNoRegion) {
+            ASSERT_EQ(mesh.column(v)[mesh.roof_layer[v]], city.roofs[result.plan.lowest_roof[v]]);
           }
         }
       }
@@ -40,7 +39,7 @@ TEST(Smooth, TopStaysFlatWhenFixed) {
   double top = 0;
   for (const double z : result.city.dtm.values) top = std::max(top, z + 80);
   for (const double roof : result.city.roofs) top = std::max(top, roof + 2 * 8);
-  for (std::size_t v = 0; v < result.mesh.vertex_count(); ++v)
+  for (const VertexIndex v : result.mesh.ground.vertices.indices())
     EXPECT_EQ(result.mesh.column(v)[result.mesh.layers], top);
 }
 
@@ -48,7 +47,7 @@ TEST(Smooth, FlatTerrainWithRoofsOnLayersNeedsNoChange) {
   auto city = testing::small_city([](double, double) { return 0.0; });
   city.roofs = {16, 32, 16, 8, 64};
   const auto result = testing::layered(city, 8);
-  for (std::size_t v = 0; v < result.mesh.vertex_count(); ++v)
+  for (const VertexIndex v : result.mesh.ground.vertices.indices())
     for (std::int32_t k = result.mesh.first_node[v]; k <= result.mesh.layers; ++k)
       EXPECT_NEAR(result.mesh.column(v)[k], 8.0 * k, 1e-4);
 }
@@ -71,10 +70,9 @@ TEST(Smooth, CutsEachBuildingAtTheLayerNearestItsRoof) {
   const auto result = testing::layered(city, 8);
   const std::vector<std::int32_t> nearest{1, 1, 2, 3,
                                           9};  // 20.5 m: 2.48 layers, in ratio closer to 3
-  for (std::size_t t = 0; t < result.mesh.triangle_count(); ++t) {
+  for (const TriangleIndex t : result.mesh.ground.triangles.indices()) {
     const BuildingIndex b = result.mesh.ground.region_of(t).building;
-    EXPECT_EQ(result.mesh.first_layer[t],
-              b == kNoBuilding ? 0 : nearest[static_cast<std::size_t>(b)]);
+    EXPECT_EQ(result.mesh.first_layer[t], b == kNoBuilding ? 0 : nearest[b]);
   }
 }
 

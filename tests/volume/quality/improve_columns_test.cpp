@@ -62,8 +62,8 @@ void expect_conforming(const ColumnMesh& mesh) {
 /// Ground, roof and top of every column.
 std::vector<std::array<double, 3>> fixed_heights(const ColumnMesh& mesh) {
   std::vector<std::array<double, 3>> heights;
-  for (std::size_t v = 0; v < mesh.vertex_count(); ++v) {
-    const auto at = [&](NodeIndex n) { return mesh.z[static_cast<std::size_t>(n)]; };
+  for (const VertexIndex v : mesh.ground.vertices.indices()) {
+    const auto at = [&](NodeIndex n) { return mesh.z[n]; };
     heights.push_back({at(mesh.first[v]), at(mesh.first[v] + std::ranges::max(mesh.floors_at(v))),
                        at(mesh.first[v + 1] - 1)});
   }

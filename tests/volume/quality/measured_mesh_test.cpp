@@ -55,10 +55,10 @@ TEST(StackKernels, CellsAreThoseOfTetShape) {
     std::size_t cell = 0;
     FrontStore store;
     StackKernels kernels;
-    for (std::size_t t = 0; t < mesh.triangle_count(); ++t) {
+    for (const TriangleIndex t : mesh.ground.triangles.indices()) {
       if (t % 7 == 0) store.clear();
       store.add(mesh, t);
-      const Fronts fronts = store[t % 7];
+      const Fronts fronts = store[t.value() % 7];
       kernels.measure(fronts);
       double greatest = 0, widest = 0, ratio = 0;
       for (std::size_t k = 0; k < fronts.cells; ++k, ++cell) {
@@ -89,7 +89,7 @@ TEST(StackKernels, FacesAreThoseOfFaceShape) {
     const ColumnMesh mesh = spoilt_city(terrain, 0.5);
     FrontStore store;
     StackKernels kernels;
-    for (std::size_t t = 0; t < mesh.triangle_count(); ++t) store.add(mesh, t);
+    for (const TriangleIndex t : mesh.ground.triangles.indices()) store.add(mesh, t);
     std::array<Strip, 2> strips;
     const auto expect_worst = [](const FaceFigures& figures, const FaceQuality& expected,
                                  bool has_boundary) {
@@ -100,18 +100,18 @@ TEST(StackKernels, FacesAreThoseOfFaceShape) {
       else
         ASSERT_NEAR(std::sqrt(figures.skewness2), expected.worst.skewness, 1e-7);
     };
-    for (std::size_t t = 0; t < mesh.triangle_count(); ++t) {
+    for (const TriangleIndex t : mesh.ground.triangles.indices()) {
       kernels.measure(store[t]);
       expect_worst(kernels.faces(), faces_over(mesh, t), false);
     }
-    for (std::size_t e = 0; e < mesh.edges.size(); ++e) {
+    for (const EdgeIndex e : mesh.edges.vertices.indices()) {
       if (mesh.edges.triangles[e][1] == kNoTriangle) continue;
       std::array<Point2, 2> corner;
       for (std::size_t s = 0; s < 2; ++s) {
-        const auto t = static_cast<std::size_t>(mesh.edges.triangles[e][s]);
+        const TriangleIndex t = mesh.edges.triangles[e][s];
         const auto& own = mesh.edges.of_triangle[t];
         const std::size_t i = static_cast<std::size_t>(
-            2 - (std::find(own.begin(), own.end(), static_cast<EdgeIndex>(e)) - own.begin()));
+            2 - (std::find(own.begin(), own.end(), e) - own.begin()));
         gather_strip(store[t], i, strips[s]);
         corner[s] = store[t].corner[i];
       }
@@ -120,8 +120,7 @@ TEST(StackKernels, FacesAreThoseOfFaceShape) {
       ASSERT_EQ(static_cast<std::int64_t>(count), expected.faces);
       if (count == 0) continue;
       const auto [a, b] = mesh.edges.vertices[e];
-      expect_worst(kernels.measure_between(mesh.ground.vertices[static_cast<std::size_t>(a)],
-                                           mesh.ground.vertices[static_cast<std::size_t>(b)],
+      expect_worst(kernels.measure_between(mesh.ground.vertices[a], mesh.ground.vertices[b],
                                            corner, strips, count),
                    expected, strips[0].faces != strips[1].faces);
     }
@@ -149,7 +148,7 @@ TEST(MeasuredMesh, CountsWhatTheWholeMeshHas) {
         if (cell.min_dihedral_deg < kAskedBounds[i].least ||
             cell.max_dihedral_deg > kAskedBounds[i].greatest) {
           over.insert(cell.triangle);
-          bad[static_cast<std::size_t>(cell.triangle)] = 1;
+          bad[cell.triangle] = 1;
         }
       EXPECT_EQ(counts.triangles[i], static_cast<std::int64_t>(over.size()));
       EXPECT_EQ(faults.bad_triangles(mesh, static_cast<Asked>(i)), bad);
@@ -175,10 +174,10 @@ TEST(MeasuredMesh, LookingAgainWhereColumnsChangedIsEnough) {
     const std::vector<VertexIndex> changed = improve_columns(after, options).columns;
     ASSERT_FALSE(changed.empty());
     EXPECT_EQ(changed, changing);
-    for (std::size_t v = 0; v < before.vertex_count(); ++v)
+    for (const VertexIndex v : before.ground.vertices.indices())
       if (testing::column(before, v) != testing::column(after, v)) {
         EXPECT_TRUE(
-            std::binary_search(changed.begin(), changed.end(), static_cast<VertexIndex>(v)));
+            std::binary_search(changed.begin(), changed.end(), v));
       }
     measured.look_again(after, changed);
     without.look_again(after, changed);

@@ -25,7 +25,7 @@ struct SurfaceMesh {
                                         ///< kNoBuilding.
   std::vector<NodeIndex> node;          ///< Per point: its number in the volume mesh; empty if the
                                         ///< surface was read from a file.
-  std::vector<NodeIndex> cell;          ///< Per triangle: the cell behind it; likewise.
+  std::vector<CellIndex> cell;          ///< Per triangle: the cell behind it; likewise.
 
   const PatchInfo& patch_of(std::size_t f) const { return patches.of(patch[f]); }
 };

@@ -32,8 +32,8 @@
 
 namespace tetropolis {
 
-/// Number of a 3D vertex or cell.
-using NodeIndex = std::int64_t;
+using NodeIndex = Index<struct NodeTag, std::int64_t>;
+using CellIndex = Index<struct CellTag, std::int64_t>;
 
 /// Nodes are numbered column by column and upwards. A column has the nodes that belong to cells
 /// only: from the lowest floor of the regions around it to the top, with a node at each floor.
@@ -49,29 +49,42 @@ struct ColumnMesh {
 
   std::size_t vertex_count() const { return ground.vertices.size(); }
   std::size_t triangle_count() const { return ground.triangles.size(); }
-  NodeIndex node_count() const { return first.back(); }
-  NodeIndex top(VertexIndex v) const { return first[static_cast<std::size_t>(v) + 1] - 1; }
-  bool inside_building(std::size_t t) const { return ground.inside_building(t); }
+  std::int64_t node_count() const { return first.back().value(); }
+  /// The nodes of column v, upwards.
+  IndexRange<NodeIndex> nodes(VertexIndex v) const { return {first[v], first[v + 1]}; }
+  NodeIndex top(VertexIndex v) const { return first[v + 1] - 1; }
+  bool inside_building(TriangleIndex t) const { return ground.inside_building(t); }
   /// The node at the floor of `region` over vertex v. Precondition: the region is around v.
   NodeIndex floor(RegionIndex region, VertexIndex v) const {
-    const auto i = static_cast<std::size_t>(v);
-    if (regions.count(i) == 1) return first[i];
-    return first[i] + floors[regions.find(region, i)];
+    return regions[v].size() == 1 ? first[v] : first[v] + floors_at(v)[place(region, v)];
   }
   /// The node that triangle t's stack starts at over its corner v.
-  NodeIndex floor_over(std::size_t t, VertexIndex v) const { return floor(ground.region[t], v); }
+  NodeIndex floor_over(TriangleIndex t, VertexIndex v) const { return floor(ground.region[t], v); }
   /// Positions of the floors in the column of vertex v, in the order of `regions`.
-  std::span<const std::int32_t> floors_at(std::size_t v) const {
-    return std::span(floors).subspan(static_cast<std::size_t>(regions.first[v]), regions.count(v));
+  std::span<const std::int32_t> floors_at(VertexIndex v) const {
+    return std::span(floors).subspan(offset(v), regions[v].size());
   }
+  std::span<std::int32_t> floors_at(VertexIndex v) {
+    return std::span(floors).subspan(offset(v), regions[v].size());
+  }
+  /// Where `region` stands among those around v. Precondition: it is one of them.
+  std::size_t place(RegionIndex region, VertexIndex v) const {
+    const std::span<const RegionIndex> around = regions[v];
+    std::size_t i = 0;
+    while (around[i] != region) ++i;
+    return i;
+  }
+
+ private:
+  std::size_t offset(VertexIndex v) const { return static_cast<std::size_t>(regions.offsets[v]); }
 };
 
 /// T + 1 offsets: the cells over triangle t are [offsets[t], offsets[t + 1]), upwards.
-std::vector<NodeIndex> cell_offsets(const ColumnMesh& mesh);
+std::vector<CellIndex> cell_offsets(const ColumnMesh& mesh);
 
 /// What fronts order a column's segments by, here the one from node n up: twice the elevation of
 /// its midpoint. `z`: elevations of the column.
-inline double climbing_key(const double* z, NodeIndex n) { return z[n] + z[n + 1]; }
+inline double climbing_key(const double* z, NodeIndex n) { return z[n.value()] + z[n.value() + 1]; }
 
 /// Whether a segment over vertex v with the key `a` goes before one over w with the key `b`.
 constexpr bool climbs_first(double a, VertexIndex v, double b, VertexIndex w) {
@@ -123,7 +136,7 @@ class Climb {
 };
 
 /// The front at the floor of triangle t, in the order of its corners.
-inline Climb<3> climb_triangle(const ColumnMesh& mesh, std::size_t t) {
+inline Climb<3> climb_triangle(const ColumnMesh& mesh, TriangleIndex t) {
   const auto& v = mesh.ground.triangles[t];
   return {mesh, v, {mesh.floor_over(t, v[0]), mesh.floor_over(t, v[1]), mesh.floor_over(t, v[2])}};
 }
@@ -132,7 +145,7 @@ inline Climb<3> climb_triangle(const ColumnMesh& mesh, std::size_t t) {
 /// triangle's corners in their order, the fourth is the upper end of the vertical edge:
 /// (p1 - p0) x (p2 - p0) . (p3 - p0) > 0.
 template <typename Visit>
-void for_each_tet_over(const ColumnMesh& mesh, std::size_t t, const Visit& visit) {
+void for_each_tet_over(const ColumnMesh& mesh, TriangleIndex t, const Visit& visit) {
   Climb<3> front = climb_triangle(mesh, t);
   for (std::size_t i; (i = front.next()) < 3; front.advance(i)) {
     const auto& at = front.at();
@@ -142,8 +155,8 @@ void for_each_tet_over(const ColumnMesh& mesh, std::size_t t, const Visit& visit
 
 /// Position of a node over ground vertex v.
 inline std::array<double, 3> position(const ColumnMesh& mesh, VertexIndex v, NodeIndex node) {
-  const Point2 p = mesh.ground.vertices[static_cast<std::size_t>(v)];
-  return {p.x, p.y, mesh.z[static_cast<std::size_t>(node)]};
+  const Point2 p = mesh.ground.vertices[v];
+  return {p.x, p.y, mesh.z[node]};
 }
 
 /// What makes the mesh valid (guarantee 4): every column has at least two nodes and increases, and

@@ -10,24 +10,24 @@
 
 namespace tetropolis {
 
-using EdgeIndex = std::int32_t;
-
-inline constexpr TriangleIndex kNoTriangle = -1;
+using EdgeIndex = Index<struct EdgeTag>;
 
 /// Edges are numbered in lexicographic order of (lower vertex, upper vertex), so the edges that
 /// start at a lower vertex are consecutive. A row of any vertex-to-vertex operator is the edges
 /// that start at the vertex and the edges that end there.
 struct EdgeGraph {
-  std::vector<std::array<VertexIndex, 2>> vertices;     ///< Per edge: lower, upper vertex.
-  std::vector<std::array<TriangleIndex, 2>> triangles;  ///< Per edge: its triangles in ascending
-                                                        ///< order; kNoTriangle second on the rim.
-  std::vector<std::array<EdgeIndex, 3>> of_triangle;    ///< Per triangle with sorted vertices
-                                                        ///< v1 < v2 < v3: edges v1v2, v1v3, v2v3.
-  std::vector<EdgeIndex> starts;          ///< V + 1 offsets: edges with lower vertex v.
-  std::vector<std::int32_t> end_offsets;  ///< V + 1 offsets into `ends`.
-  std::vector<EdgeIndex> ends;            ///< Edges with upper vertex v, ascending.
+  IndexedVector<EdgeIndex, std::array<VertexIndex, 2>> vertices;  ///< Lower, upper vertex.
+  /// The edge's triangles in ascending order; kNoTriangle second on the rim.
+  IndexedVector<EdgeIndex, std::array<TriangleIndex, 2>> triangles;
+  /// Of a triangle with sorted vertices v1 < v2 < v3: edges v1v2, v1v3, v2v3.
+  IndexedVector<TriangleIndex, std::array<EdgeIndex, 3>> of_triangle;
+  std::vector<EdgeIndex> starts;              ///< V + 1 offsets: edges with lower vertex v.
+  RaggedArray<EdgeIndex, std::int32_t> ends;  ///< Per vertex: edges that it is the upper vertex
+                                              ///< of, ascending.
 
   std::size_t size() const { return vertices.size(); }
+  /// The edges that v is the lower vertex of.
+  IndexRange<EdgeIndex> starting_at(VertexIndex v) const { return {starts[v], starts[v + 1]}; }
 };
 
 /// Time and memory linear in the mesh. Throws Error(kGuarantee) naming the edge if one belongs to

@@ -30,8 +30,8 @@ struct WorstCell {
                               ///< 1 for the cells that a mesh may have few or none of.
   double min_dihedral_deg = 0;
   double max_dihedral_deg = 0;
-  Point3 centre{};             ///< Local frame, metres.
-  TriangleIndex triangle = 0;  ///< That it stands over.
+  Point3 centre{};           ///< Local frame, metres.
+  TriangleIndex triangle{};  ///< That it stands over.
   /// "buried roof": beside a building, the ground rises above its roof by more than twice the
   /// triangle's altitude; "steep ground": the floor of its stack rises by more than the triangle's
   /// altitude; "low wall": beside a building, a wall or roof segment shorter than that altitude;
