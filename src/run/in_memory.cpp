@@ -36,14 +36,16 @@ void add_steps(const std::vector<StepTime>& steps, Report& report) {
 void require_heights(const BuiltCity& city) {
   for (const Building& building : city.city.buildings) {
     if (!is_elevation(building.h_ground) || !is_elevation(building.h_roof))
-      throw Error(ErrorKind::kInput,
-                  fmt::format("building {} reaches from {:.6g} to {:.6g} m, which are no elevations",
-                              building.id, building.h_ground, building.h_roof));
+      throw Error(
+          ErrorKind::kInput,
+          fmt::format("building {} reaches from {:.6g} to {:.6g} m, which are no elevations",
+                      building.id, building.h_ground, building.h_roof));
     if (building.h_roof <= building.h_ground)
-      throw Error(ErrorKind::kInput,
-                  fmt::format("building {} has its roof at {:.6g} m, not above its ground at {:.6g} "
-                              "m; raise h_roof",
-                              building.id, building.h_roof, building.h_ground));
+      throw Error(
+          ErrorKind::kInput,
+          fmt::format("building {} has its roof at {:.6g} m, not above its ground at {:.6g} "
+                      "m; raise h_roof",
+                      building.id, building.h_roof, building.h_ground));
   }
   const std::vector<double>& heights = city.terrain.values;
   if (const auto wrong = find_no_elevation(heights); wrong != heights.end())

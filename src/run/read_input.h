@@ -21,10 +21,10 @@ struct RunInput {
   FootprintsInput footprints;  ///< In the reference system of the points.
 };
 
-/// Reads both, but for what is `given` in memory; points only where the domain may be, by the headers and the footprints. Adds
-/// warnings. Throws Error(kInput): unusable files, degrees, units other than metres, no overlap.
-/// Throws Error(kUsage) before it reads points if by the headers they, or the mesh that is to
-/// follow, will not fit into memory.
+/// Reads both, but for what is `given` in memory; points only where the domain may be, by the
+/// headers and the footprints. Adds warnings. Throws Error(kInput): unusable files, degrees, units
+/// other than metres, no overlap. Throws Error(kUsage) before it reads points if by the headers
+/// they, or the mesh that is to follow, will not fit into memory.
 RunInput read_input(const Config& config, Next next, StepClock& clock,
                     std::vector<Warning>& warnings, const InputInMemory& given = {});
 

@@ -20,8 +20,7 @@ std::vector<PageFootprint> page_footprints(const BuiltCity& built) {
   const CityModel& city = built.city;
   std::unordered_map<std::string, BuildingIndex> building;
   for (const BuildingIndex b : city.buildings.indices())
-    for (const std::string& id : city.buildings[b].source_ids)
-      building.emplace(id, b);
+    for (const std::string& id : city.buildings[b].source_ids) building.emplace(id, b);
   std::unordered_map<std::string, std::string> reason;
   for (const Dropped& feature : city.dropped) reason.emplace(feature.source_id, feature.reason);
 

@@ -15,8 +15,8 @@
 
 namespace tetropolis {
 
-/// The buildings of `built.raw`, and those of `built.footprints` that did not become one though they
-/// meet the domain, with what became of them in `built.city`.
+/// The buildings of `built.raw`, and those of `built.footprints` that did not become one though
+/// they meet the domain, with what became of them in `built.city`.
 std::vector<PageFootprint> page_footprints(const BuiltCity& built);
 
 /// The page of a run. `mesh` may be nullptr. `repeat`: PageContents::repeat.

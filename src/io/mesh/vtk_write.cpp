@@ -210,9 +210,8 @@ void write_vtp(const std::filesystem::path& path, const SurfaceMesh& surface,
   write_array(faces, [&](std::size_t i, std::string& buffer) {
     append_raw(buffer, static_cast<std::int32_t>(surface.patch[i]));
   });
-  write_array(faces, [&](std::size_t i, std::string& buffer) {
-    append_raw(buffer, surface.building[i]);
-  });
+  write_array(faces,
+              [&](std::size_t i, std::string& buffer) { append_raw(buffer, surface.building[i]); });
   write_fields(file, fields);
   file.commit(kFileTail);
 }

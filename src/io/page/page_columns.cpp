@@ -33,10 +33,8 @@ void add_ground(const GroundMesh& ground, PageColumns& columns) {
     columns.corners.push_back(triangle[1] - triangle[0]);
     columns.corners.push_back(triangle[2] - triangle[0]);
   }
-  for (const RegionIndex r : ground.region)
-    columns.region.push_back(difference(r.value(), region));
-  for (const Region& r : ground.regions)
-    columns.building.push_back(r.building.value());
+  for (const RegionIndex r : ground.region) columns.region.push_back(difference(r.value(), region));
+  for (const Region& r : ground.regions) columns.building.push_back(r.building.value());
 }
 
 /// Per region of a building its elevation in steps, at any of its vertices.

@@ -40,8 +40,7 @@ void fill_points(const ColumnMesh& mesh, const Point3& shift,
 void fill_cells(const ColumnMesh& mesh, const std::vector<CellIndex>& offsets, std::size_t begin,
                 std::size_t end, std::span<std::array<NodeIndex, 4>> cells) {
   for_each_stack(offsets, begin, end, [&](TriangleIndex t, std::size_t first, std::size_t) {
-    for_each_tet_over(mesh, t,
-                      [&](const std::array<NodeIndex, 4>& tet) { cells[first++] = tet; });
+    for_each_tet_over(mesh, t, [&](const std::array<NodeIndex, 4>& tet) { cells[first++] = tet; });
   });
 }
 

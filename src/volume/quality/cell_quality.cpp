@@ -94,8 +94,8 @@ CellExtremes cells_over(const ColumnMesh& mesh, std::span<const TriangleIndex> t
       widen(part, shape.greatest, shape.least, shape.aspect_ratio);
       if (worst == 0 || (shape.greatest < greatest_cosine && shape.least > least_cosine)) return;
       const double least = angle_deg(shape.greatest), greatest = angle_deg(shape.least);
-      part.worst.push_back({share_of_floor(least, greatest), least, greatest, centre_of(p),
-                            t, cause_of(mesh, t, nodes, p)});
+      part.worst.push_back({share_of_floor(least, greatest), least, greatest, centre_of(p), t,
+                            cause_of(mesh, t, nodes, p)});
       if (part.worst.size() < 2 * worst) return;
       keep_worst(part.worst, worst);
       const AngleBounds limits = angles_at(part.worst.back().share_of_floor);

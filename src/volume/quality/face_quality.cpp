@@ -114,8 +114,7 @@ FaceQuality faces_beside(const ColumnMesh& mesh, EdgeIndex e) {
   const std::array<TriangleIndex, 2>& sides = mesh.edges.triangles[e];
   const auto [a, b] = mesh.edges.vertices[e];
   if (sides[1] == kNoTriangle) {
-    add_faces_on_boundary(mesh, sides[0], a, b, {mesh.top(a), mesh.top(b)},
-                          faces);
+    add_faces_on_boundary(mesh, sides[0], a, b, {mesh.top(a), mesh.top(b)}, faces);
     return faces.quality();
   }
   std::array<VertexIndex, 4> v{a, b, {}, {}};
@@ -130,7 +129,8 @@ FaceQuality faces_beside(const ColumnMesh& mesh, EdgeIndex e) {
   // where the columns of the edge begin.
   for (std::size_t i = 0; i < 2; ++i)
     from[i] = std::max(mesh.floor_over(sides[0], v[i]), mesh.floor_over(sides[1], v[i]));
-  for (const TriangleIndex t : sides) add_faces_on_boundary(mesh, t, a, b, {from[0], from[1]}, faces);
+  for (const TriangleIndex t : sides)
+    add_faces_on_boundary(mesh, t, a, b, {from[0], from[1]}, faces);
   Climb<4> front(mesh, v, from);
   std::array<Point3, 4> p;
   for (std::size_t i = 0; i < 4; ++i) p[i] = position(mesh, v[i], front.at(i));

@@ -194,7 +194,7 @@ void FrontStore::add(const ColumnMesh& mesh, TriangleIndex t) {
   double* const z1 = z0 + fronts.cells + 1;
   double* const z2 = z1 + fronts.cells + 1;
   const auto key = [&](std::size_t i) {
-    return at[i] < last[i] ? climbing_key(at[i], 0) : kInfinity;
+    return at[i] < last[i] ? climbing_key(at[i], NodeIndex(0)) : kInfinity;
   };
   double key0 = key(0), key1 = key(1), key2 = key(2);
   for (std::size_t k = 0;; ++k) {
@@ -268,7 +268,7 @@ void StackKernels::measure(const Fronts& fronts) {
   const std::size_t cells = fronts.cells;
   make_room(cells);
   const Base base = base_of(fronts);
-  const auto& [z0, z1, z2] = fronts.z;
+  const double *const z0 = fronts.z[0], *const z1 = fronts.z[1], *const z2 = fronts.z[2];
   measure_fronts(cells + 1, base, z0, z1, z2, at(kNormalX), at(kNormalY), at(kNormalZ), at(kArea),
                  at(kEdge2), at(kSide0), at(kSide1), at(kSide2));
   measure_cells(cells, base, z0, z1, z2, at(kNormalX), at(kNormalY), at(kNormalZ), at(kArea),

@@ -110,8 +110,8 @@ TEST(StackKernels, FacesAreThoseOfFaceShape) {
       for (std::size_t s = 0; s < 2; ++s) {
         const TriangleIndex t = mesh.edges.triangles[e][s];
         const auto& own = mesh.edges.of_triangle[t];
-        const std::size_t i = static_cast<std::size_t>(
-            2 - (std::find(own.begin(), own.end(), e) - own.begin()));
+        const std::size_t i =
+            static_cast<std::size_t>(2 - (std::find(own.begin(), own.end(), e) - own.begin()));
         gather_strip(store[t], i, strips[s]);
         corner[s] = store[t].corner[i];
       }
@@ -120,8 +120,8 @@ TEST(StackKernels, FacesAreThoseOfFaceShape) {
       ASSERT_EQ(static_cast<std::int64_t>(count), expected.faces);
       if (count == 0) continue;
       const auto [a, b] = mesh.edges.vertices[e];
-      expect_worst(kernels.measure_between(mesh.ground.vertices[a], mesh.ground.vertices[b],
-                                           corner, strips, count),
+      expect_worst(kernels.measure_between(mesh.ground.vertices[a], mesh.ground.vertices[b], corner,
+                                           strips, count),
                    expected, strips[0].faces != strips[1].faces);
     }
   }
@@ -176,8 +176,7 @@ TEST(MeasuredMesh, LookingAgainWhereColumnsChangedIsEnough) {
     EXPECT_EQ(changed, changing);
     for (const VertexIndex v : before.ground.vertices.indices())
       if (testing::column(before, v) != testing::column(after, v)) {
-        EXPECT_TRUE(
-            std::binary_search(changed.begin(), changed.end(), v));
+        EXPECT_TRUE(std::binary_search(changed.begin(), changed.end(), v));
       }
     measured.look_again(after, changed);
     without.look_again(after, changed);
