@@ -72,7 +72,7 @@ void write_surface(const Config& config, const SurfaceMesh& boundary,
   write_stl(out.result("surface.stl"), surface, placement);
   if (is_wanted(config, "obj")) write_obj(out.result("surface.obj"), surface, placement);
   if (is_wanted(config, "ply")) write_ply(out.result("surface.ply"), surface, placement);
-  if (is_wanted(config, "glb")) write_glb(out.result("surface.glb"), surface, placement);
+  if (is_wanted(config, "glb")) write_glb(out.result("surface.glb"), surface, placement, buildings);
 }
 
 }  // namespace
