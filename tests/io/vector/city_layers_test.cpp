@@ -74,9 +74,9 @@ class CityLayers : public ::testing::Test {
   CityLayers() {
     const auto feature = [](const char* id, double x, double width, const std::string& more) {
       return fmt::format(
-          R"({{"type":"Feature","properties":{{"id":"{}",{}}},"geometry":{{"type":"Polygon",)"
+          R"({{"type":"Feature","properties":{{"id":"{0}",{3}}},"geometry":{{"type":"Polygon",)"
           R"("coordinates":[[[{1},447010],[{2},447010],[{2},447020],[{1},447020],[{1},447010]]]}}}})",
-          id, more, 84000 + x, 84000 + x + width);
+          id, 84000 + x, 84000 + x + width, more);
     };
     const std::string all =
         R"("fid":7,"GEOM":"g","H_Roof":1.5,"source_id":"s","source_ID_2":"t","":"e",)"
