@@ -28,9 +28,9 @@ std::string preflight_line(const Preflight& preflight, const RunInput& input) {
   std::vector<int> classes;
   for (const auto& [code, count] : input.points.points_by_class)
     if (count > 0) classes.push_back(code);
-  std::string line =
-      fmt::format("input: {}; {:.2g} points per m2, class{} {}", where(input), preflight.points_per_m2,
-                  classes.size() == 1 ? "" : "es", fmt::join(classes, " "));
+  std::string line = fmt::format("input: {}; {:.2g} points per m2, class{} {}", where(input),
+                                 preflight.points_per_m2, classes.size() == 1 ? "" : "es",
+                                 fmt::join(classes, " "));
   if (preflight.footprints > 0)
     // Never 100 % where something is missing.
     line +=
