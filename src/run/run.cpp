@@ -43,6 +43,13 @@ void keep_inputs(const Config& config, OutputFolder& out) {
   for (const std::string& file : config.points) out.keep(file);
 }
 
+/// The results of a run that makes a city model, meshes.
+std::vector<std::string> names_of(const Config& config, bool city, bool mesh) {
+  std::vector<std::string> names = results::of_run(city, mesh, config.formats);
+  if (config.no_html) std::erase(names, results::kPage);
+  return names;
+}
+
 /// So that `check` finds a source from anywhere, also when both have moved together.
 std::string relative_to_results(const Config& config, const std::string& source) {
   return real_path(source).lexically_relative(real_path(config.out)).string();
@@ -127,7 +134,7 @@ Report run_build(const Config& config, const RunHooks& hooks) {
   Report report = begin_report("build", config);
   OutputFolder out(config.out, hooks.output, Replaces::kModels, config.overwrite);
   keep_inputs(config, out);
-  claim(out, results::of_run(true, true, config.formats), config, hooks);
+  claim(out, names_of(config, true, true), config, hooks);
   std::vector<PageFootprint> footprints;
   BuiltCity built = make_city(config, Next::kMesh, hooks, out, report, footprints);
   make_mesh(config, built.city, std::move(built.terrain), footprints, hooks, out, report);
@@ -141,7 +148,7 @@ Report run_city(const Config& config, const RunHooks& hooks) {
   Report report = begin_report("city", config);
   OutputFolder out(config.out, hooks.output, Replaces::kModels, config.overwrite);
   keep_inputs(config, out);
-  claim(out, results::of_run(true, false, {}), config, hooks);
+  claim(out, names_of(config, true, false), config, hooks);
   std::vector<PageFootprint> none;
   make_city(config, Next::kNothing, hooks, out, report, none);
   finish(report, out);
@@ -163,7 +170,7 @@ Report run_mesh(const Config& config, const RunHooks& hooks) {
   // Beside the city model that is meshed, what was made with it is no leftover.
   for (const char* name : {results::kRawCity, results::kLayers})
     out.keep(std::filesystem::path(config.city).parent_path() / name);
-  claim(out, results::of_run(false, true, config.formats), config, hooks);
+  claim(out, names_of(config, false, true), config, hooks);
   StepClock clock(hooks, report.steps);
   MeshableInput input = clock.run("1.2", "read city and terrain", [&](const Progress&) {
     return read_meshable(config, report.warnings);
