@@ -146,9 +146,9 @@ CityInput place_input(PointsInput points, FootprintsInput footprints,
   if (points.crs.empty())
     warnings.push_back(
         {"points_crs_unknown", 1,
-         points.source + ": states no CRS" +
+         points.source + ": the points have no CRS" +
              (input.crs.empty()
-                  ? "; its coordinates are taken for metres; name it with points_crs"
+                  ? "; their coordinates are taken for metres; name it with points_crs"
                   : fmt::format(": taken from the footprints ({}); if it is another, name it with "
                                 "points_crs",
                                 crs_name(input.crs)))});

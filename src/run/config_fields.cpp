@@ -153,8 +153,9 @@ std::vector<ConfigField> make_fields() {
        .group = "City model",
        .member = &C::domain_margin,
        .commands = kData,
-       .help = "Margin around the footprints without `bounds`, as far as there are points; also how "
-               "far the domain may reach beyond them to keep a building whole",
+       .help =
+           "Margin around the footprints without `bounds`, as far as there are points; also how "
+           "far the domain may reach beyond them to keep a building whole",
        .unit = "m",
        .min = 0,
        .max = 1e5},

@@ -17,9 +17,9 @@ std::string where(const RunInput& input) {
   const bool stated = !input.points.crs.empty();
   const std::string& crs = stated ? input.points.crs : input.footprints.crs;
   const auto place = place_of(crs, input.points.extent.moved(input.points.origin));
-  if (crs.empty()) return "place unknown, as no CRS is stated";
+  if (crs.empty()) return "place unknown (no CRS)";
   return fmt::format("{}{}{}", place ? place_text(*place) + ", " : "", crs_name(crs),
-                     stated ? "" : " (of the footprints: the points state none)");
+                     stated ? "" : " (of the footprints: the points have none)");
 }
 
 }  // namespace

@@ -40,6 +40,13 @@ void keep_inputs(const Config& config, OutputFolder& out) {
   for (const std::string& file : config.points) out.keep(file);
 }
 
+/// The results of a run that makes a city model, meshes.
+std::vector<std::string> names_of(const Config& config, bool city, bool mesh) {
+  std::vector<std::string> names = results::of_run(city, mesh, config.formats);
+  if (config.no_html) std::erase(names, results::kPage);
+  return names;
+}
+
 /// So that `check` finds a source from anywhere, also when both have moved together.
 std::string relative_to_results(const Config& config, const std::string& source) {
   return real_path(source).lexically_relative(real_path(config.out)).string();
@@ -99,7 +106,7 @@ Report run_build(const Config& config, const RunHooks& hooks) {
   Report report = begin_report("build", config);
   OutputFolder out(config.out, hooks.output, Replaces::kModels, config.overwrite);
   keep_inputs(config, out);
-  claim(out, results::of_run(true, true, formats_of(config)), config, hooks);
+  claim(out, names_of(config, true, true), config, hooks);
   std::vector<PageFootprint> footprints;
   BuiltCity built = write_out_city(config, Next::kMesh, hooks, out, report, footprints);
   write_out_mesh(config, built.city, std::move(built.terrain), footprints, hooks, out, report);
@@ -113,7 +120,7 @@ Report run_city(const Config& config, const RunHooks& hooks) {
   Report report = begin_report("city", config);
   OutputFolder out(config.out, hooks.output, Replaces::kModels, config.overwrite);
   keep_inputs(config, out);
-  claim(out, results::of_run(true, false, {}), config, hooks);
+  claim(out, names_of(config, true, false), config, hooks);
   std::vector<PageFootprint> none;
   write_out_city(config, Next::kNothing, hooks, out, report, none);
   finish(report, out);
@@ -135,7 +142,7 @@ Report run_mesh(const Config& config, const RunHooks& hooks) {
   // Beside the city model that is meshed, what was made with it is no leftover.
   for (const char* name : {results::kRawCity, results::kLayers})
     out.keep(std::filesystem::path(config.city).parent_path() / name);
-  claim(out, results::of_run(false, true, formats_of(config)), config, hooks);
+  claim(out, names_of(config, false, true), config, hooks);
   BuiltCity city = load_city(config, hooks, report);
   write_out_mesh(config, city.city, std::move(city.terrain), {}, hooks, out, report);
   finish(report, out);

@@ -1307,6 +1307,10 @@ TEST_F(Cli, NobodysFilesAreReplaced) {
                "folder with --out, or add --overwrite");
   EXPECT_EQ(bytes_of(scratch / "mine/dtm.tif"), "mine");
   EXPECT_EQ(run("mesh --quiet nowhere.json nowhere.tif mine").code, 3);  // it writes no dtm.tif
+  std::ofstream(scratch / "mine/index.html") << "mine";
+  EXPECT_EQ(run("mesh --quiet nowhere.json nowhere.tif mine").code, 2);
+  EXPECT_EQ(run("mesh --quiet nowhere.json nowhere.tif mine --no-html").code, 3);
+  fs::remove(scratch / "mine/index.html");
   // Before anything is read.
   expect_error("city nowhere.shp nowhere.laz mine", 2, "mine/dtm.tif");
   ASSERT_EQ(run(city + "--overwrite --quiet").code, 0);
@@ -1340,11 +1344,12 @@ TEST_F(Cli, SaysWhatTheInputIsAndWhatWasAssumed) {
                read_points(std::array{scratch / "input/points.laz"}).origin);
   const Outcome assumed = run("city input/footprints.shp plain.las out");
   EXPECT_EQ(assumed.code, 0) << assumed.err;
-  EXPECT_NE(assumed.err.find("EPSG:3006 (of the footprints: the points state none)"),
+  EXPECT_NE(assumed.err.find("EPSG:3006 (of the footprints: the points have none)"),
             std::string::npos)
       << assumed.err;
-  EXPECT_NE(assumed.err.find("plain.las: states no CRS: taken from the footprints (EPSG:3006)"),
-            std::string::npos)
+  EXPECT_NE(
+      assumed.err.find("plain.las: the points have no CRS: taken from the footprints (EPSG:3006)"),
+      std::string::npos)
       << assumed.err;
   EXPECT_EQ(run("city --quiet input/footprints.shp input out").err, "");
   // A system that is made for another place.
