@@ -234,9 +234,9 @@ TEST_F(Faults, FullDiskLeavesNothingAndSaysSo) {
     std::string sized = script;
     for (std::size_t at; (at = sized.find("SIZE")) != std::string::npos;)
       sized.replace(at, 4, size);
-    const Ending ending = run_in_own_mounts(
-        sized, build({"--mesh-size", "4", "--formats", "vtu,xdmf,msh,openfoam,obj,ply,glb",
-                      "--overwrite"}));
+    const Ending ending =
+        run_in_own_mounts(sized, build({"--mesh-size", "4", "--formats",
+                                        "vtu,xdmf,msh,openfoam,obj,ply,glb", "--overwrite"}));
     EXPECT_EQ(ending.code, 3) << ending.err;
     const std::size_t line = ending.err.find('\n');
     EXPECT_NE(ending.err.substr(0, line).find("No space left"), std::string::npos) << ending.err;
@@ -335,7 +335,8 @@ TEST_F(Faults, ResultFolderThatIsAMount) {
   const Ending ending = run_in_own_mounts(script, build({"--mesh-size", "20"}));
   EXPECT_EQ(ending.code, 0) << ending.err;
   EXPECT_EQ(ending.err,
-            "boundary.vtp buildings.gpkg city.city.json city_raw.city.json dtm.tif report.json "
+            "boundary.vtp buildings.gpkg city.city.json city_raw.city.json dtm.tif index.html "
+            "report.json "
             "surface.stl surface.vtp volume.vtu ");
 }
 

@@ -351,6 +351,7 @@ export class CityView {
     this.camera.far = distance + 7 * this.size.length();
     this.camera.updateProjectionMatrix();
     this.updateShadow(false);
+    this.cutView.setDetail(this.metresPerPixel());
     this.renderer.render(this.scene, this.camera);
     this.onFrame();
   }
