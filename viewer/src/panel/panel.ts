@@ -119,7 +119,7 @@ function describeBuilding(b: Building, area: (source: string) => string): Node[]
 function reasons(facts: Facts): [string, number][] {
   const counts = new Map<string, number>();
   for (const [reason, count] of Object.entries(facts.dropped)) {
-    const kind = reason.replace(/^area [\d.]+ m2 /, 'area ').replace(/\bm2\b/g, 'm²');
+    const kind = reason.replace(/^area [\d.]+ m2 /, 'area ').replace(/ m2\b/g, '\u00a0m²');
     counts.set(kind, (counts.get(kind) ?? 0) + count);
   }
   return [...counts].sort((a, b) => b[1] - a[1]);
@@ -203,9 +203,13 @@ class WorstCells {
   }
 }
 
+/** Settings in backquotes become the options of the command line. */
+const withOptions = (message: string): (Node | string)[] => message.split('`').map((part, i) =>
+    i % 2 === 1 ? el('code', {}, /^[a-z]\w*$/.test(part) ? `--${part.replaceAll('_', '-')}` : part) : part);
+
 function warnings(report: Report): HTMLElement {
   return section('warnings', 'Warnings', ...(report.warnings.length === 0 ? [el('p', {class: 'soft'}, 'None.')] :
-      report.warnings.map((w) => el('div', {class: 'warning'}, w.message, ' ', el('code', {}, w.count > 1 ? `${w.code} × ${whole(w.count)}` : w.code)))));
+      report.warnings.map((w) => el('div', {class: 'warning'}, ...withOptions(w.message), ' ', el('code', {}, w.count > 1 ? `${w.code} × ${whole(w.count)}` : w.code)))));
 }
 
 function times(report: Report): HTMLElement {
