@@ -105,6 +105,9 @@ test('picks the building under the pointer', async () => {
   for (const {building, place} of roofs.filter((_, i) => i % 8 === 0)) {
     await page.mouse.click(...(await toScreen(place)));
     assert.match(await text('#building'), new RegExp(`b${building} · `));
+    const [x, y] = await toScreen(place);
+    const found = await page.evaluate((x, y) => tetropolis.view.pickPlace(x, y)?.toArray(), x, y);
+    assert.ok(Math.hypot(...found.map((v, k) => v - place[k])) < 0.5, `${found} for ${place}`);
   }
   // Beside the city there is nothing.
   await page.mouse.click(...(await toScreen([-200, 0, 0])));
