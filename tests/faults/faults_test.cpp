@@ -335,7 +335,8 @@ TEST_F(Faults, ResultFolderThatIsAMount) {
   const Ending ending = run_in_own_mounts(script, build({"--mesh-size", "20"}));
   EXPECT_EQ(ending.code, 0) << ending.err;
   EXPECT_EQ(ending.err,
-            "boundary.vtp buildings.gpkg city.city.json city_raw.city.json dtm.tif report.json "
+            "boundary.vtp buildings.gpkg city.city.json city_raw.city.json dtm.tif index.html "
+            "report.json "
             "surface.stl surface.vtp volume.vtu ");
 }
 

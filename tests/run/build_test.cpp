@@ -441,9 +441,9 @@ TEST_F(Build, BlocksPassEveryCheckAndTheReportTellsTheTruth) {
   Config config = city(SynthKind::kBlocks, 0, 320, 3);
   const Report report = run_build(config);
   expect_guarantees(config.out);
-  const std::set<std::string> expected{"city_raw.city.json", "city.city.json", "dtm.tif",
-                                       "buildings.gpkg",     "volume.vtu",     "boundary.vtp",
-                                       "surface.vtp",        "surface.stl",    "report.json"};
+  const std::set<std::string> expected{
+      "city_raw.city.json", "city.city.json", "dtm.tif",     "buildings.gpkg", "volume.vtu",
+      "boundary.vtp",       "surface.vtp",    "surface.stl", "index.html",     "report.json"};
   std::set<std::string> found;
   for (const auto& entry : fs::directory_iterator(config.out))
     found.insert(entry.path().filename().string());

@@ -1,7 +1,10 @@
 #include "tetropolis/run/config.h"
 
+#include <algorithm>
 #include <cmath>
+#include <cstddef>
 #include <cstdint>
+#include <cstdlib>
 #include <fstream>
 #include <limits>
 #include <set>
@@ -14,6 +17,7 @@
 #include "tetropolis/core/error.h"
 #include "tetropolis/run/run.h"
 
+#include "run/command_line.h"
 #include "support/test_data.h"
 
 namespace tetropolis {
@@ -211,6 +215,48 @@ TEST(Config, FindsTheNearestName) {
   EXPECT_EQ(nearest_name("mesh-size", known), "mesh_size");
   EXPECT_EQ(nearest_name("minangle", known), "min_angle");
   EXPECT_EQ(nearest_name("xyz", known), "");
+}
+
+/// The words of a command line as a shell splits it.
+std::vector<std::string> words_by_shell(const std::string& line) {
+  const testing::TemporaryFolder folder;
+  const std::string file = (folder / "words").string();
+  EXPECT_EQ(std::system(("printf '%s\\0' " + line + " > '" + file + "'").c_str()), 0);
+  std::ifstream stream(file, std::ios::binary);
+  std::vector<std::string> words;
+  for (std::string word; std::getline(stream, word, '\0');) words.push_back(word);
+  return words;
+}
+
+TEST(Config, CommandLineRepeatsTheRun) {
+  Config config;
+  config.footprints = "it's $HOME; `x` \"quoted\"/f.gpkg";
+  config.points = {"a b/*.laz", "c,d"};
+  config.out = "result";
+  config.bounds = {0.1, -2, 85000.123456, 3};
+  config.mesh_size = 7.5;
+  config.formats = {"vtu", "xdmf"};
+  config.boundary_buildings = BoundaryBuildings::kClip;
+  config.terrain_only = true;
+  config.threads = 3;
+  config.size = 99;  // of another command
+  const std::vector<std::string> words = words_by_shell(command_line(config, "build"));
+  ASSERT_EQ(words[0] + " " + words[1], "tetropolis build");
+
+  Config again;
+  for (std::size_t i = 2; i < words.size();) {
+    const auto field =
+        std::find_if(config_fields().begin(), config_fields().end(),
+                     [&](const ConfigField& known) { return option_name(known) == words[i]; });
+    ASSERT_NE(field, config_fields().end()) << words[i];
+    std::vector<std::string> values;
+    for (++i; i < words.size() && !words[i].starts_with("--"); ++i) values.push_back(words[i]);
+    if (values.empty()) values.emplace_back("true");
+    set_field(again, *field, values, words[i - 1]);
+  }
+  config.size = again.size;
+  for (const ConfigField& field : config_fields())
+    EXPECT_EQ(value_text(field, again), value_text(field, config)) << field.name;
 }
 
 }  // namespace

@@ -5,9 +5,10 @@ import {cellCount} from './mesh/columns.js';
 import {lookAtSky, makeHeightGrid} from './mesh/sky.js';
 import {type Model, readModel} from './model.js';
 import {Page, pause} from './page.js';
-import {runName} from './panel/panel.js';
+import {Panel, runName} from './panel/panel.js';
 import type {Blocks} from './payload.js';
 import {byId, el} from './ui/dom.js';
+import {mapLegend} from './ui/legend.js';
 import {CityView} from './view/city_view.js';
 
 /** The light of the sky takes a while to find: the city is there before. */
@@ -21,16 +22,46 @@ async function lightSky({mesh, frame, size}: Model, view: CityView): Promise<voi
   }
 }
 
+/** What is left where there is no WebGL: the map and the numbers. */
+function showWithoutCity(model: Model, map: MapView, why: unknown): void {
+  const page = byId('stage');
+  page.classList.add('show-map', 'no-city');
+  byId('map').hidden = false;
+  const panel = new Panel(model.facts, model.before, {
+    select: (building) => {
+      map.setSelected(building);
+      panel.showBuilding(building);
+    },
+    showCell: () => {},
+  });
+  map.onClick = (hit) => {
+    const building = hit === null ? -1 : hit.side === 'after' ? hit.index : model.facts.footprints[hit.index].building;
+    map.setSelected(building);
+    panel.showBuilding(building);
+  };
+  const dark = window.matchMedia('(prefers-color-scheme: dark)').matches;
+  document.documentElement.dataset['theme'] = dark ? 'dark' : 'light';
+  map.setDark(dark);
+  byId('legend').replaceChildren(
+      ...mapLegend(map, dark ? 'dark' : 'light'),
+      el('p', {class: 'note'}, `The city in 3D needs WebGL 2, which this browser does not offer (${why instanceof Error ? why.message : String(why)}).`));
+}
+
 async function start(): Promise<void> {
   const began = performance.now();
   const model = await readModel(JSON.parse(byId('run').textContent!) as Blocks);
   document.title = `${runName(model.facts)} · Tetropolis`;
   const milliseconds = performance.now() - began;
-  const view = new CityView(byId<HTMLCanvasElement>('city'), model.surface, model.facts.buildings.length, model.size,
-                            (model.base - model.frame.centre[2]) * model.frame.step);
   const map = new MapView(byId('map'), model.facts, model.before, model.after);
-  const page = new Page(model, view, map);
   byId('wait').classList.add('done');
+  let view: CityView;
+  try {
+    view = new CityView(byId<HTMLCanvasElement>('city'), model.surface, model.facts.buildings.length, model.size,
+                        (model.base - model.frame.centre[2]) * model.frame.step);
+  } catch (error) {
+    return showWithoutCity(model, map, error);
+  }
+  const page = new Page(model, view, map);
   await pause();
   await lightSky(model, view);
   // What tests look at.

@@ -93,12 +93,12 @@ export class Page {
     canvas.addEventListener('pointerdown', (event) => { down = event; });
     canvas.addEventListener('pointerup', (event) => {
       if (down !== null && Math.hypot(event.clientX - down.clientX, event.clientY - down.clientY) < 5)
-        this.select(view.pick(event.clientX, event.clientY)?.building ?? -1, false);
+        this.select(view.pickBuilding(event.clientX, event.clientY), false);
       down = null;
     });
     canvas.addEventListener('dblclick', (event) => {
-      const picked = view.pick(event.clientX, event.clientY);
-      if (picked !== null) view.flyTo(picked.place, view.distance() * 0.5, null, 40);
+      const place = view.pickPlace(event.clientX, event.clientY);
+      if (place !== null) view.flyTo(place, view.distance() * 0.5, null, 40);
     });
     canvas.addEventListener('pointermove', (event) => {
       if (event.pointerType === 'touch' || event.buttons !== 0) return;
@@ -271,7 +271,7 @@ export class Page {
 
   private hover(event: PointerEvent): void {
     if (this.showsMap) return;
-    const building = this.view.pick(event.clientX, event.clientY)?.building ?? -1;
+    const building = this.view.pickBuilding(event.clientX, event.clientY);
     this.view.setHovered(building);
     byId('city').classList.toggle('on-building', building >= 0);
     this.tip(building < 0 ? null : this.tellBuilding(building), event.clientX, event.clientY);

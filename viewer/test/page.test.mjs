@@ -11,11 +11,12 @@ const folder = mkdtempSync(join(tmpdir(), 'tetropolis-page-'));
 const out = makeCity(folder);
 const report = readReport(out);
 const said = [], asked = [];
+const chromium = process.env.CHROMIUM ?? '/usr/bin/chromium';
 let browser, page;
 
 before(async () => {
   browser = await puppeteer.launch({
-    executablePath: process.env.CHROMIUM ?? '/usr/bin/chromium', protocolTimeout: 300_000,
+    executablePath: chromium, protocolTimeout: 300_000,
     args: ['--no-sandbox', '--use-gl=angle', '--use-angle=swiftshader', '--enable-unsafe-swiftshader'],
   });
   page = await browser.newPage();
@@ -104,6 +105,9 @@ test('picks the building under the pointer', async () => {
   for (const {building, place} of roofs.filter((_, i) => i % 8 === 0)) {
     await page.mouse.click(...(await toScreen(place)));
     assert.match(await text('#building'), new RegExp(`b${building} · `));
+    const [x, y] = await toScreen(place);
+    const found = await page.evaluate((x, y) => tetropolis.view.pickPlace(x, y)?.toArray(), x, y);
+    assert.ok(Math.hypot(...found.map((v, k) => v - place[k])) < 0.5, `${found} for ${place}`);
   }
   // Beside the city there is nothing.
   await page.mouse.click(...(await toScreen([-200, 0, 0])));
@@ -208,6 +212,16 @@ test('fits on a telephone', async () => {
   const {scroll, client} = await page.evaluate(() => ({scroll: document.documentElement.scrollWidth, client: document.documentElement.clientWidth}));
   assert.ok(scroll <= client, `${scroll} wide on ${client}`);
   assert.ok((await look()).colours > 100);
+});
+
+test('shows map and numbers without WebGL', async () => {
+  const plain = await puppeteer.launch({executablePath: chromium, args: ['--no-sandbox', '--disable-3d-apis']});
+  const other = await plain.newPage();
+  await other.goto(`file://${join(out, 'index.html')}`);
+  await other.waitForSelector('#panel section');
+  assert.match(await other.$eval('#legend', (e) => e.textContent), /merged.*needs WebGL 2/);
+  assert.equal(await other.$eval('#map', (e) => e.hidden), false);
+  await plain.close();
 });
 
 test('has said nothing all the while', () => {

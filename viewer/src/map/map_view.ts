@@ -17,7 +17,7 @@ export interface MapHit {
 const kColours = {
   light: {paper: '#f4f2ed', domain: '#ffffff', line: '#4b5563', edge: '#2b313a', kept: '#8d9db0', merged: '#5fa39a',
           dropped: '#d9705c', faint: '#b9b4ab', accent: '#ffb224'},
-  dark: {paper: '#14171c', domain: '#1b1f26', line: '#8791a0', edge: '#c9ced6', kept: '#5c6b7e', merged: '#3f837b',
+  dark: {paper: '#14171c', domain: '#1b1f26', line: '#8791a0', edge: '#aeb5c0', kept: '#5c6b7e', merged: '#3f837b',
          dropped: '#b9523f', faint: '#4a505b', accent: '#ffb224'},
 };
 

@@ -202,9 +202,11 @@ export function cutSolids(mesh: ColumnMesh, frame: Frame, plane: Plane, base: nu
     } else if (isCrossed(mesh, along, t, place)) {
       const ends: Point[] = [];
       for (let k = 0; k < 3; ++k) {
-        const a = corner(k), b = corner((k + 1) % 3);
-        const da = (plane.axis === 'x' ? a[0] : a[1]) - place, db = (plane.axis === 'x' ? b[0] : b[1]) - place;
+        let a = corner(k), b = corner((k + 1) % 3);
+        let da = (plane.axis === 'x' ? a[0] : a[1]) - place, db = (plane.axis === 'x' ? b[0] : b[1]) - place;
         if (da < 0 === db < 0) continue;
+        // From below, so that the triangle beside comes to the same number.
+        if (da > 0) [a, b, da, db] = [b, a, db, da];
         const s = da / (da - db);
         ends.push([a[0] + s * (b[0] - a[0]), a[1] + s * (b[1] - a[1]), a[2] + s * (b[2] - a[2])]);
       }

@@ -36,7 +36,7 @@ export function histogram(bars: readonly Bar[], ticks: readonly number[], unit: 
   }
   chart.append(svg('line', {class: 'axis', x1: 0, x2: width, y1: height - bottom + 0.5, y2: height - bottom + 0.5}));
   for (const tick of ticks) {
-    const anchor = tick === ticks[0] ? 'start' : tick === ticks[ticks.length - 1] ? 'end' : 'middle';
+    const anchor = x(tick) < 12 ? 'start' : x(tick) > width - 8 ? 'end' : 'middle';
     chart.append(svg('text', {x: x(tick), y: height - 5, 'text-anchor': anchor}, `${tick}${unit}`));
   }
   marks.forEach((mark, i) => {

@@ -36,7 +36,7 @@ function overview(facts: Facts): HTMLElement[] {
   const list = el('dl', {class: 'facts'},
       ...fact('Buildings', whole(facts.buildings.length),
               facts.footprints.length > 0 ? `of ${plural(facts.footprints.length, 'footprint')}` : ''),
-      ...(facts.mesh ? fact('Cells', whole(facts.cells), mesh ? plural(mesh.vertices, 'node') : '') : []),
+      ...(facts.cells > 0 ? fact('Cells', whole(facts.cells), mesh ? plural(mesh.vertices, 'node') : '') : []),
       ...(mesh ? fact('Least dihedral angle', `${fixed(mesh.dihedral_deg.min, 1)}°`, `median ${fixed(mesh.dihedral_deg.median, 1)}°`) : []),
       ...(report ? fact('Time', seconds(totalSeconds(report)), `${plural(report.threads, 'thread')}, ${megabytes(report.peak_rss_bytes)}`) : []));
   const checks: [boolean, string, string][] = [];
@@ -119,7 +119,7 @@ function describeBuilding(b: Building, area: (source: string) => string): Node[]
 function reasons(facts: Facts): [string, number][] {
   const counts = new Map<string, number>();
   for (const [reason, count] of Object.entries(facts.dropped)) {
-    const kind = reason.replace(/^area [\d.]+ m2 /, 'area ').replace(/\bm2\b/g, 'm²');
+    const kind = reason.replace(/^area [\d.]+ m2 /, 'area ').replace(/ m2\b/g, '\u00a0m²');
     counts.set(kind, (counts.get(kind) ?? 0) + count);
   }
   return [...counts].sort((a, b) => b[1] - a[1]);
@@ -203,9 +203,13 @@ class WorstCells {
   }
 }
 
+/** Settings in backquotes become the options of the command line. */
+const withOptions = (message: string): (Node | string)[] => message.split('`').map((part, i) =>
+    i % 2 === 1 ? el('code', {}, /^[a-z]\w*$/.test(part) ? `--${part.replaceAll('_', '-')}` : part) : part);
+
 function warnings(report: Report): HTMLElement {
   return section('warnings', 'Warnings', ...(report.warnings.length === 0 ? [el('p', {class: 'soft'}, 'None.')] :
-      report.warnings.map((w) => el('div', {class: 'warning'}, w.message, ' ', el('code', {}, w.count > 1 ? `${w.code} × ${whole(w.count)}` : w.code)))));
+      report.warnings.map((w) => el('div', {class: 'warning'}, ...withOptions(w.message), ' ', el('code', {}, w.count > 1 ? `${w.code} × ${whole(w.count)}` : w.code)))));
 }
 
 function times(report: Report): HTMLElement {
@@ -216,9 +220,10 @@ function times(report: Report): HTMLElement {
   const element = section('times', 'Time and memory',
       el('div', {class: 'steps'}, ...shown.flatMap((s) => [
         el('span', {class: 'id'}, s.id), el('span', {class: 'what', title: s.name}, s.name),
-        el('div', {class: 'track', title: `CPU time ${seconds(s.cpu_seconds)}${s.peak_rss_bytes ? `, memory so far ${megabytes(s.peak_rss_bytes)}` : ''}`},
+        el('div', {class: 'track', title: `CPU time of all threads ${seconds(s.cpu_seconds)}`},
            el('div', {style: `width:${(100 * s.seconds / longest).toFixed(1)}%`})),
-        el('span', {class: 'time'}, s.peak_rss_bytes ? `${seconds(s.seconds)}` : seconds(s.seconds)),
+        el('span', {class: 'time'}, seconds(s.seconds)),
+        el('span', {class: 'time', title: 'Most memory until the end of the step'}, s.peak_rss_bytes ? megabytes(s.peak_rss_bytes) : ''),
       ])),
       rest.length > 0 && el('p', {class: 'soft'}, `${plural(rest.length, 'other step')}: ${seconds(rest.reduce((n, s) => n + s.seconds, 0))}`));
   element.querySelector('h2')!.append(el('span', {class: 'aside'}, `${seconds(total)}, at most ${megabytes(report.peak_rss_bytes)}`));

@@ -1,9 +1,9 @@
 // The city in 3D: camera, light, and what is drawn. Frames are drawn when something has changed.
 
 import {
-  AmbientLight, Box2, BufferAttribute, BufferGeometry, CircleGeometry, Color, DataTexture, DirectionalLight, FloatType,
+  AmbientLight, Box2, BufferAttribute, BufferGeometry, CircleGeometry, Color, DataTexture, DirectionalLight,
   HemisphereLight, LineBasicMaterial, LineSegments, Mesh, MeshBasicMaterial, PCFShadowMap,
-  PerspectiveCamera, Plane, RGBAFormat, Scene, ShadowMaterial, Vector2, Vector3, WebGLRenderer,
+  PerspectiveCamera, Plane, Scene, ShadowMaterial, Vector2, Vector3, WebGLRenderer,
   WebGLRenderTarget, DoubleSide,
 } from 'three';
 import {OrbitControls} from 'three/examples/jsm/controls/OrbitControls.js';
@@ -13,15 +13,9 @@ import type {Surface} from '../mesh/surface.js';
 import {kAccent, kClassColours, kQualityRamp, kQuietGround, type Rgb, type Theme} from './colours.js';
 import {CutView} from './cut_view.js';
 import {
-  buildingTexture, Colouring, linear, pickMaterial, rampTexture, skyTexture, surfaceGeometry, surfaceMaterial,
+  buildingTexture, Colouring, linear, pickMaterial, PickMode, rampTexture, skyTexture, surfaceGeometry, surfaceMaterial,
   type SurfaceUniforms,
 } from './surface_material.js';
-
-export interface Picked {
-  /** -1: ground. */
-  building: number;
-  place: Vector3;
-}
 
 const kFieldOfView = 32;
 /** Of the sun: azimuth clockwise from north, elevation. */
@@ -42,7 +36,8 @@ export class CityView {
   private readonly renderer: WebGLRenderer;
   private readonly scene = new Scene();
   private readonly pickScene = new Scene();
-  private readonly pickTarget = new WebGLRenderTarget(1, 1, {format: RGBAFormat, type: FloatType});
+  private readonly pickTarget = new WebGLRenderTarget(1, 1);
+  private readonly picker = pickMaterial();
   private readonly sun = new DirectionalLight('#fff0d9', 2.6);
   private readonly skyLight = new HemisphereLight('#dbe8ff', '#b3a48f', 1.7);
   private readonly uniforms: SurfaceUniforms;
@@ -84,7 +79,7 @@ export class CityView {
     this.surface = new Mesh(geometry, surfaceMaterial(this.uniforms));
     this.surface.castShadow = this.surface.receiveShadow = true;
     this.surface.frustumCulled = false;
-    const picked = new Mesh(geometry, pickMaterial());
+    const picked = new Mesh(geometry, this.picker);
     picked.frustumCulled = false;
     this.pickScene.add(picked);
 
@@ -241,7 +236,7 @@ export class CityView {
     const planes = normal === null ? null : [this.clip];
     if (normal !== null) this.clip.set(normal.clone().negate(), at * (normal.x + normal.y + normal.z));
     this.renderer.localClippingEnabled = normal !== null;
-    const materials = [this.surface.material, (this.pickScene.children[0] as Mesh).material];
+    const materials = [this.surface.material, this.picker];
     for (const material of materials as {clippingPlanes: Plane[] | null; needsUpdate: boolean}[]) {
       if ((material.clippingPlanes === null) !== (planes === null)) material.needsUpdate = true;
       material.clippingPlanes = planes;
@@ -275,22 +270,32 @@ export class CityView {
     return this.marker.visible ? [...this.marker.geometry.getAttribute('position').array] : [];
   }
 
-  /** What is drawn at a place of the window; null: nothing. */
-  pick(clientX: number, clientY: number): Picked | null {
+  /** The building at a place of the window; -1: none. */
+  pickBuilding(clientX: number, clientY: number): number {
+    return Math.max(-1, this.pick(clientX, clientY, PickMode.building) - 2);
+  }
+
+  /** What is at a place of the window; null: nothing. */
+  pickPlace(clientX: number, clientY: number): Vector3 | null {
+    const depth = this.pick(clientX, clientY, PickMode.depth);
+    if (depth < 0) return null;
     const box = this.canvas.getBoundingClientRect();
-    const x = Math.floor(clientX - box.left), y = Math.floor(clientY - box.top);
-    this.camera.setViewOffset(box.width, box.height, x, y, 1, 1);
-    const background = this.renderer.getClearAlpha();
+    return new Vector3(2 * (clientX - box.left) / box.width - 1, 1 - 2 * (clientY - box.top) / box.height,
+                       2 * depth / 16777215 - 1).unproject(this.camera);
+  }
+
+  /** -1: nothing is there. */
+  private pick(clientX: number, clientY: number, mode: PickMode): number {
+    const box = this.canvas.getBoundingClientRect();
+    this.picker.uniforms['mode']!.value = mode;
+    this.camera.setViewOffset(box.width, box.height, Math.floor(clientX - box.left), Math.floor(clientY - box.top), 1, 1);
     this.renderer.setRenderTarget(this.pickTarget);
-    this.renderer.setClearAlpha(0);
     this.renderer.render(this.pickScene, this.camera);
-    this.renderer.setClearAlpha(background);
-    const found = new Float32Array(4);
-    this.renderer.readRenderTargetPixels(this.pickTarget, 0, 0, 1, 1, found);
+    const bytes = new Uint8Array(4);
+    this.renderer.readRenderTargetPixels(this.pickTarget, 0, 0, 1, 1, bytes);
     this.renderer.setRenderTarget(null);
     this.camera.clearViewOffset();
-    if (found[3] === 0) return null;
-    return {building: found[3] - 2, place: new Vector3(found[0], found[1], found[2])};
+    return bytes[3] === 0 ? -1 : bytes[0] | bytes[1] << 8 | bytes[2] << 16;
   }
 
   /** Metres that a CSS pixel spans at the target. */
@@ -351,6 +356,7 @@ export class CityView {
     this.camera.far = distance + 7 * this.size.length();
     this.camera.updateProjectionMatrix();
     this.updateShadow(false);
+    this.cutView.setDetail(this.metresPerPixel());
     this.renderer.render(this.scene, this.camera);
     this.onFrame();
   }

@@ -23,6 +23,15 @@ function srgbToLinear(bytes: Uint8Array): Uint16Array {
   return Uint16Array.from(bytes, (b) => table[b]);
 }
 
+/** Of pairs of points; of some of many. */
+function meanLength(lines: Float32Array): number {
+  const count = lines.length / 6, step = Math.max(1, Math.floor(count / 2000));
+  let sum = 0, n = 0;
+  for (let i = 0; i < count; i += step, ++n)
+    sum += Math.hypot(...[0, 1, 2].map((k) => lines[6 * i + k] - lines[6 * i + 3 + k]));
+  return sum / Math.max(1, n);
+}
+
 /** Holds one cut at a time. */
 export class CutView {
   readonly group = new Group();
@@ -33,6 +42,15 @@ export class CutView {
                                                   polygonOffset: true, polygonOffsetFactor: 1,
                                                   polygonOffsetUnits: 1});
 
+  /** Of the lines, metres. */
+  private edge = 0;
+
+  /** Lines fade where cells are a few pixels wide. */
+  setDetail(metresPerPixel: number): void {
+    const pixels = this.edge / metresPerPixel;
+    this.lineMaterial.opacity = 0.5 * Math.min(1, Math.max(0.1, (pixels - 2) / 12));
+  }
+
   set(cells: CutCells | null, solids: CutSolids | null, whole: boolean): void {
     this.clear();
     if (cells !== null) {
@@ -40,6 +58,7 @@ export class CutView {
       if (whole) geometry.computeVertexNormals();
       const mesh = new Mesh(geometry, whole ? this.lit : this.flat);
       mesh.receiveShadow = whole;
+      this.edge = meanLength(cells.lines);
       const lines = new BufferGeometry();
       lines.setAttribute('position', new BufferAttribute(cells.lines, 3));
       this.group.add(mesh, new LineSegments(lines, this.lineMaterial));

@@ -152,30 +152,33 @@ export function surfaceMaterial(uniforms: SurfaceUniforms): MeshLambertMaterial 
   return material;
 }
 
-/** Draws place and feature instead of colours: what is under the pointer. */
+/** What a pick draws instead of colours: three bytes, lowest first. */
+export const enum PickMode { building, depth }
+
+/** Buildings plus two (1: ground), or depth in 2^24 parts. */
 export function pickMaterial(): ShaderMaterial {
   return new ShaderMaterial({
     clipping: true,
+    uniforms: {mode: {value: PickMode.building}},
     vertexShader: /* glsl */ `
       #include <clipping_planes_pars_vertex>
       in int feature;
       flat out int vFeature;
-      out vec3 vPlace;
       void main() {
         vFeature = feature;
-        vPlace = position;
         #include <begin_vertex>
         #include <project_vertex>
         #include <clipping_planes_vertex>
       }`,
     fragmentShader: /* glsl */ `
       #include <clipping_planes_pars_fragment>
+      uniform int mode;
       flat in int vFeature;
-      in vec3 vPlace;
       void main() {
         vec4 diffuseColor = vec4(1.0);
         #include <clipping_planes_fragment>
-        gl_FragColor = vec4(vPlace, float((vFeature >> ${kBuildingBit}) + 1));
+        int value = mode == ${PickMode.building} ? (vFeature >> ${kBuildingBit}) + 1 : int(gl_FragCoord.z * 16777215.0);
+        gl_FragColor = vec4(value & 255, value >> 8 & 255, value >> 16, 255) / 255.0;
       }`,
   });
 }
