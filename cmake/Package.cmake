@@ -32,14 +32,15 @@ set(CPACK_DEBIAN_DEVELOPMENT_DESCRIPTION
 The library behind the program of the package tetropolis, as static library
 with headers and a CMake package.")
 
-# Changelogs and copyright of both packages, where Debian looks for them.
-file(ARCHIVE_CREATE OUTPUT ${PROJECT_BINARY_DIR}/changelog.gz PATHS ${PROJECT_SOURCE_DIR}/CHANGELOG.md
-  FORMAT raw COMPRESSION GZip COMPRESSION_LEVEL 9)
+# As Debian wants them: documents of both packages, compressed; completions of zsh in a folder of their own.
 foreach(pair program:tetropolis development:libtetropolis-dev)
   string(REPLACE ":" ";" pair ${pair})
   list(GET pair 0 component)
   list(GET pair 1 package)
-  install(FILES packaging/debian/copyright ${PROJECT_BINARY_DIR}/changelog.gz
-    DESTINATION ${CMAKE_INSTALL_DATADIR}/doc/${package} COMPONENT ${component} EXCLUDE_FROM_ALL)
+  install(FILES packaging/debian/copyright DESTINATION ${CMAKE_INSTALL_DATADIR}/doc/${package}
+    COMPONENT ${component} EXCLUDE_FROM_ALL)
+  install(FILES CHANGELOG.md RENAME changelog DESTINATION ${CMAKE_INSTALL_DATADIR}/doc/${package}
+    COMPONENT ${component} EXCLUDE_FROM_ALL)
 endforeach()
+set(CPACK_PRE_BUILD_SCRIPTS ${PROJECT_SOURCE_DIR}/packaging/debian/arrange.cmake)
 include(CPack)

@@ -19,3 +19,6 @@ install(FILES ${TETROPOLIS_WHEEL}/share/proj/proj.db ${TETROPOLIS_WHEEL}/share/p
 install(DIRECTORY ${TETROPOLIS_WHEEL}/share/gdal/ DESTINATION ${data}/gdal ${wheel_install}
   FILES_MATCHING PATTERN "*.gfs" PATTERN "*.wkt" PATTERN "gml_registry.xml" PATTERN "osmconf.ini"
   PATTERN "gt_*.csv" PATTERN "stateplane.csv")
+# The licences of all of them.
+install(FILES ${TETROPOLIS_WHEEL}/share/THIRD_PARTY_LICENSES.txt DESTINATION ${SKBUILD_METADATA_DIR}/licenses
+  ${wheel_install})

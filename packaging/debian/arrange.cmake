@@ -1,0 +1,15 @@
+# Run by CPack before it packs a folder: what Debian wants otherwise than other systems.
+if(CPACK_GENERATOR STREQUAL "DEB")
+  file(GLOB_RECURSE texts ${CPACK_TEMPORARY_INSTALL_DIRECTORY}/*/changelog
+    ${CPACK_TEMPORARY_INSTALL_DIRECTORY}/*/man1/*.1)
+  if(texts)
+    execute_process(COMMAND gzip -9n ${texts} COMMAND_ERROR_IS_FATAL ANY)
+  endif()
+  file(GLOB_RECURSE shells LIST_DIRECTORIES true ${CPACK_TEMPORARY_INSTALL_DIRECTORY}/*/zsh/site-functions)
+  foreach(folder ${shells})
+    if(folder MATCHES "/site-functions$")
+      cmake_path(GET folder PARENT_PATH zsh)
+      file(RENAME ${folder} ${zsh}/vendor-completions)
+    endif()
+  endforeach()
+endif()
