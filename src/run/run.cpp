@@ -52,12 +52,6 @@ std::string relative_to_results(const Config& config, const std::string& source)
   return real_path(source).lexically_relative(real_path(config.out)).string();
 }
 
-std::vector<std::string> formats_of(const Config& config) {
-  std::vector<std::string> formats = config.formats;
-  if (!config.no_html) formats.emplace_back("html");
-  return formats;
-}
-
 /// Steps 1.1 to 2.4: reads the input, writes city models and terrain.
 /// Fills `footprints` if there is to be a page.
 BuiltCity write_out_city(const Config& config, Next next, const RunHooks& hooks, OutputFolder& out,
