@@ -247,7 +247,7 @@ void write_part(AtomicFile& file, const Part& part) {
     for (const float x : to_gltf(point)) append_raw(buffer, x);
   });
   write(part.feature, [](BuildingIndex building, std::string& buffer) {
-    append_raw(buffer, static_cast<float>(building));
+    append_raw(buffer, static_cast<float>(building.value()));
   });
   write(part.surface.triangles, [](const auto& triangle, std::string& buffer) {
     for (const std::int32_t v : triangle) append_raw(buffer, static_cast<std::uint32_t>(v));

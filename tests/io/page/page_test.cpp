@@ -104,7 +104,7 @@ TEST(Page, HoldsTheMeshAndTheCity) {
                              .report = R"({"version": "1"})",
                              .repeat = "tetropolis build"}));
   const Json facts = page.facts();
-  EXPECT_EQ(facts["cells"], cell_offsets(c.mesh).back());
+  EXPECT_EQ(facts["cells"], cell_offsets(c.mesh).back().value());
   EXPECT_EQ(facts["mesh"], true);
   EXPECT_EQ(facts["volume"], true);
   EXPECT_EQ(facts["report"]["version"], "1");
@@ -129,7 +129,7 @@ TEST(Page, HoldsTheMeshAndTheCity) {
 
 TEST(Page, LeavesOutTheVolumeBeyondItsBudget) {
   const Case c;
-  const NodeIndex cells = cell_offsets(c.mesh).back();
+  const std::int64_t cells = cell_offsets(c.mesh).back().value();
   const PageContents contents{.city = c.city, .mesh = &c.mesh};
   EXPECT_EQ(Page(page_html(contents, cells)).facts()["volume"], true);
   const Page page(page_html(contents, cells - 1));
@@ -137,7 +137,7 @@ TEST(Page, LeavesOutTheVolumeBeyondItsBudget) {
   EXPECT_EQ(page.facts()["cells"], cells);
   // A node for each different floor of each vertex is left.
   std::size_t floors = 0;
-  for (std::size_t v = 0; v < c.mesh.vertex_count(); ++v) {
+  for (const VertexIndex v : c.mesh.ground.vertices.indices()) {
     const auto at = c.mesh.floors_at(v);
     std::vector<std::int32_t> different(at.begin(), at.end());
     std::sort(different.begin(), different.end());

@@ -92,7 +92,7 @@ TEST(ImproveColumns, RepairsSpoiltColumnsAndKeepsSurfaces) {
       EXPECT_GE(measure_cells(after).histogram.min_dihedral_deg(),
                 measure_cells(before).histogram.min_dihedral_deg());
       std::int64_t differ = 0;
-      for (std::size_t v = 0; v < before.vertex_count(); ++v)
+      for (const VertexIndex v : before.ground.vertices.indices())
         differ += testing::column(before, v) != testing::column(after, v);
       EXPECT_LE(differ, changed);
       EXPECT_GT(differ, 0);
@@ -162,7 +162,7 @@ TEST(ImproveColumns, LeavesWhatIsGoodAlone) {
 TEST(ImproveColumns, ColumnsFarFromBadCellsStay) {
   ColumnMesh before = testing::meshed(testing::small_city(testing::hills)).mesh;
   // One node far out of place, on a column of its own.
-  const auto moved = static_cast<std::size_t>(
+  const VertexIndex moved(
       std::min_element(before.ground.vertices.begin(), before.ground.vertices.end(),
                        [](Point2 a, Point2 b) {
                          return std::hypot(a.x - 60, a.y - 82) < std::hypot(b.x - 60, b.y - 82);
@@ -174,7 +174,7 @@ TEST(ImproveColumns, ColumnsFarFromBadCellsStay) {
   EXPECT_FALSE(improve_columns(after).columns.empty());
   EXPECT_NE(testing::column(after, moved), testing::column(before, moved));
   const Point2 at = before.ground.vertices[moved];
-  for (std::size_t v = 0; v < before.vertex_count(); ++v) {
+  for (const VertexIndex v : before.ground.vertices.indices()) {
     const Point2 p = before.ground.vertices[v];
     if (std::hypot(p.x - at.x, p.y - at.y) < 25) continue;
     EXPECT_EQ(testing::column(after, v), testing::column(before, v));
@@ -214,7 +214,7 @@ TEST(ImproveColumns, WorksNearTheTrianglesItIsGiven) {
   ColumnMesh after = before;
   EXPECT_FALSE(improve_columns(after, options).columns.empty());
   std::int64_t changed_in_the_west = 0;
-  for (std::size_t v = 0; v < before.vertex_count(); ++v) {
+  for (const VertexIndex v : before.ground.vertices.indices()) {
     if (testing::column(before, v) == testing::column(after, v)) continue;
     EXPECT_LT(before.ground.vertices[v].x, 30 + 2 * 8);
     changed_in_the_west += before.ground.vertices[v].x < 30 ? 1 : 0;

@@ -56,7 +56,7 @@ TEST(StackKernels, CellsAreThoseOfTetShape) {
     FrontStore store;
     StackKernels kernels;
     for (const TriangleIndex t : mesh.ground.triangles.indices()) {
-      if (t % 7 == 0) store.clear();
+      if (t.value() % 7 == 0) store.clear();
       store.add(mesh, t);
       const Fronts fronts = store[t.value() % 7];
       kernels.measure(fronts);
