@@ -15,10 +15,9 @@
 #include "tetropolis/io/mesh/vtk.h"
 #include "tetropolis/io/mesh/xdmf.h"
 #include "tetropolis/volume/column/boundary.h"
-#include "tetropolis/volume/quality/cell_quality.h"
-#include "tetropolis/volume/quality/face_quality.h"
 
 #include "random_city.h"
+#include "volume/quality/measured_mesh.h"
 
 namespace {
 
@@ -99,12 +98,8 @@ void run_writer(benchmark::State& state, const std::string& name, const Write& w
       benchmark::Counter(bytes, benchmark::Counter::kIsIterationInvariantRate);
 }
 
-void step_3_6_measure_cells(benchmark::State& state) {
-  run(state, [] { benchmark::DoNotOptimize(measure_cells(city_mesh(), 10)); });
-}
-
-void step_3_6_measure_faces(benchmark::State& state) {
-  run(state, [] { benchmark::DoNotOptimize(measure_faces(city_mesh())); });
+void step_3_6_measure(benchmark::State& state) {
+  run(state, [] { benchmark::DoNotOptimize(measure_quality(city_mesh(), 10)); });
 }
 
 void step_3_6_extract_boundary(benchmark::State& state) {
@@ -144,8 +139,7 @@ void threads_and_sync(benchmark::internal::Benchmark* bench) {
   bench->ArgNames({"threads", "sync"})->ArgsProduct({{1, 2}, {0, 1}});
   bench->Unit(benchmark::kMillisecond)->UseRealTime();
 }
-BENCHMARK(step_3_6_measure_cells)->Apply(threads);
-BENCHMARK(step_3_6_measure_faces)->Apply(threads);
+BENCHMARK(step_3_6_measure)->Apply(threads);
 BENCHMARK(step_3_6_extract_boundary)->Apply(threads);
 BENCHMARK(step_3_6_check_topology)->Apply(threads);
 BENCHMARK(step_3_6_write_vtu)->Apply(threads_and_sync);

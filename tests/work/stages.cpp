@@ -12,10 +12,9 @@
 #include "tetropolis/io/mesh/stl.h"
 #include "tetropolis/io/mesh/vtk.h"
 #include "tetropolis/synth/synthetic_city.h"
-#include "tetropolis/volume/quality/cell_quality.h"
-#include "tetropolis/volume/quality/face_quality.h"
 
 #include "volume/column/fill_columns.h"
+#include "volume/quality/measured_mesh.h"
 
 namespace tetropolis::testing {
 
@@ -83,8 +82,9 @@ WorkCity work_city(std::int64_t buildings) {
 }
 
 [[gnu::noinline]] std::int64_t work_quality(const ColumnMesh& mesh) {
-  if (measure_cells(mesh, 10).histogram.inverted() != 0) throw std::logic_error("inverted cells");
-  return measure_faces(mesh).faces;
+  const MeshQuality quality = measure_quality(mesh, 10);
+  if (quality.cells.histogram.inverted() != 0) throw std::logic_error("inverted cells");
+  return quality.faces.faces;
 }
 
 [[gnu::noinline]] SurfaceMesh work_boundary(const ColumnMesh& mesh) {

@@ -88,7 +88,7 @@ double skewness2_of_wall(const Strip& strip, Point2 a, Point2 b, Point2 opposite
   return greatest * greatest;
 }
 
-/// The columns of cells are prisms, cut at an angle.
+/// A stack is a prism cut at an angle.
 double volume_of(const ColumnMesh& mesh) {
   return parallel_reduce_ordered(
       mesh.triangle_count(), 4096, 0.0,
@@ -180,13 +180,10 @@ MeasuredMesh::Stack MeasuredMesh::Sweep::stack_over(TriangleIndex t) const {
 
 Point2 MeasuredMesh::Sweep::gather(EdgeIndex e, TriangleIndex t,
                                    std::span<const TriangleIndex> block, Strip& strip) {
-  // Where triangles are consecutive.
-  std::ptrdiff_t i = t - block.front(), size = std::ssize(block);
-  if (i < 0 || i >= size || block[static_cast<std::size_t>(i)] != t)
-    i = std::lower_bound(block.begin(), block.end(), t) - block.begin();
+  const auto found = std::lower_bound(block.begin(), block.end(), t);
   Fronts fronts;
-  if (i < size && block[static_cast<std::size_t>(i)] == t) {
-    fronts = block_[static_cast<std::size_t>(i)];
+  if (found != block.end() && *found == t) {
+    fronts = block_[static_cast<std::size_t>(found - block.begin())];
   } else {
     other_.clear();
     other_.add(mesh_, t);
@@ -316,8 +313,9 @@ std::vector<std::uint8_t> MeasuredMesh::bad_triangles(const ColumnMesh& mesh, As
 /// Those over which the cells with extreme figures are, and the `worst` worst ones.
 std::vector<TriangleIndex> MeasuredMesh::suspects(std::size_t worst) const {
   Stack extreme;
-  std::vector<double> shares;  // of the worst stacks so far
-  Versines limit{worst > 0 ? kInfinity : 0, worst > 0 ? kInfinity : 0};  // that worse ones keep to
+  std::vector<double> shares;            // of the worst stacks so far
+  Versines limit{kInfinity, kInfinity};  // worse ones keep to one of these
+  if (worst == 0) limit = {};
   const auto prune = [&] {
     if (worst == 0 || shares.size() < worst) return;
     const auto last = shares.begin() + static_cast<std::ptrdiff_t>(worst) - 1;

@@ -45,8 +45,8 @@ struct CellQuality {
   std::vector<WorstCell> worst;  ///< Worst first.
 };
 
-/// Over all cells of the mesh; lists the `worst` worst ones. The same bits for any number of
-/// threads.
+/// Over all cells of the mesh, which is valid (require_valid); lists the `worst` worst ones. The
+/// same bits for any number of threads.
 CellQuality measure_cells(const ColumnMesh& mesh, std::size_t worst = 0);
 
 }  // namespace tetropolis

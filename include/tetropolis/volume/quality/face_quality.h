@@ -39,7 +39,8 @@ struct FaceQuality {
                               ///< any face, on the boundary too.
 };
 
-/// Over all faces of the mesh. The same bits for any number of threads.
+/// Over all faces of the mesh, which is valid (require_valid). The same bits for any number of
+/// threads.
 FaceQuality measure_faces(const ColumnMesh& mesh);
 
 }  // namespace tetropolis
