@@ -8,7 +8,7 @@
 #include <vector>
 
 #include <fmt/format.h>
-#include <fmt/ranges.h>
+#include <nlohmann/json.hpp>
 
 #include "tetropolis/io/mesh/vtk.h"
 
@@ -54,7 +54,8 @@ std::vector<Field> building_fields(std::span<const Building> buildings, Texts as
   Field roof{"Float64", "building_h_roof", buildings.size(), {}};
   for (const Building& building : buildings) {
     ids.push_back(building.id);
-    sources.push_back(fmt::format("{}", fmt::join(building.source_ids, ",")));
+    const nlohmann::json list = building.source_ids;
+    sources.push_back(list.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace));
     append_raw(ground.bytes, building.h_ground);
     append_raw(roof.bytes, building.h_roof);
   }

@@ -261,6 +261,77 @@ TEST_F(SurfaceFormats, GlbShowsEachPatch) {
   EXPECT_EQ(colours.size(), 3U);
 }
 
+/// The bytes of a column of the property table, after checking that it is aligned.
+std::string column(const Glb& glb, const char* property, const char* part) {
+  const auto& table = glb.json["extensions"]["EXT_structural_metadata"]["propertyTables"][0];
+  const auto& view =
+      glb.json["bufferViews"].at(table["properties"][property][part].get<std::size_t>());
+  EXPECT_EQ(view["byteOffset"].get<std::size_t>() % 8, 0U);
+  return glb.data.substr(view["byteOffset"].get<std::size_t>(),
+                         view["byteLength"].get<std::size_t>());
+}
+
+template <typename Number>
+std::string raw(const std::vector<Number>& numbers) {
+  return {reinterpret_cast<const char*>(numbers.data()), numbers.size() * sizeof(Number)};
+}
+
+TEST_F(SurfaceFormats, GlbVerticesBelongToOneBuilding) {
+  // Two roofs that share an edge, and ground that no building has.
+  SurfaceMesh touching;
+  touching.points = {{0, 0, 5}, {1, 0, 5}, {1, 1, 5}, {0, 1, 5}, {9, 9, 0}, {9, 8, 0}, {8, 9, 0}};
+  touching.triangles = {{4, 5, 6}, {0, 1, 2}, {0, 2, 3}};
+  touching.patch = {Patch::kGround, Patch::kRoof, Patch::kRoof};
+  touching.building = {kNoBuilding, BuildingIndex(1), BuildingIndex(0)};
+  std::vector<Building> buildings(2);
+  buildings[0].id = "b0";
+  buildings[0].source_ids = {"x", "yz"};
+  buildings[0].h_ground = 1;
+  buildings[0].h_roof = 5;
+  buildings[1].id = "b14";
+  buildings[1].source_ids = {"\u00e5"};
+  buildings[1].h_ground = -1;
+  buildings[1].h_roof = 5;
+  write_glb(folder / "touching.glb", touching, {}, buildings);
+  const Glb glb = read_glb(folder / "touching.glb");
+  const auto& ground = glb.json["meshes"][0]["primitives"][0];
+  EXPECT_FALSE(ground.contains("extensions"));
+  EXPECT_FALSE(ground["attributes"].contains("_FEATURE_ID_0"));
+  EXPECT_EQ(glb.json["nodes"][1]["extras"]["patch"], 2);
+  const auto& roof = glb.json["meshes"][1]["primitives"][0];
+  const auto features =
+      accessor_values<float>(glb, roof["attributes"]["_FEATURE_ID_0"].get<std::size_t>(), 1);
+  const auto points =
+      accessor_values<float>(glb, roof["attributes"]["POSITION"].get<std::size_t>(), 3);
+  const auto corners = accessor_values<std::uint32_t>(glb, roof["indices"].get<std::size_t>(), 1);
+  ASSERT_EQ(features.size(), 6U);
+  ASSERT_EQ(points.size(), 18U);
+  for (std::size_t i = 0; i < 6; ++i) {
+    EXPECT_EQ(features[corners[i]], i < 3 ? 1.0F : 0.0F);
+    const auto& p = touching.points[static_cast<std::size_t>(touching.triangles[1 + i / 3][i % 3])];
+    EXPECT_EQ(points[3 * corners[i]], static_cast<float>(p[0]));
+    EXPECT_EQ(points[3 * corners[i] + 2], static_cast<float>(-p[1]));
+  }
+  EXPECT_EQ(roof["extensions"]["EXT_mesh_features"]["featureIds"],
+            nlohmann::json::parse(R"([{"featureCount": 2, "attribute": 0, "propertyTable": 0}])"));
+
+  const auto& metadata = glb.json["extensions"]["EXT_structural_metadata"];
+  EXPECT_EQ(metadata["propertyTables"][0]["class"], "building");
+  EXPECT_EQ(metadata["propertyTables"][0]["count"], 2);
+  EXPECT_EQ(metadata["schema"]["classes"]["building"]["properties"]["source_ids"]["array"], true);
+  EXPECT_EQ(column(glb, "id", "values"), "b0b14");
+  EXPECT_EQ(column(glb, "id", "stringOffsets"), raw<std::uint32_t>({0, 2, 5}));
+  EXPECT_EQ(column(glb, "source_ids", "values"), "xyz\u00e5");
+  EXPECT_EQ(column(glb, "source_ids", "stringOffsets"), raw<std::uint32_t>({0, 1, 3, 5}));
+  EXPECT_EQ(column(glb, "source_ids", "arrayOffsets"), raw<std::uint32_t>({0, 2, 3}));
+  EXPECT_EQ(column(glb, "h_ground", "values"), raw<double>({1, -1}));
+  EXPECT_EQ(column(glb, "h_roof", "values"), raw<double>({5, 5}));
+  EXPECT_EQ(glb.json["extensionsUsed"].size(), 2U);
+  // Without buildings it is plain glTF.
+  write_glb(folder / "plain.glb", touching, {});
+  EXPECT_FALSE(read_glb(folder / "plain.glb").json.contains("extensionsUsed"));
+}
+
 TEST_F(SurfaceFormats, GlbOfNothingIsStillAScene) {
   write_glb(folder / "surface.glb", {}, {});
   const Glb glb = read_glb(folder / "surface.glb");

@@ -109,15 +109,19 @@ std::string raw(const std::vector<Number>& numbers) {
 
 TEST_F(Vtk, PatchesAndBuildingsAreNamedInTheFieldData) {
   std::vector<Building> buildings(2);
-  buildings[0].id = "b0";
-  buildings[0].source_ids = {"a", "b~2", std::string("\0c", 2)};
+  buildings[0].id = std::string(
+      "b\0"
+      "0",
+      3);  // without the zero
+  buildings[0].source_ids = {"a", "b\"2"};
   buildings[0].h_ground = 1.5;
   buildings[0].h_roof = 9;
   buildings[1].id = "b7";
   buildings[1].source_ids = {"\u00e5"};
   buildings[1].h_ground = -2;
   buildings[1].h_roof = 4;
-  const std::string ids("b0\0b7\0", 6), sources("a,b~2,c\0\u00e5\0", 11);
+  const std::string ids("b0\0b7\0", 6),
+      sources = "[\"a\",\"b\\\"2\"]" + std::string(1, '\0') + "[\"\u00e5\"]" + std::string(1, '\0');
   const SurfaceMesh surface = extract_boundary(city.mesh);
   write_vtp(folder / "boundary.vtp", surface, {}, Compression::kNone, buildings);
   write_vtu(folder / "volume.vtu", city.mesh, {}, {}, Compression::kNone, buildings);

@@ -25,9 +25,9 @@ namespace tetropolis {
 /// Error(kInput) if it cannot be written, Cancelled.
 ///
 /// `buildings`, those of the city model, become field data, one value a building in that order:
-/// `building_id` and `building_source_ids` (UTF-8 in UInt8, a zero byte behind each building's,
-/// commas between source ids; arrays of type String end meshio), `building_h_ground` and
-/// `building_h_roof` (Float64, elevations in metres).
+/// `building_id` and `building_source_ids`, a JSON list (UTF-8 in UInt8, a zero byte behind each
+/// building's; arrays of type String end meshio), `building_h_ground` and `building_h_roof`
+/// (Float64, elevations in metres).
 void write_vtu(const std::filesystem::path& path, const ColumnMesh& mesh,
                const Placement& placement, const Progress& progress = {},
                Compression compression = Compression::kNone,

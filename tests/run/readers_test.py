@@ -1,0 +1,198 @@
+"""What other programs make of the meshes of a run.
+
+    readers_test.py PROGRAM pyvista    VTK, as ParaView: VTU, VTP, XDMF
+    readers_test.py PROGRAM meshio     VTU, XDMF, MSH, STL, OBJ
+    readers_test.py PROGRAM trimesh    STL, OBJ, PLY, GLB
+    readers_test.py PROGRAM gltf       the glTF validator of Khronos, and three.js, on GLB
+
+Exit 77: what reads is not installed (scripts/python-env; npm ci --prefix viewer).
+"""
+import json
+import pathlib
+import shutil
+import subprocess
+import sys
+import tempfile
+
+SOURCE = pathlib.Path(__file__).parents[2]
+VENV = SOURCE / "build" / "venv" / "bin" / "python"
+NODE_MODULES = SOURCE / "viewer" / "node_modules"
+LAND = ("ground", "roof", "wall")
+FORMATS = "vtu,xdmf,msh,obj,ply,glb"
+
+
+class Run:
+    """A small city on hills, by its report and city model."""
+
+    def __init__(self, program, folder, *options):
+        self.out = folder / "out"
+        if not (folder / "in").exists():
+            subprocess.run([program, "synth", "--kind", "blocks", "--size", "300", "--seed", "7", "--point-density",
+                            "1", "--out", folder / "in", "--quiet"], check=True)
+        subprocess.run([program, "build", "--footprints", folder / "in" / "footprints.shp", "--points", folder / "in",
+                        "--id-attribute", "id", "--mesh-size", "15", "--formats", FORMATS, "--out", self.out,
+                        "--quiet", *options], check=True)
+        self.report = json.loads((self.out / "report.json").read_text())
+        model = json.loads((self.out / "city.city.json").read_text())
+        self.buildings = [thing["attributes"] for thing in model["CityObjects"].values()]
+        self.cells = self.report["volume_mesh"]["cells"]
+        self.points = self.report["volume_mesh"]["vertices"]
+        self.volume = self.report["volume_mesh"]["volume"]
+        self.faces = self.report["surface_mesh"]["faces_by_patch"]
+        self.land = sum(self.faces[name] for name in LAND)
+        assert len(self.buildings) > 3
+
+    def column(self, name):
+        return [building[name] for building in self.buildings]
+
+
+def near(a, b, tolerance=1e-6):
+    return abs(a - b) <= tolerance * max(abs(a), abs(b))
+
+
+def check_pyvista(run):
+    import numpy as np
+    import pyvista as pv
+    from vtkmodules.vtkIOXdmf2 import vtkXdmfReader
+
+    def texts(array):
+        return bytes(array).decode().split("\0")[:-1]
+
+    def check_table(data, as_list):
+        assert as_list(data["building_id"]) == run.column("tetropolis_id")
+        assert [json.loads(ids) for ids in as_list(data["building_source_ids"])] == run.column("source_ids")
+        for name in ("h_ground", "h_roof"):
+            assert np.allclose(data[f"building_{name}"], run.column(name), rtol=0, atol=1e-3)
+
+    boundary, surface = (pv.read(run.out / name) for name in ("boundary.vtp", "surface.vtp"))
+    for mesh in (boundary, surface):
+        check_table(mesh.field_data, list)
+        names = dict(zip(mesh.field_data["patch_number"], mesh.field_data["patch_name"]))
+        numbers, counts = np.unique(mesh["patch"], return_counts=True)
+        found = {names[number]: count for number, count in zip(numbers, counts)}
+        assert found == {name: run.faces[name] for name in (run.faces if mesh is boundary else LAND)}
+
+    def normals(mesh):
+        return mesh.compute_normals(cell_normals=True, point_normals=False, consistent_normals=False,
+                                    auto_orient_normals=False)["Normals"]
+
+    # The boundary's normals leave the air, the surface's go into it.
+    assert boundary.is_manifold and near(boundary.volume, run.volume)
+    assert np.allclose(normals(surface), -normals(boundary)[:run.land], atol=1e-6)
+    up = normals(surface)[:, 2]
+    assert (up[surface["patch"] == 1] > 0).all() and np.allclose(up[surface["patch"] == 2], 1)
+    roofs = surface.extract_cells(surface["patch"] == 2)
+    tops = np.array(run.column("h_roof"))[roofs["building"]]
+    assert np.allclose(roofs.cell_centers().points[:, 2], tops, atol=1e-3)
+
+    volume = pv.read(run.out / "volume.vtu")
+    check_table(volume.field_data, texts)
+    sizes = volume.compute_cell_sizes(length=False, area=False)["Volume"]
+    assert volume.n_cells == run.cells and sizes.min() > 0 and near(sizes.sum(), run.volume)
+    assert set(volume["region"]) == {-1, *range(len(run.buildings))}
+
+    for name, cells in (("volume", run.cells), ("boundary", run.report["surface_mesh"]["triangles"])):
+        reader = vtkXdmfReader()  # PyVista's own wants time steps
+        reader.SetFileName(str(run.out / f"{name}.xdmf"))
+        reader.Update()
+        mesh = pv.wrap(reader.GetOutputDataObject(0))
+        assert mesh.n_cells == cells and np.array_equal(mesh.points, volume.points)
+        for array in mesh.cell_data:
+            assert np.array_equal(mesh[array], (volume if name == "volume" else boundary)[array])
+
+
+def check_meshio(run):
+    import meshio
+    import numpy as np
+
+    read = {name: meshio.read(run.out / name) for name in
+            ("volume.vtu", "volume.xdmf", "boundary.xdmf", "volume.msh", "surface.stl", "surface.obj")}
+    points, tets = read["volume.vtu"].points, read["volume.vtu"].cells_dict["tetra"]
+    assert points.shape == (run.points, 3) and tets.shape == (run.cells, 4)
+    for name in ("volume.xdmf", "volume.msh"):
+        assert np.array_equal(read[name].points, points) and np.array_equal(read[name].cells_dict["tetra"], tets)
+    assert np.array_equal(read["volume.vtu"].cell_data["region"][0], read["volume.xdmf"].cell_data["region"][0])
+
+    boundary = read["boundary.xdmf"]
+    triangles, patch = boundary.cells_dict["triangle"], boundary.cell_data["patch"][0]
+    assert np.array_equal(boundary.points, points)
+    assert {name: (patch == number).sum() for name, (number, dimension) in boundary.field_data.items()
+            if dimension == 2} == run.faces
+    corner = points[triangles]
+    enclosed = np.einsum("ij,ij->", corner[:, 0], np.cross(corner[:, 1], corner[:, 2])) / 6
+    assert near(enclosed, run.volume)
+    assert np.array_equal(np.vstack([block.data for block in read["volume.msh"].cells if block.type == "triangle"]),
+                          triangles)
+    for name in ("surface.stl", "surface.obj"):
+        assert sum(len(block.data) for block in read[name].cells if block.type == "triangle") == run.land
+
+
+def check_trimesh(run):
+    import numpy as np
+    import trimesh
+
+    area = None
+    for name in ("surface.stl", "surface.obj", "surface.ply", "surface.glb"):
+        mesh = trimesh.load(run.out / name, force="mesh", process=False)
+        up = 1 if name.endswith("glb") else 2
+        assert len(mesh.faces) == run.land, name
+        area = area or mesh.area
+        assert near(mesh.area, area, 1e-4), name
+        # Towards the air: nothing faces down, and seen from above it covers the domain once.
+        normals = mesh.face_normals * mesh.area_faces[:, None]
+        domain = run.report["domain"]
+        assert normals[:, up].min() > -1e-3, name
+        assert near(normals[:, up].sum(), (domain[2] - domain[0]) * (domain[3] - domain[1]), 1e-4), name
+    scene = trimesh.load(run.out / "surface.glb")
+    assert {name: len(part.faces) for name, part in scene.geometry.items()} == {name: run.faces[name] for name in LAND}
+    stl = trimesh.load(run.out / "surface.stl", process=False)
+    assert np.array_equal(np.bincount(stl.face_attributes["stl"].ravel().astype(int))[1:],
+                          [run.faces[name] for name in LAND])
+
+
+def check_gltf(run):
+    made = subprocess.run(["node", SOURCE / "tests" / "run" / "read_glb.mjs", NODE_MODULES, run.out / "surface.glb"],
+                          check=True, stdout=subprocess.PIPE, text=True)
+    found = json.loads(made.stdout)
+    issues = found["issues"]
+    assert issues["numErrors"] == issues["numWarnings"] == issues["numHints"] == 0, issues
+    # What the validator does not know: both extensions, and so the table's stretches of the buffer.
+    assert {message["code"] for message in issues["messages"]} == {"UNSUPPORTED_EXTENSION", "UNUSED_OBJECT"}
+    parts = {part["name"]: part for part in found["parts"]}
+    assert {name: (part["patch"], part["faces"]) for name, part in parts.items()} == {
+        name: (number, run.faces[name]) for number, name in enumerate(LAND, 1)}
+    assert "features" not in parts["ground"]
+    for name in ("roof", "wall"):
+        assert parts[name]["features"]["featureCount"] == len(run.buildings)
+        for number, building in enumerate(run.buildings):
+            row = parts[name]["rows"][str(number)]
+            assert row["id"] == building["tetropolis_id"] and row["source_ids"] == building["source_ids"]
+            for height in ("h_ground", "h_roof"):
+                assert abs(row[height] - building[height]) < 1e-3
+            # What is picked is the building that the table says.
+            assert abs(row["high"] - building["h_roof"]) < 1e-3
+            assert name == "wall" or abs(row["low"] - building["h_roof"]) < 1e-3
+
+
+def main():
+    if VENV.exists() and pathlib.Path(sys.prefix) != VENV.parents[1]:
+        return subprocess.run([VENV, *sys.argv], check=False).returncode
+    program, what = pathlib.Path(sys.argv[1]).resolve(), sys.argv[2]
+    if what == "gltf" and (shutil.which("node") is None or not (NODE_MODULES / "gltf-validator").exists()):
+        print("node or the glTF validator is missing; npm ci --prefix viewer")
+        return 77
+    check = {"pyvista": check_pyvista, "meshio": check_meshio, "trimesh": check_trimesh, "gltf": check_gltf}[what]
+    with tempfile.TemporaryDirectory() as scratch:
+        for options in ((), ("--compression", "zlib")):
+            try:
+                check(Run(program, pathlib.Path(scratch), *options))
+            except ModuleNotFoundError as error:
+                print(error)
+                return 77
+            except SystemExit as end:  # meshio's way of saying that it cannot read a file
+                sys.exit(f"the reader ended Python with {end.code}")
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
