@@ -18,6 +18,7 @@ namespace {
 /// Those of the footprints that have no point inside among every `stride`-th of the cloud.
 std::vector<Polygon> without_points(std::vector<Polygon> footprints, const PointCloud& cloud,
                                     std::size_t stride) {
+  if (footprints.empty()) return footprints;
   std::vector<const Polygon*> outlines;
   outlines.reserve(footprints.size());
   for (const Polygon& footprint : footprints) outlines.push_back(&footprint);
