@@ -4,9 +4,9 @@
 #include <cstdio>
 #include <string>
 
+#include "tetropolis/run/progress.h"
 #include "tetropolis/run/run.h"
 
-#include "progress.h"
 
 namespace tetropolis::app {
 

@@ -27,6 +27,7 @@
 #include "tetropolis/core/version.h"
 #include "tetropolis/io/file/write_file.h"
 #include "tetropolis/run/output_folder.h"
+#include "tetropolis/run/progress.h"
 #include "tetropolis/run/run.h"
 
 #include "arguments.h"
@@ -35,7 +36,6 @@
 #include "help.h"
 #include "interrupts.h"
 #include "options.h"
-#include "progress.h"
 #include "reference.h"
 #include "summary.h"
 

@@ -18,7 +18,8 @@ XMIN, XMAX = 5, 6  # numbers of patches, of docs/files.md
 
 with io.XDMFFile(MPI.COMM_WORLD, f"{sys.argv[1]}/volume.xdmf", "r") as file:
     mesh = file.read_mesh()
-    mesh.topology.create_connectivity(2, 3)
+mesh.topology.create_connectivity(2, 3)
+with io.XDMFFile(MPI.COMM_WORLD, f"{sys.argv[1]}/boundary.xdmf", "r") as file:
     patches = file.read_meshtags(mesh, name="boundary")
 
 make_space = getattr(fem, "functionspace", None) or fem.FunctionSpace  # DOLFINx 0.7 and later, or before

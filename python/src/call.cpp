@@ -9,7 +9,7 @@
 
 #include <nanobind/stl/string.h>
 
-#include "tetropolis/core/error.h"
+#include "tetropolis/run/progress.h"
 
 namespace tetropolis::python {
 
@@ -20,24 +20,48 @@ struct Shared {
   std::mutex mutex;  ///< Of all that follows.
   std::condition_variable ended_or_news;
   std::string step;
-  double fraction = 0;
+  double share = 0;
   bool news = false;
   bool ended = false;
   bool cancelled = false;
   std::exception_ptr thrown;
 };
 
-StepHooks hooks_into(Shared& shared) {
+/// `run`: turns what is done of a step into a share of the whole.
+StepHooks hooks_into(Shared& shared, RunProgress& run) {
   StepHooks hooks;
-  hooks.step_begins = [&shared](const StepTime& step) {
-    const std::lock_guard lock(shared.mutex);
-    shared.step = step.name;
-    shared.fraction = 0;
+  const auto tell = [&shared, &run] {
+    shared.share = run.share();
     shared.news = true;
   };
+  hooks.step_begins = [&shared, &run, tell](const StepTime& step) {
+    const std::lock_guard lock(shared.mutex);
+    shared.step = step.name;
+    run.begin(step);
+    tell();
+  };
+  hooks.step_progress = [&shared, &run, tell](double fraction) {
+    const std::lock_guard lock(shared.mutex);
+    run.update(fraction);
+    tell();
+  };
+  hooks.step_ends = [&shared, &run, tell](const StepTime& step) {
+    const std::lock_guard lock(shared.mutex);
+    run.end(step);
+    tell();
+  };
+  hooks.cancelled = [&shared] {
+    const std::lock_guard lock(shared.mutex);
+    return shared.cancelled;
+  };
+  return hooks;
+}
+
+StepHooks hooks_into(Shared& shared) {
+  StepHooks hooks;
   hooks.step_progress = [&shared](double fraction) {
     const std::lock_guard lock(shared.mutex);
-    shared.fraction = fraction;
+    shared.share = fraction;
     shared.news = true;
   };
   hooks.cancelled = [&shared] {
@@ -48,23 +72,21 @@ StepHooks hooks_into(Shared& shared) {
 }
 
 /// Signals and progress, with the lock of the interpreter. Throws nb::python_error.
-void look_around(const nb::object& progress, const std::string& step, double fraction, bool news) {
+void look_around(const nb::object& progress, const std::string& step, double share, bool news) {
   if (PyErr_CheckSignals() != 0) throw nb::python_error();
-  if (news && !progress.is_none()) progress(step, fraction);
+  if (news && !progress.is_none()) progress(step, share);
 }
 
-}  // namespace
-
-void call(const nb::object& progress, const std::function<void(const StepHooks&)>& work) {
+/// See call().
+void follow(const nb::object& progress, Shared& shared, const StepHooks& hooks, const Work& work) {
   constexpr std::chrono::milliseconds kLook{50};
-  Shared shared;
   std::exception_ptr raised;  // by Python
   {
     const nb::gil_scoped_release release;
     std::thread worker([&] {
       std::exception_ptr thrown;
       try {
-        work(hooks_into(shared));
+        work(hooks);
       } catch (...) {
         thrown = std::current_exception();
       }
@@ -77,7 +99,7 @@ void call(const nb::object& progress, const std::function<void(const StepHooks&)
     while (!shared.ended_or_news.wait_for(lock, kLook, [&] { return shared.ended; })) {
       if (shared.cancelled) continue;
       const std::string step = shared.step;
-      const double fraction = shared.fraction;
+      const double share = shared.share;
       const bool news = shared.news;
       shared.news = false;
       lock.unlock();
@@ -85,7 +107,7 @@ void call(const nb::object& progress, const std::function<void(const StepHooks&)
       {
         const nb::gil_scoped_acquire acquire;
         try {
-          look_around(progress, step, fraction, news);
+          look_around(progress, step, share, news);
         } catch (...) {
           raised = std::current_exception();
           stop = true;
@@ -100,6 +122,20 @@ void call(const nb::object& progress, const std::function<void(const StepHooks&)
   if (raised) std::rethrow_exception(raised);
   if (shared.thrown) std::rethrow_exception(shared.thrown);
   look_around(progress, shared.step, 1, true);
+}
+
+}  // namespace
+
+void call(const nb::object& progress, Command command, const Config& config, const Work& work) {
+  Shared shared;
+  RunProgress run(command, config);
+  follow(progress, shared, hooks_into(shared, run), work);
+}
+
+void call(const nb::object& progress, const char* step, const Work& work) {
+  Shared shared;
+  shared.step = step;
+  follow(progress, shared, hooks_into(shared), work);
 }
 
 }  // namespace tetropolis::python

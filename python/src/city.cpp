@@ -16,6 +16,7 @@
 #include "tetropolis/city/city_model.h"
 #include "tetropolis/io/cityjson/cityjson.h"
 #include "tetropolis/io/raster/geotiff.h"
+#include "tetropolis/io/vector/city_layers.h"
 #include "tetropolis/run/in_memory.h"
 
 #include "arrays.h"
@@ -61,7 +62,7 @@ CityInMemory build(const nb::dict& settings, const std::string& footprints,
   config.footprints = footprints;
   config.points = points;
   CityInMemory city;
-  call(progress, [&](const StepHooks& hooks) {
+  call(progress, kCity, config, [&](const StepHooks& hooks) {
     InputInMemory input;
     input.footprints = table;
     if (arrays) input.points = arrays->arrays();
@@ -76,7 +77,8 @@ CityInMemory read(const nb::dict& settings, const std::string& path, const std::
   config.city = path;
   config.dtm = dtm;
   CityInMemory city;
-  call(progress, [&](const StepHooks& hooks) { city = load_city(config, hooks); });
+  call(progress, "read city and terrain",
+       [&](const StepHooks& hooks) { city = load_city(config, hooks); });
   return city;
 }
 
@@ -237,6 +239,18 @@ void bind_city(nb::module_& module) {
       .def_prop_ro("raw", [](CityInMemory& self) -> CityModel& { return self.built.raw; })
       .def_prop_ro("terrain", [](CityInMemory& self) -> Raster& { return self.built.terrain; })
       .def_prop_ro("report", [](const CityInMemory& self) { return to_json(self.report); })
+      .def_prop_ro("page",
+                   [](const CityInMemory& self) {
+                     const nb::gil_scoped_release release;
+                     return make_page(self);
+                   })
+      .def(
+          "save_layers",
+          [](const CityInMemory& self, const std::filesystem::path& path) {
+            const nb::gil_scoped_release release;
+            write_city_layers(path, self.built.raw, self.built.city, self.built.footprints);
+          },
+          nb::arg("path"))
       .def(
           "save_terrain",
           [](const CityInMemory& self, const std::filesystem::path& path) {

@@ -25,7 +25,7 @@ std::string synth(const nb::dict& settings, const std::string& out, const nb::ob
   Config config = config_of("synth", settings);
   config.out = out;
   Report report;
-  call(progress, [&](const StepHooks& hooks) {
+  call(progress, kSynth, config, [&](const StepHooks& hooks) {
     RunHooks run;
     static_cast<StepHooks&>(run) = hooks;
     report = run_synth(config, run);
@@ -40,8 +40,7 @@ using Checked =
 std::vector<Checked> check(const std::filesystem::path& path, std::optional<double> min_distance,
                            const nb::object& progress) {
   std::vector<CheckedFile> files;
-  call(progress, [&](const StepHooks& hooks) {
-    if (hooks.step_begins) hooks.step_begins({"", "check"});
+  call(progress, "check", [&](const StepHooks& hooks) {
     files = check_path(path, min_distance, {hooks.step_progress, hooks.cancelled});
   });
   std::vector<Checked> result;

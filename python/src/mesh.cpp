@@ -4,9 +4,9 @@
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
-#include <functional>
 #include <map>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -50,7 +50,7 @@ struct Mesh {
 Mesh build(const nb::dict& settings, const CityInMemory& city, const nb::object& progress) {
   const Config config = config_of("build_mesh", settings);
   Mesh mesh;
-  call(progress, [&](const StepHooks& hooks) {
+  call(progress, kMesh, config, [&](const StepHooks& hooks) {
     mesh.made = make_mesh(config, city.built, hooks);
     mesh.offsets = cell_offsets(mesh.volume());
   });
@@ -95,81 +95,104 @@ auto points_of(const Mesh& mesh) {
   });
 }
 
-/// What is written to a file of one format.
-using Write = std::function<void(const CityMesh& mesh, const std::filesystem::path& path,
-                                 const Placement& placement, Compression compression,
-                                 const Progress& progress)>;
-
-/// Of the surface alone: ground, roofs and walls.
-Write write_surface(void (*write)(const std::filesystem::path&, const SurfaceMesh&,
-                                  const Placement&)) {
-  return [write](const CityMesh& mesh, const std::filesystem::path& path,
-                 const Placement& placement, Compression, const Progress&) {
-    write(path, select_patches(mesh.boundary, mesh.boundary.patches.solid()), placement);
-  };
-}
-
-const std::map<std::string, Write>& writers() {
-  static const std::map<std::string, Write> all{
-      {"vtu",
-       [](const CityMesh& mesh, const std::filesystem::path& path, const Placement& placement,
-          Compression compression, const Progress& progress) {
-         write_vtu(path, mesh.volume, placement, progress, compression);
-       }},
-      {"vtp", [](const CityMesh& mesh, const std::filesystem::path& path,
-                 const Placement& placement, Compression compression,
-                 const Progress&) { write_vtp(path, mesh.boundary, placement, compression); }},
-      {"xdmf",
-       [](const CityMesh& mesh, const std::filesystem::path& path, const Placement& placement,
-          Compression compression, const Progress& progress) {
-         write_xdmf(path, mesh.volume, mesh.boundary, placement, progress, compression);
-       }},
-      {"msh",
-       [](const CityMesh& mesh, const std::filesystem::path& path, const Placement& placement,
-          Compression, const Progress& progress) {
-         write_msh(path, mesh.volume, mesh.boundary, placement, progress);
-       }},
-      {"openfoam",
-       [](const CityMesh& mesh, const std::filesystem::path& path, const Placement& placement,
-          Compression, const Progress& progress) {
-         write_openfoam(path, mesh.volume, mesh.boundary, placement, progress);
-       }},
-      {"stl", write_surface(write_stl)},
-      {"obj", write_surface(write_obj)},
-      {"ply", write_surface(write_ply)},
-      {"glb", write_surface(write_glb)},
-  };
-  return all;
-}
-
-/// "polyMesh" is OpenFOAM's folder; else the extension tells.
+/// The end of the name, without the point and in lower case. OpenFOAM's folder is "polymesh".
 std::string format_of(const std::filesystem::path& path) {
-  const std::filesystem::path name = path.has_filename() ? path : path.parent_path();
-  if (name.filename() == "polyMesh") return "openfoam";
-  std::string extension = name.extension().string();
-  for (char& c : extension) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
-  return extension.empty() ? "" : extension.substr(1);
+  const std::filesystem::path name = (path.has_filename() ? path : path.parent_path()).filename();
+  std::string format = name == "polyMesh" ? name.string() : name.extension().string();
+  format.erase(std::remove(format.begin(), format.end(), '.'), format.end());
+  for (char& c : format) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+  return format;
+}
+
+[[noreturn]] void throw_no_format(const std::filesystem::path& path, const char* names) {
+  throw Error(ErrorKind::kUsage, path.string() + ": no format has this name; " + names);
+}
+
+/// Of its volume's description: "volume.xdmf" has "boundary.xdmf", and others "NAME_boundary.xdmf".
+std::filesystem::path boundary_beside(const std::filesystem::path& volume) {
+  std::string name = volume.stem().string();
+  constexpr std::string_view kVolume = "volume";
+  if (const std::size_t at = name.find(kVolume); at != std::string::npos)
+    name.replace(at, kVolume.size(), "boundary");
+  else
+    name += "_boundary";
+  return volume.parent_path() / (name + volume.extension().string());
+}
+
+/// What files say beside a mesh.
+struct Saving {
+  Placement placement;
+  Compression compression = Compression::kNone;
+};
+
+Saving saving_of(const CityMesh& mesh, const Config& config) {
+  Saving saving{mesh.placement, config.compression};
+  if (config.coordinates == tetropolis::Coordinates::kAbsolute)
+    saving.placement = {mesh.placement.origin, {0, 0, 0}};
+  return saving;
+}
+
+/// Whether there is a format of surfaces for the name.
+bool save_surface(const SurfaceMesh& surface, const std::vector<Building>& buildings,
+                  const std::filesystem::path& path, const Saving& saving) {
+  const std::string format = format_of(path);
+  if (format == "vtp")
+    write_vtp(path, surface, saving.placement, saving.compression, buildings);
+  else if (format == "stl")
+    write_stl(path, surface, saving.placement);
+  else if (format == "obj")
+    write_obj(path, surface, saving.placement);
+  else if (format == "ply")
+    write_ply(path, surface, saving.placement);
+  else if (format == "glb")
+    write_glb(path, surface, saving.placement);
+  else
+    return false;
+  return true;
+}
+
+bool save_volume(const Mesh& mesh, const std::filesystem::path& path, const Saving& saving,
+                 const Progress& progress) {
+  const std::string format = format_of(path);
+  const SurfaceMesh& boundary = mesh.mesh().boundary;
+  if (format == "vtu")
+    write_vtu(path, mesh.volume(), saving.placement, progress, saving.compression,
+              mesh.made.city.buildings);
+  else if (format == "xdmf")
+    write_xdmf(path, boundary_beside(path), mesh.volume(), boundary, saving.placement, progress,
+               saving.compression);
+  else if (format == "msh")
+    write_msh(path, mesh.volume(), boundary, saving.placement, progress);
+  else if (format == "polymesh")
+    write_openfoam(path, mesh.volume(), boundary, saving.placement, progress);
+  else
+    return false;
+  return true;
 }
 
 void save(const Mesh& mesh, const std::filesystem::path& path, const nb::dict& settings,
           const nb::object& progress) {
   const Config config = config_of("save", settings);
-  const auto writer = writers().find(format_of(path));
-  if (writer == writers().end())
-    throw Error(
-        ErrorKind::kUsage,
-        path.string() +
-            ": no format has this name; end it in .vtu, .xdmf, .msh (the volume), .vtp (its "
-            "boundary), .stl, .obj, .ply, .glb (ground, roofs and walls), or name a folder "
-            "constant/polyMesh");
-  Placement placement = mesh.mesh().placement;
-  if (config.coordinates == tetropolis::Coordinates::kAbsolute)
-    placement = {placement.origin, {0, 0, 0}};
-  call(progress, [&](const StepHooks& hooks) {
-    if (hooks.step_begins) hooks.step_begins({"3.6", "write meshes"});
-    writer->second(mesh.mesh(), path, placement, config.compression,
-                   {hooks.step_progress, hooks.cancelled});
+  call(progress, "write mesh", [&](const StepHooks& hooks) {
+    const Saving saving = saving_of(mesh.mesh(), config);
+    const SurfaceMesh& boundary = mesh.mesh().boundary;
+    const bool whole = format_of(path) == "vtp";
+    if (!save_volume(mesh, path, saving, {hooks.step_progress, hooks.cancelled}) &&
+        !save_surface(whole ? boundary : city_surface(boundary), mesh.made.city.buildings, path,
+                      saving))
+      throw_no_format(path,
+                      "end it in .vtu, .xdmf, .msh (the volume), .vtp (its boundary), .stl, .obj, "
+                      ".ply, .glb (ground, roofs and walls), or name a folder constant/polyMesh");
   });
+}
+
+/// `surface`: one of the mesh.
+void save_surface_of(const Mesh& mesh, const SurfaceMesh& surface,
+                     const std::filesystem::path& path, const nb::dict& settings) {
+  const Config config = config_of("save", settings);
+  const nb::gil_scoped_release release;
+  if (!save_surface(surface, mesh.made.city.buildings, path, saving_of(mesh.mesh(), config)))
+    throw_no_format(path, "end it in .vtp, .stl, .obj, .ply or .glb");
 }
 
 using Self = nb::pointer_and_handle<Mesh>;
@@ -243,6 +266,15 @@ void bind_mesh(nb::module_& module) {
                      return std::tuple(origin[0], origin[1], origin[2]);
                    })
       .def_prop_ro("report", [](const Mesh& self) { return to_json(self.made.report); })
+      .def(
+          "page",
+          [](const Mesh& self, const CityInMemory& city) {
+            const nb::gil_scoped_release release;
+            return make_page(city, self.made);
+          },
+          nb::arg("city"))
+      .def("save_surface", save_surface_of, nb::arg("surface"), nb::arg("path"),
+           nb::arg("settings"))
       .def("save", save, nb::arg("path"), nb::arg("settings"), nb::arg("progress").none());
   module.def("build_mesh", build, nb::arg("settings"), nb::arg("city"), nb::arg("progress").none());
 }

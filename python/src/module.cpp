@@ -10,7 +10,8 @@
 
 NB_MODULE(_core, module) {
   using namespace tetropolis::python;
-  nanobind::set_leak_warnings(false);  // what other libraries hold when the interpreter ends is no leak
+  nanobind::set_leak_warnings(
+      false);  // what other libraries hold when the interpreter ends is no leak
   module.attr("version") = tetropolis::kVersion;
   module.def("settings_of", settings_of, nanobind::arg("function"),
              "Keyword arguments: name, group, type, default, help, unit, choices of each.");

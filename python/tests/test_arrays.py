@@ -49,6 +49,8 @@ def test_boundary(mesh):
     enclosed = np.einsum("ij,ij->i", np.cross(a, b), c).sum() / 6
     assert enclosed == pytest.approx(mesh.quality["volume"], rel=1e-9)  # outward normals
     assert set(np.unique(mesh.surface.patch)) == {1, 2, 3}
+    turned = mesh.surface.points[mesh.surface.triangles[mesh.surface.patch == 1]]
+    assert (np.cross(turned[:, 1] - turned[:, 0], turned[:, 2] - turned[:, 0])[:, 2] > 0).all()  # into the air
 
 
 def test_ground_and_columns(mesh):

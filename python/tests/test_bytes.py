@@ -6,13 +6,18 @@ import pytest
 import tetropolis as tp
 
 
-@pytest.mark.parametrize("name", ["volume.vtu", "boundary.vtp", "volume.xdmf", "volume.h5", "volume.msh", "surface.stl",
+@pytest.mark.parametrize("name", ["volume.vtu", "boundary.vtp", "volume.xdmf", "volume.h5", "boundary.xdmf", "boundary.h5",
+                                  "volume.msh", "surface.vtp", "surface.stl",
                                   "surface.obj", "surface.ply", "surface.glb", "constant/polyMesh/faces",
                                   "constant/polyMesh/points"])
 def test_mesh_files(mesh, written, tmp_path, name):
     path = tmp_path / name
-    target = {"volume.h5": path.with_suffix(".xdmf")}.get(name, path.parent if "polyMesh" in name else path)
-    mesh.save(target)
+    if name == "surface.vtp":
+        mesh.surface.save(path)
+    elif path.suffix == ".h5" or name == "boundary.xdmf":
+        mesh.save(tmp_path / "volume.xdmf")
+    else:
+        mesh.save(path.parent if "polyMesh" in name else path)
     assert path.read_bytes() == (written / name).read_bytes()
 
 
@@ -20,6 +25,8 @@ def test_city_files(shared_city, written, tmp_path):
     shared_city.save(tmp_path / "dtm.tif")
     assert (tmp_path / "dtm.tif").read_bytes() == (written / "dtm.tif").read_bytes()
     shared_city.save(tmp_path / "city.json")
+    shared_city.save(tmp_path / "buildings.gpkg")
+    assert (tmp_path / "buildings.gpkg").read_bytes() == (written / "buildings.gpkg").read_bytes()
     ours, theirs = (json.loads(path.read_text()) for path in (tmp_path / "city.json", written / "city.city.json"))
     assert ours["metadata"].pop("title", None) != theirs["metadata"].pop("title")
     assert ours == theirs

@@ -5,6 +5,8 @@ import subprocess
 import sys
 import threading
 import time
+from pathlib import Path
+from urllib.request import url2pathname
 
 import pytest
 
@@ -24,7 +26,8 @@ def test_progress_comes_on_the_calling_thread(large):
     tp.build_mesh(large, mesh_size=3, progress=lambda *news: calls.append((threading.get_ident(), *news)))
     assert {thread for thread, *_ in calls} == {threading.get_ident()}
     assert len(calls) > 1 and calls[-1][2] == 1
-    assert all(isinstance(step, str) and 0 <= fraction <= 1 for _, step, fraction in calls)
+    assert all(isinstance(step, str) and 0 <= share <= 1 for _, step, share in calls)
+    assert [share for *_, share in calls] == sorted(share for *_, share in calls)
 
 
 def test_what_progress_raises_ends_the_call(large):
@@ -98,6 +101,17 @@ def test_warnings_point_at_the_caller(data):
         city = tp.build_city(data / "footprints.shp", las.xyz)
     assert all(warning.filename == __file__ for warning in caught)
     assert [notice.code for notice in city.warnings] == [str(w.message).split("(")[-1][:-1] for w in caught]
+
+
+def test_page(mesh, shared_city, monkeypatch):
+    opened = []
+    monkeypatch.setattr("webbrowser.open", opened.append)
+    for shown in (mesh, shared_city):
+        assert shown.show() is None
+        page = Path(url2pathname(opened[-1].removeprefix("file:")))
+        assert page.read_text() == shown.to_html()
+        page.unlink()
+    assert str(mesh.n_cells) in mesh.to_html() and mesh.to_html().startswith("<!doctype html>")
 
 
 def test_command_line(program, tmp_path):

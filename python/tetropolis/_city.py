@@ -13,6 +13,7 @@ from ._errors import UsageError
 from ._input import footprint_table, is_path, paths_of, points_in_memory
 from ._report import Progress, Reported, following
 from ._settings import takes_settings
+from ._show import show
 
 if TYPE_CHECKING:
     import geopandas
@@ -190,24 +191,36 @@ class City(Reported, CityModel):
         self.raw = CityModel(core.raw)
 
     def save(self, path: str | os.PathLike[str]) -> None:
-        """Writes the city model (``.city.json``, CityJSON 2.0) or the terrain (``.tif``, GeoTIFF).
+        """Writes the city model (``.city.json``, CityJSON 2.0), its layers for GIS (``.gpkg``: footprints with what
+        became of them, buildings, dropped), or the terrain (``.tif``, GeoTIFF).
 
-        `read_city` reads the two back. For other formats: ``city.to_geopandas().to_file("city.gpkg")``.
+        `read_city` reads model and terrain back. Other formats: ``city.to_geopandas().to_file(...)``.
 
         Raises
         ------
         UsageError
-            The name ends in neither.
+            The name ends in none of these.
         InputError
             The file cannot be written.
         """
         path = Path(path)
         if path.suffix.lower() == ".json":
             self._model.save(path)
+        elif path.suffix.lower() == ".gpkg":
+            self._core.save_layers(path)
         elif path.suffix.lower() in (".tif", ".tiff"):
             self._core.save_terrain(path)
         else:
-            raise UsageError(f"{path}: no format has this name; end it in .city.json (buildings) or .tif (terrain)")
+            raise UsageError(f"{path}: no format has this name; end it in .city.json (buildings), .gpkg (layers) "
+                             "or .tif (terrain)")
+
+    def to_html(self) -> str:
+        """The page that shows the city: one HTML text that works offline."""
+        return self._core.page
+
+    def show(self) -> object:
+        """Shows the page: in a notebook below the cell, else in the browser."""
+        return show(self.to_html())
 
     def __repr__(self) -> str:
         return f"<tetropolis.City: {len(self)} buildings, {self.crs or 'no CRS'}, {len(self.dropped)} dropped>"
@@ -228,7 +241,8 @@ def build_city(footprints: Any, points: Any, *, classification: npt.ArrayLike | 
     classification : array_like of shape (N,), optional
         ASPRS classes of points in memory; without, the ground is found by a filter.
     progress : bool or callable, optional
-        True: a bar of tqdm. A callable gets the name of the step and the share of it that is done, in [0, 1].
+        True: a bar of tqdm. A callable gets the name of the step and the share of the whole that is done, in
+        [0, 1].
 
     Returns
     -------

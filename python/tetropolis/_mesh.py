@@ -15,6 +15,7 @@ from ._city import City
 from ._errors import UsageError
 from ._report import Progress, Reported, following
 from ._settings import takes_settings
+from ._show import show
 
 if TYPE_CHECKING:
     import meshio
@@ -36,11 +37,12 @@ def _shift(origin: tuple[float, float, float], coordinates: str) -> Floats:
 
 
 class Surface:
-    """Tagged triangles. All arrays are the library's own memory, read-only."""
+    """Tagged triangles of a mesh. All arrays are the library's own memory, read-only."""
 
-    def __init__(self, core: _core.Surface, origin: tuple[float, float, float], crs: str) -> None:
+    def __init__(self, core: _core.Surface, mesh: _core.Mesh, crs: str) -> None:
         self._core = core
-        self.origin = origin  #: Zero of `points` in the CRS: x, y, elevation.
+        self._mesh = mesh
+        self.origin = mesh.origin  #: Zero of `points` in the CRS: x, y, elevation.
         self.crs = crs  #: "EPSG:28992", or WKT, or "" if unknown.
 
     @property
@@ -50,7 +52,8 @@ class Surface:
 
     @property
     def triangles(self) -> Ints:
-        """Positions in `points`, shape (m, 3); normals leave the meshed volume."""
+        """Positions in `points`, shape (m, 3). Normals of `mesh.boundary` leave the meshed air, those of
+        `mesh.surface` point into it."""
         return self._core.triangles
 
     @property
@@ -77,6 +80,24 @@ class Surface:
     def patches(self) -> dict[int, str]:
         """Names of the patches by number: 1 "ground", 2 "roof", 3 "wall", 4 "top", ..."""
         return self._core.patches
+
+    @takes_settings("save")
+    def save(self, path: str | os.PathLike[str], **settings: Unpack[Save]) -> None:
+        """Writes a file; the name's end says which: ``.vtp``, ``.stl``, ``.obj``, ``.ply`` or ``.glb``.
+
+        Parameters
+        ----------
+        path : path
+            File.
+
+        Raises
+        ------
+        UsageError
+            No format has this name.
+        InputError
+            The file cannot be written.
+        """
+        self._mesh.save_surface(self._core, Path(path), dict(settings))
 
     def to_pyvista(self, coordinates: Coordinates = "local") -> pyvista.PolyData:
         """With the cell data `patch` and `building`, and the field data `origin`."""
@@ -147,11 +168,12 @@ class Mesh(Reported):
         "EPSG:28992", or WKT, or "" if unknown.
     """
 
-    def __init__(self, core: _core.Mesh, crs: str) -> None:
+    def __init__(self, core: _core.Mesh, city: City) -> None:
         self._core = core
         self._text = core.report
-        self.crs = crs
-        self.boundary = Surface(core.boundary, self.origin, crs)
+        self._city = city._core
+        self.crs = city.crs
+        self.boundary = Surface(core.boundary, core, city.crs)
         self.ground = GroundMesh(core)
 
     @property
@@ -206,8 +228,8 @@ class Mesh(Reported):
 
     @cached_property
     def surface(self) -> Surface:
-        """Ground, roofs and walls: the boundary without the domain's top and sides."""
-        return Surface(self._core.boundary.solid(), self.origin, self.crs)
+        """Ground, roofs and walls, to look at: without the domain's top and sides, normals into the air."""
+        return Surface(self._core.boundary.city_surface(), self._core, self.crs)
 
     @property
     def quality(self) -> dict[str, Any]:
@@ -241,8 +263,9 @@ class Mesh(Reported):
     def save(self, path: str | os.PathLike[str], *, progress: Progress = None, **settings: Unpack[Save]) -> None:
         """Writes a file, as the command line does; the name's end says which.
 
-        ``.vtu``, ``.xdmf`` (with ``.h5``), ``.msh`` and a folder ``constant/polyMesh`` hold the volume, ``.vtp`` its
-        boundary; ``.stl``, ``.obj``, ``.ply`` and ``.glb`` ground, roofs and walls.
+        ``.vtu``, ``.xdmf``, ``.msh`` and a folder ``constant/polyMesh`` hold the volume, ``.vtp`` its boundary;
+        ``.stl``, ``.obj``, ``.ply`` and ``.glb`` ground, roofs and walls. ``volume.xdmf`` comes with
+        ``boundary.xdmf``, and ``NAME.xdmf`` with ``NAME_boundary.xdmf``, each with an HDF5 file beside it.
 
         Parameters
         ----------
@@ -260,6 +283,14 @@ class Mesh(Reported):
         """
         with following(progress) as follow:
             self._core.save(Path(path), dict(settings), follow)
+
+    def to_html(self) -> str:
+        """The page that shows city and mesh: one HTML text that works offline."""
+        return self._core.page(self._city)
+
+    def show(self) -> object:
+        """Shows the page: in a notebook below the cell, else in the browser."""
+        return show(self.to_html())
 
     def __repr__(self) -> str:
         return f"<tetropolis.Mesh: {self.n_cells} tetrahedra, {self.n_points} points, {self.crs or 'no CRS'}>"
@@ -279,7 +310,7 @@ def build_mesh(city: City, *, progress: Progress = None, **settings: Unpack[Buil
     Returns
     -------
     Mesh
-        Does not depend on the city any more.
+        What is edited in the city afterwards does not change it.
 
     Raises
     ------
@@ -293,6 +324,6 @@ def build_mesh(city: City, *, progress: Progress = None, **settings: Unpack[Buil
     if not isinstance(city, City):
         raise UsageError(f"city: give what build_city() or read_city() returns, not {type(city).__name__}")
     with following(progress) as follow:
-        mesh = Mesh(_core.build_mesh(dict(settings), city._core, follow), city.crs)
+        mesh = Mesh(_core.build_mesh(dict(settings), city._core, follow), city)
     mesh._warn()
     return mesh

@@ -52,8 +52,8 @@ def following(progress: Progress) -> Iterator[Callable[[str, float], object] | N
     from tqdm.auto import tqdm
 
     with tqdm(total=100, bar_format="{desc:<28}{percentage:3.0f}% |{bar}| {elapsed}") as bar:
-        def update(step: str, fraction: float) -> None:
+        def update(step: str, share: float) -> None:
             bar.set_description_str(step, refresh=False)
-            bar.n = round(100 * fraction)
+            bar.n = round(100 * share)
             bar.refresh()
         yield update

@@ -61,8 +61,8 @@ PointsInput take_points(const PointArrays& points, const ReadPointsOptions& opti
   PointCloud& cloud = result.points;
   for (std::size_t p = 0; p < points.xyz.size(); ++p) {
     const auto& [x, y, z] = points.xyz[p];
-    const std::uint8_t code = points.classification.empty() ? std::uint8_t{kNeverClassified}
-                                                            : points.classification[p];
+    const std::uint8_t code =
+        points.classification.empty() ? std::uint8_t{kNeverClassified} : points.classification[p];
     ++all.by_class[code];
     if (!is_finite(points.xyz[p])) {
       ++not_finite;

@@ -27,9 +27,8 @@ struct Column {
 void require_length(const FootprintTable& table, const std::vector<std::string>& column,
                     const char* name) {
   if (column.empty() || column.size() == table.wkb.size()) return;
-  throw Error(ErrorKind::kUsage,
-              fmt::format("{}: {} {} for {} features; give one per feature", table.source,
-                          column.size(), name, table.wkb.size()));
+  throw Error(ErrorKind::kUsage, fmt::format("{}: {} {} for {} features; give one per feature",
+                                             table.source, column.size(), name, table.wkb.size()));
 }
 
 void set_geometry(const FootprintTable& table, std::size_t row, OGRFeatureH feature) {
@@ -39,8 +38,7 @@ void set_geometry(const FootprintTable& table, std::size_t row, OGRFeatureH feat
   if (OGR_G_CreateFromWkb(bytes.data(), nullptr, &geometry, static_cast<int>(bytes.size())) !=
           OGRERR_NONE ||
       geometry == nullptr)
-    fail_input(table.source,
-               fmt::format("feature {}: its geometry is no well-known binary", row));
+    fail_input(table.source, fmt::format("feature {}: its geometry is no well-known binary", row));
   OGR_F_SetGeometryDirectly(feature, geometry);
 }
 
@@ -49,8 +47,8 @@ gdal::Dataset dataset_of(const FootprintTable& table, const ReadFootprintsOption
   // Since GDAL 3.11 the driver of rasters in memory has vectors as well.
   GDALDriverH driver = GDALGetDriverByName("Memory");
   if (driver == nullptr) driver = GDALGetDriverByName("MEM");
-  gdal::Dataset dataset(
-      driver == nullptr ? nullptr : GDALCreate(driver, "", 0, 0, 0, GDT_Unknown, nullptr));
+  gdal::Dataset dataset(driver == nullptr ? nullptr
+                                          : GDALCreate(driver, "", 0, 0, 0, GDT_Unknown, nullptr));
   OGRLayerH layer = dataset == nullptr ? nullptr
                                        : GDALDatasetCreateLayer(dataset.get(), table.source.c_str(),
                                                                 nullptr, wkbUnknown, nullptr);

@@ -12,11 +12,11 @@ namespace tetropolis {
 
 /// Arrays of n points that outlive their use.
 struct PointArrays {
-  std::span<const std::array<double, 3>> xyz;       ///< n; CRS coordinates, z in metres.
+  std::span<const std::array<double, 3>> xyz;      ///< n; CRS coordinates, z in metres.
   std::span<const std::uint8_t> classification{};  ///< n ASPRS classes, or none: never classified.
-  std::span<const std::uint8_t> withheld{};         ///< n of 0 or 1, or none: no point is.
-  std::string source = "points";                    ///< What messages call them.
-  std::string crs = {};  ///< As normalise_crs takes it; "" if unknown.
+  std::span<const std::uint8_t> withheld{};        ///< n of 0 or 1, or none: no point is.
+  std::string source = "points";                   ///< What messages call them.
+  std::string crs = {};                            ///< As normalise_crs takes it; "" if unknown.
 };
 
 /// What read_points makes of a file with these points, by the same options. Points with a

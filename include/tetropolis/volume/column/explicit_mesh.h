@@ -1,5 +1,5 @@
-// The volume mesh as plain arrays, for callers that need them: nodes, cells and regions in the order
-// of write_vtu. A mesh is read part by part where the arrays of all would be too large.
+// The volume mesh as plain arrays, for callers that need them: nodes, cells and regions in the
+// order of write_vtu. A mesh is read part by part where the arrays of all would be too large.
 #pragma once
 
 #include <array>

@@ -1,4 +1,4 @@
-#include "progress.h"
+#include "tetropolis/run/progress.h"
 
 #include <algorithm>
 #include <array>
@@ -6,7 +6,7 @@
 
 #include <fmt/format.h>
 
-namespace tetropolis::app {
+namespace tetropolis {
 
 namespace {
 
@@ -118,4 +118,4 @@ std::string RunProgress::time_left() const {
   return fmt::format("{:.1f} h left", left / 3600);
 }
 
-}  // namespace tetropolis::app
+}  // namespace tetropolis

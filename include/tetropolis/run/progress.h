@@ -10,7 +10,7 @@
 #include "tetropolis/core/steps.h"
 #include "tetropolis/run/config.h"
 
-namespace tetropolis::app {
+namespace tetropolis {
 
 /// Follows the steps of one run. Steps count by what they take in usual runs, so shares and times
 /// are estimates.
@@ -49,4 +49,4 @@ class RunProgress {
   std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
 };
 
-}  // namespace tetropolis::app
+}  // namespace tetropolis
