@@ -239,7 +239,10 @@ TEST_F(FileDefects, NoVectorFileAtAll) {
   expect_input_error(run(folder / "noise.gpkg"), folder / "noise.gpkg", "");
   write_bytes(folder / "notes.txt", "a house, a street, a tree\n");
   expect_input_error(run(folder / "notes.txt"), folder / "notes.txt", "not a vector file");
-  expect_input_error(run(folder / "points.las"), folder / "points.las", "not a vector file");
+  const Outcome cloud = run(folder / "points.las");
+  EXPECT_EQ(cloud.exit_code, 2);
+  EXPECT_NE(cloud.error.find("is a point cloud, but given as `footprints`"), std::string::npos)
+      << cloud.error;
   expect_input_error(run(folder / "nowhere.shp"), folder / "nowhere.shp", "no such file");
   write_bytes(folder / "none.geojson", R"({"type":"FeatureCollection","features":[]})");
   expect_input_error(run(folder / "none.geojson", {}, ""), folder / "none.geojson",
