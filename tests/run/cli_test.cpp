@@ -363,7 +363,7 @@ TEST_F(Cli, CheckComparesTheModelsAndTheReport) {
   changed("report.json", "EPSG:3006", "EPSG:3007", "reference system differs from report.json");
   changed("report.json", "\"domain\": *\\[\\s*[0-9]", "\"domain\":[9",
           "domain differs from report.json");
-  changed("report.json", "\"merged\": *[0-9]+", "\"merged\":99",
+  changed("report.json", "\"flags\": *\\{\\s*\"merged\": *[0-9]+", "\"flags\":{\"merged\":99",
           "number of flags differs from report.json");
   changed("report.json", "\"min_clearance\": *[0-9.]+", "\"min_clearance\":1.5",
           "clearance differs from report.json");

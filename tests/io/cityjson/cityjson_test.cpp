@@ -255,10 +255,13 @@ TEST(CityJson, DocumentFollowsTheSpecification) {
   EXPECT_NEAR(extent[0], box.xmin + 84800, 1e-9);
   EXPECT_NEAR(extent[4], box.ymax + 447400, 1e-9);
   EXPECT_NEAR(extent[5], top, 5.1e-5);
+  // What it adds to the format is the extension that it declares.
+  const Json extension =
+      Json::parse(bytes_of(std::filesystem::path(TETROPOLIS_SOURCE) / "docs/tetropolis.ext.json"));
+  EXPECT_EQ(file["extensions"]["Tetropolis"],
+            Json({{"url", extension["url"]}, {"version", extension["version"]}}));
   for (const auto& [key, value] : file.items())
-    if (key.front() == '+') {
-      EXPECT_TRUE(file["extensions"].contains("Tetropolis")) << key;
-    }
+    if (key.front() == '+') EXPECT_TRUE(extension["extraRootProperties"].contains(key)) << key;
   EXPECT_EQ(file["+tetropolis"]["domain"][0].get<double>(), 84800 - 10.1234);
   EXPECT_EQ(file["+tetropolis"]["dropped"][0]["source_id"], "17#2");
 }
