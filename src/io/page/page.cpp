@@ -115,8 +115,7 @@ class PolygonWriter {
   void add(const Ring& ring) {
     points_.push_back(static_cast<std::int32_t>(ring.size()));
     for (const Point2 p : ring) {
-      const auto x = static_cast<std::int32_t>(std::llround(p.x / kPageStep));
-      const auto y = static_cast<std::int32_t>(std::llround(p.y / kPageStep));
+      const std::int32_t x = page_steps(p.x), y = page_steps(p.y);
       x_.push_back(x - std::exchange(last_x_, x));
       y_.push_back(y - std::exchange(last_y_, y));
     }

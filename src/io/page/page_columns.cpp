@@ -13,10 +13,6 @@ namespace tetropolis {
 
 namespace {
 
-std::int32_t steps_of(double metres) {
-  return static_cast<std::int32_t>(std::llround(metres / kPageStep));
-}
-
 /// Returns the value less the last one, which becomes the value.
 std::int32_t difference(std::int32_t value, std::int32_t& last) {
   return value - std::exchange(last, value);
@@ -25,8 +21,8 @@ std::int32_t difference(std::int32_t value, std::int32_t& last) {
 void add_ground(const GroundMesh& ground, PageColumns& columns) {
   std::int32_t x = 0, y = 0, corner = 0, region = 0;
   for (const Point2 p : ground.vertices) {
-    columns.x.push_back(difference(steps_of(p.x), x));
-    columns.y.push_back(difference(steps_of(p.y), y));
+    columns.x.push_back(difference(page_steps(p.x), x));
+    columns.y.push_back(difference(page_steps(p.y), y));
   }
   for (const auto& triangle : ground.triangles) {
     columns.corners.push_back(difference(triangle[0].value(), corner));
@@ -43,7 +39,7 @@ std::vector<std::int32_t> roof_steps(const ColumnMesh& mesh) {
   for (const TriangleIndex t : mesh.ground.triangles.indices())
     if (mesh.inside_building(t))
       roofs[mesh.ground.region[t]] =
-          steps_of(mesh.z[mesh.floor_over(t, mesh.ground.triangles[t][0])]);
+          page_steps(mesh.z[mesh.floor_over(t, mesh.ground.triangles[t][0])]);
   return roofs;
 }
 
@@ -88,7 +84,7 @@ class ElevationWriter {
   }
 
   std::int32_t elevation(VertexIndex v, std::int32_t position) const {
-    return steps_of(mesh_.z[mesh_.first[v] + position]);
+    return page_steps(mesh_.z[mesh_.first[v] + position]);
   }
 
   void keep(VertexIndex v, std::int32_t position, std::int32_t z) {

@@ -4,6 +4,8 @@
 // reader knows already have been taken off, mostly 0: viewer/src/mesh/columns.ts adds them again.
 #pragma once
 
+#include <algorithm>
+#include <cmath>
 #include <cstdint>
 #include <vector>
 
@@ -13,6 +15,13 @@ namespace tetropolis {
 
 /// Metres.
 inline constexpr double kPageStep = 0.001;
+
+/// The nearest number of steps; 1,000 km at most, so that differences are numbers of 32 bits, too.
+inline std::int32_t page_steps(double metres) {
+  const double steps = metres / kPageStep;
+  return std::isnan(steps) ? 0
+                           : static_cast<std::int32_t>(std::llround(std::clamp(steps, -1e9, 1e9)));
+}
 
 /// Each array in the order of the mesh.
 struct PageColumns {
