@@ -46,6 +46,7 @@ def main():
         folder = pathlib.Path(name)
         (folder / "build").mkdir()
         (folder / "build/tetropolis").symlink_to(program)
+        (folder / "build/venv").symlink_to(build / "venv")
         (folder / "examples").symlink_to(source / "examples")
         (folder / "points").mkdir()
         (folder / "points/ahn3.laz").symlink_to(source / "examples/data/delft/ahn3.laz")
