@@ -22,7 +22,8 @@ namespace {
 namespace fs = std::filesystem;
 using testing::TemporaryFolder;
 
-Report synth(const fs::path& out, int seed, std::vector<std::string> defects) {
+Report synth(const fs::path& out, int seed, std::vector<std::string> defects,
+             bool overwrite = false) {
   Config config;
   config.kind = SynthKind::kAdversarial;
   config.out = out.string();
@@ -30,6 +31,7 @@ Report synth(const fs::path& out, int seed, std::vector<std::string> defects) {
   config.size = 150;
   config.point_density = 0.1;
   config.defects = std::move(defects);
+  config.overwrite = overwrite;
   return run_synth(config);
 }
 
@@ -129,8 +131,11 @@ TEST(SynthAdversarial, WithoutAReportOfASyntheticCityNothingIsTaken) {
     std::ofstream(folder / "a" / name) << "x";
   std::ofstream(folder / "a" / "report.json")
       << R"({"command": "city", "config": {"kind": "random"}})";
-  synth(folder / "a", 2, {"tiles_gap"});
-  EXPECT_EQ(contents(folder / "a").at("points.laz"), "x");
+  const auto before = contents(folder / "a");
+  EXPECT_THROW(synth(folder / "a", 2, {"tiles_gap"}), Error);
+  EXPECT_EQ(contents(folder / "a"), before);
+  synth(folder / "a", 2, {"tiles_gap"}, true);
+  EXPECT_EQ(contents(folder / "a").at("points.laz"), "x");  // the city has others
 }
 
 TEST(SynthAdversarial, FilesOfTheUserStay) {
