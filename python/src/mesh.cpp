@@ -145,7 +145,7 @@ bool save_surface(const SurfaceMesh& surface, const std::vector<Building>& build
   else if (format == "ply")
     write_ply(path, surface, saving.placement);
   else if (format == "glb")
-    write_glb(path, surface, saving.placement);
+    write_glb(path, surface, saving.placement, buildings);
   else
     return false;
   return true;
@@ -223,8 +223,7 @@ void bind_surface(nb::module_& module) {
                        names[static_cast<int>(info.patch)] = info.name;
                      return names;
                    })
-      .def("solid",
-           [](const SurfaceMesh& self) { return select_patches(self, self.patches.solid()); });
+      .def("city_surface", city_surface);
 }
 
 }  // namespace
@@ -233,7 +232,7 @@ void bind_mesh(nb::module_& module) {
   bind_surface(module);
   nb::class_<Mesh>(module, "Mesh", "A volume mesh as columns, and its boundary.")
       .def_prop_ro("n_points", [](const Mesh& self) { return self.volume().node_count(); })
-      .def_prop_ro("n_cells", [](const Mesh& self) { return self.offsets.back(); })
+      .def_prop_ro("n_cells", [](const Mesh& self) { return self.offsets.back().value(); })
       .def_prop_ro("n_triangles", [](const Mesh& self) { return self.volume().triangle_count(); })
       .def("points", points_of)
       .def("cells", cells_over, nb::arg("begin"), nb::arg("end"))

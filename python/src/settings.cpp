@@ -35,7 +35,8 @@ const std::vector<Function>& functions() {
 }
 
 /// What is an argument of its own, or is about a terminal.
-constexpr std::array<std::string_view, 4> kNoKeywords{"footprints", "points", "quiet", "log"};
+constexpr std::array<std::string_view, 5> kNoKeywords{"footprints", "points", "quiet", "verbose",
+                                                      "log"};
 
 template <typename List>
 bool contains(const List& names, std::string_view name) {

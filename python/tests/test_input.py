@@ -98,7 +98,7 @@ def test_withheld_noise_and_nan_are_left_out(las, data, shared_city):
     city = tp.build_city(data / "footprints.shp", np.vstack([las.xyz, extra]), classification=classes,
                          id_attribute="id")
     assert same(city, shared_city)
-    assert [(n.code, n.count) for n in city.warnings] == [("points_not_finite", 1)]
+    assert ("points_not_finite", 1) in [(notice.code, notice.count) for notice in city.warnings]
 
 
 def test_terrain_only(data):
@@ -117,8 +117,8 @@ def test_terrain_only(data):
     ("frame", np.zeros((2, 3)), {"classification": [1, 300]}, tp.UsageError, "0 to 255"),
     ("frame", "abc".split, {}, tp.UsageError, "points"),
     (17, "points", {}, tp.UsageError, "footprints"),
-    (None, "points", {}, tp.UsageError, "footprints= is missing"),
-    ("frame", None, {}, tp.UsageError, "points= is missing"),
+    (None, "points", {}, tp.UsageError, "missing: footprints="),
+    ("frame", None, {}, tp.UsageError, "missing: points="),
     ("frame", "points", {"id_atribute": "id"}, tp.UsageError, "did you mean 'id_attribute'?"),
     ("frame", "points", {"dtm_step": -1}, tp.UsageError, "dtm_step: -1 is less than 0.01"),
     ("frame", "points", {"bounds": (0, 0, 1)}, tp.UsageError, "bounds: four numbers expected"),

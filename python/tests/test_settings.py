@@ -45,7 +45,7 @@ def test_signature_and_docstring(table, name):
 def test_every_setting_of_the_steps_is_a_keyword(table):
     ours = {row[0] for name in FUNCTIONS for row in _core.settings_of(name)}
     # Files and terminals; `check` and the reader of cities have arguments of their own.
-    others = {"footprints", "points", "city", "dtm", "out", "formats", "quiet", "log"}
+    others = {"footprints", "points", "city", "dtm", "out", "overwrite", "formats", "no_html", "quiet", "verbose", "log"}
     assert set(table) - ours - others == set()
 
 
