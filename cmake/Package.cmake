@@ -16,8 +16,7 @@ set(CPACK_DEBIAN_PACKAGE_SECTION science)
 set(CPACK_DEBIAN_PACKAGE_SHLIBDEPS ON)
 set(CPACK_DEBIAN_PROGRAM_PACKAGE_NAME tetropolis)
 set(CPACK_DEBIAN_PROGRAM_DESCRIPTION
-"city meshes for simulation from footprints and LiDAR
-Tetropolis turns building footprints and airborne LiDAR into a conforming
+"Tetropolis turns building footprints and airborne LiDAR into a conforming
 tetrahedral mesh of the air of a city, a watertight surface with tagged
 ground, roofs and walls, a city model and the terrain. It runs unattended,
 and every mesh that it writes is valid.")
@@ -28,8 +27,7 @@ set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_SHLIBDEPS OFF)
 set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_DEPENDS "libgdal-dev, libgeos-dev, libhdf5-dev, liblaszip-dev, libtbb-dev, \
 zlib1g-dev, libexpat1-dev, libfmt-dev, libtomlplusplus-dev, nlohmann-json3-dev")
 set(CPACK_DEBIAN_DEVELOPMENT_DESCRIPTION
-"city meshes for simulation, C++ library
-The library behind the program of the package tetropolis, as static library
+"The library behind the program of the package tetropolis, as static library
 with headers and a CMake package.")
 
 # As Debian wants them: documents of both packages, compressed; completions of zsh in a folder of their own.
