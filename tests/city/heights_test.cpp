@@ -302,7 +302,6 @@ class ByHand {
 constexpr double kHalfMillimetre = 0.0005 + 1e-9;
 
 TEST(HeightsOfDelft, AgreeWithWorkByHandAndWith3dfier) {
-  constexpr double kHalfMillimetre = 0.0005 + 1e-9;  // heights are rounded
   TETROPOLIS_REQUIRE_DATA(folder, "delft_3dfier");
   const Place place = read_place(folder / "footprints.gpkg", "lokaalid",
                                  {(folder / "ahn3_cropped_*.laz").string()}, {84800, 447400});
