@@ -7,7 +7,6 @@
 #include "tetropolis/run/progress.h"
 #include "tetropolis/run/run.h"
 
-
 namespace tetropolis::app {
 
 class Console {

@@ -57,7 +57,9 @@ class Work : public ::testing::Test {
   Counts counted;
 };
 
-double cells_of(const ColumnMesh& mesh) { return static_cast<double>(cell_offsets(mesh).back().value()); }
+double cells_of(const ColumnMesh& mesh) {
+  return static_cast<double>(cell_offsets(mesh).back().value());
+}
 
 TEST_F(Work, CountersCount) {
   // The third point is on the line to within rounding, the fourth on the circle.

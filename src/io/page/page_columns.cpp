@@ -1,7 +1,6 @@
 #include "page_columns.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <cstddef>
 #include <span>

@@ -1,5 +1,6 @@
 #include "feature_attributes.h"
 
+#include <cmath>
 #include <cstdint>
 #include <cstdlib>
 #include <optional>

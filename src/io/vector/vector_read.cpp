@@ -1,3 +1,5 @@
+#include "vector_read.h"
+
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>
@@ -30,7 +32,6 @@
 #include "vector_geometry.h"
 #include "vector_layers.h"
 #include "vector_open.h"
-#include "vector_read.h"
 
 namespace tetropolis {
 

@@ -4,8 +4,6 @@
 #include <cmath>
 #include <map>
 #include <numbers>
-#include <random>
-#include <set>
 #include <vector>
 
 #include <gtest/gtest.h>
