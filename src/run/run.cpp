@@ -42,9 +42,9 @@ void keep_inputs(const Config& config, OutputFolder& out) {
 
 /// The results of a run that makes a city model, meshes.
 std::vector<std::string> names_of(const Config& config, bool city, bool mesh) {
-  std::vector<std::string> names = results::of_run(city, mesh, config.formats);
-  if (config.no_html) std::erase(names, results::kPage);
-  return names;
+  std::vector<std::string> formats = config.formats;
+  if (!config.no_html) formats.emplace_back("html");
+  return results::of_run(city, mesh, formats);
 }
 
 /// So that `check` finds a source from anywhere, also when both have moved together.

@@ -82,12 +82,12 @@ const Blanked kClouds[] = {
      {"delft_3dfier/ahn3_cropped_1.laz", "delft_3dfier/ahn3_cropped_2.laz"},
      2,
      0},
-    {"Amsterdam", "amsterdam_south/footprints.gpkg", {"amsterdam_south/ahn3"}, 13, 1},
+    {"Amsterdam", "amsterdam_south/footprints.gpkg", {"amsterdam_south/ahn3"}, 17, 3},
     {"AmsterdamSparse",
      "amsterdam_south/footprints.gpkg",
      {"amsterdam_south/ahn3_sparse/c_25gn1_b.laz"},
      15,
-     0},
+     1},
 };
 
 INSTANTIATE_TEST_SUITE_P(Clouds, Unclassified, ::testing::ValuesIn(kClouds),
