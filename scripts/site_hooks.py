@@ -34,12 +34,16 @@ def targets(path, text):
 def on_files(files, config):
     for path, name in PAGES.items():
         files.append(File.generated(config, name, content=(ROOT / path).read_text()))
-    # What pages name and the site would not have: sources, licence, read-mes of folders.
-    for file in list(files.documentation_pages()):
-        for target in targets(in_repository(file.src_uri), file.content_string):
+    # What pages name and the site would not have: sources, licence, read-mes of folders and what these name.
+    pages = list(files.documentation_pages())
+    while pages:
+        page = pages.pop()
+        for target in targets(in_repository(page.src_uri), page.content_string):
             name = in_site(target)
             if name.startswith("source/") and (ROOT / target).is_file() and name not in files.src_uris:
                 files.append(File.generated(config, name, abs_src_path=str(ROOT / target)))
+                if name.endswith(".md"):
+                    pages.append(files.src_uris[name])
     return files
 
 
