@@ -1,5 +1,5 @@
 # The two commands a newcomer needs are `make demo` and `make test`.
-.PHONY: demo test test-quick test-asan fuzz build deps bench microbench survey simplification-report docs site \
+.PHONY: demo python-env test test-quick test-asan fuzz build deps bench microbench survey simplification-report docs site \
   format check-format check-viewer viewer package clean
 
 # CITY=synthetic meshes an invented city instead.
@@ -7,12 +7,16 @@ CITY = delft
 demo:
 	@scripts/demo $(CITY)
 
-test: build
+test: python-env build
 	@scripts/run-tests build
+
+# Packages of Python that tests read results with, and that the Python package is built and tested with.
+python-env:
+	@{ scripts/install-deps python && scripts/python-env; } || echo "make: tests in Python will be skipped"
 
 # Two minutes after a build: without whole runs of the program, faults from outside and counts of work.
 test-quick: build
-	@scripts/run-tests build -E '^(faults|work)\.|^run\.(Cli|QualityFloor|Fenicsx|survey|CheckMesh|Cities|same_bytes_random|install)'
+	@scripts/run-tests build -E '^(faults|work)\.|^run\.(Cli|QualityFloor|Fenicsx|survey|CheckMesh|Cities|same_bytes_random|install)|^python\.notebook'
 
 # Everything under address and undefined-behaviour sanitizers. .ci/run does the suites that find most.
 test-asan:

@@ -125,7 +125,9 @@ class CityModel:
         import shapely
 
         coordinates, rings, polygons = self._model.footprints
-        return shapely.from_ragged_array(shapely.GeometryType.POLYGON, coordinates, (rings, polygons))
+        footprints: npt.NDArray[np.object_] = shapely.from_ragged_array(
+            shapely.GeometryType.POLYGON, coordinates, (rings, polygons))
+        return footprints
 
     @property
     def dropped(self) -> pandas.DataFrame:

@@ -34,7 +34,8 @@ def synth(out: str | os.PathLike[str], *, progress: Progress = None, **settings:
         The report (docs/report.md).
     """
     with following(progress) as follow:
-        return json.loads(_core.synth(dict(settings), os.fspath(out), follow))
+        report: dict[str, Any] = json.loads(_core.synth(dict(settings), os.fspath(out), follow))
+    return report
 
 
 @dataclass(frozen=True)

@@ -5,6 +5,7 @@ import os
 from typing import Any
 
 import numpy as np
+import numpy.typing as npt
 
 from . import _core
 from ._errors import InputError, UsageError
@@ -20,7 +21,7 @@ def crs_text(crs: Any) -> str:
         return ""
     if isinstance(crs, str):
         return crs
-    return crs.srs if getattr(crs, "srs", "").upper().startswith("EPSG:") else crs.to_wkt()
+    return str(crs.srs) if getattr(crs, "srs", "").upper().startswith("EPSG:") else str(crs.to_wkt())
 
 
 def _column(frame: Any, name: str) -> list[str]:
@@ -59,7 +60,7 @@ def footprint_table(footprints: Any, id_attribute: str | None, height_attribute:
     return _core.FootprintTable([bytes(b) if b is not None else b"" for b in wkb], ids, heights, crs)
 
 
-def _codes(codes: Any, name: str, count: int) -> np.ndarray | None:
+def _codes(codes: Any, name: str, count: int) -> npt.NDArray[np.uint8] | None:
     if codes is None:
         return None
     array = np.asarray(codes)

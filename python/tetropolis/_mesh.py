@@ -234,7 +234,8 @@ class Mesh(Reported):
     @property
     def quality(self) -> dict[str, Any]:
         """Angles, aspect ratios, the worst cells: `volume_mesh` of the report."""
-        return self.report["volume_mesh"]
+        quality: dict[str, Any] = self.report["volume_mesh"]
+        return quality
 
     def to_pyvista(self, coordinates: Coordinates = "local") -> pyvista.UnstructuredGrid:
         """With the cell data `region`, and the field data `origin`.

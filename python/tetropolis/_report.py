@@ -5,14 +5,17 @@ import contextlib
 import json
 import warnings
 from collections.abc import Callable, Iterator
-from typing import Any, NamedTuple, Union
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any, Union
 
 from ._errors import DataWarning
 
 Progress = Union[bool, Callable[[str, float], object], None]
 
 
-class Notice(NamedTuple):
+@dataclass(frozen=True)
+class Notice:
     """One kind of oddity of the input, or of what was made of it."""
 
     code: str  #: Stable, such as "stray_points".
@@ -25,12 +28,11 @@ class Reported:
 
     _text: str
 
-    @property
+    @cached_property
     def report(self) -> dict[str, Any]:
         """What happened, with the keys of ``report.json`` (docs/report.md)."""
-        if "_report" not in self.__dict__:
-            self.__dict__["_report"] = json.loads(self._text)
-        return self.__dict__["_report"]
+        report: dict[str, Any] = json.loads(self._text)
+        return report
 
     @property
     def warnings(self) -> list[Notice]:
