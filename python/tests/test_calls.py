@@ -120,3 +120,20 @@ def test_command_line(program, tmp_path):
     assert ran.stdout.strip() == f"tetropolis {tp.__version__}"
     ran = subprocess.run([sys.executable, "-m", "tetropolis", "build"], capture_output=True, text=True)
     assert ran.returncode == 2 and ran.stderr.startswith("tetropolis: ")
+
+
+def test_numpy_is_all_that_is_needed(data, tmp_path):
+    """Without the packages that results are handed to, city and mesh are made, printed, saved and looked at."""
+    code = f"""
+import sys
+for name in ("pandas", "geopandas", "shapely", "pyvista", "meshio", "laspy", "tqdm", "matplotlib"):
+    sys.modules[name] = None  # importing it fails
+import numpy as np
+import tetropolis as tp
+city = tp.build_city({str(data / "footprints.shp")!r}, {str(data)!r})
+mesh = tp.build_mesh(city, mesh_size=30)
+assert repr(city) and repr(city.terrain) and repr(mesh) and repr(mesh.boundary)
+mesh.save({str(tmp_path / "a.vtu")!r})
+assert mesh.points[mesh.cells].shape[1:] == (4, 3) and mesh.to_html() and city.flags and city.source_ids
+"""
+    subprocess.run([sys.executable, "-c", code], check=True)

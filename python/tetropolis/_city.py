@@ -225,7 +225,7 @@ class City(Reported, CityModel):
         return show(self.to_html())
 
     def __repr__(self) -> str:
-        return f"<tetropolis.City: {len(self)} buildings, {self.crs or 'no CRS'}, {len(self.dropped)} dropped>"
+        return f"<tetropolis.City: {len(self)} buildings, {self.crs or 'no CRS'}, {len(self._model.dropped)} dropped>"
 
 
 @takes_settings("build_city")

@@ -41,7 +41,9 @@ std::string json_of(const std::string& wkt) {
   return json;
 }
 
-std::string quoted(const std::string& text) { return text.empty() ? "null" : '"' + text + '"'; }
+std::string text_or_null(const std::string& text) {
+  return text.empty() ? "null" : '"' + text + '"';
+}
 
 const std::vector<std::string> kShapes = {
     "POLYGON ((0 0,10 0,10 10,0 10,0 0),(2 2,2 4,4 4,4 2,2 2))",
@@ -66,7 +68,8 @@ TEST(FootprintTable, IsWhatAFileWithItsFeaturesIs) {
   for (std::size_t i = 0; i < kShapes.size(); ++i)
     features += fmt::format(
         R"({}{{"type":"Feature","id":{},"properties":{{"name":{},"tall":{}}},"geometry":{}}})",
-        i == 0 ? "" : ",", i, quoted(table.ids[i]), quoted(table.heights[i]), json_of(kShapes[i]));
+        i == 0 ? "" : ",", i, text_or_null(table.ids[i]), text_or_null(table.heights[i]),
+        json_of(kShapes[i]));
   std::ofstream(folder / "a.geojson")
       << R"({"type":"FeatureCollection","crs":{"type":"name","properties":{"name":"EPSG:28992"}},)"
       << R"("features":[)" << features << "]}";
