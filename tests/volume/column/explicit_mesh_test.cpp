@@ -28,7 +28,7 @@ TEST(ExplicitMesh, IsTheListMadeThePlainWay) {
   const std::size_t triangles = mesh.triangle_count();
   using Part = std::pair<std::size_t, std::size_t>;
   for (const Part& part : {Part{0, triangles}, Part{triangles / 3, triangles - 7},
-                          Part{triangles - 1, triangles}, Part{5, 5}}) {
+                           Part{triangles - 1, triangles}, Part{5, 5}}) {
     const auto first = static_cast<std::size_t>(offsets[part.first].value());
     const auto last = static_cast<std::size_t>(offsets[part.second].value());
     std::vector<std::array<NodeIndex, 4>> cells(last - first);
