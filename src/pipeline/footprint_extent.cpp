@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <optional>
 #include <unordered_map>
+#include <utility>
 #include <vector>
 
 #include "tetropolis/city/clean.h"
@@ -78,6 +79,12 @@ Bounds2 footprint_extent(std::span<const Footprint> features, double parallel_to
   const auto east = extent.side([](const Bounds2& b) { return b.xmax; });
   const auto north = extent.side([](const Bounds2& b) { return b.ymax; });
   return {-*west, -*south, *east, *north};
+}
+
+void bound_by_extent(FootprintsInput& footprints, double parallel_tolerance) {
+  if (std::exchange(footprints.is_extent, true)) return;
+  const Bounds2 extent = footprint_extent(footprints.features, parallel_tolerance);
+  if (!extent.empty()) footprints.bounds = extent;
 }
 
 }  // namespace tetropolis

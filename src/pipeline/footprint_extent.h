@@ -14,4 +14,8 @@ namespace tetropolis {
 /// the box are cleaned for that: of sound files, four.
 Bounds2 footprint_extent(std::span<const Footprint> features, double parallel_tolerance);
 
+/// Makes it the bounds of the input, once; where no footprint is usable they stay, and they are
+/// told of later.
+void bound_by_extent(FootprintsInput& footprints, double parallel_tolerance);
+
 }  // namespace tetropolis

@@ -23,12 +23,6 @@ namespace tetropolis {
 
 namespace {
 
-/// From the box of the footprints; where none is usable it stays, and they are told of later.
-void leave_out_unusable(const BuildCityOptions& options, FootprintsInput& footprints) {
-  const Bounds2 usable = footprint_extent(footprints.features, options.simplify.parallel_tolerance);
-  if (!usable.empty()) footprints.bounds = usable;
-}
-
 void shift(FootprintsInput& footprints, Point2 origin) {
   const auto shift_ring = [&](Ring& ring) {
     for (Point2& p : ring) p = {p.x - origin.x, p.y - origin.y};
@@ -153,7 +147,7 @@ CityInput place_input(PointsInput points, FootprintsInput footprints,
                                 "points_crs",
                                 crs_name(input.crs)))});
   if (!options.bounds) {
-    leave_out_unusable(options, footprints);
+    bound_by_extent(footprints, options.simplify.parallel_tolerance);
     leave_out_strays(footprints, points, warnings);
   }
   const bool only_points_tell = !options.bounds && footprints.bounds.empty();

@@ -266,11 +266,7 @@ RunInput read_input(const Config& config, Next next, StepClock& clock,
   RunInput input;
   input.footprints = read_all_footprints(config, given, points_crs, clock);
   warn_of_heights(config, input.footprints, warnings);
-  if (config.bounds.empty()) {
-    const Bounds2 usable = footprint_extent(input.footprints.features, config.parallel_tolerance);
-    // Where none is usable the box stays, and they are told of later.
-    if (!usable.empty()) input.footprints.bounds = usable;
-  }
+  if (config.bounds.empty()) bound_by_extent(input.footprints, config.parallel_tolerance);
   const std::string crs = common_crs(points_crs, input.footprints);
   if (crs.empty() || input.footprints.crs.empty())
     refuse_unmarked_degrees(input.footprints.bounds, config.footprints, "footprints_crs");

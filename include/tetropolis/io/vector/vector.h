@@ -67,6 +67,7 @@ struct FootprintsInput {
   std::int64_t features_read = 0;       ///< Features of the file, before multipolygons are split.
   std::string crs;                      ///< Of the coordinates (canonical, crs.h); "" if unknown.
   Bounds2 bounds = Bounds2::nothing();  ///< Of all vertices kept; empty if there are none.
+  bool is_extent = false;               ///< `bounds` is of those alone that make a building.
   std::string layer;                    ///< The layer that was read.
   std::vector<Warning> warnings;
 };
