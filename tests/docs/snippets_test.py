@@ -35,7 +35,7 @@ def main():
     program, source, page = (pathlib.Path(argument).resolve() for argument in sys.argv[1:4])
     text = page.read_text()
     blocks = list(BLOCK.finditer(text))
-    if len(blocks) != text.count("<!-- run"):
+    if len(blocks) != len(re.findall(r"^ *<!-- run", text, re.MULTILINE)):
         sys.exit(f"{page}: a comment `<!-- run -->` is not followed by a block `sh` or `python`")
     build = program.parent
     environment = dict(os.environ, PATH=f"/usr/bin:{os.environ['PATH']}", PYTHONPATH=f"{build}/python", NO_COLOR="1")

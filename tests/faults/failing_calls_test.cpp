@@ -65,7 +65,10 @@ TEST(FailingCalls, MovesThatFailAreUndoneOrTheMessageSaysWhereTheEarlierResultIs
         const testing::TemporaryFolder scratch;
         const fs::path result = scratch / "result";
         for (const char* name : {"dtm.tif", "boundary.vtp", earlier}) put(result / name, "old");
-        put(result / "report.json", R"({"version": "0", "command": "build", "steps": []})");
+        put(result / "report.json",
+            R"({"version": "0", "command": "build", "steps": [],
+                "files": ["dtm.tif", "boundary.vtp", ")" +
+                std::string(earlier) + R"("]})");
         put(result / "notes.txt", "mine");
         const auto before = snapshot(scratch.path());
         fs::path staging;
@@ -85,6 +88,7 @@ TEST(FailingCalls, MovesThatFailAreUndoneOrTheMessageSaysWhereTheEarlierResultIs
           { const OutputFolder next(result); }
         }
         EXPECT_TRUE(snapshot(scratch.path()) == before);
+        if (HasFailure()) return;
       }
       if (for_good) {
         EXPECT_EQ(undone, 1) << "only the first has nothing to undo";
