@@ -39,6 +39,21 @@ const char* name_of(DropCause cause) {
   return kNames[static_cast<std::size_t>(cause)];
 }
 
+const char* name_of(Lod lod) {
+  constexpr std::array kNames = {"block", "1.2", "1.3", "2.2"};
+  return kNames[static_cast<std::size_t>(lod)];
+}
+
+RoofPlane snap_plane(const RoofPlane& plane) {
+  constexpr double kPerUnit = 1e6;
+  RoofPlane snapped;
+  snapped.at = {std::nearbyint(plane.at.x), std::nearbyint(plane.at.y)};
+  snapped.elevation = snap_height(plane(snapped.at));
+  snapped.slope_x = std::nearbyint(plane.slope_x * kPerUnit) / kPerUnit;
+  snapped.slope_y = std::nearbyint(plane.slope_y * kPerUnit) / kPerUnit;
+  return snapped;
+}
+
 double snap_height(double value) {
   constexpr double kPerMetre = 1000;
   return std::nearbyint(value * kPerMetre) / kPerMetre;

@@ -1,4 +1,5 @@
-// The LoD1.2 city model: one prism per building, and an account of every input feature.
+// The city model: buildings of one or several parts with flat or sloped roofs, and an account of
+// every input feature.
 #pragma once
 
 #include <cstdint>
@@ -30,7 +31,53 @@ std::vector<std::string> flag_names(std::uint32_t flags);
 /// Inverse of flag_names; unknown names are ignored.
 std::uint32_t flags_from_names(const std::vector<std::string>& names);
 
-/// A polygonal prism footprint x [h_ground, h_roof].
+/// Level of detail of roofs, after Biljecki, Ledoux and Stoter, "An improved LOD specification for
+/// 3D building models" (2016).
+enum class Lod : std::uint8_t {
+  kBlock,  ///< One flat roof per building, however many footprints it is merged from.
+  k1_2,    ///< One flat roof per footprint: merged buildings are divided at party walls.
+  k1_3,    ///< Flat roofs; heights within a footprint that differ by a metre or more are parts.
+  k2_2,    ///< Roof planes.
+};
+
+/// The name in files and options: "block", "1.2", "1.3", "2.2".
+const char* name_of(Lod lod);
+
+/// The plane z = elevation + slope_x (x - at.x) + slope_y (y - at.y). `at` is in whole metres,
+/// `elevation` in whole millimetres, slopes (dimensionless) in whole millionths, so that files keep
+/// planes as they are (snap_plane).
+struct RoofPlane {
+  Point2 at;             ///< Local frame, metres.
+  double elevation = 0;  ///< Metres, at `at`.
+  double slope_x = 0;
+  double slope_y = 0;
+
+  bool is_flat() const { return slope_x == 0 && slope_y == 0; }
+  /// Exactly `elevation` everywhere if the plane is flat.
+  double operator()(Point2 p) const {
+    return elevation + (slope_x * (p.x - at.x) + slope_y * (p.y - at.y));
+  }
+  friend bool operator==(const RoofPlane&, const RoofPlane&) = default;
+};
+
+/// The plane nearest to `plane` of those that files keep as they are.
+RoofPlane snap_plane(const RoofPlane& plane);
+
+/// A part of a building below one roof plane.
+struct RoofPart {
+  /// Local frame, metres; counter-clockwise, holes clockwise. Parts of a building tile its
+  /// footprint: neighbours have the same vertices along their common line, and the footprint's
+  /// rings have every vertex of a part that lies on them. Coordinates are snapped
+  /// (snap_coordinate).
+  Polygon outline;
+  RoofPlane roof;
+  std::string source_id;  ///< The input feature it stands on, or stands on most.
+  Lod lod = Lod::k1_2;    ///< What the points carried: kBlock where the building's height had to do.
+  std::int64_t n_points = 0;  ///< Roof points in the outline.
+  double rmse = 0;  ///< Vertical, of these points, metres; NaN without points.
+};
+
+/// A polygonal prism footprint x [h_ground, h_roof]; with `parts`, prisms below their roofs.
 struct Building {
   std::string id;                       ///< "b" and a number, unique in the model (tetropolis_id).
   std::vector<std::string> source_ids;  ///< The input features it is made of; never empty.
@@ -42,6 +89,8 @@ struct Building {
   std::uint32_t flags = 0;              ///< BuildingFlag bits.
   double attribute_height = 0;          ///< Height above ground from the input attribute; NaN or
                                         ///< <= 0 where there is none.
+  std::vector<RoofPart> parts = {};     ///< None: the whole footprint is flat at h_roof. Otherwise
+                                        ///< h_roof is the height of the block in LoD1.2.
 };
 
 /// Why an input feature ended in no building, for counts and maps.
