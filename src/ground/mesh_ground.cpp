@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
+#include <map>
 #include <numeric>
 #include <tuple>
 #include <utility>
@@ -27,36 +28,127 @@ struct Input {
   std::vector<TaggedEdge> segments;
 };
 
+void require_inside(const Domain& domain, BuildingIndex building, Point2 p) {
+  if (domain.encloses(p)) return;
+  throw Error(ErrorKind::kInput,
+              fmt::format("footprint {}: vertex ({}, {}) is not inside the domain; drop or clip "
+                          "the footprint",
+                          building.value(), p.x, p.y));
+}
+
+bool has_bounds(const GroundMeshOptions& options) {
+  return options.wall_edge != nullptr || options.party_line != nullptr;
+}
+
 // Adds a ring, directed so that the building lies on the left of its segments.
-void add_ring(const Ring& ring, bool is_hole, BuildingIndex building, RegionIndex outside,
-              const Domain& domain, const GroundMeshOptions& options, std::int32_t number,
-              Input& input) {
+void add_ring(const Ring& ring, bool is_hole, BuildingIndex building, RegionIndex inside,
+              RegionIndex outside, const Domain& domain, const GroundMeshOptions& options,
+              std::int32_t number, Input& input) {
   PlanarGraph& graph = input.graph;
   const VertexIndex first(graph.points.size());
-  const RegionIndex inside(building.value());
   const bool turn = (signed_area(ring) > 0) == is_hole;
   for (std::size_t i = 0; i < ring.size(); ++i) {
     const std::size_t j = i + 1 == ring.size() ? 0 : i + 1;
     const Point2 p = ring[i];
-    if (!domain.encloses(p))
-      throw Error(
-          ErrorKind::kInput,
-          fmt::format("footprint {}: vertex ({}, {}) is not inside the domain; drop or clip "
-                      "the footprint",
-                      building.value(), p.x, p.y));
+    require_inside(domain, building, p);
     graph.points.push_back(p);
     const VertexIndex a = first + i, b = first + j;
     graph.segments.push_back(turn ? std::array{b, a} : std::array{a, b});
     graph.segment_sides.push_back({inside.value(), outside.value()});
     input.segments.push_back({{}, {}, inside, number++});
-    if (options.wall_edge)
-      graph.segment_max_edge.push_back(options.wall_edge(building, p, ring[j]));
+    if (has_bounds(options))
+      graph.segment_max_edge.push_back(options.wall_edge ? options.wall_edge(inside, p, ring[j])
+                                                         : options.mesh_size);
   }
 }
 
-Input make_input(std::span<const Polygon> footprints, const Domain& domain,
+// A building of several parts: each line between two of them once.
+class PartLines {
+ public:
+  PartLines(std::span<const PartOutline> parts, RegionIndex open_ground,
+            const GroundMeshOptions& options, Input& input)
+      : parts_(parts), open_ground_(open_ground), options_(options), input_(input) {}
+
+  void add(RegionIndex first, RegionIndex end, const Domain& domain) {
+    for (const RegionIndex part : IndexRange<RegionIndex>(first, end))
+      for_each_line(part, [&](Point2 a, Point2 b) {
+        require_inside(domain, parts_[part].building, a);
+        owner_[{a, b}] = part;
+      });
+    for (const RegionIndex part : IndexRange<RegionIndex>(first, end)) {
+      std::int32_t number = 0;
+      for_each_line(part, [&](Point2 a, Point2 b) { add_line(a, b, part, number++); });
+    }
+  }
+
+ private:
+  using Line = std::array<Point2, 2>;
+  struct Before {
+    bool operator()(Point2 p, Point2 q) const {
+      return p.x != q.x ? p.x < q.x : p.y < q.y;
+    }
+    bool operator()(const Line& p, const Line& q) const {
+      return p[0] != q[0] ? (*this)(p[0], q[0]) : (*this)(p[1], q[1]);
+    }
+  };
+
+  // Calls visit(a, b) for its lines, each with the part on the left.
+  template <typename Visit>
+  void for_each_line(RegionIndex part, const Visit& visit) const {
+    const Polygon& outline = *parts_[part].outline;
+    const auto along = [&](const Ring& ring, bool is_hole) {
+      const bool turn = (signed_area(ring) > 0) == is_hole;
+      for (std::size_t i = 0; i < ring.size(); ++i) {
+        const Point2 p = ring[i], q = ring[i + 1 == ring.size() ? 0 : i + 1];
+        turn ? visit(q, p) : visit(p, q);
+      }
+    };
+    along(outline.outer, false);
+    for (const Ring& hole : outline.holes) along(hole, true);
+  }
+
+  void add_line(Point2 a, Point2 b, RegionIndex part, std::int32_t number) {
+    const auto other = owner_.find({b, a});
+    if (other == owner_.end()) {
+      const double longest =
+          options_.wall_edge ? options_.wall_edge(part, a, b) : options_.mesh_size;
+      add_piece(a, b, {part, open_ground_}, number, longest);
+    } else if (other->second > part) {
+      std::vector<LinePiece> pieces{{b, options_.mesh_size}};
+      if (options_.party_line) pieces = options_.party_line(part, other->second, a, b);
+      for (const LinePiece& piece : pieces) {
+        add_piece(a, piece.end, {part, other->second}, number, piece.max_edge);
+        a = piece.end;
+      }
+    }
+  }
+
+  void add_piece(Point2 a, Point2 b, const std::array<RegionIndex, 2>& sides, std::int32_t number,
+                 double longest) {
+    PlanarGraph& graph = input_.graph;
+    graph.segments.push_back({vertex(a), vertex(b)});
+    graph.segment_sides.push_back({sides[0].value(), sides[1].value()});
+    input_.segments.push_back({{}, {}, sides[0], number});
+    if (has_bounds(options_)) graph.segment_max_edge.push_back(longest);
+  }
+
+  VertexIndex vertex(Point2 p) {
+    const auto [place, is_new] = vertices_.try_emplace(p, input_.graph.points.size());
+    if (is_new) input_.graph.points.push_back(p);
+    return place->second;
+  }
+
+  std::span<const PartOutline> parts_;
+  RegionIndex open_ground_;
+  const GroundMeshOptions& options_;
+  Input& input_;
+  std::map<Line, RegionIndex, Before> owner_;  // of the side on the left
+  std::map<Point2, VertexIndex, Before> vertices_;
+};
+
+Input make_input(std::span<const PartOutline> parts, const Domain& domain,
                  const GroundMeshOptions& options) {
-  const RegionIndex open_ground(footprints.size());
+  const RegionIndex open_ground(parts.size());
   Input input;
   PlanarGraph& graph = input.graph;
   graph.points = domain.outline().outer;
@@ -65,24 +157,35 @@ Input make_input(std::span<const Polygon> footprints, const Domain& domain,
     graph.segments.push_back({v, next < graph.points.size() ? next : VertexIndex(0)});
     graph.segment_sides.push_back({open_ground.value(), kUnmarkedSide});
     input.segments.push_back({{}, {}, kNoRegion, v.value()});
-    if (options.wall_edge) graph.segment_max_edge.push_back(options.mesh_size);
+    if (has_bounds(options)) graph.segment_max_edge.push_back(options.mesh_size);
   }
+  std::vector<RegionIndex> first_part;  // of each building
+  for (const RegionIndex part : indices<RegionIndex>(parts.size()))
+    if (part == 0 || parts[part].building != parts[part - 1].building) first_part.push_back(part);
   // Along the curve, whatever the order of the input: what is near is meshed soon after.
   const HilbertCurve curve(domain.bounds());
-  std::vector<std::uint32_t> keys(footprints.size(), 0);
-  for (std::size_t f = 0; f < footprints.size(); ++f)
+  std::vector<std::uint32_t> keys(first_part.size(), 0);
+  for (std::size_t f = 0; f < keys.size(); ++f)
     // What is not finite is refused with its ring.
-    if (const Ring& outer = footprints[f].outer;
+    if (const Ring& outer = parts[first_part[f]].outline->outer;
         !outer.empty() && std::isfinite(outer[0].x) && std::isfinite(outer[0].y))
       keys[f] = curve(outer[0]);
   for (const std::int32_t f : sorted_order(keys)) {
-    const BuildingIndex building(f);
-    const Polygon& footprint = footprints[building];
+    const auto number_of = static_cast<std::size_t>(f);
+    const RegionIndex part = first_part[number_of];
+    const RegionIndex end =
+        number_of + 1 < first_part.size() ? first_part[number_of + 1] : open_ground;
+    if (end > part + 1) {
+      PartLines(parts, open_ground, options, input).add(part, end, domain);
+      continue;
+    }
+    const BuildingIndex building = parts[part].building;
+    const Polygon& footprint = *parts[part].outline;
     const auto first = static_cast<std::int32_t>(graph.segments.size());
     const auto number = [&] { return static_cast<std::int32_t>(graph.segments.size()) - first; };
-    add_ring(footprint.outer, false, building, open_ground, domain, options, number(), input);
+    add_ring(footprint.outer, false, building, part, open_ground, domain, options, number(), input);
     for (const Ring& hole : footprint.holes)
-      add_ring(hole, true, building, open_ground, domain, options, number(), input);
+      add_ring(hole, true, building, part, open_ground, domain, options, number(), input);
   }
   return input;
 }
@@ -145,6 +248,14 @@ GroundMesh renumber(const Triangulation& source, const std::vector<TaggedEdge>& 
 
 GroundMesh mesh_ground(std::span<const Polygon> footprints, const Domain& domain,
                        const GroundMeshOptions& options, const Progress& progress) {
+  std::vector<PartOutline> parts;
+  for (const BuildingIndex b : indices<BuildingIndex>(footprints.size()))
+    parts.push_back({&footprints[b], b, 0});
+  return mesh_ground_parts(parts, domain, options, progress);
+}
+
+GroundMesh mesh_ground_parts(std::span<const PartOutline> parts, const Domain& domain,
+                       const GroundMeshOptions& options, const Progress& progress) {
   if (!domain.is_meshable())
     throw Error(
         ErrorKind::kInput,
@@ -157,10 +268,13 @@ GroundMesh mesh_ground(std::span<const Polygon> footprints, const Domain& domain
   refinement.min_angle_deg = options.min_angle_deg;
   refinement.max_edge = options.mesh_size;
   refinement.elevation = options.elevation;
-  IndexedVector<RegionIndex, Region> regions = regions_of_buildings(footprints.size());
+  IndexedVector<RegionIndex, Region> regions;
+  for (const PartOutline& part : parts)
+    regions.push_back({RegionKind::kBuildingPart, part.building, part.part, Patch::kRoof});
+  regions.push_back({});
   for (const Region& region : regions)
     refinement.off_terrain.push_back(region.is_building() ? 1 : 0);
-  const Input input = make_input(footprints, domain, options);
+  const Input input = make_input(parts, domain, options);
   GroundMesh mesh = renumber(refine(input.graph, refinement, progress), input.segments, domain);
   mesh.regions = std::move(regions);
   for (const Domain::Side& side : domain.sides()) mesh.sides.push_back(side.patch);

@@ -9,6 +9,8 @@
 
 #include <fmt/format.h>
 
+#include "volume/column/levels.h"
+#include "volume/column/roof_heights.h"
 #include "volume/layered/free_top.h"
 #include "volume/layered/layered_mesh.h"
 #include "volume/layered/smooth.h"
@@ -19,6 +21,9 @@ namespace {
 
 /// More layers than this come from a stray point or a slip of the keyboard.
 constexpr std::int32_t kMostLayers = 5000;
+
+/// Rounds of closing steps between roofs.
+constexpr int kMostClosings = 5;
 
 /// Tangent of a free top's slope, at most.
 constexpr double kSteepestTop = 1.5;
@@ -54,11 +59,28 @@ std::vector<double> spacing_of(const MeshCityOptions& options, const GroundMesh&
   return spacing;
 }
 
+/// Roofs of the mesh's vertices; without `edges` they are horizontal.
+RoofHeights roofs_over(const CityParts& parts, const GroundMesh& ground, const EdgeGraph* edges,
+                       CityMesh& result) {
+  if (edges == nullptr) {
+    RoofHeights roofs;
+    for (const RoofPlane& roof : parts.roofs) roofs.flat.push_back(roof.elevation);
+    return roofs;
+  }
+  ReconciledRoofs reconciled = reconcile_roofs(ground, *edges, parts.roofs);
+  VolumeMeshFacts& volume = result.volume_facts;
+  volume.roofs_closed = reconciled.closed;
+  volume.most_roofs_closed = reconciled.most_closed;
+  volume.roofs_lifted = reconciled.lifted;
+  volume.most_roofs_lifted = reconciled.most_lifted;
+  return std::move(reconciled.roofs);
+}
+
 /// Heights of ground, roofs and top; tells the report of the top.
-ColumnPlan plan_of(const MeshCityOptions& options, const CityModel& city, const Raster& dtm,
-                   const GroundMesh& ground, std::vector<double> spacing, CityMesh& result) {
-  std::vector<double> roofs;
-  for (const Building& building : city.buildings) roofs.push_back(building.h_roof);
+ColumnPlan plan_of(const MeshCityOptions& options, const CityParts& parts, const Raster& dtm,
+                   const GroundMesh& ground, const EdgeGraph* edges, std::vector<double> spacing,
+                   CityMesh& result) {
+  RoofHeights roofs = roofs_over(parts, ground, edges, result);
   ColumnPlan plan =
       plan_columns(ground, dtm, std::move(roofs), std::move(spacing), plan_options(options));
   require_plausible(plan.layers);
@@ -75,12 +97,12 @@ ColumnPlan plan_of(const MeshCityOptions& options, const CityModel& city, const 
 }
 
 /// Steps 3.2 to 3.5 as in the paper; with graded columns as far as the top they give.
-Columns smooth_columns(const MeshCityOptions& options, const CityModel& city, const Raster& dtm,
+Columns smooth_columns(const MeshCityOptions& options, const CityParts& parts, const Raster& dtm,
                        const CitySize& size, GroundMesh ground, StepClock& clock,
                        CityMesh& result) {
   ColumnPlan plan;
   LayeredMesh layered = clock.run("3.2", "layers", [&](const Progress&) {
-    plan = plan_of(options, city, dtm, ground, spacing_of(options, ground), result);
+    plan = plan_of(options, parts, dtm, ground, nullptr, spacing_of(options, ground), result);
     const auto triangles = static_cast<double>(ground.triangles.size());
     require_cells_fit(options, size, triangles, 3 * triangles * plan.layers.layers);
     return make_layers(std::move(ground), plan.layers.layers, plan.layers.bottom, plan.layers.top);
@@ -96,9 +118,9 @@ Columns smooth_columns(const MeshCityOptions& options, const CityModel& city, co
       });
   keep_solver("3.3", to_ground, result);
   clock.run("3.4", "trim buildings",
-            [&](const Progress&) { trim(layered, plan.lowest_roof, plan.roofs); });
+            [&](const Progress&) { trim(layered, plan.lowest_roof, plan.roofs.flat); });
   const SmoothReport to_roofs = clock.run("3.5", "smooth to roofs", [&](const Progress& progress) {
-    return smooth_to_roofs(layered, plan.lowest_roof, plan.roofs, smooth, progress);
+    return smooth_to_roofs(layered, plan.lowest_roof, plan.roofs.flat, smooth, progress);
   });
   keep_solver("3.5", to_roofs, result);
   if (options.layering == Layering::kUniform)
@@ -115,20 +137,34 @@ Columns smooth_columns(const MeshCityOptions& options, const CityModel& city, co
 
 /// Steps 3.2 to 3.5 with columns spaced by the triangles around them. Their heights follow from
 /// ground, roofs and top directly, so 3.3 and 3.5 have nothing to solve.
-Columns grade_columns(const MeshCityOptions& options, const CityModel& city, const Raster& dtm,
+Columns grade_columns(const MeshCityOptions& options, const CityParts& parts, const Raster& dtm,
                       const CitySize& size, GroundMesh ground, StepClock& clock, CityMesh& result) {
   std::vector<double> spacing = clock.run(
       "3.2", "spacing of columns", [&](const Progress&) { return spacing_of(options, ground); });
+  EdgeGraph edges;
   ColumnPlan plan = clock.run("3.3", "ground and top", [&](const Progress&) {
-    return plan_of(options, city, dtm, ground, std::move(spacing), result);
+    edges = build_edge_graph(ground);
+    return plan_of(options, parts, dtm, ground, &edges, std::move(spacing), result);
   });
-  ColumnMesh mesh = clock.run("3.4", "divide and trim columns", [&](const Progress&) {
+  const auto divide = [&](const Progress&) {
     require_cells_fit(options, size, static_cast<double>(ground.triangles.size()),
                       estimate_cells(plan));
-    EdgeGraph edges = build_edge_graph(ground);
     return divide_columns(std::move(ground), std::move(edges), plan);
-  });
-  clock.run("3.5", "place nodes", [&](const Progress&) { place_nodes(mesh, plan); });
+  };
+  ColumnMesh mesh = clock.run("3.4", "divide and trim columns", divide);
+  const auto place = [&](const Progress&) { place_nodes(mesh, plan); };
+  clock.run("3.5", "place nodes", place);
+  // Where no front passes through a roof's edge, the step there is closed.
+  for (int i = 0; i < kMostClosings && !plan.roofs.all_flat(); ++i) {
+    const std::int64_t closed = clock.run(
+        "3.5", "levels of roofs", [&](const Progress&) { return find_levels(mesh, plan.roofs); });
+    if (closed == 0) break;
+    result.volume_facts.roof_steps_closed += closed;
+    ground = std::move(mesh.ground);
+    edges = std::move(mesh.edges);
+    mesh = clock.run("3.4", "divide and trim columns", divide);
+    clock.run("3.5", "place nodes", place);
+  }
   for (const char* step : {"3.3", "3.5"}) result.solver.push_back({step, 0, 0, 0.0, true});
   return {std::move(plan), std::move(mesh)};
 }
@@ -146,11 +182,11 @@ ColumnPlanOptions plan_options(const MeshCityOptions& options) {
   return plan;
 }
 
-Columns make_columns(const MeshCityOptions& options, const CityModel& city, const Raster& dtm,
+Columns make_columns(const MeshCityOptions& options, const CityParts& parts, const Raster& dtm,
                      const CitySize& size, GroundMesh ground, StepClock& clock, CityMesh& result) {
   const bool solves = solves_laplace(options);
   const auto make = solves ? smooth_columns : grade_columns;
-  Columns columns = make(options, city, dtm, size, std::move(ground), clock, result);
+  Columns columns = make(options, parts, dtm, size, std::move(ground), clock, result);
   result.volume_facts.min_vertical_gap = require_valid(columns.mesh);
   return columns;
 }

@@ -6,6 +6,7 @@
 #include "tetropolis/terrain/raster.h"
 
 #include "core/step_clock.h"
+#include "city_parts.h"
 #include "memory.h"
 #include "volume/column/fill_columns.h"
 
@@ -17,7 +18,7 @@ ColumnPlanOptions plan_options(const MeshCityOptions& options);
 /// Valid columns, over terrain that is excavated nowhere. Fills the volume facts of `result` as far
 /// as the columns are known by then, its solver and its warnings. Throws Error(kUsage) for a mesh
 /// that is too high or too large, Error(kGuarantee) as require_valid.
-Columns make_columns(const MeshCityOptions& options, const CityModel& city, const Raster& dtm,
+Columns make_columns(const MeshCityOptions& options, const CityParts& parts, const Raster& dtm,
                      const CitySize& size, GroundMesh ground, StepClock& clock, CityMesh& result);
 
 }  // namespace tetropolis

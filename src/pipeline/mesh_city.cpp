@@ -12,11 +12,13 @@
 #include "tetropolis/ground/mesh_ground.h"
 #include "tetropolis/volume/column/boundary.h"
 
+#include "city_parts.h"
 #include "ground/validate.h"
 #include "make_columns.h"
 #include "memory.h"
 #include "mesh_warnings.h"
 #include "volume/column/ground_heights.h"
+#include "volume/column/roof_heights.h"
 
 namespace tetropolis {
 
@@ -34,20 +36,21 @@ CitySize size_of(const MeshCityOptions& options, const CityModel& city, const Ra
   return size;
 }
 
-GroundMesh make_ground(const MeshCityOptions& options, const CityModel& city, const Raster& dtm,
-                       StepClock& clock, CityMesh& result) {
-  std::vector<Polygon> footprints;
-  for (const Building& building : city.buildings) footprints.push_back(building.footprint);
+GroundMesh make_ground(const MeshCityOptions& options, const CityModel& city,
+                       const CityParts& parts, const Raster& dtm, StepClock& clock,
+                       CityMesh& result) {
   GroundMeshOptions meshing{options.mesh_size, options.min_angle_deg};
   if (options.layering != Layering::kUniform) {
-    meshing.wall_edge = [&](BuildingIndex building, Point2 a, Point2 b) {
-      const double roof = city.buildings[building].h_roof;
-      return longest_wall_edge(dtm, roof, a, b, options.min_wall_height);
+    meshing.wall_edge = [&](RegionIndex part, Point2 a, Point2 b) {
+      return longest_wall_edge(dtm, parts.roofs[part], a, b, options.min_wall_height);
+    };
+    meshing.party_line = [&](RegionIndex left, RegionIndex right, Point2 a, Point2 b) {
+      return divide_party_line(parts.roofs[left], parts.roofs[right], a, b, options.mesh_size);
     };
     meshing.elevation = [&](Point2 p) { return sample(dtm, p); };
   }
   GroundMesh ground = clock.run("3.1", "ground mesh", [&](const Progress& progress) {
-    return mesh_ground(footprints, city.domain, meshing, progress);
+    return mesh_ground_parts(parts.outlines, city.domain, meshing, progress);
   });
   result.ground_facts =
       GroundMeshFacts{static_cast<std::int64_t>(ground.vertices.size()),
@@ -130,11 +133,17 @@ CityMesh mesh_city(const CityModel& city, Raster terrain, const MeshCityOptions&
   const Point2 origin = city.origin;
   const CitySize size = size_of(options, city, terrain);
   require_mesh_fits(options, size);
-  GroundMesh ground = make_ground(options, city, terrain, clock, result);
+  const CityParts parts = parts_of(city, options);
+  if (parts.blocks > 0)
+    result.warnings.push_back(
+        {"parts_left_out", static_cast<std::int64_t>(parts.blocks),
+         "buildings have parts, but are meshed as blocks: layering = \"graded\" and a flat top "
+         "keep the parts"});
+  GroundMesh ground = make_ground(options, city, parts, terrain, clock, result);
   move_into_crs(ground, origin);
   terrain.x0 = in_crs(terrain.x0, origin.x);
   terrain.y0 = in_crs(terrain.y0, origin.y);
-  Columns columns = make_columns(options, city, terrain, size, std::move(ground), clock, result);
+  Columns columns = make_columns(options, parts, terrain, size, std::move(ground), clock, result);
   ExcavationSources excavated;
   MeshQuality quality;
   if (options.layering != Layering::kUniform) {

@@ -67,13 +67,13 @@ TEST(MeshGround, WallsWithABoundOfTheirOwn) {
   const Bounds2 domain{-80, 0, 150, 150};
   GroundMeshOptions options{12, 25};
   // Differs between buildings, and between the walls of one.
-  options.wall_edge = [](BuildingIndex building, Point2 a, Point2 b) {
+  options.wall_edge = [](RegionIndex building, Point2 a, Point2 b) {
     return 0.8 + 3 * (building.value() % 4) + (a.x == b.x ? 1.5 : 0);
   };
   const GroundMesh mesh = expect_valid(city, domain, options);
   EXPECT_GT(mesh.triangles.size(), 2 * expect_valid(city, domain, {12, 25}).triangles.size());
   GroundMeshOptions stricter = options;
-  stricter.wall_edge = [&](BuildingIndex building, Point2 a, Point2 b) {
+  stricter.wall_edge = [&](RegionIndex building, Point2 a, Point2 b) {
     return (building == 12 ? 0.5 : 1) * options.wall_edge(building, a, b);
   };
   EXPECT_NE(lines(validate(mesh, city, domain, stricter)).find("at a segment that bounds it to"),

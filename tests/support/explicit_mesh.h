@@ -22,7 +22,7 @@ struct ExplicitMesh {
   std::vector<TriangleIndex> triangle;  ///< That each cell stands over.
 };
 
-/// Each triangle's segments are sorted by midpoint (ties: higher vertex first); each makes one tet
+/// Each triangle's segments are sorted by the level of their midpoint (ties: higher vertex first); each makes one tet
 /// with the highest nodes so far of the other two columns.
 inline ExplicitMesh explicit_mesh(const ColumnMesh& mesh,
                                   const std::array<double, 3>& shift = {0, 0, 0}) {
@@ -45,7 +45,7 @@ inline ExplicitMesh explicit_mesh(const ColumnMesh& mesh,
       const NodeIndex floor = mesh.floor_over(t, v);
       cell[i] = floor.value();
       for (const NodeIndex n : indices(floor, mesh.top(v)))
-        segments.push_back({(mesh.z[n] + mesh.z[n + 1]) / 2, v, i, n});
+        segments.push_back({(mesh.climbing()[n] + mesh.climbing()[n + 1]) / 2, v, i, n});
     }
     std::sort(segments.begin(), segments.end(), [](const Segment& a, const Segment& b) {
       return std::tuple(a.midpoint, b.vertex, a.node) < std::tuple(b.midpoint, a.vertex, b.node);

@@ -76,8 +76,8 @@ WorkCity work_city(std::int64_t buildings) {
   UniformResult result;
   result.nodes = mesh.z.size();
   result.ground = smooth_to_ground(mesh, plan.ground, {}).solver;
-  trim(mesh, plan.lowest_roof, plan.roofs);
-  result.roofs = smooth_to_roofs(mesh, plan.lowest_roof, plan.roofs, {}).solver;
+  trim(mesh, plan.lowest_roof, plan.roofs.flat);
+  result.roofs = smooth_to_roofs(mesh, plan.lowest_roof, plan.roofs.flat, {}).solver;
   return result;
 }
 

@@ -1,8 +1,10 @@
 // Step 3.1: the 2D mesh of the domain that respects every footprint.
 #pragma once
 
+#include <cstdint>
 #include <functional>
 #include <span>
+#include <vector>
 
 #include "tetropolis/core/progress.h"
 #include "tetropolis/geometry/domain.h"
@@ -11,12 +13,29 @@
 
 namespace tetropolis {
 
+/// A part of a building, in plan.
+struct PartOutline {
+  const Polygon* outline = nullptr;  ///< Local frame, metres.
+  BuildingIndex building = kNoBuilding;
+  std::int32_t part = 0;  ///< Number within the building.
+};
+
+/// A piece of a line that ends at `end`.
+struct LinePiece {
+  Point2 end;
+  double max_edge = 0;  ///< Longest edge along it and away from it, metres, > 0.
+};
+
 struct GroundMeshOptions {
   double mesh_size = 10;      ///< Longest edge, metres, > 0.
   double min_angle_deg = 25;  ///< Degrees, 0 to 33.
-  /// Longest edge at the wall between the neighbouring vertices a and b of a ring of `building`,
-  /// along it and away from it, metres, > 0. Empty: mesh_size for all.
-  std::function<double(BuildingIndex building, Point2 a, Point2 b)> wall_edge = {};
+  /// Longest edge at the wall between the neighbouring vertices a and b of a ring of `part`, along
+  /// it and away from it, metres, > 0. Empty: mesh_size for all.
+  std::function<double(RegionIndex part, Point2 a, Point2 b)> wall_edge = {};
+  /// The pieces, in order, of the line from a to b between two parts of a building: their ends
+  /// become vertices, the last one ends at b. Empty: one piece, mesh_size.
+  std::function<std::vector<LinePiece>(RegionIndex left, RegionIndex right, Point2 a, Point2 b)>
+      party_line = {};
   /// Elevation of the terrain, for the sake of steep triangles: see RefineOptions.
   std::function<double(Point2)> elevation = {};
 };
@@ -36,6 +55,13 @@ struct GroundMeshOptions {
 /// coordinates that are not finite (named by index), Error(kUsage) for options out of range,
 /// Error(kGuarantee) as refine().
 GroundMesh mesh_ground(std::span<const Polygon> footprints, const Domain& domain,
+                       const GroundMeshOptions& options = {}, const Progress& progress = {});
+
+/// The same for buildings of several parts: region r is part r. Preconditions besides: parts are in
+/// the order of their buildings and of their numbers; those of a building do not overlap, and where
+/// they touch they have the same vertices. Lines between two parts are unions of mesh edges that
+/// are tagged with the first part.
+GroundMesh mesh_ground_parts(std::span<const PartOutline> parts, const Domain& domain,
                        const GroundMeshOptions& options = {}, const Progress& progress = {});
 
 }  // namespace tetropolis

@@ -130,7 +130,7 @@ class ElevationWriter {
   std::int32_t count_ = 0, ground_ = 0, top_ = 0;
 };
 
-/// The front over triangle t as the elevations `z` of its nodes make it climb.
+/// The front over triangle t as the elevations `z` of its nodes would make it climb.
 Climb<3> climb_by(const ColumnMesh& mesh, const std::vector<double>& z, TriangleIndex t) {
   const auto& v = mesh.ground.triangles[t];
   return {{z.data(), z.data(), z.data()},
@@ -150,13 +150,13 @@ void add_odd(const ColumnMesh& mesh, const std::vector<double>& read, PageColumn
   std::vector<std::uint8_t> is_odd(mesh.triangle_count());
   parallel_chunks(mesh.triangle_count(), 1024, [&](std::size_t begin, std::size_t end) {
     for (const TriangleIndex t : indices<TriangleIndex>(begin, end))
-      is_odd[t] = climb_alike(climb_by(mesh, mesh.z, t), climb_by(mesh, read, t)) ? 0 : 1;
+      is_odd[t] = climb_alike(climb_triangle(mesh, t), climb_by(mesh, read, t)) ? 0 : 1;
   });
   std::int32_t last = 0;
   for (const TriangleIndex t : mesh.ground.triangles.indices()) {
     if (is_odd[t] == 0) continue;
     columns.odd.push_back(difference(t.value(), last));
-    Climb<3> front = climb_by(mesh, mesh.z, t);
+    Climb<3> front = climb_triangle(mesh, t);
     for (std::size_t i; (i = front.next()) < 3; front.advance(i))
       columns.steps.push_back(static_cast<std::uint8_t>(i));
   }

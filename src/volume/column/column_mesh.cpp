@@ -8,6 +8,7 @@
 
 #include "core/infinity.h"
 #include "core/parallel.h"
+#include "levels.h"
 
 namespace tetropolis {
 
@@ -44,6 +45,12 @@ void require_flat_roofs(const ColumnMesh& mesh) {
   }
 }
 
+void require_passed_roofs(const ColumnMesh& mesh) {
+  for (const EdgeIndex e : mesh.edges.vertices.indices())
+    if (!passes(mesh, e))
+      throw_invalid(mesh.edges.vertices[e][0], "fronts do not pass through the roof's edge");
+}
+
 }  // namespace
 
 std::vector<CellIndex> cell_offsets(const ColumnMesh& mesh) {
@@ -57,7 +64,10 @@ std::vector<CellIndex> cell_offsets(const ColumnMesh& mesh) {
 }
 
 double require_valid(const ColumnMesh& mesh) {
-  require_flat_roofs(mesh);
+  if (mesh.levels.empty())
+    require_flat_roofs(mesh);
+  else
+    require_passed_roofs(mesh);
   return parallel_reduce_ordered(
       mesh.vertex_count(), 4096, kInfinity,
       [&](std::size_t begin, std::size_t end) {

@@ -15,6 +15,7 @@
 #include "core/parallel.h"
 #include "core/sort_once.h"
 #include "ground_heights.h"
+#include "levels.h"
 
 namespace tetropolis {
 
@@ -79,13 +80,13 @@ std::int32_t segments(const ColumnPlan& plan, VertexIndex v, double low, double 
 
 /// Elevations that column v has a node at, whatever its spacing: its floors from the lowest up, and
 /// its top.
-void find_levels(const ColumnMesh& mesh, const ColumnPlan& plan, VertexIndex v,
-                 std::vector<double>& levels) {
-  levels.clear();
+void find_anchors(const ColumnMesh& mesh, const ColumnPlan& plan, VertexIndex v,
+                  std::vector<double>& anchors) {
+  anchors.clear();
   for (const RegionIndex region : mesh.regions[v])
-    levels.push_back(plan.floor(mesh.ground, region, v));
-  if (levels.size() > 1) sort_once(levels);
-  levels.push_back(plan.top[v]);
+    anchors.push_back(plan.floor(mesh.ground, region, v));
+  if (anchors.size() > 1) sort_once(anchors);
+  anchors.push_back(plan.top[v]);
 }
 
 void require_rising_floors(const ColumnMesh& mesh, const ColumnPlan& plan, VertexIndex v) {
@@ -105,15 +106,15 @@ void require_rising_floors(const ColumnMesh& mesh, const ColumnPlan& plan, Verte
 }
 
 /// Sets the positions of the column's floors; returns its number of nodes.
-std::int32_t divide(const ColumnPlan& plan, VertexIndex v, std::span<const double> levels,
+std::int32_t divide(const ColumnPlan& plan, VertexIndex v, std::span<const double> anchors,
                     ColumnMesh& mesh) {
   const std::span<const RegionIndex> around = mesh.regions[v];
   const std::span<std::int32_t> floors = mesh.floors_at(v);
   std::int32_t position = 0;
-  for (std::size_t i = 0; i + 1 < levels.size(); ++i) {
+  for (std::size_t i = 0; i + 1 < anchors.size(); ++i) {
     for (std::size_t k = 0; k < around.size(); ++k)
-      if (plan.floor(mesh.ground, around[k], v) == levels[i]) floors[k] = position;
-    position += segments(plan, v, levels[i], levels[i + 1]);
+      if (plan.floor(mesh.ground, around[k], v) == anchors[i]) floors[k] = position;
+    position += segments(plan, v, anchors[i], anchors[i + 1]);
   }
   return position + 1;
 }
@@ -140,6 +141,27 @@ std::vector<double> lowest_at_walls(const GroundMesh& mesh, std::size_t parts,
     for (const VertexIndex v : mesh.triangles[t]) low = std::min(low, ground[v]);
   }
   return lowest;
+}
+
+/// Per building part: its greatest height above `ground`, per vertex, at its walls (and inside).
+std::vector<double> highest_walls(const GroundMesh& mesh, const RoofHeights& roofs,
+                                  std::span<const double> ground) {
+  std::vector<double> height(roofs.parts(), -kInfinity);
+  for (const TriangleIndex t : mesh.triangles.indices()) {
+    if (!mesh.inside_building(t)) continue;
+    const RegionIndex part = mesh.region[t];
+    for (const VertexIndex v : mesh.triangles[t])
+      height[part] = std::max(height[part], roofs.at(part, v) - ground[v]);
+  }
+  return height;
+}
+
+/// Per building part.
+std::vector<double> highest_of(const RoofHeights& roofs) {
+  std::vector<double> highest = roofs.flat;
+  for (const RoofFloor& floor : roofs.sloped.values)
+    highest[floor.part] = std::max(highest[floor.part], floor.z);
+  return highest;
 }
 
 /// Height of a wall whose roof lies `buried` below the terrain at `distance`, so that it is seen
@@ -213,7 +235,7 @@ LayerPlan plan_layers(std::span<const double> ground, std::span<const double> ro
   return plan;
 }
 
-ColumnPlan plan_columns(const GroundMesh& mesh, const Raster& dtm, std::vector<double> roofs,
+ColumnPlan plan_columns(const GroundMesh& mesh, const Raster& dtm, RoofHeights roofs,
                         std::vector<double> spacing, const ColumnPlanOptions& options) {
   ColumnPlan plan;
   plan.roofs = std::move(roofs);
@@ -229,15 +251,15 @@ ColumnPlan plan_columns(const GroundMesh& mesh, const Raster& dtm, std::vector<d
   std::vector<double> around = plan.ground;
   lower_at_walls(mesh, plan.lowest_roof, plan.roofs, least, wall, around);
   plan.rise = ground_rise(mesh, around);
-  const std::vector<double> foot = lowest_at_walls(mesh, plan.roofs.size(), plan.ground);
+  const std::vector<double> highest_wall = highest_walls(mesh, plan.roofs, plan.ground);
   for (const VertexIndex v : indices<VertexIndex>(wall.size())) {
     const RegionIndex b = plan.lowest_roof[v];
     if (b == kNoRegion || !options.fit_lowered_walls) continue;
-    const double buried = around[v] + plan.rise[v] - plan.roofs[b];
+    const double buried = around[v] + plan.rise[v] - plan.lowest_roof_at(v);
     const double fits = wall_below(buried, plan.spacing[v]);
     // No deeper than the building stands somewhere, which beside a rock wall would be a pit. (Less
     // a micrometre, so that rounding does not lower what is there.)
-    double deepest = std::max(plan.roofs[b] - foot[b] - 1e-6, options.minimum_wall);
+    double deepest = std::max(highest_wall[b] - 1e-6, options.minimum_wall);
     if (!options.deep_walls.empty() && options.deep_walls[b] != 0) deepest = kInfinity;
     least[v] = std::max(least[v], std::min(fits, deepest));
     wall[v] = std::max(least[v], std::min(deepest, kLoweredWallShare * plan.spacing[v]));
@@ -245,7 +267,7 @@ ColumnPlan plan_columns(const GroundMesh& mesh, const Raster& dtm, std::vector<d
   lower_at_walls(mesh, plan.lowest_roof, plan.roofs, least, wall, plan.ground);
   plan.rise = ground_rise(mesh, plan.ground);
   count_lowered(mesh, terrain, options.minimum_wall, plan);
-  plan.layers = plan_layers(plan.ground, plan.roofs, highest_under(dtm, bounds(mesh.vertices)),
+  plan.layers = plan_layers(plan.ground, highest_of(plan.roofs), highest_under(dtm, bounds(mesh.vertices)),
                             options.domain_height, options.layer_height);
   plan.top.assign(mesh.vertices.size(), plan.layers.top);
   return plan;
@@ -262,13 +284,15 @@ void count_lowered(const GroundMesh& mesh, std::span<const double> terrain, doub
     plan.deepest = std::max(plan.deepest, terrain[v] - plan.ground[v]);
   }
   constexpr double kNothing = 0.01;  // metres
-  const std::vector<double> then = lowest_at_walls(mesh, plan.roofs.size(), terrain);
-  const std::vector<double> now = lowest_at_walls(mesh, plan.roofs.size(), plan.ground);
-  for (std::size_t b = 0; b < plan.roofs.size(); ++b) {
+  const std::vector<double> then = lowest_at_walls(mesh, plan.roofs.parts(), terrain);
+  const std::vector<double> now = lowest_at_walls(mesh, plan.roofs.parts(), plan.ground);
+  BuildingIndex last = kNoBuilding;
+  for (const RegionIndex b : indices<RegionIndex>(plan.roofs.parts())) {
     // A wall that is too low by itself does not count.
-    const double deep = std::min(then[b], plan.roofs[b] - minimum_wall) - now[b];
+    const double deep = std::min(then[b], plan.roofs.flat[b] - minimum_wall) - now[b];
     if (!(deep > kNothing)) continue;
-    ++plan.undermined;
+    const BuildingIndex building = mesh.regions[b].building;
+    plan.undermined += building == std::exchange(last, building) ? 0 : 1;
     plan.deepest_undermined = std::max(plan.deepest_undermined, deep);
   }
 }
@@ -289,11 +313,11 @@ ColumnMesh divide_columns(GroundMesh ground, EdgeGraph edges, const ColumnPlan& 
   mesh.floors.resize(mesh.regions.values.size());
   mesh.first.resize(vertices + 1);
   parallel_chunks(vertices, kColumnsPerChunk, [&](std::size_t begin, std::size_t end) {
-    std::vector<double> levels;
+    std::vector<double> anchors;
     for (const VertexIndex v : indices<VertexIndex>(begin, end)) {
       require_rising_floors(mesh, plan, v);
-      find_levels(mesh, plan, v, levels);
-      mesh.first[v + 1] = NodeIndex(divide(plan, v, levels, mesh));
+      find_anchors(mesh, plan, v, anchors);
+      mesh.first[v + 1] = NodeIndex(divide(plan, v, anchors, mesh));
     }
   });
   for (std::size_t v = 0; v < vertices; ++v) mesh.first[v + 1] += mesh.first[v].value();
@@ -303,15 +327,16 @@ ColumnMesh divide_columns(GroundMesh ground, EdgeGraph edges, const ColumnPlan& 
 
 void place_nodes(ColumnMesh& mesh, const ColumnPlan& plan) {
   parallel_chunks(mesh.vertex_count(), kColumnsPerChunk, [&](std::size_t begin, std::size_t end) {
-    std::vector<double> levels;
+    std::vector<double> anchors;
     for (const VertexIndex v : indices<VertexIndex>(begin, end)) {
-      find_levels(mesh, plan, v, levels);
+      find_anchors(mesh, plan, v, anchors);
       double* z = mesh.z.data() + mesh.first[v];
-      for (std::size_t i = 1; i < levels.size(); ++i)
-        z = spread(z, plan, v, levels[i - 1], levels[i]);
-      *z = levels.back();
+      for (std::size_t i = 1; i < anchors.size(); ++i)
+        z = spread(z, plan, v, anchors[i - 1], anchors[i]);
+      *z = anchors.back();
     }
   });
+  set_levels(mesh, plan.roofs);
 }
 
 }  // namespace tetropolis

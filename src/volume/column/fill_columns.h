@@ -9,6 +9,8 @@
 #include "tetropolis/terrain/raster.h"
 #include "tetropolis/volume/column/column_mesh.h"
 
+#include "roof_heights.h"
+
 namespace tetropolis {
 
 /// Tangent of 15 degrees: what a wall is to be seen under from the ground beside it. Distance is
@@ -39,7 +41,8 @@ struct LayerPlan {
 
 /// The top is `domain_height` above `highest_ground`, or two layers above the highest roof where
 /// that is higher; the layers are as many as make their mean height closest to `layer_height`, at
-/// least two. Metres; domain_height, layer_height > 0; `ground` not empty.
+/// least two. `roofs`: the highest elevation of each. Metres; domain_height, layer_height > 0;
+/// `ground` not empty.
 LayerPlan plan_layers(std::span<const double> ground, std::span<const double> roofs,
                       double highest_ground, double domain_height, double layer_height);
 
@@ -48,7 +51,7 @@ struct ColumnPlan {
   std::vector<double> ground;            ///< Elevation: the terrain, lowered at buried walls and
                                          ///< where it was excavated.
   std::vector<RegionIndex> lowest_roof;  ///< As from lowest_roofs.
-  std::vector<double> roofs;             ///< Elevation of the roof, per building part (region).
+  RoofHeights roofs;                     ///< Of building parts (regions).
   std::vector<double> top;               ///< Elevation of the top.
   std::vector<double> spacing;           ///< Distance between nodes asked for, > 0.
   std::vector<double> rise;              ///< As from ground_rise.
@@ -62,8 +65,10 @@ struct ColumnPlan {
 
   /// Elevation of the floor of `region` of `mesh` at vertex v.
   double floor(const GroundMesh& mesh, RegionIndex region, VertexIndex v) const {
-    return mesh.regions[region].is_building() ? roofs[region] : ground[v];
+    return mesh.regions[region].is_building() ? roofs.at(region, v) : ground[v];
   }
+  /// Elevation of the lowest roof at vertex v. Precondition: there is one.
+  double lowest_roof_at(VertexIndex v) const { return roofs.at(lowest_roof[v], v); }
 };
 
 /// A mesh, and what it was made from.
@@ -91,8 +96,8 @@ struct ColumnPlanOptions {
                                                   ///< than they are anywhere. Empty: none may.
 };
 
-/// `roofs`: elevation per building part of `mesh`; `spacing`: per vertex, > 0.
-ColumnPlan plan_columns(const GroundMesh& mesh, const Raster& dtm, std::vector<double> roofs,
+/// `roofs`: of the building parts of `mesh`; `spacing`: per vertex, > 0.
+ColumnPlan plan_columns(const GroundMesh& mesh, const Raster& dtm, RoofHeights roofs,
                         std::vector<double> spacing, const ColumnPlanOptions& options);
 
 /// Sets what the plan tells of vertices lowered and buildings undermined, from its elevations and
@@ -116,7 +121,8 @@ double estimate_cells(const ColumnPlan& plan);
 /// naming the vertex if the elevations do not increase.
 ColumnMesh divide_columns(GroundMesh ground, EdgeGraph edges, const ColumnPlan& plan);
 
-/// Sets z: exact at floors and top. `mesh` as made by divide_columns with the same plan.
+/// Sets z: exact at floors and top; and levels, where roofs are not all horizontal. `mesh` as made
+/// by divide_columns with the same plan.
 void place_nodes(ColumnMesh& mesh, const ColumnPlan& plan);
 
 }  // namespace tetropolis

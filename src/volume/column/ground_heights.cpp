@@ -9,13 +9,13 @@
 
 namespace tetropolis {
 
-std::vector<RegionIndex> lowest_roofs(const GroundMesh& mesh, std::span<const double> roofs) {
+std::vector<RegionIndex> lowest_roofs(const GroundMesh& mesh, const RoofHeights& roofs) {
   std::vector<RegionIndex> lowest(mesh.vertices.size(), kNoRegion);
   for (const TriangleIndex t : mesh.triangles.indices()) {
     if (!mesh.inside_building(t)) continue;
     const RegionIndex own = mesh.region[t];
-    const auto height = [&](RegionIndex r) { return roofs[static_cast<std::size_t>(r)]; };
     for (const VertexIndex v : mesh.triangles[t]) {
+      const auto height = [&](RegionIndex r) { return roofs.at(r, v); };
       RegionIndex& least = lowest[v];
       if (least == kNoRegion || std::pair(height(own), own) < std::pair(height(least), least))
         least = own;
@@ -32,7 +32,8 @@ std::vector<std::uint8_t> outside_vertices(const GroundMesh& mesh) {
   return outside;
 }
 
-double longest_wall_edge(const Raster& dtm, double roof, Point2 a, Point2 b, double minimum_wall) {
+double longest_wall_edge(const Raster& dtm, const RoofPlane& roof, Point2 a, Point2 b,
+                         double minimum_wall) {
   // Found by trial, on the survey's cities below the floor of quality and on random hillsides.
   constexpr double kEdgesPerHeight = 4, kEdgesPerDepth = 3, kLeastHeight = 1, kGentle = 0.25;
   const double length = std::hypot(b.x - a.x, b.y - a.y);
@@ -41,7 +42,8 @@ double longest_wall_edge(const Raster& dtm, double roof, Point2 a, Point2 b, dou
   double least = kInfinity;  // of the part where the ground stays
   for (double i = 0; i <= steps; ++i) {
     const double t = i / steps;
-    const double height = roof - sample(dtm, {a.x + t * (b.x - a.x), a.y + t * (b.y - a.y)});
+    const Point2 p{a.x + t * (b.x - a.x), a.y + t * (b.y - a.y)};
+    const double height = roof(p) - sample(dtm, p);
     lowest = std::min(lowest, height);
     highest = std::max(highest, height);
     if (height >= minimum_wall) least = std::min(least, height);
@@ -60,11 +62,11 @@ std::vector<double> terrain_under(const GroundMesh& mesh, const Raster& dtm) {
 }
 
 void lower_at_walls(const GroundMesh& mesh, std::span<const RegionIndex> lowest_roof,
-                    std::span<const double> roofs, std::span<const double> least,
+                    const RoofHeights& roofs, std::span<const double> least,
                     std::span<const double> wall, std::vector<double>& ground) {
   for (const VertexIndex v : mesh.vertices.indices()) {
     if (lowest_roof[v] == kNoRegion) continue;
-    const double roof = roofs[lowest_roof[v]];
+    const double roof = roofs.at(lowest_roof[v], v);
     if (ground[v] > roof - least[v]) ground[v] = std::min(ground[v], roof - wall[v]);
   }
 }

@@ -58,7 +58,7 @@ class OrderedSet {
 class Excavation {
  public:
   Excavation(const GroundMesh& mesh, std::span<const RegionIndex> building,
-             std::span<const double> roofs, const ExcavationMarks& marks,
+             const RoofHeights& roofs, const ExcavationMarks& marks,
              const ExcavationSlopes& slopes, std::vector<double>& ground)
       : mesh_(mesh),
         building_(building),
@@ -84,7 +84,7 @@ class Excavation {
 
   const GroundMesh& mesh_;
   std::span<const RegionIndex> building_;
-  std::span<const double> roofs_;
+  const RoofHeights& roofs_;
   const ExcavationMarks& marks_;
   double at_source_, beyond_;  ///< Slopes.
   std::vector<double>& ground_;
@@ -94,7 +94,7 @@ class Excavation {
 
 void Excavation::start_from_marks() {
   for (const VertexIndex v : indices<VertexIndex>(start_.size())) {
-    if (is_at_marked_roof(v)) start_[v] = roofs_[building_[v]];
+    if (is_at_marked_roof(v)) start_[v] = roofs_.at(building_[v], v);
     if (is_toe(v)) {
       if (marks_.toes[v] < ground_[v] - kWorthwhile) {
         has_lowered_[v] = 1;
@@ -159,7 +159,7 @@ ExcavationSources Excavation::sources() const {
 }  // namespace
 
 ExcavationSources excavate(const GroundMesh& mesh, std::span<const RegionIndex> building,
-                           std::span<const double> roofs, const ExcavationMarks& marks,
+                           const RoofHeights& roofs, const ExcavationMarks& marks,
                            const ExcavationSlopes& slopes, std::vector<double>& ground) {
   Excavation excavation(mesh, building, roofs, marks, slopes, ground);
   excavation.start_from_marks();

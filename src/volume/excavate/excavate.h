@@ -7,6 +7,8 @@
 
 #include "tetropolis/ground/ground_mesh.h"
 
+#include "volume/column/roof_heights.h"
+
 namespace tetropolis {
 
 /// How steeply excavated ground may rise; tangents, > 0.
@@ -40,10 +42,9 @@ struct ExcavationSources {
 /// most at its elevation), or from ground that was lowered so (to a nanometre). Distances are
 /// those in the triangles outside buildings. Where the terrain dips below that, nothing beyond is
 /// touched; a hillside steeper than the steeper of `slopes` is excavated to its crest. `ground`:
-/// elevation per vertex; `building` as from lowest_roofs; `roofs`: elevation per building part;
-/// `marks`: each list of its size, or empty; `walls` are not looked at.
+/// elevation per vertex; `building` as from lowest_roofs; `marks`: each list of its size, or empty; `walls` are not looked at.
 ExcavationSources excavate(const GroundMesh& mesh, std::span<const RegionIndex> building,
-                           std::span<const double> roofs, const ExcavationMarks& marks,
+                           const RoofHeights& roofs, const ExcavationMarks& marks,
                            const ExcavationSlopes& slopes, std::vector<double>& ground);
 
 }  // namespace tetropolis

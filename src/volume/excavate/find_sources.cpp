@@ -75,7 +75,7 @@ std::int64_t mark_buried_roofs(const ColumnMesh& mesh, const ColumnPlan& plan,
       highest = std::max(highest, plan.ground[v]);
     const auto is_buried = [&](VertexIndex v) {
       const RegionIndex b = plan.lowest_roof[v];
-      return b != kNoRegion && marks.roofs[b] == 0 && highest > plan.roofs[b];
+      return b != kNoRegion && marks.roofs[b] == 0 && highest > plan.lowest_roof_at(v);
     };
     for (const VertexIndex v : mesh.ground.triangles[t]) {
       if (!is_buried(v)) continue;
@@ -109,7 +109,7 @@ std::int64_t mark_slope_toes(const ColumnMesh& mesh, const ColumnPlan& plan,
       for (const VertexIndex u : {corner(i + 1), corner(i + 2)})
         edge = std::max(
             edge, std::hypot(mesh.ground.vertices[u].x - p.x, mesh.ground.vertices[u].y - p.y));
-      const double below = plan.roofs[plan.lowest_roof[v]] - kWallTangent * edge;
+      const double below = plan.lowest_roof_at(v) - kWallTangent * edge;
       if (below < plan.ground[v]) toe[i] = below;
     }
     for (std::size_t i = 0; i < 3; ++i) {
@@ -128,7 +128,7 @@ std::int64_t mark_gentle(const ColumnMesh& mesh, const ColumnPlan& plan,
   // From the roof, if `high` is above it.
   const auto start_at = [&](VertexIndex v, double high) {
     if (plan.lowest_roof[v] == kNoRegion) return plan.ground[v];
-    const double roof = plan.roofs[plan.lowest_roof[v]];
+    const double roof = plan.lowest_roof_at(v);
     return roof < high ? roof : plan.ground[v];
   };
   for (const TriangleIndex t : mesh.ground.triangles.indices()) {

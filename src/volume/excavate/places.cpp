@@ -125,7 +125,8 @@ Cutout cut_out(const Columns& columns, std::span<const VertexIndex> vertices) {
       if (on_rim[v] != 0)
         for (const VertexIndex u : corners) cutout.fixed[u] = 1;
   ColumnPlan& plan = cutout.columns.plan;
-  plan.roofs = columns.plan.roofs;
+  const RoofHeights& roofs = columns.plan.roofs;
+  plan.roofs.flat = roofs.flat;
   plan.layers = columns.plan.layers;
   for (const VertexIndex v : vertices) {
     ground.vertices.push_back(whole.vertices[v]);
@@ -134,6 +135,7 @@ Cutout cut_out(const Columns& columns, std::span<const VertexIndex> vertices) {
     plan.top.push_back(columns.plan.top[v]);
     plan.spacing.push_back(columns.plan.spacing[v]);
     plan.rise.push_back(columns.plan.rise[v]);
+    if (!roofs.all_flat()) plan.roofs.sloped.push_back(roofs.sloped[v]);
   }
   cutout.columns.mesh = gather_columns(vertices.size(), [&](VertexIndex v) {
     return ColumnOf{&columns.mesh, vertices[v]};

@@ -42,6 +42,9 @@ template <typename Of>
 ColumnMesh gather_columns(std::size_t vertices, const Of& of) {
   ColumnMesh mesh;
   mesh.first.push_back({});
+  bool has_levels = false;
+  for (const VertexIndex v : indices<VertexIndex>(vertices))
+    has_levels |= !of(v).mesh->levels.empty();
   for (const VertexIndex v : indices<VertexIndex>(vertices)) {
     const ColumnOf own = of(v);
     const auto& first = own.mesh->first;
@@ -50,6 +53,13 @@ ColumnMesh gather_columns(std::size_t vertices, const Of& of) {
     mesh.regions.push_back(own.mesh->regions[own.vertex]);
     const auto floors = own.mesh->floors_at(own.vertex);
     mesh.floors.insert(mesh.floors.end(), floors.begin(), floors.end());
+    if (has_levels) {
+      const double* const level = own.mesh->climbing().data();
+      mesh.levels.insert(mesh.levels.end(), level + first[own.vertex],
+                         level + first[own.vertex + 1]);
+      for (const std::int32_t floor : floors)
+        mesh.floor_levels.push_back(*(level + (first[own.vertex] + floor)));
+    }
     mesh.first.push_back(NodeIndex(mesh.z.size()));
   }
   return mesh;

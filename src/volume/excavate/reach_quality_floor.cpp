@@ -18,6 +18,7 @@
 #include "find_sources.h"
 #include "places.h"
 #include "volume/column/ground_heights.h"
+#include "volume/column/levels.h"
 #include "volume/quality/improve_columns.h"
 #include "volume/quality/measured_mesh.h"
 
@@ -228,6 +229,13 @@ bool Place::excavate_marked() {
   ColumnMesh mesh = gather_columns(is_fresh.size(), [&](VertexIndex v) {
     return ColumnOf{is_fresh[v] != 0 ? &fresh : &unexcavated_.mesh, v};
   });
+  // With walls of other heights, fronts may miss the edge of a roof that is not horizontal.
+  std::swap(mesh.ground, now_.mesh.ground);
+  std::swap(mesh.edges, now_.mesh.edges);
+  const bool is_valid = passes_everywhere(mesh);
+  std::swap(mesh.ground, now_.mesh.ground);
+  std::swap(mesh.edges, now_.mesh.edges);
+  if (!is_valid) return false;
   become({std::move(plan), std::move(mesh), std::move(moved), std::move(sources)});
   if (faults_.counts().cells_outside(Asked::kGood) > 0) {
     ImproveOptions search_options;
@@ -286,7 +294,7 @@ void Place::excavate_from(const Mark& mark, Reach reach) {
 /// Around roofs first, then from the toes of slopes and low walls.
 void Place::try_slope() {
   using Bad = std::span<const std::uint8_t>;
-  marks_.roofs.assign(now_.plan.roofs.size(), 0);
+  marks_.roofs.assign(now_.plan.roofs.parts(), 0);
   excavate_from([&](Bad bad) { return mark_buried_roofs(now_.mesh, now_.plan, bad, marks_); });
   marks_.toes.assign(now_.plan.ground.size(), kInfinity);
   const double slope = std::tan(to_radians(slope_deg_));
@@ -328,7 +336,7 @@ void Place::run() {
     try_slope();
     if (!missed()) return;
   }
-  marks_.walls.assign(now_.plan.roofs.size(), 0);
+  marks_.walls.assign(now_.plan.roofs.parts(), 0);
   excavate_from([&](std::span<const std::uint8_t> bad) {
     return mark_deep_walls(now_.mesh, now_.plan, bad, marks_);
   });

@@ -17,6 +17,7 @@
 #include "core/sort_once.h"
 #include "core/units.h"
 #include "tet_cosines.h"
+#include "volume/column/levels.h"
 
 namespace tetropolis {
 
@@ -96,16 +97,21 @@ class Cost {
 struct Column {
   std::vector<double> z;
   std::vector<std::int32_t> floors;
+  std::vector<double> levels;  ///< Empty where the mesh has none.
 };
 
 struct ColumnView {
   std::span<const double> z;
   std::span<const std::int32_t> floors;  ///< Positions, as in ColumnMesh.
+  std::span<const double> level;         ///< What fronts go by.
 
-  ColumnView(std::span<const double> nodes, std::span<const std::int32_t> at)
-      : z(nodes), floors(at) {}
+  ColumnView(std::span<const double> nodes, std::span<const std::int32_t> at,
+             std::span<const double> climbing)
+      : z(nodes), floors(at), level(climbing) {}
   ColumnView(const Column& column)  // NOLINT: as a string_view
-      : z(column.z), floors(column.floors) {}
+      : z(column.z),
+        floors(column.floors),
+        level(column.levels.empty() ? std::span<const double>(column.z) : column.levels) {}
 };
 
 class Improver {
@@ -136,6 +142,8 @@ class Improver {
     return mesh_->ground.triangles[t];
   }
   ColumnView column(VertexIndex v) const;
+  void set_levels(VertexIndex v, Column& column) const;
+  bool passes_roofs(VertexIndex v, const Column& column) const;
   std::vector<TriangleIndex> around(VertexIndex v) const;
   /// Position of triangle t's floor in `own`, a column over its corner v.
   std::int32_t floor(TriangleIndex t, VertexIndex v, ColumnView own) const {
@@ -176,7 +184,24 @@ class Improver {
 ColumnView Improver::column(VertexIndex v) const {
   if (slot_[v] >= 0) return changed_[static_cast<std::size_t>(slot_[v])];
   const double* const z = mesh_->z.data();
-  return {{z + mesh_->first[v], z + mesh_->first[v + 1]}, mesh_->floors_at(v)};
+  const double* const level = mesh_->climbing().data();
+  const NodeIndex first = mesh_->first[v], end = mesh_->first[v + 1];
+  return {{z + first, z + end}, mesh_->floors_at(v), {level + first, level + end}};
+}
+
+void Improver::set_levels(VertexIndex v, Column& column) const {
+  if (mesh_->levels.empty()) return;
+  column.levels.resize(column.z.size());
+  write_levels(column.z, column.floors, mesh_->floor_levels_at(v), column.levels.data());
+}
+
+/// Whether fronts pass through the edges of roofs beside `own` as a column over v.
+bool Improver::passes_roofs(VertexIndex v, const Column& own) const {
+  return mesh_->levels.empty() ||
+         passes_around(*mesh_, {v, own.levels, own.floors}, [&](VertexIndex u) {
+           const ColumnView other = column(u);
+           return LevelledColumn{u, other.level, other.floors};
+         });
 }
 
 std::vector<TriangleIndex> Improver::around(VertexIndex v) const {
@@ -187,33 +212,34 @@ template <typename Visit>
 bool Improver::visit_cells(TriangleIndex t, VertexIndex v, ColumnView own, std::int32_t first,
                            std::int32_t last, const Visit& visit) const {
   const std::array<VertexIndex, 3>& vertices = corners(t);
-  std::array<const double*, 3> z{};
+  std::array<const double*, 3> z{}, level{};
   std::array<NodeIndex, 3> at{}, top{};
   std::size_t mine = 0;
   for (std::size_t i = 0; i < 3; ++i) {
     if (vertices[i] == v) mine = i;
     const ColumnView here = vertices[i] == v ? own : column(vertices[i]);
     z[i] = here.z.data();
+    level[i] = here.level.data();
     at[i] = NodeIndex(floor(t, vertices[i], here));
     top[i] = NodeIndex(here.z.size()) - 1;
   }
   if (first > at[mine]) {
     // The front when v's column is about to reach node `first`.
     at[mine] = NodeIndex(first - 1);
-    const double key = climbing_key(z[mine], at[mine]);
+    const double key = climbing_key(level[mine], at[mine]);
     for (std::size_t i = 0; i < 3; ++i) {
       if (i == mine) continue;
       NodeIndex above = top[i];
       while (at[i] < above) {
         const NodeIndex middle = at[i] + (above - at[i]) / 2;
-        if (climbs_first(climbing_key(z[i], middle), vertices[i], key, v))
+        if (climbs_first(climbing_key(level[i], middle), vertices[i], key, v))
           at[i] = middle + 1;
         else
           above = middle;
       }
     }
   }
-  Climb<3> front(z, vertices, at, top);
+  Climb<3> front(level, vertices, at, top);
   std::array<Point3, 3> p;
   for (std::size_t i = 0; i < 3; ++i) {
     const Point2 place = mesh_->ground.vertices[vertices[i]];
@@ -356,8 +382,9 @@ bool Improver::improve_between(VertexIndex v, std::span<const TriangleIndex> tri
         static_cast<std::int32_t>(trial.z.size()) - static_cast<std::int32_t>(column.z.size());
     trial.floors = column.floors;
     for (std::int32_t& floor : trial.floors) floor += floor >= high ? change : 0;
+    set_levels(v, trial);
     const double cost_then = cost(triangles, v, trial, low, high + change, least, left);
-    if (!(cost_then < least)) return;
+    if (!(cost_then < least) || !passes_roofs(v, trial)) return;
     least = cost_then;
     std::swap(best, trial);
   };
@@ -415,7 +442,8 @@ bool Improver::improve_once(VertexIndex v, std::span<const TriangleIndex> triang
 Column Improver::improved(VertexIndex v, std::int64_t& left) const {
   const std::vector<TriangleIndex> triangles = around(v);
   const ColumnView now = column(v);
-  Column better{{now.z.begin(), now.z.end()}, {now.floors.begin(), now.floors.end()}};
+  Column better{{now.z.begin(), now.z.end()}, {now.floors.begin(), now.floors.end()}, {}};
+  set_levels(v, better);
   bool changed = false;
   for (int i = 0; i < kChangesPerSweep && improve_once(v, triangles, better, left); ++i)
     changed = true;
@@ -503,6 +531,15 @@ void Improver::store(ColumnMesh& mesh) const {
   for (const VertexIndex v : mesh.ground.vertices.indices()) {
     const ColumnView own = column(v);
     z.insert(z.end(), own.z.begin(), own.z.end());
+  }
+  if (!mesh.levels.empty()) {
+    std::vector<double> levels;
+    levels.reserve(z.size());
+    for (const VertexIndex v : mesh.ground.vertices.indices()) {
+      const ColumnView own = column(v);
+      levels.insert(levels.end(), own.level.begin(), own.level.end());
+    }
+    mesh.levels = std::move(levels);
   }
   mesh.first = std::move(first);
   mesh.z = std::move(z);

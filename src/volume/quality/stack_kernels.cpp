@@ -180,11 +180,12 @@ void FrontStore::add(const ColumnMesh& mesh, TriangleIndex t) {
   Place place{{}, used_};
   Fronts& fronts = place.fronts;
   fronts.turn = int{a < b} + int{b < c} + int{c < a} == 2 ? 1 : -1;
-  std::array<const double*, 3> at{}, last{};
+  std::array<const double*, 3> at{}, last{}, level{};
   for (std::size_t i = 0; i < 3; ++i) {
     fronts.corner[i] = mesh.ground.vertices[v[i]];
     at[i] = mesh.z.data() + mesh.floor_over(t, v[i]);
     last[i] = mesh.z.data() + mesh.top(v[i]);
+    level[i] = mesh.climbing().data() + mesh.floor_over(t, v[i]);
     fronts.cells += static_cast<std::size_t>(last[i] - at[i]);
   }
   places_.push_back(place);
@@ -194,7 +195,7 @@ void FrontStore::add(const ColumnMesh& mesh, TriangleIndex t) {
   double* const z1 = z0 + fronts.cells + 1;
   double* const z2 = z1 + fronts.cells + 1;
   const auto key = [&](std::size_t i) {
-    return at[i] < last[i] ? climbing_key(at[i], NodeIndex(0)) : kInfinity;
+    return at[i] < last[i] ? climbing_key(level[i], NodeIndex(0)) : kInfinity;
   };
   double key0 = key(0), key1 = key(1), key2 = key(2);
   for (std::size_t k = 0;; ++k) {
@@ -204,13 +205,13 @@ void FrontStore::add(const ColumnMesh& mesh, TriangleIndex t) {
     if (k == fronts.cells) return;
     // As climbs_first() has it: of those with the least key, the highest vertex.
     if (key2 <= key1 && key2 <= key0) {
-      ++at[2];
+      ++at[2], ++level[2];
       key2 = key(2);
     } else if (key1 <= key0) {
-      ++at[1];
+      ++at[1], ++level[1];
       key1 = key(1);
     } else {
-      ++at[0];
+      ++at[0], ++level[0];
       key0 = key(0);
     }
   }

@@ -36,24 +36,26 @@ TEST(GroundHeights, FollowTheTerrainExceptUnderLowRoofs) {
   EXPECT_GT(lowered, 0);
 }
 
+RoofPlane level(double elevation) { return {{}, elevation, 0, 0}; }
+
 TEST(GroundHeights, LowWallsAskForShortEdges) {
   constexpr double inf = std::numeric_limits<double>::infinity();
   const Raster flat = testing::raster_of({0, 0, 50, 50}, [](double, double) { return 7.0; });
-  EXPECT_DOUBLE_EQ(longest_wall_edge(flat, 10, {5, 5}, {30, 5}, 0.5), 12);
-  EXPECT_DOUBLE_EQ(longest_wall_edge(flat, 7.6, {5, 5}, {30, 5}, 0.5), 4);  // a metre at least
-  EXPECT_EQ(longest_wall_edge(flat, 7.4, {5, 5}, {30, 5}, 0.5), inf);
+  EXPECT_DOUBLE_EQ(longest_wall_edge(flat, level(10), {5, 5}, {30, 5}, 0.5), 12);
+  EXPECT_DOUBLE_EQ(longest_wall_edge(flat, level(7.6), {5, 5}, {30, 5}, 0.5), 4);  // a metre at least
+  EXPECT_EQ(longest_wall_edge(flat, level(7.4), {5, 5}, {30, 5}, 0.5), inf);
   // A ridge across the wall between its ends is seen.
   const Raster ridge = testing::raster_of(
       {0, 0, 50, 50}, [](double x, double) { return std::abs(x - 20) < 1.5 ? 8.0 : 0.0; });
-  EXPECT_DOUBLE_EQ(longest_wall_edge(ridge, 10, {5, 5}, {35, 5}, 0.5), 8);
-  EXPECT_DOUBLE_EQ(longest_wall_edge(ridge, 10, {5, 5}, {12, 5}, 0.5), 40);
-  EXPECT_EQ(longest_wall_edge(ridge, 8.2, {5, 5}, {35, 5}, 0.5), inf);  // steep, and lowered
+  EXPECT_DOUBLE_EQ(longest_wall_edge(ridge, level(10), {5, 5}, {35, 5}, 0.5), 8);
+  EXPECT_DOUBLE_EQ(longest_wall_edge(ridge, level(10), {5, 5}, {12, 5}, 0.5), 40);
+  EXPECT_EQ(longest_wall_edge(ridge, level(8.2), {5, 5}, {35, 5}, 0.5), inf);  // steep, and lowered
   // Where the ground will be lowered on a gentle slope, only the rest of the wall counts.
   const Raster slope = testing::raster_of({0, 0, 50, 50}, [](double x, double) { return 0.1 * x; });
-  EXPECT_DOUBLE_EQ(longest_wall_edge(slope, 2, {0, 5}, {10, 5}, 0.5), 4);
-  EXPECT_DOUBLE_EQ(longest_wall_edge(slope, 2, {0, 5}, {20, 5}, 0.5), 4);
-  EXPECT_DOUBLE_EQ(longest_wall_edge(slope, 2, {0, 5}, {40, 5}, 0.5), 3 * 2);
-  EXPECT_EQ(longest_wall_edge(slope, 2, {18, 5}, {40, 5}, 0.5), inf);
+  EXPECT_DOUBLE_EQ(longest_wall_edge(slope, level(2), {0, 5}, {10, 5}, 0.5), 4);
+  EXPECT_DOUBLE_EQ(longest_wall_edge(slope, level(2), {0, 5}, {20, 5}, 0.5), 4);
+  EXPECT_DOUBLE_EQ(longest_wall_edge(slope, level(2), {0, 5}, {40, 5}, 0.5), 3 * 2);
+  EXPECT_EQ(longest_wall_edge(slope, level(2), {18, 5}, {40, 5}, 0.5), inf);
 }
 
 TEST(GroundHeights, VerticesKnowTheirBuilding) {

@@ -193,7 +193,7 @@ TEST(Excavate, GentleMarksAreOfBadTrianglesOnly) {
     EXPECT_GT(marked, 10);
     const auto start = [&](VertexIndex v, double high) {
       const double roof =
-          plan.lowest_roof[v] == kNoRegion ? kInfinity : plan.roofs[plan.lowest_roof[v]];
+          plan.lowest_roof[v] == kNoRegion ? kInfinity : plan.lowest_roof_at(v);
       return roof < high ? roof : plan.ground[v];
     };
     std::vector<double> expected(plan.ground.size(), kInfinity);
@@ -341,7 +341,7 @@ TEST(Excavate, ExcavatesWhatRisesBeforeTheMiddleOfASunkenWall) {
   mesh.regions = regions_of_buildings(1);
   ColumnPlan plan;
   plan.ground = {-1.7, -1.7, 0, -1.7};
-  plan.roofs = {-0.7};
+  plan.roofs.flat = {-0.7};
   plan.lowest_roof = lowest_roofs(mesh, plan.roofs);
   ColumnMesh columns;
   columns.ground = mesh;

@@ -18,6 +18,11 @@
 // vertex numbers of Naserentin & Logg, step 3.2. Because lower segments go first, fronts follow the
 // horizontal wherever floors are not: the tets of neighbouring columns stay well-shaped when the
 // columns have different spacings or are shifted against each other on a slope.
+//
+// A front that starts on the street has to pass through the edge of the roof above. Midpoints do
+// that where the edge is horizontal. Where it is not, they are compared by level: a column's
+// elevations are mapped to levels piece by piece, linearly between its floors and its top, and
+// floors at the two ends of such an edge have nearly the same level (levels.h).
 #pragma once
 
 #include <array>
@@ -45,7 +50,10 @@ struct ColumnMesh {
   std::vector<double> z;         ///< Per node: elevation in metres; increasing in each column, at
                                  ///< least two a column.
   std::vector<std::int32_t> floors;  ///< Per entry of `regions`: position of the region's floor in
-                                     ///< the column, from its first node. Roofs are horizontal.
+                                     ///< the column, from its first node.
+  std::vector<double> floor_levels;  ///< Per entry of `regions`: level of the region's floor.
+                                     ///< Empty: all levels are elevations.
+  std::vector<double> levels;        ///< Per node: level, increasing in each column; likewise.
 
   std::size_t vertex_count() const { return ground.vertices.size(); }
   std::size_t triangle_count() const { return ground.triangles.size(); }
@@ -60,6 +68,17 @@ struct ColumnMesh {
   }
   /// The node that triangle t's stack starts at over its corner v.
   NodeIndex floor_over(TriangleIndex t, VertexIndex v) const { return floor(ground.region[t], v); }
+  /// Per node, what fronts go by: levels, or elevations where these are the same.
+  const std::vector<double>& climbing() const { return levels.empty() ? z : levels; }
+  /// Levels of the floors in the column of vertex v, in the order of `regions`; empty as they are.
+  std::span<const double> floor_levels_at(VertexIndex v) const {
+    if (floor_levels.empty()) return {};
+    return std::span(floor_levels).subspan(offset(v), regions[v].size());
+  }
+  std::span<double> floor_levels_at(VertexIndex v) {
+    if (floor_levels.empty()) return {};
+    return std::span(floor_levels).subspan(offset(v), regions[v].size());
+  }
   /// Positions of the floors in the column of vertex v, in the order of `regions`.
   std::span<const std::int32_t> floors_at(VertexIndex v) const {
     return std::span(floors).subspan(offset(v), regions[v].size());
@@ -82,9 +101,11 @@ struct ColumnMesh {
 /// T + 1 offsets: the cells over triangle t are [offsets[t], offsets[t + 1]), upwards.
 std::vector<CellIndex> cell_offsets(const ColumnMesh& mesh);
 
-/// What fronts order a column's segments by, here the one from node n up: twice the elevation of
-/// its midpoint. `z`: elevations of the column.
-inline double climbing_key(const double* z, NodeIndex n) { return z[n.value()] + z[n.value() + 1]; }
+/// What fronts order a column's segments by, here the one from node n up: twice the level of its
+/// midpoint. `level`: levels of the column.
+inline double climbing_key(const double* level, NodeIndex n) {
+  return level[n.value()] + level[n.value() + 1];
+}
 
 /// Whether a segment over vertex v with the key `a` goes before one over w with the key `b`.
 constexpr bool climbs_first(double a, VertexIndex v, double b, VertexIndex w) {
@@ -99,14 +120,14 @@ class Climb {
   Climb(const ColumnMesh& mesh, const std::array<VertexIndex, N>& vertices,
         const std::array<NodeIndex, N>& from)
       : vertex_(vertices), at_(from) {
-    z_.fill(mesh.z.data());
+    level_.fill(mesh.climbing().data());
     for (std::size_t i = 0; i < N; ++i) last_[i] = mesh.top(vertex_[i]);
     for (std::size_t i = 0; i < N; ++i) set_key(i);
   }
-  /// Columns of no mesh: the elevations of column i are z[i][0 .. last[i]].
-  Climb(const std::array<const double*, N>& z, const std::array<VertexIndex, N>& vertices,
+  /// Columns of no mesh: the levels of column i are level[i][0 .. last[i]].
+  Climb(const std::array<const double*, N>& level, const std::array<VertexIndex, N>& vertices,
         const std::array<NodeIndex, N>& from, const std::array<NodeIndex, N>& last)
-      : z_(z), vertex_(vertices), at_(from), last_(last) {
+      : level_(level), vertex_(vertices), at_(from), last_(last) {
     for (std::size_t i = 0; i < N; ++i) set_key(i);
   }
   /// The position (0 .. N - 1) of the column that goes next; N when all are at their last node.
@@ -126,9 +147,9 @@ class Climb {
 
  private:
   static constexpr double kDone = std::numeric_limits<double>::infinity();
-  void set_key(std::size_t i) { key_[i] = at_[i] < last_[i] ? climbing_key(z_[i], at_[i]) : kDone; }
+  void set_key(std::size_t i) { key_[i] = at_[i] < last_[i] ? climbing_key(level_[i], at_[i]) : kDone; }
 
-  std::array<const double*, N> z_{};
+  std::array<const double*, N> level_{};
   std::array<VertexIndex, N> vertex_;
   std::array<NodeIndex, N> at_;
   std::array<NodeIndex, N> last_{};
@@ -159,9 +180,10 @@ inline std::array<double, 3> position(const ColumnMesh& mesh, VertexIndex v, Nod
   return {p.x, p.y, mesh.z[node]};
 }
 
-/// What makes the mesh valid (guarantee 4): every column has at least two nodes and increases, and
-/// all nodes at the roof of a building have the same elevation. Throws Error(kGuarantee) naming the
-/// ground vertex otherwise. Returns the shortest vertical edge in metres.
+/// What makes the mesh valid (guarantees 4 and 5): every column has at least two nodes and
+/// increases, and fronts pass through the edges of roofs. Throws Error(kGuarantee) naming the
+/// ground vertex otherwise. Returns the shortest vertical edge in metres. Precondition: `edges` are
+/// those of `ground`.
 double require_valid(const ColumnMesh& mesh);
 
 }  // namespace tetropolis
