@@ -55,7 +55,8 @@ struct SlopedParts {
     const auto letter = [&](int i, int j) {
       // Blobs: the part whose centre is nearest, now and then another one.
       if (i < 1 || j < 1 || i >= n - 1 || j >= n - 1) return parts;
-      if (unit(random) < 0.05) return static_cast<int>(unit(random) * (parts + 1));
+      if (i == n / 2 && j == n / 2) return parts;  // a yard
+      if (unit(random) < 0.05) return static_cast<int>(unit(random) * parts);
       int nearest = 0;
       double least = 1e9;
       for (int p = 0; p < parts; ++p) {
