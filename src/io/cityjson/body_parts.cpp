@@ -6,7 +6,6 @@
 #include <cstdint>
 #include <limits>
 #include <map>
-#include <numbers>
 #include <optional>
 #include <tuple>
 #include <utility>
@@ -16,7 +15,6 @@
 
 #include "city/part_tiling.h"
 #include "city/roof_summary.h"
-#include "core/units.h"
 #include "geometry/geos.h"
 #include "geometry/perimeter.h"
 
@@ -24,11 +22,10 @@ namespace tetropolis {
 
 namespace {
 
-constexpr double kSame = 0.01;           // metres
-constexpr double kClearance = 1;         // metres, between lines
-constexpr double kLeastAngleDeg = 13.5;  // between lines
-constexpr double kSteepestDeg = 70;
+constexpr double kSame = 0.01;          // metres
 constexpr double kMostOffPlane = 0.05;  // metres
+constexpr double kSteepest = 100;       // tangent; what is more is a wall
+constexpr std::size_t kMostCorners = 10000;
 
 /// What stands in the way of parts.
 struct NoParts {
@@ -42,18 +39,16 @@ class PlanVertices {
  public:
   /// The number of the vertex at `p`, or within kSame of it.
   std::size_t add(Point2 p) {
-    const auto cell_x = static_cast<std::int64_t>(std::floor(p.x / kClearance));
-    const auto cell_y = static_cast<std::int64_t>(std::floor(p.y / kClearance));
+    const auto cell_x = static_cast<std::int64_t>(std::floor(p.x / kSame));
+    const auto cell_y = static_cast<std::int64_t>(std::floor(p.y / kSame));
     for (std::int64_t x = cell_x - 1; x <= cell_x + 1; ++x)
       for (std::int64_t y = cell_y - 1; y <= cell_y + 1; ++y) {
         const auto it = cells_.find({x, y});
         if (it == cells_.end()) continue;
-        for (const std::size_t v : it->second) {
-          const double apart = distance(places[v], p);
-          if (apart <= kSame) return v;
-          if (apart < kClearance) throw NoParts{"roof corners closer than 1 m"};
-        }
+        for (const std::size_t v : it->second)
+          if (distance(places[v], p) <= kSame) return v;
       }
+    if (places.size() == kMostCorners) throw NoParts{"more than 10,000 roof corners"};
     cells_[{cell_x, cell_y}].push_back(places.size());
     places.push_back(p);
     return places.size() - 1;
@@ -114,8 +109,7 @@ RoofPlane plane_of(const Face& face) {
   plane.slope_x = (d * c - e * b) / determinant;
   plane.slope_y = (a * e - b * d) / determinant;
   plane.elevation = outer[0][2] + (z - plane.slope_x * x - plane.slope_y * y) / n;
-  if (!(std::hypot(plane.slope_x, plane.slope_y) <= std::tan(to_radians(kSteepestDeg))))
-    throw NoParts{"a roof steeper than 70 degrees"};
+  if (!(std::hypot(plane.slope_x, plane.slope_y) <= kSteepest)) throw NoParts{"a vertical roof"};
   plane = snap_plane(plane);
   for (const std::vector<Point3>& ring : face.rings)
     for (const Point3& p : ring)
@@ -144,7 +138,6 @@ class PartsBuilder {
 
   BodyParts build(const Polygon& ground, double low, Lod lod) {
     split_edges();
-    require_angles();
     BodyParts result;
     for (const PlanRoof& roof : roofs_) {
       RoofPart& part = result.parts.emplace_back();
@@ -155,7 +148,8 @@ class PartsBuilder {
       for (std::size_t r = 1; r < roof.rings.size(); ++r)
         part.outline.holes.push_back(places_of(roof.rings[r]));
       orient(part.outline);
-      if (!(range_of(part).low > low)) throw NoParts{"a roof that is not above the ground"};
+      if (!(range_of(part).low > low + kMostOffPlane))
+        throw NoParts{"a roof that is not above the ground"};
     }
     result.footprint = outline_of(result.parts);
     require_same_plan(result.footprint, ground);
@@ -192,8 +186,9 @@ class PartsBuilder {
   /// In the order from a to b.
   std::vector<std::size_t> vertices_on(std::size_t from, std::size_t to) const {
     const Point2 a = vertices_.places[from], b = vertices_.places[to];
-    const Bounds2 box{std::min(a.x, b.x) - kClearance, std::min(a.y, b.y) - kClearance,
-                      std::max(a.x, b.x) + kClearance, std::max(a.y, b.y) + kClearance};
+    const Bounds2 box =
+        Bounds2{std::min(a.x, b.x), std::min(a.y, b.y), std::max(a.x, b.x), std::max(a.y, b.y)}
+            .grown(kSame);
     std::vector<std::pair<double, std::size_t>> on;
     for (auto it =
              std::lower_bound(by_x_.begin(), by_x_.end(), std::pair{box.xmin, std::size_t{0}});
@@ -201,39 +196,12 @@ class PartsBuilder {
       const std::size_t v = it->second;
       const Point2 p = vertices_.places[v];
       if (v == from || v == to || !box.contains(p)) continue;
-      const double away = distance_to_segment(p, a, b);
-      if (away <= kSame)
-        on.emplace_back(distance(a, p), v);
-      else if (away < kClearance)
-        throw NoParts{"a roof corner closer than 1 m to a line"};
+      if (distance_to_segment(p, a, b) <= kSame) on.emplace_back(distance(a, p), v);
     }
     std::sort(on.begin(), on.end());
     std::vector<std::size_t> result;
     for (const auto& [away, v] : on) result.push_back(v);
     return result;
-  }
-
-  void require_angles() const {
-    std::vector<std::vector<double>> directions(vertices_.places.size());
-    for (const PlanRoof& roof : roofs_)
-      for (const IndexRing& ring : roof.rings)
-        for (std::size_t i = 0; i < ring.size(); ++i) {
-          const std::size_t v = ring[i], w = ring[(i + 1) % ring.size()];
-          const Point2 a = vertices_.places[v], b = vertices_.places[w];
-          directions[v].push_back(std::atan2(b.y - a.y, b.x - a.x));
-          directions[w].push_back(std::atan2(a.y - b.y, a.x - b.x));
-        }
-    for (std::vector<double>& around : directions) {
-      if (around.empty()) continue;
-      std::sort(around.begin(), around.end());
-      around.push_back(around.front() + 2 * std::numbers::pi);
-      for (std::size_t i = 1; i < around.size(); ++i) {
-        const double angle = around[i] - around[i - 1];
-        // An edge of two roofs is there twice.
-        if (angle > 1e-9 && angle < to_radians(kLeastAngleDeg) - 1e-9)
-          throw NoParts{"roof lines that meet at less than 13.5 degrees"};
-      }
-    }
   }
 
   /// What the parts cover, from the edges that one of them has alone.

@@ -22,11 +22,10 @@ struct BodyParts {
 /// vertices. Vertices of the plan within a centimetre of each other are one; those as near to an
 /// edge become vertices of it. The footprint is what the parts cover together.
 ///
-/// No parts where a mesh could not have them as they are: where the faces do not tile one piece
-/// (gaps, overlaps) that is the ground's plan to a centimetre along its outline; where two
-/// vertices, or a vertex and a line that it is not on, are less than 1 m apart; where lines meet at
-/// less than 13.5 degrees; where a face is steeper than 70 degrees, more than 5 cm off a plane, or
-/// not above `low`. None, and no reason, if all there is is one level face.
+/// No parts where the faces do not tile one piece (gaps, overlaps) that is the ground's plan to a
+/// centimetre along its outline; where a face is vertical, more than 5 cm off a plane, or not above
+/// `low` by as much; where they have more than 10,000 corners. None, and no reason, if all there is is one
+/// level face.
 ///
 /// The parts have no source_id and no points. `ground`: valid, oriented.
 BodyParts parts_of(std::span<const Face> faces, const Polygon& ground, double low, Lod lod);

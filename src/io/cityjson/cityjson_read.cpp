@@ -191,6 +191,7 @@ bool is_ours(const Place& object, const std::string& key) {
 }
 
 constexpr double kLeastHeight = 2;  ///< Metres: a roof lower than that is a floor.
+constexpr double kFlat = 0.5;       ///< Metres: as far as roofs are flat anyway.
 
 struct Heights {
   double low = kInfinity, high = -kInfinity;  ///< Of ground and roof.
@@ -199,7 +200,6 @@ struct Heights {
 
 /// Of a body of another program, whose footprint these are.
 Heights heights_of(std::span<const Face> faces, std::span<const Polygon> footprint) {
-  constexpr double kFlat = 0.5;  // metres: as far as roofs are flat anyway
   Heights heights;
   for (const Face& face : faces) {
     const auto [low, high] = elevations(face);
@@ -214,6 +214,13 @@ Heights heights_of(std::span<const Face> faces, std::span<const Polygon> footpri
     heights.high = *roof;
   }
   return heights;
+}
+
+/// Whether what semantics call a roof is that far below it.
+bool has_roof_below(std::span<const Face> faces, double level) {
+  return std::any_of(faces.begin(), faces.end(), [&](const Face& face) {
+    return face.is_roof && elevations(face).first < level - kFlat;
+  });
 }
 
 /// Of roofs of another program.
@@ -325,9 +332,10 @@ class CityReader {
       if (!parts.empty()) heights = heights_of(parts[k], {&footprint.polygons[k], 1});
       // What is lower than a storey has lost its roof to another piece.
       if (heights.high - heights.low < kLeastHeight) heights = whole;
-      BodyParts body = parts_of(parts.empty() ? faces : parts[k], footprint.polygons[k],
-                                heights.low, lod_of(geometry.lod));
-      if (flattened.empty() && heights.is_flattened) flattened = body.reason;
+      const std::vector<Face>& own = parts.empty() ? faces : parts[k];
+      BodyParts body = parts_of(own, footprint.polygons[k], heights.low, lod_of(geometry.lod));
+      if (flattened.empty() && (heights.is_flattened || has_roof_below(own, heights.high)))
+        flattened = body.reason;
       Building building;
       std::string id = key;
       while (k > 0 && keys_.contains(id)) id = fmt::format("{}#{}", key, ++number);

@@ -69,10 +69,10 @@ enum class BrokenObjects { kRefuse, kDrop };
 /// of detail counts as LoD 1).
 ///
 /// Its RoofSurfaces become parts, one each, with the plane nearest to its vertices (no points, rmse
-/// NaN), and what they cover the footprint, if a mesh can have them as they are: they tile one piece
-/// that is the ground's plan; corners and lines are 1 m apart or meet at 13.5 degrees or more, where
-/// what is within a centimetre is the same; none is steeper than 70 degrees, more than 5 cm off its
-/// plane, or reaches the ground. Otherwise the building is a block.
+/// NaN), and what they cover the footprint, if they tile one piece that is the ground's plan (what
+/// is within a centimetre is the same) and none is more than 5 cm off its plane, or reaches the
+/// ground. Otherwise the building is a block. Parts may come closer to each other than a mesh
+/// allows.
 ///
 /// Buildings that only hold parts and other types of object are no input features. Origin:
 /// `translate` if that is whole metres and no more than 100 km away, else the south-west corner of
