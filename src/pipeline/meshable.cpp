@@ -1,6 +1,7 @@
 #include "tetropolis/pipeline/meshable.h"
 
 #include <algorithm>
+#include <cmath>
 #include <cstddef>
 #include <utility>
 #include <vector>
@@ -12,6 +13,10 @@
 #include "tetropolis/geometry/polygon.h"
 
 #include "city/clip.h"
+#include "city/part_lines.h"
+#include "city/part_tiling.h"
+#include "city/roof_summary.h"
+#include "core/units.h"
 #include "elevations.h"
 #include "require_room.h"
 
@@ -45,7 +50,66 @@ std::string reason_to_leave_out(const Building& building, const Domain& domain, 
   return {};
 }
 
+/// Why a mesh cannot have the parts as they are; empty if it can.
+std::string reason_to_flatten(const std::vector<RoofPart>& parts, double min_distance) {
+  // Lines that made 13.5 degrees have been snapped to the grid of coordinates.
+  constexpr double kLeastAngleDeg = 13, kSteepestDeg = 70;
+  const LineClearance lines = line_clearance(parts);
+  if (!is_clear(lines.distance, min_distance))
+    return fmt::format("roof lines come as close as {:.4f} m ({} m required)", lines.distance,
+                       min_distance);
+  if (lines.angle < to_radians(kLeastAngleDeg))
+    return fmt::format("roof lines meet at {:.1f} degrees", to_degrees(lines.angle));
+  for (const RoofPart& part : parts)
+    if (const double slope = std::atan(std::hypot(part.roof.slope_x, part.roof.slope_y));
+        slope > to_radians(kSteepestDeg))
+      return fmt::format("a roof has {:.1f} degrees", to_degrees(slope));
+  return {};
+}
+
+/// Without the vertices that are within a centimetre of the line between their neighbours.
+Ring without_junctions(const Ring& ring) {
+  constexpr double kOnLine = 0.01;  // metres
+  Ring kept;
+  for (std::size_t i = 0; i < ring.size(); ++i) {
+    const Point2 before = kept.empty() ? ring.back() : kept.back();
+    if (distance_to_segment(ring[i], before, ring[(i + 1) % ring.size()]) > kOnLine)
+      kept.push_back(ring[i]);
+  }
+  return kept.size() < 3 ? ring : kept;
+}
+
+/// Why parts are not what a mesh stands on; empty if they are.
+std::string fault_of_parts(const Building& building, double min_distance) {
+  if (building.parts.empty()) return {};
+  if (const std::string fault = tiling_fault(building.footprint, building.parts); !fault.empty())
+    return "its parts " + fault;
+  for (const RoofPart& part : building.parts)
+    if (const double low = range_of(part).low; !(low > building.h_ground))
+      return fmt::format("a roof goes down to {:.3f} m, and h_ground is {:.3f} m", low,
+                         building.h_ground);
+  const double distance = line_clearance(building.parts).distance;
+  if (!is_clear(distance, min_distance))
+    return fmt::format("its roof lines come as close as {:.4f} m ({} m required)", distance,
+                       min_distance);
+  return {};
+}
+
 }  // namespace
+
+FlattenedRoofs flatten_unmeshable(CityModel& city, double min_distance) {
+  FlattenedRoofs flattened;
+  for (Building& building : city.buildings) {
+    if (building.parts.empty()) continue;
+    const std::string reason = reason_to_flatten(building.parts, min_distance);
+    if (reason.empty()) continue;
+    if (flattened.count++ == 0) flattened.first = name_of(building) + ": " + reason;
+    building.parts.clear();
+    building.footprint.outer = without_junctions(building.footprint.outer);
+    for (Ring& hole : building.footprint.holes) hole = without_junctions(hole);
+  }
+  return flattened;
+}
 
 std::size_t drop_unmeshable(CityModel& city, double min_distance) {
   const std::size_t before = city.dropped.size();
@@ -80,6 +144,9 @@ double require_meshable(const CityModel& city, double min_distance, const std::s
                 fmt::format("{}: {}: {}; mesh the city.city.json that 'tetropolis city' makes",
                             source, name_of(city.buildings[first]), defects.front().message));
   }
+  for (const Building& building : city.buildings)
+    if (const std::string fault = fault_of_parts(building, min_distance); !fault.empty())
+      fail(fmt::format("{}: {}", name_of(building), fault));
   const Clearance clearance = joint_clearance(footprints, city.domain);
   if (!is_clear(clearance.distance, min_distance))
     fail(fmt::format(

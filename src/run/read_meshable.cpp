@@ -112,6 +112,17 @@ void leave_out_unmeshable(const Config& config, CityModel& city, std::vector<War
                    left_out, first.source_id, first.reason, domain_text(city))});
 }
 
+/// What a mesh cannot have as it is becomes a block.
+void flatten_parts(const Config& config, CityModel& city, std::vector<Warning>& warnings) {
+  const FlattenedRoofs flattened = flatten_unmeshable(city, config.min_building_distance);
+  if (flattened.count == 0) return;
+  warnings.push_back(
+      {"city_parts_flattened", static_cast<std::int64_t>(flattened.count),
+       fmt::format("{}: {} buildings become blocks at h_roof, as their roofs leave no room for "
+                   "cells (first: {})",
+                   config.city, flattened.count, flattened.first)});
+}
+
 /// An empty city needs to be asked for.
 void require_buildings(const Config& config, const CityModel& city) {
   if (!city.buildings.empty() || config.terrain_only) return;
@@ -144,6 +155,7 @@ MeshableInput read_meshable(const Config& config, std::vector<Warning>& warnings
   if (city.crs.empty()) city.crs = terrain.crs;
   if (source != config.city) leave_out_unmeshable(config, city, warnings);
   require_buildings(config, city);
+  flatten_parts(config, city, warnings);
   CityFacts& facts = input.facts;
   facts.min_clearance = require_meshable(city, config.min_building_distance, config.city);
   warn_off_terrain(config, city, terrain.raster, warnings);

@@ -1,6 +1,7 @@
 // What a mesh asks of a city model that build_city has not made, or that has been edited.
 #pragma once
 
+#include <cstddef>
 #include <string>
 
 #include "tetropolis/city/city_model.h"
@@ -12,8 +13,21 @@ namespace tetropolis {
 /// these are.
 std::size_t drop_unmeshable(CityModel& city, double min_distance);
 
+/// Buildings whose parts became one block because a mesh cannot have them as they are.
+struct FlattenedRoofs {
+  std::size_t count = 0;
+  std::string first;  ///< Building and reason.
+};
+
+/// Takes the parts, and the vertices of the footprint that only parts had, from buildings where two
+/// corners of parts, or a corner and a line that it is not on, are less than `min_distance`
+/// (metres) apart, where a line inside meets another at less than 13 degrees, or a roof is steeper
+/// than 70 degrees.
+FlattenedRoofs flatten_unmeshable(CityModel& city, double min_distance);
+
 /// Throws Error(kInput), naming `source` and the building, unless footprints are valid, lie in
-/// `city.domain` and keep `min_distance` (metres) from each other and its boundary. Returns their
+/// `city.domain` and keep `min_distance` (metres) from each other and its boundary, and parts tile
+/// their footprint, keep that distance between their lines, and are above `h_ground`. Returns the
 /// clearance in metres; infinity without buildings.
 double require_meshable(const CityModel& city, double min_distance, const std::string& source);
 

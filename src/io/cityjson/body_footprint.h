@@ -9,13 +9,16 @@
 
 #include "tetropolis/geometry/types.h"
 
+#include "io/file/json_place.h"
+
 namespace tetropolis {
 
 /// A planar face: outer ring and inner rings, local frame.
 struct Face {
   std::vector<std::vector<Point3>> rings;
-  bool is_ground = false;  ///< Semantics say GroundSurface.
-  bool is_roof = false;    ///< Semantics say RoofSurface.
+  bool is_ground = false;                         ///< Semantics say GroundSurface.
+  bool is_roof = false;                           ///< Semantics say RoofSurface.
+  std::optional<Place> semantics = std::nullopt;  ///< Of a roof.
 };
 
 /// Least and greatest.

@@ -42,8 +42,10 @@ class FaceReader {
     const Place semantics = geometry.at("semantics");
     if (!semantics.has("surfaces") || !semantics.has("values")) return;
     const Place surfaces = semantics.at("surfaces");
-    for (std::size_t i = 0; i < surfaces.size(); ++i)
-      types_.push_back(surfaces.at(i).at("type").text());
+    for (std::size_t i = 0; i < surfaces.size(); ++i) {
+      surfaces_.push_back(surfaces.at(i));
+      types_.push_back(surfaces_.back().at("type").text());
+    }
     values_ = &semantics.at("values").value();
   }
 
@@ -84,6 +86,7 @@ class FaceReader {
       const std::string& type = types_[static_cast<std::size_t>(index)];
       face.is_ground = type == "GroundSurface";
       face.is_roof = type == "RoofSurface";
+      if (face.is_roof) face.semantics = surfaces_[static_cast<std::size_t>(index)];
     }
     return face;
   }
@@ -98,7 +101,8 @@ class FaceReader {
   }
 
   const CityFrame& frame_;
-  std::vector<std::string> types_;  ///< Of the semantic surfaces.
+  std::vector<Place> surfaces_;     ///< The semantic surfaces.
+  std::vector<std::string> types_;  ///< Of these.
   const Json* values_ = nullptr;
 };
 
@@ -174,7 +178,6 @@ ObjectFaces read_faces(const Place& object, const CityFrame& frame) {
   }
   const Place list = object.at("geometry");
   result.reason = "no surface or solid in its geometry";
-  double best = 0;  // LoD 0 is a footprint without height
   for (std::size_t i = 0; i < list.size(); ++i) {
     const Place geometry = list.at(i);
     const int depth = surface_depth(geometry.at("type").text());
@@ -186,8 +189,8 @@ ObjectFaces read_faces(const Place& object, const CityFrame& frame) {
     if (lod < 1)
       result.reason = told ? "only geometry of LoD 0, which has no height"
                            : "its surfaces have no level of detail ('lod')";
-    if (lod < 1 || lod <= best) continue;
-    best = lod;
+    if (lod < 1 || lod <= result.lod) continue;  // LoD 0 is a footprint without height
+    result.lod = lod;
     result.faces = std::move(faces);
   }
   if (!result.faces.empty()) result.reason.clear();

@@ -24,6 +24,7 @@ CityFrame read_vertices(const Place& root);
 /// Why an object has no faces, or its faces.
 struct ObjectFaces {
   std::vector<Face> faces;
+  double lod = 0;  ///< Their level of detail.
   std::string reason;
 };
 

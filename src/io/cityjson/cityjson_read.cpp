@@ -2,6 +2,7 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
+#include <limits>
 #include <optional>
 #include <span>
 #include <string_view>
@@ -17,6 +18,9 @@
 #include "tetropolis/io/crs/crs.h"
 
 #include "body_footprint.h"
+#include "body_parts.h"
+#include "city/part_tiling.h"
+#include "city/roof_summary.h"
 #include "cityjson_geometry.h"
 #include "core/infinity.h"
 #include "extension.h"
@@ -130,6 +134,54 @@ void read_attributes(const Place& attributes, Building& building) {
   building.flags = flags_from_names(names);
 }
 
+/// What a roof of our own files stands for.
+RoofPart read_part(const Face& face, Point2 origin) {
+  constexpr double kRounding = 0.05;  // metres: other programs may round coordinates
+  const Place& semantics = *face.semantics;
+  const Place plane = semantics.at("roof_plane");
+  if (plane.size() != 5) plane.fail("is not x, y, z, slope_x, slope_y");
+  RoofPart part;
+  part.roof = {{plane.at(0).number() - origin.x, plane.at(1).number() - origin.y},
+               plane.at(2).number(),
+               plane.at(3).number(),
+               plane.at(4).number()};
+  part.source_id = semantics.at("source_id").text();
+  const std::string& lod = semantics.at("lod").text();
+  constexpr std::array kLods = {Lod::kBlock, Lod::k1_2, Lod::k1_3, Lod::k2_2};
+  const auto level =
+      std::find_if(kLods.begin(), kLods.end(), [&](Lod l) { return name_of(l) == lod; });
+  if (level == kLods.end()) semantics.at("lod").fail("is not block, 1.2, 1.3 or 2.2");
+  part.lod = *level;
+  part.n_points = std::llround(std::clamp(semantics.at("n_points").number(), 0.0, 9e15));
+  part.rmse = semantics.has("rmse") ? semantics.at("rmse").number()
+                                    : std::numeric_limits<double>::quiet_NaN();
+  std::vector<double> crossings;
+  if (semantics.has("crossings"))
+    for (std::size_t i = 0; i < semantics.at("crossings").size(); ++i)
+      crossings.push_back(semantics.at("crossings").at(i).number());
+  double position = 0;
+  for (std::size_t r = 0; r < face.rings.size(); ++r) {
+    Ring& ring = r == 0 ? part.outline.outer : part.outline.holes.emplace_back();
+    for (const Point3& p : face.rings[r]) {
+      if (std::find(crossings.begin(), crossings.end(), position++) != crossings.end()) continue;
+      ring.push_back({p[0], p[1]});
+      if (!(std::abs(part.roof(ring.back()) - p[2]) <= kRounding))
+        plane.fail(fmt::format("is {:.3f} m above a corner of the roof; write the file again",
+                               part.roof(ring.back()) - p[2]));
+    }
+  }
+  return part;
+}
+
+/// The parts of a building of ours; none if its roof is one flat face.
+std::vector<RoofPart> read_parts(const std::vector<Face>& faces, Point2 origin) {
+  std::vector<RoofPart> parts;
+  for (const Face& face : faces)
+    if (face.semantics && face.semantics->has("roof_plane"))
+      parts.push_back(read_part(face, origin));
+  return parts;
+}
+
 bool is_ours(const Place& object, const std::string& key) {
   if (!object.has("attributes")) return false;
   const Json& attributes = object.at("attributes").value();
@@ -139,6 +191,7 @@ bool is_ours(const Place& object, const std::string& key) {
 }
 
 constexpr double kLeastHeight = 2;  ///< Metres: a roof lower than that is a floor.
+constexpr double kFlat = 0.5;       ///< Metres: as far as roofs are flat anyway.
 
 struct Heights {
   double low = kInfinity, high = -kInfinity;  ///< Of ground and roof.
@@ -147,7 +200,6 @@ struct Heights {
 
 /// Of a body of another program, whose footprint these are.
 Heights heights_of(std::span<const Face> faces, std::span<const Polygon> footprint) {
-  constexpr double kFlat = 0.5;  // metres: as far as roofs are flat anyway
   Heights heights;
   for (const Face& face : faces) {
     const auto [low, high] = elevations(face);
@@ -163,6 +215,16 @@ Heights heights_of(std::span<const Face> faces, std::span<const Polygon> footpri
   }
   return heights;
 }
+
+/// Whether what semantics call a roof is that far below it.
+bool has_roof_below(std::span<const Face> faces, double level) {
+  return std::any_of(faces.begin(), faces.end(), [&](const Face& face) {
+    return face.is_roof && elevations(face).first < level - kFlat;
+  });
+}
+
+/// Of roofs of another program.
+Lod lod_of(double level) { return level >= 2 ? Lod::k2_2 : level >= 1.25 ? Lod::k1_3 : Lod::k1_2; }
 
 class CityReader {
  public:
@@ -190,7 +252,7 @@ class CityReader {
     if (is_ours(object, key))
       add_ours(object, geometry.faces, std::move(footprint));
     else
-      add_foreign(key, geometry.faces, std::move(footprint));
+      add_foreign(key, geometry, std::move(footprint));
   }
 
   /// The same; an object that contradicts the format is dropped.
@@ -209,8 +271,9 @@ class CityReader {
   /// Of objects of extensions.
   const std::vector<std::string>& extension_types() const { return extension_types_; }
 
-  /// How many roofs of others reach higher than the height they get.
+  /// How many roofs of others reach higher than the height they get, and the first, with why.
   std::size_t flattened() const { return flattened_; }
+  const std::string& first_flattened() const { return first_flattened_; }
 
   /// Foreign buildings get their numbers last, apart from the ids that files of ours brought.
   void finish() {
@@ -234,12 +297,27 @@ class CityReader {
     if (footprint.polygons.size() != 1) object.at("geometry").fail("has several ground faces");
     if (!(building.h_ground < building.h_roof)) attributes.fail("has h_roof below h_ground");
     building.footprint = std::move(footprint.polygons[0]);
-    if (!is_prism(faces, building)) other_solids_.push_back(building.id);
+    building.parts = read_parts(faces, frame_.origin);
+    if (building.parts.empty()) {
+      if (!is_prism(faces, building)) other_solids_.push_back(building.id);
+    } else {
+      require_parts(object, building);
+      if (!is_roofed(faces, building)) other_solids_.push_back(building.id);
+    }
     model_.buildings.push_back(std::move(building));
   }
 
-  void add_foreign(const std::string& key, const std::vector<Face>& faces,
-                   FootprintResult footprint) {
+  static void require_parts(const Place& object, const Building& building) {
+    const std::string fault = tiling_fault(building.footprint, building.parts);
+    if (!fault.empty())
+      object.at("geometry").fail(fmt::format("has roofs that {}; write the file again", fault));
+    for (const RoofPart& part : building.parts)
+      if (!(range_of(part).low > building.h_ground))
+        object.at("geometry").fail("has a roof below h_ground");
+  }
+
+  void add_foreign(const std::string& key, const ObjectFaces& geometry, FootprintResult footprint) {
+    const std::vector<Face>& faces = geometry.faces;
     const Heights whole = heights_of(faces, footprint.polygons);
     if (!(whole.low < whole.high)) {
       model_.dropped.push_back({key, "a geometry without height"});
@@ -247,14 +325,17 @@ class CityReader {
     }
     std::vector<std::vector<Face>> parts;
     if (footprint.polygons.size() > 1) parts = share_out(faces, footprint.polygons);
-    bool is_flattened = false;
+    std::string flattened;  // why
     std::size_t number = 1;
     for (std::size_t k = 0; k < footprint.polygons.size(); ++k) {
       Heights heights = whole;
       if (!parts.empty()) heights = heights_of(parts[k], {&footprint.polygons[k], 1});
       // What is lower than a storey has lost its roof to another piece.
       if (heights.high - heights.low < kLeastHeight) heights = whole;
-      is_flattened = is_flattened || heights.is_flattened;
+      const std::vector<Face>& own = parts.empty() ? faces : parts[k];
+      BodyParts body = parts_of(own, footprint.polygons[k], heights.low, lod_of(geometry.lod));
+      if (flattened.empty() && (heights.is_flattened || has_roof_below(own, heights.high)))
+        flattened = body.reason;
       Building building;
       std::string id = key;
       while (k > 0 && keys_.contains(id)) id = fmt::format("{}#{}", key, ++number);
@@ -262,9 +343,14 @@ class CityReader {
       building.footprint = std::move(footprint.polygons[k]);
       building.h_ground = heights.low;
       building.h_roof = heights.high;
+      if (!body.parts.empty()) {
+        for (RoofPart& part : body.parts) part.source_id = building.source_ids[0];
+        building.footprint = std::move(body.footprint);
+        building.parts = std::move(body.parts);
+      }
       model_.buildings.push_back(std::move(building));
     }
-    if (is_flattened) ++flattened_;
+    if (!flattened.empty() && flattened_++ == 0) first_flattened_ = key + ": " + flattened;
   }
 
   const CityFrame& frame_;
@@ -273,6 +359,7 @@ class CityReader {
   std::vector<std::string> other_solids_;
   std::vector<std::string> extension_types_;
   std::size_t flattened_ = 0;
+  std::string first_flattened_;
 };
 
 void check_type(const Place& root) {
@@ -371,8 +458,9 @@ void warn_of_objects(const fs::path& path, const CityReader& reader,
                      dropped.size(), dropped.front().source_id, dropped.front().reason));
   warn(
       "city_roofs_flattened", reader.flattened(),
-      fmt::format("{} roofs became flat at the height that nine tenths of their area do not exceed",
-                  reader.flattened()));
+      fmt::format("{} roofs became flat at the height that nine tenths of their area do not exceed "
+                  "(first: {})",
+                  reader.flattened(), reader.first_flattened()));
   const std::vector<std::string>& unknown = reader.extension_types();
   warn("city_types_unknown", unknown.size(),
        fmt::format("{} objects of extension types were left out (first: {}); change their type to "

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstdint>
 #include <iterator>
+#include <optional>
 #include <string_view>
 #include <unordered_map>
 
@@ -15,8 +16,11 @@
 #include "tetropolis/io/cityjson/cityjson.h"
 #include "tetropolis/io/crs/crs.h"
 
+#include "city/roof_angles.h"
+#include "city/roof_summary.h"
 #include "extension.h"
 #include "io/file/atomic_file.h"
+#include "roof_solid.h"
 
 namespace tetropolis {
 
@@ -111,12 +115,13 @@ RingIndices index_ring(VertexTable& vertices, const Ring& ring, bool counter_clo
   return result;
 }
 
-void put_geometry(Buffer& out, const Building& building, VertexTable& vertices) {
+/// The footprint between h_ground and h_roof.
+void put_block(Buffer& out, const Building& building, VertexTable& vertices) {
   std::vector<RingIndices> rings = {index_ring(vertices, building.footprint.outer, true, building)};
   for (const Ring& hole : building.footprint.holes)
     rings.push_back(index_ring(vertices, hole, false, building));
   const auto put_index = [&](std::int64_t v) { fmt::format_to(std::back_inserter(out), "{}", v); };
-  put(out, "[{\"type\":\"Solid\",\"lod\":\"1.2\",\"boundaries\":[[");
+  put(out, "{\"type\":\"Solid\",\"lod\":\"1.2\",\"boundaries\":[[");
   put_list(out, rings, [&](const RingIndices& ring) {  // Looks down: the other way round.
     std::vector<std::int64_t> reversed(ring.ground.rbegin(), ring.ground.rend());
     std::rotate(reversed.begin(), reversed.end() - 1, reversed.end());
@@ -135,10 +140,96 @@ void put_geometry(Buffer& out, const Building& building, VertexTable& vertices) 
       "]],\"semantics\":{\"surfaces\":[{\"type\":\"GroundSurface\"},{\"type\":\"RoofSurface\"},"
       "{\"type\":\"WallSurface\"}],\"values\":[[0,1");
   for (std::size_t i = 0; i < walls; ++i) put(out, ",2");
-  put(out, "]]}}]");
+  put(out, "]]}}");
 }
 
-void put_building(Buffer& out, const Building& building, VertexTable& vertices) {
+/// What the roof of a part rests on, as a semantic surface.
+void put_roof_surface(Buffer& out, const RoofPart& part, const SolidFace& face, Point2 origin) {
+  put(out, "{\"type\":\"RoofSurface\",\"source_id\":");
+  put_string(out, part.source_id);
+  fmt::format_to(std::back_inserter(out), ",\"lod\":\"{}\",\"slope\":", name_of(part.lod));
+  put_number(out, slope_degrees(part.roof));
+  if (const std::optional<double> azimuth = azimuth_degrees(part.roof)) {
+    put(out, ",\"azimuth\":");
+    put_number(out, *azimuth);
+  }
+  if (std::isfinite(part.rmse)) {
+    put(out, ",\"rmse\":");
+    put_number(out, part.rmse);
+  }
+  fmt::format_to(std::back_inserter(out), ",\"n_points\":{},\"roof_plane\":", part.n_points);
+  const RoofPlane& plane = part.roof;
+  put_list(out,
+           std::array{origin.x + plane.at.x, origin.y + plane.at.y, plane.elevation, plane.slope_x,
+                      plane.slope_y},
+           [&](double v) { put_number(out, v + 0.0); });  // -0 would come back as 0
+  if (!face.crossings.empty()) {
+    put(out, ",\"crossings\":");
+    put_list(out, face.crossings,
+             [&](std::size_t at) { fmt::format_to(std::back_inserter(out), "{}", at); });
+  }
+  out.push_back('}');
+}
+
+/// The prisms below the roofs of the parts, as one body.
+void put_parts(Buffer& out, const Building& building, Lod lod, Point2 origin,
+               VertexTable& vertices) {
+  const std::vector<SolidFace> faces = roof_solid(building);
+  put(out, fmt::format("{{\"type\":\"Solid\",\"lod\":\"{}\",\"boundaries\":[", name_of(lod)));
+  put_list(out, faces, [&](const SolidFace& face) {
+    put_list(out, face.rings, [&](const std::vector<Point3>& ring) {
+      put_list(out, ring, [&](const Point3& p) {
+        fmt::format_to(std::back_inserter(out), "{}", vertices.index(p[0], p[1], p[2]));
+      });
+    });
+  });
+  put(out, "],\"semantics\":{\"surfaces\":[{\"type\":\"GroundSurface\"},");
+  for (const SolidFace& face : faces) {
+    if (face.kind != SolidFaceKind::kRoof) continue;
+    put_roof_surface(out, building.parts[face.part], face, origin);
+    out.push_back(',');
+  }
+  put(out,
+      "{\"type\":\"WallSurface\",\"wall\":\"outer\"},{\"type\":\"WallSurface\",\"wall\":\"step\"}],"
+      "\"values\":[");
+  put_list(out, faces, [&](const SolidFace& face) {
+    const std::size_t roofs = building.parts.size();
+    const std::size_t value = face.kind == SolidFaceKind::kGround      ? 0
+                              : face.kind == SolidFaceKind::kRoof      ? 1 + face.part
+                              : face.kind == SolidFaceKind::kOuterWall ? 1 + roofs
+                                                                       : 2 + roofs;
+    fmt::format_to(std::back_inserter(out), "{}", value);
+  });
+  put(out, "]}}");
+}
+
+void put_geometry(Buffer& out, const Building& building, Point2 origin, VertexTable& vertices) {
+  out.push_back('[');
+  // The parts' solid has the highest level of any part, and is the only one of its level.
+  const Lod lod = std::max(Lod::k1_2, highest_lod(building.parts));
+  const bool has_parts = !building.parts.empty();
+  if (!has_parts || lod != Lod::k1_2) put_block(out, building, vertices);
+  if (has_parts) {
+    if (lod != Lod::k1_2) out.push_back(',');
+    put_parts(out, building, lod, origin, vertices);
+  }
+  out.push_back(']');
+}
+
+/// Attributes that are computed from the parts, and not read.
+void put_summary(Buffer& out, const Building& building) {
+  const auto put_thousandths = [&](double v) { put_number(out, std::nearbyint(v * 1000) / 1000); };
+  fmt::format_to(std::back_inserter(out),
+                 ",\"n_parts\":{},\"lod\":\"{}\",\"volume\":", building.parts.size(),
+                 name_of(highest_lod(building.parts)));
+  put_thousandths(volume_of(building));
+  if (const double rmse = rmse_of(building.parts); std::isfinite(rmse)) {
+    put(out, ",\"rmse\":");
+    put_thousandths(rmse);
+  }
+}
+
+void put_building(Buffer& out, const Building& building, Point2 origin, VertexTable& vertices) {
   const auto put_text = [&](const std::string& text) { put_string(out, text); };
   put_string(out, building.id);
   put(out, ":{\"type\":\"Building\",\"attributes\":{\"tetropolis_id\":");
@@ -156,8 +247,9 @@ void put_building(Buffer& out, const Building& building, VertexTable& vertices) 
     put(out, ",\"attribute_height\":");
     put_number(out, building.attribute_height);
   }
+  if (!building.parts.empty()) put_summary(out, building);
   put(out, "},\"geometry\":");
-  put_geometry(out, building, vertices);
+  put_geometry(out, building, origin, vertices);
   out.push_back('}');
 }
 
@@ -222,7 +314,7 @@ void write_city(const std::filesystem::path& path, const CityModel& model,
   Buffer objects;
   for (const Building& building : model.buildings) {
     if (objects.size() > 0) put(objects, ",\n");
-    put_building(objects, building, vertices);
+    put_building(objects, building, model.origin, vertices);
   }
   Buffer out;
   put(out, "{\"type\":\"CityJSON\",\"version\":\"2.0\",\n");

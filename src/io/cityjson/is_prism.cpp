@@ -7,6 +7,7 @@
 
 #include "tetropolis/geometry/polygon.h"
 
+#include "city/roof_summary.h"
 #include "geometry/perimeter.h"
 
 namespace tetropolis {
@@ -51,11 +52,16 @@ double volume_of(const std::vector<Face>& faces, const Point3& origin) {
 
 /// Whether that is what footprint and heights make, as far as rounding may change it.
 bool has_volume(const std::vector<Face>& faces, const Building& building) {
-  const double plan = area(building.footprint), height = building.h_roof - building.h_ground;
-  const double change = kRounding * (2 * plan + perimeter(building.footprint) * height);
+  double top = building.h_roof, around = perimeter(building.footprint);
+  for (const RoofPart& part : building.parts) {
+    top = std::max(top, range_of(part).high);
+    around += perimeter(part.outline);
+  }
+  const double change =
+      kRounding * (2 * area(building.footprint) + around * (top - building.h_ground));
   const Point2 corner = building.footprint.outer[0];
   const double volume = volume_of(faces, {corner.x, corner.y, building.h_ground});
-  return std::abs(volume - plan * height) <= change;
+  return std::abs(volume - volume_of(building)) <= change;
 }
 
 /// The corners of a footprint, to be asked which places are at one of them.
@@ -98,6 +104,16 @@ bool is_prism(const std::vector<Face>& faces, const Building& building) {
     };
     for (const std::vector<Point3>& ring : face.rings)
       if (!std::all_of(ring.begin(), ring.end(), is_right)) return false;
+  }
+  return is_closed(faces) && has_volume(faces, building);
+}
+
+bool is_roofed(const std::vector<Face>& faces, const Building& building) {
+  for (const Face& face : faces) {
+    if (!face.is_ground) continue;
+    for (const std::vector<Point3>& ring : face.rings)
+      for (const Point3& p : ring)
+        if (!(std::abs(p[2] - building.h_ground) <= kRounding)) return false;
   }
   return is_closed(faces) && has_volume(faces, building);
 }

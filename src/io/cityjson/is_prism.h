@@ -15,4 +15,9 @@ namespace tetropolis {
 /// Precondition: the footprint is not empty.
 bool is_prism(const std::vector<Face>& faces, const Building& building);
 
+/// The same of a building with parts: whether the faces close a body with their fronts outwards,
+/// whose ground is at `h_ground` and whose volume is that below the roofs, to a centimetre.
+/// Precondition: the roofs' corners are on their planes.
+bool is_roofed(const std::vector<Face>& faces, const Building& building);
+
 }  // namespace tetropolis

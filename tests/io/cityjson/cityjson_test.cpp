@@ -19,6 +19,7 @@
 
 #include "support/bytes.h"
 #include "support/errors.h"
+#include "support/roofs.h"
 #include "support/test_data.h"
 
 namespace tetropolis {
@@ -102,6 +103,19 @@ void expect_same(const CityModel& a, const CityModel& b) {
     EXPECT_EQ(p.n_ground_points, q.n_ground_points);
     EXPECT_EQ(p.n_roof_points, q.n_roof_points);
     EXPECT_EQ(p.flags, q.flags);
+    ASSERT_EQ(p.parts.size(), q.parts.size());
+    for (std::size_t k = 0; k < p.parts.size(); ++k) {
+      const RoofPart &s = p.parts[k], &t = q.parts[k];
+      EXPECT_TRUE(same_bits(s.outline.outer, t.outline.outer));
+      ASSERT_EQ(s.outline.holes.size(), t.outline.holes.size());
+      for (std::size_t h = 0; h < s.outline.holes.size(); ++h)
+        EXPECT_TRUE(same_bits(s.outline.holes[h], t.outline.holes[h]));
+      EXPECT_EQ(s.roof, t.roof);
+      EXPECT_EQ(s.source_id, t.source_id);
+      EXPECT_EQ(s.lod, t.lod);
+      EXPECT_EQ(s.n_points, t.n_points);
+      EXPECT_TRUE(s.rmse == t.rmse || (std::isnan(s.rmse) && std::isnan(t.rmse)));
+    }
   }
   ASSERT_EQ(a.dropped.size(), b.dropped.size());
   for (std::size_t i = 0; i < a.dropped.size(); ++i) {
@@ -224,6 +238,182 @@ TEST(CityJson, SolidsAreClosedAndLookOutwards) {
   EXPECT_EQ(used.size(), vertices.size());
 }
 
+/// Buildings of several roofs, far enough from each other.
+CityModel roofed_city(std::size_t size) {
+  std::mt19937 random(testing::test_seed());
+  CityModel model;
+  model.origin = {84800, 447400};
+  model.crs = "EPSG:28992";
+  for (std::size_t i = 0; i < size; ++i) {
+    Building building = testing::brick_building(
+        random, 3 + i % 3, 3 + i % 2,
+        {60.0 * static_cast<double>(i % 10), 60.0 * static_cast<double>(i / 10)},
+        0.3 * static_cast<double>(i));
+    building.id = "b" + std::to_string(i + 1);
+    if (i % 4 == 1)
+      for (RoofPart& part : building.parts) part.lod = i % 8 == 1 ? Lod::k1_2 : Lod::kBlock;
+    if (i % 4 == 2)
+      for (RoofPart& part : building.parts) part.lod = std::min(part.lod, Lod::k1_3);
+    model.buildings.push_back(std::move(building));
+  }
+  return model;
+}
+
+TEST(CityJson, RoundTripKeepsEveryBitOfParts) {
+  SCOPED_TRACE(testing::test_seed());
+  const TemporaryFolder folder;
+  CityModel model = roofed_city(40);
+  RoofPlane& low = model.buildings[0].parts[0].roof;
+  low = snap_plane({low.at, low.elevation, -1e-9, 1e-9});  // -0
+  for (const Point2 origin : {Point2{84800, 447400}, Point2{-6'400'000, 9'000'001}}) {
+    model.origin = origin;
+    write_city(folder / "a.city.json", model, "Delft");
+    std::vector<Warning> warnings;
+    const CityModel back = read_city(folder / "a.city.json", &warnings);
+    EXPECT_TRUE(warnings.empty()) << warnings.front().message;
+    expect_same(model, back);
+    write_city(folder / "b.city.json", back, "Delft");
+    EXPECT_TRUE(bytes_of(folder / "a.city.json") == bytes_of(folder / "b.city.json"));
+  }
+}
+
+TEST(CityJson, SolidsOfPartsAreClosedManifoldAndOnTheirPlanes) {
+  SCOPED_TRACE(testing::test_seed());
+  const TemporaryFolder folder;
+  const CityModel model = roofed_city(60);
+  write_city(folder / "a.json", model);
+  const Json file = Json::parse(bytes_of(folder / "a.json"));
+  std::vector<Vertex> vertices;
+  for (const Json& v : file["vertices"])
+    vertices.push_back(
+        {v[0].get<double>() / 1e4, v[1].get<double>() / 1e4, v[2].get<double>() / 1e4});
+  std::size_t crossings = 0, steps = 0;
+  for (const Building& building : model.buildings) {
+    SCOPED_TRACE(building.id);
+    const Json& geometries = file["CityObjects"][building.id]["geometry"];
+    Lod highest = Lod::k1_2;
+    for (const RoofPart& part : building.parts) highest = std::max(highest, part.lod);
+    ASSERT_EQ(geometries.size(), highest == Lod::k1_2 ? 1U : 2U);
+    EXPECT_EQ(geometries.front()["lod"], "1.2");
+    const Json& geometry = geometries.back();
+    EXPECT_EQ(geometry["lod"], name_of(highest));
+    ASSERT_EQ(geometry["boundaries"].size(), 1U);
+    const Json& shell = geometry["boundaries"][0];
+    const Json& values = geometry["semantics"]["values"][0];
+    ASSERT_EQ(shell.size(), values.size());
+    std::map<std::pair<std::size_t, std::size_t>, int> edges;
+    double volume = 0, roofs = 0;
+    for (std::size_t f = 0; f < shell.size(); ++f) {
+      const auto value = values[f].get<std::size_t>();
+      const Json& surface = geometry["semantics"]["surfaces"][value];
+      for (const Json& ring : shell[f]) {
+        std::vector<Vertex> points;
+        std::set<std::size_t> own;
+        Ring plan;
+        for (std::size_t i = 0; i < ring.size(); ++i) {
+          const auto a = ring[i].get<std::size_t>();
+          EXPECT_TRUE(own.insert(a).second) << "a ring passes a vertex twice";
+          ++edges[{a, ring[(i + 1) % ring.size()].get<std::size_t>()}];
+          points.push_back(vertices.at(a));
+          plan.push_back({points.back()[0], points.back()[1]});
+        }
+        volume += volume_term(points) / 6;
+        if (surface["type"] == "GroundSurface") {
+          for (const Vertex& p : points) {
+            EXPECT_NEAR(p[2], building.h_ground, 5.1e-5);
+          }
+        } else if (surface["type"] == "RoofSurface") {
+          const RoofPart& part = building.parts[value - 1];
+          roofs += signed_area(plan);
+          EXPECT_EQ(surface["source_id"], part.source_id);
+          // Corners on the plane; crossings within what a millimetre or two make.
+          const double climb = std::hypot(part.roof.slope_x, part.roof.slope_y);
+          for (const Vertex& p : points)
+            EXPECT_NEAR(p[2], part.roof({p[0], p[1]}), 1.1e-3 + 2.1e-3 * climb);
+          const double slope = surface["slope"];
+          EXPECT_NEAR(std::tan(slope * std::acos(-1.0) / 180), climb, 1e-3);
+          EXPECT_EQ(surface.contains("azimuth"), climb > 0);
+          if (climb > 0) {
+            const double azimuth = surface["azimuth"].get<double>() * std::acos(-1.0) / 180;
+            const Point2 at = part.roof.at;
+            const Point2 downhill{at.x + std::sin(azimuth), at.y + std::cos(azimuth)};
+            EXPECT_NEAR(part.roof(downhill), part.roof(at) - climb, 1e-3);
+          }
+          if (surface.contains("crossings")) crossings += surface["crossings"].size();
+        } else {
+          // In one vertical plane.
+          double farthest = 0;
+          for (const Point2& p : plan)
+            farthest = std::max(farthest, distance_to_segment(p, plan[0], plan[1]));
+          EXPECT_LT(farthest, 1e-9);
+          if (surface["wall"] == "step") ++steps;
+        }
+      }
+    }
+    for (const auto& [edge, count] : edges) {
+      EXPECT_EQ(count, 1);
+      EXPECT_EQ(edges.count({edge.second, edge.first}), 1U) << "open edge";
+    }
+    const double plan = area(building.footprint);
+    EXPECT_NEAR(roofs, plan, 1e-3 * plan);
+    // The parts' volumes by their triangles from a corner, whatever side of it they are on.
+    double expected = 0;
+    for (const RoofPart& part : building.parts) {
+      const auto add = [&](const Ring& ring) {
+        for (std::size_t i = 1; i + 1 < ring.size(); ++i)
+          expected += signed_area({ring[0], ring[i], ring[i + 1]}) *
+                      ((part.roof(ring[0]) + part.roof(ring[i]) + part.roof(ring[i + 1])) / 3 -
+                       building.h_ground);
+      };
+      add(part.outline.outer);
+      for (const Ring& hole : part.outline.holes) add(hole);
+    }
+    EXPECT_NEAR(volume, expected, 3e-3 * plan);
+    EXPECT_NEAR(file["CityObjects"][building.id]["attributes"]["volume"].get<double>(), expected,
+                1e-3);
+  }
+  EXPECT_GT(crossings, 100U);
+  EXPECT_GT(steps, 100U);
+}
+
+TEST(CityJson, FilesOfOursWhosePartsDoNotFitAreRefused) {
+  const TemporaryFolder folder;
+  const CityModel model = roofed_city(1);
+  write_city(folder / "a.json", model);
+  const Json file = Json::parse(bytes_of(folder / "a.json"));
+  const auto message = [&](const auto& edit) {
+    Json edited = file;
+    edit(edited, edited["CityObjects"]["b1"]["geometry"].back());
+    return input_error(write_text(folder / "b.json", edited.dump()));
+  };
+  EXPECT_NE(message([](Json&, Json& solid) {
+              solid["semantics"]["surfaces"][1]["roof_plane"][2] = 99;
+            }).find("above a corner of the roof"),
+            std::string::npos);
+  EXPECT_NE(message([](Json&, Json& solid) {
+              solid["semantics"]["surfaces"][1]["roof_plane"].erase(0);
+            }).find("is not x, y, z, slope_x, slope_y"),
+            std::string::npos);
+  EXPECT_NE(message([](Json&, Json& solid) {
+              solid["boundaries"][0].erase(1);
+              solid["semantics"]["values"][0].erase(1);
+            }).find("has roofs that"),
+            std::string::npos);
+  EXPECT_NE(message([](Json&, Json& solid) {
+              solid["semantics"]["surfaces"][1]["lod"] = "3";
+            }).find("is not block, 1.2, 1.3 or 2.2"),
+            std::string::npos);
+  // A solid that is open is no reason not to go on.
+  Json edited = file;
+  Json& solid = edited["CityObjects"]["b1"]["geometry"].back();
+  solid["boundaries"][0].erase(solid["boundaries"][0].size() - 1);
+  solid["semantics"]["values"][0].erase(solid["semantics"]["values"][0].size() - 1);
+  std::vector<Warning> warnings;
+  expect_same(read_city(write_text(folder / "b.json", edited.dump()), &warnings), model);
+  ASSERT_EQ(warnings.size(), 1U);
+  EXPECT_EQ(warnings[0].code, "city_solids_differ");
+}
+
 TEST(CityJson, DocumentFollowsTheSpecification) {
   const TemporaryFolder folder;
   const CityModel model = random_city(5);
@@ -333,7 +523,9 @@ TEST(CityJson, RealBuildingsWithoutSemanticsHaveTheSameFootprintsAndHeights) {
   std::size_t same = 0;
   for (const Building& building : named.buildings) {
     const Building& other = *by_source.at(building.source_ids[0]);
-    EXPECT_NEAR(area(other.footprint), area(building.footprint), 1e-6);
+    // Roofs that become parts make the footprint.
+    EXPECT_NEAR(area(other.footprint), area(building.footprint),
+                building.parts.empty() ? 1e-6 : 0.1);
     EXPECT_EQ(other.h_ground, building.h_ground);
     EXPECT_NEAR(other.h_roof, building.h_roof, 0.5);
     if (std::abs(other.h_roof - building.h_roof) < 0.01) ++same;
@@ -395,18 +587,20 @@ TEST(CityJson, RoofsOfOthersBecomeFlatAtTheirNinetiethPercentile) {
     std::vector<std::vector<Point3>> faces;
     double height;
     bool flattened;
+    bool parts;  // if semantics say that these are roofs
   };
   for (const Case& c : std::initializer_list<Case>{
-           {{hall}, 7, false},
-           {{hall, chimney}, 7, true},
-           {{hall, tower}, 30, false},
-           {{south, north}, 5 + 0.9 * 4, false},
+           {{hall}, 7, false, false},
+           {{hall, chimney}, 7, true, false},
+           {{hall, tower}, 30, false, false},
+           {{south, north}, 5 + 0.9 * 4, false, true},
            // A pyramid: of the area, (1 - t)^2 is above the share t of its height.
            {{{{0, 0, 2}, {10, 0, 2}, {5, 5, 12}},
              {{10, 0, 2}, {10, 10, 2}, {5, 5, 12}},
              {{10, 10, 2}, {0, 10, 2}, {5, 5, 12}},
              {{0, 10, 2}, {0, 0, 2}, {5, 5, 12}}},
             2 + (1 - side) * 10,
+            true,
             true}})
     for (const bool semantics : {true, false}) {
       std::vector<Warning> warnings;
@@ -415,11 +609,103 @@ TEST(CityJson, RoofsOfOthersBecomeFlatAtTheirNinetiethPercentile) {
       ASSERT_EQ(model.buildings.size(), 1U);
       EXPECT_NEAR(model.buildings[0].h_roof, c.height, 2e-6);
       EXPECT_EQ(model.buildings[0].h_ground, 1);
-      EXPECT_EQ(warnings.size(), c.flattened ? 1U : 0U);
+      const bool is_roofed = !model.buildings[0].parts.empty();
+      // The hall beside the tower loses its height where semantics say that it is a roof.
+      const bool is_hall_raised = semantics && c.height == 30;
+      EXPECT_EQ(warnings.size(), (c.flattened || is_hall_raised) && !is_roofed ? 1U : 0U);
+      EXPECT_EQ(is_roofed, semantics && c.parts);
     }
 }
 
 /// A block around a yard, in which a tower stands.
+/// Corners of roofs that lie on a longer edge of a neighbour become corners of both.
+TEST(CityJson, RoofsOfOthersBecomePartsThatShareTheirCorners) {
+  const TemporaryFolder folder;
+  // A hall along the whole north side; a shed and a tower on the south side, met in the middle.
+  const std::vector<std::vector<Point3>> roofs{
+      {{0, 5, 6}, {10, 5, 6}, {10, 10, 8}, {0, 10, 8}},
+      {{0, 0, 4}, {5.004, 0, 4}, {5.004, 5.003, 4}, {0, 5, 4}},
+      {{5.004, 0, 9}, {10, 0, 9}, {10, 5, 9}, {5.004, 5.003, 9}}};
+  const CityModel model = read_city(write_text(folder / "a.json", building_with_roof(roofs, true)));
+  ASSERT_EQ(model.buildings.size(), 1U);
+  const Building& building = model.buildings[0];
+  ASSERT_EQ(building.parts.size(), 3U);
+  EXPECT_EQ(building.parts[0].outline.outer,
+            (Ring{{0, 5}, {5.004, 5.003}, {10, 5}, {10, 10}, {0, 10}}));
+  EXPECT_NEAR(building.parts[0].roof({3, 10}), 8, 1e-3);
+  EXPECT_NEAR(building.parts[0].roof({3, 5}), 6, 1e-3);
+  EXPECT_EQ(building.parts[1].roof, snap_plane({{0, 0}, 4, 0, 0}));
+  EXPECT_EQ(building.parts[2].lod, Lod::k2_2);
+  EXPECT_EQ(building.parts[2].source_id, "a");
+  EXPECT_TRUE(std::isnan(building.parts[2].rmse));
+  EXPECT_EQ(building.footprint.outer,
+            (Ring{{0, 0}, {5.004, 0}, {10, 0}, {10, 5}, {10, 10}, {0, 10}, {0, 5}}));
+  // A gap, an overlap, eaves, a roof below the ground: blocks, with the footprint of the ground.
+  const std::vector<Point3> eaves{{-0.3, 5, 6}, {10, 5, 6}, {10, 10, 8}, {-0.3, 10, 8}};
+  const std::vector<Point3> sunk{{0, 5, 6}, {10, 5, 6}, {10, 10, 0.9}, {0, 10, 0.9}};
+  for (const auto& faces : std::initializer_list<std::vector<std::vector<Point3>>>{
+           {roofs[0], roofs[1]},
+           {roofs[0], roofs[1], roofs[2], roofs[2]},
+           {eaves, roofs[1], roofs[2]},
+           {sunk, roofs[1], roofs[2]}}) {
+    std::vector<Warning> warnings;
+    const CityModel block =
+        read_city(write_text(folder / "a.json", building_with_roof(faces, true)), &warnings);
+    ASSERT_EQ(block.buildings.size(), 1U);
+    EXPECT_TRUE(block.buildings[0].parts.empty());
+    EXPECT_EQ(block.buildings[0].footprint.outer.size(), 4U);
+    ASSERT_EQ(warnings.size(), 1U);
+    EXPECT_EQ(warnings[0].code, "city_roofs_flattened");
+  }
+}
+
+/// Of 430 buildings of 3DBAG: what the file says of its roofs is what the parts say.
+TEST(CityJson, ReadsTheRoofsOf3dbag) {
+  TETROPOLIS_REQUIRE_DATA(path, "roofs/3dbag_models/3dbag_v210908_5910.json");
+  const TemporaryFolder folder;
+  const CityModel model = read_city(path);
+  const Json file = Json::parse(bytes_of(path));
+  const std::vector<double> scale = file["transform"]["scale"];
+  const std::vector<double> translate = file["transform"]["translate"];
+  std::size_t with_parts = 0, corners = 0;
+  for (const Building& building : model.buildings) {
+    if (building.parts.empty()) continue;
+    ++with_parts;
+    const std::string& key = building.source_ids[0];
+    SCOPED_TRACE(key);
+    double plan = 0;
+    for (const RoofPart& part : building.parts) plan += area(part.outline);
+    EXPECT_NEAR(plan, area(building.footprint), 1e-6 * plan);
+    const Json* solid = nullptr;
+    for (const Json& geometry : file["CityObjects"][key.substr(0, key.find('#'))]["geometry"])
+      if (geometry["lod"] == "2.2" || geometry["lod"] == 2.2) solid = &geometry;
+    ASSERT_NE(solid, nullptr);
+    if (key.find('#') != std::string::npos) continue;
+    const Json& shell = (*solid)["boundaries"][0];
+    std::size_t roofs = 0;
+    for (std::size_t f = 0; f < shell.size(); ++f) {
+      const std::size_t value = (*solid)["semantics"]["values"][0][f];
+      if ((*solid)["semantics"]["surfaces"][value]["type"] != "RoofSurface") continue;
+      if (roofs == building.parts.size()) break;  // of another piece
+      const RoofPlane& roof = building.parts[roofs++].roof;
+      for (const Json& v : shell[f][0]) {
+        const Json& p = file["vertices"][v.get<std::size_t>()];
+        const auto at = [&](std::size_t axis) {
+          return p[axis].get<double>() * scale[axis] + translate[axis];
+        };
+        EXPECT_NEAR(roof({at(0) - model.origin.x, at(1) - model.origin.y}), at(2), 0.051);
+        ++corners;
+      }
+    }
+  }
+  EXPECT_GT(with_parts, 420U);
+  EXPECT_GT(corners, 5000U);
+  write_city(folder / "a.json", model);
+  std::vector<Warning> warnings;
+  expect_same(read_city(folder / "a.json", &warnings), model);
+  EXPECT_TRUE(warnings.empty());
+}
+
 TEST(CityJson, PiecesWithinEachOtherHaveHeightsOfTheirOwn) {
   const TemporaryFolder folder;
   const auto square = [](double low, double high, double z, bool up) {

@@ -15,17 +15,30 @@
 namespace tetropolis {
 
 /// Writes one CityObject of type Building per building, in the model's order, keyed by its id, with
-/// one Solid of LoD 1.2: outward faces with semantics, holes as inner rings and inner walls.
+/// one Solid per level of detail: outward faces with semantics, holes as inner rings and inner
+/// walls. Of a building without parts that is LoD 1.2, the block. Of one with parts it is the
+/// highest level of any part, and the block as LoD 1.2 unless that is the parts' level.
+///
+/// A solid of parts has a RoofSurface per part and WallSurfaces; faces share edges whole. Where two
+/// roofs cross along a common line, roofs and walls have a vertex. Elevations of corners are in
+/// whole millimetres; those less than a millimetre apart are one. A RoofSurface has source_id,
+/// lod, slope and azimuth (degrees; azimuth, where the roof looks, clockwise from north, not of
+/// flat roofs), n_points, rmse (m, where there are points), roof_plane (x, y, z, slope_x, slope_y
+/// of RoofPlane, in the CRS) and crossings (positions, counted from 0 through its rings, of
+/// vertices that are no corners of the part); a WallSurface `wall`: outer or step.
 ///
 /// Attributes: tetropolis_id, source_ids, h_ground, h_roof, n_ground_points, n_roof_points, flags
-/// (names), and attribute_height where it is positive. Numbers read back as the same doubles.
+/// (names), attribute_height where it is positive, and of buildings with parts n_parts, lod (the
+/// highest of any part), volume (m3) and rmse (m), which are not read. Numbers read back as the
+/// same doubles.
 /// Vertices are integers in steps of 0.1 mm from the model's origin and not repeated.
 /// metadata.referenceSystem is set if the system has an EPSG code. The model's domain (CRS
 /// coordinates), origin, crs and dropped features go into the root member "+tetropolis" of the
 /// extension Tetropolis, which the file declares and docs/tetropolis.ext.json describes.
 ///
 /// Precondition: unique ids; coordinates of footprints and domain are multiples of kCoordinateStep,
-/// origin in whole metres; h_ground < h_roof; rings of >= 3 vertices.
+/// origin in whole metres; h_ground < h_roof; rings of >= 3 vertices; parts as RoofPart says, their
+/// roofs above h_ground.
 /// Guarantees: the same model gives the same bytes; the file appears complete or not at all.
 /// Errors: kInput if it cannot be written.
 void write_city(const std::filesystem::path& path, const CityModel& model,
@@ -39,8 +52,8 @@ enum class BrokenObjects { kRefuse, kDrop };
 /// Files of write_city come back as they were: same order, same bits in coordinates and heights
 /// (outer rings counter-clockwise, holes clockwise, first vertex kept; crs as normalise_crs has
 /// it). Heights are those of the attributes h_ground and h_roof, outlines those of the ground
-/// faces; `warnings`, if given, gets "city_solids_differ" where a solid is not closed or is more
-/// than a centimetre off them.
+/// faces, planes of parts those of roof_plane; `warnings`, if given, gets "city_solids_differ"
+/// where a solid is not closed or is more than a centimetre off them.
 ///
 /// Of other files every Building and BuildingPart with a surface or solid becomes a building of its
 /// own, in the order of the file: id "b1", "b2", ..., its key as source id, footprint = union of
@@ -53,16 +66,25 @@ enum class BrokenObjects { kRefuse, kDrop };
 /// either, or where that is less than 2 m up). A footprint in k pieces becomes k buildings with the
 /// source ids KEY, KEY#2, ... and heights of their own, from the surfaces that are in the plan of
 /// each, or nearest to it. Objects without usable geometry go to `dropped` (a solid without a level
-/// of detail counts as LoD 1); Buildings that only hold parts and other types of object are no
-/// input features. Origin: `translate` if that is whole metres and no more than 100 km away, else
-/// the south-west corner of the vertices, rounded down. Domain: as stored, or empty (xmin > xmax)
-/// if there is none. `warnings`, if given, gets "city_objects_dropped", "city_types_unknown" where
-/// objects have types of an extension, and "city_roofs_flattened" where roofs reach
-/// more than half a metre above that height.
+/// of detail counts as LoD 1).
+///
+/// Its RoofSurfaces become parts, one each, with the plane nearest to its vertices (no points, rmse
+/// NaN), and what they cover the footprint, if they tile one piece that is the ground's plan (what
+/// is within a centimetre is the same) and none is more than 5 cm off its plane, or reaches the
+/// ground. Otherwise the building is a block. Parts may come closer to each other than a mesh
+/// allows.
+///
+/// Buildings that only hold parts and other types of object are no input features. Origin:
+/// `translate` if that is whole metres and no more than 100 km away, else the south-west corner of
+/// the vertices, rounded down. Domain: as stored, or empty (xmin > xmax) if there is none.
+/// `warnings`, if given, gets "city_objects_dropped", "city_types_unknown" where objects have types
+/// of an extension, and "city_roofs_flattened" where roofs of blocks reach more than half a metre
+/// above that height.
 ///
 /// Errors, kInput with the path and the place in it ("/CityObjects/a/geometry/0/boundaries"):
 /// missing, not JSON (with the byte), not CityJSON, unknown version, wrong types, indices out of
-/// range, two objects with the same key, coordinates that are not finite. With
+/// range, two objects with the same key, coordinates that are not finite; in files of write_city
+/// parts that do not tile the ground, are off their planes or not above h_ground. With
 /// BrokenObjects::kDrop an object of another file that is one of these goes to `dropped`, with the
 /// place in its reason, and costs nothing else.
 CityModel read_city(const std::filesystem::path& path, std::vector<Warning>* warnings = nullptr,

@@ -1,0 +1,23 @@
+// How close the lines of a building's parts come to each other. Private to the library.
+#pragma once
+
+#include <limits>
+#include <span>
+
+#include "tetropolis/city/city_model.h"
+
+namespace tetropolis {
+
+struct LineClearance {
+  /// Between two corners, or a corner and a line that it is no end of; metres.
+  double distance = std::numeric_limits<double>::infinity();
+  Point2 nearest;  ///< One of these corners.
+  /// Between two lines at a corner, of which one at least is inside the building; radians.
+  double angle = std::numeric_limits<double>::infinity();
+  Point2 sharpest;  ///< That corner.
+};
+
+/// Over all edges of the outlines together. Precondition: parts as RoofPart states.
+LineClearance line_clearance(std::span<const RoofPart> parts);
+
+}  // namespace tetropolis

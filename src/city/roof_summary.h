@@ -1,0 +1,25 @@
+// What the parts of a building say of it as a whole.
+#pragma once
+
+#include <span>
+
+#include "tetropolis/city/city_model.h"
+
+namespace tetropolis {
+
+/// The highest level of any part; kBlock without parts.
+Lod highest_lod(std::span<const RoofPart> parts);
+
+/// Root mean square over the roof points of all parts that have some, metres; NaN without any.
+double rmse_of(std::span<const RoofPart> parts);
+
+/// Of the body between h_ground and the roofs of the parts, or h_roof without parts. Cubic metres.
+double volume_of(const Building& building);
+
+/// The lowest and the highest corner of a part's roof.
+struct RoofRange {
+  double low = 0, high = 0;  ///< Elevations, metres.
+};
+RoofRange range_of(const RoofPart& part);
+
+}  // namespace tetropolis
