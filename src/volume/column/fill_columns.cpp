@@ -54,7 +54,10 @@ struct Piece {
 
 Piece divide_piece(const ColumnPlan& plan, VertexIndex v, double low, double high) {
   const double spacing = plan.spacing[v];
-  const double edge = plan.ground[v] + plan.rise[v], rise = edge - low;
+  double edge = plan.ground[v] + plan.rise[v];
+  for (const RoofFloor& floor : plan.roofs.sloped_at(v))
+    if (floor.z <= low) edge = std::max(edge, floor.z + floor.rise);
+  const double rise = edge - low;
   Piece piece;
   const auto even = [&](double height) {
     return static_cast<std::int32_t>(std::max(1.0, std::round(height / spacing)));

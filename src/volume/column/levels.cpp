@@ -22,6 +22,9 @@ constexpr double kMargin = 0.1;
 /// Passes over the edges of a city's roofs in search of levels.
 constexpr int kMostSweeps = 400;
 
+/// Passes that spread levels over roofs.
+constexpr int kSpreadSweeps = 40;
+
 /// The floors of a column by elevation, each once: positions, elevations, levels; then its top.
 struct Knots {
   std::vector<std::int32_t> position;
@@ -57,6 +60,7 @@ class LevelSearch {
  public:
   LevelSearch(const ColumnMesh& mesh, const RoofHeights& roofs);
   void relax();
+  void spread(const RoofHeights& roofs);
   std::int64_t close(RoofHeights& roofs) const;
   void store(RoofHeights& roofs) const;
 
@@ -80,6 +84,7 @@ class LevelSearch {
   std::vector<VertexIndex> vertices_;  // ascending
   std::vector<Knots> knots_;           // of each of them
   std::vector<Edge> edges_;
+  std::vector<std::pair<VertexIndex, double>> shifts_;  // of roofs that are on none of these edges
 };
 
 LevelSearch::LevelSearch(const ColumnMesh& mesh, const RoofHeights& roofs) : mesh_(mesh) {
@@ -158,6 +163,43 @@ void LevelSearch::relax() {
   }
 }
 
+/// Roofs away from their edges take the mean of the shifts around them, so that fronts lean with
+/// the roof and neighbouring columns do not shear.
+void LevelSearch::spread(const RoofHeights& roofs) {
+  std::vector<std::uint8_t> at_step(mesh_.vertex_count(), 0);
+  std::vector<double> shift(mesh_.vertex_count(), 0.0);
+  for (const Edge& edge : edges_)
+    for (const std::size_t c : edge.column) at_step[vertices_[c]] = 1;
+  std::vector<VertexIndex> free;
+  bool is_shifted = false;
+  for (std::size_t c = 0; c < vertices_.size(); ++c) {
+    const VertexIndex v = vertices_[c];
+    const Knots& knots = knots_[c];
+    // Of the highest roof, which is next to the air above all of them.
+    const std::size_t k = knots.z.size() - 2;
+    shift[v] = knots.level[k] - knots.z[k];
+    is_shifted |= shift[v] != 0;
+  }
+  if (!is_shifted) return;
+  for (const VertexIndex v : mesh_.ground.vertices.indices())
+    if (at_step[v] == 0 && !roofs.sloped_at(v).empty()) free.push_back(v);
+  for (int sweep = 0; sweep < kSpreadSweeps; ++sweep)
+    for (const VertexIndex v : free) {
+      double sum = 0;
+      int count = 0;
+      for (const EdgeIndex e : mesh_.edges.starting_at(v)) {
+        sum += shift[mesh_.edges.vertices[e][1]];
+        ++count;
+      }
+      for (const EdgeIndex e : mesh_.edges.ends[v]) {
+        sum += shift[mesh_.edges.vertices[e][0]];
+        ++count;
+      }
+      shift[v] = sum / count;
+    }
+  for (const VertexIndex v : free) shifts_.emplace_back(v, shift[v]);
+}
+
 std::int64_t LevelSearch::close(RoofHeights& roofs) const {
   std::int64_t closed = 0;
   for (const Edge& edge : edges_) {
@@ -188,6 +230,8 @@ void LevelSearch::store(RoofHeights& roofs) const {
       floor.level = knots_[c].level[knots_[c].at(position)];
     }
   }
+  for (const auto& [v, shift] : shifts_)
+    for (RoofFloor& floor : roofs.sloped[v]) floor.level = floor.z + shift;
 }
 
 LevelledColumn column_of(const ColumnMesh& mesh, VertexIndex v) {
@@ -249,6 +293,7 @@ bool passes_everywhere(const ColumnMesh& mesh) {
 std::int64_t find_levels(ColumnMesh& mesh, RoofHeights& roofs) {
   LevelSearch search(mesh, roofs);
   search.relax();
+  search.spread(roofs);
   const std::int64_t closed = search.close(roofs);
   if (closed > 0) return closed;
   search.store(roofs);

@@ -12,6 +12,14 @@ namespace tetropolis {
 
 namespace {
 
+/// Squared secant of its slope: how much flatter cells on it are.
+double steepness(const RoofPlane& roof) {
+  return 1 + roof.slope_x * roof.slope_x + roof.slope_y * roof.slope_y;
+}
+
+/// Of a step beside the roof, metres.
+double least_step(const RoofPlane& roof) { return kLeastStep * std::max(1.0, steepness(roof) / 2); }
+
 /// Elevations of the parts around some vertices, while they are changed.
 class Floors {
  public:
@@ -42,8 +50,13 @@ class Floors {
   static void join(Row& row, double a, double b);
   std::vector<RegionIndex> fan(VertexIndex v) const;
 
+  void find_rises();
+
   const GroundMesh& mesh_;
   const EdgeGraph& edges_;
+  std::vector<std::uint8_t> shaped_;  // per region
+  std::vector<double> least_step_;    // per building part
+  std::vector<std::int32_t> row_of_;  // per vertex, or -1
   std::vector<Row> rows_;
   std::vector<Line> lines_;
 };
@@ -61,25 +74,27 @@ std::vector<std::uint8_t> find_shaped(const GroundMesh& mesh, std::span<const Ro
 }
 
 Floors::Floors(const GroundMesh& mesh, const EdgeGraph& edges, std::span<const RoofPlane> planes)
-    : mesh_(mesh), edges_(edges) {
-  const std::vector<std::uint8_t> shaped = find_shaped(mesh, planes);
+    : mesh_(mesh),
+      edges_(edges),
+      shaped_(find_shaped(mesh, planes)),
+      row_of_(mesh.vertices.size(), -1) {
+  for (const RoofPlane& plane : planes) least_step_.push_back(least_step(plane));
   const VertexRegions regions = regions_at_vertices(mesh);
-  std::vector<std::int32_t> row_of(mesh.vertices.size(), -1);
   for (const VertexIndex v : mesh.vertices.indices()) {
     Row row{v, {}};
     for (const RegionIndex r : regions[v])
-      if (shaped[r] != 0) row.floors.push_back({r, planes[r](mesh.vertices[v]), 0});
+      if (shaped_[r] != 0) row.floors.push_back({r, planes[r](mesh.vertices[v]), 0, 0});
     if (row.floors.empty()) continue;
-    row_of[v] = static_cast<std::int32_t>(rows_.size());
+    row_of_[v] = static_cast<std::int32_t>(rows_.size());
     rows_.push_back(std::move(row));
   }
   for (const EdgeIndex e : edges.vertices.indices()) {
     const auto [t0, t1] = edges.triangles[e];
     if (t1 == kNoTriangle) continue;
     const RegionIndex a = mesh.region[t0], b = mesh.region[t1];
-    if (a == b || shaped[a] == 0 || shaped[b] == 0) continue;
+    if (a == b || shaped_[a] == 0 || shaped_[b] == 0) continue;
     const auto row = [&](std::size_t i) {
-      return static_cast<std::size_t>(row_of[edges.vertices[e][i]]);
+      return static_cast<std::size_t>(row_of_[edges.vertices[e][i]]);
     };
     lines_.push_back({{row(0), row(1)}, {a, b}});
   }
@@ -96,22 +111,25 @@ void Floors::join(Row& row, double a, double b) {
 }
 
 void Floors::close_small_steps() {
-  std::vector<double> z;
   for (Row& row : rows_) {
+    std::vector<const RoofFloor*> by_height;
+    for (const RoofFloor& floor : row.floors) by_height.push_back(&floor);
     for (;;) {
-      z.clear();
-      for (const RoofFloor& floor : row.floors) z.push_back(floor.z);
-      std::sort(z.begin(), z.end());
-      z.erase(std::unique(z.begin(), z.end()), z.end());
-      std::size_t nearest = 0;
-      double least = kLeastStep;
-      for (std::size_t i = 1; i < z.size(); ++i)
-        if (z[i] - z[i - 1] < least) {
-          least = z[i] - z[i - 1];
-          nearest = i;
-        }
-      if (nearest == 0) break;
-      join(row, z[nearest - 1], z[nearest]);
+      std::sort(by_height.begin(), by_height.end(), [](const RoofFloor* a, const RoofFloor* b) {
+        return std::pair(a->z, a->part) < std::pair(b->z, b->part);
+      });
+      double low = 0, high = 0, least = kInfinity;
+      for (std::size_t i = 1; i < by_height.size(); ++i) {
+        const RoofFloor &below = *by_height[i - 1], &above = *by_height[i];
+        const double step = above.z - below.z;
+        if (!(step > 0 && step < least)) continue;
+        if (!(step < std::max(least_step_[below.part], least_step_[above.part]))) continue;
+        least = step;
+        low = below.z;
+        high = above.z;
+      }
+      if (least == kInfinity) break;
+      join(row, low, high);
     }
   }
 }
@@ -190,7 +208,22 @@ bool Floors::lift() {
   return changed;
 }
 
+void Floors::find_rises() {
+  for (const TriangleIndex t : mesh_.triangles.indices()) {
+    const RegionIndex part = mesh_.region[t];
+    if (shaped_[part] == 0) continue;
+    const auto floor = [&](VertexIndex v) -> RoofFloor& {
+      return of(rows_[static_cast<std::size_t>(row_of_[v])], part);
+    };
+    double highest = -kInfinity;
+    for (const VertexIndex v : mesh_.triangles[t]) highest = std::max(highest, floor(v).z);
+    for (const VertexIndex v : mesh_.triangles[t])
+      floor(v).rise = std::max(floor(v).rise, highest - floor(v).z);
+  }
+}
+
 ReconciledRoofs Floors::done(std::span<const RoofPlane> planes) {
+  find_rises();
   ReconciledRoofs result;
   constexpr double kNothing = 0.01;  // metres
   std::vector<double> low(planes.size());
@@ -219,25 +252,35 @@ ReconciledRoofs Floors::done(std::span<const RoofPlane> planes) {
   return result;
 }
 
-/// Of a line along which two roofs are `from` and `to` apart; `length` is its own.
-double longest_on_step(double from, double to, double length) {
-  constexpr double kEdgesPerStep = 4;
-  if (from * to < 0) return kEdgesPerStep * kLeastStep;
-  const auto [least, most] = std::minmax(std::abs(from), std::abs(to));
-  if (most < kLeastStep) return length;
-  return kEdgesPerStep * std::max(least, kLeastStep);
-}
+/// What bounds edges at the steps between two roofs.
+struct StepRule {
+  double least_step = kLeastStep;
+  double edges_per_step = 4;
+
+  StepRule(const RoofPlane& a, const RoofPlane& b)
+      : least_step(std::max(tetropolis::least_step(a), tetropolis::least_step(b))),
+        // Found by trial, on rows of gables of 30 to 65 degrees.
+        edges_per_step(std::min(4.0, 6.7 / std::max(steepness(a), steepness(b)))) {}
+
+  /// On a line along which the roofs are `from` and `to` apart.
+  double longest_edge(double from, double to) const {
+    if (from * to < 0) return edges_per_step * least_step;
+    const auto [least, most] = std::minmax({std::abs(from), std::abs(to)});
+    return most < least_step ? kInfinity : edges_per_step * std::max(least, least_step);
+  }
+};
 
 /// Appends the pieces of the line between shares t and u of the way from p to q.
-void append_pieces(const std::array<Point2, 2>& line, const std::array<double, 2>& steps, double t,
-                   double u, double longest, std::vector<LinePiece>& pieces) {
+void append_pieces(const std::array<Point2, 2>& line, const std::array<double, 2>& steps,
+                   const StepRule& rule, double t, double u, double longest,
+                   std::vector<LinePiece>& pieces) {
   const auto step = [&](double s) { return steps[0] + s * (steps[1] - steps[0]); };
   const double length =
       (u - t) * std::hypot(line[1].x - line[0].x, line[1].y - line[0].y);
-  const double allowed = std::min(longest, longest_on_step(step(t), step(u), longest));
+  const double allowed = std::min(longest, rule.longest_edge(step(t), step(u)));
   if (length > allowed && length > 2 * kLeastStep) {
-    append_pieces(line, steps, t, (t + u) / 2, longest, pieces);
-    append_pieces(line, steps, (t + u) / 2, u, longest, pieces);
+    append_pieces(line, steps, rule, t, (t + u) / 2, longest, pieces);
+    append_pieces(line, steps, rule, (t + u) / 2, u, longest, pieces);
     return;
   }
   const Point2 end = u == 1 ? line[1]
@@ -254,16 +297,17 @@ std::vector<LinePiece> divide_party_line(const RoofPlane& a, const RoofPlane& b,
   const std::array line{p, q};
   const std::array steps{a(p) - b(p), a(q) - b(q)};
   const double length = std::hypot(q.x - p.x, q.y - p.y);
+  const StepRule rule(a, b);
   std::vector<LinePiece> pieces;
   double from = 0;
   if (steps[0] * steps[1] < 0) {
     const double crossing = steps[0] / (steps[0] - steps[1]);
     if (std::min(crossing, 1 - crossing) * length >= kNearEnd) {
-      append_pieces(line, steps, 0, crossing, longest, pieces);
+      append_pieces(line, steps, rule, 0, crossing, longest, pieces);
       from = crossing;
     }
   }
-  append_pieces(line, steps, from, 1, longest, pieces);
+  append_pieces(line, steps, rule, from, 1, longest, pieces);
   return pieces;
 }
 

@@ -18,6 +18,7 @@ struct RoofFloor {
   RegionIndex part = kNoRegion;
   double z = 0;      ///< Elevation, metres.
   double level = 0;  ///< See column_mesh.h.
+  double rise = 0;   ///< How far it rises at most to the next vertices of the part, metres.
   friend bool operator==(const RoofFloor&, const RoofFloor&) = default;
 };
 
@@ -47,13 +48,13 @@ struct RoofHeights {
 };
 
 /// Roofs nearer to each other than this at a vertex meet there, metres: walls of such steps would
-/// have flat cells.
+/// have flat cells. Beside roofs steeper than 45 degrees it is more, by half the squared secant.
 inline constexpr double kLeastStep = 0.3;
 
 /// How the line from p to q between two roofs is divided: where they cross, unless that is nearer
-/// than half a metre to an end; and into pieces no longer than four times the least step on them
-/// (less than kLeastStep does not count) and than `longest`, so that walls of low steps have no flat
-/// cells.
+/// than half a metre to an end; and into pieces no longer than `longest`, and than four times the least
+/// step on them (less than kLeastStep does not count), fewer at steep roofs, so that walls
+/// of low steps have no flat cells.
 std::vector<LinePiece> divide_party_line(const RoofPlane& a, const RoofPlane& b, Point2 p, Point2 q,
                                          double longest);
 

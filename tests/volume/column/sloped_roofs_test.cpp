@@ -207,8 +207,8 @@ TEST(SlopedRoofs, PartyLinesHaveAVertexWhereRoofsCrossAndShortEdgesAtLowSteps) {
   bool crosses = false;
   for (const LinePiece& piece : pieces) {
     crosses |= std::abs(piece.end.x - 8) < 1e-9;
-    const auto [least, most] = std::minmax(std::abs(flat({from, 3}) - rising({from, 3})),
-                                           std::abs(flat(piece.end) - rising(piece.end)));
+    const auto [least, most] = std::minmax({std::abs(flat({from, 3}) - rising({from, 3})),
+                                            std::abs(flat(piece.end) - rising(piece.end))});
     EXPECT_LE(piece.end.x - from, piece.max_edge + 1e-9);
     if (most > kLeastStep) {
       EXPECT_LE(piece.max_edge, std::min(10.0, 4 * std::max(least, kLeastStep)) + 1e-9);
