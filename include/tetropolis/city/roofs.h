@@ -16,11 +16,11 @@
 namespace tetropolis {
 
 struct RoofOptions {
-  Lod lod = Lod::k2_2;        ///< kBlock: nothing is done.
-  double clearance = 1;       ///< Epsilon, metres; the footprints keep it.
-  double percentile = 70;     ///< Of the points of a flat roof, in [0, 100].
-  double min_height = 2.5;    ///< Least height of a roof above its building's ground, metres.
-  double min_area = 2;        ///< Of a part, square metres.
+  Lod lod = Lod::k2_2;      ///< kBlock: nothing is done.
+  double clearance = 1;     ///< Epsilon, metres; the footprints keep it.
+  double percentile = 70;   ///< Of the points of a flat roof, in [0, 100].
+  double min_height = 2.5;  ///< Least height of a roof above its building's ground, metres.
+  double min_area = 2;      ///< Of a part, square metres.
 };
 
 /// What became of the roofs.

@@ -69,9 +69,11 @@ class Clearing {
       only_removals_ = round >= kFreeRounds;
       drop_small_regions();
       const std::vector<Conflict> found = conflicts();
-      if (found.empty()) break;
+      if (found.empty() && !part_pinched()) break;
+      bool any = false;
       for (const Conflict& conflict : found)
-        if (still_holds(conflict)) resolve(conflict);
+        if (still_holds(conflict)) any = resolve(conflict) || any;
+      if (!any && only_removals_) break;  // the outline's own
       split();
       points_.fit();
     }
@@ -125,8 +127,7 @@ class Clearing {
         if (f != e)
           if (const double a = angle(n, e, f); a < min_angle_)
             // As far apart as the ends of the shorter are.
-            visit(Conflict{options_.clearance * a / min_angle_, std::min(e, f), n,
-                           std::max(e, f)});
+            visit(Conflict{options_.clearance * a / min_angle_, std::min(e, f), n, std::max(e, f)});
   }
 
   std::vector<Conflict> conflicts() const {
@@ -155,10 +156,9 @@ class Clearing {
     if (!clear) return false;
     // Other edges near to the node, and angles at its neighbours.
     const Point2 p = lines_.at(n);
-    lines_.for_each_edge_near(Bounds2{p.x, p.y, p.x, p.y}.grown(options_.clearance),
-                              [&](EdgeId e) {
-                                if (clear && nearness(n, e) < options_.clearance) clear = false;
-                              });
+    lines_.for_each_edge_near(Bounds2{p.x, p.y, p.x, p.y}.grown(options_.clearance), [&](EdgeId e) {
+      if (clear && nearness(n, e) < options_.clearance) clear = false;
+    });
     return clear;
   }
 
@@ -211,8 +211,7 @@ class Clearing {
     const auto extend = [&] {
       for (const NodeId n : nodes) {
         box.extend(lines_.at(n));
-        for (const EdgeId e : lines_.node(n).edges)
-          box.extend(lines_.at(lines_.edge(e).other(n)));
+        for (const EdgeId e : lines_.node(n).edges) box.extend(lines_.at(lines_.edge(e).other(n)));
       }
     };
     extend();
@@ -370,8 +369,8 @@ class Clearing {
       const NodeId end = lines_.edge(moved).other(n), other = lines_.edge(kept).other(n);
       const double length = lines_.length(kept);
       const Point2 c = lines_.at(end);
-      const Region inside = orient2d(lines_.at(n), lines_.at(other), c) > 0 ? left_of(kept, n)
-                                                                            : right_of(kept, n);
+      const Region inside =
+          orient2d(lines_.at(n), lines_.at(other), c) > 0 ? left_of(kept, n) : right_of(kept, n);
       const Region l = left_of(moved, n), beyond = l == inside ? right_of(moved, n) : l;
       const auto cost = [&](Point2 x) {
         return points_.cost_of_triangle(lines_.at(n), x, c, inside, beyond);
@@ -382,17 +381,39 @@ class Clearing {
         const Point2 x = between(lines_.at(n), lines_.at(other), along / length);
         if (angle_between(x, c, lines_.at(other)) < min_angle_) break;
         if (angle_between(x, c, lines_.at(n)) < min_angle_) continue;
-        add(cost(x), {n, end, other}, [this, moved, n, kept, x] {
-          return lines_.branch_at(moved, n, kept, x);
-        });
+        add(cost(x), {n, end, other},
+            [this, moved, n, kept, x] { return lines_.branch_at(moved, n, kept, x); });
       }
-      add(cost(lines_.at(other)), {n, end, other}, [this, moved, n, kept] {
-        return lines_.branch_at_end(moved, n, kept);
-      });
+      add(cost(lines_.at(other)), {n, end, other},
+          [this, moved, n, kept] { return lines_.branch_at_end(moved, n, kept); });
     }
   }
 
-  void resolve(const Conflict& conflict) {
+  bool go_cheapest() {
+    std::stable_sort(ways_.begin(), ways_.end(),
+                     [](const Way& a, const Way& b) { return a.cost < b.cost; });
+    const std::vector<Way> ways = std::move(ways_);
+    for (const Way& way : ways)
+      if (way.go()) return true;
+    return false;
+  }
+
+  /// A region that meets itself at a node gives way there. Whether there was one.
+  bool part_pinched() {
+    for (const Partition::Face& face : lines_.faces()) {
+      std::set<NodeId> seen;
+      for (const std::vector<NodeId>& ring : face.rings)
+        for (const NodeId n : ring) {
+          if (seen.insert(n).second) continue;
+          ways_.clear();
+          offer_merges({n}, lines_.node(n).edges.front());
+          if (go_cheapest()) return true;
+        }
+    }
+    return false;
+  }
+
+  bool resolve(const Conflict& conflict) {
     ways_.clear();
     const Partition::Edge edge = lines_.edge(conflict.edge);
     std::vector<NodeId> nodes{conflict.node};
@@ -408,12 +429,11 @@ class Clearing {
     } else {
       offer_opening(conflict.node, conflict.edge, conflict.second);
     }
+    // Two places on the outline are too close for a line that ends at one of them.
+    for (const NodeId n : {edge.a, edge.b})
+      if (edge.is_outline() && !lines_.node(n).corner) nodes.push_back(n);
     offer_merges(nodes, conflict.edge);
-    std::stable_sort(ways_.begin(), ways_.end(),
-                     [](const Way& a, const Way& b) { return a.cost < b.cost; });
-    const std::vector<Way> ways = std::move(ways_);
-    for (const Way& way : ways)
-      if (way.go()) return;
+    return go_cheapest();
   }
 
   // ---------------------------------------------------------------- regions

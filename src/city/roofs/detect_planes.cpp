@@ -101,9 +101,8 @@ class Detection {
       roughness[i] = std::sqrt(fit.sum_of_squares() / fit.count()) * cosine(local_[i]);
       if (roughness[i] <= options_.flatness) seeds_.push_back(i);
     }
-    std::stable_sort(seeds_.begin(), seeds_.end(), [&](PointNumber a, PointNumber b) {
-      return roughness[a] < roughness[b];
-    });
+    std::stable_sort(seeds_.begin(), seeds_.end(),
+                     [&](PointNumber a, PointNumber b) { return roughness[a] < roughness[b]; });
   }
 
   void grow(PointNumber seed) {

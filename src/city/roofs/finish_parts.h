@@ -11,17 +11,17 @@
 namespace tetropolis {
 
 struct FinishOptions {
-  double percentile = 70;    ///< Of the points of flat roofs.
-  double lowest = 0;         ///< Elevation that no roof goes below.
+  double percentile = 70;  ///< Of the points of flat roofs.
+  double lowest = 0;       ///< Elevation that no roof goes below.
 };
 
 /// A part, and what is known of it.
 struct FinishedPart {
   RoofPart part;  ///< Without source_id.
   MemberNumber member = 0;
-  bool raised = false;          ///< To the lowest elevation.
-  double mean_of_points = 0;    ///< Elevation; of the roof's middle without points.
-  double mean_of_roof = 0;      ///< Elevation.
+  bool raised = false;        ///< To the lowest elevation.
+  double mean_of_points = 0;  ///< Elevation; of the roof's middle without points.
+  double mean_of_roof = 0;    ///< Elevation.
 };
 
 struct FinishedRoof {

@@ -243,10 +243,10 @@ class MemberLabels {
       if (costs.empty()) continue;
       for (auto& [label, sum] : costs)
         for (const std::size_t i : cells_of[index(p)]) sum += cost(i, label);
-      const Label best = std::min_element(costs.begin(), costs.end(), [](const auto& a,
-                                                                        const auto& b) {
-                           return a.second < b.second;
-                         })->first;
+      const Label best =
+          std::min_element(costs.begin(), costs.end(), [](const auto& a, const auto& b) {
+            return a.second < b.second;
+          })->first;
       for (const std::size_t i : cells_of[index(p)]) labels_[i] = best;
       touched[index(p)] = 1;
       for (const std::int32_t n : beside) touched[index(n)] = 1;
@@ -311,8 +311,7 @@ class Joining {
       areas_[index(r)] += cells.area(static_cast<CellNumber>(c));
       for (const std::uint32_t p : cells.points[c]) points_[index(r)].push_back(p);
       for (std::size_t e = 0; e < 3; ++e)
-        if (const CellNumber d = cells.neighbours[c][e];
-            d >= 0 && regions.of_cell[index(d)] != r)
+        if (const CellNumber d = cells.neighbours[c][e]; d >= 0 && regions.of_cell[index(d)] != r)
           borders_[index(r)][regions.of_cell[index(d)]] +=
               cells.edge_length(static_cast<CellNumber>(c), e);
     }
@@ -567,8 +566,7 @@ RoofRegions label_cells(const RoofInput& input, const RoofCells& cells,
       labels.run();
       for (std::size_t i = 0; i < list.size(); ++i)
         regions.of_cell[index(list[i])] = base + labels.labels()[i];
-      for (const RoofPlane& plane : labels.planes())
-        regions.roofs.push_back({plane, m, Lod::k2_2});
+      for (const RoofPlane& plane : labels.planes()) regions.roofs.push_back({plane, m, Lod::k2_2});
     } else {
       for (const CellNumber c : list) regions.of_cell[index(c)] = base;
       regions.roofs.push_back(flat);

@@ -49,8 +49,8 @@ void count(const FinishedRoof& roof, const Building& building, Lod wanted, Build
     if (is_below(part.lod, wanted) && part.n_points > 0) ++facts.fallbacks;
     if (part.n_points == 0) ++facts.parts_without_points;
     if (finished.raised) ++facts.raised;
-    facts.max_slope_deg = std::max(facts.max_slope_deg,
-                                   std::atan(slope_of(part.roof)) * 180 / std::numbers::pi);
+    facts.max_slope_deg =
+        std::max(facts.max_slope_deg, std::atan(slope_of(part.roof)) * 180 / std::numbers::pi);
     const double size = area(part.outline);
     facts.volume_of_points += size * (finished.mean_of_points - building.h_ground);
     facts.volume += size * (finished.mean_of_roof - building.h_ground);
@@ -70,8 +70,8 @@ BuildingFacts make_roof(Building& building, const RoofInput& input, const CityMo
   // What cannot keep its clearance is made with fewer lines: party walls alone, then none.
   for (const Lod lod : {options.lod, Lod::k1_2}) {
     tried.lod = lod;
-    FinishedRoof roof = roof_of_building(input, tried, building.h_roof,
-                                         building.h_ground + options.min_height);
+    FinishedRoof roof =
+        roof_of_building(input, tried, building.h_roof, building.h_ground + options.min_height);
     Building made = building;
     made.footprint = roof.footprint;
     for (FinishedPart& finished : roof.parts) {

@@ -114,8 +114,8 @@ class Examination {
             grid::point_segment_distance(point(*v), point(side.first), point(side.second));
         if (!is_clear(d / grid::kSteps, clearance_))
           report("{:.4f} m between vertex ({}, {}) and an edge at ({}, {})", d / grid::kSteps,
-                 v->first / grid::kSteps, v->second / grid::kSteps,
-                 side.first.first / grid::kSteps, side.first.second / grid::kSteps);
+                 v->first / grid::kSteps, v->second / grid::kSteps, side.first.first / grid::kSteps,
+                 side.first.second / grid::kSteps);
       }
     }
   }

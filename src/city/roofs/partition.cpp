@@ -39,10 +39,9 @@ bool touch(Point2 p, Point2 q, Point2 a, Point2 b) {
 
 /// Whether the segments from `common` to p and to q run over each other.
 bool overlap(Point2 common, Point2 p, Point2 q) {
-  const double along =
-      (p.x - common.x) * (q.x - common.x) + (p.y - common.y) * (q.y - common.y);
-  return along > 0 && (distance_to_segment(p, common, q) < kTouch ||
-                       distance_to_segment(q, common, p) < kTouch);
+  const double along = (p.x - common.x) * (q.x - common.x) + (p.y - common.y) * (q.y - common.y);
+  return along > 0 &&
+         (distance_to_segment(p, common, q) < kTouch || distance_to_segment(q, common, p) < kTouch);
 }
 
 }  // namespace
@@ -371,7 +370,8 @@ std::vector<Partition::Face> Partition::faces() const {
       seen[h] = 1;
       loop.nodes.push_back(from(h));
       const Point2 a = at(from(h)), b = at(to(h));
-      loop.area += ((a.x - box_.xmin) * (b.y - box_.ymin) - (b.x - box_.xmin) * (a.y - box_.ymin)) / 2;
+      loop.area +=
+          ((a.x - box_.xmin) * (b.y - box_.ymin) - (b.x - box_.xmin) * (a.y - box_.ymin)) / 2;
     }
     (loop.area > 0 ? outer : inner).push_back(std::move(loop));
   }
@@ -400,8 +400,7 @@ std::vector<Partition::Face> Partition::faces() const {
     };
     Face* best = nullptr;
     for (Face& face : result)
-      if (face.region == hole.region && around(face) &&
-          (best == nullptr || face.area < best->area))
+      if (face.region == hole.region && around(face) && (best == nullptr || face.area < best->area))
         best = &face;
     if (best == nullptr) continue;
     best->area += hole.area;
@@ -439,7 +438,8 @@ Partition::Region Partition::region_at(Point2 p) const {
   double nearest = std::numeric_limits<double>::infinity();
   Region found = kOutside;
   const double y = p.y;
-  for (double from = p.x; from <= box_.xmax && found == kOutside && nearest > 1e300; from += cell_) {
+  for (double from = p.x; from <= box_.xmax && found == kOutside && nearest > 1e300;
+       from += cell_) {
     for_each_edge_near({from, y, from + cell_, y}, [&](EdgeId e) {
       const Edge& edge = edges_[e];
       const Point2 a = at(edge.a), b = at(edge.b);
@@ -458,9 +458,8 @@ std::map<Partition::Region, double> Partition::areas() const {
   for (const Edge& edge : edges_) {
     if (!edge.alive) continue;
     const Point2 a = at(edge.a), b = at(edge.b);
-    const double part = ((a.x - box_.xmin) * (b.y - box_.ymin) -
-                         (b.x - box_.xmin) * (a.y - box_.ymin)) /
-                        2;
+    const double part =
+        ((a.x - box_.xmin) * (b.y - box_.ymin) - (b.x - box_.xmin) * (a.y - box_.ymin)) / 2;
     if (edge.left != kOutside) result[edge.left] += part;
     if (edge.right != kOutside) result[edge.right] -= part;
   }

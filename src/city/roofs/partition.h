@@ -30,8 +30,8 @@ class Partition {
 
   struct Node {
     Point2 p;
-    bool corner = false;      ///< A vertex of the polygon.
-    bool on_outline = false;  ///< Corners, too.
+    bool corner = false;          ///< A vertex of the polygon.
+    bool on_outline = false;      ///< Corners, too.
     std::vector<EdgeId> edges{};  ///< Empty: the node is no more.
   };
   struct Edge {

@@ -16,7 +16,7 @@ namespace tetropolis {
 
 namespace {
 
-constexpr double kCell = 1;  // metres
+constexpr double kCell = 1;    // metres
 constexpr double kNear = 0.5;  // metres: what a plane is fitted to
 
 std::size_t index(std::int32_t i) { return static_cast<std::size_t>(i); }
@@ -136,7 +136,9 @@ RegionRoof RegionPoints::merged_roof(RoofRegion a, RoofRegion b,
   return fitted({roof(a), roof(b)}, points);
 }
 
-double RegionPoints::cost_of_region(RoofRegion r) const { return loss(roof(r).plane, points_of(r)); }
+double RegionPoints::cost_of_region(RoofRegion r) const {
+  return loss(roof(r).plane, points_of(r));
+}
 
 double RegionPoints::cost_of_merging(RoofRegion a, RoofRegion b) const {
   std::vector<std::uint32_t> both = points_of(a);

@@ -56,7 +56,7 @@ class RegionPoints {
   const std::vector<Point3>& points_;
   double percentile_;
   double cap_;
-  std::vector<double> weight_;        ///< Per point.
+  std::vector<double> weight_;         ///< Per point.
   std::vector<RoofRegion> region_of_;  ///< Per point; -1: none.
   std::vector<RegionRoof> roofs_;
   std::vector<std::vector<std::uint32_t>> lists_;  ///< Per region: its points, and former ones.

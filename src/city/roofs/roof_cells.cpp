@@ -51,7 +51,8 @@ void add_interior(const Polygon& footprint, double step, PlanarGraph& graph) {
   const double angle = main_direction(footprint);
   const double ux = std::cos(angle), uy = std::sin(angle);
   Bounds2 box = Bounds2::nothing();
-  for (const Point2 p : footprint.outer) box.extend(Point2{p.x * ux + p.y * uy, p.y * ux - p.x * uy});
+  for (const Point2 p : footprint.outer)
+    box.extend(Point2{p.x * ux + p.y * uy, p.y * ux - p.x * uy});
   const auto rows = static_cast<int>(box.height() / step + 0.5);
   const auto columns = static_cast<int>(box.width() / step + 0.75);
   // Per row, only edges near to it count.

@@ -26,9 +26,7 @@ double distance(Point2 a, Point2 b) { return std::hypot(a.x - b.x, a.y - b.y); }
 struct Line {
   Point2 at, along;
   /// Of p, on the left.
-  double offset(Point2 p) const {
-    return (p.y - at.y) * along.x - (p.x - at.x) * along.y;
-  }
+  double offset(Point2 p) const { return (p.y - at.y) * along.x - (p.x - at.x) * along.y; }
 };
 
 Line line_between(Point2 a, Point2 b) {
@@ -200,8 +198,7 @@ class Tracing {
     for (const NodeId n : chain.nodes) p.push_back(lines_.at(n));
     const std::size_t last = p.size() - 1;
     const bool closed = chain.nodes.front() == chain.nodes.back();
-    const Partition::Edge& edge =
-        lines_.edge(lines_.edge_between(chain.nodes[0], chain.nodes[1]));
+    const Partition::Edge& edge = lines_.edge(lines_.edge_between(chain.nodes[0], chain.nodes[1]));
     const auto roof = [&](Partition::Region r) {
       return regions_.roofs[static_cast<std::size_t>(r)].plane;
     };
@@ -307,8 +304,8 @@ class Tracing {
 
 }  // namespace
 
-Partition trace_lines(const Polygon& footprint, const RoofCells& cells,
-                      const RoofRegions& regions, const TraceOptions& options) {
+Partition trace_lines(const Polygon& footprint, const RoofCells& cells, const RoofRegions& regions,
+                      const TraceOptions& options) {
   return Tracing(footprint, cells, regions, options).run();
 }
 

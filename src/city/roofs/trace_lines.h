@@ -18,7 +18,7 @@ struct TraceOptions {
 /// line", 1973), each piece on the line of least squares or on the planes' intersection, bends and
 /// junctions moved to where their lines meet. Corners of the footprint keep their coordinates;
 /// other nodes of the outline are on it, up to rounding.
-Partition trace_lines(const Polygon& footprint, const RoofCells& cells,
-                      const RoofRegions& regions, const TraceOptions& options);
+Partition trace_lines(const Polygon& footprint, const RoofCells& cells, const RoofRegions& regions,
+                      const TraceOptions& options);
 
 }  // namespace tetropolis
