@@ -188,6 +188,25 @@ void require_fits(const BuildCityOptions& options, const CityInput& input) {
       options.max_bytes);
 }
 
+/// Of points that were extracted for roofs, those that heights are computed from.
+BuildingPoints without_outliers(const BuildCityOptions& options, BuildingPoints points,
+                                const PointCloud& cloud) {
+  if (options.lod != Lod::kBlock) {
+    drop_outliers(points.roof, cloud, options.extract.sigma);
+    drop_outliers(points.ground, cloud, options.extract.sigma);
+  }
+  return points;
+}
+
+RoofOptions roof_options(const BuildCityOptions& options) {
+  RoofOptions roofs;
+  roofs.lod = options.lod;
+  roofs.clearance = options.simplify.min_distance;
+  roofs.percentile = options.heights.roof_percentile;
+  roofs.min_height = options.heights.min_height;
+  return roofs;
+}
+
 /// Steps 1.3 to 1.6: `result.raw` and `result.terrain`. Returns the points of its buildings.
 BuildingPoints make_raw_city(const BuildCityOptions& options, CityInput& input, StepClock& clock,
                              BuiltCity& result) {
@@ -213,10 +232,13 @@ BuildingPoints make_raw_city(const BuildCityOptions& options, CityInput& input, 
   BuildingPoints points = clock.run("1.5", "extract points", [&](const Progress& progress) {
     ExtractOptions extract = options.extract;
     extract.no_buildings = input.no_buildings;
+    // Towers and low wings are outliers of a building's height, but not of its roof.
+    if (options.lod != Lod::kBlock) extract.sigma = std::numeric_limits<double>::infinity();
     return extract_building_points(raw.buildings, clean.crossing, cloud, extract, progress);
   });
   clock.run("1.6", "building heights", [&](const Progress&) {
-    compute_heights(raw.buildings, points, cloud, result.terrain, options.heights);
+    compute_heights(raw.buildings, without_outliers(options, points, cloud), cloud, result.terrain,
+                    options.heights);
   });
   warn_of_missing_roofs(raw, result.warnings);
   return points;
@@ -245,9 +267,18 @@ void merge_buildings(const BuildCityOptions& options, const CityInput& input,
                             city.dropped.back().source_id, city.dropped.back().reason));
   warn_of_lost_area(raw, simple, result.warnings);
   clock.run("2.3", "heights of merged buildings", [&](const Progress&) {
-    compute_heights(city.buildings, merge_building_points(points, simple.members),
+    compute_heights(city.buildings,
+                    merge_building_points(without_outliers(options, points, input.points.points),
+                                          simple.members),
                     input.points.points, result.terrain, options.heights);
   });
+  if (options.lod != Lod::kBlock) {
+    result.facts.roofs = clock.run("2.3", "roofs", [&](const Progress& progress) {
+      return make_roofs(city, raw, points, simple.members, input.points.points,
+                        roof_options(options), progress);
+    });
+    warn_of_roofs(result.facts.roofs, options.lod, result.warnings);
+  }
   fill_facts(raw, city, simple, result.facts);
   result.facts.account = account_of(result.input, city);
 }

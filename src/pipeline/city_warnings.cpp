@@ -129,4 +129,15 @@ void warn_of_lost_area(const CityModel& raw, const Simplification& simple,
   if (warning.count > 0) warnings.push_back(warning);
 }
 
+void warn_of_roofs(const RoofFacts& roofs, Lod lod, std::vector<Warning>& warnings) {
+  constexpr double kMany = 0.25;
+  const std::int64_t with_points = roofs.parts - roofs.parts_without_points;
+  if (static_cast<double>(roofs.fallbacks) <= kMany * static_cast<double>(with_points)) return;
+  warnings.push_back(
+      {"roofs_below_lod", roofs.fallbacks,
+       fmt::format("{} of {} parts of roofs stay below LoD{}, because their points are too few or "
+                   "fit a flat roof better; ask for a lower `lod`, or add points",
+                   roofs.fallbacks, with_points, name_of(lod))});
+}
+
 }  // namespace tetropolis

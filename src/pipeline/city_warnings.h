@@ -39,4 +39,7 @@ void warn_of_exclusion(const BuildingPoints& points, std::int64_t all_points,
 void warn_of_lost_area(const CityModel& raw, const Simplification& simple,
                        std::vector<Warning>& warnings);
 
+/// Where more than a quarter of the roofs stay below the LoD asked for.
+void warn_of_roofs(const RoofFacts& roofs, Lod lod, std::vector<Warning>& warnings);
+
 }  // namespace tetropolis

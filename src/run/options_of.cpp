@@ -18,6 +18,7 @@ BuildCityOptions city_options(const Config& config) {
   options.extract.margin = config.ground_margin;
   options.extract.sigma = config.outlier_sigma;
   options.heights = {config.ground_percentile, config.roof_percentile, config.min_building_height};
+  options.lod = config.lod;
   options.simplify.min_distance = config.min_building_distance;
   options.simplify.growths = config.merge_growths;
   options.simplify.min_area = config.min_building_area;

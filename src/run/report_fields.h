@@ -113,6 +113,29 @@ void fields_of(FootprintAccount& account, const Field& field) {
 }
 
 template <typename Field>
+void fields_of(RoofFacts& roofs, const Field& field) {
+  field("parts", roofs.parts, "integer", "parts of buildings; all of these are 0 at `lod` block");
+  field("parts_by_lod", roofs.parts_by_lod, "map of integers",
+        "parts by the LoD that their points carry (`block`: the building's height)");
+  field("fallbacks", roofs.fallbacks, "integer",
+        "parts with points that stay below `lod`: too few points, or flat fits better");
+  field("parts_without_points", roofs.parts_without_points, "integer", "");
+  field("raised", roofs.raised, "integer", "parts raised to `min_building_height`");
+  field("undivided", roofs.undivided, "integer",
+        "buildings that stay one block, because their parts would not keep their clearance");
+  field("max_slope_deg", roofs.max_slope_deg, "number, degrees", "of the steepest roof");
+  field("rmse_median", roofs.rmse_median, "number, m",
+        "vertical root mean square of a footprint's points off their roofs, of footprints with 20 "
+        "points or more");
+  field("rmse_p90", roofs.rmse_p90, "number, m", "the same, 90th percentile");
+  field("volume_of_points", roofs.volume_of_points, "number, m³",
+        "between ground and the mean height of the points, by part");
+  field("volume", roofs.volume, "number, m³", "between ground and roofs");
+  field("volume_of_blocks", roofs.volume_of_blocks, "number, m³",
+        "between ground and one flat roof per building");
+}
+
+template <typename Field>
 void fields_of(CityFacts& city, const Field& field) {
   field("raw_buildings", city.raw_buildings, "integer",
         "buildings before merging; in `mesh`, those of the city model");
@@ -146,6 +169,7 @@ void fields_of(CityFacts& city, const Field& field) {
         "share of terrain nodes without ground points, filled from their neighbours; 0 in `mesh`");
   field("dtm_void_share", city.dtm_void_share, "number",
         "share of squares of 20 m without ground points; 0 in `mesh`");
+  field("roofs", city.roofs, "object", "");
   field("dropped", city.dropped, "list", "");
 }
 

@@ -11,6 +11,7 @@
 #include "tetropolis/city/city_model.h"
 #include "tetropolis/city/extract.h"
 #include "tetropolis/city/heights.h"
+#include "tetropolis/city/roofs.h"
 #include "tetropolis/city/simplify/simplify.h"
 #include "tetropolis/core/steps.h"
 #include "tetropolis/core/warning.h"
@@ -45,7 +46,8 @@ struct BuildCityOptions {
   ExtractOptions extract = {};  ///< `no_buildings` is found, not taken from here.
   HeightOptions heights = {};
   SimplifyOptions simplify =
-      {};  ///< min_distance, min_area and parallel_tolerance hold for 1.4, too.
+      {};                 ///< min_distance, min_area and parallel_tolerance hold for 1.4, too.
+  Lod lod = Lod::kBlock;  ///< Of roofs; RoofOptions follow from it and the options above.
   double max_bytes = std::numeric_limits<double>::infinity();  ///< Memory of the process.
 };
 
@@ -97,6 +99,7 @@ struct CityFacts {
   std::map<std::string, std::int64_t> flags;    ///< Buildings with each flag.
   double dtm_empty_share = 0;  ///< Share of the terrain's nodes without a point of their own.
   double dtm_void_share = 0;   ///< Share of the domain's squares of 20 m without a ground point.
+  RoofFacts roofs;             ///< Nothing at Lod::kBlock.
   std::vector<Dropped> dropped;
 };
 

@@ -56,6 +56,7 @@ struct Config {
   double outlier_sigma = 2;
   double ground_percentile = 10;
   double roof_percentile = 90;
+  Lod lod = Lod::kBlock;
   double min_building_height = 2.5;
   double min_building_distance = 1;
   int merge_growths = 3;

@@ -1,0 +1,487 @@
+#include "city/roofs/clear_lines.h"
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <limits>
+#include <map>
+#include <numbers>
+#include <set>
+#include <tuple>
+#include <utility>
+#include <vector>
+
+#include "tetropolis/geometry/polygon.h"
+
+#include "geometry/predicates.h"
+
+namespace tetropolis {
+
+namespace {
+
+using NodeId = Partition::NodeId;
+using EdgeId = Partition::EdgeId;
+using Region = Partition::Region;
+constexpr std::size_t kNone = Partition::kNone;
+constexpr double kFar = std::numeric_limits<double>::infinity();
+
+double distance(Point2 a, Point2 b) { return std::hypot(a.x - b.x, a.y - b.y); }
+Point2 between(Point2 a, Point2 b, double t) {
+  return {a.x + (b.x - a.x) * t, a.y + (b.y - a.y) * t};
+}
+/// Between two directions from a place, radians.
+double angle_between(Point2 at, Point2 p, Point2 q) {
+  const double ux = p.x - at.x, uy = p.y - at.y, vx = q.x - at.x, vy = q.y - at.y;
+  return std::abs(std::atan2(ux * vy - uy * vx, ux * vx + uy * vy));
+}
+
+/// A node too near to an edge; without a node, an edge too short; with a second edge, two that meet
+/// at too small an angle at the node.
+struct Conflict {
+  double distance;
+  EdgeId edge;
+  NodeId node = kNone;
+  EdgeId second = kNone;
+  friend bool operator<(const Conflict& a, const Conflict& b) {
+    return std::tie(a.distance, a.edge, a.node, a.second) <
+           std::tie(b.distance, b.edge, b.node, b.second);
+  }
+};
+
+/// Something that may be done, and its cost.
+struct Way {
+  double cost;
+  std::function<bool()> go;  ///< False: it cannot be done.
+};
+
+class Clearing {
+ public:
+  Clearing(Partition& lines, RegionPoints& points, const ClearLinesOptions& options)
+      : lines_(lines),
+        points_(points),
+        options_(options),
+        min_angle_(options.min_angle * std::numbers::pi / 180) {}
+
+  void run() {
+    split();
+    for (int round = 0;; ++round) {
+      constexpr int kFreeRounds = 24;
+      only_removals_ = round >= kFreeRounds;
+      drop_small_regions();
+      const std::vector<Conflict> found = conflicts();
+      if (found.empty() && !part_pinched()) break;
+      bool any = false;
+      for (const Conflict& conflict : found)
+        if (still_holds(conflict)) any = resolve(conflict) || any;
+      if (!any && only_removals_) break;  // the outline's own
+      split();
+      points_.fit();
+    }
+  }
+
+ private:
+  // ---------------------------------------------------------------- what is too close
+
+  bool can_move(EdgeId e) const {
+    const Partition::Edge& edge = lines_.edge(e);
+    return !lines_.node(edge.a).corner || !lines_.node(edge.b).corner || !edge.is_outline();
+  }
+  bool is_short(EdgeId e) const { return can_move(e) && lines_.length(e) < options_.clearance; }
+
+  /// How near node n is to edge e, as far as that is a conflict; infinity otherwise.
+  double nearness(NodeId n, EdgeId e) const {
+    const Partition::Edge& edge = lines_.edge(e);
+    const Partition::Node& node = lines_.node(n);
+    if (edge.has(n) || (edge.is_outline() && node.corner && !can_move(e))) return kFar;
+    const Point2 p = node.p, a = lines_.at(edge.a), b = lines_.at(edge.b);
+    const double d = distance_to_segment(p, a, b);
+    if (!(d < options_.clearance)) return kFar;
+    for (const NodeId end : {edge.a, edge.b}) {
+      const EdgeId common = lines_.edge_between(n, end);
+      if (common == kNone) continue;
+      // Near for its end alone, or for an edge that is too short itself.
+      if (nearest_on_segment(p, a, b) == lines_.at(end) || is_short(common)) return kFar;
+    }
+    return d;
+  }
+
+  double angle(NodeId n, EdgeId e, EdgeId f) const {
+    if (lines_.edge(e).is_outline() && lines_.edge(f).is_outline()) return kFar;
+    return angle_between(lines_.at(n), lines_.at(lines_.edge(e).other(n)),
+                         lines_.at(lines_.edge(f).other(n)));
+  }
+
+  template <typename Visit>
+  void for_each_conflict_at(EdgeId e, const Visit& visit) const {
+    const Partition::Edge& edge = lines_.edge(e);
+    if (is_short(e)) visit(Conflict{lines_.length(e), e});
+    Bounds2 box = Bounds2::nothing();
+    box.extend(lines_.at(edge.a));
+    box.extend(lines_.at(edge.b));
+    lines_.for_each_edge_near(box.grown(options_.clearance), [&](EdgeId other) {
+      for (const NodeId n : {lines_.edge(other).a, lines_.edge(other).b})
+        if (const double d = nearness(n, e); d < options_.clearance) visit(Conflict{d, e, n});
+    });
+    for (const NodeId n : {edge.a, edge.b})
+      for (const EdgeId f : lines_.node(n).edges)
+        if (f != e)
+          if (const double a = angle(n, e, f); a < min_angle_)
+            // As far apart as the ends of the shorter are.
+            visit(Conflict{options_.clearance * a / min_angle_, std::min(e, f), n, std::max(e, f)});
+  }
+
+  std::vector<Conflict> conflicts() const {
+    std::set<Conflict> found;
+    for (EdgeId e = 0; e < lines_.edges().size(); ++e)
+      if (lines_.edge(e).alive)
+        for_each_conflict_at(e, [&](const Conflict& conflict) { found.insert(conflict); });
+    return {found.begin(), found.end()};
+  }
+
+  bool still_holds(const Conflict& c) const {
+    if (!lines_.edge(c.edge).alive) return false;
+    if (c.node == kNone) return is_short(c.edge);
+    if (c.second == kNone)
+      return !lines_.node(c.node).edges.empty() && nearness(c.node, c.edge) < options_.clearance;
+    return lines_.edge(c.second).alive && lines_.edge(c.edge).has(c.node) &&
+           lines_.edge(c.second).has(c.node) && angle(c.node, c.edge, c.second) < min_angle_;
+  }
+
+  /// Whether nothing is too close to a node and its edges.
+  bool is_clear(NodeId n) const {
+    bool clear = true;
+    const auto note = [&](const Conflict&) { clear = false; };
+    for (const EdgeId e : lines_.node(n).edges)
+      if (clear) for_each_conflict_at(e, note);
+    if (!clear) return false;
+    // Other edges near to the node, and angles at its neighbours.
+    const Point2 p = lines_.at(n);
+    lines_.for_each_edge_near(Bounds2{p.x, p.y, p.x, p.y}.grown(options_.clearance), [&](EdgeId e) {
+      if (clear && nearness(n, e) < options_.clearance) clear = false;
+    });
+    return clear;
+  }
+
+  // ---------------------------------------------------------------- what things cost
+
+  Region left_of(EdgeId e, NodeId from) const {
+    return lines_.edge(e).a == from ? lines_.edge(e).left : lines_.edge(e).right;
+  }
+  Region right_of(EdgeId e, NodeId from) const {
+    return lines_.edge(e).a == from ? lines_.edge(e).right : lines_.edge(e).left;
+  }
+
+  /// Of leading edge e, seen from its end `from`, through x instead of straight.
+  double cost_of_bend(EdgeId e, NodeId from, Point2 x) const {
+    const Point2 a = lines_.at(from), b = lines_.at(lines_.edge(e).other(from));
+    const Region l = left_of(e, from), r = right_of(e, from);
+    return orient2d(a, b, x) > 0 ? points_.cost_of_triangle(a, b, x, l, r)
+                                 : points_.cost_of_triangle(a, b, x, r, l);
+  }
+
+  /// Of moving a node, but for an edge that vanishes.
+  double cost_of_move(NodeId n, Point2 to, EdgeId gone = kNone) const {
+    const Point2 p = lines_.at(n);
+    if (p == to) return 0;
+    double sum = 0;
+    for (const EdgeId e : lines_.node(n).edges) {
+      if (e == gone || lines_.edge(e).is_outline()) continue;
+      const Point2 o = lines_.at(lines_.edge(e).other(n));
+      const Region l = left_of(e, n), r = right_of(e, n);
+      sum += orient2d(p, o, to) > 0 ? points_.cost_of_triangle(p, o, to, l, r)
+                                    : points_.cost_of_triangle(p, o, to, r, l);
+    }
+    return sum;
+  }
+
+  double cost_of_straightening(NodeId n) const {
+    const EdgeId e = lines_.node(n).edges[0], f = lines_.node(n).edges[1];
+    const NodeId a = lines_.edge(e).other(n), b = lines_.edge(f).other(n);
+    const Region l = left_of(e, a), r = right_of(e, a);
+    const Point2 p = lines_.at(a), q = lines_.at(n), s = lines_.at(b);
+    return orient2d(p, q, s) > 0 ? points_.cost_of_triangle(p, q, s, l, r)
+                                 : points_.cost_of_triangle(p, q, s, r, l);
+  }
+
+  // ---------------------------------------------------------------- what can be done
+
+  /// Does something to lines around nodes, and lets the points know.
+  bool change(std::vector<NodeId> nodes, const std::function<bool()>& what) {
+    Bounds2 box = Bounds2::nothing();
+    const auto extend = [&] {
+      for (const NodeId n : nodes) {
+        box.extend(lines_.at(n));
+        for (const EdgeId e : lines_.node(n).edges) box.extend(lines_.at(lines_.edge(e).other(n)));
+      }
+    };
+    extend();
+    if (!what()) return false;
+    extend();
+    lines_.tidy();
+    points_.update(box, lines_);
+    return true;
+  }
+
+  void add(double cost, std::vector<NodeId> nodes, std::function<bool()> what) {
+    ways_.push_back({cost, [this, nodes = std::move(nodes), what = std::move(what)] {
+                       return change(nodes, what);
+                     }});
+  }
+
+  void offer_collapse(EdgeId e) {
+    const NodeId a = lines_.edge(e).a, b = lines_.edge(e).b;
+    const auto rank = [&](NodeId n) {
+      return lines_.node(n).corner ? 2 : lines_.node(n).on_outline ? 1 : 0;
+    };
+    const auto offer = [&](NodeId kept, Point2 to) {
+      const NodeId gone = lines_.edge(e).other(kept);
+      add(cost_of_move(a, to, e) + cost_of_move(b, to, e), {a, b},
+          [this, e, kept, gone, to] { return gone != kNone && lines_.collapse(e, kept, to); });
+    };
+    if (rank(a) >= rank(b)) offer(a, lines_.at(a));
+    if (rank(b) >= rank(a)) offer(b, lines_.at(b));
+    if (rank(a) == 0 && rank(b) == 0) offer(a, between(lines_.at(a), lines_.at(b), 0.5));
+  }
+
+  void offer_straightening(NodeId n) {
+    const Partition::Node& node = lines_.node(n);
+    if (node.corner || node.on_outline || node.edges.size() != 2) return;
+    add(cost_of_straightening(n), {n}, [this, n] { return lines_.straighten(n); });
+  }
+
+  /// Places near to a node where it may go.
+  std::vector<Point2> places_near(NodeId n) const {
+    const Partition::Node& node = lines_.node(n);
+    std::vector<Point2> result;
+    if (node.corner) return result;
+    if (node.on_outline) {
+      for (const EdgeId e : node.edges) {
+        if (!lines_.edge(e).is_outline()) continue;
+        const Point2 o = lines_.at(lines_.edge(e).other(n));
+        const double length = distance(node.p, o);
+        for (const double step : {0.1, 0.25, 0.5, 0.75, 1.0})
+          if (step * options_.clearance < length)
+            result.push_back(between(node.p, o, step * options_.clearance / length));
+      }
+      return result;
+    }
+    constexpr int kDirections = 12;
+    for (int k = 0; k < kDirections; ++k) {
+      const double t = 2 * std::numbers::pi * k / kDirections;
+      for (const double step : {0.1, 0.25, 0.5, 0.8}) {
+        const double far = step * options_.clearance;
+        result.push_back({node.p.x + far * std::cos(t), node.p.y + far * std::sin(t)});
+      }
+    }
+    return result;
+  }
+
+  bool move_if_clear(NodeId n, Point2 to) {
+    const Point2 from = lines_.at(n);
+    if (!lines_.move(n, to)) return false;
+    if (is_clear(n)) return true;
+    lines_.put_back(n, from);
+    return false;
+  }
+
+  void offer_moves(NodeId n) {
+    for (const Point2 to : places_near(n))
+      add(cost_of_move(n, to), {n}, [this, n, to] { return move_if_clear(n, to); });
+  }
+
+  void offer_merges(const std::vector<NodeId>& nodes, EdgeId e) {
+    std::set<std::pair<Region, Region>> pairs;
+    const auto note = [&](EdgeId f) {
+      const Region l = lines_.edge(f).left, r = lines_.edge(f).right;
+      if (l != Partition::kOutside && r != Partition::kOutside && l != r)
+        pairs.insert({std::min(l, r), std::max(l, r)});
+    };
+    note(e);
+    for (const NodeId n : nodes)
+      for (const EdgeId f : lines_.node(n).edges) note(f);
+    for (const auto& [a, b] : pairs) offer_merge(a, b);
+  }
+
+  void offer_merge(Region a, Region b) {
+    ways_.push_back({points_.cost_of_merging(a, b), [this, a, b] {
+                       merge(a, b);
+                       return true;
+                     }});
+  }
+
+  void merge(Region a, Region b) {
+    lines_.merge(a, b);
+    points_.merge(a, b);
+  }
+
+  void offer_separation(NodeId n, EdgeId e) {
+    const Partition::Edge edge = lines_.edge(e);
+    const Partition::Node& node = lines_.node(n);
+    const Point2 p = node.p, a = lines_.at(edge.a), b = lines_.at(edge.b);
+    offer_straightening(n);
+    offer_straightening(edge.a);
+    offer_straightening(edge.b);
+    for (const NodeId end : {edge.a, edge.b})
+      if (distance(lines_.at(end), p) < options_.clearance)
+        if (const EdgeId common = lines_.edge_between(n, end); common != kNone)
+          offer_collapse(common);
+    if (only_removals_) return;
+    offer_moves(n);
+    offer_moves(edge.a);
+    offer_moves(edge.b);
+    if (!edge.is_outline()) {
+      add(cost_of_bend(e, edge.a, p), {n, edge.a, edge.b},
+          [this, e, n] { return lines_.lead_through(e, n) || lines_.fold(e, n); });
+    }
+    if (!node.on_outline) {
+      const Point2 foot = nearest_on_segment(p, a, b);
+      add(cost_of_move(n, foot), {n, edge.a, edge.b},
+          [this, n, e, foot] { return lines_.move_onto(n, e, foot); });
+    } else if (!node.corner && edge.is_outline()) {
+      // A line that leaves the outline near a sharp corner leaves at the corner.
+      for (const EdgeId side : node.edges)
+        if (lines_.edge(side).is_outline() && edge.has(lines_.edge(side).other(n)))
+          offer_collapse(side);
+    }
+  }
+
+  /// Edges e and f meet at node n at too small an angle.
+  void offer_opening(NodeId n, EdgeId e, EdgeId f) {
+    if (lines_.length(e) < lines_.length(f)) std::swap(e, f);
+    const NodeId far = lines_.edge(e).other(n), near = lines_.edge(f).other(n);
+    offer_straightening(n);
+    offer_straightening(far);
+    offer_straightening(near);
+    offer_collapse(f);
+    offer_collapse(e);
+    if (only_removals_) return;
+    for (const NodeId k : {n, far, near}) offer_moves(k);
+    if (!lines_.edge(e).is_outline())
+      add(cost_of_bend(e, n, lines_.at(near)), {n, far, near},
+          [this, e, near] { return lines_.fold(e, near); });
+    if (!lines_.node(near).on_outline) {
+      const Point2 foot = nearest_on_segment(lines_.at(near), lines_.at(n), lines_.at(far));
+      add(cost_of_move(near, foot, f), {n, far, near},
+          [this, near, e, foot] { return lines_.move_onto(near, e, foot); });
+    }
+    for (const auto& [moved, kept] : {std::pair{f, e}, std::pair{e, f}}) {
+      if (lines_.edge(moved).is_outline()) continue;
+      const NodeId end = lines_.edge(moved).other(n), other = lines_.edge(kept).other(n);
+      const double length = lines_.length(kept);
+      const Point2 c = lines_.at(end);
+      const Region inside =
+          orient2d(lines_.at(n), lines_.at(other), c) > 0 ? left_of(kept, n) : right_of(kept, n);
+      const Region l = left_of(moved, n), beyond = l == inside ? right_of(moved, n) : l;
+      const auto cost = [&](Point2 x) {
+        return points_.cost_of_triangle(lines_.at(n), x, c, inside, beyond);
+      };
+      for (const double step : {1.0, 1.5, 2.0, 3.0, 5.0, 8.0}) {
+        const double along = step * options_.clearance;
+        if (along > length - options_.clearance) break;
+        const Point2 x = between(lines_.at(n), lines_.at(other), along / length);
+        if (angle_between(x, c, lines_.at(other)) < min_angle_) break;
+        if (angle_between(x, c, lines_.at(n)) < min_angle_) continue;
+        add(cost(x), {n, end, other},
+            [this, moved, n, kept, x] { return lines_.branch_at(moved, n, kept, x); });
+      }
+      add(cost(lines_.at(other)), {n, end, other},
+          [this, moved, n, kept] { return lines_.branch_at_end(moved, n, kept); });
+    }
+  }
+
+  bool go_cheapest() {
+    std::stable_sort(ways_.begin(), ways_.end(),
+                     [](const Way& a, const Way& b) { return a.cost < b.cost; });
+    const std::vector<Way> ways = std::move(ways_);
+    for (const Way& way : ways)
+      if (way.go()) return true;
+    return false;
+  }
+
+  /// A region that meets itself at a node gives way there. Whether there was one.
+  bool part_pinched() {
+    for (const Partition::Face& face : lines_.faces()) {
+      std::set<NodeId> seen;
+      for (const std::vector<NodeId>& ring : face.rings)
+        for (const NodeId n : ring) {
+          if (seen.insert(n).second) continue;
+          ways_.clear();
+          offer_merges({n}, lines_.node(n).edges.front());
+          if (go_cheapest()) return true;
+        }
+    }
+    return false;
+  }
+
+  bool resolve(const Conflict& conflict) {
+    ways_.clear();
+    const Partition::Edge edge = lines_.edge(conflict.edge);
+    std::vector<NodeId> nodes{conflict.node};
+    if (conflict.node == kNone) {
+      nodes = {edge.a, edge.b};
+      offer_collapse(conflict.edge);
+      for (const NodeId n : nodes) {
+        offer_straightening(n);
+        if (!only_removals_) offer_moves(n);
+      }
+    } else if (conflict.second == kNone) {
+      offer_separation(conflict.node, conflict.edge);
+    } else {
+      offer_opening(conflict.node, conflict.edge, conflict.second);
+    }
+    // Two places on the outline are too close for a line that ends at one of them.
+    for (const NodeId n : {edge.a, edge.b})
+      if (edge.is_outline() && !lines_.node(n).corner) nodes.push_back(n);
+    offer_merges(nodes, conflict.edge);
+    return go_cheapest();
+  }
+
+  // ---------------------------------------------------------------- regions
+
+  void split() {
+    for (const Region origin : lines_.split_regions(static_cast<Region>(points_.roofs().size())))
+      split_off_.push_back(origin), points_.add_region(origin);
+    if (split_off_.empty()) return;
+    split_off_.clear();
+    Bounds2 all = Bounds2::nothing();
+    for (const Partition::Node& node : lines_.nodes())
+      if (!node.edges.empty()) all.extend(node.p);
+    points_.update(all, lines_);
+  }
+
+  void drop_small_regions() {
+    std::map<Region, double> areas = lines_.areas();
+    while (areas.size() > 1) {
+      const auto least =
+          std::min_element(areas.begin(), areas.end(),
+                           [](const auto& a, const auto& b) { return a.second < b.second; });
+      if (least->second >= options_.min_area) return;
+      const Region gone = least->first;
+      double best_cost = kFar;
+      Region best = Partition::kOutside;
+      for (const auto& [other, border] : lines_.neighbours(gone)) {
+        const double cost = points_.cost_of_merging(other, gone) - 1e-3 * border;
+        if (cost < best_cost) best_cost = cost, best = other;
+      }
+      if (best == Partition::kOutside) return;
+      merge(best, gone);
+      areas = lines_.areas();
+    }
+  }
+
+  Partition& lines_;
+  RegionPoints& points_;
+  const ClearLinesOptions& options_;
+  double min_angle_;
+  bool only_removals_ = false;
+  std::vector<Way> ways_;
+  std::vector<Region> split_off_;
+};
+
+}  // namespace
+
+void clear_lines(Partition& lines, RegionPoints& points, const ClearLinesOptions& options) {
+  Clearing(lines, points, options).run();
+}
+
+}  // namespace tetropolis

@@ -1,0 +1,169 @@
+#include "city/roofs/detect_planes.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <limits>
+#include <numeric>
+
+#include "tetropolis/core/ragged_array.h"
+#include "tetropolis/ground/triangulation.h"
+
+#include "city/roofs/plane_fit.h"
+
+namespace tetropolis {
+
+namespace {
+
+using PointNumber = std::uint32_t;
+
+/// Per point: those it has an edge to, and those at the same place; ascending.
+RaggedArray<PointNumber> neighbours_of(std::span<const Point3> points) {
+  PlanarGraph graph;
+  for (const Point3& p : points) graph.points.push_back({p[0], p[1]});
+  const Triangulation mesh = constrained_delaunay(graph, {.convex_hull = true});
+  std::vector<std::vector<PointNumber>> at(mesh.points.size()), found(points.size());
+  for (std::size_t i = 0; i < points.size(); ++i)
+    at[mesh.input_vertex[i]].push_back(static_cast<PointNumber>(i));
+  const auto join = [&](const std::vector<PointNumber>& a, const std::vector<PointNumber>& b) {
+    for (const PointNumber i : a)
+      for (const PointNumber j : b)
+        if (i != j) found[i].push_back(j);
+  };
+  for (const std::array<VertexIndex, 3>& triangle : mesh.triangles)
+    for (std::size_t e = 0; e < 3; ++e) {
+      join(at[triangle[e]], at[triangle[(e + 1) % 3]]);
+      join(at[triangle[(e + 1) % 3]], at[triangle[e]]);
+    }
+  for (const std::vector<PointNumber>& same : at) join(same, same);
+  RaggedArray<PointNumber> result;
+  for (std::vector<PointNumber>& list : found) {
+    std::sort(list.begin(), list.end());
+    list.erase(std::unique(list.begin(), list.end()), list.end());
+    result.push_back(list);
+  }
+  return result;
+}
+
+double cosine(const RoofPlane& plane) {
+  return 1 / std::sqrt(1 + plane.slope_x * plane.slope_x + plane.slope_y * plane.slope_y);
+}
+
+class Detection {
+ public:
+  Detection(std::span<const Point3> points, double density, const DetectPlanesOptions& options)
+      : points_(points),
+        options_(options),
+        neighbours_(neighbours_of(points)),
+        need_(std::max(5.0, options.min_area * density)),
+        taken_(points.size(), 0),
+        seen_(points.size(), 0) {
+    find_seeds(density);
+  }
+
+  std::vector<RoofPlane> run() {
+    for (const PointNumber seed : seeds_)
+      if (taken_[seed] == 0) grow(seed);
+    return std::move(planes_);
+  }
+
+ private:
+  Point2 at(PointNumber i) const { return {points_[i][0], points_[i][1]}; }
+  bool is_on(const RoofPlane& plane, PointNumber i) const {
+    return std::abs(height_above(plane, points_[i])) * cosine(plane) <= options_.reach;
+  }
+
+  /// The points around that a plane at `i` is fitted to; sparse points need more of them.
+  std::vector<PointNumber> surroundings(PointNumber i, bool wide) const {
+    std::vector<PointNumber> result(neighbours_[i].begin(), neighbours_[i].end());
+    result.push_back(i);
+    if (wide)
+      for (const PointNumber j : neighbours_[i])
+        result.insert(result.end(), neighbours_[j].begin(), neighbours_[j].end());
+    std::sort(result.begin(), result.end());
+    result.erase(std::unique(result.begin(), result.end()), result.end());
+    return result;
+  }
+
+  void find_seeds(double density) {
+    constexpr double kSparse = 3;  // points per square metre
+    std::vector<double> roughness(points_.size(), std::numeric_limits<double>::infinity());
+    local_.resize(points_.size());
+    for (std::size_t k = 0; k < points_.size(); ++k) {
+      const auto i = static_cast<PointNumber>(k);
+      const std::vector<PointNumber> around = surroundings(i, density < kSparse);
+      if (around.size() < 4) continue;
+      PlaneFit fit(at(i));
+      for (const PointNumber j : around) fit.add(points_[j]);
+      local_[i] = fit.plane();
+      if (slope_of(local_[i]) > kMaxRoofSlope) continue;
+      roughness[i] = std::sqrt(fit.sum_of_squares() / fit.count()) * cosine(local_[i]);
+      if (roughness[i] <= options_.flatness) seeds_.push_back(i);
+    }
+    std::stable_sort(seeds_.begin(), seeds_.end(),
+                     [&](PointNumber a, PointNumber b) { return roughness[a] < roughness[b]; });
+  }
+
+  void grow(PointNumber seed) {
+    RoofPlane plane = local_[seed];
+    std::vector<PointNumber> grown{seed};
+    PlaneFit fit(at(seed));
+    fit.add(points_[seed]);
+    ++stamp_;
+    seen_[seed] = stamp_;
+    std::size_t next_fit = 6;
+    for (std::size_t k = 0; k < grown.size(); ++k)
+      for (const PointNumber j : neighbours_[grown[k]]) {
+        if (taken_[j] != 0 || seen_[j] == stamp_ || !is_on(plane, j)) continue;
+        seen_[j] = stamp_;
+        grown.push_back(j);
+        fit.add(points_[j]);
+        if (grown.size() < next_fit) continue;
+        if (const RoofPlane better = fit.plane(); slope_of(better) < kMaxRoofSlope) plane = better;
+        next_fit = next_fit * 4 / 3 + 1;
+      }
+    take(plane, grown);
+  }
+
+  void take(RoofPlane plane, std::vector<PointNumber>& grown) {
+    const auto inliers = [&] {
+      std::vector<PointNumber> on;
+      for (const PointNumber j : grown)
+        if (is_on(plane, j)) on.push_back(j);
+      return on;
+    };
+    for (int round = 0; round < 2; ++round) {
+      const std::vector<PointNumber> on = inliers();
+      if (static_cast<double>(on.size()) < need_) return;
+      PlaneFit fit(at(on.front()));
+      for (const PointNumber j : on) fit.add(points_[j]);
+      plane = fit.plane();
+    }
+    const std::vector<PointNumber> on = inliers();
+    if (static_cast<double>(on.size()) < need_ || slope_of(plane) > kMaxRoofSlope) return;
+    for (const PointNumber j : on) taken_[j] = 1;
+    planes_.push_back(plane);
+  }
+
+  std::span<const Point3> points_;
+  const DetectPlanesOptions& options_;
+  RaggedArray<PointNumber> neighbours_;
+  double need_;
+  std::vector<std::uint8_t> taken_;
+  std::vector<std::uint32_t> seen_;
+  std::uint32_t stamp_ = 0;
+  std::vector<RoofPlane> local_;
+  std::vector<PointNumber> seeds_;
+  std::vector<RoofPlane> planes_;
+};
+
+}  // namespace
+
+std::vector<RoofPlane> detect_planes(std::span<const Point3> points, double density,
+                                     const DetectPlanesOptions& options) {
+  if (points.size() < 4) return {};
+  return Detection(points, density, options).run();
+}
+
+}  // namespace tetropolis

@@ -1,0 +1,232 @@
+#include "city/roofs/finish_parts.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <limits>
+#include <map>
+#include <utility>
+
+#include "tetropolis/city/heights.h"
+#include "tetropolis/geometry/polygon.h"
+
+#include "city/grid_geometry.h"
+#include "city/roofs/plane_fit.h"
+
+namespace tetropolis {
+
+namespace {
+
+using NodeId = Partition::NodeId;
+using EdgeId = Partition::EdgeId;
+constexpr std::size_t kNone = Partition::kNone;
+
+/// Per node of the outline: the next one along it, the polygon on the left.
+std::vector<NodeId> walk_of(const Partition& lines) {
+  std::vector<NodeId> next(lines.nodes().size(), kNone);
+  for (const Partition::Edge& edge : lines.edges()) {
+    if (!edge.alive) continue;
+    if (edge.right == Partition::kOutside) next[edge.a] = edge.b;
+    if (edge.left == Partition::kOutside) next[edge.b] = edge.a;
+  }
+  return next;
+}
+
+/// The point of the grid nearest to p that is not on the right of the line from a to b.
+Point2 snap_inside(Point2 p, Point2 a, Point2 b) {
+  const Point2 from = grid::to_steps(a), to = grid::to_steps(b);
+  const Point2 exact{p.x * grid::kSteps, p.y * grid::kSteps}, middle = grid::to_steps(p);
+  Point2 best = middle;
+  double least = std::numeric_limits<double>::infinity();
+  for (int dy = -1; dy <= 1; ++dy)
+    for (int dx = -1; dx <= 1; ++dx) {
+      const Point2 q{middle.x + dx, middle.y + dy};
+      const double d = grid::squared_distance(q, exact);
+      if (d < least && grid::orientation(from, to, q) >= 0) least = d, best = q;
+    }
+  return grid::to_metres(best);
+}
+
+void snap_nodes(Partition& lines, const std::vector<NodeId>& next) {
+  for (NodeId n = 0; n < lines.nodes().size(); ++n)
+    if (!lines.node(n).on_outline && !lines.node(n).edges.empty())
+      lines.put_back(n, snap_coordinate(lines.at(n)));
+  for (NodeId n = 0; n < lines.nodes().size(); ++n) {
+    if (next[n] == kNone || !lines.node(n).corner) continue;
+    NodeId end = next[n];
+    while (!lines.node(end).corner) end = next[end];
+    for (NodeId k = next[n]; k != end; k = next[k])
+      lines.put_back(k, snap_inside(lines.at(k), lines.at(n), lines.at(end)));
+  }
+}
+
+Polygon outline_of(const Polygon& footprint, const Partition& lines,
+                   const std::vector<NodeId>& next) {
+  std::map<std::pair<double, double>, NodeId> at;
+  for (NodeId n = 0; n < lines.nodes().size(); ++n)
+    if (lines.node(n).corner && next[n] != kNone) at[{lines.at(n).x, lines.at(n).y}] = n;
+  const auto walked = [&](const Ring& ring) {
+    Ring result;
+    const NodeId start = at.at({ring.front().x, ring.front().y});
+    NodeId n = start;
+    do {
+      result.push_back(lines.at(n));
+      n = next[n];
+    } while (n != start);
+    return result;
+  };
+  Polygon result;
+  result.outer = walked(footprint.outer);
+  for (const Ring& hole : footprint.holes) result.holes.push_back(walked(hole));
+  return result;
+}
+
+Polygon polygon_of(const Partition::Face& face, const Partition& lines) {
+  Polygon result;
+  for (const std::vector<NodeId>& ring : face.rings) {
+    Ring points;
+    for (const NodeId n : ring) points.push_back(lines.at(n));
+    if (result.outer.empty())
+      result.outer = std::move(points);
+    else
+      result.holes.push_back(std::move(points));
+  }
+  return result;
+}
+
+Point2 centroid(const Polygon& polygon) {
+  const Point2 o = polygon.outer.front();
+  double sum = 0, x = 0, y = 0;
+  for_each_edge(polygon, [&](Point2 a, Point2 b) {
+    const double cross = (a.x - o.x) * (b.y - o.y) - (b.x - o.x) * (a.y - o.y);
+    sum += cross;
+    x += cross * (a.x + b.x - 2 * o.x);
+    y += cross * (a.y + b.y - 2 * o.y);
+  });
+  return {o.x + x / (3 * sum), o.y + y / (3 * sum)};
+}
+
+double rmse_of(const RoofPlane& plane, const std::vector<Point3>& points) {
+  double sum = 0;
+  for (const Point3& p : points) sum += height_above(plane, p) * height_above(plane, p);
+  return std::sqrt(sum / static_cast<double>(points.size()));
+}
+
+/// The plane with its slope reduced about `pivot` until all corners are in the range.
+RoofPlane tamed(const RoofPlane& plane, Point2 pivot, const Polygon& outline, double low,
+                double high) {
+  RoofPlane result = plane;
+  result.at = pivot;
+  result.elevation = std::clamp(plane(pivot), low, high);
+  double share = 1;
+  for_each_edge(outline, [&](Point2 p, Point2) {
+    const double rise = plane.slope_x * (p.x - pivot.x) + plane.slope_y * (p.y - pivot.y);
+    if (result.elevation + rise > high) share = std::min(share, (high - result.elevation) / rise);
+    if (result.elevation + rise < low) share = std::min(share, (low - result.elevation) / rise);
+  });
+  result.slope_x *= share;
+  result.slope_y *= share;
+  return result;
+}
+
+class Finishing {
+ public:
+  Finishing(const RoofInput& input, Partition& lines, RegionPoints& points,
+            const FinishOptions& options)
+      : input_(input), lines_(lines), points_(points), options_(options) {
+    for (std::size_t m = 0; m < input.members.size(); ++m)
+      member_of_.insert(member_of_.end(), input.points[m].size(), m);
+  }
+
+  FinishedRoof run() {
+    const std::vector<NodeId> next = walk_of(lines_);
+    snap_nodes(lines_, next);
+    result_.footprint = outline_of(input_.footprint, lines_, next);
+    result_.squared_errors.assign(input_.members.size(), 0);
+    result_.counts.assign(input_.members.size(), 0);
+    for (const Partition::Face& face : lines_.faces())
+      result_.parts.push_back(part_of(face.region, polygon_of(face, lines_)));
+    return std::move(result_);
+  }
+
+ private:
+  FinishedPart part_of(RoofRegion region, Polygon outline) {
+    const RegionRoof& roof = points_.roof(region);
+    const std::vector<std::uint32_t> list = points_.points_of(region);
+    std::vector<Point3> inside;
+    for (const std::uint32_t p : list) inside.push_back(input_.points.values[p]);
+    FinishedPart finished;
+    finished.member = roof.member;
+    RoofPart& part = finished.part;
+    part.outline = std::move(outline);
+    part.lod = roof.lod;
+    part.n_points = static_cast<std::int64_t>(inside.size());
+    part.rmse = std::numeric_limits<double>::quiet_NaN();
+    part.roof = roof.lod == Lod::k2_2 ? sloped(roof.plane, inside, part) : roof.plane;
+    raise(part.roof, part.outline, finished);
+    part.roof = snap_plane(part.roof);
+    finished.mean_of_roof = finished.mean_of_points = part.roof(centroid(part.outline));
+    if (!inside.empty()) {
+      part.rmse = rmse_of(part.roof, inside);
+      double sum = 0;
+      for (const Point3& p : inside) sum += p[2];
+      finished.mean_of_points = sum / static_cast<double>(inside.size());
+    }
+    for (const std::uint32_t p : list) {
+      const double d = height_above(part.roof, input_.points.values[p]);
+      result_.squared_errors[member_of_[p]] += d * d;
+      ++result_.counts[member_of_[p]];
+    }
+    return finished;
+  }
+
+  /// A plane whose corners stay near to what points say, or a flat roof where that fits better.
+  RoofPlane sloped(const RoofPlane& plane, const std::vector<Point3>& inside, RoofPart& part) {
+    constexpr double kNear = 0.5, kBeyond = 0.5;  // metres
+    Point2 pivot = centroid(part.outline);
+    double low = std::numeric_limits<double>::infinity(), high = -low, x = 0, y = 0, count = 0;
+    for (const Point3& p : inside) {
+      if (std::abs(height_above(plane, p)) > kNear) continue;
+      low = std::min(low, p[2]);
+      high = std::max(high, p[2]);
+      x += p[0], y += p[1], ++count;
+    }
+    if (count == 0) {
+      part.lod = Lod::k1_2;
+      return {pivot, plane(pivot), 0, 0};
+    }
+    if (count > 0) pivot = {x / count, y / count};
+    const RoofPlane result = tamed(plane, pivot, part.outline, low - kBeyond, high + kBeyond);
+    std::vector<double> heights;
+    for (const Point3& p : inside) heights.push_back(p[2]);
+    const RoofPlane flat{pivot, percentile(heights, options_.percentile), 0, 0};
+    if (rmse_of(result, inside) <= rmse_of(flat, inside)) return result;
+    part.lod = Lod::k1_2;
+    return flat;
+  }
+
+  void raise(RoofPlane& roof, const Polygon& outline, FinishedPart& finished) const {
+    double lowest = std::numeric_limits<double>::infinity();
+    for_each_edge(outline, [&](Point2 p, Point2) { lowest = std::min(lowest, roof(p)); });
+    if (lowest >= options_.lowest) return;
+    finished.raised = true;
+    const Point2 middle = centroid(outline);
+    roof = tamed(roof, middle, outline, options_.lowest, std::numeric_limits<double>::infinity());
+  }
+
+  const RoofInput& input_;
+  Partition& lines_;
+  RegionPoints& points_;
+  const FinishOptions& options_;
+  std::vector<std::size_t> member_of_;
+  FinishedRoof result_;
+};
+
+}  // namespace
+
+FinishedRoof finish_parts(const RoofInput& input, Partition& lines, RegionPoints& points,
+                          const FinishOptions& options) {
+  return Finishing(input, lines, points, options).run();
+}
+
+}  // namespace tetropolis

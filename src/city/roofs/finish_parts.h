@@ -1,0 +1,40 @@
+// From cleared lines to parts. Private to src/city.
+#pragma once
+
+#include <vector>
+
+#include "tetropolis/city/city_model.h"
+
+#include "city/roofs/partition.h"
+#include "city/roofs/region_points.h"
+
+namespace tetropolis {
+
+struct FinishOptions {
+  double percentile = 70;  ///< Of the points of flat roofs.
+  double lowest = 0;       ///< Elevation that no roof goes below.
+};
+
+/// A part, and what is known of it.
+struct FinishedPart {
+  RoofPart part;  ///< Without source_id.
+  MemberNumber member = 0;
+  bool raised = false;        ///< To the lowest elevation.
+  double mean_of_points = 0;  ///< Elevation; of the roof's middle without points.
+  double mean_of_roof = 0;    ///< Elevation.
+};
+
+struct FinishedRoof {
+  Polygon footprint;  ///< With the vertices of parts on it.
+  std::vector<FinishedPart> parts;
+  std::vector<double> squared_errors;  ///< Per member, summed over its points.
+  std::vector<std::int64_t> counts;    ///< Per member: its points.
+};
+
+/// Snaps vertices (those on the outline to the inside) and fits the roofs. A sloped roof is made
+/// gentler until no corner of its part is more than 0.5 m beyond the range of its points, nor below
+/// the lowest elevation, and replaced by a flat one where that fits better.
+FinishedRoof finish_parts(const RoofInput& input, Partition& lines, RegionPoints& points,
+                          const FinishOptions& options);
+
+}  // namespace tetropolis

@@ -1,0 +1,132 @@
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <numbers>
+#include <utility>
+#include <vector>
+
+#include "tetropolis/city/heights.h"
+#include "tetropolis/city/roofs.h"
+#include "tetropolis/geometry/polygon.h"
+
+#include "city/roofs/plane_fit.h"
+#include "city/roofs/roof_of_building.h"
+#include "core/parallel.h"
+#include "core/shared_progress.h"
+
+namespace tetropolis {
+
+namespace {
+
+/// What the facts are made of, of one building.
+struct BuildingFacts {
+  RoofFacts facts;
+  std::vector<double> rmse;  ///< Of its footprints with enough points.
+};
+
+RoofInput input_of(const Building& building, const CityModel& raw, const BuildingPoints& points,
+                   const std::vector<BuildingIndex>& members, const PointCloud& cloud) {
+  RoofInput input;
+  input.footprint = building.footprint;
+  for (const BuildingIndex m : members) {
+    input.members.push_back(&raw.buildings[m].footprint);
+    std::vector<Point3> list;
+    for (const PointIndex p : points.roof[m]) list.push_back({cloud.x[p], cloud.y[p], cloud.z[p]});
+    input.points.push_back(list);
+  }
+  return input;
+}
+
+bool is_below(Lod lod, Lod wanted) { return lod < wanted; }
+
+void count(const FinishedRoof& roof, const Building& building, Lod wanted, BuildingFacts& result) {
+  RoofFacts& facts = result.facts;
+  for (const FinishedPart& finished : roof.parts) {
+    const RoofPart& part = finished.part;
+    ++facts.parts;
+    ++facts.parts_by_lod[name_of(part.lod)];
+    if (is_below(part.lod, wanted) && part.n_points > 0) ++facts.fallbacks;
+    if (part.n_points == 0) ++facts.parts_without_points;
+    if (finished.raised) ++facts.raised;
+    facts.max_slope_deg =
+        std::max(facts.max_slope_deg, std::atan(slope_of(part.roof)) * 180 / std::numbers::pi);
+    const double size = area(part.outline);
+    facts.volume_of_points += size * (finished.mean_of_points - building.h_ground);
+    facts.volume += size * (finished.mean_of_roof - building.h_ground);
+    facts.volume_of_blocks += size * (building.h_roof - building.h_ground);
+  }
+  constexpr std::int64_t kEnough = 20;
+  for (std::size_t m = 0; m < roof.counts.size(); ++m)
+    if (roof.counts[m] >= kEnough)
+      result.rmse.push_back(
+          std::sqrt(roof.squared_errors[m] / static_cast<double>(roof.counts[m])));
+}
+
+BuildingFacts make_roof(Building& building, const RoofInput& input, const CityModel& raw,
+                        const std::vector<BuildingIndex>& members, const RoofOptions& options) {
+  BuildingFacts result;
+  RoofOptions tried = options;
+  // What cannot keep its clearance is made with fewer lines: party walls alone, then none.
+  for (const Lod lod : {options.lod, Lod::k1_2}) {
+    tried.lod = lod;
+    FinishedRoof roof =
+        roof_of_building(input, tried, building.h_roof, building.h_ground + options.min_height);
+    Building made = building;
+    made.footprint = roof.footprint;
+    for (FinishedPart& finished : roof.parts) {
+      finished.part.source_id =
+          raw.buildings[members[static_cast<std::size_t>(finished.member)]].source_ids.front();
+      made.parts.push_back(finished.part);
+    }
+    if (!part_defects(std::span(&made, 1), options.clearance, options.min_area, 1).empty())
+      continue;
+    building = std::move(made);
+    count(roof, building, options.lod, result);
+    return result;
+  }
+  result.facts.undivided = 1;
+  return result;
+}
+
+void add(const BuildingFacts& one, BuildingFacts& all) {
+  RoofFacts& sum = all.facts;
+  sum.parts += one.facts.parts;
+  for (const auto& [lod, number] : one.facts.parts_by_lod) sum.parts_by_lod[lod] += number;
+  sum.fallbacks += one.facts.fallbacks;
+  sum.parts_without_points += one.facts.parts_without_points;
+  sum.raised += one.facts.raised;
+  sum.undivided += one.facts.undivided;
+  sum.max_slope_deg = std::max(sum.max_slope_deg, one.facts.max_slope_deg);
+  sum.volume_of_points += one.facts.volume_of_points;
+  sum.volume += one.facts.volume;
+  sum.volume_of_blocks += one.facts.volume_of_blocks;
+  all.rmse.insert(all.rmse.end(), one.rmse.begin(), one.rmse.end());
+}
+
+}  // namespace
+
+RoofFacts make_roofs(CityModel& city, const CityModel& raw, const BuildingPoints& points,
+                     std::span<const std::vector<BuildingIndex>> members, const PointCloud& cloud,
+                     const RoofOptions& options, const Progress& progress) {
+  if (options.lod == Lod::kBlock) return {};
+  std::vector<BuildingFacts> facts(city.buildings.size());
+  SharedProgress shared(progress, city.buildings.size());
+  parallel_chunks(city.buildings.size(), 1, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t b = begin; b < end; ++b) {
+      Building& building = city.buildings[b];
+      facts[b] = make_roof(building, input_of(building, raw, points, members[b], cloud), raw,
+                           members[b], options);
+      shared.add(1);
+    }
+  });
+  BuildingFacts all;
+  for (const BuildingFacts& one : facts) add(one, all);
+  if (!all.rmse.empty()) {
+    all.facts.rmse_median = percentile(all.rmse, 50);
+    all.facts.rmse_p90 = percentile(all.rmse, 90);
+  }
+  return all.facts;
+}
+
+}  // namespace tetropolis

@@ -1,0 +1,183 @@
+#include "city/roofs/region_points.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <utility>
+
+#include "tetropolis/city/heights.h"
+#include "tetropolis/core/row_major.h"
+#include "tetropolis/geometry/polygon.h"
+
+#include "city/roofs/plane_fit.h"
+#include "core/ragged_builder.h"
+
+namespace tetropolis {
+
+namespace {
+
+constexpr double kCell = 1;    // metres
+constexpr double kNear = 0.5;  // metres: what a plane is fitted to
+
+std::size_t index(std::int32_t i) { return static_cast<std::size_t>(i); }
+
+std::size_t slot(double distance, std::size_t count) {
+  return std::min(static_cast<std::size_t>(std::max(distance, 0.0) / kCell), count - 1);
+}
+
+}  // namespace
+
+RegionPoints::RegionPoints(const RoofInput& input, const RoofCells& cells,
+                           const RoofRegions& regions, double percentile, double cap)
+    : points_(input.points.values),
+      percentile_(percentile),
+      cap_(cap),
+      region_of_(points_.size(), -1),
+      roofs_(regions.roofs),
+      lists_(regions.roofs.size()),
+      box_(bounds(input.footprint)) {
+  for (std::size_t m = 0; m < input.members.size(); ++m) {
+    const auto count = static_cast<double>(input.points[m].size());
+    weight_.insert(weight_.end(), input.points[m].size(),
+                   std::min(20.0, area(*input.members[m]) / std::max(count, 1.0)));
+  }
+  columns_ = static_cast<std::size_t>(box_.width() / kCell) + 1;
+  rows_ = static_cast<std::size_t>(box_.height() / kCell) + 1;
+  RaggedBuilder<std::uint32_t> builder(columns_ * rows_);
+  const auto cell_of = [&](std::uint32_t p) {
+    return row_major(slot(points_[p][0] - box_.xmin, columns_),
+                     slot(points_[p][1] - box_.ymin, rows_), columns_);
+  };
+  for (const std::uint32_t p : cells.points.values) builder.count(cell_of(p));
+  builder.start();
+  for (std::size_t c = 0; c < cells.size(); ++c)
+    for (const std::uint32_t p : cells.points[c]) {
+      builder.place(cell_of(p), p);
+      region_of_[p] = regions.of_cell[c];
+      lists_[index(regions.of_cell[c])].push_back(p);
+    }
+  grid_ = builder.take();
+}
+
+double RegionPoints::loss(const RoofPlane& plane, std::uint32_t point) const {
+  const double d = std::min(std::abs(height_above(plane, points_[point])), cap_);
+  return weight_[point] * d * d;
+}
+
+double RegionPoints::loss(const RoofPlane& plane, const std::vector<std::uint32_t>& points) const {
+  double sum = 0;
+  for (const std::uint32_t p : points) sum += loss(plane, p);
+  return sum;
+}
+
+std::vector<std::uint32_t> RegionPoints::points_of(RoofRegion r) const {
+  std::vector<std::uint32_t> result;
+  for (const std::uint32_t p : lists_[index(r)])
+    if (region_of_[p] == r) result.push_back(p);
+  std::sort(result.begin(), result.end());
+  result.erase(std::unique(result.begin(), result.end()), result.end());
+  return result;
+}
+
+double RegionPoints::cost_of_triangle(Point2 a, Point2 b, Point2 c, RoofRegion from,
+                                      RoofRegion to) const {
+  if (from == to || from < 0 || to < 0) return 0;
+  const RoofPlane& before = roof(from).plane;
+  const RoofPlane& after = roof(to).plane;
+  const Bounds2 box = bounds(std::array{a, b, c});
+  double sum = 0;
+  for (std::size_t y = slot(box.ymin - box_.ymin, rows_); y <= slot(box.ymax - box_.ymin, rows_);
+       ++y)
+    for (std::size_t x = slot(box.xmin - box_.xmin, columns_);
+         x <= slot(box.xmax - box_.xmin, columns_); ++x)
+      for (const std::uint32_t p : grid_[row_major(x, y, columns_)]) {
+        const Point2 q{points_[p][0], points_[p][1]};
+        if (crosses_ray(a, b, q) ^ crosses_ray(b, c, q) ^ crosses_ray(c, a, q))
+          sum += loss(after, p) - loss(before, p);
+      }
+  const double size = std::abs((b.x - a.x) * (c.y - a.y) - (b.y - a.y) * (c.x - a.x)) / 2;
+  const Point2 middle{(a.x + b.x + c.x) / 3, (a.y + b.y + c.y) / 3};
+  const double step = std::min(std::abs(after(middle) - before(middle)), cap_);
+  constexpr double kShare = 0.1;
+  return sum + kShare * size * step * step;
+}
+
+RegionRoof RegionPoints::fitted(const std::vector<RegionRoof>& candidates,
+                                const std::vector<std::uint32_t>& points) const {
+  RegionRoof best = candidates.front();
+  if (points.empty()) return best;
+  if (best.lod != Lod::k2_2) {
+    std::vector<double> heights;
+    for (const std::uint32_t p : points) heights.push_back(points_[p][2]);
+    if (best.lod != Lod::kBlock) best.plane.elevation = percentile(heights, percentile_);
+    return best;
+  }
+  double least = loss(best.plane, points);
+  const auto consider = [&](const RoofPlane& plane) {
+    if (const double cost = loss(plane, points); cost < least) least = cost, best.plane = plane;
+  };
+  const auto fit_near = [&](const RoofPlane& plane, double near) {
+    PlaneFit fit(plane.at);
+    for (const std::uint32_t p : points)
+      if (std::abs(height_above(plane, points_[p])) < near) fit.add(points_[p]);
+    if (fit.count() < 5) return;
+    if (const RoofPlane better = fit.plane(); slope_of(better) < kMaxRoofSlope) consider(better);
+  };
+  for (std::size_t k = 1; k < candidates.size(); ++k) consider(candidates[k].plane);
+  for (const RegionRoof& candidate : candidates) fit_near(candidate.plane, kNear);
+  fit_near(best.plane, cap_);
+  fit_near(best.plane, cap_);
+  return best;
+}
+
+RegionRoof RegionPoints::merged_roof(RoofRegion a, RoofRegion b,
+                                     const std::vector<std::uint32_t>& points) const {
+  if (roof(a).lod < roof(b).lod) std::swap(a, b);
+  return fitted({roof(a), roof(b)}, points);
+}
+
+double RegionPoints::cost_of_region(RoofRegion r) const {
+  return loss(roof(r).plane, points_of(r));
+}
+
+double RegionPoints::cost_of_merging(RoofRegion a, RoofRegion b) const {
+  std::vector<std::uint32_t> both = points_of(a);
+  const std::vector<std::uint32_t> second = points_of(b);
+  const double before = loss(roof(a).plane, both) + loss(roof(b).plane, second);
+  both.insert(both.end(), second.begin(), second.end());
+  return loss(merged_roof(a, b, both).plane, both) - before;
+}
+
+void RegionPoints::merge(RoofRegion keep, RoofRegion gone) {
+  std::vector<std::uint32_t> both = points_of(keep);
+  const std::vector<std::uint32_t> second = points_of(gone);
+  both.insert(both.end(), second.begin(), second.end());
+  roofs_[index(keep)] = merged_roof(keep, gone, both);
+  for (const std::uint32_t p : second) region_of_[p] = keep;
+  lists_[index(keep)] = std::move(both);
+  lists_[index(gone)].clear();
+}
+
+void RegionPoints::update(const Bounds2& box, const Partition& lines) {
+  for (std::size_t y = slot(box.ymin - box_.ymin, rows_); y <= slot(box.ymax - box_.ymin, rows_);
+       ++y)
+    for (std::size_t x = slot(box.xmin - box_.xmin, columns_);
+         x <= slot(box.xmax - box_.xmin, columns_); ++x)
+      for (const std::uint32_t p : grid_[row_major(x, y, columns_)]) {
+        const Point2 q{points_[p][0], points_[p][1]};
+        if (!box.contains(q)) continue;
+        const RoofRegion r = lines.region_at(q);
+        if (r == region_of_[p]) continue;
+        region_of_[p] = r;
+        if (r >= 0) lists_[index(r)].push_back(p);
+      }
+}
+
+void RegionPoints::fit() {
+  for (std::size_t r = 0; r < roofs_.size(); ++r) {
+    lists_[r] = points_of(static_cast<RoofRegion>(r));
+    roofs_[r] = fitted({roofs_[r]}, lists_[r]);
+  }
+}
+
+}  // namespace tetropolis

@@ -1,0 +1,68 @@
+// Which points are in which region of a roof, and what it costs when lines move over them. Private
+// to src/city.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "tetropolis/core/ragged_array.h"
+#include "tetropolis/geometry/types.h"
+
+#include "city/roofs/label_cells.h"
+#include "city/roofs/partition.h"
+#include "city/roofs/roof_cells.h"
+
+namespace tetropolis {
+
+/// Costs are sums over points of their squared vertical distances (capped) over the density: m^4.
+class RegionPoints {
+ public:
+  /// `percentile`: of flat roofs; `cap`: distances beyond it count as this, metres.
+  RegionPoints(const RoofInput& input, const RoofCells& cells, const RoofRegions& regions,
+               double percentile, double cap);
+
+  const std::vector<RegionRoof>& roofs() const { return roofs_; }
+  const RegionRoof& roof(RoofRegion r) const { return roofs_[static_cast<std::size_t>(r)]; }
+
+  /// Of giving the triangle, all of which is in `from`, to `to`. Negative: it fits better there.
+  /// Not zero where there are no points, but small against what points would say.
+  double cost_of_triangle(Point2 a, Point2 b, Point2 c, RoofRegion from, RoofRegion to) const;
+  /// Of one roof for two regions.
+  double cost_of_merging(RoofRegion a, RoofRegion b) const;
+  /// Of a region's own points.
+  double cost_of_region(RoofRegion r) const;
+
+  /// All of `gone` is in `keep` from now on.
+  void merge(RoofRegion keep, RoofRegion gone);
+  /// A new region, a part of `origin`, whose points are found by update().
+  void add_region(RoofRegion origin) { roofs_.push_back(roof(origin)), lists_.emplace_back(); }
+  /// Lines have moved within the box.
+  void update(const Bounds2& box, const Partition& lines);
+  /// Roofs fitted to the points that their regions have now.
+  void fit();
+
+  /// The points of a region, as indices of RoofInput::points.values.
+  std::vector<std::uint32_t> points_of(RoofRegion r) const;
+
+ private:
+  double loss(const RoofPlane& plane, std::uint32_t point) const;
+  double loss(const RoofPlane& plane, const std::vector<std::uint32_t>& points) const;
+  /// The best roof for points, of those given and such as can be fitted.
+  RegionRoof fitted(const std::vector<RegionRoof>& candidates,
+                    const std::vector<std::uint32_t>& points) const;
+  RegionRoof merged_roof(RoofRegion a, RoofRegion b,
+                         const std::vector<std::uint32_t>& points) const;
+
+  const std::vector<Point3>& points_;
+  double percentile_;
+  double cap_;
+  std::vector<double> weight_;         ///< Per point.
+  std::vector<RoofRegion> region_of_;  ///< Per point; -1: none.
+  std::vector<RegionRoof> roofs_;
+  std::vector<std::vector<std::uint32_t>> lists_;  ///< Per region: its points, and former ones.
+  Bounds2 box_;
+  std::size_t columns_ = 1, rows_ = 1;
+  RaggedArray<std::uint32_t> grid_;
+};
+
+}  // namespace tetropolis
