@@ -1,6 +1,10 @@
 #include "tetropolis/ground/mesh_ground.h"
 
+#include <algorithm>
 #include <cmath>
+#include <map>
+#include <set>
+#include <utility>
 
 #include "tetropolis/core/error.h"
 #include "tetropolis/core/threads.h"
@@ -163,6 +167,95 @@ TEST(MeshGround, NamesTheFootprintThatIsOutside) {
   EXPECT_THROW(mesh_ground({}, {0, 0, std::nan(""), 5}), Error);
   EXPECT_THROW(mesh_ground({}, domain, {0, 25}), Error);
   EXPECT_THROW(mesh_ground({}, domain, {10, 50}), Error);
+}
+
+TEST(MeshGround, PartsOfABuildingShareTheirLines) {
+  // Quads with jittered corners around a yard, and a building of its own beside them.
+  Random random(33);
+  for (int trial = 0; trial < 20; ++trial) {
+    constexpr int kSide = 4;
+    std::vector<Point2> corner;
+    for (int j = 0; j <= kSide; ++j)
+      for (int i = 0; i <= kSide; ++i)
+        corner.push_back({20 + 8.0 * i + random.real(-1, 1), 20 + 8.0 * j + random.real(-1, 1)});
+    std::vector<Polygon> outlines{rectangle({70, 20, 82, 30})};
+    for (int j = 0; j < kSide; ++j)
+      for (int i = 0; i < kSide; ++i) {
+        if (i == 1 && j == 2) continue;
+        const auto at = [&](int a, int b) {
+          return corner[static_cast<std::size_t>(b * (kSide + 1) + a)];
+        };
+        Ring ring{at(i, j), at(i + 1, j), at(i + 1, j + 1), at(i, j + 1)};
+        if (i == j) std::reverse(ring.begin(), ring.end());
+        outlines.push_back({std::move(ring), {}});
+      }
+    std::vector<PartOutline> parts{{&outlines[0], BuildingIndex(0), 0}};
+    for (std::size_t p = 1; p < outlines.size(); ++p)
+      parts.push_back({&outlines[p], BuildingIndex(1), static_cast<std::int32_t>(p - 1)});
+    GroundMeshOptions options{6, 25};
+    constexpr double kShort = 1.5;
+    options.party_line = [&](RegionIndex left, RegionIndex right, Point2 a, Point2 b) {
+      EXPECT_TRUE(left != right && left > 0 && right > 0);
+      const Point2 third{a.x + (b.x - a.x) / 3, a.y + (b.y - a.y) / 3};
+      return std::vector<LinePiece>{{third, kShort}, {b, 6}};
+    };
+    const Bounds2 domain{0, 0, 100, 80};
+    const GroundMesh mesh = mesh_ground_parts(parts, domain, options);
+    EXPECT_EQ(lines(check_topology(mesh.vertices, mesh.triangles)), "");
+    ASSERT_EQ(mesh.regions.size(), outlines.size() + 1);
+    EXPECT_EQ(mesh.regions.back(), Region{});
+    std::vector<double> covered(mesh.regions.size(), 0);
+    std::map<std::pair<VertexIndex, VertexIndex>, std::set<RegionIndex>> sides;
+    for (const TriangleIndex t : mesh.triangles.indices()) {
+      const auto& v = mesh.triangles[t];
+      const Ring ring{mesh.vertices[v[0]], mesh.vertices[v[1]], mesh.vertices[v[2]]};
+      covered[mesh.region[t]] += signed_area(ring);
+      for (std::size_t i = 0; i < 3; ++i)
+        sides[std::minmax({v[i], v[(i + 1) % 3]})].insert(mesh.region[t]);
+      // By point in polygon, which part it is.
+      const Point2 centre{(ring[0].x + ring[1].x + ring[2].x) / 3,
+                          (ring[0].y + ring[1].y + ring[2].y) / 3};
+      RegionIndex part(outlines.size());
+      for (const RegionIndex p : indices<RegionIndex>(outlines.size()))
+        if (contains(outlines[p], centre)) part = p;
+      ASSERT_EQ(mesh.region[t], part);
+    }
+    for (std::size_t p = 0; p < outlines.size(); ++p) {
+      EXPECT_EQ(mesh.regions[RegionIndex(p)].building, parts[p].building);
+      EXPECT_EQ(mesh.regions[RegionIndex(p)].part, parts[p].part);
+      EXPECT_NEAR(covered[p], area(outlines[p]), 1e-9);
+    }
+    // Edges between regions, and no others within, are tagged; those beside a third are short.
+    std::size_t between = 0;
+    for (const auto& [edge, regions] : sides) {
+      if (regions.size() < 2) continue;
+      ++between;
+      EXPECT_TRUE(std::any_of(
+          mesh.tagged_edges.begin(), mesh.tagged_edges.end(), [&](const TaggedEdge& tag) {
+            return std::pair(tag.low, tag.high) == edge && regions.count(tag.region) > 0;
+          }));
+    }
+    std::size_t on_sides = 0;
+    for (const TaggedEdge& tag : mesh.tagged_edges) on_sides += tag.region == kNoRegion ? 1 : 0;
+    EXPECT_EQ(mesh.tagged_edges.size(), between + on_sides);
+    for (std::size_t p = 1; p < outlines.size(); ++p)
+      for (std::size_t q = p + 1; q < outlines.size(); ++q)
+        for (std::size_t i = 0; i < 4; ++i)
+          for (std::size_t j = 0; j < 4; ++j) {
+            const Point2 a = outlines[p].outer[i], b = outlines[p].outer[(i + 1) % 4];
+            const Point2 c = outlines[q].outer[j], d = outlines[q].outer[(j + 1) % 4];
+            if (!((a == c && b == d) || (a == d && b == c))) continue;
+            const double length = std::hypot(b.x - a.x, b.y - a.y);
+            std::size_t thirds = 0;
+            for (const Point2 v : mesh.vertices)
+              for (const double t : {1.0 / 3, 2.0 / 3})
+                thirds += std::hypot(v.x - a.x - t * (b.x - a.x), v.y - a.y - t * (b.y - a.y)) <
+                                  1e-9 * length
+                              ? 1
+                              : 0;
+            EXPECT_GE(thirds, 1U);
+          }
+  }
 }
 
 TEST(MeshGround, ChecksNoticeDamage) {
