@@ -23,7 +23,7 @@ struct Sight {
 
 struct Camera {
   Vec3 eye;                     ///< Without perspective: any point on the axis.
-  Vec3 right, up, forward;      ///< Of length 1, at right angles.
+  Vec3 right, up, forward;      ///< At right angles, of length 1; a longer `up` stretches heights.
   double scale = 1;             ///< Pixels per metre; in perspective at a depth of 1 m.
   double middle_x = 0;          ///< Where the axis meets the picture, pixels.
   double middle_y = 0;
@@ -38,7 +38,8 @@ struct Camera {
     return {middle_x + s * dot(q, right), middle_y - s * dot(q, up), is_perspective ? 1 / d : -d};
   }
   Sight sight(double x, double y) const {
-    const Vec3 aside = ((x - middle_x) / scale) * right + ((middle_y - y) / scale) * up;
+    const Vec3 aside =
+        ((x - middle_x) / scale) * right + ((middle_y - y) / scale / dot(up, up)) * up;
     return is_perspective ? Sight{eye, forward + aside} : Sight{eye + aside, forward};
   }
 };

@@ -37,7 +37,7 @@ std::string_view strokes(char character) {
     case '9':
       return "0516364541301001021343";
     case 'm':
-      return "0602 0312223226 2312 2332424346";
+      return "0602 03122326 23324346";
     case 'k':
       return "0006 0442 1346";
     case '-':
@@ -70,7 +70,8 @@ void draw_line(Canvas& canvas, Point2 from, Point2 to, double width, Rgb colour)
     }
 }
 
-void draw_text(Canvas& canvas, Point2 middle, double size, std::string_view text, Rgb colour) {
+void draw_text(Canvas& canvas, Point2 middle, double size, std::string_view text, double width,
+               Rgb colour) {
   constexpr double kAdvance = 6;  // units
   const double unit = size / 6;
   Point2 corner{middle.x - unit * (kAdvance * static_cast<double>(text.size()) - 2) / 2,
@@ -86,7 +87,7 @@ void draw_text(Canvas& canvas, Point2 middle, double size, std::string_view text
         continue;
       }
       const Point2 next{corner.x + unit * (path[i] - '0'), corner.y + unit * (path[i + 1] - '0')};
-      if (is_down) draw_line(canvas, last, next, std::max(1.2, size / 8), colour);
+      if (is_down) draw_line(canvas, last, next, std::max(1.2, width), colour);
       last = next;
       is_down = true;
       i += 2;
@@ -95,7 +96,7 @@ void draw_text(Canvas& canvas, Point2 middle, double size, std::string_view text
   }
 }
 
-void draw_scale_bar(Canvas& canvas, double pixels_per_metre, Rgb colour) {
+void draw_scale_bar(Canvas& canvas, double pixels_per_metre, Rgb colour, Rgb halo) {
   const double most = 0.16 * canvas.width / pixels_per_metre;
   double length = std::pow(10, std::floor(std::log10(most)));
   for (const double factor : {5.0, 2.0})
@@ -105,9 +106,12 @@ void draw_scale_bar(Canvas& canvas, double pixels_per_metre, Rgb colour) {
     }
   const double size = std::max(9.0, canvas.height / 70.0);
   const double x = 2 * size, y = canvas.height - 2 * size, end = x + length * pixels_per_metre;
-  draw_line(canvas, {x, y}, {end, y}, size / 8, colour);
-  for (const double at : {x, end}) draw_line(canvas, {at, y - size / 2}, {at, y}, size / 8, colour);
-  draw_text(canvas, {(x + end) / 2, y - size}, size, fmt::format("{:g} m", length), colour);
+  for (const double width : {size / 2, size / 8}) {
+    const Rgb of = width == size / 2 ? halo : colour;
+    draw_line(canvas, {x, y}, {end, y}, width, of);
+    for (const double at : {x, end}) draw_line(canvas, {at, y - size / 2}, {at, y}, width, of);
+    draw_text(canvas, {(x + end) / 2, y - size}, size, fmt::format("{:g} m", length), width, of);
+  }
 }
 
 }  // namespace tetropolis

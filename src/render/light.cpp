@@ -27,13 +27,12 @@ Camera camera_at(Vec3 towards, std::span<const Vec3> points, int size) {
   return camera;
 }
 
-/// The share of the four pixels around (x, y), by their nearness to it, that nothing is nearer to
-/// the light in.
-float share_lit(const VisibleMap& map, double x, double y, float nearness) {
-  const double column = std::clamp(x - 0.5, 0.0, map.width - 1.001);
-  const double row = std::clamp(y - 0.5, 0.0, map.height - 1.001);
+/// The share of the four pixels around (x, y) in which nothing is nearer to the light.
+float share_lit(const VisibleMap& map, float x, float y, float nearness) {
+  const float column = std::clamp(x - 0.5F, 0.0F, static_cast<float>(map.width) - 1.01F);
+  const float row = std::clamp(y - 0.5F, 0.0F, static_cast<float>(map.height) - 1.01F);
   const int i = static_cast<int>(column), j = static_cast<int>(row);
-  const auto u = static_cast<float>(column - i), v = static_cast<float>(row - j);
+  const float u = column - static_cast<float>(i), v = row - static_cast<float>(j);
   const float* above = map.nearness.data() + map.at(i, j);
   const float* below = above + map.width;
   const auto lit = [&](float blocker) { return blocker <= nearness ? 1.0F : 0.0F; };
@@ -41,25 +40,42 @@ float share_lit(const VisibleMap& map, double x, double y, float nearness) {
          v * ((1 - u) * lit(below[0]) + u * lit(below[1]));
 }
 
+/// In single precision.
+struct Row {
+  float x, y, z, shift;
+
+  Row(Vec3 v, double shift_)
+      : x(static_cast<float>(v.x)),
+        y(static_cast<float>(v.y)),
+        z(static_cast<float>(v.z)),
+        shift(static_cast<float>(shift_)) {}
+  float operator()(float px, float py, float pz) const { return x * px + y * py + z * pz + shift; }
+};
+
 void add_light(const FarLight& light, const Camera& camera, const VisibleMap& map,
                std::vector<Receiver>& receivers) {
-  // A surface does not shade itself: looked at from a pixel and a half above it.
-  const double above = 1.5 / camera.scale;
+  // A surface does not shade itself: it is looked at from a pixel and a half above it.
+  const double height = 1.5 / camera.scale;
+  const auto above = static_cast<float>(height);
+  const Row towards(light.towards, 0);
+  const Vec3 right = camera.scale * camera.right, up = -camera.scale * camera.up;
+  const Row column(right, camera.middle_x - dot(camera.eye, right));
+  const Row row(up, camera.middle_y - dot(camera.eye, up));
+  const Row near(-1.0 * camera.forward, dot(camera.eye, camera.forward) + 0.5 * height);
   for (Receiver& r : receivers) {
-    const Vec3 n{r.normal[0], r.normal[1], r.normal[2]};
-    const double facing = dot(n, light.towards);
+    const float facing = towards(r.normal[0], r.normal[1], r.normal[2]);
     if (facing <= 0) continue;
-    const Vec3 p{r.position[0], r.position[1], r.position[2]};
-    const ScreenPoint at = camera.project(p + above * n);
-    const auto nearness = static_cast<float>(at.nearness + 0.5 * above);
-    r.light += light.strength * static_cast<float>(facing) * share_lit(map, at.x, at.y, nearness);
+    const float x = r.position[0] + above * r.normal[0], y = r.position[1] + above * r.normal[1];
+    const float z = r.position[2] + above * r.normal[2];
+    r.light += light.strength * facing *
+               share_lit(map, column(x, y, z), row(x, y, z), near(x, y, z));
   }
 }
 
 }  // namespace
 
 std::vector<FarLight> sun_lights(double azimuth, double elevation) {
-  constexpr int kCount = 16;
+  constexpr int kCount = 12;
   constexpr double kRadius = 1.1 * kRadians;  // four times the sun's: a softer edge
   const double a = azimuth * kRadians, e = elevation * kRadians;
   const Vec3 sun{std::cos(e) * std::sin(a), std::cos(e) * std::cos(a), std::sin(e)};
@@ -75,7 +91,7 @@ std::vector<FarLight> sun_lights(double azimuth, double elevation) {
 }
 
 std::vector<FarLight> sky_lights() {
-  constexpr int kCount = 56;
+  constexpr int kCount = 48;
   std::vector<FarLight> lights;
   double level = 0;
   for (int i = 0; i < kCount; ++i) {

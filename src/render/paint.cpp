@@ -59,8 +59,28 @@ class Painter {
     return dot(n, direction) > 0 ? -1.0 * n : n;
   }
 
+  /// At a point of the triangle whose own normal is `flat`: of smooth ground between its corners'.
+  Vec3 smooth_normal(std::int32_t triangle, Vec3 flat, Vec3 at) const {
+    const auto& corners = scene_.triangles[static_cast<std::size_t>(triangle)];
+    std::array<Vec3, 3> normals;
+    for (std::size_t i = 0; i < 3; ++i) {
+      normals[i] = scene_.normals[static_cast<std::size_t>(corners[i])];
+      if (normals[i] == Vec3()) return flat;
+    }
+    const Vec3 p = corner(triangle, 0);
+    const Vec3 area = cross(corner(triangle, 1) - p, corner(triangle, 2) - p);
+    Vec3 sum;
+    for (std::size_t i = 0; i < 3; ++i) {
+      const Vec3 a = corner(triangle, (i + 1) % 3), b = corner(triangle, (i + 2) % 3);
+      sum = sum + std::max(0.0, dot(cross(b - a, at - a), area)) * normals[i];
+    }
+    sum = normalised(sum);
+    constexpr double kSteep = 0.7;
+    return std::abs(dot(sum, flat)) > kSteep ? sum : flat;
+  }
+
   bool is_one_plane(std::int32_t s, std::int32_t t, Vec3 direction) const {
-    constexpr double kSame = 0.999;
+    constexpr double kSame = 0.94;  // some 20 degrees
     return s == t || (scene_.colour[static_cast<std::size_t>(s)] ==
                           scene_.colour[static_cast<std::size_t>(t)] &&
                       dot(normal_of(s, direction), normal_of(t, direction)) > kSame);
@@ -107,9 +127,10 @@ class Painter {
       const double slope = dot(normal, sight.direction);
       const double t = dot(normal, corner(group.triangle, 0) - sight.origin) / slope;
       const float share = static_cast<float>(group.count) / static_cast<float>(samples_ * samples_);
+      const Vec3 position =
+          std::isfinite(t) ? sight.origin + t * sight.direction : corner(group.triangle, 0);
       rows_[static_cast<std::size_t>(y)].push_back(
-          {x, group.triangle, share, normal,
-           std::isfinite(t) ? sight.origin + t * sight.direction : corner(group.triangle, 0)});
+          {x, group.triangle, share, smooth_normal(group.triangle, normal, position), position});
     }
   }
 
@@ -131,10 +152,12 @@ class Painter {
   }
 
   Rgb shaded(const Fragment& fragment, float sun, float sky) const {
-    constexpr Rgb kSun{0.98F, 0.90F, 0.78F}, kSky{0.42F, 0.47F, 0.54F};
-    constexpr Rgb kBounce{0.20F, 0.185F, 0.165F};  // from the ground, on what looks at it
+    constexpr Rgb kSun{0.87F, 0.81F, 0.72F}, kSky{0.41F, 0.445F, 0.49F};
+    constexpr Rgb kBounce{0.24F, 0.22F, 0.195F};  // from the ground, on what looks at it
+    constexpr Rgb kLeast{0.07F, 0.07F, 0.075F};   // in the deepest yard
     const auto down = static_cast<float>(0.5 - 0.5 * fragment.normal.z);
-    const Rgb light = sun * kSun + sky * kSky + (down * (0.4F + 0.6F * std::min(1.0F, 2 * sky))) * kBounce;
+    const float open = 0.4F + 0.6F * std::min(1.0F, 2 * sky);
+    const Rgb light = sun * kSun + sky * kSky + (down * open) * kBounce + kLeast;
     return scene_.colour[static_cast<std::size_t>(fragment.triangle)] * light;
   }
 
@@ -180,6 +203,9 @@ class Painter {
           colour = shaded(f, lit.sun[static_cast<std::size_t>(y)][end].light,
                           lit.sky[static_cast<std::size_t>(y)][end].light);
         colour = mix(colour, options_.edge, edge_share(f));
+        if (options_.haze > 0)
+          colour = mix(options_.air, colour,
+                       static_cast<float>(std::exp(-options_.haze * camera_.depth(f.position))));
         sum = sum + f.share * colour;
         cover += f.share;
         largest = std::max(largest, f.share);

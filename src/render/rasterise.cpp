@@ -18,6 +18,22 @@ constexpr int kBand = 32;             ///< Rows that are filled at a time by one
 /// Beyond that whole numbers of 64 bits may not hold the product of two coordinates.
 constexpr double kFarthest = 4e6;  // pixels
 
+/// A projected point: x and y in steps.
+struct Corner {
+  std::int64_t x = 0;
+  std::int64_t y = 0;
+  double nearness = 0;
+  bool is_near = false;  ///< Within kFarthest.
+};
+
+Corner rounded(const ScreenPoint& p) {
+  if (!(std::abs(p.x) < kFarthest && std::abs(p.y) < kFarthest)) return {};
+  const auto steps = [](double pixels) {
+    return static_cast<std::int64_t>(std::floor(pixels * kSteps + 0.5));
+  };
+  return {steps(p.x), steps(p.y), p.nearness, true};
+}
+
 struct Face {
   std::array<std::int32_t, 3> corners;  ///< Of the projected points.
   std::int32_t triangle;
@@ -34,7 +50,7 @@ class Drawing {
       : points_(points), camera_(camera), height_(height), screen_(points.size()) {
     parallel_chunks(points.size(), 8192, [&](std::size_t begin, std::size_t end) {
       for (std::size_t i = begin; i < end; ++i)
-        if (is_seen(points[i])) screen_[i] = camera.project(points[i]);
+        if (is_seen(points[i])) screen_[i] = rounded(camera.project(points[i]));
     });
     faces_.reserve(triangles.size());
     for (std::size_t t = 0; t < triangles.size(); ++t) add(triangles[t], static_cast<int>(t));
@@ -73,24 +89,34 @@ class Drawing {
       const double da = camera_.depth(a) - camera_.near_depth;
       const double db = camera_.depth(b) - camera_.near_depth;
       kept.push_back(static_cast<std::int32_t>(screen_.size()));
-      screen_.push_back(camera_.project(a + (da / (da - db)) * (b - a)));
+      screen_.push_back(rounded(camera_.project(a + (da / (da - db)) * (b - a))));
     }
     for (std::size_t i = 2; i < kept.size(); ++i)
       faces_.push_back({{kept[0], kept[i - 1], kept[i]}, triangle});
   }
 
-  const ScreenPoint& corner(const Face& face, std::size_t i) const {
+  const Corner& corner(const Face& face, std::size_t i) const {
     return screen_[static_cast<std::size_t>(face.corners[i])];
   }
 
-  /// First and last band; none (first > last) above or below the picture.
+  /// First and last row or column whose middle lies between two coordinates.
+  static std::pair<std::int64_t, std::int64_t> middles(std::int64_t low, std::int64_t high) {
+    return {floor_divided(low + kSteps / 2 - 1, kSteps), floor_divided(high - kSteps / 2, kSteps)};
+  }
+
+  /// First and last band; none (first > last) of triangles that no middle of a pixel is in.
   std::pair<int, int> bands(const Face& face) const {
-    const auto [low, high] = std::minmax(
-        {corner(face, 0).y, corner(face, 1).y, corner(face, 2).y});
-    if (!(high > -1 && low < height_ + 1)) return {1, 0};
-    const double last = (height_ - 1) / kBand;
-    return {static_cast<int>(std::clamp(std::floor(low - 1) / kBand, 0.0, last)),
-            static_cast<int>(std::clamp(std::floor(high + 1) / kBand, 0.0, last))};
+    const Corner &a = corner(face, 0), &b = corner(face, 1), &c = corner(face, 2);
+    if (!a.is_near || !b.is_near || !c.is_near) return {1, 0};
+    const auto [left, right] = std::minmax({a.x, b.x, c.x});
+    const auto [first_column, last_column] = middles(left, right);
+    if (first_column > last_column) return {1, 0};
+    const auto [low, high] = std::minmax({a.y, b.y, c.y});
+    const auto [first_row, last_row] = middles(low, high);
+    const std::int64_t first = std::max<std::int64_t>(first_row, 0);
+    const std::int64_t last = std::min<std::int64_t>(last_row, height_ - 1);
+    if (first > last) return {1, 0};
+    return {static_cast<int>(first / kBand), static_cast<int>(last / kBand)};
   }
 
   void sort_into_bands() {
@@ -111,10 +137,9 @@ class Drawing {
     std::array<std::int64_t, 3> x, y;
     std::array<double, 3> n;
     for (std::size_t i = 0; i < 3; ++i) {
-      const ScreenPoint& p = corner(face, i);
-      if (!(std::abs(p.x) < kFarthest && std::abs(p.y) < kFarthest)) return;
-      x[i] = std::llround(p.x * kSteps);
-      y[i] = std::llround(p.y * kSteps);
+      const Corner& p = corner(face, i);
+      x[i] = p.x;
+      y[i] = p.y;
       n[i] = p.nearness;
     }
     std::int64_t twice_area = (x[1] - x[0]) * (y[2] - y[0]) - (x[2] - x[0]) * (y[1] - y[0]);
@@ -133,11 +158,10 @@ class Drawing {
                             (n[1] - n[0]) * static_cast<double>(x[2] - x[0])) /
                            area;
     const auto [least, most] = std::minmax({n[0], n[1], n[2]});
-    const auto [y_low, y_high] = std::minmax({y[0], y[1], y[2]});
-    const std::int64_t from =
-        std::max<std::int64_t>(top, floor_divided(y_low + kSteps / 2 - 1, kSteps));
-    const std::int64_t to =
-        std::min<std::int64_t>(bottom - 1, floor_divided(y_high - kSteps / 2, kSteps));
+    const auto [low, high] = std::minmax({y[0], y[1], y[2]});
+    const auto [first_row, last_row] = middles(low, high);
+    const std::int64_t from = std::max<std::int64_t>(top, first_row);
+    const std::int64_t to = std::min<std::int64_t>(bottom - 1, last_row);
     for (std::int64_t row = from; row <= to; ++row) {
       const std::int64_t py = row * kSteps + kSteps / 2;
       std::int64_t first = 0, last = map.width - 1;
@@ -171,7 +195,7 @@ class Drawing {
   std::span<const Vec3> points_;
   const Camera& camera_;
   int height_;
-  std::vector<ScreenPoint> screen_;  ///< Points, then those that clipping adds.
+  std::vector<Corner> screen_;  ///< Points, then those that clipping adds.
   std::vector<Face> faces_;
   std::vector<std::size_t> first_;  ///< Of each band, in in_band_.
   std::vector<std::uint32_t> in_band_;

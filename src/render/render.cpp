@@ -64,9 +64,30 @@ void check_options(const RenderInput& input, const RenderOptions& options) {
     throw Error(ErrorKind::kInput, "there is no ground, roof or wall to draw");
 }
 
+/// The box of buildings, and somewhat around them; empty without buildings.
+Bounds2 around_buildings(const SurfaceMesh& surface) {
+  Bounds2 box = Bounds2::nothing();
+  for (std::size_t f = 0; f < surface.triangles.size(); ++f) {
+    if (!surface.patch_of(f).of_building()) continue;
+    for (const std::int32_t v : surface.triangles[f]) {
+      const Point3& p = surface.points[static_cast<std::size_t>(v)];
+      box.extend(Point2{p[0], p[1]});
+    }
+  }
+  constexpr double kLeast = 12, kShare = 0.07;  // metres, and of the longer side
+  return box.empty() ? box : box.grown(std::max(kLeast, kShare * std::max(box.width(), box.height())));
+}
+
 /// The scene of `city` and `plan`: on a slab whose thickness fits its width.
 Scene city_on_slab(const SurfaceMesh& surface, const RenderOptions& options) {
   Scene scene = city_scene(surface, options.colour, options.edges);
+  const Bounds2 box = around_buildings(surface);
+  if (options.view == View::kCity && !box.empty()) {
+    scene = clipped(scene, {1, 0, 0}, box.xmin);
+    scene = clipped(scene, {-1, 0, 0}, -box.xmax);
+    scene = clipped(scene, {0, 1, 0}, box.ymin);
+    scene = clipped(scene, {0, -1, 0}, -box.ymax);
+  }
   Vec3 low{kInfinity, kInfinity, kInfinity}, high = -1.0 * low;
   for (const Vec3 p : scene.points) {
     low = {std::min(low.x, p.x), std::min(low.y, p.y), std::min(low.z, p.z)};
@@ -107,7 +128,7 @@ Picture render_city(const SurfaceMesh& surface, const RenderOptions& options) {
   Camera camera = looking(options.azimuth, options.elevation);
   fit(camera, scene.points, options.width, options.height, kMargin, kField);
   PaintOptions paint_options;
-  paint_options.sun_azimuth = options.azimuth + 180 + 62;  // from the left, behind the viewer
+  paint_options.sun_azimuth = options.azimuth + 180 + 48;  // from the left, behind the viewer
   const Canvas canvas = paint(scene, camera, options.width, options.height, paint_options);
   return on_background(canvas, linear(0xCBDCEA), linear(0xF6F3EC));
 }
@@ -117,7 +138,7 @@ Picture render_plan(const SurfaceMesh& surface, const RenderOptions& options) {
   Camera camera = looking(0, 90);
   fit(camera, scene.points, options.width, options.height, kMargin, 0);
   Canvas canvas = paint(scene, camera, options.width, options.height, {});
-  draw_scale_bar(canvas, camera.scale, kInk);
+  draw_scale_bar(canvas, camera.scale, kInk, linear(0xF6F3EC));
   return on_background(canvas, linear(0xF6F3EC), linear(0xF6F3EC));
 }
 
@@ -126,7 +147,8 @@ Picture render_section(const RenderInput& input, const RenderOptions& options) {
   const SectionWindow window = choose_section(input.surface, options.cut, aspect);
   Canvas canvas =
       paint_section(input, window, options.colour, options.width, options.height);
-  draw_scale_bar(canvas, options.width / (window.right - window.left), linear(0xFFFFFF));
+  draw_scale_bar(canvas, options.width / (window.right - window.left), linear(0xFFFFFF),
+                 Palette().earth);
   return on_background(canvas, linear(0xDCE8F1), linear(0xF6F3EC));
 }
 

@@ -53,6 +53,16 @@ Rgb colour_of(BuildingIndex building) {
   return linear(byte(0) << 16U | byte(2) << 8U | byte(4));
 }
 
+/// Adds the triangle's normal, upwards and by its area, to those of its corners.
+void add_normal(const std::array<std::int32_t, 3>& corners, Scene& scene) {
+  const auto p = [&](std::size_t i) { return scene.points[static_cast<std::size_t>(corners[i])]; };
+  const Vec3 n = cross(p(1) - p(0), p(2) - p(0));
+  for (const std::int32_t v : corners) {
+    Vec3& sum = scene.normals[static_cast<std::size_t>(v)];
+    sum = sum + (n.z < 0 ? -1.0 : 1.0) * n;
+  }
+}
+
 /// Takes away points without triangles.
 void drop_unused_points(Scene& scene) {
   std::vector<std::int32_t> number(scene.points.size(), -1);
@@ -62,9 +72,11 @@ void drop_unused_points(Scene& scene) {
   for (std::size_t i = 0; i < number.size(); ++i) {
     if (number[i] < 0) continue;
     scene.points[static_cast<std::size_t>(count)] = scene.points[i];
+    scene.normals[static_cast<std::size_t>(count)] = scene.normals[i];
     number[i] = count++;
   }
   scene.points.resize(static_cast<std::size_t>(count));
+  scene.normals.resize(static_cast<std::size_t>(count));
   for (auto& t : scene.triangles)
     for (std::int32_t& v : t) v = number[static_cast<std::size_t>(v)];
 }
@@ -111,12 +123,15 @@ Scene city_scene(const SurfaceMesh& surface, PictureColour colour, bool edges) {
   Scene scene;
   scene.points.reserve(surface.points.size());
   for (const Point3& p : surface.points) scene.points.emplace_back(p);
+  scene.normals.resize(scene.points.size());
   const Colours colours(surface, colour);
   for (std::size_t f = 0; f < surface.triangles.size(); ++f) {
     const PatchKind kind = shown_kind(surface, f);
     if (kind == PatchKind::kTop || kind == PatchKind::kSide) continue;
     scene.add(surface.triangles[f], colours.of(f, kind), edges ? kAllEdges : std::uint8_t{0});
+    if (kind == PatchKind::kGround) add_normal(surface.triangles[f], scene);
   }
+  for (Vec3& normal : scene.normals) normal = normalised(normal);
   drop_unused_points(scene);
   return scene;
 }
@@ -159,6 +174,7 @@ void move(Scene& scene, Vec3 by) {
 Scene clipped(const Scene& scene, Vec3 normal, double offset) {
   Scene kept;
   kept.points = scene.points;
+  kept.normals = scene.normals;
   for (std::size_t t = 0; t < scene.triangles.size(); ++t) {
     const auto& corners = scene.triangles[t];
     std::array<double, 3> d;
@@ -175,7 +191,11 @@ Scene clipped(const Scene& scene, Vec3 normal, double offset) {
       if ((d[i] >= 0) == (d[j] >= 0)) continue;
       const Vec3 a = scene.points[static_cast<std::size_t>(corners[i])];
       const Vec3 b = scene.points[static_cast<std::size_t>(corners[j])];
-      polygon.push_back(kept.add(a + (d[i] / (d[i] - d[j])) * (b - a)));
+      const double share = d[i] / (d[i] - d[j]);
+      polygon.push_back(kept.add(a + share * (b - a)));
+      const Vec3 na = scene.normals[static_cast<std::size_t>(corners[i])];
+      const Vec3 nb = scene.normals[static_cast<std::size_t>(corners[j])];
+      if (dot(na, nb) > 0) kept.normals.back() = normalised(na + share * (nb - na));
     }
     for (std::size_t i = 2; i < polygon.size(); ++i)
       kept.add({polygon[0], polygon[i - 1], polygon[i]}, scene.colour[t]);

@@ -12,7 +12,8 @@
 namespace tetropolis {
 
 struct Scene {
-  std::vector<Vec3> points;  ///< All are corners of triangles.
+  std::vector<Vec3> points;   ///< All are corners of triangles.
+  std::vector<Vec3> normals;  ///< Per point: of smooth ground, upwards; else zero: faces are flat.
   std::vector<std::array<std::int32_t, 3>> triangles;
   std::vector<Rgb> colour;          ///< Per triangle.
   std::vector<std::uint8_t> edges;  ///< Per triangle: bit i: the edge from corner i to the next is
@@ -25,6 +26,7 @@ struct Scene {
   }
   std::int32_t add(Vec3 point) {
     points.push_back(point);
+    normals.emplace_back();
     return static_cast<std::int32_t>(points.size()) - 1;
   }
 };
@@ -48,9 +50,9 @@ Rgb ramp(double value);
 
 /// Colours of classes.
 struct Palette {
-  Rgb ground = linear(0xB9BEA6);
-  Rgb roof = linear(0xC4765C);
-  Rgb wall = linear(0xF1E6D2);
+  Rgb ground = linear(0xB6BBA0);
+  Rgb roof = linear(0xC27A63);
+  Rgb wall = linear(0xF4EADA);
   Rgb earth = linear(0x8F7B69);
 };
 

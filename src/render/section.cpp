@@ -208,7 +208,7 @@ Rgb cell_colour(const TetMesh& mesh, std::int64_t cell, PictureColour colour) {
   }
   const bool over_building =
       !mesh.region.empty() && mesh.region[static_cast<std::size_t>(cell)] >= 0;
-  return over_building ? linear(0xF4E3C8) : linear(0xCFE1EE);
+  return over_building ? linear(0xF3EBDD) : linear(0xD6E5F0);
 }
 
 Scene cells_scene(const TetMesh& mesh, const CutPlane& plane, PictureColour colour) {
@@ -256,7 +256,7 @@ void lay_over(Canvas& lower, const Canvas& upper, float opacity) {
 SectionWindow choose_section(const SurfaceMesh& surface, const std::optional<CutLine>& cut,
                              double aspect) {
   const Built built = measure(surface);
-  constexpr double kHeights = 3.2;
+  constexpr double kHeights = 4;
   const double high = kHeights * built.mean_height, wide = high * aspect;
   const Vec3 middle = middle_of(surface);
   Candidate chosen{plane_along(90, middle), {}};
@@ -286,7 +286,7 @@ SectionWindow choose_section(const SurfaceMesh& surface, const std::optional<Cut
       top = std::max(top, end.y);
     }
   if (ground > top) ground = built.low, top = built.high;
-  constexpr double kBelow = 0.09;
+  constexpr double kBelow = 0.08;
   window.bottom = ground - kBelow * high;
   window.top = std::max(window.bottom + high, top + 0.25 * high);
   // Towers need more room.
@@ -299,11 +299,13 @@ SectionWindow choose_section(const SurfaceMesh& surface, const std::optional<Cut
 Canvas paint_section(const RenderInput& input, const SectionWindow& window, PictureColour colour,
                      int width, int height) {
   const CutPlane& plane = window.plane;
-  // Level, so that the plane is to scale and its verticals are vertical.
-  Camera camera = looking(0, 0);
+  // From a little above, with heights stretched, so that the plane is to scale (an oblique
+  // projection).
+  constexpr double kRise = 0.16;  ///< Of what is behind, metres per metre.
+  Camera camera;
   camera.right = plane.along;
-  camera.forward = plane.behind;
-  camera.up = {0, 0, 1};
+  camera.forward = normalised(plane.behind - kRise * Vec3{0, 0, 1});
+  camera.up = Vec3{0, 0, 1} + kRise * plane.behind;
   const Vec3 middle =
       plane.at({(window.left + window.right) / 2, (window.bottom + window.top) / 2});
   camera.middle_x = width / 2.0;
@@ -320,18 +322,15 @@ Canvas paint_section(const RenderInput& input, const SectionWindow& window, Pict
   const double forward =
       std::atan2(plane.behind.x, plane.behind.y) * (180 / std::numbers::pi);
   lit.sun_azimuth = forward + 180 + 50;
+  lit.haze = 0.5 / (window.top - window.bottom);
+  lit.air = linear(0xEDF3F7);
   Canvas canvas =
       painted(clipped(city, plane.behind, dot(plane.through, plane.behind)), lit);
-  // Pale, as it is not what the picture is about.
-  constexpr float kPale = 0.45F;
-  for (std::size_t i = 0; i < canvas.colour.size(); ++i)
-    canvas.colour[i] = mix(canvas.colour[i], canvas.cover[i] * Rgb{1, 1, 1}, kPale);
-
   PaintOptions flat;
   flat.is_lit = false;
-  flat.edge_strength = 0.75F;
+  flat.edge_strength = 1;
   if (input.volume) {
-    constexpr float kAir = 0.72F;
+    constexpr float kAir = 0.66F;
     lay_over(canvas, painted(cells_scene(*input.volume, plane, colour), flat), kAir);
   }
   const std::vector<CutFace> faces = cut_faces(input.surface, plane);

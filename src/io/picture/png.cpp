@@ -23,7 +23,7 @@ namespace tetropolis {
 namespace {
 
 constexpr std::string_view kSignature = "\x89PNG\r\n\x1a\n";
-constexpr int kLevel = 9;
+constexpr int kLevel = 7;
 constexpr std::size_t kChannels = 3;
 
 void add_number(std::string& bytes, std::uint32_t number) {
