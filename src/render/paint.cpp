@@ -59,20 +59,24 @@ class Painter {
     return dot(n, direction) > 0 ? -1.0 * n : n;
   }
 
+  bool is_smooth(std::int32_t triangle) const {
+    const auto& corners = scene_.triangles[static_cast<std::size_t>(triangle)];
+    return std::none_of(corners.begin(), corners.end(), [&](std::int32_t c) {
+      return scene_.normals[static_cast<std::size_t>(c)] == Vec3();
+    });
+  }
+
   /// At a point of the triangle whose own normal is `flat`: of smooth ground between its corners'.
   Vec3 smooth_normal(std::int32_t triangle, Vec3 flat, Vec3 at) const {
+    if (!is_smooth(triangle)) return flat;
     const auto& corners = scene_.triangles[static_cast<std::size_t>(triangle)];
-    std::array<Vec3, 3> normals;
-    for (std::size_t i = 0; i < 3; ++i) {
-      normals[i] = scene_.normals[static_cast<std::size_t>(corners[i])];
-      if (normals[i] == Vec3()) return flat;
-    }
     const Vec3 p = corner(triangle, 0);
     const Vec3 area = cross(corner(triangle, 1) - p, corner(triangle, 2) - p);
     Vec3 sum;
     for (std::size_t i = 0; i < 3; ++i) {
       const Vec3 a = corner(triangle, (i + 1) % 3), b = corner(triangle, (i + 2) % 3);
-      sum = sum + std::max(0.0, dot(cross(b - a, at - a), area)) * normals[i];
+      sum = sum + std::max(0.0, dot(cross(b - a, at - a), area)) *
+                      scene_.normals[static_cast<std::size_t>(corners[i])];
     }
     sum = normalised(sum);
     constexpr double kSteep = 0.7;
@@ -81,9 +85,11 @@ class Painter {
 
   bool is_one_plane(std::int32_t s, std::int32_t t, Vec3 direction) const {
     constexpr double kSame = 0.94;  // some 20 degrees
-    return s == t || (scene_.colour[static_cast<std::size_t>(s)] ==
-                          scene_.colour[static_cast<std::size_t>(t)] &&
-                      dot(normal_of(s, direction), normal_of(t, direction)) > kSame);
+    if (s == t) return true;
+    if (!(scene_.colour[static_cast<std::size_t>(s)] == scene_.colour[static_cast<std::size_t>(t)]))
+      return false;
+    return (is_smooth(s) && is_smooth(t)) ||
+           dot(normal_of(s, direction), normal_of(t, direction)) > kSame;
   }
 
   void collect_fragments() {

@@ -330,8 +330,8 @@ Canvas paint_section(const RenderInput& input, const SectionWindow& window, Pict
   flat.is_lit = false;
   flat.edge_strength = 1;
   if (input.volume) {
-    constexpr float kAir = 0.66F;
-    lay_over(canvas, painted(cells_scene(*input.volume, plane, colour), flat), kAir);
+    const float air = colour == PictureColour::kQuality ? 0.9F : 0.66F;
+    lay_over(canvas, painted(cells_scene(*input.volume, plane, colour), flat), air);
   }
   const std::vector<CutFace> faces = cut_faces(input.surface, plane);
   const double below = window.bottom - (window.top - window.bottom);
