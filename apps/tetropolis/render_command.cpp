@@ -69,9 +69,14 @@ void render(const RenderArguments& arguments, Console& console) {
   RenderOptions options = arguments.options;
   options.view = named<View>(arguments.view, kViewNames);
   options.colour = named<PictureColour>(arguments.colour, kPictureColourNames);
-  if (!arguments.cut.empty()) options.cut = cut_named(arguments.cut);
-  const Picture picture =
-      render_picture(read_render_input(arguments.path, options.view), options);
+  Picture picture;
+  try {
+    if (!arguments.cut.empty()) options.cut = cut_named(arguments.cut);
+    picture = render_picture(read_render_input(arguments.path, options.view), options);
+  } catch (const Error& error) {  // of usage, they begin with the option's name
+    if (error.kind() != ErrorKind::kUsage) throw;
+    throw Error(ErrorKind::kUsage, fmt::format("--{}", error.what()));
+  }
   write_png(arguments.out, picture);
   console.result(fmt::format("{}: {} x {} pixels", arguments.out, picture.width, picture.height));
 }

@@ -1,5 +1,7 @@
 #include "camera.h"
 
+#include <algorithm>
+#include <cmath>
 #include <numbers>
 
 #include "core/infinity.h"
@@ -34,8 +36,8 @@ void fit_perspective(Camera& camera, std::span<const Vec3> points, double tan_x,
     bottom = std::min(bottom, y + tan_y * z);
     nearest = std::min(nearest, z);
   }
-  const double back = std::max({(right - left) / (2 * tan_x), (top - bottom) / (2 * tan_y),
-                                1 - nearest});
+  const double back =
+      std::max({(right - left) / (2 * tan_x), (top - bottom) / (2 * tan_y), 1 - nearest});
   camera.eye = ((right + left) / 2) * camera.right + ((top + bottom) / 2) * camera.up -
                back * camera.forward;
   constexpr double kNear = 0.02;

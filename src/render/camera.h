@@ -22,13 +22,13 @@ struct Sight {
 };
 
 struct Camera {
-  Vec3 eye;                     ///< Without perspective: any point on the axis.
-  Vec3 right, up, forward;      ///< At right angles, of length 1; a longer `up` stretches heights.
-  double scale = 1;             ///< Pixels per metre; in perspective at a depth of 1 m.
-  double middle_x = 0;          ///< Where the axis meets the picture, pixels.
+  Vec3 eye;                 ///< Without perspective: any point on the axis.
+  Vec3 right, up, forward;  ///< At right angles, of length 1; a longer `up` stretches heights.
+  double scale = 1;         ///< Pixels per metre; in perspective at a depth of 1 m.
+  double middle_x = 0;      ///< Where the axis meets the picture, pixels.
   double middle_y = 0;
   bool is_perspective = false;
-  double near_depth = 0;        ///< In perspective nothing nearer than that is seen.
+  double near_depth = 0;  ///< In perspective nothing nearer than that is seen.
 
   double depth(Vec3 p) const { return dot(p - eye, forward); }
   /// Precondition: in perspective, depth(p) > 0.

@@ -67,8 +67,8 @@ void add_light(const FarLight& light, const Camera& camera, const VisibleMap& ma
     if (facing <= 0) continue;
     const float x = r.position[0] + above * r.normal[0], y = r.position[1] + above * r.normal[1];
     const float z = r.position[2] + above * r.normal[2];
-    r.light += light.strength * facing *
-               share_lit(map, column(x, y, z), row(x, y, z), near(x, y, z));
+    r.light +=
+        light.strength * facing * share_lit(map, column(x, y, z), row(x, y, z), near(x, y, z));
   }
 }
 
@@ -83,9 +83,9 @@ std::vector<FarLight> sun_lights(double azimuth, double elevation) {
   std::vector<FarLight> lights;
   for (int i = 0; i < kCount; ++i) {
     const double radius = kRadius * std::sqrt((i + 0.5) / kCount), turn = i * kGoldenAngle;
-    lights.push_back({normalised(sun + (radius * std::cos(turn)) * right +
-                                 (radius * std::sin(turn)) * up),
-                      1.0F / kCount});
+    lights.push_back(
+        {normalised(sun + (radius * std::cos(turn)) * right + (radius * std::sin(turn)) * up),
+         1.0F / kCount});
   }
   return lights;
 }
@@ -103,9 +103,8 @@ std::vector<FarLight> sky_lights() {
   return lights;
 }
 
-void illuminate(std::span<const Vec3> points, Triangles triangles,
-                std::span<const FarLight> lights, int map_size,
-                std::span<std::vector<Receiver>> receivers) {
+void illuminate(std::span<const Vec3> points, Triangles triangles, std::span<const FarLight> lights,
+                int map_size, std::span<std::vector<Receiver>> receivers) {
   for (const FarLight& light : lights) {
     const Camera camera = camera_at(light.towards, points, map_size);
     const VisibleMap map = rasterise(points, triangles, camera, map_size, map_size, false);

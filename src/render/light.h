@@ -13,8 +13,8 @@ namespace tetropolis {
 
 /// Light from far away, in one direction.
 struct FarLight {
-  Vec3 towards;          ///< Of length 1: where it is.
-  float strength = 1;    ///< On a surface that faces it.
+  Vec3 towards;        ///< Of length 1: where it is.
+  float strength = 1;  ///< On a surface that faces it.
 };
 
 /// The sun as a disc, so that shadows are soft: many lights of strength 1 together around compass
@@ -34,8 +34,7 @@ struct Receiver {
 /// Adds to all receivers what arrives of `lights` past the triangles, by a depth map of so many
 /// pixels square for each (Williams, "Casting curved shadows on curved surfaces", SIGGRAPH 1978).
 /// The same for any number of threads.
-void illuminate(std::span<const Vec3> points, Triangles triangles,
-                std::span<const FarLight> lights, int map_size,
-                std::span<std::vector<Receiver>> receivers);
+void illuminate(std::span<const Vec3> points, Triangles triangles, std::span<const FarLight> lights,
+                int map_size, std::span<std::vector<Receiver>> receivers);
 
 }  // namespace tetropolis

@@ -97,8 +97,8 @@ class Painter {
     fine.scale *= samples_;
     fine.middle_x *= samples_;
     fine.middle_y *= samples_;
-    const VisibleMap map = rasterise(scene_.points, scene_.triangles, fine, width_ * samples_,
-                                     height_ * samples_);
+    const VisibleMap map =
+        rasterise(scene_.points, scene_.triangles, fine, width_ * samples_, height_ * samples_);
     rows_.resize(static_cast<std::size_t>(height_));
     parallel_chunks(rows_.size(), 8, [&](std::size_t begin, std::size_t end) {
       for (std::size_t y = begin; y < end; ++y)
@@ -150,10 +150,12 @@ class Painter {
       for (const Fragment& f : rows_[y])
         lit.sun[y].push_back({single(f.position), single(f.normal), 0});
     lit.sky = lit.sun;
-    constexpr int kSunMap = 2048, kSkyMap = 1024;
+    // About as fine as the picture.
+    const int sun_map = std::clamp(std::max(width_, height_) * 5 / 4, 512, 4096);
+    const int sky_map = std::clamp(sun_map / 2, 256, 1024);
     illuminate(scene_.points, scene_.triangles,
-               sun_lights(options_.sun_azimuth, options_.sun_elevation), kSunMap, lit.sun);
-    illuminate(scene_.points, scene_.triangles, sky_lights(), kSkyMap, lit.sky);
+               sun_lights(options_.sun_azimuth, options_.sun_elevation), sun_map, lit.sun);
+    illuminate(scene_.points, scene_.triangles, sky_lights(), sky_map, lit.sky);
     return lit;
   }
 

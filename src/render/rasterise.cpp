@@ -169,8 +169,7 @@ class Drawing {
       for (std::size_t i = 0; i < 3; ++i) {
         const std::size_t a = (i + 1) % 3, b = (i + 2) % 3;
         const std::int64_t slope = -(y[b] - y[a]) * kSteps;
-        const std::int64_t e =
-            (x[b] - x[a]) * (py - y[a]) - (y[b] - y[a]) * (kSteps / 2 - x[a]);
+        const std::int64_t e = (x[b] - x[a]) * (py - y[a]) - (y[b] - y[a]) * (kSteps / 2 - x[a]);
         if (slope > 0)
           first = std::max(first, -floor_divided(e, slope));
         else if (slope < 0)
@@ -182,8 +181,8 @@ class Drawing {
       const double at_left = n[0] + slope_y * static_cast<double>(py - y[0]) +
                              slope_x * static_cast<double>(kSteps / 2 - x[0]);
       for (std::int64_t column = first; column <= last; ++column) {
-        const auto nearness = static_cast<float>(std::clamp(
-            at_left + slope_x * static_cast<double>(column * kSteps), least, most));
+        const auto nearness = static_cast<float>(
+            std::clamp(at_left + slope_x * static_cast<double>(column * kSteps), least, most));
         const std::size_t pixel = begin + static_cast<std::size_t>(column);
         if (!(nearness > map.nearness[pixel])) continue;
         map.nearness[pixel] = nearness;

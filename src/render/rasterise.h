@@ -31,7 +31,8 @@ using Triangles = std::span<const std::array<std::int32_t, 3>>;
 /// no gap. What is nearer than the camera's near depth is clipped. The same for any number of
 /// threads.
 ///
-/// Source: Pineda, "A parallel algorithm for polygon rasterization", SIGGRAPH 1988 (edge functions).
+/// Source: Pineda, "A parallel algorithm for polygon rasterization", SIGGRAPH 1988 (edge
+/// functions).
 VisibleMap rasterise(std::span<const Vec3> points, Triangles triangles, const Camera& camera,
                      int width, int height, bool with_triangles = true);
 

@@ -1,12 +1,13 @@
+#include <algorithm>
 #include <array>
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
-#include <limits>
+#include <numeric>
 #include <string>
 #include <system_error>
 #include <utility>
-#include <variant>
+#include <vector>
 
 #include <fmt/format.h>
 
@@ -32,20 +33,27 @@ bool is_file(const fs::path& path) {
   return fs::is_regular_file(path, error);
 }
 
+/// Corners at one place become one point.
 SurfaceMesh of_stl(const StlMesh& stl) {
   SurfaceMesh surface;
-  for (std::size_t f = 0; f < stl.triangles.size(); ++f) {
-    std::array<std::int32_t, 3> corners{};
-    for (std::size_t i = 0; i < 3; ++i) {
-      corners[i] = static_cast<std::int32_t>(surface.points.size());
-      const auto& p = stl.triangles[f][i];
-      surface.points.push_back({p[0], p[1], p[2]});
-    }
-    surface.triangles.push_back(corners);
-    surface.building.push_back(kNoBuilding);
-    auto patch = static_cast<Patch>(stl.attribute[f]);
+  const auto corner = [&](std::size_t c) { return stl.triangles[c / 3][c % 3]; };
+  std::vector<std::size_t> corners(stl.triangles.size() * 3);
+  std::iota(corners.begin(), corners.end(), std::size_t{0});
+  std::sort(corners.begin(), corners.end(), [&](std::size_t a, std::size_t b) {
+    return std::pair(corner(a), a) < std::pair(corner(b), b);
+  });
+  surface.triangles.resize(stl.triangles.size());
+  for (std::size_t i = 0; i < corners.size(); ++i) {
+    const auto p = corner(corners[i]);
+    if (i == 0 || p != corner(corners[i - 1])) surface.points.push_back({p[0], p[1], p[2]});
+    surface.triangles[corners[i] / 3][corners[i] % 3] =
+        static_cast<std::int32_t>(surface.points.size()) - 1;
+  }
+  surface.building.assign(stl.triangles.size(), kNoBuilding);
+  for (const std::uint16_t attribute : stl.attribute) {
+    const auto patch = static_cast<Patch>(attribute);
     if (!surface.patches.contains(patch))
-      surface.patches.add({patch, fmt::format("patch{}", stl.attribute[f]), PatchKind::kOther});
+      surface.patches.add({patch, fmt::format("patch{}", attribute), PatchKind::kOther});
     surface.patch.push_back(patch);
   }
   return surface;
@@ -105,8 +113,9 @@ RenderInput read_one(const fs::path& path) {
   if (name.ends_with(".stl")) return {of_stl(read_stl(path)), {}};
   if (name.ends_with("json")) return of_city(path);
   throw Error(ErrorKind::kInput,
-              path.string() + ": no format that is drawn has this name; give a folder of results, "
-                              "or a .vtp, .vtu, .xdmf, .stl or .city.json file");
+              path.string() +
+                  ": no format that is drawn has this name; give a folder of results, "
+                  "or a .vtp, .vtu, .xdmf, .stl or .city.json file");
 }
 
 /// The first of these that the folder has; empty if it has none.
@@ -119,8 +128,8 @@ fs::path first_of(const fs::path& folder, const std::array<const char*, N>& name
 
 RenderInput read_folder(const fs::path& folder, View view) {
   const fs::path volume = first_of(folder, std::array{"volume.vtu", "volume.xdmf"});
-  const fs::path surface = first_of(
-      folder, std::array{"surface.vtp", "boundary.vtp", "boundary.xdmf", "surface.stl"});
+  const fs::path surface =
+      first_of(folder, std::array{"surface.vtp", "boundary.vtp", "boundary.xdmf", "surface.stl"});
   if (surface.empty() && !volume.empty()) return read_one(volume);
   if (!surface.empty()) {
     RenderInput input = read_one(surface);
@@ -149,8 +158,9 @@ RenderInput read_render_input(const fs::path& path, View view) {
   RenderInput input = fs::is_directory(path, error) ? read_folder(path, view) : read_one(path);
   if (view == View::kSection && !input.volume)
     throw Error(ErrorKind::kInput,
-                path.string() + ": has no volume for a section; give volume.vtu or volume.xdmf, or "
-                                "the folder of a run that wrote one");
+                path.string() +
+                    ": has no volume for a section; give volume.vtu or volume.xdmf, or "
+                    "the folder of a run that wrote one");
   return input;
 }
 

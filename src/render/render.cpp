@@ -4,8 +4,6 @@
 #include <charconv>
 #include <cmath>
 #include <cstddef>
-#include <limits>
-#include <numbers>
 #include <string>
 #include <system_error>
 #include <vector>
@@ -75,7 +73,8 @@ Bounds2 around_buildings(const SurfaceMesh& surface) {
     }
   }
   constexpr double kLeast = 12, kShare = 0.07;  // metres, and of the longer side
-  return box.empty() ? box : box.grown(std::max(kLeast, kShare * std::max(box.width(), box.height())));
+  return box.empty() ? box
+                     : box.grown(std::max(kLeast, kShare * std::max(box.width(), box.height())));
 }
 
 /// The scene of `city` and `plan`: on a slab whose thickness fits its width.
@@ -104,20 +103,20 @@ Scene city_on_slab(const SurfaceMesh& surface, const RenderOptions& options) {
 /// A sky that is paler at the bottom.
 Picture on_background(const Canvas& canvas, Rgb top, Rgb bottom) {
   Picture picture{canvas.width, canvas.height, std::vector<std::uint8_t>(canvas.colour.size() * 3)};
-  parallel_chunks(static_cast<std::size_t>(canvas.height), 16,
-                  [&](std::size_t begin, std::size_t end) {
-    for (std::size_t y = begin; y < end; ++y) {
-      const Rgb sky = mix(top, bottom, (static_cast<float>(y) + 0.5F) /
-                                           static_cast<float>(canvas.height));
-      for (int x = 0; x < canvas.width; ++x) {
-        const std::size_t pixel = canvas.at(x, static_cast<int>(y));
-        const Rgb c = canvas.colour[pixel] + (1 - canvas.cover[pixel]) * sky;
-        const std::array bytes{srgb_byte(c.r), srgb_byte(c.g), srgb_byte(c.b)};
-        std::copy(bytes.begin(), bytes.end(), picture.rgb.begin() +
-                                                  static_cast<std::ptrdiff_t>(3 * pixel));
-      }
-    }
-  });
+  parallel_chunks(
+      static_cast<std::size_t>(canvas.height), 16, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t y = begin; y < end; ++y) {
+          const Rgb sky =
+              mix(top, bottom, (static_cast<float>(y) + 0.5F) / static_cast<float>(canvas.height));
+          for (int x = 0; x < canvas.width; ++x) {
+            const std::size_t pixel = canvas.at(x, static_cast<int>(y));
+            const Rgb c = canvas.colour[pixel] + (1 - canvas.cover[pixel]) * sky;
+            const std::array bytes{srgb_byte(c.r), srgb_byte(c.g), srgb_byte(c.b)};
+            std::copy(bytes.begin(), bytes.end(),
+                      picture.rgb.begin() + static_cast<std::ptrdiff_t>(3 * pixel));
+          }
+        }
+      });
   return picture;
 }
 
@@ -145,8 +144,7 @@ Picture render_plan(const SurfaceMesh& surface, const RenderOptions& options) {
 Picture render_section(const RenderInput& input, const RenderOptions& options) {
   const double aspect = static_cast<double>(options.width) / options.height;
   const SectionWindow window = choose_section(input.surface, options.cut, aspect);
-  Canvas canvas =
-      paint_section(input, window, options.colour, options.width, options.height);
+  Canvas canvas = paint_section(input, window, options.colour, options.width, options.height);
   draw_scale_bar(canvas, options.width / (window.right - window.left), linear(0xFFFFFF),
                  Palette().earth);
   return on_background(canvas, linear(0xDCE8F1), linear(0xF6F3EC));

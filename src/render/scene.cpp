@@ -1,6 +1,7 @@
 #include "scene.h"
 
 #include <algorithm>
+#include <cmath>
 #include <cstddef>
 
 #include "core/infinity.h"
@@ -49,7 +50,9 @@ Rgb colour_of(BuildingIndex building) {
     const double distance = std::abs(std::fmod(hue - at + 9, 6.0) - 3);
     return 0.42 + 0.42 * std::clamp(2 - distance, 0.0, 1.0);
   };
-  const auto byte = [&](double at) { return static_cast<unsigned>(std::lround(channel(at) * 255)); };
+  const auto byte = [&](double at) {
+    return static_cast<unsigned>(std::lround(channel(at) * 255));
+  };
   return linear(byte(0) << 16U | byte(2) << 8U | byte(4));
 }
 

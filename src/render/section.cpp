@@ -1,6 +1,7 @@
 #include "section.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstddef>
 #include <numbers>
@@ -46,8 +47,7 @@ Built measure(const SurfaceMesh& surface) {
       ground_z += area * z;
     }
   }
-  if (roof > 0 && ground > 0)
-    built.mean_height = std::max(3.0, roof_z / roof - ground_z / ground);
+  if (roof > 0 && ground > 0) built.mean_height = std::max(3.0, roof_z / roof - ground_z / ground);
   return built;
 }
 
@@ -125,7 +125,7 @@ Vec3 middle_of(const SurfaceMesh& surface) {
 
 /// Of a run of the profile: a face that looks up, or the ground below a building.
 struct Slab {
-  Point2 left, right;    ///< Upper side.
+  Point2 left, right;  ///< Upper side.
   Point2 left_foot, right_foot;
   bool is_building = false;
   bool operator<(const Slab& other) const { return left.x < other.left.x; }
@@ -262,8 +262,8 @@ SectionWindow choose_section(const SurfaceMesh& surface, const std::optional<Cut
   Candidate chosen{plane_along(90, middle), {}};
   if (cut && cut->position) {
     const bool runs_east = cut->azimuth == 90;
-    const Vec3 through = runs_east ? Vec3{middle.x, *cut->position, 0}
-                                   : Vec3{*cut->position, middle.y, 0};
+    const Vec3 through =
+        runs_east ? Vec3{middle.x, *cut->position, 0} : Vec3{*cut->position, middle.y, 0};
     chosen.plane = plane_along(cut->azimuth, through);
     std::vector<double> walls;
     for (const CutFace& face : cut_faces(surface, chosen.plane))
@@ -319,13 +319,11 @@ Canvas paint_section(const RenderInput& input, const SectionWindow& window, Pict
   };
   const Scene city = city_scene(input.surface, colour, false);
   PaintOptions lit;
-  const double forward =
-      std::atan2(plane.behind.x, plane.behind.y) * (180 / std::numbers::pi);
+  const double forward = std::atan2(plane.behind.x, plane.behind.y) * (180 / std::numbers::pi);
   lit.sun_azimuth = forward + 180 + 50;
   lit.haze = 0.5 / (window.top - window.bottom);
   lit.air = linear(0xEDF3F7);
-  Canvas canvas =
-      painted(clipped(city, plane.behind, dot(plane.through, plane.behind)), lit);
+  Canvas canvas = painted(clipped(city, plane.behind, dot(plane.through, plane.behind)), lit);
   PaintOptions flat;
   flat.is_lit = false;
   flat.edge_strength = 1;

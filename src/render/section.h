@@ -13,7 +13,7 @@ namespace tetropolis {
 /// The plane of `cut`, or the one in which most walls are cut, with the part of it to be shown.
 struct SectionWindow {
   CutPlane plane;
-  double left = 0;   ///< Along the line, metres.
+  double left = 0;  ///< Along the line, metres.
   double right = 0;
   double bottom = 0;  ///< Elevations.
   double top = 0;

@@ -49,8 +49,8 @@ TEST(Camera, FitsAllPointsTightlyInsideTheMargin) {
       EXPECT_GE(top, 25 - 1e-6);
       EXPECT_LE(bottom, 475 + 1e-6);
       // One of the two directions is full.
-      const bool is_full = (left < 40 + 1e-3 && right > 760 - 1e-3) ||
-                           (top < 25 + 1e-3 && bottom > 475 - 1e-3);
+      const bool is_full =
+          (left < 40 + 1e-3 && right > 760 - 1e-3) || (top < 25 + 1e-3 && bottom > 475 - 1e-3);
       EXPECT_TRUE(is_full) << left << ' ' << right << ' ' << top << ' ' << bottom;
     }
 }

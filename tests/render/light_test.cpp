@@ -1,5 +1,6 @@
 #include "render/light.h"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <random>

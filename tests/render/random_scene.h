@@ -1,6 +1,7 @@
 // Triangles at random, and what a ray meets of them: the slow way.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstdint>

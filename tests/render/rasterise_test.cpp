@@ -131,7 +131,7 @@ TEST(Rasterise, ClipsWhatIsTooNear) {
   }
 }
 
-TEST(Rasterise, NeighboursLeaveNoGapAndThreadsNoTrace) {
+TEST(Rasterise, NeighboursLeaveNoGap) {
   // A fan of thin triangles that fills a square.
   testing::RandomScene scene;
   scene.points.emplace_back(0.137, 0.211, 0);
@@ -139,13 +139,19 @@ TEST(Rasterise, NeighboursLeaveNoGapAndThreadsNoTrace) {
     const double a = i * (8.0 / 4000);  // along the square's outline
     const double s = std::fmod(a, 2.0) - 1;
     const int side = static_cast<int>(a / 2);
-    scene.points.emplace_back(side == 0 ? s : side == 1 ? 1 : side == 2 ? -s : -1,
-                              side == 0 ? -1 : side == 1 ? s : side == 2 ? 1 : -s, 0);
+    scene.points.emplace_back(side == 0   ? s
+                              : side == 1 ? 1
+                              : side == 2 ? -s
+                                          : -1,
+                              side == 0   ? -1
+                              : side == 1 ? s
+                              : side == 2 ? 1
+                                          : -s,
+                              0);
     scene.triangles.push_back({0, i + 1, (i + 1) % 4000 + 1});
   }
   Camera camera = looking(0, 90);
   fit(camera, scene.points, 333, 333, 0, 0);
-  const ThreadLimit one(1);
   const VisibleMap map = rasterise(scene.points, scene.triangles, camera, 333, 333);
   EXPECT_EQ(std::count(map.triangle.begin(), map.triangle.end(), -1), 0);
 }

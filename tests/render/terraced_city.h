@@ -4,7 +4,7 @@
 #include <array>
 #include <cstdint>
 #include <random>
-#include <vector>
+#include <utility>
 
 #include "tetropolis/volume/tet_mesh.h"
 
@@ -32,8 +32,8 @@ inline TerracedCity terraced_city(std::mt19937& random) {
   for (int k = 0; k <= nz; ++k)
     for (int j = 0; j <= ny; ++j)
       for (int i = 0; i <= nx; ++i)
-        city.mesh.points.push_back({static_cast<double>(i), static_cast<double>(j),
-                                    static_cast<double>(k)});
+        city.mesh.points.push_back(
+            {static_cast<double>(i), static_cast<double>(j), static_cast<double>(k)});
   // Along the paths from (0, 0, 0) to (1, 1, 1) (Kuhn's division), which fits that of neighbours.
   constexpr std::array<std::array<int, 3>, 6> kOrders = {
       {{0, 1, 2}, {1, 2, 0}, {2, 0, 1}, {0, 2, 1}, {2, 1, 0}, {1, 0, 2}}};

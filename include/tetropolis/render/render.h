@@ -50,8 +50,8 @@ struct RenderOptions {
   double azimuth = 30;    ///< Of `city`: the compass direction one looks in, degrees.
   double elevation = 35;  ///< Of `city`: how far downwards, degrees, 5 to 90.
   PictureColour colour = PictureColour::kClass;
-  bool edges = false;                  ///< Draws the edges of triangles; sections always have them.
-  std::optional<CutLine> cut = {};     ///< Of `section`; none: where most walls are cut.
+  bool edges = false;               ///< Draws the edges of triangles; sections always have them.
+  std::optional<CutLine> cut = {};  ///< Of `section`; none: where most walls are cut.
 };
 
 /// What a picture shows. Coordinates in metres, both in one frame.

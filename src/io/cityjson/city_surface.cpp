@@ -95,9 +95,7 @@ class FaceTriangles {
   }
 
  private:
-  Point2 flattened(const Point3& p) const {
-    return {p[(dropped_ + 1) % 3], p[(dropped_ + 2) % 3]};
-  }
+  Point2 flattened(const Point3& p) const { return {p[(dropped_ + 1) % 3], p[(dropped_ + 2) % 3]}; }
 
   Point3 on_plane(Point2 p) const {
     const std::size_t a = (dropped_ + 1) % 3, b = (dropped_ + 2) % 3;
@@ -106,8 +104,7 @@ class FaceTriangles {
     result[a] = p.x;
     result[b] = p.y;
     result[dropped_] =
-        q[dropped_] -
-        (normal_[a] * (p.x - q[a]) + normal_[b] * (p.y - q[b])) / normal_[dropped_];
+        q[dropped_] - (normal_[a] * (p.x - q[a]) + normal_[b] * (p.y - q[b])) / normal_[dropped_];
     return result;
   }
 
@@ -173,7 +170,8 @@ SurfaceMesh indexed(const Collected& all) {
 CitySurface read_city_surface(const std::filesystem::path& path) {
   const PositionedFile file(path);
   const Json document = Json::parse(file.head(file.size()), nullptr, false);
-  if (document.is_discarded()) fail_input(path, "is not valid JSON; the file is cut or not CityJSON");
+  if (document.is_discarded())
+    fail_input(path, "is not valid JSON; the file is cut or not CityJSON");
   const Place root(path, document);
   if (!root.has("type") || root.at("type").text() != "CityJSON")
     fail_input(path, "is not CityJSON; give a .city.json");

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstddef>
 #include <cstdlib>
 #include <fstream>
@@ -35,8 +36,8 @@ void add_chunk(std::string& file, std::string_view type, std::string_view data) 
   const std::size_t begin = file.size();
   file.append(type).append(data);
   const auto* bytes = reinterpret_cast<const Bytef*>(file.data() + begin);
-  add_number(file, static_cast<std::uint32_t>(
-                       crc32(0, bytes, static_cast<uInt>(file.size() - begin))));
+  add_number(file,
+             static_cast<std::uint32_t>(crc32(0, bytes, static_cast<uInt>(file.size() - begin))));
 }
 
 /// What filter `kind` predicts from the bytes left, above, and left above.
@@ -88,8 +89,8 @@ void require_png_or_nothing(const std::filesystem::path& path) {
   file.read(head.data(), head.size());
   const std::string_view begin(head.data(), static_cast<std::size_t>(file.gcount()));
   if (!begin.empty() && begin != kSignature)
-    throw Error(ErrorKind::kInput, path.string() +
-                                       ": is there already and no PNG picture; choose another name");
+    throw Error(ErrorKind::kInput,
+                path.string() + ": is there already and no PNG picture; choose another name");
 }
 
 }  // namespace
@@ -115,7 +116,8 @@ void write_png(const std::filesystem::path& path, const Picture& picture) {
   std::string header;
   add_number(header, static_cast<std::uint32_t>(picture.width));
   add_number(header, static_cast<std::uint32_t>(picture.height));
-  header += std::string("\x08\x02\0\0\0", 5);  // 8 bits, RGB, deflate, adaptive filters, no interlace
+  header +=
+      std::string("\x08\x02\0\0\0", 5);  // 8 bits, RGB, deflate, adaptive filters, no interlace
   std::string file(kSignature);
   add_chunk(file, "IHDR", header);
   add_chunk(file, "sRGB", std::string_view("\0", 1));

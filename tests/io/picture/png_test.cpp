@@ -25,8 +25,8 @@ Picture picture_of(int width, int height) {
   for (int y = 0; y < height; ++y)
     for (int x = 0; x < width; ++x)
       for (int c = 0; c < 3; ++c)
-        picture.rgb.push_back(
-            static_cast<std::uint8_t>(x < width / 2 ? random() % 256 : (x * (c + 1) + 2 * y) % 256));
+        picture.rgb.push_back(static_cast<std::uint8_t>(
+            x < width / 2 ? random() % 256 : (x * (c + 1) + 2 * y) % 256));
   return picture;
 }
 
