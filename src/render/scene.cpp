@@ -188,20 +188,31 @@ Scene clipped(const Scene& scene, Vec3 normal, double offset) {
       continue;
     }
     std::vector<std::int32_t> polygon;
+    std::vector<bool> drawn;  // from each corner to the next
     for (std::size_t i = 0; i < 3; ++i) {
       const std::size_t j = (i + 1) % 3;
-      if (d[i] >= 0) polygon.push_back(corners[i]);
+      const bool is_drawn = (scene.edges[t] >> i & 1U) != 0;
+      if (d[i] >= 0) {
+        polygon.push_back(corners[i]);
+        drawn.push_back(is_drawn);
+      }
       if ((d[i] >= 0) == (d[j] >= 0)) continue;
       const Vec3 a = scene.points[static_cast<std::size_t>(corners[i])];
       const Vec3 b = scene.points[static_cast<std::size_t>(corners[j])];
       const double share = d[i] / (d[i] - d[j]);
       polygon.push_back(kept.add(a + share * (b - a)));
+      drawn.push_back(is_drawn && d[i] < 0);
       const Vec3 na = scene.normals[static_cast<std::size_t>(corners[i])];
       const Vec3 nb = scene.normals[static_cast<std::size_t>(corners[j])];
       if (dot(na, nb) > 0) kept.normals.back() = normalised(na + share * (nb - na));
     }
-    for (std::size_t i = 2; i < polygon.size(); ++i)
-      kept.add({polygon[0], polygon[i - 1], polygon[i]}, scene.colour[t]);
+    for (std::size_t i = 2; i < polygon.size(); ++i) {
+      const bool is_first = i == 2, is_last = i + 1 == polygon.size();
+      const unsigned edges = (is_first && drawn[0] ? 1U : 0U) | (drawn[i - 1] ? 2U : 0U) |
+                             (is_last && drawn[i] ? 4U : 0U);
+      kept.add({polygon[0], polygon[i - 1], polygon[i]}, scene.colour[t],
+               static_cast<std::uint8_t>(edges));
+    }
   }
   drop_unused_points(kept);
   return kept;

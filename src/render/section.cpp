@@ -256,7 +256,7 @@ void lay_over(Canvas& lower, const Canvas& upper, float opacity) {
 SectionWindow choose_section(const SurfaceMesh& surface, const std::optional<CutLine>& cut,
                              double aspect) {
   const Built built = measure(surface);
-  constexpr double kHeights = 4;
+  constexpr double kHeights = 3.2;
   const double high = kHeights * built.mean_height, wide = high * aspect;
   const Vec3 middle = middle_of(surface);
   Candidate chosen{plane_along(90, middle), {}};
