@@ -20,6 +20,7 @@
 #include "tetropolis/render/render.h"
 
 #include "core/text.h"
+#include "scene.h"
 #include "volume_surface.h"
 
 namespace tetropolis {
@@ -156,6 +157,8 @@ RenderInput read_render_input(const fs::path& path, View view) {
   if (!fs::exists(path, error))
     throw Error(ErrorKind::kInput, path.string() + ": no such file or folder");
   RenderInput input = fs::is_directory(path, error) ? read_folder(path, view) : read_one(path);
+  if (const std::string why = why_not_drawn(input.surface); !why.empty())
+    throw Error(ErrorKind::kInput, fmt::format("{}: {}", path.string(), why));
   if (view == View::kSection && !input.volume)
     throw Error(ErrorKind::kInput,
                 path.string() +

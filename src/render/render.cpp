@@ -4,6 +4,7 @@
 #include <charconv>
 #include <cmath>
 #include <cstddef>
+#include <cstdint>
 #include <string>
 #include <system_error>
 #include <vector>
@@ -47,6 +48,10 @@ void check_options(const RenderInput& input, const RenderOptions& options) {
        {std::pair{"width", options.width}, std::pair{"height", options.height}})
     require(value >= kLeast && value <= kMost,
             fmt::format("{}: {} is not from {} to {} pixels", name, value, kLeast, kMost));
+  constexpr std::int64_t kMostPixels = 1 << 24;
+  require(std::int64_t{options.width} * options.height <= kMostPixels,
+          fmt::format("width: {} x {} is more than {} pixels", options.width, options.height,
+                      kMostPixels));
   require(std::isfinite(options.azimuth), "azimuth: is not finite");
   require(options.elevation >= 5 && options.elevation <= 90,
           fmt::format("elevation: {:g} is not from 5 to 90 degrees", options.elevation));
@@ -54,12 +59,8 @@ void check_options(const RenderInput& input, const RenderOptions& options) {
           "colour: 'quality' is that of cells, which only the view 'section' shows");
   require(!options.cut || options.view == View::kSection,
           "cut: only the view 'section' has a plane");
-  const auto is_drawn = [&](Patch patch) {
-    const PatchKind kind = input.surface.patches.of(patch).kind;
-    return kind != PatchKind::kTop && kind != PatchKind::kSide;
-  };
-  if (std::none_of(input.surface.patch.begin(), input.surface.patch.end(), is_drawn))
-    throw Error(ErrorKind::kInput, "there is no ground, roof or wall to draw");
+  if (const std::string why = why_not_drawn(input.surface); !why.empty())
+    throw Error(ErrorKind::kInput, "the surface " + why);
 }
 
 /// The box of buildings, and somewhat around them; empty without buildings.
@@ -120,8 +121,6 @@ Picture on_background(const Canvas& canvas, Rgb top, Rgb bottom) {
   return picture;
 }
 
-const Rgb kInk = linear(0x3C4248);
-
 Picture render_city(const SurfaceMesh& surface, const RenderOptions& options) {
   const Scene scene = city_on_slab(surface, options);
   Camera camera = looking(options.azimuth, options.elevation);
@@ -137,7 +136,7 @@ Picture render_plan(const SurfaceMesh& surface, const RenderOptions& options) {
   Camera camera = looking(0, 90);
   fit(camera, scene.points, options.width, options.height, kMargin, 0);
   Canvas canvas = paint(scene, camera, options.width, options.height, {});
-  draw_scale_bar(canvas, camera.scale, kInk, linear(0xF6F3EC));
+  draw_scale_bar(canvas, camera.scale, linear(0x3C4248), linear(0xF6F3EC));
   return on_background(canvas, linear(0xF6F3EC), linear(0xF6F3EC));
 }
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <map>
 
 #include "core/infinity.h"
 
@@ -22,24 +23,24 @@ PatchKind shown_kind(const SurfaceMesh& surface, std::size_t f) {
   return std::abs(normal.z) < kSteep ? PatchKind::kWall : PatchKind::kRoof;
 }
 
-/// Heights of buildings above the lowest points of their walls, by number.
-std::vector<double> heights(const SurfaceMesh& surface) {
-  std::vector<double> low, high;
+/// Heights of buildings above the lowest points of their walls.
+std::map<BuildingIndex, double> heights(const SurfaceMesh& surface) {
+  struct Range {
+    double low = kInfinity, high = -kInfinity;
+  };
+  std::map<BuildingIndex, Range> ranges;
   for (std::size_t f = 0; f < surface.triangles.size(); ++f) {
-    const BuildingIndex b = surface.building[f];
-    if (!b.valid()) continue;
-    if (std::size_t{b} >= low.size()) {
-      low.resize(std::size_t{b} + 1, kInfinity);
-      high.resize(std::size_t{b} + 1, -kInfinity);
-    }
+    if (!surface.building[f].valid()) continue;
+    Range& range = ranges[surface.building[f]];
     for (const std::int32_t v : surface.triangles[f]) {
       const double z = surface.points[static_cast<std::size_t>(v)][2];
-      low[b] = std::min(low[b], z);
-      high[b] = std::max(high[b], z);
+      range.low = std::min(range.low, z);
+      range.high = std::max(range.high, z);
     }
   }
-  for (std::size_t b = 0; b < low.size(); ++b) high[b] -= low[b];
-  return high;
+  std::map<BuildingIndex, double> result;
+  for (const auto& [building, range] : ranges) result[building] = range.high - range.low;
+  return result;
 }
 
 /// Colours that neighbouring numbers tell apart: hues by the golden ratio.
@@ -89,7 +90,7 @@ class Colours {
   Colours(const SurfaceMesh& surface, PictureColour colour) : surface_(surface), colour_(colour) {
     if (colour != PictureColour::kHeight) return;
     heights_ = heights(surface);
-    for (const double h : heights_) highest_ = std::max(highest_, h);
+    for (const auto& [building, h] : heights_) highest_ = std::max(highest_, h);
   }
 
   Rgb of(std::size_t f, PatchKind kind) const {
@@ -100,18 +101,29 @@ class Colours {
     if (by_class || !building.valid())
       return kind == PatchKind::kRoof ? palette.roof : palette.wall;
     const Rgb roof = colour_ == PictureColour::kBuilding ? colour_of(building)
-                                                         : ramp(heights_[building] / highest_);
+                                                         : ramp(heights_.at(building) / highest_);
     return kind == PatchKind::kRoof ? roof : mix(roof, palette.wall, 0.5F);
   }
 
  private:
   const SurfaceMesh& surface_;
   PictureColour colour_;
-  std::vector<double> heights_;
+  std::map<BuildingIndex, double> heights_;
   double highest_ = 0;
 };
 
 }  // namespace
+
+std::string why_not_drawn(const SurfaceMesh& surface) {
+  for (const Point3& p : surface.points)
+    if (!std::isfinite(p[0]) || !std::isfinite(p[1]) || !std::isfinite(p[2]))
+      return "has a point whose coordinates are not finite";
+  const bool is_empty = std::all_of(surface.patch.begin(), surface.patch.end(), [&](Patch patch) {
+    const PatchKind kind = surface.patches.of(patch).kind;
+    return kind == PatchKind::kTop || kind == PatchKind::kSide;
+  });
+  return is_empty ? "has no ground, roof or wall to draw" : "";
+}
 
 Rgb ramp(double value) {
   // Dark blue, teal, green, yellow: lightness rises all the way.

@@ -3,6 +3,7 @@
 
 #include <array>
 #include <cstdint>
+#include <string>
 #include <vector>
 
 #include "tetropolis/render/render.h"
@@ -32,6 +33,9 @@ struct Scene {
 };
 
 inline constexpr std::uint8_t kAllEdges = 7;
+
+/// What is wrong with a surface, behind its name; empty if nothing is.
+std::string why_not_drawn(const SurfaceMesh& surface);
 
 /// Ground, roofs and walls of `surface`; faces of no known kind by their slope.
 Scene city_scene(const SurfaceMesh& surface, PictureColour colour, bool edges);

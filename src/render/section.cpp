@@ -8,6 +8,8 @@
 #include <span>
 #include <vector>
 
+#include "tetropolis/core/error.h"
+
 #include "core/infinity.h"
 #include "draw.h"
 
@@ -278,8 +280,13 @@ SectionWindow choose_section(const SurfaceMesh& surface, const std::optional<Cut
   }
   SectionWindow window{chosen.plane, chosen.stretch.middle - wide / 2,
                        chosen.stretch.middle + wide / 2, 0, 0};
+  const std::vector<CutFace> faces = cut_faces(surface, chosen.plane);
+  if (faces.empty())
+    throw Error(ErrorKind::kUsage,
+                "cut: the plane misses the mesh; leave its place out, or give one "
+                "in the coordinates of the mesh");
   double ground = kInfinity, top = -kInfinity;
-  for (const CutFace& face : cut_faces(surface, chosen.plane))
+  for (const CutFace& face : faces)
     for (const Point2 end : face.ends) {
       if (end.x < window.left || end.x > window.right) continue;
       ground = std::min(ground, end.y);

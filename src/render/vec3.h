@@ -39,9 +39,9 @@ struct Rgb {
   float g = 0;
   float b = 0;
 
-  friend Rgb operator+(Rgb a, Rgb b) { return {a.r + b.r, a.g + b.g, a.b + b.b}; }
-  friend Rgb operator*(Rgb a, Rgb b) { return {a.r * b.r, a.g * b.g, a.b * b.b}; }
-  friend Rgb operator*(float s, Rgb a) { return {s * a.r, s * a.g, s * a.b}; }
+  friend Rgb operator+(Rgb p, Rgb q) { return {p.r + q.r, p.g + q.g, p.b + q.b}; }
+  friend Rgb operator*(Rgb p, Rgb q) { return {p.r * q.r, p.g * q.g, p.b * q.b}; }
+  friend Rgb operator*(float s, Rgb p) { return {s * p.r, s * p.g, s * p.b}; }
   friend bool operator==(const Rgb&, const Rgb&) = default;
 };
 

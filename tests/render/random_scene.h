@@ -8,6 +8,8 @@
 #include <random>
 #include <vector>
 
+#include "tetropolis/geometry/polygon.h"
+
 #include "render/camera.h"
 
 namespace tetropolis::testing {
@@ -50,6 +52,21 @@ inline Meeting meet(const RandomScene& scene, std::size_t triangle, const Sight&
   const Vec3 s = sight.origin - p(0), q = cross(s, e1);
   const double u = dot(s, h) / determinant, v = dot(sight.direction, q) / determinant;
   return {dot(e2, q) / determinant, std::min({u, v, 1 - u - v})};
+}
+
+/// How far (x, y) is from the outline of the triangle as `camera` sees it, pixels.
+inline double outline_distance(const RandomScene& scene, std::size_t triangle, const Camera& camera,
+                               double x, double y) {
+  double least = 1e9;
+  for (std::size_t i = 0; i < 3; ++i) {
+    const auto at = [&](std::size_t k) {
+      const auto v = static_cast<std::size_t>(scene.triangles[triangle][k % 3]);
+      const ScreenPoint s = camera.project(scene.points[v]);
+      return Point2{s.x, s.y};
+    };
+    least = std::min(least, distance_to_segment({x, y}, at(i), at(i + 1)));
+  }
+  return least;
 }
 
 }  // namespace tetropolis::testing

@@ -92,7 +92,9 @@ TEST(Rasterise, ShowsWhatALineOfSightMeetsFirst) {
         bool near_an_edge = false;
         for (std::size_t t = 0; t < scene.triangles.size(); ++t) {
           const testing::Meeting m = testing::meet(scene, t, sight);
-          near_an_edge = near_an_edge || std::abs(m.inside) < 0.02;  // corners are rounded
+          // Corners are rounded.
+          near_an_edge =
+              near_an_edge || testing::outline_distance(scene, t, camera, x + 0.5, y + 0.5) < 0.01;
           if (m.inside < 0) continue;
           second = std::min(second, std::max(nearest, m.t));
           if (m.t < nearest) {

@@ -211,6 +211,9 @@ TEST_F(Cli, RenderDrawsWhateverTheProgramWrites) {
   expect_error("render city -o a.png --width 3", 2, "--width: 3 is not from 16 to 8192");
   expect_error("render city -o a.png --cut y", 2, "only the view 'section' has a plane");
   expect_error("render city -o a.png --view section --cut up", 2, "'up' is no plane");
+  expect_error("render city -o a.png --view section --cut x=1e6", 2, "--cut: the plane misses");
+  expect_error("render city -o a.png --width 8000 --height 8000", 2,
+               "--width: 8000 x 8000 is more");
   expect_error("render model -o a.png --view section", 3, "model: has no volume for a section");
   expect_error("render input -o a.png", 3, "input: has no surface.vtp");
   expect_error("render input/points.laz -o a.png", 3, "points.laz: no format that is drawn");

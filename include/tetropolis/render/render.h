@@ -45,7 +45,7 @@ CutLine cut_named(const std::string& text);
 
 struct RenderOptions {
   View view = View::kCity;
-  int width = 1600;  ///< Pixels, 16 to 8192; `height` too.
+  int width = 1600;  ///< Pixels, 16 to 8192; `height` too; 2^24 in all.
   int height = 1000;
   double azimuth = 30;    ///< Of `city`: the compass direction one looks in, degrees.
   double elevation = 35;  ///< Of `city`: how far downwards, degrees, 5 to 90.

@@ -12,6 +12,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "tetropolis/core/error.h"
 #include "tetropolis/geometry/polygon.h"
 #include "tetropolis/ground/triangulation.h"
 
@@ -185,8 +186,14 @@ CitySurface read_city_surface(const std::filesystem::path& path) {
     const std::string& type = object.at("type").text();
     const bool is_terrain = type == "TINRelief";
     if (!is_terrain && type != "Building" && type != "BuildingPart") continue;
-    for (Face& face : read_faces(object, frame).faces)
-      all.add(std::move(face), is_terrain, BuildingIndex(number));
+    try {
+      for (Face& face : read_faces(object, frame).faces)
+        all.add(std::move(face), is_terrain, BuildingIndex(number));
+    } catch (const Error& error) {
+      const std::string what = error.what();
+      if (what.starts_with(path.string())) throw;
+      object.fail("has a face that cannot be drawn: " + what);  // of the triangulation
+    }
     ++number;
   }
   return {indexed(all), frame.origin};
