@@ -37,6 +37,7 @@
 #include "interrupts.h"
 #include "options.h"
 #include "reference.h"
+#include "render_command.h"
 #include "summary.h"
 
 namespace {
@@ -198,6 +199,7 @@ struct CommandLine {
   std::vector<std::string> files;      ///< Of info.
   std::string checked;                 ///< Of check.
   std::optional<double> min_distance;  ///< Of check.
+  RenderArguments picture;             ///< Of render.
   std::string settings{"tetropolis.toml"};  ///< Of init.
   std::string topic;                        ///< Of help and completions.
 
@@ -258,6 +260,22 @@ void add_check(CommandLine& line) {
   const auto options = std::make_shared<ConfigOptions>(added, kCheck);
   on_choice(line, added,
             [&line, options] { return run_check(*options, line.checked, line.min_distance); });
+}
+
+void add_render(CommandLine& line) {
+  CLI::App& added = *line.app.add_subcommand(
+      "render", "Draw a folder of results, a mesh or a city model as a PNG picture");
+  add_render_options(added, line.picture);
+  added.footer("tetropolis render city -o section.png --view section");
+  const auto options = std::make_shared<ConfigOptions>(added, kCheck);
+  on_choice(line, added, [&line, options] {
+    const Config config = options->config();
+    const ThreadLimit limit(config.threads);
+    return with_console(config, line.picture.path, [&](Console& console) {
+      render(line.picture, console);
+      return 0;
+    });
+  });
 }
 
 void add_init(CommandLine& line) {
@@ -330,6 +348,7 @@ void declare(CommandLine& line) {
           "tetropolis synth invented --kind blocks --size 500");
   add_info(line);
   add_check(line);
+  add_render(line);
   add_init(line);
   add_help(line);
   add_completions(line);

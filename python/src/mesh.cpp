@@ -33,6 +33,7 @@
 #include "arrays.h"
 #include "bindings.h"
 #include "call.h"
+#include "render.h"
 #include "settings.h"
 
 namespace tetropolis::python {
@@ -196,6 +197,29 @@ void save_surface_of(const Mesh& mesh, const SurfaceMesh& surface,
     throw_no_format(path, "end it in .vtp, .stl, .obj, .ply or .glb");
 }
 
+TetMesh tets_of(const Mesh& mesh) {
+  const std::size_t triangles = mesh.volume().triangle_count();
+  std::vector<std::array<NodeIndex, 4>> cells(mesh.offsets.back());
+  fill_cells(mesh.volume(), mesh.offsets, 0, triangles, cells);
+  std::vector<BuildingIndex> regions(cells.size());
+  fill_regions(mesh.volume(), mesh.offsets, 0, triangles, regions);
+  TetMesh tets;
+  tets.points.resize(static_cast<std::size_t>(mesh.volume().node_count()));
+  fill_points(mesh.volume(), {0, 0, 0}, tets.points);
+  for (const auto& c : cells)
+    tets.cells.push_back({c[0].value(), c[1].value(), c[2].value(), c[3].value()});
+  for (const BuildingIndex region : regions) tets.region.push_back(region.value());
+  return tets;
+}
+
+void render(const Mesh& mesh, const std::filesystem::path& picture, const nb::dict& keywords) {
+  const RenderOptions options = render_options(keywords);
+  const nb::gil_scoped_release release;
+  RenderInput input{city_surface(mesh.mesh().boundary), {}};
+  if (options.view == View::kSection) input.volume = tets_of(mesh);
+  write_png(picture, render_picture(input, options));
+}
+
 using Self = nb::pointer_and_handle<Mesh>;
 
 void bind_surface(nb::module_& module) {
@@ -273,6 +297,7 @@ void bind_mesh(nb::module_& module) {
             return make_page(city, self.made);
           },
           nb::arg("city"))
+      .def("render", render, nb::arg("picture"), nb::arg("options"))
       .def("save_surface", save_surface_of, nb::arg("surface"), nb::arg("path"),
            nb::arg("settings"))
       .def("save", save, nb::arg("path"), nb::arg("settings"), nb::arg("progress").none());

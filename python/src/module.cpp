@@ -21,4 +21,5 @@ NB_MODULE(_core, module) {
   bind_city(module);
   bind_mesh(module);
   bind_files(module);
+  bind_render(module);
 }

@@ -10,8 +10,9 @@ from ._core import version as __version__
 from ._errors import DataWarning, Error, GuaranteeError, InputError, UsageError
 from ._files import CheckedFile, check, synth
 from ._mesh import GroundMesh, Mesh, Surface, build_mesh
+from ._render import render
 from ._report import Notice
 
 __all__ = ["CheckedFile", "City", "CityModel", "DataWarning", "Error", "GroundMesh", "GuaranteeError", "InputError",
            "Mesh", "Notice", "Surface", "Terrain", "UsageError", "__version__", "build_city", "build_mesh", "check",
-           "read_city", "synth"]
+           "read_city", "render", "synth"]

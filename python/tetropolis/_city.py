@@ -2,6 +2,7 @@
 from __future__ import annotations
 
 import os
+import tempfile
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -20,6 +21,7 @@ if TYPE_CHECKING:
     import pandas
     from typing_extensions import Unpack
 
+    from ._render import Picture
     from ._settings import BuildCity, ReadCity
 
 Floats = npt.NDArray[np.float64]
@@ -215,6 +217,13 @@ class City(Reported, CityModel):
         else:
             raise UsageError(f"{path}: no format has this name; end it in .city.json (buildings), .gpkg (layers) "
                              "or .tif (terrain)")
+
+    def render(self, picture: str | os.PathLike[str], **options: Unpack[Picture]) -> None:
+        """Draws the buildings on their terrain as a PNG picture, as `tetropolis.render` does files."""
+        with tempfile.TemporaryDirectory(prefix="tetropolis-") as folder:
+            self.save(Path(folder) / "city.city.json")
+            self.save(Path(folder) / "dtm.tif")
+            _core.render(Path(folder), Path(picture), dict(options))
 
     def to_html(self) -> str:
         """The page that shows the city: one HTML text that works offline."""

@@ -22,6 +22,7 @@ if TYPE_CHECKING:
     import pyvista
     from typing_extensions import Unpack
 
+    from ._render import Picture
     from ._settings import BuildMesh, Save
 
 Coordinates = Literal["local", "absolute"]
@@ -284,6 +285,10 @@ class Mesh(Reported):
         """
         with following(progress) as follow:
             self._core.save(Path(path), dict(settings), follow)
+
+    def render(self, picture: str | os.PathLike[str], **options: Unpack[Picture]) -> None:
+        """Draws the mesh as a PNG picture, as `tetropolis.render` does files."""
+        self._core.render(Path(picture), dict(options))
 
     def to_html(self) -> str:
         """The page that shows city and mesh: one HTML text that works offline."""

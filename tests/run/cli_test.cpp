@@ -172,6 +172,54 @@ TEST_F(Cli, TheMeshSizeThatARefusalNamesFits) {
   }
 }
 
+TEST_F(Cli, RenderDrawsWhateverTheProgramWrites) {
+  synth();
+  ASSERT_EQ(run("build input/footprints.shp input city --quiet --formats vtu,xdmf").code, 0);
+  ASSERT_EQ(run("city input/footprints.shp input model --quiet").code, 0);
+  const std::string size = " -o picture.png --width 320 --height 200";
+  std::map<std::string, std::string> drawn;
+  for (const char* what :
+       {"city", "city --view plan --edges", "city --view section", "city/surface.vtp",
+        "city/boundary.vtp", "city/boundary.xdmf", "city/volume.vtu", "city/volume.xdmf",
+        "city/surface.stl", "city/city.city.json", "model", "model --colour height",
+        "city --view section --colour quality --cut x"}) {
+    fs::remove(scratch / "picture.png");
+    const Outcome outcome = run("render " + std::string(what) + size);
+    EXPECT_EQ(outcome.code, 0) << what << outcome.err;
+    EXPECT_EQ(outcome.out, "picture.png: 320 x 200 pixels\n");
+    const std::string bytes = bytes_of(scratch / "picture.png");
+    EXPECT_TRUE(bytes.starts_with("\x89PNG")) << what;
+    drawn[what] = bytes;
+  }
+  EXPECT_TRUE(drawn["city/surface.vtp"] == drawn["city"]);
+  EXPECT_TRUE(drawn["city/boundary.vtp"] == drawn["city/boundary.xdmf"]);
+  EXPECT_TRUE(drawn["city/volume.vtu"] == drawn["city/volume.xdmf"]);
+  EXPECT_TRUE(drawn["city/city.city.json"] == drawn["model"]);
+  for (const char* what : {"city --view plan --edges", "city --view section", "model"})
+    EXPECT_FALSE(drawn[what] == drawn["city"]) << what;
+  EXPECT_FALSE(drawn["model"] == drawn["model --colour height"]);
+  // A folder is drawn with any threads alike, and quietly.
+  EXPECT_EQ(run("render city --quiet --threads 1" + size).out, "");
+  const std::string one = bytes_of(scratch / "picture.png");
+  EXPECT_EQ(run("render city --threads 3" + size).code, 0);
+  EXPECT_EQ(bytes_of(scratch / "picture.png"), one);
+
+  std::ofstream(scratch / "notes.txt") << "mine";
+  expect_error("render city -o notes.txt", 3, "notes.txt: is there already and no PNG");
+  expect_error("render city", 2, "usage: tetropolis render");
+  expect_error("render city -o a.png --view side", 2, "'side' is not one of city, plan, section");
+  expect_error("render city -o a.png --width 3", 2, "--width: 3 is not from 16 to 8192");
+  expect_error("render city -o a.png --cut y", 2, "only the view 'section' has a plane");
+  expect_error("render city -o a.png --view section --cut up", 2, "'up' is no plane");
+  expect_error("render city -o a.png --view section --cut x=1e6", 2, "--cut: the plane misses");
+  expect_error("render city -o a.png --width 8000 --height 8000", 2,
+               "--width: 8000 x 8000 is more");
+  expect_error("render model -o a.png --view section", 3, "model: has no volume for a section");
+  expect_error("render input -o a.png", 3, "input: has no surface.vtp");
+  expect_error("render input/points.laz -o a.png", 3, "points.laz: no format that is drawn");
+  expect_error("render nowhere -o a.png", 3, "nowhere: no such file");
+}
+
 TEST_F(Cli, CheckNamesTheFilesItDoesNotRead) {
   synth("--buildings 20 --size 250");
   const std::string arguments = " --quiet --footprints input/footprints.shp --points input ";
