@@ -69,8 +69,8 @@ RoofHeights roofs_over(const CityParts& parts, const GroundMesh& ground, const E
   }
   ReconciledRoofs reconciled = reconcile_roofs(ground, *edges, parts.roofs);
   VolumeMeshFacts& volume = result.volume_facts;
-  volume.roofs_closed = reconciled.closed;
-  volume.most_roofs_closed = reconciled.most_closed;
+  volume.roofs_met = reconciled.closed;
+  volume.most_roofs_met = reconciled.most_closed;
   volume.roofs_lifted = reconciled.lifted;
   volume.most_roofs_lifted = reconciled.most_lifted;
   return std::move(reconciled.roofs);

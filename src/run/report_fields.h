@@ -211,6 +211,15 @@ void fields_of(VolumeMeshFacts& mesh, const Field& field) {
         "nodes moved to make columns monotone after solving; 0 without solving");
   field("columns_improved", mesh.columns_improved, "integer",
         "columns changed by the local search for better cells");
+  field("roofs_met", mesh.roofs_met, "integer",
+        "vertices at which roofs of two parts were moved together by more than a centimetre: the "
+        "step was too low for cells, or they crossed");
+  field("roofs_met_most", mesh.most_roofs_met, "number, m", "by so much at most");
+  field("roofs_lifted", mesh.roofs_lifted, "integer",
+        "vertices at which a roof was lifted so that walls around it are a manifold");
+  field("roofs_lifted_most", mesh.most_roofs_lifted, "number, m", "by so much at most");
+  field("roof_steps_closed", mesh.roof_steps_closed, "integer",
+        "edges at which a roof was lifted to the next one, since no cells fit the step");
   field("top", mesh.top, "number, m",
         "elevation of the flat top; of a free top, before it follows the terrain");
   field("dihedral_deg.min", mesh.dihedral_min, "number, degrees",

@@ -62,9 +62,9 @@ struct VolumeMeshFacts {
   std::int64_t inverted = 0;
   double min_vertical_gap = 0;
   std::int64_t ground_lowered = 0;
-  std::int64_t roofs_closed = 0;  ///< Vertices at which two roofs were moved together by more than
+  std::int64_t roofs_met = 0;  ///< Vertices at which two roofs were moved together by more than
                                   ///< a centimetre: they were less than 0.3 m apart, or crossed,
-  double most_roofs_closed = 0;   ///< by so much at most, metres.
+  double most_roofs_met = 0;   ///< by so much at most, metres.
   std::int64_t roofs_lifted = 0;  ///< Vertices at which a roof was lifted, so that walls around it
                                   ///< are a manifold,
   double most_roofs_lifted = 0;       ///< by so much at most, metres.
