@@ -1,6 +1,7 @@
 // The parts of a city's buildings in a row, as meshing numbers them.
 #pragma once
 
+#include <span>
 #include <vector>
 
 #include "tetropolis/city/city_model.h"
@@ -13,11 +14,12 @@ namespace tetropolis {
 struct CityParts {
   std::vector<PartOutline> outlines;  ///< Of the city: valid as long as it is.
   std::vector<RoofPlane> roofs;
-  std::size_t blocks = 0;  ///< Buildings with parts that are meshed without.
 };
 
-/// All parts of all buildings; of a building without any its footprint at h_roof. Laplace problems
-/// know one roof per building: where they are solved, buildings are blocks.
-CityParts parts_of(const CityModel& city, const MeshCityOptions& options);
+/// All parts of all buildings; of a building without any, and of those in `blocks` (ascending), the
+/// footprint at h_roof. Laplace problems know one roof per building: where they are solved, all
+/// buildings are blocks.
+CityParts parts_of(const CityModel& city, const MeshCityOptions& options,
+                   std::span<const BuildingIndex> blocks = {});
 
 }  // namespace tetropolis

@@ -187,7 +187,6 @@ Columns make_columns(const MeshCityOptions& options, const CityParts& parts, con
   const bool solves = solves_laplace(options);
   const auto make = solves ? smooth_columns : grade_columns;
   Columns columns = make(options, parts, dtm, size, std::move(ground), clock, result);
-  result.volume_facts.min_vertical_gap = require_valid(columns.mesh);
   return columns;
 }
 

@@ -15,9 +15,9 @@ namespace tetropolis {
 /// How `options` want columns to be planned.
 ColumnPlanOptions plan_options(const MeshCityOptions& options);
 
-/// Valid columns, over terrain that is excavated nowhere. Fills the volume facts of `result` as far
-/// as the columns are known by then, its solver and its warnings. Throws Error(kUsage) for a mesh
-/// that is too high or too large, Error(kGuarantee) as require_valid.
+/// Columns over terrain that is excavated nowhere; valid unless there are missed_buildings(). Fills
+/// the volume facts of `result` as far as the columns are known by then, its solver and its
+/// warnings. Throws Error(kUsage) for a mesh that is too high or too large.
 Columns make_columns(const MeshCityOptions& options, const CityParts& parts, const Raster& dtm,
                      const CitySize& size, GroundMesh ground, StepClock& clock, CityMesh& result);
 

@@ -14,10 +14,12 @@
 
 #include "city_parts.h"
 #include "ground/validate.h"
+#include "core/sort_once.h"
 #include "make_columns.h"
 #include "memory.h"
 #include "mesh_warnings.h"
 #include "volume/column/ground_heights.h"
+#include "volume/column/levels.h"
 #include "volume/column/roof_heights.h"
 
 namespace tetropolis {
@@ -124,6 +126,16 @@ void move_into_crs(GroundMesh& ground, Point2 origin) {
   for (Point2& p : ground.vertices) p = {in_crs(p.x, origin.x), in_crs(p.y, origin.y)};
 }
 
+/// Steps 3.1 to 3.5, with some buildings as blocks.
+Columns columns_of(const MeshCityOptions& options, const CityModel& city, const Raster& terrain,
+                   const CitySize& size, std::span<const BuildingIndex> blocks, StepClock& clock,
+                   CityMesh& result) {
+  const CityParts parts = parts_of(city, options, blocks);
+  GroundMesh ground = make_ground(options, city, parts, terrain, clock, result);
+  move_into_crs(ground, city.origin);
+  return make_columns(options, parts, terrain, size, std::move(ground), clock, result);
+}
+
 }  // namespace
 
 CityMesh mesh_city(const CityModel& city, Raster terrain, const MeshCityOptions& options,
@@ -133,17 +145,29 @@ CityMesh mesh_city(const CityModel& city, Raster terrain, const MeshCityOptions&
   const Point2 origin = city.origin;
   const CitySize size = size_of(options, city, terrain);
   require_mesh_fits(options, size);
-  const CityParts parts = parts_of(city, options);
-  if (parts.blocks > 0)
+  if (const auto parted = std::count_if(city.buildings.begin(), city.buildings.end(),
+                                        [](const Building& b) { return !b.parts.empty(); });
+      parted > 0 && solves_laplace(options))
     result.warnings.push_back(
-        {"parts_left_out", static_cast<std::int64_t>(parts.blocks),
+        {"parts_left_out", parted,
          "buildings have parts, but are meshed as blocks: layering = \"graded\" and a flat top "
          "keep the parts"});
-  GroundMesh ground = make_ground(options, city, parts, terrain, clock, result);
-  move_into_crs(ground, origin);
   terrain.x0 = in_crs(terrain.x0, origin.x);
   terrain.y0 = in_crs(terrain.y0, origin.y);
-  Columns columns = make_columns(options, parts, terrain, size, std::move(ground), clock, result);
+  std::vector<BuildingIndex> blocks;
+  Columns columns = columns_of(options, city, terrain, size, blocks, clock, result);
+  // With steep roofs a few decimetres above each other there may be no order of climbing.
+  for (auto missed = missed_buildings(columns.mesh); !missed.empty();
+       missed = missed_buildings(columns.mesh)) {
+    blocks.insert(blocks.end(), missed.begin(), missed.end());
+    sort_once(blocks);
+    columns = columns_of(options, city, terrain, size, blocks, clock, result);
+  }
+  result.volume_facts.min_vertical_gap = require_valid(columns.mesh);
+  if (!blocks.empty())
+    result.warnings.push_back(
+        {"parts_left_out", static_cast<std::int64_t>(blocks.size()),
+         "buildings are meshed as blocks: no cells fit the steps between their roofs"});
   ExcavationSources excavated;
   MeshQuality quality;
   if (options.layering != Layering::kUniform) {

@@ -290,6 +290,19 @@ bool passes_everywhere(const ColumnMesh& mesh) {
          std::all_of(edges.begin(), edges.end(), [&](EdgeIndex e) { return passes(mesh, e); });
 }
 
+std::vector<BuildingIndex> missed_buildings(const ColumnMesh& mesh) {
+  std::vector<BuildingIndex> missed;
+  if (mesh.levels.empty()) return missed;
+  for (const EdgeIndex e : mesh.edges.vertices.indices()) {
+    if (passes(mesh, e)) continue;
+    for (const TriangleIndex t : mesh.edges.triangles[e])
+      if (const Region& region = mesh.ground.region_of(t); region.is_building())
+        missed.push_back(region.building);
+  }
+  sort_once(missed);
+  return missed;
+}
+
 std::int64_t find_levels(ColumnMesh& mesh, RoofHeights& roofs) {
   LevelSearch search(mesh, roofs);
   search.relax();

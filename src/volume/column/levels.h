@@ -44,6 +44,9 @@ bool passes(const ColumnMesh& mesh, EdgeIndex e);
 /// Over all edges.
 bool passes_everywhere(const ColumnMesh& mesh);
 
+/// The buildings of roofs whose edges fronts miss, ascending.
+std::vector<BuildingIndex> missed_buildings(const ColumnMesh& mesh);
+
 /// The same over all edges around vertex v with `own` as its column and column(u) as those of
 /// others.
 template <typename ColumnAt>

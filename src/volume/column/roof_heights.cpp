@@ -229,7 +229,7 @@ ReconciledRoofs Floors::done(std::span<const RoofPlane> planes) {
   std::vector<double> low(planes.size());
   for (std::size_t r = 0; r < planes.size(); ++r)
     low[r] = planes[r].is_flat() ? planes[r].elevation : kInfinity;
-  std::vector<const Row*> sloped(mesh_.vertices.size(), nullptr);
+  std::vector<std::uint8_t> is_sloped(planes.size(), 0);
   for (Row& row : rows_) {
     for (const RoofFloor& floor : row.floors)
       if (!planes[floor.part].is_flat()) low[floor.part] = std::min(low[floor.part], floor.z);
@@ -240,15 +240,18 @@ ReconciledRoofs Floors::done(std::span<const RoofPlane> planes) {
     for (RoofFloor& floor : row.floors) {
       floor.level = floor.z;
       const RoofPlane& plane = planes[floor.part];
-      if (!plane.is_flat() || floor.z != plane.elevation) sloped[row.vertex] = &row;
+      if (!plane.is_flat() || floor.z != plane.elevation) is_sloped[floor.part] = 1;
     }
   }
   result.roofs.flat = std::move(low);
-  if (std::all_of(sloped.begin(), sloped.end(), [](const Row* row) { return row == nullptr; }))
-    return result;
-  for (const VertexIndex v : mesh_.vertices.indices())
-    result.roofs.sloped.push_back(sloped[v] == nullptr ? std::span<const RoofFloor>{}
-                                                       : std::span(sloped[v]->floors));
+  if (std::find(is_sloped.begin(), is_sloped.end(), 1) == is_sloped.end()) return result;
+  const auto belongs = [&](const RoofFloor& floor) { return is_sloped[floor.part] != 0; };
+  for (const VertexIndex v : mesh_.vertices.indices()) {
+    std::span<const RoofFloor> floors;
+    if (row_of_[v] >= 0) floors = rows_[static_cast<std::size_t>(row_of_[v])].floors;
+    if (std::none_of(floors.begin(), floors.end(), belongs)) floors = {};
+    result.roofs.sloped.push_back(floors);
+  }
   return result;
 }
 

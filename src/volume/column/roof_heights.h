@@ -26,8 +26,8 @@ struct RoofFloor {
 struct RoofHeights {
   /// Per building part (region): elevation of a horizontal roof; of others the lowest there is.
   std::vector<double> flat;
-  /// Per vertex, the floors of all parts around it where one of them is not at `flat`; no rows if
-  /// all roofs are horizontal.
+  /// Per vertex, the floors of all parts around it where one of these is somewhere not at `flat`;
+  /// no rows if all roofs are horizontal.
   RaggedArray<RoofFloor, std::int32_t> sloped = {};
 
   RoofHeights() = default;
