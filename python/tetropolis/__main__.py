@@ -1,14 +1,5 @@
-"""The command line: ``python -m tetropolis``, and the script ``tetropolis``."""
-import os
-import sys
-from pathlib import Path
-
-PROGRAM = Path(__file__).parent / "bin" / "tetropolis"
-
-
-def main() -> None:
-    os.execv(PROGRAM, [str(PROGRAM), *sys.argv[1:]])
-
+"""The command line, as ``python -m tetropolis``."""
+from tetropolis_command import main
 
 if __name__ == "__main__":
     main()
