@@ -22,6 +22,7 @@ namespace {
 using namespace convex;
 
 constexpr double kLowestRoof = 2.6;  // Above the ground, metres.
+constexpr double kSame = 0.005;      // Metres: cuts of one place are rounded to millimetres.
 constexpr double kLeastEdge = 1;     // Of a part, metres.
 constexpr double kLeastArea = 4;     // Of a part, square metres.
 constexpr double kNarrowest = 5;     // Of a piece with more than one plane, metres.
@@ -164,10 +165,15 @@ class PieceRoof {
   }
 
   /// Regions may be empty.
-  void add(const Ring& ring, const RoofPlane& plane) {
-    if (ring.empty()) return;
+  void add(const Ring& region, const RoofPlane& plane) {
+    // Cuts that meet in a point make it more than once, and not to the last bit.
+    Ring ring;
+    for (const Point2 p : region)
+      if (ring.empty() || length(p - ring.back()) > kSame) ring.push_back(on_mm(p));
+    while (ring.size() > 1 && length(ring.back() - ring.front()) <= kSame) ring.pop_back();
+    if (ring.size() < 3) return;
     RoofPart& part = parts_.emplace_back();
-    for (const Point2 p : ring) part.outline.outer.push_back(on_mm(p));
+    part.outline.outer = std::move(ring);
     part.roof = plane;
   }
 
@@ -300,7 +306,6 @@ double lowest_corner(const RoofPart& part) {
 
 std::vector<RoofPart> build_roof(const SyntheticBuilding& building, double ground,
                                  SeededRandom& random) {
-  constexpr double kSame = 0.005;  // Metres: cuts of one place differ by rounding to millimetres.
   if (!building.footprint.holes.empty()) return {};
   const double level = ground + building.height, lowest = ground + kLowestRoof;
   std::vector<RoofPart> parts;

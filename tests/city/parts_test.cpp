@@ -5,12 +5,12 @@
 
 #include <gtest/gtest.h>
 
+#include "tetropolis/city/raise_roofs.h"
+#include "tetropolis/city/roof_summary.h"
 #include "tetropolis/geometry/polygon.h"
 
 #include "city/part_lines.h"
 #include "city/part_tiling.h"
-#include "city/roof_angles.h"
-#include "city/roof_summary.h"
 #include "support/roofs.h"
 #include "support/test_data.h"
 
@@ -34,7 +34,8 @@ TEST(PartTiling, BricksTileAndWhatIsMovedDoesNot) {
       edit(edited, edited.parts[one].outline);
       return tiling_fault(edited.footprint, edited.parts);
     };
-    EXPECT_NE(fault([](Building&, Polygon& outline) { outline.outer[1].x += kCoordinateStep; }), "");
+    EXPECT_NE(fault([](Building&, Polygon& outline) { outline.outer[1].x += kCoordinateStep; }),
+              "");
     EXPECT_NE(fault([](Building&, Polygon& outline) { outline.outer.pop_back(); }), "");
     EXPECT_NE(fault([](Building&, Polygon& outline) {
                 std::reverse(outline.outer.begin(), outline.outer.end());
@@ -81,9 +82,9 @@ TEST(LineClearance, IsThatOfAllPairs) {
           const double ux = p.x - apex.x, uy = p.y - apex.y;
           const double vx = other.x - apex.x, vy = other.y - apex.y;
           sharpest = std::min(
-              sharpest, std::acos(std::clamp((ux * vx + uy * vy) /
-                                                 (std::hypot(ux, uy) * std::hypot(vx, vy)),
-                                             -1.0, 1.0)));
+              sharpest,
+              std::acos(std::clamp((ux * vx + uy * vy) / (std::hypot(ux, uy) * std::hypot(vx, vy)),
+                                   -1.0, 1.0)));
         }
     const LineClearance clearance = line_clearance(building.parts);
     EXPECT_NEAR(clearance.distance, least, 1e-9);
@@ -101,6 +102,38 @@ TEST(RoofAngles, AreThoseOfACompass) {
   EXPECT_EQ(azimuth(1, -1), 315);
   EXPECT_EQ(slope_degrees({{0, 0}, 0, 0.6, 0.8}), 45);
   EXPECT_EQ(slope_degrees({{0, 0}, 5, 0, 0}), 0);
+}
+
+TEST(RaiseRoofs, PartsFollowEditsOfTheHeight) {
+  SCOPED_TRACE(testing::test_seed());
+  std::mt19937 random(testing::test_seed());
+  CityModel city;
+  for (std::size_t i = 0; i < 3; ++i) city.buildings.push_back(random_building(random, i));
+  const CityModel before = city;
+  std::vector<double> heights = roof_heights(city);
+  city.buildings[1].h_roof += 10;
+  city.buildings[2].h_roof = std::nan("");
+  follow_roof_heights(city, heights);
+  follow_roof_heights(city, heights);  // once is enough
+  const auto risen = [&](std::size_t b, std::size_t k) {
+    const RoofPlane &now = city.buildings[b].parts[k].roof,
+                    &then = before.buildings[b].parts[k].roof;
+    EXPECT_EQ(now.at, then.at);
+    EXPECT_EQ(now.slope_x, then.slope_x);
+    EXPECT_EQ(now.elevation, snap_height(now.elevation));
+    return now.elevation - then.elevation;
+  };
+  for (std::size_t k = 0; k < before.buildings[1].parts.size(); ++k)
+    EXPECT_NEAR(risen(1, k), 10, 1e-9);
+  for (const std::size_t b : {0, 2})
+    for (std::size_t k = 0; k < before.buildings[b].parts.size(); ++k) EXPECT_EQ(risen(b, k), 0);
+  // A height that is none for a while.
+  city.buildings[2].h_roof = before.buildings[2].h_roof - 0.5;
+  follow_roof_heights(city, heights);
+  EXPECT_NEAR(risen(2, 0), -0.5, 1e-9);
+  raise_roof(city.buildings[0], 0.25);
+  EXPECT_NEAR(risen(0, 0), 0.25, 1e-9);
+  EXPECT_NEAR(city.buildings[0].h_roof, before.buildings[0].h_roof + 0.25, 1e-12);
 }
 
 TEST(RoofSummary, WeighsPartsByTheirPoints) {

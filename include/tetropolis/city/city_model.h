@@ -72,9 +72,9 @@ struct RoofPart {
   Polygon outline;
   RoofPlane roof;
   std::string source_id;  ///< The input feature it stands on, or stands on most.
-  Lod lod = Lod::k1_2;    ///< What the points carried: kBlock where the building's height had to do.
+  Lod lod = Lod::k1_2;  ///< What the points carried: kBlock where the building's height had to do.
   std::int64_t n_points = 0;  ///< Roof points in the outline.
-  double rmse = 0;  ///< Vertical, of these points, metres; NaN without points.
+  double rmse = 0;            ///< Vertical, of these points, metres; NaN without points.
 };
 
 /// A polygonal prism footprint x [h_ground, h_roof]; with `parts`, prisms below their roofs.

@@ -6,10 +6,10 @@
 #include <optional>
 #include <utility>
 
+#include "tetropolis/city/roof_summary.h"
 #include "tetropolis/geometry/polygon.h"
 
 #include "city/part_tiling.h"
-#include "city/roof_summary.h"
 #include "city/share_corners.h"
 #include "geometry/geos.h"
 #include "geometry/perimeter.h"

@@ -11,10 +11,10 @@
 #include <nlohmann/json.hpp>
 #include <zlib.h>
 
+#include "tetropolis/city/roof_summary.h"
 #include "tetropolis/core/version.h"
 #include "tetropolis/geometry/polygon.h"
 
-#include "city/roof_summary.h"
 #include "core/parallel.h"
 #include "page_columns.h"
 #include "page_template.h"

@@ -18,12 +18,11 @@
 #include <fmt/ranges.h>
 #include <nlohmann/json.hpp>
 
+#include "tetropolis/city/roof_summary.h"
 #include "tetropolis/geometry/polygon.h"
 #include "tetropolis/io/crs/crs.h"
 #include "tetropolis/io/file/write_file.h"
 
-#include "city/roof_angles.h"
-#include "city/roof_summary.h"
 #include "core/text.h"
 #include "io/crs/gdal_support.h"
 #include "io/file/atomic_file.h"
