@@ -174,7 +174,7 @@ class PieceRoof {
     if (ring.size() < 3) return;
     RoofPart& part = parts_.emplace_back();
     part.outline.outer = std::move(ring);
-    part.roof = plane;
+    part.roof = snap_plane(plane);
   }
 
   /// The eaves of a roof that rises by so much, half of it above the level.
