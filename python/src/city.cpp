@@ -1,8 +1,11 @@
+#include "city.h"
+
 #include <algorithm>
 #include <array>
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
+#include <limits>
 #include <span>
 #include <string>
 #include <tuple>
@@ -17,6 +20,8 @@
 #include <nanobind/stl/vector.h>
 
 #include "tetropolis/city/city_model.h"
+#include "tetropolis/city/roof_summary.h"
+#include "tetropolis/geometry/polygon.h"
 #include "tetropolis/io/cityjson/cityjson.h"
 #include "tetropolis/io/raster/geotiff.h"
 #include "tetropolis/io/vector/city_layers.h"
@@ -57,10 +62,9 @@ struct Points {
   }
 };
 
-CityInMemory build(const nb::dict& settings, const std::string& footprints,
-                   const std::vector<std::string>& points,
-                   const std::optional<FootprintTable>& table, const std::optional<Points>& arrays,
-                   const nb::object& progress) {
+City build(const nb::dict& settings, const std::string& footprints,
+           const std::vector<std::string>& points, const std::optional<FootprintTable>& table,
+           const std::optional<Points>& arrays, const nb::object& progress) {
   Config config = config_of("build_city", settings);
   config.footprints = footprints;
   config.points = points;
@@ -71,18 +75,18 @@ CityInMemory build(const nb::dict& settings, const std::string& footprints,
     if (arrays) input.points = arrays->arrays();
     city = make_city(config, std::move(input), hooks);
   });
-  return city;
+  return City(std::move(city));
 }
 
-CityInMemory read(const nb::dict& settings, const std::string& path, const std::string& dtm,
-                  const nb::object& progress) {
+City read(const nb::dict& settings, const std::string& path, const std::string& dtm,
+          const nb::object& progress) {
   Config config = config_of("read_city", settings);
   config.city = path;
   config.dtm = dtm;
   CityInMemory city;
   call(progress, "read city and terrain",
        [&](const StepHooks& hooks) { city = load_city(config, hooks); });
-  return city;
+  return City(std::move(city));
 }
 
 using Text = std::vector<std::string>;
@@ -96,19 +100,19 @@ Offsets offsets_of(const std::vector<std::int64_t>& values) {
 
 /// Rings closed, CRS coordinates: coordinates, and offsets of rings and polygons, as
 /// shapely.from_ragged_array takes them.
-std::tuple<Rows, Offsets, Offsets> footprints_of(const CityModel& model) {
+std::tuple<Rows, Offsets, Offsets> ragged(const std::vector<const Polygon*>& list, Point2 origin) {
   std::vector<Point2> points;
   std::vector<std::int64_t> rings{0}, polygons{0};
   const auto add = [&](const Ring& ring) {
     for (std::size_t i = 0; i <= ring.size(); ++i) {
       const Point2 p = ring[i % ring.size()];
-      points.push_back({p.x + model.origin.x, p.y + model.origin.y});
+      points.push_back({p.x + origin.x, p.y + origin.y});
     }
     rings.push_back(static_cast<std::int64_t>(points.size()));
   };
-  for (const Building& building : model.buildings) {
-    add(building.footprint.outer);
-    for (const Ring& hole : building.footprint.holes) add(hole);
+  for (const Polygon* polygon : list) {
+    add(polygon->outer);
+    for (const Ring& hole : polygon->holes) add(hole);
     polygons.push_back(static_cast<std::int64_t>(rings.size()) - 1);
   }
   return {make_rows<double, 2, std::array<double, 2>>(points.size(),
@@ -117,6 +121,54 @@ std::tuple<Rows, Offsets, Offsets> footprints_of(const CityModel& model) {
                                                           *out++ = {p.x, p.y};
                                                       }),
           offsets_of(rings), offsets_of(polygons)};
+}
+
+std::tuple<Rows, Offsets, Offsets> footprints_of(const CityModel& model) {
+  std::vector<const Polygon*> list;
+  for (const Building& building : model.buildings) list.push_back(&building.footprint);
+  return ragged(list, model.origin);
+}
+
+std::tuple<Rows, Offsets, Offsets> part_outlines_of(const CityModel& model) {
+  std::vector<const Polygon*> list;
+  for (const Building& building : model.buildings)
+    for (const RoofPart& part : building.parts) list.push_back(&part.outline);
+  return ragged(list, model.origin);
+}
+
+/// A value per part, building by building: value(building's number, part's number, part).
+template <typename Value>
+auto column_of_parts(const CityModel& model, const Value& value) {
+  std::vector<decltype(value(std::size_t{}, std::size_t{}, RoofPart{}))> column;
+  for (std::size_t b = 0; b < model.buildings.size(); ++b) {
+    const std::vector<RoofPart>& parts = model.buildings[b].parts;
+    for (std::size_t k = 0; k < parts.size(); ++k) column.push_back(value(b, k, parts[k]));
+  }
+  return column;
+}
+
+/// Columns by name, as lists.
+nb::dict parts_of(const CityModel& model) {
+  nb::dict columns;
+  const auto add = [&](const char* name, const auto& value) {
+    columns[name] = column_of_parts(model, value);
+  };
+  using Part = const RoofPart&;
+  add("building", [](std::size_t b, std::size_t, Part) { return b; });
+  add("id", [&](std::size_t b, std::size_t, Part) { return model.buildings[b].id; });
+  add("part", [](std::size_t, std::size_t k, Part) { return k; });
+  add("source_id", [](std::size_t, std::size_t, Part part) { return part.source_id; });
+  add("lod", [](std::size_t, std::size_t, Part part) { return std::string(name_of(part.lod)); });
+  add("slope", [](std::size_t, std::size_t, Part part) { return slope_degrees(part.roof); });
+  add("azimuth", [](std::size_t, std::size_t, Part part) {
+    return azimuth_degrees(part.roof).value_or(std::numeric_limits<double>::quiet_NaN());
+  });
+  add("area", [](std::size_t, std::size_t, Part part) { return area(part.outline); });
+  add("rmse", [](std::size_t, std::size_t, Part part) { return part.rmse; });
+  add("n_points", [](std::size_t, std::size_t, Part part) { return part.n_points; });
+  add("h_min", [](std::size_t, std::size_t, Part part) { return range_of(part).low; });
+  add("h_max", [](std::size_t, std::size_t, Part part) { return range_of(part).high; });
+  return columns;
 }
 
 /// An array over one member of all buildings.
@@ -189,6 +241,8 @@ void bind_model(nb::module_& module) {
                      return rows;
                    })
       .def_prop_ro("footprints", footprints_of, kArray)
+      .def_prop_ro("parts", parts_of)
+      .def_prop_ro("part_outlines", part_outlines_of, kArray)
       .def_prop_ro("origin",
                    [](const CityModel& self) { return std::pair(self.origin.x, self.origin.y); })
       .def_prop_ro("domain",
@@ -237,26 +291,27 @@ void bind_city(nb::module_& module) {
   bind_input(module);
   bind_model(module);
   bind_terrain(module);
-  nb::class_<CityInMemory>(module, "City", "A city before and after merging, on its terrain.")
-      .def_prop_ro("model", [](CityInMemory& self) -> CityModel& { return self.built.city; })
-      .def_prop_ro("raw", [](CityInMemory& self) -> CityModel& { return self.built.raw; })
-      .def_prop_ro("terrain", [](CityInMemory& self) -> Raster& { return self.built.terrain; })
-      .def_prop_ro("report", [](const CityInMemory& self) { return to_json(self.report); })
+  nb::class_<City>(module, "City", "A city before and after merging, on its terrain.")
+      .def_prop_ro("model", [](City& self) -> CityModel& { return self.built.city; })
+      .def_prop_ro("raw", [](City& self) -> CityModel& { return self.built.raw; })
+      .def_prop_ro("terrain", [](City& self) -> Raster& { return self.built.terrain; })
+      .def("settle", &City::settle, "Lets roofs of parts follow edits of h_roof.")
+      .def_prop_ro("report", [](const City& self) { return to_json(self.report); })
       .def_prop_ro("page",
-                   [](const CityInMemory& self) {
+                   [](const City& self) {
                      const nb::gil_scoped_release release;
                      return make_page(self);
                    })
       .def(
           "save_layers",
-          [](const CityInMemory& self, const std::filesystem::path& path) {
+          [](const City& self, const std::filesystem::path& path) {
             const nb::gil_scoped_release release;
             write_city_layers(path, self.built.raw, self.built.city, self.built.footprints);
           },
           nb::arg("path"))
       .def(
           "save_terrain",
-          [](const CityInMemory& self, const std::filesystem::path& path) {
+          [](const City& self, const std::filesystem::path& path) {
             const nb::gil_scoped_release release;
             const CityModel& city = self.built.city;
             write_raster(path, self.built.terrain, city.origin, city.crs, city.domain.bounds());

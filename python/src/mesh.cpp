@@ -33,6 +33,7 @@
 #include "arrays.h"
 #include "bindings.h"
 #include "call.h"
+#include "city.h"
 #include "render.h"
 #include "settings.h"
 
@@ -49,7 +50,8 @@ struct Mesh {
   const ColumnMesh& volume() const { return made.mesh.volume; }
 };
 
-Mesh build(const nb::dict& settings, const CityInMemory& city, const nb::object& progress) {
+Mesh build(const nb::dict& settings, City& city, const nb::object& progress) {
+  city.settle();
   const Config config = config_of("build_mesh", settings);
   Mesh mesh;
   call(progress, kMesh, config, [&](const StepHooks& hooks) {
@@ -292,7 +294,7 @@ void bind_mesh(nb::module_& module) {
       .def_prop_ro("report", [](const Mesh& self) { return to_json(self.made.report); })
       .def(
           "page",
-          [](const Mesh& self, const CityInMemory& city) {
+          [](const Mesh& self, const City& city) {
             const nb::gil_scoped_release release;
             return make_page(city, self.made);
           },

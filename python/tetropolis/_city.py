@@ -4,7 +4,7 @@ from __future__ import annotations
 import os
 import tempfile
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Callable
 
 import numpy as np
 import numpy.typing as npt
@@ -25,6 +25,15 @@ if TYPE_CHECKING:
     from ._settings import BuildCity, ReadCity
 
 Floats = npt.NDArray[np.float64]
+
+
+def _polygons(ragged: tuple[Any, Any, Any]) -> npt.NDArray[np.object_]:
+    import shapely
+
+    coordinates, rings, polygons = ragged
+    result: npt.NDArray[np.object_] = shapely.from_ragged_array(
+        shapely.GeometryType.POLYGON, coordinates, (rings, polygons))
+    return result
 
 
 class Terrain:
@@ -70,17 +79,20 @@ class Terrain:
 
 
 class CityModel:
-    """Buildings, each a prism over its footprint. Arrays have one element per building, in one order."""
+    """Buildings, each a prism over its footprint, or several below their roofs (`parts`). Arrays have one element per
+    building, in one order."""
 
-    def __init__(self, core: _core.CityModel) -> None:
+    def __init__(self, core: _core.CityModel, settle: Callable[[], None]) -> None:
         self._model = core
+        self._settle = settle  # lets parts follow edits of h_roof
 
     def __len__(self) -> int:
         return len(self._model)
 
     @property
     def h_roof(self) -> Floats:
-        """Elevations of the roofs, metres, shape (n,); the library's own memory: edit it, then `build_mesh` again."""
+        """Elevations of the roofs, metres, shape (n,); the library's own memory: edit it, then `build_mesh` again. Roofs
+        of parts rise as much."""
         return self._model.h_roof
 
     @h_roof.setter
@@ -124,12 +136,7 @@ class CityModel:
     @property
     def footprints(self) -> npt.NDArray[np.object_]:
         """Polygons of shapely, CRS coordinates, shape (n,). A copy: editing it changes nothing."""
-        import shapely
-
-        coordinates, rings, polygons = self._model.footprints
-        footprints: npt.NDArray[np.object_] = shapely.from_ragged_array(
-            shapely.GeometryType.POLYGON, coordinates, (rings, polygons))
-        return footprints
+        return _polygons(self._model.footprints)
 
     @property
     def dropped(self) -> pandas.DataFrame:
@@ -153,8 +160,24 @@ class CityModel:
         """xmin, ymin, xmax, ymax in CRS coordinates."""
         return self._model.domain
 
-    def to_geopandas(self) -> geopandas.GeoDataFrame:
-        """One row per building, by position (`mesh.boundary.building`).
+    @property
+    def parts(self) -> pandas.DataFrame:
+        """One row per part of a building, if it has some: `building` (position), `id`, `part` (from 0), `source_id`,
+        `lod` ("1.2", "1.3", "2.2" or "block"), `slope` and `azimuth` (degrees; where the roof looks, clockwise from
+        north, NaN if level), `area` (m2, in plan), `rmse` (m, NaN without points), `n_points`, `h_min`, `h_max` (m of
+        elevation)."""
+        import pandas
+
+        self._settle()
+        return pandas.DataFrame(self._model.parts)
+
+    def to_geopandas(self, parts: bool = False) -> geopandas.GeoDataFrame:
+        """One row per building, by position (`mesh.boundary.building`), or per part.
+
+        Parameters
+        ----------
+        parts : bool
+            True: `parts` with their outlines; buildings without parts have no row.
 
         Returns
         -------
@@ -164,6 +187,9 @@ class CityModel:
         """
         import geopandas
 
+        if parts:
+            return geopandas.GeoDataFrame(self.parts, geometry=_polygons(self._model.part_outlines),
+                                          crs=self.crs or None)
         return geopandas.GeoDataFrame({
             "id": self.ids,
             "h_ground": self.h_ground.copy(),
@@ -188,15 +214,15 @@ class City(Reported, CityModel):
     """
 
     def __init__(self, core: _core.City) -> None:
-        super().__init__(core.model)
+        super().__init__(core.model, core.settle)
         self._core = core
         self._text = core.report
         self.terrain = Terrain(core.terrain, self.origin, self.crs)
-        self.raw = CityModel(core.raw)
+        self.raw = CityModel(core.raw, core.settle)
 
     def save(self, path: str | os.PathLike[str]) -> None:
         """Writes the city model (``.city.json``, CityJSON 2.0), its layers for GIS (``.gpkg``: footprints with what
-        became of them, buildings, dropped), or the terrain (``.tif``, GeoTIFF).
+        became of them, buildings, parts, dropped), or the terrain (``.tif``, GeoTIFF).
 
         `read_city` reads model and terrain back. Other formats: ``city.to_geopandas().to_file(...)``.
 
@@ -208,6 +234,7 @@ class City(Reported, CityModel):
             The file cannot be written.
         """
         path = Path(path)
+        self._settle()
         if path.suffix.lower() == ".json":
             self._model.save(path)
         elif path.suffix.lower() == ".gpkg":

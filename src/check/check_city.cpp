@@ -1,14 +1,20 @@
 #include "tetropolis/check/check_city.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <map>
+#include <set>
+#include <utility>
+#include <vector>
 
 #include <fmt/format.h>
 
 #include "tetropolis/city/simplify/clearance.h"
 
 #include "city_parts.h"
+#include "core/infinity.h"
+#include "segment_distance.h"
 #include "violations.h"
 
 namespace tetropolis {
@@ -52,6 +58,111 @@ void check_rings(const CityModel& city, CityCheck& check) {
   }
 }
 
+/// The signed length of edges, by place: each as often as it runs one way, less the other.
+class EdgeSum {
+ public:
+  void add(const Polygon& polygon, int sign) {
+    const auto ring_edges = [&](const Ring& ring) {
+      for (std::size_t i = 0; i < ring.size(); ++i) add(ring[i], ring[(i + 1) % ring.size()], sign);
+    };
+    ring_edges(polygon.outer);
+    for (const Ring& hole : polygon.holes) ring_edges(hole);
+  }
+  bool is_zero() const {
+    return std::all_of(edges_.begin(), edges_.end(),
+                       [](const auto& entry) { return entry.second == 0; });
+  }
+
+ private:
+  using Edge = std::array<double, 4>;
+  void add(Point2 a, Point2 b, int sign) {
+    const bool forward = std::pair(a.x, a.y) < std::pair(b.x, b.y);
+    edges_[forward ? Edge{a.x, a.y, b.x, b.y} : Edge{b.x, b.y, a.x, a.y}] += forward ? sign : -sign;
+  }
+  std::map<Edge, int> edges_;
+};
+
+double twice_area(const Polygon& polygon) {
+  double sum = twice_area(polygon.outer);
+  for (const Ring& hole : polygon.holes) sum += twice_area(hole);
+  return sum;
+}
+
+/// Parts tile their footprint: the edges of all together are the footprint's, and so are the areas.
+void check_parts(const CityModel& city, CityCheck& check) {
+  constexpr double kOfArea = 1e-6;
+  for (const Building& building : city.buildings) {
+    if (building.parts.empty()) continue;
+    EdgeSum edges;
+    edges.add(building.footprint, -1);
+    double area = 0, low = kInfinity;
+    for (std::size_t k = 0; k < building.parts.size(); ++k) {
+      const RoofPart& part = building.parts[k];
+      const auto place = [&] { return fmt::format("part {} of building {}", k, building.id); };
+      edges.add(part.outline, 1);
+      area += twice_area(part.outline) / 2;
+      if (part.outline.outer.size() < 3 || !(twice_area(part.outline.outer) > 0) ||
+          !(twice_area(part.outline) > 0))
+        note_violation(check.violations, "parts that are no counter-clockwise polygons", place);
+      const RoofPlane& plane = part.roof;
+      for (const double number :
+           {plane.at.x, plane.at.y, plane.elevation, plane.slope_x, plane.slope_y})
+        if (!std::isfinite(number))
+          note_violation(check.violations, "roof planes that are not finite", place);
+      for (const Point2 p : part.outline.outer)
+        low = std::min(low, plane.elevation + plane.slope_x * (p.x - plane.at.x) +
+                                plane.slope_y * (p.y - plane.at.y));
+    }
+    const auto place = [&] { return "building " + building.id; };
+    check.parts += static_cast<std::int64_t>(building.parts.size());
+    const double footprint = twice_area(building.footprint) / 2;
+    if (!edges.is_zero() || !(std::abs(area - footprint) <= kOfArea * footprint))
+      note_violation(check.violations, "parts that do not tile their footprint", place);
+    if (!(low > building.h_ground))
+      note_violation(check.violations, "roofs not above the ground", place);
+  }
+}
+
+/// Between two corners of parts, or a corner and a line that it is no end of.
+double clearance_of_parts(const Building& building) {
+  std::set<std::pair<double, double>> corners;
+  std::vector<std::pair<Point2, Point2>> edges;
+  const auto add = [&](const Ring& ring) {
+    for (std::size_t i = 0; i < ring.size(); ++i) {
+      corners.emplace(ring[i].x, ring[i].y);
+      edges.emplace_back(ring[i], ring[(i + 1) % ring.size()]);
+    }
+  };
+  for (const RoofPart& part : building.parts) {
+    add(part.outline.outer);
+    for (const Ring& hole : part.outline.holes) add(hole);
+  }
+  double least = kInfinity;
+  for (const auto& [a, b] : edges) {
+    const double west = std::min(a.x, b.x), east = std::max(a.x, b.x);
+    for (auto it = corners.lower_bound({west - least, -kInfinity});
+         it != corners.end() && it->first <= east + least; ++it) {
+      const Point2 p{it->first, it->second};
+      if (!(p == a) && !(p == b)) least = std::min(least, segment_distance(p, a, b));
+    }
+    if (!(a == b)) least = std::min(least, std::hypot(b.x - a.x, b.y - a.y));
+  }
+  return least;
+}
+
+void check_part_lines(const CityModel& city, double min_distance, CityCheck& check) {
+  for (const Building& building : city.buildings) {
+    if (building.parts.empty()) continue;
+    const double clearance = clearance_of_parts(building);
+    check.part_clearance = std::min(check.part_clearance, clearance);
+    if (!is_clear(clearance, min_distance))
+      note_violation(check.violations, "lines of parts closer than the threshold", [&] {
+        return fmt::format("building {}: {:.6f} m, {} m asked", building.id, clearance,
+                           min_distance);
+      });
+  }
+}
+
 void check_account(const CityModel& city, CityCheck& check) {
   std::map<std::string, int> seen;
   for (const Building& building : city.buildings) {
@@ -85,10 +196,12 @@ CityCheck check_city(const CityModel& city, std::optional<double> min_distance) 
   check.buildings = static_cast<std::int64_t>(city.buildings.size());
   check.dropped = static_cast<std::int64_t>(city.dropped.size());
   check_rings(city, check);
+  check_parts(city, check);
   check_account(city, check);
   check_edge_pairs(city, !min_distance.has_value(), check);
   check_nesting(city, !min_distance.has_value(), check);
   if (min_distance) {
+    check_part_lines(city, *min_distance, check);
     if (!is_clear(check.min_clearance, *min_distance))
       note_violation(check.violations, "clearance below the threshold", [&] {
         return fmt::format("least clearance {:.6f} m, {} m asked", check.min_clearance,

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdlib>
+#include <optional>
 #include <string>
 #include <utility>
 
@@ -14,6 +15,7 @@
 #include "core/ragged_builder.h"
 #include "core/units.h"
 #include "ground/validate.h"
+#include "roof_planes.h"
 #include "violations.h"
 
 namespace tetropolis {
@@ -33,7 +35,7 @@ double distance(Point2 p, Point2 q) { return std::hypot(p.x - q.x, p.y - q.y); }
 class GroundChecker {
  public:
   GroundChecker(const SurfaceMesh& surface, std::array<double, 3> shift, const CityModel& city)
-      : surface_(surface), shift_(shift), city_(city) {
+      : surface_(surface), shift_(shift), city_(city), planes_(city) {
     double greatest = 0;
     for (std::size_t v = 0; v < surface.points.size(); ++v) {
       const Point2 p = at(static_cast<std::int32_t>(v));
@@ -41,6 +43,7 @@ class GroundChecker {
         if (std::isfinite(x)) greatest = std::max(greatest, std::abs(x));
     }
     rounding_ = std::nextafter(greatest, kInfinity) - greatest;
+    file_faces();
   }
 
   void measure_angles(double min_angle_deg, GroundCheck& check) const {
@@ -95,20 +98,48 @@ class GroundChecker {
 
   void check_outlines(std::vector<Violation>& violations) const {
     const RaggedArray<std::uint32_t> roofs = file_under_rows(
-        surface_.triangles.size(), city_.buildings.size(), [&](std::size_t f, const auto& use) {
-          const BuildingIndex b = surface_.building[f];
-          if (surface_.patch_of(f).kind == PatchKind::kRoof && b < city_.buildings.size()) use(b);
+        surface_.triangles.size(), planes_.size(), [&](std::size_t f, const auto& use) {
+          if (part_of_[f] != kNoPart) use(part_of_[f]);
         });
-    add_violations(violations,
-                   sum_of_violations(roofs.size(), [&](std::size_t begin, std::size_t end,
-                                                       std::vector<Violation>& found) {
-                     for (std::size_t b = begin; b < end; ++b)
-                       check_outline(city_.buildings[b], roofs[b], found);
-                   }));
+    const auto look = [&](std::size_t begin, std::size_t end, std::vector<Violation>& found) {
+      for (std::size_t b = begin; b < end; ++b) {
+        const Building& building = city_.buildings[b];
+        const auto index = static_cast<BuildingIndex>(b);
+        for (std::size_t part = 0; part < planes_.parts(index); ++part) {
+          const std::string name = building.parts.empty()
+                                       ? "building " + building.id
+                                       : fmt::format("part {} of building {}", part, building.id);
+          check_outline(planes_.outline(index, part), name, roofs[planes_.first(index) + part],
+                        found);
+        }
+      }
+    };
+    add_violations(violations, sum_of_violations(city_.buildings.size(), look));
   }
 
  private:
   using MeshEdge = std::pair<std::int32_t, std::int32_t>;
+  static constexpr std::size_t kNoPart = static_cast<std::size_t>(-1);
+
+  /// Looks which part each roof face is over.
+  void file_faces() {
+    part_of_.assign(surface_.triangles.size(), kNoPart);
+    parallel_chunks(part_of_.size(), 4096, [&](std::size_t begin, std::size_t end) {
+      for (std::size_t f = begin; f < end; ++f) {
+        const BuildingIndex b = surface_.building[f];
+        if (surface_.patch_of(f).kind == PatchKind::kRoof && b < city_.buildings.size())
+          part_of_[f] = part_under(f, b);
+      }
+    });
+  }
+
+  std::size_t part_under(std::size_t f, BuildingIndex b) const {
+    const auto& t = surface_.triangles[f];
+    const Point2 p = at(t[0]), q = at(t[1]), r = at(t[2]);
+    const std::optional<std::size_t> part =
+        planes_.part_at(b, {(p.x + q.x + r.x) / 3, (p.y + q.y + r.y) / 3});
+    return part ? planes_.first(b) + *part : kNoPart;
+  }
 
   /// In the local frame of the city model.
   Point2 at(std::int32_t v) const {
@@ -140,28 +171,28 @@ class GroundChecker {
     if (angle_deg - error_deg < min_angle_deg) ++check.below_bounds[1];
   }
 
-  /// The edges with a roof face of the building on one side only.
+  /// The edges with a face on one side only, or faces of two parts.
   std::vector<MeshEdge> outline(std::span<const std::uint32_t> faces) const {
-    std::vector<MeshEdge> edges;
+    std::vector<std::pair<MeshEdge, std::size_t>> edges;
     for (const std::uint32_t f : faces)
       for (std::size_t i = 0; i < 3; ++i)
-        edges.push_back(
-            std::minmax({surface_.triangles[f][i], surface_.triangles[f][(i + 1) % 3]}));
+        edges.emplace_back(
+            std::minmax({surface_.triangles[f][i], surface_.triangles[f][(i + 1) % 3]}),
+            part_of_[f]);
     std::sort(edges.begin(), edges.end());
-    std::size_t kept = 0;
+    std::vector<MeshEdge> kept;
     for (std::size_t i = 0, j = 0; i < edges.size(); i = j) {
-      while (j < edges.size() && edges[j] == edges[i]) ++j;
-      if (j - i == 1) edges[kept++] = edges[i];
+      while (j < edges.size() && edges[j].first == edges[i].first) ++j;
+      if (j - i == 1 || edges[i].second != edges[j - 1].second) kept.push_back(edges[i].first);
     }
-    edges.resize(kept);
-    return edges;
+    return kept;
   }
 
-  void check_outline(const Building& building, std::span<const std::uint32_t> faces,
+  void check_outline(const Polygon& polygon, const std::string& name,
+                     std::span<const std::uint32_t> faces,
                      std::vector<Violation>& violations) const {
     if (faces.empty()) {
-      note_violation(violations, "buildings without roof faces",
-                     [&] { return "building " + building.id; });
+      note_violation(violations, "buildings without roof faces", [&] { return name; });
       return;
     }
     const std::vector<MeshEdge> edges = outline(faces);
@@ -179,19 +210,19 @@ class GroundChecker {
         perimeter += distance(ring[i], ring[(i + 1) % ring.size()]);
         if (is_among(vertices, ring[i])) continue;
         note_violation(violations, "footprint vertices off the roof's outline", [&] {
-          return fmt::format("building {} at ({:.4f}, {:.4f})", building.id, ring[i].x, ring[i].y);
+          return fmt::format("{} at ({:.4f}, {:.4f})", name, ring[i].x, ring[i].y);
         });
       }
     };
-    look(building.footprint.outer);
-    for (const Ring& hole : building.footprint.holes) look(hole);
+    look(polygon.outer);
+    for (const Ring& hole : polygon.holes) look(hole);
     // Both ends of an edge of the outline may be off.
     const double tolerance = 2 * rounding_ * static_cast<double>(edges.size()) +
                              kLengthRounding * std::min(length, perimeter);
     if (!(std::abs(length - perimeter) <= tolerance))
       note_violation(violations, "roof outlines that leave the footprint's edges", [&] {
-        return fmt::format("building {}: outline of {:.6f} m, footprint of {:.6f} m", building.id,
-                           length, perimeter);
+        return fmt::format("{}: outline of {:.6f} m, footprint of {:.6f} m", name, length,
+                           perimeter);
       });
   }
 
@@ -207,6 +238,8 @@ class GroundChecker {
   const SurfaceMesh& surface_;
   std::array<double, 3> shift_;
   const CityModel& city_;
+  RoofPlanes planes_;
+  std::vector<std::size_t> part_of_;  ///< Per face of a roof its part, counted through.
   /// Distance of the doubles at the largest coordinate in the reference system: vertices are off by
   /// at most half of it in x and in y.
   double rounding_;

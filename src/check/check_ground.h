@@ -29,8 +29,8 @@ struct GroundCheck {
 
 /// Measures the angles; looks whether those more than a ten-thousandth of a degree below the
 /// minimum are where the input has a sharper corner (check_angles in ground/validate.h), and
-/// whether every footprint edge is a union of edges of the mesh: the outline of each building's
-/// roof in the plan has all vertices of the footprint, and its length. `shift` is added to the
+/// whether every edge of a footprint, or of a part, is a union of edges of the mesh: the outline of
+/// each roof in the plan has all vertices of its part, and its length. `shift` is added to the
 /// surface's coordinates to get to the local frame of `city`.
 GroundCheck check_ground(const SurfaceMesh& surface, std::array<double, 3> shift,
                          const CityModel& city, double min_angle_deg);

@@ -1,9 +1,11 @@
 #include "check_heights.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstddef>
 #include <map>
+#include <optional>
 #include <set>
 #include <span>
 #include <string>
@@ -14,6 +16,7 @@
 
 #include "core/infinity.h"
 #include "core/units.h"
+#include "roof_planes.h"
 #include "vector3.h"
 #include "violations.h"
 
@@ -73,24 +76,56 @@ Terrain terrain_of(const SurfaceMesh& surface, std::array<double, 3> shift, cons
   return terrain;
 }
 
-/// Per vertex of a wall, what `of_building` says for its building; infinity elsewhere.
-std::vector<double> at_walls(const SurfaceMesh& surface, std::span<const double> of_building) {
+/// Per vertex of a wall, what of_building(b, v) says for its building; infinity elsewhere.
+template <typename OfBuilding>
+std::vector<double> at_walls(const SurfaceMesh& surface, const CityModel& city,
+                             const OfBuilding& of_building) {
   std::vector<double> values(surface.points.size(), kInfinity);
   for (std::size_t f = 0; f < surface.triangles.size(); ++f) {
     const BuildingIndex b = surface.building[f];
     if (surface.patch_of(f).kind != PatchKind::kWall || b < 0 ||
-        static_cast<std::size_t>(b) >= of_building.size())
+        static_cast<std::size_t>(b) >= city.buildings.size())
       continue;
-    for (const std::int32_t v : surface.triangles[f])
-      values[static_cast<std::size_t>(v)] = of_building[static_cast<std::size_t>(b)];
+    for (const std::int32_t corner : surface.triangles[f]) {
+      const auto v = static_cast<std::size_t>(corner);
+      values[v] = of_building(static_cast<std::size_t>(b), v);
+    }
   }
   return values;
 }
 
-std::vector<double> roofs_of(const CityModel& city) {
-  std::vector<double> roofs;
-  for (const Building& building : city.buildings) roofs.push_back(building.h_roof);
-  return roofs;
+/// The lowest vertex of a roof at each place of the plan.
+class LowestRoofs {
+ public:
+  explicit LowestRoofs(const SurfaceMesh& surface) {
+    for (std::size_t f = 0; f < surface.triangles.size(); ++f)
+      if (surface.patch_of(f).kind == PatchKind::kRoof)
+        for (const std::int32_t v : surface.triangles[f]) {
+          const auto& p = surface.points[static_cast<std::size_t>(v)];
+          if (is_finite(p)) roofs_.push_back(p);
+        }
+    std::sort(roofs_.begin(), roofs_.end());
+  }
+  /// Vertices of one column have the same x and y. Infinity where there is no roof.
+  double at(const Point3& p) const {
+    const auto it = std::lower_bound(roofs_.begin(), roofs_.end(), Point3{p[0], p[1], -kInfinity});
+    return it != roofs_.end() && (*it)[0] == p[0] && (*it)[1] == p[1] ? (*it)[2] : kInfinity;
+  }
+
+ private:
+  std::vector<Point3> roofs_;
+};
+
+/// Per vertex of a wall, the elevation of the roof over it; infinity elsewhere. Of buildings of
+/// several roofs that is the lowest, as the mesh has it: whether it is right is looked at by
+/// itself.
+std::vector<double> roofs_over_walls(const SurfaceMesh& surface, double z_shift,
+                                     const CityModel& city) {
+  const LowestRoofs lowest(surface);
+  return at_walls(surface, city, [&](std::size_t b, std::size_t v) {
+    const Building& building = city.buildings[b];
+    return building.parts.empty() ? building.h_roof : lowest.at(surface.points[v]) + z_shift;
+  });
 }
 
 /// The least of height + slope * distance from p along the line from a to b, whose ends have these
@@ -173,12 +208,13 @@ void excavate_depths(const SurfaceMesh& surface, double z_shift, const Terrain& 
 /// where it was not.
 std::vector<double> depths_of(const SurfaceMesh& surface, std::array<double, 3> shift,
                               const Terrain& terrain, const CityModel& city,
+                              const std::vector<double>& roofs,
                               const std::optional<ExcavationSources>& excavated) {
   constexpr double kSamePlace = 1e-6;  // metres
   const double gentlest = std::tan(to_radians(30));
   std::vector<double> depth(surface.points.size(), kInfinity);
   if (!excavated) {  // from anywhere
-    Starts starts{at_walls(surface, roofs_of(city)), std::vector(depth.size(), gentlest)};
+    Starts starts{roofs, std::vector(depth.size(), gentlest)};
     for (std::size_t v = 0; v < depth.size(); ++v)
       if (!std::isnan(terrain.at[v]))
         starts.z[v] = std::min(starts.z[v], surface.points[v][2] + shift[2]);
@@ -186,14 +222,16 @@ std::vector<double> depths_of(const SurfaceMesh& surface, std::array<double, 3> 
     return depth;
   }
   const std::size_t buildings = city.buildings.size();
-  std::vector<double> roofs(buildings, kInfinity), slopes(buildings, kInfinity);
+  std::vector<double> slopes(buildings, kInfinity);
   for (std::size_t i = 0; i < excavated->roofs.size(); ++i) {
     const auto b = static_cast<std::size_t>(excavated->roofs[i]);  // one beyond all, if negative
     if (b >= buildings) continue;
-    roofs[b] = city.buildings[b].h_roof;
     slopes[b] = std::tan(to_radians(excavated->roof_slopes_deg[i]));
   }
-  Starts starts{at_walls(surface, roofs), at_walls(surface, slopes)};
+  Starts starts{roofs,
+                at_walls(surface, city, [&](std::size_t b, std::size_t) { return slopes[b]; })};
+  for (std::size_t v = 0; v < starts.z.size(); ++v)
+    if (starts.slope[v] == kInfinity) starts.z[v] = kInfinity;
   std::vector<std::pair<double, std::size_t>> by_x;
   for (std::size_t v = 0; v < surface.points.size(); ++v)
     if (!std::isnan(terrain.at[v])) by_x.emplace_back(surface.points[v][0] + shift[0], v);
@@ -227,8 +265,8 @@ class HeightChecker {
         minimum_wall_(minimum_wall),
         sources_known_(excavated.has_value()),
         terrain_(terrain_of(surface, shift, dtm, city)),
-        roofs_(at_walls(surface, roofs_of(city))),
-        depth_(depths_of(surface, shift, terrain_, city, excavated)) {}
+        roofs_(roofs_over_walls(surface, shift[2], city)),
+        depth_(depths_of(surface, shift, terrain_, city, roofs_, excavated)) {}
 
   HeightsCheck check();
 
@@ -236,7 +274,7 @@ class HeightChecker {
   double elevation(std::size_t v) const { return surface_.points[v][2] + shift_[2]; }
   std::string place(std::size_t v, double wanted) const;
   void check_ground(std::size_t v);
-  void check_roof(std::size_t v, BuildingIndex building);
+  void check_roof(std::size_t f, const RoofPlanes& planes);
 
   const SurfaceMesh& surface_;
   std::array<double, 3> shift_;
@@ -245,6 +283,7 @@ class HeightChecker {
   bool sources_known_;  ///< From where the terrain was excavated.
   Terrain terrain_;
   std::vector<double> roofs_, depth_;
+  std::set<std::pair<std::size_t, std::size_t>> looked_at_;  ///< Vertices and parts.
   HeightsCheck result_;
 };
 
@@ -283,20 +322,52 @@ void HeightChecker::check_ground(std::size_t v) {
                    [&] { return place(v, wanted); });
 }
 
-void HeightChecker::check_roof(std::size_t v, BuildingIndex building) {
-  ++result_.roof_vertices;
-  if (building < 0 || building >= BuildingIndex(city_.buildings.size())) {
-    note_violation(result_.violations, "roofs of buildings that the city model lacks",
-                   [&] { return fmt::format("building {}", building); });
+/// A roof face: its building is in the city model.
+void HeightChecker::check_roof(std::size_t f, const RoofPlanes& planes) {
+  const std::array<std::int32_t, 3>& corners = surface_.triangles[f];
+  const auto finite = [&](std::int32_t v) {
+    return is_finite(surface_.points[static_cast<std::size_t>(v)]);
+  };
+  if (!std::all_of(corners.begin(), corners.end(), finite)) {
+    note_violation(result_.violations, "roof vertices off the roof height",
+                   [&] { return fmt::format("face {}", f); });
     return;
   }
-  const double wanted = city_.buildings[static_cast<std::size_t>(building)].h_roof;
-  if (!(std::abs(elevation(v) - wanted) <= kHeightTolerance))
-    note_violation(result_.violations, "roof vertices off the roof height",
-                   [&] { return place(v, wanted); });
+  const auto place_of = [&](std::int32_t v) {
+    const auto& p = surface_.points[static_cast<std::size_t>(v)];
+    return Point2{p[0] + shift_[0], p[1] + shift_[1]};
+  };
+  const Point2 a = place_of(corners[0]), b = place_of(corners[1]), c = place_of(corners[2]);
+  const BuildingIndex building = surface_.building[f];
+  const std::optional<std::size_t> part =
+      planes.part_at(building, {(a.x + b.x + c.x) / 3, (a.y + b.y + c.y) / 3});
+  if (!part) {
+    note_violation(result_.violations, "roof faces beside the parts of their building",
+                   [&] { return fmt::format("face {} at ({:.3f}, {:.3f})", f, a.x, a.y); });
+    return;
+  }
+  for (const std::int32_t corner : corners) {
+    const auto v = static_cast<std::size_t>(corner);
+    // Faces of one part at a vertex have the same floor there.
+    if (!looked_at_.emplace(v, *part).second) continue;
+    const Point2 p = place_of(corner);
+    const double wanted = planes.height(building, *part, p);
+    const double tolerance = planes.tolerance(building, *part);
+    const double off = std::abs(elevation(v) - wanted);
+    if (off <= tolerance) continue;
+    const auto [low, high] = planes.range_at(building, p);
+    if (elevation(v) < low - tolerance || elevation(v) > high + tolerance) {
+      note_violation(result_.violations, "roof vertices off the roof height",
+                     [&] { return place(v, wanted); });
+      continue;
+    }
+    ++result_.roof_snapped;
+    result_.most_snapped = std::max(result_.most_snapped, off);
+  }
 }
 
 HeightsCheck HeightChecker::check() {
+  const RoofPlanes planes(city_);
   std::vector<bool> on_ground(surface_.points.size(), false);
   std::map<std::int32_t, BuildingIndex> roof_building;
   for (std::size_t f = 0; f < surface_.triangles.size(); ++f)
@@ -307,8 +378,18 @@ HeightsCheck HeightChecker::check() {
     }
   for (std::size_t v = 0; v < on_ground.size(); ++v)
     if (on_ground[v]) check_ground(v);
-  for (const auto& [vertex, building] : roof_building)
-    check_roof(static_cast<std::size_t>(vertex), building);
+  const auto is_known = [&](BuildingIndex b) {
+    return b >= 0 && b < BuildingIndex(city_.buildings.size());
+  };
+  for (const auto& [vertex, building] : roof_building) {
+    ++result_.roof_vertices;
+    if (!is_known(building))
+      note_violation(result_.violations, "roofs of buildings that the city model lacks",
+                     [&, b = building] { return fmt::format("building {}", b); });
+  }
+  for (std::size_t f = 0; f < surface_.triangles.size(); ++f)
+    if (surface_.patch_of(f).kind == PatchKind::kRoof && is_known(surface_.building[f]))
+      check_roof(f, planes);
   return std::move(result_);
 }
 

@@ -166,6 +166,10 @@ void check_heights_of(const Raster& terrain, const SurfaceMesh& surface,
       "{} ground vertices on the terrain ({} lowered at walls, around roofs and at slope toes), {} "
       "roof vertices at their roof's height",
       check.ground_vertices, check.lowered, check.roof_vertices));
+  if (check.roof_snapped > 0)
+    file.facts.push_back(
+        fmt::format("{} corners of roofs meet a neighbour's roof instead, by {:.3f} m at most",
+                    check.roof_snapped, check.most_snapped));
   if (report && report->has_mesh())
     compare("number of lowered ground vertices",
             static_cast<double>(report->report.volume_mesh->ground_lowered),

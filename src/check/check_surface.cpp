@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <map>
 #include <span>
 #include <string>
 #include <string_view>
@@ -74,10 +73,8 @@ std::string tag_violation(const std::array<Vector3, 3>& p, const Vector3& normal
   };
   switch (patch.kind) {
     case PatchKind::kGround:
-      return unless(normal[2] < 0, "{} faces that do not face down");
     case PatchKind::kRoof:
-      if (!(normal[2] < 0)) return patch.name + " faces that do not face down";
-      return unless(p[0][2] == p[1][2] && p[0][2] == p[2][2], "{} faces that are not level");
+      return unless(normal[2] < 0, "{} faces that do not face down");
     case PatchKind::kWall:
       return unless(std::abs(normal[2]) <= 1e-9 * steepness, "{} faces that are not vertical");
     case PatchKind::kTop:
@@ -157,7 +154,6 @@ SurfaceCheck check(const SurfaceMesh& surface, Rim rim) {
   check.box = {box.low[0], box.low[1], box.high[0], box.high[1]};
   const Domain domain(check.box);
   for (const PatchInfo& info : surface.patches) check.faces_by_patch.push_back({info.name, 0});
-  std::map<BuildingIndex, double> roof;
   for (std::size_t f = 0; f < surface.triangles.size(); ++f) {
     const auto p = corners(surface, f);
     const Vector3 normal = area_vector(p[0], p[1], p[2]);
@@ -176,9 +172,6 @@ SurfaceCheck check(const SurfaceMesh& surface, Rim rim) {
       note_violation(check.violations, what.c_str(), place);
     if (patch.kind == PatchKind::kTop)
       for (const Vector3& corner : p) check.lowest_top = std::min(check.lowest_top, corner[2]);
-    if (patch.kind == PatchKind::kRoof &&
-        roof.try_emplace(surface.building[f], p[0][2]).first->second != p[0][2])
-      note_violation(check.violations, "roofs of one building at different heights", place);
   }
   check_edges(surface, rim, domain, check);
   return check;

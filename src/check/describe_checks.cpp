@@ -62,6 +62,9 @@ CheckedFile describe(const std::string& name, const CityCheck& check,
   CheckedFile file{name, {}, check.violations, {}};
   file.facts = {fmt::format("{} buildings, {} dropped features, {:.1f} m2", check.buildings,
                             check.dropped, check.area)};
+  if (check.parts > 0) file.facts.push_back(fmt::format("{} parts with roofs", check.parts));
+  if (std::isfinite(check.part_clearance))
+    file.facts.push_back(fmt::format("lines of parts {:.6f} m apart", check.part_clearance));
   if (min_distance && std::isfinite(joint_clearance_of(check)))
     file.facts.push_back(
         fmt::format("clearance {:.6f} m, {} m asked", joint_clearance_of(check), *min_distance));

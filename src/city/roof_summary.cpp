@@ -1,4 +1,4 @@
-#include "roof_summary.h"
+#include "tetropolis/city/roof_summary.h"
 
 #include <algorithm>
 #include <cmath>
@@ -7,6 +7,7 @@
 #include "tetropolis/geometry/polygon.h"
 
 #include "core/infinity.h"
+#include "core/units.h"
 
 namespace tetropolis {
 
@@ -23,7 +24,22 @@ double volume_below(const Polygon& outline, const RoofPlane& roof, double ground
   return sum;
 }
 
+double hundredths_of_degree(double radians) {
+  return std::nearbyint(to_degrees(radians) * 100) / 100;
+}
+
 }  // namespace
+
+double slope_degrees(const RoofPlane& plane) {
+  return hundredths_of_degree(std::atan(std::hypot(plane.slope_x, plane.slope_y)));
+}
+
+std::optional<double> azimuth_degrees(const RoofPlane& plane) {
+  if (plane.is_flat()) return std::nullopt;
+  double azimuth = hundredths_of_degree(std::atan2(-plane.slope_x, -plane.slope_y));
+  if (azimuth < 0) azimuth = hundredths_of_degree(to_radians(azimuth + 360));
+  return azimuth < 360 ? azimuth + 0.0 : 0;
+}
 
 Lod highest_lod(std::span<const RoofPart> parts) {
   Lod lod = Lod::kBlock;

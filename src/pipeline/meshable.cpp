@@ -8,6 +8,7 @@
 
 #include <fmt/format.h>
 
+#include "tetropolis/city/roof_summary.h"
 #include "tetropolis/city/simplify/clearance.h"
 #include "tetropolis/core/error.h"
 #include "tetropolis/geometry/polygon.h"
@@ -15,7 +16,6 @@
 #include "city/clip.h"
 #include "city/part_lines.h"
 #include "city/part_tiling.h"
-#include "city/roof_summary.h"
 #include "core/units.h"
 #include "elevations.h"
 #include "require_room.h"

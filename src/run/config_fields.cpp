@@ -424,6 +424,13 @@ std::vector<ConfigField> make_fields() {
        .common = true,
        .min = -1,
        .max = 2000},
+      {.name = "roofs",
+       .group = "Synthetic city",
+       .member = choice<&C::roofs>(),
+       .commands = kSynth,
+       .help = "Level roofs, or gables, hips, sheds, mansards, steps, dormers and towers (blocks), "
+               "whose planes truth.city.json has",
+       .choices = {"flat", "sloped"}},
       {.name = "defects",
        .group = "Synthetic city",
        .member = &C::defects,

@@ -6,6 +6,7 @@
 
 #include <fmt/format.h>
 
+#include "tetropolis/city/roof_summary.h"
 #include "tetropolis/core/error.h"
 #include "tetropolis/core/threads.h"
 
@@ -46,6 +47,14 @@ void require_heights(const BuiltCity& city) {
           fmt::format("building {} has its roof at {:.6g} m, not above its ground at {:.6g} "
                       "m; raise h_roof",
                       building.id, building.h_roof, building.h_ground));
+    for (const RoofPart& part : building.parts)
+      if (const double low = range_of(part).low; !(low > building.h_ground))
+        throw Error(
+            ErrorKind::kInput,
+            fmt::format(
+                "building {} has a roof that goes down to {:.6g} m, not above its ground at "
+                "{:.6g} m; raise h_roof",
+                building.id, low, building.h_ground));
   }
   const std::vector<double>& heights = city.terrain.values;
   if (const auto wrong = find_no_elevation(heights); wrong != heights.end())

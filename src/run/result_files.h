@@ -24,6 +24,7 @@ inline constexpr const char* kTerrain = "dtm.tif";
 inline constexpr const char* kLayers = "buildings.gpkg";
 inline constexpr const char* kPage = "index.html";
 inline constexpr const char* kManifest = "manifest.json";
+inline constexpr const char* kTruth = "truth.city.json";
 
 /// Of runs that make a city model.
 inline constexpr std::array kOfCity = {kRawCity, kCity, kTerrain, kLayers};
@@ -57,7 +58,7 @@ inline constexpr std::array kUnread = {"volume.msh", "constant/polyMesh", "surfa
 /// Of `synth`. Points in tiles are points_1.laz and so on.
 inline constexpr std::array kOfSynth = {"footprints.shp", "footprints.shx", "footprints.dbf",
                                         "footprints.prj", "footprints.cpg", "footprints.geojson",
-                                        "points.laz",     kManifest};
+                                        "points.laz",     kManifest,        kTruth};
 
 inline bool is_of_synth(std::string_view name) {
   return std::find(kOfSynth.begin(), kOfSynth.end(), name) != kOfSynth.end() ||

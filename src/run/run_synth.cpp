@@ -6,6 +6,7 @@
 
 #include "tetropolis/core/system_memory.h"
 #include "tetropolis/core/threads.h"
+#include "tetropolis/io/cityjson/cityjson.h"
 #include "tetropolis/io/crs/geo_place.h"
 #include "tetropolis/io/las/las.h"
 #include "tetropolis/io/vector/vector.h"
@@ -39,6 +40,9 @@ void require_room(const Config& config) {
   if (!village && !config.defects.empty())
     throw Error(ErrorKind::kUsage,
                 "`defects`: cities of this kind have none; add `kind` adversarial");
+  if (config.kind != SynthKind::kBlocks && config.roofs != SynthRoofs::kFlat)
+    throw Error(ErrorKind::kUsage,
+                "`roofs`: cities of this kind have level ones; add `kind` blocks");
   const double least = village                             ? kLeastVillageSize
                        : config.kind == SynthKind::kBlocks ? kLeastBlockSize
                                                            : kLeastRandomSize;
@@ -75,6 +79,7 @@ SyntheticCity invent_city(const Config& config, double size, const Progress& pro
     options.points_per_m2 = config.point_density;
     options.relief = config.relief < 0 ? options.relief : config.relief;
     options.buildings = config.buildings;
+    options.sloped_roofs = config.roofs == SynthRoofs::kSloped;
     return synthetic_block_city(options, progress);
   }
   RandomCityOptions options;
@@ -117,6 +122,8 @@ void synth_plain(const Config& config, double size, OutputFolder& out, StepClock
     WritePointsOptions options;
     options.crs = city.crs;
     write_points(out.result("points.laz"), city.points, city.origin, options);
+    if (!city.truth.buildings.empty())
+      write_city(out.result(results::kTruth), city.truth, "What was scanned");
   });
   report.origin = city.origin;
   report.crs = city.crs;

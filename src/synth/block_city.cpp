@@ -10,6 +10,8 @@
 #include "tetropolis/synth/synthetic_city.h"
 
 #include "blocks.h"
+#include "city/share_corners.h"
+#include "roofs.h"
 #include "scan.h"
 #include "seeded_random.h"
 #include "street_plan.h"
@@ -22,6 +24,7 @@ namespace {
 constexpr std::uint64_t kBlockStream = 100;  // The first of one stream per block.
 constexpr std::uint64_t kGreenStream = 4;
 constexpr std::uint64_t kUntidyStream = 5;
+constexpr std::uint64_t kRoofSeed = 0x726f6f66;
 constexpr std::uint64_t kScanSeed = 0x626c6f636b;
 
 void check(const BlockCityOptions& options) {
@@ -122,6 +125,32 @@ void make_untidy(SyntheticCity& city, SeededRandom& random) {
   }
 }
 
+/// Gives the scene's buildings their parts. Every building has its own random stream.
+void add_roofs(std::uint64_t seed, SyntheticScene& scene, SyntheticCity& city) {
+  CityModel& truth = city.truth;
+  truth.origin = city.origin;
+  truth.domain = city.domain;
+  truth.crs = city.crs;
+  for (std::size_t b = 0; b < scene.buildings.size(); ++b) {
+    SeededRandom random(mix64(seed ^ kRoofSeed), b);
+    std::vector<RoofPart>& parts =
+        scene.parts.emplace_back(build_roof(scene.buildings[b], city.ground[b], random));
+    Building& building = truth.buildings.emplace_back();
+    building.id = fmt::format("b{}", b);
+    building.source_ids = {city.ids[b]};
+    building.footprint = scene.buildings[b].footprint;
+    building.h_ground = city.ground[b];
+    building.h_roof = snap_height(scene.roofs[b]);
+    std::vector<Polygon> outlines;
+    for (RoofPart& part : parts) {
+      part.source_id = city.ids[b];
+      outlines.push_back(part.outline);
+    }
+    if (!parts.empty()) building.footprint = common_outline(outlines).value();
+    building.parts = parts;
+  }
+}
+
 }  // namespace
 
 SyntheticCity synthetic_block_city(const BlockCityOptions& options, const Progress& progress) {
@@ -136,6 +165,7 @@ SyntheticCity synthetic_block_city(const BlockCityOptions& options, const Progre
   SeededRandom green(options.seed, kGreenStream);
   plant_and_park(plan, green, scene);
   SyntheticCity city = city_of_scene(scene);
+  if (options.sloped_roofs) add_roofs(options.seed, scene, city);
   city.points = scan_scene(scene, options.points_per_m2, mix64(options.seed ^ kScanSeed), progress);
   if (options.untidy) {
     SeededRandom random(options.seed, kUntidyStream);

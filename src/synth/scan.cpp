@@ -10,6 +10,7 @@
 #include "tetropolis/geometry/polygon.h"
 
 #include "city/footprint_index.h"
+#include "core/infinity.h"
 #include "core/parallel.h"
 #include "core/ragged_builder.h"
 #include "seeded_random.h"
@@ -101,7 +102,9 @@ class Scanner {
   }
 
   double roof_height(Point2 p, BuildingIndex b, SeededRandom& random) const {
-    const double z = scene_.roofs[b] + 0.03 * random.bell();
+    const bool has_parts = !scene_.parts.empty() && !scene_.parts[b].empty();
+    const double roof = has_parts ? plane_at(scene_.parts[b], p)(p) : scene_.roofs[b];
+    const double z = roof + 0.03 * random.bell();
     if (!scene_.details) return z;
     const SyntheticKind kind = scene_.buildings[b].kind;
     if (kind == SyntheticKind::kShed) return z;
@@ -109,9 +112,24 @@ class Scanner {
     const double chimney = cell_hash(seed_, static_cast<std::int64_t>(p.x / kChimney),
                                      static_cast<std::int64_t>(p.y / kChimney));
     if (chimney < 0.004) return z + 1.2;
+    if (has_parts) return z;
     const bool parapet = kind == SyntheticKind::kTower || b.value() % 4 == 0;
     if (parapet && footprints_.squared_distance(b, p) < 0.3 * 0.3) return z + 0.7;
     return z;
+  }
+
+  /// Of the part that p is in; where rounding left p in none, of the nearest.
+  static const RoofPlane& plane_at(const std::vector<RoofPart>& parts, Point2 p) {
+    const RoofPart* nearest = nullptr;
+    double least = kInfinity;
+    for (const RoofPart& part : parts) {
+      if (contains(part.outline, p)) return part.roof;
+      const double away = distance_to_boundary(part.outline, p);
+      if (nearest != nullptr && !(away < least)) continue;
+      nearest = &part;
+      least = away;
+    }
+    return nearest->roof;
   }
 
   Return bridge(Point2 p, SeededRandom& random) const {

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "tetropolis/city/city_model.h"
 #include "tetropolis/core/progress.h"
 #include "tetropolis/geometry/point_cloud.h"
 #include "tetropolis/geometry/types.h"
@@ -13,7 +14,7 @@ namespace tetropolis {
 
 enum class SyntheticKind { kScattered, kRowHouse, kCourtyard, kTower, kHouse, kShed };
 
-/// One footprint with a flat roof.
+/// One footprint with its roof: level, unless the scene has parts for it.
 struct SyntheticBuilding {
   Polygon footprint;
   double height = 0;  ///< Above the ground at the interior point, metres.
@@ -42,7 +43,9 @@ struct SyntheticScene {
   double size = 0;  ///< The domain is [0, size]^2.
   SyntheticTerrain terrain;
   std::vector<SyntheticBuilding> buildings;
-  std::vector<double> roofs;  ///< Elevation per building.
+  std::vector<double> roofs;  ///< Elevation per building, of level roofs.
+  /// Per building its parts; none of those with level roofs. Empty: all are level.
+  std::vector<std::vector<RoofPart>> parts;
   std::vector<SyntheticTree> trees;
   std::vector<SyntheticCar> cars;
   std::vector<SyntheticBridge> bridges;

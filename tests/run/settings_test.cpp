@@ -595,6 +595,20 @@ const std::vector<Setting>& table() {
          small_synth(village, config);
          config.relief = 0;
        }},
+      {"roofs",
+       {"sloped"},
+       run_synth,
+       [](R plain, R changed) {
+         EXPECT_FALSE(fs::exists(plain.out / "truth.city.json"));
+         EXPECT_TRUE(fs::exists(changed.out / "truth.city.json"));
+         EXPECT_EQ(testing::bytes_of(plain.out / "footprints.shp"),
+                   testing::bytes_of(changed.out / "footprints.shp"));
+       },
+       [](Village&, Config& config) {
+         config.kind = SynthKind::kBlocks;
+         config.size = 300;
+         config.point_density = 0.5;
+       }},
       {"defects",
        {"bow_tie"},
        run_synth,

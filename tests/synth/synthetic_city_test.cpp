@@ -19,6 +19,7 @@
 #include "tetropolis/geometry/polygon.h"
 #include "tetropolis/terrain/dtm.h"
 
+#include "city/part_tiling.h"
 #include "support/test_data.h"
 
 namespace tetropolis {
@@ -438,6 +439,55 @@ TEST(SyntheticBlocks, RefusesNonsense) {
   options.margin = 20;
   options.relief = -1;
   EXPECT_THROW(synthetic_block_city(options), Error);
+}
+
+/// What the laser sees of sloped roofs is where the truth says, whose parts tile footprints that
+/// are those of the city with level roofs.
+TEST(SyntheticBlocks, SlopedRoofsAreWhereTheTruthSays) {
+  BlockCityOptions options;
+  options.untidy = false;
+  const SyntheticCity level = synthetic_block_city(options);
+  EXPECT_TRUE(level.truth.buildings.empty());
+  options.sloped_roofs = true;
+  const SyntheticCity city = synthetic_block_city(options);
+  ASSERT_EQ(city.truth.buildings.size(), city.footprints.size());
+  EXPECT_EQ(city.footprints, level.footprints);
+  std::map<std::string, int> kinds;
+  for (std::size_t b = 0; b < city.footprints.size(); ++b) {
+    const Building& building = city.truth.buildings[b];
+    EXPECT_EQ(building.source_ids, std::vector{city.ids[b]});
+    EXPECT_NEAR(area(building.footprint), area(city.footprints[b]), 0.2);
+    if (building.parts.empty()) continue;
+    EXPECT_EQ(tiling_fault(building.footprint, building.parts), "");
+    ++kinds["sloped"];
+    if (building.parts.size() == 1) ++kinds["shed"];
+    if (building.parts.size() == 2) ++kinds["two"];
+    if (building.parts.size() >= 4) ++kinds["many"];
+    for (const RoofPart& part : building.parts) {
+      EXPECT_EQ(part.roof, snap_plane(part.roof));
+      if (!part.outline.holes.empty()) ++kinds["island"];
+      for (const Point2& p : part.outline.outer) EXPECT_GT(part.roof(p), building.h_ground + 1);
+    }
+  }
+  EXPECT_GT(kinds["sloped"], 150);
+  for (const char* kind : {"shed", "two", "many", "island"}) EXPECT_GT(kinds[kind], 15) << kind;
+  // Brute force, for some buildings: every point of class 6 well inside a part is on its plane but
+  // for noise and chimneys.
+  std::int64_t seen = 0, off = 0;
+  for (std::size_t b = 0; b < 60; ++b)
+    for (const RoofPart& part : city.truth.buildings[b].parts) {
+      const Bounds2 box = bounds(part.outline);
+      for (std::size_t i = 0; i < city.points.size(); ++i) {
+        const Point2 p{city.points.x[i], city.points.y[i]};
+        if (!box.contains(p) || city.points.classification[i] != kBuildingClass ||
+            !contains(part.outline, p) || distance_to_boundary(part.outline, p) < 0.02)
+          continue;
+        ++seen;
+        if (std::abs(city.points.z[i] - part.roof(p)) > 0.12) ++off;
+      }
+    }
+  EXPECT_GT(seen, 10000);
+  EXPECT_LT(off, seen / 50);
 }
 
 TEST(Synthetic, SameSeedSameBytesOtherSeedOtherBytes) {

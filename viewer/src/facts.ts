@@ -9,6 +9,11 @@ export interface Building {
   roofPoints: number;
   flags: string[];
   area: number;
+  /** Of its roof, where it is not one level block. */
+  parts?: number;
+  lod?: string;
+  /** Metres; none without points. */
+  rmse?: number;
 }
 
 /** An input feature: part of a building, or dropped for a reason. */

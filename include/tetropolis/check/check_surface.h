@@ -25,9 +25,9 @@ struct SurfaceCheck {
 };
 
 /// Finite, closed, oriented and edge-manifold; sides lie on the sides of the bounding box, walls
-/// are vertical, ground and roofs face down, the roof of each building is flat, buildings are named
-/// where they must be and nowhere else, and roof and wall faces that share an edge name the same
-/// one.
+/// are vertical, ground and roofs face down, buildings are named where they must be and nowhere
+/// else, and roof and wall faces that share an edge name the same one. Whether roofs are those of
+/// the city model, check_heights says.
 SurfaceCheck check_surface(const SurfaceMesh& surface);
 
 /// The same of a city_surface(): ground and roofs face up, and edges with one face lie on the sides

@@ -21,6 +21,7 @@ namespace tetropolis {
 // Settings that are one of a few words; what each means is told in config_fields().
 enum class Coordinates { kLocal, kAbsolute };
 enum class SynthKind { kRandom, kBlocks, kAdversarial };
+enum class SynthRoofs { kFlat, kSloped };
 
 /// Lengths in metres, angles in degrees. Empty strings and lists mean "not given".
 struct Config {
@@ -83,6 +84,7 @@ struct Config {
   int seed = 1;
   double point_density = 2;
   double relief = -1;
+  SynthRoofs roofs = SynthRoofs::kFlat;
   std::vector<std::string> defects;
 
   // Run.

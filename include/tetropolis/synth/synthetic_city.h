@@ -11,6 +11,7 @@
 #include <string>
 #include <vector>
 
+#include "tetropolis/city/city_model.h"
 #include "tetropolis/core/progress.h"
 #include "tetropolis/geometry/point_cloud.h"
 #include "tetropolis/geometry/types.h"
@@ -79,6 +80,10 @@ struct SyntheticCity {
   std::string crs = "EPSG:3006";
   SyntheticTerrain terrain;
   SyntheticCounts counts;
+  /// Of cities with sloped roofs: the buildings as the laser sees them, in the order of footprints,
+  /// whose ids are their sources; those without parts have level roofs. Footprints are tidy, and
+  /// have the corners of their parts. Otherwise empty.
+  CityModel truth;
 };
 
 /// The city of the paper's benchmark (b): N axis-aligned rectangles at random places, so that many
@@ -111,6 +116,7 @@ struct BlockCityOptions {
   double relief = 15;          ///< Metres; 0 is flat, but the river keeps its banks.
   double margin = 25;          ///< Metres from the border that stay free of buildings, >= 0.
   std::int64_t buildings = 0;  ///< About so many, by wider or narrower plots; 0: as it comes.
+  bool sloped_roofs = false;   ///< Roofs in parts with planes of their own: see roofs.h.
   bool untidy = true;          ///< A few footprints moved by up to 5 cm, or with a duplicate or
                                ///< superfluous vertex, as in real cadastral data.
 };

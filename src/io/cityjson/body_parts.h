@@ -24,8 +24,8 @@ struct BodyParts {
 ///
 /// No parts where the faces do not tile one piece (gaps, overlaps) that is the ground's plan to a
 /// centimetre along its outline; where a face is vertical, more than 5 cm off a plane, or not above
-/// `low` by as much; where they have more than 10,000 corners. None, and no reason, if all there is is one
-/// level face.
+/// `low` by as much; where they have more than 10,000 corners. None, and no reason, if all there is
+/// is one level face.
 ///
 /// The parts have no source_id and no points. `ground`: valid, oriented.
 BodyParts parts_of(std::span<const Face> faces, const Polygon& ground, double low, Lod lod);

@@ -12,6 +12,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "tetropolis/city/roof_summary.h"
 #include "tetropolis/core/error.h"
 #include "tetropolis/geometry/polygon.h"
 #include "tetropolis/io/cityjson/cityjson.h"
@@ -20,7 +21,6 @@
 #include "body_footprint.h"
 #include "body_parts.h"
 #include "city/part_tiling.h"
-#include "city/roof_summary.h"
 #include "cityjson_geometry.h"
 #include "core/infinity.h"
 #include "extension.h"

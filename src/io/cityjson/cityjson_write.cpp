@@ -12,12 +12,11 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "tetropolis/city/roof_summary.h"
 #include "tetropolis/geometry/polygon.h"
 #include "tetropolis/io/cityjson/cityjson.h"
 #include "tetropolis/io/crs/crs.h"
 
-#include "city/roof_angles.h"
-#include "city/roof_summary.h"
 #include "extension.h"
 #include "io/file/atomic_file.h"
 #include "roof_solid.h"

@@ -5,9 +5,9 @@
 #include <cstddef>
 #include <utility>
 
+#include "tetropolis/city/roof_summary.h"
 #include "tetropolis/geometry/polygon.h"
 
-#include "city/roof_summary.h"
 #include "geometry/perimeter.h"
 
 namespace tetropolis {

@@ -11,6 +11,7 @@
 #include <nlohmann/json.hpp>
 #include <zlib.h>
 
+#include "tetropolis/city/roof_summary.h"
 #include "tetropolis/core/version.h"
 #include "tetropolis/geometry/polygon.h"
 
@@ -129,7 +130,7 @@ double rounded(double metres) { return std::round(metres / kPageStep) * kPageSte
 
 Json buildings_json(const CityModel& city) {
   Json buildings = Json::array();
-  for (const Building& b : city.buildings)
+  for (const Building& b : city.buildings) {
     buildings.push_back({{"id", b.id},
                          {"sources", b.source_ids},
                          {"ground", rounded(b.h_ground)},
@@ -138,6 +139,12 @@ Json buildings_json(const CityModel& city) {
                          {"roofPoints", b.n_roof_points},
                          {"flags", flag_names(b.flags)},
                          {"area", std::round(area(b.footprint) * 10) / 10}});
+    if (b.parts.empty()) continue;
+    buildings.back()["parts"] = b.parts.size();
+    buildings.back()["lod"] = name_of(highest_lod(b.parts));
+    if (const double rmse = rmse_of(b.parts); std::isfinite(rmse))
+      buildings.back()["rmse"] = std::round(rmse * 1000) / 1000;
+  }
   return buildings;
 }
 

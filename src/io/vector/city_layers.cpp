@@ -2,8 +2,10 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <set>
 #include <span>
 #include <string>
@@ -16,6 +18,8 @@
 #include <fmt/ranges.h>
 #include <nlohmann/json.hpp>
 
+#include "tetropolis/city/roof_summary.h"
+#include "tetropolis/geometry/polygon.h"
 #include "tetropolis/io/crs/crs.h"
 #include "tetropolis/io/file/write_file.h"
 
@@ -243,6 +247,46 @@ bool add_buildings(GDALDatasetH dataset, OGRSpatialReferenceH srs, const CityMod
   return layer.good();
 }
 
+/// Nothing if no building has parts.
+bool add_parts(GDALDatasetH dataset, OGRSpatialReferenceH srs, const CityModel& city) {
+  if (std::none_of(city.buildings.begin(), city.buildings.end(),
+                   [](const Building& building) { return !building.parts.empty(); }))
+    return true;
+  Layer layer(dataset, "parts", srs);
+  layer.add_field("tetropolis_id", OFTString);
+  layer.add_field("part", OFTInteger64);
+  for (const char* name : {"source_id", "lod"}) layer.add_field(name, OFTString);
+  for (const char* name : {"slope", "azimuth", "area", "rmse"}) layer.add_field(name, OFTReal);
+  layer.add_field("n_points", OFTInteger64);
+  for (const char* name : {"h_min", "h_max"}) layer.add_field(name, OFTReal);
+  const auto set_or_null = [&](std::optional<double> value) {
+    if (value && std::isfinite(*value))
+      layer.set(*value);
+    else
+      layer.set_null();
+  };
+  for (const Building& building : city.buildings)
+    for (std::size_t k = 0; k < building.parts.size(); ++k) {
+      const RoofPart& part = building.parts[k];
+      const RoofRange range = range_of(part);
+      layer.begin();
+      layer.set(building.id);
+      layer.set(static_cast<std::int64_t>(k));
+      layer.set(part.source_id);
+      layer.set(std::string(name_of(part.lod)));
+      layer.set(slope_degrees(part.roof));
+      set_or_null(azimuth_degrees(part.roof));
+      layer.set(area(part.outline));
+      set_or_null(part.rmse);
+      layer.set(part.n_points);
+      layer.set(range.low);
+      layer.set(range.high);
+      layer.set_geometry(part.outline, city.origin);
+      layer.end();
+    }
+  return layer.good();
+}
+
 bool add_dropped(GDALDatasetH dataset, OGRSpatialReferenceH srs, const CityModel& city,
                  const FootprintsInput& input) {
   std::unordered_map<std::string_view, const Polygon*> polygons;
@@ -281,6 +325,7 @@ void write_city_layers(const std::filesystem::path& path, const CityModel& raw,
   const bool written = GDALDatasetStartTransaction(dataset.get(), FALSE) == OGRERR_NONE &&
                        add_footprints(dataset.get(), srs.get(), fates, footprints, city.origin) &&
                        add_buildings(dataset.get(), srs.get(), city) &&
+                       add_parts(dataset.get(), srs.get(), city) &&
                        add_dropped(dataset.get(), srs.get(), city, footprints) &&
                        GDALDatasetCommitTransaction(dataset.get()) == OGRERR_NONE;
   dataset.reset();  // Closing writes what is left, and may fail.

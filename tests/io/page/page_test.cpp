@@ -2,6 +2,7 @@
 #include "tetropolis/io/page/page.h"
 
 #include <algorithm>
+#include <cmath>
 #include <cstdint>
 #include <stdexcept>
 #include <string>
@@ -153,8 +154,29 @@ TEST(Page, ShowsACityWithoutMesh) {
   const Page page(page_html({.city = c.city}));
   EXPECT_EQ(page.facts()["mesh"], false);
   EXPECT_EQ(page.facts()["buildings"].size(), 5U);
+  EXPECT_FALSE(page.facts()["buildings"][0].contains("parts"));
   EXPECT_FALSE(page.facts().contains("report"));
   EXPECT_FALSE(page.blocks.contains("z"));
+}
+
+TEST(Page, TellsOfRoofsInParts) {
+  Case c;
+  RoofPart part;
+  part.outline = c.city.buildings[1].footprint;
+  part.lod = Lod::k1_3;
+  part.rmse = std::nan("");
+  c.city.buildings[1].parts = {part, part};
+  part.lod = Lod::k2_2;
+  part.n_points = 5;
+  part.rmse = 0.31249;
+  c.city.buildings[2].parts = {part};
+  const Json buildings = Page(page_html({.city = c.city})).facts()["buildings"];
+  EXPECT_EQ(buildings[1]["parts"], 2);
+  EXPECT_EQ(buildings[1]["lod"], "1.3");
+  EXPECT_FALSE(buildings[1].contains("rmse"));
+  EXPECT_EQ(buildings[2]["parts"], 1);
+  EXPECT_EQ(buildings[2]["lod"], "2.2");
+  EXPECT_EQ(buildings[2]["rmse"], 0.312);
 }
 
 TEST(Page, IsTheSameForAnyNumberOfThreads) {

@@ -1,6 +1,7 @@
 #include "tetropolis/io/vector/city_layers.h"
 
 #include <algorithm>
+#include <cmath>
 #include <fstream>
 #include <map>
 #include <string>
@@ -201,6 +202,56 @@ TEST_F(CityLayers, BuildingsAndDroppedAreThoseOfTheCity) {
   EXPECT_EQ(dropped.features[1].at("cause"), "too_small");
   EXPECT_EQ(dropped.features[1].at("reason"), "area 10.0 m2 below the minimum of 15 m2");
   EXPECT_NE(dropped.features[1].at("wkt").find("84070"), std::string::npos);
+}
+
+TEST_F(CityLayers, PartsHaveALayerIfThereAreAny) {
+  EXPECT_EQ(written().count("parts"), 0U);
+  RoofPart& shed = city.buildings[0].parts.emplace_back();
+  shed.outline.outer = {{10, 10}, {20, 10}, {20, 20}, {10, 20}};
+  shed.roof = {{10, 10}, 6, 0.5, 0};
+  shed.source_id = "a";
+  shed.lod = Lod::k2_2;
+  shed.n_points = 12;
+  shed.rmse = 0.25;
+  RoofPart& flat = city.buildings[0].parts.emplace_back();
+  flat.outline.outer = {{20, 10}, {31, 10}, {31, 20}, {20, 20}};
+  flat.roof.elevation = 7.5;
+  flat.source_id = "b";
+  flat.lod = Lod::kBlock;
+  flat.rmse = std::nan("");
+  const ReadLayer layer = written().at("parts");
+  EXPECT_EQ(layer.names,
+            (std::vector<std::string>{"tetropolis_id", "part", "source_id", "lod", "slope",
+                                      "azimuth", "area", "rmse", "n_points", "h_min", "h_max"}));
+  ASSERT_EQ(layer.features.size(), 2U);
+  std::map<std::string, std::string> expected{
+      {"tetropolis_id", "b0"},
+      {"part", "0"},
+      {"source_id", "a"},
+      {"lod", "2.2"},
+      {"slope", "26.57"},
+      {"azimuth", "270"},
+      {"area", "100"},
+      {"rmse", "0.25"},
+      {"n_points", "12"},
+      {"h_min", "6"},
+      {"h_max", "11"},
+      {"wkt", "POLYGON ((84010 447010,84020 447010,84020 447020,84010 447020,84010 447010))"}};
+  EXPECT_EQ(layer.features[0], expected);
+  expected = {
+      {"tetropolis_id", "b0"},
+      {"part", "1"},
+      {"source_id", "b"},
+      {"lod", "block"},
+      {"slope", "0"},
+      {"azimuth", "null"},
+      {"area", "110"},
+      {"rmse", "null"},
+      {"n_points", "0"},
+      {"h_min", "7.5"},
+      {"h_max", "7.5"},
+      {"wkt", "POLYGON ((84020 447010,84031 447010,84031 447020,84020 447020,84020 447010))"}};
+  EXPECT_EQ(layer.features[1], expected);
 }
 
 TEST_F(CityLayers, AreTheSameBytesEachTime) {

@@ -94,6 +94,13 @@ class BuildingSection {
   }
 }
 
+/** "LoD 2.2, 5 parts, rmse 0.31 m" of a roof that is not one level block, else nothing. */
+function describeRoof(b: Building): string {
+  if (b.parts === undefined) return '';
+  return [b.lod === 'block' ? 'block' : `LoD ${b.lod}`, plural(b.parts, 'part'),
+          ...(b.rmse === undefined ? [] : [`rmse ${fixed(b.rmse, 2)} m`])].join(', ');
+}
+
 /** `area`: of a footprint as text, as far as it is known. */
 function describeBuilding(b: Building, area: (source: string) => string): Node[] {
   const height = b.roof - b.ground;
@@ -106,7 +113,8 @@ function describeBuilding(b: Building, area: (source: string) => string): Node[]
     el('p', {}, el('b', {}, b.id), ' · ', `${fixed(height, 1)} m high, ${whole(b.area)} m²`),
     el('div', {}, ...flags),
     el('dl', {class: 'pairs'},
-       ...pair('Roof', `${fixed(b.roof, 2)} m, of ${plural(b.roofPoints, 'point')}`),
+       ...(b.parts === undefined ? [] : pair('Roof', describeRoof(b))),
+       ...pair(b.parts === undefined ? 'Roof' : 'Block', `${fixed(b.roof, 2)} m, of ${plural(b.roofPoints, 'point')}`),
        ...pair('Ground', `${fixed(b.ground, 2)} m, of ${plural(b.groundPoints, 'point')}`)),
     el('p', {class: 'soft'}, b.sources.length > 1 ? `Merged from ${whole(b.sources.length)} footprints` : 'One footprint'),
     el('ul', {class: 'members'}, ...b.sources.slice(0, 500).map((source) =>

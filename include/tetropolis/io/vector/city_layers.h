@@ -8,7 +8,7 @@
 
 namespace tetropolis {
 
-/// Writes a GeoPackage with three layers of polygons, CRS coordinates:
+/// Writes a GeoPackage with layers of polygons, CRS coordinates:
 /// - "footprints": the footprints of the input as they were read, then those that are unusable
 ///   (without geometry), but for those outside the domain. All attributes of `footprints`, then
 ///   source_id; fate ("kept", "merged into b3", or "dropped: " and the reason); tetropolis_id of
@@ -17,6 +17,10 @@ namespace tetropolis {
 ///   parts, these are of the first.
 /// - "buildings": those of `city`: tetropolis_id; n_sources; source_ids (a JSON array); h_ground,
 ///   h_roof, n_ground_points, n_roof_points, flags.
+/// - "parts", if there are any: tetropolis_id; part (from 0, in the building); source_id; lod
+///   (name_of); slope and azimuth (degrees; azimuth clockwise from north, none of flat roofs); area
+///   in the plan (m2); rmse (m, none without points); n_points; h_min and h_max (elevation of the
+///   roof's lowest and highest corner, m).
 /// - "dropped": source_id, cause (name_of), reason; the footprint, if there was one. Not those
 ///   outside the domain.
 /// flags are names with commas between them. An attribute of the input that has the name of another

@@ -1,11 +1,19 @@
-// What the parts of a building say of it as a whole.
+// What planes and parts of roofs say in the terms of files.
 #pragma once
 
+#include <optional>
 #include <span>
 
 #include "tetropolis/city/city_model.h"
 
 namespace tetropolis {
+
+/// Angle to the horizontal, degrees, to a hundredth: that far, all math libraries agree.
+double slope_degrees(const RoofPlane& plane);
+
+/// Where the roof looks: downhill, degrees clockwise from north, to a hundredth, in [0, 360); none
+/// of a level roof.
+std::optional<double> azimuth_degrees(const RoofPlane& plane);
 
 /// The highest level of any part; kBlock without parts.
 Lod highest_lod(std::span<const RoofPart> parts);

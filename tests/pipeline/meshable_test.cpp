@@ -1,0 +1,104 @@
+#include "tetropolis/pipeline/meshable.h"
+
+#include <string>
+
+#include <gtest/gtest.h>
+
+#include "tetropolis/core/error.h"
+namespace tetropolis {
+namespace {
+
+/// A house of 8 m x 6 m below a gable, whose ridge meets the outline at (4, 0) and (4, 6).
+CityModel gabled() {
+  CityModel city;
+  city.domain = {-50, -50, 50, 50};
+  Building& building = city.buildings.emplace_back();
+  building.id = "b1";
+  building.source_ids = {"s1"};
+  building.footprint.outer = {{0, 0}, {4, 0}, {8, 0}, {8, 6}, {4, 6}, {0, 6}};
+  building.h_roof = 5;
+  RoofPart& west = building.parts.emplace_back();
+  west.outline.outer = {{0, 0}, {4, 0}, {4, 6}, {0, 6}};
+  west.roof = {{0, 0}, 4, 0.5, 0};
+  RoofPart& east = building.parts.emplace_back();
+  east.outline.outer = {{4, 0}, {8, 0}, {8, 6}, {4, 6}};
+  east.roof = {{8, 0}, 4, -0.5, 0};
+  return city;
+}
+
+std::string error_of(const CityModel& city) {
+  try {
+    require_meshable(city, 1, "a.json");
+  } catch (const Error& error) {
+    return error.what();
+  }
+  return "";
+}
+
+TEST(Meshable, PartsWithRoomStayAsTheyAre) {
+  CityModel city = gabled();
+  EXPECT_EQ(flatten_unmeshable(city, 1).count, 0U);
+  EXPECT_EQ(city.buildings[0].parts.size(), 2U);
+  EXPECT_EQ(error_of(city), "");
+}
+
+TEST(Meshable, PartsWithoutRoomBecomeABlockWithoutTheirCorners) {
+  const auto reason = [](const auto& edit) {
+    CityModel city = gabled();
+    edit(city.buildings[0]);
+    const FlattenedRoofs flattened = flatten_unmeshable(city, 1);
+    EXPECT_EQ(flattened.count, 1U);
+    EXPECT_TRUE(city.buildings[0].parts.empty());
+    EXPECT_EQ(city.buildings[0].footprint.outer, (Ring{{0, 0}, {8, 0}, {8, 6}, {0, 6}}));
+    EXPECT_EQ(error_of(city), "");
+    return flattened.first;
+  };
+  const auto move_ridge = [](Building& b, double south, double north) {
+    for (Ring* ring : {&b.footprint.outer, &b.parts[0].outline.outer, &b.parts[1].outline.outer})
+      for (Point2& p : *ring)
+        if (p.x == 4) p.x = p.y == 0 ? south : north;
+  };
+  EXPECT_EQ(reason([&](Building& b) { move_ridge(b, 0.75, 4); }),
+            "building b1 (feature s1): roof lines come as close as 0.7500 m (1 m required)");
+  EXPECT_EQ(reason([&](Building& b) { b.parts[1].roof.slope_x = -3; }),
+            "building b1 (feature s1): a roof has 71.6 degrees");
+}
+
+/// A valley that meets the wall at 12.5 degrees.
+TEST(Meshable, LinesMeetAtAnAngle) {
+  CityModel city;
+  city.domain = {-50, -50, 50, 50};
+  Building& building = city.buildings.emplace_back();
+  building.footprint.outer = {{0, 0}, {20, 0}, {20, 4.434}, {20, 20}, {0, 20}};
+  building.h_roof = 5;
+  for (const Ring& ring :
+       {Ring{{0, 0}, {20, 0}, {20, 4.434}}, Ring{{0, 0}, {20, 4.434}, {20, 20}, {0, 20}}}) {
+    RoofPart& part = building.parts.emplace_back();
+    part.outline.outer = ring;
+    part.roof.elevation = 5;
+  }
+  EXPECT_EQ(flatten_unmeshable(city, 1).first,
+            "building  (feature ?): roof lines meet at 12.5 degrees");
+  // Corners of the outline may be as sharp as they like.
+  EXPECT_EQ(city.buildings[0].footprint.outer.size(), 4U);
+}
+
+TEST(Meshable, WrongPartsAreRefused) {
+  CityModel city = gabled();
+  city.buildings[0].parts.pop_back();
+  EXPECT_NE(error_of(city).find("building b1 (feature s1): its parts "), std::string::npos);
+  city = gabled();
+  city.buildings[0].parts[0].roof.elevation = -3;
+  EXPECT_NE(error_of(city).find("a roof goes down to -3.000 m, and h_ground is 0.000 m"),
+            std::string::npos);
+  city = gabled();
+  for (Ring* ring : {&city.buildings[0].footprint.outer, &city.buildings[0].parts[0].outline.outer,
+                     &city.buildings[0].parts[1].outline.outer})
+    for (Point2& p : *ring)
+      if (p.x == 4) p.x = 0.75;
+  EXPECT_NE(error_of(city).find("its roof lines come as close as 0.7500 m (1 m required)"),
+            std::string::npos);
+}
+
+}  // namespace
+}  // namespace tetropolis
