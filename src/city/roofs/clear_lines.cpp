@@ -64,16 +64,21 @@ class Clearing {
 
   void run() {
     split();
+    bool polished = false;
     for (int round = 0;; ++round) {
       constexpr int kFreeRounds = 24;
       only_removals_ = round >= kFreeRounds;
       drop_small_regions();
       const std::vector<Conflict> found = conflicts();
-      if (found.empty() && !part_pinched()) break;
+      if (found.empty() && !part_pinched()) {
+        if (polished) break;
+        polished = true;
+        polish();
+      }
       bool any = false;
       for (const Conflict& conflict : found)
         if (still_holds(conflict)) any = resolve(conflict) || any;
-      if (!any && only_removals_) break;  // the outline's own
+      if (!any && !found.empty() && only_removals_) break;  // the outline's own
       split();
       points_.fit();
     }
@@ -434,6 +439,24 @@ class Clearing {
       if (edge.is_outline() && !lines_.node(n).corner) nodes.push_back(n);
     offer_merges(nodes, conflict.edge);
     return go_cheapest();
+  }
+
+  /// Moves single nodes to where their lines fit better.
+  void polish() {
+    constexpr int kPasses = 3;
+    for (int pass = 0; pass < kPasses; ++pass) {
+      bool any = false;
+      for (NodeId n = 0; n < lines_.nodes().size(); ++n) {
+        if (lines_.node(n).edges.empty()) continue;
+        ways_.clear();
+        offer_moves(n);
+        constexpr double kGain = 1e-2;  // m^4
+        std::erase_if(ways_, [](const Way& way) { return way.cost > -kGain; });
+        any = go_cheapest() || any;
+      }
+      points_.fit();
+      if (!any) return;
+    }
   }
 
   // ---------------------------------------------------------------- regions

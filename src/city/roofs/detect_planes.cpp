@@ -59,7 +59,7 @@ class Detection {
         need_(std::max(5.0, options.min_area * density)),
         taken_(points.size(), 0),
         seen_(points.size(), 0) {
-    find_seeds(density);
+    find_seeds();
   }
 
   std::vector<RoofPlane> run() {
@@ -74,28 +74,15 @@ class Detection {
     return std::abs(height_above(plane, points_[i])) * cosine(plane) <= options_.reach;
   }
 
-  /// The points around that a plane at `i` is fitted to; sparse points need more of them.
-  std::vector<PointNumber> surroundings(PointNumber i, bool wide) const {
-    std::vector<PointNumber> result(neighbours_[i].begin(), neighbours_[i].end());
-    result.push_back(i);
-    if (wide)
-      for (const PointNumber j : neighbours_[i])
-        result.insert(result.end(), neighbours_[j].begin(), neighbours_[j].end());
-    std::sort(result.begin(), result.end());
-    result.erase(std::unique(result.begin(), result.end()), result.end());
-    return result;
-  }
-
-  void find_seeds(double density) {
-    constexpr double kSparse = 3;  // points per square metre
+  void find_seeds() {
     std::vector<double> roughness(points_.size(), std::numeric_limits<double>::infinity());
     local_.resize(points_.size());
     for (std::size_t k = 0; k < points_.size(); ++k) {
       const auto i = static_cast<PointNumber>(k);
-      const std::vector<PointNumber> around = surroundings(i, density < kSparse);
-      if (around.size() < 4) continue;
+      if (neighbours_[i].size() < 3) continue;
       PlaneFit fit(at(i));
-      for (const PointNumber j : around) fit.add(points_[j]);
+      fit.add(points_[i]);
+      for (const PointNumber j : neighbours_[i]) fit.add(points_[j]);
       local_[i] = fit.plane();
       if (slope_of(local_[i]) > kMaxRoofSlope) continue;
       roughness[i] = std::sqrt(fit.sum_of_squares() / fit.count()) * cosine(local_[i]);

@@ -11,7 +11,7 @@ namespace tetropolis {
 FinishedRoof roof_of_building(const RoofInput& input, const RoofOptions& options,
                               double fallback_height, double lowest) {
   constexpr double kCell = 0.5;      // metres
-  constexpr double kCap = 2;         // metres
+  constexpr double kCap = 3;         // metres
   constexpr double kForSnap = 5e-4;  // metres that snapping may bring lines closer
   const RoofCells cells = make_roof_cells(input, kCell);
   LabelOptions label;
