@@ -103,6 +103,13 @@ void info_city(const std::string& path) {
       fmt::format(
           "{}: CityJSON city model\n  buildings: {}, {:.1f} m2, heights {:.1f} .. {:.1f} m\n", path,
           city.buildings.size(), total, lowest, highest));
+  std::size_t parts = 0, in_parts = 0;
+  for (const Building& building : city.buildings) {
+    parts += building.parts.size();
+    in_parts += building.parts.empty() ? 0 : 1;
+  }
+  if (parts > 0)
+    put(stdout, fmt::format("  roofs in parts: {} parts of {} buildings\n", parts, in_parts));
   put(stdout,
       fmt::format("  dropped features: {}\n  CRS: {}\n", city.dropped.size(), crs_text(city.crs)));
   print_warnings(warnings);

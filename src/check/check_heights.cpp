@@ -7,7 +7,6 @@
 #include <map>
 #include <optional>
 #include <set>
-#include <span>
 #include <string>
 #include <utility>
 #include <vector>
@@ -25,6 +24,7 @@ namespace tetropolis {
 namespace {
 
 constexpr double kHeightTolerance = 1e-9;
+constexpr double kSnapped = 0.01;              // metres; planes that meet do so to millimetres
 constexpr double kExcavationTolerance = 1e-5;  // metres; good to a nanometre a triangle
 constexpr double kNeedTolerance = 1e-6;        // metres; whether ground had to be lowered
 constexpr const char* kNotFinite = "coordinates that are not finite";
@@ -361,7 +361,7 @@ void HeightChecker::check_roof(std::size_t f, const RoofPlanes& planes) {
                      [&] { return place(v, wanted); });
       continue;
     }
-    ++result_.roof_snapped;
+    if (off > kSnapped) ++result_.roof_snapped;
     result_.most_snapped = std::max(result_.most_snapped, off);
   }
 }

@@ -22,7 +22,7 @@ struct HeightsCheck {
   /// Those at a wall of just `minimum_wall` (to 1e-6 m) and on the DTM within the tolerance:
   /// whether they were lowered by a rounding error, nobody can tell.
   std::int64_t perhaps_lowered = 0;
-  /// Vertices of a part's roof that are off its plane by more than the tolerance, because another
+  /// Vertices of a part's roof that are off its plane by more than a centimetre, because another
   /// part's is there, too: see below.
   std::int64_t roof_snapped = 0;
   double most_snapped = 0;  ///< By so much at most, metres.

@@ -26,6 +26,7 @@
 #include "tetropolis/io/mesh/xdmf.h"
 #include "tetropolis/io/raster/geotiff.h"
 #include "tetropolis/io/vector/vector.h"
+#include "tetropolis/pipeline/meshable.h"
 #include "tetropolis/run/config.h"
 
 #include "check_ground.h"
@@ -168,7 +169,8 @@ void check_heights_of(const Raster& terrain, const SurfaceMesh& surface,
       check.ground_vertices, check.lowered, check.roof_vertices));
   if (check.roof_snapped > 0)
     file.facts.push_back(
-        fmt::format("{} corners of roofs meet a neighbour's roof instead, by {:.3f} m at most",
+        fmt::format("{} corners of roofs are more than a centimetre off their plane, to meet the "
+                    "roof beside it; {:.3f} m at most",
                     check.roof_snapped, check.most_snapped));
   if (report && report->has_mesh())
     compare("number of lowered ground vertices",
@@ -426,6 +428,8 @@ std::vector<CheckedFile> check_folder(const fs::path& folder, std::optional<doub
     const bool was_read = !is_raw && report && !report->city_model.empty();
     city = read_city(path, &warnings, was_read ? BrokenObjects::kDrop : BrokenObjects::kRefuse);
     if (was_read && report->report.city) leave_out_dropped(*report->report.city, city);
+    // As the run did, and warned of.
+    if (was_read) flatten_unmeshable(city, report->report.config.min_building_distance);
     const std::optional<double> distance =
         distance_asked(name, is_raw ? std::nullopt : min_distance, report);
     const CityCheck check = check_city(city, distance);

@@ -1,7 +1,9 @@
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 #include <random>
+#include <tuple>
+#include <utility>
+#include <vector>
 
 #include <gtest/gtest.h>
 

@@ -3,8 +3,8 @@
 // ragged arrays and errors (core), elementary geometry of footprints (geometry/), the angles of the
 // ground mesh (check_angles in ground/validate.h), a check itself, and what the guarantees are
 // measured by: the step of coordinates (kCoordinateStep), the rounding that a clearance may lose
-// (is_clear) and the slopes of cuts (volume/excavate/excavate.h). The files are read by the readers
-// of io.
+// (is_clear), the slopes of cuts (volume/excavate/excavate.h) and what `mesh` makes blocks of
+// (flatten_unmeshable). The files are read by the readers of io.
 #pragma once
 
 #include <cstdint>
