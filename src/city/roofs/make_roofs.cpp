@@ -38,21 +38,20 @@ RoofInput input_of(const Building& building, const CityModel& raw, const Buildin
   return input;
 }
 
-bool is_below(Lod lod, Lod wanted) { return lod < wanted; }
-
 void count(const FinishedRoof& roof, const Building& building, Lod wanted, BuildingFacts& result) {
   RoofFacts& facts = result.facts;
   for (const FinishedPart& finished : roof.parts) {
     const RoofPart& part = finished.part;
     ++facts.parts;
     ++facts.parts_by_lod[name_of(part.lod)];
-    if (is_below(part.lod, wanted) && part.n_points > 0) ++facts.fallbacks;
+    if (part.lod < wanted && part.n_points > 0) ++facts.fallbacks;
     if (part.n_points == 0) ++facts.parts_without_points;
     if (finished.raised) ++facts.raised;
     facts.max_slope_deg =
         std::max(facts.max_slope_deg, std::atan(slope_of(part.roof)) * 180 / std::numbers::pi);
     const double size = area(part.outline);
-    facts.volume_of_points += size * (finished.mean_of_points - building.h_ground);
+    facts.volume_of_points +=
+        size * (finished.mean_of_roof + finished.mean_above - building.h_ground);
     facts.volume += size * (finished.mean_of_roof - building.h_ground);
     facts.volume_of_blocks += size * (building.h_roof - building.h_ground);
   }
