@@ -167,7 +167,7 @@ TEST(Roofs, AStepDividesAFootprintFromLod13On) {
       continue;
     }
     EXPECT_EQ(block.parts().size(), 2U) << name_of(lod);
-    EXPECT_LT(block.worst(step, [](Point2 p) { return std::abs(p.x - 7) < 0.5; }), 0.06)
+    EXPECT_LT(block.worst(step, [](Point2 p) { return std::abs(p.x - 7) < 0.5; }), 0.15)
         << name_of(lod) << ", seed " << test_seed();
     for (const RoofPart& part : block.parts()) EXPECT_EQ(part.lod, lod);
   }
@@ -194,9 +194,10 @@ TEST(Roofs, PartyWallsDivideABlock) {
     sources.insert(part.source_id);
     EXPECT_TRUE(part.roof.is_flat());
     EXPECT_NEAR(area(part.outline), 100, 3) << part.source_id;
-    if (part.source_id == "a") EXPECT_NEAR(part.roof.elevation, 9, 0.05);
-    if (part.source_id == "b") EXPECT_NEAR(part.roof.elevation, 6, 0.05);
-    if (part.source_id != "c") continue;
+    if (part.source_id != "c") {
+      EXPECT_NEAR(part.roof.elevation, part.source_id == "a" ? 9 : 6, 0.05);
+      continue;
+    }
     EXPECT_EQ(part.lod, Lod::kBlock);
     EXPECT_EQ(part.roof.elevation, 6);  // the building's
     EXPECT_TRUE(std::isnan(part.rmse));
