@@ -86,8 +86,8 @@ struct Block {
 
   const std::vector<RoofPart>& parts() const { return city.buildings[BuildingIndex(0)].parts; }
 
-  /// The largest distance between roofs and truth, at places further than `rim` from where `is_near`
-  /// says that the truth bends or ends.
+  /// The largest distance between roofs and truth, at places further than `rim` from where
+  /// `is_near` says that the truth bends or ends.
   double worst(const Roof& truth, const std::function<bool(Point2)>& is_near) const {
     double most = 0;
     const Polygon& outline = city.buildings[BuildingIndex(0)].footprint;
@@ -184,9 +184,12 @@ TEST(Roofs, HeightsLessThanAMetreApartAreOnePartOfLod13) {
 TEST(Roofs, PartyWallsDivideABlock) {
   // Two houses of 9 m and 6 m that are 0.6 m apart, and a third that nobody has seen.
   Block block(box(0, 0, 30, 10));
-  block.add("a", box(0, 0, 9.7, 10), [](Point2) { return 9.0; }, 4);
-  block.add("b", box(10.3, 0, 20, 10), [](Point2) { return 6.0; }, 4);
-  block.add("c", box(20, 0, 30, 10), [](Point2) { return 0.0; }, 0);
+  block.add(
+      "a", box(0, 0, 9.7, 10), [](Point2) { return 9.0; }, 4);
+  block.add(
+      "b", box(10.3, 0, 20, 10), [](Point2) { return 6.0; }, 4);
+  block.add(
+      "c", box(20, 0, 30, 10), [](Point2) { return 0.0; }, 0);
   const RoofFacts facts = block.make(Lod::k1_2);
   ASSERT_EQ(block.parts().size(), 3U);
   std::set<std::string> sources;
@@ -209,7 +212,8 @@ TEST(Roofs, PartyWallsDivideABlock) {
 TEST(Roofs, NoCornerLeavesTheRangeOfItsPoints) {
   // Points on the lower half alone: the plane is not drawn out to the ridge.
   Block block(box(0, 0, 10, 10));
-  block.add("a", box(0, 0, 10, 10), [](Point2 p) { return 5 + p.x; }, 6);
+  block.add(
+      "a", box(0, 0, 10, 10), [](Point2 p) { return 5 + p.x; }, 6);
   PointLists half;
   std::vector<PointIndex> list;
   double highest = 0;
@@ -227,7 +231,8 @@ TEST(Roofs, NoCornerLeavesTheRangeOfItsPoints) {
 
 TEST(Roofs, LowRoofsAreRaised) {
   Block block(box(0, 0, 10, 10));
-  block.add("a", box(0, 0, 10, 10), [](Point2 p) { return 1 + 0.2 * p.x; }, 6);
+  block.add(
+      "a", box(0, 0, 10, 10), [](Point2 p) { return 1 + 0.2 * p.x; }, 6);
   const RoofFacts facts = block.make(Lod::k2_2);
   EXPECT_EQ(facts.raised, 1);
   for (const RoofPart& part : block.parts())

@@ -1,4 +1,6 @@
 // Roofs of real cities: their guarantees by brute force, and how well they fit.
+#include "tetropolis/city/roofs.h"
+
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
@@ -10,7 +12,6 @@
 
 #include <gtest/gtest.h>
 
-#include "tetropolis/city/roofs.h"
 #include "tetropolis/city/simplify/clearance.h"
 #include "tetropolis/geometry/polygon.h"
 #include "tetropolis/run/in_memory.h"
@@ -62,7 +63,8 @@ struct Lines {
 double least_distance(const Lines& lines, double reach) {
   double least = reach;
   for (const auto& [p, q] : lines.sides) {
-    const double west = std::min(p.first, q.first) - reach, east = std::max(p.first, q.first) + reach;
+    const double west = std::min(p.first, q.first) - reach,
+                 east = std::max(p.first, q.first) + reach;
     for (auto v = lines.vertices.lower_bound({west, -1e9}); v != lines.vertices.end(); ++v) {
       if (v->first > east) break;
       if (*v == p || *v == q) continue;
@@ -128,11 +130,11 @@ const std::vector<const char*> kDelftPoints{"delft_3dfier/ahn3_cropped_1.laz",
 // Measured, rounded up.
 INSTANTIATE_TEST_SUITE_P(
     Cities, RealRoofs,
-    ::testing::Values(Target{"Delft12", kDelft, kDelftPoints, Lod::k1_2, 1.7, 3.0, 0.12},
-                      Target{"Delft13", kDelft, kDelftPoints, Lod::k1_3, 0.85, 1.45, 0.05},
-                      Target{"Delft22", kDelft, kDelftPoints, Lod::k2_2, 0.46, 1.1, 0.03},
-                      Target{"Amsterdam22", kAmsterdam, {"amsterdam_south/ahn3"}, Lod::k2_2, 1.2,
-                             2.3, 0.06}),
+    ::testing::Values(
+        Target{"Delft12", kDelft, kDelftPoints, Lod::k1_2, 1.7, 3.0, 0.12},
+        Target{"Delft13", kDelft, kDelftPoints, Lod::k1_3, 0.85, 1.45, 0.05},
+        Target{"Delft22", kDelft, kDelftPoints, Lod::k2_2, 0.46, 1.1, 0.03},
+        Target{"Amsterdam22", kAmsterdam, {"amsterdam_south/ahn3"}, Lod::k2_2, 1.2, 2.3, 0.06}),
     [](const auto& target) { return std::string(target.param.name); });
 
 }  // namespace

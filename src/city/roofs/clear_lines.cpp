@@ -334,6 +334,7 @@ class Clearing {
     offer_moves(n);
     offer_moves(edge.a);
     offer_moves(edge.b);
+    offer_bends(n, e);
     for (const NodeId end : {edge.a, edge.b})
       if (lines_.node(end).corner && !edge.is_outline())
         for (const EdgeId side : lines_.node(end).edges)
@@ -380,6 +381,55 @@ class Clearing {
     if (only_clear) return;
     add(cost(lines_.at(other)), {n, end, other},
         [this, moved, n, kept] { return lines_.branch_at_end(moved, n, kept); });
+  }
+
+  /// Edge e is too near to node n, which has an edge to an end of it, as at a jog of the outline:
+  /// it leaves that end square to that edge, or away from it, and bends.
+  void offer_bends(NodeId n, EdgeId e) {
+    if (lines_.edge(e).is_outline()) return;
+    for (const NodeId end : {lines_.edge(e).a, lines_.edge(e).b}) {
+      if (lines_.edge_between(n, end) == kNone) continue;
+      const Point2 a = lines_.at(end), b = lines_.at(lines_.edge(e).other(end)), p = lines_.at(n);
+      const double toward = std::atan2(p.y - a.y, p.x - a.x);
+      const double side = orient2d(a, p, b) > 0 ? 1 : -1;
+      for (const double degrees : {91.0, 97.0, 105.0, 115.0, 130.0})
+        for (const double step : {1.05, 1.5, 2.5, 4.0}) {
+          const double direction = toward + side * degrees * std::numbers::pi / 180;
+          const double far = step * options_.clearance;
+          const Point2 x{a.x + far * std::cos(direction), a.y + far * std::sin(direction)};
+          if (distance(x, b) > options_.clearance && may_bend(e, end, x))
+            add(cost_of_bend(e, end, x), {end, lines_.edge(e).other(end)},
+                [this, e, x] { return lines_.bend(e, x); });
+        }
+    }
+  }
+
+  /// Whether edge e may run through x without anything being too close.
+  bool may_bend(EdgeId e, NodeId from, Point2 x) const {
+    const NodeId to = lines_.edge(e).other(from);
+    const Point2 a = lines_.at(from), b = lines_.at(to);
+    if (angle_between(x, a, b) < std::numbers::pi / 2) return false;
+    for (const NodeId end : {from, to})
+      for (const EdgeId f : lines_.node(end).edges)
+        if (f != e &&
+            angle_between(lines_.at(end), x, lines_.at(lines_.edge(f).other(end))) < min_angle_)
+          return false;
+    Bounds2 box = Bounds2::nothing();
+    for (const Point2 p : {a, b, x}) box.extend(p);
+    bool clear = true;
+    const auto is_near = [&](NodeId n, NodeId end) {
+      const Point2 p = lines_.at(n), q = lines_.at(end);
+      if (distance_to_segment(p, q, x) >= options_.clearance) return false;
+      return !(nearest_on_segment(p, q, x) == q && lines_.edge_between(n, end) != kNone);
+    };
+    lines_.for_each_edge_near(box.grown(options_.clearance), [&](EdgeId f) {
+      if (f == e || !clear) return;
+      const Partition::Edge& edge = lines_.edge(f);
+      clear = distance_to_segment(x, lines_.at(edge.a), lines_.at(edge.b)) >= options_.clearance;
+      for (const NodeId n : {edge.a, edge.b})
+        if (n != from && n != to) clear = clear && !is_near(n, from) && !is_near(n, to);
+    });
+    return clear;
   }
 
   /// Whether nothing is near to a new node at x on edge `kept`, and to an edge from it to `end`,
