@@ -227,7 +227,9 @@ std::vector<ConfigField> make_fields() {
        .group = "City model",
        .member = &C::roof_percentile,
        .commands = kData,
-       .help = "Roof height: percentile of the roof points",
+       .help =
+           "Height of flat roofs: percentile of the roof points (90 in the paper, which is above "
+           "most of a sloped roof)",
        .unit = "%",
        .min = 0,
        .max = 100},

@@ -123,13 +123,16 @@ void fields_of(RoofFacts& roofs, const Field& field) {
   field("raised", roofs.raised, "integer", "parts raised to `min_building_height`");
   field("undivided", roofs.undivided, "integer",
         "buildings that stay one block, because their parts would not keep their clearance");
+  field("shared_wall_corners", roofs.shared_wall_corners, "integer",
+        "vertices at which four walls share a vertical line");
   field("max_slope_deg", roofs.max_slope_deg, "number, degrees", "of the steepest roof");
-  field("rmse_median", roofs.rmse_median, "number, m",
-        "vertical root mean square of a footprint's points off their roofs, of footprints with 20 "
-        "points or more");
+  field(
+      "rmse_median", roofs.rmse_median, "number, m",
+      "vertical root mean square of a footprint's points off their roofs, of points at least half "
+      "a metre inside, of footprints with 20 of them");
   field("rmse_p90", roofs.rmse_p90, "number, m", "the same, 90th percentile");
   field("volume_of_points", roofs.volume_of_points, "number, m³",
-        "between ground and the mean height of the points, by part");
+        "between ground and the mean height of these points, by part");
   field("volume", roofs.volume, "number, m³", "between ground and roofs");
   field("volume_of_blocks", roofs.volume_of_blocks, "number, m³",
         "between ground and one flat roof per building");

@@ -109,7 +109,7 @@ TEST(Percentile, AgreesWithTheSortedDefinition) {
 TEST(Heights, ArePercentilesOfThePoints) {
   const Building building = Case({20, 21, 22, 23, 24, 25, 26, 27, 28, 29, 30}, {1, 2, 3}).compute();
   EXPECT_DOUBLE_EQ(building.h_ground, 1.2);
-  EXPECT_DOUBLE_EQ(building.h_roof, 29);
+  EXPECT_DOUBLE_EQ(building.h_roof, 27);
   EXPECT_EQ(building.n_roof_points, 11);
   EXPECT_EQ(building.n_ground_points, 3);
   EXPECT_EQ(building.flags, 0U);
@@ -318,7 +318,7 @@ TEST(HeightsOfDelft, AgreeWithWorkByHandAndWith3dfier) {
       EXPECT_NEAR(building.h_ground, ByHand::quantile(expected.ground, 0.1), kHalfMillimetre);
     }
     if (!expected.roof.empty()) {
-      const double roof = ByHand::quantile(expected.roof, 0.9);
+      const double roof = ByHand::quantile(expected.roof, 0.7);
       EXPECT_NEAR(building.h_roof, std::max(roof, building.h_ground + 2.5), kHalfMillimetre);
     }
   }

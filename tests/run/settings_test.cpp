@@ -368,8 +368,19 @@ const std::vector<Setting>& table() {
        run_city,
        [](R plain, R changed) {
          // From 20.1 m to 23.9 m.
-         EXPECT_NEAR(plain.building("hall").h_roof, 23.6, 0.11);
+         EXPECT_NEAR(plain.building("hall").h_roof, 22.8, 0.11);
          EXPECT_NEAR(changed.building("hall").h_roof, 22, 0.11);
+       }},
+      {"lod",
+       {"2.2"},
+       run_city,
+       [](R plain, R changed) {
+         EXPECT_EQ(plain.city().roofs.parts, 0);
+         const RoofFacts& roofs = changed.city().roofs;
+         EXPECT_GE(roofs.parts, changed.city().buildings);
+         EXPECT_GE(roofs.parts_by_lod.at("2.2"), 3);
+         EXPECT_GT(roofs.max_slope_deg, 5);  // the hall's
+         EXPECT_LT(roofs.rmse_median, 0.2);
        }},
       {"min_building_height",
        {"4"},

@@ -12,7 +12,8 @@ namespace tetropolis {
 
 struct HeightOptions {
   double ground_percentile = 10;  ///< Of the ground points' heights, in [0, 100].
-  double roof_percentile = 90;    ///< Of the roof points' heights, in [0, 100].
+  double roof_percentile = 70;    ///< Of the roof points' heights, in [0, 100]; the paper's is 90,
+                                  ///< above most of a sloped roof.
   double min_height = 2.5;        ///< Least height of a building above its ground, metres, >= 0.
 };
 

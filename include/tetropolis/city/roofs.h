@@ -32,10 +32,14 @@ struct RoofFacts {
   std::int64_t parts_without_points = 0;
   std::int64_t raised = 0;     ///< Parts raised to the minimum height.
   std::int64_t undivided = 0;  ///< Buildings that stay one block: their parts keep no clearance.
+  /// Vertices at which four walls share a vertical line: solids have an edge of more than two faces
+  /// there, and the mesher lifts a roof.
+  std::int64_t shared_wall_corners = 0;
   double max_slope_deg = 0;
-  double rmse_median = std::numeric_limits<double>::quiet_NaN();  ///< Per footprint with 20 points:
-  double rmse_p90 = std::numeric_limits<double>::quiet_NaN();     ///< vertical, metres.
-  double volume_of_points = 0;  ///< Between ground and points, by part, cubic metres.
+  /// Per footprint with 20 points at least half a metre inside: vertical, of these, metres.
+  double rmse_median = std::numeric_limits<double>::quiet_NaN();
+  double rmse_p90 = std::numeric_limits<double>::quiet_NaN();
+  double volume_of_points = 0;  ///< Between ground and such points, by part, cubic metres.
   double volume = 0;            ///< Between ground and roofs.
   double volume_of_blocks = 0;  ///< Between ground and Building::h_roof.
 };

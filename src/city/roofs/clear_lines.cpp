@@ -71,7 +71,7 @@ class Clearing {
       drop_small_regions();
       const std::vector<Conflict> found = conflicts();
       if (found.empty() && !part_pinched()) {
-        if (polished) break;
+        if (polished || !options_.polish) break;
         polished = true;
         polish();
       }
@@ -334,6 +334,11 @@ class Clearing {
     offer_moves(n);
     offer_moves(edge.a);
     offer_moves(edge.b);
+    offer_bends(n, e);
+    for (const NodeId end : {edge.a, edge.b})
+      if (lines_.node(end).corner && !edge.is_outline())
+        for (const EdgeId side : lines_.node(end).edges)
+          if (side != e) offer_branches(e, end, side, true);
     if (!edge.is_outline()) {
       add(cost_of_bend(e, edge.a, p), {n, edge.a, edge.b},
           [this, e, n] { return lines_.lead_through(e, n) || lines_.fold(e, n); });
@@ -348,6 +353,102 @@ class Clearing {
         if (lines_.edge(side).is_outline() && edge.has(lines_.edge(side).other(n)))
           offer_collapse(side);
     }
+  }
+
+  /// Edge `moved` leaves edge `kept` further along it than at node n.
+  void offer_branches(EdgeId moved, NodeId n, EdgeId kept, bool only_clear = false) {
+    if (lines_.edge(moved).is_outline()) return;
+    const NodeId end = lines_.edge(moved).other(n), other = lines_.edge(kept).other(n);
+    const double length = lines_.length(kept);
+    const Point2 c = lines_.at(end);
+    const Region inside =
+        orient2d(lines_.at(n), lines_.at(other), c) > 0 ? left_of(kept, n) : right_of(kept, n);
+    if (inside != left_of(moved, n) && inside != right_of(moved, n)) return;
+    const Region beyond = left_of(moved, n) == inside ? right_of(moved, n) : left_of(moved, n);
+    const auto cost = [&](Point2 x) {
+      return points_.cost_of_triangle(lines_.at(n), x, c, inside, beyond);
+    };
+    for (const double step : {1.0, 1.5, 2.0, 3.0, 5.0, 8.0}) {
+      const double along = step * options_.clearance;
+      if (along > length - options_.clearance) break;
+      const Point2 x = between(lines_.at(n), lines_.at(other), along / length);
+      if (angle_between(x, c, lines_.at(other)) < min_angle_) break;
+      if (angle_between(x, c, lines_.at(n)) < min_angle_) continue;
+      if (only_clear && !would_be_clear(x, kept, end, moved)) continue;
+      add(cost(x), {n, end, other},
+          [this, moved, n, kept, x] { return lines_.branch_at(moved, n, kept, x); });
+    }
+    if (only_clear) return;
+    add(cost(lines_.at(other)), {n, end, other},
+        [this, moved, n, kept] { return lines_.branch_at_end(moved, n, kept); });
+  }
+
+  /// Edge e is too near to node n, which has an edge to an end of it, as at a jog of the outline:
+  /// it leaves that end square to that edge, or away from it, and bends.
+  void offer_bends(NodeId n, EdgeId e) {
+    if (lines_.edge(e).is_outline()) return;
+    for (const NodeId end : {lines_.edge(e).a, lines_.edge(e).b}) {
+      if (lines_.edge_between(n, end) == kNone) continue;
+      const Point2 a = lines_.at(end), b = lines_.at(lines_.edge(e).other(end)), p = lines_.at(n);
+      const double toward = std::atan2(p.y - a.y, p.x - a.x);
+      const double side = orient2d(a, p, b) > 0 ? 1 : -1;
+      for (const double degrees : {91.0, 97.0, 105.0, 115.0, 130.0})
+        for (const double step : {1.05, 1.5, 2.5, 4.0}) {
+          const double direction = toward + side * degrees * std::numbers::pi / 180;
+          const double far = step * options_.clearance;
+          const Point2 x{a.x + far * std::cos(direction), a.y + far * std::sin(direction)};
+          if (distance(x, b) > options_.clearance && may_bend(e, end, x))
+            add(cost_of_bend(e, end, x), {end, lines_.edge(e).other(end)},
+                [this, e, x] { return lines_.bend(e, x); });
+        }
+    }
+  }
+
+  /// Whether edge e may run through x without anything being too close.
+  bool may_bend(EdgeId e, NodeId from, Point2 x) const {
+    const NodeId to = lines_.edge(e).other(from);
+    const Point2 a = lines_.at(from), b = lines_.at(to);
+    if (angle_between(x, a, b) < std::numbers::pi / 2) return false;
+    for (const NodeId end : {from, to})
+      for (const EdgeId f : lines_.node(end).edges)
+        if (f != e &&
+            angle_between(lines_.at(end), x, lines_.at(lines_.edge(f).other(end))) < min_angle_)
+          return false;
+    Bounds2 box = Bounds2::nothing();
+    for (const Point2 p : {a, b, x}) box.extend(p);
+    bool clear = true;
+    const auto is_near = [&](NodeId n, NodeId end) {
+      const Point2 p = lines_.at(n), q = lines_.at(end);
+      if (distance_to_segment(p, q, x) >= options_.clearance) return false;
+      return !(nearest_on_segment(p, q, x) == q && lines_.edge_between(n, end) != kNone);
+    };
+    lines_.for_each_edge_near(box.grown(options_.clearance), [&](EdgeId f) {
+      if (f == e || !clear) return;
+      const Partition::Edge& edge = lines_.edge(f);
+      clear = distance_to_segment(x, lines_.at(edge.a), lines_.at(edge.b)) >= options_.clearance;
+      for (const NodeId n : {edge.a, edge.b})
+        if (n != from && n != to) clear = clear && !is_near(n, from) && !is_near(n, to);
+    });
+    return clear;
+  }
+
+  /// Whether nothing is near to a new node at x on edge `kept`, and to an edge from it to `end`,
+  /// which stands for `moved`.
+  bool would_be_clear(Point2 x, EdgeId kept, NodeId end, EdgeId moved) const {
+    const Point2 c = lines_.at(end);
+    Bounds2 box = Bounds2::nothing();
+    box.extend(x);
+    box.extend(c);
+    bool clear = true;
+    lines_.for_each_edge_near(box.grown(options_.clearance), [&](EdgeId e) {
+      const Partition::Edge& edge = lines_.edge(e);
+      const Point2 a = lines_.at(edge.a), b = lines_.at(edge.b);
+      if (e != kept && e != moved && distance_to_segment(x, a, b) < options_.clearance)
+        clear = false;
+      for (const NodeId n : {edge.a, edge.b})
+        if (n != end && distance_to_segment(lines_.at(n), x, c) < options_.clearance) clear = false;
+    });
+    return clear;
   }
 
   /// Edges e and f meet at node n at too small an angle.
@@ -369,29 +470,8 @@ class Clearing {
       add(cost_of_move(near, foot, f), {n, far, near},
           [this, near, e, foot] { return lines_.move_onto(near, e, foot); });
     }
-    for (const auto& [moved, kept] : {std::pair{f, e}, std::pair{e, f}}) {
-      if (lines_.edge(moved).is_outline()) continue;
-      const NodeId end = lines_.edge(moved).other(n), other = lines_.edge(kept).other(n);
-      const double length = lines_.length(kept);
-      const Point2 c = lines_.at(end);
-      const Region inside =
-          orient2d(lines_.at(n), lines_.at(other), c) > 0 ? left_of(kept, n) : right_of(kept, n);
-      const Region l = left_of(moved, n), beyond = l == inside ? right_of(moved, n) : l;
-      const auto cost = [&](Point2 x) {
-        return points_.cost_of_triangle(lines_.at(n), x, c, inside, beyond);
-      };
-      for (const double step : {1.0, 1.5, 2.0, 3.0, 5.0, 8.0}) {
-        const double along = step * options_.clearance;
-        if (along > length - options_.clearance) break;
-        const Point2 x = between(lines_.at(n), lines_.at(other), along / length);
-        if (angle_between(x, c, lines_.at(other)) < min_angle_) break;
-        if (angle_between(x, c, lines_.at(n)) < min_angle_) continue;
-        add(cost(x), {n, end, other},
-            [this, moved, n, kept, x] { return lines_.branch_at(moved, n, kept, x); });
-      }
-      add(cost(lines_.at(other)), {n, end, other},
-          [this, moved, n, kept] { return lines_.branch_at_end(moved, n, kept); });
-    }
+    offer_branches(f, n, e);
+    offer_branches(e, n, f);
   }
 
   bool go_cheapest() {

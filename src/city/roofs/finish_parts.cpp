@@ -129,6 +129,9 @@ RoofPlane tamed(const RoofPlane& plane, Point2 pivot, const Polygon& outline, do
   return result;
 }
 
+/// Metres from its footprint's outline within which a point may be of a wall, or of a neighbour.
+constexpr double kRim = 0.5;
+
 class Finishing {
  public:
   Finishing(const RoofInput& input, Partition& lines, RegionPoints& points,
@@ -165,18 +168,20 @@ class Finishing {
     part.roof = roof.lod == Lod::k2_2 ? sloped(roof.plane, inside, part) : roof.plane;
     raise(part.roof, part.outline, finished);
     part.roof = snap_plane(part.roof);
-    finished.mean_of_roof = finished.mean_of_points = part.roof(centroid(part.outline));
-    if (!inside.empty()) {
-      part.rmse = rmse_of(part.roof, inside);
-      double sum = 0;
-      for (const Point3& p : inside) sum += p[2];
-      finished.mean_of_points = sum / static_cast<double>(inside.size());
-    }
+    finished.mean_of_roof = part.roof(centroid(part.outline));
+    if (!inside.empty()) part.rmse = rmse_of(part.roof, inside);
+    double sum = 0, count = 0;
     for (const std::uint32_t p : list) {
-      const double d = height_above(part.roof, input_.points.values[p]);
-      result_.squared_errors[member_of_[p]] += d * d;
-      ++result_.counts[member_of_[p]];
+      const Point3& point = input_.points.values[p];
+      const std::size_t m = member_of_[p];
+      if (distance_to_boundary(*input_.members[m], {point[0], point[1]}) < kRim) continue;
+      const double d = height_above(part.roof, point);
+      result_.squared_errors[m] += d * d;
+      ++result_.counts[m];
+      sum += d;
+      ++count;
     }
+    if (count > 0) finished.mean_above = sum / count;
     return finished;
   }
 
@@ -201,6 +206,13 @@ class Finishing {
     for (const Point3& p : inside) heights.push_back(p[2]);
     const RoofPlane flat{pivot, percentile(heights, options_.percentile), 0, 0};
     if (rmse_of(result, inside) <= rmse_of(flat, inside)) return result;
+    // A plane through part of the points only: one through all of them may do.
+    PlaneFit fit(pivot);
+    for (const Point3& p : inside) fit.add(p);
+    if (const RoofPlane all = fit.plane(); slope_of(all) < kMaxRoofSlope) {
+      const RoofPlane mean = tamed(all, pivot, part.outline, low - kBeyond, high + kBeyond);
+      if (rmse_of(mean, inside) <= rmse_of(flat, inside)) return mean;
+    }
     part.lod = Lod::k1_2;
     return flat;
   }

@@ -19,16 +19,18 @@ struct FinishOptions {
 struct FinishedPart {
   RoofPart part;  ///< Without source_id.
   MemberNumber member = 0;
-  bool raised = false;        ///< To the lowest elevation.
-  double mean_of_points = 0;  ///< Elevation; of the roof's middle without points.
-  double mean_of_roof = 0;    ///< Elevation.
+  bool raised = false;      ///< To the lowest elevation.
+  double mean_of_roof = 0;  ///< Elevation.
+  double mean_above = 0;    ///< Of its points above the roof, metres; see below.
 };
 
 struct FinishedRoof {
   Polygon footprint;  ///< With the vertices of parts on it.
   std::vector<FinishedPart> parts;
-  std::vector<double> squared_errors;  ///< Per member, summed over its points.
-  std::vector<std::int64_t> counts;    ///< Per member: its points.
+  /// Per member: of its points off their roofs, vertically, summed; and how many there are. Points
+  /// within half a metre of the member's outline do not count: they may be of walls.
+  std::vector<double> squared_errors;
+  std::vector<std::int64_t> counts;
 };
 
 /// Snaps vertices (those on the outline to the inside) and fits the roofs. A sloped roof is made

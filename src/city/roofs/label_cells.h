@@ -19,8 +19,8 @@ struct LabelOptions {
   double step = 1;             ///< Metres: LoD1.3 tells heights that differ by that apart.
   double border_cost = 0.2;    ///< Square metres per metre of border.
   double cap = 1;              ///< Metres: points further off all count alike.
-  double join_cost =
-      0.05;  ///< Cubic metres... per metre of border that joining regions takes away.
+  double join_cost = 0.05;  ///< m^3: squared misfit times area that joining regions may cost, per
+                            ///< metre of border that it takes away.
 };
 
 /// What became a region, and its roof.

@@ -12,6 +12,7 @@
 
 #include "city/roofs/plane_fit.h"
 #include "city/roofs/roof_of_building.h"
+#include "city/roofs/separate_valleys.h"
 #include "core/parallel.h"
 #include "core/shared_progress.h"
 
@@ -38,21 +39,20 @@ RoofInput input_of(const Building& building, const CityModel& raw, const Buildin
   return input;
 }
 
-bool is_below(Lod lod, Lod wanted) { return lod < wanted; }
-
 void count(const FinishedRoof& roof, const Building& building, Lod wanted, BuildingFacts& result) {
   RoofFacts& facts = result.facts;
   for (const FinishedPart& finished : roof.parts) {
     const RoofPart& part = finished.part;
     ++facts.parts;
     ++facts.parts_by_lod[name_of(part.lod)];
-    if (is_below(part.lod, wanted) && part.n_points > 0) ++facts.fallbacks;
+    if (part.lod < wanted && part.n_points > 0) ++facts.fallbacks;
     if (part.n_points == 0) ++facts.parts_without_points;
     if (finished.raised) ++facts.raised;
     facts.max_slope_deg =
         std::max(facts.max_slope_deg, std::atan(slope_of(part.roof)) * 180 / std::numbers::pi);
     const double size = area(part.outline);
-    facts.volume_of_points += size * (finished.mean_of_points - building.h_ground);
+    facts.volume_of_points +=
+        size * (finished.mean_of_roof + finished.mean_above - building.h_ground);
     facts.volume += size * (finished.mean_of_roof - building.h_ground);
     facts.volume_of_blocks += size * (building.h_roof - building.h_ground);
   }
@@ -81,6 +81,7 @@ BuildingFacts make_roof(Building& building, const RoofInput& input, const CityMo
     }
     if (!part_defects(std::span(&made, 1), options.clearance, options.min_area, 1).empty())
       continue;
+    result.facts.shared_wall_corners = separate_valleys(made, options.clearance, options.min_area);
     building = std::move(made);
     count(roof, building, options.lod, result);
     return result;
@@ -97,6 +98,7 @@ void add(const BuildingFacts& one, BuildingFacts& all) {
   sum.parts_without_points += one.facts.parts_without_points;
   sum.raised += one.facts.raised;
   sum.undivided += one.facts.undivided;
+  sum.shared_wall_corners += one.facts.shared_wall_corners;
   sum.max_slope_deg = std::max(sum.max_slope_deg, one.facts.max_slope_deg);
   sum.volume_of_points += one.facts.volume_of_points;
   sum.volume += one.facts.volume;

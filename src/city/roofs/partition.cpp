@@ -289,6 +289,18 @@ bool Partition::move_onto(NodeId n, EdgeId e, Point2 x) {
   return true;
 }
 
+bool Partition::bend(EdgeId e, Point2 x) {
+  const NodeId a = edges_[e].a, b = edges_[e].b;
+  const std::array<EdgeId, 1> ignored{e};
+  // Nodes of edges are known by number: the new one has none of its own yet.
+  if (edges_[e].is_outline() || distance(x, at(a)) < kTouch || distance(x, at(b)) < kTouch ||
+      !is_empty(at(a), x, at(b), {a, b}) || !is_free(at(a), x, a, kNone, ignored) ||
+      !is_free(x, at(b), kNone, b, ignored))
+    return false;
+  split(e, add_node(x, false, false));
+  return true;
+}
+
 bool Partition::branch_at(EdgeId g, NodeId a, EdgeId e, Point2 x) {
   const NodeId b = edges_[e].other(a), c = edges_[g].other(a);
   const std::array<EdgeId, 2> ignored{e, g};

@@ -83,6 +83,8 @@ class Partition {
   /// Moves a node beside the edge `e` to x, between the ends of `e`, which then runs through it.
   /// Onto the outline only nodes that are not on it.
   bool move_onto(NodeId n, EdgeId e, Point2 x);
+  /// Leads the edge through a new node at x, beside it.
+  bool bend(EdgeId e, Point2 x);
   /// Edge g leaves node a at a small angle to edge e: now it leaves e at x, between its ends.
   bool branch_at(EdgeId g, NodeId a, EdgeId e, Point2 x);
   /// The same, at the other end of e.

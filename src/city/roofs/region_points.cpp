@@ -1,6 +1,7 @@
 #include "city/roofs/region_points.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstddef>
 #include <utility>

@@ -27,6 +27,7 @@ FinishedRoof roof_of_building(const RoofInput& input, const RoofOptions& options
   ClearLinesOptions clear;
   clear.clearance = options.clearance + kForSnap;
   clear.min_area = options.min_area + kForSnap;
+  clear.polish = options.lod != Lod::k1_2;
   clear_lines(lines, points, clear);
   return finish_parts(input, lines, points, {options.percentile, lowest});
 }

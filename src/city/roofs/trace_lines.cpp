@@ -1,6 +1,7 @@
 #include "city/roofs/trace_lines.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstddef>
 #include <map>

@@ -1,0 +1,177 @@
+#include "city/roofs/separate_valleys.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <map>
+#include <numbers>
+#include <utility>
+#include <vector>
+
+#include "tetropolis/city/roofs.h"
+
+#include "core/infinity.h"
+
+namespace tetropolis {
+
+namespace {
+
+constexpr double kSame = 1e-3;  // metres: elevations that files do not tell apart
+
+using Place = std::pair<double, double>;
+
+/// A part's corner at a vertex.
+struct Sector {
+  double from = 0, to = 0;  ///< Directions of its sides, counter-clockwise, radians.
+  double z = -kInfinity;    ///< Open ground is below all roofs.
+  std::size_t part = 0;
+  std::size_t ring = 0, corner = 0;  ///< 0: the outer ring.
+  Point2 next, previous;             ///< Along the ring.
+};
+
+Ring& ring_of(RoofPart& part, std::size_t number) {
+  return number == 0 ? part.outline.outer : part.outline.holes[number - 1];
+}
+
+/// By vertex, the corners of parts there.
+std::map<Place, std::vector<Sector>> sectors_of(const Building& building) {
+  std::map<Place, std::vector<Sector>> sectors;
+  for (std::size_t k = 0; k < building.parts.size(); ++k) {
+    const RoofPart& part = building.parts[k];
+    for (std::size_t r = 0; r <= part.outline.holes.size(); ++r) {
+      const Ring& ring = r == 0 ? part.outline.outer : part.outline.holes[r - 1];
+      for (std::size_t i = 0; i < ring.size(); ++i) {
+        const Point2 p = ring[i], next = ring[(i + 1) % ring.size()];
+        const Point2 previous = ring[(i + ring.size() - 1) % ring.size()];
+        Sector sector;
+        sector.from = std::atan2(next.y - p.y, next.x - p.x);
+        sector.to = std::atan2(previous.y - p.y, previous.x - p.x);
+        if (sector.to <= sector.from) sector.to += 2 * std::numbers::pi;
+        sector.z = part.roof(p);
+        sector.part = k;
+        sector.ring = r;
+        sector.corner = i;
+        sector.next = next;
+        sector.previous = previous;
+        sectors[{p.x, p.y}].push_back(sector);
+      }
+    }
+  }
+  for (auto& [place, list] : sectors) {
+    std::sort(list.begin(), list.end(),
+              [](const Sector& a, const Sector& b) { return a.from < b.from; });
+    // What they leave is open ground.
+    for (std::size_t i = 0; i < list.size(); ++i) {
+      const Sector& after = list[(i + 1) % list.size()];
+      if (list[i].previous == after.next) continue;
+      Sector ground;
+      ground.part = building.parts.size();
+      list.insert(list.begin() + static_cast<std::ptrdiff_t>(i) + 1, ground);
+      ++i;
+    }
+  }
+  return sectors;
+}
+
+/// The sectors that lie lower than those on both sides of them, if there are several such places:
+/// of roofs, the shallowest first.
+std::vector<std::size_t> valleys_at(const std::vector<Sector>& sectors) {
+  const std::size_t n = sectors.size();
+  const auto z = [&](std::size_t i) { return sectors[i % n].z; };
+  std::vector<std::pair<double, std::size_t>> valleys;
+  for (std::size_t i = 0; i < n; ++i) {
+    if (!(z(i) < z(i + n - 1) - kSame)) continue;  // nothing falls to it
+    std::size_t end = i;                           // of those at the same elevation
+    while (end < i + n && std::abs(z(end + 1) - z(i)) <= kSame) ++end;
+    if (z(end + 1) > z(i) + kSame)
+      valleys.emplace_back(std::min(z(i + n - 1), z(end + 1)) - z(i), end == i ? i : n);
+  }
+  if (valleys.size() < 2) return {};
+  std::sort(valleys.begin(), valleys.end());
+  std::vector<std::size_t> result;
+  for (const auto& [depth, i] : valleys)
+    if (i < n && z(i) > -kInfinity) result.push_back(i);
+  return result;
+}
+
+bool is_valley(const std::vector<Sector>& sectors) {
+  const std::size_t n = sectors.size();
+  int falls = 0;
+  // Each valley is entered by one fall that a rise follows.
+  double direction = 0;
+  for (std::size_t i = 0; i < 2 * n; ++i) {
+    const double a = sectors[i % n].z, b = sectors[(i + 1) % n].z;
+    if (b > a + kSame) direction = 1;
+    if (b < a - kSame) {
+      if (direction > 0) ++falls;
+      direction = -1;
+    }
+  }
+  return falls > 2;  // twice around
+}
+
+/// The building with the corner of sector `low` at p stepped back to q.
+Building stepped_back(const Building& building, const std::vector<Sector>& sectors, std::size_t low,
+                      Point2 p, Point2 q) {
+  const std::size_t n = sectors.size();
+  const Sector& valley = sectors[low];
+  const Sector &before = sectors[(low + n - 1) % n], &after = sectors[(low + 1) % n];
+  Building made = building;
+  ring_of(made.parts[valley.part], valley.ring)[valley.corner] = q;
+  const auto insert = [&](const Sector& sector, bool behind) {
+    Ring& ring = ring_of(made.parts[sector.part], sector.ring);
+    const auto at = std::find(ring.begin(), ring.end(), p);
+    ring.insert(at + (behind ? 1 : 0), q);
+  };
+  insert(before, false);  // its ring comes along the valley's side to p
+  insert(after, true);
+  return made;
+}
+
+/// Tries places for the corner; whether one was good.
+bool step_back(Building& building, const std::vector<Sector>& sectors, std::size_t low, Point2 p,
+               double clearance, double min_area) {
+  const std::size_t n = sectors.size();
+  const std::size_t before = sectors[(low + n - 1) % n].part, after = sectors[(low + 1) % n].part;
+  const std::size_t ground = building.parts.size();
+  if (before == ground || after == ground || before == after || sectors[low].part == before ||
+      sectors[low].part == after)
+    return false;
+  const double middle = (sectors[low].from + sectors[low].to) / 2;
+  for (const double length : {1.02, 1.2, 1.5})
+    for (const double turn : {0.0, 0.25, -0.25, 0.5, -0.5}) {
+      const double distance = clearance * length;
+      const Point2 q = snap_coordinate(Point2{p.x + distance * std::cos(middle + turn),
+                                              p.y + distance * std::sin(middle + turn)});
+      Building made = stepped_back(building, sectors, low, p, q);
+      if (!part_defects(std::span(&made, 1), clearance, min_area, 1).empty()) continue;
+      building = std::move(made);
+      return true;
+    }
+  return false;
+}
+
+}  // namespace
+
+std::int64_t separate_valleys(Building& building, double clearance, double min_area) {
+  std::vector<Place> given_up;
+  for (;;) {
+    bool changed = false;
+    for (const auto& [place, sectors] : sectors_of(building)) {
+      if (std::find(given_up.begin(), given_up.end(), place) != given_up.end()) continue;
+      if (!is_valley(sectors)) continue;
+      const Point2 p{place.first, place.second};
+      for (const std::size_t low : valleys_at(sectors))
+        if (step_back(building, sectors, low, p, clearance, min_area)) {
+          changed = true;
+          break;
+        }
+      if (changed) break;
+      given_up.push_back(place);
+    }
+    if (!changed) return static_cast<std::int64_t>(given_up.size());
+  }
+}
+
+}  // namespace tetropolis
