@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstddef>
 #include <functional>
 #include <limits>
 #include <map>
@@ -304,7 +305,7 @@ class Clearing {
     note(e);
     for (const NodeId n : nodes)
       for (const EdgeId f : lines_.node(n).edges) note(f);
-    for (const auto& [a, b] : pairs) offer_merge(a, b);
+    merges_.insert(merges_.end(), pairs.begin(), pairs.end());
   }
 
   void offer_merge(Region a, Region b) {
@@ -475,10 +476,16 @@ class Clearing {
   }
 
   bool go_cheapest() {
-    std::stable_sort(ways_.begin(), ways_.end(),
-                     [](const Way& a, const Way& b) { return a.cost < b.cost; });
-    const std::vector<Way> ways = std::move(ways_);
-    for (const Way& way : ways)
+    const auto by_cost = [](const Way& a, const Way& b) { return a.cost < b.cost; };
+    std::stable_sort(ways_.begin(), ways_.end(), by_cost);
+    // One roof for two regions fits no better than two: that takes long to find out.
+    std::size_t tried = 0;
+    for (; tried < ways_.size() && ways_[tried].cost <= 0; ++tried)
+      if (ways_[tried].go()) return true;
+    ways_.erase(ways_.begin(), ways_.begin() + static_cast<std::ptrdiff_t>(tried));
+    for (const auto& [a, b] : merges_) offer_merge(a, b);
+    std::stable_sort(ways_.begin(), ways_.end(), by_cost);
+    for (const Way& way : ways_)
       if (way.go()) return true;
     return false;
   }
@@ -491,6 +498,7 @@ class Clearing {
         for (const NodeId n : ring) {
           if (seen.insert(n).second) continue;
           ways_.clear();
+          merges_.clear();
           offer_merges({n}, lines_.node(n).edges.front());
           if (go_cheapest()) return true;
         }
@@ -500,6 +508,7 @@ class Clearing {
 
   bool resolve(const Conflict& conflict) {
     ways_.clear();
+    merges_.clear();
     const Partition::Edge edge = lines_.edge(conflict.edge);
     std::vector<NodeId> nodes{conflict.node};
     if (conflict.node == kNone) {
@@ -529,6 +538,7 @@ class Clearing {
       for (NodeId n = 0; n < lines_.nodes().size(); ++n) {
         if (lines_.node(n).edges.empty()) continue;
         ways_.clear();
+        merges_.clear();
         offer_moves(n);
         constexpr double kGain = 1e-2;  // m^4
         std::erase_if(ways_, [](const Way& way) { return way.cost > -kGain; });
@@ -578,6 +588,7 @@ class Clearing {
   double min_angle_;
   bool only_removals_ = false;
   std::vector<Way> ways_;
+  std::vector<std::pair<Region, Region>> merges_;
   std::vector<Region> split_off_;
 };
 

@@ -62,7 +62,7 @@ class Detection {
     find_seeds();
   }
 
-  std::vector<RoofPlane> run() {
+  std::vector<DetectedPlane> run() {
     for (const PointNumber seed : seeds_)
       if (taken_[seed] == 0) grow(seed);
     return std::move(planes_);
@@ -129,8 +129,12 @@ class Detection {
     }
     const std::vector<PointNumber> on = inliers();
     if (static_cast<double>(on.size()) < need_ || slope_of(plane) > kMaxRoofSlope) return;
-    for (const PointNumber j : on) taken_[j] = 1;
-    planes_.push_back(plane);
+    Bounds2 box = Bounds2::nothing();
+    for (const PointNumber j : on) {
+      taken_[j] = 1;
+      box.extend(at(j));
+    }
+    planes_.push_back({plane, box});
   }
 
   std::span<const Point3> points_;
@@ -142,13 +146,13 @@ class Detection {
   std::uint32_t stamp_ = 0;
   std::vector<RoofPlane> local_;
   std::vector<PointNumber> seeds_;
-  std::vector<RoofPlane> planes_;
+  std::vector<DetectedPlane> planes_;
 };
 
 }  // namespace
 
-std::vector<RoofPlane> detect_planes(std::span<const Point3> points, double density,
-                                     const DetectPlanesOptions& options) {
+std::vector<DetectedPlane> detect_planes(std::span<const Point3> points, double density,
+                                         const DetectPlanesOptions& options) {
   if (points.size() < 4) return {};
   return Detection(points, density, options).run();
 }

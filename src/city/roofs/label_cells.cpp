@@ -51,7 +51,10 @@ class MemberLabels {
       lowest_ = std::min(lowest_, p[2]);
       highest_ = std::max(highest_, p[2]);
     }
-    planes_ = detect_planes(input.points[index(member)], density_);
+    for (const DetectedPlane& found : detect_planes(input.points[index(member)], density_)) {
+      planes_.push_back(found.plane);
+      boxes_.push_back(found.box);
+    }
     labels_.assign(own_.size(), 0);
   }
 
@@ -86,10 +89,16 @@ class MemberLabels {
   void set_costs() {
     costs_.assign(own_.size() * count(), 0);
     constexpr double kBeyond = 0.5;  // metres that a roof may leave the range of its points
+    constexpr double kReach = 5;     // metres around its points where a plane may be a roof
     for (std::size_t i = 0; i < own_.size(); ++i) {
       const Point2 centre = cells_.centre(own_[i]);
       const double size = cells_.area(own_[i]);
+      const auto number = static_cast<double>(cells_.points[index(own_[i])].size());
       for (std::size_t k = 0; k < count(); ++k) {
+        if (!boxes_[k].grown(kReach).contains(centre)) {
+          costs_[i * count() + k] = cost_of(number / density_ + size);
+          continue;
+        }
         double sum = 0;
         for (const std::uint32_t p : cells_.points[index(own_[i])])
           sum += std::min(std::abs(height_above(planes_[k], points_[p])) / options_.cap, 1.0);
@@ -261,6 +270,9 @@ class MemberLabels {
     std::vector<PlaneFit> fits;
     for (std::size_t p = 0; p < piece_label_.size(); ++p)
       fits.emplace_back(planes_[index(piece_label_[p])].at);
+    boxes_.assign(piece_label_.size(), Bounds2::nothing());
+    for (std::size_t i = 0; i < own_.size(); ++i)
+      boxes_[index(piece_[i])].extend(cells_.centre(own_[i]));
     for (std::size_t i = 0; i < own_.size(); ++i)
       for (const std::uint32_t p : cells_.points[index(own_[i])])
         if (std::abs(height_above(planes_[index(labels_[i])], points_[p])) < kNear)
@@ -286,6 +298,7 @@ class MemberLabels {
   double lowest_ = std::numeric_limits<double>::infinity();
   double highest_ = -std::numeric_limits<double>::infinity();
   std::vector<RoofPlane> planes_;
+  std::vector<Bounds2> boxes_;       ///< Per plane: of what it was found at.
   std::vector<std::int32_t> costs_;  ///< Per cell and plane.
   std::vector<Label> labels_;        ///< Per cell.
   std::vector<std::int32_t> piece_;  ///< Per cell.
