@@ -1,4 +1,4 @@
-"""Results keep their bytes: volume, surfaces, terrain and city models of six cities.
+"""Results keep their bytes: volume, surfaces, terrain and city models of seven cities.
 
     same_bytes_test.py PROGRAM CITY [--threads N]    compares with same_bytes.txt; exit 77: no data
     same_bytes_test.py PROGRAM CITY --renew          writes the sums of this city there
@@ -21,6 +21,7 @@ DELFT = "--footprints delft_3dfier/footprints.shp --points delft_3dfier/ahn3_cro
 REAL = {  # paths in TETROPOLIS_DATA
     "delft10": DELFT,
     "delft5": DELFT + " --mesh-size 5",
+    "delft22": DELFT + " --lod 2.2",
     "amsterdam": "--footprints amsterdam_south/footprints.shp --points amsterdam_south/ahn3",
     "alexandria": "--footprints alexandria_dsm_dtm/footprints.shp "
                   "--points alexandria_dsm_dtm/pseudo_points_from_dsm_dtm.las",
