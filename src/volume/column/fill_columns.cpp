@@ -351,6 +351,24 @@ void count_lowered(const GroundMesh& mesh, std::span<const double> terrain, doub
   }
 }
 
+namespace {
+
+bool is_needle(const GroundMesh& mesh, const std::array<VertexIndex, 3>& corners) {
+  constexpr double kLeastAltitude = 0.3;  // of the longest edge
+  std::array<Point2, 3> p;
+  for (std::size_t i = 0; i < 3; ++i) p[i] = mesh.vertices[corners[i]];
+  double longest2 = 0;
+  for (std::size_t i = 0; i < 3; ++i) {
+    const Point2 a = p[i], b = p[(i + 1) % 3];
+    longest2 = std::max(longest2, (b.x - a.x) * (b.x - a.x) + (b.y - a.y) * (b.y - a.y));
+  }
+  const double twice_area =
+      (p[1].x - p[0].x) * (p[2].y - p[0].y) - (p[1].y - p[0].y) * (p[2].x - p[0].x);
+  return twice_area < kLeastAltitude * longest2;
+}
+
+}  // namespace
+
 std::vector<double> canopy_over(const GroundMesh& mesh, const ColumnPlan& plan) {
   std::vector<double> canopy = plan.ground;
   for (const TriangleIndex t : mesh.triangles.indices())
@@ -369,6 +387,10 @@ std::vector<double> canopy_over(const GroundMesh& mesh, const ColumnPlan& plan) 
       }
     std::swap(canopy, wider);
   }
+  // Over needles, at sharp corners of footprints, long cells would be slivers.
+  for (const auto& corners : mesh.triangles)
+    if (is_needle(mesh, corners))
+      for (const VertexIndex v : corners) canopy[v] = kInfinity;
   return canopy;
 }
 

@@ -73,7 +73,7 @@ struct ColumnPlan {
 };
 
 /// Per vertex, the highest floor near it: its own, or those up to four edges away less their
-/// distance.
+/// distance. Infinity at needles.
 std::vector<double> canopy_over(const GroundMesh& mesh, const ColumnPlan& plan);
 
 /// A mesh, and what it was made from.
