@@ -459,6 +459,9 @@ std::vector<CheckedFile> check_folder(const fs::path& folder, std::optional<doub
   }
   if (report && report->made_city() && is_there(folder / results::kLayers))
     files.push_back(check_layers(folder, *report));
+  if (report && report->report.volume_mesh)
+    for (const BuildingIndex b : report->report.volume_mesh->parts_left_out)
+      if (b < city.buildings.size()) city.buildings[b].parts.clear();
   add_meshes(folder, sources, city, report, progress, files);
   if (files.empty())
     throw Error(

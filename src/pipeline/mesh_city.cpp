@@ -145,16 +145,18 @@ CityMesh mesh_city(const CityModel& city, Raster terrain, const MeshCityOptions&
   const Point2 origin = city.origin;
   const CitySize size = size_of(options, city, terrain);
   require_mesh_fits(options, size);
-  if (const auto parted = std::count_if(city.buildings.begin(), city.buildings.end(),
-                                        [](const Building& b) { return !b.parts.empty(); });
-      parted > 0 && solves_laplace(options))
-    result.warnings.push_back(
-        {"parts_left_out", parted,
-         "buildings have parts, but are meshed as blocks: layering = \"graded\" and a flat top "
-         "keep the parts"});
+  std::vector<BuildingIndex>& blocks = result.volume_facts.parts_left_out;
+  if (solves_laplace(options)) {
+    for (const BuildingIndex b : city.buildings.indices())
+      if (!city.buildings[b].parts.empty()) blocks.push_back(b);
+    if (!blocks.empty())
+      result.warnings.push_back(
+          {"parts_left_out", static_cast<std::int64_t>(blocks.size()),
+           "buildings have parts, but are meshed as blocks: layering = \"graded\" and a flat top "
+           "keep the parts"});
+  }
   terrain.x0 = in_crs(terrain.x0, origin.x);
   terrain.y0 = in_crs(terrain.y0, origin.y);
-  std::vector<BuildingIndex> blocks;
   Columns columns = columns_of(options, city, terrain, size, blocks, clock, result);
   // With steep roofs a few decimetres above each other there may be no order of climbing.
   for (auto missed = missed_buildings(columns.mesh); !missed.empty();
@@ -164,7 +166,7 @@ CityMesh mesh_city(const CityModel& city, Raster terrain, const MeshCityOptions&
     columns = columns_of(options, city, terrain, size, blocks, clock, result);
   }
   result.volume_facts.min_vertical_gap = require_valid(columns.mesh);
-  if (!blocks.empty())
+  if (!blocks.empty() && !solves_laplace(options))
     result.warnings.push_back(
         {"parts_left_out", static_cast<std::int64_t>(blocks.size()),
          "buildings are meshed as blocks: no cells fit the steps between their roofs"});

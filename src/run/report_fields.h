@@ -214,6 +214,8 @@ void fields_of(VolumeMeshFacts& mesh, const Field& field) {
         "nodes moved to make columns monotone after solving; 0 without solving");
   field("columns_improved", mesh.columns_improved, "integer",
         "columns changed by the local search for better cells");
+  field("parts_left_out", mesh.parts_left_out, "list of integers",
+        "buildings with parts that are meshed as blocks, by number");
   field("roofs_met", mesh.roofs_met, "integer",
         "vertices at which roofs of two parts were moved together by more than a centimetre: the "
         "step was too low for cells, or they crossed");

@@ -82,11 +82,11 @@ const Blanked kClouds[] = {
      {"delft_3dfier/ahn3_cropped_1.laz", "delft_3dfier/ahn3_cropped_2.laz"},
      2,
      0},
-    {"Amsterdam", "amsterdam_south/footprints.gpkg", {"amsterdam_south/ahn3"}, 17, 3},
+    {"Amsterdam", "amsterdam_south/footprints.gpkg", {"amsterdam_south/ahn3"}, 21, 3},
     {"AmsterdamSparse",
      "amsterdam_south/footprints.gpkg",
      {"amsterdam_south/ahn3_sparse/c_25gn1_b.laz"},
-     15,
+     17,
      1},
 };
 

@@ -62,6 +62,7 @@ struct VolumeMeshFacts {
   std::int64_t inverted = 0;
   double min_vertical_gap = 0;
   std::int64_t ground_lowered = 0;
+  std::vector<BuildingIndex> parts_left_out;  ///< Buildings with parts, meshed as blocks, ascending.
   std::int64_t roofs_met = 0;  ///< Vertices at which two roofs were moved together by more than
                                   ///< a centimetre: they were less than 0.3 m apart, or crossed,
   double most_roofs_met = 0;   ///< by so much at most, metres.

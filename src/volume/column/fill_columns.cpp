@@ -29,8 +29,8 @@ constexpr std::size_t kColumnsPerChunk = 4096;
 constexpr double kSpacingFactor = 1.2;
 
 /// Ratio of a segment above the canopy to the one below it, and to the spacing at most: with 2 the
-/// search has to mend cells, with 2.5 many, and with 1.7 few.
-constexpr double kGrowth = 1.2, kMostGrown = 1.7;
+/// search has to mend many cells, and with 1.7 a city in sixty stays below the floor of quality.
+constexpr double kGrowth = 1.2, kMostGrown = 1.5;
 
 /// Rings of neighbours whose floors keep a column's segments short.
 constexpr int kCanopyRings = 4;
