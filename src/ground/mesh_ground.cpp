@@ -84,9 +84,7 @@ class PartLines {
  private:
   using Line = std::array<Point2, 2>;
   struct Before {
-    bool operator()(Point2 p, Point2 q) const {
-      return p.x != q.x ? p.x < q.x : p.y < q.y;
-    }
+    bool operator()(Point2 p, Point2 q) const { return p.x != q.x ? p.x < q.x : p.y < q.y; }
     bool operator()(const Line& p, const Line& q) const {
       return p[0] != q[0] ? (*this)(p[0], q[0]) : (*this)(p[1], q[1]);
     }
@@ -255,7 +253,7 @@ GroundMesh mesh_ground(std::span<const Polygon> footprints, const Domain& domain
 }
 
 GroundMesh mesh_ground_parts(std::span<const PartOutline> parts, const Domain& domain,
-                       const GroundMeshOptions& options, const Progress& progress) {
+                             const GroundMeshOptions& options, const Progress& progress) {
   if (!domain.is_meshable())
     throw Error(
         ErrorKind::kInput,

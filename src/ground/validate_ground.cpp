@@ -145,7 +145,8 @@ void check_footprints(const GroundMesh& mesh, std::span<const Polygon> footprint
         return;
       }
       VertexIndex v = from->second;
-      const double longest = options.wall_edge ? options.wall_edge(RegionIndex(b.value()), p, q) : kInfinity;
+      const double longest =
+          options.wall_edge ? options.wall_edge(RegionIndex(b.value()), p, q) : kInfinity;
       const auto note = [&](VertexIndex w) { bounds[w] = std::min(bounds[w], longest); };
       note(v);
       while (v != to->second) {

@@ -5,8 +5,8 @@
 #include "tetropolis/pipeline/mesh_city.h"
 #include "tetropolis/terrain/raster.h"
 
-#include "core/step_clock.h"
 #include "city_parts.h"
+#include "core/step_clock.h"
 #include "memory.h"
 #include "volume/column/fill_columns.h"
 

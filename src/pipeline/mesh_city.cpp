@@ -13,8 +13,8 @@
 #include "tetropolis/volume/column/boundary.h"
 
 #include "city_parts.h"
-#include "ground/validate.h"
 #include "core/sort_once.h"
+#include "ground/validate.h"
 #include "make_columns.h"
 #include "memory.h"
 #include "mesh_warnings.h"

@@ -46,7 +46,8 @@ SurfaceMesh of_stl(const StlMesh& stl) {
   surface.triangles.resize(stl.triangles.size());
   for (std::size_t i = 0; i < corners.size(); ++i) {
     const auto p = corner(corners[i]);
-    if (i == 0 || p != corner(corners[i - 1])) surface.points.push_back({p[0], p[1], p[2]});
+    if (i == 0 || p != corner(corners[i - 1]))
+      surface.points.push_back({double{p[0]}, double{p[1]}, double{p[2]}});
     surface.triangles[corners[i] / 3][corners[i] % 3] =
         static_cast<std::int32_t>(surface.points.size()) - 1;
   }

@@ -227,12 +227,12 @@ TEST(MeshGround, PartsOfABuildingShareTheirLines) {
     }
     // Edges between regions, and no others within, are tagged; those beside a third are short.
     std::size_t between = 0;
-    for (const auto& [edge, regions] : sides) {
-      if (regions.size() < 2) continue;
+    for (const auto& side : sides) {
+      if (side.second.size() < 2) continue;
       ++between;
       EXPECT_TRUE(std::any_of(
           mesh.tagged_edges.begin(), mesh.tagged_edges.end(), [&](const TaggedEdge& tag) {
-            return std::pair(tag.low, tag.high) == edge && regions.count(tag.region) > 0;
+            return std::pair(tag.low, tag.high) == side.first && side.second.count(tag.region) > 0;
           }));
     }
     std::size_t on_sides = 0;

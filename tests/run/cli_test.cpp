@@ -1216,7 +1216,7 @@ TEST_F(Cli, HelpNamesWhatMattersAndHelpAllEveryOption) {
     const std::regex option("\n  (-.,)?--");
     return std::distance(std::sregex_iterator(text.begin(), text.end(), option), {});
   };
-  EXPECT_EQ(options_in(help), 12 + 2);  // and those of help itself
+  EXPECT_EQ(options_in(help), 13 + 2);  // and those of help itself
   for (const char* part : {"--footprints FILE", "--points PATH...", "-o,--out DIR", "--mesh-size",
                            "FOOTPRINTS POINTS... OUT", "Example:\n", "--help-all"})
     EXPECT_NE(help.find(part), std::string::npos) << part;

@@ -22,8 +22,8 @@ struct ExplicitMesh {
   std::vector<TriangleIndex> triangle;  ///< That each cell stands over.
 };
 
-/// Each triangle's segments are sorted by the level of their midpoint (ties: higher vertex first); each makes one tet
-/// with the highest nodes so far of the other two columns.
+/// Each triangle's segments are sorted by the level of their midpoint (ties: higher vertex first);
+/// each makes one tet with the highest nodes so far of the other two columns.
 inline ExplicitMesh explicit_mesh(const ColumnMesh& mesh,
                                   const std::array<double, 3>& shift = {0, 0, 0}) {
   ExplicitMesh result;

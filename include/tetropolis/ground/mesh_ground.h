@@ -62,6 +62,6 @@ GroundMesh mesh_ground(std::span<const Polygon> footprints, const Domain& domain
 /// they touch they have the same vertices. Lines between two parts are unions of mesh edges that
 /// are tagged with the first part.
 GroundMesh mesh_ground_parts(std::span<const PartOutline> parts, const Domain& domain,
-                       const GroundMeshOptions& options = {}, const Progress& progress = {});
+                             const GroundMeshOptions& options = {}, const Progress& progress = {});
 
 }  // namespace tetropolis

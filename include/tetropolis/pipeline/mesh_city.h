@@ -62,17 +62,18 @@ struct VolumeMeshFacts {
   std::int64_t inverted = 0;
   double min_vertical_gap = 0;
   std::int64_t ground_lowered = 0;
-  std::vector<BuildingIndex> parts_left_out;  ///< Buildings with parts, meshed as blocks, ascending.
-  std::int64_t roofs_met = 0;  ///< Vertices at which two roofs were moved together by more than
+  std::vector<BuildingIndex>
+      parts_left_out;             ///< Buildings with parts, meshed as blocks, ascending.
+  std::int64_t roofs_met = 0;     ///< Vertices at which two roofs were moved together by more than
                                   ///< a centimetre: they were less than 0.3 m apart, or crossed,
-  double most_roofs_met = 0;   ///< by so much at most, metres.
+  double most_roofs_met = 0;      ///< by so much at most, metres.
   std::int64_t roofs_lifted = 0;  ///< Vertices at which a roof was lifted, so that walls around it
                                   ///< are a manifold,
-  double most_roofs_lifted = 0;       ///< by so much at most, metres.
+  double most_roofs_lifted = 0;   ///< by so much at most, metres.
   std::int64_t roof_steps_closed = 0;  ///< Edges at which a roof was lifted to the next one, as
                                        ///< cells could not be fitted to the step.
-  double cut_slope_deg = 0;                   ///< The gentlest to which terrain was excavated;
-                                              ///< without any, the option.
+  double cut_slope_deg = 0;            ///< The gentlest to which terrain was excavated;
+                                       ///< without any, the option.
   std::vector<BuildingIndex> roofs_cut_back;  ///< From which it was, ascending,
   std::vector<double> roof_cut_slopes_deg;    ///< and to which slopes.
   std::vector<Point3> feet_cut_back;          ///< Slope toes from which it was; local frame,

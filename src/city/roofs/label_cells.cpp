@@ -311,7 +311,7 @@ class Joining {
  public:
   Joining(const RoofInput& input, const RoofCells& cells, const LabelOptions& options,
           RoofRegions& regions)
-      : input_(input), cells_(cells), options_(options), regions_(regions) {
+      : input_(input), options_(options), regions_(regions) {
     const std::size_t n = regions.roofs.size();
     parent_.resize(n);
     for (std::size_t r = 0; r < n; ++r) parent_[r] = static_cast<RoofRegion>(r);
@@ -487,7 +487,6 @@ class Joining {
   }
 
   const RoofInput& input_;
-  const RoofCells& cells_;
   const LabelOptions& options_;
   RoofRegions& regions_;
   std::vector<RoofRegion> parent_;

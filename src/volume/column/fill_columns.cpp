@@ -320,8 +320,9 @@ ColumnPlan plan_columns(const GroundMesh& mesh, const Raster& dtm, RoofHeights r
   lower_at_walls(mesh, plan.lowest_roof, plan.roofs, least, wall, plan.ground);
   plan.rise = ground_rise(mesh, plan.ground);
   count_lowered(mesh, terrain, options.minimum_wall, plan);
-  plan.layers = plan_layers(plan.ground, highest_of(plan.roofs), highest_under(dtm, bounds(mesh.vertices)),
-                            options.domain_height, options.layer_height);
+  plan.layers =
+      plan_layers(plan.ground, highest_of(plan.roofs), highest_under(dtm, bounds(mesh.vertices)),
+                  options.domain_height, options.layer_height);
   plan.top.assign(mesh.vertices.size(), plan.layers.top);
   plan.canopy = canopy_over(mesh, plan);
   return plan;

@@ -32,8 +32,8 @@ struct Knots {
   bool is_fixed = false;  ///< The lowest is open ground, whose level is its elevation.
 
   std::size_t at(std::int32_t floor) const {
-    return static_cast<std::size_t>(
-        std::lower_bound(position.begin(), position.end(), floor) - position.begin());
+    return static_cast<std::size_t>(std::lower_bound(position.begin(), position.end(), floor) -
+                                    position.begin());
   }
   /// Of a node in the piece above or below a floor.
   double level_of(const double* nodes, std::int32_t node) const {
@@ -66,8 +66,8 @@ class LevelSearch {
 
  private:
   struct Edge {
-    std::array<std::size_t, 2> column;                // of knots_
-    std::array<std::int32_t, 2> low, high;            // positions of floors
+    std::array<std::size_t, 2> column;                      // of knots_
+    std::array<std::int32_t, 2> low, high;                  // positions of floors
     std::array<RegionIndex, 2> part{kNoRegion, kNoRegion};  // lower and upper, for closing
   };
 
@@ -107,8 +107,7 @@ LevelSearch::LevelSearch(const ColumnMesh& mesh, const RoofHeights& roofs) : mes
     Knots knots;
     const std::span<const std::int32_t> floors = mesh.floors_at(v);
     knots.position.assign(floors.begin(), floors.end());
-    knots.position.push_back(
-        static_cast<std::int32_t>((mesh.top(v) - mesh.first[v])));
+    knots.position.push_back(static_cast<std::int32_t>((mesh.top(v) - mesh.first[v])));
     sort_once(knots.position);
     for (const std::int32_t p : knots.position) knots.z.push_back(mesh.z[mesh.first[v] + p]);
     knots.level = knots.z;
@@ -326,7 +325,8 @@ void set_levels(ColumnMesh& mesh, const RoofHeights& roofs) {
                                       mesh.z.data() + mesh.first[v + 1]};
       for (std::size_t k = 0; k < floors.size(); ++k)
         levels[k] = z[static_cast<std::size_t>(floors[k])];
-      for (const RoofFloor& floor : roofs.sloped_at(v)) levels[mesh.place(floor.part, v)] = floor.level;
+      for (const RoofFloor& floor : roofs.sloped_at(v))
+        levels[mesh.place(floor.part, v)] = floor.level;
       write_levels(z, floors, levels, mesh.levels.data() + mesh.first[v]);
     }
   });

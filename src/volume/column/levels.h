@@ -29,7 +29,7 @@ void write_levels(std::span<const double> z, std::span<const std::int32_t> floor
 /// The columns at the ends of an edge, as they look from the two regions on its sides.
 struct StepEnds {
   std::array<VertexIndex, 2> vertex;
-  std::array<const double*, 2> level;  ///< Per node, from the column's lowest.
+  std::array<const double*, 2> level;     ///< Per node, from the column's lowest.
   std::array<std::int32_t, 2> low, high;  ///< Positions of the lower and of the upper floor.
   std::array<std::int32_t, 2> last;       ///< And of the top.
 };

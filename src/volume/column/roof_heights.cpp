@@ -66,8 +66,7 @@ std::vector<std::uint8_t> find_shaped(const GroundMesh& mesh, std::span<const Ro
   std::vector<std::uint8_t> shaped(mesh.regions.size(), 0);
   for (const RegionIndex r : indices<RegionIndex>(planes.size())) {
     const BuildingIndex building = mesh.regions[r].building;
-    const bool has_next =
-        r + 1 < planes.size() && mesh.regions[r + 1].building == building;
+    const bool has_next = r + 1 < planes.size() && mesh.regions[r + 1].building == building;
     shaped[r] = mesh.regions[r].part > 0 || has_next || !planes[r].is_flat() ? 1 : 0;
   }
   return shaped;
@@ -278,8 +277,7 @@ void append_pieces(const std::array<Point2, 2>& line, const std::array<double, 2
                    const StepRule& rule, double t, double u, double longest,
                    std::vector<LinePiece>& pieces) {
   const auto step = [&](double s) { return steps[0] + s * (steps[1] - steps[0]); };
-  const double length =
-      (u - t) * std::hypot(line[1].x - line[0].x, line[1].y - line[0].y);
+  const double length = (u - t) * std::hypot(line[1].x - line[0].x, line[1].y - line[0].y);
   const double allowed = std::min(longest, rule.longest_edge(step(t), step(u)));
   if (length > allowed && length > 2 * kLeastStep) {
     append_pieces(line, steps, rule, t, (t + u) / 2, longest, pieces);

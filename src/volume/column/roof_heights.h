@@ -52,9 +52,9 @@ struct RoofHeights {
 inline constexpr double kLeastStep = 0.3;
 
 /// How the line from p to q between two roofs is divided: where they cross, unless that is nearer
-/// than half a metre to an end; and into pieces no longer than `longest`, and than four times the least
-/// step on them (less than kLeastStep does not count), fewer at steep roofs, so that walls
-/// of low steps have no flat cells.
+/// than half a metre to an end; and into pieces no longer than `longest`, and than four times the
+/// least step on them (less than kLeastStep does not count), fewer at steep roofs, so that walls of
+/// low steps have no flat cells.
 std::vector<LinePiece> divide_party_line(const RoofPlane& a, const RoofPlane& b, Point2 p, Point2 q,
                                          double longest);
 

@@ -58,8 +58,8 @@ class OrderedSet {
 class Excavation {
  public:
   Excavation(const GroundMesh& mesh, std::span<const RegionIndex> building,
-             const RoofHeights& roofs, const ExcavationMarks& marks,
-             const ExcavationSlopes& slopes, std::vector<double>& ground)
+             const RoofHeights& roofs, const ExcavationMarks& marks, const ExcavationSlopes& slopes,
+             std::vector<double>& ground)
       : mesh_(mesh),
         building_(building),
         roofs_(roofs),

@@ -42,7 +42,8 @@ struct ExcavationSources {
 /// most at its elevation), or from ground that was lowered so (to a nanometre). Distances are
 /// those in the triangles outside buildings. Where the terrain dips below that, nothing beyond is
 /// touched; a hillside steeper than the steeper of `slopes` is excavated to its crest. `ground`:
-/// elevation per vertex; `building` as from lowest_roofs; `marks`: each list of its size, or empty; `walls` are not looked at.
+/// elevation per vertex; `building` as from lowest_roofs; `marks`: each list of its size, or empty;
+/// `walls` are not looked at.
 ExcavationSources excavate(const GroundMesh& mesh, std::span<const RegionIndex> building,
                            const RoofHeights& roofs, const ExcavationMarks& marks,
                            const ExcavationSlopes& slopes, std::vector<double>& ground);

@@ -222,8 +222,8 @@ TEST(FillColumns, ThePlanTellsGroundRoofsAndTop) {
   ColumnPlanOptions high;
   high.domain_height = 2;
   high.layer_height = 8;
-  const ColumnPlan raised =
-      plan_columns(ground, city.dtm, std::vector{30.0}, std::vector<double>(ground.vertices.size(), 5), high);
+  const ColumnPlan raised = plan_columns(ground, city.dtm, std::vector{30.0},
+                                         std::vector<double>(ground.vertices.size(), 5), high);
   EXPECT_TRUE(raised.layers.raised);
   EXPECT_EQ(raised.layers.top, 46);
   EXPECT_EQ(raised.layers.highest_ground, 6);

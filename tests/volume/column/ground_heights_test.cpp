@@ -42,7 +42,8 @@ TEST(GroundHeights, LowWallsAskForShortEdges) {
   constexpr double inf = std::numeric_limits<double>::infinity();
   const Raster flat = testing::raster_of({0, 0, 50, 50}, [](double, double) { return 7.0; });
   EXPECT_DOUBLE_EQ(longest_wall_edge(flat, level(10), {5, 5}, {30, 5}, 0.5), 12);
-  EXPECT_DOUBLE_EQ(longest_wall_edge(flat, level(7.6), {5, 5}, {30, 5}, 0.5), 4);  // a metre at least
+  EXPECT_DOUBLE_EQ(longest_wall_edge(flat, level(7.6), {5, 5}, {30, 5}, 0.5),
+                   4);  // a metre at least
   EXPECT_EQ(longest_wall_edge(flat, level(7.4), {5, 5}, {30, 5}, 0.5), inf);
   // A ridge across the wall between its ends is seen.
   const Raster ridge = testing::raster_of(

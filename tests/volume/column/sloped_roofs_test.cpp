@@ -41,8 +41,8 @@ struct SlopedParts {
       const double slope = std::tan(unit(random) * steepest_deg / 57.29578);
       const double azimuth = unit(random) * 6.2831853;
       const Point2 centre{4 * n * unit(random), 4 * n * unit(random)};
-      planes.push_back(snap_plane({centre, 10 + 15 * unit(random), slope * std::cos(azimuth),
-                                   slope * std::sin(azimuth)}));
+      planes.push_back(snap_plane(
+          {centre, 10 + 15 * unit(random), slope * std::cos(azimuth), slope * std::sin(azimuth)}));
     }
     GroundMesh ground;
     for (int p = 0; p < parts; ++p)
@@ -143,8 +143,8 @@ void expect_reconciled(const SlopedParts& city) {
     const auto [t0, t1] = mesh.edges.triangles[e];
     double least = 0, most = 0;
     for (const VertexIndex v : mesh.edges.vertices[e]) {
-      const double step = city.floor(mesh.ground.region[t0], v) -
-                          city.floor(mesh.ground.region[t1], v);
+      const double step =
+          city.floor(mesh.ground.region[t0], v) - city.floor(mesh.ground.region[t1], v);
       least = std::min(least, step);
       most = std::max(most, step);
     }

@@ -192,8 +192,7 @@ TEST(Excavate, GentleMarksAreOfBadTrianglesOnly) {
     const std::int64_t marked = mark_gentle(mesh, plan, bad, slope, marks);
     EXPECT_GT(marked, 10);
     const auto start = [&](VertexIndex v, double high) {
-      const double roof =
-          plan.lowest_roof[v] == kNoRegion ? kInfinity : plan.lowest_roof_at(v);
+      const double roof = plan.lowest_roof[v] == kNoRegion ? kInfinity : plan.lowest_roof_at(v);
       return roof < high ? roof : plan.ground[v];
     };
     std::vector<double> expected(plan.ground.size(), kInfinity);

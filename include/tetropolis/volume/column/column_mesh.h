@@ -147,7 +147,9 @@ class Climb {
 
  private:
   static constexpr double kDone = std::numeric_limits<double>::infinity();
-  void set_key(std::size_t i) { key_[i] = at_[i] < last_[i] ? climbing_key(level_[i], at_[i]) : kDone; }
+  void set_key(std::size_t i) {
+    key_[i] = at_[i] < last_[i] ? climbing_key(level_[i], at_[i]) : kDone;
+  }
 
   std::array<const double*, N> level_{};
   std::array<VertexIndex, N> vertex_;
