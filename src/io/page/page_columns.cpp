@@ -48,7 +48,9 @@ class ElevationWriter {
   ElevationWriter(const ColumnMesh& mesh, bool floors_only, PageColumns& columns)
       : mesh_(mesh), floors_only_(floors_only), columns_(columns), roofs_(roof_steps(mesh)) {
     std::int32_t roof = 0;
-    for (const std::int32_t z : roofs_) columns_.roof.push_back(z == 0 ? 0 : difference(z, roof));
+    for (const RegionIndex r : mesh.ground.regions.indices())
+      columns_.roof.push_back(mesh.ground.regions[r].is_building() ? difference(roofs_[r], roof)
+                                                                   : 0);
     if (!floors_only) read_.resize(mesh.z.size());
   }
 

@@ -109,10 +109,10 @@ function floorNodes(mesh: ColumnMesh, around: VertexRegions, floors: Int32Array)
   return nodes;
 }
 
-/** Elevations of roofs, of which those that are not 0 were told one less the other. */
-function addRoofs(roof: Int32Array): Int32Array {
+/** Elevations of roofs, of which those of buildings were told one less the other. */
+function addRoofs(roof: Int32Array, regionBuilding: Int32Array): Int32Array {
   let last = 0;
-  for (let r = 0; r < roof.length; ++r) if (roof[r] !== 0) last = roof[r] += last;
+  for (let r = 0; r < roof.length; ++r) if (regionBuilding[r] >= 0) last = roof[r] += last;
   return roof;
 }
 
@@ -138,7 +138,7 @@ export async function readColumns(blocks: Blocks, withTop: boolean): Promise<Col
   };
   const around = regionsAtVertices(vertices, corners, mesh.region);
   const floors = floorPositions(around, a.floor);
-  addElevations(mesh, around, floors, addRoofs(a.roof), withTop);
+  addElevations(mesh, around, floors, addRoofs(a.roof, mesh.regionBuilding), withTop);
   mesh.floor = floorNodes(mesh, around, floors);
   if (a.odd.length > 0) {
     mesh.oddStart = new Int32Array(triangleCount(mesh)).fill(-1);
