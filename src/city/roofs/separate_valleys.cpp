@@ -1,7 +1,6 @@
 #include "city/roofs/separate_valleys.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <cstddef>
 #include <map>

@@ -1,6 +1,7 @@
 // Levels: what fronts go by where roofs are not horizontal (column_mesh.h).
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstdint>
 #include <span>

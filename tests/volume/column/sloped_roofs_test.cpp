@@ -1,6 +1,5 @@
 // Roofs that slope, meet, cross and step, over parts that lie anyhow.
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <random>
 #include <utility>
