@@ -43,8 +43,6 @@ void count(const FinishedRoof& roof, const Building& building, Lod wanted, Build
   RoofFacts& facts = result.facts;
   for (const FinishedPart& finished : roof.parts) {
     const RoofPart& part = finished.part;
-    ++facts.parts;
-    ++facts.parts_by_lod[name_of(part.lod)];
     if (part.lod < wanted && part.n_points > 0) ++facts.fallbacks;
     if (part.n_points == 0) ++facts.parts_without_points;
     if (finished.raised) ++facts.raised;
@@ -84,6 +82,8 @@ BuildingFacts make_roof(Building& building, const RoofInput& input, const CityMo
     result.facts.shared_wall_corners = separate_valleys(made, options.clearance, options.min_area);
     building = std::move(made);
     count(roof, building, options.lod, result);
+    result.facts.parts = static_cast<std::int64_t>(building.parts.size());
+    for (const RoofPart& part : building.parts) ++result.facts.parts_by_lod[name_of(part.lod)];
     return result;
   }
   result.facts.undivided = 1;

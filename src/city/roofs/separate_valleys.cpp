@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "tetropolis/city/roofs.h"
+#include "tetropolis/geometry/polygon.h"
 
 #include "core/infinity.h"
 
@@ -73,24 +74,21 @@ std::map<Place, std::vector<Sector>> sectors_of(const Building& building) {
   return sectors;
 }
 
-/// The sectors that lie lower than those on both sides of them, if there are several such places:
-/// of roofs, the shallowest first.
-std::vector<std::size_t> valleys_at(const std::vector<Sector>& sectors) {
+/// The sectors of roofs that lie lower than those on both sides of them, and those that lie higher:
+/// the shallowest first.
+std::vector<std::size_t> extremes_at(const std::vector<Sector>& sectors) {
   const std::size_t n = sectors.size();
-  const auto z = [&](std::size_t i) { return sectors[i % n].z; };
-  std::vector<std::pair<double, std::size_t>> valleys;
+  std::vector<std::pair<double, std::size_t>> extremes;
   for (std::size_t i = 0; i < n; ++i) {
-    if (!(z(i) < z(i + n - 1) - kSame)) continue;  // nothing falls to it
-    std::size_t end = i;                           // of those at the same elevation
-    while (end < i + n && std::abs(z(end + 1) - z(i)) <= kSame) ++end;
-    if (z(end + 1) > z(i) + kSame)
-      valleys.emplace_back(std::min(z(i + n - 1), z(end + 1)) - z(i), end == i ? i : n);
+    const double here = sectors[i].z;
+    if (here == -kInfinity) continue;
+    const double before = sectors[(i + n - 1) % n].z - here, after = sectors[(i + 1) % n].z - here;
+    if (std::min(before, after) > kSame || std::max(before, after) < -kSame)
+      extremes.emplace_back(std::min(std::abs(before), std::abs(after)), i);
   }
-  if (valleys.size() < 2) return {};
-  std::sort(valleys.begin(), valleys.end());
+  std::sort(extremes.begin(), extremes.end());
   std::vector<std::size_t> result;
-  for (const auto& [depth, i] : valleys)
-    if (i < n && z(i) > -kInfinity) result.push_back(i);
+  for (const auto& [depth, i] : extremes) result.push_back(i);
   return result;
 }
 
@@ -110,7 +108,7 @@ bool is_valley(const std::vector<Sector>& sectors) {
   return falls > 2;  // twice around
 }
 
-/// The building with the corner of sector `low` at p stepped back to q.
+/// The building with the corner of sector `low`, a valley or a peak, at p stepped back to q.
 Building stepped_back(const Building& building, const std::vector<Sector>& sectors, std::size_t low,
                       Point2 p, Point2 q) {
   const std::size_t n = sectors.size();
@@ -138,8 +136,8 @@ bool step_back(Building& building, const std::vector<Sector>& sectors, std::size
       sectors[low].part == after)
     return false;
   const double middle = (sectors[low].from + sectors[low].to) / 2;
-  for (const double length : {1.02, 1.2, 1.5})
-    for (const double turn : {0.0, 0.25, -0.25, 0.5, -0.5}) {
+  for (const double length : {1.02, 1.2, 1.5, 2.0, 3.0})
+    for (const double turn : {0.0, 0.25, -0.25, 0.5, -0.5, 0.75, -0.75}) {
       const double distance = clearance * length;
       const Point2 q = snap_coordinate(Point2{p.x + distance * std::cos(middle + turn),
                                               p.y + distance * std::sin(middle + turn)});
@@ -149,6 +147,69 @@ bool step_back(Building& building, const std::vector<Sector>& sectors, std::size
       return true;
     }
   return false;
+}
+
+/// The outline of two parts that share a line; no outer ring if they touch at a corner besides.
+Polygon united(const Polygon& a, const Polygon& b) {
+  std::map<std::pair<Place, Place>, int> sides;
+  for (const Polygon* polygon : {&a, &b})
+    for_each_edge(*polygon, [&](Point2 p, Point2 q) {
+      const auto other = sides.find({{q.x, q.y}, {p.x, p.y}});
+      if (other != sides.end())
+        sides.erase(other);
+      else
+        sides[{{p.x, p.y}, {q.x, q.y}}] = 1;
+    });
+  std::map<Place, Place> next;
+  for (const auto& [side, one] : sides)
+    if (!next.emplace(side.first, side.second).second) return {};
+  Polygon whole;
+  while (!next.empty()) {
+    Ring ring;
+    const Place start = next.begin()->first;
+    Place at = start;
+    do {
+      const auto found = next.find(at);
+      if (found == next.end()) return {};
+      ring.push_back({at.first, at.second});
+      at = found->second;
+      next.erase(found);
+    } while (at != start);
+    if (!(signed_area(ring) > 0))
+      whole.holes.push_back(std::move(ring));
+    else if (whole.outer.empty())
+      whole.outer = std::move(ring);
+    else
+      return {};
+  }
+  return whole;
+}
+
+/// Joins the part at sector `i` with the neighbour that is nearer in elevation, below the roof of
+/// the larger one; whether that left no defect.
+bool join(Building& building, const std::vector<Sector>& sectors, std::size_t i, double clearance,
+          double min_area) {
+  const std::size_t n = sectors.size(), ground = building.parts.size();
+  const Sector& own = sectors[i];
+  const Sector* nearest = nullptr;
+  for (const Sector* other : {&sectors[(i + n - 1) % n], &sectors[(i + 1) % n]})
+    if (other->part != ground && other->part != own.part &&
+        (nearest == nullptr || std::abs(other->z - own.z) < std::abs(nearest->z - own.z)))
+      nearest = other;
+  if (nearest == nullptr) return false;
+  Building made = building;
+  RoofPart &a = made.parts[own.part], &b = made.parts[nearest->part];
+  Polygon whole = united(a.outline, b.outline);
+  if (whole.outer.empty()) return false;
+  RoofPart part = area(a.outline) < area(b.outline) ? b : a;
+  part.n_points = a.n_points + b.n_points;
+  part.outline = std::move(whole);
+  made.parts[std::min(own.part, nearest->part)] = std::move(part);
+  made.parts.erase(made.parts.begin() +
+                   static_cast<std::ptrdiff_t>(std::max(own.part, nearest->part)));
+  if (!part_defects(std::span(&made, 1), clearance, min_area, 1).empty()) return false;
+  building = std::move(made);
+  return true;
 }
 
 }  // namespace
@@ -161,11 +222,15 @@ std::int64_t separate_valleys(Building& building, double clearance, double min_a
       if (std::find(given_up.begin(), given_up.end(), place) != given_up.end()) continue;
       if (!is_valley(sectors)) continue;
       const Point2 p{place.first, place.second};
-      for (const std::size_t low : valleys_at(sectors))
-        if (step_back(building, sectors, low, p, clearance, min_area)) {
-          changed = true;
-          break;
-        }
+      const std::vector<std::size_t> extremes = extremes_at(sectors);
+      const auto mends = [&](std::size_t i) {
+        return step_back(building, sectors, i, p, clearance, min_area);
+      };
+      const auto joins = [&](std::size_t i) {
+        return join(building, sectors, i, clearance, min_area);
+      };
+      changed = std::any_of(extremes.begin(), extremes.end(), mends) ||
+                std::any_of(extremes.begin(), extremes.end(), joins);
       if (changed) break;
       given_up.push_back(place);
     }
