@@ -157,12 +157,16 @@ CityMesh mesh_city(const CityModel& city, Raster terrain, const MeshCityOptions&
   }
   terrain.x0 = in_crs(terrain.x0, origin.x);
   terrain.y0 = in_crs(terrain.y0, origin.y);
+  const std::vector<Warning> before = result.warnings;
   Columns columns = columns_of(options, city, terrain, size, blocks, clock, result);
   // With steep roofs a few decimetres above each other there may be no order of climbing.
   for (auto missed = missed_buildings(columns.mesh); !missed.empty();
        missed = missed_buildings(columns.mesh)) {
     blocks.insert(blocks.end(), missed.begin(), missed.end());
     sort_once(blocks);
+    result.warnings = before;
+    result.solver.clear();
+    result.volume_facts.roof_steps_closed = 0;
     columns = columns_of(options, city, terrain, size, blocks, clock, result);
   }
   result.volume_facts.min_vertical_gap = require_valid(columns.mesh);
