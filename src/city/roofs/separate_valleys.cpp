@@ -218,7 +218,9 @@ std::int64_t separate_valleys(Building& building, double clearance, double min_a
   std::vector<Place> given_up;
   for (;;) {
     bool changed = false;
-    for (const auto& [place, sectors] : sectors_of(building)) {
+    for (const auto& corner : sectors_of(building)) {
+      const Place place = corner.first;
+      const auto& sectors = corner.second;
       if (std::find(given_up.begin(), given_up.end(), place) != given_up.end()) continue;
       if (!is_valley(sectors)) continue;
       const Point2 p{place.first, place.second};
