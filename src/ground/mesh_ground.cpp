@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <map>
 #include <numeric>
+#include <optional>
 #include <tuple>
 #include <utility>
 #include <vector>
@@ -16,7 +17,9 @@
 #include "tetropolis/geometry/polygon.h"
 #include "tetropolis/ground/refine.h"
 
+#include "core/infinity.h"
 #include "hilbert.h"
+#include "size_field.h"
 
 namespace tetropolis {
 
@@ -37,7 +40,29 @@ void require_inside(const Domain& domain, BuildingIndex building, Point2 p) {
 }
 
 bool has_bounds(const GroundMeshOptions& options) {
-  return options.wall_edge != nullptr || options.party_line != nullptr;
+  return options.wall_edge != nullptr || options.party_line != nullptr ||
+         is_graded(options.mesh_size, options.grading);
+}
+
+double longest_edge(const GroundMeshOptions& options) {
+  return std::max(options.mesh_size, options.grading.far_size);
+}
+
+void require_sizes(const GroundMeshOptions& options) {
+  const auto is_size = [](double size) { return size > 0 && std::isfinite(size); };
+  if (!is_size(options.mesh_size))
+    throw Error(ErrorKind::kUsage,
+                fmt::format("mesh size {}: must be positive", options.mesh_size));
+  const SizeGrading& grading = options.grading;
+  if (grading.far_size != 0 && !(grading.far_size >= options.mesh_size))
+    throw Error(ErrorKind::kUsage,
+                fmt::format("far_size {} is below mesh_size {}: edges grow away from buildings",
+                            grading.far_size, options.mesh_size));
+  if (!(grading.growth > 1))
+    throw Error(ErrorKind::kUsage, fmt::format("size_growth {}: must be above 1", grading.growth));
+  for (const SizeRegion& region : grading.regions)
+    if (!is_size(region.size))
+      throw Error(ErrorKind::kUsage, fmt::format("refine: size {}: must be positive", region.size));
 }
 
 // Adds a ring, directed so that the building lies on the left of its segments.
@@ -155,7 +180,7 @@ Input make_input(std::span<const PartOutline> parts, const Domain& domain,
     graph.segments.push_back({v, next < graph.points.size() ? next : VertexIndex(0)});
     graph.segment_sides.push_back({open_ground.value(), kUnmarkedSide});
     input.segments.push_back({{}, {}, kNoRegion, v.value()});
-    if (has_bounds(options)) graph.segment_max_edge.push_back(options.mesh_size);
+    if (has_bounds(options)) graph.segment_max_edge.push_back(longest_edge(options));
   }
   std::vector<RegionIndex> first_part;  // of each building
   for (const RegionIndex part : indices<RegionIndex>(parts.size()))
@@ -259,12 +284,10 @@ GroundMesh mesh_ground_parts(std::span<const PartOutline> parts, const Domain& d
         ErrorKind::kInput,
         fmt::format("domain ({}, {}, {}, {}) is empty; give other bounds", domain.bounds().xmin,
                     domain.bounds().ymin, domain.bounds().xmax, domain.bounds().ymax));
-  if (!(options.mesh_size > 0 && std::isfinite(options.mesh_size)))
-    throw Error(ErrorKind::kUsage,
-                fmt::format("mesh size {}: must be positive", options.mesh_size));
+  require_sizes(options);
   RefineOptions refinement;
   refinement.min_angle_deg = options.min_angle_deg;
-  refinement.max_edge = options.mesh_size;
+  refinement.max_edge = longest_edge(options);
   refinement.elevation = options.elevation;
   IndexedVector<RegionIndex, Region> regions;
   for (const PartOutline& part : parts)
@@ -272,6 +295,19 @@ GroundMesh mesh_ground_parts(std::span<const PartOutline> parts, const Domain& d
   regions.push_back({});
   for (const Region& region : regions)
     refinement.off_terrain.push_back(region.is_building() ? 1 : 0);
+  std::optional<SizeField> field;
+  if (is_graded(options.mesh_size, options.grading)) {
+    std::vector<const Polygon*> outlines;
+    for (const PartOutline& part : parts) outlines.push_back(part.outline);
+    field.emplace(graded_sizes(outlines, domain.bounds(), options.mesh_size, options.grading));
+    refinement.size_field = [&field](Point2 p) { return (*field)(p); };
+    refinement.region_max_edge.assign(parts.size(), options.mesh_size);
+    // Several times what it will be, as refine() does for one size.
+    double squares = 0;
+    for (const auto& [size, covered] : field->sizes()) squares += covered / (size * size);
+    refinement.max_vertices = static_cast<std::int64_t>(
+        2e6 + 200 * static_cast<double>(8 * parts.size()) + std::min(16 * squares, 1e9));
+  }
   const Input input = make_input(parts, domain, options);
   GroundMesh mesh = renumber(refine(input.graph, refinement, progress), input.segments, domain);
   mesh.regions = std::move(regions);

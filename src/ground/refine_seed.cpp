@@ -35,6 +35,9 @@ SizeBound::SizeBound(const PlanarGraph& graph, const RefineOptions& options) : o
   base_squared_ = base_ * base_;
   for (const RegionSeed& region : graph.regions)
     if (region.max_edge > 0) regions_.emplace_back(region.marker, region.max_edge);
+  for (std::size_t r = 0; r < options.region_max_edge.size(); ++r)
+    if (std::isfinite(options.region_max_edge[r]))
+      regions_.emplace_back(static_cast<std::int32_t>(r), options.region_max_edge[r]);
   std::sort(regions_.begin(), regions_.end());
   by_region_ = !regions_.empty();
   const std::vector<double>& edges = graph.segment_max_edge;

@@ -242,7 +242,9 @@ Violations check_sizes(const PlanarGraph& graph, const RefineOptions& options,
     }
   const auto bound_at = [&](std::int32_t region, Point2 middle) {
     const auto own = of_region.find(region);
-    const double bound = own == of_region.end() ? kInfinity : own->second;
+    double bound = own == of_region.end() ? kInfinity : own->second;
+    if (const auto r = static_cast<std::size_t>(region); r < options.region_max_edge.size())
+      bound = std::min(bound, options.region_max_edge[r]);
     return options.size_field ? std::min(bound, options.size_field(middle)) : bound;
   };
   for (std::size_t t = 0; t < mesh.triangles.size() && !full(found); ++t) {

@@ -191,7 +191,8 @@ Violations validate(const GroundMesh& mesh, std::span<const Polygon> footprints,
   for (const Violations& more :
        {check_constrained_delaunay(mesh.vertices, mesh.triangles, segments),
         check_angles(mesh.vertices, mesh.triangles, segments, options.min_angle_deg),
-        check_edge_lengths(mesh.vertices, mesh.triangles, options.mesh_size),
+        check_edge_lengths(mesh.vertices, mesh.triangles,
+                           std::max(options.mesh_size, options.grading.far_size)),
         check_edge_lengths_at(mesh.vertices, mesh.triangles, bounds)})
     found.insert(found.end(), more.begin(), more.end());
   return found;

@@ -85,6 +85,32 @@ struct Correction {
                                      "or lower `bounds` or domain_height");
 }
 
+/// The same where sizes differ by place. What has grown up to far_size scales with it; what still
+/// grows differs by as much as its source.
+MeshEstimate estimate_graded(const MeshCityOptions& options, const CitySize& city) {
+  const double scale = options.mesh_size / city.mesh_size;
+  double far_size = 0;
+  for (const auto& [size, area] : city.sizes) far_size = std::max(far_size, size);
+  MeshEstimate estimate;
+  const auto add = [&](double triangles, double h) {
+    double spacing = 0.7 * h;
+    if (options.layering == Layering::kUniform)
+      spacing = options.layer_height > 0 ? options.layer_height : options.mesh_size;
+    else if (options.layer_height > 0)
+      spacing = std::min(spacing, options.layer_height);
+    estimate.triangles += triangles;
+    estimate.cells += 3 * triangles * std::max(1.0, city.height / spacing);
+  };
+  for (const auto& [size, area] : city.sizes) {
+    const double h = size < far_size ? std::max(size + (scale - 1) * city.mesh_size, scale * size)
+                                     : scale * size;
+    add(area / (0.4 * h * h), h);
+  }
+  add(7 * city.footprint_vertices, options.mesh_size);
+  estimate.bytes = bytes_of(options, estimate.triangles, estimate.cells, city.terrain_nodes);
+  return estimate;
+}
+
 }  // namespace
 
 void CitySize::add(const Polygon& footprint) {
@@ -94,6 +120,7 @@ void CitySize::add(const Polygon& footprint) {
 
 MeshEstimate estimate_mesh(const MeshCityOptions& options, const CitySize& city) {
   MeshEstimate estimate;
+  if (!city.sizes.empty()) return estimate_graded(options, city);
   const double h = options.mesh_size;
   estimate.triangles = city.area / (0.4 * h * h) + 7 * city.footprint_vertices;
   double spacing = 0.7 * h;

@@ -2,6 +2,8 @@
 #pragma once
 
 #include <string>
+#include <utility>
+#include <vector>
 
 #include "tetropolis/geometry/types.h"
 #include "tetropolis/pipeline/mesh_city.h"
@@ -14,6 +16,9 @@ struct CitySize {
   double footprint_vertices = 0;  ///< Of all rings.
   double height = 0;              ///< Of the domain over its mean ground, metres.
   double terrain_nodes = 0;
+  /// Of a graded mesh: pairs of longest edge and area, square metres, at `mesh_size`.
+  std::vector<std::pair<double, double>> sizes = {};
+  double mesh_size = 0;
 
   void add(const Polygon& footprint);
 };

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <limits>
 #include <string>
 #include <utility>
 #include <vector>
@@ -14,9 +15,11 @@
 
 #include "city_parts.h"
 #include "core/sort_once.h"
+#include "ground/size_field.h"
 #include "ground/validate.h"
 #include "make_columns.h"
 #include "memory.h"
+#include "mesh_scores.h"
 #include "mesh_warnings.h"
 #include "volume/column/ground_heights.h"
 #include "volume/column/levels.h"
@@ -25,6 +28,11 @@
 namespace tetropolis {
 
 namespace {
+
+/// Of sizes that are sought for a number of cells.
+constexpr double kLeastScale = 1e-3, kGreatestScale = 1e3;
+constexpr double kTargetError = 0.02;
+constexpr int kMostRounds = 12;
 
 CitySize size_of(const MeshCityOptions& options, const CityModel& city, const Raster& dtm) {
   CitySize size;
@@ -35,13 +43,31 @@ CitySize size_of(const MeshCityOptions& options, const CityModel& city, const Ra
   size.height = highest_under(dtm, city.domain.bounds()) + options.domain_height -
                 sum / static_cast<double>(dtm.values.size());
   size.terrain_nodes = static_cast<double>(dtm.values.size());
+  if (is_graded(options.mesh_size, options.grading)) {
+    std::vector<const Polygon*> footprints;
+    for (const Building& building : city.buildings) footprints.push_back(&building.footprint);
+    size.mesh_size = options.mesh_size;
+    size.sizes =
+        graded_sizes(footprints, city.domain.bounds(), options.mesh_size, options.grading).sizes();
+  }
   return size;
+}
+
+/// All lengths that sizes are given by, times a factor.
+MeshCityOptions scaled(const MeshCityOptions& options, double factor) {
+  MeshCityOptions result = options;
+  result.mesh_size *= factor;
+  result.grading.far_size *= factor;
+  result.grading.ground_size *= factor;
+  for (SizeRegion& region : result.grading.regions) region.size *= factor;
+  return result;
 }
 
 GroundMesh make_ground(const MeshCityOptions& options, const CityModel& city,
                        const CityParts& parts, const Raster& dtm, StepClock& clock,
                        CityMesh& result) {
   GroundMeshOptions meshing{options.mesh_size, options.min_angle_deg};
+  meshing.grading = options.grading;
   if (options.layering != Layering::kUniform) {
     meshing.wall_edge = [&](RegionIndex part, Point2 a, Point2 b) {
       return longest_wall_edge(dtm, parts.roofs[part], a, b, options.min_wall_height);
@@ -136,14 +162,78 @@ Columns columns_of(const MeshCityOptions& options, const CityModel& city, const 
   return make_columns(options, parts, terrain, size, std::move(ground), clock, result);
 }
 
+MeshCityOptions in_local_frame(MeshCityOptions options, Point2 origin) {
+  for (SizeRegion& region : options.grading.regions) {
+    const auto move = [&](Ring& ring) {
+      for (Point2& p : ring) p = {p.x - origin.x, p.y - origin.y};
+    };
+    move(region.area.outer);
+    for (Ring& hole : region.area.holes) move(hole);
+  }
+  return options;
+}
+
+/// The factor at which the estimate has so many cells.
+double estimated_scale(const MeshCityOptions& options, const CitySize& size, double cells) {
+  double low = kLeastScale, high = kGreatestScale;
+  for (int i = 0; i < 40; ++i) {
+    const double middle = std::sqrt(low * high);
+    (estimate_mesh(scaled(options, middle), size).cells > cells ? low : high) = middle;
+  }
+  return std::sqrt(low * high);
+}
+
+/// The factor at which the mesh has options.target_cells, to kTargetError where there is one: by
+/// meshing, and a secant of the logarithms within the bracket that is known.
+double find_scale(const MeshCityOptions& options, const CityModel& city, const Raster& terrain,
+                  const CitySize& size, StepClock& clock, std::vector<Warning>& warnings) {
+  const double target = options.target_cells;
+  double scale = estimated_scale(options, size, target);
+  double low = kLeastScale, high = kGreatestScale;  // too many cells, too few
+  double best = scale, best_error = std::numeric_limits<double>::infinity(), best_cells = 0;
+  double last_scale = 0, last_cells = 0, power = 2.5;
+  for (int round = 0; round < kMostRounds && high / low > 1 + 1e-4; ++round) {
+    const MeshCityOptions trial = scaled(options, scale);
+    require_mesh_fits(trial, size);
+    CityMesh scratch;
+    const Columns columns = columns_of(trial, city, terrain, size, {}, clock, scratch);
+    const auto cells = static_cast<double>(cell_offsets(columns.mesh).back().value());
+    const double error = std::abs(std::log(cells / target));
+    if (error < best_error) {
+      best = scale;
+      best_error = error;
+      best_cells = cells;
+    }
+    if (error < kTargetError) return best;
+    (cells > target ? low : high) = scale;
+    if (last_cells > 0 && cells != last_cells)
+      power = std::clamp(std::log(last_cells / cells) / std::log(scale / last_scale), 0.3, 4.0);
+    last_scale = scale;
+    last_cells = cells;
+    scale *= std::pow(cells / target, 1 / power);
+    if (!(scale > low && scale < high)) scale = std::sqrt(low * high);
+  }
+  warnings.push_back({"target_cells", 1,
+                      fmt::format("no sizes give {:.3g} cells: {:.3g} is the nearest that was "
+                                  "found; the footprints' corners set a least number",
+                                  target, best_cells)});
+  return best;
+}
+
 }  // namespace
 
-CityMesh mesh_city(const CityModel& city, Raster terrain, const MeshCityOptions& options,
+CityMesh mesh_city(const CityModel& city, Raster terrain, const MeshCityOptions& given,
                    const StepHooks& hooks) {
   CityMesh result;
   StepClock clock(hooks, result.steps);
   const Point2 origin = city.origin;
+  MeshCityOptions options = in_local_frame(given, origin);
   const CitySize size = size_of(options, city, terrain);
+  double scale = 1;
+  if (options.target_cells > 0) {
+    scale = find_scale(options, city, terrain, size, clock, result.warnings);
+    options = scaled(options, scale);
+  }
   require_mesh_fits(options, size);
   std::vector<BuildingIndex>& blocks = result.volume_facts.parts_left_out;
   if (solves_laplace(options)) {
@@ -195,6 +285,8 @@ CityMesh mesh_city(const CityModel& city, Raster terrain, const MeshCityOptions&
   tell_excavation(options, columns.plan, std::move(excavated), result.volume_facts);
   result.volume = std::move(columns.mesh);
   columns.plan = {};
+  result.ground_facts.size_scale = scale;
+  result.ground_facts.resolution = score_resolution(city, result.volume);
   clock.run("3.6", "boundary", [&](const Progress&) {
     warn_below_floor(options, quality, result.warnings);
     tell_quality(result.volume, std::move(quality), result.volume_facts);

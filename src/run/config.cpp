@@ -109,14 +109,6 @@ void require_choices(const ConfigField& field, const std::vector<std::string>& t
   }
 }
 
-void set_texts(std::vector<std::string>& target, const ConfigField& field,
-               std::span<const std::string> values, const std::string& origin) {
-  // Paths may hold commas; names are split.
-  target = field.name == "points" ? std::vector<std::string>(values.begin(), values.end())
-                                  : split_lists(values);
-  require_choices(field, target, origin);
-}
-
 void require_text(const ConfigField& field, const std::string& text, const std::string& origin) {
   if (field.require == nullptr) return;
   try {
@@ -124,6 +116,16 @@ void require_text(const ConfigField& field, const std::string& text, const std::
   } catch (const Error& error) {
     throw Error(error.kind(), fmt::format("{}: {}", origin, error.what()));
   }
+}
+
+void set_texts(std::vector<std::string>& target, const ConfigField& field,
+               std::span<const std::string> values, const std::string& origin) {
+  // Paths may hold commas; names are split.
+  const bool holds_paths = field.name == "points" || field.name == "refine";
+  target =
+      holds_paths ? std::vector<std::string>(values.begin(), values.end()) : split_lists(values);
+  require_choices(field, target, origin);
+  for (const std::string& text : target) require_text(field, text, origin);
 }
 
 /// A basic string of TOML 1.0.

@@ -7,6 +7,7 @@
 #include "tetropolis/run/config.h"
 
 #include "memory_limit.h"
+#include "read_size_regions.h"
 
 namespace tetropolis {
 
@@ -24,6 +25,8 @@ ChoiceMember choice() {
 }
 
 void require_crs(const std::string& text) { normalise_crs(text); }
+
+void require_refine(const std::string& text) { parse_refine(text); }
 
 void require_size(const std::string& text) {
   if (!text.empty()) parse_size(text);
@@ -286,11 +289,54 @@ std::vector<ConfigField> make_fields() {
        .group = "Mesh",
        .member = &C::mesh_size,
        .commands = kMeshing,
-       .help = "Longest edge in the ground mesh",
+       .help = "Longest edge in the ground mesh; with far_size, in buildings and at their walls",
        .unit = "m",
        .common = true,
        .min = 0.05,
        .max = 10000},
+      {.name = "far_size",
+       .group = "Mesh",
+       .member = &C::far_size,
+       .commands = kMeshing,
+       .help = "Longest edge far from buildings, at least mesh_size; 0: mesh_size, so that all "
+               "places are alike",
+       .unit = "m",
+       .common = true,
+       .min = 0,
+       .max = 10000},
+      {.name = "ground_size",
+       .group = "Mesh",
+       .member = &C::ground_size,
+       .commands = kMeshing,
+       .help = "With far_size: longest edge on the ground between buildings, in the convex hull of "
+               "all; 0: as edges grow",
+       .unit = "m",
+       .min = 0,
+       .max = 10000},
+      {.name = "size_growth",
+       .group = "Mesh",
+       .member = &C::size_growth,
+       .commands = kMeshing,
+       .help = "With far_size or refine: an edge over the one before it, away from buildings and "
+               "areas",
+       .min = 1.01,
+       .max = 3},
+      {.name = "refine",
+       .group = "Mesh",
+       .member = &C::refine,
+       .commands = kMeshing,
+       .help = "Areas with a longest edge of their own, in metres: polygons of a vector file, or a "
+               "box in the CRS of the points",
+       .value = "FILE:SIZE or XMIN,YMIN,XMAX,YMAX:SIZE",
+       .require = require_refine},
+      {.name = "target_cells",
+       .group = "Mesh",
+       .member = &C::target_cells,
+       .commands = kMeshing,
+       .help = "Scale mesh_size, far_size, ground_size and refine alike until the mesh has about "
+               "so many cells; 0: sizes are as given",
+       .min = 0,
+       .max = 1e10},
       {.name = "min_angle",
        .group = "Mesh",
        .member = &C::min_angle,

@@ -18,6 +18,7 @@
 #include "preflight_line.h"
 #include "read_input.h"
 #include "read_meshable.h"
+#include "read_size_regions.h"
 #include "run_frame.h"
 #include "write_page.h"
 
@@ -96,7 +97,9 @@ BuiltCity load_city(const Config& config, const StepHooks& hooks, Report& report
 
 CityMesh make_mesh(const Config& config, const CityModel& city, Raster terrain,
                    const StepHooks& hooks, Report& report) {
-  CityMesh mesh = mesh_city(city, std::move(terrain), mesh_options(config), hooks);
+  MeshCityOptions options = mesh_options(config);
+  options.grading.regions = read_size_regions(config, city.crs, report.warnings);
+  CityMesh mesh = mesh_city(city, std::move(terrain), options, hooks);
   add_steps(mesh.steps, report);
   add_warnings(mesh.warnings, report);
   report.ground_mesh = mesh.ground_facts;

@@ -30,6 +30,10 @@ BuildCityOptions city_options(const Config& config) {
 MeshCityOptions mesh_options(const Config& config) {
   MeshCityOptions options;
   options.mesh_size = config.mesh_size;
+  options.grading.far_size = config.far_size;
+  options.grading.ground_size = config.ground_size;
+  options.grading.growth = config.size_growth;
+  options.target_cells = config.target_cells;
   options.min_angle_deg = config.min_angle;
   options.domain_height = config.domain_height;
   options.layering = config.layering;

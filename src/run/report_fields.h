@@ -177,6 +177,18 @@ void fields_of(CityFacts& city, const Field& field) {
 }
 
 template <typename Field>
+void fields_of(CellScore& score, const Field& field) {
+  field("count", score.count, "integer",
+        "buildings; or pairs of neighbours with a gap of 10 m and more");
+  field("least", score.least, "number",
+        "cells of the coarsest: a building's cube root of volume over its mean edge along the "
+        "outline; a gap's edges from wall to wall where it is narrowest");
+  field("median", score.median, "number", "");
+  field("share_of_ten", score.share_of_ten, "number",
+        "share with ten cells or more, which COST 732 asks for");
+}
+
+template <typename Field>
 void fields_of(GroundMeshFacts& mesh, const Field& field) {
   field("vertices", mesh.vertices, "integer", "");
   field("triangles", mesh.triangles, "integer", "");
@@ -185,6 +197,10 @@ void fields_of(GroundMeshFacts& mesh, const Field& field) {
         "corners of the input sharper than `min_angle`");
   field("triangles_below_min_angle", mesh.triangles_below_min_angle, "integer",
         "triangles below `min_angle`, at such corners and across from them");
+  field("size_scale", mesh.size_scale, "number",
+        "what all sizes were multiplied by for `target_cells`; 1 without");
+  field("cells_per_building", mesh.resolution.buildings, "object", "");
+  field("cells_per_gap", mesh.resolution.gaps, "object", "");
 }
 
 template <typename Field>

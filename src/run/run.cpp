@@ -15,6 +15,7 @@
 #include "folders.h"
 #include "make_in_memory.h"
 #include "mistaken_input.h"
+#include "read_size_regions.h"
 #include "result_files.h"
 #include "run_frame.h"
 #include "write_mesh.h"
@@ -38,6 +39,8 @@ void keep_inputs(const Config& config, OutputFolder& out) {
   for (const std::string& file : {config.footprints, config.city, config.dtm})
     if (!file.empty()) out.keep(file);
   for (const std::string& file : config.points) out.keep(file);
+  for (const std::string& entry : config.refine)
+    if (const std::string file = parse_refine(entry).file; !file.empty()) out.keep(file);
 }
 
 /// The results of a run that makes a city model, meshes.

@@ -439,6 +439,54 @@ const std::vector<Setting>& table() {
          EXPECT_GT(changed.report.ground_mesh->triangles,
                    3 * plain.report.ground_mesh->triangles / 2);
        }},
+      {"far_size",
+       {"40"},
+       run_build,
+       [](R plain, R changed) {
+         EXPECT_LT(3 * changed.report.ground_mesh->triangles,
+                   2 * plain.report.ground_mesh->triangles);
+       },
+       [](Village&, Config& config) { config.mesh_size = 4; }},
+      {"ground_size",
+       {"4"},
+       run_build,
+       [](R plain, R changed) {
+         EXPECT_GT(changed.report.ground_mesh->triangles, plain.report.ground_mesh->triangles);
+       },
+       [](Village&, Config& config) {
+         config.mesh_size = 4;
+         config.far_size = 40;
+       }},
+      {"size_growth",
+       {"1.05"},
+       run_build,
+       [](R plain, R changed) {
+         EXPECT_GT(changed.report.ground_mesh->triangles,
+                   5 * plain.report.ground_mesh->triangles / 4);
+       },
+       [](Village&, Config& config) {
+         config.mesh_size = 4;
+         config.far_size = 40;
+       }},
+      {"refine",
+       {"85020,447020,85040,447040:1"},
+       run_build,
+       [](R plain, R changed) {
+         // About 2.9 triangles per square metre of 400.
+         EXPECT_GT(changed.report.ground_mesh->triangles,
+                   800 + plain.report.ground_mesh->triangles);
+         EXPECT_LT(changed.report.ground_mesh->triangles,
+                   4000 + plain.report.ground_mesh->triangles);
+       }},
+      {"target_cells",
+       {"40000"},
+       run_build,
+       [](R plain, R changed) {
+         EXPECT_LT(plain.report.volume_mesh->cells, 36000);
+         EXPECT_NEAR(static_cast<double>(changed.report.volume_mesh->cells), 40000, 1600);
+         EXPECT_EQ(plain.report.ground_mesh->size_scale, 1);
+         EXPECT_LT(changed.report.ground_mesh->size_scale, 0.95);
+       }},
       {"min_angle",
        {"5"},
        run_build,

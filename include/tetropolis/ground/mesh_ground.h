@@ -26,11 +26,26 @@ struct LinePiece {
   double max_edge = 0;  ///< Longest edge along it and away from it, metres, > 0.
 };
 
+/// An area with a longest edge of its own.
+struct SizeRegion {
+  Polygon area;
+  double size = 0;  ///< Metres, > 0.
+};
+
+/// How edges grow away from buildings. Lengths in metres.
+struct SizeGrading {
+  double far_size = 0;     ///< Longest edge anywhere, at least the mesh size; 0: that.
+  double ground_size = 0;  ///< Longest edge in the convex hull of all buildings; 0: no own bound.
+  double growth = 1.2;     ///< Of an edge over the one before it, > 1.
+  std::vector<SizeRegion> regions = {};
+};
+
 struct GroundMeshOptions {
-  double mesh_size = 10;      ///< Longest edge, metres, > 0.
+  double mesh_size = 10;      ///< Longest edge in buildings, at walls and, without a grading,
+                              ///< everywhere; metres, > 0.
   double min_angle_deg = 25;  ///< Degrees, 0 to 33.
   /// Longest edge at the wall between the neighbouring vertices a and b of a ring of `part`, along
-  /// it and away from it, metres, > 0. Empty: mesh_size for all.
+  /// it and away from it, metres, > 0. Empty: mesh_size.
   std::function<double(RegionIndex part, Point2 a, Point2 b)> wall_edge = {};
   /// The pieces, in order, of the line from a to b between two parts of a building: their ends
   /// become vertices, the last one ends at b. Empty: one piece, mesh_size.
@@ -38,6 +53,7 @@ struct GroundMeshOptions {
       party_line = {};
   /// Elevation of the terrain, for the sake of steep triangles: see RefineOptions.
   std::function<double(Point2)> elevation = {};
+  SizeGrading grading = {};
 };
 
 /// Meshes `domain`, inside and outside of the footprints. Region b is footprint b,

@@ -27,6 +27,8 @@ struct RefineOptions {
   std::function<double(Point2)> elevation = {};
   /// Per region from 0: 1 if its floor is not the terrain, so that its triangles do not count.
   std::vector<std::uint8_t> off_terrain = {};
+  /// Per region from 0: its longest edge; infinity: no own bound.
+  std::vector<double> region_max_edge = {};
   bool convex_hull = false;  ///< As in TriangulationOptions.
   /// Give up beyond, and beyond 250 million in any case. 0: a bound from area, size and input.
   std::int64_t max_vertices = 0;

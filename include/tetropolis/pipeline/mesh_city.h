@@ -9,6 +9,7 @@
 #include "tetropolis/city/city_model.h"
 #include "tetropolis/core/steps.h"
 #include "tetropolis/core/warning.h"
+#include "tetropolis/ground/mesh_ground.h"
 #include "tetropolis/io/file/placement.h"
 #include "tetropolis/terrain/raster.h"
 #include "tetropolis/volume/column/boundary.h"
@@ -25,7 +26,10 @@ enum class Layering { kGraded, kUniform };
 enum class Top { kFlat, kFree };
 
 struct MeshCityOptions {
-  double mesh_size = 10;       ///< Longest edge of the ground mesh, metres, > 0.
+  double mesh_size = 10;  ///< Longest edge of the ground mesh in buildings, at walls and, without
+                          ///< a grading, everywhere; metres, > 0.
+  SizeGrading grading = {};  ///< How edges grow away from buildings. Regions: CRS coordinates.
+  double target_cells = 0;   ///< Scales all sizes until the mesh has about so many; 0: it does not.
   double min_angle_deg = 25;   ///< Of the ground mesh; 0 to 33.
   double domain_height = 100;  ///< Of the top above the highest terrain, metres, > 0.
   Layering layering = Layering::kGraded;
@@ -46,12 +50,31 @@ inline bool solves_laplace(const MeshCityOptions& options) {
   return options.layering == Layering::kUniform || options.top == Top::kFree;
 }
 
+/// Gaps between buildings from this width on count as streets, metres.
+constexpr double kStreetWidth = 10;
+
+/// Of buildings, or of gaps: how many cells each has.
+struct CellScore {
+  std::int64_t count = 0;
+  double least = 0;
+  double median = 0;
+  double share_of_ten = 0;  ///< Of those with ten cells or more.
+};
+
+/// How finely buildings and streets are resolved, in plan (mesh_scores.h).
+struct ResolutionFacts {
+  CellScore buildings;  ///< Cube root of the volume over the mean edge along the outline.
+  CellScore gaps;       ///< Edges from wall to wall, of gaps from kStreetWidth on.
+};
+
 struct GroundMeshFacts {
   std::int64_t vertices = 0;
   std::int64_t triangles = 0;
   double min_angle_deg = 0;
   std::int64_t small_input_angles = 0;
   std::int64_t triangles_below_min_angle = 0;
+  double size_scale = 1;  ///< What all sizes were multiplied by for the target number of cells.
+  ResolutionFacts resolution = {};
 };
 
 struct VolumeMeshFacts {

@@ -66,6 +66,11 @@ struct Config {
 
   // Mesh.
   double mesh_size = 10;
+  double far_size = 0;
+  double ground_size = 0;
+  double size_growth = 1.2;
+  std::vector<std::string> refine;
+  double target_cells = 0;
   double min_angle = 25;
   double domain_height = 100;
   Layering layering = Layering::kGraded;

@@ -1,0 +1,90 @@
+#include "read_size_regions.h"
+
+#include <array>
+#include <charconv>
+#include <cmath>
+#include <cstddef>
+#include <optional>
+#include <string_view>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "tetropolis/core/error.h"
+#include "tetropolis/geometry/polygon.h"
+#include "tetropolis/io/vector/vector.h"
+
+namespace tetropolis {
+
+namespace {
+
+std::optional<double> number_of(std::string_view text) {
+  while (!text.empty() && text.front() == ' ') text.remove_prefix(1);
+  while (!text.empty() && text.back() == ' ') text.remove_suffix(1);
+  double value = 0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+  if (error != std::errc{} || end != text.data() + text.size() || !std::isfinite(value))
+    return std::nullopt;
+  return value;
+}
+
+std::optional<Bounds2> box_of(std::string_view text) {
+  std::array<double, 4> sides{};
+  for (std::size_t i = 0; i < 4; ++i) {
+    const std::size_t comma = text.find(',');
+    if ((comma == std::string_view::npos) != (i == 3)) return std::nullopt;
+    const auto side = number_of(text.substr(0, comma));
+    if (!side) return std::nullopt;
+    sides[i] = *side;
+    text.remove_prefix(i == 3 ? text.size() : comma + 1);
+  }
+  return Bounds2{sides[0], sides[1], sides[2], sides[3]};
+}
+
+}  // namespace
+
+RefineEntry parse_refine(const std::string& text) {
+  const std::size_t colon = text.rfind(':');
+  const auto size =
+      colon == std::string::npos ? std::nullopt : number_of(std::string_view(text).substr(colon + 1));
+  if (!size || !(*size > 0) || colon == 0)
+    throw Error(ErrorKind::kUsage,
+                fmt::format("refine: '{}': give FILE:SIZE or XMIN,YMIN,XMAX,YMAX:SIZE, a size in "
+                            "metres above 0",
+                            text));
+  RefineEntry entry;
+  entry.size = *size;
+  const std::string area = text.substr(0, colon);
+  if (const auto box = box_of(area)) {
+    entry.box = *box;
+    if (box->width() > 0 && box->height() > 0) return entry;
+    throw Error(ErrorKind::kUsage,
+                fmt::format("refine: '{}': the box is empty; give XMIN,YMIN,XMAX,YMAX", text));
+  }
+  entry.file = area;
+  return entry;
+}
+
+std::vector<SizeRegion> read_size_regions(const Config& config, const std::string& crs,
+                                          std::vector<Warning>& warnings) {
+  std::vector<SizeRegion> regions;
+  for (const std::string& text : config.refine) {
+    const RefineEntry entry = parse_refine(text);
+    if (entry.file.empty()) {
+      regions.push_back({rectangle(entry.box), entry.size});
+      continue;
+    }
+    ReadFootprintsOptions options;
+    options.target_crs = crs;
+    FootprintsInput input = read_footprints(entry.file, options);
+    if (input.features.empty())
+      throw Error(ErrorKind::kInput,
+                  entry.file + ": has no polygon to refine in; give areas, or leave it out");
+    warnings.insert(warnings.end(), input.warnings.begin(), input.warnings.end());
+    for (Footprint& feature : input.features)
+      regions.push_back({std::move(feature.polygon), entry.size});
+  }
+  return regions;
+}
+
+}  // namespace tetropolis

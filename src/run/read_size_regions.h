@@ -1,0 +1,29 @@
+// Areas with a size of their own, as the setting `refine` names them.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "tetropolis/core/warning.h"
+#include "tetropolis/ground/mesh_ground.h"
+#include "tetropolis/run/config.h"
+
+namespace tetropolis {
+
+/// One entry of `refine`: FILE:SIZE or XMIN,YMIN,XMAX,YMAX:SIZE.
+struct RefineEntry {
+  std::string file;  ///< Empty: `box`.
+  Bounds2 box;
+  double size = 0;  ///< Metres, > 0.
+};
+
+/// Throws Error(kUsage) for what is neither.
+RefineEntry parse_refine(const std::string& text);
+
+/// All of them, in the coordinates of `crs`, which files are reprojected to; adds their warnings.
+/// Throws Error(kUsage) as above, Error(kInput) naming a file without polygons or as
+/// read_footprints.
+std::vector<SizeRegion> read_size_regions(const Config& config, const std::string& crs,
+                                          std::vector<Warning>& warnings);
+
+}  // namespace tetropolis
