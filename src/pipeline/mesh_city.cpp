@@ -31,6 +31,7 @@ namespace {
 
 /// Of sizes that are sought for a number of cells.
 constexpr double kLeastScale = 1e-3, kGreatestScale = 1e3;
+constexpr double kGreatestStep = 4;
 constexpr double kTargetError = 0.02;
 constexpr int kMostRounds = 12;
 
@@ -188,7 +189,7 @@ double estimated_scale(const MeshCityOptions& options, const CitySize& size, dou
 double find_scale(const MeshCityOptions& options, const CityModel& city, const Raster& terrain,
                   const CitySize& size, StepClock& clock, std::vector<Warning>& warnings) {
   const double target = options.target_cells;
-  double scale = estimated_scale(options, size, target);
+  double scale = std::min(estimated_scale(options, size, target), kGreatestStep);
   double low = kLeastScale, high = kGreatestScale;  // too many cells, too few
   double best = scale, best_error = std::numeric_limits<double>::infinity(), best_cells = 0;
   double last_scale = 0, last_cells = 0, power = 2.5;
@@ -205,12 +206,14 @@ double find_scale(const MeshCityOptions& options, const CityModel& city, const R
       best_cells = cells;
     }
     if (error < kTargetError) return best;
-    (cells > target ? low : high) = scale;
+    // Beyond some size there are more cells again: the top has to be higher.
+    const bool is_past_least = last_cells > 0 && scale > last_scale && cells > last_cells;
+    (cells > target && !is_past_least ? low : high) = scale;
     if (last_cells > 0 && cells != last_cells)
       power = std::clamp(std::log(last_cells / cells) / std::log(scale / last_scale), 0.3, 4.0);
     last_scale = scale;
     last_cells = cells;
-    scale *= std::pow(cells / target, 1 / power);
+    scale *= std::clamp(std::pow(cells / target, 1 / power), 1 / kGreatestStep, kGreatestStep);
     if (!(scale > low && scale < high)) scale = std::sqrt(low * high);
   }
   warnings.push_back({"target_cells", 1,
