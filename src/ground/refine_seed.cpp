@@ -87,7 +87,7 @@ void Refiner::seed(const Progress& progress) {
   largest_edge_exponent_ = 2 * std::ilogb(longest) + 1;
   cut_pieces();
   progress.update(0.3);
-  if (options_.lattice && std::isfinite(size_.base()) && !options_.size_field)
+  if (options_.lattice && std::isfinite(size_.base()))
     insert_lattice(portion(progress, 0.3, 1));
   mesh_.touched.clear();
 }
@@ -260,6 +260,7 @@ void Refiner::insert_lattice(const Progress& progress) {
     hint = where.triangle;
     const std::int32_t region = mesh_.tri(where.triangle).region;
     if (region == kOutsideRegion || size_.in_region(region) < h || where.vertex >= 0) continue;
+    if (options_.size_field && options_.size_field(p) < h) continue;
     if (where.edge >= 0 && mesh_.link(4 * where.triangle + where.edge) < 0) continue;
     mesh_.find_cavity(p, where.triangle);
     mesh_.touched.clear();

@@ -16,7 +16,7 @@ struct RefineOptions {
   /// No edge is longer than the value at its midpoint, which must be positive. Empty: no bound.
   std::function<double(Point2)> size_field = {};
   /// Fill open areas with a lattice of nearly equilateral triangles before refining. Acts only
-  /// where the size is the constant `max_edge`.
+  /// where the size is `max_edge`.
   bool lattice = true;
   /// Move the added vertices that are on no segment where that widens the smallest angle around.
   bool optimize = true;
