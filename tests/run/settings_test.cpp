@@ -443,8 +443,8 @@ const std::vector<Setting>& table() {
        {"40"},
        run_build,
        [](R plain, R changed) {
-         EXPECT_LT(3 * changed.report.ground_mesh->triangles,
-                   2 * plain.report.ground_mesh->triangles);
+         EXPECT_LT(5 * changed.report.ground_mesh->triangles,
+                   4 * plain.report.ground_mesh->triangles);
        },
        [](Village&, Config& config) { config.mesh_size = 4; }},
       {"ground_size",
@@ -472,11 +472,11 @@ const std::vector<Setting>& table() {
        {"85020,447020,85040,447040:1"},
        run_build,
        [](R plain, R changed) {
-         // About 2.9 triangles per square metre of 400.
+         // Three triangles per square metre of 400, and what grows around it.
          EXPECT_GT(changed.report.ground_mesh->triangles,
                    800 + plain.report.ground_mesh->triangles);
          EXPECT_LT(changed.report.ground_mesh->triangles,
-                   4000 + plain.report.ground_mesh->triangles);
+                   6000 + plain.report.ground_mesh->triangles);
        }},
       {"target_cells",
        {"40000"},
