@@ -26,7 +26,8 @@ CellScore score_of(std::vector<double> cells) {
   score.least = cells.front();
   score.median = cells[(cells.size() - 1) / 2];
   const auto enough = std::lower_bound(cells.begin(), cells.end(), kEnough);
-  score.share_of_ten = static_cast<double>(cells.end() - enough) / static_cast<double>(cells.size());
+  score.share_of_ten =
+      static_cast<double>(cells.end() - enough) / static_cast<double>(cells.size());
   return score;
 }
 

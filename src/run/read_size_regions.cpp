@@ -45,8 +45,9 @@ std::optional<Bounds2> box_of(std::string_view text) {
 
 RefineEntry parse_refine(const std::string& text) {
   const std::size_t colon = text.rfind(':');
-  const auto size =
-      colon == std::string::npos ? std::nullopt : number_of(std::string_view(text).substr(colon + 1));
+  const auto size = colon == std::string::npos
+                        ? std::nullopt
+                        : number_of(std::string_view(text).substr(colon + 1));
   if (!size || !(*size > 0) || colon == 0)
     throw Error(ErrorKind::kUsage,
                 fmt::format("refine: '{}': give FILE:SIZE or XMIN,YMIN,XMAX,YMAX:SIZE, a size in "
