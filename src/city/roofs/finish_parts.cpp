@@ -137,8 +137,12 @@ class Finishing {
   Finishing(const RoofInput& input, Partition& lines, RegionPoints& points,
             const FinishOptions& options)
       : input_(input), lines_(lines), points_(points), options_(options) {
-    for (std::size_t m = 0; m < input.members.size(); ++m)
+    for (std::size_t m = 0; m < input.members.size(); ++m) {
       member_of_.insert(member_of_.end(), input.points[m].size(), m);
+      std::vector<double> heights;
+      for (const Point3& p : input.points[m]) heights.push_back(p[2]);
+      flat_heights_.push_back(heights.empty() ? 0 : percentile(heights, options.percentile));
+    }
   }
 
   FinishedRoof run() {
@@ -146,6 +150,7 @@ class Finishing {
     snap_nodes(lines_, next);
     result_.footprint = outline_of(input_.footprint, lines_, next);
     result_.squared_errors.assign(input_.members.size(), 0);
+    result_.flat_squared_errors = result_.squared_errors;
     result_.counts.assign(input_.members.size(), 0);
     for (const Partition::Face& face : lines_.faces())
       result_.parts.push_back(part_of(face.region, polygon_of(face, lines_)));
@@ -177,6 +182,8 @@ class Finishing {
       if (distance_to_boundary(*input_.members[m], {point[0], point[1]}) < kRim) continue;
       const double d = height_above(part.roof, point);
       result_.squared_errors[m] += d * d;
+      result_.flat_squared_errors[m] +=
+          (point[2] - flat_heights_[m]) * (point[2] - flat_heights_[m]);
       ++result_.counts[m];
       sum += d;
       ++count;
@@ -230,7 +237,8 @@ class Finishing {
   Partition& lines_;
   RegionPoints& points_;
   const FinishOptions& options_;
-  std::vector<std::size_t> member_of_;
+  std::vector<std::size_t> member_of_;  ///< Per point.
+  std::vector<double> flat_heights_;    ///< Per member.
   FinishedRoof result_;
 };
 

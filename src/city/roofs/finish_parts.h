@@ -31,6 +31,7 @@ struct FinishedRoof {
   /// within half a metre of the member's outline do not count: they may be of walls.
   std::vector<double> squared_errors;
   std::vector<std::int64_t> counts;
+  std::vector<double> flat_squared_errors;  ///< The same of one flat roof per member.
 };
 
 /// Snaps vertices (those on the outline to the inside) and fits the roofs. A sloped roof is made

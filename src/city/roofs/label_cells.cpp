@@ -567,7 +567,8 @@ RoofRegions label_cells(const RoofInput& input, const RoofCells& cells,
     const auto base = static_cast<RoofRegion>(regions.roofs.size());
     const RegionRoof flat = flat_member(input, m, options);
     const std::vector<CellNumber> list = own[k];
-    if (options.lod == Lod::k1_2 || flat.lod == Lod::kBlock) {
+    const bool stays_flat = !input.stays_flat.empty() && input.stays_flat[k] != 0;
+    if (options.lod == Lod::k1_2 || flat.lod == Lod::kBlock || stays_flat) {
       for (const CellNumber c : list) regions.of_cell[index(c)] = base;
       regions.roofs.push_back(flat);
       continue;

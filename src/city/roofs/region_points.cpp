@@ -22,6 +22,11 @@ constexpr double kNear = 0.5;  // metres: what a plane is fitted to
 
 std::size_t index(std::int32_t i) { return static_cast<std::size_t>(i); }
 
+double huber(double d) {
+  constexpr double kSquare = 1;  // metres
+  return d < kSquare ? d * d : kSquare * (2 * d - kSquare);
+}
+
 std::size_t slot(double distance, std::size_t count) {
   return std::min(static_cast<std::size_t>(std::max(distance, 0.0) / kCell), count - 1);
 }
@@ -60,14 +65,32 @@ RegionPoints::RegionPoints(const RoofInput& input, const RoofCells& cells,
   grid_ = builder.take();
 }
 
-double RegionPoints::loss(const RoofPlane& plane, std::uint32_t point) const {
-  const double d = std::min(std::abs(height_above(plane, points_[point])), cap_);
-  return weight_[point] * d * d;
+template <typename Visit>
+void RegionPoints::for_each_near(const Bounds2& box, const Visit& visit) const {
+  const std::size_t west = slot(box.xmin - box_.xmin, columns_);
+  const std::size_t east = slot(box.xmax - box_.xmin, columns_);
+  const std::size_t north = slot(box.ymax - box_.ymin, rows_);
+  for (std::size_t y = slot(box.ymin - box_.ymin, rows_); y <= north; ++y)
+    for (std::size_t x = west; x <= east; ++x)
+      for (const std::uint32_t p : grid_[row_major(x, y, columns_)]) visit(p);
+}
+
+double RegionPoints::cost(const RoofPlane& plane, std::uint32_t point) const {
+  return weight_[point] * huber(std::abs(height_above(plane, points_[point])));
+}
+
+double RegionPoints::cost(const RoofPlane& plane, const std::vector<std::uint32_t>& points) const {
+  double sum = 0;
+  for (const std::uint32_t p : points) sum += cost(plane, p);
+  return sum;
 }
 
 double RegionPoints::loss(const RoofPlane& plane, const std::vector<std::uint32_t>& points) const {
   double sum = 0;
-  for (const std::uint32_t p : points) sum += loss(plane, p);
+  for (const std::uint32_t p : points) {
+    const double d = std::min(std::abs(height_above(plane, points_[p])), cap_);
+    sum += weight_[p] * d * d;
+  }
   return sum;
 }
 
@@ -87,20 +110,15 @@ double RegionPoints::cost_of_triangle(Point2 a, Point2 b, Point2 c, RoofRegion f
   const RoofPlane& after = roof(to).plane;
   const Bounds2 box = bounds(std::array{a, b, c});
   double sum = 0;
-  for (std::size_t y = slot(box.ymin - box_.ymin, rows_); y <= slot(box.ymax - box_.ymin, rows_);
-       ++y)
-    for (std::size_t x = slot(box.xmin - box_.xmin, columns_);
-         x <= slot(box.xmax - box_.xmin, columns_); ++x)
-      for (const std::uint32_t p : grid_[row_major(x, y, columns_)]) {
-        const Point2 q{points_[p][0], points_[p][1]};
-        if (crosses_ray(a, b, q) ^ crosses_ray(b, c, q) ^ crosses_ray(c, a, q))
-          sum += loss(after, p) - loss(before, p);
-      }
+  for_each_near(box, [&](std::uint32_t p) {
+    const Point2 q{points_[p][0], points_[p][1]};
+    if (crosses_ray(a, b, q) ^ crosses_ray(b, c, q) ^ crosses_ray(c, a, q))
+      sum += cost(after, p) - cost(before, p);
+  });
   const double size = std::abs((b.x - a.x) * (c.y - a.y) - (b.y - a.y) * (c.x - a.x)) / 2;
   const Point2 middle{(a.x + b.x + c.x) / 3, (a.y + b.y + c.y) / 3};
-  const double step = std::min(std::abs(after(middle) - before(middle)), cap_);
   constexpr double kShare = 0.1;
-  return sum + kShare * size * step * step;
+  return sum + kShare * size * huber(std::abs(after(middle) - before(middle)));
 }
 
 RegionRoof RegionPoints::fitted(const std::vector<RegionRoof>& candidates,
@@ -138,15 +156,15 @@ RegionRoof RegionPoints::merged_roof(RoofRegion a, RoofRegion b,
 }
 
 double RegionPoints::cost_of_region(RoofRegion r) const {
-  return loss(roof(r).plane, points_of(r));
+  return cost(roof(r).plane, points_of(r));
 }
 
 double RegionPoints::cost_of_merging(RoofRegion a, RoofRegion b) const {
   std::vector<std::uint32_t> both = points_of(a);
   const std::vector<std::uint32_t> second = points_of(b);
-  const double before = loss(roof(a).plane, both) + loss(roof(b).plane, second);
+  const double before = cost(roof(a).plane, both) + cost(roof(b).plane, second);
   both.insert(both.end(), second.begin(), second.end());
-  return loss(merged_roof(a, b, both).plane, both) - before;
+  return cost(merged_roof(a, b, both).plane, both) - before;
 }
 
 void RegionPoints::merge(RoofRegion keep, RoofRegion gone) {
@@ -160,18 +178,14 @@ void RegionPoints::merge(RoofRegion keep, RoofRegion gone) {
 }
 
 void RegionPoints::update(const Bounds2& box, const Partition& lines) {
-  for (std::size_t y = slot(box.ymin - box_.ymin, rows_); y <= slot(box.ymax - box_.ymin, rows_);
-       ++y)
-    for (std::size_t x = slot(box.xmin - box_.xmin, columns_);
-         x <= slot(box.xmax - box_.xmin, columns_); ++x)
-      for (const std::uint32_t p : grid_[row_major(x, y, columns_)]) {
-        const Point2 q{points_[p][0], points_[p][1]};
-        if (!box.contains(q)) continue;
-        const RoofRegion r = lines.region_at(q);
-        if (r == region_of_[p]) continue;
-        region_of_[p] = r;
-        if (r >= 0) lists_[index(r)].push_back(p);
-      }
+  for_each_near(box, [&](std::uint32_t p) {
+    const Point2 q{points_[p][0], points_[p][1]};
+    if (!box.contains(q)) return;
+    const RoofRegion r = lines.region_at(q);
+    if (r == region_of_[p]) return;
+    region_of_[p] = r;
+    if (r >= 0) lists_[index(r)].push_back(p);
+  });
 }
 
 void RegionPoints::fit() {
