@@ -6,6 +6,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <functional>
+#include <map>
 #include <random>
 #include <set>
 #include <string>
@@ -13,6 +14,7 @@
 
 #include <gtest/gtest.h>
 
+#include "tetropolis/city/heights.h"
 #include "tetropolis/core/threads.h"
 #include "tetropolis/geometry/polygon.h"
 
@@ -207,6 +209,47 @@ TEST(Roofs, PartyWallsDivideABlock) {
   }
   EXPECT_EQ(sources.size(), 3U);
   EXPECT_EQ(facts.parts_without_points, 1);
+}
+
+TEST(Roofs, AFilledGapGoesToTheLongestNeighbour) {
+  // Between a long wall, and two houses that share the other side of it.
+  Block block(box(0, 0, 20, 10));
+  block.add(
+      "a", box(0, 0, 8, 10), [](Point2) { return 9.0; }, 4);
+  block.add(
+      "b", box(9.5, 0, 20, 4), [](Point2) { return 6.0; }, 4);
+  block.add(
+      "c", box(9.5, 4, 20, 10), [](Point2) { return 4.0; }, 4);
+  block.make(Lod::k1_2);
+  ASSERT_EQ(block.parts().size(), 3U);
+  const std::map<std::string, double> areas{{"a", 95}, {"b", 42}, {"c", 63}};
+  for (const RoofPart& part : block.parts())
+    EXPECT_NEAR(area(part.outline), areas.at(part.source_id), 1.5) << part.source_id;
+}
+
+TEST(Roofs, AFootprintThatFitsWorseThanFlatStaysFlat) {
+  // One plane does for the shop and its annexe, but the annexe is 10 cm off it.
+  Block block(box(0, 0, 23, 10));
+  block.add(
+      "shop", box(0, 0, 20, 10), [](Point2) { return 6.0; }, 8);
+  block.add(
+      "annexe", box(20, 0, 23, 10), [](Point2) { return 6.1; }, 8);
+  block.make(Lod::k2_2);
+  double squares = 0, count = 0;
+  for (PointIndex p : block.points.roof[1]) {
+    const Point2 at{block.cloud.x[p], block.cloud.y[p]};
+    for (const RoofPart& part : block.parts())
+      if (contains(part.outline, at)) {
+        const double d = part.roof(at) - block.cloud.z[p];
+        squares += d * d, ++count;
+      }
+  }
+  std::vector<double> heights;
+  for (PointIndex p : block.points.roof[1]) heights.push_back(block.cloud.z[p]);
+  const double level = percentile(heights, 70);
+  double flat = 0;
+  for (const double z : heights) flat += (z - level) * (z - level);
+  EXPECT_LE(std::sqrt(squares / count), 1.1 * std::sqrt(flat / count));
 }
 
 TEST(Roofs, NoCornerLeavesTheRangeOfItsPoints) {

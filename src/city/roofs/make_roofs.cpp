@@ -106,9 +106,8 @@ Attempt attempt(const Building& building, const RoofInput& input, const CityMode
         raw.buildings[members[static_cast<std::size_t>(finished.member)]].source_ids.front();
     result.building.parts.push_back(finished.part);
   }
-  result.is_valid = part_defects(std::span(&result.building, 1), options.clearance,
-                                 options.min_area, 1)
-                        .empty();
+  result.is_valid =
+      part_defects(std::span(&result.building, 1), options.clearance, options.min_area, 1).empty();
   return result;
 }
 

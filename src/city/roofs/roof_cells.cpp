@@ -2,8 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
-#include <functional>
-#include <queue>
+#include <map>
 #include <tuple>
 #include <utility>
 
@@ -142,7 +141,37 @@ class CellGrid {
   std::vector<std::vector<CellNumber>> lists_;
 };
 
-/// Cells whose centre is in a member are its; others go to the nearest, cell by cell.
+/// Gives each connected piece of cells that are in no member to the member with which it has the
+/// longest border: walls stay where they are.
+void fill_gaps(RoofCells& cells) {
+  std::vector<MemberNumber> filled = cells.member;
+  for (std::size_t start = 0; start < cells.size(); ++start) {
+    if (filled[start] >= 0) continue;
+    constexpr MemberNumber kNone = -1, kFound = -2;
+    std::vector<CellNumber> gap{static_cast<CellNumber>(start)};
+    std::map<MemberNumber, double> borders;
+    filled[start] = kFound;
+    for (std::size_t k = 0; k < gap.size(); ++k)
+      for (std::size_t e = 0; e < 3; ++e) {
+        const CellNumber n = cells.neighbours[index(gap[k])][e];
+        if (n < 0) continue;
+        if (cells.member[index(n)] >= 0) {
+          borders[cells.member[index(n)]] += cells.edge_length(gap[k], e);
+        } else if (filled[index(n)] == kNone) {
+          filled[index(n)] = kFound;
+          gap.push_back(n);
+        }
+      }
+    const auto longest =
+        std::max_element(borders.begin(), borders.end(),
+                         [](const auto& a, const auto& b) { return a.second < b.second; });
+    const MemberNumber owner = longest == borders.end() ? 0 : longest->first;
+    for (const CellNumber c : gap) filled[index(c)] = owner;
+  }
+  cells.member = std::move(filled);
+}
+
+/// Cells whose centre is in a member are its; others fill gaps.
 void assign_members(const RoofInput& input, RoofCells& cells) {
   cells.member.assign(cells.size(), -1);
   for (std::size_t m = 0; m < input.members.size(); ++m) {
@@ -154,23 +183,7 @@ void assign_members(const RoofInput& input, RoofCells& cells) {
         cells.member[c] = static_cast<MemberNumber>(m);
     }
   }
-  using Entry = std::tuple<double, CellNumber, MemberNumber>;
-  std::priority_queue<Entry, std::vector<Entry>, std::greater<>> queue;
-  const auto spread = [&](CellNumber c, double far) {
-    for (const CellNumber n : cells.neighbours[index(c)])
-      if (n >= 0 && cells.member[index(n)] < 0)
-        queue.emplace(far + distance(cells.centre(c), cells.centre(n)), n, cells.member[index(c)]);
-  };
-  for (std::size_t c = 0; c < cells.size(); ++c)
-    if (cells.member[c] >= 0) spread(static_cast<CellNumber>(c), 0);
-  while (!queue.empty()) {
-    const auto [far, c, m] = queue.top();
-    queue.pop();
-    if (cells.member[index(c)] >= 0) continue;
-    cells.member[index(c)] = m;
-    spread(c, far);
-  }
-  std::replace(cells.member.begin(), cells.member.end(), -1, 0);
+  fill_gaps(cells);
 }
 
 void assign_points(const RoofInput& input, double size, RoofCells& cells) {

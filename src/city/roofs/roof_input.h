@@ -10,11 +10,11 @@
 namespace tetropolis {
 
 struct RoofInput {
-  Polygon footprint;                    ///< Of the building.
-  std::vector<const Polygon*> members;  ///< The footprints it is merged from; never empty.
-  RaggedArray<Point3> points;           ///< Per member: its roof points.
-  std::vector<std::uint8_t> stays_flat{};  ///< Per member, 1: one flat roof (LoD1.2) whatever the LoD
-                                           ///< asked for. Empty: none does.
+  Polygon footprint;                       ///< Of the building.
+  std::vector<const Polygon*> members;     ///< The footprints it is merged from; never empty.
+  RaggedArray<Point3> points;              ///< Per member: its roof points.
+  std::vector<std::uint8_t> stays_flat{};  ///< Per member, 1: one flat roof (LoD1.2) whatever the
+                                           ///< LoD asked for. Empty: none does.
 };
 
 /// An index of RoofInput::members.
