@@ -5,6 +5,7 @@
 
 #include <fmt/format.h>
 
+#include "tetropolis/case/fenicsx_case.h"
 #include "tetropolis/core/error.h"
 
 #include "choice.h"
@@ -13,7 +14,7 @@ namespace tetropolis::app {
 
 namespace {
 
-constexpr std::array<std::string_view, 1> kSolvers = {"openfoam"};
+constexpr std::array<std::string_view, 2> kSolvers = {"openfoam", "fenicsx"};
 
 void tell(const CaseArguments& arguments, const OpenfoamCase& made, Console& console) {
   const OpenfoamCaseOptions& options = arguments.options;
@@ -25,23 +26,23 @@ void tell(const CaseArguments& arguments, const OpenfoamCase& made, Console& con
   console.result(fmt::format("wind     {} m/s at {} m from {} degrees over roughness {} m",
                              wind.speed, wind.height, wind.from, wind.roughness));
   console.result(fmt::format("sides    {}", sides));
-  console.result(fmt::format("ground   cells {:.2f} m high (median); {} points {} m above it, every "
-                             "{} m",
-                             made.first_cell, made.samples, options.sample_height,
-                             made.sample_spacing));
+  console.result(
+      fmt::format("ground   cells {:.2f} m high (median); {} points {} m above it, every "
+                  "{} m",
+                  made.first_cell, made.samples, options.sample_height, made.sample_spacing));
   if (made.shallow > 0)
-    console.error(fmt::format(
+    console.line(fmt::format(
         "note     {} of {} cells on the ground are lower than 4 times its roughness: the wind near "
-        "the ground comes out too fast; raise first_layer when meshing, or give the ground among "
+        "the ground comes out too fast; raise --first-layer when meshing, or give the ground among "
         "the buildings its own --ground-roughness",
         made.shallow, made.ground_faces));
   if (made.ground_faces > 0 && 2 * made.first_cell > options.sample_height)
-    console.error(fmt::format(
+    console.line(fmt::format(
         "note     {} m above the ground is in the first two cells, where the wall function rules: "
         "mesh with boundary layers lower than {:.2f} m for the wind there",
         options.sample_height, options.sample_height / 2));
-  console.result(fmt::format("solve    {}/Allrun, or Allrun 8 with eight processes",
-                             arguments.folder));
+  console.result(
+      fmt::format("solve    {}/Allrun, or Allrun 8 with eight processes", arguments.folder));
 }
 
 }  // namespace
@@ -54,7 +55,7 @@ void add_case_options(CLI::App& command, CaseArguments& arguments) {
   };
   command.add_option("solver", arguments.solver, "Program that solves it")
       ->required()
-      ->type_name("{openfoam}")
+      ->type_name("{openfoam,fenicsx}")
       ->check([](const std::string& word) { return not_one_of(word, kSolvers); });
   command.add_option("folder", arguments.folder, "Folder of results; the case is put there")
       ->required()
@@ -85,6 +86,11 @@ void make_case(const CaseArguments& arguments, Console& console) {
   OpenfoamCaseOptions options = arguments.options;
   options.dialect = named<FoamDialect>(arguments.dialect, kFoamDialectNames);
   try {
+    if (arguments.solver == "fenicsx") {
+      write_fenicsx_case(arguments.folder, options.wind, options.overwrite);
+      console.result(fmt::format("solve    python3 {}/smoke.py", arguments.folder));
+      return;
+    }
     tell(arguments, write_openfoam_case(arguments.folder, options), console);
   } catch (const Error& error) {
     if (error.kind() != ErrorKind::kUsage) throw;

@@ -17,8 +17,7 @@ using Words = std::span<const std::string_view>;
 /// What is wrong with `word`; empty if it is one of `words`.
 inline std::string not_one_of(const std::string& word, Words words) {
   const bool known = std::find(words.begin(), words.end(), word) != words.end();
-  return known ? std::string()
-               : fmt::format("'{}' is not one of {}", word, fmt::join(words, ", "));
+  return known ? std::string() : fmt::format("'{}' is not one of {}", word, fmt::join(words, ", "));
 }
 
 /// Adds an option that is one of `words`, the first by default.

@@ -94,9 +94,8 @@ std::vector<FoamPatch> read_patches(const fs::path& path) {
 
 void require_consistent(const fs::path& folder, const FoamMesh& mesh) {
   const auto all = [](const auto& numbers, std::size_t end) {
-    return std::all_of(numbers.begin(), numbers.end(), [&](std::int32_t n) {
-      return n >= 0 && static_cast<std::size_t>(n) < end;
-    });
+    return std::all_of(numbers.begin(), numbers.end(),
+                       [&](std::int32_t n) { return n >= 0 && static_cast<std::size_t>(n) < end; });
   };
   const auto faces = [&] {
     return mesh.face_start.size() == mesh.owner.size() + 1 && mesh.face_start.front() == 0 &&
@@ -145,7 +144,8 @@ FaceGeometry face_geometry(const FoamMesh& mesh, std::size_t f) {
       face.centre[c] += size * (a[c] + b[c] + mean[c]) / 3;
     }
   }
-  for (std::size_t c = 0; c < 3; ++c) face.centre[c] = weight > 0 ? face.centre[c] / weight : mean[c];
+  for (std::size_t c = 0; c < 3; ++c)
+    face.centre[c] = weight > 0 ? face.centre[c] / weight : mean[c];
   return face;
 }
 

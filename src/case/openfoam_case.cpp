@@ -3,11 +3,10 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <functional>
 #include <iterator>
 #include <limits>
-#include <map>
 #include <optional>
-#include <span>
 #include <system_error>
 #include <unordered_map>
 #include <utility>
@@ -16,8 +15,8 @@
 
 #include "tetropolis/core/error.h"
 #include "tetropolis/core/version.h"
-#include "tetropolis/io/file/write_file.h"
 
+#include "case_files.h"
 #include "foam_mesh.h"
 #include "openfoam_texts.h"
 #include "sample_points.h"
@@ -73,7 +72,8 @@ double height_above_floor(const FoamMesh& mesh, const std::vector<double>& floor
   const double from = floors[static_cast<std::size_t>(corners[0])];
   if (most == 0) return at[2] - from;
   const Vec3& b = mesh.point(far);
-  const double t = ((at[0] - a[0]) * (b[0] - a[0]) + (at[1] - a[1]) * (b[1] - a[1])) / (most * most);
+  const double t =
+      ((at[0] - a[0]) * (b[0] - a[0]) + (at[1] - a[1]) * (b[1] - a[1])) / (most * most);
   return at[2] - (from + t * (floors[static_cast<std::size_t>(far)] - from));
 }
 
@@ -108,8 +108,8 @@ std::unordered_map<std::int32_t, double> heights_on(const FoamMesh& mesh,
     const FaceGeometry face = face_geometry(mesh, f);
     const double size = std::hypot(face.area[0], face.area[1], face.area[2]);
     if (size > 0)
-      planes[mesh.owner[f]] = {
-          face.centre, {face.area[0] / size, face.area[1] / size, face.area[2] / size}};
+      planes[mesh.owner[f]] = {face.centre,
+                               {face.area[0] / size, face.area[1] / size, face.area[2] / size}};
   }
   const auto look = [&](std::int32_t cell, std::size_t f) {
     const auto found = planes.find(cell);
@@ -133,8 +133,8 @@ std::unordered_map<std::int32_t, double> heights_on(const FoamMesh& mesh,
 struct CasePatch {
   const FoamPatch* patch = nullptr;
   enum class Kind : std::uint8_t { kGround, kBuilding, kTop, kSide } kind = Kind::kGround;
-  SideRole role = SideRole::kAlong;     ///< Of a side.
-  std::vector<double> heights;          ///< Per face of a side: of its centre, above the ground.
+  SideRole role = SideRole::kAlong;  ///< Of a side.
+  std::vector<double> heights;       ///< Per face of a side: of its centre, above the ground.
 };
 
 SideRole role_of(const FoamMesh& mesh, const FoamPatch& patch, const std::array<double, 2>& to) {
@@ -243,24 +243,23 @@ class Fields {
     };
     const double s = profile_.speed(top_);
     const std::string top = fmt::format("uniform ({:.8g} {:.8g} 0)", s * to_[0], s * to_[1]);
-    return field("U", "volVectorField", "[0 1 -1 0 0 0 0]", speed(cells_),
-                 [&](const CasePatch& p) -> std::string {
-                   if (p.patch->is_wall) return entry("noSlip");
-                   if (p.kind == CasePatch::Kind::kTop) return fixed(top);
-                   switch (p.role) {
-                     case SideRole::kInlet:
-                       return fixed(speed(p.heights));
-                     case SideRole::kOutlet:
-                       return entry("inletOutlet",
-                                    "inletValue uniform (0 0 0); value uniform (0 0 0);");
-                     case SideRole::kBoth:
-                       return entry("freestreamVelocity",
-                                    "freestreamValue " + speed(p.heights) + ";");
-                     case SideRole::kAlong:
-                       break;
-                   }
-                   return entry("slip");
-                 });
+    return field(
+        "U", "volVectorField", "[0 1 -1 0 0 0 0]", speed(cells_),
+        [&](const CasePatch& p) -> std::string {
+          if (p.patch->is_wall) return entry("noSlip");
+          if (p.kind == CasePatch::Kind::kTop) return fixed(top);
+          switch (p.role) {
+            case SideRole::kInlet:
+              return fixed(speed(p.heights));
+            case SideRole::kOutlet:
+              return entry("inletOutlet", "inletValue uniform (0 0 0); value uniform (0 0 0);");
+            case SideRole::kBoth:
+              return entry("freestreamVelocity", "freestreamValue " + speed(p.heights) + ";");
+            case SideRole::kAlong:
+              break;
+          }
+          return entry("slip");
+        });
   }
 
   std::string pressure() const {
@@ -285,16 +284,16 @@ class Fields {
       return scalars(heights.size(),
                      [&](std::size_t i) { return profile_.dissipation(heights[i]); });
     };
-    const std::string wall = fmt::format(
-        "value uniform {:.8g}; Cmu {}; kappa {}; E 9.8;", profile_.dissipation(2), kCmu, kKarman);
+    const std::string wall = fmt::format("value uniform {:.8g}; Cmu {}; kappa {}; E 9.8;",
+                                         profile_.dissipation(2), kCmu, kKarman);
     return turbulence("epsilon", "[0 2 -3 0 0 0 0]", epsilon(cells_),
                       entry("epsilonWallFunction", wall),
                       fmt::format("uniform {:.8g}", profile_.dissipation(top_)), epsilon);
   }
 
   std::string eddy_viscosity() const {
-    const std::string constants = fmt::format("Cmu {}; kappa {}; E 9.8; value uniform 0;", kCmu,
-                                              kKarman);
+    const std::string constants =
+        fmt::format("Cmu {}; kappa {}; E 9.8; value uniform 0;", kCmu, kKarman);
     return field(
         "nut", "volScalarField", "[0 2 -1 0 0 0 0]", "uniform 0",
         [&](const CasePatch& p) -> std::string {
@@ -324,9 +323,10 @@ class Fields {
   template <typename OfPatch>
   std::string field(const std::string& name, const std::string& type, const char* dimensions,
                     const std::string& inside, const OfPatch& of_patch) const {
-    std::string text = head(type, name) + fmt::format("dimensions      {};\n\ninternalField   {};\n"
-                                                      "\nboundaryField\n{{\n",
-                                                      dimensions, inside);
+    std::string text = head(type, name) + fmt::format(
+                                              "dimensions      {};\n\ninternalField   {};\n"
+                                              "\nboundaryField\n{{\n",
+                                              dimensions, inside);
     for (const CasePatch& p : patches_)
       text += fmt::format("    {} {{ {} }}\n", p.patch->name, of_patch(p));
     return text + "}\n";
@@ -336,16 +336,15 @@ class Fields {
   template <typename At>
   std::string turbulence(const std::string& name, const char* dimensions, const std::string& inside,
                          const std::string& wall, const std::string& top, const At& at) const {
-    return field(name, "volScalarField", dimensions, inside,
-                 [&](const CasePatch& p) -> std::string {
-                   if (p.patch->is_wall) return wall;
-                   if (p.kind == CasePatch::Kind::kTop) return fixed(top);
-                   if (p.role == SideRole::kAlong) return entry("zeroGradient");
-                   const std::string values = at(p.heights);
-                   if (p.role == SideRole::kInlet) return fixed(values);
-                   return entry("inletOutlet",
-                                fmt::format("inletValue {}; value {};", values, values));
-                 });
+    return field(
+        name, "volScalarField", dimensions, inside, [&](const CasePatch& p) -> std::string {
+          if (p.patch->is_wall) return wall;
+          if (p.kind == CasePatch::Kind::kTop) return fixed(top);
+          if (p.role == SideRole::kAlong) return entry("zeroGradient");
+          const std::string values = at(p.heights);
+          if (p.role == SideRole::kInlet) return fixed(values);
+          return entry("inletOutlet", fmt::format("inletValue {}; value {};", values, values));
+        });
   }
 
   /// Of the top above the lowest points of the sides.
@@ -408,13 +407,6 @@ class Fields {
   mutable std::optional<Box> town_;
 };
 
-std::string replaced(std::string text, const std::map<std::string, std::string>& words) {
-  for (const auto& [word, value] : words)
-    for (std::size_t at = 0; (at = text.find(word, at)) != std::string::npos; at += value.size())
-      text.replace(at, word.size(), value);
-  return text;
-}
-
 std::string control(const OpenfoamCaseOptions& options) {
   const bool is_org = options.dialect == FoamDialect::kOrg;
   return head("dictionary", "controlDict") +
@@ -431,6 +423,7 @@ writeFormat     binary;
 writePrecision  8;
 timePrecision   8;
 runTimeModifiable true;
+libs            ("libatmosphericModels.so");  // roughness, in later versions
 
 functions
 {{
@@ -480,30 +473,29 @@ std::string turbulence_model(const std::string& object, bool is_org) {
              is_org ? "model   " : "RASModel", kCmu, sigma);
 }
 
-using File = std::pair<std::string, std::string>;  ///< Name below the folder, text.
-
-std::vector<File> files_of(const OpenfoamCaseOptions& options, const Fields& fields,
-                           const SamplePoints& samples) {
+std::vector<CaseFile> files_of(const OpenfoamCaseOptions& options, const Fields& fields,
+                               const SamplePoints& samples) {
   const bool is_org = options.dialect == FoamDialect::kOrg;
-  std::vector<File> files{
+  std::vector<CaseFile> files{
       {"0/U", fields.velocity()},
       {"0/p", fields.pressure()},
       {"0/k", fields.kinetic_energy()},
       {"0/epsilon", fields.dissipation()},
       {"0/nut", fields.eddy_viscosity()},
       {"constant/transportProperties",
-       head("dictionary", "transportProperties") + "transportModel  Newtonian;\nnu              1.5e-05;\n"},
+       head("dictionary", "transportProperties") +
+           "transportModel  Newtonian;\nnu              1.5e-05;\n"},
       {"constant/turbulenceProperties", turbulence_model("turbulenceProperties", is_org)},
       {"system/controlDict", control(options)},
       {"system/pedestrian", pedestrian(options, samples)},
       {"system/fvSchemes", head("dictionary", "fvSchemes") + foam_texts::kFvSchemes},
       {"system/fvSolution", head("dictionary", "fvSolution") + foam_texts::kFvSolution},
       {"Allrun", replaced(foam_texts::kAllrun, {{"@SOLVER@", is_org ? "foamRun" : "simpleFoam"}})},
-      {"wind.py", replaced(foam_texts::kWindPy,
-                           {{"@SPEED@", fmt::format("{}", options.wind.speed)},
-                            {"@HEIGHT@", fmt::format("{}", options.wind.height)},
-                            {"@SAMPLE_HEIGHT@", fmt::format("{}", options.sample_height)},
-                            {"@SPACING@", fmt::format("{}", samples.spacing)}})}};
+      {"wind.py",
+       replaced(foam_texts::kWindPy, {{"@SPEED@", fmt::format("{}", options.wind.speed)},
+                                      {"@HEIGHT@", fmt::format("{}", options.wind.height)},
+                                      {"@SAMPLE_HEIGHT@", fmt::format("{}", options.sample_height)},
+                                      {"@SPACING@", fmt::format("{}", samples.spacing)}})}};
   if (is_org) {
     files.emplace_back("constant/momentumTransport", turbulence_model("momentumTransport", true));
     files.emplace_back("constant/physicalProperties",
@@ -514,24 +506,15 @@ std::vector<File> files_of(const OpenfoamCaseOptions& options, const Fields& fie
 }
 
 void require_options(const OpenfoamCaseOptions& options) {
-  const auto positive = [](const char* name, double value) {
-    if (!(value > 0) || !std::isfinite(value))
-      throw Error(ErrorKind::kUsage, fmt::format("{}: {} is not above 0", name, value));
-  };
-  positive("wind-speed", options.wind.speed);
-  positive("wind-height", options.wind.height);
-  positive("roughness", options.wind.roughness);
-  positive("sample-height", options.sample_height);
-  positive("sample-spacing", options.sample_spacing);
+  require_wind(options.wind);
+  require_positive("sample-height", options.sample_height);
+  require_positive("sample-spacing", options.sample_spacing);
   const auto not_negative = [](const char* name, double value) {
     if (!(value >= 0) || !std::isfinite(value))
       throw Error(ErrorKind::kUsage, fmt::format("{}: {} is below 0", name, value));
   };
   not_negative("ground-roughness", options.ground_roughness);
   not_negative("building-roughness", options.building_roughness);
-  if (!std::isfinite(options.wind.from) || std::abs(options.wind.from) > 360)
-    throw Error(ErrorKind::kUsage,
-                fmt::format("wind-from: {} is not between -360 and 360 degrees", options.wind.from));
   if (options.iterations < 1)
     throw Error(ErrorKind::kUsage, fmt::format("iterations: {} is below 1", options.iterations));
 }
@@ -564,21 +547,9 @@ OpenfoamCase write_openfoam_case(const fs::path& folder, const OpenfoamCaseOptio
   require_options(options);
   const FoamMesh mesh = read_foam_mesh(folder / "constant/polyMesh");
   const Fields fields(mesh, options);
-  const SamplePoints samples =
-      sample_points(mesh, options.sample_height, options.sample_spacing);
-  const std::vector<File> files = files_of(options, fields, samples);
+  const SamplePoints samples = sample_points(mesh, options.sample_height, options.sample_spacing);
+  write_case_files(folder, files_of(options, fields, samples), options.overwrite);
   std::error_code error;
-  for (const auto& [name, text] : files)
-    if (!options.overwrite && fs::exists(fs::symlink_status(folder / name, error)))
-      throw Error(ErrorKind::kUsage,
-                  fmt::format("{}: exists already; replace the case with --overwrite, or copy the "
-                              "mesh into another folder",
-                              (folder / name).string()));
-  for (const auto& [name, text] : files) {
-    const fs::path path = folder / name;
-    fs::create_directories(path.parent_path(), error);
-    write_file(path, text);
-  }
   fs::permissions(folder / "Allrun",
                   fs::perms::owner_exec | fs::perms::group_exec | fs::perms::others_exec,
                   fs::perm_options::add, error);

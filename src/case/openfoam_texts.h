@@ -227,7 +227,7 @@ def draw(path, speeds, spacing, most):
 def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("case", nargs="?", default=pathlib.Path(__file__).parent, type=pathlib.Path)
-    parser.add_argument("--max", type=float, default=1.2 * REFERENCE, help="speed of the last colour [m/s]")
+    parser.add_argument("--max", type=float, default=REFERENCE, help="speed of the last colour [m/s]")
     arguments = parser.parse_args()
     case = arguments.case
     logs = [case / name for name in ("log.simpleFoam", "log.foamRun") if (case / name).exists()]

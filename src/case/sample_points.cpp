@@ -34,8 +34,7 @@ void for_each_node(const std::array<std::array<double, 3>, 3>& corners, double s
       const double y = (static_cast<double>(j) + 0.5) * spacing;
       const double s = ((x - a[0]) * (c[1] - a[1]) - (y - a[1]) * (c[0] - a[0])) / twice;
       const double t = ((b[0] - a[0]) * (y - a[1]) - (b[1] - a[1]) * (x - a[0])) / twice;
-      if (s >= 0 && t >= 0 && s + t <= 1)
-        visit(j, i, a[2] + s * (b[2] - a[2]) + t * (c[2] - a[2]));
+      if (s >= 0 && t >= 0 && s + t <= 1) visit(j, i, a[2] + s * (b[2] - a[2]) + t * (c[2] - a[2]));
     }
 }
 

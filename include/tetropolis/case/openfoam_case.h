@@ -45,11 +45,11 @@ struct OpenfoamCase {
   };
   std::vector<Side> sides;
   std::int64_t ground_faces = 0;
-  double first_cell = 0;         ///< Height of the cells on the ground [m], the median.
-  std::int64_t shallow = 0;      ///< Ground faces whose cell is lower than four times the roughness:
-                                 ///< wall functions overstate the wind there.
-  std::int64_t samples = 0;      ///< Points at sample_height.
-  double sample_spacing = 0;     ///< [m]
+  double first_cell = 0;      ///< Height of the cells on the ground [m], the median.
+  std::int64_t shallow = 0;   ///< Ground faces whose cell is lower than four times the roughness:
+                              ///< wall functions overstate the wind there.
+  std::int64_t samples = 0;   ///< Points at sample_height.
+  double sample_spacing = 0;  ///< [m]
 };
 
 /// Writes 0/, constant/, system/, Allrun and wind.py around the mesh in `folder`/constant/polyMesh
