@@ -1,8 +1,6 @@
 #include <algorithm>
 #include <filesystem>
-#include <span>
 #include <string>
-#include <string_view>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
