@@ -31,6 +31,7 @@
 #include "tetropolis/run/run.h"
 
 #include "arguments.h"
+#include "case_command.h"
 #include "commands.h"
 #include "console.h"
 #include "help.h"
@@ -200,6 +201,7 @@ struct CommandLine {
   std::string checked;                 ///< Of check.
   std::optional<double> min_distance;  ///< Of check.
   RenderArguments picture;             ///< Of render.
+  CaseArguments flow;                  ///< Of case.
   std::string settings{"tetropolis.toml"};  ///< Of init.
   std::string topic;                        ///< Of help and completions.
 
@@ -278,6 +280,22 @@ void add_render(CommandLine& line) {
   });
 }
 
+void add_case(CommandLine& line) {
+  CLI::App& added = *line.app.add_subcommand(
+      "case", "Make a folder of results a case of wind that a solver runs as it is");
+  add_case_options(added, line.flow);
+  added.footer("tetropolis case openfoam city --wind-speed 5 --wind-from 240 --roughness 0.5");
+  const auto options = std::make_shared<ConfigOptions>(added, kCheck);
+  on_choice(line, added, [&line, options] {
+    const Config config = options->config();
+    const ThreadLimit limit(config.threads);
+    return with_console(config, line.flow.folder, [&](Console& console) {
+      make_case(line.flow, console);
+      return 0;
+    });
+  });
+}
+
 void add_init(CommandLine& line) {
   CLI::App& added = *line.app.add_subcommand("init", "Write a commented configuration file");
   added
@@ -349,6 +367,7 @@ void declare(CommandLine& line) {
   add_info(line);
   add_check(line);
   add_render(line);
+  add_case(line);
   add_init(line);
   add_help(line);
   add_completions(line);

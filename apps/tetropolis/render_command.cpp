@@ -1,39 +1,12 @@
 #include "render_command.h"
 
-#include <algorithm>
-#include <cstddef>
-#include <span>
-#include <string_view>
-
 #include <fmt/format.h>
-#include <fmt/ranges.h>
 
 #include "tetropolis/core/error.h"
 
+#include "choice.h"
+
 namespace tetropolis::app {
-
-namespace {
-
-using Words = std::span<const std::string_view>;
-
-/// Adds an option that is one of `words`, the first by default.
-void add_choice(CLI::App& command, const std::string& name, std::string& value, Words words,
-                const std::string& help) {
-  command.add_option(name, value, fmt::format("{} (default {})", help, words.front()))
-      ->type_name(fmt::format("{{{}}}", fmt::join(words, ",")))
-      ->check([words](const std::string& word) {
-        const bool known = std::find(words.begin(), words.end(), word) != words.end();
-        return known ? std::string()
-                     : fmt::format("'{}' is not one of {}", word, fmt::join(words, ", "));
-      });
-}
-
-template <typename Enumeration>
-Enumeration named(const std::string& word, Words words) {
-  return static_cast<Enumeration>(std::find(words.begin(), words.end(), word) - words.begin());
-}
-
-}  // namespace
 
 void add_render_options(CLI::App& command, RenderArguments& arguments) {
   RenderOptions& options = arguments.options;

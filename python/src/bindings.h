@@ -11,6 +11,8 @@ void bind_city(nanobind::module_& module);
 void bind_mesh(nanobind::module_& module);
 /// Commands on files: synth, check.
 void bind_files(nanobind::module_& module);
+/// Cases for solvers.
+void bind_case(nanobind::module_& module);
 /// Pictures of files; those of meshes are members of theirs.
 void bind_render(nanobind::module_& module);
 

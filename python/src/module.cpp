@@ -22,4 +22,5 @@ NB_MODULE(_core, module) {
   bind_mesh(module);
   bind_files(module);
   bind_render(module);
+  bind_case(module);
 }

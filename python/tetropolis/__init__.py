@@ -5,6 +5,7 @@
 >>> mesh = tp.build_mesh(city, mesh_size=5)
 >>> mesh.save("city.vtu")
 """
+from ._case import case_fenicsx, case_openfoam
 from ._city import City, CityModel, Terrain, build_city, read_city
 from ._core import version as __version__
 from ._errors import DataWarning, Error, GuaranteeError, InputError, UsageError
@@ -14,5 +15,5 @@ from ._render import render
 from ._report import Notice
 
 __all__ = ["CheckedFile", "City", "CityModel", "DataWarning", "Error", "GroundMesh", "GuaranteeError", "InputError",
-           "Mesh", "Notice", "Surface", "Terrain", "UsageError", "__version__", "build_city", "build_mesh", "check",
-           "read_city", "render", "synth"]
+           "Mesh", "Notice", "Surface", "Terrain", "UsageError", "__version__", "build_city", "build_mesh",
+           "case_fenicsx", "case_openfoam", "check", "read_city", "render", "synth"]

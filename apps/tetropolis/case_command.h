@@ -1,0 +1,28 @@
+// The command that makes cases for solvers.
+#pragma once
+
+#include <string>
+
+#include <CLI/CLI.hpp>
+
+#include "tetropolis/case/openfoam_case.h"
+
+#include "console.h"
+
+namespace tetropolis::app {
+
+/// What `case` is told.
+struct CaseArguments {
+  std::string solver;
+  std::string folder;
+  std::string dialect{kFoamDialectNames.front()};
+  OpenfoamCaseOptions options;
+};
+
+/// Adds the options to `command`; `arguments` is filled when the command line is parsed.
+void add_case_options(CLI::App& command, CaseArguments& arguments);
+
+/// Writes the case, and prints what it is and what to do next unless quiet. Throws Error.
+void make_case(const CaseArguments& arguments, Console& console);
+
+}  // namespace tetropolis::app

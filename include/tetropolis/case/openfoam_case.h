@@ -1,0 +1,63 @@
+// A case of wind over a city that OpenFOAM solves as it is.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <filesystem>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "tetropolis/case/wind.h"
+
+namespace tetropolis {
+
+/// Whose OpenFOAM reads the case: openfoam.com (v1906 and later) or openfoam.org (8 and later).
+enum class FoamDialect : std::uint8_t { kCom, kOrg };
+inline constexpr std::array<std::string_view, 2> kFoamDialectNames = {"com", "org"};
+
+struct OpenfoamCaseOptions {
+  Wind wind;
+  FoamDialect dialect = FoamDialect::kCom;
+  double ground_roughness = 0;  ///< Of the ground among the buildings and one height of the highest
+                                ///< around them [m]; 0: that of the wind.
+  double building_roughness = 0.01;  ///< Of roofs and walls [m]; 0: smooth.
+  double sample_height = 1.75;       ///< Where people feel the wind, above the ground [m].
+  double sample_spacing = 2;         ///< Of the points there [m], or more: 400,000 points at most.
+  int iterations = 500;              ///< At most; residuals below 1e-4 end the run before.
+  bool overwrite = false;            ///< Whether a case that is there is replaced.
+};
+
+/// What the wind does at a side of the domain.
+enum class SideRole : std::uint8_t {
+  kInlet,   ///< Enters.
+  kOutlet,  ///< Leaves.
+  kBoth,    ///< Enters at some faces and leaves at others, as they lie.
+  kAlong,   ///< Blows along it, to within half a degree: slip.
+};
+inline constexpr std::array<std::string_view, 4> kSideRoleNames = {"inlet", "outlet",
+                                                                   "inlet and outlet", "slip"};
+
+struct OpenfoamCase {
+  struct Side {
+    std::string patch;
+    SideRole role = SideRole::kAlong;
+  };
+  std::vector<Side> sides;
+  std::int64_t ground_faces = 0;
+  double first_cell = 0;      ///< Height of the cells on the ground [m], the median.
+  std::int64_t shallow = 0;   ///< Ground faces whose cell is lower than four times the roughness:
+                              ///< wall functions overstate the wind there.
+  std::int64_t samples = 0;   ///< Points at sample_height.
+  double sample_spacing = 0;  ///< [m]
+};
+
+/// Writes 0/, constant/, system/, Allrun and wind.py around the mesh in `folder`/constant/polyMesh
+/// (as write_openfoam writes it): steady, k-epsilon, SIMPLEC, with the profile of the wind at each
+/// face by its height above the ground below. Each file appears complete or not at all; the mesh is
+/// not touched. Errors: kUsage for options out of range, and for files that are there unless
+/// `overwrite`; kInput for a mesh that is missing or is none, and files that cannot be written.
+OpenfoamCase write_openfoam_case(const std::filesystem::path& folder,
+                                 const OpenfoamCaseOptions& options);
+
+}  // namespace tetropolis

@@ -1,0 +1,88 @@
+#include <algorithm>
+#include <filesystem>
+#include <string>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+#include <nanobind/stl/filesystem.h>
+#include <nanobind/stl/string.h>
+
+#include "tetropolis/case/fenicsx_case.h"
+#include "tetropolis/case/openfoam_case.h"
+#include "tetropolis/core/error.h"
+
+#include "bindings.h"
+
+namespace tetropolis::python {
+
+namespace {
+
+namespace nb = nanobind;
+
+Wind wind_of(double speed, double from, double height, double roughness) {
+  Wind wind;
+  wind.speed = speed;
+  wind.from = from;
+  wind.height = height;
+  wind.roughness = roughness;
+  return wind;
+}
+
+nb::dict case_openfoam(const std::filesystem::path& folder, double speed, double from,
+                       double height, double roughness, double ground, double building,
+                       double sample_height, double sample_spacing, int iterations,
+                       const std::string& dialect, bool overwrite) {
+  OpenfoamCaseOptions options;
+  options.wind = wind_of(speed, from, height, roughness);
+  const auto& names = kFoamDialectNames;
+  const auto found = std::find(names.begin(), names.end(), dialect);
+  if (found == names.end())
+    throw Error(ErrorKind::kUsage,
+                fmt::format("dialect: '{}' is not one of {}", dialect, fmt::join(names, ", ")));
+  options.dialect = static_cast<FoamDialect>(found - names.begin());
+  options.ground_roughness = ground;
+  options.building_roughness = building;
+  options.sample_height = sample_height;
+  options.sample_spacing = sample_spacing;
+  options.iterations = iterations;
+  options.overwrite = overwrite;
+  OpenfoamCase made;
+  {
+    const nb::gil_scoped_release release;
+    made = write_openfoam_case(folder, options);
+  }
+  nb::dict sides;
+  for (const OpenfoamCase::Side& side : made.sides)
+    sides[side.patch.c_str()] =
+        std::string(kSideRoleNames[static_cast<std::size_t>(side.role)]).c_str();
+  nb::dict result;
+  result["sides"] = sides;
+  result["ground_faces"] = made.ground_faces;
+  result["first_cell"] = made.first_cell;
+  result["shallow"] = made.shallow;
+  result["samples"] = made.samples;
+  result["sample_spacing"] = made.sample_spacing;
+  return result;
+}
+
+void case_fenicsx(const std::filesystem::path& folder, double speed, double from, bool overwrite) {
+  Wind wind;
+  wind.speed = speed;
+  wind.from = from;
+  const nb::gil_scoped_release release;
+  write_fenicsx_case(folder, wind, overwrite);
+}
+
+}  // namespace
+
+void bind_case(nb::module_& module) {
+  module.def("case_openfoam", case_openfoam, nb::arg("folder"), nb::arg("wind_speed"),
+             nb::arg("wind_from"), nb::arg("wind_height"), nb::arg("roughness"),
+             nb::arg("ground_roughness"), nb::arg("building_roughness"), nb::arg("sample_height"),
+             nb::arg("sample_spacing"), nb::arg("iterations"), nb::arg("dialect"),
+             nb::arg("overwrite"));
+  module.def("case_fenicsx", case_fenicsx, nb::arg("folder"), nb::arg("wind_speed"),
+             nb::arg("wind_from"), nb::arg("overwrite"));
+}
+
+}  // namespace tetropolis::python

@@ -1,0 +1,78 @@
+"""Cases for solvers."""
+from __future__ import annotations
+
+import os
+from pathlib import Path
+from typing import Any, Literal
+
+from . import _core
+
+
+def case_openfoam(folder: str | os.PathLike[str], *, wind_speed: float = 5, wind_from: float = 270,
+                  wind_height: float = 10, roughness: float = 0.5, ground_roughness: float = 0,
+                  building_roughness: float = 0.01, sample_height: float = 1.75, sample_spacing: float = 2,
+                  iterations: int = 500, dialect: Literal["com", "org"] = "com", overwrite: bool = False) -> dict[str, Any]:
+    """Makes a folder with a mesh for OpenFOAM a case of wind that its `Allrun` solves.
+
+    Parameters
+    ----------
+    folder : path
+        With `constant/polyMesh`: of `mesh.save(folder / "constant/polyMesh")`, or of a build with that format.
+    wind_speed, wind_height : float
+        m/s, at so many metres above the ground.
+    wind_from : float
+        Where the wind comes from, degrees clockwise from the grid's north.
+    roughness : float
+        Roughness length of the land upwind, metres.
+    ground_roughness : float
+        That of the ground among the buildings; 0: as upwind.
+    building_roughness : float
+        That of roofs and walls; 0: smooth.
+    sample_height, sample_spacing : float
+        Where people feel the wind, above the ground, and the spacing of points there, metres.
+    iterations : int
+        At most; residuals below 1e-4 end the run before.
+    dialect : {'com', 'org'}
+        OpenFOAM of openfoam.com or openfoam.org.
+    overwrite : bool
+        Whether a case that is there is replaced.
+
+    Returns
+    -------
+    dict
+        'sides', what the wind does at each; 'first_cell', the median height of cells on the ground; 'shallow', how
+        many of the 'ground_faces' have a cell lower than four roughness lengths, where the wind comes out too fast;
+        'samples' and 'sample_spacing'.
+
+    Raises
+    ------
+    UsageError
+        An option out of range, or a case that is there.
+    InputError
+        No mesh, or files that cannot be written.
+    """
+    return _core.case_openfoam(Path(folder), wind_speed, wind_from, wind_height, roughness, ground_roughness,
+                               building_roughness, sample_height, sample_spacing, iterations, dialect, overwrite)
+
+
+def case_fenicsx(folder: str | os.PathLike[str], *, wind_speed: float = 5, wind_from: float = 270,
+                 overwrite: bool = False) -> None:
+    """Writes `smoke.py` beside `volume.xdmf` and `boundary.xdmf`: wind and smoke over the city with DOLFINx.
+
+    Parameters
+    ----------
+    folder : path
+        Of a build with the format 'xdmf'.
+    wind_speed, wind_from : float
+        m/s, and where the wind comes from, degrees clockwise from the grid's north.
+    overwrite : bool
+        Whether a program that is there is replaced.
+
+    Raises
+    ------
+    UsageError
+        A wind without speed, or a program that is there.
+    InputError
+        No mesh, or files that cannot be written.
+    """
+    _core.case_fenicsx(Path(folder), wind_speed, wind_from, overwrite)

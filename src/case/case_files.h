@@ -1,0 +1,28 @@
+// What the makers of cases share. Private to src/case.
+#pragma once
+
+#include <filesystem>
+#include <map>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "tetropolis/case/wind.h"
+
+namespace tetropolis {
+
+/// `text` with each word replaced by its value.
+std::string replaced(std::string text, const std::map<std::string, std::string>& words);
+
+/// Throws Error(kUsage) naming the option: "wind-speed: 0 is not above 0".
+void require_positive(const char* option, double value);
+void require_wind(const Wind& wind);
+
+using CaseFile = std::pair<std::string, std::string>;  ///< Name below the folder, text.
+
+/// Writes the files, each complete or not at all. Throws Error(kUsage) for one that is there
+/// unless `overwrite`, before any is written; Error(kInput) if one cannot be written.
+void write_case_files(const std::filesystem::path& folder, const std::vector<CaseFile>& files,
+                      bool overwrite);
+
+}  // namespace tetropolis

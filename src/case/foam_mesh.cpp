@@ -1,0 +1,174 @@
+#include "foam_mesh.h"
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <cstring>
+#include <fstream>
+#include <iterator>
+#include <regex>
+#include <string_view>
+#include <system_error>
+
+#include <fmt/format.h>
+
+#include "tetropolis/core/error.h"
+
+namespace tetropolis {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+[[noreturn]] void fail(const fs::path& path, const std::string& what) {
+  throw Error(ErrorKind::kInput, fmt::format("{}: {}; mesh the city again with --formats openfoam",
+                                             path.string(), what));
+}
+
+/// A file of a mesh: its header, and lists one after the other.
+class FoamFile {
+ public:
+  explicit FoamFile(fs::path path) : path_(std::move(path)) {
+    std::ifstream file(path_, std::ios::binary);
+    if (!file) fail(path_, "cannot be read");
+    text_.assign(std::istreambuf_iterator<char>(file), {});
+    const std::size_t end = text_.find('}');
+    if (text_.find("FoamFile") == std::string::npos || end == std::string::npos)
+      fail(path_, "is no file of OpenFOAM");
+    header_ = text_.substr(0, end);
+    at_ = end + 1;
+  }
+
+  const std::string& header() const { return header_; }
+  std::string_view rest() const { return std::string_view(text_).substr(at_); }
+
+  /// The next list: rows of `width` numbers.
+  template <typename Number>
+  std::vector<Number> list(std::size_t width) {
+    if (header_.find("label=32;scalar=64") == std::string::npos)
+      fail(path_, "is not binary with 32-bit labels, as it was written");
+    at_ = text_.find_first_of("0123456789", at_);
+    std::size_t rows = 0;
+    if (at_ != std::string::npos) {
+      const char* end = text_.data() + text_.size();
+      const std::from_chars_result read = std::from_chars(text_.data() + at_, end, rows);
+      const char* open = std::find_if(read.ptr, end, [](char c) { return c != '\n'; });
+      at_ = read.ec == std::errc() && open < end && *open == '('
+                ? static_cast<std::size_t>(open - text_.data()) + 1
+                : std::string::npos;
+    }
+    if (at_ == std::string::npos || rows > (text_.size() - at_) / (width * sizeof(Number)))
+      fail(path_, "is cut or changed");
+    std::vector<Number> numbers(rows * width);
+    std::memcpy(numbers.data(), text_.data() + at_, numbers.size() * sizeof(Number));
+    at_ += numbers.size() * sizeof(Number);
+    return numbers;
+  }
+
+ private:
+  fs::path path_;
+  std::string text_;
+  std::string header_;
+  std::size_t at_ = 0;
+};
+
+std::vector<FoamPatch> read_patches(const fs::path& path) {
+  const FoamFile file(path);
+  const std::string text(file.rest());
+  const std::regex entry(R"(([^\s{}()]+)\s*\{([^}]*)\})");
+  const auto number = [&](const std::string& body, const char* key) {
+    std::smatch found;
+    if (!std::regex_search(body, found, std::regex(std::string(key) + R"(\s+(\d{1,10})\s*;)")))
+      fail(path, fmt::format("a patch has no {}", key));
+    return static_cast<std::size_t>(std::stoll(found[1]));
+  };
+  std::vector<FoamPatch> patches;
+  for (std::sregex_iterator i(text.begin(), text.end(), entry), end; i != end; ++i) {
+    const std::string body = (*i)[2];
+    const std::size_t begin = number(body, "startFace");
+    patches.push_back({(*i)[1], std::regex_search(body, std::regex(R"(type\s+wall\s*;)")), begin,
+                       begin + number(body, "nFaces")});
+  }
+  return patches;
+}
+
+void require_consistent(const fs::path& folder, const FoamMesh& mesh) {
+  const auto all = [](const auto& numbers, std::size_t end) {
+    return std::all_of(numbers.begin(), numbers.end(),
+                       [&](std::int32_t n) { return n >= 0 && static_cast<std::size_t>(n) < end; });
+  };
+  const auto faces = [&] {
+    return mesh.face_start.size() == mesh.owner.size() + 1 && mesh.face_start.front() == 0 &&
+           std::is_sorted(mesh.face_start.begin(), mesh.face_start.end()) &&
+           static_cast<std::size_t>(mesh.face_start.back()) == mesh.face_points.size();
+  };
+  if (mesh.owner.empty() || !faces() || !all(mesh.face_points, mesh.points.size()))
+    fail(folder / "faces", "does not fit the other files");
+  if (mesh.neighbour.size() >= mesh.owner.size() || !all(mesh.owner, mesh.cells()) ||
+      !all(mesh.neighbour, mesh.cells()))
+    fail(folder / "neighbour", "does not fit the other files");
+  std::size_t next = mesh.neighbour.size();
+  for (const FoamPatch& patch : mesh.patches) {
+    if (patch.begin != next || patch.end > mesh.faces())
+      fail(folder / "boundary", fmt::format("the patch {} does not fit the faces", patch.name));
+    next = patch.end;
+  }
+  if (next != mesh.faces()) fail(folder / "boundary", "some faces have no patch");
+}
+
+}  // namespace
+
+FaceGeometry face_geometry(const FoamMesh& mesh, std::size_t f) {
+  const auto corners = mesh.face(f);
+  const auto count = static_cast<double>(corners.size());
+  std::array<double, 3> mean{};
+  for (const std::int32_t p : corners)
+    for (std::size_t c = 0; c < 3; ++c) mean[c] += mesh.point(p)[c] / count;
+  FaceGeometry face;
+  double weight = 0;
+  for (std::size_t i = 0; i < corners.size(); ++i) {
+    const auto& a = mesh.point(corners[i]);
+    const auto& b = mesh.point(corners[(i + 1) % corners.size()]);
+    std::array<double, 3> u{}, v{};
+    for (std::size_t c = 0; c < 3; ++c) {
+      u[c] = b[c] - a[c];
+      v[c] = mean[c] - a[c];
+    }
+    const std::array<double, 3> area = {(u[1] * v[2] - u[2] * v[1]) / 2,
+                                        (u[2] * v[0] - u[0] * v[2]) / 2,
+                                        (u[0] * v[1] - u[1] * v[0]) / 2};
+    const double size = std::hypot(area[0], area[1], area[2]);
+    weight += size;
+    for (std::size_t c = 0; c < 3; ++c) {
+      face.area[c] += area[c];
+      face.centre[c] += size * (a[c] + b[c] + mean[c]) / 3;
+    }
+  }
+  for (std::size_t c = 0; c < 3; ++c)
+    face.centre[c] = weight > 0 ? face.centre[c] / weight : mean[c];
+  return face;
+}
+
+FoamMesh read_foam_mesh(const fs::path& folder) {
+  FoamMesh mesh;
+  std::error_code error;
+  if (!fs::is_directory(folder, error)) fail(folder, "is not there");
+  const std::vector<double> points = FoamFile(folder / "points").list<double>(3);
+  mesh.points.resize(points.size() / 3);
+  if (!points.empty())
+    std::memcpy(mesh.points.data(), points.data(), points.size() * sizeof(double));
+  FoamFile faces(folder / "faces");
+  mesh.face_start = faces.list<std::int32_t>(1);
+  mesh.face_points = faces.list<std::int32_t>(1);
+  if (mesh.face_start.empty()) fail(folder / "faces", "has no faces");
+  mesh.owner = FoamFile(folder / "owner").list<std::int32_t>(1);
+  mesh.neighbour = FoamFile(folder / "neighbour").list<std::int32_t>(1);
+  if (!mesh.owner.empty())
+    mesh.cell_count =
+        static_cast<std::size_t>(*std::max_element(mesh.owner.begin(), mesh.owner.end())) + 1;
+  mesh.patches = read_patches(folder / "boundary");
+  require_consistent(folder, mesh);
+  return mesh;
+}
+
+}  // namespace tetropolis

@@ -1,0 +1,58 @@
+// The mesh of an OpenFOAM case, as write_openfoam writes it, read back.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <filesystem>
+#include <span>
+#include <string>
+#include <vector>
+
+namespace tetropolis {
+
+struct FoamPatch {
+  std::string name;
+  bool is_wall = false;
+  std::size_t begin = 0;  ///< Faces [begin, end).
+  std::size_t end = 0;
+  /// Whether its faces are of buildings, by its name.
+  bool of_building() const {
+    return is_wall && (name.starts_with("roof") || name.starts_with("wall"));
+  }
+};
+
+struct FoamMesh {
+  std::vector<std::array<double, 3>> points;
+  std::vector<std::int32_t> face_start;  ///< F + 1 offsets into face_points.
+  std::vector<std::int32_t> face_points;
+  std::vector<std::int32_t> owner;      ///< Per face.
+  std::vector<std::int32_t> neighbour;  ///< Per internal face; these come first.
+  std::vector<FoamPatch> patches;
+
+  std::size_t faces() const { return owner.size(); }
+  std::size_t cells() const { return cell_count; }
+  std::span<const std::int32_t> face(std::size_t f) const {
+    return std::span(face_points)
+        .subspan(static_cast<std::size_t>(face_start[f]),
+                 static_cast<std::size_t>(face_start[f + 1] - face_start[f]));
+  }
+  const std::array<double, 3>& point(std::int32_t p) const {
+    return points[static_cast<std::size_t>(p)];
+  }
+  std::size_t cell_count = 0;
+};
+
+/// Centre and area vector (leaves the owner) of a face: sums over triangles around the mean of its
+/// corners, as OpenFOAM has them.
+struct FaceGeometry {
+  std::array<double, 3> centre{};
+  std::array<double, 3> area{};
+};
+FaceGeometry face_geometry(const FoamMesh& mesh, std::size_t f);
+
+/// Reads `folder` (constant/polyMesh). Throws Error(kInput) naming the file, what is wrong and what
+/// to do.
+FoamMesh read_foam_mesh(const std::filesystem::path& folder);
+
+}  // namespace tetropolis

@@ -1,0 +1,566 @@
+#include "tetropolis/case/openfoam_case.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <functional>
+#include <iterator>
+#include <limits>
+#include <optional>
+#include <system_error>
+#include <unordered_map>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "tetropolis/core/error.h"
+#include "tetropolis/core/version.h"
+
+#include "case_files.h"
+#include "foam_mesh.h"
+#include "openfoam_texts.h"
+#include "sample_points.h"
+
+namespace tetropolis {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+using Vec3 = std::array<double, 3>;
+
+/// Wind that meets a side at less than that (a sine, half a degree) blows along it.
+constexpr double kAlong = 0.0087;
+/// Wall functions of rough walls need cells as high as that many roughness lengths at least.
+constexpr double kRoughnessLengths = 4;
+
+struct PlaceHash {
+  std::size_t operator()(const std::pair<double, double>& place) const {
+    const std::hash<double> hash;
+    return hash(place.first) * 1000003U ^ hash(place.second);
+  }
+};
+
+/// Per point, the elevation of the lowest one over the same place: its ground, or the roof it
+/// stands on.
+std::vector<double> floors_below(const std::vector<Vec3>& points) {
+  std::unordered_map<std::pair<double, double>, double, PlaceHash> lowest;
+  for (const Vec3& p : points) {
+    const auto [entry, is_new] = lowest.try_emplace({p[0], p[1]}, p[2]);
+    if (!is_new) entry->second = std::min(entry->second, p[2]);
+  }
+  std::vector<double> floors(points.size());
+  for (std::size_t i = 0; i < points.size(); ++i)
+    floors[i] = lowest.at({points[i][0], points[i][1]});
+  return floors;
+}
+
+/// Height of a point in a vertical face above the line between the floors of the face's ends.
+double height_above_floor(const FoamMesh& mesh, const std::vector<double>& floors, std::size_t f,
+                          const Vec3& at) {
+  const auto corners = mesh.face(f);
+  const Vec3& a = mesh.point(corners[0]);
+  std::int32_t far = corners[0];
+  double most = 0;
+  for (const std::int32_t p : corners) {
+    const double d = std::hypot(mesh.point(p)[0] - a[0], mesh.point(p)[1] - a[1]);
+    if (d > most) {
+      most = d;
+      far = p;
+    }
+  }
+  const double from = floors[static_cast<std::size_t>(corners[0])];
+  if (most == 0) return at[2] - from;
+  const Vec3& b = mesh.point(far);
+  const double t =
+      ((at[0] - a[0]) * (b[0] - a[0]) + (at[1] - a[1]) * (b[1] - a[1])) / (most * most);
+  return at[2] - (from + t * (floors[static_cast<std::size_t>(far)] - from));
+}
+
+/// Per cell, the mean height of its corners above their floors.
+std::vector<double> heights_of_cells(const FoamMesh& mesh, const std::vector<double>& floors) {
+  std::vector<double> sum(mesh.cells(), 0);
+  std::vector<std::int32_t> count(mesh.cells(), 0);
+  for (std::size_t f = 0; f < mesh.faces(); ++f)
+    for (const std::int32_t p : mesh.face(f)) {
+      const auto i = static_cast<std::size_t>(p);
+      const auto add = [&](std::int32_t cell) {
+        sum[static_cast<std::size_t>(cell)] += mesh.points[i][2] - floors[i];
+        ++count[static_cast<std::size_t>(cell)];
+      };
+      add(mesh.owner[f]);
+      if (f < mesh.neighbour.size()) add(mesh.neighbour[f]);
+    }
+  for (std::size_t c = 0; c < sum.size(); ++c) sum[c] /= std::max(count[c], 1);
+  return sum;
+}
+
+/// How high the cells on some faces are above them: farthest corner from the plane of the face.
+std::unordered_map<std::int32_t, double> heights_on(const FoamMesh& mesh,
+                                                    const std::vector<std::size_t>& faces) {
+  struct Plane {
+    Vec3 point{};
+    Vec3 normal{};
+  };
+  std::unordered_map<std::int32_t, Plane> planes;
+  std::unordered_map<std::int32_t, double> heights;
+  for (const std::size_t f : faces) {
+    const FaceGeometry face = face_geometry(mesh, f);
+    const double size = std::hypot(face.area[0], face.area[1], face.area[2]);
+    if (size > 0)
+      planes[mesh.owner[f]] = {face.centre,
+                               {face.area[0] / size, face.area[1] / size, face.area[2] / size}};
+  }
+  const auto look = [&](std::int32_t cell, std::size_t f) {
+    const auto found = planes.find(cell);
+    if (found == planes.end()) return;
+    double& height = heights[cell];
+    for (const std::int32_t p : mesh.face(f)) {
+      double depth = 0;  // normals leave the cell
+      for (std::size_t c = 0; c < 3; ++c)
+        depth -= (mesh.point(p)[c] - found->second.point[c]) * found->second.normal[c];
+      height = std::max(height, depth);
+    }
+  };
+  for (std::size_t f = 0; f < mesh.faces(); ++f) {
+    look(mesh.owner[f], f);
+    if (f < mesh.neighbour.size()) look(mesh.neighbour[f], f);
+  }
+  return heights;
+}
+
+/// A patch of the case: what it is, and the wind at its faces.
+struct CasePatch {
+  const FoamPatch* patch = nullptr;
+  enum class Kind : std::uint8_t { kGround, kBuilding, kTop, kSide } kind = Kind::kGround;
+  SideRole role = SideRole::kAlong;  ///< Of a side.
+  std::vector<double> heights;       ///< Per face of a side: of its centre, above the ground.
+};
+
+SideRole role_of(const FoamMesh& mesh, const FoamPatch& patch, const std::array<double, 2>& to) {
+  bool enters = false, leaves = false;
+  for (std::size_t f = patch.begin; f < patch.end; ++f) {
+    const Vec3 area = face_geometry(mesh, f).area;
+    const double through = area[0] * to[0] + area[1] * to[1];
+    const double least = kAlong * std::hypot(area[0], area[1], area[2]);
+    enters = enters || through < -least;
+    leaves = leaves || through > least;
+  }
+  if (enters && leaves) return SideRole::kBoth;
+  return enters ? SideRole::kInlet : leaves ? SideRole::kOutlet : SideRole::kAlong;
+}
+
+bool is_level(const FoamMesh& mesh, const FoamPatch& patch) {
+  double level = 0, all = 0;
+  for (std::size_t f = patch.begin; f < patch.end; ++f) {
+    const Vec3 area = face_geometry(mesh, f).area;
+    level += std::abs(area[2]);
+    all += std::hypot(area[0], area[1], area[2]);
+  }
+  return level > all / 2;
+}
+
+std::vector<CasePatch> patches_of(const FoamMesh& mesh, const std::vector<double>& floors,
+                                  const Wind& wind) {
+  using Kind = CasePatch::Kind;
+  std::vector<CasePatch> patches;
+  for (const FoamPatch& patch : mesh.patches) {
+    CasePatch entry;
+    entry.patch = &patch;
+    if (patch.is_wall)
+      entry.kind = patch.of_building() ? Kind::kBuilding : Kind::kGround;
+    else
+      entry.kind = is_level(mesh, patch) ? Kind::kTop : Kind::kSide;
+    if (entry.kind == Kind::kSide) {
+      entry.role = role_of(mesh, patch, direction(wind));
+      for (std::size_t f = patch.begin; f < patch.end; ++f)
+        entry.heights.push_back(
+            std::max(height_above_floor(mesh, floors, f, face_geometry(mesh, f).centre), 0.0));
+    }
+    patches.push_back(std::move(entry));
+  }
+  return patches;
+}
+
+std::string head(const std::string& type, const std::string& object) {
+  return fmt::format(
+      "// Written by tetropolis {}.\nFoamFile\n{{\n    version     2.0;\n    format      ascii;\n"
+      "    class       {};\n    object      {};\n}}\n\n",
+      kVersion, type, object);
+}
+
+/// "nonuniform List<TYPE> ..." of text(i) for i below `size`.
+template <typename Text>
+std::string list(const char* type, std::size_t size, const Text& text) {
+  std::string all = fmt::format("nonuniform List<{}>\n{}\n(\n", type, size);
+  for (std::size_t i = 0; i < size; ++i) {
+    text(i, all);
+    all += '\n';
+  }
+  return all + ")";
+}
+
+template <typename Number>
+std::string scalars(std::size_t size, const Number& number) {
+  return list("scalar", size, [&](std::size_t i, std::string& all) {
+    fmt::format_to(std::back_inserter(all), "{:.8g}", number(i));
+  });
+}
+
+template <typename Speed>
+std::string velocities(std::size_t size, const std::array<double, 2>& to, const Speed& speed) {
+  return list("vector", size, [&](std::size_t i, std::string& all) {
+    const double s = speed(i);
+    fmt::format_to(std::back_inserter(all), "({:.8g} {:.8g} 0)", s * to[0], s * to[1]);
+  });
+}
+
+std::string entry(const std::string& type, const std::string& rest = "") {
+  return fmt::format("type {};{}{}", type, rest.empty() ? "" : " ", rest);
+}
+
+std::string fixed(const std::string& value) { return entry("fixedValue", "value " + value + ";"); }
+
+/// The files of 0/.
+class Fields {
+ public:
+  Fields(const FoamMesh& mesh, const OpenfoamCaseOptions& options)
+      : mesh_(mesh),
+        options_(options),
+        profile_(options.wind),
+        to_(direction(options.wind)),
+        floors_(floors_below(mesh.points)),
+        patches_(patches_of(mesh, floors_, options.wind)),
+        cells_(heights_of_cells(mesh, floors_)),
+        top_(height_of_top()) {}
+
+  const std::vector<CasePatch>& patches() const { return patches_; }
+
+  std::string velocity() const {
+    const auto speed = [&](const std::vector<double>& heights) {
+      return velocities(heights.size(), to_,
+                        [&](std::size_t i) { return profile_.speed(heights[i]); });
+    };
+    const double s = profile_.speed(top_);
+    const std::string top = fmt::format("uniform ({:.8g} {:.8g} 0)", s * to_[0], s * to_[1]);
+    return field(
+        "U", "volVectorField", "[0 1 -1 0 0 0 0]", speed(cells_),
+        [&](const CasePatch& p) -> std::string {
+          if (p.patch->is_wall) return entry("noSlip");
+          if (p.kind == CasePatch::Kind::kTop) return fixed(top);
+          switch (p.role) {
+            case SideRole::kInlet:
+              return fixed(speed(p.heights));
+            case SideRole::kOutlet:
+              return entry("inletOutlet", "inletValue uniform (0 0 0); value uniform (0 0 0);");
+            case SideRole::kBoth:
+              return entry("freestreamVelocity", "freestreamValue " + speed(p.heights) + ";");
+            case SideRole::kAlong:
+              break;
+          }
+          return entry("slip");
+        });
+  }
+
+  std::string pressure() const {
+    return field("p", "volScalarField", "[0 2 -2 0 0 0 0]", "uniform 0",
+                 [&](const CasePatch& p) -> std::string {
+                   if (p.kind == CasePatch::Kind::kSide && p.role == SideRole::kOutlet)
+                     return fixed("uniform 0");
+                   if (p.kind == CasePatch::Kind::kSide && p.role == SideRole::kBoth)
+                     return entry("freestreamPressure", "freestreamValue uniform 0;");
+                   return entry("zeroGradient");
+                 });
+  }
+
+  std::string kinetic_energy() const {
+    const std::string k = fmt::format("uniform {:.8g}", profile_.k());
+    return turbulence("k", "[0 2 -2 0 0 0 0]", k, entry("kqRWallFunction", "value " + k + ";"), k,
+                      [&](const std::vector<double>&) { return k; });
+  }
+
+  std::string dissipation() const {
+    const auto epsilon = [&](const std::vector<double>& heights) {
+      return scalars(heights.size(),
+                     [&](std::size_t i) { return profile_.dissipation(heights[i]); });
+    };
+    const std::string wall = fmt::format("value uniform {:.8g}; Cmu {}; kappa {}; E 9.8;",
+                                         profile_.dissipation(2), kCmu, kKarman);
+    return turbulence("epsilon", "[0 2 -3 0 0 0 0]", epsilon(cells_),
+                      entry("epsilonWallFunction", wall),
+                      fmt::format("uniform {:.8g}", profile_.dissipation(top_)), epsilon);
+  }
+
+  std::string eddy_viscosity() const {
+    const std::string constants =
+        fmt::format("Cmu {}; kappa {}; E 9.8; value uniform 0;", kCmu, kKarman);
+    return field(
+        "nut", "volScalarField", "[0 2 -1 0 0 0 0]", "uniform 0",
+        [&](const CasePatch& p) -> std::string {
+          if (!p.patch->is_wall) return entry("calculated", "value uniform 0;");
+          const double building = options_.building_roughness;
+          if (p.kind == CasePatch::Kind::kBuilding)
+            return building > 0 ? entry("nutkAtmRoughWallFunction",
+                                        fmt::format("z0 uniform {:.8g}; {}", building, constants))
+                                : entry("nutkWallFunction", constants);
+          return entry("nutkAtmRoughWallFunction",
+                       fmt::format("z0 {}; {}", ground_roughness_text(*p.patch), constants));
+        });
+  }
+
+  /// Roughness of the ground at face f.
+  double roughness(std::size_t f) const {
+    if (options_.ground_roughness <= 0) return options_.wind.roughness;
+    const Vec3 at = face_geometry(mesh_, f).centre;
+    const auto& [low, high] = town();
+    const bool inside = at[0] >= low[0] && at[0] <= high[0] && at[1] >= low[1] && at[1] <= high[1];
+    return inside ? options_.ground_roughness : options_.wind.roughness;
+  }
+
+ private:
+  using Box = std::pair<std::array<double, 2>, std::array<double, 2>>;
+
+  template <typename OfPatch>
+  std::string field(const std::string& name, const std::string& type, const char* dimensions,
+                    const std::string& inside, const OfPatch& of_patch) const {
+    std::string text = head(type, name) + fmt::format(
+                                              "dimensions      {};\n\ninternalField   {};\n"
+                                              "\nboundaryField\n{{\n",
+                                              dimensions, inside);
+    for (const CasePatch& p : patches_)
+      text += fmt::format("    {} {{ {} }}\n", p.patch->name, of_patch(p));
+    return text + "}\n";
+  }
+
+  /// k and epsilon: `at` gives the values for heights.
+  template <typename At>
+  std::string turbulence(const std::string& name, const char* dimensions, const std::string& inside,
+                         const std::string& wall, const std::string& top, const At& at) const {
+    return field(
+        name, "volScalarField", dimensions, inside, [&](const CasePatch& p) -> std::string {
+          if (p.patch->is_wall) return wall;
+          if (p.kind == CasePatch::Kind::kTop) return fixed(top);
+          if (p.role == SideRole::kAlong) return entry("zeroGradient");
+          const std::string values = at(p.heights);
+          if (p.role == SideRole::kInlet) return fixed(values);
+          return entry("inletOutlet", fmt::format("inletValue {}; value {};", values, values));
+        });
+  }
+
+  /// Of the top above the lowest points of the sides.
+  double height_of_top() const {
+    double highest = -std::numeric_limits<double>::infinity(), sum = 0, count = 0;
+    for (const CasePatch& p : patches_) {
+      if (p.kind != CasePatch::Kind::kSide) continue;
+      for (std::size_t f = p.patch->begin; f < p.patch->end; ++f)
+        for (const std::int32_t corner : mesh_.face(f)) {
+          highest = std::max(highest, mesh_.point(corner)[2]);
+          sum += floors_[static_cast<std::size_t>(corner)];
+          ++count;
+        }
+    }
+    return count > 0 ? highest - sum / count : options_.wind.height;
+  }
+
+  /// The box around the buildings, wider by the height of the highest above the lowest ground.
+  const Box& town() const {
+    if (town_) return *town_;
+    constexpr double kInfinity = std::numeric_limits<double>::infinity();
+    Box box{{kInfinity, kInfinity}, {-kInfinity, -kInfinity}};
+    double low = kInfinity, high = -kInfinity;
+    for (const CasePatch& p : patches_) {
+      if (p.kind != CasePatch::Kind::kBuilding) continue;
+      for (std::size_t f = p.patch->begin; f < p.patch->end; ++f)
+        for (const std::int32_t corner : mesh_.face(f)) {
+          const Vec3& at = mesh_.point(corner);
+          for (std::size_t c = 0; c < 2; ++c) {
+            box.first[c] = std::min(box.first[c], at[c]);
+            box.second[c] = std::max(box.second[c], at[c]);
+          }
+          low = std::min(low, at[2]);
+          high = std::max(high, at[2]);
+        }
+    }
+    for (std::size_t c = 0; c < 2; ++c) {
+      box.first[c] -= high - low;
+      box.second[c] += high - low;
+    }
+    town_ = box;
+    return *town_;
+  }
+
+  std::string ground_roughness_text(const FoamPatch& patch) const {
+    if (options_.ground_roughness <= 0)
+      return fmt::format("uniform {:.8g}", options_.wind.roughness);
+    return scalars(patch.end - patch.begin,
+                   [&](std::size_t i) { return roughness(patch.begin + i); });
+  }
+
+  const FoamMesh& mesh_;
+  const OpenfoamCaseOptions& options_;
+  WindProfile profile_;
+  std::array<double, 2> to_;
+  std::vector<double> floors_;
+  std::vector<CasePatch> patches_;
+  std::vector<double> cells_;
+  double top_;
+  mutable std::optional<Box> town_;
+};
+
+std::string control(const OpenfoamCaseOptions& options) {
+  const bool is_org = options.dialect == FoamDialect::kOrg;
+  return head("dictionary", "controlDict") +
+         fmt::format(R"(application     {};
+{}startFrom       latestTime;
+startTime       0;
+stopAt          endTime;
+endTime         {};
+deltaT          1;
+writeControl    timeStep;
+writeInterval   {};
+purgeWrite      1;
+writeFormat     binary;
+writePrecision  8;
+timePrecision   8;
+runTimeModifiable true;
+libs            ("libatmosphericModels.so");  // roughness, in later versions
+
+functions
+{{
+    #include "pedestrian"
+}}
+)",
+                     is_org ? "foamRun" : "simpleFoam",
+                     is_org ? "solver          incompressibleFluid;\n" : "", options.iterations,
+                     options.iterations);
+}
+
+std::string pedestrian(const OpenfoamCaseOptions& options, const SamplePoints& samples) {
+  const bool is_org = options.dialect == FoamDialect::kOrg;
+  std::string text = fmt::format(R"(// Written by tetropolis {}: points {} m above the ground.
+pedestrian
+{{
+    type            sets;
+    libs            ("libsampling.so");
+    writeControl    writeTime;
+    interpolationScheme cellPoint;
+    setFormat       raw;
+    fields          (U);
+    sets
+    (
+        grid
+        {{
+            type    {};
+            axis    xyz;
+            ordered yes;
+            points
+            (
+)",
+                                 kVersion, options.sample_height, is_org ? "points" : "cloud");
+  for (const Vec3& p : samples.points)
+    fmt::format_to(std::back_inserter(text), "({:.8g} {:.8g} {:.8g})\n", p[0], p[1], p[2]);
+  return text + "            );\n        }\n    );\n}\n";
+}
+
+std::string turbulence_model(const std::string& object, bool is_org) {
+  // sigmaEps keeps the profile in balance with kappa 0.4: kappa^2 / ((C2 - C1) sqrt(Cmu)).
+  const double sigma = kKarman * kKarman / ((1.92 - 1.44) * std::sqrt(kCmu));
+  return head("dictionary", object) +
+         fmt::format(
+             "simulationType  RAS;\n\nRAS\n{{\n    {}        kEpsilon;\n    turbulence      on;\n"
+             "    printCoeffs     on;\n    kEpsilonCoeffs {{ Cmu {}; C1 1.44; C2 1.92; sigmak 1.0; "
+             "sigmaEps {:.4f}; }}\n}}\n",
+             is_org ? "model   " : "RASModel", kCmu, sigma);
+}
+
+std::vector<CaseFile> files_of(const OpenfoamCaseOptions& options, const Fields& fields,
+                               const SamplePoints& samples) {
+  const bool is_org = options.dialect == FoamDialect::kOrg;
+  std::vector<CaseFile> files{
+      {"0/U", fields.velocity()},
+      {"0/p", fields.pressure()},
+      {"0/k", fields.kinetic_energy()},
+      {"0/epsilon", fields.dissipation()},
+      {"0/nut", fields.eddy_viscosity()},
+      {"constant/transportProperties",
+       head("dictionary", "transportProperties") +
+           "transportModel  Newtonian;\nnu              1.5e-05;\n"},
+      {"constant/turbulenceProperties", turbulence_model("turbulenceProperties", is_org)},
+      {"system/controlDict", control(options)},
+      {"system/pedestrian", pedestrian(options, samples)},
+      {"system/fvSchemes", head("dictionary", "fvSchemes") + foam_texts::kFvSchemes},
+      {"system/fvSolution", head("dictionary", "fvSolution") + foam_texts::kFvSolution},
+      {"Allrun", replaced(foam_texts::kAllrun, {{"@SOLVER@", is_org ? "foamRun" : "simpleFoam"}})},
+      {"wind.py",
+       replaced(foam_texts::kWindPy, {{"@SPEED@", fmt::format("{}", options.wind.speed)},
+                                      {"@HEIGHT@", fmt::format("{}", options.wind.height)},
+                                      {"@SAMPLE_HEIGHT@", fmt::format("{}", options.sample_height)},
+                                      {"@SPACING@", fmt::format("{}", samples.spacing)}})}};
+  if (is_org) {
+    files.emplace_back("constant/momentumTransport", turbulence_model("momentumTransport", true));
+    files.emplace_back("constant/physicalProperties",
+                       head("dictionary", "physicalProperties") +
+                           "viscosityModel  constant;\nnu              1.5e-05;\n");
+  }
+  return files;
+}
+
+void require_options(const OpenfoamCaseOptions& options) {
+  require_wind(options.wind);
+  require_positive("sample-height", options.sample_height);
+  require_positive("sample-spacing", options.sample_spacing);
+  const auto not_negative = [](const char* name, double value) {
+    if (!(value >= 0) || !std::isfinite(value))
+      throw Error(ErrorKind::kUsage, fmt::format("{}: {} is below 0", name, value));
+  };
+  not_negative("ground-roughness", options.ground_roughness);
+  not_negative("building-roughness", options.building_roughness);
+  if (options.iterations < 1)
+    throw Error(ErrorKind::kUsage, fmt::format("iterations: {} is below 1", options.iterations));
+}
+
+/// First cells on the ground, against the roughness there.
+void look_at_ground(const FoamMesh& mesh, const Fields& fields, OpenfoamCase& result) {
+  std::vector<std::size_t> faces;
+  for (const CasePatch& p : fields.patches())
+    if (p.kind == CasePatch::Kind::kGround)
+      for (std::size_t f = p.patch->begin; f < p.patch->end; ++f) faces.push_back(f);
+  const auto heights = heights_on(mesh, faces);
+  std::vector<double> sorted;
+  for (const std::size_t f : faces) {
+    const auto found = heights.find(mesh.owner[f]);
+    if (found == heights.end()) continue;
+    sorted.push_back(found->second);
+    // A hair below is rounding.
+    if (found->second < kRoughnessLengths * fields.roughness(f) * (1 - 1e-6)) ++result.shallow;
+  }
+  result.ground_faces = static_cast<std::int64_t>(sorted.size());
+  if (sorted.empty()) return;
+  const auto middle = sorted.begin() + static_cast<std::ptrdiff_t>(sorted.size() / 2);
+  std::nth_element(sorted.begin(), middle, sorted.end());
+  result.first_cell = *middle;
+}
+
+}  // namespace
+
+OpenfoamCase write_openfoam_case(const fs::path& folder, const OpenfoamCaseOptions& options) {
+  require_options(options);
+  const FoamMesh mesh = read_foam_mesh(folder / "constant/polyMesh");
+  const Fields fields(mesh, options);
+  const SamplePoints samples = sample_points(mesh, options.sample_height, options.sample_spacing);
+  write_case_files(folder, files_of(options, fields, samples), options.overwrite);
+  std::error_code error;
+  fs::permissions(folder / "Allrun",
+                  fs::perms::owner_exec | fs::perms::group_exec | fs::perms::others_exec,
+                  fs::perm_options::add, error);
+
+  OpenfoamCase result;
+  for (const CasePatch& p : fields.patches())
+    if (p.kind == CasePatch::Kind::kSide) result.sides.push_back({p.patch->name, p.role});
+  look_at_ground(mesh, fields, result);
+  result.samples = static_cast<std::int64_t>(samples.points.size());
+  result.sample_spacing = samples.spacing;
+  return result;
+}
+
+}  // namespace tetropolis

@@ -1,0 +1,281 @@
+// The files of a case that are the same for every city. Private to src/case.
+#pragma once
+
+namespace tetropolis::foam_texts {
+
+inline constexpr const char* kFvSchemes = R"TEXT(
+ddtSchemes           { default steadyState; }
+interpolationSchemes { default linear; }
+wallDist             { method meshWave; }
+
+gradSchemes
+{
+    default          Gauss linear;
+    limited          cellLimited Gauss linear 1;
+    grad(U)          $limited;
+    grad(k)          $limited;
+    grad(epsilon)    $limited;
+}
+
+divSchemes
+{
+    default          none;
+    div(phi,U)       bounded Gauss linearUpwind limited;
+    div(phi,k)       bounded Gauss upwind;    // second order: bounded Gauss limitedLinear 1
+    div(phi,epsilon) bounded Gauss upwind;
+    div((nuEff*dev2(T(grad(U))))) Gauss linear;
+}
+
+laplacianSchemes     { default Gauss linear limited corrected 0.5; }
+snGradSchemes        { default limited corrected 0.5; }
+)TEXT";
+
+inline constexpr const char* kFvSolution = R"TEXT(
+solvers
+{
+    p
+    {
+        solver       GAMG;
+        smoother     DICGaussSeidel;
+        tolerance    1e-9;
+        relTol       0.05;
+    }
+    "(U|k|epsilon)"
+    {
+        solver       smoothSolver;
+        smoother     symGaussSeidel;
+        tolerance    1e-10;
+        relTol       0.1;
+    }
+}
+
+SIMPLE
+{
+    consistent       yes;
+    nNonOrthogonalCorrectors 1;
+    residualControl
+    {
+        p            1e-4;
+        U            1e-4;
+        "(k|epsilon)" 1e-4;
+    }
+}
+
+relaxationFactors
+{
+    equations
+    {
+        U            0.9;
+        "(k|epsilon)" 0.8;
+    }
+}
+)TEXT";
+
+inline constexpr const char* kAllrun = R"TEXT(#!/bin/sh
+# Solves the case:   ./Allrun      by one process
+#                    ./Allrun 8    by eight, with mpirun
+# What programs say is in log.NAME; wind.py prints the figures and draws pedestrian.png.
+cd "${0%/*}" || exit 1
+processes=${1:-1}
+# Debian's OpenFOAM does not know where it is.
+if [ -z "$WM_PROJECT_DIR" ] && [ -d /usr/share/openfoam/etc ]; then
+  export WM_PROJECT_DIR=/usr/share/openfoam
+fi
+
+run() {  # COMMAND...
+  echo "$*"
+  name=$1
+  [ "$name" = mpirun ] && name=$SOLVER
+  "$@" >"log.$name" 2>&1 && return
+  tail -n 20 "log.$name" >&2
+  echo "$* failed: see $PWD/log.$name" >&2
+  exit 1
+}
+
+SOLVER=@SOLVER@
+command -v $SOLVER >/dev/null || SOLVER=simpleFoam
+if ! command -v $SOLVER >/dev/null; then
+  echo "there is no $SOLVER: install OpenFOAM, or source its etc/bashrc" >&2
+  exit 1
+fi
+
+# What an earlier run has left.
+rm -rf processor* postProcessing [1-9]* pedestrian.png
+if [ "$processes" -eq 1 ]; then
+  run $SOLVER
+else
+  # Blocks, x by y as square as they come: needs no other library.
+  x=1 try=1
+  while [ $((try * try)) -le "$processes" ]; do
+    [ $((processes % try)) -eq 0 ] && x=$try
+    try=$((try + 1))
+  done
+  cat >system/decomposeParDict <<END
+FoamFile
+{
+    version     2.0;
+    format      ascii;
+    class       dictionary;
+    object      decomposeParDict;
+}
+
+numberOfSubdomains $processes;
+method               hierarchical;
+hierarchicalCoeffs { n ($((processes / x)) $x 1); delta 0.001; order xyz; }
+END
+  run decomposePar -force
+  run mpirun -n "$processes" $SOLVER -parallel
+  run reconstructPar -latestTime
+fi
+if command -v python3 >/dev/null; then python3 wind.py; fi
+)TEXT";
+
+inline constexpr const char* kWindPy = R"TEXT(#!/usr/bin/env python3
+"""What a run found: residuals, flux, speeds, and a picture of the wind where people are.
+
+python3 wind.py [--max SPEED]   in the folder of the case, or with its path as last word; needs Python alone.
+"""
+import argparse
+import array
+import math
+import pathlib
+import re
+import struct
+import zlib
+
+REFERENCE = @SPEED@  # m/s at @HEIGHT@ m
+COLOURS = [(48, 18, 59), (70, 107, 227), (27, 208, 213), (122, 252, 98), (249, 186, 57), (240, 91, 18), (122, 4, 3)]
+
+
+def residuals(log):
+    """Per iteration {field: first initial residual}, and the iterations with bounding."""
+    rows, bounded = [], []
+    for block in log.split("\nTime = ")[1:]:
+        row = {}
+        for field, value in re.findall(r"Solving for (\w+), Initial residual = (\S+?),", block):
+            row.setdefault(field, float(value))
+        rows.append(row)
+        if "bounding" in block:
+            bounded.append(len(rows))
+    return rows, bounded
+
+
+def numbers(data, at, count, binary):
+    if binary:
+        values = array.array("d")
+        values.frombytes(data[at:at + 8 * count])
+        return values
+    end = data.index(b"\n)", at)
+    return array.array("d", map(float, re.sub(rb"[()]", b" ", data[at:end]).split()[:count]))
+
+
+def fluxes(path):
+    """Sum of phi per patch."""
+    data = path.read_bytes()
+    binary = re.search(rb"format\s+binary", data[:1000]) is not None
+    start = data.rindex(b"boundaryField")
+    sums = {}
+    for found in re.finditer(rb"\n\s*([\w.-]+)\s*\{\s*type[^{}]*?value\s+(?:nonuniform List<scalar>\s*(\d+)\s*\(|(uniform)\s+([^;]+);)", data[start:]):
+        if found[2]:
+            sums[found[1].decode()] = math.fsum(numbers(data, start + found.end(), int(found[2]), binary))
+    return sums
+
+
+def fastest(path):
+    data = path.read_bytes()
+    binary = re.search(rb"format\s+binary", data[:1000]) is not None
+    found = re.search(rb"internalField\s+nonuniform List<vector>\s*(\d+)\s*\(", data)
+    if not found:
+        return math.nan
+    v = numbers(data, found.end(), 3 * int(found[1]), binary)
+    return math.sqrt(max(a * a + b * b + c * c for a, b, c in zip(v[0::3], v[1::3], v[2::3])))
+
+
+def png(path, rows):
+    def chunk(kind, body):
+        return struct.pack(">I", len(body)) + kind + body + struct.pack(">I", zlib.crc32(kind + body))
+    size = struct.pack(">IIBBBBB", len(rows[0]) // 3, len(rows), 8, 2, 0, 0, 0)
+    body = zlib.compress(b"".join(b"\0" + bytes(row) for row in rows), 9)
+    path.write_bytes(b"\x89PNG\r\n\x1a\n" + chunk(b"IHDR", size) + chunk(b"IDAT", body) + chunk(b"IEND", b""))
+
+
+def colour(share):
+    at = min(max(share, 0), 1) * (len(COLOURS) - 1)
+    i = min(int(at), len(COLOURS) - 2)
+    return [round(a + (at - i) * (b - a)) for a, b in zip(COLOURS[i], COLOURS[i + 1])]
+
+
+def draw(path, speeds, spacing, most):
+    """North up, a bar of speeds from 0 to `most` below."""
+    columns = [round(x / spacing - 0.5) for x, _ in speeds]
+    lines = [round(y / spacing - 0.5) for _, y in speeds]
+    left, bottom = min(columns), min(lines)
+    width, height = max(columns) - left + 1, max(lines) - bottom + 1
+    scale = max(1, round(900 / max(width, height)))
+    grid = [[(200, 200, 200)] * width for _ in range(height)]
+    for i, j, speed in zip(columns, lines, speeds.values()):
+        grid[height - 1 - (j - bottom)][i - left] = colour(speed / most)
+    rows = []
+    for line in grid:
+        row = [value for pixel in line for _ in range(scale) for value in pixel]
+        rows += [row] * scale
+    bar = [value for i in range(width * scale) for value in colour(i / max(width * scale - 1, 1))]
+    rows += [[255] * len(bar)] * 6 + [bar] * 12
+    png(path, rows)
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("case", nargs="?", default=pathlib.Path(__file__).parent, type=pathlib.Path)
+    parser.add_argument("--max", type=float, default=REFERENCE, help="speed of the last colour [m/s]")
+    arguments = parser.parse_args()
+    case = arguments.case
+    logs = [case / name for name in ("log.simpleFoam", "log.foamRun") if (case / name).exists()]
+    if logs:
+        log = max(logs, key=lambda path: path.stat().st_mtime).read_text(errors="replace")
+        rows, bounded = residuals(log)
+        if rows:
+            below = [all(value < 1e-3 for value in row.values()) for row in rows]
+            first = len(below) - below[::-1].index(False) + 1 if False in below else 1
+            print(f"iterations    {len(rows)}; all residuals below 1e-3 " +
+                  (f"from {first} on" if first <= len(rows) else "never") +
+                  f"; bounding {'last at ' + str(bounded[-1]) if bounded else 'never'}")
+            print("residuals     " + ", ".join(f"{field} {value:.1e}" for field, value in rows[-1].items()))
+    times = sorted((float(path.name), path) for path in case.iterdir()
+                   if re.fullmatch(r"[0-9.]+", path.name) and float(path.name) > 0)
+    if not times:
+        raise SystemExit(f"{case}: nothing is solved yet: ./Allrun")
+    last = times[-1][1]
+    if (last / "phi").exists():
+        sums = fluxes(last / "phi")
+        entering = -math.fsum(value for value in sums.values() if value < 0)
+        if entering > 0:
+            print(f"flux          {entering:.6g} m3/s enter; imbalance {abs(math.fsum(sums.values())) / entering:.1e}")
+    most = fastest(last / "U")
+    print(f"fastest cell  {most:.2f} m/s, {most / REFERENCE:.2f} times the reference")
+    found = sorted(path for path in case.glob("postProcessing/pedestrian/*/*") if "U" in path.name or
+                   path.suffix == ".xy")
+    if not found:
+        return
+    newest = max(found, key=lambda path: float(path.parent.name))
+    speeds = {}
+    for line in newest.read_text().splitlines():
+        words = line.split()
+        if len(words) >= 6 and not words[0].startswith("#"):
+            x, y, _, *u = map(float, words[:6])
+            speeds[x, y] = math.sqrt(sum(c * c for c in u))
+    if not speeds:
+        return
+    ordered = sorted(speeds.values())
+    share = [ordered[min(int(p * len(ordered)), len(ordered) - 1)] for p in (0.1, 0.5, 0.9, 0.99)]
+    print(f"pedestrians   {len(ordered)} points @SAMPLE_HEIGHT@ m above the ground: mean {math.fsum(ordered) / len(ordered):.2f} m/s; "
+          "10, 50, 90, 99 % are below {:.2f}, {:.2f}, {:.2f}, {:.2f}".format(*share))
+    draw(case / "pedestrian.png", speeds, @SPACING@, arguments.max)
+    print(f"picture       {case / 'pedestrian.png'}: 0 to {arguments.max:g} m/s, north up, buildings grey")
+
+
+if __name__ == "__main__":
+    main()
+)TEXT";
+
+}  // namespace tetropolis::foam_texts

@@ -1,0 +1,21 @@
+// Points above the ground where people are.
+#pragma once
+
+#include <array>
+#include <vector>
+
+#include "foam_mesh.h"
+
+namespace tetropolis {
+
+struct SamplePoints {
+  double spacing = 0;  ///< Of their grid [m].
+  std::vector<std::array<double, 3>> points;
+};
+
+/// The nodes (x, y) = (i + 1/2, j + 1/2) * spacing over faces on the ground (of the patches for
+/// which walls are no buildings), `height` above them; row by row from the south. The spacing is
+/// doubled until they are 400,000 at most.
+SamplePoints sample_points(const FoamMesh& mesh, double height, double spacing);
+
+}  // namespace tetropolis

@@ -1,0 +1,188 @@
+"""Cases for solvers: the wind at their inlets against its formula, and whether solvers run them.
+
+case_test.py PROGRAM inlet|openfoam|fenicsx; exit 77 where the solver is not installed.
+"""
+
+import array
+import json
+import math
+import os
+import pathlib
+import re
+import shutil
+import subprocess
+import sys
+import tempfile
+
+SPEED, HEIGHT, FROM, ROUGHNESS = 6.0, 12.0, 240.0, 0.3
+CASE = ["--wind-speed", SPEED, "--wind-height", HEIGHT, "--wind-from", FROM, "--roughness", ROUGHNESS]
+SKIPPED = 77
+
+
+def run(*words, **more):
+    words = [str(word) for word in words]
+    done = subprocess.run(words, capture_output=True, text=True, **more)
+    if done.returncode != 0:
+        raise SystemExit(f"{' '.join(words)}: {done.returncode}\n{done.stdout}\n{done.stderr}")
+    return done.stdout + done.stderr
+
+
+def city(program, folder, form):
+    """Street blocks on a sloping terrain, meshed."""
+    run(program, "synth", folder / "input", "--kind", "blocks", "--size", 300, "--seed", 3, "--quiet")
+    run(program, "build", folder / "input/footprints.shp", folder / "input", folder / "city", "--formats", form,
+        "--domain-height", 60, "--mesh-size", 15, "--no-html", "--quiet")
+    return folder / "city"
+
+
+def lists(path, kind, width):
+    """Binary lists of a mesh file."""
+    data = path.read_bytes()
+    at = data.index(b"}") + 1
+    found = []
+    while match := re.compile(rb"\s*(\d+)\s*\(").match(data, at):
+        values = array.array(kind)
+        size = int(match[1]) * width * values.itemsize
+        values.frombytes(data[match.end():match.end() + size])
+        found.append(values)
+        at = match.end() + size + 1
+    return found
+
+
+def mesh_of(case):
+    folder = case / "constant/polyMesh"
+    xyz = lists(folder / "points", "d", 3)[0]
+    starts, corners = lists(folder / "faces", "i", 1)
+    points = list(zip(xyz[0::3], xyz[1::3], xyz[2::3]))
+    faces = [[points[p] for p in corners[a:b]] for a, b in zip(starts, starts[1:])]
+    patches = {name: faces[int(start):int(start) + int(count)] for name, count, start in re.findall(
+        r"(\w+)\s*\{[^}]*nFaces\s+(\d+);\s*startFace\s+(\d+);", (folder / "boundary").read_text())}
+    return points, patches
+
+
+def ground_line(patches, axis, where):
+    """Pieces of the ground along a side: (from, to, elevations there)."""
+    pieces = []
+    for face in patches["ground"]:
+        for a, b in zip(face, face[1:] + face[:1]):
+            if a[axis] == where and b[axis] == where:
+                pieces.append(sorted([(a[1 - axis], a[2]), (b[1 - axis], b[2])]))
+    return pieces
+
+
+def elevation(pieces, at):
+    for (s, za), (t, zb) in pieces:
+        if s <= at <= t:
+            return za + (zb - za) * (at - s) / (t - s)
+    raise SystemExit(f"no ground at {at}")
+
+
+def values(text, patch, key):
+    body = text[text.index(f"\n    {patch} {{"):]
+    body = body[:body.index("}\n")]
+    rows = re.search(rf"\b{key} nonuniform List<\w+>\s*\d+\s*\((.*?)\n\)", body, re.S)[1].strip().splitlines()
+    return [[float(number) for number in row.strip("()").split()] for row in rows]
+
+
+def check_inlet(program, folder):
+    case = city(program, folder, "openfoam")
+    said = run(program, "case", "openfoam", case, *CASE)
+    assert "xmin inlet, xmax outlet, ymin inlet, ymax outlet" in said, said
+    points, patches = mesh_of(case)
+    friction = 0.4 * SPEED / math.log((HEIGHT + ROUGHNESS) / ROUGHNESS)
+    angle = math.radians(FROM)
+    velocity, epsilon = (case / "0/U").read_text(), (case / "0/epsilon").read_text()
+    k = float(re.search(r"internalField\s+uniform (\S+);", (case / "0/k").read_text())[1])
+    assert math.isclose(k, friction**2 / 0.3, rel_tol=1e-6), k
+    relief = 0
+    for patch, axis in (("xmin", 0), ("ymin", 1)):
+        line = ground_line(patches, axis, min(p[axis] for p in points))
+        relief = max(relief, max(z for piece in line for _, z in piece) - min(z for piece in line for _, z in piece))
+        found = values(velocity, patch, "value")
+        dissipation = values(epsilon, patch, "value")
+        assert len(found) == len(dissipation) == len(patches[patch]) > 100
+        for face, u, (e,) in zip(patches[patch], found, dissipation):
+            centre = [sum(p[c] for p in face) / len(face) for c in range(3)]
+            height = centre[2] - elevation(line, centre[1 - axis])
+            speed = friction / 0.4 * math.log((height + ROUGHNESS) / ROUGHNESS)
+            expected = (-speed * math.sin(angle), -speed * math.cos(angle), 0)
+            assert all(math.isclose(a, b, rel_tol=1e-6, abs_tol=1e-6) for a, b in zip(u, expected)), (u, expected)
+            assert math.isclose(e, friction**3 / (0.4 * (height + ROUGHNESS)), rel_tol=1e-6), (e, height)
+    assert relief > 0.2, f"the ground is level to {relief} m: nothing is tested"
+    # People stand on the ground, outside buildings.
+    people = re.findall(r"^\((\S+) (\S+) (\S+)\)$", (case / "system/pedestrian").read_text(), re.M)
+    assert len(people) > 1000
+    for x, y, z in [tuple(map(float, row)) for row in people[::97]]:
+        below = []
+        for a, b, c in (face for face in patches["ground"] if len(face) == 3):
+            twice = (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0])
+            s = ((x - a[0]) * (c[1] - a[1]) - (y - a[1]) * (c[0] - a[0])) / twice
+            t = ((b[0] - a[0]) * (y - a[1]) - (b[1] - a[1]) * (x - a[0])) / twice
+            if min(s, t, 1 - s - t) >= -1e-9:
+                below.append(a[2] + s * (b[2] - a[2]) + t * (c[2] - a[2]))
+        assert below and math.isclose(below[0] + 1.75, z, abs_tol=1e-3), (x, y, z, below)
+    # What is there stays; other winds are other sides.
+    again = subprocess.run([program, "case", "openfoam", case], capture_output=True, text=True)
+    assert again.returncode == 2 and "exists already" in again.stderr, again
+    said = run(program, "case", "openfoam", case, "--wind-from", 90, "--dialect", "org", "--overwrite")
+    assert "xmin outlet, xmax inlet, ymin slip, ymax slip" in said, said
+    assert "incompressibleFluid" in (case / "system/controlDict").read_text()
+    assert "viscosityModel" in (case / "constant/physicalProperties").read_text()
+
+
+def check_openfoam(program, folder):
+    if not shutil.which("simpleFoam"):
+        return SKIPPED
+    case = city(program, folder, "openfoam")
+    run(program, "case", "openfoam", case, *CASE, "--iterations", 25)
+    environment = {**os.environ, "FOAM_SIGFPE": "true"}
+    for allowed in ("OMPI_ALLOW_RUN_AS_ROOT", "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM"):
+        environment[allowed] = "1"
+    figures = {}
+    for processes in (1, 2):
+        if processes > 1 and not shutil.which("mpirun"):
+            continue
+        said = run(case / "Allrun", processes, env=environment)
+        imbalance = float(re.search(r"imbalance (\S+)", said)[1])
+        fastest = float(re.search(r"fastest cell\s+(\S+)", said)[1])
+        mean = float(re.search(r"mean (\S+) m/s", said)[1])
+        assert imbalance < 1e-3, said  # converged, it is a thousandth of that
+        assert SPEED < fastest < 2.5 * SPEED, said
+        assert 0.1 * SPEED < mean < SPEED, said
+        figures[processes] = (fastest, mean)
+        picture = (case / "pedestrian.png").read_bytes()
+        assert picture.startswith(b"\x89PNG") and len(picture) > 2000
+        data = (case / "25/U").read_bytes()
+        found = re.search(rb"internalField\s+nonuniform List<vector>\s*(\d+)\s*\(", data)
+        u = array.array("d")
+        u.frombytes(data[found.end():found.end() + 24 * int(found[1])])
+        assert int(found[1]) == json.loads((case / "report.json").read_text())["volume_mesh"]["cells"]
+        assert all(map(math.isfinite, u))
+    assert all(math.isclose(a, b, rel_tol=0.02) for a, b in zip(figures[1], figures.get(2, figures[1]))), figures
+    return 0
+
+
+def check_fenicsx(program, folder):
+    python = [word for word in ("python3", "/usr/bin/python3")
+              if subprocess.run([word, "-c", "import dolfinx"], capture_output=True).returncode == 0]
+    if not python:
+        return SKIPPED
+    case = city(program, folder, "xdmf")
+    run(program, "case", "fenicsx", case, *CASE)
+    said = run(python[0], "smoke.py", cwd=case)
+    entering, leaving = map(float, re.search(r"in (\S+) m3/s, out (\S+);", said).groups())
+    carried = float(re.search(r"(\S+) g/s leave", said)[1])
+    assert math.isclose(entering, leaving, rel_tol=0.02), said
+    assert 0.95 < carried < 1.05, said  # what the chimney gives
+    assert (case / "smoke.xdmf").exists() and (case / "smoke.h5").exists()
+    return 0
+
+
+def main():
+    program, what = os.path.abspath(sys.argv[1]), sys.argv[2]
+    with tempfile.TemporaryDirectory() as folder:
+        return globals()["check_" + what](program, pathlib.Path(folder)) or 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
