@@ -291,7 +291,8 @@ void add_mesh(const NamedVolume& volume, const std::vector<NamedSurface>& bounda
 
 /// What is in the folder to look at, against the boundary if there is one.
 void add_surfaces(const fs::path& folder, const std::vector<NamedSurface>& boundaries,
-                  const std::optional<ReportedRun>& report, std::vector<CheckedFile>& files) {
+                  const CityModel& city, const std::optional<ReportedRun>& report,
+                  std::vector<CheckedFile>& files) {
   const auto add = [&](const char* name, CheckedFile file, const auto& compare_with) {
     if (boundaries.empty()) {
       file.not_checked.emplace_back("whether its faces are those of the boundary");
@@ -304,7 +305,10 @@ void add_surfaces(const fs::path& folder, const std::vector<NamedSurface>& bound
   };
   if (const fs::path path = folder / "surface.vtp"; is_there(path)) {
     const SurfaceMesh surface = read_vtp(path);
-    CheckedFile file = describe("", check_city_surface(surface));
+    const bool is_absolute = report && report->is_absolute();
+    const Domain domain = is_absolute ? city.domain.moved(city.origin) : city.domain;
+    CheckedFile file =
+        describe("", check_city_surface(surface, domain.is_box() ? nullptr : &domain));
     compare_origin(read_vtk_origin(path), report, file);
     add("surface.vtp", std::move(file),
         [&](const NamedSurface& boundary) { return check_same_surface(boundary.mesh, surface); });
@@ -357,7 +361,7 @@ void add_meshes(const fs::path& folder, const Sources& sources, const CityModel&
                      {},
                      {"there is neither volume.vtu with boundary.vtp nor volume.xdmf with "
                       "boundary.xdmf"}});
-  add_surfaces(folder, boundaries, report, files);
+  add_surfaces(folder, boundaries, city, report, files);
 }
 
 bool is_whole(const fs::path& path) {

@@ -97,10 +97,12 @@ void check_edges(const SurfaceMesh& surface, Rim rim, const Domain& domain, Surf
     if (rim == Rim::kNone) return false;
     const auto& a = surface.points[static_cast<std::size_t>(low)];
     const auto& b = surface.points[static_cast<std::size_t>(use.high)];
+    const auto is_on = [&](std::size_t side, const Vector3& p) {
+      const double most_off = domain.is_box() ? 0 : 1e-6;  // points of a slanting side are rounded
+      return std::abs(domain.distance_to_side(side, {p[0], p[1]})) <= most_off;
+    };
     for (std::size_t i = 0; i < sides; ++i)
-      if (domain.distance_to_side(i, {a[0], a[1]}) == 0 &&
-          domain.distance_to_side(i, {b[0], b[1]}) == 0)
-        return true;
+      if (is_on(i, a) && is_on(i, b)) return true;
     return false;
   };
   const auto of_building = [&](const EdgeUse& use) {
@@ -140,7 +142,7 @@ std::array<Vector3, 3> corners(const SurfaceMesh& surface, std::size_t f) {
           surface.points[static_cast<std::size_t>(t[2])]};
 }
 
-SurfaceCheck check(const SurfaceMesh& surface, Rim rim) {
+SurfaceCheck check(const SurfaceMesh& surface, Rim rim, const Domain* given = nullptr) {
   SurfaceCheck check;
   check.vertices = static_cast<std::int64_t>(surface.points.size());
   check.triangles = static_cast<std::int64_t>(surface.triangles.size());
@@ -152,7 +154,7 @@ SurfaceCheck check(const SurfaceMesh& surface, Rim rim) {
   const Box box = bounding_box(surface);
   check.highest = box.high[2];
   check.box = {box.low[0], box.low[1], box.high[0], box.high[1]};
-  const Domain domain(check.box);
+  const Domain domain = given ? *given : Domain(check.box);
   for (const PatchInfo& info : surface.patches) check.faces_by_patch.push_back({info.name, 0});
   for (std::size_t f = 0; f < surface.triangles.size(); ++f) {
     const auto p = corners(surface, f);
@@ -181,10 +183,10 @@ SurfaceCheck check(const SurfaceMesh& surface, Rim rim) {
 
 SurfaceCheck check_surface(const SurfaceMesh& surface) { return check(surface, Rim::kNone); }
 
-SurfaceCheck check_city_surface(const SurfaceMesh& surface) {
+SurfaceCheck check_city_surface(const SurfaceMesh& surface, const Domain* domain) {
   SurfaceMesh turned = surface;
   for (auto& triangle : turned.triangles) std::swap(triangle[1], triangle[2]);
-  SurfaceCheck result = check(turned, Rim::kOnSides);
+  SurfaceCheck result = check(turned, Rim::kOnSides, domain);
   result.closed = false;
   result.enclosed_volume = 0;
   const auto up = [](Violation& violation) {

@@ -312,6 +312,7 @@ GroundMesh mesh_ground_parts(std::span<const PartOutline> parts, const Domain& d
   GroundMesh mesh = renumber(refine(input.graph, refinement, progress), input.segments, domain);
   mesh.regions = std::move(regions);
   for (const Domain::Side& side : domain.sides()) mesh.sides.push_back(side.patch);
+  for (const PatchInfo& info : domain.own_patches()) mesh.patches.add(info);
   return mesh;
 }
 

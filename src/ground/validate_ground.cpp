@@ -66,7 +66,8 @@ void check_tags(const GroundMesh& mesh, std::span<const Polygon> footprints, con
                                   : distance_to_segment(at(mesh, v), p, q));
       largest = std::max({largest, std::abs(at(mesh, v).x), std::abs(at(mesh, v).y)});
     }
-    if (off > (on_side ? 0 : kOnSegmentTolerance * largest))
+    const bool is_exact = on_side && domain.is_box();
+    if (off > (is_exact ? 0 : kOnSegmentTolerance * largest))
       found.push_back(fmt::format("edge {}-{}: not on the segment it names", edge.low.value(),
                                   edge.high.value()));
   }

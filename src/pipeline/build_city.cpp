@@ -178,7 +178,10 @@ Raster make_terrain(const BuildCityOptions& options, const CityInput& input, Ste
                     BuiltCity& result) {
   DtmReport dtm_report;
   Raster dtm = clock.run("1.3", "terrain", [&](const Progress& progress) {
-    return build_dtm(input.points.points, input.domain, options.dtm, progress, &dtm_report);
+    DtmOptions dtm_options = options.dtm;
+    // So that the nodes of two domains are the same places.
+    if (options.origin) dtm_options.anchor = Point2{0, 0};
+    return build_dtm(input.points.points, input.domain, dtm_options, progress, &dtm_report);
   });
   require_elevations(dtm, input.points);
   result.facts.dtm_empty_share = dtm_report.empty_share;
@@ -287,6 +290,11 @@ void merge_buildings(const BuildCityOptions& options, const CityInput& input,
     });
     warn_of_roofs(result.facts.roofs, options.lod, result.warnings);
   }
+  if (options.domain.shape != DomainShape::kData)
+    result.facts.domain = clock.run("2.3", "domain", [&](const Progress&) {
+      return fit_wind_domain(options.domain, options.simplify.min_distance, city, result.terrain,
+                             result.warnings);
+    });
   fill_facts(raw, city, simple, result.facts);
   result.facts.account = account_of(result.input, city);
 }

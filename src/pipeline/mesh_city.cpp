@@ -231,6 +231,9 @@ CityMesh mesh_city(const CityModel& city, Raster terrain, const MeshCityOptions&
   StepClock clock(hooks, result.steps);
   const Point2 origin = city.origin;
   MeshCityOptions options = in_local_frame(given, origin);
+  const double highest = highest_under(terrain, city.domain.bounds());
+  if (options.own_top && city.domain_top > highest)
+    options.domain_height = city.domain_top - highest;
   const CitySize size = size_of(options, city, terrain);
   double scale = 1;
   if (options.target_cells > 0) {

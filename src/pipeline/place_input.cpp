@@ -84,13 +84,27 @@ void leave_out_strays(const FootprintsInput& footprints, PointsInput& input,
   input.extent = rest;
 }
 
-/// Moves the origin, which is whole metres, to the south-western corner of the points.
-void move_origin_to_corner(PointsInput& input) {
-  const Point2 by{std::floor(input.extent.xmin), std::floor(input.extent.ymin)};
+/// Moves the origin by whole metres.
+void move_origin(Point2 by, PointsInput& input) {
   for (PointCoordinate& x : input.points.x) x = x - by.x;
   for (PointCoordinate& y : input.points.y) y = y - by.y;
   input.extent = input.extent.moved({-by.x, -by.y});
   input.origin = {input.origin.x + by.x, input.origin.y + by.y};
+}
+
+/// From the points' origin to another one. Throws Error(kUsage) if points are too far from that.
+Point2 way_to(Point2 origin, const PointsInput& input) {
+  const Point2 by{origin.x - input.origin.x, origin.y - input.origin.y};
+  const Bounds2 box = input.extent.moved({-by.x, -by.y});
+  constexpr double kMost = PointCoordinate::kMost / 2;
+  if (!Bounds2{-kMost, -kMost, kMost, kMost}.covers(box))
+    throw Error(
+        ErrorKind::kUsage,
+        fmt::format("origin: ({:.0f}, {:.0f}) is more than {:.0f} km from the points, which "
+                    "lie at ({:.0f}, {:.0f}); give one near them",
+                    origin.x, origin.y, kMost / 1000, input.extent.xmin + input.origin.x,
+                    input.extent.ymin + input.origin.y));
+  return by;
 }
 
 /// Web Mercator and the like, in which a metre is no metre.
@@ -153,7 +167,10 @@ CityInput place_input(PointsInput points, FootprintsInput footprints,
   const bool only_points_tell = !options.bounds && footprints.bounds.empty();
   constexpr double kFar = 10'000;  // metres: headers told of points where there are none
   const bool far = !options.bounds && std::max(points.extent.xmin, points.extent.ymin) > kFar;
-  if (only_points_tell || far) move_origin_to_corner(points);
+  if (options.origin)
+    move_origin(way_to(*options.origin, points), points);
+  else if (only_points_tell || far)
+    move_origin({std::floor(points.extent.xmin), std::floor(points.extent.ymin)}, points);
   input.domain = find_domain(options, footprints, points);
   if (!options.bounds) input.covered = points.extent;
   warn_of_scale(input.crs, input.domain.moved(points.origin), warnings);

@@ -79,6 +79,11 @@ std::vector<std::string> split_lists(std::span<const std::string> values) {
 /// An empty list means "not given", as in the template.
 void require_box(const ConfigField& field, const std::vector<double>& sides,
                  const std::string& origin) {
+  if (field.name == "origin" && !sides.empty()) {
+    if (sides.size() != 2) fail(origin, "two numbers expected: X,Y");
+    for (const double x : sides)
+      if (x != std::round(x)) fail(origin, "whole metres expected");
+  }
   if (field.name != "bounds" || sides.empty()) return;
   if (sides.size() != 4) fail(origin, "four numbers expected: XMIN,YMIN,XMAX,YMAX");
   if (!(sides[0] < sides[2] && sides[1] < sides[3]))

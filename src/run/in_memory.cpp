@@ -68,7 +68,9 @@ BuiltCity make_city(const Config& config, Next next, const InputInMemory& given,
                     const RunHooks& hooks, Report& report) {
   StepClock clock(hooks, report.steps);
   RunInput input = read_input(config, next, clock, report.warnings, given);
-  const BuildCityOptions options = city_options(config);
+  BuildCityOptions options = city_options(config);
+  options.domain.polygon = read_domain(
+      config, input.points.crs.empty() ? input.footprints.crs : input.points.crs, report.warnings);
   report.preflight = preflight(input.points, input.footprints, options.bounds);
   if (hooks.tell) hooks.tell(preflight_line(*report.preflight, input));
   BuiltCity built =

@@ -4,12 +4,22 @@
 
 namespace tetropolis {
 
+DomainShape domain_shape(const Config& config) {
+  if (config.domain == "data") return DomainShape::kData;
+  if (config.domain == "auto") return DomainShape::kBox;
+  return config.domain == "cylinder" ? DomainShape::kCylinder : DomainShape::kPolygon;
+}
+
 BuildCityOptions city_options(const Config& config) {
   BuildCityOptions options;
   if (!config.bounds.empty())
     options.bounds = {config.bounds[0], config.bounds[1], config.bounds[2], config.bounds[3]};
   options.domain_margin = config.domain_margin;
   options.terrain_only = config.terrain_only;
+  options.domain.shape = domain_shape(config);
+  options.domain.wind_from_deg = config.wind_from;
+  options.domain.sectors = config.sectors;
+  if (!config.origin.empty()) options.origin = Point2{config.origin[0], config.origin[1]};
   options.boundary_buildings = config.boundary_buildings;
   options.ground_filter = config.ground_filter;
   options.filter.window = config.ground_filter_window;
@@ -35,7 +45,8 @@ MeshCityOptions mesh_options(const Config& config) {
   options.grading.growth = config.size_growth;
   options.target_cells = config.target_cells;
   options.min_angle_deg = config.min_angle;
-  options.domain_height = config.domain_height;
+  if (config.domain_height > 0) options.domain_height = config.domain_height;
+  options.own_top = config.domain_height == 0;
   options.layering = config.layering;
   options.layer_height = config.layer_height;
   options.top = config.top;

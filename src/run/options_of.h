@@ -7,6 +7,10 @@
 
 namespace tetropolis {
 
+/// What `domain` says: "data", "auto", "cylinder", or a file with a polygon.
+DomainShape domain_shape(const Config& config);
+
+/// Without the polygon of a domain, which is in a file.
 BuildCityOptions city_options(const Config& config);
 
 MeshCityOptions mesh_options(const Config& config);

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <limits>
 #include <string>
 #include <tuple>
 #include <utility>
@@ -153,7 +154,10 @@ MeshableInput read_meshable(const Config& config, std::vector<Warning>& warnings
   require_room(config.min_building_distance, city.domain.bounds(), source);
   require_terrain_under(config, city, terrain);
   if (city.crs.empty()) city.crs = terrain.crs;
-  if (source != config.city) leave_out_unmeshable(config, city, warnings);
+  if (source != config.city) {
+    city.domain_top = std::numeric_limits<double>::quiet_NaN();
+    leave_out_unmeshable(config, city, warnings);
+  }
   require_buildings(config, city);
   flatten_parts(config, city, warnings);
   CityFacts& facts = input.facts;

@@ -14,6 +14,8 @@
 #include "tetropolis/geometry/polygon.h"
 #include "tetropolis/io/vector/vector.h"
 
+#include "options_of.h"
+
 namespace tetropolis {
 
 namespace {
@@ -86,6 +88,18 @@ std::vector<SizeRegion> read_size_regions(const Config& config, const std::strin
       regions.push_back({std::move(feature.polygon), entry.size});
   }
   return regions;
+}
+
+Polygon read_domain(const Config& config, const std::string& crs, std::vector<Warning>& warnings) {
+  if (domain_shape(config) != DomainShape::kPolygon) return {};
+  ReadFootprintsOptions options;
+  options.target_crs = crs;
+  FootprintsInput input = read_footprints(config.domain, options);
+  if (input.features.empty())
+    throw Error(ErrorKind::kInput,
+                config.domain + ": has no polygon for the domain; give one, or domain = \"auto\"");
+  warnings.insert(warnings.end(), input.warnings.begin(), input.warnings.end());
+  return std::move(input.features.front().polygon);
 }
 
 }  // namespace tetropolis

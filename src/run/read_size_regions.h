@@ -26,4 +26,8 @@ RefineEntry parse_refine(const std::string& text);
 std::vector<SizeRegion> read_size_regions(const Config& config, const std::string& crs,
                                           std::vector<Warning>& warnings);
 
+/// The polygon of `domain`, in the coordinates of `crs`; of several features the first. Empty if
+/// `domain` is no file. Throws Error(kInput) as read_footprints, and without a polygon.
+Polygon read_domain(const Config& config, const std::string& crs, std::vector<Warning>& warnings);
+
 }  // namespace tetropolis

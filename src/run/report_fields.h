@@ -139,6 +139,30 @@ void fields_of(RoofFacts& roofs, const Field& field) {
 }
 
 template <typename Field>
+void fields_of(WindDomainFacts& domain, const Field& field) {
+  field("building_height", domain.building_height, "number, m",
+        "H: of the tallest building above its own ground; all of these are 0 at `domain` data");
+  field("tallest_building", domain.tallest, "text", "its id: one outlier sets the domain");
+  field("guideline_length", domain.guideline_length, "number, m",
+        "of the box before widening: 5 H before and 15 H behind the buildings");
+  field("guideline_width", domain.guideline_width, "number, m", "5 H on both sides");
+  field("guideline_height", domain.guideline_height, "number, m", "6 H");
+  field("guideline_blockage", domain.guideline_blockage, "number",
+        "frontal area of all buildings over that of the box before widening");
+  field("length", domain.length, "number, m", "along the wind (`cylinder`: diameter; polygon: x)");
+  field("width", domain.width, "number, m", "across it");
+  field("radius", domain.radius, "number, m", "of a cylinder");
+  field("blockage", domain.blockage, "number", "frontal area over width times 6 H");
+  field("inlet", domain.inlet, "text", "patch that the wind comes in through, of a box");
+  field("data", domain.data, "list of 4 numbers, m",
+        "xmin, ymin, xmax, ymax of where there are data, in the CRS");
+  field("area_outside_data", domain.area_outside_data, "number",
+        "share of the domain that lies outside of the data; voids inside: `city.dtm_void_share`");
+  field("rim_height", domain.rim_height, "number, m",
+        "mean height of the terrain's rim, to which the terrain fades over 5 H");
+}
+
+template <typename Field>
 void fields_of(CityFacts& city, const Field& field) {
   field("raw_buildings", city.raw_buildings, "integer",
         "buildings before merging; in `mesh`, those of the city model");
@@ -173,6 +197,7 @@ void fields_of(CityFacts& city, const Field& field) {
   field("dtm_void_share", city.dtm_void_share, "number",
         "share of squares of 20 m without ground points; 0 in `mesh`");
   field("roofs", city.roofs, "object", "");
+  field("domain", city.domain, "object", "");
   field("dropped", city.dropped, "list", "");
 }
 

@@ -15,6 +15,7 @@
 #include "folders.h"
 #include "make_in_memory.h"
 #include "mistaken_input.h"
+#include "options_of.h"
 #include "read_size_regions.h"
 #include "result_files.h"
 #include "run_frame.h"
@@ -39,6 +40,7 @@ void keep_inputs(const Config& config, OutputFolder& out) {
   for (const std::string& file : {config.footprints, config.city, config.dtm})
     if (!file.empty()) out.keep(file);
   for (const std::string& file : config.points) out.keep(file);
+  if (domain_shape(config) == DomainShape::kPolygon) out.keep(config.domain);
   for (const std::string& entry : config.refine)
     if (const std::string file = parse_refine(entry).file; !file.empty()) out.keep(file);
 }
@@ -64,7 +66,7 @@ BuiltCity write_out_city(const Config& config, Next next, const RunHooks& hooks,
   const CityModel& raw = built.raw;
   clock.run("1.7", "write city model", [&](const Progress&) {
     write_raster(out.result(results::kTerrain), built.terrain, raw.origin, raw.crs,
-                 raw.domain.bounds());
+                 built.city.domain.bounds());
     write_city(out.result(results::kRawCity), raw, "City model before simplification");
   });
   if (next == Next::kMesh && !config.no_html) footprints = page_footprints(built);

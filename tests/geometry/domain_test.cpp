@@ -52,5 +52,39 @@ TEST(Domain, KnowsWhatIsInsideAndHowFarTheBoundaryIs) {
   EXPECT_FALSE(domain.inset(0.1).covers(domain.outline()));
 }
 
+TEST(Domain, OfAPolygon) {
+  // An L: the corner at (4, 3) looks inwards.
+  const Ring ring{{0, 0}, {10, 0}, {10, 3}, {4, 3}, {4, 8}, {0, 8}};
+  const auto patch = [](int number) { return static_cast<Patch>(number); };
+  const Domain domain(ring, {patch(9), patch(9), patch(10), patch(10), patch(10), patch(11)},
+                      {{patch(9), "a", PatchKind::kSide},
+                       {patch(10), "b", PatchKind::kSide},
+                       {patch(11), "c", PatchKind::kSide}});
+  EXPECT_FALSE(domain.is_box());
+  EXPECT_TRUE(Domain(0, 0, 1, 1).is_box());
+  EXPECT_EQ(domain.area(), 50);
+  EXPECT_EQ(domain.bounds(), (Bounds2{0, 0, 10, 8}));
+  EXPECT_EQ(domain.sides()[5].patch, patch(11));
+  EXPECT_EQ(domain.sides()[5].to, (Point2{0, 0}));
+  EXPECT_EQ(domain.outline().outer, ring);
+  EXPECT_TRUE(domain.encloses({3, 7}));
+  EXPECT_FALSE(domain.encloses({6, 6}));
+  EXPECT_FALSE(domain.encloses({4, 5}));
+  EXPECT_TRUE(domain.contains({4, 5}));
+  EXPECT_EQ(domain.distance_to_boundary({2, 4}), 2);
+  EXPECT_EQ(domain.distance_to_boundary({6, 5}), -2);
+  EXPECT_EQ(domain.distance_to_side(1, {4, 1}), 6);
+  EXPECT_EQ(domain.position_of(rectangle({1, 1, 3, 6})), DomainPosition::kInside);
+  EXPECT_EQ(domain.position_of(rectangle({1, 1, 6, 6})), DomainPosition::kCrossing);
+  EXPECT_EQ(domain.position_of(rectangle({20, 1, 26, 6})), DomainPosition::kOutside);
+  // All corners are inside, and so is a corner of the domain.
+  EXPECT_EQ(domain.position_of({{{1, 7}, {1, 1}, {9, 1}, {9, 2}, {3.5, 7}}, {}}),
+            DomainPosition::kCrossing);
+  const Domain moved = domain.moved({100, 50});
+  EXPECT_EQ(moved.sides()[0].from, (Point2{100, 50}));
+  EXPECT_EQ(moved.bounds(), domain.bounds().moved({100, 50}));
+  EXPECT_NE(moved, domain);
+}
+
 }  // namespace
 }  // namespace tetropolis

@@ -431,6 +431,38 @@ const std::vector<Setting>& table() {
          config.bounds = {85050, 447002, 85080.5, 447045};
        }},
 
+      {"origin",
+       {"84000,446000"},
+       run_build,
+       [](R plain, R changed) {
+         EXPECT_EQ(changed.report.origin, (Point2{84000, 446000}));
+         EXPECT_NE(plain.report.origin, changed.report.origin);
+         EXPECT_EQ(plain.report.domain, changed.report.domain);
+       }},
+      {"domain",
+       {"auto"},
+       run_build,
+       [](R plain, R changed) {
+         EXPECT_EQ(plain.city().domain.building_height, 0);
+         EXPECT_GE(changed.report.domain.width(), 20 * changed.city().domain.building_height);
+       }},
+      {"wind_from",
+       {"0"},
+       run_build,
+       [](R plain, R changed) {
+         EXPECT_EQ(plain.city().domain.inlet, "xmin");
+         EXPECT_EQ(changed.city().domain.inlet, "ymax");
+       },
+       [](Village&, Config& config) { config.domain = "auto"; }},
+      {"sectors",
+       {"5"},
+       run_build,
+       [](R plain, R changed) {
+         EXPECT_EQ(plain.report.surface_mesh->faces_by_patch.size(), 8U + 36U);
+         EXPECT_EQ(changed.report.surface_mesh->faces_by_patch.size(), 8U + 5U);
+       },
+       [](Village&, Config& config) { config.domain = "cylinder"; }},
+
       // Mesh.
       {"mesh_size",
        {"5"},

@@ -44,6 +44,13 @@ export interface Warning {
   message: string;
 }
 
+/** How many cells buildings, or gaps, have. */
+export interface CellScore {
+  count: number;
+  median: number;
+  share_of_ten: number;
+}
+
 /** The part of report.json that is shown; docs/report.md describes it. */
 export interface Report {
   version: string;
@@ -53,8 +60,10 @@ export interface Report {
   peak_rss_bytes: number;
   threads: number;
   input?: {points_read: number; points_kept: number; footprints_read: number};
-  city?: {raw_buildings: number; buildings: number; merged_groups: number; min_clearance: number | null};
-  ground_mesh?: {vertices: number; triangles: number; min_angle_deg: number};
+  city?: {raw_buildings: number; buildings: number; merged_groups: number; min_clearance: number | null;
+          domain?: {building_height: number; tallest_building: string; blockage: number}};
+  ground_mesh?: {vertices: number; triangles: number; min_angle_deg: number;
+                 cells_per_building?: CellScore; cells_per_gap?: CellScore};
   volume_mesh?: {
     vertices: number; cells: number; volume: number; inverted: number; top: number;
     dihedral_deg: {min: number; p0_01: number; p1: number; median: number; max: number;

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "tetropolis/check/violation.h"
+#include "tetropolis/geometry/domain.h"
 #include "tetropolis/volume/column/boundary.h"
 
 namespace tetropolis {
@@ -31,7 +32,8 @@ struct SurfaceCheck {
 SurfaceCheck check_surface(const SurfaceMesh& surface);
 
 /// The same of a city_surface(): ground and roofs face up, and edges with one face lie on the sides
-/// of the bounding box. Encloses nothing.
-SurfaceCheck check_city_surface(const SurfaceMesh& surface);
+/// of the bounding box, or of `domain` (in the surface's coordinates) to a micrometre. Encloses
+/// nothing.
+SurfaceCheck check_city_surface(const SurfaceMesh& surface, const Domain* domain = nullptr);
 
 }  // namespace tetropolis

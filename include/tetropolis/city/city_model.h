@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <limits>
 #include <string>
 #include <vector>
 
@@ -116,8 +117,10 @@ struct Dropped {
 struct CityModel {
   IndexedVector<BuildingIndex, Building> buildings;
   std::vector<Dropped> dropped;
-  Point2 origin;    ///< Local frame's origin in the CRS; whole metres.
-  Domain domain;    ///< Local frame.
+  Point2 origin;  ///< Local frame's origin in the CRS; whole metres.
+  Domain domain;  ///< Local frame.
+  double domain_top = std::numeric_limits<double>::quiet_NaN();  ///< Elevation that its top should
+                                                                 ///< have, metres; NaN: any.
   std::string crs;  ///< "EPSG:28992", or WKT where there is no code, or empty if unknown.
 };
 

@@ -16,7 +16,8 @@ enum class DomainPosition : std::uint8_t {
   kOutside,   ///< The box does not meet it.
 };
 
-/// A box today; callers ask for sides, outline and distances instead of assuming so.
+/// A box, or a simple polygon; callers ask for sides, outline and distances instead of assuming
+/// one.
 class Domain {
  public:
   /// A side runs so that the domain lies on its left.
@@ -28,13 +29,20 @@ class Domain {
   Domain() = default;
   Domain(const Bounds2& box) : box_(box) {}  // NOLINT: a box is a domain
   Domain(double xmin, double ymin, double xmax, double ymax) : box_{xmin, ymin, xmax, ymax} {}
+  /// `ring`: simple, counter-clockwise. `patches`: of each side, the first from vertex 0 to 1.
+  /// `own`: those of them that not every city has.
+  Domain(Ring ring, std::vector<Patch> patches, std::vector<PatchInfo> own);
+
+  bool is_box() const { return ring_.empty(); }
+  /// Patches of its sides that not every city has; none of a box.
+  const std::vector<PatchInfo>& own_patches() const { return own_patches_; }
 
   /// Whether no point lies in it.
   bool empty() const { return box_.empty(); }
   /// Whether it has an area, and all its coordinates are finite.
   bool is_meshable() const;
   const Bounds2& bounds() const { return box_; }
-  double area() const { return box_.width() * box_.height(); }
+  double area() const;
 
   /// Counter-clockwise: side i runs from vertex i of the outline to the next.
   std::vector<Side> sides() const;
@@ -42,12 +50,13 @@ class Domain {
   Polygon outline() const;
 
   /// Whether p lies inside or on the boundary.
-  bool contains(Point2 p) const { return box_.contains(p); }
+  bool contains(Point2 p) const { return is_box() ? box_.contains(p) : !(depth(p) < 0); }
   /// Whether p lies inside and not on the boundary; a coordinate that is NaN does not.
   bool encloses(Point2 p) const;
   /// Whether a polygon's position is kInside.
   bool covers(const Polygon& polygon) const;
-  /// Decided by the box of the outer ring's vertices. A coordinate that is NaN counts for nothing,
+  /// In a box decided by the box of the outer ring's vertices; a polygon covers what has all
+  /// vertices and no crossing of its own sides inside. A coordinate that is NaN counts for nothing,
   /// one that is infinite as it is; a polygon without numbers for both x and y counts as inside.
   DomainPosition position_of(const Polygon& polygon) const;
 
@@ -56,14 +65,19 @@ class Domain {
   /// From the boundary, for a point inside; negative outside.
   double distance_to_boundary(Point2 p) const;
 
-  /// What is at least `margin` away from its boundary; may be empty.
+  /// What is at least `margin` away from its boundary; may be empty. Precondition: a box.
   Domain inset(double margin) const { return box_.grown(-margin); }
-  Domain moved(Point2 by) const { return box_.moved(by); }
+  Domain moved(Point2 by) const;
 
   friend bool operator==(const Domain&, const Domain&) = default;
 
  private:
-  Bounds2 box_;
+  double depth(Point2 p) const;
+
+  Bounds2 box_;  ///< Of the ring, if there is one.
+  Ring ring_;
+  std::vector<Patch> side_patches_;
+  std::vector<PatchInfo> own_patches_;
 };
 
 }  // namespace tetropolis

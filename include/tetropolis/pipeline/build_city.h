@@ -17,6 +17,7 @@
 #include "tetropolis/core/warning.h"
 #include "tetropolis/io/las/las.h"
 #include "tetropolis/io/vector/vector.h"
+#include "tetropolis/pipeline/wind_domain.h"
 #include "tetropolis/terrain/dtm.h"
 #include "tetropolis/terrain/ground_filter.h"
 #include "tetropolis/terrain/raster.h"
@@ -37,7 +38,11 @@ struct BuildCityOptions {
   /// beyond the points to keep buildings whole that lie mostly within the points' box; those in it
   /// that do not are dropped.
   std::optional<Bounds2> bounds = {};
-  double domain_margin = 40;  ///< Metres, >= 0.
+  double domain_margin = 40;      ///< Metres, >= 0.
+  WindDomainOptions domain = {};  ///< What is put around the domain above, which then says where
+                                  ///< there are data and buildings.
+  std::optional<Point2> origin = {};  ///< Of the local frame, CRS coordinates in whole metres.
+                                      ///< None: a corner of the data.
   bool terrain_only = false;  ///< A city without buildings is no error.
   BoundaryBuildings boundary_buildings = BoundaryBuildings::kDrop;
   GroundFilter ground_filter = GroundFilter::kAuto;
@@ -100,6 +105,7 @@ struct CityFacts {
   double dtm_empty_share = 0;  ///< Share of the terrain's nodes without a point of their own.
   double dtm_void_share = 0;   ///< Share of the domain's squares of 20 m without a ground point.
   RoofFacts roofs;             ///< Nothing at Lod::kBlock.
+  WindDomainFacts domain;      ///< Nothing at DomainShape::kData.
   std::vector<Dropped> dropped;
 };
 

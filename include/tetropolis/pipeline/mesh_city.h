@@ -32,6 +32,7 @@ struct MeshCityOptions {
   double target_cells = 0;   ///< Scales all sizes until the mesh has about so many; 0: it does not.
   double min_angle_deg = 25;   ///< Of the ground mesh; 0 to 33.
   double domain_height = 100;  ///< Of the top above the highest terrain, metres, > 0.
+  bool own_top = false;        ///< Rather the top that the city has, if it has one.
   Layering layering = Layering::kGraded;
   double layer_height = 0;  ///< Greatest distance between nodes of a column; of uniform layers
                             ///< their height; metres. 0: follows from the mesh size.

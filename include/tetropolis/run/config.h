@@ -48,6 +48,10 @@ struct Config {
 
   // City model.
   double domain_margin = 40;
+  std::string domain = "data";
+  double wind_from = 270;
+  int sectors = 36;
+  std::vector<double> origin;
   double dtm_step = 1;
   GroundFilter ground_filter = GroundFilter::kAuto;
   double ground_filter_window = 20;
@@ -72,7 +76,7 @@ struct Config {
   std::vector<std::string> refine;
   double target_cells = 0;
   double min_angle = 25;
-  double domain_height = 100;
+  double domain_height = 0;
   Layering layering = Layering::kGraded;
   double layer_height = 0;
   Top top = Top::kFlat;

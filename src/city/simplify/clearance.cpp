@@ -66,6 +66,11 @@ void clear_of_domain(const Edges& edges, const Domain& domain, Clearance& best) 
   const std::size_t sides = domain.sides().size();
   for (const LineIndex v : edges.all()) {
     const Point2 p = edges.start[v];
+    if (!domain.is_box()) {  // whose sides end
+      const double d = std::max(0.0, domain.distance_to_boundary(p));
+      if (d < best.distance) best = {d, edges.feature[v], RingFeature{-1, 0, 0}, p};
+      continue;
+    }
     for (std::size_t side = 0; side < sides; ++side) {
       const double d = std::max(0.0, domain.distance_to_side(side, p));
       if (d >= best.distance) continue;

@@ -384,6 +384,29 @@ std::string crs_at(const Place& system) {
   }
 }
 
+/// A domain that is no box: the corner that each side starts at, its patch and that one's name.
+Domain read_sides(const Place& sides, Point2 origin) {
+  constexpr int kFirst = 9, kMost = 1'000'000;  // numbers of patches that not every city has
+  Ring ring;
+  std::vector<Patch> patches;
+  std::vector<PatchInfo> own;
+  for (std::size_t i = 0; i < sides.size(); ++i) {
+    const Place side = sides.at(i);
+    const Place from = side.at("from");
+    ring.push_back(
+        snap_coordinate(Point2{from.at(0).number() - origin.x, from.at(1).number() - origin.y}));
+    const double number = side.at("patch").number();
+    if (!(number >= kFirst && number <= kMost)) side.at("patch").fail("is not a number from 9 on");
+    patches.push_back(static_cast<Patch>(static_cast<int>(number)));
+    const auto is_known = [&](const PatchInfo& info) { return info.patch == patches.back(); };
+    if (std::none_of(own.begin(), own.end(), is_known))
+      own.push_back({patches.back(), side.at("name").text(), PatchKind::kSide});
+  }
+  if (ring.size() < 3 || !(signed_area(ring) > 0))
+    sides.fail("are not the corners of a polygon, counter-clockwise");
+  return {std::move(ring), std::move(patches), std::move(own)};
+}
+
 /// What write_city puts beside the objects.
 void read_account(const Place& root, CityModel& model) {
   model.domain = Bounds2::nothing();
@@ -410,6 +433,9 @@ void read_account(const Place& root, CityModel& model) {
     if (model.domain.empty())
       box.fail("is not XMIN, YMIN, XMAX, YMAX with XMIN < XMAX, YMIN < YMAX");
   }
+  if (account.has("domainSides"))
+    model.domain = read_sides(account.at("domainSides"), model.origin);
+  if (account.has("domainTop")) model.domain_top = account.at("domainTop").number();
   if (!account.has("dropped")) return;
   const Place dropped = account.at("dropped");
   for (std::size_t i = 0; i < dropped.size(); ++i)

@@ -293,6 +293,24 @@ void put_account(Buffer& out, const CityModel& model, const std::string& crs) {
     const Bounds2 box = model.domain.moved(model.origin).bounds();
     put_list(out, std::array{box.xmin, box.ymin, box.xmax, box.ymax}, put_value);
   }
+  if (!model.domain.is_box()) {
+    put(out, ",\"domainSides\":");
+    put_list(out, model.domain.moved(model.origin).sides(), [&](const Domain::Side& side) {
+      const auto& own = model.domain.own_patches();
+      const auto info = std::find_if(own.begin(), own.end(), [&](const PatchInfo& patch) {
+        return patch.patch == side.patch;
+      });
+      put(out, "{\"from\":");
+      put_list(out, std::array{side.from.x, side.from.y}, put_value);
+      put(out, fmt::format(",\"patch\":{},\"name\":", static_cast<int>(side.patch)));
+      put_string(out, info->name);
+      put(out, "}");
+    });
+  }
+  if (std::isfinite(model.domain_top)) {
+    put(out, ",\"domainTop\":");
+    put_value(model.domain_top);
+  }
   put(out, ",\"dropped\":");
   put_list(out, model.dropped, [&](const Dropped& dropped) {
     put(out, "{\"source_id\":");

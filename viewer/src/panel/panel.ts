@@ -1,6 +1,6 @@
 // What is beside the picture: numbers, histograms, warnings, times, the command.
 
-import type {Building, Facts, Report, WorstCell} from '../facts.js';
+import type {Building, CellScore, Facts, Report, WorstCell} from '../facts.js';
 import {areaOf, type Outline} from '../map/polygons.js';
 import {byId, el, fixed, megabytes, plural, seconds, whole} from '../ui/dom.js';
 import {css, flagStyle, kBestAngle, kFlagStyles, kHeightRamp, kQualityRamp} from '../view/colours.js';
@@ -25,6 +25,11 @@ export function runName(facts: Facts): string {
   return out.slice(out.lastIndexOf('/') + 1) || 'City';
 }
 
+/** By the measures of wind engineering; nothing where there is nothing to count. */
+const resolution = (name: string, score: CellScore | undefined): Node[] =>
+    score === undefined || score.count === 0 ? [] :
+    fact(name, fixed(score.median, 1), `median; ${fixed(100 * score.share_of_ten, 0)} % have ten`);
+
 function overview(facts: Facts): HTMLElement[] {
   const {report} = facts;
   const [xmin, ymin, xmax, ymax] = facts.domain;
@@ -38,6 +43,11 @@ function overview(facts: Facts): HTMLElement[] {
               facts.footprints.length > 0 ? `of ${plural(facts.footprints.length, 'footprint')}` : ''),
       ...(facts.cells > 0 ? fact('Cells', whole(facts.cells), mesh ? plural(mesh.vertices, 'node') : '') : []),
       ...(mesh ? fact('Least dihedral angle', `${fixed(mesh.dihedral_deg.min, 1)}°`, `median ${fixed(mesh.dihedral_deg.median, 1)}°`) : []),
+      ...resolution('Cells per building', report?.ground_mesh?.cells_per_building),
+      ...resolution('Cells per street', report?.ground_mesh?.cells_per_gap),
+      ...(report?.city?.domain?.building_height ?
+          fact('Blockage', `${fixed(100 * report.city.domain.blockage, 1)} %`,
+               `tallest: ${report.city.domain.tallest_building}, ${fixed(report.city.domain.building_height, 1)} m`) : []),
       ...(report ? fact('Time', seconds(totalSeconds(report)), `${plural(report.threads, 'thread')}, ${megabytes(report.peak_rss_bytes)}`) : []));
   const checks: [boolean, string, string][] = [];
   if (report?.surface_mesh) {

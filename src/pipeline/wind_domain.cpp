@@ -1,0 +1,248 @@
+#include "tetropolis/pipeline/wind_domain.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <numbers>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "tetropolis/core/error.h"
+#include "tetropolis/geometry/polygon.h"
+#include "tetropolis/pipeline/meshable.h"
+
+#include "city/clip.h"
+#include "core/infinity.h"
+#include "core/units.h"
+#include "geometry/geos.h"
+#include "terrain/extend.h"
+
+namespace tetropolis {
+
+namespace {
+
+constexpr double kInflow = 5, kSides = 5, kOutflow = 15, kAbove = 5;  // of the tallest building
+constexpr double kMostBlockage = 0.03;
+constexpr int kFirstOwnPatch = 9;
+constexpr int kLeastSides = 36;  ///< Of a cylinder.
+constexpr std::size_t kMostSidePatches = 99;
+
+/// Where the wind blows to.
+Point2 direction_of(double wind_from_deg) {
+  const double quarter = wind_from_deg / 90;
+  if (quarter == std::floor(quarter)) {
+    constexpr Point2 kAlong[] = {{0, -1}, {-1, 0}, {0, 1}, {1, 0}};
+    const auto k = static_cast<std::size_t>(std::fmod(std::fmod(quarter, 4) + 4, 4));
+    return kAlong[k];
+  }
+  const double angle = to_radians(wind_from_deg);
+  return {-std::sin(angle), -std::cos(angle)};
+}
+
+/// Coordinates along a direction, and on the left of it.
+Point2 into_frame(Point2 along, Point2 p) {
+  return {p.x * along.x + p.y * along.y, p.y * along.x - p.x * along.y};
+}
+
+Point2 out_of_frame(Point2 along, Point2 p) {
+  return {p.x * along.x - p.y * along.y, p.x * along.y + p.y * along.x};
+}
+
+double height_of(const Building& building) { return building.h_roof - building.h_ground; }
+
+Bounds2 extent_in_frame(const CityModel& city, Point2 along) {
+  Bounds2 box = Bounds2::nothing();
+  for (const Building& building : city.buildings)
+    for (const Point2 p : building.footprint.outer) box.extend(into_frame(along, p));
+  return box;
+}
+
+Patch own_patch(std::size_t number) {
+  return static_cast<Patch>(kFirstOwnPatch + static_cast<int>(number));
+}
+
+/// Snapped corners; patches by side, from the side on the right of the wind counter-clockwise.
+Domain turned_box(const Bounds2& box, Point2 along) {
+  Ring ring;
+  for (const Point2 p : rectangle(box).outer)
+    ring.push_back(snap_coordinate(out_of_frame(along, p)));
+  return {std::move(ring),
+          {own_patch(3), own_patch(1), own_patch(2), own_patch(0)},
+          {{own_patch(0), "inlet", PatchKind::kSide},
+           {own_patch(1), "outlet", PatchKind::kSide},
+           {own_patch(2), "side_left", PatchKind::kSide},
+           {own_patch(3), "side_right", PatchKind::kSide}}};
+}
+
+Domain along_axis(const Bounds2& box, Point2 along) {
+  Bounds2 domain = Bounds2::nothing();
+  for (const Point2 p : rectangle(box).outer)
+    domain.extend(snap_coordinate(out_of_frame(along, p)));
+  return domain;
+}
+
+Domain cylinder(Point2 centre, double radius, int sectors) {
+  const int sides = (kLeastSides + sectors - 1) / sectors;  // of each sector
+  Ring ring;
+  std::vector<Patch> patches;
+  std::vector<PatchInfo> infos;
+  for (int k = 0; k < sectors; ++k) {
+    // By bearing, which goes clockwise; the ring does not.
+    const int number = (sectors - k) % sectors;
+    for (int side = 0; side < sides; ++side) {
+      const double turn = (k - 0.5 + static_cast<double>(side) / sides) / sectors;
+      const double angle = 2 * std::numbers::pi * (0.25 + turn);
+      ring.push_back(snap_coordinate(Point2{centre.x + radius * std::cos(angle),
+                                            centre.y + radius * std::sin(angle)}));
+      patches.push_back(own_patch(static_cast<std::size_t>(number)));
+    }
+    infos.push_back({own_patch(static_cast<std::size_t>(k)),
+                     fmt::format("sector_{:03.0f}", 360.0 * k / sectors), PatchKind::kSide});
+  }
+  return {std::move(ring), std::move(patches), std::move(infos)};
+}
+
+Domain given_polygon(const Polygon& polygon, Point2 origin) {
+  Ring ring;
+  for (const Point2 p : polygon.outer)
+    if (const Point2 q = snap_coordinate(Point2{p.x - origin.x, p.y - origin.y});
+        ring.empty() || q != ring.back())
+      ring.push_back(q);
+  if (ring.size() > 1 && ring.front() == ring.back()) ring.pop_back();
+  if (!polygon.holes.empty() || ring.size() < 3 || !geos::is_valid(std::array{Polygon{ring, {}}}))
+    throw Error(ErrorKind::kInput,
+                "domain: the polygon crosses itself or has holes; give a simple one");
+  if (signed_area(ring) < 0) std::reverse(ring.begin(), ring.end());
+  std::vector<Patch> patches;
+  std::vector<PatchInfo> infos;
+  const bool is_one = ring.size() > kMostSidePatches;
+  for (std::size_t i = 0; i < ring.size(); ++i) {
+    patches.push_back(own_patch(is_one ? 0 : i));
+    if (!is_one)
+      infos.push_back({patches.back(), fmt::format("side_{}", i + 1), PatchKind::kSide});
+  }
+  if (is_one) infos.push_back({own_patch(0), "side", PatchKind::kSide});
+  return {std::move(ring), std::move(patches), std::move(infos)};
+}
+
+/// The patch of a box along an axis that the wind blows in through.
+std::string inlet_of(const Domain& domain, Point2 along) {
+  if (!domain.own_patches().empty()) return "inlet";
+  if (along.x != 0) return along.x > 0 ? "xmin" : "xmax";
+  return along.y > 0 ? "ymin" : "ymax";
+}
+
+double share_outside(const Domain& domain, const Bounds2& data) {
+  return 1 - total_area(parts_in_domain(domain.outline(), data)) / domain.area();
+}
+
+const Building& tallest_of(const CityModel& city) {
+  return *std::max_element(
+      city.buildings.begin(), city.buildings.end(),
+      [](const Building& a, const Building& b) { return height_of(a) < height_of(b); });
+}
+
+double top_over(const CityModel& city, double height) {
+  double highest = -kInfinity;
+  for (const Building& building : city.buildings) highest = std::max(highest, building.h_roof);
+  return highest + kAbove * height;
+}
+
+}  // namespace
+
+double frontal_area(const CityModel& city, Point2 along) {
+  constexpr double kStep = 0.5;
+  const Bounds2 box = extent_in_frame(city, along);
+  if (box.empty()) return 0;
+  std::vector<double> heights(static_cast<std::size_t>(std::ceil(box.height() / kStep)) + 1, 0);
+  for (const Building& building : city.buildings) {
+    double low = kInfinity, high = -kInfinity;
+    for (const Point2 p : building.footprint.outer) {
+      const double across = into_frame(along, p).y;
+      low = std::min(low, across);
+      high = std::max(high, across);
+    }
+    const auto first = static_cast<std::size_t>((low - box.ymin) / kStep);
+    const auto last = static_cast<std::size_t>(std::ceil((high - box.ymin) / kStep));
+    for (std::size_t i = first; i < std::min(last, heights.size()); ++i)
+      heights[i] = std::max(heights[i], height_of(building));
+  }
+  double sum = 0;
+  for (const double height : heights) sum += height;
+  return sum * kStep;
+}
+
+WindDomainFacts fit_wind_domain(const WindDomainOptions& options, double min_distance,
+                                CityModel& city, Raster& terrain, std::vector<Warning>& warnings) {
+  WindDomainFacts facts;
+  if (options.shape == DomainShape::kData) return facts;
+  const Bounds2 data = city.domain.bounds();
+  facts.data = data.moved(city.origin);
+  if (options.shape == DomainShape::kPolygon) {
+    city.domain = given_polygon(options.polygon, city.origin);
+    const std::size_t before = city.dropped.size();
+    if (const std::size_t left_out = drop_unmeshable(city, min_distance); left_out > 0)
+      warnings.push_back(
+          {"outside_domain", static_cast<std::int64_t>(left_out),
+           fmt::format("features are left out, the first, {}: {}; the polygon of the domain does "
+                       "not hold them",
+                       city.dropped[before].source_id, city.dropped[before].reason)});
+  }
+  if (city.buildings.empty() && options.shape != DomainShape::kPolygon)
+    throw Error(ErrorKind::kInput,
+                "domain: without buildings their height does not tell how wide it is; give a "
+                "polygon, or `bounds` and domain = \"data\"");
+  const Point2 along =
+      options.shape == DomainShape::kBox ? direction_of(options.wind_from_deg) : Point2{1, 0};
+  Bounds2 core = data;
+  if (!city.buildings.empty()) {
+    const Building& tallest = tallest_of(city);
+    const double height = height_of(tallest);
+    facts.building_height = height;
+    facts.tallest = tallest.id;
+    core = extent_in_frame(city, along);
+    facts.guideline_length = core.width() + (kInflow + kOutflow) * height;
+    facts.guideline_width = core.height() + 2 * kSides * height;
+    facts.guideline_height = (1 + kAbove) * height;
+    city.domain_top = snap_height(top_over(city, height));
+  }
+  const double height = facts.building_height;
+  const double frontal = frontal_area(city, along);
+  const double guideline_section = facts.guideline_width * facts.guideline_height;
+  if (guideline_section > 0) facts.guideline_blockage = frontal / guideline_section;
+  if (options.shape == DomainShape::kBox) {
+    facts.length = facts.guideline_length;
+    facts.width = std::max(facts.guideline_width,
+                           frontal / (kMostBlockage * facts.guideline_height));
+    const double middle = 0.5 * (core.ymin + core.ymax);
+    const Bounds2 box{core.xmin - kInflow * height, middle - 0.5 * facts.width,
+                      core.xmax + kOutflow * height, middle + 0.5 * facts.width};
+    const bool is_along_axis = along.x == 0 || along.y == 0;
+    city.domain = is_along_axis ? along_axis(box, along) : turned_box(box, along);
+    facts.inlet = inlet_of(city.domain, along);
+  } else if (options.shape == DomainShape::kCylinder) {
+    facts.radius = 0.5 * std::hypot(core.width(), core.height()) + kOutflow * height;
+    facts.length = facts.width = 2 * facts.radius;
+    city.domain = cylinder({0.5 * (core.xmin + core.xmax), 0.5 * (core.ymin + core.ymax)},
+                           facts.radius, options.sectors);
+  } else {
+    facts.length = city.domain.bounds().width();
+    facts.width = city.domain.bounds().height();
+  }
+  if (height > 0) facts.blockage = frontal / (facts.width * facts.guideline_height);
+  if (facts.blockage > kMostBlockage * (1 + 1e-9))
+    warnings.push_back({"domain_blockage", 1,
+                        fmt::format("buildings block {:.1f} % of the domain's cross-section (at "
+                                    "most 3 % by COST 732); a box is widened for that",
+                                    100 * facts.blockage)});
+  facts.area_outside_data = share_outside(city.domain, data);
+  facts.rim_height = rim_height(terrain);
+  constexpr double kLeastFade = 10;  // steps of the terrain
+  terrain = extend_terrain(terrain, city.domain.bounds(),
+                           {along, core, std::max(kInflow * height, kLeastFade * terrain.step),
+                            facts.rim_height});
+  return facts;
+}
+
+}  // namespace tetropolis
