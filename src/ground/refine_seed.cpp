@@ -87,8 +87,7 @@ void Refiner::seed(const Progress& progress) {
   largest_edge_exponent_ = 2 * std::ilogb(longest) + 1;
   cut_pieces();
   progress.update(0.3);
-  if (options_.lattice && std::isfinite(size_.base()))
-    insert_lattice(portion(progress, 0.3, 1));
+  if (options_.lattice && std::isfinite(size_.base())) insert_lattice(portion(progress, 0.3, 1));
   mesh_.touched.clear();
 }
 

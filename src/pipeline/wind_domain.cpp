@@ -93,8 +93,8 @@ Domain cylinder(Point2 centre, double radius, int sectors) {
     for (int side = 0; side < sides; ++side) {
       const double turn = (k - 0.5 + static_cast<double>(side) / sides) / sectors;
       const double angle = 2 * std::numbers::pi * (0.25 + turn);
-      ring.push_back(snap_coordinate(Point2{centre.x + radius * std::cos(angle),
-                                            centre.y + radius * std::sin(angle)}));
+      ring.push_back(snap_coordinate(
+          Point2{centre.x + radius * std::cos(angle), centre.y + radius * std::sin(angle)}));
       patches.push_back(own_patch(static_cast<std::size_t>(number)));
     }
     infos.push_back({own_patch(static_cast<std::size_t>(k)),
@@ -119,8 +119,7 @@ Domain given_polygon(const Polygon& polygon, Point2 origin) {
   const bool is_one = ring.size() > kMostSidePatches;
   for (std::size_t i = 0; i < ring.size(); ++i) {
     patches.push_back(own_patch(is_one ? 0 : i));
-    if (!is_one)
-      infos.push_back({patches.back(), fmt::format("side_{}", i + 1), PatchKind::kSide});
+    if (!is_one) infos.push_back({patches.back(), fmt::format("side_{}", i + 1), PatchKind::kSide});
   }
   if (is_one) infos.push_back({own_patch(0), "side", PatchKind::kSide});
   return {std::move(ring), std::move(patches), std::move(infos)};
@@ -213,8 +212,8 @@ WindDomainFacts fit_wind_domain(const WindDomainOptions& options, double min_dis
   if (guideline_section > 0) facts.guideline_blockage = frontal / guideline_section;
   if (options.shape == DomainShape::kBox) {
     facts.length = facts.guideline_length;
-    facts.width = std::max(facts.guideline_width,
-                           frontal / (kMostBlockage * facts.guideline_height));
+    facts.width =
+        std::max(facts.guideline_width, frontal / (kMostBlockage * facts.guideline_height));
     const double middle = 0.5 * (core.ymin + core.ymax);
     const Bounds2 box{core.xmin - kInflow * height, middle - 0.5 * facts.width,
                       core.xmax + kOutflow * height, middle + 0.5 * facts.width};
@@ -239,9 +238,9 @@ WindDomainFacts fit_wind_domain(const WindDomainOptions& options, double min_dis
   facts.area_outside_data = share_outside(city.domain, data);
   facts.rim_height = rim_height(terrain);
   constexpr double kLeastFade = 10;  // steps of the terrain
-  terrain = extend_terrain(terrain, city.domain.bounds(),
-                           {along, core, std::max(kInflow * height, kLeastFade * terrain.step),
-                            facts.rim_height});
+  terrain = extend_terrain(
+      terrain, city.domain.bounds(),
+      {along, core, std::max(kInflow * height, kLeastFade * terrain.step), facts.rim_height});
   return facts;
 }
 

@@ -92,8 +92,8 @@ std::map<std::string, double> distances(const CityModel& city) {
     double& distance = least.try_emplace(name_of_side(city.domain, side.patch), 1e9).first->second;
     for (const Building& building : city.buildings)
       for (const Point2 p : building.footprint.outer)
-        distance = std::min(distance, (dx * (p.y - side.from.y) - dy * (p.x - side.from.x)) /
-                                          std::hypot(dx, dy));
+        distance = std::min(
+            distance, (dx * (p.y - side.from.y) - dy * (p.x - side.from.x)) / std::hypot(dx, dy));
   }
   return least;
 }
@@ -130,19 +130,22 @@ TEST(WindDomain, BoxKeepsTheDistancesForAnyWind) {
     const std::map<std::string, double> from = distances(model.city);
     static const std::map<double, std::string> inlets{
         {270, "xmin"}, {0, "ymax"}, {90, "xmax"}, {180, "ymin"}};
-    static const std::map<std::string, std::string> opposite{
-        {"xmin", "xmax"}, {"xmax", "xmin"}, {"ymin", "ymax"}, {"ymax", "ymin"}, {"inlet", "outlet"}};
+    static const std::map<std::string, std::string> opposite{{"xmin", "xmax"},
+                                                             {"xmax", "xmin"},
+                                                             {"ymin", "ymax"},
+                                                             {"ymax", "ymin"},
+                                                             {"inlet", "outlet"}};
     EXPECT_EQ(facts.inlet, is_turned ? "inlet" : inlets.at(wind_from));
     EXPECT_NEAR(from.at(facts.inlet), 5 * 20, kRoundings) << wind_from;
     EXPECT_NEAR(from.at(opposite.at(facts.inlet)), 15 * 20, kRoundings) << wind_from;
     for (const auto& [side, distance] : from) EXPECT_GE(distance, 100 - kRoundings) << side;
     // The wind blows in where it comes from.
     const double bearing = wind_from * std::numbers::pi / 180;
-    for (const Domain::Side& side : model.city.domain.sides())
-      if (name_of_side(model.city.domain, side.patch) == facts.inlet)
-        EXPECT_NEAR((side.to.y - side.from.y) * std::sin(bearing) -
-                        (side.to.x - side.from.x) * std::cos(bearing),
-                    std::hypot(side.to.x - side.from.x, side.to.y - side.from.y), kRoundings);
+    for (const Domain::Side& side : model.city.domain.sides()) {
+      if (name_of_side(model.city.domain, side.patch) != facts.inlet) continue;
+      const double dx = side.to.x - side.from.x, dy = side.to.y - side.from.y;
+      EXPECT_NEAR(dy * std::sin(bearing) - dx * std::cos(bearing), std::hypot(dx, dy), kRoundings);
+    }
     EXPECT_NEAR(model.city.domain.area(), facts.length * facts.width, 1);
     EXPECT_EQ(model.city.domain_top, 5 * 20 + 22 + std::round(terrain_at({104, 20})) - 2);
   }
@@ -150,14 +153,18 @@ TEST(WindDomain, BoxKeepsTheDistancesForAnyWind) {
 
 TEST(WindDomain, BoxIsWidenedUntilLittleIsBlocked) {
   Model model = small_model();
+  model.city.buildings[BuildingIndex(3)].h_roof -= 10;
+  add_building(model.city, {130, 20, 140, 91}, 4, 15);  // a slab across the wind
   const double frontal = frontal_area(model.city, {1, 0});
+  EXPECT_EQ(frontal, 71 * 15);
   const WindDomainFacts facts = fit({DomainShape::kBox}, model);
-  EXPECT_NEAR(facts.guideline_width, 71 + 200, 1e-9);
-  EXPECT_NEAR(facts.guideline_height, 120, 1e-9);
-  EXPECT_NEAR(facts.guideline_blockage, frontal / (271 * 120), 1e-12);
+  EXPECT_EQ(facts.tallest, "b12");
+  EXPECT_NEAR(facts.guideline_width, 71 + 150, 1e-9);
+  EXPECT_NEAR(facts.guideline_height, 90, 1e-9);
+  EXPECT_NEAR(facts.guideline_blockage, frontal / (221 * 90), 1e-12);
   EXPECT_GT(facts.guideline_blockage, 0.03);
   EXPECT_NEAR(facts.blockage, 0.03, 1e-9);
-  EXPECT_NEAR(facts.width, frontal / (0.03 * 120), 1e-9);
+  EXPECT_NEAR(facts.width, frontal / (0.03 * 90), 1e-9);
   // In the middle.
   const std::map<std::string, double> from = distances(model.city);
   EXPECT_NEAR(from.at("ymin"), from.at("ymax"), kRoundings);
@@ -245,7 +252,8 @@ TEST(WindDomain, TerrainIsKeptAmongTheBuildingsAndLevelAtTheSides) {
         }
     EXPECT_NEAR(facts.rim_height, sum / count, 1e-9);
     for (const Building& building : model.city.buildings)
-      for (const Point2 p : building.footprint.outer) EXPECT_EQ(sample(terrain, p), sample(data, p));
+      for (const Point2 p : building.footprint.outer)
+        EXPECT_EQ(sample(terrain, p), sample(data, p));
     for (const Domain::Side& side : domain.sides())
       for (double t = 0; t <= 1; t += 0.05) {
         const Point2 p{side.from.x + t * (side.to.x - side.from.x),

@@ -43,7 +43,7 @@ struct BuildCityOptions {
                                   ///< there are data and buildings.
   std::optional<Point2> origin = {};  ///< Of the local frame, CRS coordinates in whole metres.
                                       ///< None: a corner of the data.
-  bool terrain_only = false;  ///< A city without buildings is no error.
+  bool terrain_only = false;          ///< A city without buildings is no error.
   BoundaryBuildings boundary_buildings = BoundaryBuildings::kDrop;
   GroundFilter ground_filter = GroundFilter::kAuto;
   GroundFilterOptions filter = {};

@@ -31,14 +31,14 @@ struct WindDomainFacts {
   double building_height = 0;  ///< H: of the tallest building above its own ground.
   std::string tallest;         ///< Its id.
   double guideline_length = 0, guideline_width = 0, guideline_height = 0;  ///< Before widening.
-  double guideline_blockage = 0;     ///< Frontal area of all buildings over width times height.
-  double length = 0, width = 0;      ///< Along the wind and across, as made.
-  double radius = 0;                 ///< Of a cylinder.
-  double blockage = 0;               ///< As made.
-  std::string inlet;                 ///< Patch that the wind blows in through; of a box.
-  Bounds2 data = {};                 ///< Where there are data, CRS coordinates.
-  double area_outside_data = 0;      ///< Share of the domain.
-  double rim_height = 0;             ///< Mean height of the data's rim, to which terrain fades.
+  double guideline_blockage = 0;  ///< Frontal area of all buildings over width times height.
+  double length = 0, width = 0;   ///< Along the wind and across, as made.
+  double radius = 0;              ///< Of a cylinder.
+  double blockage = 0;            ///< As made.
+  std::string inlet;              ///< Patch that the wind blows in through; of a box.
+  Bounds2 data = {};              ///< Where there are data, CRS coordinates.
+  double area_outside_data = 0;   ///< Share of the domain.
+  double rim_height = 0;          ///< Mean height of the data's rim, to which terrain fades.
 };
 
 /// Frontal area of the buildings for wind along the unit vector `along`: the area of the union of
@@ -49,14 +49,15 @@ double frontal_area(const CityModel& city, Point2 along);
 /// al. 2007) and AIJ (Tominaga et al. 2008): with H the height of the tallest building, 5 H from
 /// the buildings to the inlet, to the sides and from the tallest roof to the top, 15 H to the
 /// outlet; a box is then widened until buildings block at most 3 % of its cross-section (of width
-/// times 6 H). A cylinder has 15 H on all sides of the circle around the buildings' box. A box along
-/// the x or y axis keeps the patches xmin to ymax; another one has "inlet", "outlet", "side_left"
-/// and "side_right" (looking downwind), a cylinder "sector_000" and on by where they lie from the
-/// centre, in degrees clockwise from north, a polygon "side_1" and on; all from number 9.
+/// times 6 H). A cylinder has 15 H on all sides of the circle around the buildings' box. A box
+/// along the x or y axis keeps the patches xmin to ymax; another one has "inlet", "outlet",
+/// "side_left" and "side_right" (looking downwind), a cylinder "sector_000" and on by where they
+/// lie from the centre, in degrees clockwise from north, a polygon "side_1" and on; all from
+/// number 9.
 ///
-/// In the box of the buildings (along the wind) terrain stays as it is. Beyond, it fades to the mean
-/// height of the rim of `terrain` by a smoothstep over 5 H, so that inlet, sides and outlet are
-/// level. `terrain` gets as many nodes as cover the domain.
+/// In the box of the buildings (along the wind) terrain stays as it is. Beyond, it fades to the
+/// mean height of the rim of `terrain` by a smoothstep over 5 H, so that inlet, sides and outlet
+/// are level. `terrain` gets as many nodes as cover the domain.
 ///
 /// Precondition: `terrain` covers `city.domain`. Buildings outside of a polygon, or closer than
 /// `min_distance` to its sides, move to `city.dropped`. Sets city.domain and city.domain_top.
