@@ -1,6 +1,7 @@
 #include "tetropolis/pipeline/wind_domain.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstddef>
 #include <numbers>
