@@ -119,8 +119,8 @@ void fill_facts(const CityModel& raw, const CityModel& city, const Simplificatio
   facts.min_clearance = simple.stats.min_clearance;
   facts.area_before = simple.stats.area_before;
   facts.area_after = simple.stats.area_after;
-  if (facts.roofs.parts > 0) {
-    // Vertices of parts bend outlines by a tenth of a millimetre.
+  if (facts.roofs.parts > 0 || facts.domain.length > 0) {
+    // Vertices of parts bend outlines by a tenth of a millimetre; a domain may leave buildings out.
     std::vector<Polygon> footprints;
     for (const Building& building : city.buildings) footprints.push_back(building.footprint);
     facts.area_after = total_area(footprints);
