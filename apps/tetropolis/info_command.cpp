@@ -18,7 +18,7 @@
 #include "tetropolis/io/mesh/stl.h"
 #include "tetropolis/io/mesh/vtk.h"
 #include "tetropolis/io/mesh/xdmf.h"
-#include "tetropolis/io/raster/geotiff.h"
+#include "tetropolis/io/raster/elevation.h"
 #include "tetropolis/io/vector/vector.h"
 #include "tetropolis/run/output_folder.h"
 
@@ -176,16 +176,36 @@ void info_vector(const std::string& path) {
 }
 
 void info_raster(const std::string& path) {
-  const RasterInput input = read_raster(path, {0, 0});
-  const Bounds2 box = input.raster.bounds();
-  const auto [low, high] =
-      std::minmax_element(input.raster.values.begin(), input.raster.values.end());
-  put(stdout, fmt::format("{}: raster, {} x {} nodes, step {}\n  CRS: {}\n", path, input.raster.nx,
-                          input.raster.ny, input.raster.step, crs_text(input.crs)));
-  put(stdout,
-      fmt::format("  box: x {:.3f} .. {:.3f}, y {:.3f} .. {:.3f}; heights {:.3f} .. {:.3f}\n",
-                  box.xmin, box.xmax, box.ymin, box.ymax, *low, *high));
-  print_warnings(input.warnings);
+  const RasterHeader header = inspect_raster(path);
+  const std::vector<std::filesystem::path> paths{path};
+  const Elevations read = read_elevations(paths);
+  double low = std::numeric_limits<double>::infinity(), high = -low;
+  for (const double value : read.raster.values)
+    if (!std::isnan(value)) {
+      low = std::min(low, value);
+      high = std::max(high, value);
+    }
+  const bool square = std::abs(header.step_x - header.step_y) <= 1e-6 * header.step_x;
+  put(stdout, fmt::format("{}: raster, {} x {} pixels of {:.7g}{}\n  CRS: {}\n", path, header.nx,
+                          header.ny, header.step_x,
+                          square ? "" : fmt::format(" x {:.7g}", header.step_y),
+                          crs_text(header.crs)));
+  const int digits = square_metres(header.crs) > 0 ? 3 : 7;
+  put(stdout, fmt::format("  box: x {0:.{4}f} .. {1:.{4}f}, y {2:.{4}f} .. {3:.{4}f}\n",
+                          header.box.xmin, header.box.xmax, header.box.ymin, header.box.ymax,
+                          digits));
+  put(stdout, fmt::format("  heights: {:.3f} .. {:.3f} m; without a value: {} pixels\n", low, high,
+                          read.missing));
+  print_warnings(read.warnings);
+}
+
+/// By the endings that expand_raster_paths knows, but for points in text.
+bool is_raster_name(const std::string& name) {
+  for (const char* ending :
+       {".tif", ".tiff", ".vrt", ".asc", ".img", ".hgt", ".dem", ".bil", ".flt", ".dt2", ".jp2",
+        ".grd", ".nc", ".xyz"})
+    if (name.ends_with(ending)) return true;
+  return false;
 }
 
 void print_volume(const std::string& path, const TetMesh& mesh) {
@@ -381,7 +401,7 @@ void info_file(const std::string& path) {
     info_city(path);
   else if (name.ends_with("json"))  // also .cityjson and .geojson
     info_json(path);
-  else if (name.ends_with(".tif") || name.ends_with(".tiff"))
+  else if (is_raster_name(name))
     info_raster(path);
   else if (name.ends_with(".vtu"))
     print_volume(path, read_vtu(path));

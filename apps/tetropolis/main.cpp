@@ -127,12 +127,16 @@ void require_log_apart(const Config& config, const std::string& other) {
         ErrorKind::kUsage,
         fmt::format("--log: {} is a result, which would be lost; choose another name", config.log));
   if (!fs::exists(log, error)) return;
-  std::vector<fs::path> inputs{config.footprints, config.city, config.dtm, other};
-  inputs.insert(inputs.end(), config.points.begin(), config.points.end());
+  std::vector<fs::path> inputs{config.city, other};
+  for (const auto* paths : {&config.footprints, &config.points, &config.dtm, &config.dsm})
+    inputs.insert(inputs.end(), paths->begin(), paths->end());
   const bool is_input = std::any_of(inputs.begin(), inputs.end(), [&](const fs::path& input) {
     return fs::equivalent(input, log, error);
   });
-  if (is_input || is_side_file(log, config.footprints) || is_side_file(log, config.dtm))
+  const bool is_beside = std::any_of(inputs.begin(), inputs.end(), [&](const fs::path& input) {
+    return is_side_file(log, input);
+  });
+  if (is_input || is_beside)
     throw Error(ErrorKind::kUsage,
                 fmt::format("--log: {} is an input of this run, which would be lost; choose "
                             "another name",

@@ -27,7 +27,7 @@ bool is_text_list(const ConfigField& field) {
 /// "FILE", "{a,b}", "NUMBER" ... shown behind the option's name.
 std::string type_name(const ConfigField& field) {
   if (!field.choices.empty()) return fmt::format("{{{}}}", fmt::join(field.choices, ","));
-  if (field.name == "points") return "PATH...";
+  if (field.value == "PATH") return "PATH...";
   if (!field.value.empty()) return std::string(field.value);
   if (std::holds_alternative<int Config::*>(field.member)) return "INT";
   if (std::holds_alternative<double Config::*>(field.member)) return "NUMBER";
@@ -70,7 +70,7 @@ const ConfigField& field_named(std::string_view name) {
 bool is_given(const ConfigField& field, const Config& config) {
   if (const auto* text = std::get_if<std::string Config::*>(&field.member))
     return !(config.**text).empty();
-  return !config.points.empty();
+  return !(config.*std::get<std::vector<std::string> Config::*>(field.member)).empty();
 }
 
 /// Whether there is no file or folder of this name, and it is no pattern.

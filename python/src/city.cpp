@@ -62,7 +62,7 @@ struct Points {
   }
 };
 
-City build(const nb::dict& settings, const std::string& footprints,
+City build(const nb::dict& settings, const std::vector<std::string>& footprints,
            const std::vector<std::string>& points, const std::optional<FootprintTable>& table,
            const std::optional<Points>& arrays, const nb::object& progress) {
   Config config = config_of("build_city", settings);
@@ -82,7 +82,7 @@ City read(const nb::dict& settings, const std::string& path, const std::string& 
           const nb::object& progress) {
   Config config = config_of("read_city", settings);
   config.city = path;
-  config.dtm = dtm;
+  config.dtm = {dtm};
   CityInMemory city;
   call(progress, "read city and terrain",
        [&](const StepHooks& hooks) { city = load_city(config, hooks); });

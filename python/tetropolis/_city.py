@@ -265,17 +265,18 @@ class City(Reported, CityModel):
 
 
 @takes_settings("build_city")
-def build_city(footprints: Any, points: Any, *, classification: npt.ArrayLike | None = None,
+def build_city(footprints: Any, points: Any = None, *, classification: npt.ArrayLike | None = None,
                progress: Progress = None, **settings: Unpack[BuildCity]) -> City:
     """Builds terrain and buildings from footprints and points.
 
     Parameters
     ----------
-    footprints : path, GeoDataFrame, GeoSeries, or geometries of shapely
-        A file in any vector format that GDAL reads, or features in memory; None with ``terrain_only=True``. Features
+    footprints : path, list of paths, GeoDataFrame, GeoSeries, or geometries of shapely
+        Files in any vector format that GDAL reads, or features in memory; None with ``terrain_only=True``. Features
         in memory are called by their index.
-    points : path, list of paths, array_like of shape (N, 3), or laspy.LasData
-        LAS or LAZ files, folders, patterns; or x, y, z in metres of the CRS (laspy's ``las.xyz``).
+    points : path, list of paths, array_like of shape (N, 3), or laspy.LasData, optional
+        LAS or LAZ files, folders, patterns; or x, y, z in metres of the CRS (laspy's ``las.xyz``). Without, heights
+        are those of ``dsm``, or what the footprints state, and the ground is ``dtm``, or level.
     classification : array_like of shape (N,), optional
         ASPRS classes of points in memory; without, the ground is found by a filter.
     progress : bool or callable, optional
@@ -297,16 +298,16 @@ def build_city(footprints: Any, points: Any, *, classification: npt.ArrayLike | 
     """
     id_attribute, height_attribute = settings.get("id_attribute"), settings.get("height_attribute")
     table = arrays = None
-    if footprints is not None and not is_path(footprints):
+    files = [] if footprints is None else paths_of(footprints)
+    if files is None:
         table = footprint_table(footprints, id_attribute, height_attribute)
     paths = [] if points is None else paths_of(points)
     if paths is None:
         arrays = points_in_memory(points, classification)
     elif classification is not None:
         raise UsageError("classification: files have their own; give it with points in memory only")
-    path = os.fspath(footprints) if is_path(footprints) else ""
     with following(progress) as follow:
-        city = City(_core.build_city(dict(settings), path, paths or [], table, arrays, follow))
+        city = City(_core.build_city(dict(settings), files or [], paths or [], table, arrays, follow))
     city._warn()
     return city
 

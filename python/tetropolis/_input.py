@@ -91,7 +91,7 @@ def points_in_memory(points: Any, classification: Any) -> _core.Points:
 
 
 def paths_of(points: Any) -> list[str] | None:
-    """The files that `points` names; None if it is points itself."""
+    """The files that a value names; None if it is data itself."""
     if is_path(points):
         return [os.fspath(points)]
     if isinstance(points, (list, tuple)) and points and all(is_path(path) for path in points):

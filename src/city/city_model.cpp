@@ -15,7 +15,9 @@ constexpr std::array kFlagNames = {"ground_from_dtm",
                                    "merged",
                                    "convex_hull",
                                    "repaired",
-                                   "clipped"};
+                                   "clipped",
+                                   "roof_from_floors",
+                                   "default_height"};
 
 }  // namespace
 
@@ -35,7 +37,8 @@ std::uint32_t flags_from_names(const std::vector<std::string>& names) {
 }
 
 const char* name_of(DropCause cause) {
-  constexpr std::array kNames = {"unusable", "outside", "boundary", "too_small", "too_narrow"};
+  constexpr std::array kNames = {"unusable",   "outside",     "boundary", "too_small",
+                                 "too_narrow", "no_building", "outlined"};
   return kNames[static_cast<std::size_t>(cause)];
 }
 

@@ -15,6 +15,8 @@
 #include "tetropolis/city/heights.h"
 #include "tetropolis/city/simplify/clearance.h"
 #include "tetropolis/city/simplify/simplify.h"
+#include "tetropolis/city/stated_heights.h"
+#include "tetropolis/core/row_major.h"
 #include "tetropolis/geometry/polygon.h"
 #include "tetropolis/terrain/dtm.h"
 
@@ -22,8 +24,10 @@
 #include "city_input.h"
 #include "city_warnings.h"
 #include "clean_features.h"
+#include "core/parallel.h"
 #include "elevations.h"
 #include "find_ground.h"
+#include "measured_ground.h"
 #include "memory.h"
 
 namespace tetropolis {
@@ -42,21 +46,40 @@ namespace {
                           source, domain.xmin, domain.ymin, domain.xmax, domain.ymax, why));
 }
 
-/// Mean of the members' attribute heights, weighted by area; NaN where none has one.
-double merged_attribute_height(const CityModel& raw, const std::vector<BuildingIndex>& members) {
+/// Of each building: which flag tells what a height rests on that is not measured.
+using HeightBasis = std::vector<std::uint32_t>;
+
+/// Mean of the members' attribute heights, weighted by area; NaN where none has one. Returns on what
+/// they rest.
+std::uint32_t merge_attribute_heights(const CityModel& raw, const HeightBasis& basis,
+                                      const std::vector<BuildingIndex>& members,
+                                      Building& merged) {
   double weight = 0, sum = 0;
+  std::uint32_t merged_basis = 0;
   for (const BuildingIndex m : members) {
     const Building& member = raw.buildings[m];
     if (!(member.attribute_height > 0)) continue;
     const double share = area(member.footprint);
     weight += share;
     sum += share * member.attribute_height;
+    merged_basis |= basis[m];
   }
-  return weight > 0 ? sum / weight : std::numeric_limits<double>::quiet_NaN();
+  merged.attribute_height =
+      snap_height(weight > 0 ? sum / weight : std::numeric_limits<double>::quiet_NaN());
+  return merged_basis;
+}
+
+/// Where a height was stated, tells on what it rests.
+void tell_basis(const HeightBasis& basis, CityModel& model) {
+  for (std::size_t b = 0; b < basis.size(); ++b) {
+    std::uint32_t& flags = model.buildings[BuildingIndex(b)].flags;
+    if ((flags & kRoofFromAttribute) != 0) flags = (flags & ~kRoofFromAttribute) | basis[b];
+  }
 }
 
 /// The simplified model without heights.
-CityModel merged_model(const CityModel& raw, const Simplification& simple) {
+CityModel merged_model(const CityModel& raw, const Simplification& simple,
+                       const HeightBasis& raw_basis, HeightBasis& basis) {
   constexpr std::uint32_t inherited = kRepaired | kClipped;
   CityModel model;
   model.origin = raw.origin;
@@ -74,7 +97,7 @@ CityModel merged_model(const CityModel& raw, const Simplification& simple) {
                                  member.source_ids.end());
       building.flags |= member.flags & inherited;
     }
-    building.attribute_height = snap_height(merged_attribute_height(raw, simple.members[i]));
+    basis.push_back(merge_attribute_heights(raw, raw_basis, simple.members[i], building));
     model.buildings.push_back(std::move(building));
   }
   for (const DroppedFootprint& dropped : simple.dropped)
@@ -112,6 +135,36 @@ std::map<std::string, std::int64_t> resorts_by_name(const SimplifyStats& stats) 
   return resorts;
 }
 
+/// Centre of mass of a polygon, whose holes turn against it.
+Point2 centroid(const Polygon& polygon) {
+  const Point2 at = polygon.outer.front();
+  double twice = 0, x = 0, y = 0;
+  const auto add = [&](const Ring& ring) {
+    for (std::size_t k = 0; k < ring.size(); ++k) {
+      const Point2 a{ring[k].x - at.x, ring[k].y - at.y};
+      const Point2 next = ring[(k + 1) % ring.size()];
+      const Point2 b{next.x - at.x, next.y - at.y};
+      const double cross = a.x * b.y - b.x * a.y;
+      twice += cross;
+      x += cross * (a.x + b.x);
+      y += cross * (a.y + b.y);
+    }
+  };
+  add(polygon.outer);
+  for (const Ring& hole : polygon.holes) add(hole);
+  return twice == 0 ? at : Point2{at.x + x / (3 * twice), at.y + y / (3 * twice)};
+}
+
+/// Of a prism, or below the planes of its parts.
+double volume_of(const Building& building) {
+  if (building.parts.empty())
+    return area(building.footprint) * (building.h_roof - building.h_ground);
+  double volume = 0;
+  for (const RoofPart& part : building.parts)
+    volume += area(part.outline) * (part.roof(centroid(part.outline)) - building.h_ground);
+  return volume;
+}
+
 void fill_facts(const CityModel& raw, const CityModel& city, const Simplification& simple,
                 CityFacts& facts) {
   facts.raw_buildings = static_cast<std::int64_t>(raw.buildings.size());
@@ -126,6 +179,8 @@ void fill_facts(const CityModel& raw, const CityModel& city, const Simplificatio
     facts.area_after = total_area(footprints);
     facts.min_clearance = joint_clearance(footprints, city.domain).distance;
   }
+  for (const Building& building : raw.buildings) facts.volume_before += volume_of(building);
+  for (const Building& building : city.buildings) facts.volume_after += volume_of(building);
   facts.area_moved = simple.stats.symmetric_difference;
   if (facts.area_before > 0) facts.area_changed_share = facts.area_moved / facts.area_before;
   facts.max_distance = simple.stats.max_hausdorff_distance;
@@ -139,8 +194,18 @@ void fill_facts(const CityModel& raw, const CityModel& city, const Simplificatio
 }
 
 /// What was read: the points, and the footprints before the domain cuts them.
-InputFacts facts_of(const PointsInput& points, const FootprintsInput& footprints) {
+InputFacts facts_of(const CitySources& sources) {
+  const PointsInput& points = sources.points;
+  const FootprintsInput& footprints = sources.footprints;
   InputFacts facts;
+  if (sources.terrain)
+    facts.ground = sources.terrain->raster.values.size() == 1 ? "level" : "raster";
+  else if (sources.has_surface)
+    facts.ground = "raster";
+  if (sources.has_surface)
+    facts.roofs = "raster";
+  else if (points.points.size() == 0)
+    facts.roofs = "attributes";
   facts.point_files = static_cast<std::int64_t>(points.files.size());
   facts.point_files_skipped = points.files_skipped;
   facts.points_read = points.points_read;
@@ -174,8 +239,23 @@ void require_elevations(const Raster& dtm, const PointsInput& points) {
                           file.empty() ? points.source : file, *wrong));
 }
 
+/// The nodes of step 1.3 with the heights of a terrain that is known.
+Raster sampled_terrain(const BuildCityOptions& options, const CityInput& input) {
+  Raster dtm = dtm_grid(input.domain, options.dtm.step, options.dtm.anchor);
+  parallel_chunks(static_cast<std::size_t>(dtm.ny), 16, [&](std::size_t begin, std::size_t end) {
+    for (auto j = static_cast<std::int32_t>(begin); j < static_cast<std::int32_t>(end); ++j)
+      for (std::int32_t i = 0; i < dtm.nx; ++i)
+        dtm.values[row_major(i, j, dtm.nx)] =
+            sample(input.terrain->raster, {dtm.x0 + i * dtm.step, dtm.y0 + j * dtm.step});
+  });
+  return dtm;
+}
+
 Raster make_terrain(const BuildCityOptions& options, const CityInput& input, StepClock& clock,
                     BuiltCity& result) {
+  if (input.terrain)
+    return clock.run("1.3", "terrain",
+                     [&](const Progress&) { return sampled_terrain(options, input); });
   DtmReport dtm_report;
   Raster dtm = clock.run("1.3", "terrain", [&](const Progress& progress) {
     DtmOptions dtm_options = options.dtm;
@@ -199,6 +279,12 @@ void require_fits(const BuildCityOptions& options, const CityInput& input) {
       options.max_bytes);
 }
 
+PointLists no_points_of(std::size_t buildings) {
+  PointLists lists;
+  for (std::size_t b = 0; b < buildings; ++b) lists.push_back({});
+  return lists;
+}
+
 /// Of points that were extracted for roofs, those that heights are computed from.
 BuildingPoints without_outliers(const BuildCityOptions& options, BuildingPoints points,
                                 const PointCloud& cloud) {
@@ -207,6 +293,16 @@ BuildingPoints without_outliers(const BuildCityOptions& options, BuildingPoints 
     drop_outliers(points.ground, cloud, options.extract.sigma);
   }
   return points;
+}
+
+/// Where nothing is measured, every building has a height of its own before they are merged.
+void state_heights(const BuildCityOptions& options, CityModel& raw, HeightBasis& basis) {
+  for (std::size_t b = 0; b < basis.size(); ++b) {
+    Building& building = raw.buildings[BuildingIndex(b)];
+    if (building.attribute_height > 0) continue;
+    building.attribute_height = snap_height(options.default_height);
+    basis[b] = kDefaultHeight;
+  }
 }
 
 RoofOptions roof_options(const BuildCityOptions& options) {
@@ -218,8 +314,75 @@ RoofOptions roof_options(const BuildCityOptions& options) {
   return roofs;
 }
 
-/// Steps 1.3 to 1.6: `result.raw` and `result.terrain`. Returns the points of its buildings.
-BuildingPoints make_raw_city(const BuildCityOptions& options, CityInput& input, StepClock& clock,
+/// What heights of raw buildings rest on.
+struct HeightSources {
+  BuildingPoints points;
+  HeightBasis basis;
+};
+
+template <typename Value>
+void erase_rows(const std::vector<std::size_t>& rows, std::vector<Value>& values) {
+  std::size_t next = 0, kept = 0;
+  for (std::size_t i = 0; i < values.size(); ++i)
+    if (next < rows.size() && rows[next] == i)
+      ++next;
+    else
+      values[kept++] = std::move(values[i]);
+  values.resize(kept);
+}
+
+PointLists without_rows(const std::vector<std::size_t>& rows, const PointLists& lists) {
+  PointLists rest;
+  std::size_t next = 0;
+  for (std::size_t i = 0; i < lists.size(); ++i)
+    if (next < rows.size() && rows[next] == i)
+      ++next;
+    else
+      rest.push_back(lists[i]);
+  return rest;
+}
+
+/// Where the points measure ground in a footprint, nothing stands. It is dropped before it can join
+/// others.
+void leave_out_unbuilt(const BuildCityOptions& options, const PointCloud& cloud, StepClock& clock,
+                       const std::string& source, HeightSources& sources, BuiltCity& result) {
+  CityModel& raw = result.raw;
+  std::vector<Building> buildings(raw.buildings.begin(), raw.buildings.end());
+  const std::vector<std::size_t> unbuilt =
+      clock.run("1.5", "measured ground", [&](const Progress& progress) {
+        return find_measured_ground(buildings, sources.points.roof, cloud, result.terrain,
+                                    progress);
+      });
+  if (unbuilt.empty()) return;
+  const std::string& first = buildings[unbuilt.front()].source_ids.front();
+  const bool drop = options.measured_ground == MeasuredGround::kDrop;
+  result.warnings.push_back(
+      {"measured_ground", static_cast<std::int64_t>(unbuilt.size()),
+       fmt::format("the points measure ground in {} footprints and no roof (first: feature {}); {}",
+                   unbuilt.size(), first,
+                   drop ? "they are dropped; to keep what is newer than the points, set "
+                          "`measured_ground` = keep"
+                        : "they are kept, as `measured_ground` = keep")});
+  if (!drop) return;
+  for (const std::size_t b : unbuilt)
+    for (const std::string& id : buildings[b].source_ids)
+      raw.dropped.push_back({id, "the points measure ground in it and no roof", kNotABuilding});
+  erase_rows(unbuilt, buildings);
+  erase_rows(unbuilt, sources.basis);
+  erase_rows(unbuilt, sources.points.by_exclusion);
+  sources.points.roof = without_rows(unbuilt, sources.points.roof);
+  sources.points.ground = without_rows(unbuilt, sources.points.ground);
+  raw.buildings = {};
+  for (std::size_t b = 0; b < buildings.size(); ++b) {
+    buildings[b].id = fmt::format("b{}", b);
+    raw.buildings.push_back(std::move(buildings[b]));
+  }
+  if (raw.buildings.empty() && !options.terrain_only)
+    throw_no_footprint(raw, source);
+}
+
+/// Steps 1.3 to 1.6: `result.raw` and `result.terrain`.
+HeightSources make_raw_city(const BuildCityOptions& options, CityInput& input, StepClock& clock,
                              BuiltCity& result) {
   find_ground(options, input, clock, result.input, result.warnings);
   CityModel& raw = result.raw;
@@ -239,25 +402,38 @@ BuildingPoints make_raw_city(const BuildCityOptions& options, CityInput& input, 
   if (raw.buildings.empty() && !options.terrain_only)
     throw_no_footprint(raw, input.footprints.source);
   warn_of_giants(raw, result.warnings);
+  if (!input.has_points()) state_heights(options, raw, clean.basis);
   const PointCloud& cloud = input.points.points;
-  BuildingPoints points = clock.run("1.5", "extract points", [&](const Progress& progress) {
+  HeightSources sources;
+  sources.basis = std::move(clean.basis);
+  sources.points = clock.run("1.5", "extract points", [&](const Progress& progress) {
     ExtractOptions extract = options.extract;
     extract.no_buildings = input.no_buildings;
     // Towers and low wings are outliers of a building's height, but not of its roof.
     if (options.lod != Lod::kBlock) extract.sigma = std::numeric_limits<double>::infinity();
-    return extract_building_points(raw.buildings, clean.crossing, cloud, extract, progress);
+    BuildingPoints extracted =
+        extract_building_points(raw.buildings, clean.crossing, cloud, extract, progress);
+    // The ground at a building is that of the terrain, if that is known.
+    if (input.terrain) extracted.ground = no_points_of(raw.buildings.size());
+    return extracted;
   });
+  if (input.has_points())
+    leave_out_unbuilt(options, cloud, clock, input.footprints.source, sources, result);
   clock.run("1.6", "building heights", [&](const Progress&) {
-    compute_heights(raw.buildings, without_outliers(options, points, cloud), cloud, result.terrain,
-                    options.heights);
+    compute_heights(raw.buildings, without_outliers(options, sources.points, cloud), cloud,
+                    result.terrain, options.heights);
+    tell_basis(sources.basis, raw);
   });
-  warn_of_missing_roofs(raw, result.warnings);
-  return points;
+  if (input.has_points()) warn_of_missing_roofs(raw, result.warnings);
+  warn_of_stated_heights(raw, options, input.has_points(), result.warnings);
+  return sources;
 }
 
 /// Steps 2.1 to 2.3: `result.city`.
 void merge_buildings(const BuildCityOptions& options, const CityInput& input,
-                     const BuildingPoints& points, StepClock& clock, BuiltCity& result) {
+                     const HeightSources& sources, StepClock& clock, BuiltCity& result) {
+  const BuildingPoints& points = sources.points;
+  HeightBasis basis;
   const CityModel& raw = result.raw;
   CityModel& city = result.city;
   const Simplification simple = clock.run("2.1", "merge footprints", [&](const Progress& progress) {
@@ -267,7 +443,7 @@ void merge_buildings(const BuildCityOptions& options, const CityInput& input,
     return merged;
   });
   clock.run("2.2", "clean merged footprints", [&](const Progress&) {
-    city = merged_model(raw, simple);
+    city = merged_model(raw, simple, sources.basis, basis);
     require_all_accounted(input.footprints, city);
   });
   if (city.buildings.empty() && !options.terrain_only)
@@ -282,6 +458,7 @@ void merge_buildings(const BuildCityOptions& options, const CityInput& input,
                     merge_building_points(without_outliers(options, points, input.points.points),
                                           simple.members),
                     input.points.points, result.terrain, options.heights);
+    tell_basis(basis, city);
   });
   if (options.lod != Lod::kBlock) {
     result.facts.roofs = clock.run("2.3", "roofs", [&](const Progress& progress) {
@@ -303,16 +480,22 @@ void merge_buildings(const BuildCityOptions& options, const CityInput& input,
 
 BuiltCity build_city(PointsInput points, FootprintsInput footprints,
                      const BuildCityOptions& options, const StepHooks& hooks) {
+  return build_city(CitySources{std::move(points), std::move(footprints)}, options, hooks);
+}
+
+BuiltCity build_city(CitySources sources, const BuildCityOptions& options,
+                     const StepHooks& hooks) {
   BuiltCity result;
   StepClock clock(hooks, result.steps);
-  for (const std::vector<Warning>* warnings : {&footprints.warnings, &points.warnings})
+  for (const std::vector<Warning>* warnings :
+       {&sources.footprints.warnings, &sources.points.warnings})
     result.warnings.insert(result.warnings.end(), warnings->begin(), warnings->end());
-  result.input = facts_of(points, footprints);
-  const std::string misread = points.misread;
-  BuildingPoints found;
+  result.input = facts_of(sources);
+  const std::string misread = sources.points.misread;
+  HeightSources found;
   CityInput input;
   try {
-    input = place_input(std::move(points), std::move(footprints), options, result.warnings);
+    input = place_input(std::move(sources), options, result.warnings);
     require_fits(options, input);
     found = make_raw_city(options, input, clock, result);
   } catch (const Error& error) {
@@ -322,7 +505,7 @@ BuiltCity build_city(PointsInput points, FootprintsInput footprints,
   }
   merge_buildings(options, input, found, clock, result);
   result.footprints = std::move(input.footprints);
-  warn_of_exclusion(found, result.input.points_kept, result.warnings);
+  warn_of_exclusion(found.points, result.input.points_kept, result.warnings);
   return result;
 }
 

@@ -11,6 +11,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "tetropolis/city/stated_heights.h"
 #include "tetropolis/core/error.h"
 
 namespace tetropolis {
@@ -63,7 +64,10 @@ FootprintAccount account_of(const InputFacts& input, const CityModel& model) {
     const std::int64_t members = std::ssize(building.source_ids);
     (members == 1 ? account.kept : account.merged) += members;
   }
-  for (const Dropped& dropped : model.dropped) switch (dropped.cause) {
+  for (const Dropped& dropped : model.dropped) {
+    account.no_building += dropped.cause == kNotABuilding ? 1 : 0;
+    account.outlined += dropped.cause == kOutlined ? 1 : 0;
+    switch (dropped.cause) {
       case DropCause::kUnusable:
         ++account.unusable;
         break;
@@ -80,6 +84,7 @@ FootprintAccount account_of(const InputFacts& input, const CityModel& model) {
         ++account.too_narrow;
         break;
     }
+  }
   return account;
 }
 
@@ -101,6 +106,8 @@ std::string account_in_words(const CityFacts& facts, const BuildCityOptions& opt
   tell(dropped, account.outside, "outside the domain");
   tell(dropped, account.too_small, fmt::format("smaller than {:g} m2", options.simplify.min_area));
   tell(dropped, account.too_narrow, fmt::format("narrower than {:g} m", distance));
+  tell(dropped, account.no_building, "below ground or not built");
+  tell(dropped, account.outlined, "outlines of parts");
   tell(dropped, account.unusable, "without a usable outline");
   std::string line = counted(account.features, "footprint");
   if (account.further_parts > 0)

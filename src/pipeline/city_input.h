@@ -21,13 +21,19 @@ struct CityInput {
   Bounds2 domain;                  ///< Local frame.
   std::optional<Bounds2> covered;  ///< Of default_domain: the box of the points, local frame.
   std::string crs;                 ///< Of points and footprints; empty if nobody says.
+  std::optional<TerrainInput> terrain;  ///< Its raster in the local frame.
+
+  bool has_surface = false;             ///< See CitySources.
+
+  bool has_points() const { return points.points.size() > 0; }
 };
 
-/// Brings both into one frame and finds the domain: as options.bounds says, or default_domain, or
+/// Brings all into one frame and finds the domain: as options.bounds says, or default_domain, or
 /// without footprints the box of the points. Without bounds, points far from all others become
-/// noise (find_stray_points; "stray_points"). Adds warnings. Throws Error(kInput): no points,
+/// noise (find_stray_points; "stray_points"). Where there are no points, the box in which heights
+/// are known takes their place. Adds warnings. Throws Error(kInput): neither points nor terrain,
 /// degrees, units other than metres, no overlap.
-CityInput place_input(PointsInput points, FootprintsInput footprints,
-                      const BuildCityOptions& options, std::vector<Warning>& warnings);
+CityInput place_input(CitySources sources, const BuildCityOptions& options,
+                      std::vector<Warning>& warnings);
 
 }  // namespace tetropolis

@@ -5,9 +5,12 @@
 #include <cstdint>
 #include <string>
 #include <utility>
+#include <vector>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
+#include "tetropolis/city/stated_heights.h"
 #include "tetropolis/geometry/polygon.h"
 
 namespace tetropolis {
@@ -90,6 +93,27 @@ void warn_of_missing_roofs(const CityModel& raw, std::vector<Warning>& warnings)
        fmt::format("{} of {} buildings have no roof points and get the minimum height; is part of "
                    "the cloud not classified, or missing?",
                    roofless, raw.buildings.size())});
+}
+
+void warn_of_stated_heights(const CityModel& raw, const BuildCityOptions& options, bool has_points,
+                            std::vector<Warning>& warnings) {
+  const auto count = [&](std::uint32_t flag) {
+    return std::count_if(raw.buildings.begin(), raw.buildings.end(),
+                         [&](const Building& building) { return (building.flags & flag) != 0; });
+  };
+  const auto by_attribute = count(kRoofFromAttribute), by_floors = count(kRoofFromFloors),
+             by_default = count(kDefaultHeight);
+  const auto stated = by_attribute + by_floors + by_default;
+  if (stated == 0 || (has_points && by_floors == 0)) return;
+  std::vector<std::string> parts;
+  if (by_attribute > 0) parts.push_back(fmt::format("{} the height that they state", by_attribute));
+  if (by_floors > 0) parts.push_back(fmt::format("{} that of their floors", by_floors));
+  if (by_default > 0)
+    parts.push_back(fmt::format("{} that state neither get {:g} m (default_height)", by_default,
+                                options.default_height));
+  warnings.push_back({"heights_stated", stated,
+                      fmt::format("{} of {} buildings have no measured roof: {}", stated,
+                                  raw.buildings.size(), fmt::join(parts, ", "))});
 }
 
 void warn_of_exclusion(const BuildingPoints& points, std::int64_t all_points,

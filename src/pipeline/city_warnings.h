@@ -30,6 +30,11 @@ void warn_of_giants(const CityModel& raw, std::vector<Warning>& warnings);
 /// heights.
 void warn_of_missing_roofs(const CityModel& raw, std::vector<Warning>& warnings);
 
+/// Heights that are stated and not measured: of all buildings where there are no points, else where
+/// floors were counted. `raw` has heights.
+void warn_of_stated_heights(const CityModel& raw, const BuildCityOptions& options, bool has_points,
+                            std::vector<Warning>& warnings);
+
 /// Where roof points were told by what they are not. `all_points`: of the cloud.
 void warn_of_exclusion(const BuildingPoints& points, std::int64_t all_points,
                        std::vector<Warning>& warnings);

@@ -9,6 +9,7 @@
 #include <fmt/format.h>
 
 #include "tetropolis/city/clean.h"
+#include "tetropolis/city/stated_heights.h"
 #include "tetropolis/geometry/polygon.h"
 
 #include "city/clip.h"
@@ -148,6 +149,7 @@ CleanFeatures clean_features(const BuildCityOptions& options, const FootprintsIn
       building.source_ids = {k == 0 ? feature.source_id : part_ids.next(feature.source_id)};
       building.footprint = std::move(kept.parts[k]);
       building.attribute_height = snap_height(feature.height);
+      result.basis.push_back(feature.from_floors ? kRoofFromFloors : kRoofFromAttribute);
       result.buildings.push_back(std::move(building));
     }
   }

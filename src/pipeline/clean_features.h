@@ -14,6 +14,7 @@ namespace tetropolis {
 
 struct CleanFeatures {
   std::vector<Building> buildings;  ///< Without heights.
+  std::vector<std::uint32_t> basis;  ///< Per building: the flag of what its attribute_height is.
   std::vector<Dropped> dropped;     ///< Those of the input first.
   /// What the footprints that are dropped for crossing the boundary have within the domain.
   std::vector<Polygon> crossing;

@@ -10,6 +10,7 @@
 
 #include "tetropolis/terrain/ground_filter.h"
 
+#include "core/parallel.h"
 #include "terrain/ground_outliers.h"
 #include "unclassified_files.h"
 
@@ -129,10 +130,35 @@ void require_ground(const PointsInput& points) {
                           points.source, fmt::join(parts, ", ")));
 }
 
+/// Where the terrain is known, what nobody has classified and lies on it is ground.
+void find_on_terrain(const Raster& terrain, PointsInput& points) {
+  constexpr double kNear = 0.5;  // metres
+  PointCloud& cloud = points.points;
+  const ClassTable candidates = class_table(GroundFilterOptions{}.classes);
+  constexpr std::size_t kGrain = std::size_t{1} << 15;
+  parallel_chunks(cloud.size(), kGrain, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t p = begin; p < end; ++p)
+      if (candidates[cloud.classification[p]] &&
+          cloud.z[p] <= sample(terrain, {cloud.x[p], cloud.y[p]}) + kNear)
+        cloud.classification[p] = kGround;
+  });
+}
+
+/// Of a surface, whose cells have no class, what is no ground is what stands on it.
+void class_surface(PointCloud& cloud) {
+  for (std::uint8_t& code : cloud.classification)
+    if (!is_ground(code) && code != kLowNoise && code != kHighNoise) code = kBuildingClass;
+}
+
 }  // namespace
 
 void find_ground(const BuildCityOptions& options, CityInput& input, StepClock& clock,
                  InputFacts& facts, std::vector<Warning>& warnings) {
+  if (input.terrain) {
+    find_on_terrain(input.terrain->raster, input.points);
+    if (input.has_surface) class_surface(input.points.points);
+    return;
+  }
   const std::vector<FilePoints> files = clock.run(
       "1.3", "find files without ground",
       [&](const Progress& progress) { return find_files_without_ground(input, progress); });
@@ -143,6 +169,7 @@ void find_ground(const BuildCityOptions& options, CityInput& input, StepClock& c
     run_filter(options.filter, input, files, clock, facts, warnings);
   drop_ground_outliers(input, clock, facts, warnings);
   require_ground(input.points);
+  if (input.has_surface) class_surface(input.points.points);
 }
 
 }  // namespace tetropolis

@@ -142,16 +142,80 @@ void complete(PointsInput& points) {
     points.extent.extend(Point2{cloud.x[p], cloud.y[p]});
 }
 
+bool is_level(const TerrainInput& terrain) { return terrain.raster.values.size() == 1; }
+
+/// Of the pixels, CRS coordinates.
+Bounds2 extent_of(const TerrainInput& terrain) {
+  return terrain.raster.bounds().grown(terrain.raster.step / 2).moved(terrain.origin);
+}
+
+/// What the points say of reference system and place, where there are none.
+void stand_in(const TerrainInput& terrain, const FootprintsInput& footprints,
+              const BuildCityOptions& options, PointsInput& points) {
+  if (points.crs.empty()) points.crs = terrain.crs;
+  points.source = is_level(terrain) ? footprints.source : terrain.source;
+  if (!points.extent.empty()) return;
+  Bounds2 known = extent_of(terrain);
+  if (is_level(terrain)) {
+    const Bounds2 wanted = options.bounds.value_or(footprints.bounds);
+    known = wanted.empty() ? wanted : wanted.grown(options.domain_margin);
+  }
+  if (known.empty())
+    throw Error(ErrorKind::kInput, footprints.source + ": nothing tells where the domain is; give "
+                                                       "`bounds`, points or a terrain");
+  points.origin = {std::floor(known.xmin), std::floor(known.ymin)};
+  points.extent = known.moved({-points.origin.x, -points.origin.y});
+}
+
+/// The domain is to have terrain, of which the raster beyond its rim is a guess.
+void hold_against_terrain(const BuildCityOptions& options, const TerrainInput& terrain,
+                          PointsInput& points, std::vector<Warning>& warnings) {
+  if (!points.crs.empty() && !terrain.crs.empty() &&
+      !same_horizontal_crs(points.crs, terrain.crs))
+    throw Error(ErrorKind::kInput,
+                fmt::format("{}: the terrain is in {}, the points in {}; read it with target_crs",
+                            terrain.source, crs_name(terrain.crs), crs_name(points.crs)));
+  if (is_level(terrain)) return;
+  const Bounds2 covered = extent_of(terrain);
+  const Bounds2 wanted = options.bounds.value_or(points.extent.moved(points.origin));
+  const Bounds2 common = wanted.intersection(covered);
+  if (common.empty() || !(common.width() > 0) || !(common.height() > 0))
+    throw Error(ErrorKind::kInput,
+                fmt::format("{}: the terrain, x {:.1f} .. {:.1f}, y {:.1f} .. {:.1f}, does not "
+                            "overlap the domain, x {:.1f} .. {:.1f}, y {:.1f} .. {:.1f}; check the "
+                            "CRS of both (raster_crs, footprints_crs)",
+                            terrain.source, covered.xmin, covered.xmax, covered.ymin, covered.ymax,
+                            wanted.xmin, wanted.xmax, wanted.ymin, wanted.ymax));
+  if (!options.bounds) {
+    points.extent = common.moved({-points.origin.x, -points.origin.y});
+    return;
+  }
+  const double beyond =
+      1 - common.width() * common.height() / (wanted.width() * wanted.height());
+  constexpr double kTold = 0.01;
+  if (beyond > kTold)
+    warnings.push_back({"terrain_beyond_raster", 1,
+                        fmt::format("{}: {:.0f} % of the domain lie beyond this terrain and take "
+                                    "the heights of its rim; give smaller `bounds` or more tiles",
+                                    terrain.source, 100 * beyond)});
+}
+
 }  // namespace
 
-CityInput place_input(PointsInput points, FootprintsInput footprints,
-                      const BuildCityOptions& options, std::vector<Warning>& warnings) {
-  if (points.points.size() == 0)
+CityInput place_input(CitySources sources, const BuildCityOptions& options,
+                      std::vector<Warning>& warnings) {
+  PointsInput& points = sources.points;
+  FootprintsInput& footprints = sources.footprints;
+  const bool has_points = points.points.size() > 0;
+  if (!has_points && !sources.terrain)
     throw Error(ErrorKind::kInput, points.source + ": the point cloud has no points");
-  complete(points);
+  if (has_points)
+    complete(points);
+  else
+    stand_in(*sources.terrain, footprints, options, points);
   CityInput input;
   input.crs = common_crs(points, footprints);
-  if (points.crs.empty())
+  if (points.crs.empty() && has_points)
     warnings.push_back(
         {"points_crs_unknown", 1,
          points.source + ": the points have no CRS" +
@@ -162,8 +226,9 @@ CityInput place_input(PointsInput points, FootprintsInput footprints,
                                 crs_name(input.crs)))});
   if (!options.bounds) {
     bound_by_extent(footprints, options.simplify.parallel_tolerance);
-    leave_out_strays(footprints, points, warnings);
+    if (has_points) leave_out_strays(footprints, points, warnings);
   }
+  if (sources.terrain) hold_against_terrain(options, *sources.terrain, points, warnings);
   const bool only_points_tell = !options.bounds && footprints.bounds.empty();
   constexpr double kFar = 10'000;  // metres: headers told of points where there are none
   const bool far = !options.bounds && std::max(points.extent.xmin, points.extent.ymin) > kFar;
@@ -176,6 +241,13 @@ CityInput place_input(PointsInput points, FootprintsInput footprints,
   warn_of_scale(input.crs, input.domain.moved(points.origin), warnings);
   warn_of_place(input.crs, input.domain.moved(points.origin), warnings);
   shift(footprints, points.origin);
+  input.has_surface = sources.has_surface;
+  if (sources.terrain) {
+    input.terrain = std::move(sources.terrain);
+    input.terrain->raster.x0 += input.terrain->origin.x - points.origin.x;
+    input.terrain->raster.y0 += input.terrain->origin.y - points.origin.y;
+    input.terrain->origin = points.origin;
+  }
   input.points = std::move(points);
   input.footprints = std::move(footprints);
   return input;

@@ -73,8 +73,7 @@ BuiltCity make_city(const Config& config, Next next, const InputInMemory& given,
       config, input.points.crs.empty() ? input.footprints.crs : input.points.crs, report.warnings);
   report.preflight = preflight(input.points, input.footprints, options.bounds);
   if (hooks.tell) hooks.tell(preflight_line(*report.preflight, input));
-  BuiltCity built =
-      build_city(std::move(input.points), std::move(input.footprints), options, hooks);
+  BuiltCity built = build_city(std::move(input), options, hooks);
   add_steps(built.steps, report);
   add_warnings(built.warnings, report);
   report.input = built.input;
@@ -116,12 +115,14 @@ CityMesh make_mesh(const Config& config, const CityModel& city, Raster terrain,
 }
 
 CityInMemory make_city(Config config, InputInMemory input, const StepHooks& hooks) {
-  if (input.footprints) config.footprints = input.footprints->source;
+  if (input.footprints) config.footprints = {input.footprints->source};
   if (input.points) config.points = {input.points->source};
   require_in_range(config, kCity);
   require_given({{!config.footprints.empty() || config.terrain_only, "footprints",
                   "a vector file with building footprints, or add terrain_only"},
-                 {!config.points.empty(), "points", "LAS or LAZ files or a folder of them"}});
+                 {!config.footprints.empty() || !config.points.empty() || !config.dtm.empty() ||
+                      !config.dsm.empty(),
+                  "points", "LAS or LAZ files or a folder of them, or rasters with dtm or dsm"}});
   if (!input.footprints && !input.points) refuse_mistaken_files(config);
   const ThreadLimit limit(config.threads);
   CityInMemory city{{}, begin_report("city", config)};

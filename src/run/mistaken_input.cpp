@@ -99,13 +99,16 @@ Bounds2 transformed(const Bounds2& degrees, const std::string& crs) {
 
 void refuse_mistaken_files(const Config& config) {
   for (const std::string& path : config.points) refuse_model(path);
-  refuse_model(config.footprints);
+  if (!config.points.empty() && !config.dsm.empty())
+    throw Error(ErrorKind::kUsage, "`points` and `dsm`: both tell of roofs; give one of them");
+  for (const std::string& path : config.footprints) refuse_model(path);
   const auto vector = std::find_if(config.points.begin(), config.points.end(),
                                    [](const std::string& path) { return is_vector(path); });
   const bool has_vector = vector != config.points.end();
-  if (!config.footprints.empty() && holds_points_only(config.footprints))
-    fail(config.footprints, is_file(config.footprints) ? "point cloud" : "folder of point clouds",
-         "footprints", has_vector, "points");
+  for (const std::string& path : config.footprints)
+    if (holds_points_only(path))
+      fail(path, is_file(path) ? "point cloud" : "folder of point clouds", "footprints", has_vector,
+           "points");
   if (has_vector) fail(*vector, "vector file", "points", false, "footprints");
   const auto is_terrain = [](const std::string& path) {
     return is_file(path) && ends_with_any(path, {".tif", ".tiff"});
@@ -113,8 +116,14 @@ void refuse_mistaken_files(const Config& config) {
   const auto is_model = [](const std::string& path) {
     return is_file(path) && ends_with_any(path, {".json", ".cityjson"});
   };
-  if (is_terrain(config.city)) fail(config.city, "raster", "city", is_model(config.dtm), "dtm");
-  if (is_model(config.dtm)) fail(config.dtm, "JSON file", "dtm", false, "city");
+  const auto model = std::find_if(config.dtm.begin(), config.dtm.end(), is_model);
+  if (is_terrain(config.city))
+    fail(config.city, "raster", "city", model != config.dtm.end(), "dtm");
+  if (model != config.dtm.end()) fail(*model, "JSON file", "dtm", false, "city");
+  for (const std::string& path : config.footprints)
+    if (is_terrain(path)) fail(path, "raster", "footprints", false, "dtm");
+  for (const std::string& path : config.points)
+    if (is_terrain(path)) fail(path, "raster", "points", false, "dsm");
   std::error_code error;
   const bool is_file_name = has_points_name(config.out) || has_vector_name(config.out) ||
                             ends_with_any(config.out, {".tif", ".vtu", ".vtp", ".xdmf", ".msh",

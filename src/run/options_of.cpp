@@ -21,6 +21,7 @@ BuildCityOptions city_options(const Config& config) {
   options.domain.sectors = config.sectors;
   if (!config.origin.empty()) options.origin = Point2{config.origin[0], config.origin[1]};
   options.boundary_buildings = config.boundary_buildings;
+  options.measured_ground = config.measured_ground;
   options.ground_filter = config.ground_filter;
   options.filter.window = config.ground_filter_window;
   options.filter.slope = config.ground_filter_slope;
@@ -28,6 +29,7 @@ BuildCityOptions city_options(const Config& config) {
   options.extract.margin = config.ground_margin;
   options.extract.sigma = config.outlier_sigma;
   options.heights = {config.ground_percentile, config.roof_percentile, config.min_building_height};
+  options.default_height = config.default_height;
   options.lod = config.lod;
   options.simplify.min_distance = config.min_building_distance;
   options.simplify.growths = config.merge_growths;

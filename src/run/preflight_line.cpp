@@ -25,6 +25,9 @@ std::string where(const RunInput& input) {
 }  // namespace
 
 std::string preflight_line(const Preflight& preflight, const RunInput& input) {
+  if (input.points.points.size() == 0)
+    return fmt::format("input: {}; no points: heights as footprints state them; ground of {}",
+                       where(input), input.terrain ? input.terrain->source : "nothing");
   std::vector<int> classes;
   for (const auto& [code, count] : input.points.points_by_class)
     if (count > 0) classes.push_back(code);

@@ -10,7 +10,9 @@
 #include "tetropolis/city/city_model.h"
 #include "tetropolis/geometry/polygon.h"
 #include "tetropolis/io/crs/crs.h"
+#include "tetropolis/io/crs/metric_crs.h"
 #include "tetropolis/io/las/las.h"
+#include "tetropolis/io/raster/elevation.h"
 
 #include "memory_limit.h"
 #include "mistaken_input.h"
@@ -35,13 +37,14 @@ std::string box_text(const Bounds2& box) {
                      rounded(box.xmax), rounded(box.ymin), rounded(box.ymax));
 }
 
-/// The points as they were given, for messages about all of them: "tiles, and 3 more".
-std::string points_given(const Config& config) {
-  const std::string& first = config.points.front();
-  return config.points.size() == 1
-             ? first
-             : fmt::format("{}, and {} more", first, config.points.size() - 1);
+/// Paths as they were given, for messages about all of them: "tiles, and 3 more".
+std::string given_text(std::span<const std::string> paths) {
+  if (paths.empty()) return {};
+  return paths.size() == 1 ? paths.front()
+                           : fmt::format("{}, and {} more", paths.front(), paths.size() - 1);
 }
+
+std::string points_given(const Config& config) { return given_text(config.points); }
 
 /// What the headers of all clouds say together.
 struct CloudHeaders {
@@ -93,6 +96,12 @@ CloudHeaders headers_of(const PointArrays& points) {
   return headers;
 }
 
+double height_unit_metres(HeightUnit unit) {
+  constexpr double kFoot = 0.3048, kSurveyFoot = 1200.0 / 3937;
+  if (unit == HeightUnit::kMetre) return 1;
+  return unit == HeightUnit::kFoot ? kFoot : kSurveyFoot;
+}
+
 FootprintsInput read_all_footprints(const Config& config, const InputInMemory& given,
                                     const std::string& points_crs, StepClock& clock) {
   if (config.footprints.empty()) return {};
@@ -100,12 +109,16 @@ FootprintsInput read_all_footprints(const Config& config, const InputInMemory& g
   options.layer = config.layer;
   options.id_attribute = config.id_attribute;
   options.height_attribute = config.height_attribute;
+  options.floors_attribute = config.floors_attribute;
+  options.floor_height = config.floor_height;
+  options.height_unit = height_unit_metres(config.height_unit);
+  options.where = config.where;
   options.source_crs = config.footprints_crs;
   options.target_crs = points_crs;
   options.attributes = true;
   return clock.run("1.2", "read footprints", [&](const Progress&) {
     return given.footprints ? take_footprints(*given.footprints, options)
-                            : read_footprints(config.footprints, options);
+                            : read_footprints(config.footprints.front(), options);
   });
 }
 
@@ -122,7 +135,7 @@ Bounds2 reading_box(const Config& config, const FootprintsInput& footprints) {
       ErrorKind::kInput,
       fmt::format("{}: holds no footprint ({}); {}give a file with the buildings' outlines as "
                   "polygons, or add terrain_only for a mesh of the terrain alone",
-                  config.footprints, why,
+                  given_text(config.footprints), why,
                   config.footprints_crs.empty() ? "" : "correct footprints_crs, or "));
 }
 
@@ -250,14 +263,200 @@ void warn_of_heights(const Config& config, const FootprintsInput& footprints,
     return;
   warnings.push_back({"height_attribute_empty",
                       static_cast<std::int64_t>(footprints.features.size()),
-                      fmt::format("{}: attribute {} holds no number above 0", config.footprints,
+                      fmt::format("{}: attribute {} holds no number above 0",
+                                  given_text(config.footprints),
                                   config.height_attribute)});
+}
+
+/// What the headers of rasters say together.
+struct RasterHeaders {
+  std::vector<std::filesystem::path> terrain, surface;
+  std::string crs;  ///< Of the first that states one.
+  Bounds2 box = Bounds2::nothing();  ///< Of surface, else of terrain, in `crs`.
+};
+
+RasterHeaders read_raster_headers(const Config& config) {
+  RasterHeaders headers;
+  const std::string given = normalise_crs(config.raster_crs);
+  const auto read = [&](const std::vector<std::string>& arguments) {
+    const auto paths = expand_raster_paths(arguments);
+    Bounds2 box = Bounds2::nothing();
+    std::string crs;
+    for (const std::filesystem::path& path : paths) {
+      const RasterHeader header = inspect_raster(path);
+      const std::string& own = given.empty() ? header.crs : given;
+      if (box.empty()) crs = own;
+      if (own == crs) box.extend(header.box);
+    }
+    if (!paths.empty()) {
+      headers.crs = crs;
+      headers.box = box;
+    }
+    return paths;
+  };
+  headers.terrain = read(config.dtm);
+  const std::string of_terrain = headers.crs;
+  headers.surface = read(config.dsm);
+  if (headers.crs.empty()) headers.crs = of_terrain;
+  return headers;
+}
+
+/// Whether lengths in a system are lengths on the ground, nearly.
+bool is_true_to_scale(const std::string& crs, const Bounds2& box) {
+  constexpr double kMost = 0.01;
+  const double scale =
+      length_scale(crs, {(box.xmin + box.xmax) / 2, (box.ymin + box.ymax) / 2});
+  return !(std::abs(scale - 1) > kMost);
+}
+
+/// The system of a city without points: that of the rasters, else of the footprints; in metres.
+std::string system_without_points(const RasterHeaders& rasters, const FootprintsInput& footprints,
+                                  std::vector<Warning>& warnings) {
+  const bool of_raster = !rasters.crs.empty();
+  const std::string& stated = of_raster ? rasters.crs : footprints.crs;
+  const Bounds2& box = of_raster ? rasters.box : footprints.bounds;
+  if (stated.empty() || box.empty()) return stated;
+  std::string crs;
+  if (!is_geographic(stated)) {
+    crs = in_metres(stated);
+    if (is_metre(linear_unit_metres(stated)) && is_true_to_scale(stated, box)) return crs;
+    if (is_true_to_scale(stated, box)) {
+      warnings.push_back({"crs_in_metres", 1,
+                          fmt::format("{} is in units of {:.10g} m; the city is in {}",
+                                      crs_name(stated), linear_unit_metres(stated), crs_name(crs))});
+      return crs;
+    }
+  }
+  const std::vector<Point2> middle{{(box.xmin + box.xmax) / 2, (box.ymin + box.ymax) / 2}};
+  const Point2 place = is_geographic(stated) ? middle.front()
+                                             : reproject(middle, stated, "EPSG:4326").front();
+  crs = utm_zone(place);
+  warnings.push_back({"crs_chosen", 1,
+                      fmt::format("{} is not in metres on the ground; the city is in {} (UTM)",
+                                  crs_name(stated), crs_name(crs))});
+  return crs;
+}
+
+TerrainInput read_terrain(const Config& config, const RasterHeaders& rasters,
+                          const std::string& crs, const Bounds2& box, Point2 origin,
+                          std::vector<Warning>& warnings) {
+  TerrainInput terrain;
+  terrain.source = given_text(config.dtm);
+  terrain.origin = origin;
+  ReadElevationsOptions options;
+  options.source_crs = config.raster_crs;
+  options.target_crs = crs;
+  options.box = box;
+  options.origin = origin;
+  Elevations read = read_elevations(rasters.terrain, options);
+  terrain.crs = crs;
+  terrain.raster = std::move(read.raster);
+  warnings.insert(warnings.end(), read.warnings.begin(), read.warnings.end());
+  fill_with_nearest(terrain.raster);
+  if (read.missing > 0)
+    warnings.push_back({"raster_filled", read.missing,
+                        fmt::format("{}: {} of {} pixels have no value; they take the nearest one",
+                                    terrain.source, read.missing, terrain.raster.values.size())});
+  return terrain;
+}
+
+/// A point per cell of a surface.
+PointsInput read_surface(const Config& config, const RasterHeaders& rasters, const std::string& crs,
+                         const Bounds2& box, Point2 origin) {
+  ReadElevationsOptions options;
+  options.source_crs = config.raster_crs;
+  options.target_crs = crs;
+  options.box = box;
+  options.origin = origin;
+  options.resampling = Resampling::kNearest;
+  const Elevations read = read_elevations(rasters.surface, options);
+  PointsInput input;
+  input.source = given_text(config.dsm);
+  input.origin = origin;
+  input.crs = crs;
+  input.warnings = read.warnings;
+  const Raster& raster = read.raster;
+  const Bounds2 local = box.empty() ? raster.bounds() : box.moved({-origin.x, -origin.y});
+  for (std::int32_t j = 0; j < raster.ny; ++j)
+    for (std::int32_t i = 0; i < raster.nx; ++i) {
+      const Point2 p{raster.x0 + i * raster.step, raster.y0 + j * raster.step};
+      const double z = raster.at(i, j);
+      if (std::isnan(z) || !local.contains(p)) continue;
+      input.points.x.push_back(PointCoordinate(p.x));
+      input.points.y.push_back(PointCoordinate(p.y));
+      input.points.z.push_back(PointCoordinate(z));
+      input.points.classification.push_back(kUnclassified);
+      input.extent.extend(p);
+    }
+  input.points_read = static_cast<std::int64_t>(raster.values.size());
+  input.points_kept = static_cast<std::int64_t>(input.points.size());
+  input.points_by_class[kUnclassified] = input.points_kept;
+  return input;
+}
+
+/// Level ground, where nothing tells of another.
+TerrainInput level_ground(const Config& config, const std::string& crs, const Bounds2& box,
+                          Point2 origin, std::vector<Warning>& warnings) {
+  TerrainInput terrain;
+  terrain.source = "level ground";
+  terrain.origin = origin;
+  terrain.crs = crs;
+  terrain.raster = {1, 1, (box.xmin + box.xmax) / 2 - origin.x, (box.ymin + box.ymax) / 2 - origin.y,
+                    1, {config.ground_level}};
+  warnings.push_back({"ground_level", 1,
+                      fmt::format("no terrain is given: the ground is level at {:g} m "
+                                  "(ground_level); give a raster with `dtm`",
+                                  config.ground_level)});
+  return terrain;
+}
+
+/// Without points: rasters and footprints.
+RunInput read_without_points(const Config& config, Next next, StepClock& clock,
+                             std::vector<Warning>& warnings, const InputInMemory& given) {
+  const RasterHeaders rasters = read_raster_headers(config);
+  RunInput input;
+  input.footprints = read_all_footprints(config, given, {}, clock);
+  const std::string crs = system_without_points(rasters, input.footprints, warnings);
+  if (!crs.empty() && !input.footprints.crs.empty())
+    reproject_footprints(input.footprints, crs);
+  warn_of_heights(config, input.footprints, warnings);
+  if (config.bounds.empty()) bound_by_extent(input.footprints, config.parallel_tolerance);
+  if (crs.empty() || input.footprints.crs.empty())
+    refuse_unmarked_degrees(input.footprints.bounds, given_text(config.footprints),
+                            "footprints_crs");
+  refuse_degree_bounds(config, crs, input.footprints.bounds);
+  const bool only_rasters_tell =
+      config.terrain_only && config.bounds.empty() && input.footprints.bounds.empty();
+  Bounds2 box = Bounds2::nothing();
+  if (!only_rasters_tell) box = reading_box(config, input.footprints);
+  Point2 origin{};
+  if (!box.empty()) origin = {std::floor(box.xmin), std::floor(box.ymin)};
+  input.has_surface = !rasters.surface.empty();
+  if (input.has_surface)
+    input.points = clock.run("1.1", "read surface", [&](const Progress&) {
+      return read_surface(config, rasters, crs, box, origin);
+    });
+  input.points.origin = origin;
+  input.points.crs = crs;
+  if (!rasters.terrain.empty())
+    input.terrain = clock.run("1.1", "read terrain", [&](const Progress&) {
+      return read_terrain(config, rasters, crs, box, origin, warnings);
+    });
+  else if (rasters.surface.empty())
+    input.terrain = level_ground(config, crs, box, origin, warnings);
+  if (!box.empty())
+    require_fits(config, input.footprints, static_cast<double>(input.points.points.size()), box,
+                 next);
+  if (input.points.points.size() == 0 && box.empty() && input.terrain)
+    input.points.extent = input.terrain->raster.bounds();
+  return input;
 }
 
 }  // namespace
 
 RunInput read_input(const Config& config, Next next, StepClock& clock,
                     std::vector<Warning>& warnings, const InputInMemory& given) {
+  if (config.points.empty()) return read_without_points(config, next, clock, warnings, given);
   const auto paths = given.points ? std::vector<std::filesystem::path>{given.points->source}
                                   : expand_point_paths(config.points, &warnings);
   const CloudHeaders headers = given.points ? headers_of(*given.points) : read_headers(paths);
@@ -269,7 +468,8 @@ RunInput read_input(const Config& config, Next next, StepClock& clock,
   if (config.bounds.empty()) bound_by_extent(input.footprints, config.parallel_tolerance);
   const std::string crs = common_crs(points_crs, input.footprints);
   if (crs.empty() || input.footprints.crs.empty())
-    refuse_unmarked_degrees(input.footprints.bounds, config.footprints, "footprints_crs");
+    refuse_unmarked_degrees(input.footprints.bounds, given_text(config.footprints),
+                            "footprints_crs");
   if (crs.empty()) refuse_unmarked_degrees(headers.box, paths.front().string(), "points_crs");
 
   refuse_degree_bounds(config, crs, headers.box);
@@ -285,6 +485,13 @@ RunInput read_input(const Config& config, Next next, StepClock& clock,
   require_points(config, headers, input.points, options.crop);
   input.points.crs = points_crs;
   input.points.source = points_given(config);
+  if (!config.dtm.empty())
+    input.terrain = clock.run("1.1", "read terrain", [&](const Progress&) {
+      const RasterHeaders rasters = read_raster_headers(config);
+      const std::string target = points_crs.empty() ? crs : points_crs;
+      return read_terrain(config, rasters, target.empty() ? rasters.crs : target,
+                          options.crop.value_or(Bounds2::nothing()), input.points.origin, warnings);
+    });
   return input;
 }
 

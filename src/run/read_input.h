@@ -4,8 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "tetropolis/io/las/las.h"
-#include "tetropolis/io/vector/vector.h"
+#include "tetropolis/pipeline/build_city.h"
 #include "tetropolis/run/config.h"
 #include "tetropolis/run/in_memory.h"
 
@@ -16,13 +15,13 @@ namespace tetropolis {
 /// What is to be made of a city.
 enum class Next { kNothing, kMesh };
 
-struct RunInput {
-  PointsInput points;
-  FootprintsInput footprints;  ///< In the reference system of the points.
-};
+/// All in one reference system: that of the points, else of the rasters, else of the footprints, in
+/// metres; the zone of UTM where that is in degrees.
+using RunInput = CitySources;
 
-/// Reads both, but for what is `given` in memory; points only where the domain may be, by the
-/// headers and the footprints. Adds warnings. Throws Error(kInput): unusable files, degrees, units
+/// Reads all, but for what is `given` in memory; points and rasters only where the domain may be, by
+/// the headers and the footprints. Without points, a surface (`dsm`) becomes points, a point per
+/// cell. Adds warnings. Throws Error(kInput): unusable files, degrees, units
 /// other than metres, no overlap. Throws Error(kUsage) before it reads points if by the headers
 /// they, or the mesh that is to follow, will not fit into memory.
 RunInput read_input(const Config& config, Next next, StepClock& clock,

@@ -29,6 +29,8 @@ namespace tetropolis {
 
 namespace {
 
+const std::string& terrain_path(const Config& config) { return config.dtm.front(); }
+
 /// The domain of a written city model and terrain, local frame, and what it comes from: as given,
 /// as the model says, as the terrain's file says, or all of the terrain.
 std::pair<Domain, std::string> domain_of(const Config& config, const CityModel& city,
@@ -40,7 +42,7 @@ std::pair<Domain, std::string> domain_of(const Config& config, const CityModel& 
                     snap_coordinate(config.bounds[3] - city.origin.y)},
             "`bounds`"};
   if (!city.domain.empty() && city.domain.bounds().width() > 0) return {city.domain, config.city};
-  return {terrain.domain.value_or(terrain.raster.bounds()), config.dtm};
+  return {terrain.domain.value_or(terrain.raster.bounds()), terrain_path(config)};
 }
 
 /// Whether the terrain is the city's: same reference system, and under all of the domain but for a
@@ -51,13 +53,13 @@ void require_terrain_under(const Config& config, const CityModel& city,
     throw Error(ErrorKind::kInput,
                 fmt::format("{}: the terrain is in {}, the city {} in {}; give the one that was "
                             "made with the city, or reproject one of them",
-                            config.dtm, crs_name(terrain.crs), config.city, crs_name(city.crs)));
+                            terrain_path(config), crs_name(terrain.crs), config.city, crs_name(city.crs)));
   const Bounds2 covered = terrain.raster.bounds().grown(terrain.raster.step);
   if (!covered.covers(city.domain.bounds()))
     throw Error(ErrorKind::kInput,
                 fmt::format("{}: the terrain does not cover the domain, which is {}; give smaller "
                             "`bounds` or another terrain",
-                            config.dtm, domain_text(city)));
+                            terrain_path(config), domain_text(city)));
 }
 
 /// Warns where the terrain is not what the buildings stand on: heights of two vertical systems are
@@ -85,7 +87,7 @@ void warn_off_terrain(const Config& config, const CityModel& city, const Raster&
        fmt::format(
            "{}: most buildings stand {:.1f} m {} this terrain (median of h_ground); are its "
            "heights of another vertical system than those of {}, or is it of another place?",
-           config.dtm, std::abs(median), median > 0 ? "above" : "below", config.city)});
+           terrain_path(config), std::abs(median), median > 0 ? "above" : "below", config.city)});
 }
 
 void require_elevations(const Config& config, const RasterInput& terrain) {
@@ -97,8 +99,8 @@ void require_elevations(const Config& config, const RasterInput& terrain) {
   throw Error(ErrorKind::kInput,
               fmt::format("{}: {} in column {}, row {} is not an elevation; if it stands for a "
                           "missing value, declare it (gdal_edit.py -a_nodata {} {})",
-                          config.dtm, *wrong, node % nx, terrain.raster.ny - 1 - node / nx, *wrong,
-                          config.dtm));
+                          terrain_path(config), *wrong, node % nx, terrain.raster.ny - 1 - node / nx, *wrong,
+                          terrain_path(config)));
 }
 
 /// Of a model that comes from elsewhere, or for another domain.
@@ -142,10 +144,10 @@ MeshableInput read_meshable(const Config& config, std::vector<Warning>& warnings
   MeshableInput input;
   CityModel& city = input.city = read_city(config.city, &warnings, BrokenObjects::kDrop);
   require_metres(city.crs, config.city);
-  RasterInput terrain = read_raster(config.dtm, city.origin);
+  RasterInput terrain = read_raster(terrain_path(config), city.origin);
   warnings.insert(warnings.end(), terrain.warnings.begin(), terrain.warnings.end());
-  require_metres(terrain.crs, config.dtm);
-  require_heights_in_metres(terrain.height_unit, config.dtm, nullptr);
+  require_metres(terrain.crs, terrain_path(config));
+  require_heights_in_metres(terrain.height_unit, terrain_path(config), nullptr);
   require_elevations(config, terrain);
   refuse_degree_bounds(config, city.crs.empty() ? terrain.crs : city.crs,
                        terrain.raster.bounds().moved(city.origin));

@@ -74,6 +74,8 @@ void fields_of(Preflight& preflight, const Field& field) {
 
 template <typename Field>
 void fields_of(InputFacts& input, const Field& field) {
+  field("ground", input.ground, "text", "what the terrain is made of: `points`, `raster`, `level`");
+  field("roofs", input.roofs, "text", "the same of roofs: `points`, `raster`, `attributes`");
   field("point_files", input.point_files, "integer", "point files given; 0 in `synth`");
   field("point_files_skipped", input.point_files_skipped, "integer",
         "files outside the domain by their headers, not read");
@@ -110,6 +112,9 @@ void fields_of(FootprintAccount& account, const Field& field) {
   field("too_small", account.too_small, "integer", "dropped: below `min_building_area`");
   field("too_narrow", account.too_narrow, "integer",
         "dropped: nowhere as wide as `min_building_distance`");
+  field("no_building", account.no_building, "integer",
+        "dropped: below ground or not built, by its attributes or as the ground in it is measured");
+  field("outlined", account.outlined, "integer", "dropped: its parts stand for it");
 }
 
 template <typename Field>
@@ -180,7 +185,10 @@ void fields_of(CityFacts& city, const Field& field) {
       "area of the union of the footprints before merging, without what the domain's boundary cuts "
       "off; 0 in `mesh`");
   field("area_after", city.area_after, "number, m²",
-        "area of the footprints after merging; 0 in `mesh`");
+        "area of the footprints after merging;
+  field("volume_before", city.volume_before, "number, m³",
+        "footprints times their heights, before simplification");
+  field("volume_after", city.volume_after, "number, m³", "buildings, after it"); 0 in `mesh`");
   field("area_moved", city.area_moved, "number, m²",
         "area of the symmetric difference of the two, dropped buildings included; 0 in `mesh`");
   field("area_changed_share", city.area_changed_share, "number",

@@ -31,15 +31,17 @@ void require_input(const Config& config, Command command) {
   refuse_mistaken_files(config);
   require_given({{!config.footprints.empty() || config.terrain_only, "footprints",
                   "a vector file with building footprints, or add terrain_only"},
-                 {!config.points.empty(), "points", "LAS or LAZ files or a folder of them"},
+                 {!config.footprints.empty() || !config.points.empty() || !config.dtm.empty() ||
+                      !config.dsm.empty(),
+                  "points", "LAS or LAZ files or a folder of them, or rasters with dtm or dsm"},
                  {!config.out.empty(), "out", "a folder for the results"}});
 }
 
 /// Results never replace what the run reads.
 void keep_inputs(const Config& config, OutputFolder& out) {
-  for (const std::string& file : {config.footprints, config.city, config.dtm})
-    if (!file.empty()) out.keep(file);
-  for (const std::string& file : config.points) out.keep(file);
+  if (!config.city.empty()) out.keep(config.city);
+  for (const auto* files : {&config.footprints, &config.points, &config.dtm, &config.dsm})
+    for (const std::string& file : *files) out.keep(file);
   if (domain_shape(config) == DomainShape::kPolygon) out.keep(config.domain);
   for (const std::string& entry : config.refine)
     if (const std::string file = parse_refine(entry).file; !file.empty()) out.keep(file);
@@ -135,7 +137,7 @@ Report run_mesh(const Config& config, const RunHooks& hooks) {
   const ThreadLimit limit(config.threads);
   Report report = begin_report("mesh", config);
   report.sources = {{"city", relative_to_results(config, config.city)},
-                    {"dtm", relative_to_results(config, config.dtm)}};
+                    {"dtm", relative_to_results(config, config.dtm.front())}};
   OutputFolder out(config.out, hooks.output, Replaces::kModels, config.overwrite);
   keep_inputs(config, out);
   // Beside the city model that is meshed, what was made with it is no leftover.

@@ -84,7 +84,7 @@ void CloudCity::write_bytes(const std::string& name, const std::string& bytes) c
 
 CloudOutcome CloudCity::run(const std::function<void(Config&)>& change) const {
   Config config;
-  config.footprints = (scratch_ / "footprints.shp").string();
+  config.footprints = {(scratch_ / "footprints.shp").string()};
   config.points = {folder().string()};
   config.id_attribute = "id";
   config.out = (scratch_ / "out").string();

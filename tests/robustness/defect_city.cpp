@@ -154,7 +154,7 @@ bool Outcome::has_warning(const std::string& code) const {
 
 Config small_config(const DefectCity& city, const fs::path& folder) {
   Config config;
-  config.footprints = (folder / "footprints.csv").string();
+  config.footprints = {(folder / "footprints.csv").string()};
   config.points = {(folder / "points.las").string()};
   config.out = (folder / "out").string();
   config.id_attribute = "id";

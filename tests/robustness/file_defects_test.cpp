@@ -42,7 +42,7 @@ class FileDefects : public ::testing::Test {
   Outcome run(const fs::path& footprints, const std::vector<std::string>& expected_ids,
               const std::string& id_attribute = "id") {
     Config config = small_config(city, folder.path());
-    config.footprints = footprints.string();
+    config.footprints = {footprints.string()};
     config.id_attribute = id_attribute;
     config.layer = layer;
     config.height_attribute = height_attribute;

@@ -126,7 +126,7 @@ TEST(FoundBySearch, TheLargestDistanceIsFoundInSliversToo) {
   synth.out = (folder / "input").string();
   run_synth(synth);
   Config config;
-  config.footprints = (folder / "input/footprints.geojson").string();
+  config.footprints = {(folder / "input/footprints.geojson").string()};
   config.points = {synth.out};
   config.out = (folder / "out").string();
   const Report report = run_city(config);

@@ -51,7 +51,7 @@ TEST_P(Unclassified, HeightsAreThoseOfTheClassifiedCloud) {
   TETROPOLIS_REQUIRE_DATA(footprints, real.footprints);
   const testing::TemporaryFolder scratch;
   Config config;
-  config.footprints = footprints.string();
+  config.footprints = {footprints.string()};
   for (const char* points : real.points)
     config.points.push_back(testing::data_path(points).string());
   config.out = (scratch / "classified").string();

@@ -17,7 +17,7 @@ inline Report build_blocks(const TemporaryFolder& folder, const std::string& for
   synth.out = folder / "input";
   run_synth(synth);
   Config build;
-  build.footprints = folder / "input/footprints.shp";
+  build.footprints = {folder / "input/footprints.shp"};
   build.points.push_back(folder / "input/points.laz");
   build.formats = {format};
   build.out = folder / "result";

@@ -48,7 +48,7 @@ class Build : public ::testing::Test {
     synth.out = (scratch / "input").string();
     run_synth(synth);
     Config config;
-    config.footprints = (scratch / "input/footprints.shp").string();
+    config.footprints = {(scratch / "input/footprints.shp").string()};
     config.points = {(scratch / "input").string()};
     config.id_attribute = "id";
     config.out = (scratch / "out").string();
@@ -292,7 +292,7 @@ TEST_F(Build, MeshesJoinTheCityModelInItsFolder) {
   const std::string model = bytes_of(scratch / "out/city.city.json");
   Config mesh;
   mesh.city = (scratch / "out/city.city.json").string();
-  mesh.dtm = (scratch / "out/dtm.tif").string();
+  mesh.dtm = {(scratch / "out/dtm.tif").string()};
   mesh.out = config.out;
   for (const double size : {20.0, 15.0}) {
     mesh.mesh_size = size;
@@ -346,7 +346,7 @@ TEST_F(Build, MeshLeavesOutBuildingsOfOthersThatDoNotFit) {
   std::ofstream(scratch / "foreign.city.json") << model.dump();
   Config mesh;
   mesh.city = (scratch / "foreign.city.json").string();
-  mesh.dtm = (scratch / "foreign.tif").string();
+  mesh.dtm = {(scratch / "foreign.tif").string()};
   mesh.mesh_size = 20;
   mesh.out = (scratch / "mesh").string();
   const Report report = run_mesh(mesh);
@@ -368,7 +368,7 @@ TEST_F(Build, MeshLeavesOutBuildingsOfOthersThatDoNotFit) {
       ADD_FAILURE() << file.name << ": " << violation.what << ": " << violation.first;
   // Of our own for a part of the domain: the ones that are in it.
   mesh.city = (scratch / "out/city.city.json").string();
-  mesh.dtm = (scratch / "out/dtm.tif").string();
+  mesh.dtm = {(scratch / "out/dtm.tif").string()};
   const CityModel ours = read_city(mesh.city);
   const Bounds2 whole = ours.domain.moved(ours.origin).bounds();
   mesh.bounds = {whole.xmin, whole.ymin, (whole.xmin + whole.xmax) / 2, whole.ymax};
@@ -393,7 +393,7 @@ TEST_F(Build, ATerrainThatIsNotTheCitysIsNamed) {
     SCOPED_TRACE(lift);
     Raster moved = terrain.raster;
     for (double& z : moved.values) z += lift;
-    mesh.dtm = (scratch / "moved.tif").string();
+    mesh.dtm = {(scratch / "moved.tif").string()};
     write_raster(mesh.dtm, moved, {0, 0}, terrain.crs);
     mesh.out = (scratch / "mesh").string();
     const std::vector<Warning> warnings = run_mesh(mesh).warnings;
@@ -506,7 +506,7 @@ TEST_F(Build, CityAndMeshInTwoStepsGiveTheSameMesh) {
   run_city(first);
   Config second;
   second.city = (scratch / "city/city.city.json").string();
-  second.dtm = (scratch / "city/dtm.tif").string();
+  second.dtm = {(scratch / "city/dtm.tif").string()};
   second.out = (scratch / "mesh").string();
   // Benchmarks add up the steps of 3; reading is none of these.
   std::set<std::string> meshing;
@@ -539,7 +539,7 @@ TEST_F(Build, MeshRefusesCitiesAndTerrainsThatDoNotFit) {
                            std::vector<double> bounds = {}) {
     Config mesh;
     mesh.city = city;
-    mesh.dtm = dtm;
+    mesh.dtm = {dtm};
     mesh.bounds = std::move(bounds);
     mesh.out = (scratch / "mesh").string();
     return refusal_of(mesh);
@@ -570,9 +570,9 @@ TEST_F(Build, MeshRefusesWhatIsNotInMetres) {
     write_raster(scratch / "foreign.tif", terrain.raster, {0, 0}, terrain_crs, terrain.domain);
     Config mesh;
     mesh.city = (scratch / "foreign.city.json").string();
-    mesh.dtm = (scratch / "foreign.tif").string();
+    mesh.dtm = {(scratch / "foreign.tif").string()};
     if (!unit.empty()) {
-      mesh.dtm = (scratch / "foreign.vrt").string();
+      mesh.dtm = {(scratch / "foreign.vrt").string()};
       const Raster& r = terrain.raster;
       std::ofstream(mesh.dtm) << fmt::format(
           "<VRTDataset rasterXSize=\"{0}\" rasterYSize=\"{1}\"><SRS>{6}</SRS><GeoTransform>{2}, "
@@ -631,7 +631,7 @@ TEST_F(Build, MeshTakesTheDomainOfTheCityModel) {
   write_raster(scratch / "other.tif", terrain.raster, {0, 0}, "EPSG:3006", other);
   Config mesh;
   mesh.city = (scratch / "out/city.city.json").string();
-  mesh.dtm = (scratch / "other.tif").string();
+  mesh.dtm = {(scratch / "other.tif").string()};
   mesh.out = (scratch / "mesh").string();
   const Bounds2 found = run_mesh(mesh).domain;
   EXPECT_EQ((std::array{found.xmin, found.ymin, found.xmax, found.ymax}),
@@ -647,7 +647,7 @@ TEST_F(Build, MeshRefusesHeightsThatAreNone) {
   std::ofstream(scratch / "tall.city.json") << text;
   Config mesh;
   mesh.city = (scratch / "tall.city.json").string();
-  mesh.dtm = (scratch / "out/dtm.tif").string();
+  mesh.dtm = {(scratch / "out/dtm.tif").string()};
   mesh.out = (scratch / "mesh").string();
   const std::string said = refusal_of(mesh);
   EXPECT_NE(said.find("tall.city.json: building b0 (feature "), std::string::npos) << said;

@@ -230,7 +230,7 @@ std::vector<std::string> words_by_shell(const std::string& line) {
 
 TEST(Config, CommandLineRepeatsTheRun) {
   Config config;
-  config.footprints = "it's $HOME; `x` \"quoted\"/f.gpkg";
+  config.footprints = {"it's $HOME; `x` \"quoted\"/f.gpkg"};
   config.points = {"a b/*.laz", "c,d"};
   config.out = "result";
   config.bounds = {0.1, -2, 85000.123456, 3};

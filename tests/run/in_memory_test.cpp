@@ -57,7 +57,7 @@ class InMemory : public ::testing::Test {
 
 TEST_F(InMemory, VerbsMakeTheBytesOfTheCommand) {
   Config config;
-  config.footprints = (scratch / "input/footprints.shp").string();
+  config.footprints = {(scratch / "input/footprints.shp").string()};
   config.points = {(scratch / "input/points.laz").string()};
   config.id_attribute = "id";
   config.bounds = {bounds.xmin, bounds.ymin, bounds.xmax, bounds.ymax};
@@ -194,7 +194,7 @@ TEST_F(InMemory, FootprintsInAnotherSystemAreRefused) {
 
 TEST_F(InMemory, ReportSurvivesItsFile) {
   Config config;
-  config.footprints = (scratch / "input/footprints.shp").string();
+  config.footprints = {(scratch / "input/footprints.shp").string()};
   config.points = {(scratch / "input/points.laz").string()};
   config.min_building_area = 60;  // drops some
   config.layering = Layering::kUniform;

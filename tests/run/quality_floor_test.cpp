@@ -55,7 +55,7 @@ void expect_above_the_floor(const Report& report) {
 Report mesh_at(const fs::path& folder, double size) {
   Config config;
   config.city = folder / "city.city.json";
-  config.dtm = folder / "dtm.tif";
+  config.dtm = {folder / "dtm.tif"};
   config.out = folder / "mesh";
   config.mesh_size = size;
   return run_mesh(config);
@@ -72,7 +72,7 @@ void expect_good_meshes(const fs::path& folder, const std::vector<double>& sizes
 void make_city(const fs::path& footprints, const std::vector<fs::path>& points,
                const fs::path& out) {
   Config config;
-  config.footprints = footprints;
+  config.footprints = {footprints};
   for (const fs::path& path : points) config.points.push_back(path);
   config.out = out;
   run_city(config);
@@ -231,7 +231,7 @@ TEST(QualityFloor, FoundByTheSurvey) {
     config.out = folder / "input";
     run_synth(config);
     Config build;
-    build.footprints = folder / "input/footprints.geojson";
+    build.footprints = {folder / "input/footprints.geojson"};
     build.points = {folder / "input"};
     build.id_attribute = "id";
     build.mesh_size = c.mesh_size;
@@ -513,7 +513,7 @@ class CheckMesh : public ::testing::Test {
   /// Meshes at 10 m and asks checkMesh.
   void expect_good(const fs::path& footprints, const std::vector<fs::path>& points) {
     Config config;
-    config.footprints = footprints;
+    config.footprints = {footprints};
     for (const fs::path& path : points) config.points.push_back(path);
     config.formats = {"openfoam"};
     config.out = folder / "result";

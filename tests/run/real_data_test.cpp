@@ -85,7 +85,7 @@ TEST_P(RealData, BuildsAMeshThatHoldsEveryGuarantee) {
   TETROPOLIS_REQUIRE_DATA(footprints, real.footprints);
   const testing::TemporaryFolder scratch;
   Config config;
-  config.footprints = footprints.string();
+  config.footprints = {footprints.string()};
   for (const char* points : real.points)
     config.points.push_back(testing::data_path(points).string());
   config.points_crs = real.points_crs;

@@ -33,7 +33,7 @@ void PrintTo(const Target& target, std::ostream* out) { *out << target.name; }
 
 CityModel city_of(const Target& target, int threads, RoofFacts& facts) {
   Config config;
-  config.footprints = testing::data_path(target.footprints).string();
+  config.footprints = {testing::data_path(target.footprints).string()};
   for (const char* points : target.points)
     config.points.push_back(testing::data_path(points).string());
   config.lod = target.lod;

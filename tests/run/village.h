@@ -84,7 +84,7 @@ struct Village {
     options.flags = flags;
     options.scale = points_scale;
     write_points(folder / "points.las", cloud, points_are_local ? origin : Point2{}, options);
-    config.footprints = (folder / footprints_file).string();
+    config.footprints = {(folder / footprints_file).string()};
     config.points = {(folder / "points.las").string()};
     config.out = (folder / "out").string();
   }

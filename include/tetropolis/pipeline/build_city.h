@@ -31,6 +31,26 @@ enum class GroundFilter { kAuto, kNever, kAlways };
 /// What becomes of footprints that cross the domain's boundary.
 enum class BoundaryBuildings { kDrop, kClip };
 
+/// Terrain that is known, instead of that of ground points.
+struct TerrainInput {
+  std::string source = "terrain";  ///< What messages call it.
+  Raster raster;    ///< Every value is finite. One node: level ground everywhere.
+  Point2 origin;    ///< Of the raster's frame, CRS coordinates.
+  std::string crs;  ///< Of the coordinates; "" if unknown.
+};
+
+/// What a city is made of. Roofs are those of the points, else the heights that footprints state;
+/// ground is the terrain, else that of the points.
+struct CitySources {
+  PointsInput points;  ///< May be empty if there is a terrain.
+  FootprintsInput footprints;
+  std::optional<TerrainInput> terrain = {};
+  bool has_surface = false;  ///< The points are cells of a surface: their class says nothing.
+};
+
+/// What becomes of footprints in which the points measure ground and no roof.
+enum class MeasuredGround { kDrop, kKeep };
+
 struct BuildCityOptions {
   /// The domain, CRS coordinates. None: the box of the footprints within that of the points, grown
   /// by `domain_margin` as far as there are points; without footprints the box of the points. With
@@ -46,10 +66,12 @@ struct BuildCityOptions {
   bool terrain_only = false;          ///< A city without buildings is no error.
   BoundaryBuildings boundary_buildings = BoundaryBuildings::kDrop;
   GroundFilter ground_filter = GroundFilter::kAuto;
+  MeasuredGround measured_ground = MeasuredGround::kDrop;
   GroundFilterOptions filter = {};
   DtmOptions dtm = {};
   ExtractOptions extract = {};  ///< `no_buildings` is found, not taken from here.
   HeightOptions heights = {};
+  double default_height = 6;  ///< Metres, > 0: of footprints that state no height, without points.
   SimplifyOptions simplify =
       {};                 ///< min_distance, min_area and parallel_tolerance hold for 1.4, too.
   Lod lod = Lod::kBlock;  ///< Of roofs; RoofOptions follow from it and the options above.
@@ -58,6 +80,8 @@ struct BuildCityOptions {
 
 /// What went in.
 struct InputFacts {
+  std::string ground = "points";  ///< What the terrain is made of: "points", "raster", "level".
+  std::string roofs = "points";   ///< The same of roofs: "points", "raster", "attributes".
   std::int64_t point_files = 0;
   std::int64_t point_files_skipped = 0;
   std::int64_t points_read = 0;
@@ -83,6 +107,8 @@ struct FootprintAccount {
   std::int64_t boundary = 0;
   std::int64_t too_small = 0;
   std::int64_t too_narrow = 0;
+  std::int64_t no_building = 0;
+  std::int64_t outlined = 0;
 };
 
 /// What the city is.
@@ -96,6 +122,9 @@ struct CityFacts {
   double min_clearance = std::numeric_limits<double>::infinity();  ///< Metres; between all rings.
   double area_before = 0;  ///< Of the union of the footprints, square metres.
   double area_after = 0;
+  double volume_before = 0;       ///< Of the footprints times their heights, cubic metres; where
+                                  ///< they overlap, twice.
+  double volume_after = 0;        ///< Of the buildings, as blocks or below their parts.
   double area_moved = 0;          ///< Of the symmetric difference of both unions.
   double area_changed_share = 0;  ///< area_moved / area_before.
   double max_distance = 0;        ///< Between the input and output of one building, metres.
@@ -144,5 +173,12 @@ std::string account_in_words(const CityFacts& facts, const BuildCityOptions& opt
 /// add up. Cancelled.
 BuiltCity build_city(PointsInput points, FootprintsInput footprints,
                      const BuildCityOptions& options = {}, const StepHooks& hooks = {});
+
+/// The same of other sources. With a terrain, its heights are sampled on the grid of step 1.3 and
+/// under buildings; unclassified points near it are ground. Without points, buildings have the
+/// height that their footprints state, else options.default_height, as their flags tell, and
+/// `points.extent`, or else the terrain and the footprints, say where the domain is.
+BuiltCity build_city(CitySources sources, const BuildCityOptions& options = {},
+                     const StepHooks& hooks = {});
 
 }  // namespace tetropolis

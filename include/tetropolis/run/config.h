@@ -20,22 +20,32 @@ namespace tetropolis {
 
 // Settings that are one of a few words; what each means is told in config_fields().
 enum class Coordinates { kLocal, kAbsolute };
+enum class HeightUnit { kMetre, kFoot, kSurveyFoot };
 enum class SynthKind { kRandom, kBlocks, kAdversarial };
 enum class SynthRoofs { kFlat, kSloped };
 
 /// Lengths in metres, angles in degrees. Empty strings and lists mean "not given".
 struct Config {
   // Input.
-  std::string footprints;
+  std::vector<std::string> footprints;
   std::vector<std::string> points;
   std::string city;
-  std::string dtm;
+  std::vector<std::string> dtm;
+  std::vector<std::string> dsm;
+  double ground_level = 0;
   std::vector<double> bounds;
   std::string points_crs;
   std::string footprints_crs;
+  std::string raster_crs;
   std::string layer;
+  std::string where;
   std::string id_attribute;
   std::string height_attribute;
+  HeightUnit height_unit = HeightUnit::kMetre;
+  std::string floors_attribute;
+  double floor_height = 3;
+  double default_height = 6;
+  bool require_grids = false;
   bool terrain_only = false;
 
   // Output.
@@ -66,6 +76,7 @@ struct Config {
   double min_building_distance = 1;
   int merge_growths = 3;
   double min_building_area = 15;
+  MeasuredGround measured_ground = MeasuredGround::kDrop;
   BoundaryBuildings boundary_buildings = BoundaryBuildings::kDrop;
 
   // Mesh.

@@ -1,4 +1,5 @@
 #include "tetropolis/io/crs/crs.h"
+#include "tetropolis/io/crs/metric_crs.h"
 
 #include <algorithm>
 #include <array>
@@ -240,6 +241,25 @@ double linear_unit_metres(const std::string& crs) {
   if (crs.empty()) return 1;
   const gdal::Srs srs = require_srs(crs);
   return OSRIsGeographic(srs.get()) != 0 ? 0 : OSRGetLinearUnits(srs.get(), nullptr);
+}
+
+std::string in_metres(const std::string& crs) {
+  const gdal::Srs srs = require_srs(crs);
+  if (is_metre(OSRGetLinearUnits(srs.get(), nullptr))) return normalise_crs(crs);
+  const gdal::QuietErrors errors;
+  const std::string name = std::string(OSRGetName(srs.get())) + " in metres";
+  OSRSetLinearUnitsAndUpdateParameters(srs.get(), "metre", 1);
+  // The code is that of the system in its own unit.
+  gdal::Srs bare = gdal::without_code(srs.get());
+  OSRSetProjCS(bare.get(), name.c_str());
+  return gdal::canonical_name(bare.get());
+}
+
+std::string utm_zone(Point2 at) {
+  constexpr int kZones = 60, kNorth = 32600, kSouth = 32700;
+  constexpr double kWidth = 6;  // degrees
+  const auto zone = static_cast<int>(std::floor((std::remainder(at.x, 360) + 180) / kWidth));
+  return "EPSG:" + std::to_string((at.y < 0 ? kSouth : kNorth) + std::clamp(zone, 0, kZones - 1) + 1);
 }
 
 double vertical_unit_metres(const std::string& text) {

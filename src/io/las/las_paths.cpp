@@ -5,12 +5,12 @@
 #include <utility>
 
 #include <fmt/format.h>
-#include <glob.h>
 
 #include "tetropolis/io/las/las.h"
 
 #include "core/text.h"
 #include "io/file/input_file.h"
+#include "io/file/input_paths.h"
 
 namespace tetropolis {
 
@@ -63,15 +63,6 @@ std::vector<fs::path> clouds_in(const fs::path& folder) {
                  : fmt::format("the folder has no .las or .laz files, but folders in it do; "
                                "name those ({})",
                                below.front().parent_path().string()));
-}
-
-std::vector<fs::path> matches_of(const std::string& pattern) {
-  glob_t matches{};
-  std::vector<fs::path> paths;
-  if (::glob(pattern.c_str(), GLOB_NOSORT, nullptr, &matches) == 0)
-    for (std::size_t i = 0; i < matches.gl_pathc; ++i) paths.emplace_back(matches.gl_pathv[i]);
-  ::globfree(&matches);
-  return paths;
 }
 
 /// What the arguments name.

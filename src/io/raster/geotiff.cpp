@@ -23,6 +23,7 @@
 #include "io/crs/gdal_support.h"
 #include "io/file/atomic_file.h"
 #include "io/file/input_file.h"
+#include "raster_file.h"
 
 namespace tetropolis {
 
@@ -87,14 +88,6 @@ struct Grid {
   int ny = 0;
 };
 
-gdal::Dataset open_raster(const fs::path& path, const gdal::QuietErrors& errors) {
-  require_ordinary_file(path);
-  gdal::Dataset dataset(
-      GDALOpenEx(path.c_str(), GDAL_OF_RASTER | GDAL_OF_VERBOSE_ERROR, nullptr, nullptr, nullptr));
-  if (dataset == nullptr) fail_input(path, "not a raster" + errors.reason() + "; name a GeoTIFF");
-  return dataset;
-}
-
 Grid check_grid(const fs::path& path, GDALDatasetH dataset) {
   Grid grid;
   grid.nx = GDALGetRasterXSize(dataset);
@@ -119,115 +112,6 @@ Grid check_grid(const fs::path& path, GDALDatasetH dataset) {
     fail_input(path, fmt::format("has pixels of {} x {}; make them square with gdalwarp -tr", t[1],
                                  -t[5]));
   return grid;
-}
-
-/// Values from the south-west, NaN where there is none.
-std::vector<double> read_values(const fs::path& path, GDALDatasetH dataset, const Grid& grid,
-                                const gdal::QuietErrors& errors) {
-  GDALRasterBandH band = GDALGetRasterBand(dataset, 1);
-  int has_nodata = 0;
-  const double nodata = GDALGetRasterNoDataValue(band, &has_nodata);
-  // A nodata value written as text need not be a float: compare as the band would store it.
-  const bool single = GDALGetRasterDataType(band) == GDT_Float32;
-  const double nodata_stored =
-      single && std::abs(nodata) <= static_cast<double>(std::numeric_limits<float>::max())
-          ? static_cast<double>(static_cast<float>(nodata))
-          : nodata;
-  const double scale = GDALGetRasterScale(band, nullptr);
-  const double offset = GDALGetRasterOffset(band, nullptr);
-  const auto nx = static_cast<std::size_t>(grid.nx);
-  std::vector<double> values;
-  try {
-    values.resize(nx * static_cast<std::size_t>(grid.ny));
-  } catch (const std::bad_alloc&) {
-    fail_input(path, "does not fit into memory; cut it to the domain");
-  }
-  // A mask of its own says which pixels have a value, whatever these hold.
-  const bool masked = (GDALGetMaskFlags(band) & (GMF_ALL_VALID | GMF_NODATA)) == 0;
-  std::vector<std::uint8_t> mask(masked ? nx : 0);
-  for (int line = 0; line < grid.ny; ++line) {
-    double* row = values.data() + static_cast<std::size_t>(grid.ny - 1 - line) * nx;
-    CPLErr outcome =
-        GDALRasterIO(band, GF_Read, 0, line, grid.nx, 1, row, grid.nx, 1, GDT_Float64, 0, 0);
-    if (outcome == CE_None && masked)
-      outcome = GDALRasterIO(GDALGetMaskBand(band), GF_Read, 0, line, grid.nx, 1, mask.data(),
-                             grid.nx, 1, GDT_Byte, 0, 0);
-    if (outcome != CE_None)
-      fail_input(path,
-                 fmt::format("row {} cannot be read{}; the file is cut or broken, get it again",
-                             line, errors.reason()));
-    for (std::size_t i = 0; i < nx; ++i) {
-      const bool missing = (has_nodata != 0 && (row[i] == nodata || row[i] == nodata_stored)) ||
-                           (masked && mask[i] == 0);
-      if (scale != 1 || offset != 0) row[i] = row[i] * scale + offset;
-      if (missing || !std::isfinite(row[i])) row[i] = kNaN;
-    }
-  }
-  return values;
-}
-
-/// Breadth-first from all valid nodes at once, in row order. Returns how many were filled.
-std::int64_t fill_missing(Raster& raster) {
-  const std::int64_t nx = raster.nx;
-  const std::int64_t ny = raster.ny;
-  std::int64_t missing = 0;
-  for (const double value : raster.values) missing += std::isnan(value) ? 1 : 0;
-  if (missing == 0 || missing == nx * ny) return missing;
-  const auto visit_neighbours = [&](std::int64_t node, const auto& visit) {
-    const std::int64_t column = node % nx;
-    const std::int64_t row = node / nx;
-    for (std::int64_t j = std::max<std::int64_t>(row - 1, 0); j <= std::min(row + 1, ny - 1); ++j)
-      for (std::int64_t i = std::max<std::int64_t>(column - 1, 0);
-           i <= std::min(column + 1, nx - 1); ++i)
-        if (j * nx + i != node) visit(static_cast<std::size_t>(j * nx + i));
-  };
-  std::deque<std::int64_t> queue;
-  for (std::int64_t node = 0; node < nx * ny; ++node) {
-    if (std::isnan(raster.values[static_cast<std::size_t>(node)])) continue;
-    bool rim = false;
-    visit_neighbours(node, [&](std::size_t other) { rim |= std::isnan(raster.values[other]); });
-    if (rim) queue.push_back(node);
-  }
-  while (!queue.empty()) {
-    const std::int64_t node = queue.front();
-    queue.pop_front();
-    visit_neighbours(node, [&](std::size_t other) {
-      if (!std::isnan(raster.values[other])) return;
-      raster.values[other] = raster.values[static_cast<std::size_t>(node)];
-      queue.push_back(static_cast<std::int64_t>(other));
-    });
-  }
-  return missing;
-}
-
-/// Metres per unit of the values: as the band says, else the vertical reference system, else 1;
-/// negative where that counts downwards.
-double height_unit(const fs::path& path, GDALDatasetH dataset) {
-  constexpr double kFoot = 0.3048, kSurveyFoot = 1200.0 / 3937;
-  constexpr std::pair<std::string_view, double> kUnits[] = {{"m", 1},
-                                                            {"metre", 1},
-                                                            {"meter", 1},
-                                                            {"metres", 1},
-                                                            {"meters", 1},
-                                                            {"dm", 0.1},
-                                                            {"cm", 0.01},
-                                                            {"mm", 0.001},
-                                                            {"km", 1000},
-                                                            {"ft", kFoot},
-                                                            {"foot", kFoot},
-                                                            {"feet", kFoot},
-                                                            {"us-ft", kSurveyFoot},
-                                                            {"us_ft", kSurveyFoot},
-                                                            {"ftus", kSurveyFoot},
-                                                            {"us survey foot", kSurveyFoot}};
-  const std::string name = lower_case(GDALGetRasterUnitType(GDALGetRasterBand(dataset, 1)));
-  const double of_system = gdal::vertical_unit_metres(GDALGetSpatialRef(dataset));
-  if (name.empty()) return of_system;
-  // A band has no word for depths.
-  for (const auto& [unit, metres] : kUnits)
-    if (name == unit) return std::copysign(metres, of_system);
-  fail_input(path, fmt::format("heights are in '{}', an unknown unit; convert them to metres",
-                               first_bytes(name, 40)));
 }
 
 std::optional<Bounds2> parse_domain(const char* text, Point2 origin) {
@@ -295,10 +179,10 @@ RasterInput read_raster(const fs::path& path, Point2 origin) {
   raster.nx = grid.nx;
   raster.ny = grid.ny;
   raster.step = t[1];
-  raster.values = read_values(path, dataset.get(), grid, errors);
+  raster.values = read_window(path, dataset.get(), {0, 0, grid.nx, grid.ny}, errors);
   raster.x0 = restore(t[0] + raster.step / 2 - origin.x);
   raster.y0 = restore(t[3] - raster.step / 2 - (raster.ny - 1) * raster.step - origin.y);
-  result.filled = fill_missing(raster);
+  result.filled = fill_with_nearest(raster);
   if (result.filled == static_cast<std::int64_t>(raster.values.size()))
     fail_input(
         path, fmt::format("none of its {} pixels has a value; name another raster", result.filled));
@@ -308,7 +192,7 @@ RasterInput read_raster(const fs::path& path, Point2 origin) {
          fmt::format("{}: {} of {} pixels have no value; they take the nearest one", path.string(),
                      result.filled, raster.values.size())});
   result.crs = gdal::canonical_name(GDALGetSpatialRef(dataset.get()));
-  result.height_unit = height_unit(path, dataset.get());
+  result.height_unit = height_unit_of(path, dataset.get());
   result.domain = parse_domain(GDALGetMetadataItem(dataset.get(), kDomainItem, nullptr), origin);
   return result;
 }

@@ -1,10 +1,7 @@
 #include "feature_heights.h"
 
-#include <charconv>
 #include <cmath>
 #include <limits>
-#include <string_view>
-#include <system_error>
 #include <utility>
 #include <vector>
 
@@ -15,6 +12,7 @@
 
 #include "core/text.h"
 #include "io/file/input_file.h"
+#include "measure_text.h"
 
 namespace tetropolis {
 
@@ -22,36 +20,25 @@ namespace fs = std::filesystem;
 
 namespace {
 
-/// Text as a number of metres: "12.5", also with a unit as OpenStreetMap writes it ("12.5 m").
-double metres_of(std::string_view text) {
-  constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
-  const auto trim = [&] {
-    while (!text.empty() && text.front() == ' ') text.remove_prefix(1);
-    while (!text.empty() && text.back() == ' ') text.remove_suffix(1);
-  };
-  trim();
-  if (text.ends_with('m')) text.remove_suffix(1);
-  trim();
-  double value = kNaN;
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-  const bool whole = error == std::errc{} && end == text.data() + text.size();
-  return whole && std::isfinite(value) ? value : kNaN;
-}
-
 /// The column in which GDAL keeps the tags of OpenStreetMap that have none of their own, as
 /// `"key"=>"value","key"=>"value"`, with a backslash before quotes in either.
 constexpr const char* kOtherTags = "other_tags";
 
-/// The value of a tag there; empty if there is none.
+}  // namespace
+
 std::string value_of_tag(const std::string& tags, const std::string& key) {
   const std::string begin = '"' + key + "\"=>\"";
   std::size_t at = tags.find(begin);
+  // Not within another value, where quotes have a backslash before them.
+  while (at != std::string::npos && at > 0 && tags[at - 1] != ',') at = tags.find(begin, at + 1);
   if (at == std::string::npos) return {};
-  at += begin.size();
-  return tags.substr(at, tags.find('"', at) - at);
+  std::string value;
+  for (at += begin.size(); at < tags.size() && tags[at] != '"'; ++at) {
+    if (tags[at] == '\\' && at + 1 < tags.size()) ++at;
+    value += tags[at];
+  }
+  return value;
 }
-
-}  // namespace
 
 int find_attribute(const fs::path& path, OGRLayerH layer, const std::string& wanted) {
   if (wanted.empty()) return kNoField;
@@ -71,16 +58,16 @@ int find_attribute(const fs::path& path, OGRLayerH layer, const std::string& wan
                                              : fmt::format("{}", fmt::join(names, ", "))));
 }
 
-HeightReader::HeightReader(const fs::path& path, OGRLayerH layer, std::string attribute)
-    : path_(path), attribute_(std::move(attribute)) {
+AttributeField::AttributeField(const fs::path& path, OGRLayerH layer, std::string attribute,
+                               const char* what)
+    : name_(std::move(attribute)) {
   OGRFeatureDefnH columns = OGR_L_GetLayerDefn(layer);
-  is_tag_ = !attribute_.empty() && OGR_FD_GetFieldIndex(columns, attribute_.c_str()) < 0 &&
+  is_tag_ = !name_.empty() && OGR_FD_GetFieldIndex(columns, name_.c_str()) < 0 &&
             OGR_FD_GetFieldIndex(columns, kOtherTags) >= 0;
-  field_ = find_attribute(path, layer, is_tag_ ? kOtherTags : attribute_);
+  field_ = find_attribute(path, layer, is_tag_ ? kOtherTags : name_);
   if (field_ == kNoField) return;
   // The feature number is no height, and neither is a date, a list, or yes and no.
-  OGRFieldDefnH field =
-      field_ == kFidField ? nullptr : OGR_FD_GetFieldDefn(OGR_L_GetLayerDefn(layer), field_);
+  OGRFieldDefnH field = field_ == kFidField ? nullptr : OGR_FD_GetFieldDefn(columns, field_);
   type_ = field == nullptr ? OFTBinary : OGR_Fld_GetType(field);
   const char* other = nullptr;
   if (field == nullptr)
@@ -90,47 +77,88 @@ HeightReader::HeightReader(const fs::path& path, OGRLayerH layer, std::string at
   else if (type_ != OFTInteger && type_ != OFTInteger64 && type_ != OFTReal && type_ != OFTString)
     other = OGR_GetFieldTypeName(type_);
   if (other != nullptr)
-    fail_input(
-        path_,
-        fmt::format("attribute '{}' is {}, not a height; name a numeric one with height_attribute",
-                    attribute_, other));
+    fail_input(path, fmt::format("attribute '{}' is {}, not a {}; name a numeric one", name_, other,
+                                 what));
 }
 
-double HeightReader::read(OGRFeatureH feature, const std::string& id) {
+std::string AttributeField::text(OGRFeatureH feature) const {
+  if (field_ == kNoField || OGR_F_IsFieldSetAndNotNull(feature, field_) == 0) return {};
+  if (type_ != OFTString) {
+    const double value = OGR_F_GetFieldAsDouble(feature, field_);
+    return std::isnan(value) ? std::string() : fmt::format("{}", value);
+  }
+  const std::string text = gdal::utf8(OGR_F_GetFieldAsString(feature, field_));
+  return is_tag_ ? value_of_tag(text, name_) : text;
+}
+
+namespace {
+
+bool has_column(OGRLayerH layer, const char* name) {
+  return OGR_FD_GetFieldIndex(OGR_L_GetLayerDefn(layer), name) >= 0;
+}
+
+/// What the data of OpenStreetMap and Overture call them, where the layer is of these.
+std::string usual_height(OGRLayerH layer) {
+  if (has_column(layer, kOtherTags)) return "height";
+  const bool known = has_column(layer, "building") || has_column(layer, "num_floors") ||
+                     has_column(layer, "is_underground");
+  return known && has_column(layer, "height") ? "height" : "";
+}
+
+std::string usual_floors(OGRLayerH layer) {
+  for (const char* name : {"building:levels", "building_levels", "num_floors", "levels"})
+    if (has_column(layer, name)) return name;
+  return has_column(layer, kOtherTags) ? "building:levels" : "";
+}
+
+}  // namespace
+
+HeightReader::HeightReader(const fs::path& path, OGRLayerH layer,
+                           const ReadFootprintsOptions& options)
+    : path_(path),
+      height_(path, layer,
+              options.height_attribute.empty() ? usual_height(layer) : options.height_attribute,
+              "height"),
+      floors_(path, layer,
+              options.floors_attribute.empty() ? usual_floors(layer) : options.floors_attribute,
+              "number of floors"),
+      is_asked_for_(!options.height_attribute.empty()),
+      floor_height_(options.floor_height),
+      unit_(options.height_unit) {}
+
+StatedHeight HeightReader::read(OGRFeatureH feature, const std::string& id) {
   constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
-  if (field_ == kNoField || OGR_F_IsFieldSetAndNotNull(feature, field_) == 0) return kNaN;
-  constexpr double kMost = 1100;  // metres: no building is that high
-  constexpr double kMark = 999;   // stands for a height that nobody knows
-  std::string text;
-  double value = kNaN;
-  if (type_ == OFTString) {
-    text = gdal::utf8(OGR_F_GetFieldAsString(feature, field_));
-    if (is_tag_) text = value_of_tag(text, attribute_);
-    if (text.find_first_not_of(' ') == std::string::npos) return kNaN;  // as good as null
-    value = metres_of(text);
-  } else {
-    value = OGR_F_GetFieldAsDouble(feature, field_);
-    if (std::isnan(value)) return kNaN;  // as good as null, too
-    text = fmt::format("{:.6g}", value);
+  constexpr double kMost = 1100;      // metres: no building is that high
+  constexpr double kMark = 999;       // stands for a height that nobody knows
+  constexpr double kMostFloors = 250;
+  double stated = kNaN;
+  const std::string text = height_.text(feature);
+  if (text.find_first_not_of(' ') != std::string::npos) {  // blanks are as good as null
+    const double value = metres_of(text, unit_);
+    const bool is_mark = metres_of(text, 1) == kMark;
+    if (value <= kMost && !is_mark) {
+      ++usable_;
+      if (value > 0) return {value};
+      stated = value;
+    } else if (others_++ == 0) {
+      first_ = fmt::format("feature {}: '{}'", id, first_bytes(text, 40));
+    }
   }
-  if (value <= kMost && value != kMark) {
-    ++usable_;
-    return value;
-  }
-  if (others_++ == 0) first_ = fmt::format("feature {}: '{}'", id, first_bytes(text, 40));
-  return kNaN;
+  const double floors = floors_of(floors_.text(feature));
+  if (floors > 0 && floors <= kMostFloors) return {floors * floor_height_, true};
+  return {stated};
 }
 
 std::optional<Warning> HeightReader::warning() const {
   if (others_ == 0) return std::nullopt;
-  if (usable_ == 0)
+  if (usable_ == 0 && is_asked_for_)
     fail_input(
         path_,
         fmt::format("attribute '{}' has no usable height ({}); name another with height_attribute",
-                    attribute_, first_));
+                    height_.name(), first_));
   return Warning{"height_not_a_number", others_,
                  one_line(fmt::format("{}: {} features have no usable height in '{}' (first: {})",
-                                      path_.string(), others_, attribute_, first_))};
+                                      path_.string(), others_, height_.name(), first_))};
 }
 
 }  // namespace tetropolis

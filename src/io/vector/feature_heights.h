@@ -7,6 +7,7 @@
 #include <string>
 
 #include "tetropolis/core/warning.h"
+#include "tetropolis/io/vector/vector.h"
 
 #include "io/crs/gdal_support.h"
 
@@ -19,25 +20,57 @@ inline constexpr int kFidField = -2;  ///< The feature number.
 /// there is no such one.
 int find_attribute(const std::filesystem::path& path, OGRLayerH layer, const std::string& wanted);
 
+/// The value of a tag in a column of such, as in `"key"=>"value","key"=>"value"`; "" if there is
+/// none.
+std::string value_of_tag(const std::string& tags, const std::string& key);
+
+/// A column, or a tag of OpenStreetMap that has none of its own.
+class AttributeField {
+ public:
+  AttributeField() = default;
+  /// `attribute`: empty for none. Throws Error(kInput) if there is no such one, or it is of a type
+  /// that is no number or text, for `what` ("height").
+  AttributeField(const std::filesystem::path& path, OGRLayerH layer, std::string attribute,
+                 const char* what);
+
+  bool exists() const { return field_ != kNoField; }
+  bool is_number() const { return type_ != OFTString; }
+  /// As text; "" for none. Numbers as "%.17g".
+  std::string text(OGRFeatureH feature) const;
+  const std::string& name() const { return name_; }
+
+ private:
+  std::string name_;
+  int field_ = kNoField;
+  bool is_tag_ = false;
+  OGRFieldType type_ = OFTReal;
+};
+
+struct StatedHeight {
+  double metres;             ///< NaN where there is none.
+  bool from_floors = false;
+};
+
 /// The heights of a layer's features, and what kept others from being one.
 class HeightReader {
  public:
-  /// `attribute`: empty for none. Of OpenStreetMap it may be any tag. Throws Error(kInput) if it is
-  /// of a type that is no height.
-  HeightReader(const std::filesystem::path& path, OGRLayerH layer, std::string attribute);
+  /// Of the options: height_attribute, floors_attribute, floor_height, height_unit. Throws
+  /// Error(kInput) if an attribute is of a type that is no height.
+  HeightReader(const std::filesystem::path& path, OGRLayerH layer,
+               const ReadFootprintsOptions& options);
 
-  /// NaN where there is none.
-  double read(OGRFeatureH feature, const std::string& id);
+  StatedHeight read(OGRFeatureH feature, const std::string& id);
 
-  /// After all features: a warning where some have no usable height. Throws where all have none.
+  /// After all features: a warning where some have no usable height. Throws where all have none of
+  /// an attribute that was asked for.
   std::optional<Warning> warning() const;
 
  private:
   const std::filesystem::path& path_;
-  std::string attribute_;
-  int field_ = kNoField;
-  bool is_tag_ = false;  ///< The attribute is one of OpenStreetMap's other tags.
-  OGRFieldType type_ = OFTReal;
+  AttributeField height_, floors_;
+  bool is_asked_for_ = false;
+  double floor_height_;
+  double unit_;
   std::int64_t usable_ = 0;
   std::int64_t others_ = 0;
   std::string first_;

@@ -13,6 +13,8 @@
 
 #include "core/text.h"
 #include "io/file/input_file.h"
+#include "io/vector/osm/osm_buildings.h"
+#include "io/vector/osm/osm_elements.h"
 #include "io/vector/quirks/csv_tables.h"
 #include "io/vector/quirks/shapefile_members.h"
 #include "vector_geometry.h"
@@ -108,6 +110,14 @@ VectorFile open_vector(const fs::path& path, const gdal::QuietErrors& errors, bo
   }
   require_whole_shapefile(path);
   VectorFile file;
+  if (fs::is_regular_file(path, error) && is_osm_file(path)) {
+    OsmBuildings buildings = read_osm_buildings(path);
+    file.is_osm = true;
+    file.dataset = std::move(buildings.dataset);
+    file.osm_lost = std::move(buildings.lost);
+    file.osm_incomplete = std::move(buildings.incomplete);
+    return file;
+  }
   std::string name = path.string();
   if (lower_case(path.extension().string()) == ".zip") {
     name = vector_in_archive(path, errors);

@@ -6,6 +6,9 @@
 #include <memory>
 #include <string>
 #include <string_view>
+#include <vector>
+
+#include "tetropolis/city/city_model.h"
 
 #include "io/crs/gdal_support.h"
 
@@ -17,6 +20,9 @@ struct VectorFile {
   gdal::Dataset dataset;
   std::int64_t opening_errors = 0;  ///< Of single features: all can be read.
   std::string first_error;
+  bool is_osm = false;             ///< Buildings of OpenStreetMap, and its account:
+  std::vector<Dropped> osm_lost;   ///< Those without an area.
+  std::vector<std::string> osm_incomplete;  ///< Those read without some of their corners.
 };
 
 /// Whether the short name of the data set's format begins like this ("GeoJSON": GeoJSONSeq, too).

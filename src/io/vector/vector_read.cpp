@@ -5,7 +5,6 @@
 #include <cstdlib>
 #include <cstring>
 #include <memory>
-#include <set>
 #include <string_view>
 #include <system_error>
 #include <type_traits>
@@ -17,6 +16,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "tetropolis/city/stated_heights.h"
 #include "tetropolis/core/error.h"
 #include "tetropolis/io/crs/crs.h"
 #include "tetropolis/io/vector/vector.h"
@@ -25,10 +25,10 @@
 #include "core/text.h"
 #include "feature_attributes.h"
 #include "feature_heights.h"
+#include "feature_marks.h"
 #include "io/crs/gdal_support.h"
 #include "io/file/input_file.h"
 #include "io/vector/quirks/incomplete_file.h"
-#include "io/vector/quirks/osm_account.h"
 #include "vector_geometry.h"
 #include "vector_layers.h"
 #include "vector_open.h"
@@ -108,20 +108,22 @@ class LayerReader {
  public:
   /// `shells_by_turn`: the format tells shells from holes by their turn.
   LayerReader(const fs::path& path, const FootprintLayer& source,
-              const ReadFootprintsOptions& options, FootprintsInput& result, bool shells_by_turn)
+              const ReadFootprintsOptions& options, FootprintsInput& result, bool shells_by_turn,
+              bool is_osm)
       : path_(path),
         source_(source),
         layer_(source.get()),
         id_field_(find_attribute(path, layer_, options.id_attribute)),
         real_ids_(is_real(layer_, id_field_)),
         single_ids_(real_ids_ && OGR_Fld_GetSubType(definition(layer_, id_field_)) == OFSTFloat32),
-        heights_(path, layer_, options.height_attribute),
+        heights_(path, layer_, options),
         attributes_(layer_, options.attributes, result.attributes),
         id_name_(options.id_attribute),
         units_(units_of(source.reference_system(), options.source_crs)),
         shells_by_turn_(shells_by_turn),
-        result_(result) {
-    if (!source.is_of_osm()) return;
+        result_(result),
+        marks_(layer_) {
+    if (!is_osm && !source.is_of_osm()) return;
     OGRFeatureDefnH columns = OGR_L_GetLayerDefn(layer_);
     osm_relation_ = OGR_FD_GetFieldIndex(columns, "osm_id");
     osm_way_ = OGR_FD_GetFieldIndex(columns, "osm_way_id");
@@ -158,19 +160,26 @@ class LayerReader {
     report();
   }
 
-  /// Of the buildings of an OpenStreetMap file in XML that GDAL has made no area of, or not all.
-  void account_for_osm() {
-    if (osm_relation_ < 0 || osm_way_ < 0 || lower_case(path_.extension().string()) != ".osm")
-      return;
-    OsmAccount account = account_of_osm(path_, osm_read_);
-    result_.features_read += std::ssize(account.lost);
-    for (Dropped& lost : account.lost) drop(ids_.unique(lost.source_id), std::move(lost.reason));
-    if (const std::vector<std::string>& ways = account.incomplete; !ways.empty())
+  /// Of the buildings of an OpenStreetMap file that have no area, or not all of it.
+  void account_for_osm(const VectorFile& file) {
+    result_.features_read += std::ssize(file.osm_lost);
+    for (const Dropped& lost : file.osm_lost)
+      drop(ids_.unique(lost.source_id), lost.reason, -1, lost.cause);
+    if (const std::vector<std::string>& ways = file.osm_incomplete; !ways.empty())
       warn("osm_nodes_missing", std::ssize(ways),
            fmt::format(
                "{} buildings lack corners, as the file lacks their nodes (first: {}); get an "
                "extract with complete ways",
                ways.size(), ways.front()));
+  }
+
+  /// Parts stand for the outlines that they fill.
+  void settle_parts() {
+    const std::size_t before = result_.dropped.size();
+    put_parts_for_outlines(parts_, result_);
+    if (const std::size_t outlined = result_.dropped.size() - before; outlined > 0)
+      warn("outlines_of_parts", static_cast<std::int64_t>(outlined),
+           fmt::format("{} outlines are dropped, as their parts stand for them", outlined));
   }
 
   /// Of what was read with errors.
@@ -196,22 +205,24 @@ class LayerReader {
     drop(ids_.unique(std::string(number)), std::move(reason));
   }
 
-  void drop(std::string id, std::string reason, std::int64_t row = -1) {
-    result_.dropped.push_back({{std::move(id), std::move(reason)}, row});
+  void drop(std::string id, std::string reason, std::int64_t row = -1,
+            DropCause cause = DropCause::kUnusable) {
+    result_.dropped.push_back({{std::move(id), std::move(reason), cause}, row});
   }
 
-  void note_osm(OGRFeatureH feature) {
-    for (const auto& [is_relation, field] :
-         {std::pair{true, osm_relation_}, std::pair{false, osm_way_}})
+  /// "way/7", "relation/3"; else the feature number.
+  std::string number_of(OGRFeatureH feature) const {
+    for (const auto& [kind, field] :
+         {std::pair{"relation", osm_relation_}, std::pair{"way", osm_way_}})
       if (field >= 0 && OGR_F_IsFieldSetAndNotNull(feature, field) != 0)
-        osm_read_.insert({is_relation, OGR_F_GetFieldAsInteger64(feature, field)});
+        return fmt::format("{}/{}", kind, OGR_F_GetFieldAsString(feature, field));
+    return std::to_string(OGR_F_GetFID(feature));
   }
 
   void add(OGRFeatureH feature) {
     const std::string id = feature_id(feature);
     const std::int64_t row = rows_++;
     attributes_.read(feature);
-    note_osm(feature);
     FlatGeometry flat = flatten(source_.geometry_of(feature), units_);
     if (flat.is_body)
       ++bodies_;
@@ -225,7 +236,13 @@ class LayerReader {
     }
     if (flat.other_parts > 0) ++mixed_;
     courtyards_ += flat.courtyards;
-    const double height = heights_.read(feature, id);
+    FeatureMarks marks = marks_.read(feature);
+    if (!marks.below_ground.empty()) {
+      ++below_ground_;
+      drop(ids_.unique(id), std::move(marks.below_ground), row, kNotABuilding);
+      return;
+    }
+    const StatedHeight height = heights_.read(feature, id);
     for (std::size_t k = 0; k < flat.parts.size(); ++k) {
       PolygonPart& part = flat.parts[k];
       std::string part_id = ids_.unique(k == 0 ? id : fmt::format("{}#{}", id, k + 1));
@@ -234,7 +251,8 @@ class LayerReader {
         continue;
       }
       if (units_.north_first) for_each_vertex(part.polygon, [](Point2& p) { std::swap(p.x, p.y); });
-      result_.features.push_back({std::move(part_id), std::move(part.polygon), height, row});
+      result_.features.push_back({std::move(part_id), std::move(part.polygon), height.metres, row, height.from_floors});
+      parts_.push_back(marks.is_part);
     }
   }
 
@@ -248,7 +266,7 @@ class LayerReader {
       }
       ++without_id_;
     }
-    return std::to_string(OGR_F_GetFID(feature));
+    return number_of(feature);
   }
 
   void report() {
@@ -269,6 +287,8 @@ class LayerReader {
     tell("footprints_from_bodies", bodies_,
          "features are 3D bodies; their footprints are the outlines of their ground faces; set "
          "layer to one of footprints if there is one");
+    tell("below_ground", below_ground_,
+         "features are below ground by their attributes and are dropped");
     if (const auto warning = heights_.warning()) result_.warnings.push_back(*warning);
   }
 
@@ -296,7 +316,9 @@ class LayerReader {
   std::int64_t bodies_ = 0;
   int osm_relation_ = kNoField;  ///< Columns of OpenStreetMap's numbers.
   int osm_way_ = kNoField;
-  std::set<OsmId> osm_read_;
+  MarkReader marks_;
+  std::vector<bool> parts_;  ///< Per feature kept.
+  std::int64_t below_ground_ = 0;
 };
 
 Bounds2 bounds_of(std::vector<Footprint>& features) {
@@ -387,18 +409,31 @@ void reproject_features(const fs::path& path, const std::string& target, Footpri
 
 }  // namespace
 
+void reproject_footprints(FootprintsInput& footprints, const std::string& target_crs) {
+  const std::string target = normalise_crs(target_crs);
+  if (same_horizontal_crs(footprints.crs, target))
+    footprints.crs = target;
+  else
+    reproject_features(footprints.source, target, footprints);
+}
+
 FootprintsInput read_open_vector(const fs::path& path, const VectorFile& file,
                                  gdal::QuietErrors& errors, const ReadFootprintsOptions& options) {
   const std::string target = normalise_crs(options.target_crs);
   const FootprintLayer source(path, file.dataset.get(), options.layer);
+  if (!options.where.empty() &&
+      OGR_L_SetAttributeFilter(source.get(), options.where.c_str()) != OGRERR_NONE)
+    fail_input(path, fmt::format("`where`: {}{}; write it as in \"status = 'built'\"", options.where,
+                                 errors.reason()));
   FootprintsInput result;
   result.source = path.string();
   result.layer = gdal::utf8(OGR_L_GetName(source.get()));
   LayerReader reader(path, source, options, result,
-                     is_of_format(file.dataset.get(), "ESRI Shapefile"));
+                     is_of_format(file.dataset.get(), "ESRI Shapefile"), file.is_osm);
   reader.read(errors, is_of_format(file.dataset.get(), "FlatGeobuf"),
               drops_geometries(file.dataset.get()));
-  reader.account_for_osm();
+  reader.account_for_osm(file);
+  reader.settle_parts();
   // Where features are parsed again as they are read, that has told of them.
   if (file.opening_errors > 0 && errors.failures() == 0)
     reader.warn_of_errors(file.opening_errors, file.first_error);
@@ -407,12 +442,7 @@ FootprintsInput read_open_vector(const fs::path& path, const VectorFile& file,
   result.bounds = bounds_of(result.features);
   result.crs = gdal::canonical_name(source.reference_system());
   settle_crs(path, options, is_of_format(file.dataset.get(), "GeoJSON"), result);
-  if (!target.empty() && !result.crs.empty()) {
-    if (same_horizontal_crs(result.crs, target))
-      result.crs = target;
-    else
-      reproject_features(path, target, result);
-  }
+  if (!target.empty() && !result.crs.empty()) reproject_footprints(result, target);
   return result;
 }
 

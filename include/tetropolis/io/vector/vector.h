@@ -18,7 +18,13 @@ namespace tetropolis {
 struct ReadFootprintsOptions {
   std::string layer = {};         ///< Name; empty: the only layer with polygons.
   std::string id_attribute = {};  ///< Attribute that becomes source_id; empty: the feature number.
-  std::string height_attribute = {};  ///< Attribute with heights above ground; empty: none.
+  std::string height_attribute = {};  ///< Attribute with heights above ground; empty: `height` of
+                                      ///< the features that OpenStreetMap and Overture describe.
+  std::string floors_attribute = {};  ///< Attribute with numbers of floors; empty:
+                                      ///< `building:levels` or `num_floors`, if there is one.
+  double floor_height = 3;            ///< Metres per floor, > 0.
+  double height_unit = 1;  ///< Metres per unit of heights that name none themselves, > 0.
+  std::string where = {};  ///< OGR SQL condition on attributes: only such features are read.
   std::string source_crs = {};  ///< What the coordinates are in, whatever the file says; empty:
                                 ///< what the file says.
   std::string target_crs = {};  ///< Reproject to this; empty: leave as they are.
@@ -48,9 +54,10 @@ struct Footprint {
   std::string source_id;  ///< Unique in the input; see read_footprints.
   Polygon polygon;        ///< CRS coordinates. Rings as they were read: neither repaired nor
                           ///< oriented; the repeated last vertex is gone, outer has >= 3 vertices.
-  double height = std::numeric_limits<double>::quiet_NaN();  ///< Above ground, in the unit of the
-                                                             ///< attribute; NaN if there is none.
+  double height = std::numeric_limits<double>::quiet_NaN();  ///< Above ground, metres; NaN if the
+                                                             ///< feature states none.
   std::int64_t feature = -1;  ///< Row of FootprintsInput::attributes; -1 if there is none.
+  bool from_floors = false;   ///< The height is a number of floors times floor_height.
 };
 
 /// A feature, or a polygon of one, that is no footprint.
@@ -111,6 +118,11 @@ struct FootprintsInput {
 /// target_crs is invalid.
 FootprintsInput read_footprints(const std::filesystem::path& path,
                                 const ReadFootprintsOptions& options = {});
+
+/// The same in another system: what read_footprints makes of them with `target` as target_crs.
+/// Precondition: footprints.crs is known. Errors: kUsage for a bad system; kInput with the source if
+/// there is no way from one to the other.
+void reproject_footprints(FootprintsInput& footprints, const std::string& target);
 
 /// What a vector file says of one of its layers.
 struct VectorLayer {

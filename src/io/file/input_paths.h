@@ -1,0 +1,28 @@
+// What arguments of the command line name: files, folders of them, patterns. Private to src.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace tetropolis {
+
+/// Shell pattern (*, ?, [...]) to the paths it matches, in no order.
+std::vector<std::filesystem::path> matches_of(const std::string& pattern);
+
+/// Files of one kind, for folders.
+struct FileKind {
+  std::string_view plural;                      ///< "rasters", for messages.
+  std::span<const std::string_view> endings;    ///< Lower case, with the dot.
+};
+
+/// Files as they are, folders as the files of the kind directly inside (but for hidden ones), and
+/// patterns. Sorted by absolute path; a file named twice occurs once. Throws Error(kInput) with the
+/// argument: no such file, pattern without a match, folder without any.
+std::vector<std::filesystem::path> expand_paths(std::span<const std::string> arguments,
+                                                const FileKind& kind);
+
+}  // namespace tetropolis
