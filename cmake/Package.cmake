@@ -25,7 +25,7 @@ set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_SECTION libdevel)
 set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_SHLIBDEPS OFF)
 # What find_package(tetropolis) finds and links.
 set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_DEPENDS "libgdal-dev, libgeos-dev, libhdf5-dev, liblaszip-dev, libtbb-dev, \
-zlib1g-dev, libbz2-dev, libexpat1-dev, libfmt-dev, libtomlplusplus-dev, nlohmann-json3-dev")
+zlib1g-dev, libbz2-dev, libproj-dev, libexpat1-dev, libfmt-dev, libtomlplusplus-dev, nlohmann-json3-dev")
 set(CPACK_DEBIAN_DEVELOPMENT_DESCRIPTION
 "The library behind the program of the package tetropolis, as static library
 with headers and a CMake package.")

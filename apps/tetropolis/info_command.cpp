@@ -101,7 +101,7 @@ void info_city(const std::string& path) {
   }
   put(stdout,
       fmt::format(
-          "{}: CityJSON city model\n  buildings: {}, {:.1f} m2, heights {:.1f} .. {:.1f} m\n", path,
+          "{}: city model\n  buildings: {}, {:.1f} m2, heights {:.1f} .. {:.1f} m\n", path,
           city.buildings.size(), total, lowest, highest));
   std::size_t parts = 0, in_parts = 0;
   for (const Building& building : city.buildings) {
@@ -343,10 +343,19 @@ JsonRoot read_root(const std::string& path) {
 /// JSON may be a city model, a report or GeoJSON, whatever its name.
 void info_json(const std::string& path) {
   const JsonRoot root = read_root(path);
-  if (root.type == "CityJSON")
+  if (root.type == "CityJSON" || root.type == "CityJSONFeature")
     info_city(path);
   else if (root.type.empty() && root.has_command && root.has_version)
     info_report(path);
+  else
+    info_vector(path);
+}
+
+/// What reads as a city model is one; other GML holds features, and other lines GeoJSON.
+void info_model(const std::string& path) {
+  const FootprintsInput input = read_footprints(path);
+  if (input.layer == "city model")
+    info_city(path);
   else
     info_vector(path);
 }
@@ -397,8 +406,8 @@ void info_file(const std::string& path) {
   refuse_written_formats(path, name);
   if (is_point_file(name))
     info_points(path);
-  else if (name.ends_with(".city.json"))
-    info_city(path);
+  else if (name.ends_with(".city.json") || name.ends_with(".jsonl") || name.ends_with(".gml"))
+    info_model(path);
   else if (name.ends_with("json"))  // also .cityjson and .geojson
     info_json(path);
   else if (is_raster_name(name))

@@ -82,7 +82,7 @@ City read(const nb::dict& settings, const std::string& path, const std::string& 
           const nb::object& progress) {
   Config config = config_of("read_city", settings);
   config.city = path;
-  config.dtm = {dtm};
+  if (!dtm.empty()) config.dtm = {dtm};
   CityInMemory city;
   call(progress, "read city and terrain",
        [&](const StepHooks& hooks) { city = load_city(config, hooks); });

@@ -322,7 +322,7 @@ def read_city(path: str | os.PathLike[str], dtm: str | os.PathLike[str] | None =
     path : path
         CityJSON file, or a folder of results.
     dtm : path, optional
-        Terrain raster; by default ``dtm.tif`` beside the city model.
+        Terrain raster; by default ``dtm.tif`` beside the city model. Without it the buildings stand on level ground.
     progress : bool or callable, optional
         As for `build_city`.
 
@@ -341,7 +341,8 @@ def read_city(path: str | os.PathLike[str], dtm: str | os.PathLike[str] | None =
     path = Path(path)
     if path.is_dir():
         path = path / "city.city.json"
-    dtm = path.with_name("dtm.tif") if dtm is None else dtm
+    beside = path.with_name("dtm.tif")
+    dtm = (beside if beside.is_file() else "") if dtm is None else dtm
     with following(progress) as follow:
         city = City(_core.read_city(dict(settings), os.fspath(path), os.fspath(dtm), follow))
     city._warn()

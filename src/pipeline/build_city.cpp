@@ -425,6 +425,7 @@ HeightSources make_raw_city(const BuildCityOptions& options, CityInput& input, S
     tell_basis(sources.basis, raw);
   });
   if (input.has_points()) warn_of_missing_roofs(raw, result.warnings);
+  warn_of_other_heights(raw, result.warnings);
   warn_of_stated_heights(raw, options, input.has_points(), result.warnings);
   return sources;
 }

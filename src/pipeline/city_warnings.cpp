@@ -1,6 +1,7 @@
 #include "city_warnings.h"
 
 #include <algorithm>
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <string>
@@ -10,6 +11,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "tetropolis/city/heights.h"
 #include "tetropolis/city/stated_heights.h"
 #include "tetropolis/geometry/polygon.h"
 
@@ -114,6 +116,29 @@ void warn_of_stated_heights(const CityModel& raw, const BuildCityOptions& option
   warnings.push_back({"heights_stated", stated,
                       fmt::format("{} of {} buildings have no measured roof: {}", stated,
                                   raw.buildings.size(), fmt::join(parts, ", "))});
+}
+
+void warn_of_other_heights(const CityModel& raw, std::vector<Warning>& warnings) {
+  constexpr std::uint32_t kNotMeasured = kRoofFromAttribute | kRoofFromFloors | kDefaultHeight |
+                                         kNoRoofPoints | kMinimumHeight;
+  std::vector<double> ratios;
+  for (const Building& building : raw.buildings)
+    if ((building.flags & kNotMeasured) == 0 && building.attribute_height > 0)
+      ratios.push_back(building.attribute_height / (building.h_roof - building.h_ground));
+  constexpr std::size_t kFew = 2, kEnough = 5;
+  if (ratios.size() < kFew) return;
+  const std::size_t count = ratios.size();
+  const double median = percentile(ratios, 50);
+  constexpr double kFeet = 1 / 0.3048, kNear = 0.06, kThird = 1.0 / 3;
+  const bool feet = std::abs(median / kFeet - 1) <= kNear;
+  if (!feet && (count < kEnough || std::abs(median - 1) <= kThird)) return;
+  warnings.push_back(
+      {"heights_differ", static_cast<std::int64_t>(count),
+       fmt::format("heights that features state are {:.2f} times the measured ones (median of {} "
+                   "buildings with both); {}",
+                   median, count,
+                   feet ? "are they in feet? then set `height_unit` = ft"
+                        : "are they heights of another kind or unit, or of another time?")});
 }
 
 void warn_of_exclusion(const BuildingPoints& points, std::int64_t all_points,

@@ -35,6 +35,10 @@ void warn_of_missing_roofs(const CityModel& raw, std::vector<Warning>& warnings)
 void warn_of_stated_heights(const CityModel& raw, const BuildCityOptions& options, bool has_points,
                             std::vector<Warning>& warnings);
 
+/// Where the heights that features state differ from the measured ones as feet do from metres, or
+/// by more than a third. `raw` has heights.
+void warn_of_other_heights(const CityModel& raw, std::vector<Warning>& warnings);
+
 /// Where roof points were told by what they are not. `all_points`: of the cloud.
 void warn_of_exclusion(const BuildingPoints& points, std::int64_t all_points,
                        std::vector<Warning>& warnings);

@@ -11,6 +11,7 @@
 #include "tetropolis/core/threads.h"
 
 #include "core/step_clock.h"
+#include "foreign_model.h"
 #include "make_in_memory.h"
 #include "mistaken_input.h"
 #include "options_of.h"
@@ -130,11 +131,12 @@ CityInMemory make_city(Config config, InputInMemory input, const StepHooks& hook
   return city;
 }
 
-CityInMemory load_city(const Config& config, const StepHooks& hooks) {
+CityInMemory load_city(const Config& given, const StepHooks& hooks) {
+  Config config = given;
   require_in_range(config, kMesh);
-  require_given({{!config.city.empty(), "city", "a city model (.city.json)"},
-                 {!config.dtm.empty(), "dtm", "a terrain raster (.tif)"}});
+  require_given({{!config.city.empty(), "city", "a city model (.city.json)"}});
   refuse_mistaken_files(config);
+  if (const auto building = as_footprints(config)) return make_city(*building, {}, hooks);
   const ThreadLimit limit(config.threads);
   CityInMemory city{{}, begin_report("mesh", config)};
   city.built = load_city(config, hooks, city.report);

@@ -101,7 +101,6 @@ void refuse_mistaken_files(const Config& config) {
   for (const std::string& path : config.points) refuse_model(path);
   if (!config.points.empty() && !config.dsm.empty())
     throw Error(ErrorKind::kUsage, "`points` and `dsm`: both tell of roofs; give one of them");
-  for (const std::string& path : config.footprints) refuse_model(path);
   const auto vector = std::find_if(config.points.begin(), config.points.end(),
                                    [](const std::string& path) { return is_vector(path); });
   const bool has_vector = vector != config.points.end();

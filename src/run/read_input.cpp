@@ -14,6 +14,8 @@
 #include "tetropolis/io/las/las.h"
 #include "tetropolis/io/raster/elevation.h"
 
+#include "io/file/input_paths.h"
+#include "io/vector/merge_footprints.h"
 #include "memory_limit.h"
 #include "mistaken_input.h"
 #include "options_of.h"
@@ -50,7 +52,7 @@ std::string points_given(const Config& config) { return given_text(config.points
 struct CloudHeaders {
   std::string crs;
   std::string crs_file;
-  double vertical_unit = 1;  ///< Of the first file whose heights are not in metres.
+  std::optional<double> vertical_unit;  ///< Of the first file that states one.
   std::string vertical_file;
   Bounds2 box = Bounds2::nothing();
   std::vector<std::pair<Bounds2, std::int64_t>> points;  ///< Per file: where, and how many.
@@ -73,7 +75,13 @@ CloudHeaders read_headers(std::span<const std::filesystem::path> paths) {
     const Bounds2 box{info.min[0], info.min[1], info.max[0], info.max[1]};
     if (info.point_count > 0 && !box.empty()) headers.box.extend(box);
     headers.points.emplace_back(box, believable_count(path, info));
-    if (headers.vertical_unit == 1 && info.vertical_unit != 1) {
+    if (!info.vertical_crs.empty() || info.vertical_unit != 1) {
+      if (headers.vertical_unit && !is_metre(info.vertical_unit / *headers.vertical_unit))
+        throw Error(ErrorKind::kInput,
+                    fmt::format("{}: heights are in units of {:.10g} m, but in {} they are in units "
+                                "of {:.10g} m; convert them to one unit",
+                                path.string(), info.vertical_unit, headers.vertical_file,
+                                *headers.vertical_unit));
       headers.vertical_unit = info.vertical_unit;
       headers.vertical_file = path.string();
     }
@@ -102,6 +110,18 @@ double height_unit_metres(HeightUnit unit) {
   return unit == HeightUnit::kFoot ? kFoot : kSurveyFoot;
 }
 
+/// Folders that are data sets of their own, or of which a layer is named, stay folders.
+std::vector<std::filesystem::path> footprint_paths(const Config& config) {
+  std::error_code error;
+  const auto is_data_set = [&](const std::string& path) {
+    return std::filesystem::is_directory(path, error) &&
+           (!config.layer.empty() || path.ends_with(".gdb") || path.ends_with(".gdb/"));
+  };
+  if (config.footprints.size() == 1 && is_data_set(config.footprints.front()))
+    return {config.footprints.front()};
+  return expand_paths(config.footprints, kVectorFiles);
+}
+
 FootprintsInput read_all_footprints(const Config& config, const InputInMemory& given,
                                     const std::string& points_crs, StepClock& clock) {
   if (config.footprints.empty()) return {};
@@ -117,8 +137,12 @@ FootprintsInput read_all_footprints(const Config& config, const InputInMemory& g
   options.target_crs = points_crs;
   options.attributes = true;
   return clock.run("1.2", "read footprints", [&](const Progress&) {
-    return given.footprints ? take_footprints(*given.footprints, options)
-                            : read_footprints(config.footprints.front(), options);
+    if (given.footprints) return take_footprints(*given.footprints, options);
+    const std::vector<std::filesystem::path> paths = footprint_paths(config);
+    if (paths.size() == 1) return read_footprints(paths.front(), options);
+    std::vector<FootprintsInput> all;
+    for (const std::filesystem::path& path : paths) all.push_back(read_footprints(path, options));
+    return merge_footprints(std::move(all), paths);
   });
 }
 
@@ -170,17 +194,63 @@ void require_fits(const Config& config, const FootprintsInput& footprints, doubl
   require_mesh_fits(mesh_options(config), size);
 }
 
+/// Metres per unit of coordinates and heights of a cloud.
+struct CloudUnits {
+  double across = 1;
+  double up = 1;
+
+  bool are_metres() const { return is_metre(across) && is_metre(up); }
+};
+
+Bounds2 scaled(const Bounds2& box, double by) {
+  if (box.empty()) return box;
+  return {box.xmin * by, box.ymin * by, box.xmax * by, box.ymax * by};
+}
+
 /// The points' reference system as far as files and settings name it, in metres; "" if they do not.
-std::string stated_points_crs(const Config& config, const CloudHeaders& headers,
-                              const std::string& first_file) {
+/// Boxes of the headers become those in metres. Where points are in feet, `units` tell and a warning.
+std::string stated_points_crs(const Config& config, const std::string& first_file, bool in_memory,
+                              CloudHeaders& headers, CloudUnits& units,
+                              std::vector<Warning>& warnings) {
   const bool is_set = !config.points_crs.empty();
   std::string crs = normalise_crs(is_set ? config.points_crs : headers.crs);
-  require_metres(crs, headers.crs_file.empty() ? first_file : headers.crs_file, "points_crs");
-  if (is_set)
-    require_heights_in_metres(vertical_unit_metres(config.points_crs), "points_crs", "points_crs");
-  else
-    require_heights_in_metres(headers.vertical_unit, headers.vertical_file, "points_crs");
+  const std::string& file = headers.crs_file.empty() ? first_file : headers.crs_file;
+  if (crs.empty() || is_geographic(crs)) require_metres(crs, file, "points_crs");
+  if (!crs.empty()) units.across = linear_unit_metres(crs);
+  const double stated =
+      is_set ? vertical_unit_metres(config.points_crs) : headers.vertical_unit.value_or(1);
+  if (stated < 0)
+    require_heights_in_metres(stated, is_set ? "points_crs" : headers.vertical_file, "points_crs");
+  units.up = stated;
+  // Clouds in feet that say nothing of their heights have these in feet, too.
+  const bool is_guess = is_metre(stated) && !is_metre(units.across) && !in_memory &&
+                        (is_set || !headers.vertical_unit);
+  if (is_guess) units.up = units.across;
+  if (units.are_metres()) return crs;
+  const std::string original = crs_name(crs);
+  if (!is_metre(units.across)) crs = in_metres(crs);
+  warnings.push_back(
+      {"points_units", 1,
+       fmt::format("{}: coordinates in units of {:.10g} m ({}) and heights in units of {:.10g} m{} "
+                   "are converted to metres ({})",
+                   file, units.across, original, units.up, is_guess ? ", as is taken," : "",
+                   crs_name(crs))});
+  headers.box = scaled(headers.box, units.across);
+  for (auto& [box, count] : headers.points) box = scaled(box, units.across);
   return crs;
+}
+
+/// Of a cloud that was read in other units.
+void convert_to_metres(const CloudUnits& units, PointsInput& input) {
+  const Point2 corner{input.origin.x * units.across, input.origin.y * units.across};
+  const Point2 origin{std::floor(corner.x), std::floor(corner.y)};
+  const Point2 by{corner.x - origin.x, corner.y - origin.y};
+  for (PointCoordinate& x : input.points.x) x = PointCoordinate(x * units.across + by.x);
+  for (PointCoordinate& y : input.points.y) y = PointCoordinate(y * units.across + by.y);
+  for (PointCoordinate& z : input.points.z) z = PointCoordinate(z * units.up);
+  input.extent = scaled(input.extent, units.across);
+  if (!input.extent.empty()) input.extent = input.extent.moved(by);
+  input.origin = origin;
 }
 
 [[noreturn]] void throw_no_points(const Config& config, const CloudHeaders& headers,
@@ -253,6 +323,14 @@ void require_points(const Config& config, const CloudHeaders& headers, const Poi
     if (points.misread.empty()) throw;
     throw Error(error.kind(), std::string(error.what()) + "; " + points.misread);
   }
+}
+
+/// Where the user wants no footprint that is off for want of a grid.
+void require_grids(const Config& config, const FootprintsInput& footprints) {
+  if (!config.require_grids) return;
+  for (const Warning& warning : footprints.warnings)
+    if (warning.code == "grid_missing")
+      throw Error(ErrorKind::kInput, warning.message + " (require_grids)");
 }
 
 void warn_of_heights(const Config& config, const FootprintsInput& footprints,
@@ -419,6 +497,7 @@ RunInput read_without_points(const Config& config, Next next, StepClock& clock,
   const std::string crs = system_without_points(rasters, input.footprints, warnings);
   if (!crs.empty() && !input.footprints.crs.empty())
     reproject_footprints(input.footprints, crs);
+  require_grids(config, input.footprints);
   warn_of_heights(config, input.footprints, warnings);
   if (config.bounds.empty()) bound_by_extent(input.footprints, config.parallel_tolerance);
   if (crs.empty() || input.footprints.crs.empty())
@@ -459,11 +538,14 @@ RunInput read_input(const Config& config, Next next, StepClock& clock,
   if (config.points.empty()) return read_without_points(config, next, clock, warnings, given);
   const auto paths = given.points ? std::vector<std::filesystem::path>{given.points->source}
                                   : expand_point_paths(config.points, &warnings);
-  const CloudHeaders headers = given.points ? headers_of(*given.points) : read_headers(paths);
-  const std::string points_crs = stated_points_crs(config, headers, paths.front().string());
+  CloudHeaders headers = given.points ? headers_of(*given.points) : read_headers(paths);
+  CloudUnits units;
+  const std::string points_crs = stated_points_crs(
+      config, paths.front().string(), given.points.has_value(), headers, units, warnings);
 
   RunInput input;
   input.footprints = read_all_footprints(config, given, points_crs, clock);
+  require_grids(config, input.footprints);
   warn_of_heights(config, input.footprints, warnings);
   if (config.bounds.empty()) bound_by_extent(input.footprints, config.parallel_tolerance);
   const std::string crs = common_crs(points_crs, input.footprints);
@@ -479,8 +561,18 @@ RunInput read_input(const Config& config, Next next, StepClock& clock,
                                         ? read_everything(config, headers)
                                         : place_by_headers(config, input.footprints, headers, next);
   input.points = clock.run("1.1", "read points", [&](const Progress& progress) {
-    return given.points ? take_points(*given.points, options)
-                        : read_points(paths, options, progress);
+    ReadPointsOptions reading = options;
+    if (!units.are_metres()) {
+      reading.crs.clear();
+      if (reading.crop) reading.crop = scaled(*reading.crop, 1 / units.across);
+      if (reading.origin)
+        reading.origin = Point2{std::floor(reading.origin->x / units.across),
+                                std::floor(reading.origin->y / units.across)};
+    }
+    PointsInput points = given.points ? take_points(*given.points, reading)
+                                      : read_points(paths, reading, progress);
+    if (!units.are_metres()) convert_to_metres(units, points);
+    return points;
   });
   require_points(config, headers, input.points, options.crop);
   input.points.crs = points_crs;

@@ -185,10 +185,11 @@ void fields_of(CityFacts& city, const Field& field) {
       "area of the union of the footprints before merging, without what the domain's boundary cuts "
       "off; 0 in `mesh`");
   field("area_after", city.area_after, "number, m²",
-        "area of the footprints after merging;
+        "area of the footprints after merging; 0 in `mesh`");
   field("volume_before", city.volume_before, "number, m³",
-        "footprints times their heights, before simplification");
-  field("volume_after", city.volume_after, "number, m³", "buildings, after it"); 0 in `mesh`");
+        "footprints times their heights, before merging; 0 in `mesh`");
+  field("volume_after", city.volume_after, "number, m³",
+        "buildings, after merging; 0 in `mesh`");
   field("area_moved", city.area_moved, "number, m²",
         "area of the symmetric difference of the two, dropped buildings included; 0 in `mesh`");
   field("area_changed_share", city.area_changed_share, "number",

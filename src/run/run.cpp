@@ -13,6 +13,7 @@
 
 #include "core/step_clock.h"
 #include "folders.h"
+#include "foreign_model.h"
 #include "make_in_memory.h"
 #include "mistaken_input.h"
 #include "options_of.h"
@@ -128,12 +129,18 @@ Report run_city(const Config& config, const RunHooks& hooks) {
   return report;
 }
 
-Report run_mesh(const Config& config, const RunHooks& hooks) {
+Report run_mesh(const Config& given, const RunHooks& hooks) {
+  Config config = given;
   require_in_range(config, kMesh);
   refuse_mistaken_files(config);
   require_given({{!config.city.empty(), "city", "a city model (.city.json)"},
-                 {!config.dtm.empty(), "dtm", "a terrain raster (.tif)"},
                  {!config.out.empty(), "out", "a folder for the results"}});
+  if (const auto building = as_footprints(config)) {
+    if (hooks.tell)
+      hooks.tell(config.city + ": its outlines and heights are simplified as footprints are, as by "
+                               "'tetropolis build'");
+    return run_build(*building, hooks);
+  }
   const ThreadLimit limit(config.threads);
   Report report = begin_report("mesh", config);
   report.sources = {{"city", relative_to_results(config, config.city)},

@@ -20,6 +20,7 @@
 
 #include "body_footprint.h"
 #include "body_parts.h"
+#include "citygml.h"
 #include "city/part_tiling.h"
 #include "cityjson_geometry.h"
 #include "core/infinity.h"
@@ -80,34 +81,82 @@ class KeyScan : public nlohmann::json_sax<Json> {
   bool in_objects_ = false;
 };
 
-/// The document, and the keys of its CityObjects in the order of the file.
-struct Document {
-  Json root;
-  std::vector<std::string> keys;
-};
-
 std::string read_text(const fs::path& path) {
   const PositionedFile file(path);
   return file.head(file.size());
 }
 
-Document parse(const fs::path& path) {
+/// Adds `by` to every index.
+void shift_indices(Json& boundaries, std::size_t by) {
+  for (Json& item : boundaries)
+    if (item.is_array())
+      shift_indices(item, by);
+    else if (item.is_number_unsigned())
+      item = item.get<std::size_t>() + by;
+}
+
+/// A CityJSON text sequence: a line with the transformation, then a line per feature.
+ModelDocument parse_sequence(const fs::path& path, const std::string& text) {
+  ModelDocument document;
+  Json objects = Json::object(), vertices = Json::array();
+  std::size_t line = 0;
+  for (std::size_t begin = 0; begin < text.size();) {
+    const std::size_t end = std::min(text.find('\n', begin), text.size());
+    const std::string_view row = std::string_view(text).substr(begin, end - begin);
+    begin = end + 1;
+    ++line;
+    if (row.find_first_not_of(" \t\r\x1e") == row.npos) continue;
+    Json json = Json::parse(row.substr(row.find('{') == row.npos ? 0 : row.find('{')), nullptr,
+                            false);
+    if (!json.is_object() || !json.contains("type"))
+      fail_input(path, fmt::format("line {} is no CityJSON object; the file is cut or broken, get "
+                                   "it again",
+                                   line));
+    if (json["type"] == "CityJSON") {
+      if (document.root.is_null()) document.root = std::move(json);
+      continue;
+    }
+    if (json["type"] != "CityJSONFeature" || !json.contains("CityObjects") ||
+        !json["CityObjects"].is_object() || !json.contains("vertices") ||
+        !json["vertices"].is_array())
+      fail_input(path, fmt::format("line {} is no CityJSONFeature; get the file again", line));
+    for (auto& [key, object] : json["CityObjects"].items()) {
+      if (objects.contains(key))
+        fail_input(path, fmt::format("line {}: a second object '{}'", line, key));
+      if (object.is_object() && object.contains("geometry") && object["geometry"].is_array())
+        for (Json& geometry : object["geometry"])
+          if (geometry.is_object() && geometry.contains("boundaries"))
+            shift_indices(geometry["boundaries"], vertices.size());
+      document.keys.push_back(key);
+      objects[key] = std::move(object);
+    }
+    for (Json& vertex : json["vertices"]) vertices.push_back(std::move(vertex));
+  }
+  if (document.root.is_null())
+    fail_input(path, "is a CityJSON sequence without its first line, the one with the transform; "
+                     "put it before the features");
+  document.root["CityObjects"] = std::move(objects);
+  document.root["vertices"] = std::move(vertices);
+  return document;
+}
+
+ModelDocument parse(const fs::path& path) {
+  if (is_citygml(path)) return read_citygml(path);
   const std::string text = read_text(path);
+  if (text.find("\"CityJSONFeature\"") != std::string::npos) return parse_sequence(path, text);
   KeyScan scan;
   if (!Json::sax_parse(text, &scan))
-    fail_input(path,
-               text.find("\"CityJSONFeature\"") != std::string::npos
-                   ? "is a CityJSON sequence, which cannot be read; convert it with 'cjseq collect'"
-               : scan.out_of_range
-                   ? fmt::format("has a number out of range at byte {}; get the file again",
-                                 scan.error_byte)
-                   : fmt::format("is not valid JSON after byte {}; the file is cut or not CityJSON",
-                                 scan.error_byte));
+    fail_input(path, scan.out_of_range
+                         ? fmt::format("has a number out of range at byte {}; get the file again",
+                                       scan.error_byte)
+                         : fmt::format("is not valid JSON after byte {}; the file is cut or not "
+                                       "CityJSON",
+                                       scan.error_byte));
   std::unordered_set<std::string> seen;
   for (const std::string& key : scan.keys)
     if (!seen.insert(key).second)
       fail_input(path, fmt::format("/CityObjects has two members '{}'", key));
-  return {Json::parse(text), std::move(scan.keys)};
+  return {Json::parse(text), std::move(scan.keys), {}};
 }
 
 /// Attributes of our own files; members that are missing keep their defaults.
@@ -503,7 +552,7 @@ void warn_of_objects(const fs::path& path, const CityReader& reader,
 }  // namespace
 
 CityModel read_city(const fs::path& path, std::vector<Warning>* warnings, BrokenObjects broken) {
-  const Document document = parse(path);
+  const ModelDocument document = parse(path);
   const Place root(path, document.root);
   check_type(root);
   // A file of ours that contradicts itself has been damaged, and who knows where else.
@@ -525,6 +574,12 @@ CityModel read_city(const fs::path& path, std::vector<Warning>* warnings, Broken
   }
   reader.finish();
   if (warnings != nullptr) {
+    if (const auto& guessed = document.without_height; !guessed.empty())
+      warnings->push_back(
+          {"city_heights_unknown", static_cast<std::int64_t>(guessed.size()),
+           fmt::format("{}: {} outlines state neither height nor storeys and are raised by 6 m "
+                       "(first: {})",
+                       path.string(), guessed.size(), guessed.front())});
     warn_of_objects(path, reader, std::span(model.dropped).subspan(dropped_before), *warnings);
     if (!states_its_extent(root, frame))
       warnings->push_back(

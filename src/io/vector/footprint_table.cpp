@@ -87,7 +87,8 @@ FootprintsInput take_footprints(const FootprintTable& table, const ReadFootprint
   if (reading.id_attribute.empty() && !table.ids.empty()) reading.id_attribute = "index";
   if (reading.source_crs.empty()) reading.source_crs = table.crs;
   gdal::QuietErrors errors;
-  const VectorFile file{nullptr, dataset_of(table, reading), 0, ""};
+  VectorFile file;
+  file.dataset = dataset_of(table, reading);
   FootprintsInput result = read_open_vector(table.source, file, errors, reading);
   result.layer.clear();
   return result;

@@ -201,6 +201,33 @@ bool may_hold_polygons(OGRwkbGeometryType type) {
 
 }  // namespace
 
+namespace {
+
+/// Closed lines are outlines, as drawings have them; nothing if one is open.
+std::vector<PolygonPart> outlines_of_lines(OGRGeometryH geometry) {
+  const OGRwkbGeometryType type = wkbFlatten(OGR_G_GetGeometryType(geometry));
+  std::vector<PolygonPart> parts;
+  if (type == wkbMultiLineString) {
+    for (int i = 0; i < OGR_G_GetGeometryCount(geometry); ++i) {
+      std::vector<PolygonPart> one = outlines_of_lines(OGR_G_GetGeometryRef(geometry, i));
+      if (one.empty()) return {};
+      parts.push_back(std::move(one.front()));
+    }
+    return parts;
+  }
+  constexpr int kLeast = 4;
+  const int count = type == wkbLineString ? OGR_G_GetPointCount(geometry) : 0;
+  if (count < kLeast || OGR_G_GetX(geometry, 0) != OGR_G_GetX(geometry, count - 1) ||
+      OGR_G_GetY(geometry, 0) != OGR_G_GetY(geometry, count - 1))
+    return {};
+  PolygonPart part;
+  if (!read_ring(geometry, part.polygon.outer) || part.polygon.outer.size() < 3) return {};
+  parts.push_back(std::move(part));
+  return parts;
+}
+
+}  // namespace
+
 FlatGeometry flatten(OGRGeometryH geometry, const PlanUnits& units) {
   FlatGeometry result;
   if (geometry == nullptr) {
@@ -228,6 +255,11 @@ FlatGeometry flatten(OGRGeometryH geometry, const PlanUnits& units) {
         has_elevations = has_elevations || OGR_G_Is3D(polygon) != 0;
       },
       [&] { ++result.other_parts; });
+  if (result.parts.empty()) {
+    result.parts = outlines_of_lines(geometry);
+    result.is_of_lines = !result.parts.empty();
+    if (result.is_of_lines) result.other_parts = 0;
+  }
   const bool is_surface = holds_surface(geometry, 0);
   std::vector<Face> faces;  // of each part, if it matters
   if (is_surface || (has_elevations && result.parts.size() > 1))

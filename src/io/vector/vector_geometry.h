@@ -15,6 +15,7 @@ namespace tetropolis {
 
 struct FlatGeometry {
   std::vector<PolygonPart> parts;  ///< The polygons in their order.
+  bool is_of_lines = false;        ///< They are closed lines.
   bool is_body = false;            ///< They are the footprint of a body in space.
   std::int64_t courtyards = 0;     ///< Parts that became holes of others.
   int other_parts = 0;             ///< Points, lines and what is nested too deep beside them.

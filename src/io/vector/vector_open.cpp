@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <array>
+#include <cstdlib>
+#include <fstream>
 #include <string>
 #include <string_view>
 #include <system_error>
@@ -84,6 +86,38 @@ void require_no_pipes_in(const fs::path& folder) {
       require_ordinary_file(entry->path());
 }
 
+/// What a database of SQLite says of its journal: whether it is written ahead (WAL).
+bool is_in_wal_mode(const fs::path& path) {
+  constexpr std::size_t kMode = 18;  // of the header
+  std::array<char, kMode + 1> header{};
+  std::ifstream file(path, std::ios::binary);
+  return file.read(header.data(), header.size()) &&
+         std::string_view(header.data(), 15) == "SQLite format 3" && header[kMode] == 2;
+}
+
+/// SQLite takes over what is written ahead when the last one closes a database, even one who only
+/// reads. So a copy is read, with its journal; removed when nobody uses it.
+std::shared_ptr<const void> copy_with_journal(const fs::path& path, std::string& name) {
+  std::string pattern = (fs::temp_directory_path() / "tetropolis-XXXXXX").string();
+  if (mkdtemp(pattern.data()) == nullptr)
+    fail_input(path, "has a -wal beside it, and there is no room for a copy in the folder for "
+                     "temporary files; set TMPDIR");
+  const fs::path folder = pattern;
+  std::shared_ptr<const void> scratch(new int(0), [folder](const int* token) {
+    delete token;
+    std::error_code ignored;
+    fs::remove_all(folder, ignored);
+  });
+  const fs::path copy = folder / path.filename();
+  std::error_code error;
+  fs::copy_file(path, copy, error);
+  if (!error) fs::copy_file(path.string() + "-wal", copy.string() + "-wal", error);
+  if (error)
+    fail_input(path, "has a -wal beside it, and copying both fails: " + error.message());
+  name = copy.string();
+  return scratch;
+}
+
 }  // namespace
 
 bool first_layer_holds_polygons(GDALDatasetH dataset) {
@@ -130,6 +164,12 @@ VectorFile open_vector(const fs::path& path, const gdal::QuietErrors& errors, bo
   const CPLConfigOptionSetter restore("SHAPE_RESTORE_SHX", file.copy ? "YES" : "NO", false);
   CPLStringList options;
   options.SetNameValue("WRITE_GFS", "NO");
+  if (is_in_wal_mode(path)) {
+    if (const auto journal = fs::file_size(path.string() + "-wal", error); !error && journal > 0)
+      file.scratch = copy_with_journal(path, name);
+    else
+      options.SetNameValue("IMMUTABLE", "YES");
+  }
   // JOSM numbers what is new below 0, and nodes not in ascending order.
   const bool packed = lower_case(path.extension().string()) == ".pbf";
   const CPLConfigOptionSetter any_order("OSM_USE_CUSTOM_INDEXING", packed ? "YES" : "NO", false);

@@ -19,6 +19,7 @@
 #include "tetropolis/city/stated_heights.h"
 #include "tetropolis/core/error.h"
 #include "tetropolis/io/crs/crs.h"
+#include "tetropolis/io/crs/datum.h"
 #include "tetropolis/io/vector/vector.h"
 
 #include "core/foreign_code.h"
@@ -26,6 +27,7 @@
 #include "feature_attributes.h"
 #include "feature_heights.h"
 #include "feature_marks.h"
+#include "io/cityjson/model_footprints.h"
 #include "io/crs/gdal_support.h"
 #include "io/file/input_file.h"
 #include "io/vector/quirks/incomplete_file.h"
@@ -235,6 +237,7 @@ class LayerReader {
       return;
     }
     if (flat.other_parts > 0) ++mixed_;
+    if (flat.is_of_lines) ++lines_;
     courtyards_ += flat.courtyards;
     FeatureMarks marks = marks_.read(feature);
     if (!marks.below_ground.empty()) {
@@ -284,6 +287,7 @@ class LayerReader {
          "features have points or lines beside their polygons; only the polygons are read");
     tell("parts_as_yards", courtyards_,
          "parts lie within another part and turn against it; they became its courtyards");
+    tell("outlines_from_lines", lines_, "features are closed lines, which are taken for outlines");
     tell("footprints_from_bodies", bodies_,
          "features are 3D bodies; their footprints are the outlines of their ground faces; set "
          "layer to one of footprints if there is one");
@@ -314,6 +318,7 @@ class LayerReader {
   std::int64_t mixed_ = 0;
   std::int64_t courtyards_ = 0;
   std::int64_t bodies_ = 0;
+  std::int64_t lines_ = 0;
   int osm_relation_ = kNoField;  ///< Columns of OpenStreetMap's numbers.
   int osm_way_ = kNoField;
   MarkReader marks_;
@@ -374,7 +379,23 @@ void settle_crs(const fs::path& path, const ReadFootprintsOptions& options, bool
                                                        crs_name(options.target_crs)))});
 }
 
+/// Where the accurate way to another datum needs a grid that is not there.
+void warn_of_missing_grid(const fs::path& path, const std::string& target,
+                          FootprintsInput& result) {
+  const auto grid = find_missing_grid(result.crs, target, result.bounds);
+  if (!grid) return;
+  result.warnings.push_back(
+      {"grid_missing", 1,
+       one_line(fmt::format(
+           "{}: from {} to {} PROJ lacks the grid {}, so positions may be off by {}instead of "
+           "{:g} m; install it (projsync --file {}, or the package proj-data)",
+           path.string(), crs_name(result.crs), crs_name(target), grid->name,
+           grid->accuracy < 0 ? "metres " : fmt::format("{:g} m and more ", grid->accuracy),
+           std::max(grid->accuracy_with, 0.0), grid->name))});
+}
+
 void reproject_features(const fs::path& path, const std::string& target, FootprintsInput& result) {
+  warn_of_missing_grid(path, target, result);
   std::vector<Point2> points;
   for (Footprint& feature : result.features)
     for_each_vertex(feature.polygon, [&](const Point2& p) { points.push_back(p); });
@@ -450,6 +471,7 @@ FootprintsInput read_footprints(const fs::path& path, const ReadFootprintsOption
   // GDAL ends the program where a small allocation of its own fails.
   const ForeignCode gdal_code(path.c_str());
   gdal::initialise();
+  if (is_city_model(path)) return read_model_footprints(path, options);
   normalise_crs(options.target_crs);  // what is wrong with a setting is told before files are read
   gdal::QuietErrors errors;
   const CPLConfigOptionSetter by_layer("OGR_INTERLEAVED_READING", "NO", false);

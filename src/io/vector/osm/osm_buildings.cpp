@@ -193,7 +193,7 @@ std::vector<Polygon> polygons_of(std::vector<Ring> rings) {
 
 class Writer {
  public:
-  Writer(const fs::path& path, GDALDatasetH dataset) {
+  Writer(const fs::path& path, GDALDatasetH dataset) : path_(path) {
     const gdal::Srs degrees = gdal::parse_srs("EPSG:4326");
     layer_ = GDALDatasetCreateLayer(dataset, "multipolygons", degrees.get(), wkbUnknown, nullptr);
     if (layer_ == nullptr) fail_input(path, "GDAL cannot hold its buildings in memory");
@@ -227,7 +227,8 @@ class Writer {
       OGR_G_AddGeometryDirectly(geometry, part);
     }
     OGR_F_SetGeometryDirectly(feature.get(), geometry);
-    OGR_L_CreateFeature(layer_, feature.get());
+    if (OGR_L_CreateFeature(layer_, feature.get()) != OGRERR_NONE)
+      fail_input(path_, name_of(element) + ": GDAL cannot hold it in memory");
   }
 
  private:
@@ -251,6 +252,7 @@ class Writer {
     OGR_G_AddGeometryDirectly(polygon, line);
   }
 
+  const fs::path& path_;
   OGRLayerH layer_ = nullptr;
 };
 

@@ -1,0 +1,87 @@
+#include "model_footprints.h"
+
+#include <algorithm>
+#include <fstream>
+#include <string>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "tetropolis/core/error.h"
+#include "tetropolis/io/cityjson/cityjson.h"
+#include "tetropolis/io/crs/crs.h"
+
+#include "citygml.h"
+#include "core/text.h"
+
+namespace tetropolis {
+
+namespace fs = std::filesystem;
+
+bool is_city_model(const fs::path& path) {
+  std::error_code error;
+  if (!fs::is_regular_file(path, error)) return false;
+  const std::string name = lower_case(path.filename().string());
+  if (name.ends_with(".gml") || name.ends_with(".xml") || name.ends_with(".citygml"))
+    return is_citygml(path);
+  if (!name.ends_with("json") && !name.ends_with(".jsonl")) return false;
+  // The type may be the last member of a large document.
+  std::ifstream file(path, std::ios::binary);
+  const auto holds = [&](std::streamoff at, std::ios::seekdir from) {
+    constexpr std::size_t kSize = std::size_t{1} << 16;
+    std::string block(kSize, '\0');
+    file.clear();
+    file.seekg(at, from);
+    file.read(block.data(), static_cast<std::streamsize>(kSize));
+    block.resize(static_cast<std::size_t>(std::max<std::streamsize>(file.gcount(), 0)));
+    std::erase_if(block, [](char c) { return c == ' ' || c == '\n' || c == '\r' || c == '\t'; });
+    return block.find("\"type\":\"CityJSON\"") != std::string::npos ||
+           block.find("\"type\":\"CityJSONFeature\"") != std::string::npos;
+  };
+  const auto size = static_cast<std::streamoff>(fs::file_size(path, error));
+  constexpr std::streamoff kTail = std::streamoff{1} << 16;
+  return holds(0, std::ios::beg) || (size > kTail && holds(size - kTail, std::ios::beg));
+}
+
+FootprintsInput read_model_footprints(const fs::path& path, const ReadFootprintsOptions& options) {
+  const std::pair<const std::string&, const char*> settings[] = {
+      {options.id_attribute, "id_attribute"},
+      {options.height_attribute, "height_attribute"},
+      {options.floors_attribute, "floors_attribute"},
+      {options.where, "where"},
+      {options.layer, "layer"}};
+  for (const auto& [value, name] : settings)
+    if (!value.empty())
+      throw Error(ErrorKind::kUsage,
+                  fmt::format("{}: is a city model, whose buildings have ids and heights of their "
+                              "own; leave out {}",
+                              path.string(), name));
+  FootprintsInput input;
+  input.source = path.string();
+  CityModel model = read_city(path, &input.warnings, BrokenObjects::kDrop);
+  input.crs = options.source_crs.empty() ? model.crs : normalise_crs(options.source_crs);
+  input.layer = "city model";
+  for (const Building& building : model.buildings) {
+    Footprint feature;
+    feature.source_id = building.source_ids.front();
+    feature.polygon = building.footprint;
+    const auto shift = [&](Ring& ring) {
+      for (Point2& p : ring) p = {p.x + model.origin.x, p.y + model.origin.y};
+    };
+    shift(feature.polygon.outer);
+    for (Ring& hole : feature.polygon.holes) shift(hole);
+    feature.height = building.h_roof - building.h_ground;
+    for (const Point2 p : feature.polygon.outer) input.bounds.extend(p);
+    input.features.push_back(std::move(feature));
+  }
+  for (Dropped& dropped : model.dropped) input.dropped.push_back({{std::move(dropped)}, -1});
+  input.features_read = std::ssize(input.features) + std::ssize(input.dropped);
+  if (input.crs.empty())
+    input.warnings.push_back({"footprints_crs_unknown", 1,
+                              path.string() + ": states no CRS; name it with footprints_crs"});
+  if (!options.target_crs.empty() && !input.crs.empty())
+    reproject_footprints(input, options.target_crs);
+  return input;
+}
+
+}  // namespace tetropolis

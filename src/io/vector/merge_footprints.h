@@ -1,0 +1,27 @@
+// Footprints of several files as one. Private to src.
+#pragma once
+
+#include <array>
+#include <filesystem>
+#include <string_view>
+#include <vector>
+
+#include "tetropolis/io/vector/vector.h"
+
+#include "io/file/input_paths.h"
+
+namespace tetropolis {
+
+/// What folders of footprints are looked through for.
+inline constexpr std::array<std::string_view, 16> kVectorEndings{
+    ".shp",     ".gpkg", ".geojson", ".geojsonl", ".geojsonseq", ".fgb", ".gml",     ".kml",
+    ".sqlite",  ".tab",  ".mif",     ".osm",      ".osm.gz",     ".pbf", ".parquet", ".dxf"};
+inline constexpr FileKind kVectorFiles{"vector files", kVectorEndings};
+
+/// All features in the order of the inputs, with ids "FILE:ID", where FILE is the name of the file
+/// without its ending (with "~2", ... where two have the same). Attributes of one name and type are
+/// one column. Systems other than that of the first are reprojected to it.
+FootprintsInput merge_footprints(std::vector<FootprintsInput> inputs,
+                                 const std::vector<std::filesystem::path>& paths);
+
+}  // namespace tetropolis

@@ -1,0 +1,256 @@
+"""Cities from the files that people have, held against what is known of them.
+
+    sources_test.py PROGRAM CASE
+
+CASE: one of the folders of reports (README.md there says what is right), or a data set. They are found beside
+TETROPOLIS_DATA. Exit 77: not there.
+"""
+import json
+import math
+import os
+import pathlib
+import subprocess
+import sys
+import tempfile
+
+PROGRAM = sys.argv[1]
+DATA = pathlib.Path(os.environ.get("TETROPOLIS_DATA", "/nowhere"))
+REPORTS = DATA.parent / "reports"
+
+
+def area(ring):
+    return abs(sum(a[0] * b[1] - b[0] * a[1] for a, b in zip(ring, ring[1:] + ring[:1]))) / 2
+
+
+class City:
+    """A city model that was written: outlines from its ground faces, attributes, report."""
+
+    def __init__(self, out, name="city_raw.city.json"):
+        model = json.loads((out / name).read_text())
+        scale, shift = model["transform"]["scale"], model["transform"]["translate"]
+        self.report = json.loads((out / "report.json").read_text())
+        self.account = self.report["city"]["account"]
+        self.warnings = {w["code"]: w for w in self.report["warnings"]}
+        self.dropped = {d["source_id"]: d["reason"] for d in self.report["city"]["dropped"]}
+        self.buildings = {}
+        for item in model["CityObjects"].values():
+            geometry = item["geometry"][0]
+            faces = geometry["boundaries"][0]
+            kinds = [s["type"] for s in geometry["semantics"]["surfaces"]]
+            ground = next(f for f, v in zip(faces, geometry["semantics"]["values"][0]) if kinds[v] == "GroundSurface")
+            rings = [[[model["vertices"][v][c] * scale[c] + shift[c] for c in range(2)] for v in ring] for ring in ground]
+            a = item["attributes"]
+            for source in a["source_ids"]:
+                self.buildings[source] = {
+                    "area": area(rings[0]) - sum(area(r) for r in rings[1:]), "ring": rings[0],
+                    "height": a["h_roof"] - a["h_ground"], "ground": a["h_ground"], "flags": a["flags"]}
+
+    def area(self):
+        return sum(b["area"] for b in self.buildings.values())
+
+    def heights(self):
+        return {k: round(b["height"], 2) for k, b in self.buildings.items()}
+
+
+def run(out, *args, command="city", code=0):
+    words = [PROGRAM, command, *map(str, args), "--out", str(out), "--quiet"]
+    done = subprocess.run(words, capture_output=True, text=True)
+    assert done.returncode == code, f"{' '.join(words)}: exit {done.returncode}\n{done.stderr}"
+    if code == 0:
+        subprocess.run([PROGRAM, "check", str(out)], check=True, capture_output=True)
+    return done.stderr
+
+
+def near(a, b, tolerance=0.02):
+    assert math.isclose(a, b, abs_tol=tolerance), f"{a} is not {b}"
+
+
+def footprints(folder, name):
+    return ["--footprints", folder / name, "--points", folder / "points.laz"]
+
+
+def citygml_building_parts(folder, out):
+    run(out, *footprints(folder, "city.gml"))
+    city = City(out)
+    assert len(city.buildings) == 4, city.buildings
+    near(city.area(), 1800, 1)
+    told = subprocess.run([PROGRAM, "info", folder / "city.gml"], capture_output=True, text=True, check=True).stdout
+    assert "buildings: 4, 1800.0 m2" in told, told
+
+
+def citygml_relief_as_building(folder, out):
+    run(out, *footprints(folder, "house_and_terrain.gml"), command="build")
+    city = City(out)
+    assert list(city.buildings) == ["house"]
+    near(city.area(), 320, 0.5)
+
+
+def osgb_datum_shift(folder, out):
+    run(out, *footprints(folder, "footprints.geojson"))
+    city = City(out)
+    corners = [min(b["ring"]) for b in city.buildings.values()]
+    off = max(min(math.dist(c, t) for t in ((624171, 308469.58), (624211, 308469.58), (624171, 308509.58), (624231, 308519.58)))
+              for c in corners)
+    assert off < 0.1 or "OSTN" in city.warnings["grid_missing"]["message"], city.warnings
+    if "grid_missing" in city.warnings:
+        told = run(out.with_name("refused"), *footprints(folder, "footprints.geojson"), "--require-grids", code=3)
+        assert "OSTN" in told and told.count("\n") == 1, told
+
+
+def osm_building_relation(folder, out):
+    run(out, *footprints(folder, "extract.osm"))
+    city = City(out)
+    near(city.area(), 240 + 600 + 600 + 600 + 300 + 300, 3)
+    assert city.dropped, "outlines and relations whose parts stand for them"
+
+
+def osm_heights(folder, out):
+    run(out, *footprints(folder, "footprints.geojson"), "--id-attribute", "id", "--height-attribute", "height",
+        "--measured-ground", "keep")
+    city = City(out)
+    true = json.loads((folder / "true.json").read_text())
+    for key, (text, height) in enumerate(true):
+        near(city.buildings[str(key)]["height"], height if height is not None else 2.5, 0.011)
+
+
+def us_feet(folder, out):
+    for name in ("feet", "metres"):
+        there = out / name
+        run(there, "--footprints", folder / f"{name}.geojson", "--points", folder / f"{name}.laz", "--id-attribute", "bin",
+            "--height-attribute", "heightroof", "--measured-ground", "keep")
+        city = City(there)
+        near(city.buildings["0"]["height"], 30 * 0.3048, 0.3)
+        near(city.buildings["1"]["height"], 42 * 0.3048, 0.3)
+        assert "heights_differ" in city.warnings, city.warnings
+        assert ("points_units" in city.warnings) == (name == "feet")
+        run(out / f"{name}-told", "--footprints", folder / f"{name}.geojson", "--points", folder / f"{name}.laz",
+            "--id-attribute", "bin", "--height-attribute", "heightroof", "--height-unit", "ft", "--measured-ground", "keep")
+        city = City(out / f"{name}-told")
+        near(city.buildings["2"]["height"], 27.43, 0.01)
+        assert "heights_differ" not in city.warnings
+
+
+def no_point_cloud(folder, out):
+    by_attribute = ["--height-attribute", "height"]
+    cases = {"dtm": ["--dtm", folder / "dtm.tif", *by_attribute], "level": by_attribute,
+             "dsm": ["--dsm", folder / "dsm.tif"], "both": ["--dsm", folder / "dsm.tif", "--dtm", folder / "dtm.tif"]}
+    found = {}
+    for name, args in cases.items():
+        run(out / name, "--footprints", folder / "footprints.gpkg", *args, command="build")
+        found[name] = City(out / name)
+        assert len(found[name].buildings) == 3, found[name].buildings
+        mesh = found[name].report["volume_mesh"]
+        assert mesh["inverted"] == 0 and mesh["cells"] > 0
+    for key, height in found["level"].heights().items():
+        near(found["dtm"].heights()[key], height, 0.01)
+        assert found["level"].buildings[key]["ground"] == 0
+        assert "roof_from_attribute" in found["level"].buildings[key]["flags"]
+        near(found["both"].heights()[key], height, 0.6)
+        near(found["dsm"].heights()[key], height, 0.6)
+    assert "ground_level" in found["level"].warnings and "heights_stated" in found["dtm"].warnings
+
+
+def underground_and_unbuilt(folder, out):
+    for name, ids in (("extract.osm", {"way/100", "way/101", "way/102"}), ("footprints.geojson", {"100", "101", "102"})):
+        there = out / name.replace(".", "-")
+        args = [] if name.endswith("osm") else ["--id-attribute", "id"]
+        run(there, *footprints(folder, name), *args)
+        city = City(there)
+        assert set(city.dropped) == ids, city.dropped
+        assert all("ground" in reason for reason in city.dropped.values()), city.dropped
+        assert city.account["no_building"] == 3
+
+
+def osm_pbf_account(folder, out):
+    accounts = []
+    (out / "in").mkdir(parents=True)
+    packed = out / "in/small.osm.bz2"
+    import bz2
+    packed.write_bytes(bz2.compress((folder / "small.osm").read_bytes()))
+    for path in (folder / "small.osm", folder / "small.osm.gz", folder / "small.osm.pbf", packed):
+        there = out / path.name
+        run(there, "--footprints", path, "--points", folder / "points.laz", "--min-building-area", 1)
+        city = City(there)
+        accounts.append((city.account, sorted(city.dropped.items()),
+                         [(k, round(b["area"], 3)) for k, b in sorted(city.buildings.items())]))
+    assert all(account == accounts[0] for account in accounts), accounts
+    assert len(accounts[0][1]) + len(accounts[0][2]) == 5, accounts[0]
+
+
+def overture_geojson(folder, out):
+    for name in ("buildings.geojson", "buildings.geojsonseq"):
+        for lod, model in ((None, "city_raw.city.json"), ("1.2", "city_raw.city.json")):
+            there = out / f"{name}-{lod}"
+            run(there, *footprints(folder, name), "--id-attribute", "id", *(["--lod", lod] if lod else []))
+            city = City(there, model)
+            part = {key[-3:]: round(b["height"]) for key, b in city.buildings.items()}
+            assert part == {"5f6": part["5f6"], "5f8": part["5f8"], "5f9": 12, "5fa": 30}, part
+            dropped = {key[-3:]: reason for key, reason in city.dropped.items()}
+            assert set(dropped) == {"5f7", "5fb"} and "ground" in dropped["5fb"], dropped
+        there = out / f"{name}-level"
+        run(there, "--footprints", folder / name, "--id-attribute", "id")
+        heights = {key[-3:]: h for key, h in City(there).heights().items()}
+        assert heights == {"5f6": 7.25, "5f8": 12, "5f9": 12, "5fa": 30}, heights
+
+
+def garage_touching_houses(folder, out):
+    run(out, *footprints(folder, "f.geojson"), "--id-attribute", "id", command="build")
+    city = City(out)
+    near(sum(b["area"] * b["height"] for b in city.buildings.values()), 6480, 100)
+    assert list(city.dropped) == ["5"] and "ground" in city.dropped["5"], city.dropped
+    near(city.report["city"]["volume_after"], 6480, 200)
+
+
+def alexandria(folder, out):
+    """Real rasters: surface and terrain against the points made of them."""
+    shapes = ["--footprints", folder / "footprints.shp"]
+    run(out / "rasters", *shapes, "--dsm", folder / "dsm.tif", "--dtm", folder / "dtm.tif")
+    run(out / "cloud", *shapes, "--points", folder / "pseudo_points_from_dsm_dtm.las")
+    rasters, cloud = City(out / "rasters"), City(out / "cloud")
+    shared = rasters.buildings.keys() & cloud.buildings.keys()
+    assert len(shared) > 0.9 * len(cloud.buildings)
+    off = sorted(abs(rasters.buildings[k]["height"] - cloud.buildings[k]["height"]) for k in shared)
+    assert off[len(off) // 2] < 0.5, off[len(off) // 2]
+    run(out / "tiles", "--footprints", folder / "buildings_wgs84.shp", "--dtm", folder / "dtm.tif")
+    assert City(out / "tiles").report["crs"] == rasters.report["crs"]
+
+
+def geneva(folder, out):
+    run(out, "--footprints", folder / "geneva.osm.pbf", "--bounds", "279600,5120000,280400,5120800", command="build")
+    city = City(out)
+    assert len(city.buildings) > 100
+    assert city.report["crs"].startswith("EPSG:32632") or city.report["crs"] == "EPSG:32631", city.report["crs"]
+    assert city.report["volume_mesh"]["inverted"] == 0 and city.report["surface_mesh"]["closed"]
+    assert "heights_stated" in city.warnings
+
+
+CASES = {
+    "01-citygml-building-parts": citygml_building_parts,
+    "02-citygml-relief-as-building": citygml_relief_as_building,
+    "03-osgb-datum-shift": osgb_datum_shift,
+    "08-osm-building-relation": osm_building_relation,
+    "09-osm-heights": osm_heights,
+    "15-us-feet": us_feet,
+    "16-no-point-cloud": no_point_cloud,
+    "19-underground-and-unbuilt": underground_and_unbuilt,
+    "20-osm-pbf-account": osm_pbf_account,
+    "21-overture-geojson": overture_geojson,
+    "28-garage-touching-houses": garage_touching_houses,
+    "alexandria_dsm_dtm": alexandria,
+    "osm_geneva": geneva,
+}
+
+
+def main():
+    case = sys.argv[2]
+    folder = (REPORTS if case[0].isdigit() else DATA) / case
+    if not folder.is_dir():
+        print(f"skipped: {folder} is not there")
+        return 77
+    with tempfile.TemporaryDirectory() as scratch:
+        CASES[case](folder, pathlib.Path(scratch) / "out")
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
