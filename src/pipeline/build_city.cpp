@@ -10,6 +10,7 @@
 #include <vector>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include "tetropolis/city/extract.h"
 #include "tetropolis/city/heights.h"
@@ -326,8 +327,8 @@ void erase_rows(const std::vector<std::size_t>& rows, std::vector<Value>& values
   for (std::size_t i = 0; i < values.size(); ++i)
     if (next < rows.size() && rows[next] == i)
       ++next;
-    else
-      values[kept++] = std::move(values[i]);
+    else if (kept++ != i)
+      values[kept - 1] = std::move(values[i]);
   values.resize(kept);
 }
 
@@ -343,27 +344,38 @@ PointLists without_rows(const std::vector<std::size_t>& rows, const PointLists& 
 }
 
 /// Where the points measure ground in a footprint, nothing stands. It is dropped before it can join
-/// others.
+/// others, unless it states a height.
 void leave_out_unbuilt(const BuildCityOptions& options, const PointCloud& cloud, StepClock& clock,
                        const std::string& source, HeightSources& sources, BuiltCity& result) {
   CityModel& raw = result.raw;
   std::vector<Building> buildings(raw.buildings.begin(), raw.buildings.end());
-  const std::vector<std::size_t> unbuilt =
+  const std::vector<std::size_t> measured =
       clock.run("1.5", "measured ground", [&](const Progress& progress) {
         return find_measured_ground(buildings, sources.points.roof, cloud, result.terrain,
                                     progress);
       });
-  if (unbuilt.empty()) return;
-  const std::string& first = buildings[unbuilt.front()].source_ids.front();
-  const bool drop = options.measured_ground == MeasuredGround::kDrop;
+  if (measured.empty()) return;
+  // What states a height may be newer than the points.
+  std::vector<std::size_t> unbuilt;
+  if (options.measured_ground == MeasuredGround::kDrop)
+    for (const std::size_t b : measured)
+      if (!(buildings[b].attribute_height > 0)) unbuilt.push_back(b);
+  const std::size_t kept = measured.size() - unbuilt.size();
+  std::vector<std::string> parts;
+  if (!unbuilt.empty())
+    parts.push_back(fmt::format("{} are dropped (`measured_ground` = keep keeps them)",
+                                unbuilt.size()));
+  if (kept > 0)
+    parts.push_back(fmt::format("{} are kept{}", kept,
+                                options.measured_ground == MeasuredGround::kDrop
+                                    ? ", as they state a height and may be newer than the points"
+                                    : ""));
   result.warnings.push_back(
-      {"measured_ground", static_cast<std::int64_t>(unbuilt.size()),
+      {"measured_ground", static_cast<std::int64_t>(measured.size()),
        fmt::format("the points measure ground in {} footprints and no roof (first: feature {}); {}",
-                   unbuilt.size(), first,
-                   drop ? "they are dropped; to keep what is newer than the points, set "
-                          "`measured_ground` = keep"
-                        : "they are kept, as `measured_ground` = keep")});
-  if (!drop) return;
+                   measured.size(), buildings[measured.front()].source_ids.front(),
+                   fmt::join(parts, ", "))});
+  if (unbuilt.empty()) return;
   for (const std::size_t b : unbuilt)
     for (const std::string& id : buildings[b].source_ids)
       raw.dropped.push_back({id, "the points measure ground in it and no roof", kNotABuilding});
@@ -506,7 +518,8 @@ BuiltCity build_city(CitySources sources, const BuildCityOptions& options,
   }
   merge_buildings(options, input, found, clock, result);
   result.footprints = std::move(input.footprints);
-  warn_of_exclusion(found.points, result.input.points_kept, result.warnings);
+  if (result.input.points_kept > 0)
+    warn_of_exclusion(found.points, result.input.points_kept, result.warnings);
   return result;
 }
 

@@ -381,8 +381,8 @@ std::vector<ConfigField> make_fields() {
        .group = "City model",
        .member = choice<&C::measured_ground>(),
        .commands = kData,
-       .help = "What becomes of footprints in which the points measure ground and no roof, as where "
-               "nothing is built yet",
+       .help = "What becomes of footprints without a stated height in which the points measure "
+               "ground and no roof",
        .choices = {"drop", "keep"}},
       {.name = "boundary_buildings",
        .group = "City model",

@@ -1,4 +1,5 @@
 #include "tetropolis/city/city_model.h"
+#include "tetropolis/city/stated_heights.h"
 
 #include <cmath>
 #include <cstdint>
@@ -15,7 +16,7 @@ namespace {
 
 TEST(CityModel, FlagsHaveTheNamesThatFilesAndReportsState) {
   struct Row {
-    BuildingFlag flag;
+    std::uint32_t flag;
     const char* name;
   };
   // In bit order; readers of files know them by name, so that none may change.
@@ -27,7 +28,9 @@ TEST(CityModel, FlagsHaveTheNamesThatFilesAndReportsState) {
                                {kMerged, "merged"},
                                {kConvexHull, "convex_hull"},
                                {kRepaired, "repaired"},
-                               {kClipped, "clipped"}};
+                               {kClipped, "clipped"},
+                               {kRoofFromFloors, "roof_from_floors"},
+                               {kDefaultHeight, "default_height"}};
   std::uint32_t all = 0;
   std::vector<std::string> names;
   for (const auto& [flag, name] : table) {

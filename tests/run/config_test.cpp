@@ -58,7 +58,7 @@ merge_growths = 2
 top = "free"
 formats = ["vtu", "obj"]
 )"));
-  EXPECT_EQ(config.footprints, "a b.shp");
+  EXPECT_EQ(config.footprints, (std::vector<std::string>{"a b.shp"}));
   EXPECT_EQ(config.points, (std::vector<std::string>{"x.laz", "dir,with,commas"}));
   EXPECT_EQ(config.bounds, (std::vector<double>{1, 2.5, 300, 400}));
   EXPECT_TRUE(config.terrain_only);
