@@ -215,7 +215,8 @@ std::string stated_points_crs(const Config& config, const std::string& first_fil
   const bool is_set = !config.points_crs.empty();
   std::string crs = normalise_crs(is_set ? config.points_crs : headers.crs);
   const std::string& file = headers.crs_file.empty() ? first_file : headers.crs_file;
-  if (crs.empty() || is_geographic(crs)) require_metres(crs, file, "points_crs");
+  if (crs.empty() || is_geographic(crs) || in_metres(crs).empty())
+    require_metres(crs, file, "points_crs");
   if (!crs.empty()) units.across = linear_unit_metres(crs);
   const double stated =
       is_set ? vertical_unit_metres(config.points_crs) : headers.vertical_unit.value_or(1);
@@ -526,8 +527,9 @@ RunInput read_without_points(const Config& config, Next next, StepClock& clock,
   if (!box.empty())
     require_fits(config, input.footprints, static_cast<double>(input.points.points.size()), box,
                  next);
-  if (input.points.points.size() == 0 && box.empty() && input.terrain)
-    input.points.extent = input.terrain->raster.bounds();
+  if (input.points.points.size() == 0 && input.terrain)
+    input.points.extent = box.empty() ? input.terrain->raster.bounds()
+                                      : box.moved({-origin.x, -origin.y});
   return input;
 }
 

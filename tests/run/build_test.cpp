@@ -574,7 +574,7 @@ TEST_F(Build, MeshRefusesWhatIsNotInMetres) {
     if (!unit.empty()) {
       mesh.dtm = {(scratch / "foreign.vrt").string()};
       const Raster& r = terrain.raster;
-      std::ofstream(mesh.dtm) << fmt::format(
+      std::ofstream(mesh.dtm.front()) << fmt::format(
           "<VRTDataset rasterXSize=\"{0}\" rasterYSize=\"{1}\"><SRS>{6}</SRS><GeoTransform>{2}, "
           "{3}, 0, {4}, 0, "
           "-{3}</GeoTransform><VRTRasterBand dataType=\"Float64\" band=\"1\"><UnitType>{5}"

@@ -1283,13 +1283,12 @@ TEST_F(Cli, WordsStandForInputAndOutput) {
   EXPECT_EQ(run("synth other --quiet --buildings 2 --size 60").code, 0);
   expect_error("city input/footprints.shp input", 2, "missing: --out (");
   // A word that is nowhere is the folder to come.
-  expect_error("city input/footprints.shp new", 2,
-               "missing: --points (LAS or LAZ files or a folder of them)\n");
-  expect_error("mesh one/city.city.json new", 2, "missing: --dtm (a terrain raster (.tif))\n");
+  EXPECT_EQ(run("city --quiet input/footprints.shp level").code, 0);  // without points
+  EXPECT_EQ(run("mesh --quiet --mesh-size 20 one/city.city.json again").code, 0);  // one/dtm.tif
   expect_error("city input/footprints.shp input new extra", 3,
                "new: no such file or folder; all words but the first and the last");
   expect_error("city", 2, "missing: --footprints (");
-  expect_error("city", 2, "--points (LAS or LAZ files or a folder of them), --out (");
+  expect_error("city", 2, "--points (LAS or LAZ files or a folder of them, or rasters with dtm or dsm), --out (");
   expect_error("mesh a b c d", 2, "unknown argument 'd'; the words of this command are CITY DTM");
   // Sides without commas are not words.
   expect_error("city --bounds 1 2 3 4 input/footprints.shp input two", 3, "do not overlap");
@@ -1315,7 +1314,8 @@ TEST_F(Cli, SwappedArgumentsAreRecognised) {
   expect_error("city input/footprints.shp tiles/a.laz tiles/a.laz", 2,
                "tiles/a.laz: is given as --out, the folder for the results");
   expect_error("city input/footprints.shp tiles --out result.vtu", 2, "result.vtu: is given as");
-  expect_error("city one/city.city.json tiles out", 2,
+  EXPECT_EQ(run("city --quiet one/city.city.json tiles modelled").code, 0);
+  expect_error("city input/footprints.shp one/city.city.json out", 2,
                "one/city.city.json: is a city model; 'tetropolis mesh' makes a mesh of it");
   expect_error("one", 2, "there is no command 'one'; write it after one: tetropolis build one");
 }

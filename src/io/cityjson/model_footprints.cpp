@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <fstream>
 #include <string>
+#include <string_view>
+#include <system_error>
 #include <utility>
 
 #include <fmt/format.h>
@@ -25,22 +27,20 @@ bool is_city_model(const fs::path& path) {
   if (name.ends_with(".gml") || name.ends_with(".xml") || name.ends_with(".citygml"))
     return is_citygml(path);
   if (!name.ends_with("json") && !name.ends_with(".jsonl")) return false;
-  // The type may be the last member of a large document.
+  // The type may be anywhere among the members of a large document.
+  constexpr std::string_view kMark = "\"CityJSON";  // and CityJSONFeature
+  constexpr std::size_t kSize = std::size_t{1} << 20;
   std::ifstream file(path, std::ios::binary);
-  const auto holds = [&](std::streamoff at, std::ios::seekdir from) {
-    constexpr std::size_t kSize = std::size_t{1} << 16;
-    std::string block(kSize, '\0');
-    file.clear();
-    file.seekg(at, from);
-    file.read(block.data(), static_cast<std::streamsize>(kSize));
-    block.resize(static_cast<std::size_t>(std::max<std::streamsize>(file.gcount(), 0)));
-    std::erase_if(block, [](char c) { return c == ' ' || c == '\n' || c == '\r' || c == '\t'; });
-    return block.find("\"type\":\"CityJSON\"") != std::string::npos ||
-           block.find("\"type\":\"CityJSONFeature\"") != std::string::npos;
-  };
-  const auto size = static_cast<std::streamoff>(fs::file_size(path, error));
-  constexpr std::streamoff kTail = std::streamoff{1} << 16;
-  return holds(0, std::ios::beg) || (size > kTail && holds(size - kTail, std::ios::beg));
+  std::string block;
+  while (file) {
+    const std::size_t kept = std::min(block.size(), kMark.size());
+    block.erase(0, block.size() - kept);
+    block.resize(kept + kSize);
+    file.read(block.data() + kept, static_cast<std::streamsize>(kSize));
+    block.resize(kept + static_cast<std::size_t>(std::max<std::streamsize>(file.gcount(), 0)));
+    if (block.find(kMark) != std::string::npos) return true;
+  }
+  return false;
 }
 
 FootprintsInput read_model_footprints(const fs::path& path, const ReadFootprintsOptions& options) {

@@ -250,7 +250,8 @@ std::string in_metres(const std::string& crs) {
   const std::string name = std::string(OSRGetName(srs.get())) + " in metres";
   OSRSetLinearUnitsAndUpdateParameters(srs.get(), "metre", 1);
   // The code is that of the system in its own unit.
-  gdal::Srs bare = gdal::without_code(srs.get());
+  const gdal::Srs bare = gdal::without_code(srs.get());
+  if (bare == nullptr) return {};
   OSRSetProjCS(bare.get(), name.c_str());
   return gdal::canonical_name(bare.get());
 }

@@ -59,7 +59,7 @@ int find_attribute(const fs::path& path, OGRLayerH layer, const std::string& wan
 }
 
 AttributeField::AttributeField(const fs::path& path, OGRLayerH layer, std::string attribute,
-                               const char* what)
+                               const char* what, const char* setting)
     : name_(std::move(attribute)) {
   OGRFeatureDefnH columns = OGR_L_GetLayerDefn(layer);
   is_tag_ = !name_.empty() && OGR_FD_GetFieldIndex(columns, name_.c_str()) < 0 &&
@@ -77,8 +77,8 @@ AttributeField::AttributeField(const fs::path& path, OGRLayerH layer, std::strin
   else if (type_ != OFTInteger && type_ != OFTInteger64 && type_ != OFTReal && type_ != OFTString)
     other = OGR_GetFieldTypeName(type_);
   if (other != nullptr)
-    fail_input(path, fmt::format("attribute '{}' is {}, not a {}; name a numeric one", name_, other,
-                                 what));
+    fail_input(path, fmt::format("attribute '{}' is {}, not a {}; name a numeric one with {}", name_,
+                                 other, what, setting));
 }
 
 std::string AttributeField::text(OGRFeatureH feature) const {
@@ -118,10 +118,10 @@ HeightReader::HeightReader(const fs::path& path, OGRLayerH layer,
     : path_(path),
       height_(path, layer,
               options.height_attribute.empty() ? usual_height(layer) : options.height_attribute,
-              "height"),
+              "height", "height_attribute"),
       floors_(path, layer,
               options.floors_attribute.empty() ? usual_floors(layer) : options.floors_attribute,
-              "number of floors"),
+              "number of floors", "floors_attribute"),
       is_asked_for_(!options.height_attribute.empty()),
       floor_height_(options.floor_height),
       unit_(options.height_unit) {}

@@ -29,9 +29,9 @@ class AttributeField {
  public:
   AttributeField() = default;
   /// `attribute`: empty for none. Throws Error(kInput) if there is no such one, or it is of a type
-  /// that is no number or text, for `what` ("height").
+  /// that is no number or text, for `what` ("height") that `setting` names.
   AttributeField(const std::filesystem::path& path, OGRLayerH layer, std::string attribute,
-                 const char* what);
+                 const char* what, const char* setting);
 
   bool exists() const { return field_ != kNoField; }
   bool is_number() const { return type_ != OFTString; }

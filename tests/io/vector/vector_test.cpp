@@ -1199,8 +1199,8 @@ TEST(Vector, BuildingsThatOpenStreetMapExtractsLackPartsOfAreAccountedFor) {
                       {"way/4", "the file lacks 4 of its 4 nodes"},
                       {"relation/20", "the file lacks 1 of its 2 ways"},
                       {"relation/22", "a relation of type 'route', not an area"}}));
-  EXPECT_EQ(input.features.size(), 3U);  // ways 1 and 3, relation 21
-  EXPECT_EQ(input.features_read, 7);
+  EXPECT_EQ(input.features.size(), 4U);  // ways 1 and 3, relations 21 and 23
+  EXPECT_EQ(input.features_read, 8);
   const auto told = std::find_if(input.warnings.begin(), input.warnings.end(),
                                  [](const Warning& w) { return w.code == "osm_nodes_missing"; });
   ASSERT_NE(told, input.warnings.end());

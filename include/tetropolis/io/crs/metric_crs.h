@@ -8,8 +8,8 @@
 namespace tetropolis {
 
 /// The same projection with its coordinates in metres: the system itself, or one that differs from
-/// it by nothing but the unit (of EPSG:2263, in US survey feet, EPSG:32118). Precondition: a
-/// projected system.
+/// it by nothing but the unit (of EPSG:2263, in US survey feet, EPSG:32118); "" for local systems.
+/// Precondition: not in degrees.
 std::string in_metres(const std::string& crs);
 
 /// The zone of UTM on WGS 84 around a place in degrees: "EPSG:32632".
