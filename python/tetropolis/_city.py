@@ -300,6 +300,9 @@ def build_city(footprints: Any, points: Any = None, *, classification: npt.Array
     table = arrays = None
     files = [] if footprints is None else paths_of(footprints)
     if files is None:
+        for name in ("floors_attribute", "where"):
+            if settings.get(name):
+                raise UsageError(f"{name}: is for files; of a GeoDataFrame, select rows and make a column of heights")
         table = footprint_table(footprints, id_attribute, height_attribute)
     paths = [] if points is None else paths_of(points)
     if paths is None:

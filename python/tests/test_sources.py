@@ -1,0 +1,42 @@
+"""Cities without points."""
+import numpy as np
+import pytest
+
+import tetropolis as tp
+
+shapely = pytest.importorskip("shapely")
+geopandas = pytest.importorskip("geopandas")
+
+
+@pytest.fixture
+def houses():
+    boxes = [shapely.box(500000 + x, 5000000, 500020 + x, 5000020) for x in (0, 60, 120)]
+    return geopandas.GeoDataFrame({"height": [12.0, np.nan, 7.5]}, geometry=boxes, crs="EPSG:32631")
+
+
+def heights(city):
+    return sorted(round(b.h_roof - b.h_ground, 3) for b in city.raw.buildings)
+
+
+def test_stated_heights_on_level_ground(houses):
+    with pytest.warns(UserWarning):
+        city = tp.build_city(houses, height_attribute="height", default_height=5, ground_level=30)
+    assert heights(city) == [5, 7.5, 12]
+    assert {b.h_ground for b in city.raw.buildings} == {30}
+
+
+def test_several_files_and_a_terrain(houses, tmp_path):
+    for name in ("a", "b"):
+        houses.iloc[[0]].translate(yoff=0 if name == "a" else 80).to_file(tmp_path / f"{name}.geojson")
+    (tmp_path / "dtm.asc").write_text("ncols 30\nnrows 30\nxllcorner 499900\nyllcorner 4999900\ncellsize 10\n"
+                                      + "\n".join(" ".join(["42.5"] * 30) for _ in range(30)))
+    with pytest.warns(UserWarning):
+        city = tp.build_city([tmp_path / "a.geojson", tmp_path / "b.geojson"], dtm=tmp_path / "dtm.asc",
+                             raster_crs="EPSG:32631")
+    assert {s for b in city.raw.buildings for s in b.source_ids} == {"a:0", "b:0"}
+    assert {b.h_ground for b in city.raw.buildings} == {42.5}
+
+
+def test_conditions_are_for_files(houses):
+    with pytest.raises(tp.UsageError, match="where"):
+        tp.build_city(houses, where="height > 8")
