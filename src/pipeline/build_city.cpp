@@ -347,6 +347,8 @@ PointLists without_rows(const std::vector<std::size_t>& rows, const PointLists& 
 /// others, unless it states a height.
 void leave_out_unbuilt(const BuildCityOptions& options, const PointCloud& cloud, StepClock& clock,
                        const std::string& source, HeightSources& sources, BuiltCity& result) {
+  // Points of the ground alone do not tell what stands on it.
+  if (sources.points.roof.values.empty()) return;
   CityModel& raw = result.raw;
   std::vector<Building> buildings(raw.buildings.begin(), raw.buildings.end());
   const std::vector<std::size_t> measured =
