@@ -100,9 +100,8 @@ void info_city(const std::string& path) {
     highest = std::max(highest, height);
   }
   put(stdout,
-      fmt::format(
-          "{}: city model\n  buildings: {}, {:.1f} m2, heights {:.1f} .. {:.1f} m\n", path,
-          city.buildings.size(), total, lowest, highest));
+      fmt::format("{}: city model\n  buildings: {}, {:.1f} m2, heights {:.1f} .. {:.1f} m\n", path,
+                  city.buildings.size(), total, lowest, highest));
   std::size_t parts = 0, in_parts = 0;
   for (const Building& building : city.buildings) {
     parts += building.parts.size();
@@ -186,14 +185,14 @@ void info_raster(const std::string& path) {
       high = std::max(high, value);
     }
   const bool square = std::abs(header.step_x - header.step_y) <= 1e-6 * header.step_x;
-  put(stdout, fmt::format("{}: raster, {} x {} pixels of {:.7g}{}\n  CRS: {}\n", path, header.nx,
-                          header.ny, header.step_x,
-                          square ? "" : fmt::format(" x {:.7g}", header.step_y),
-                          crs_text(header.crs)));
+  put(stdout,
+      fmt::format("{}: raster, {} x {} pixels of {:.7g}{}\n  CRS: {}\n", path, header.nx, header.ny,
+                  header.step_x, square ? "" : fmt::format(" x {:.7g}", header.step_y),
+                  crs_text(header.crs)));
   const int digits = square_metres(header.crs) > 0 ? 3 : 7;
-  put(stdout, fmt::format("  box: x {0:.{4}f} .. {1:.{4}f}, y {2:.{4}f} .. {3:.{4}f}\n",
-                          header.box.xmin, header.box.xmax, header.box.ymin, header.box.ymax,
-                          digits));
+  put(stdout,
+      fmt::format("  box: x {0:.{4}f} .. {1:.{4}f}, y {2:.{4}f} .. {3:.{4}f}\n", header.box.xmin,
+                  header.box.xmax, header.box.ymin, header.box.ymax, digits));
   put(stdout, fmt::format("  heights: {:.3f} .. {:.3f} m; without a value: {} pixels\n", low, high,
                           read.missing));
   print_warnings(read.warnings);
@@ -201,9 +200,8 @@ void info_raster(const std::string& path) {
 
 /// By the endings that expand_raster_paths knows, but for points in text.
 bool is_raster_name(const std::string& name) {
-  for (const char* ending :
-       {".tif", ".tiff", ".vrt", ".asc", ".img", ".hgt", ".dem", ".bil", ".flt", ".dt2", ".jp2",
-        ".grd", ".nc", ".xyz"})
+  for (const char* ending : {".tif", ".tiff", ".vrt", ".asc", ".img", ".hgt", ".dem", ".bil",
+                             ".flt", ".dt2", ".jp2", ".grd", ".nc", ".xyz"})
     if (name.ends_with(ending)) return true;
   return false;
 }

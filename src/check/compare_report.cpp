@@ -239,9 +239,8 @@ void compare_layers(const std::vector<VectorLayer>& layers, const Report& report
   };
   const FootprintAccount& account = report.city->account;
   compare_layer("buildings", report.city->buildings);
-  compare_layer("dropped",
-                account.unusable + account.boundary + account.too_small + account.too_narrow +
-                    account.no_building + account.outlined);
+  compare_layer("dropped", account.unusable + account.boundary + account.too_small +
+                               account.too_narrow + account.no_building + account.outlined);
   // What the domain cuts into parts is one footprint there.
   if (report.config.boundary_buildings == BoundaryBuildings::kDrop)
     compare_layer("footprints", account.features + account.further_parts - account.outside);

@@ -50,11 +50,10 @@ namespace {
 /// Of each building: which flag tells what a height rests on that is not measured.
 using HeightBasis = std::vector<std::uint32_t>;
 
-/// Mean of the members' attribute heights, weighted by area; NaN where none has one. Returns on what
-/// they rest.
+/// Mean of the members' attribute heights, weighted by area; NaN where none has one. Returns on
+/// what they rest.
 std::uint32_t merge_attribute_heights(const CityModel& raw, const HeightBasis& basis,
-                                      const std::vector<BuildingIndex>& members,
-                                      Building& merged) {
+                                      const std::vector<BuildingIndex>& members, Building& merged) {
   double weight = 0, sum = 0;
   std::uint32_t merged_basis = 0;
   for (const BuildingIndex m : members) {
@@ -365,8 +364,8 @@ void leave_out_unbuilt(const BuildCityOptions& options, const PointCloud& cloud,
   const std::size_t kept = measured.size() - unbuilt.size();
   std::vector<std::string> parts;
   if (!unbuilt.empty())
-    parts.push_back(fmt::format("{} are dropped (`measured_ground` = keep keeps them)",
-                                unbuilt.size()));
+    parts.push_back(
+        fmt::format("{} are dropped (`measured_ground` = keep keeps them)", unbuilt.size()));
   if (kept > 0)
     parts.push_back(fmt::format("{} are kept{}", kept,
                                 options.measured_ground == MeasuredGround::kDrop
@@ -391,13 +390,12 @@ void leave_out_unbuilt(const BuildCityOptions& options, const PointCloud& cloud,
     buildings[b].id = fmt::format("b{}", b);
     raw.buildings.push_back(std::move(buildings[b]));
   }
-  if (raw.buildings.empty() && !options.terrain_only)
-    throw_no_footprint(raw, source);
+  if (raw.buildings.empty() && !options.terrain_only) throw_no_footprint(raw, source);
 }
 
 /// Steps 1.3 to 1.6: `result.raw` and `result.terrain`.
 HeightSources make_raw_city(const BuildCityOptions& options, CityInput& input, StepClock& clock,
-                             BuiltCity& result) {
+                            BuiltCity& result) {
   find_ground(options, input, clock, result.input, result.warnings);
   CityModel& raw = result.raw;
   raw.origin = input.points.origin;
@@ -498,8 +496,7 @@ BuiltCity build_city(PointsInput points, FootprintsInput footprints,
   return build_city(CitySources{std::move(points), std::move(footprints)}, options, hooks);
 }
 
-BuiltCity build_city(CitySources sources, const BuildCityOptions& options,
-                     const StepHooks& hooks) {
+BuiltCity build_city(CitySources sources, const BuildCityOptions& options, const StepHooks& hooks) {
   BuiltCity result;
   StepClock clock(hooks, result.steps);
   for (const std::vector<Warning>* warnings :

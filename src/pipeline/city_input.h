@@ -17,13 +17,13 @@ struct CityInput {
   PointsInput points;  ///< Local frame.
   /// Points of files in which those of buildings have no class of their own (find_ground).
   std::vector<PointRange> no_buildings;
-  FootprintsInput footprints;      ///< Local frame.
-  Bounds2 domain;                  ///< Local frame.
-  std::optional<Bounds2> covered;  ///< Of default_domain: the box of the points, local frame.
-  std::string crs;                 ///< Of points and footprints; empty if nobody says.
+  FootprintsInput footprints;           ///< Local frame.
+  Bounds2 domain;                       ///< Local frame.
+  std::optional<Bounds2> covered;       ///< Of default_domain: the box of the points, local frame.
+  std::string crs;                      ///< Of points and footprints; empty if nobody says.
   std::optional<TerrainInput> terrain;  ///< Its raster in the local frame.
 
-  bool has_surface = false;             ///< See CitySources.
+  bool has_surface = false;  ///< See CitySources.
 
   bool has_points() const { return points.points.size() > 0; }
 };

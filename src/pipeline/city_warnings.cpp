@@ -119,8 +119,8 @@ void warn_of_stated_heights(const CityModel& raw, const BuildCityOptions& option
 }
 
 void warn_of_other_heights(const CityModel& raw, std::vector<Warning>& warnings) {
-  constexpr std::uint32_t kNotMeasured = kRoofFromAttribute | kRoofFromFloors | kDefaultHeight |
-                                         kNoRoofPoints | kMinimumHeight;
+  constexpr std::uint32_t kNotMeasured =
+      kRoofFromAttribute | kRoofFromFloors | kDefaultHeight | kNoRoofPoints | kMinimumHeight;
   std::vector<double> ratios;
   for (const Building& building : raw.buildings)
     if ((building.flags & kNotMeasured) == 0 && building.attribute_height > 0)

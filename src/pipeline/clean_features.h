@@ -13,9 +13,9 @@
 namespace tetropolis {
 
 struct CleanFeatures {
-  std::vector<Building> buildings;  ///< Without heights.
+  std::vector<Building> buildings;   ///< Without heights.
   std::vector<std::uint32_t> basis;  ///< Per building: the flag of what its attribute_height is.
-  std::vector<Dropped> dropped;     ///< Those of the input first.
+  std::vector<Dropped> dropped;      ///< Those of the input first.
   /// What the footprints that are dropped for crossing the boundary have within the domain.
   std::vector<Polygon> crossing;
   std::int64_t parts = 0;  ///< That the boundary cut features into, beyond the first of each.

@@ -161,8 +161,9 @@ void stand_in(const TerrainInput& terrain, const FootprintsInput& footprints,
     known = wanted.empty() ? wanted : wanted.grown(options.domain_margin);
   }
   if (known.empty())
-    throw Error(ErrorKind::kInput, footprints.source + ": nothing tells where the domain is; give "
-                                                       "`bounds`, points or a terrain");
+    throw Error(ErrorKind::kInput, footprints.source +
+                                       ": nothing tells where the domain is; give "
+                                       "`bounds`, points or a terrain");
   points.origin = {std::floor(known.xmin), std::floor(known.ymin)};
   points.extent = known.moved({-points.origin.x, -points.origin.y});
 }
@@ -170,8 +171,7 @@ void stand_in(const TerrainInput& terrain, const FootprintsInput& footprints,
 /// The domain is to have terrain, of which the raster beyond its rim is a guess.
 void hold_against_terrain(const BuildCityOptions& options, const TerrainInput& terrain,
                           PointsInput& points, std::vector<Warning>& warnings) {
-  if (!points.crs.empty() && !terrain.crs.empty() &&
-      !same_horizontal_crs(points.crs, terrain.crs))
+  if (!points.crs.empty() && !terrain.crs.empty() && !same_horizontal_crs(points.crs, terrain.crs))
     throw Error(ErrorKind::kInput,
                 fmt::format("{}: the terrain is in {}, the points in {}; read it with target_crs",
                             terrain.source, crs_name(terrain.crs), crs_name(points.crs)));
@@ -190,8 +190,7 @@ void hold_against_terrain(const BuildCityOptions& options, const TerrainInput& t
     points.extent = common.moved({-points.origin.x, -points.origin.y});
     return;
   }
-  const double beyond =
-      1 - common.width() * common.height() / (wanted.width() * wanted.height());
+  const double beyond = 1 - common.width() * common.height() / (wanted.width() * wanted.height());
   constexpr double kTold = 0.01;
   if (beyond > kTold)
     warnings.push_back({"terrain_beyond_raster", 1,

@@ -77,11 +77,12 @@ CloudHeaders read_headers(std::span<const std::filesystem::path> paths) {
     headers.points.emplace_back(box, believable_count(path, info));
     if (!info.vertical_crs.empty() || info.vertical_unit != 1) {
       if (headers.vertical_unit && !is_metre(info.vertical_unit / *headers.vertical_unit))
-        throw Error(ErrorKind::kInput,
-                    fmt::format("{}: heights are in units of {:.10g} m, but in {} they are in units "
-                                "of {:.10g} m; convert them to one unit",
-                                path.string(), info.vertical_unit, headers.vertical_file,
-                                *headers.vertical_unit));
+        throw Error(
+            ErrorKind::kInput,
+            fmt::format("{}: heights are in units of {:.10g} m, but in {} they are in units "
+                        "of {:.10g} m; convert them to one unit",
+                        path.string(), info.vertical_unit, headers.vertical_file,
+                        *headers.vertical_unit));
       headers.vertical_unit = info.vertical_unit;
       headers.vertical_file = path.string();
     }
@@ -208,7 +209,8 @@ Bounds2 scaled(const Bounds2& box, double by) {
 }
 
 /// The points' reference system as far as files and settings name it, in metres; "" if they do not.
-/// Boxes of the headers become those in metres. Where points are in feet, `units` tell and a warning.
+/// Boxes of the headers become those in metres. Where points are in feet, `units` tell and a
+/// warning.
 std::string stated_points_crs(const Config& config, const std::string& first_file, bool in_memory,
                               CloudHeaders& headers, CloudUnits& units,
                               std::vector<Warning>& warnings) {
@@ -343,14 +345,13 @@ void warn_of_heights(const Config& config, const FootprintsInput& footprints,
   warnings.push_back({"height_attribute_empty",
                       static_cast<std::int64_t>(footprints.features.size()),
                       fmt::format("{}: attribute {} holds no number above 0",
-                                  given_text(config.footprints),
-                                  config.height_attribute)});
+                                  given_text(config.footprints), config.height_attribute)});
 }
 
 /// What the headers of rasters say together.
 struct RasterHeaders {
   std::vector<std::filesystem::path> terrain, surface;
-  std::string crs;  ///< Of the first that states one.
+  std::string crs;                   ///< Of the first that states one.
   Bounds2 box = Bounds2::nothing();  ///< Of surface, else of terrain, in `crs`.
 };
 
@@ -383,8 +384,7 @@ RasterHeaders read_raster_headers(const Config& config) {
 /// Whether lengths in a system are lengths on the ground, nearly.
 bool is_true_to_scale(const std::string& crs, const Bounds2& box) {
   constexpr double kMost = 0.01;
-  const double scale =
-      length_scale(crs, {(box.xmin + box.xmax) / 2, (box.ymin + box.ymax) / 2});
+  const double scale = length_scale(crs, {(box.xmin + box.xmax) / 2, (box.ymin + box.ymax) / 2});
   return !(std::abs(scale - 1) > kMost);
 }
 
@@ -400,15 +400,16 @@ std::string system_without_points(const RasterHeaders& rasters, const Footprints
     crs = in_metres(stated);
     if (is_metre(linear_unit_metres(stated)) && is_true_to_scale(stated, box)) return crs;
     if (is_true_to_scale(stated, box)) {
-      warnings.push_back({"crs_in_metres", 1,
-                          fmt::format("{} is in units of {:.10g} m; the city is in {}",
-                                      crs_name(stated), linear_unit_metres(stated), crs_name(crs))});
+      warnings.push_back(
+          {"crs_in_metres", 1,
+           fmt::format("{} is in units of {:.10g} m; the city is in {}", crs_name(stated),
+                       linear_unit_metres(stated), crs_name(crs))});
       return crs;
     }
   }
   const std::vector<Point2> middle{{(box.xmin + box.xmax) / 2, (box.ymin + box.ymax) / 2}};
-  const Point2 place = is_geographic(stated) ? middle.front()
-                                             : reproject(middle, stated, "EPSG:4326").front();
+  const Point2 place =
+      is_geographic(stated) ? middle.front() : reproject(middle, stated, "EPSG:4326").front();
   crs = utm_zone(place);
   warnings.push_back({"crs_chosen", 1,
                       fmt::format("{} is not in metres on the ground; the city is in {} (UTM)",
@@ -480,8 +481,12 @@ TerrainInput level_ground(const Config& config, const std::string& crs, const Bo
   terrain.source = "level ground";
   terrain.origin = origin;
   terrain.crs = crs;
-  terrain.raster = {1, 1, (box.xmin + box.xmax) / 2 - origin.x, (box.ymin + box.ymax) / 2 - origin.y,
-                    1, {config.ground_level}};
+  terrain.raster = {1,
+                    1,
+                    (box.xmin + box.xmax) / 2 - origin.x,
+                    (box.ymin + box.ymax) / 2 - origin.y,
+                    1,
+                    {config.ground_level}};
   warnings.push_back({"ground_level", 1,
                       fmt::format("no terrain is given: the ground is level at {:g} m "
                                   "(ground_level); give a raster with `dtm`",
@@ -496,8 +501,7 @@ RunInput read_without_points(const Config& config, Next next, StepClock& clock,
   RunInput input;
   input.footprints = read_all_footprints(config, given, {}, clock);
   const std::string crs = system_without_points(rasters, input.footprints, warnings);
-  if (!crs.empty() && !input.footprints.crs.empty())
-    reproject_footprints(input.footprints, crs);
+  if (!crs.empty() && !input.footprints.crs.empty()) reproject_footprints(input.footprints, crs);
   require_grids(config, input.footprints);
   warn_of_heights(config, input.footprints, warnings);
   if (config.bounds.empty()) bound_by_extent(input.footprints, config.parallel_tolerance);
@@ -528,8 +532,8 @@ RunInput read_without_points(const Config& config, Next next, StepClock& clock,
     require_fits(config, input.footprints, static_cast<double>(input.points.points.size()), box,
                  next);
   if (input.points.points.size() == 0 && input.terrain)
-    input.points.extent = box.empty() ? input.terrain->raster.bounds()
-                                      : box.moved({-origin.x, -origin.y});
+    input.points.extent =
+        box.empty() ? input.terrain->raster.bounds() : box.moved({-origin.x, -origin.y});
   return input;
 }
 
@@ -571,8 +575,8 @@ RunInput read_input(const Config& config, Next next, StepClock& clock,
         reading.origin = Point2{std::floor(reading.origin->x / units.across),
                                 std::floor(reading.origin->y / units.across)};
     }
-    PointsInput points = given.points ? take_points(*given.points, reading)
-                                      : read_points(paths, reading, progress);
+    PointsInput points =
+        given.points ? take_points(*given.points, reading) : read_points(paths, reading, progress);
     if (!units.are_metres()) convert_to_metres(units, points);
     return points;
   });

@@ -19,8 +19,8 @@ enum class Next { kNothing, kMesh };
 /// metres; the zone of UTM where that is in degrees.
 using RunInput = CitySources;
 
-/// Reads all, but for what is `given` in memory; points and rasters only where the domain may be, by
-/// the headers and the footprints. Without points, a surface (`dsm`) becomes points, a point per
+/// Reads all, but for what is `given` in memory; points and rasters only where the domain may be,
+/// by the headers and the footprints. Without points, a surface (`dsm`) becomes points, a point per
 /// cell. Adds warnings. Throws Error(kInput): unusable files, degrees, units
 /// other than metres, no overlap. Throws Error(kUsage) before it reads points if by the headers
 /// they, or the mesh that is to follow, will not fit into memory.

@@ -50,10 +50,11 @@ std::pair<Domain, std::string> domain_of(const Config& config, const CityModel& 
 void require_terrain_under(const Config& config, const CityModel& city,
                            const RasterInput& terrain) {
   if (!city.crs.empty() && !terrain.crs.empty() && !same_horizontal_crs(city.crs, terrain.crs))
-    throw Error(ErrorKind::kInput,
-                fmt::format("{}: the terrain is in {}, the city {} in {}; give the one that was "
-                            "made with the city, or reproject one of them",
-                            terrain_path(config), crs_name(terrain.crs), config.city, crs_name(city.crs)));
+    throw Error(
+        ErrorKind::kInput,
+        fmt::format("{}: the terrain is in {}, the city {} in {}; give the one that was "
+                    "made with the city, or reproject one of them",
+                    terrain_path(config), crs_name(terrain.crs), config.city, crs_name(city.crs)));
   const Bounds2 covered = terrain.raster.bounds().grown(terrain.raster.step);
   if (!covered.covers(city.domain.bounds()))
     throw Error(ErrorKind::kInput,
@@ -99,8 +100,8 @@ void require_elevations(const Config& config, const RasterInput& terrain) {
   throw Error(ErrorKind::kInput,
               fmt::format("{}: {} in column {}, row {} is not an elevation; if it stands for a "
                           "missing value, declare it (gdal_edit.py -a_nodata {} {})",
-                          terrain_path(config), *wrong, node % nx, terrain.raster.ny - 1 - node / nx, *wrong,
-                          terrain_path(config)));
+                          terrain_path(config), *wrong, node % nx,
+                          terrain.raster.ny - 1 - node / nx, *wrong, terrain_path(config)));
 }
 
 /// Of a model that comes from elsewhere, or for another domain.

@@ -188,8 +188,7 @@ void fields_of(CityFacts& city, const Field& field) {
         "area of the footprints after merging; 0 in `mesh`");
   field("volume_before", city.volume_before, "number, m³",
         "footprints times their heights, before merging; 0 in `mesh`");
-  field("volume_after", city.volume_after, "number, m³",
-        "buildings, after merging; 0 in `mesh`");
+  field("volume_after", city.volume_after, "number, m³", "buildings, after merging; 0 in `mesh`");
   field("area_moved", city.area_moved, "number, m²",
         "area of the symmetric difference of the two, dropped buildings included; 0 in `mesh`");
   field("area_changed_share", city.area_changed_share, "number",

@@ -137,8 +137,9 @@ Report run_mesh(const Config& given, const RunHooks& hooks) {
                  {!config.out.empty(), "out", "a folder for the results"}});
   if (const auto building = as_footprints(config)) {
     if (hooks.tell)
-      hooks.tell(config.city + ": its outlines and heights are simplified as footprints are, as by "
-                               "'tetropolis build'");
+      hooks.tell(config.city +
+                 ": its outlines and heights are simplified as footprints are, as by "
+                 "'tetropolis build'");
     return run_build(*building, hooks);
   }
   const ThreadLimit limit(config.threads);

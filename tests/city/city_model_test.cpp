@@ -1,5 +1,4 @@
 #include "tetropolis/city/city_model.h"
-#include "tetropolis/city/stated_heights.h"
 
 #include <cmath>
 #include <cstdint>
@@ -8,6 +7,8 @@
 #include <vector>
 
 #include <gtest/gtest.h>
+
+#include "tetropolis/city/stated_heights.h"
 
 #include "support/test_data.h"
 

@@ -1283,12 +1283,14 @@ TEST_F(Cli, WordsStandForInputAndOutput) {
   EXPECT_EQ(run("synth other --quiet --buildings 2 --size 60").code, 0);
   expect_error("city input/footprints.shp input", 2, "missing: --out (");
   // A word that is nowhere is the folder to come.
-  EXPECT_EQ(run("city --quiet input/footprints.shp level").code, 0);  // without points
+  EXPECT_EQ(run("city --quiet input/footprints.shp level").code, 0);               // without points
   EXPECT_EQ(run("mesh --quiet --mesh-size 20 one/city.city.json again").code, 0);  // one/dtm.tif
   expect_error("city input/footprints.shp input new extra", 3,
                "new: no such file or folder; all words but the first and the last");
   expect_error("city", 2, "missing: --footprints (");
-  expect_error("city", 2, "--points (LAS or LAZ files or a folder of them, or rasters with dtm or dsm), --out (");
+  expect_error(
+      "city", 2,
+      "--points (LAS or LAZ files or a folder of them, or rasters with dtm or dsm), --out (");
   expect_error("mesh a b c d", 2, "unknown argument 'd'; the words of this command are CITY DTM");
   // Sides without commas are not words.
   expect_error("city --bounds 1 2 3 4 input/footprints.shp input two", 3, "do not overlap");

@@ -34,9 +34,9 @@ enum class BoundaryBuildings { kDrop, kClip };
 /// Terrain that is known, instead of that of ground points.
 struct TerrainInput {
   std::string source = "terrain";  ///< What messages call it.
-  Raster raster;    ///< Every value is finite. One node: level ground everywhere.
-  Point2 origin;    ///< Of the raster's frame, CRS coordinates.
-  std::string crs;  ///< Of the coordinates; "" if unknown.
+  Raster raster;                   ///< Every value is finite. One node: level ground everywhere.
+  Point2 origin;                   ///< Of the raster's frame, CRS coordinates.
+  std::string crs;                 ///< Of the coordinates; "" if unknown.
 };
 
 /// What a city is made of. Roofs are those of the points, else the heights that footprints state;

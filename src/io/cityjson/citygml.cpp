@@ -110,8 +110,8 @@ class GmlReader {
     }
   }
 
-  std::vector<GmlObject> objects;  ///< In the order in which they begin.
-  std::string srs;                 ///< The first that is named.
+  std::vector<GmlObject> objects;                   ///< In the order in which they begin.
+  std::string srs;                                  ///< The first that is named.
   std::map<std::string, std::string> semantics_of;  ///< Of polygons that surfaces refer to.
 
  private:
@@ -213,7 +213,8 @@ class GmlReader {
     const char* at = text_.data();
     const char* const stop = at + text_.size();
     while (at != stop) {
-      while (at != stop && (static_cast<unsigned char>(*at) <= ' ' || *at == ',' || *at == '+')) ++at;
+      while (at != stop && (static_cast<unsigned char>(*at) <= ' ' || *at == ',' || *at == '+'))
+        ++at;
       if (at == stop) break;
       double value = 0;
       const auto [next, error] = std::from_chars(at, stop, value);
@@ -421,16 +422,16 @@ bool is_citygml(const fs::path& path) {
   block.resize(static_cast<std::size_t>(std::max<std::streamsize>(file.gcount(), 0)));
   const std::size_t first = block.find_first_not_of("\xEF\xBB\xBF \t\r\n");
   return first != std::string::npos && block[first] == '<' &&
-         block.find("CityModel") != std::string::npos &&
-         block.find("citygml") != std::string::npos;
+         block.find("CityModel") != std::string::npos && block.find("citygml") != std::string::npos;
 }
 
 ModelDocument read_citygml(const fs::path& path) {
   GmlReader reader(path);
   std::vector<GmlObject>& objects = reader.objects;
   if (objects.empty())
-    fail_input(path, "is CityGML without a building (Building, BuildingPart); name the file of the "
-                     "buildings");
+    fail_input(path,
+               "is CityGML without a building (Building, BuildingPart); name the file of the "
+               "buildings");
   for (GmlObject& object : objects)
     for (GmlPolygon& polygon : object.polygons)
       if (const auto named = reader.semantics_of.find(polygon.id);

@@ -25,9 +25,9 @@ bool is_citygml(const std::filesystem::path& path);
 /// Every Building and BuildingPart with its polygons of each level of detail and their semantics
 /// (GroundSurface, RoofSurface, WallSurface, ...); of outlines alone (lod0FootPrint, lod0RoofEdge)
 /// the prism of measuredHeight, else of storeysAboveGround times 3 m. Terrain, roads, plants,
-/// installations, rooms, openings and addresses are passed over. Coordinates in degrees become those
-/// of their zone of UTM. Errors, kInput with the path: not XML (with the line), no building, a
-/// system nobody knows.
+/// installations, rooms, openings and addresses are passed over. Coordinates in degrees become
+/// those of their zone of UTM. Errors, kInput with the path: not XML (with the line), no building,
+/// a system nobody knows.
 ModelDocument read_citygml(const std::filesystem::path& path);
 
 }  // namespace tetropolis

@@ -20,8 +20,8 @@
 
 #include "body_footprint.h"
 #include "body_parts.h"
-#include "citygml.h"
 #include "city/part_tiling.h"
+#include "citygml.h"
 #include "cityjson_geometry.h"
 #include "core/infinity.h"
 #include "extension.h"
@@ -106,8 +106,8 @@ ModelDocument parse_sequence(const fs::path& path, const std::string& text) {
     begin = end + 1;
     ++line;
     if (row.find_first_not_of(" \t\r\x1e") == row.npos) continue;
-    Json json = Json::parse(row.substr(row.find('{') == row.npos ? 0 : row.find('{')), nullptr,
-                            false);
+    Json json =
+        Json::parse(row.substr(row.find('{') == row.npos ? 0 : row.find('{')), nullptr, false);
     if (!json.is_object() || !json.contains("type"))
       fail_input(path, fmt::format("line {} is no CityJSON object; the file is cut or broken, get "
                                    "it again",
@@ -133,8 +133,9 @@ ModelDocument parse_sequence(const fs::path& path, const std::string& text) {
     for (Json& vertex : json["vertices"]) vertices.push_back(std::move(vertex));
   }
   if (document.root.is_null())
-    fail_input(path, "is a CityJSON sequence without its first line, the one with the transform; "
-                     "put it before the features");
+    fail_input(path,
+               "is a CityJSON sequence without its first line, the one with the transform; "
+               "put it before the features");
   document.root["CityObjects"] = std::move(objects);
   document.root["vertices"] = std::move(vertices);
   return document;

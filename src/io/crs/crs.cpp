@@ -1,5 +1,4 @@
 #include "tetropolis/io/crs/crs.h"
-#include "tetropolis/io/crs/metric_crs.h"
 
 #include <algorithm>
 #include <array>
@@ -13,6 +12,7 @@
 #include <nlohmann/json.hpp>
 
 #include "tetropolis/core/error.h"
+#include "tetropolis/io/crs/metric_crs.h"
 
 #include "core/text.h"
 #include "gdal_support.h"
@@ -260,7 +260,8 @@ std::string utm_zone(Point2 at) {
   constexpr int kZones = 60, kNorth = 32600, kSouth = 32700;
   constexpr double kWidth = 6;  // degrees
   const auto zone = static_cast<int>(std::floor((std::remainder(at.x, 360) + 180) / kWidth));
-  return "EPSG:" + std::to_string((at.y < 0 ? kSouth : kNorth) + std::clamp(zone, 0, kZones - 1) + 1);
+  return "EPSG:" +
+         std::to_string((at.y < 0 ? kSouth : kNorth) + std::clamp(zone, 0, kZones - 1) + 1);
 }
 
 double vertical_unit_metres(const std::string& text) {

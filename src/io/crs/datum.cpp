@@ -29,8 +29,8 @@ using Owned = std::unique_ptr<Object, Deleter>;
 
 /// Longitudes and latitudes around a box.
 Bounds2 in_degrees(const std::string& from, const Bounds2& box) {
-  std::vector<Point2> corners{{box.xmin, box.ymin}, {box.xmax, box.ymin}, {box.xmin, box.ymax},
-                              {box.xmax, box.ymax}};
+  std::vector<Point2> corners{
+      {box.xmin, box.ymin}, {box.xmax, box.ymin}, {box.xmin, box.ymax}, {box.xmax, box.ymax}};
   if (!is_geographic(from)) corners = reproject(corners, from, "EPSG:4326");
   Bounds2 result = Bounds2::nothing();
   for (const Point2 p : corners)
@@ -59,8 +59,8 @@ std::optional<MissingGrid> find_missing_grid(const std::string& from, const std:
       proj_create_operation_factory_context(context.get(), nullptr));
   proj_operation_factory_context_set_area_of_interest(context.get(), factory.get(), degrees.xmin,
                                                       degrees.ymin, degrees.xmax, degrees.ymax);
-  proj_operation_factory_context_set_spatial_criterion(
-      context.get(), factory.get(), PROJ_SPATIAL_CRITERION_PARTIAL_INTERSECTION);
+  proj_operation_factory_context_set_spatial_criterion(context.get(), factory.get(),
+                                                       PROJ_SPATIAL_CRITERION_PARTIAL_INTERSECTION);
   proj_operation_factory_context_set_grid_availability_use(context.get(), factory.get(),
                                                            PROJ_GRID_AVAILABILITY_IGNORED);
   const Owned<PJ_OBJ_LIST> list(

@@ -15,8 +15,8 @@ std::vector<std::filesystem::path> matches_of(const std::string& pattern);
 
 /// Files of one kind, for folders.
 struct FileKind {
-  std::string_view plural;                      ///< "rasters", for messages.
-  std::span<const std::string_view> endings;    ///< Lower case, with the dot.
+  std::string_view plural;                    ///< "rasters", for messages.
+  std::span<const std::string_view> endings;  ///< Lower case, with the dot.
 };
 
 /// Files as they are, folders as the files of the kind directly inside (but for hidden ones), and

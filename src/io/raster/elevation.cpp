@@ -64,8 +64,7 @@ Bounds2 transformed(const Bounds2& box, const std::string& from, const std::stri
   std::vector<Point2> grid;
   for (int i = 0; i <= kParts; ++i)
     for (int j = 0; j <= kParts; ++j)
-      grid.push_back(
-          {box.xmin + box.width() * i / kParts, box.ymin + box.height() * j / kParts});
+      grid.push_back({box.xmin + box.width() * i / kParts, box.ymin + box.height() * j / kParts});
   Bounds2 result = Bounds2::nothing();
   for (const Point2 p : reproject(grid, from, to))
     if (std::isfinite(p.x)) result.extend(p);
@@ -135,8 +134,9 @@ Layer lay_out(std::span<const Tile> tiles, const Bounds2& wanted, Markers& marke
   layer.y0 = anchor.box.ymin + (static_cast<double>(j0) + 0.5) * anchor.step_y;
   const double pixels = static_cast<double>(layer.nx) * static_cast<double>(layer.ny);
   if (pixels > static_cast<double>(std::int64_t{1} << 31))
-    fail_input(tiles.front().path, fmt::format("has too many pixels ({} x {}); give smaller `bounds`",
-                                               layer.nx, layer.ny));
+    fail_input(
+        tiles.front().path,
+        fmt::format("has too many pixels ({} x {}); give smaller `bounds`", layer.nx, layer.ny));
   require_memory(tiles.front().path, 3 * sizeof(double) * pixels,
                  fmt::format("read {} x {} pixels", layer.nx, layer.ny), "give smaller `bounds`");
   layer.values.assign(static_cast<std::size_t>(layer.nx * layer.ny), kNaN);
@@ -174,11 +174,10 @@ double sample(const Layer& layer, Point2 p, Resampling resampling) {
   const auto i = static_cast<std::int64_t>(std::floor(x));
   const auto j = static_cast<std::int64_t>(std::floor(y));
   const double u = x - static_cast<double>(i), v = y - static_cast<double>(j);
-  const std::array<std::pair<double, double>, 4> corners{
-      {{(1 - u) * (1 - v), layer.at(i, j)},
-       {u * (1 - v), layer.at(i + 1, j)},
-       {(1 - u) * v, layer.at(i, j + 1)},
-       {u * v, layer.at(i + 1, j + 1)}}};
+  const std::array<std::pair<double, double>, 4> corners{{{(1 - u) * (1 - v), layer.at(i, j)},
+                                                          {u * (1 - v), layer.at(i + 1, j)},
+                                                          {(1 - u) * v, layer.at(i, j + 1)},
+                                                          {u * v, layer.at(i + 1, j + 1)}}};
   double weight = 0, sum = 0;
   for (const auto& [share, value] : corners)
     if (share > 0 && !std::isnan(value)) {
@@ -202,8 +201,8 @@ Raster as_it_is(Layer layer, Point2 origin) {
 
 /// On a grid of `step` over `box`, at whole steps of the target's coordinates. `layers`: the finest
 /// first.
-Raster sampled(std::span<const Layer> layers, const fs::path& first, const Bounds2& box, double step,
-               const ReadElevationsOptions& options, const std::string& target) {
+Raster sampled(std::span<const Layer> layers, const fs::path& first, const Bounds2& box,
+               double step, const ReadElevationsOptions& options, const std::string& target) {
   const double i0 = std::floor(box.xmin / step), i1 = std::ceil(box.xmax / step);
   const double j0 = std::floor(box.ymin / step), j1 = std::ceil(box.ymax / step);
   const double nodes = (i1 - i0 + 1) * (j1 - j0 + 1);
@@ -220,8 +219,7 @@ Raster sampled(std::span<const Layer> layers, const fs::path& first, const Bound
   raster.values.assign(static_cast<std::size_t>(nodes), kNaN);
   std::vector<Point2> row(static_cast<std::size_t>(raster.nx));
   for (const Layer& layer : layers) {
-    const bool same = target.empty() || layer.crs.empty() ||
-                      same_horizontal_crs(layer.crs, target);
+    const bool same = target.empty() || layer.crs.empty() || same_horizontal_crs(layer.crs, target);
     constexpr std::int32_t kRows = 64;  // a transformation is made once for so many
     for (std::int32_t begin = 0; begin < raster.ny; begin += kRows) {
       const std::int32_t end = std::min(begin + kRows, raster.ny);
@@ -333,8 +331,8 @@ Elevations read_elevations(std::span<const fs::path> paths, const ReadElevations
     const double step = std::min(finest.step_x, finest.step_y) *
                         (same ? 1 : metres_per_unit(finest.crs)) /
                         (same ? 1 : metres_per_unit(result.crs));
-    const Bounds2 box = options.box.empty() ? covered
-                                            : covered.intersection(options.box.grown(2 * step));
+    const Bounds2 box =
+        options.box.empty() ? covered : covered.intersection(options.box.grown(2 * step));
     if (box.empty())
       fail_input(paths.front(), "has no elevation in the domain; check the CRS (raster_crs)");
     result.raster = sampled(layers, paths.front(), box, step, options, result.crs);

@@ -6,10 +6,7 @@
 #include <charconv>
 #include <cmath>
 #include <cstring>
-#include <deque>
-#include <limits>
 #include <new>
-#include <string_view>
 #include <system_error>
 #include <utility>
 
@@ -32,7 +29,6 @@ namespace fs = std::filesystem;
 namespace {
 
 constexpr const char* kDomainItem = "TETROPOLIS_DOMAIN";
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 
 /// A coordinate that came back from a file: the exact multiple of kCoordinateStep if it is one but
 /// for rounding, else itself.

@@ -111,11 +111,11 @@ std::vector<double> read_window(const fs::path& path, GDALDatasetH dataset,
   std::vector<std::uint8_t> mask(masked ? nx : 0);
   for (int line = 0; line < window.rows; ++line) {
     double* row = values.data() + static_cast<std::size_t>(window.rows - 1 - line) * nx;
-    CPLErr outcome =
-        GDALRasterIO(band, GF_Read, window.column, window.row + line, window.columns, 1, row,
- window.columns, 1, GDT_Float64, 0, 0);
+    CPLErr outcome = GDALRasterIO(band, GF_Read, window.column, window.row + line, window.columns,
+                                  1, row, window.columns, 1, GDT_Float64, 0, 0);
     if (outcome == CE_None && masked)
-      outcome = GDALRasterIO(GDALGetMaskBand(band), GF_Read, window.column, window.row + line, window.columns, 1, mask.data(), window.columns, 1, GDT_Byte, 0, 0);
+      outcome = GDALRasterIO(GDALGetMaskBand(band), GF_Read, window.column, window.row + line,
+                             window.columns, 1, mask.data(), window.columns, 1, GDT_Byte, 0, 0);
     if (outcome != CE_None)
       fail_input(path,
                  fmt::format("row {} cannot be read{}; the file is cut or broken, get it again",
@@ -191,6 +191,5 @@ double height_unit_of(const fs::path& path, GDALDatasetH dataset) {
   fail_input(path, fmt::format("heights are in '{}', an unknown unit; convert them to metres",
                                first_bytes(name, 40)));
 }
-
 
 }  // namespace tetropolis

@@ -77,8 +77,8 @@ AttributeField::AttributeField(const fs::path& path, OGRLayerH layer, std::strin
   else if (type_ != OFTInteger && type_ != OFTInteger64 && type_ != OFTReal && type_ != OFTString)
     other = OGR_GetFieldTypeName(type_);
   if (other != nullptr)
-    fail_input(path, fmt::format("attribute '{}' is {}, not a {}; name a numeric one with {}", name_,
-                                 other, what, setting));
+    fail_input(path, fmt::format("attribute '{}' is {}, not a {}; name a numeric one with {}",
+                                 name_, other, what, setting));
 }
 
 std::string AttributeField::text(OGRFeatureH feature) const {
@@ -128,8 +128,8 @@ HeightReader::HeightReader(const fs::path& path, OGRLayerH layer,
 
 StatedHeight HeightReader::read(OGRFeatureH feature, const std::string& id) {
   constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
-  constexpr double kMost = 1100;      // metres: no building is that high
-  constexpr double kMark = 999;       // stands for a height that nobody knows
+  constexpr double kMost = 1100;  // metres: no building is that high
+  constexpr double kMark = 999;   // stands for a height that nobody knows
   constexpr double kMostFloors = 250;
   double stated = kNaN;
   const std::string text = height_.text(feature);

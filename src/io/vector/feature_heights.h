@@ -47,7 +47,7 @@ class AttributeField {
 };
 
 struct StatedHeight {
-  double metres;             ///< NaN where there is none.
+  double metres;  ///< NaN where there is none.
   bool from_floors = false;
 };
 

@@ -133,9 +133,9 @@ void put_parts_for_outlines(const std::vector<bool>& parts, FootprintsInput& inp
     if (parts[i]) continue;
     const Bounds2 box = bounds(feature.polygon);
     Geometry whole, covered;
-    const auto begin = std::lower_bound(
-        boxes.begin(), boxes.end(), box.xmin - widest,
-        [](const Box& candidate, double x) { return candidate.box.xmin < x; });
+    const auto begin =
+        std::lower_bound(boxes.begin(), boxes.end(), box.xmin - widest,
+                         [](const Box& candidate, double x) { return candidate.box.xmin < x; });
     for (auto at = begin; at != boxes.end() && at->box.xmin <= box.xmax; ++at) {
       if (!at->box.intersects(box)) continue;
       if (whole == nullptr) whole = geometry_of(feature.polygon);
@@ -165,8 +165,8 @@ void put_parts_for_outlines(const std::vector<bool>& parts, FootprintsInput& inp
       collect_polygons(left.get(), kSliver * area, rest);
     }
     if (rest.empty()) {
-      input.dropped.push_back({{feature.source_id, "its parts stand for it", kOutlined},
-                               feature.feature});
+      input.dropped.push_back(
+          {{feature.source_id, "its parts stand for it", kOutlined}, feature.feature});
       continue;
     }
     // Of several pieces the first keeps the id.

@@ -12,8 +12,8 @@
 namespace tetropolis {
 
 struct FeatureMarks {
-  std::string below_ground;   ///< Why it is no building above ground; "" if it may be one.
-  bool is_part = false;       ///< Of a building that has an outline of its own, mostly.
+  std::string below_ground;  ///< Why it is no building above ground; "" if it may be one.
+  bool is_part = false;      ///< Of a building that has an outline of its own, mostly.
 };
 
 /// Reads the attributes of OpenStreetMap (location, layer, building:part, levels) and Overture

@@ -55,12 +55,12 @@ double take_unit(std::string_view& text) {
     double metres;
   };
   // Longer names before those that they begin with.
-  constexpr Unit kUnits[] = {{"metres", 1},    {"meters", 1},   {"metre", 1},     {"meter", 1},
-                             {"mtrs", 1},      {"mts", 1},      {"mm", 0.001},    {"m.", 1},
-                             {"m", 1},         {"cm", 0.01},    {"dm", 0.1},      {"feet", kFoot},
-                             {"foot", kFoot},  {"ft.", kFoot},  {"ft", kFoot},    {"inches", kInch},
-                             {"inch", kInch},  {"in.", kInch},  {"in", kInch},    {"\"", kInch},
-                             {"''", kInch},    {"'", kFoot}};
+  constexpr Unit kUnits[] = {{"metres", 1},   {"meters", 1},  {"metre", 1},  {"meter", 1},
+                             {"mtrs", 1},     {"mts", 1},     {"mm", 0.001}, {"m.", 1},
+                             {"m", 1},        {"cm", 0.01},   {"dm", 0.1},   {"feet", kFoot},
+                             {"foot", kFoot}, {"ft.", kFoot}, {"ft", kFoot}, {"inches", kInch},
+                             {"inch", kInch}, {"in.", kInch}, {"in", kInch}, {"\"", kInch},
+                             {"''", kInch},   {"'", kFoot}};
   for (const Unit& unit : kUnits)
     if (text.starts_with(unit.name)) {
       text.remove_prefix(unit.name.size());
@@ -110,7 +110,8 @@ double greatest(std::string_view text, const Measure& measure) {
 
 double metres_of(std::string_view text, double unit) {
   std::string plain = lower_case(std::string(text));
-  for (const std::string_view prime : {"\u2019", "\u2032", "\u00b4"}) replace_all(plain, prime, "'");
+  for (const std::string_view prime : {"\u2019", "\u2032", "\u00b4"})
+    replace_all(plain, prime, "'");
   for (const std::string_view prime : {"\u201d", "\u2033"}) replace_all(plain, prime, "\"");
   replace_all(plain, "\u00a0", " ");
   return greatest(plain, [&](std::string_view part) { return one_measure(part, unit); });

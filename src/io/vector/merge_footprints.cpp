@@ -65,8 +65,7 @@ FootprintsInput merge_footprints(std::vector<FootprintsInput> inputs,
   const auto rename = [&](FootprintsInput& input, const fs::path& path) {
     std::string name = path.stem().string();
     if (const int times = ++names[name]; times > 1) name += fmt::format("~{}", times);
-    for (Footprint& feature : input.features)
-      feature.source_id = name + ":" + feature.source_id;
+    for (Footprint& feature : input.features) feature.source_id = name + ":" + feature.source_id;
     for (UnusableFootprint& feature : input.dropped)
       feature.source_id = name + ":" + feature.source_id;
   };

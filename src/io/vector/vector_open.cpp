@@ -100,8 +100,9 @@ bool is_in_wal_mode(const fs::path& path) {
 std::shared_ptr<const void> copy_with_journal(const fs::path& path, std::string& name) {
   std::string pattern = (fs::temp_directory_path() / "tetropolis-XXXXXX").string();
   if (mkdtemp(pattern.data()) == nullptr)
-    fail_input(path, "has a -wal beside it, and there is no room for a copy in the folder for "
-                     "temporary files; set TMPDIR");
+    fail_input(path,
+               "has a -wal beside it, and there is no room for a copy in the folder for "
+               "temporary files; set TMPDIR");
   const fs::path folder = pattern;
   std::shared_ptr<const void> scratch(new int(0), [folder](const int* token) {
     delete token;
@@ -112,8 +113,7 @@ std::shared_ptr<const void> copy_with_journal(const fs::path& path, std::string&
   std::error_code error;
   fs::copy_file(path, copy, error);
   if (!error) fs::copy_file(path.string() + "-wal", copy.string() + "-wal", error);
-  if (error)
-    fail_input(path, "has a -wal beside it, and copying both fails: " + error.message());
+  if (error) fail_input(path, "has a -wal beside it, and copying both fails: " + error.message());
   name = copy.string();
   return scratch;
 }

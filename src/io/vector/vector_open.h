@@ -17,12 +17,12 @@ namespace tetropolis {
 /// An open vector file and what must outlive it.
 struct VectorFile {
   std::shared_ptr<const gdal::MemoryFolder> copy;  ///< In memory; null if the file itself is open.
-  std::shared_ptr<const void> scratch = {};  ///< Keeps a copy on disk while it is open.
+  std::shared_ptr<const void> scratch = {};        ///< Keeps a copy on disk while it is open.
   gdal::Dataset dataset;
   std::int64_t opening_errors = 0;  ///< Of single features: all can be read.
   std::string first_error;
-  bool is_osm = false;             ///< Buildings of OpenStreetMap, and its account:
-  std::vector<Dropped> osm_lost = {};  ///< Those without an area.
+  bool is_osm = false;                           ///< Buildings of OpenStreetMap, and its account:
+  std::vector<Dropped> osm_lost = {};            ///< Those without an area.
   std::vector<std::string> osm_incomplete = {};  ///< Those read without some of their corners.
 };
 

@@ -27,10 +27,10 @@
 #include "feature_attributes.h"
 #include "feature_heights.h"
 #include "feature_marks.h"
-#include "io/cityjson/model_footprints.h"
 #include "io/crs/gdal_support.h"
 #include "io/file/input_file.h"
 #include "io/vector/quirks/incomplete_file.h"
+#include "model_footprints.h"
 #include "vector_geometry.h"
 #include "vector_layers.h"
 #include "vector_open.h"
@@ -254,7 +254,8 @@ class LayerReader {
         continue;
       }
       if (units_.north_first) for_each_vertex(part.polygon, [](Point2& p) { std::swap(p.x, p.y); });
-      result_.features.push_back({std::move(part_id), std::move(part.polygon), height.metres, row, height.from_floors});
+      result_.features.push_back(
+          {std::move(part_id), std::move(part.polygon), height.metres, row, height.from_floors});
       parts_.push_back(marks.is_part);
     }
   }
@@ -444,8 +445,8 @@ FootprintsInput read_open_vector(const fs::path& path, const VectorFile& file,
   const FootprintLayer source(path, file.dataset.get(), options.layer);
   if (!options.where.empty() &&
       OGR_L_SetAttributeFilter(source.get(), options.where.c_str()) != OGRERR_NONE)
-    fail_input(path, fmt::format("`where`: {}{}; write it as in \"status = 'built'\"", options.where,
-                                 errors.reason()));
+    fail_input(path, fmt::format("`where`: {}{}; write it as in \"status = 'built'\"",
+                                 options.where, errors.reason()));
   FootprintsInput result;
   result.source = path.string();
   result.layer = gdal::utf8(OGR_L_GetName(source.get()));

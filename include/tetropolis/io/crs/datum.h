@@ -10,10 +10,10 @@ namespace tetropolis {
 
 /// A grid for want of which a transformation is less accurate than it could be.
 struct MissingGrid {
-  std::string name;         ///< Of the file, as PROJ's data have it: "uk_os_OSTN15_NTv2_OSGBtoETRS.tif".
-  std::string url;          ///< Where it can be had; may be empty.
-  double accuracy;          ///< Of what is done without it, metres; negative if nobody knows.
-  double accuracy_with;     ///< With it.
+  std::string name;  ///< Of the file, as PROJ's data have it: "uk_os_OSTN15_NTv2_OSGBtoETRS.tif".
+  std::string url;   ///< Where it can be had; may be empty.
+  double accuracy;   ///< Of what is done without it, metres; negative if nobody knows.
+  double accuracy_with;  ///< With it.
 };
 
 /// The grid of the best transformation around `box` (coordinates of `from`), if PROJ lacks it and

@@ -16,9 +16,9 @@ namespace tetropolis {
 
 /// What the header of a raster says. Its pixels may be oblong and its rows may run north.
 struct RasterHeader {
-  std::string crs;         ///< Canonical (crs.h); "" if none is stated.
-  Bounds2 box;             ///< Of the pixels, not of their centres; CRS coordinates.
-  double step_x = 1;       ///< Between centres, units of the system, > 0.
+  std::string crs;    ///< Canonical (crs.h); "" if none is stated.
+  Bounds2 box;        ///< Of the pixels, not of their centres; CRS coordinates.
+  double step_x = 1;  ///< Between centres, units of the system, > 0.
   double step_y = 1;
   std::int32_t nx = 0;
   std::int32_t ny = 0;
@@ -30,8 +30,8 @@ RasterHeader inspect_raster(const std::filesystem::path& path);
 
 /// The files that `arguments` name: files as they are, folders as the rasters directly inside (by
 /// the endings .tif, .tiff, .vrt, .asc, .img, .hgt, .dem, .xyz, .bil, .flt, .dt2, .jp2, .grd, .nc),
-/// and shell patterns. Sorted by absolute path, each once. Errors, kInput with the argument: no such
-/// file, pattern without a match, folder without any.
+/// and shell patterns. Sorted by absolute path, each once. Errors, kInput with the argument: no
+/// such file, pattern without a match, folder without any.
 std::vector<std::filesystem::path> expand_raster_paths(std::span<const std::string> arguments);
 
 /// How values between pixel centres are found.
@@ -46,9 +46,9 @@ struct ReadElevationsOptions {
 };
 
 struct Elevations {
-  Raster raster;             ///< Local frame, metres; NaN where no file has a value.
-  std::string crs;           ///< Of the coordinates; "" if unknown.
-  std::int64_t missing = 0;  ///< Nodes without a value.
+  Raster raster;                  ///< Local frame, metres; NaN where no file has a value.
+  std::string crs;                ///< Of the coordinates; "" if unknown.
+  std::int64_t missing = 0;       ///< Nodes without a value.
   std::vector<Warning> warnings;  ///< "raster_no_elevation", "raster_units".
 };
 
@@ -64,9 +64,9 @@ struct Elevations {
 /// Files are opened read-only and none is written.
 ///
 /// Guarantee: the order of the files does not matter. Errors, kInput with the path: missing, not a
-/// raster, cut, several bands, no georeference, a unit of heights nobody knows, two systems of which
-/// one is unknown, nothing in the box, more than 2^31 nodes or than fit into memory. kUsage for a
-/// bad system.
+/// raster, cut, several bands, no georeference, a unit of heights nobody knows, two systems of
+/// which one is unknown, nothing in the box, more than 2^31 nodes or than fit into memory. kUsage
+/// for a bad system.
 Elevations read_elevations(std::span<const std::filesystem::path> paths,
                            const ReadElevationsOptions& options = {});
 

@@ -23,8 +23,8 @@ struct ReadFootprintsOptions {
   std::string floors_attribute = {};  ///< Attribute with numbers of floors; empty:
                                       ///< `building:levels` or `num_floors`, if there is one.
   double floor_height = 3;            ///< Metres per floor, > 0.
-  double height_unit = 1;  ///< Metres per unit of heights that name none themselves, > 0.
-  std::string where = {};  ///< OGR SQL condition on attributes: only such features are read.
+  double height_unit = 1;       ///< Metres per unit of heights that name none themselves, > 0.
+  std::string where = {};       ///< OGR SQL condition on attributes: only such features are read.
   std::string source_crs = {};  ///< What the coordinates are in, whatever the file says; empty:
                                 ///< what the file says.
   std::string target_crs = {};  ///< Reproject to this; empty: leave as they are.
@@ -120,8 +120,8 @@ FootprintsInput read_footprints(const std::filesystem::path& path,
                                 const ReadFootprintsOptions& options = {});
 
 /// The same in another system: what read_footprints makes of them with `target` as target_crs.
-/// Precondition: footprints.crs is known. Errors: kUsage for a bad system; kInput with the source if
-/// there is no way from one to the other.
+/// Precondition: footprints.crs is known. Errors: kUsage for a bad system; kInput with the source
+/// if there is no way from one to the other.
 void reproject_footprints(FootprintsInput& footprints, const std::string& target);
 
 /// What a vector file says of one of its layers.

@@ -32,7 +32,9 @@ constexpr std::array kColumns{"osm_id",     "osm_way_id",
                               "layer",      "location"};
 constexpr const char* kOtherTags = "other_tags";
 
-bool is_yes(std::string_view value) { return !value.empty() && lower_case(std::string(value)) != "no"; }
+bool is_yes(std::string_view value) {
+  return !value.empty() && lower_case(std::string(value)) != "no";
+}
 
 bool is_building(const OsmElement& element) {
   return is_yes(element.tag("building")) || is_yes(element.tag("building:part"));
@@ -166,7 +168,8 @@ std::vector<Polygon> polygons_of(std::vector<Ring> rings) {
   const auto within = [&](std::size_t a, std::size_t b) {
     if (a == b || !(area(alone[a]) < area(alone[b]))) return false;
     return std::all_of(rings[a].begin(), rings[a].end(), [&](const Point2& p) {
-      return contains(alone[b], p) || std::find(rings[b].begin(), rings[b].end(), p) != rings[b].end();
+      return contains(alone[b], p) ||
+             std::find(rings[b].begin(), rings[b].end(), p) != rings[b].end();
     });
   };
   std::vector<Polygon> polygons;
@@ -214,8 +217,8 @@ class Writer {
                              value.c_str());
         continue;
       }
-      others += fmt::format("{}\"{}\"=>\"{}\"", others.empty() ? "" : ",", escaped(key),
-                            escaped(value));
+      others +=
+          fmt::format("{}\"{}\"=>\"{}\"", others.empty() ? "" : ",", escaped(key), escaped(value));
     }
     if (!others.empty())
       OGR_F_SetFieldString(feature.get(), static_cast<int>(kColumns.size()), others.c_str());
@@ -268,8 +271,7 @@ class Assembly {
   }
 
  private:
-  void lose(const OsmElement& element, std::string reason,
-            DropCause cause = DropCause::kUnusable) {
+  void lose(const OsmElement& element, std::string reason, DropCause cause = DropCause::kUnusable) {
     result_.lost.push_back({name_of(element), std::move(reason), cause});
   }
 
@@ -302,7 +304,8 @@ class Assembly {
   void add_relation(const OsmElement& relation) {
     const bool group = is_group(relation);
     if (!is_area_relation(relation) && !group)
-      return lose(relation, fmt::format("a relation of type '{}', not an area", relation.tag("type")));
+      return lose(relation,
+                  fmt::format("a relation of type '{}', not an area", relation.tag("type")));
     const std::vector<std::int64_t> members = outline_of(relation);
     std::ptrdiff_t lacking = 0;
     std::vector<Chain> chains;
@@ -370,8 +373,8 @@ class Assembly {
     std::vector<std::int64_t> outer;
     for (const std::int64_t id : outline_of(relation)) {
       const OsmElement* way = source_.way(id);
-      const Point2* first = way == nullptr || way->nodes.empty() ? nullptr
-                                                                 : source_.place(way->nodes.front());
+      const Point2* first =
+          way == nullptr || way->nodes.empty() ? nullptr : source_.place(way->nodes.front());
       if (first == nullptr) continue;
       for (const Polygon& polygon : polygons)
         if (std::find(polygon.outer.begin(), polygon.outer.end(), *first) != polygon.outer.end())
@@ -393,8 +396,8 @@ OsmBuildings read_osm_buildings(const fs::path& path) {
   OsmBuildings result;
   GDALDriverH driver = GDALGetDriverByName("Memory");
   if (driver == nullptr) driver = GDALGetDriverByName("MEM");
-  result.dataset.reset(
-      driver == nullptr ? nullptr : GDALCreate(driver, "", 0, 0, 0, GDT_Unknown, nullptr));
+  result.dataset.reset(driver == nullptr ? nullptr
+                                         : GDALCreate(driver, "", 0, 0, 0, GDT_Unknown, nullptr));
   if (result.dataset == nullptr) fail_input(path, "GDAL cannot hold its buildings in memory");
   Writer writer(path, result.dataset.get());
   Assembly(source, writer, result).run();

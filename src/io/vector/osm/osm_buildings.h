@@ -13,8 +13,8 @@
 namespace tetropolis {
 
 struct OsmBuildings {
-  gdal::Dataset dataset;           ///< In memory: the layer "multipolygons", WGS 84.
-  std::vector<Dropped> lost;       ///< Buildings without an area, and why; "way/7", "relation/3".
+  gdal::Dataset dataset;      ///< In memory: the layer "multipolygons", WGS 84.
+  std::vector<Dropped> lost;  ///< Buildings without an area, and why; "way/7", "relation/3".
   std::vector<std::string> incomplete;  ///< Read without some of their corners: the same names.
 };
 
@@ -24,8 +24,8 @@ struct OsmBuildings {
 /// holds the rest as `"key"=>"value","key"=>"value"`.
 ///
 /// Multipolygons are put together from their ways by these ends; rings within others are their
-/// holes, whatever their roles. A relation that has no tag of its own has those of its outer way. An
-/// outer way of a relation that is an area is no area of its own. A relation of type building
+/// holes, whatever their roles. A relation that has no tag of its own has those of its outer way.
+/// An outer way of a relation that is an area is no area of its own. A relation of type building
 /// without an outline is `lost` with the cause kOutlined if it has parts. The same account whatever
 /// the format. Errors: those of read_osm.
 OsmBuildings read_osm_buildings(const std::filesystem::path& path);

@@ -1,7 +1,7 @@
 #include "osm_elements.h"
 
 #include <algorithm>
-#include <array>
+#include <cstdio>
 #include <fstream>
 
 #include <zlib.h>
@@ -95,7 +95,8 @@ std::size_t OsmBytes::read(char* data, std::size_t size) {
   while (state_->file != nullptr && done < size) {
     if (state_->blocks == nullptr) return done;
     int error = BZ_OK;
-    const int count = BZ2_bzRead(&error, state_->blocks, data + done, static_cast<int>(size - done));
+    const int count =
+        BZ2_bzRead(&error, state_->blocks, data + done, static_cast<int>(size - done));
     if (error != BZ_OK && error != BZ_STREAM_END) fail_input(state_->path, kGetAgain);
     done += static_cast<std::size_t>(count);
     if (error != BZ_STREAM_END) continue;
@@ -115,8 +116,7 @@ std::size_t OsmBytes::read(char* data, std::size_t size) {
   if (state_->file != nullptr) return done;
 #endif
   while (done < size) {
-    const int count =
-        gzread(state_->packed, data + done, static_cast<unsigned>(size - done));
+    const int count = gzread(state_->packed, data + done, static_cast<unsigned>(size - done));
     if (count < 0) fail_input(state_->path, kGetAgain);
     if (count == 0) break;
     done += static_cast<std::size_t>(count);

@@ -1,3 +1,5 @@
+#include <vector>
+
 #include <nlohmann/json.hpp>
 
 #include "io/file/input_file.h"
@@ -34,8 +36,7 @@ OsmElement element_of(const Json& json, OsmKind kind) {
   if (json.contains("nodes")) element.nodes = json["nodes"].get<std::vector<std::int64_t>>();
   if (json.contains("geometry") && kind == OsmKind::kWay)
     for (const Json& at : json["geometry"])
-      if (at.is_object())
-        element.places.push_back({at.value("lon", 0.0), at.value("lat", 0.0)});
+      if (at.is_object()) element.places.push_back({at.value("lon", 0.0), at.value("lat", 0.0)});
   if (json.contains("members"))
     for (const Json& part : json["members"]) {
       OsmMember member;

@@ -1,6 +1,6 @@
 #include <array>
-#include <cstring>
-#include <limits>
+#include <string_view>
+#include <vector>
 
 #include <fmt/format.h>
 #include <zlib.h>

@@ -1,6 +1,7 @@
 #include <charconv>
 #include <exception>
 #include <new>
+#include <string_view>
 
 #include <expat.h>
 #include <fmt/format.h>

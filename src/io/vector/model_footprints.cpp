@@ -13,8 +13,8 @@
 #include "tetropolis/io/cityjson/cityjson.h"
 #include "tetropolis/io/crs/crs.h"
 
-#include "citygml.h"
 #include "core/text.h"
+#include "io/cityjson/citygml.h"
 
 namespace tetropolis {
 
