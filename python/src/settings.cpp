@@ -26,7 +26,7 @@ struct Function {
 const std::vector<Function>& functions() {
   static const std::vector<Function> all{
       {"build_city", kCity, {"Input", "City model", "Run"}},
-      {"read_city", kMesh, {}, {"bounds", "terrain_only", "min_building_distance"}},
+      {"read_city", kMesh, {}, {"bounds", "terrain_only", "ground_level", "min_building_distance"}},
       {"build_mesh", kMesh, {"Mesh", "Run"}},
       {"save", kMesh, {}, {"coordinates", "compression"}},
       {"synth", kSynth, {"Synthetic city", "Run"}},
