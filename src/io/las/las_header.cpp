@@ -68,11 +68,11 @@ void parse_fixed(const fs::path& path, std::string_view h, LasLayout& layout) {
   LasInfo& info = layout.info;
   info.version_major = number_at<std::uint8_t>(h, 24);
   info.version_minor = number_at<std::uint8_t>(h, 25);
-  if (info.version_major != 1 || info.version_minor > 4)
-    fail_input(path, fmt::format("byte 24 says LAS {}.{}; only 1.0 to 1.4 exist",
+  if (info.version_major != 1 || info.version_minor > 5)
+    fail_input(path, fmt::format("byte 24 says LAS {}.{}; only 1.0 to 1.5 exist",
                                  info.version_major, info.version_minor));
   const int header_size = number_at<std::uint16_t>(h, 94);
-  const int smallest = info.version_minor == 4 ? 375 : info.version_minor == 3 ? 235 : 227;
+  const int smallest = info.version_minor >= 4 ? 375 : info.version_minor == 3 ? 235 : 227;
   if (header_size < smallest)
     fail_input(path,
                fmt::format("byte 94 gives a header of {} bytes, but LAS 1.{} needs {}; the file is "
@@ -120,7 +120,7 @@ void parse_numbers(const fs::path& path, std::string_view h, LasInfo& info) {
                     131 + 8 * axis, info.scale[axis], info.offset[axis], "xyz"[axis]));
   }
   const auto legacy = number_at<std::uint32_t>(h, 107);
-  const std::uint64_t extended = info.version_minor == 4 ? number_at<std::uint64_t>(h, 247) : 0;
+  const std::uint64_t extended = info.version_minor >= 4 ? number_at<std::uint64_t>(h, 247) : 0;
   const std::uint64_t count = extended != 0 ? extended : legacy;
   if (count > (std::uint64_t{1} << 62))
     fail_input(path,

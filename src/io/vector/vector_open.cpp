@@ -18,6 +18,7 @@
 #include "io/vector/osm/osm_buildings.h"
 #include "io/vector/osm/osm_elements.h"
 #include "io/vector/quirks/csv_tables.h"
+#include "io/vector/quirks/json_lines.h"
 #include "io/vector/quirks/shapefile_members.h"
 #include "vector_geometry.h"
 
@@ -157,11 +158,14 @@ VectorFile open_vector(const fs::path& path, const gdal::QuietErrors& errors, bo
     name = vector_in_archive(path, errors);
   } else if (lower_case(path.extension().string()) == ".gz") {
     name = "/vsigzip/" + path.string();
+  } else if (are_lines_of_collections(path)) {
+    file.copy = std::make_shared<const gdal::MemoryFolder>();
+    name = copy_features_of_lines(path, *file.copy);
   } else if (needs_copy(path)) {
     file.copy = std::make_shared<const gdal::MemoryFolder>();
     name = copy_shapefile(path, *file.copy);
   }
-  const CPLConfigOptionSetter restore("SHAPE_RESTORE_SHX", file.copy ? "YES" : "NO", false);
+  const CPLConfigOptionSetter restore("SHAPE_RESTORE_SHX", needs_copy(path) ? "YES" : "NO", false);
   CPLStringList options;
   options.SetNameValue("WRITE_GFS", "NO");
   if (is_in_wal_mode(path)) {
@@ -175,6 +179,10 @@ VectorFile open_vector(const fs::path& path, const gdal::QuietErrors& errors, bo
   const CPLConfigOptionSetter any_order("OSM_USE_CUSTOM_INDEXING", packed ? "YES" : "NO", false);
   file.dataset.reset(GDALOpenEx(name.c_str(), GDAL_OF_VECTOR | GDAL_OF_VERBOSE_ERROR, nullptr,
                                 options.List(), nullptr));
+  if (file.dataset == nullptr && lower_case(path.extension().string()).ends_with("parquet"))
+    fail_input(path,
+               "is GeoParquet, which this GDAL does not read; take the data as GeoJSON or "
+               "GeoPackage, or convert it with DuckDB or a GDAL that has the driver Parquet");
   const bool unknown = errors.last().find("not recognized as") != std::string::npos;
   if (file.dataset == nullptr)
     fail_input(path, "not a vector file" + (unknown ? "" : errors.reason()) +
