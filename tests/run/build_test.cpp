@@ -394,7 +394,7 @@ TEST_F(Build, ATerrainThatIsNotTheCitysIsNamed) {
     Raster moved = terrain.raster;
     for (double& z : moved.values) z += lift;
     mesh.dtm = {(scratch / "moved.tif").string()};
-    write_raster(mesh.dtm, moved, {0, 0}, terrain.crs);
+    write_raster(mesh.dtm.front(), moved, {0, 0}, terrain.crs);
     mesh.out = (scratch / "mesh").string();
     const std::vector<Warning> warnings = run_mesh(mesh).warnings;
     const auto found = std::find_if(warnings.begin(), warnings.end(), [](const Warning& warning) {
