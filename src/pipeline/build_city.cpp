@@ -241,7 +241,8 @@ void require_elevations(const Raster& dtm, const PointsInput& points) {
 
 /// The nodes of step 1.3 with the heights of a terrain that is known.
 Raster sampled_terrain(const BuildCityOptions& options, const CityInput& input) {
-  Raster dtm = dtm_grid(input.domain, options.dtm.step, options.dtm.anchor);
+  Raster dtm =
+      dtm_grid(input.domain, options.dtm.step, options.origin ? Point2{0, 0} : options.dtm.anchor);
   parallel_chunks(static_cast<std::size_t>(dtm.ny), 16, [&](std::size_t begin, std::size_t end) {
     for (auto j = static_cast<std::int32_t>(begin); j < static_cast<std::int32_t>(end); ++j)
       for (std::int32_t i = 0; i < dtm.nx; ++i)
