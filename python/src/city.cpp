@@ -250,6 +250,13 @@ void bind_model(nb::module_& module) {
                      const Bounds2 box = self.domain.moved(self.origin).bounds();
                      return std::tuple(box.xmin, box.ymin, box.xmax, box.ymax);
                    })
+      .def_prop_ro("domain_outline",
+                   [](const CityModel& self) {
+                     std::vector<std::pair<double, double>> corners;
+                     for (const Point2 p : self.domain.moved(self.origin).outline().outer)
+                       corners.emplace_back(p.x, p.y);
+                     return corners;
+                   })
       .def_ro("crs", &CityModel::crs)
       .def(
           "save",

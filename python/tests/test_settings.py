@@ -90,3 +90,14 @@ def test_messages_name_keywords():
                           ("a/mesh_size.las: cut", "a/mesh_size.las: cut"), ("the top", "the top"),
                           ("lower min_building_area or give `bounds`", "lower min_building_area= or give bounds=")]:
         assert _core.with_keywords(message) == ours
+
+
+def test_domain_along_the_wind(data):
+    city = tp.build_city(data / "footprints.shp", data, domain="auto", wind_from=240)
+    assert len(city.domain_outline) == 4
+    x, y = zip(*city.domain_outline)
+    assert city.domain == pytest.approx((min(x), min(y), max(x), max(y)), abs=1e-6)
+    mesh = tp.build_mesh(city, mesh_size=10, far_size=40)
+    numbers = {name: number for number, name in mesh.boundary.patches.items()}
+    assert all((mesh.boundary.patch == numbers[name]).any() for name in ("inlet", "outlet", "side_left", "side_right"))
+    assert not (mesh.boundary.patch == numbers["xmin"]).any()

@@ -161,6 +161,11 @@ class CityModel:
         return self._model.domain
 
     @property
+    def domain_outline(self) -> list[tuple[float, float]]:
+        """Corners of the domain in CRS coordinates, counter-clockwise: four of a box, more of a cylinder or polygon."""
+        return self._model.domain_outline
+
+    @property
     def parts(self) -> pandas.DataFrame:
         """One row per part of a building, if it has some: `building` (position), `id`, `part` (from 0), `source_id`,
         `lod` ("1.2", "1.3", "2.2" or "block"), `slope` and `azimuth` (degrees; where the roof looks, clockwise from

@@ -48,8 +48,11 @@ CitySize size_of(const MeshCityOptions& options, const CityModel& city, const Ra
     std::vector<const Polygon*> footprints;
     for (const Building& building : city.buildings) footprints.push_back(&building.footprint);
     size.mesh_size = options.mesh_size;
-    size.sizes =
-        graded_sizes(footprints, city.domain.bounds(), options.mesh_size, options.grading).sizes();
+    const Bounds2& box = city.domain.bounds();
+    size.sizes = graded_sizes(footprints, box, options.mesh_size, options.grading).sizes();
+    // Of the box, which a turned domain does not fill.
+    const double share = size.area / (box.width() * box.height());
+    for (auto& [edge, area] : size.sizes) area *= share;
   }
   return size;
 }

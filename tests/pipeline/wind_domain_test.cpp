@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <filesystem>
+#include <fstream>
 #include <map>
 #include <numbers>
 #include <random>
@@ -11,6 +13,7 @@
 
 #include "tetropolis/core/error.h"
 #include "tetropolis/geometry/polygon.h"
+#include "tetropolis/io/cityjson/cityjson.h"
 #include "tetropolis/pipeline/mesh_city.h"
 
 #include "support/test_data.h"
@@ -302,6 +305,39 @@ TEST(WindDomain, MeshHasItsSidesAsPatches) {
                 1e-6 * mesh.volume_facts.volume);
     EXPECT_GT(facts.length, 300);
   }
+}
+
+TEST(WindDomain, IsInTheCityModelsFile) {
+  const std::filesystem::path path =
+      std::filesystem::path(::testing::TempDir()) / "wind_domain.city.json";
+  for (const WindDomainOptions& options :
+       {WindDomainOptions{DomainShape::kBox}, WindDomainOptions{DomainShape::kBox, 240},
+        WindDomainOptions{DomainShape::kCylinder, 270, 7}}) {
+    Model model = small_model();
+    fit(options, model);
+    write_city(path, model.city);
+    const CityModel read = read_city(path);
+    EXPECT_EQ(read.domain, model.city.domain);
+    EXPECT_EQ(read.domain_top, model.city.domain_top);
+  }
+  // Corners the wrong way round are no domain.
+  std::string text;
+  std::getline(std::ifstream(path), text, '\0');
+  const std::size_t begin = text.find("\"domainSides\":[");
+  ASSERT_NE(begin, std::string::npos);
+  std::ofstream(path)
+      << text.substr(0, begin) << "\"domainSides\":["
+      << R"({"from":[0,0],"patch":9,"name":"a"},{"from":[0,9],"patch":9,"name":"a"},)"
+      << R"({"from":[9,0],"patch":9,"name":"a"}],"domainTop":50)"
+      << text.substr(text.find(",\"dropped\"", begin));
+  try {
+    read_city(path);
+    ADD_FAILURE() << "no error";
+  } catch (const Error& error) {
+    EXPECT_NE(std::string(error.what()).find("counter-clockwise"), std::string::npos)
+        << error.what();
+  }
+  std::filesystem::remove(path);
 }
 
 }  // namespace

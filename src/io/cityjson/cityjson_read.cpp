@@ -452,6 +452,8 @@ Domain read_sides(const Place& sides, Point2 origin) {
     if (std::none_of(own.begin(), own.end(), is_known))
       own.push_back({patches.back(), side.at("name").text(), PatchKind::kSide});
   }
+  std::sort(own.begin(), own.end(),
+            [](const PatchInfo& a, const PatchInfo& b) { return a.patch < b.patch; });
   if (ring.size() < 3 || !(signed_area(ring) > 0))
     sides.fail("are not the corners of a polygon, counter-clockwise");
   return {std::move(ring), std::move(patches), std::move(own)};
