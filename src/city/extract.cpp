@@ -4,6 +4,7 @@
 #include <atomic>
 #include <cmath>
 #include <limits>
+#include <numbers>
 #include <utility>
 
 #include <fmt/format.h>
@@ -12,6 +13,7 @@
 #include "tetropolis/core/error.h"
 #include "tetropolis/geometry/polygon.h"
 
+#include "city/radius_search.h"
 #include "core/parallel.h"
 #include "core/ragged_builder.h"
 #include "core/shared_progress.h"
@@ -242,11 +244,10 @@ BuildingPoints find_points(std::span<const Polygon* const> footprints, std::size
   return points;
 }
 
-/// The buildings, ascending, that have more points of `ranges` inside than in `roof`.
-std::vector<BuildingIndex> find_unclassified(std::span<const Polygon* const> footprints,
-                                             const PointLists& roof, const PointCloud& cloud,
-                                             std::span<const PointRange> ranges,
-                                             const Progress& progress) {
+/// Per footprint, the points of `ranges` inside, whatever their class.
+std::vector<std::uint32_t> count_inside(std::span<const Polygon* const> footprints,
+                                        const PointCloud& cloud, std::span<const PointRange> ranges,
+                                        const Progress& progress) {
   std::vector<std::uint32_t> inside_of(footprints.size(), 0);
   const FootprintIndex index(footprints, 0);
   std::int64_t all = 0;
@@ -260,17 +261,28 @@ std::vector<BuildingIndex> find_unclassified(std::span<const Polygon* const> foo
         });
       shared.add(static_cast<std::int64_t>(end - begin));
     });
+  return inside_of;
+}
+
+/// The buildings, ascending, that have more points of `ranges` inside than in `roof`.
+std::vector<BuildingIndex> find_unclassified(std::span<const Polygon* const> footprints,
+                                             const PointLists& roof, const PointCloud& cloud,
+                                             std::span<const PointRange> ranges,
+                                             const Progress& progress) {
+  const std::vector<std::uint32_t> inside_of = count_inside(footprints, cloud, ranges, progress);
   std::vector<BuildingIndex> result;
   for (std::size_t b = 0; b < footprints.size(); ++b)
     if (inside_of[b] > roof[b].size()) result.push_back(BuildingIndex(b));
   return result;
 }
 
-/// Gives the roofs of `which` the points that are there by exclusion, if there are any.
+/// Gives the roofs of `which` the points that are there by exclusion, if there are any and
+/// accept(number in `which`, points) says so; `mark`: their by_exclusion.
+template <typename Accept>
 void take_by_exclusion(std::span<const Polygon* const> footprints,
                        std::span<const BuildingIndex> which, const PointCloud& cloud,
-                       const ExtractOptions& options, const Progress& progress,
-                       BuildingPoints& points) {
+                       const ExtractOptions& options, const Progress& progress, std::uint8_t mark,
+                       const Accept& accept, BuildingPoints& points) {
   std::vector<const Polygon*> order;
   for (const BuildingIndex b : which) order.push_back(footprints[b]);
   std::size_t next = 0;
@@ -285,13 +297,77 @@ void take_by_exclusion(std::span<const Polygon* const> footprints,
   for (std::size_t b = 0; b < points.roof.size(); ++b) {
     std::span<const PointIndex> row = points.roof[b];
     if (next < which.size() && which[next] == b) {
-      const std::span<const PointIndex> other = found.roof[next++];
-      points.by_exclusion[b] = other.empty() ? 0 : 1;
-      if (!other.empty()) row = other;
+      const std::span<const PointIndex> other = found.roof[next];
+      if (!other.empty() && accept(next, other)) {
+        points.by_exclusion[b] = mark;
+        row = other;
+      }
+      ++next;
     }
     roof.push_back(row);
   }
   points.roof = std::move(roof);
+}
+
+constexpr std::size_t kFewRoofPoints = 4, kLeastOfCleanRoof = 10;
+
+/// Whether points by exclusion are a roof beyond doubt; `inside`: of all points in the footprint.
+bool is_clean_roof(const Polygon& footprint, std::span<const PointIndex> roof,
+                   std::span<const PointIndex> ground, std::size_t inside,
+                   const PointCloud& cloud) {
+  constexpr double kAbove = 2;                           // metres
+  constexpr double kLow = 10;                            // percentile
+  constexpr double kLeastRadius = 1, kThickness = 0.25;  // metres
+  constexpr double kEnough = 12;                         // points that say what a surface is
+  constexpr double kOnSurfaces = 0.75;
+  if (roof.size() < kLeastOfCleanRoof || 2 * roof.size() < inside || ground.empty()) return false;
+  const auto height = [&](std::span<const PointIndex> list, double share) {
+    std::vector<double> heights;
+    for (const PointIndex p : list) heights.push_back(cloud.z[p]);
+    return percentile(heights, share);
+  };
+  if (height(roof, 50) < height(ground, kLow) + kAbove) return false;
+  const double radius = std::max(
+      kLeastRadius,
+      std::sqrt(kEnough * area(footprint) / (std::numbers::pi * static_cast<double>(roof.size()))));
+  const RadiusSearch search({roof.begin(), roof.end()}, cloud, radius);
+  std::size_t on_surfaces = 0;
+  for (std::size_t k = 0; k < search.size(); ++k)
+    on_surfaces += search.on_surface(k, kThickness / radius) ? 1 : 0;
+  return static_cast<double>(on_surfaces) >= kOnSurfaces * static_cast<double>(roof.size());
+}
+
+/// Clean roofs that nobody has classified.
+void take_clean_roofs(std::span<const Polygon* const> footprints, std::size_t buildings,
+                      const PointCloud& cloud, const ExtractOptions& options,
+                      const Progress& progress, BuildingPoints& points) {
+  std::vector<const Polygon*> few;
+  std::vector<BuildingIndex> numbers;
+  for (std::size_t b = 0; b < buildings; ++b)
+    if (points.roof[b].size() < kFewRoofPoints && points.by_exclusion[b] == 0) {
+      few.push_back(footprints[b]);
+      numbers.push_back(BuildingIndex(b));
+    }
+  if (few.empty()) return;
+  const PointRange everything{0, cloud.size()};
+  const std::vector<std::uint32_t> counts =
+      count_inside(few, cloud, {&everything, 1}, portion(progress, 0, 0.3));
+  std::vector<BuildingIndex> which;
+  std::vector<std::size_t> inside;
+  for (std::size_t k = 0; k < few.size(); ++k) {
+    if (counts[k] < kLeastOfCleanRoof) continue;
+    which.push_back(numbers[k]);
+    inside.push_back(counts[k]);
+  }
+  if (which.empty()) return;
+  const PointLists ground = points.ground;
+  take_by_exclusion(
+      footprints, which, cloud, options, portion(progress, 0.3, 1), 2,
+      [&](std::size_t number, std::span<const PointIndex> roof) {
+        const BuildingIndex b = which[number];
+        return is_clean_roof(*footprints[b], roof, ground[b], inside[number], cloud);
+      },
+      points);
 }
 
 BuildingPoints extract(std::span<const Polygon* const> footprints, std::size_t buildings,
@@ -310,11 +386,14 @@ BuildingPoints extract(std::span<const Polygon* const> footprints, std::size_t b
   if (!by_exclusion && !options.no_buildings.empty()) {
     const std::vector<BuildingIndex> unclassified =
         find_unclassified(footprints.first(buildings), points.roof, cloud, options.no_buildings,
-                          portion(progress, 0.6, 0.7));
+                          portion(progress, 0.6, 0.65));
     if (!unclassified.empty())
-      take_by_exclusion(footprints, unclassified, cloud, options, portion(progress, 0.7, 1),
-                        points);
+      take_by_exclusion(
+          footprints, unclassified, cloud, options, portion(progress, 0.65, 0.8), 1,
+          [](std::size_t, std::span<const PointIndex>) { return true; }, points);
   }
+  if (!by_exclusion)
+    take_clean_roofs(footprints, buildings, cloud, options, portion(progress, 0.8, 1), points);
   progress.update(1);
   return points;
 }

@@ -74,6 +74,17 @@ void measure_distances(const Ray& edge, const std::vector<Point2>& corners,
   }
 }
 
+Ring without_junctions(const Ring& ring) {
+  constexpr double kOnLine = 0.01;  // metres
+  Ring kept;
+  for (std::size_t i = 0; i < ring.size(); ++i) {
+    const Point2 before = kept.empty() ? ring.back() : kept.back();
+    if (distance_to_segment(ring[i], before, ring[(i + 1) % ring.size()]) > kOnLine)
+      kept.push_back(ring[i]);
+  }
+  return kept.size() < 3 ? ring : kept;
+}
+
 }  // namespace
 
 LineClearance line_clearance(std::span<const RoofPart> parts) {
@@ -95,6 +106,13 @@ LineClearance line_clearance(std::span<const RoofPart> parts) {
   for (const Ray& ray : rays)
     if (comes_before(ray.a, ray.b)) measure_distances(ray, corners, clearance);
   return clearance;
+}
+
+Polygon without_junctions(const Polygon& footprint) {
+  Polygon result;
+  result.outer = without_junctions(footprint.outer);
+  for (const Ring& hole : footprint.holes) result.holes.push_back(without_junctions(hole));
+  return result;
 }
 
 }  // namespace tetropolis

@@ -1,10 +1,11 @@
-// How close the lines of a building's parts come to each other. Private to the library.
+// The lines of a building's parts. Private to the library.
 #pragma once
 
 #include <limits>
 #include <span>
 
 #include "tetropolis/city/city_model.h"
+#include "tetropolis/geometry/types.h"
 
 namespace tetropolis {
 
@@ -19,5 +20,9 @@ struct LineClearance {
 
 /// Over all edges of the outlines together. Precondition: parts as RoofPart states.
 LineClearance line_clearance(std::span<const RoofPart> parts);
+
+/// Without the vertices that are within a centimetre of the line between their neighbours: of
+/// footprints, what only parts had.
+Polygon without_junctions(const Polygon& footprint);
 
 }  // namespace tetropolis

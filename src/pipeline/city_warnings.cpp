@@ -144,6 +144,12 @@ void warn_of_other_heights(const CityModel& raw, std::vector<Warning>& warnings)
 void warn_of_exclusion(const BuildingPoints& points, std::int64_t all_points,
                        std::vector<Warning>& warnings) {
   const std::vector<std::uint8_t>& marks = points.by_exclusion;
+  if (const auto clean = std::count(marks.begin(), marks.end(), 2); clean > 0)
+    warnings.push_back(
+        {"roofs_without_class", clean,
+         fmt::format("{} footprints have no points of class 6 (building) but a clean roof of other "
+                     "points, which is used",
+                     clean)});
   const auto count = std::count(marks.begin(), marks.end(), 1);
   if (count == 0) return;
   const bool everywhere = count == std::ssize(marks);

@@ -16,6 +16,7 @@
 #include "city/clip.h"
 #include "city/part_lines.h"
 #include "city/part_tiling.h"
+#include "city/roofs/clear_parts.h"
 #include "core/units.h"
 #include "elevations.h"
 #include "require_room.h"
@@ -67,18 +68,6 @@ std::string reason_to_flatten(const std::vector<RoofPart>& parts, double min_dis
   return {};
 }
 
-/// Without the vertices that are within a centimetre of the line between their neighbours.
-Ring without_junctions(const Ring& ring) {
-  constexpr double kOnLine = 0.01;  // metres
-  Ring kept;
-  for (std::size_t i = 0; i < ring.size(); ++i) {
-    const Point2 before = kept.empty() ? ring.back() : kept.back();
-    if (distance_to_segment(ring[i], before, ring[(i + 1) % ring.size()]) > kOnLine)
-      kept.push_back(ring[i]);
-  }
-  return kept.size() < 3 ? ring : kept;
-}
-
 /// Why parts are not what a mesh stands on; empty if they are.
 std::string fault_of_parts(const Building& building, double min_distance) {
   if (building.parts.empty()) return {};
@@ -101,12 +90,21 @@ FlattenedRoofs flatten_unmeshable(CityModel& city, double min_distance) {
   FlattenedRoofs flattened;
   for (Building& building : city.buildings) {
     if (building.parts.empty()) continue;
-    const std::string reason = reason_to_flatten(building.parts, min_distance);
+    std::string reason = reason_to_flatten(building.parts, min_distance);
     if (reason.empty()) continue;
+    if (Building simpler = building; clear_parts(simpler, min_distance)) {
+      const std::string left = reason_to_flatten(simpler.parts, min_distance);
+      if (left.empty()) {
+        building = std::move(simpler);
+        if (flattened.simplified++ == 0)
+          flattened.first_simplified = name_of(building) + ": " + reason;
+        continue;
+      }
+      reason = left;
+    }
     if (flattened.count++ == 0) flattened.first = name_of(building) + ": " + reason;
     building.parts.clear();
-    building.footprint.outer = without_junctions(building.footprint.outer);
-    for (Ring& hole : building.footprint.holes) hole = without_junctions(hole);
+    building.footprint = without_junctions(building.footprint);
   }
   return flattened;
 }

@@ -116,9 +116,15 @@ void leave_out_unmeshable(const Config& config, CityModel& city, std::vector<War
                    left_out, first.source_id, first.reason, domain_text(city))});
 }
 
-/// What a mesh cannot have as it is becomes a block.
+/// What a mesh cannot have as it is gets simpler roofs, or becomes a block.
 void flatten_parts(const Config& config, CityModel& city, std::vector<Warning>& warnings) {
   const FlattenedRoofs flattened = flatten_unmeshable(city, config.min_building_distance);
+  if (flattened.simplified > 0)
+    warnings.push_back(
+        {"city_parts_simplified", static_cast<std::int64_t>(flattened.simplified),
+         fmt::format("{}: the roofs of {} buildings get simpler lines, which leave room for cells "
+                     "(first: {})",
+                     config.city, flattened.simplified, flattened.first_simplified)});
   if (flattened.count == 0) return;
   warnings.push_back(
       {"city_parts_flattened", static_cast<std::int64_t>(flattened.count),

@@ -242,7 +242,55 @@ TEST(Extract, RoofsInFilesWithoutTheClassAreByExclusion) {
     EXPECT_EQ(points.roof[b].size(), b == 7 || empty ? 0U : b == 20 ? 33U : 25U) << b;
     EXPECT_EQ(points.ground[b].size(), 5U) << b;
   }
-  EXPECT_EQ(count_by_exclusion(extract_building_points(scene.footprints, scene.cloud)), 0);
+  // Without a word on files, clean roofs are found one by one.
+  const BuildingPoints by_building = extract_building_points(scene.footprints, scene.cloud);
+  EXPECT_EQ(count_by_exclusion(by_building), 0);
+  for (std::size_t b = 0; b < 40; ++b)
+    EXPECT_EQ(by_building.by_exclusion[b], b > 20 && b != 23 ? 2 : 0) << b;
+}
+
+/// Beside classified houses: plots whose points have no class but those on the ground.
+TEST(Extract, ACleanRoofWithoutTheClassIsARoof) {
+  std::mt19937 random(test_seed());
+  std::uniform_real_distribution<double> within(0.1, 9.9), deep(2, 9), noise(-0.03, 0.03);
+  Scene scene;
+  const auto plot = [&](const auto& height, int points, std::uint8_t code, int ground_inside) {
+    const double x = 20.0 * static_cast<double>(scene.footprints.size());
+    scene.footprints.push_back(testing::rectangle(x, 0, x + 10, 10));
+    for (int k = 0; k < points; ++k) {
+      const double u = within(random), v = within(random);
+      add(scene.cloud, x + u, v, height(u, v) + noise(random), code);
+    }
+    for (int k = 0; k < ground_inside; ++k)
+      add(scene.cloud, x + within(random), within(random), noise(random), kGround);
+    for (int k = 0; k < 20; ++k) add(scene.cloud, x - 0.5, 0.5 * k, noise(random), kGround);
+    return scene.footprints.size() - 1;
+  };
+  const auto gable = [](double, double v) { return 9 - 0.7 * std::abs(v - 5); };
+  const auto level = [](double z) { return [z](double, double) { return z; }; };
+  for (int k = 0; k < 10; ++k) plot(gable, 400, kBuildingClass, 0);
+  const std::size_t house = plot(gable, 400, kUnclassified, 0);
+  const std::size_t sparse = plot(level(6), 50, kUnclassified, 0);
+  const std::size_t trees =
+      plot([&](double, double) { return deep(random); }, 400, kUnclassified, 0);
+  const std::size_t hedge = plot(level(1.3), 400, kUnclassified, 0);
+  const std::size_t awning = plot(level(3), 150, kUnclassified, 300);
+  const std::size_t few = plot(level(6), 8, kUnclassified, 0);
+  for (const RoofPoints said : {RoofPoints::kAuto, RoofPoints::kClassified}) {
+    ExtractOptions options;
+    options.roof_points = said;
+    const BuildingPoints points = extract_building_points(scene.footprints, scene.cloud, options);
+    for (const std::size_t b : {house, sparse}) {
+      EXPECT_EQ(points.by_exclusion[b], 2) << b << " seed " << test_seed();
+      EXPECT_GT(points.roof[b].size(), 40U);
+      for (const PointIndex p : points.roof[b])
+        EXPECT_EQ(scene.cloud.classification[p], kUnclassified);
+    }
+    for (const std::size_t b : {std::size_t{0}, trees, hedge, awning, few}) {
+      EXPECT_EQ(points.by_exclusion[b], 0) << b << " seed " << test_seed();
+      EXPECT_EQ(points.roof[b].empty(), b != 0) << b;
+    }
+  }
 }
 
 TEST(Extract, WithAWordOnClassesAFarPlaceChangesNothing) {
@@ -266,8 +314,8 @@ TEST(Extract, WithAWordOnClassesAFarPlaceChangesNothing) {
     options.roof_points = said;
     EXPECT_EQ(extract_building_points(here, alone, options),
               extract_building_points(here, cloud, options));
-    EXPECT_EQ(extract_building_points(here, cloud, options).roof[0].empty(),
-              said == RoofPoints::kClassified);
+    EXPECT_EQ(extract_building_points(here, cloud, options).by_exclusion[0],
+              said == RoofPoints::kClassified ? 2 : 1);
   }
   // Without, the far place decides.
   EXPECT_NE(extract_building_points(here, alone), extract_building_points(here, cloud));

@@ -22,8 +22,9 @@ using PointLists = RaggedArray<PointIndex>;
 struct BuildingPoints {
   PointLists roof;
   PointLists ground;
-  std::vector<std::uint8_t> by_exclusion;  ///< Per building, 1: its roof points are what no class
-                                           ///< excludes; 0: they have class 6.
+  std::vector<std::uint8_t> by_exclusion;  ///< Per building, 0: its roof points have class 6; 1:
+                                           ///< they are what no class excludes; 2: the same, as a
+                                           ///< clean roof without class 6.
   friend bool operator==(const BuildingPoints&, const BuildingPoints&) = default;
 };
 
@@ -31,7 +32,7 @@ struct BuildingPoints {
 /// building gets depends on the points at it alone, as tiles of one city need it.
 enum class RoofPoints {
   kAuto,        ///< By class 6, or by exclusion if the cloud has none.
-  kClassified,  ///< By class 6.
+  kClassified,  ///< By class 6; clean roofs without it by exclusion.
   kExclusion,
 };
 
@@ -53,7 +54,12 @@ struct ExtractOptions {
 ///   class 6 (or a few strays: fewer than one in 1000 points, and fewer than eight or, if that is
 ///   more, than buildings);
 /// - of a building with more points of options.no_buildings inside, whatever their class, than it
-///   has roof points of class 6, unless none are left.
+///   has roof points of class 6, unless none are left;
+/// - of a building with fewer than four roof points of class 6, if what it has by exclusion is a
+///   clean roof: ten points or more, half at least of all points inside; in the median two metres
+///   or more above the 10th percentile of its ground points, of which there are some; and three
+///   quarters of them within 0.25 m (standard deviation) of a plane through those around. Crowns,
+///   hedges and cars are none.
 /// By exclusion, roof points are the points inside of classes that may_be_roof; these lose what is
 /// at most half a metre above the 10th percentile of the building's ground points (unless that is
 /// more than half of the list), and the crowns of trees unless told otherwise. Each list then loses

@@ -13,16 +13,19 @@ namespace tetropolis {
 /// these are.
 std::size_t drop_unmeshable(CityModel& city, double min_distance);
 
-/// Buildings whose parts became one block because a mesh cannot have them as they are.
+/// Buildings whose parts a mesh cannot have as they are.
 struct FlattenedRoofs {
-  std::size_t count = 0;
-  std::string first;  ///< Building and reason.
+  std::size_t simplified = 0;    ///< Their lines were simplified until it could.
+  std::string first_simplified;  ///< Building and reason.
+  std::size_t count = 0;         ///< They became one block.
+  std::string first;             ///< Building and reason.
 };
 
-/// Takes the parts, and the vertices of the footprint that only parts had, from buildings where two
-/// corners of parts, or a corner and a line that it is not on, are less than `min_distance`
-/// (metres) apart, where a line inside meets another at less than 13 degrees, or a roof is steeper
-/// than 70 degrees.
+/// Simplifies the lines of parts (those smaller than 2 m2 go to their neighbours, roofs steeper
+/// than 70 degrees get these), or, where that is not enough, takes the parts, and the vertices of
+/// the footprint that only parts had, from buildings where two corners of parts, or a corner and a
+/// line that it is not on, are less than `min_distance` (metres) apart, where a line inside meets
+/// another at less than 13 degrees, or a roof is steeper than 70 degrees.
 FlattenedRoofs flatten_unmeshable(CityModel& city, double min_distance);
 
 /// Throws Error(kInput), naming `source` and the building, unless footprints are valid, lie in

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 #include "tetropolis/city/city_model.h"
 #include "tetropolis/geometry/types.h"
@@ -53,20 +54,26 @@ class PlaneFit {
 
   double count() const { return n_; }
 
-  /// The plane of least vertical squares; flat at the mean for points on a line. Precondition: at
-  /// least one point.
+  /// The plane of least vertical squares; flat at the mean for points near to a line. Precondition:
+  /// at least one point.
   RoofPlane plane() const {
+    constexpr double kLine = 1e-3;
+    return plane_unless_line(kLine).value_or(
+        RoofPlane{{about_.x + x_ / n_, about_.y + y_ / n_}, z_ / n_, 0, 0});
+  }
+
+  /// Nothing for points so near to a line, seen from above, that the determinant of their
+  /// covariance is at most `line` times the square of its trace.
+  std::optional<RoofPlane> plane_unless_line(double line) const {
     const double mx = x_ / n_, my = y_ / n_, mz = z_ / n_;
     const double cxx = xx_ / n_ - mx * mx, cxy = xy_ / n_ - mx * my, cyy = yy_ / n_ - my * my;
     const double cxz = xz_ / n_ - mx * mz, cyz = yz_ / n_ - my * mz;
     const double det = cxx * cyy - cxy * cxy, trace = cxx + cyy;
-    RoofPlane result{{about_.x + mx, about_.y + my}, mz, 0, 0};
-    constexpr double kLine = 1e-3;
-    if (det > kLine * trace * trace) {
-      result.slope_x = (cxz * cyy - cyz * cxy) / det;
-      result.slope_y = (cyz * cxx - cxz * cxy) / det;
-    }
-    return result;
+    if (!(det > line * trace * trace)) return std::nullopt;
+    return RoofPlane{{about_.x + mx, about_.y + my},
+                     mz,
+                     (cxz * cyy - cyz * cxy) / det,
+                     (cyz * cxx - cxz * cxy) / det};
   }
 
   /// Of the vertical distances to plane().

@@ -33,20 +33,17 @@ std::size_t slot(double distance, std::size_t count) {
 
 }  // namespace
 
-RegionPoints::RegionPoints(const RoofInput& input, const RoofCells& cells,
-                           const RoofRegions& regions, double percentile, double cap)
-    : points_(input.points.values),
+RegionPoints::RegionPoints(const std::vector<Point3>& points, std::vector<double> weights,
+                           std::vector<RoofRegion> region_of, std::vector<RegionRoof> roofs,
+                           const Bounds2& box, double percentile, double cap)
+    : points_(points),
       percentile_(percentile),
       cap_(cap),
-      region_of_(points_.size(), -1),
-      roofs_(regions.roofs),
-      lists_(regions.roofs.size()),
-      box_(bounds(input.footprint)) {
-  for (std::size_t m = 0; m < input.members.size(); ++m) {
-    const auto count = static_cast<double>(input.points[m].size());
-    weight_.insert(weight_.end(), input.points[m].size(),
-                   std::min(20.0, area(*input.members[m]) / std::max(count, 1.0)));
-  }
+      weight_(std::move(weights)),
+      region_of_(std::move(region_of)),
+      roofs_(std::move(roofs)),
+      lists_(roofs_.size()),
+      box_(box) {
   columns_ = static_cast<std::size_t>(box_.width() / kCell) + 1;
   rows_ = static_cast<std::size_t>(box_.height() / kCell) + 1;
   RaggedBuilder<std::uint32_t> builder(columns_ * rows_);
@@ -54,14 +51,15 @@ RegionPoints::RegionPoints(const RoofInput& input, const RoofCells& cells,
     return row_major(slot(points_[p][0] - box_.xmin, columns_),
                      slot(points_[p][1] - box_.ymin, rows_), columns_);
   };
-  for (const std::uint32_t p : cells.points.values) builder.count(cell_of(p));
+  const auto count = static_cast<std::uint32_t>(points_.size());
+  for (std::uint32_t p = 0; p < count; ++p)
+    if (region_of_[p] >= 0) builder.count(cell_of(p));
   builder.start();
-  for (std::size_t c = 0; c < cells.size(); ++c)
-    for (const std::uint32_t p : cells.points[c]) {
-      builder.place(cell_of(p), p);
-      region_of_[p] = regions.of_cell[c];
-      lists_[index(regions.of_cell[c])].push_back(p);
-    }
+  for (std::uint32_t p = 0; p < count; ++p) {
+    if (region_of_[p] < 0) continue;
+    builder.place(cell_of(p), p);
+    lists_[index(region_of_[p])].push_back(p);
+  }
   grid_ = builder.take();
 }
 
@@ -193,6 +191,26 @@ void RegionPoints::fit() {
     lists_[r] = points_of(static_cast<RoofRegion>(r));
     roofs_[r] = fitted({roofs_[r]}, lists_[r]);
   }
+}
+
+RegionPoints region_points(const RoofInput& input, const RoofCells& cells,
+                           const RoofRegions& regions, double percentile, double cap) {
+  std::vector<double> weights;
+  for (std::size_t m = 0; m < input.members.size(); ++m) {
+    const auto count = static_cast<double>(input.points[m].size());
+    weights.insert(weights.end(), input.points[m].size(),
+                   std::min(20.0, area(*input.members[m]) / std::max(count, 1.0)));
+  }
+  std::vector<RoofRegion> region_of(input.points.values.size(), -1);
+  for (std::size_t c = 0; c < cells.size(); ++c)
+    for (const std::uint32_t p : cells.points[c]) region_of[p] = regions.of_cell[c];
+  return {input.points.values,
+          std::move(weights),
+          std::move(region_of),
+          regions.roofs,
+          bounds(input.footprint),
+          percentile,
+          cap};
 }
 
 }  // namespace tetropolis

@@ -19,8 +19,11 @@ namespace tetropolis {
 /// what is 10 m off is worse than what is 3 m off, but no hundred times as bad as what is one.
 class RegionPoints {
  public:
-  /// `percentile`: of flat roofs; `cap`: planes are fitted to points no further off, metres.
-  RegionPoints(const RoofInput& input, const RoofCells& cells, const RoofRegions& regions,
+  /// `weights`: square metres that a point stands for; `region_of`: per point, -1 for those that
+  /// do not count; `box`: all points are in it; `percentile`: of flat roofs; `cap`: planes are
+  /// fitted to points no further off, metres.
+  RegionPoints(const std::vector<Point3>& points, std::vector<double> weights,
+               std::vector<RoofRegion> region_of, std::vector<RegionRoof> roofs, const Bounds2& box,
                double percentile, double cap);
 
   const std::vector<RegionRoof>& roofs() const { return roofs_; }
@@ -71,5 +74,9 @@ class RegionPoints {
   std::size_t columns_ = 1, rows_ = 1;
   RaggedArray<std::uint32_t> grid_;
 };
+
+/// The points of a building in the regions that its cells chose.
+RegionPoints region_points(const RoofInput& input, const RoofCells& cells,
+                           const RoofRegions& regions, double percentile, double cap);
 
 }  // namespace tetropolis

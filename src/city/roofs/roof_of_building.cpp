@@ -23,7 +23,7 @@ FinishedRoof roof_of_building(const RoofInput& input, const RoofOptions& options
   TraceOptions trace;
   trace.reach = options.clearance;
   Partition lines = trace_lines(input.footprint, cells, regions, trace);
-  RegionPoints points(input, cells, regions, options.percentile, kCap);
+  RegionPoints points = region_points(input, cells, regions, options.percentile, kCap);
   ClearLinesOptions clear;
   clear.clearance = options.clearance + kForSnap;
   clear.min_area = options.min_area + kForSnap;

@@ -10,6 +10,7 @@
 #include "tetropolis/geometry/polygon.h"
 
 #include "city/part_tiling.h"
+#include "city/roofs/plane_fit.h"
 #include "city/share_corners.h"
 #include "geometry/geos.h"
 #include "geometry/perimeter.h"
@@ -25,32 +26,15 @@ constexpr double kSteepest = 100;       // tangent; what is more is a wall
 /// The plane with the least squares of vertical distances from the vertices of a face; nothing if
 /// that is vertical.
 std::optional<RoofPlane> plane_of(const Face& face) {
-  const std::vector<Point3>& outer = face.rings[0];
-  const Point2 at{outer[0][0], outer[0][1]};
-  double n = 0, x = 0, y = 0, z = 0, xx = 0, xy = 0, yy = 0, xz = 0, yz = 0;
+  const Point3& first = face.rings[0][0];
+  const Point2 at{first[0], first[1]};
+  PlaneFit fit(at);
   for (const std::vector<Point3>& ring : face.rings)
-    for (const Point3& p : ring) {
-      const double u = p[0] - at.x, v = p[1] - at.y, w = p[2] - outer[0][2];
-      n += 1;
-      x += u;
-      y += v;
-      z += w;
-      xx += u * u;
-      xy += u * v;
-      yy += v * v;
-      xz += u * w;
-      yz += v * w;
-    }
-  const double a = xx - x * x / n, b = xy - x * y / n, c = yy - y * y / n;
-  const double d = xz - x * z / n, e = yz - y * z / n;
-  const double determinant = a * c - b * b;
-  if (!(determinant > 1e-9 * a * c)) return std::nullopt;
-  RoofPlane plane;
-  plane.at = at;
-  plane.slope_x = (d * c - e * b) / determinant;
-  plane.slope_y = (a * e - b * d) / determinant;
-  plane.elevation = outer[0][2] + (z - plane.slope_x * x - plane.slope_y * y) / n;
-  if (!(std::hypot(plane.slope_x, plane.slope_y) <= kSteepest)) return std::nullopt;
+    for (const Point3& p : ring) fit.add({p[0], p[1], p[2] - first[2]});
+  constexpr double kLine = 1e-10;
+  const std::optional<RoofPlane> fitted = fit.plane_unless_line(kLine);
+  if (!fitted || !(slope_of(*fitted) <= kSteepest)) return std::nullopt;
+  const RoofPlane plane{at, first[2] + (*fitted)(at), fitted->slope_x, fitted->slope_y};
   return snap_plane(plane);
 }
 
