@@ -65,9 +65,11 @@ TEST(Meshable, LinesOfPartsMakeRoom) {
   const auto [moved, why] = simplified([](Building& b) { move_ridge(b, 0.75, 4); });
   EXPECT_EQ(why, "building b1 (feature s1): roof lines come as close as 0.7500 m (1 m required)");
   ASSERT_EQ(moved.parts.size(), 2U);
-  const CityModel truth = gabled();
-  EXPECT_NEAR(volume_of(moved), volume_of(truth.buildings[0]), 10);  // of 240
-  for (const RoofPart& part : moved.parts) EXPECT_NEAR(std::abs(part.roof.slope_x), 0.5, 0.05);
+  CityModel before = gabled();
+  move_ridge(before.buildings[0], 0.75, 4);
+  const double volume = volume_of(before.buildings[0]);
+  EXPECT_NEAR(volume_of(moved), volume, 0.02 * volume);
+  for (const RoofPart& part : moved.parts) EXPECT_NEAR(std::abs(part.roof.slope_x), 0.5, 0.1);
   // A roof that is too steep.
   const auto [gentle, steep] = simplified([](Building& b) { b.parts[1].roof.slope_x = -3; });
   EXPECT_EQ(steep, "building b1 (feature s1): a roof has 71.6 degrees");

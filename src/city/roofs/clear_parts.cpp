@@ -11,6 +11,7 @@
 
 #include "tetropolis/city/roof_summary.h"
 #include "tetropolis/city/roofs.h"
+#include "tetropolis/city/simplify/clearance.h"
 #include "tetropolis/geometry/polygon.h"
 
 #include "city/part_lines.h"
@@ -110,6 +111,9 @@ bool clear_parts(Building& building, double clearance) {
   const double size = area(building.footprint);
   if (size < 2 * kMinArea) return false;
   const Polygon outline = without_junctions(building.footprint);
+  RoofPart whole;
+  whole.outline = outline;
+  if (!is_clear(line_clearance({&whole, 1}).distance, clearance)) return false;
   Partition lines = lines_of(building, outline, clearance);
 
   // The roofs, as a cloud would show them.
