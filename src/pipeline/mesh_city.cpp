@@ -24,6 +24,7 @@
 #include "volume/column/ground_heights.h"
 #include "volume/column/levels.h"
 #include "volume/column/roof_heights.h"
+#include "volume/upper/grow_upper.h"
 
 namespace tetropolis {
 
@@ -289,6 +290,12 @@ CityMesh mesh_city(const CityModel& city, Raster terrain, const MeshCityOptions&
     quality = std::move(improved.quality);
   } else {
     quality = measure_quality(columns.mesh, clock);
+  }
+  if (ends_at_lid(options)) {
+    clock.run("3.5", "upper part", [&](const Progress&) {
+      columns.mesh.upper = grow_upper(columns.mesh, columns.plan.layers.top);
+    });
+    if (!columns.mesh.upper.empty()) quality = measure_quality(columns.mesh, clock);
   }
   warn_of_lowered_ground(columns.plan, excavated, result.warnings);
   tell_excavation(options, columns.plan, std::move(excavated), result.volume_facts);

@@ -56,9 +56,14 @@ void require_passed_roofs(const ColumnMesh& mesh) {
 std::vector<CellIndex> cell_offsets(const ColumnMesh& mesh) {
   std::vector<CellIndex> offsets(mesh.triangle_count() + 1);
   for (const TriangleIndex t : mesh.ground.triangles.indices()) {
-    offsets[t + 1] = offsets[t];
+    offsets[t + 1] = offsets[t] + mesh.prisms_over(t);
     for (const VertexIndex v : mesh.ground.triangles[t])
-      offsets[t + 1] += mesh.top(v) - mesh.floor_over(t, v);
+      offsets[t + 1] += mesh.top(v) - mesh.tets_from(t, v);
+  }
+  for (std::size_t left = mesh.upper.cells.size(); left > 0;) {
+    const std::size_t block = std::min(left, kUpperBlock);
+    offsets.push_back(offsets.back() + block);
+    left -= block;
   }
   return offsets;
 }
