@@ -178,6 +178,13 @@ MeshCityOptions in_local_frame(MeshCityOptions options, Point2 origin) {
   return options;
 }
 
+void add_upper(const MeshCityOptions& options, Columns& columns, StepClock& clock) {
+  if (!ends_at_lid(options)) return;
+  columns.mesh.upper = clock.run("3.5", "upper part", [&](const Progress&) {
+    return grow_upper(columns.mesh, columns.plan.layers.top);
+  });
+}
+
 /// The factor at which the estimate has so many cells.
 double estimated_scale(const MeshCityOptions& options, const CitySize& size, double cells) {
   double low = kLeastScale, high = kGreatestScale;
@@ -201,7 +208,8 @@ double find_scale(const MeshCityOptions& options, const CityModel& city, const R
     const MeshCityOptions trial = scaled(options, scale);
     require_mesh_fits(trial, size);
     CityMesh scratch;
-    const Columns columns = columns_of(trial, city, terrain, size, {}, clock, scratch);
+    Columns columns = columns_of(trial, city, terrain, size, {}, clock, scratch);
+    add_upper(trial, columns, clock);
     const auto cells = static_cast<double>(cell_offsets(columns.mesh).back().value());
     const double error = std::abs(std::log(cells / target));
     if (error < best_error) {
@@ -291,11 +299,10 @@ CityMesh mesh_city(const CityModel& city, Raster terrain, const MeshCityOptions&
   } else {
     quality = measure_quality(columns.mesh, clock);
   }
-  if (ends_at_lid(options)) {
-    clock.run("3.5", "upper part", [&](const Progress&) {
-      columns.mesh.upper = grow_upper(columns.mesh, columns.plan.layers.top);
-    });
-    if (!columns.mesh.upper.empty()) quality = measure_quality(columns.mesh, clock);
+  add_upper(options, columns, clock);
+  if (!columns.mesh.upper.empty()) {
+    result.volume_facts.min_vertical_gap = require_valid(columns.mesh);
+    quality = measure_quality(columns.mesh, clock);
   }
   warn_of_lowered_ground(columns.plan, excavated, result.warnings);
   tell_excavation(options, columns.plan, std::move(excavated), result.volume_facts);

@@ -6,6 +6,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <functional>
+#include <limits>
 #include <queue>
 #include <span>
 #include <utility>
@@ -15,6 +16,7 @@
 #include "tetropolis/volume/quality/face_quality.h"
 
 #include "core/infinity.h"
+#include "core/sort_once.h"
 #include "core/units.h"
 #include "volume/quality/tet_cosines.h"
 
@@ -44,12 +46,18 @@ constexpr double kGoodEnd = 1.5, kGoodEndFaces = 1.1;
 /// And where one rises: otherwise it ends if that is better.
 constexpr double kGoodRise = 1.4;
 
+/// Where the best is below the floor, it is all done again with segments shorter by this factor at
+/// that column and beside it, so often at most.
+constexpr double kShorter = 0.85;
+constexpr int kMostRounds = 8;
+
 /// Least angles of triangles that cover the hole of a column, degrees: if it ends of its own accord
 /// or as it cannot rise well.
 constexpr double kLeastAngle = 22, kLeastAngleOfNeed = 15;
 
 /// Lengths of segments that are tried, in spacings, the best guess first.
-constexpr std::array kLengths{1.0, 1.2, 0.85, 1.5, 0.7, 0.6, 1.75, 0.5, 2.0, 0.4};
+constexpr std::array kLengths{1.0, 1.2, 0.85, 1.5, 0.7, 0.6, 1.75, 0.5, 0.4};
+constexpr double kLongest = 1.75;
 
 /// More neighbours than this are not looked at in search of a cover.
 constexpr std::size_t kMostNeighbours = 12;
@@ -75,8 +83,11 @@ using Front = std::int32_t;  // a triangle of the front
 
 class Grower {
  public:
-  Grower(const ColumnMesh& mesh, double top);
+  /// `shares`: per vertex, of the spacing that segments are to have.
+  Grower(const ColumnMesh& mesh, double top, std::span<const double> shares);
   UpperMesh grow();
+  /// Vertices at which cells came below the floor, and those beside them.
+  const std::vector<VertexIndex>& poor() const { return poor_; }
 
  private:
   struct Piece {
@@ -116,6 +127,7 @@ class Grower {
 
   const ColumnMesh& mesh_;
   double top_;
+  std::span<const double> shares_;
   std::int64_t first_cell_;
   // Per vertex: elevations of front and lid, the longest edge on the lid, the front's node.
   std::vector<double> z_, lid_, edge_;
@@ -125,9 +137,11 @@ class Grower {
   std::vector<std::vector<Front>> around_;  // per vertex; none where its column has ended
   std::vector<Spoke> star_;                 // of the vertex that is looked at
   UpperMesh upper_;
+  std::vector<VertexIndex> poor_;
 };
 
-Grower::Grower(const ColumnMesh& mesh, double top) : mesh_(mesh), top_(top) {
+Grower::Grower(const ColumnMesh& mesh, double top, std::span<const double> shares)
+    : mesh_(mesh), top_(top), shares_(shares) {
   const std::vector<CellIndex> cells = cell_offsets(mesh);
   first_cell_ = cells.back().value();
   const std::size_t count = mesh.vertex_count();
@@ -207,7 +221,8 @@ double Grower::spacing(VertexIndex v) const {
     altitude = std::min(altitude, area / std::sqrt(std::max({op, oq, pq})));
     longest2 = std::max({longest2, op, oq});
   }
-  return kSpacingFactor * std::sqrt(2 / std::sqrt(3.0) * altitude * std::sqrt(longest2));
+  return shares_[v] * kSpacingFactor *
+         std::sqrt(2 / std::sqrt(3.0) * altitude * std::sqrt(longest2));
 }
 
 bool Grower::wants_to_end(VertexIndex v) const {
@@ -234,7 +249,8 @@ std::pair<double, double> Grower::best_rise(VertexIndex v) const {
   for (const double share : kLengths) {
     double to = z_[v] + share * wanted;
     if (left < 3 * share * wanted) {
-      const double parts = std::max(1.0, std::round(left / (share * wanted)));
+      const double least = std::ceil(left / (kLongest * wanted));
+      const double parts = std::max(least, std::round(left / (share * wanted)));
       to = parts > 1 ? z_[v] + left / parts : top_;
     }
     best = std::max(best, {quality_of_rise(v, to), to});
@@ -260,7 +276,8 @@ double Grower::quality_of_rise(VertexIndex v, double to) const {
     if (i > 0) worst = std::min(worst, share_of_face({p, a, up}, centres[i - 1], centre));
   }
   if (star_.back().next == star_[0].vertex)
-    worst = std::min(worst, share_of_face({p, at(star_[0].vertex), up}, centres[n - 1], centres[0]));
+    worst =
+        std::min(worst, share_of_face({p, at(star_[0].vertex), up}, centres[n - 1], centres[0]));
   return worst;
 }
 
@@ -300,8 +317,8 @@ double least_plan_angle(Point2 a, Point2 b, Point2 c) {
   return least;
 }
 
-/// Covers the hole that v leaves, by triangles whose worst cell is as good as can be. Returns false,
-/// with all as it was, if that is not better than `least_share`.
+/// Covers the hole that v leaves, by triangles whose worst cell is as good as can be. Returns
+/// false, with all as it was, if that is not better than `least_share`.
 bool Grower::end(VertexIndex v, double least_share, double least_angle) {
   const std::size_t n = star_.size();
   const Point3 o = at(v);
@@ -323,7 +340,7 @@ bool Grower::end(VertexIndex v, double least_share, double least_angle) {
         const bool is_new = i > 0 || j + 1 < n;
         if (is_new && std::hypot(a[0] - c[0], a[1] - c[1]) > longest) continue;
         // The tet under the triangle a, b, c.
-        q = std::min(q, share_of(o, a, b, c) );
+        q = std::min(q, share_of(o, a, b, c));
         if (q > most) {
           most = q;
           split[i * n + j] = k;
@@ -347,9 +364,8 @@ bool Grower::end(VertexIndex v, double least_share, double least_angle) {
     std::array<std::ptrdiff_t, 2> behind{self(self, i, k), self(self, k, j)};
     for (std::size_t side = 0; side < 2; ++side) {
       const std::size_t a = side == 0 ? i : k, b = side == 0 ? k : j;
-      const Point3 other =
-          behind[side] < 0 ? piece_of(star_[a]).centre
-                           : caps[static_cast<std::size_t>(behind[side])].centre;
+      const Point3 other = behind[side] < 0 ? piece_of(star_[a]).centre
+                                            : caps[static_cast<std::size_t>(behind[side])].centre;
       if (behind[side] < 0) over[a] = caps.size();
       worst = std::min(worst, share_of_face({o, ring[a], ring[b]}, other, centre));
     }
@@ -357,8 +373,7 @@ bool Grower::end(VertexIndex v, double least_share, double least_angle) {
     return static_cast<std::ptrdiff_t>(caps.size()) - 1;
   };
   visit(visit, 0, n - 1);
-  worst = std::min(worst, share_of_face({o, ring[n - 1], ring[0]},
-                                        piece_of(star_[n - 1]).centre,
+  worst = std::min(worst, share_of_face({o, ring[n - 1], ring[0]}, piece_of(star_[n - 1]).centre,
                                         caps.back().centre));
   if (!(worst > std::min(kGoodEndFaces, least_share))) return false;
   over[n - 1] = caps.size() - 1;
@@ -395,7 +410,7 @@ UpperMesh Grower::grow() {
   while (!queue.empty()) {
     const auto [then, v] = queue.top();
     queue.pop();
-    if (around_[v].empty()) continue;
+    if (around_[v].empty() || !(z_[v] < top_)) continue;
     find_star(v);
     if (const double now = key(v); now > then) {
       queue.emplace(now, v);
@@ -404,6 +419,11 @@ UpperMesh Grower::grow() {
     if (wants_to_end(v) && end(v, kGoodEnd, kLeastAngle)) continue;
     const auto [quality, to] = best_rise(v);
     if (quality < kGoodRise && may_end(v) && end(v, quality, kLeastAngleOfNeed)) continue;
+    if (quality < 1) {
+      poor_.push_back(v);
+      for (const Spoke& spoke : star_) poor_.push_back(spoke.vertex);
+      if (star_.back().next != star_[0].vertex) poor_.push_back(star_.back().next);
+    }
     rise(v, to);
     push(v);
   }
@@ -412,6 +432,22 @@ UpperMesh Grower::grow() {
 
 }  // namespace
 
-UpperMesh grow_upper(const ColumnMesh& mesh, double top) { return Grower(mesh, top).grow(); }
+UpperMesh grow_upper(const ColumnMesh& mesh, double top) {
+  std::vector<double> shares(mesh.vertex_count(), 1.0);
+  UpperMesh best;
+  std::size_t fewest = std::numeric_limits<std::size_t>::max();
+  for (int round = 0; round < kMostRounds && fewest > 0; ++round) {
+    Grower grower(mesh, top, shares);
+    UpperMesh upper = grower.grow();
+    std::vector<VertexIndex> poor = grower.poor();
+    if (poor.size() < fewest) {
+      fewest = poor.size();
+      best = std::move(upper);
+    }
+    sort_once(poor);
+    for (const VertexIndex v : poor) shares[v] *= kShorter;
+  }
+  return best;
+}
 
 }  // namespace tetropolis

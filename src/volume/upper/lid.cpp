@@ -1,6 +1,7 @@
 #include "lid.h"
 
 #include <algorithm>
+#include <utility>
 #include <vector>
 
 #include "volume/layered/free_top.h"
@@ -11,11 +12,16 @@ namespace {
 
 // Found by trial, by the least angles and the numbers of cells.
 
-/// Spacings between the highest floor and the lid, and between the lid and the top at least.
-constexpr double kAboveFloors = 1.5, kBelowTop = 2;
+/// Spacings between the highest floor and the lid.
+constexpr double kAboveFloors = 1.5;
 
 /// Tangent of the lid's slope, at most.
 constexpr double kSteepestLid = 0.6;
+
+/// Where fewer spacings than these are left above the lid, columns go on to the top;
+constexpr double kBelowTop = 1;
+/// around such places the lid falls from the top with this tangent, as long as so many are left.
+constexpr double kSteepestFall = 1, kLeastBelowTop = 0.6;
 
 }  // namespace
 
@@ -28,8 +34,14 @@ void lower_tops(const GroundMesh& mesh, const EdgeGraph& edges, ColumnPlan& plan
   for (const TriangleIndex t : mesh.triangles.indices())
     for (const VertexIndex v : mesh.triangles[t]) raise(v, plan.floor(mesh, mesh.region[t], v));
   limit_slope(mesh, edges, kSteepestLid, lid);
-  for (const VertexIndex v : mesh.vertices.indices())
-    if (lid[v] + kBelowTop * plan.spacing[v] < plan.top[v]) plan.top[v] = lid[v];
+  const auto reach_top = [&](double least) {
+    for (const VertexIndex v : mesh.vertices.indices())
+      if (lid[v] + least * plan.spacing[v] > plan.top[v]) lid[v] = plan.top[v];
+  };
+  reach_top(kBelowTop);
+  limit_slope(mesh, edges, kSteepestFall, lid);
+  reach_top(kLeastBelowTop);
+  plan.top = std::move(lid);
 }
 
 }  // namespace tetropolis

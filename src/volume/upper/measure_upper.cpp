@@ -45,8 +45,8 @@ void add_cells(const std::vector<std::array<Point3, 4>>& cells, std::size_t wors
       return a.share_of_floor < b.share_of_floor;
     };
     if (quality.worst.size() == worst && !worse(cell, quality.worst.back())) continue;
-    quality.worst.insert(
-        std::upper_bound(quality.worst.begin(), quality.worst.end(), cell, worse), cell);
+    quality.worst.insert(std::upper_bound(quality.worst.begin(), quality.worst.end(), cell, worse),
+                         cell);
     if (quality.worst.size() > worst) quality.worst.pop_back();
   }
   quality.histogram.add(greatest, aspect2, inverted);
@@ -96,8 +96,8 @@ void add_upper_quality(const ColumnMesh& mesh, std::size_t worst, MeshQuality& q
     add(face.nodes, centre(face.cell), centre(face.neighbour));
   for (const auto* outer : {&all.top, &all.sides})
     for (const UpperFace& face : *outer)
-      faces.worst.skewness = std::max(faces.worst.skewness,
-                                      boundary_skewness(points(face.nodes), centre(face.cell)));
+      faces.worst.skewness =
+          std::max(faces.worst.skewness, boundary_skewness(points(face.nodes), centre(face.cell)));
   for (const TriangleIndex t : mesh.ground.triangles.indices()) {
     if (!mesh.is_covered(t)) continue;
     const auto& v = mesh.ground.triangles[t];

@@ -29,8 +29,8 @@ namespace {
 testing::MeshedCity grown(double (*terrain)(double, double), double mesh_size) {
   testing::MeshedCity result = testing::meshed(testing::small_city(terrain), mesh_size);
   lower_tops(result.mesh.ground, result.mesh.edges, result.plan);
-  result.mesh = divide_columns(std::move(result.mesh.ground), std::move(result.mesh.edges),
-                               result.plan);
+  result.mesh =
+      divide_columns(std::move(result.mesh.ground), std::move(result.mesh.edges), result.plan);
   place_nodes(result.mesh, result.plan);
   result.mesh.upper = grow_upper(result.mesh, result.plan.layers.top);
   return result;
@@ -104,8 +104,7 @@ TEST(GrowUpper, ConformsAndFillsTheDomain) {
                                    const std::array<NodeIndex, 3>& nodes) {
         ASSERT_NE(expected, inner.end());
         EXPECT_EQ(expected->first, std::pair(cell.value(), neighbour.value()));
-        EXPECT_EQ(expected->second,
-                  turned({nodes[0].value(), nodes[1].value(), nodes[2].value()}));
+        EXPECT_EQ(expected->second, turned({nodes[0].value(), nodes[1].value(), nodes[2].value()}));
         ++expected;
       };
       InternalFaces below(mesh, cells);
@@ -207,8 +206,8 @@ TEST(Lid, IsAboveTheFloorsAndNoSteeperThanItMayBe) {
     for (std::size_t i = 0; i < 3; ++i) {
       const VertexIndex v = ground.triangles[t][i], u = ground.triangles[t][(i + 1) % 3];
       const double floor = city.plan.floor(ground, ground.region[t], v);
-      EXPECT_GE(city.plan.top[v], std::min(floor + 1.5 * city.plan.spacing[v],
-                                           city.plan.layers.top));
+      EXPECT_GE(city.plan.top[v],
+                std::min(floor + 1.5 * city.plan.spacing[v], city.plan.layers.top));
       const Point2 p = ground.vertices[v], q = ground.vertices[u];
       if (city.plan.top[v] < city.plan.layers.top && city.plan.top[u] < city.plan.layers.top) {
         EXPECT_LE(std::abs(city.plan.top[v] - city.plan.top[u]),
