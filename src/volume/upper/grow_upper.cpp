@@ -49,7 +49,7 @@ constexpr double kGoodRise = 1.4;
 /// Where the best is below the floor, it is all done again with segments shorter by this factor at
 /// that column and beside it, so often at most.
 constexpr double kShorter = 0.85;
-constexpr int kMostRounds = 8;
+constexpr int kMostRounds = 6;
 
 /// Least angles of triangles that cover the hole of a column, degrees: if it ends of its own accord
 /// or as it cannot rise well.
@@ -62,22 +62,43 @@ constexpr double kLongest = 1.75;
 /// More neighbours than this are not looked at in search of a cover.
 constexpr std::size_t kMostNeighbours = 12;
 
-/// How good a cell is: 1 at the floor that most cells keep to.
-double share_of(const Point3& a, const Point3& b, const Point3& c, const Point3& d) {
-  const TetCosines shape = tet_cosines(a, b, c, d);
-  if (!(shape.volume > 0)) return 0;
-  return std::min(angle_deg(shape.greatest) / kLeastOfMost,
-                  (180 - angle_deg(shape.least)) / (180 - kQualityFloor.greatest));
-}
+/// The worst of some cells and faces.
+class Worst {
+ public:
+  void add(const Point3& a, const Point3& b, const Point3& c, const Point3& d) {
+    const TetCosines shape = tet_cosines(a, b, c, d);
+    least_ = std::min(least_, shape.volume > 0 ? 1 - shape.greatest : 0);
+    greatest_ = std::min(greatest_, 1 + shape.least);
+  }
+  /// Between cells with these centres.
+  void add_face(const std::array<Point3, 3>& face, const Point3& c0, const Point3& c1) {
+    const Point3 n = cross(minus(face[1], face[0]), minus(face[2], face[0]));
+    const Point3 d = minus(c1, c0);
+    straight_ = std::min(straight_, std::abs(dot(n, d)) / std::sqrt(dot(n, n) * dot(d, d)));
+  }
+  /// About the least angle over kLeastOfMost, or 180 degrees less the greatest over what the floor
+  /// leaves, or the cosine of non-orthogonality over that of kMostNonOrthogonal, whichever is less.
+  double share() const {
+    static const double few = versine(kLeastOfMost), flat = versine(180 - kQualityFloor.greatest);
+    // Of flat cells the rounded figures may be negative.
+    const double angles = std::sqrt(std::max(0.0, std::min(least_ / few, greatest_ / flat)));
+    return std::min(angles, straight_ / straight());
+  }
+  bool is_below_floor() const {
+    static const double least = versine(kQualityFloor.least);
+    static const double flat = versine(180 - kQualityFloor.greatest);
+    return least_ < least || greatest_ < flat || straight_ < straight();
+  }
 
-/// Likewise of a face.
-double share_of_face(const std::array<Point3, 3>& face, const Point3& c0, const Point3& c1) {
-  const Point3 n = cross(minus(face[1], face[0]), minus(face[2], face[0]));
-  const Point3 d = minus(c1, c0);
-  const double cosine = std::abs(dot(n, d)) / std::sqrt(dot(n, n) * dot(d, d));
-  static const double least = std::cos(to_radians(kMostNonOrthogonal));
-  return cosine / least;
-}
+ private:
+  static double versine(double degrees) { return 1 - std::cos(to_radians(degrees)); }
+  static double straight() {
+    static const double cosine = std::cos(to_radians(kMostNonOrthogonal));
+    return cosine;
+  }
+  double least_ = 2, greatest_ = 2;  // 1 - cosine of the least angle, 1 + cosine of the greatest
+  double straight_ = 1;              // cosine of the greatest non-orthogonality
+};
 
 using Front = std::int32_t;  // a triangle of the front
 
@@ -115,7 +136,7 @@ class Grower {
   double longest_edge(VertexIndex v) const { return edge_[v] + kGrowth * (z_[v] - lid_[v]); }
   bool wants_to_end(VertexIndex v) const;
   std::pair<double, double> best_rise(VertexIndex v) const;
-  double quality_of_rise(VertexIndex v, double to) const;
+  Worst worst_of_rise(VertexIndex v, double to) const;
   void rise(VertexIndex v, double to);
   bool end(VertexIndex v, double least, double least_angle);
   CellIndex add_cell(const std::array<NodeIndex, 4>& nodes);
@@ -253,31 +274,30 @@ std::pair<double, double> Grower::best_rise(VertexIndex v) const {
       const double parts = std::max(least, std::round(left / (share * wanted)));
       to = parts > 1 ? z_[v] + left / parts : top_;
     }
-    best = std::max(best, {quality_of_rise(v, to), to});
+    best = std::max(best, {worst_of_rise(v, to).share(), to});
     if (best.first >= kGoodRise) break;
   }
   return best;
 }
 
-double Grower::quality_of_rise(VertexIndex v, double to) const {
-  double worst = kInfinity;
+Worst Grower::worst_of_rise(VertexIndex v, double to) const {
+  Worst worst;
   const Point3 p = at(v);
-  Point3 up = p;
-  up[2] = to;
-  const std::size_t n = star_.size();
-  std::vector<Point3> centres(n);
-  for (std::size_t i = 0; i < n; ++i) {
-    const Point3 a = at(star_[i].vertex), b = at(star_[i].next);
-    const std::array<Point3, 4> tet{p, a, b, up};
-    worst = std::min(worst, share_of(p, a, b, up));
-    const Point3 centre = centre_of(tet);
-    centres[i] = centre;
-    worst = std::min(worst, share_of_face({p, a, b}, piece_of(star_[i]).centre, centre));
-    if (i > 0) worst = std::min(worst, share_of_face({p, a, up}, centres[i - 1], centre));
+  const Point3 up{p[0], p[1], to};
+  Point3 first{}, last{};
+  for (const Spoke& spoke : star_) {
+    const Point3 a = at(spoke.vertex), b = at(spoke.next);
+    worst.add(p, a, b, up);
+    const Point3 centre = centre_of({p, a, b, up});
+    worst.add_face({p, a, b}, piece_of(spoke).centre, centre);
+    if (&spoke == &star_.front())
+      first = centre;
+    else
+      worst.add_face({p, a, up}, last, centre);
+    last = centre;
   }
-  if (star_.back().next == star_[0].vertex)
-    worst =
-        std::min(worst, share_of_face({p, at(star_[0].vertex), up}, centres[n - 1], centres[0]));
+  if (star_.back().next == star_.front().vertex)
+    worst.add_face({p, at(star_.front().vertex), up}, last, first);
   return worst;
 }
 
@@ -304,17 +324,16 @@ void Grower::rise(VertexIndex v, double to) {
   z_[v] = to;
 }
 
-double least_plan_angle(Point2 a, Point2 b, Point2 c) {
-  double least = 180;
-  const std::array<Point2, 3> p{a, b, c};
+/// Whether all angles of the triangle are above the one with this tangent, in plan.
+bool is_wide(const Point3& a, const Point3& b, const Point3& c, double tangent) {
+  const std::array<const Point3*, 3> p{&a, &b, &c};
   for (std::size_t i = 0; i < 3; ++i) {
-    const Point2 o = p[i], q = p[(i + 1) % 3], r = p[(i + 2) % 3];
-    const double along = (q.x - o.x) * (r.x - o.x) + (q.y - o.y) * (r.y - o.y);
-    const double across = (q.x - o.x) * (r.y - o.y) - (q.y - o.y) * (r.x - o.x);
-    if (!(across > 0)) return 0;
-    least = std::min(least, to_degrees(std::atan2(across, along)));
+    const Point3 &o = *p[i], &q = *p[(i + 1) % 3], &r = *p[(i + 2) % 3];
+    const double along = (q[0] - o[0]) * (r[0] - o[0]) + (q[1] - o[1]) * (r[1] - o[1]);
+    const double across = (q[0] - o[0]) * (r[1] - o[1]) - (q[1] - o[1]) * (r[0] - o[0]);
+    if (!(across > 0 && across > tangent * along)) return false;
   }
-  return least;
+  return true;
 }
 
 /// Covers the hole that v leaves, by triangles whose worst cell is as good as can be. Returns
@@ -323,7 +342,7 @@ bool Grower::end(VertexIndex v, double least_share, double least_angle) {
   const std::size_t n = star_.size();
   const Point3 o = at(v);
   std::vector<Point3> ring(n);
-  const double longest = longest_edge(v);
+  const double longest = longest_edge(v), tangent = std::tan(to_radians(least_angle));
   for (std::size_t i = 0; i < n; ++i) ring[i] = at(star_[i].vertex);
   std::vector<double> best(n * n, kInfinity);
   std::vector<std::size_t> split(n * n, 0);
@@ -335,12 +354,12 @@ bool Grower::end(VertexIndex v, double least_share, double least_angle) {
         double q = std::min(best[i * n + k], best[k * n + j]);
         if (!(q > most)) continue;
         const Point3 &a = ring[i], &b = ring[k], &c = ring[j];
-        const double angle = least_plan_angle({a[0], a[1]}, {b[0], b[1]}, {c[0], c[1]});
-        if (angle < least_angle) continue;
+        if (!is_wide(a, b, c, tangent)) continue;
         const bool is_new = i > 0 || j + 1 < n;
         if (is_new && std::hypot(a[0] - c[0], a[1] - c[1]) > longest) continue;
-        // The tet under the triangle a, b, c.
-        q = std::min(q, share_of(o, a, b, c));
+        Worst cell;  // under the triangle
+        cell.add(o, a, b, c);
+        q = std::min(q, cell.share());
         if (q > most) {
           most = q;
           split[i * n + j] = k;
@@ -356,7 +375,7 @@ bool Grower::end(VertexIndex v, double least_share, double least_angle) {
   std::vector<Cap> caps;
   std::vector<std::size_t> over(n);  // per spoke: the cap over its triangle
   // Of each chord i - j, the cap on its far side.
-  double worst = kInfinity;
+  Worst worst;
   const auto visit = [&](const auto& self, std::size_t i, std::size_t j) -> std::ptrdiff_t {
     if (j == i + 1) return -1;
     const std::size_t k = split[i * n + j];
@@ -367,15 +386,14 @@ bool Grower::end(VertexIndex v, double least_share, double least_angle) {
       const Point3 other = behind[side] < 0 ? piece_of(star_[a]).centre
                                             : caps[static_cast<std::size_t>(behind[side])].centre;
       if (behind[side] < 0) over[a] = caps.size();
-      worst = std::min(worst, share_of_face({o, ring[a], ring[b]}, other, centre));
+      worst.add_face({o, ring[a], ring[b]}, other, centre);
     }
     caps.push_back({{i, k, j}, centre});
     return static_cast<std::ptrdiff_t>(caps.size()) - 1;
   };
   visit(visit, 0, n - 1);
-  worst = std::min(worst, share_of_face({o, ring[n - 1], ring[0]}, piece_of(star_[n - 1]).centre,
-                                        caps.back().centre));
-  if (!(worst > std::min(kGoodEndFaces, least_share))) return false;
+  worst.add_face({o, ring[n - 1], ring[0]}, piece_of(star_[n - 1]).centre, caps.back().centre);
+  if (!(worst.share() > std::min(kGoodEndFaces, least_share))) return false;
   over[n - 1] = caps.size() - 1;
   const CellIndex first(first_cell_ + static_cast<std::int64_t>(upper_.cells.size()));
   for (std::size_t i = 0; i < n; ++i) cover(star_[i].piece, first + over[i]);
@@ -419,7 +437,7 @@ UpperMesh Grower::grow() {
     if (wants_to_end(v) && end(v, kGoodEnd, kLeastAngle)) continue;
     const auto [quality, to] = best_rise(v);
     if (quality < kGoodRise && may_end(v) && end(v, quality, kLeastAngleOfNeed)) continue;
-    if (quality < 1) {
+    if (quality < 1 && worst_of_rise(v, to).is_below_floor()) {
       poor_.push_back(v);
       for (const Spoke& spoke : star_) poor_.push_back(spoke.vertex);
       if (star_.back().next != star_[0].vertex) poor_.push_back(star_.back().next);

@@ -13,7 +13,7 @@ namespace {
 // Found by trial, by the least angles and the numbers of cells.
 
 /// Spacings between the highest floor and the lid.
-constexpr double kAboveFloors = 1.5;
+constexpr double kAboveFloors = 2;
 
 /// Tangent of the lid's slope, at most.
 constexpr double kSteepestLid = 0.6;

@@ -8,10 +8,10 @@
 
 namespace tetropolis {
 
-/// Lowers the tops of a plan to a lid: one and a half times the spacing above the highest floor at
-/// each vertex, and no steeper than 0.6 where there are higher ones nearby. Where less than twice
-/// the spacing is left to the top, that stays. So what a roof does to the lid ends within its
-/// height over 0.6 around it.
+/// Lowers the tops of a plan to a lid: twice the spacing above the highest floor at each vertex,
+/// and no steeper than 0.6 where there are higher ones nearby. Where less than the spacing is left
+/// to the top, columns go on to that, and around such places the lid falls with a slope of 1. So
+/// what a roof does to the lid ends within its height over 0.6 around it.
 void lower_tops(const GroundMesh& mesh, const EdgeGraph& edges, ColumnPlan& plan);
 
 }  // namespace tetropolis

@@ -206,12 +206,11 @@ TEST(Lid, IsAboveTheFloorsAndNoSteeperThanItMayBe) {
     for (std::size_t i = 0; i < 3; ++i) {
       const VertexIndex v = ground.triangles[t][i], u = ground.triangles[t][(i + 1) % 3];
       const double floor = city.plan.floor(ground, ground.region[t], v);
-      EXPECT_GE(city.plan.top[v],
-                std::min(floor + 1.5 * city.plan.spacing[v], city.plan.layers.top));
+      EXPECT_GE(city.plan.top[v], std::min(floor + 2 * city.plan.spacing[v], city.plan.layers.top));
       const Point2 p = ground.vertices[v], q = ground.vertices[u];
       if (city.plan.top[v] < city.plan.layers.top && city.plan.top[u] < city.plan.layers.top) {
         EXPECT_LE(std::abs(city.plan.top[v] - city.plan.top[u]),
-                  0.6 * std::hypot(q.x - p.x, q.y - p.y) + 1e-5);
+                  std::hypot(q.x - p.x, q.y - p.y) + 1e-5);
       }
     }
 }
