@@ -1,7 +1,9 @@
 #include "check_regions.h"
 
+#include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <limits>
 
 #include <fmt/format.h>
 
@@ -18,10 +20,12 @@ std::vector<Violation> check_regions(const TetMesh& mesh, std::array<double, 3> 
   const FootprintGrid footprints(city);
   const auto look = [&](std::size_t begin, std::size_t end, std::vector<Violation>& violations) {
     for (std::size_t c = begin; c < end; ++c) {
-      double x = shift[0], y = shift[1];
+      double x = shift[0], y = shift[1], lowest = std::numeric_limits<double>::infinity();
       for (const std::int64_t v : mesh.cells[c]) {
-        x += mesh.points[static_cast<std::size_t>(v)][0] / 4;
-        y += mesh.points[static_cast<std::size_t>(v)][1] / 4;
+        const Point3& p = mesh.points[static_cast<std::size_t>(v)];
+        x += p[0] / 4;
+        y += p[1] / 4;
+        lowest = std::min(lowest, p[2] + shift[2]);
       }
       if (!std::isfinite(x) || !std::isfinite(y)) {
         note_violation(violations, "cells whose coordinates are not finite",
@@ -29,6 +33,9 @@ std::vector<Violation> check_regions(const TetMesh& mesh, std::array<double, 3> 
         continue;
       }
       const BuildingIndex expected = footprints.at(x, y);
+      // Far above the roofs cells are wider than what they stand over.
+      const bool is_high = expected != kNoBuilding && lowest > city.buildings[expected].h_roof;
+      if (is_high && mesh.region[c] == kNoBuilding.value()) continue;
       if (mesh.region[c] != expected)
         note_violation(violations, "cells with the wrong region", [&] {
           return fmt::format("cell {} says {}, it stands over {}", c, mesh.region[c], expected);
