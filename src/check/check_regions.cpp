@@ -18,6 +18,13 @@ std::vector<Violation> check_regions(const TetMesh& mesh, std::array<double, 3> 
     return {{"no region for every cell", 1,
              fmt::format("{} regions, {} cells", mesh.region.size(), mesh.cells.size())}};
   const FootprintGrid footprints(city);
+  std::vector<double> lowest_roof;  // per building
+  for (const Building& building : city.buildings) {
+    double roof = building.h_roof;
+    for (const RoofPart& part : building.parts)
+      for (const Point2 p : part.outline.outer) roof = std::min(roof, part.roof(p));
+    lowest_roof.push_back(roof);
+  }
   const auto look = [&](std::size_t begin, std::size_t end, std::vector<Violation>& violations) {
     for (std::size_t c = begin; c < end; ++c) {
       double x = shift[0], y = shift[1], lowest = std::numeric_limits<double>::infinity();
@@ -33,8 +40,8 @@ std::vector<Violation> check_regions(const TetMesh& mesh, std::array<double, 3> 
         continue;
       }
       const BuildingIndex expected = footprints.at(x, y);
-      // Far above the roofs cells are wider than what they stand over.
-      const bool is_high = expected != kNoBuilding && lowest > city.buildings[expected].h_roof;
+      // Above the lid cells are wider than what they stand over.
+      const bool is_high = expected != kNoBuilding && lowest > lowest_roof[expected];
       if (is_high && mesh.region[c] == kNoBuilding.value()) continue;
       if (mesh.region[c] != expected)
         note_violation(violations, "cells with the wrong region", [&] {
