@@ -41,7 +41,7 @@ namespace tetropolis::python {
 
 namespace {
 
-/// A mesh and where the cells over each triangle are.
+/// A mesh and its rows of cells.
 struct Mesh {
   MeshInMemory made;
   std::vector<CellIndex> offsets;
@@ -61,7 +61,7 @@ Mesh build(const nb::dict& settings, City& city, const nb::object& progress) {
   return mesh;
 }
 
-/// The triangles whose cells come next after those over the first `begin`: as many as have at most
+/// The rows whose cells come next after those of the first `begin`: as many as have at most
 /// `size` cells together, but one at least.
 std::size_t end_of_block(const Mesh& mesh, std::size_t begin, std::int64_t size) {
   const auto first = mesh.offsets.begin() + static_cast<std::ptrdiff_t>(begin);
@@ -200,11 +200,11 @@ void save_surface_of(const Mesh& mesh, const SurfaceMesh& surface,
 }
 
 TetMesh tets_of(const Mesh& mesh) {
-  const std::size_t triangles = mesh.volume().triangle_count();
+  const std::size_t rows = mesh.offsets.size() - 1;
   std::vector<std::array<NodeIndex, 4>> cells(mesh.offsets.back());
-  fill_cells(mesh.volume(), mesh.offsets, 0, triangles, cells);
+  fill_cells(mesh.volume(), mesh.offsets, 0, rows, cells);
   std::vector<BuildingIndex> regions(cells.size());
-  fill_regions(mesh.volume(), mesh.offsets, 0, triangles, regions);
+  fill_regions(mesh.volume(), mesh.offsets, 0, rows, regions);
   TetMesh tets;
   tets.points.resize(static_cast<std::size_t>(mesh.volume().node_count()));
   fill_points(mesh.volume(), {0, 0, 0}, tets.points);
@@ -260,7 +260,7 @@ void bind_mesh(nb::module_& module) {
   nb::class_<Mesh>(module, "Mesh", "A volume mesh as columns, and its boundary.")
       .def_prop_ro("n_points", [](const Mesh& self) { return self.volume().node_count(); })
       .def_prop_ro("n_cells", [](const Mesh& self) { return self.offsets.back().value(); })
-      .def_prop_ro("n_triangles", [](const Mesh& self) { return self.volume().triangle_count(); })
+      .def_prop_ro("n_rows", [](const Mesh& self) { return self.offsets.size() - 1; })
       .def("points", points_of)
       .def("cells", cells_over, nb::arg("begin"), nb::arg("end"))
       .def("regions", regions_over, nb::arg("begin"), nb::arg("end"))

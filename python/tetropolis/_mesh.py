@@ -198,12 +198,12 @@ class Mesh(Reported):
     @cached_property
     def cells(self) -> Longs:
         """Positions in `points`, shape (n_cells, 4): (p1 - p0) x (p2 - p0) . (p3 - p0) > 0."""
-        return self._core.cells(0, self._core.n_triangles)
+        return self._core.cells(0, self._core.n_rows)
 
     @cached_property
     def region(self) -> Ints:
         """The building whose footprint each cell stands over, by position in the city, or -1; shape (n_cells,)."""
-        return self._core.regions(0, self._core.n_triangles)
+        return self._core.regions(0, self._core.n_rows)
 
     def cell_blocks(self, size: int = 1_000_000) -> Iterator[tuple[int, Longs, Ints]]:
         """`cells` and `region` in consecutive parts, for meshes that are too large as a whole.
@@ -221,7 +221,7 @@ class Mesh(Reported):
         region : ndarray of shape (k,)
         """
         begin = first = 0
-        while begin < self._core.n_triangles:
+        while begin < self._core.n_rows:
             end = self._core.end_of_block(begin, size)
             cells = self._core.cells(begin, end)
             yield first, cells, self._core.regions(begin, end)

@@ -11,8 +11,8 @@
 namespace tetropolis {
 
 /// Whether `region` names, for every cell, the building in whose footprint the cell's centre lies,
-/// or -1; a mesh without `region` is a violation. `shift` is added to the mesh's coordinates to get
-/// to the local frame of `city`.
+/// or -1, as it may above that building's lowest roof, too; a mesh without `region` is a violation.
+/// `shift` is added to the mesh's coordinates to get to the local frame of `city`.
 std::vector<Violation> check_regions(const TetMesh& mesh, std::array<double, 3> shift,
                                      const CityModel& city);
 

@@ -14,6 +14,7 @@
 #include "volume/layered/free_top.h"
 #include "volume/layered/layered_mesh.h"
 #include "volume/layered/smooth.h"
+#include "volume/upper/lid.h"
 
 namespace tetropolis {
 
@@ -144,7 +145,9 @@ Columns grade_columns(const MeshCityOptions& options, const CityParts& parts, co
   EdgeGraph edges;
   ColumnPlan plan = clock.run("3.3", "ground and top", [&](const Progress&) {
     edges = build_edge_graph(ground);
-    return plan_of(options, parts, dtm, ground, &edges, std::move(spacing), result);
+    ColumnPlan to_top = plan_of(options, parts, dtm, ground, &edges, std::move(spacing), result);
+    if (ends_at_lid(options)) lower_tops(ground, edges, to_top);
+    return to_top;
   });
   const auto divide = [&](const Progress&) {
     require_cells_fit(options, size, static_cast<double>(ground.triangles.size()),

@@ -15,6 +15,12 @@ namespace tetropolis {
 /// How `options` want columns to be planned.
 ColumnPlanOptions plan_options(const MeshCityOptions& options);
 
+/// Whether columns end at a lid over the city, above which the upper part has fewer and fewer:
+/// graded ones below a flat top, unless their segments are bounded by layer_height.
+inline bool ends_at_lid(const MeshCityOptions& options) {
+  return !solves_laplace(options) && options.layer_height == 0;
+}
+
 /// Columns over terrain that is excavated nowhere; valid unless there are missed_buildings(). Fills
 /// the volume facts of `result` as far as the columns are known by then, its solver and its
 /// warnings. Throws Error(kUsage) for a mesh that is too high or too large.

@@ -24,6 +24,7 @@
 #include "volume/column/ground_heights.h"
 #include "volume/column/levels.h"
 #include "volume/column/roof_heights.h"
+#include "volume/upper/grow_upper.h"
 
 namespace tetropolis {
 
@@ -177,6 +178,13 @@ MeshCityOptions in_local_frame(MeshCityOptions options, Point2 origin) {
   return options;
 }
 
+void add_upper(const MeshCityOptions& options, Columns& columns, StepClock& clock) {
+  if (!ends_at_lid(options)) return;
+  columns.mesh.upper = clock.run("3.5", "upper part", [&](const Progress&) {
+    return grow_upper(columns.mesh, columns.plan.layers.top);
+  });
+}
+
 /// The factor at which the estimate has so many cells.
 double estimated_scale(const MeshCityOptions& options, const CitySize& size, double cells) {
   double low = kLeastScale, high = kGreatestScale;
@@ -200,7 +208,8 @@ double find_scale(const MeshCityOptions& options, const CityModel& city, const R
     const MeshCityOptions trial = scaled(options, scale);
     require_mesh_fits(trial, size);
     CityMesh scratch;
-    const Columns columns = columns_of(trial, city, terrain, size, {}, clock, scratch);
+    Columns columns = columns_of(trial, city, terrain, size, {}, clock, scratch);
+    add_upper(trial, columns, clock);
     const auto cells = static_cast<double>(cell_offsets(columns.mesh).back().value());
     const double error = std::abs(std::log(cells / target));
     if (error < best_error) {
@@ -288,6 +297,11 @@ CityMesh mesh_city(const CityModel& city, Raster terrain, const MeshCityOptions&
     result.volume_facts.min_vertical_gap = improved.min_vertical_gap;
     quality = std::move(improved.quality);
   } else {
+    quality = measure_quality(columns.mesh, clock);
+  }
+  add_upper(options, columns, clock);
+  if (!columns.mesh.upper.empty()) {
+    result.volume_facts.min_vertical_gap = require_valid(columns.mesh);
     quality = measure_quality(columns.mesh, clock);
   }
   warn_of_lowered_ground(columns.plan, excavated, result.warnings);

@@ -58,6 +58,13 @@ inline ExplicitMesh explicit_mesh(const ColumnMesh& mesh,
       cell[segment.corner] = cell[3];
     }
   }
+  for (const Point3& p : mesh.upper.points)
+    result.points.push_back({p[0] + shift[0], p[1] + shift[1], p[2] + shift[2]});
+  for (const auto& c : mesh.upper.cells) {
+    result.cells.push_back({c[0].value(), c[1].value(), c[2].value(), c[3].value()});
+    result.region.push_back(kNoBuilding.value());
+    result.triangle.push_back(kNoTriangle);
+  }
   return result;
 }
 

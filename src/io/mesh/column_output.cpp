@@ -1,5 +1,8 @@
 #include "column_output.h"
 
+#include <algorithm>
+#include <cstdint>
+
 #include "tetropolis/core/error.h"
 
 #include "io/file/chunked_output.h"
@@ -8,33 +11,39 @@ namespace tetropolis {
 
 void append_points(const ColumnMesh& mesh, const Placement& placement, std::size_t begin,
                    std::size_t end, std::string& buffer) {
-  const auto nodes = static_cast<std::size_t>(mesh.first[end] - mesh.first[begin]);
-  RawNumbers points(buffer, nodes * 3 * sizeof(double));
-  for (const VertexIndex v : indices<VertexIndex>(begin, end))
-    for (const NodeIndex n : mesh.nodes(v)) {
-      points.put(mesh.ground.vertices[v].x + placement.shift[0]);
-      points.put(mesh.ground.vertices[v].y + placement.shift[1]);
-      points.put(mesh.z[n] + placement.shift[2]);
-    }
+  const auto first_of = [&](std::size_t row) {
+    const std::size_t column = std::min(row, mesh.vertex_count());
+    const std::size_t upper = (row - column) * kUpperBlock;
+    return std::size_t{mesh.first[column]} + std::min(upper, mesh.upper.points.size());
+  };
+  RawNumbers points(buffer, (first_of(end) - first_of(begin)) * 3 * sizeof(double));
+  for (std::size_t row = begin; row < end; ++row)
+    for_each_point_of(mesh, row, [&](NodeIndex, const Point3& p) {
+      for (std::size_t c = 0; c < 3; ++c) points.put(p[c] + placement.shift[c]);
+    });
 }
 
 void append_regions(const ColumnMesh& mesh, const std::vector<CellIndex>& offsets,
                     std::size_t begin, std::size_t end, std::string& buffer) {
   const auto cells = static_cast<std::size_t>(offsets[end] - offsets[begin]);
   RawNumbers regions(buffer, cells * sizeof(std::int32_t));
-  for (const TriangleIndex t : indices<TriangleIndex>(begin, end)) {
-    const BuildingIndex building = mesh.ground.region_of(t).building;
-    for (CellIndex c = offsets[t]; c < offsets[t + 1]; ++c) regions.put(building.value());
+  for (std::size_t row = begin; row < end; ++row) {
+    const BuildingIndex building = building_below(mesh, row);
+    for (CellIndex c = offsets[row]; c < offsets[row + 1]; ++c) regions.put(building.value());
   }
 }
 
 void require_boundary_of(const ColumnMesh& mesh, const SurfaceMesh& surface) {
   const bool numbered = surface.node.size() == surface.points.size() &&
                         surface.cell.size() == surface.triangles.size();
+  const auto elevation = [&](NodeIndex n) {
+    const std::int64_t upper = n.value() - mesh.column_nodes();
+    return upper < 0 ? mesh.z[n] : mesh.upper.points[static_cast<std::size_t>(upper)][2];
+  };
   bool matches = numbered;
   for (std::size_t i = 0; matches && i < surface.node.size(); ++i) {
     const NodeIndex n = surface.node[i];
-    matches = n >= 0 && n < mesh.node_count() && mesh.z[n] == surface.points[i][2];
+    matches = n >= 0 && n < mesh.node_count() && elevation(n) == surface.points[i][2];
   }
   if (!matches)
     throw Error(ErrorKind::kGuarantee, "the surface is not the boundary of the volume mesh");

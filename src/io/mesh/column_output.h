@@ -15,19 +15,19 @@
 
 namespace tetropolis {
 
-/// Appends x, y, z of the nodes of the vertices [begin, end), shifted, as raw doubles.
+/// Appends x, y, z of the nodes of the rows [begin, end) of point_rows(), shifted, as raw doubles.
 void append_points(const ColumnMesh& mesh, const Placement& placement, std::size_t begin,
                    std::size_t end, std::string& buffer);
 
-/// Appends the nodes of the cells over the triangles [begin, end), in the order of
-/// for_each_tet_over(), as raw numbers. `offsets`: of cell_offsets().
+/// Appends the nodes of the cells of the rows [begin, end) of `offsets`, which are cell_offsets(),
+/// in the order of for_each_tet_of(), as raw numbers.
 template <typename Integer>
 void append_cells(const ColumnMesh& mesh, const std::vector<CellIndex>& offsets, std::size_t begin,
                   std::size_t end, std::string& buffer) {
   const auto cells = static_cast<std::size_t>(offsets[end] - offsets[begin]);
   RawNumbers nodes(buffer, cells * 4 * sizeof(Integer));
-  for (const TriangleIndex t : indices<TriangleIndex>(begin, end))
-    for_each_tet_over(mesh, t, [&](const std::array<NodeIndex, 4>& tet) {
+  for (std::size_t row = begin; row < end; ++row)
+    for_each_tet_of(mesh, row, [&](const std::array<NodeIndex, 4>& tet) {
       for (const NodeIndex node : tet) nodes.put(static_cast<Integer>(node.value()));
     });
 }

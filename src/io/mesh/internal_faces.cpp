@@ -65,6 +65,7 @@ const std::vector<InternalFace>& InternalFaces::owned_over(TriangleIndex t) {
     if (faces_.size() == begin + 2 && faces_[begin].neighbour > faces_[begin + 1].neighbour)
       std::swap(faces_[begin], faces_[begin + 1]);
   }
+  if (mesh_.is_covered(t)) faces_.push_back({cell - 1, mesh_.upper.over_lid[t], front.at()});
   return faces_;
 }
 

@@ -112,7 +112,7 @@ void write_nodes(AtomicFile& file, const ColumnMesh& mesh, const Placement& plac
     for (std::size_t n = begin; n < end; ++n) append_size(buffer, n + 1);
   });
   write_chunked(
-      file, mesh.vertex_count(), grain_for(mesh.vertex_count(), nodes * 3 * sizeof(double)),
+      file, point_rows(mesh), grain_for(point_rows(mesh), nodes * 3 * sizeof(double)),
       [&](std::size_t begin, std::size_t end, std::string& buffer) {
         append_points(mesh, placement, begin, end, buffer);
       },
@@ -150,11 +150,11 @@ void write_tets(AtomicFile& file, const ColumnMesh& mesh, const std::vector<Cell
   file.write(begin_elements(3, kAirPhysicalGroup, kTetType, count));
   const std::uint64_t bytes = count * 5 * sizeof(std::uint64_t);
   write_chunked(
-      file, mesh.triangle_count(), grain_for(mesh.triangle_count(), bytes),
+      file, cells.size() - 1, grain_for(cells.size() - 1, bytes),
       [&](std::size_t begin, std::size_t end, std::string& buffer) {
-        for (const TriangleIndex t : indices<TriangleIndex>(begin, end)) {
-          std::size_t element = triangles + static_cast<std::size_t>(cells[t]);
-          for_each_tet_over(mesh, t, [&](const std::array<NodeIndex, 4>& tet) {
+        for (std::size_t row = begin; row < end; ++row) {
+          std::size_t element = triangles + static_cast<std::size_t>(cells[row]);
+          for_each_tet_of(mesh, row, [&](const std::array<NodeIndex, 4>& tet) {
             append_size(buffer, ++element);
             for (const NodeIndex node : tet) append_raw(buffer, node + 1);
           });

@@ -16,6 +16,7 @@
 #include "internal_faces.h"
 #include "io/file/atomic_file.h"
 #include "io/file/chunked_output.h"
+#include "volume/upper/upper_faces.h"
 
 namespace tetropolis {
 
@@ -56,25 +57,38 @@ void write_points(AtomicFile& file, const ColumnMesh& mesh, const Placement& pla
   file.write(header("binary", "vectorField", "points", note));
   begin_list(file, static_cast<std::size_t>(mesh.node_count()));
   const auto bytes = static_cast<std::uint64_t>(mesh.node_count()) * 3 * sizeof(double);
-  write_chunked(file, mesh.vertex_count(), grain_for(mesh.vertex_count(), bytes),
+  write_chunked(file, point_rows(mesh), grain_for(point_rows(mesh), bytes),
                 [&](std::size_t begin, std::size_t end, std::string& buffer) {
                   append_points(mesh, placement, begin, end, buffer);
                 });
   end_list(file);
 }
 
+/// Cells of columns by triangle, and the faces between those of the upper part.
+struct Cells {
+  std::vector<CellIndex> offsets;
+  std::vector<UpperFaces::Inner> upper;
+};
+
 /// Appends what append(face, buffer) does for the internal faces in their order: `bytes` in all.
 template <typename Append>
-void write_internal(AtomicFile& file, const ColumnMesh& mesh, const std::vector<CellIndex>& cells,
+void write_internal(AtomicFile& file, const ColumnMesh& mesh, const Cells& cells,
                     std::uint64_t bytes, const Append& append, const Progress& progress) {
   write_chunked(
       file, mesh.triangle_count(), grain_for(mesh.triangle_count(), bytes),
       [&](std::size_t begin, std::size_t end, std::string& buffer) {
-        InternalFaces faces(mesh, cells);
+        InternalFaces faces(mesh, cells.offsets);
         for (const TriangleIndex t : indices<TriangleIndex>(begin, end))
           for (const InternalFace& face : faces.owned_over(t)) append(face, buffer);
       },
       progress);
+  write_chunked(file, cells.upper.size(), kRows,
+                [&](std::size_t begin, std::size_t end, std::string& buffer) {
+                  for (std::size_t f = begin; f < end; ++f) {
+                    const UpperFaces::Inner& face = cells.upper[f];
+                    append(InternalFace{face.cell, face.neighbour, face.nodes}, buffer);
+                  }
+                });
 }
 
 /// Likewise for the boundary faces; append(f, buffer) gets their number.
@@ -87,7 +101,7 @@ void write_outer(AtomicFile& file, const SurfaceMesh& surface, const Append& app
 }
 
 /// A "compact" list of faces: offsets into the list of corners that follows, and that list.
-void write_faces(AtomicFile& file, const ColumnMesh& mesh, const std::vector<CellIndex>& cells,
+void write_faces(AtomicFile& file, const ColumnMesh& mesh, const Cells& cells,
                  const SurfaceMesh& surface, const Sizes& sizes, const Progress& progress) {
   file.write(header("binary", "faceCompactList", "faces", ""));
   begin_list(file, sizes.faces() + 1);
@@ -112,13 +126,12 @@ void write_faces(AtomicFile& file, const ColumnMesh& mesh, const std::vector<Cel
   end_list(file);
 }
 
-std::string size_note(const ColumnMesh& mesh, const std::vector<CellIndex>& cells,
-                      const Sizes& sizes) {
+std::string size_note(const ColumnMesh& mesh, const Cells& cells, const Sizes& sizes) {
   return fmt::format("nPoints:{}  nCells:{}  nFaces:{}  nInternalFaces:{}", mesh.node_count(),
-                     cells.back().value(), sizes.faces(), sizes.internal);
+                     cells.offsets.back().value(), sizes.faces(), sizes.internal);
 }
 
-void write_owner(AtomicFile& file, const ColumnMesh& mesh, const std::vector<CellIndex>& cells,
+void write_owner(AtomicFile& file, const ColumnMesh& mesh, const Cells& cells,
                  const SurfaceMesh& surface, const Sizes& sizes, const Progress& progress) {
   file.write(header("binary", "labelList", "owner", size_note(mesh, cells, sizes)));
   begin_list(file, sizes.faces());
@@ -134,7 +147,7 @@ void write_owner(AtomicFile& file, const ColumnMesh& mesh, const std::vector<Cel
   end_list(file);
 }
 
-void write_neighbour(AtomicFile& file, const ColumnMesh& mesh, const std::vector<CellIndex>& cells,
+void write_neighbour(AtomicFile& file, const ColumnMesh& mesh, const Cells& cells,
                      const Sizes& sizes, const Progress& progress) {
   file.write(header("binary", "labelList", "neighbour", size_note(mesh, cells, sizes)));
   begin_list(file, sizes.internal);
@@ -184,8 +197,9 @@ void write_openfoam(const std::filesystem::path& folder, const ColumnMesh& mesh,
                     const SurfaceMesh& surface, const Placement& placement,
                     const Progress& progress) {
   require_boundary_of(mesh, surface);
-  const std::vector<CellIndex> cells = cell_offsets(mesh);
-  const Sizes sizes = count_faces(folder, cells.back().value(), surface);
+  Cells cells{cell_offsets(mesh), {}};
+  if (!mesh.upper.empty()) cells.upper = upper_faces(mesh).inner;
+  const Sizes sizes = count_faces(folder, cells.offsets.back().value(), surface);
   std::error_code error;
   std::filesystem::create_directories(folder, error);
   if (error) throw_cannot_write(folder, error.message());

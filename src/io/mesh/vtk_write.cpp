@@ -107,7 +107,7 @@ void write_cells(VtkOutput& file, const ColumnMesh& mesh, const std::vector<Cell
                  const Progress& progress) {
   const auto cells = static_cast<std::size_t>(offsets.back());
   file.write_next(
-      mesh.triangle_count(),
+      offsets.size() - 1,
       [&](std::size_t begin, std::size_t end, std::string& buffer) {
         append_cells<Integer>(mesh, offsets, begin, end, buffer);
       },
@@ -152,7 +152,7 @@ void write_vtu(const std::filesystem::path& path, const ColumnMesh& mesh,
   file.write_head(file_head("UnstructuredGrid", placement, fields, file) + piece +
                   file_middle("UnstructuredGrid"));
   file.write_next(
-      mesh.vertex_count(),
+      point_rows(mesh),
       [&](std::size_t begin, std::size_t end, std::string& buffer) {
         append_points(mesh, placement, begin, end, buffer);
       },
@@ -163,7 +163,7 @@ void write_vtu(const std::filesystem::path& path, const ColumnMesh& mesh,
   else
     write_cells<std::int64_t>(file, mesh, offsets, of_cells);
   file.write_next(
-      mesh.triangle_count(),
+      offsets.size() - 1,
       [&](std::size_t begin, std::size_t end, std::string& buffer) {
         append_regions(mesh, offsets, begin, end, buffer);
       },

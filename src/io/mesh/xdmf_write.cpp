@@ -56,19 +56,19 @@ template <typename Output>
 void write_volume(Output& file, const ColumnMesh& mesh, const std::vector<CellIndex>& cells,
                   const Placement& placement, const Progress& progress) {
   file.write_next(
-      mesh.vertex_count(),
+      point_rows(mesh),
       [&](std::size_t begin, std::size_t end, std::string& buffer) {
         append_points(mesh, placement, begin, end, buffer);
       },
       portion(progress, 0, 0.2));
   file.write_next(
-      mesh.triangle_count(),
+      cells.size() - 1,
       [&](std::size_t begin, std::size_t end, std::string& buffer) {
         append_cells<std::int64_t>(mesh, cells, begin, end, buffer);
       },
       portion(progress, 0.2, 0.9));
   file.write_next(
-      mesh.triangle_count(),
+      cells.size() - 1,
       [&](std::size_t begin, std::size_t end, std::string& buffer) {
         append_regions(mesh, cells, begin, end, buffer);
       },

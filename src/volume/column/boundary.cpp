@@ -7,6 +7,8 @@
 
 #include "tetropolis/core/error.h"
 
+#include "volume/upper/upper_faces.h"
+
 namespace tetropolis {
 
 namespace {
@@ -33,6 +35,7 @@ void add_floor_and_top(const ColumnMesh& mesh, const std::vector<CellIndex>& cel
               {{mesh.floor_over(t, v[0]), mesh.floor_over(t, v[2]), mesh.floor_over(t, v[1])},
                cells[t],
                region.building});
+    if (mesh.is_covered(t)) continue;
     faces.add(Patch::kTop,
               {{mesh.top(v[0]), mesh.top(v[1]), mesh.top(v[2])}, cells[t + 1] - 1, kNoBuilding});
   }
@@ -111,6 +114,26 @@ void add_sides(const ColumnMesh& mesh, const std::vector<CellIndex>& cells, Face
   }
 }
 
+void add_upper(const ColumnMesh& mesh, FaceLists& faces) {
+  const UpperFaces upper = upper_faces(mesh);
+  for (const UpperFace& face : upper.top)
+    faces.add(Patch::kTop, {face.nodes, face.cell, kNoBuilding});
+  // By edge, as the sides are asked for.
+  const UpperNodes nodes(mesh);
+  std::vector<std::pair<std::array<VertexIndex, 2>, const UpperFace*>> sides;
+  for (const UpperFace& face : upper.sides) {
+    std::array<VertexIndex, 3> v{};
+    for (std::size_t i = 0; i < 3; ++i) v[i] = nodes.vertex(face.nodes[i]);
+    const auto [low, high] = std::minmax({v[0], v[1], v[2]});
+    sides.push_back({{low, high}, &face});
+  }
+  std::stable_sort(sides.begin(), sides.end(),
+                   [](const auto& a, const auto& b) { return a.first < b.first; });
+  SidesOfDomain side_at(mesh.ground);
+  for (const auto& [edge, face] : sides)
+    faces.add(side_at.at(edge), {face->nodes, face->cell, kNoBuilding});
+}
+
 /// Numbers the boundary's nodes in column order.
 SurfaceMesh number_faces(const ColumnMesh& mesh, const FaceLists& faces) {
   constexpr std::int32_t unused = -1;
@@ -123,14 +146,14 @@ SurfaceMesh number_faces(const ColumnMesh& mesh, const FaceLists& faces) {
   }
   SurfaceMesh surface;
   surface.patches = faces.patches;
-  for (const VertexIndex v : mesh.ground.vertices.indices())
-    for (const NodeIndex node : mesh.nodes(v)) {
+  for (std::size_t row = 0; row < point_rows(mesh); ++row)
+    for_each_point_of(mesh, row, [&](NodeIndex node, const Point3& p) {
       auto& own = number[node];
-      if (own == unused) continue;
+      if (own == unused) return;
       own = static_cast<std::int32_t>(surface.points.size());
-      surface.points.push_back(position(mesh, v, node));
+      surface.points.push_back(p);
       surface.node.push_back(node);
-    }
+    });
   surface.triangles.reserve(count);
   surface.patch.reserve(count);
   surface.building.reserve(count);
@@ -155,6 +178,7 @@ SurfaceMesh extract_boundary(const ColumnMesh& mesh) {
   FaceLists faces{mesh.ground.patches};
   add_floor_and_top(mesh, cells, faces);
   add_sides(mesh, cells, faces);
+  if (!mesh.upper.empty()) add_upper(mesh, faces);
   return number_faces(mesh, faces);
 }
 

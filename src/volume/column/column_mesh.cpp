@@ -1,6 +1,8 @@
 #include "tetropolis/volume/column/column_mesh.h"
 
 #include <algorithm>
+#include <array>
+#include <cmath>
 #include <limits>
 #include <string>
 
@@ -9,6 +11,8 @@
 #include "core/infinity.h"
 #include "core/parallel.h"
 #include "levels.h"
+#include "volume/quality/vec3.h"
+#include "volume/upper/upper_faces.h"
 
 namespace tetropolis {
 
@@ -51,14 +55,38 @@ void require_passed_roofs(const ColumnMesh& mesh) {
       throw_invalid(mesh.edges.vertices[e][0], "fronts do not pass through the roof's edge");
 }
 
+/// The shortest vertical edge of the upper part, whose cells have to be positive.
+double shortest_upper_edge(const ColumnMesh& mesh) {
+  const UpperNodes nodes(mesh);
+  double shortest = kInfinity;
+  for (const auto& cell : mesh.upper.cells) {
+    std::array<Point3, 4> p;
+    std::array<VertexIndex, 4> v;
+    for (std::size_t i = 0; i < 4; ++i) {
+      p[i] = nodes[cell[i]];
+      v[i] = nodes.vertex(cell[i]);
+      for (std::size_t j = 0; j < i; ++j)
+        if (v[i] == v[j]) shortest = std::min(shortest, std::abs(p[i][2] - p[j][2]));
+    }
+    const double volume = dot(cross(minus(p[1], p[0]), minus(p[2], p[0])), minus(p[3], p[0]));
+    if (!(volume > 0 && volume < kInfinity)) throw_invalid(v[0], "a cell is inverted");
+  }
+  return shortest;
+}
+
 }  // namespace
 
 std::vector<CellIndex> cell_offsets(const ColumnMesh& mesh) {
   std::vector<CellIndex> offsets(mesh.triangle_count() + 1);
   for (const TriangleIndex t : mesh.ground.triangles.indices()) {
-    offsets[t + 1] = offsets[t];
+    offsets[t + 1] = offsets[t] + mesh.prisms_over(t);
     for (const VertexIndex v : mesh.ground.triangles[t])
-      offsets[t + 1] += mesh.top(v) - mesh.floor_over(t, v);
+      offsets[t + 1] += mesh.top(v) - mesh.tets_from(t, v);
+  }
+  for (std::size_t left = mesh.upper.cells.size(); left > 0;) {
+    const std::size_t block = std::min(left, kUpperBlock);
+    offsets.push_back(offsets.back() + block);
+    left -= block;
   }
   return offsets;
 }
@@ -68,8 +96,9 @@ double require_valid(const ColumnMesh& mesh) {
     require_flat_roofs(mesh);
   else
     require_passed_roofs(mesh);
+  const double of_upper = mesh.upper.empty() ? kInfinity : shortest_upper_edge(mesh);
   return parallel_reduce_ordered(
-      mesh.vertex_count(), 4096, kInfinity,
+      mesh.vertex_count(), 4096, of_upper,
       [&](std::size_t begin, std::size_t end) {
         double shortest = kInfinity;
         for (const VertexIndex v : indices<VertexIndex>(begin, end))

@@ -28,13 +28,6 @@ constexpr std::size_t kColumnsPerChunk = 4096;
 // walls of 20 m (`tetropolis synth --kind adversarial`) for the shares.
 constexpr double kSpacingFactor = 1.2;
 
-/// Ratio of a segment above the canopy to the one below it, and to the spacing at most: with 2 the
-/// search has to mend many cells, and with 1.7 a city in sixty stays below the floor of quality.
-constexpr double kGrowth = 1.2, kMostGrown = 1.5;
-
-/// Rings of neighbours whose floors keep a column's segments short.
-constexpr int kCanopyRings = 4;
-
 /// Share of a cliff's height that the first segment at its foot takes.
 constexpr double kFootShare = 0.6;
 
@@ -51,53 +44,12 @@ void require_rise(double low, double high, VertexIndex v, const char* what) {
                                          std::to_string(high) + " m)");
 }
 
-/// Segments between two elevations: even ones up to the canopy, growing ones above it.
-struct Growing {
-  double spacing = 1, canopy = 0, low = 0, high = 0;
-
-  /// Where segments of the lengths asked for end, one after the other. Only sums and products: the
-  /// same bits on every machine.
-  double after(double z) const {
-    const double most = kMostGrown * spacing;
-    const double grown = z <= canopy ? spacing : spacing + (kGrowth - 1) * (z - canopy);
-    return z + std::min(grown, most);
-  }
-  std::int32_t count() const {
-    if (high <= canopy)
-      return static_cast<std::int32_t>(std::max(1.0, std::round((high - low) / spacing)));
-    std::int32_t n = 0;
-    double z = low, next = low;
-    for (; next < high; ++n) {
-      z = next;
-      next = after(z);
-    }
-    // The one that ends nearer.
-    return std::max(n > 0 && next - high > high - z ? n - 1 : n, 1);
-  }
-  /// Writes where they begin; returns the place after them.
-  double* write(std::int32_t n, double* to) const {
-    if (high <= canopy) {
-      for (std::int32_t i = 0; i < n; ++i) *to++ = low + (high - low) * i / n;
-      return to;
-    }
-    double z = low;
-    for (std::int32_t i = 0; i < n; ++i) {
-      *to++ = z;
-      z = after(z);
-    }
-    const double share = (high - low) / (z - low);
-    for (std::int32_t i = 1; i < n; ++i) to[i - n] = low + (to[i - n] - low) * share;
-    return to;
-  }
-};
-
 /// A piece of a column between two given elevations: below the edge of a cliff first in few long
-/// segments, then in even or growing ones.
+/// segments, then in even ones.
 struct Piece {
   std::array<double, 2> steep{};  ///< Elevations within the piece where the long segments end.
   std::int32_t steep_count = 0;
   std::int32_t even_count = 0;
-  Growing growing;
 };
 
 Piece divide_piece(const ColumnPlan& plan, VertexIndex v, double low, double high) {
@@ -108,8 +60,7 @@ Piece divide_piece(const ColumnPlan& plan, VertexIndex v, double low, double hig
   const double rise = edge - low;
   Piece piece;
   const auto divide_above = [&](double from) {
-    piece.growing = {spacing, plan.canopy[v], from, high};
-    return piece.growing.count();
+    return static_cast<std::int32_t>(std::max(1.0, std::round((high - from) / spacing)));
   };
   if (!(kFootShare * rise > spacing)) {
     piece.even_count = divide_above(low);
@@ -178,10 +129,9 @@ double* spread(double* z, const ColumnPlan& plan, VertexIndex v, double low, dou
     *z++ = low;
     low = piece.steep[static_cast<std::size_t>(i)];
   }
-  Growing growing = piece.growing;
-  growing.low = low;
-  growing.high = high;
-  return growing.write(piece.even_count, z);
+  const std::int32_t n = piece.even_count;
+  for (std::int32_t i = 0; i < n; ++i) *z++ = low + (high - low) * i / n;
+  return z;
 }
 
 /// Per building part: the lowest of `ground`, per vertex, at its walls (and inside of it).
@@ -324,7 +274,6 @@ ColumnPlan plan_columns(const GroundMesh& mesh, const Raster& dtm, RoofHeights r
       plan_layers(plan.ground, highest_of(plan.roofs), highest_under(dtm, bounds(mesh.vertices)),
                   options.domain_height, options.layer_height);
   plan.top.assign(mesh.vertices.size(), plan.layers.top);
-  plan.canopy = canopy_over(mesh, plan);
   return plan;
 }
 
@@ -350,49 +299,6 @@ void count_lowered(const GroundMesh& mesh, std::span<const double> terrain, doub
     plan.undermined += building == std::exchange(last, building) ? 0 : 1;
     plan.deepest_undermined = std::max(plan.deepest_undermined, deep);
   }
-}
-
-namespace {
-
-bool is_needle(const GroundMesh& mesh, const std::array<VertexIndex, 3>& corners) {
-  constexpr double kLeastAltitude = 0.3;  // of the longest edge
-  std::array<Point2, 3> p;
-  for (std::size_t i = 0; i < 3; ++i) p[i] = mesh.vertices[corners[i]];
-  double longest2 = 0;
-  for (std::size_t i = 0; i < 3; ++i) {
-    const Point2 a = p[i], b = p[(i + 1) % 3];
-    longest2 = std::max(longest2, (b.x - a.x) * (b.x - a.x) + (b.y - a.y) * (b.y - a.y));
-  }
-  const double twice_area =
-      (p[1].x - p[0].x) * (p[2].y - p[0].y) - (p[1].y - p[0].y) * (p[2].x - p[0].x);
-  return twice_area < kLeastAltitude * longest2;
-}
-
-}  // namespace
-
-std::vector<double> canopy_over(const GroundMesh& mesh, const ColumnPlan& plan) {
-  std::vector<double> canopy = plan.ground;
-  for (const TriangleIndex t : mesh.triangles.indices())
-    for (const VertexIndex v : mesh.triangles[t])
-      canopy[v] = std::max(canopy[v], plan.floor(mesh, mesh.region[t], v));
-  std::vector<double> wider;
-  for (int ring = 0; ring < kCanopyRings; ++ring) {
-    wider = canopy;
-    for (const auto& corners : mesh.triangles)
-      for (std::size_t i = 0; i < 3; ++i) {
-        const VertexIndex v = corners[i], w = corners[(i + 1) % 3];
-        const Point2 p = mesh.vertices[v], q = mesh.vertices[w];
-        const double distance = std::hypot(q.x - p.x, q.y - p.y);
-        wider[v] = std::max(wider[v], canopy[w] - distance);
-        wider[w] = std::max(wider[w], canopy[v] - distance);
-      }
-    std::swap(canopy, wider);
-  }
-  // Over needles, at sharp corners of footprints, long cells would be slivers.
-  for (const auto& corners : mesh.triangles)
-    if (is_needle(mesh, corners))
-      for (const VertexIndex v : corners) canopy[v] = kInfinity;
-  return canopy;
 }
 
 double estimate_cells(const ColumnPlan& plan) {

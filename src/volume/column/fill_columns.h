@@ -55,7 +55,6 @@ struct ColumnPlan {
   std::vector<double> top;               ///< Elevation of the top.
   std::vector<double> spacing;           ///< Distance between nodes asked for, > 0.
   std::vector<double> rise;              ///< As from ground_rise.
-  std::vector<double> canopy;            ///< Elevation above which the distance grows.
   LayerPlan layers;                      ///< Height of the domain, and layers of uniform columns.
   std::int64_t lowered =
       0;               ///< Vertices outside buildings or on walls with ground below the terrain.
@@ -71,10 +70,6 @@ struct ColumnPlan {
   /// Elevation of the lowest roof at vertex v. Precondition: there is one.
   double lowest_roof_at(VertexIndex v) const { return roofs.at(lowest_roof[v], v); }
 };
-
-/// Per vertex, the highest floor near it: its own, or those up to four edges away less their
-/// distance. Infinity at needles.
-std::vector<double> canopy_over(const GroundMesh& mesh, const ColumnPlan& plan);
 
 /// A mesh, and what it was made from.
 struct Columns {
@@ -118,8 +113,7 @@ double estimate_cells(const ColumnPlan& plan);
 /// Columns go from the lowest floor of the regions around them to the top, with a node at each
 /// floor; floors of the same elevation share it. Each piece between two of these elevations is
 /// divided into the number of
-/// segments that comes closest to the spacing, at least one; above the canopy each is longer than
-/// the one below it, by kGrowth, up to kMostGrown times the spacing. A piece that begins at the
+/// segments that comes closest to the spacing, at least one. A piece that begins at the
 /// foot of a cliff (the spacing is less than 0.6 of what the highest ground beside rises above it)
 /// has two segments of 0.6 and 0.4 of that rise first, as far as it reaches: the tets between its
 /// column and the edge of the cliff would otherwise be slivers, as atan(r) - atan(r - s / d) with

@@ -198,7 +198,6 @@ bool Place::excavate_marked() {
       plan_columns(now_.mesh.ground, dtm_, now_.plan.roofs, now_.plan.spacing, options);
   const ColumnPlan& old = unexcavated_.plan;
   plan.top = old.top;
-  plan.canopy = old.canopy;
   for (const VertexIndex v : indices<VertexIndex>(fixed_.size()))
     if (fixed_[v] != 0) {
       plan.ground[v] = old.ground[v];

@@ -105,7 +105,7 @@ FaceQuality faces_over(const ColumnMesh& mesh, TriangleIndex t) {
     below = centre;
     face[c] = apex;
   }
-  if (!is_first) faces.add_boundary(face, below);
+  if (!is_first && !mesh.is_covered(t)) faces.add_boundary(face, below);
   return faces.quality();
 }
 

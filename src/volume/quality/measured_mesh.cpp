@@ -13,6 +13,7 @@
 #include "faces_of.h"
 #include "shapes_over.h"
 #include "stack_kernels.h"
+#include "volume/upper/measure_upper.h"
 
 namespace tetropolis {
 
@@ -379,7 +380,9 @@ MeshQuality MeasuredMesh::quality(const ColumnMesh& mesh, std::size_t worst) con
 }
 
 MeshQuality measure_quality(const ColumnMesh& mesh, std::size_t worst) {
-  return MeasuredMesh(mesh, MeasuredMesh::Counting::kHistogram).quality(mesh, worst);
+  MeshQuality quality = MeasuredMesh(mesh, MeasuredMesh::Counting::kHistogram).quality(mesh, worst);
+  if (!mesh.upper.empty()) add_upper_quality(mesh, worst, quality);
+  return quality;
 }
 
 CellQuality measure_cells(const ColumnMesh& mesh, std::size_t worst) {

@@ -179,13 +179,14 @@ void FrontStore::add(const ColumnMesh& mesh, TriangleIndex t) {
   const auto [a, b, c] = triangle;
   Place place{{}, used_};
   Fronts& fronts = place.fronts;
+  fronts.is_covered = mesh.is_covered(t);
   fronts.turn = int{a < b} + int{b < c} + int{c < a} == 2 ? 1 : -1;
   std::array<const double*, 3> at{}, last{}, level{};
   for (std::size_t i = 0; i < 3; ++i) {
     fronts.corner[i] = mesh.ground.vertices[v[i]];
-    at[i] = mesh.z.data() + mesh.floor_over(t, v[i]);
+    at[i] = mesh.z.data() + mesh.tets_from(t, v[i]);
     last[i] = mesh.z.data() + mesh.top(v[i]);
-    level[i] = mesh.climbing().data() + mesh.floor_over(t, v[i]);
+    level[i] = mesh.climbing().data() + mesh.tets_from(t, v[i]);
     fronts.cells += static_cast<std::size_t>(last[i] - at[i]);
   }
   places_.push_back(place);
@@ -298,7 +299,7 @@ void StackKernels::measure(const Fronts& fronts) {
                                            0.16 * along * along, a - z, b - z, c - z));
   };
   add_end(0, 0, at(kTo)[0]);
-  add_end(cells, cells - 1, at(kFrom)[cells - 1]);
+  if (!fronts.is_covered) add_end(cells, cells - 1, at(kFrom)[cells - 1]);
 }
 
 FaceFigures StackKernels::measure_between(Point2 a, Point2 b, const std::array<Point2, 2>& opposite,

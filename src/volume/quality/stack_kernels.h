@@ -22,6 +22,7 @@ struct Fronts {
   std::array<Point2, 3> corner{};    ///< In ascending order of vertices, as all that follows.
   double turn = 1;                   ///< -1: that is not the triangle's order.
   std::array<const double*, 3> z{};  ///< Per column: its elevation in each of cells + 1 fronts.
+  bool is_covered = false;           ///< By cells of the upper part.
   std::size_t cells = 0;             ///< From each front to the next, one column rises.
 };
 

@@ -119,7 +119,6 @@ struct PartyWalls {
     plan.top.assign(ground.vertices.size(), 40);
     plan.spacing = column_spacing(ground);
     plan.rise = ground_rise(ground, plan.ground);
-    plan.canopy = canopy_over(ground, plan);
     EdgeGraph edges = build_edge_graph(ground);
     ground.sides = {Patch::kYMin, Patch::kXMax, Patch::kYMax, Patch::kXMin};
     for (std::size_t e = 0; e < edges.size(); ++e) {

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <string>
+#include <utility>
 
 #include <gtest/gtest.h>
 
@@ -59,24 +60,18 @@ TEST(FillColumns, SpacingComesClosestToWhatWasAskedFor) {
     const double* z = result.mesh.z.data() + result.mesh.first[v];
     const auto last = static_cast<std::int32_t>(result.mesh.top(v) - result.mesh.first[v]);
     const std::int32_t roof = std::ranges::max(result.mesh.floors_at(v));
-    // Above the canopy each segment is longer than the one below it, but for rounding to a whole
-    // number of them, and none is much longer than 1.5 times the spacing.
-    EXPECT_GE(result.plan.canopy[v], z[roof]);
-    for (std::int32_t i = roof; i < last; ++i) {
-      EXPECT_LE(z[i + 1] - z[i], 1.5 * 1.5 * spacing[v]);
-      if (i > roof) {
-        EXPECT_GE(z[i + 1] - z[i], (1 - 1e-9) * (z[i] - z[i - 1]));
-        EXPECT_LE(z[i + 1] - z[i], 1.2 * 1.01 * (z[i] - z[i - 1]));
+    for (const auto& [low, high] : {std::pair(0, roof), std::pair(roof, last)}) {
+      if (low == high) continue;
+      const double height = z[high] - z[low];
+      const std::int32_t count = high - low;
+      const auto misfit = [&](std::int32_t n) { return std::abs(height / spacing[v] - n); };
+      EXPECT_LE(misfit(count), misfit(count + 1));
+      if (count > 1) {
+        EXPECT_LE(misfit(count), misfit(count - 1));
       }
+      for (std::int32_t i = low; i < high; ++i)
+        EXPECT_NEAR(z[i + 1] - z[i], height / count, 1e-9 * height);
     }
-    if (roof == 0) continue;
-    const double height = z[roof] - z[0];
-    const auto misfit = [&](int n) { return std::abs(height / spacing[v] - n); };
-    EXPECT_LE(misfit(roof), misfit(roof + 1));
-    if (roof > 1) {
-      EXPECT_LE(misfit(roof), misfit(roof - 1));
-    }
-    for (int i = 0; i < roof; ++i) EXPECT_NEAR(z[i + 1] - z[i], height / roof, 1e-9 * height);
   }
 }
 

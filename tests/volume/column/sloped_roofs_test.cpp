@@ -96,7 +96,6 @@ struct SlopedParts {
     plan.top.assign(ground.vertices.size(), kTop);
     plan.spacing = column_spacing(ground);
     plan.rise = ground_rise(ground, plan.ground);
-    plan.canopy = canopy_over(ground, plan);
     for (;;) {
       mesh = divide_columns(std::move(ground), std::move(edges), plan);
       place_nodes(mesh, plan);

@@ -25,6 +25,7 @@
 // floors at the two ends of such an edge have nearly the same level (levels.h).
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstddef>
 #include <cstdint>
@@ -34,11 +35,9 @@
 
 #include "tetropolis/ground/ground_mesh.h"
 #include "tetropolis/volume/column/edge_graph.h"
+#include "tetropolis/volume/column/upper_mesh.h"
 
 namespace tetropolis {
-
-using NodeIndex = Index<struct NodeTag, std::int64_t>;
-using CellIndex = Index<struct CellTag, std::int64_t>;
 
 /// Nodes are numbered column by column and upwards. A column has the nodes that belong to cells
 /// only: from the lowest floor of the regions around it to the top, with a node at each floor.
@@ -54,10 +53,19 @@ struct ColumnMesh {
   std::vector<double> floor_levels;  ///< Per entry of `regions`: level of the region's floor.
                                      ///< Empty: all levels are elevations.
   std::vector<double> levels;        ///< Per node: level, increasing in each column; likewise.
+  std::int32_t layers = 0;  ///< Segments that all columns outside buildings begin with: between
+                            ///< them lie prisms, not tets.
+  UpperMesh upper;          ///< What is above the columns' ends.
 
   std::size_t vertex_count() const { return ground.vertices.size(); }
   std::size_t triangle_count() const { return ground.triangles.size(); }
-  std::int64_t node_count() const { return first.back().value(); }
+  /// Of columns and of the upper part.
+  std::int64_t node_count() const {
+    return column_nodes() + static_cast<std::int64_t>(upper.points.size());
+  }
+  std::int64_t column_nodes() const { return first.back().value(); }
+  /// Whether cells of the upper part lie on the stack over triangle t.
+  bool is_covered(TriangleIndex t) const { return !upper.empty() && upper.over_lid[t] != kNoCell; }
   /// The nodes of column v, upwards.
   IndexRange<NodeIndex> nodes(VertexIndex v) const { return {first[v], first[v + 1]}; }
   NodeIndex top(VertexIndex v) const { return first[v + 1] - 1; }
@@ -68,6 +76,12 @@ struct ColumnMesh {
   }
   /// The node that triangle t's stack starts at over its corner v.
   NodeIndex floor_over(TriangleIndex t, VertexIndex v) const { return floor(ground.region[t], v); }
+  /// How many prisms triangle t's stack begins with.
+  std::int32_t prisms_over(TriangleIndex t) const { return inside_building(t) ? 0 : layers; }
+  /// The node that its tets start at over its corner v.
+  NodeIndex tets_from(TriangleIndex t, VertexIndex v) const {
+    return floor_over(t, v) + prisms_over(t);
+  }
   /// Per node, what fronts go by: levels, or elevations where these are the same.
   const std::vector<double>& climbing() const { return levels.empty() ? z : levels; }
   /// Levels of the floors in the column of vertex v, in the order of `regions`; empty as they are.
@@ -98,8 +112,18 @@ struct ColumnMesh {
   std::size_t offset(VertexIndex v) const { return static_cast<std::size_t>(regions.offsets[v]); }
 };
 
-/// T + 1 offsets: the cells over triangle t are [offsets[t], offsets[t + 1]), upwards.
+/// Cells of the upper part in a block of cell_offsets(), and points in one of point_rows().
+inline constexpr std::size_t kUpperBlock = 64;
+
+/// The cells over triangle t are [offsets[t], offsets[t + 1]), upwards. After those of all
+/// triangles come those of the upper part, in blocks: T + 1 offsets, and one more for each block.
+/// So there are offsets.size() - 1 rows of cells, one per triangle or block.
 std::vector<CellIndex> cell_offsets(const ColumnMesh& mesh);
+
+/// Rows of nodes: one per ground vertex, and then one per block of the upper part.
+inline std::size_t point_rows(const ColumnMesh& mesh) {
+  return mesh.vertex_count() + (mesh.upper.points.size() + kUpperBlock - 1) / kUpperBlock;
+}
 
 /// What fronts order a column's segments by, here the one from node n up: twice the level of its
 /// midpoint. `level`: levels of the column.
@@ -158,10 +182,10 @@ class Climb {
   std::array<double, N> key_{};
 };
 
-/// The front at the floor of triangle t, in the order of its corners.
+/// The front that the tets over triangle t start at, in the order of its corners.
 inline Climb<3> climb_triangle(const ColumnMesh& mesh, TriangleIndex t) {
   const auto& v = mesh.ground.triangles[t];
-  return {mesh, v, {mesh.floor_over(t, v[0]), mesh.floor_over(t, v[1]), mesh.floor_over(t, v[2])}};
+  return {mesh, v, {mesh.tets_from(t, v[0]), mesh.tets_from(t, v[1]), mesh.tets_from(t, v[2])}};
 }
 
 /// Calls visit(nodes) for the tets over triangle t, upwards. The first three nodes are over the
@@ -174,6 +198,38 @@ void for_each_tet_over(const ColumnMesh& mesh, TriangleIndex t, const Visit& vis
     const auto& at = front.at();
     visit(std::array<NodeIndex, 4>{at[0], at[1], at[2], at[i] + 1});
   }
+}
+
+/// The same for the tets of a row of cell_offsets().
+template <typename Visit>
+void for_each_tet_of(const ColumnMesh& mesh, std::size_t row, const Visit& visit) {
+  if (row < mesh.triangle_count()) return for_each_tet_over(mesh, TriangleIndex(row), visit);
+  const auto& cells = mesh.upper.cells;
+  const std::size_t begin = (row - mesh.triangle_count()) * kUpperBlock;
+  const std::size_t end = std::min(begin + kUpperBlock, cells.size());
+  for (std::size_t c = begin; c < end; ++c) visit(cells[c]);
+}
+
+/// The building below the cells of a row of cell_offsets(); kNoBuilding in the upper part.
+inline BuildingIndex building_below(const ColumnMesh& mesh, std::size_t row) {
+  return row < mesh.triangle_count() ? mesh.ground.region_of(TriangleIndex(row)).building
+                                     : kNoBuilding;
+}
+
+/// Calls visit(node, position) for the nodes of a row of point_rows().
+template <typename Visit>
+void for_each_point_of(const ColumnMesh& mesh, std::size_t row, const Visit& visit) {
+  if (row < mesh.vertex_count()) {
+    const VertexIndex v(row);
+    const Point2 p = mesh.ground.vertices[v];
+    for (const NodeIndex n : mesh.nodes(v)) visit(n, Point3{p.x, p.y, mesh.z[n]});
+    return;
+  }
+  const auto& points = mesh.upper.points;
+  const std::size_t begin = (row - mesh.vertex_count()) * kUpperBlock;
+  const std::size_t end = std::min(begin + kUpperBlock, points.size());
+  for (std::size_t i = begin; i < end; ++i)
+    visit(NodeIndex(mesh.column_nodes()) + static_cast<std::int64_t>(i), points[i]);
 }
 
 /// Position of a node over ground vertex v.

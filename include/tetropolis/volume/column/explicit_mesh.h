@@ -17,12 +17,13 @@ namespace tetropolis {
 void fill_points(const ColumnMesh& mesh, const Point3& shift,
                  std::span<std::array<double, 3>> points);
 
-/// Nodes of the cells over the triangles [begin, end), as for_each_tet_over has them.
+/// Nodes of the cells of the rows [begin, end) of cell_offsets(), as for_each_tet_of has them.
 /// Precondition: `offsets` is cell_offsets(mesh); `cells` has offsets[end] - offsets[begin].
 void fill_cells(const ColumnMesh& mesh, const std::vector<CellIndex>& offsets, std::size_t begin,
                 std::size_t end, std::span<std::array<NodeIndex, 4>> cells);
 
-/// The building that each of these cells stands over, or kNoBuilding. Preconditions likewise.
+/// The building that each of these cells stands over, or kNoBuilding, as in the upper part.
+/// Preconditions likewise.
 void fill_regions(const ColumnMesh& mesh, const std::vector<CellIndex>& offsets, std::size_t begin,
                   std::size_t end, std::span<BuildingIndex> regions);
 

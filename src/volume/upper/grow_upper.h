@@ -1,0 +1,21 @@
+// From the lid over a city to the flat top of its domain, with fewer and fewer columns.
+#pragma once
+
+#include "tetropolis/volume/column/column_mesh.h"
+
+namespace tetropolis {
+
+/// Cells from the tops of columns to the elevation `top`. A front climbs: the column whose next
+/// segment has the lowest midpoint goes first, and either rises, which leaves a tet over every
+/// triangle around it, as in the columns below; or ends, where its neighbours are higher: then the
+/// hole is covered by triangles between these, and under each of them lies a tet. So the longer
+/// the way to the lid, the fewer columns are left, and their segments are as long as their
+/// triangles are wide. Columns at the rim of the domain, and beside it, go on to the top.
+///
+/// Cells keep to kGoodAngles and to kMostNonOrthogonal wherever there is a way to; a column ends
+/// only where they do. What happens at a place depends on its surroundings only. Takes time N log
+/// N; the same bits on every machine. Precondition: `mesh` is valid and has no upper part; its
+/// columns end below `top` or at it.
+UpperMesh grow_upper(const ColumnMesh& mesh, double top);
+
+}  // namespace tetropolis

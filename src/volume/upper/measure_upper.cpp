@@ -1,0 +1,109 @@
+#include "measure_upper.h"
+
+#include <algorithm>
+#include <array>
+#include <vector>
+
+#include "tetropolis/volume/quality/face_quality.h"
+
+#include "upper_faces.h"
+#include "volume/quality/cells_of.h"
+#include "volume/quality/tet_cosines.h"
+
+namespace tetropolis {
+
+namespace {
+
+void add_cells(const std::vector<std::array<Point3, 4>>& cells, std::size_t worst,
+               MeshQuality& all) {
+  CellQuality& quality = all.cells;
+  FaultCounts& faults = all.faults;
+  faults.cells += static_cast<std::int64_t>(cells.size());
+  std::vector<double> greatest, aspect2;
+  std::int64_t inverted = 0;
+  double volume = 0;
+  for (const auto& p : cells) {
+    const TetCosines shape = tet_cosines(p[0], p[1], p[2], p[3]);
+    greatest.push_back(shape.greatest);
+    aspect2.push_back(shape.aspect_ratio * shape.aspect_ratio);
+    inverted += shape.volume > 0 ? 0 : 1;
+    volume += shape.volume;
+    quality.histogram.widen(shape.greatest, shape.least, shape.aspect_ratio);
+    const double least_deg = angle_deg(shape.greatest), greatest_deg = angle_deg(shape.least);
+    faults.thin += least_deg < kLeastOfMost ? 1 : 0;
+    for (std::size_t i = 0; i < kAskedBounds.size(); ++i)
+      faults.outside[i] +=
+          least_deg < kAskedBounds[i].least || greatest_deg > kAskedBounds[i].greatest ? 1 : 0;
+    if (worst == 0) continue;
+    const WorstCell cell{share_of_floor(least_deg, greatest_deg),
+                         least_deg,
+                         greatest_deg,
+                         centre_of(p),
+                         kNoTriangle,
+                         "change of size"};
+    const auto worse = [](const WorstCell& a, const WorstCell& b) {
+      return a.share_of_floor < b.share_of_floor;
+    };
+    if (quality.worst.size() == worst && !worse(cell, quality.worst.back())) continue;
+    quality.worst.insert(std::upper_bound(quality.worst.begin(), quality.worst.end(), cell, worse),
+                         cell);
+    if (quality.worst.size() > worst) quality.worst.pop_back();
+  }
+  quality.histogram.add(greatest, aspect2, inverted);
+  quality.histogram.add_volume(volume);
+}
+
+/// The uppermost cell of triangle t's stack.
+Point3 centre_below_lid(const ColumnMesh& mesh, TriangleIndex t) {
+  const auto& v = mesh.ground.triangles[t];
+  std::array<NodeIndex, 4> last{};
+  for_each_tet_over(mesh, t, [&](const std::array<NodeIndex, 4>& tet) { last = tet; });
+  std::array<Point3, 4> p{};
+  for (std::size_t i = 0; i < 3; ++i) p[i] = position(mesh, v[i], last[i]);
+  for (std::size_t i = 0; i < 3; ++i)
+    if (last[i] + 1 == last[3]) p[3] = position(mesh, v[i], last[3]);
+  return centre_of(p);
+}
+
+}  // namespace
+
+void add_upper_quality(const ColumnMesh& mesh, std::size_t worst, MeshQuality& quality) {
+  const UpperNodes at(mesh);
+  const std::vector<CellIndex> offsets = cell_offsets(mesh);
+  const CellIndex first = offsets[mesh.triangle_count()];
+  std::vector<std::array<Point3, 4>> cells;
+  cells.reserve(mesh.upper.cells.size());
+  for (const auto& c : mesh.upper.cells) cells.push_back({at[c[0]], at[c[1]], at[c[2]], at[c[3]]});
+  add_cells(cells, worst, quality);
+
+  const auto centre = [&](CellIndex c) {
+    return centre_of(cells[static_cast<std::size_t>(c - first)]);
+  };
+  const auto points = [&](const std::array<NodeIndex, 3>& n) {
+    return std::array<Point3, 3>{at[n[0]], at[n[1]], at[n[2]]};
+  };
+  FaceQuality& faces = quality.faces;
+  const auto add = [&](const std::array<NodeIndex, 3>& nodes, const Point3& c0, const Point3& c1) {
+    const FaceShape shape = face_shape(points(nodes), c0, c1);
+    ++faces.faces;
+    faces.above_70 += shape.non_orthogonality_deg > kMostNonOrthogonal ? 1 : 0;
+    faces.worst.non_orthogonality_deg =
+        std::max(faces.worst.non_orthogonality_deg, shape.non_orthogonality_deg);
+    faces.worst.skewness = std::max(faces.worst.skewness, shape.skewness);
+  };
+  const UpperFaces all = upper_faces(mesh);
+  for (const UpperFaces::Inner& face : all.inner)
+    add(face.nodes, centre(face.cell), centre(face.neighbour));
+  for (const auto* outer : {&all.top, &all.sides})
+    for (const UpperFace& face : *outer)
+      faces.worst.skewness =
+          std::max(faces.worst.skewness, boundary_skewness(points(face.nodes), centre(face.cell)));
+  for (const TriangleIndex t : mesh.ground.triangles.indices()) {
+    if (!mesh.is_covered(t)) continue;
+    const auto& v = mesh.ground.triangles[t];
+    add({mesh.top(v[0]), mesh.top(v[1]), mesh.top(v[2])}, centre_below_lid(mesh, t),
+        centre(mesh.upper.over_lid[t]));
+  }
+}
+
+}  // namespace tetropolis

@@ -1,0 +1,53 @@
+// The faces of a mesh's upper part.
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+#include "tetropolis/volume/column/column_mesh.h"
+
+namespace tetropolis {
+
+/// The ground vertex that nodes of the upper part and ends of columns are over.
+class UpperNodes {
+ public:
+  explicit UpperNodes(const ColumnMesh& mesh) : mesh_(mesh) {}
+  VertexIndex vertex(NodeIndex n) const {
+    if (n >= mesh_.column_nodes())
+      return mesh_.upper.vertex[static_cast<std::size_t>(n.value() - mesh_.column_nodes())];
+    return VertexIndex(std::upper_bound(mesh_.first.begin(), mesh_.first.end(), n) -
+                       mesh_.first.begin() - 1);
+  }
+  Point3 operator[](NodeIndex n) const {
+    if (n >= mesh_.column_nodes())
+      return mesh_.upper.points[static_cast<std::size_t>(n.value() - mesh_.column_nodes())];
+    return position(mesh_, vertex(n), n);
+  }
+
+ private:
+  const ColumnMesh& mesh_;
+};
+
+/// A cell's face: its normal (right-hand rule) leaves the cell.
+struct UpperFace {
+  CellIndex cell;
+  std::array<NodeIndex, 3> nodes;
+};
+
+/// The faces of the upper part's cells, without those on the lid.
+struct UpperFaces {
+  struct Inner : UpperFace {
+    CellIndex neighbour;  ///< > cell
+  };
+  std::vector<Inner> inner;      ///< By cell, then by neighbour.
+  std::vector<UpperFace> top;    ///< By cell,
+  std::vector<UpperFace> sides;  ///< likewise.
+};
+
+/// Time and memory linear in the upper part.
+UpperFaces upper_faces(const ColumnMesh& mesh);
+
+}  // namespace tetropolis
