@@ -191,6 +191,12 @@ def overture_geojson(folder, out):
         run(there, "--footprints", folder / name, "--id-attribute", "id")
         heights = {key[-3:]: h for key, h in City(there).heights().items()}
         assert heights == {"5f6": 7.25, "5f8": 12, "5f9": 12, "5fa": 30}, heights
+        there = out / f"{name}-parts"
+        run(there, "--footprints", folder / name, "--id-attribute", "id", "--lod", "1.2", command="build")
+        model = json.loads((there / "city.city.json").read_text())
+        roofs = {s["source_id"][-3:]: s["roof_plane"][2] for o in model["CityObjects"].values()
+                 for g in o["geometry"] for s in g["semantics"]["surfaces"] if "roof_plane" in s}
+        assert roofs == {"5f6": 7.25, "5f8": 12, "5f9": 12, "5fa": 30}, roofs
 
 
 def garage_touching_houses(folder, out):
