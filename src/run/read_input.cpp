@@ -514,7 +514,14 @@ RunInput read_without_points(const Config& config, Next next, StepClock& clock,
   Bounds2 box = Bounds2::nothing();
   if (!only_rasters_tell) box = reading_box(config, input.footprints);
   Point2 origin{};
-  if (!box.empty()) origin = {std::floor(box.xmin), std::floor(box.ymin)};
+  if (!box.empty()) {
+    origin = {std::floor(box.xmin), std::floor(box.ymin)};
+  } else if (!rasters.box.empty()) {
+    const Point2 corner{rasters.box.xmin, rasters.box.ymin};
+    const bool moves = !crs.empty() && !rasters.crs.empty() && rasters.crs != crs;
+    const Point2 at = moves ? reproject(std::span(&corner, 1), rasters.crs, crs).front() : corner;
+    if (std::isfinite(at.x)) origin = {std::floor(at.x), std::floor(at.y)};
+  }
   input.has_surface = !rasters.surface.empty();
   if (input.has_surface)
     input.points = clock.run("1.1", "read surface", [&](const Progress&) {

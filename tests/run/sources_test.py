@@ -134,6 +134,8 @@ def no_point_cloud(folder, out):
     by_attribute = ["--height-attribute", "height"]
     cases = {"dtm": ["--dtm", folder / "dtm.tif", *by_attribute], "level": by_attribute,
              "dsm": ["--dsm", folder / "dsm.tif"], "both": ["--dsm", folder / "dsm.tif", "--dtm", folder / "dtm.tif"]}
+    for name in ("dtm", "dsm"):
+        run(out / f"{name}-terrain", "--terrain-only", f"--{name}", folder / f"{name}.tif", "--mesh-size", 20, command="build")
     found = {}
     for name, args in cases.items():
         run(out / name, "--footprints", folder / "footprints.gpkg", *args, command="build")
