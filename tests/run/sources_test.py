@@ -262,6 +262,12 @@ def settings(folder, out):
                     + "\n".join(" ".join(str(100 - row) for _ in range(20)) for row in range(10)) + "\n")
     city = heights("raster", "--dtm", grid, "--raster-crs", "EPSG:32631")
     near(city.buildings["a"]["ground"], 100 - (45 - 10) / 10)
+    for name, kind in (("xyz", "X Y Z intensity\n"), ("ply", "ply\nformat ascii 1.0\nelement vertex 22500\nproperty float x\nproperty float y\n"
+                                                       "property float z\nend_header\n")):
+        cloud = out / f"in/points.{name}"
+        cloud.write_text(kind + "".join(f"{x} {y} {9 if 0 < x < 20 and 0 < y < 20 else 1}\n" for x in range(-30, 120) for y in range(-60, 90)))
+        run(out / name, "--footprints", path, "--id-attribute", "id", "--points", cloud)
+        near(City(out / name).buildings["a"]["height"], 8)
     several = out / "in/two"
     several.mkdir()
     for name in ("north", "south"):
