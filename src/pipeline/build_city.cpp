@@ -6,6 +6,7 @@
 #include <limits>
 #include <map>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -14,6 +15,7 @@
 
 #include "tetropolis/city/extract.h"
 #include "tetropolis/city/heights.h"
+#include "tetropolis/city/roof_summary.h"
 #include "tetropolis/city/simplify/clearance.h"
 #include "tetropolis/city/simplify/simplify.h"
 #include "tetropolis/city/stated_heights.h"
@@ -133,36 +135,6 @@ std::map<std::string, std::int64_t> resorts_by_name(const SimplifyStats& stats) 
   for (std::size_t k = 1; k < stats.merged_by_gap_fill.size(); ++k)
     resorts[fmt::format("merged_by_patch_{}", k)] = stats.merged_by_gap_fill[k];
   return resorts;
-}
-
-/// Centre of mass of a polygon, whose holes turn against it.
-Point2 centroid(const Polygon& polygon) {
-  const Point2 at = polygon.outer.front();
-  double twice = 0, x = 0, y = 0;
-  const auto add = [&](const Ring& ring) {
-    for (std::size_t k = 0; k < ring.size(); ++k) {
-      const Point2 a{ring[k].x - at.x, ring[k].y - at.y};
-      const Point2 next = ring[(k + 1) % ring.size()];
-      const Point2 b{next.x - at.x, next.y - at.y};
-      const double cross = a.x * b.y - b.x * a.y;
-      twice += cross;
-      x += cross * (a.x + b.x);
-      y += cross * (a.y + b.y);
-    }
-  };
-  add(polygon.outer);
-  for (const Ring& hole : polygon.holes) add(hole);
-  return twice == 0 ? at : Point2{at.x + x / (3 * twice), at.y + y / (3 * twice)};
-}
-
-/// Of a prism, or below the planes of its parts.
-double volume_of(const Building& building) {
-  if (building.parts.empty())
-    return area(building.footprint) * (building.h_roof - building.h_ground);
-  double volume = 0;
-  for (const RoofPart& part : building.parts)
-    volume += area(part.outline) * (part.roof(centroid(part.outline)) - building.h_ground);
-  return volume;
 }
 
 void fill_facts(const CityModel& raw, const CityModel& city, const Simplification& simple,
@@ -443,6 +415,29 @@ HeightSources make_raw_city(const BuildCityOptions& options, CityInput& input, S
   return sources;
 }
 
+/// Parts without points of footprints that state a height have that, not the mean of their block.
+void state_part_heights(const BuildCityOptions& options, const CityModel& raw, CityModel& city,
+                        RoofFacts& facts) {
+  constexpr std::uint32_t kStated = kRoofFromAttribute | kRoofFromFloors | kDefaultHeight;
+  std::map<std::string_view, double> stated;
+  for (const Building& building : raw.buildings)
+    if ((building.flags & kStated) != 0)
+      for (const std::string& id : building.source_ids) stated[id] = building.h_roof;
+  if (stated.empty()) return;
+  double change = 0;
+  for (Building& building : city.buildings) {
+    if (building.parts.empty()) continue;
+    const double before = volume_of(building);
+    const double lowest = building.h_ground + options.heights.min_height;
+    for (RoofPart& part : building.parts)
+      if (const auto found = stated.find(part.source_id);
+          found != stated.end() && part.n_points == 0 && part.roof.is_flat())
+        part.roof.elevation = snap_height(std::max(found->second, lowest));
+    change += volume_of(building) - before;
+  }
+  facts.volume += change;
+}
+
 /// Steps 2.1 to 2.3: `result.city`.
 void merge_buildings(const BuildCityOptions& options, const CityInput& input,
                      const HeightSources& sources, StepClock& clock, BuiltCity& result) {
@@ -479,6 +474,7 @@ void merge_buildings(const BuildCityOptions& options, const CityInput& input,
       return make_roofs(city, raw, points, simple.members, input.points.points,
                         roof_options(options), progress);
     });
+    state_part_heights(options, raw, city, result.facts.roofs);
     warn_of_roofs(result.facts.roofs, options.lod, result.warnings);
   }
   if (options.domain.shape != DomainShape::kData)

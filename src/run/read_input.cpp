@@ -15,6 +15,7 @@
 #include "tetropolis/io/raster/elevation.h"
 
 #include "io/file/input_paths.h"
+#include "io/las/text_points.h"
 #include "io/vector/merge_footprints.h"
 #include "memory_limit.h"
 #include "mistaken_input.h"
@@ -494,6 +495,31 @@ TerrainInput level_ground(const Config& config, const std::string& crs, const Bo
   return terrain;
 }
 
+/// Whether all points are in text or PLY files; throws where only some are.
+bool are_plain_points(const Config& config) {
+  const auto plain = std::count_if(config.points.begin(), config.points.end(), is_plain_points);
+  if (plain != 0 && plain != std::ssize(config.points))
+    throw Error(ErrorKind::kInput, points_given(config) +
+                                       ": XYZ and PLY files cannot be read together with LAS "
+                                       "files; convert them to one format");
+  return plain > 0;
+}
+
+/// Of text and PLY files, as if they were given in memory.
+PlainPoints read_all_plain(const Config& config) {
+  PlainPoints all;
+  bool classed = true;
+  for (const std::filesystem::path& path : expand_paths(config.points, {})) {
+    const PlainPoints one = read_plain_points(path);
+    all.xyz.insert(all.xyz.end(), one.xyz.begin(), one.xyz.end());
+    all.classification.insert(all.classification.end(), one.classification.begin(),
+                              one.classification.end());
+    classed = classed && !one.classification.empty();
+  }
+  if (!classed) all.classification.clear();
+  return all;
+}
+
 /// Without points: rasters and footprints.
 RunInput read_without_points(const Config& config, Next next, StepClock& clock,
                              std::vector<Warning>& warnings, const InputInMemory& given) {
@@ -514,7 +540,14 @@ RunInput read_without_points(const Config& config, Next next, StepClock& clock,
   Bounds2 box = Bounds2::nothing();
   if (!only_rasters_tell) box = reading_box(config, input.footprints);
   Point2 origin{};
-  if (!box.empty()) origin = {std::floor(box.xmin), std::floor(box.ymin)};
+  if (!box.empty()) {
+    origin = {std::floor(box.xmin), std::floor(box.ymin)};
+  } else if (!rasters.box.empty()) {
+    const Point2 corner{rasters.box.xmin, rasters.box.ymin};
+    const bool moves = !crs.empty() && !rasters.crs.empty() && rasters.crs != crs;
+    const Point2 at = moves ? reproject(std::span(&corner, 1), rasters.crs, crs).front() : corner;
+    if (std::isfinite(at.x)) origin = {std::floor(at.x), std::floor(at.y)};
+  }
   input.has_surface = !rasters.surface.empty();
   if (input.has_surface)
     input.points = clock.run("1.1", "read surface", [&](const Progress&) {
@@ -542,6 +575,13 @@ RunInput read_without_points(const Config& config, Next next, StepClock& clock,
 RunInput read_input(const Config& config, Next next, StepClock& clock,
                     std::vector<Warning>& warnings, const InputInMemory& given) {
   if (config.points.empty()) return read_without_points(config, next, clock, warnings, given);
+  if (!given.points && are_plain_points(config)) {
+    const PlainPoints plain =
+        clock.run("1.1", "read points", [&](const Progress&) { return read_all_plain(config); });
+    InputInMemory in_memory = given;
+    in_memory.points = PointArrays{plain.xyz, plain.classification, {}, points_given(config)};
+    return read_input(config, next, clock, warnings, in_memory);
+  }
   const auto paths = given.points ? std::vector<std::filesystem::path>{given.points->source}
                                   : expand_point_paths(config.points, &warnings);
   CloudHeaders headers = given.points ? headers_of(*given.points) : read_headers(paths);

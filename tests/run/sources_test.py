@@ -134,6 +134,8 @@ def no_point_cloud(folder, out):
     by_attribute = ["--height-attribute", "height"]
     cases = {"dtm": ["--dtm", folder / "dtm.tif", *by_attribute], "level": by_attribute,
              "dsm": ["--dsm", folder / "dsm.tif"], "both": ["--dsm", folder / "dsm.tif", "--dtm", folder / "dtm.tif"]}
+    for name in ("dtm", "dsm"):
+        run(out / f"{name}-terrain", "--terrain-only", f"--{name}", folder / f"{name}.tif", "--mesh-size", 20, command="build")
     found = {}
     for name, args in cases.items():
         run(out / name, "--footprints", folder / "footprints.gpkg", *args, command="build")
@@ -191,6 +193,12 @@ def overture_geojson(folder, out):
         run(there, "--footprints", folder / name, "--id-attribute", "id")
         heights = {key[-3:]: h for key, h in City(there).heights().items()}
         assert heights == {"5f6": 7.25, "5f8": 12, "5f9": 12, "5fa": 30}, heights
+        there = out / f"{name}-parts"
+        run(there, "--footprints", folder / name, "--id-attribute", "id", "--lod", "1.2", command="build")
+        model = json.loads((there / "city.city.json").read_text())
+        roofs = {s["source_id"][-3:]: s["roof_plane"][2] for o in model["CityObjects"].values()
+                 for g in o["geometry"] for s in g["semantics"]["surfaces"] if "roof_plane" in s}
+        assert roofs == {"5f6": 7.25, "5f8": 12, "5f9": 12, "5fa": 30}, roofs
 
 
 def garage_touching_houses(folder, out):
@@ -254,6 +262,12 @@ def settings(folder, out):
                     + "\n".join(" ".join(str(100 - row) for _ in range(20)) for row in range(10)) + "\n")
     city = heights("raster", "--dtm", grid, "--raster-crs", "EPSG:32631")
     near(city.buildings["a"]["ground"], 100 - (45 - 10) / 10)
+    for name, kind in (("xyz", "X Y Z intensity\n"), ("ply", "ply\nformat ascii 1.0\nelement vertex 22500\nproperty float x\nproperty float y\n"
+                                                       "property float z\nend_header\n")):
+        cloud = out / f"in/points.{name}"
+        cloud.write_text(kind + "".join(f"{x} {y} {9 if 0 < x < 20 and 0 < y < 20 else 1}\n" for x in range(-30, 120) for y in range(-60, 90)))
+        run(out / name, "--footprints", path, "--id-attribute", "id", "--points", cloud)
+        near(City(out / name).buildings["a"]["height"], 8)
     several = out / "in/two"
     several.mkdir()
     for name in ("north", "south"):

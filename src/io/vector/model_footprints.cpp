@@ -51,7 +51,7 @@ FootprintsInput read_model_footprints(const fs::path& path, const ReadFootprints
       {options.where, "where"},
       {options.layer, "layer"}};
   for (const auto& [value, name] : settings)
-    if (!value.empty())
+    if (!value.empty() && value != "gml_id" && value != "id")  // these are the keys
       throw Error(ErrorKind::kUsage,
                   fmt::format("{}: is a city model, whose buildings have ids and heights of their "
                               "own; leave out {}",
