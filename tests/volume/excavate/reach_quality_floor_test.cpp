@@ -126,7 +126,7 @@ TEST(ReachQualityFloor, WhatIsFarAwayChangesNothingHere) {
     std::set<double> slopes;
     double thin_share;
   };
-  for (const Case& c : {Case{{30}, {75}, 0}, Case{{38, 1}, {}, 0.01}, Case{{0, 0.5}, {}, 0.01}}) {
+  for (const Case& c : {Case{{30}, {75}, 0}, Case{{38, 1}, {56}, 0.01}, Case{{0, 0.5}, {}, 0.01}}) {
     SCOPED_TRACE(::testing::Message() << c.far.rock << " " << c.far.spacing);
     const ImprovedColumns both = city.with(c.far);
     EXPECT_EQ(slopes(both, false), slopes(alone, false));
