@@ -148,6 +148,7 @@ def check_foam(run):
     environment = {"WM_PROJECT_DIR": "/usr/share/openfoam", **os.environ}
     for convert, mesh in (("fluent3DMeshToFoam", "volume_fluent.msh"), ("gmshToFoam", "volume_msh2.msh")):
         case = run.out / convert
+        shutil.rmtree(case, ignore_errors=True)
         (case / "system").mkdir(parents=True)
         (case / "constant").mkdir()
         for name in ("controlDict", "fvSchemes", "fvSolution"):
