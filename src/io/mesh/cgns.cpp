@@ -84,23 +84,23 @@ class Tree {
  private:
   /// fill(group) puts what the node holds.
   template <typename Fill>
-  void make(const std::string& parent, const std::string& name, const char* label,
-            const char* type, const Fill& fill) const {
+  void make(const std::string& parent, const std::string& name, const char* label, const char* type,
+            const Fill& fill) const {
     const Hdf5Handle creation(H5Pcreate(H5P_GROUP_CREATE), H5Pclose);
     // The library lists the children of a node in the order they were made.
     H5Pset_link_creation_order(creation.id(), H5P_CRT_ORDER_TRACKED | H5P_CRT_ORDER_INDEXED);
     H5Pset_obj_track_times(creation.id(), false);
     const Hdf5Handle group(H5Gcreate2(file_.id(), (parent + "/" + name).c_str(), H5P_DEFAULT,
-                                creation.id(), H5P_DEFAULT),
-                     H5Gclose);
+                                      creation.id(), H5P_DEFAULT),
+                           H5Gclose);
     file_.require(group.good());
     describe(group, name, label, type);
     const hsize_t one = 1;
     constexpr std::int32_t kNativeFlag = 1;
     const Hdf5Handle space(H5Screate_simple(1, &one, nullptr), H5Sclose);
-    const Hdf5Handle flags(H5Acreate2(group.id(), "flags", H5T_NATIVE_INT32, space.id(),
-                                      H5P_DEFAULT, H5P_DEFAULT),
-                           H5Aclose);
+    const Hdf5Handle flags(
+        H5Acreate2(group.id(), "flags", H5T_NATIVE_INT32, space.id(), H5P_DEFAULT, H5P_DEFAULT),
+        H5Aclose);
     file_.require(H5Awrite(flags.id(), H5T_NATIVE_INT32, &kNativeFlag) >= 0);
     fill(group);
   }
@@ -126,13 +126,13 @@ class Tree {
 
   void put(const Hdf5Handle& group, hid_t type, std::span<const hsize_t> shape, const void* values,
            const char* name = kData) const {
-    const Hdf5Handle space(
-        H5Screate_simple(static_cast<int>(shape.size()), shape.data(), nullptr), H5Sclose);
+    const Hdf5Handle space(H5Screate_simple(static_cast<int>(shape.size()), shape.data(), nullptr),
+                           H5Sclose);
     const Hdf5Handle creation(H5Pcreate(H5P_DATASET_CREATE), H5Pclose);
     H5Pset_obj_track_times(creation.id(), false);
-    const Hdf5Handle set(H5Dcreate2(group.id(), name, type, space.id(), H5P_DEFAULT, creation.id(),
-                                    H5P_DEFAULT),
-                         H5Dclose);
+    const Hdf5Handle set(
+        H5Dcreate2(group.id(), name, type, space.id(), H5P_DEFAULT, creation.id(), H5P_DEFAULT),
+        H5Dclose);
     file_.require(set.good() &&
                   H5Dwrite(set.id(), type, H5S_ALL, H5S_ALL, H5P_DEFAULT, values) >= 0);
   }
@@ -234,10 +234,9 @@ void write_cgns(const std::filesystem::path& path, const ColumnMesh& mesh,
     file.write_next(
         mesh.vertex_count(),
         [&](std::size_t begin, std::size_t end, std::string& buffer) {
-          for_each_point(mesh, placement, begin, end,
-                         [&](NodeIndex, double x, double y, double z) {
-                           append_raw(buffer, axis == 0 ? x : axis == 1 ? y : z);
-                         });
+          for_each_point(mesh, placement, begin, end, [&](NodeIndex, double x, double y, double z) {
+            append_raw(buffer, axis == 0 ? x : axis == 1 ? y : z);
+          });
         },
         portion(progress, 0.1 * at, 0.1 * (at + 1)));
   }
@@ -252,14 +251,13 @@ void write_cgns(const std::filesystem::path& path, const ColumnMesh& mesh,
       },
       portion(progress, 0.3, 0.9));
   for (const PatchFaces& range : patches)
-    file.write_next(range.end - range.begin,
-                    [&](std::size_t begin, std::size_t end, std::string& buffer) {
-                      for (std::size_t f = range.begin + begin; f < range.begin + end; ++f)
-                        for (const std::int32_t p : surface.triangles[f])
-                          append_raw(buffer,
-                                     static_cast<std::int32_t>(
-                                         surface.node[static_cast<std::size_t>(p)].value() + 1));
-                    });
+    file.write_next(
+        range.end - range.begin, [&](std::size_t begin, std::size_t end, std::string& buffer) {
+          for (std::size_t f = range.begin + begin; f < range.begin + end; ++f)
+            for (const std::int32_t p : surface.triangles[f])
+              append_raw(buffer, static_cast<std::int32_t>(
+                                     surface.node[static_cast<std::size_t>(p)].value() + 1));
+        });
   file.commit();
 }
 

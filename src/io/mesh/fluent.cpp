@@ -32,11 +32,10 @@ void write_points(AtomicFile& file, const ColumnMesh& mesh, const Placement& pla
   const auto bytes = static_cast<std::uint64_t>(mesh.node_count()) * kBytes;
   write_chunked(file, mesh.vertex_count(), grain_for(mesh.vertex_count(), bytes),
                 [&](std::size_t begin, std::size_t end, std::string& buffer) {
-                  for_each_point(mesh, placement, begin, end,
-                                 [&](NodeIndex, double x, double y, double z) {
-                                   fmt::format_to(std::back_inserter(buffer), "{} {} {}\n", x, y,
-                                                  z);
-                                 });
+                  for_each_point(
+                      mesh, placement, begin, end, [&](NodeIndex, double x, double y, double z) {
+                        fmt::format_to(std::back_inserter(buffer), "{} {} {}\n", x, y, z);
+                      });
                 });
   file.write("))\n");
 }
@@ -71,20 +70,18 @@ void write_patch(AtomicFile& file, const SurfaceMesh& surface, const PatchFaces&
                  std::size_t interior) {
   const Boundary type =
       surface.patches.of(range.patch).is_solid() ? Boundary::kWall : Boundary::kSymmetry;
-  file.write(
-      begin_faces(zone_of(range.patch), interior + range.begin, interior + range.end, type));
-  write_chunked(file, range.end - range.begin, kRows,
-                [&](std::size_t begin, std::size_t end, std::string& buffer) {
-                  for (std::size_t f = range.begin + begin; f < range.begin + end; ++f) {
-                    const auto& corners = surface.triangles[f];
-                    for (std::size_t i = corners.size(); i-- > 0;)  // so that normals point inwards
-                      fmt::format_to(
-                          std::back_inserter(buffer), "{:x} ",
-                          surface.node[static_cast<std::size_t>(corners[i])].value() + 1);
-                    fmt::format_to(std::back_inserter(buffer), "{:x} 0\n",
-                                   surface.cell[f].value() + 1);
-                  }
-                });
+  file.write(begin_faces(zone_of(range.patch), interior + range.begin, interior + range.end, type));
+  write_chunked(
+      file, range.end - range.begin, kRows,
+      [&](std::size_t begin, std::size_t end, std::string& buffer) {
+        for (std::size_t f = range.begin + begin; f < range.begin + end; ++f) {
+          const auto& corners = surface.triangles[f];
+          for (std::size_t i = corners.size(); i-- > 0;)  // so that normals point inwards
+            fmt::format_to(std::back_inserter(buffer), "{:x} ",
+                           surface.node[static_cast<std::size_t>(corners[i])].value() + 1);
+          fmt::format_to(std::back_inserter(buffer), "{:x} 0\n", surface.cell[f].value() + 1);
+        }
+      });
   file.write("))\n");
 }
 
@@ -104,8 +101,7 @@ void write_fluent(const std::filesystem::path& path, const ColumnMesh& mesh,
   file.write(fmt::format("(10 (0 1 {:x} 0 3))\n(12 (0 1 {:x} 0))\n(13 (0 1 {:x} 0))\n",
                          mesh.node_count(), cell_count, interior + outer));
   constexpr int kFluid = 1, kTets = 2;
-  file.write(
-      fmt::format("(12 ({:x} 1 {:x} {:x} {:x}))\n", kCellZone, cell_count, kFluid, kTets));
+  file.write(fmt::format("(12 ({:x} 1 {:x} {:x} {:x}))\n", kCellZone, cell_count, kFluid, kTets));
   write_points(file, mesh, placement);
   write_interior(file, mesh, cells, interior, portion(progress, 0.2, 1));
   for (const PatchFaces& range : patches) write_patch(file, surface, range, interior);

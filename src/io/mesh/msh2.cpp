@@ -32,9 +32,9 @@ void append_node(std::string& buffer, NodeIndex node) {
 
 std::string head(const std::vector<PatchFaces>& patches, const SurfaceMesh& surface,
                  const Placement& placement) {
-  std::string text =
-      fmt::format("$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$Comments\norigin {} {} {}\n$EndComments\n",
-                  placement.origin[0], placement.origin[1], placement.origin[2]);
+  std::string text = fmt::format(
+      "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$Comments\norigin {} {} {}\n$EndComments\n",
+      placement.origin[0], placement.origin[1], placement.origin[2]);
   text += fmt::format("$PhysicalNames\n{}\n", patches.size() + 1);
   for (const PatchFaces& range : patches)
     text += fmt::format("2 {} \"{}\"\n", static_cast<int>(range.patch),
@@ -99,8 +99,8 @@ void write_msh2(const std::filesystem::path& path, const ColumnMesh& mesh,
   AtomicFile file(path);
   file.write(head(faces_of_patches(surface), surface, placement));
   write_nodes(file, mesh, placement, portion(progress, 0, 0.2));
-  file.write(fmt::format("$Elements\n{}\n",
-                         triangles + static_cast<std::size_t>(cells.back().value())));
+  file.write(
+      fmt::format("$Elements\n{}\n", triangles + static_cast<std::size_t>(cells.back().value())));
   write_triangles(file, surface);
   write_tets(file, mesh, cells, triangles, portion(progress, 0.2, 1));
   file.write("$EndElements\n");

@@ -31,9 +31,9 @@ void make_root(const Hdf5File& file) {
   constexpr std::array<std::int64_t, 2> kVersion = {2, 0};
   constexpr hsize_t kNumbers = kVersion.size();
   const Hdf5Handle row(H5Screate_simple(1, &kNumbers, nullptr), H5Sclose);
-  const Hdf5Handle version(H5Acreate2(group.id(), "Version", H5T_STD_I64LE, row.id(), H5P_DEFAULT,
-                                      H5P_DEFAULT),
-                           H5Aclose);
+  const Hdf5Handle version(
+      H5Acreate2(group.id(), "Version", H5T_STD_I64LE, row.id(), H5P_DEFAULT, H5P_DEFAULT),
+      H5Aclose);
   file.require(H5Awrite(version.id(), H5T_NATIVE_INT64, kVersion.data()) >= 0);
   const std::string name = "UnstructuredGrid";
   const Hdf5Handle scalar(H5Screate(H5S_SCALAR), H5Sclose);
@@ -64,8 +64,7 @@ void write_vtkhdf(const std::filesystem::path& path, const ColumnMesh& mesh,
       {"/VTKHDF/FieldData/origin", Hdf5Type::kFloat64, 3, 0},
   }};
   Hdf5Output file(path, datasets, make_root);
-  const auto write_numbers = [&](std::size_t size, const auto& number,
-                                 const Progress& part = {}) {
+  const auto write_numbers = [&](std::size_t size, const auto& number, const Progress& part = {}) {
     file.write_next(
         size,
         [&](std::size_t begin, std::size_t end, std::string& buffer) {
