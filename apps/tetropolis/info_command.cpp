@@ -384,7 +384,7 @@ void info_folder(const std::string& path) {
 
 /// Results of ours in formats that are not read back.
 void refuse_written_formats(const std::string& path, const std::string& name) {
-  for (const char* extension : {".msh", ".obj", ".ply", ".glb", ".h5"})
+  for (const char* extension : {".msh", ".vtkhdf", ".cgns", ".su2", ".obj", ".ply", ".glb", ".h5"})
     if (name.ends_with(extension))
       throw Error(ErrorKind::kInput,
                   fmt::format("{}: {} files are written but not read; give the folder, or a .vtu, "

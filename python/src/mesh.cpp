@@ -19,13 +19,17 @@
 #include <nanobind/stl/vector.h>
 
 #include "tetropolis/core/error.h"
+#include "tetropolis/io/mesh/cgns.h"
+#include "tetropolis/io/mesh/fluent.h"
 #include "tetropolis/io/mesh/gltf.h"
 #include "tetropolis/io/mesh/msh.h"
 #include "tetropolis/io/mesh/obj.h"
 #include "tetropolis/io/mesh/openfoam.h"
 #include "tetropolis/io/mesh/ply.h"
 #include "tetropolis/io/mesh/stl.h"
+#include "tetropolis/io/mesh/su2.h"
 #include "tetropolis/io/mesh/vtk.h"
+#include "tetropolis/io/mesh/vtkhdf.h"
 #include "tetropolis/io/mesh/xdmf.h"
 #include "tetropolis/run/in_memory.h"
 #include "tetropolis/volume/column/explicit_mesh.h"
@@ -100,11 +104,15 @@ auto points_of(const Mesh& mesh) {
 }
 
 /// The end of the name, without the point and in lower case. OpenFOAM's folder is "polymesh".
+/// By the end of the name: "fluent" of "city_fluent.msh", as runs name their files.
 std::string format_of(const std::filesystem::path& path) {
   const std::filesystem::path name = (path.has_filename() ? path : path.parent_path()).filename();
   std::string format = name == "polyMesh" ? name.string() : name.extension().string();
   format.erase(std::remove(format.begin(), format.end(), '.'), format.end());
   for (char& c : format) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+  for (const char* variant : {"fluent", "msh2"})
+    if (format == "msh" && name.stem().string().ends_with(std::string("_") + variant))
+      return variant;
   return format;
 }
 
@@ -167,6 +175,16 @@ bool save_volume(const Mesh& mesh, const std::filesystem::path& path, const Savi
                saving.compression);
   else if (format == "msh")
     write_msh(path, mesh.volume(), boundary, saving.placement, progress);
+  else if (format == "msh2")
+    write_msh2(path, mesh.volume(), boundary, saving.placement, progress);
+  else if (format == "vtkhdf")
+    write_vtkhdf(path, mesh.volume(), saving.placement, progress);
+  else if (format == "cgns")
+    write_cgns(path, mesh.volume(), boundary, saving.placement, progress);
+  else if (format == "fluent")
+    write_fluent(path, mesh.volume(), boundary, saving.placement, progress);
+  else if (format == "su2")
+    write_su2(path, mesh.volume(), boundary, saving.placement, progress);
   else if (format == "polymesh")
     write_openfoam(path, mesh.volume(), boundary, saving.placement, progress);
   else
@@ -184,9 +202,11 @@ void save(const Mesh& mesh, const std::filesystem::path& path, const nb::dict& s
     if (!save_volume(mesh, path, saving, {hooks.step_progress, hooks.cancelled}) &&
         !save_surface(whole ? boundary : city_surface(boundary), mesh.made.city.buildings, path,
                       saving))
-      throw_no_format(path,
-                      "end it in .vtu, .xdmf, .msh (the volume), .vtp (its boundary), .stl, .obj, "
-                      ".ply, .glb (ground, roofs and walls), or name a folder constant/polyMesh");
+      throw_no_format(
+          path,
+          "end it in .vtu, .vtkhdf, .xdmf, .msh, _msh2.msh, _fluent.msh, .cgns, .su2 (the "
+          "volume), .vtp (its boundary), .stl, .obj, .ply, .glb (ground, roofs and "
+          "walls), or name a folder constant/polyMesh");
   });
 }
 

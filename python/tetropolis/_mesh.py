@@ -265,7 +265,8 @@ class Mesh(Reported):
     def save(self, path: str | os.PathLike[str], *, progress: Progress = None, **settings: Unpack[Save]) -> None:
         """Writes a file, as the command line does; the name's end says which.
 
-        ``.vtu``, ``.xdmf``, ``.msh`` and a folder ``constant/polyMesh`` hold the volume, ``.vtp`` its boundary;
+        ``.vtu``, ``.vtkhdf``, ``.xdmf``, ``.msh``, ``_msh2.msh`` (Gmsh 2.2), ``_fluent.msh``, ``.cgns``, ``.su2`` and a
+        folder ``constant/polyMesh`` hold the volume, ``.vtp`` its boundary;
         ``.stl``, ``.obj``, ``.ply`` and ``.glb`` ground, roofs and walls. ``volume.xdmf`` comes with
         ``boundary.xdmf``, and ``NAME.xdmf`` with ``NAME_boundary.xdmf``, each with an HDF5 file beside it.
 

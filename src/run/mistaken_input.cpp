@@ -124,9 +124,10 @@ void refuse_mistaken_files(const Config& config) {
   for (const std::string& path : config.points)
     if (is_terrain(path)) fail(path, "raster", "points", false, "dsm");
   std::error_code error;
-  const bool is_file_name = has_points_name(config.out) || has_vector_name(config.out) ||
-                            ends_with_any(config.out, {".tif", ".vtu", ".vtp", ".xdmf", ".msh",
-                                                       ".stl", ".obj", ".ply", ".glb", ".html"});
+  const bool is_file_name =
+      has_points_name(config.out) || has_vector_name(config.out) ||
+      ends_with_any(config.out, {".tif", ".vtu", ".vtp", ".xdmf", ".msh", ".vtkhdf", ".cgns",
+                                 ".su2", ".stl", ".obj", ".ply", ".glb", ".html"});
   if (is_file_name && !fs::is_directory(config.out, error))
     throw Error(ErrorKind::kUsage,
                 fmt::format("{}: is given as `out`, the folder for the results; name a folder",

@@ -30,13 +30,18 @@ inline constexpr const char* kTruth = "truth.city.json";
 inline constexpr std::array kOfCity = {kRawCity, kCity, kTerrain, kLayers};
 
 /// Of runs that make meshes.
-inline constexpr std::array<ResultFile, 18> kOfMesh = {{
+inline constexpr std::array<ResultFile, 23> kOfMesh = {{
     {"volume.vtu", "vtu"},
     {"volume.xdmf", "xdmf"},
     {"volume.h5", "xdmf"},
     {"boundary.xdmf", "xdmf"},
     {"boundary.h5", "xdmf"},
     {"volume.msh", "msh"},
+    {"volume_msh2.msh", "msh2"},
+    {"volume.vtkhdf", "vtkhdf"},
+    {"volume.cgns", "cgns"},
+    {"volume_fluent.msh", "fluent"},
+    {"volume.su2", "su2"},
     {"constant/polyMesh/points", "openfoam"},
     {"constant/polyMesh/faces", "openfoam"},
     {"constant/polyMesh/owner", "openfoam"},
@@ -52,8 +57,9 @@ inline constexpr std::array<ResultFile, 18> kOfMesh = {{
 }};
 
 /// What `check` does not read, as it tells users: a folder stands for its files.
-inline constexpr std::array kUnread = {"volume.msh", "constant/polyMesh", "surface.obj",
-                                       "surface.ply", "surface.glb"};
+inline constexpr std::array kUnread = {
+    "volume.msh", "volume_msh2.msh",   "volume.vtkhdf", "volume.cgns", "volume_fluent.msh",
+    "volume.su2", "constant/polyMesh", "surface.obj",   "surface.ply", "surface.glb"};
 
 /// Of `synth`. Points in tiles are points_1.laz and so on.
 inline constexpr std::array kOfSynth = {"footprints.shp", "footprints.shx", "footprints.dbf",

@@ -8,13 +8,17 @@
 #include <utility>
 #include <vector>
 
+#include "tetropolis/io/mesh/cgns.h"
+#include "tetropolis/io/mesh/fluent.h"
 #include "tetropolis/io/mesh/gltf.h"
 #include "tetropolis/io/mesh/msh.h"
 #include "tetropolis/io/mesh/obj.h"
 #include "tetropolis/io/mesh/openfoam.h"
 #include "tetropolis/io/mesh/ply.h"
 #include "tetropolis/io/mesh/stl.h"
+#include "tetropolis/io/mesh/su2.h"
 #include "tetropolis/io/mesh/vtk.h"
+#include "tetropolis/io/mesh/vtkhdf.h"
 #include "tetropolis/io/mesh/xdmf.h"
 
 #include "result_files.h"
@@ -32,7 +36,7 @@ void write_volume(const Config& config, const ColumnMesh& mesh, const SurfaceMes
                   std::span<const Building> buildings, const Placement& placement,
                   OutputFolder& out, const Progress& progress) {
   using Write = std::function<void(const Progress&)>;
-  const std::array<std::pair<std::string_view, Write>, 4> writers{{
+  const std::array<std::pair<std::string_view, Write>, 9> writers{{
       {"vtu",
        [&](const Progress& p) {
          write_vtu(out.result("volume.vtu"), mesh, placement, p, config.compression, buildings);
@@ -46,6 +50,24 @@ void write_volume(const Config& config, const ColumnMesh& mesh, const SurfaceMes
       {"msh",
        [&](const Progress& p) {
          write_msh(out.result("volume.msh"), mesh, boundary, placement, p);
+       }},
+      {"msh2",
+       [&](const Progress& p) {
+         write_msh2(out.result("volume_msh2.msh"), mesh, boundary, placement, p);
+       }},
+      {"vtkhdf",
+       [&](const Progress& p) { write_vtkhdf(out.result("volume.vtkhdf"), mesh, placement, p); }},
+      {"cgns",
+       [&](const Progress& p) {
+         write_cgns(out.result("volume.cgns"), mesh, boundary, placement, p);
+       }},
+      {"fluent",
+       [&](const Progress& p) {
+         write_fluent(out.result("volume_fluent.msh"), mesh, boundary, placement, p);
+       }},
+      {"su2",
+       [&](const Progress& p) {
+         write_su2(out.result("volume.su2"), mesh, boundary, placement, p);
        }},
       {"openfoam",
        [&](const Progress& p) {

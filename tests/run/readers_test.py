@@ -1,14 +1,18 @@
 """What other programs make of the meshes of a run.
 
-    readers_test.py PROGRAM pyvista    VTK, as ParaView: VTU, VTP, XDMF
-    readers_test.py PROGRAM meshio     VTU, XDMF, MSH, STL, OBJ
+    readers_test.py PROGRAM pyvista    VTK, as ParaView: VTU, VTP, VTK HDF, XDMF
+    readers_test.py PROGRAM meshio     VTU, XDMF, MSH, SU2, STL, OBJ
+    readers_test.py PROGRAM cgns       cgnscheck of the CGNS library, and HDF5
+    readers_test.py PROGRAM foam       OpenFOAM's fluent3DMeshToFoam, gmshToFoam and checkMesh on Fluent's format and MSH 2.2
     readers_test.py PROGRAM trimesh    STL, OBJ, PLY, GLB
     readers_test.py PROGRAM gltf       the glTF validator of Khronos, and three.js, on GLB
 
 Exit 77: what reads is not installed (scripts/python-env; npm ci --prefix viewer).
 """
 import json
+import os
 import pathlib
+import re
 import shutil
 import subprocess
 import sys
@@ -18,7 +22,7 @@ SOURCE = pathlib.Path(__file__).parents[2]
 VENV = SOURCE / "build" / "venv" / "bin" / "python"
 NODE_MODULES = SOURCE / "viewer" / "node_modules"
 LAND = ("ground", "roof", "wall")
-FORMATS = "vtu,xdmf,msh,obj,ply,glb"
+FORMATS = "vtu,xdmf,msh,msh2,vtkhdf,cgns,fluent,su2,obj,ply,glb"
 
 
 class Run:
@@ -91,6 +95,7 @@ def check_pyvista(run):
     assert volume.n_cells == run.cells and sizes.min() > 0 and near(sizes.sum(), run.volume)
     assert set(volume["region"]) == {-1, *range(len(run.buildings))}
 
+    check_vtkhdf(volume, run.out / "volume.vtkhdf")
     for name, cells in (("volume", run.cells), ("boundary", run.report["surface_mesh"]["triangles"])):
         reader = vtkXdmfReader()  # PyVista's own wants time steps
         reader.SetFileName(str(run.out / f"{name}.xdmf"))
@@ -101,15 +106,78 @@ def check_pyvista(run):
             assert np.array_equal(mesh[array], (volume if name == "volume" else boundary)[array])
 
 
+def check_vtkhdf(volume, path):
+    import numpy as np
+    import pyvista as pv
+    from vtkmodules.vtkIOHDF import vtkHDFReader
+
+    reader = vtkHDFReader()
+    reader.SetFileName(str(path))
+    reader.Update()
+    mesh = pv.wrap(reader.GetOutputDataObject(0))
+    assert np.array_equal(mesh.points, volume.points) and np.array_equal(mesh.cells, volume.cells)
+    assert np.array_equal(mesh["region"], volume["region"])
+
+
+def check_cgns(run):
+    import h5py
+    import meshio
+    import numpy as np
+
+    if shutil.which("cgnscheck") is None:
+        raise ModuleNotFoundError("cgnscheck (package cgns-convert) is missing")
+    said = subprocess.run(["cgnscheck", run.out / "volume.cgns"], capture_output=True, text=True)
+    assert said.returncode == 0 and "checking complete" in said.stdout and "ERROR" not in said.stdout, said.stdout
+    for name, count in run.faces.items():
+        assert (f'checking BC "{name}"' in said.stdout) == (count > 0), said.stdout
+    volume, boundary = meshio.read(run.out / "volume.vtu"), meshio.read(run.out / "boundary.xdmf")
+    triangles, patch = boundary.cells_dict["triangle"], boundary.cell_data["patch"][0]
+    zone = h5py.File(run.out / "volume.cgns")["Base/Zone1"]
+    points = np.column_stack([zone[f"GridCoordinates/Coordinate{axis}/ data"] for axis in "XYZ"])
+    assert np.array_equal(points, volume.points)
+    assert np.array_equal(zone["air/ElementConnectivity/ data"][:].reshape(-1, 4) - 1, volume.cells_dict["tetra"])
+    for name, (number, dimension) in boundary.field_data.items():
+        if dimension == 2 and run.faces[name] > 0:
+            assert np.array_equal(zone[f"{name}/ElementConnectivity/ data"][:].reshape(-1, 3) - 1,
+                                  triangles[patch == number]), name
+
+
+def check_foam(run):
+    if shutil.which("fluent3DMeshToFoam") is None:
+        raise ModuleNotFoundError("OpenFOAM is missing")
+    environment = {"WM_PROJECT_DIR": "/usr/share/openfoam", **os.environ}
+    for convert, mesh in (("fluent3DMeshToFoam", "volume_fluent.msh"), ("gmshToFoam", "volume_msh2.msh")):
+        case = run.out / convert
+        shutil.rmtree(case, ignore_errors=True)
+        (case / "system").mkdir(parents=True)
+        (case / "constant").mkdir()
+        for name in ("controlDict", "fvSchemes", "fvSolution"):
+            (case / "system" / name).write_text(
+                f"FoamFile {{ version 2.0; format ascii; class dictionary; object {name}; }}\n"
+                "startTime 0; endTime 1; deltaT 1; writeInterval 1; writeControl timeStep; startFrom startTime; "
+                "stopAt endTime; writeFormat ascii; writePrecision 12;\n"
+                "ddtSchemes {} gradSchemes {} divSchemes {} laplacianSchemes {} interpolationSchemes {} snGradSchemes {}\n")
+        for command in ([convert, "-case", case, run.out / mesh], ["checkMesh", "-case", case]):
+            said = subprocess.run(command, capture_output=True, text=True, env=environment)
+            assert said.returncode == 0, f"{command}: {said.stdout[-3000:]} {said.stderr}"
+        assert "Mesh OK." in said.stdout, said.stdout
+        assert int(re.search(r"cells:\s+(\d+)", said.stdout)[1]) == run.cells
+        assert near(float(re.search(r"Total volume = (\S+)\.", said.stdout)[1]), run.volume, 1e-5), said.stdout
+        patches = re.findall(r"(\w+)\s*\{[^}]*nFaces\s+(\d+);", (case / "constant/polyMesh/boundary").read_text())
+        assert {name: int(count) for name, count in patches if int(count) > 0} == {
+            name: count for name, count in run.faces.items() if count > 0}, patches
+
+
 def check_meshio(run):
     import meshio
     import numpy as np
 
     read = {name: meshio.read(run.out / name) for name in
-            ("volume.vtu", "volume.xdmf", "boundary.xdmf", "volume.msh", "surface.stl", "surface.obj")}
+            ("volume.vtu", "volume.xdmf", "boundary.xdmf", "volume.msh", "volume_msh2.msh", "volume.su2", "surface.stl",
+             "surface.obj")}
     points, tets = read["volume.vtu"].points, read["volume.vtu"].cells_dict["tetra"]
     assert points.shape == (run.points, 3) and tets.shape == (run.cells, 4)
-    for name in ("volume.xdmf", "volume.msh"):
+    for name in ("volume.xdmf", "volume.msh", "volume_msh2.msh", "volume.su2"):
         assert np.array_equal(read[name].points, points) and np.array_equal(read[name].cells_dict["tetra"], tets)
     assert np.array_equal(read["volume.vtu"].cell_data["region"][0], read["volume.xdmf"].cell_data["region"][0])
 
@@ -123,6 +191,15 @@ def check_meshio(run):
     assert near(enclosed, run.volume)
     assert np.array_equal(np.vstack([block.data for block in read["volume.msh"].cells if block.type == "triangle"]),
                           triangles)
+    msh2 = read["volume_msh2.msh"]
+    assert np.array_equal(msh2.cells_dict["triangle"], triangles)
+    assert np.array_equal(msh2.cell_data_dict["gmsh:physical"]["triangle"], patch)
+    assert {name: number for name, (number, dimension) in msh2.field_data.items() if dimension == 2} == {
+        name: number for name, (number, dimension) in boundary.field_data.items() if dimension == 2}
+    assert np.array_equal(np.vstack([block.data for block in read["volume.su2"].cells if block.type == "triangle"]),
+                          triangles)
+    markers = re.findall(r"MARKER_TAG= (\w+)\nMARKER_ELEMS= (\d+)\n", (run.out / "volume.su2").read_text())
+    assert {name: int(count) for name, count in markers} == {n: c for n, c in run.faces.items() if c > 0}
     for name in ("surface.stl", "surface.obj"):
         assert sum(len(block.data) for block in read[name].cells if block.type == "triangle") == run.land
 
@@ -181,7 +258,8 @@ def main():
     if what == "gltf" and (shutil.which("node") is None or not (NODE_MODULES / "gltf-validator").exists()):
         print("node or the glTF validator is missing; npm ci --prefix viewer")
         return 77
-    check = {"pyvista": check_pyvista, "meshio": check_meshio, "trimesh": check_trimesh, "gltf": check_gltf}[what]
+    check = {"pyvista": check_pyvista, "meshio": check_meshio, "cgns": check_cgns, "foam": check_foam,
+             "trimesh": check_trimesh, "gltf": check_gltf}[what]
     with tempfile.TemporaryDirectory() as scratch:
         for options in ((), ("--compression", "zlib")):
             try:

@@ -42,9 +42,11 @@ haddr_t make_dataset(const Hdf5File& file, const Hdf5Dataset& dataset) {
 /// Lets HDF5 make the file and returns where the data of each dataset begin; those without rows get
 /// the end of the one before.
 std::vector<std::uint64_t> lay_out(const fs::path& path, const fs::path& target,
-                                   std::span<const Hdf5Dataset> datasets) {
+                                   std::span<const Hdf5Dataset> datasets,
+                                   const std::function<void(const Hdf5File&)>& prepare) {
   const QuietHdf5 quiet;
   Hdf5File file(path, target);
+  if (prepare) prepare(file);
   std::vector<std::uint64_t> offsets;
   std::uint64_t end = 0;
   for (const Hdf5Dataset& dataset : datasets) {
@@ -60,18 +62,23 @@ std::vector<std::uint64_t> lay_out(const fs::path& path, const fs::path& target,
 
 std::int64_t file_type(Hdf5Type type) {
   if (type == Hdf5Type::kFloat64) return H5T_IEEE_F64LE;
+  if (type == Hdf5Type::kUint8) return H5T_STD_U8LE;
   return type == Hdf5Type::kInt64 ? H5T_STD_I64LE : H5T_STD_I32LE;
 }
 
-std::uint64_t width_of(Hdf5Type type) { return type == Hdf5Type::kInt32 ? 4 : 8; }
+std::uint64_t width_of(Hdf5Type type) {
+  if (type == Hdf5Type::kUint8) return 1;
+  return type == Hdf5Type::kInt32 ? 4 : 8;
+}
 
 std::uint64_t byte_count(const Hdf5Dataset& dataset) {
   return dataset.rows * std::max<std::uint64_t>(dataset.columns, 1) * width_of(dataset.type);
 }
 
-Hdf5Output::Hdf5Output(const fs::path& target, std::span<const Hdf5Dataset> datasets)
+Hdf5Output::Hdf5Output(const fs::path& target, std::span<const Hdf5Dataset> datasets,
+                       const std::function<void(const Hdf5File&)>& prepare)
     : file_(target) {
-  read_layout(lay_out(file_.path(), target, datasets), datasets);
+  read_layout(lay_out(file_.path(), target, datasets, prepare), datasets);
 }
 
 void Hdf5Output::read_layout(std::span<const std::uint64_t> offsets,

@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
+#include <functional>
 #include <span>
 #include <string>
 #include <vector>
@@ -15,7 +16,9 @@
 
 namespace tetropolis {
 
-enum class Hdf5Type { kFloat64, kInt64, kInt32 };
+class Hdf5File;
+
+enum class Hdf5Type { kFloat64, kInt64, kInt32, kUint8 };
 
 struct Hdf5Dataset {
   std::string path;  ///< "/group/.../name"; missing groups are made.
@@ -38,7 +41,9 @@ std::int64_t file_type(Hdf5Type type);
 /// Error(kInput) naming the file if it cannot be written.
 class Hdf5Output {
  public:
-  Hdf5Output(const std::filesystem::path& target, std::span<const Hdf5Dataset> datasets);
+  /// `prepare` may make groups, attributes and small datasets of its own before.
+  Hdf5Output(const std::filesystem::path& target, std::span<const Hdf5Dataset> datasets,
+             const std::function<void(const Hdf5File&)>& prepare = {});
 
   /// Writes the next dataset, in the order given. Its rows are what format(begin, end, buffer)
   /// appends as raw bytes for consecutive pieces of [0, items), formatted in parallel; together

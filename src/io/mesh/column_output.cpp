@@ -9,6 +9,16 @@
 
 namespace tetropolis {
 
+std::vector<PatchFaces> faces_of_patches(const SurfaceMesh& surface) {
+  std::vector<PatchFaces> ranges;
+  for (std::size_t f = 0; f < surface.patch.size(); ++f) {
+    if (ranges.empty() || ranges.back().patch != surface.patch[f])
+      ranges.push_back({surface.patch[f], f, f});
+    ranges.back().end = f + 1;
+  }
+  return ranges;
+}
+
 void append_points(const ColumnMesh& mesh, const Placement& placement, std::size_t begin,
                    std::size_t end, std::string& buffer) {
   const auto first_of = [&](std::size_t row) {

@@ -36,6 +36,26 @@ void append_cells(const ColumnMesh& mesh, const std::vector<CellIndex>& offsets,
 void append_regions(const ColumnMesh& mesh, const std::vector<CellIndex>& offsets,
                     std::size_t begin, std::size_t end, std::string& buffer);
 
+/// Calls visit(node, x, y, z) for the nodes of the vertices [begin, end), shifted.
+template <typename Visit>
+void for_each_point(const ColumnMesh& mesh, const Placement& placement, std::size_t begin,
+                    std::size_t end, const Visit& visit) {
+  for (const VertexIndex v : indices<VertexIndex>(begin, end))
+    for (const NodeIndex n : mesh.nodes(v))
+      visit(n, mesh.ground.vertices[v].x + placement.shift[0],
+            mesh.ground.vertices[v].y + placement.shift[1], mesh.z[n] + placement.shift[2]);
+}
+
+/// The consecutive faces of a patch.
+struct PatchFaces {
+  Patch patch;
+  std::size_t begin;
+  std::size_t end;
+};
+
+/// Of the patches with faces, in their order.
+std::vector<PatchFaces> faces_of_patches(const SurfaceMesh& surface);
+
 /// Throws Error(kGuarantee) unless `surface` has node and cell numbers of `mesh`, and at each point
 /// of the surface is the node it names.
 void require_boundary_of(const ColumnMesh& mesh, const SurfaceMesh& surface);

@@ -25,23 +25,6 @@ constexpr std::size_t kRows = 32768;
 constexpr std::int32_t kTriangleType = 2;
 constexpr std::int32_t kTetType = 4;
 
-/// The consecutive faces of a patch.
-struct PatchRange {
-  Patch patch;
-  std::size_t begin;
-  std::size_t end;
-};
-
-std::vector<PatchRange> patch_ranges(const SurfaceMesh& surface) {
-  std::vector<PatchRange> ranges;
-  for (std::size_t f = 0; f < surface.patch.size(); ++f) {
-    if (ranges.empty() || ranges.back().patch != surface.patch[f])
-      ranges.push_back({surface.patch[f], f, f});
-    ranges.back().end = f + 1;
-  }
-  return ranges;
-}
-
 /// Lowest and highest coordinates.
 struct Box {
   std::array<double, 3> low;
@@ -74,27 +57,27 @@ void append_entity(std::string& buffer, std::int32_t number, const Box& box) {
   append_raw(buffer, number);
 }
 
-std::string head(const std::vector<PatchRange>& patches, const SurfaceMesh& surface,
+std::string head(const std::vector<PatchFaces>& patches, const SurfaceMesh& surface,
                  const Placement& placement) {
   std::string text = "$MeshFormat\n4.1 1 8\n";
   append_raw(text, std::int32_t{1});
   text += fmt::format("\n$EndMeshFormat\n$Comments\norigin {} {} {}\n$EndComments\n",
                       placement.origin[0], placement.origin[1], placement.origin[2]);
   text += fmt::format("$PhysicalNames\n{}\n", patches.size() + 1);
-  for (const PatchRange& range : patches)
+  for (const PatchFaces& range : patches)
     text += fmt::format("2 {} \"{}\"\n", static_cast<int>(range.patch),
                         surface.patches.of(range.patch).name);
   text += fmt::format("3 {} \"air\"\n$EndPhysicalNames\n$Entities\n", kAirPhysicalGroup);
   for (const std::size_t count : {std::size_t{0}, std::size_t{0}, patches.size(), std::size_t{1}})
     append_size(text, count);
-  for (const PatchRange& range : patches) {
+  for (const PatchFaces& range : patches) {
     append_entity(text, static_cast<std::int32_t>(range.patch),
                   box_of(surface, range.begin, range.end, placement));
     append_size(text, 0);  // no bounding curves
   }
   append_entity(text, kAirPhysicalGroup, box_of(surface, 0, surface.triangles.size(), placement));
   append_size(text, patches.size());
-  for (const PatchRange& range : patches) append_raw(text, static_cast<std::int32_t>(range.patch));
+  for (const PatchFaces& range : patches) append_raw(text, static_cast<std::int32_t>(range.patch));
   return text + "\n$EndEntities\n";
 }
 
@@ -128,9 +111,9 @@ std::string begin_elements(std::int32_t dimension, std::int32_t entity, std::int
   return block;
 }
 
-void write_triangles(AtomicFile& file, const std::vector<PatchRange>& patches,
+void write_triangles(AtomicFile& file, const std::vector<PatchFaces>& patches,
                      const SurfaceMesh& surface) {
-  for (const PatchRange& range : patches) {
+  for (const PatchFaces& range : patches) {
     file.write(begin_elements(2, static_cast<std::int32_t>(range.patch), kTriangleType,
                               range.end - range.begin));
     write_chunked(file, range.end - range.begin, kRows,
@@ -169,7 +152,7 @@ void write_msh(const std::filesystem::path& path, const ColumnMesh& mesh,
                const SurfaceMesh& surface, const Placement& placement, const Progress& progress) {
   require_boundary_of(mesh, surface);
   const std::vector<CellIndex> cells = cell_offsets(mesh);
-  const std::vector<PatchRange> patches = patch_ranges(surface);
+  const std::vector<PatchFaces> patches = faces_of_patches(surface);
   const std::size_t elements = surface.triangles.size() + static_cast<std::size_t>(cells.back());
   AtomicFile file(path);
   file.write(head(patches, surface, placement));

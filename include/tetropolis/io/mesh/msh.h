@@ -1,4 +1,4 @@
-// Gmsh's mesh format, MSH 4.1, binary, little endian.
+// Gmsh's mesh format, MSH 4.1 (binary, little endian) and 2.2 (text).
 // Format: Geuzaine & Remacle, Gmsh Reference Manual, "MSH file format".
 #pragma once
 
@@ -26,5 +26,11 @@ inline constexpr int kAirPhysicalGroup = 9;
 void write_msh(const std::filesystem::path& path, const ColumnMesh& mesh,
                const SurfaceMesh& surface, const Placement& placement,
                const Progress& progress = {});
+
+/// The same as text in MSH 2.2, which gmshToFoam and older programs read: groups and entities,
+/// nodes and elements have the same numbers. Numbers are written so that they read back exactly.
+void write_msh2(const std::filesystem::path& path, const ColumnMesh& mesh,
+                const SurfaceMesh& surface, const Placement& placement,
+                const Progress& progress = {});
 
 }  // namespace tetropolis
