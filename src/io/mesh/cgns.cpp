@@ -232,7 +232,7 @@ void write_cgns(const std::filesystem::path& path, const ColumnMesh& mesh,
   for (std::size_t axis = 0; axis < 3; ++axis) {
     const double at = static_cast<double>(axis);
     file.write_next(
-        mesh.vertex_count(),
+        point_rows(mesh),
         [&](std::size_t begin, std::size_t end, std::string& buffer) {
           for_each_point(mesh, placement, begin, end, [&](NodeIndex, double x, double y, double z) {
             append_raw(buffer, axis == 0 ? x : axis == 1 ? y : z);
@@ -241,10 +241,10 @@ void write_cgns(const std::filesystem::path& path, const ColumnMesh& mesh,
         portion(progress, 0.1 * at, 0.1 * (at + 1)));
   }
   file.write_next(
-      mesh.triangle_count(),
+      offsets.size() - 1,
       [&](std::size_t begin, std::size_t end, std::string& buffer) {
-        for (const TriangleIndex t : indices<TriangleIndex>(begin, end))
-          for_each_tet_over(mesh, t, [&](const std::array<NodeIndex, 4>& tet) {
+        for (std::size_t row = begin; row < end; ++row)
+          for_each_tet_of(mesh, row, [&](const std::array<NodeIndex, 4>& tet) {
             for (const NodeIndex node : tet)
               append_raw(buffer, static_cast<std::int32_t>(node.value() + 1));
           });

@@ -36,14 +36,14 @@ void append_cells(const ColumnMesh& mesh, const std::vector<CellIndex>& offsets,
 void append_regions(const ColumnMesh& mesh, const std::vector<CellIndex>& offsets,
                     std::size_t begin, std::size_t end, std::string& buffer);
 
-/// Calls visit(node, x, y, z) for the nodes of the vertices [begin, end), shifted.
+/// Calls visit(node, x, y, z) for the nodes of the rows [begin, end) of point_rows(), shifted.
 template <typename Visit>
 void for_each_point(const ColumnMesh& mesh, const Placement& placement, std::size_t begin,
                     std::size_t end, const Visit& visit) {
-  for (const VertexIndex v : indices<VertexIndex>(begin, end))
-    for (const NodeIndex n : mesh.nodes(v))
-      visit(n, mesh.ground.vertices[v].x + placement.shift[0],
-            mesh.ground.vertices[v].y + placement.shift[1], mesh.z[n] + placement.shift[2]);
+  for (std::size_t row = begin; row < end; ++row)
+    for_each_point_of(mesh, row, [&](NodeIndex n, const Point3& p) {
+      visit(n, p[0] + placement.shift[0], p[1] + placement.shift[1], p[2] + placement.shift[2]);
+    });
 }
 
 /// The consecutive faces of a patch.

@@ -1,5 +1,6 @@
 #include "tetropolis/io/mesh/fluent.h"
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <iterator>
@@ -12,6 +13,7 @@
 #include "internal_faces.h"
 #include "io/file/atomic_file.h"
 #include "io/file/chunked_output.h"
+#include "volume/upper/upper_faces.h"
 
 namespace tetropolis {
 
@@ -30,7 +32,7 @@ void write_points(AtomicFile& file, const ColumnMesh& mesh, const Placement& pla
   file.write(fmt::format("(10 ({:x} 1 {:x} 1 3)(\n", kNodeZone, mesh.node_count()));
   constexpr std::uint64_t kBytes = 45;  // of a row, about
   const auto bytes = static_cast<std::uint64_t>(mesh.node_count()) * kBytes;
-  write_chunked(file, mesh.vertex_count(), grain_for(mesh.vertex_count(), bytes),
+  write_chunked(file, point_rows(mesh), grain_for(point_rows(mesh), bytes),
                 [&](std::size_t begin, std::size_t end, std::string& buffer) {
                   for_each_point(
                       mesh, placement, begin, end, [&](NodeIndex, double x, double y, double z) {
@@ -51,18 +53,29 @@ void write_interior(AtomicFile& file, const ColumnMesh& mesh, const std::vector<
                     std::size_t count, const Progress& progress) {
   file.write(begin_faces(kInteriorZone, 0, count, Boundary::kInterior));
   constexpr std::uint64_t kBytes = 35;
+  const auto append = [](const std::array<NodeIndex, 3>& nodes, CellIndex neighbour,
+                         CellIndex owner, std::string& buffer) {
+    fmt::format_to(std::back_inserter(buffer), "{:x} {:x} {:x} {:x} {:x}\n", nodes[0].value() + 1,
+                   nodes[1].value() + 1, nodes[2].value() + 1, neighbour.value() + 1,
+                   owner.value() + 1);
+  };
   write_chunked(
       file, mesh.triangle_count(), grain_for(mesh.triangle_count(), count * kBytes),
       [&](std::size_t begin, std::size_t end, std::string& buffer) {
         InternalFaces faces(mesh, cells);
         for (const TriangleIndex t : indices<TriangleIndex>(begin, end))
           for (const InternalFace& face : faces.owned_over(t))
-            fmt::format_to(std::back_inserter(buffer), "{:x} {:x} {:x} {:x} {:x}\n",
-                           face.nodes[0].value() + 1, face.nodes[1].value() + 1,
-                           face.nodes[2].value() + 1, face.neighbour.value() + 1,
-                           face.owner.value() + 1);
+            append(face.nodes, face.neighbour, face.owner, buffer);
       },
       progress);
+  if (!mesh.upper.empty()) {
+    const std::vector<UpperFaces::Inner> upper = upper_faces(mesh).inner;
+    write_chunked(file, upper.size(), kRows,
+                  [&](std::size_t begin, std::size_t end, std::string& buffer) {
+                    for (std::size_t f = begin; f < end; ++f)
+                      append(upper[f].nodes, upper[f].neighbour, upper[f].cell, buffer);
+                  });
+  }
   file.write("))\n");
 }
 

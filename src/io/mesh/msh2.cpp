@@ -48,7 +48,7 @@ void write_nodes(AtomicFile& file, const ColumnMesh& mesh, const Placement& plac
   constexpr std::uint64_t kBytes = 50;  // of a row, about
   const auto bytes = static_cast<std::uint64_t>(mesh.node_count()) * kBytes;
   write_chunked(
-      file, mesh.vertex_count(), grain_for(mesh.vertex_count(), bytes),
+      file, point_rows(mesh), grain_for(point_rows(mesh), bytes),
       [&](std::size_t begin, std::size_t end, std::string& buffer) {
         for_each_point(mesh, placement, begin, end, [&](NodeIndex n, double x, double y, double z) {
           fmt::format_to(std::back_inserter(buffer), "{} {} {} {}\n", n.value() + 1, x, y, z);
@@ -75,11 +75,11 @@ void write_tets(AtomicFile& file, const ColumnMesh& mesh, const std::vector<Cell
   constexpr std::uint64_t kBytes = 45;
   const std::uint64_t bytes = static_cast<std::uint64_t>(cells.back().value()) * kBytes;
   write_chunked(
-      file, mesh.triangle_count(), grain_for(mesh.triangle_count(), bytes),
+      file, cells.size() - 1, grain_for(cells.size() - 1, bytes),
       [&](std::size_t begin, std::size_t end, std::string& buffer) {
-        for (const TriangleIndex t : indices<TriangleIndex>(begin, end)) {
-          std::size_t element = triangles + static_cast<std::size_t>(cells[t].value());
-          for_each_tet_over(mesh, t, [&](const std::array<NodeIndex, 4>& tet) {
+        for (std::size_t row = begin; row < end; ++row) {
+          std::size_t element = triangles + static_cast<std::size_t>(cells[row].value());
+          for_each_tet_of(mesh, row, [&](const std::array<NodeIndex, 4>& tet) {
             append_element(buffer, ++element, kTet, kAirPhysicalGroup);
             for (const NodeIndex node : tet) append_node(buffer, node);
             buffer += '\n';

@@ -29,11 +29,11 @@ void write_cells(AtomicFile& file, const ColumnMesh& mesh, const Progress& progr
   file.write(fmt::format("NDIME= 3\nNELEM= {}\n", count));
   constexpr std::uint64_t kBytes = 40;  // of a row, about
   write_chunked(
-      file, mesh.triangle_count(), grain_for(mesh.triangle_count(), count * kBytes),
+      file, cells.size() - 1, grain_for(cells.size() - 1, count * kBytes),
       [&](std::size_t begin, std::size_t end, std::string& buffer) {
-        for (const TriangleIndex t : indices<TriangleIndex>(begin, end)) {
-          std::int64_t number = cells[t].value();
-          for_each_tet_over(mesh, t, [&](const std::array<NodeIndex, 4>& tet) {
+        for (std::size_t row = begin; row < end; ++row) {
+          std::int64_t number = cells[row].value();
+          for_each_tet_of(mesh, row, [&](const std::array<NodeIndex, 4>& tet) {
             fmt::format_to(std::back_inserter(buffer), "{} {} {} {} {} {}\n", kTet, tet[0].value(),
                            tet[1].value(), tet[2].value(), tet[3].value(), number++);
           });
@@ -48,7 +48,7 @@ void write_points(AtomicFile& file, const ColumnMesh& mesh, const Placement& pla
   constexpr std::uint64_t kBytes = 50;
   const auto bytes = static_cast<std::uint64_t>(mesh.node_count()) * kBytes;
   write_chunked(
-      file, mesh.vertex_count(), grain_for(mesh.vertex_count(), bytes),
+      file, point_rows(mesh), grain_for(point_rows(mesh), bytes),
       [&](std::size_t begin, std::size_t end, std::string& buffer) {
         for_each_point(mesh, placement, begin, end, [&](NodeIndex n, double x, double y, double z) {
           fmt::format_to(std::back_inserter(buffer), "{} {} {} {}\n", x, y, z, n.value());

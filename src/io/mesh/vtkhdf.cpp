@@ -75,13 +75,13 @@ void write_vtkhdf(const std::filesystem::path& path, const ColumnMesh& mesh,
   for (const std::uint64_t size : {nodes, count, 4 * count})
     write_numbers(1, [&](std::size_t) { return size; });
   file.write_next(
-      mesh.vertex_count(),
+      point_rows(mesh),
       [&](std::size_t begin, std::size_t end, std::string& buffer) {
         append_points(mesh, placement, begin, end, buffer);
       },
       portion(progress, 0, 0.2));
   file.write_next(
-      mesh.triangle_count(),
+      cells.size() - 1,
       [&](std::size_t begin, std::size_t end, std::string& buffer) {
         append_cells<std::int64_t>(mesh, cells, begin, end, buffer);
       },
@@ -91,7 +91,7 @@ void write_vtkhdf(const std::filesystem::path& path, const ColumnMesh& mesh,
       portion(progress, 0.7, 0.9));
   write_numbers(count, [](std::size_t) { return kTet; });
   file.write_next(
-      mesh.triangle_count(),
+      cells.size() - 1,
       [&](std::size_t begin, std::size_t end, std::string& buffer) {
         append_regions(mesh, cells, begin, end, buffer);
       },
