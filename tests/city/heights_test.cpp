@@ -211,7 +211,7 @@ Place read_place(const std::filesystem::path& footprints, const std::string& id_
                  const std::vector<std::string>& points, Point2 origin) {
   Place place;
   const FootprintsInput input =
-      read_footprints(footprints, {"", id_attribute, "", "EPSG:28992", ""});
+      read_footprints(footprints, {.id_attribute = id_attribute, .source_crs = "EPSG:28992"});
   for (const Footprint& feature : input.features) {
     Building building;
     building.source_ids = {feature.source_id};
