@@ -16,7 +16,7 @@
 #include "internal_faces.h"
 #include "io/file/atomic_file.h"
 #include "io/file/chunked_output.h"
-#include "volume/upper/upper_faces.h"
+#include "volume/column/upper_faces.h"
 
 namespace tetropolis {
 

@@ -7,7 +7,7 @@
 
 #include "tetropolis/core/error.h"
 
-#include "volume/upper/upper_faces.h"
+#include "upper_faces.h"
 
 namespace tetropolis {
 

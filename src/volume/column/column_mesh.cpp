@@ -10,9 +10,9 @@
 
 #include "core/infinity.h"
 #include "core/parallel.h"
+#include "geometry/vec3.h"
 #include "levels.h"
-#include "volume/quality/vec3.h"
-#include "volume/upper/upper_faces.h"
+#include "upper_faces.h"
 
 namespace tetropolis {
 

@@ -11,9 +11,9 @@
 #include "core/sort_once.h"
 #include "core/units.h"
 #include "faces_of.h"
+#include "measure_upper.h"
 #include "shapes_over.h"
 #include "stack_kernels.h"
-#include "volume/upper/measure_upper.h"
 
 namespace tetropolis {
 

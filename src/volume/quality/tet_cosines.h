@@ -10,7 +10,7 @@
 
 #include "core/infinity.h"
 #include "core/units.h"
-#include "vec3.h"
+#include "geometry/vec3.h"
 
 namespace tetropolis {
 

@@ -18,9 +18,9 @@
 #include "io/mesh/internal_faces.h"
 #include "support/explicit_mesh.h"
 #include "support/small_city.h"
+#include "volume/column/upper_faces.h"
 #include "volume/quality/tet_cosines.h"
 #include "volume/upper/lid.h"
-#include "volume/upper/upper_faces.h"
 
 namespace tetropolis {
 namespace {

@@ -5,7 +5,7 @@
 
 #include "tetropolis/volume/column/column_mesh.h"
 
-#include "volume/quality/measured_mesh.h"
+#include "measured_mesh.h"
 
 namespace tetropolis {
 

@@ -6,9 +6,9 @@
 
 #include "tetropolis/volume/quality/face_quality.h"
 
-#include "upper_faces.h"
-#include "volume/quality/cells_of.h"
-#include "volume/quality/tet_cosines.h"
+#include "cells_of.h"
+#include "tet_cosines.h"
+#include "volume/column/upper_faces.h"
 
 namespace tetropolis {
 
