@@ -24,6 +24,7 @@ bool is_meshable(CityModel city, double min_distance) {
   if (box.empty()) return true;  // refused with a reason later
   constexpr double kFar = 1000;
   city.domain = box.grown(kFar);
+  drop_unmeshable(city, min_distance);
   flatten_unmeshable(city, min_distance);
   try {
     require_meshable(city, min_distance, "");

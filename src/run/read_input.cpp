@@ -185,7 +185,7 @@ void require_fits(const Config& config, const FootprintsInput& footprints, doubl
   const double area = box.width() * box.height();
   CitySize size;
   size.area = area;
-  size.height = config.domain_height;
+  size.height = config.domain_height > 0 ? config.domain_height : MeshCityOptions{}.domain_height;
   size.terrain_nodes = area / (config.dtm_step * config.dtm_step);
   require_points_fit({points, size.terrain_nodes, config.ground_margin}, memory_limit(config));
   if (next != Next::kMesh) return;

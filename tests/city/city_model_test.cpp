@@ -45,7 +45,7 @@ TEST(CityModel, FlagsHaveTheNamesThatFilesAndReportsState) {
 }
 
 TEST(CityModel, FlagsComeBackFromTheirNamesInAnyOrder) {
-  constexpr std::uint32_t kFlagSets = 1U << 9;
+  constexpr std::uint32_t kFlagSets = 1U << 11;
   for (std::uint32_t flags = 0; flags < kFlagSets; ++flags) {
     const std::vector<std::string> names = flag_names(flags);
     EXPECT_EQ(flags_from_names(names), flags);

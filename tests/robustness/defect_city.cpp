@@ -161,6 +161,7 @@ Config small_config(const DefectCity& city, const fs::path& folder) {
   config.bounds = {city.domain.xmin + city.origin.x, city.domain.ymin + city.origin.y,
                    city.domain.xmax + city.origin.x, city.domain.ymax + city.origin.y};
   config.mesh_size = 15;
+  config.measured_ground = MeasuredGround::kKeep;  // the scan knows sound buildings only
   config.domain_height = 40;
   return config;
 }

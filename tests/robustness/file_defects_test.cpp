@@ -161,12 +161,11 @@ TEST_F(FileDefects, NumbersThatAreNoneInABinaryFile) {
   }
 }
 
-TEST_F(FileDefects, SeveralLayersMustBeNamed) {
-  // A folder of shapefiles is a data source of several layers, as a GeoPackage may be.
+TEST_F(FileDefects, LayersOfAFolderCanBeNamed) {
+  // A folder of shapefiles is a data source of several layers when one of them is named.
   fs::create_directory(folder / "set");
   write("set/houses.shp");
   write("set/sheds.shp");
-  expect_input_error(run(folder / "set"), folder / "set", "houses");
   layer = "houses";
   expect_all_buildings(run(folder / "set"));
   layer = "castles";

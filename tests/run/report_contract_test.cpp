@@ -365,11 +365,11 @@ TEST_P(ReportContract, GroundMeshIsTheOneBelowTheVolume) {
   std::set<std::pair<double, double>> columns;
   for (const Vector& p : volume.points) columns.emplace(p[0], p[1]);
   EXPECT_EQ(ground["vertices"], columns.size());
-  // The top has all triangles, those over buildings too.
+  // Ground and roofs, which are flat, have them all.
   std::int64_t triangles = 0;
   double least = 180;
   for (std::size_t t = 0; t < surface.triangles.size(); ++t) {
-    if (surface.patch[t] != Patch::kTop) continue;
+    if (surface.patch[t] != Patch::kGround && surface.patch[t] != Patch::kRoof) continue;
     ++triangles;
     std::array<Vector, 3> p;
     for (std::size_t i = 0; i < 3; ++i) {

@@ -87,6 +87,7 @@ struct Village {
     config.footprints = {(folder / footprints_file).string()};
     config.points = {(folder / "points.las").string()};
     config.out = (folder / "out").string();
+    config.measured_ground = MeasuredGround::kKeep;  // the unseen stays
   }
 };
 
