@@ -33,13 +33,13 @@ void tell(const CaseArguments& arguments, const OpenfoamCase& made, Console& con
   if (made.shallow > 0)
     console.line(fmt::format(
         "note     {} of {} cells on the ground are lower than 4 times its roughness: the wind near "
-        "the ground comes out too fast; raise --first-layer when meshing, or give the ground among "
-        "the buildings its own --ground-roughness",
+        "the ground comes out too fast; raise --mesh-size, or give the ground among the buildings "
+        "its own --ground-roughness",
         made.shallow, made.ground_faces));
   if (made.ground_faces > 0 && 2 * made.first_cell > options.sample_height)
     console.line(fmt::format(
         "note     {} m above the ground is in the first two cells, where the wall function rules: "
-        "mesh with boundary layers lower than {:.2f} m for the wind there",
+        "cells lower than {:.2f} m would resolve the wind there (a smaller --mesh-size)",
         options.sample_height, options.sample_height / 2));
   console.result(
       fmt::format("solve    {}/Allrun, or Allrun 8 with eight processes", arguments.folder));

@@ -417,7 +417,7 @@ stopAt          endTime;
 endTime         {};
 deltaT          1;
 writeControl    timeStep;
-writeInterval   {};
+writeInterval   $endTime;
 purgeWrite      1;
 writeFormat     binary;
 writePrecision  8;
@@ -431,8 +431,7 @@ functions
 }}
 )",
                      is_org ? "foamRun" : "simpleFoam",
-                     is_org ? "solver          incompressibleFluid;\n" : "", options.iterations,
-                     options.iterations);
+                     is_org ? "solver          incompressibleFluid;\n" : "", options.iterations);
 }
 
 std::string pedestrian(const OpenfoamCaseOptions& options, const SamplePoints& samples) {

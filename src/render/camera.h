@@ -3,7 +3,7 @@
 
 #include <span>
 
-#include "geometry/vec3.h"
+#include "vec3.h"
 
 namespace tetropolis {
 

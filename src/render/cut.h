@@ -9,7 +9,7 @@
 #include "tetropolis/volume/column/boundary.h"
 #include "tetropolis/volume/tet_mesh.h"
 
-#include "geometry/vec3.h"
+#include "vec3.h"
 
 namespace tetropolis {
 

@@ -6,8 +6,8 @@
 #include <span>
 #include <vector>
 
-#include "geometry/vec3.h"
 #include "rasterise.h"
+#include "vec3.h"
 
 namespace tetropolis {
 

@@ -8,7 +8,7 @@
 
 #include "tetropolis/render/render.h"
 
-#include "geometry/vec3.h"
+#include "vec3.h"
 
 namespace tetropolis {
 

@@ -8,7 +8,7 @@
 #include <utility>
 #include <vector>
 
-#include "geometry/vec3.h"
+#include "vec3.h"
 
 namespace tetropolis {
 

@@ -113,7 +113,8 @@ std::vector<ConfigField> make_fields() {
        .group = "Input",
        .member = &C::wind_from,
        .commands = kData,
-       .help = "domain = auto: where the wind comes from, clockwise from north; the box turns with "
+       .help = "With domain = auto, where the wind comes from, clockwise from north; the box turns "
+               "with "
                "it",
        .unit = "degrees",
        .common = true,
@@ -123,7 +124,7 @@ std::vector<ConfigField> make_fields() {
        .group = "Input",
        .member = &C::sectors,
        .commands = kData,
-       .help = "domain = cylinder: patches around it",
+       .help = "With domain = cylinder, patches around it",
        .min = 4,
        .max = 360},
       {.name = "points_crs",
