@@ -1353,8 +1353,6 @@ TEST_F(Cli, NobodysFilesAreReplaced) {
                "mine/dtm.tif: is in the way, and no earlier run has written it; choose another "
                "folder with --out, or add --overwrite");
   EXPECT_EQ(bytes_of(scratch / "mine/dtm.tif"), "mine");
-  // A model of another program gets a terrain of its own.
-  EXPECT_EQ(run("mesh --quiet nowhere.json nowhere.tif mine").code, 2);
   // Before anything is read.
   expect_error("city nowhere.shp nowhere.laz mine", 2, "mine/dtm.tif");
   ASSERT_EQ(run(city + "--overwrite --quiet").code, 0);

@@ -8,6 +8,7 @@
 
 #include <proj.h>
 
+#include "tetropolis/core/error.h"
 #include "tetropolis/io/crs/crs.h"
 
 #include "gdal_support.h"
@@ -27,12 +28,17 @@ struct Deleter {
 template <typename Object>
 using Owned = std::unique_ptr<Object, Deleter>;
 
-/// Longitudes and latitudes around a box.
+/// Longitudes and latitudes around a box; empty where no transformation leads to them, as from the
+/// system of a site.
 Bounds2 in_degrees(const std::string& from, const Bounds2& box) {
   std::vector<Point2> corners{
       {box.xmin, box.ymin}, {box.xmax, box.ymin}, {box.xmin, box.ymax}, {box.xmax, box.ymax}};
-  if (!is_geographic(from)) corners = reproject(corners, from, "EPSG:4326");
   Bounds2 result = Bounds2::nothing();
+  try {
+    if (!is_geographic(from)) corners = reproject(corners, from, "EPSG:4326");
+  } catch (const Error&) {
+    return result;
+  }
   for (const Point2 p : corners)
     if (std::isfinite(p.x)) result.extend(p);
   return result;

@@ -115,7 +115,7 @@ void add_sides(const ColumnMesh& mesh, const std::vector<CellIndex>& cells, Face
 }
 
 void add_upper(const ColumnMesh& mesh, FaceLists& faces) {
-  const UpperFaces upper = upper_faces(mesh);
+  const UpperFaces upper = upper_faces(mesh, false);
   for (const UpperFace& face : upper.top)
     faces.add(Patch::kTop, {face.nodes, face.cell, kNoBuilding});
   // By edge, as the sides are asked for.

@@ -29,7 +29,9 @@ double area_in_plan(const ColumnMesh& mesh, const UpperNodes& at, const Nodes& n
 
 }  // namespace
 
-UpperFaces upper_faces(const ColumnMesh& mesh) {
+void visit_upper_faces(const ColumnMesh& mesh,
+                       const std::function<void(const UpperFaces::Inner&)>& inner,
+                       const std::function<void(const UpperFace&, bool is_top)>& outer) {
   const auto& cells = mesh.upper.cells;
   const CellIndex first = CellIndex(cell_offsets(mesh)[mesh.triangle_count()]);
   const auto nodes_of = [&](std::size_t face) {
@@ -49,7 +51,6 @@ UpperFaces upper_faces(const ColumnMesh& mesh) {
   std::vector<std::size_t> by_place(4 * cells.size());
   for (std::size_t f = 0; f < by_place.size(); ++f) by_place[end[place(f)]++] = f;
 
-  UpperFaces faces;
   const UpperNodes at(mesh);
   std::vector<std::pair<Nodes, std::size_t>> here;
   std::size_t begin = 0;
@@ -62,14 +63,26 @@ UpperFaces upper_faces(const ColumnMesh& mesh) {
       const std::size_t f = here[i].second;
       const UpperFace face{first + f / 4, nodes_of(f)};
       if (i + 1 < here.size() && here[i + 1].first == here[i].first) {
-        faces.inner.push_back({face, first + here[++i].second / 4});
+        inner({face, first + here[++i].second / 4});
         continue;
       }
       const double area = area_in_plan(mesh, at, face.nodes);
-      if (area > 0) faces.top.push_back(face);
-      if (area == 0) faces.sides.push_back(face);
+      if (area >= 0) outer(face, area > 0);
     }
   }
+}
+
+UpperFaces upper_faces(const ColumnMesh& mesh, bool with_inner) {
+  UpperFaces faces;
+  if (with_inner) faces.inner.reserve(2 * mesh.upper.cells.size());
+  visit_upper_faces(
+      mesh,
+      [&](const UpperFaces::Inner& face) {
+        if (with_inner) faces.inner.push_back(face);
+      },
+      [&](const UpperFace& face, bool is_top) {
+        (is_top ? faces.top : faces.sides).push_back(face);
+      });
   const auto by_cell = [](const UpperFace& a, const UpperFace& b) {
     return std::tie(a.cell, a.nodes) < std::tie(b.cell, b.nodes);
   };

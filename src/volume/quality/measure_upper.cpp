@@ -71,13 +71,21 @@ void add_upper_quality(const ColumnMesh& mesh, std::size_t worst, MeshQuality& q
   const UpperNodes at(mesh);
   const std::vector<CellIndex> offsets = cell_offsets(mesh);
   const CellIndex first = offsets[mesh.triangle_count()];
-  std::vector<std::array<Point3, 4>> cells;
-  cells.reserve(mesh.upper.cells.size());
-  for (const auto& c : mesh.upper.cells) cells.push_back({at[c[0]], at[c[1]], at[c[2]], at[c[3]]});
-  add_cells(cells, worst, quality);
+  const auto corners = [&](std::size_t cell) {
+    const auto& c = mesh.upper.cells[cell];
+    return std::array<Point3, 4>{at[c[0]], at[c[1]], at[c[2]], at[c[3]]};
+  };
+  constexpr std::size_t kBlock = 16384;
+  std::vector<std::array<Point3, 4>> block;
+  for (std::size_t begin = 0; begin < mesh.upper.cells.size(); begin += kBlock) {
+    block.clear();
+    const std::size_t end = std::min(begin + kBlock, mesh.upper.cells.size());
+    for (std::size_t c = begin; c < end; ++c) block.push_back(corners(c));
+    add_cells(block, worst, quality);
+  }
 
   const auto centre = [&](CellIndex c) {
-    return centre_of(cells[static_cast<std::size_t>(c - first)]);
+    return centre_of(corners(static_cast<std::size_t>(c - first)));
   };
   const auto points = [&](const std::array<NodeIndex, 3>& n) {
     return std::array<Point3, 3>{at[n[0]], at[n[1]], at[n[2]]};
@@ -91,13 +99,15 @@ void add_upper_quality(const ColumnMesh& mesh, std::size_t worst, MeshQuality& q
         std::max(faces.worst.non_orthogonality_deg, shape.non_orthogonality_deg);
     faces.worst.skewness = std::max(faces.worst.skewness, shape.skewness);
   };
-  const UpperFaces all = upper_faces(mesh);
-  for (const UpperFaces::Inner& face : all.inner)
-    add(face.nodes, centre(face.cell), centre(face.neighbour));
-  for (const auto* outer : {&all.top, &all.sides})
-    for (const UpperFace& face : *outer)
-      faces.worst.skewness =
-          std::max(faces.worst.skewness, boundary_skewness(points(face.nodes), centre(face.cell)));
+  visit_upper_faces(
+      mesh,
+      [&](const UpperFaces::Inner& face) {
+        add(face.nodes, centre(face.cell), centre(face.neighbour));
+      },
+      [&](const UpperFace& face, bool) {
+        faces.worst.skewness = std::max(faces.worst.skewness,
+                                        boundary_skewness(points(face.nodes), centre(face.cell)));
+      });
   for (const TriangleIndex t : mesh.ground.triangles.indices()) {
     if (!mesh.is_covered(t)) continue;
     const auto& v = mesh.ground.triangles[t];
