@@ -118,7 +118,6 @@ def test_terrain_only(data):
     ("frame", "abc".split, {}, tp.UsageError, "points"),
     (17, "points", {}, tp.UsageError, "footprints"),
     (None, "points", {}, tp.UsageError, "missing: footprints="),
-    ("frame", None, {}, tp.UsageError, "missing: points="),
     ("frame", "points", {"id_atribute": "id"}, tp.UsageError, "did you mean 'id_attribute'?"),
     ("frame", "points", {"dtm_step": -1}, tp.UsageError, "dtm_step: -1 is less than 0.01"),
     ("frame", "points", {"bounds": (0, 0, 1)}, tp.UsageError, "bounds: four numbers expected"),

@@ -991,24 +991,23 @@ TEST(CityJson, ASequenceIsReadAsTheFileThatHasAllItsObjects) {
   Json head = file;
   head["CityObjects"] = Json::object();
   head["vertices"] = Json::array();
-  // A feature per object, its vertices numbered backwards.
-  const std::size_t count = file["vertices"].size();
-  Json vertices = Json::array();
-  for (std::size_t i = count; i-- > 0;) vertices.push_back(file["vertices"][i]);
-  const auto turn = [&](const auto& self, Json& item) -> void {
+  // A feature per object, with a vertex before those of the file.
+  Json vertices = file["vertices"];
+  vertices.insert(vertices.begin(), Json{77, 77, 77});
+  const auto shift = [](const auto& self, Json& item) -> void {
     if (item.is_array())
       for (Json& inner : item) self(self, inner);
     else
-      item = count - 1 - item.get<std::size_t>();
+      item = item.get<std::size_t>() + 1;
   };
   std::string lines = head.dump() + "\n";
   for (const auto& [key, object] : file["CityObjects"].items()) {
-    Json turned = object;
-    for (Json& geometry : turned.contains("geometry") ? turned["geometry"] : Json::array())
-      turn(turn, geometry["boundaries"]);
+    Json shifted = object;
+    for (Json& geometry : shifted.contains("geometry") ? shifted["geometry"] : Json::array())
+      shift(shift, geometry["boundaries"]);
     lines += Json{{"type", "CityJSONFeature"},
                   {"id", key},
-                  {"CityObjects", {{key, turned}}},
+                  {"CityObjects", {{key, shifted}}},
                   {"vertices", vertices}}
                  .dump() +
              "\n";
