@@ -1,5 +1,6 @@
 #include "tetropolis/run/run.h"
 
+#include <algorithm>
 #include <filesystem>
 #include <span>
 #include <string>
@@ -18,6 +19,7 @@
 #include "mistaken_input.h"
 #include "options_of.h"
 #include "read_size_regions.h"
+#include "replace_results.h"
 #include "result_files.h"
 #include "run_frame.h"
 #include "write_mesh.h"
@@ -100,6 +102,22 @@ void write_out_mesh(const Config& config, const CityModel& city, Raster terrain,
   });
 }
 
+/// Before anything is read: a model that has to be simplified gets a city model and a terrain of
+/// its own. What the run reads is in nobody's way.
+void require_room_for_mesh(const Config& config) {
+  if (config.overwrite) return;
+  const std::filesystem::path folder = real_path(config.out);
+  std::vector<std::string> names = names_of(config, true, true);
+  // Beside the city model that is meshed, what was made with it is no leftover.
+  const bool is_beside = real_path(config.city).parent_path() == folder;
+  std::erase_if(names, [&](const std::string& name) {
+    if (is_beside && (name == results::kRawCity || name == results::kLayers)) return true;
+    const auto is_it = [&](const std::string& file) { return real_path(file) == folder / name; };
+    return is_it(config.city) || std::any_of(config.dtm.begin(), config.dtm.end(), is_it);
+  });
+  require_ours(folder, {names.begin(), names.end()});
+}
+
 }  // namespace
 
 Report run_build(const Config& config, const RunHooks& hooks) {
@@ -135,6 +153,7 @@ Report run_mesh(const Config& given, const RunHooks& hooks) {
   refuse_mistaken_files(config);
   require_given({{!config.city.empty(), "city", "a city model (.city.json)"},
                  {!config.out.empty(), "out", "a folder for the results"}});
+  require_room_for_mesh(config);
   if (const auto building = as_footprints(config)) {
     if (hooks.tell)
       hooks.tell(config.city +

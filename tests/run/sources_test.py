@@ -274,6 +274,10 @@ def settings(folder, out):
         (several / f"{name}.geojson").write_text(path.read_text().replace('"crs"', '"crs"'))
     run(out / "several", "--footprints", several, "--id-attribute", "id", "--min-building-distance", 0.5)
     assert set(City(out / "several").buildings) == {f"{n}:{i}" for n in ("north", "south") for i in "abc"}
+    lines = out / "in/lines.geojsonl"  # of each a collection, the type not first
+    lines.write_text("".join(json.dumps({"features": [f], "type": "FeatureCollection"}) + "\n" for f in features))
+    run(out / "lines", "--footprints", lines, "--footprints-crs", "EPSG:32631", "--id-attribute", "id")
+    assert set(City(out / "lines").buildings) == {"a", "b", "c"}
     houses = REPORTS / "28-garage-touching-houses"
     if houses.is_dir():
         plain = out / "in/garage.geojson"

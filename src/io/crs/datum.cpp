@@ -50,7 +50,12 @@ std::optional<MissingGrid> find_missing_grid(const std::string& from, const std:
                                              const Bounds2& box) {
   if (from.empty() || to.empty() || box.empty() || same_horizontal_crs(from, to)) return {};
   gdal::initialise();
-  const Bounds2 degrees = in_degrees(from, box);
+  Bounds2 degrees = Bounds2::nothing();
+  try {
+    degrees = in_degrees(from, box);
+  } catch (const Error&) {
+    return {};  // a local system, which nothing leads from
+  }
   if (degrees.empty()) return {};
   const Owned<PJ_CONTEXT> context(proj_context_create());
   proj_log_level(context.get(), PJ_LOG_NONE);

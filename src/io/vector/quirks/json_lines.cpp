@@ -26,11 +26,17 @@ bool are_lines_of_collections(const fs::path& path) {
 }
 
 std::string copy_features_of_lines(const fs::path& path, const gdal::MemoryFolder& folder) {
-  std::string name = folder.path("a.geojsonl");
+  std::string name = folder.path("a.geojson");
   VSILFILE* const out = VSIFOpenL(name.c_str(), "wb");
   if (out == nullptr) fail_input(path, "GDAL cannot hold its features in memory");
+  const auto write = [&](const std::string& text) {
+    if (VSIFWriteL(text.data(), 1, text.size(), out) != text.size())
+      fail_input(path, "GDAL cannot hold its features in memory");
+  };
   std::ifstream file(path, std::ios::binary);
   std::string line, fault;
+  // A collection, as GDAL takes lines for such only if they begin with the type.
+  const char* before = R"({"type":"FeatureCollection","features":[)";
   for (std::int64_t number = 1; fault.empty() && std::getline(file, line); ++number) {
     const std::size_t begin = line.find('{');
     if (begin == std::string::npos) continue;
@@ -45,10 +51,11 @@ std::string copy_features_of_lines(const fs::path& path, const gdal::MemoryFolde
     else
       features.push_back(std::move(json));
     for (const nlohmann::json& feature : features) {
-      const std::string text = feature.dump() + "\n";
-      VSIFWriteL(text.data(), 1, text.size(), out);
+      write(before + feature.dump());
+      before = ",\n";
     }
   }
+  write("]}");
   VSIFCloseL(out);
   if (!fault.empty()) fail_input(path, fault);
   return name;

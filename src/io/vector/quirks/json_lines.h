@@ -11,8 +11,8 @@ namespace tetropolis {
 /// Whether the file is of lines of JSON by its name and begins with a collection.
 bool are_lines_of_collections(const std::filesystem::path& path);
 
-/// Writes its features, one per line, into `folder`; the name for GDAL. Throws Error(kInput) with
-/// the line that is no JSON.
+/// Writes its features into `folder` as one collection; the name for GDAL. Throws Error(kInput)
+/// with the line that is no JSON.
 std::string copy_features_of_lines(const std::filesystem::path& path,
                                    const gdal::MemoryFolder& folder);
 
