@@ -193,6 +193,9 @@ void add_columns(const ColumnMesh& mesh, bool floors_only, Payload& payload) {
   payload.add("z", columns.z);
   payload.add("odd", columns.odd);
   payload.add("steps", columns.steps);
+  payload.add("upperVertex", columns.upper_vertex);
+  payload.add("upperZ", columns.upper_z);
+  payload.add("upperCells", columns.upper_cells);
 }
 
 }  // namespace

@@ -22,6 +22,17 @@ export interface ColumnMesh {
   /** Per triangle: where its steps are, -1 where elevations tell them. */
   oddStart: Int32Array | null;
   steps: Uint8Array;
+  upper: UpperMesh;
+}
+
+/** Explicit cells above the columns. Their nodes are numbered after those of the columns. */
+export interface UpperMesh {
+  /** Per node above: the vertex below it. */
+  vertex: Int32Array;
+  /** Per node above: its elevation. */
+  z: Int32Array;
+  /** Four nodes per cell. */
+  cells: Int32Array;
 }
 
 export const triangleCount = (mesh: ColumnMesh): number => mesh.region.length;
@@ -117,7 +128,45 @@ function addRoofs(roof: Int32Array, regionBuilding: Int32Array): Int32Array {
 }
 
 const kArrays = ['x', 'y', 'corners', 'region', 'regionBuilding', 'roof', 'count', 'floor', 'z',
-                 'odd'] as const;
+                 'odd', 'upperVertex', 'upperZ', 'upperCells'] as const;
+
+/** Adds what was taken off from numbers of the nodes and cells above columns, in place. */
+function addUpper(mesh: ColumnMesh): void {
+  const {vertex, z, cells} = mesh.upper;
+  addUp(vertex);
+  const below = new Int32Array(mesh.x.length);
+  for (let v = 0; v < below.length; ++v) below[v] = mesh.z[mesh.first[v + 1] - 1];
+  for (let i = 0; i < z.length; ++i) below[vertex[i]] = z[i] += below[vertex[i]];
+  for (let c = 0, before = 0; c < cells.length; c += 4) {
+    before = cells[c] += before;
+    for (let k = 1; k < 4; ++k) cells[c + k] += before;
+  }
+}
+
+/** Corners of cell number c above columns: positions in steps. */
+export function upperCorners(mesh: ColumnMesh, c: number, p: Float64Array): void {
+  const {first, upper} = mesh;
+  for (let k = 0; k < 4; ++k) {
+    const n = upper.cells[4 * c + k] - mesh.z.length;
+    let v = 0;
+    if (n >= 0) {
+      v = upper.vertex[n];
+      p[3 * k + 2] = upper.z[n];
+    } else {
+      const node = n + mesh.z.length;
+      for (let high = first.length - 1; high - v > 1;) {
+        const middle = (v + high) >> 1;
+        if (first[middle] <= node) v = middle;
+        else high = middle;
+      }
+      p[3 * k + 2] = mesh.z[node];
+    }
+    p[3 * k] = mesh.x[v];
+    p[3 * k + 1] = mesh.y[v];
+  }
+}
+
+export const upperCount = (mesh: ColumnMesh): number => mesh.upper.cells.length / 4;
 
 /** `withTop`: whether the page has whole columns, or their floors alone. */
 export async function readColumns(blocks: Blocks, withTop: boolean): Promise<ColumnMesh> {
@@ -135,11 +184,13 @@ export async function readColumns(blocks: Blocks, withTop: boolean): Promise<Col
   const mesh: ColumnMesh = {
     x: addUp(a.x), y: addUp(a.y), corners, region: addUp(a.region), regionBuilding: a.regionBuilding,
     first, z: a.z, floor: new Int32Array(0), oddStart: null, steps,
+    upper: {vertex: a.upperVertex, z: a.upperZ, cells: a.upperCells},
   };
   const around = regionsAtVertices(vertices, corners, mesh.region);
   const floors = floorPositions(around, a.floor);
   addElevations(mesh, around, floors, addRoofs(a.roof, mesh.regionBuilding), withTop);
   mesh.floor = floorNodes(mesh, around, floors);
+  addUpper(mesh);
   if (a.odd.length > 0) {
     mesh.oddStart = new Int32Array(triangleCount(mesh)).fill(-1);
     let start = 0;
@@ -159,7 +210,7 @@ export function stackSize(mesh: ColumnMesh, t: number): number {
 }
 
 export function cellCount(mesh: ColumnMesh): number {
-  let cells = 0;
+  let cells = upperCount(mesh);
   for (let t = 0; t < triangleCount(mesh); ++t) cells += stackSize(mesh, t);
   return cells;
 }

@@ -40,7 +40,7 @@ export function tetCorners(mesh: ColumnMesh, climb: Climb, i: number, p: Float64
   p[11] = mesh.z[climb.at[i] + 1];
 }
 
-/** Per ground triangle from `begin` to `end` - 1: the least angle of any cell over it, degrees. */
+/** Per ground triangle from `begin` to `end` - 1: the least angle of any cell of its columns, degrees. */
 export function leastAngles(mesh: ColumnMesh, begin: number, end: number, angles: Float32Array): void {
   const climb = new Climb(mesh);
   const p = new Float64Array(12);

@@ -1,7 +1,7 @@
 // What a plane cuts: the cells of the air, and the soil and the buildings below it.
 
 import {Climb} from './climb.js';
-import {type ColumnMesh, triangleCount} from './columns.js';
+import {type ColumnMesh, triangleCount, upperCorners, upperCount} from './columns.js';
 import {leastDihedral, tetCorners} from './quality.js';
 import type {Frame} from './surface.js';
 
@@ -159,6 +159,10 @@ export function cutCells(mesh: ColumnMesh, frame: Frame, plane: Plane, whole: bo
       tetCorners(mesh, climb, i, cutter.p);
       cutter.add();
     }
+  }
+  for (let c = 0; c < upperCount(mesh); ++c) {
+    upperCorners(mesh, c, cutter.p);
+    cutter.add();
   }
   return cutter.get();
 }
