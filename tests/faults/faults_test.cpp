@@ -434,7 +434,8 @@ TEST_F(Faults, TooLittleMemoryIsSaidInOneLine) {
     SCOPED_TRACE(std::to_string(megabytes) + " MB of address space");
     ProcessLimits limits;
     limits.address_space = static_cast<rlim_t>(megabytes) << 20;
-    const Ending ending = run(build({"--mesh-size", "1.5", "--threads", "2"}), limits);
+    const Ending ending =
+        run(build({"--mesh-size", "1.5", "--threads", "2", "--max-memory", "1T"}), limits);
     if (ending.code == 0) break;
     ++failed;
     // Inside the decoder of points it cannot be told from a broken file: 3.
