@@ -94,6 +94,17 @@ struct Correction {
                                      "or lower `bounds` or domain_height");
 }
 
+/// Segments of a column over triangles with edges of length h, or as many as its cells come to.
+double layers_over(const MeshCityOptions& options, const CitySize& city, double h) {
+  double spacing = 0.7 * h;
+  if (options.layering == Layering::kUniform)
+    spacing = options.layer_height > 0 ? options.layer_height : options.mesh_size;
+  else if (options.layer_height > 0)
+    spacing = std::min(spacing, options.layer_height);
+  const double layers = std::max(1.0, city.height / spacing);
+  return ends_at_lid(options) ? std::min(layers, kLayersToLid) : layers;
+}
+
 /// The same where sizes differ by place. What has grown up to far_size scales with it; what still
 /// grows differs by as much as its source.
 MeshEstimate estimate_graded(const MeshCityOptions& options, const CitySize& city) {
@@ -102,13 +113,8 @@ MeshEstimate estimate_graded(const MeshCityOptions& options, const CitySize& cit
   for (const auto& [size, area] : city.sizes) far_size = std::max(far_size, size);
   MeshEstimate estimate;
   const auto add = [&](double triangles, double h) {
-    double spacing = 0.7 * h;
-    if (options.layering == Layering::kUniform)
-      spacing = options.layer_height > 0 ? options.layer_height : options.mesh_size;
-    else if (options.layer_height > 0)
-      spacing = std::min(spacing, options.layer_height);
     estimate.triangles += triangles;
-    estimate.cells += 3 * triangles * std::max(1.0, city.height / spacing);
+    estimate.cells += 3 * triangles * layers_over(options, city, h);
   };
   for (const auto& [size, area] : city.sizes) {
     const double h = size < far_size ? std::max(size + (scale - 1) * city.mesh_size, scale * size)
@@ -132,14 +138,7 @@ MeshEstimate estimate_mesh(const MeshCityOptions& options, const CitySize& city)
   if (!city.sizes.empty()) return estimate_graded(options, city);
   const double h = options.mesh_size;
   estimate.triangles = city.area / (0.4 * h * h) + 7 * city.footprint_vertices;
-  double spacing = 0.7 * h;
-  if (options.layering == Layering::kUniform)
-    spacing = options.layer_height > 0 ? options.layer_height : h;
-  else if (options.layer_height > 0)
-    spacing = std::min(spacing, options.layer_height);
-  double layers = std::max(1.0, city.height / spacing);
-  if (ends_at_lid(options)) layers = std::min(layers, kLayersToLid);
-  estimate.cells = 3 * estimate.triangles * layers;
+  estimate.cells = 3 * estimate.triangles * layers_over(options, city, h);
   estimate.bytes = bytes_of(options, estimate.triangles, estimate.cells, city.terrain_nodes);
   return estimate;
 }

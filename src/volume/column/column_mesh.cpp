@@ -79,9 +79,9 @@ double shortest_upper_edge(const ColumnMesh& mesh) {
 std::vector<CellIndex> cell_offsets(const ColumnMesh& mesh) {
   std::vector<CellIndex> offsets(mesh.triangle_count() + 1);
   for (const TriangleIndex t : mesh.ground.triangles.indices()) {
-    offsets[t + 1] = offsets[t] + mesh.prisms_over(t);
+    offsets[t + 1] = offsets[t];
     for (const VertexIndex v : mesh.ground.triangles[t])
-      offsets[t + 1] += mesh.top(v) - mesh.tets_from(t, v);
+      offsets[t + 1] += mesh.top(v) - mesh.floor_over(t, v);
   }
   for (std::size_t left = mesh.upper.cells.size(); left > 0;) {
     const std::size_t block = std::min(left, kUpperBlock);

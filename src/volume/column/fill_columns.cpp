@@ -192,6 +192,10 @@ std::vector<double> ground_rise(const GroundMesh& mesh, std::span<const double> 
   return rise;
 }
 
+double spacing_over(double altitude, double longest_squared) {
+  return kSpacingFactor * std::sqrt(2 / std::sqrt(3.0) * altitude * std::sqrt(longest_squared));
+}
+
 std::vector<double> column_spacing(const GroundMesh& ground) {
   std::vector<double> longest(ground.vertices.size(), 0.0);  // squared
   std::vector<double> altitude(ground.vertices.size(), kInfinity);
@@ -214,8 +218,7 @@ std::vector<double> column_spacing(const GroundMesh& ground) {
   }
   std::vector<double> spacing(ground.vertices.size());
   for (const VertexIndex v : indices<VertexIndex>(spacing.size()))
-    spacing[v] =
-        kSpacingFactor * std::sqrt(2 / std::sqrt(3.0) * altitude[v] * std::sqrt(longest[v]));
+    spacing[v] = spacing_over(altitude[v], longest[v]);
   return spacing;
 }
 

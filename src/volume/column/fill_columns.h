@@ -27,6 +27,10 @@ inline constexpr double kWallTangent = 0.2679491924311227;
 /// Precondition: every vertex belongs to a triangle.
 std::vector<double> column_spacing(const GroundMesh& ground);
 
+/// The same at one vertex, from the least altitude of the triangles around it, in metres, and the
+/// square of their longest edge at it.
+double spacing_over(double altitude, double longest_squared);
+
 /// Per vertex, how far the ground of a neighbour (across an edge of a triangle outside buildings)
 /// lies above its own at most, in metres, >= 0. `ground`: elevation per vertex.
 std::vector<double> ground_rise(const GroundMesh& mesh, std::span<const double> ground);

@@ -29,6 +29,21 @@ double area_in_plan(const ColumnMesh& mesh, const UpperNodes& at, const Nodes& n
 
 }  // namespace
 
+std::array<Point3, 4> uppermost_cell(const ColumnMesh& mesh, TriangleIndex t) {
+  const auto& v = mesh.ground.triangles[t];
+  const auto last_key = [&](std::size_t i) {
+    return climbing_key(mesh.climbing().data(), mesh.top(v[i]) - 1);
+  };
+  std::size_t last = 0;
+  for (std::size_t i = 1; i < 3; ++i)
+    if (!climbs_first(last_key(i), v[i], last_key(last), v[last])) last = i;
+  std::array<Point3, 4> p{};
+  for (std::size_t i = 0; i < 3; ++i) p[i] = position(mesh, v[i], mesh.top(v[i]));
+  p[3] = p[last];
+  p[last][2] = mesh.z[mesh.top(v[last]) - 1];
+  return p;
+}
+
 void visit_upper_faces(const ColumnMesh& mesh,
                        const std::function<void(const UpperFaces::Inner&)>& inner,
                        const std::function<void(const UpperFace&, bool is_top)>& outer) {

@@ -32,6 +32,9 @@ class UpperNodes {
   const ColumnMesh& mesh_;
 };
 
+/// Corners of the uppermost cell of triangle t's stack: the last column to reach its end has it.
+std::array<Point3, 4> uppermost_cell(const ColumnMesh& mesh, TriangleIndex t);
+
 /// A cell's face: its normal (right-hand rule) leaves the cell.
 struct UpperFace {
   CellIndex cell;

@@ -53,18 +53,6 @@ void add_cells(const std::vector<std::array<Point3, 4>>& cells, std::size_t wors
   quality.histogram.add_volume(volume);
 }
 
-/// The uppermost cell of triangle t's stack.
-Point3 centre_below_lid(const ColumnMesh& mesh, TriangleIndex t) {
-  const auto& v = mesh.ground.triangles[t];
-  std::array<NodeIndex, 4> last{};
-  for_each_tet_over(mesh, t, [&](const std::array<NodeIndex, 4>& tet) { last = tet; });
-  std::array<Point3, 4> p{};
-  for (std::size_t i = 0; i < 3; ++i) p[i] = position(mesh, v[i], last[i]);
-  for (std::size_t i = 0; i < 3; ++i)
-    if (last[i] + 1 == last[3]) p[3] = position(mesh, v[i], last[3]);
-  return centre_of(p);
-}
-
 }  // namespace
 
 void add_upper_quality(const ColumnMesh& mesh, std::size_t worst, MeshQuality& quality) {
@@ -111,7 +99,7 @@ void add_upper_quality(const ColumnMesh& mesh, std::size_t worst, MeshQuality& q
   for (const TriangleIndex t : mesh.ground.triangles.indices()) {
     if (!mesh.is_covered(t)) continue;
     const auto& v = mesh.ground.triangles[t];
-    add({mesh.top(v[0]), mesh.top(v[1]), mesh.top(v[2])}, centre_below_lid(mesh, t),
+    add({mesh.top(v[0]), mesh.top(v[1]), mesh.top(v[2])}, centre_of(uppermost_cell(mesh, t)),
         centre(mesh.upper.over_lid[t]));
   }
 }

@@ -184,9 +184,9 @@ void FrontStore::add(const ColumnMesh& mesh, TriangleIndex t) {
   std::array<const double*, 3> at{}, last{}, level{};
   for (std::size_t i = 0; i < 3; ++i) {
     fronts.corner[i] = mesh.ground.vertices[v[i]];
-    at[i] = mesh.z.data() + mesh.tets_from(t, v[i]);
+    at[i] = mesh.z.data() + mesh.floor_over(t, v[i]);
     last[i] = mesh.z.data() + mesh.top(v[i]);
-    level[i] = mesh.climbing().data() + mesh.tets_from(t, v[i]);
+    level[i] = mesh.climbing().data() + mesh.floor_over(t, v[i]);
     fronts.cells += static_cast<std::size_t>(last[i] - at[i]);
   }
   places_.push_back(place);

@@ -18,6 +18,8 @@
 #include "core/infinity.h"
 #include "core/sort_once.h"
 #include "core/units.h"
+#include "volume/column/fill_columns.h"
+#include "volume/column/upper_faces.h"
 #include "volume/quality/tet_cosines.h"
 
 namespace tetropolis {
@@ -26,9 +28,6 @@ namespace {
 
 // Found by trial, by the least angles and the numbers of cells: of Delft and of the survey's cities
 // (scripts/survey).
-
-/// As of columns (fill_columns.cpp).
-constexpr double kSpacingFactor = 1.2;
 
 /// Edges may become longer by so much for every metre above the lid.
 constexpr double kGrowth = 0.35;
@@ -188,19 +187,8 @@ Grower::Grower(const ColumnMesh& mesh, double top, std::span<const double> share
   }
   for (const TriangleIndex t : mesh.ground.triangles.indices()) {
     const auto& v = mesh.ground.triangles[t];
-    // The last of the three columns to reach its end has the uppermost cell.
-    const auto last_key = [&](std::size_t i) {
-      return climbing_key(mesh.climbing().data(), mesh.top(v[i]) - 1);
-    };
-    std::size_t last = 0;
-    for (std::size_t i = 1; i < 3; ++i)
-      if (!climbs_first(last_key(i), v[i], last_key(last), v[last])) last = i;
-    std::array<Point3, 4> p;
-    for (std::size_t i = 0; i < 3; ++i) p[i] = position(mesh, v[i], mesh.top(v[i]));
-    p[3] = p[last];
-    p[last][2] = mesh.z[mesh.top(v[last]) - 1];
     for (const VertexIndex u : v) around_[u].push_back(static_cast<Front>(pieces_.size()));
-    pieces_.push_back({v, centre_of(p), cells[t + 1] - 1});
+    pieces_.push_back({v, centre_of(uppermost_cell(mesh, t)), cells[t + 1] - 1});
   }
 }
 
@@ -242,8 +230,7 @@ double Grower::spacing(VertexIndex v) const {
     altitude = std::min(altitude, area / std::sqrt(std::max({op, oq, pq})));
     longest2 = std::max({longest2, op, oq});
   }
-  return shares_[v] * kSpacingFactor *
-         std::sqrt(2 / std::sqrt(3.0) * altitude * std::sqrt(longest2));
+  return shares_[v] * spacing_over(altitude, longest2);
 }
 
 bool Grower::wants_to_end(VertexIndex v) const {

@@ -53,9 +53,7 @@ struct ColumnMesh {
   std::vector<double> floor_levels;  ///< Per entry of `regions`: level of the region's floor.
                                      ///< Empty: all levels are elevations.
   std::vector<double> levels;        ///< Per node: level, increasing in each column; likewise.
-  std::int32_t layers = 0;  ///< Segments that all columns outside buildings begin with: between
-                            ///< them lie prisms, not tets.
-  UpperMesh upper;          ///< What is above the columns' ends.
+  UpperMesh upper;                   ///< What is above the columns' ends.
 
   std::size_t vertex_count() const { return ground.vertices.size(); }
   std::size_t triangle_count() const { return ground.triangles.size(); }
@@ -76,12 +74,6 @@ struct ColumnMesh {
   }
   /// The node that triangle t's stack starts at over its corner v.
   NodeIndex floor_over(TriangleIndex t, VertexIndex v) const { return floor(ground.region[t], v); }
-  /// How many prisms triangle t's stack begins with.
-  std::int32_t prisms_over(TriangleIndex t) const { return inside_building(t) ? 0 : layers; }
-  /// The node that its tets start at over its corner v.
-  NodeIndex tets_from(TriangleIndex t, VertexIndex v) const {
-    return floor_over(t, v) + prisms_over(t);
-  }
   /// Per node, what fronts go by: levels, or elevations where these are the same.
   const std::vector<double>& climbing() const { return levels.empty() ? z : levels; }
   /// Levels of the floors in the column of vertex v, in the order of `regions`; empty as they are.
@@ -182,10 +174,10 @@ class Climb {
   std::array<double, N> key_{};
 };
 
-/// The front that the tets over triangle t start at, in the order of its corners.
+/// The front at the floor of triangle t, in the order of its corners.
 inline Climb<3> climb_triangle(const ColumnMesh& mesh, TriangleIndex t) {
   const auto& v = mesh.ground.triangles[t];
-  return {mesh, v, {mesh.tets_from(t, v[0]), mesh.tets_from(t, v[1]), mesh.tets_from(t, v[2])}};
+  return {mesh, v, {mesh.floor_over(t, v[0]), mesh.floor_over(t, v[1]), mesh.floor_over(t, v[2])}};
 }
 
 /// Calls visit(nodes) for the tets over triangle t, upwards. The first three nodes are over the
