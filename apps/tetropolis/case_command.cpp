@@ -51,7 +51,11 @@ void add_case_options(CLI::App& command, CaseArguments& arguments) {
   OpenfoamCaseOptions& options = arguments.options;
   const auto number = [&](const std::string& name, auto& value, const std::string& help,
                           const char* type = "NUMBER") {
-    command.add_option(name, value, fmt::format("{} (default {})", help, value))->type_name(type);
+    return command.add_option(name, value, fmt::format("{} (default {})", help, value))
+        ->type_name(type);
+  };
+  const auto openfoam = [&](const CLI::Option* option) {
+    arguments.openfoam_only.push_back(option);
   };
   command.add_option("solver", arguments.solver, "Program that solves it")
       ->required()
@@ -64,19 +68,22 @@ void add_case_options(CLI::App& command, CaseArguments& arguments) {
   number("--wind-speed", options.wind.speed, "Speed at --wind-height [m/s]");
   number("--wind-from", options.wind.from,
          "Where the wind comes from [degrees], clockwise from north");
-  number("--wind-height", options.wind.height, "Height of --wind-speed above the ground [m]");
-  number("--roughness", options.wind.roughness, "Roughness length of the land upwind [m]");
-  command
-      .add_option("--ground-roughness", options.ground_roughness,
-                  "Roughness length of the ground among the buildings [m] (default: that of the "
-                  "land upwind)")
-      ->type_name("NUMBER");
-  number("--building-roughness", options.building_roughness,
-         "Roughness length of roofs and walls [m], 0: smooth");
-  number("--sample-height", options.sample_height,
-         "Where the wind is sampled, above the ground [m]");
-  number("--sample-spacing", options.sample_spacing, "Spacing of the points there [m]");
-  number("--iterations", options.iterations, "Iterations at most", "INT");
+  openfoam(
+      number("--wind-height", options.wind.height, "Height of --wind-speed above the ground [m]"));
+  openfoam(
+      number("--roughness", options.wind.roughness, "Roughness length of the land upwind [m]"));
+  openfoam(command
+               .add_option(
+                   "--ground-roughness", options.ground_roughness,
+                   "Roughness length of the ground among the buildings [m] (default: that of the "
+                   "land upwind)")
+               ->type_name("NUMBER"));
+  openfoam(number("--building-roughness", options.building_roughness,
+                  "Roughness length of roofs and walls [m], 0: smooth"));
+  openfoam(number("--sample-height", options.sample_height,
+                  "Where the wind is sampled, above the ground [m]"));
+  openfoam(number("--sample-spacing", options.sample_spacing, "Spacing of the points there [m]"));
+  openfoam(number("--iterations", options.iterations, "Iterations at most", "INT"));
   add_choice(command, "--dialect", arguments.dialect, kFoamDialectNames,
              "OpenFOAM of openfoam.com or openfoam.org");
   command.add_flag("--overwrite", options.overwrite, "Replace a case that is there");
@@ -87,6 +94,10 @@ void make_case(const CaseArguments& arguments, Console& console) {
   options.dialect = named<FoamDialect>(arguments.dialect, kFoamDialectNames);
   try {
     if (arguments.solver == "fenicsx") {
+      for (const CLI::Option* option : arguments.openfoam_only)
+        if (option->count() > 0)
+          throw Error(ErrorKind::kUsage, fmt::format("{} is for openfoam only; leave it out",
+                                                     option->get_name().substr(2)));
       write_fenicsx_case(arguments.folder, options.wind, options.overwrite);
       console.result(fmt::format("solve    python3 {}/smoke.py", arguments.folder));
       return;

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <string>
+#include <vector>
 
 #include <CLI/CLI.hpp>
 
@@ -17,6 +18,7 @@ struct CaseArguments {
   std::string folder;
   std::string dialect{kFoamDialectNames.front()};
   OpenfoamCaseOptions options;
+  std::vector<const CLI::Option*> openfoam_only;
 };
 
 /// Adds the options to `command`; `arguments` is filled when the command line is parsed.

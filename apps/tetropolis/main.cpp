@@ -127,9 +127,8 @@ void require_log_apart(const Config& config, const std::string& other) {
         ErrorKind::kUsage,
         fmt::format("--log: {} is a result, which would be lost; choose another name", config.log));
   if (!fs::exists(log, error)) return;
-  std::vector<fs::path> inputs{config.city, other};
-  for (const auto* paths : {&config.footprints, &config.points, &config.dtm, &config.dsm})
-    inputs.insert(inputs.end(), paths->begin(), paths->end());
+  std::vector<fs::path> inputs{other};
+  for (const std::string& file : input_files(config)) inputs.emplace_back(file);
   const bool is_input = std::any_of(inputs.begin(), inputs.end(), [&](const fs::path& input) {
     return fs::equivalent(input, log, error);
   });

@@ -42,6 +42,7 @@ void write_case_files(const fs::path& folder, const std::vector<CaseFile>& files
                   fmt::format("{}: exists already; replace the case with --overwrite, or copy the "
                               "mesh into another folder",
                               (folder / name).string()));
+  fs::remove(folder / files.back().first, error);
   for (const auto& [name, text] : files) {
     fs::create_directories((folder / name).parent_path(), error);
     write_file(folder / name, text);

@@ -35,7 +35,7 @@ from petsc4py import PETSc
 WIND = (@X@, @Y@, 0)  # m/s, to the east and to the north
 DIFFUSIVITY = 2.0  # m2/s, of turbulence
 RADIUS = 5.0  # m, of the chimney's cloud, which gives one gram a second
-GROUND, TOP, SIDES = 1, 4, (5, 6, 7, 8)  # numbers of patches
+GROUND = 1  # number of the patch
 
 HERE = pathlib.Path(__file__).resolve().parent
 with io.XDMFFile(MPI.COMM_WORLD, str(HERE / "volume.xdmf"), "r") as file:
@@ -43,6 +43,8 @@ with io.XDMFFile(MPI.COMM_WORLD, str(HERE / "volume.xdmf"), "r") as file:
 mesh.topology.create_connectivity(2, 3)
 with io.XDMFFile(MPI.COMM_WORLD, str(HERE / "boundary.xdmf"), "r") as file:
     patches = file.read_meshtags(mesh, name="boundary")
+# All but ground, roofs, walls and top.
+SIDES = sorted(set().union(*mesh.comm.allgather(set(patches.values.tolist()))) - {1, 2, 3, 4})
 
 space = (getattr(fem, "functionspace", None) or fem.FunctionSpace)(mesh, ("Lagrange", 1))
 trial, test = ufl.TrialFunction(space), ufl.TestFunction(space)

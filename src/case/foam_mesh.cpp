@@ -99,9 +99,16 @@ void require_consistent(const fs::path& folder, const FoamMesh& mesh) {
   };
   const auto faces = [&] {
     return mesh.face_start.size() == mesh.owner.size() + 1 && mesh.face_start.front() == 0 &&
-           std::is_sorted(mesh.face_start.begin(), mesh.face_start.end()) &&
+           std::adjacent_find(mesh.face_start.begin(), mesh.face_start.end(),
+                              [](std::int32_t a, std::int32_t b) { return b < a + 3; }) ==
+               mesh.face_start.end() &&
            static_cast<std::size_t>(mesh.face_start.back()) == mesh.face_points.size();
   };
+  const auto is_finite = [](const auto& p) {
+    return std::isfinite(p[0]) && std::isfinite(p[1]) && std::isfinite(p[2]);
+  };
+  if (!std::all_of(mesh.points.begin(), mesh.points.end(), is_finite))
+    fail(folder / "points", "has coordinates that are no numbers");
   if (mesh.owner.empty() || !faces() || !all(mesh.face_points, mesh.points.size()))
     fail(folder / "faces", "does not fit the other files");
   if (mesh.neighbour.size() >= mesh.owner.size() || !all(mesh.owner, mesh.cells()) ||

@@ -18,6 +18,7 @@
 
 #include "case_files.h"
 #include "foam_mesh.h"
+#include "io/file/atomic_file.h"
 #include "openfoam_texts.h"
 #include "sample_points.h"
 
@@ -489,7 +490,6 @@ std::vector<CaseFile> files_of(const OpenfoamCaseOptions& options, const Fields&
       {"system/pedestrian", pedestrian(options, samples)},
       {"system/fvSchemes", head("dictionary", "fvSchemes") + foam_texts::kFvSchemes},
       {"system/fvSolution", head("dictionary", "fvSolution") + foam_texts::kFvSolution},
-      {"Allrun", replaced(foam_texts::kAllrun, {{"@SOLVER@", is_org ? "foamRun" : "simpleFoam"}})},
       {"wind.py",
        replaced(foam_texts::kWindPy, {{"@SPEED@", fmt::format("{}", options.wind.speed)},
                                       {"@HEIGHT@", fmt::format("{}", options.wind.height)},
@@ -501,6 +501,9 @@ std::vector<CaseFile> files_of(const OpenfoamCaseOptions& options, const Fields&
                        head("dictionary", "physicalProperties") +
                            "viscosityModel  constant;\nnu              1.5e-05;\n");
   }
+  // The last: a folder with it is a whole case.
+  files.emplace_back(
+      "Allrun", replaced(foam_texts::kAllrun, {{"@SOLVER@", is_org ? "foamRun" : "simpleFoam"}}));
   return files;
 }
 
@@ -552,10 +555,12 @@ OpenfoamCase write_openfoam_case(const fs::path& folder, const OpenfoamCaseOptio
   fs::permissions(folder / "Allrun",
                   fs::perms::owner_exec | fs::perms::group_exec | fs::perms::others_exec,
                   fs::perm_options::add, error);
+  if (error) throw_cannot_write(folder / "Allrun", error.message());
 
   OpenfoamCase result;
   for (const CasePatch& p : fields.patches())
-    if (p.kind == CasePatch::Kind::kSide) result.sides.push_back({p.patch->name, p.role});
+    if (p.kind == CasePatch::Kind::kSide && p.patch->begin < p.patch->end)
+      result.sides.push_back({p.patch->name, p.role});
   look_at_ground(mesh, fields, result);
   result.samples = static_cast<std::int64_t>(samples.points.size());
   result.sample_spacing = samples.spacing;

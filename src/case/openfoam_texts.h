@@ -100,7 +100,10 @@ if ! command -v $SOLVER >/dev/null; then
 fi
 
 # What an earlier run has left.
-rm -rf processor* postProcessing [1-9]* pedestrian.png
+rm -rf processor[0-9]* postProcessing pedestrian.png
+for time in [1-9]*; do
+  case $time in *[!0-9.]*) ;; *) rm -rf "$time" ;; esac
+done
 if [ "$processes" -eq 1 ]; then
   run $SOLVER
 else

@@ -12,7 +12,7 @@ namespace tetropolis {
 
 namespace {
 
-/// Whether the segments a-b and c-d have a point in common that is no end of either.
+/// Whether each of the segments a-b and c-d has its ends on both sides of the other.
 bool cross(Point2 a, Point2 b, Point2 c, Point2 d) {
   const auto side = [](Point2 p, Point2 q, Point2 r) {
     return (q.x - p.x) * (r.y - p.y) - (q.y - p.y) * (r.x - p.x);
@@ -77,12 +77,17 @@ DomainPosition Domain::position_of(const Polygon& polygon) const {
   if (!box.intersects(box_)) return DomainPosition::kOutside;
   if (!is_box()) {
     const auto is_inside = [&](Point2 p) { return depth(p) > 0; };
-    bool inside = std::all_of(polygon.outer.begin(), polygon.outer.end(), is_inside);
     const std::vector<Side> own = sides();
+    bool crosses = false;
     for_each_edge({polygon.outer, {}}, [&](Point2 a, Point2 b) {
-      for (const Side& side : own) inside = inside && !cross(a, b, side.from, side.to);
+      for (const Side& side : own) crosses = crosses || cross(a, b, side.from, side.to);
     });
-    return inside ? DomainPosition::kInside : DomainPosition::kCrossing;
+    const auto& outer = polygon.outer;
+    if (!crosses && std::all_of(outer.begin(), outer.end(), is_inside))
+      return DomainPosition::kInside;
+    const bool is_apart = !crosses && std::none_of(outer.begin(), outer.end(), is_inside) &&
+                          !tetropolis::contains({outer, {}}, own.front().from);
+    return is_apart ? DomainPosition::kOutside : DomainPosition::kCrossing;
   }
   return box_.covers(box) ? DomainPosition::kInside : DomainPosition::kCrossing;
 }

@@ -206,7 +206,11 @@ double find_scale(const MeshCityOptions& options, const CityModel& city, const R
   double last_scale = 0, last_cells = 0, power = 2.5;
   for (int round = 0; round < kMostRounds && high / low > 1 + 1e-4; ++round) {
     const MeshCityOptions trial = scaled(options, scale);
-    require_mesh_fits(trial, size);
+    if (estimate_mesh(trial, size).bytes > trial.max_bytes) {
+      low = scale;
+      scale = std::sqrt(low * high);
+      continue;
+    }
     CityMesh scratch;
     Columns columns = columns_of(trial, city, terrain, size, {}, clock, scratch);
     add_upper(trial, columns, clock);

@@ -9,6 +9,7 @@
 
 #include <fmt/format.h>
 
+#include "tetropolis/case/wind.h"
 #include "tetropolis/core/error.h"
 #include "tetropolis/geometry/polygon.h"
 #include "tetropolis/pipeline/meshable.h"
@@ -31,14 +32,8 @@ constexpr std::size_t kMostSidePatches = 99;
 
 /// Where the wind blows to.
 Point2 direction_of(double wind_from_deg) {
-  const double quarter = wind_from_deg / 90;
-  if (quarter == std::floor(quarter)) {
-    constexpr Point2 kAlong[] = {{0, -1}, {-1, 0}, {0, 1}, {1, 0}};
-    const auto k = static_cast<std::size_t>(std::fmod(std::fmod(quarter, 4) + 4, 4));
-    return kAlong[k];
-  }
-  const double angle = to_radians(wind_from_deg);
-  return {-std::sin(angle), -std::cos(angle)};
+  const auto to = direction({.from = wind_from_deg});
+  return {to[0], to[1]};
 }
 
 /// Coordinates along a direction, and on the left of it.

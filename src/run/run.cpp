@@ -42,12 +42,7 @@ void require_input(const Config& config, Command command) {
 
 /// Results never replace what the run reads.
 void keep_inputs(const Config& config, OutputFolder& out) {
-  if (!config.city.empty()) out.keep(config.city);
-  for (const auto* files : {&config.footprints, &config.points, &config.dtm, &config.dsm})
-    for (const std::string& file : *files) out.keep(file);
-  if (domain_shape(config) == DomainShape::kPolygon) out.keep(config.domain);
-  for (const std::string& entry : config.refine)
-    if (const std::string file = parse_refine(entry).file; !file.empty()) out.keep(file);
+  for (const std::string& file : input_files(config)) out.keep(file);
 }
 
 /// The results of a run that makes a city model, meshes.
@@ -119,6 +114,17 @@ void require_room_for_mesh(const Config& config) {
 }
 
 }  // namespace
+
+std::vector<std::string> input_files(const Config& config) {
+  std::vector<std::string> files;
+  if (!config.city.empty()) files.push_back(config.city);
+  for (const auto* given : {&config.footprints, &config.points, &config.dtm, &config.dsm})
+    files.insert(files.end(), given->begin(), given->end());
+  if (domain_shape(config) == DomainShape::kPolygon) files.push_back(config.domain);
+  for (const std::string& entry : config.refine)
+    if (std::string file = parse_refine(entry).file; !file.empty()) files.push_back(file);
+  return files;
+}
 
 Report run_build(const Config& config, const RunHooks& hooks) {
   require_input(config, kBuild);

@@ -3,6 +3,7 @@
 
 #include <functional>
 #include <string>
+#include <vector>
 
 #include "tetropolis/core/steps.h"
 #include "tetropolis/run/config.h"
@@ -35,5 +36,9 @@ Report run_mesh(const Config& config, const RunHooks& hooks = {});
 /// manifest.json, which lists them. The same bytes for the same settings. Files that a synthetic
 /// city of any kind has left in the folder go, so that two do not mix.
 Report run_synth(const Config& config, const RunHooks& hooks = {});
+
+/// Files and folders that a run with these settings reads, but the configuration file; of `refine`
+/// and `domain`, those with polygons. Throws Error(kUsage): entries of refine that mean nothing.
+std::vector<std::string> input_files(const Config& config);
 
 }  // namespace tetropolis
