@@ -103,7 +103,8 @@ auto points_of(const Mesh& mesh) {
   });
 }
 
-/// The format by the end of the name, in lower case; OpenFOAM's folder is "polymesh", and "fluent" of "city_fluent.msh", as runs name their files.
+/// The format by the end of the name, in lower case; "polymesh" for OpenFOAM's folder, "fluent" for
+/// "city_fluent.msh", as runs name their files.
 std::string format_of(const std::filesystem::path& path) {
   const std::filesystem::path name = (path.has_filename() ? path : path.parent_path()).filename();
   std::string format = name == "polyMesh" ? name.string() : name.extension().string();
