@@ -10,10 +10,9 @@
 #include "tetropolis/city/city_model.h"
 #include "tetropolis/geometry/polygon.h"
 #include "tetropolis/io/crs/crs.h"
-#include "tetropolis/io/crs/metric_crs.h"
 #include "tetropolis/io/las/las.h"
-#include "tetropolis/io/raster/elevation.h"
 
+#include "cloud_headers.h"
 #include "io/file/input_paths.h"
 #include "io/las/text_points.h"
 #include "io/vector/merge_footprints.h"
@@ -24,6 +23,7 @@
 #include "pipeline/footprint_extent.h"
 #include "pipeline/memory.h"
 #include "pipeline/require_metres.h"
+#include "read_rasters.h"
 
 namespace tetropolis {
 
@@ -40,71 +40,7 @@ std::string box_text(const Bounds2& box) {
                      rounded(box.xmax), rounded(box.ymin), rounded(box.ymax));
 }
 
-/// Paths as they were given, for messages about all of them: "tiles, and 3 more".
-std::string given_text(std::span<const std::string> paths) {
-  if (paths.empty()) return {};
-  return paths.size() == 1 ? paths.front()
-                           : fmt::format("{}, and {} more", paths.front(), paths.size() - 1);
-}
-
 std::string points_given(const Config& config) { return given_text(config.points); }
-
-/// What the headers of all clouds say together.
-struct CloudHeaders {
-  std::string crs;
-  std::string crs_file;
-  std::optional<double> vertical_unit;  ///< Of the first file that states one.
-  std::string vertical_file;
-  Bounds2 box = Bounds2::nothing();
-  std::vector<std::pair<Bounds2, std::int64_t>> points;  ///< Per file: where, and how many.
-};
-
-/// Counts lie; reading will say so. Until then no more points than bytes are believed.
-std::int64_t believable_count(const std::filesystem::path& path, const LasInfo& info) {
-  std::error_code error;
-  const auto bytes = static_cast<std::int64_t>(std::filesystem::file_size(path, error));
-  if (error) return 0;
-  return std::min(info.point_count, bytes / (info.compressed ? 1 : info.record_length));
-}
-
-CloudHeaders read_headers(std::span<const std::filesystem::path> paths) {
-  CloudHeaders headers;
-  const std::vector<LasInfo> infos = inspect_las(paths);
-  for (std::size_t f = 0; f < paths.size(); ++f) {
-    const std::filesystem::path& path = paths[f];
-    const LasInfo& info = infos[f];
-    const Bounds2 box{info.min[0], info.min[1], info.max[0], info.max[1]};
-    if (info.point_count > 0 && !box.empty()) headers.box.extend(box);
-    headers.points.emplace_back(box, believable_count(path, info));
-    if (!info.vertical_crs.empty() || info.vertical_unit != 1) {
-      if (headers.vertical_unit && !is_metre(info.vertical_unit / *headers.vertical_unit))
-        throw Error(
-            ErrorKind::kInput,
-            fmt::format("{}: heights are in units of {:.10g} m, but in {} they are in units "
-                        "of {:.10g} m; convert them to one unit",
-                        path.string(), info.vertical_unit, headers.vertical_file,
-                        *headers.vertical_unit));
-      headers.vertical_unit = info.vertical_unit;
-      headers.vertical_file = path.string();
-    }
-    if (!info.crs.empty() && headers.crs.empty()) {
-      headers.crs = info.crs;
-      headers.crs_file = path.string();
-    }
-  }
-  return headers;
-}
-
-/// The same of points in memory.
-CloudHeaders headers_of(const PointArrays& points) {
-  CloudHeaders headers;
-  headers.crs = points.crs;
-  headers.crs_file = points.source;
-  for (const auto& [x, y, z] : points.xyz)
-    if (std::isfinite(x) && std::isfinite(y)) headers.box.extend(Point2{x, y});
-  headers.points.emplace_back(headers.box, static_cast<std::int64_t>(points.xyz.size()));
-  return headers;
-}
 
 double height_unit_metres(HeightUnit unit) {
   constexpr double kFoot = 0.3048, kSurveyFoot = 1200.0 / 3937;
@@ -165,18 +101,6 @@ Bounds2 reading_box(const Config& config, const FootprintsInput& footprints) {
                   config.footprints_crs.empty() ? "" : "correct footprints_crs, or "));
 }
 
-/// About how many points are in `box`, CRS coordinates, as far as headers tell.
-double expected_points(const CloudHeaders& headers, const Bounds2& box) {
-  double points = 0;
-  for (const auto& [file, count] : headers.points) {
-    const Bounds2 common = file.intersection(box);
-    const double whole = file.width() * file.height();
-    if (!common.empty() && whole > 0)
-      points += static_cast<double>(count) * common.width() * common.height() / whole;
-  }
-  return points;
-}
-
 /// Refuses what cannot fit into memory, as far as is known. `box`: where the points are, CRS
 /// coordinates.
 void require_fits(const Config& config, const FootprintsInput& footprints, double points,
@@ -194,67 +118,6 @@ void require_fits(const Config& config, const FootprintsInput& footprints, doubl
     if (!outer.empty() && box.contains(outer.front())) size.add(feature.polygon);
   }
   require_mesh_fits(mesh_options(config), size);
-}
-
-/// Metres per unit of coordinates and heights of a cloud.
-struct CloudUnits {
-  double across = 1;
-  double up = 1;
-
-  bool are_metres() const { return is_metre(across) && is_metre(up); }
-};
-
-Bounds2 scaled(const Bounds2& box, double by) {
-  if (box.empty()) return box;
-  return {box.xmin * by, box.ymin * by, box.xmax * by, box.ymax * by};
-}
-
-/// The points' reference system as far as files and settings name it, in metres; "" if they do not.
-/// Boxes of the headers become those in metres. Where points are in feet, `units` tell and a
-/// warning.
-std::string stated_points_crs(const Config& config, const std::string& first_file, bool in_memory,
-                              CloudHeaders& headers, CloudUnits& units,
-                              std::vector<Warning>& warnings) {
-  const bool is_set = !config.points_crs.empty();
-  std::string crs = normalise_crs(is_set ? config.points_crs : headers.crs);
-  const std::string& file = headers.crs_file.empty() ? first_file : headers.crs_file;
-  if (crs.empty() || is_geographic(crs) || in_metres(crs).empty())
-    require_metres(crs, file, "points_crs");
-  if (!crs.empty()) units.across = linear_unit_metres(crs);
-  const double stated =
-      is_set ? vertical_unit_metres(config.points_crs) : headers.vertical_unit.value_or(1);
-  if (stated < 0)
-    require_heights_in_metres(stated, is_set ? "points_crs" : headers.vertical_file, "points_crs");
-  units.up = stated;
-  // Clouds in feet that say nothing of their heights have these in feet, too.
-  const bool is_guess = is_metre(stated) && !is_metre(units.across) && !in_memory &&
-                        (is_set || !headers.vertical_unit);
-  if (is_guess) units.up = units.across;
-  if (units.are_metres()) return crs;
-  const std::string original = crs_name(crs);
-  if (!is_metre(units.across)) crs = in_metres(crs);
-  warnings.push_back(
-      {"points_units", 1,
-       fmt::format("{}: coordinates in units of {:.10g} m ({}) and heights in units of {:.10g} m{} "
-                   "are converted to metres ({})",
-                   file, units.across, original, units.up, is_guess ? ", as is taken," : "",
-                   crs_name(crs))});
-  headers.box = scaled(headers.box, units.across);
-  for (auto& [box, count] : headers.points) box = scaled(box, units.across);
-  return crs;
-}
-
-/// Of a cloud that was read in other units.
-void convert_to_metres(const CloudUnits& units, PointsInput& input) {
-  const Point2 corner{input.origin.x * units.across, input.origin.y * units.across};
-  const Point2 origin{std::floor(corner.x), std::floor(corner.y)};
-  const Point2 by{corner.x - origin.x, corner.y - origin.y};
-  for (PointCoordinate& x : input.points.x) x = PointCoordinate(x * units.across + by.x);
-  for (PointCoordinate& y : input.points.y) y = PointCoordinate(y * units.across + by.y);
-  for (PointCoordinate& z : input.points.z) z = PointCoordinate(z * units.up);
-  input.extent = scaled(input.extent, units.across);
-  if (!input.extent.empty()) input.extent = input.extent.moved(by);
-  input.origin = origin;
 }
 
 [[noreturn]] void throw_no_points(const Config& config, const CloudHeaders& headers,
@@ -347,152 +210,6 @@ void warn_of_heights(const Config& config, const FootprintsInput& footprints,
                       static_cast<std::int64_t>(footprints.features.size()),
                       fmt::format("{}: attribute {} holds no number above 0",
                                   given_text(config.footprints), config.height_attribute)});
-}
-
-/// What the headers of rasters say together.
-struct RasterHeaders {
-  std::vector<std::filesystem::path> terrain, surface;
-  std::string crs;                   ///< Of the first that states one.
-  Bounds2 box = Bounds2::nothing();  ///< Of surface, else of terrain, in `crs`.
-};
-
-RasterHeaders read_raster_headers(const Config& config) {
-  RasterHeaders headers;
-  const std::string given = normalise_crs(config.raster_crs);
-  const auto read = [&](const std::vector<std::string>& arguments) {
-    const auto paths = expand_raster_paths(arguments);
-    Bounds2 box = Bounds2::nothing();
-    std::string crs;
-    for (const std::filesystem::path& path : paths) {
-      const RasterHeader header = inspect_raster(path);
-      const std::string& own = given.empty() ? header.crs : given;
-      if (box.empty()) crs = own;
-      if (own == crs) box.extend(header.box);
-    }
-    if (!paths.empty()) {
-      headers.crs = crs;
-      headers.box = box;
-    }
-    return paths;
-  };
-  headers.terrain = read(config.dtm);
-  const std::string of_terrain = headers.crs;
-  headers.surface = read(config.dsm);
-  if (headers.crs.empty()) headers.crs = of_terrain;
-  return headers;
-}
-
-/// Whether lengths in a system are lengths on the ground, nearly.
-bool is_true_to_scale(const std::string& crs, const Bounds2& box) {
-  constexpr double kMost = 0.01;
-  const double scale = length_scale(crs, {(box.xmin + box.xmax) / 2, (box.ymin + box.ymax) / 2});
-  return !(std::abs(scale - 1) > kMost);
-}
-
-/// The system of a city without points: that of the rasters, else of the footprints; in metres.
-std::string system_without_points(const RasterHeaders& rasters, const FootprintsInput& footprints,
-                                  std::vector<Warning>& warnings) {
-  const bool of_raster = !rasters.crs.empty();
-  const std::string& stated = of_raster ? rasters.crs : footprints.crs;
-  const Bounds2& box = of_raster ? rasters.box : footprints.bounds;
-  if (stated.empty() || box.empty()) return stated;
-  std::string crs;
-  if (!is_geographic(stated)) {
-    crs = in_metres(stated);
-    if (is_metre(linear_unit_metres(stated)) && is_true_to_scale(stated, box)) return crs;
-    if (is_true_to_scale(stated, box)) {
-      warnings.push_back(
-          {"crs_in_metres", 1,
-           fmt::format("{} is in units of {:.10g} m; the city is in {}", crs_name(stated),
-                       linear_unit_metres(stated), crs_name(crs))});
-      return crs;
-    }
-  }
-  const std::vector<Point2> middle{{(box.xmin + box.xmax) / 2, (box.ymin + box.ymax) / 2}};
-  const Point2 place =
-      is_geographic(stated) ? middle.front() : reproject(middle, stated, "EPSG:4326").front();
-  crs = utm_zone(place);
-  warnings.push_back({"crs_chosen", 1,
-                      fmt::format("{} is not in metres on the ground; the city is in {} (UTM)",
-                                  crs_name(stated), crs_name(crs))});
-  return crs;
-}
-
-TerrainInput read_terrain(const Config& config, const RasterHeaders& rasters,
-                          const std::string& crs, const Bounds2& box, Point2 origin,
-                          std::vector<Warning>& warnings) {
-  TerrainInput terrain;
-  terrain.source = given_text(config.dtm);
-  terrain.origin = origin;
-  ReadElevationsOptions options;
-  options.source_crs = config.raster_crs;
-  options.target_crs = crs;
-  options.box = box;
-  options.origin = origin;
-  Elevations read = read_elevations(rasters.terrain, options);
-  terrain.crs = crs;
-  terrain.raster = std::move(read.raster);
-  warnings.insert(warnings.end(), read.warnings.begin(), read.warnings.end());
-  fill_with_nearest(terrain.raster);
-  if (read.missing > 0)
-    warnings.push_back({"raster_filled", read.missing,
-                        fmt::format("{}: {} of {} pixels have no value; they take the nearest one",
-                                    terrain.source, read.missing, terrain.raster.values.size())});
-  return terrain;
-}
-
-/// A point per cell of a surface.
-PointsInput read_surface(const Config& config, const RasterHeaders& rasters, const std::string& crs,
-                         const Bounds2& box, Point2 origin) {
-  ReadElevationsOptions options;
-  options.source_crs = config.raster_crs;
-  options.target_crs = crs;
-  options.box = box;
-  options.origin = origin;
-  options.resampling = Resampling::kNearest;
-  const Elevations read = read_elevations(rasters.surface, options);
-  PointsInput input;
-  input.source = given_text(config.dsm);
-  input.origin = origin;
-  input.crs = crs;
-  input.warnings = read.warnings;
-  const Raster& raster = read.raster;
-  const Bounds2 local = box.empty() ? raster.bounds() : box.moved({-origin.x, -origin.y});
-  for (std::int32_t j = 0; j < raster.ny; ++j)
-    for (std::int32_t i = 0; i < raster.nx; ++i) {
-      const Point2 p{raster.x0 + i * raster.step, raster.y0 + j * raster.step};
-      const double z = raster.at(i, j);
-      if (std::isnan(z) || !local.contains(p)) continue;
-      input.points.x.push_back(PointCoordinate(p.x));
-      input.points.y.push_back(PointCoordinate(p.y));
-      input.points.z.push_back(PointCoordinate(z));
-      input.points.classification.push_back(kUnclassified);
-      input.extent.extend(p);
-    }
-  input.points_read = static_cast<std::int64_t>(raster.values.size());
-  input.points_kept = static_cast<std::int64_t>(input.points.size());
-  input.points_by_class[kUnclassified] = input.points_kept;
-  return input;
-}
-
-/// Level ground, where nothing tells of another.
-TerrainInput level_ground(const Config& config, const std::string& crs, const Bounds2& box,
-                          Point2 origin, std::vector<Warning>& warnings) {
-  TerrainInput terrain;
-  terrain.source = "level ground";
-  terrain.origin = origin;
-  terrain.crs = crs;
-  terrain.raster = {1,
-                    1,
-                    (box.xmin + box.xmax) / 2 - origin.x,
-                    (box.ymin + box.ymax) / 2 - origin.y,
-                    1,
-                    {config.ground_level}};
-  warnings.push_back({"ground_level", 1,
-                      fmt::format("no terrain is given: the ground is level at {:g} m "
-                                  "(ground_level); give a raster with `dtm`",
-                                  config.ground_level)});
-  return terrain;
 }
 
 /// Whether all points are in text or PLY files; throws where only some are.
@@ -607,17 +324,10 @@ RunInput read_input(const Config& config, Next next, StepClock& clock,
                                         ? read_everything(config, headers)
                                         : place_by_headers(config, input.footprints, headers, next);
   input.points = clock.run("1.1", "read points", [&](const Progress& progress) {
-    ReadPointsOptions reading = options;
-    if (!units.are_metres()) {
-      reading.crs.clear();
-      if (reading.crop) reading.crop = scaled(*reading.crop, 1 / units.across);
-      if (reading.origin)
-        reading.origin = Point2{std::floor(reading.origin->x / units.across),
-                                std::floor(reading.origin->y / units.across)};
-    }
+    const ReadPointsOptions reading = in_units(units, options);
     PointsInput points =
         given.points ? take_points(*given.points, reading) : read_points(paths, reading, progress);
-    if (!units.are_metres()) convert_to_metres(units, points);
+    convert_to_metres(units, points);
     return points;
   });
   require_points(config, headers, input.points, options.crop);

@@ -78,4 +78,11 @@ std::vector<fs::path> expand_paths(std::span<const std::string> arguments, const
   return files;
 }
 
+std::string given_text(std::span<const std::string> arguments) {
+  if (arguments.empty()) return {};
+  return arguments.size() == 1
+             ? arguments.front()
+             : fmt::format("{}, and {} more", arguments.front(), arguments.size() - 1);
+}
+
 }  // namespace tetropolis

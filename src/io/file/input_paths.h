@@ -25,4 +25,7 @@ struct FileKind {
 std::vector<std::filesystem::path> expand_paths(std::span<const std::string> arguments,
                                                 const FileKind& kind);
 
+/// Arguments as they were given, for messages about all of them: "tiles, and 3 more"; "" of none.
+std::string given_text(std::span<const std::string> arguments);
+
 }  // namespace tetropolis

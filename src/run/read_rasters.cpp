@@ -1,0 +1,158 @@
+#include "read_rasters.h"
+
+#include <cmath>
+#include <cstdint>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "tetropolis/city/city_model.h"
+#include "tetropolis/io/crs/crs.h"
+#include "tetropolis/io/crs/metric_crs.h"
+#include "tetropolis/io/raster/elevation.h"
+
+#include "io/file/input_paths.h"
+
+namespace tetropolis {
+
+namespace {
+
+/// Whether lengths in a system are lengths on the ground, nearly.
+bool is_true_to_scale(const std::string& crs, const Bounds2& box) {
+  constexpr double kMost = 0.01;
+  const double scale = length_scale(crs, {(box.xmin + box.xmax) / 2, (box.ymin + box.ymax) / 2});
+  return !(std::abs(scale - 1) > kMost);
+}
+
+}  // namespace
+
+RasterHeaders read_raster_headers(const Config& config) {
+  RasterHeaders headers;
+  const std::string given = normalise_crs(config.raster_crs);
+  const auto read = [&](const std::vector<std::string>& arguments) {
+    const auto paths = expand_raster_paths(arguments);
+    Bounds2 box = Bounds2::nothing();
+    std::string crs;
+    for (const std::filesystem::path& path : paths) {
+      const RasterHeader header = inspect_raster(path);
+      const std::string& own = given.empty() ? header.crs : given;
+      if (box.empty()) crs = own;
+      if (own == crs) box.extend(header.box);
+    }
+    if (!paths.empty()) {
+      headers.crs = crs;
+      headers.box = box;
+    }
+    return paths;
+  };
+  headers.terrain = read(config.dtm);
+  const std::string of_terrain = headers.crs;
+  headers.surface = read(config.dsm);
+  if (headers.crs.empty()) headers.crs = of_terrain;
+  return headers;
+}
+
+std::string system_without_points(const RasterHeaders& rasters, const FootprintsInput& footprints,
+                                  std::vector<Warning>& warnings) {
+  const bool of_raster = !rasters.crs.empty();
+  const std::string& stated = of_raster ? rasters.crs : footprints.crs;
+  const Bounds2& box = of_raster ? rasters.box : footprints.bounds;
+  if (stated.empty() || box.empty()) return stated;
+  std::string crs;
+  if (!is_geographic(stated)) {
+    crs = in_metres(stated);
+    if (is_metre(linear_unit_metres(stated)) && is_true_to_scale(stated, box)) return crs;
+    if (is_true_to_scale(stated, box)) {
+      warnings.push_back(
+          {"crs_in_metres", 1,
+           fmt::format("{} is in units of {:.10g} m; the city is in {}", crs_name(stated),
+                       linear_unit_metres(stated), crs_name(crs))});
+      return crs;
+    }
+  }
+  const std::vector<Point2> middle{{(box.xmin + box.xmax) / 2, (box.ymin + box.ymax) / 2}};
+  const Point2 place =
+      is_geographic(stated) ? middle.front() : reproject(middle, stated, "EPSG:4326").front();
+  crs = utm_zone(place);
+  warnings.push_back({"crs_chosen", 1,
+                      fmt::format("{} is not in metres on the ground; the city is in {} (UTM)",
+                                  crs_name(stated), crs_name(crs))});
+  return crs;
+}
+
+TerrainInput read_terrain(const Config& config, const RasterHeaders& rasters,
+                          const std::string& crs, const Bounds2& box, Point2 origin,
+                          std::vector<Warning>& warnings) {
+  TerrainInput terrain;
+  terrain.source = given_text(config.dtm);
+  terrain.origin = origin;
+  ReadElevationsOptions options;
+  options.source_crs = config.raster_crs;
+  options.target_crs = crs;
+  options.box = box;
+  options.origin = origin;
+  Elevations read = read_elevations(rasters.terrain, options);
+  terrain.crs = crs;
+  terrain.raster = std::move(read.raster);
+  warnings.insert(warnings.end(), read.warnings.begin(), read.warnings.end());
+  fill_with_nearest(terrain.raster);
+  if (read.missing > 0)
+    warnings.push_back({"raster_filled", read.missing,
+                        fmt::format("{}: {} of {} pixels have no value; they take the nearest one",
+                                    terrain.source, read.missing, terrain.raster.values.size())});
+  return terrain;
+}
+
+PointsInput read_surface(const Config& config, const RasterHeaders& rasters, const std::string& crs,
+                         const Bounds2& box, Point2 origin) {
+  ReadElevationsOptions options;
+  options.source_crs = config.raster_crs;
+  options.target_crs = crs;
+  options.box = box;
+  options.origin = origin;
+  options.resampling = Resampling::kNearest;
+  const Elevations read = read_elevations(rasters.surface, options);
+  PointsInput input;
+  input.source = given_text(config.dsm);
+  input.origin = origin;
+  input.crs = crs;
+  input.warnings = read.warnings;
+  const Raster& raster = read.raster;
+  const Bounds2 local = box.empty() ? raster.bounds() : box.moved({-origin.x, -origin.y});
+  for (std::int32_t j = 0; j < raster.ny; ++j)
+    for (std::int32_t i = 0; i < raster.nx; ++i) {
+      const Point2 p{raster.x0 + i * raster.step, raster.y0 + j * raster.step};
+      const double z = raster.at(i, j);
+      if (std::isnan(z) || !local.contains(p)) continue;
+      input.points.x.push_back(PointCoordinate(p.x));
+      input.points.y.push_back(PointCoordinate(p.y));
+      input.points.z.push_back(PointCoordinate(z));
+      input.points.classification.push_back(kUnclassified);
+      input.extent.extend(p);
+    }
+  input.points_read = static_cast<std::int64_t>(raster.values.size());
+  input.points_kept = static_cast<std::int64_t>(input.points.size());
+  input.points_by_class[kUnclassified] = input.points_kept;
+  return input;
+}
+
+TerrainInput level_ground(const Config& config, const std::string& crs, const Bounds2& box,
+                          Point2 origin, std::vector<Warning>& warnings) {
+  TerrainInput terrain;
+  terrain.source = "level ground";
+  terrain.origin = origin;
+  terrain.crs = crs;
+  terrain.raster = {1,
+                    1,
+                    (box.xmin + box.xmax) / 2 - origin.x,
+                    (box.ymin + box.ymax) / 2 - origin.y,
+                    1,
+                    {config.ground_level}};
+  warnings.push_back({"ground_level", 1,
+                      fmt::format("no terrain is given: the ground is level at {:g} m "
+                                  "(ground_level); give a raster with `dtm`",
+                                  config.ground_level)});
+  return terrain;
+}
+
+}  // namespace tetropolis
