@@ -198,14 +198,6 @@ void info_raster(const std::string& path) {
   print_warnings(read.warnings);
 }
 
-/// By the endings that expand_raster_paths knows, but for points in text.
-bool is_raster_name(const std::string& name) {
-  for (const char* ending : {".tif", ".tiff", ".vrt", ".asc", ".img", ".hgt", ".dem", ".bil",
-                             ".flt", ".dt2", ".jp2", ".grd", ".nc", ".xyz"})
-    if (name.ends_with(ending)) return true;
-  return false;
-}
-
 void print_volume(const std::string& path, const TetMesh& mesh) {
   put(stdout, path + ": volume mesh\n");
   std::map<std::int32_t, std::int64_t> over;

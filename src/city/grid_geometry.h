@@ -142,8 +142,4 @@ inline Bounds2 box_around(std::span<const Polygon> polygons) {
   return box;
 }
 
-/// Convex hull, counter-clockwise, without collinear vertices. Fewer than three points where the
-/// input is on one line. Andrew's monotone chain (Information Processing Letters 9, 1979).
-Ring convex_hull(Ring points);
-
 }  // namespace tetropolis::grid

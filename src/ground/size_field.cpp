@@ -3,10 +3,12 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <utility>
 
 #include "tetropolis/geometry/polygon.h"
 
 #include "core/infinity.h"
+#include "geometry/convex_hull.h"
 
 namespace tetropolis {
 
@@ -18,31 +20,6 @@ constexpr std::size_t kFewEdges = 8;
 /// Quarter k of a square: its middle.
 Point2 quarter(Point2 middle, double half, int k) {
   return {middle.x + (k % 2 == 0 ? -0.5 : 0.5) * half, middle.y + (k < 2 ? -0.5 : 0.5) * half};
-}
-
-/// The convex hull of all vertices, counter-clockwise (Andrew 1979); of fewer than three corners
-/// where they lie on a line.
-Ring hull_of(std::span<const Polygon* const> polygons) {
-  Ring points;
-  for (const Polygon* polygon : polygons)
-    points.insert(points.end(), polygon->outer.begin(), polygon->outer.end());
-  std::sort(points.begin(), points.end(),
-            [](Point2 p, Point2 q) { return p.x != q.x ? p.x < q.x : p.y < q.y; });
-  Ring hull;
-  for (int side = 0; side < 2; ++side) {
-    const std::size_t first = hull.size();
-    for (const Point2 p : points) {
-      while (hull.size() >= first + 2) {
-        const Point2 a = hull[hull.size() - 2], b = hull.back();
-        if ((b.x - a.x) * (p.y - a.y) - (b.y - a.y) * (p.x - a.x) > 0) break;
-        hull.pop_back();
-      }
-      hull.push_back(p);
-    }
-    if (!hull.empty()) hull.pop_back();  // the first one of the other side
-    std::reverse(points.begin(), points.end());
-  }
-  return hull;
 }
 
 }  // namespace
@@ -173,7 +150,11 @@ SizeField graded_sizes(std::span<const Polygon* const> buildings, const Bounds2&
   for (const SizeRegion& region : grading.regions)
     sources.push_back({&region.area, region.size, true});
   Polygon hull;
-  if (grading.ground_size > 0) hull.outer = hull_of(buildings);
+  if (grading.ground_size > 0) {
+    for (const Polygon* building : buildings)
+      hull.outer.insert(hull.outer.end(), building->outer.begin(), building->outer.end());
+    hull.outer = convex_hull(std::move(hull.outer));
+  }
   if (hull.outer.size() > 2) sources.push_back({&hull, grading.ground_size, true});
   return {sources, box, std::max(grading.far_size, mesh_size), grading.growth - 1};
 }

@@ -14,6 +14,7 @@
 #include "city/edge_grid.h"
 #include "city/grid_geometry.h"
 #include "core/infinity.h"
+#include "geometry/convex_hull.h"
 #include "merge_polygons.h"
 
 namespace tetropolis {
@@ -275,7 +276,7 @@ std::vector<FillsAndCuts> hulls_around(const Outline& o, const std::vector<NearP
       if (o.polygon_of(w) == o.polygon_of(pair.vertex) && grid::distance(o.at(w), p) <= radius)
         points.push_back(o.at(w));
     });
-    Ring hull = grid::convex_hull(std::move(points));
+    Ring hull = convex_hull(std::move(points));
     if (hull.size() < 3) continue;
     FillsAndCuts& repairs = result[o.polygon_of(pair.vertex)];
     repairs.fill.push_back({std::move(hull), {}});

@@ -15,6 +15,7 @@
 
 #include "city/grid_geometry.h"
 #include "city/outline.h"
+#include "geometry/convex_hull.h"
 #include "overlay.h"
 
 namespace tetropolis {
@@ -221,7 +222,7 @@ Polygon hull_of(std::span<const Polygon> polygons) {
   Ring points;
   for (const Polygon& polygon : polygons)
     points.insert(points.end(), polygon.outer.begin(), polygon.outer.end());
-  return {grid::convex_hull(std::move(points)), {}};
+  return {convex_hull(std::move(points)), {}};
 }
 
 }  // namespace
@@ -255,7 +256,7 @@ Ring gap_fill(Point2 a, Point2 b, Point2 c, Point2 d, double reach) {
     if (t == 1) return q;
     return grid::rounded({p.x + t * (q.x - p.x), p.y + t * (q.y - p.y)});
   };
-  Ring hull = grid::convex_hull({on(a, b, s0), on(a, b, s1), on(c, d, t0), on(c, d, t1)});
+  Ring hull = convex_hull({on(a, b, s0), on(a, b, s1), on(c, d, t0), on(c, d, t1)});
   constexpr double kLeastArea = 1e4;  // a square centimetre: less comes of rounding along one line
   if (hull.size() < 3 || signed_area(hull) < kLeastArea) return {};
   return hull;

@@ -23,6 +23,7 @@
 #include "core/shared_progress.h"
 #include "core/units.h"
 #include "gap_fill.h"
+#include "geometry/convex_hull.h"
 #include "group.h"
 #include "measure_changes.h"
 #include "merge_polygons.h"
@@ -413,7 +414,7 @@ void Simplifier::repair_in_rounds() {
 
 /// Replaces the polygon by its hull and lets short edges drop away; false if it vanishes.
 bool Simplifier::make_hull(Group& group) {
-  group.polygon = {grid::convex_hull(group.polygon.outer), {}};
+  group.polygon = {convex_hull(group.polygon.outer), {}};
   group.flags |= kConvexHull | kRepaired;
   ++result_.stats.hull_repairs;
   if (group.polygon.outer.size() < 3) return false;

@@ -4,16 +4,12 @@
 #include <array>
 #include <charconv>
 #include <cmath>
-#include <exception>
 #include <fstream>
 #include <map>
-#include <memory>
-#include <new>
 #include <set>
 #include <string_view>
 #include <utility>
 
-#include <expat.h>
 #include <fmt/format.h>
 
 #include "tetropolis/core/error.h"
@@ -24,6 +20,7 @@
 #include "io/crs/gdal_support.h"
 #include "io/file/input_file.h"
 #include "io/file/positioned_file.h"
+#include "io/file/xml_reader.h"
 
 namespace tetropolis {
 
@@ -78,36 +75,18 @@ bool is_beside(std::string_view name) {
   return false;
 }
 
-class GmlReader {
+class GmlReader : public XmlReader {
  public:
-  explicit GmlReader(const fs::path& path) : path_(path), parser_(XML_ParserCreate(nullptr)) {
-    if (parser_ == nullptr) throw std::bad_alloc();
-    XML_SetUserData(parser_.get(), this);
-    XML_SetElementHandler(
-        parser_.get(),
-        [](void* reader, const XML_Char* name, const XML_Char** attributes) {
-          static_cast<GmlReader*>(reader)->guarded(&GmlReader::start, name, attributes);
-        },
-        [](void* reader, const XML_Char* name) {
-          static_cast<GmlReader*>(reader)->guarded(&GmlReader::end, name);
-        });
-    XML_SetCharacterDataHandler(parser_.get(), [](void* reader, const XML_Char* text, int length) {
-      auto* self = static_cast<GmlReader*>(reader);
-      if (self->wants_text_) self->text_.append(text, static_cast<std::size_t>(length));
+  explicit GmlReader(const fs::path& path) : path_(path) {}
+
+  void read() {
+    const PositionedFile file(path_);
+    std::int64_t at = 0;
+    parse(path_, [&](char* data, std::size_t size) {
+      const std::size_t read = file.read(at, data, size);
+      at += static_cast<std::int64_t>(read);
+      return read;
     });
-    const PositionedFile file(path);
-    std::string block(std::size_t{1} << 20, '\0');
-    std::size_t size = block.size();
-    for (std::int64_t at = 0; size > 0; at += static_cast<std::int64_t>(size)) {
-      size = file.read(at, block.data(), block.size());
-      const XML_Status status =
-          XML_Parse(parser_.get(), block.data(), static_cast<int>(size), size == 0 ? 1 : 0);
-      if (thrown_) std::rethrow_exception(thrown_);
-      if (status != XML_STATUS_OK)
-        fail_input(path, fmt::format("line {}: {}; the file is cut or broken, get it again",
-                                     XML_GetCurrentLineNumber(parser_.get()),
-                                     XML_ErrorString(XML_GetErrorCode(parser_.get()))));
-    }
   }
 
   std::vector<GmlObject> objects;                   ///< In the order in which they begin.
@@ -115,17 +94,7 @@ class GmlReader {
   std::map<std::string, std::string> semantics_of;  ///< Of polygons that surfaces refer to.
 
  private:
-  template <typename Handle, typename... Arguments>
-  void guarded(Handle handle, Arguments... arguments) noexcept {
-    try {
-      (this->*handle)(arguments...);
-    } catch (...) {
-      thrown_ = std::current_exception();
-      XML_StopParser(parser_.get(), XML_FALSE);
-    }
-  }
-
-  void start(const XML_Char* element, const XML_Char** attributes) {
+  void start(std::string_view element, Attributes attributes) override {
     const std::string_view name = local(element);
     if (srs.empty())
       if (const std::string_view named = attribute(attributes, "srsName"); !named.empty())
@@ -169,7 +138,7 @@ class GmlReader {
     text_.clear();
   }
 
-  void end(const XML_Char* element) {
+  void end(std::string_view element) override {
     const std::string_view name = local(element);
     if (beside_ > 0) {
       --beside_;
@@ -193,6 +162,10 @@ class GmlReader {
       open_.pop_back();
     }
     wants_text_ = false;
+  }
+
+  void text(std::string_view piece) override {
+    if (wants_text_) text_.append(piece);
   }
 
   static bool has_footprint(const GmlObject& object) {
@@ -220,7 +193,7 @@ class GmlReader {
       const auto [next, error] = std::from_chars(at, stop, value);
       if (error != std::errc{} || !std::isfinite(value))
         fail_input(path_, fmt::format("line {}: a position that is no number; get the file again",
-                                      XML_GetCurrentLineNumber(parser_.get())));
+                                      line()));
       numbers.push_back(value);
       at = next;
     }
@@ -230,13 +203,7 @@ class GmlReader {
           {numbers[k], numbers[k + 1], step == 3 ? numbers[k + 2] : 0.0});
   }
 
-  struct FreeParser {
-    void operator()(XML_Parser parser) const { XML_ParserFree(parser); }
-  };
-
   const fs::path& path_;
-  std::unique_ptr<XML_ParserStruct, FreeParser> parser_;
-  std::exception_ptr thrown_;
   std::vector<std::size_t> open_;  ///< Buildings and parts around the place, the innermost last.
   int beside_ = 0;                 ///< Depth within something to pass over.
   int lod_ = 0;
@@ -427,6 +394,7 @@ bool is_citygml(const fs::path& path) {
 
 ModelDocument read_citygml(const fs::path& path) {
   GmlReader reader(path);
+  reader.read();
   std::vector<GmlObject>& objects = reader.objects;
   if (objects.empty())
     fail_input(path,

@@ -26,11 +26,8 @@ void add(const fs::path& path, const FileKind& kind, std::vector<fs::path>& file
   const std::size_t before = files.size();
   for (fs::directory_iterator entry(path, error), end; !error && entry != end;
        entry.increment(error)) {
-    const std::string name = lower_case(entry->path().filename().string());
-    if (!name.starts_with('.') &&
-        std::any_of(kind.endings.begin(), kind.endings.end(),
-                    [&](std::string_view ending) { return name.ends_with(ending); }))
-      files.push_back(entry->path());
+    const std::string name = entry->path().filename().string();
+    if (!name.starts_with('.') && kind.has(name)) files.push_back(entry->path());
   }
   if (error) fail_input(path, "the folder cannot be read: " + error.message());
   if (files.size() == before)
@@ -39,6 +36,12 @@ void add(const fs::path& path, const FileKind& kind, std::vector<fs::path>& file
 }
 
 }  // namespace
+
+bool FileKind::has(const fs::path& path) const {
+  const std::string name = lower_case(path.filename().string());
+  return std::any_of(endings.begin(), endings.end(),
+                     [&](std::string_view ending) { return name.ends_with(ending); });
+}
 
 std::vector<fs::path> matches_of(const std::string& pattern) {
   glob_t matches{};

@@ -17,6 +17,9 @@ std::vector<std::filesystem::path> matches_of(const std::string& pattern);
 struct FileKind {
   std::string_view plural;                    ///< "rasters", for messages.
   std::span<const std::string_view> endings;  ///< Lower case, with the dot.
+
+  /// By the ending of its name, in any case.
+  bool has(const std::filesystem::path& path) const;
 };
 
 /// Files as they are, folders as the files of the kind directly inside (but for hidden ones), and

@@ -30,6 +30,11 @@ namespace {
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 constexpr double kMetresPerDegree = 111'320;
 
+constexpr std::array<std::string_view, 14> kRasterEndings{".tif", ".tiff", ".vrt", ".asc", ".img",
+                                                          ".hgt", ".dem",  ".xyz", ".bil", ".flt",
+                                                          ".dt2", ".jp2",  ".grd", ".nc"};
+constexpr FileKind kRasterFiles{"rasters", kRasterEndings};
+
 /// Pixels of one grid, from the south-west; part of what a layer of tiles holds.
 struct Layer {
   std::string crs;
@@ -265,11 +270,10 @@ RasterHeader inspect_raster(const fs::path& path) {
   return open_elevations(path, errors).header;
 }
 
+bool is_raster_name(const fs::path& path) { return kRasterFiles.has(path); }
+
 std::vector<fs::path> expand_raster_paths(std::span<const std::string> arguments) {
-  constexpr std::array<std::string_view, 14> kEndings{".tif", ".tiff", ".vrt", ".asc", ".img",
-                                                      ".hgt", ".dem",  ".xyz", ".bil", ".flt",
-                                                      ".dt2", ".jp2",  ".grd", ".nc"};
-  return expand_paths(arguments, {"rasters", kEndings});
+  return expand_paths(arguments, kRasterFiles);
 }
 
 Elevations read_elevations(std::span<const fs::path> paths, const ReadElevationsOptions& options) {

@@ -28,10 +28,13 @@ struct RasterHeader {
 /// Errors: those of read_elevations about single files.
 RasterHeader inspect_raster(const std::filesystem::path& path);
 
-/// The files that `arguments` name: files as they are, folders as the rasters directly inside (by
-/// the endings .tif, .tiff, .vrt, .asc, .img, .hgt, .dem, .xyz, .bil, .flt, .dt2, .jp2, .grd, .nc),
-/// and shell patterns. Sorted by absolute path, each once. Errors, kInput with the argument: no
-/// such file, pattern without a match, folder without any.
+/// Whether the name ends as those of rasters do, in any case: .tif, .tiff, .vrt, .asc, .img, .hgt,
+/// .dem, .xyz, .bil, .flt, .dt2, .jp2, .grd, .nc.
+bool is_raster_name(const std::filesystem::path& path);
+
+/// The files that `arguments` name: files as they are, folders as the rasters directly inside
+/// (is_raster_name), and shell patterns. Sorted by absolute path, each once. Errors, kInput with
+/// the argument: no such file, pattern without a match, folder without any.
 std::vector<std::filesystem::path> expand_raster_paths(std::span<const std::string> arguments);
 
 /// How values between pixel centres are found.

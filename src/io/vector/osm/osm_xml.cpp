@@ -1,12 +1,8 @@
 #include <charconv>
-#include <exception>
-#include <new>
 #include <string_view>
 
-#include <expat.h>
-#include <fmt/format.h>
-
 #include "io/file/input_file.h"
+#include "io/file/xml_reader.h"
 #include "osm_input.h"
 
 namespace tetropolis {
@@ -38,50 +34,17 @@ bool place(const XML_Char** attributes, Point2& at) {
   return parse(attribute(attributes, "lon"), at.x) && parse(attribute(attributes, "lat"), at.y);
 }
 
-class XmlReader {
+class OsmXmlReader : public XmlReader {
  public:
-  XmlReader(OsmKind kind, const OsmVisit& visit)
-      : parser_(XML_ParserCreate(nullptr)), kind_(kind), visit_(visit) {
-    if (parser_ == nullptr) throw std::bad_alloc();
-    XML_SetUserData(parser_.get(), this);
-    XML_SetElementHandler(
-        parser_.get(),
-        [](void* reader, const XML_Char* name, const XML_Char** attributes) {
-          static_cast<XmlReader*>(reader)->guarded(&XmlReader::start, name, attributes);
-        },
-        [](void* reader, const XML_Char* name) {
-          static_cast<XmlReader*>(reader)->guarded(&XmlReader::end, name);
-        });
-  }
+  OsmXmlReader(OsmKind kind, const OsmVisit& visit) : kind_(kind), visit_(visit) {}
 
   void read(const fs::path& path) {
     OsmBytes file(path);
-    std::string block(std::size_t{1} << 20, '\0');
-    for (std::size_t size = block.size(); size > 0;) {
-      size = file.read(block.data(), block.size());
-      const XML_Status status =
-          XML_Parse(parser_.get(), block.data(), static_cast<int>(size), size == 0 ? 1 : 0);
-      if (thrown_) std::rethrow_exception(thrown_);
-      if (status != XML_STATUS_OK)
-        fail_input(path, fmt::format("line {}: {}; get the file again",
-                                     XML_GetCurrentLineNumber(parser_.get()),
-                                     XML_ErrorString(XML_GetErrorCode(parser_.get()))));
-    }
+    parse(path, [&](char* data, std::size_t size) { return file.read(data, size); });
     if (!is_osm_) fail_input(path, "holds no OpenStreetMap data; name another file");
   }
 
  private:
-  /// Expat is C: no exception may pass it.
-  template <typename Handle, typename... Arguments>
-  void guarded(Handle handle, Arguments... arguments) noexcept {
-    try {
-      (this->*handle)(arguments...);
-    } catch (...) {
-      thrown_ = std::current_exception();
-      XML_StopParser(parser_.get(), XML_FALSE);
-    }
-  }
-
   static bool is_kind(std::string_view name, OsmKind& kind) {
     if (name == "node")
       kind = OsmKind::kNode;
@@ -94,8 +57,7 @@ class XmlReader {
     return true;
   }
 
-  void start(const XML_Char* element, const XML_Char** attributes) {
-    const std::string_view name = element;
+  void start(std::string_view name, Attributes attributes) override {
     OsmKind kind{};
     is_osm_ = is_osm_ || name == "osm";
     if (is_kind(name, kind)) {
@@ -125,19 +87,13 @@ class XmlReader {
     }
   }
 
-  void end(const XML_Char* element) {
+  void end(std::string_view element) override {
     OsmKind kind{};
     if (!is_kind(element, kind)) return;
     if (inside_) visit_(current_);
     inside_ = false;
   }
 
-  struct FreeParser {
-    void operator()(XML_Parser parser) const { XML_ParserFree(parser); }
-  };
-
-  std::unique_ptr<XML_ParserStruct, FreeParser> parser_;
-  std::exception_ptr thrown_;
   OsmKind kind_;
   const OsmVisit& visit_;
   bool is_osm_ = false;
@@ -148,7 +104,7 @@ class XmlReader {
 }  // namespace
 
 void read_osm_xml(const fs::path& path, OsmKind kind, const OsmVisit& visit) {
-  XmlReader(kind, visit).read(path);
+  OsmXmlReader(kind, visit).read(path);
 }
 
 }  // namespace tetropolis
