@@ -30,11 +30,10 @@ XmlReader::XmlReader() : parser_(XML_ParserCreate(nullptr)) {
       [](void* self, const XML_Char* name) {
         static_cast<XmlReader*>(self)->guarded(&XmlReader::end, name);
       });
-  XML_SetCharacterDataHandler(
-      parser_.get(), [](void* self, const XML_Char* piece, int length) {
-        static_cast<XmlReader*>(self)->guarded(
-            &XmlReader::text, std::string_view(piece, static_cast<std::size_t>(length)));
-      });
+  XML_SetCharacterDataHandler(parser_.get(), [](void* self, const XML_Char* piece, int length) {
+    static_cast<XmlReader*>(self)->guarded(
+        &XmlReader::text, std::string_view(piece, static_cast<std::size_t>(length)));
+  });
 }
 
 void XmlReader::parse(const std::filesystem::path& path, const Source& source) {
